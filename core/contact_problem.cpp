@@ -1,0 +1,162 @@
+#include "core/contact_problem.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <limits>
+
+namespace lcpbench {
+namespace {
+
+template <class... Ts>
+struct Overloaded : Ts... {
+  using Ts::operator()...;
+};
+template <class... Ts>
+Overloaded(Ts...) -> Overloaded<Ts...>;
+
+Matrix symmetric_pseudo_inverse(const Matrix& G) {
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(G);
+  const Vector& values = eigen.eigenvalues();
+  const double cut =
+      static_cast<double>(G.rows()) * std::numeric_limits<double>::epsilon() * values.cwiseAbs().maxCoeff();
+  Vector inverse(values.size());
+  for (Index i = 0; i < values.size(); ++i) inverse(i) = values(i) > cut ? 1.0 / values(i) : 0.0;
+  return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+Matrix inverse_or_pseudo_inverse(const Matrix& G) {
+  if (G.rows() == 0) return G;
+  const Eigen::LLT<Matrix> llt(G);
+  if (llt.info() != Eigen::Success) return symmetric_pseudo_inverse(G);
+  return llt.solve(Matrix::Identity(G.rows(), G.cols()));
+}
+
+template <class F>
+auto visit_jacobian(F&& f, const Jacobian& J) {
+  return std::visit(std::forward<F>(f), J);
+}
+
+}  // namespace
+
+Index rows(const Jacobian& J) {
+  return visit_jacobian([](const auto& m) { return m.rows(); }, J);
+}
+
+Index cols(const Jacobian& J) {
+  return visit_jacobian([](const auto& m) { return m.cols(); }, J);
+}
+
+Matrix to_dense(const Jacobian& J) {
+  return visit_jacobian([](const auto& m) { return Matrix(m); }, J);
+}
+
+ContactLayout contact_layout(const ContactProblem& problem) {
+  ContactLayout layout;
+  layout.nc = problem.nc();
+  layout.friction_begin.reserve(problem.edges.size() + 1);
+  layout.lambda.reserve(problem.edges.size());
+  layout.friction_begin.push_back(0);
+  for (Index i = 0; i < layout.nc; ++i) {
+    const int edges = problem.edges[static_cast<std::size_t>(i)];
+    layout.friction += edges;
+    layout.friction_begin.push_back(layout.friction);
+    layout.lambda.push_back(edges > 0 ? layout.cones++ : -1);
+    if (edges > 0) layout.cone_contact.push_back(i);
+  }
+  return layout;
+}
+
+Index lcp_size(const ContactProblem& problem) {
+  Index size = problem.nc();
+  for (const int edges : problem.edges) size += edges > 0 ? edges + 1 : 0;
+  return size;
+}
+
+Index dimension(const Inertia& inertia) {
+  return std::visit(Overloaded{[](const DenseInertia& i) { return i.G.rows(); },
+                               [](const BlockInertia& i) {
+                                 Index size = 0;
+                                 for (const Matrix& block : i.blocks) size += block.rows();
+                                 return size;
+                               },
+                               [](const FactoredInertia& i) { return i.X.rows(); },
+                               [](const InverseInertia& i) { return i.Ginv.rows(); }},
+                    inertia);
+}
+
+bool full_rank_by_construction(const ContactProblem& problem) {
+  if (const auto* factors = std::get_if<FactoredInertia>(&problem.inertia)) {
+    return factors->X.cols() >= factors->X.rows();
+  }
+  return !std::holds_alternative<InverseInertia>(problem.inertia);
+}
+
+Matrix dense_inertia(const Inertia& inertia) {
+  return std::visit(Overloaded{[](const DenseInertia& i) { return i.G; },
+                               [&](const BlockInertia& i) {
+                                 Matrix G = Matrix::Zero(dimension(inertia), dimension(inertia));
+                                 Index at = 0;
+                                 for (const Matrix& block : i.blocks) {
+                                   G.block(at, at, block.rows(), block.cols()) = block;
+                                   at += block.rows();
+                                 }
+                                 return G;
+                               },
+                               [](const FactoredInertia& i) {
+                                 return Matrix(i.X * i.alpha.asDiagonal() * i.X.transpose());
+                               },
+                               [](const InverseInertia&) { return Matrix(); }},
+                    inertia);
+}
+
+Matrix inverse_inertia(const Inertia& inertia) {
+  return std::visit(
+      Overloaded{[](const DenseInertia& i) { return inverse_or_pseudo_inverse(i.G); },
+                 [&](const BlockInertia& i) {
+                   BlockInertia inverse;
+                   for (const Matrix& block : i.blocks) inverse.blocks.push_back(inverse_or_pseudo_inverse(block));
+                   return dense_inertia(inverse);
+                 },
+                 [&](const FactoredInertia& i) {
+                   const Matrix G = dense_inertia(inertia);
+                   return i.X.cols() < i.X.rows() ? symmetric_pseudo_inverse(G) : inverse_or_pseudo_inverse(G);
+                 },
+                 [](const InverseInertia& i) { return i.Ginv; }},
+      inertia);
+}
+
+Lcp form_lcp(const ContactProblem& problem) {
+  const ContactLayout layout = contact_layout(problem);
+  const Index impulses = layout.nc + layout.friction;
+  Matrix J(problem.ngc(), impulses);
+  J.leftCols(layout.nc) = to_dense(problem.N);
+  J.rightCols(layout.friction) = to_dense(problem.D);
+
+  Lcp lcp;
+  lcp.M = Matrix::Zero(layout.size(), layout.size());
+  lcp.q = Vector::Zero(layout.size());
+  lcp.M.topLeftCorner(impulses, impulses) = J.transpose() * (inverse_inertia(problem.inertia) * J);
+  lcp.q.head(impulses) = J.transpose() * problem.v;
+  for (Index c = 0; c < layout.cones; ++c) {
+    const Index contact = layout.cone_contact[static_cast<std::size_t>(c)];
+    const Index lambda = layout.lambda_offset() + c;
+    lcp.M(lambda, contact) = problem.mu(contact);
+    for (Index t = layout.friction_begin[static_cast<std::size_t>(contact)];
+         t < layout.friction_begin[static_cast<std::size_t>(contact) + 1]; ++t) {
+      lcp.M(layout.friction_offset() + t, lambda) = 1.0;
+      lcp.M(lambda, layout.friction_offset() + t) = -1.0;
+    }
+  }
+  return lcp;
+}
+
+Vector post_impact_velocity(const ContactProblem& problem, const Vector& z) {
+  const ContactLayout layout = contact_layout(problem);
+  const auto times = [](const Jacobian& J, const auto& x) {
+    return visit_jacobian([&](const auto& m) { return Vector(m * x); }, J);
+  };
+  const Vector impulse = times(problem.N, z.head(layout.nc)) + times(problem.D, z.segment(layout.nc, layout.friction));
+  return problem.v + inverse_inertia(problem.inertia) * impulse;
+}
+
+}  // namespace lcpbench

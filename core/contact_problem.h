@@ -1,0 +1,106 @@
+#pragma once
+
+#include <variant>
+#include <vector>
+
+#include "core/lcp.h"
+#include "core/types.h"
+
+namespace lcpbench {
+
+/// Inertia given whole: G (ngc x ngc), symmetric positive definite [kg, kg m^2].
+struct DenseInertia {
+  Matrix G;
+};
+
+/// Inertia of separate bodies: G = diag(blocks), each block symmetric positive definite.
+struct BlockInertia {
+  std::vector<Matrix> blocks;
+};
+
+/// Inertia as a sum of rank-one updates: G = X diag(alpha) X', exactly; X (ngc x k), alpha (k) > 0.
+/// Its rank is at most k; G* is the pseudo-inverse when that is below ngc.
+struct FactoredInertia {
+  Matrix X;
+  Vector alpha;
+};
+
+/// Only G* (ngc x ngc) is known: the inverse, or a pseudo-inverse, of an inertia that was not kept.
+struct InverseInertia {
+  Matrix Ginv;
+};
+
+using Inertia = std::variant<DenseInertia, BlockInertia, FactoredInertia, InverseInertia>;
+
+/// The columns of a contact Jacobian, dense or sparse.
+using Jacobian = std::variant<Matrix, SparseMatrix>;
+
+Index rows(const Jacobian& J);
+Index cols(const Jacobian& J);
+/// J as a dense matrix; a copy, also of a dense one.
+Matrix to_dense(const Jacobian& J);
+
+/// A rigid-body contact problem in the Anitescu-Potra impulse form.
+///
+/// Find impulses f_N, f_D >= 0 and slip bounds lambda >= 0 that complete LCP(q, M) with J = [N D],
+///
+///     M = [ N'G*N  N'G*D  0 ]      q = [ N'v ]      z = [ f_N    ]  nc          [N s]
+///         [ D'G*N  D'G*D  E ]          [ D'v ]          [ f_D    ]  sum(edges)  [N s]
+///         [ diag(mu) -E'  0 ]          [ 0   ]          [ lambda ]  contacts with edges > 0  [m/s]
+///
+/// w = [normal velocities m/s; slip velocities + lambda m/s; friction slack N s]. M is not formed here: see form_lcp.
+/// D is grouped by contact; inside contact i, column t + edges[i]/2 is the negative of column t. A contact with
+/// edges[i] == 0 is frictionless and has neither D columns nor a lambda. [Anitescu, Potra 1997]
+struct ContactProblem {
+  Vector v;                ///< ngc: generalized velocity before the impact [m/s, rad/s]
+  Jacobian N;              ///< ngc x nc
+  Jacobian D;              ///< ngc x sum(edges)
+  std::vector<int> edges;  ///< nc entries, each even and >= 0
+  Vector mu;               ///< nc friction coefficients >= 0 (0 where edges is 0)
+  Inertia inertia;
+
+  Index ngc() const { return v.size(); }
+  Index nc() const { return static_cast<Index>(edges.size()); }
+  bool frictional() const { return cols(D) > 0; }
+};
+
+/// Where each unknown of a contact problem stands in z.
+struct ContactLayout {
+  Index nc = 0;
+  Index friction = 0;                ///< number of friction columns, sum(edges)
+  Index cones = 0;                   ///< number of lambdas
+  std::vector<Index> friction_begin; ///< nc + 1 offsets of each contact's columns in D
+  std::vector<Index> lambda;         ///< nc: index of the contact's lambda among the lambdas, -1 without friction
+  std::vector<Index> cone_contact;   ///< cones: the contact of each lambda
+
+  Index size() const { return nc + friction + cones; }
+  Index friction_offset() const { return nc; }
+  Index lambda_offset() const { return nc + friction; }
+};
+
+ContactLayout contact_layout(const ContactProblem& problem);
+
+/// Order of M, without forming it.
+Index lcp_size(const ContactProblem& problem);
+
+/// Dimension of the inertia.
+Index dimension(const Inertia& inertia);
+
+/// True when the inertia is positive definite by construction: dense or block, or factors with at least ngc columns.
+/// (Rounding and coincidence can still make such data singular; evaluation checks for itself.)
+bool full_rank_by_construction(const ContactProblem& problem);
+
+/// G as a dense matrix; empty for InverseInertia.
+Matrix dense_inertia(const Inertia& inertia);
+
+/// G*, dense, in double: inverse by Cholesky; pseudo-inverse by the symmetric eigendecomposition with singular values
+/// below ngc eps smax cut, when G is given by fewer than ngc factors or Cholesky breaks down. O(ngc^3).
+Matrix inverse_inertia(const Inertia& inertia);
+
+/// Forms LCP(q, M) in double from G* and J. O(ngc n^2) and n^2 memory.
+Lcp form_lcp(const ContactProblem& problem);
+
+/// v + G* (N f_N + D f_D) in double, for z of lcp_size(problem) entries.
+Vector post_impact_velocity(const ContactProblem& problem, const Vector& z);
+
+}  // namespace lcpbench

@@ -1,0 +1,57 @@
+#include "core/isa.h"
+
+#include <cstdlib>
+#include <fstream>
+#include <string_view>
+
+#include "core/error.h"
+
+namespace lcpbench {
+
+const char* to_string(IsaLevel level) {
+  switch (level) {
+    case IsaLevel::kBaseline: return "baseline";
+    case IsaLevel::kAvx2: return "avx2";
+    case IsaLevel::kAvx512: return "avx512";
+  }
+  return "unknown";
+}
+
+IsaLevel best_isa_level() {
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
+      __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
+    return IsaLevel::kAvx512;
+  }
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return IsaLevel::kAvx2;
+#endif
+  return IsaLevel::kBaseline;
+}
+
+IsaLevel isa_level() {
+  static const IsaLevel level = [] {
+    const char* text = std::getenv("LCPBENCH_ISA");
+    if (text == nullptr || *text == '\0') return best_isa_level();
+    for (const IsaLevel candidate : {IsaLevel::kBaseline, IsaLevel::kAvx2, IsaLevel::kAvx512}) {
+      if (std::string_view(text) != to_string(candidate)) continue;
+      if (candidate > best_isa_level()) {
+        throw InputError("LCPBENCH_ISA: this processor has no more than " + std::string(to_string(best_isa_level())));
+      }
+      return candidate;
+    }
+    throw InputError("LCPBENCH_ISA = '" + std::string(text) + "': expected baseline|avx2|avx512");
+  }();
+  return level;
+}
+
+std::string processor_name() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);) {
+    if (line.rfind("model name", 0) != 0) continue;
+    const auto colon = line.find(": ");
+    if (colon != std::string::npos) return line.substr(colon + 2);
+  }
+  return "unknown";
+}
+
+}  // namespace lcpbench

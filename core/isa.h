@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+
+namespace lcpbench {
+
+/// Instruction-set levels for which the vector kernels are built.
+enum class IsaLevel { kBaseline, kAvx2, kAvx512 };
+
+/// "baseline", "avx2", "avx512".
+const char* to_string(IsaLevel level);
+
+/// The highest level that both this processor and this build have.
+IsaLevel best_isa_level();
+
+/// The level in use: best_isa_level(), or the one that the environment variable LCPBENCH_ISA names. Read once.
+/// @throws InputError when LCPBENCH_ISA is no level's name or asks for more than the processor has.
+IsaLevel isa_level();
+
+/// Model name of the processor as the system tells it; "unknown" where it does not.
+std::string processor_name();
+
+}  // namespace lcpbench

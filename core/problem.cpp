@@ -1,0 +1,73 @@
+#include "core/problem.h"
+
+#include <mutex>
+#include <optional>
+#include <utility>
+
+namespace lcpbench {
+
+struct Problem::Data {
+  std::string name;
+  ProblemKind kind = ProblemKind::kLcp;
+  std::optional<RigidScene> scene;
+  std::optional<ContactProblem> contact;
+  Index size = 0;
+  mutable std::once_flag formed;
+  mutable std::optional<Lcp> lcp;
+};
+
+const char* to_string(ProblemKind kind) {
+  switch (kind) {
+    case ProblemKind::kLcp: return "lcp";
+    case ProblemKind::kContact: return "contact";
+    case ProblemKind::kScene: return "scene";
+  }
+  return "unknown";
+}
+
+Problem::Problem(std::string name, Lcp lcp) {
+  auto data = std::make_shared<Data>();
+  data->name = std::move(name);
+  data->size = lcp.size();
+  data->lcp = std::move(lcp);
+  data_ = std::move(data);
+}
+
+Problem::Problem(std::string name, ContactProblem contact) {
+  auto data = std::make_shared<Data>();
+  data->name = std::move(name);
+  data->kind = ProblemKind::kContact;
+  data->size = lcp_size(contact);
+  data->contact = std::move(contact);
+  data_ = std::move(data);
+}
+
+Problem::Problem(std::string name, RigidScene scene) {
+  auto data = std::make_shared<Data>();
+  data->name = std::move(name);
+  data->kind = ProblemKind::kScene;
+  data->contact = contact_problem(scene);
+  data->size = lcp_size(*data->contact);
+  data->scene = std::move(scene);
+  data_ = std::move(data);
+}
+
+const std::string& Problem::name() const {
+  static const std::string none;
+  return data_ ? data_->name : none;
+}
+
+ProblemKind Problem::kind() const { return data_ ? data_->kind : ProblemKind::kLcp; }
+Index Problem::size() const { return data_->size; }
+
+const Lcp& Problem::lcp() const {
+  std::call_once(data_->formed, [this] {
+    if (!data_->lcp) data_->lcp = form_lcp(*data_->contact);
+  });
+  return *data_->lcp;
+}
+
+const ContactProblem* Problem::contact() const { return data_->contact ? &*data_->contact : nullptr; }
+const RigidScene* Problem::scene() const { return data_->scene ? &*data_->scene : nullptr; }
+
+}  // namespace lcpbench

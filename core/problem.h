@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "core/contact_problem.h"
+#include "core/lcp.h"
+#include "core/scene.h"
+
+namespace lcpbench {
+
+enum class ProblemKind { kLcp, kContact, kScene };
+
+/// "lcp", "contact" or "scene": the words of the problem file.
+const char* to_string(ProblemKind kind);
+
+/// One problem, in the richest form that is known of it. Immutable; copies share the data; safe to read from many
+/// threads. A scene carries its contact problem; either carries its LCP, which is formed on first use only.
+class Problem {
+ public:
+  Problem() = default;  ///< no problem: every accessor but `kind` and `name` is undefined
+  Problem(std::string name, Lcp lcp);
+  Problem(std::string name, ContactProblem contact);
+  Problem(std::string name, RigidScene scene);
+
+  const std::string& name() const;
+  ProblemKind kind() const;
+
+  /// Order of M; M is not formed for this.
+  Index size() const;
+
+  /// (q, M). Forms and keeps M on the first call for a contact problem: O(ngc n^2), n^2 doubles.
+  const Lcp& lcp() const;
+
+  /// nullptr for a bare LCP.
+  const ContactProblem* contact() const;
+
+  /// nullptr unless the problem came as a scene.
+  const RigidScene* scene() const;
+
+ private:
+  struct Data;
+  std::shared_ptr<const Data> data_;
+};
+
+}  // namespace lcpbench

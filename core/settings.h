@@ -1,0 +1,188 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/spec.h"
+
+namespace lcpbench {
+
+/// One setting, as `lcpbench solvers` and the documentation show it.
+struct SettingInfo {
+  std::string name;
+  std::string type;           ///< "real", "integer", "boolean", "choice" or "text"
+  std::string default_value;  ///< in the form that a spec takes
+  std::string range;          ///< "[0, 1e300]", "dense|kernel", "" for text
+  std::string help;           ///< one line
+};
+
+struct RealRange {
+  double min = -std::numeric_limits<double>::max();
+  double max = std::numeric_limits<double>::max();
+};
+struct IntegerRange {
+  std::int64_t min = std::numeric_limits<std::int64_t>::min();
+  std::int64_t max = std::numeric_limits<std::int64_t>::max();
+};
+template <class Enum>
+struct Choices {
+  std::vector<std::pair<const char*, Enum>> values;
+};
+
+/// Shortest decimal text that reads back to the same double.
+std::string format_real(double value);
+
+// A settings struct lists its fields once, in visit(); text, parsing, ranges, help and defaults all come from there:
+//
+//   struct LemkeSettings {
+//     double zero_tolerance = 1e-12;
+//     Engine engine = Engine::kDense;
+//     void visit(auto&& field) {
+//       field("zero_tolerance", zero_tolerance, RealRange{.min = 0}, "x_i + zero_tolerance is what the ratio test divides");
+//       field("engine", engine, Choices<Engine>{{{"dense", Engine::kDense}, {"kernel", Engine::kKernel}}}, "...");
+//     }
+//   };
+//
+// Fields may be double, std::int64_t, bool, std::string, or an enum with Choices. (bool and std::string take no range:
+// field(name, value, help).)
+
+namespace detail {
+
+[[noreturn]] void throw_bad_value(std::string_view owner, std::string_view name, std::string_view value,
+                                  std::string_view expected);
+double parse_real(std::string_view owner, std::string_view name, std::string_view text, RealRange range);
+std::int64_t parse_integer(std::string_view owner, std::string_view name, std::string_view text, IntegerRange range);
+bool parse_boolean(std::string_view owner, std::string_view name, std::string_view text);
+std::string range_text(RealRange range);
+std::string range_text(IntegerRange range);
+/// Throws InputError naming the unknown key and the known ones.
+void check_known(std::string_view owner, const Options& options, std::span<const std::string> known);
+
+template <class Enum>
+std::string choice_names(const Choices<Enum>& choices) {
+  std::string names;
+  for (const auto& [name, value] : choices.values) names += (names.empty() ? "" : "|") + std::string(name);
+  return names;
+}
+
+class Reader {
+ public:
+  Reader(std::string_view owner, const Options& options) : owner_(owner), options_(options) {}
+
+  void operator()(const char* name, double& value, RealRange range, const char*) {
+    if (const std::string* text = find(name)) value = parse_real(owner_, name, *text, range);
+  }
+  void operator()(const char* name, std::int64_t& value, IntegerRange range, const char*) {
+    if (const std::string* text = find(name)) value = parse_integer(owner_, name, *text, range);
+  }
+  void operator()(const char* name, bool& value, const char*) {
+    if (const std::string* text = find(name)) value = parse_boolean(owner_, name, *text);
+  }
+  void operator()(const char* name, std::string& value, const char*) {
+    if (const std::string* text = find(name)) value = *text;
+  }
+  template <class Enum>
+  void operator()(const char* name, Enum& value, const Choices<Enum>& choices, const char*) {
+    const std::string* text = find(name);
+    if (text == nullptr) return;
+    for (const auto& [choice, meaning] : choices.values) {
+      if (*text == choice) {
+        value = meaning;
+        return;
+      }
+    }
+    throw_bad_value(owner_, name, *text, choice_names(choices));
+  }
+  void check_all_known() const { check_known(owner_, options_, known_); }
+
+ private:
+  const std::string* find(const char* name) {
+    known_.emplace_back(name);
+    for (const auto& [key, value] : options_) {
+      if (key == name) return &value;
+    }
+    return nullptr;
+  }
+  std::string_view owner_;
+  const Options& options_;
+  std::vector<std::string> known_;
+};
+
+class Writer {
+ public:
+  void operator()(const char* name, double& value, RealRange range, const char* help) {
+    add(name, "real", format_real(value), range_text(range), help);
+  }
+  void operator()(const char* name, std::int64_t& value, IntegerRange range, const char* help) {
+    add(name, "integer", std::to_string(value), range_text(range), help);
+  }
+  void operator()(const char* name, bool& value, const char* help) {
+    add(name, "boolean", value ? "true" : "false", "true|false", help);
+  }
+  void operator()(const char* name, std::string& value, const char* help) { add(name, "text", value, "", help); }
+  template <class Enum>
+  void operator()(const char* name, Enum& value, const Choices<Enum>& choices, const char* help) {
+    std::string text;
+    for (const auto& [choice, meaning] : choices.values) {
+      if (meaning == value) text = choice;
+    }
+    add(name, "choice", std::move(text), choice_names(choices), help);
+  }
+  std::vector<SettingInfo> settings;
+
+ private:
+  void add(const char* name, const char* type, std::string value, std::string range, const char* help) {
+    settings.push_back({name, type, std::move(value), std::move(range), help});
+  }
+};
+
+}  // namespace detail
+
+/// Every field of a settings struct with its present value as `default_value`.
+template <class Settings>
+std::vector<SettingInfo> describe_settings(Settings settings = {}) {
+  detail::Writer writer;
+  settings.visit(writer);
+  return std::move(writer.settings);
+}
+
+/// Reads options into a settings struct; fields not named keep their defaults.
+/// @param owner what the options belong to, for error messages ("lemke", "paper/monotone/exp2")
+/// @throws InputError on an unknown key or a value of the wrong type or out of range (NaN is always out of range).
+template <class Settings>
+Settings parse_settings(std::string_view owner, const Options& options) {
+  Settings settings;
+  detail::Reader reader(owner, options);
+  settings.visit(reader);
+  reader.check_all_known();
+  return settings;
+}
+
+/// All settings in declaration order, "key=value,key=value"; the form of the results' `settings` column.
+template <class Settings>
+Options all_settings(const Settings& settings) {
+  Options options;
+  for (SettingInfo& info : describe_settings(settings)) options.emplace_back(info.name, info.default_value);
+  return options;
+}
+
+/// Only those that differ from their defaults: the short, canonical form of a spec.
+template <class Settings>
+Options changed_settings(const Settings& settings) {
+  Options options;
+  const std::vector<SettingInfo> defaults = describe_settings(Settings{});
+  const std::vector<SettingInfo> present = describe_settings(settings);
+  for (std::size_t i = 0; i < present.size(); ++i) {
+    if (present[i].default_value != defaults[i].default_value) {
+      options.emplace_back(present[i].name, present[i].default_value);
+    }
+  }
+  return options;
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "core/problem.h"
+
+namespace lcpbench {
+
+/// What a solver says of its own answer. Never what we say: that is the verdict of the evaluation.
+enum class Claim {
+  kSolved,            ///< z is a solution
+  kUnsolvable,        ///< no solution was found to exist (a ray, an infeasible system)
+  kIterationLimit,    ///< stopped by its own limit on iterations or pivots
+  kTimeLimit,         ///< stopped by SolveRequest::time_limit_s, or ended from outside for it
+  kNumericalFailure,  ///< gave up: no usable pivot, a breakdown, an error code
+  kUnsupported,       ///< the problem is outside what the solver takes; `detail` says why
+  kCrashed,           ///< died, or returned what is no answer; only workers report it
+};
+
+/// "solved", "unsolvable", "iteration_limit", "time_limit", "numerical_failure", "unsupported", "crashed".
+const char* to_string(Claim claim);
+
+/// The inverse of to_string. @throws InputError for any other word.
+Claim parse_claim(std::string_view text);
+
+/// Work done by one solve; -1 where the solver does not tell.
+struct Counters {
+  std::int64_t iterations = -1;
+  std::int64_t pivots = -1;
+  std::int64_t factorizations = -1;
+};
+
+struct Answer {
+  Claim claim = Claim::kNumericalFailure;
+  Vector z;         ///< size(problem) entries, or empty when the solver has nothing to show
+  Vector velocity;  ///< ngc entries when the solver returns v+ itself, else empty
+  Vector farkas;    ///< a proof of unsolvability (see evaluation), else empty
+  Counters counters;
+  std::string detail;  ///< one line, foreign status codes spelled out; may be empty
+};
+
+/// What a solver takes as input. Each implies the earlier ones can be derived by it, not that they are.
+enum class Needs { kDense, kFactored, kScene };
+
+/// "dense", "factored", "scene".
+const char* to_string(Needs needs);
+
+/// Hard needs (a problem outside them is refused with a reason) and recorded properties.
+struct Capabilities {
+  Needs needs = Needs::kDense;
+  bool frictionless_only = false;  ///< needs a symmetric positive semidefinite M: refuses frictional and asymmetric ones
+  Index max_size = std::numeric_limits<Index>::max();  ///< largest n
+  const char* guarantees = "";       ///< class on which an answer is guaranteed in exact arithmetic, in words
+  bool warm_start = false;           ///< SolveRequest::start is used
+  bool obeys_time_limit = false;     ///< returns kTimeLimit by itself
+  bool allocation_free = false;      ///< solve() allocates nothing after load()
+};
+
+struct SolveRequest {
+  const Vector* start = nullptr;  ///< n: a guess at z (the last step's answer); ignored without `warm_start`
+  double time_limit_s = std::numeric_limits<double>::infinity();  ///< wall clock
+};
+
+/// A solver of contact problems or LCPs. One object per thread; objects share nothing.
+///
+/// Life: load(problem), then solve() as often as wished, update(v) between time steps with the same contacts.
+class Solver {
+ public:
+  virtual ~Solver() = default;
+  Solver() = default;
+  Solver(const Solver&) = delete;
+  Solver& operator=(const Solver&) = delete;
+
+  /// Takes the problem in and sizes the workspace; everything that depends on the matrix alone happens here. Timed as
+  /// set-up. A problem that is refused (see why_not) is remembered: solve() then answers kUnsupported.
+  void load(const Problem& problem);
+
+  /// Same contacts and inertia, another velocity v (ngc).
+  /// The default reloads the whole problem; solvers that can do better override on_update.
+  /// @pre a contact problem is loaded. @throws std::invalid_argument otherwise, or when v has another length.
+  void update(const Vector& v);
+
+  /// Solves what is loaded. Numerical trouble is a claim; exceptions are defects or lack of memory.
+  /// `answer` is overwritten; its storage is reused.
+  void solve(const SolveRequest& request, Answer& answer);
+
+  virtual const Capabilities& capabilities() const = 0;
+
+ protected:
+  virtual void on_load(const Problem& problem) = 0;
+  virtual void on_update(const Vector& v);
+  /// `answer` arrives cleared: claim kNumericalFailure, counters -1, `z` of the right size and zero, the rest empty.
+  virtual void on_solve(const SolveRequest& request, Answer& answer) = 0;
+  const Problem& problem() const { return problem_; }
+
+ private:
+  Problem problem_;
+  std::string refusal_ = "nothing was loaded";
+};
+
+/// Why a solver with these capabilities refuses the problem, in one clause; "" when it does not.
+/// NaN and infinite data are always refused.
+std::string why_not(const Capabilities& capabilities, const Problem& problem);
+
+/// A fresh copy of (q, M), formed from the factors where there are any. What a solver on matrices calls in on_load, so
+/// that its set-up time contains the forming of M whoever asked for it before.
+Lcp make_lcp(const Problem& problem);
+
+}  // namespace lcpbench

@@ -1,0 +1,76 @@
+#include "core/spec.h"
+
+#include <algorithm>
+
+#include "core/error.h"
+
+namespace lcpbench {
+namespace {
+
+std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"; }
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\n\r");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t\n\r") - first + 1);
+}
+
+}  // namespace
+
+std::string Spec::text() const {
+  if (options.empty()) return name;
+  std::string result = name + "{";
+  for (std::size_t i = 0; i < options.size(); ++i) {
+    if (i > 0) result += ",";
+    result += options[i].first + "=" + options[i].second;
+  }
+  return result + "}";
+}
+
+std::vector<std::string> split_top_level(std::string_view text) {
+  std::vector<std::string> parts;
+  std::size_t begin = 0;
+  int depth = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '{') ++depth;
+    if (text[i] == '}' && --depth < 0) throw InputError("unbalanced '}' in " + quoted(text));
+    if (text[i] == ',' && depth == 0) {
+      parts.emplace_back(trimmed(text.substr(begin, i - begin)));
+      begin = i + 1;
+    }
+  }
+  if (depth != 0) throw InputError("missing '}' in " + quoted(text));
+  parts.emplace_back(trimmed(text.substr(begin)));
+  return parts;
+}
+
+Spec parse_spec(std::string_view whole) {
+  const std::string_view text = trimmed(whole);
+  Spec spec;
+  const auto open = text.find('{');
+  spec.name = std::string(trimmed(text.substr(0, open)));
+  if (spec.name.empty()) throw InputError("no name in " + quoted(whole));
+  if (spec.name.find_first_of("}=,") != std::string::npos) {
+    throw InputError("unexpected character in the name " + quoted(spec.name));
+  }
+  if (open == std::string_view::npos) return spec;
+  if (text.back() != '}') throw InputError("text after the closing brace, or no closing brace, in " + quoted(whole));
+  const std::string_view inside = text.substr(open + 1, text.size() - open - 2);
+  if (trimmed(inside).empty()) return spec;
+  for (const std::string& part : split_top_level(inside)) {
+    const auto equals = part.find('=');
+    if (equals == std::string::npos) throw InputError("expected key=value, found " + quoted(part) + " in " + quoted(whole));
+    std::string key(trimmed(std::string_view(part).substr(0, equals)));
+    std::string value(trimmed(std::string_view(part).substr(equals + 1)));
+    if (key.empty() || key.find_first_of("{}") != std::string::npos) {
+      throw InputError("bad key in " + quoted(part) + " in " + quoted(whole));
+    }
+    const bool repeated =
+        std::any_of(spec.options.begin(), spec.options.end(), [&](const auto& option) { return option.first == key; });
+    if (repeated) throw InputError("key '" + key + "' given twice in " + quoted(whole));
+    spec.options.emplace_back(std::move(key), std::move(value));
+  }
+  return spec;
+}
+
+}  // namespace lcpbench

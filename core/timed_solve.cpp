@@ -1,0 +1,81 @@
+#include "core/timed_solve.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <exception>
+#include <utility>
+
+namespace lcpbench {
+namespace {
+
+struct Stopwatch {
+  double wall = wall_clock_s();
+  double cpu = thread_cpu_clock_s();
+
+  void stop(int calls, double& wall_s, double& cpu_s) const {
+    cpu_s = (thread_cpu_clock_s() - cpu) / calls;
+    wall_s = (wall_clock_s() - wall) / calls;
+  }
+};
+
+class InProcess final : public TimedSolver {
+ public:
+  explicit InProcess(std::unique_ptr<Solver> solver) : solver_(std::move(solver)) {}
+
+  void run(const Problem& problem, const TimedRequest& request, TimedAnswer& result) override {
+    try {
+      timed_solve(*solver_, problem, request, result);
+    } catch (const std::exception& error) {
+      result = TimedAnswer{};
+      result.answer.detail = error.what();
+    }
+  }
+
+ private:
+  std::unique_ptr<Solver> solver_;
+};
+
+}  // namespace
+
+double wall_clock_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+double thread_cpu_clock_s() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+void timed_solve(Solver& solver, const Problem& problem, const TimedRequest& request, TimedAnswer& result) {
+  SolveRequest solve_request;
+  solve_request.time_limit_s = request.time_limit_s;
+  SolveTimes& times = result.times;
+  times = SolveTimes{};
+
+  const Stopwatch setup;
+  solver.load(problem);
+  setup.stop(1, times.setup_wall_s, times.setup_cpu_s);
+  const Stopwatch solve;
+  solver.solve(solve_request, result.answer);
+  solve.stop(1, times.solve_wall_s, times.solve_cpu_s);
+
+  const double once = times.setup_wall_s + times.solve_wall_s;
+  if (!(once < request.repeat_until_s)) return;
+  times.repeats = static_cast<int>(std::min<double>(request.max_repeats, std::ceil(request.repeat_until_s / once)));
+  const Stopwatch setups;
+  for (int i = 0; i < times.repeats; ++i) solver.load(problem);
+  setups.stop(times.repeats, times.setup_wall_s, times.setup_cpu_s);
+  const Stopwatch solves;
+  thread_local Answer again;
+  for (int i = 0; i < times.repeats; ++i) solver.solve(solve_request, again);
+  solves.stop(times.repeats, times.solve_wall_s, times.solve_cpu_s);
+}
+
+std::unique_ptr<TimedSolver> in_process(std::unique_ptr<Solver> solver) {
+  return std::make_unique<InProcess>(std::move(solver));
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,50 @@
+#pragma once
+
+#include "core/solver.h"
+
+namespace lcpbench {
+
+/// Seconds spent on one problem. Set-up is load() (for matrix solvers: forming M and converting), solve is solve().
+/// When `repeats` > 1 each time is the mean over that many calls in a row.
+struct SolveTimes {
+  double setup_wall_s = 0;
+  double setup_cpu_s = 0;  ///< CPU time of the calling thread
+  double solve_wall_s = 0;
+  double solve_cpu_s = 0;
+  double transport_s = 0;  ///< moving problem and answer to and from a worker, wall clock; 0 in process
+  int repeats = 1;
+};
+
+struct TimedRequest {
+  double time_limit_s = 10.0;       ///< on each solve, wall clock
+  double repeat_until_s = 0.0;      ///< repeat load and solve until each batch takes this long (0: once)
+  int max_repeats = 1000;
+};
+
+struct TimedAnswer {
+  Answer answer;
+  SolveTimes times;
+};
+
+/// Wall clock and thread CPU clock [s].
+double wall_clock_s();
+double thread_cpu_clock_s();
+
+/// Loads and solves under both clocks. The first load and solve give the answer. When together they took less than
+/// `repeat_until_s`, both are repeated in batches (one clock reading around each batch) and the batch means are
+/// reported: cold caches and clock resolution drop out. Throws what the solver throws.
+void timed_solve(Solver& solver, const Problem& problem, const TimedRequest& request, TimedAnswer& result);
+
+/// Something that answers problems under the clock: a native solver in this process, or a foreign one in its worker.
+class TimedSolver {
+ public:
+  virtual ~TimedSolver() = default;
+  /// Never throws for anything the solver does: that is a claim (kCrashed, kTimeLimit, ...).
+  virtual void run(const Problem& problem, const TimedRequest& request, TimedAnswer& result) = 0;
+};
+
+/// A TimedSolver over a solver in this process. std::bad_alloc and other exceptions become kNumericalFailure with their
+/// text as detail.
+std::unique_ptr<TimedSolver> in_process(std::unique_ptr<Solver> solver);
+
+}  // namespace lcpbench

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/problem.h"
+#include "core/settings.h"
+#include "core/spec.h"
+
+namespace lcpbench {
+
+/// A family of problems, each a function of (set with its options, seed, trial) alone: the same bits on every machine,
+/// compiler, thread and order of calls.
+class ProblemSet {
+ public:
+  virtual ~ProblemSet() = default;
+  /// Canonical name: options in declaration order, defaults left out.
+  virtual std::string name() const = 0;
+  /// Trial >= 0 of the stream `seed`. Thread-safe. @throws InputError when trial >= count().
+  virtual Problem generate(std::uint64_t seed, std::int64_t trial) const = 0;
+  /// How many problems there are, where that is finite (files); nullopt for random sets.
+  virtual std::optional<std::int64_t> count() const { return std::nullopt; }
+};
+
+struct SetInfo {
+  std::string name;
+  std::string size;     ///< "n 2..20", in words
+  std::string source;   ///< citation
+  std::string summary;  ///< one line
+  std::vector<SettingInfo> options;
+};
+
+/// Every named set, in a fixed order.
+std::vector<SetInfo> list_sets();
+
+/// Opens a set by name and options, or "file:PATH" (a problem file, or a folder of them in name order).
+/// @throws InputError for unknown names and bad options.
+std::unique_ptr<ProblemSet> open_set(const std::string& text);
+
+/// The canonical names of all sets that match: a name with options, or a glob (* and ?) over names, where * also matches
+/// '/'; options may follow a glob ("paper/*/exp2{redundancy=combination}") and are given to every match.
+/// @throws InputError when nothing matches.
+std::vector<std::string> expand_sets(const std::string& pattern);
+
+}  // namespace lcpbench
