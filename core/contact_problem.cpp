@@ -92,37 +92,37 @@ bool full_rank_by_construction(const ContactProblem& problem) {
 }
 
 Matrix dense_inertia(const Inertia& inertia) {
-  return std::visit(Overloaded{[](const DenseInertia& i) { return i.G; },
-                               [&](const BlockInertia& i) {
-                                 Matrix G = Matrix::Zero(dimension(inertia), dimension(inertia));
-                                 Index at = 0;
-                                 for (const Matrix& block : i.blocks) {
-                                   G.block(at, at, block.rows(), block.cols()) = block;
-                                   at += block.rows();
-                                 }
-                                 return G;
-                               },
-                               [](const FactoredInertia& i) {
-                                 return Matrix(i.X * i.alpha.asDiagonal() * i.X.transpose());
-                               },
-                               [](const InverseInertia&) { return Matrix(); }},
-                    inertia);
+  return std::visit(
+      Overloaded{[](const DenseInertia& i) { return i.G; },
+                 [&](const BlockInertia& i) {
+                   Matrix G = Matrix::Zero(dimension(inertia), dimension(inertia));
+                   Index at = 0;
+                   for (const Matrix& block : i.blocks) {
+                     G.block(at, at, block.rows(), block.cols()) = block;
+                     at += block.rows();
+                   }
+                   return G;
+                 },
+                 [](const FactoredInertia& i) { return Matrix(i.X * i.alpha.asDiagonal() * i.X.transpose()); },
+                 [](const InverseInertia&) { return Matrix(); }},
+      inertia);
 }
 
 Matrix inverse_inertia(const Inertia& inertia) {
-  return std::visit(
-      Overloaded{[](const DenseInertia& i) { return inverse_or_pseudo_inverse(i.G); },
-                 [&](const BlockInertia& i) {
-                   BlockInertia inverse;
-                   for (const Matrix& block : i.blocks) inverse.blocks.push_back(inverse_or_pseudo_inverse(block));
-                   return dense_inertia(inverse);
-                 },
-                 [&](const FactoredInertia& i) {
-                   const Matrix G = dense_inertia(inertia);
-                   return i.X.cols() < i.X.rows() ? symmetric_pseudo_inverse(G) : inverse_or_pseudo_inverse(G);
-                 },
-                 [](const InverseInertia& i) { return i.Ginv; }},
-      inertia);
+  return std::visit(Overloaded{[](const DenseInertia& i) { return inverse_or_pseudo_inverse(i.G); },
+                               [&](const BlockInertia& i) {
+                                 BlockInertia inverse;
+                                 for (const Matrix& block : i.blocks)
+                                   inverse.blocks.push_back(inverse_or_pseudo_inverse(block));
+                                 return dense_inertia(inverse);
+                               },
+                               [&](const FactoredInertia& i) {
+                                 const Matrix G = dense_inertia(inertia);
+                                 return i.X.cols() < i.X.rows() ? symmetric_pseudo_inverse(G)
+                                                                : inverse_or_pseudo_inverse(G);
+                               },
+                               [](const InverseInertia& i) { return i.Ginv; }},
+                    inertia);
 }
 
 Lcp form_lcp(const ContactProblem& problem) {

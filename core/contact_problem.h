@@ -67,11 +67,11 @@ struct ContactProblem {
 /// Where each unknown of a contact problem stands in z.
 struct ContactLayout {
   Index nc = 0;
-  Index friction = 0;                ///< number of friction columns, sum(edges)
-  Index cones = 0;                   ///< number of lambdas
-  std::vector<Index> friction_begin; ///< nc + 1 offsets of each contact's columns in D
-  std::vector<Index> lambda;         ///< nc: index of the contact's lambda among the lambdas, -1 without friction
-  std::vector<Index> cone_contact;   ///< cones: the contact of each lambda
+  Index friction = 0;                 ///< number of friction columns, sum(edges)
+  Index cones = 0;                    ///< number of lambdas
+  std::vector<Index> friction_begin;  ///< nc + 1 offsets of each contact's columns in D
+  std::vector<Index> lambda;          ///< nc: index of the contact's lambda among the lambdas, -1 without friction
+  std::vector<Index> cone_contact;    ///< cones: the contact of each lambda
 
   Index size() const { return nc + friction + cones; }
   Index friction_offset() const { return nc; }

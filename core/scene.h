@@ -9,11 +9,11 @@ namespace lcpbench {
 
 /// A free rigid body. Everything is in world axes at the instant of the impact.
 struct RigidBody {
-  double mass = 1.0;                                               ///< [kg], > 0
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Identity();           ///< about the centre of mass [kg m^2], SPD
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();              ///< centre of mass [m]
-  Eigen::Vector3d linear_velocity = Eigen::Vector3d::Zero();       ///< [m/s]
-  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();      ///< [rad/s]
+  double mass = 1.0;                                           ///< [kg], > 0
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Identity();       ///< about the centre of mass [kg m^2], SPD
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();          ///< centre of mass [m]
+  Eigen::Vector3d linear_velocity = Eigen::Vector3d::Zero();   ///< [m/s]
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< [rad/s]
 };
 
 /// A point contact that pushes body_a along `normal` and body_b (or the immovable world) against it.

@@ -62,8 +62,7 @@ std::string range_text(RealRange range) {
 }
 
 std::string range_text(IntegerRange range) {
-  const std::string low =
-      range.min == std::numeric_limits<std::int64_t>::min() ? "-inf" : std::to_string(range.min);
+  const std::string low = range.min == std::numeric_limits<std::int64_t>::min() ? "-inf" : std::to_string(range.min);
   const std::string high = range.max == std::numeric_limits<std::int64_t>::max() ? "inf" : std::to_string(range.max);
   return "[" + low + ", " + high + "]";
 }

@@ -43,8 +43,9 @@ std::string format_real(double value);
 //     double zero_tolerance = 1e-12;
 //     Engine engine = Engine::kDense;
 //     void visit(auto&& field) {
-//       field("zero_tolerance", zero_tolerance, RealRange{.min = 0}, "x_i + zero_tolerance is what the ratio test divides");
-//       field("engine", engine, Choices<Engine>{{{"dense", Engine::kDense}, {"kernel", Engine::kKernel}}}, "...");
+//       field("zero_tolerance", zero_tolerance, RealRange{.min = 0}, "x_i + zero_tolerance is what the ratio test
+//       divides"); field("engine", engine, Choices<Engine>{{{"dense", Engine::kDense}, {"kernel", Engine::kKernel}}},
+//       "...");
 //     }
 //   };
 //

@@ -52,12 +52,13 @@ const char* to_string(Needs needs);
 /// Hard needs (a problem outside them is refused with a reason) and recorded properties.
 struct Capabilities {
   Needs needs = Needs::kDense;
-  bool frictionless_only = false;  ///< needs a symmetric positive semidefinite M: refuses frictional and asymmetric ones
+  bool frictionless_only =
+      false;  ///< needs a symmetric positive semidefinite M: refuses frictional and asymmetric ones
   Index max_size = std::numeric_limits<Index>::max();  ///< largest n
-  const char* guarantees = "";       ///< class on which an answer is guaranteed in exact arithmetic, in words
-  bool warm_start = false;           ///< SolveRequest::start is used
-  bool obeys_time_limit = false;     ///< returns kTimeLimit by itself
-  bool allocation_free = false;      ///< solve() allocates nothing after load()
+  const char* guarantees = "";    ///< class on which an answer is guaranteed in exact arithmetic, in words
+  bool warm_start = false;        ///< SolveRequest::start is used
+  bool obeys_time_limit = false;  ///< returns kTimeLimit by itself
+  bool allocation_free = false;   ///< solve() allocates nothing after load()
 };
 
 struct SolveRequest {

@@ -59,7 +59,8 @@ Spec parse_spec(std::string_view whole) {
   if (trimmed(inside).empty()) return spec;
   for (const std::string& part : split_top_level(inside)) {
     const auto equals = part.find('=');
-    if (equals == std::string::npos) throw InputError("expected key=value, found " + quoted(part) + " in " + quoted(whole));
+    if (equals == std::string::npos)
+      throw InputError("expected key=value, found " + quoted(part) + " in " + quoted(whole));
     std::string key(trimmed(std::string_view(part).substr(0, equals)));
     std::string value(trimmed(std::string_view(part).substr(equals + 1)));
     if (key.empty() || key.find_first_of("{}") != std::string::npos) {

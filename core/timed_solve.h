@@ -16,8 +16,8 @@ struct SolveTimes {
 };
 
 struct TimedRequest {
-  double time_limit_s = 10.0;       ///< on each solve, wall clock
-  double repeat_until_s = 0.0;      ///< repeat load and solve until each batch takes this long (0: once)
+  double time_limit_s = 10.0;   ///< on each solve, wall clock
+  double repeat_until_s = 0.0;  ///< repeat load and solve until each batch takes this long (0: once)
   int max_repeats = 1000;
 };
 

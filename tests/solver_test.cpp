@@ -1,0 +1,128 @@
+#include "core/solver.h"
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "core/timed_solve.h"
+
+namespace lcpbench {
+namespace {
+
+// Answers z = q so that tests can see which data reached it; counts its calls.
+class Echo final : public Solver {
+ public:
+  explicit Echo(Capabilities capabilities = {}) : capabilities_(capabilities) {}
+  const Capabilities& capabilities() const override { return capabilities_; }
+  int loads = 0;
+  int solves = 0;
+
+ protected:
+  void on_load(const Problem& problem) override {
+    ++loads;
+    q_ = make_lcp(problem).q;
+  }
+  void on_solve(const SolveRequest&, Answer& answer) override {
+    ++solves;
+    answer.z = q_;
+    answer.claim = Claim::kSolved;
+  }
+
+ private:
+  Capabilities capabilities_;
+  Vector q_;
+};
+
+class Throws final : public Solver {
+ public:
+  const Capabilities& capabilities() const override { return capabilities_; }
+
+ protected:
+  void on_load(const Problem&) override { throw std::runtime_error("out of ideas"); }
+  void on_solve(const SolveRequest&, Answer&) override {}
+
+ private:
+  Capabilities capabilities_;
+};
+
+Problem frictional_particle() {
+  ContactProblem contact;
+  contact.v = Vector{{1.0, -1.0}};
+  contact.N = Matrix{{0.0}, {1.0}};
+  contact.D = Matrix{{1.0, -1.0}, {0.0, 0.0}};
+  contact.edges = {2};
+  contact.mu = Vector{{0.5}};
+  contact.inertia = DenseInertia{Matrix::Identity(2, 2)};
+  return Problem("particle", contact);
+}
+
+TEST(SolverTest, RefusedProblemsAreAnsweredUnsupportedWithTheReason) {
+  Answer answer;
+  Echo scenes({.needs = Needs::kScene});
+  scenes.load(frictional_particle());
+  scenes.solve({}, answer);
+  EXPECT_EQ(answer.claim, Claim::kUnsupported);
+  EXPECT_EQ(answer.detail, "needs a rigid-body scene");
+  EXPECT_EQ(answer.z.size(), 0);
+  EXPECT_EQ(scenes.solves, 0);
+
+  Echo small({.max_size = 3});
+  small.load(frictional_particle());
+  small.solve({}, answer);
+  EXPECT_EQ(answer.detail, "n = 4 is over its limit of 3");
+
+  Echo symmetric({.frictionless_only = true});
+  symmetric.load(frictional_particle());
+  symmetric.solve({}, answer);
+  EXPECT_EQ(answer.claim, Claim::kUnsupported);
+}
+
+TEST(SolverTest, NaNAndInfinityAreRefused) {
+  Echo echo;
+  Answer answer;
+  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity()}) {
+    echo.load(Problem("bad", Lcp{Matrix::Constant(1, 1, bad), Vector::Ones(1)}));
+    echo.solve({}, answer);
+    EXPECT_EQ(answer.claim, Claim::kUnsupported);
+    EXPECT_EQ(answer.detail, "the data hold NaN or infinity");
+  }
+}
+
+TEST(SolverTest, UpdateReplacesTheVelocityOnly) {
+  Echo echo;
+  Answer answer;
+  echo.load(frictional_particle());
+  echo.update(Vector{{0.25, -2.0}});
+  echo.solve({}, answer);
+  EXPECT_EQ(answer.z, (Vector{{-2.0, 0.25, -0.25, 0.0}}));
+  EXPECT_THROW(echo.update(Vector::Zero(3)), std::invalid_argument);
+}
+
+TEST(TimedSolveTest, RepeatsShortSolvesAndReportsMeans) {
+  Echo echo;
+  TimedAnswer timed;
+  timed_solve(echo, frictional_particle(), {.repeat_until_s = 10.0, .max_repeats = 5}, timed);
+  EXPECT_EQ(timed.times.repeats, 5);
+  EXPECT_EQ(echo.solves, 6);
+  EXPECT_GT(timed.times.setup_wall_s, 0);
+  EXPECT_EQ(timed.answer.claim, Claim::kSolved);
+}
+
+TEST(TimedSolveTest, AnExceptionBecomesARowNotACrash) {
+  TimedAnswer timed;
+  in_process(std::make_unique<Throws>())->run(frictional_particle(), {}, timed);
+  EXPECT_EQ(timed.answer.claim, Claim::kNumericalFailure);
+  EXPECT_EQ(timed.answer.detail, "out of ideas");
+}
+
+TEST(ClaimTest, WordsReadBack) {
+  for (const Claim claim : {Claim::kSolved, Claim::kUnsolvable, Claim::kIterationLimit, Claim::kTimeLimit,
+                            Claim::kNumericalFailure, Claim::kUnsupported, Claim::kCrashed}) {
+    EXPECT_EQ(parse_claim(to_string(claim)), claim);
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench
