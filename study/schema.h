@@ -2,15 +2,14 @@
 
 namespace lcpbench {
 
-/// The store: one SQLite file. Ids are 63-bit hashes of what they identify (set name; solver name, settings, library
-/// version and instruction-set level; set, seed and trial; vector content), so that stores written apart merge by
+/// The store: one SQLite file. Ids are 63-bit hashes of what they identify (set name; solver name, settings, library,
+/// version, instruction-set level and sweep; set, seed and trial; vector content), so that stores written apart merge by
 /// INSERT OR IGNORE and equal runs hold equal rows but for `timings` and `runs`.
 ///
 /// Verdicts need every answer to a problem (one solver's solution proves solvable what another missed), so `verdicts`
 /// holds what one answer shows by itself; the view `judged` adds the problem's truth and gives claim and verdict side by
 /// side. Nothing of it needs a solver to run again: `vectors` keeps every answer exactly.
 inline constexpr const char* kStoreSchema = R"sql(
-CREATE TABLE IF NOT EXISTS meta (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
 CREATE TABLE IF NOT EXISTS runs (
   id INTEGER PRIMARY KEY, started TEXT NOT NULL, provenance TEXT NOT NULL);  -- JSON
 CREATE TABLE IF NOT EXISTS sets (
@@ -22,8 +21,8 @@ CREATE TABLE IF NOT EXISTS solvers (
   all_settings TEXT NOT NULL,   -- every one, spelled out
   library TEXT NOT NULL,        -- "native" or the library's name
   version TEXT NOT NULL,
-  isa TEXT NOT NULL,
-  sweep TEXT NOT NULL);         -- "" or the name of the sweep this parameterisation belongs to
+  isa TEXT NOT NULL,            -- instruction-set level of native code, "" for libraries
+  sweep TEXT NOT NULL);         -- "" or the sweep this parameterisation belongs to: "paper", "paper{engine=kernel}"
 CREATE TABLE IF NOT EXISTS problems (
   id INTEGER PRIMARY KEY,
   set_id INTEGER NOT NULL REFERENCES sets(id),
@@ -37,7 +36,7 @@ CREATE TABLE IF NOT EXISTS problems (
   theory TEXT NOT NULL,         -- "solvable" when proven from the data alone, else ""
   UNIQUE (set_id, seed, trial));
 CREATE TABLE IF NOT EXISTS vectors (
-  id INTEGER PRIMARY KEY, data BLOB NOT NULL);
+  id INTEGER PRIMARY KEY, data BLOB NOT NULL);                                -- see study/vector_codec.h
 CREATE TABLE IF NOT EXISTS answers (
   problem_id INTEGER NOT NULL REFERENCES problems(id),
   solver_id INTEGER NOT NULL REFERENCES solvers(id),
@@ -61,6 +60,7 @@ CREATE TABLE IF NOT EXISTS verdicts (
   backward_componentwise REAL, backward_row_norm REAL, forward_velocity REAL,
   violation_m_per_s REAL, work_gain_j REAL, complementarity_j REAL, cone_violation REAL, min_z REAL,
   PRIMARY KEY (problem_id, solver_id)) WITHOUT ROWID;
+CREATE INDEX IF NOT EXISTS checked_proofs ON verdicts(problem_id) WHERE farkas_checked = 1;
 CREATE TABLE IF NOT EXISTS timings (
   problem_id INTEGER NOT NULL,
   solver_id INTEGER NOT NULL,

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+struct sqlite3;
+struct sqlite3_stmt;
+
+namespace lcpbench::sqlite {
+
+enum class Mode { kReadOnly, kReadWriteCreate };
+
+/// One connection. Not thread-safe.
+///
+/// Errors that a user can mend (no database, damaged, full disk, no permission) are InputError naming the file; all
+/// others are std::runtime_error.
+class Database {
+ public:
+  Database(const std::filesystem::path& file, Mode mode);
+  ~Database();
+  Database(const Database&) = delete;
+  Database& operator=(const Database&) = delete;
+
+  /// Runs any number of statements without results.
+  void execute(const std::string& sql);
+  /// The first column of the first row of a query that has one, as an integer.
+  std::int64_t integer(const std::string& sql);
+
+  const std::filesystem::path& file() const { return file_; }
+  sqlite3* handle() const { return handle_; }
+  /// Throws the exception that belongs to a result code.
+  [[noreturn]] void fail(int code) const;
+
+ private:
+  std::filesystem::path file_;
+  sqlite3* handle_ = nullptr;
+};
+
+/// One prepared statement: bind, step, reset, again. Parameters and columns count from 1 and 0, as in SQLite.
+class Statement {
+ public:
+  Statement(Database& database, std::string_view sql);
+  ~Statement();
+  Statement(const Statement&) = delete;
+  Statement& operator=(const Statement&) = delete;
+
+  void bind(int parameter, std::int64_t value);
+  /// NaN becomes NULL.
+  void bind(int parameter, double value);
+  /// The text must live until the next reset.
+  void bind(int parameter, std::string_view text);
+  void bind_blob(int parameter, std::string_view bytes);
+  void bind_null(int parameter);
+
+  /// True when there is a row.
+  bool step();
+  void reset();
+  /// step() of a statement without rows, then reset().
+  void run();
+
+  bool is_null(int column) const;
+  std::int64_t integer(int column) const;
+  /// NULL becomes NaN.
+  double real(int column) const;
+  /// Valid until the next step or reset.
+  std::string_view text(int column) const;
+  std::string_view blob(int column) const;
+
+ private:
+  void check(int code) const;
+  Database& database_;
+  sqlite3_stmt* statement_ = nullptr;
+};
+
+}  // namespace lcpbench::sqlite

@@ -1,0 +1,151 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/timed_solve.h"
+#include "study/evaluation.h"
+#include "study/sqlite.h"
+
+namespace lcpbench {
+
+/// A solver with its settings, as a store knows it.
+struct SolverRow {
+  std::string name;
+  std::string settings;      ///< those off their defaults, "key=value,key=value"
+  std::string all_settings;  ///< every one
+  std::string library;       ///< "native" or the library's name
+  std::string version;
+  std::string isa;           ///< instruction-set level of native code, "" for libraries
+  /// "" where the solver was asked for by itself; else the grid it is a cell of, with what the swept solver has off its
+  /// defaults: "paper", "paper{engine=kernel}". Sweep cells are timed without repeats, so they are solvers of their own.
+  std::string sweep;
+
+  /// Depends on every field but all_settings.
+  std::int64_t id() const;
+  /// "name" or "name{settings}".
+  std::string text() const;
+  bool operator==(const SolverRow&) const = default;
+};
+
+/// One problem of a set. Ids are functions of the natural keys, see study/schema.h.
+struct ProblemRow {
+  std::int64_t id = 0;
+  std::int64_t set_id = 0;
+  std::uint64_t seed = 0;
+  std::int64_t trial = 0;
+  std::string kind;
+  std::int64_t n = 0;
+  std::int64_t ngc = 0;
+  std::int64_t nc = 0;
+  std::string hash;
+  std::string theory;  ///< "solvable" or ""
+};
+
+std::int64_t set_id(const std::string& set_name);
+std::int64_t problem_id(const std::string& set_name, std::uint64_t seed, std::int64_t trial);
+
+/// What one solver did on one problem, judged by itself.
+struct CellRow {
+  std::int64_t solver_id = 0;
+  Claim claim = Claim::kNumericalFailure;
+  std::optional<std::int64_t> z;  ///< ids among ProblemResult::vectors
+  std::optional<std::int64_t> velocity;
+  std::optional<std::int64_t> farkas;
+  Counters counters;
+  std::string detail;
+  Errors errors;
+  bool farkas_checked = false;
+  SolveTimes times;
+  double verify_s = 0;
+};
+
+/// One problem and some of its cells: what the runner hands over at a time.
+struct ProblemResult {
+  ProblemRow problem;
+  std::vector<std::pair<std::int64_t, std::string>> vectors;  ///< content id and encoded vector
+  std::vector<CellRow> cells;
+};
+
+struct StoredSolver {
+  std::int64_t id = 0;
+  SolverRow row;
+};
+
+/// A finished cell as the report reads it, with the verdict that all answers to its problem together give.
+struct StoredCell {
+  std::int64_t problem_id = 0;
+  std::int64_t solver_id = 0;
+  std::int64_t set_id = 0;
+  std::uint64_t seed = 0;
+  std::int64_t trial = 0;
+  std::int64_t n = 0;
+  Claim claim = Claim::kNumericalFailure;
+  Truth truth = Truth::kUnknown;
+  Verdict verdict = Verdict::kOpen;
+  Errors errors;
+  SolveTimes times;
+  double verify_s = 0;
+};
+
+/// A study's store: one SQLite file in WAL mode, written in whole transactions. What is committed survives the end of
+/// the process at any moment. Not thread-safe: one thread writes.
+class Store {
+ public:
+  /// Opens a store for writing, or makes it. Holds a lock on it: a second process is refused.
+  /// @throws InputError when the file is no store, of a newer format, damaged, in use, or cannot be written.
+  static Store open_for_writing(const std::filesystem::path& file);
+
+  /// Opens an existing store for reading, also while another process writes it. @throws InputError as above.
+  static Store open_for_reading(const std::filesystem::path& file);
+
+  /// Deletes a store with its side files. Nothing happens when there is none. @throws InputError when the file is no
+  /// store, or in use.
+  static void remove(const std::filesystem::path& file);
+
+  ~Store();
+  Store(Store&&) noexcept;
+  Store& operator=(Store&&) = delete;
+
+  void begin();
+  void commit();
+
+  /// Adds a run (its provenance, JSON) and makes it the one that later timings belong to.
+  void add_run(const std::string& started, const std::string& provenance);
+  std::int64_t add_set(const std::string& name);
+  /// @throws InputError when the id is taken by another row (a hash collision, or a store that was tampered with).
+  std::int64_t add_solver(const SolverRow& solver);
+  /// Adds a problem with some cells; cells that are there already stay as they are.
+  void add(const ProblemResult& result);
+
+  /// The solvers whose answers to a problem are there.
+  std::vector<std::int64_t> done(std::int64_t problem_id);
+
+  std::int64_t cell_count();
+  std::vector<std::pair<std::int64_t, std::string>> sets();
+  std::vector<StoredSolver> solvers();
+  /// Provenance of every run, JSON texts, oldest first.
+  std::vector<std::string> runs();
+  void for_each_problem(const std::function<void(const ProblemRow&)>& visit);
+  /// Every cell in order of problem, then solver.
+  void for_each_cell(const std::function<void(const StoredCell&)>& visit);
+  /// One answer as the solver gave it, bit for bit; nullopt when there is none.
+  std::optional<Answer> answer(std::int64_t problem_id, std::int64_t solver_id);
+
+  const std::filesystem::path& file() const;
+  /// For queries of reports, and for merging.
+  sqlite::Database& database();
+
+ private:
+  struct Data;
+  explicit Store(std::unique_ptr<Data> data);
+  std::unique_ptr<Data> data_;
+};
+
+}  // namespace lcpbench
