@@ -1,0 +1,193 @@
+#include "generators/sets.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "core/error.h"
+#include "generators/paper.h"
+#include "generators/problem_io.h"
+#include "generators/rigid.h"
+#include "generators/to_problem.h"
+
+namespace lcpbench {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kFilePrefix = "file:";
+constexpr const char* kPaperSource =
+    "Drumwright and Shell 2012, Extensive analysis of linear complementarity problem (LCP) solver performance on "
+    "randomly "
+    "generated rigid body contact problems";
+
+std::uint64_t checked_trial(const std::string& set, std::int64_t trial, std::optional<std::int64_t> count) {
+  if (trial < 0) throw InputError(set + ": trial " + std::to_string(trial) + ": expected 0 or more");
+  if (count && trial >= *count) {
+    throw InputError(set + ": trial " + std::to_string(trial) + ": the set has " + std::to_string(*count));
+  }
+  return static_cast<std::uint64_t>(trial);
+}
+
+std::string problem_name(const std::string& set, std::uint64_t seed, std::int64_t trial) {
+  return set + " seed " + std::to_string(seed) + " trial " + std::to_string(trial);
+}
+
+Problem make_problem(const PaperSet& set, const PaperReading& reading, std::uint64_t seed, std::uint64_t trial,
+                     std::string name) {
+  return {std::move(name), to_contact_problem(draw_paper(set, reading, seed, trial))};
+}
+
+Problem make_problem(const RigidSet& set, const RigidReading& reading, std::uint64_t seed, std::uint64_t trial,
+                     std::string name) {
+  return {std::move(name), to_scene(draw_rigid(set, reading, seed, trial))};
+}
+
+template <class Set, class Reading>
+class RandomSet final : public ProblemSet {
+ public:
+  RandomSet(const Set& set, const Options& options)
+      : set_(set),
+        reading_(set.parse(set.name, options)),
+        name_(Spec{set.name, set.changed(set.name, options)}.text()) {}
+
+  std::string name() const override { return name_; }
+  Problem generate(std::uint64_t seed, std::int64_t trial) const override {
+    const std::uint64_t index = checked_trial(name_, trial, std::nullopt);
+    return make_problem(set_, reading_, seed, index, problem_name(name_, seed, trial));
+  }
+
+ private:
+  const Set& set_;
+  Reading reading_;
+  std::string name_;
+};
+
+// ---- files ----
+
+bool ends_with(const std::string& text, std::string_view end) {
+  return text.size() >= end.size() && std::string_view(text).substr(text.size() - end.size()) == end;
+}
+
+// A folder may hold more than problems; the second file of a Matrix Market pair comes with the first.
+bool is_problem_file(const fs::path& path) {
+  const std::string name = path.filename().string();
+  if (name.empty() || name.front() == '.') return false;
+  return ends_with(name, ".json") || ends_with(name, ".dat") || ends_with(name, ".txt") || ends_with(name, ".M.mtx");
+}
+
+std::vector<fs::path> problem_files(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status)) throw InputError(path.string() + ": no such file or folder");
+  if (!fs::is_directory(status)) return {path};
+  std::vector<fs::path> files;
+  fs::directory_iterator entries(path, error);
+  if (error) throw InputError(path.string() + ": cannot be listed: " + error.message());
+  for (const fs::directory_entry& entry : entries) {
+    if (entry.is_regular_file(error) && is_problem_file(entry.path())) files.push_back(entry.path());
+  }
+  if (files.empty()) throw InputError(path.string() + ": no problem file (.json, .dat, .txt, .M.mtx) in this folder");
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+class FileSet final : public ProblemSet {
+ public:
+  explicit FileSet(const std::string& path) : name_(std::string(kFilePrefix) + path), files_(problem_files(path)) {}
+
+  std::string name() const override { return name_; }
+  Problem generate(std::uint64_t, std::int64_t trial) const override {
+    return read_problem(files_[checked_trial(name_, trial, count())]);
+  }
+  std::optional<std::int64_t> count() const override { return static_cast<std::int64_t>(files_.size()); }
+
+ private:
+  std::string name_;
+  std::vector<fs::path> files_;
+};
+
+bool is_file_set(std::string_view text) { return text.substr(0, kFilePrefix.size()) == kFilePrefix; }
+
+// ---- the list ----
+
+std::string size_text(const PaperFeatures& features) {
+  const std::string ngc = "ngc 6.." + std::to_string(features.ngc_max);
+  const std::string nc = "nc 2.." + std::to_string(features.nc_max);
+  if (!features.frictional) return ngc + ", " + nc + ", n = nc";
+  return ngc + ", " + nc + ", edges 4..24, n = nc (edges + 2), at most " + std::to_string(26 * features.nc_max);
+}
+
+SetInfo describe(const PaperSet& set) {
+  const std::string summary = (set.features.frictional ? "frictional: " : "frictionless: ") + set.summary;
+  return {set.name, size_text(set.features), kPaperSource, summary, set.options()};
+}
+
+SetInfo describe(const RigidSet& set) {
+  return {set.name, "1..4 bodies (ngc 6..24), nc 2..20, n = nc",
+          "this project's: rigid bodies in place of the random matrices of " + std::string(kPaperSource),
+          "frictionless: " + set.summary, set.options()};
+}
+
+template <class Set>
+const Set* find_set(const std::vector<Set>& sets, const std::string& name) {
+  const auto found = std::find_if(sets.begin(), sets.end(), [&](const Set& set) { return set.name == name; });
+  return found == sets.end() ? nullptr : &*found;
+}
+
+// * stands for any run of characters, ? for any one. The position after the last * is tried again and again: O(n m).
+bool matches(std::string_view pattern, std::string_view text) {
+  std::size_t p = 0;
+  std::size_t t = 0;
+  std::size_t star = std::string_view::npos;
+  std::size_t retry = 0;
+  while (t < text.size()) {
+    if (p < pattern.size() && pattern[p] == '*') {
+      star = p++;
+      retry = t;
+    } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == text[t])) {
+      ++p;
+      ++t;
+    } else if (star != std::string_view::npos) {
+      p = star + 1;
+      t = ++retry;
+    } else {
+      return false;
+    }
+  }
+  return std::all_of(pattern.begin() + static_cast<std::ptrdiff_t>(p), pattern.end(), [](char c) { return c == '*'; });
+}
+
+}  // namespace
+
+std::vector<SetInfo> list_sets() {
+  std::vector<SetInfo> infos;
+  for (const PaperSet& set : paper_sets()) infos.push_back(describe(set));
+  for (const RigidSet& set : rigid_sets()) infos.push_back(describe(set));
+  return infos;
+}
+
+std::unique_ptr<ProblemSet> open_set(const std::string& text) {
+  if (is_file_set(text)) return std::make_unique<FileSet>(text.substr(kFilePrefix.size()));
+  const Spec spec = parse_spec(text);
+  if (const PaperSet* set = find_set(paper_sets(), spec.name)) {
+    return std::make_unique<RandomSet<PaperSet, PaperReading>>(*set, spec.options);
+  }
+  if (const RigidSet* set = find_set(rigid_sets(), spec.name)) {
+    return std::make_unique<RandomSet<RigidSet, RigidReading>>(*set, spec.options);
+  }
+  throw InputError("unknown problem set '" + spec.name + "'; `lcpbench sets` lists them");
+}
+
+std::vector<std::string> expand_sets(const std::string& pattern) {
+  if (is_file_set(pattern)) return {open_set(pattern)->name()};
+  const Spec spec = parse_spec(pattern);
+  std::vector<std::string> names;
+  for (const SetInfo& set : list_sets()) {
+    if (matches(spec.name, set.name)) names.push_back(open_set(Spec{set.name, spec.options}.text())->name());
+  }
+  if (names.empty()) throw InputError("no problem set matches '" + spec.name + "'; `lcpbench sets` lists them");
+  return names;
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "core/contact_problem.h"
+#include "core/scene.h"
+#include "generators/paper.h"
+#include "generators/rigid.h"
+
+namespace lcpbench {
+
+/// The sample's numbers, unchanged, as a contact problem with dense N and D.
+ContactProblem to_contact_problem(const PaperSample& sample);
+
+/// The sample's numbers, unchanged, as a scene. Every contact is frictionless; its unused tangent keeps the default.
+RigidScene to_scene(const RigidSample& sample);
+
+}  // namespace lcpbench
