@@ -16,14 +16,27 @@ struct WorkerLimits {
 };
 
 /// A solver that runs in the worker process of its library. The process starts at the first run and lives on; when it
-/// dies, hangs, exits, outgrows its memory or returns what does not validate, that one run is answered kCrashed (or
-/// kTimeLimit), with the signal or exit code as detail, and the next run starts a fresh process. Nothing that the worker
-/// does to the shared memory can reach the problem data of this process.
+/// dies, hangs, exits or returns what does not validate, that one run is answered kCrashed (or kTimeLimit), with the
+/// signal or exit code as detail, and the next run starts a fresh process. Nothing that the worker does to the shared
+/// memory can reach the problem data of this process.
+///
+/// A worker is killed, and the answer is kTimeLimit, when set-up and solve together are not done within the time limit,
+/// four times `repeat_until_s`, and the grace. An exception in the worker, memory that ran out included, is answered
+/// kNumericalFailure with its text; it too costs the process. For a run that got no answer, times.solve_wall_s and
+/// solve_cpu_s tell what it cost until it was given up.
+///
+/// The destructor kills the process at once. The process also ends with this program, however that ends; children that
+/// the library may have started end with the object, unless they left their process group.
+///
+/// Under AddressSanitizer workers run without a memory limit.
+///
+/// One object per thread; objects in many threads at once are fine, and an object may move between threads.
 /// @param executable  the worker's file
 std::unique_ptr<TimedSolver> worker_solver(const std::filesystem::path& executable, const Spec& solver,
                                            const WorkerLimits& limits = {});
 
-/// The worker executable of a registered solver: beside the running program. @throws InputError when unavailable.
+/// The worker executable of a registered solver: beside the running program, or in the folder that the environment
+/// variable LCPBENCH_WORKER_DIR names. @throws InputError when unavailable, native, or not there.
 std::filesystem::path worker_executable(const RegisteredSolver& solver);
 
 }  // namespace lcpbench

@@ -1,9 +1,10 @@
 # One file and one line add a solver:
 #
-#   lcpbench_native_solver(lemke native/lemke.cpp [more sources])
-#   lcpbench_adapter(bullet_dantzig adapters/bullet_dantzig.cpp LIBRARY bullet)
+#   lcpbench_native_solver(lemke lemke.cpp [more sources])                   in native/CMakeLists.txt
+#   lcpbench_adapter(bullet_dantzig bullet_dantzig.cpp LIBRARY bullet)       in adapters/CMakeLists.txt
+#   lcpbench_adapter(ipopt_qp ipopt_qp.cpp LIBRARY ipopt WITH ipopt_common.cpp)   WITH: more sources, for the worker only
 #
-# Either file ends with `SolverDefinition lcpbench_solver_<name>()`. An adapter is compiled twice: into the worker of its
+# The first file ends with `SolverDefinition lcpbench_solver_<name>()`. An adapter is compiled twice: into the worker of its
 # library, and, with LCPBENCH_DESCRIBE_ONLY defined and no library header in reach, into the main program, which so knows
 # its name, settings and needs also where the library is missing.
 
@@ -29,7 +30,7 @@ function(lcpbench_native_solver name)
 endfunction()
 
 function(lcpbench_adapter name source)
-  cmake_parse_arguments(ARG "" "LIBRARY" "" ${ARGN})
+  cmake_parse_arguments(ARG "" "LIBRARY" "WITH" ${ARGN})
   get_property(known GLOBAL PROPERTY LCPBENCH_LIBRARY_${ARG_LIBRARY}_NAME)
   if(NOT known)
     message(FATAL_ERROR "lcpbench_adapter(${name}): declare the library '${ARG_LIBRARY}' first")
@@ -37,7 +38,10 @@ function(lcpbench_adapter name source)
   target_sources(lcpbench_adapter_descriptions PRIVATE ${source})
   set_property(GLOBAL APPEND PROPERTY LCPBENCH_ADAPTERS "${name}:${ARG_LIBRARY}")
   set_property(GLOBAL APPEND PROPERTY LCPBENCH_LIBRARY_${ARG_LIBRARY}_SOLVERS ${name})
-  set_property(GLOBAL APPEND PROPERTY LCPBENCH_LIBRARY_${ARG_LIBRARY}_SOURCES ${source})
+  foreach(file IN LISTS source ARG_WITH)
+    cmake_path(ABSOLUTE_PATH file BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})  # the worker is made in another folder
+    set_property(GLOBAL APPEND PROPERTY LCPBENCH_LIBRARY_${ARG_LIBRARY}_SOURCES ${file})
+  endforeach()
 endfunction()
 
 function(_lcpbench_write_list file declarations entries)
@@ -68,8 +72,6 @@ function(lcpbench_finish_solvers)
     string(APPEND entries
            "      {lcpbench_solver_${name}(), \"native\", \"${PROJECT_VERSION}\", \"\", \"\"},\n")
   endforeach()
-  set(native_declarations "${declarations}")
-  set(native_entries "${entries}")
 
   get_property(adapters GLOBAL PROPERTY LCPBENCH_ADAPTERS)
   foreach(adapter IN LISTS adapters)
@@ -91,6 +93,8 @@ function(lcpbench_finish_solvers)
   _lcpbench_write_list(${PROJECT_BINARY_DIR}/generated/solver_list.cpp "${declarations}" "${entries}")
   add_library(lcpbench_solver_list STATIC ${PROJECT_BINARY_DIR}/generated/solver_list.cpp)
   target_link_libraries(lcpbench_solver_list PUBLIC lcpbench_native lcpbench_adapter_descriptions lcpbench_core)
+  # core calls registered_solvers() and stands after this archive on the link line: the linker must take it the first time.
+  target_link_options(lcpbench_solver_list INTERFACE "LINKER:--undefined=_ZN8lcpbench18registered_solversEv")
 
   get_property(libraries GLOBAL PROPERTY LCPBENCH_LIBRARIES)
   set(workers "")
@@ -103,6 +107,7 @@ function(lcpbench_finish_solvers)
     get_property(library GLOBAL PROPERTY LCPBENCH_LIBRARY_${id}_NAME)
     get_property(version GLOBAL PROPERTY LCPBENCH_LIBRARY_${id}_VERSION)
     get_property(sources GLOBAL PROPERTY LCPBENCH_LIBRARY_${id}_SOURCES)
+    list(REMOVE_DUPLICATES sources)
     get_property(links GLOBAL PROPERTY LCPBENCH_LIBRARY_${id}_LINK)
     set(declarations "")
     set(entries "")
@@ -116,6 +121,9 @@ function(lcpbench_finish_solvers)
     target_link_libraries(lcpbench-worker-${id} PRIVATE lcpbench_worker_runtime ${links})
     list(APPEND workers lcpbench-worker-${id})
   endforeach()
-  add_custom_target(lcpbench_workers ALL DEPENDS ${workers})
+  add_custom_target(lcpbench_workers ALL)
+  if(workers)
+    add_dependencies(lcpbench_workers ${workers})
+  endif()
   set(LCPBENCH_WORKERS ${workers} PARENT_SCOPE)
 endfunction()

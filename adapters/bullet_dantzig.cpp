@@ -1,0 +1,90 @@
+#include <utility>
+#include <vector>
+
+#include "core/registry.h"
+
+#ifndef LCPBENCH_DESCRIBE_ONLY
+#include <BulletDynamics/MLCPSolvers/btDantzigLCP.h>
+#endif
+
+namespace lcpbench {
+namespace {
+
+struct BulletDantzigSettings {
+  double diagonal = 0.0;
+
+  void visit(auto&& field) {
+    field("diagonal", diagonal, RealRange{.min = 0}, "added to the diagonal of M before solving");
+  }
+};
+
+constexpr Capabilities kCapabilities{.frictionless_only = true, .guarantees = "symmetric positive definite M"};
+
+#ifndef LCPBENCH_DESCRIBE_ONLY
+
+static_assert(sizeof(btScalar) == sizeof(double), "needs Bullet's float64 build");
+
+/// Bullet's Dantzig solver on the dense matrix: A x = b + w with b = -q, bounds 0 <= x < infinity, no friction index.
+class BulletDantzig final : public Solver {
+ public:
+  explicit BulletDantzig(const BulletDantzigSettings& settings) : settings_(settings) {}
+
+  const Capabilities& capabilities() const override { return kCapabilities; }
+
+ protected:
+  void on_load(const Problem& problem) override {
+    lcp_ = make_lcp(problem);
+    lcp_.M.diagonal().array() += settings_.diagonal;
+    const auto n = static_cast<std::size_t>(lcp_.size());
+    slack_.setZero(lcp_.size());
+    lower_.setZero(lcp_.size());
+    friction_index_.assign(n, -1);
+  }
+
+  void on_solve(const SolveRequest&, Answer& answer) override {
+    if (lcp_.size() == 0) {
+      answer.claim = Claim::kSolved;
+      return;
+    }
+    // The library works in place on all of its input. M is symmetric, so its rows are Eigen's columns.
+    destroyed_M_ = lcp_.M;
+    b_ = -lcp_.q;
+    upper_.setConstant(lcp_.size(), BT_INFINITY);
+    const bool solved =
+        btSolveDantzigLCP(static_cast<int>(lcp_.size()), destroyed_M_.data(), answer.z.data(), b_.data(), slack_.data(),
+                          0, lower_.data(), upper_.data(), friction_index_.data(), scratch_);
+    answer.claim = solved ? Claim::kSolved : Claim::kNumericalFailure;
+    if (!solved) answer.detail = "btSolveDantzigLCP returned false";
+  }
+
+ private:
+  BulletDantzigSettings settings_;
+  Lcp lcp_;
+  Matrix destroyed_M_;
+  Vector b_;
+  Vector slack_;
+  Vector lower_;
+  Vector upper_;
+  std::vector<int> friction_index_;
+  btDantzigScratchMemory scratch_;
+};
+
+#endif
+
+}  // namespace
+
+SolverDefinition lcpbench_solver_bullet_dantzig() {
+  SolverDefinition definition{
+      .name = "bullet_dantzig",
+      .summary =
+          "Bullet's Dantzig solver (btSolveDantzigLCP, float64): principal pivoting, as its MLCP constraint solver",
+      .source = "Bullet Physics, BulletDynamics/MLCPSolvers/btDantzigLCP; after Baraff, SIGGRAPH 1994",
+      .capabilities = kCapabilities};
+#ifdef LCPBENCH_DESCRIBE_ONLY
+  return with_settings<BulletDantzigSettings>(std::move(definition));
+#else
+  return define_solver<BulletDantzig, BulletDantzigSettings>(std::move(definition));
+#endif
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,181 @@
+// The program of every worker: `WORKER PARENT_PID MEMORY_BYTES`, with its end of the socket at kSocketFd. Which solvers
+// it has is decided by the list it is linked with.
+
+#include <charconv>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <new>
+#include <string>
+#include <string_view>
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "adapters/worker_channel.h"
+#include "adapters/worker_protocol.h"
+#include "core/registry.h"
+#include "core/timed_solve.h"
+
+#if defined(__SANITIZE_ADDRESS__)
+#define LCPBENCH_ADDRESS_SANITIZER 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define LCPBENCH_ADDRESS_SANITIZER 1
+#endif
+#endif
+
+namespace lcpbench::worker {
+namespace {
+
+constexpr int kExitUsage = 2;
+constexpr int kExitProtocol = 70;
+/// What a library may write to any one file; the stderr that the program reads is as long.
+constexpr rlim_t kFileBytes = 4096;
+
+template <class Number>
+bool parse_number(std::string_view text, Number& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+void limit(decltype(RLIMIT_AS) resource, rlim_t value) {
+  const rlimit both{value, value};
+  setrlimit(resource, &both);
+}
+
+/// Dies with the program, leaves no core and no files behind, takes no more memory than it is given.
+void confine(rlim_t memory_bytes) {
+#ifndef LCPBENCH_ADDRESS_SANITIZER  // its shadow memory alone is terabytes of address space
+  limit(RLIMIT_AS, memory_bytes);
+#else
+  static_cast<void>(memory_bytes);
+#endif
+  limit(RLIMIT_CORE, 0);
+  limit(RLIMIT_FSIZE, kFileBytes);
+  signal(SIGXFSZ, SIG_IGN);
+  if (chdir("/proc") != 0 && chdir("/") != 0) _exit(kExitProtocol);  // nobody, not even root, can make files in /proc
+}
+
+void greet() {
+  Greeting greeting;
+  for (const RegisteredSolver& solver : registered_solvers()) greeting.solvers.push_back(solver.definition.name);
+  std::vector<std::byte> packet(write_greeting(greeting, {}));
+  write_greeting(greeting, packet);
+  if (!send_packet(kSocketFd, packet)) _exit(kExitProtocol);
+}
+
+[[noreturn]] void give_up(const std::string& cause) {
+  std::fprintf(stderr, "%s\n", cause.c_str());
+  _exit(kExitProtocol);
+}
+
+/// The solver of the last request, kept while its spec stays the same.
+class CurrentSolver {
+ public:
+  Solver& get(const std::string& spec) {
+    if (!solver_ || spec != spec_) {
+      solver_.reset();
+      solver_ = make_solver(parse_spec(spec));
+      spec_ = spec;
+    }
+    return *solver_;
+  }
+
+ private:
+  std::string spec_;
+  std::unique_ptr<Solver> solver_;
+};
+
+void fail(Response& response, Claim claim, const std::string& detail) {
+  response.result = TimedAnswer{};
+  response.result.answer.claim = claim;
+  response.result.answer.detail = detail;
+  response.retiring = true;
+}
+
+void solve(CurrentSolver& current, const Request& request, Response& response) {
+  const double begin_s = wall_clock_s();
+  try {
+    timed_solve(current.get(request.solver), request.problem, request.timing, response.result);
+    const std::string lengths = wrong_lengths(response.result.answer, answer_sizes(request.problem));
+    if (!lengths.empty()) fail(response, Claim::kCrashed, "returned no answer: " + lengths);
+  } catch (const std::bad_alloc&) {
+    fail(response, Claim::kNumericalFailure, "out of memory");
+  } catch (const std::exception& error) {
+    fail(response, Claim::kNumericalFailure, std::string("exception: ") + error.what());
+  } catch (...) {
+    fail(response, Claim::kNumericalFailure, "exception of an unknown type");
+  }
+  response.busy_s = wall_clock_s() - begin_s;
+}
+
+Response answer(CurrentSolver& current, std::span<const std::byte> request_bytes, std::uint64_t sequence) {
+  Response response;
+  response.sequence = sequence;
+  Parsed<Request> request = parse_request(request_bytes);
+  if (!request.ok()) {
+    fail(response, Claim::kNumericalFailure, "the request is not valid: " + request.error);
+    return response;
+  }
+  solve(current, request.value, response);
+  return response;
+}
+
+void check(const RequestNotice& notice, std::size_t region_bytes) {
+  if (notice.magic != kMagic) give_up("the notice of a request is not valid");
+  if (notice.request_bytes > notice.response_offset || notice.response_offset > region_bytes ||
+      notice.response_bytes > region_bytes - notice.response_offset) {
+    give_up("the notice of a request does not fit the shared memory");
+  }
+}
+
+[[noreturn]] void serve() {
+  CurrentSolver current;
+  SharedRegion region;
+  for (;;) {
+    RequestNotice notice;
+    UniqueFd attached;
+    const ssize_t received = receive_packet(kSocketFd, std::as_writable_bytes(std::span(&notice, 1)), &attached);
+    if (received <= 0) _exit(0);  // the program is gone
+    if (received != sizeof notice) give_up("the notice of a request has a wrong size");
+    if (attached) {
+      region = SharedRegion();
+      region = SharedRegion::adopt(std::move(attached));
+    }
+    check(notice, region.bytes().size());
+    const Response response = answer(current, region.bytes().first(notice.request_bytes), notice.sequence);
+    write_response(response, region.bytes().subspan(notice.response_offset, notice.response_bytes));
+    ResponseNotice done;
+    done.sequence = notice.sequence;
+    if (!send_packet(kSocketFd, std::as_bytes(std::span(&done, 1)))) _exit(0);
+    if (response.retiring) _exit(0);
+  }
+}
+
+int run(int argc, char** argv) {
+  pid_t parent = 0;
+  rlim_t memory_bytes = 0;
+  if (argc != 3 || !parse_number(argv[1], parent) || !parse_number(argv[2], memory_bytes)) {
+    std::fputs("This is a worker of lcpbench; lcpbench starts it.\n", stderr);
+    return kExitUsage;
+  }
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) return 0;  // it died before the line above
+  confine(memory_bytes);
+  try {
+    greet();
+    serve();
+  } catch (const std::exception& error) {
+    give_up(error.what());
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench::worker
+
+int main(int argc, char** argv) { return lcpbench::worker::run(argc, argv); }
