@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "core/isa.h"
+#include "core/settings.h"
+#include "core/solver.h"
+#include "native/lemke_engine.h"
+
+namespace lcpbench {
+
+enum class LemkeEngine { kDense, kKernel };
+enum class LemkeUpdate { kResolve, kIncremental };
+enum class LemkeCap { kPaper, kLemke };
+
+struct LemkeSettings {
+  LemkeEngine engine = LemkeEngine::kKernel;
+  double pivot_tolerance = 1e-10;
+  double zero_tolerance = 1e-8;
+  LemkeUpdate update = LemkeUpdate::kResolve;
+  LemkeCap cap = LemkeCap::kPaper;
+  std::int64_t max_pivots = 0;
+
+  void visit(auto&& field) {
+    field("engine", engine, Choices<LemkeEngine>{{{"dense", LemkeEngine::kDense}, {"kernel", LemkeEngine::kKernel}}},
+          "what is factored afresh at each pivot: the whole basis, or its kernel of nonbasic rows only");
+    field("pivot_tolerance", pivot_tolerance, RealRange{.min = 0}, "a row may leave only if its pivot is larger");
+    field("zero_tolerance", zero_tolerance, RealRange{.min = 0},
+          "slack of the ratio test, and of q >= 0 in the test for z = 0");
+    field("update", update,
+          Choices<LemkeUpdate>{{{"resolve", LemkeUpdate::kResolve}, {"incremental", LemkeUpdate::kIncremental}}},
+          "basic values solved from the basis at each pivot, or updated by x - ratio d");
+    field("cap", cap, Choices<LemkeCap>{{{"paper", LemkeCap::kPaper}, {"lemke", LemkeCap::kLemke}}},
+          "limit on pivots: max(1000, n^2) as in the paper, or min(1000, 50 n) as in LEMKE");
+    field("max_pivots", max_pivots, IntegerRange{.min = 0, .max = std::int64_t{1} << 40},
+          "another limit on pivots; 0: the one that `cap` names");
+  }
+};
+
+/// One exchange. Variables are numbered w_i = i, z_i = n + i, artificial = 2 n.
+struct LemkePivot {
+  Index entering = 0;
+  Index leaving = 0;
+  bool operator==(const LemkePivot&) const = default;
+};
+
+/// Solves LCP(q, M) by Lemke's complementary pivoting with the rules of LEMKE, the program behind the study of
+/// Drumwright and Shell (2012).
+///
+/// Covering vector 1 where q_i < 0 and 0 elsewhere; ratio test with a zero tolerance, ties to the largest pivot, the
+/// artificial variable preferred. Processes any copositive-plus M in exact arithmetic without degeneracy [Cottle, Pang,
+/// Stone 1992, 4.4]; ties are not broken lexicographically, so that degenerate problems may cycle up to the limit on
+/// pivots. Cost per pivot: engine=dense 2/3 n^3; engine=kernel O(k^3 + n k) with k the number of basic z.
+/// See docs/lemke.md.
+///
+/// kSolved: the artificial variable left the basis; kUnsolvable: no row blocks the entering variable (a ray: proof of
+/// nothing but for copositive-plus M); kIterationLimit, kTimeLimit; kNumericalFailure: singular or overflowing basis.
+/// z is zero unless kSolved.
+class Lemke final : public Solver {
+ public:
+  /// @param level instruction-set level of the engine; must not exceed best_isa_level().
+  explicit Lemke(const LemkeSettings& settings, IsaLevel level = isa_level());
+  ~Lemke() override;
+
+  const Capabilities& capabilities() const override { return capabilities_; }
+
+  /// Appends every pivot of later solves to `pivots`, for tests; nullptr ends it. Not owned.
+  void record_pivots(std::vector<LemkePivot>* pivots) { recorded_ = pivots; }
+
+ private:
+  void on_load(const Problem& problem) override;
+  void on_solve(const SolveRequest& request, Answer& answer) override;
+  void load_contact(const ContactProblem& contact);
+  void load_matrix(const Lcp& lcp);
+
+  LemkeSettings settings_;
+  Capabilities capabilities_;
+  const lemke::Engine& engine_;
+  void* state_ = nullptr;
+  std::vector<LemkePivot>* recorded_ = nullptr;
+};
+
+/// What the solver promises with these settings.
+Capabilities lemke_capabilities(const LemkeSettings& settings);
+
+}  // namespace lcpbench
