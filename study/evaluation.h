@@ -7,25 +7,55 @@
 
 namespace lcpbench {
 
+/// The verdict's bound on the relative velocity residual rho of a contact problem.
+inline constexpr double kSolvedVelocityResidual = 1e-4;
+/// The verdict's bound on the row-norm backward error of a bare LCP.
+inline constexpr double kSolvedBackwardError = 1e-9;
+/// The paper's criterion: bounds on the work gain [J] and on the normal violation [m/s].
+inline constexpr double kCriterionWork = 1e-3;
+inline constexpr double kCriterionViolation = 1e-3;
+
 /// The error measures of one answer, all from the raw data in 113-bit arithmetic, by code that knows no solver.
-/// NaN: the measure does not apply (no contact data) or z is no answer (empty, wrong length, not finite).
+///
+/// v+ = v + G* (N f_N + D f_D) is recomputed from z. w is the complement of z: N'v+ [m/s], D'v+ + lambda [m/s], and
+/// mu f_N less the sum of the contact's f_D [N s]. Quotients follow 0/0 = 0 and x/0 = infinity.
+/// NaN: the measure does not apply (no contact data), or z is no answer (empty, wrong length, not finite), or the
+/// problem's data are not finite. Infinity: the measure exceeds the largest double.
 struct Errors {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
+  /// r: the largest |min(M_ii z_i, w_i)| of the normal and friction rows and |min(lambda_i, M_nn,ii w_i)| of the cone
+  /// rows, M_nn,ii being the diagonal entry of the contact's normal row. Where M_ii = 0 the impulse moves nothing, and
+  /// only w_i >= 0 is asked for.
   double velocity_residual_m_per_s = kNone;
-  double velocity_residual_relative = kNone;  ///< the verdict's measure, rho
+  double velocity_residual_relative = kNone;  ///< the verdict's measure, rho = r / max|q|
   double natural_residual = kNone;            ///< max |min(z_i, w_i)|: mixes units; for comparison with other studies
   double backward_componentwise = kNone;      ///< eta_mix, componentwise scale
   double backward_row_norm = kNone;           ///< eta_mix, row-norm scale
-  double forward_velocity = kNone;            ///< against a certified v*; NaN where none is known
-  double violation_m_per_s = kNone;           ///< max(0, -min N'v+)
-  double work_gain_j = kNone;                 ///< 1/2 (v+ - v)' G (v+ + v)
-  double complementarity_j = kNone;           ///< z'w
-  double cone_violation = kNone;              ///< [N s]
-  double min_z = kNone;
-  bool usable = false;     ///< z is finite and of the right length
-  bool solved = false;     ///< rho <= 1e-4 (bare LCP: backward_row_norm <= 1e-9)
-  bool criterion = false;  ///< passes the paper's criterion (contact problems only)
+  double forward_velocity = kNone;            ///< ||v+ - v*||_G / ||v||_G; NaN where no v*, or no G, is known
+  double forward_normal = kNone;              ///< max|N'(v+ - v*)| / max|N'v|
+  double forward_velocity_returned = kNone;   ///< as forward_velocity, of the velocity that the solver returned
+  double forward_normal_returned = kNone;     ///< as forward_normal, of the velocity that the solver returned
+  /// How far the returned velocity u is from what z implies: the largest |G (u - v) - J f|_i relative to
+  /// (|G| (|u| + |v|) + |J| f)_i, the scale of rounding in it. 1e-16 is rounding; above 1e-9 u and z are two answers.
+  /// Singular G: G (v+ - v) stands for J f, and the part of u - v outside the range of G, relative to max|u| + max|v|,
+  /// counts too. Only G* known: |u - v - G* J f|_i relative to (|u| + |v| + |G*| |J| f)_i.
+  /// NaN where no velocity came back; infinity for a velocity of another length or not finite.
+  double velocity_mismatch = kNone;
+  double violation_m_per_s = kNone;   ///< max(0, -min N'v+)
+  double violation_relative = kNone;  ///< violation / max|N'v|
+  /// 1/2 (v+ - v)'G (v+ + v), with G itself: for a singular G this is not z'q + 1/2 z'M z.
+  /// Where only G* is known, G (v+ - v) is replaced by J f, which is the same unless G* is singular.
+  double work_gain_j = kNone;
+  double work_gain_relative = kNone;        ///< work gain / kinetic energy 1/2 v'G v; NaN where only G* is known
+  double complementarity_j = kNone;         ///< z'w
+  double complementarity_relative = kNone;  ///< z'w / sum |z_i w_i|, within [-1, 1]
+  double cone_violation = kNone;            ///< max over contacts of max(0, sum f_D - mu f_N) [N s]
+  double cone_violation_relative = kNone;   ///< cone violation / largest |impulse|
+  double min_z = kNone;                     ///< 0 for n = 0
+  bool usable = false;                      ///< z is finite and of the right length
+  bool solved = false;     ///< rho <= 1e-4 (bare LCP: backward_row_norm <= 1e-9), and r (eta) is no overflow
+  bool criterion = false;  ///< passes the paper's criterion: no test of sign, cone, complementarity (contact only)
 };
 
 /// What is known of a problem whoever solved it.
@@ -37,27 +67,38 @@ enum class Verdict { kSolved, kCriterionOnly, kWrong, kUnsolvable, kMissed, kOpe
 const char* to_string(Verdict verdict);
 
 /// The verdict on an answer. Every combination of claim, truth and errors is fixed by the table in docs/verdicts.md.
+/// @param truth  kSolvable also when another solver's answer was found solved.
 Verdict verdict(Claim claim, const Errors& errors, Truth truth);
 
 /// Claimed solved, and the verdict is wrong or unsolvable.
 bool false_claim(Claim claim, Verdict verdict);
 
-/// Evaluates answers to one problem. Keeps the problem's data in 113-bit arithmetic; columns of M are formed once, when
-/// an answer first uses them. One object per thread.
+/// Evaluates answers to one problem. Keeps the problem's data in 113-bit arithmetic; what an answer needs of M is
+/// formed when it first needs it. Contact problems never form M. One object per thread.
 class Evaluator {
  public:
   explicit Evaluator(const Problem& problem);
   ~Evaluator();
 
-  /// Every measure of the answer's z (and, for forward errors, its velocity).
+  /// Every measure of the answer's z and of its velocity.
   Errors errors(const Answer& answer);
 
-  /// kSolvable when theory proves it from the data (contact problem, G positive definite, checked here in 113 bits);
-  /// else kUnknown. kUnsolvable needs a proof: see check_farkas.
+  /// Makes known the certified post-impact velocity v* (ngc): errors() then gives the forward errors too. It is for the
+  /// caller to know that v* is the only one (frictionless, positive definite G).
+  /// @throws std::invalid_argument for a bare LCP, or v* of another length or not finite.
+  void set_certified_velocity(const Vector& v_star);
+
+  /// kSolvable when theory proves it from the data, else kUnknown; kUnsolvable needs a proof, see check_farkas.
+  ///
+  /// Contact problem with mu >= 0 and G (or the given G*) proven positive definite here in 113 bits: solvable for any
+  /// rank of N and D. M is copositive, z'M z = 0 forces J f = 0 and so q'z = v'J f = 0, and a copositive LCP whose q is
+  /// nonnegative on the solutions of LCP(0, M) is solvable. [Anitescu, Potra 1997; Cottle, Pang, Stone 1992, Thm 3.8.6]
+  /// Bare LCP of at most 64 rows: M + M' proven positive definite in the same way. [ibid., Thm 3.1.6]
   Truth truth() const;
 
   /// True when u (nc entries, >= 0) proves in exact dyadic arithmetic that the contact problem has no solution:
-  /// N u in null(G) and v'N u < 0; for a bare LCP: u >= 0, M'u <= 0, q'u < 0.
+  /// N u in null(G) and v'N u < 0; for a bare LCP: u >= 0, M'u <= 0, q'u < 0. See study/farkas.h. A u that holds only
+  /// to rounding, as floating-point solvers return it for real data, is no proof: false.
   bool check_farkas(const Vector& u) const;
 
  private:

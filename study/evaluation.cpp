@@ -1,0 +1,265 @@
+#include "study/evaluation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+
+#include "study/backward_error.h"
+#include "study/farkas.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr Index kLargestBareOrderForTruth = 64;
+
+QuadVector quad(const Vector& x) { return QuadVector(x.begin(), x.end()); }
+
+Quad quotient(Quad value, Quad scale) {
+  if (value == 0) return 0;
+  return scale == 0 ? Quad{std::numeric_limits<double>::infinity()} : value / scale;
+}
+
+Quad dot(const QuadVector& a, const QuadVector& b) {
+  Quad sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+Quad max_abs(const QuadVector& x) {
+  Quad largest = 0;
+  for (const Quad value : x) largest = std::max(largest, abs(value));
+  return largest;
+}
+
+QuadVector difference(QuadVector a, const QuadVector& b) {
+  for (std::size_t i = 0; i < a.size(); ++i) a[i] -= b[i];
+  return a;
+}
+
+QuadVector sum(QuadVector a, const QuadVector& b) {
+  for (std::size_t i = 0; i < a.size(); ++i) a[i] += b[i];
+  return a;
+}
+
+QuadVector magnitudes(QuadVector x) {
+  for (Quad& value : x) value = abs(value);
+  return x;
+}
+
+bool all_finite(const QuadVector& x) {
+  return std::all_of(x.begin(), x.end(), [](Quad value) { return is_finite(value); });
+}
+
+// max_i value_i / scale_i
+Quad largest_quotient(const QuadVector& values, const QuadVector& scales) {
+  Quad largest = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) largest = std::max(largest, quotient(abs(values[i]), scales[i]));
+  return largest;
+}
+
+Truth bare_truth(const Lcp& lcp) {
+  if (lcp.size() > kLargestBareOrderForTruth) return Truth::kUnknown;
+  QuadMatrix symmetric(lcp.M);
+  for (std::size_t i = 0; i < symmetric.rows; ++i) {
+    for (std::size_t j = 0; j <= i; ++j) symmetric(i, j) = symmetric(j, i) = symmetric(i, j) + symmetric(j, i);
+  }
+  return lcp.q.allFinite() && proven_positive_definite(symmetric, 1) ? Truth::kSolvable : Truth::kUnknown;
+}
+
+}  // namespace
+
+// The contact side of an Evaluator: what needs v, N, D, mu and G apart.
+struct ContactEvaluation {
+  explicit ContactEvaluation(const ContactProblem& contact) : problem(contact), inertia(contact.inertia) {
+    if (inertia.well_defined()) lcp.emplace(contact, inertia);
+  }
+
+  void measure(const QuadVector& z, const QuadVector& v_plus, const QuadVector& w, Errors& errors);
+  void measure_returned(const Vector& velocity, const QuadVector& z, const QuadVector& v_plus, Errors& errors) const;
+
+  const ContactProblem& problem;
+  QuadInertia inertia;
+  std::optional<ContactQuadLcp> lcp;
+  std::optional<QuadVector> v_star;
+
+ private:
+  Quad velocity_residual(const QuadVector& z, const QuadVector& w);
+  Quad largest_normal_velocity(const QuadVector& velocity) const;
+  Quad mismatch(const QuadVector& velocity, const QuadVector& z, const QuadVector& v_plus) const;
+  void measure_work(const QuadVector& z, const QuadVector& v_plus, Errors& errors) const;
+  void measure_cone(const QuadVector& z, const QuadVector& w, Errors& errors) const;
+  double forward_velocity(const QuadVector& velocity) const;
+  double forward_normal(const QuadVector& velocity) const;
+};
+
+Quad ContactEvaluation::velocity_residual(const QuadVector& z, const QuadVector& w) {
+  // M_ii is needed only where its factor is not zero.
+  const auto scaled = [this](std::size_t row, Quad factor) {
+    return factor == 0 ? factor : lcp->diagonal(row) * factor;
+  };
+  Quad residual = 0;
+  for (std::size_t i = 0; i < lcp->impulses(); ++i) residual = std::max(residual, abs(std::min(scaled(i, z[i]), w[i])));
+  for (std::size_t i = lcp->impulses(); i < lcp->size(); ++i) {
+    residual = std::max(residual, abs(std::min(z[i], scaled(lcp->normal_of_cone(i), w[i]))));
+  }
+  return residual;
+}
+
+Quad ContactEvaluation::largest_normal_velocity(const QuadVector& velocity) const {
+  Quad largest = 0;
+  for (std::size_t i = 0; i < lcp->contacts(); ++i) largest = std::max(largest, abs(lcp->project(i, velocity)));
+  return largest;
+}
+
+void ContactEvaluation::measure_work(const QuadVector& z, const QuadVector& v_plus, Errors& errors) const {
+  const QuadVector& v = lcp->velocity_before();
+  const QuadVector momentum =
+      inertia.has_inertia() ? inertia.apply(difference(v_plus, v)) : lcp->generalized_impulse(z);
+  const Quad work = dot(momentum, sum(v_plus, v)) / 2;
+  errors.work_gain_j = to_double(work);
+  if (inertia.has_inertia()) errors.work_gain_relative = to_double(quotient(work, dot(v, inertia.apply(v)) / 2));
+}
+
+void ContactEvaluation::measure_cone(const QuadVector& z, const QuadVector& w, Errors& errors) const {
+  Quad violation = 0;
+  for (std::size_t i = lcp->impulses(); i < lcp->size(); ++i) violation = std::max(violation, -w[i]);
+  Quad largest_impulse = 0;
+  for (std::size_t i = 0; i < lcp->impulses(); ++i) largest_impulse = std::max(largest_impulse, abs(z[i]));
+  errors.cone_violation = to_double(violation);
+  errors.cone_violation_relative = to_double(quotient(violation, largest_impulse));
+}
+
+void ContactEvaluation::measure(const QuadVector& z, const QuadVector& v_plus, const QuadVector& w, Errors& errors) {
+  Quad largest_q = 0;
+  for (std::size_t i = 0; i < lcp->size(); ++i) largest_q = std::max(largest_q, abs(lcp->q(i)));
+  const Quad residual = velocity_residual(z, w);
+  errors.velocity_residual_m_per_s = to_double(residual);
+  errors.velocity_residual_relative = to_double(quotient(residual, largest_q));
+
+  Quad violation = 0;
+  for (std::size_t i = 0; i < lcp->contacts(); ++i) violation = std::max(violation, -w[i]);
+  errors.violation_m_per_s = to_double(violation);
+  errors.violation_relative = to_double(quotient(violation, largest_normal_velocity(lcp->velocity_before())));
+  measure_work(z, v_plus, errors);
+  measure_cone(z, w, errors);
+  errors.forward_velocity = forward_velocity(v_plus);
+  errors.forward_normal = forward_normal(v_plus);
+
+  errors.solved =
+      errors.velocity_residual_relative <= kSolvedVelocityResidual && std::isfinite(errors.velocity_residual_m_per_s);
+  errors.criterion = errors.work_gain_j < kCriterionWork && errors.violation_m_per_s < kCriterionViolation;
+}
+
+Quad ContactEvaluation::mismatch(const QuadVector& velocity, const QuadVector& z, const QuadVector& v_plus) const {
+  const QuadVector& v = lcp->velocity_before();
+  const QuadVector speeds = sum(magnitudes(velocity), magnitudes(v));
+  const QuadVector impulse_scale = lcp->generalized_impulse_scale(z);
+  const QuadVector apart = difference(velocity, v_plus);
+  if (!inertia.has_inertia()) return largest_quotient(apart, sum(speeds, inertia.scale(impulse_scale)));
+  const Quad in_range = largest_quotient(inertia.apply(apart), sum(inertia.scale(speeds), impulse_scale));
+  const Quad outside = max_abs(inertia.outside_range(difference(velocity, v)));
+  return std::max(in_range, quotient(outside, max_abs(velocity) + max_abs(v)));
+}
+
+void ContactEvaluation::measure_returned(const Vector& velocity, const QuadVector& z, const QuadVector& v_plus,
+                                         Errors& errors) const {
+  if (velocity.size() == 0) return;
+  if (velocity.size() != problem.ngc() || !velocity.allFinite()) {
+    errors.velocity_mismatch = std::numeric_limits<double>::infinity();
+    return;
+  }
+  const QuadVector returned = quad(velocity);
+  errors.velocity_mismatch = to_double(mismatch(returned, z, v_plus));
+  errors.forward_velocity_returned = forward_velocity(returned);
+  errors.forward_normal_returned = forward_normal(returned);
+}
+
+double ContactEvaluation::forward_velocity(const QuadVector& velocity) const {
+  if (!v_star || !inertia.has_inertia()) return Errors::kNone;
+  const QuadVector apart = difference(velocity, *v_star);
+  const QuadVector& v = lcp->velocity_before();
+  return to_double(quotient(sqrt(dot(apart, inertia.apply(apart))), sqrt(dot(v, inertia.apply(v)))));
+}
+
+double ContactEvaluation::forward_normal(const QuadVector& velocity) const {
+  if (!v_star) return Errors::kNone;
+  return to_double(quotient(largest_normal_velocity(difference(velocity, *v_star)),
+                            largest_normal_velocity(lcp->velocity_before())));
+}
+
+struct Evaluator::Data {
+  explicit Data(const Problem& the_problem) : problem(the_problem) {
+    if (const ContactProblem* data = problem.contact()) {
+      contact.emplace(*data);
+    } else {
+      bare.emplace(problem.lcp());
+    }
+  }
+
+  // nullptr when the data allow no evaluation.
+  QuadLcp* lcp() {
+    if (bare) return &*bare;
+    return contact->lcp ? &*contact->lcp : nullptr;
+  }
+
+  Problem problem;  // keeps the data alive that the others refer to
+  std::optional<BareQuadLcp> bare;
+  std::optional<ContactEvaluation> contact;
+};
+
+Evaluator::Evaluator(const Problem& problem) : data_(std::make_unique<Data>(problem)) {}
+Evaluator::~Evaluator() = default;
+
+Errors Evaluator::errors(const Answer& answer) {
+  Errors errors;
+  errors.usable = answer.z.size() == data_->problem.size() && answer.z.allFinite();
+  QuadLcp* lcp = data_->lcp();
+  if (!errors.usable || lcp == nullptr) return errors;
+
+  const QuadVector z = quad(answer.z);
+  const QuadVector u = lcp->response(z);
+  const QuadVector w = lcp->all_rows(z, u);
+  if (!all_finite(w) || !all_finite(u)) return errors;
+
+  Quad natural = 0;
+  Quad magnitude = 0;
+  for (std::size_t i = 0; i < z.size(); ++i) {
+    natural = std::max(natural, abs(std::min(z[i], w[i])));
+    magnitude += abs(z[i] * w[i]);
+  }
+  errors.natural_residual = to_double(natural);
+  errors.complementarity_j = to_double(dot(z, w));
+  errors.complementarity_relative = to_double(quotient(dot(z, w), magnitude));
+  errors.min_z = z.empty() ? 0 : answer.z.minCoeff();
+  errors.backward_componentwise = to_double(mixed_backward_error(*lcp, z, BackwardScale::kComponentwise));
+  errors.backward_row_norm = to_double(mixed_backward_error(*lcp, z, BackwardScale::kRowNorm));
+  if (data_->contact) {
+    data_->contact->measure(z, u, w, errors);
+    data_->contact->measure_returned(answer.velocity, z, u, errors);
+  } else {
+    errors.solved = errors.backward_row_norm <= kSolvedBackwardError;
+  }
+  return errors;
+}
+
+void Evaluator::set_certified_velocity(const Vector& v_star) {
+  if (!data_->contact || v_star.size() != data_->contact->problem.ngc() || !v_star.allFinite()) {
+    throw std::invalid_argument("set_certified_velocity: needs a contact problem and ngc finite entries");
+  }
+  data_->contact->v_star = quad(v_star);
+}
+
+Truth Evaluator::truth() const {
+  if (!data_->contact) return bare_truth(data_->problem.lcp());
+  const ContactProblem& problem = data_->contact->problem;
+  const bool proven =
+      problem.v.allFinite() && (problem.mu.array() >= 0).all() && data_->contact->inertia.proven_positive_definite();
+  return proven ? Truth::kSolvable : Truth::kUnknown;
+}
+
+bool Evaluator::check_farkas(const Vector& u) const {
+  return data_->contact ? proves_unsolvable(data_->contact->problem, u) : proves_unsolvable(data_->problem.lcp(), u);
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,138 @@
+#include "study/farkas.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <boost/multiprecision/cpp_int.hpp>
+
+namespace lcpbench {
+namespace {
+
+// mantissa * 2^exponent, exactly.
+class Dyadic {
+ public:
+  Dyadic() = default;
+  explicit Dyadic(double value) {
+    if (value == 0) return;
+    int exponent = 0;
+    mantissa_ = static_cast<std::int64_t>(std::ldexp(std::frexp(value, &exponent), kDoubleBits));
+    exponent_ = exponent - kDoubleBits;
+  }
+
+  int sign() const { return mantissa_.sign(); }
+
+  Dyadic& operator+=(const Dyadic& other) {
+    if (other.sign() == 0) return *this;
+    if (sign() == 0) return *this = other;
+    if (exponent_ > other.exponent_) {
+      mantissa_ <<= static_cast<unsigned>(exponent_ - other.exponent_);
+      exponent_ = other.exponent_;
+      mantissa_ += other.mantissa_;
+    } else {
+      mantissa_ += other.mantissa_ << static_cast<unsigned>(other.exponent_ - exponent_);
+    }
+    return *this;
+  }
+
+  friend Dyadic operator*(const Dyadic& a, const Dyadic& b) {
+    Dyadic product;
+    product.mantissa_ = a.mantissa_ * b.mantissa_;
+    product.exponent_ = a.exponent_ + b.exponent_;
+    return product;
+  }
+
+ private:
+  static constexpr int kDoubleBits = 53;
+
+  boost::multiprecision::cpp_int mantissa_ = 0;
+  long exponent_ = 0;
+};
+
+using DyadicVector = std::vector<Dyadic>;
+
+DyadicVector exact(const Vector& x) {
+  DyadicVector y;
+  for (const double value : x) y.emplace_back(value);
+  return y;
+}
+
+bool is_zero(const DyadicVector& x) {
+  return std::all_of(x.begin(), x.end(), [](const Dyadic& value) { return value.sign() == 0; });
+}
+
+Dyadic dot(const Vector& a, const DyadicVector& b) {
+  Dyadic sum;
+  for (Index i = 0; i < a.size(); ++i) sum += Dyadic(a(i)) * b[static_cast<std::size_t>(i)];
+  return sum;
+}
+
+// A'x for the rows of x from `begin` on that A has.
+DyadicVector transposed_times(const Matrix& A, const DyadicVector& x, std::size_t begin) {
+  DyadicVector y(static_cast<std::size_t>(A.cols()));
+  for (Index j = 0; j < A.cols(); ++j) {
+    for (Index i = 0; i < A.rows(); ++i) {
+      y[static_cast<std::size_t>(j)] += Dyadic(A(i, j)) * x[begin + static_cast<std::size_t>(i)];
+    }
+  }
+  return y;
+}
+
+DyadicVector times(const Jacobian& N, const DyadicVector& u) {
+  DyadicVector p(static_cast<std::size_t>(rows(N)));
+  for (Index j = 0; j < cols(N); ++j) {
+    const Dyadic& u_j = u[static_cast<std::size_t>(j)];
+    if (u_j.sign() == 0) continue;
+    if (const auto* dense = std::get_if<Matrix>(&N)) {
+      for (Index i = 0; i < dense->rows(); ++i) p[static_cast<std::size_t>(i)] += Dyadic((*dense)(i, j)) * u_j;
+    } else {
+      for (SparseMatrix::InnerIterator entry(std::get<SparseMatrix>(N), j); entry; ++entry) {
+        p[static_cast<std::size_t>(entry.row())] += Dyadic(entry.value()) * u_j;
+      }
+    }
+  }
+  return p;
+}
+
+struct NullSpaceTest {
+  const DyadicVector& p;
+
+  bool operator()(const DenseInertia& inertia) const { return is_zero(transposed_times(inertia.G, p, 0)); }
+  bool operator()(const BlockInertia& inertia) const {
+    std::size_t begin = 0;
+    for (const Matrix& block : inertia.blocks) {
+      if (!is_zero(transposed_times(block, p, begin))) return false;
+      begin += static_cast<std::size_t>(block.rows());
+    }
+    return true;
+  }
+  bool operator()(const FactoredInertia& inertia) const {
+    for (Index k = 0; k < inertia.X.cols(); ++k) {
+      if (inertia.alpha(k) != 0 && dot(inertia.X.col(k), p).sign() != 0) return false;
+    }
+    return true;
+  }
+  bool operator()(const InverseInertia& inertia) const { return is_zero(transposed_times(inertia.Ginv, p, 0)); }
+};
+
+bool nonnegative(const Vector& u) {
+  return std::all_of(u.begin(), u.end(), [](double value) { return value >= 0 && std::isfinite(value); });
+}
+
+}  // namespace
+
+bool proves_unsolvable(const ContactProblem& problem, const Vector& u) {
+  if (u.size() != problem.nc() || !nonnegative(u)) return false;
+  const DyadicVector p = times(problem.N, exact(u));
+  return dot(problem.v, p).sign() < 0 && std::visit(NullSpaceTest{p}, problem.inertia);
+}
+
+bool proves_unsolvable(const Lcp& lcp, const Vector& u) {
+  if (u.size() != lcp.size() || !nonnegative(u)) return false;
+  const DyadicVector exact_u = exact(u);
+  if (!(dot(lcp.q, exact_u).sign() < 0)) return false;
+  const DyadicVector columns = transposed_times(lcp.M, exact_u, 0);
+  return std::all_of(columns.begin(), columns.end(), [](const Dyadic& value) { return value.sign() <= 0; });
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "core/contact_problem.h"
+#include "core/lcp.h"
+
+namespace lcpbench {
+
+/// Whether u proves, in exact dyadic arithmetic on the doubles given, that no solution exists.
+///
+/// Contact problem: u (nc) >= 0, N u in null(G) and v'N u < 0. No impulse can then change u'N'v+ = v'N u < 0, so some
+/// normal velocity stays negative. null(G): X'N u = 0 for factors (those of alpha = 0 left out), G N u = 0 for a given
+/// G, G* N u = 0 where only G* is known (G symmetric).
+/// Every number is a double, so sums and products are exact integers times a power of two; a u whose equalities hold
+/// only to rounding proves nothing. False for a u of another length, with NaN, infinite or negative entries.
+/// O(nnz(N) + ngc^2) exact operations.
+bool proves_unsolvable(const ContactProblem& problem, const Vector& u);
+
+/// Bare LCP: u (n) >= 0, M'u <= 0 and q'u < 0, so that no z >= 0 has M z + q >= 0. O(n^2) exact operations.
+bool proves_unsolvable(const Lcp& lcp, const Vector& u);
+
+}  // namespace lcpbench

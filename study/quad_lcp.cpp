@@ -1,0 +1,265 @@
+#include "study/quad_lcp.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace lcpbench {
+
+QuadVector QuadLcp::all_rows(const QuadVector& z, const QuadVector& u) const {
+  QuadVector w(size());
+  for (std::size_t i = 0; i < size(); ++i) w[i] = row(i, z, u);
+  return w;
+}
+
+BareQuadLcp::BareQuadLcp(const Lcp& lcp) : lcp_(lcp) { q_.assign(lcp.q.begin(), lcp.q.end()); }
+
+QuadVector BareQuadLcp::response(const QuadVector& z) {
+  QuadVector w = q_;
+  for (std::size_t j = 0; j < size(); ++j) remove(j, -z[j], w);
+  return w;
+}
+
+void BareQuadLcp::remove(std::size_t j, Quad value, QuadVector& u) {
+  if (value == 0) return;
+  for (std::size_t i = 0; i < size(); ++i) u[i] -= M(i, j) * value;
+}
+
+Quad BareQuadLcp::row(std::size_t i, const QuadVector&, const QuadVector& u) const { return u[i]; }
+
+Quad BareQuadLcp::diagonal(std::size_t i) { return M(i, i); }
+
+Quad BareQuadLcp::abs_row_times(std::size_t i, const QuadVector& z, std::span<const std::size_t> support) {
+  Quad sum = 0;
+  for (const std::size_t j : support) sum += abs(M(i, j) * z[j]);
+  return sum;
+}
+
+Quad BareQuadLcp::abs_row_sum(std::size_t i) {
+  Quad sum = 0;
+  for (std::size_t j = 0; j < size(); ++j) sum += abs(Quad{M(i, j)});
+  return sum;
+}
+
+ContactQuadLcp::ContactQuadLcp(const ContactProblem& problem, const QuadInertia& inertia)
+    : inertia_(inertia), v_(problem.v.begin(), problem.v.end()), contacts_(static_cast<std::size_t>(problem.nc())) {
+  const ContactLayout layout = contact_layout(problem);
+  add_columns(problem.N);
+  add_columns(problem.D);
+  list_cones(problem, layout);
+  find_opposite_columns();
+  list_columns_of_rows();
+
+  q_.assign(impulses() + normal_of_cone_.size(), 0);
+  for (std::size_t i = 0; i < impulses(); ++i) q_[i] = project(i, v_);
+  responses_.resize(impulses());
+  abs_row_sum_.resize(impulses());
+  abs_row_sum_known_.resize(impulses(), false);
+  scratch_.assign(v_.size(), 0);
+  visited_.assign(impulses(), 0);
+}
+
+void ContactQuadLcp::add_columns(const Jacobian& J) {
+  for (Index j = 0; j < cols(J); ++j) add_column(J, j);
+}
+
+void ContactQuadLcp::add_column(const Jacobian& J, Index column) {
+  const auto append = [this](Index row, double value) {
+    if (value == 0) return;
+    rows_.push_back(static_cast<std::size_t>(row));
+    values_.push_back(value);
+  };
+  if (const auto* dense = std::get_if<Matrix>(&J)) {
+    for (Index i = 0; i < dense->rows(); ++i) append(i, (*dense)(i, column));
+  } else {
+    for (SparseMatrix::InnerIterator entry(std::get<SparseMatrix>(J), column); entry; ++entry) {
+      append(entry.row(), entry.value());
+    }
+  }
+  begin_.push_back(rows_.size());
+}
+
+void ContactQuadLcp::list_cones(const ContactProblem& problem, const ContactLayout& layout) {
+  const std::size_t lambda = impulses();
+  lambda_of_.resize(impulses(), 0);
+  friction_of_cone_.push_back(contacts_);
+  for (const Index contact : layout.cone_contact) {
+    const std::size_t cone = normal_of_cone_.size();
+    const std::size_t end =
+        contacts_ + static_cast<std::size_t>(layout.friction_begin[static_cast<std::size_t>(contact) + 1]);
+    std::fill(lambda_of_.begin() + static_cast<std::ptrdiff_t>(friction_of_cone_.back()),
+              lambda_of_.begin() + static_cast<std::ptrdiff_t>(end), lambda + cone);
+    friction_of_cone_.push_back(end);
+    normal_of_cone_.push_back(static_cast<std::size_t>(contact));
+    mu_.push_back(problem.mu(contact));
+  }
+}
+
+bool ContactQuadLcp::opposite(std::size_t i, std::size_t j) const {
+  const std::size_t count = begin_[i + 1] - begin_[i];
+  if (begin_[j + 1] - begin_[j] != count) return false;
+  for (std::size_t e = 0; e < count; ++e) {
+    if (rows_[begin_[i] + e] != rows_[begin_[j] + e] || !(values_[begin_[i] + e] == -values_[begin_[j] + e])) {
+      return false;
+    }
+  }
+  return true;
+}
+
+void ContactQuadLcp::find_opposite_columns() {
+  twin_.resize(impulses());
+  for (std::size_t i = 0; i < impulses(); ++i) twin_[i] = i;
+  for (std::size_t cone = 0; cone < normal_of_cone_.size(); ++cone) {
+    const std::size_t half = (friction_of_cone_[cone + 1] - friction_of_cone_[cone]) / 2;
+    for (std::size_t i = friction_of_cone_[cone] + half; i < friction_of_cone_[cone + 1]; ++i) {
+      if (opposite(i, i - half)) twin_[i] = i - half;
+    }
+  }
+}
+
+void ContactQuadLcp::list_columns_of_rows() {
+  row_begin_.assign(v_.size() + 1, 0);
+  for (const std::size_t row : rows_) ++row_begin_[row + 1];
+  for (std::size_t row = 0; row < v_.size(); ++row) row_begin_[row + 1] += row_begin_[row];
+  columns_of_row_.resize(rows_.size());
+  std::vector<std::size_t> next = row_begin_;
+  for (std::size_t j = 0; j < impulses(); ++j) {
+    for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) columns_of_row_[next[rows_[e]]++] = j;
+  }
+}
+
+Quad ContactQuadLcp::project(std::size_t i, const QuadVector& x) const {
+  Quad sum = 0;
+  for (std::size_t e = begin_[i]; e < begin_[i + 1]; ++e) sum += values_[e] * x[rows_[e]];
+  return sum;
+}
+
+QuadVector ContactQuadLcp::generalized_impulse(const QuadVector& z) const {
+  QuadVector impulse(v_.size(), 0);
+  for (std::size_t j = 0; j < impulses(); ++j) {
+    if (z[j] == 0) continue;
+    for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) impulse[rows_[e]] += values_[e] * z[j];
+  }
+  return impulse;
+}
+
+QuadVector ContactQuadLcp::generalized_impulse_scale(const QuadVector& z) const {
+  QuadVector scale(v_.size(), 0);
+  for (std::size_t j = 0; j < impulses(); ++j) {
+    if (z[j] == 0) continue;
+    for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) scale[rows_[e]] += abs(values_[e] * z[j]);
+  }
+  return scale;
+}
+
+QuadVector ContactQuadLcp::response(const QuadVector& z) {
+  QuadVector u = generalized_impulse(z);
+  inertia_.solve(u);
+  for (std::size_t i = 0; i < u.size(); ++i) u[i] += v_[i];
+  return u;
+}
+
+void ContactQuadLcp::remove(std::size_t j, Quad value, QuadVector& u) {
+  if (j >= impulses() || value == 0) return;
+  const Response& response = response_of(j);
+  const Quad signed_value = twin_[j] == j ? value : -value;
+  for (std::size_t e = 0; e < response.pattern.size(); ++e) u[response.pattern[e]] -= response.values[e] * signed_value;
+}
+
+Quad ContactQuadLcp::cone_row(std::size_t cone, const QuadVector& z) const {
+  Quad slack = mu_[cone] * z[normal_of_cone_[cone]];
+  for (std::size_t t = friction_of_cone_[cone]; t < friction_of_cone_[cone + 1]; ++t) slack -= z[t];
+  return slack;
+}
+
+Quad ContactQuadLcp::row(std::size_t i, const QuadVector& z, const QuadVector& u) const {
+  if (i >= impulses()) return cone_row(i - impulses(), z);
+  const Quad velocity = project(i, u);
+  return i < contacts_ ? velocity : velocity + z[lambda_of_[i]];
+}
+
+QuadVector ContactQuadLcp::all_rows(const QuadVector& z, const QuadVector& u) const {
+  QuadVector w(size());
+  for (std::size_t i = 0; i < impulses(); ++i) w[i] = twin_[i] == i ? project(i, u) : -w[twin_[i]];
+  for (std::size_t i = contacts_; i < impulses(); ++i) w[i] += z[lambda_of_[i]];
+  for (std::size_t i = impulses(); i < size(); ++i) w[i] = cone_row(i - impulses(), z);
+  return w;
+}
+
+const ContactQuadLcp::Response& ContactQuadLcp::response_of(std::size_t column) {
+  Response& response = responses_[twin_[column]];
+  if (response.known) return response;
+  const std::size_t j = twin_[column];
+  for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) {
+    scratch_[rows_[e]] = values_[e];
+    response.pattern.push_back(rows_[e]);
+  }
+  inertia_.solve(scratch_, response.pattern);
+  for (const std::size_t row : response.pattern) response.values.push_back(scratch_[row]);
+  response.known = true;
+  gather(response);
+  return response;
+}
+
+void ContactQuadLcp::scatter(const Response& response) {
+  for (std::size_t e = 0; e < response.pattern.size(); ++e) scratch_[response.pattern[e]] = response.values[e];
+}
+
+void ContactQuadLcp::gather(const Response& response) {
+  for (const std::size_t row : response.pattern) scratch_[row] = 0;
+}
+
+Quad ContactQuadLcp::diagonal(std::size_t i) {
+  if (i >= impulses()) return 0;
+  const Response& response = response_of(i);
+  scatter(response);
+  const Quad diagonal = project(twin_[i], scratch_);
+  gather(response);
+  return diagonal;
+}
+
+Quad ContactQuadLcp::abs_row_times(std::size_t i, const QuadVector& z, std::span<const std::size_t> support) {
+  if (i >= impulses()) {
+    const std::size_t cone = i - impulses();
+    Quad sum = abs(mu_[cone] * z[normal_of_cone_[cone]]);
+    for (std::size_t t = friction_of_cone_[cone]; t < friction_of_cone_[cone + 1]; ++t) sum += abs(z[t]);
+    return sum;
+  }
+  const Response& response = response_of(i);
+  scatter(response);
+  Quad sum = i < contacts_ ? Quad{0} : abs(z[lambda_of_[i]]);
+  for (const std::size_t j : support) {
+    if (j < impulses()) sum += abs(project(j, scratch_) * z[j]);
+  }
+  gather(response);
+  return sum;
+}
+
+Quad ContactQuadLcp::abs_row_sum(std::size_t i) {
+  if (i >= impulses()) {
+    const std::size_t cone = i - impulses();
+    return abs(mu_[cone]) + static_cast<double>(friction_of_cone_[cone + 1] - friction_of_cone_[cone]);
+  }
+  const std::size_t row = twin_[i];
+  if (!abs_row_sum_known_[row]) {
+    const Response& response = response_of(row);
+    scatter(response);
+    ++visit_;
+    QuadVector entry(impulses(), 0);
+    Quad sum = row < contacts_ ? 0 : 1;
+    for (const std::size_t r : response.pattern) {
+      for (std::size_t e = row_begin_[r]; e < row_begin_[r + 1]; ++e) {
+        const std::size_t j = columns_of_row_[e];
+        if (visited_[j] == visit_) continue;
+        visited_[j] = visit_;
+        entry[j] = twin_[j] == j ? abs(project(j, scratch_)) : entry[twin_[j]];
+        sum += entry[j];
+      }
+    }
+    gather(response);
+    abs_row_sum_[row] = sum;
+    abs_row_sum_known_[row] = true;
+  }
+  return abs_row_sum_[row];
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,138 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/lcp.h"
+#include "study/quad_inertia.h"
+
+namespace lcpbench {
+
+/// LCP(q, M) in 113-bit arithmetic, behind an interface that never asks for the whole of M.
+///
+/// A point z is carried with its response u = response(z), from which any row of w = M z + q follows and which is cheap
+/// to correct when an entry of z is set to zero. `support` always lists the nonzero entries of z.
+class QuadLcp {
+ public:
+  virtual ~QuadLcp() = default;
+  QuadLcp() = default;
+  QuadLcp(const QuadLcp&) = delete;
+  QuadLcp& operator=(const QuadLcp&) = delete;
+
+  std::size_t size() const { return q_.size(); }
+  Quad q(std::size_t i) const { return q_[i]; }
+
+  /// Entries from here on are lambdas [m/s]; those before are impulses [N s]. size() where there is one kind only.
+  virtual std::size_t lambda_offset() const { return size(); }
+
+  virtual QuadVector response(const QuadVector& z) = 0;
+  /// Corrects u for z_j, whose value was `value`, becoming zero.
+  virtual void remove(std::size_t j, Quad value, QuadVector& u) = 0;
+  /// w_i = (M z + q)_i.
+  virtual Quad row(std::size_t i, const QuadVector& z, const QuadVector& u) const = 0;
+  /// All of w.
+  virtual QuadVector all_rows(const QuadVector& z, const QuadVector& u) const;
+  /// M_ii.
+  virtual Quad diagonal(std::size_t i) = 0;
+  /// sum over the support of |M_ij| |z_j|.
+  virtual Quad abs_row_times(std::size_t i, const QuadVector& z, std::span<const std::size_t> support) = 0;
+  /// ||M_i||_1.
+  virtual Quad abs_row_sum(std::size_t i) = 0;
+
+ protected:
+  QuadVector q_;
+};
+
+/// The LCP of given q and M. u is w itself.
+class BareQuadLcp final : public QuadLcp {
+ public:
+  /// @param lcp  must outlive this object.
+  explicit BareQuadLcp(const Lcp& lcp);
+
+  QuadVector response(const QuadVector& z) override;
+  void remove(std::size_t j, Quad value, QuadVector& u) override;
+  Quad row(std::size_t i, const QuadVector& z, const QuadVector& u) const override;
+  Quad diagonal(std::size_t i) override;
+  Quad abs_row_times(std::size_t i, const QuadVector& z, std::span<const std::size_t> support) override;
+  Quad abs_row_sum(std::size_t i) override;
+
+ private:
+  double M(std::size_t i, std::size_t j) const { return lcp_.M(static_cast<Index>(i), static_cast<Index>(j)); }
+
+  const Lcp& lcp_;
+};
+
+/// The LCP of a contact problem. u is the velocity v + G* J f, so M is never formed: an entry M_ij = J_i' G* J_j costs
+/// one solve with G (kept per column) and one product of sparse columns. M is symmetric in the impulses, as G* is.
+class ContactQuadLcp final : public QuadLcp {
+ public:
+  /// @param problem, inertia  must outlive this object; inertia.well_defined() must hold.
+  ContactQuadLcp(const ContactProblem& problem, const QuadInertia& inertia);
+
+  std::size_t lambda_offset() const override { return impulses(); }
+  QuadVector response(const QuadVector& z) override;
+  void remove(std::size_t j, Quad value, QuadVector& u) override;
+  Quad row(std::size_t i, const QuadVector& z, const QuadVector& u) const override;
+  QuadVector all_rows(const QuadVector& z, const QuadVector& u) const override;
+  Quad diagonal(std::size_t i) override;
+  Quad abs_row_times(std::size_t i, const QuadVector& z, std::span<const std::size_t> support) override;
+  Quad abs_row_sum(std::size_t i) override;
+
+  std::size_t impulses() const { return begin_.size() - 1; }
+  std::size_t contacts() const { return contacts_; }
+  const QuadVector& velocity_before() const { return v_; }
+  /// The normal row of the contact to which cone row i belongs.
+  std::size_t normal_of_cone(std::size_t i) const { return normal_of_cone_[i - impulses()]; }
+
+  /// J f for the impulses f in z.
+  QuadVector generalized_impulse(const QuadVector& z) const;
+  /// |J| |f|: the scale of rounding in J f.
+  QuadVector generalized_impulse_scale(const QuadVector& z) const;
+  /// J_i' x.
+  Quad project(std::size_t i, const QuadVector& x) const;
+
+ private:
+  /// G* J_j by its nonzero blocks.
+  struct Response {
+    bool known = false;
+    std::vector<std::size_t> pattern;
+    QuadVector values;
+  };
+
+  void add_columns(const Jacobian& J);
+  void add_column(const Jacobian& J, Index column);
+  void list_cones(const ContactProblem& problem, const ContactLayout& layout);
+  void find_opposite_columns();
+  bool opposite(std::size_t i, std::size_t j) const;
+  void list_columns_of_rows();
+  const Response& response_of(std::size_t column);
+  Quad cone_row(std::size_t cone, const QuadVector& z) const;
+  /// Spreads the response over scratch_; gather() makes scratch_ zero again.
+  void scatter(const Response& response);
+  void gather(const Response& response);
+
+  const QuadInertia& inertia_;
+  QuadVector v_;
+  std::size_t contacts_ = 0;
+  std::vector<std::size_t> begin_{0};  ///< of each column of J = [N D], by columns
+  std::vector<std::size_t> rows_;
+  QuadVector values_;
+  std::vector<std::size_t> twin_;  ///< the column's own index, or that of an earlier column of which it is the negative
+  std::vector<std::size_t> row_begin_;  ///< the columns that meet each row of J
+  std::vector<std::size_t> columns_of_row_;
+
+  QuadVector mu_;                              ///< of each cone row
+  std::vector<std::size_t> normal_of_cone_;    ///< index in z of the cone's normal impulse
+  std::vector<std::size_t> friction_of_cone_;  ///< cones + 1 offsets in z of the cone's friction impulses
+  std::vector<std::size_t> lambda_of_;         ///< per friction impulse: index in z of its contact's lambda
+
+  std::vector<Response> responses_;
+  QuadVector abs_row_sum_;
+  std::vector<bool> abs_row_sum_known_;
+  QuadVector scratch_;                  ///< ngc zeros between uses
+  std::vector<std::uint32_t> visited_;  ///< per column: the last visit's number
+  std::uint32_t visit_ = 0;
+};
+
+}  // namespace lcpbench
