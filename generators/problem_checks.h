@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "core/contact_problem.h"
+#include "core/error.h"
+#include "core/lcp.h"
+#include "core/scene.h"
+
+namespace lcpbench {
+
+/// Largest problem file that is read [bytes]: 2 GiB.
+inline constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{1} << 31;
+
+/// Most numbers (and matrix rows) that one problem may hold, 2^26: a dense M of order 8191, 512 MiB of doubles.
+inline constexpr std::size_t kMaxNumbers = std::size_t{1} << 26;
+
+/// Largest order of a dense LCP within kMaxNumbers.
+inline constexpr Index kMaxDenseOrder = 8191;
+
+/// Longest name of a problem [bytes of UTF-8].
+inline constexpr std::size_t kMaxNameBytes = 200;
+
+/// An InputError "origin: message" that is sure to be one line: control characters become '?'.
+InputError input_error(std::string_view origin, std::string_view message);
+
+/// `text` in single quotes, shortened to 60 bytes: for words of a file that an error repeats.
+std::string in_quotes(std::string_view text);
+
+// Each check throws an InputError that names `origin` (the file), the field and the cause. Rows, columns, entries,
+// contacts and bodies are counted from 0, as JSON arrays are.
+
+/// Not empty, at most kMaxNameBytes of well-formed UTF-8, no control characters.
+void check_name(std::string_view name, const std::string& origin);
+
+/// The name of a problem whose format carries none: the file's name without folder and the extensions .M.mtx, .q.mtx,
+/// .dat, .txt; shortened, and with '?' for what check_name would refuse.
+std::string problem_name_of_file(const std::string& file);
+
+/// M square of q's size; every number finite.
+void check_lcp(const Lcp& lcp, const std::string& origin);
+
+/// Sizes agree; every number finite; edges even and >= 0; mu >= 0, and 0 without edges; the columns of D in exact +-
+/// pairs; G exactly symmetric and positive definite (Cholesky), Ginv exactly symmetric and positive semidefinite, alpha
+/// > 0. O(ngc^3).
+void check_contact(const ContactProblem& problem, const std::string& origin);
+
+/// Masses > 0; inertias exactly symmetric and positive definite; existing, distinct bodies; unit normals and, where
+/// edges is 4, unit tangents orthogonal to them (to 1e-6: directions are taken as they are, and six digits are what
+/// single-precision engines keep); mu >= 0, and 0 without edges; lever arms that do not overflow. O(bodies + contacts).
+void check_scene(const RigidScene& scene, const std::string& origin);
+
+}  // namespace lcpbench
