@@ -36,27 +36,36 @@ void rotate(double* a, double* b, std::size_t n, double cosine, double sine) {
   }
 }
 
-// Makes columns p and q orthogonal; false if they are already, to rounding.
-bool orthogonalise(ColumnMajor<double>& Y, std::size_t p, std::size_t q) {
+// Makes columns p and q orthogonal and keeps their squared lengths up to date; false if they are orthogonal already, to
+// rounding.
+bool orthogonalise(ColumnMajor<double>& Y, std::vector<double>& squares, std::size_t p, std::size_t q) {
   double* const a = Y.column(p);
   double* const b = Y.column(q);
-  const double aa = dot(a, a, Y.rows);
-  const double bb = dot(b, b, Y.rows);
-  const double ab = dot(a, b, Y.rows);
+  const double product = dot(a, b, Y.rows);
   const double tolerance = static_cast<double>(Y.rows) * kUnitRoundoff;
-  if (std::fabs(ab) <= tolerance * std::sqrt(aa * bb)) return false;
-  const double cotangent = (bb - aa) / (2 * ab);
+  if (std::fabs(product) <= tolerance * std::sqrt(squares[p] * squares[q])) return false;
+  const double cotangent = (squares[q] - squares[p]) / (2 * product);
   const double tangent = (cotangent >= 0 ? 1.0 : -1.0) / (std::fabs(cotangent) + std::sqrt(1 + cotangent * cotangent));
   const double cosine = 1 / std::sqrt(1 + tangent * tangent);
   rotate(a, b, Y.rows, cosine, cosine * tangent);
+  squares[p] = std::max(0.0, squares[p] - tangent * product);
+  squares[q] = std::max(0.0, squares[q] + tangent * product);
   return true;
 }
 
+std::vector<double> squared_lengths(const ColumnMajor<double>& Y) {
+  std::vector<double> squares(Y.cols);
+  for (std::size_t j = 0; j < Y.cols; ++j) squares[j] = dot(Y.column(j), Y.column(j), Y.rows);
+  return squares;
+}
+
+// Lengths are measured anew in each sweep, for a short column's updates lose digits to a long one's.
 bool sweep(ColumnMajor<double>& Y) {
+  std::vector<double> squares = squared_lengths(Y);
   bool rotated = false;
   for (std::size_t p = 0; p + 1 < Y.cols; ++p) {
     for (std::size_t q = p + 1; q < Y.cols; ++q) {
-      if (orthogonalise(Y, p, q)) rotated = true;
+      if (orthogonalise(Y, squares, p, q)) rotated = true;
     }
   }
   return rotated;
@@ -128,8 +137,7 @@ Spectrum spectrum_of_square(ColumnMajor<double> Y) {
     if (++sweeps == kMaxSweeps) throw std::logic_error("Jacobi rotations did not converge");
   }
   const std::size_t n = Y.cols;
-  std::vector<double> squares(n);
-  for (std::size_t j = 0; j < n; ++j) squares[j] = dot(Y.column(j), Y.column(j), n);
+  const std::vector<double> squares = squared_lengths(Y);
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return squares[a] < squares[b]; });

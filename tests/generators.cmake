@@ -1,0 +1,49 @@
+# The same bits everywhere: the generators' own sources, built apart from the library by each compiler at hand, without
+# and with optimisation, and for this processor; each program must print the hashes that are committed.
+set(golden_sources
+  tests/golden_hashes.cpp generators/paper.cpp generators/random.cpp generators/rigid.cpp generators/spectrum.cpp
+  core/settings.cpp core/spec.cpp)
+
+function(lcpbench_golden variant compiler)
+  set(directory ${CMAKE_CURRENT_BINARY_DIR}/golden/${variant})
+  file(MAKE_DIRECTORY ${directory})
+  set(objects "")
+  foreach(source IN LISTS golden_sources)
+    get_filename_component(stem ${source} NAME_WE)
+    set(object ${directory}/${stem}.o)
+    add_custom_command(
+      OUTPUT ${object}
+      COMMAND ${CMAKE_CXX_COMPILER_LAUNCHER} ${compiler} -std=c++20 ${ARGN} -ffp-contract=off -I${PROJECT_SOURCE_DIR}
+              -idirafter ${RANDOM123_INCLUDE_DIR} -MD -MF ${object}.d -MT ${object} -c ${PROJECT_SOURCE_DIR}/${source} -o ${object}
+      DEPENDS ${PROJECT_SOURCE_DIR}/${source}
+      DEPFILE ${object}.d
+      COMMENT "Golden hashes, ${variant}: ${source}"
+      VERBATIM)
+    list(APPEND objects ${object})
+  endforeach()
+  add_custom_command(
+    OUTPUT ${directory}/golden_hashes
+    COMMAND ${compiler} ${objects} -o ${directory}/golden_hashes
+    DEPENDS ${objects}
+    COMMENT "Golden hashes, ${variant}: linking"
+    VERBATIM)
+  add_custom_target(golden_hashes_${variant} ALL DEPENDS ${directory}/golden_hashes)
+  add_test(NAME golden_hashes_${variant}
+           COMMAND ${directory}/golden_hashes ${CMAKE_CURRENT_SOURCE_DIR}/golden/hashes.txt)
+endfunction()
+
+find_program(GOLDEN_GXX g++)
+find_program(GOLDEN_CLANGXX clang++)
+foreach(family GXX CLANGXX)
+  string(TOLOWER ${family} name)
+  if(GOLDEN_${family})
+    lcpbench_golden(${name}_O0 ${GOLDEN_${family}} -O0)
+    lcpbench_golden(${name}_O3 ${GOLDEN_${family}} -O3)
+  else()
+    string(REPLACE "xx" "++" program ${name})
+    message(WARNING "golden hashes: ${program} not found; its two builds are not tested")
+  endif()
+endforeach()
+if(GOLDEN_GXX)
+  lcpbench_golden(gxx_native ${GOLDEN_GXX} -O3 -march=native)
+endif()

@@ -1,0 +1,112 @@
+// Prints one hash for each problem set under each reading: over every bit of its first trials. With a file as argument it
+// compares instead, and fails on any difference. Built from the generators' sources by several compilers at several
+// levels of optimisation: the problems must not depend on either.
+
+#include <cstdio>
+#include <exception>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "tests/golden_cases.h"
+
+namespace lcpbench::golden {
+namespace {
+
+void add(const std::vector<double>& values, Hash& hash) {
+  hash.add_size(values.size());
+  for (const double value : values) hash.add(value);
+}
+
+void add(const ColumnMajor<double>& values, Hash& hash) {
+  hash.add_size(values.rows);
+  hash.add_size(values.cols);
+  for (const double value : values.data) hash.add(value);
+}
+
+void add(const Triple& values, Hash& hash) {
+  for (const double value : values) hash.add(value);
+}
+
+void add(const PaperSample& sample, Hash& hash) {
+  add(sample.v, hash);
+  add(sample.N, hash);
+  add(sample.D, hash);
+  hash.add_size(sample.edges.size());
+  for (const int edges : sample.edges) hash.add_size(static_cast<std::size_t>(edges));
+  add(sample.mu, hash);
+  hash.add_size(static_cast<std::size_t>(sample.form));
+  if (sample.form == InertiaForm::kFactored) {
+    add(sample.X, hash);
+    add(sample.alpha, hash);
+  } else {
+    add(sample.G, hash);
+  }
+}
+
+void add(const RigidSample& sample, Hash& hash) {
+  hash.add_size(sample.bodies.size());
+  for (const RigidBodySample& body : sample.bodies) {
+    hash.add(body.mass);
+    add(body.inertia, hash);
+    add(body.position, hash);
+    add(body.linear_velocity, hash);
+    add(body.angular_velocity, hash);
+  }
+  hash.add_size(sample.contacts.size());
+  for (const RigidContactSample& contact : sample.contacts) {
+    hash.add_size(static_cast<std::size_t>(contact.body_a));
+    hash.add_size(static_cast<std::size_t>(contact.body_b + 1));
+    add(contact.point, hash);
+    add(contact.normal, hash);
+  }
+}
+
+PaperSample draw(const PaperSet& set, const PaperReading& reading, std::uint64_t trial) {
+  return draw_paper(set, reading, kSeed, trial);
+}
+
+RigidSample draw(const RigidSet& set, const RigidReading& reading, std::uint64_t trial) {
+  return draw_rigid(set, reading, kSeed, trial);
+}
+
+template <class Set>
+std::string lines(const std::vector<Set>& sets) {
+  std::string text;
+  for (const Case<Set>& one : cases(sets)) {
+    const auto reading = one.set->parse(one.set->name, one.options);
+    Hash hash;
+    for (std::uint64_t trial = 0; trial < kTrials; ++trial) add(draw(*one.set, reading, trial), hash);
+    text += hash.text() + " " + one.name() + "\n";
+  }
+  return text;
+}
+
+int compare(const std::string& actual, const std::string& expected) {
+  if (actual == expected) return 0;
+  std::fprintf(stderr, "the problems have changed; expected:\n%s\nfound:\n%s", expected.c_str(), actual.c_str());
+  return 1;
+}
+
+int run(int argc, char** argv) {
+  const std::string actual = lines(paper_sets()) + lines(rigid_sets());
+  if (argc < 2) return std::fputs(actual.c_str(), stdout) < 0 ? 1 : 0;
+  std::ifstream file(argv[1]);
+  if (!file) {
+    std::fprintf(stderr, "%s: cannot be read\n", argv[1]);
+    return 2;
+  }
+  return compare(actual, std::string(std::istreambuf_iterator<char>(file), {}));
+}
+
+}  // namespace
+}  // namespace lcpbench::golden
+
+int main(int argc, char** argv) {
+  try {
+    return lcpbench::golden::run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 2;
+  }
+}
