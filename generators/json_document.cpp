@@ -107,6 +107,7 @@ class DocumentHandler {
     if (item_.fields().data() != outer_->inside.data()) item_ = Record(outer_->inside);
     item_.clear();
     inside_ = true;
+    depth_ = 0;
     field_ = nullptr;
     return true;
   }
@@ -114,7 +115,7 @@ class DocumentHandler {
   bool key(Json::string_t& name) {
     Record& record = current();
     field_ = record.find(name);
-    if (field_ == nullptr) throw input_error(origin_, path_prefix() + "unknown field " + in_quotes(name));
+    if (field_ == nullptr) throw input_error(origin_, item_path(": ") + "unknown field " + in_quotes(name));
     if (value().given) throw input_error(origin_, path() + ": given twice");
     value().given = true;
     return true;
@@ -124,6 +125,7 @@ class DocumentHandler {
     if (!inside_) return true;
     inside_ = false;
     field_ = outer_;
+    depth_ = array_depth(field_->type);
     if (field_->type == FieldType::kObject) {
       value().object.push_back(item_);
       complete_field();
@@ -210,14 +212,14 @@ class DocumentHandler {
   Record& current() { return inside_ ? item_ : top_; }
   Record::Value& value() { return current().value_of(*field_); }
 
-  /// "bodies[3]." inside an item, "G_factors." inside an object, "" outside.
-  std::string path_prefix() const {
+  /// "bodies[3]" inside an item, "G_factors" inside an object, with `separator` behind; "" outside.
+  std::string item_path(const char* separator) const {
     if (!inside_) return "";
     const std::string list(outer_->name);
-    return outer_->type == FieldType::kObject ? list + "." : list + "[" + std::to_string(items_) + "].";
+    return (outer_->type == FieldType::kObject ? list : list + "[" + std::to_string(items_) + "]") + separator;
   }
 
-  std::string path() const { return path_prefix() + std::string(field_->name); }
+  std::string path() const { return item_path(".") + std::string(field_->name); }
 
   /// The path with row and entry: what is being read now.
   std::string where() {

@@ -55,8 +55,8 @@ void check_shape(Index rows, Index cols, Index expected_rows, Index expected_col
 
 void check_size(Index size, Index expected, std::string_view field, const std::string& origin) {
   if (size == expected) return;
-  throw input_error(
-      origin, std::string(field) + ": " + std::to_string(size) + " entries, expected " + std::to_string(expected));
+  throw input_error(origin,
+                    std::string(field) + ": " + count_of(size, "entry") + ", expected " + std::to_string(expected));
 }
 
 void check_symmetric(const Matrix& matrix, std::string_view field, const std::string& origin) {
@@ -299,6 +299,12 @@ std::string in_quotes(std::string_view text) {
   constexpr std::size_t kLongest = 60;
   if (text.size() <= kLongest) return "'" + std::string(text) + "'";
   return "'" + std::string(text.substr(0, kLongest)) + "...'";
+}
+
+std::string count_of(Index count, const std::string& singular) {
+  std::string word = singular;
+  if (count != 1 && word.ends_with('y')) word.replace(word.size() - 1, 1, "ie");
+  return std::to_string(count) + " " + word + (count == 1 ? "" : "s");
 }
 
 void check_name(std::string_view name, const std::string& origin) {

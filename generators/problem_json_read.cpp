@@ -91,12 +91,14 @@ class RecordReader {
   Matrix matrix(std::string_view field, Index rows, Index cols) const {
     const NumberTable& table = required(field).table;
     if (static_cast<Index>(table.row_ends.size()) != rows) {
-      fail(field, ": " + std::to_string(table.row_ends.size()) + " rows, expected " + std::to_string(rows));
+      fail(field,
+           ": " + count_of(static_cast<Index>(table.row_ends.size()), "row") + ", expected " + std::to_string(rows));
     }
     for (std::size_t row = 0; row < table.row_ends.size(); ++row) {
       if (static_cast<Index>(table.row_length(row)) == cols) continue;
-      fail(field, ": row " + std::to_string(row) + " has " + std::to_string(table.row_length(row)) +
-                      " entries, expected " + std::to_string(cols));
+      fail(field, ": row " + std::to_string(row) + " has " +
+                      count_of(static_cast<Index>(table.row_length(row)), "entry") + ", expected " +
+                      std::to_string(cols));
     }
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     return Eigen::Map<const RowMajor>(table.numbers.data(), rows, cols);
@@ -104,7 +106,7 @@ class RecordReader {
 
   Eigen::Vector3d vector3(std::string_view field) const {
     const Vector numbers = vector(field);
-    if (numbers.size() != 3) fail(field, ": " + std::to_string(numbers.size()) + " entries, expected 3");
+    if (numbers.size() != 3) fail(field, ": " + count_of(numbers.size(), "entry") + ", expected 3");
     return numbers;
   }
 

@@ -1,0 +1,267 @@
+// What a user is told about a file that cannot be used: one line with file, field and cause. Messages are compared
+// whole, because people and scripts read them.
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "generators/problem_checks.h"
+#include "generators/problem_io.h"
+
+namespace lcpbench {
+namespace {
+
+const std::string kLcp = R"({"format": "lcpbench-problem", "version": 1, "name": "two", "kind": "lcp",)"
+                         R"( "M": [[2, 1], [1, 2]], "q": [-5, -6]})";
+
+// One free coordinate pair, two contacts; the second has a friction pyramid.
+const std::string kContact = R"({"format": "lcpbench-problem", "version": 1, "name": "pair", "kind": "contact",)"
+                             R"( "v": [1, -2], "N": [[1, 0], [0.5, 1]], "D": [[1, 0, -1, 0], [0.25, 1, -0.25, -1]],)"
+                             R"( "edges": [0, 4], "mu": [0, 0.5], "G": [[2, 0.5], [0.5, 1]]})";
+
+const std::string kScene =
+    R"({"format": "lcpbench-problem", "version": 1, "name": "ball", "kind": "scene",)"
+    R"( "bodies": [{"mass": 2, "inertia": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "position": [0, 0, 1],)"
+    R"( "linear_velocity": [0, 0, -1], "angular_velocity": [0, 0, 0]}],)"
+    R"( "contacts": [{"body_a": 0, "body_b": -1, "point": [0, 0, 0], "normal": [0, 0, 1],)"
+    R"( "tangent": [1, 0, 0], "mu": 0.5, "edges": 4}]})";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << "the test replaces what is not there: " << from;
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+std::string error_of(const std::string& text) {
+  try {
+    parse_problem_json(text, "box.json");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+struct BadFile {
+  std::string text;
+  std::string message;
+};
+
+void expect_errors(const std::vector<BadFile>& files) {
+  for (const BadFile& file : files)
+    EXPECT_EQ(error_of(file.text), "box.json: " + file.message) << file.text.substr(0, 400);
+}
+
+TEST(ProblemErrorsTest, TheUnchangedFilesAreGood) {
+  for (const std::string& text : {kLcp, kContact, kScene}) EXPECT_EQ(error_of(text), "no error");
+}
+
+TEST(ProblemErrorsTest, Header) {
+  expect_errors({
+      {replaced(kLcp, R"("format": "lcpbench-problem", )", ""), "format: missing"},
+      {replaced(kLcp, "lcpbench-problem", "other"), "format: 'other', expected 'lcpbench-problem'"},
+      {replaced(kLcp, R"("version": 1, )", ""), "version: missing"},
+      {replaced(kLcp, R"("version": 1)", R"("version": 2)"), "version: 2 is not known; this program reads version 1"},
+      {replaced(kLcp, R"("version": 1)", R"("version": "1")"), "version: expected a number, found a text"},
+      {replaced(kLcp, R"("name": "two", )", ""), "name: missing"},
+      {replaced(kLcp, R"("two")", R"("")"), "name: empty"},
+      {replaced(kLcp, "two", std::string(201, 'x')), "name: 201 bytes long, at most 200 are allowed"},
+      {replaced(kLcp, "two", "a\\nb"), "name: has a control character"},
+      {replaced(kLcp, "two", "a\\u0000b"), "name: has a control character"},
+      {replaced(kLcp, "two", "a\\u0085b"), "name: has a control character"},
+      {replaced(kLcp, R"("two")", "2"), "name: expected a text, found a number"},
+      {replaced(kLcp, R"("kind": "lcp", )", ""), "kind: missing"},
+      {replaced(kLcp, R"("kind": "lcp")", R"("kind": "qp")"), "kind: 'qp', expected 'lcp', 'contact' or 'scene'"},
+      {replaced(kLcp, R"("q": [)", R"("Q": [)"), "unknown field 'Q'"},
+      {replaced(kLcp, R"("q": [)", R"("a\nb": [)"), "unknown field 'a?b'"},
+      {replaced(kLcp, R"("q": )", R"("M": [], "q": )"), "M: given twice"},
+      {replaced(kLcp, R"("q": )", R"("v": [1, 2], "q": )"), "v: not a field of kind 'lcp'"},
+      {replaced(kContact, R"("v": )", R"("bodies": [], "v": )"), "bodies: not a field of kind 'contact'"},
+  });
+}
+
+TEST(ProblemErrorsTest, Types) {
+  expect_errors({
+      {"[1, 2]", "expected an object, found a list"},
+      {"12", "expected an object, found a number"},
+      {replaced(kLcp, "[-5, -6]", "7"), "q: expected a list of numbers, found a number"},
+      {replaced(kLcp, "[-5, -6]", R"({"a": 1})"), "q: expected a list of numbers, found an object"},
+      {replaced(kLcp, "[-5, -6]", "null"), "q: expected a list of numbers, found null"},
+      {replaced(kLcp, "[-5, -6]", "[-5, null]"), "q[1]: expected a finite number, found null"},
+      {replaced(kLcp, "[-5, -6]", "[-5, true]"), "q[1]: expected a finite number, found true"},
+      {replaced(kLcp, "[-5, -6]", "[-5, [6]]"), "q[1]: expected a finite number, found a list"},
+      {replaced(kLcp, "[1, 2]]", "2]"), "M: row 1: expected a list of numbers, found a number"},
+      {replaced(kLcp, "[1, 2]]", R"([1, "2"]])"), "M: row 1, entry 1: expected a finite number, found a text"},
+      {replaced(kLcp, "[1, 2]]", "[1, [2]]]"), "M: row 1, entry 1: expected a finite number, found a list"},
+      {replaced(kContact, R"("G": [[2, 0.5], [0.5, 1]])", R"("G_factors": [1])"),
+       "G_factors: expected an object, found a list"},
+      {replaced(kScene, R"("contacts": [{)", R"("contacts": [3, {)"),
+       "contacts[0]: expected an object, found a number"},
+      {replaced(kScene, R"("contacts": [{)", R"("contacts": [[], {)"), "contacts[0]: expected an object, found a list"},
+      {replaced(kScene, R"("mass": 2)", R"("mass": [2])"), "bodies[0].mass: expected a number, found a list"},
+      {replaced(kScene, "[0, 0, 1], \"lin", "[0, 0, {}], \"lin"),
+       "bodies[0].position[2]: expected a finite number, found an object"},
+  });
+}
+
+TEST(ProblemErrorsTest, Numbers) {
+  expect_errors({
+      {replaced(kLcp, "-6", "1e999"), "q[1]: '1e999' is beyond the range of double"},
+      {replaced(kLcp, "-6", "-1e400"), "q[1]: '-1e400' is beyond the range of double"},
+      {replaced(kLcp, "-6", "NaN"), "line 1, column 109: not valid JSON: unexpected 'N' (in q[1])"},
+      {replaced(kLcp, "-6", "-Infinity"), "line 1, column 110: not valid JSON: unexpected 'I' (in q[1])"},
+      {replaced(kLcp, "-6", "0x10"), "line 1, column 110: not valid JSON: unexpected 'x' (in q[2])"},
+      {replaced(kLcp, "-6", std::string(5000, '1')), "line 1, column 4205: a number or text longer than 4096 bytes"},
+      {replaced(kContact, "[0, 4]", "[0, 4.5]"), "edges[1] is 4.5, expected an integer"},
+      {replaced(kContact, "[0, 4]", "[0, 1e300]"), "edges[1] is 1e+300, expected an integer"},
+      {replaced(kScene, R"("body_a": 0)", R"("body_a": 0.5)"), "contacts[0].body_a is 0.5, expected an integer"},
+  });
+}
+
+TEST(ProblemErrorsTest, Shapes) {
+  expect_errors({
+      {replaced(kLcp, R"( "M": [[2, 1], [1, 2]],)", ""), "M: missing"},
+      {replaced(kLcp, R"(, "q": [-5, -6])", ""), "q: missing"},
+      {replaced(kLcp, "[2, 1], [1, 2]", "[2, 1]"), "M: 1 row, expected 2"},
+      {replaced(kLcp, "[1, 2]]", "[1, 2, 3]]"), "M: row 1 has 3 entries, expected 2"},
+      {replaced(kLcp, "[-5, -6]", "[-5]"), "M: 2 rows, expected 1"},
+      {replaced(kContact, "[0.5, 1]], \"D\"", "[0.5]], \"D\""), "N: row 1 has 1 entry, expected 2"},
+      {replaced(kContact, "[1, -2]", "[1, -2, 3]"), "D: 2 rows, expected 3"},
+      {replaced(kContact, "[0, 4]", "[0, 6]"), "D: row 0 has 4 entries, expected 6"},
+      {replaced(kContact, "[0, 0.5]", "[0]"), "mu: 1 entry, expected 2"},
+      {replaced(kContact, "[2, 0.5]", "[2]"), "G: row 0 has 1 entry, expected 2"},
+      {replaced(kContact, R"( "edges": [0, 4],)", ""), "edges: missing; it belongs to D"},
+      {replaced(kContact, R"(, "G": [[2, 0.5], [0.5, 1]])", ""), "G: missing (or G_factors, or Ginv)"},
+      {replaced(kScene, "[0, 0, 1], \"lin", "[0, 1], \"lin"), "bodies[0].position: 2 entries, expected 3"},
+      {replaced(kScene, ", [0, 0, 1]], \"pos", "], \"pos"), "bodies[0].inertia: 2 rows, expected 3"},
+      {replaced(kScene, R"("mass": 2, )", ""), "bodies[0].mass: missing"},
+      {replaced(kScene, R"("mass")", R"("mas")"), "bodies[0]: unknown field 'mas'"},
+      {replaced(kScene, R"("mass": 2)", R"("mass": 2, "mass": 3)"), "bodies[0].mass: given twice"},
+  });
+}
+
+TEST(ProblemErrorsTest, Friction) {
+  expect_errors({
+      {replaced(kContact, "[0, 4]", "[0, 3]"), "edges[1] is 3, expected an even number >= 0"},
+      {replaced(kContact, "[0, 4]", "[-2, 4]"), "edges[0] is -2, expected an even number >= 0"},
+      {replaced(kContact, "[0, 0.5]", "[0, -0.5]"), "mu[1] is -0.5, expected >= 0"},
+      {replaced(kContact, "[0, 0.5]", "[0.25, 0.5]"),
+       "mu[0] is 0.25 but the contact has no edges: its friction would be ignored"},
+      {replaced(kContact, "-0.25, -1]", "-0.25, -0.5]"),
+       "D: contact 1: column 3 is not the negative of column 1 (row 1)"},
+      {replaced(kContact, "0, -1, 0]", "0, 1, 0]"), "D: contact 1: column 2 is not the negative of column 0 (row 0)"},
+      {replaced(kScene, R"("edges": 4)", R"("edges": 6)"), "contacts[0].edges is 6, expected 0 or 4"},
+      {replaced(kScene, R"("edges": 4)", R"("edges": 0)"), "contacts[0].tangent: given, but the contact has no edges"},
+      {replaced(kScene, R"("mu": 0.5)", R"("mu": -0.5)"), "contacts[0].mu is -0.5, expected >= 0"},
+      {replaced(kScene, R"("mu": 0.5, )", ""), "contacts[0].mu: missing"},
+      {replaced(kScene, R"("tangent": [1, 0, 0], )", ""), "contacts[0].tangent: missing"},
+      {replaced(kScene, R"("tangent": [1, 0, 0], "mu": 0.5, "edges": 4)", R"("mu": 0.5)"),
+       "contacts[0].mu is 0.5 but the contact has no edges: its friction would be ignored"},
+  });
+}
+
+TEST(ProblemErrorsTest, Inertia) {
+  const std::string G = R"("G": [[2, 0.5], [0.5, 1]])";
+  expect_errors({
+      {replaced(kContact, "[0.5, 1]]}", "[0.25, 1]]}"), "G: not symmetric: entry (1, 0) is 0.25, entry (0, 1) is 0.5"},
+      {replaced(kContact, G, R"("G": [[1, 2], [2, 1]])"), "G: not positive definite (Cholesky factorization fails)"},
+      {replaced(kContact, G, R"("G": [[0, 0], [0, 1]])"), "G: not positive definite (Cholesky factorization fails)"},
+      {replaced(kContact, G, R"("G": [[1e308, 1e308], [1e308, 1e-308]])"),
+       "G: not positive definite (Cholesky factorization fails)"},
+      {replaced(kContact, G, G + R"(, "G_factors": {"X": [[1], [2]], "alpha": [1]})"),
+       "G and G_factors: only one may be given"},
+      {replaced(kContact, G, G + R"(, "Ginv": [[1, 0], [0, 1]])"),
+       "Ginv: given beside G or G_factors; it may only replace them"},
+      {replaced(kContact, G, R"("G_factors": {"X": [[1], [2]], "alpha": [0]})"),
+       "G_factors.alpha[0] is 0, expected > 0"},
+      {replaced(kContact, G, R"("G_factors": {"X": [[1], [2]], "alpha": [-1]})"),
+       "G_factors.alpha[0] is -1, expected > 0"},
+      {replaced(kContact, G, R"("G_factors": {"X": [[1], [2]], "alpha": [1, 2]})"),
+       "G_factors.X: row 0 has 1 entry, expected 2"},
+      {replaced(kContact, G, R"("G_factors": {"X": [[1], [2]]})"), "G_factors.alpha: missing"},
+      {replaced(kContact, G, R"("G_factors": {"Y": [[1], [2]]})"), "G_factors: unknown field 'Y'"},
+      {replaced(kContact, G, R"("Ginv": [[1, 1], [0, 1]])"),
+       "Ginv: not symmetric: entry (1, 0) is 0, entry (0, 1) is 1"},
+      {replaced(kContact, G, R"("Ginv": [[1, 2], [2, 1]])"), "Ginv: not positive semidefinite"},
+      {replaced(kContact, G, R"("Ginv": [[-1, 0], [0, 1]])"), "Ginv: not positive semidefinite"},
+      {replaced(kScene, "[[1, 0, 0]", "[[-1, 0, 0]"),
+       "bodies[0].inertia: not positive definite (Cholesky factorization fails)"},
+      {replaced(kScene, "[[1, 0, 0]", "[[1, 0, 0.5]"),
+       "bodies[0].inertia: not symmetric: entry (2, 0) is 0, entry (0, 2) is 0.5"},
+      {replaced(kScene, R"("mass": 2)", R"("mass": 0)"), "bodies[0].mass is 0, expected > 0"},
+  });
+}
+
+TEST(ProblemErrorsTest, RigidContacts) {
+  expect_errors({
+      {replaced(kScene, R"("body_a": 0)", R"("body_a": 1)"),
+       "contacts[0].body_a is 1, expected one of the 1 bodies, counted from 0"},
+      {replaced(kScene, R"("body_a": 0)", R"("body_a": -1)"),
+       "contacts[0].body_a is -1, expected one of the 1 bodies, counted from 0"},
+      {replaced(kScene, R"("body_b": -1)", R"("body_b": -2)"),
+       "contacts[0].body_b is -2, expected -1 (world) or one of the 1 bodies, counted from 0"},
+      {replaced(kScene, R"("body_b": -1)", R"("body_b": 0)"),
+       "contacts[0].body_b is body_a: a contact needs two bodies"},
+      {replaced(kScene, R"("normal": [0, 0, 1])", R"("normal": [0, 0, 2])"),
+       "contacts[0].normal has length 2, expected 1"},
+      {replaced(kScene, R"("tangent": [1, 0, 0])", R"("tangent": [0.5, 0, 0])"),
+       "contacts[0].tangent has length 0.5, expected 1"},
+      {replaced(kScene, R"("tangent": [1, 0, 0])", R"("tangent": [0.6, 0, 0.8])"),
+       "contacts[0].tangent is not orthogonal to the normal: their scalar product is 0.8"},
+      {replaced(kScene, R"("point": [0, 0, 0])", R"("point": [1.7e308, 0, 0])"),
+       "contacts[0].point: the distance to body 0 overflows"},
+  });
+}
+
+TEST(ProblemErrorsTest, BrokenText) {
+  expect_errors({
+      {"", "empty file"},
+      {"   \n ", "truncated: the file ends at line 2, column 2"},
+      {"{\n  \"format\" \"x\"}", "line 2, column 14: not valid JSON: unexpected '\"' (in format)"},
+      {kLcp + "x", "line 1, column " + std::to_string(kLcp.size() + 1) + ": not valid JSON: unexpected 'x'"},
+      {replaced(kLcp, "-5, -6", "-5,, -6"), "line 1, column 108: not valid JSON: unexpected ',' (in q[1])"},
+      {replaced(kLcp, "two", "tw\xff"), "line 1, column 57: not valid JSON, or not UTF-8 (in name)"},
+      {std::string("\xff\xfe{", 3), "line 1, column 1: not valid JSON, or not UTF-8"},
+      {std::string("{\0\"\0", 4), "line 1, column 2: a NUL byte: not a text file"},
+      {kLcp.substr(0, 104), "truncated: the file ends at line 1, column 105 (in q[0])"},
+  });
+}
+
+TEST(ProblemErrorsTest, EveryTruncationIsToldAsSuch) {
+  for (const std::string& whole : {kLcp, kContact, kScene}) {
+    for (std::size_t length = 1; length < whole.size(); ++length) {
+      const std::string error = error_of(whole.substr(0, length));
+      EXPECT_TRUE(error.starts_with("box.json: truncated: the file ends at "))
+          << error << "\nafter " << length << " bytes";
+    }
+  }
+}
+
+TEST(ProblemErrorsTest, DeepNestingIsRefusedAtTheFirstLevelTooMany) {
+  const std::string lists(1'000'000, '[');
+  EXPECT_EQ(error_of(lists), "box.json: expected an object, found a list");
+  EXPECT_EQ(error_of(R"({"M": )" + lists), "box.json: M: row 0, entry 0: expected a finite number, found a list");
+  std::string objects;
+  for (int i = 0; i < 100'000; ++i) objects += R"({"G_factors":)";
+  EXPECT_EQ(error_of(objects), "box.json: G_factors: unknown field 'G_factors'");
+}
+
+TEST(ProblemErrorsTest, MoreNumbersThanTheLimitAreRefusedWhileReading) {
+  std::string text = R"({"q": [)";
+  text.reserve(text.size() + 2 * kMaxNumbers + 4);
+  for (std::size_t i = 0; i <= kMaxNumbers; ++i) text += "0,";
+  EXPECT_EQ(error_of(text), "box.json: q: more than 67108864 numbers in the file");
+}
+
+TEST(ProblemErrorsTest, TheMessageIsOneLineWhateverTheFileIsCalled) {
+  try {
+    parse_problem_json("[", "two\nlines");
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "two?lines: expected an object, found a list");
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench

@@ -1,0 +1,1 @@
+lcpbench_test(problem_errors LINK lcpbench_generators)
