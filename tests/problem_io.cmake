@@ -1,1 +1,4 @@
 lcpbench_test(problem_errors LINK lcpbench_generators)
+lcpbench_test(problem_io LINK lcpbench_generators)
+target_compile_definitions(problem_io_test PRIVATE LCPBENCH_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+lcpbench_test(problem_text_formats LINK lcpbench_generators)

@@ -1,0 +1,340 @@
+// Problem files out and in again: every number keeps its bits, the file is a function of the problem alone, and equal
+// data hash alike however they are stored.
+
+#include "generators/problem_io.h"
+
+#include <bit>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "core/error.h"
+#include "generators/problem_checks.h"
+
+namespace lcpbench {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder of its own per test, removed at the end.
+class ProblemIoTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(::testing::TempDir()) / ("problem_io_test-" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  fs::path write_text(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+    return folder_ / name;
+  }
+
+  fs::path folder_;
+};
+
+std::string error_of(const fs::path& file) {
+  try {
+    read_problem(file);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+std::vector<double> numbers_of(const Matrix& matrix) { return {matrix.data(), matrix.data() + matrix.size()}; }
+
+void expect_same_bits(const Matrix& a, const Matrix& b) {
+  ASSERT_EQ(a.rows(), b.rows());
+  ASSERT_EQ(a.cols(), b.cols());
+  const std::vector<double> x = numbers_of(a);
+  const std::vector<double> y = numbers_of(b);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(x[i]), std::bit_cast<std::uint64_t>(y[i])) << x[i] << " became " << y[i];
+  }
+}
+
+Problem written_and_read(const Problem& problem) { return parse_problem_json(problem_json(problem), "again.json"); }
+
+void expect_round_trip(const Problem& problem) {
+  const Problem again = written_and_read(problem);
+  EXPECT_EQ(again.name(), problem.name());
+  EXPECT_EQ(again.kind(), problem.kind());
+  EXPECT_EQ(problem_json(again), problem_json(problem));
+  EXPECT_EQ(problem_hash(again), problem_hash(problem));
+}
+
+/// Any finite double, each bit pattern equally likely: half of all exponents are extreme.
+double random_bits(std::mt19937_64& random) {
+  for (;;) {
+    const auto value = std::bit_cast<double>(random());
+    if (std::isfinite(value)) return value;
+  }
+}
+
+Matrix random_matrix(std::mt19937_64& random, Index rows, Index cols) {
+  Matrix matrix(rows, cols);
+  for (double& entry : matrix.reshaped()) entry = random_bits(random);
+  return matrix;
+}
+
+ContactProblem frictional_problem() {
+  ContactProblem problem;
+  problem.v = Vector::LinSpaced(3, -1, 1);
+  problem.N = Matrix{{1, 0}, {0.5, 1}, {-0.25, 2}};
+  problem.D = Matrix{{1, 0, -1, 0}, {0.25, 1, -0.25, -1}, {3, -0.0, -3, 0}};
+  problem.edges = {0, 4};
+  problem.mu = Vector{{0, 0.5}};
+  problem.inertia = DenseInertia{Matrix{{4, 1, 0}, {1, 3, 0.1}, {0, 0.1, 2}}};
+  return problem;
+}
+
+ContactProblem frictionless_problem() {
+  ContactProblem problem = frictional_problem();
+  problem.D = Matrix(3, 0);
+  problem.edges = {0, 0};
+  problem.mu = Vector::Zero(2);
+  return problem;
+}
+
+RigidScene scene() {
+  RigidScene scene;
+  scene.bodies.resize(2);
+  scene.bodies[1].mass = 0.1;
+  scene.bodies[1].inertia << 2, 0.5, 0, 0.5, 1, 0, 0, 0, 3;
+  scene.bodies[1].position << 0.1, -0.0, 2.5;
+  scene.bodies[1].angular_velocity << 1e-300, 5e-324, -3;
+  RigidContact resting;
+  resting.tangent = Eigen::Vector3d::UnitY();
+  resting.mu = 0.7;
+  resting.edges = 4;
+  RigidContact frictionless;
+  frictionless.body_a = 1;
+  frictionless.body_b = 0;
+  frictionless.normal = Eigen::Vector3d(0.6, 0, 0.8);
+  scene.contacts = {resting, frictionless};
+  return scene;
+}
+
+std::vector<Problem> problems_of_every_kind() {
+  std::vector<Problem> problems;
+  problems.emplace_back("lcp", Lcp{Matrix{{2, 1}, {1, 2}}, Vector{{-5, -6}}});
+  problems.emplace_back("frictional", frictional_problem());
+  problems.emplace_back("frictionless", frictionless_problem());
+  ContactProblem factored = frictional_problem();
+  factored.inertia = FactoredInertia{Matrix{{1, 2}, {3, -4}, {0.5, 0.125}}, Vector{{2, 0.1}}};
+  problems.emplace_back("factored", factored);
+  ContactProblem inverse = frictional_problem();
+  inverse.inertia = InverseInertia{Matrix{{1, 1, 0}, {1, 1, 0}, {0, 0, 2}}};
+  problems.emplace_back("inverse", inverse);
+  problems.emplace_back("scene", scene());
+  return problems;
+}
+
+TEST_F(ProblemIoTest, EveryKindComesBackEqual) {
+  for (const Problem& problem : problems_of_every_kind()) {
+    SCOPED_TRACE(problem.name());
+    expect_round_trip(problem);
+  }
+}
+
+TEST_F(ProblemIoTest, InertiaKeepsItsForm) {
+  const auto form = [](const Problem& problem) { return problem.contact()->inertia.index(); };
+  for (const Problem& problem : problems_of_every_kind()) {
+    if (problem.contact() == nullptr) continue;
+    EXPECT_EQ(form(written_and_read(problem)), form(problem)) << problem.name();
+  }
+}
+
+TEST_F(ProblemIoTest, EveryBitPatternSurvives) {
+  std::mt19937_64 random(20240607);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Lcp lcp{random_matrix(random, 20, 20), random_matrix(random, 20, 1)};
+    const Problem again = written_and_read(Problem("bits", lcp));
+    expect_same_bits(again.lcp().M, lcp.M);
+    expect_same_bits(again.lcp().q, lcp.q);
+  }
+}
+
+TEST_F(ProblemIoTest, ExtremeNumbersSurvive) {
+  using Limits = std::numeric_limits<double>;
+  const Vector extremes{{0.0, -0.0, Limits::denorm_min(), -Limits::denorm_min(), Limits::min(), Limits::max(),
+                         Limits::lowest(), Limits::epsilon(), 0.1, 1e22, 1e23, 9007199254740993.0, -1.0}};
+  const Index n = extremes.size();
+  const Problem again = written_and_read(Problem("extremes", Lcp{Matrix::Zero(n, n), extremes}));
+  expect_same_bits(again.lcp().q, extremes);
+}
+
+TEST_F(ProblemIoTest, DecimalsOfOtherProgramsAreReadCorrectlyRounded) {
+  const std::string text =
+      R"({"format": "lcpbench-problem", "version": 1, "name": "decimals", "kind": "lcp", "M": [)"
+      R"([0,0,0,0,0,0,0],[0,0,0,0,0,0,0],[0,0,0,0,0,0,0],[0,0,0,0,0,0,0],[0,0,0,0,0,0,0],[0,0,0,0,0,0,0],[0,0,0,0,0,0,0]],)"
+      R"( "q": [-0, 9007199254740993, 18446744073709551617, 1e-999, 2.2250738585072011e-308,)"
+      R"( 1.00000000000000011102230246251565404236316680908203125,)"
+      R"( 1.00000000000000011102230246251565404236316680908203126]})";
+  const Vector expected{
+      {-0.0, 9007199254740992.0, 18446744073709551616.0, 0.0, 0x0.fffffffffffffp-1022, 1.0, 0x1.0000000000001p0}};
+  expect_same_bits(parse_problem_json(text, "decimals.json").lcp().q, expected);
+}
+
+TEST_F(ProblemIoTest, EmptyProblemsAreLegal) {
+  expect_round_trip(Problem("no unknowns", Lcp{Matrix(0, 0), Vector(0)}));
+  expect_round_trip(Problem("nothing", RigidScene{}));
+  ContactProblem problem;
+  problem.N = Matrix(0, 0);
+  problem.D = Matrix(0, 0);
+  problem.inertia = DenseInertia{Matrix(0, 0)};
+  expect_round_trip(Problem("no coordinates", problem));
+
+  problem.N = Matrix(0, 2);
+  problem.edges = {0, 0};
+  problem.mu = Vector::Zero(2);
+  expect_round_trip(Problem("contacts without coordinates", problem));
+  EXPECT_EQ(written_and_read(Problem("contacts without coordinates", problem)).contact()->nc(), 2);
+
+  ContactProblem free = frictionless_problem();
+  free.N = Matrix(3, 0);
+  free.edges.clear();
+  free.mu.resize(0);
+  expect_round_trip(Problem("no contacts", free));
+}
+
+TEST_F(ProblemIoTest, TheLayoutIsForPeople) {
+  EXPECT_EQ(problem_json(Problem("two \"quoted\"", Lcp{Matrix{{2, 1}, {-0.0, 0.1}}, Vector{{-5, 1e300}}})),
+            "{\n"
+            "  \"format\": \"lcpbench-problem\",\n"
+            "  \"version\": 1,\n"
+            "  \"name\": \"two \\\"quoted\\\"\",\n"
+            "  \"kind\": \"lcp\",\n"
+            "  \"M\": [\n"
+            "    [2, 1],\n"
+            "    [-0.0, 0.1]\n"
+            "  ],\n"
+            "  \"q\": [-5, 1e+300]\n"
+            "}\n");
+}
+
+TEST_F(ProblemIoTest, WhatCouldNotBeReadBackIsNotWritten) {
+  const auto error_of_writing = [](const Problem& problem) -> std::string {
+    try {
+      problem_json(problem);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(error_of_writing(Problem("bad", Lcp{Matrix{{nan}}, Vector{{1}}})),
+            "bad: M: entry (0, 0) is nan, expected a finite number");
+  EXPECT_EQ(error_of_writing(Problem("bad", Lcp{Matrix{{1}}, Vector{{INFINITY}}})),
+            "bad: q[0] is inf, expected a finite number");
+  EXPECT_EQ(error_of_writing(Problem("", Lcp{Matrix{{1}}, Vector{{1}}})), "unnamed problem: name: empty");
+  EXPECT_EQ(error_of_writing(Problem("\xff", Lcp{Matrix{{1}}, Vector{{1}}})), "\xff: name: not UTF-8");
+}
+
+TEST_F(ProblemIoTest, TheHashSeesEveryNumberAndShape) {
+  const Problem original("p", frictional_problem());
+  const std::string hash = problem_hash(original);
+  EXPECT_EQ(hash.size(), 32u);
+  EXPECT_EQ(hash, problem_hash(Problem("another name", frictional_problem())));
+
+  const auto differs = [&](auto&& change) {
+    ContactProblem changed = frictional_problem();
+    change(changed);
+    return problem_hash(Problem("p", changed)) != hash;
+  };
+  EXPECT_TRUE(differs([](ContactProblem& p) { p.v(0) = std::nextafter(p.v(0), 1); }));
+  EXPECT_TRUE(differs([](ContactProblem& p) { std::get<Matrix>(p.N)(0, 1) = -0.0; }));
+  EXPECT_TRUE(differs([](ContactProblem& p) { std::get<Matrix>(p.D)(0, 0) = 2; }));
+  EXPECT_TRUE(differs([](ContactProblem& p) { p.mu(1) = 0.25; }));
+  EXPECT_TRUE(differs([](ContactProblem& p) { p.edges = {4, 0}; }));
+  EXPECT_TRUE(differs([](ContactProblem& p) { std::get<DenseInertia>(p.inertia).G(0, 0) = 5; }));
+  EXPECT_TRUE(differs([](ContactProblem& p) { p.inertia = InverseInertia{std::get<DenseInertia>(p.inertia).G}; }));
+
+  const Matrix zeros = Matrix::Zero(2, 2);
+  EXPECT_NE(problem_hash(Problem("p", Lcp{zeros, Vector::Zero(2)})),
+            problem_hash(Problem("p", Lcp{Matrix::Zero(1, 1), Vector::Zero(1)})));
+}
+
+TEST_F(ProblemIoTest, TheHashIsTheSameOnEveryMachine) {
+  EXPECT_EQ(problem_hash(Problem("lcp", Lcp{Matrix{{2, 1}, {1, 2}}, Vector{{-5, -6}}})),
+            "8697c7ded0555d6add8be16b7d3463cc");
+  EXPECT_EQ(problem_hash(Problem("scene", scene())), "246b85ab7e9cb572b9172871b069210f");
+}
+
+TEST_F(ProblemIoTest, TheHashDoesNotSeeHowMatricesAreStored) {
+  ContactProblem dense = frictional_problem();
+  Matrix G = Matrix::Zero(3, 3);
+  G.topLeftCorner(2, 2) << 4, 1, 1, 3;
+  G(2, 2) = 2;
+  dense.inertia = DenseInertia{G};
+  ContactProblem sparse = dense;
+  sparse.inertia = BlockInertia{{G.topLeftCorner(2, 2), G.bottomRightCorner(1, 1)}};
+  sparse.N = SparseMatrix(to_dense(dense.N).sparseView());
+  EXPECT_EQ(problem_hash(Problem("p", sparse)), problem_hash(Problem("p", dense)));
+  expect_round_trip(Problem("p", sparse));
+}
+
+TEST_F(ProblemIoTest, FilesAreWrittenWhole) {
+  const fs::path file = folder_ / "two.json";
+  const Problem problem("two", Lcp{Matrix{{2, 1}, {1, 2}}, Vector{{-5, -6}}});
+  write_problem(problem, file);
+  write_problem(problem, file);
+  EXPECT_EQ(problem_hash(read_problem(file)), problem_hash(problem));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1) << "a temporary file is left";
+  EXPECT_THROW(write_problem(problem, folder_ / "no such folder" / "two.json"), InputError);
+}
+
+TEST_F(ProblemIoTest, TheExampleIsABoxHeldByFriction) {
+  const Problem problem = read_problem(fs::path(LCPBENCH_SOURCE_DIR) / "examples" / "box_on_slope.json");
+  ASSERT_EQ(problem.kind(), ProblemKind::kScene);
+  EXPECT_EQ(problem.size(), 4 + 16 + 4);
+  // The vertical load shared evenly would tip the box down the slope: friction acts below its centre, so that the two
+  // lower corners carry more. Moment balance about y: 0.2 (lower - upper) = 0.1 friction.
+  const double load = 1.2 * 0.092184;
+  const double friction = 1.2 * 0.033552;
+  const double lower = load / 4 + friction / 8;
+  const double upper = load / 4 - friction / 8;
+  Vector z = Vector::Zero(problem.size());
+  z.head(4) << lower, upper, upper, lower;
+  for (Index contact = 0; contact < 4; ++contact) z(4 + 4 * contact + 2) = friction * z(contact) / load;
+  EXPECT_LE(post_impact_velocity(*problem.contact(), z).cwiseAbs().maxCoeff(), 1e-15);
+  EXPECT_GE(upper, 0);
+}
+
+TEST_F(ProblemIoTest, ASparseFileOfTenGigabytesIsRefusedAtOnce) {
+  const fs::path file = write_text("zeros.json", "");
+  fs::resize_file(file, std::uintmax_t{10'000'000'000});
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_EQ(error_of(file), file.string() + ": 10000000000 bytes, at most 2147483648 are read");
+  fs::resize_file(file, std::uintmax_t{2'000'000'000});
+  EXPECT_EQ(error_of(file), file.string() + ": has NUL bytes: not a text file");
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1));
+}
+
+TEST_F(ProblemIoTest, WhatIsNoFileIsNamed) {
+  EXPECT_EQ(error_of(folder_), folder_.string() + ": is a folder, expected a problem file");
+  EXPECT_EQ(error_of(folder_ / "none.json"), (folder_ / "none.json").string() + ": no such file");
+  EXPECT_EQ(error_of("/dev/null"), "/dev/null: is not a regular file");
+  EXPECT_EQ(error_of(write_text("empty.json", "")), (folder_ / "empty.json").string() + ": empty file");
+  EXPECT_EQ(error_of(write_text("word.txt", "hello")),
+            (folder_ / "word.txt").string() +
+                ": neither a problem in JSON ('{' first) nor a Siconos LCP text (a number first)");
+}
+
+TEST_F(ProblemIoTest, JsonIsKnownByItsFirstByteToo) {
+  const std::string text = problem_json(Problem("two", Lcp{Matrix{{2, 1}, {1, 2}}, Vector{{-5, -6}}}));
+  EXPECT_EQ(read_problem(write_text("problem", "\n " + text)).name(), "two");
+  EXPECT_EQ(read_problem(write_text("with-mark", "\xEF\xBB\xBF" + text)).name(), "two");
+}
+
+}  // namespace
+}  // namespace lcpbench
