@@ -1,7 +1,6 @@
 #include "adapters/worker_client.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <optional>
@@ -111,7 +110,7 @@ class WorkerSolver final : public TimedSolver {
     if (region_.bytes().size() < needed) {
       region_ = worker::SharedRegion();
       region_is_shared_ = false;
-      region_ = worker::SharedRegion::create(std::max(kSmallestRegionBytes, std::bit_ceil(needed)));
+      region_ = worker::SharedRegion::create(std::max(kSmallestRegionBytes, needed + needed / 4));
     }
     worker::write_request(request_, region_.bytes());
     return notice;
@@ -136,16 +135,19 @@ class WorkerSolver final : public TimedSolver {
     if (response.value.retiring || result.answer.claim == Claim::kCrashed) stop();
   }
 
-  /// Ends the worker, if there is one, and answers kCrashed with the cause and, where it died by itself, how.
+  /// Ends the worker, if there is one, and answers kCrashed with the cause, how it ended if that was its own doing, and
+  /// its last words. No cause: it ended.
   void crashed(const std::string& cause, TimedAnswer& result) {
     std::string detail = cause;
     if (process_) {
       const bool died = process_->dead();
       const std::string ending = process_->end();
-      if (cause.empty())
-        detail = ending;
-      else if (died)
+      if (cause.empty()) {
+        detail = ending + " without an answer";
+      } else if (died) {
         detail += "; " + ending;
+      }
+      detail += process_->messages();
     }
     stop();
     result = TimedAnswer{};

@@ -210,7 +210,9 @@ void WorkerProcess::expect_greeting(double timeout_s) {
   std::vector<std::byte> packet(kMaxGreetingBytes);
   const Wait greeted = wait(packet, wall_clock_s() + timeout_s);
   if (greeted.event == Event::kTimeout) throw std::runtime_error("the worker did not greet in time");
-  if (greeted.event == Event::kEnded) throw std::runtime_error("the worker ended before its greeting: " + end());
+  if (greeted.event == Event::kEnded) {
+    throw std::runtime_error("the worker ended before its greeting: " + end() + messages());
+  }
   if (greeted.packet_bytes > packet.size()) throw std::runtime_error("the worker's greeting is too long");
   Parsed<Greeting> greeting = parse_greeting(std::span(packet).first(greeted.packet_bytes));
   if (!greeting.ok()) throw std::runtime_error("the worker's greeting is not valid: " + greeting.error);
@@ -268,7 +270,7 @@ std::string WorkerProcess::end() {
     reaped = waitpid(pid_, &status, 0);
   } while (reaped < 0 && errno == EINTR);
   pid_ = -1;
-  return (reaped < 0 ? "ended in an unknown way" : describe_status(status)) + messages();
+  return reaped < 0 ? "ended in an unknown way" : describe_status(status);
 }
 
 void WorkerProcess::clear_messages() { lseek(stderr_file_.get(), 0, SEEK_SET); }

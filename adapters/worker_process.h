@@ -50,8 +50,11 @@ class WorkerProcess {
   double cpu_s() const;
 
   /// Kills what still lives of the process and its group, reaps it, and tells how it ended: "killed by signal 11
-  /// (SIGSEGV)", "exited with code 0", followed by the end of what it wrote to its standard error.
+  /// (SIGSEGV)", "exited with code 0".
   std::string end();
+
+  /// The end of what the worker wrote to its standard error since clear_messages(), as "; stderr: ..."; "" for nothing.
+  std::string messages() const;
 
   /// Forgets what the worker wrote to its standard error so far.
   void clear_messages();
@@ -59,7 +62,6 @@ class WorkerProcess {
  private:
   void start(const std::filesystem::path& executable, const WorkerLimits& limits);
   void expect_greeting(double timeout_s);
-  std::string messages() const;
 
   pid_t pid_ = -1;
   UniqueFd socket_;

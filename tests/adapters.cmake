@@ -1,0 +1,26 @@
+add_executable(fault_worker fault_worker.cpp)
+target_link_libraries(fault_worker PRIVATE lcpbench_worker_runtime)
+add_executable(worker_parent worker_parent.cpp)
+target_link_libraries(worker_parent PRIVATE lcpbench_adapters)
+
+lcpbench_test(worker_protocol LINK lcpbench_adapters)
+lcpbench_test(worker LINK lcpbench_adapters)
+target_compile_definitions(worker_test PRIVATE FAULT_WORKER="$<TARGET_FILE:fault_worker>"
+                                               WORKER_PARENT="$<TARGET_FILE:worker_parent>")
+add_dependencies(worker_test fault_worker worker_parent)
+
+# Foreign libraries are loaded by the workers and by nothing else.
+function(lcpbench_links_test name target expectation)
+  add_test(NAME ${name}
+           COMMAND ${CMAKE_COMMAND} -DBINARY=$<TARGET_FILE:${target}> -DEXPECT=${expectation}
+                   "-DLIBRARIES=lib(ode|Bullet|LinearMath|ipopt|siconos|dart|cholmod|umfpack|openblas|blas|lapack)"
+                   -P ${CMAKE_CURRENT_SOURCE_DIR}/loaded_libraries.cmake)
+endfunction()
+
+lcpbench_links_test(adapters_link_no_foreign_library worker_test NONE)
+if(TARGET lcpbench)
+  lcpbench_links_test(program_links_no_foreign_library lcpbench NONE)
+endif()
+if(TARGET lcpbench-worker-bullet)
+  lcpbench_links_test(worker_links_its_library lcpbench-worker-bullet SOME)
+endif()

@@ -1,0 +1,228 @@
+// A worker whose one solver does what the problem's name says: it answers right, lies, or misbehaves.
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <signal.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "adapters/worker_channel.h"
+#include "adapters/worker_protocol.h"
+#include "core/registry.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr Capabilities kCapabilities{};
+
+/// The shared memory as the kernel shows it: what a wild pointer may hit.
+std::span<std::byte> find_region() {
+  std::ifstream maps("/proc/self/maps");
+  for (std::string line; std::getline(maps, line);) {
+    if (line.find("/memfd:lcpbench ") == std::string::npos) continue;
+    char* rest = nullptr;
+    const std::uintptr_t begin = std::strtoull(line.c_str(), &rest, 16);
+    const std::uintptr_t end = std::strtoull(rest + 1, nullptr, 16);
+    return {reinterpret_cast<std::byte*>(begin), end - begin};
+  }
+  throw std::logic_error("no shared memory is mapped");
+}
+
+constexpr std::size_t kVersionWord = 1;
+constexpr std::size_t kSequenceWord = 3;
+constexpr std::size_t kPayloadWord = 4;
+constexpr std::size_t kFrameBytes = 5 * sizeof(std::uint64_t);
+
+std::uint64_t request_word(std::size_t word) {
+  std::uint64_t value = 0;
+  std::memcpy(&value, find_region().data() + word * sizeof value, sizeof value);
+  return value;
+}
+
+std::span<std::byte> response_area() {
+  const std::size_t request_bytes = kFrameBytes + request_word(kPayloadWord);
+  return find_region().subspan((request_bytes + 63) / 64 * 64);
+}
+
+[[noreturn]] void sleep_for_ever() {
+  for (;;) pause();
+}
+
+[[noreturn]] void announce_an_answer(std::uint64_t sequence) {
+  worker::ResponseNotice notice;
+  notice.sequence = sequence;
+  worker::send_packet(worker::kSocketFd, std::as_bytes(std::span(&notice, 1)));
+  sleep_for_ever();
+}
+
+/// Writes a valid response, replaces one word of it, and announces it.
+[[noreturn]] void answer_with_word(std::size_t word, std::uint64_t value) {
+  worker::Response response;
+  response.sequence = request_word(kSequenceWord);
+  const std::span<std::byte> area = response_area();
+  worker::write_response(response, area);
+  std::memcpy(area.data() + word * sizeof value, &value, sizeof value);
+  announce_an_answer(response.sequence);
+}
+
+[[noreturn]] void write_to_protected_memory() {
+  signal(SIGSEGV, SIG_DFL);  // a sanitizer's handler would turn the signal into an exit code
+  void* page = mmap(nullptr, 4096, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  *static_cast<volatile char*>(page) = 1;
+  std::abort();
+}
+
+std::vector<char*>& kept_memory() {
+  static std::vector<char*> kept;
+  return kept;
+}
+
+void fill_memory() {
+  for (;;) kept_memory().push_back(new char[std::size_t{1} << 20]);
+}
+
+void fill_memory_without_exceptions() noexcept { fill_memory(); }
+
+void scribble_over_everything() { std::memset(find_region().data(), 0xa5, find_region().size()); }
+
+void print_megabytes() {
+  const std::string line(1000, 'x');
+  for (int i = 0; i < 3000; ++i) {
+    std::puts(line.c_str());
+    std::fputs(line.c_str(), stderr);
+  }
+}
+
+void fork_a_child_and_exit() {
+  if (fork() == 0) sleep_for_ever();
+  _exit(0);
+}
+
+bool can_make_a_file() {
+  std::FILE* file = std::fopen("left_behind_by_a_worker", "w");
+  if (file == nullptr) return false;
+  std::fclose(file);
+  return true;
+}
+
+double open_descriptors() {
+  const std::filesystem::directory_iterator descriptors("/proc/self/fd");
+  return static_cast<double>(std::distance(begin(descriptors), end(descriptors)));
+}
+
+struct NoSettings {
+  void visit(auto&&) {}
+};
+
+class Fault final : public Solver {
+ public:
+  explicit Fault(const NoSettings&) {}
+  const Capabilities& capabilities() const override { return kCapabilities; }
+
+ protected:
+  void on_load(const Problem&) override {}
+
+  void on_solve(const SolveRequest&, Answer& answer) override {
+    answer.claim = Claim::kSolved;
+    answer.z = (-problem().lcp().q.array() / problem().lcp().M.diagonal().array()).max(0.0);
+    const auto found = behaviours().find(problem().name());
+    if (found == behaviours().end()) throw std::logic_error("no behaviour named " + problem().name());
+    found->second(answer);
+    last_z() = answer.z;
+  }
+
+ private:
+  static Vector& last_z() {
+    static Vector z;
+    return z;
+  }
+
+  static const std::map<std::string, std::function<void(Answer&)>>& behaviours() {
+    using A = Answer;
+    static const std::map<std::string, std::function<void(A&)>> map{
+        {"right", [](A&) {}},
+        {"zeros", [](A& a) { a.z.setZero(); }},
+        {"nan", [](A& a) { a.z.setConstant(std::numeric_limits<double>::quiet_NaN()); }},
+        {"last answer", [](A& a) { a.z = last_z(); }},
+        {"segfault", [](A&) { write_to_protected_memory(); }},
+        {"abort",
+         [](A&) {
+           std::fputs("assertion 'x > 0'\n failed\n", stderr);
+           std::abort();
+         }},
+        {"loop for ever",
+         [](A&) {
+           for (volatile bool on = true; on;) continue;
+         }},
+        {"sleep for ever", [](A&) { sleep_for_ever(); }},
+        {"exit(0)", [](A&) { std::exit(0); }},
+        {"_exit(0)", [](A&) { _exit(0); }},
+        {"fill memory", [](A&) { fill_memory(); }},
+        {"fill memory noexcept", [](A&) { fill_memory_without_exceptions(); }},
+        {"scribble", [](A&) { scribble_over_everything(); }},
+        {"scribble and announce",
+         [](A&) {
+           const std::uint64_t sequence = request_word(kSequenceWord);
+           scribble_over_everything();
+           announce_an_answer(sequence);
+         }},
+        {"wrong magic", [](A&) { answer_with_word(0, 0); }},
+        {"wrong version", [](A&) { answer_with_word(kVersionWord, worker::kVersion + 1); }},
+        {"wrong sequence", [](A&) { answer_with_word(kSequenceWord, request_word(kSequenceWord) - 1); }},
+        {"huge payload", [](A&) { answer_with_word(kPayloadWord, ~std::uint64_t{0}); }},
+        {"no such claim", [](A&) { answer_with_word(5, 7); }},
+        {"huge z", [](A&) { answer_with_word(16, std::uint64_t{1} << 61); }},
+        {"close the socket",
+         [](A&) {
+           close(worker::kSocketFd);
+           sleep_for_ever();
+         }},
+        {"write to the socket",
+         [](A&) {
+           const std::string junk = "junk";
+           worker::send_packet(worker::kSocketFd, std::as_bytes(std::span(junk)));
+         }},
+        {"shrink the memory",
+         [](A& a) {
+           for (int fd = 0; fd < 100; ++fd) {
+             if (ftruncate(fd, 0) == 0) a.claim = Claim::kNumericalFailure;
+           }
+         }},
+        {"stop", [](A&) { raise(SIGSTOP); }},
+        {"print", [](A&) { print_megabytes(); }},
+        {"fork and exit", [](A&) { fork_a_child_and_exit(); }},
+        {"throw", [](A&) { throw std::runtime_error("boom"); }},
+        {"throw int", [](A&) { throw 7; }},
+        {"too many entries", [](A& a) { a.z = Vector::Zero(100000); }},
+        {"velocity of an LCP", [](A& a) { a.velocity = Vector::Zero(1); }},
+        {"long detail", [](A& a) { a.detail.assign(5000, '\n'); }},
+        {"pid", [](A& a) { a.z(0) = getpid(); }},
+        {"make a file", [](A& a) { a.z(0) = can_make_a_file() ? 1 : 0; }},
+        {"open descriptors", [](A& a) { a.z(0) = open_descriptors(); }},
+        {"blas threads", [](A& a) { a.z(0) = std::atof(std::getenv("OPENBLAS_NUM_THREADS")); }},
+    };
+    return map;
+  }
+};
+
+}  // namespace
+
+const std::vector<RegisteredSolver>& registered_solvers() {
+  static const std::vector<RegisteredSolver> solvers{
+      {define_solver<Fault, NoSettings>({.name = "fault", .summary = "does what the problem's name says"}), "", "", "",
+       ""}};
+  return solvers;
+}
+
+}  // namespace lcpbench

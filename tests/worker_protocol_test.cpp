@@ -1,0 +1,304 @@
+// Problems and answers cross the process border bit for bit, and nothing malformed crosses it at all.
+
+#include "adapters/worker_protocol.h"
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/registry.h"
+
+namespace lcpbench {
+
+const std::vector<RegisteredSolver>& registered_solvers() {
+  static const std::vector<RegisteredSolver> none;
+  return none;
+}
+
+namespace worker {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+constexpr std::size_t kSequenceAt = 24;
+constexpr std::size_t kPayloadAt = 32;
+
+Matrix numbered(Index rows, Index cols) {
+  Matrix values(rows, cols);
+  for (Index i = 0; i < values.size(); ++i) values.data()[i] = std::ldexp(static_cast<double>(3 * i + 1), -7);
+  return values;
+}
+
+SparseMatrix sparse_numbered(Index rows, Index cols) {
+  SparseMatrix values(rows, cols);
+  for (Index j = 0; j < cols; j += 2) values.insert(j % rows, j) = static_cast<double>(j) + 0.1;
+  return values;
+}
+
+ContactProblem contact(Jacobian N, Jacobian D, Inertia inertia) {
+  return {.v = numbered(6, 1),
+          .N = std::move(N),
+          .D = std::move(D),
+          .edges = {4, 0, 2},
+          .mu = Eigen::Vector3d(0.5, 0.0, 0.25),
+          .inertia = std::move(inertia)};
+}
+
+RigidScene scene() {
+  RigidScene result;
+  result.bodies.resize(2);
+  result.bodies[1].mass = 0.1;
+  result.bodies[1].angular_velocity = {1, 2, 3};
+  result.contacts.resize(2);
+  result.contacts[0] = {.body_a = 1, .body_b = 0, .point = {0.1, 0.2, 0.3}, .mu = 0.7, .edges = 4};
+  return result;
+}
+
+std::vector<Problem> problems_of_every_kind() {
+  const Matrix G = Matrix::Identity(6, 6) * 3.0;
+  Lcp lcp{numbered(4, 4), numbered(4, 1)};
+  lcp.M(0, 0) = -0.0;
+  lcp.M(1, 1) = std::numeric_limits<double>::quiet_NaN();
+  lcp.q(0) = std::numeric_limits<double>::denorm_min();
+  return {Problem("an LCP", lcp),
+          Problem("empty", Lcp{}),
+          Problem("dense", contact(numbered(6, 3), numbered(6, 6), DenseInertia{G})),
+          Problem("mixed", contact(numbered(6, 3), sparse_numbered(6, 6), InverseInertia{G})),
+          Problem("sparse", contact(sparse_numbered(6, 3), sparse_numbered(6, 6),
+                                    BlockInertia{{numbered(2, 2), numbered(3, 3), numbered(1, 1)}})),
+          Problem("factors", contact(numbered(6, 3), numbered(6, 6), FactoredInertia{numbered(6, 4), numbered(4, 1)})),
+          Problem("scene", scene())};
+}
+
+Request request_for(const Problem& problem) {
+  Request request;
+  request.sequence = 42;
+  request.solver = "bullet_dantzig{diagonal=1e-8}";
+  request.timing = {.time_limit_s = 0.5, .repeat_until_s = 0.25, .max_repeats = 7};
+  request.problem = problem;
+  return request;
+}
+
+Bytes bytes_of(const Request& request) {
+  Bytes bytes(write_request(request, {}));
+  write_request(request, bytes);
+  return bytes;
+}
+
+Bytes bytes_of(const Response& response) {
+  Bytes bytes(write_response(response, {}));
+  write_response(response, bytes);
+  return bytes;
+}
+
+void set_word(Bytes& bytes, std::size_t at, std::uint64_t value) {
+  std::memcpy(bytes.data() + at, &value, sizeof value);
+}
+
+TEST(WorkerProtocolTest, RequestsOfEveryKindArriveBitForBit) {
+  for (const Problem& problem : problems_of_every_kind()) {
+    const Bytes bytes = bytes_of(request_for(problem));
+    const Parsed<Request> parsed = parse_request(bytes);
+    ASSERT_TRUE(parsed.ok()) << problem.name() << ": " << parsed.error;
+    EXPECT_EQ(bytes_of(parsed.value), bytes) << problem.name();
+    EXPECT_EQ(parsed.value.sequence, 42U);
+    EXPECT_EQ(parsed.value.solver, "bullet_dantzig{diagonal=1e-8}");
+    EXPECT_EQ(parsed.value.timing.time_limit_s, 0.5);
+    EXPECT_EQ(parsed.value.timing.repeat_until_s, 0.25);
+    EXPECT_EQ(parsed.value.timing.max_repeats, 7);
+    EXPECT_EQ(parsed.value.problem.name(), problem.name());
+    EXPECT_EQ(parsed.value.problem.kind(), problem.kind());
+    EXPECT_EQ(parsed.value.problem.size(), problem.size());
+  }
+}
+
+TEST(WorkerProtocolTest, FieldsOfAContactProblemKeepTheirPlaces) {
+  const ContactProblem sent =
+      contact(sparse_numbered(6, 3), numbered(6, 6), FactoredInertia{numbered(6, 4), numbered(4, 1)});
+  const Parsed<Request> parsed = parse_request(bytes_of(request_for(Problem("c", sent))));
+  ASSERT_TRUE(parsed.ok());
+  const ContactProblem& received = *parsed.value.problem.contact();
+  EXPECT_EQ(received.v, sent.v);
+  EXPECT_EQ(received.mu, sent.mu);
+  EXPECT_EQ(received.edges, sent.edges);
+  EXPECT_TRUE(std::holds_alternative<SparseMatrix>(received.N));
+  EXPECT_EQ(to_dense(received.N), to_dense(sent.N));
+  EXPECT_EQ(to_dense(received.D), to_dense(sent.D));
+  EXPECT_EQ(std::get<FactoredInertia>(received.inertia).X, numbered(6, 4));
+  EXPECT_EQ(std::get<FactoredInertia>(received.inertia).alpha, numbered(4, 1));
+}
+
+TEST(WorkerProtocolTest, FieldsOfASceneKeepTheirPlaces) {
+  const Parsed<Request> parsed = parse_request(bytes_of(request_for(Problem("s", scene()))));
+  ASSERT_TRUE(parsed.ok());
+  const RigidScene& received = *parsed.value.problem.scene();
+  EXPECT_EQ(received.bodies[1].mass, 0.1);
+  EXPECT_EQ(received.bodies[1].angular_velocity, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(received.contacts[0].body_a, 1);
+  EXPECT_EQ(received.contacts[0].body_b, 0);
+  EXPECT_EQ(received.contacts[0].point, Eigen::Vector3d(0.1, 0.2, 0.3));
+  EXPECT_EQ(received.contacts[0].mu, 0.7);
+  EXPECT_EQ(received.contacts[0].edges, 4);
+  EXPECT_EQ(received.contacts[1].edges, 0);
+  EXPECT_EQ(received.contacts[1].body_b, RigidContact::kWorld);
+}
+
+TEST(WorkerProtocolTest, RequestsCutShortAreRefused) {
+  for (const Problem& problem : problems_of_every_kind()) {
+    const Bytes whole = bytes_of(request_for(problem));
+    for (std::size_t length = 0; length < whole.size(); ++length) {
+      Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length));
+      EXPECT_FALSE(parse_request(cut).ok());
+      if (length < kPayloadAt + 8) continue;
+      set_word(cut, kPayloadAt, length - kPayloadAt - 8);
+      EXPECT_FALSE(parse_request(cut).ok()) << problem.name() << " cut to " << length << " bytes";
+    }
+  }
+}
+
+TEST(WorkerProtocolTest, EveryWordReplacedByAHugeOneIsReadAsItIsOrRefused) {
+  for (const Problem& problem : problems_of_every_kind()) {
+    const Bytes whole = bytes_of(request_for(problem));
+    for (std::size_t at = 0; at + 8 <= whole.size(); at += 8) {
+      for (const std::uint64_t value : {~std::uint64_t{0}, std::uint64_t{1} << 61, std::uint64_t{1} << 32}) {
+        Bytes changed = whole;
+        set_word(changed, at, value);
+        const Parsed<Request> parsed = parse_request(changed);
+        if (!parsed.ok()) continue;
+        EXPECT_EQ(bytes_of(parsed.value), changed) << problem.name() << " word at " << at;
+      }
+    }
+  }
+}
+
+TEST(WorkerProtocolTest, ProblemsWhoseShapesDisagreeAreRefused) {
+  const auto error = [](const ContactProblem& problem) {
+    return parse_request(bytes_of(request_for(Problem("bad", problem)))).error;
+  };
+  const ContactProblem good = contact(numbered(6, 3), numbered(6, 6), DenseInertia{Matrix::Identity(6, 6)});
+  ContactProblem bad = good;
+  EXPECT_EQ(error(bad), "");
+  bad.N = numbered(5, 3);
+  EXPECT_EQ(error(bad), "N: 5 x 3, expected 6 x 3");
+  bad = good;
+  bad.edges = {4, 1, 1};
+  EXPECT_EQ(error(bad), "edges: an entry is odd or negative");
+  bad = good;
+  bad.mu.resize(2);
+  EXPECT_EQ(error(bad), "mu: not one entry per contact");
+  bad = good;
+  bad.inertia = BlockInertia{{Matrix::Identity(3, 3)}};
+  EXPECT_EQ(error(bad), "G blocks: do not add up to ngc rows");
+}
+
+TEST(WorkerProtocolTest, SparseMatricesThatAreNoneAreRefused) {
+  SparseMatrix N(6, 3);
+  N.insert(1, 0) = 1;
+  N.insert(4, 0) = 2;
+  N.makeCompressed();
+  const auto with_rows = [&](int first, int second) {
+    SparseMatrix bad = N;
+    bad.innerIndexPtr()[0] = first;
+    bad.innerIndexPtr()[1] = second;
+    return parse_request(
+               bytes_of(request_for(Problem("bad", contact(bad, numbered(6, 6), DenseInertia{numbered(6, 6)})))))
+        .ok();
+  };
+  EXPECT_TRUE(with_rows(1, 4));
+  EXPECT_FALSE(with_rows(4, 4));
+  EXPECT_FALSE(with_rows(4, 1));
+  EXPECT_FALSE(with_rows(-1, 4));
+  EXPECT_FALSE(with_rows(1, 6));
+}
+
+Response full_response() {
+  Response response;
+  response.sequence = 9;
+  Answer& answer = response.result.answer;
+  answer.claim = Claim::kUnsolvable;
+  answer.z = numbered(3, 1);
+  answer.z(1) = std::numeric_limits<double>::quiet_NaN();
+  answer.velocity = numbered(2, 1);
+  answer.farkas = numbered(1, 1);
+  answer.counters = {.iterations = 4, .pivots = 5, .factorizations = -1};
+  answer.detail = "ray";
+  response.result.times = {.setup_wall_s = 1, .setup_cpu_s = 2, .solve_wall_s = 3, .solve_cpu_s = 4, .repeats = 6};
+  response.busy_s = 8;
+  response.retiring = true;
+  return response;
+}
+
+constexpr AnswerSizes kSizes{.z = 3, .velocity = 2, .farkas = 1};
+
+TEST(WorkerProtocolTest, ResponsesArriveBitForBit) {
+  const Bytes bytes = bytes_of(full_response());
+  const Parsed<Response> parsed = parse_response(bytes, 9, kSizes);
+  ASSERT_TRUE(parsed.ok()) << parsed.error;
+  EXPECT_EQ(bytes_of(parsed.value), bytes);
+  EXPECT_EQ(parsed.value.result.answer.claim, Claim::kUnsolvable);
+  EXPECT_TRUE(std::isnan(parsed.value.result.answer.z(1)));
+  EXPECT_EQ(parsed.value.result.answer.counters.pivots, 5);
+  EXPECT_EQ(parsed.value.result.answer.detail, "ray");
+  EXPECT_EQ(parsed.value.result.times.solve_cpu_s, 4);
+  EXPECT_EQ(parsed.value.result.times.repeats, 6);
+  EXPECT_EQ(parsed.value.busy_s, 8);
+  EXPECT_TRUE(parsed.value.retiring);
+}
+
+TEST(WorkerProtocolTest, EveryResponseThatIsValidFitsTheRoomMadeForIt) {
+  Response largest = full_response();
+  largest.result.answer.detail.assign(2 * kMaxDetailBytes, 'x');
+  EXPECT_EQ(bytes_of(largest).size(), response_capacity(kSizes));
+}
+
+TEST(WorkerProtocolTest, ResponsesCutShortAreRefused) {
+  const Bytes whole = bytes_of(full_response());
+  for (std::size_t length = 0; length < whole.size(); ++length) {
+    EXPECT_FALSE(parse_response(std::span(whole).first(length), 9, kSizes).ok());
+  }
+}
+
+TEST(WorkerProtocolTest, WhatIsNoAnswerIsRefusedAndNamed) {
+  const auto error = [](auto&& change) {
+    Response response = full_response();
+    change(response, response.result.answer);
+    return parse_response(bytes_of(response), 9, kSizes).error;
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(error([](Response&, Answer&) {}), "");
+  EXPECT_EQ(error([](Response&, Answer& a) { a.z.resize(0); }), "");
+  EXPECT_EQ(error([](Response& r, Answer&) { r.sequence = 8; }), "sequence number 8, expected 9");
+  EXPECT_EQ(error([](Response&, Answer& a) { a.z.conservativeResize(2); }), "z has 2 entries, expected 3 or none");
+  EXPECT_EQ(error([](Response&, Answer& a) { a.farkas = Vector::Zero(2); }),
+            "farkas has 2 entries, expected 1 or none");
+  EXPECT_EQ(error([](Response&, Answer& a) { a.claim = static_cast<Claim>(7); }), "claim: unknown");
+  EXPECT_EQ(error([](Response&, Answer& a) { a.claim = static_cast<Claim>(-1); }), "claim: unknown");
+  EXPECT_EQ(error([](Response&, Answer& a) { a.counters.pivots = -2; }), "a counter is below -1");
+  EXPECT_EQ(error([&](Response& r, Answer&) { r.result.times.solve_cpu_s = nan; }), "a time is negative or not finite");
+  EXPECT_EQ(error([](Response& r, Answer&) { r.busy_s = -1e-9; }), "a time is negative or not finite");
+  EXPECT_EQ(error([](Response& r, Answer&) { r.busy_s = HUGE_VAL; }), "a time is negative or not finite");
+  EXPECT_EQ(error([](Response& r, Answer&) { r.result.times.repeats = 0; }), "repeats: out of range");
+}
+
+TEST(WorkerProtocolTest, GreetingsArrive) {
+  const Greeting greeting{{"one", "another_solver"}};
+  Bytes bytes(write_greeting(greeting, {}));
+  write_greeting(greeting, bytes);
+  const Parsed<Greeting> parsed = parse_greeting(bytes);
+  ASSERT_TRUE(parsed.ok());
+  EXPECT_EQ(parsed.value.solvers, greeting.solvers);
+  set_word(bytes, kSequenceAt - 16, kVersion + 1);
+  EXPECT_NE(parse_greeting(bytes).error.find("rebuild"), std::string::npos);
+}
+
+TEST(WorkerProtocolTest, DetailIsMadePrintable) {
+  EXPECT_EQ(printable("a\nb\x1b[1m\xc3\xa9\x7f", 100), "a b [1m?? ");
+  EXPECT_EQ(printable("abcdef", 3), "abc");
+}
+
+}  // namespace
+}  // namespace worker
+}  // namespace lcpbench
