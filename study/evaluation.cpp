@@ -192,7 +192,7 @@ struct Evaluator::Data {
   explicit Data(const Problem& the_problem) : problem(the_problem) {
     if (const ContactProblem* data = problem.contact()) {
       contact.emplace(*data);
-    } else {
+    } else if (problem.lcp().M.allFinite() && problem.lcp().q.allFinite()) {
       bare.emplace(problem.lcp());
     }
   }
@@ -200,7 +200,7 @@ struct Evaluator::Data {
   // nullptr when the data allow no evaluation.
   QuadLcp* lcp() {
     if (bare) return &*bare;
-    return contact->lcp ? &*contact->lcp : nullptr;
+    return contact && contact->lcp ? &*contact->lcp : nullptr;
   }
 
   Problem problem;  // keeps the data alive that the others refer to

@@ -94,26 +94,36 @@ DyadicVector times(const Jacobian& N, const DyadicVector& u) {
   return p;
 }
 
+bool annihilates(const Matrix& A, const DyadicVector& p, std::size_t begin) {
+  return A.allFinite() && is_zero(transposed_times(A, p, begin));
+}
+
 struct NullSpaceTest {
   const DyadicVector& p;
 
-  bool operator()(const DenseInertia& inertia) const { return is_zero(transposed_times(inertia.G, p, 0)); }
+  bool operator()(const DenseInertia& inertia) const { return annihilates(inertia.G, p, 0); }
   bool operator()(const BlockInertia& inertia) const {
     std::size_t begin = 0;
     for (const Matrix& block : inertia.blocks) {
-      if (!is_zero(transposed_times(block, p, begin))) return false;
+      if (!annihilates(block, p, begin)) return false;
       begin += static_cast<std::size_t>(block.rows());
     }
     return true;
   }
   bool operator()(const FactoredInertia& inertia) const {
+    if (!inertia.X.allFinite() || !inertia.alpha.allFinite()) return false;
     for (Index k = 0; k < inertia.X.cols(); ++k) {
       if (inertia.alpha(k) != 0 && dot(inertia.X.col(k), p).sign() != 0) return false;
     }
     return true;
   }
-  bool operator()(const InverseInertia& inertia) const { return is_zero(transposed_times(inertia.Ginv, p, 0)); }
+  bool operator()(const InverseInertia& inertia) const { return annihilates(inertia.Ginv, p, 0); }
 };
+
+bool all_finite(const Jacobian& J) {
+  if (const auto* dense = std::get_if<Matrix>(&J)) return dense->allFinite();
+  return std::get<SparseMatrix>(J).coeffs().allFinite();
+}
 
 bool nonnegative(const Vector& u) {
   return std::all_of(u.begin(), u.end(), [](double value) { return value >= 0 && std::isfinite(value); });
@@ -122,13 +132,13 @@ bool nonnegative(const Vector& u) {
 }  // namespace
 
 bool proves_unsolvable(const ContactProblem& problem, const Vector& u) {
-  if (u.size() != problem.nc() || !nonnegative(u)) return false;
+  if (u.size() != problem.nc() || !nonnegative(u) || !all_finite(problem.N) || !problem.v.allFinite()) return false;
   const DyadicVector p = times(problem.N, exact(u));
   return dot(problem.v, p).sign() < 0 && std::visit(NullSpaceTest{p}, problem.inertia);
 }
 
 bool proves_unsolvable(const Lcp& lcp, const Vector& u) {
-  if (u.size() != lcp.size() || !nonnegative(u)) return false;
+  if (u.size() != lcp.size() || !nonnegative(u) || !lcp.M.allFinite() || !lcp.q.allFinite()) return false;
   const DyadicVector exact_u = exact(u);
   if (!(dot(lcp.q, exact_u).sign() < 0)) return false;
   const DyadicVector columns = transposed_times(lcp.M, exact_u, 0);

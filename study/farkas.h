@@ -11,7 +11,8 @@ namespace lcpbench {
 /// normal velocity stays negative. null(G): X'N u = 0 for factors (those of alpha = 0 left out), G N u = 0 for a given
 /// G, G* N u = 0 where only G* is known (G symmetric).
 /// Every number is a double, so sums and products are exact integers times a power of two; a u whose equalities hold
-/// only to rounding proves nothing. False for a u of another length, with NaN, infinite or negative entries.
+/// only to rounding proves nothing. False for a u of another length or with NaN, infinite or
+/// negative entries, and for data that are not finite.
 /// O(nnz(N) + ngc^2) exact operations.
 bool proves_unsolvable(const ContactProblem& problem, const Vector& u);
 

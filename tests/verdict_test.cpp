@@ -1,0 +1,199 @@
+#include <array>
+#include <fstream>
+#include <memory>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include "study/evaluation.h"
+#include "study/schema.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr std::array kClaims{Claim::kSolved,           Claim::kUnsolvable,  Claim::kIterationLimit, Claim::kTimeLimit,
+                             Claim::kNumericalFailure, Claim::kUnsupported, Claim::kCrashed};
+constexpr std::array kTruths{"unknown", "solvable", "unsolvable"};
+constexpr std::array kAnswers{"unusable", "neither", "criterion", "solved"};
+constexpr std::size_t kCombinations = kClaims.size() * kTruths.size() * kAnswers.size();
+
+struct Row {
+  std::string claim, truth, answer, verdict, false_claim, counts;
+
+  std::string combination() const { return claim + " / " + truth + " / " + answer; }
+};
+
+std::string trimmed(const std::string& text) {
+  const auto begin = text.find_first_not_of(' ');
+  return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(' ') - begin + 1);
+}
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, separator);) parts.push_back(trimmed(part));
+  return parts;
+}
+
+std::vector<Row> documented_rows() {
+  std::ifstream file(LCPBENCH_VERDICTS_TABLE);
+  std::vector<Row> rows;
+  bool in_table = false;
+  for (std::string line; std::getline(file, line);) {
+    if (line.rfind("| ---", 0) == 0) {
+      in_table = true;
+    } else if (in_table && line.rfind("|", 0) == 0) {
+      const std::vector<std::string> cells = split(line, '|');
+      EXPECT_EQ(cells.size(), 7u) << line;
+      if (cells.size() == 7) rows.push_back({cells[1], cells[2], cells[3], cells[4], cells[5], cells[6]});
+    }
+  }
+  return rows;
+}
+
+Truth truth_of(const std::string& word) {
+  if (word == "solvable") return Truth::kSolvable;
+  if (word == "unsolvable") return Truth::kUnsolvable;
+  EXPECT_EQ(word, "unknown");
+  return Truth::kUnknown;
+}
+
+Errors errors_of(const std::string& answer) {
+  Errors errors;
+  errors.usable = answer != "unusable";
+  errors.solved = answer == "solved";
+  errors.criterion = answer == "criterion";
+  return errors;
+}
+
+bool contains(const std::string& counts, const std::string& name) {
+  for (const std::string& count : split(counts, ',')) {
+    if (count == name) return true;
+  }
+  return false;
+}
+
+TEST(VerdictTest, TheTableNamesEveryCombinationOnce) {
+  std::set<std::string> expected;
+  for (const Claim claim : kClaims) {
+    for (const char* truth : kTruths) {
+      for (const char* answer : kAnswers) expected.insert(Row{to_string(claim), truth, answer}.combination());
+    }
+  }
+  std::set<std::string> documented;
+  for (const Row& row : documented_rows()) {
+    EXPECT_TRUE(documented.insert(row.combination()).second) << "twice: " << row.combination();
+  }
+  EXPECT_EQ(documented, expected);
+  EXPECT_EQ(documented.size(), kCombinations);
+}
+
+TEST(VerdictTest, TheCodeFollowsTheTable) {
+  for (const Row& row : documented_rows()) {
+    const Claim claim = parse_claim(row.claim);
+    const Verdict found = verdict(claim, errors_of(row.answer), truth_of(row.truth));
+    EXPECT_EQ(to_string(found), row.verdict) << row.combination();
+    EXPECT_EQ(false_claim(claim, found) ? "yes" : "no", row.false_claim) << row.combination();
+    EXPECT_EQ(split(row.counts, ',').front(), row.verdict) << row.combination();
+    EXPECT_EQ(contains(row.counts, "claimed"), claim == Claim::kSolved) << row.combination();
+    EXPECT_EQ(contains(row.counts, "false_claims"), row.false_claim == "yes") << row.combination();
+    EXPECT_EQ(contains(row.counts, "crashed"), claim == Claim::kCrashed) << row.combination();
+  }
+}
+
+TEST(VerdictTest, PassingThePapersCriterionNeverChangesASolvedAnswer) {
+  for (const Claim claim : kClaims) {
+    for (const Truth truth : {Truth::kUnknown, Truth::kSolvable, Truth::kUnsolvable}) {
+      Errors errors = errors_of("solved");
+      const Verdict without = verdict(claim, errors, truth);
+      errors.criterion = true;
+      EXPECT_EQ(verdict(claim, errors, truth), without);
+    }
+  }
+}
+
+class Database {
+ public:
+  Database() {
+    EXPECT_EQ(sqlite3_open(":memory:", &handle_), SQLITE_OK);
+    run(kStoreSchema);
+  }
+  ~Database() { sqlite3_close(handle_); }
+  Database(const Database&) = delete;
+  Database& operator=(const Database&) = delete;
+
+  void run(const std::string& sql) {
+    char* message = nullptr;
+    EXPECT_EQ(sqlite3_exec(handle_, sql.c_str(), nullptr, nullptr, &message), SQLITE_OK)
+        << (message != nullptr ? message : "") << "\n"
+        << sql;
+    sqlite3_free(message);
+  }
+
+  std::vector<std::string> texts(const std::string& sql) {
+    std::vector<std::string> result;
+    const auto append = [](void* out, int, char** values, char**) {
+      static_cast<std::vector<std::string>*>(out)->emplace_back(values[0] != nullptr ? values[0] : "NULL");
+      return 0;
+    };
+    EXPECT_EQ(sqlite3_exec(handle_, sql.c_str(), append, &result, nullptr), SQLITE_OK) << sql;
+    return result;
+  }
+
+ private:
+  sqlite3* handle_ = nullptr;
+};
+
+// Solver 1 gave the answer in question; solver 2, where there is one, settles the truth.
+struct StoredCase {
+  std::string theory;       // problems.theory
+  std::string certificate;  // certificates.certificate, "" for none
+  bool solved_by_other = false;
+  bool refuted_by_other = false;
+};
+
+void insert_answer(Database& store, std::size_t problem, int solver, const std::string& claim, const Errors& errors,
+                   bool farkas) {
+  const std::string key = std::to_string(problem) + "," + std::to_string(solver);
+  store.run("INSERT INTO answers VALUES (" + key + ",'" + claim + "',NULL,NULL,NULL,-1,-1,-1,'')");
+  store.run("INSERT INTO verdicts (problem_id, solver_id, usable, solved, criterion, farkas_checked) VALUES (" + key +
+            "," + std::to_string(errors.usable) + "," + std::to_string(errors.solved) + "," +
+            std::to_string(errors.criterion) + "," + std::to_string(farkas) + ")");
+}
+
+std::string stored_verdict(Database& store, std::size_t problem, const Row& row, const StoredCase& stored) {
+  const std::string id = std::to_string(problem);
+  store.run("INSERT INTO problems VALUES (" + id + ",1,1," + id + ",'contact',4,2,1,'','" + stored.theory + "')");
+  insert_answer(store, problem, 1, row.claim, errors_of(row.answer), false);
+  if (stored.solved_by_other) insert_answer(store, problem, 2, "solved", errors_of("solved"), false);
+  if (stored.refuted_by_other) insert_answer(store, problem, 3, "unsolvable", errors_of("unusable"), true);
+  if (!stored.certificate.empty()) {
+    store.run("INSERT INTO certificates VALUES (" + id + ",'" + stored.certificate + "','farkas',NULL)");
+  }
+  const auto found = store.texts("SELECT verdict FROM judged WHERE solver_id = 1 AND problem_id = " + id);
+  return found.size() == 1 ? found.front() : "no single row";
+}
+
+TEST(VerdictTest, TheStoresViewFollowsTheTableHoweverTheTruthCameToLight) {
+  const std::vector<StoredCase> unknown{{"", ""}};
+  const std::vector<StoredCase> solvable{{"solvable", ""}, {"", "solution"}, {"", "", true}};
+  const std::vector<StoredCase> unsolvable{
+      {"", "unsolvable"}, {"", "", false, true}, {"", "", true, true}, {"", "unsolvable", true, false}};
+  Database store;
+  std::size_t problem = 0;
+  for (const Row& row : documented_rows()) {
+    const Truth truth = truth_of(row.truth);
+    const auto& ways = truth == Truth::kUnknown ? unknown : truth == Truth::kSolvable ? solvable : unsolvable;
+    for (const StoredCase& stored : ways) {
+      EXPECT_EQ(stored_verdict(store, ++problem, row, stored), row.verdict) << row.combination();
+    }
+  }
+  EXPECT_EQ(problem, kClaims.size() * kAnswers.size() * (1 + 3 + 4));
+}
+
+}  // namespace
+}  // namespace lcpbench
