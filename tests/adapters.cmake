@@ -24,3 +24,8 @@ endif()
 if(TARGET lcpbench-worker-bullet)
   lcpbench_links_test(worker_links_its_library lcpbench-worker-bullet SOME)
 endif()
+
+if(TARGET lcpbench_study)
+  lcpbench_test(adapter_conventions LINK lcpbench_study)
+  add_dependencies(adapter_conventions_test lcpbench_workers)
+endif()

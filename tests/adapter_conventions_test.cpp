@@ -1,0 +1,157 @@
+// Each adapter on problems whose answers have no symmetry to hide behind: a wrong sign, stride, half, transpose or unit
+// shows. Every library runs in its worker, as in a study. Missing libraries are skipped by name.
+#include <cstdio>
+
+#include <gtest/gtest.h>
+
+#include "core/registry.h"
+#include "study/evaluation.h"
+#include "study/open_solver.h"
+
+namespace lcpbench {
+namespace {
+
+TimedAnswer run(const std::string& solver, const Problem& problem) {
+  TimedAnswer result;
+  open_solver(parse_spec(solver))->run(problem, {}, result);
+  return result;
+}
+
+bool missing(const std::string& solver) {
+  const std::string& why = find_solver(parse_spec(solver).name).unavailable;
+  if (!why.empty()) std::printf("%s: not built: %s\n", solver.c_str(), why.c_str());
+  return !why.empty();
+}
+
+// z = (1, 0, 2), w = (0, 3, 0) by construction; M symmetric positive definite, no two entries alike.
+Problem symmetric_problem() {
+  Lcp lcp;
+  lcp.M = Matrix{{5.0, 1.0, 2.0}, {1.0, 6.0, -1.0}, {2.0, -1.0, 7.0}};
+  lcp.q = Vector{{0.0, 3.0, 0.0}} - lcp.M * Vector{{1.0, 0.0, 2.0}};
+  return Problem("symmetric", lcp);
+}
+
+// The same answer; M is positive definite but far from symmetric: with its transpose the answer is another.
+Problem nonsymmetric_problem() {
+  Lcp lcp;
+  lcp.M = Matrix{{5.0, 4.0, -2.0}, {-3.0, 6.0, 1.0}, {2.5, -2.0, 7.0}};
+  lcp.q = Vector{{0.0, 3.0, 0.0}} - lcp.M * Vector{{1.0, 0.0, 2.0}};
+  return Problem("nonsymmetric", lcp);
+}
+
+// A turning box on three points that are not in line with its centre: M is regular and has no symmetry.
+Problem falling_box() {
+  RigidScene scene;
+  RigidBody body;
+  body.mass = 2.0;
+  body.inertia = Eigen::Vector3d(0.5, 4.0, 8.0).asDiagonal();
+  body.position = {0.25, 0.5, 1.0};
+  body.linear_velocity = {0.0, 0.0, -3.0};
+  body.angular_velocity = {0.5, -1.0, 0.25};
+  scene.bodies = {body};
+  scene.contacts.push_back({.body_a = 0, .point = {1.25, 0.25, 0.0}});
+  scene.contacts.push_back({.body_a = 0, .point = {-1.25, 0.75, 0.0}});
+  scene.contacts.push_back({.body_a = 0, .point = {0.5, 1.5, 0.0}});
+  return Problem("falling box", scene);
+}
+
+// Two bodies, one on the other, on the ground: a contact between bodies has two sides with opposite signs.
+Problem stack_of_two() {
+  RigidScene scene;
+  RigidBody lower;
+  lower.mass = 1.0;
+  lower.position = {0.0, 0.0, 1.0};
+  lower.linear_velocity = {0.0, 0.0, -1.0};
+  RigidBody upper = lower;
+  upper.mass = 3.0;
+  upper.position = {0.0, 0.0, 3.0};
+  upper.linear_velocity = {0.0, 0.0, -2.0};
+  scene.bodies = {lower, upper};
+  scene.contacts.push_back({.body_a = 0, .point = {0.0, 0.0, 0.0}});
+  scene.contacts.push_back({.body_a = 1, .body_b = 0, .point = {0.0, 0.0, 2.0}});
+  return Problem("stack of two", scene);
+}
+
+void expect_solution(const std::string& solver, const Problem& problem, const Vector& z, double tolerance) {
+  if (missing(solver)) return;
+  const TimedAnswer result = run(solver, problem);
+  EXPECT_EQ(result.answer.claim, Claim::kSolved) << solver << " on " << problem.name() << ": " << result.answer.detail;
+  ASSERT_EQ(result.answer.z.size(), z.size()) << solver;
+  EXPECT_LE((result.answer.z - z).lpNorm<Eigen::Infinity>(), tolerance)
+      << solver << " on " << problem.name() << " returned " << result.answer.z.transpose();
+}
+
+// Direct methods end at a vertex: a few roundings. Ipopt stops at its tol of 1e-10 on quantities of size one.
+constexpr double kDirect = 1e-13;
+constexpr double kInteriorPoint = 1e-7;
+
+TEST(AdapterConventionsTest, SymmetricProblemsComeBackUnpermuted) {
+  const Vector z{{1.0, 0.0, 2.0}};
+  expect_solution("bullet_dantzig", symmetric_problem(), z, kDirect);
+  expect_solution("bullet_lemke", symmetric_problem(), z, kDirect);
+  expect_solution("ipopt_qp", symmetric_problem(), z, kInteriorPoint);
+  expect_solution("ipopt_mpcc", symmetric_problem(), z, kInteriorPoint);
+}
+
+TEST(AdapterConventionsTest, NonsymmetricMatricesAreNotTransposed) {
+  const Vector z{{1.0, 0.0, 2.0}};
+  expect_solution("bullet_lemke", nonsymmetric_problem(), z, kDirect);
+  expect_solution("ipopt_mpcc", nonsymmetric_problem(), z, kInteriorPoint);
+}
+
+TEST(AdapterConventionsTest, SolversOfSymmetricProblemsRefuseOthers) {
+  for (const char* solver : {"bullet_dantzig", "ipopt_qp"}) {
+    if (missing(solver)) continue;
+    EXPECT_EQ(run(solver, nonsymmetric_problem()).answer.claim, Claim::kUnsupported) << solver;
+  }
+}
+
+TEST(AdapterConventionsTest, QuickStepReturnsTheStacksImpulses) {
+  // Both bodies come to rest: the upper contact carries 3 * 2 = 6 N s, the ground 1 * 1 + 6 = 7 N s.
+  expect_solution("ode_quickstep{iterations=2000}", stack_of_two(), Vector{{7.0, 6.0}}, 1e-12);
+}
+
+TEST(AdapterConventionsTest, QuickStepSolvesTheSameProblemAsTheMatrixSolvers) {
+  const std::string quickstep = "ode_quickstep{iterations=5000}";
+  if (missing(quickstep)) return;
+  const Problem box = falling_box();
+  Evaluator evaluator(box);
+  const Answer from_ode = run(quickstep, box).answer;
+  const Answer from_lemke = run("lemke", box).answer;
+  EXPECT_LE(evaluator.errors(from_ode).velocity_residual_relative, 1e-10);
+  EXPECT_LE(evaluator.errors(from_lemke).velocity_residual_relative, 1e-14);
+  // Three contacts on one body: M is regular, z unique. The box has to press somewhere and not everywhere alike.
+  EXPECT_GT(from_lemke.z.maxCoeff(), 0.1);
+  EXPECT_LE((from_ode.z - from_lemke.z).lpNorm<Eigen::Infinity>(), 1e-9);
+}
+
+TEST(AdapterConventionsTest, QuickStepWithFewSweepsStillClaimsSuccess) {
+  if (missing("ode_quickstep")) return;
+  const Problem stack = stack_of_two();
+  const Answer answer = run("ode_quickstep{iterations=1}", stack).answer;
+  EXPECT_EQ(answer.claim, Claim::kSolved);
+  EXPECT_FALSE(Evaluator(stack).errors(answer).solved);
+}
+
+TEST(AdapterConventionsTest, RepeatedSolvesStartFromTheSameState) {
+  const std::string quickstep = "ode_quickstep{iterations=7}";
+  if (missing(quickstep)) return;
+  const auto solver = open_solver(parse_spec(quickstep));
+  TimedAnswer once;
+  TimedAnswer repeated;
+  solver->run(falling_box(), {}, once);
+  solver->run(falling_box(), {.repeat_until_s = 1e-3, .max_repeats = 10}, repeated);
+  solver->run(falling_box(), {}, repeated);
+  EXPECT_EQ(once.answer.z, repeated.answer.z);
+}
+
+TEST(AdapterConventionsTest, EmptyProblemsAreFine) {
+  const Problem empty("empty", Lcp{Matrix(0, 0), Vector(0)});
+  for (const char* solver : {"bullet_dantzig", "bullet_lemke", "ipopt_qp", "ipopt_mpcc"}) {
+    if (missing(solver)) continue;
+    EXPECT_EQ(run(solver, empty).answer.claim, Claim::kSolved) << solver;
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench
