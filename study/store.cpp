@@ -40,8 +40,8 @@ void check_format(Database& database) {
   }
   const std::int64_t version = database.integer("PRAGMA user_version");
   if (version != kFormatVersion) {
-    throw InputError(fmt::format("{}: store format {}, this lcpbench reads format {}", database.file().string(), version,
-                                 kFormatVersion));
+    throw InputError(fmt::format("{}: store format {}, this lcpbench reads format {}", database.file().string(),
+                                 version, kFormatVersion));
   }
 }
 
@@ -65,11 +65,17 @@ Verdict parse_verdict(std::string_view text) {
   throw InputError("the store is damaged: unknown verdict '" + std::string(text) + "'");
 }
 
-constexpr std::array kErrorColumns{
-    &Errors::velocity_residual_m_per_s, &Errors::velocity_residual_relative, &Errors::natural_residual,
-    &Errors::backward_componentwise,    &Errors::backward_row_norm,          &Errors::forward_velocity,
-    &Errors::violation_m_per_s,         &Errors::work_gain_j,                &Errors::complementarity_j,
-    &Errors::cone_violation,            &Errors::min_z};
+constexpr std::array kErrorColumns{&Errors::velocity_residual_m_per_s,
+                                   &Errors::velocity_residual_relative,
+                                   &Errors::natural_residual,
+                                   &Errors::backward_componentwise,
+                                   &Errors::backward_row_norm,
+                                   &Errors::forward_velocity,
+                                   &Errors::violation_m_per_s,
+                                   &Errors::work_gain_j,
+                                   &Errors::complementarity_j,
+                                   &Errors::cone_violation,
+                                   &Errors::min_z};
 
 constexpr const char* kErrorColumnNames =
     "velocity_residual_m_per_s, velocity_residual_relative, natural_residual, backward_componentwise, "
@@ -107,10 +113,11 @@ struct Writers {
                                      "problem_id, solver_id, claim, z, velocity, farkas, iterations, pivots, "
                                      "factorizations, detail",
                                      10)),
-        verdict(database, insert_into("verdicts",
-                                      std::string("problem_id, solver_id, usable, solved, criterion, farkas_checked, ") +
-                                          kErrorColumnNames,
-                                      6 + static_cast<int>(kErrorColumns.size()))),
+        verdict(database,
+                insert_into("verdicts",
+                            std::string("problem_id, solver_id, usable, solved, criterion, farkas_checked, ") +
+                                kErrorColumnNames,
+                            6 + static_cast<int>(kErrorColumns.size()))),
         timing(database,
                insert_into("timings", std::string("problem_id, solver_id, run_id, ") + kTimeColumnNames, 10)) {}
 
@@ -159,7 +166,8 @@ Store::~Store() {
   if (data_ == nullptr || data_->writers == nullptr) return;
   data_->writers.reset();
   data_->done.reset();
-  // A store at rest is one plain file, readable also from a read-only folder. It stays in WAL mode when someone reads it.
+  // A store at rest is one plain file, readable also from a read-only folder. It stays in WAL mode when someone reads
+  // it.
   try {
     data_->database.execute("PRAGMA journal_mode = DELETE");
   } catch (const std::exception&) {
@@ -329,8 +337,9 @@ std::vector<std::string> Store::runs() {
 }
 
 void Store::for_each_problem(const std::function<void(const ProblemRow&)>& visit) {
-  Statement query(data_->database,
-                  "SELECT id, set_id, seed, trial, kind, n, ngc, nc, hash, theory FROM problems ORDER BY set_id, seed, trial");
+  Statement query(
+      data_->database,
+      "SELECT id, set_id, seed, trial, kind, n, ngc, nc, hash, theory FROM problems ORDER BY set_id, seed, trial");
   ProblemRow row;
   while (query.step()) {
     row.id = query.integer(0);
@@ -348,12 +357,13 @@ void Store::for_each_problem(const std::function<void(const ProblemRow&)>& visit
 }
 
 void Store::for_each_cell(const std::function<void(const StoredCell&)>& visit) {
-  Statement query(data_->database,
-                  fmt::format("SELECT j.problem_id, j.solver_id, j.set_id, j.seed, j.trial, j.n, j.claim, j.truth, j.verdict, "
-                              "v.usable, v.solved, v.criterion, {}, {} FROM judged j "
-                              "JOIN verdicts v USING (problem_id, solver_id) JOIN timings t USING (problem_id, solver_id) "
-                              "ORDER BY j.problem_id, j.solver_id",
-                              kErrorColumnNames, kTimeColumnNames));
+  Statement query(
+      data_->database,
+      fmt::format("SELECT j.problem_id, j.solver_id, j.set_id, j.seed, j.trial, j.n, j.claim, j.truth, j.verdict, "
+                  "v.usable, v.solved, v.criterion, {}, {} FROM judged j "
+                  "JOIN verdicts v USING (problem_id, solver_id) JOIN timings t USING (problem_id, solver_id) "
+                  "ORDER BY j.problem_id, j.solver_id",
+                  kErrorColumnNames, kTimeColumnNames));
   StoredCell cell;
   while (query.step()) {
     cell.problem_id = query.integer(0);
@@ -378,10 +388,11 @@ void Store::for_each_cell(const std::function<void(const StoredCell&)>& visit) {
 }
 
 std::optional<Answer> Store::answer(std::int64_t problem_id, std::int64_t solver_id) {
-  Statement query(data_->database,
-                  "SELECT claim, iterations, pivots, factorizations, detail, z.data, velocity.data, farkas.data "
-                  "FROM answers a LEFT JOIN vectors z ON z.id = a.z LEFT JOIN vectors velocity ON velocity.id = a.velocity "
-                  "LEFT JOIN vectors farkas ON farkas.id = a.farkas WHERE problem_id = ? AND solver_id = ?");
+  Statement query(
+      data_->database,
+      "SELECT claim, iterations, pivots, factorizations, detail, z.data, velocity.data, farkas.data "
+      "FROM answers a LEFT JOIN vectors z ON z.id = a.z LEFT JOIN vectors velocity ON velocity.id = a.velocity "
+      "LEFT JOIN vectors farkas ON farkas.id = a.farkas WHERE problem_id = ? AND solver_id = ?");
   query.bind(1, problem_id);
   query.bind(2, solver_id);
   if (!query.step()) return std::nullopt;

@@ -22,9 +22,10 @@ struct SolverRow {
   std::string all_settings;  ///< every one
   std::string library;       ///< "native" or the library's name
   std::string version;
-  std::string isa;           ///< instruction-set level of native code, "" for libraries
+  std::string isa;  ///< instruction-set level of native code, "" for libraries
   /// "" where the solver was asked for by itself; else the grid it is a cell of, with what the swept solver has off its
-  /// defaults: "paper", "paper{engine=kernel}". Sweep cells are timed without repeats, so they are solvers of their own.
+  /// defaults: "paper", "paper{engine=kernel}". Sweep cells are timed without repeats, so they are solvers of their
+  /// own.
   std::string sweep;
 
   /// Depends on every field but all_settings.

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+namespace lcpbench {
+
+struct BuiltinPlan {
+  std::string_view name;
+  std::string_view text;  ///< JSON, equal in form to a user's plan file
+};
+
+/// The files of study/plans/, embedded by CMake.
+extern const std::vector<BuiltinPlan> kBuiltinPlans;
+
+}  // namespace lcpbench

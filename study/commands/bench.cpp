@@ -1,0 +1,129 @@
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "core/isa.h"
+#include "core/registry.h"
+#include "study/commands/commands.h"
+#include "study/json_output.h"
+#include "study/provenance.h"
+#include "study/speed_bench.h"
+#include "study/text_table.h"
+
+namespace lcpbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Arguments {
+  std::vector<std::string> sets{"paper/monotone/exp1", "paper/copositive/exp1"};
+  std::vector<std::string> solvers{"lemke{engine=kernel}"};
+  std::string reference = "lemke{engine=dense}";
+  std::int64_t problems = 200;
+  std::uint64_t seed = 1;
+  double time_limit_s = 10.0;
+  std::string format = "text";
+  std::string command_line;
+};
+
+Spec checked_spec(const std::string& text) { return canonical_solver_spec(parse_spec(text)); }
+
+Json cells_json(const std::vector<BenchCell>& cells) {
+  Json array = Json::array();
+  for (const BenchCell& cell : cells) {
+    array.push_back({{"set", cell.set},
+                     {"solver", cell.solver.name},
+                     {"settings", cell.solver.settings},
+                     {"problems", cell.problems},
+                     {"timed", cell.timed},
+                     {"speedup_mean", json_number(cell.speedup_mean)},
+                     {"speedup_geomean", json_number(cell.speedup_geomean)},
+                     {"speedup_low", json_number(cell.speedup_low)},
+                     {"speedup_high", json_number(cell.speedup_high)},
+                     {"reference_mean_s", json_number(cell.reference_mean_s)},
+                     {"solver_mean_s", json_number(cell.solver_mean_s)}});
+  }
+  return array;
+}
+
+std::string format_ratio(double ratio) { return std::isfinite(ratio) ? fmt::format("{:#.3g}x", ratio) : "-"; }
+
+void print_cells(const std::vector<BenchCell>& cells, const Spec& reference) {
+  using Align = TextTable::Align;
+  TextTable table({{"set", Align::kLeft},
+                   {"solver", Align::kLeft},
+                   {"timed"},
+                   {"reference"},
+                   {"solver"},
+                   {"speed-up"},
+                   {"95 % interval"},
+                   {"geometric mean"}});
+  for (const BenchCell& cell : cells) {
+    table.add_row({cell.set, cell.solver.text(), fmt::format("{}/{}", cell.timed, cell.problems),
+                   format_seconds(cell.reference_mean_s), format_seconds(cell.solver_mean_s),
+                   format_ratio(cell.speedup_mean),
+                   fmt::format("{} .. {}", format_ratio(cell.speedup_low), format_ratio(cell.speedup_high)),
+                   format_ratio(cell.speedup_geomean)});
+  }
+  fmt::print("{}\nreference {}, instruction set {}, thread CPU time of set-up and solve;\n", table.text(),
+             reference.text(), to_string(isa_level()));
+  fmt::print("timed: problems that both solved, verified; speed-up: ratio of summed times\n");
+}
+
+int bench(const Arguments& arguments) {
+  const Json origin = provenance(arguments.command_line, utc_now());
+  BenchPlan plan;
+  plan.sets = arguments.sets;
+  for (const std::string& solver : arguments.solvers) plan.solvers.push_back(checked_spec(solver));
+  plan.reference = checked_spec(arguments.reference);
+  plan.problems = arguments.problems;
+  plan.seed = arguments.seed;
+  plan.time_limit_s = arguments.time_limit_s;
+  const bool terminal = isatty(STDERR_FILENO) == 1;
+  const std::vector<BenchCell> cells = run_bench(plan, [&](const std::string& set) {
+    if (terminal) fmt::print(stderr, "timing {}\n", set);
+  });
+  if (arguments.format == "json") {
+    print_json({{"provenance", origin},
+                {"reference", arguments.reference},
+                {"isa", to_string(isa_level())},
+                {"cells", cells_json(cells)}});
+  } else {
+    print_cells(cells, parse_spec(arguments.reference));
+  }
+  return kExitDone;
+}
+
+}  // namespace
+
+Action add_bench_command(CLI::App& command, const std::string& command_line) {
+  const auto arguments = std::make_shared<Arguments>();
+  arguments->command_line = command_line;
+  command.add_option("--set", arguments->sets, "problem set or glob; may be repeated")
+      ->allow_extra_args(false)
+      ->capture_default_str();
+  command.add_option("--solver", arguments->solvers, "name{key=value,...}; may be repeated")
+      ->allow_extra_args(false)
+      ->capture_default_str();
+  command.add_option("--reference", arguments->reference, "what the solvers are compared to")->capture_default_str();
+  command.add_option("--problems", arguments->problems, "of each set")
+      ->check(CLI::Range(INT64_C(1), INT64_C(100'000'000)))
+      ->capture_default_str();
+  command.add_option("--seed", arguments->seed, "stream of random problems")->capture_default_str();
+  command.add_option("--time-limit", arguments->time_limit_s, "seconds for each solve")
+      ->check(CLI::Range(1e-6, 1e7))
+      ->capture_default_str();
+  add_format_option(command, arguments->format);
+  command.footer(
+      "One thread, interleaved problem by problem, in alternating order, thread CPU time. Only problems on which both\n"
+      "answers are verified are timed. LCPBENCH_ISA sets the instruction-set level, of both sides.");
+  return [arguments] { return bench(*arguments); };
+}
+
+}  // namespace lcpbench

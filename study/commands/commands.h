@@ -1,0 +1,32 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+namespace lcpbench {
+
+/// Exit codes of the program.
+inline constexpr int kExitDone = 0;
+inline constexpr int kExitCheckFailed = 1;
+inline constexpr int kExitBadInput = 2;
+inline constexpr int kExitInterrupted = 3;
+
+/// What a command does once its arguments are parsed. @returns the exit code. @throws InputError
+using Action = std::function<int()>;
+
+/// Each declares one command with its options and help, and returns its action.
+Action add_solvers_command(CLI::App& command);
+Action add_sets_command(CLI::App& command);
+Action add_generate_command(CLI::App& command);
+Action add_solve_command(CLI::App& command);
+/// @param command_line as typed: for the provenance
+Action add_run_command(CLI::App& command, const std::string& command_line);
+Action add_merge_command(CLI::App& command);
+Action add_bench_command(CLI::App& command, const std::string& command_line);
+
+/// `--format text|json`, into `format`.
+void add_format_option(CLI::App& command, std::string& format);
+
+}  // namespace lcpbench

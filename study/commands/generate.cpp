@@ -1,0 +1,55 @@
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "generators/problem_io.h"
+#include "generators/sets.h"
+#include "study/commands/commands.h"
+
+namespace lcpbench {
+namespace {
+
+struct Arguments {
+  std::string set;
+  std::string out;
+  std::uint64_t seed = 1;
+  std::int64_t count = 1;
+  std::int64_t first = 0;
+};
+
+int generate(const Arguments& arguments) {
+  const std::unique_ptr<ProblemSet> set = open_set(arguments.set);
+  const std::filesystem::path folder = arguments.out;
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw InputError(fmt::format("--out {}: {}", arguments.out, error.message()));
+  for (std::int64_t trial = arguments.first; trial - arguments.first < arguments.count; ++trial) {
+    write_problem(set->generate(arguments.seed, trial), folder / fmt::format("{:06}.json", trial));
+  }
+  fmt::print("{} problem{} of {} in {}\n", arguments.count, arguments.count == 1 ? "" : "s", set->name(),
+             arguments.out);
+  return kExitDone;
+}
+
+}  // namespace
+
+Action add_generate_command(CLI::App& command) {
+  const auto arguments = std::make_shared<Arguments>();
+  command.add_option("SET", arguments->set, "problem set, with its options in braces")->required();
+  command.add_option("--seed", arguments->seed, "stream of random problems")->required();
+  command.add_option("--count", arguments->count, "how many problems")
+      ->required()
+      ->check(CLI::Range(INT64_C(1), INT64_C(10'000'000)));
+  command.add_option("--first", arguments->first, "index of the first trial")
+      ->check(CLI::Range(INT64_C(0), INT64_C(1'000'000'000'000)))
+      ->capture_default_str();
+  command.add_option("--out", arguments->out, "folder for DIR/NNNNNN.json, NNNNNN the trial's index")->required();
+  return [arguments] { return generate(*arguments); };
+}
+
+}  // namespace lcpbench

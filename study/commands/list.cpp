@@ -1,0 +1,168 @@
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/registry.h"
+#include "generators/sets.h"
+#include "study/commands/commands.h"
+#include "study/json_output.h"
+#include "study/text_table.h"
+
+namespace lcpbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string origin(const RegisteredSolver& solver) {
+  return solver.native() ? solver.library : fmt::format("{} {}", solver.library, solver.version);
+}
+
+Json settings_json(const std::vector<SettingInfo>& settings) {
+  Json array = Json::array();
+  for (const SettingInfo& setting : settings) {
+    array.push_back({{"name", setting.name},
+                     {"type", setting.type},
+                     {"default", setting.default_value},
+                     {"range", setting.range},
+                     {"help", setting.help}});
+  }
+  return array;
+}
+
+Json solver_json(const RegisteredSolver& solver) {
+  const SolverDefinition& definition = solver.definition;
+  const Capabilities& capabilities = definition.capabilities;
+  Json json = {{"name", definition.name},
+               {"summary", definition.summary},
+               {"source", definition.source},
+               {"origin", solver.native() ? "native" : "library"},
+               {"library", solver.library},
+               {"version", solver.version},
+               {"available", solver.unavailable.empty()},
+               {"reason", solver.unavailable},
+               {"needs", to_string(capabilities.needs)},
+               {"frictionless_only", capabilities.frictionless_only},
+               {"max_size", nullptr},
+               {"guarantees", capabilities.guarantees},
+               {"settings", settings_json(definition.settings())}};
+  if (capabilities.max_size != Capabilities{}.max_size) json["max_size"] = capabilities.max_size;
+  return json;
+}
+
+std::string limits(const Capabilities& capabilities) {
+  std::string text = to_string(capabilities.needs);
+  if (capabilities.frictionless_only) text += ", frictionless";
+  if (capabilities.max_size != Capabilities{}.max_size) text += fmt::format(", n <= {}", capabilities.max_size);
+  return text;
+}
+
+void print_setting(const SettingInfo& setting) {
+  const std::string range = setting.range.empty() ? "" : "  " + setting.range;
+  fmt::print("    {} = {}{}\n        {}\n", setting.name, setting.default_value, range, setting.help);
+}
+
+void print_solvers() {
+  using Align = TextTable::Align;
+  TextTable table({{"solver", Align::kLeft},
+                   {"origin", Align::kLeft},
+                   {"available", Align::kLeft},
+                   {"needs", Align::kLeft},
+                   {"what it is", Align::kLeft}});
+  for (const RegisteredSolver& solver : registered_solvers()) {
+    table.add_row({solver.definition.name, origin(solver),
+                   solver.unavailable.empty() ? "yes" : "no: " + solver.unavailable,
+                   limits(solver.definition.capabilities), solver.definition.summary});
+  }
+  fmt::print("{}", table.text());
+  for (const RegisteredSolver& solver : registered_solvers()) {
+    const SolverDefinition& definition = solver.definition;
+    fmt::print("\n{}\n    source: {}\n", definition.name, definition.source);
+    const std::string guarantees = definition.capabilities.guarantees;
+    fmt::print("    guaranteed: {}\n", guarantees.empty() ? "nothing" : guarantees);
+    for (const SettingInfo& setting : definition.settings()) print_setting(setting);
+  }
+}
+
+/// The sets whose name `pattern` matches: those that expand_sets finds, by name.
+std::vector<SetInfo> matching_sets(const std::string& pattern) {
+  if (pattern.empty()) return list_sets();
+  std::vector<SetInfo> found;
+  const std::vector<std::string> names = expand_sets(pattern);
+  for (SetInfo& info : list_sets()) {
+    for (const std::string& name : names) {
+      if (parse_spec(name).name != info.name) continue;
+      found.push_back(std::move(info));
+      break;
+    }
+  }
+  return found;
+}
+
+void print_sets(const std::vector<SetInfo>& sets, bool with_options) {
+  using Align = TextTable::Align;
+  TextTable table({{"set", Align::kLeft}, {"size", Align::kLeft}, {"what it is", Align::kLeft}});
+  for (const SetInfo& info : sets) table.add_row({info.name, info.size, info.summary});
+  fmt::print("{}", table.text());
+  if (!with_options) {
+    fmt::print("\nSource and options of a set: lcpbench sets NAME\n");
+    return;
+  }
+  for (const SetInfo& info : sets) {
+    fmt::print("\n{}\n    source: {}\n", info.name, info.source);
+    for (const SettingInfo& option : info.options) print_setting(option);
+  }
+}
+
+Json sets_json(const std::vector<SetInfo>& sets) {
+  Json array = Json::array();
+  for (const SetInfo& info : sets) {
+    array.push_back({{"name", info.name},
+                     {"size", info.size},
+                     {"source", info.source},
+                     {"summary", info.summary},
+                     {"options", settings_json(info.options)}});
+  }
+  return array;
+}
+
+}  // namespace
+
+void add_format_option(CLI::App& command, std::string& format) {
+  command.add_option("--format", format, "text for people, json for programs")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->capture_default_str();
+}
+
+Action add_solvers_command(CLI::App& command) {
+  const auto format = std::make_shared<std::string>("text");
+  add_format_option(command, *format);
+  return [format] {
+    if (*format == "json") {
+      Json array = Json::array();
+      for (const RegisteredSolver& solver : registered_solvers()) array.push_back(solver_json(solver));
+      print_json(array);
+    } else {
+      print_solvers();
+    }
+    return kExitDone;
+  };
+}
+
+Action add_sets_command(CLI::App& command) {
+  const auto format = std::make_shared<std::string>("text");
+  const auto pattern = std::make_shared<std::string>();
+  command.add_option("PATTERN", *pattern, "only the sets that this name, or glob with * and ?, matches");
+  add_format_option(command, *format);
+  return [format, pattern] {
+    const std::vector<SetInfo> sets = matching_sets(*pattern);
+    if (*format == "json") {
+      print_json(sets_json(sets));
+    } else {
+      print_sets(sets, !pattern->empty());
+    }
+    return kExitDone;
+  };
+}
+
+}  // namespace lcpbench

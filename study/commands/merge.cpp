@@ -1,0 +1,41 @@
+#include "study/merge.h"
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "study/commands/commands.h"
+#include "study/text_table.h"
+
+namespace lcpbench {
+namespace {
+
+struct Arguments {
+  std::filesystem::path out;
+  std::vector<std::filesystem::path> inputs;
+};
+
+int merge(const Arguments& arguments) {
+  const MergeOutcome outcome = merge_stores(arguments.out, arguments.inputs);
+  if (outcome.conflicts.empty()) {
+    fmt::print("{}: {} cells\n", arguments.out.string(), format_count(outcome.cells));
+    return kExitDone;
+  }
+  for (const std::string& conflict : outcome.conflicts) fmt::print(stderr, "lcpbench: conflict: {}\n", conflict);
+  fmt::print(stderr, "lcpbench: nothing was merged; every input is as it was\n");
+  return kExitCheckFailed;
+}
+
+}  // namespace
+
+Action add_merge_command(CLI::App& command) {
+  const auto arguments = std::make_shared<Arguments>();
+  command.add_option("OUT", arguments->out, "store to write; an existing one takes part")->required();
+  command.add_option("IN", arguments->inputs, "stores to join")->required();
+  command.footer("Equal to the unsharded run but for timings. Exit code 1, and nothing written, when stores disagree.");
+  return [arguments] { return merge(*arguments); };
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,262 @@
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "core/error.h"
+#include "core/registry.h"
+#include "study/build_info.h"
+#include "study/commands/commands.h"
+#include "study/interrupt.h"
+#include "study/plan.h"
+#include "study/provenance.h"
+#include "study/runner.h"
+#include "study/table.h"
+#include "study/text_table.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr const char* kDefaultPlan = "quick";
+constexpr const char* kAdHocPlan = "custom";
+
+struct Arguments {
+  std::string plan;
+  std::vector<std::string> sets;
+  std::vector<std::string> solvers;
+  std::string sweep;
+  std::optional<std::int64_t> trials;
+  std::optional<std::uint64_t> seed;
+  std::optional<int> jobs;
+  std::optional<double> budget_s;
+  std::string store;
+  std::string shard;
+  bool fresh = false;
+  std::string command_line;
+};
+
+struct Shard {
+  std::int64_t index = 0;
+  std::int64_t count = 1;
+};
+
+Shard parse_shard(const std::string& text) {
+  if (text.empty()) return {};
+  Shard shard;
+  char slash = 0;
+  int end = 0;
+  constexpr std::size_t kLongest = 20;
+  const bool parsed = text.size() <= kLongest && text.find_first_not_of("0123456789/") == std::string::npos &&
+                      std::sscanf(text.c_str(), "%9ld%c%9ld%n", &shard.index, &slash, &shard.count, &end) == 3 &&
+                      slash == '/' && static_cast<std::size_t>(end) == text.size();
+  if (!parsed || shard.index < 1 || shard.index > shard.count) {
+    throw InputError("--shard " + text + ": expected I/N with 1 <= I <= N");
+  }
+  return {shard.index - 1, shard.count};
+}
+
+std::vector<PlannedSolver> every_solver() {
+  std::vector<PlannedSolver> solvers;
+  for (const RegisteredSolver& solver : registered_solvers()) {
+    PlannedSolver planned;
+    planned.spec.name = solver.definition.name;
+    planned.optional = true;
+    solvers.push_back(std::move(planned));
+  }
+  return solvers;
+}
+
+Plan base_plan(const Arguments& arguments) {
+  if (!arguments.plan.empty()) return load_plan(arguments.plan);
+  if (arguments.sets.empty()) return load_plan(kDefaultPlan);
+  Plan plan;
+  plan.name = kAdHocPlan;
+  plan.solvers = every_solver();
+  return plan;
+}
+
+/// Lays the sweep over the solvers. Those that were not asked for by name and have no such grid are left out.
+void apply_sweep(const Arguments& arguments, Plan& plan) {
+  if (arguments.solvers.empty()) {
+    std::erase_if(plan.solvers, [&](const PlannedSolver& solver) {
+      return solver.sweep || !has_builtin_sweep(arguments.sweep, solver.spec);
+    });
+  }
+  for (PlannedSolver& solver : plan.solvers) solver.sweep = builtin_sweep(arguments.sweep, solver.spec);
+  if (plan.solvers.empty()) throw InputError("--sweep " + arguments.sweep + ": no solver of the plan has such a sweep");
+}
+
+/// The plan with what the command line says instead.
+Plan make_plan(const Arguments& arguments) {
+  Plan plan = base_plan(arguments);
+  if (!arguments.sets.empty()) {
+    plan.sets.clear();
+    for (const std::string& set : arguments.sets) plan.sets.push_back({set, std::nullopt});
+  }
+  if (!arguments.solvers.empty()) {
+    plan.solvers.clear();
+    for (const std::string& text : arguments.solvers) {
+      PlannedSolver solver;
+      solver.spec = canonical_solver_spec(parse_spec(text));
+      plan.solvers.push_back(std::move(solver));
+    }
+  }
+  if (!arguments.sweep.empty()) apply_sweep(arguments, plan);
+  if (arguments.trials) {
+    plan.trials = *arguments.trials;
+    for (PlannedSet& set : plan.sets) set.trials.reset();
+  }
+  if (arguments.seed) plan.seed = *arguments.seed;
+  if (arguments.jobs) plan.jobs = arguments.jobs;
+  if (arguments.budget_s) plan.budget_s = *arguments.budget_s > 0 ? arguments.budget_s : std::nullopt;
+  return plan;
+}
+
+/// "1:23:45", "4:05".
+std::string clock_text(double seconds) {
+  const auto whole = static_cast<std::int64_t>(seconds + 0.5);
+  const std::int64_t hours = whole / 3600;
+  const std::int64_t minutes = whole / 60 % 60;
+  return hours > 0 ? fmt::format("{}:{:02}:{:02}", hours, minutes, whole % 60)
+                   : fmt::format("{}:{:02}", minutes, whole % 60);
+}
+
+/// One line on stderr that is written over again and again; silent when stderr is no terminal.
+class ProgressLine {
+ public:
+  explicit ProgressLine(std::optional<double> budget_s) : budget_s_(budget_s), shown_(isatty(STDERR_FILENO) == 1) {}
+
+  void show(const Progress& progress) {
+    if (!shown_ || progress.total == 0) return;
+    const double rate = progress.elapsed_s > 0 ? static_cast<double>(progress.done) / progress.elapsed_s : 0.0;
+    std::string left = "?";
+    if (rate > 0) {
+      double seconds = static_cast<double>(progress.total - progress.done) / rate;
+      if (budget_s_) seconds = std::min(seconds, std::max(0.0, *budget_s_ - progress.elapsed_s));
+      left = clock_text(seconds);
+    }
+    fmt::print(stderr, "\r\033[K{} of {} cells  {}/s  {} left  {}", format_count(progress.done),
+               format_count(progress.total), format_count(static_cast<std::int64_t>(rate)), left,
+               progress.set != nullptr ? *progress.set : "");
+    std::fflush(stderr);
+  }
+  void clear() const {
+    if (!shown_) return;
+    fmt::print(stderr, "\r\033[K");
+    std::fflush(stderr);
+  }
+
+ private:
+  std::optional<double> budget_s_;
+  bool shown_;
+};
+
+void warn_of_other_build(Store& store) {
+  const std::vector<std::string> runs = store.runs();
+  if (runs.empty()) return;
+  const auto last = nlohmann::ordered_json::parse(runs.back(), nullptr, false);
+  const std::string commit = last.is_object() ? last.value("commit", "") : "";
+  if (commit == kBuildInfo.commit) return;
+  fmt::print(stderr, "warning: {} was begun by commit '{}', this is '{}'; its cells are kept (--fresh starts anew)\n",
+             store.file().string(), commit, kBuildInfo.commit);
+}
+
+void add_run(Store& store, const Arguments& arguments, const Plan& plan, const Study& study,
+             const RunOptions& options) {
+  const std::string started = utc_now();
+  nlohmann::ordered_json origin = provenance(arguments.command_line, started);
+  origin["plan"] = nlohmann::ordered_json::parse(plan_json(plan));
+  origin["seed"] = plan.seed;
+  origin["jobs"] = options.jobs;
+  origin["shard"] = fmt::format("{}/{}", options.shard + 1, options.shards);
+  origin["skipped"] = study.skipped;
+  store.begin();
+  store.add_run(started, origin.dump());
+  store.commit();
+}
+
+int report_end(const RunOutcome& outcome, const Plan& plan, Store& store) {
+  const std::string file = store.file().string();
+  const std::string done = fmt::format("{} of {} cells", format_count(outcome.already_done + outcome.progress.done),
+                                       format_count(outcome.already_done + outcome.progress.total));
+  if (outcome.end == RunEnd::kStopped) {
+    fmt::print(stderr, "lcpbench: interrupted; {} are in {}: run the same command again to resume\n", done, file);
+    return kExitInterrupted;
+  }
+  print_table(store, std::cout);
+  fmt::print("\n{} in {}, {}\n", done, clock_text(outcome.progress.elapsed_s), file);
+  if (outcome.end == RunEnd::kOutOfBudget) {
+    fmt::print("the plan's time budget of {:g} s is used up; run the same command again to go on\n", *plan.budget_s);
+  }
+  return kExitDone;
+}
+
+int run(const Arguments& arguments) {
+  const Plan plan = make_plan(arguments);
+  const Shard shard = parse_shard(arguments.shard);
+  const Study study = resolve(plan);
+  for (const std::string& solver : study.skipped) fmt::print(stderr, "skipped: {}\n", solver);
+  if (study.solvers.empty()) throw InputError("plan " + plan.name + ": none of its solvers is available");
+
+  const std::filesystem::path file = arguments.store.empty() ? plan.name + ".db" : arguments.store;
+  if (arguments.fresh) Store::remove(file);
+  Store store = Store::open_for_writing(file);
+  warn_of_other_build(store);
+
+  RunOptions options;
+  options.jobs = plan.jobs.value_or(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+  options.shard = shard.index;
+  options.shards = shard.count;
+  options.stop = catch_interrupts(kExitInterrupted);
+  ProgressLine line(plan.budget_s);
+  options.on_progress = [&](const Progress& progress) { line.show(progress); };
+  options.on_partial_results = [&](Store& partial) {
+    line.clear();
+    fmt::print("so far:\n");
+    print_table(partial, std::cout);
+    fmt::print("\n");
+    std::fflush(stdout);
+  };
+  add_run(store, arguments, plan, study, options);
+  const RunOutcome outcome = run_study(study, store, options);
+  line.clear();
+  return report_end(outcome, plan, store);
+}
+
+}  // namespace
+
+Action add_run_command(CLI::App& command, const std::string& command_line) {
+  const auto arguments = std::make_shared<Arguments>();
+  arguments->command_line = command_line;
+  command.add_option("PLAN", arguments->plan,
+                     fmt::format("built-in plan ({}) or plan file; default {} (with --set: none)",
+                                 fmt::join(builtin_plan_names(), ", "), kDefaultPlan));
+  command.add_option("--set", arguments->sets, "problem set or glob, instead of the plan's; may be repeated")
+      ->allow_extra_args(false);
+  command.add_option("--solver", arguments->solvers, "name{key=value,...}, instead of the plan's; may be repeated")
+      ->allow_extra_args(false);
+  command.add_option("--sweep", arguments->sweep, "run each solver over its grid of this name (paper)");
+  command.add_option("--trials", arguments->trials, "problems of each set")->check(CLI::Range(1, 100'000'000));
+  command.add_option("--seed", arguments->seed, "stream of random problems");
+  command.add_option("--jobs", arguments->jobs, "threads (default: one per processor)")->check(CLI::Range(1, 1024));
+  command.add_option("--budget", arguments->budget_s, "seconds after which no problem is begun; 0: no limit")
+      ->check(CLI::Range(0.0, 1e7));
+  command.add_option("--store", arguments->store, "file of the results (default: PLAN.db)");
+  command.add_option("--shard", arguments->shard, "I/N: only the I-th of N parts, for lcpbench merge");
+  command.add_flag("--fresh", arguments->fresh, "throw the store away first");
+  command.footer(
+      "Every finished cell (set x trial x solver) is kept: an interrupted run goes on where it stopped.\n"
+      "Ctrl-C ends in good order (exit code 3), a second one at once. docs/plans.md documents plan files.");
+  return [arguments] { return run(*arguments); };
+}
+
+}  // namespace lcpbench

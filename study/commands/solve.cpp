@@ -1,0 +1,269 @@
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "generators/problem_io.h"
+#include "study/commands/commands.h"
+#include "study/evaluation.h"
+#include "study/json_output.h"
+#include "study/open_solver.h"
+#include "study/study.h"
+#include "study/text_table.h"
+
+namespace lcpbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kRepeatUntilS = 2e-4;
+constexpr Index kVelocityShown = 12;
+
+struct Arguments {
+  std::vector<std::string> files;
+  std::vector<std::string> solvers;
+  double time_limit_s = 10.0;
+  std::string format = "text";
+};
+
+struct Attempt {
+  SolverRow solver;
+  TimedAnswer timed;
+  Errors errors;
+  Verdict verdict = Verdict::kOpen;
+  bool proved_unsolvable = false;
+  Vector velocity;
+  double verify_s = 0;
+
+  double time_s() const { return timed.times.setup_wall_s + timed.times.solve_wall_s; }
+};
+
+/// Which solvers run, each opened once for all files.
+class Solvers {
+ public:
+  explicit Solvers(const std::vector<std::string>& asked_for) {
+    for (const std::string& text : asked_for) {
+      asked_for_.push_back(canonical_solver_spec(parse_spec(text)));
+      opened(asked_for_.back());
+    }
+  }
+
+  /// Those asked for; else all that can run here and take the problem.
+  std::vector<Spec> choose(const Problem& problem) const {
+    if (!asked_for_.empty()) return asked_for_;
+    std::vector<Spec> fitting;
+    for (const RegisteredSolver& solver : registered_solvers()) {
+      if (!solver.unavailable.empty() || !why_not(solver.definition.capabilities, problem).empty()) continue;
+      fitting.push_back({solver.definition.name, {}});
+    }
+    return fitting;
+  }
+
+  TimedSolver& opened(const Spec& spec) {
+    std::unique_ptr<TimedSolver>& solver = opened_[spec.text()];
+    if (solver == nullptr) solver = open_solver(spec);
+    return *solver;
+  }
+
+ private:
+  std::vector<Spec> asked_for_;
+  std::map<std::string, std::unique_ptr<TimedSolver>> opened_;
+};
+
+Attempt attempt(const Problem& problem, const Spec& spec, TimedSolver& solver, Evaluator& evaluator,
+                double time_limit_s) {
+  Attempt result;
+  result.solver = solver_row(spec);
+  TimedRequest request;
+  request.time_limit_s = time_limit_s;
+  request.repeat_until_s = kRepeatUntilS;
+  solver.run(problem, request, result.timed);
+  const Answer& answer = result.timed.answer;
+  const double start = wall_clock_s();
+  result.errors = evaluator.errors(answer);
+  result.proved_unsolvable = answer.farkas.size() > 0 && evaluator.check_farkas(answer.farkas);
+  result.verify_s = wall_clock_s() - start;
+  result.velocity = answer.velocity;
+  if (result.velocity.size() == 0 && problem.contact() != nullptr && result.errors.usable) {
+    result.velocity = post_impact_velocity(*problem.contact(), answer.z);
+  }
+  return result;
+}
+
+/// What all answers together, and theory, tell of the problem.
+Truth truth_of(const Evaluator& evaluator, const std::vector<Attempt>& attempts) {
+  const auto any = [&](auto holds) { return std::any_of(attempts.begin(), attempts.end(), holds); };
+  if (any([](const Attempt& a) { return a.proved_unsolvable; })) return Truth::kUnsolvable;
+  if (evaluator.truth() != Truth::kUnknown) return evaluator.truth();
+  return any([](const Attempt& a) { return a.errors.solved; }) ? Truth::kSolvable : Truth::kUnknown;
+}
+
+/// Right answers first, then honest failures, then false claims, then refusals.
+int rank(const Attempt& attempt) {
+  if (attempt.timed.answer.claim == Claim::kUnsupported) return 5;
+  if (false_claim(attempt.timed.answer.claim, attempt.verdict)) return 4;
+  switch (attempt.verdict) {
+    case Verdict::kSolved: return 0;
+    case Verdict::kUnsolvable: return 1;
+    case Verdict::kCriterionOnly: return 2;
+    default: return 3;
+  }
+}
+
+std::vector<Attempt> attempts_on(const Problem& problem, Solvers& solvers, double time_limit_s) {
+  Evaluator evaluator(problem);
+  std::vector<Attempt> attempts;
+  for (const Spec& spec : solvers.choose(problem)) {
+    attempts.push_back(attempt(problem, spec, solvers.opened(spec), evaluator, time_limit_s));
+  }
+  const Truth truth = truth_of(evaluator, attempts);
+  for (Attempt& each : attempts) each.verdict = verdict(each.timed.answer.claim, each.errors, truth);
+  std::stable_sort(attempts.begin(), attempts.end(), [](const Attempt& a, const Attempt& b) {
+    return rank(a) != rank(b) ? rank(a) < rank(b) : a.time_s() < b.time_s();
+  });
+  return attempts;
+}
+
+Json problem_json(const Problem& problem, const std::string& file) {
+  const ContactProblem* contact = problem.contact();
+  Json json = {{"name", problem.name().empty() ? file : problem.name()},
+               {"kind", to_string(problem.kind())},
+               {"n", problem.size()},
+               {"ngc", nullptr},
+               {"nc", nullptr},
+               {"edges", nullptr}};
+  if (contact != nullptr) {
+    json["ngc"] = contact->ngc();
+    json["nc"] = contact->nc();
+    json["edges"] = contact->edges;
+  }
+  return json;
+}
+
+Json attempt_json(const Json& problem, const Attempt& attempt) {
+  const Answer& answer = attempt.timed.answer;
+  const Errors& errors = attempt.errors;
+  return {{"problem", problem},
+          {"solver", attempt.solver.name},
+          {"settings", attempt.solver.settings},
+          {"claim", to_string(answer.claim)},
+          {"verdict", to_string(attempt.verdict)},
+          {"z", json_vector(answer.z)},
+          {"velocity", json_vector(attempt.velocity)},
+          {"errors",
+           {{"velocity_residual_m_per_s", json_number(errors.velocity_residual_m_per_s)},
+            {"velocity_residual_relative", json_number(errors.velocity_residual_relative)},
+            {"natural_residual", json_number(errors.natural_residual)},
+            {"backward_componentwise", json_number(errors.backward_componentwise)},
+            {"backward_row_norm", json_number(errors.backward_row_norm)},
+            {"forward_velocity", json_number(errors.forward_velocity)},
+            {"violation_m_per_s", json_number(errors.violation_m_per_s)},
+            {"work_gain_j", json_number(errors.work_gain_j)},
+            {"complementarity_j", json_number(errors.complementarity_j)},
+            {"cone_violation", json_number(errors.cone_violation)}}},
+          {"time",
+           {{"setup_s", json_number(attempt.timed.times.setup_wall_s)},
+            {"solve_s", json_number(attempt.timed.times.solve_wall_s)},
+            {"verify_s", json_number(attempt.verify_s)}}},
+          {"counters",
+           {{"iterations", answer.counters.iterations},
+            {"pivots", answer.counters.pivots},
+            {"factorizations", answer.counters.factorizations}}},
+          {"detail", answer.detail}};
+}
+
+std::string described(const Problem& problem, const std::string& file) {
+  std::string text = fmt::format("{}: {}, n {}", file, to_string(problem.kind()), problem.size());
+  if (const ContactProblem* contact = problem.contact()) {
+    text += fmt::format(", {} coordinates, {} contacts, {} friction edges", contact->ngc(), contact->nc(),
+                        cols(contact->D));
+  }
+  return text;
+}
+
+void print_velocity(const Attempt& best) {
+  if (best.verdict != Verdict::kSolved || best.velocity.size() == 0 || best.velocity.size() > kVelocityShown) return;
+  std::string numbers;
+  for (const double value : best.velocity) numbers += fmt::format(" {:.6g}", value);
+  fmt::print("velocity after the impact ({}):{}\n", best.solver.text(), numbers);
+}
+
+void print_attempts(const Problem& problem, const std::string& file, const std::vector<Attempt>& attempts) {
+  fmt::print("{}\n", described(problem, file));
+  if (attempts.empty()) {
+    fmt::print("no available solver takes this problem; lcpbench solvers lists what each needs\n\n");
+    return;
+  }
+  const bool contact = problem.contact() != nullptr;
+  using Align = TextTable::Align;
+  TextTable table({{"solver", Align::kLeft},
+                   {"claim", Align::kLeft},
+                   {"verdict", Align::kLeft},
+                   {contact ? "residual/max|q|" : "backward error"},
+                   {contact ? "violation m/s" : "natural residual"},
+                   {"set-up"},
+                   {"solve"},
+                   {"verify"},
+                   {"detail", Align::kLeft}});
+  for (const Attempt& each : attempts) {
+    const SolveTimes& times = each.timed.times;
+    const Errors& errors = each.errors;
+    table.add_row({each.solver.text(), to_string(each.timed.answer.claim), to_string(each.verdict),
+                   format_error(contact ? errors.velocity_residual_relative : errors.backward_row_norm),
+                   format_error(contact ? errors.violation_m_per_s : errors.natural_residual),
+                   format_seconds(times.setup_wall_s), format_seconds(times.solve_wall_s),
+                   format_seconds(each.verify_s), each.timed.answer.detail});
+  }
+  fmt::print("{}", table.text());
+  print_velocity(attempts.front());
+  fmt::print("\n");
+}
+
+int solve(const Arguments& arguments) {
+  Solvers solvers(arguments.solvers);
+  Json rows = Json::array();
+  bool all_read = true;
+  for (const std::string& file : arguments.files) {
+    try {
+      const Problem problem = read_problem(file);
+      const std::vector<Attempt> attempts = attempts_on(problem, solvers, arguments.time_limit_s);
+      if (arguments.format == "json") {
+        const Json described_problem = problem_json(problem, file);
+        for (const Attempt& each : attempts) rows.push_back(attempt_json(described_problem, each));
+      } else {
+        print_attempts(problem, file, attempts);
+      }
+    } catch (const InputError& error) {
+      all_read = false;
+      fmt::print(stderr, "lcpbench: {}\n", error.what());
+    }
+  }
+  if (arguments.format == "json") print_json(rows);
+  return all_read ? kExitDone : kExitBadInput;
+}
+
+}  // namespace
+
+Action add_solve_command(CLI::App& command) {
+  const auto arguments = std::make_shared<Arguments>();
+  command.add_option("FILE", arguments->files, "problem files")->required();
+  command.add_option("--solver", arguments->solvers, "name{key=value,...}; may be repeated (default: all that fit)")
+      ->allow_extra_args(false);
+  command.add_option("--time-limit", arguments->time_limit_s, "seconds for each solve")
+      ->check(CLI::Range(1e-6, 1e7))
+      ->capture_default_str();
+  add_format_option(command, arguments->format);
+  command.footer(
+      "claim: what the solver says. verdict: what the problem's data say of its answer. A file that cannot be read "
+      "does\n"
+      "not stop the others; the exit code is then 2.");
+  return [arguments] { return solve(*arguments); };
+}
+
+}  // namespace lcpbench

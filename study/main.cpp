@@ -1,0 +1,88 @@
+#include <exception>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "study/build_info.h"
+#include "study/commands/commands.h"
+
+namespace {
+
+using namespace lcpbench;
+
+std::string quoted(const std::string& argument) {
+  const bool plain =
+      !argument.empty() &&
+      argument.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=+.,:/@%") ==
+          std::string::npos;
+  return plain ? argument : "'" + argument + "'";
+}
+
+std::string command_line(int argc, const char* const* argv) {
+  std::string text = "lcpbench";
+  for (int i = 1; i < argc; ++i) text += " " + quoted(argv[i]);
+  return text;
+}
+
+std::string first_line(std::string text) { return text.substr(0, text.find('\n')); }
+
+class CommandLine {
+ public:
+  explicit CommandLine(const std::string& typed)
+      : app_("Compares LCP and contact solvers, verified by code that trusts none.") {
+    app_.name("lcpbench");
+    app_.set_version_flag("--version", std::string("lcpbench ") + kBuildInfo.version);
+    app_.require_subcommand(1);
+    app_.footer("Exit codes: 0 done; 1 a check failed; 2 bad usage or input; 3 interrupted, run again to resume.");
+    add("solvers", "List every solver, also those that cannot run here", add_solvers_command);
+    add("sets", "List every problem set", add_sets_command);
+    add("generate", "Write problems of a set as files", add_generate_command);
+    add("solve", "Solve problem files and verify the answers", add_solve_command);
+    add("run", "Run a study into a store; resumes by default",
+        [&](CLI::App& command) { return add_run_command(command, typed); });
+    add("merge", "Join the stores of shards", add_merge_command);
+    add("bench", "Measure speed against a reference solver",
+        [&](CLI::App& command) { return add_bench_command(command, typed); });
+  }
+
+  int run(int argc, const char* const* argv) {
+    try {
+      app_.parse(argc, argv);
+    } catch (const CLI::Success& help) {
+      return app_.exit(help);
+    } catch (const CLI::ParseError& error) {
+      throw InputError(first_line(error.what()) + " (lcpbench --help)");
+    }
+    for (const auto& [command, action] : commands_) {
+      if (command->parsed()) return action();
+    }
+    return kExitBadInput;
+  }
+
+ private:
+  template <class AddOptions>
+  void add(const char* name, const char* summary, AddOptions add_options) {
+    CLI::App* command = app_.add_subcommand(name, summary);
+    commands_.emplace_back(command, add_options(*command));
+  }
+
+  CLI::App app_;
+  std::vector<std::pair<CLI::App*, Action>> commands_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return CommandLine(command_line(argc, argv)).run(argc, argv);
+  } catch (const InputError& error) {
+    fmt::print(stderr, "lcpbench: {}\n", error.what());
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "lcpbench: internal error: {}\n", error.what());
+  }
+  return kExitBadInput;
+}

@@ -1,0 +1,144 @@
+#include "study/merge.h"
+
+#include <array>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "study/file_lock.h"
+#include "study/store.h"
+
+namespace lcpbench {
+namespace {
+
+using sqlite::Statement;
+
+constexpr std::size_t kConflictsShown = 20;
+
+struct Table {
+  const char* name;
+  std::vector<const char*> key;
+  std::vector<const char*> content;  ///< what must agree where keys do; empty for what may differ
+  const char* conflict_names;        ///< a query on m (merged) and i (input) that says in words which row it is
+};
+
+constexpr const char* kCellInWords =
+    "(SELECT s.name || ' seed ' || p.seed || ' trial ' || p.trial FROM problems p JOIN sets s ON s.id = p.set_id "
+    "WHERE p.id = m.problem_id) || ', ' || (SELECT name || '{' || settings || '}' FROM solvers WHERE id = m.solver_id)";
+
+const std::vector<Table>& tables() {
+  static const std::vector<Table> all{
+      {"runs", {"id"}, {}, "''"},
+      {"sets", {"id"}, {"name"}, "m.name"},
+      {"solvers", {"id"}, {"name", "settings", "all_settings", "library", "version", "isa", "sweep"}, "m.name"},
+      {"problems",
+       {"id"},
+       {"set_id", "seed", "trial", "kind", "n", "ngc", "nc", "hash", "theory"},
+       "(SELECT name FROM sets WHERE id = m.set_id) || ' seed ' || m.seed || ' trial ' || m.trial"},
+      {"vectors", {"id"}, {"data"}, "m.id"},
+      {"answers",
+       {"problem_id", "solver_id"},
+       {"claim", "z", "velocity", "farkas", "iterations", "pivots", "factorizations", "detail"},
+       kCellInWords},
+      {"verdicts",
+       {"problem_id", "solver_id"},
+       {"usable", "solved", "criterion", "farkas_checked", "velocity_residual_m_per_s", "velocity_residual_relative",
+        "natural_residual", "backward_componentwise", "backward_row_norm", "forward_velocity", "violation_m_per_s",
+        "work_gain_j", "complementarity_j", "cone_violation", "min_z"},
+       kCellInWords},
+      {"timings", {"problem_id", "solver_id"}, {}, "''"},
+      {"certificates", {"problem_id"}, {"certificate", "proof", "vector"}, "m.problem_id"}};
+  return all;
+}
+
+std::string joined(const std::vector<const char*>& columns, const char* form, const char* separator) {
+  std::string text;
+  for (const char* column : columns) text += (text.empty() ? "" : separator) + fmt::format(fmt::runtime(form), column);
+  return text;
+}
+
+std::vector<std::string> find_conflicts(Store& store, const std::filesystem::path& input) {
+  std::vector<std::string> conflicts;
+  for (const Table& table : tables()) {
+    if (table.content.empty()) continue;
+    Statement query(store.database(),
+                    fmt::format("SELECT {} FROM main.{} m JOIN input.{} i USING ({}) WHERE {} LIMIT {}",
+                                table.conflict_names, table.name, table.name, joined(table.key, "{}", ", "),
+                                joined(table.content, "m.{0} IS NOT i.{0}", " OR "), kConflictsShown));
+    while (query.step()) {
+      conflicts.push_back(fmt::format("{}: {}: {}", input.string(), table.name, query.text(0)));
+    }
+  }
+  return conflicts;
+}
+
+std::string sql_text(const std::string& text) {
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? "''" : std::string(1, c);
+  return quoted + "'";
+}
+
+/// Adds the input's rows; or returns its conflicts and adds none.
+std::vector<std::string> join(Store& store, const std::filesystem::path& input) {
+  Store::open_for_reading(input);  // says what is wrong with a file that is no store
+  store.database().execute("ATTACH DATABASE " + sql_text(input.string()) + " AS input");
+  std::vector<std::string> conflicts = find_conflicts(store, input);
+  if (conflicts.empty()) {
+    store.begin();
+    for (const Table& table : tables()) {
+      store.database().execute(fmt::format("INSERT OR IGNORE INTO main.{0} SELECT * FROM input.{0}", table.name));
+    }
+    store.commit();
+  }
+  store.database().execute("DETACH DATABASE input");
+  return conflicts;
+}
+
+/// A file that is deleted again unless it was moved away.
+class Draft {
+ public:
+  explicit Draft(std::filesystem::path file) : file_(std::move(file)) { Store::remove(file_); }
+  ~Draft() {
+    std::error_code ignored;
+    for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(file_.string() + suffix, ignored);
+  }
+  Draft(const Draft&) = delete;
+  Draft& operator=(const Draft&) = delete;
+  const std::filesystem::path& file() const { return file_; }
+  void move_to(const std::filesystem::path& target) {
+    std::error_code error;
+    std::filesystem::rename(file_, target, error);
+    if (error) throw InputError(fmt::format("{}: {}", target.string(), error.message()));
+  }
+
+ private:
+  std::filesystem::path file_;
+};
+
+}  // namespace
+
+MergeOutcome merge_stores(const std::filesystem::path& out, const std::vector<std::filesystem::path>& inputs) {
+  std::vector<std::filesystem::path> sources = inputs;
+  if (std::filesystem::exists(out)) {
+    Store::open_for_reading(out);
+    Store::open_for_writing(out);  // its end folds what a killed run left in the write-ahead log into the file itself
+    if (std::filesystem::exists(out.string() + "-wal")) throw InputError(out.string() + ": another process reads it");
+    sources.insert(sources.begin(), out);
+  }
+  for (const std::filesystem::path& source : sources) Store::open_for_reading(source);
+  const FileLock lock(out);
+  Draft draft(out.string() + ".merging");
+  MergeOutcome outcome;
+  {
+    Store store = Store::open_for_writing(draft.file());
+    for (const std::filesystem::path& source : sources) {
+      for (std::string& conflict : join(store, source)) outcome.conflicts.push_back(std::move(conflict));
+    }
+    outcome.cells = store.cell_count();
+  }
+  if (outcome.conflicts.empty()) draft.move_to(out);
+  return outcome;
+}
+
+}  // namespace lcpbench

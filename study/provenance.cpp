@@ -1,0 +1,61 @@
+#include "study/provenance.h"
+
+#include <ctime>
+#include <fstream>
+#include <thread>
+
+#include <fmt/chrono.h>
+#include <sqlite3.h>
+#include <sys/utsname.h>
+
+#include "core/isa.h"
+#include "core/registry.h"
+#include "study/build_info.h"
+
+namespace lcpbench {
+namespace {
+
+/// PRETTY_NAME of /etc/os-release; "" where there is none.
+std::string distribution() {
+  std::ifstream file("/etc/os-release");
+  const std::string key = "PRETTY_NAME=\"";
+  for (std::string line; std::getline(file, line);) {
+    if (line.rfind(key, 0) == 0 && line.size() > key.size())
+      return line.substr(key.size(), line.size() - key.size() - 1);
+  }
+  return {};
+}
+
+nlohmann::ordered_json solver_versions() {
+  nlohmann::ordered_json versions = nlohmann::ordered_json::object();
+  for (const RegisteredSolver& solver : registered_solvers()) {
+    versions[solver.definition.name] = {
+        {"library", solver.library}, {"version", solver.version}, {"available", solver.unavailable.empty()}};
+  }
+  return versions;
+}
+
+}  // namespace
+
+nlohmann::ordered_json provenance(const std::string& command_line, const std::string& started) {
+  utsname system{};
+  uname(&system);
+  return {{"lcpbench", kBuildInfo.version},
+          {"commit", kBuildInfo.commit},
+          {"compiler", kBuildInfo.compiler},
+          {"flags", kBuildInfo.flags},
+          {"build_type", kBuildInfo.build_type},
+          {"processor", processor_name()},
+          {"isa", to_string(isa_level())},
+          {"cores", std::thread::hardware_concurrency()},
+          {"os", distribution()},
+          {"kernel", fmt::format("{} {} {}", system.sysname, system.release, system.machine)},
+          {"sqlite", sqlite3_libversion()},
+          {"solvers", solver_versions()},
+          {"command", command_line},
+          {"started", started}};
+}
+
+std::string utc_now() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
+
+}  // namespace lcpbench

@@ -1,0 +1,436 @@
+#include "study/runner.h"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <unordered_map>
+#include <utility>
+
+#include "generators/problem_io.h"
+#include "study/vector_codec.h"
+
+namespace lcpbench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kHandOverAfter = std::chrono::milliseconds(500);  // at most this much of a problem is lost to a kill
+constexpr auto kCommitAfter = std::chrono::milliseconds(800);
+constexpr auto kProgressEvery = std::chrono::milliseconds(100);
+constexpr Index kLargeSweptProblem = 100;  // order of M
+constexpr std::size_t kCommitCells = 20'000;
+constexpr std::size_t kQueuedResults = 256;
+constexpr double kFirstPartialS = 8.0;  // well inside the twenty seconds in which a user wants to see a first row
+constexpr double kPartialGrowth = 3.0;  // ever rarer: each one reads the whole store
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// One problem of the queue and the solvers that still have to run on it.
+struct Task {
+  std::size_t set = 0;
+  std::int64_t trial = 0;
+  std::vector<std::uint32_t> solvers;  ///< empty: all that the trial takes
+};
+
+bool takes(const StudySolver& solver, std::int64_t trial) { return trial % solver.every == 0; }
+
+struct Queue {
+  std::vector<Task> tasks;
+  std::int64_t cells = 0;
+  std::int64_t already_done = 0;
+};
+
+/// All tasks that the store does not have, by share of their set's trials.
+Queue make_queue(const Study& study, Store& store, const RunOptions& options) {
+  std::unordered_map<std::int64_t, std::uint32_t> solver_of;
+  for (std::size_t i = 0; i < study.solvers.size(); ++i) {
+    solver_of.emplace(study.solvers[i].row.id(), static_cast<std::uint32_t>(i));
+  }
+  const bool resuming = store.cell_count() > 0;
+  Queue queue;
+  std::vector<bool> is_done(study.solvers.size());
+  for (std::size_t set = 0; set < study.sets.size(); ++set) {
+    const std::string name = study.sets[set].set->name();
+    for (std::int64_t trial = options.shard; trial < study.sets[set].trials; trial += options.shards) {
+      Task task{set, trial, {}};
+      std::int64_t done = 0;
+      std::fill(is_done.begin(), is_done.end(), false);
+      for (const std::int64_t id :
+           resuming ? store.done(problem_id(name, study.seed, trial)) : std::vector<std::int64_t>{}) {
+        const auto known = solver_of.find(id);
+        if (known == solver_of.end() || !takes(study.solvers[known->second], trial)) continue;
+        is_done[known->second] = true;
+        ++done;
+      }
+      std::int64_t missing = 0;
+      for (std::uint32_t i = 0; i < study.solvers.size(); ++i) {
+        if (is_done[i] || !takes(study.solvers[i], trial)) continue;
+        ++missing;
+        if (done > 0) task.solvers.push_back(i);
+      }
+      queue.already_done += done;
+      queue.cells += missing;
+      if (missing > 0) queue.tasks.push_back(std::move(task));
+    }
+  }
+  const auto share = [&](const Task& task) {
+    return (static_cast<double>(task.trial) + 0.5) / static_cast<double>(study.sets[task.set].trials);
+  };
+  std::stable_sort(queue.tasks.begin(), queue.tasks.end(),
+                   [&](const Task& a, const Task& b) { return share(a) < share(b); });
+  return queue;
+}
+
+struct Batch {
+  std::size_t set = 0;
+  ProblemResult result;
+};
+
+/// What the worker threads and the writing thread share.
+class Exchange {
+ public:
+  explicit Exchange(int producers) : producers_(producers) {}
+
+  /// Blocks while the writer is behind.
+  void push(Batch batch) {
+    std::unique_lock lock(mutex_);
+    room_.wait(lock, [this] { return batches_.size() < kQueuedResults || stopped(); });
+    batches_.push_back(std::move(batch));
+    arrived_.notify_one();
+  }
+  /// All that has arrived; waits up to `patience` for the first.
+  std::deque<Batch> take(std::chrono::milliseconds patience) {
+    std::unique_lock lock(mutex_);
+    arrived_.wait_for(lock, patience, [this] { return !batches_.empty() || producers_ == 0; });
+    room_.notify_all();
+    return std::exchange(batches_, {});
+  }
+  void producer_ends(std::exception_ptr error) {
+    const std::lock_guard lock(mutex_);
+    --producers_;
+    if (error != nullptr) {
+      if (error_ == nullptr) error_ = error;
+      stop_ = true;
+    }
+    arrived_.notify_one();
+  }
+  bool drained() {
+    const std::lock_guard lock(mutex_);
+    return producers_ == 0 && batches_.empty();
+  }
+  std::exception_ptr error() {
+    const std::lock_guard lock(mutex_);
+    return error_;
+  }
+  /// After the solve in flight, nothing more is begun.
+  void stop() {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+    room_.notify_all();
+  }
+  bool stopped() const { return stop_; }
+  /// After the problem in flight, nothing more is begun.
+  void close_queue() { closed_ = true; }
+  bool queue_closed() const { return closed_ || stop_; }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable arrived_;
+  std::condition_variable room_;
+  std::deque<Batch> batches_;
+  std::exception_ptr error_;
+  int producers_;
+  std::atomic<bool> stop_{false};
+  std::atomic<bool> closed_{false};
+};
+
+bool same_bits(const Vector& a, const Vector& b) {
+  return a.size() == b.size() && std::equal(a.data(), a.data() + a.size(), b.data(), [](double x, double y) {
+           return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y);
+         });
+}
+
+/// Verifies the answers to one problem, equal ones once.
+class ProblemJudge {
+ public:
+  ProblemJudge(const Problem& problem, ProblemResult& result) : evaluator_(problem), result_(result) {}
+
+  Truth truth() const { return evaluator_.truth(); }
+
+  CellRow judge(std::int64_t solver_id, const TimedAnswer& timed) {
+    const Answer& answer = timed.answer;
+    CellRow cell;
+    cell.solver_id = solver_id;
+    cell.claim = answer.claim;
+    cell.counters = answer.counters;
+    cell.detail = answer.detail;
+    cell.times = timed.times;
+    const Judged& judged = judged_like(answer);
+    cell.z = judged.z;
+    cell.velocity = judged.velocity;
+    cell.farkas = judged.farkas;
+    cell.errors = judged.errors;
+    cell.farkas_checked = judged.farkas_checked;
+    cell.verify_s = judged.verify_s;
+    return cell;
+  }
+
+ private:
+  struct Judged {
+    Vector z_bits, velocity_bits, farkas_bits;
+    std::optional<std::int64_t> z, velocity, farkas;
+    Errors errors;
+    bool farkas_checked = false;
+    double verify_s = 0;
+  };
+
+  const Judged& judged_like(const Answer& answer) {
+    for (const Judged& known : judged_) {
+      if (same_bits(known.z_bits, answer.z) && same_bits(known.velocity_bits, answer.velocity) &&
+          same_bits(known.farkas_bits, answer.farkas)) {
+        return known;
+      }
+    }
+    Judged& judged = judged_.emplace_back();
+    judged.z_bits = answer.z;
+    judged.velocity_bits = answer.velocity;
+    judged.farkas_bits = answer.farkas;
+    judged.z = keep(answer.z);
+    judged.velocity = keep(answer.velocity);
+    judged.farkas = keep(answer.farkas);
+    const double start = wall_clock_s();
+    judged.errors = evaluator_.errors(answer);
+    judged.farkas_checked = answer.farkas.size() > 0 && evaluator_.check_farkas(answer.farkas);
+    judged.verify_s = wall_clock_s() - start;
+    return judged;
+  }
+
+  std::optional<std::int64_t> keep(const Vector& vector) {
+    if (vector.size() == 0) return std::nullopt;
+    std::string bytes = encode_vector(vector);
+    const std::int64_t id = content_id(bytes);
+    result_.vectors.emplace_back(id, std::move(bytes));
+    return id;
+  }
+
+  Evaluator evaluator_;
+  ProblemResult& result_;
+  std::deque<Judged> judged_;
+};
+
+ProblemRow problem_row(const std::string& set_name, std::uint64_t seed, std::int64_t trial, const Problem& problem,
+                       Truth theory) {
+  ProblemRow row;
+  row.id = problem_id(set_name, seed, trial);
+  row.set_id = set_id(set_name);
+  row.seed = seed;
+  row.trial = trial;
+  row.kind = to_string(problem.kind());
+  row.n = problem.size();
+  if (const ContactProblem* contact = problem.contact()) {
+    row.ngc = contact->ngc();
+    row.nc = contact->nc();
+  }
+  row.hash = problem_hash(problem);
+  row.theory = theory == Truth::kSolvable ? "solvable" : "";
+  return row;
+}
+
+/// One thread's solvers and its loop over the queue.
+class Worker {
+ public:
+  Worker(const Study& study, const Queue& queue, std::atomic<std::size_t>& next, Exchange& exchange)
+      : study_(study), queue_(queue), next_(next), exchange_(exchange), solvers_(study.solvers.size()) {
+    for (const StudySolver& solver : study.solvers) ids_.push_back(solver.row.id());
+  }
+
+  void run() noexcept {
+    std::exception_ptr error;
+    try {
+      while (!exchange_.queue_closed()) {
+        const std::size_t task = next_.fetch_add(1);
+        if (task >= queue_.tasks.size()) break;
+        run_task(queue_.tasks[task]);
+      }
+    } catch (...) {
+      error = std::current_exception();
+    }
+    exchange_.producer_ends(error);
+  }
+
+ private:
+  void run_task(const Task& task) {
+    const ProblemSet& set = *study_.sets[task.set].set;
+    const Problem problem = set.generate(study_.seed, task.trial);
+    Batch batch{task.set, {}};
+    ProblemJudge judge(problem, batch.result);
+    batch.result.problem = problem_row(set.name(), study_.seed, task.trial, problem, judge.truth());
+    Clock::time_point handed_over = Clock::now();
+    for (const std::size_t solver : order(task)) {
+      if (exchange_.stopped()) break;
+      solve(problem, solver);
+      batch.result.cells.push_back(judge.judge(ids_[solver], timed_));
+      if (Clock::now() - handed_over < kHandOverAfter) continue;
+      exchange_.push(batch);
+      batch.result.vectors.clear();
+      batch.result.cells.clear();
+      handed_over = Clock::now();
+    }
+    if (!batch.result.cells.empty()) exchange_.push(std::move(batch));
+  }
+
+  std::vector<std::size_t> order(const Task& task) const {
+    std::vector<std::size_t> solvers(task.solvers.begin(), task.solvers.end());
+    if (task.solvers.empty()) {
+      for (std::size_t i = 0; i < study_.solvers.size(); ++i) {
+        if (takes(study_.solvers[i], task.trial)) solvers.push_back(i);
+      }
+    }
+    const auto turn = static_cast<std::ptrdiff_t>(static_cast<std::size_t>(task.trial) % solvers.size());
+    std::rotate(solvers.begin(), solvers.begin() + turn, solvers.end());
+    return solvers;
+  }
+
+  void solve(const Problem& problem, std::size_t solver) {
+    if (solvers_[solver] == nullptr) solvers_[solver] = study_.solvers[solver].open();
+    TimedRequest request;
+    request.time_limit_s = study_.time_limit_s;
+    const bool swept = !study_.solvers[solver].row.sweep.empty();
+    request.repeat_until_s = swept ? 0.0 : study_.repeat_until_s;
+    solvers_[solver]->run(problem, request, timed_);
+    // A sweep has dozens of cells: their workspaces of n^2 numbers, or their worker processes, must not add up.
+    const bool heavy = problem.size() > kLargeSweptProblem || study_.solvers[solver].row.library != "native";
+    if (swept && heavy) solvers_[solver].reset();
+  }
+
+  const Study& study_;
+  const Queue& queue_;
+  std::atomic<std::size_t>& next_;
+  Exchange& exchange_;
+  std::vector<std::unique_ptr<TimedSolver>> solvers_;
+  std::vector<std::int64_t> ids_;
+  TimedAnswer timed_;
+};
+
+/// Groups what arrives into transactions.
+class BatchWriter {
+ public:
+  explicit BatchWriter(Store& store) : store_(store) {}
+
+  void add(const ProblemResult& result) {
+    if (!open_) {
+      store_.begin();
+      open_ = true;
+      began_ = Clock::now();
+      cells_ = 0;
+    }
+    store_.add(result);
+    cells_ += result.cells.size();
+    if (cells_ >= kCommitCells) commit();
+  }
+  void commit_when_due() {
+    if (open_ && Clock::now() - began_ >= kCommitAfter) commit();
+  }
+  void commit() {
+    if (!open_) return;
+    open_ = false;
+    store_.commit();
+  }
+
+ private:
+  Store& store_;
+  bool open_ = false;
+  Clock::time_point began_;
+  std::size_t cells_ = 0;
+};
+
+void add_names(const Study& study, Store& store) {
+  store.begin();
+  for (const StudySet& set : study.sets) store.add_set(set.set->name());
+  for (const StudySolver& solver : study.solvers) store.add_solver(solver.row);
+  store.commit();
+}
+
+class Threads {
+ public:
+  explicit Threads(Exchange& exchange) : exchange_(exchange) {}
+  ~Threads() {
+    exchange_.stop();
+    join();
+  }
+  template <class Function>
+  void start(Function function) {
+    threads_.emplace_back(std::move(function));
+  }
+  void join() {
+    for (std::thread& thread : threads_) {
+      if (thread.joinable()) thread.join();
+    }
+  }
+
+ private:
+  Exchange& exchange_;
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace
+
+RunOutcome run_study(const Study& study, Store& store, const RunOptions& options) {
+  add_names(study, store);
+  const Queue queue = make_queue(study, store, options);
+  RunOutcome outcome;
+  outcome.already_done = queue.already_done;
+  outcome.progress.total = queue.cells;
+
+  const int jobs = static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(options.jobs), queue.tasks.size()));
+  Exchange exchange(jobs);
+  std::atomic<std::size_t> next{0};
+  BatchWriter writer(store);
+  Threads threads(exchange);
+  std::vector<std::string> set_names;
+  for (const StudySet& set : study.sets) set_names.push_back(set.set->name());
+
+  const Clock::time_point start = Clock::now();
+  for (int i = 0; i < jobs; ++i) {
+    threads.start([&] { Worker(study, queue, next, exchange).run(); });
+  }
+  double next_partial_s = kFirstPartialS;
+  while (!exchange.drained()) {
+    for (const Batch& batch : exchange.take(kProgressEvery)) {
+      writer.add(batch.result);
+      outcome.progress.done += static_cast<std::int64_t>(batch.result.cells.size());
+      outcome.progress.set = &set_names[batch.set];
+    }
+    writer.commit_when_due();
+    outcome.progress.elapsed_s = seconds_since(start);
+    if (options.on_progress) options.on_progress(outcome.progress);
+    if (options.on_partial_results && outcome.progress.elapsed_s >= next_partial_s && outcome.progress.done > 0) {
+      writer.commit();
+      options.on_partial_results(store);
+      next_partial_s = kPartialGrowth * seconds_since(start);
+    }
+    if (options.stop != nullptr && *options.stop != 0 && !exchange.stopped()) {
+      exchange.stop();
+      outcome.end = RunEnd::kStopped;
+    }
+    if (study.budget_s && outcome.progress.elapsed_s >= *study.budget_s) exchange.close_queue();
+  }
+  threads.join();
+  writer.commit();
+  outcome.progress.elapsed_s = seconds_since(start);
+  outcome.progress.set = nullptr;
+  if (const std::exception_ptr error = exchange.error()) std::rethrow_exception(error);
+  if (outcome.end == RunEnd::kComplete && outcome.progress.done < outcome.progress.total) {
+    outcome.end = RunEnd::kOutOfBudget;
+  }
+  if (outcome.progress.done == outcome.progress.total) outcome.end = RunEnd::kComplete;
+  return outcome;
+}
+
+}  // namespace lcpbench
