@@ -39,20 +39,24 @@ struct Packed {
   static Pack min(Pack a, Pack b) { return a < b ? a : b; }
   static Pack max(Pack a, Pack b) { return a > b ? a : b; }
 
+  /// Combines the lanes pairwise, in the same order at every call.
+  template <class Combine>
+  static Scalar reduce(Pack pack, Combine combine) {
+    Scalar lanes[static_cast<std::size_t>(kWidth)];
+    store(lanes, pack);
+    for (Count half = kWidth / 2; half > 0; half /= 2) {
+      for (Count lane = 0; lane < half; ++lane) lanes[lane] = combine(lanes[lane], lanes[lane + half]);
+    }
+    return lanes[0];
+  }
   static Scalar sum(Pack pack) {
-    Scalar total = pack[0];
-    for (Count lane = 1; lane < kWidth; ++lane) total += pack[lane];
-    return total;
+    return reduce(pack, [](Scalar a, Scalar b) { return a + b; });
   }
   static Scalar min(Pack pack) {
-    Scalar least = pack[0];
-    for (Count lane = 1; lane < kWidth; ++lane) least = pack[lane] < least ? pack[lane] : least;
-    return least;
+    return reduce(pack, [](Scalar a, Scalar b) { return a < b ? a : b; });
   }
   static Scalar max(Pack pack) {
-    Scalar largest = pack[0];
-    for (Count lane = 1; lane < kWidth; ++lane) largest = pack[lane] > largest ? pack[lane] : largest;
-    return largest;
+    return reduce(pack, [](Scalar a, Scalar b) { return a > b ? a : b; });
   }
   static Count padded(Count size) { return (size + kWidth - 1) / kWidth * kWidth; }
 };
@@ -95,6 +99,7 @@ template <class Scalar>
 Scalar magnitude(Scalar x) {
   return x < 0 ? -x : x;
 }
+inline double magnitude(double x) { return __builtin_fabs(x); }
 
 /// A column of a sum: where it stands in memory and its factor in each of the two sums.
 template <class Scalar>
@@ -461,104 +466,164 @@ class DenseBasis {
   Slots<Scalar> slots_;
 };
 
-/// A = LU with partial pivoting and both right-hand sides carried along, A stored by rows. Rows are exchanged by
-/// pointer, L is not kept. After solve() `solution` holds A^-1 of the first kSides right-hand sides.
+/// Solves A X = [b_0 b_1] by Gaussian elimination with partial pivoting, A stored by rows with both right-hand sides at
+/// their ends. Rows are exchanged by pointer; U is left with a unit diagonal, L is not kept.
 template <class Scalar>
-class SmallLu {
+class SmallSystem {
  public:
-  static constexpr std::size_t kSides = 2;
+  static constexpr Count kSides = 2;
 
   void reserve(Count most) {
     work_.resize(most * stride_of(most));
     rows_.resize(most);
+    column_.resize(most);
   }
 
-  /// Begins a system of order `order`; row(r) is then to be filled with A(r, .), followed by the right-hand sides.
+  /// Begins a system of the given order; every row is then to be written.
   void begin(Count order) {
     order_ = order;
     stride_ = stride_of(order);
-    for (Count r = 0; r < order; ++r) rows_[r] = work_.data() + r * stride_;
-    for (Count r = 0; r < order; ++r) {
-      Packed<Scalar>::store(rows_[r] + stride_ - Packed<Scalar>::kWidth, typename Packed<Scalar>::Pack{});
-    }
   }
-  Scalar* row(Count r) { return work_.data() + r * stride_; }
 
-  /// False when a column has no nonzero pivot or a value that is not a number. `solution[s]`: order entries, padded.
-  bool solve(Scalar* const (&solution)[kSides]) {
+  /// Row r: `order` entries at `entries`, followed in memory by whatever fills the last pack.
+  void write_row(Count r, const Scalar* entries, Scalar side_0, Scalar side_1) {
+    Scalar* const row = work_.data() + r * stride_;
+    for (Count c = 0; c < order_; c += P::kWidth) P::store(row + c, P::load(entries + c));
+    row[order_] = side_0;
+    row[order_ + 1] = side_1;
+    for (Count c = order_ + kSides; c < stride_; ++c) row[c] = 0;
+    rows_[r] = row;
+    column_[r] = row[0];
+  }
+
+  /// False when a column has no nonzero pivot. `solution_*`: order entries each, padded with zeros.
+  bool solve(Scalar* solution_0, Scalar* solution_1) {
     if (!eliminate()) return false;
-    substitute(solution);
+    substitute(solution_0, solution_1);
     return true;
   }
 
  private:
   using P = Packed<Scalar>;
   using Pack = typename P::Pack;
+  static constexpr Count kMostUnrolled = 8;
 
-  static Count stride_of(Count order) { return P::padded(order + static_cast<Count>(kSides)); }
+  static Count stride_of(Count order) { return P::padded(order + kSides); }
 
   bool eliminate() {
-    Count pivot = largest_in_first_column();
+    Count pivot = largest_of_first_column();
     for (Count step = 0; step < order_; ++step) {
+      const Scalar value = column_[pivot];
+      if (!(magnitude(value) > 0)) return false;
       Scalar* const pivot_row = rows_[pivot];
       rows_[pivot] = rows_[step];
+      column_[pivot] = column_[step];
       rows_[step] = pivot_row;
-      if (!(magnitude(pivot_row[step]) > 0)) return false;
-      pivot = subtract_below(step, pivot_row);
+      pivot = subtract_below(step, pivot_row, Scalar(1) / value);
     }
     return true;
   }
 
-  Count largest_in_first_column() const {
-    Count largest = 0;
-    for (Count r = 1; r < order_; ++r) {
-      if (magnitude(rows_[r][0]) > magnitude(rows_[largest][0])) largest = r;
-    }
-    return largest;
+  Count largest_of_first_column() const {
+    Largest largest{0, -1};
+    for (Count r = 0; r < order_; ++r) largest.offer(r, column_[r]);
+    return largest.at;
   }
 
-  /// Clears column `step` below the pivot; returns the row of the largest entry in the next column. Entries left of the
-  /// pivot that share its pack are overwritten: nothing reads them again.
-  Count subtract_below(Count step, const Scalar* pivot_row) {
+  /// A running maximum of magnitudes, without branches: where it lies is not predictable.
+  struct Largest {
+    Count at;
+    Scalar size;
+    void offer(Count place, Scalar value) {
+      const Scalar candidate = magnitude(value);
+      at = candidate > size ? place : at;
+      size = candidate > size ? candidate : size;
+    }
+  };
+
+  /// Scales the pivot row to a unit pivot, clears column `step` below it and gathers the next column, of which it
+  /// returns the largest entry's row. Entries left of the pivot that share its pack are overwritten: nothing reads them
+  /// again.
+  Count subtract_below(Count step, Scalar* pivot_row, Scalar reciprocal) {
     const Count first = (step + 1) / P::kWidth * P::kWidth;
-    const Scalar reciprocal = Scalar(1) / pivot_row[step];
-    Count largest = step + 1;
-    Scalar largest_magnitude = -1;
+    switch ((stride_ - first) / P::kWidth) {
+      case 1: return subtract_unrolled<1>(step, pivot_row, reciprocal);
+      case 2: return subtract_unrolled<2>(step, pivot_row, reciprocal);
+      case 3: return subtract_unrolled<3>(step, pivot_row, reciprocal);
+      case 4: return subtract_unrolled<4>(step, pivot_row, reciprocal);
+      case 5: return subtract_unrolled<5>(step, pivot_row, reciprocal);
+      case 6: return subtract_unrolled<6>(step, pivot_row, reciprocal);
+      case 7: return subtract_unrolled<7>(step, pivot_row, reciprocal);
+      case kMostUnrolled: return subtract_unrolled<kMostUnrolled>(step, pivot_row, reciprocal);
+      default: return subtract_long(step, first, pivot_row, reciprocal);
+    }
+  }
+
+  /// The pivot row's packs stay in registers.
+  template <Count kPacks>
+  Count subtract_unrolled(Count step, Scalar* pivot_row, Scalar reciprocal) {
+    const Count first = stride_ - kPacks * P::kWidth;
+    Pack pivot[static_cast<std::size_t>(kPacks)];
+    for (Count k = 0; k < kPacks; ++k) {
+      pivot[k] = P::load(pivot_row + first + k * P::kWidth) * reciprocal;
+      P::store(pivot_row + first + k * P::kWidth, pivot[k]);
+    }
+    Scalar* const column = column_.data();
+    Scalar* const* const rows = rows_.data();
+    const Count order = order_;
+    Largest largest{step + 1, -1};
+    for (Count r = step + 1; r < order; ++r) {
+      Scalar* const row = rows[r] + first;
+      const Scalar factor = column[r];
+      for (Count k = 0; k < kPacks; ++k) {
+        P::store(row + k * P::kWidth, P::load(row + k * P::kWidth) - factor * pivot[k]);
+      }
+      column[r] = row[step + 1 - first];
+      largest.offer(r, column[r]);
+    }
+    return largest.at;
+  }
+
+  Count subtract_long(Count step, Count first, Scalar* pivot_row, Scalar reciprocal) {
+    const Count stride = stride_;
+    for (Count c = first; c < stride; c += P::kWidth) P::store(pivot_row + c, P::load(pivot_row + c) * reciprocal);
+    Largest largest{step + 1, -1};
     for (Count r = step + 1; r < order_; ++r) {
       Scalar* const row = rows_[r];
-      const Scalar factor = row[step] * reciprocal;
-      for (Count c = first; c < stride_; c += P::kWidth) {
+      const Scalar factor = column_[r];
+      for (Count c = first; c < stride; c += P::kWidth) {
         P::store(row + c, P::load(row + c) - factor * P::load(pivot_row + c));
       }
-      const Scalar next = magnitude(row[step + 1]);
-      if (next > largest_magnitude) {
-        largest_magnitude = next;
-        largest = r;
-      }
+      column_[r] = row[step + 1];
+      largest.offer(r, column_[r]);
     }
-    return largest;
+    return largest.at;
   }
 
-  void substitute(Scalar* const (&solution)[kSides]) const {
+  void substitute(Scalar* solution_0, Scalar* solution_1) const {
     const Count padded = P::padded(order_);
-    for (std::size_t s = 0; s < kSides; ++s) {
-      for (Count i = 0; i < padded; i += P::kWidth) P::store(solution[s] + i, Pack{});
+    for (Count i = 0; i < padded; i += P::kWidth) {
+      P::store(solution_0 + i, Pack{});
+      P::store(solution_1 + i, Pack{});
     }
     for (Count r = order_ - 1; r >= 0; --r) {
       const Scalar* const row = rows_[r];
-      Pack sum[kSides] = {};
+      Pack sum_0 = Pack{};
+      Pack sum_1 = Pack{};
       for (Count c = r / P::kWidth * P::kWidth; c < padded; c += P::kWidth) {
         const Pack entries = P::load(row + c);
-        for (std::size_t s = 0; s < kSides; ++s) sum[s] += entries * P::load(solution[s] + c);
+        sum_0 += entries * P::load(solution_0 + c);
+        sum_1 += entries * P::load(solution_1 + c);
       }
-      for (std::size_t s = 0; s < kSides; ++s)
-        solution[s][r] = (row[order_ + static_cast<Count>(s)] - P::sum(sum[s])) / row[r];
+      solution_0[r] = row[order_] - P::sum(sum_0);
+      solution_1[r] = row[order_ + 1] - P::sum(sum_1);
     }
   }
 
   Count order_ = 0, stride_ = 0;
   Buffer<Scalar> work_;
   Buffer<Scalar*> rows_;
+  Buffer<Scalar> column_;  ///< of the rows not yet eliminated, the entries of the column that comes next
 };
 
 /// The basis as its kernel: rows whose w is nonbasic against columns of the basic z and the artificial variable, in the
@@ -591,7 +656,7 @@ class KernelBasis {
     entering_column_.resize(n);
     terms_.resize(n + 1);
     A_.resize(n * P::padded(n));
-    lu_.reserve(n);
+    system_.reserve(n);
     slots_ = {column_slots_, x_.data(), d_.data(), ratio_.data(), id_.data()};
   }
 
@@ -663,14 +728,13 @@ class KernelBasis {
   template <bool kDirection, bool kValues>
   bool solve_sides(Count entering) {
     write_system<kDirection>(entering);
-    Scalar* const kernel[2] = {d_.data() + column_slots_, x_.data() + column_slots_};
+    Scalar* const direction = d_.data() + column_slots_;
     if constexpr (kValues) {
-      if (!lu_.solve(kernel)) return false;
+      if (!system_.solve(direction, x_.data() + column_slots_)) return false;
       extend(entering);
     } else {
       // Without new values the second right-hand side is idle; its solution must not touch x.
-      Scalar* const sides[2] = {d_.data() + column_slots_, ratio_.data() + column_slots_};
-      if (!lu_.solve(sides)) return false;
+      if (!system_.solve(direction, ratio_.data() + column_slots_)) return false;
       extend_direction(entering);
     }
     return true;
@@ -678,14 +742,11 @@ class KernelBasis {
 
   template <bool kDirection>
   void write_system(Count entering) {
-    lu_.begin(order_);
     if constexpr (kDirection) write_entering_column(entering);
+    system_.begin(order_);
     for (Count r = 0; r < order_; ++r) {
-      Scalar* const row = lu_.row(r);
-      const Scalar* const from = A_.data() + r * stride_;
-      for (Count c = 0; c < order_; ++c) row[c] = from[c];
-      row[order_] = kDirection ? entering_column_[r] : Scalar(0);
-      row[order_ + 1] = -problem_.q[rows_[r]];
+      const Scalar direction = kDirection ? entering_column_[r] : Scalar(0);
+      system_.write_row(r, A_.data() + r * stride_, direction, -problem_.q[rows_[r]]);
     }
   }
 
@@ -839,7 +900,7 @@ class KernelBasis {
   Buffer<Scalar> q_, cover_;  ///< by slots
   Buffer<Scalar> x_, d_, ratio_, id_;
   Buffer<Term<Scalar>> terms_;
-  SmallLu<Scalar> lu_;
+  SmallSystem<Scalar> system_;
   Slots<Scalar> slots_;
 };
 
