@@ -47,3 +47,12 @@ endforeach()
 if(GOLDEN_GXX)
   lcpbench_golden(gxx_native ${GOLDEN_GXX} -O3 -march=native)
 endif()
+
+lcpbench_test(random LINK lcpbench_generators)
+lcpbench_test(spectrum LINK lcpbench_generators)
+lcpbench_test(paper_generator LINK lcpbench_generators Threads::Threads)
+lcpbench_test(rigid_generator LINK lcpbench_generators Threads::Threads)
+lcpbench_test(sets LINK lcpbench_generators)
+lcpbench_test(golden_library LINK lcpbench_generators)
+target_compile_definitions(golden_library_test
+                           PRIVATE GOLDEN_HASHES="${CMAKE_CURRENT_SOURCE_DIR}/golden/hashes.txt")

@@ -1,5 +1,5 @@
-// Prints one hash for each problem set under each reading: over every bit of its first trials. With a file as argument it
-// compares instead, and fails on any difference. Built from the generators' sources by several compilers at several
+// Prints one hash for each problem set under each reading: over every bit of its first trials. With a file as argument
+// it compares instead, and fails on any difference. Built from the generators' sources by several compilers at several
 // levels of optimisation: the problems must not depend on either.
 
 #include <cstdio>

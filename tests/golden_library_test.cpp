@@ -1,0 +1,103 @@
+// The library's problems, as a study sees them, are those of the committed hashes: neither the way into Eigen's types
+// nor the library's own build options change a bit.
+
+#include <fstream>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "generators/sets.h"
+#include "tests/golden_cases.h"
+
+namespace lcpbench::golden {
+namespace {
+
+template <class Array>
+void add_entries(const Array& values, Hash& hash) {
+  for (Index i = 0; i < values.size(); ++i) hash.add(values.data()[i]);
+}
+
+void add(const Vector& values, Hash& hash) {
+  hash.add_size(static_cast<std::size_t>(values.size()));
+  add_entries(values, hash);
+}
+
+void add(const Matrix& values, Hash& hash) {
+  hash.add_size(static_cast<std::size_t>(values.rows()));
+  hash.add_size(static_cast<std::size_t>(values.cols()));
+  add_entries(values, hash);
+}
+
+void add(const ContactProblem& problem, Hash& hash) {
+  add(problem.v, hash);
+  add(std::get<Matrix>(problem.N), hash);
+  add(std::get<Matrix>(problem.D), hash);
+  hash.add_size(problem.edges.size());
+  for (const int edges : problem.edges) hash.add_size(static_cast<std::size_t>(edges));
+  add(problem.mu, hash);
+  if (const auto* dense = std::get_if<DenseInertia>(&problem.inertia)) {
+    hash.add_size(0);
+    add(dense->G, hash);
+  } else if (const auto* factors = std::get_if<FactoredInertia>(&problem.inertia)) {
+    hash.add_size(1);
+    add(factors->X, hash);
+    add(factors->alpha, hash);
+  } else {
+    hash.add_size(2);
+    add(std::get<InverseInertia>(problem.inertia).Ginv, hash);
+  }
+}
+
+void add(const RigidScene& scene, Hash& hash) {
+  hash.add_size(scene.bodies.size());
+  for (const RigidBody& body : scene.bodies) {
+    hash.add(body.mass);
+    add(Matrix(body.inertia), hash);
+    add_entries(body.position, hash);
+    add_entries(body.linear_velocity, hash);
+    add_entries(body.angular_velocity, hash);
+  }
+  hash.add_size(scene.contacts.size());
+  for (const RigidContact& contact : scene.contacts) {
+    hash.add_size(static_cast<std::size_t>(contact.body_a));
+    hash.add_size(static_cast<std::size_t>(contact.body_b + 1));
+    add_entries(contact.point, hash);
+    add_entries(contact.normal, hash);
+  }
+}
+
+std::map<std::string, std::string> committed_hashes() {
+  std::ifstream file(GOLDEN_HASHES);
+  std::map<std::string, std::string> hashes;
+  std::string hash;
+  std::string name;
+  while (file >> hash >> name) hashes[name] = hash;
+  return hashes;
+}
+
+TEST(GoldenHashesTest, TheLibraryGivesThemToo) {
+  const std::map<std::string, std::string> hashes = committed_hashes();
+  ASSERT_GE(hashes.size(), cases(paper_sets()).size() + cases(rigid_sets()).size());
+  for (const auto& [name, expected] : hashes) {
+    const std::unique_ptr<ProblemSet> set = open_set(name);
+    EXPECT_EQ(set->name(), name);
+    Hash hash;
+    for (std::uint64_t trial = 0; trial < kTrials; ++trial) {
+      const Problem problem = set->generate(kSeed, static_cast<std::int64_t>(trial));
+      if (problem.scene() != nullptr) {
+        add(*problem.scene(), hash);
+      } else {
+        add(*problem.contact(), hash);
+      }
+    }
+    EXPECT_EQ(hash.text(), expected) << name;
+  }
+}
+
+TEST(GoldenHashesTest, EverySetHasOne) {
+  const std::map<std::string, std::string> hashes = committed_hashes();
+  for (const SetInfo& set : list_sets()) EXPECT_EQ(hashes.count(set.name), 1u) << set.name;
+}
+
+}  // namespace
+}  // namespace lcpbench::golden
