@@ -8,8 +8,10 @@
 namespace lcpbench {
 namespace {
 
+enum class Objective { kWork, kComplementarity };
+
 struct PrimalDualSettings {
-  double eps = 1e-8;
+  double eps = 1e-14;
   double eps_feas = 1e-8;
   double mu = 10.0;
   double alpha = 0.01;
@@ -17,6 +19,7 @@ struct PrimalDualSettings {
   std::int64_t max_iterations = 1000;
   double diagonal_shift = 0.0;
   double accept_residual = 1e-4;
+  Objective objective = Objective::kWork;
 
   void visit(auto&& field) {
     field("eps", eps, RealRange{.min = 0}, "stop when the surrogate duality gap is at most this (absolute)");
@@ -30,13 +33,17 @@ struct PrimalDualSettings {
           "solve for M + diagonal_shift * max|M_ii| * I instead of M");
     field("accept_residual", accept_residual, RealRange{.min = 0},
           "claim solved only when max|min(c_i z_i, w_i)| <= this * max|q|, c_i the largest |entry| of M's column i");
+    field("objective", objective,
+          Choices<Objective>{{{"work", Objective::kWork}, {"complementarity", Objective::kComplementarity}}},
+          "1/2 z'Mz + q'z as in the paper, or z'(Mz + q); the latter always when M is not symmetric");
   }
 };
 
 constexpr double kBoundaryFraction = 0.99;  // of the longest step that keeps the multipliers positive [BV04 p. 613]
 
-// A step shorter than this moves no iterate by more than its own rounding.
-constexpr double kShortestStep = std::numeric_limits<double>::epsilon();
+// A Newton step cut shorter than this was cut by rounding errors, not by the problem: the square root of the unit
+// round-off, as is usual where a decrease is told from noise.
+constexpr double kShortestStep = 0x1p-26;
 
 // Shifts tried, relative to the largest diagonal entry, when the Newton matrix is not positive definite: from its own
 // rounding error to dominating it.
@@ -77,12 +84,13 @@ enum class Stop { kConverged, kStalled, kBreakdown, kIterationLimit, kTimeLimit 
 
 /// Solves LCP(q, M) as a convex quadratic program by the primal-dual interior-point method.
 ///
-/// minimize 1/2 z'Hz + q'z subject to z >= 0, y >= 0, y = M z + q; H = M for symmetric M (the program of the paper),
-/// and H = M + M' otherwise, whose objective is z'w. For positive semidefinite M a solution of the LCP is a solution of
-/// the program; without a strictly feasible point (contact normals that positively span space) there is no central path
-/// and the method may stall. For other M it finds at best a stationary point, and says solved only where the LCP holds.
+/// minimize f(z) subject to z >= 0, y >= 0, y = M z + q, with f(z) = 1/2 z'Mz + q'z (the work done, and the paper's
+/// program) or f(z) = z'(Mz + q). For positive semidefinite M a solution of the LCP is a solution of the program. With
+/// the former both y_i and its multiplier vanish on active contacts, so that they are only of the size of sqrt(gap).
+/// Without a strictly feasible point (contact normals that positively span space) there is no central path and the
+/// method may stall. For other M it finds at best a stationary point, and says solved only where the LCP holds.
 /// The multiplier of y = M z + q is eliminated (it equals -kappa). O(n^3) per step; solve() allocates nothing.
-/// [Boyd, Vandenberghe 2004, section 11.7]
+/// [Boyd, Vandenberghe 2004, section 11.7; docs/primal_dual.md]
 class PrimalDual final : public Solver {
  public:
   explicit PrimalDual(const PrimalDualSettings& settings) : settings_(settings) {}
@@ -138,7 +146,7 @@ void PrimalDual::on_load(const Problem& problem) {
   shift_ = settings_.diagonal_shift * M_.diagonal().cwiseAbs().maxCoeff();
   M_.diagonal().array() += shift_;
   H_ = M_ + M_.transpose();
-  if (nearly_symmetric(M_)) H_ *= 0.5;
+  if (settings_.objective == Objective::kWork && nearly_symmetric(M_)) H_ *= 0.5;
 }
 
 void PrimalDual::resize_workspace(Index n) {

@@ -1,7 +1,7 @@
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <limits>
+
+#include <gtest/gtest.h>
 
 #include "core/registry.h"
 #include "tests/textbook_lcps.h"
@@ -56,8 +56,8 @@ TEST(EnumerationTest, OfSeveralSolutionsTheFirstSupportIsReturned) {
   EXPECT_EQ(plates.detail, "exact solution with z = 0 outside {0}");
 }
 
-// Solvable by construction, most of them with singular principal submatrices and degenerate: a claim that nothing solves
-// them would be false.
+// Solvable by construction, most of them with singular principal submatrices and degenerate: a claim that nothing
+// solves them would be false.
 TEST(EnumerationTest, NeverCallsASolvableProblemUnsolvable) {
   Uniform uniform(1);
   for (int trial = 0; trial < 3000; ++trial) {

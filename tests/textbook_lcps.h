@@ -18,9 +18,9 @@ struct TextbookLcp {
   std::string source;
   Lcp lcp;
   bool solvable = true;
-  bool unique = false;   ///< then z is its solution
-  bool monotone = false; ///< M + M' positive semidefinite
-  Vector z;              ///< a solution; empty where there is none
+  bool unique = false;    ///< then z is its solution
+  bool monotone = false;  ///< M + M' positive semidefinite
+  Vector z;               ///< a solution; empty where there is none
 };
 
 inline Vector vector_of(std::initializer_list<double> values) {
@@ -113,8 +113,8 @@ inline std::vector<TextbookLcp> textbook_lcps() {
                      ones(4) / 4, true),
       ambiguous_case("ball_between_plates", "solutions (1 + t, t): the inner force is free",
                      matrix_of(2, {1, -1, -1, 1}), vector_of({-1, 1}), vector_of({1, 0}), true),
-      unsolvable_case("ball_crushed_by_plates", "u = (1, 1) proves it: M'u = 0, q'u < 0",
-                      matrix_of(2, {1, -1, -1, 1}), vector_of({-1, -1}), true),
+      unsolvable_case("ball_crushed_by_plates", "u = (1, 1) proves it: M'u = 0, q'u < 0", matrix_of(2, {1, -1, -1, 1}),
+                      vector_of({-1, -1}), true),
       unique_case("barely_feasible", "as above, feasible by 2^-40", matrix_of(2, {1, -1, -1, 1}),
                   vector_of({-1, 1 + 0x1p-40}), vector_of({1, 0})),
       unsolvable_case("feasible_without_solution", cps + " 3.7: copositive, not plus", matrix_of(2, {2, 0, 1, 0}),
@@ -125,8 +125,8 @@ inline std::vector<TextbookLcp> textbook_lcps() {
                      vector_of({-2, -2}), vector_of({2, 0}), false),
       ambiguous_case("singular_support", "solutions (t, 0), t >= 1, and (1, s): z_0 is basic on a zero pivot",
                      matrix_of(2, {0, 0, 1, 0}), vector_of({0, -1}), vector_of({1, 0}), false),
-      ambiguous_case("n_matrix_three_solutions", "Kojima, Saigal 1979", matrix_of(2, {-1, 2, 2, -1}),
-                     vector_of({1, 1}), vector_of({0, 0}), false),
+      ambiguous_case("n_matrix_three_solutions", "Kojima, Saigal 1979", matrix_of(2, {-1, 2, 2, -1}), vector_of({1, 1}),
+                     vector_of({0, 0}), false),
       unique_case("n_matrix_one_solution", "Kojima, Saigal 1979", matrix_of(2, {-1, 2, 2, -1}), vector_of({-1, -1}),
                   vector_of({1, 1}), false),
       unique_case("horn", "Hall, Newman 1963: copositive, no sum of a semidefinite and a nonnegative matrix", horn,
@@ -143,8 +143,8 @@ inline std::vector<TextbookLcp> textbook_lcps() {
   };
 }
 
-/// max_i |min(c_i z_i, w_i)| / max|q|, c_i the largest |entry| of column i of M: the units of w throughout. Infinity for
-/// a z that is not finite or has the wrong length; the absolute value where q is zero.
+/// max_i |min(c_i z_i, w_i)| / max|q|, c_i the largest |entry| of column i of M: the units of w throughout. Infinity
+/// for a z that is not finite or has the wrong length; the absolute value where q is zero.
 inline double relative_residual(const Lcp& lcp, const Vector& z) {
   if (z.size() != lcp.size() || !z.allFinite()) return std::numeric_limits<double>::infinity();
   if (z.size() == 0) return 0;

@@ -1,0 +1,30 @@
+# The conformance suite meets whatever is registered. Where no adapters are built there is no list of all solvers, and
+# the native ones are listed here.
+if(TARGET lcpbench_solver_list)
+  set(conformance_list lcpbench_solver_list)
+else()
+  get_property(natives GLOBAL PROPERTY LCPBENCH_NATIVE_SOLVERS)
+  set(declarations "")
+  set(entries "")
+  foreach(name IN LISTS natives)
+    string(APPEND declarations "SolverDefinition lcpbench_solver_${name}();\n")
+    string(APPEND entries "      {lcpbench_solver_${name}(), \"native\", \"${PROJECT_VERSION}\", \"\", \"\"},\n")
+  endforeach()
+  _lcpbench_write_list(${PROJECT_BINARY_DIR}/generated/native_list.cpp "${declarations}" "${entries}")
+  add_library(lcpbench_native_list STATIC ${PROJECT_BINARY_DIR}/generated/native_list.cpp)
+  target_link_libraries(lcpbench_native_list PUBLIC lcpbench_native)
+  set(conformance_list lcpbench_native_list)
+endif()
+
+lcpbench_test(conformance LINK ${conformance_list})
+target_sources(conformance_test PRIVATE allocation_counter.cpp)
+
+lcpbench_test(enumeration LINK lcpbench_native)
+lcpbench_test(primal_dual LINK lcpbench_native)
+lcpbench_test(regularized LINK lcpbench_native)
+
+# Measurements, not tests: docs/lemke.md shows what they print.
+add_executable(lemke_engines_benchmark EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/lemke_engines_benchmark.cpp)
+target_link_libraries(lemke_engines_benchmark PRIVATE lcpbench_native lcpbench_generators)
+add_executable(lemke_paper_rates EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/lemke_paper_rates.cpp)
+target_link_libraries(lemke_paper_rates PRIVATE lcpbench_native lcpbench_generators lcpbench_evaluation)
