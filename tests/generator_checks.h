@@ -85,8 +85,10 @@ inline bool definite_after_shift(const ColumnMajor<double>& A, Quad shift, int s
 
 inline bool positive_definite(const ColumnMajor<double>& A) { return definite_after_shift(A, 0, 1); }
 
-/// True when the smallest eigenvalue lies within `slack` of `smallest`, and the largest within `slack` of `largest`.
-inline bool spectrum_ends_at(const ColumnMajor<double>& A, double smallest, double largest, double slack) {
+/// True when the smallest eigenvalue lies within `allowed` of `smallest`, and the largest within `allowed` of
+/// `largest`.
+inline bool spectrum_ends_at(const ColumnMajor<double>& A, double smallest, double largest, double allowed) {
+  const Quad slack = allowed;
   return definite_after_shift(A, static_cast<Quad>(smallest) - slack, 1) &&
          !definite_after_shift(A, static_cast<Quad>(smallest) + slack, 1) &&
          definite_after_shift(A, static_cast<Quad>(largest) + slack, -1) &&
