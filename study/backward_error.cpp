@@ -1,6 +1,7 @@
 #include "study/backward_error.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <span>
@@ -64,6 +65,7 @@ class ThinningPoint {
       z_[i] = 0;
     }
     z_norm_.reset();
+    rounded_z_.clear();
   }
 
   // The next tau at which z_tau changes; nothing when all is zero.
@@ -88,7 +90,7 @@ class ThinningPoint {
     std::vector<Row> rows;
     for (std::size_t i = 0; i < w.size(); ++i) {
       const Quad violation_i = violation(i, w[i]);
-      if (violation_i != 0) rows.push_back({quotient(violation_i, least_scale(i)), violation_i, i});
+      if (violation_i != 0) rows.push_back({quotient(violation_i, scale_bounds(i).low), violation_i, i});
     }
     std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.bound > b.bound; });
     Quad eta = 0;
@@ -97,6 +99,41 @@ class ThinningPoint {
       eta = std::max(eta, quotient(row.violation, scale(row.index)));
     }
     return eta;
+  }
+
+  // Whether estimates of s_i are at hand: while few entries are left, s_i itself costs less than the estimate of M.
+  bool estimated() {
+    constexpr std::size_t kFew = 64;
+    if (estimate_ == nullptr && support().size() > kFew) estimate_ = lcp_.estimate();
+    return estimate_ != nullptr;
+  }
+
+  struct Bounds {
+    Quad low = 0;
+    Quad high = kInfinity;
+  };
+
+  // Bounds of s_i.
+  Bounds scale_bounds(std::size_t i) {
+    const Quad q = abs(lcp_.q(i));
+    if (!estimated()) return {q + abs(lcp_.diagonal(i)) * least_weight(i), kInfinity};
+    const auto [sum, error] = estimated_scale(i);
+    Bounds bounds{q, kInfinity};
+    const double rounding = static_cast<double>(lcp_.size() + 8) * 0x1p-52;
+    if (std::isfinite(sum) && std::isfinite(error)) {
+      bounds.low = q + std::max(Quad{0}, Quad{sum} * (1 - rounding) - error);
+      bounds.high = q + Quad{sum} * (1 + rounding) + error;
+    }
+    return bounds;
+  }
+
+  // Violations of all rows, in double and without a bound on their error.
+  std::vector<double> estimated_violations() const {
+    std::vector<double> violations = lcp_.estimate_w(z_, u_);
+    for (std::size_t i = 0; i < violations.size(); ++i) {
+      violations[i] = z_[i] > 0 ? std::abs(violations[i]) : std::max(0.0, -violations[i]);
+    }
+    return violations;
   }
 
   // s_i
@@ -117,10 +154,34 @@ class ThinningPoint {
     return *z_norm_;
   }
 
-  // A lower bound of s_i that needs one entry of M.
-  Quad least_scale(std::size_t i) {
-    const Quad z = scale_ == BackwardScale::kComponentwise ? z_[i] : z_norm();
-    return z > 0 ? abs(lcp_.q(i)) + abs(lcp_.diagonal(i)) * z : abs(lcp_.q(i));
+  // What |M_ii| is multiplied by in s_i, at least.
+  Quad least_weight(std::size_t i) { return scale_ == BackwardScale::kComponentwise ? z_[i] : z_norm(); }
+
+  struct Estimate {
+    double sum = 0;
+    double error = 0;
+  };
+
+  // s_i less |q_i|, but for the rounding of the sums.
+  Estimate estimated_scale(std::size_t i) {
+    if (rounded_z_.empty()) round_z();
+    if (scale_ == BackwardScale::kRowNorm) {
+      const double norm = to_double(z_norm());
+      return {estimate_->row_sums[i] * norm, 2 * estimate_->row_error[i] * error_weight_ * norm};
+    }
+    double sum = 0;
+    for (std::size_t e = estimate_->begin[i]; e < estimate_->begin[i + 1]; ++e) {
+      sum += estimate_->entries[e] * rounded_z_[estimate_->columns[e]];
+    }
+    return {sum, 2 * estimate_->row_error[i] * error_weight_};
+  }
+
+  void round_z() {
+    rounded_z_.assign(z_.begin(), z_.end());
+    error_weight_ = 0;
+    for (std::size_t j = 0; j < z_.size(); ++j) {
+      error_weight_ += estimate_->column_scale[j] * (scale_ == BackwardScale::kRowNorm ? 1 : rounded_z_[j]);
+    }
   }
 
   QuadLcp& lcp_;
@@ -131,29 +192,41 @@ class ThinningPoint {
   std::vector<std::size_t> indices_;  // of order_
   std::size_t removed_ = 0;
   std::optional<Quad> z_norm_;
+  const MagnitudeEstimate* estimate_ = nullptr;
+  std::vector<double> rounded_z_;  // z_ in double; empty until an estimate needs it
+  double error_weight_ = 0;        // sum of column_scale times the weight of the column in s_i
 };
 
-// A row whose entry stays in z for long and whose quotient alone already exceeds the best error found. Removing entries
-// only lowers s_i, so the scale it was chosen with bounds all later ones.
+// A row that alone shows the present z_tau to be no better than the best error found. Removing entries only lowers s_i,
+// so the scale that was found with it bounds all later ones.
 struct Witness {
   std::size_t row = 0;
   Quad scale = 0;
 
-  bool refutes(const ThinningPoint& point, Quad best) const {
-    return point.z()[row] > 0 && !(quotient(point.violation(row), scale) < best);
+  bool refutes(ThinningPoint& point, Quad best) {
+    const Quad violation = point.violation(row);
+    if (violation == 0) return false;
+    if (!(quotient(violation, scale) < best)) return true;
+    scale = std::min(scale, point.scale_bounds(row).high);
+    if (!(quotient(violation, scale) < best)) return true;
+    scale = point.scale(row);
+    return !(quotient(violation, scale) < best);
   }
 };
 
+// Looks for a witness among the rows whose entry stays in z the longest.
 std::optional<Witness> find_witness(ThinningPoint& point, Quad best) {
-  constexpr int kAttempts = 8;
-  int attempts = 0;
+  constexpr int kAttempts = 4;
+  constexpr double kSlack = 1 - 1e-9;  // a row that only equals the best error still refutes
+  const bool estimated = point.estimated();
+  const std::vector<double> violations = estimated ? point.estimated_violations() : std::vector<double>{};
   const std::span<const std::size_t> support = point.support();
+  int attempts = 0;
   for (auto i = support.rbegin(); i != support.rend() && attempts < kAttempts; ++i) {
-    const Quad violation = point.violation(*i);
-    if (violation == 0) continue;
+    if (estimated && quotient(violations[*i], point.scale_bounds(*i).low) < best * kSlack) continue;
     ++attempts;
-    const Witness witness{*i, point.scale(*i)};
-    if (!(quotient(violation, witness.scale) < best)) return witness;
+    Witness witness{*i, kInfinity};
+    if (witness.refutes(point, best)) return witness;
   }
   return std::nullopt;
 }
@@ -167,10 +240,8 @@ Quad mixed_backward_error(QuadLcp& lcp, const QuadVector& z, BackwardScale scale
   Quad best = kInfinity;
   while (tau && *tau < best) {
     point.set_tau(*tau);
-    if (!witness || !witness->refutes(point, best)) {
-      best = std::min(best, std::max(*tau, point.eta()));
-      witness = find_witness(point, best);
-    }
+    if (best < kInfinity && !(witness && witness->refutes(point, best))) witness = find_witness(point, best);
+    if (!witness) best = std::min(best, std::max(*tau, point.eta()));
     tau = point.next_tau();
   }
   return best;

@@ -1,6 +1,7 @@
 #include "study/quad_lcp.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace lcpbench {
@@ -9,6 +10,19 @@ QuadVector QuadLcp::all_rows(const QuadVector& z, const QuadVector& u) const {
   QuadVector w(size());
   for (std::size_t i = 0; i < size(); ++i) w[i] = row(i, z, u);
   return w;
+}
+
+void MagnitudeEstimate::end_row(double error) {
+  double sum = 0;
+  for (std::size_t e = begin.back(); e < entries.size(); ++e) sum += entries[e];
+  begin.push_back(entries.size());
+  row_sums.push_back(sum);
+  row_error.push_back(error);
+}
+
+const MagnitudeEstimate* QuadLcp::estimate() {
+  if (!estimate_) fill(estimate_.emplace());
+  return estimate_->row_sums.size() == size() ? &*estimate_ : nullptr;
 }
 
 BareQuadLcp::BareQuadLcp(const Lcp& lcp) : lcp_(lcp) { q_.assign(lcp.q.begin(), lcp.q.end()); }
@@ -40,6 +54,21 @@ Quad BareQuadLcp::abs_row_sum(std::size_t i) {
   return sum;
 }
 
+std::vector<double> BareQuadLcp::estimate_w(const QuadVector&, const QuadVector& u) const {
+  return std::vector<double>(u.begin(), u.end());
+}
+
+void BareQuadLcp::fill(MagnitudeEstimate& estimate) {
+  if (size() * size() > kLargestEstimate) return;
+  estimate.column_scale.assign(size(), 0);
+  for (std::size_t i = 0; i < size(); ++i) {
+    for (std::size_t j = 0; j < size(); ++j) {
+      if (M(i, j) != 0) estimate.add(j, std::abs(M(i, j)));
+    }
+    estimate.end_row(0);
+  }
+}
+
 ContactQuadLcp::ContactQuadLcp(const ContactProblem& problem, const QuadInertia& inertia)
     : inertia_(inertia), v_(problem.v.begin(), problem.v.end()), contacts_(static_cast<std::size_t>(problem.nc())) {
   const ContactLayout layout = contact_layout(problem);
@@ -67,6 +96,7 @@ void ContactQuadLcp::add_column(const Jacobian& J, Index column) {
     if (value == 0) return;
     rows_.push_back(static_cast<std::size_t>(row));
     values_.push_back(value);
+    doubles_.push_back(value);
   };
   if (const auto* dense = std::get_if<Matrix>(&J)) {
     for (Index i = 0; i < dense->rows(); ++i) append(i, (*dense)(i, column));
@@ -260,6 +290,71 @@ Quad ContactQuadLcp::abs_row_sum(std::size_t i) {
     abs_row_sum_known_[row] = true;
   }
   return abs_row_sum_[row];
+}
+
+double ContactQuadLcp::project(std::size_t i, const std::vector<double>& x) const {
+  double sum = 0;
+  for (std::size_t e = begin_[i]; e < begin_[i + 1]; ++e) sum += doubles_[e] * x[rows_[e]];
+  return sum;
+}
+
+std::vector<double> ContactQuadLcp::estimate_w(const QuadVector& z, const QuadVector& u) const {
+  const std::vector<double> velocity(u.begin(), u.end());
+  std::vector<double> w(size());
+  for (std::size_t i = 0; i < impulses(); ++i) {
+    w[i] = project(i, velocity) + (i < contacts_ ? 0.0 : to_double(z[lambda_of_[i]]));
+  }
+  for (std::size_t i = impulses(); i < size(); ++i) w[i] = to_double(cone_row(i - impulses(), z));
+  return w;
+}
+
+void ContactQuadLcp::fill_impulse_row(std::size_t i, std::vector<double>& y, MagnitudeEstimate& estimate) {
+  const Response& response = response_of(i);
+  double largest = 0;
+  for (std::size_t e = 0; e < response.pattern.size(); ++e) {
+    y[response.pattern[e]] = to_double(response.values[e]);
+    largest = std::max(largest, std::abs(y[response.pattern[e]]));
+  }
+  ++visit_;
+  for (const std::size_t r : response.pattern) {
+    for (std::size_t e = row_begin_[r]; e < row_begin_[r + 1]; ++e) {
+      const std::size_t j = columns_of_row_[e];
+      if (visited_[j] == visit_) continue;
+      visited_[j] = visit_;
+      estimate.add(j, std::abs(project(j, y)));
+    }
+  }
+  if (i >= contacts_) estimate.add(lambda_of_[i], 1);
+  for (const std::size_t r : response.pattern) y[r] = 0;
+  // Each term of J_j'y is off by its own rounding and that of y: (nnz + 2) 2^-53 |J_j|'|y| at most, the count of which
+  // is in the column's scale. The second summand covers what underflow may lose.
+  estimate.end_row(0x1p-53 * largest + 0x1p-1000);
+}
+
+void ContactQuadLcp::fill_cone_row(std::size_t cone, MagnitudeEstimate& estimate) const {
+  estimate.add(normal_of_cone_[cone], std::abs(to_double(mu_[cone])));
+  for (std::size_t t = friction_of_cone_[cone]; t < friction_of_cone_[cone + 1]; ++t) estimate.add(t, 1);
+  estimate.end_row(0);
+}
+
+void ContactQuadLcp::fill(MagnitudeEstimate& estimate) {
+  for (std::size_t j = 0; j < size(); ++j) {
+    double scale = 0x1p-30;
+    if (j < impulses()) {
+      for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) scale += std::abs(doubles_[e]);
+      scale *= static_cast<double>(begin_[j + 1] - begin_[j] + 4);
+    }
+    estimate.column_scale.push_back(scale);
+  }
+  std::vector<double> y(v_.size(), 0);
+  for (std::size_t i = 0; i < impulses() && estimate.entries.size() <= kLargestEstimate; ++i) {
+    fill_impulse_row(i, y, estimate);
+  }
+  if (estimate.entries.size() > kLargestEstimate) {
+    estimate = MagnitudeEstimate{};
+    return;
+  }
+  for (std::size_t cone = 0; cone < normal_of_cone_.size(); ++cone) fill_cone_row(cone, estimate);
 }
 
 }  // namespace lcpbench

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -8,6 +9,24 @@
 #include "study/quad_inertia.h"
 
 namespace lcpbench {
+
+/// |M| in double, by rows, with a bound on its error. It decides which rows of M are worth measuring in 113 bits; it
+/// never enters a measure.
+struct MagnitudeEstimate {
+  std::vector<std::size_t> begin{0};  ///< of each row's entries
+  std::vector<std::size_t> columns;
+  std::vector<double> entries;
+  std::vector<double> row_sums;
+  /// | |M_ij| - entry | <= row_error[i] column_scale[j]; entries left out are zero.
+  std::vector<double> row_error;
+  std::vector<double> column_scale;
+
+  void add(std::size_t column, double entry) {
+    columns.push_back(column);
+    entries.push_back(entry);
+  }
+  void end_row(double error);
+};
 
 /// LCP(q, M) in 113-bit arithmetic, behind an interface that never asks for the whole of M.
 ///
@@ -40,8 +59,20 @@ class QuadLcp {
   /// ||M_i||_1.
   virtual Quad abs_row_sum(std::size_t i) = 0;
 
+  /// Made on first use: O(nnz(M)) time and memory. nullptr when it would hold more than 2^25 entries.
+  const MagnitudeEstimate* estimate();
+  /// w in double, without a bound on its error.
+  virtual std::vector<double> estimate_w(const QuadVector& z, const QuadVector& u) const = 0;
+
  protected:
+  static constexpr std::size_t kLargestEstimate = std::size_t{1} << 25;
+
+  virtual void fill(MagnitudeEstimate& estimate) = 0;
+
   QuadVector q_;
+
+ private:
+  std::optional<MagnitudeEstimate> estimate_;
 };
 
 /// The LCP of given q and M. u is w itself.
@@ -56,8 +87,10 @@ class BareQuadLcp final : public QuadLcp {
   Quad diagonal(std::size_t i) override;
   Quad abs_row_times(std::size_t i, const QuadVector& z, std::span<const std::size_t> support) override;
   Quad abs_row_sum(std::size_t i) override;
+  std::vector<double> estimate_w(const QuadVector& z, const QuadVector& u) const override;
 
  private:
+  void fill(MagnitudeEstimate& estimate) override;
   double M(std::size_t i, std::size_t j) const { return lcp_.M(static_cast<Index>(i), static_cast<Index>(j)); }
 
   const Lcp& lcp_;
@@ -78,6 +111,7 @@ class ContactQuadLcp final : public QuadLcp {
   Quad diagonal(std::size_t i) override;
   Quad abs_row_times(std::size_t i, const QuadVector& z, std::span<const std::size_t> support) override;
   Quad abs_row_sum(std::size_t i) override;
+  std::vector<double> estimate_w(const QuadVector& z, const QuadVector& u) const override;
 
   std::size_t impulses() const { return begin_.size() - 1; }
   std::size_t contacts() const { return contacts_; }
@@ -108,6 +142,10 @@ class ContactQuadLcp final : public QuadLcp {
   void list_columns_of_rows();
   const Response& response_of(std::size_t column);
   Quad cone_row(std::size_t cone, const QuadVector& z) const;
+  void fill(MagnitudeEstimate& estimate) override;
+  void fill_impulse_row(std::size_t i, std::vector<double>& y, MagnitudeEstimate& estimate);
+  void fill_cone_row(std::size_t cone, MagnitudeEstimate& estimate) const;
+  double project(std::size_t i, const std::vector<double>& x) const;
   /// Spreads the response over scratch_; gather() makes scratch_ zero again.
   void scatter(const Response& response);
   void gather(const Response& response);
@@ -118,6 +156,7 @@ class ContactQuadLcp final : public QuadLcp {
   std::vector<std::size_t> begin_{0};  ///< of each column of J = [N D], by columns
   std::vector<std::size_t> rows_;
   QuadVector values_;
+  std::vector<double> doubles_;    ///< values_ as given
   std::vector<std::size_t> twin_;  ///< the column's own index, or that of an earlier column of which it is the negative
   std::vector<std::size_t> row_begin_;  ///< the columns that meet each row of J
   std::vector<std::size_t> columns_of_row_;
