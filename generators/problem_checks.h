@@ -22,7 +22,7 @@ inline constexpr std::size_t kMaxNumbers = std::size_t{1} << 26;
 inline constexpr Index kMaxDenseOrder = 8191;
 
 /// Longest name of a problem [bytes of UTF-8].
-inline constexpr std::size_t kMaxNameBytes = 200;
+inline constexpr std::size_t kMaxNameBytes = 1000;
 
 /// An InputError "origin: message" that is sure to be one line: control characters become '?'.
 InputError input_error(std::string_view origin, std::string_view message);

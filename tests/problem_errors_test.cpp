@@ -66,7 +66,7 @@ TEST(ProblemErrorsTest, Header) {
       {replaced(kLcp, R"("version": 1)", R"("version": "1")"), "version: expected a number, found a text"},
       {replaced(kLcp, R"("name": "two", )", ""), "name: missing"},
       {replaced(kLcp, R"("two")", R"("")"), "name: empty"},
-      {replaced(kLcp, "two", std::string(201, 'x')), "name: 201 bytes long, at most 200 are allowed"},
+      {replaced(kLcp, "two", std::string(1001, 'x')), "name: 1001 bytes long, at most 1000 are allowed"},
       {replaced(kLcp, "two", "a\\nb"), "name: has a control character"},
       {replaced(kLcp, "two", "a\\u0000b"), "name: has a control character"},
       {replaced(kLcp, "two", "a\\u0085b"), "name: has a control character"},

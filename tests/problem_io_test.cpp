@@ -2,6 +2,7 @@
 // data hash alike however they are stored.
 
 #include "generators/problem_io.h"
+#include "generators/sets.h"
 
 #include <bit>
 #include <chrono>
@@ -143,6 +144,13 @@ TEST_F(ProblemIoTest, EveryKindComesBackEqual) {
   for (const Problem& problem : problems_of_every_kind()) {
     SCOPED_TRACE(problem.name());
     expect_round_trip(problem);
+  }
+}
+
+TEST_F(ProblemIoTest, EveryGeneratedProblemComesBackEqual) {
+  for (const SetInfo& set : list_sets()) {
+    SCOPED_TRACE(set.name);
+    for (std::int64_t trial = 0; trial < 3; ++trial) expect_round_trip(open_set(set.name)->generate(1, trial));
   }
 }
 

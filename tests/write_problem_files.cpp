@@ -1,0 +1,69 @@
+// Writes one problem file of every kind into a folder, for the test of the published JSON schema.
+
+#include <cstdio>
+#include <filesystem>
+#include <string>
+
+#include "generators/problem_io.h"
+#include "generators/sets.h"
+
+namespace lcpbench {
+namespace {
+
+namespace fs = std::filesystem;
+
+ContactProblem one_contact(Inertia inertia, bool friction) {
+  ContactProblem problem;
+  problem.v = Vector{{1, -2}};
+  problem.N = Matrix{{0}, {1}};
+  problem.D = friction ? Matrix{{1, -1}, {0, -0.0}} : Matrix(2, 0);
+  problem.edges = {friction ? 2 : 0};
+  problem.mu = Vector{{friction ? 0.5 : 0.0}};
+  problem.inertia = std::move(inertia);
+  return problem;
+}
+
+RigidScene two_bodies() {
+  RigidScene scene;
+  scene.bodies.resize(2);
+  RigidContact sticky;
+  sticky.edges = 4;
+  sticky.mu = 0.5;
+  RigidContact smooth;
+  smooth.body_a = 1;
+  smooth.body_b = 0;
+  scene.contacts = {sticky, smooth};
+  return scene;
+}
+
+void write_all(const fs::path& folder) {
+  const auto write = [&](const std::string& file, auto data) {
+    write_problem(Problem(file, std::move(data)), folder / (file + ".json"));
+  };
+  const Matrix unit = Matrix::Identity(2, 2);
+  write("lcp", Lcp{Matrix{{2, -0.0}, {1e-300, 2}}, Vector{{-5, 1e300}}});
+  write("lcp-empty", Lcp{Matrix(0, 0), Vector(0)});
+  write("frictional", one_contact(DenseInertia{unit}, true));
+  write("frictionless", one_contact(DenseInertia{unit}, false));
+  write("factored", one_contact(FactoredInertia{Matrix{{1}, {2}}, Vector{{0.5}}}, true));
+  write("inverse", one_contact(InverseInertia{unit}, true));
+  write("blocks", one_contact(BlockInertia{{unit}}, true));
+  write("scene", two_bodies());
+  write("scene-empty", RigidScene{});
+  int count = 0;
+  for (const SetInfo& set : list_sets()) {
+    write_problem(open_set(set.name)->generate(1, 0), folder / ("set-" + std::to_string(count++) + ".json"));
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: write_problem_files FOLDER\n");
+    return 2;
+  }
+  lcpbench::write_all(argv[1]);
+  return 0;
+}
