@@ -1,0 +1,228 @@
+#include "study/report.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <ostream>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "study/report/canvas.h"
+#include "study/report/csv.h"
+#include "study/report/decision.h"
+#include "study/report/figures.h"
+#include "study/report/gnuplot.h"
+#include "study/report/page.h"
+#include "study/report/text.h"
+
+namespace lcpbench {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw InputError(folder.string() + ": cannot make the folder: " + error.message());
+}
+
+void write_file(const std::filesystem::path& file, const std::string& content) {
+  std::ofstream out(file, std::ios::binary | std::ios::trunc);
+  out << content;
+  out.close();
+  if (!out) throw InputError(file.string() + ": cannot write: " + std::strerror(errno));
+}
+
+std::string json_document(const Json& json) { return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+Json share_json(const report::Share& share) {
+  return {{"count", share.part},
+          {"of", share.whole},
+          {"share", share.value()},
+          {"low", share.interval().low},
+          {"high", share.interval().high}};
+}
+
+Json estimate_json(const Estimate& estimate) {
+  return {{"value", estimate.value}, {"low", estimate.low}, {"high", estimate.high}};
+}
+
+/// The decision table as records, one per situation and solver.
+Json decision_json(const Summary& summary, const std::vector<report::Situation>& situations) {
+  Json records = Json::array();
+  for (const report::Situation& situation : situations) {
+    for (const report::Contender& contender : situation.contenders) {
+      records.push_back({{"contacts", situation.title},
+                         {"solver", summary.solvers[contender.solver].text()},
+                         {"recommended", contender.verdict.empty()},
+                         {"tie", contender.tie},
+                         {"why_not", contender.verdict},
+                         {"trials", contender.trials},
+                         {"solved", share_json(contender.solved)},
+                         {"false_claims", share_json(contender.false_claims)},
+                         {"median_time_s", estimate_json(contender.time)},
+                         {"time_ratio", estimate_json(contender.ratio)}});
+    }
+  }
+  return records;
+}
+
+/// Claim against verdict as records, one per set, solver and claim.
+Json claims_json(const Json& cells) {
+  Json records = Json::array();
+  for (const Json& cell : cells) {
+    for (const auto& [claim, verdicts] : cell["claims"].items()) {
+      Json record{{"set", cell["set"]},
+                  {"solver", cell["solver"]},
+                  {"settings", cell["settings"]},
+                  {"sweep", cell["sweep"]},
+                  {"claim", claim}};
+      record.update(verdicts);
+      records.push_back(std::move(record));
+    }
+  }
+  return records;
+}
+
+void write_tables(const Summary& summary, const Json& document, const std::vector<report::Situation>& situations,
+                  const std::filesystem::path& folder) {
+  make_folder(folder);
+  write_file(folder / "cells.csv", report::csv_table(document["cells"]));
+  write_file(folder / "sweeps.csv", report::csv_table(document["sweeps"]));
+  write_file(folder / "claims.csv", report::csv_table(claims_json(document["cells"])));
+  write_file(folder / "decision.csv", report::csv_table(decision_json(summary, situations)));
+}
+
+report::Figures draw_figures(const Summary& summary) {
+  report::Figures figures;
+  try {
+    for (std::size_t set = 0; set < summary.sets.size(); ++set) {
+      if (auto figure = report::speed_error_figure(summary, set)) figures.speed_error[set] = std::move(*figure);
+      if (auto figure = report::error_distribution_figure(summary, set)) figures.distribution[set] = std::move(*figure);
+    }
+  } catch (const report::FigureError& error) {
+    figures.missing = error.what();
+  }
+  return figures;
+}
+
+/// File names of sets, made unique: different names may differ only in characters that file names do without.
+class FileNames {
+ public:
+  std::string unique(const std::string& set, const std::string& ending) {
+    const std::string stem = report::file_stem(set);
+    std::string name = stem + ending;
+    for (int suffix = 2; !taken_.insert(name).second; ++suffix) name = fmt::format("{}-{}{}", stem, suffix, ending);
+    return name;
+  }
+
+ private:
+  std::set<std::string> taken_;
+};
+
+void write_figures(const Summary& summary, const report::Figures& figures, const std::filesystem::path& folder) {
+  make_folder(folder);
+  FileNames names;
+  for (const auto& [set, figure] : figures.speed_error) {
+    write_file(folder / names.unique(summary.sets[set].name, ".svg"), figure.svg);
+  }
+  for (const auto& [set, figure] : figures.distribution) {
+    write_file(folder / names.unique(summary.sets[set].name, ".errors.svg"), figure.svg);
+  }
+  const std::optional<std::size_t> headline = report::headline_set(summary);
+  const auto figure = headline ? figures.speed_error.find(*headline) : figures.speed_error.end();
+  if (figure != figures.speed_error.end()) write_file(folder / names.unique("headline", ".svg"), figure->second.svg);
+}
+
+constexpr std::size_t kNameWidth = 34;
+
+std::string padded(const std::string& text, std::size_t width, bool right) {
+  const std::size_t length = report::character_count(text);
+  const std::string blanks(width > length ? width - length : 0, ' ');
+  return right ? blanks + text : text + blanks;
+}
+
+/// Control characters of hostile names would move the cursor.
+std::string printable(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '?');
+  return text;
+}
+
+std::string text_row(const std::string& name, const std::string& solved, const std::string& interval,
+                     const std::string& false_claims, const std::string& gave_up, const std::string& time,
+                     const std::string& ratio, const std::string& error) {
+  return "  " + padded(printable(name), kNameWidth, false) + padded(solved, 8, true) + "  " +
+         padded(interval, 13, false) + padded(false_claims, 9, true) + padded(gave_up, 9, true) +
+         padded(time, 9, true) + padded(ratio, 7, true) + padded(error, 9, true) + "\n";
+}
+
+std::string text_row(const Summary& summary, const Cell& cell) {
+  const SolverRow& solver = summary.solvers[cell.solver];
+  std::string name = solver.text();
+  if (cell.refused())
+    return "  " + padded(printable(name), kNameWidth, false) + "  does not take these: " + printable(cell.refusal) +
+           "\n";
+  if (cell.trials < summary.sets[cell.set].problems) name += fmt::format(" n={}", cell.trials);
+  const auto of_trials = [&cell](std::int64_t count) {
+    return report::percent(report::Share{count, cell.trials}.value());
+  };
+  const bool is_reference = solver.text() == summary.reference;
+  return text_row(name, report::percent(cell.rate()), report::percent_range(cell.rate_interval),
+                  of_trials(cell.false_claims()), of_trials(cell.gave_up()), report::duration(cell.median_time.value),
+                  is_reference ? "1" : report::factor(cell.time_ratio.value), report::scientific(cell.error_p99));
+}
+
+std::string sweep_line(const SweepSummary& sweep) {
+  return fmt::format("  {} sweep {} ({} cells): worst {}, average {}, best {}; by the paper's criterion {} / {} / {}\n",
+                     printable(sweep.solver), printable(sweep.sweep), sweep.parameterisations,
+                     report::percent(sweep.verdict.worst), report::percent(sweep.verdict.average),
+                     report::percent(sweep.verdict.best), report::percent(sweep.criterion.worst),
+                     report::percent(sweep.criterion.average), report::percent(sweep.criterion.best));
+}
+
+std::string set_text(const Summary& summary, std::size_t set) {
+  std::string text = fmt::format("{}, {}\n", printable(summary.sets[set].name),
+                                 report::counted(summary.sets[set].problems, "problem"));
+  for (const Cell& cell : summary.cells) {
+    if (cell.set == set && summary.solvers[cell.solver].sweep.empty()) text += text_row(summary, cell);
+  }
+  for (const SweepSummary& sweep : summary.sweeps) {
+    if (sweep.set == set) text += sweep_line(sweep);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string write_report(Store& store, const std::filesystem::path& folder) {
+  const Summary summary = summarize(store);
+  const std::vector<report::Situation> situations = report::decide(summary);
+  const report::Figures figures = draw_figures(summary);
+  const Json document = summary_json(summary);
+  make_folder(folder);
+  write_tables(summary, document, situations, folder / "tables");
+  write_figures(summary, figures, folder / "figures");
+  write_file(folder / "summary.json", json_document(document));
+  write_file(folder / "report.html", report::html_page(summary, situations, figures));
+  return figures.missing;
+}
+
+std::string table_text(const Summary& summary) {
+  if (summary.cells.empty()) return "no answers yet\n";
+  std::string text = text_row("", "solved", "(95 %)", "was wrong", "gave up", "median", "ratio", "error 99%");
+  for (std::size_t set = 0; set < summary.sets.size(); ++set) text += set_text(summary, set);
+  text += "solved: verified by us. was wrong: said solved and was not. median: set-up and solve, CPU.\n";
+  if (!summary.reference.empty())
+    text += "ratio: time over that of " + summary.reference + ", on problems both solved.\n";
+  return text;
+}
+
+void print_table(Store& store, std::ostream& out) { out << table_text(summarize(store)); }
+
+}  // namespace lcpbench

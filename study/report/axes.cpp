@@ -1,0 +1,79 @@
+#include "study/report/axes.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+
+#include "study/report/text.h"
+
+namespace lcpbench::report {
+
+namespace {
+
+std::string superscript(int value) {
+  constexpr std::array<const char*, 10> kDigits{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  std::string out = value < 0 ? "⁻" : "";
+  for (const char digit : std::to_string(std::abs(value))) out += kDigits[static_cast<std::size_t>(digit - '0')];
+  return out;
+}
+
+std::string set_line(const SetSummary& set) {
+  const std::string size = set.smallest_n == set.largest_n ? fmt::format("n = {}", set.largest_n)
+                                                           : fmt::format("n = {}–{}", set.smallest_n, set.largest_n);
+  return shorten(fmt::format("{} · {} · {}", set.name, counted(set.problems, "problem"), size), 120);
+}
+
+}  // namespace
+
+std::string power_of_ten(int exponent) { return exponent == 0 ? "1" : "10" + superscript(exponent); }
+
+std::string time_of_decade(int exponent) {
+  constexpr std::array<const char*, 4> kUnits{"ns", "µs", "ms", "s"};
+  const int unit = std::clamp((exponent + 9) / 3, 0, 3);
+  const int power = exponent + 9 - 3 * unit;
+  const char* name = kUnits[static_cast<std::size_t>(unit)];
+  if (power > 2) return "10" + superscript(power) + " " + name;
+  return fmt::format("{:.0f} {}", std::pow(10, power), name);
+}
+
+LogAxis::LogAxis(const std::vector<double>& values, double begin, double end) : begin_(begin), end_(end) {
+  const auto [smallest, largest] = std::minmax_element(values.begin(), values.end());
+  // A point on the frame would be half hidden: a twentieth of a decade is its radius.
+  low_ = static_cast<int>(std::floor(std::log10(*smallest) - 0.05));
+  high_ = static_cast<int>(std::ceil(std::log10(*largest) + 0.05));
+}
+
+std::string LogAxis::tics(int count, std::string (*name)(int)) const {
+  const int step = std::max(1, (high_ - low_ + count - 1) / count);
+  std::string list;
+  for (int exponent = low_; exponent <= high_; ++exponent) {
+    if (exponent % step != 0) continue;
+    list += fmt::format("{}{} {}", list.empty() ? "" : ", ", gnuplot_quote(name(exponent)), exponent);
+  }
+  return "(" + list + ")";
+}
+
+void draw_frame(Canvas& canvas, const Box& area, const std::string& x_range, const std::string& x_tics,
+                const std::string& y_range, const std::string& y_tics) {
+  canvas.plot_area(area);
+  canvas.command("set xrange " + x_range + "\nset yrange " + y_range);
+  canvas.command("set border 3 linecolor rgb '#999999'");
+  canvas.command(fmt::format("set grid linecolor rgb '{}' linewidth 1 linetype 1", kGrid));
+  canvas.command(fmt::format("set xtics nomirror out scale 0.6 textcolor rgb '{}' {}", kInk, x_tics));
+  canvas.command(fmt::format("set ytics nomirror out scale 0.6 textcolor rgb '{}' {}", kInk, y_tics));
+}
+
+void draw_heading(Canvas& canvas, const SetSummary& set) {
+  canvas.text(kMargin, 22, describe(set), {.size = 17, .color = kInk, .bold = true});
+  canvas.text(kMargin, 44, set_line(set), {.color = kSoft});
+}
+
+std::string label_of(const Summary& summary, const Cell& cell) {
+  std::string label = summary.solvers[cell.solver].text();
+  if (cell.trials < summary.sets[cell.set].problems) label += fmt::format(" (n = {})", cell.trials);
+  return shorten(label, 44);
+}
+
+double verdict_bound(const SetSummary& set) { return set.bare ? 1e-9 : 1e-4; }
+
+}  // namespace lcpbench::report

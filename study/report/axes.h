@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "study/report/canvas.h"
+#include "study/report/gnuplot.h"
+#include "study/summary.h"
+
+namespace lcpbench::report {
+
+// What all pictures share: sizes [px], colours, headings, logarithmic axes.
+
+inline constexpr double kWidth = 900;
+inline constexpr double kMargin = 16;
+inline constexpr double kLabelSize = 12;
+inline constexpr double kLabelHeight = 15;
+inline constexpr double kErrorFloor = 1e-17;  ///< smaller errors, exact answers among them, are drawn here
+
+inline constexpr const char* kInk = "#222222";
+inline constexpr const char* kSoft = "#666666";
+inline constexpr const char* kGrid = "#e4e4e4";
+inline constexpr const char* kWrong = "#b3261e";
+
+/// "10⁻⁴"
+std::string power_of_ten(int exponent);
+/// "100 µs" for -4.
+std::string time_of_decade(int exponent);
+
+/// A logarithmic axis over whole decades, drawn at pixels `begin` .. `end`. gnuplot gets the logarithms on a linear
+/// axis, so that what it draws and what is placed here agree to the pixel.
+class LogAxis {
+ public:
+  /// @pre the values are positive and finite, and there is at least one.
+  LogAxis(const std::vector<double>& values, double begin, double end);
+  int low() const { return low_; }
+  int high() const { return high_; }
+  double pixel(double value) const { return begin_ + (std::log10(value) - low_) / (high_ - low_) * (end_ - begin_); }
+
+  /// A list of at most about `count` tics for gnuplot; `name` turns an exponent into a label.
+  std::string tics(int count, std::string (*name)(int)) const;
+
+ private:
+  double begin_;
+  double end_;
+  int low_ = 0;
+  int high_ = 0;
+};
+
+/// Frame and grid; `x_tics` and `y_tics` as LogAxis::tics gives them.
+void draw_frame(Canvas& canvas, const Box& area, const std::string& x_range, const std::string& x_tics,
+                const std::string& y_range, const std::string& y_tics);
+
+/// Two lines at the top: what the set is, and its name and size.
+void draw_heading(Canvas& canvas, const SetSummary& set);
+
+/// A solver's name as pictures write it, with its trials where it has fewer than the set has problems.
+std::string label_of(const Summary& summary, const Cell& cell);
+
+/// The relative error up to which an answer of the set counts as solved.
+double verdict_bound(const SetSummary& set);
+
+}  // namespace lcpbench::report

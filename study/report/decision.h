@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "study/summary.h"
+
+namespace lcpbench::report {
+
+/// A share of a count, with its Wilson interval.
+struct Share {
+  std::int64_t part = 0;
+  std::int64_t whole = 0;
+
+  double value() const;
+  Interval interval() const;
+};
+
+/// One solver on all problems of a situation.
+struct Contender {
+  std::size_t solver = 0;   ///< index into Summary::solvers
+  std::int64_t trials = 0;  ///< problems it took, refused ones not counted
+  Share solved;             ///< of those not proven unsolvable
+  Share false_claims;       ///< of the trials
+  Share crashed;            ///< of the trials
+  Estimate time;            ///< median [s]
+  Estimate ratio;           ///< to the reference's time on the problems that both solved
+  bool complete = false;    ///< met problems of every set of the situation
+  bool sampled = false;     ///< met fewer problems than another solver
+  bool tie = false;         ///< not to be told from the recommended one: neither in what it solves nor in time
+  std::string verdict;      ///< one clause on why not this one; "" for the recommended one
+};
+
+/// One row of the decision table.
+struct Situation {
+  std::string title;
+  std::string scope;                       ///< which problems, one clause
+  std::vector<std::size_t> sets;           ///< indices into Summary::sets; empty: no such problems in this store
+  std::vector<Contender> contenders;       ///< the recommended one first, then by share solved, then by time
+  std::optional<std::size_t> recommended;  ///< index into `contenders` (0)
+};
+
+/// Frictionless, frictional, ill-conditioned: which solver to use, and why not the others.
+///
+/// Recommended is the fastest by median time among those that solve no fewer problems and make no more false claims
+/// than the solver that solves the most, where "fewer" and "more" need a paired exact sign test below 5 %. Only solvers
+/// that met all problems of the situation can be recommended, and none when nothing was solved. A situation's sets are
+/// those whose problems are all proven solvable, where there are any: there every failure is the solver's.
+std::vector<Situation> decide(const Summary& summary);
+
+/// The set of the one picture: frictional contacts at inertia condition number 1e8 where the store has them, else the
+/// frictional set that its solvers solve least of, else the same among all sets. nullopt for a store without answers.
+std::optional<std::size_t> headline_set(const Summary& summary);
+
+/// The answer to the report's question, in one or two sentences of HTML.
+std::string one_line_answer(const Summary& summary, const std::vector<Situation>& situations);
+
+}  // namespace lcpbench::report

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "study/summary.h"
+
+namespace lcpbench::report {
+
+/// A picture and the words that stand for it.
+struct Figure {
+  std::string svg;
+  std::string alternative;  ///< for those who do not see it
+};
+
+/// The cells of a set that a picture shows: single solvers, not the cells of a sweep, that took the set's problems.
+std::vector<const Cell*> drawn_cells(const Summary& summary, std::size_t set);
+
+/// Speed against error of every solver on one set, each point labelled, under a strip of the shares that each answered
+/// wrongly or not at all.
+/// @returns nullopt when no solver of the set can be drawn. @throws FigureError when gnuplot fails.
+std::optional<Figure> speed_error_figure(const Summary& summary, std::size_t set);
+
+/// The share of a set's problems that each solver answered within an error, over the error: the whole distribution.
+/// @returns nullopt when no solver of the set can be drawn. @throws FigureError when gnuplot fails.
+std::optional<Figure> error_distribution_figure(const Summary& summary, std::size_t set);
+
+}  // namespace lcpbench::report

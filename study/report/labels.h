@@ -1,0 +1,39 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+namespace lcpbench::report {
+
+/// A rectangle in pixels; y grows downward.
+struct Box {
+  double left = 0;
+  double top = 0;
+  double right = 0;
+  double bottom = 0;
+
+  bool contains(const Box& other) const;
+  /// Shared area; 0 when they only touch.
+  double overlap(const Box& other) const;
+};
+
+/// A point that wants a label of a given width beside it.
+struct LabelledPoint {
+  double x = 0;
+  double y = 0;
+  double width = 0;  ///< of the text
+};
+
+struct PlacedLabel {
+  Box box;
+  bool leader = false;  ///< too far from its point to be read as its label without a line
+};
+
+/// Places one label per point inside `area`, near its point and free of other labels, points and obstacles as far as
+/// there is room: each label in turn takes its cheapest candidate position, until none moves. Deterministic;
+/// O(points^2).
+/// @param height of one line of text
+std::vector<PlacedLabel> place_labels(std::span<const LabelledPoint> points, std::span<const Box> obstacles,
+                                      const Box& area, double height);
+
+}  // namespace lcpbench::report

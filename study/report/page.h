@@ -1,0 +1,24 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "study/report/decision.h"
+#include "study/report/figures.h"
+#include "study/summary.h"
+
+namespace lcpbench::report {
+
+/// Pictures of a report by index of their set.
+struct Figures {
+  std::map<std::size_t, Figure> speed_error;
+  std::map<std::size_t, Figure> distribution;
+  std::string missing;  ///< why there are none, "" when there are
+};
+
+/// The whole of report.html: self-contained, readable without scripts, every text of the store escaped.
+std::string html_page(const Summary& summary, const std::vector<Situation>& situations, const Figures& figures);
+
+}  // namespace lcpbench::report

@@ -1,0 +1,84 @@
+#pragma once
+
+namespace lcpbench::report {
+
+/// The report's style sheet. Light and dark follow the reader's system; pictures keep their white ground in both.
+inline constexpr const char* kStyle = R"css(
+:root { color-scheme: light dark; --ink: #1d1f21; --soft: #5b6066; --ground: #ffffff; --panel: #f5f6f7;
+  --line: #d9dcdf; --link: #1f5a99; --bad: #b3261e; --good: #1b6e3c; }
+@media (prefers-color-scheme: dark) { :root { --ink: #e6e7e8; --soft: #a8adb3; --ground: #17191b; --panel: #212427;
+  --line: #3a3e43; --link: #86b7ea; --bad: #ff8a80; --good: #7fd1a0; } }
+* { box-sizing: border-box; }
+body { margin: 0 auto; max-width: 1160px; padding: 1rem 1.25rem 4rem; background: var(--ground); color: var(--ink);
+  font: 16px/1.5 system-ui, "Segoe UI", Helvetica, Arial, sans-serif; }
+h1 { font-size: 1.6rem; line-height: 1.25; margin: .6rem 0 .4rem; }
+h2 { font-size: 1.3rem; margin: 2.4rem 0 .5rem; padding-top: .6rem; border-top: 1px solid var(--line); }
+h3 { font-size: 1.05rem; margin: 1.8rem 0 .4rem; overflow-wrap: anywhere; }
+p, ul, ol, dl { max-width: 46rem; margin: .5rem 0; }
+.answer { font-size: 1.12rem; max-width: 60rem; }
+.note { color: var(--soft); font-size: .88rem; }
+a { color: var(--link); }
+code { font: .875em ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace; overflow-wrap: anywhere; }
+nav { font-size: .92rem; margin: 0 0 .4rem; }
+nav a { margin-right: .9rem; display: inline-block; }
+.scroll { overflow-x: auto; border: 1px solid var(--line); border-radius: 6px; margin: .6rem 0; max-width: 100%; }
+table { border-collapse: collapse; width: 100%; font-size: .9rem; font-variant-numeric: tabular-nums; }
+caption { text-align: left; padding: .4rem .6rem; color: var(--soft); }
+th, td { padding: .35rem .6rem; text-align: left; vertical-align: top; border-bottom: 1px solid var(--line); }
+tr:last-child > * { border-bottom: 0; }
+thead th { background: var(--panel); font-weight: 600; vertical-align: bottom; }
+td.number, th.number { text-align: right; white-space: nowrap; }
+tbody th { font-weight: 400; }
+.cells code { white-space: nowrap; }
+small { color: var(--soft); font-size: .82rem; }
+td small, th small { display: block; }
+.bad { color: var(--bad); font-weight: 600; }
+.good { color: var(--good); }
+.zero { color: var(--soft); }
+.decision td { min-width: 8.5rem; }
+.decision td.reasons { min-width: 17rem; }
+.decision ul { margin: 0; padding-left: 1.1rem; }
+.decision th code, .decision td.use code { font-weight: 600; }
+th button { font: inherit; font-weight: 600; color: inherit; background: none; border: 0; padding: 0; cursor: pointer;
+  text-align: inherit; }
+th button::after { content: " \2195"; color: var(--soft); font-weight: 400; }
+th[aria-sort=ascending] button::after { content: " \2191"; }
+th[aria-sort=descending] button::after { content: " \2193"; }
+figure { margin: .8rem 0; }
+figure .scroll { background: #fff; }
+figure img { display: block; width: 100%; min-width: 640px; max-width: 900px; height: auto; margin: 0 auto; }
+.matrices { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 34rem), 1fr)); gap: .6rem 1.2rem; }
+.matrices > * { min-width: 0; }
+@media (max-width: 600px) { body { padding: .6rem .8rem 3rem; } h1 { font-size: 1.3rem; } .answer { font-size: 1.02rem; } }
+@media print { body { max-width: none; font-size: 10pt; } nav { display: none; } .scroll { overflow: visible; border: 0; }
+  table { font-size: 7.5pt; } th, td { padding: 2pt 3pt; } .cells code, td.number { white-space: normal; }
+  tr, figure { break-inside: avoid; } figure img { min-width: 0; } th button::after { content: ""; } }
+)css";
+
+/// Makes the tables of class "cells" sortable by their headings; without it they are plain tables.
+inline constexpr const char* kScript = R"js(
+for (const table of document.querySelectorAll('table.cells')) {
+  const body = table.tBodies[0];
+  table.tHead.querySelectorAll('th').forEach((heading, column) => {
+    const button = document.createElement('button');
+    button.type = 'button';
+    button.append(...heading.childNodes);
+    heading.append(button);
+    button.addEventListener('click', () => {
+      const ascending = heading.getAttribute('aria-sort') !== 'ascending';
+      const key = row => row.cells[column].dataset.value ?? row.cells[column].textContent;
+      const compare = (a, b) => {
+        const x = parseFloat(key(a)), y = parseFloat(key(b));
+        if (Number.isNaN(x) && Number.isNaN(y)) return key(a).localeCompare(key(b));
+        if (Number.isNaN(x) || Number.isNaN(y)) return Number.isNaN(x) ? 1 : -1;
+        return ascending ? x - y : y - x;
+      };
+      body.append(...[...body.rows].sort(compare));
+      table.tHead.querySelectorAll('th').forEach(other => other.removeAttribute('aria-sort'));
+      heading.setAttribute('aria-sort', ascending ? 'ascending' : 'descending');
+    });
+  });
+}
+)js";
+
+}  // namespace lcpbench::report

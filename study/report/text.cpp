@@ -1,0 +1,182 @@
+#include "study/report/text.h"
+
+#include <array>
+#include <cmath>
+#include <regex>
+
+#include <fmt/format.h>
+
+namespace lcpbench::report {
+
+namespace {
+
+constexpr const char* kAbsent = "–";
+constexpr const char* kSameTime = "same time";
+
+struct Unit {
+  const char* name;
+  double seconds;
+};
+
+/// The unit in which a time has one to three digits before the point.
+Unit unit_of(double seconds) {
+  constexpr std::array<Unit, 4> kUnits{{{"s", 1}, {"ms", 1e-3}, {"µs", 1e-6}, {"ns", 1e-9}}};
+  for (const Unit& unit : kUnits) {
+    if (seconds >= 0.9995 * unit.seconds) return unit;
+  }
+  return kUnits.back();
+}
+
+std::string three_digits(double value) {
+  if (value < 9.995) return fmt::format("{:.2f}", value);
+  if (value < 99.95) return fmt::format("{:.1f}", value);
+  return fmt::format("{:.0f}", value);
+}
+
+std::string percent_number(double share) {
+  const double value = 100 * share;
+  if (value <= 0) return "0";
+  if (value >= 100) return "100";
+  if (value < 0.01) return "<0.01";
+  if (value > 99.99) return ">99.99";
+  if (value < 1 || value > 99.9) return fmt::format("{:.2f}", value);
+  return fmt::format("{:.1f}", value);
+}
+
+bool allowed_in_xml(unsigned char c) { return c >= 0x20 || c == '\n' || c == '\t'; }
+
+/// Length of the well-formed UTF-8 sequence that starts at `at`, 0 for none.
+std::size_t utf8_length(std::string_view text, std::size_t at) {
+  const auto byte = [&text](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned char first = byte(at);
+  std::size_t length = 0;
+  if (first < 0x80) return 1;
+  if (first >= 0xC2 && first < 0xE0) length = 2;
+  if (first >= 0xE0 && first < 0xF0) length = 3;
+  if (first >= 0xF0 && first < 0xF5) length = 4;
+  if (length == 0 || at + length > text.size()) return 0;
+  for (std::size_t i = at + 1; i < at + length; ++i) {
+    if ((byte(i) & 0xC0) != 0x80) return 0;
+  }
+  const unsigned char second = byte(at + 1);
+  const bool overlong = (first == 0xE0 && second < 0xA0) || (first == 0xF0 && second < 0x90);
+  const bool surrogate_or_beyond = (first == 0xED && second > 0x9F) || (first == 0xF4 && second > 0x8F);
+  return overlong || surrogate_or_beyond ? 0 : length;
+}
+
+void append_escaped(char c, std::string& out) {
+  switch (c) {
+    case '&': out += "&amp;"; break;
+    case '<': out += "&lt;"; break;
+    case '>': out += "&gt;"; break;
+    case '"': out += "&quot;"; break;
+    case '\'': out += "&#39;"; break;
+    default: out += allowed_in_xml(static_cast<unsigned char>(c)) ? std::string(1, c) : "\uFFFD";
+  }
+}
+
+}  // namespace
+
+std::string percent(double share) { return std::isfinite(share) ? percent_number(share) + " %" : kAbsent; }
+
+std::string percent_range(const Interval& interval) {
+  if (!std::isfinite(interval.low) || !std::isfinite(interval.high)) return kAbsent;
+  return percent_number(interval.low) + "–" + percent_number(interval.high) + " %";
+}
+
+std::string duration(double seconds) {
+  if (!std::isfinite(seconds)) return kAbsent;
+  const Unit unit = unit_of(seconds);
+  return three_digits(seconds / unit.seconds) + " " + unit.name;
+}
+
+std::string duration_range(double low_s, double high_s) {
+  if (!std::isfinite(low_s) || !std::isfinite(high_s)) return kAbsent;
+  const Unit unit = unit_of(high_s);
+  return three_digits(low_s / unit.seconds) + "–" + three_digits(high_s / unit.seconds) + " " + unit.name;
+}
+
+std::string factor(double value) {
+  if (!std::isfinite(value)) return kAbsent;
+  if (value < 999.5) return three_digits(value);
+  const double step = std::pow(10, std::floor(std::log10(value)) - 2);
+  return fmt::format("{:.0f}", std::round(value / step) * step);
+}
+
+std::string speed(double time_ratio) {
+  if (!std::isfinite(time_ratio) || !(time_ratio > 0)) return kAbsent;
+  if (time_ratio > 1 / 1.05 && time_ratio < 1.05) return kSameTime;
+  return time_ratio < 1 ? factor(1 / time_ratio) + "× faster" : factor(time_ratio) + "× slower";
+}
+
+std::string speed_against(double time_ratio) {
+  const std::string words = speed(time_ratio);
+  return words == kSameTime ? "in the same time as" : words + " than";
+}
+
+std::string scientific(double value) {
+  if (std::isnan(value)) return kAbsent;
+  if (std::isinf(value)) return "no number";
+  return value == 0 ? "0" : fmt::format("{:.1e}", value);
+}
+
+std::string counted(std::int64_t count, const std::string& noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
+std::string escape(std::string_view text) {
+  std::string out;
+  out.reserve(text.size());
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t length = utf8_length(text, at);
+    if (length == 0) out += "\uFFFD";
+    if (length == 1) append_escaped(text[at], out);
+    if (length > 1) out += text.substr(at, length);
+    at += std::max<std::size_t>(length, 1);
+  }
+  return out;
+}
+
+std::string code(std::string_view text) { return "<code>" + escape(text) + "</code>"; }
+
+std::string base64(std::string_view bytes) {
+  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  out.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t at = 0; at < bytes.size(); at += 3) {
+    std::uint32_t group = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      group = group << 8 | (at + i < bytes.size() ? static_cast<unsigned char>(bytes[at + i]) : 0U);
+    }
+    for (std::size_t i = 0; i < 4; ++i) {
+      const bool padding = at + i > bytes.size();
+      out += padding ? '=' : kDigits[group >> (18 - 6 * i) & 63];
+    }
+  }
+  return out;
+}
+
+std::string describe(const SetSummary& set) {
+  std::string words = "Complementarity problems without contact data";
+  if (!set.bare) words = set.frictional ? "Frictional contacts" : "Frictionless contacts";
+  std::smatch match;
+  static const std::regex conditioning("exp[56]-(1e[0-9]+)");
+  if (std::regex_search(set.name, match, conditioning)) words += ", inertia condition number " + match[1].str();
+  if (set.name.find("extra100") != std::string::npos) words += ", up to 100 contacts and coordinates";
+  return words;
+}
+
+std::string file_stem(std::string_view name) {
+  std::string stem;
+  for (const char c : name) {
+    const bool plain =
+        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '-';
+    if (plain) stem += c;
+    if (!plain && !stem.empty() && stem.back() != '_') stem += '_';
+  }
+  while (!stem.empty() && (stem.front() == '.' || stem.front() == '-')) stem.erase(0, 1);
+  while (!stem.empty() && stem.back() == '_') stem.pop_back();
+  return stem.empty() ? "set" : stem.substr(0, 100);
+}
+
+}  // namespace lcpbench::report

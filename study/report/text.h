@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "study/statistics.h"
+#include "study/summary.h"
+
+namespace lcpbench::report {
+
+// Numbers as a reader takes them in: 2 or 3 significant digits, with their unit; "–" where there is none.
+
+/// "33.3 %"; never rounded to 0 % or 100 % unless exactly that.
+std::string percent(double share);
+/// "98.1–100 %"
+std::string percent_range(const Interval& interval);
+/// "281 µs"
+std::string duration(double seconds);
+/// "270–290 µs": both ends in the unit of the upper one.
+std::string duration_range(double low_s, double high_s);
+/// "40.1"
+std::string factor(double value);
+/// A time relative to a reference's: "40.1× faster", "2.5× slower", "same time" within 5 %.
+std::string speed(double time_ratio);
+/// The same before the name of what it is compared with: "40.1× faster than", "in the same time as".
+std::string speed_against(double time_ratio);
+/// "3.2e-11"; "no number" for infinity.
+std::string scientific(double value);
+/// "1 problem", "200 problems".
+std::string counted(std::int64_t count, const std::string& noun);
+
+/// Escaped for element content and quoted attributes of HTML and XML. Bytes that XML forbids become U+FFFD.
+std::string escape(std::string_view text);
+/// <code>text</code>, escaped.
+std::string code(std::string_view text);
+std::string base64(std::string_view bytes);
+
+/// What a set is, in words a roboticist uses: "Frictional contacts, inertia condition number 1e8".
+std::string describe(const SetSummary& set);
+/// A file name made from any set name: letters, digits, '.', '-', '_' only.
+std::string file_stem(std::string_view name);
+
+}  // namespace lcpbench::report

@@ -1,0 +1,158 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "study/statistics.h"
+#include "study/store.h"
+
+namespace lcpbench {
+
+inline constexpr std::size_t kClaims = 7;
+inline constexpr std::size_t kVerdicts = 6;
+
+/// Every claim and verdict, in the order of their enums.
+inline constexpr std::array<Claim, kClaims> kAllClaims{
+    Claim::kSolved,           Claim::kUnsolvable,  Claim::kIterationLimit, Claim::kTimeLimit,
+    Claim::kNumericalFailure, Claim::kUnsupported, Claim::kCrashed};
+inline constexpr std::array<Verdict, kVerdicts> kAllVerdicts{
+    Verdict::kSolved, Verdict::kCriterionOnly, Verdict::kWrong, Verdict::kUnsolvable, Verdict::kMissed, Verdict::kOpen};
+
+/// One problem set of a store, and what its problems say of it.
+struct SetSummary {
+  std::string name;
+  std::int64_t problems = 0;
+  bool contact = false;          ///< every problem is a contact problem (bare LCPs have no velocity residual)
+  bool bare = false;             ///< every problem is a bare LCP
+  bool frictional = false;       ///< some problem has friction rows
+  bool all_solvable = false;     ///< every problem is proven solvable
+  bool ill_conditioned = false;  ///< the set's name asks for an inertia condition number, or for the ceilings of 100
+  std::int64_t smallest_n = 0;   ///< order of M
+  std::int64_t largest_n = 0;
+};
+
+/// One problem as one solver met it.
+struct Outcome {
+  std::int64_t problem = 0;  ///< the store's id
+  bool solved = false;       ///< the verdict
+  bool false_claim = false;
+  double time_s = 0;  ///< set-up and solve, CPU; NaN where nothing was timed or the problem was refused
+};
+
+/// Means over all trials but the refused ones [s].
+struct TimeParts {
+  double setup_wall = 0;
+  double setup_cpu = 0;
+  double solve_wall = 0;
+  double solve_cpu = 0;
+  double transport = 0;
+  double verify = 0;
+};
+
+/// One solver parameterisation on one set. The verdicts are a partition of the trials:
+/// solved + criterion_only + wrong + unsolvable + missed + open = trials. Every other count overlaps with them.
+struct Cell {
+  std::size_t set = 0;     ///< index into Summary::sets
+  std::size_t solver = 0;  ///< index into Summary::solvers
+  std::int64_t trials = 0;
+  std::array<std::array<std::int64_t, kVerdicts>, kClaims> counts{};  ///< [claim][verdict]
+  std::int64_t solved_1e6 = 0;                                        ///< verdict solved, and error <= 1e-6
+  std::int64_t solved_1e9 = 0;                                        ///< verdict solved, and error <= 1e-9
+  std::int64_t criterion = 0;  ///< claimed solved, and passes the paper's criterion
+  std::string refusal;         ///< the most frequent reason among the refused problems, "" for none
+
+  Interval rate_interval{};  ///< Wilson 95 %
+  Spread solved_time{};      ///< [s] of the trials with verdict solved
+  Spread all_time{};         ///< [s] of all trials but the refused ones
+  Estimate median_time{};    ///< [s] of all trials but the refused ones, bootstrap 95 %
+  TimeParts time_parts{};
+  std::int64_t paired = 0;         ///< problems that both this solver and the reference solved
+  Estimate time_ratio{};           ///< time / reference's time on those: ratio of sums, bootstrap 95 %
+  Spread violation{};              ///< [m/s] of the trials with verdict solved
+  const char* error_measure = "";  ///< "velocity_residual_relative", "backward_row_norm", "" when the set mixes kinds
+  std::int64_t error_count = 0;    ///< answers claimed solved, which the three below describe; infinity: no number
+  double error_median = 0;
+  double error_p99 = 0;
+  double error_max = 0;
+
+  std::vector<double>
+      errors;  ///< those of the answers claimed solved, ascending; empty for parameterisations of a sweep
+
+  /// Even and odd trials apart: choose a parameterisation on one half, report it on the other.
+  struct Half {
+    std::int64_t trials = 0;
+    std::int64_t solved = 0;
+    std::int64_t unsolvable = 0;
+    double rate() const;
+  };
+  std::array<Half, 2> halves{};
+
+  std::vector<Outcome> outcomes;  ///< by problem id; empty for parameterisations of a sweep
+
+  std::int64_t count(Verdict verdict) const;
+  std::int64_t count(Claim claim) const;
+  std::int64_t count(Claim claim, Verdict verdict) const;
+  std::int64_t solvable() const { return trials - count(Verdict::kUnsolvable); }
+  std::int64_t false_claims() const {
+    return count(Claim::kSolved, Verdict::kWrong) + count(Claim::kSolved, Verdict::kUnsolvable);
+  }
+  /// Not claimed solved, not solved, and not proven unsolvable: the user is left without an answer and knows it.
+  std::int64_t gave_up() const;
+  /// Every problem was refused as outside what the solver takes.
+  bool refused() const { return trials > 0 && count(Claim::kUnsupported) == trials; }
+  /// solved / (trials - unsolvable); NaN when every problem is unsolvable.
+  double rate() const;
+  /// criterion / trials: the paper's solution frequency.
+  double criterion_rate() const;
+};
+
+/// Worst, average and best over the parameterisations of one sweep on one set.
+struct SweepSummary {
+  struct Range {
+    double worst = 0;
+    double average = 0;
+    double best = 0;
+    std::string worst_settings;
+    std::string best_settings;
+  };
+  std::size_t set = 0;
+  std::string solver;
+  std::string sweep;
+  std::string isa;
+  std::int64_t parameterisations = 0;
+  std::int64_t trials = 0;   ///< the fewest of any of them
+  Range verdict;             ///< of Cell::rate
+  Range criterion;           ///< of Cell::criterion_rate
+  double best_held_out = 0;  ///< parameterisation chosen on the even trials, its rate on the odd ones
+};
+
+struct RunSummary {
+  std::string started;
+  nlohmann::ordered_json provenance;
+};
+
+/// All that the report says, in numbers.
+struct Summary {
+  std::vector<RunSummary> runs;
+  std::vector<SetSummary> sets;    ///< natural order of names: exp5-1e5 before exp5-1e10
+  std::vector<SolverRow> solvers;  ///< natural order of specs
+  std::vector<Cell> cells;         ///< by set, then solver
+  std::vector<SweepSummary> sweeps;
+  std::string reference;  ///< spec that time ratios refer to; "" when the store has none
+};
+
+/// Reads a store, which may be half filled. Verdicts come from the view `judged`; nothing is solved or verified again.
+/// Byte for byte the same for equal rows. @throws InputError when the store cannot be read.
+Summary summarize(Store& store);
+
+/// The contract's summary.json; NaN and infinity are null.
+nlohmann::ordered_json summary_json(const Summary& summary);
+
+/// Less, where runs of digits compare as numbers.
+bool natural_less(const std::string& a, const std::string& b);
+
+}  // namespace lcpbench
