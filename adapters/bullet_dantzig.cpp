@@ -49,7 +49,7 @@ class BulletDantzig final : public Solver {
     // The library works in place on all of its input. M is symmetric, so its rows are Eigen's columns.
     destroyed_M_ = lcp_.M;
     b_ = -lcp_.q;
-    upper_.setConstant(lcp_.size(), BT_INFINITY);
+    upper_.setConstant(lcp_.size(), static_cast<double>(BT_INFINITY));
     const bool solved =
         btSolveDantzigLCP(static_cast<int>(lcp_.size()), destroyed_M_.data(), answer.z.data(), b_.data(), slack_.data(),
                           0, lower_.data(), upper_.data(), friction_index_.data(), scratch_);

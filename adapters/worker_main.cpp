@@ -21,14 +21,6 @@
 #include "core/registry.h"
 #include "core/timed_solve.h"
 
-#if defined(__SANITIZE_ADDRESS__)
-#define LCPBENCH_ADDRESS_SANITIZER 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define LCPBENCH_ADDRESS_SANITIZER 1
-#endif
-#endif
-
 namespace lcpbench::worker {
 namespace {
 
@@ -50,11 +42,7 @@ void limit(decltype(RLIMIT_AS) resource, rlim_t value) {
 
 /// Dies with the program, leaves no core and no files behind, takes no more memory than it is given.
 void confine(rlim_t memory_bytes) {
-#ifndef LCPBENCH_ADDRESS_SANITIZER  // its shadow memory alone is terabytes of address space
-  limit(RLIMIT_AS, memory_bytes);
-#else
-  static_cast<void>(memory_bytes);
-#endif
+  if (kMemoryIsLimited) limit(RLIMIT_AS, memory_bytes);
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_FSIZE, kFileBytes);
   signal(SIGXFSZ, SIG_IGN);

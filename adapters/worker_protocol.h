@@ -22,6 +22,14 @@ inline constexpr std::uint64_t kMagic = 0x6c637062656e6368;
 inline constexpr std::uint64_t kVersion = 1;
 /// Descriptor of the worker's end of the socket.
 inline constexpr int kSocketFd = 3;
+/// Whether a worker's memory is limited: not under AddressSanitizer, whose shadow is terabytes of address space.
+#if defined(__SANITIZE_ADDRESS__)
+inline constexpr bool kMemoryIsLimited = false;
+#elif defined(__has_feature)
+inline constexpr bool kMemoryIsLimited = !__has_feature(address_sanitizer);
+#else
+inline constexpr bool kMemoryIsLimited = true;
+#endif
 /// Longest `detail` of an answer, in bytes; longer ones are cut.
 inline constexpr std::size_t kMaxDetailBytes = 1000;
 /// Longest greeting: the names of all solvers of a worker.
