@@ -585,6 +585,7 @@ std::size_t write_greeting(const Greeting& greeting, std::span<std::byte> out) {
 Parsed<Greeting> parse_greeting(std::span<const std::byte> bytes) {
   ByteReader reader(bytes);
   const Frame frame = read_frame(reader, Verb::kGreet);
+  reader.require(frame.sequence == 0, "a greeting has no sequence number");
   reader.require(frame.payload_bytes == reader.remaining(), "payload: not the size of the message");
   Greeting greeting;
   const std::size_t count = reader.count(sizeof(std::uint64_t), "solvers");
