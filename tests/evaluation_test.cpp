@@ -307,6 +307,12 @@ TEST(EvaluationTest, ExtremeMagnitudesNeitherOverflowNorPass) {
   const Errors overflow = evaluate(ball(0x1p-1000, 1), vec({0x1p1000}));  // w = 2^2000
   EXPECT_EQ(overflow.velocity_residual_m_per_s, kInf);
   EXPECT_FALSE(overflow.solved);
+  const Matrix lever = Matrix::Constant(1, 1, 0x1p600);  // q = -2^1200, M = 2^1200
+  const Problem levered("levered", frictionless(vec({-0x1p600}), lever, DenseInertia{Matrix::Identity(1, 1)}));
+  const Errors small_but_unrepresentable = evaluate(levered, vec({1 + 0x1p-20}));  // w = 2^1180
+  EXPECT_EQ(small_but_unrepresentable.velocity_residual_relative, 0x1p-20);
+  EXPECT_EQ(small_but_unrepresentable.velocity_residual_m_per_s, kInf);
+  EXPECT_FALSE(small_but_unrepresentable.solved);
 }
 
 TEST(EvaluationTest, AnImpulseThatMovesNothingIsNotJudged) {
@@ -468,13 +474,16 @@ Quad plain_eta(const Lcp& lcp, const Vector& z, Index lambda_offset, Quad tau, B
   return eta;
 }
 
-Quad plain_mixed_error(const Lcp& lcp, const Vector& z, Index lambda_offset, BackwardScale kind) {
+enum class Taus { kRatios, kRatiosAndGrid };
+
+Quad plain_mixed_error(const Lcp& lcp, const Vector& z, Index lambda_offset, BackwardScale kind,
+                       Taus taus = Taus::kRatiosAndGrid) {
   Quad best = kInf;
   const auto offer = [&](Quad tau) {
     best = std::min(best, std::max(tau, plain_eta(lcp, z, lambda_offset, tau, kind)));
   };
   offer(0);
-  for (int step = -240; step <= 4; ++step) offer(std::exp2(step / 4.0));
+  for (int step = taus == Taus::kRatios ? 5 : -240; step <= 4; ++step) offer(std::exp2(step / 4.0));
   for (Index i = 0; i < z.size(); ++i) {
     const bool is_impulse = i < lambda_offset;
     const auto block = is_impulse ? z.head(lambda_offset) : z.tail(z.size() - lambda_offset);
@@ -515,6 +524,62 @@ TEST(BackwardErrorTest, IsTheMinimumOverAFineGridOfTau) {
     EXPECT_NEAR(by_contact.complementarity_j, by_matrix.complementarity_j,
                 1e-15 * by_matrix.natural_residual * z.lpNorm<1>() + 1e-15 * std::abs(by_matrix.complementarity_j));
   }
+}
+
+TEST(BackwardErrorTest, IsTheMinimumOverAllRatiosWhereRowsAreChosenByEstimate) {
+  Draw draw(12);
+  for (int trial = 0; trial < 3; ++trial) {
+    const ContactProblem contact = random_frictional(draw, 5, 10, 8);
+    const Lcp lcp = form_lcp(contact);
+    const Vector z = random_answer(draw, lcp.size()).cwiseAbs() + Vector::Constant(lcp.size(), 0x1p-60);
+    const Errors by_contact = evaluate(Problem("contact", contact), z);
+    const Errors by_matrix = evaluate(Problem("matrix", lcp), z);
+    const auto expected = [&](Index lambda_offset, BackwardScale kind) {
+      return plain_mixed_error(lcp, z, lambda_offset, kind, Taus::kRatios);
+    };
+    const std::string what = "trial " + std::to_string(trial);
+    expect_close(by_contact.backward_componentwise, expected(90, BackwardScale::kComponentwise), what);
+    expect_close(by_contact.backward_row_norm, expected(90, BackwardScale::kRowNorm), what);
+    expect_close(by_matrix.backward_componentwise, expected(100, BackwardScale::kComponentwise), what);
+    expect_close(by_matrix.backward_row_norm, expected(100, BackwardScale::kRowNorm), what);
+  }
+}
+
+TEST(QuadLcpTest, EveryWayToARowGivesTheSameRow) {
+  Draw draw(13);
+  const ContactProblem contact = random_frictional(draw, 5, 4, 6);
+  const Lcp dense = form_lcp(contact);
+  const QuadInertia inertia(contact.inertia);
+  ContactQuadLcp lcp(contact, inertia);
+  BareQuadLcp bare(dense);
+  const Vector answer_z = random_answer(draw, dense.size());
+  const QuadVector z(answer_z.begin(), answer_z.end());
+  QuadVector u = lcp.response(z);
+  const QuadVector w = lcp.all_rows(z, u);
+  const QuadVector expected = bare.response(z);
+  const std::vector<double> estimated = lcp.estimate_w(z, u);
+  const MagnitudeEstimate* estimate = lcp.estimate();
+  ASSERT_NE(estimate, nullptr);
+  for (std::size_t i = 0; i < lcp.size(); ++i) {
+    EXPECT_TRUE(lcp.row(i, z, u) == w[i]);
+    EXPECT_LT(std::abs(to_double(w[i] - expected[i])), 1e-30);
+    EXPECT_NEAR(estimated[i], to_double(w[i]), 1e-13);
+    EXPECT_LT(std::abs(to_double(lcp.diagonal(i) - bare.diagonal(i))), 1e-30);
+    EXPECT_LT(std::abs(to_double(lcp.abs_row_sum(i) - bare.abs_row_sum(i))), 1e-28);
+    Vector row = Vector::Zero(dense.size());
+    for (std::size_t e = estimate->begin[i]; e < estimate->begin[i + 1]; ++e) {
+      row(static_cast<Index>(estimate->columns[e])) = estimate->entries[e];
+    }
+    for (Index j = 0; j < dense.size(); ++j) {
+      EXPECT_LE(std::abs(row(j) - std::abs(dense.M(static_cast<Index>(i), j))),
+                estimate->row_error[i] * estimate->column_scale[static_cast<std::size_t>(j)]);
+    }
+  }
+  lcp.remove(7, z[7], u);
+  QuadVector without = z;
+  without[7] = 0;
+  const QuadVector again = lcp.response(without);
+  for (std::size_t r = 0; r < u.size(); ++r) EXPECT_LT(std::abs(to_double(u[r] - again[r])), 1e-30);
 }
 
 TEST(BackwardErrorTest, ForgivesDustAtThePriceOfItsSize) {
@@ -730,6 +795,7 @@ TEST(FarkasTest, WhatIsNotExactlyAProofIsNone) {
   EXPECT_FALSE(evaluator.check_farkas(vec({1})));
   EXPECT_FALSE(evaluator.check_farkas(Vector()));
   EXPECT_FALSE(Evaluator(squeezed(0, 1)).check_farkas(vec({1, 1})));  // parting: solvable
+  EXPECT_FALSE(Evaluator(squeezed(0, 1)).check_farkas(vec({-1, -1})));
   EXPECT_FALSE(Evaluator(squeezed(0, 0)).check_farkas(vec({1, 1})));
 }
 

@@ -161,6 +161,17 @@ TEST(QuadInertiaTest, NearlyDependentFactorsStayIndependent) {
   EXPECT_LT(std::abs(to_double(x[1] * 0x1p-61 - 1)), 1e-14);
 }
 
+TEST(QuadInertiaTest, FactorsCloserThanTheStatedBoundAreOne) {
+  Matrix X(3, 2);
+  X << 1, 1, 0, 0x1p-60, 0, 0;
+  const QuadInertia inertia{FactoredInertia{X, Vector::Ones(2)}};
+  ASSERT_TRUE(inertia.well_defined());
+  EXPECT_NEAR(to_double(inertia.outside_range({0, 1, 0})[1]), 1, 1e-15);
+  QuadVector x{1, 0, 0};
+  inertia.solve(x);
+  EXPECT_NEAR(to_double(x[0]), 0.5, 1e-15);  // G = 2 along x
+}
+
 TEST(QuadInertiaTest, SingularDenseInertiaIsPseudoInverted) {
   Matrix G(3, 3);
   G << 2, 2, 0, 2, 2, 0, 0, 0, 3;
