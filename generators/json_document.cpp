@@ -158,6 +158,7 @@ class DocumentHandler {
   bool parse_error(std::size_t position, const std::string& token, const nlohmann::detail::exception& error) {
     constexpr int kNumberOverflow = 406;
     if (error.id == kNumberOverflow) {
+      if (field_ == nullptr) wrong_type("a number");
       throw input_error(origin_, where() + ": " + in_quotes(token) + " is beyond the range of double");
     }
     const std::string inside = field_ == nullptr ? "" : " (in " + where() + ")";

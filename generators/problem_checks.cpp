@@ -288,11 +288,7 @@ bool has_control_character(std::string_view text) {
 }  // namespace
 
 InputError input_error(std::string_view origin, std::string_view message) {
-  std::string line = std::string(origin) + ": " + std::string(message);
-  for (char& c : line) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
-  }
-  return InputError(line);
+  return InputError(std::string(origin) + ": " + std::string(message));
 }
 
 std::string in_quotes(std::string_view text) {

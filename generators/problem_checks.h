@@ -24,7 +24,7 @@ inline constexpr Index kMaxDenseOrder = 8191;
 /// Longest name of a problem [bytes of UTF-8].
 inline constexpr std::size_t kMaxNameBytes = 1000;
 
-/// An InputError "origin: message" that is sure to be one line: control characters become '?'.
+/// An InputError "origin: message".
 InputError input_error(std::string_view origin, std::string_view message);
 
 /// `text` in single quotes, shortened to 60 bytes: for words of a file that an error repeats.

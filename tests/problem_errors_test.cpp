@@ -85,6 +85,7 @@ TEST(ProblemErrorsTest, Types) {
   expect_errors({
       {"[1, 2]", "expected an object, found a list"},
       {"12", "expected an object, found a number"},
+      {"1e999", "expected an object, found a number"},
       {replaced(kLcp, "[-5, -6]", "7"), "q: expected a list of numbers, found a number"},
       {replaced(kLcp, "[-5, -6]", R"({"a": 1})"), "q: expected a list of numbers, found an object"},
       {replaced(kLcp, "[-5, -6]", "null"), "q: expected a list of numbers, found null"},
