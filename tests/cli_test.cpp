@@ -1,0 +1,330 @@
+// The interface that users' scripts rely on: exit codes, one-line errors, and the fields of every JSON document.
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+
+#include "study/store.h"
+#include "tests/study_support.h"
+
+namespace lcpbench {
+namespace {
+
+using nlohmann::json;
+
+struct Output {
+  int exit_code = -1;
+  std::string out;
+  std::string err;
+};
+
+std::string file_text(const std::filesystem::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+class CommandLineTest : public testing::Test {
+ protected:
+  Output run(const std::string& arguments) {
+    const std::string out = (folder_ / "out").string();
+    const std::string err = (folder_ / "err").string();
+    const std::string command = "cd '" + (folder_ / "").string() + "' && '" LCPBENCH_PROGRAM "' " + arguments + " >'" +
+                                out + "' 2>'" + err + "'";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, file_text(out), file_text(err)};
+  }
+  json run_json(const std::string& arguments) {
+    const Output output = run(arguments + " --format json");
+    EXPECT_EQ(output.exit_code, 0) << output.err;
+    return json::parse(output.out);
+  }
+  ScratchFolder folder_;
+};
+
+/// Checks that an object has exactly these fields: "s" text, "n" number, "n?" number or null, "a?" array or null,
+/// "b" boolean, "o" object, "a" array.
+void expect_fields(const json& object, const std::vector<std::pair<std::string, std::string>>& fields) {
+  ASSERT_TRUE(object.is_object());
+  for (const auto& [name, type] : fields) {
+    ASSERT_TRUE(object.contains(name)) << name << " is missing in " << object.dump();
+    const json& value = object.at(name);
+    const bool null_allowed = type.size() == 2;
+    const bool right = (type[0] == 's' && value.is_string()) || (type[0] == 'n' && value.is_number()) ||
+                       (type[0] == 'b' && value.is_boolean()) || (type[0] == 'o' && value.is_object()) ||
+                       (type[0] == 'a' && value.is_array()) || (null_allowed && value.is_null());
+    EXPECT_TRUE(right) << name << " = " << value.dump();
+  }
+  EXPECT_EQ(object.size(), fields.size()) << object.dump();
+}
+
+TEST_F(CommandLineTest, MistakesOfUseExitWith2AndOneLine) {
+  for (const char* arguments : {"",
+                                "frobnicate",
+                                "run nosuch",
+                                "run --shard 0/3",
+                                "run --shard 4/3",
+                                "run --shard 1/3x",
+                                "run --trials 0",
+                                "run --seed -4",
+                                "run --jobs 0",
+                                "run smoke --solver nope",
+                                "run smoke --solver 'lemke{foo=1}'",
+                                "run smoke --set nope",
+                                "run --sweep nope",
+                                "run --sweep paper --solver enumeration",
+                                "solve",
+                                "solve nosuch.json",
+                                "solve --format xml x.json",
+                                "generate",
+                                "generate nope --seed 1 --count 1 --out d",
+                                "generate paper/monotone/exp1 --seed 1 --count 0 --out d",
+                                "merge",
+                                "merge out.db nosuch.db",
+                                "sets nope",
+                                "bench --solver nope",
+                                "bench --problems 0",
+                                "run smoke --store /nosuchfolder/x.db"}) {
+    const Output output = run(arguments);
+    EXPECT_EQ(output.exit_code, 2) << arguments;
+    EXPECT_EQ(output.err.rfind("lcpbench: ", 0), 0U) << arguments << ": " << output.err;
+    EXPECT_EQ(std::count(output.err.begin(), output.err.end(), '\n'), 1) << arguments << ": " << output.err;
+    EXPECT_EQ(output.out, "") << arguments;
+  }
+}
+
+TEST_F(CommandLineTest, HelpIsCompleteAndNoError) {
+  const std::vector<std::pair<std::string, std::vector<const char*>>> options{
+      {"solvers", {"--format"}},
+      {"sets", {"PATTERN", "--format"}},
+      {"generate", {"SET", "--seed", "--count", "--first", "--out"}},
+      {"solve", {"FILE", "--solver", "--time-limit", "--format"}},
+      {"run",
+       {"PLAN", "--set", "--solver", "--sweep", "--trials", "--seed", "--jobs", "--store", "--shard", "--fresh"}},
+      {"merge", {"OUT", "IN"}},
+      {"bench", {"--set", "--solver", "--problems", "--seed", "--format"}}};
+  const Output overview = run("--help");
+  EXPECT_EQ(overview.exit_code, 0);
+  for (const auto& [command, names] : options) {
+    EXPECT_NE(overview.out.find("\n  " + command + " "), std::string::npos) << command;
+    const Output help = run(command + " --help");
+    EXPECT_EQ(help.exit_code, 0);
+    for (const char* name : names) EXPECT_NE(help.out.find(name), std::string::npos) << command << " " << name;
+  }
+}
+
+TEST_F(CommandLineTest, SolversJson) {
+  const json solvers = run_json("solvers");
+  std::vector<std::string> names;
+  for (const json& solver : solvers) {
+    expect_fields(solver, {{"name", "s"},
+                           {"summary", "s"},
+                           {"source", "s"},
+                           {"origin", "s"},
+                           {"library", "s"},
+                           {"version", "s"},
+                           {"available", "b"},
+                           {"reason", "s"},
+                           {"needs", "s"},
+                           {"frictionless_only", "b"},
+                           {"max_size", "n?"},
+                           {"guarantees", "s"},
+                           {"settings", "a"}});
+    EXPECT_EQ(solver["available"].get<bool>(), solver["reason"].get<std::string>().empty());
+    for (const json& setting : solver["settings"]) {
+      expect_fields(setting, {{"name", "s"}, {"type", "s"}, {"default", "s"}, {"range", "s"}, {"help", "s"}});
+    }
+    names.push_back(solver["name"]);
+  }
+  for (const char* name : {"lemke", "primal_dual", "regularized", "enumeration", "bullet_dantzig", "bullet_lemke",
+                           "ipopt_qp", "ipopt_mpcc", "ode_quickstep"}) {
+    EXPECT_NE(std::find(names.begin(), names.end(), name), names.end()) << name;
+  }
+}
+
+TEST_F(CommandLineTest, SetsJson) {
+  const json sets = run_json("sets 'paper/*/exp1'");
+  ASSERT_EQ(sets.size(), 2U);
+  for (const json& set : sets) {
+    expect_fields(set, {{"name", "s"}, {"size", "s"}, {"source", "s"}, {"summary", "s"}, {"options", "a"}});
+  }
+}
+
+TEST_F(CommandLineTest, TrialAloneIsByteIdenticalToTheTrialInABatch) {
+  ASSERT_EQ(run("generate 'paper/copositive/exp2{redundancy=combination}' --seed 5 --count 4 --out batch").exit_code,
+            0);
+  ASSERT_EQ(run("generate 'paper/copositive/exp2{redundancy=combination}' --seed 5 --count 1 --first 3 --out alone")
+                .exit_code,
+            0);
+  const std::string alone = file_text(folder_ / "alone/000003.json");
+  EXPECT_GT(alone.size(), 100U);
+  EXPECT_EQ(alone, file_text(folder_ / "batch/000003.json"));
+  EXPECT_NE(alone, file_text(folder_ / "batch/000002.json"));
+}
+
+TEST_F(CommandLineTest, SolveJson) {
+  ASSERT_EQ(run("generate paper/monotone/exp1 --seed 1 --count 1 --out m").exit_code, 0);
+  std::ofstream(folder_ / "lcp.json")
+      << R"({"format": "lcpbench-problem", "version": 1, "name": "two", "kind": "lcp", "M": [[2, 1], [1, 2]], "q": [-5, -6]})";
+  const json rows = run_json("solve m/000000.json lcp.json --solver lemke --solver 'lemke{engine=dense}'");
+  ASSERT_EQ(rows.size(), 4U);
+  for (const json& row : rows) {
+    expect_fields(row, {{"problem", "o"},
+                        {"solver", "s"},
+                        {"settings", "s"},
+                        {"claim", "s"},
+                        {"verdict", "s"},
+                        {"z", "a?"},
+                        {"velocity", "a?"},
+                        {"errors", "o"},
+                        {"time", "o"},
+                        {"counters", "o"},
+                        {"detail", "s"}});
+    expect_fields(row["problem"],
+                  {{"name", "s"}, {"kind", "s"}, {"n", "n"}, {"ngc", "n?"}, {"nc", "n?"}, {"edges", "a?"}});
+    expect_fields(row["errors"], {{"velocity_residual_m_per_s", "n?"},
+                                  {"velocity_residual_relative", "n?"},
+                                  {"natural_residual", "n?"},
+                                  {"backward_componentwise", "n?"},
+                                  {"backward_row_norm", "n?"},
+                                  {"forward_velocity", "n?"},
+                                  {"violation_m_per_s", "n?"},
+                                  {"work_gain_j", "n?"},
+                                  {"complementarity_j", "n?"},
+                                  {"cone_violation", "n?"}});
+    expect_fields(row["time"], {{"setup_s", "n"}, {"solve_s", "n"}, {"verify_s", "n"}});
+    expect_fields(row["counters"], {{"iterations", "n"}, {"pivots", "n"}, {"factorizations", "n"}});
+    EXPECT_EQ(row["verdict"], "solved");
+  }
+  const json& lcp = rows[2];
+  EXPECT_EQ(lcp["problem"]["name"], "two");
+  EXPECT_TRUE(lcp["velocity"].is_null());
+  ASSERT_EQ(lcp["z"].size(), 2U);
+  EXPECT_NEAR(lcp["z"][0].get<double>(), 4.0 / 3.0, 1e-14);  // the 2 x 2 system by hand
+  EXPECT_NEAR(lcp["z"][1].get<double>(), 7.0 / 3.0, 1e-14);
+  EXPECT_EQ(rows[0]["velocity"].size(), rows[0]["problem"]["ngc"].get<std::size_t>());
+}
+
+TEST_F(CommandLineTest, OneBadFileDoesNotStopTheOthers) {
+  std::ofstream(folder_ / "bad.json") << "{}";
+  std::ofstream(folder_ / "good.json")
+      << R"({"format": "lcpbench-problem", "version": 1, "name": "one", "kind": "lcp", "M": [[1]], "q": [-1]})";
+  const Output output = run("solve bad.json good.json --solver lemke --format json");
+  EXPECT_EQ(output.exit_code, 2);
+  EXPECT_EQ(output.err.rfind("lcpbench: bad.json: ", 0), 0U) << output.err;
+  EXPECT_EQ(json::parse(output.out).size(), 1U);
+}
+
+TEST_F(CommandLineTest, SolveRunsAllThatFitWhenNoneIsNamed) {
+  std::ofstream(folder_ / "good.json")
+      << R"({"format": "lcpbench-problem", "version": 1, "name": "one", "kind": "lcp", "M": [[1, -1], [2, 1]], "q": [-1, -1]})";
+  std::vector<std::string> names;
+  for (const json& row : run_json("solve good.json")) {
+    names.push_back(row["solver"]);
+    EXPECT_NE(row["claim"], "unsupported");
+  }
+  for (const char* name : {"lemke", "enumeration"}) EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
+  EXPECT_EQ(std::count(names.begin(), names.end(), "ode_quickstep"), 0);
+}
+
+constexpr const char* kStudy =
+    "run --set paper/monotone/exp1 --set paper/monotone/exp2 --solver lemke --solver primal_dual --trials 12 --seed 3 ";
+
+TEST_F(CommandLineTest, RunResumesAndFreshStartsAnew) {
+  const Output first = run(std::string(kStudy) + "--store a.db");
+  EXPECT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_NE(first.out.find("48 of 48 cells"), std::string::npos) << first.out;
+  const std::string rows = dump(folder_ / "a.db");
+  EXPECT_EQ(run(std::string(kStudy) + "--store a.db --jobs 2").exit_code, 0);
+  EXPECT_EQ(dump(folder_ / "a.db"), rows);
+  EXPECT_EQ(run("run --set paper/monotone/exp1 --solver lemke --trials 2 --store a.db --fresh").exit_code, 0);
+  EXPECT_EQ(Store::open_for_reading(folder_ / "a.db").cell_count(), 2);
+}
+
+TEST_F(CommandLineTest, ShardsMergeToTheUnshardedRun) {
+  ASSERT_EQ(run(std::string(kStudy) + "--store whole.db").exit_code, 0);
+  for (const char* shard : {"1/2", "2/2"}) {
+    ASSERT_EQ(run(std::string(kStudy) + "--shard " + shard + " --store " + shard[0] + ".db").exit_code, 0);
+  }
+  EXPECT_EQ(run("merge out.db 1.db 2.db").exit_code, 0);
+  EXPECT_EQ(dump(folder_ / "out.db"), dump(folder_ / "whole.db"));
+}
+
+TEST_F(CommandLineTest, MergeOfContradictionsExitsWith1) {
+  ASSERT_EQ(run(std::string(kStudy) + "--store a.db").exit_code, 0);
+  std::filesystem::copy_file(folder_ / "a.db", folder_ / "b.db");
+  sqlite::Database(folder_ / "b.db", sqlite::Mode::kReadWriteCreate).execute("UPDATE answers SET pivots = pivots + 1");
+  const Output output = run("merge out.db a.db b.db");
+  EXPECT_EQ(output.exit_code, 1);
+  EXPECT_NE(output.err.find("conflict: b.db: answers: paper/monotone/exp"), std::string::npos) << output.err;
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out.db"));
+}
+
+TEST_F(CommandLineTest, ProvenanceSaysWhereResultsComeFrom) {
+  ASSERT_EQ(run(std::string(kStudy) + "--store a.db").exit_code, 0);
+  Store store = Store::open_for_reading(folder_ / "a.db");
+  const json provenance = json::parse(store.runs().at(0));
+  expect_fields(provenance, {{"lcpbench", "s"},
+                             {"commit", "s"},
+                             {"compiler", "s"},
+                             {"flags", "s"},
+                             {"build_type", "s"},
+                             {"processor", "s"},
+                             {"isa", "s"},
+                             {"cores", "n"},
+                             {"os", "s"},
+                             {"kernel", "s"},
+                             {"sqlite", "s"},
+                             {"solvers", "o"},
+                             {"command", "s"},
+                             {"started", "s"},
+                             {"plan", "o"},
+                             {"seed", "n"},
+                             {"jobs", "n"},
+                             {"shard", "s"},
+                             {"skipped", "a"}});
+  EXPECT_EQ(provenance["plan"]["trials"], 12);
+  EXPECT_EQ(provenance["seed"], 3);
+  EXPECT_NE(provenance["command"].get<std::string>().find("--trials 12"), std::string::npos);
+}
+
+TEST_F(CommandLineTest, BenchJson) {
+  const json bench = run_json("bench --set paper/monotone/exp1 --solver lemke --problems 5");
+  expect_fields(bench, {{"provenance", "o"}, {"reference", "s"}, {"isa", "s"}, {"cells", "a"}});
+  EXPECT_EQ(bench["reference"], "lemke{engine=dense}");
+  ASSERT_EQ(bench["cells"].size(), 1U);
+  const json& cell = bench["cells"][0];
+  expect_fields(cell, {{"set", "s"},
+                       {"solver", "s"},
+                       {"settings", "s"},
+                       {"problems", "n"},
+                       {"timed", "n"},
+                       {"speedup_mean", "n?"},
+                       {"speedup_geomean", "n?"},
+                       {"speedup_low", "n?"},
+                       {"speedup_high", "n?"},
+                       {"reference_mean_s", "n?"},
+                       {"solver_mean_s", "n?"}});
+  EXPECT_EQ(cell["timed"], 5);
+  EXPECT_NEAR(cell["speedup_mean"].get<double>(),
+              cell["reference_mean_s"].get<double>() / cell["solver_mean_s"].get<double>(), 1e-6);
+  EXPECT_LE(cell["speedup_low"].get<double>(), cell["speedup_mean"].get<double>());
+}
+
+TEST_F(CommandLineTest, BenchTimesOnlyWhatBothSolved) {
+  const json bench = run_json("bench --set paper/monotone/exp1 --solver 'lemke{max_pivots=1}' --problems 12");
+  const json& cell = bench["cells"][0];
+  EXPECT_EQ(cell["problems"], 12);
+  EXPECT_LT(cell["timed"].get<int>(), 12);
+}
+
+}  // namespace
+}  // namespace lcpbench

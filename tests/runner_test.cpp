@@ -1,0 +1,294 @@
+// What a user relies on: however a study was run - threads, shards, interruptions - it ends with the same rows; and
+// whatever a solver does, it leaves a row that says so.
+
+#include "study/runner.h"
+
+#include <csignal>
+#include <limits>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "adapters/worker_client.h"
+#include "core/error.h"
+#include "generators/problem_io.h"
+#include "study/merge.h"
+#include "tests/study_support.h"
+
+namespace lcpbench {
+namespace {
+
+Study small_study() {
+  Plan plan;
+  plan.name = "small";
+  plan.trials = 8;
+  plan.repeat_until_s = 0;
+  plan.sets = {{"paper/monotone/exp1", {}}, {"paper/monotone/exp3", {}}, {"paper/copositive/exp1{nc_max=3}", 3}};
+  for (const char* solver : {"lemke", "lemke{engine=dense}", "primal_dual", "enumeration"}) {
+    plan.solvers.push_back({.spec = parse_spec(solver)});
+  }
+  plan.solvers.back().every = 3;
+  plan.solvers.push_back({.spec = parse_spec("lemke"), .sweep = builtin_sweep("paper", parse_spec("lemke"))});
+  return resolve(plan);
+}
+
+RunOutcome run(const Study& study, const std::filesystem::path& file, const RunOptions& options = {}) {
+  Store store = Store::open_for_writing(file);
+  return run_study(study, store, options);
+}
+
+/// Runs until `cells` are in the store, then stops as a signal would.
+RunOutcome run_part(const Study& study, const std::filesystem::path& file, std::int64_t cells) {
+  volatile std::sig_atomic_t stop = 0;
+  RunOptions options;
+  options.stop = &stop;
+  options.on_progress = [&](const Progress& progress) { stop = progress.done >= cells ? 1 : 0; };
+  return run(study, file, options);
+}
+
+TEST(RunnerTest, RunsEveryCellOnce) {
+  const ScratchFolder folder;
+  const RunOutcome outcome = run(small_study(), folder / "s.db");
+  EXPECT_EQ(outcome.end, RunEnd::kComplete);
+  EXPECT_EQ(outcome.progress.done, 2 * (8 * 84 + 3) + 3 * 84 + 1);
+  Store store = Store::open_for_reading(folder / "s.db");
+  EXPECT_EQ(store.cell_count(), outcome.progress.done);
+}
+
+TEST(RunnerTest, ThreadsChangeNoRow) {
+  const ScratchFolder folder;
+  run(small_study(), folder / "one.db", {.jobs = 1});
+  run(small_study(), folder / "three.db", {.jobs = 3});
+  EXPECT_EQ(dump(folder / "one.db"), dump(folder / "three.db"));
+}
+
+TEST(RunnerTest, InterruptedAndResumedEqualsUnbroken) {
+  const ScratchFolder folder;
+  const Study study = small_study();
+  run(study, folder / "whole.db");
+  EXPECT_EQ(run_part(study, folder / "parts.db", 1).end, RunEnd::kStopped);
+  EXPECT_NE(dump(folder / "parts.db"), dump(folder / "whole.db"));
+  run_part(study, folder / "parts.db", 300);
+  const RunOutcome last = run(study, folder / "parts.db");
+  EXPECT_EQ(last.end, RunEnd::kComplete);
+  EXPECT_GT(last.already_done, 0);
+  EXPECT_EQ(dump(folder / "parts.db"), dump(folder / "whole.db"));
+}
+
+TEST(RunnerTest, FinishedStudyHasNothingToDo) {
+  const ScratchFolder folder;
+  run(small_study(), folder / "s.db");
+  const RunOutcome again = run(small_study(), folder / "s.db");
+  EXPECT_EQ(again.progress.total, 0);
+  EXPECT_EQ(again.end, RunEnd::kComplete);
+}
+
+TEST(RunnerTest, AddedSolverRunsAlone) {
+  const ScratchFolder folder;
+  Study study = small_study();
+  const StudySolver added = study.solvers.back();
+  study.solvers.pop_back();
+  run(study, folder / "s.db");
+  study.solvers.push_back(added);
+  EXPECT_EQ(run(study, folder / "s.db").progress.done, 19);
+  run(study, folder / "whole.db");
+  EXPECT_EQ(dump(folder / "s.db"), dump(folder / "whole.db"));
+}
+
+TEST(RunnerTest, MergedShardsEqualTheWhole) {
+  const ScratchFolder folder;
+  const Study study = small_study();
+  run(study, folder / "whole.db");
+  run(study, folder / "1.db", {.shard = 0, .shards = 3});
+  run(study, folder / "2.db", {.shard = 1, .shards = 3});
+  run(study, folder / "3.db", {.shard = 2, .shards = 3});
+  const MergeOutcome outcome = merge_stores(folder / "out.db", {folder / "3.db", folder / "1.db", folder / "2.db"});
+  EXPECT_TRUE(outcome.conflicts.empty());
+  EXPECT_EQ(dump(folder / "out.db"), dump(folder / "whole.db"));
+  merge_stores(folder / "out.db", {folder / "2.db"});
+  EXPECT_EQ(dump(folder / "out.db"), dump(folder / "whole.db"));
+}
+
+TEST(RunnerTest, MergeOfContradictionsNamesThemAndWritesNothing) {
+  const ScratchFolder folder;
+  const Study study = small_study();
+  run(study, folder / "a.db");
+  std::filesystem::copy_file(folder / "a.db", folder / "b.db");
+  sqlite::Database(folder / "b.db", sqlite::Mode::kReadWriteCreate)
+      .execute(
+          "UPDATE answers SET claim = 'crashed' WHERE"
+          " (problem_id, solver_id) IN (SELECT problem_id, solver_id FROM answers LIMIT 1)");
+  const std::string before = dump(folder / "a.db");
+  const MergeOutcome fresh = merge_stores(folder / "out.db", {folder / "a.db", folder / "b.db"});
+  ASSERT_EQ(fresh.conflicts.size(), 1U);
+  EXPECT_NE(fresh.conflicts[0].find("b.db: answers: paper/"), std::string::npos) << fresh.conflicts[0];
+  EXPECT_FALSE(std::filesystem::exists(folder / "out.db"));
+  EXPECT_EQ(merge_stores(folder / "a.db", {folder / "b.db"}).conflicts.size(), 1U);
+  EXPECT_EQ(dump(folder / "a.db"), before);
+}
+
+TEST(RunnerTest, BudgetEndsTheRunWithoutBreakingAProblem) {
+  const ScratchFolder folder;
+  Study study = small_study();
+  study.budget_s = 1e-9;
+  const RunOutcome first = run(study, folder / "s.db");
+  EXPECT_EQ(first.end, RunEnd::kOutOfBudget);
+  EXPECT_LT(first.progress.done, first.progress.total);
+  study.budget_s.reset();
+  run(study, folder / "s.db");
+  run(study, folder / "whole.db");
+  EXPECT_EQ(dump(folder / "s.db"), dump(folder / "whole.db"));
+}
+
+TEST(RunnerTest, VerdictsFollowFromTheStoreWithoutSolvingAgain) {
+  const ScratchFolder folder;
+  const Study study = small_study();
+  run(study, folder / "s.db");
+  Store store = Store::open_for_reading(folder / "s.db");
+  std::map<std::int64_t, Problem> problems;
+  std::map<std::int64_t, std::string> names;
+  for (const auto& [id, name] : store.sets()) names[id] = name;
+  store.for_each_problem([&](const ProblemRow& row) {
+    const Problem problem = open_set(names.at(row.set_id))->generate(row.seed, row.trial);
+    EXPECT_EQ(problem_hash(problem), row.hash);
+    problems[row.id] = problem;
+  });
+  std::int64_t last = -1;
+  std::unique_ptr<Evaluator> evaluator;
+  store.for_each_cell([&](const StoredCell& cell) {
+    if (cell.problem_id != last) evaluator = std::make_unique<Evaluator>(problems.at(cell.problem_id));
+    last = cell.problem_id;
+    const Answer answer = *store.answer(cell.problem_id, cell.solver_id);
+    const Errors errors = evaluator->errors(answer);
+    EXPECT_EQ(errors.solved, cell.errors.solved);
+    if (errors.usable && problems.at(cell.problem_id).contact() != nullptr) {
+      EXPECT_EQ(errors.velocity_residual_relative, cell.errors.velocity_residual_relative);
+    }
+    EXPECT_EQ(verdict(answer.claim, errors, cell.truth), cell.verdict);
+  });
+}
+
+class Liar final : public TimedSolver {
+ public:
+  using Lie = std::function<void(const Problem&, Vector& z)>;
+  explicit Liar(Lie lie) : lie_(std::move(lie)) {}
+  void run(const Problem& problem, const TimedRequest&, TimedAnswer& result) override {
+    result = {};
+    result.answer.claim = Claim::kSolved;
+    lie_(problem, result.answer.z);
+  }
+
+ private:
+  Lie lie_;
+};
+
+StudySolver liar(const std::string& name, const Liar::Lie& lie) {
+  return given_solver(name, [lie] { return std::make_unique<Liar>(lie); });
+}
+
+TEST(RunnerTest, LiesAreFalseClaims) {
+  const ScratchFolder folder;
+  Study study = small_study();
+  study.solvers.clear();
+  study.solvers.push_back(liar("zeros", [](const Problem& p, Vector& z) { z = Vector::Zero(p.size()); }));
+  study.solvers.push_back(liar("nan", [](const Problem& p, Vector& z) {
+    z = Vector::Constant(p.size(), std::numeric_limits<double>::quiet_NaN());
+  }));
+  study.solvers.push_back(liar("nothing", [](const Problem&, Vector& z) { z.resize(0); }));
+  study.solvers.push_back(given_solver("last answer", [] {
+    auto last = std::make_shared<Vector>();
+    return std::make_unique<Liar>([last](const Problem& problem, Vector& z) {
+      z = *last;
+      std::unique_ptr<Solver> honest = make_solver({"lemke", {}});
+      Answer answer;
+      honest->load(problem);
+      honest->solve({}, answer);
+      *last = answer.z;
+    });
+  }));
+  run(study, folder / "s.db");
+  Store store = Store::open_for_reading(folder / "s.db");
+  std::map<std::int64_t, std::string> names;
+  for (const StoredSolver& solver : store.solvers()) names[solver.id] = solver.row.name;
+  std::map<std::string, int> caught;
+  std::map<std::string, int> believed;
+  store.for_each_cell([&](const StoredCell& cell) {
+    ++(false_claim(cell.claim, cell.verdict) ? caught : believed)[names.at(cell.solver_id)];
+  });
+  // q >= 0 happens: there zeros are the answer, and passing the criterion by luck is not called wrong.
+  for (const char* name : {"nan", "nothing"}) EXPECT_EQ(caught[name], 19) << name;
+  for (const char* name : {"zeros", "last answer"}) EXPECT_GE(caught[name], 14) << name;
+  sqlite::Statement rows(store.database(),
+                         "SELECT COUNT(*) FROM judged WHERE verdict = 'solved' AND solver_id IN "
+                         "(SELECT id FROM solvers WHERE name IN ('nan', 'nothing'))");
+  ASSERT_TRUE(rows.step());
+  EXPECT_EQ(rows.integer(0), 0);
+}
+
+TEST(RunnerTest, DefectOfOursEndsTheRunWithoutLosingRows) {
+  const ScratchFolder folder;
+  Study study = small_study();
+  study.solvers.resize(1);
+  study.solvers.push_back(liar("defect", [](const Problem& problem, Vector&) {
+    if (problem.name().find("trial 5") != std::string::npos) throw std::logic_error("a defect");
+  }));
+  EXPECT_THROW(run(study, folder / "s.db"), std::logic_error);
+  Store store = Store::open_for_reading(folder / "s.db");
+  EXPECT_GT(store.cell_count(), 5);
+}
+
+TEST(RunnerTest, OrderOfSolversTurnsWithTheTrial) {
+  const ScratchFolder folder;
+  std::vector<std::string> order;
+  Study study = small_study();
+  study.sets.resize(1);
+  study.sets[0].trials = 3;
+  study.solvers.clear();
+  for (const char* name : {"a", "b", "c"}) {
+    study.solvers.push_back(liar(name, [&order, name](const Problem&, Vector&) { order.emplace_back(name); }));
+  }
+  run(study, folder / "s.db");
+  EXPECT_EQ(order, (std::vector<std::string>{"a", "b", "c", "b", "c", "a", "c", "a", "b"}));
+}
+
+TEST(RunnerTest, FaultsOfAWorkerLeaveRowsAndARunningStudy) {
+  const ScratchFolder folder;
+  const std::vector<std::pair<std::string, std::string>> expected{
+      {"right", "solved"},    {"segfault", "crashed"},        {"abort", "crashed"},
+      {"exit(0)", "crashed"}, {"_exit(0)", "crashed"},        {"loop for ever", "time_limit"},
+      {"scribble", "solved"}, {"huge z", "crashed"},          {"zeros", "solved"},
+      {"nan", "solved"},      {"stop", "time_limit"},         {"wrong magic", "crashed"},
+      {"print", "solved"},    {"close the socket", "crashed"}};
+  std::vector<Problem> problems;
+  for (const auto& [behaviour, claim] : expected) {
+    problems.emplace_back(behaviour, Lcp{2.0 * Matrix::Identity(5, 5), Vector::Constant(5, -1.0)});
+  }
+  Study study;
+  study.time_limit_s = 0.3;
+  study.sets.push_back(
+      {std::make_shared<GivenProblems>("given", problems), static_cast<std::int64_t>(problems.size())});
+  study.solvers.push_back(given_solver("fault", [] {
+    WorkerLimits limits;
+    limits.grace_s = 0.3;
+    return worker_solver(FAULT_WORKER, Spec{"fault", {}}, limits);
+  }));
+  study.solvers.push_back({solver_row({"lemke", {}}), 1, [] { return in_process(make_solver({"lemke", {}})); }});
+  EXPECT_EQ(run(study, folder / "s.db", {.jobs = 2}).end, RunEnd::kComplete);
+  Store store = Store::open_for_reading(folder / "s.db");
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const std::int64_t problem = problem_id("given", study.seed, static_cast<std::int64_t>(i));
+    const std::optional<Answer> faulty = store.answer(problem, study.solvers[0].row.id());
+    ASSERT_TRUE(faulty.has_value()) << expected[i].first;
+    EXPECT_EQ(to_string(faulty->claim), expected[i].second) << expected[i].first << ": " << faulty->detail;
+    const std::optional<Answer> right = store.answer(problem, study.solvers[1].row.id());
+    ASSERT_TRUE(right.has_value());
+    EXPECT_TRUE((right->z.array() == 0.5).all()) << expected[i].first;
+  }
+  sqlite::Statement false_claims(store.database(),
+                                 "SELECT COUNT(*) FROM judged WHERE claim = 'solved' AND verdict = 'wrong'");
+  ASSERT_TRUE(false_claims.step());
+  EXPECT_EQ(false_claims.integer(0), 2);  // zeros and nan
+}
+
+}  // namespace
+}  // namespace lcpbench

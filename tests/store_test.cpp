@@ -1,0 +1,250 @@
+// What a user relies on: a store gives back exactly what went in, and says clearly when a file cannot be used.
+
+#include "study/store.h"
+
+#include <bit>
+#include <cstdint>
+#include <fstream>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "study/vector_codec.h"
+#include "tests/study_support.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::vector<std::uint64_t> bits(const Vector& vector) {
+  std::vector<std::uint64_t> result;
+  for (const double value : vector) result.push_back(std::bit_cast<std::uint64_t>(value));
+  return result;
+}
+
+Vector awkward_numbers() {
+  Vector vector(8);
+  vector << 0.0, -0.0, std::bit_cast<double>(0x7ff8'dead'beef'0001ULL), kInfinity, -kInfinity,
+      std::numeric_limits<double>::denorm_min(), 1.0 / 3.0, 0.0;
+  return vector;
+}
+
+std::string input_error(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no InputError";
+}
+
+void write_file(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream(file, std::ios::binary) << text;
+}
+
+ProblemResult one_result(const std::string& set, const SolverRow& solver, const Vector& z) {
+  ProblemResult result;
+  result.problem = {.id = problem_id(set, 7, 3),
+                    .set_id = set_id(set),
+                    .seed = 7,
+                    .trial = 3,
+                    .kind = "lcp",
+                    .n = z.size(),
+                    .hash = "ab",
+                    .theory = ""};
+  CellRow cell;
+  cell.solver_id = solver.id();
+  cell.claim = Claim::kSolved;
+  cell.counters = {5, 4, 3};
+  cell.detail = "it's \"fine\"";
+  cell.errors.solved = cell.errors.usable = true;
+  cell.errors.natural_residual = 1e-300;
+  cell.errors.backward_row_norm = kInfinity;
+  cell.times.solve_cpu_s = 0.1;
+  cell.times.repeats = 12;
+  std::string bytes = encode_vector(z);
+  cell.z = content_id(bytes);
+  result.vectors.emplace_back(*cell.z, std::move(bytes));
+  result.cells.push_back(cell);
+  return result;
+}
+
+SolverRow some_solver() {
+  SolverRow solver;
+  solver.name = "lemke";
+  solver.settings = "engine=dense";
+  solver.library = "native";
+  return solver;
+}
+
+/// Begins a store with one finished cell.
+void fill(const std::filesystem::path& file, const Vector& z) {
+  Store store = Store::open_for_writing(file);
+  store.begin();
+  store.add_run("2026-01-01T00:00:00Z", "{}");
+  store.add_set("a/set");
+  store.add_solver(some_solver());
+  store.add(one_result("a/set", some_solver(), z));
+  store.commit();
+}
+
+TEST(VectorCodecTest, KeepsEveryBit) {
+  const Vector vector = awkward_numbers();
+  EXPECT_EQ(bits(decode_vector(encode_vector(vector))), bits(vector));
+  EXPECT_EQ(decode_vector(encode_vector(Vector())).size(), 0);
+}
+
+TEST(VectorCodecTest, ZerosTakeNoRoom) { EXPECT_EQ(encode_vector(Vector::Zero(1000)).size(), 4U); }
+
+TEST(VectorCodecTest, RefusesDamagedBytes) {
+  std::string bytes = encode_vector(awkward_numbers());
+  EXPECT_THROW(decode_vector(bytes.substr(0, bytes.size() - 1)), InputError);
+  EXPECT_THROW(decode_vector(""), InputError);
+  bytes[4] = 100;  // an index beyond the length
+  EXPECT_THROW(decode_vector(bytes), InputError);
+  EXPECT_THROW(decode_vector(std::string("\xff\xff\xff\xff", 4)), InputError);
+}
+
+TEST(StoreTest, GivesBackWhatWentIn) {
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder / "s.db";
+  fill(file, awkward_numbers());
+  Store store = Store::open_for_reading(file);
+  const std::int64_t problem = problem_id("a/set", 7, 3);
+  const std::optional<Answer> answer = store.answer(problem, some_solver().id());
+  ASSERT_TRUE(answer.has_value());
+  EXPECT_EQ(bits(answer->z), bits(awkward_numbers()));
+  EXPECT_EQ(answer->detail, "it's \"fine\"");
+  EXPECT_EQ(answer->counters.pivots, 4);
+  EXPECT_EQ(store.done(problem), std::vector<std::int64_t>{some_solver().id()});
+  EXPECT_EQ(store.solvers().at(0).row, some_solver());
+  int cells = 0;
+  store.for_each_cell([&](const StoredCell& cell) {
+    ++cells;
+    EXPECT_EQ(cell.seed, 7U);
+    EXPECT_EQ(cell.verdict, Verdict::kSolved);
+    EXPECT_EQ(cell.errors.natural_residual, 1e-300);
+    EXPECT_EQ(cell.errors.backward_row_norm, kInfinity);
+    EXPECT_TRUE(std::isnan(cell.errors.work_gain_j));
+    EXPECT_EQ(cell.times.solve_cpu_s, 0.1);
+    EXPECT_EQ(cell.times.repeats, 12);
+  });
+  EXPECT_EQ(cells, 1);
+}
+
+TEST(StoreTest, FirstRowOfACellStays) {
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder / "s.db";
+  fill(file, Vector::Ones(2));
+  const std::string before = dump(file);
+  {
+    Store store = Store::open_for_writing(file);
+    ProblemResult again = one_result("a/set", some_solver(), Vector::Ones(2));
+    again.cells[0].claim = Claim::kCrashed;
+    store.begin();
+    store.add(again);
+    store.commit();
+  }
+  EXPECT_EQ(dump(file), before);
+}
+
+TEST(StoreTest, SeedsUseAll64Bits) {
+  const ScratchFolder folder;
+  constexpr std::uint64_t kSeed = std::numeric_limits<std::uint64_t>::max();
+  {
+    Store store = Store::open_for_writing(folder / "s.db");
+    ProblemResult result;
+    result.problem = {.id = problem_id("a", kSeed, 0), .set_id = store.add_set("a"), .seed = kSeed, .kind = "lcp"};
+    store.add(result);
+  }
+  Store store = Store::open_for_reading(folder / "s.db");
+  store.for_each_problem([&](const ProblemRow& row) { EXPECT_EQ(row.seed, kSeed); });
+}
+
+TEST(StoreTest, AtRestIsOneFile) {
+  const ScratchFolder folder;
+  fill(folder / "s.db", Vector::Ones(2));
+  for (const char* suffix : {"-wal", "-shm", ".lock"}) {
+    EXPECT_FALSE(std::filesystem::exists((folder / "s.db").string() + suffix)) << suffix;
+  }
+}
+
+TEST(StoreTest, SecondWriterIsRefusedWhileTheFirstLives) {
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder / "s.db";
+  {
+    const Store first = Store::open_for_writing(file);
+    EXPECT_NE(input_error([&] { Store::open_for_writing(file); }).find("another process is writing this store"),
+              std::string::npos);
+    EXPECT_NE(input_error([&] { Store::remove(file); }).find("another process"), std::string::npos);
+    EXPECT_NO_THROW(Store::open_for_reading(file));
+  }
+  EXPECT_NO_THROW(Store::open_for_writing(file));
+}
+
+TEST(StoreTest, BlankFileOfAKilledStartIsAFreshStore) {
+  const ScratchFolder folder;
+  write_file(folder / "s.db", "");
+  EXPECT_NO_THROW(fill(folder / "s.db", Vector::Ones(2)));
+}
+
+TEST(StoreTest, ForeignFilesAreNamedAndLeftAlone) {
+  const ScratchFolder folder;
+  const std::string text(5000, 'x');
+  write_file(folder / "text.db", text);
+  const std::string expected = (folder / "text.db").string() + ": not an lcpbench store";
+  EXPECT_EQ(input_error([&] { Store::open_for_writing(folder / "text.db"); }), expected);
+  EXPECT_EQ(input_error([&] { Store::open_for_reading(folder / "text.db"); }), expected);
+  EXPECT_EQ(input_error([&] { Store::remove(folder / "text.db"); }), expected);
+  EXPECT_EQ(std::filesystem::file_size(folder / "text.db"), text.size());
+
+  sqlite::Database(folder / "other.db", sqlite::Mode::kReadWriteCreate).execute("CREATE TABLE mine (x)");
+  EXPECT_EQ(input_error([&] { Store::open_for_writing(folder / "other.db"); }),
+            (folder / "other.db").string() + ": not an lcpbench store");
+  EXPECT_NE(input_error([&] { Store::open_for_reading(folder / "none.db"); }).find("no such store"), std::string::npos);
+}
+
+TEST(StoreTest, NewerFormatIsNamed) {
+  const ScratchFolder folder;
+  fill(folder / "s.db", Vector::Ones(2));
+  sqlite::Database(folder / "s.db", sqlite::Mode::kReadWriteCreate).execute("PRAGMA user_version = 99");
+  EXPECT_NE(input_error([&] { Store::open_for_writing(folder / "s.db"); }).find("store format 99"), std::string::npos);
+}
+
+TEST(StoreTest, DamagedFileIsAnInputError) {
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder / "s.db";
+  fill(file, Vector::Ones(2));
+  std::fstream damage(file, std::ios::in | std::ios::out | std::ios::binary);
+  const auto size = static_cast<std::streamoff>(std::filesystem::file_size(file));
+  for (std::streamoff at = 4096; at < size; ++at) damage.seekp(at).put('\x5a');
+  damage.close();
+  const std::string cause = input_error([&] { dump(file); });
+  EXPECT_NE(cause.find("damaged"), std::string::npos) << cause;
+}
+
+TEST(StoreTest, SolverWithOtherDefaultsIsRefused) {
+  const ScratchFolder folder;
+  Store store = Store::open_for_writing(folder / "s.db");
+  SolverRow solver = some_solver();
+  store.add_solver(solver);
+  solver.all_settings = "engine=dense,new_default=1";
+  EXPECT_NE(input_error([&] { store.add_solver(solver); }).find("other defaults"), std::string::npos);
+}
+
+TEST(StoreTest, IdsDependOnEveryPartOfTheKey) {
+  SolverRow swept = some_solver();
+  swept.sweep = "paper";
+  SolverRow moved = some_solver();
+  moved.name = "lemkeengine=dense";
+  moved.settings = "";
+  EXPECT_NE(swept.id(), some_solver().id());
+  EXPECT_NE(moved.id(), some_solver().id());
+  EXPECT_NE(problem_id("a", 1, 23), problem_id("a", 12, 3));
+  EXPECT_GE(problem_id("a", 1, 23), 0);
+}
+
+}  // namespace
+}  // namespace lcpbench

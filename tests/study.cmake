@@ -1,0 +1,17 @@
+if(NOT TARGET lcpbench_study)
+  return()
+endif()
+
+lcpbench_test(store LINK lcpbench_study)
+lcpbench_test(plan LINK lcpbench_study lcpbench_solver_list)
+lcpbench_test(runner LINK lcpbench_study lcpbench_solver_list lcpbench_adapters)
+target_compile_definitions(runner_test PRIVATE FAULT_WORKER="$<TARGET_FILE:fault_worker>")
+add_dependencies(runner_test fault_worker)
+
+# These run the program itself.
+lcpbench_test(cli LINK lcpbench_study nlohmann_json::nlohmann_json)
+lcpbench_test(kill SLOW LINK lcpbench_study)
+foreach(name cli kill)
+  target_compile_definitions(${name}_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
+  add_dependencies(${name}_test lcpbench lcpbench_workers)
+endforeach()

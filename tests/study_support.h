@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "generators/sets.h"
+#include "study/store.h"
+#include "study/study.h"
+
+namespace lcpbench {
+
+/// A folder of this test process, deleted at the end.
+class ScratchFolder {
+ public:
+  ScratchFolder() {
+    const std::string pattern = (std::filesystem::temp_directory_path() / "lcpbench-test-XXXXXX").string();
+    std::vector<char> path(pattern.begin(), pattern.end());
+    path.push_back('\0');
+    if (mkdtemp(path.data()) == nullptr) throw std::runtime_error("no scratch folder");
+    folder_ = path.data();
+  }
+  ~ScratchFolder() { std::filesystem::remove_all(folder_); }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+  std::filesystem::path operator/(const std::string& name) const { return folder_ / name; }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+/// Every row of a table, exactly: reals with all their digits, blobs in hexadecimal.
+inline std::string dump_table(Store& store, const std::string& table) {
+  std::string columns;
+  sqlite::Statement info(store.database(), "SELECT name FROM pragma_table_info('" + table + "')");
+  while (info.step()) columns += (columns.empty() ? "quote(" : " || ',' || quote(") + std::string(info.text(0)) + ")";
+  sqlite::Statement rows(store.database(), "SELECT " + columns + " AS row FROM " + table + " ORDER BY row");
+  std::string text;
+  while (rows.step()) text += table + ": " + std::string(rows.text(0)) + "\n";
+  return text;
+}
+
+/// All that a study says of problems, solvers and answers: every table but timings and runs.
+inline std::string dump(const std::filesystem::path& file) {
+  Store store = Store::open_for_reading(file);
+  std::string text;
+  for (const char* table : {"sets", "solvers", "problems", "vectors", "answers", "verdicts", "certificates"}) {
+    text += dump_table(store, table);
+  }
+  return text;
+}
+
+/// A set of given problems.
+class GivenProblems final : public ProblemSet {
+ public:
+  GivenProblems(std::string name, std::vector<Problem> problems)
+      : name_(std::move(name)), problems_(std::move(problems)) {}
+  std::string name() const override { return name_; }
+  Problem generate(std::uint64_t, std::int64_t trial) const override {
+    return problems_.at(static_cast<std::size_t>(trial));
+  }
+  std::optional<std::int64_t> count() const override { return static_cast<std::int64_t>(problems_.size()); }
+
+ private:
+  std::string name_;
+  std::vector<Problem> problems_;
+};
+
+/// A solver as a study takes it, made by `open`.
+template <class Open>
+StudySolver given_solver(const std::string& name, Open open) {
+  SolverRow row;
+  row.name = name;
+  row.library = "test";
+  return {row, 1, open};
+}
+
+}  // namespace lcpbench
