@@ -115,7 +115,9 @@ Action add_bench_command(CLI::App& command, const std::string& command_line) {
   command.add_option("--problems", arguments->problems, "of each set")
       ->check(CLI::Range(INT64_C(1), INT64_C(100'000'000)))
       ->capture_default_str();
-  command.add_option("--seed", arguments->seed, "stream of random problems")->capture_default_str();
+  command.add_option("--seed", arguments->seed, "stream of random problems")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   command.add_option("--time-limit", arguments->time_limit_s, "seconds for each solve")
       ->check(CLI::Range(1e-6, 1e7))
       ->capture_default_str();
