@@ -290,6 +290,8 @@ TEST(WorkerProtocolTest, GreetingsArrive) {
   const Parsed<Greeting> parsed = parse_greeting(bytes);
   ASSERT_TRUE(parsed.ok());
   EXPECT_EQ(parsed.value.solvers, greeting.solvers);
+  set_word(bytes, kSequenceAt, 1);
+  EXPECT_EQ(parse_greeting(bytes).error, "a greeting has no sequence number");
   set_word(bytes, kSequenceAt - 16, kVersion + 1);
   EXPECT_NE(parse_greeting(bytes).error.find("rebuild"), std::string::npos);
 }
