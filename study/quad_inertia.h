@@ -11,11 +11,12 @@ namespace lcpbench {
 /// The inertia G of a contact problem and its (pseudo-)inverse G*, in 113-bit arithmetic.
 ///
 /// - Dense and block: G* = G^-1 by LDL'.
-/// - Factors: G = X diag(alpha) X'. As dense where there are at least ngc of them and each pivot of G keeps 2^-96 of its
+/// - Factors: G = X diag(alpha) X'. As dense where there are at least ngc of them and each pivot of G keeps 2^-96 of
+/// its
 ///   diagonal entry. Else, with Q an orthonormal basis of the range of X (column-pivoted Gram-Schmidt with a second
-///   pass), G* = Q (Q'GQ)^-1 Q'; a factor belongs to the range of the others when 2^-48 of its length or less stands out
-///   of it: far above the rounding of the arithmetic (2^-113), far below the angle 2^-26 that the same decision on G in
-///   double could still see.
+///   pass), G* = Q (Q'GQ)^-1 Q'; a factor belongs to the range of the others when 2^-48 of its length or less stands
+///   out of it: far above the rounding of the arithmetic (2^-113), far below the angle 2^-26 that the same decision on
+///   G in double could still see.
 /// - Dense or block G that is singular to within 2^-96 (relative to each diagonal entry): its pivoted LDL' is cut at
 ///   ngc 2^-52 max G_ii, the cut of inverse_inertia(), and the factors kept are treated as above.
 /// - G* given: it is used as it is; G is then unknown.
