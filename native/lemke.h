@@ -19,7 +19,7 @@ enum class LemkeCap { kPaper, kLemke };
 struct LemkeSettings {
   LemkeEngine engine = LemkeEngine::kKernel;
   double pivot_tolerance = 1e-10;
-  double zero_tolerance = 1e-8;
+  double zero_tolerance = 1e-6;
   LemkeUpdate update = LemkeUpdate::kResolve;
   LemkeCap cap = LemkeCap::kPaper;
   std::int64_t max_pivots = 0;

@@ -23,6 +23,21 @@ lcpbench_test(enumeration LINK lcpbench_native)
 lcpbench_test(primal_dual LINK lcpbench_native)
 lcpbench_test(regularized LINK lcpbench_native)
 
+# Once at the level in use, and once at each level; those that this processor lacks are skipped.
+lcpbench_test(lemke LINK lcpbench_native lcpbench_generators)
+target_sources(lemke_test PRIVATE allocation_counter.cpp)
+get_property(levels GLOBAL PROPERTY LCPBENCH_LEMKE_LEVELS)
+foreach(level IN LISTS levels)
+  add_test(NAME lemke_${level} COMMAND lemke_test)
+  set_tests_properties(lemke_${level} PROPERTIES ENVIRONMENT "LCPBENCH_ISA=${level}"
+                                                 SKIP_REGULAR_EXPRESSION "this processor has no more than")
+  if(NOT LCPBENCH_SANITIZE)  # sanitizers add symbols of their own
+    add_test(NAME lemke_symbols_${level}
+             COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DLEVEL=${level} -DOBJECT=$<TARGET_OBJECTS:lcpbench_lemke_${level}>
+                     -P ${CMAKE_CURRENT_SOURCE_DIR}/lemke_symbols.cmake)
+  endif()
+endforeach()
+
 # Measurements, not tests: docs/lemke.md shows what they print.
 add_executable(lemke_engines_benchmark EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/lemke_engines_benchmark.cpp)
 target_link_libraries(lemke_engines_benchmark PRIVATE lcpbench_native lcpbench_generators)
