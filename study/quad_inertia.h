@@ -12,8 +12,7 @@ namespace lcpbench {
 ///
 /// - Dense and block: G* = G^-1 by LDL'.
 /// - Factors: G = X diag(alpha) X'. As dense where there are at least ngc of them and each pivot of G keeps 2^-96 of
-/// its
-///   diagonal entry. Else, with Q an orthonormal basis of the range of X (column-pivoted Gram-Schmidt with a second
+///   its diagonal entry. Else, with Q an orthonormal basis of the range of X (column-pivoted Gram-Schmidt with a second
 ///   pass), G* = Q (Q'GQ)^-1 Q'; a factor belongs to the range of the others when 2^-48 of its length or less stands
 ///   out of it: far above the rounding of the arithmetic (2^-113), far below the angle 2^-26 that the same decision on
 ///   G in double could still see.
