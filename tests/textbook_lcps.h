@@ -3,12 +3,21 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <ostream>
 #include <random>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/lcp.h"
+#include "core/solver.h"
+
+namespace lcpbench {
+
+/// How GoogleTest shows a claim.
+inline void PrintTo(Claim claim, std::ostream* out) { *out << to_string(claim); }
+
+}  // namespace lcpbench
 
 namespace lcpbench::testing {
 
@@ -22,6 +31,10 @@ struct TextbookLcp {
   bool monotone = false;  ///< M + M' positive semidefinite
   Vector z;               ///< a solution; empty where there is none
 };
+
+inline void PrintTo(const TextbookLcp& textbook, std::ostream* out) {
+  *out << textbook.name << " (" << textbook.source << ")";
+}
 
 inline Vector vector_of(std::initializer_list<double> values) {
   Vector v(static_cast<Index>(values.size()));
