@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <exception>
 #include <string>
 #include <utility>
@@ -45,6 +46,7 @@ class CommandLine {
     add("run", "Run a study into a store; resumes by default",
         [&](CLI::App& command) { return add_run_command(command, typed); });
     add("merge", "Join the stores of shards", add_merge_command);
+    add("report", "Write the report of a store: page, tables, figures, summary.json", add_report_command);
     add("bench", "Measure speed against a reference solver",
         [&](CLI::App& command) { return add_bench_command(command, typed); });
   }
@@ -55,6 +57,9 @@ class CommandLine {
     } catch (const CLI::Success& help) {
       return app_.exit(help);
     } catch (const CLI::ParseError& error) {
+      if (argc > 1 && argv[1][0] != '-' && !is_command(argv[1])) {
+        throw InputError("unknown command '" + std::string(argv[1]) + "' (lcpbench --help)");
+      }
       throw InputError(first_line(error.what()) + " (lcpbench --help)");
     }
     for (const auto& [command, action] : commands_) {
@@ -64,6 +69,11 @@ class CommandLine {
   }
 
  private:
+  bool is_command(const std::string& name) const {
+    return std::any_of(commands_.begin(), commands_.end(),
+                       [&](const auto& command) { return command.first->get_name() == name; });
+  }
+
   template <class AddOptions>
   void add(const char* name, const char* summary, AddOptions add_options) {
     CLI::App* command = app_.add_subcommand(name, summary);

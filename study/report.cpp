@@ -66,7 +66,7 @@ Json decision_json(const Summary& summary, const std::vector<report::Situation>&
                          {"solved", share_json(contender.solved)},
                          {"false_claims", share_json(contender.false_claims)},
                          {"median_time_s", estimate_json(contender.time)},
-                         {"time_ratio", estimate_json(contender.ratio)}});
+                         {"speedup", estimate_json(contender.speedup)}});
     }
   }
   return records;
@@ -147,17 +147,10 @@ std::string padded(const std::string& text, std::size_t width, bool right) {
   return right ? blanks + text : text + blanks;
 }
 
-/// Control characters of hostile names would move the cursor.
-std::string printable(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '?');
-  return text;
-}
-
 std::string text_row(const std::string& name, const std::string& solved, const std::string& interval,
                      const std::string& false_claims, const std::string& gave_up, const std::string& time,
                      const std::string& ratio, const std::string& error) {
-  return "  " + padded(printable(name), kNameWidth, false) + padded(solved, 8, true) + "  " +
+  return "  " + padded(report::mended(name), kNameWidth, false) + padded(solved, 8, true) + "  " +
          padded(interval, 13, false) + padded(false_claims, 9, true) + padded(gave_up, 9, true) +
          padded(time, 9, true) + padded(ratio, 7, true) + padded(error, 9, true) + "\n";
 }
@@ -166,8 +159,8 @@ std::string text_row(const Summary& summary, const Cell& cell) {
   const SolverRow& solver = summary.solvers[cell.solver];
   std::string name = solver.text();
   if (cell.refused())
-    return "  " + padded(printable(name), kNameWidth, false) + "  does not take these: " + printable(cell.refusal) +
-           "\n";
+    return "  " + padded(report::mended(name), kNameWidth, false) +
+           "  does not take these: " + report::mended(cell.refusal) + "\n";
   if (cell.trials < summary.sets[cell.set].problems) name += fmt::format(" n={}", cell.trials);
   const auto of_trials = [&cell](std::int64_t count) {
     return report::percent(report::Share{count, cell.trials}.value());
@@ -180,14 +173,14 @@ std::string text_row(const Summary& summary, const Cell& cell) {
 
 std::string sweep_line(const SweepSummary& sweep) {
   return fmt::format("  {} sweep {} ({} cells): worst {}, average {}, best {}; by the paper's criterion {} / {} / {}\n",
-                     printable(sweep.solver), printable(sweep.sweep), sweep.parameterisations,
+                     report::mended(sweep.solver), report::mended(sweep.sweep), sweep.parameterisations,
                      report::percent(sweep.verdict.worst), report::percent(sweep.verdict.average),
                      report::percent(sweep.verdict.best), report::percent(sweep.criterion.worst),
                      report::percent(sweep.criterion.average), report::percent(sweep.criterion.best));
 }
 
 std::string set_text(const Summary& summary, std::size_t set) {
-  std::string text = fmt::format("{}, {}\n", printable(summary.sets[set].name),
+  std::string text = fmt::format("{}, {}\n", report::mended(summary.sets[set].name),
                                  report::counted(summary.sets[set].problems, "problem"));
   for (const Cell& cell : summary.cells) {
     if (cell.set == set && summary.solvers[cell.solver].sweep.empty()) text += text_row(summary, cell);

@@ -19,8 +19,8 @@
 #include "study/interrupt.h"
 #include "study/plan.h"
 #include "study/provenance.h"
+#include "study/report.h"
 #include "study/runner.h"
-#include "study/table.h"
 #include "study/text_table.h"
 
 namespace lcpbench {
@@ -246,7 +246,7 @@ Action add_run_command(CLI::App& command, const std::string& command_line) {
       ->allow_extra_args(false);
   command.add_option("--sweep", arguments->sweep, "run each solver over its grid of this name (paper)");
   command.add_option("--trials", arguments->trials, "problems of each set")->check(CLI::Range(1, 100'000'000));
-  command.add_option("--seed", arguments->seed, "stream of random problems");
+  command.add_option("--seed", arguments->seed, "stream of random problems")->check(CLI::NonNegativeNumber);
   command.add_option("--jobs", arguments->jobs, "threads (default: one per processor)")->check(CLI::Range(1, 1024));
   command.add_option("--budget", arguments->budget_s, "seconds after which no problem is begun; 0: no limit")
       ->check(CLI::Range(0.0, 1e7));

@@ -38,9 +38,12 @@ std::string time_of_decade(int exponent) {
 
 LogAxis::LogAxis(const std::vector<double>& values, double begin, double end) : begin_(begin), end_(end) {
   const auto [smallest, largest] = std::minmax_element(values.begin(), values.end());
-  // A point on the frame would be half hidden: a twentieth of a decade is its radius.
-  low_ = static_cast<int>(std::floor(std::log10(*smallest) - 0.05));
-  high_ = static_cast<int>(std::ceil(std::log10(*largest) + 0.05));
+  const double low = std::log10(*smallest);
+  const double high = std::log10(*largest);
+  // A point on the frame would be half hidden: keep a fiftieth of the axis, about a point's size, free at either end.
+  const double margin = 0.02 * (high - low + 1);
+  low_ = static_cast<int>(std::floor(low - margin));
+  high_ = static_cast<int>(std::ceil(high + margin));
 }
 
 std::string LogAxis::tics(int count, std::string (*name)(int)) const {

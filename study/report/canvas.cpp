@@ -5,12 +5,20 @@
 #include <fmt/format.h>
 
 #include "study/report/gnuplot.h"
+#include "study/report/text.h"
 
 namespace lcpbench::report {
 
 namespace {
 
 bool starts_character(char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }
+
+/// gnuplot escapes what SVG needs but for the end of a CDATA section, which XML allows in no text.
+std::string svg_text(std::string_view text) {
+  std::string out = mended(text);
+  for (std::size_t at = out.find("]]>"); at != std::string::npos; at = out.find("]]>", at)) out.insert(at + 2, " ");
+  return out;
+}
 
 const char* alignment(Align align) {
   switch (align) {
@@ -43,10 +51,9 @@ std::string Canvas::position(double x, double y) const {
 }
 
 void Canvas::text(double x, double y, std::string_view text, const TextStyle& style) {
-  command(fmt::format("set label {} at {} {} font '{}{},{:g}' textcolor rgb '{}' front", gnuplot_quote(text),
-                      position(x, y), alignment(style.align),
-                      style.monospace ? "monospace" : "Helvetica,Arial,sans-serif", style.bold ? ":Bold" : "",
-                      style.size, style.color));
+  command(fmt::format("set label {} at {} {} font '{}{},{:g}' textcolor rgb '{}' front", gnuplot_quote(svg_text(text)),
+                      position(x, y), alignment(style.align), style.monospace ? "monospace" : "sans-serif",
+                      style.bold ? ":Bold" : "", style.size, style.color));
 }
 
 void Canvas::rectangle(const Box& box, const char* color) {
@@ -54,9 +61,11 @@ void Canvas::rectangle(const Box& box, const char* color) {
                       position(box.left, box.bottom), position(box.right, box.top), color));
 }
 
-void Canvas::line(double x0, double y0, double x1, double y1, const char* color, double line_width, bool dashed) {
-  command(fmt::format("set arrow from {} to {} nohead linecolor rgb '{}' linewidth {:g}{} front", position(x0, y0),
-                      position(x1, y1), color, line_width, dashed ? " dashtype (6,4)" : ""));
+void Canvas::line(double x0, double y0, double x1, double y1, const char* color, double line_width, bool dashed,
+                  Layer layer) {
+  command(fmt::format("set arrow from {} to {} nohead linecolor rgb '{}' linewidth {:g}{} {}", position(x0, y0),
+                      position(x1, y1), color, line_width, dashed ? " dashtype (6,4)" : "",
+                      layer == Layer::kFront ? "front" : "back"));
 }
 
 void Canvas::plot_area(const Box& area) {
@@ -69,7 +78,7 @@ void Canvas::plot_area(const Box& area) {
 std::string Canvas::draw(const std::string& title, const std::string& plot) const {
   std::string script = fmt::format(
       "set encoding utf8\n"
-      "set terminal svg size {:.0f},{:.0f} fixed noenhanced background '#ffffff' font 'Helvetica,Arial,sans-serif,12'\n"
+      "set terminal svg size {:.0f},{:.0f} fixed noenhanced background '#ffffff' font 'sans-serif,12'\n"
       "set key off\n",
       width_, height_);
   std::string svg = run_gnuplot(script + commands_ + plot + "\n");
@@ -78,6 +87,11 @@ std::string Canvas::draw(const std::string& title, const std::string& plot) cons
   const std::size_t end = svg.find("</desc>");
   if (begin != std::string::npos && end != std::string::npos) {
     svg.replace(begin, end + std::string("</desc>").size() - begin, "<title>" + title + "</title>");
+  }
+  // Without enhanced text mode gnuplot passes its mark of bold type on as a part of the family's name.
+  constexpr std::string_view kMarkedBold = "font-family=\"sans-serif:Bold\"";
+  for (std::size_t at = svg.find(kMarkedBold); at != std::string::npos; at = svg.find(kMarkedBold, at)) {
+    svg.replace(at, kMarkedBold.size(), "font-family=\"sans-serif\" font-weight=\"bold\"");
   }
   return svg;
 }

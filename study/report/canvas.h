@@ -17,6 +17,9 @@ std::size_t character_count(std::string_view text);
 /// At most `limit` characters, the last an ellipsis when something is left out.
 std::string shorten(std::string_view text, std::size_t limit);
 
+/// Before or behind what the plot command draws.
+enum class Layer { kFront, kBack };
+
 enum class Align { kLeft, kCenter, kRight };
 
 struct TextStyle {
@@ -38,7 +41,8 @@ class Canvas {
   /// One line of text, centred on `y`.
   void text(double x, double y, std::string_view text, const TextStyle& style);
   void rectangle(const Box& box, const char* color);
-  void line(double x0, double y0, double x1, double y1, const char* color, double line_width, bool dashed = false);
+  void line(double x0, double y0, double x1, double y1, const char* color, double line_width, bool dashed = false,
+            Layer layer = Layer::kFront);
   /// Any other command.
   void command(const std::string& line) { commands_ += line + "\n"; }
   /// The frame that a plot command fills.

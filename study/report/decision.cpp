@@ -90,22 +90,25 @@ void for_each_pair(const Record& a, const Record& b, Visit visit) {
   }
 }
 
+/// Time of `a` over time of `b` on the problems that both solved; NaN where there are none.
+Estimate time_ratio(const Record& a, const Record& b) {
+  std::vector<double> own;
+  std::vector<double> others;
+  for_each_pair(a, b, [&](const Outcome& left, const Outcome& right) {
+    if (!left.solved || !right.solved || std::isnan(left.time_s) || std::isnan(right.time_s)) return;
+    own.push_back(left.time_s);
+    others.push_back(right.time_s);
+  });
+  return ratio_of_sums(own, others);
+}
+
 void measure_times(const Record* reference, Record& record) {
   std::vector<double> times;
   for (const auto& [set, outcome] : record.outcomes) {
     if (!std::isnan(outcome->time_s)) times.push_back(outcome->time_s);
   }
   record.contender.time = median_estimate(times);
-  record.contender.ratio = {kNone, kNone, kNone};
-  if (reference == nullptr) return;
-  std::vector<double> own;
-  std::vector<double> others;
-  for_each_pair(record, *reference, [&](const Outcome& a, const Outcome& b) {
-    if (!a.solved || !b.solved || std::isnan(a.time_s) || std::isnan(b.time_s)) return;
-    own.push_back(a.time_s);
-    others.push_back(b.time_s);
-  });
-  record.contender.ratio = ratio_of_sums(own, others);
+  record.contender.speedup = reference == nullptr ? Estimate{kNone, kNone, kNone} : time_ratio(*reference, record);
 }
 
 /// Does `a` show `property` on significantly more of the common problems than `b`?
@@ -145,40 +148,45 @@ const Record* choose(const std::vector<Record>& records) {
   return fastest;
 }
 
-bool tie_in_time(const Record& a, const Record& b) {
-  const Estimate& left = a.contender.time;
-  const Estimate& right = b.contender.time;
-  const double ratio = left.value / right.value;
-  if (ratio < kTieInTime && ratio > 1 / kTieInTime) return true;
-  return left.low <= right.high && right.low <= left.high;
+bool is_tie_in_time(const Estimate& ratio) {
+  const bool within_noise = ratio.value < kTieInTime && ratio.value > 1 / kTieInTime;
+  return within_noise || (ratio.low <= 1 && ratio.high >= 1);
 }
 
-std::string relative_time(const Record& record, const Record& chosen) {
-  return factor(median_time(record) / median_time(chosen)) + "× slower";
+std::string time_words(const Estimate& ratio) {
+  if (std::isnan(ratio.value)) return "no time to compare";
+  if (is_tie_in_time(ratio)) return "about as fast";
+  return ratio.value > 1 ? factor(ratio.value) + "× slower" : "faster in total, slower in the median";
 }
 
-bool is_tie(const Record& record, const Record& chosen) {
-  return record.contender.complete && as_reliable(record, chosen) && tie_in_time(record, chosen);
-}
-
-/// The gravest thing to say of a solver that is not the recommended one.
-std::string why_not(const Record& record, const Record* chosen) {
+/// The gravest thing to say of a solver that is not the recommended one, without the size of its sample.
+std::string gravest(const Record& record, const Record* chosen) {
   const Contender& contender = record.contender;
   const std::string unsolved = "left " + percent(1 - contender.solved.value()) + " unsolved";
   const std::string misled = "said solved and was wrong on " + percent(contender.false_claims.value());
   if (!contender.complete) {
-    return fmt::format("met only some of these sets; solved {} of {} there", percent(contender.solved.value()),
-                       counted(contender.solved.whole, "problem"));
+    return fmt::format("met only some of these sets; solved {} there", percent(contender.solved.value()));
   }
   if (chosen == nullptr) return contender.false_claims.part > 0 ? misled : unsolved;
-  if (contender.tie) return "a tie";
   if (significantly_more(record, *chosen, &Outcome::false_claim)) return misled;
   if (significantly_more(*chosen, record, &Outcome::solved)) {
     const bool mostly_crashes = 2 * contender.crashed.part > contender.solved.whole - contender.solved.part;
     return mostly_crashes ? "crashed on " + percent(contender.crashed.value()) : unsolved;
   }
-  if (median_time(record) > median_time(*chosen)) return "as reliable, " + relative_time(record, *chosen);
-  return "faster, but solves fewer than the best";
+  const std::string time = time_words(time_ratio(record, *chosen));
+  if (!record.eligible) return "solved " + percent(contender.solved.value()) + ", " + time;
+  if (contender.tie) return "a tie";
+  if (median_time(record) < median_time(*chosen)) return "faster, but solves fewer than the best";
+  return "as reliable, " + time;
+}
+
+std::string why_not(const Record& record, const Record* chosen) {
+  const std::string sample = record.contender.sampled ? fmt::format(" (n = {})", record.contender.trials) : "";
+  return gravest(record, chosen) + sample;
+}
+
+bool is_tie(const Record& record, const Record& chosen) {
+  return record.eligible && as_reliable(record, chosen) && is_tie_in_time(time_ratio(record, chosen));
 }
 
 void sort_contenders(std::vector<Contender>& contenders, std::optional<std::size_t> chosen_solver) {
@@ -252,14 +260,18 @@ const Situation* most_telling(const std::vector<Situation>& situations) {
   return nullptr;
 }
 
+/// Names the solver whose false claims are the surest: by the lower end of their interval.
 std::string warning_on(const Summary& summary, const Situation& situation) {
   const Contender* worst = nullptr;
   for (const Contender& contender : situation.contenders) {
-    if (worst == nullptr || contender.false_claims.value() > worst->false_claims.value()) worst = &contender;
+    if (worst == nullptr || contender.false_claims.interval().low > worst->false_claims.interval().low) {
+      worst = &contender;
+    }
   }
   if (worst == nullptr || worst->false_claims.part == 0) return "No solver here said solved and was wrong.";
-  return fmt::format("Trust no status code: {} said solved and was wrong on {} of them.",
-                     code(summary.solvers[worst->solver].text()), percent(worst->false_claims.value()));
+  return fmt::format("Trust no status code: {} said solved and was wrong on {} ({}) of {}.",
+                     code(summary.solvers[worst->solver].text()), percent(worst->false_claims.value()),
+                     percent_range(worst->false_claims.interval()), counted(worst->trials, "problem"));
 }
 
 }  // namespace
@@ -307,8 +319,8 @@ std::string one_line_answer(const Summary& summary, const std::vector<Situation>
                                    percent_range(best.solved.interval()), counted(best.solved.whole, "problem"),
                                    duration(best.time.value));
   const bool is_reference = summary.solvers[best.solver].text() == summary.reference;
-  if (!is_reference && std::isfinite(best.ratio.value)) {
-    answer += fmt::format(", {} the dense reference", speed_against(best.ratio.value));
+  if (!is_reference && std::isfinite(best.speedup.value)) {
+    answer += fmt::format(", {} the dense reference", speed_against(1 / best.speedup.value));
   }
   return answer + ". " + warning_on(summary, *situation);
 }

@@ -26,7 +26,7 @@ struct Contender {
   Share false_claims;       ///< of the trials
   Share crashed;            ///< of the trials
   Estimate time;            ///< median [s]
-  Estimate ratio;           ///< to the reference's time on the problems that both solved
+  Estimate speedup;         ///< reference's time / this one's on the problems that both solved: ratio of sums
   bool complete = false;    ///< met problems of every set of the situation
   bool sampled = false;     ///< met fewer problems than another solver
   bool tie = false;         ///< not to be told from the recommended one: neither in what it solves nor in time

@@ -12,9 +12,10 @@ namespace lcpbench::report {
 
 namespace {
 
-// Okabe and Ito's palette without its yellow, which white paper swallows; labels in the colour of their curve.
-constexpr std::array<const char*, 7> kColors{"#0072b2", "#d55e00", "#007a5a", "#a8518a",
-                                             "#2f86c1", "#9a6a00", "#333333"};
+// Dark enough for text on white; neighbours in the list differ in lightness or hue under common colour vision
+// deficiencies.
+constexpr std::array<const char*, 10> kColors{"#0072b2", "#d55e00", "#007a5a", "#a8518a", "#333333",
+                                              "#9a6a00", "#4aa3df", "#7a4fd0", "#5f8a1f", "#8a8a8a"};
 
 struct Curve {
   const Cell* cell = nullptr;
@@ -47,8 +48,8 @@ std::string steps(const Cell& cell, const LogAxis& x) {
   return data + fmt::format("{} {:.6g}\ne\n", x.high(), 100 * static_cast<double>(errors.size()) / trials);
 }
 
-/// Puts each label beside its curve's end, and where ends crowd, pushes labels down, then up again from the bottom, until
-/// no two overlap.
+/// Puts each label beside its curve's end, and where ends crowd, pushes labels down, then up again from the bottom,
+/// until no two overlap.
 void spread_labels(std::vector<Curve>& curves, const Box& area) {
   std::sort(curves.begin(), curves.end(), [](const Curve& a, const Curve& b) { return a.end > b.end; });
   double y = area.top - kLabelHeight;
@@ -107,7 +108,7 @@ std::optional<Figure> error_distribution_figure(const Summary& summary, std::siz
   canvas.text(kMargin, area.top - 20, "Share of all problems answered within an error, of answers said to be solved",
               {.color = kSoft});
   draw_frame(canvas, area, fmt::format("[{}:{}]", x.low(), x.high()), x.tics(8, power_of_ten), "[0:100]",
-             "('0 %' 0, '25 %' 25, '50 %' 50, '75 %' 75, '100 %' 100)");
+             "('0 %%' 0, '25 %%' 25, '50 %%' 50, '75 %%' 75, '100 %%' 100)");
   const double bound_x = x.pixel(verdict_bound(set));
   canvas.line(bound_x, area.top, bound_x, area.bottom, kWrong, 1, true);
   const bool room_right = area.right - bound_x > 130;

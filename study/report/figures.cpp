@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kRowHeight = 21;
 constexpr const char* kPoint = "#1f5a99";
+constexpr const char* kWhisker = "#9db8d6";
 constexpr const char* kLoose = "#d98e04";
 constexpr const char* kGaveUp = "#8a8a8a";
 
@@ -129,8 +130,8 @@ std::string draw_points(Canvas& canvas, const std::vector<DrawnPoint>& points, c
     const double median_y = y.pixel(point.median_error);
     wishes.push_back({px, py, static_cast<double>(character_count(point.label)) * kLabelSize * kMonospaceWidth + 4});
     obstacles.push_back({px - 2, std::min(py, median_y), px + 2, std::max(py, median_y)});
-    canvas.line(px, py, px, median_y, "#9db8d6", 2);
-    canvas.line(px - 4, median_y, px + 4, median_y, "#9db8d6", 2);
+    canvas.line(px, py, px, median_y, kWhisker, 2, false, Layer::kBack);
+    canvas.line(px - 4, median_y, px + 4, median_y, kWhisker, 2, false, Layer::kBack);
     data += fmt::format("{:.9g} {:.9g}\n", std::log10(point.time_s), std::log10(point.error));
   }
   const std::vector<PlacedLabel> placed = place_labels(wishes, obstacles, area, kLabelHeight);

@@ -27,10 +27,12 @@ std::string share_line(const Share& share) {
 }
 
 std::string use_column(const Summary& summary, const Situation& situation) {
-  if (situation.contenders.empty()) return "<td class=\"use\">– <small>no such problems in this study</small></td>";
-  if (!situation.recommended) return "<td class=\"use\">none <small>no solver solved enough of them</small></td>";
+  if (situation.contenders.empty())
+    return "<td class=\"use\" data-label=\"Use\">– <small>no such problems in this study</small></td>";
+  if (!situation.recommended)
+    return "<td class=\"use\" data-label=\"Use\">none <small>no solver solved enough of them</small></td>";
   const Contender& best = situation.contenders[*situation.recommended];
-  std::string cell = "<td class=\"use\">" + code(summary.solvers[best.solver].text());
+  std::string cell = "<td class=\"use\" data-label=\"Use\">" + code(summary.solvers[best.solver].text());
   std::string ties;
   for (const Contender& contender : situation.contenders) {
     if (contender.tie) ties += (ties.empty() ? "" : ", ") + code(summary.solvers[contender.solver].text());
@@ -42,31 +44,31 @@ std::string use_column(const Summary& summary, const Situation& situation) {
 }
 
 std::string time_column(const Summary& summary, const Contender& best) {
-  std::string cell = fmt::format("<td>{} <small>median, {}</small>", duration(best.time.value),
-                                 duration_range(best.time.low, best.time.high));
+  std::string cell = fmt::format("<td data-label=\"Time per problem\">{} <small>median, {}</small>",
+                                 duration(best.time.value), duration_range(best.time.low, best.time.high));
   if (summary.solvers[best.solver].text() == summary.reference) {
     cell += "<small>it is the reference of all ratios</small>";
-  } else if (std::isfinite(best.ratio.value)) {
-    cell += fmt::format("<small>{} the dense reference (time ratio {}–{})</small>", speed_against(best.ratio.value),
-                        factor(best.ratio.low), factor(best.ratio.high));
+  } else if (std::isfinite(best.speedup.value)) {
+    cell += fmt::format("<small>{} the dense reference, {}–{}×</small>", speed_against(1 / best.speedup.value),
+                        factor(best.speedup.low), factor(best.speedup.high));
   }
   return cell + "</td>";
 }
 
 std::string wrong_column(const Contender& best) {
   const Share unsolved{best.solved.whole - best.solved.part, best.solved.whole};
-  return "<td>said solved, was wrong: " + share_line(best.false_claims) + "<br>not solved: " + share_line(unsolved) +
-         "</td>";
+  return "<td data-label=\"What it gets wrong\"><div>said solved, was wrong: " + share_line(best.false_claims) +
+         "</div><div>not solved: " + share_line(unsolved) + "</div></td>";
 }
 
 std::string reasons_column(const Summary& summary, const Situation& situation) {
   std::string items;
   for (const Contender& contender : situation.contenders) {
     if (contender.verdict.empty()) continue;
-    items += fmt::format("<li>{}: {}{}</li>", code(summary.solvers[contender.solver].text()), contender.verdict,
-                         contender.sampled ? fmt::format(" <small>n = {}</small>", contender.trials) : "");
+    items += "<li>" + code(summary.solvers[contender.solver].text()) + ": " + contender.verdict + "</li>";
   }
-  return "<td class=\"reasons\">" + (items.empty() ? std::string("–") : "<ul>" + items + "</ul>") + "</td>";
+  return "<td class=\"reasons\" data-label=\"Why not the others\">" +
+         (items.empty() ? std::string("–") : "<ul>" + items + "</ul>") + "</td>";
 }
 
 std::string decision_row(const Summary& summary, const Situation& situation) {

@@ -45,9 +45,6 @@ std::string count_cell(std::int64_t count, std::int64_t trials, bool bad) {
 constexpr Column kCellColumns[] = {{"Solver", false},
                                    {"Problems", true},
                                    {"Solved", true},
-                                   {"Error ≤ 1e-6", true},
-                                   {"≤ 1e-9", true},
-                                   {"Paper’s criterion", true},
                                    {"Said solved, was wrong", true},
                                    {"Only roughly right", true},
                                    {"Gave up", true},
@@ -55,6 +52,9 @@ constexpr Column kCellColumns[] = {{"Solver", false},
                                    {"Time / reference", true},
                                    {"Error, median", true},
                                    {"Error, 99 %", true},
+                                   {"Error ≤ 1e-6", true},
+                                   {"Error ≤ 1e-9", true},
+                                   {"Paper’s criterion", true},
                                    {"Violation, max [m/s]", true}};
 
 std::string solver_heading(const SolverRow& solver) {
@@ -69,8 +69,6 @@ std::string refused_row(const SolverRow& solver, const Cell& cell) {
       "<td colspan=\"{}\">does not take these problems: {}</td></tr>\n",
       solver_heading(solver), cell.trials, std::size(kCellColumns) - 2, escape(cell.refusal));
 }
-
-std::string violation_text(double violation_m_per_s) { return scientific(violation_m_per_s); }
 
 std::string trials_cell(const Summary& summary, const Cell& cell) {
   const std::int64_t problems = summary.sets[cell.set].problems;
@@ -89,9 +87,6 @@ std::string cell_row(const Summary& summary, const Cell& cell) {
   const bool is_reference = solver.text() == summary.reference;
   std::string row = "<tr>" + solver_heading(solver) + trials_cell(summary, cell);
   row += number_cell(cell.rate(), percent(cell.rate()), percent_range(cell.rate_interval));
-  row += number_cell(of_solvable(cell.solved_1e6), percent(of_solvable(cell.solved_1e6)));
-  row += number_cell(of_solvable(cell.solved_1e9), percent(of_solvable(cell.solved_1e9)));
-  row += number_cell(cell.criterion_rate(), percent(cell.criterion_rate()));
   row += count_cell(cell.false_claims(), cell.trials, true);
   row += count_cell(cell.count(Claim::kSolved, Verdict::kCriterionOnly), cell.trials, true);
   row += count_cell(cell.gave_up(), cell.trials, false);
@@ -103,7 +98,10 @@ std::string cell_row(const Summary& summary, const Cell& cell) {
                          : factor(cell.time_ratio.low) + "–" + factor(cell.time_ratio.high));
   row += number_cell(cell.error_median, scientific(cell.error_median));
   row += number_cell(cell.error_p99, scientific(cell.error_p99));
-  row += number_cell(cell.violation.max, violation_text(cell.violation.max));
+  row += number_cell(of_solvable(cell.solved_1e6), percent(of_solvable(cell.solved_1e6)));
+  row += number_cell(of_solvable(cell.solved_1e9), percent(of_solvable(cell.solved_1e9)));
+  row += number_cell(cell.criterion_rate(), percent(cell.criterion_rate()));
+  row += number_cell(cell.violation.max, scientific(cell.violation.max));
   return row + "</tr>\n";
 }
 
@@ -157,12 +155,12 @@ std::string size_line(const SetSummary& set) {
 
 const char* claim_words(Claim claim) {
   switch (claim) {
-    case Claim::kSolved: return "solved";
-    case Claim::kUnsolvable: return "unsolvable";
-    case Claim::kIterationLimit: return "iteration limit";
-    case Claim::kTimeLimit: return "time limit";
-    case Claim::kNumericalFailure: return "numerical failure";
-    case Claim::kUnsupported: return "does not take it";
+    case Claim::kSolved: return "said solved";
+    case Claim::kUnsolvable: return "said unsolvable";
+    case Claim::kIterationLimit: return "hit its iteration limit";
+    case Claim::kTimeLimit: return "hit the time limit";
+    case Claim::kNumericalFailure: return "said numerical failure";
+    case Claim::kUnsupported: return "refused it";
     case Claim::kCrashed: return "crashed";
   }
   return "";
@@ -195,7 +193,7 @@ Matrix matrix_of(const Summary& summary, std::size_t solver) {
 }
 
 std::string matrix_row(Claim claim, const std::array<std::int64_t, kVerdicts>& counts) {
-  std::string row = fmt::format("<tr><th scope=\"row\">said {}</th>", claim_words(claim));
+  std::string row = fmt::format("<tr><th scope=\"row\" class=\"line\">{}</th>", claim_words(claim));
   for (std::size_t verdict = 0; verdict < kVerdicts; ++verdict) {
     const std::int64_t count = counts[verdict];
     const bool bad = count > 0 && false_claim(claim, kAllVerdicts[verdict]);
@@ -270,21 +268,35 @@ std::string json_text(const nlohmann::ordered_json& value) {
   return value.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
+bool holds_only_scalars(const nlohmann::ordered_json& value) {
+  return std::none_of(value.begin(), value.end(), [](const auto& member) { return member.is_structured(); });
+}
+
+/// "library Bullet, version 3.24"
+std::string members_in_line(const nlohmann::ordered_json& object) {
+  std::string line;
+  for (const auto& [key, member] : object.items()) line += (line.empty() ? "" : ", ") + key + " " + json_text(member);
+  return line;
+}
+
+/// One row per member; objects inside are taken apart, down to those that fit in one row.
 void add_provenance_rows(const std::string& name, const nlohmann::ordered_json& value, std::string& rows) {
-  if (value.is_object() && !value.empty()) {
+  const bool nested = !name.empty();
+  if (value.is_object() && !value.empty() && !(nested && holds_only_scalars(value))) {
     for (const auto& [key, member] : value.items()) {
-      add_provenance_rows(name.empty() ? key : name + "." + key, member, rows);
+      add_provenance_rows(nested ? name + "." + key : key, member, rows);
     }
     return;
   }
-  rows += "<tr><th scope=\"row\">" + escape(name) + "</th><td>" + code(json_text(value)) + "</td></tr>\n";
+  const std::string text = value.is_object() ? members_in_line(value) : json_text(value);
+  rows += "<tr><th scope=\"row\" class=\"line\">" + escape(name) + "</th><td>" + code(text) + "</td></tr>\n";
 }
 
-std::string run_table(const RunSummary& run) {
+std::string run_table(const RunSummary& run, bool open) {
   std::string rows;
   add_provenance_rows("", run.provenance, rows);
-  return "<div class=\"scroll\" tabindex=\"0\"><table><caption>Run of " + escape(run.started) + "</caption><tbody>\n" +
-         rows + kTableEnd;
+  return std::string("<details") + (open ? " open" : "") + "><summary>Run of " + escape(run.started) +
+         "</summary><div class=\"scroll\" tabindex=\"0\"><table><tbody>\n" + rows + kTableEnd + "</details>\n";
 }
 
 std::string run_line(const RunSummary& run) {
@@ -390,7 +402,7 @@ std::string provenance_section(const Summary& summary) {
   std::string section = "<section id=\"provenance\"><h2>Provenance</h2>\n";
   if (!summary.runs.empty()) section += run_line(summary.runs.back());
   section += skipped_list(summary);
-  for (const RunSummary& run : summary.runs) section += run_table(run);
+  for (const RunSummary& run : summary.runs) section += run_table(run, &run == &summary.runs.back());
   if (summary.runs.empty()) section += "<p>The store records no run.</p>\n";
   return section + "</section>\n";
 }
@@ -432,7 +444,7 @@ std::string definitions_section() {
          "than 100 answers it is the largest.</dd>\n"
          "<dt><strong>Tie, as reliable</strong></dt><dd>A paired exact sign test on the same problems does not tell "
          "them "
-         "apart at 5 %; in time: medians within 5 %, or overlapping intervals.</dd>\n</dl>\n"
+         "apart at 5 %; in time: the ratio is within 5 % of 1, or its interval contains 1.</dd>\n</dl>\n"
          "<p>The files <code>docs/report.md</code> and <code>docs/verdicts.md</code> of lcpbench say "
          "more.</p></section>\n";
 }

@@ -22,12 +22,14 @@ code { font: .875em ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace
 nav { font-size: .92rem; margin: 0 0 .4rem; }
 nav a { margin-right: .9rem; display: inline-block; }
 .scroll { overflow-x: auto; border: 1px solid var(--line); border-radius: 6px; margin: .6rem 0; max-width: 100%; }
-table { border-collapse: collapse; width: 100%; font-size: .9rem; font-variant-numeric: tabular-nums; }
+table { border-collapse: collapse; width: 100%; font-size: .88rem; font-variant-numeric: tabular-nums; }
 caption { text-align: left; padding: .4rem .6rem; color: var(--soft); }
-th, td { padding: .35rem .6rem; text-align: left; vertical-align: top; border-bottom: 1px solid var(--line); }
+th, td { padding: .35rem .5rem; text-align: left; vertical-align: top; border-bottom: 1px solid var(--line); }
 tr:last-child > * { border-bottom: 0; }
 thead th { background: var(--panel); font-weight: 600; vertical-align: bottom; }
-td.number, th.number { text-align: right; white-space: nowrap; }
+td.number, th.number { text-align: right; }
+td.number, th.line { white-space: nowrap; }
+summary { cursor: pointer; margin: .5rem 0; }
 tbody th { font-weight: 400; }
 .cells code { white-space: nowrap; }
 small { color: var(--soft); font-size: .82rem; }
@@ -35,10 +37,13 @@ td small, th small { display: block; }
 .bad { color: var(--bad); font-weight: 600; }
 .good { color: var(--good); }
 .zero { color: var(--soft); }
-.decision td { min-width: 8.5rem; }
 .decision td.reasons { min-width: 17rem; }
 .decision ul { margin: 0; padding-left: 1.1rem; }
-.decision th code, .decision td.use code { font-weight: 600; }
+.decision td.use > code { font-weight: 600; }
+.decision tbody th { font-weight: 600; min-width: 9rem; }
+.decision tbody th small { font-weight: 400; }
+.decision div small { display: inline; white-space: nowrap; }
+.decision td { min-width: 9.5rem; }
 th button { font: inherit; font-weight: 600; color: inherit; background: none; border: 0; padding: 0; cursor: pointer;
   text-align: inherit; }
 th button::after { content: " \2195"; color: var(--soft); font-weight: 400; }
@@ -49,7 +54,14 @@ figure .scroll { background: #fff; }
 figure img { display: block; width: 100%; min-width: 640px; max-width: 900px; height: auto; margin: 0 auto; }
 .matrices { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 34rem), 1fr)); gap: .6rem 1.2rem; }
 .matrices > * { min-width: 0; }
-@media (max-width: 600px) { body { padding: .6rem .8rem 3rem; } h1 { font-size: 1.3rem; } .answer { font-size: 1.02rem; } }
+@media (max-width: 600px) {
+  .decision, .decision tbody, .decision tr, .decision td, .decision tbody th { display: block; }
+  .decision thead { display: none; }
+  .decision tr { border-bottom: 1px solid var(--line); padding: .4rem 0; }
+  .decision tr:last-child { border-bottom: 0; }
+  .decision td, .decision tbody th { border-bottom: 0; padding: .2rem .6rem; }
+  .decision td[data-label]::before { content: attr(data-label); display: block; color: var(--soft); font-size: .82rem; }
+  body { padding: .6rem .8rem 3rem; } h1 { font-size: 1.3rem; } .answer { font-size: 1.02rem; } }
 @media print { body { max-width: none; font-size: 10pt; } nav { display: none; } .scroll { overflow: visible; border: 0; }
   table { font-size: 7.5pt; } th, td { padding: 2pt 3pt; } .cells code, td.number { white-space: normal; }
   tr, figure { break-inside: avoid; } figure img { min-width: 0; } th button::after { content: ""; } }

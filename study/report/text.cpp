@@ -43,7 +43,7 @@ std::string percent_number(double share) {
   return fmt::format("{:.1f}", value);
 }
 
-bool allowed_in_xml(unsigned char c) { return c >= 0x20 || c == '\n' || c == '\t'; }
+bool allowed_in_xml(unsigned char c) { return (c >= 0x20 && c != 0x7f) || c == '\n' || c == '\t'; }
 
 /// Length of the well-formed UTF-8 sequence that starts at `at`, 0 for none.
 std::size_t utf8_length(std::string_view text, std::size_t at) {
@@ -62,17 +62,6 @@ std::size_t utf8_length(std::string_view text, std::size_t at) {
   const bool overlong = (first == 0xE0 && second < 0xA0) || (first == 0xF0 && second < 0x90);
   const bool surrogate_or_beyond = (first == 0xED && second > 0x9F) || (first == 0xF4 && second > 0x8F);
   return overlong || surrogate_or_beyond ? 0 : length;
-}
-
-void append_escaped(char c, std::string& out) {
-  switch (c) {
-    case '&': out += "&amp;"; break;
-    case '<': out += "&lt;"; break;
-    case '>': out += "&gt;"; break;
-    case '"': out += "&quot;"; break;
-    case '\'': out += "&#39;"; break;
-    default: out += allowed_in_xml(static_cast<unsigned char>(c)) ? std::string(1, c) : "\uFFFD";
-  }
 }
 
 }  // namespace
@@ -124,15 +113,29 @@ std::string counted(std::int64_t count, const std::string& noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
-std::string escape(std::string_view text) {
+std::string mended(std::string_view text) {
   std::string out;
   out.reserve(text.size());
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t length = utf8_length(text, at);
-    if (length == 0) out += "\uFFFD";
-    if (length == 1) append_escaped(text[at], out);
-    if (length > 1) out += text.substr(at, length);
+    const bool kept = length > 1 || (length == 1 && allowed_in_xml(static_cast<unsigned char>(text[at])));
+    out += kept ? text.substr(at, length) : "\uFFFD";
     at += std::max<std::size_t>(length, 1);
+  }
+  return out;
+}
+
+std::string escape(std::string_view text) {
+  std::string out;
+  for (const char c : mended(text)) {
+    switch (c) {
+      case '&': out += "&amp;"; break;
+      case '<': out += "&lt;"; break;
+      case '>': out += "&gt;"; break;
+      case '"': out += "&quot;"; break;
+      case '\'': out += "&#39;"; break;
+      default: out += c;
+    }
   }
   return out;
 }

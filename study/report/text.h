@@ -29,7 +29,9 @@ std::string scientific(double value);
 /// "1 problem", "200 problems".
 std::string counted(std::int64_t count, const std::string& noun);
 
-/// Escaped for element content and quoted attributes of HTML and XML. Bytes that XML forbids become U+FFFD.
+/// The text as well-formed UTF-8 that XML allows: broken bytes and control characters become U+FFFD.
+std::string mended(std::string_view text);
+/// Mended, and escaped for element content and quoted attributes of HTML and XML.
 std::string escape(std::string_view text);
 /// <code>text</code>, escaped.
 std::string code(std::string_view text);

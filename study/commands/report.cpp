@@ -1,0 +1,37 @@
+#include "study/report.h"
+
+#include <filesystem>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "study/commands/commands.h"
+
+namespace lcpbench {
+namespace {
+
+struct Arguments {
+  std::filesystem::path store;
+  std::filesystem::path out = "lcpbench-report";
+};
+
+int report(const Arguments& arguments) {
+  Store store = Store::open_for_reading(arguments.store);
+  const std::string without_figures = write_report(store, arguments.out);
+  if (!without_figures.empty()) fmt::print(stderr, "lcpbench: the report has no figures: {}\n", without_figures);
+  fmt::print("{}\n", (arguments.out / "report.html").string());
+  return kExitDone;
+}
+
+}  // namespace
+
+Action add_report_command(CLI::App& command) {
+  const auto arguments = std::make_shared<Arguments>();
+  command.add_option("STORE", arguments->store, "store that `lcpbench run` wrote")->required();
+  command.add_option("--out", arguments->out, "folder for report.html, summary.json, tables and figures")
+      ->capture_default_str();
+  command.footer("Solves nothing again. Also serves the store of a study that is still running.");
+  return [arguments] { return report(*arguments); };
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,196 @@
+#include "study/statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace lcpbench {
+namespace {
+
+/// The intervals that Newcombe (Statistics in Medicine 17, 1998, table I, method 3) prints to four digits.
+TEST(StatisticsTest, WilsonMatchesNewcombesTable) {
+  struct Row {
+    std::int64_t successes, trials;
+    double low, high;
+  };
+  for (const Row& row : {Row{81, 263, 0.2553, 0.3662}, Row{15, 148, 0.0624, 0.1605}, Row{0, 20, 0.0, 0.1611},
+                         Row{1, 29, 0.0061, 0.1718}}) {
+    const Interval interval = wilson(row.successes, row.trials);
+    EXPECT_NEAR(interval.low, row.low, 5e-5) << row.successes << " of " << row.trials;
+    EXPECT_NEAR(interval.high, row.high, 5e-5) << row.successes << " of " << row.trials;
+  }
+}
+
+TEST(StatisticsTest, WilsonIsClosedAtTheEndsAndNamesTheSampleSizesPower) {
+  EXPECT_EQ(wilson(0, 200).low, 0.0);
+  EXPECT_EQ(wilson(200, 200).high, 1.0);
+  EXPECT_NEAR(wilson(200, 200).low, 0.9812, 5e-5);
+  EXPECT_NEAR(wilson(20000, 20000).low, 0.99981, 5e-6);
+  EXPECT_TRUE(std::isnan(wilson(0, 0).low));
+  EXPECT_THROW(wilson(3, 2), std::invalid_argument);
+  EXPECT_THROW(wilson(-1, 2), std::invalid_argument);
+}
+
+TEST(StatisticsTest, QuantileIsAValueThatOccurred) {
+  std::vector<double> values;
+  for (int i = 1; i <= 100; ++i) values.push_back(i);
+  EXPECT_EQ(quantile(values, 0.99), 99);
+  EXPECT_EQ(quantile(values, 0.5), 50);
+  EXPECT_EQ(quantile(values, 0.001), 1);
+  EXPECT_EQ(quantile(values, 1.0), 100);
+  values.back() = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(quantile(values, 0.99), 99);
+  EXPECT_TRUE(std::isinf(quantile(values, 0.995)));
+  EXPECT_TRUE(std::isnan(quantile({}, 0.5)));
+}
+
+/// 0.99 n is a whole number in the reals for n = 700, and above it in doubles.
+TEST(StatisticsTest, QuantileRankIsNotPushedUpByRounding) {
+  std::vector<double> values(700);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<double>(i + 1);
+  EXPECT_EQ(quantile(values, 0.99), 693);
+  EXPECT_EQ(quantile(values, 0.07), 49);
+}
+
+TEST(StatisticsTest, SpreadOfAKnownSample) {
+  const std::vector<double> values{2, 4, 4, 4, 5, 5, 7, 9};
+  const Spread result = spread(values);
+  EXPECT_DOUBLE_EQ(result.mean, 5);
+  EXPECT_DOUBLE_EQ(result.sigma, std::sqrt(32.0 / 7));
+  EXPECT_EQ(result.max, 9);
+  EXPECT_EQ(result.median, 4.5);
+}
+
+TEST(StatisticsTest, SpreadOfTooFewValuesIsNotANumber) {
+  EXPECT_TRUE(std::isnan(spread({}).mean));
+  const std::vector<double> one{3};
+  EXPECT_EQ(spread(one).mean, 3);
+  EXPECT_TRUE(std::isnan(spread(one).sigma));
+}
+
+TEST(StatisticsTest, SpreadKeepsItsDigitsFarFromZero) {
+  const std::vector<double> values{1e9 + 4, 1e9 + 7, 1e9 + 13, 1e9 + 16};
+  EXPECT_DOUBLE_EQ(spread(values).sigma * spread(values).sigma, 30);
+}
+
+/// Chi-square over 10 faces, 100,000 draws; its 1 - 1e-6 quantile with 9 degrees of freedom is 45.1.
+TEST(StatisticsTest, BoundedDrawIsUniform) {
+  BoundedDraw draw(1);
+  std::vector<double> counts(10, 0.0);
+  for (int i = 0; i < 100000; ++i) counts[draw.below(10)] += 1;
+  double chi_square = 0;
+  for (const double count : counts) chi_square += (count - 10000) * (count - 10000) / 10000;
+  EXPECT_LT(chi_square, 45.1);
+}
+
+/// The C++ standard fixes the 10,000th output of the default-seeded engine; a draw below 2^63 is its upper 63 bits.
+TEST(StatisticsTest, BoundedDrawIsTheSameOnEveryPlatform) {
+  BoundedDraw draw(5489);
+  std::uint64_t last = 0;
+  for (int i = 0; i < 10000; ++i) last = draw.below(std::uint64_t{1} << 63);
+  EXPECT_EQ(last, std::uint64_t{9981545732273789042U} >> 1);
+}
+
+double uniform(BoundedDraw& draw) { return (static_cast<double>(draw.below(1U << 30)) + 0.5) / (1U << 30); }
+double exponential(BoundedDraw& draw) { return -std::log(uniform(draw)); }
+
+constexpr int kSimulations = 400;
+
+/// Successes of a 95 % interval over 400 samples: binomial(400, 0.95) leaves 361 .. 397 with probability below 1e-4 at
+/// either side; the percentile bootstrap is known to cover a little less at n = 60, hence 355 at the lower end.
+void expect_coverage(int covered) {
+  EXPECT_GE(covered, 355);
+  EXPECT_LE(covered, 397);
+}
+
+TEST(StatisticsTest, MedianIntervalCoversTheTrueMedian) {
+  BoundedDraw draw(2);
+  int covered = 0;
+  for (int simulation = 0; simulation < kSimulations; ++simulation) {
+    std::vector<double> sample(60);
+    for (double& value : sample) value = exponential(draw);
+    const Estimate estimate = median_estimate(sample);
+    if (estimate.low <= std::log(2.0) && std::log(2.0) <= estimate.high) ++covered;
+  }
+  expect_coverage(covered);
+}
+
+/// Pairs share a factor (the problem's difficulty), as times of two solvers on one problem do.
+TEST(StatisticsTest, RatioIntervalCoversTheTrueRatioOfPairs) {
+  BoundedDraw draw(3);
+  int covered = 0;
+  for (int simulation = 0; simulation < kSimulations; ++simulation) {
+    std::vector<double> reference(60);
+    std::vector<double> solver(60);
+    for (std::size_t i = 0; i < solver.size(); ++i) {
+      const double difficulty = exponential(draw);
+      reference[i] = 6 * difficulty * (0.5 + uniform(draw));
+      solver[i] = 2 * difficulty * (0.5 + uniform(draw));
+    }
+    const Estimate estimate = ratio_of_sums(reference, solver);
+    if (estimate.low <= 3 && 3 <= estimate.high) ++covered;
+  }
+  expect_coverage(covered);
+}
+
+TEST(StatisticsTest, WilsonIntervalCoversTheTrueShare) {
+  BoundedDraw draw(4);
+  int covered = 0;
+  for (int simulation = 0; simulation < kSimulations; ++simulation) {
+    std::int64_t successes = 0;
+    for (int i = 0; i < 100; ++i) successes += uniform(draw) < 0.3 ? 1 : 0;
+    const Interval interval = wilson(successes, 100);
+    if (interval.low <= 0.3 && 0.3 <= interval.high) ++covered;
+  }
+  expect_coverage(covered);
+}
+
+TEST(StatisticsTest, RatioOfProportionalTimesIsExactAndItsIntervalIsAPoint) {
+  const std::vector<double> solver{1, 2, 4, 8};
+  const std::vector<double> reference{3, 6, 12, 24};
+  const Estimate estimate = ratio_of_sums(reference, solver);
+  EXPECT_EQ(estimate.value, 3);
+  EXPECT_EQ(estimate.low, 3);
+  EXPECT_EQ(estimate.high, 3);
+}
+
+TEST(StatisticsTest, RatioWithoutTimesIsNotANumber) {
+  EXPECT_TRUE(std::isnan(ratio_of_sums({}, {}).value));
+  const std::vector<double> zeros{0, 0};
+  const std::vector<double> ones{1, 1};
+  EXPECT_TRUE(std::isnan(ratio_of_sums(ones, zeros).value));
+  EXPECT_THROW(ratio_of_sums(ones, {}), std::invalid_argument);
+}
+
+TEST(StatisticsTest, BootstrapsRepeatToTheLastBit) {
+  const std::vector<double> values{3, 1, 4, 1, 5, 9, 2, 6};
+  EXPECT_EQ(median_estimate(values).low, median_estimate(values).low);
+  const Estimate median = median_estimate(values);
+  EXPECT_EQ(median.value, 3.5);
+  EXPECT_LE(median.low, median.value);
+  EXPECT_GE(median.high, median.value);
+  EXPECT_TRUE(std::isnan(median_estimate({}).value));
+}
+
+TEST(StatisticsTest, ShiftedGeometricMeanOfAKnownSample) {
+  const std::vector<double> values{1, 9};
+  EXPECT_NEAR(shifted_geometric_mean(values, 0), 3, 1e-15);
+  EXPECT_NEAR(shifted_geometric_mean(values, 7), std::sqrt(8.0 * 16.0) - 7, 1e-14);
+  EXPECT_TRUE(std::isnan(shifted_geometric_mean({}, 1)));
+}
+
+TEST(StatisticsTest, SignTestCountsCoins) {
+  EXPECT_EQ(sign_test(0, 0), 1);
+  EXPECT_DOUBLE_EQ(sign_test(0, 5), 2.0 / 32);
+  EXPECT_DOUBLE_EQ(sign_test(1, 7), 2.0 * 9 / 256);
+  EXPECT_EQ(sign_test(3, 3), 1);
+  EXPECT_EQ(sign_test(7, 1), sign_test(1, 7));
+  EXPECT_LT(sign_test(0, 5000), 1e-300);
+}
+
+}  // namespace
+}  // namespace lcpbench
