@@ -396,10 +396,13 @@ TEST(TextTest, NumbersHaveUnitsAndNeverRoundToCertainty) {
   EXPECT_EQ(report::duration(12.34), "12.3 s");
   EXPECT_EQ(report::duration(4e-9), "4.00 ns");
   EXPECT_EQ(report::duration(kNone), "–");
+  EXPECT_EQ(report::duration_range(2.7e-4, 2.9e-4), "270–290 µs");
+  EXPECT_EQ(report::duration_range(5.1e-5, 2.74e-3), "51.0 µs–2.74 ms");
   EXPECT_EQ(report::speed(0.025), "40.0× faster");
   EXPECT_EQ(report::speed(2.5), "2.50× slower");
   EXPECT_EQ(report::speed(1.02), "same time");
   EXPECT_EQ(report::factor(12345), "12300");
+  EXPECT_EQ(report::factor(0.00891), "0.0089");
   EXPECT_EQ(report::scientific(std::numeric_limits<double>::infinity()), "no number");
 }
 

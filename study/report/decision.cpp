@@ -164,8 +164,9 @@ std::string gravest(const Record& record, const Record* chosen) {
   const Contender& contender = record.contender;
   const std::string unsolved = "left " + percent(1 - contender.solved.value()) + " unsolved";
   const std::string misled = "said solved and was wrong on " + percent(contender.false_claims.value());
+  const std::string solved = "solved " + percent(contender.solved.value());
   if (!contender.complete) {
-    return fmt::format("met only some of these sets; solved {} there", percent(contender.solved.value()));
+    return "met only some of these sets; there " + (contender.false_claims.part > 0 ? misled : solved);
   }
   if (chosen == nullptr) return contender.false_claims.part > 0 ? misled : unsolved;
   if (significantly_more(record, *chosen, &Outcome::false_claim)) return misled;
@@ -174,7 +175,7 @@ std::string gravest(const Record& record, const Record* chosen) {
     return mostly_crashes ? "crashed on " + percent(contender.crashed.value()) : unsolved;
   }
   const std::string time = time_words(time_ratio(record, *chosen));
-  if (!record.eligible) return "solved " + percent(contender.solved.value()) + ", " + time;
+  if (!record.eligible) return contender.false_claims.part > 0 ? misled : solved + ", " + time;
   if (contender.tie) return "a tie";
   if (median_time(record) < median_time(*chosen)) return "faster, but solves fewer than the best";
   return "as reliable, " + time;

@@ -37,7 +37,7 @@ td small, th small { display: block; }
 .bad { color: var(--bad); font-weight: 600; }
 .good { color: var(--good); }
 .zero { color: var(--soft); }
-.decision td.reasons { min-width: 17rem; }
+.decision td.reasons { min-width: 21rem; }
 .decision ul { margin: 0; padding-left: 1.1rem; }
 .decision td.use > code { font-weight: 600; }
 .decision tbody th { font-weight: 600; min-width: 9rem; }

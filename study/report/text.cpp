@@ -82,11 +82,13 @@ std::string duration(double seconds) {
 std::string duration_range(double low_s, double high_s) {
   if (!std::isfinite(low_s) || !std::isfinite(high_s)) return kAbsent;
   const Unit unit = unit_of(high_s);
+  if (low_s < 0.1 * unit.seconds) return duration(low_s) + "–" + duration(high_s);
   return three_digits(low_s / unit.seconds) + "–" + three_digits(high_s / unit.seconds) + " " + unit.name;
 }
 
 std::string factor(double value) {
   if (!std::isfinite(value)) return kAbsent;
+  if (value < 1) return fmt::format("{:.2g}", value);
   if (value < 999.5) return three_digits(value);
   const double step = std::pow(10, std::floor(std::log10(value)) - 2);
   return fmt::format("{:.0f}", std::round(value / step) * step);

@@ -16,9 +16,9 @@ std::string percent(double share);
 std::string percent_range(const Interval& interval);
 /// "281 µs"
 std::string duration(double seconds);
-/// "270–290 µs": both ends in the unit of the upper one.
+/// "270–290 µs", or "51.0 µs–2.74 ms" where one unit would cost the lower end its digits.
 std::string duration_range(double low_s, double high_s);
-/// "40.1"
+/// "40.1", "0.0089"
 std::string factor(double value);
 /// A time relative to a reference's: "40.1× faster", "2.5× slower", "same time" within 5 %.
 std::string speed(double time_ratio);
