@@ -8,7 +8,7 @@ namespace lcpbench {
 /// processes do not inherit it.
 class FileLock {
  public:
-  /// @throws InputError when another process holds it, or the lock file cannot be made.
+  /// Waits two seconds for another owner to end. @throws InputError when it does not, or the lock file cannot be made.
   explicit FileLock(const std::filesystem::path& file);
   ~FileLock();
   FileLock(const FileLock&) = delete;

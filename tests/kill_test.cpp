@@ -178,6 +178,22 @@ TEST_F(KillTest, InterruptEndsInGoodOrderAndResumes) {
   }
 }
 
+TEST_F(KillTest, SecondInterruptEndsAtOnce) {
+  // One problem of order 1358, which keeps the interior point busy for far longer than this test waits.
+  const std::string store = (folder_ / "s.db").string();
+  Process process({"run", "--set", "paper/copositive/extra100", "--seed", "3", "--trials", "1", "--solver",
+                   "primal_dual", "--store", store});
+  while (!std::filesystem::exists(store + "-wal")) std::this_thread::sleep_for(milliseconds(10));
+  std::this_thread::sleep_for(milliseconds(500));
+  const Identity program{process.pid(), stat_fields("/proc/" + std::to_string(process.pid())).at(kStartField)};
+  process.send(SIGINT);
+  std::this_thread::sleep_for(milliseconds(500));
+  EXPECT_TRUE(is_running(program)) << "the first one lets the solve in flight end";
+  process.send(SIGINT);
+  EXPECT_TRUE(ends_soon(program));
+  EXPECT_EQ(process.wait(), 3);
+}
+
 TEST_F(KillTest, SecondProgramIsRefusedWhileTheFirstRuns) {
   Process first(command("s.db"));
   while (!std::filesystem::exists(folder_ / "s.db-wal")) std::this_thread::sleep_for(milliseconds(10));
