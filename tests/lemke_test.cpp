@@ -341,8 +341,8 @@ TEST(LemkeEnginesTest, TakeTheSamePivots) {
        {"paper/monotone/exp1", "paper/monotone/exp2", "paper/monotone/exp2{redundancy=combination}"}) {
     expect_same_path(name, 1000, 1);
   }
-  expect_same_path("paper/copositive/exp1", 12, 0);
-  expect_same_path("paper/copositive/exp2", 12, 0);
+  expect_same_path("paper/copositive/exp1", 6, 0);
+  expect_same_path("paper/copositive/exp2", 6, 0);
 }
 
 TEST(LemkeEnginesTest, AgreeOnPivotsOfExponentialPaths) {
