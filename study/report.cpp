@@ -139,7 +139,7 @@ void write_figures(const Summary& summary, const report::Figures& figures, const
   if (figure != figures.speed_error.end()) write_file(folder / names.unique("headline", ".svg"), figure->second.svg);
 }
 
-constexpr std::size_t kNameWidth = 34;
+constexpr std::size_t kNameWidth = 24;
 
 std::string padded(const std::string& text, std::size_t width, bool right) {
   const std::size_t length = report::character_count(text);
@@ -147,28 +147,35 @@ std::string padded(const std::string& text, std::size_t width, bool right) {
   return right ? blanks + text : text + blanks;
 }
 
-std::string text_row(const std::string& name, const std::string& solved, const std::string& interval,
-                     const std::string& false_claims, const std::string& gave_up, const std::string& time,
-                     const std::string& ratio, const std::string& error) {
-  return "  " + padded(report::mended(name), kNameWidth, false) + padded(solved, 8, true) + "  " +
-         padded(interval, 13, false) + padded(false_claims, 9, true) + padded(gave_up, 9, true) +
-         padded(time, 9, true) + padded(ratio, 7, true) + padded(error, 9, true) + "\n";
+/// Columns of the terminal table behind the solver's name.
+struct TextRow {
+  std::string solved, interval, wrong, roughly, gave_up, time, ratio, error;
+};
+
+std::string text_line(const std::string& name, const TextRow& row) {
+  return "  " + padded(report::mended(name), kNameWidth, false) + padded(row.solved, 9, true) + " " +
+         padded(row.interval, 13, false) + padded(row.wrong, 8, true) + padded(row.roughly, 9, true) +
+         padded(row.gave_up, 9, true) + padded(row.time, 9, true) + padded(row.ratio, 7, true) +
+         padded(row.error, 9, true) + "\n";
 }
 
-std::string text_row(const Summary& summary, const Cell& cell) {
+std::string cell_line(const Summary& summary, const Cell& cell) {
   const SolverRow& solver = summary.solvers[cell.solver];
   std::string name = solver.text();
-  if (cell.refused())
+  if (cell.refused()) {
     return "  " + padded(report::mended(name), kNameWidth, false) +
-           "  does not take these: " + report::mended(cell.refusal) + "\n";
+           "   does not take these: " + report::mended(cell.refusal) + "\n";
+  }
   if (cell.trials < summary.sets[cell.set].problems) name += fmt::format(" n={}", cell.trials);
   const auto of_trials = [&cell](std::int64_t count) {
     return report::percent(report::Share{count, cell.trials}.value());
   };
   const bool is_reference = solver.text() == summary.reference;
-  return text_row(name, report::percent(cell.rate()), report::percent_range(cell.rate_interval),
-                  of_trials(cell.false_claims()), of_trials(cell.gave_up()), report::duration(cell.median_time.value),
-                  is_reference ? "1" : report::factor(cell.time_ratio.value), report::scientific(cell.error_p99));
+  return text_line(
+      name, {report::percent(cell.rate()), report::percent_range(cell.rate_interval), of_trials(cell.false_claims()),
+             of_trials(cell.count(Claim::kSolved, Verdict::kCriterionOnly)), of_trials(cell.gave_up()),
+             report::duration(cell.median_time.value), is_reference ? "1" : report::factor(cell.time_ratio.value),
+             report::scientific(cell.error_p99)});
 }
 
 std::string sweep_line(const SweepSummary& sweep) {
@@ -183,7 +190,7 @@ std::string set_text(const Summary& summary, std::size_t set) {
   std::string text = fmt::format("{}, {}\n", report::mended(summary.sets[set].name),
                                  report::counted(summary.sets[set].problems, "problem"));
   for (const Cell& cell : summary.cells) {
-    if (cell.set == set && summary.solvers[cell.solver].sweep.empty()) text += text_row(summary, cell);
+    if (cell.set == set && summary.solvers[cell.solver].sweep.empty()) text += cell_line(summary, cell);
   }
   for (const SweepSummary& sweep : summary.sweeps) {
     if (sweep.set == set) text += sweep_line(sweep);
@@ -208,9 +215,11 @@ std::string write_report(Store& store, const std::filesystem::path& folder) {
 
 std::string table_text(const Summary& summary) {
   if (summary.cells.empty()) return "no answers yet\n";
-  std::string text = text_row("", "solved", "(95 %)", "was wrong", "gave up", "median", "ratio", "error 99%");
+  std::string text = text_line("", {"solved", "(95 %)", "wrong", "roughly", "gave up", "median", "ratio", "err 99%"});
   for (std::size_t set = 0; set < summary.sets.size(); ++set) text += set_text(summary, set);
-  text += "solved: verified by us. was wrong: said solved and was not. median: set-up and solve, CPU.\n";
+  text +=
+      "solved: verified here. wrong: said solved, was not. roughly: said solved, passes only the\n"
+      "paper's criterion. median: set-up and solve, CPU. err 99%: of the answers said to be solved.\n";
   if (!summary.reference.empty())
     text += "ratio: time over that of " + summary.reference + ", on problems both solved.\n";
   return text;

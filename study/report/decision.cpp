@@ -172,7 +172,8 @@ std::string gravest(const Record& record, const Record* chosen) {
   if (significantly_more(record, *chosen, &Outcome::false_claim)) return misled;
   if (significantly_more(*chosen, record, &Outcome::solved)) {
     const bool mostly_crashes = 2 * contender.crashed.part > contender.solved.whole - contender.solved.part;
-    return mostly_crashes ? "crashed on " + percent(contender.crashed.value()) : unsolved;
+    const std::string failed = mostly_crashes ? "crashed on " + percent(contender.crashed.value()) : unsolved;
+    return contender.false_claims.part > 0 ? failed + ", " + misled : failed;
   }
   const std::string time = time_words(time_ratio(record, *chosen));
   if (!record.eligible) return contender.false_claims.part > 0 ? misled : solved + ", " + time;

@@ -14,6 +14,7 @@ namespace lcpbench::report {
 namespace {
 
 constexpr double kRowHeight = 21;
+constexpr double kErrorCeiling = 100;  // larger errors are drawn here, their value in the label
 constexpr const char* kPoint = "#1f5a99";
 constexpr const char* kWhisker = "#9db8d6";
 constexpr const char* kLoose = "#d98e04";
@@ -93,18 +94,13 @@ struct DrawnPoint {
 };
 
 std::vector<DrawnPoint> points_of(const Summary& summary, const std::vector<const Cell*>& cells) {
-  double largest = 1e-4;
-  for (const Cell* cell : cells) {
-    if (std::isfinite(cell->error_p99)) largest = std::max(largest, cell->error_p99);
-  }
-  const double beyond = largest * 10;
   std::vector<DrawnPoint> points;
   for (const Cell* cell : cells) {
     if (std::isnan(cell->error_p99) || !(cell->median_time.value > 0)) continue;
     DrawnPoint point{cell, label_of(summary, *cell), cell->median_time.value, 0, 0};
-    point.error = std::clamp(cell->error_p99, kErrorFloor, beyond);
-    point.median_error = std::clamp(cell->error_median, kErrorFloor, beyond);
-    if (std::isinf(cell->error_p99)) point.label += ": no number";
+    point.error = std::clamp(cell->error_p99, kErrorFloor, kErrorCeiling);
+    point.median_error = std::clamp(cell->error_median, kErrorFloor, kErrorCeiling);
+    if (cell->error_p99 > kErrorCeiling) point.label += ": " + scientific(cell->error_p99);
     points.push_back(std::move(point));
   }
   return points;
