@@ -58,7 +58,6 @@ std::string read_text(const fs::path& file) {
   return text;
 }
 
-/// `file` with its last `suffix` replaced; nullopt-like empty path when it does not end so.
 bool ends_with(const fs::path& file, std::string_view suffix) { return file.string().ends_with(suffix); }
 
 Problem read_matrix_market_pair(const fs::path& file) {
