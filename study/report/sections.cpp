@@ -52,8 +52,8 @@ constexpr Column kCellColumns[] = {{"Solver", false},
                                    {"Time / reference", true},
                                    {"Error, median", true},
                                    {"Error, 99 %", true},
-                                   {"Error ≤ 1e‑6", true},
-                                   {"Error ≤ 1e‑9", true},
+                                   {"Error ≤ 1e‑6", true},
+                                   {"Error ≤ 1e‑9", true},
                                    {"Paper’s criterion", true},
                                    {"Violation, max [m/s]", true}};
 

@@ -54,6 +54,8 @@ figure .scroll { background: #fff; }
 figure img { display: block; width: 100%; min-width: 640px; max-width: 900px; height: auto; margin: 0 auto; }
 .matrices { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 34rem), 1fr)); gap: .6rem 1.2rem; }
 .matrices > * { min-width: 0; }
+.matrices table { font-size: .84rem; }
+.matrices th, .matrices td { padding: .3rem .35rem; }
 @media (max-width: 600px) {
   .decision, .decision tbody, .decision tr, .decision td, .decision tbody th { display: block; }
   .decision thead { display: none; }
