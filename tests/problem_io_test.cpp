@@ -2,7 +2,6 @@
 // data hash alike however they are stored.
 
 #include "generators/problem_io.h"
-#include "generators/sets.h"
 
 #include <bit>
 #include <chrono>
@@ -19,6 +18,7 @@
 
 #include "core/error.h"
 #include "generators/problem_checks.h"
+#include "generators/sets.h"
 
 namespace lcpbench {
 namespace {
