@@ -1,6 +1,5 @@
 #include "study/merge.h"
 
-#include <array>
 #include <system_error>
 
 #include <fmt/format.h>

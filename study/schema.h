@@ -3,12 +3,12 @@
 namespace lcpbench {
 
 /// The store: one SQLite file. Ids are 63-bit hashes of what they identify (set name; solver name, settings, library,
-/// version, instruction-set level and sweep; set, seed and trial; vector content), so that stores written apart merge by
-/// INSERT OR IGNORE and equal runs hold equal rows but for `timings` and `runs`.
+/// version, instruction-set level and sweep; set, seed and trial; vector content), so that stores written apart merge
+/// by INSERT OR IGNORE and equal runs hold equal rows but for `timings` and `runs`.
 ///
 /// Verdicts need every answer to a problem (one solver's solution proves solvable what another missed), so `verdicts`
-/// holds what one answer shows by itself; the view `judged` adds the problem's truth and gives claim and verdict side by
-/// side. Nothing of it needs a solver to run again: `vectors` keeps every answer exactly.
+/// holds what one answer shows by itself; the view `judged` adds the problem's truth and gives claim and verdict side
+/// by side. Nothing of it needs a solver to run again: `vectors` keeps every answer exactly.
 inline constexpr const char* kStoreSchema = R"sql(
 CREATE TABLE IF NOT EXISTS runs (
   id INTEGER PRIMARY KEY, started TEXT NOT NULL, provenance TEXT NOT NULL);  -- JSON

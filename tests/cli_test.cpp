@@ -1,7 +1,7 @@
 // The interface that users' scripts rely on: exit codes, one-line errors, and the fields of every JSON document.
 
-#include <array>
-#include <cstdio>
+#include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>

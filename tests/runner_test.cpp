@@ -4,8 +4,12 @@
 #include "study/runner.h"
 
 #include <csignal>
+#include <functional>
 #include <limits>
 #include <map>
+#include <memory>
+#include <stdexcept>
+#include <string>
 
 #include <gtest/gtest.h>
 

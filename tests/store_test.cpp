@@ -3,8 +3,10 @@
 #include "study/store.h"
 
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <fstream>
+#include <functional>
 #include <limits>
 
 #include <gtest/gtest.h>

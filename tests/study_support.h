@@ -2,7 +2,8 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <memory>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
