@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/timed_solve.h"
-#include "study/evaluation.h"
+#include "study/evaluation/evaluation.h"
 #include "study/sqlite.h"
 
 namespace lcpbench {

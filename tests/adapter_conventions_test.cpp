@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/registry.h"
-#include "study/evaluation.h"
+#include "study/evaluation/evaluation.h"
 #include "study/open_solver.h"
 
 namespace lcpbench {

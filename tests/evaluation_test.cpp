@@ -1,4 +1,4 @@
-#include "study/evaluation.h"
+#include "study/evaluation/evaluation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "core/scene.h"
-#include "study/backward_error.h"
+#include "study/evaluation/backward_error.h"
 
 namespace lcpbench {
 namespace {

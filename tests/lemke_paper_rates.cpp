@@ -19,7 +19,7 @@
 #include "core/spec.h"
 #include "generators/sets.h"
 #include "native/lemke.h"
-#include "study/evaluation.h"
+#include "study/evaluation/evaluation.h"
 
 namespace {
 

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "study/quad_inertia.h"
-#include "study/quad_matrix.h"
+#include "study/evaluation/quad_inertia.h"
+#include "study/evaluation/quad_matrix.h"
 
 namespace lcpbench {
 namespace {

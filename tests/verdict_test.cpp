@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
-#include "study/evaluation.h"
+#include "study/evaluation/evaluation.h"
 #include "study/schema.h"
 
 namespace lcpbench {

@@ -11,7 +11,7 @@
 #include "core/error.h"
 #include "generators/problem_io.h"
 #include "study/commands/commands.h"
-#include "study/evaluation.h"
+#include "study/evaluation/evaluation.h"
 #include "study/json_output.h"
 #include "study/open_solver.h"
 #include "study/study.h"

@@ -1,4 +1,4 @@
-#include "study/quad_inertia.h"
+#include "study/evaluation/quad_inertia.h"
 
 #include <algorithm>
 #include <utility>

@@ -97,8 +97,8 @@ class Evaluator {
   Truth truth() const;
 
   /// True when u (nc entries, >= 0) proves in exact dyadic arithmetic that the contact problem has no solution:
-  /// N u in null(G) and v'N u < 0; for a bare LCP: u >= 0, M'u <= 0, q'u < 0. See study/farkas.h. A u that holds only
-  /// to rounding, as floating-point solvers return it for real data, is no proof: false.
+  /// N u in null(G) and v'N u < 0; for a bare LCP: u >= 0, M'u <= 0, q'u < 0. See study/evaluation/farkas.h. A u that
+  /// holds only to rounding, as floating-point solvers return it for real data, is no proof: false.
   bool check_farkas(const Vector& u) const;
 
  private:

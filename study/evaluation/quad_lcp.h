@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/lcp.h"
-#include "study/quad_inertia.h"
+#include "study/evaluation/quad_inertia.h"
 
 namespace lcpbench {
 

@@ -1,4 +1,4 @@
-#include "study/farkas.h"
+#include "study/evaluation/farkas.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "study/quad_matrix.h"
+#include "study/evaluation/quad_matrix.h"
 
 namespace lcpbench {
 

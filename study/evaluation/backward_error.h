@@ -1,6 +1,6 @@
 #pragma once
 
-#include "study/quad_lcp.h"
+#include "study/evaluation/quad_lcp.h"
 
 namespace lcpbench {
 

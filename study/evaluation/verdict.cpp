@@ -1,4 +1,4 @@
-#include "study/evaluation.h"
+#include "study/evaluation/evaluation.h"
 
 namespace lcpbench {
 

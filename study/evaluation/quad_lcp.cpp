@@ -1,4 +1,4 @@
-#include "study/quad_lcp.h"
+#include "study/evaluation/quad_lcp.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,12 +1,12 @@
-#include "study/evaluation.h"
+#include "study/evaluation/evaluation.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
 
-#include "study/backward_error.h"
-#include "study/farkas.h"
+#include "study/evaluation/backward_error.h"
+#include "study/evaluation/farkas.h"
 
 namespace lcpbench {
 namespace {

@@ -1,4 +1,4 @@
-#include "study/backward_error.h"
+#include "study/evaluation/backward_error.h"
 
 #include <algorithm>
 #include <cmath>
