@@ -61,8 +61,9 @@ void add_counters(Counters& sum, const Counters& counters) {
 ///
 /// An answer passes when its solver claims it solved and, with tau the tolerance, c_i z_i >= -tau max|q|,
 /// w_i >= -tau s_i and |z'w| <= tau |z|'s. c_i is the largest |entry| of M's column i; s_i = max|q|, so that large
-/// inner forces excuse nothing, but |q_i| + sum_j |M_ij z_j| on rows with M_ii = 0 (those of a friction cone, whose w
-/// has other units than q). With test=tried, as published, w belongs to the problem with the shift, so that a passed
+/// inner forces excuse nothing, but |q_i| + sum_j |M_ij| max(|z_j|, max|q| / c_j) on rows with M_ii = 0 (those of a
+/// friction cone, whose w has other units than q; z_j below tau max|q| / c_j is rounding noise, as in the test on z).
+/// With test=tried, as published, w belongs to the problem with the shift, so that a passed
 /// test says nothing about how far the shift moved the solution, and problems without any solution pass; test=original
 /// takes w of the problem as given. Contact problems are tried as bare (q, M). When nothing passes, the first answer is
 /// returned, never as solved. Every try counts into the time of the solve. [Drumwright, Shell 2012, experiment 6; the
@@ -89,6 +90,7 @@ class Regularized final : public Solver {
   Capabilities capabilities_;
   Lcp lcp_;
   Vector column_scale_;  // n: largest |entry| of each column of M
+  Vector resolved_;      // n: the z_i that moves some w by max|q|, 0 where none does
   Answer attempt_;       // the last one
   Counters total_;
 };
@@ -110,7 +112,11 @@ Regularized::Regularized(const RegularizedSettings& settings) : settings_(settin
 
 void Regularized::on_load(const Problem& problem) {
   lcp_ = make_lcp(problem);
-  if (lcp_.size() > 0) column_scale_ = lcp_.M.cwiseAbs().colwise().maxCoeff();
+  if (lcp_.size() > 0) {
+    column_scale_ = lcp_.M.cwiseAbs().colwise().maxCoeff();
+    const double largest_q = lcp_.q.cwiseAbs().maxCoeff();
+    resolved_ = (column_scale_.array() > 0).select(largest_q / column_scale_.array(), 0.0);
+  }
   plain_->load(Problem(problem.name(), lcp_));
 }
 
@@ -128,7 +134,7 @@ bool Regularized::passes(double eps) const {
   const Vector w = lcp_.M * z + lcp_.q + shift * z;
   const double tolerance = settings_.tolerance;
   const double largest_q = lcp_.q.cwiseAbs().maxCoeff();
-  const Vector own_sum = lcp_.M.cwiseAbs() * z.cwiseAbs() + lcp_.q.cwiseAbs();
+  const Vector own_sum = lcp_.M.cwiseAbs() * z.cwiseAbs().cwiseMax(resolved_) + lcp_.q.cwiseAbs();
   const Vector scale = (lcp_.M.diagonal().array() != 0).select(Vector::Constant(z.size(), largest_q), own_sum);
   return column_scale_.cwiseProduct(z).minCoeff() >= -tolerance * largest_q &&
          (w + tolerance * scale).minCoeff() >= 0 && std::abs(z.dot(w)) <= tolerance * z.cwiseAbs().dot(scale);
@@ -146,6 +152,7 @@ Regularized::Outcome Regularized::attempt(Solver& solver, double eps, const Solv
 
 /// Turns the answer of the first try into one that claims no success.
 void Regularized::report_failure(Outcome outcome, Answer& answer) const {
+  const std::string first = answer.detail.empty() ? to_string(answer.claim) : answer.detail;
   if (outcome == Outcome::kOutOfTime) {
     answer.claim = Claim::kTimeLimit;
   } else if (answer.claim == Claim::kSolved) {
@@ -153,7 +160,7 @@ void Regularized::report_failure(Outcome outcome, Answer& answer) const {
   }
   // A proof of the inner solver speaks of (q, M), which for contacts is rounded.
   if (problem().contact() != nullptr) answer.farkas.resize(0);
-  answer.detail = "no try passed the test; the first: " + (answer.detail.empty() ? "no detail" : answer.detail);
+  answer.detail = "no try passed the test; the first: " + first;
 }
 
 void Regularized::on_solve(const SolveRequest& request, Answer& answer) {
