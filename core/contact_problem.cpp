@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <cmath>
 #include <limits>
 
 namespace lcpbench {
@@ -50,6 +51,17 @@ Matrix to_dense(const Jacobian& J) {
   return visit_jacobian([](const auto& m) { return Matrix(m); }, J);
 }
 
+bool all_finite(const Jacobian& J) {
+  if (const auto* dense = std::get_if<Matrix>(&J)) return dense->allFinite();
+  const auto& sparse = std::get<SparseMatrix>(J);
+  for (Index column = 0; column < sparse.outerSize(); ++column) {
+    for (SparseMatrix::InnerIterator entry(sparse, column); entry; ++entry) {
+      if (!std::isfinite(entry.value())) return false;
+    }
+  }
+  return true;
+}
+
 ContactLayout contact_layout(const ContactProblem& problem) {
   ContactLayout layout;
   layout.nc = problem.nc();
@@ -82,13 +94,6 @@ Index dimension(const Inertia& inertia) {
                                [](const FactoredInertia& i) { return i.X.rows(); },
                                [](const InverseInertia& i) { return i.Ginv.rows(); }},
                     inertia);
-}
-
-bool full_rank_by_construction(const ContactProblem& problem) {
-  if (const auto* factors = std::get_if<FactoredInertia>(&problem.inertia)) {
-    return factors->X.cols() >= factors->X.rows();
-  }
-  return !std::holds_alternative<InverseInertia>(problem.inertia);
 }
 
 Matrix dense_inertia(const Inertia& inertia) {

@@ -39,6 +39,8 @@ Index rows(const Jacobian& J);
 Index cols(const Jacobian& J);
 /// J as a dense matrix; a copy, also of a dense one.
 Matrix to_dense(const Jacobian& J);
+/// True when no entry is NaN or infinite; of a sparse J the stored entries, whether it is compressed or not.
+bool all_finite(const Jacobian& J);
 
 /// A rigid-body contact problem in the Anitescu-Potra impulse form.
 ///
@@ -85,10 +87,6 @@ Index lcp_size(const ContactProblem& problem);
 
 /// Dimension of the inertia.
 Index dimension(const Inertia& inertia);
-
-/// True when the inertia is positive definite by construction: dense or block, or factors with at least ngc columns.
-/// (Rounding and coincidence can still make such data singular; evaluation checks for itself.)
-bool full_rank_by_construction(const ContactProblem& problem);
 
 /// G as a dense matrix; empty for InverseInertia.
 Matrix dense_inertia(const Inertia& inertia);

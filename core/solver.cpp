@@ -18,12 +18,6 @@ constexpr std::array<std::pair<Claim, const char*>, 7> kClaims{{{Claim::kSolved,
                                                                 {Claim::kUnsupported, "unsupported"},
                                                                 {Claim::kCrashed, "crashed"}}};
 
-bool all_finite(const Jacobian& J) {
-  if (const auto* dense = std::get_if<Matrix>(&J)) return dense->allFinite();
-  const auto& sparse = std::get<SparseMatrix>(J);
-  return Eigen::Map<const Vector>(sparse.valuePtr(), sparse.nonZeros()).allFinite();
-}
-
 struct InertiaIsFinite {
   bool operator()(const DenseInertia& i) const { return i.G.allFinite(); }
   bool operator()(const BlockInertia& i) const {
@@ -36,7 +30,7 @@ struct InertiaIsFinite {
   bool operator()(const InverseInertia& i) const { return i.Ginv.allFinite(); }
 };
 
-bool all_finite(const Problem& problem) {
+bool data_are_finite(const Problem& problem) {
   if (const ContactProblem* contact = problem.contact()) {
     return contact->v.allFinite() && contact->mu.allFinite() && all_finite(contact->N) && all_finite(contact->D) &&
            std::visit(InertiaIsFinite{}, contact->inertia);
@@ -77,7 +71,7 @@ std::string why_not(const Capabilities& capabilities, const Problem& problem) {
   if (problem.size() > capabilities.max_size) {
     return "n = " + std::to_string(problem.size()) + " is over its limit of " + std::to_string(capabilities.max_size);
   }
-  if (!all_finite(problem)) return "the data hold NaN or infinity";
+  if (!data_are_finite(problem)) return "the data hold NaN or infinity";
   if (capabilities.frictionless_only) {
     if (const ContactProblem* contact = problem.contact()) {
       if (contact->frictional()) return "needs a symmetric M: frictionless contacts only";

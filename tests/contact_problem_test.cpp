@@ -1,5 +1,7 @@
 #include "core/contact_problem.h"
 
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "core/problem.h"
@@ -63,6 +65,18 @@ TEST(ContactProblemTest, ReducedRankInertiaGetsItsPseudoInverse) {
   const Matrix X{{1.0}, {2.0}, {2.0}};
   const Matrix expected = X * X.transpose() / (4.0 * 81.0);  // (4 x x')* = x x' / (4 |x|^4)
   EXPECT_TRUE(inverse_inertia(FactoredInertia{X, Vector{{4.0}}}).isApprox(expected, 1e-14));
+}
+
+TEST(JacobianTest, NumbersOfAnUncompressedMatrixAreAllLookedAt) {
+  SparseMatrix sparse(3, 2);
+  sparse.reserve(Eigen::VectorXi::Constant(2, 3));  // room between the columns, which holds no entries
+  sparse.insert(0, 0) = 1.0;
+  sparse.insert(2, 1) = 2.0;
+  ASSERT_FALSE(sparse.isCompressed());
+  EXPECT_TRUE(all_finite(Jacobian(sparse)));
+  sparse.coeffRef(2, 1) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(all_finite(Jacobian(sparse)));
+  EXPECT_FALSE(all_finite(Jacobian(Matrix(sparse))));
 }
 
 TEST(SceneTest, ContactRowsAreWrenchesOnBothBodies) {

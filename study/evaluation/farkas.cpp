@@ -120,11 +120,6 @@ struct NullSpaceTest {
   bool operator()(const InverseInertia& inertia) const { return annihilates(inertia.Ginv, p, 0); }
 };
 
-bool all_finite(const Jacobian& J) {
-  if (const auto* dense = std::get_if<Matrix>(&J)) return dense->allFinite();
-  return std::get<SparseMatrix>(J).coeffs().allFinite();
-}
-
 bool nonnegative(const Vector& u) {
   return std::all_of(u.begin(), u.end(), [](double value) { return value >= 0 && std::isfinite(value); });
 }
