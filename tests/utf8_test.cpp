@@ -1,0 +1,31 @@
+// What a user relies on: text that is no UTF-8 is recognised, wherever it comes from.
+
+#include "core/utf8.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace lcpbench {
+namespace {
+
+TEST(Utf8Test, SequencesOfEveryLengthAreWhole) {
+  const std::string text = "a\u00b5\u2192\U0001F600";
+  EXPECT_EQ(utf8_length(text, 0), 1U);
+  EXPECT_EQ(utf8_length(text, 1), 2U);
+  EXPECT_EQ(utf8_length(text, 3), 3U);
+  EXPECT_EQ(utf8_length(text, 6), 4U);
+  EXPECT_EQ(utf8_length(text, 2), 0U);  // in the middle of one
+}
+
+TEST(Utf8Test, MalformedSequencesHaveNoLength) {
+  for (const char* bad : {"\x80", "\xc1\xbf", "\xc2", "\xc2z", "\xe0\x9f\xbf", "\xe2\x86", "\xed\xa0\x80",
+                          "\xf0\x8f\xbf\xbf", "\xf4\x90\x80\x80", "\xf5\x80\x80\x80", "\xff"}) {
+    EXPECT_EQ(utf8_length(bad, 0), 0U) << testing::PrintToString(bad);
+  }
+  EXPECT_EQ(utf8_length("\xed\x9f\xbf", 0), 3U);      // the last before the surrogates
+  EXPECT_EQ(utf8_length("\xf4\x8f\xbf\xbf", 0), 4U);  // U+10FFFF
+}
+
+}  // namespace
+}  // namespace lcpbench
