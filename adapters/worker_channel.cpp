@@ -34,9 +34,11 @@ UniqueFd::~UniqueFd() {
 UniqueFd sealed_memory_file(const char* name, std::size_t bytes) {
   UniqueFd fd(memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING));
   if (!fd) throw_errno(errno, "memfd_create");
-  if (const int error = posix_fallocate(fd.get(), 0, static_cast<off_t>(bytes)); error != 0) {
-    throw_errno(error, "no shared memory");
-  }
+  int error = 0;
+  do {
+    error = posix_fallocate(fd.get(), 0, static_cast<off_t>(bytes));
+  } while (error == EINTR);  // a signal to this program is no fault of the worker
+  if (error != 0) throw_errno(error, "no shared memory");
   if (fcntl(fd.get(), F_ADD_SEALS, kSizeSeals) != 0) throw_errno(errno, "sealing shared memory");
   return fd;
 }
