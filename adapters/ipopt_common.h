@@ -53,8 +53,8 @@ class QuietProgram : public Ipopt::TNLP {
 /// What Ipopt says of a run, in our words: its two kinds of success are kSolved.
 Claim ipopt_claim(Ipopt::ApplicationReturnStatus status);
 
-/// Runs Ipopt on `program`; sets claim, iteration count and detail of the answer, not its z.
-/// `hessian_constant` tells Ipopt that the Lagrangian's Hessian does not change.
+/// Runs Ipopt on `program`, whose constraints are linear and whose objective is quadratic: Ipopt is told that their
+/// derivatives do not change. Sets claim, iteration count and detail of the answer, not its z.
 void run_ipopt(const Ipopt::SmartPtr<QuietProgram>& program, const IpoptSettings& settings, double time_limit_s,
                Answer& answer);
 
