@@ -132,13 +132,6 @@ Estimate ratio_of_sums(std::span<const double> reference, std::span<const double
   return {numerator / denominator, interval.low, interval.high};
 }
 
-double shifted_geometric_mean(std::span<const double> values, double shift) {
-  if (values.empty()) return kNone;
-  double logarithms = 0;
-  for (const double value : values) logarithms += std::log(value + shift);
-  return std::exp(logarithms / static_cast<double>(values.size())) - shift;
-}
-
 double sign_test(std::int64_t first, std::int64_t second) {
   const std::int64_t tosses = first + second;
   const std::int64_t fewer = std::min(first, second);

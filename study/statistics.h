@@ -69,10 +69,6 @@ Estimate median_estimate(std::span<const double> values);
 /// @throws std::invalid_argument when the lengths differ.
 Estimate ratio_of_sums(std::span<const double> reference, std::span<const double> solver);
 
-/// exp(mean(log(x + shift))) - shift: the geometric mean, with values far below `shift` losing their pull.
-/// NaN for no values. @pre every x + shift > 0
-double shifted_geometric_mean(std::span<const double> values, double shift);
-
 /// Two-sided exact sign test: the chance that a fair coin splits first + second tosses at least this unevenly. With the
 /// counts of problems that only one of two solvers solved it is McNemar's exact test. 1 for no tosses.
 double sign_test(std::int64_t first, std::int64_t second);

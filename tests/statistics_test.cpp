@@ -176,13 +176,6 @@ TEST(StatisticsTest, BootstrapsRepeatToTheLastBit) {
   EXPECT_TRUE(std::isnan(median_estimate({}).value));
 }
 
-TEST(StatisticsTest, ShiftedGeometricMeanOfAKnownSample) {
-  const std::vector<double> values{1, 9};
-  EXPECT_NEAR(shifted_geometric_mean(values, 0), 3, 1e-15);
-  EXPECT_NEAR(shifted_geometric_mean(values, 7), std::sqrt(8.0 * 16.0) - 7, 1e-14);
-  EXPECT_TRUE(std::isnan(shifted_geometric_mean({}, 1)));
-}
-
 TEST(StatisticsTest, SignTestCountsCoins) {
   EXPECT_EQ(sign_test(0, 0), 1);
   EXPECT_DOUBLE_EQ(sign_test(0, 5), 2.0 / 32);
