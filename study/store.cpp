@@ -57,14 +57,6 @@ Truth parse_truth(std::string_view text) {
   return text == "unsolvable" ? Truth::kUnsolvable : Truth::kUnknown;
 }
 
-Verdict parse_verdict(std::string_view text) {
-  for (const Verdict verdict : {Verdict::kSolved, Verdict::kCriterionOnly, Verdict::kWrong, Verdict::kUnsolvable,
-                                Verdict::kMissed, Verdict::kOpen}) {
-    if (text == to_string(verdict)) return verdict;
-  }
-  throw InputError("the store is damaged: unknown verdict '" + std::string(text) + "'");
-}
-
 constexpr std::array kErrorColumns{&Errors::velocity_residual_m_per_s,
                                    &Errors::velocity_residual_relative,
                                    &Errors::natural_residual,

@@ -17,13 +17,6 @@ namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-Verdict parse_verdict(std::string_view text) {
-  for (const Verdict verdict : kAllVerdicts) {
-    if (text == to_string(verdict)) return verdict;
-  }
-  throw InputError("the store holds the unknown verdict '" + std::string(text) + "'");
-}
-
 double share(std::int64_t part, std::int64_t whole) {
   return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : kNone;
 }

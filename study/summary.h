@@ -13,14 +13,11 @@
 namespace lcpbench {
 
 inline constexpr std::size_t kClaims = 7;
-inline constexpr std::size_t kVerdicts = 6;
 
-/// Every claim and verdict, in the order of their enums.
+/// Every claim, in the order of the enum.
 inline constexpr std::array<Claim, kClaims> kAllClaims{
     Claim::kSolved,           Claim::kUnsolvable,  Claim::kIterationLimit, Claim::kTimeLimit,
     Claim::kNumericalFailure, Claim::kUnsupported, Claim::kCrashed};
-inline constexpr std::array<Verdict, kVerdicts> kAllVerdicts{
-    Verdict::kSolved, Verdict::kCriterionOnly, Verdict::kWrong, Verdict::kUnsolvable, Verdict::kMissed, Verdict::kOpen};
 
 /// One problem set of a store, and what its problems say of it.
 struct SetSummary {

@@ -11,11 +11,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-Quad quotient(Quad violation, Quad scale) {
-  if (violation == 0) return 0;
-  return scale == 0 ? Quad{kInfinity} : violation / scale;
-}
-
 struct Candidate {
   Quad ratio = 0;  ///< the least tau that sets the entry to zero
   std::size_t index = 0;

@@ -15,11 +15,6 @@ constexpr Index kLargestBareOrderForTruth = 64;
 
 QuadVector quad(const Vector& x) { return QuadVector(x.begin(), x.end()); }
 
-Quad quotient(Quad value, Quad scale) {
-  if (value == 0) return 0;
-  return scale == 0 ? Quad{std::numeric_limits<double>::infinity()} : value / scale;
-}
-
 Quad dot(const QuadVector& a, const QuadVector& b) {
   Quad sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <limits>
 #include <memory>
+#include <string_view>
 
 #include "core/solver.h"
 
@@ -63,8 +65,17 @@ enum class Truth { kUnknown, kSolvable, kUnsolvable };
 
 enum class Verdict { kSolved, kCriterionOnly, kWrong, kUnsolvable, kMissed, kOpen };
 
+inline constexpr std::size_t kVerdicts = 6;
+
+/// Every verdict, in the order of the enum.
+inline constexpr std::array<Verdict, kVerdicts> kAllVerdicts{
+    Verdict::kSolved, Verdict::kCriterionOnly, Verdict::kWrong, Verdict::kUnsolvable, Verdict::kMissed, Verdict::kOpen};
+
 /// "solved", "criterion_only", "wrong", "unsolvable", "missed", "open".
 const char* to_string(Verdict verdict);
+
+/// The inverse of to_string. @throws InputError for any other word.
+Verdict parse_verdict(std::string_view text);
 
 /// The verdict on an answer. Every combination of claim, truth and errors is fixed by the table in docs/verdicts.md.
 /// @param truth  kSolvable also when another solver's answer was found solved.

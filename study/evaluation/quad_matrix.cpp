@@ -1,6 +1,13 @@
 #include "study/evaluation/quad_matrix.h"
 
+#include <limits>
+
 namespace lcpbench {
+
+Quad quotient(Quad value, Quad scale) {
+  if (value == 0) return 0;
+  return scale == 0 ? Quad{std::numeric_limits<double>::infinity()} : value / scale;
+}
 
 QuadMatrix::QuadMatrix(const Matrix& doubles)
     : QuadMatrix(static_cast<std::size_t>(doubles.rows()), static_cast<std::size_t>(doubles.cols())) {

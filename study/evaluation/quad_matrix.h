@@ -10,6 +10,9 @@ namespace lcpbench {
 
 using QuadVector = std::vector<Quad>;
 
+/// value / scale, with 0/0 = 0 and x/0 = infinity: how measures are made relative.
+Quad quotient(Quad value, Quad scale);
+
 /// A dense matrix in 113-bit arithmetic, stored by rows.
 struct QuadMatrix {
   std::size_t rows = 0;

@@ -1,3 +1,6 @@
+#include <string>
+
+#include "core/error.h"
 #include "study/evaluation/evaluation.h"
 
 namespace lcpbench {
@@ -12,6 +15,13 @@ const char* to_string(Verdict verdict) {
     case Verdict::kOpen: return "open";
   }
   return "unknown";
+}
+
+Verdict parse_verdict(std::string_view text) {
+  for (const Verdict verdict : kAllVerdicts) {
+    if (text == to_string(verdict)) return verdict;
+  }
+  throw InputError("unknown verdict '" + std::string(text) + "'");
 }
 
 Verdict verdict(Claim claim, const Errors& errors, Truth truth) {
