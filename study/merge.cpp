@@ -119,7 +119,8 @@ class Draft {
 
 MergeOutcome merge_stores(const std::filesystem::path& out, const std::vector<std::filesystem::path>& inputs) {
   std::vector<std::filesystem::path> sources = inputs;
-  if (std::filesystem::exists(out)) {
+  std::error_code ignored;
+  if (std::filesystem::exists(out, ignored)) {
     Store::open_for_reading(out);
     Store::open_for_writing(out);  // its end folds what a killed run left in the write-ahead log into the file itself
     if (std::filesystem::exists(out.string() + "-wal")) throw InputError(out.string() + ": another process reads it");

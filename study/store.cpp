@@ -100,6 +100,7 @@ std::string insert_into(const char* table, const std::string& columns, int count
 struct Writers {
   explicit Writers(Database& database)
       : problem(database, insert_into("problems", "id, set_id, seed, trial, kind, n, ngc, nc, hash, theory", 10)),
+        stored_problem(database, "SELECT p.hash, s.name FROM problems p JOIN sets s ON s.id = p.set_id WHERE p.id = ?"),
         vector(database, insert_into("vectors", "id, data", 2)),
         answer(database, insert_into("answers",
                                      "problem_id, solver_id, claim, z, velocity, farkas, iterations, pivots, "
@@ -114,6 +115,7 @@ struct Writers {
                insert_into("timings", std::string("problem_id, solver_id, run_id, ") + kTimeColumnNames, 10)) {}
 
   Statement problem;
+  Statement stored_problem;
   Statement vector;
   Statement answer;
   Statement verdict;
@@ -126,6 +128,19 @@ void bind_id(Statement& statement, int parameter, const std::optional<std::int64
   } else {
     statement.bind_null(parameter);
   }
+}
+
+/// Answers to two problems under one id would be judged as answers to one: what is stored must be what was solved.
+void check_same_problem(Statement& stored, const ProblemRow& problem, const std::filesystem::path& file) {
+  stored.bind(1, problem.id);
+  if (stored.step() && stored.text(0) != problem.hash) {
+    throw InputError(
+        fmt::format("{}: trial {} of seed {} of set '{}' is another problem than when the store was begun: the set has "
+                    "changed; use "
+                    "another store, or --fresh",
+                    file.string(), problem.trial, problem.seed, stored.text(1)));
+  }
+  stored.reset();
 }
 
 std::int64_t as_integer(bool value) { return value ? 1 : 0; }
@@ -181,14 +196,16 @@ Store Store::open_for_writing(const std::filesystem::path& file) {
 }
 
 Store Store::open_for_reading(const std::filesystem::path& file) {
-  if (!std::filesystem::is_regular_file(file)) throw InputError(describe(file, "no such store"));
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) throw InputError(describe(file, "no such store"));
   auto data = std::make_unique<Data>(file, Mode::kReadOnly);
   check_format(data->database);
   return Store(std::move(data));
 }
 
 void Store::remove(const std::filesystem::path& file) {
-  if (!std::filesystem::exists(file)) return;
+  std::error_code ignored;
+  if (!std::filesystem::exists(file, ignored)) return;
   const FileLock lock(file);
   {
     Database database(file, Mode::kReadOnly);
@@ -249,6 +266,7 @@ void Store::add(const ProblemResult& result) {
   writers.problem.bind(9, problem.hash);
   writers.problem.bind(10, problem.theory);
   writers.problem.run();
+  check_same_problem(writers.stored_problem, problem, file());
 
   for (const auto& [id, bytes] : result.vectors) {
     writers.vector.bind(1, id);

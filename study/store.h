@@ -79,7 +79,7 @@ struct StoredSolver {
   SolverRow row;
 };
 
-/// A finished cell as the report reads it, with the verdict that all answers to its problem together give.
+/// A finished cell, with the verdict that all answers to its problem together give.
 struct StoredCell {
   std::int64_t problem_id = 0;
   std::int64_t solver_id = 0;
@@ -123,6 +123,7 @@ class Store {
   /// @throws InputError when the id is taken by another row (a hash collision, or a store that was tampered with).
   std::int64_t add_solver(const SolverRow& solver);
   /// Adds a problem with some cells; cells that are there already stay as they are.
+  /// @throws InputError when the store has other data for the problem (its hash differs): its set has changed.
   void add(const ProblemResult& result);
 
   /// The solvers whose answers to a problem are there.

@@ -152,6 +152,30 @@ TEST(StoreTest, FirstRowOfACellStays) {
   EXPECT_EQ(dump(file), before);
 }
 
+TEST(StoreTest, AnswersToAnotherProblemUnderTheSameNameAreRefused) {
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder / "s.db";
+  fill(file, Vector::Ones(2));
+  const std::string before = dump(file);
+  {
+    Store store = Store::open_for_writing(file);
+    SolverRow added = some_solver();
+    added.name = "another";
+    ProblemResult changed = one_result("a/set", added, Vector::Ones(2));
+    changed.problem.hash = "cd";
+    store.begin();
+    const std::string cause = input_error([&] { store.add(changed); });
+    EXPECT_NE(cause.find("trial 3 of seed 7 of set 'a/set' is another problem"), std::string::npos) << cause;
+  }
+  EXPECT_EQ(dump(file), before);
+}
+
+TEST(StoreTest, APathThatCannotBeLookedUpIsAnInputError) {
+  const std::string path(10'000, 'x');
+  EXPECT_NE(input_error([&] { Store::open_for_reading(path); }).find("no such store"), std::string::npos);
+  EXPECT_NE(input_error([&] { Store::open_for_writing(path); }).find("name too long"), std::string::npos);
+}
+
 TEST(StoreTest, SeedsUseAll64Bits) {
   const ScratchFolder folder;
   constexpr std::uint64_t kSeed = std::numeric_limits<std::uint64_t>::max();
