@@ -20,7 +20,10 @@ std::string quoted(const std::string& argument) {
       !argument.empty() &&
       argument.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=+.,:/@%") ==
           std::string::npos;
-  return plain ? argument : "'" + argument + "'";
+  if (plain) return argument;
+  std::string text = "'";
+  for (const char c : argument) text += c == '\'' ? "'\\''" : std::string(1, c);
+  return text + "'";
 }
 
 std::string command_line(int argc, const char* const* argv) {
