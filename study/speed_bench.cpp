@@ -36,9 +36,7 @@ std::vector<Measured> measure(const Problem& problem, std::vector<Contender>& co
       TimedAnswer timed;
       contenders[i].solver->run(problem, request, timed);
       measured[i].time_s += 0.5 * cpu_time_s(timed.times);
-      const Errors errors = evaluator.errors(timed.answer);
-      const bool solved = verdict(timed.answer.claim, errors, evaluator.truth()) == Verdict::kSolved;
-      measured[i].verified = measured[i].verified && solved;
+      measured[i].verified = measured[i].verified && evaluator.errors(timed.answer).solved;
     }
     std::reverse(order.begin(), order.end());
   }

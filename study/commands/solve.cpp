@@ -101,8 +101,7 @@ Attempt attempt(const Problem& problem, const Spec& spec, TimedSolver& solver, E
 Truth truth_of(const Evaluator& evaluator, const std::vector<Attempt>& attempts) {
   const auto any = [&](auto holds) { return std::any_of(attempts.begin(), attempts.end(), holds); };
   if (any([](const Attempt& a) { return a.proved_unsolvable; })) return Truth::kUnsolvable;
-  if (evaluator.truth() != Truth::kUnknown) return evaluator.truth();
-  return any([](const Attempt& a) { return a.errors.solved; }) ? Truth::kSolvable : Truth::kUnknown;
+  return any([](const Attempt& a) { return a.errors.solved; }) ? Truth::kSolvable : evaluator.truth();
 }
 
 /// Right answers first, then honest failures, then false claims, then refusals.
