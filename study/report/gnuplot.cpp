@@ -1,5 +1,6 @@
 #include "study/report/gnuplot.h"
 
+#include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -19,10 +20,12 @@ namespace {
 class ScratchDirectory {
  public:
   ScratchDirectory() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "lcpbench-figure-XXXXXX").string();
+    std::error_code error;
+    const std::filesystem::path parent = std::filesystem::temp_directory_path(error);
+    if (error) throw FigureError("there is no directory for temporary files (TMPDIR): " + error.message());
+    std::string pattern = (parent / "lcpbench-figure-XXXXXX").string();
     if (mkdtemp(pattern.data()) == nullptr) {
-      throw FigureError("cannot make a directory for figures in " + std::filesystem::temp_directory_path().string() +
-                        ": " + std::strerror(errno));
+      throw FigureError("cannot make a directory for figures in " + parent.string() + ": " + std::strerror(errno));
     }
     path_ = pattern;
   }
@@ -38,6 +41,13 @@ class ScratchDirectory {
  private:
   std::filesystem::path path_;
 };
+
+void write_text(const std::string& file, const std::string& text) {
+  std::ofstream out(file, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) throw FigureError(file + ": cannot be written: " + std::strerror(errno));
+}
 
 std::string read_text(const std::string& file) {
   std::ifstream in(file, std::ios::binary);
@@ -85,7 +95,7 @@ int wait_for(pid_t child) {
 
 std::string run_gnuplot(const std::string& script) {
   const ScratchDirectory scratch;
-  std::ofstream(scratch.file("script"), std::ios::binary) << script;
+  write_text(scratch.file("script"), script);
 
   constexpr int kWrite = O_WRONLY | O_CREAT | O_TRUNC;
   FileActions actions;
