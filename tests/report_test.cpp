@@ -160,7 +160,7 @@ class ReportTest : public testing::Test {
     page_ = read_file(folder_ / "out/report.html");
   }
 
-  TestFolder folder_;
+  ScratchFolder folder_;
   std::string note_;
   std::string page_;
 };
@@ -297,6 +297,16 @@ TEST_F(ReportTest, WithoutGnuplotTheReportSaysSoAndIsCompleteOtherwise) {
   EXPECT_NE(page.find("<code>liar</code>: said solved and was wrong on 33.3 %"), std::string::npos);
 }
 
+TEST_F(ReportTest, WithoutATemporaryFolderTheReportSaysSoAndIsCompleteOtherwise) {
+  SyntheticStore made(folder_ / "s.db");
+  fill(made);
+  setenv("TMPDIR", "/nonexistent", 1);
+  const std::string note = write_report(made.store(), folder_ / "out");
+  unsetenv("TMPDIR");
+  EXPECT_NE(note.find("no directory for temporary files (TMPDIR)"), std::string::npos) << note;
+  expect_balanced(read_file(folder_ / "out/report.html"));
+}
+
 TEST_F(ReportTest, AFolderThatCannotBeMadeIsOneClearLine) {
   SyntheticStore made(folder_ / "s.db");
   std::ofstream(folder_ / "file") << "x";
@@ -322,7 +332,7 @@ TEST_F(ReportTest, TerminalTableFitsAndNamesEverySolver) {
 
 /// A solver that met ten problems and solved all must not beat one that solved sixty of sixty.
 TEST(DecisionTest, SmallSampleIsNotRecommended) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   SyntheticStore made(folder / "s.db");
   const auto steady = made.solver("steady");
   const auto sampled = made.solver("sampled");
@@ -340,7 +350,7 @@ TEST(DecisionTest, SmallSampleIsNotRecommended) {
 }
 
 TEST(DecisionTest, IndistinguishableSolversAreATie) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   SyntheticStore made(folder / "s.db");
   const auto a = made.solver("a");
   const auto b = made.solver("b");
@@ -354,7 +364,7 @@ TEST(DecisionTest, IndistinguishableSolversAreATie) {
 }
 
 TEST(DecisionTest, NothingSolvedRecommendsNothing) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   SyntheticStore made(folder / "s.db");
   const auto bad = made.solver("bad");
   for (std::int64_t trial = 0; trial < 10; ++trial) {

@@ -28,7 +28,7 @@ std::int64_t sum_of_verdicts(const nlohmann::ordered_json& cell) {
 
 /// Every combination that a verdict has, once, on problems of which nothing else is known.
 TEST(SummaryTest, VerdictsAddUpToTrialsAndTheOtherCountsOverlap) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   SyntheticStore made(folder / "s.db");
   const auto solver = made.solver("lemke");
   std::int64_t trial = 0;
@@ -72,7 +72,7 @@ TEST(SummaryTest, VerdictsAddUpToTrialsAndTheOtherCountsOverlap) {
 }
 
 TEST(SummaryTest, OnesSolutionMakesAnothersFailureMissed) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   SyntheticStore made(folder / "s.db");
   const auto good = made.solver("a_good");
   const auto bad = made.solver("b_bad");
@@ -85,7 +85,7 @@ TEST(SummaryTest, OnesSolutionMakesAnothersFailureMissed) {
 
 /// A solver that claims to have solved what another proved unsolvable makes a false claim, small residual or not.
 TEST(SummaryTest, ClaimOnAnUnsolvableProblemIsFalse) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   SyntheticStore made(folder / "s.db");
   const auto honest = made.solver("a_honest");
   const auto liar = made.solver("b_liar");
@@ -103,7 +103,7 @@ TEST(SummaryTest, ClaimOnAnUnsolvableProblemIsFalse) {
 }
 
 TEST(SummaryTest, EmptyStoreGivesAnEmptySummary) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   SyntheticStore made(folder / "s.db");
   const Summary summary = summarize(made.store());
   EXPECT_TRUE(summary.cells.empty());
@@ -113,7 +113,7 @@ TEST(SummaryTest, EmptyStoreGivesAnEmptySummary) {
 }
 
 TEST(SummaryTest, TimesAreSetUpPlusSolveAndLeaveOutRefusals) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   SyntheticStore made(folder / "s.db");
   const auto solver = made.solver("lemke");
   made.problem(kSet, 0, {{solver, {.time_s = 1}}});
@@ -133,7 +133,7 @@ TEST(SummaryTest, TimesAreSetUpPlusSolveAndLeaveOutRefusals) {
 
 /// Ratios are taken where both are right: neither a fast wrong answer nor the reference's failure counts.
 TEST(SummaryTest, TimeRatioUsesTheProblemsThatBothSolved) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   SyntheticStore made(folder / "s.db");
   const auto reference = made.solver("lemke");
   const auto solver = made.solver("quick");
@@ -152,7 +152,7 @@ TEST(SummaryTest, TimeRatioUsesTheProblemsThatBothSolved) {
 }
 
 TEST(SummaryTest, WithoutTheReferenceThereIsNoRatio) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   SyntheticStore made(folder / "s.db");
   const auto other = made.solver("lemke", "engine=kernel");
   made.problem(kSet, 0, {{other, {}}});
@@ -163,7 +163,7 @@ TEST(SummaryTest, WithoutTheReferenceThereIsNoRatio) {
 
 /// Errors describe what the user was handed as solved; an answer that is no number is beyond every bound.
 TEST(SummaryTest, ErrorsAreThoseOfClaimedAnswersAndNaNIsInfinite) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   SyntheticStore made(folder / "s.db");
   const auto solver = made.solver("lemke");
   made.problem(kSet, 0, {{solver, {.error = 1e-10}}});
@@ -180,7 +180,7 @@ TEST(SummaryTest, ErrorsAreThoseOfClaimedAnswersAndNaNIsInfinite) {
 }
 
 TEST(SummaryTest, BareProblemsAreMeasuredByTheirBackwardError) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   SyntheticStore made(folder / "s.db");
   const auto solver = made.solver("lemke");
   made.problem("file:bare.json", 0, {{solver, {.error = 1e-11}}}, 0, "", "lcp");
@@ -191,7 +191,7 @@ TEST(SummaryTest, BareProblemsAreMeasuredByTheirBackwardError) {
 }
 
 TEST(SummaryTest, SetsSayWhatTheirProblemsAre) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   SyntheticStore made(folder / "s.db");
   const auto solver = made.solver("lemke");
   made.problem("paper/monotone/exp5-1e10", 0, {{solver, {}}});
@@ -212,7 +212,7 @@ TEST(SummaryTest, SetsSayWhatTheirProblemsAre) {
 /// Four parameterisations, eight trials. The best on the even trials is not the best on the odd ones: what is reported
 /// as held out must be the even trials' choice, judged on the odd trials.
 TEST(SummaryTest, SweepGivesWorstAverageBestAndAnHonestBest) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   SyntheticStore made(folder / "s.db");
   const auto a = made.solver("lemke", "zero_tolerance=1e-4", "paper");
   const auto b = made.solver("lemke", "zero_tolerance=1e-8", "paper");
@@ -239,7 +239,7 @@ TEST(SummaryTest, SweepGivesWorstAverageBestAndAnHonestBest) {
 }
 
 TEST(SummaryTest, EqualStoresGiveEqualBytes) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   const auto fill = [&folder](const std::string& name) {
     SyntheticStore made(folder / name);
     const auto a = made.solver("lemke");

@@ -5,28 +5,10 @@
 #include <limits>
 #include <string>
 
-#include <unistd.h>
-
 #include "study/store.h"
+#include "tests/study_support.h"
 
 namespace lcpbench {
-
-/// A folder of its own for a test; gone with this object.
-class TestFolder {
- public:
-  TestFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "lcpbench-test-XXXXXX").string();
-    if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("cannot make " + pattern);
-    path_ = pattern;
-  }
-  ~TestFolder() { std::filesystem::remove_all(path_); }
-  TestFolder(const TestFolder&) = delete;
-  TestFolder& operator=(const TestFolder&) = delete;
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// What one solver is made to answer on one problem of a store written by hand.
 struct MadeAnswer {
