@@ -11,6 +11,7 @@
 #include "core/isa.h"
 #include "core/registry.h"
 #include "study/commands/commands.h"
+#include "study/commands/options.h"
 #include "study/json_output.h"
 #include "study/provenance.h"
 #include "study/speed_bench.h"
@@ -116,10 +117,10 @@ Action add_bench_command(CLI::App& command, const std::string& command_line) {
       ->check(CLI::Range(INT64_C(1), INT64_C(100'000'000)))
       ->capture_default_str();
   command.add_option("--seed", arguments->seed, "stream of random problems")
-      ->check(CLI::NonNegativeNumber)
+      ->check(seed_check())
       ->capture_default_str();
   command.add_option("--time-limit", arguments->time_limit_s, "seconds for each solve")
-      ->check(CLI::Range(1e-6, 1e7))
+      ->check(seconds_check(1e-6, 1e7))
       ->capture_default_str();
   add_format_option(command, arguments->format);
   command.footer(

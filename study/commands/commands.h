@@ -27,7 +27,4 @@ Action add_merge_command(CLI::App& command);
 Action add_report_command(CLI::App& command);
 Action add_bench_command(CLI::App& command, const std::string& command_line);
 
-/// `--format text|json`, into `format`.
-void add_format_option(CLI::App& command, std::string& format);
-
 }  // namespace lcpbench

@@ -10,6 +10,7 @@
 #include "generators/problem_io.h"
 #include "generators/sets.h"
 #include "study/commands/commands.h"
+#include "study/commands/options.h"
 
 namespace lcpbench {
 namespace {
@@ -41,7 +42,7 @@ int generate(const Arguments& arguments) {
 Action add_generate_command(CLI::App& command) {
   const auto arguments = std::make_shared<Arguments>();
   command.add_option("SET", arguments->set, "problem set, with its options in braces")->required();
-  command.add_option("--seed", arguments->seed, "stream of random problems")->check(CLI::NonNegativeNumber)->required();
+  command.add_option("--seed", arguments->seed, "stream of random problems")->check(seed_check())->required();
   command.add_option("--count", arguments->count, "how many problems")
       ->required()
       ->check(CLI::Range(INT64_C(1), INT64_C(10'000'000)));

@@ -6,6 +6,7 @@
 #include "core/registry.h"
 #include "generators/sets.h"
 #include "study/commands/commands.h"
+#include "study/commands/options.h"
 #include "study/json_output.h"
 #include "study/text_table.h"
 
@@ -127,12 +128,6 @@ Json sets_json(const std::vector<SetInfo>& sets) {
 }
 
 }  // namespace
-
-void add_format_option(CLI::App& command, std::string& format) {
-  command.add_option("--format", format, "text for people, json for programs")
-      ->check(CLI::IsMember({"text", "json"}))
-      ->capture_default_str();
-}
 
 Action add_solvers_command(CLI::App& command) {
   const auto format = std::make_shared<std::string>("text");

@@ -16,6 +16,7 @@
 #include "core/registry.h"
 #include "study/build_info.h"
 #include "study/commands/commands.h"
+#include "study/commands/options.h"
 #include "study/interrupt.h"
 #include "study/plan.h"
 #include "study/provenance.h"
@@ -246,10 +247,10 @@ Action add_run_command(CLI::App& command, const std::string& command_line) {
       ->allow_extra_args(false);
   command.add_option("--sweep", arguments->sweep, "run each solver over its grid of this name (paper)");
   command.add_option("--trials", arguments->trials, "problems of each set")->check(CLI::Range(1, 100'000'000));
-  command.add_option("--seed", arguments->seed, "stream of random problems")->check(CLI::NonNegativeNumber);
+  command.add_option("--seed", arguments->seed, "stream of random problems")->check(seed_check());
   command.add_option("--jobs", arguments->jobs, "threads (default: one per processor)")->check(CLI::Range(1, 1024));
   command.add_option("--budget", arguments->budget_s, "seconds after which no problem is begun; 0: no limit")
-      ->check(CLI::Range(0.0, 1e7));
+      ->check(seconds_check(0, 1e7));
   command.add_option("--store", arguments->store, "file of the results (default: PLAN.db)");
   command.add_option("--shard", arguments->shard, "I/N: only the I-th of N parts, for lcpbench merge");
   command.add_flag("--fresh", arguments->fresh, "throw the store away first");

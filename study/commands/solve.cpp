@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "generators/problem_io.h"
 #include "study/commands/commands.h"
+#include "study/commands/options.h"
 #include "study/evaluation/evaluation.h"
 #include "study/json_output.h"
 #include "study/open_solver.h"
@@ -256,7 +257,7 @@ Action add_solve_command(CLI::App& command) {
   command.add_option("--solver", arguments->solvers, "name{key=value,...}; may be repeated (default: all that fit)")
       ->allow_extra_args(false);
   command.add_option("--time-limit", arguments->time_limit_s, "seconds for each solve")
-      ->check(CLI::Range(1e-6, 1e7))
+      ->check(seconds_check(1e-6, 1e7))
       ->capture_default_str();
   add_format_option(command, arguments->format);
   command.footer(

@@ -1,0 +1,47 @@
+#include "study/commands/options.h"
+
+#include <charconv>
+#include <cstdint>
+#include <limits>
+#include <system_error>
+
+#include <fmt/format.h>
+
+namespace lcpbench {
+namespace {
+
+template <class Number>
+bool parse(const std::string& text, Number& number) {
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, number);
+  return error == std::errc() && stop == end;
+}
+
+}  // namespace
+
+void add_format_option(CLI::App& command, std::string& format) {
+  command.add_option("--format", format, "text for people, json for programs")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->capture_default_str();
+}
+
+CLI::Validator seed_check() {
+  const std::string range = fmt::format("in [0, {}]", std::numeric_limits<std::uint64_t>::max());
+  return {[range](const std::string& text) {
+            std::uint64_t seed = 0;
+            return parse(text, seed) ? std::string() : fmt::format("'{}' is no integer {}", text, range);
+          },
+          range};
+}
+
+CLI::Validator seconds_check(double low, double high) {
+  const std::string range = fmt::format("in [{:g}, {:g}]", low, high);
+  return {[low, high, range](const std::string& text) {
+            double seconds = 0;
+            const bool inside = parse(text, seconds) && seconds >= low && seconds <= high;
+            return inside ? std::string() : fmt::format("'{}' is no number {}", text, range);
+          },
+          range};
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+namespace lcpbench {
+
+/// `--format text|json`, into `format`.
+void add_format_option(CLI::App& command, std::string& format);
+
+/// Refuses what is no decimal integer in [0, 2^64). CLI11's own conversion turns larger ones into 2^64 - 1.
+CLI::Validator seed_check();
+
+/// Refuses what is no number in [low, high], NaN included, which CLI::Range lets pass.
+CLI::Validator seconds_check(double low, double high);
+
+}  // namespace lcpbench
