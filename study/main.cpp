@@ -1,11 +1,17 @@
 #include <algorithm>
+#include <cerrno>
+#include <cstdio>
 #include <exception>
+#include <iostream>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "core/error.h"
 #include "study/build_info.h"
@@ -32,6 +38,21 @@ std::string command_line(int argc, const char* const* argv) {
   return text;
 }
 
+/// A file opened later must not get the number of a closed standard stream: what is printed would end up in it.
+void open_closed_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(stream, F_GETFD) < 0) open("/dev/null", O_RDWR);
+  }
+}
+
+/// Output that did not arrive (a full disk) must not look like success. @throws std::system_error
+void flush_output() {
+  errno = 0;
+  std::cout.flush();
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good()) return;
+  throw std::system_error(errno != 0 ? errno : EIO, std::generic_category(), "standard output");
+}
+
 std::string first_line(std::string text) { return text.substr(0, text.find('\n')); }
 
 class CommandLine {
@@ -55,14 +76,14 @@ class CommandLine {
   }
 
   int run(int argc, const char* const* argv) {
+    if (argc > 1 && argv[1][0] != '-' && !is_command(argv[1])) {
+      throw InputError("unknown command '" + std::string(argv[1]) + "' (lcpbench --help)");
+    }
     try {
       app_.parse(argc, argv);
     } catch (const CLI::Success& help) {
       return app_.exit(help);
     } catch (const CLI::ParseError& error) {
-      if (argc > 1 && argv[1][0] != '-' && !is_command(argv[1])) {
-        throw InputError("unknown command '" + std::string(argv[1]) + "' (lcpbench --help)");
-      }
       throw InputError(first_line(error.what()) + " (lcpbench --help)");
     }
     for (const auto& [command, action] : commands_) {
@@ -90,9 +111,14 @@ class CommandLine {
 }  // namespace
 
 int main(int argc, char** argv) {
+  open_closed_streams();
   try {
-    return CommandLine(command_line(argc, argv)).run(argc, argv);
+    const int exit_code = CommandLine(command_line(argc, argv)).run(argc, argv);
+    flush_output();
+    return exit_code;
   } catch (const InputError& error) {
+    fmt::print(stderr, "lcpbench: {}\n", error.what());
+  } catch (const std::system_error& error) {
     fmt::print(stderr, "lcpbench: {}\n", error.what());
   } catch (const std::exception& error) {
     fmt::print(stderr, "lcpbench: internal error: {}\n", error.what());

@@ -37,8 +37,9 @@ class CommandLineTest : public testing::Test {
   Output run(const std::string& arguments) {
     const std::string out = (folder_ / "out").string();
     const std::string err = (folder_ / "err").string();
-    const std::string command = "cd '" + (folder_ / "").string() + "' && '" LCPBENCH_PROGRAM "' " + arguments + " >'" +
-                                out + "' 2>'" + err + "'";
+    // Redirections in `arguments` come later and win.
+    const std::string command =
+        "cd '" + (folder_ / "").string() + "' && '" LCPBENCH_PROGRAM "' >'" + out + "' 2>'" + err + "' " + arguments;
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, file_text(out), file_text(err)};
   }
@@ -75,6 +76,11 @@ TEST_F(CommandLineTest, MistakesOfUseExitWith2AndOneLine) {
                                 "run --shard 1/3x",
                                 "run --trials 0",
                                 "run --seed -4",
+                                "run --seed 18446744073709551616",
+                                "run --seed 1.5",
+                                "run --budget nan",
+                                "bench --problems 1 --time-limit nan",
+                                "frobnicate --help",
                                 "run --jobs 0",
                                 "run smoke --solver nope",
                                 "run smoke --solver 'lemke{foo=1}'",
@@ -98,6 +104,24 @@ TEST_F(CommandLineTest, MistakesOfUseExitWith2AndOneLine) {
     EXPECT_EQ(output.err.rfind("lcpbench: ", 0), 0U) << arguments << ": " << output.err;
     EXPECT_EQ(std::count(output.err.begin(), output.err.end(), '\n'), 1) << arguments << ": " << output.err;
     EXPECT_EQ(output.out, "") << arguments;
+  }
+}
+
+TEST_F(CommandLineTest, OutputThatDoesNotArriveIsAnError) {
+  for (const char* command :
+       {"solvers", "sets --format json", "generate paper/monotone/exp1 --seed 1 --count 1 --out d",
+        "run --set paper/monotone/exp1 --solver lemke --trials 1", "--help"}) {
+    const Output output = run(std::string(command) + " >/dev/full");
+    EXPECT_EQ(output.exit_code, 2) << command;
+    EXPECT_NE(output.err.find("No space left on device"), std::string::npos) << command << ": " << output.err;
+  }
+}
+
+TEST_F(CommandLineTest, ClosedOutputEndsUpInNoFile) {
+  EXPECT_EQ(run("generate paper/monotone/exp1 --seed 1 --count 2 --out open").exit_code, 0);
+  EXPECT_EQ(run("generate paper/monotone/exp1 --seed 1 --count 2 --out closed <&- >&- 2>&-").exit_code, 0);
+  for (const char* name : {"000000.json", "000001.json"}) {
+    EXPECT_EQ(file_text(folder_ / "closed" / name), file_text(folder_ / "open" / name)) << name;
   }
 }
 
