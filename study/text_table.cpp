@@ -1,6 +1,7 @@
 #include "study/text_table.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -16,11 +17,24 @@ std::size_t width(const std::string& text) {
 
 }  // namespace
 
+TimeUnit time_unit(double seconds) {
+  constexpr std::array<TimeUnit, 4> kUnits{{{"s", 1}, {"ms", 1e-3}, {"µs", 1e-6}, {"ns", 1e-9}}};
+  for (const TimeUnit& unit : kUnits) {
+    if (seconds >= 0.9995 * unit.seconds) return unit;
+  }
+  return kUnits.back();
+}
+
+std::string three_digits(double value) {
+  if (value < 9.995) return fmt::format("{:.2f}", value);
+  if (value < 99.95) return fmt::format("{:.1f}", value);
+  return fmt::format("{:.0f}", value);
+}
+
 std::string format_seconds(double seconds) {
-  if (std::isnan(seconds)) return "-";
-  if (!(seconds < 1.0)) return fmt::format("{:#.3g} s", seconds);
-  if (!(seconds < 1e-3)) return fmt::format("{:#.3g} ms", 1e3 * seconds);
-  return fmt::format("{:#.3g} us", 1e6 * seconds);
+  if (!std::isfinite(seconds)) return "-";
+  const TimeUnit unit = time_unit(seconds);
+  return three_digits(seconds / unit.seconds) + " " + unit.name;
 }
 
 std::string format_count(std::int64_t count) {

@@ -403,6 +403,7 @@ TEST(TextTest, NumbersHaveUnitsAndNeverRoundToCertainty) {
   EXPECT_EQ(report::percent(kNone), "–");
   EXPECT_EQ(report::duration(2.814e-4), "281 µs");
   EXPECT_EQ(report::duration(9.999e-4), "1.00 ms");
+  EXPECT_EQ(report::duration(0.99996), "1.00 s");
   EXPECT_EQ(report::duration(12.34), "12.3 s");
   EXPECT_EQ(report::duration(4e-9), "4.00 ns");
   EXPECT_EQ(report::duration(kNone), "–");

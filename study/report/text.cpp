@@ -1,12 +1,12 @@
 #include "study/report/text.h"
 
-#include <array>
 #include <cmath>
 #include <regex>
 
 #include <fmt/format.h>
 
 #include "core/utf8.h"
+#include "study/text_table.h"
 
 namespace lcpbench::report {
 
@@ -14,26 +14,6 @@ namespace {
 
 constexpr const char* kAbsent = "–";
 constexpr const char* kSameTime = "same time";
-
-struct Unit {
-  const char* name;
-  double seconds;
-};
-
-/// The unit in which a time has one to three digits before the point.
-Unit unit_of(double seconds) {
-  constexpr std::array<Unit, 4> kUnits{{{"s", 1}, {"ms", 1e-3}, {"µs", 1e-6}, {"ns", 1e-9}}};
-  for (const Unit& unit : kUnits) {
-    if (seconds >= 0.9995 * unit.seconds) return unit;
-  }
-  return kUnits.back();
-}
-
-std::string three_digits(double value) {
-  if (value < 9.995) return fmt::format("{:.2f}", value);
-  if (value < 99.95) return fmt::format("{:.1f}", value);
-  return fmt::format("{:.0f}", value);
-}
 
 std::string percent_number(double share) {
   const double value = 100 * share;
@@ -56,15 +36,11 @@ std::string percent_range(const Interval& interval) {
   return percent_number(interval.low) + "–" + percent_number(interval.high) + " %";
 }
 
-std::string duration(double seconds) {
-  if (!std::isfinite(seconds)) return kAbsent;
-  const Unit unit = unit_of(seconds);
-  return three_digits(seconds / unit.seconds) + " " + unit.name;
-}
+std::string duration(double seconds) { return std::isfinite(seconds) ? format_seconds(seconds) : kAbsent; }
 
 std::string duration_range(double low_s, double high_s) {
   if (!std::isfinite(low_s) || !std::isfinite(high_s)) return kAbsent;
-  const Unit unit = unit_of(high_s);
+  const TimeUnit unit = time_unit(high_s);
   if (low_s < 0.1 * unit.seconds) return duration(low_s) + "–" + duration(high_s);
   return three_digits(low_s / unit.seconds) + "–" + three_digits(high_s / unit.seconds) + " " + unit.name;
 }
