@@ -21,8 +21,9 @@ namespace {
 using worker::WorkerProcess;
 
 constexpr std::size_t kSmallestRegionBytes = std::size_t{1} << 16;
-/// Timed repetition runs two batches of about `repeat_until_s` each; a worker may take twice that before it is ended.
-constexpr double kRepeatAllowance = 4.0;
+/// Timed repetition runs two batches of about `repeat_until_s` CPU time each, and of at most ten times that by the wall
+/// clock on a machine no busier than before; a worker may take twice that before it is ended.
+constexpr double kRepeatAllowance = 40.0;
 
 std::size_t rounded_up(std::size_t bytes, std::size_t multiple) { return (bytes + multiple - 1) / multiple * multiple; }
 

@@ -17,7 +17,7 @@ struct SolveTimes {
 
 struct TimedRequest {
   double time_limit_s = 10.0;   ///< on each solve, wall clock
-  double repeat_until_s = 0.0;  ///< repeat load and solve until each batch takes this long (0: once)
+  double repeat_until_s = 0.0;  ///< repeat load and solve until each batch takes this long, CPU (0: once)
   int max_repeats = 1000;
 };
 
@@ -30,8 +30,8 @@ struct TimedAnswer {
 double wall_clock_s();
 double thread_cpu_clock_s();
 
-/// Loads and solves under both clocks. The first load and solve give the answer. When together they took less than
-/// `repeat_until_s`, both are repeated in batches (one clock reading around each batch) and the batch means are
+/// Loads and solves under both clocks. The first load and solve give the answer. When together they took less CPU time
+/// than `repeat_until_s`, both are repeated in batches (one clock reading around each batch) and the batch means are
 /// reported: cold caches and clock resolution drop out. Throws what the solver throws.
 void timed_solve(Solver& solver, const Problem& problem, const TimedRequest& request, TimedAnswer& result);
 

@@ -1,8 +1,10 @@
 #include "core/solver.h"
 
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -108,6 +110,29 @@ TEST(TimedSolveTest, RepeatsShortSolvesAndReportsMeans) {
   EXPECT_EQ(echo.solves, 6);
   EXPECT_GT(timed.times.setup_wall_s, 0);
   EXPECT_EQ(timed.answer.claim, Claim::kSolved);
+}
+
+class Waits final : public Solver {
+ public:
+  const Capabilities& capabilities() const override { return capabilities_; }
+
+ protected:
+  void on_load(const Problem&) override {}
+  void on_solve(const SolveRequest&, Answer&) override { std::this_thread::sleep_for(std::chrono::milliseconds(2)); }
+
+ private:
+  Capabilities capabilities_;
+};
+
+// A solve that a busy machine interrupted is still a short one; one that always waits is not repeated without end.
+TEST(TimedSolveTest, WaitingIsNotWork) {
+  Waits waits;
+  TimedAnswer timed;
+  timed_solve(waits, frictional_particle(), {.repeat_until_s = 1e-2}, timed);
+  EXPECT_GT(timed.times.repeats, 1);
+  EXPECT_LE(timed.times.repeats, 50);
+  EXPECT_GE(timed.times.solve_wall_s, 2e-3);
+  EXPECT_LT(timed.times.solve_cpu_s, 1e-3);
 }
 
 TEST(TimedSolveTest, AnExceptionBecomesARowNotACrash) {
