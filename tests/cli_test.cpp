@@ -134,6 +134,7 @@ TEST_F(CommandLineTest, HelpIsCompleteAndNoError) {
       {"run",
        {"PLAN", "--set", "--solver", "--sweep", "--trials", "--seed", "--jobs", "--store", "--shard", "--fresh"}},
       {"merge", {"OUT", "IN"}},
+      {"report", {"STORE", "--out"}},
       {"bench", {"--set", "--solver", "--problems", "--seed", "--format"}}};
   const Output overview = run("--help");
   EXPECT_EQ(overview.exit_code, 0);
