@@ -5,10 +5,20 @@
 
 namespace lcpbench {
 
+std::string why_unavailable(const RegisteredSolver& solver) {
+  if (!solver.unavailable.empty() || solver.native()) return solver.unavailable;
+  try {
+    worker_executable(solver);
+    return "";
+  } catch (const InputError&) {
+    return "its worker " + solver.worker + " is missing or not executable";
+  }
+}
+
 std::unique_ptr<TimedSolver> open_solver(const Spec& spec) {
   const RegisteredSolver& solver = find_solver(spec.name);
-  if (!solver.unavailable.empty()) {
-    throw InputError("solver '" + spec.name + "' is not available: " + solver.unavailable);
+  if (const std::string reason = why_unavailable(solver); !reason.empty()) {
+    throw InputError("solver '" + spec.name + "' is not available: " + reason);
   }
   const Spec canonical = canonical_solver_spec(spec);
   if (solver.native()) return in_process(make_solver(canonical));

@@ -11,6 +11,7 @@
 #include "core/isa.h"
 #include "core/registry.h"
 #include "study/build_info.h"
+#include "study/open_solver.h"
 
 namespace lcpbench {
 namespace {
@@ -30,7 +31,7 @@ nlohmann::ordered_json solver_versions() {
   nlohmann::ordered_json versions = nlohmann::ordered_json::object();
   for (const RegisteredSolver& solver : registered_solvers()) {
     versions[solver.definition.name] = {
-        {"library", solver.library}, {"version", solver.version}, {"available", solver.unavailable.empty()}};
+        {"library", solver.library}, {"version", solver.version}, {"available", why_unavailable(solver).empty()}};
   }
   return versions;
 }

@@ -80,7 +80,7 @@ Study resolve(const Plan& plan) {
   study.sets = open_sets(plan);
   SolverList solvers;
   for (const PlannedSolver& planned : plan.solvers) {
-    const std::string& reason = find_solver(planned.spec.name).unavailable;
+    const std::string reason = why_unavailable(find_solver(planned.spec.name));
     if (!reason.empty()) {
       if (!planned.optional)
         throw InputError(fmt::format("solver '{}' is not available: {}", planned.spec.name, reason));

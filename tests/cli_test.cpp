@@ -146,6 +146,19 @@ TEST_F(CommandLineTest, HelpIsCompleteAndNoError) {
   }
 }
 
+TEST_F(CommandLineTest, AMissingWorkerProgramMakesItsSolversUnavailable) {
+  setenv("LCPBENCH_WORKER_DIR", (folder_ / "").c_str(), 1);
+  const json solvers = run_json("solvers");
+  const Output study = run("run smoke --trials 1 --store alone.db");
+  unsetenv("LCPBENCH_WORKER_DIR");
+  for (const json& solver : solvers) {
+    EXPECT_EQ(solver["available"], solver["origin"] == "native") << solver["name"];
+    EXPECT_EQ(solver["reason"].get<std::string>().empty(), solver["available"].get<bool>()) << solver["name"];
+  }
+  EXPECT_EQ(study.exit_code, 0) << study.err;
+  EXPECT_NE(study.err.find("skipped: bullet_dantzig: "), std::string::npos) << study.err;
+}
+
 TEST_F(CommandLineTest, SolversJson) {
   const json solvers = run_json("solvers");
   std::vector<std::string> names;

@@ -8,6 +8,7 @@
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
 #include "study/json_output.h"
+#include "study/open_solver.h"
 #include "study/text_table.h"
 
 namespace lcpbench {
@@ -34,14 +35,15 @@ Json settings_json(const std::vector<SettingInfo>& settings) {
 Json solver_json(const RegisteredSolver& solver) {
   const SolverDefinition& definition = solver.definition;
   const Capabilities& capabilities = definition.capabilities;
+  const std::string reason = why_unavailable(solver);
   Json json = {{"name", definition.name},
                {"summary", definition.summary},
                {"source", definition.source},
                {"origin", solver.native() ? "native" : "library"},
                {"library", solver.library},
                {"version", solver.version},
-               {"available", solver.unavailable.empty()},
-               {"reason", solver.unavailable},
+               {"available", reason.empty()},
+               {"reason", reason},
                {"needs", to_string(capabilities.needs)},
                {"frictionless_only", capabilities.frictionless_only},
                {"max_size", nullptr},
@@ -71,8 +73,8 @@ void print_solvers() {
                    {"needs", Align::kLeft},
                    {"what it is", Align::kLeft}});
   for (const RegisteredSolver& solver : registered_solvers()) {
-    table.add_row({solver.definition.name, origin(solver),
-                   solver.unavailable.empty() ? "yes" : "no: " + solver.unavailable,
+    const std::string reason = why_unavailable(solver);
+    table.add_row({solver.definition.name, origin(solver), reason.empty() ? "yes" : "no: " + reason,
                    limits(solver.definition.capabilities), solver.definition.summary});
   }
   fmt::print("{}", table.text());
