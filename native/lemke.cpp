@@ -82,6 +82,7 @@ void report(lemke::Ending ending, Answer& answer) {
 Capabilities lemke_capabilities(const LemkeSettings& settings) {
   Capabilities capabilities;
   capabilities.needs = Needs::kDense;
+  capabilities.max_size = 10000;  // room for three n x n matrices, 2.4 GB
   capabilities.guarantees = "copositive-plus M without degeneracy";
   capabilities.obeys_time_limit = true;
   // Eigen's blocked LU takes its packing buffers from the heap.
