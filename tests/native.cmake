@@ -1,22 +1,5 @@
-# The conformance suite meets whatever is registered. Where no adapters are built there is no list of all solvers, and
-# the native ones are listed here.
-if(TARGET lcpbench_solver_list)
-  set(conformance_list lcpbench_solver_list)
-else()
-  get_property(natives GLOBAL PROPERTY LCPBENCH_NATIVE_SOLVERS)
-  set(declarations "")
-  set(entries "")
-  foreach(name IN LISTS natives)
-    string(APPEND declarations "SolverDefinition lcpbench_solver_${name}();\n")
-    string(APPEND entries "      {lcpbench_solver_${name}(), \"native\", \"${PROJECT_VERSION}\", \"\", \"\"},\n")
-  endforeach()
-  _lcpbench_write_list(${PROJECT_BINARY_DIR}/generated/native_list.cpp "${declarations}" "${entries}")
-  add_library(lcpbench_native_list STATIC ${PROJECT_BINARY_DIR}/generated/native_list.cpp)
-  target_link_libraries(lcpbench_native_list PUBLIC lcpbench_native)
-  set(conformance_list lcpbench_native_list)
-endif()
-
-lcpbench_test(conformance LINK ${conformance_list})
+# The conformance suite meets whatever is registered.
+lcpbench_test(conformance LINK lcpbench_solver_list)
 target_sources(conformance_test PRIVATE allocation_counter.cpp)
 
 lcpbench_test(enumeration LINK lcpbench_native)

@@ -1,6 +1,4 @@
-if(TARGET lcpbench_report)
-  find_package(LibXml2 REQUIRED)  # an independent reader of the pages and pictures
-  lcpbench_test(statistics LINK lcpbench_statistics)
-  lcpbench_test(summary LINK lcpbench_report)
-  lcpbench_test(report LINK lcpbench_report LibXml2::LibXml2)
-endif()
+find_package(LibXml2 REQUIRED)  # an independent reader of the pages and pictures
+lcpbench_test(statistics LINK lcpbench_statistics)
+lcpbench_test(summary LINK lcpbench_report)
+lcpbench_test(report LINK lcpbench_report LibXml2::LibXml2)

@@ -1,7 +1,3 @@
-if(NOT TARGET lcpbench_study)
-  return()
-endif()
-
 lcpbench_test(store LINK lcpbench_study)
 lcpbench_test(plan LINK lcpbench_study lcpbench_solver_list)
 lcpbench_test(runner LINK lcpbench_study lcpbench_solver_list lcpbench_adapters)
