@@ -7,6 +7,7 @@
 #include <fstream>
 #include <ostream>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -89,13 +90,30 @@ Json claims_json(const Json& cells) {
   return records;
 }
 
+/// A summary with one of everything: its records have the names of every table's columns.
+Summary example_summary() {
+  Summary example;
+  example.sets.resize(1);
+  example.solvers.resize(1);
+  example.cells.resize(1);
+  example.sweeps.resize(1);
+  return example;
+}
+
 void write_tables(const Summary& summary, const Json& document, const std::vector<report::Situation>& situations,
                   const std::filesystem::path& folder) {
   make_folder(folder);
-  write_file(folder / "cells.csv", report::csv_table(document["cells"]));
-  write_file(folder / "sweeps.csv", report::csv_table(document["sweeps"]));
-  write_file(folder / "claims.csv", report::csv_table(claims_json(document["cells"])));
-  write_file(folder / "decision.csv", report::csv_table(decision_json(summary, situations)));
+  const Summary example = example_summary();
+  const Json examples = summary_json(example);
+  report::Situation situation;
+  situation.contenders.resize(1);
+  const auto write = [&folder](const char* name, const Json& example_records, const Json& records) {
+    write_file(folder / name, report::csv_table(example_records.at(0), records));
+  };
+  write("cells.csv", examples["cells"], document["cells"]);
+  write("sweeps.csv", examples["sweeps"], document["sweeps"]);
+  write("claims.csv", claims_json(examples["cells"]), claims_json(document["cells"]));
+  write("decision.csv", decision_json(example, {situation}), decision_json(summary, situations));
 }
 
 report::Figures draw_figures(const Summary& summary) {
@@ -153,10 +171,12 @@ struct TextRow {
 };
 
 std::string text_line(const std::string& name, const TextRow& row) {
-  return "  " + padded(report::mended(name), kNameWidth, false) + padded(row.solved, 9, true) + " " +
-         padded(row.interval, 13, false) + padded(row.wrong, 8, true) + padded(row.roughly, 9, true) +
-         padded(row.gave_up, 9, true) + padded(row.time, 9, true) + padded(row.ratio, 7, true) +
-         padded(row.error, 9, true) + "\n";
+  std::string line = "  " + padded(report::mended(name), kNameWidth, false) + " " + padded(row.solved, 8, true) + " " +
+                     padded(row.interval, 12, false);
+  const std::pair<const std::string&, std::size_t> numbers[] = {{row.wrong, 8}, {row.roughly, 8}, {row.gave_up, 8},
+                                                                {row.time, 8},  {row.ratio, 6},   {row.error, 8}};
+  for (const auto& [text, width] : numbers) line += " " + padded(text, width, true);
+  return line + "\n";
 }
 
 std::string cell_line(const Summary& summary, const Cell& cell) {
@@ -175,7 +195,7 @@ std::string cell_line(const Summary& summary, const Cell& cell) {
       name, {report::percent(cell.rate()), report::percent_range(cell.rate_interval), of_trials(cell.false_claims()),
              of_trials(cell.count(Claim::kSolved, Verdict::kCriterionOnly)), of_trials(cell.gave_up()),
              report::duration(cell.median_time.value), is_reference ? "1" : report::factor(cell.time_ratio.value),
-             report::scientific(cell.error_p99)});
+             std::isinf(cell.error_p99) ? "none" : report::scientific(cell.error_p99)});
 }
 
 std::string sweep_line(const SweepSummary& sweep) {
@@ -219,7 +239,8 @@ std::string table_text(const Summary& summary) {
   for (std::size_t set = 0; set < summary.sets.size(); ++set) text += set_text(summary, set);
   text +=
       "solved: verified here. wrong: said solved, was not. roughly: said solved, passes only the\n"
-      "paper's criterion. median: set-up and solve, CPU. err 99%: of the answers said to be solved.\n";
+      "paper's criterion. median: set-up and solve, CPU. err 99%: of the answers said to be solved;\n"
+      "none: too many of them are not finite, or not of the right length.\n";
   if (!summary.reference.empty())
     text += "ratio: time over that of " + summary.reference + ", on problems both solved.\n";
   return text;

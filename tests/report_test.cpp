@@ -270,6 +270,34 @@ TEST_F(ReportTest, EmptyStoreStillGivesAReport) {
   EXPECT_EQ(table_text(summarize(made.store())), "no answers yet\n");
 }
 
+TEST_F(ReportTest, TablesWithoutRowsHaveTheSameHeaderAsThoseWithRows) {
+  SyntheticStore none(folder_ / "none.db");
+  SyntheticStore some(folder_ / "some.db");
+  const auto solver = some.solver("lemke");
+  const auto swept = some.solver("lemke", "zero_tolerance=1e-4", "paper");
+  some.problem("paper/monotone/exp3", 0, {{solver, {}}, {swept, {}}});
+  write_report(none.store(), folder_ / "none");
+  write_report(some.store(), folder_ / "some");
+  for (const char* table : {"cells.csv", "sweeps.csv", "claims.csv", "decision.csv"}) {
+    const std::string rows = read_file(folder_ / "some/tables" / table);
+    const std::string header = rows.substr(0, rows.find('\n') + 1);
+    EXPECT_GT(header.size(), 20U) << table;
+    EXPECT_GT(rows.size(), header.size()) << table;
+    EXPECT_TRUE(read_file(folder_ / "none/tables" / table).starts_with(header)) << table;
+  }
+  EXPECT_EQ(read_file(folder_ / "none/tables/sweeps.csv").find('\n') + 1,
+            read_file(folder_ / "none/tables/sweeps.csv").size());
+}
+
+TEST_F(ReportTest, TerminalTableKeepsItsColumnsApartWhenAnErrorIsNoNumber) {
+  SyntheticStore made(folder_ / "s.db");
+  const auto solver = made.solver("lemke");
+  made.problem("paper/monotone/exp3", 0, {{solver, {.error = kNone}}});
+  const std::string text = table_text(summarize(made.store()));
+  EXPECT_NE(text.find(" none\n"), std::string::npos) << text;
+  EXPECT_EQ(text.find("no number"), std::string::npos) << text;
+}
+
 TEST_F(ReportTest, SetWhereAllIsUnsolvableHasNoRate) {
   SyntheticStore made(folder_ / "s.db");
   const auto solver = made.solver("lemke");
@@ -434,7 +462,8 @@ TEST(TextTest, Base64MatchesRfc4648) {
 TEST(CsvTest, QuotesWhatNeedsItAndKeepsEmptyFirstFields) {
   const auto records =
       nlohmann::ordered_json::parse(R"([{"a": "", "b": {"c": 0.1}}, {"a": "x,\"y\"", "b": {"c": null}}])");
-  EXPECT_EQ(report::csv_table(records), "a,b.c\n,0.1\n\"x,\"\"y\"\"\",\n");
+  EXPECT_EQ(report::csv_table(records[0], records), "a,b.c\n,0.1\n\"x,\"\"y\"\"\",\n");
+  EXPECT_EQ(report::csv_table(records[0], nlohmann::ordered_json::array()), "a,b.c\n");
 }
 
 }  // namespace

@@ -43,12 +43,13 @@ std::string line_of(const Fields& fields, Pick pick) {
 
 }  // namespace
 
-std::string csv_table(const Json& records) {
-  std::string table;
+std::string csv_table(const Json& example, const Json& records) {
+  Fields columns;
+  flatten("", example, columns);
+  std::string table = line_of(columns, [](const auto& field) { return field.first; });
   for (const Json& record : records) {
     Fields fields;
     flatten("", record, fields);
-    if (table.empty()) table = line_of(fields, [](const auto& field) { return field.first; });
     table += line_of(fields, [](const auto& field) { return field.second; });
   }
   return table;
