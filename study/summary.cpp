@@ -289,6 +289,7 @@ SweepSummary::Range range_over(const Summary& summary, const std::vector<const C
       range.best_settings = settings;
     }
   }
+  range.average = std::clamp(range.average, range.worst, range.best);  // the sum is rounded
   return range;
 }
 

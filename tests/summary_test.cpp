@@ -238,6 +238,29 @@ TEST(SummaryTest, SweepGivesWorstAverageBestAndAnHonestBest) {
   EXPECT_EQ(json["cells"], 2);
 }
 
+/// Thirds and tenths of them round up or down: the sum must not lead out of the range.
+TEST(SummaryTest, AverageOfEqualRatesIsThatRate) {
+  for (int solved = 0; solved <= 10; ++solved) {
+    const ScratchFolder folder;
+    SyntheticStore made(folder / "s.db");
+    std::vector<std::pair<std::int64_t, MadeAnswer>> none;
+    std::vector<std::int64_t> cells;
+    for (int i = 0; i < 9; ++i)
+      cells.push_back(made.solver("lemke", "zero_tolerance=1e-" + std::to_string(i), "paper"));
+    for (std::int64_t trial = 0; trial < 10; ++trial) {
+      auto answers = none;
+      const MadeAnswer wrong{.error = 1};
+      for (const std::int64_t cell : cells) answers.emplace_back(cell, trial < solved ? MadeAnswer{} : wrong);
+      made.problem(kSet, trial, answers);
+    }
+    const SweepSummary sweep = summarize(made.store()).sweeps.at(0);
+    for (const SweepSummary::Range& range : {sweep.verdict, sweep.criterion}) {
+      EXPECT_LE(range.worst, range.average) << solved;
+      EXPECT_LE(range.average, range.best) << solved;
+    }
+  }
+}
+
 TEST(SummaryTest, EqualStoresGiveEqualBytes) {
   const ScratchFolder folder;
   const auto fill = [&folder](const std::string& name) {
