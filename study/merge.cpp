@@ -24,7 +24,9 @@ struct Table {
 
 constexpr const char* kCellInWords =
     "(SELECT s.name || ' seed ' || p.seed || ' trial ' || p.trial FROM problems p JOIN sets s ON s.id = p.set_id "
-    "WHERE p.id = m.problem_id) || ', ' || (SELECT name || '{' || settings || '}' FROM solvers WHERE id = m.solver_id)";
+    "WHERE p.id = m.problem_id) || ', ' || (SELECT name || CASE settings WHEN '' THEN '' ELSE '{' || settings || '}' "
+    "END FROM solvers "
+    "WHERE id = m.solver_id)";
 
 const std::vector<Table>& tables() {
   static const std::vector<Table> all{
@@ -72,16 +74,32 @@ std::vector<std::string> find_conflicts(Store& store, const std::filesystem::pat
   return conflicts;
 }
 
-std::string sql_text(const std::string& text) {
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? "''" : std::string(1, c);
-  return quoted + "'";
+/// Reads the whole input once, so that damage is reported under its name. @throws InputError
+void check_input(const std::filesystem::path& input) {
+  Store store = Store::open_for_reading(input);
+  Statement check(store.database(), "PRAGMA quick_check(1)");
+  if (check.step() && check.text(0) != "ok") {
+    throw InputError(fmt::format("{}: the store is damaged: {}", input.string(), check.text(0)));
+  }
+  Statement claims(store.database(), "SELECT DISTINCT claim FROM answers");
+  while (claims.step()) stored_claim(store.database(), claims.text(0));
+}
+
+/// @throws InputError when a table of the input is missing or not as in the store.
+void check_tables(Store& store, const std::filesystem::path& input) {
+  Statement query(store.database(),
+                  "SELECT m.name FROM main.sqlite_master m LEFT JOIN input.sqlite_master i "
+                  "ON i.type = m.type AND i.name = m.name WHERE m.type = 'table' AND m.sql IS NOT i.sql");
+  if (query.step()) {
+    throw InputError(
+        fmt::format("{}: the store is damaged: table {} is missing or altered", input.string(), query.text(0)));
+  }
 }
 
 /// Adds the input's rows; or returns its conflicts and adds none.
 std::vector<std::string> join(Store& store, const std::filesystem::path& input) {
-  Store::open_for_reading(input);  // says what is wrong with a file that is no store
-  store.database().execute("ATTACH DATABASE " + sql_text(input.string()) + " AS input");
+  store.database().attach(input, "input");
+  check_tables(store, input);
   std::vector<std::string> conflicts = find_conflicts(store, input);
   if (conflicts.empty()) {
     store.begin();
@@ -126,7 +144,7 @@ MergeOutcome merge_stores(const std::filesystem::path& out, const std::vector<st
     if (std::filesystem::exists(out.string() + "-wal")) throw InputError(out.string() + ": another process reads it");
     sources.insert(sources.begin(), out);
   }
-  for (const std::filesystem::path& source : sources) Store::open_for_reading(source);
+  for (const std::filesystem::path& source : sources) check_input(source);
   const FileLock lock(out);
   Draft draft(out.string() + ".merging");
   MergeOutcome outcome;

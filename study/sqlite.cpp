@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <stdexcept>
+#include <string>
 
 #include <sqlite3.h>
 
@@ -11,6 +12,11 @@ namespace lcpbench::sqlite {
 namespace {
 
 constexpr int kBusyTimeoutMs = 10000;
+
+/// The name of a file that SQLite reads as nothing else: no ":memory:", no URI, no nameless temporary database.
+std::string plain_name(const std::filesystem::path& file) {
+  return file.is_absolute() ? file.string() : "./" + file.string();
+}
 
 bool mendable(int primary_code) {
   switch (primary_code) {
@@ -31,7 +37,7 @@ bool mendable(int primary_code) {
 
 Database::Database(const std::filesystem::path& file, Mode mode) : file_(file) {
   const int flags = mode == Mode::kReadOnly ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
-  const int code = sqlite3_open_v2(file.c_str(), &handle_, flags | SQLITE_OPEN_NOMUTEX, nullptr);
+  const int code = sqlite3_open_v2(plain_name(file).c_str(), &handle_, flags | SQLITE_OPEN_NOMUTEX, nullptr);
   if (code != SQLITE_OK) {
     sqlite3_close(handle_);
     handle_ = nullptr;
@@ -55,6 +61,13 @@ void Database::fail(int code) const {
 void Database::execute(const std::string& sql) {
   const int code = sqlite3_exec(handle_, sql.c_str(), nullptr, nullptr, nullptr);
   if (code != SQLITE_OK) fail(code);
+}
+
+void Database::attach(const std::filesystem::path& file, const std::string& schema) {
+  Statement statement(*this, "ATTACH DATABASE ? AS " + schema);
+  const std::string name = plain_name(file);
+  statement.bind(1, std::string_view(name));
+  statement.run();
 }
 
 std::int64_t Database::integer(const std::string& sql) {

@@ -12,7 +12,8 @@ namespace lcpbench::sqlite {
 
 enum class Mode { kReadOnly, kReadWriteCreate };
 
-/// One connection. Not thread-safe.
+/// One connection. Not thread-safe. The file's name is taken as it is: ":memory:" and "file:x" are files of these
+/// names.
 ///
 /// Errors that a user can mend (no database, damaged, full disk, no permission) are InputError naming the file; all
 /// others are std::runtime_error.
@@ -30,6 +31,8 @@ class Database {
 
   const std::filesystem::path& file() const { return file_; }
   sqlite3* handle() const { return handle_; }
+  /// Adds another database to this connection, under the name of `schema`.
+  void attach(const std::filesystem::path& file, const std::string& schema);
   /// Throws the exception that belongs to a result code.
   [[noreturn]] void fail(int code) const;
 

@@ -145,7 +145,25 @@ void check_same_problem(Statement& stored, const ProblemRow& problem, const std:
 
 std::int64_t as_integer(bool value) { return value ? 1 : 0; }
 
+/// What `read` makes of the store's content; its complaints get the store's name.
+template <class Read>
+auto from_store(const Database& store, Read read) {
+  try {
+    return read();
+  } catch (const InputError& error) {
+    throw InputError(describe(store.file(), error.what()));
+  }
+}
+
 }  // namespace
+
+Claim stored_claim(const Database& store, std::string_view word) {
+  return from_store(store, [&] { return parse_claim(word); });
+}
+
+Verdict stored_verdict(const Database& store, std::string_view word) {
+  return from_store(store, [&] { return parse_verdict(word); });
+}
 
 std::int64_t SolverRow::id() const { return key_id({"solver", name, settings, library, version, isa, sweep}); }
 std::string SolverRow::text() const { return settings.empty() ? name : name + "{" + settings + "}"; }
@@ -382,9 +400,9 @@ void Store::for_each_cell(const std::function<void(const StoredCell&)>& visit) {
     cell.seed = static_cast<std::uint64_t>(query.integer(3));
     cell.trial = query.integer(4);
     cell.n = query.integer(5);
-    cell.claim = parse_claim(query.text(6));
+    cell.claim = stored_claim(data_->database, query.text(6));
     cell.truth = parse_truth(query.text(7));
-    cell.verdict = parse_verdict(query.text(8));
+    cell.verdict = stored_verdict(data_->database, query.text(8));
     cell.errors.usable = query.integer(9) != 0;
     cell.errors.solved = query.integer(10) != 0;
     cell.errors.criterion = query.integer(11) != 0;
@@ -407,12 +425,14 @@ std::optional<Answer> Store::answer(std::int64_t problem_id, std::int64_t solver
   query.bind(2, solver_id);
   if (!query.step()) return std::nullopt;
   Answer answer;
-  answer.claim = parse_claim(query.text(0));
+  answer.claim = stored_claim(data_->database, query.text(0));
   answer.counters = {query.integer(1), query.integer(2), query.integer(3)};
   answer.detail = query.text(4);
   Vector* const vectors[] = {&answer.z, &answer.velocity, &answer.farkas};
   for (int i = 0; i < 3; ++i) {
-    if (!query.is_null(5 + i)) *vectors[i] = decode_vector(query.blob(5 + i));
+    if (!query.is_null(5 + i)) {
+      *vectors[i] = from_store(data_->database, [&] { return decode_vector(query.blob(5 + i)); });
+    }
   }
   return answer;
 }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -94,6 +95,10 @@ struct StoredCell {
   SolveTimes times;
   double verify_s = 0;
 };
+
+/// The meaning of a word in a store. @throws InputError that names the store for any other word.
+Claim stored_claim(const sqlite::Database& store, std::string_view word);
+Verdict stored_verdict(const sqlite::Database& store, std::string_view word);
 
 /// A study's store: one SQLite file in WAL mode, written in whole transactions. What is committed survives the end of
 /// the process at any moment. Not thread-safe: one thread writes.

@@ -95,8 +95,8 @@ std::map<std::int64_t, std::vector<Row>> read_answers(sqlite::Database& store, s
     Row row;
     row.problem = query.integer(1);
     row.trial = query.integer(2);
-    row.claim = parse_claim(query.text(3));
-    row.verdict = parse_verdict(query.text(4));
+    row.claim = stored_claim(store, query.text(3));
+    row.verdict = stored_verdict(store, query.text(4));
     row.criterion = query.integer(5) != 0;
     row.velocity_residual = query.real(6);
     row.backward_error = query.real(7);

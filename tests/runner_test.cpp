@@ -4,6 +4,8 @@
 #include "study/runner.h"
 
 #include <csignal>
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <limits>
 #include <map>
@@ -130,9 +132,45 @@ TEST(RunnerTest, MergeOfContradictionsNamesThemAndWritesNothing) {
   const MergeOutcome fresh = merge_stores(folder / "out.db", {folder / "a.db", folder / "b.db"});
   ASSERT_EQ(fresh.conflicts.size(), 1U);
   EXPECT_NE(fresh.conflicts[0].find("b.db: answers: paper/"), std::string::npos) << fresh.conflicts[0];
+  EXPECT_EQ(fresh.conflicts[0].find("{}"), std::string::npos) << fresh.conflicts[0];
   EXPECT_FALSE(std::filesystem::exists(folder / "out.db"));
   EXPECT_EQ(merge_stores(folder / "a.db", {folder / "b.db"}).conflicts.size(), 1U);
   EXPECT_EQ(dump(folder / "a.db"), before);
+}
+
+std::string merge_error(const std::filesystem::path& out, const std::vector<std::filesystem::path>& inputs) {
+  try {
+    merge_stores(out, inputs);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(RunnerTest, DamagedInputOfAMergeIsNamed) {
+  const ScratchFolder folder;
+  const Study study = small_study();
+  run(study, folder / "a.db");
+  const std::filesystem::path b = folder / "b.db";
+  const auto damaged = [&](const char* sql) {
+    std::filesystem::copy_file(folder / "a.db", b, std::filesystem::copy_options::overwrite_existing);
+    sqlite::Database(b, sqlite::Mode::kReadWriteCreate).execute(sql);
+    return merge_error(folder / "out.db", {folder / "a.db", b});
+  };
+  EXPECT_EQ(damaged("UPDATE answers SET claim = 'sure'"), b.string() + ": unknown claim 'sure'");
+  for (const char* sql : {"DROP TABLE certificates", "ALTER TABLE timings ADD COLUMN x"}) {
+    const std::string cause = damaged(sql);
+    EXPECT_EQ(cause.rfind(b.string() + ": the store is damaged: table ", 0), 0U) << cause;
+  }
+  std::filesystem::copy_file(folder / "a.db", b, std::filesystem::copy_options::overwrite_existing);
+  std::fstream damage(b, std::ios::in | std::ios::out | std::ios::binary);
+  const auto size = static_cast<std::streamoff>(std::filesystem::file_size(b));
+  for (std::streamoff at = size / 2; at < size; ++at) damage.seekp(at).put('\x5a');
+  damage.close();
+  const std::string cause = merge_error(folder / "out.db", {folder / "a.db", b});
+  EXPECT_EQ(cause.rfind(b.string() + ": ", 0), 0U) << cause;
+  EXPECT_NE(cause.find("damaged"), std::string::npos) << cause;
+  EXPECT_FALSE(std::filesystem::exists(folder / "out.db"));
 }
 
 TEST(RunnerTest, BudgetEndsTheRunWithoutBreakingAProblem) {

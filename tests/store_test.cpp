@@ -251,6 +251,28 @@ TEST(StoreTest, DamagedFileIsAnInputError) {
   EXPECT_NE(cause.find("damaged"), std::string::npos) << cause;
 }
 
+TEST(StoreTest, WordThatIsNoClaimNamesTheStore) {
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder / "s.db";
+  fill(file, Vector::Ones(2));
+  sqlite::Database(file, sqlite::Mode::kReadWriteCreate).execute("UPDATE answers SET claim = 'sure'");
+  Store store = Store::open_for_reading(file);
+  EXPECT_EQ(input_error([&] { store.for_each_cell([](const StoredCell&) {}); }),
+            file.string() + ": unknown claim 'sure'");
+}
+
+TEST(StoreTest, NamesThatSqliteReadsOtherwiseAreFiles) {
+  const ScratchFolder folder;
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(folder / "");
+  for (const char* name : {":memory:", "file:s.db?mode=memory", "file::memory:"}) {
+    fill(name, Vector::Ones(2));
+    EXPECT_TRUE(std::filesystem::is_regular_file(name)) << name;
+    EXPECT_EQ(Store::open_for_reading(name).cell_count(), 1) << name;
+  }
+  std::filesystem::current_path(before);
+}
+
 TEST(StoreTest, SolverWithOtherDefaultsIsRefused) {
   const ScratchFolder folder;
   Store store = Store::open_for_writing(folder / "s.db");
