@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 
 #include <fmt/format.h>
@@ -21,6 +22,11 @@ inline nlohmann::ordered_json json_vector(const Vector& vector) {
   nlohmann::ordered_json array = nlohmann::ordered_json::array();
   for (const double value : vector) array.push_back(json_number(value));
   return array;
+}
+
+/// A count; null for -1, which stands for one that is not known.
+inline nlohmann::ordered_json json_count(std::int64_t count) {
+  return count >= 0 ? nlohmann::ordered_json(count) : nlohmann::ordered_json(nullptr);
 }
 
 /// Prints one document to stdout. Text that is not UTF-8 (a foreign library's message) is replaced, not refused.

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <sys/wait.h>
 
+#include "study/answer_note.h"
 #include "study/store.h"
 #include "tests/study_support.h"
 
@@ -96,6 +98,9 @@ TEST_F(CommandLineTest, MistakesOfUseExitWith2AndOneLine) {
                                 "merge",
                                 "merge out.db nosuch.db",
                                 "sets nope",
+                                "sets file:nosuch",
+                                "sets 'paper/monotone/exp2{redundancy=nope}'",
+                                "sets 'paper/monotone/exp2{nope=1}'",
                                 "bench --solver nope",
                                 "bench --problems 0",
                                 "run smoke --store /nosuchfolder/x.db"}) {
@@ -196,6 +201,40 @@ TEST_F(CommandLineTest, SetsJson) {
   }
 }
 
+TEST_F(CommandLineTest, SetsShowsFilesAndCanonicalNames) {
+  ASSERT_EQ(run("generate paper/monotone/exp1 --seed 1 --count 3 --out three").exit_code, 0);
+  const json files = run_json("sets file:three");
+  ASSERT_EQ(files.size(), 1U);
+  EXPECT_EQ(files[0]["name"], "file:three");
+  EXPECT_EQ(files[0]["size"], "3 problems");
+  EXPECT_NE(run("sets file:three/000000.json").out.find("1 problem "), std::string::npos);
+
+  const json options = run_json("sets paper/monotone/exp2")[0]["options"];
+  ASSERT_FALSE(options.empty());
+  const json as_default = run_json("sets 'paper/monotone/exp2{" + options[0]["name"].get<std::string>() + "=" +
+                                   options[0]["default"].get<std::string>() + "}'");
+  EXPECT_EQ(as_default[0]["name"], "paper/monotone/exp2");
+  const json changed = run_json("sets 'paper/*/exp2{redundancy=combination}'");
+  ASSERT_EQ(changed.size(), 2U);
+  EXPECT_EQ(changed[0]["name"], "paper/monotone/exp2{redundancy=combination}");
+}
+
+TEST(AnswerNoteTest, SaysWhyAnAnswerHasNoErrors) {
+  Answer answer;
+  answer.claim = Claim::kSolved;
+  EXPECT_EQ(why_without_errors(answer, 24), "no z returned");
+  answer.z = Vector::Zero(3);
+  EXPECT_EQ(why_without_errors(answer, 24), "z has 3 entries, expected 24");
+  EXPECT_EQ(why_without_errors(answer, 3), "");
+  answer.z(1) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(why_without_errors(answer, 3), "z is not finite");
+  answer = Answer{};
+  answer.claim = Claim::kUnsolvable;
+  EXPECT_EQ(why_without_errors(answer, 3), "no z returned");
+  answer.detail = "secondary ray";
+  EXPECT_EQ(why_without_errors(answer, 3), "");
+}
+
 TEST_F(CommandLineTest, TrialAloneIsByteIdenticalToTheTrialInABatch) {
   ASSERT_EQ(run("generate 'paper/copositive/exp2{redundancy=combination}' --seed 5 --count 4 --out batch").exit_code,
             0);
@@ -239,7 +278,8 @@ TEST_F(CommandLineTest, SolveJson) {
                                   {"complementarity_j", "n?"},
                                   {"cone_violation", "n?"}});
     expect_fields(row["time"], {{"setup_s", "n"}, {"solve_s", "n"}, {"verify_s", "n"}});
-    expect_fields(row["counters"], {{"iterations", "n"}, {"pivots", "n"}, {"factorizations", "n"}});
+    expect_fields(row["counters"], {{"iterations", "n?"}, {"pivots", "n?"}, {"factorizations", "n?"}});
+    for (const json& count : row["counters"]) EXPECT_TRUE(count.is_null() || count.get<std::int64_t>() >= 0) << count;
     EXPECT_EQ(row["verdict"], "solved");
   }
   const json& lcp = rows[2];

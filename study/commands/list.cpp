@@ -1,4 +1,9 @@
+#include <algorithm>
+#include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -87,17 +92,31 @@ void print_solvers() {
   }
 }
 
-/// The sets whose name `pattern` matches: those that expand_sets finds, by name.
+/// A set of files, where `name` opens one.
+std::optional<SetInfo> file_set(const std::string& name) {
+  const std::optional<std::int64_t> count = open_set(name)->count();
+  if (!count) return std::nullopt;
+  return SetInfo{name,
+                 fmt::format("{} problem{}", format_count(*count), *count == 1 ? "" : "s"),
+                 "problem files",
+                 "problem files, in the order of their names",
+                 {}};
+}
+
+/// The sets that expand_sets finds, under the canonical names that they have with the options given.
 std::vector<SetInfo> matching_sets(const std::string& pattern) {
-  if (pattern.empty()) return list_sets();
+  const std::vector<SetInfo> listed = list_sets();
+  if (pattern.empty()) return listed;
   std::vector<SetInfo> found;
-  const std::vector<std::string> names = expand_sets(pattern);
-  for (SetInfo& info : list_sets()) {
-    for (const std::string& name : names) {
-      if (parse_spec(name).name != info.name) continue;
-      found.push_back(std::move(info));
-      break;
+  for (const std::string& name : expand_sets(pattern)) {
+    if (std::optional<SetInfo> files = file_set(name)) {
+      found.push_back(std::move(*files));
+      continue;
     }
+    const std::string family = parse_spec(name).name;
+    found.push_back(
+        *std::find_if(listed.begin(), listed.end(), [&](const SetInfo& info) { return info.name == family; }));
+    found.back().name = name;
   }
   return found;
 }
@@ -149,7 +168,8 @@ Action add_solvers_command(CLI::App& command) {
 Action add_sets_command(CLI::App& command) {
   const auto format = std::make_shared<std::string>("text");
   const auto pattern = std::make_shared<std::string>();
-  command.add_option("PATTERN", *pattern, "only the sets that this name, or glob with * and ?, matches");
+  command.add_option("PATTERN", *pattern,
+                     "only the sets that this name, or glob with * and ?, matches; {key=value} after it, or file:PATH");
   add_format_option(command, *format);
   return [format, pattern] {
     const std::vector<SetInfo> sets = matching_sets(*pattern);

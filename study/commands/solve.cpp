@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "generators/problem_io.h"
+#include "study/answer_note.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
 #include "study/evaluation/evaluation.h"
@@ -41,6 +42,7 @@ struct Attempt {
   bool proved_unsolvable = false;
   Vector velocity;
   double verify_s = 0;
+  std::string note;  ///< why there are no errors; "" when there are
 
   /// Thread CPU time: what other programs do at the moment is not the solver's.
   double time_s() const { return timed.times.setup_cpu_s + timed.times.solve_cpu_s; }
@@ -91,6 +93,7 @@ Attempt attempt(const Problem& problem, const Spec& spec, TimedSolver& solver, E
   result.errors = evaluator.errors(answer);
   result.proved_unsolvable = answer.farkas.size() > 0 && evaluator.check_farkas(answer.farkas);
   result.verify_s = thread_cpu_clock_s() - start;
+  result.note = why_without_errors(answer, problem.size());
   result.velocity = answer.velocity;
   if (result.velocity.size() == 0 && problem.contact() != nullptr && result.errors.usable) {
     result.velocity = post_impact_velocity(*problem.contact(), answer.z);
@@ -173,10 +176,10 @@ Json attempt_json(const Json& problem, const Attempt& attempt) {
             {"solve_s", json_number(attempt.timed.times.solve_cpu_s)},
             {"verify_s", json_number(attempt.verify_s)}}},
           {"counters",
-           {{"iterations", answer.counters.iterations},
-            {"pivots", answer.counters.pivots},
-            {"factorizations", answer.counters.factorizations}}},
-          {"detail", answer.detail}};
+           {{"iterations", json_count(answer.counters.iterations)},
+            {"pivots", json_count(answer.counters.pivots)},
+            {"factorizations", json_count(answer.counters.factorizations)}}},
+          {"detail", answer.detail.empty() ? attempt.note : answer.detail}};
 }
 
 std::string described(const Problem& problem, const std::string& file) {
@@ -193,6 +196,11 @@ void print_velocity(const Attempt& best) {
   std::string numbers;
   for (const double value : best.velocity) numbers += fmt::format(" {:.6g}", value);
   fmt::print("velocity after the impact ({}):{}\n", best.solver.text(), numbers);
+}
+
+std::string detail_of(const Attempt& attempt) {
+  const std::string& detail = attempt.timed.answer.detail;
+  return detail.empty() || attempt.note.empty() ? detail + attempt.note : detail + "; " + attempt.note;
 }
 
 void print_attempts(const Problem& problem, const std::string& file, const std::vector<Attempt>& attempts) {
@@ -219,7 +227,7 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
                    format_error(contact ? errors.velocity_residual_relative : errors.backward_row_norm),
                    format_error(contact ? errors.violation_m_per_s : errors.natural_residual),
                    format_seconds(times.setup_cpu_s), format_seconds(times.solve_cpu_s), format_seconds(each.verify_s),
-                   each.timed.answer.detail});
+                   detail_of(each)});
   }
   fmt::print("{}", table.text());
   print_velocity(attempts.front());
