@@ -41,13 +41,18 @@ class WorkerSolver final : public TimedSolver {
     request_.problem = problem;
     request_.timing = timing;
     ++request_.sequence;
+    std::string failure;
     try {
       start_if_needed();
       exchange(result);
-    } catch (const std::exception& error) {
-      crashed(error.what(), result);
+    } catch (const std::exception& error) {  // what the worker does to a problem is answered, not thrown
+      failure = worker::printable(error.what(), worker::kMaxDetailBytes);
+      stop();
+      region_ = worker::SharedRegion();
+      result = TimedAnswer{};
     }
     request_.problem = Problem();
+    if (!failure.empty()) throw WorkerError("solver '" + solver_name_ + "' has no worker: " + failure);
   }
 
  private:

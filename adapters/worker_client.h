@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <stdexcept>
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
@@ -13,6 +14,14 @@ struct WorkerLimits {
   std::uint64_t memory_bytes = std::uint64_t{4} << 30;  ///< address space of the worker process
   double start_timeout_s = 20.0;                        ///< from fork to the worker's greeting
   double grace_s = 1.0;  ///< how long past the time limit a worker may take before it is killed
+};
+
+/// A worker could not be asked at all: its program is missing or broken (it does not start, does not greet in time,
+/// does not have the solver, takes no requests), or this machine has no process, descriptor or memory left for it. No
+/// problem is to blame, so this is no answer to one.
+class WorkerError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
 };
 
 /// A solver that runs in the worker process of its library. The process starts at the first run and lives on; when it
@@ -29,6 +38,8 @@ struct WorkerLimits {
 /// the library may have started end with the object, unless they left their process group.
 ///
 /// Under AddressSanitizer workers run without a memory limit.
+///
+/// run() throws WorkerError when there is no worker to ask; a later run tries anew.
 ///
 /// One object per thread; objects in many threads at once are fine, and an object may move between threads.
 /// @param executable  the worker's file

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "adapters/worker_client.h"
 #include "core/error.h"
 #include "study/build_info.h"
 #include "study/commands/commands.h"
@@ -117,6 +118,8 @@ int main(int argc, char** argv) {
     flush_output();
     return exit_code;
   } catch (const InputError& error) {
+    fmt::print(stderr, "lcpbench: {}\n", error.what());
+  } catch (const WorkerError& error) {
     fmt::print(stderr, "lcpbench: {}\n", error.what());
   } catch (const std::system_error& error) {
     fmt::print(stderr, "lcpbench: {}\n", error.what());

@@ -12,6 +12,10 @@
 #include <unordered_map>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "adapters/worker_client.h"
+#include "core/error.h"
 #include "generators/problem_io.h"
 #include "study/vector_codec.h"
 
@@ -357,6 +361,21 @@ void add_names(const Study& study, Store& store) {
   store.commit();
 }
 
+/// Throws what ended a thread; where a user can go on once the cause is mended, the message says how.
+[[noreturn]] void rethrow(const std::exception_ptr& error, const Store& store) {
+  const auto resumable = [&store](const std::exception& cause) {
+    return fmt::format("{}; what was done is kept in {}: run the same command again to go on", cause.what(),
+                       store.file().string());
+  };
+  try {
+    std::rethrow_exception(error);
+  } catch (const InputError& cause) {
+    throw InputError(resumable(cause));
+  } catch (const WorkerError& cause) {
+    throw WorkerError(resumable(cause));
+  }
+}
+
 class Threads {
  public:
   explicit Threads(Exchange& exchange) : exchange_(exchange) {}
@@ -425,7 +444,7 @@ RunOutcome run_study(const Study& study, Store& store, const RunOptions& options
   writer.commit();
   outcome.progress.elapsed_s = seconds_since(start);
   outcome.progress.set = nullptr;
-  if (const std::exception_ptr error = exchange.error()) std::rethrow_exception(error);
+  if (const std::exception_ptr error = exchange.error()) rethrow(error, store);
   if (outcome.end == RunEnd::kComplete && outcome.progress.done < outcome.progress.total) {
     outcome.end = RunEnd::kOutOfBudget;
   }

@@ -283,6 +283,42 @@ TEST(RunnerTest, DefectOfOursEndsTheRunWithoutLosingRows) {
   EXPECT_GT(store.cell_count(), 5);
 }
 
+/// What stands in the way of one problem: a file that cannot be read, a worker that does not start.
+TEST(RunnerTest, WhatAUserCanMendEndsTheRunAndSaysHowToGoOn) {
+  const ScratchFolder folder;
+  Study study = small_study();
+  study.solvers.resize(1);
+  study.solvers.push_back(given_solver("worker", [] {
+    return worker_solver("/nonexistent/worker", Spec{"fault", {}});
+  }));
+  const auto expect_way_on = [](const std::exception& error) {
+    EXPECT_NE(std::string(error.what()).find("s.db: run the same command again to go on"), std::string::npos)
+        << error.what();
+  };
+  try {
+    run(study, folder / "s.db");
+    ADD_FAILURE() << "the run was complete";
+  } catch (const WorkerError& error) {
+    EXPECT_NE(std::string(error.what()).find("/nonexistent/worker: No such file"), std::string::npos) << error.what();
+    expect_way_on(error);
+  }
+  std::filesystem::create_directory(folder / "problems");
+  write_problem(study.sets[0].set->generate(1, 0), folder / "problems/a.json");
+  std::ofstream(folder / "problems/b.json") << "{}";
+  study.sets = {{open_set("file:" + (folder / "problems").string()), 2}};
+  study.solvers.resize(1);
+  try {
+    run(study, folder / "s.db");
+    ADD_FAILURE() << "the run was complete";
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()).rfind((folder / "problems/b.json").string() + ": ", 0), 0U) << error.what();
+    expect_way_on(error);
+  }
+  Store store = Store::open_for_reading(folder / "s.db");
+  EXPECT_GE(store.cell_count(), 1);
+  EXPECT_EQ(store.database().integer("SELECT COUNT(*) FROM answers WHERE claim = 'crashed'"), 0);
+}
+
 TEST(RunnerTest, OrderOfSolversTurnsWithTheTrial) {
   const ScratchFolder folder;
   std::vector<std::string> order;

@@ -16,6 +16,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -286,20 +287,40 @@ TEST(WorkerTest, TimeOfAKilledRunIsKnown) {
   EXPECT_LE(times.solve_cpu_s, times.solve_wall_s * 1.01);
 }
 
+/// Why there is no worker to ask; "" when there is one.
+std::string worker_error(TimedSolver& solver) {
+  try {
+    run(solver, "right");
+  } catch (const WorkerError& error) {
+    return error.what();
+  }
+  return "";
+}
+
 TEST(WorkerTest, FailureToStartIsReported) {
   const auto detail = [](const char* executable) {
-    const auto solver = worker_solver(executable, Spec{"fault", {}}, {.start_timeout_s = 0.3});
-    const Answer answer = run(*solver, "right").answer;
-    EXPECT_EQ(answer.claim, Claim::kCrashed);
-    return answer.detail;
+    return worker_error(*worker_solver(executable, Spec{"fault", {}}, {.start_timeout_s = 0.3}));
   };
   EXPECT_NE(detail("/nonexistent/worker").find("No such file"), std::string::npos);
   EXPECT_NE(detail("/bin/true").find("ended before its greeting: exited with code 0"), std::string::npos);
   EXPECT_NE(detail("/bin/ls").find("stderr: "), std::string::npos);
   EXPECT_NE(detail("/bin/sleep").find("did not greet in time"), std::string::npos);
-  EXPECT_NE(run(*worker_solver(FAULT_WORKER, Spec{"other", {}}), "right").answer.detail.find("no solver 'other'"),
-            std::string::npos);
+  EXPECT_NE(worker_error(*worker_solver(FAULT_WORKER, Spec{"other", {}})).find("no solver 'other'"), std::string::npos);
   EXPECT_FALSE(has_children());
+}
+
+/// A machine without free descriptors is no crash of a solver, and its solvers work again once there are some.
+TEST(WorkerTest, LackOfDescriptorsIsNoAnswer) {
+  const auto solver = client();
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  rlimit none = before;
+  none.rlim_cur = 3;
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &none), 0);
+  const std::string error = worker_error(*solver);
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
+  EXPECT_NE(error.find("Too many open files"), std::string::npos) << error;
+  expect_right(*solver);
 }
 
 TEST(WorkerTest, NeitherZombiesNorDescriptorsAreLeft) {

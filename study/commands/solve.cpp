@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "adapters/worker_client.h"
 #include "core/error.h"
 #include "generators/problem_io.h"
 #include "study/answer_note.h"
@@ -120,11 +121,17 @@ int rank(const Attempt& attempt) {
   }
 }
 
-std::vector<Attempt> attempts_on(const Problem& problem, Solvers& solvers, double time_limit_s) {
+/// A solver whose worker does not start has no row: stderr says why, and `complete` becomes false.
+std::vector<Attempt> attempts_on(const Problem& problem, Solvers& solvers, double time_limit_s, bool& complete) {
   Evaluator evaluator(problem);
   std::vector<Attempt> attempts;
   for (const Spec& spec : solvers.choose(problem)) {
-    attempts.push_back(attempt(problem, spec, solvers.opened(spec), evaluator, time_limit_s));
+    try {
+      attempts.push_back(attempt(problem, spec, solvers.opened(spec), evaluator, time_limit_s));
+    } catch (const WorkerError& error) {
+      complete = false;
+      fmt::print(stderr, "lcpbench: {}\n", error.what());
+    }
   }
   const Truth truth = truth_of(evaluator, attempts);
   for (Attempt& each : attempts) each.verdict = verdict(each.timed.answer.claim, each.errors, truth);
@@ -237,11 +244,11 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
 int solve(const Arguments& arguments) {
   Solvers solvers(arguments.solvers);
   Json rows = Json::array();
-  bool all_read = true;
+  bool complete = true;
   for (const std::string& file : arguments.files) {
     try {
       const Problem problem = read_problem(file);
-      const std::vector<Attempt> attempts = attempts_on(problem, solvers, arguments.time_limit_s);
+      const std::vector<Attempt> attempts = attempts_on(problem, solvers, arguments.time_limit_s, complete);
       if (arguments.format == "json") {
         const Json described_problem = problem_json(problem, file);
         for (const Attempt& each : attempts) rows.push_back(attempt_json(described_problem, each));
@@ -249,12 +256,12 @@ int solve(const Arguments& arguments) {
         print_attempts(problem, file, attempts);
       }
     } catch (const InputError& error) {
-      all_read = false;
+      complete = false;
       fmt::print(stderr, "lcpbench: {}\n", error.what());
     }
   }
   if (arguments.format == "json") print_json(rows);
-  return all_read ? kExitDone : kExitBadInput;
+  return complete ? kExitDone : kExitBadInput;
 }
 
 }  // namespace
