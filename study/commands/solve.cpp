@@ -25,6 +25,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr double kShortSolveS = 0.01;
 constexpr double kRepeatUntilS = 2e-4;
 constexpr Index kVelocityShown = 12;
 
@@ -89,6 +90,10 @@ Attempt attempt(const Problem& problem, const Spec& spec, TimedSolver& solver, E
   request.time_limit_s = time_limit_s;
   request.repeat_until_s = kRepeatUntilS;
   solver.run(problem, request, result.timed);
+  // The first solve of a process pays for loading code too; a short one is measured again, without that.
+  if (result.timed.times.setup_wall_s + result.timed.times.solve_wall_s < kShortSolveS) {
+    solver.run(problem, request, result.timed);
+  }
   const Answer& answer = result.timed.answer;
   const double start = thread_cpu_clock_s();
   result.errors = evaluator.errors(answer);
