@@ -69,6 +69,7 @@ inline Matrix circulant(Index n, double a, double b, double c) {
 
 inline Matrix tridiagonal(Index n, double diagonal, double off) {
   Matrix M = Matrix::Zero(n, n);
+  if (n == 0) return M;
   M.diagonal().setConstant(diagonal);
   M.diagonal(1).setConstant(off);
   M.diagonal(-1).setConstant(off);
