@@ -6,6 +6,7 @@
 
 #include "core/settings.h"
 #include "core/solver.h"
+#include "core/swept_solver.h"
 
 namespace lcpbench {
 
@@ -23,6 +24,10 @@ struct SolverDefinition {
 
   /// nullptr where the code is not linked in: the main executable knows adapters by description only.
   std::unique_ptr<Solver> (*make)(const Options&) = nullptr;
+
+  /// Runs many parameterisations at once and shares their common work; every answer is bit for bit that of the cell's
+  /// own solver. nullptr, or a null result, where these cells have nothing to share: they then run one by one.
+  std::unique_ptr<SweptSolver> (*make_swept)(const std::vector<Options>& cells) = nullptr;
 };
 
 /// Completes a definition from its settings struct. (Copied into the definition so that text, defaults and parsing have

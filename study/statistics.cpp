@@ -89,9 +89,9 @@ double median(std::span<const double> sorted) {
 }
 
 Spread spread(std::span<const double> values) {
-  if (values.empty()) return {kNone, kNone, kNone, kNone};
+  if (values.empty()) return {0, kNone, kNone, kNone, kNone};
   const double mean = sum(values) / static_cast<double>(values.size());
-  return {mean, sample_sigma(values, mean), *std::max_element(values.begin(), values.end()),
+  return {static_cast<std::int64_t>(values.size()), mean, sample_sigma(values, mean), *std::max_element(values.begin(), values.end()),
           median(sorted_copy(values))};
 }
 

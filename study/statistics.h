@@ -21,6 +21,7 @@ struct Estimate {
 
 /// Mean, sample standard deviation (divisor n - 1; NaN for n < 2), largest value and median; all NaN for no values.
 struct Spread {
+  std::int64_t count = 0;
   double mean = 0;
   double sigma = 0;
   double max = 0;

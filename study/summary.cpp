@@ -199,8 +199,14 @@ std::vector<Outcome> outcomes_of(const std::vector<Row>& rows) {
   std::vector<Outcome> outcomes;
   outcomes.reserve(rows.size());
   for (const Row& row : rows) {
-    outcomes.push_back(
-        {row.problem, solved(row), false_claim(row.claim, row.verdict), refused(row) ? kNone : row.time_s()});
+    outcomes.push_back({.problem = row.problem,
+                        .trial = row.trial,
+                        .solved = solved(row),
+                        .false_claim = false_claim(row.claim, row.verdict),
+                        .unsolvable = row.verdict == Verdict::kUnsolvable,
+                        .refused = refused(row),
+                        .time_s = refused(row) ? kNone : row.time_s(),
+                        .error = error_of(row)});
   }
   return outcomes;
 }

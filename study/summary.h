@@ -35,9 +35,13 @@ struct SetSummary {
 /// One problem as one solver met it.
 struct Outcome {
   std::int64_t problem = 0;  ///< the store's id
+  std::int64_t trial = 0;
   bool solved = false;       ///< the verdict
   bool false_claim = false;
+  bool unsolvable = false;   ///< proven: no solver can solve it
+  bool refused = false;      ///< outside what the solver takes
   double time_s = 0;  ///< set-up and solve, CPU; NaN where nothing was timed or the problem was refused
+  double error = 0;   ///< what the verdict was taken on: rho, or the backward error of a bare LCP; NaN without an answer
 };
 
 /// Means over all trials but the refused ones [s].
@@ -70,6 +74,9 @@ struct Cell {
   std::int64_t paired = 0;         ///< problems that both this solver and the reference solved
   Estimate time_ratio{};           ///< time / reference's time on those: ratio of sums, bootstrap 95 %
   Spread violation{};              ///< [m/s] of the trials with verdict solved
+  Spread criterion_time{};         ///< [s] of the trials that count in `criterion`: the paper's "solved"
+  Spread criterion_violation{};    ///< [m/s] of the same
+  Spread pivots{};                 ///< of all trials whose solver counts them
   const char* error_measure = "";  ///< "velocity_residual_relative", "backward_row_norm", "" when the set mixes kinds
   std::int64_t error_count = 0;    ///< answers claimed solved, which the three below describe; infinity: no number
   double error_median = 0;
@@ -84,7 +91,10 @@ struct Cell {
     std::int64_t trials = 0;
     std::int64_t solved = 0;
     std::int64_t unsolvable = 0;
+    std::int64_t criterion = 0;
+    Spread solved_time{}, all_time{}, violation{}, criterion_time{}, criterion_violation{};  ///< as in Cell
     double rate() const;
+    double criterion_rate() const;  ///< criterion / trials
   };
   std::array<Half, 2> halves{};
 
