@@ -2,7 +2,8 @@
 
 namespace lcpbench {
 
-/// What this executable was built from and with; "" for the commit where there was no repository.
+/// What this executable was built from and with; "" for the commit where there was no repository, a "+"
+/// behind it where the tree had changes that no commit has.
 struct BuildInfo {
   const char* version;
   const char* commit;
@@ -11,7 +12,7 @@ struct BuildInfo {
   const char* build_type;
 };
 
-/// Written by CMake when it configures.
+/// Written anew by each build.
 extern const BuildInfo kBuildInfo;
 
 }  // namespace lcpbench
