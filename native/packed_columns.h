@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/types.h"
+
+namespace lcpbench {
+
+/// The columns of a matrix, each stored as a few runs of consecutive entries: a dense column is one run, the column of
+/// a contact between two bodies a few short ones. Indices are not checked.
+class PackedColumns {
+ public:
+  Index cols() const { return static_cast<Index>(begin_.size()) - 1; }
+
+  /// Appends a column without entries; add_run fills it.
+  void add_column() { begin_.push_back(runs_.size()); }
+
+  /// The last column's entries from `first_row` on.
+  void add_run(Index first_row, const Eigen::Ref<const Vector>& entries) {
+    runs_.push_back({first_row, entries.size(), values_.size()});
+    values_.insert(values_.end(), entries.data(), entries.data() + entries.size());
+    begin_.back() = runs_.size();
+  }
+
+  /// (column)'x.
+  double dot(Index column, const Vector& x) const {
+    double sum = 0;
+    for_each_run(column, [&](const Run& run) { sum += entries(run).dot(x.segment(run.first_row, run.size)); });
+    return sum;
+  }
+
+  /// x += factor * (column).
+  void add_to(Vector& x, Index column, double factor) const {
+    for_each_run(column, [&](const Run& run) { x.segment(run.first_row, run.size) += factor * entries(run); });
+  }
+
+ private:
+  struct Run {
+    Index first_row;
+    Index size;
+    std::size_t first_value;
+  };
+
+  Eigen::Map<const Vector> entries(const Run& run) const { return {values_.data() + run.first_value, run.size}; }
+
+  template <class F>
+  void for_each_run(Index column, F&& f) const {
+    const auto c = static_cast<std::size_t>(column);
+    for (std::size_t r = begin_[c]; r < begin_[c + 1]; ++r) f(runs_[r]);
+  }
+
+  std::vector<std::size_t> begin_{0};  // cols + 1 offsets into runs_
+  std::vector<Run> runs_;
+  std::vector<double> values_;
+};
+
+}  // namespace lcpbench
