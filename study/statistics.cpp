@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
@@ -91,8 +92,8 @@ double median(std::span<const double> sorted) {
 Spread spread(std::span<const double> values) {
   if (values.empty()) return {0, kNone, kNone, kNone, kNone};
   const double mean = sum(values) / static_cast<double>(values.size());
-  return {static_cast<std::int64_t>(values.size()), mean, sample_sigma(values, mean), *std::max_element(values.begin(), values.end()),
-          median(sorted_copy(values))};
+  return {static_cast<std::int64_t>(values.size()), mean, sample_sigma(values, mean),
+          *std::max_element(values.begin(), values.end()), median(sorted_copy(values))};
 }
 
 Estimate median_estimate(std::span<const double> values) {
@@ -143,6 +144,68 @@ double sign_test(std::int64_t first, std::int64_t second) {
     log_term += std::log(static_cast<double>(tosses - k)) - std::log(static_cast<double>(k + 1));
   }
   return std::min(1.0, 2 * tail);
+}
+
+double mcnemar_exact(std::int64_t only_first, std::int64_t only_second) {
+  if (only_first < 0 || only_second < 0) throw std::invalid_argument("mcnemar_exact: counts must not be negative");
+  return sign_test(only_first, only_second);
+}
+
+std::vector<double> holm(std::span<const double> p_values) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < p_values.size(); ++i) {
+    if (!std::isnan(p_values[i])) order.push_back(i);
+  }
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return p_values[a] < p_values[b]; });
+  std::vector<double> adjusted(p_values.size(), kNone);
+  double largest = 0;
+  for (std::size_t rank = 0; rank < order.size(); ++rank) {
+    largest = std::max(largest, static_cast<double>(order.size() - rank) * p_values[order[rank]]);
+    adjusted[order[rank]] = std::min(1.0, largest);
+  }
+  return adjusted;
+}
+
+Estimate shifted_geometric_mean(std::span<const double> values, double shift) {
+  std::vector<double> logarithms;
+  logarithms.reserve(values.size());
+  for (const double value : values) {
+    if (!(value > -shift)) return {kNone, kNone, kNone};
+    logarithms.push_back(std::log1p(value / shift));
+  }
+  const Spread logs = spread(logarithms);
+  const double half = kNormal975 * logs.sigma / std::sqrt(static_cast<double>(logs.count));
+  const auto back = [shift](double logarithm) { return shift * std::expm1(logarithm); };
+  return {back(logs.mean), back(logs.mean - half), back(logs.mean + half)};
+}
+
+double par10(std::span<const double> solved_times_s, std::int64_t unsolved, double time_limit_s) {
+  const double penalty = unsolved > 0 ? 10 * time_limit_s * static_cast<double>(unsolved) : 0.0;
+  return (sum(solved_times_s) + penalty) / (static_cast<double>(solved_times_s.size()) + static_cast<double>(unsolved));
+}
+
+std::vector<double> ecdf(std::span<const double> values, std::int64_t total, std::span<const double> targets) {
+  if (total < static_cast<std::int64_t>(values.size())) throw std::invalid_argument("ecdf: more values than the total");
+  std::vector<double> reached;
+  reached.reserve(values.size());
+  std::copy_if(values.begin(), values.end(), std::back_inserter(reached),
+               [](double value) { return !std::isnan(value); });
+  std::sort(reached.begin(), reached.end());
+  std::vector<double> shares;
+  shares.reserve(targets.size());
+  for (const double target : targets) {
+    const auto end = std::isnan(target) ? reached.begin() : std::upper_bound(reached.begin(), reached.end(), target);
+    shares.push_back(total > 0 ? static_cast<double>(end - reached.begin()) / static_cast<double>(total) : kNone);
+  }
+  return shares;
+}
+
+std::vector<double> decade_grid(int low, int high, int per_decade) {
+  std::vector<double> grid;
+  for (int step = low * per_decade; step <= high * per_decade; ++step) {
+    grid.push_back(std::pow(10.0, static_cast<double>(step) / per_decade));
+  }
+  return grid;
 }
 
 }  // namespace lcpbench

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <random>
 #include <span>
+#include <vector>
 
 namespace lcpbench {
 
@@ -73,5 +74,36 @@ Estimate ratio_of_sums(std::span<const double> reference, std::span<const double
 /// Two-sided exact sign test: the chance that a fair coin splits first + second tosses at least this unevenly. With the
 /// counts of problems that only one of two solvers solved it is McNemar's exact test. 1 for no tosses.
 double sign_test(std::int64_t first, std::int64_t second);
+
+/// Exact two-sided McNemar test (McNemar 1947, with the binomial instead of its normal limit): the chance of an outcome
+/// at least this lopsided among problems that exactly one of two equally good solvers solves. Concordant problems carry
+/// no evidence on the difference. Never above its level; the price is some power when few problems are discordant.
+/// @throws std::invalid_argument for negative counts.
+double mcnemar_exact(std::int64_t only_first, std::int64_t only_second);
+
+/// p-values corrected for their number by Holm's step-down procedure (1979): rejecting those at most alpha keeps the
+/// chance of even one false rejection at most alpha, whatever the dependence between the tests. In the order given. A
+/// NaN is no test: it stays NaN and does not count. O(n log n).
+std::vector<double> holm(std::span<const double> p_values);
+
+/// exp(mean(log(value + shift))) - shift with its 95 % interval, normal on the scale of the logarithms: needs some 50
+/// values, for fewer it covers less than it says. Far below the shift it is the mean, far above it the geometric mean.
+/// NaN for no values or any that is NaN or not above -shift; infinity where a value is infinite; the interval is NaN
+/// for a single value. @pre shift > 0.
+Estimate shifted_geometric_mean(std::span<const double> values, double shift);
+
+/// Penalized average runtime PAR-10: the mean over solved and unsolved problems, each unsolved one counting as ten time
+/// limits. NaN for no problems or a NaN among the times: a time that is missing must not count as none.
+double par10(std::span<const double> solved_times_s, std::int64_t unsolved, double time_limit_s);
+
+/// Empirical distribution over absolute targets: for each target the share of `total` whose value is at most it. Values
+/// that are NaN reach no target, infinite ones none but infinity; what is in `total` and not among the values (a
+/// failure) reaches none. NaN for a total of 0. O((values + targets) log values).
+/// @throws std::invalid_argument for more values than `total`.
+std::vector<double> ecdf(std::span<const double> values, std::int64_t total, std::span<const double> targets);
+
+/// Powers of ten from 10^low to 10^high, both among them, `per_decade` to a decade, each the double nearest to its
+/// exact value as far as std::pow gives it. @pre low <= high, per_decade > 0.
+std::vector<double> decade_grid(int low, int high, int per_decade);
 
 }  // namespace lcpbench

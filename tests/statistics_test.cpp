@@ -185,5 +185,91 @@ TEST(StatisticsTest, SignTestCountsCoins) {
   EXPECT_LT(sign_test(0, 5000), 1e-300);
 }
 
+/// The two examples of Fagerland, Lydersen and Laake (BMC Medical Research Methodology 13:91, 2013), who print 0.070
+/// and 0.052 for the exact conditional test.
+TEST(StatisticsTest, McNemarMatchesFagerlandsExamples) {
+  EXPECT_DOUBLE_EQ(mcnemar_exact(1, 7), 18.0 / 256);
+  EXPECT_NEAR(mcnemar_exact(1, 7), 0.070, 5e-4);
+  EXPECT_NEAR(mcnemar_exact(6, 16), 2 * 110056.0 / 4194304, 1e-14);
+  EXPECT_NEAR(mcnemar_exact(6, 16), 0.052, 5e-4);
+  EXPECT_EQ(mcnemar_exact(0, 0), 1);
+  EXPECT_THROW(mcnemar_exact(-1, 3), std::invalid_argument);
+}
+
+/// The exact test may be conservative, never liberal: under equal solvers the chance of p <= 0.05, summed over all
+/// outcomes, stays at most 0.05 for every number of discordant problems.
+TEST(StatisticsTest, McNemarKeepsItsLevelExactly) {
+  for (const std::int64_t discordant : {1, 5, 6, 17, 100, 1001}) {
+    double rejected = 0;
+    for (std::int64_t first = 0; first <= discordant; ++first) {
+      const auto n = static_cast<double>(discordant);
+      const auto k = static_cast<double>(first);
+      if (mcnemar_exact(first, discordant - first) > 0.05) continue;
+      rejected += std::exp(std::lgamma(n + 1) - std::lgamma(k + 1) - std::lgamma(n - k + 1) - n * std::log(2.0));
+    }
+    EXPECT_LE(rejected, 0.05 + 1e-12) << discordant;
+    if (discordant > 100) {
+      EXPECT_GT(rejected, 0.03) << discordant;
+    }
+  }
+}
+
+TEST(StatisticsTest, HolmStepsDownAndNeverTurnsTheOrder) {
+  const std::vector<double> adjusted = holm(std::vector<double>{0.01, 0.04, 0.03, 0.005});
+  const std::vector<double> expected{0.03, 0.06, 0.06, 0.02};  // 3 x 0.01, not below 0.06, 2 x 0.03, 4 x 0.005
+  for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_DOUBLE_EQ(adjusted[i], expected[i]);
+  EXPECT_TRUE(holm({}).empty());
+  EXPECT_EQ(holm(std::vector<double>{0.7, 0.6})[0], 1);
+}
+
+TEST(StatisticsTest, HolmDoesNotCountWhatIsNoTest) {
+  const std::vector<double> adjusted = holm(std::vector<double>{0.01, std::nan(""), 0.02});
+  EXPECT_DOUBLE_EQ(adjusted[0], 0.02);
+  EXPECT_TRUE(std::isnan(adjusted[1]));
+  EXPECT_DOUBLE_EQ(adjusted[2], 0.02);
+}
+
+TEST(StatisticsTest, ShiftedGeometricMeanOfKnownValues) {
+  const std::vector<double> values{0, 3, 15};  // shifted by 1: 1, 4, 16, whose geometric mean is 4
+  EXPECT_NEAR(shifted_geometric_mean(values, 1).value, 3, 1e-14);
+  const std::vector<double> tiny{1e-12, 3e-12};
+  EXPECT_NEAR(shifted_geometric_mean(tiny, 1).value, 2e-12, 1e-23) << "far below the shift it is the mean";
+  const std::vector<double> huge{1e6, 4e6};
+  EXPECT_NEAR(shifted_geometric_mean(huge, 1e-6).value, 2e6, 1e-3) << "far above it the geometric mean";
+}
+
+TEST(StatisticsTest, ShiftedGeometricMeanWithoutAllNumbersIsNotANumber) {
+  EXPECT_TRUE(std::isnan(shifted_geometric_mean({}, 1).value));
+  EXPECT_TRUE(std::isnan(shifted_geometric_mean(std::vector<double>{1, std::nan("")}, 1).value));
+  EXPECT_TRUE(std::isnan(shifted_geometric_mean(std::vector<double>{-1, 2}, 1).value));
+  EXPECT_TRUE(std::isnan(shifted_geometric_mean(std::vector<double>{5}, 1).low));
+  EXPECT_TRUE(std::isinf(shifted_geometric_mean(std::vector<double>{1, INFINITY}, 1).value));
+}
+
+TEST(StatisticsTest, Par10ChargesTenLimitsForEachFailure) {
+  EXPECT_DOUBLE_EQ(par10(std::vector<double>{1, 3}, 2, 5), (1 + 3 + 50 + 50) / 4.0);
+  EXPECT_DOUBLE_EQ(par10(std::vector<double>{1, 3}, 0, std::nan("")), 2) << "no failure needs no limit";
+  EXPECT_TRUE(std::isnan(par10(std::vector<double>{1, 3}, 1, std::nan(""))));
+  EXPECT_TRUE(std::isnan(par10(std::vector<double>{1, std::nan("")}, 1, 5)));
+  EXPECT_TRUE(std::isnan(par10({}, 0, 5)));
+}
+
+TEST(StatisticsTest, EcdfCountsFailuresInItsWholeAndReachesThemNever) {
+  const std::vector<double> values{2, 1, std::nan(""), INFINITY, 2};
+  const std::vector<double> shares = ecdf(values, 10, std::vector<double>{0.5, 1, 2, 1e300, std::nan("")});
+  EXPECT_EQ(shares, (std::vector<double>{0, 0.1, 0.3, 0.3, 0}));
+  EXPECT_TRUE(std::isnan(ecdf({}, 0, std::vector<double>{1})[0]));
+  EXPECT_THROW(ecdf(values, 4, {}), std::invalid_argument);
+}
+
+TEST(StatisticsTest, DecadeGridHoldsItsDecades) {
+  const std::vector<double> grid = decade_grid(-2, 1, 4);
+  ASSERT_EQ(grid.size(), 13U);
+  EXPECT_DOUBLE_EQ(grid[0], 0.01);
+  EXPECT_DOUBLE_EQ(grid[1], 0.01 * std::pow(10, 0.25));
+  EXPECT_EQ(grid[8], 1);
+  EXPECT_EQ(grid[12], 10);
+}
+
 }  // namespace
 }  // namespace lcpbench
