@@ -6,34 +6,12 @@
 
 #include <fmt/format.h>
 
+#include "study/report/html_table.h"
 #include "study/report/text.h"
 
 namespace lcpbench::report {
 
 namespace {
-
-/// One column of a sortable table; `number` columns are set to the right.
-struct Column {
-  const char* heading;
-  bool number;
-};
-
-std::string table_head(const std::string& cls, std::span<const Column> columns) {
-  std::string head = "<div class=\"scroll\" tabindex=\"0\"><table class=\"" + cls + "\"><thead><tr>";
-  for (const Column& column : columns) {
-    head += fmt::format("<th scope=\"col\"{}>{}</th>", column.number ? " class=\"number\"" : "", column.heading);
-  }
-  return head + "</tr></thead><tbody>\n";
-}
-
-constexpr const char* kTableEnd = "</tbody></table></div>\n";
-
-/// A numeric cell that sorts by `value`; `detail` is a second, smaller line, already HTML.
-std::string number_cell(double value, const std::string& text, const std::string& detail = {}) {
-  const std::string key = std::isfinite(value) ? fmt::format("{:.9g}", value) : "";
-  return fmt::format("<td class=\"number\" data-value=\"{}\">{}{}</td>", key, text,
-                     detail.empty() ? "" : "<small>" + detail + "</small>");
-}
 
 std::string count_cell(std::int64_t count, std::int64_t trials, bool bad) {
   const Share share{count, trials};
