@@ -341,7 +341,8 @@ void Psor::write_answer(Vector& z) const {
   for (const Friction& friction : frictions_) {
     const auto g = impulse_.segment(friction.first_column, friction.directions);
     z.segment(friction.first_column, friction.directions) = g.cwiseMax(0.0);
-    z.segment(friction.first_column + friction.directions, friction.directions) = (-g).cwiseMax(0.0);
+    z.segment(friction.first_column + friction.directions, friction.directions) =
+        (0.0 - g.array()).max(0.0);  // not -g: no negative zeros
     z(friction.lambda) = slip_bound(friction);
   }
 }

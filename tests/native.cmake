@@ -5,6 +5,8 @@ target_sources(conformance_test PRIVATE allocation_counter.cpp)
 lcpbench_test(enumeration LINK lcpbench_native)
 lcpbench_test(primal_dual LINK lcpbench_native)
 lcpbench_test(regularized LINK lcpbench_native)
+lcpbench_test(psor LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
+target_sources(psor_test PRIVATE allocation_counter.cpp)
 
 # Once at the level in use, and once at each level; those that this processor lacks are skipped.
 lcpbench_test(lemke LINK lcpbench_native lcpbench_generators)
