@@ -59,7 +59,7 @@ class WorkerSolver final : public TimedSolver {
   void start_if_needed() {
     if (process_ && !process_->dead()) return;
     stop();
-    process_.emplace(executable_, limits_);
+    process_.emplace(executable_, request_.solver, limits_);
     const std::vector<std::string>& solvers = process_->greeting().solvers;
     if (std::find(solvers.begin(), solvers.end(), solver_name_) == solvers.end()) {
       throw std::runtime_error(executable_.string() + " has no solver '" + solver_name_ + "'");

@@ -1,10 +1,13 @@
-// The program of every worker: `WORKER PARENT_PID MEMORY_BYTES`, with its end of the socket at kSocketFd. Which solvers
-// it has is decided by the list it is linked with.
+// The program of every worker: `WORKER PARENT_PID MEMORY_BYTES SOLVER`, with its end of the socket at kSocketFd. Which
+// solvers it has is decided by the list it is linked with; SOLVER, the spec of the one that will be asked for, is made
+// before the greeting, so that no problem pays for it or is blamed when it cannot be made.
 
+#include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <memory>
 #include <new>
 #include <string>
@@ -16,6 +19,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "adapters/start_directory.h"
 #include "adapters/worker_channel.h"
 #include "adapters/worker_protocol.h"
 #include "core/registry.h"
@@ -39,6 +43,8 @@ void limit(decltype(RLIMIT_AS) resource, rlim_t value) {
   const rlimit both{value, value};
   setrlimit(resource, &both);
 }
+
+std::filesystem::path g_start_directory;
 
 /// Dies with the program, leaves no core and no files behind, takes no more memory than it is given.
 void confine(rlim_t memory_bytes) {
@@ -78,6 +84,12 @@ class CurrentSolver {
   std::string spec_;
   std::unique_ptr<Solver> solver_;
 };
+
+bool has_solver(const std::string& name) {
+  const std::vector<RegisteredSolver>& solvers = registered_solvers();
+  return std::any_of(solvers.begin(), solvers.end(),
+                     [&](const auto& solver) { return solver.definition.name == name; });
+}
 
 void fail(Response& response, Claim claim, const std::string& detail) {
   response.result = TimedAnswer{};
@@ -122,8 +134,7 @@ void check(const RequestNotice& notice, std::size_t region_bytes) {
   }
 }
 
-[[noreturn]] void serve() {
-  CurrentSolver current;
+[[noreturn]] void serve(CurrentSolver& current) {
   SharedRegion region;
   for (;;) {
     RequestNotice notice;
@@ -148,16 +159,20 @@ void check(const RequestNotice& notice, std::size_t region_bytes) {
 int run(int argc, char** argv) {
   pid_t parent = 0;
   rlim_t memory_bytes = 0;
-  if (argc != 3 || !parse_number(argv[1], parent) || !parse_number(argv[2], memory_bytes)) {
+  if (argc != 4 || !parse_number(argv[1], parent) || !parse_number(argv[2], memory_bytes)) {
     std::fputs("This is a worker of lcpbench; lcpbench starts it.\n", stderr);
     return kExitUsage;
   }
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) return 0;  // it died before the line above
+  std::error_code none;
+  g_start_directory = std::filesystem::current_path(none);
   confine(memory_bytes);
   try {
+    CurrentSolver current;
+    if (has_solver(parse_spec(argv[3]).name)) current.get(argv[3]);  // else the greeting tells the program so
     greet();
-    serve();
+    serve(current);
   } catch (const std::exception& error) {
     give_up(error.what());
   }
@@ -165,5 +180,7 @@ int run(int argc, char** argv) {
 
 }  // namespace
 }  // namespace lcpbench::worker
+
+const std::filesystem::path& lcpbench::start_directory() { return worker::g_start_directory; }
 
 int main(int argc, char** argv) { return lcpbench::worker::run(argc, argv); }

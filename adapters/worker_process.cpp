@@ -175,8 +175,9 @@ int poll_timeout_ms(double seconds) {
 
 }  // namespace
 
-WorkerProcess::WorkerProcess(const std::filesystem::path& executable, const WorkerLimits& limits) {
-  start(executable, limits);
+WorkerProcess::WorkerProcess(const std::filesystem::path& executable, const std::string& solver,
+                             const WorkerLimits& limits) {
+  start(executable, solver, limits);
   try {
     expect_greeting(limits.start_timeout_s);
   } catch (...) {
@@ -187,7 +188,8 @@ WorkerProcess::WorkerProcess(const std::filesystem::path& executable, const Work
 
 WorkerProcess::~WorkerProcess() { end(); }
 
-void WorkerProcess::start(const std::filesystem::path& executable, const WorkerLimits& limits) {
+void WorkerProcess::start(const std::filesystem::path& executable, const std::string& solver,
+                          const WorkerLimits& limits) {
   std::array<int, 2> ends{};
   if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0) {
     throw std::system_error(errno, std::generic_category(), "socketpair");
@@ -197,7 +199,7 @@ void WorkerProcess::start(const std::filesystem::path& executable, const WorkerL
   stderr_file_ = moved_up(sealed_memory_file("lcpbench-stderr", kStderrBytes));
 
   const std::vector<std::string> arguments{executable.string(), std::to_string(getpid()),
-                                           std::to_string(limits.memory_bytes)};
+                                           std::to_string(limits.memory_bytes), solver};
   const int error = Starter::instance().run(
       [&] { return spawn(executable.string(), arguments, worker_end.get(), stderr_file_.get(), pid_); });
   if (error != 0) {

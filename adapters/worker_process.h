@@ -20,9 +20,9 @@ namespace lcpbench::worker {
 /// program; so a worker outlives the thread that used it first, and never the program, whatever ends that.
 class WorkerProcess {
  public:
-  /// Starts the executable and waits for its greeting. @throws std::runtime_error with the reason when it does not
-  /// come.
-  WorkerProcess(const std::filesystem::path& executable, const WorkerLimits& limits);
+  /// Starts the executable, which makes the solver of this spec, and waits for its greeting. @throws std::runtime_error
+  /// with the reason when it does not come.
+  WorkerProcess(const std::filesystem::path& executable, const std::string& solver, const WorkerLimits& limits);
   ~WorkerProcess();
   WorkerProcess(const WorkerProcess&) = delete;
   WorkerProcess& operator=(const WorkerProcess&) = delete;
@@ -60,7 +60,7 @@ class WorkerProcess {
   void clear_messages();
 
  private:
-  void start(const std::filesystem::path& executable, const WorkerLimits& limits);
+  void start(const std::filesystem::path& executable, const std::string& solver, const WorkerLimits& limits);
   void expect_greeting(double timeout_s);
 
   pid_t pid_ = -1;

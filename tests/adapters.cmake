@@ -25,3 +25,13 @@ endif()
 
 lcpbench_test(adapter_conventions LINK lcpbench_study)
 add_dependencies(adapter_conventions_test lcpbench_workers)
+
+# PATH, played by stand-ins with the two layouts of its structures.
+foreach(version 4 5)
+  add_library(path_stand_in_${version} MODULE path_stand_in.cpp)
+  target_compile_definitions(path_stand_in_${version} PRIVATE STAND_IN_VERSION=${version})
+endforeach()
+lcpbench_test(adapter_path LINK lcpbench_adapters lcpbench_adapter_descriptions lcpbench_solver_list)
+target_compile_definitions(adapter_path_test PRIVATE PATH_WORKER="$<TARGET_FILE:lcpbench-worker-path>"
+  STAND_IN_4="$<TARGET_FILE:path_stand_in_4>" STAND_IN_5="$<TARGET_FILE:path_stand_in_5>")
+add_dependencies(adapter_path_test lcpbench-worker-path path_stand_in_4 path_stand_in_5)
