@@ -26,29 +26,39 @@ constexpr const char* kCellInWords =
     "(SELECT s.name || ' seed ' || p.seed || ' trial ' || p.trial FROM problems p JOIN sets s ON s.id = p.set_id "
     "WHERE p.id = m.problem_id) || ', ' || (SELECT name || CASE settings WHEN '' THEN '' ELSE '{' || settings || '}' "
     "END FROM solvers "
-    "WHERE id = m.solver_id)";
+    "WHERE id = m.solver_id) || CASE m.part WHEN 0 THEN '' ELSE ' part ' || m.part END";
 
+/// Two stores that group the cells of a sweep on a problem differently differ in a row of `answers` that both have:
+/// both have the part 0; where its groups agree, the lowest cell outside it is a part of both, and so on.
 const std::vector<Table>& tables() {
   static const std::vector<Table> all{
       {"runs", {"id"}, {}, "''"},
       {"sets", {"id"}, {"name"}, "m.name"},
-      {"solvers", {"id"}, {"name", "settings", "all_settings", "library", "version", "isa", "sweep"}, "m.name"},
+      {"solvers",
+       {"id"},
+       {"name", "settings", "all_settings", "library", "version", "isa", "sweep", "cells"},
+       "m.name"},
+      {"parameterisations",
+       {"solver_id", "cell"},
+       {"settings", "all_settings"},
+       "(SELECT name || ' ' || sweep FROM solvers WHERE id = m.solver_id) || ' cell ' || m.cell"},
       {"problems",
        {"id"},
        {"set_id", "seed", "trial", "kind", "n", "ngc", "nc", "hash", "theory"},
        "(SELECT name FROM sets WHERE id = m.set_id) || ' seed ' || m.seed || ' trial ' || m.trial"},
       {"vectors", {"id"}, {"data"}, "m.id"},
+      {"cell_groups", {"group_id", "cell"}, {}, "''"},
       {"answers",
-       {"problem_id", "solver_id"},
-       {"claim", "z", "velocity", "farkas", "iterations", "pivots", "factorizations", "detail"},
+       {"problem_id", "solver_id", "part"},
+       {"group_id", "claim", "z", "velocity", "farkas", "iterations", "pivots", "factorizations", "detail"},
        kCellInWords},
       {"verdicts",
-       {"problem_id", "solver_id"},
+       {"problem_id", "solver_id", "part"},
        {"usable", "solved", "criterion", "farkas_checked", "velocity_residual_m_per_s", "velocity_residual_relative",
         "natural_residual", "backward_componentwise", "backward_row_norm", "forward_velocity", "violation_m_per_s",
         "work_gain_j", "complementarity_j", "cone_violation", "min_z"},
        kCellInWords},
-      {"timings", {"problem_id", "solver_id"}, {}, "''"},
+      {"timings", {"problem_id", "solver_id", "part"}, {}, "''"},
       {"certificates", {"problem_id"}, {"certificate", "proof", "vector"}, "m.problem_id"}};
   return all;
 }

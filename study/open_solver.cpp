@@ -2,8 +2,20 @@
 
 #include "adapters/worker_client.h"
 #include "core/error.h"
+#include "study/one_by_one.h"
 
 namespace lcpbench {
+namespace {
+
+/// nullptr where the solver has no way to share work between these cells.
+std::unique_ptr<SweptSolver> shared_sweep(const RegisteredSolver& solver, const std::vector<Spec>& cells) {
+  if (!solver.native() || solver.definition.make_swept == nullptr) return nullptr;
+  std::vector<Options> options;
+  for (const Spec& cell : cells) options.push_back(canonical_solver_spec(cell).options);
+  return solver.definition.make_swept(options);
+}
+
+}  // namespace
 
 std::string why_unavailable(const RegisteredSolver& solver) {
   if (!solver.unavailable.empty() || solver.native()) return solver.unavailable;
@@ -23,6 +35,14 @@ std::unique_ptr<TimedSolver> open_solver(const Spec& spec) {
   const Spec canonical = canonical_solver_spec(spec);
   if (solver.native()) return in_process(make_solver(canonical));
   return worker_solver(worker_executable(solver), canonical);
+}
+
+std::unique_ptr<SweptSolver> open_swept_solver(const std::vector<Spec>& cells) {
+  const RegisteredSolver& solver = find_solver(cells.at(0).name);
+  if (std::unique_ptr<SweptSolver> shared = shared_sweep(solver, cells)) return shared;
+  std::vector<OpenCell> open;
+  for (const Spec& cell : cells) open.push_back([cell] { return open_solver(cell); });
+  return one_by_one(std::move(open), solver.native());
 }
 
 }  // namespace lcpbench

@@ -2,8 +2,10 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "core/registry.h"
+#include "core/swept_solver.h"
 #include "core/timed_solve.h"
 
 namespace lcpbench {
@@ -15,5 +17,9 @@ std::string why_unavailable(const RegisteredSolver& solver);
 /// Any registered solver, under the clock: native ones in this process, foreign ones in their worker.
 /// @throws InputError for an unknown name, bad settings, or a solver that cannot run here (with the reason).
 std::unique_ptr<TimedSolver> open_solver(const Spec& spec);
+
+/// Any registered solver over the cells of a sweep (one solver with different settings each): all at once where the
+/// solver can share their work, else one by one, with the same answers. @throws InputError as open_solver.
+std::unique_ptr<SweptSolver> open_swept_solver(const std::vector<Spec>& cells);
 
 }  // namespace lcpbench

@@ -93,6 +93,11 @@ class Field {
     }
     return value;
   }
+  double share() const {
+    const double value = value_.is_number() ? value_.get<double>() : std::numeric_limits<double>::quiet_NaN();
+    if (!(value > 0 && value <= 1)) fail(fmt::format("expected a number in (0, 1], found {}", shown()));
+    return value;
+  }
   double seconds() const { return value_.is_number() && value_.get<double>() == 0.0 ? 0.0 : positive_seconds(); }
   /// A setting's value: a number or a text.
   std::string setting() const {
@@ -144,10 +149,16 @@ std::string checked_name(const Field& field) {
 }
 
 PlannedSet parse_set(const Field& field) {
-  if (field.is_text()) return {field.text(), std::nullopt};
-  field.check_object({"set", "trials"});
-  PlannedSet set{field.at("set").text(), std::nullopt};
+  PlannedSet set;
+  if (field.is_text()) {
+    set.pattern = field.text();
+    return set;
+  }
+  field.check_object({"set", "trials", "share"});
+  set.pattern = field.at("set").text();
   if (field.has("trials")) set.trials = field.at("trials").integer(1, kMaxTrials);
+  if (field.has("share")) set.share = field.at("share").share();
+  if (set.trials && set.share) field.fail("'trials' and 'share' exclude each other");
   return set;
 }
 
@@ -178,10 +189,14 @@ PlannedSolver parse_solver(const Field& field) {
     solver.spec = parse_solver_spec(field);
     return solver;
   }
-  field.check_object({"solver", "every", "sweep", "optional"});
+  field.check_object({"solver", "every", "sweep", "sets", "optional"});
   solver.spec = parse_solver_spec(field.at("solver"));
   if (field.has("every")) solver.every = field.at("every").integer(1, kMaxTrials);
   if (field.has("optional")) solver.optional = field.at("optional").boolean();
+  if (field.has("sets")) {
+    for (const Field& pattern : field.at("sets").elements()) solver.sets.push_back(pattern.text());
+    if (solver.sets.empty()) field.at("sets").fail("a solver needs a set");
+  }
   if (field.has("sweep")) {
     const Field sweep = field.at("sweep");
     solver.sweep = parse_sweep(sweep, solver.spec);
@@ -250,6 +265,7 @@ Json solver_json(const PlannedSolver& solver) {
   Json json = {{"solver", solver.spec.text()}};
   if (solver.every != 1) json["every"] = solver.every;
   if (solver.sweep) json["sweep"] = sweep_json(*solver.sweep);
+  if (!solver.sets.empty()) json["sets"] = solver.sets;
   if (solver.optional) json["optional"] = true;
   return json;
 }
@@ -277,6 +293,7 @@ std::string plan_json(const Plan& plan) {
   for (const PlannedSet& set : plan.sets) {
     Json entry = {{"set", set.pattern}};
     if (set.trials) entry["trials"] = *set.trials;
+    if (set.share) entry["share"] = *set.share;
     json["sets"].push_back(entry);
   }
   json["solvers"] = Json::array();

@@ -15,12 +15,14 @@ namespace lcpbench {
 struct PlannedSet {
   std::string pattern;                 ///< a set with options, a glob over sets, or file:PATH
   std::optional<std::int64_t> trials;  ///< instead of the plan's
+  std::optional<double> share;         ///< instead of `trials`: this share of the plan's, rounded up, in (0, 1]
 };
 
 struct PlannedSolver {
   Spec spec;
-  std::int64_t every = 1;  ///< runs on trials 0, every, 2 every, ...: a stated subsample for slow solvers
+  std::int64_t every = 1;  ///< runs on trials 0, every, 2 every, ... of each set: a systematic subsample
   std::optional<Sweep> sweep;
+  std::vector<std::string> sets;  ///< runs on sets whose full name matches one of these (* and ?); none: on all
   /// True for solvers that are left out, with a line that says so, where they are not available.
   bool optional = false;
 };
@@ -37,6 +39,8 @@ struct Plan {
   std::optional<int> jobs;         ///< nullopt: one per processor
   std::vector<PlannedSet> sets;
   std::vector<PlannedSolver> solvers;
+  bool other_sets =
+      false;  ///< `sets` were replaced: what solvers say of sets need not match any (not in the JSON form)
 };
 
 /// Reads a plan. Strict: an unknown key, a missing one, a wrong type, a value out of range, an unknown solver or sweep,

@@ -17,6 +17,7 @@
 #include "adapters/worker_client.h"
 #include "core/error.h"
 #include "generators/problem_io.h"
+#include "study/one_by_one.h"
 #include "study/vector_codec.h"
 
 namespace lcpbench {
@@ -27,8 +28,7 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kHandOverAfter = std::chrono::milliseconds(500);  // at most this much of a problem is lost to a kill
 constexpr auto kCommitAfter = std::chrono::milliseconds(800);
 constexpr auto kProgressEvery = std::chrono::milliseconds(100);
-constexpr Index kLargeSweptProblem = 100;  // order of M
-constexpr std::size_t kCommitCells = 20'000;
+constexpr std::size_t kCommitAnswers = 20'000;
 constexpr std::size_t kQueuedResults = 256;
 constexpr double kFirstPartialS = 8.0;  // well inside the twenty seconds in which a user wants to see a first row
 constexpr double kPartialGrowth = 3.0;  // ever rarer: each one reads the whole store
@@ -41,8 +41,6 @@ struct Task {
   std::int64_t trial = 0;
   std::vector<std::uint32_t> solvers;  ///< empty: all that the trial takes
 };
-
-bool takes(const StudySolver& solver, std::int64_t trial) { return trial % solver.every == 0; }
 
 struct Queue {
   std::vector<Task> tasks;
@@ -68,14 +66,14 @@ Queue make_queue(const Study& study, Store& store, const RunOptions& options) {
       for (const std::int64_t id :
            resuming ? store.done(problem_id(name, study.seed, trial)) : std::vector<std::int64_t>{}) {
         const auto known = solver_of.find(id);
-        if (known == solver_of.end() || !takes(study.solvers[known->second], trial)) continue;
+        if (known == solver_of.end() || !study.solvers[known->second].takes(set, trial)) continue;
         is_done[known->second] = true;
-        ++done;
+        done += study.solvers[known->second].cell_count();
       }
       std::int64_t missing = 0;
       for (std::uint32_t i = 0; i < study.solvers.size(); ++i) {
-        if (is_done[i] || !takes(study.solvers[i], trial)) continue;
-        ++missing;
+        if (is_done[i] || !study.solvers[i].takes(set, trial)) continue;
+        missing += study.solvers[i].cell_count();
         if (done > 0) task.solvers.push_back(i);
       }
       queue.already_done += done;
@@ -154,12 +152,6 @@ class Exchange {
   std::atomic<bool> closed_{false};
 };
 
-bool same_bits(const Vector& a, const Vector& b) {
-  return a.size() == b.size() && std::equal(a.data(), a.data() + a.size(), b.data(), [](double x, double y) {
-           return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y);
-         });
-}
-
 /// Verifies the answers to one problem, equal ones once.
 class ProblemJudge {
  public:
@@ -167,22 +159,22 @@ class ProblemJudge {
 
   Truth truth() const { return evaluator_.truth(); }
 
-  CellRow judge(std::int64_t solver_id, const TimedAnswer& timed) {
+  AnswerRow judge(std::int64_t solver_id, const TimedAnswer& timed) {
     const Answer& answer = timed.answer;
-    CellRow cell;
-    cell.solver_id = solver_id;
-    cell.claim = answer.claim;
-    cell.counters = answer.counters;
-    cell.detail = answer.detail;
-    cell.times = timed.times;
+    AnswerRow row;
+    row.solver_id = solver_id;
+    row.claim = answer.claim;
+    row.counters = answer.counters;
+    row.detail = answer.detail;
+    row.times = timed.times;
     const Judged& judged = judged_like(answer);
-    cell.z = judged.z;
-    cell.velocity = judged.velocity;
-    cell.farkas = judged.farkas;
-    cell.errors = judged.errors;
-    cell.farkas_checked = judged.farkas_checked;
-    cell.verify_s = judged.verify_s;
-    return cell;
+    row.z = judged.z;
+    row.velocity = judged.velocity;
+    row.farkas = judged.farkas;
+    row.errors = judged.errors;
+    row.farkas_checked = judged.farkas_checked;
+    row.verify_s = judged.verify_s;
+    return row;
   }
 
  private:
@@ -250,7 +242,12 @@ ProblemRow problem_row(const std::string& set_name, std::uint64_t seed, std::int
 class Worker {
  public:
   Worker(const Study& study, const Queue& queue, std::atomic<std::size_t>& next, Exchange& exchange)
-      : study_(study), queue_(queue), next_(next), exchange_(exchange), solvers_(study.solvers.size()) {
+      : study_(study),
+        queue_(queue),
+        next_(next),
+        exchange_(exchange),
+        solvers_(study.solvers.size()),
+        sweeps_(study.solvers.size()) {
     for (const StudySolver& solver : study.solvers) ids_.push_back(solver.row.id());
   }
 
@@ -278,22 +275,21 @@ class Worker {
     Clock::time_point handed_over = Clock::now();
     for (const std::size_t solver : order(task)) {
       if (exchange_.stopped()) break;
-      solve(problem, solver);
-      batch.result.cells.push_back(judge.judge(ids_[solver], timed_));
+      solve(problem, solver, judge, batch.result.answers);
       if (Clock::now() - handed_over < kHandOverAfter) continue;
       exchange_.push(batch);
       batch.result.vectors.clear();
-      batch.result.cells.clear();
+      batch.result.answers.clear();
       handed_over = Clock::now();
     }
-    if (!batch.result.cells.empty()) exchange_.push(std::move(batch));
+    if (!batch.result.answers.empty()) exchange_.push(std::move(batch));
   }
 
   std::vector<std::size_t> order(const Task& task) const {
     std::vector<std::size_t> solvers(task.solvers.begin(), task.solvers.end());
     if (task.solvers.empty()) {
       for (std::size_t i = 0; i < study_.solvers.size(); ++i) {
-        if (takes(study_.solvers[i], task.trial)) solvers.push_back(i);
+        if (study_.solvers[i].takes(task.set, task.trial)) solvers.push_back(i);
       }
     }
     const auto turn = static_cast<std::ptrdiff_t>(static_cast<std::size_t>(task.trial) % solvers.size());
@@ -301,16 +297,24 @@ class Worker {
     return solvers;
   }
 
-  void solve(const Problem& problem, std::size_t solver) {
-    if (solvers_[solver] == nullptr) solvers_[solver] = study_.solvers[solver].open();
+  /// Runs one solver, or one whole sweep, and appends what it answered.
+  void solve(const Problem& problem, std::size_t solver, ProblemJudge& judge, std::vector<AnswerRow>& rows) {
+    const StudySolver& planned = study_.solvers[solver];
     TimedRequest request;
     request.time_limit_s = study_.time_limit_s;
-    const bool swept = !study_.solvers[solver].row.sweep.empty();
-    request.repeat_until_s = swept ? 0.0 : study_.repeat_until_s;
+    if (planned.swept()) {
+      if (sweeps_[solver] == nullptr) sweeps_[solver] = planned.open_swept();
+      sweeps_[solver]->run(problem, request, swept_);
+      for (SweptAnswer& answer : swept_) {
+        rows.push_back(judge.judge(ids_[solver], answer.timed));
+        rows.back().cells = std::move(answer.cells);
+      }
+      return;
+    }
+    request.repeat_until_s = study_.repeat_until_s;
+    if (solvers_[solver] == nullptr) solvers_[solver] = planned.open();
     solvers_[solver]->run(problem, request, timed_);
-    // A sweep has dozens of cells: their workspaces of n^2 numbers, or their worker processes, must not add up.
-    const bool heavy = problem.size() > kLargeSweptProblem || study_.solvers[solver].row.library != "native";
-    if (swept && heavy) solvers_[solver].reset();
+    rows.push_back(judge.judge(ids_[solver], timed_));
   }
 
   const Study& study_;
@@ -318,8 +322,10 @@ class Worker {
   std::atomic<std::size_t>& next_;
   Exchange& exchange_;
   std::vector<std::unique_ptr<TimedSolver>> solvers_;
+  std::vector<std::unique_ptr<SweptSolver>> sweeps_;
   std::vector<std::int64_t> ids_;
   TimedAnswer timed_;
+  std::vector<SweptAnswer> swept_;
 };
 
 /// Groups what arrives into transactions.
@@ -332,11 +338,11 @@ class BatchWriter {
       store_.begin();
       open_ = true;
       began_ = Clock::now();
-      cells_ = 0;
+      answers_ = 0;
     }
     store_.add(result);
-    cells_ += result.cells.size();
-    if (cells_ >= kCommitCells) commit();
+    answers_ += result.answers.size();
+    if (answers_ >= kCommitAnswers) commit();
   }
   void commit_when_due() {
     if (open_ && Clock::now() - began_ >= kCommitAfter) commit();
@@ -351,13 +357,13 @@ class BatchWriter {
   Store& store_;
   bool open_ = false;
   Clock::time_point began_;
-  std::size_t cells_ = 0;
+  std::size_t answers_ = 0;
 };
 
 void add_names(const Study& study, Store& store) {
   store.begin();
   for (const StudySet& set : study.sets) store.add_set(set.set->name());
-  for (const StudySolver& solver : study.solvers) store.add_solver(solver.row);
+  for (const StudySolver& solver : study.solvers) store.add_solver(solver.row, solver.cells);
   store.commit();
 }
 
@@ -423,7 +429,7 @@ RunOutcome run_study(const Study& study, Store& store, const RunOptions& options
   while (!exchange.drained()) {
     for (const Batch& batch : exchange.take(kProgressEvery)) {
       writer.add(batch.result);
-      outcome.progress.done += static_cast<std::int64_t>(batch.result.cells.size());
+      outcome.progress.done += batch.result.cells();
       outcome.progress.set = &set_names[batch.set];
     }
     writer.commit_when_due();

@@ -1,5 +1,6 @@
 #include "study/store.h"
 
+#include <algorithm>
 #include <array>
 #include <system_error>
 
@@ -18,7 +19,7 @@ using sqlite::Mode;
 using sqlite::Statement;
 
 constexpr std::int64_t kApplicationId = 0x4c43'5042;  // "LCPB", in the header of the file
-constexpr std::int64_t kFormatVersion = 1;
+constexpr std::int64_t kFormatVersion = 2;
 
 std::int64_t key_id(std::initializer_list<std::string_view> parts) {
   std::string key;
@@ -40,8 +41,8 @@ void check_format(Database& database) {
   }
   const std::int64_t version = database.integer("PRAGMA user_version");
   if (version != kFormatVersion) {
-    throw InputError(fmt::format("{}: store format {}, this lcpbench reads format {}", database.file().string(),
-                                 version, kFormatVersion));
+    throw InputError(fmt::format("{}: store format {}, this lcpbench reads format {}; use another store, or --fresh",
+                                 database.file().string(), version, kFormatVersion));
   }
 }
 
@@ -85,6 +86,8 @@ constexpr std::array kSolverColumns{&SolverRow::name,    &SolverRow::settings, &
 
 constexpr const char* kSolverColumnNames = "name, settings, all_settings, library, version, isa, sweep";
 
+constexpr std::array kCellColumns{&Parameterisation::settings, &Parameterisation::all_settings};
+
 SolverRow read_solver(const Statement& row, int column) {
   SolverRow solver;
   for (const auto field : kSolverColumns) solver.*field = row.text(column++);
@@ -102,21 +105,27 @@ struct Writers {
       : problem(database, insert_into("problems", "id, set_id, seed, trial, kind, n, ngc, nc, hash, theory", 10)),
         stored_problem(database, "SELECT p.hash, s.name FROM problems p JOIN sets s ON s.id = p.set_id WHERE p.id = ?"),
         vector(database, insert_into("vectors", "id, data", 2)),
+        group(database, insert_into("cell_groups", "group_id, cell", 2)),
+        stored_group(database, "SELECT 1 FROM cell_groups WHERE group_id = ? AND cell = ?"),
+        stored_answers(database, "SELECT 1 FROM answers WHERE problem_id = ? AND solver_id = ? AND part = 0"),
         answer(database, insert_into("answers",
-                                     "problem_id, solver_id, claim, z, velocity, farkas, iterations, pivots, "
-                                     "factorizations, detail",
-                                     10)),
+                                     "problem_id, solver_id, part, group_id, claim, z, velocity, farkas, iterations, "
+                                     "pivots, factorizations, detail",
+                                     12)),
         verdict(database,
                 insert_into("verdicts",
-                            std::string("problem_id, solver_id, usable, solved, criterion, farkas_checked, ") +
+                            std::string("problem_id, solver_id, part, usable, solved, criterion, farkas_checked, ") +
                                 kErrorColumnNames,
-                            6 + static_cast<int>(kErrorColumns.size()))),
+                            7 + static_cast<int>(kErrorColumns.size()))),
         timing(database,
-               insert_into("timings", std::string("problem_id, solver_id, run_id, ") + kTimeColumnNames, 10)) {}
+               insert_into("timings", std::string("problem_id, solver_id, part, run_id, ") + kTimeColumnNames, 11)) {}
 
   Statement problem;
   Statement stored_problem;
   Statement vector;
+  Statement group;
+  Statement stored_group;
+  Statement stored_answers;
   Statement answer;
   Statement verdict;
   Statement timing;
@@ -145,6 +154,94 @@ void check_same_problem(Statement& stored, const ProblemRow& problem, const std:
 
 std::int64_t as_integer(bool value) { return value ? 1 : 0; }
 
+bool is_present(Statement& query, std::int64_t first_key, std::int64_t second_key) {
+  query.bind(1, first_key);
+  query.bind(2, second_key);
+  const bool present = query.step();
+  query.reset();
+  return present;
+}
+
+/// Most groups are met again and again.
+std::int64_t add_group(Writers& writers, const std::vector<std::uint32_t>& cells) {
+  std::string key;
+  for (const std::uint32_t cell : cells) key += fmt::format("{},", cell);
+  const std::int64_t id = key_id({"group", key});
+  if (is_present(writers.stored_group, id, static_cast<std::int64_t>(cells.front()))) return id;
+  for (const std::uint32_t cell : cells) {
+    writers.group.bind(1, id);
+    writers.group.bind(2, static_cast<std::int64_t>(cell));
+    writers.group.run();
+  }
+  return id;
+}
+
+void bind_key(Statement& statement, std::int64_t problem_id, const AnswerRow& row) {
+  statement.bind(1, problem_id);
+  statement.bind(2, row.solver_id);
+  statement.bind(3, static_cast<std::int64_t>(row.cells.front()));
+}
+
+void add_answer(Writers& writers, std::int64_t problem_id, std::int64_t run_id, const AnswerRow& row) {
+  Statement& answer = writers.answer;
+  bind_key(answer, problem_id, row);
+  answer.bind(4, add_group(writers, row.cells));
+  answer.bind(5, std::string_view(to_string(row.claim)));
+  bind_id(answer, 6, row.z);
+  bind_id(answer, 7, row.velocity);
+  bind_id(answer, 8, row.farkas);
+  answer.bind(9, row.counters.iterations);
+  answer.bind(10, row.counters.pivots);
+  answer.bind(11, row.counters.factorizations);
+  answer.bind(12, row.detail);
+  answer.run();
+
+  Statement& verdict = writers.verdict;
+  bind_key(verdict, problem_id, row);
+  verdict.bind(4, as_integer(row.errors.usable));
+  verdict.bind(5, as_integer(row.errors.solved));
+  verdict.bind(6, as_integer(row.errors.criterion));
+  verdict.bind(7, as_integer(row.farkas_checked));
+  int parameter = 8;
+  for (const auto column : kErrorColumns) verdict.bind(parameter++, row.errors.*column);
+  verdict.run();
+
+  Statement& timing = writers.timing;
+  bind_key(timing, problem_id, row);
+  timing.bind(4, run_id);
+  parameter = 5;
+  for (const auto column : kTimeColumns) timing.bind(parameter++, row.times.*column);
+  timing.bind(parameter++, row.verify_s);
+  timing.bind(parameter, static_cast<std::int64_t>(row.times.repeats));
+  timing.run();
+}
+
+std::vector<Parameterisation> read_cells(Database& database, std::int64_t solver_id) {
+  Statement query(database, "SELECT settings, all_settings FROM parameterisations WHERE solver_id = ? ORDER BY cell");
+  query.bind(1, solver_id);
+  std::vector<Parameterisation> cells;
+  while (query.step()) cells.push_back({std::string(query.text(0)), std::string(query.text(1))});
+  return cells;
+}
+
+/// Answers of two solvers, or over two grids, under one id would be taken for answers of one.
+void check_same_solver(Database& database, const SolverRow& solver, const std::vector<Parameterisation>& cells) {
+  Statement stored(database, fmt::format("SELECT {}, cells FROM solvers WHERE id = ?", kSolverColumnNames));
+  stored.bind(1, solver.id());
+  stored.step();
+  const char* difference = nullptr;
+  if (read_solver(stored, 0) != solver) {
+    difference = "defaults";
+  } else if (stored.integer(static_cast<int>(kSolverColumns.size())) != static_cast<std::int64_t>(cells.size()) ||
+             read_cells(database, solver.id()) != cells) {
+    difference = solver.sweep.empty() ? "defaults" : "grid values";
+  }
+  if (difference == nullptr) return;
+  throw InputError(fmt::format("{}: the store knows {}'{}' with other {}; use another store, or --fresh",
+                               database.file().string(), solver.sweep.empty() ? "" : "sweep '" + solver.sweep + "' of ",
+                               solver.text(), difference));
+}
+
 /// What `read` makes of the store's content; its complaints get the store's name.
 template <class Read>
 auto from_store(const Database& store, Read read) {
@@ -169,6 +266,19 @@ std::int64_t SolverRow::id() const { return key_id({"solver", name, settings, li
 std::string SolverRow::text() const { return settings.empty() ? name : name + "{" + settings + "}"; }
 
 std::int64_t set_id(const std::string& set_name) { return key_id({"set", set_name}); }
+
+std::int64_t ProblemResult::cells() const {
+  std::int64_t total = 0;
+  for (const AnswerRow& answer : answers) total += static_cast<std::int64_t>(answer.cells.size());
+  return total;
+}
+
+SolverRow StoredSolver::cell(std::size_t number) const {
+  SolverRow single = row;
+  single.settings = cells.at(number).settings;
+  single.all_settings = cells.at(number).all_settings;
+  return single;
+}
 
 std::int64_t problem_id(const std::string& set_name, std::uint64_t seed, std::int64_t trial) {
   return key_id({"problem", set_name, std::to_string(seed), std::to_string(trial)});
@@ -253,20 +363,26 @@ std::int64_t Store::add_set(const std::string& name) {
   return id;
 }
 
-std::int64_t Store::add_solver(const SolverRow& solver) {
+std::int64_t Store::add_solver(const SolverRow& solver, const std::vector<Parameterisation>& sweep) {
   const std::int64_t id = solver.id();
-  Statement insert(data_->database, insert_into("solvers", std::string("id, ") + kSolverColumnNames, 8));
+  const std::vector<Parameterisation> cells =
+      sweep.empty() ? std::vector<Parameterisation>{{solver.settings, solver.all_settings}} : sweep;
+  Statement insert(data_->database, insert_into("solvers", std::string("id, ") + kSolverColumnNames + ", cells", 9));
   insert.bind(1, id);
   int parameter = 2;
   for (const auto column : kSolverColumns) insert.bind(parameter++, solver.*column);
+  insert.bind(parameter, static_cast<std::int64_t>(cells.size()));
   insert.run();
-  Statement stored(data_->database, fmt::format("SELECT {} FROM solvers WHERE id = ?", kSolverColumnNames));
-  stored.bind(1, id);
-  stored.step();
-  if (read_solver(stored, 0) != solver) {
-    throw InputError(fmt::format("{}: the store knows '{}' with other defaults; use another store, or --fresh",
-                                 file().string(), solver.text()));
+  Statement insert_cell(data_->database,
+                        insert_into("parameterisations", "solver_id, cell, settings, all_settings", 4));
+  for (std::size_t cell = 0; cell < cells.size(); ++cell) {
+    insert_cell.bind(1, id);
+    insert_cell.bind(2, static_cast<std::int64_t>(cell));
+    parameter = 3;
+    for (const auto column : kCellColumns) insert_cell.bind(parameter++, cells[cell].*column);
+    insert_cell.run();
   }
+  check_same_solver(data_->database, solver, cells);
   return id;
 }
 
@@ -292,47 +408,22 @@ void Store::add(const ProblemResult& result) {
     writers.vector.run();
   }
 
-  for (const CellRow& cell : result.cells) {
-    Statement& answer = writers.answer;
-    answer.bind(1, problem.id);
-    answer.bind(2, cell.solver_id);
-    answer.bind(3, std::string_view(to_string(cell.claim)));
-    bind_id(answer, 4, cell.z);
-    bind_id(answer, 5, cell.velocity);
-    bind_id(answer, 6, cell.farkas);
-    answer.bind(7, cell.counters.iterations);
-    answer.bind(8, cell.counters.pivots);
-    answer.bind(9, cell.counters.factorizations);
-    answer.bind(10, cell.detail);
-    answer.run();
-
-    Statement& verdict = writers.verdict;
-    verdict.bind(1, problem.id);
-    verdict.bind(2, cell.solver_id);
-    verdict.bind(3, as_integer(cell.errors.usable));
-    verdict.bind(4, as_integer(cell.errors.solved));
-    verdict.bind(5, as_integer(cell.errors.criterion));
-    verdict.bind(6, as_integer(cell.farkas_checked));
-    int parameter = 7;
-    for (const auto column : kErrorColumns) verdict.bind(parameter++, cell.errors.*column);
-    verdict.run();
-
-    Statement& timing = writers.timing;
-    timing.bind(1, problem.id);
-    timing.bind(2, cell.solver_id);
-    timing.bind(3, data_->run);
-    parameter = 4;
-    for (const auto column : kTimeColumns) timing.bind(parameter++, cell.times.*column);
-    timing.bind(parameter++, cell.verify_s);
-    timing.bind(parameter, static_cast<std::int64_t>(cell.times.repeats));
-    timing.run();
+  // All answers of a solver to a problem come from one sitting: parts of two could overlap.
+  std::vector<std::int64_t> present;
+  for (const AnswerRow& row : result.answers) {
+    if (is_present(writers.stored_answers, problem.id, row.solver_id)) present.push_back(row.solver_id);
+  }
+  for (const AnswerRow& row : result.answers) {
+    if (std::find(present.begin(), present.end(), row.solver_id) == present.end()) {
+      add_answer(writers, problem.id, data_->run, row);
+    }
   }
 }
 
 std::vector<std::int64_t> Store::done(std::int64_t problem_id) {
   if (data_->done == nullptr) {
-    data_->done =
-        std::make_unique<Statement>(data_->database, "SELECT solver_id FROM answers WHERE problem_id = ? ORDER BY 1");
+    data_->done = std::make_unique<Statement>(
+        data_->database, "SELECT solver_id FROM answers WHERE problem_id = ? AND part = 0 ORDER BY 1");
   }
   data_->done->bind(1, problem_id);
   std::vector<std::int64_t> solvers;
@@ -341,7 +432,10 @@ std::vector<std::int64_t> Store::done(std::int64_t problem_id) {
   return solvers;
 }
 
-std::int64_t Store::cell_count() { return data_->database.integer("SELECT COUNT(*) FROM answers"); }
+std::int64_t Store::cell_count() {
+  return data_->database.integer(
+      "SELECT IFNULL(SUM(s.cells), 0) FROM answers a JOIN solvers s ON s.id = a.solver_id WHERE a.part = 0");
+}
 
 std::vector<std::pair<std::int64_t, std::string>> Store::sets() {
   Statement query(data_->database, "SELECT id, name FROM sets ORDER BY name");
@@ -353,7 +447,10 @@ std::vector<std::pair<std::int64_t, std::string>> Store::sets() {
 std::vector<StoredSolver> Store::solvers() {
   Statement query(data_->database, fmt::format("SELECT id, {0} FROM solvers ORDER BY {0}, id", kSolverColumnNames));
   std::vector<StoredSolver> rows;
-  while (query.step()) rows.push_back({query.integer(0), read_solver(query, 1)});
+  while (query.step()) {
+    const std::int64_t id = query.integer(0);
+    rows.push_back({id, read_solver(query, 1), read_cells(data_->database, id)});
+  }
   return rows;
 }
 
@@ -384,45 +481,49 @@ void Store::for_each_problem(const std::function<void(const ProblemRow&)>& visit
   }
 }
 
-void Store::for_each_cell(const std::function<void(const StoredCell&)>& visit) {
+void Store::for_each_answer(const std::function<void(const StoredAnswer&)>& visit) {
   Statement query(
       data_->database,
-      fmt::format("SELECT j.problem_id, j.solver_id, j.set_id, j.seed, j.trial, j.n, j.claim, j.truth, j.verdict, "
-                  "v.usable, v.solved, v.criterion, {}, {} FROM judged j "
-                  "JOIN verdicts v USING (problem_id, solver_id) JOIN timings t USING (problem_id, solver_id) "
-                  "ORDER BY j.problem_id, j.solver_id",
-                  kErrorColumnNames, kTimeColumnNames));
-  StoredCell cell;
+      fmt::format(
+          "SELECT j.problem_id, j.solver_id, j.part, j.cells, j.set_id, j.seed, j.trial, j.n, j.claim, j.truth, "
+          "j.verdict, v.usable, v.solved, v.criterion, {}, {} FROM judged j "
+          "JOIN verdicts v USING (problem_id, solver_id, part) "
+          "JOIN timings t USING (problem_id, solver_id, part) ORDER BY j.problem_id, j.solver_id, j.part",
+          kErrorColumnNames, kTimeColumnNames));
+  StoredAnswer row;
   while (query.step()) {
-    cell.problem_id = query.integer(0);
-    cell.solver_id = query.integer(1);
-    cell.set_id = query.integer(2);
-    cell.seed = static_cast<std::uint64_t>(query.integer(3));
-    cell.trial = query.integer(4);
-    cell.n = query.integer(5);
-    cell.claim = stored_claim(data_->database, query.text(6));
-    cell.truth = parse_truth(query.text(7));
-    cell.verdict = stored_verdict(data_->database, query.text(8));
-    cell.errors.usable = query.integer(9) != 0;
-    cell.errors.solved = query.integer(10) != 0;
-    cell.errors.criterion = query.integer(11) != 0;
-    int column = 12;
-    for (const auto error : kErrorColumns) cell.errors.*error = query.real(column++);
-    for (const auto time : kTimeColumns) cell.times.*time = query.real(column++);
-    cell.verify_s = query.real(column++);
-    cell.times.repeats = static_cast<int>(query.integer(column));
-    visit(cell);
+    row.problem_id = query.integer(0);
+    row.solver_id = query.integer(1);
+    row.part = query.integer(2);
+    row.cells = query.integer(3);
+    row.set_id = query.integer(4);
+    row.seed = static_cast<std::uint64_t>(query.integer(5));
+    row.trial = query.integer(6);
+    row.n = query.integer(7);
+    row.claim = stored_claim(data_->database, query.text(8));
+    row.truth = parse_truth(query.text(9));
+    row.verdict = stored_verdict(data_->database, query.text(10));
+    row.errors.usable = query.integer(11) != 0;
+    row.errors.solved = query.integer(12) != 0;
+    row.errors.criterion = query.integer(13) != 0;
+    int column = 14;
+    for (const auto error : kErrorColumns) row.errors.*error = query.real(column++);
+    for (const auto time : kTimeColumns) row.times.*time = query.real(column++);
+    row.verify_s = query.real(column++);
+    row.times.repeats = static_cast<int>(query.integer(column));
+    visit(row);
   }
 }
 
-std::optional<Answer> Store::answer(std::int64_t problem_id, std::int64_t solver_id) {
-  Statement query(
-      data_->database,
-      "SELECT claim, iterations, pivots, factorizations, detail, z.data, velocity.data, farkas.data "
-      "FROM answers a LEFT JOIN vectors z ON z.id = a.z LEFT JOIN vectors velocity ON velocity.id = a.velocity "
-      "LEFT JOIN vectors farkas ON farkas.id = a.farkas WHERE problem_id = ? AND solver_id = ?");
-  query.bind(1, problem_id);
-  query.bind(2, solver_id);
+std::optional<Answer> Store::answer(std::int64_t problem_id, std::int64_t solver_id, std::uint32_t cell) {
+  Statement query(data_->database,
+                  "SELECT claim, iterations, pivots, factorizations, detail, z.data, velocity.data, farkas.data "
+                  "FROM answers a JOIN cell_groups g ON g.group_id = a.group_id AND g.cell = ? "
+                  "LEFT JOIN vectors z ON z.id = a.z LEFT JOIN vectors velocity ON velocity.id = a.velocity "
+                  "LEFT JOIN vectors farkas ON farkas.id = a.farkas WHERE problem_id = ? AND solver_id = ?");
+  query.bind(1, static_cast<std::int64_t>(cell));
+  query.bind(2, problem_id);
+  query.bind(3, solver_id);
   if (!query.step()) return std::nullopt;
   Answer answer;
   answer.claim = stored_claim(data_->database, query.text(0));

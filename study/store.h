@@ -24,9 +24,9 @@ struct SolverRow {
   std::string library;       ///< "native" or the library's name
   std::string version;
   std::string isa;  ///< instruction-set level of native code, "" for libraries
-  /// "" where the solver was asked for by itself; else the grid it is a cell of, with what the swept solver has off its
-  /// defaults: "paper", "paper{engine=kernel}". Sweep cells are timed without repeats, so they are solvers of their
-  /// own.
+  /// "" where the solver was asked for by itself; else the grid it was run over, or is a cell of, with what the swept
+  /// solver has off its defaults: "paper", "paper{engine=kernel}". A sweep is timed without repeats, so it is a solver
+  /// of its own.
   std::string sweep;
 
   /// Depends on every field but all_settings.
@@ -34,6 +34,13 @@ struct SolverRow {
   /// "name" or "name{settings}".
   std::string text() const;
   bool operator==(const SolverRow&) const = default;
+};
+
+/// One cell of a sweep.
+struct Parameterisation {
+  std::string settings;      ///< those off their defaults
+  std::string all_settings;  ///< every one
+  bool operator==(const Parameterisation&) const = default;
 };
 
 /// One problem of a set. Ids are functions of the natural keys, see study/schema.h.
@@ -53,9 +60,10 @@ struct ProblemRow {
 std::int64_t set_id(const std::string& set_name);
 std::int64_t problem_id(const std::string& set_name, std::uint64_t seed, std::int64_t trial);
 
-/// What one solver did on one problem, judged by itself.
-struct CellRow {
+/// What one solver answered to one problem, judged by itself.
+struct AnswerRow {
   std::int64_t solver_id = 0;
+  std::vector<std::uint32_t> cells{0};  ///< parameterisations that gave this answer, ascending
   Claim claim = Claim::kNumericalFailure;
   std::optional<std::int64_t> z;  ///< ids among ProblemResult::vectors
   std::optional<std::int64_t> velocity;
@@ -64,26 +72,35 @@ struct CellRow {
   std::string detail;
   Errors errors;
   bool farkas_checked = false;
-  SolveTimes times;
+  SolveTimes times;  ///< of one cell: their mean
   double verify_s = 0;
 };
 
-/// One problem and some of its cells: what the runner hands over at a time.
+/// One problem and some solvers' answers to it, those of a solver all together: what the runner hands over at a time.
 struct ProblemResult {
   ProblemRow problem;
   std::vector<std::pair<std::int64_t, std::string>> vectors;  ///< content id and encoded vector
-  std::vector<CellRow> cells;
+  std::vector<AnswerRow> answers;
+
+  /// Number of parameterisations that answered.
+  std::int64_t cells() const;
 };
 
 struct StoredSolver {
   std::int64_t id = 0;
-  SolverRow row;
+  SolverRow row;                        ///< of a sweep: what its cells share
+  std::vector<Parameterisation> cells;  ///< one, with the row's own settings, unless it is a sweep
+
+  /// The row of one parameterisation alone.
+  SolverRow cell(std::size_t number) const;
 };
 
-/// A finished cell, with the verdict that all answers to its problem together give.
-struct StoredCell {
+/// A finished answer, with the verdict that all answers to its problem together give.
+struct StoredAnswer {
   std::int64_t problem_id = 0;
   std::int64_t solver_id = 0;
+  std::int64_t part = 0;   ///< lowest of its cells
+  std::int64_t cells = 0;  ///< how many parameterisations gave it
   std::int64_t set_id = 0;
   std::uint64_t seed = 0;
   std::int64_t trial = 0;
@@ -105,7 +122,7 @@ Verdict stored_verdict(const sqlite::Database& store, std::string_view word);
 class Store {
  public:
   /// Opens a store for writing, or makes it. Holds a lock on it: a second process is refused.
-  /// @throws InputError when the file is no store, of a newer format, damaged, in use, or cannot be written.
+  /// @throws InputError when the file is no store, of another format, damaged, in use, or cannot be written.
   static Store open_for_writing(const std::filesystem::path& file);
 
   /// Opens an existing store for reading, also while another process writes it. @throws InputError as above.
@@ -125,25 +142,27 @@ class Store {
   /// Adds a run (its provenance, JSON) and makes it the one that later timings belong to.
   void add_run(const std::string& started, const std::string& provenance);
   std::int64_t add_set(const std::string& name);
-  /// @throws InputError when the id is taken by another row (a hash collision, or a store that was tampered with).
-  std::int64_t add_solver(const SolverRow& solver);
-  /// Adds a problem with some cells; cells that are there already stay as they are.
+  /// @param cells  the parameterisations of a sweep; none: the solver by itself, which has the one cell 0.
+  /// @throws InputError when the store knows the solver with other defaults, or the sweep with another grid.
+  std::int64_t add_solver(const SolverRow& solver, const std::vector<Parameterisation>& cells = {});
+  /// Adds a problem with the answers of some solvers; a solver whose answers to it are there already keeps those.
   /// @throws InputError when the store has other data for the problem (its hash differs): its set has changed.
   void add(const ProblemResult& result);
 
   /// The solvers whose answers to a problem are there.
   std::vector<std::int64_t> done(std::int64_t problem_id);
 
+  /// Number of answers, one for each problem, solver and parameterisation.
   std::int64_t cell_count();
   std::vector<std::pair<std::int64_t, std::string>> sets();
   std::vector<StoredSolver> solvers();
   /// Provenance of every run, JSON texts, oldest first.
   std::vector<std::string> runs();
   void for_each_problem(const std::function<void(const ProblemRow&)>& visit);
-  /// Every cell in order of problem, then solver.
-  void for_each_cell(const std::function<void(const StoredCell&)>& visit);
-  /// One answer as the solver gave it, bit for bit; nullopt when there is none.
-  std::optional<Answer> answer(std::int64_t problem_id, std::int64_t solver_id);
+  /// Every distinct answer in order of problem, solver, part.
+  void for_each_answer(const std::function<void(const StoredAnswer&)>& visit);
+  /// The answer of one parameterisation as the solver gave it, bit for bit; nullopt when there is none.
+  std::optional<Answer> answer(std::int64_t problem_id, std::int64_t solver_id, std::uint32_t cell = 0);
 
   const std::filesystem::path& file() const;
   /// For queries of reports, and for merging.

@@ -1,8 +1,9 @@
 #include "study/study.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
-#include <set>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -26,13 +27,20 @@ StudySet open_study_set(const std::string& name, std::int64_t trials) {
   return opened;
 }
 
+std::int64_t trials_of(const PlannedSet& planned, const Plan& plan) {
+  if (planned.trials) return *planned.trials;
+  if (!planned.share) return plan.trials;
+  // 0.07 * 100 rounds above 7.
+  return std::max<std::int64_t>(1, std::llround(std::ceil(*planned.share * static_cast<double>(plan.trials) - 1e-9)));
+}
+
 std::vector<StudySet> open_sets(const Plan& plan) {
   std::vector<StudySet> opened;
-  std::map<std::string, std::int64_t> trials_of;
+  std::map<std::string, std::int64_t> asked;
   for (const PlannedSet& planned : plan.sets) {
-    const std::int64_t trials = planned.trials.value_or(plan.trials);
+    const std::int64_t trials = trials_of(planned, plan);
     for (const std::string& name : expand_sets(planned.pattern)) {
-      const auto [known, is_new] = trials_of.emplace(name, trials);
+      const auto [known, is_new] = asked.emplace(name, trials);
       if (is_new) opened.push_back(open_study_set(name, trials));
       if (known->second != trials) {
         throw InputError(fmt::format("plan {}: set '{}' is asked for with {} and with {} trials", plan.name, name,
@@ -43,20 +51,107 @@ std::vector<StudySet> open_sets(const Plan& plan) {
   return opened;
 }
 
+/// * stands for any characters, ? for one.
+bool matches(std::string_view pattern, std::string_view text) {
+  std::size_t at = 0;
+  std::size_t i = 0;
+  std::size_t star = std::string_view::npos;
+  std::size_t after_star = 0;
+  while (i < text.size()) {
+    if (at < pattern.size() && pattern[at] == '*') {
+      star = at++;
+      after_star = i;
+    } else if (at < pattern.size() && (pattern[at] == '?' || pattern[at] == text[i])) {
+      ++at;
+      ++i;
+    } else if (star != std::string_view::npos) {
+      at = star + 1;
+      i = ++after_star;
+    } else {
+      return false;
+    }
+  }
+  return pattern.find_first_not_of('*', at) == std::string_view::npos;
+}
+
+/// The sets of the study that a planned solver runs on.
+std::vector<bool> sets_of(const PlannedSolver& planned, const Plan& plan, const std::vector<StudySet>& sets) {
+  std::vector<bool> chosen(sets.size(), planned.sets.empty());
+  for (const std::string& pattern : planned.sets) {
+    bool any = plan.other_sets;
+    for (std::size_t i = 0; i < sets.size(); ++i) {
+      if (!matches(pattern, sets[i].set->name())) continue;
+      chosen[i] = true;
+      any = true;
+    }
+    if (!any) {
+      throw InputError(fmt::format("plan {}: solver '{}': sets: '{}' matches none of the plan's sets", plan.name,
+                                   planned.spec.text(), pattern));
+    }
+  }
+  return chosen;
+}
+
+StudySolver open_study_solver(const PlannedSolver& planned) {
+  const Spec spec = planned.spec;
+  StudySolver solver;
+  if (!planned.sweep) {
+    solver.row = solver_row(spec);
+    solver.open = [spec] { return open_solver(spec); };
+    return solver;
+  }
+  solver.row = solver_row(spec, sweep_label(planned.sweep->name, spec));
+  const std::vector<Spec> cells = sweep_cells(*planned.sweep, spec);
+  for (const Spec& cell : cells) {
+    const SolverRow row = solver_row(cell);
+    solver.cells.push_back({row.settings, row.all_settings});
+  }
+  solver.open_swept = [cells] { return open_swept_solver(cells); };
+  return solver;
+}
+
 class SolverList {
  public:
-  void add(const Spec& spec, std::int64_t every, const std::string& sweep) {
-    StudySolver solver{solver_row(spec, sweep), every, [spec] { return open_solver(spec); }};
-    if (known_.insert(solver.row.id()).second) solvers_.push_back(std::move(solver));
+  SolverList(const Plan& plan, const std::vector<StudySet>& sets) : plan_(plan), sets_(sets) {}
+
+  void add(const PlannedSolver& planned) {
+    const std::vector<bool> chosen = sets_of(planned, plan_, sets_);
+    if (std::find(chosen.begin(), chosen.end(), true) == chosen.end()) return;
+    StudySolver& solver = known(planned);
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      if (chosen[i]) solver.every[i].push_back(planned.every);
+    }
   }
   std::vector<StudySolver> take() { return std::move(solvers_); }
 
  private:
-  std::set<std::int64_t> known_;
+  StudySolver& known(const PlannedSolver& planned) {
+    StudySolver opened = open_study_solver(planned);
+    const auto [place, is_new] = index_.emplace(opened.row.id(), solvers_.size());
+    if (is_new) {
+      opened.every.resize(sets_.size());
+      return solvers_.emplace_back(std::move(opened));
+    }
+    StudySolver& solver = solvers_[place->second];
+    if (solver.cells != opened.cells) {
+      throw InputError(fmt::format("plan {}: solver '{}': sweep '{}' is given with two grids", plan_.name,
+                                   planned.spec.text(), planned.sweep->name));
+    }
+    return solver;
+  }
+
+  const Plan& plan_;
+  const std::vector<StudySet>& sets_;
+  std::map<std::int64_t, std::size_t> index_;
   std::vector<StudySolver> solvers_;
 };
 
 }  // namespace
+
+bool StudySolver::takes(std::size_t set, std::int64_t trial) const {
+  if (set >= every.size()) return false;
+  return std::any_of(every[set].begin(), every[set].end(), [trial](std::int64_t step) { return trial % step == 0; });
+}
 
 SolverRow solver_row(const Spec& solver, const std::string& sweep) {
   const RegisteredSolver& registered = find_solver(solver.name);
@@ -78,21 +173,18 @@ Study resolve(const Plan& plan) {
   study.repeat_until_s = plan.repeat_until_s;
   study.budget_s = plan.budget_s;
   study.sets = open_sets(plan);
-  SolverList solvers;
+  SolverList solvers(plan, study.sets);
   for (const PlannedSolver& planned : plan.solvers) {
     const std::string reason = why_unavailable(find_solver(planned.spec.name));
-    if (!reason.empty()) {
-      if (!planned.optional)
-        throw InputError(fmt::format("solver '{}' is not available: {}", planned.spec.name, reason));
-      study.skipped.push_back(fmt::format("{}: {}", planned.spec.name, reason));
+    if (reason.empty()) {
+      solvers.add(planned);
       continue;
     }
-    if (!planned.sweep) {
-      solvers.add(planned.spec, planned.every, {});
-      continue;
+    if (!planned.optional) throw InputError(fmt::format("solver '{}' is not available: {}", planned.spec.name, reason));
+    const std::string line = fmt::format("{}: {}", planned.spec.name, reason);
+    if (std::find(study.skipped.begin(), study.skipped.end(), line) == study.skipped.end()) {
+      study.skipped.push_back(line);
     }
-    const std::string label = sweep_label(planned.sweep->name, planned.spec);
-    for (const Spec& cell : sweep_cells(*planned.sweep, planned.spec)) solvers.add(cell, planned.every, label);
   }
   study.solvers = solvers.take();
   return study;

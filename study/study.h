@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/swept_solver.h"
 #include "core/timed_solve.h"
 #include "generators/sets.h"
 #include "study/plan.h"
@@ -19,10 +20,18 @@ struct StudySet {
   std::int64_t trials = 0;
 };
 
+/// A solver, or a solver's sweep, and the trials that it runs on.
 struct StudySolver {
   SolverRow row;
-  std::int64_t every = 1;  ///< runs on trials that this divides
+  std::vector<Parameterisation> cells;  ///< of a sweep; empty for a solver by itself
   std::function<std::unique_ptr<TimedSolver>()> open;
+  std::function<std::unique_ptr<SweptSolver>()> open_swept;  ///< instead of `open`, for a sweep
+  /// For each set of the study: runs on the trials that one of these divides. Shorter than the sets: none of the rest.
+  std::vector<std::vector<std::int64_t>> every;
+
+  bool swept() const { return !cells.empty(); }
+  std::int64_t cell_count() const { return swept() ? static_cast<std::int64_t>(cells.size()) : 1; }
+  bool takes(std::size_t set, std::int64_t trial) const;
 };
 
 /// A plan with its sets opened and its solvers found: what the runner runs.
@@ -39,10 +48,11 @@ struct Study {
 /// The row of a solver as this process would run it.
 SolverRow solver_row(const Spec& solver, const std::string& sweep = {});
 
-/// Opens the sets, lays out the sweeps and finds the solvers of a plan. Finite sets are cut to the problems they have;
-/// the same set or solver named twice counts once.
-/// @throws InputError for unknown sets, one set with two numbers of trials, and unavailable solvers that are not
-/// optional.
+/// Opens the sets, lays out the sweeps and finds the solvers of a plan. Finite sets are cut to the problems they have.
+/// The same set named twice counts once; a solver named more than once runs on the trials that any of its entries
+/// names.
+/// @throws InputError for unknown sets, one set with two numbers of trials, a solver's pattern that matches no set of
+/// the plan (unless `Plan::other_sets`), two grids under one name, and unavailable solvers that are not optional.
 Study resolve(const Plan& plan);
 
 }  // namespace lcpbench

@@ -6,7 +6,10 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <span>
 #include <string_view>
+#include <unordered_map>
+#include <utility>
 
 #include "core/error.h"
 
@@ -17,25 +20,34 @@ namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+constexpr std::array kTimeParts{&TimeParts::setup_wall, &TimeParts::setup_cpu, &TimeParts::solve_wall,
+                                &TimeParts::solve_cpu,  &TimeParts::transport, &TimeParts::verify};
+
 double share(std::int64_t part, std::int64_t whole) {
   return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : kNone;
 }
 
-/// One answer as the store holds it.
+/// One distinct answer as the store holds it.
 struct Row {
   std::int64_t problem = 0;
   std::int64_t trial = 0;
+  const std::vector<std::uint32_t>* cells = nullptr;  ///< parameterisations that gave it
   Claim claim = Claim::kNumericalFailure;
   Verdict verdict = Verdict::kOpen;
   bool criterion = false;
   double velocity_residual = 0;
   double backward_error = 0;
   double violation_m_per_s = 0;
+  std::int64_t pivots = -1;
   TimeParts times;
   std::string detail;
 
   double time_s() const { return times.setup_cpu + times.solve_cpu; }
+  std::size_t half() const { return static_cast<std::size_t>(trial & 1); }
 };
+
+/// The cells of each group, by the group's id.
+using CellGroups = std::unordered_map<std::int64_t, std::vector<std::uint32_t>>;
 
 bool asks_for_ill_conditioning(const std::string& set) {
   return set.find("exp5-") != std::string::npos || set.find("exp6-") != std::string::npos ||
@@ -78,20 +90,40 @@ std::vector<RunSummary> read_runs(sqlite::Database& store) {
   return runs;
 }
 
-/// The answers to one set, by solver (store id), each list by problem.
-std::map<std::int64_t, std::vector<Row>> read_answers(sqlite::Database& store, std::int64_t set_id) {
+CellGroups read_groups(sqlite::Database& store) {
+  sqlite::Statement query(store, "SELECT group_id, cell FROM cell_groups ORDER BY group_id, cell");
+  CellGroups groups;
+  while (query.step()) groups[query.integer(0)].push_back(static_cast<std::uint32_t>(query.integer(1)));
+  return groups;
+}
+
+/// @throws InputError when the answer's group is not one of this solver's cells.
+const std::vector<std::uint32_t>& cells_of(const CellGroups& groups, std::int64_t group, std::size_t solver_cells,
+                                           const sqlite::Database& store) {
+  const auto found = groups.find(group);
+  if (found == groups.end() || found->second.back() >= solver_cells) {
+    throw InputError(store.file().string() + ": the store is damaged: an answer belongs to no cells of its solver");
+  }
+  return found->second;
+}
+
+/// The answers to one set, by solver (store id), each list by problem and part.
+std::map<std::int64_t, std::vector<Row>> read_answers(sqlite::Database& store, std::int64_t set_id,
+                                                      const CellGroups& groups,
+                                                      const std::map<std::int64_t, std::size_t>& solver_cells) {
   sqlite::Statement query(store,
                           "SELECT j.solver_id, j.problem_id, j.trial, j.claim, j.verdict, v.criterion,"
                           " v.velocity_residual_relative, v.backward_row_norm, v.violation_m_per_s,"
                           " t.setup_wall_s, t.setup_cpu_s, t.solve_wall_s, t.solve_cpu_s, t.transport_s, t.verify_s, "
-                          "CASE j.claim WHEN 'unsupported' THEN a.detail ELSE '' END"
-                          " FROM judged j JOIN answers a USING (problem_id, solver_id)"
-                          " JOIN verdicts v USING (problem_id, solver_id)"
-                          " LEFT JOIN timings t USING (problem_id, solver_id)"
-                          " WHERE j.set_id = ? ORDER BY j.problem_id");
+                          "CASE j.claim WHEN 'unsupported' THEN a.detail ELSE '' END, a.pivots, j.group_id"
+                          " FROM judged j JOIN answers a USING (problem_id, solver_id, part)"
+                          " JOIN verdicts v USING (problem_id, solver_id, part)"
+                          " LEFT JOIN timings t USING (problem_id, solver_id, part)"
+                          " WHERE j.set_id = ? ORDER BY j.problem_id, j.solver_id, j.part");
   query.bind(1, set_id);
   std::map<std::int64_t, std::vector<Row>> answers;
   while (query.step()) {
+    const std::int64_t solver = query.integer(0);
     Row row;
     row.problem = query.integer(1);
     row.trial = query.integer(2);
@@ -103,7 +135,9 @@ std::map<std::int64_t, std::vector<Row>> read_answers(sqlite::Database& store, s
     row.violation_m_per_s = query.real(8);
     row.times = {query.real(9), query.real(10), query.real(11), query.real(12), query.real(13), query.real(14)};
     row.detail = query.text(15);
-    answers[query.integer(0)].push_back(std::move(row));
+    row.pivots = query.integer(16);
+    row.cells = &cells_of(groups, query.integer(17), solver_cells.at(solver), store);
+    answers[solver].push_back(std::move(row));
   }
   return answers;
 }
@@ -123,78 +157,132 @@ double error_of(const Row& row) {
   return std::isnan(row.velocity_residual) ? row.backward_error : row.velocity_residual;
 }
 
-void count_answers(const std::vector<Row>& rows, Cell& cell) {
-  std::map<std::string, std::int64_t> refusals;
+/// What the paper counts as solved.
+bool passes_criterion(const Row& row) { return claimed_solved(row) && row.criterion; }
+
+void count_answer(const Row& row, Cell& cell) {
+  ++cell.trials;
+  ++cell.counts[static_cast<std::size_t>(row.claim)][static_cast<std::size_t>(row.verdict)];
+  const double error = error_of(row);
+  if (solved(row) && error <= 1e-6) ++cell.solved_1e6;
+  if (solved(row) && error <= 1e-9) ++cell.solved_1e9;
+  if (passes_criterion(row)) ++cell.criterion;
+  Cell::Half& half = cell.halves[row.half()];
+  ++half.trials;
+  if (solved(row)) ++half.solved;
+  if (row.verdict == Verdict::kUnsolvable) ++half.unsolvable;
+  if (passes_criterion(row)) ++half.criterion;
+}
+
+/// @param cells  of one solver, one for each parameterisation
+void count_answers(const std::vector<Row>& rows, std::span<Cell> cells) {
+  std::vector<std::map<std::string, std::int64_t>> refusals(cells.size());
   for (const Row& row : rows) {
-    ++cell.trials;
-    ++cell.counts[static_cast<std::size_t>(row.claim)][static_cast<std::size_t>(row.verdict)];
-    const double error = error_of(row);
-    if (solved(row) && error <= 1e-6) ++cell.solved_1e6;
-    if (solved(row) && error <= 1e-9) ++cell.solved_1e9;
-    if (claimed_solved(row) && row.criterion) ++cell.criterion;
-    if (refused(row)) ++refusals[row.detail];
-    Cell::Half& half = cell.halves[static_cast<std::size_t>(row.trial & 1)];
-    ++half.trials;
-    if (solved(row)) ++half.solved;
-    if (row.verdict == Verdict::kUnsolvable) ++half.unsolvable;
+    for (const std::uint32_t number : *row.cells) {
+      count_answer(row, cells[number]);
+      if (refused(row)) ++refusals[number][row.detail];
+    }
   }
-  const auto most = std::max_element(refusals.begin(), refusals.end(),
-                                     [](const auto& a, const auto& b) { return a.second < b.second; });
-  if (most != refusals.end()) cell.refusal = most->first;
-  cell.rate_interval = wilson(cell.count(Verdict::kSolved), cell.solvable());
+  for (std::size_t number = 0; number < cells.size(); ++number) {
+    const auto most = std::max_element(refusals[number].begin(), refusals[number].end(),
+                                       [](const auto& a, const auto& b) { return a.second < b.second; });
+    if (most != refusals[number].end()) cells[number].refusal = most->first;
+    cells[number].rate_interval = wilson(cells[number].count(Verdict::kSolved), cells[number].solvable());
+  }
 }
 
 /// Means of the parts of the times of all timed trials that were not refused.
-TimeParts mean_parts(const std::vector<Row>& rows) {
-  TimeParts total;
-  double timed = 0;
+void measure_time_parts(const std::vector<Row>& rows, std::span<Cell> cells) {
+  std::vector<double> timed(cells.size());
   for (const Row& row : rows) {
     if (std::isnan(row.time_s()) || refused(row)) continue;
-    timed += 1;
-    total.setup_wall += row.times.setup_wall;
-    total.setup_cpu += row.times.setup_cpu;
-    total.solve_wall += row.times.solve_wall;
-    total.solve_cpu += row.times.solve_cpu;
-    total.transport += row.times.transport;
-    total.verify += row.times.verify;
+    for (const std::uint32_t number : *row.cells) {
+      timed[number] += 1;
+      for (const auto part : kTimeParts) cells[number].time_parts.*part += row.times.*part;
+    }
   }
-  return {total.setup_wall / timed, total.setup_cpu / timed, total.solve_wall / timed,
-          total.solve_cpu / timed,  total.transport / timed, total.verify / timed};
+  for (std::size_t number = 0; number < cells.size(); ++number) {
+    for (const auto part : kTimeParts) cells[number].time_parts.*part /= timed[number];
+  }
 }
 
-void measure_answers(const std::vector<Row>& rows, bool with_intervals, Cell& cell) {
-  std::vector<double> solved_times;
-  std::vector<double> all_times;
-  std::vector<double> violations;
+/// A quantity of each parameterisation's trials, ascending: of all, of the even and of the odd ones.
+struct Sample {
+  std::vector<double> all;
+  std::array<std::vector<double>, 2> halves;
+};
+
+/// Sorts the distinct answers once and hands each value to the parameterisations that share it.
+/// @param value_of  NaN leaves the answer out
+template <class ValueOf>
+std::vector<Sample> distribute(const std::vector<Row>& rows, std::size_t cells, ValueOf value_of) {
+  std::vector<std::pair<double, const Row*>> values;
+  values.reserve(rows.size());
   for (const Row& row : rows) {
-    if (!std::isnan(row.time_s()) && !refused(row)) all_times.push_back(row.time_s());
-    if (!std::isnan(row.time_s()) && solved(row)) solved_times.push_back(row.time_s());
-    if (!std::isnan(row.violation_m_per_s) && solved(row)) violations.push_back(row.violation_m_per_s);
+    const double value = value_of(row);
+    if (!std::isnan(value)) values.emplace_back(value, &row);
   }
-  cell.solved_time = spread(solved_times);
-  cell.all_time = spread(all_times);
-  cell.violation = spread(violations);
-  cell.time_parts = mean_parts(rows);
-  cell.median_time = with_intervals ? median_estimate(all_times) : Estimate{cell.all_time.median, kNone, kNone};
+  std::stable_sort(values.begin(), values.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<Sample> samples(cells);
+  for (const auto& [value, row] : values) {
+    for (const std::uint32_t number : *row->cells) {
+      samples[number].all.push_back(value);
+      samples[number].halves[row->half()].push_back(value);
+    }
+  }
+  return samples;
 }
 
-void measure_errors(const std::vector<Row>& rows, const SetSummary& set, Cell& cell) {
-  cell.error_measure = error_measure(set);
-  std::vector<double> errors;
-  for (const Row& row : rows) {
-    if (!claimed_solved(row)) continue;
+/// One of a cell's spreads, of all trials and of its halves.
+template <class ValueOf>
+void measure(const std::vector<Row>& rows, std::span<Cell> cells, Spread Cell::*whole, Spread Cell::Half::*half,
+             ValueOf value_of) {
+  const std::vector<Sample> samples = distribute(rows, cells.size(), value_of);
+  for (std::size_t number = 0; number < cells.size(); ++number) {
+    cells[number].*whole = spread(samples[number].all);
+    for (std::size_t i = 0; i < 2; ++i) cells[number].halves[i].*half = spread(samples[number].halves[i]);
+  }
+}
+
+void measure_answers(const std::vector<Row>& rows, std::span<Cell> cells) {
+  const auto time = [](const Row& row) { return row.time_s(); };
+  const auto violation = [](const Row& row) { return row.violation_m_per_s; };
+  const auto where = [](auto condition, auto value) {
+    return [=](const Row& row) { return condition(row) ? value(row) : kNone; };
+  };
+  measure(rows, cells, &Cell::all_time, &Cell::Half::all_time,
+          where([](const Row& row) { return !refused(row); }, time));
+  measure(rows, cells, &Cell::solved_time, &Cell::Half::solved_time, where(solved, time));
+  measure(rows, cells, &Cell::violation, &Cell::Half::violation, where(solved, violation));
+  measure(rows, cells, &Cell::criterion_time, &Cell::Half::criterion_time, where(passes_criterion, time));
+  measure(rows, cells, &Cell::criterion_violation, &Cell::Half::criterion_violation,
+          where(passes_criterion, violation));
+  const std::vector<Sample> pivots = distribute(
+      rows, cells.size(), [](const Row& row) { return row.pivots < 0 ? kNone : static_cast<double>(row.pivots); });
+  for (std::size_t number = 0; number < cells.size(); ++number) cells[number].pivots = spread(pivots[number].all);
+}
+
+/// Errors of the answers claimed solved; one that is no number is infinite.
+void measure_errors(const std::vector<Row>& rows, const SetSummary& set, bool swept, std::span<Cell> cells) {
+  const char* measure = error_measure(set);
+  std::vector<Sample> errors = distribute(rows, cells.size(), [measure](const Row& row) {
+    if (!claimed_solved(row) || *measure == '\0') return kNone;
     const double error = error_of(row);
-    errors.push_back(std::isnan(error) ? kInfinity : error);
+    return std::isnan(error) ? kInfinity : error;
+  });
+  for (std::size_t number = 0; number < cells.size(); ++number) {
+    Cell& cell = cells[number];
+    std::vector<double>& sorted = errors[number].all;
+    cell.error_measure = measure;
+    cell.error_count = static_cast<std::int64_t>(sorted.size());
+    cell.error_median = median(sorted);
+    cell.error_p99 = quantile(sorted, 0.99);
+    cell.error_max = sorted.empty() ? kNone : sorted.back();
+    if (!swept) cell.errors = std::move(sorted);
   }
-  std::sort(errors.begin(), errors.end());
-  if (*cell.error_measure == '\0') errors.clear();
-  cell.error_count = static_cast<std::int64_t>(errors.size());
-  cell.error_median = median(errors);
-  cell.error_p99 = quantile(errors, 0.99);
-  cell.error_max = errors.empty() ? kNone : errors.back();
-  cell.errors = std::move(errors);
 }
 
+/// @param rows  of a solver by itself: one for each problem
 std::vector<Outcome> outcomes_of(const std::vector<Row>& rows) {
   std::vector<Outcome> outcomes;
   outcomes.reserve(rows.size());
@@ -211,70 +299,103 @@ std::vector<Outcome> outcomes_of(const std::vector<Row>& rows) {
   return outcomes;
 }
 
+Estimate median_time_of(const Cell& cell) {
+  std::vector<double> times;
+  for (const Outcome& outcome : cell.outcomes) {
+    if (!std::isnan(outcome.time_s)) times.push_back(outcome.time_s);
+  }
+  return median_estimate(times);
+}
+
 /// Is this the solver that all time ratios refer to: the paper's algorithm as published, `lemke{engine=dense}` and
 /// nothing else off its default?
 bool is_reference(const SolverRow& solver) {
-  if (solver.name != "lemke") return false;
+  if (solver.name != "lemke" || !solver.sweep.empty()) return false;
   if (solver.settings == "engine=dense") return true;
   return solver.settings.empty() && solver.all_settings.find("engine=dense") != std::string::npos;
 }
 
-void relate_to_reference(const std::vector<Outcome>& reference, bool with_intervals, Cell& cell) {
-  std::vector<double> reference_times;
+/// Times of a solver's cell and of the reference on the problems that both solved.
+struct PairedTimes {
   std::vector<double> times;
+  std::vector<double> reference;
+};
+
+std::vector<PairedTimes> pair_times(const std::vector<Row>& rows, std::size_t cells,
+                                    const std::vector<Row>& reference) {
+  std::vector<PairedTimes> paired(cells);
   auto other = reference.begin();
-  for (const Outcome& outcome : cell.outcomes) {
-    while (other != reference.end() && other->problem < outcome.problem) ++other;
+  for (const Row& row : rows) {
+    while (other != reference.end() && other->problem < row.problem) ++other;
     if (other == reference.end()) break;
-    if (other->problem != outcome.problem || !outcome.solved || !other->solved) continue;
-    if (std::isnan(outcome.time_s) || std::isnan(other->time_s)) continue;
-    reference_times.push_back(other->time_s);
-    times.push_back(outcome.time_s);
+    if (other->problem != row.problem || !solved(row) || !solved(*other)) continue;
+    if (std::isnan(row.time_s()) || std::isnan(other->time_s())) continue;
+    for (const std::uint32_t number : *row.cells) {
+      paired[number].times.push_back(row.time_s());
+      paired[number].reference.push_back(other->time_s());
+    }
   }
-  cell.paired = static_cast<std::int64_t>(times.size());
-  if (with_intervals) {
-    cell.time_ratio = ratio_of_sums(times, reference_times);
-    return;
-  }
-  const double total = std::accumulate(times.begin(), times.end(), 0.0);
-  const double reference_total = std::accumulate(reference_times.begin(), reference_times.end(), 0.0);
-  cell.time_ratio = {reference_total > 0 ? total / reference_total : kNone, kNone, kNone};
+  return paired;
 }
 
-/// The reference at the cell's instruction-set level, else at any.
-const Cell* find_reference(const std::vector<SolverRow>& solvers, std::span<const Cell> cells, const Cell& cell) {
-  const Cell* found = nullptr;
-  for (const Cell& candidate : cells) {
-    if (!is_reference(solvers[candidate.solver])) continue;
-    if (solvers[candidate.solver].isa == solvers[cell.solver].isa) return &candidate;
-    if (found == nullptr) found = &candidate;
+Estimate plain_ratio(const PairedTimes& paired) {
+  const double total = std::accumulate(paired.times.begin(), paired.times.end(), 0.0);
+  const double reference = std::accumulate(paired.reference.begin(), paired.reference.end(), 0.0);
+  return {reference > 0 ? total / reference : kNone, kNone, kNone};
+}
+
+/// One solver of a store, and what its cells are called in the summary.
+struct Source {
+  std::int64_t id = 0;
+  SolverRow row;
+  std::vector<std::size_t> solvers;  ///< by cell: index into Summary::solvers
+
+  bool swept() const { return !row.sweep.empty(); }
+};
+
+/// The reference at the solver's instruction-set level, else at any; nullptr where the set has none.
+const std::vector<Row>* find_reference(const std::vector<Source>& sources, const Source& source,
+                                       const std::map<std::int64_t, std::vector<Row>>& answers) {
+  const std::vector<Row>* found = nullptr;
+  for (const Source& candidate : sources) {
+    const auto rows = answers.find(candidate.id);
+    if (!is_reference(candidate.row) || rows == answers.end()) continue;
+    if (candidate.row.isa == source.row.isa) return &rows->second;
+    if (found == nullptr) found = &rows->second;
   }
   return found;
 }
 
-void add_time_ratios(const std::vector<SolverRow>& solvers, std::span<Cell> cells) {
-  constexpr Estimate kNoRatio{kNone, kNone, kNone};
-  for (Cell& cell : cells) {
-    const Cell* reference = find_reference(solvers, cells, cell);
-    cell.time_ratio = kNoRatio;
-    if (reference != nullptr) relate_to_reference(reference->outcomes, solvers[cell.solver].sweep.empty(), cell);
-  }
-  for (Cell& cell : cells) {
-    if (solvers[cell.solver].sweep.empty()) continue;
-    cell.outcomes = {};
-    cell.errors = {};
+void add_time_ratios(const std::vector<Row>& rows, const std::vector<Row>* reference, bool swept,
+                     std::span<Cell> cells) {
+  for (Cell& cell : cells) cell.time_ratio = {kNone, kNone, kNone};
+  if (reference == nullptr) return;
+  const std::vector<PairedTimes> paired = pair_times(rows, cells.size(), *reference);
+  for (std::size_t number = 0; number < cells.size(); ++number) {
+    const PairedTimes& times = paired[number];
+    cells[number].paired = static_cast<std::int64_t>(times.times.size());
+    cells[number].time_ratio = swept ? plain_ratio(times) : ratio_of_sums(times.times, times.reference);
   }
 }
 
-Cell make_cell(std::size_t set_index, std::size_t solver_index, const Summary& summary, const std::vector<Row>& rows) {
-  Cell cell;
-  cell.set = set_index;
-  cell.solver = solver_index;
-  count_answers(rows, cell);
-  measure_answers(rows, summary.solvers[solver_index].sweep.empty(), cell);
-  measure_errors(rows, summary.sets[set_index], cell);
-  cell.outcomes = outcomes_of(rows);
-  return cell;
+/// The cells of one solver on one set.
+std::vector<Cell> make_cells(std::size_t set, const SetSummary& summary, const Source& source,
+                             const std::vector<Row>& rows, const std::vector<Row>* reference) {
+  std::vector<Cell> cells(source.solvers.size());
+  for (std::size_t number = 0; number < cells.size(); ++number) {
+    cells[number].set = set;
+    cells[number].solver = source.solvers[number];
+  }
+  count_answers(rows, cells);
+  measure_time_parts(rows, cells);
+  measure_answers(rows, cells);
+  measure_errors(rows, summary, source.swept(), cells);
+  add_time_ratios(rows, reference, source.swept(), cells);
+  for (Cell& cell : cells) {
+    if (!source.swept()) cell.outcomes = outcomes_of(rows);
+    cell.median_time = source.swept() ? Estimate{cell.all_time.median, kNone, kNone} : median_time_of(cell);
+  }
+  return cells;
 }
 
 /// A rate of every cell of a sweep; NaN rates (all problems unsolvable) leave the range NaN.
@@ -333,14 +454,55 @@ std::vector<SweepSummary> summarize_sweeps(const Summary& summary) {
   return sweeps;
 }
 
+/// Every parameterisation becomes a solver of the summary, in natural order.
+std::vector<Source> read_solvers(Store& store, Summary& summary) {
+  struct Named {
+    SolverRow row;
+    std::size_t source, cell;
+  };
+  std::vector<Source> sources;
+  std::vector<Named> solvers;
+  for (const StoredSolver& stored : store.solvers()) {
+    for (std::size_t cell = 0; cell < stored.cells.size(); ++cell) {
+      solvers.push_back({stored.cell(cell), sources.size(), cell});
+    }
+    sources.push_back({stored.id, stored.row, std::vector<std::size_t>(stored.cells.size())});
+  }
+  std::stable_sort(solvers.begin(), solvers.end(),
+                   [](const Named& a, const Named& b) { return natural_less(a.row.text(), b.row.text()); });
+  for (Named& solver : solvers) {
+    sources[solver.source].solvers[solver.cell] = summary.solvers.size();
+    if (is_reference(solver.row)) summary.reference = solver.row.text();
+    summary.solvers.push_back(std::move(solver.row));
+  }
+  return sources;
+}
+
 nlohmann::ordered_json nullable(const std::string& text) {
   return text.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(text);
 }
 
-nlohmann::ordered_json spread_json(const Spread& values, bool with_median) {
-  nlohmann::ordered_json json{{"mean", values.mean}, {"sigma", values.sigma}, {"max", values.max}};
-  if (with_median) json["median"] = values.median;
-  return json;
+nlohmann::ordered_json spread_json(const Spread& values) {
+  return {{"count", values.count},
+          {"mean", values.mean},
+          {"sigma", values.sigma},
+          {"max", values.max},
+          {"median", values.median}};
+}
+
+nlohmann::ordered_json half_json(const Cell::Half& half) {
+  return {{"trials", half.trials},
+          {"solved", half.solved},
+          {"unsolvable", half.unsolvable},
+          {"rate", half.rate()},
+          {"criterion", half.criterion},
+          {"criterion_rate", half.criterion_rate()},
+          {"time",
+           {{"solved", spread_json(half.solved_time)},
+            {"criterion", spread_json(half.criterion_time)},
+            {"all", spread_json(half.all_time)}}},
+          {"violation", spread_json(half.violation)},
+          {"criterion_violation", spread_json(half.criterion_violation)}};
 }
 
 nlohmann::ordered_json claims_json(const Cell& cell) {
@@ -380,8 +542,9 @@ nlohmann::ordered_json cell_json(const Summary& summary, const Cell& cell) {
   json["rate"] = cell.rate();
   json["rate_low"] = cell.rate_interval.low;
   json["rate_high"] = cell.rate_interval.high;
-  json["time"]["solved"] = spread_json(cell.solved_time, true);
-  json["time"]["all"] = spread_json(cell.all_time, true);
+  json["time"]["solved"] = spread_json(cell.solved_time);
+  json["time"]["criterion"] = spread_json(cell.criterion_time);
+  json["time"]["all"] = spread_json(cell.all_time);
   json["time"]["all"]["median_low"] = cell.median_time.low;
   json["time"]["all"]["median_high"] = cell.median_time.high;
   json["time"]["parts_mean"] = {{"setup_wall", cell.time_parts.setup_wall}, {"setup_cpu", cell.time_parts.setup_cpu},
@@ -391,13 +554,18 @@ nlohmann::ordered_json cell_json(const Summary& summary, const Cell& cell) {
   json["time_ratio_low"] = cell.time_ratio.low;
   json["time_ratio_high"] = cell.time_ratio.high;
   json["time_ratio_problems"] = cell.paired;
-  json["violation"] = spread_json(cell.violation, false);
+  json["violation"] = spread_json(cell.violation);
+  json["criterion_rate"] = cell.criterion_rate();
+  json["criterion_violation"] = spread_json(cell.criterion_violation);
+  json["pivots"] = spread_json(cell.pivots);
   json["error"]["measure"] = nullable(cell.error_measure);
   json["error"]["answers"] = cell.error_count;
   json["error"]["median"] = cell.error_median;
   json["error"]["p99"] = cell.error_p99;
   json["error"]["max"] = cell.error_max;
   json["claims"] = claims_json(cell);
+  json["even_trials"] = half_json(cell.halves[0]);
+  json["odd_trials"] = half_json(cell.halves[1]);
   return json;
 }
 
@@ -476,30 +644,32 @@ std::int64_t Cell::gave_up() const {
 double Cell::rate() const { return share(count(Verdict::kSolved), solvable()); }
 double Cell::criterion_rate() const { return share(criterion, trials); }
 double Cell::Half::rate() const { return share(solved, trials - unsolvable); }
+double Cell::Half::criterion_rate() const { return share(criterion, trials); }
 
 Summary summarize(Store& store) {
   Summary summary;
   sqlite::Database& database = store.database();
   summary.runs = read_runs(database);
-  std::vector<StoredSolver> solvers = store.solvers();
-  std::stable_sort(solvers.begin(), solvers.end(), [](const StoredSolver& a, const StoredSolver& b) {
-    return natural_less(a.row.text(), b.row.text());
-  });
-  for (const StoredSolver& solver : solvers) {
-    summary.solvers.push_back(solver.row);
-    if (is_reference(solver.row)) summary.reference = solver.row.text();
-  }
+  const std::vector<Source> sources = read_solvers(store, summary);
+  std::map<std::int64_t, std::size_t> solver_cells;
+  for (const Source& source : sources) solver_cells.emplace(source.id, source.solvers.size());
 
+  const CellGroups groups = read_groups(database);
   const auto sets = read_sets(database);
   for (const auto& [id, set] : sets) summary.sets.push_back(set);
   for (std::size_t set = 0; set < sets.size(); ++set) {
-    const auto answers = read_answers(database, sets[set].first);
-    const std::size_t first = summary.cells.size();
-    for (std::size_t solver = 0; solver < solvers.size(); ++solver) {
-      const auto rows = answers.find(solvers[solver].id);
-      if (rows != answers.end()) summary.cells.push_back(make_cell(set, solver, summary, rows->second));
+    const auto answers = read_answers(database, sets[set].first, groups, solver_cells);
+    const auto first = static_cast<std::ptrdiff_t>(summary.cells.size());
+    for (const Source& source : sources) {
+      const auto rows = answers.find(source.id);
+      if (rows == answers.end()) continue;
+      const std::vector<Row>* reference = find_reference(sources, source, answers);
+      for (Cell& cell : make_cells(set, summary.sets[set], source, rows->second, reference)) {
+        summary.cells.push_back(std::move(cell));
+      }
     }
-    add_time_ratios(summary.solvers, std::span(summary.cells).subspan(first));
+    std::sort(summary.cells.begin() + first, summary.cells.end(),
+              [](const Cell& a, const Cell& b) { return a.solver < b.solver; });
   }
   summary.sweeps = summarize_sweeps(summary);
   return summary;

@@ -150,20 +150,24 @@ TEST(SweepTest, LabelTellsWhatWasSwept) {
 TEST(ResolveTest, SameSetWithTwoNumbersOfTrialsIsRefused) {
   Plan plan;
   plan.name = "p";
-  plan.sets = {{"paper/monotone/*", 3}, {"paper/monotone/exp1", 4}};
+  plan.sets = {{.pattern = "paper/monotone/*", .trials = 3}, {.pattern = "paper/monotone/exp1", .trials = 4}};
   plan.solvers = {PlannedSolver{.spec = {"lemke", {}}}};
   EXPECT_THROW(resolve(plan), InputError);
   plan.sets[1].trials = 3;
   EXPECT_EQ(resolve(plan).sets.size(),
-            resolve(Plan{.name = "q", .sets = {{"paper/monotone/*", 3}}, .solvers = plan.solvers}).sets.size());
+            resolve(Plan{.name = "q", .sets = {{.pattern = "paper/monotone/*", .trials = 3}}, .solvers = plan.solvers})
+                .sets.size());
 }
 
-TEST(ResolveTest, CellOfASweepIsAnotherSolverThanTheSameOneAlone) {
+TEST(ResolveTest, ASweepIsAnotherSolverThanTheSameOneAlone) {
   Plan plan;
-  plan.sets = {{"paper/monotone/exp1", 1}};
+  plan.sets = {{.pattern = "paper/monotone/exp1", .trials = 1}};
   plan.solvers = {PlannedSolver{.spec = {"lemke", {}}}, PlannedSolver{.spec = {"lemke", {}}},
                   PlannedSolver{.spec = {"lemke", {}}, .sweep = builtin_sweep("paper", {"lemke", {}})}};
-  EXPECT_EQ(resolve(plan).solvers.size(), 82U);
+  const Study study = resolve(plan);
+  ASSERT_EQ(study.solvers.size(), 2U);
+  EXPECT_EQ(study.solvers[1].cell_count(), 81);
+  EXPECT_NE(study.solvers[0].row.id(), study.solvers[1].row.id());
 }
 
 }  // namespace

@@ -29,7 +29,9 @@ Study small_study() {
   plan.name = "small";
   plan.trials = 8;
   plan.repeat_until_s = 0;
-  plan.sets = {{"paper/monotone/exp1", {}}, {"paper/monotone/exp3", {}}, {"paper/copositive/exp1{nc_max=3}", 3}};
+  plan.sets = {{.pattern = "paper/monotone/exp1"},
+               {.pattern = "paper/monotone/exp3"},
+               {.pattern = "paper/copositive/exp1{nc_max=3}", .trials = 3}};
   for (const char* solver : {"lemke", "lemke{engine=dense}", "primal_dual", "enumeration"}) {
     plan.solvers.push_back({.spec = parse_spec(solver)});
   }
@@ -96,7 +98,7 @@ TEST(RunnerTest, AddedSolverRunsAlone) {
   study.solvers.pop_back();
   run(study, folder / "s.db");
   study.solvers.push_back(added);
-  EXPECT_EQ(run(study, folder / "s.db").progress.done, 19);
+  EXPECT_EQ(run(study, folder / "s.db").progress.done, 19 * 81);
   run(study, folder / "whole.db");
   EXPECT_EQ(dump(folder / "s.db"), dump(folder / "whole.db"));
 }
@@ -127,7 +129,7 @@ TEST(RunnerTest, MergeOfContradictionsNamesThemAndWritesNothing) {
   sqlite::Database(folder / "b.db", sqlite::Mode::kReadWriteCreate)
       .execute(
           "UPDATE answers SET claim = 'crashed' WHERE"
-          " (problem_id, solver_id) IN (SELECT problem_id, solver_id FROM answers LIMIT 1)");
+          " (problem_id, solver_id, part) IN (SELECT problem_id, solver_id, part FROM answers LIMIT 1)");
   const std::string before = dump(folder / "a.db");
   const MergeOutcome fresh = merge_stores(folder / "out.db", {folder / "a.db", folder / "b.db"});
   ASSERT_EQ(fresh.conflicts.size(), 1U);
@@ -201,16 +203,16 @@ TEST(RunnerTest, VerdictsFollowFromTheStoreWithoutSolvingAgain) {
   });
   std::int64_t last = -1;
   std::unique_ptr<Evaluator> evaluator;
-  store.for_each_cell([&](const StoredCell& cell) {
-    if (cell.problem_id != last) evaluator = std::make_unique<Evaluator>(problems.at(cell.problem_id));
-    last = cell.problem_id;
-    const Answer answer = *store.answer(cell.problem_id, cell.solver_id);
+  store.for_each_answer([&](const StoredAnswer& row) {
+    if (row.problem_id != last) evaluator = std::make_unique<Evaluator>(problems.at(row.problem_id));
+    last = row.problem_id;
+    const Answer answer = *store.answer(row.problem_id, row.solver_id, static_cast<std::uint32_t>(row.part));
     const Errors errors = evaluator->errors(answer);
-    EXPECT_EQ(errors.solved, cell.errors.solved);
-    if (errors.usable && problems.at(cell.problem_id).contact() != nullptr) {
-      EXPECT_EQ(errors.velocity_residual_relative, cell.errors.velocity_residual_relative);
+    EXPECT_EQ(errors.solved, row.errors.solved);
+    if (errors.usable && problems.at(row.problem_id).contact() != nullptr) {
+      EXPECT_EQ(errors.velocity_residual_relative, row.errors.velocity_residual_relative);
     }
-    EXPECT_EQ(verdict(answer.claim, errors, cell.truth), cell.verdict);
+    EXPECT_EQ(verdict(answer.claim, errors, row.truth), row.verdict);
   });
 }
 
@@ -258,7 +260,7 @@ TEST(RunnerTest, LiesAreFalseClaims) {
   for (const StoredSolver& solver : store.solvers()) names[solver.id] = solver.row.name;
   std::map<std::string, int> caught;
   std::map<std::string, int> believed;
-  store.for_each_cell([&](const StoredCell& cell) {
+  store.for_each_answer([&](const StoredAnswer& cell) {
     ++(false_claim(cell.claim, cell.verdict) ? caught : believed)[names.at(cell.solver_id)];
   });
   // q >= 0 happens: there zeros are the answer, and passing the criterion by luck is not called wrong.
@@ -354,7 +356,7 @@ TEST(RunnerTest, FaultsOfAWorkerLeaveRowsAndARunningStudy) {
     limits.grace_s = 0.3;
     return worker_solver(FAULT_WORKER, Spec{"fault", {}}, limits);
   }));
-  study.solvers.push_back({solver_row({"lemke", {}}), 1, [] { return in_process(make_solver({"lemke", {}})); }});
+  study.solvers.push_back(given_solver("lemke", [] { return in_process(make_solver({"lemke", {}})); }));
   EXPECT_EQ(run(study, folder / "s.db", {.jobs = 2}).end, RunEnd::kComplete);
   Store store = Store::open_for_reading(folder / "s.db");
   for (std::size_t i = 0; i < expected.size(); ++i) {

@@ -56,7 +56,7 @@ ProblemResult one_result(const std::string& set, const SolverRow& solver, const 
                     .n = z.size(),
                     .hash = "ab",
                     .theory = ""};
-  CellRow cell;
+  AnswerRow cell;
   cell.solver_id = solver.id();
   cell.claim = Claim::kSolved;
   cell.counters = {5, 4, 3};
@@ -69,7 +69,7 @@ ProblemResult one_result(const std::string& set, const SolverRow& solver, const 
   std::string bytes = encode_vector(z);
   cell.z = content_id(bytes);
   result.vectors.emplace_back(*cell.z, std::move(bytes));
-  result.cells.push_back(cell);
+  result.answers.push_back(cell);
   return result;
 }
 
@@ -123,7 +123,7 @@ TEST(StoreTest, GivesBackWhatWentIn) {
   EXPECT_EQ(store.done(problem), std::vector<std::int64_t>{some_solver().id()});
   EXPECT_EQ(store.solvers().at(0).row, some_solver());
   int cells = 0;
-  store.for_each_cell([&](const StoredCell& cell) {
+  store.for_each_answer([&](const StoredAnswer& cell) {
     ++cells;
     EXPECT_EQ(cell.seed, 7U);
     EXPECT_EQ(cell.verdict, Verdict::kSolved);
@@ -144,7 +144,7 @@ TEST(StoreTest, FirstRowOfACellStays) {
   {
     Store store = Store::open_for_writing(file);
     ProblemResult again = one_result("a/set", some_solver(), Vector::Ones(2));
-    again.cells[0].claim = Claim::kCrashed;
+    again.answers[0].claim = Claim::kCrashed;
     store.begin();
     store.add(again);
     store.commit();
@@ -257,7 +257,7 @@ TEST(StoreTest, WordThatIsNoClaimNamesTheStore) {
   fill(file, Vector::Ones(2));
   sqlite::Database(file, sqlite::Mode::kReadWriteCreate).execute("UPDATE answers SET claim = 'sure'");
   Store store = Store::open_for_reading(file);
-  EXPECT_EQ(input_error([&] { store.for_each_cell([](const StoredCell&) {}); }),
+  EXPECT_EQ(input_error([&] { store.for_each_answer([](const StoredAnswer&) {}); }),
             file.string() + ": unknown claim 'sure'");
 }
 

@@ -52,7 +52,8 @@ inline std::string dump_table(Store& store, const std::string& table) {
 inline std::string dump(const std::filesystem::path& file) {
   Store store = Store::open_for_reading(file);
   std::string text;
-  for (const char* table : {"sets", "solvers", "problems", "vectors", "answers", "verdicts", "certificates"}) {
+  for (const char* table : {"sets", "solvers", "parameterisations", "problems", "vectors", "cell_groups", "answers",
+                            "verdicts", "certificates"}) {
     text += dump_table(store, table);
   }
   return text;
@@ -74,13 +75,15 @@ class GivenProblems final : public ProblemSet {
   std::vector<Problem> problems_;
 };
 
-/// A solver as a study takes it, made by `open`.
+/// A solver as a study takes it, made by `open`, on all trials of up to `sets` sets.
 template <class Open>
-StudySolver given_solver(const std::string& name, Open open) {
-  SolverRow row;
-  row.name = name;
-  row.library = "test";
-  return {row, 1, open};
+StudySolver given_solver(const std::string& name, Open open, std::size_t sets = 3) {
+  StudySolver solver;
+  solver.row.name = name;
+  solver.row.library = "test";
+  solver.open = open;
+  solver.every.assign(sets, {1});
+  return solver;
 }
 
 }  // namespace lcpbench

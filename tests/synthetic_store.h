@@ -62,14 +62,14 @@ class SyntheticStore {
                       kind == "lcp" ? 0 : 5,
                       "00",
                       theory};
-    for (const auto& [solver, answer] : answers) result.cells.push_back(cell(solver, answer, kind == "lcp"));
+    for (const auto& [solver, answer] : answers) result.answers.push_back(row(solver, answer, kind == "lcp"));
     store_.add(result);
     store_.commit();
   }
 
  private:
-  static CellRow cell(std::int64_t solver, const MadeAnswer& answer, bool bare) {
-    CellRow row;
+  static AnswerRow row(std::int64_t solver, const MadeAnswer& answer, bool bare) {
+    AnswerRow row;
     row.solver_id = solver;
     row.claim = answer.claim;
     row.detail = answer.detail;

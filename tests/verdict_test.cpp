@@ -158,10 +158,10 @@ struct StoredCase {
 
 void insert_answer(Database& store, std::size_t problem, int solver, const std::string& claim, const Errors& errors,
                    bool farkas) {
-  const std::string key = std::to_string(problem) + "," + std::to_string(solver);
-  store.run("INSERT INTO answers VALUES (" + key + ",'" + claim + "',NULL,NULL,NULL,-1,-1,-1,'')");
-  store.run("INSERT INTO verdicts (problem_id, solver_id, usable, solved, criterion, farkas_checked) VALUES (" + key +
-            "," + std::to_string(errors.usable) + "," + std::to_string(errors.solved) + "," +
+  const std::string key = std::to_string(problem) + "," + std::to_string(solver) + ",0";
+  store.run("INSERT INTO answers VALUES (" + key + ",1,'" + claim + "',NULL,NULL,NULL,-1,-1,-1,'')");
+  store.run("INSERT INTO verdicts (problem_id, solver_id, part, usable, solved, criterion, farkas_checked) VALUES (" +
+            key + "," + std::to_string(errors.usable) + "," + std::to_string(errors.solved) + "," +
             std::to_string(errors.criterion) + "," + std::to_string(farkas) + ")");
 }
 

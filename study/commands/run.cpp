@@ -101,7 +101,8 @@ Plan make_plan(const Arguments& arguments) {
   Plan plan = base_plan(arguments);
   if (!arguments.sets.empty()) {
     plan.sets.clear();
-    for (const std::string& set : arguments.sets) plan.sets.push_back({set, std::nullopt});
+    for (const std::string& set : arguments.sets) plan.sets.push_back({.pattern = set});
+    plan.other_sets = true;
   }
   if (!arguments.solvers.empty()) {
     plan.solvers.clear();
