@@ -1,20 +1,18 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
-#include <utility>
 #include <vector>
 
 #include "core/isa.h"
 #include "core/settings.h"
 #include "core/solver.h"
 #include "native/lemke_engine.h"
+#include "native/lemke_loaded.h"
 
 namespace lcpbench {
 
-enum class LemkeEngine { kDense, kKernel };
 enum class LemkeUpdate { kResolve, kIncremental };
-enum class LemkeCap { kPaper, kLemke };
+enum class LemkeCap { kPaper, kLemke, k3n };
 
 struct LemkeSettings {
   LemkeEngine engine = LemkeEngine::kKernel;
@@ -33,8 +31,9 @@ struct LemkeSettings {
     field("update", update,
           Choices<LemkeUpdate>{{{"resolve", LemkeUpdate::kResolve}, {"incremental", LemkeUpdate::kIncremental}}},
           "basic values solved from the basis at each pivot, or updated by x - ratio d");
-    field("cap", cap, Choices<LemkeCap>{{{"paper", LemkeCap::kPaper}, {"lemke", LemkeCap::kLemke}}},
-          "limit on pivots: max(1000, n^2) as in the paper, or min(1000, 50 n) as in LEMKE");
+    field("cap", cap,
+          Choices<LemkeCap>{{{"paper", LemkeCap::kPaper}, {"lemke", LemkeCap::kLemke}, {"3n", LemkeCap::k3n}}},
+          "limit on pivots: max(1000, n^2) as in the paper, min(1000, 50 n) as in LEMKE, or 3 n");
     field("max_pivots", max_pivots, IntegerRange{.min = 0, .max = std::int64_t{1} << 40},
           "another limit on pivots; 0: the one that `cap` names");
   }
@@ -63,7 +62,6 @@ class Lemke final : public Solver {
  public:
   /// @param level instruction-set level of the engine; must not exceed best_isa_level().
   explicit Lemke(const LemkeSettings& settings, IsaLevel level = isa_level());
-  ~Lemke() override;
 
   const Capabilities& capabilities() const override { return capabilities_; }
 
@@ -73,17 +71,20 @@ class Lemke final : public Solver {
  private:
   void on_load(const Problem& problem) override;
   void on_solve(const SolveRequest& request, Answer& answer) override;
-  void load_contact(const ContactProblem& contact);
-  void load_matrix(const Lcp& lcp);
 
   LemkeSettings settings_;
   Capabilities capabilities_;
-  const lemke::Engine& engine_;
-  void* state_ = nullptr;
+  lemke::LoadedEngine engine_;
   std::vector<LemkePivot>* recorded_ = nullptr;
 };
 
 /// What the solver promises with these settings.
 Capabilities lemke_capabilities(const LemkeSettings& settings);
+
+/// The limit on pivots for problems of order n.
+std::ptrdiff_t lemke_pivot_limit(const LemkeSettings& settings, Index n);
+
+/// Claim, detail and counters of an engine's outcome. `answer` arrives cleared, with z as the engine left it.
+void report_lemke(const lemke::Outcome& outcome, Answer& answer);
 
 }  // namespace lcpbench

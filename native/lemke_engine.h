@@ -46,13 +46,47 @@ struct Outcome {
   std::ptrdiff_t factorizations = 0;
 };
 
+/// One parameterisation of a sweep.
+struct Cell {
+  double pivot_tolerance = 0;
+  double zero_tolerance = 0;
+  /// Positions of the two among all such tolerances of the sweep, equal ones alike: where a range of them is halved.
+  std::ptrdiff_t pivot_rank = 0;
+  std::ptrdiff_t zero_rank = 0;
+  double time_limit_s = 0;  ///< on the wall clock of the cell's own path; infinity: none
+};
+
+/// The end of a path, and the cells that come there.
+struct Leaf {
+  const std::ptrdiff_t* cells = nullptr;  ///< their numbers, in any order
+  std::ptrdiff_t count = 0;
+  Outcome outcome;
+  double wall_s = 0;  ///< from the first exchange to here, without what other paths took
+  double cpu_s = 0;
+};
+
+struct WalkRules {
+  bool resolve = true;
+  std::ptrdiff_t max_pivots = 0;
+  double (*wall_s)() = nullptr;  ///< monotonic clock; read every 16 pivots, and where paths part and end
+  double (*cpu_s)() = nullptr;   ///< of the calling thread; read where paths part and end
+  void (*on_leaf)(void* context, const Leaf& leaf) = nullptr;  ///< z holds the leaf's answer during this call
+  void* context = nullptr;
+};
+
 /// One engine at one level. `create` gives an object that `destroy` ends; `load` copies all of the input and allocates
-/// for it; `solve` writes z (n) when the ending is kSolved, and leaves it alone otherwise.
+/// for it; `solve` writes the basic entries of z (n) when the ending is kSolved, and leaves it alone otherwise.
+///
+/// `walk` solves for all cells and goes each pivot that paths have in common once. Every leaf is bit for bit what
+/// `solve` gives with the tolerances of its cells; z (n) is zero unless its ending is kSolved. Returns the pivots gone.
+/// Memory: a kernel for each point at which paths part on the way to the present one, fewer than `count`; kept for
+/// later calls. nullptr where an engine cannot.
 struct Engine {
   void* (*create)();
   void (*destroy)(void* engine);
   void (*load)(void* engine, const Input& input);
   Outcome (*solve)(void* engine, const Rules& rules, double* z);
+  std::ptrdiff_t (*walk)(void* engine, const Cell* cells, std::ptrdiff_t count, const WalkRules& rules, double* z);
 };
 
 namespace baseline {

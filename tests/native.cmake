@@ -11,6 +11,8 @@ target_sources(psor_test PRIVATE allocation_counter.cpp)
 # Once at the level in use, and once at each level; those that this processor lacks are skipped.
 lcpbench_test(lemke LINK lcpbench_native lcpbench_generators)
 target_sources(lemke_test PRIVATE allocation_counter.cpp)
+lcpbench_test(lemke_sweep LINK lcpbench_native lcpbench_generators)
+target_sources(lemke_sweep_test PRIVATE allocation_counter.cpp)
 get_property(levels GLOBAL PROPERTY LCPBENCH_LEMKE_LEVELS)
 foreach(level IN LISTS levels)
   add_test(NAME lemke_${level} COMMAND lemke_test)

@@ -8,6 +8,16 @@
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
+/// A basis of a KernelBasis, put by. What it holds is all that the path's continuation depends on.
+template <class Scalar>
+struct KernelState {
+  Count order = 0;
+  Buffer<Count> rows, columns;
+  Buffer<Scalar> A;  ///< by rows, without gaps
+  Buffer<Scalar> entering_column;
+  Buffer<Scalar> x, d;  ///< by slots; not kept where the next solve resolves them
+};
+
 /// The basis as its kernel: rows whose w is nonbasic against columns of the basic z and the artificial variable, in the
 /// signs of w = q + M z + cover z0. Everything else of the basis is a unit column and needs no factoring:
 ///
@@ -91,9 +101,50 @@ class KernelBasis {
     }
   }
 
+  /// Puts the basis by between solve() and exchange(). The next one is solved with the same kResolve.
+  template <bool kResolve>
+  void save(KernelState<Scalar>& state) const {
+    state.order = order_;
+    copy(state.rows, rows_, order_);
+    copy(state.columns, columns_, order_);
+    copy(state.entering_column, entering_column_, order_);
+    state.A.resize(order_ * order_);
+    for (Count r = 0; r < order_; ++r) {
+      for (Count c = 0; c < order_; ++c) state.A[r * order_ + c] = A_[r * stride_ + c];
+    }
+    if constexpr (!kResolve) {
+      copy(state.x, x_, slots_.count);
+      copy(state.d, d_, slots_.count);
+    }
+  }
+
+  /// @pre state was saved since start(): the rows of A are at least as far apart now as they were then
+  template <bool kResolve>
+  void restore(const KernelState<Scalar>& state) {
+    while (order_ > state.order) vacate_column_slot(--order_);
+    order_ = state.order;
+    copy(rows_, state.rows, order_);
+    copy(entering_column_, state.entering_column, order_);
+    for (Count c = 0; c < order_; ++c) put_column_variable(c, state.columns[c], 0);
+    for (Count r = 0; r < order_; ++r) {
+      for (Count c = 0; c < order_; ++c) A_[r * stride_ + c] = state.A[r * order_ + c];
+    }
+    set_column_slots();
+    if constexpr (!kResolve) {
+      copy(x_, state.x, slots_.count);
+      copy(d_, state.d, slots_.count);
+    }
+  }
+
  private:
   using P = Packed<Scalar>;
   static constexpr Count kFirstStride = 64;
+
+  template <class T>
+  static void copy(Buffer<T>& to, const Buffer<T>& from, Count size) {
+    to.resize(size);
+    for (Count i = 0; i < size; ++i) to[i] = from[i];
+  }
 
   Count row_slot(Count row) const { return row < problem_.M.dense() ? row : cone_slots_ + row - problem_.M.dense(); }
 

@@ -17,21 +17,49 @@ struct Slots {
 
 enum class Block { kFound, kRay, kBreakdown };
 
-template <class Scalar>
+/// What the ratio test finds.
 struct Blocking {
   Block kind = Block::kBreakdown;
-  Count slot_id = 0;  ///< number of the leaving variable
+  Count leaving = 0;  ///< number of the leaving variable
 };
 
 /// Pivots whose d is this close to the largest count as equally large: rounding must not choose between duplicates.
 constexpr double kEqualPivots = 1e-9;
 
-/// LEMKE's ratio test. Theta = min (x_i + zero_tolerance) / d_i over d_i > pivot_tolerance; tied are all with
-/// x_i / d_i <= theta; of these the artificial variable leaves if it is there, else the one with the largest d_i, and
-/// of equally large ones that of the lowest number (LEMKE draws lots).
+/// What leaves among the rows that are tied.
 template <class Scalar>
-Blocking<Scalar> ratio_test(const Slots<Scalar>& slots, Scalar pivot_tolerance, Scalar zero_tolerance,
-                            Count artificial_id, Count artificial_slot) {
+struct Leaving {
+  Count variable = 0;
+  Scalar largest = 0;  ///< the largest d of the tied rows; infinity when the artificial variable leaves
+};
+
+/// Tied are all rows with ratio <= theta. Of these the artificial variable leaves if it is there, else the one with the
+/// largest d, and of equally large ones that of the lowest number (LEMKE draws lots).
+template <class Scalar>
+Leaving<Scalar> leaving_of_tied(const Slots<Scalar>& slots, Scalar theta, Count artificial_id, Count artificial_slot) {
+  using P = Packed<Scalar>;
+  using Pack = typename P::Pack;
+  if (slots.ratio[artificial_slot] <= theta) return {artificial_id, kInfinity<Scalar>};
+  Pack most = Pack{};
+  for (Count i = 0; i < slots.count; i += P::kWidth) {
+    most = P::max(P::load(slots.ratio + i) <= theta ? P::load(slots.d + i) : Pack{}, most);
+  }
+  const Scalar largest = P::max(most);
+  const Scalar enough = static_cast<Scalar>(1 - kEqualPivots) * largest;
+  const Pack infinity = P::broadcast(kInfinity<Scalar>);
+  Pack lowest = infinity;
+  for (Count i = 0; i < slots.count; i += P::kWidth) {
+    const auto eligible = (P::load(slots.ratio + i) <= theta) & (P::load(slots.d + i) >= enough);
+    lowest = P::min(eligible ? P::load(slots.id + i) : infinity, lowest);
+  }
+  return {static_cast<Count>(P::min(lowest)), largest};
+}
+
+/// LEMKE's ratio test. Theta = min (x_i + zero_tolerance) / d_i over d_i > pivot_tolerance; tied are all with
+/// x_i / d_i <= theta. Leaves the ratios of the candidates in slots.ratio, infinity elsewhere.
+template <class Scalar>
+Blocking ratio_test(const Slots<Scalar>& slots, Scalar pivot_tolerance, Scalar zero_tolerance, Count artificial_id,
+                    Count artificial_slot) {
   using P = Packed<Scalar>;
   using Pack = typename P::Pack;
   const Pack infinity = P::broadcast(kInfinity<Scalar>);
@@ -52,19 +80,7 @@ Blocking<Scalar> ratio_test(const Slots<Scalar>& slots, Scalar pivot_tolerance, 
   if (!(P::max(largest) > pivot_tolerance)) return {Block::kRay, 0};
   const Scalar theta = P::min(least);
   if (!(theta < kInfinity<Scalar>)) return {Block::kBreakdown, 0};
-  if (slots.ratio[artificial_slot] <= theta) return {Block::kFound, artificial_id};
-
-  largest = Pack{};
-  for (Count i = 0; i < slots.count; i += P::kWidth) {
-    largest = P::max(P::load(slots.ratio + i) <= theta ? P::load(slots.d + i) : Pack{}, largest);
-  }
-  const Scalar enough = static_cast<Scalar>(1 - kEqualPivots) * P::max(largest);
-  Pack lowest = infinity;
-  for (Count i = 0; i < slots.count; i += P::kWidth) {
-    const auto eligible = (P::load(slots.ratio + i) <= theta) & (P::load(slots.d + i) >= enough);
-    lowest = P::min(eligible ? P::load(slots.id + i) : infinity, lowest);
-  }
-  return {Block::kFound, static_cast<Count>(P::min(lowest))};
+  return {Block::kFound, leaving_of_tied(slots, theta, artificial_id, artificial_slot).variable};
 }
 
 /// x -= (x_leaving / d_leaving) d; returns that ratio.

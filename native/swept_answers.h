@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "core/swept_solver.h"
+
+namespace lcpbench {
+
+/// Whether two answers are equal in claim, vectors (bit for bit), counters and detail.
+bool same_answer(const Answer& a, const Answer& b);
+
+/// Gathers the answers of a sweep: equal ones become one, with the mean times of all their cells.
+class SweptAnswers {
+ public:
+  /// Empties `answers`, which outlives this object.
+  explicit SweptAnswers(std::vector<SweptAnswer>& answers) : answers_(answers) { answers_.clear(); }
+
+  void add(const std::vector<std::uint32_t>& cells, TimedAnswer timed);
+
+  /// Orders cells and answers.
+  void finish();
+
+ private:
+  std::vector<SweptAnswer>& answers_;
+};
+
+/// What the cells 0 .. `cells` - 1 answer when an exception has ended them all, as in_process() reports it.
+void answer_all_with_failure(std::size_t cells, const char* what, std::vector<SweptAnswer>& answers);
+
+}  // namespace lcpbench
