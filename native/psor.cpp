@@ -15,8 +15,8 @@ namespace {
 enum class Order { kForward, kSymmetric };
 
 struct PsorSettings {
-  std::int64_t max_iterations = 1000;
-  double relaxation = 1.0;
+  std::int64_t max_iterations = 10000;
+  double relaxation = 1.3;
   double tolerance = 1e-8;
   Order order = Order::kForward;
 

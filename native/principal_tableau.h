@@ -1,0 +1,73 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "core/lcp.h"
+
+namespace lcpbench {
+
+/// LCP(q, M) in the form that principal pivots leave: basic = q + M nonbasic, one of z_i, w_i basic for each i.
+///
+/// Pivots update the whole tableau in O(n^2). Rounding errors grow with them, so rebuild() makes it anew from the data:
+/// the pivots of the same basis in the numerically best order. Nothing allocates after load().
+/// [Cottle, Pang, Stone 1992, section 2.3: principal pivotal transforms]
+class PrincipalTableau {
+ public:
+  void load(Lcp lcp);
+
+  /// Every w basic: the data themselves.
+  void reset();
+
+  Index size() const { return lcp_.size(); }
+  const Lcp& lcp() const { return lcp_; }
+  /// max|q| of the data; 0 for n = 0.
+  double largest_q() const { return lcp_.size() > 0 ? lcp_.q.cwiseAbs().maxCoeff() : 0.0; }
+  const Matrix& matrix() const { return M_; }
+  const Vector& constants() const { return q_; }
+  bool z_is_basic(Index i) const { return z_is_basic_[static_cast<std::size_t>(i)]; }
+  Index pivots_since_rebuild() const { return pivots_since_rebuild_; }
+
+  /// Whether M_ii, which is what cancellation left of larger terms, stands out of their rounding: that is, is larger
+  /// than `tolerance` times the sum of their magnitudes. O(n).
+  bool usable_diagonal(Index i, double tolerance) const;
+
+  /// Exchanges z_i and w_i. @pre M_ii != 0.
+  void pivot(Index i) { exchange<1>({i}); }
+  /// Exchanges both pairs. @pre the determinant of the principal block of i and j is not 0.
+  void pivot(Index i, Index j) { exchange<2>({i, j}); }
+  double determinant(Index i, Index j) const { return M_(i, i) * M_(j, j) - M_(i, j) * M_(j, i); }
+
+  /// Recomputes the tableau of the present basis from the data, with 1 x 1 and 2 x 2 pivots chosen for size as by Bunch
+  /// and Parlett. O(n^2) per basic z. False, with another basis, when that is singular or not finite.
+  bool rebuild();
+
+  /// Bounds on the rounding errors of the constants, as if the data had relative errors of `relative`: constants below
+  /// these in magnitude have no sign. O(n^2).
+  void error_bounds(double relative, Vector& bounds);
+
+  /// z of the basis (nonbasic ones 0): the constants, refined twice on the data. Negative entries are made 0.
+  void solution(Vector& z);
+
+  /// max |min(c_i z_i, w_i)| on the data, c_i the largest |entry| of column i of M: c_i z_i is the largest change in w
+  /// that leaving out z_i would make. Infinity when it is not a number.
+  double residual(const Vector& z);
+
+ private:
+  template <std::size_t K>
+  void exchange(const std::array<Index, K>& pairs);
+  bool pivot_largest(const std::vector<char>& wanted);
+
+  Lcp lcp_;
+  Vector column_scale_;  // n
+  Matrix M_;             // n x n
+  Vector q_;             // n
+  std::vector<char> z_is_basic_;
+  Index pivots_since_rebuild_ = 0;
+  Matrix rows_, columns_;  // 2 x n and n x 2: scratch of an exchange
+  std::vector<char> wanted_;
+  Vector work_, magnitude_;  // n
+};
+
+}  // namespace lcpbench
