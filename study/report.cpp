@@ -12,9 +12,12 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "study/comparison.h"
 #include "study/report/canvas.h"
+#include "study/report/comparison_tables.h"
 #include "study/report/csv.h"
 #include "study/report/decision.h"
+#include "study/report/ecdf_figures.h"
 #include "study/report/figures.h"
 #include "study/report/gnuplot.h"
 #include "study/report/page.h"
@@ -116,12 +119,40 @@ void write_tables(const Summary& summary, const Json& document, const std::vecto
   write("decision.csv", decision_json(example, {situation}), decision_json(summary, situations));
 }
 
-report::Figures draw_figures(const Summary& summary) {
+/// mcnemar.csv, solver_times.csv, ecdf.csv, profiles.csv, vbs.csv, chains.csv.
+void write_comparison_tables(const Summary& summary, const std::vector<SetComparison>& comparisons,
+                             const std::filesystem::path& folder) {
+  make_folder(folder);
+  const Json examples = report::comparison_tables(example_summary(), {report::example_comparison()});
+  const Json tables = report::comparison_tables(summary, comparisons);
+  for (const auto& [name, records] : tables.items()) {
+    write_file(folder / (name + ".csv"), report::csv_table(examples[name].at(0), records));
+  }
+}
+
+/// The solver that the decision table recommends, for each set of its situations.
+Recommendations recommendations(const std::vector<report::Situation>& situations) {
+  Recommendations recommended;
+  for (const report::Situation& situation : situations) {
+    if (!situation.recommended) continue;
+    for (const std::size_t set : situation.sets) {
+      recommended[set] = situation.contenders[*situation.recommended].solver;
+    }
+  }
+  return recommended;
+}
+
+report::Figures draw_figures(const Summary& summary, const std::vector<SetComparison>& comparisons) {
   report::Figures figures;
   try {
     for (std::size_t set = 0; set < summary.sets.size(); ++set) {
       if (auto figure = report::speed_error_figure(summary, set)) figures.speed_error[set] = std::move(*figure);
       if (auto figure = report::error_distribution_figure(summary, set)) figures.distribution[set] = std::move(*figure);
+    }
+    for (const SetComparison& comparison : comparisons) {
+      const std::size_t set = comparison.set;
+      if (auto figure = report::time_ecdf_figure(summary, comparison)) figures.time_ecdf[set] = std::move(*figure);
+      if (auto figure = report::error_ecdf_figure(summary, comparison)) figures.error_ecdf[set] = std::move(*figure);
     }
   } catch (const report::FigureError& error) {
     figures.missing = error.what();
@@ -151,6 +182,12 @@ void write_figures(const Summary& summary, const report::Figures& figures, const
   }
   for (const auto& [set, figure] : figures.distribution) {
     write_file(folder / names.unique(summary.sets[set].name, ".errors.svg"), figure.svg);
+  }
+  for (const auto& [set, figure] : figures.time_ecdf) {
+    write_file(folder / names.unique(summary.sets[set].name, ".ecdf-time.svg"), figure.svg);
+  }
+  for (const auto& [set, figure] : figures.error_ecdf) {
+    write_file(folder / names.unique(summary.sets[set].name, ".ecdf-error.svg"), figure.svg);
   }
   const std::optional<std::size_t> headline = report::headline_set(summary);
   const auto figure = headline ? figures.speed_error.find(*headline) : figures.speed_error.end();
@@ -223,13 +260,16 @@ std::string set_text(const Summary& summary, std::size_t set) {
 std::string write_report(Store& store, const std::filesystem::path& folder) {
   const Summary summary = summarize(store);
   const std::vector<report::Situation> situations = report::decide(summary);
-  const report::Figures figures = draw_figures(summary);
-  const Json document = summary_json(summary);
+  const std::vector<SetComparison> comparisons = compare_solvers(summary, recommendations(situations));
+  const report::Figures figures = draw_figures(summary, comparisons);
+  Json document = summary_json(summary);
+  document["comparison"] = report::comparison_json(summary, comparisons);
   make_folder(folder);
   write_tables(summary, document, situations, folder / "tables");
+  write_comparison_tables(summary, comparisons, folder / "tables");
   write_figures(summary, figures, folder / "figures");
   write_file(folder / "summary.json", json_document(document));
-  write_file(folder / "report.html", report::html_page(summary, situations, figures));
+  write_file(folder / "report.html", report::html_page(summary, situations, comparisons, figures));
   return figures.missing;
 }
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "study/report/comparison_section.h"
 #include "study/report/sections.h"
 #include "study/report/style.h"
 #include "study/report/text.h"
@@ -15,7 +16,8 @@ namespace {
 
 std::string navigation() {
   return "<nav aria-label=\"Contents\"><a href=\"#answer\">Answer</a><a href=\"#sets\">Every set and solver</a>"
-         "<a href=\"#claims\">Claim against verdict</a><a href=\"#times\">What each time contains</a>"
+         "<a href=\"#comparison\">Comparing solvers</a><a href=\"#claims\">Claim against verdict</a><a "
+         "href=\"#times\">What each time contains</a>"
          "<a href=\"#provenance\">Provenance</a><a href=\"#definitions\">Definitions</a>"
          "<a href=\"#limits\">Limits</a></nav>\n";
 }
@@ -140,7 +142,8 @@ std::string figure_html(const std::map<std::size_t, Figure>& figures, std::size_
       escape(figure->second.alternative), base64(figure->second.svg));
 }
 
-std::string html_page(const Summary& summary, const std::vector<Situation>& situations, const Figures& figures) {
+std::string html_page(const Summary& summary, const std::vector<Situation>& situations,
+                      const std::vector<SetComparison>& comparisons, const Figures& figures) {
   std::string page =
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
@@ -153,8 +156,8 @@ std::string html_page(const Summary& summary, const std::vector<Situation>& situ
   page += decision_table(summary, situations);
   page += headline_figure(summary, figures);
   page += "<h3>Three limits</h3>\n" + three_limits(summary);
-  page += sets_section(summary, figures) + claims_section(summary) + times_section(summary) +
-          provenance_section(summary) + definitions_section() + limits_section(summary);
+  page += sets_section(summary, figures) + comparison_section(summary, comparisons, figures) + claims_section(summary) +
+          times_section(summary) + provenance_section(summary) + definitions_section() + limits_section(summary);
   page += "</main>\n<script>";
   page += kScript;
   return page + "</script>\n</body></html>\n";

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "study/comparison.h"
 #include "study/report/decision.h"
 #include "study/report/figures.h"
 #include "study/summary.h"
@@ -15,10 +16,13 @@ namespace lcpbench::report {
 struct Figures {
   std::map<std::size_t, Figure> speed_error;
   std::map<std::size_t, Figure> distribution;
+  std::map<std::size_t, Figure> time_ecdf;
+  std::map<std::size_t, Figure> error_ecdf;
   std::string missing;  ///< why there are none, "" when there are
 };
 
 /// The whole of report.html: self-contained, readable without scripts, every text of the store escaped.
-std::string html_page(const Summary& summary, const std::vector<Situation>& situations, const Figures& figures);
+std::string html_page(const Summary& summary, const std::vector<Situation>& situations,
+                      const std::vector<SetComparison>& comparisons, const Figures& figures);
 
 }  // namespace lcpbench::report

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "study/comparison.h"
+#include "study/report/page.h"
+
+namespace lcpbench::report {
+
+/// #comparison: the solvers of each set against each other on the same problems, one collapsed part per set, and the
+/// queries that repeat its counts.
+std::string comparison_section(const Summary& summary, const std::vector<SetComparison>& comparisons,
+                               const Figures& figures);
+
+}  // namespace lcpbench::report
