@@ -1,0 +1,63 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "study/paper/grids.h"
+
+namespace lcpbench::paper {
+
+/// What one comparison says of its claim, at a family-wise error of 5 % within the claim.
+enum class Stance { kSupports, kOpposes, kUndecided };
+
+/// One quantity against one bound.
+struct Comparison {
+  std::string what;   ///< the quantity in words, with set and solvers
+  std::string scope;  ///< reading and measure
+  double value = 0;
+  double bound = 0;
+  bool above = true;                         ///< the claim says that the quantity is above the bound
+  bool share = true;                         ///< a share or a difference of shares, shown in points; else a ratio
+  std::function<Interval(double)> interval;  ///< at a normal quantile
+  std::string detail;                        ///< counts, tests
+  Stance stance = Stance::kUndecided;
+};
+
+/// The result of a claim's test, found from its comparisons.
+enum class Word {
+  kConfirmed,     ///< some comparisons support it, none opposes
+  kInPart,        ///< some support it, some oppose
+  kContradicted,  ///< some oppose it, none supports
+  kExplained,     ///< confirmed as the paper measured, and the comparisons that name the cause support the cause
+  kUndecided,     ///< no comparison is decided at this number of trials
+  kNotTested,     ///< the store does not hold the data
+};
+const char* name_of(Word word);
+
+struct Claim {
+  std::string id;
+  std::string statement;
+  std::string rule;   ///< how the word is found
+  std::string cause;  ///< what `explained` says; "" for claims without a tested explanation
+  std::string needs;  ///< what a store must hold
+  std::vector<Comparison> comparisons;
+  std::vector<Comparison> explanation;
+  std::vector<Comparison> beyond;  ///< beside the claim: other solvers; no part in the word
+  Word word = Word::kNotTested;
+};
+
+/// Decides all stances and the word. Within each list, m comparisons are made at normal quantile of 5 %/m (Bonferroni),
+/// so that a word is due to chance in at most 5 % of studies. A comparison without number is undecided.
+void judge(Claim& claim);
+
+/// Every claim of the paper, and what this project adds to them, tested on the summary's data.
+std::vector<Claim> test_claims(const Summary& summary, const std::vector<Grid>& grids);
+
+/// One record per comparison, for claims-paper.csv; a claim without any has one that says what is needed.
+nlohmann::ordered_json claims_json(const std::vector<Claim>& claims);
+nlohmann::ordered_json claims_example();
+
+}  // namespace lcpbench::paper

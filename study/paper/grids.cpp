@@ -1,0 +1,276 @@
+#include "study/paper/grids.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+#include <tuple>
+
+#include "core/error.h"
+
+namespace lcpbench::paper {
+
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr std::string_view kPaperSweep = "paper";
+constexpr std::string_view kRedundancy = "redundancy";
+constexpr std::string_view kRegularized = "regularized";
+constexpr const char* kDefaultWrapped = "lemke";  // what `regularized` wraps unless its setting `solver` says otherwise
+
+/// The value of an option, nullptr when it is not given.
+const std::string* find_option(const Options& options, std::string_view key) {
+  const auto found =
+      std::find_if(options.begin(), options.end(), [key](const auto& option) { return option.first == key; });
+  return found == options.end() ? nullptr : &found->second;
+}
+
+/// The spec that a stored text stands for; a text that is none is taken as a bare name.
+Spec spec_or_name(const std::string& text) {
+  try {
+    return parse_spec(text);
+  } catch (const InputError&) {
+    return {text, {}};
+  }
+}
+
+/// What a swept solver is called: its sweep is "paper{engine=kernel}" where all cells have engine=kernel.
+std::pair<std::string, std::string> solver_and_sweep(const SolverRow& solver) {
+  Spec label = spec_or_name(solver.sweep);
+  std::string sweep = label.name;
+  label.name = solver.name;
+  return {label.text(), std::move(sweep)};
+}
+
+const Spread& spread_of(const Cell::Half& half, Quantity quantity, Measure measure) {
+  const bool criterion = measure == Measure::kCriterion;
+  switch (quantity) {
+    case Quantity::kTimeAll: return half.all_time;
+    case Quantity::kTimeSolved: return criterion ? half.criterion_time : half.solved_time;
+    case Quantity::kViolation: break;
+  }
+  return criterion ? half.criterion_violation : half.violation;
+}
+
+const Spread& spread_of(const Cell& cell, Quantity quantity, Measure measure) {
+  const bool criterion = measure == Measure::kCriterion;
+  switch (quantity) {
+    case Quantity::kTimeAll: return cell.all_time;
+    case Quantity::kTimeSolved: return criterion ? cell.criterion_time : cell.solved_time;
+    case Quantity::kViolation: break;
+  }
+  return criterion ? cell.criterion_violation : cell.violation;
+}
+
+double sample_sigma(const std::vector<double>& values) {
+  if (values.size() < 2) return kNone;
+  double mean = 0;
+  for (const double value : values) mean += value / static_cast<double>(values.size());
+  double squares = 0;
+  for (const double value : values) squares += (value - mean) * (value - mean);
+  return std::sqrt(squares / static_cast<double>(values.size() - 1));
+}
+
+/// The cell with the largest share on the even trials; the first of equals.
+const Cell* choose(const Grid& grid, Measure measure) {
+  const Cell* chosen = nullptr;
+  double best = -1;
+  for (const Cell* cell : grid.cells) {
+    const double share = solved_share(cell->halves[0], measure).value();
+    if (!(share > best)) continue;
+    best = share;
+    chosen = cell;
+  }
+  return chosen;
+}
+
+/// Adds the instruction-set level to labels that the store has at several.
+void tell_levels_apart(std::vector<Grid>& grids) {
+  std::map<std::string, std::set<std::string>> levels;
+  for (const Grid& grid : grids) levels[grid.label].insert(grid.isa);
+  for (Grid& grid : grids) {
+    if (levels[grid.label].size() > 1) grid.label += " at " + grid.isa;
+  }
+}
+
+std::string json_text(const nlohmann::ordered_json& value) {
+  return value.is_string() ? value.get<std::string>() : std::string();
+}
+
+/// What a run says of a solver that it left out: the text behind "name: " in its list `skipped`.
+std::string reason_of_run(const RunSummary& run, const std::string& solver) {
+  if (!run.provenance.is_object()) return "";
+  const auto skipped = run.provenance.find("skipped");
+  if (skipped == run.provenance.end() || !skipped->is_array()) return "";
+  for (const auto& entry : *skipped) {
+    const std::string text = json_text(entry);
+    const std::size_t end = text.find_first_of(":{ ");
+    if (text.substr(0, end) != solver) continue;
+    const std::size_t colon = text.find(": ");
+    return colon == std::string::npos ? "left out of the run" : text.substr(colon + 2);
+  }
+  return "";
+}
+
+const char* solver_of(Family family) {
+  switch (family) {
+    case Family::kLemke: return "lemke";
+    case Family::kPath: return "path";
+    case Family::kInteriorPoint: return "primal_dual";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string PaperSet::redundancy() const {
+  const std::string* value = find_option(options, kRedundancy);
+  return value == nullptr ? "multiple" : *value;
+}
+
+std::string PaperSet::other_readings() const {
+  std::string text;
+  for (const auto& [key, value] : options) {
+    if (key != kRedundancy) text += (text.empty() ? "" : ",") + key + "=" + value;
+  }
+  return text;
+}
+
+std::optional<PaperSet> paper_set(const std::string& name) {
+  const Spec spec = spec_or_name(name);
+  for (const Kind kind : kKinds) {
+    const std::string folder = std::string("paper/") + name_of(kind) + "/";
+    if (!spec.name.starts_with(folder)) continue;
+    const Experiment* experiment = find_experiment(std::string_view(spec.name).substr(folder.size()));
+    if (experiment != nullptr) return PaperSet{kind, experiment, spec.options};
+  }
+  return std::nullopt;
+}
+
+std::vector<Grid> grids(const Summary& summary) {
+  std::vector<Grid> grids;
+  std::map<std::tuple<std::size_t, std::string, std::string>, std::size_t> places;
+  for (const Cell& cell : summary.cells) {
+    const SolverRow& row = summary.solvers[cell.solver];
+    if (row.sweep.empty() || cell.refused()) continue;
+    const std::optional<PaperSet> problems = paper_set(summary.sets[cell.set].name);
+    if (!problems) continue;
+    const auto [place, is_new] = places.try_emplace({cell.set, row.name + " " + row.sweep, row.isa}, grids.size());
+    if (is_new) {
+      auto [solver, sweep] = solver_and_sweep(row);
+      std::string label = sweep == kPaperSweep ? solver : solver + " (sweep " + sweep + ")";
+      grids.push_back({cell.set, *problems, std::move(solver), std::move(sweep), row.isa, std::move(label), {}});
+    }
+    grids[place->second].cells.push_back(&cell);
+  }
+  tell_levels_apart(grids);
+  std::stable_sort(grids.begin(), grids.end(), [](const Grid& a, const Grid& b) {
+    return a.set != b.set ? a.set < b.set : natural_less(a.label, b.label);
+  });
+  return grids;
+}
+
+const Grid* find_grid(const std::vector<Grid>& grids, Kind kind, const Experiment& experiment,
+                      const std::string& redundancy, const std::string& label) {
+  for (const Grid& grid : grids) {
+    const PaperSet& problems = grid.problems;
+    if (problems.kind != kind || problems.experiment != &experiment || grid.label != label) continue;
+    if (!problems.other_readings().empty()) continue;
+    if (!experiment.redundant || problems.redundancy() == redundancy) return &grid;
+  }
+  return nullptr;
+}
+
+std::vector<std::string> readings_of(const Experiment& experiment) {
+  if (!experiment.redundant) return {kReadings.front()};
+  return {kReadings.begin(), kReadings.end()};
+}
+
+std::string wrapped_solver(const std::string& solver) {
+  const Spec spec = spec_or_name(solver);
+  if (spec.name != kRegularized) return "";
+  const std::string* wrapped = find_option(spec.options, "solver");
+  return wrapped == nullptr ? kDefaultWrapped : *wrapped;
+}
+
+std::optional<Family> family_of(const std::string& solver) {
+  const std::string wrapped = wrapped_solver(solver);
+  const std::string name = spec_or_name(wrapped.empty() ? solver : wrapped).name;
+  for (const Family family : kFamilies) {
+    if (name == solver_of(family)) return family;
+  }
+  return std::nullopt;
+}
+
+const char* name_of(Measure measure) { return measure == Measure::kCriterion ? "criterion" : "verdict"; }
+
+Proportion solved_share(const Cell& cell, Measure measure) {
+  if (measure == Measure::kCriterion) return {static_cast<double>(cell.criterion), static_cast<double>(cell.trials)};
+  return {static_cast<double>(cell.count(Verdict::kSolved)), static_cast<double>(cell.solvable())};
+}
+
+Proportion solved_share(const Cell::Half& half, Measure measure) {
+  if (measure == Measure::kCriterion) return {static_cast<double>(half.criterion), static_cast<double>(half.trials)};
+  return {static_cast<double>(half.solved), static_cast<double>(half.trials - half.unsolvable)};
+}
+
+GridRange range_of(const Grid& grid, Measure measure) {
+  GridRange range;
+  std::vector<double> shares;
+  double fewest = std::numeric_limits<double>::infinity();
+  for (const Cell* cell : grid.cells) {
+    const Proportion share = solved_share(*cell, measure);
+    if (!(share.trials > 0)) continue;
+    shares.push_back(share.value());
+    fewest = std::min(fewest, share.trials);
+    if (range.worst_cell == nullptr || share.value() < range.worst.value()) {
+      range.worst = share;
+      range.worst_cell = cell;
+    }
+    if (range.best_cell == nullptr || share.value() > range.best.value()) {
+      range.best = share;
+      range.best_cell = cell;
+    }
+  }
+  range.sigma = sample_sigma(shares);
+  if (shares.empty()) return range;
+  double average = 0;
+  for (const double share : shares) average += share / static_cast<double>(shares.size());
+  average = std::clamp(average, range.worst.value(), range.best.value());  // the sum is rounded
+  range.average = {average * fewest, fewest};
+  range.chosen = choose(grid, measure);
+  if (range.chosen == nullptr) return range;
+  range.chosen_even = solved_share(range.chosen->halves[0], measure);
+  range.held_out = solved_share(range.chosen->halves[1], measure);
+  return range;
+}
+
+Spread at_best(const Grid& grid, Quantity quantity, Measure measure) {
+  const Cell* chosen = choose(grid, measure);
+  return chosen == nullptr ? pooled({}) : pooled({spread_of(chosen->halves[1], quantity, measure)});
+}
+
+Spread over_all(const Grid& grid, Quantity quantity, Measure measure) {
+  std::vector<Spread> parts;
+  parts.reserve(grid.cells.size());
+  for (const Cell* cell : grid.cells) parts.push_back(spread_of(*cell, quantity, measure));
+  return pooled(parts);
+}
+
+std::string settings_of(const Summary& summary, const Cell* cell) {
+  if (cell == nullptr) return "";
+  const std::string& settings = summary.solvers[cell->solver].settings;
+  return settings.empty() ? "defaults" : settings;
+}
+
+std::string why_not_run(const Summary& summary, Family family) {
+  const std::string solver = solver_of(family);
+  for (auto run = summary.runs.rbegin(); run != summary.runs.rend(); ++run) {
+    const std::string reason = reason_of_run(*run, solver);
+    if (!reason.empty()) return "not run: " + solver + ": " + reason;
+  }
+  return "not run: no sweep of " + solver + " in this store";
+}
+
+}  // namespace lcpbench::paper

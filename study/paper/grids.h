@@ -1,0 +1,104 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/spec.h"
+#include "study/paper/intervals.h"
+#include "study/paper/published.h"
+#include "study/summary.h"
+
+namespace lcpbench::paper {
+
+/// A set of the paper's problems, its name taken apart.
+struct PaperSet {
+  Kind kind = Kind::kMonotone;
+  const Experiment* experiment = nullptr;
+  Options options;  ///< off their defaults
+
+  /// "multiple" (the default) or "combination".
+  std::string redundancy() const;
+  /// Options but `redundancy`, "key=value,key=value"; "" for the problems that the tables compare with the paper.
+  std::string other_readings() const;
+};
+
+/// nullopt for a set that is not "paper/<kind>/<experiment>".
+std::optional<PaperSet> paper_set(const std::string& name);
+
+/// One solver on one of the paper's sets, over its grid of parameters.
+struct Grid {
+  std::size_t set = 0;  ///< index into Summary::sets
+  PaperSet problems;
+  std::string solver;  ///< with what all cells share off its defaults: "lemke", "regularized{test=tried}"
+  std::string sweep;   ///< the grid's name
+  std::string isa;
+  std::string label;               ///< the solver as tables name it: with the grid unless that is the paper's, with the
+                                   ///< instruction-set level where the store has it at several
+  std::vector<const Cell*> cells;  ///< in the order of Summary::solvers
+};
+
+/// All grids of a summary on the paper's sets, by set, then solver. They point into `summary`.
+std::vector<Grid> grids(const Summary& summary);
+
+/// The grid of a solver (by label) on an experiment at its defaults but for `redundancy`, which is passed over where
+/// the experiment has no redundant contacts. nullptr when the store has none.
+const Grid* find_grid(const std::vector<Grid>& grids, Kind kind, const Experiment& experiment,
+                      const std::string& redundancy, const std::string& label);
+
+/// The readings of `redundancy`, the default first.
+inline constexpr std::array<const char*, 2> kReadings{"multiple", "combination"};
+
+/// The readings of an experiment: both where it has redundant contacts, else the default alone.
+std::vector<std::string> readings_of(const Experiment& experiment);
+
+/// The paper's solver that this one stands for: lemke, path and primal_dual (the interior point method), and
+/// `regularized` for the solver that it wraps. nullopt for all others.
+std::optional<Family> family_of(const std::string& solver);
+
+/// The solver that `regularized{...}` wraps, in the form of Grid::solver; "" for a solver that wraps none.
+std::string wrapped_solver(const std::string& solver);
+
+/// What "solved" means in a rate.
+enum class Measure {
+  kCriterion,  ///< the paper's: claimed solved, violation < 1e-3 m/s, work gain < 1e-3 J; of all trials
+  kVerdict,    ///< this project's: every condition holds to 1e-4; of the trials that are not proven unsolvable
+};
+inline constexpr std::array<Measure, 2> kMeasures{Measure::kCriterion, Measure::kVerdict};
+const char* name_of(Measure measure);
+
+Proportion solved_share(const Cell& cell, Measure measure);
+Proportion solved_share(const Cell::Half& half, Measure measure);
+
+/// Worst, average and best over a grid.
+struct GridRange {
+  Proportion worst;
+  Proportion average;
+  Proportion best;
+  const Cell* worst_cell = nullptr;
+  const Cell* best_cell = nullptr;
+  const Cell* chosen = nullptr;  ///< best on the even trials; the first of equals
+  Proportion chosen_even;
+  Proportion held_out;  ///< its share on the odd trials
+  double sigma = 0;     ///< sample standard deviation of the shares; NaN for one cell
+};
+
+/// Cells all of whose problems are unsolvable have no share and are passed over; all pointers null when no cell has
+/// one.
+GridRange range_of(const Grid& grid, Measure measure);
+
+enum class Quantity { kTimeSolved, kTimeAll, kViolation };
+
+/// At the parameterisation chosen on the even trials, of the odd ones; `measure` says what solved means and chooses.
+Spread at_best(const Grid& grid, Quantity quantity, Measure measure);
+/// Over all parameterisations, all trials.
+Spread over_all(const Grid& grid, Quantity quantity, Measure measure);
+
+/// Settings of a cell as tables write them: those off their defaults, "defaults" for none.
+std::string settings_of(const Summary& summary, const Cell* cell);
+
+/// Why the store has no row of a paper's solver: "not run: <reason of the run>", or that the store has none.
+std::string why_not_run(const Summary& summary, Family family);
+
+}  // namespace lcpbench::paper

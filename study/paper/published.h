@@ -1,0 +1,73 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string_view>
+
+namespace lcpbench::paper {
+
+// The figures of Drumwright and Shell (2012), "Extensive analysis of linear complementarity problem (LCP) solver
+// performance on randomly generated rigid body contact problems", as printed; NaN where the paper prints none.
+
+/// Algorithm III.1 (frictionless) or IV.1 (friction cones).
+enum class Kind { kMonotone, kCopositive };
+
+/// The solvers of the paper.
+enum class Family { kLemke, kPath, kInteriorPoint };
+
+inline constexpr std::array<Kind, 2> kKinds{Kind::kMonotone, Kind::kCopositive};
+inline constexpr std::array<Family, 3> kFamilies{Family::kLemke, Family::kPath, Family::kInteriorPoint};
+
+/// "monotone", "copositive": as in the names of sets.
+const char* name_of(Kind kind);
+/// "Lemke", "PATH", "IP": as in the paper's tables.
+const char* name_of(Family family);
+
+/// Trials behind each of the paper's rates.
+inline constexpr double kPublishedTrials = 20000;
+
+/// An experiment by its name in sets ("exp5-1e8") and in the paper's tables ("5, 1e8").
+struct Experiment {
+  std::string_view name;
+  std::string_view title;
+  bool redundant = false;        ///< has dependent contacts, so that the readings of redundancy differ
+  bool regularized = false;      ///< Experiment 6
+  std::string_view condition{};  ///< "1e5", "1e8", "1e10", "" where none is prescribed
+};
+
+/// In the order of the tables; the experiment with the raised ceilings last.
+std::span<const Experiment> experiments();
+/// nullptr for a name that is none of them.
+const Experiment* find_experiment(std::string_view name);
+
+/// Shares of problems solved, of 1: over a solver's grid of parameters.
+struct PublishedRate {
+  Kind kind;
+  std::string_view experiment;
+  Family family;
+  double worst;
+  double average;
+  double best;
+};
+/// Tables IV.1 and IV.2, and the best rate of the experiment with raised ceilings. nullopt: not printed.
+std::optional<PublishedRate> published_rate(Kind kind, std::string_view experiment, Family family);
+
+struct PublishedSpread {
+  double mean;
+  double sigma;
+  double max;
+};
+
+/// One experiment's times [s] or violations [m/s]: at the best parameters and over all of them.
+struct PublishedMeasurement {
+  PublishedSpread best;
+  PublishedSpread all;
+};
+/// Tables IV.3 (monotone) and IV.4 (copositive), Experiment 6. @param solved_only of solved problems, else of all.
+std::optional<PublishedMeasurement> published_time(Kind kind, std::string_view experiment, Family family,
+                                                   bool solved_only);
+/// Tables IV.5 and IV.6, Experiment 6: normal constraint violation of solved problems.
+std::optional<PublishedMeasurement> published_violation(Kind kind, std::string_view experiment, Family family);
+
+}  // namespace lcpbench::paper

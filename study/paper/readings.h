@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "study/paper/grids.h"
+
+namespace lcpbench::paper {
+
+/// What an option of a set off its default does to a solver's rates, against the same set at its defaults.
+struct ReadingEffect {
+  const Grid* reading = nullptr;
+  const Grid* at_default = nullptr;
+  Measure measure = Measure::kCriterion;
+  GridRange with;
+  GridRange without;
+};
+
+/// Every sweep on a set with options off their defaults, where the store has the same sweep at the defaults.
+std::vector<ReadingEffect> reading_effects(const std::vector<Grid>& grids);
+
+/// Margin beyond the interval of the difference within which a published rate counts as reproduced.
+inline constexpr double kReproductionMargin = 0.01;
+
+/// One published number against ours by the paper's criterion.
+struct Reproduction {
+  const Grid* grid = nullptr;
+  Family family = Family::kLemke;
+  const char* statistic = "";  ///< "worst", "average", "best"
+  double published = 0;
+  double ours = 0;
+  Interval difference{};    ///< ours less the published, 95 %: both are samples
+  bool reproduced = false;  ///< the interval comes within kReproductionMargin of 0
+  std::string explanation;  ///< what is known of it, "" for nothing
+};
+
+/// Every published worst, average and best that the store has a counterpart of.
+std::vector<Reproduction> reproductions(const std::vector<Grid>& grids);
+
+nlohmann::ordered_json readings_json(const Summary& summary, const std::vector<ReadingEffect>& effects);
+nlohmann::ordered_json readings_example();
+nlohmann::ordered_json reproductions_json(const Summary& summary, const std::vector<Reproduction>& rows);
+nlohmann::ordered_json reproductions_example();
+
+}  // namespace lcpbench::paper

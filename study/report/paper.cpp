@@ -1,0 +1,367 @@
+#include "study/report/paper.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "study/paper/queries.h"
+#include "study/report/csv.h"
+#include "study/report/gnuplot.h"
+#include "study/report/paper_figures.h"
+#include "study/report/paper_writer.h"
+#include "study/report/text.h"
+
+namespace lcpbench::report {
+
+namespace {
+
+using paper::Claim;
+using paper::code;
+using paper::Comparison;
+using paper::Entry;
+using paper::Layout;
+using paper::points;
+using paper::Stance;
+
+constexpr const char* kSource =
+    "Published figures: E. Drumwright and D. A. Shell, “Extensive analysis of linear complementarity problem (LCP) "
+    "solver "
+    "performance on randomly generated rigid body contact problems”, IROS 2012.";
+
+std::string member(const RunSummary& run, const char* name) {
+  const bool present = run.provenance.is_object() && run.provenance.contains(name);
+  if (!present) return "not recorded";
+  const auto& value = run.provenance[name];
+  return value.is_string() ? value.get<std::string>()
+                           : value.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+std::string provenance_line(const Summary& summary) {
+  if (summary.runs.empty()) return "The store records no run.";
+  const RunSummary& run = summary.runs.back();
+  return fmt::format(
+      "Latest run: {}, lcpbench {} at commit {}, processor {}, instruction-set level {}, compiler {}, seed {}. To "
+      "repeat "
+      "it: {}. Runs in the store: {}.",
+      code(run.started), code(member(run, "lcpbench")), code(member(run, "commit")), code(member(run, "processor")),
+      code(member(run, "isa")), code(member(run, "compiler")), code(member(run, "seed")), code(member(run, "command")),
+      summary.runs.size());
+}
+
+// --- claims ---
+
+std::string quantity_text(const Comparison& comparison, double value) {
+  if (!comparison.share) return paper::number(value);
+  return std::isfinite(value) ? fmt::format("{:.2f}", 100 * value) : "–";
+}
+
+std::string interval_text(const Comparison& comparison) {
+  const Interval interval = comparison.interval(paper::kZ95);
+  return quantity_text(comparison, interval.low) + " to " + quantity_text(comparison, interval.high);
+}
+
+std::string bound_text(const Comparison& comparison) {
+  return std::string(comparison.above ? "above " : "below ") + quantity_text(comparison, comparison.bound);
+}
+
+const char* stance_text(Stance stance) {
+  switch (stance) {
+    case Stance::kSupports: return "supports";
+    case Stance::kOpposes: return "opposes";
+    case Stance::kUndecided: return "undecided";
+  }
+  return "";
+}
+
+Layout comparisons_layout(const std::string& caption, const std::vector<Comparison>& comparisons) {
+  Layout layout{caption, {"Compared", "Of", "Value", "Claimed", "Says"}, 2, {}};
+  for (const Comparison& comparison : comparisons) {
+    layout.rows.push_back({{comparison.what, comparison.detail},
+                           {comparison.scope, ""},
+                           {quantity_text(comparison, comparison.value), interval_text(comparison)},
+                           {bound_text(comparison), ""},
+                           {stance_text(comparison.stance), ""}});
+  }
+  return layout;
+}
+
+/// Of the comparisons with a stance the one nearest to its bound, or the one farthest; nullptr for none.
+const Comparison* extreme(const std::vector<Comparison>& comparisons, Stance stance, bool nearest) {
+  const auto distance = [](const Comparison& c) {
+    return c.share ? std::abs(c.value - c.bound) : std::abs(std::log(c.value / c.bound));
+  };
+  const Comparison* found = nullptr;
+  for (const Comparison& comparison : comparisons) {
+    if (comparison.stance != stance) continue;
+    const bool better = found == nullptr ||
+                        (nearest ? distance(comparison) < distance(*found) : distance(comparison) > distance(*found));
+    if (better) found = &comparison;
+  }
+  return found;
+}
+
+std::string comparison_line(const Comparison& comparison) {
+  return comparison.what + " (" + comparison.scope + "): " + quantity_text(comparison, comparison.value) + " [" +
+         interval_text(comparison) + "], claimed " + bound_text(comparison);
+}
+
+std::size_t count(const std::vector<Comparison>& comparisons, Stance stance) {
+  return static_cast<std::size_t>(std::count_if(comparisons.begin(), comparisons.end(),
+                                                [stance](const Comparison& c) { return c.stance == stance; }));
+}
+
+Entry evidence_entry(const Claim& claim) {
+  if (claim.comparisons.empty()) return {"needs " + claim.needs, ""};
+  std::string text =
+      fmt::format("{} of {} comparisons support it, {} oppose it.", count(claim.comparisons, Stance::kSupports),
+                  claim.comparisons.size(), count(claim.comparisons, Stance::kOpposes));
+  if (claim.word == paper::Word::kExplained) text += " " + claim.cause;
+  std::string detail;
+  if (const Comparison* weakest = extreme(claim.comparisons, Stance::kSupports, true)) {
+    detail = "Weakest support: " + comparison_line(*weakest) + ".";
+  }
+  if (const Comparison* strongest = extreme(claim.comparisons, Stance::kOpposes, false)) {
+    detail += (detail.empty() ? "" : " ") + std::string("Strongest against: ") + comparison_line(*strongest) + ".";
+  }
+  return {text, detail};
+}
+
+void write_claims(PaperWriter& writer, const PaperStudy& study) {
+  writer.heading(1, "paper-claims", "The paper’s claims");
+  writer.paragraph(
+      "Each claim is tested by the rule that stands with it, on this store. A comparison supports or opposes its claim "
+      "when "
+      "its interval lies on one side of the bound, at a level that keeps the chance of any wrong one within a claim "
+      "below "
+      "5 % (Bonferroni). `confirmed`: some support, none opposes; `confirmed in part`: both; `contradicted`: some "
+      "oppose, "
+      "none supports; `explained`: confirmed as the paper measured, and a named cause is supported too; `undecided`: "
+      "too "
+      "few trials to tell.");
+  writer.paragraph(
+      "Values are shares and their differences in per cent, times and violations as ratios; in small print 95 % "
+      "intervals. "
+      "Parameterisations of sweeps are compared as independent samples although they met the same problems, which "
+      "makes "
+      "intervals wider than need be. Numbers: `tables/claims-paper.csv`.");
+  Layout layout{"Claims", {"Claim", "Result", "Evidence"}, 1, {}};
+  for (const Claim& claim : study.claims) {
+    layout.rows.push_back({{claim.statement, ""}, {name_of(claim.word), ""}, evidence_entry(claim)});
+  }
+  writer.table(layout);
+  writer.query(paper::totals_query());
+  for (const Claim& claim : study.claims) {
+    writer.open(claim.statement + " " + name_of(claim.word) + ".");
+    writer.paragraph("Rule: " + claim.rule);
+    if (claim.comparisons.empty()) writer.paragraph("Not tested: needs " + claim.needs + ".");
+    if (!claim.comparisons.empty()) writer.table(comparisons_layout("Comparisons", claim.comparisons));
+    if (!claim.explanation.empty()) writer.table(comparisons_layout("Cause: " + claim.cause, claim.explanation));
+    if (!claim.beyond.empty()) {
+      writer.table(comparisons_layout("Beside the claim, without part in its result", claim.beyond));
+    }
+    writer.close();
+  }
+}
+
+// --- readings and what is not reproduced ---
+
+Entry effect_entry(const paper::Proportion& with, const paper::Proportion& without) {
+  const paper::LinearCombination change = paper::difference(with, without);
+  if (std::isnan(change.value())) return {"–", ""};
+  const Interval interval = change.interval();
+  return {fmt::format("{:+.2f}", 100 * change.value()),
+          fmt::format("{:+.2f} to {:+.2f}; {} → {}", 100 * interval.low, 100 * interval.high, points(without.value()),
+                      points(with.value()))};
+}
+
+Layout readings_layout(const Summary& summary, const PaperStudy& study) {
+  Layout layout{
+      "Change of the share solved against the same set at its defaults [points], with 95 % interval; from → to",
+      {"Set", "Solver", "Solved by", "Worst", "Average", "Best", "Best, held out"},
+      3,
+      {}};
+  for (const paper::ReadingEffect& effect : study.readings) {
+    layout.rows.push_back({{code(summary.sets[effect.reading->set].name), ""},
+                           {code(effect.reading->label), ""},
+                           {name_of(effect.measure), ""},
+                           effect_entry(effect.with.worst, effect.without.worst),
+                           effect_entry(effect.with.average, effect.without.average),
+                           effect_entry(effect.with.best, effect.without.best),
+                           effect_entry(effect.with.held_out, effect.without.held_out)});
+  }
+  return layout;
+}
+
+Layout missed_layout(const Summary& summary, const PaperStudy& study) {
+  Layout layout{"Published numbers that are not reproduced",
+                {"Set", "Paper’s solver", "Ours", "Number", "Published", "Ours [%]", "Difference [points]", "Known"},
+                4,
+                {}};
+  for (const paper::Reproduction& row : study.reproductions) {
+    if (row.reproduced) continue;
+    layout.rows.push_back({{code(summary.sets[row.grid->set].name), ""},
+                           {name_of(row.family), ""},
+                           {code(row.grid->label), ""},
+                           {row.statistic, ""},
+                           {points(row.published), ""},
+                           {points(row.ours), ""},
+                           {fmt::format("{:+.2f}", 100 * (row.ours - row.published)),
+                            fmt::format("{:+.2f} to {:+.2f}", 100 * row.difference.low, 100 * row.difference.high)},
+                           {row.explanation, ""}});
+  }
+  return layout;
+}
+
+void write_readings(PaperWriter& writer, const Summary& summary, const PaperStudy& study) {
+  writer.heading(1, "paper-readings", "Open readings, and what is not reproduced");
+  writer.paragraph(
+      "The paper leaves details of its generators open. Each reading is an option of a set (`docs/generators.md`); "
+      "here is "
+      "what it changes. Numbers: `tables/readings.csv`.");
+  if (study.readings.empty()) writer.paragraph("No sweep on a set with an option off its default is in this store.");
+  if (!study.readings.empty()) writer.table(readings_layout(summary, study));
+  const auto missed = std::count_if(study.reproductions.begin(), study.reproductions.end(),
+                                    [](const paper::Reproduction& row) { return !row.reproduced; });
+  writer.paragraph(fmt::format(
+      "Published worst, average and best shares against ours by the paper’s criterion: {} of {} differ by more than "
+      "{:.0f} "
+      "point beyond the 95 % interval of the difference, in which both are samples, the paper’s of {:.0f} trials. All "
+      "are in `tables/reproduction.csv`.",
+      missed, study.reproductions.size(), 100 * paper::kReproductionMargin, paper::kPublishedTrials));
+  if (missed > 0) {
+    writer.open(fmt::format("The {} that differ", missed));
+    writer.table(missed_layout(summary, study));
+    writer.close();
+  }
+  writer.query(paper::rates_query(paper::Kind::kMonotone));
+}
+
+// --- tables and maps ---
+
+void write_tables(PaperWriter& writer, const PaperStudy& study) {
+  writer.heading(1, "paper-tables", "The paper’s tables");
+  writer.paragraph(std::string(kSource) + " Ours stand beside them, both readings of redundancy.");
+  for (const paper::Table& table : study.tables) {
+    if (table.layouts.empty()) continue;
+    writer.heading(2, "", "Table " + table.id + ": " + table.title);
+    for (std::size_t i = 0; i < table.layouts.size(); ++i) {
+      const bool first = i == 0;
+      if (!first) writer.open(table.layouts[i].caption);
+      writer.table(table.layouts[i]);
+      if (!first) writer.close();
+    }
+    for (const std::string& note : table.notes) writer.paragraph(note);
+    writer.paragraph("Unrounded: `tables/paper-" + table.id + ".csv`.");
+    writer.query(table.query);
+  }
+  writer.paragraph("Times and violations of all experiments: `tables/paper-measurements.csv`.");
+}
+
+void write_maps(PaperWriter& writer, const Summary& summary, const PaperStudy& study) {
+  if (study.maps.empty()) return;
+  writer.heading(1, "tolerance-maps", "Tolerance maps");
+  writer.paragraph(
+      "The share solved over the two tolerances of Lemke’s algorithm, a field for each of the paper’s "
+      "parameterisations. "
+      "Numbers with intervals: `tables/tolerance-map.csv`.");
+  if (!study.missing.empty()) writer.paragraph("No pictures: " + study.missing + ".");
+  for (const DrawnMap& drawn : study.maps) {
+    if (drawn.figure.svg.empty()) continue;
+    writer.open(code(summary.sets[drawn.map.grid->set].name) + ", " + code(drawn.map.grid->label));
+    writer.figure(drawn.file, drawn.figure);
+    writer.close();
+  }
+  writer.query(paper::cells_query());
+}
+
+void write_study(PaperWriter& writer, const Summary& summary, const PaperStudy& study) {
+  write_tables(writer, study);
+  write_claims(writer, study);
+  write_readings(writer, summary, study);
+  write_maps(writer, summary, study);
+}
+
+/// Two grids of a store may have the same name for files.
+std::string unique_file(const std::string& stem, std::set<std::string>& taken) {
+  std::string file = "figures/tolerance-" + stem + ".svg";
+  for (int suffix = 2; !taken.insert(file).second; ++suffix) {
+    file = fmt::format("figures/tolerance-{}-{}.svg", stem, suffix);
+  }
+  return file;
+}
+
+std::vector<DrawnMap> draw_maps(const Summary& summary, const std::vector<paper::Grid>& grids, std::string& missing) {
+  std::vector<DrawnMap> drawn;
+  std::set<std::string> taken;
+  for (paper::ToleranceMap& map : paper::tolerance_maps(summary, grids)) {
+    const std::string stem = file_stem(summary.sets[map.grid->set].name + " " + map.grid->label);
+    drawn.push_back({std::move(map), unique_file(stem, taken), {}});
+    if (!missing.empty()) continue;
+    try {
+      drawn.back().figure = tolerance_figure(summary, drawn.back().map);
+    } catch (const FigureError& error) {
+      missing = error.what();
+    }
+  }
+  return drawn;
+}
+
+}  // namespace
+
+PaperStudy paper_study(const Summary& summary) {
+  PaperStudy study;
+  study.grids = paper::grids(summary);
+  if (study.empty()) return study;
+  for (const auto& table : {paper::rates_table, paper::times_table, paper::violations_table}) {
+    for (const paper::Kind kind : paper::kKinds) study.tables.push_back(table(summary, study.grids, kind));
+  }
+  study.tables.push_back(paper::measurements_table(summary, study.grids));
+  study.claims = paper::test_claims(summary, study.grids);
+  study.readings = paper::reading_effects(study.grids);
+  study.reproductions = paper::reproductions(study.grids);
+  study.maps = draw_maps(summary, study.grids, study.missing);
+  return study;
+}
+
+std::string paper_sections(const Summary& summary, const PaperStudy& study) {
+  if (study.empty()) return "";
+  HtmlPaperWriter writer;
+  write_study(writer, summary, study);
+  return "<section id=\"paper\">\n" + writer.text() + "</section>\n";
+}
+
+std::string paper_navigation(const PaperStudy& study) {
+  if (study.empty()) return "";
+  return std::string(
+             "<a href=\"#paper-tables\">The paper’s tables</a><a href=\"#paper-claims\">The paper’s claims</a>") +
+         (study.maps.empty() ? "" : "<a href=\"#tolerance-maps\">Tolerance maps</a>");
+}
+
+std::map<std::string, std::string> paper_files(const Summary& summary, const PaperStudy& study) {
+  std::map<std::string, std::string> files;
+  if (study.empty()) return files;
+  for (const paper::Table& table : study.tables) {
+    files["tables/paper-" + table.id + ".csv"] = csv_table(table.example, table.records);
+  }
+  files["tables/claims-paper.csv"] = csv_table(paper::claims_example(), paper::claims_json(study.claims));
+  files["tables/readings.csv"] = csv_table(paper::readings_example(), paper::readings_json(summary, study.readings));
+  files["tables/reproduction.csv"] =
+      csv_table(paper::reproductions_example(), paper::reproductions_json(summary, study.reproductions));
+  std::vector<paper::ToleranceMap> maps;
+  for (const DrawnMap& drawn : study.maps) {
+    maps.push_back(drawn.map);
+    if (!drawn.figure.svg.empty()) files[drawn.file] = drawn.figure.svg;
+  }
+  files["tables/tolerance-map.csv"] =
+      csv_table(paper::tolerance_maps_example(), paper::tolerance_maps_json(summary, maps));
+  MarkdownPaperWriter writer;
+  writer.heading(0, "", "The study of Drumwright and Shell (2012), repeated");
+  writer.paragraph(provenance_line(summary));
+  write_study(writer, summary, study);
+  files["paper.md"] = writer.text();
+  return files;
+}
+
+}  // namespace lcpbench::report

@@ -1,0 +1,139 @@
+#include "study/report/paper_writer.h"
+
+#include <fmt/format.h>
+
+#include "study/report/text.h"
+
+namespace lcpbench::report {
+
+namespace {
+
+/// Applies `plain` to the text outside backticks and `code` to that between them.
+template <class Plain, class Code>
+std::string inline_text(const std::string& text, Plain plain, Code code) {
+  std::string out;
+  std::size_t at = 0;
+  bool in_code = false;
+  while (at <= text.size()) {
+    const std::size_t end = std::min(text.find('`', at), text.size());
+    const std::string part = text.substr(at, end - at);
+    out += in_code ? code(part) : plain(part);
+    in_code = !in_code;
+    at = end + 1;
+  }
+  return out;
+}
+
+std::string html(const std::string& text) {
+  return inline_text(
+      text, [](const std::string& part) { return escape(part); },
+      [](const std::string& part) { return report::code(part); });
+}
+
+std::string with_backslashes(const std::string& text, std::string_view characters) {
+  std::string out;
+  for (const char c : mended(text)) {
+    if (characters.find(c) != std::string_view::npos) out += '\\';
+    out += c;
+  }
+  return out;
+}
+
+std::string markdown(const std::string& text) {
+  return inline_text(
+      text, [](const std::string& part) { return with_backslashes(part, "\\*_<>|[]#"); },
+      [](const std::string& part) { return "`" + with_backslashes(part, "|") + "`"; });
+}
+
+/// Numbers stand to the right and are not broken; words, such as the reason of a missing run, are neither.
+bool is_number(const std::string& text) {
+  return !text.empty() && (text.find_first_of("0123456789") < 2 || text == "–") && text.find('`') == std::string::npos;
+}
+
+std::string html_entry(const paper::Entry& entry, bool label) {
+  const std::string detail = entry.detail.empty() ? "" : "<small>" + html(entry.detail) + "</small>";
+  if (label) return "<th scope=\"row\">" + html(entry.text) + detail + "</th>";
+  return fmt::format("<td{}>{}{}</td>", is_number(entry.text) ? " class=\"number\"" : "", html(entry.text), detail);
+}
+
+std::string markdown_entry(const paper::Entry& entry) {
+  return markdown(entry.text) + (entry.detail.empty() ? "" : "<br><sub>" + markdown(entry.detail) + "</sub>");
+}
+
+}  // namespace
+
+void HtmlPaperWriter::heading(int level, const std::string& anchor, const std::string& text) {
+  const int rank = level + 1;
+  text_ += fmt::format("<h{}{}>{}</h{}>\n", rank, anchor.empty() ? "" : " id=\"" + anchor + "\"", html(text), rank);
+}
+
+void HtmlPaperWriter::paragraph(const std::string& text) { text_ += "<p>" + html(text) + "</p>\n"; }
+
+void HtmlPaperWriter::table(const paper::Layout& layout) {
+  text_ += "<div class=\"scroll\" tabindex=\"0\"><table class=\"paper\"><caption>" + html(layout.caption) +
+           "</caption><thead><tr>";
+  for (const std::string& column : layout.columns) text_ += "<th scope=\"col\">" + html(column) + "</th>";
+  text_ += "</tr></thead><tbody>\n";
+  for (const auto& row : layout.rows) {
+    text_ += "<tr>";
+    for (std::size_t i = 0; i < row.size(); ++i) text_ += html_entry(row[i], i < layout.labels);
+    text_ += "</tr>\n";
+  }
+  text_ += "</tbody></table></div>\n";
+}
+
+void HtmlPaperWriter::query(const std::string& sql) {
+  text_ +=
+      "<details><summary>SQL that repeats the counts on the store</summary><div class=\"scroll\" tabindex=\"0\"><pre>" +
+      report::code(sql) + "</pre></div></details>\n";
+}
+
+void HtmlPaperWriter::figure(const std::string&, const Figure& figure) {
+  text_ += fmt::format(
+      "<figure><div class=\"scroll\" tabindex=\"0\"><img alt=\"{}\" "
+      "src=\"data:image/svg+xml;base64,{}\"></div></figure>\n",
+      escape(figure.alternative), base64(figure.svg));
+}
+
+void HtmlPaperWriter::open(const std::string& summary) {
+  text_ += "<details><summary>" + html(summary) + "</summary>\n";
+}
+
+void HtmlPaperWriter::close() { text_ += "</details>\n"; }
+
+void MarkdownPaperWriter::heading(int level, const std::string&, const std::string& text) {
+  text_ += std::string(static_cast<std::size_t>(level) + 1, '#') + " " + markdown(text) + "\n\n";
+}
+
+void MarkdownPaperWriter::paragraph(const std::string& text) { text_ += markdown(text) + "\n\n"; }
+
+void MarkdownPaperWriter::table(const paper::Layout& layout) {
+  text_ += "**" + markdown(layout.caption) + "**\n\n|";
+  for (const std::string& column : layout.columns) text_ += " " + markdown(column) + " |";
+  text_ += "\n|";
+  for (std::size_t i = 0; i < layout.columns.size(); ++i) text_ += i < layout.labels ? " --- |" : " ---: |";
+  text_ += "\n";
+  for (const auto& row : layout.rows) {
+    text_ += "|";
+    for (const paper::Entry& entry : row) text_ += " " + markdown_entry(entry) + " |";
+    text_ += "\n";
+  }
+  text_ += "\n";
+}
+
+void MarkdownPaperWriter::query(const std::string& sql) {
+  text_ += "<details><summary>SQL that repeats the counts on the store</summary>\n\n```sql\n" + sql +
+           "\n```\n\n</details>\n\n";
+}
+
+void MarkdownPaperWriter::figure(const std::string& file, const Figure& figure) {
+  text_ += "![" + markdown(figure.alternative) + "](" + file + ")\n\n";
+}
+
+void MarkdownPaperWriter::open(const std::string& summary) {
+  text_ += "<details><summary>" + html(summary) + "</summary>\n\n";
+}
+
+void MarkdownPaperWriter::close() { text_ += "</details>\n\n"; }
+
+}  // namespace lcpbench::report
