@@ -17,6 +17,11 @@ bool same_counters(const Counters& a, const Counters& b) {
   return a.iterations == b.iterations && a.pivots == b.pivots && a.factorizations == b.factorizations;
 }
 
+bool same_answer(const Answer& a, const Answer& b) {
+  return a.claim == b.claim && same_counters(a.counters, b.counters) && same_bits(a.z, b.z) &&
+         same_bits(a.velocity, b.velocity) && same_bits(a.farkas, b.farkas) && a.detail == b.detail;
+}
+
 class OneByOne final : public SweptSolver {
  public:
   OneByOne(std::vector<OpenCell> cells, bool keep) : open_(std::move(cells)), keep_(keep), solvers_(open_.size()) {}
@@ -62,11 +67,6 @@ bool same_bits(const Vector& a, const Vector& b) {
   return a.size() == b.size() && std::equal(a.data(), a.data() + a.size(), b.data(), [](double x, double y) {
            return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y);
          });
-}
-
-bool same_answer(const Answer& a, const Answer& b) {
-  return a.claim == b.claim && same_counters(a.counters, b.counters) && same_bits(a.z, b.z) &&
-         same_bits(a.velocity, b.velocity) && same_bits(a.farkas, b.farkas) && a.detail == b.detail;
 }
 
 std::unique_ptr<SweptSolver> one_by_one(std::vector<OpenCell> cells, bool keep) {

@@ -8,6 +8,8 @@
 #include <deque>
 #include <exception>
 #include <mutex>
+#include <numeric>
+#include <stdexcept>
 #include <thread>
 #include <unordered_map>
 #include <utility>
@@ -238,6 +240,22 @@ ProblemRow problem_row(const std::string& set_name, std::uint64_t seed, std::int
   return row;
 }
 
+/// A cell that is left out or answered twice would be a row lost, or counted twice, in silence.
+void check_complete(const std::vector<SweptAnswer>& answers, const StudySolver& solver) {
+  bool complete = true;
+  std::vector<std::uint32_t> answered;
+  for (const SweptAnswer& answer : answers) {
+    complete = complete && !answer.cells.empty() && std::is_sorted(answer.cells.begin(), answer.cells.end());
+    answered.insert(answered.end(), answer.cells.begin(), answer.cells.end());
+  }
+  std::sort(answered.begin(), answered.end());
+  std::vector<std::uint32_t> all(solver.cells.size());
+  std::iota(all.begin(), all.end(), 0U);
+  if (complete && answered == all) return;
+  throw std::logic_error(
+      fmt::format("the sweep {} of {} answered not every cell once", solver.row.sweep, solver.row.text()));
+}
+
 /// One thread's solvers and its loop over the queue.
 class Worker {
  public:
@@ -305,6 +323,7 @@ class Worker {
     if (planned.swept()) {
       if (sweeps_[solver] == nullptr) sweeps_[solver] = planned.open_swept();
       sweeps_[solver]->run(problem, request, swept_);
+      check_complete(swept_, planned);
       for (SweptAnswer& answer : swept_) {
         rows.push_back(judge.judge(ids_[solver], answer.timed));
         rows.back().cells = std::move(answer.cells);

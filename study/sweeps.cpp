@@ -22,6 +22,7 @@ std::vector<std::string> decades(int first, int step) {
 std::vector<SweepAxis> paper_axes(const std::string& solver) {
   if (solver == "lemke") return {{"pivot_tolerance", decades(-20, 2)}, {"zero_tolerance", decades(-20, 2)}};
   if (solver == "primal_dual") return {{"eps", decades(-20, 6)}, {"eps_feas", decades(-20, 6)}};
+  if (solver == "path") return {{"tolerance", decades(-20, 2)}};
   return {};
 }
 
