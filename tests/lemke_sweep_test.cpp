@@ -335,5 +335,73 @@ TEST(SweptLemkeTest, SweepsTolerancesOfTheKernelEngineOnly) {
   EXPECT_THROW(make({one, {{"zero_tolerance", "-1"}}}), InputError);
 }
 
+/// Cells of `regularized` with these settings, its inner lemke at each of `inner`.
+std::vector<Options> regularized_cells(const Cells& inner, const Options& settings) {
+  std::vector<Options> cells;
+  for (const LemkeSettings& each : inner) {
+    cells.push_back(settings);
+    cells.back().emplace_back("solver", Spec{"lemke", changed_settings(each)}.text());
+  }
+  return cells;
+}
+
+class SweptRegularizedTest : public ::testing::TestWithParam<const char*> {
+ protected:
+  static void expect_same_on(const Options& settings, const Cells& inner, const std::vector<Problem>& problems) {
+    const auto cells = regularized_cells(inner, settings);
+    const auto swept = find_solver("regularized").definition.make_swept(cells);
+    ASSERT_NE(swept, nullptr);
+    for (const Problem& problem : problems) expect_swept("regularized", cells, problem, *swept);
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Tests, SweptRegularizedTest, ::testing::Values("tried", "original"),
+                         [](const auto& test) { return std::string(test.param); });
+
+TEST_P(SweptRegularizedTest, GivesEachCellItsOwnAnswer) {
+  std::vector<Problem> problems = edge_cases();
+  for (const char* name : {"paper/monotone/exp3", "paper/monotone/exp4", "paper/monotone/exp5-1e10"}) {
+    const auto set = open_set(name);
+    for (std::int64_t trial = 0; trial < 12; ++trial) problems.push_back(set->generate(4, trial));
+  }
+  for (const LemkeUpdate update : {LemkeUpdate::kResolve, LemkeUpdate::kIncremental}) {
+    expect_same_on({{"test", GetParam()}}, paper_grid({.update = update}), problems);
+  }
+  expect_same_on({{"test", GetParam()}, {"first", "1e-8"}, {"factor", "10"}}, scattered_cells({}), problems);
+  expect_same_on({{"test", GetParam()}, {"last", "0"}}, paper_grid(), problems);
+}
+
+TEST_P(SweptRegularizedTest, GivesEachCellItsOwnAnswerWithFriction) {
+  std::vector<Problem> problems;
+  const auto set = open_set("paper/copositive/exp5-1e8");
+  for (std::int64_t trial = 0; problems.size() < 6; ++trial) {
+    Problem problem = set->generate(4, trial);
+    if (problem.size() <= 120) problems.push_back(std::move(problem));
+  }
+  expect_same_on({{"test", GetParam()}}, paper_grid({.cap = LemkeCap::k3n}), problems);
+}
+
+TEST(SweptRegularizedRulesTest, SweepsTolerancesOfAnInnerLemkeOnly) {
+  const auto make = find_solver("regularized").definition.make_swept;
+  const auto cell_of = [](const char* solver, const char* last = "10") {
+    return Options{{"solver", solver}, {"last", last}};
+  };
+  EXPECT_NE(make({cell_of("lemke"), cell_of("lemke{zero_tolerance=0}")}), nullptr);
+  EXPECT_EQ(make({cell_of("lemke"), cell_of("lemke{zero_tolerance=0}", "1")}), nullptr);
+  EXPECT_EQ(make({cell_of("lemke"), cell_of("lemke{update=incremental}")}), nullptr);
+  EXPECT_EQ(make({cell_of("lemke{engine=dense}"), cell_of("lemke{engine=dense,zero_tolerance=0}")}), nullptr);
+  EXPECT_EQ(make({cell_of("primal_dual"), cell_of("primal_dual")}), nullptr);
+  EXPECT_EQ(make({}), nullptr);
+  EXPECT_THROW(make({cell_of("nobody")}), InputError);
+}
+
+TEST(SweptRegularizedRulesTest, EndsWhenTheTimeIsOver) {
+  const auto cells = regularized_cells(paper_grid(), {});
+  const auto swept = find_solver("regularized").definition.make_swept(cells);
+  TimedRequest no_time;
+  no_time.time_limit_s = 0;
+  for (const Problem& problem : edge_cases()) expect_swept("regularized", cells, problem, *swept, no_time);
+}
+
 }  // namespace
 }  // namespace lcpbench

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/registry.h"
+#include "core/settings.h"
+#include "core/solver.h"
+
+namespace lcpbench {
+
+/// Whose w the test takes.
+enum class RegularizedTest { kTried, kOriginal };
+
+struct RegularizedSettings {
+  std::string solver = "lemke";
+  double first = 1e-20;
+  double factor = 1e4;
+  double last = 10.0;
+  double tolerance = 1e-6;
+  RegularizedTest test = RegularizedTest::kOriginal;
+
+  void visit(auto&& field) {
+    field("solver", solver, "the native solver tried on each problem, with its settings in braces");
+    field("first", first, RealRange{.min = 1e-300, .max = 1e300}, "first eps of the ladder");
+    field("factor", factor, RealRange{.min = 1.5, .max = 1e300}, "each eps is the one before times this");
+    field("last", last, RealRange{.min = 0, .max = 1e300}, "no eps is above this; 0: only M itself is tried");
+    field("tolerance", tolerance, RealRange{.min = 0, .max = 1}, "relative tolerance of the test on z, w and z'w");
+    field("test", test,
+          Choices<RegularizedTest>{{{"tried", RegularizedTest::kTried}, {"original", RegularizedTest::kOriginal}}},
+          "w of the test is that of M + eps I, as published (passes answers far from the truth), or of M");
+  }
+};
+
+/// The native solver that `spec` names. @throws InputError for a solver that does not run in this process.
+const SolverDefinition& regularized_inner(const Spec& spec);
+
+/// What `regularized` promises with this inner solver.
+Capabilities regularized_capabilities(const Capabilities& inner);
+
+/// Adds counters up; unknown ones stay unknown.
+void add_counters(Counters& sum, const Counters& counters);
+
+/// How a try on M + eps I ended.
+enum class TryOutcome { kPassed, kFailed, kOutOfTime };
+
+/// The problem of one `regularized`, and the test that an answer has to pass.
+///
+/// With tau the tolerance, an answer passes when its solver claims it solved and c_i z_i >= -tau max|q|, w_i >= -tau
+/// s_i and |z'w| <= tau |z|'s. c_i is the largest |entry| of M's column i; s_i = max|q|, so that large inner forces
+/// excuse nothing, but |q_i| + sum_j |M_ij| max(|z_j|, max|q| / c_j) on rows with M_ii = 0 (those of a friction cone,
+/// whose w has other units than q; z_j below tau max|q| / c_j is rounding noise, as in the test on z). With test=tried,
+/// as published, w belongs to the problem with the shift, so that a passed test says nothing about how far the shift
+/// moved the solution, and problems without any solution pass; test=original takes w of the problem as given.
+class Regularization {
+ public:
+  explicit Regularization(const RegularizedSettings& settings) : settings_(settings) {}
+
+  /// Forms M.
+  void load(const Problem& problem);
+
+  Index size() const { return lcp_.size(); }
+  Problem plain() const;
+  Problem shifted(double eps) const;
+
+  /// The eps after this one, from 0 on; nothing where the ladder ends.
+  std::optional<double> next(double eps) const;
+
+  TryOutcome judge(const Answer& answer, double eps) const;
+
+  /// Says of an answer that passed which try it is from: the first has eps = 0.
+  static void report_pass(double eps, int tries, Answer& answer);
+
+  /// Turns the answer of the first try into that of the whole when none has passed: no claim of success.
+  void report_failure(TryOutcome last, Answer& answer) const;
+
+ private:
+  bool passes(const Answer& answer, double eps) const;
+
+  RegularizedSettings settings_;
+  std::string name_;
+  bool contact_ = false;
+  Lcp lcp_;
+  Vector column_scale_;  // n: largest |entry| of each column of M
+  Vector resolved_;      // n: the z_i that moves some w by max|q|, 0 where none does
+};
+
+/// SolverDefinition::make_swept of `regularized`: null but for cells that differ in the tolerances of an inner `lemke`
+/// alone, whose engine is kernel.
+std::unique_ptr<SweptSolver> make_swept_regularized(const std::vector<Options>& cells);
+
+}  // namespace lcpbench
