@@ -21,6 +21,7 @@
 #include "study/report/figures.h"
 #include "study/report/gnuplot.h"
 #include "study/report/page.h"
+#include "study/report/paper.h"
 #include "study/report/text.h"
 
 namespace lcpbench {
@@ -269,8 +270,10 @@ std::string write_report(Store& store, const std::filesystem::path& folder) {
   write_comparison_tables(summary, comparisons, folder / "tables");
   write_figures(summary, figures, folder / "figures");
   write_file(folder / "summary.json", json_document(document));
-  write_file(folder / "report.html", report::html_page(summary, situations, comparisons, figures));
-  return figures.missing;
+  const report::PaperStudy paper = report::paper_study(summary);
+  for (const auto& [name, content] : report::paper_files(summary, paper)) write_file(folder / name, content);
+  write_file(folder / "report.html", report::html_page(summary, situations, comparisons, figures, paper));
+  return figures.missing.empty() ? paper.missing : figures.missing;
 }
 
 std::string table_text(const Summary& summary) {

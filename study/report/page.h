@@ -8,6 +8,7 @@
 #include "study/comparison.h"
 #include "study/report/decision.h"
 #include "study/report/figures.h"
+#include "study/report/paper.h"
 #include "study/summary.h"
 
 namespace lcpbench::report {
@@ -23,6 +24,6 @@ struct Figures {
 
 /// The whole of report.html: self-contained, readable without scripts, every text of the store escaped.
 std::string html_page(const Summary& summary, const std::vector<Situation>& situations,
-                      const std::vector<SetComparison>& comparisons, const Figures& figures);
+                      const std::vector<SetComparison>& comparisons, const Figures& figures, const PaperStudy& paper);
 
 }  // namespace lcpbench::report
