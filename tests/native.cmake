@@ -5,6 +5,7 @@ target_sources(conformance_test PRIVATE allocation_counter.cpp)
 lcpbench_test(enumeration LINK lcpbench_native)
 lcpbench_test(primal_dual LINK lcpbench_native)
 lcpbench_test(regularized LINK lcpbench_native)
+lcpbench_test(principal_pivoting LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 lcpbench_test(psor LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 target_sources(psor_test PRIVATE allocation_counter.cpp)
 
@@ -30,3 +31,5 @@ add_executable(lemke_engines_benchmark EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_D
 target_link_libraries(lemke_engines_benchmark PRIVATE lcpbench_native lcpbench_generators)
 add_executable(lemke_paper_rates EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/lemke_paper_rates.cpp)
 target_link_libraries(lemke_paper_rates PRIVATE lcpbench_native lcpbench_generators lcpbench_evaluation)
+add_executable(lemke_sweep_benchmark EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/lemke_sweep_benchmark.cpp)
+target_link_libraries(lemke_sweep_benchmark PRIVATE lcpbench_native lcpbench_generators)
