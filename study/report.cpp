@@ -131,18 +131,6 @@ void write_comparison_tables(const Summary& summary, const std::vector<SetCompar
   }
 }
 
-/// The solver that the decision table recommends, for each set of its situations.
-Recommendations recommendations(const std::vector<report::Situation>& situations) {
-  Recommendations recommended;
-  for (const report::Situation& situation : situations) {
-    if (!situation.recommended) continue;
-    for (const std::size_t set : situation.sets) {
-      recommended[set] = situation.contenders[*situation.recommended].solver;
-    }
-  }
-  return recommended;
-}
-
 report::Figures draw_figures(const Summary& summary, const std::vector<SetComparison>& comparisons) {
   report::Figures figures;
   try {
@@ -261,7 +249,7 @@ std::string set_text(const Summary& summary, std::size_t set) {
 std::string write_report(Store& store, const std::filesystem::path& folder) {
   const Summary summary = summarize(store);
   const std::vector<report::Situation> situations = report::decide(summary);
-  const std::vector<SetComparison> comparisons = compare_solvers(summary, recommendations(situations));
+  const std::vector<SetComparison> comparisons = compare_solvers(summary, report::recommended_by_set(situations));
   const report::Figures figures = draw_figures(summary, comparisons);
   Json document = summary_json(summary);
   document["comparison"] = report::comparison_json(summary, comparisons);

@@ -292,6 +292,17 @@ std::vector<Situation> decide(const Summary& summary) {
           judge(summary, ill_conditioned_title(summary, ill_conditioned), ill_conditioned)};
 }
 
+std::map<std::size_t, std::size_t> recommended_by_set(const std::vector<Situation>& situations) {
+  std::map<std::size_t, std::size_t> recommended;
+  for (const Situation& situation : situations) {
+    if (!situation.recommended) continue;
+    for (const std::size_t set : situation.sets) {
+      recommended[set] = situation.contenders[*situation.recommended].solver;
+    }
+  }
+  return recommended;
+}
+
 std::optional<std::size_t> headline_set(const Summary& summary) {
   std::optional<std::size_t> hardest;
   std::pair<bool, double> lowest{};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -49,6 +50,9 @@ struct Situation {
 /// that met all problems of the situation can be recommended, and none when nothing was solved. A situation's sets are
 /// those whose problems are all proven solvable, where there are any: there every failure is the solver's.
 std::vector<Situation> decide(const Summary& summary);
+
+/// The solver recommended for each set (index into Summary::sets) of the situations.
+std::map<std::size_t, std::size_t> recommended_by_set(const std::vector<Situation>& situations);
 
 /// The set of the one picture: frictional contacts at inertia condition number 1e8 where the store has them, else the
 /// frictional set that its solvers solve least of, else the same among all sets. nullopt for a store without answers.
