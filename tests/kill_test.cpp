@@ -113,7 +113,8 @@ std::filesystem::path write_plan(const std::filesystem::path& file) {
   std::ofstream(file) << R"({
     "format": "lcpbench-plan", "version": 1, "name": "killed", "trials": 1200, "time_limit_s": 60, "repeat_until_s": 0.0002,
     "sets": ["paper/monotone/exp1", "paper/monotone/exp2", {"set": "paper/copositive/exp1{nc_max=6}", "trials": 300}],
-    "solvers": ["lemke", "lemke{engine=dense}", "regularized",
+    "solvers": ["lemke", "lemke{engine=dense}", "regularized", {"solver": "lemke{cap=3n}", "sweep": "paper"},
+                {"solver": "primal_dual", "sweep": "paper", "sets": ["paper/monotone/*"], "every": 3},
                 {"solver": "bullet_dantzig", "optional": true}, {"solver": "bullet_lemke", "optional": true, "every": 4}]})";
   return file;
 }

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "core/registry.h"
 #include "study/study.h"
 #include "tests/study_support.h"
 
@@ -77,6 +78,19 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{plan_text(kSets +
                       R"(, "solvers": [{"solver": "lemke", "sweep": {"name": "s", "grid": {"pivot_tolerance": []}}}])"),
             "solvers[0]: sweep: grid: pivot_tolerance: an axis needs a value"},
+        Bad{plan_text(kSets + R"(, "solvers": [{"solver": "lemke", "sets": []}])"),
+            "solvers[0]: sets: a solver needs a set"},
+        Bad{plan_text(kSets + R"(, "solvers": [{"solver": "lemke", "sets": "a"}])"),
+            "solvers[0]: sets: expected an array, found string"},
+        Bad{plan_text(kSets + R"(, "solvers": [{"solver": "lemke", "sets": ["a", 1]}])"),
+            "solvers[0]: sets[1]: expected a text, found number"},
+        Bad{plan_text(R"("sets": [{"set": "a", "share": 0}], )" + kSolvers),
+            "sets[0]: share: expected a number in (0, 1], found 0"},
+        Bad{plan_text(R"("sets": [{"set": "a", "share": 1.01}], )" + kSolvers),
+            "sets[0]: share: expected a number in (0, 1], found 1.01"},
+        Bad{plan_text(R"("sets": [{"set": "a", "share": "all"}], )" + kSolvers), "sets[0]: share: expected a number"},
+        Bad{plan_text(R"("sets": [{"set": "a", "share": 0.5, "trials": 5}], )" + kSolvers),
+            "sets[0]: 'trials' and 'share' exclude each other"},
         Bad{plan_text(R"("sets": [{"set": "a", "trials": -3}], )" + kSolvers), "sets[0]: trials: expected an integer"},
         Bad{R"({"format": "lcpbench-plan", "version": 1, "name": "../x", )" + kSets + "," + kSolvers + "}",
             "name: expected a name of letters"},
@@ -85,8 +99,10 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(PlanTest, ReadsEveryField) {
   const Plan plan =
       parse_plan(plan_text(R"("description": "d", "seed": 18446744073709551615, "trials": 7, "time_limit_s": 0.5,
-                   "repeat_until_s": 0, "budget_s": 60, "jobs": 3, "sets": ["a", {"set": "b", "trials": 2}],
-                   "solvers": ["lemke", {"solver": "primal_dual{eps=1e-9}", "every": 4, "optional": true}])"),
+                   "repeat_until_s": 0, "budget_s": 60, "jobs": 3, "sets": ["a", {"set": "b", "trials": 2},
+                   {"set": "c", "share": 0.25}],
+                   "solvers": ["lemke", {"solver": "primal_dual{eps=1e-9}", "every": 4, "optional": true,
+                                         "sets": ["a", "c*"]}])"),
                  "p.json");
   EXPECT_EQ(plan.name, "mine");
   EXPECT_EQ(plan.seed, 18446744073709551615U);
@@ -97,6 +113,10 @@ TEST(PlanTest, ReadsEveryField) {
   EXPECT_EQ(plan.jobs, 3);
   EXPECT_FALSE(plan.sets.at(0).trials.has_value());
   EXPECT_EQ(plan.sets.at(1).trials, 2);
+  EXPECT_FALSE(plan.sets.at(1).share.has_value());
+  EXPECT_EQ(plan.sets.at(2).share, 0.25);
+  EXPECT_EQ(plan.solvers.at(1).sets, (std::vector<std::string>{"a", "c*"}));
+  EXPECT_TRUE(plan.solvers.at(0).sets.empty());
   EXPECT_EQ(plan.solvers.at(1).spec.text(), "primal_dual{eps=1e-09}");
   EXPECT_EQ(plan.solvers.at(1).every, 4);
   EXPECT_TRUE(plan.solvers.at(1).optional);
@@ -105,7 +125,8 @@ TEST(PlanTest, ReadsEveryField) {
 
 TEST(PlanTest, JsonReadsBackToThePlan) {
   const Plan plan =
-      parse_plan(plan_text(kSets + R"(, "budget_s": 3, "solvers": [{"solver": "lemke", "sweep": "paper", "every": 2},
+      parse_plan(plan_text(R"("sets": [{"set": "a", "share": 0.1}, {"set": "b", "trials": 3}], "budget_s": 3,
+                             "solvers": [{"solver": "lemke", "sweep": "paper", "every": 2, "sets": ["a", "b?"]},
                              {"solver": "lemke", "sweep": {"name": "s", "grid": {"pivot_tolerance": [1e-12, "1e-8"]}}}])"),
                  "p.json");
   const std::string written = plan_json(plan);
@@ -157,6 +178,88 @@ TEST(ResolveTest, SameSetWithTwoNumbersOfTrialsIsRefused) {
   EXPECT_EQ(resolve(plan).sets.size(),
             resolve(Plan{.name = "q", .sets = {{.pattern = "paper/monotone/*", .trials = 3}}, .solvers = plan.solvers})
                 .sets.size());
+}
+
+std::string resolve_error(const Plan& plan) {
+  try {
+    resolve(plan);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no InputError";
+}
+
+TEST(ResolveTest, ShareOfTheTrialsIsRoundedUp) {
+  Plan plan{.name = "p", .sets = {{.pattern = "paper/monotone/exp1"}}, .solvers = {{.spec = {"lemke", {}}}}};
+  const auto trials = [&](double share, std::int64_t of) {
+    plan.sets[0].share = share;
+    plan.trials = of;
+    return resolve(plan).sets.at(0).trials;
+  };
+  EXPECT_EQ(trials(0.25, 2000), 500);
+  EXPECT_EQ(trials(0.07, 100), 7);  // 0.07 * 100 is 7.000000000000001
+  EXPECT_EQ(trials(0.071, 100), 8);
+  EXPECT_EQ(trials(1e-9, 3), 1);
+  EXPECT_EQ(trials(1, 3), 3);
+}
+
+TEST(ResolveTest, PatternOfASolverThatMatchesNoSetIsRefused) {
+  Plan plan{.name = "p",
+            .sets = {{.pattern = "paper/monotone/exp2{redundancy=combination}"}},
+            .solvers = {{.spec = {"lemke", {}}, .sets = {"paper/monotone/exp2"}}}};
+  EXPECT_EQ(resolve_error(plan), "plan p: solver 'lemke': sets: 'paper/monotone/exp2' matches none of the plan's sets");
+  plan.other_sets = true;
+  EXPECT_TRUE(resolve(plan).solvers.empty());
+  for (const char* pattern : {"paper/monotone/exp2{*}", "*exp2*", "*combination}", "paper/*/exp?{redundancy=*", "*",
+                              "paper/monotone/exp2{redundancy=combination}"}) {
+    plan.solvers[0].sets = {pattern};
+    EXPECT_EQ(resolve(plan).solvers.size(), 1U) << pattern;
+  }
+  for (const char* pattern :
+       {"paper/monotone/exp?", "paper/*/exp", "", "*exp2{redundancy=combination}?", "monotone*"}) {
+    plan.solvers[0].sets = {pattern};
+    EXPECT_TRUE(resolve(plan).solvers.empty()) << pattern;
+  }
+}
+
+TEST(ResolveTest, SolverGivenTwiceRunsWhereEitherEntryDoes) {
+  Plan plan{.name = "p",
+            .sets = {{.pattern = "paper/monotone/exp1"}, {.pattern = "paper/monotone/exp2"}},
+            .solvers = {{.spec = {"lemke", {}}, .every = 2, .sets = {"*exp1"}},
+                        {.spec = {"lemke", {}}, .every = 3, .sets = {"*exp?"}}}};
+  const Study study = resolve(plan);
+  ASSERT_EQ(study.solvers.size(), 1U);
+  std::string taken;
+  for (std::size_t set = 0; set < 2; ++set) {
+    for (std::int64_t trial = 0; trial < 7; ++trial) taken += study.solvers[0].takes(set, trial) ? 'x' : '-';
+    taken += ' ';
+  }
+  EXPECT_EQ(taken, "x-xxx-x x--x--x ");
+}
+
+TEST(ResolveTest, TwoGridsUnderOneNameAreRefused) {
+  const auto sweep = [](const char* value) { return Sweep{"mine", {{"zero_tolerance", {"1e-8", value}}}}; };
+  Plan plan{
+      .name = "p",
+      .sets = {{.pattern = "paper/monotone/exp1"}},
+      .solvers = {{.spec = {"lemke", {}}, .sweep = sweep("1e-6")}, {.spec = {"lemke", {}}, .sweep = sweep("1e-4")}}};
+  EXPECT_EQ(resolve_error(plan), "plan p: solver 'lemke': sweep 'mine' is given with two grids");
+  plan.solvers[1].sweep = sweep("1e-6");
+  EXPECT_EQ(resolve(plan).solvers.size(), 1U);
+}
+
+TEST(ResolveTest, PaperPlanGivesNoSolverAProblemItRefusesForItsKind) {
+  const Study study = resolve(load_plan("paper"));
+  for (const StudySolver& solver : study.solvers) {
+    bool runs = false;
+    for (std::size_t set = 0; set < study.sets.size(); ++set) {
+      const bool frictional = study.sets[set].set->name().find("copositive") != std::string::npos;
+      runs = runs || solver.takes(set, 0);
+      if (!find_solver(solver.row.name).definition.capabilities.frictionless_only || !frictional) continue;
+      EXPECT_FALSE(solver.takes(set, 0)) << solver.row.text() << " on " << study.sets[set].set->name();
+    }
+    EXPECT_TRUE(runs) << solver.row.text();
+  }
 }
 
 TEST(ResolveTest, ASweepIsAnotherSolverThanTheSameOneAlone) {

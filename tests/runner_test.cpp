@@ -19,6 +19,7 @@
 #include "core/error.h"
 #include "generators/problem_io.h"
 #include "study/merge.h"
+#include "study/one_by_one.h"
 #include "tests/study_support.h"
 
 namespace lcpbench {
@@ -101,6 +102,149 @@ TEST(RunnerTest, AddedSolverRunsAlone) {
   EXPECT_EQ(run(study, folder / "s.db").progress.done, 19 * 81);
   run(study, folder / "whole.db");
   EXPECT_EQ(dump(folder / "s.db"), dump(folder / "whole.db"));
+}
+
+/// Lemke at six parameterisations as one sweep, and as six solvers by themselves.
+Study swept_and_alone() {
+  Plan plan;
+  plan.name = "swept";
+  plan.trials = 12;
+  plan.repeat_until_s = 0;
+  plan.sets = {{.pattern = "paper/monotone/exp2"},
+               {.pattern = "paper/monotone/exp3"},
+               {.pattern = "paper/copositive/exp2{nc_max=4}"}};
+  const Spec lemke = parse_spec("lemke{cap=3n}");
+  const Sweep grid{"six", {{"pivot_tolerance", {"1e-12", "1e-4"}}, {"zero_tolerance", {"1e-16", "1e-8", "1e-4"}}}};
+  plan.solvers.push_back({.spec = lemke, .sweep = grid});
+  for (const Spec& cell : sweep_cells(grid, lemke)) plan.solvers.push_back({.spec = cell});
+  return resolve(plan);
+}
+
+TEST(RunnerTest, CellsOfASweepAnswerAsTheSolversDoAlone) {
+  const ScratchFolder folder;
+  const Study study = swept_and_alone();
+  run(study, folder / "s.db");
+  Store store = Store::open_for_reading(folder / "s.db");
+  const std::int64_t sweep = study.solvers[0].row.id();
+  std::int64_t compared = 0;
+  store.for_each_problem([&](const ProblemRow& problem) {
+    for (std::uint32_t cell = 0; cell < 6; ++cell) {
+      const Answer swept = store.answer(problem.id, sweep, cell).value();
+      const Answer alone = store.answer(problem.id, study.solvers[1 + cell].row.id()).value();
+      EXPECT_EQ(swept.claim, alone.claim);
+      EXPECT_EQ(swept.counters.pivots, alone.counters.pivots);
+      EXPECT_EQ(swept.detail, alone.detail);
+      EXPECT_TRUE(same_bits(swept.z, alone.z)) << problem.id << " cell " << cell;
+      ++compared;
+    }
+  });
+  EXPECT_EQ(compared, 3 * 12 * 6);
+  EXPECT_EQ(store.database().integer("SELECT COUNT(*) FROM judged_cells swept JOIN solvers s ON s.id = swept.solver_id "
+                                     "AND s.sweep <> '' JOIN judged_cells alone ON alone.problem_id = swept.problem_id "
+                                     "AND alone.settings = swept.settings AND alone.solver_id <> swept.solver_id "
+                                     "WHERE alone.verdict = swept.verdict AND alone.claim = swept.claim"),
+            3 * 12 * 6);
+  EXPECT_LT(store.database().integer("SELECT COUNT(*) FROM judged j JOIN solvers s ON s.id = j.solver_id "
+                                     "WHERE s.sweep <> ''"),
+            3 * 12 * 6 / 2);
+}
+
+TEST(RunnerTest, CellsRunOneByOneGiveTheRowsOfCellsRunTogether) {
+  const ScratchFolder folder;
+  Study study = swept_and_alone();
+  run(study, folder / "together.db");
+  std::vector<OpenCell> cells;
+  for (std::size_t i = 1; i < study.solvers.size(); ++i) cells.push_back(study.solvers[i].open);
+  study.solvers[0].open_swept = [cells] { return one_by_one(cells, true); };
+  run(study, folder / "apart.db");
+  EXPECT_EQ(dump(folder / "apart.db"), dump(folder / "together.db"));
+}
+
+TEST(RunnerTest, EqualAnswersOfASweepShareARowAndTheirMeanTime) {
+  class Fixed final : public TimedSolver {
+   public:
+    Fixed(double z, double solve_s) : z_(z), solve_s_(solve_s) {}
+    void run(const Problem& problem, const TimedRequest& request, TimedAnswer& result) override {
+      EXPECT_EQ(request.repeat_until_s, 0);
+      result = {};
+      result.answer.z = Vector::Constant(problem.size(), z_);
+      result.times.solve_cpu_s = solve_s_;
+    }
+
+   private:
+    double z_, solve_s_;
+  };
+  std::vector<OpenCell> cells;
+  for (const auto& [z, solve_s] : {std::pair{1.0, 1.0}, {0.0, 7.0}, {1.0, 3.0}, {-0.0, 9.0}}) {
+    cells.push_back([z = z, solve_s = solve_s] { return std::make_unique<Fixed>(z, solve_s); });
+  }
+  const auto sweep = one_by_one(cells, true);
+  std::vector<SweptAnswer> answers;
+  sweep->run(Problem("p", Lcp{Matrix::Identity(2, 2), Vector::Ones(2)}), {.repeat_until_s = 1}, answers);
+  ASSERT_EQ(answers.size(), 3U);
+  EXPECT_EQ(answers[0].cells, (std::vector<std::uint32_t>{0, 2}));
+  EXPECT_EQ(answers[0].timed.times.solve_cpu_s, 2.0);
+  EXPECT_EQ(answers[1].cells, (std::vector<std::uint32_t>{1}));
+  EXPECT_EQ(answers[2].cells, (std::vector<std::uint32_t>{3})) << "0 and -0 are two answers";
+}
+
+TEST(RunnerTest, SweepThatLeavesOutACellIsADefectAndWritesNothing) {
+  class Forgetful final : public SweptSolver {
+   public:
+    void run(const Problem&, const TimedRequest&, std::vector<SweptAnswer>& answers) override {
+      answers = {{{0, 2}, {}}};
+    }
+  };
+  const ScratchFolder folder;
+  Study study = swept_and_alone();
+  study.solvers.resize(1);
+  study.solvers[0].open_swept = [] { return std::make_unique<Forgetful>(); };
+  EXPECT_THROW(run(study, folder / "s.db"), std::logic_error);
+  EXPECT_EQ(Store::open_for_reading(folder / "s.db").cell_count(), 0);
+}
+
+TEST(RunnerTest, MergeOfSweepsThatWereGroupedOtherwiseIsAConflict) {
+  const ScratchFolder folder;
+  Study study = swept_and_alone();
+  study.solvers.resize(1);
+  run(study, folder / "a.db");
+  class Otherwise final : public SweptSolver {
+   public:
+    void run(const Problem&, const TimedRequest&, std::vector<SweptAnswer>& answers) override {
+      answers = {{{0, 1, 2, 3}, {}}, {{4, 5}, {}}};
+      answers[1].timed.answer.detail = "another";
+    }
+  };
+  study.solvers[0].open_swept = [] { return std::make_unique<Otherwise>(); };
+  run(study, folder / "b.db");
+  EXPECT_FALSE(merge_stores(folder / "out.db", {folder / "a.db", folder / "b.db"}).conflicts.empty());
+  EXPECT_FALSE(std::filesystem::exists(folder / "out.db"));
+}
+
+TEST(RunnerTest, SolversRunOnTheirSetsAndShareOfTrials) {
+  Plan plan;
+  plan.name = "limited";
+  plan.trials = 10;
+  plan.repeat_until_s = 0;
+  plan.sets = {{.pattern = "paper/monotone/exp1", .share = 0.55},
+               {.pattern = "paper/monotone/exp2{redundancy=combination}", .share = 0.1}};
+  plan.solvers = {{.spec = parse_spec("lemke"), .every = 3, .sets = {"*exp1"}},
+                  {.spec = parse_spec("lemke"), .sets = {"paper/*{redundancy=combination}"}},
+                  {.spec = parse_spec("primal_dual"), .every = 2}};
+  const ScratchFolder folder;
+  run(resolve(plan), folder / "s.db");
+  Store store = Store::open_for_reading(folder / "s.db");
+  sqlite::Statement rows(
+      store.database(),
+      "SELECT v.name || ' ' || s.name || ' ' || j.trial FROM judged j JOIN sets s ON s.id = j.set_id "
+      "JOIN solvers v ON v.id = j.solver_id ORDER BY 1");
+  std::vector<std::string> ran;
+  while (rows.step()) ran.emplace_back(rows.text(0));
+  EXPECT_EQ(ran, (std::vector<std::string>{"lemke paper/monotone/exp1 0", "lemke paper/monotone/exp1 3",
+                                           "lemke paper/monotone/exp2{redundancy=combination} 0",
+                                           "primal_dual paper/monotone/exp1 0", "primal_dual paper/monotone/exp1 2",
+                                           "primal_dual paper/monotone/exp1 4",
+                                           "primal_dual paper/monotone/exp2{redundancy=combination} 0"}));
 }
 
 TEST(RunnerTest, MergedShardsEqualTheWhole) {

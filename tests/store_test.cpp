@@ -232,6 +232,101 @@ TEST(StoreTest, ForeignFilesAreNamedAndLeftAlone) {
   EXPECT_NE(input_error([&] { Store::open_for_reading(folder / "none.db"); }).find("no such store"), std::string::npos);
 }
 
+SolverRow some_sweep() {
+  SolverRow sweep = some_solver();
+  sweep.sweep = "grid{engine=dense}";
+  return sweep;
+}
+
+const std::vector<Parameterisation> kThreeCells{{"a=1", "a=1,b=0"}, {"a=2", "a=2,b=0"}, {"a=3", "a=3,b=0"}};
+
+/// Cells 0 and 2 claim solved, cell 1 does not.
+ProblemResult swept_result(const Vector& z) {
+  ProblemResult result = one_result("a/set", some_sweep(), z);
+  result.answers[0].cells = {0, 2};
+  result.answers.push_back(result.answers[0]);
+  result.answers[1].cells = {1};
+  result.answers[1].claim = Claim::kUnsolvable;
+  result.answers[1].z.reset();
+  result.answers[1].errors = {};
+  return result;
+}
+
+void fill_with_sweep(const std::filesystem::path& file) {
+  Store store = Store::open_for_writing(file);
+  store.begin();
+  store.add_run("2026-01-01T00:00:00Z", "{}");
+  store.add_set("a/set");
+  store.add_solver(some_sweep(), kThreeCells);
+  store.add(swept_result(Vector::Ones(2)));
+  store.commit();
+}
+
+TEST(StoreTest, EveryCellOfASweepHasItsAnswer) {
+  const ScratchFolder folder;
+  fill_with_sweep(folder / "s.db");
+  Store store = Store::open_for_reading(folder / "s.db");
+  const std::int64_t problem = problem_id("a/set", 7, 3);
+  EXPECT_EQ(store.cell_count(), 3);
+  EXPECT_EQ(store.done(problem), std::vector<std::int64_t>{some_sweep().id()});
+  EXPECT_EQ(store.solvers().at(0).cells, kThreeCells);
+  EXPECT_EQ(store.solvers().at(0).cell(2).text(), "lemke{a=3}");
+  for (const std::uint32_t cell : {0U, 2U}) {
+    EXPECT_EQ(store.answer(problem, some_sweep().id(), cell).value().claim, Claim::kSolved) << cell;
+  }
+  EXPECT_EQ(store.answer(problem, some_sweep().id(), 1).value().claim, Claim::kUnsolvable);
+  EXPECT_FALSE(store.answer(problem, some_sweep().id(), 3).has_value());
+  sqlite::Statement rows(store.database(),
+                         "SELECT cell || ' ' || part || ' ' || settings || ' ' || claim || ' ' || verdict "
+                         "FROM judged_cells ORDER BY cell");
+  std::vector<std::string> cells;
+  while (rows.step()) cells.emplace_back(rows.text(0));
+  // One cell's solution shows that the problem has one, so that the other cell missed it.
+  EXPECT_EQ(cells,
+            (std::vector<std::string>{"0 0 a=1 solved solved", "1 1 a=2 unsolvable missed", "2 0 a=3 solved solved"}));
+}
+
+/// Two ways to group the cells on one problem must not both be there: a cell would have two answers.
+TEST(StoreTest, AnswersOfASweepStayAsTheyCameFirst) {
+  const ScratchFolder folder;
+  fill_with_sweep(folder / "s.db");
+  const std::string before = dump(folder / "s.db");
+  {
+    Store store = Store::open_for_writing(folder / "s.db");
+    ProblemResult again = swept_result(Vector::Ones(2));
+    again.answers[0].cells = {0, 1};
+    again.answers[1].cells = {2};
+    store.begin();
+    store.add(again);
+    store.commit();
+  }
+  EXPECT_EQ(dump(folder / "s.db"), before);
+}
+
+TEST(StoreTest, SweepOverAnotherGridIsRefused) {
+  const ScratchFolder folder;
+  fill_with_sweep(folder / "s.db");
+  Store store = Store::open_for_writing(folder / "s.db");
+  for (const std::size_t cells : {2U, 4U}) {
+    std::vector<Parameterisation> grid = kThreeCells;
+    grid.resize(cells, {"a=4", "a=4,b=0"});
+    const std::string cause = input_error([&] { store.add_solver(some_sweep(), grid); });
+    EXPECT_NE(cause.find("sweep 'grid{engine=dense}' of 'lemke{engine=dense}' with other grid values"),
+              std::string::npos)
+        << cause;
+  }
+}
+
+TEST(StoreTest, OlderFormatIsRefusedInOneLine) {
+  const ScratchFolder folder;
+  fill(folder / "s.db", Vector::Ones(2));
+  sqlite::Database(folder / "s.db", sqlite::Mode::kReadWriteCreate).execute("PRAGMA user_version = 1");
+  const std::string expected =
+      (folder / "s.db").string() + ": store format 1, this lcpbench reads format 2; use another store, or --fresh";
+  EXPECT_EQ(input_error([&] { Store::open_for_reading(folder / "s.db"); }), expected);
+  EXPECT_EQ(input_error([&] { Store::open_for_writing(folder / "s.db"); }), expected);
+}
+
 TEST(StoreTest, NewerFormatIsNamed) {
   const ScratchFolder folder;
   fill(folder / "s.db", Vector::Ones(2));

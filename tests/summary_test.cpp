@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/error.h"
 #include "synthetic_store.h"
 
 namespace lcpbench {
@@ -236,6 +237,115 @@ TEST(SummaryTest, SweepGivesWorstAverageBestAndAnHonestBest) {
   const auto json = summary_json(summary)["sweeps"][0];
   EXPECT_DOUBLE_EQ(json["best"].get<double>(), 7.0 / 8);
   EXPECT_EQ(json["cells"], 2);
+}
+
+/// A sweep of three cells on four trials, whose cells agree in another way on each; beside it the reference.
+class SweptStore {
+ public:
+  explicit SweptStore(const std::filesystem::path& file) : made_(file) {
+    SolverRow row{"lemke", "cap=3n", "engine=kernel,cap=3n", "native", "1.0", "baseline", "grid{cap=3n}"};
+    Store& store = made_.store();
+    store.begin();
+    sweep_ = store.add_solver(row, {{"cap=3n,t=10", ""}, {"cap=3n,t=9", ""}, {"cap=3n,t=8", ""}});
+    store.commit();
+    reference_ = made_.solver("lemke");
+    add(0, {{{0, 1, 2}, {.time_s = 2, .violation_m_per_s = 1e-6}}});
+    add(1, {{{0}, {.time_s = 4}}, {{1, 2}, {.error = 1, .criterion = true, .time_s = 6, .violation_m_per_s = 2e-6}}});
+    add(2, {{{0, 2}, {.claim = Claim::kIterationLimit, .error = kNone, .time_s = 8}}, {{1}, {.time_s = 1}}});
+    add(3, {{{0}, {.error = 1, .criterion = false, .time_s = 3}}, {{1}, {.time_s = 5}}, {{2}, {.time_s = 7}}});
+  }
+
+  Store& store() { return made_.store(); }
+
+ private:
+  using Part = std::pair<std::vector<std::uint32_t>, MadeAnswer>;
+
+  void add(std::int64_t trial, const std::vector<Part>& parts) {
+    std::vector<std::pair<std::int64_t, MadeAnswer>> answers{{reference_, {.time_s = 1}}};
+    for (const Part& part : parts) answers.emplace_back(sweep_, part.second);
+    ProblemResult result = made_.result(kSet, trial, answers, 10, "solvable", "contact");
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      result.answers[i + 1].cells = parts[i].first;
+      result.answers[i + 1].counters.pivots = 10 * trial;
+    }
+    store().begin();
+    store().add(result);
+    store().commit();
+  }
+
+  SyntheticStore made_;
+  std::int64_t sweep_ = 0;
+  std::int64_t reference_ = 0;
+};
+
+TEST(SummaryTest, SharedAnswersCountForEachOfTheirCells) {
+  const ScratchFolder folder;
+  SweptStore made(folder / "s.db");
+  const Summary summary = summarize(made.store());
+  ASSERT_EQ(summary.cells.size(), 4U);
+  ASSERT_EQ(summary.solvers[3].settings, "cap=3n,t=10") << "natural order";
+  const Cell& third = summary.cells[1];
+  const Cell& second = summary.cells[2];
+  const Cell& first = summary.cells[3];
+  for (const Cell* cell : {&first, &second, &third}) EXPECT_EQ(cell->trials, 4);
+  EXPECT_EQ(first.count(Verdict::kSolved), 2);
+  EXPECT_EQ(second.count(Verdict::kSolved), 3);
+  EXPECT_EQ(third.count(Verdict::kSolved), 2);
+  EXPECT_EQ(first.false_claims(), 1);
+  EXPECT_EQ(second.criterion, 4);
+  EXPECT_EQ(third.criterion, 3);
+  EXPECT_DOUBLE_EQ(second.all_time.mean, (2.0 + 6 + 1 + 5) / 4);
+  EXPECT_DOUBLE_EQ(second.solved_time.mean, (2.0 + 1 + 5) / 3);
+  EXPECT_DOUBLE_EQ(second.solved_time.max, 5);
+  EXPECT_EQ(second.criterion_time.count, 4);
+  EXPECT_DOUBLE_EQ(second.criterion_violation.max, 2e-6);
+  EXPECT_DOUBLE_EQ(second.violation.max, 1e-6);
+  EXPECT_DOUBLE_EQ(third.pivots.mean, (0.0 + 10 + 20 + 30) / 4);
+  EXPECT_DOUBLE_EQ(second.time_parts.setup_cpu, 14.0 / 4 / 4);
+  EXPECT_EQ(first.halves[0].trials, 2);
+  EXPECT_EQ(first.halves[0].solved, 1);
+  EXPECT_EQ(first.halves[1].solved, 1);
+  EXPECT_DOUBLE_EQ(second.halves[1].criterion_rate(), 1);
+  EXPECT_DOUBLE_EQ(second.halves[1].all_time.mean, 5.5);
+  EXPECT_DOUBLE_EQ(second.halves[0].criterion_time.max, 2);
+  EXPECT_EQ(first.paired, 2);
+  EXPECT_DOUBLE_EQ(first.time_ratio.value, 3);
+  EXPECT_DOUBLE_EQ(second.time_ratio.value, 8.0 / 3);
+  ASSERT_EQ(summary.sweeps.size(), 1U);
+  EXPECT_EQ(summary.sweeps[0].parameterisations, 3);
+  EXPECT_EQ(summary.sweeps[0].verdict.best_settings, "cap=3n,t=9");
+}
+
+/// The reader's own query must find the report's numbers.
+TEST(SummaryTest, ExpandedRowsOfTheStoreGiveTheCountsOfTheSummary) {
+  const ScratchFolder folder;
+  SweptStore made(folder / "s.db");
+  const Summary summary = summarize(made.store());
+  for (const Cell& cell : summary.cells) {
+    const SolverRow& solver = summary.solvers[cell.solver];
+    for (const Claim claim : kAllClaims) {
+      for (const Verdict verdict : kAllVerdicts) {
+        sqlite::Statement query(
+            made.store().database(),
+            "SELECT COUNT(*) FROM judged_cells j JOIN solvers v ON v.id = j.solver_id "
+            "WHERE v.name = ? AND v.sweep = ? AND j.settings = ? AND j.claim = ? AND j.verdict = ?");
+        query.bind(1, solver.name);
+        query.bind(2, solver.sweep);
+        query.bind(3, solver.settings);
+        query.bind(4, std::string_view(to_string(claim)));
+        query.bind(5, std::string_view(to_string(verdict)));
+        ASSERT_TRUE(query.step());
+        EXPECT_EQ(query.integer(0), cell.count(claim, verdict)) << solver.text();
+      }
+    }
+  }
+}
+
+TEST(SummaryTest, AnswerThatBelongsToNoCellOfItsSolverIsDamage) {
+  const ScratchFolder folder;
+  SweptStore made(folder / "s.db");
+  made.store().database().execute("UPDATE cell_groups SET cell = 7 WHERE cell = 2");
+  EXPECT_THROW(summarize(made.store()), InputError);
 }
 
 /// Thirds and tenths of them round up or down: the sum must not lead out of the range.

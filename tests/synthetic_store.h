@@ -51,6 +51,14 @@ class SyntheticStore {
                const std::vector<std::pair<std::int64_t, MadeAnswer>>& answers, int friction_rows = 0,
                const std::string& theory = "solvable", const std::string& kind = "contact") {
     store_.begin();
+    store_.add(result(set, trial, answers, friction_rows, theory, kind));
+    store_.commit();
+  }
+
+  /// The same, not yet in the store.
+  ProblemResult result(const std::string& set, std::int64_t trial,
+                       const std::vector<std::pair<std::int64_t, MadeAnswer>>& answers, int friction_rows,
+                       const std::string& theory, const std::string& kind) {
     ProblemResult result;
     result.problem = {problem_id(set, 1, trial),
                       store_.add_set(set),
@@ -63,8 +71,7 @@ class SyntheticStore {
                       "00",
                       theory};
     for (const auto& [solver, answer] : answers) result.answers.push_back(row(solver, answer, kind == "lcp"));
-    store_.add(result);
-    store_.commit();
+    return result;
   }
 
  private:
