@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <limits>
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
@@ -10,13 +9,13 @@ namespace {
 
 struct MurtySettings {
   std::int64_t max_pivots = 0;
-  double pivot_tolerance = 1e-12;
+  double data_error = 1e-14;
   double accept_residual = 1e-6;
 
   void visit(auto&& field) {
     field("max_pivots", max_pivots, IntegerRange{.min = 0}, "0 stands for max(1000, n^2), the paper's limit");
-    field("pivot_tolerance", pivot_tolerance, RealRange{.min = 0},
-          "a pivot must exceed this times the sum of the magnitudes of which it is the difference");
+    field("data_error", data_error, RealRange{.min = 0, .max = 1},
+          "relative error of M and q: values that errors of this size could make 0 count as 0");
     field("accept_residual", accept_residual, RealRange{.min = 0},
           "claim solved only when max|min(c_i z_i, w_i)| <= this * max|q|, c_i the largest |entry| of M's column i");
   }
@@ -25,8 +24,8 @@ struct MurtySettings {
 /// Murty's least-index Bard-type scheme: exchange z_i and w_i of the smallest i whose basic variable is negative.
 ///
 /// Finite for P-matrices, whatever q, in at most 2^n - 1 pivots; elsewhere it may meet a zero pivot or cycle (then the
-/// limit ends it), and it never proves that there is no solution. "Negative" means beyond the rounding errors of the
-/// basis. O(n^2) per pivot. [Murty 1974; Cottle, Pang, Stone 1992, section 4.2]
+/// limit ends it), and it never proves that there is no solution. "Negative" means beyond what errors of the data
+/// explain. O(n^2) per pivot. [Murty 1974; Cottle, Pang, Stone 1992, section 4.2]
 class Murty final : public Solver {
  public:
   explicit Murty(const MurtySettings& settings) : settings_(settings) {}
@@ -40,6 +39,7 @@ class Murty final : public Solver {
   enum class End { kNonnegative, kZeroPivot, kSingularBasis, kPivotLimit, kTimeLimit };
   End run(double deadline_s, Counters& counters);
   Index least_negative();
+  bool has_pivot(Index i);
   bool rebuild(Counters& counters);
 
   MurtySettings settings_;
@@ -55,11 +55,18 @@ void Murty::on_load(const Problem& problem) {
 /// -1: none.
 Index Murty::least_negative() {
   const Index n = tableau_.size();
-  tableau_.error_bounds(static_cast<double>(n) * std::numeric_limits<double>::epsilon(), bounds_);
+  tableau_.constant_errors(settings_.data_error, bounds_);
   for (Index i = 0; i < n; ++i) {
     if (!(tableau_.constants()(i) >= -bounds_(i))) return i;
   }
   return -1;
+}
+
+/// The diagonal entry of a basic z belongs to an inverse: nothing makes it 0.
+bool Murty::has_pivot(Index i) {
+  if (tableau_.z_is_basic(i)) return tableau_.matrix()(i, i) > 0;
+  tableau_.column_errors(i, settings_.data_error, bounds_);
+  return tableau_.matrix()(i, i) > bounds_(i);
 }
 
 bool Murty::rebuild(Counters& counters) {
@@ -74,7 +81,7 @@ Murty::End Murty::run(double deadline_s, Counters& counters) {
   for (;;) {
     if (!(wall_clock_s() < deadline_s)) return End::kTimeLimit;
     const Index i = least_negative();
-    const bool can_go_on = i >= 0 && tableau_.usable_diagonal(i, settings_.pivot_tolerance);
+    const bool can_go_on = i >= 0 && has_pivot(i);
     // An end counts only in a tableau without the errors of the way; rebuilding after n pivots keeps O(n^2) each.
     if (tableau_.pivots_since_rebuild() > (can_go_on ? n : 0)) {
       if (!rebuild(counters)) return End::kSingularBasis;

@@ -15,7 +15,7 @@ enum class Distinguished { kLeastIndex, kMostNegative };
 struct PrincipalPivotingSettings {
   std::int64_t max_pivots = 0;
   Distinguished distinguished = Distinguished::kMostNegative;
-  double pivot_tolerance = 1e-12;
+  double data_error = 1e-14;
   double accept_residual = 1e-6;
 
   void visit(auto&& field) {
@@ -24,12 +24,14 @@ struct PrincipalPivotingSettings {
           Choices<Distinguished>{
               {{"least_index", Distinguished::kLeastIndex}, {"most_negative", Distinguished::kMostNegative}}},
           "which negative w is made nonnegative next");
-    field("pivot_tolerance", pivot_tolerance, RealRange{.min = 0},
-          "a pivot must exceed this times the sum of the magnitudes of which it is the difference");
+    field("data_error", data_error, RealRange{.min = 0, .max = 1},
+          "relative error of M and q: values that errors of this size could make 0 count as 0");
     field("accept_residual", accept_residual, RealRange{.min = 0},
           "claim solved only when max|min(c_i z_i, w_i)| <= this * max|q|, c_i the largest |entry| of M's column i");
   }
 };
+
+constexpr Index kNone = -1;
 
 /// The symmetric principal pivoting method of Dantzig and Cottle.
 ///
@@ -55,8 +57,8 @@ class PrincipalPivoting final : public Solver {
  private:
   enum class End { kNonnegative, kUnblocked, kNoPivot, kSingularBasis, kPivotLimit, kTimeLimit };
   struct Block {
-    Index pair = -1;  ///< -1: nothing blocks
-    double step = 0;
+    Index pair = kNone;  ///< kNone: nothing blocks
+    double step = 0;     ///< of the driving variable, >= 0
   };
 
   void start();
@@ -65,10 +67,14 @@ class PrincipalPivoting final : public Solver {
   Index next_distinguished() const;
   double value_of_w(Index i) const;
   double lower_bound(Index i) const;
-  void refresh_values();
-  bool rebuild(Counters& counters);
-  double room_of_distinguished(Index r) const;
-  Block find_block(Index r) const;
+  void refresh_values(Index r);
+  bool rebuild(Index r, Counters& counters);
+  bool has_pivot(Index k);
+  Block block_upwards(Index r) const;
+  Block block_downwards(Index r) const;
+  Block first_to_fall(Index r, double direction, Block first) const;
+  bool vanishes(Index r) const { return !tableau_.z_is_basic(r) && basic_(r) >= -bounds_(r); }
+  void finish(Index r, Counters& counters);
   bool exchange_blocking(Index k, Index r, Counters& counters);
   bool find_farkas_vector(Index r);
 
@@ -78,15 +84,16 @@ class PrincipalPivoting final : public Solver {
   Vector basic_;                 // n: values of the basic ones
   std::vector<char> unsettled_;  // n: w_i was negative from the start on and is bounded by floor_, not by 0
   double floor_ = 0;
-  Vector bounds_;  // n: of the rounding errors of the constants
-  Vector farkas_;  // n
+  Vector bounds_;         // n: errors of the constants
+  Vector column_bounds_;  // n: errors of the column last looked at
+  Vector farkas_;         // n
   std::int64_t limit_ = 0;
 };
 
 void PrincipalPivoting::on_load(const Problem& problem) {
   tableau_.load(make_lcp(problem));
   const Index n = tableau_.size();
-  for (Vector* vector : {&nonbasic_, &basic_, &bounds_, &farkas_}) vector->resize(n);
+  for (Vector* vector : {&nonbasic_, &basic_, &bounds_, &column_bounds_, &farkas_}) vector->resize(n);
   unsettled_.resize(static_cast<std::size_t>(n));
   limit_ = settings_.max_pivots > 0 ? settings_.max_pivots : std::max<std::int64_t>(1000, n * n);
 }
@@ -94,6 +101,7 @@ void PrincipalPivoting::on_load(const Problem& problem) {
 void PrincipalPivoting::start() {
   tableau_.reset();
   nonbasic_.setZero();
+  bounds_.setZero();  // the constants are the data
   basic_ = tableau_.lcp().q;
   for (Index i = 0; i < tableau_.size(); ++i) unsettled_[static_cast<std::size_t>(i)] = basic_(i) < 0;
   floor_ = -2 * tableau_.largest_q();  // any value below all of q
@@ -107,7 +115,7 @@ double PrincipalPivoting::lower_bound(Index i) const {
 }
 
 Index PrincipalPivoting::next_distinguished() const {
-  Index next = -1;
+  Index next = kNone;
   for (Index i = 0; i < tableau_.size(); ++i) {
     if (!unsettled_[static_cast<std::size_t>(i)]) continue;
     if (next < 0) next = i;
@@ -116,56 +124,84 @@ Index PrincipalPivoting::next_distinguished() const {
   return next;
 }
 
-void PrincipalPivoting::refresh_values() {
+/// The w_i that came to 0 while another was driven are settled. Not w_r itself: as long as its complement is off 0 it
+/// has to be exchanged, also where its own value already vanishes.
+void PrincipalPivoting::refresh_values(Index r) {
   basic_ = tableau_.constants();
   basic_.noalias() += tableau_.matrix() * nonbasic_;
-  tableau_.error_bounds(static_cast<double>(tableau_.size()) * std::numeric_limits<double>::epsilon(), bounds_);
+  tableau_.constant_errors(settings_.data_error, bounds_);
   for (Index i = 0; i < tableau_.size(); ++i) {
-    auto& unsettled = unsettled_[static_cast<std::size_t>(i)];
-    if (unsettled && value_of_w(i) >= (tableau_.z_is_basic(i) ? 0.0 : -bounds_(i))) unsettled = false;
+    if (i != r && !tableau_.z_is_basic(i) && basic_(i) >= -bounds_(i)) unsettled_[static_cast<std::size_t>(i)] = false;
   }
 }
 
-bool PrincipalPivoting::rebuild(Counters& counters) {
+bool PrincipalPivoting::rebuild(Index r, Counters& counters) {
   ++counters.factorizations;
   if (!tableau_.rebuild()) return false;
-  refresh_values();
+  refresh_values(r);
   return basic_.allFinite();
 }
 
-/// How far the driving variable can go until w_r is 0.
-double PrincipalPivoting::room_of_distinguished(Index r) const {
-  if (tableau_.z_is_basic(r)) return -nonbasic_(r);
-  if (!tableau_.usable_diagonal(r, settings_.pivot_tolerance)) return std::numeric_limits<double>::infinity();
-  return -basic_(r) / tableau_.matrix()(r, r);
+/// Leaves the errors of column k in column_bounds_. The diagonal entry of a basic z belongs to an inverse: nothing
+/// makes it 0.
+bool PrincipalPivoting::has_pivot(Index k) {
+  tableau_.column_errors(k, settings_.data_error, column_bounds_);
+  return tableau_.matrix()(k, k) > (tableau_.z_is_basic(k) ? 0.0 : column_bounds_(k));
 }
 
-/// The first basic variable to reach its bound when the nonbasic one of pair r rises; r itself when that is w_r at 0.
-/// A fall of no more than rounding, relative to the largest in the column, blocks nothing.
-PrincipalPivoting::Block PrincipalPivoting::find_block(Index r) const {
+/// The first basic variable to reach its bound when the nonbasic one of pair r moves in `direction`, if it comes before
+/// `first`. Ties go to the larger entry, but to r where that brings another below its bound by errors only: else two
+/// that are 0 but for rounding can take turns for ever. Expects the errors of column r in column_bounds_.
+PrincipalPivoting::Block PrincipalPivoting::first_to_fall(Index r, double direction, Block first) const {
   const auto column = tableau_.matrix().col(r);
-  const double noise = settings_.pivot_tolerance * column.cwiseAbs().maxCoeff();
-  Block first{-1, room_of_distinguished(r)};
-  if (std::isfinite(first.step)) first.pair = r;
   for (Index i = 0; i < tableau_.size(); ++i) {
-    if (i == r || !(column(i) < -noise)) continue;
-    const double step = std::max(basic_(i) - lower_bound(i), 0.0) / -column(i);
-    const bool better_tie = step == first.step && first.pair != r && first.pair >= 0 && column(i) < column(first.pair);
-    if (step < first.step || better_tie) first = {i, step};
+    const double fall = -direction * column(i);
+    if (i == r || !(fall > column_bounds_(i))) continue;
+    const double step = std::max(basic_(i) - lower_bound(i), 0.0) / fall;
+    if (first.pair == r) {
+      if (step + bounds_(i) / fall < first.step) first = {i, step};
+    } else if (step < first.step || (step == first.step && fall > std::abs(column(first.pair)))) {
+      first = {i, step};
+    }
   }
   return first;
 }
 
-/// Makes basic variable k nonbasic at its bound, the driving variable of pair r having been raised that far.
+/// Raising the driving variable until w_r is 0, which is a block by r itself, or another reaches its bound.
+PrincipalPivoting::Block PrincipalPivoting::block_upwards(Index r) const {
+  Block first{kNone, std::numeric_limits<double>::infinity()};
+  const double diagonal = tableau_.matrix()(r, r);
+  if (tableau_.z_is_basic(r)) {
+    first = {r, -nonbasic_(r)};
+  } else if (diagonal > column_bounds_(r)) {
+    first = {r, std::max(-basic_(r) / diagonal, 0.0)};
+  }
+  return first_to_fall(r, 1, first);
+}
+
+/// w_r is 0 whatever z_r is: z_r goes back to 0, or until another reaches its bound.
+PrincipalPivoting::Block PrincipalPivoting::block_downwards(Index r) const {
+  return first_to_fall(r, -1, {r, nonbasic_(r)});
+}
+
+/// w_r becomes nonbasic at 0.
+void PrincipalPivoting::finish(Index r, Counters& counters) {
+  if (!tableau_.z_is_basic(r)) {
+    tableau_.pivot(r);
+    ++counters.pivots;
+  }
+  nonbasic_(r) = 0;
+  unsettled_[static_cast<std::size_t>(r)] = false;
+}
+
+/// Makes basic variable k nonbasic at its bound, the driving variable of pair r having moved that far.
 bool PrincipalPivoting::exchange_blocking(Index k, Index r, Counters& counters) {
   const double bound = lower_bound(k);
-  if (tableau_.usable_diagonal(k, settings_.pivot_tolerance)) {
+  if (has_pivot(k)) {
     tableau_.pivot(k);
     nonbasic_(k) = bound;
   } else {
-    const Matrix& M = tableau_.matrix();
-    const double magnitude = std::abs(M(k, k) * M(r, r)) + std::abs(M(k, r) * M(r, k));
-    if (!(std::abs(tableau_.determinant(k, r)) > settings_.pivot_tolerance * magnitude)) return false;
+    if (!(std::abs(tableau_.matrix()(r, k)) > column_bounds_(r) && tableau_.determinant(k, r) > 0)) return false;
     tableau_.pivot(k, r);
     nonbasic_(k) = bound;
     nonbasic_(r) = basic_(r);  // was basic at this value; what was driven is basic now
@@ -175,29 +211,35 @@ bool PrincipalPivoting::exchange_blocking(Index k, Index r, Counters& counters) 
 }
 
 PrincipalPivoting::End PrincipalPivoting::make_nonnegative(Index r, double deadline_s, Counters& counters) {
+  bool vanished = false;  // once w_r is 0 to within errors it stays so: nothing but those moves it from there on
   while (unsettled_[static_cast<std::size_t>(r)]) {
     if (!(wall_clock_s() < deadline_s)) return End::kTimeLimit;
-    if (tableau_.pivots_since_rebuild() > tableau_.size() && !rebuild(counters)) return End::kSingularBasis;
-    const Block block = find_block(r);
-    if (block.pair < 0) {
-      if (tableau_.pivots_since_rebuild() == 0) return End::kUnblocked;
-      if (!rebuild(counters)) return End::kSingularBasis;
-      continue;
-    }
+    if (tableau_.pivots_since_rebuild() > tableau_.size() && !rebuild(r, counters)) return End::kSingularBasis;
     if (counters.pivots >= limit_) return End::kPivotLimit;
-    nonbasic_(r) += block.step;
-    basic_ += block.step * tableau_.matrix().col(r);
-    if (block.pair != r) {
-      if (!exchange_blocking(block.pair, r, counters)) return End::kNoPivot;
+    const bool regular = has_pivot(r);
+    vanished = vanished || vanishes(r);
+    if (vanished && regular) {
+      finish(r, counters);
     } else {
-      if (!tableau_.z_is_basic(r)) {
-        tableau_.pivot(r);
-        ++counters.pivots;
+      const Block block = vanished ? block_downwards(r) : block_upwards(r);
+      if (block.pair == kNone) {
+        if (tableau_.pivots_since_rebuild() == 0) return End::kUnblocked;
+        if (!rebuild(r, counters)) return End::kSingularBasis;
+        continue;
       }
-      nonbasic_(r) = 0;
-      unsettled_[static_cast<std::size_t>(r)] = false;
+      const double move = vanished ? -block.step : block.step;
+      nonbasic_(r) += move;
+      basic_ += move * tableau_.matrix().col(r);
+      if (block.pair != r) {
+        if (!exchange_blocking(block.pair, r, counters)) return End::kNoPivot;
+      } else if (vanished) {
+        unsettled_[static_cast<std::size_t>(r)] = false;
+        nonbasic_(r) = 0;
+      } else {
+        finish(r, counters);
+      }
     }
-    refresh_values();
+    refresh_values(r);
     if (!basic_.allFinite()) return End::kSingularBasis;
   }
   return End::kNonnegative;
@@ -210,7 +252,7 @@ PrincipalPivoting::End PrincipalPivoting::run(double deadline_s, Counters& count
     if (end == End::kUnblocked && find_farkas_vector(r)) return end;
     if (end != End::kNonnegative) return end == End::kUnblocked ? End::kNoPivot : end;
   }
-  if (tableau_.pivots_since_rebuild() > 0 && !rebuild(counters)) return End::kSingularBasis;
+  if (tableau_.pivots_since_rebuild() > 0 && !rebuild(kNone, counters)) return End::kSingularBasis;
   return End::kNonnegative;
 }
 
@@ -219,7 +261,6 @@ PrincipalPivoting::End PrincipalPivoting::run(double deadline_s, Counters& count
 bool PrincipalPivoting::find_farkas_vector(Index r) {
   const Lcp& lcp = tableau_.lcp();
   const Index n = tableau_.size();
-  const double rounding = 4 * static_cast<double>(n) * std::numeric_limits<double>::epsilon();
   farkas_.setZero();
   for (Index j = 0; j < n; ++j) {
     if (tableau_.z_is_basic(j)) farkas_(j) = std::max(-tableau_.matrix()(r, j), 0.0);
@@ -228,7 +269,7 @@ bool PrincipalPivoting::find_farkas_vector(Index r) {
   farkas_(r) = 1;
   for (Index j = 0; j < n; ++j) {
     const auto column = lcp.M.col(j);
-    if (!(column.dot(farkas_) <= rounding * column.cwiseAbs().dot(farkas_))) return false;
+    if (!(column.dot(farkas_) <= settings_.data_error * column.cwiseAbs().dot(farkas_))) return false;
   }
   // Errors of M'u count as much as q'u would have to: the margin is the square root of the round-off.
   return lcp.q.dot(farkas_) < -0x1p-26 * lcp.q.cwiseAbs().dot(farkas_);

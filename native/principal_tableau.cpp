@@ -28,20 +28,6 @@ void PrincipalTableau::reset() {
   pivots_since_rebuild_ = 0;
 }
 
-// For a nonbasic z_i: M_ii of the tableau is M_ii of the data plus the sum of M_ij times column i over the basic z_j.
-// For a basic z_i it is a diagonal entry of an inverse, which for the classes at hand does not cancel.
-bool PrincipalTableau::usable_diagonal(Index i, double tolerance) const {
-  double magnitude = std::abs(lcp_.M(i, i));
-  if (z_is_basic(i)) {
-    magnitude = 0;
-  } else {
-    for (Index j = 0; j < size(); ++j) {
-      if (z_is_basic(j)) magnitude += std::abs(lcp_.M(i, j) * M_(j, i));
-    }
-  }
-  return M_(i, i) > tolerance * magnitude && std::isfinite(M_(i, i));
-}
-
 template <std::size_t K>
 void PrincipalTableau::exchange(const std::array<Index, K>& pairs) {
   constexpr int kSize = static_cast<int>(K);
@@ -123,10 +109,26 @@ bool PrincipalTableau::rebuild() {
   return q_.allFinite() && M_.allFinite();
 }
 
-void PrincipalTableau::error_bounds(double relative, Vector& bounds) {
+void PrincipalTableau::constant_errors(double relative, Vector& bounds) {
   magnitude_ = lcp_.q.cwiseAbs();
+  errors_of_solve(q_, relative, bounds);
+}
+
+void PrincipalTableau::column_errors(Index j, double relative, Vector& bounds) {
+  if (z_is_basic(j)) {
+    magnitude_.setZero();
+    magnitude_(j) = 1;  // w_j is a right-hand side of its row
+  } else {
+    magnitude_ = lcp_.M.col(j).cwiseAbs();
+  }
+  errors_of_solve(M_.col(j), relative, bounds);
+}
+
+/// `solution` solves the rows of the basic z; magnitude_ is |its right-hand side|. The residual that the errors of the
+/// data leave in each row is multiplied by the inverse. [Higham 2002, (7.26)]
+void PrincipalTableau::errors_of_solve(const Eigen::Ref<const Vector>& solution, double relative, Vector& bounds) {
   for (Index j = 0; j < size(); ++j) {
-    if (z_is_basic(j)) magnitude_ += std::abs(q_(j)) * lcp_.M.col(j).cwiseAbs();
+    if (z_is_basic(j)) magnitude_ += std::abs(solution(j)) * lcp_.M.col(j).cwiseAbs();
   }
   bounds.setZero();
   for (Index j = 0; j < size(); ++j) {

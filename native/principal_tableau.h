@@ -29,10 +29,6 @@ class PrincipalTableau {
   bool z_is_basic(Index i) const { return z_is_basic_[static_cast<std::size_t>(i)]; }
   Index pivots_since_rebuild() const { return pivots_since_rebuild_; }
 
-  /// Whether M_ii, which is what cancellation left of larger terms, stands out of their rounding: that is, is larger
-  /// than `tolerance` times the sum of their magnitudes. O(n).
-  bool usable_diagonal(Index i, double tolerance) const;
-
   /// Exchanges z_i and w_i. @pre M_ii != 0.
   void pivot(Index i) { exchange<1>({i}); }
   /// Exchanges both pairs. @pre the determinant of the principal block of i and j is not 0.
@@ -43,9 +39,11 @@ class PrincipalTableau {
   /// and Parlett. O(n^2) per basic z. False, with another basis, when that is singular or not finite.
   bool rebuild();
 
-  /// Bounds on the rounding errors of the constants, as if the data had relative errors of `relative`: constants below
-  /// these in magnitude have no sign. O(n^2).
-  void error_bounds(double relative, Vector& bounds);
+  /// Bounds on the errors of the constants when the data have relative errors of `relative`: constants within them have
+  /// no sign. O(n^2).
+  void constant_errors(double relative, Vector& bounds);
+  /// The same for the entries of column j: entries within them may be 0. O(n^2).
+  void column_errors(Index j, double relative, Vector& bounds);
 
   /// z of the basis (nonbasic ones 0): the constants, refined twice on the data. Negative entries are made 0.
   void solution(Vector& z);
@@ -58,6 +56,7 @@ class PrincipalTableau {
   template <std::size_t K>
   void exchange(const std::array<Index, K>& pairs);
   bool pivot_largest(const std::vector<char>& wanted);
+  void errors_of_solve(const Eigen::Ref<const Vector>& solution, double relative, Vector& bounds);
 
   Lcp lcp_;
   Vector column_scale_;  // n
