@@ -13,16 +13,28 @@
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 namespace {
 
-template <class Scalar, class Basis>
+template <class Basis>
+struct Held {
+  Basis basis;
+};
+
+/// A kernel basis with the room in which a sweep's paths part.
+template <class Scalar>
+struct HeldWithRoom {
+  KernelBasis<Scalar> basis;
+  TreeRoom<Scalar> room;
+};
+
+template <class Scalar, class Object>
 struct Interface {
-  static void* create() { return new (allocate_aligned(sizeof(Basis))) Basis; }
-  static void destroy(void* basis) {
-    static_cast<Basis*>(basis)->~Basis();
-    free_aligned(basis);
+  static void* create() { return new (allocate_aligned(sizeof(Object))) Object; }
+  static void destroy(void* object) {
+    static_cast<Object*>(object)->~Object();
+    free_aligned(object);
   }
-  static void load(void* basis, const Input& input) { static_cast<Basis*>(basis)->load(input); }
-  static Outcome solve(void* memory, const Rules& rules, double* z) {
-    Basis& basis = *static_cast<Basis*>(memory);
+  static void load(void* object, const Input& input) { static_cast<Object*>(object)->basis.load(input); }
+  static Outcome solve(void* object, const Rules& rules, double* z) {
+    auto& basis = static_cast<Object*>(object)->basis;
     Outcome outcome;
     if (basis.problem().zero_solves(static_cast<Scalar>(rules.zero_tolerance))) {
       outcome.ending = Ending::kSolved;
@@ -32,28 +44,22 @@ struct Interface {
   }
 };
 
-/// A kernel basis with the room in which a sweep's paths part.
 template <class Scalar>
-struct BranchingKernelBasis : KernelBasis<Scalar> {
-  TreeRoom<Scalar> room;
-};
-
-template <class Scalar>
-Count walk(void* memory, const Cell* cells, Count count, const WalkRules& rules, double* z) {
-  auto& basis = *static_cast<BranchingKernelBasis<Scalar>*>(memory);
-  if (rules.resolve) return PathTree<true, Scalar>(basis, basis.room, cells, rules, z).walk(count);
-  return PathTree<false, Scalar>(basis, basis.room, cells, rules, z).walk(count);
+Count walk(void* object, const Cell* cells, Count count, const WalkRules& rules, double* z) {
+  auto& [basis, room] = *static_cast<HeldWithRoom<Scalar>*>(object);
+  if (rules.resolve) return PathTree<true, Scalar>(basis, room, cells, rules, z).walk(count);
+  return PathTree<false, Scalar>(basis, room, cells, rules, z).walk(count);
 }
 
-template <class Basis>
+template <class Object>
 constexpr Engine engine_over(decltype(Engine::walk) walk) {
-  using I = Interface<double, Basis>;
+  using I = Interface<double, Object>;
   return {I::create, I::destroy, I::load, I::solve, walk};
 }
 
 }  // namespace
 
-const Engine kDenseEngine = engine_over<DenseBasis<double>>(nullptr);
-const Engine kKernelEngine = engine_over<BranchingKernelBasis<double>>(walk<double>);
+const Engine kDenseEngine = engine_over<Held<DenseBasis<double>>>(nullptr);
+const Engine kKernelEngine = engine_over<HeldWithRoom<double>>(walk<double>);
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

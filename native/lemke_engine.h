@@ -61,7 +61,9 @@ struct Leaf {
   const std::ptrdiff_t* cells = nullptr;  ///< their numbers, in any order
   std::ptrdiff_t count = 0;
   Outcome outcome;
-  double wall_s = 0;  ///< from the first exchange to here, without what other paths took
+  /// From the first exchange to here, without what other paths took. With `resolve`, laps of a path that goes round up
+  /// to the limit on pivots are not gone but extrapolated.
+  double wall_s = 0;
   double cpu_s = 0;
 };
 

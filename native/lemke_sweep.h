@@ -23,7 +23,7 @@ struct LemkeTry {
 struct LemkeLeaf {
   std::vector<std::uint32_t> cells;  ///< ascending
   Answer answer;
-  double wall_s = 0;  ///< of that path, from its first pivot to its last
+  double wall_s = 0;  ///< of that path, from its first pivot to its last; see lemke::Leaf
   double cpu_s = 0;   ///< of this thread
 };
 
@@ -46,7 +46,7 @@ class LemkeSweep {
   void load(const Problem& problem);
 
   /// The ends of the paths of these cells, in any order; a cell named twice stands in its leaf twice. Refused problems
-  /// have one leaf, kUnsupported. Returns the pivots gone.
+  /// have one leaf, kUnsupported. Returns the pivots gone, each once.
   std::int64_t walk(std::span<const LemkeTry> tries, std::vector<LemkeLeaf>& leaves);
 
  private:

@@ -5,8 +5,10 @@
 //
 // Times are thread CPU time of set-up and solve together, tree and runs in alternating order on each problem. Printed:
 // the ratio of the summed times and of the pivots gone; and the time that the tree reports for a cell against that
-// of the cell's own run, as the ratio of the sums (solve alone) and as quantiles over cells and problems. Fails when an
-// answer differs.
+// of the cell's own run, as the ratio of the sums (solve alone, paths that end at the limit on pivots left out) and as
+// quantiles over cells and problems. The runs of one problem follow each other, so that all but the first find caches
+// and branch prediction trained by the others: of one cell a problem, run before anything else, the ratios are given as
+// well. Fails when an answer differs.
 
 #include <algorithm>
 #include <cmath>
@@ -57,24 +59,31 @@ class Comparison {
     }
   }
 
-  void compare(const Problem& problem, bool tree_first) {
+  void compare(const Problem& problem, std::size_t trial) {
+    const std::size_t first = 37 * trial % runs_.size();
+    const double first_s = run(first, problem);
+    const bool tree_first = trial % 2 == 0;
     if (tree_first) walk(problem);
     run_all(problem);
     if (!tree_first) walk(problem);
-    for (const LemkeLeaf& leaf : leaves_) add(leaf);
+    for (const LemkeLeaf& leaf : leaves_) add(leaf, first, first_s);
     leaves_seen_ += static_cast<double>(leaves_.size());
     ++problems_;
   }
 
   void print(const std::string& set) {
-    std::sort(dearer_.begin(), dearer_.end());
+    std::printf("%s, %s: %.0f problems, all answers equal; %.1f leaves\n", set.c_str(), to_string(isa_level()),
+                problems_, leaves_seen_ / problems_);
     std::printf(
-        "%s, %s: %.0f problems, all answers equal; %.1f leaves; pivots %.1f, one by one %.1f, ratio %.1f; "
-        "tree %.1f us, one by one %.1f us, ratio %.1f; a path in the tree to its own run: sums %.2f, "
-        "quantiles 10 %% %.2f, 50 %% %.2f, 90 %% %.2f\n",
-        set.c_str(), to_string(isa_level()), problems_, leaves_seen_ / problems_, pivots_tree_ / problems_,
-        pivots_runs_ / problems_, pivots_runs_ / pivots_tree_, 1e6 * tree_s_ / problems_, 1e6 * runs_s_ / problems_,
-        runs_s_ / tree_s_, paths_s_ / solves_s_, quantile(0.1), quantile(0.5), quantile(0.9));
+        "  pivots: tree %.1f, one by one %.1f, ratio %.1f; time: tree %.1f us, one by one %.1f us, ratio %.1f\n",
+        pivots_tree_ / problems_, pivots_runs_ / problems_, pivots_runs_ / pivots_tree_, 1e6 * tree_s_ / problems_,
+        1e6 * runs_s_ / problems_, runs_s_ / tree_s_);
+    std::printf(
+        "  a path's time in the tree / alone: sums %.2f, quantiles 10 %% %.2f, 50 %% %.2f, 90 %% %.2f; / alone and "
+        "first: 10 %% %.2f, 50 %% %.2f, 90 %% %.2f; at the limit on pivots: sums %.2f\n",
+        paths_s_ / solves_s_, quantile(dearer_, 0.1), quantile(dearer_, 0.5), quantile(dearer_, 0.9),
+        quantile(dearer_than_first_, 0.1), quantile(dearer_than_first_, 0.5), quantile(dearer_than_first_, 0.9),
+        extrapolated_s_ / limited_s_);
   }
 
  private:
@@ -85,32 +94,46 @@ class Comparison {
     tree_s_ += thread_cpu_clock_s() - begin;
   }
 
+  /// Returns the time of the solve.
+  double run(std::size_t cell, const Problem& problem) {
+    const double begin = thread_cpu_clock_s();
+    solvers_[cell]->load(problem);
+    const double loaded = thread_cpu_clock_s();
+    solvers_[cell]->solve({}, runs_[cell].answer);
+    const double end = thread_cpu_clock_s();
+    last_run_s_ = end - begin;
+    return end - loaded;
+  }
+
   void run_all(const Problem& problem) {
-    for (std::size_t i = 0; i < runs_.size(); ++i) {
-      const double begin = thread_cpu_clock_s();
-      solvers_[i]->load(problem);
-      const double loaded = thread_cpu_clock_s();
-      solvers_[i]->solve({}, runs_[i].answer);
-      const double end = thread_cpu_clock_s();
-      runs_[i].solve_s = end - loaded;
-      runs_s_ += end - begin;
-      pivots_runs_ += static_cast<double>(runs_[i].answer.counters.pivots);
+    for (std::size_t cell = 0; cell < runs_.size(); ++cell) {
+      runs_[cell].solve_s = run(cell, problem);
+      runs_s_ += last_run_s_;
+      pivots_runs_ += static_cast<double>(runs_[cell].answer.counters.pivots);
     }
   }
 
-  void add(const LemkeLeaf& leaf) {
+  void add(const LemkeLeaf& leaf, std::size_t first, double first_s) {
+    const Counters& counters = leaf.answer.counters;
     for (const std::uint32_t cell : leaf.cells) {
-      const Run& run = runs_[cell];
-      if (!same_answer(run.answer, leaf.answer)) throw std::runtime_error("the tree's answer differs from its cell's");
-      paths_s_ += leaf.cpu_s;
-      solves_s_ += run.solve_s;
-      if (run.answer.counters.pivots > 0) dearer_.push_back(leaf.cpu_s / run.solve_s);
+      const Run& own = runs_[cell];
+      if (!same_answer(own.answer, leaf.answer)) throw std::runtime_error("the tree's answer differs from its cell's");
+      if (leaf.answer.claim == Claim::kIterationLimit) {
+        extrapolated_s_ += leaf.cpu_s;
+        limited_s_ += own.solve_s;
+      } else if (counters.pivots > 0) {
+        paths_s_ += leaf.cpu_s;
+        solves_s_ += own.solve_s;
+        dearer_.push_back(leaf.cpu_s / own.solve_s);
+        if (cell == first) dearer_than_first_.push_back(leaf.cpu_s / first_s);
+      }
     }
   }
 
-  double quantile(double share) const {
-    if (dearer_.empty()) return std::nan("");
-    return dearer_[static_cast<std::size_t>(share * static_cast<double>(dearer_.size() - 1))];
+  static double quantile(std::vector<double>& values, double share) {
+    if (values.empty()) return std::nan("");
+    std::sort(values.begin(), values.end());
+    return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
   }
 
   LemkeSweep sweep_;
@@ -118,9 +141,10 @@ class Comparison {
   std::vector<LemkeTry> tries_;
   std::vector<LemkeLeaf> leaves_;
   std::vector<Run> runs_;
-  std::vector<double> dearer_;
+  std::vector<double> dearer_, dearer_than_first_;
   double problems_ = 0, leaves_seen_ = 0, pivots_tree_ = 0, pivots_runs_ = 0;
-  double tree_s_ = 0, runs_s_ = 0, paths_s_ = 0, solves_s_ = 0;
+  double tree_s_ = 0, runs_s_ = 0, paths_s_ = 0, solves_s_ = 0, extrapolated_s_ = 0, limited_s_ = 0;
+  double last_run_s_ = 0;
 };
 
 void measure(const std::string& name, std::int64_t problems, std::uint64_t seed, const std::string& settings) {
@@ -128,7 +152,7 @@ void measure(const std::string& name, std::int64_t problems, std::uint64_t seed,
   const Spec spec = parse_spec("lemke" + (settings.empty() ? std::string() : "{" + settings + "}"));
   Comparison comparison(paper_grid(parse_settings<LemkeSettings>(spec.name, spec.options)));
   for (std::int64_t trial = 0; trial < problems; ++trial) {
-    comparison.compare(set->generate(seed, trial), trial % 2 == 0);
+    comparison.compare(set->generate(seed, trial), static_cast<std::size_t>(trial));
   }
   comparison.print(set->name() + ", " + spec.text());
 }

@@ -222,6 +222,34 @@ TEST(LemkeSweepRulesTest, GoesCommonPivotsOnce) {
   EXPECT_LT(8 * gone_in_all, cells_in_all);
 }
 
+TEST(LemkeSweepRulesTest, PathsThatGoRoundEndAtTheLimitAsIfTheyWereFollowed) {
+  LemkeSettings far;
+  far.max_pivots = 3001;
+  const Cells cells = paper_grid(far);
+  LemkeSweep sweep(cells);
+  std::vector<LemkeLeaf> leaves;
+  std::int64_t at_limit = 0, gone = 0;
+  for (const char* name : {"paper/monotone/exp5-1e10", "paper/copositive/exp5-1e8"}) {
+    const auto set = open_set(name);
+    for (std::int64_t trial = 0; trial < 80; ++trial) {
+      const Problem problem = set->generate(9, trial);
+      if (problem.size() > 80) continue;
+      expect_same_as_alone(sweep, cells, problem, isa_level());
+      gone += sweep.walk(all_of(cells.size()), leaves);
+      for (const LemkeLeaf& leaf : leaves) {
+        if (leaf.answer.claim != Claim::kIterationLimit) continue;
+        EXPECT_EQ(leaf.answer.counters.pivots, 3001);
+        EXPECT_EQ(leaf.answer.counters.factorizations, 3001);
+        // No pivot takes less than 20 ns: the laps that were not gone are in the time.
+        EXPECT_GT(leaf.cpu_s, 3001 * 20e-9);
+        ++at_limit;
+      }
+    }
+  }
+  EXPECT_GE(at_limit, 5);
+  EXPECT_LT(gone, 3001 * at_limit) << "laps were gone one by one";
+}
+
 TEST(LemkeSweepRulesTest, BranchesAllocateNothing) {
   if (!testing::allocations_are_counted()) GTEST_SKIP() << "the allocator of this build cannot be replaced";
   const Cells cells = paper_grid();

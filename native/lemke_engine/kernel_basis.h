@@ -18,6 +18,12 @@ struct KernelState {
   Buffer<Scalar> x, d;  ///< by slots; not kept where the next solve resolves them
 };
 
+/// Which basis a KernelBasis had, with the order of its rows and columns, in which it sums.
+struct KernelMark {
+  Count order = -1;
+  Buffer<Count> rows, columns;
+};
+
 /// The basis as its kernel: rows whose w is nonbasic against columns of the basic z and the artificial variable, in the
 /// signs of w = q + M z + cover z0. Everything else of the basis is a unit column and needs no factoring:
 ///
@@ -134,6 +140,20 @@ class KernelBasis {
       copy(x_, state.x, slots_.count);
       copy(d_, state.d, slots_.count);
     }
+  }
+
+  void mark(KernelMark& mark) const {
+    mark.order = order_;
+    copy(mark.rows, rows_, order_);
+    copy(mark.columns, columns_, order_);
+  }
+
+  bool is_at(const KernelMark& mark) const {
+    if (order_ != mark.order) return false;
+    for (Count i = 0; i < order_; ++i) {
+      if (rows_[i] != mark.rows[i] || columns_[i] != mark.columns[i]) return false;
+    }
+    return true;
   }
 
  private:

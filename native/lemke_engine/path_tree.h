@@ -16,6 +16,7 @@ struct TreeRoom {
   Buffer<Count> decision;  ///< of each cell: the variable that leaves next, or how its path ends
   std::unique_ptr<KernelState<Scalar>[]> states;  ///< where the present path has parted from others, outermost first
   Count state_count = 0;
+  KernelMark mark;  ///< a basis of the present path
 
   void reserve(Count count) {
     cells.resize(count);
@@ -73,6 +74,18 @@ class PathTree {
     Outcome outcome;
     double wall_s = 0, cpu_s = 0;
   };
+
+  /// A point of a path to which it may come back.
+  struct Mark {
+    Count leaving = kNone;
+    Count pivots = 0;  ///< of the path when it was there
+    Count patience = kFirstPatience;
+    double wall_s = 0, cpu_s = 0;
+  };
+  static constexpr Count kNone = -1;
+  static constexpr Count kFirstPatience = 16;
+  /// Laps of two pivots are common; a reading of the clocks is to be small against what it times.
+  static constexpr Count kFewestTimed = 32;
 
   // Decisions that are no variable's number.
   static constexpr Count kRay = -1;
@@ -135,9 +148,14 @@ class PathTree {
   /// From a basis whose last exchange let `leaving` go to the ends of all paths from there.
   void follow(Group group, Path path, Count leaving) {
     const Count artificial = basis_.problem().artificial();
+    Mark mark;
+    mark.pivots = path.outcome.pivots;
     while (leaving != artificial) {
       if (path.outcome.pivots >= rules_.max_pivots) return end(group.range, path, Ending::kPivotLimit);
       if (path.outcome.pivots % kPivotsPerClockReading == 0 && !go_on(group, path)) return;
+      if constexpr (kResolve) {
+        if (goes_round(group, path, leaving, mark)) return report(group.range, path, Ending::kPivotLimit);
+      }
       const Count entering = complement(leaving, n_);
       if (!find_direction<kResolve>(basis_, entering, path.outcome)) return end(group.range, path, Ending::kBreakdown);
       leaving = decide(group);
@@ -243,6 +261,40 @@ class PathTree {
     group = bounded({border, group.range.last});
     start_clocks();
     return true;
+  }
+
+  /// Whether the path has come back to where it was. With values that are resolved from the basis at each pivot nothing
+  /// tells the two visits apart, so that it goes round up to the limit on pivots. It is then put there, and its time is
+  /// what the pivots since the first visit have taken, times the number of them that are left. A path that would run
+  /// out of time on the way is followed.
+  bool goes_round(const Group& group, Path& path, Count leaving, Mark& mark) {
+    const Count gone = path.outcome.pivots - mark.pivots;
+    if (leaving != mark.leaving || !basis_.is_at(room_.mark)) {
+      if (gone >= mark.patience) set(mark, path, leaving);
+      return false;
+    }
+    if (gone < kFewestTimed) return false;
+    stop_clocks(path);
+    const Count left = rules_.max_pivots - path.outcome.pivots;
+    const double times = static_cast<double>(left) / static_cast<double>(gone);
+    const double wall_s = path.wall_s + times * (path.wall_s - mark.wall_s);
+    if (!(wall_s < group.time_limit_s)) {
+      start_clocks();
+      return false;
+    }
+    path.wall_s = wall_s;
+    path.cpu_s += times * (path.cpu_s - mark.cpu_s);
+    path.outcome.pivots += left;
+    path.outcome.factorizations += left;
+    return true;
+  }
+
+  /// Marks the present basis, and waits for it twice as long as for the one before: any lap is found in the end.
+  void set(Mark& mark, Path& path, Count leaving) {
+    stop_clocks(path);
+    mark = {leaving, path.outcome.pivots, 2 * mark.patience, path.wall_s, path.cpu_s};
+    basis_.mark(room_.mark);
+    start_clocks();
   }
 
   void end(Range range, Path& path, Ending ending) {
