@@ -72,6 +72,10 @@ struct WalkRules {
   std::ptrdiff_t max_pivots = 0;
   double (*wall_s)() = nullptr;  ///< monotonic clock; read every 16 pivots, and where paths part and end
   double (*cpu_s)() = nullptr;   ///< of the calling thread; read where paths part and end
+  /// What the clocks show between two readings with nothing between: it counts once on each path, as in a single run,
+  /// and not for each piece of it.
+  double idle_wall_s = 0;
+  double idle_cpu_s = 0;
   void (*on_leaf)(void* context, const Leaf& leaf) = nullptr;  ///< z holds the leaf's answer during this call
   void* context = nullptr;
 };

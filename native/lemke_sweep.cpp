@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <limits>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
@@ -86,6 +87,17 @@ LemkeSweep::LemkeSweep(std::span<const LemkeSettings> cells, IsaLevel level)
   for (std::size_t i = 0; i < cells.size(); ++i) {
     cells_.push_back({pivot_tolerances[i], zero_tolerances[i], pivot_ranks[i], zero_ranks[i], 0});
   }
+  read_idle_clocks();
+}
+
+void LemkeSweep::read_idle_clocks() {
+  idle_wall_s_ = idle_cpu_s_ = std::numeric_limits<double>::infinity();
+  for (int reading = 0; reading < 100; ++reading) {
+    const double wall_s = wall_clock_s();
+    const double cpu_s = thread_cpu_clock_s();
+    idle_cpu_s_ = std::min(idle_cpu_s_, thread_cpu_clock_s() - cpu_s);
+    idle_wall_s_ = std::min(idle_wall_s_, wall_clock_s() - wall_s);
+  }
 }
 
 std::optional<std::vector<LemkeSettings>> LemkeSweep::readable(std::span<const Options> cells) {
@@ -147,6 +159,8 @@ std::int64_t LemkeSweep::walk(std::span<const LemkeTry> tries, std::vector<Lemke
   rules.max_pivots = lemke_pivot_limit(common_, n_);
   rules.wall_s = wall_clock_s;
   rules.cpu_s = thread_cpu_clock_s;
+  rules.idle_wall_s = idle_wall_s_;
+  rules.idle_cpu_s = idle_cpu_s_;
   rules.on_leaf = collect;
   rules.context = &collector;
   return engine_.walk(tried_.data(), static_cast<std::ptrdiff_t>(tried_.size()), rules, z_.data());

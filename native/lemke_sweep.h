@@ -51,6 +51,7 @@ class LemkeSweep {
 
  private:
   struct Collector;
+  void read_idle_clocks();
   static void collect(void* collector, const lemke::Leaf& leaf);
 
   LemkeSettings common_;
@@ -59,6 +60,8 @@ class LemkeSweep {
   lemke::LoadedEngine engine_;
   std::string refusal_;
   Index n_ = 0;
+  double idle_wall_s_ = 0;  // see lemke::WalkRules
+  double idle_cpu_s_ = 0;
   std::vector<lemke::Cell> tried_;
   Vector z_;  // n: where the engine writes
 };

@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -18,7 +19,7 @@
 #include "core/settings.h"
 #include "core/spec.h"
 #include "generators/sets.h"
-#include "native/lemke.h"
+#include "native/lemke_sweep.h"
 #include "study/evaluation/evaluation.h"
 
 namespace {
@@ -27,17 +28,51 @@ using namespace lcpbench;
 
 constexpr int kSteps = 9;  // 1e-20, 1e-18, ... 1e-4
 
-std::vector<std::unique_ptr<Lemke>> grid_of_solvers(LemkeSettings settings) {
-  std::vector<std::unique_ptr<Lemke>> solvers;
+std::vector<LemkeSettings> paper_grid(LemkeSettings settings) {
+  std::vector<LemkeSettings> cells;
   for (int pivot = 0; pivot < kSteps; ++pivot) {
     for (int zero = 0; zero < kSteps; ++zero) {
       settings.pivot_tolerance = std::pow(10.0, -20 + 2 * pivot);
       settings.zero_tolerance = std::pow(10.0, -20 + 2 * zero);
-      solvers.push_back(std::make_unique<Lemke>(settings));
+      cells.push_back(settings);
     }
   }
-  return solvers;
+  return cells;
 }
+
+/// The answers of all cells to a problem: as one sweep where the engine can, else one by one.
+class Grid {
+ public:
+  explicit Grid(const LemkeSettings& settings) {
+    const auto cells = paper_grid(settings);
+    for (std::uint32_t i = 0; i < cells.size(); ++i) {
+      tries_.push_back({i, std::numeric_limits<double>::infinity()});
+      if (settings.engine != LemkeEngine::kKernel) solvers_.push_back(std::make_unique<Lemke>(cells[i]));
+    }
+    if (settings.engine == LemkeEngine::kKernel) sweep_ = std::make_unique<LemkeSweep>(cells);
+  }
+
+  const std::vector<LemkeLeaf>& solve(const Problem& problem) {
+    if (sweep_ != nullptr) {
+      sweep_->load(problem);
+      sweep_->walk(tries_, leaves_);
+      return leaves_;
+    }
+    leaves_.resize(solvers_.size());
+    for (std::size_t i = 0; i < solvers_.size(); ++i) {
+      leaves_[i].cells = {static_cast<std::uint32_t>(i)};
+      solvers_[i]->load(problem);
+      solvers_[i]->solve({}, leaves_[i].answer);
+    }
+    return leaves_;
+  }
+
+ private:
+  std::vector<LemkeTry> tries_;
+  std::unique_ptr<LemkeSweep> sweep_;
+  std::vector<std::unique_ptr<Lemke>> solvers_;
+  std::vector<LemkeLeaf> leaves_;
+};
 
 void print(const std::vector<long>& solved, std::int64_t trials) {
   std::vector<double> rates;
@@ -58,27 +93,28 @@ void print(const std::vector<long>& solved, std::int64_t trials) {
 void measure(const std::string& name, std::int64_t trials, std::uint64_t seed, const std::string& settings) {
   const auto set = open_set(name);
   const Spec spec = parse_spec("lemke" + (settings.empty() ? std::string() : "{" + settings + "}"));
-  const auto solvers = grid_of_solvers(parse_settings<LemkeSettings>(spec.name, spec.options));
-  std::vector<long> solved(solvers.size(), 0);
-  Answer answer;
+  Grid grid(parse_settings<LemkeSettings>(spec.name, spec.options));
+  std::vector<long> solved(kSteps * kSteps, 0);
+  long at_limit = 0;
   Vector last;
   for (std::int64_t trial = 0; trial < trials; ++trial) {
     const Problem problem = set->generate(seed, trial);
     Evaluator evaluator(problem);
     bool last_passed = false;
     last.resize(0);
-    for (std::size_t cell = 0; cell < solvers.size(); ++cell) {
-      solvers[cell]->load(problem);
-      solvers[cell]->solve({}, answer);
-      if (answer.claim != Claim::kSolved) continue;
-      if (last.size() != answer.z.size() || last != answer.z) {
-        last_passed = evaluator.errors(answer).criterion;
-        last = answer.z;
+    for (const LemkeLeaf& leaf : grid.solve(problem)) {
+      const auto cells = static_cast<long>(leaf.cells.size());
+      if (leaf.answer.claim == Claim::kIterationLimit) at_limit += cells;
+      if (leaf.answer.claim != Claim::kSolved) continue;
+      if (last.size() != leaf.answer.z.size() || last != leaf.answer.z) {
+        last_passed = evaluator.errors(leaf.answer).criterion;
+        last = leaf.answer.z;
       }
-      if (last_passed) ++solved[cell];
+      for (const std::uint32_t cell : leaf.cells) solved[cell] += last_passed ? 1 : 0;
     }
   }
-  std::printf("%s, %s, %lld trials: ", set->name().c_str(), spec.text().c_str(), static_cast<long long>(trials));
+  std::printf("%s, %s, %lld trials, %ld of the runs at the limit on pivots: ", set->name().c_str(), spec.text().c_str(),
+              static_cast<long long>(trials), at_limit);
   print(solved, trials);
 }
 

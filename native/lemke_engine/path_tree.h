@@ -51,7 +51,10 @@ class PathTree {
       start_clocks();
       const Count row = basis_.problem().most_negative_row();
       basis_.start(row);
-      follow(bounded({trivial, count}), {}, row);
+      Path root;
+      root.wall_s = rules_.idle_wall_s;
+      root.cpu_s = rules_.idle_cpu_s;
+      follow(bounded({trivial, count}), root, row);
     }
     return pivots_;
   }
@@ -319,8 +322,10 @@ class PathTree {
   }
 
   void stop_clocks(Path& path) const {
-    path.cpu_s += rules_.cpu_s() - cpu_begin_s_;
-    path.wall_s += rules_.wall_s() - wall_begin_s_;
+    const double cpu_s = rules_.cpu_s() - cpu_begin_s_ - rules_.idle_cpu_s;
+    const double wall_s = rules_.wall_s() - wall_begin_s_ - rules_.idle_wall_s;
+    path.cpu_s += cpu_s > 0 ? cpu_s : 0;
+    path.wall_s += wall_s > 0 ? wall_s : 0;
   }
 
   KernelBasis<Scalar>& basis_;
