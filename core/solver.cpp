@@ -5,6 +5,7 @@
 #include <utility>
 #include <variant>
 
+#include "core/answer_storage.h"
 #include "core/error.h"
 
 namespace lcpbench {
@@ -18,24 +19,43 @@ constexpr std::array<std::pair<Claim, const char*>, 7> kClaims{{{Claim::kSolved,
                                                                 {Claim::kUnsupported, "unsupported"},
                                                                 {Claim::kCrashed, "crashed"}}};
 
+/// Eigen's allFinite() looks at one entry after the other, which for small problems takes as long as solving them; this
+/// sum is made in registers.
+template <class Dense>
+bool finite(const Dense& data) {
+  return data.size() == 0 || (data.array() * 0.0).sum() == 0;
+}
+
+bool finite(const Jacobian& J) {
+  const auto* dense = std::get_if<Matrix>(&J);
+  return dense != nullptr ? finite(*dense) : all_finite(J);
+}
+
 struct InertiaIsFinite {
-  bool operator()(const DenseInertia& i) const { return i.G.allFinite(); }
+  bool operator()(const DenseInertia& i) const { return finite(i.G); }
   bool operator()(const BlockInertia& i) const {
     for (const Matrix& block : i.blocks) {
-      if (!block.allFinite()) return false;
+      if (!finite(block)) return false;
     }
     return true;
   }
-  bool operator()(const FactoredInertia& i) const { return i.X.allFinite() && i.alpha.allFinite(); }
-  bool operator()(const InverseInertia& i) const { return i.Ginv.allFinite(); }
+  bool operator()(const FactoredInertia& i) const { return finite(i.X) && finite(i.alpha); }
+  bool operator()(const InverseInertia& i) const { return finite(i.Ginv); }
 };
 
 bool data_are_finite(const Problem& problem) {
   if (const ContactProblem* contact = problem.contact()) {
-    return contact->v.allFinite() && contact->mu.allFinite() && all_finite(contact->N) && all_finite(contact->D) &&
+    return finite(contact->v) && finite(contact->mu) && finite(contact->N) && finite(contact->D) &&
            std::visit(InertiaIsFinite{}, contact->inertia);
   }
-  return problem.lcp().M.allFinite() && problem.lcp().q.allFinite();
+  return finite(problem.lcp().M) && finite(problem.lcp().q);
+}
+
+/// Empties a vector; `memory` gets its storage.
+void clear_into(Vector& vector, Vector& memory) {
+  if (vector.size() == 0) return;
+  memory.swap(vector);
+  vector.resize(0);
 }
 
 }  // namespace
@@ -86,6 +106,11 @@ Lcp make_lcp(const Problem& problem) {
   return problem.contact() != nullptr ? form_lcp(*problem.contact()) : problem.lcp();
 }
 
+ClearedVectors& cleared_vectors() {
+  thread_local ClearedVectors vectors;
+  return vectors;
+}
+
 void Solver::load(const Problem& problem) {
   problem_ = problem;
   refusal_ = why_not(capabilities(), problem);
@@ -109,8 +134,8 @@ void Solver::on_update(const Vector& v) {
 void Solver::solve(const SolveRequest& request, Answer& answer) {
   answer.claim = Claim::kNumericalFailure;
   answer.counters = Counters{};
-  answer.velocity.resize(0);
-  answer.farkas.resize(0);
+  clear_into(answer.velocity, cleared_vectors().velocity);
+  clear_into(answer.farkas, cleared_vectors().farkas);
   answer.detail.clear();
   if (!refusal_.empty()) {
     answer.claim = Claim::kUnsupported;

@@ -18,7 +18,7 @@ foreach(symbol IN LISTS symbols)
   endif()
   math(EXPR count "${count} + 1")
   # DW.ref.*: the compiler's pointer to the exception personality, the same in every object.
-  if(NOT symbol MATCHES "lcpbench::lemke::${LEVEL}::|Eigen_${LEVEL}::| DW\\.ref\\.")
+  if(NOT symbol MATCHES "lcpbench::[a-z_]+::${LEVEL}::|Eigen_${LEVEL}::| DW\\.ref\\.")
     string(APPEND leaks "\n  ${symbol}")
   endif()
 endforeach()

@@ -1,0 +1,187 @@
+#include "native/active_set.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "core/answer_storage.h"
+#include "core/registry.h"
+#include "core/timed_solve.h"
+
+namespace lcpbench {
+namespace {
+
+using active_set::Ending;
+using active_set::Engine;
+using active_set::InertiaForm;
+
+const Engine& engine_at(ActiveSetPrecision precision, IsaLevel level) {
+  if (level > best_isa_level()) throw std::invalid_argument("this processor lacks the instruction-set level asked for");
+  if (precision == ActiveSetPrecision::kQuad) return active_set::portable::kQuadEngine;
+  const bool single = precision == ActiveSetPrecision::kFloat;
+#if defined(__x86_64__)
+  if (level == IsaLevel::kAvx512) return single ? active_set::avx512::kFloatEngine : active_set::avx512::kDoubleEngine;
+  if (level == IsaLevel::kAvx2) return single ? active_set::avx2::kFloatEngine : active_set::avx2::kDoubleEngine;
+#endif
+  return single ? active_set::baseline::kFloatEngine : active_set::baseline::kDoubleEngine;
+}
+
+constexpr Capabilities kCapabilities{
+    .needs = Needs::kFactored,
+    .frictionless_only = true,
+    .max_size = 10000,  // the whitened normals and the active ones are dense
+    .guarantees = "every frictionless contact problem: solved, or recognised as unsolvable",
+    .warm_start = true,
+    .obeys_time_limit = true,
+    .allocation_free = true};
+
+/// Details are short enough for std::string to hold in place, so that solve() allocates nothing.
+void report(const active_set::Outcome& outcome, Answer& answer) {
+  answer.counters.iterations = outcome.steps;
+  answer.counters.pivots = outcome.steps;
+  answer.counters.factorizations = outcome.factorizations;
+  switch (outcome.ending) {
+    case Ending::kSolved: answer.claim = Claim::kSolved; return;
+    case Ending::kInfeasible: answer.claim = Claim::kUnsolvable; return;
+    case Ending::kRejected:
+      answer.claim = Claim::kNumericalFailure;
+      answer.detail = "own test failed";
+      return;
+    case Ending::kStepLimit: answer.claim = Claim::kIterationLimit; return;
+    case Ending::kTimeLimit: answer.claim = Claim::kTimeLimit; return;
+    case Ending::kBreakdown:
+      answer.claim = Claim::kNumericalFailure;
+      answer.detail = "inertia";
+      return;
+  }
+}
+
+}  // namespace
+
+ActiveSet::ActiveSet(const ActiveSetSettings& settings, IsaLevel level)
+    : settings_(settings),
+      first_(engine_at(settings.precision, level)),
+      quad_(active_set::portable::kQuadEngine),
+      climbs_(settings.precision == ActiveSetPrecision::kLadder) {}
+
+ActiveSet::~ActiveSet() = default;
+
+const Capabilities& ActiveSet::capabilities() const { return kCapabilities; }
+
+void ActiveSet::on_load(const Problem& problem) {
+  describe(*problem.contact());
+  first_.load(input_);
+  if (climbs_) quad_.reserve(input_);
+  image_.resize(input_.ngc);
+}
+
+/// Points input_ to the problem's own arrays where it has dense ones.
+void ActiveSet::describe(const ContactProblem& contact) {
+  input_ = {};
+  input_.ngc = contact.ngc();
+  input_.nc = contact.nc();
+  v_ = contact.v;
+  input_.v = v_.data();
+  if (const auto* dense = std::get_if<Matrix>(&contact.N)) {
+    input_.N = dense->data();
+  } else {
+    dense_normals_ = to_dense(contact.N);
+    input_.N = dense_normals_.data();
+  }
+  if (const auto* dense = std::get_if<DenseInertia>(&contact.inertia)) {
+    input_.matrix = dense->G.data();
+  } else if (const auto* factors = std::get_if<FactoredInertia>(&contact.inertia)) {
+    input_.form = InertiaForm::kFactors;
+    input_.matrix = factors->X.data();
+    input_.factors = factors->X.cols();
+    input_.alpha = factors->alpha.data();
+  } else if (const auto* inverse = std::get_if<InverseInertia>(&contact.inertia)) {
+    input_.form = InertiaForm::kInverse;
+    input_.matrix = inverse->Ginv.data();
+  } else {
+    dense_inertia_ = dense_inertia(contact.inertia);
+    input_.matrix = dense_inertia_.data();
+  }
+}
+
+void ActiveSet::on_update(const Vector& v) {
+  if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
+  v_ = v;
+  first_.update(v_);
+}
+
+active_set::Rules ActiveSet::rules(const SolveRequest& request) const {
+  active_set::Rules rules;
+  rules.polish =
+      settings_.precision != ActiveSetPrecision::kFloat && settings_.precision != ActiveSetPrecision::kDouble;
+  rules.accept_residual = settings_.accept_residual;
+  rules.max_steps = settings_.max_iterations > 0 ? static_cast<std::ptrdiff_t>(settings_.max_iterations)
+                                                 : 20 * (input_.nc + input_.ngc) + 100;
+  rules.clock_s = wall_clock_s;
+  rules.deadline_s = std::isinf(request.time_limit_s) ? request.time_limit_s : wall_clock_s() + request.time_limit_s;
+  if (request.start != nullptr && request.start->size() == input_.nc) rules.start = request.start->data();
+  return rules;
+}
+
+void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
+  const active_set::Rules rules = this->rules(request);
+  Vector& velocity = cleared_vectors().velocity;
+  velocity.resize(input_.ngc);
+  Vector& u = cleared_vectors().farkas;
+  u.resize(input_.nc);
+  active_set::Outcome outcome = first_.solve(rules, answer.z, velocity, u);
+  const bool stopped =
+      outcome.ending == Ending::kTimeLimit || (outcome.ending == Ending::kStepLimit && settings_.max_iterations > 0);
+  if (climbs_ && outcome.ending != Ending::kSolved && !stopped) {
+    quad_.load(input_);
+    const active_set::Outcome second = quad_.solve(rules, answer.z, velocity, u);
+    outcome.ending = second.ending;
+    outcome.steps += second.steps;
+    outcome.factorizations += second.factorizations;
+    answer.detail = "quad rung";
+  }
+  if (outcome.ending == Ending::kSolved || outcome.ending == Ending::kRejected) answer.velocity.swap(velocity);
+  if (outcome.ending == Ending::kInfeasible && round_to_proof(u)) answer.farkas.swap(u);
+  report(outcome, answer);
+}
+
+/// Replaces u by small integers in the same proportion when there are such, and N u is in null(G) for them in double:
+/// sums of a few products of small integers with data of few bits are exact, so that these are proofs.
+bool ActiveSet::round_to_proof(Vector& u) {
+  constexpr int kLargestMultiple = 64;
+  constexpr double kRounding = 1e-6;
+  const double largest = u.maxCoeff();
+  for (int multiple = 1; multiple <= kLargestMultiple; ++multiple) {
+    const double factor = multiple / largest;
+    double change = 0;
+    for (const double entry : u) change = std::max(change, std::abs(std::round(entry * factor) - entry * factor));
+    if (!(change <= kRounding)) continue;
+    for (double& entry : u) entry = std::round(entry * factor);
+    return annihilates(u);
+  }
+  return false;
+}
+
+/// Whether X'N u (G N u, G* N u) is zero as computed.
+bool ActiveSet::annihilates(const Vector& u) {
+  image_.setZero();
+  for (Index j = 0; j < input_.nc; ++j) {
+    if (u(j) != 0) image_ += u(j) * Eigen::Map<const Vector>(input_.N + j * input_.ngc, input_.ngc);
+  }
+  const Index columns = input_.form == InertiaForm::kFactors ? input_.factors : input_.ngc;
+  for (Index k = 0; k < columns; ++k) {
+    if (Eigen::Map<const Vector>(input_.matrix + k * input_.ngc, input_.ngc).dot(image_) != 0) return false;
+  }
+  return true;
+}
+
+SolverDefinition lcpbench_solver_active_set() {
+  return define_solver<ActiveSet, ActiveSetSettings>(
+      {.name = "active_set",
+       .summary = "dual active set for the projection of v on the frictionless contacts, in whitened velocity space",
+       .source =
+           "Goldfarb, Idnani 1983, A numerically stable dual method for solving strictly convex quadratic programs",
+       .capabilities = kCapabilities});
+}
+
+}  // namespace lcpbench

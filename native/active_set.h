@@ -1,0 +1,96 @@
+#pragma once
+
+#include "core/isa.h"
+#include "core/settings.h"
+#include "core/solver.h"
+#include "native/active_set_engine.h"
+
+namespace lcpbench {
+
+enum class ActiveSetPrecision { kFloat, kDouble, kPolished, kQuad, kLadder };
+
+struct ActiveSetSettings {
+  ActiveSetPrecision precision = ActiveSetPrecision::kLadder;
+  double accept_residual = 3e-5;
+  std::int64_t max_iterations = 0;
+
+  void visit(auto&& field) {
+    field(
+        "precision", precision,
+        Choices<ActiveSetPrecision>{{{"float", ActiveSetPrecision::kFloat},
+                                     {"double", ActiveSetPrecision::kDouble},
+                                     {"polished", ActiveSetPrecision::kPolished},
+                                     {"quad", ActiveSetPrecision::kQuad},
+                                     {"ladder", ActiveSetPrecision::kLadder}}},
+        "arithmetic; polished: double, active set factored afresh at the end; ladder: polished, where that fails quad");
+    field("accept_residual", accept_residual, RealRange{.min = 0},
+          "claim solved only when the velocity residual, in the precision of the solve, is at most this times max|q|");
+    field("max_iterations", max_iterations, IntegerRange{.min = 0, .max = std::int64_t{1} << 40},
+          "contacts added to or dropped from the active set; 0: 20 (contacts + coordinates) + 100");
+  }
+};
+
+/// Solves frictionless contact problems as the projection of v onto {u : N'u >= 0} in the metric of the inertia,
+///
+///     minimize 1/2 (u - v)'G (u - v) subject to N'u >= 0,
+///
+/// whose multipliers are the normal impulses, by the dual active-set method of Goldfarb and Idnani in coordinates in
+/// which the inertia is the identity. In exact arithmetic it ends at the solution, or proves that there is none, for
+/// any contacts, redundant or not: finite because the objective increases. [Goldfarb, Idnani 1983; docs/active_set.md]
+///
+/// Set-up O(ngc^3 / 6 + nc ngc^2 / 2), a step O(ngc (nc + active)). Returns the velocity as well as z.
+///
+/// kSolved: the answer passed the solver's own test; kUnsolvable: contacts whose normals depend on each other through
+/// null(G) approach whatever the impulses (`farkas` is set when u could be rounded to small integers that prove it);
+/// kIterationLimit, kTimeLimit; kNumericalFailure: the test failed, or the inertia is not semidefinite or too close to
+/// singular for the precision. SolveRequest::start: its positive entries are the first active set.
+class ActiveSet final : public Solver {
+ public:
+  /// @param level instruction-set level of the engines; must not exceed best_isa_level().
+  explicit ActiveSet(const ActiveSetSettings& settings, IsaLevel level = isa_level());
+  ~ActiveSet() override;
+
+  const Capabilities& capabilities() const override;
+
+ private:
+  /// An engine and the problem in it.
+  class Rung {
+   public:
+    explicit Rung(const active_set::Engine& engine) : engine_(engine), state_(engine.create()) {}
+    ~Rung() { engine_.destroy(state_); }
+    Rung(const Rung&) = delete;
+    Rung& operator=(const Rung&) = delete;
+
+    void reserve(const active_set::Input& input) { engine_.reserve(state_, input); }
+    void load(const active_set::Input& input) { engine_.load(state_, input); }
+    void update(const Vector& v) { engine_.update(state_, v.data()); }
+    active_set::Outcome solve(const active_set::Rules& rules, Vector& z, Vector& velocity, Vector& u) {
+      return engine_.solve(state_, rules, z.data(), velocity.data(), u.data());
+    }
+
+   private:
+    const active_set::Engine& engine_;
+    void* state_;
+  };
+
+  void on_load(const Problem& problem) override;
+  void on_update(const Vector& v) override;
+  void on_solve(const SolveRequest& request, Answer& answer) override;
+  void describe(const ContactProblem& contact);
+  active_set::Rules rules(const SolveRequest& request) const;
+  bool round_to_proof(Vector& u);
+  bool annihilates(const Vector& u);
+
+  ActiveSetSettings settings_;
+  Rung first_;
+  Rung quad_;  // the ladder's second rung; unused otherwise
+
+  active_set::Input input_;  // points into the problem, or into what follows
+  Vector v_;
+  Matrix dense_normals_;  // of a sparse N
+  Matrix dense_inertia_;  // of block inertia
+  Vector image_;          // N u
+  bool climbs_ = false;
+};
+
+}  // namespace lcpbench

@@ -1,0 +1,441 @@
+#pragma once
+
+#include "native/active_set/whitening.h"
+
+namespace lcpbench::active_set::LCPBENCH_LEVEL {
+
+/// The projection of v onto {u : N'u >= 0} in the metric of the inertia, by the dual active-set method of Goldfarb and
+/// Idnani (1983) in whitened coordinates: min 1/2 |y - y0|^2 subject to W'y >= b.
+///
+/// The iterate is optimal for the contacts of the active set alone, which presses none of them negatively. A step takes
+/// the most violated contact in, distance measured in the metric, and lets go of contacts whose impulse comes to zero
+/// on the way; the objective increases with each full step, so that no active set recurs. Contacts whose normals depend
+/// on the active ones are exchanged for one of them, or show that nothing is feasible.
+///
+/// s (nc) is carried along instead of y: the normal velocities N'u. Per step O(ngc (nc + active)).
+template <class Scalar>
+class DualMethod {
+  using L = Lanes<Scalar>;
+
+ public:
+  void reserve(const Input& input) {
+    whitening_.reserve(input);
+    const Count vectors = L::padded(input.ngc);
+    const Count contacts = L::padded(input.nc);
+    const Count most = most_active(input);
+    Buffer<Scalar>* const by_coordinate[] = {&v_, &y0_, &change_, &velocity_, &test_, &entering_, &rest_};
+    for (Buffer<Scalar>* buffer : by_coordinate) buffer->resize(vectors + 1);
+    Buffer<Scalar>* const by_contact[] = {&given_, &slack_, &weight_, &merit_, &impulse_};
+    for (Buffer<Scalar>* buffer : by_contact) buffer->resize(contacts + 1);
+    Buffer<Scalar>* const by_active_contact[] = {&pressed_, &share_, &coefficients_, &remaining_};
+    for (Buffer<Scalar>* buffer : by_active_contact) buffer->resize(most + 2);
+    active_normals_.resize(most * vectors + 1);
+    active_.resize(most + 2);
+    basis_.reserve(vectors, most);
+  }
+
+  void load(const Input& input) {
+    reserve(input);
+    usable_ = whitening_.load(input);
+    update(input.v);
+  }
+
+  void update(const double* v) {
+    const Count ngc = whitening_.ngc();
+    for (Count i = 0; i < ngc; ++i) v_[i] = static_cast<Scalar>(v[i]);
+    for (Count i = ngc; i < whitening_.velocity_lanes(); ++i) v_[i] = 0;
+    if (!usable_) return;
+    set_zero(given_.data(), whitening_.contact_lanes());
+    combine_rows(given_.data(), given_.data(), whitening_.normals(0), whitening_.contact_lanes(), v_.data(), ngc,
+                 whitening_.contact_lanes());
+    if (whitening_.triangular()) whitening_.whiten_velocity(v_.data(), y0_.data());
+  }
+
+  Outcome solve(const Rules& rules, double* z, double* velocity, double* u) {
+    Outcome outcome;
+    if (!usable_) return outcome;
+    start();
+    if (rules.start != nullptr) warm_start(rules, outcome);
+    outcome.ending = iterate(rules, outcome);
+    if (outcome.ending == Ending::kInfeasible) write_farkas(u);
+    if (outcome.ending != Ending::kSolved) return outcome;
+    if (rules.polish) {
+      polish(outcome);
+    } else {
+      sum_change();
+    }
+    if (!write_answer(z, velocity)) {
+      outcome.ending = Ending::kBreakdown;
+    } else if (!(residual() <= static_cast<Scalar>(rules.accept_residual) * largest_given())) {
+      outcome.ending = Ending::kRejected;
+    }
+    return outcome;
+  }
+
+ private:
+  static constexpr Count kStepsPerClockReading = 16;
+  static constexpr bool kLastPrecision = sizeof(Scalar) > sizeof(double);
+
+  static Count most_active(const Input& input) { return input.ngc < input.nc ? input.ngc : input.nc; }
+  Count lanes() const { return whitening_.velocity_lanes(); }
+  Count contact_lanes() const { return whitening_.contact_lanes(); }
+  Scalar* active_normal(Count k) { return active_normals_.data() + k * lanes(); }
+
+  // --- the iteration ---
+
+  void start() {
+    basis_.clear(lanes(), most_active_now());
+    copy(slack_.data(), given_.data(), contact_lanes());
+    copy(weight_.data(), whitening_.weights(), contact_lanes());
+    const Scalar noise = whitening_.noise();
+    violation_threshold_ = noise * noise * squared_scale();
+  }
+
+  Count most_active_now() const { return whitening_.ngc() < whitening_.nc() ? whitening_.ngc() : whitening_.nc(); }
+
+  /// Of the square of a distance to a contact's half-space: |v|_G, or, where v is not known in the metric, the largest
+  /// such distance.
+  Scalar squared_scale() {
+    if (whitening_.triangular()) return dot(y0_.data(), y0_.data(), lanes());
+    measure_merits();
+    Scalar largest = 0;
+    for (Count j = 0; j < whitening_.nc(); ++j) largest = merit_[j] > largest ? merit_[j] : largest;
+    return largest;
+  }
+
+  /// merit_ = squared distance to the half-space where that is violated, else 0; 0 for active contacts. @returns
+  /// largest
+  Scalar measure_merits() {
+    const auto zero = L::broadcast(0);
+    auto largest = zero;
+    for (Count j = 0; j < contact_lanes(); j += L::kWidth) {
+      const auto violation = L::min(L::load(slack_.data() + j), zero);
+      const auto merit = violation * violation * L::load(weight_.data() + j);
+      L::store(merit_.data() + j, merit);
+      largest = L::max(largest, merit);
+    }
+    return L::max(largest);
+  }
+
+  /// The contact that is violated most; -1: none by more than rounding.
+  Count most_violated() {
+    const Scalar largest = measure_merits();
+    if (!(largest > violation_threshold_)) return -1;
+    Count contact = 0;
+    while (!(merit_[contact] == largest)) ++contact;
+    return contact;
+  }
+
+  Ending iterate(const Rules& rules, Outcome& outcome) {
+    if (immovable_contact_is_violated()) return Ending::kInfeasible;
+    for (Count contact = most_violated(); contact >= 0; contact = most_violated()) {
+      whitening_.gather(contact, entering_.data());
+      entering_contact_ = contact;
+      entering_impulse_ = 0;
+      for (bool added = false; !added;) {
+        if (outcome.steps >= rules.max_steps) return Ending::kStepLimit;
+        if (outcome.steps % kStepsPerClockReading == 0 && rules.deadline_s < kInfinity<double> &&
+            !(rules.clock_s() < rules.deadline_s)) {
+          return Ending::kTimeLimit;
+        }
+        ++outcome.steps;
+        const Ending ending = step(added);
+        if (ending != Ending::kSolved) return ending;
+      }
+    }
+    return Ending::kSolved;
+  }
+
+  /// Contacts that no impulse moves: violated ones stay so.
+  bool immovable_contact_is_violated() {
+    if (whitening_.triangular()) return false;  // their normals are zero, and so is their velocity
+    for (Count j = 0; j < whitening_.nc(); ++j) {
+      if (whitening_.squared_norm(j) > 0) continue;
+      Scalar terms = 0;
+      for (Count i = 0; i < whitening_.ngc(); ++i) terms += magnitude(whitening_.normals(i)[j] * v_[i]);
+      if (given_[j] >= -whitening_.noise() * terms) continue;
+      entering_contact_ = j;
+      return true;
+    }
+    return false;
+  }
+
+  /// Moves towards the entering contact's boundary until there (added), or until an active contact lets go.
+  Ending step(bool& added) {
+    const Scalar squared_norm = whitening_.squared_norm(entering_contact_);
+    const Scalar left = basis_.split(entering_.data(), squared_norm, coefficients_.data(), rest_.data());
+    for (Count k = 0; k < basis_.size(); ++k) share_[k] = coefficients_[k];
+    basis_.solve(share_.data());
+    const Scalar noise = whitening_.noise();
+    const bool independent = basis_.size() < most_active_now() && left > noise * noise * squared_norm;
+
+    Count leaving = -1;
+    Scalar partial = kInfinity<Scalar>;
+    for (Count k = 0; k < basis_.size(); ++k) {
+      if (share_[k] > 0 && pressed_[k] < partial * share_[k]) {
+        partial = pressed_[k] / share_[k];
+        leaving = k;
+      }
+    }
+    if (!independent && leaving < 0) return Ending::kInfeasible;
+    const Scalar full = independent ? -slack_[entering_contact_] / left : kInfinity<Scalar>;
+    added = !(partial < full);
+    const Scalar length = added ? full : partial;
+    if (!finite(length)) return Ending::kBreakdown;
+    for (Count k = 0; k < basis_.size(); ++k) pressed_[k] -= length * share_[k];
+    entering_impulse_ += length;
+    if (independent) move(length);
+    if (added) {
+      add_entering(left);
+    } else {
+      drop(leaving);
+    }
+    return Ending::kSolved;
+  }
+
+  /// y += length * rest, in terms of s.
+  void move(Scalar length) {
+    const auto factor = L::broadcast(length);
+    for (Count i = 0; i < lanes(); i += L::kWidth) L::store(change_.data() + i, factor * L::load(rest_.data() + i));
+    combine_rows(slack_.data(), slack_.data(), whitening_.row(0), whitening_.row_stride(), change_.data(),
+                 whitening_.rank(), contact_lanes());
+  }
+
+  void add_entering(Scalar left) {
+    const Count k = basis_.size();
+    copy(active_normal(k), entering_.data(), lanes());
+    active_[k] = entering_contact_;
+    pressed_[k] = entering_impulse_;
+    weight_[entering_contact_] = 0;
+    basis_.append(coefficients_.data(), rest_.data(), left);
+  }
+
+  void drop(Count k) {
+    weight_[active_[k]] = whitening_.weights()[active_[k]];
+    basis_.remove(k);
+    for (Count i = k; i < basis_.size(); ++i) {
+      active_[i] = active_[i + 1];
+      pressed_[i] = pressed_[i + 1];
+      copy(active_normal(i), active_normal(i + 1), lanes());
+    }
+  }
+
+  // --- a given active set ---
+
+  /// Appends `contact` to the active set unless its normal depends on those in it.
+  bool append_independent(Count contact) {
+    if (basis_.size() >= most_active_now()) return false;
+    const Count k = basis_.size();
+    const Scalar squared_norm = whitening_.squared_norm(contact);
+    const Scalar noise = whitening_.noise();
+    const Scalar left = basis_.split(active_normal(k), squared_norm, coefficients_.data(), rest_.data());
+    if (!(left > noise * noise * squared_norm)) return false;
+    basis_.append(coefficients_.data(), rest_.data(), left);
+    active_[k] = contact;
+    weight_[contact] = 0;
+    return true;
+  }
+
+  /// The active set from the last time step, less the contacts that it would pull.
+  void warm_start(const Rules& rules, Outcome& outcome) {
+    for (Count j = 0; j < whitening_.nc(); ++j) {
+      if (!(rules.start[j] > 0) || basis_.size() >= most_active_now()) continue;
+      whitening_.gather(j, active_normal(basis_.size()));
+      append_independent(j);
+    }
+    ++outcome.factorizations;
+    while (basis_.size() > 0) {
+      press_active();
+      Count most_pulled = 0;
+      for (Count k = 1; k < basis_.size(); ++k) {
+        if (pressed_[k] < pressed_[most_pulled]) most_pulled = k;
+      }
+      if (pressed_[most_pulled] >= 0) break;
+      drop(most_pulled);
+      ++outcome.steps;
+    }
+    add_change_to_slack();
+  }
+
+  /// change_ = y - y0 with y the projection on the active contacts' boundaries, pressed_ = the impulses that do it.
+  void press_active() {
+    Scalar* c = coefficients_.data();
+    if (whitening_.triangular()) {
+      for (Count k = 0; k < basis_.size(); ++k) c[k] = -dot(basis_.q(k), y0_.data(), lanes());
+    } else {
+      for (Count k = 0; k < basis_.size(); ++k) c[k] = -given_[active_[k]];
+      basis_.solve_transposed(c);
+    }
+    set_zero(change_.data(), lanes());
+    for (Count k = 0; k < basis_.size(); ++k) add_multiple(change_.data(), c[k], basis_.q(k), lanes());
+    for (Count k = 0; k < basis_.size(); ++k) pressed_[k] = c[k];
+    basis_.solve_in_doubles(pressed_.data());
+  }
+
+  void add_change_to_slack() {
+    combine_rows(slack_.data(), given_.data(), whitening_.row(0), whitening_.row_stride(), change_.data(),
+                 whitening_.rank(), contact_lanes());
+  }
+
+  // --- the end ---
+
+  /// Factors the active normals afresh and takes velocity and impulses from the factors: free of what the path
+  /// accumulated.
+  ///
+  /// In double, the normal that stands out most of the earlier ones comes next. In the last precision, the one whose
+  /// impulse moves the least: the impulses are then rounded to double one by one so that the last to be rounded, which
+  /// nothing makes up for, does the least harm. With normals that nearly depend on each other, impulses of 1e12 N s can
+  /// leave a velocity of zero, and rounding each for itself would move it visibly.
+  void polish(Outcome& outcome) {
+    ++outcome.factorizations;
+    Count count = basis_.size();
+    basis_.clear(lanes(), most_active_now());
+    for (Count k = 0; k < count; ++k) {
+      remaining_[k] = whitening_.squared_norm(active_[k]) * (kLastPrecision ? pressed_[k] * pressed_[k] : Scalar(1));
+    }
+    while (basis_.size() < count) {
+      const Count k = basis_.size();
+      Count next = k;
+      for (Count i = k + 1; i < count; ++i) {
+        if (kLastPrecision ? remaining_[i] < remaining_[next] : remaining_[i] > remaining_[next]) next = i;
+      }
+      exchange(k, next);
+      if (!append_independent(active_[k])) {  // its impulse is zero: the others do
+        exchange(k, --count);
+        continue;
+      }
+      for (Count i = k + 1; i < count; ++i) {
+        const Scalar along = dot(basis_.q(k), active_normal(i), lanes());
+        remaining_[i] -= along * along * (kLastPrecision ? pressed_[i] * pressed_[i] : Scalar(1));
+      }
+    }
+    press_active();
+  }
+
+  template <class T>
+  static void swap_entries(Buffer<T>& buffer, Count i, Count j) {
+    const T kept = buffer[i];
+    buffer[i] = buffer[j];
+    buffer[j] = kept;
+  }
+
+  void exchange(Count i, Count j) {
+    if (i == j) return;
+    swap_entries(active_, i, j);
+    swap_entries(remaining_, i, j);
+    swap_entries(pressed_, i, j);
+    for (Count l = 0; l < lanes(); ++l) {
+      const Scalar entry = active_normal(i)[l];
+      active_normal(i)[l] = active_normal(j)[l];
+      active_normal(j)[l] = entry;
+    }
+  }
+
+  /// change_ from the impulses that the iteration left.
+  void sum_change() {
+    set_zero(change_.data(), lanes());
+    for (Count k = 0; k < basis_.size(); ++k) add_multiple(change_.data(), pressed_[k], active_normal(k), lanes());
+  }
+
+  /// False when it is not finite.
+  bool write_answer(double* z, double* velocity) {
+    set_zero(impulse_.data(), contact_lanes());
+    for (Count k = 0; k < basis_.size(); ++k) {
+      if (!finite(pressed_[k])) return false;
+      // A negative one is rounding, or else the test finds what is missing.
+      impulse_[active_[k]] = pressed_[k] > 0 ? pressed_[k] : Scalar(0);
+    }
+    compute_velocity();
+    for (Count j = 0; j < whitening_.nc(); ++j) z[j] = static_cast<double>(impulse_[j]);
+    for (Count i = 0; i < whitening_.ngc(); ++i) {
+      velocity[i] = static_cast<double>(velocity_[i]);
+      if (!(velocity[i] - velocity[i] == 0)) return false;
+    }
+    return true;
+  }
+
+  void compute_velocity() {
+    if (whitening_.triangular()) {
+      for (Count i = 0; i < lanes(); i += L::kWidth) {
+        L::store(velocity_.data() + i, L::load(y0_.data() + i) + L::load(change_.data() + i));
+      }
+      whitening_.solve(velocity_.data());
+    } else {
+      whitening_.add_response(v_.data(), change_.data(), velocity_.data());
+    }
+  }
+
+  Scalar largest_given() const {
+    Scalar largest = 0;
+    for (Count j = 0; j < whitening_.nc(); ++j) {
+      const Scalar size = magnitude(given_[j]);
+      largest = size > largest ? size : largest;
+    }
+    return largest;
+  }
+
+  /// max |min(|W_i|^2 z_i, w_i)| with w = N'(v + G* N z), from the normals as given.
+  Scalar residual() {
+    set_zero(test_.data(), lanes());
+    for (Count i = 0; i < whitening_.ngc(); ++i) {
+      test_[i] = dot(whitening_.normals(i), impulse_.data(), contact_lanes());
+    }
+    if (whitening_.triangular()) {
+      whitening_.solve_transposed(test_.data());
+      whitening_.solve(test_.data());
+      add_multiple(test_.data(), Scalar(1), v_.data(), lanes());
+    } else {
+      whitening_.project(test_.data(), change_.data());
+      whitening_.add_response(v_.data(), change_.data(), test_.data());
+    }
+    set_zero(slack_.data(), contact_lanes());
+    combine_rows(slack_.data(), slack_.data(), whitening_.normals(0), contact_lanes(), test_.data(), whitening_.ngc(),
+                 contact_lanes());
+    Scalar worst = 0;
+    for (Count j = 0; j < whitening_.nc(); ++j) {
+      const Scalar pressure = whitening_.squared_norm(j) * impulse_[j];
+      const Scalar off = magnitude(pressure < slack_[j] ? pressure : slack_[j]);
+      if (!finite(off)) return kInfinity<Scalar>;
+      worst = off > worst ? off : worst;
+    }
+    return worst;
+  }
+
+  void write_farkas(double* u) {
+    for (Count j = 0; j < whitening_.nc(); ++j) u[j] = 0;
+    u[entering_contact_] = 1;
+    if (!(whitening_.squared_norm(entering_contact_) > 0)) return;
+    for (Count k = 0; k < basis_.size(); ++k) u[active_[k]] = share_[k] < 0 ? static_cast<double>(-share_[k]) : 0;
+  }
+
+  Whitening<Scalar> whitening_;
+  OrthogonalBasis<Scalar> basis_;  // of the active normals
+  bool usable_ = false;
+  Scalar violation_threshold_ = 0;
+
+  Buffer<Scalar> v_;      // ngc
+  Buffer<Scalar> given_;  // N'v
+  Buffer<Scalar> y0_;     // C v
+  Buffer<Scalar> slack_;
+  Buffer<Scalar> merit_;
+  Buffer<Scalar> weight_;  // 1 / |W_j|^2, 0 for active contacts
+
+  Buffer<Count> active_;
+  Buffer<Scalar> pressed_;         // impulses of the active contacts
+  Buffer<Scalar> active_normals_;  // whitened, one after the other
+  Buffer<Scalar> remaining_;
+
+  Count entering_contact_ = 0;
+  Scalar entering_impulse_ = 0;
+  Buffer<Scalar> entering_;
+  Buffer<Scalar> coefficients_;
+  Buffer<Scalar> share_;  // of the entering normal in the active ones: R^-1 Q' of it
+  Buffer<Scalar> rest_;
+
+  Buffer<Scalar> change_;  // y - y0; during the iteration that of one step
+  Buffer<Scalar> velocity_;
+  Buffer<Scalar> impulse_;  // by contact
+  Buffer<Scalar> test_;
+};
+
+}  // namespace lcpbench::active_set::LCPBENCH_LEVEL

@@ -1,0 +1,131 @@
+#pragma once
+
+#include "native/active_set/arithmetic.h"
+
+namespace lcpbench::active_set::LCPBENCH_LEVEL {
+
+/// Vectors a_0, a_1, ... of fixed length as A = Q R: Q orthonormal, R upper triangular with positive diagonal.
+///
+/// Vectors are appended by Gram-Schmidt with a second pass where the first cancels, which keeps Q orthogonal to
+/// rounding [Daniel, Gragg, Kaufman, Stewart 1976], and removed by Givens rotations. O(length * size) for either.
+template <class Scalar>
+class OrthogonalBasis {
+  using L = Lanes<Scalar>;
+
+ public:
+  /// Empty; room for `capacity` vectors of `length` entries (padded).
+  void reserve(Count length, Count capacity) {
+    q_.resize(length * (capacity + 1) + 1);
+    r_.resize(capacity * capacity + 1);
+  }
+  void clear(Count length, Count capacity) {
+    reserve(length, capacity);
+    length_ = length;
+    capacity_ = capacity;
+    size_ = 0;
+  }
+
+  Count size() const { return size_; }
+  const Scalar* q(Count i) const { return q_.data() + i * length_; }
+  /// R(i, j), i <= j.
+  Scalar r(Count i, Count j) const { return r_[j * capacity_ + i]; }
+
+  /// coefficients (size) = Q'x, rest = x - Q Q'x. @returns |rest|^2
+  Scalar split(const Scalar* x, Scalar squared_norm, Scalar* coefficients, Scalar* rest) const {
+    for (Count k = 0; k < size_; ++k) coefficients[k] = dot(q(k), x, length_);
+    copy(rest, x, length_);
+    for (Count k = 0; k < size_; ++k) add_multiple(rest, -coefficients[k], q(k), length_);
+    Scalar left = dot(rest, rest, length_);
+    if (2 * left > squared_norm || size_ == 0) return left;  // no cancellation: one pass is enough
+    for (Count k = 0; k < size_; ++k) {
+      const Scalar correction = dot(q(k), rest, length_);
+      add_multiple(rest, -correction, q(k), length_);
+      coefficients[k] += correction;
+    }
+    return dot(rest, rest, length_);
+  }
+
+  /// Appends the vector that split() took apart. @pre size() < capacity, squared_rest > 0
+  void append(const Scalar* coefficients, const Scalar* rest, Scalar squared_rest) {
+    const Scalar norm = L::square_root(squared_rest);
+    Scalar* column = r_.data() + size_ * capacity_;
+    for (Count k = 0; k < size_; ++k) column[k] = coefficients[k];
+    column[size_] = norm;
+    Scalar* direction = q_.data() + size_ * length_;
+    copy(direction, rest, length_);
+    scale(direction, 1 / norm, length_);
+    ++size_;
+  }
+
+  /// Removes vector `k`; those after it move up by one.
+  void remove(Count k) {
+    for (Count j = k + 1; j < size_; ++j) {
+      const Scalar* from = r_.data() + j * capacity_;
+      Scalar* to = r_.data() + (j - 1) * capacity_;
+      for (Count i = 0; i <= j; ++i) to[i] = from[i];
+    }
+    --size_;
+    for (Count i = k; i < size_; ++i) rotate(i);
+  }
+
+  /// x := R^-1 x.
+  void solve(Scalar* x) const {
+    for (Count j = size_ - 1; j >= 0; --j) {
+      const Scalar* column = r_.data() + j * capacity_;
+      x[j] /= column[j];
+      for (Count i = 0; i < j; ++i) x[i] -= x[j] * column[i];
+    }
+  }
+
+  /// x := R^-1 x in doubles: each entry is rounded before the entries before it are solved for, which so make up for
+  /// the rounding. |R x - b|_j is at most the rounding of x_j times R_jj, where R^-1 b rounded at the end has that of
+  /// all entries times the norms of their vectors. [Babai 1986, the nearest-plane method]
+  void solve_in_doubles(Scalar* x) const {
+    for (Count j = size_ - 1; j >= 0; --j) {
+      const Scalar* column = r_.data() + j * capacity_;
+      x[j] = static_cast<Scalar>(static_cast<double>(x[j] / column[j]));
+      for (Count i = 0; i < j; ++i) x[i] -= x[j] * column[i];
+    }
+  }
+
+  /// x := R^-T x.
+  void solve_transposed(Scalar* x) const {
+    for (Count j = 0; j < size_; ++j) {
+      const Scalar* column = r_.data() + j * capacity_;
+      for (Count i = 0; i < j; ++i) x[j] -= column[i] * x[i];
+      x[j] /= column[j];
+    }
+  }
+
+ private:
+  /// Makes R(i + 1, i) zero by turning directions i and i + 1.
+  void rotate(Count i) {
+    Scalar* pivot = r_.data() + i * capacity_ + i;
+    const Scalar norm = L::square_root(pivot[0] * pivot[0] + pivot[1] * pivot[1]);
+    const Scalar c = pivot[0] / norm;
+    const Scalar s = pivot[1] / norm;
+    pivot[0] = norm;
+    for (Count j = i + 1; j < size_; ++j) {
+      Scalar* entry = r_.data() + j * capacity_ + i;
+      const Scalar above = c * entry[0] + s * entry[1];
+      entry[1] = c * entry[1] - s * entry[0];
+      entry[0] = above;
+    }
+    Scalar* q0 = q_.data() + i * length_;
+    Scalar* q1 = q0 + length_;
+    for (Count l = 0; l < length_; l += L::kWidth) {
+      const auto first = L::load(q0 + l);
+      const auto second = L::load(q1 + l);
+      L::store(q0 + l, c * first + s * second);
+      L::store(q1 + l, c * second - s * first);
+    }
+  }
+
+  Count length_ = 0;
+  Count capacity_ = 0;
+  Count size_ = 0;
+  Buffer<Scalar> q_;  // one direction after the other
+  Buffer<Scalar> r_;  // capacity x capacity by columns
+};
+
+}  // namespace lcpbench::active_set::LCPBENCH_LEVEL

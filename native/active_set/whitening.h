@@ -1,0 +1,401 @@
+#pragma once
+
+#include "native/active_set/arithmetic.h"
+#include "native/active_set/orthogonal_basis.h"
+#include "native/active_set_engine.h"
+
+namespace lcpbench::active_set::LCPBENCH_LEVEL {
+
+/// The contact normals in coordinates in which the inertia is the identity: W with W'W = N'G*N.
+///
+/// Positive definite G = C'C (C upper triangular): W = C^-T N, and the velocity v becomes C v. W comes from eliminating
+/// [G N] by rows, square roots last, so that few operations wait for one another. O(ngc^3 / 6 + nc ngc^2 / 2).
+///
+/// G of lower rank, or G* alone: G* = S S' with S (ngc x rank), W = S'N. From factors, G = Y Y': Y = Q R, then R' = P
+/// T, both by Gram-Schmidt, so that G = Q T'T Q' and S = Q T^-1; the condition number is never squared. From G* by
+/// Cholesky with diagonal pivoting. O(ngc^3).
+template <class Scalar>
+class Whitening {
+  using L = Lanes<Scalar>;
+
+ public:
+  void reserve(const Input& input) {
+    set_dimensions(input);
+    rows_.resize(ngc_ * stride_ + 1);
+    normals_.resize(ngc_ * contact_lanes_ + 1);
+    squared_norm_.resize(contact_lanes_ + 1);
+    weight_.resize(contact_lanes_ + 1);
+    columns_.resize(ngc_ * velocity_lanes_ + 1);
+    inverse_diagonal_.resize(velocity_lanes_ + 1);
+    if (kLastPrecision || input.form != InertiaForm::kDense) reserve_factors(input);
+  }
+
+  /// False when the inertia is indefinite, not a number, or (dense G) singular to this precision.
+  bool load(const Input& input) {
+    reserve(input);
+    read_normals(input);
+    rank_ = 0;
+    triangular_ = false;
+    if (!factor_inertia(input)) return false;
+    if (!triangular_) apply_to_normals();
+    measure_normals();
+    return true;
+  }
+
+  Count ngc() const { return ngc_; }
+  Count nc() const { return nc_; }
+  Count rank() const { return rank_; }
+  Count velocity_lanes() const { return velocity_lanes_; }
+  Count contact_lanes() const { return contact_lanes_; }
+  /// Whether C exists: G positive definite. Else S does.
+  bool triangular() const { return triangular_; }
+
+  /// Coordinate `i` of all whitened normals.
+  const Scalar* row(Count i) const { return rows_.data() + i * stride_ + velocity_lanes_; }
+  Count row_stride() const { return stride_; }
+  /// Coordinate `i` of all normals as given.
+  const Scalar* normals(Count i) const { return normals_.data() + i * contact_lanes_; }
+  Scalar squared_norm(Count contact) const { return squared_norm_[contact]; }
+  /// 1 / |W_j|^2 by contact; 0 for contacts that no impulse moves.
+  const Scalar* weights() const { return weight_.data(); }
+
+  /// Relative size of the rounding errors in a whitened normal, about.
+  Scalar noise() const { return noise_; }
+
+  /// Whitened normal `contact` as one vector of velocity_lanes() entries.
+  void gather(Count contact, Scalar* to) const {
+    const Scalar* from = row(0) + contact;
+    for (Count i = 0; i < rank_; ++i) to[i] = from[i * stride_];
+    for (Count i = rank_; i < velocity_lanes_; ++i) to[i] = 0;
+  }
+
+  /// to = C v. @pre triangular()
+  void whiten_velocity(const Scalar* v, Scalar* to) const {
+    set_zero(to, velocity_lanes_);
+    combine_rows(to, to, columns_.data(), velocity_lanes_, v, ngc_, velocity_lanes_);
+  }
+
+  /// x := C^-1 x. @pre triangular()
+  void solve(Scalar* x) const {
+    for (Count i = ngc_ - 1; i >= 0; --i) {
+      const Scalar value = x[i] * inverse_diagonal_[i];
+      add_multiple(x, -value, columns_.data() + i * velocity_lanes_, (i / L::kWidth + 1) * L::kWidth);
+      x[i] = value;
+    }
+  }
+
+  /// x := C^-T x. @pre triangular()
+  void solve_transposed(Scalar* x) const {
+    for (Count i = 0; i < ngc_; ++i) {
+      const Scalar value = x[i] * inverse_diagonal_[i];
+      const Count first = i / L::kWidth * L::kWidth;
+      add_multiple(x + first, -value, rows_.data() + i * stride_ + first, velocity_lanes_ - first);
+      x[i] = value;
+    }
+  }
+
+  /// to = v + S x. @pre !triangular(); to holds velocity_lanes() entries.
+  void add_response(const Scalar* v, const Scalar* x, Scalar* to) const {
+    combine_rows(to, v, rows_.data(), stride_, x, rank_, velocity_lanes_);
+  }
+
+  /// to (rank) = S' x. @pre !triangular()
+  void project(const Scalar* x, Scalar* to) const {
+    for (Count i = 0; i < rank_; ++i) to[i] = dot(rows_.data() + i * stride_, x, velocity_lanes_);
+  }
+
+ private:
+  static constexpr bool kLastPrecision = sizeof(Scalar) > sizeof(double);
+  static constexpr Scalar kEpsilon = 2 * L::kUnitRoundoff;
+
+  void set_dimensions(const Input& input) {
+    ngc_ = input.ngc;
+    nc_ = input.nc;
+    velocity_lanes_ = L::padded(ngc_);
+    contact_lanes_ = L::padded(nc_);
+    stride_ = velocity_lanes_ + contact_lanes_;
+  }
+
+  Scalar* work_row(Count i) { return rows_.data() + i * stride_; }
+
+  void read_normals(const Input& input) {
+    for (Count i = 0; i < ngc_; ++i) {
+      Scalar* row = normals_.data() + i * contact_lanes_;
+      for (Count j = 0; j < nc_; ++j) row[j] = static_cast<Scalar>(input.N[j * ngc_ + i]);
+      for (Count j = nc_; j < contact_lanes_; ++j) row[j] = 0;
+    }
+  }
+
+  bool factor_inertia(const Input& input) {
+    switch (input.form) {
+      case InertiaForm::kDense: return factor_dense(input.matrix);
+      case InertiaForm::kFactors: return factor_factors(input);
+      case InertiaForm::kInverse: return factor_semidefinite(input.matrix, kEpsilon) && use_as_response();
+    }
+    return false;
+  }
+
+  // --- positive definite ---
+
+  bool factor_dense(const double* G) {
+    if (eliminate(G)) {
+      scale_rows();
+      triangular_ = true;
+      rank_ = ngc_;
+      return true;
+    }
+    // Singular to this precision. Only the last precision may say that it is singular: to within the rounding of the
+    // doubles that it was given in, the cut of the pseudo-inverse everywhere in this program.
+    if (!kLastPrecision) return false;
+    return factor_semidefinite(G, Scalar(0x1p-52)) && make_response(factor_count_);
+  }
+
+  /// Rows of [G N] become unit upper triangular times pivots.
+  bool eliminate(const double* G) {
+    for (Count i = 0; i < ngc_; ++i) {
+      Scalar* row = work_row(i);
+      for (Count j = 0; j < ngc_; ++j) row[j] = static_cast<Scalar>(G[i * ngc_ + j]);
+      for (Count j = ngc_; j < velocity_lanes_; ++j) row[j] = 0;
+      copy(row + velocity_lanes_, normals_.data() + i * contact_lanes_, contact_lanes_);
+      inverse_diagonal_[i] = row[i];  // G_ii, until scale_rows
+    }
+    const Scalar least = static_cast<Scalar>(ngc_) * kEpsilon;
+    for (Count k = 0; k < ngc_; ++k) {
+      const Scalar* pivot_row = work_row(k);
+      if (!(pivot_row[k] > least * inverse_diagonal_[k])) return false;
+      const Scalar inverse = 1 / pivot_row[k];
+      const Count first = k / L::kWidth * L::kWidth;
+      for (Count i = k + 1; i < ngc_; ++i) {
+        add_multiple(work_row(i) + first, -pivot_row[i] * inverse, pivot_row + first, stride_ - first);
+      }
+    }
+    return true;
+  }
+
+  /// Makes rows of [C W] of the eliminated ones, and the columns of C.
+  void scale_rows() {
+    Scalar growth = 1;
+    for (Count i = 0; i < ngc_; ++i) {
+      Scalar* row = work_row(i);
+      const Scalar ratio = inverse_diagonal_[i] / row[i];
+      growth = ratio > growth ? ratio : growth;
+      inverse_diagonal_[i] = 1 / L::square_root(row[i]);
+      scale(row, inverse_diagonal_[i], stride_);
+      Scalar* column = columns_.data() + i * velocity_lanes_;
+      for (Count j = 0; j <= i; ++j) column[j] = work_row(j)[i];
+      for (Count j = i + 1; j < velocity_lanes_; ++j) column[j] = 0;
+    }
+    set_noise(L::square_root(growth));
+    for (Count i = 0; i < ngc_; ++i) {  // what elimination left below the diagonal
+      for (Count j = i / L::kWidth * L::kWidth; j < i; ++j) work_row(i)[j] = 0;
+    }
+  }
+
+  /// Rounding errors grow with the cancellation in the pivots; the constant leaves room for their number.
+  void set_noise(Scalar growth) { noise_ = 16 * kEpsilon * growth; }
+
+  // --- any rank ---
+
+  void reserve_factors(const Input& input) {
+    const Count count = input.form == InertiaForm::kFactors ? input.factors : ngc_;
+    const Count most = count > ngc_ ? count : ngc_;
+    factors_.resize(count * velocity_lanes_ + 1);
+    coefficients_.resize(L::padded(most) * (ngc_ + 1) + 1);
+    rest_.resize(L::padded(most) + 1);
+    order_.resize(most + 1);
+    range_.reserve(velocity_lanes_, ngc_);
+    rank_basis_.reserve(L::padded(most), ngc_);
+  }
+
+  /// Y = X diag(alpha)^(1/2).
+  bool factor_factors(const Input& input) {
+    factor_count_ = input.factors;
+    for (Count k = 0; k < factor_count_; ++k) {
+      const Scalar weight = L::square_root(static_cast<Scalar>(input.alpha[k]));
+      Scalar* column = factors_.data() + k * velocity_lanes_;
+      for (Count i = 0; i < ngc_; ++i) column[i] = weight * static_cast<Scalar>(input.matrix[k * ngc_ + i]);
+      for (Count i = ngc_; i < velocity_lanes_; ++i) column[i] = 0;
+    }
+    return make_response(factor_count_);
+  }
+
+  /// A = Y Y' to within `cut` times ngc times its largest diagonal entry, by Cholesky with diagonal pivoting.
+  /// False when A is indefinite. Uses the rows as memory.
+  bool factor_semidefinite(const double* A, Scalar cut) {
+    Scalar largest = 0;
+    for (Count i = 0; i < ngc_; ++i) {
+      Scalar* row = work_row(i);
+      for (Count j = 0; j < ngc_; ++j) row[j] = static_cast<Scalar>(A[i * ngc_ + j]);
+      if (!finite(row[i])) return false;
+      largest = row[i] > largest ? row[i] : largest;
+    }
+    const Scalar least = static_cast<Scalar>(ngc_) * cut * largest;
+    Scalar last = largest;
+    for (factor_count_ = 0; factor_count_ < ngc_; ++factor_count_) {
+      Count pivot = 0;
+      for (Count i = 1; i < ngc_; ++i) {
+        if (work_row(i)[i] > work_row(pivot)[pivot]) pivot = i;
+      }
+      if (!(work_row(pivot)[pivot] > least)) break;
+      last = work_row(pivot)[pivot];
+      take_factor(pivot);
+    }
+    for (Count i = 0; i < ngc_; ++i) {
+      if (!(work_row(i)[i] >= -least)) return false;
+    }
+    set_noise(factor_count_ > 0 ? L::square_root(largest / last) : Scalar(1));
+    return true;
+  }
+
+  /// The next column of Y, and A less its part.
+  void take_factor(Count pivot) {
+    Scalar* column = factors_.data() + factor_count_ * velocity_lanes_;
+    const Scalar inverse = 1 / L::square_root(work_row(pivot)[pivot]);
+    for (Count i = 0; i < ngc_; ++i) column[i] = inverse * work_row(pivot)[i];
+    for (Count i = ngc_; i < velocity_lanes_; ++i) column[i] = 0;
+    for (Count i = 0; i < ngc_; ++i) {
+      for (Count j = 0; j < ngc_; ++j) work_row(i)[j] -= column[i] * column[j];
+    }
+    for (Count i = 0; i < ngc_; ++i) work_row(i)[pivot] = work_row(pivot)[i] = 0;
+  }
+
+  /// S = Y, for G* = Y Y'.
+  bool use_as_response() {
+    rank_ = factor_count_;
+    for (Count k = 0; k < rank_; ++k) copy(work_row(k), factors_.data() + k * velocity_lanes_, velocity_lanes_);
+    return true;
+  }
+
+  /// S for G = Y Y'.
+  bool make_response(Count count) {
+    if (!factor_range(count)) return false;
+    // R' = P T: the rows of R, which are independent.
+    const Count length = L::padded(count > ngc_ ? count : ngc_);
+    rank_basis_.clear(length, ngc_);
+    Scalar least = kInfinity<Scalar>;
+    Scalar largest = 0;
+    for (Count i = 0; i < rank_; ++i) {
+      const Scalar* row = coefficients_.data() + i * length;
+      Scalar* t = coefficients_.data() + ngc_ * length;
+      const Scalar left = rank_basis_.split(row, dot(row, row, length), t, rest_.data());
+      if (!(left > 0)) return false;
+      rank_basis_.append(t, rest_.data(), left);
+      least = left < least ? left : least;
+      largest = left > largest ? left : largest;
+    }
+    for (Count i = 0; i < rank_; ++i) {
+      copy(work_row(i), range_.q(i), velocity_lanes_);
+      for (Count j = 0; j < i; ++j) add_multiple(work_row(i), -rank_basis_.r(j, i), work_row(j), velocity_lanes_);
+      scale(work_row(i), 1 / rank_basis_.r(i, i), velocity_lanes_);
+    }
+    set_noise(rank_ > 0 ? L::square_root(largest / least) : Scalar(1));
+    return true;
+  }
+
+  /// Q of Y = Q R, always the column that stands out most next; rows of R in coefficients_. A factor belongs to the
+  /// range of the others when less than 2^-46 of its length stands out of it (single precision: 2^-18).
+  bool factor_range(Count count) {
+    const Count length = L::padded(count > ngc_ ? count : ngc_);
+    const Scalar cut = sizeof(Scalar) < sizeof(double) ? Scalar(0x1p-18) : Scalar(0x1p-46);
+    set_zero(coefficients_.data(), length * (ngc_ + 1));
+    range_.clear(velocity_lanes_, ngc_);
+    for (Count k = 0; k < count; ++k) order_[k] = k;
+    Scalar* c = coefficients_.data() + ngc_ * length;
+    for (rank_ = 0; rank_ < ngc_ && rank_ < count; ++rank_) {
+      Count best = -1;
+      Scalar most = 0;
+      for (Count k = rank_; k < count; ++k) {
+        const Scalar* factor = factors_.data() + order_[k] * velocity_lanes_;
+        const Scalar squared = dot(factor, factor, velocity_lanes_);
+        if (!finite(squared)) return false;
+        const Scalar left = range_.split(factor, squared, c, rest_.data());
+        if (left > cut * cut * squared && left > most) {
+          most = left;
+          best = k;
+        }
+      }
+      if (best < 0) break;
+      const Count chosen = order_[best];
+      order_[best] = order_[rank_];
+      order_[rank_] = chosen;
+      const Scalar* factor = factors_.data() + chosen * velocity_lanes_;
+      const Scalar left = range_.split(factor, dot(factor, factor, velocity_lanes_), c, rest_.data());
+      range_.append(c, rest_.data(), left);
+    }
+    for (Count i = 0; i < rank_; ++i) {
+      for (Count k = 0; k < count; ++k) {
+        coefficients_[i * length + k] = dot(range_.q(i), factors_.data() + k * velocity_lanes_, velocity_lanes_);
+      }
+    }
+    set_zero(c, length);
+    return true;
+  }
+
+  /// W = S'N.
+  void apply_to_normals() {
+    for (Count k = 0; k < rank_; ++k) {
+      Scalar* whitened = work_row(k) + velocity_lanes_;
+      set_zero(whitened, contact_lanes_);
+      combine_rows(whitened, whitened, normals_.data(), contact_lanes_, work_row(k), ngc_, contact_lanes_);
+    }
+  }
+
+  // --- both ---
+
+  void measure_normals() {
+    for (Count j = 0; j < contact_lanes_; j += L::kWidth) {
+      auto sum = L::broadcast(0);
+      for (Count i = 0; i < rank_; ++i) {
+        const auto entry = L::load(row(i) + j);
+        sum += entry * entry;
+      }
+      L::store(squared_norm_.data() + j, sum);
+    }
+    if (!triangular_) discard_rounding();
+    const auto one = L::broadcast(1);
+    const auto zero = L::broadcast(0);
+    for (Count j = 0; j < contact_lanes_; j += L::kWidth) {
+      const auto squared = L::load(squared_norm_.data() + j);
+      L::store(weight_.data() + j, squared > zero ? one / squared : zero);
+    }
+  }
+
+  /// Normals in null(G): what S leaves of them is rounding.
+  void discard_rounding() {
+    Scalar response = 0;
+    for (Count k = 0; k < rank_; ++k) response += dot(work_row(k), work_row(k), velocity_lanes_);
+    for (Count j = 0; j < nc_; ++j) {
+      Scalar given = 0;
+      for (Count i = 0; i < ngc_; ++i) given += normals(i)[j] * normals(i)[j];
+      if (squared_norm_[j] > noise_ * noise_ * response * given) continue;
+      squared_norm_[j] = 0;
+      for (Count k = 0; k < rank_; ++k) work_row(k)[velocity_lanes_ + j] = 0;
+    }
+  }
+
+  Count ngc_ = 0;
+  Count nc_ = 0;
+  Count rank_ = 0;
+  Count velocity_lanes_ = 0;
+  Count contact_lanes_ = 0;
+  Count stride_ = 0;
+  bool triangular_ = false;
+  Scalar noise_ = 0;
+
+  Buffer<Scalar> rows_;              // rank rows: [C W], or [S' W]
+  Buffer<Scalar> columns_;           // of C
+  Buffer<Scalar> inverse_diagonal_;  // of C
+  Buffer<Scalar> normals_;           // N by rows
+  Buffer<Scalar> squared_norm_;      // |W_j|^2
+  Buffer<Scalar> weight_;
+
+  Count factor_count_ = 0;
+  Buffer<Scalar> factors_;  // Y by columns
+  Buffer<Scalar> coefficients_;
+  Buffer<Scalar> rest_;
+  Buffer<Count> order_;
+  OrthogonalBasis<Scalar> range_;
+  OrthogonalBasis<Scalar> rank_basis_;
+};
+
+}  // namespace lcpbench::active_set::LCPBENCH_LEVEL

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstddef>
+
+// The border between the active-set solver and its engines, which are compiled once per instruction-set level (float
+// and double) and once for all of them (113 bits). Only plain structs and pointers cross it, for the reason that
+// lemke_engine.h gives.
+
+namespace lcpbench::active_set {
+
+enum class InertiaForm { kDense, kFactors, kInverse };
+
+/// A frictionless contact problem. Matrices by columns; not owned.
+struct Input {
+  std::ptrdiff_t ngc = 0;
+  std::ptrdiff_t nc = 0;
+  const double* v = nullptr;  ///< ngc
+  const double* N = nullptr;  ///< ngc x nc
+  InertiaForm form = InertiaForm::kDense;
+  const double* matrix = nullptr;  ///< kDense: G; kInverse: G*, both ngc x ngc; kFactors: X, ngc x factors
+  std::ptrdiff_t factors = 0;
+  const double* alpha = nullptr;  ///< kFactors: weights >= 0
+};
+
+struct Rules {
+  bool polish = true;             ///< factor the final active set afresh
+  double accept_residual = 0;     ///< of the engine's own test, relative to max|q|
+  std::ptrdiff_t max_steps = 0;   ///< changes of the active set
+  double deadline_s = 0;          ///< on the clock below; infinity: none
+  double (*clock_s)() = nullptr;  ///< monotonic clock, read every 16 steps
+  const double* start = nullptr;  ///< nc: contacts with a positive entry are active at the start; nullptr: none
+};
+
+enum class Ending {
+  kSolved,
+  kInfeasible,  ///< the normals of some contacts depend on each other and their velocities cannot all become >= 0
+  kRejected,    ///< an optimal active set was found, but its answer does not pass the engine's own test
+  kStepLimit,
+  kTimeLimit,
+  kBreakdown  ///< inertia indefinite, or singular to the precision of the engine; overflow
+};
+
+struct Outcome {
+  Ending ending = Ending::kBreakdown;
+  std::ptrdiff_t steps = 0;           ///< contacts added to or dropped from the active set, warm start included
+  std::ptrdiff_t factorizations = 0;  ///< of a whole active set
+};
+
+/// One engine. `create` gives an object that `destroy` ends. `reserve` allocates all that `load` needs for a problem of
+/// these dimensions, `load` allocates what was not reserved; `update` and `solve` allocate nothing.
+/// `solve` writes z (nc) and velocity (ngc) when the ending is kSolved or kRejected, u (nc) when it is kInfeasible:
+/// u >= 0 with N u in null(G) and v'N u < 0, to the precision of the engine.
+struct Engine {
+  void* (*create)();
+  void (*destroy)(void* engine);
+  void (*reserve)(void* engine, const Input& input);
+  void (*load)(void* engine, const Input& input);
+  void (*update)(void* engine, const double* v);
+  Outcome (*solve)(void* engine, const Rules& rules, double* z, double* velocity, double* u);
+};
+
+namespace baseline {
+extern const Engine kFloatEngine;
+extern const Engine kDoubleEngine;
+}  // namespace baseline
+namespace avx2 {
+extern const Engine kFloatEngine;
+extern const Engine kDoubleEngine;
+}  // namespace avx2
+namespace avx512 {
+extern const Engine kFloatEngine;
+extern const Engine kDoubleEngine;
+}  // namespace avx512
+namespace portable {
+extern const Engine kQuadEngine;
+}  // namespace portable
+
+}  // namespace lcpbench::active_set
