@@ -89,47 +89,104 @@ Entry range_entry(const GridRange& range) {
                       range.average.trials)};
 }
 
-std::string column_title(const Contestant& contestant) {
-  return contestant.label.empty() ? std::string(name_of(*contestant.family)) + ", ours" : code(contestant.label);
+/// A column of the rates: what the paper prints of a solver, or one of ours.
+struct RateColumn {
+  Contestant contestant;
+  bool published = false;
+};
+
+/// Before the first of ours of each of the paper's solvers stands what the paper prints of it.
+std::vector<RateColumn> rate_columns(const std::vector<Contestant>& contestants, Kind kind) {
+  std::vector<RateColumn> columns;
+  std::optional<Family> last;
+  for (const Contestant& contestant : contestants) {
+    const bool printed = contestant.family && published_rate(kind, "exp1", *contestant.family);
+    if (printed && contestant.family != last) columns.push_back({contestant, true});
+    if (printed) last = contestant.family;
+    columns.push_back({contestant, false});
+  }
+  return columns;
 }
 
-/// Worst / average / best: one row per experiment, reading and measure; a column per solver.
-Layout rates_layout(const Summary& summary, const std::vector<Grid>& grids, Kind kind, const std::string& caption,
-                    const Picks& picks) {
-  const std::vector<Contestant> columns = contestants(grids, kind, picks, published_families(kind));
-  Layout layout{caption, {"Experiment", "Redundancy", "Solved by"}, 3, {}};
-  std::optional<Family> last;
-  for (const Contestant& contestant : columns) {
-    if (contestant.family && contestant.family != last && published_rate(kind, "exp1", *contestant.family)) {
-      layout.columns.push_back(std::string(name_of(*contestant.family)) + ", published");
-      last = contestant.family;
+std::string column_title(const RateColumn& column) {
+  if (column.published) return std::string(name_of(*column.contestant.family)) + ", published";
+  if (column.contestant.label.empty()) return std::string(name_of(*column.contestant.family)) + ", ours";
+  return code(column.contestant.label);
+}
+
+/// Worst / average / best: per experiment and reading one row for each measure, or one that says that nothing was run;
+/// a column per solver.
+class RatesLayout {
+ public:
+  RatesLayout(const Summary& summary, const std::vector<Grid>& grids, Kind kind, const Picks& picks)
+      : summary_(summary),
+        grids_(grids),
+        kind_(kind),
+        columns_(rate_columns(contestants(grids, kind, picks, published_families(kind)), kind)) {}
+
+  Layout build(const std::string& caption, const Picks& picks) {
+    layout_ = {caption, {"Experiment", "Redundancy", "Solved by"}, 3, {}};
+    for (const RateColumn& column : columns_) layout_.columns.push_back(column_title(column));
+    for (const Experiment& experiment : experiments()) {
+      if (picks(experiment)) add_experiment(experiment);
     }
-    layout.columns.push_back(column_title(contestant));
+    return std::move(layout_);
   }
-  for (const Experiment& experiment : experiments()) {
-    if (!picks(experiment)) continue;
+
+ private:
+  void add_experiment(const Experiment& experiment) {
     bool first = true;
     for (const std::string& reading : readings_of(experiment)) {
+      if (!was_run(experiment, reading)) {
+        add_row(experiment, reading, std::nullopt, first);
+        first = false;
+        continue;
+      }
       for (const Measure measure : kMeasures) {
-        std::vector<Entry> row{
-            {std::string(experiment.title), ""}, {reading_words(experiment, reading), ""}, {words_for(measure), ""}};
-        last.reset();
-        for (const Contestant& contestant : columns) {
-          if (contestant.family && contestant.family != last && published_rate(kind, "exp1", *contestant.family)) {
-            row.push_back(first ? published_entry(kind, experiment, *contestant.family) : Entry{});
-            last = contestant.family;
-          }
-          const Grid* grid = find_grid(grids, kind, experiment, reading, contestant.label);
-          if (grid != nullptr) row.push_back(range_entry(range_of(*grid, measure)));
-          if (grid == nullptr)
-            row.push_back({contestant.label.empty() ? why_not_run(summary, *contestant.family) : "not run", ""});
-        }
-        layout.rows.push_back(std::move(row));
+        add_row(experiment, reading, measure, first);
         first = false;
       }
     }
   }
-  return layout;
+
+  bool was_run(const Experiment& experiment, const std::string& reading) const {
+    return std::any_of(columns_.begin(), columns_.end(), [&](const RateColumn& column) {
+      return find_grid(grids_, kind_, experiment, reading, column.contestant.label) != nullptr;
+    });
+  }
+
+  void add_row(const Experiment& experiment, const std::string& reading, std::optional<Measure> measure,
+               bool with_published) {
+    std::vector<Entry> row{{std::string(experiment.title), ""},
+                           {reading_words(experiment, reading), ""},
+                           {measure ? words_for(*measure) : kAbsent, ""}};
+    for (const RateColumn& column : columns_) {
+      if (column.published) {
+        row.push_back(with_published ? published_entry(kind_, experiment, *column.contestant.family) : Entry{});
+        continue;
+      }
+      const Grid* grid = find_grid(grids_, kind_, experiment, reading, column.contestant.label);
+      row.push_back(grid != nullptr && measure ? range_entry(range_of(*grid, *measure)) : not_run(column.contestant));
+    }
+    layout_.rows.push_back(std::move(row));
+  }
+
+  /// The reason stands once, in the table's first row.
+  Entry not_run(const Contestant& contestant) const {
+    const bool explain = contestant.label.empty() && layout_.rows.empty();
+    return {explain ? why_not_run(summary_, *contestant.family) : "not run", ""};
+  }
+
+  const Summary& summary_;
+  const std::vector<Grid>& grids_;
+  Kind kind_;
+  std::vector<RateColumn> columns_;
+  Layout layout_;
+};
+
+Layout rates_layout(const Summary& summary, const std::vector<Grid>& grids, Kind kind, const std::string& caption,
+                    const Picks& picks) {
+  return RatesLayout(summary, grids, kind, picks).build(caption, picks);
 }
 
 /// The parameterisation that the even trials choose, and what it does on the odd ones.

@@ -69,7 +69,7 @@ void draw_panel(Canvas& canvas, const ToleranceMap& map, Measure measure, const 
                 {.size = 11, .color = kSoft, .align = Align::kRight});
     for (std::size_t pivot = 0; pivot < columns; ++pivot) {
       const Cell* cell = map.at(pivot, zero);
-      const double share = cell == nullptr ? NAN : paper::solved_share(*cell, measure).value();
+      const double share = (cell == nullptr ? paper::Proportion{} : paper::solved_share(*cell, measure)).value();
       const Box box{left + static_cast<double>(pivot) * width, top, left + static_cast<double>(pivot + 1) * width,
                     top + kRowHeight};
       if (std::isnan(share)) {

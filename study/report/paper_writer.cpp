@@ -53,7 +53,10 @@ bool is_number(const std::string& text) {
 std::string html_entry(const paper::Entry& entry, bool label) {
   const std::string detail = entry.detail.empty() ? "" : "<small>" + html(entry.detail) + "</small>";
   if (label) return "<th scope=\"row\">" + html(entry.text) + detail + "</th>";
-  return fmt::format("<td{}>{}{}</td>", is_number(entry.text) ? " class=\"number\"" : "", html(entry.text), detail);
+  constexpr std::size_t kLongWords = 20;  // a column of numbers must not squeeze a sentence into a word per line
+  const bool long_words = entry.text.size() > kLongWords;
+  const char* attributes = is_number(entry.text) ? " class=\"number\"" : long_words ? " style=\"min-width:14rem\"" : "";
+  return fmt::format("<td{}>{}{}</td>", attributes, html(entry.text), detail);
 }
 
 std::string markdown_entry(const paper::Entry& entry) {

@@ -1,0 +1,119 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "study/summary.h"
+
+namespace lcpbench {
+
+/// What one parameterisation is made to have done on a set's problems.
+struct MadeCell {
+  std::int64_t trials = 2000;
+  std::int64_t criterion = 2000;
+  std::int64_t solved = 2000;  ///< verdict, all claimed
+  std::int64_t unsolvable = 0;
+  std::int64_t wrong = 0;   ///< claimed solved
+  double time_s = 1e-3;     ///< mean; sigma is half of it, the maximum ten times
+  double violation = 1e-9;  ///< mean, likewise
+};
+
+/// A summary written by hand: known numbers in, so that what comes out can be worked out on paper. Even and odd trials
+/// share every count equally.
+class MadeSummary {
+ public:
+  /// One parameterisation of a swept solver, `sweep` as stores name it: "paper", "paper{test=tried}".
+  void swept(const std::string& set, const std::string& solver, const std::string& sweep, const std::string& settings,
+             const MadeCell& made) {
+    add(set, {solver, settings, settings, "native", "1.0", "baseline", sweep}, made);
+  }
+
+  /// A sweep of `count` parameterisations whose counts go in equal steps from the worst to the best.
+  void grid(const std::string& set, const std::string& solver, const MadeCell& worst, const MadeCell& best,
+            const std::string& sweep = "paper", int count = 3) {
+    for (int i = 0; i < count; ++i) {
+      const auto between = [i, count](std::int64_t from, std::int64_t to) {
+        return from + (to - from) * i / (count - 1);
+      };
+      MadeCell cell = worst;
+      cell.criterion = between(worst.criterion, best.criterion);
+      cell.solved = between(worst.solved, best.solved);
+      cell.wrong = between(worst.wrong, best.wrong);
+      swept(set, solver, sweep, "tolerance=" + std::to_string(i), cell);
+    }
+  }
+
+  /// The same with one share for worst, average and best, by both measures.
+  void flat(const std::string& set, const std::string& solver, double share, const std::string& sweep = "paper",
+            double time_s = 1e-3) {
+    MadeCell cell;
+    cell.solved = cell.criterion = static_cast<std::int64_t>(share * static_cast<double>(cell.trials));
+    cell.time_s = time_s;
+    grid(set, solver, cell, cell, sweep);
+  }
+
+  /// A solver at single settings; problem i is solved where `pattern` says so, over and over.
+  void single(const std::string& set, const std::string& solver, const std::string& settings,
+              const std::vector<bool>& pattern, std::int64_t trials = 200) {
+    MadeCell made{.trials = trials, .criterion = 0, .solved = 0};
+    std::vector<Outcome> outcomes;
+    for (std::int64_t trial = 0; trial < trials; ++trial) {
+      const bool solved = pattern[static_cast<std::size_t>(trial) % pattern.size()];
+      made.solved += solved;
+      outcomes.push_back({.problem = trial, .trial = trial, .solved = solved});
+    }
+    made.criterion = made.solved;
+    add(set, {solver, settings, settings, "native", "1.0", "baseline", ""}, made);
+    summary.cells.back().outcomes = std::move(outcomes);
+  }
+
+  Summary summary;
+
+ private:
+  static Spread spread_of(std::int64_t count, double mean) { return {count, mean, mean / 2, 10 * mean, mean}; }
+
+  void add(const std::string& set, const SolverRow& solver, const MadeCell& made) {
+    Cell cell;
+    cell.set = index_of(set);
+    cell.solver = summary.solvers.size();
+    summary.solvers.push_back(solver);
+    cell.trials = made.trials;
+    const auto count = [&cell](Claim claim, Verdict verdict) -> std::int64_t& {
+      return cell.counts[static_cast<std::size_t>(claim)][static_cast<std::size_t>(verdict)];
+    };
+    count(Claim::kSolved, Verdict::kSolved) = made.solved;
+    count(Claim::kSolved, Verdict::kWrong) = made.wrong;
+    count(Claim::kIterationLimit, Verdict::kUnsolvable) = made.unsolvable;
+    count(Claim::kIterationLimit, Verdict::kOpen) = made.trials - made.solved - made.wrong - made.unsolvable;
+    cell.criterion = made.criterion;
+    cell.all_time = spread_of(made.trials, made.time_s);
+    cell.solved_time = spread_of(made.solved, made.time_s);
+    cell.criterion_time = spread_of(made.criterion, made.time_s);
+    cell.violation = spread_of(made.solved, made.violation);
+    cell.criterion_violation = spread_of(made.criterion, made.violation);
+    for (Cell::Half& half : cell.halves) {
+      half = {made.trials / 2, made.solved / 2, made.unsolvable / 2, made.criterion / 2, {}, {}, {}, {}, {}};
+      half.all_time = spread_of(half.trials, made.time_s);
+      half.solved_time = spread_of(half.solved, made.time_s);
+      half.criterion_time = spread_of(half.criterion, made.time_s);
+      half.violation = spread_of(half.solved, made.violation);
+      half.criterion_violation = spread_of(half.criterion, made.violation);
+    }
+    summary.cells.push_back(std::move(cell));
+  }
+
+  std::size_t index_of(const std::string& set) {
+    for (std::size_t i = 0; i < summary.sets.size(); ++i) {
+      if (summary.sets[i].name == set) return i;
+    }
+    SetSummary made;
+    made.name = set;
+    made.problems = 2000;
+    made.contact = true;
+    made.frictional = set.find("copositive") != std::string::npos;
+    summary.sets.push_back(made);
+    return summary.sets.size() - 1;
+  }
+};
+
+}  // namespace lcpbench
