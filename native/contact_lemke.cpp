@@ -1,0 +1,256 @@
+#include "native/contact_lemke.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <stdexcept>
+#include <variant>
+
+#include "core/registry.h"
+#include "core/timed_solve.h"
+
+namespace lcpbench {
+namespace {
+
+using contact_lemke::Ending;
+using contact_lemke::Engine;
+using contact_lemke::Residual;
+using contact_lemke::Rules;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// The residual up to which kSolved is claimed, relative to max|q|: half of the evaluation's bound, to be on its safe
+/// side whatever this test itself rounds.
+constexpr double kClaimedResidual = 5e-5;
+
+const Engine& engine_at(IsaLevel level) {
+  if (level > best_isa_level()) throw std::invalid_argument("this processor lacks the instruction-set level asked for");
+#if defined(__x86_64__)
+  if (level == IsaLevel::kAvx512) return lemke::avx512::kContactEngine;
+  if (level == IsaLevel::kAvx2) return lemke::avx2::kContactEngine;
+#endif
+  return lemke::baseline::kContactEngine;
+}
+
+/// One rung of the cascade.
+struct Rung {
+  bool quad;
+  bool classic;
+  std::int64_t refinements;
+  bool reinvert;
+};
+
+constexpr std::array kRungs{Rung{false, false, 0, false}, Rung{false, false, 1, false}, Rung{false, false, 2, false},
+                            Rung{false, false, 2, true},  Rung{false, true, 2, true},   Rung{true, false, 1, true},
+                            Rung{true, true, 1, true}};
+
+bool wanted(const Rung& rung, const ContactLemkeSettings& settings) {
+  if (rung.quad && settings.precision == ContactLemkePrecision::kDouble) return false;
+  if (!rung.quad && settings.precision == ContactLemkePrecision::kQuad) return false;
+  if (rung.classic && settings.covering == ContactLemkeCovering::kNormals) return false;
+  if (!rung.classic && settings.covering == ContactLemkeCovering::kClassic) return false;
+  return rung.quad || rung.refinements <= settings.max_refinements;
+}
+
+double relative(double residual, double q_max) {
+  if (q_max > 0) return residual / q_max;
+  return residual == 0 ? 0 : kInfinity;
+}
+
+}  // namespace
+
+LoadedContacts::LoadedContacts(const Engine& engine) : engine_(engine), state_(engine.create()) {}
+
+LoadedContacts::~LoadedContacts() { engine_.destroy(state_); }
+
+void ContactLemke::ContactData::load(const ContactProblem& contact) {
+  v = contact.v;
+  mu = contact.mu;
+  const ContactLayout layout = contact_layout(contact);
+  friction_begin.assign(layout.friction_begin.begin(), layout.friction_begin.end());
+  input = {};
+  input.ngc = contact.ngc();
+  input.nc = contact.nc();
+  input.v = v.data();
+  input.N = dense_data(contact.N, N);
+  input.D = dense_data(contact.D, D);
+  input.friction_begin = friction_begin.data();
+  input.mu = mu.data();
+  load_inertia(contact.inertia);
+}
+
+const double* ContactLemke::ContactData::dense_data(const Jacobian& jacobian, Matrix& copy) {
+  if (const auto* dense = std::get_if<Matrix>(&jacobian)) return dense->data();
+  copy = to_dense(jacobian);
+  return copy.data();
+}
+
+void ContactLemke::ContactData::load_inertia(const Inertia& inertia) {
+  contact_lemke::InertiaInput& to = input.inertia;
+  offsets.assign(1, 0);
+  blocks.clear();
+  if (const auto* dense = std::get_if<DenseInertia>(&inertia)) {
+    add_block(dense->G);
+  } else if (const auto* separate = std::get_if<BlockInertia>(&inertia)) {
+    for (const Matrix& block : separate->blocks) add_block(block);
+  } else if (const auto* factored = std::get_if<FactoredInertia>(&inertia)) {
+    to.factors = factored->X.cols();
+    to.X = factored->X.data();
+    to.alpha = factored->alpha.data();
+  } else {
+    to.Ginv = std::get<InverseInertia>(inertia).Ginv.data();
+  }
+  to.blocks = static_cast<std::ptrdiff_t>(blocks.size());
+  to.offsets = offsets.data();
+  to.G = blocks.data();
+}
+
+void ContactLemke::ContactData::add_block(const Matrix& G) {
+  blocks.push_back(G.data());
+  offsets.push_back(offsets.back() + G.rows());
+}
+
+Capabilities contact_lemke_capabilities(const ContactLemkeSettings& settings) {
+  Capabilities capabilities;
+  capabilities.needs = Needs::kFactored;
+  capabilities.max_size = 20000;
+  capabilities.guarantees = "contact problems with mu >= 0 and positive definite G, without degeneracy";
+  capabilities.obeys_time_limit = true;
+  // The memory of 113-bit arithmetic is taken when a problem first needs it.
+  capabilities.allocation_free = settings.precision == ContactLemkePrecision::kDouble;
+  return capabilities;
+}
+
+ContactLemke::ContactLemke(const ContactLemkeSettings& settings, IsaLevel level)
+    : settings_(settings),
+      capabilities_(contact_lemke_capabilities(settings)),
+      double_(engine_at(level)),
+      quad_(lemke::quad::kContactEngine) {}
+
+const Capabilities& ContactLemke::capabilities() const { return capabilities_; }
+
+void ContactLemke::on_load(const Problem& problem) {
+  const ContactProblem& contact = *problem.contact();
+  data_.load(contact);
+  double_.load(data_.input);
+  quad_is_loaded_ = false;
+  best_.resize(problem.size());
+}
+
+void ContactLemke::on_update(const Vector& v) {
+  if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
+  data_.v = v;
+  double_.set_velocity(data_.v.data());
+  if (quad_is_loaded_) quad_.set_velocity(data_.v.data());
+}
+
+LoadedContacts& ContactLemke::engine_of(bool quad) {
+  if (!quad) return double_;
+  if (!quad_is_loaded_) {
+    quad_.load(data_.input);
+    quad_is_loaded_ = true;
+  }
+  return quad_;
+}
+
+/// Several times what the sets of the study take at most.
+std::ptrdiff_t ContactLemke::pivots_of_rung(bool classic) const {
+  const std::ptrdiff_t rows = data_.input.nc + data_.input.ngc;
+  return classic ? 50 * (rows + data_.friction_begin.back()) + 500 : 20 * rows + 100;
+}
+
+void ContactLemke::on_solve(const SolveRequest& request, Answer& answer) {
+  Progress progress;
+  progress.deadline_s = std::isinf(request.time_limit_s) ? kInfinity : wall_clock_s() + request.time_limit_s;
+  for (const Rung& rung : kRungs) {
+    if (!wanted(rung, settings_)) continue;
+    if (rung.quad && progress.best <= kClaimedResidual) break;
+    Rules rules;
+    rules.classic = rung.classic;
+    rules.refinements = rung.refinements;
+    rules.reinvert = rung.reinvert;
+    if (climb(rung.quad, rules, progress, answer)) break;
+  }
+  report(progress, answer);
+}
+
+/// @returns whether nothing remains to be tried.
+bool ContactLemke::climb(bool quad, Rules rules, Progress& progress, Answer& answer) {
+  LoadedContacts& engine = engine_of(quad);
+  const Ending ending = run(engine, rules, progress, answer.z);
+  if (ending == Ending::kTimeLimit) return true;
+  if (ending == Ending::kPivotLimit) return progress.pivots_left(settings_.max_pivots) <= 0;
+  if (ending == Ending::kRay) return !progress.disproof_was_tried && disprove(engine, progress, answer);
+  if (ending != Ending::kSolved) return false;
+  const Residual residual = engine.complete(answer.z.data());
+  const double reached = relative(residual.velocity, residual.q_max);
+  const double certain = relative(residual.velocity + residual.rounding, residual.q_max);
+  if (certain < progress.best) {
+    progress.best = certain;
+    best_ = answer.z;
+  }
+  return reached <= settings_.accept_residual && certain <= kClaimedResidual;
+}
+
+Ending ContactLemke::run(LoadedContacts& engine, Rules rules, Progress& progress, Vector& z) {
+  rules.pivot_tolerance = settings_.pivot_tolerance;
+  rules.tie_tolerance = settings_.tie_tolerance;
+  rules.max_pivots = std::min(pivots_of_rung(rules.classic), progress.pivots_left(settings_.max_pivots));
+  rules.deadline_s = progress.deadline_s;
+  rules.clock_s = wall_clock_s;
+  z.setZero();
+  const contact_lemke::Outcome outcome = engine.solve(rules, z.data());
+  progress.pivots += outcome.pivots;
+  progress.factorizations += outcome.factorizations;
+  progress.ending = outcome.ending;
+  return outcome.ending;
+}
+
+/// A ray of the problem without friction proves that nothing solves the problem with it.
+bool ContactLemke::disprove(LoadedContacts& engine, Progress& progress, Answer& answer) {
+  progress.disproof_was_tried = true;
+  Rules rules;
+  rules.frictionless = true;
+  rules.refinements = 1;
+  const Ending ending = run(engine, rules, progress, answer.z);
+  if (ending == Ending::kTimeLimit) return true;
+  if (ending != Ending::kRay || !engine.disproves(answer.z.data())) return false;
+  progress.disproved = true;
+  answer.farkas = answer.z.head(data_.input.nc);
+  return true;
+}
+
+void ContactLemke::report(const Progress& progress, Answer& answer) {
+  answer.counters.iterations = answer.counters.pivots = progress.pivots;
+  answer.counters.factorizations = progress.factorizations;
+  if (progress.best <= kClaimedResidual) {
+    answer.claim = Claim::kSolved;
+    answer.z = best_;
+    return;
+  }
+  answer.z.setZero();
+  if (progress.disproved) {
+    answer.claim = Claim::kUnsolvable;
+    answer.detail = "ray, proven";
+  } else if (progress.ending == Ending::kTimeLimit) {
+    answer.claim = Claim::kTimeLimit;
+  } else if (progress.ending == Ending::kPivotLimit) {
+    answer.claim = Claim::kIterationLimit;
+    answer.detail = "pivot limit";
+  } else {
+    answer.claim = Claim::kNumericalFailure;
+    answer.detail = progress.ending == Ending::kRay ? "ray, no proof" : "residual";
+  }
+}
+
+SolverDefinition lcpbench_solver_contact_lemke() {
+  return define_solver<ContactLemke, ContactLemkeSettings>(
+      {.name = "contact_lemke",
+       .summary = "Lemke's method on contacts: friction only where a contact presses, refined or in 113 bits on demand",
+       .source = "Lemke 1965; Anitescu, Potra 1997; Cottle, Pang, Stone 1992, 4.4",
+       .capabilities = contact_lemke_capabilities({})});
+}
+
+}  // namespace lcpbench

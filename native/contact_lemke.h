@@ -1,0 +1,130 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "core/isa.h"
+#include "core/settings.h"
+#include "core/solver.h"
+#include "native/contact_lemke/engine.h"
+
+namespace lcpbench {
+
+enum class ContactLemkePrecision { kDouble, kQuad, kCascade };
+enum class ContactLemkeCovering { kBoth, kNormals, kClassic };
+
+struct ContactLemkeSettings {
+  ContactLemkePrecision precision = ContactLemkePrecision::kCascade;
+  ContactLemkeCovering covering = ContactLemkeCovering::kBoth;
+  std::int64_t max_refinements = 2;
+  double pivot_tolerance = 1e-13;
+  double tie_tolerance = 1e-13;
+  double accept_residual = 1e-6;
+  std::int64_t max_pivots = 0;
+
+  void visit(auto&& field) {
+    using Precision = ContactLemkePrecision;
+    using Covering = ContactLemkeCovering;
+    field("precision", precision,
+          Choices<Precision>{
+              {{"double", Precision::kDouble}, {"quad", Precision::kQuad}, {"cascade", Precision::kCascade}}},
+          "arithmetic: double, 113 bits, or 113 bits only where double does not pass the test of its answer");
+    field("covering", covering,
+          Choices<Covering>{
+              {{"both", Covering::kBoth}, {"normals", Covering::kNormals}, {"classic", Covering::kClassic}}},
+          "covering vector: on normal rows only, positive on every row, or the second where the first fails");
+    field("max_refinements", max_refinements, IntegerRange{.min = 0, .max = 10},
+          "at most so many steps of iterative refinement at each pivot");
+    field("pivot_tolerance", pivot_tolerance, RealRange{.min = 0, .max = 1},
+          "a variable may leave only if its rate exceeds this times the largest term of the rates");
+    field("tie_tolerance", tie_tolerance, RealRange{.min = 0, .max = 1},
+          "slack of the ratio test and zero of the artificial variable, times the largest term of the values");
+    field("accept_residual", accept_residual, RealRange{.min = 0, .max = 5e-5},
+          "velocity residual relative to max|q| below which no further rung of the cascade is tried");
+    field("max_pivots", max_pivots, IntegerRange{.min = 0, .max = std::int64_t{1} << 40},
+          "limit on pivots over all rungs together; 0: none but those of the rungs");
+  }
+};
+
+/// An engine with the problem that it holds.
+class LoadedContacts {
+ public:
+  explicit LoadedContacts(const contact_lemke::Engine& engine);
+  ~LoadedContacts();
+  LoadedContacts(const LoadedContacts&) = delete;
+  LoadedContacts& operator=(const LoadedContacts&) = delete;
+
+  void load(const contact_lemke::Input& input) { engine_.load(state_, input); }
+  void set_velocity(const double* v) { engine_.set_velocity(state_, v); }
+  contact_lemke::Outcome solve(const contact_lemke::Rules& rules, double* z) { return engine_.solve(state_, rules, z); }
+  contact_lemke::Residual complete(double* z) { return engine_.complete(state_, z); }
+  bool disproves(const double* u) { return engine_.disproves(state_, u); }
+
+ private:
+  const contact_lemke::Engine& engine_;
+  void* state_ = nullptr;
+};
+
+/// Lemke's method on the factored contact problem (v, N, D, mu, G); M is never formed. See docs/contact_lemke.md.
+class ContactLemke final : public Solver {
+ public:
+  /// @param level instruction-set level of the engine; must not exceed best_isa_level().
+  explicit ContactLemke(const ContactLemkeSettings& settings, IsaLevel level = isa_level());
+
+  const Capabilities& capabilities() const override;
+
+ private:
+  /// The problem as the engines take it.
+  struct ContactData {
+    contact_lemke::Input input;
+    Vector v, mu;
+    Matrix N, D;  ///< only of sparse Jacobians
+    std::vector<std::ptrdiff_t> friction_begin, offsets;
+    std::vector<const double*> blocks;
+
+    void load(const ContactProblem& contact);
+    void load_inertia(const Inertia& inertia);
+    void add_block(const Matrix& G);
+    static const double* dense_data(const Jacobian& jacobian, Matrix& copy);
+  };
+
+  /// Of one solve, over all its rungs.
+  struct Progress {
+    double deadline_s = 0;
+    double best = std::numeric_limits<double>::infinity();  ///< residual and its rounding, relative to max|q|
+    contact_lemke::Ending ending = contact_lemke::Ending::kBreakdown;
+    std::ptrdiff_t pivots = 0;
+    std::ptrdiff_t factorizations = 0;
+    bool disproof_was_tried = false;
+    bool disproved = false;
+
+    std::ptrdiff_t pivots_left(std::int64_t limit) const {
+      return limit > 0 ? static_cast<std::ptrdiff_t>(limit) - pivots : std::numeric_limits<std::ptrdiff_t>::max();
+    }
+  };
+
+  void on_load(const Problem& problem) override;
+  void on_update(const Vector& v) override;
+  void on_solve(const SolveRequest& request, Answer& answer) override;
+
+  LoadedContacts& engine_of(bool quad);
+  std::ptrdiff_t pivots_of_rung(bool classic) const;
+  bool climb(bool quad, contact_lemke::Rules rules, Progress& progress, Answer& answer);
+  contact_lemke::Ending run(LoadedContacts& engine, contact_lemke::Rules rules, Progress& progress, Vector& z);
+  bool disprove(LoadedContacts& engine, Progress& progress, Answer& answer);
+  void report(const Progress& progress, Answer& answer);
+
+  ContactLemkeSettings settings_;
+  Capabilities capabilities_;
+  ContactData data_;
+  LoadedContacts double_, quad_;
+  bool quad_is_loaded_ = false;
+  Vector best_;
+};
+
+/// What the solver promises with these settings.
+Capabilities contact_lemke_capabilities(const ContactLemkeSettings& settings);
+
+}  // namespace lcpbench

@@ -1,0 +1,135 @@
+#pragma once
+
+#include "native/lemke_engine/pack.h"
+
+#if defined(LCPBENCH_CONTACT_QUAD)
+#include "core/quad.h"
+#endif
+
+namespace lcpbench::lemke::LCPBENCH_LEVEL {
+
+#if defined(LCPBENCH_CONTACT_QUAD)
+/// One number at a time: no processor has packs of 113 bits.
+template <>
+struct Packed<Quad> {
+  using Pack = Quad;
+  static constexpr Count kWidth = 1;
+
+  static Pack load(const Quad* from) { return *from; }
+  static void store(Quad* to, Pack pack) { *to = pack; }
+  static Pack broadcast(Quad value) { return value; }
+  static Pack min(Pack a, Pack b) { return a < b ? a : b; }
+  static Pack max(Pack a, Pack b) { return a > b ? a : b; }
+  static Quad sum(Pack pack) { return pack; }
+  static Count padded(Count size) { return size; }
+};
+inline Quad square_root(Quad x) { return sqrt(x); }
+template <class Scalar>
+constexpr double kUnitRoundoff = kQuadUnitRoundoff;
+#else
+template <class Scalar>
+constexpr double kUnitRoundoff = sizeof(Scalar) == sizeof(float) ? 0x1p-24 : 0x1p-53;
+inline double square_root(double x) { return __builtin_sqrt(x); }
+inline float square_root(float x) { return __builtin_sqrtf(x); }
+#endif
+
+template <class Scalar, class... More>
+void fill_with_zeros(Count size, Buffer<Scalar>& first, More&... more) {
+  first.fill(size, Scalar(0));
+  (more.fill(size, Scalar(0)), ...);
+}
+
+// Vector arithmetic on arrays that are padded to whole packs; lengths are rounded up to packs by the callee.
+
+/// Packs of the output that stay in registers at a time.
+constexpr Count kTilePacks = 4;
+
+/// `kSides` combinations of the same rows.
+template <class Scalar, Count kSides>
+struct Combination {
+  const Scalar* coefficients[static_cast<std::size_t>(kSides)];
+  Scalar* out[static_cast<std::size_t>(kSides)];
+};
+
+template <Count kPacks, class Scalar, Count kSides>
+inline void combine_tile(const Scalar* rows, Count stride, Count count, const Combination<Scalar, kSides>& sides,
+                         Count at) {
+  using P = Packed<Scalar>;
+  typename P::Pack sums[static_cast<std::size_t>(kSides)][static_cast<std::size_t>(kPacks)];
+  for (Count s = 0; s < kSides; ++s) {
+    for (Count p = 0; p < kPacks; ++p) sums[s][p] = typename P::Pack{};
+  }
+  const Scalar* row = rows + at;
+  for (Count k = 0; k < count; ++k, row += stride) {
+    for (Count p = 0; p < kPacks; ++p) {
+      const typename P::Pack entries = P::load(row + p * P::kWidth);
+      for (Count s = 0; s < kSides; ++s) sums[s][p] += entries * sides.coefficients[s][k];
+    }
+  }
+  for (Count s = 0; s < kSides; ++s) {
+    for (Count p = 0; p < kPacks; ++p) P::store(sides.out[s] + at + p * P::kWidth, sums[s][p]);
+  }
+}
+
+/// out_s[i] = sum over k < count of coefficients_s[k] rows[k * stride + i], for i < length.
+template <class Scalar, Count kSides>
+inline void combine(const Scalar* rows, Count stride, Count count, const Combination<Scalar, kSides>& sides,
+                    Count length) {
+  using P = Packed<Scalar>;
+  const Count padded = P::padded(length);
+  Count at = 0;
+  for (; at + kTilePacks * P::kWidth <= padded; at += kTilePacks * P::kWidth) {
+    combine_tile<kTilePacks>(rows, stride, count, sides, at);
+  }
+  switch ((padded - at) / P::kWidth) {
+    case 3: return combine_tile<3>(rows, stride, count, sides, at);
+    case 2: return combine_tile<2>(rows, stride, count, sides, at);
+    case 1: return combine_tile<1>(rows, stride, count, sides, at);
+    default: return;
+  }
+}
+
+template <class Scalar>
+inline void combine(const Scalar* rows, Count stride, Count count, const Scalar* coefficients, Scalar* out,
+                    Count length) {
+  combine(rows, stride, count, Combination<Scalar, 1>{{coefficients}, {out}}, length);
+}
+
+/// y += a x
+template <class Scalar>
+inline void add_multiple(Scalar* y, Scalar a, const Scalar* x, Count length) {
+  using P = Packed<Scalar>;
+  for (Count i = 0; i < length; i += P::kWidth) P::store(y + i, P::load(y + i) + a * P::load(x + i));
+}
+
+/// y = y * a
+template <class Scalar>
+inline void scale(Scalar* y, Scalar a, Count length) {
+  using P = Packed<Scalar>;
+  for (Count i = 0; i < length; i += P::kWidth) P::store(y + i, P::load(y + i) * a);
+}
+
+template <class Scalar>
+inline void copy(Scalar* to, const Scalar* from, Count length) {
+  using P = Packed<Scalar>;
+  for (Count i = 0; i < length; i += P::kWidth) P::store(to + i, P::load(from + i));
+}
+
+/// Sum over whole packs: what fills the last one must be zero in x or in y.
+template <class Scalar>
+inline Scalar dot(const Scalar* x, const Scalar* y, Count length) {
+  using P = Packed<Scalar>;
+  typename P::Pack sum = typename P::Pack{};
+  for (Count i = 0; i < length; i += P::kWidth) sum += P::load(x + i) * P::load(y + i);
+  return P::sum(sum);
+}
+
+/// max |x_i| over whole packs; NaN is passed over.
+template <class Scalar>
+inline Scalar largest_magnitude(const Scalar* x, Count length) {
+  Scalar largest = 0;
+  for (Count i = 0; i < length; ++i) largest = magnitude(x[i]) > largest ? magnitude(x[i]) : largest;
+  return largest;
+}
+
+}  // namespace lcpbench::lemke::LCPBENCH_LEVEL

@@ -1,0 +1,145 @@
+#pragma once
+
+#include "native/contact_lemke/arithmetic.h"
+#include "native/contact_lemke/engine.h"
+
+namespace lcpbench::lemke::LCPBENCH_LEVEL {
+
+/// The contacts of a problem: normals by rows, friction directions transposed on first use of their contact, since most
+/// contacts of a problem never press.
+///
+/// The directions of a contact are numbered 0 .. edges - 1 as in D, and `edges` is one more, the zero vector: the share
+/// mu f_N - sum f_D that friction leaves unused. With it a contact's friction impulses are a point of a simplex of size
+/// mu f_N, and sticking needs no case of its own.
+template <class Scalar>
+class Contacts {
+ public:
+  void load(const contact_lemke::Input& input) {
+    input_ = input;
+    padded_ngc_ = P::padded(input.ngc);
+    padded_nc_ = P::padded(input.nc);
+    load_normals();
+    load_layout();
+    set_velocity(input.v);
+  }
+
+  void set_velocity(const double* v) {
+    input_.v = v;
+    velocity_.resize(padded_ngc_);
+    for (Count i = 0; i < padded_ngc_; ++i) velocity_[i] = i < ngc() ? static_cast<Scalar>(v[i]) : Scalar(0);
+    speed_ = square_root(dot(velocity_.data(), velocity_.data(), padded_ngc_));
+  }
+
+  Count ngc() const { return input_.ngc; }
+  Count nc() const { return input_.nc; }
+  Count padded_ngc() const { return padded_ngc_; }
+  Count padded_nc() const { return padded_nc_; }
+  const Scalar* velocity() const { return velocity_.data(); }
+  Scalar speed() const { return speed_; }
+  const Scalar* normals() const { return normals_.data(); }
+  /// The largest Euclidean norm of a normal.
+  Scalar reach() const { return reach_; }
+
+  Count edges(Count contact) const { return input_.friction_begin[contact + 1] - input_.friction_begin[contact]; }
+  Count half(Count contact) const { return edges(contact) / 2; }
+  Count padded_half(Count contact) const { return P::padded(half(contact)); }
+  Count most_padded_half() const { return most_padded_half_; }
+  Count first_direction(Count contact) const { return input_.friction_begin[contact]; }
+  Scalar mu(Count contact) const { return static_cast<Scalar>(input_.mu[contact]); }
+  bool has_friction(Count contact) const { return edges(contact) > 0 && input_.mu[contact] > 0; }
+
+  void get_normal(Count contact, Scalar* to) const { widen(input_.N + contact * ngc(), to); }
+
+  /// to += factor * direction
+  void add_direction(Count contact, Count direction, Scalar factor, Scalar* to) const {
+    if (direction == edges(contact)) return;
+    const double* const column = input_.D + (first_direction(contact) + direction) * ngc();
+    for (Count i = 0; i < ngc(); ++i) to[i] += factor * static_cast<Scalar>(column[i]);
+  }
+
+  /// The first half of the contact's directions by rows, padded_half() apart; the second half are their negatives.
+  const Scalar* block(Count contact) {
+    Scalar* const to = blocks_.data() + block_at_[contact];
+    if (!transposed_[contact]) transpose(contact, to);
+    return to;
+  }
+
+  /// slip[t] = direction_t'u of the first half; slip holds padded_half() entries.
+  void slip(Count contact, const Scalar* u, Scalar* slip) {
+    combine(block(contact), padded_half(contact), ngc(), u, slip, padded_half(contact));
+  }
+
+  /// The largest |direction'u| of a contact, without transposing anything.
+  Scalar largest_slip(Count contact, const Scalar* u) const {
+    const double* const first = input_.D + first_direction(contact) * ngc();
+    Scalar largest = 0;
+    for (Count t = 0; t < half(contact); ++t) {
+      const double* const column = first + t * ngc();
+      Scalar sum = 0;
+      for (Count i = 0; i < ngc(); ++i) sum += static_cast<Scalar>(column[i]) * u[i];
+      if (!(magnitude(sum) <= largest)) largest = magnitude(sum);
+    }
+    return largest;
+  }
+
+  const double* impulse_column(Count column) const {
+    return column < nc() ? input_.N + column * ngc() : input_.D + (column - nc()) * ngc();
+  }
+
+ private:
+  using P = Packed<Scalar>;
+
+  void widen(const double* from, Scalar* to) const {
+    for (Count i = 0; i < ngc(); ++i) to[i] = static_cast<Scalar>(from[i]);
+    for (Count i = ngc(); i < padded_ngc_; ++i) to[i] = 0;
+  }
+
+  void load_normals() {
+    normals_.resize(ngc() * padded_nc_);
+    squares_.fill(padded_nc_, Scalar(0));
+    for (Count i = 0; i < ngc(); ++i) {
+      Scalar* const row = normals_.data() + i * padded_nc_;
+      for (Count j = 0; j < nc(); ++j) row[j] = static_cast<Scalar>(input_.N[j * ngc() + i]);
+      for (Count j = nc(); j < padded_nc_; ++j) row[j] = 0;
+      for (Count j = 0; j < padded_nc_; j += P::kWidth) {
+        P::store(squares_.data() + j, P::load(squares_.data() + j) + P::load(row + j) * P::load(row + j));
+      }
+    }
+    Scalar largest = 0;
+    for (Count j = 0; j < nc(); ++j) largest = squares_[j] > largest ? squares_[j] : largest;
+    reach_ = square_root(largest);
+  }
+
+  void load_layout() {
+    block_at_.resize(nc() + 1);
+    transposed_.fill(nc(), false);
+    most_padded_half_ = 0;
+    Count at = 0;
+    for (Count c = 0; c < nc(); ++c) {
+      block_at_[c] = at;
+      at += ngc() * padded_half(c);
+      if (padded_half(c) > most_padded_half_) most_padded_half_ = padded_half(c);
+    }
+    blocks_.resize(at);
+  }
+
+  void transpose(Count contact, Scalar* to) {
+    const Count width = padded_half(contact);
+    const double* const first = input_.D + first_direction(contact) * ngc();
+    for (Count i = 0; i < ngc(); ++i) {
+      Scalar* const row = to + i * width;
+      for (Count t = 0; t < half(contact); ++t) row[t] = static_cast<Scalar>(first[t * ngc() + i]);
+      for (Count t = half(contact); t < width; ++t) row[t] = 0;
+    }
+    transposed_[contact] = true;
+  }
+
+  contact_lemke::Input input_;
+  Count padded_ngc_ = 0, padded_nc_ = 0, most_padded_half_ = 0;
+  Buffer<Scalar> velocity_, normals_, squares_, blocks_;
+  Buffer<Count> block_at_;
+  Buffer<bool> transposed_;
+  Scalar speed_ = 0, reach_ = 0;
+};
+
+}  // namespace lcpbench::lemke::LCPBENCH_LEVEL

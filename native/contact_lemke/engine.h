@@ -1,0 +1,96 @@
+#pragma once
+
+#include <cstddef>
+
+// The border between the solver `contact_lemke` and its engine, which is compiled once per instruction-set level and
+// once in 113-bit arithmetic. Only plain structs and pointers cross it, for the reason given in native/lemke_engine.h.
+
+namespace lcpbench::contact_lemke {
+
+/// How the inertia is given; the arrays are read during load() only.
+struct InertiaInput {
+  std::ptrdiff_t blocks = 0;                ///< G = diag(blocks); 0 when it is given otherwise
+  const std::ptrdiff_t* offsets = nullptr;  ///< blocks + 1
+  const double* const* G = nullptr;         ///< each block by columns
+  std::ptrdiff_t factors = -1;              ///< G = X diag(alpha) X' when >= 0
+  const double* X = nullptr;                ///< ngc x factors by columns
+  const double* alpha = nullptr;
+  const double* Ginv = nullptr;  ///< G* itself, ngc x ngc, or nullptr
+};
+
+/// A contact problem. v, N, D, friction_begin and mu must stay valid until the next load().
+struct Input {
+  std::ptrdiff_t ngc = 0;
+  std::ptrdiff_t nc = 0;
+  const double* v = nullptr;                       ///< ngc
+  const double* N = nullptr;                       ///< ngc x nc by columns
+  const double* D = nullptr;                       ///< ngc x friction_begin[nc] by columns
+  const std::ptrdiff_t* friction_begin = nullptr;  ///< nc + 1
+  const double* mu = nullptr;                      ///< nc
+  InertiaInput inertia;
+};
+
+/// How one path is to be followed.
+struct Rules {
+  /// false: the covering vector acts on normal rows only, and friction rows exist only where a contact presses.
+  /// true: it is positive on every row, and so are friction rows there: Lemke's method as its proofs have it.
+  bool classic = false;
+  bool frictionless = false;       ///< as if every mu were 0
+  std::ptrdiff_t refinements = 0;  ///< steps of iterative refinement of the basic variables at each pivot
+  bool reinvert = false;           ///< invert the kernel afresh at each pivot
+  double pivot_tolerance = 0;      ///< relative to the rounding scale of the direction
+  double tie_tolerance = 0;        ///< relative to the rounding scale of the values
+  std::ptrdiff_t max_pivots = 0;
+  double deadline_s = 0;          ///< on the clock below; infinity: none
+  double (*clock_s)() = nullptr;  ///< monotonic; read every 16 pivots
+};
+
+enum class Ending { kSolved, kRay, kPivotLimit, kTimeLimit, kBreakdown };
+
+struct Outcome {
+  Ending ending = Ending::kBreakdown;
+  std::ptrdiff_t pivots = 0;
+  std::ptrdiff_t factorizations = 0;  ///< inversions of a whole kernel
+};
+
+/// What an answer is worth, evaluated from v, N, D, mu and the inertia in the engine's arithmetic.
+struct Residual {
+  double velocity = 0;  ///< bound on the velocity residual: max |w_i| where z_i > 0, max(0, -w_i) elsewhere [m/s]
+  double rounding = 0;  ///< estimate of the rounding error in `velocity` [m/s]
+  double q_max = 0;     ///< max|q|, or a lower bound of it that already serves [m/s]
+};
+
+/// One engine at one level. `create` gives an object that `destroy` ends. `load` allocates; nothing else does.
+struct Engine {
+  void* (*create)();
+  void (*destroy)(void* engine);
+  void (*load)(void* engine, const Input& input);
+  void (*set_velocity)(void* engine, const double* v);
+  /// Follows one path. Impulses of the last basis go to z (all n entries; lambdas are zero) when the ending is kSolved.
+  /// On a ray the normal impulses of the ray go to z instead: z'Mz = 0 on it.
+  Outcome (*solve)(void* engine, const Rules& rules, double* z);
+  /// Sets the lambdas of z to the least that its impulses allow and evaluates the answer.
+  Residual (*complete)(void* engine, double* z);
+  /// Whether u (nc) >= 0 proves, to rounding, that nothing solves the problem: N u in null(G), v'N u < 0. Never true
+  /// for a G of full rank.
+  bool (*disproves)(void* engine, const double* u);
+};
+
+}  // namespace lcpbench::contact_lemke
+
+namespace lcpbench::lemke {
+
+namespace baseline {
+extern const contact_lemke::Engine kContactEngine;
+}
+namespace avx2 {
+extern const contact_lemke::Engine kContactEngine;
+}
+namespace avx512 {
+extern const contact_lemke::Engine kContactEngine;
+}
+namespace quad {
+extern const contact_lemke::Engine kContactEngine;
+}
+
+}  // namespace lcpbench::lemke

@@ -1,0 +1,306 @@
+#pragma once
+
+#include "native/contact_lemke/arithmetic.h"
+
+namespace lcpbench::lemke::LCPBENCH_LEVEL {
+
+/// Number of a contact's normal among its directions.
+constexpr Count kNormal = -1;
+/// Contact of the artificial variable.
+constexpr Count kArtificial = -1;
+
+/// An impulse of a contact, its velocity, or the artificial variable.
+struct Label {
+  Count contact = kArtificial;
+  Count direction = kNormal;
+  bool operator==(const Label& other) const { return contact == other.contact && direction == other.direction; }
+  bool is_normal() const { return contact != kArtificial && direction == kNormal; }
+};
+
+/// The kernel K of a basis and its inverse: rows are velocities held at zero, columns the basic impulses and the
+/// artificial variable z0. K_rj = b_r'c_j + cover_r [j is z0], with b_r the generalized direction of the row's velocity
+/// and c_j = G* a_j the response to the column's impulse. Exchanges update the inverse in O(order^2).
+template <class Scalar>
+class Kernel {
+ public:
+  void reserve(Count ngc, Count most) {
+    ngc_ = ngc;
+    padded_ngc_ = P::padded(ngc);
+    most_ = most;
+    stride_ = P::padded(most);
+    inverse_.fill(stride_ * stride_, Scalar(0));
+    rows_.fill(ngc_ * stride_, Scalar(0));
+    columns_.fill(most_ * padded_ngc_, Scalar(0));
+    cover_.fill(stride_, Scalar(0));
+    target_.fill(stride_, Scalar(0));
+    norm_.fill(stride_, Scalar(0));
+    entries_.fill(stride_, Scalar(0));
+    work_.resize(most_ * 2 * stride_);
+    row_label_.resize(most_);
+    column_label_.resize(most_);
+  }
+
+  void clear() { order_ = 0; }
+  /// Order 1: the row and the column at 0 were put; their entry's inverse is given.
+  void start(Scalar inverse) {
+    order_ = 1;
+    inverse_[0] = inverse;
+  }
+  /// Forgets what a breakdown left in the room of further rows and columns, which products pass over as times zero.
+  void wipe() {
+    inverse_.fill(stride_ * stride_, Scalar(0));
+    rows_.fill(ngc_ * stride_, Scalar(0));
+  }
+  bool full() const { return order_ == most_; }
+  Count order() const { return order_; }
+  Count stride() const { return stride_; }
+  Label row_label(Count r) const { return row_label_[r]; }
+  Label column_label(Count j) const { return column_label_[j]; }
+  Scalar norm(Count j) const { return norm_[j]; }
+  const Scalar* norms() const { return norm_.data(); }
+  Scalar* column(Count j) { return columns_.data() + j * padded_ngc_; }
+  Scalar cover(Count r) const { return cover_[r]; }
+  void set_cover(Count r, Scalar value) { cover_[r] = value; }
+  Scalar target(Count r) const { return target_[r]; }
+  const Scalar* inverse_column(Count r) const { return inverse_.data() + r * stride_; }
+
+  Count find_row(Label label) const { return find(row_label_, label); }
+  Count find_column(Label label) const { return find(column_label_, label); }
+
+  // --- what the inverse is for ---
+
+  /// x := K^-1 target
+  void solve_target(Scalar* x) const { combine(inverse_.data(), stride_, order_, target_.data(), x, order_); }
+  /// x := K^-1 r
+  void solve(const Scalar* r, Scalar* x) const { combine(inverse_.data(), stride_, order_, r, x, order_); }
+  /// u := sum of x_j c_j
+  void respond(const Scalar* x, Scalar* u) const { combine(columns_.data(), padded_ngc_, order_, x, u, padded_ngc_); }
+  void respond(const Scalar* x, const Scalar* y, Scalar* u, Scalar* v) const {
+    combine(columns_.data(), padded_ngc_, order_, Combination<Scalar, 2>{{x, y}, {u, v}}, padded_ngc_);
+  }
+  /// r := b_r'u for all rows
+  void measure(const Scalar* u, Scalar* r) const { combine(rows_.data(), stride_, ngc_, u, r, order_); }
+
+  // --- labels and vectors; the inverse is not touched ---
+
+  void put_row(Count r, Label label, const Scalar* b, Scalar cover, Scalar target) {
+    row_label_[r] = label;
+    for (Count i = 0; i < ngc_; ++i) rows_[i * stride_ + r] = b[i];
+    cover_[r] = cover;
+    target_[r] = target;
+  }
+  void put_column(Count j, Label label, const Scalar* c, Scalar norm) {
+    column_label_[j] = label;
+    copy(column(j), c, padded_ngc_);
+    norm_[j] = norm;
+  }
+  void drop_row_label(Count r) { row_label_[r] = row_label_[--rows_left_]; }
+  void drop_column_label(Count j) { column_label_[j] = column_label_[--columns_left_]; }
+
+  /// Label lists change length one at a time between these two.
+  void begin_labels() { rows_left_ = columns_left_ = order_; }
+  Count rows_left() const { return rows_left_; }
+  Count columns_left() const { return columns_left_; }
+  void add_column_label(Label label) { column_label_[columns_left_++] = label; }
+  /// False when the lists do not match.
+  bool end_labels() {
+    order_ = rows_left_;
+    return rows_left_ == columns_left_;
+  }
+
+  // --- exchanges: d = K^-1 (what enters) as the pivoting rule found it, with the sign of the basic variables' rates
+  // ---
+
+  /// The entering column takes the place of column j. rate = -K^-1 g.
+  void replace_column(Count j, const Scalar* rate) {
+    const Scalar reciprocal = Scalar(1) / rate[j];
+    for (Count r = 0; r < order_; ++r) {
+      Scalar* const h = inverse_.data() + r * stride_;
+      const Scalar factor = h[j] * reciprocal;
+      add_multiple(h, -factor, rate, order_);
+      h[j] = -factor;
+    }
+  }
+
+  /// Row r and column j go; the last ones take their places.
+  void remove(Count r, Count j) {
+    const Scalar* const gone = inverse_column(r);
+    const Scalar reciprocal = Scalar(1) / gone[j];
+    for (Count k = 0; k < order_; ++k) {
+      if (k == r) continue;
+      Scalar* const h = inverse_.data() + k * stride_;
+      add_multiple(h, -h[j] * reciprocal, gone, order_);
+    }
+    const Count last = --order_;
+    if (r != last) {
+      copy(inverse_.data() + r * stride_, inverse_column(last), last + 1);
+      row_label_[r] = row_label_[last];
+      cover_[r] = cover_[last];
+      target_[r] = target_[last];
+      for (Count i = 0; i < ngc_; ++i) rows_[i * stride_ + r] = rows_[i * stride_ + last];
+    }
+    if (j != last) {
+      for (Count k = 0; k < last; ++k) inverse_[k * stride_ + j] = inverse_[k * stride_ + last];
+      column_label_[j] = column_label_[last];
+      norm_[j] = norm_[last];
+      copy(column(j), column(last), padded_ngc_);
+    }
+  }
+
+  /// Appends the row (b, cover) and the entering column c. rate = -K^-1 g as above.
+  /// False when the new kernel is singular.
+  bool append(const Scalar* b, Scalar cover, Count artificial, const Scalar* c, const Scalar* rate) {
+    write_entries(b, cover, artificial);
+    const Scalar pivot = dot(b, c, padded_ngc_) + dot_entries(rate);
+    if (!(magnitude(pivot) > 0)) return false;
+    const Scalar reciprocal = Scalar(1) / pivot;
+    for (Count r = 0; r < order_; ++r) {
+      Scalar* const h = inverse_.data() + r * stride_;
+      const Scalar factor = dot_entries(h) * reciprocal;
+      add_multiple(h, -factor, rate, order_);
+      h[order_] = -factor;
+    }
+    Scalar* const h = inverse_.data() + order_ * stride_;
+    for (Count j = 0; j < order_; ++j) h[j] = rate[j] * reciprocal;
+    h[order_] = reciprocal;
+    return true;
+  }
+  void grow() { ++order_; }
+
+  /// The row (b, cover) takes the place of row r. False when the new kernel is singular.
+  bool replace_row(Count r, const Scalar* b, Scalar cover, Count artificial) {
+    write_entries(b, cover, artificial);
+    Scalar* const place = inverse_.data() + r * stride_;
+    const Scalar pivot = dot_entries(place);
+    if (!(magnitude(pivot) > 0)) return false;
+    scale(place, Scalar(1) / pivot, order_);
+    for (Count k = 0; k < order_; ++k) {
+      if (k == r) continue;
+      Scalar* const h = inverse_.data() + k * stride_;
+      add_multiple(h, -dot_entries(h), place, order_);
+    }
+    return true;
+  }
+
+  /// K += g m' with m zero but for m_j = a and m_k = b (k = -1: one entry only); rate = -K^-1 g.
+  bool add_outer(Count j, Scalar a, Count k, Scalar b, const Scalar* rate) {
+    Scalar pivot = 1;
+    if (j >= 0) pivot -= a * rate[j];
+    if (k >= 0) pivot -= b * rate[k];
+    if (!(magnitude(pivot) > 0)) return false;
+    const Scalar reciprocal = Scalar(1) / pivot;
+    for (Count r = 0; r < order_; ++r) {
+      Scalar* const h = inverse_.data() + r * stride_;
+      Scalar factor = 0;
+      if (j >= 0) factor += a * h[j];
+      if (k >= 0) factor += b * h[k];
+      add_multiple(h, factor * reciprocal, rate, order_);
+    }
+    return true;
+  }
+
+  /// Row r := -row r
+  void negate_row(Count r) {
+    scale(inverse_.data() + r * stride_, Scalar(-1), order_);
+    for (Count i = 0; i < ngc_; ++i) rows_[i * stride_ + r] = -rows_[i * stride_ + r];
+    cover_[r] = -cover_[r];
+    target_[r] = -target_[r];
+  }
+
+  /// Row r -= row s, with the inverse: column s of K^-1 gains column r of it.
+  void subtract_row(Count r, Count s) {
+    add_multiple(inverse_.data() + s * stride_, Scalar(1), inverse_.data() + r * stride_, order_);
+    for (Count i = 0; i < ngc_; ++i) rows_[i * stride_ + r] -= rows_[i * stride_ + s];
+    cover_[r] -= cover_[s];
+    target_[r] -= target_[s];
+  }
+
+  /// Unknown j := sum of coefficients times unknowns (coefficient of j itself is -1), with the inverse.
+  void substitute_unknown(Count j, const Scalar* coefficients) {
+    for (Count r = 0; r < order_; ++r) {
+      Scalar* const h = inverse_.data() + r * stride_;
+      h[j] = dot(coefficients, h, order_);
+    }
+  }
+
+  void relabel_row(Count r, Label label) { row_label_[r] = label; }
+  void relabel_column(Count j, Label label) { column_label_[j] = label; }
+  void set_norm(Count j, Scalar norm) { norm_[j] = norm; }
+
+  /// The inverse from rows and columns by Gauss-Jordan elimination with row pivoting. False when singular.
+  bool invert(Count artificial) {
+    const Count width = 2 * stride_;
+    for (Count r = 0; r < order_; ++r) {
+      Scalar* const row = work_.data() + r * width;
+      for (Count j = 0; j < order_; ++j) row[j] = entry(r, j, artificial);
+      for (Count j = order_; j < width; ++j) row[j] = 0;
+      row[stride_ + r] = 1;
+    }
+    for (Count step = 0; step < order_; ++step) {
+      if (!eliminate(step, width)) return false;
+    }
+    // Row j of the work is now row j of the inverse.
+    for (Count r = 0; r < order_; ++r) {
+      for (Count j = 0; j < order_; ++j) inverse_[r * stride_ + j] = work_[j * width + stride_ + r];
+    }
+    return true;
+  }
+
+ private:
+  using P = Packed<Scalar>;
+
+  Count find(const Buffer<Label>& labels, Label label) const {
+    for (Count k = 0; k < order_; ++k) {
+      if (labels[k] == label) return k;
+    }
+    return -1;
+  }
+
+  Scalar entry(Count r, Count j, Count artificial) const {
+    const Scalar* const c = columns_.data() + j * padded_ngc_;
+    Scalar sum = j == artificial ? cover_[r] : Scalar(0);
+    for (Count i = 0; i < ngc_; ++i) sum += rows_[i * stride_ + r] * c[i];
+    return sum;
+  }
+
+  /// The entries of a further row against all columns.
+  void write_entries(const Scalar* b, Scalar cover, Count artificial) {
+    for (Count j = 0; j < order_; ++j) entries_[j] = dot(b, columns_.data() + j * padded_ngc_, padded_ngc_);
+    if (artificial >= 0) entries_[artificial] += cover;
+    for (Count j = order_; j < P::padded(order_); ++j) entries_[j] = 0;
+  }
+  Scalar dot_entries(const Scalar* h) const { return dot(entries_.data(), h, order_); }
+
+  bool eliminate(Count step, Count width) {
+    Count pivot = step;
+    for (Count r = step + 1; r < order_; ++r) {
+      if (magnitude(work_[r * width + step]) > magnitude(work_[pivot * width + step])) pivot = r;
+    }
+    Scalar* const row = work_.data() + step * width;
+    if (pivot != step) {
+      Scalar* const other = work_.data() + pivot * width;
+      for (Count j = 0; j < width; ++j) {
+        const Scalar keep = row[j];
+        row[j] = other[j];
+        other[j] = keep;
+      }
+    }
+    if (!(magnitude(row[step]) > 0)) return false;
+    scale(row, Scalar(1) / row[step], width);
+    for (Count r = 0; r < order_; ++r) {
+      if (r != step) add_multiple(work_.data() + r * width, -work_[r * width + step], row, width);
+    }
+    return true;
+  }
+
+  Count ngc_ = 0, padded_ngc_ = 0, most_ = 0, stride_ = 0, order_ = 0;
+  Count rows_left_ = 0, columns_left_ = 0;
+  Buffer<Scalar> inverse_;  ///< column r of K^-1 (one entry per unknown) at r * stride_
+  Buffer<Scalar> rows_;     ///< b_r, one per lane, by generalized coordinates
+  Buffer<Scalar> columns_;  ///< c_j, padded_ngc_ apart
+  Buffer<Scalar> cover_, target_, norm_;
+  Buffer<Scalar> entries_, work_;
+  Buffer<Label> row_label_, column_label_;
+};
+
+}  // namespace lcpbench::lemke::LCPBENCH_LEVEL

@@ -1,0 +1,222 @@
+#pragma once
+
+#include "native/contact_lemke/arithmetic.h"
+#include "native/contact_lemke/engine.h"
+
+namespace lcpbench::lemke::LCPBENCH_LEVEL {
+
+/// G* applied to impulses: what velocity they cause.
+///
+/// G is factored by Cholesky with diagonal pivoting, P'GP = L D L' with |L| <= 1, and W = P L^-T D^-1/2 is kept, so
+/// that G* = W W'. The factors of a badly conditioned G differ in their scales D but hardly in their unit triangle, so
+/// that W has small relative errors row by row where G^-1 itself would not. Singular G: L has rank columns and W = L
+/// (L'L)^-1. Where G* was given, it is used as it is.
+template <class Scalar>
+class Response {
+ public:
+  void load(const contact_lemke::Input& input) {
+    ngc_ = input.ngc;
+    padded_ = P::padded(ngc_);
+    given_ = input.inertia.Ginv != nullptr;
+    if (given_) {
+      load_inverse(input.inertia.Ginv);
+      return;
+    }
+    work_.resize(ngc_ * padded_);
+    L_.resize(ngc_ * padded_);
+    columns_.resize(ngc_ * padded_);
+    pivots_.resize(ngc_);
+    done_.resize(padded_);
+    form(input.inertia);
+    factor(input.inertia.factors >= 0 && input.inertia.factors < ngc_ ? input.inertia.factors : ngc_);
+    if (rank_ == ngc_) {
+      invert_triangle();
+    } else {
+      pseudo_invert();
+    }
+    transpose();
+  }
+
+  Count rank() const { return rank_; }
+  bool full_rank() const { return !given_ && rank_ == ngc_; }
+
+  /// An estimate from below of the condition number of G; 1 where G* was given.
+  Scalar condition() const { return condition_; }
+
+  /// The largest diagonal entry of W'W or, where it was given, of G*: an estimate of the norm of G*.
+  Scalar norm() const { return norm_; }
+
+  /// c := G* a; both ngc long, padded with zeros.
+  void apply(const Scalar* a, Scalar* c) {
+    if (given_) {
+      combine(columns_.data(), padded_, ngc_, a, c, padded_);
+      return;
+    }
+    whiten(a, white_.data());
+    combine(columns_.data(), padded_, rank_, white_.data(), c, padded_);
+  }
+
+  /// a'G* a
+  Scalar square(const Scalar* a) {
+    if (given_) {
+      apply(a, white_.data());
+      return dot(a, white_.data(), padded_);
+    }
+    whiten(a, white_.data());
+    return dot(white_.data(), white_.data(), rank_padded_);
+  }
+
+ private:
+  using P = Packed<Scalar>;
+
+  void whiten(const Scalar* a, Scalar* white) { combine(rows_.data(), rank_padded_, ngc_, a, white, rank_padded_); }
+
+  void load_inverse(const double* Ginv) {
+    columns_.resize(ngc_ * padded_);
+    white_.fill(padded_, Scalar(0));
+    condition_ = 1;
+    norm_ = 0;
+    rank_ = ngc_;
+    rank_padded_ = padded_;
+    for (Count j = 0; j < ngc_; ++j) {
+      for (Count i = 0; i < ngc_; ++i) columns_[j * padded_ + i] = static_cast<Scalar>(Ginv[j * ngc_ + i]);
+      for (Count i = ngc_; i < padded_; ++i) columns_[j * padded_ + i] = 0;
+      norm_ = columns_[j * padded_ + j] > norm_ ? columns_[j * padded_ + j] : norm_;
+    }
+  }
+
+  void form(const contact_lemke::InertiaInput& inertia) {
+    for (Count i = 0; i < ngc_ * padded_; ++i) work_[i] = 0;
+    if (inertia.factors >= 0) return form_factors(inertia);
+    for (Count b = 0; b < inertia.blocks; ++b) {
+      const Count first = inertia.offsets[b];
+      const Count size = inertia.offsets[b + 1] - first;
+      for (Count j = 0; j < size; ++j) {
+        const double* column = inertia.G[b] + j * size;
+        for (Count i = 0; i < size; ++i) work_[(first + j) * padded_ + first + i] = static_cast<Scalar>(column[i]);
+      }
+    }
+  }
+
+  void form_factors(const contact_lemke::InertiaInput& inertia) {
+    for (Count k = 0; k < inertia.factors; ++k) {
+      const double* x = inertia.X + k * ngc_;
+      for (Count j = 0; j < ngc_; ++j) {
+        const Scalar weight = static_cast<Scalar>(inertia.alpha[k]) * static_cast<Scalar>(x[j]);
+        for (Count i = 0; i < ngc_; ++i) work_[j * padded_ + i] += weight * static_cast<Scalar>(x[i]);
+      }
+    }
+  }
+
+  /// Right-looking, on whole rows of the symmetric rest. Rows stay where they are: pivots_ tells their order.
+  void factor(Count most) {
+    Scalar* const left = done_.data();  // 1 where the row is not yet eliminated
+    for (Count i = 0; i < padded_; ++i) left[i] = i < ngc_ ? Scalar(1) : Scalar(0);
+    Scalar first = 0, last = 0;
+    for (rank_ = 0; rank_ < most; ++rank_) {
+      const Count pivot = largest_diagonal();
+      const Scalar value = work_[pivot * padded_ + pivot];
+      if (rank_ == 0) first = value;
+      if (!(value > static_cast<Scalar>(2 * kUnitRoundoff<Scalar> * static_cast<double>(ngc_)) * first)) break;
+      last = value;
+      eliminate(pivot, value);
+    }
+    rank_padded_ = P::padded(rank_);
+    condition_ = rank_ > 0 ? first / last : Scalar(1);
+  }
+
+  Count largest_diagonal() const {
+    Count pivot = 0;
+    Scalar largest = -1;
+    for (Count i = 0; i < ngc_; ++i) {
+      const Scalar value = done_[i] * work_[i * padded_ + i];
+      if (done_[i] != 0 && value > largest) {
+        largest = value;
+        pivot = i;
+      }
+    }
+    return pivot;
+  }
+
+  void eliminate(Count pivot, Scalar value) {
+    const Scalar root = square_root(value);
+    const Scalar reciprocal = Scalar(1) / root;
+    Scalar* const l = L_.data() + rank_ * padded_;
+    const Scalar* const row = work_.data() + pivot * padded_;
+    for (Count i = 0; i < padded_; i += P::kWidth) {
+      P::store(l + i, P::load(row + i) * P::load(done_.data() + i) * reciprocal);
+    }
+    l[pivot] = root;
+    done_[pivot] = 0;
+    pivots_[rank_] = pivot;
+    for (Count i = 0; i < ngc_; ++i) {
+      if (done_[i] != 0) add_multiple(work_.data() + i * padded_, -l[i], l, padded_);
+    }
+  }
+
+  /// The columns of W = L^-T are the rows of L^-1, by forward substitution.
+  void invert_triangle() {
+    for (Count k = 0; k < ngc_; ++k) {
+      Scalar* const column = columns_.data() + k * padded_;
+      const Count pivot = pivots_[k];
+      for (Count i = 0; i < padded_; i += P::kWidth) P::store(column + i, typename P::Pack{});
+      for (Count j = 0; j < k; ++j) {
+        add_multiple(column, -L_[j * padded_ + pivot], columns_.data() + j * padded_, padded_);
+      }
+      column[pivot] += 1;
+      scale(column, Scalar(1) / L_[k * padded_ + pivot], padded_);
+    }
+  }
+
+  /// W = L S^-1 with S = L'L, by Cholesky of S.
+  void pseudo_invert() {
+    Scalar* const S = work_.data();  // by rows, rank x rank, as far apart as the rows of G were
+    for (Count i = 0; i < rank_; ++i) {
+      for (Count j = 0; j <= i; ++j) {
+        S[i * padded_ + j] = dot(L_.data() + i * padded_, L_.data() + j * padded_, padded_);
+      }
+    }
+    for (Count j = 0; j < rank_; ++j) {
+      for (Count k = 0; k < j; ++k) S[j * padded_ + j] -= S[j * padded_ + k] * S[j * padded_ + k];
+      S[j * padded_ + j] = square_root(S[j * padded_ + j]);
+      for (Count i = j + 1; i < rank_; ++i) {
+        for (Count k = 0; k < j; ++k) S[i * padded_ + j] -= S[i * padded_ + k] * S[j * padded_ + k];
+        S[i * padded_ + j] /= S[j * padded_ + j];
+      }
+    }
+    for (Count k = 0; k < rank_; ++k) copy(columns_.data() + k * padded_, L_.data() + k * padded_, padded_);
+    for (Count k = 0; k < rank_; ++k) {  // W R' = L, then W R = that
+      for (Count j = 0; j < k; ++j) subtract_column(k, j, S[k * padded_ + j]);
+      scale(columns_.data() + k * padded_, Scalar(1) / S[k * padded_ + k], padded_);
+    }
+    for (Count k = rank_ - 1; k >= 0; --k) {
+      for (Count j = k + 1; j < rank_; ++j) subtract_column(k, j, S[j * padded_ + k]);
+      scale(columns_.data() + k * padded_, Scalar(1) / S[k * padded_ + k], padded_);
+    }
+  }
+
+  void subtract_column(Count to, Count from, Scalar factor) {
+    add_multiple(columns_.data() + to * padded_, -factor, columns_.data() + from * padded_, padded_);
+  }
+
+  void transpose() {
+    rows_.resize(ngc_ * rank_padded_);
+    white_.fill(padded_, Scalar(0));
+    const Scalar* const last = columns_.data() + (rank_ - 1) * padded_;  // of the smallest pivot
+    norm_ = rank_ > 0 ? dot(last, last, padded_) : Scalar(0);
+    for (Count i = 0; i < ngc_; ++i) {
+      for (Count k = 0; k < rank_; ++k) rows_[i * rank_padded_ + k] = columns_[k * padded_ + i];
+      for (Count k = rank_; k < rank_padded_; ++k) rows_[i * rank_padded_ + k] = 0;
+    }
+  }
+
+  Count ngc_ = 0, padded_ = 0, rank_ = 0, rank_padded_ = 0;
+  bool given_ = false;
+  Scalar condition_ = 1, norm_ = 0;
+  Buffer<Scalar> work_, L_, done_, white_;
+  Buffer<Scalar> columns_;  ///< of W (of G* where it is given), padded_ apart
+  Buffer<Scalar> rows_;     ///< of W, rank_padded_ apart
+  Buffer<Count> pivots_;
+};
+
+}  // namespace lcpbench::lemke::LCPBENCH_LEVEL
