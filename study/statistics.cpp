@@ -133,6 +133,11 @@ Estimate ratio_of_sums(std::span<const double> reference, std::span<const double
   return {numerator / denominator, interval.low, interval.high};
 }
 
+bool is_tie_in_time(const Estimate& ratio) {
+  const bool within_noise = ratio.value < kTieInTime && ratio.value > 1 / kTieInTime;
+  return within_noise || (ratio.low <= 1 && ratio.high >= 1);
+}
+
 double sign_test(std::int64_t first, std::int64_t second) {
   const std::int64_t tosses = first + second;
   const std::int64_t fewer = std::min(first, second);

@@ -71,6 +71,12 @@ Estimate median_estimate(std::span<const double> values);
 /// @throws std::invalid_argument when the lengths differ.
 Estimate ratio_of_sums(std::span<const double> reference, std::span<const double> solver);
 
+/// Differences in time under 5 % are within what two equal runs show.
+inline constexpr double kTieInTime = 1.05;
+
+/// Is a ratio of times not to be told from 1: within 5 % of it, or with an interval that contains it? False for NaN.
+bool is_tie_in_time(const Estimate& ratio);
+
 /// Two-sided exact sign test: the chance that a fair coin splits first + second tosses at least this unevenly. With the
 /// counts of problems that only one of two solvers solved it is McNemar's exact test. 1 for no tosses.
 double sign_test(std::int64_t first, std::int64_t second);

@@ -176,6 +176,15 @@ TEST(StatisticsTest, BootstrapsRepeatToTheLastBit) {
   EXPECT_TRUE(std::isnan(median_estimate({}).value));
 }
 
+TEST(StatisticsTest, TiesInTimeAreCloseToOneOrUnsure) {
+  EXPECT_TRUE(is_tie_in_time({1.04, 1.03, 1.05}));
+  EXPECT_TRUE(is_tie_in_time({0.96, 0.95, 0.97}));
+  EXPECT_TRUE(is_tie_in_time({2, 0.9, 4}));
+  EXPECT_FALSE(is_tie_in_time({1.06, 1.01, 1.1}));
+  EXPECT_FALSE(is_tie_in_time({0.94, 0.9, 0.99}));
+  EXPECT_FALSE(is_tie_in_time({std::nan(""), std::nan(""), std::nan("")}));
+}
+
 TEST(StatisticsTest, SignTestCountsCoins) {
   EXPECT_EQ(sign_test(0, 0), 1);
   EXPECT_DOUBLE_EQ(sign_test(0, 5), 2.0 / 32);

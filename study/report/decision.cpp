@@ -17,7 +17,6 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kSignificance = 0.05;
-constexpr double kTieInTime = 1.05;  // differences under 5 % are within what two equal runs show
 
 /// A contender with its outcomes, in the order of (set, problem).
 struct Record {
@@ -146,11 +145,6 @@ const Record* choose(const std::vector<Record>& records) {
     if (median_time(record) < median_time(*fastest)) fastest = &record;
   }
   return fastest;
-}
-
-bool is_tie_in_time(const Estimate& ratio) {
-  const bool within_noise = ratio.value < kTieInTime && ratio.value > 1 / kTieInTime;
-  return within_noise || (ratio.low <= 1 && ratio.high >= 1);
 }
 
 std::string time_words(const Estimate& ratio) {

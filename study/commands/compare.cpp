@@ -1,0 +1,95 @@
+#include "study/compare.h"
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "study/commands/commands.h"
+#include "study/commands/options.h"
+#include "study/json_output.h"
+
+namespace lcpbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Arguments {
+  std::filesystem::path a;
+  std::filesystem::path b;
+  CompareOptions options;
+  std::string format = "text";
+  bool fail_on_regression = false;
+  bool fail_on_slower = false;
+};
+
+/// What the last run of a store says of itself; null when it has none.
+Json last_run(Store& store) {
+  const std::vector<std::string> runs = store.runs();
+  Json run = runs.empty() ? Json() : Json::parse(runs.back(), nullptr, false);
+  return run.is_discarded() ? Json() : run;
+}
+
+std::string member(const Json& run, const char* name) {
+  const bool present = run.is_object() && run.contains(name) && run[name].is_string();
+  return present ? run[name].get<std::string>() : "not recorded";
+}
+
+/// Times of different machines or builds say little of the solvers.
+void warn_of_differences(const Json& a, const Json& b) {
+  for (const char* name : {"processor", "compiler", "flags"}) {
+    if (member(a, name) == member(b, name)) continue;
+    fmt::print(stderr, "lcpbench: the stores differ in their {} ({}; {}): do not trust the times\n", name,
+               member(a, name), member(b, name));
+  }
+}
+
+int compare(const Arguments& arguments) {
+  Store a = Store::open_for_reading(arguments.a);
+  Store b = Store::open_for_reading(arguments.b);
+  const StoreComparison comparison = compare_stores(a, b, arguments.options);
+  const Json run_a = last_run(a);
+  const Json run_b = last_run(b);
+  warn_of_differences(run_a, run_b);
+  if (arguments.format == "json") {
+    Json document{{"a", {{"store", arguments.a.string()}, {"provenance", run_a}}},
+                  {"b", {{"store", arguments.b.string()}, {"provenance", run_b}}}};
+    document.update(comparison_document(comparison));
+    print_json(document);
+  } else {
+    fmt::print("A: {}\nB: {}\n\n{}", arguments.a.string(), arguments.b.string(), comparison_text(comparison));
+  }
+  const bool failed =
+      (arguments.fail_on_regression && comparison.regressed()) || (arguments.fail_on_slower && comparison.slower());
+  return failed ? kExitCheckFailed : kExitDone;
+}
+
+}  // namespace
+
+Action add_compare_command(CLI::App& command) {
+  const auto arguments = std::make_shared<Arguments>();
+  command.add_option("A", arguments->a, "store to compare with: the older one")->required();
+  command.add_option("B", arguments->b, "store to judge: the newer one; may be A with --solver-b")->required();
+  command.add_option("--set", arguments->options.sets, "set name or glob; may be repeated; default all")
+      ->allow_extra_args(false);
+  const auto solver_a =
+      command.add_option("--solver-a", arguments->options.solver_a, "compare only this solver, as the store spells it");
+  command.add_option("--solver-b", arguments->options.solver_b, "with this one of B; default the same")
+      ->needs(solver_a);
+  command.add_flag("--fail-on-regression", arguments->fail_on_regression,
+                   "exit with 1 when B solves significantly fewer problems or makes any new false claim");
+  command.add_flag("--fail-on-slower", arguments->fail_on_slower, "exit with 1 when B is significantly slower");
+  add_format_option(command, arguments->format);
+  command.footer(
+      "Compares on the problems that both stores hold with the same data. Solved and false claims: exact McNemar "
+      "test,\n"
+      "corrected by Holm's method. Times: ratio of sums on problems solved in both, bootstrap interval; under 5 %, or\n"
+      "with an interval that contains 1, it is a tie. Solvers belong together by name, settings and sweep, also "
+      "across\n"
+      "versions and instruction-set levels. See docs/compare.md.");
+  return [arguments] { return compare(*arguments); };
+}
+
+}  // namespace lcpbench
