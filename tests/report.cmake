@@ -8,3 +8,7 @@ target_compile_definitions(compare_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:
 add_dependencies(compare_test lcpbench)
 lcpbench_test(summary LINK lcpbench_report)
 lcpbench_test(report LINK lcpbench_report LibXml2::LibXml2)
+lcpbench_test(paper_claims LINK lcpbench_report)
+lcpbench_test(paper_tables LINK lcpbench_report)
+target_compile_definitions(paper_tables_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
+add_dependencies(paper_tables_test lcpbench)

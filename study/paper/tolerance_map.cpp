@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/error.h"
+#include "core/registry.h"
 #include "study/paper/tables.h"
 
 namespace lcpbench::paper {
@@ -19,6 +20,16 @@ struct Tolerances {
   double zero = 0;
 };
 
+/// The settings of a wrapped solver, those at their defaults too: a store leaves them out of a spec inside a setting.
+Options settings_inside(const std::string& text) {
+  const Spec spec = parse_spec(text);
+  try {
+    return find_solver(spec.name).definition.all_settings(spec.options);
+  } catch (const InputError&) {  // a solver or setting of another version
+    return spec.options;
+  }
+}
+
 /// The number of a setting, in the options or in a spec that one of them holds. nullopt: there is none.
 std::optional<double> find_number(const Options& options, std::string_view setting) {
   for (const auto& [key, value] : options) {
@@ -27,8 +38,8 @@ std::optional<double> find_number(const Options& options, std::string_view setti
       const double number = std::strtod(value.c_str(), &end);
       if (end != value.c_str() && *end == '\0' && std::isfinite(number)) return number;
     }
-    if (value.find('{') == std::string::npos) continue;
-    const std::optional<double> inside = find_number(parse_spec(value).options, setting);
+    if (key != "solver") continue;
+    const std::optional<double> inside = find_number(settings_inside(value), setting);
     if (inside) return inside;
   }
   return std::nullopt;
