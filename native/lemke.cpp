@@ -47,7 +47,7 @@ void report_ending(lemke::Ending ending, Answer& answer) {
 std::ptrdiff_t lemke_pivot_limit(const LemkeSettings& settings, Index n) {
   if (settings.max_pivots > 0) return static_cast<std::ptrdiff_t>(settings.max_pivots);
   if (settings.cap == LemkeCap::kLemke) return std::min<Index>(1000, 50 * n);
-  if (settings.cap == LemkeCap::k3n) return 3 * n;
+  if (settings.cap == LemkeCap::k3n) return std::max<Index>(200, 3 * n);
   return std::max<Index>(1000, n * n);
 }
 

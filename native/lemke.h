@@ -33,7 +33,7 @@ struct LemkeSettings {
           "basic values solved from the basis at each pivot, or updated by x - ratio d");
     field("cap", cap,
           Choices<LemkeCap>{{{"paper", LemkeCap::kPaper}, {"lemke", LemkeCap::kLemke}, {"3n", LemkeCap::k3n}}},
-          "limit on pivots: max(1000, n^2) as in the paper, min(1000, 50 n) as in LEMKE, or 3 n");
+          "limit on pivots: max(1000, n^2) as in the paper, min(1000, 50 n) as in LEMKE, or max(200, 3 n)");
     field("max_pivots", max_pivots, IntegerRange{.min = 0, .max = std::int64_t{1} << 40},
           "another limit on pivots; 0: the one that `cap` names");
   }
