@@ -616,7 +616,8 @@ Table times_table(const Summary& summary, const std::vector<Grid>& grids, Kind k
                  "are. Interval of a ratio: 95 %, delta method on its logarithm, the two means taken as independent.",
                  "The paper’s Lemke is `regularized{test=tried}`: its test is the published one. `regularized` tests "
                  "on the problem "
-                 "itself. Times are set-up plus solve, CPU; parameterisations that share a run share its time."};
+                 "itself. Times are set-up plus solve, CPU. Parameterisations that answer a problem alike share a "
+                 "time, the mean of theirs."};
   table.query = measurements_query();
   table.records = measurement_records(summary, grids, table.id, kind, is_experiment_six, quantities);
   table.example = measurement_example(summary);

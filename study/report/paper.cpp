@@ -153,7 +153,7 @@ void write_claims(PaperWriter& writer, const PaperStudy& study) {
   writer.table(layout);
   writer.query(paper::totals_query());
   for (const Claim& claim : study.claims) {
-    writer.open(claim.statement + " " + name_of(claim.word) + ".");
+    writer.open(std::string(name_of(claim.word)) + ": " + claim.statement);
     writer.paragraph("Rule: " + claim.rule);
     if (claim.comparisons.empty()) writer.paragraph("Not tested: needs " + claim.needs + ".");
     if (!claim.comparisons.empty()) writer.table(comparisons_layout("Comparisons", claim.comparisons));

@@ -1,5 +1,7 @@
 #include "study/report/paper_writer.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "study/report/text.h"
@@ -47,16 +49,26 @@ std::string markdown(const std::string& text) {
 
 /// Numbers stand to the right and are not broken; words, such as the reason of a missing run, are neither.
 bool is_number(const std::string& text) {
-  return !text.empty() && (text.find_first_of("0123456789") < 2 || text == "–") && text.find('`') == std::string::npos;
+  constexpr std::string_view kOfNumbers = "0123456789.+-/<>() e–";
+  return text == "–" || (text.find_first_of("0123456789") != std::string::npos &&
+                         text.find_first_not_of(kOfNumbers) == std::string::npos);
+}
+
+bool is_number_column(const paper::Layout& layout, std::size_t column) {
+  return column >= layout.labels && std::any_of(layout.rows.begin(), layout.rows.end(),
+                                                [column](const auto& row) { return is_number(row[column].text); });
 }
 
 std::string html_entry(const paper::Entry& entry, bool label) {
+  constexpr std::size_t kSentence = 24;  // columns of numbers must not squeeze a sentence into a word per line
   const std::string detail = entry.detail.empty() ? "" : "<small>" + html(entry.detail) + "</small>";
-  if (label) return "<th scope=\"row\">" + html(entry.text) + detail + "</th>";
-  constexpr std::size_t kLongWords = 20;  // a column of numbers must not squeeze a sentence into a word per line
-  const bool long_words = entry.text.size() > kLongWords;
-  const char* attributes = is_number(entry.text) ? " class=\"number\"" : long_words ? " style=\"min-width:14rem\"" : "";
-  return fmt::format("<td{}>{}{}</td>", attributes, html(entry.text), detail);
+  const bool number = !label && is_number(entry.text);
+  const std::string attributes = number                                          ? " class=\"number\""
+                                 : entry.text.size() + detail.size() > kSentence ? " class=\"words\""
+                                                                                 : "";
+  const char* tag = label ? "th" : "td";
+  return fmt::format("<{}{}{}>{}{}</{}>", tag, label ? " scope=\"row\"" : "", attributes, html(entry.text), detail,
+                     tag);
 }
 
 std::string markdown_entry(const paper::Entry& entry) {
@@ -75,7 +87,10 @@ void HtmlPaperWriter::paragraph(const std::string& text) { text_ += "<p>" + html
 void HtmlPaperWriter::table(const paper::Layout& layout) {
   text_ += "<div class=\"scroll\" tabindex=\"0\"><table class=\"paper\"><caption>" + html(layout.caption) +
            "</caption><thead><tr>";
-  for (const std::string& column : layout.columns) text_ += "<th scope=\"col\">" + html(column) + "</th>";
+  for (std::size_t i = 0; i < layout.columns.size(); ++i) {
+    const char* attribute = is_number_column(layout, i) ? " class=\"number\"" : "";
+    text_ += fmt::format("<th scope=\"col\"{}>{}</th>", attribute, html(layout.columns[i]));
+  }
   text_ += "</tr></thead><tbody>\n";
   for (const auto& row : layout.rows) {
     text_ += "<tr>";
@@ -114,7 +129,7 @@ void MarkdownPaperWriter::table(const paper::Layout& layout) {
   text_ += "**" + markdown(layout.caption) + "**\n\n|";
   for (const std::string& column : layout.columns) text_ += " " + markdown(column) + " |";
   text_ += "\n|";
-  for (std::size_t i = 0; i < layout.columns.size(); ++i) text_ += i < layout.labels ? " --- |" : " ---: |";
+  for (std::size_t i = 0; i < layout.columns.size(); ++i) text_ += is_number_column(layout, i) ? " ---: |" : " --- |";
   text_ += "\n";
   for (const auto& row : layout.rows) {
     text_ += "|";

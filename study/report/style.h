@@ -31,7 +31,8 @@ td.number, th.number { text-align: right; }
 td.number, th.line { white-space: nowrap; }
 summary { cursor: pointer; margin: .5rem 0; }
 tbody th { font-weight: 400; }
-.cells code { white-space: nowrap; }
+.cells code, .paper code { white-space: nowrap; }
+.paper .words { min-width: 13rem; }
 small { color: var(--soft); font-size: .82rem; }
 td small, th small { display: block; }
 .bad { color: var(--bad); font-weight: 600; }
