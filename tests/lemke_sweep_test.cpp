@@ -231,7 +231,7 @@ TEST(LemkeSweepRulesTest, PathsThatGoRoundEndAtTheLimitAsIfTheyWereFollowed) {
   std::int64_t at_limit = 0, gone = 0;
   for (const char* name : {"paper/monotone/exp5-1e10", "paper/copositive/exp5-1e8"}) {
     const auto set = open_set(name);
-    for (std::int64_t trial = 0; trial < 80; ++trial) {
+    for (std::int64_t trial = 0; trial < 200; ++trial) {
       const Problem problem = set->generate(9, trial);
       if (problem.size() > 80) continue;
       expect_same_as_alone(sweep, cells, problem, isa_level());
