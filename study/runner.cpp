@@ -27,7 +27,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kHandOverAfter = std::chrono::milliseconds(500);  // at most this much of a problem is lost to a kill
+constexpr auto kHandOverAfter =
+    std::chrono::milliseconds(500);  // what a kill can lose, but for the solve or sweep in flight
 constexpr auto kCommitAfter = std::chrono::milliseconds(800);
 constexpr auto kProgressEvery = std::chrono::milliseconds(100);
 constexpr std::size_t kCommitAnswers = 20'000;

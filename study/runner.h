@@ -37,7 +37,7 @@ struct RunOutcome {
   Progress progress;
 };
 
-/// Runs every cell (set x trial x solver) of a study that the store does not have yet.
+/// Runs every cell (set x trial x solver parameterisation) of a study that the store does not have yet.
 ///
 /// A problem is generated once; its solvers run one after the other in an order rotated by the trial, so that drifts of
 /// the machine hit all alike. Trials of all sets advance together: a run that ends early has about the same share of
@@ -45,9 +45,10 @@ struct RunOutcome {
 /// calling thread alone writes, in transactions of at most about a second. Neither the number of threads nor their
 /// order, sharding or resuming changes a row but for `timings` and `runs`.
 ///
-/// Equal answers to one problem (bit for bit: the cells of a sweep mostly agree) are verified once.
-/// Whatever a solver does, it leaves a row. @throws what generating, opening a solver or the store throws, after
-/// committing what was done. Memory: O(problems of the plan) for the queue, else independent of the number of trials.
+/// A sweep on a problem is one unit of work: written with all its cells or not at all. Equal answers to one problem
+/// (bit for bit, whoever gave them) are verified once. Whatever a solver does, it leaves a row. @throws what
+/// generating, opening a solver or the store throws, after committing what was done. Memory: O(problems of the plan)
+/// for the queue, else independent of the number of trials.
 RunOutcome run_study(const Study& study, Store& store, const RunOptions& options);
 
 }  // namespace lcpbench
