@@ -250,6 +250,18 @@ TEST(LemkeSweepRulesTest, PathsThatGoRoundEndAtTheLimitAsIfTheyWereFollowed) {
   EXPECT_LT(gone, 3001 * at_limit) << "laps were gone one by one";
 }
 
+TEST(LemkeSweepRulesTest, LongPathsThatNeverGoRoundAreFollowed) {
+  // Murty's exponential path: the same variables leave kernels of the same order again and again, but no basis returns.
+  Vector q(9);
+  for (Index i = 0; i < 9; ++i) q(i) = -(1024.0 - std::ldexp(1.0, static_cast<int>(9 - i)));
+  const Problem problem = bare(testing::murty_matrix(9), q);
+  const Cells cells = paper_grid();
+  LemkeSweep sweep(cells);
+  EXPECT_EQ(expect_same_as_alone(sweep, cells, problem, isa_level()), 1U);
+  std::vector<LemkeLeaf> leaves;
+  EXPECT_EQ(sweep.walk(all_of(cells.size()), leaves), 511);
+}
+
 TEST(LemkeSweepRulesTest, BranchesAllocateNothing) {
   if (!testing::allocations_are_counted()) GTEST_SKIP() << "the allocator of this build cannot be replaced";
   const Cells cells = paper_grid();
