@@ -261,7 +261,7 @@ std::string write_report(Store& store, const std::filesystem::path& folder) {
   const report::PaperStudy paper = report::paper_study(summary);
   for (const auto& [name, content] : report::paper_files(summary, paper)) write_file(folder / name, content);
   write_file(folder / "report.html", report::html_page(summary, situations, comparisons, figures, paper));
-  return figures.missing.empty() ? paper.missing : figures.missing;
+  return figures.missing;
 }
 
 std::string table_text(const Summary& summary) {

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include <gtest/gtest.h>
+#include <libxml/parser.h>
 
 #include "paper_support.h"
 #include "study/paper/intervals.h"
@@ -490,6 +491,25 @@ TEST_F(PaperStoreTest, ReportLinksToTheStudy) {
     EXPECT_NE(page.find("id=\"" + std::string(anchor) + "\""), std::string::npos);
   }
   EXPECT_TRUE(std::filesystem::exists(folder / "paper.md"));
+}
+
+/// The pictures are XML that others read, small enough to have one for each of a study's sets, and whole: a field and a
+/// number for every cell by both measures.
+TEST_F(PaperStoreTest, MapsAreWholeAndSmall) {
+  int pictures = 0;
+  for (const auto& [name, content] : files_of(file())) {
+    if (!name.starts_with("figures/")) continue;
+    ++pictures;
+    xmlDocPtr document = xmlReadMemory(content.data(), static_cast<int>(content.size()), "map.svg", nullptr,
+                                       XML_PARSE_NONET | XML_PARSE_NOERROR | XML_PARSE_NOWARNING);
+    EXPECT_NE(document, nullptr) << name;
+    xmlFreeDoc(document);
+    EXPECT_LT(content.size(), 40000U) << name;
+    std::size_t fields = 0;
+    for (std::size_t at = content.find("v30"); at != std::string::npos; at = content.find("v30", at + 1)) ++fields;
+    EXPECT_EQ(fields, 2U * 81) << name;
+  }
+  EXPECT_EQ(pictures, 15);
 }
 
 TEST(PaperReportTest, StoresWithoutSweepsHaveNoPaperPage) {

@@ -8,7 +8,6 @@
 
 #include "study/paper/queries.h"
 #include "study/report/csv.h"
-#include "study/report/gnuplot.h"
 #include "study/report/paper_figures.h"
 #include "study/report/paper_writer.h"
 #include "study/report/text.h"
@@ -266,9 +265,7 @@ void write_maps(PaperWriter& writer, const Summary& summary, const PaperStudy& s
       "The share solved over the two tolerances of Lemke’s algorithm, a field for each of the paper’s "
       "parameterisations. "
       "Numbers with intervals: `tables/tolerance-map.csv`.");
-  if (!study.missing.empty()) writer.paragraph("No pictures: " + study.missing + ".");
   for (const DrawnMap& drawn : study.maps) {
-    if (drawn.figure.svg.empty()) continue;
     writer.open(code(summary.sets[drawn.map.grid->set].name) + ", " + code(drawn.map.grid->label));
     writer.figure(drawn.file, drawn.figure);
     writer.close();
@@ -292,18 +289,13 @@ std::string unique_file(const std::string& stem, std::set<std::string>& taken) {
   return file;
 }
 
-std::vector<DrawnMap> draw_maps(const Summary& summary, const std::vector<paper::Grid>& grids, std::string& missing) {
+std::vector<DrawnMap> draw_maps(const Summary& summary, const std::vector<paper::Grid>& grids) {
   std::vector<DrawnMap> drawn;
   std::set<std::string> taken;
   for (paper::ToleranceMap& map : paper::tolerance_maps(summary, grids)) {
     const std::string stem = file_stem(summary.sets[map.grid->set].name + " " + map.grid->label);
-    drawn.push_back({std::move(map), unique_file(stem, taken), {}});
-    if (!missing.empty()) continue;
-    try {
-      drawn.back().figure = tolerance_figure(summary, drawn.back().map);
-    } catch (const FigureError& error) {
-      missing = error.what();
-    }
+    Figure figure = tolerance_figure(summary, map);
+    drawn.push_back({std::move(map), unique_file(stem, taken), std::move(figure)});
   }
   return drawn;
 }
@@ -321,7 +313,7 @@ PaperStudy paper_study(const Summary& summary) {
   study.claims = paper::test_claims(summary, study.grids);
   study.readings = paper::reading_effects(study.grids);
   study.reproductions = paper::reproductions(study.grids);
-  study.maps = draw_maps(summary, study.grids, study.missing);
+  study.maps = draw_maps(summary, study.grids);
   return study;
 }
 
@@ -352,7 +344,7 @@ std::map<std::string, std::string> paper_files(const Summary& summary, const Pap
   std::vector<paper::ToleranceMap> maps;
   for (const DrawnMap& drawn : study.maps) {
     maps.push_back(drawn.map);
-    if (!drawn.figure.svg.empty()) files[drawn.file] = drawn.figure.svg;
+    files[drawn.file] = drawn.figure.svg;
   }
   files["tables/tolerance-map.csv"] =
       csv_table(paper::tolerance_maps_example(), paper::tolerance_maps_json(summary, maps));

@@ -12,7 +12,7 @@
 
 namespace lcpbench::report {
 
-/// One map with its picture; no picture when gnuplot failed.
+/// One map with its picture.
 struct DrawnMap {
   paper::ToleranceMap map;
   std::string file;  ///< below the report's folder
@@ -27,7 +27,6 @@ struct PaperStudy {
   std::vector<paper::ReadingEffect> readings;
   std::vector<paper::Reproduction> reproductions;
   std::vector<DrawnMap> maps;
-  std::string missing;  ///< why the maps have no pictures, "" when they have
 
   /// The store holds no sweep on a set of the paper: the report then has no page of it.
   bool empty() const { return grids.empty(); }
