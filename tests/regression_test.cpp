@@ -39,7 +39,8 @@ Json counts_of(Store& store) {
       "SELECT sets.name, s.name || iif(s.settings = '', '', '{' || s.settings || '}')"
       "         || iif(s.sweep = '', '', ' sweep ' || s.sweep),"
       "       COUNT(*), SUM(j.verdict = 'solved'), SUM(j.claim = 'solved' AND j.verdict IN ('wrong', 'unsolvable')),"
-      "       SUM(j.claim = 'solved' AND v.criterion), SUM(max(a.pivots, 0))"
+      "       SUM(j.claim = 'solved' AND v.criterion), SUM(max(a.pivots, 0)),"
+      "       SUM(max(a.iterations, 0))"
       " FROM judged_cells j JOIN solvers s ON s.id = j.solver_id JOIN sets ON sets.id = j.set_id"
       " JOIN verdicts v USING (problem_id, solver_id, part) JOIN answers a USING (problem_id, solver_id, part)"
       " GROUP BY j.set_id, j.solver_id ORDER BY 1, 2");
@@ -51,7 +52,8 @@ Json counts_of(Store& store) {
                        {"solved", query.integer(3)},
                        {"false_claims", query.integer(4)},
                        {"criterion", query.integer(5)},
-                       {"pivots", query.integer(6)}});
+                       {"pivots", query.integer(6)},
+                       {"iterations", query.integer(7)}});
   }
   return records;
 }
