@@ -19,6 +19,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "adapters/self_timed.h"
 #include "adapters/start_directory.h"
 #include "adapters/worker_channel.h"
 #include "adapters/worker_protocol.h"
@@ -101,7 +102,13 @@ void fail(Response& response, Claim claim, const std::string& detail) {
 void solve(CurrentSolver& current, const Request& request, Response& response) {
   const double begin_s = wall_clock_s();
   try {
-    timed_solve(current.get(request.solver), request.problem, request.timing, response.result);
+    Solver& solver = current.get(request.solver);
+    if (auto* const self_timed = dynamic_cast<SelfTimed*>(&solver)) {
+      self_timed->run(request.problem, request.timing, response.result);
+      response.retiring = !self_timed->usable();
+    } else {
+      timed_solve(solver, request.problem, request.timing, response.result);
+    }
     const std::string lengths = wrong_lengths(response.result.answer, answer_sizes(request.problem));
     if (!lengths.empty()) fail(response, Claim::kCrashed, "returned no answer: " + lengths);
   } catch (const std::bad_alloc&) {
@@ -111,7 +118,7 @@ void solve(CurrentSolver& current, const Request& request, Response& response) {
   } catch (...) {
     fail(response, Claim::kNumericalFailure, "exception of an unknown type");
   }
-  response.busy_s = wall_clock_s() - begin_s;
+  response.busy_s = std::max(0.0, wall_clock_s() - begin_s - response.result.times.transport_s);
 }
 
 Response answer(CurrentSolver& current, std::span<const std::byte> request_bytes, std::uint64_t sequence) {

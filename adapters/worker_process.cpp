@@ -24,6 +24,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "adapters/exit_status.h"
+
 extern char** environ;
 
 namespace lcpbench::worker {
@@ -161,14 +163,6 @@ UniqueFd moved_up(UniqueFd fd) {
   return moved;
 }
 
-std::string describe_status(int status) {
-  if (WIFEXITED(status)) return "exited with code " + std::to_string(WEXITSTATUS(status));
-  if (!WIFSIGNALED(status)) return "ended in an unknown way";
-  const int signal = WTERMSIG(status);
-  const char* name = sigabbrev_np(signal);
-  return "killed by signal " + std::to_string(signal) + (name != nullptr ? " (SIG" + std::string(name) + ")" : "");
-}
-
 int poll_timeout_ms(double seconds) {
   return static_cast<int>(std::ceil(std::clamp(seconds, 0.0, kDeathCheckPeriod_s) * 1e3));
 }
@@ -272,7 +266,7 @@ std::string WorkerProcess::end() {
     reaped = waitpid(pid_, &status, 0);
   } while (reaped < 0 && errno == EINTR);
   pid_ = -1;
-  return reaped < 0 ? "ended in an unknown way" : describe_status(status);
+  return reaped < 0 ? "ended in an unknown way" : describe_exit(status);
 }
 
 void WorkerProcess::clear_messages() { lseek(stderr_file_.get(), 0, SEEK_SET); }

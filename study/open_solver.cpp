@@ -27,6 +27,16 @@ std::string why_unavailable(const RegisteredSolver& solver) {
   }
 }
 
+bool runs_unasked(const RegisteredSolver& solver) {
+  if (!why_unavailable(solver).empty()) return false;
+  try {
+    solver.definition.changed_settings({});
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
 std::unique_ptr<TimedSolver> open_solver(const Spec& spec) {
   const RegisteredSolver& solver = find_solver(spec.name);
   if (const std::string reason = why_unavailable(solver); !reason.empty()) {

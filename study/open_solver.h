@@ -14,6 +14,10 @@ namespace lcpbench {
 /// missing; "" when it can run.
 std::string why_unavailable(const RegisteredSolver& solver);
 
+/// Whether the solver can run here as it is: available, and with defaults for all that it needs to be told (`external`
+/// has none for its command).
+bool runs_unasked(const RegisteredSolver& solver);
+
 /// Any registered solver, under the clock: native ones in this process, foreign ones in their worker.
 /// @throws InputError for an unknown name, bad settings, or a solver that cannot run here (with the reason).
 std::unique_ptr<TimedSolver> open_solver(const Spec& spec);

@@ -35,3 +35,12 @@ lcpbench_test(adapter_path LINK lcpbench_adapters lcpbench_adapter_descriptions 
 target_compile_definitions(adapter_path_test PRIVATE PATH_WORKER="$<TARGET_FILE:lcpbench-worker-path>"
   STAND_IN_4="$<TARGET_FILE:path_stand_in_4>" STAND_IN_5="$<TARGET_FILE:path_stand_in_5>")
 add_dependencies(adapter_path_test lcpbench-worker-path path_stand_in_4 path_stand_in_5)
+
+# Programs of a user's own: the example's, and one that misbehaves.
+lcpbench_test(external LINK lcpbench_adapters lcpbench_generators lcpbench_solver_list nlohmann_json::nlohmann_json)
+target_sources(external_test PRIVATE ${PROJECT_SOURCE_DIR}/adapters/external_json.cpp
+                                     ${PROJECT_SOURCE_DIR}/adapters/external_program.cpp)
+target_compile_definitions(external_test PRIVATE EXTERNAL_WORKER="$<TARGET_FILE:lcpbench-worker-external>"
+  EXTERNAL_FAULTS="${CMAKE_CURRENT_SOURCE_DIR}/external_faults.py"
+  LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>" REPOSITORY="${PROJECT_SOURCE_DIR}")
+add_dependencies(external_test lcpbench lcpbench-worker-external)

@@ -65,7 +65,7 @@ class Solvers {
     if (!asked_for_.empty()) return asked_for_;
     std::vector<Spec> fitting;
     for (const RegisteredSolver& solver : registered_solvers()) {
-      if (!why_unavailable(solver).empty() || !why_not(solver.definition.capabilities, problem).empty()) continue;
+      if (!runs_unasked(solver) || !why_not(solver.definition.capabilities, problem).empty()) continue;
       fitting.push_back({solver.definition.name, {}});
     }
     return fitting;

@@ -1,0 +1,90 @@
+// ODE's Dantzig solver on the matrix, from the copy of it that DART has as a library: ODE itself does not export it.
+#include "core/registry.h"
+
+#ifndef LCPBENCH_DESCRIBE_ONLY
+#include <vector>
+
+#include <dart/external/odelcpsolver/lcp.h>
+static_assert(sizeof(dart::external::ode::dReal) == sizeof(double), "needs the solver in double precision");
+#endif
+
+namespace lcpbench {
+namespace {
+
+constexpr Capabilities kCapabilities{.frictionless_only = true, .guarantees = "symmetric positive definite M"};
+
+struct OdeDantzigSettings {
+  double diagonal = 0.0;
+
+  void visit(auto&& field) {
+    field("diagonal", diagonal, RealRange{.min = 0}, "added to the diagonal of M before solving");
+  }
+};
+
+#ifndef LCPBENCH_DESCRIBE_ONLY
+
+/// A x = b + w with b = -q and bounds 0 <= x < infinity. Rows of A are padded to multiples of four numbers.
+class OdeDantzig final : public Solver {
+ public:
+  explicit OdeDantzig(const OdeDantzigSettings& settings) : settings_(settings) {}
+  const Capabilities& capabilities() const override { return kCapabilities; }
+
+ protected:
+  void on_load(const Problem& problem) override {
+    lcp_ = make_lcp(problem);
+    lcp_.M.diagonal().array() += settings_.diagonal;
+    padded_.setZero(dPAD(lcp_.size()), lcp_.size());
+    padded_.topRows(lcp_.size()) = lcp_.M;  // M is symmetric: the library's rows are our columns
+  }
+
+  void on_solve(const SolveRequest&, Answer& answer) override {
+    const int n = static_cast<int>(lcp_.size());
+    if (n == 0) {
+      answer.claim = Claim::kSolved;
+      return;
+    }
+    // The library works in place on all of its input.
+    destroyed_ = padded_;
+    b_ = -lcp_.q;
+    w_.setZero(n);
+    lower_.setZero(n);
+    upper_.setConstant(n, static_cast<double>(dInfinity));
+    no_friction_.assign(static_cast<std::size_t>(n), -1);
+    constexpr int kUnbounded = 0;
+    constexpr bool kEarlyTermination = true;  // without it the return value is always true
+    const bool solved =
+        dart::external::ode::dSolveLCP(n, destroyed_.data(), answer.z.data(), b_.data(), w_.data(), kUnbounded,
+                                       lower_.data(), upper_.data(), no_friction_.data(), kEarlyTermination);
+    answer.claim = solved ? Claim::kSolved : Claim::kNumericalFailure;
+    if (!solved) answer.detail = "dSolveLCP returned false";
+  }
+
+ private:
+  OdeDantzigSettings settings_;
+  Lcp lcp_;
+  Matrix padded_;
+  Matrix destroyed_;
+  Vector b_;
+  Vector w_;
+  Vector lower_;
+  Vector upper_;
+  std::vector<int> no_friction_;
+};
+
+#endif
+
+}  // namespace
+
+SolverDefinition lcpbench_solver_ode_dantzig() {
+  SolverDefinition definition{.name = "ode_dantzig",
+                              .summary = "ODE's Dantzig solver (dSolveLCP): principal pivoting, as in dWorldStep",
+                              .source = "Open Dynamics Engine, lcp.cpp, in DART's copy; after Baraff, SIGGRAPH 1994",
+                              .capabilities = kCapabilities};
+#ifdef LCPBENCH_DESCRIBE_ONLY
+  return with_settings<OdeDantzigSettings>(std::move(definition));
+#else
+  return define_solver<OdeDantzig, OdeDantzigSettings>(std::move(definition));
+#endif
+}
+
+}  // namespace lcpbench

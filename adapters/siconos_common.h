@@ -1,0 +1,56 @@
+#pragma once
+
+// Shared by the Siconos adapters: one solver of linear complementarity problems by its number in Siconos's list, with a
+// tolerance and a limit on iterations.
+
+#include <cstdint>
+
+#include "core/registry.h"
+
+namespace lcpbench {
+
+#ifndef LCPBENCH_DESCRIBE_ONLY
+
+/// What an adapter tells Siconos.
+struct SiconosRequest {
+  int solver = 0;  ///< SICONOS_LCP_...
+  double tolerance = 0;
+  std::int64_t max_iterations = 0;
+};
+
+/// Runs linearComplementarity_driver. Sets claim, z, iterations and detail.
+/// @pre answer.z has n entries, zero: where the methods that take a start begin.
+void run_siconos(const Lcp& lcp, const SiconosRequest& request, Answer& answer);
+
+/// Settings: a struct with `tolerance` and `max_iterations`, and static members `solver` and `capabilities`.
+template <class Settings>
+class SiconosSolver final : public Solver {
+ public:
+  explicit SiconosSolver(const Settings& settings) : settings_(settings) {}
+  const Capabilities& capabilities() const override { return Settings::capabilities; }
+
+ protected:
+  void on_load(const Problem& problem) override { lcp_ = make_lcp(problem); }
+  void on_solve(const SolveRequest&, Answer& answer) override {
+    run_siconos(lcp_, {Settings::solver, settings_.tolerance, settings_.max_iterations}, answer);
+  }
+
+ private:
+  Settings settings_;
+  Lcp lcp_;
+};
+
+#endif
+
+/// Completes a definition for either of the two programs that a file is compiled for.
+template <class Settings>
+SolverDefinition define_siconos(SolverDefinition definition) {
+  definition.capabilities = Settings::capabilities;
+#ifdef LCPBENCH_DESCRIBE_ONLY
+  return with_settings<Settings>(std::move(definition));
+#else
+  return define_solver<SiconosSolver<Settings>, Settings>(std::move(definition));
+#endif
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,129 @@
+#!/usr/bin/env -S python3 -I -S
+"""An external solver that does what the problem's name says: it answers right, lies, or misbehaves."""
+import json
+import os
+import signal
+import sys
+import time
+
+
+def right(problem):
+    return {"claim": "solved", "z": [max(0.0, -q / row[i]) for i, (row, q) in enumerate(zip(problem["M"], problem["q"]))]}
+
+
+def say(text):
+    sys.stdout.write(text)
+    sys.stdout.flush()
+
+
+def raw(text):
+    def answer(problem):
+        say(text + "\n")
+
+    return answer
+
+
+def with_fields(**fields):
+    return lambda problem: {**right(problem), **fields}
+
+
+def sleep_for_ever(problem):
+    while True:
+        time.sleep(1000)
+
+
+def chatter(problem):
+    for _ in range(3000):
+        sys.stderr.write("x" * 1000 + "\n")
+    sys.stderr.flush()
+    return right(problem)
+
+
+def huge(problem):
+    while True:
+        say("[" * 65536)
+
+
+def fork_a_child(problem):
+    if os.fork() == 0:
+        sleep_for_ever(problem)
+    return right(problem)
+
+
+def stop_reading(problem):
+    os.close(0)
+    sleep_for_ever(problem)
+
+
+def twice(problem):
+    say(json.dumps(right(problem)) + "\n" + json.dumps(right(problem)) + "\n")
+
+
+def closed_output(problem):
+    os.close(1)
+    sleep_for_ever(problem)
+
+
+def words(problem):
+    return {"claim": "solved", "z": right(problem)["z"], "detail": "|".join(sys.argv[1:])}
+
+
+def where(problem):
+    return {"claim": "solved", "z": right(problem)["z"], "detail": os.getcwd()}
+
+
+def process(problem):
+    return {"claim": "iteration_limit", "iterations": os.getpid()}
+
+
+behaviours = {
+    "right": right,
+    "delays": right,
+    "process": process,
+    "words": words,
+    "where": where,
+    "chatter": chatter,
+    "fork": fork_a_child,
+    "no z": lambda problem: {"claim": "iteration_limit"},
+    "unsupported": lambda problem: {"claim": "unsupported", "detail": "no such problems"},
+    "exception": lambda problem: problem["no such field"],
+    "segfault": lambda problem: os.kill(os.getpid(), signal.SIGSEGV),
+    "exit 0": lambda problem: os._exit(0),
+    "sleep": sleep_for_ever,
+    "no line end": lambda problem: say("{") or sleep_for_ever(problem),
+    "stop": lambda problem: os.kill(os.getpid(), signal.SIGSTOP),
+    "close the output": closed_output,
+    "stop reading": stop_reading,
+    "huge": huge,
+    "twice": twice,
+    "garbage": raw("solved!"),
+    "not utf-8": lambda problem: sys.stdout.buffer.write(b'{"claim": "solved", "detail": "\xff"}\n'),
+    "an array": raw("[1, 2]"),
+    "nan": raw('{"claim": "solved", "z": [NaN, 0, 0, 0, 0]}'),
+    "null": raw('{"claim": "solved", "z": [null, 0, 0, 0, 0]}'),
+    "overflow": raw('{"claim": "solved", "z": [1e999, 0, 0, 0, 0]}'),
+    "short": with_fields(z=[1.0]),
+    "long": with_fields(z=[1.0] * 2000),
+    "z is a text": with_fields(z="0 0 0 0 0"),
+    "velocity": with_fields(velocity=[1.0]),
+    "solved without z": lambda problem: {"claim": "solved"},
+    "no claim": lambda problem: {"z": right(problem)["z"]},
+    "claims a crash": lambda problem: {"claim": "crashed"},
+    "unknown claim": lambda problem: {"claim": "optimal"},
+    "unknown field": with_fields(zeta=1),
+    "negative counter": with_fields(iterations=-5),
+    "counters": with_fields(iterations=3, pivots=5, factorizations=7, detail="three\nlines\x1b[31m"),
+}
+
+problem = None
+for line in sys.stdin:
+    request = json.loads(line)
+    reply = {}
+    if request["verb"] == "problem":
+        problem = request["problem"]
+    if problem and problem["name"] == "delays":
+        time.sleep({"problem": 0.2, "setup": 0.1, "solve": 0.05}[request["verb"]])
+    if request["verb"] == "solve":
+        reply = behaviours[problem["name"]](problem)
+    if reply is not None:
+        say(json.dumps(reply) + "\n")

@@ -1,0 +1,404 @@
+// What a user's own program may do, and what is made of it. The programs are Python scripts, so that the tests also
+// show that no header, library or build of ours is needed.
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "adapters/external_json.h"
+#include "adapters/external_program.h"
+#include "adapters/start_directory.h"
+#include "adapters/worker_client.h"
+#include "core/error.h"
+#include "generators/problem_io.h"
+#include "generators/sets.h"
+
+namespace lcpbench {
+
+/// Where programs run that this test starts without a worker: none.
+const std::filesystem::path& start_directory() {
+  static const std::filesystem::path none;
+  return none;
+}
+
+namespace {
+
+constexpr Index kSize = 5;
+constexpr TimedRequest kPatient{.time_limit_s = 20.0};
+constexpr TimedRequest kImpatient{.time_limit_s = 0.3};
+
+Problem named(const std::string& behaviour, double q = -1.0) {
+  return {behaviour, Lcp{2.0 * Matrix::Identity(kSize, kSize), Vector::Constant(kSize, q)}};
+}
+
+std::unique_ptr<TimedSolver> client(const std::string& command = EXTERNAL_FAULTS, const std::string& form = "lcp") {
+  return worker_solver(EXTERNAL_WORKER, Spec{"external", {{"command", command}, {"form", form}}});
+}
+
+Answer run(TimedSolver& solver, const std::string& behaviour, const TimedRequest& request = kPatient) {
+  TimedAnswer result;
+  solver.run(named(behaviour), request, result);
+  return result.answer;
+}
+
+void expect_right(TimedSolver& solver) {
+  const Answer answer = run(solver, "right");
+  EXPECT_STREQ(to_string(answer.claim), "solved") << answer.detail;
+  EXPECT_TRUE(answer.z.size() == kSize && (answer.z.array() == 0.5).all()) << answer.z.transpose();
+}
+
+std::string start_error(const std::string& command) {
+  try {
+    run(*client(command), "right");
+    return "it starts";
+  } catch (const WorkerError& error) {
+    return error.what();
+  }
+}
+
+struct ProcessState {
+  char state = '?';
+  pid_t parent = 0;
+};
+
+ProcessState process_state(const std::filesystem::path& folder) {
+  std::ifstream file(folder / "stat");
+  std::string text;
+  ProcessState result;
+  if (std::getline(file, text)) std::istringstream(text.substr(text.rfind(')') + 1)) >> result.state >> result.parent;
+  return result;
+}
+
+char state_of(pid_t process) { return process_state("/proc/" + std::to_string(process)).state; }
+
+/// Processes whose parent is `parent`, zombies included.
+std::vector<pid_t> children_of(pid_t parent) {
+  std::vector<pid_t> children;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+    if (process_state(entry.path()).parent == parent) children.push_back(std::stoi(entry.path().filename()));
+  }
+  return children;
+}
+
+/// Reaps what this process has left of children; true when all of them ended by themselves.
+bool all_children_end_within(double seconds) {
+  const double deadline_s = wall_clock_s() + seconds;
+  while (wall_clock_s() < deadline_s) {
+    if (waitpid(-1, nullptr, WNOHANG) < 0) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  for (const pid_t child : children_of(getpid())) kill(child, SIGKILL);
+  while (waitpid(-1, nullptr, 0) > 0) continue;
+  return false;
+}
+
+struct Fault {
+  const char* behaviour;
+  Claim claim;
+  const char* detail;  ///< part of it
+  TimedRequest request = kPatient;
+};
+
+void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.behaviour; }
+
+class ExternalFaultTest : public testing::TestWithParam<Fault> {};
+
+TEST_P(ExternalFaultTest, IsReportedAndTheNextRunWorks) {
+  const Fault& fault = GetParam();
+  const auto solver = client();
+  const Answer answer = run(*solver, fault.behaviour, fault.request);
+  EXPECT_STREQ(to_string(answer.claim), to_string(fault.claim)) << answer.detail;
+  EXPECT_NE(answer.detail.find(fault.detail), std::string::npos) << answer.detail;
+  EXPECT_EQ(answer.z.size(), 0);
+  expect_right(*solver);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Faults, ExternalFaultTest,
+    testing::Values(
+        Fault{"exception", Claim::kCrashed, "exited with code 1 without an answer; stderr: KeyError: 'no such"},
+        Fault{"segfault", Claim::kCrashed, "solve: killed by signal 11 (SIGSEGV) without an answer"},
+        Fault{"exit 0", Claim::kCrashed, "solve: exited with code 0 without an answer"},
+        Fault{"close the output", Claim::kCrashed, "closed its output without an answer"},
+        Fault{"sleep", Claim::kTimeLimit, "solve: no answer within 3", kImpatient},
+        Fault{"no line end", Claim::kTimeLimit, "no answer within 3", kImpatient},
+        Fault{"stop", Claim::kTimeLimit, "no answer within 3", kImpatient},
+        Fault{"stop reading", Claim::kTimeLimit, "no answer within 3", kImpatient},
+        Fault{"huge", Claim::kCrashed, "an answer of more than"},
+        Fault{"twice", Claim::kCrashed, "said more than was asked"},
+        Fault{"garbage", Claim::kCrashed, "returned no answer: not JSON"},
+        Fault{"not utf-8", Claim::kCrashed, "returned no answer: not JSON"},
+        Fault{"an array", Claim::kCrashed, "expected an object, found array"},
+        Fault{"nan", Claim::kCrashed, "not JSON (NaN"}, Fault{"null", Claim::kCrashed, "z[0]: not a number"},
+        Fault{"overflow", Claim::kCrashed, "returned no answer"},
+        Fault{"short", Claim::kCrashed, "z: has 1 entries, expected 5"},
+        Fault{"long", Claim::kCrashed, "z: has 2000 entries, expected 5"},
+        Fault{"z is a text", Claim::kCrashed, "z: expected a list, found string"},
+        Fault{"velocity", Claim::kCrashed, "velocity: has 1 entries, expected 0"},
+        Fault{"solved without z", Claim::kCrashed, "z is missing"},
+        Fault{"no claim", Claim::kCrashed, "claim is missing"},
+        Fault{"claims a crash", Claim::kCrashed, "claim: unknown: crashed"},
+        Fault{"unknown claim", Claim::kCrashed, "claim: unknown: optimal"},
+        Fault{"unknown field", Claim::kCrashed, "unknown field: zeta"},
+        Fault{"negative counter", Claim::kCrashed, "iterations: expected an integer"},
+        Fault{"no z", Claim::kIterationLimit, ""}, Fault{"unsupported", Claim::kUnsupported, "no such problems"}),
+    [](const auto& test) {
+      std::string name = test.param.behaviour;
+      for (char& c : name) {
+        if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
+      }
+      return name;
+    });
+
+TEST(ExternalTest, OneProcessServesAllProblemsAndANewOneFollowsACrash) {
+  const auto solver = client();
+  const auto process = run(*solver, "process").counters.iterations;
+  EXPECT_GT(process, 0);
+  expect_right(*solver);
+  EXPECT_EQ(run(*solver, "process").counters.iterations, process);
+  run(*solver, "segfault");
+  EXPECT_NE(run(*solver, "process").counters.iterations, process);
+}
+
+TEST(ExternalTest, ProgramThatEndedBetweenProblemsIsStartedAnew) {
+  const auto solver = client();
+  const auto process = static_cast<pid_t>(run(*solver, "process").counters.iterations);
+  ASSERT_GT(process, 0);
+  ASSERT_EQ(kill(process, SIGKILL), 0);
+  while (state_of(process) != 'Z') std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  expect_right(*solver);
+}
+
+TEST(ExternalTest, CountersAndDetailArrive) {
+  const Answer answer = run(*client(), "counters");
+  EXPECT_STREQ(to_string(answer.claim), "solved");
+  EXPECT_EQ(answer.counters.iterations, 3);
+  EXPECT_EQ(answer.counters.pivots, 5);
+  EXPECT_EQ(answer.counters.factorizations, 7);
+  EXPECT_EQ(answer.detail, "three lines [31m");
+}
+
+TEST(ExternalTest, OutputGoesNowhereAndMegabytesOfItAreNoTrouble) {
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  const Answer answer = run(*client(), "chatter");
+  const std::string printed = testing::internal::GetCapturedStdout() + testing::internal::GetCapturedStderr();
+  EXPECT_STREQ(to_string(answer.claim), "solved") << answer.detail;
+  EXPECT_EQ(printed, "");
+}
+
+TEST(ExternalTest, CommandsHaveArguments) {
+  EXPECT_EQ(run(*client(EXTERNAL_FAULTS " one --two=2 'three and' \"a half\""), "words").detail,
+            "one|--two=2|three and|a half");
+  EXPECT_EQ(run(*client("python3 " EXTERNAL_FAULTS " x"), "words").detail, "x");
+}
+
+TEST(ExternalTest, ProgramRunsWhereLcpbenchWasStarted) {
+  const std::filesystem::path before = std::filesystem::current_path();
+  const std::filesystem::path script = EXTERNAL_FAULTS;
+  std::filesystem::current_path(script.parent_path());
+  const Answer answer = run(*client("./" + script.filename().string()), "where");
+  std::filesystem::current_path(before);
+  EXPECT_EQ(answer.detail, std::filesystem::canonical(script.parent_path()).string());
+}
+
+TEST(ExternalTest, ProgramThatDoesNotStartIsReportedAndBlamesNoProblem) {
+  EXPECT_NE(start_error("./no_such_program").find("cannot run ./no_such_program: No such file"), std::string::npos);
+  EXPECT_NE(start_error("/etc/passwd").find("Permission denied"), std::string::npos);
+  EXPECT_NE(start_error("false").find("exited with code 1 without an answer"), std::string::npos);
+  EXPECT_NE(start_error("cat").find("start: returned no answer: expected {}"), std::string::npos);
+  EXPECT_NE(start_error("echo {}").find("it starts"), std::string::npos) << start_error("echo {}");
+  EXPECT_NE(start_error("sh -c 'echo missing licence >&2; exit 3'").find("stderr: missing licence"), std::string::npos);
+  EXPECT_NE(start_error("").find("command"), std::string::npos);
+  EXPECT_NE(start_error("'open").find("an open quote"), std::string::npos);
+}
+
+// What the program does in "problem" is transport: 0.2 s there and 0.1 s in "setup" are told apart from 0.05 s in
+// "solve".
+TEST(ExternalTest, TimesAreTakenApartByTheWallClock) {
+  const auto solver = client();
+  TimedAnswer result;
+  solver->run(named("delays"), {.time_limit_s = 20, .repeat_until_s = 0.4}, result);
+  const SolveTimes& times = result.times;
+  ASSERT_STREQ(to_string(result.answer.claim), "solved") << result.answer.detail;
+  EXPECT_GE(times.setup_wall_s, 0.1);
+  EXPECT_GE(times.solve_wall_s, 0.05);
+  EXPECT_EQ(times.setup_cpu_s, times.setup_wall_s);
+  EXPECT_EQ(times.solve_cpu_s, times.solve_wall_s);
+  EXPECT_GE(times.transport_s, 0.2);
+  EXPECT_GT(times.repeats, 1);
+  EXPECT_LT(times.solve_wall_s, times.setup_wall_s);
+  EXPECT_LT(times.setup_wall_s, times.transport_s);
+}
+
+TEST(ExternalTest, TimeLimitIsKept) {
+  const auto solver = client();
+  const double begin_s = wall_clock_s();
+  TimedAnswer result;
+  solver->run(named("sleep"), kImpatient, result);
+  EXPECT_STREQ(to_string(result.answer.claim), "time_limit");
+  EXPECT_LT(wall_clock_s() - begin_s, 1.0);  // the program is ended at 0.3 s, not the worker at 1.3 s
+  EXPECT_GE(result.times.solve_wall_s, 0.3);
+}
+
+TEST(ExternalTest, ProblemsOfTheOtherFormsAreRefusedOrGiven) {
+  const auto contact = client(EXTERNAL_FAULTS, "contact");
+  const Answer refused = run(*contact, "right");
+  EXPECT_STREQ(to_string(refused.claim), "unsupported");
+  EXPECT_NE(refused.detail.find("needs the contact problem"), std::string::npos) << refused.detail;
+}
+
+// A message holds what the problem file of the same problem holds, number for number, on one line.
+void expect_message_is_the_file(const Problem& problem, const Problem& as_file) {
+  const std::string message = external::problem_message(problem, as_file.kind(), problem.lcp());
+  EXPECT_EQ(message.find('\n'), std::string::npos);
+  const nlohmann::json json = nlohmann::json::parse(message);
+  EXPECT_EQ(json.at("verb"), "problem");
+  EXPECT_EQ(json.at("problem"), nlohmann::json::parse(problem_json(as_file)));
+  EXPECT_EQ(problem_hash(parse_problem_json(json.at("problem").dump(), "message")), problem_hash(as_file));
+}
+
+TEST(ExternalMessageTest, ProblemsAreGivenAsInTheProblemFile) {
+  for (const char* set : {"paper/monotone/exp1", "paper/monotone/exp2", "paper/copositive/exp1", "rigid/exp1"}) {
+    const Problem problem = open_set(set)->generate(7, 3);
+    expect_message_is_the_file(problem, Problem(problem.name(), problem.lcp()));
+    expect_message_is_the_file(problem, Problem(problem.name(), *problem.contact()));
+    if (problem.scene() != nullptr) expect_message_is_the_file(problem, problem);
+  }
+  const Problem odd("a \"name\"\nof two lines", Lcp{Matrix{{-0.0, 4.9e-324}, {1e308, 0.1}}, Vector{{3.0, -1.0 / 3.0}}});
+  const nlohmann::json json = nlohmann::json::parse(external::problem_message(odd, ProblemKind::kLcp, odd.lcp()));
+  EXPECT_TRUE(std::signbit(json["problem"]["M"][0][0].get<double>()));
+  EXPECT_EQ(json["problem"]["M"][0][1].get<double>(), 4.9e-324);
+  EXPECT_EQ(json["problem"]["q"][1].get<double>(), -1.0 / 3.0);
+}
+
+TEST(ExternalMessageTest, CommandsAreSplitAtSpacesOutsideQuotes) {
+  using Words = std::vector<std::string>;
+  EXPECT_EQ(external::command_words("a"), Words{"a"});
+  EXPECT_EQ(external::command_words("  a  b\t "), (Words{"a", "b\t"}));
+  EXPECT_EQ(external::command_words("a 'b \"c' \"d 'e\"f ''"), (Words{"a", "b \"c", "d 'ef", ""}));
+  for (const char* wrong : {"", "  ", "''", "a 'b", "a \"b'"}) EXPECT_THROW(external::command_words(wrong), InputError);
+}
+
+TEST(ExternalSafetyTest, NothingOutlivesTheSolver) {
+  prctl(PR_SET_CHILD_SUBREAPER, 1);  // an orphan becomes ours, and can be waited for
+  {
+    const auto solver = client();
+    EXPECT_STREQ(to_string(run(*solver, "fork").claim), "solved");
+    run(*solver, "sleep", kImpatient);
+    EXPECT_STREQ(to_string(run(*solver, "fork").claim), "solved");
+    const auto behind_a_shell = client("sh -c '" EXTERNAL_FAULTS "; true'");
+    expect_right(*behind_a_shell);
+  }
+  EXPECT_TRUE(all_children_end_within(5.0));
+  prctl(PR_SET_CHILD_SUBREAPER, 0);
+}
+
+/// A folder of its own, removed at the end.
+class Scratch {
+ public:
+  Scratch() {
+    std::string name = (std::filesystem::temp_directory_path() / "lcpbench-external-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
+    path_ = name;
+  }
+  ~Scratch() { std::filesystem::remove_all(path_); }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  std::string file(const char* name) const { return (path_ / name).string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+pid_t start_lcpbench_solve(const std::string& problem, const std::string& solver) {
+  const pid_t program = fork();
+  if (program != 0) return program;
+  execl(LCPBENCH_PROGRAM, LCPBENCH_PROGRAM, "solve", problem.c_str(), "--time-limit", "1000", "--solver",
+        solver.c_str(), nullptr);
+  _exit(127);
+}
+
+bool has_great_grandchild(pid_t program) {
+  for (const pid_t worker : children_of(program)) {
+    for (const pid_t shell : children_of(worker)) {
+      if (!children_of(shell).empty()) return true;
+    }
+  }
+  return false;
+}
+
+TEST(ExternalSafetyTest, KillOfLcpbenchEndsProgramAndChildren) {
+  const Scratch scratch;
+  write_problem(named("sleep"), scratch.file("sleep.json"));
+  prctl(PR_SET_CHILD_SUBREAPER, 1);
+  const pid_t program =
+      start_lcpbench_solve(scratch.file("sleep.json"), "external{command=sh -c '" EXTERNAL_FAULTS "; true'}");
+  for (int i = 0; i < 1000 && !has_great_grandchild(program); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_TRUE(has_great_grandchild(program));
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // it is in its sleep by now
+  kill(program, SIGKILL);
+  EXPECT_TRUE(all_children_end_within(5.0));
+  prctl(PR_SET_CHILD_SUBREAPER, 0);
+}
+
+/// Standard output of `lcpbench <arguments>`, run in the repository's top folder; "" when it fails.
+std::string lcpbench(const std::string& arguments) {
+  std::FILE* output = popen(("cd '" REPOSITORY "' && '" LCPBENCH_PROGRAM "' " + arguments).c_str(), "r");
+  if (output == nullptr) return {};
+  std::string text;
+  for (int c = std::fgetc(output); c != EOF; c = std::fgetc(output)) text += static_cast<char>(c);
+  return pclose(output) == 0 ? text : "";
+}
+
+// What docs/external.md promises, word for word.
+constexpr const char* kExample = "--solver 'external{command=examples/external_solver.py}' ";
+
+TEST(ExternalExampleTest, SolvesTheBoxOnTheSlope) {
+  const std::string text = lcpbench(std::string("solve examples/box_on_slope.json --format json ") + kExample);
+  ASSERT_NE(text, "");
+  const nlohmann::json answer = nlohmann::json::parse(text).at(0);
+  EXPECT_EQ(answer["claim"], "solved") << answer["detail"];
+  EXPECT_EQ(answer["verdict"], "solved");
+  EXPECT_EQ(answer["settings"], "command=examples/external_solver.py");
+  EXPECT_GT(answer["time"]["solve_s"], 0);
+  EXPECT_GT(answer["counters"]["pivots"], 0);
+}
+
+TEST(ExternalExampleTest, RunsInAStudy) {
+  const Scratch scratch;
+  const std::string store = scratch.file("mine.db");
+  ASSERT_NE(lcpbench(std::string("run --set paper/monotone/exp1 --set rigid/exp1 --trials 3 --jobs 1 ") + kExample +
+                     "--solver lemke --store " + store),
+            "");
+  ASSERT_NE(lcpbench("report " + store + " --out " + scratch.file("report")), "");
+  const nlohmann::json summary = nlohmann::json::parse(std::ifstream(scratch.file("report/summary.json")));
+  int cells = 0;
+  for (const nlohmann::json& cell : summary["cells"]) {
+    if (cell["solver"] != "external") continue;
+    ++cells;
+    EXPECT_EQ(cell["trials"], 3);
+    EXPECT_EQ(cell["solved"], 3) << cell;
+    EXPECT_EQ(cell["crashed"], 0);
+  }
+  EXPECT_EQ(cells, 2);
+}
+
+}  // namespace
+}  // namespace lcpbench
