@@ -8,10 +8,20 @@
 #include <stdexcept>
 #include <variant>
 
+#include "core/quad.h"
 #include "core/registry.h"
 #include "core/timed_solve.h"
 
 namespace lcpbench {
+
+/// One rung of the cascade.
+struct ContactRung {
+  bool quad;
+  bool classic;
+  bool reinvert;
+  const char* name;  ///< short enough for std::string to hold in place
+};
+
 namespace {
 
 using contact_lemke::Ending;
@@ -19,6 +29,7 @@ using contact_lemke::Engine;
 using contact_lemke::Residual;
 using contact_lemke::Rules;
 
+constexpr double kDoubleUnitRoundoff = 0x1p-53;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The residual up to which kSolved is claimed, relative to max|q|: half of the evaluation's bound, to be on its safe
@@ -34,24 +45,16 @@ const Engine& engine_at(IsaLevel level) {
   return lemke::baseline::kContactEngine;
 }
 
-/// One rung of the cascade.
-struct Rung {
-  bool quad;
-  bool classic;
-  std::int64_t refinements;
-  bool reinvert;
-};
+constexpr std::array kRungs{ContactRung{false, false, false, ""}, ContactRung{false, false, true, "reinverted"},
+                            ContactRung{false, true, true, "classic"}, ContactRung{true, false, false, "quad"},
+                            ContactRung{true, true, false, "quad, classic"}};
 
-constexpr std::array kRungs{Rung{false, false, 0, false}, Rung{false, false, 1, false}, Rung{false, false, 2, false},
-                            Rung{false, false, 2, true},  Rung{false, true, 2, true},   Rung{true, false, 1, true},
-                            Rung{true, true, 1, true}};
-
-bool wanted(const Rung& rung, const ContactLemkeSettings& settings) {
+bool wanted(const ContactRung& rung, const ContactLemkeSettings& settings) {
   if (rung.quad && settings.precision == ContactLemkePrecision::kDouble) return false;
   if (!rung.quad && settings.precision == ContactLemkePrecision::kQuad) return false;
   if (rung.classic && settings.covering == ContactLemkeCovering::kNormals) return false;
   if (!rung.classic && settings.covering == ContactLemkeCovering::kClassic) return false;
-  return rung.quad || rung.refinements <= settings.max_refinements;
+  return true;
 }
 
 double relative(double residual, double q_max) {
@@ -164,21 +167,20 @@ std::ptrdiff_t ContactLemke::pivots_of_rung(bool classic) const {
 void ContactLemke::on_solve(const SolveRequest& request, Answer& answer) {
   Progress progress;
   progress.deadline_s = std::isinf(request.time_limit_s) ? kInfinity : wall_clock_s() + request.time_limit_s;
-  for (const Rung& rung : kRungs) {
+  for (const ContactRung& rung : kRungs) {
     if (!wanted(rung, settings_)) continue;
     if (rung.quad && progress.best <= kClaimedResidual) break;
     Rules rules;
     rules.classic = rung.classic;
-    rules.refinements = rung.refinements;
     rules.reinvert = rung.reinvert;
-    if (climb(rung.quad, rules, progress, answer)) break;
+    if (climb(rung, rules, progress, answer)) break;
   }
   report(progress, answer);
 }
 
 /// @returns whether nothing remains to be tried.
-bool ContactLemke::climb(bool quad, Rules rules, Progress& progress, Answer& answer) {
-  LoadedContacts& engine = engine_of(quad);
+bool ContactLemke::climb(const ContactRung& rung, Rules rules, Progress& progress, Answer& answer) {
+  LoadedContacts& engine = engine_of(rung.quad);
   const Ending ending = run(engine, rules, progress, answer.z);
   if (ending == Ending::kTimeLimit) return true;
   if (ending == Ending::kPivotLimit) return progress.pivots_left(settings_.max_pivots) <= 0;
@@ -189,15 +191,19 @@ bool ContactLemke::climb(bool quad, Rules rules, Progress& progress, Answer& ans
   const double certain = relative(residual.velocity + residual.rounding, residual.q_max);
   if (certain < progress.best) {
     progress.best = certain;
+    progress.rung = rung.name;
     best_ = answer.z;
   }
   return reached <= settings_.accept_residual && certain <= kClaimedResidual;
 }
 
 Ending ContactLemke::run(LoadedContacts& engine, Rules rules, Progress& progress, Vector& z) {
-  rules.pivot_tolerance = settings_.pivot_tolerance;
-  rules.tie_tolerance = settings_.tie_tolerance;
+  const double roundoff = &engine == &quad_ ? kQuadUnitRoundoff : kDoubleUnitRoundoff;
+  rules.pivot_tolerance = roundoff * settings_.pivot_tolerance;
+  rules.tie_tolerance = roundoff * settings_.tie_tolerance;
+  rules.residual_tolerance = roundoff * settings_.refine_tolerance;
   rules.max_pivots = std::min(pivots_of_rung(rules.classic), progress.pivots_left(settings_.max_pivots));
+  rules.refinements = static_cast<std::ptrdiff_t>(settings_.max_refinements);
   rules.deadline_s = progress.deadline_s;
   rules.clock_s = wall_clock_s;
   z.setZero();
@@ -213,7 +219,6 @@ bool ContactLemke::disprove(LoadedContacts& engine, Progress& progress, Answer& 
   progress.disproof_was_tried = true;
   Rules rules;
   rules.frictionless = true;
-  rules.refinements = 1;
   const Ending ending = run(engine, rules, progress, answer.z);
   if (ending == Ending::kTimeLimit) return true;
   if (ending != Ending::kRay || !engine.disproves(answer.z.data())) return false;
@@ -228,6 +233,7 @@ void ContactLemke::report(const Progress& progress, Answer& answer) {
   if (progress.best <= kClaimedResidual) {
     answer.claim = Claim::kSolved;
     answer.z = best_;
+    answer.detail = progress.rung;
     return;
   }
   answer.z.setZero();

@@ -18,9 +18,10 @@ enum class ContactLemkeCovering { kBoth, kNormals, kClassic };
 struct ContactLemkeSettings {
   ContactLemkePrecision precision = ContactLemkePrecision::kCascade;
   ContactLemkeCovering covering = ContactLemkeCovering::kBoth;
-  std::int64_t max_refinements = 2;
-  double pivot_tolerance = 1e-13;
-  double tie_tolerance = 1e-13;
+  std::int64_t max_refinements = 1;
+  double pivot_tolerance = 1000;
+  double tie_tolerance = 100;
+  double refine_tolerance = 1000;
   double accept_residual = 1e-6;
   std::int64_t max_pivots = 0;
 
@@ -37,16 +38,20 @@ struct ContactLemkeSettings {
           "covering vector: on normal rows only, positive on every row, or the second where the first fails");
     field("max_refinements", max_refinements, IntegerRange{.min = 0, .max = 10},
           "at most so many steps of iterative refinement at each pivot");
-    field("pivot_tolerance", pivot_tolerance, RealRange{.min = 0, .max = 1},
-          "a variable may leave only if its rate exceeds this times the largest term of the rates");
-    field("tie_tolerance", tie_tolerance, RealRange{.min = 0, .max = 1},
-          "slack of the ratio test and zero of the artificial variable, times the largest term of the values");
+    field("pivot_tolerance", pivot_tolerance, RealRange{.min = 0, .max = 1e12},
+          "a variable may leave only if its rate exceeds this many roundings of the largest term of the rates");
+    field("tie_tolerance", tie_tolerance, RealRange{.min = 0, .max = 1e12},
+          "roundings of the largest term of the values: slack of the ratio test, and zero of the artificial variable");
+    field("refine_tolerance", refine_tolerance, RealRange{.min = 0, .max = 1e12},
+          "basic variables are refined where velocities that should be zero exceed this many roundings of |v|");
     field("accept_residual", accept_residual, RealRange{.min = 0, .max = 5e-5},
           "velocity residual relative to max|q| below which no further rung of the cascade is tried");
     field("max_pivots", max_pivots, IntegerRange{.min = 0, .max = std::int64_t{1} << 40},
           "limit on pivots over all rungs together; 0: none but those of the rungs");
   }
 };
+
+struct ContactRung;
 
 /// An engine with the problem that it holds.
 class LoadedContacts {
@@ -95,6 +100,7 @@ class ContactLemke final : public Solver {
     double deadline_s = 0;
     double best = std::numeric_limits<double>::infinity();  ///< residual and its rounding, relative to max|q|
     contact_lemke::Ending ending = contact_lemke::Ending::kBreakdown;
+    const char* rung = "";
     std::ptrdiff_t pivots = 0;
     std::ptrdiff_t factorizations = 0;
     bool disproof_was_tried = false;
@@ -111,7 +117,7 @@ class ContactLemke final : public Solver {
 
   LoadedContacts& engine_of(bool quad);
   std::ptrdiff_t pivots_of_rung(bool classic) const;
-  bool climb(bool quad, contact_lemke::Rules rules, Progress& progress, Answer& answer);
+  bool climb(const ContactRung& rung, contact_lemke::Rules rules, Progress& progress, Answer& answer);
   contact_lemke::Ending run(LoadedContacts& engine, contact_lemke::Rules rules, Progress& progress, Vector& z);
   bool disprove(LoadedContacts& engine, Progress& progress, Answer& answer);
   void report(const Progress& progress, Answer& answer);

@@ -39,6 +39,7 @@ struct Rules {
   std::ptrdiff_t refinements = 0;  ///< steps of iterative refinement of the basic variables at each pivot
   bool reinvert = false;           ///< invert the kernel afresh at each pivot
   double pivot_tolerance = 0;      ///< relative to the rounding scale of the direction
+  double residual_tolerance = 0;   ///< refined are basic variables that leave more than this, relative to the same
   double tie_tolerance = 0;        ///< relative to the rounding scale of the values
   std::ptrdiff_t max_pivots = 0;
   double deadline_s = 0;          ///< on the clock below; infinity: none

@@ -107,8 +107,8 @@ class Path {
     if (!choose_first(entering)) return Ending::kSolved;
     for (;;) {
       if (rules_.reinvert && !invert()) return Ending::kBreakdown;
-      compute_values(rules_.refinements);
-      if (!(x_[artificial_] > tie_scale())) return finish(z);
+      if (!compute_values()) return Ending::kBreakdown;
+      if (!(x_[artificial_] > static_cast<Scalar>(rules_.tie_tolerance) * value_scale_)) return finish(z);
       if (outcome_.pivots >= rules_.max_pivots) return Ending::kPivotLimit;
       if (outcome_.pivots % 16 == 15 && expired()) return Ending::kTimeLimit;
       if (!entering.is_velocity && entering.label.is_normal() && !rules_.classic) press(entering.label.contact);
@@ -288,22 +288,71 @@ class Path {
 
   // --- values and rates ---
 
-  void compute_values(Count refinements) {
-    kernel_.solve_target(x_.data());
-    kernel_.respond(x_.data(), u_.data());
-    add_multiple(u_.data(), Scalar(1), contacts_.velocity(), contacts_.padded_ngc());
-    for (Count k = 0; k < refinements; ++k) refine();
+  /// x, u and the scale of rounding in them. The rows of the kernel should have velocity zero: where they miss it by
+  /// more than rounding the inverse has lost accuracy, and x is refined, or the kernel inverted afresh.
+  bool compute_values() {
+    compute_values_once();
+    Scalar missed = largest_residual();
+    refines_rates_ = missed > residual_tolerance();
+    if (missed > static_cast<Scalar>(kWorthRefining) * value_scale_ && !invert_and_recompute(missed)) return false;
+    refine_until_small(missed);
+    if (rules_.reinvert || !(missed > lost_residual())) return true;
+    if (!invert_and_recompute(missed)) return false;
+    refine_until_small(missed);
+    return true;
   }
 
-  /// One step of iterative refinement: the velocities of the kernel's rows should be zero.
-  void refine() {
-    kernel_.measure(u_.data(), residual_.data());
-    const Scalar z0 = artificial_ >= 0 ? x_[artificial_] : Scalar(0);
-    for (Count r = 0; r < kernel_.order(); ++r) residual_[r] += kernel_.cover(r) * z0;
-    kernel_.solve(residual_.data(), coefficients_.data());
-    for (Count j = 0; j < kernel_.order(); ++j) x_[j] -= coefficients_[j];
+  void refine_until_small(Scalar& missed) {
+    for (Count k = 0; k < rules_.refinements && missed > residual_tolerance(); ++k) {
+      const Scalar before = missed;
+      missed = refine();
+      if (!(missed <= before / 2)) return;
+    }
+  }
+
+  void compute_values_once() {
+    kernel_.solve_target(x_.data());
+    respond_to_values();
+  }
+
+  void respond_to_values() {
     kernel_.respond(x_.data(), u_.data());
     add_multiple(u_.data(), Scalar(1), contacts_.velocity(), contacts_.padded_ngc());
+    value_scale_ = speed_scale_;
+    for (Count j = 0; j < kernel_.order(); ++j) {
+      const Scalar value = magnitude(x_[j]) * kernel_.norm(j);
+      if (j != artificial_ && value > value_scale_) value_scale_ = value;
+    }
+  }
+
+  bool invert_and_recompute(Scalar& missed) {
+    if (!invert()) return false;
+    compute_values_once();
+    missed = largest_residual();
+    return true;
+  }
+
+  Scalar lost_residual() const { return static_cast<Scalar>(kLostRoundings * kUnitRoundoff<Scalar>) * value_scale_; }
+  Scalar residual_tolerance() const { return static_cast<Scalar>(rules_.residual_tolerance) * speed_scale_; }
+
+  /// Of the kernel's rows; fills residual_.
+  Scalar largest_residual() {
+    kernel_.measure(u_.data(), residual_.data());
+    const Scalar z0 = artificial_ >= 0 ? x_[artificial_] : Scalar(0);
+    Scalar largest = 0;
+    for (Count r = 0; r < kernel_.order(); ++r) {
+      residual_[r] += kernel_.cover(r) * z0;
+      largest = magnitude(residual_[r]) > largest ? magnitude(residual_[r]) : largest;
+    }
+    return largest;
+  }
+
+  /// One step of iterative refinement from residual_. @returns the largest residual after it.
+  Scalar refine() {
+    kernel_.solve(residual_.data(), coefficients_.data());
+    for (Count j = 0; j < kernel_.order(); ++j) x_[j] -= coefficients_[j];
+    respond_to_values();
+    return largest_residual();
   }
 
   void compute_rates(const Entering& entering) {
@@ -319,7 +368,7 @@ class Path {
       kernel_.measure(entering_response_.data(), residual_.data());
       kernel_.solve(residual_.data(), dx_.data());
       scale(dx_.data(), Scalar(-1), order);
-      if (rules_.refinements > 0) refine_rates();
+      if (refines_rates_) refine_rates();
       kernel_.respond(dx_.data(), du_.data());
       add_multiple(du_.data(), Scalar(1), entering_response_.data(), contacts_.padded_ngc());
     }
@@ -363,14 +412,12 @@ class Path {
     const Count order = kernel_.order();
     for (Count j = order; j < P::padded(order); ++j) x_[j] = dx_[j] = 0;
     const Scalar* const norms = kernel_.norms();
-    value_scale_ = speed_scale_;
     rate_scale_ = entering_norm_;
     for (Count j = 0; j < P::padded(order); ++j) {
       const Scalar value = x_[j] * norms[j];
       const Scalar rate = dx_[j] * norms[j];
       value_[column_slots_ + j] = value;
       rate_[column_slots_ + j] = rate;
-      value_scale_ = magnitude(value) > value_scale_ ? magnitude(value) : value_scale_;
       rate_scale_ = magnitude(rate) > rate_scale_ ? magnitude(rate) : rate_scale_;
     }
   }
@@ -438,15 +485,6 @@ class Path {
   }
 
   // --- ratio test ---
-
-  Scalar tie_scale() {
-    Scalar scale = speed_scale_;
-    for (Count j = 0; j < kernel_.order(); ++j) {
-      const Scalar value = magnitude(x_[j]) * kernel_.norm(j);
-      if (j != artificial_ && value > scale) scale = value;
-    }
-    return static_cast<Scalar>(rules_.tie_tolerance) * scale;
-  }
 
   template <class Visit>
   void for_each_segment(Visit visit) const {
@@ -757,10 +795,11 @@ class Path {
 
   // --- ends ---
 
-  static constexpr Count kLastRefinements = 2;
+  static constexpr Count kLastRefinements = 1;
 
   Ending finish(double* z) {
-    compute_values(kLastRefinements);
+    if (!compute_values()) return Ending::kBreakdown;
+    for (Count k = 0; k < kLastRefinements; ++k) refine();
     Scalar poison = 0;
     for (Count j = 0; j < kernel_.order(); ++j) poison += Scalar(0) * x_[j];
     if (!(poison == 0)) return Ending::kBreakdown;
@@ -809,6 +848,9 @@ class Path {
 
   Buffer<Scalar> x_, dx_, residual_, coefficients_;           ///< per column or row of the kernel
   Buffer<Scalar> u_, du_, entering_response_, column_, row_;  ///< per generalized coordinate
+  static constexpr double kWorthRefining = 1e-3;  ///< residual relative to the scale beyond which refining is slow
+  static constexpr double kLostRoundings = 100;   ///< residual after refinement that asks for inversion
+  bool refines_rates_ = false;
   Scalar entering_norm_ = 0;
   Scalar speed_scale_ = 0, value_scale_ = 0, rate_scale_ = 0;
 
