@@ -72,6 +72,15 @@ TEST(ClaimsTest, WordsAllowForTheNumberOfComparisons) {
   EXPECT_EQ(many.word, Word::kUndecided);
 }
 
+/// A solver that ran on even trials only has no share on the odd ones: no comparison, rather than one never decided.
+TEST(ClaimsTest, SharesThatDoNotExistAreNotCompared) {
+  MadeSummary made;
+  made.flat("paper/monotone/exp1", "lemke", 1);
+  made.flat("paper/monotone/exp1", "primal_dual", 0.5);
+  for (Cell& cell : made.summary.cells) cell.halves[1] = {};
+  EXPECT_EQ(word(made, "lemke-best"), Word::kNotTested);
+}
+
 MadeSummary regularized(double mono5, double cop5, double mono6, double cop6, double time_ratio = 3,
                         std::int64_t wrong = 0) {
   MadeSummary made;

@@ -90,6 +90,7 @@ Stance stance_of(const Comparison& comparison, double z) {
 }
 
 void decide(std::vector<Comparison>& comparisons) {
+  std::erase_if(comparisons, [](const Comparison& comparison) { return std::isnan(comparison.value); });
   if (comparisons.empty()) return;
   const double z = normal_quantile(kFamilyWiseError / static_cast<double>(comparisons.size()));
   for (Comparison& comparison : comparisons) comparison.stance = stance_of(comparison, z);

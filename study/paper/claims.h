@@ -49,8 +49,9 @@ struct Claim {
   Word word = Word::kNotTested;
 };
 
-/// Decides all stances and the word. Within each list, m comparisons are made at normal quantile of 5 %/m (Bonferroni),
-/// so that a word is due to chance in at most 5 % of studies. A comparison without number is undecided.
+/// Drops comparisons without a number (a solver that met no odd trial has no held-out share), then decides all stances
+/// and the word. Within each list, m comparisons are made at the normal quantile of 5 %/m (Bonferroni), so that a
+/// stance is due to chance in at most 5 % of studies.
 void judge(Claim& claim);
 
 /// Every claim of the paper, and what this project adds to them, tested on the summary's data.

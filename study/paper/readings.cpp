@@ -25,10 +25,12 @@ const Grid* default_of(const std::vector<Grid>& grids, const Grid& reading) {
 /// What is known of rates that no reading reproduces (docs/lemke.md, docs/primal_dual.md).
 std::string known_explanation(Kind kind, const Experiment& experiment, Family family) {
   if (family == Family::kPath) return "today's PATH is another version than that of 2012, on another machine";
-  if (family == Family::kInteriorPoint) return "no reading of the text that was tried gives the paper's IP rows";
+  if (family == Family::kInteriorPoint)
+    return "no reading of the text that was tried gives the paper's IP rows: docs/primal_dual.md";
   const bool reduced = experiment.name == "exp3" || experiment.name == "exp4";
-  if (kind == Kind::kCopositive && reduced) return "no reading of the text that was tried gives these rows";
-  return "";
+  if (kind == Kind::kCopositive && reduced)
+    return "no reading of the text that was tried gives these rows: docs/lemke.md";
+  return "what was tried: docs/lemke.md";
 }
 
 Reproduction reproduction(const Grid& grid, Family family, const char* statistic, double published,

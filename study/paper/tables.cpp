@@ -212,6 +212,29 @@ Layout chosen_layout(const Summary& summary, const std::vector<Grid>& grids, Kin
   return layout;
 }
 
+/// How far a solver's rate depends on its parameters.
+Layout robustness_layout(const std::vector<Grid>& grids, Kind kind) {
+  Layout layout{"Dependence on the parameters: range (best − worst) and standard deviation of the rates [points]",
+                {"Experiment", "Redundancy", "Solver", "Solved by", "Parameterisations", "Range", "Sigma"},
+                4,
+                {}};
+  for (const Grid& grid : grids) {
+    if (!compared_with_paper(grid, kind)) continue;
+    for (const Measure measure : kMeasures) {
+      const GridRange range = range_of(grid, measure);
+      if (range.best_cell == nullptr) continue;
+      layout.rows.push_back({{std::string(grid.problems.experiment->title), ""},
+                             {reading_words(*grid.problems.experiment, grid.problems.redundancy()), ""},
+                             {code(grid.label), ""},
+                             {words_for(measure), ""},
+                             {std::to_string(grid.cells.size()), ""},
+                             {points(range.best.value() - range.worst.value()), ""},
+                             {points(range.sigma), ""}});
+    }
+  }
+  return layout;
+}
+
 Json range_json(const Summary& summary, const GridRange& range) {
   return {{"worst", share_json(range.worst)},
           {"average", number_json(range.average.value())},
@@ -574,7 +597,7 @@ Table rates_table(const Summary& summary, const std::vector<Grid>& grids, Kind k
       rates_layout(summary, grids, kind, "Worst / average / best over the parameters. Experiments 1 to 5", plain),
       rates_layout(summary, grids, kind, "Worst / average / best over the parameters. Experiment 6, regularised",
                    is_experiment_six),
-      chosen_layout(summary, grids, kind)};
+      chosen_layout(summary, grids, kind), robustness_layout(grids, kind)};
   table.notes = {
       kSolvedNote,
       "Small numbers: Wilson 95 % intervals of the shares of the worst and of the best cell, and the trials of each "

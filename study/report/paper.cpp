@@ -221,6 +221,14 @@ void write_readings(PaperWriter& writer, const Summary& summary, const PaperStud
       "what it changes. Numbers: `tables/readings.csv`.");
   if (study.readings.empty()) writer.paragraph("No sweep on a set with an option off its default is in this store.");
   if (!study.readings.empty()) writer.table(readings_layout(summary, study));
+  for (const paper::Family family : paper::kFamilies) {
+    const bool run = std::any_of(study.grids.begin(), study.grids.end(),
+                                 [family](const paper::Grid& grid) { return paper::family_of(grid.solver) == family; });
+    if (!run) {
+      writer.paragraph(std::string("Nothing of the paper’s ") + name_of(family) +
+                       " is reproduced here: " + paper::why_not_run(summary, family) + ".");
+    }
+  }
   const auto missed = std::count_if(study.reproductions.begin(), study.reproductions.end(),
                                     [](const paper::Reproduction& row) { return !row.reproduced; });
   writer.paragraph(fmt::format(
