@@ -16,7 +16,7 @@ Claim ipopt_claim(Ipopt::ApplicationReturnStatus status) {
 }
 
 void run_ipopt(const Ipopt::SmartPtr<QuietProgram>& program, const IpoptSettings& settings, double time_limit_s,
-               Answer& answer) {
+               Answer& answer, const IpoptHints& hints) {
   const Ipopt::SmartPtr<Ipopt::IpoptApplication> application = new Ipopt::IpoptApplication(false);
   const Ipopt::SmartPtr<Ipopt::OptionsList> options = application->Options();
   options->SetIntegerValue("print_level", 0);
@@ -29,7 +29,8 @@ void run_ipopt(const Ipopt::SmartPtr<QuietProgram>& program, const IpoptSettings
   options->SetStringValue("honor_original_bounds", "yes");
   options->SetStringValue("mu_strategy", "adaptive");
   options->SetStringValue("nlp_scaling_method", "none");
-  options->SetStringValue("hessian_constant", "yes");
+  options->SetNumericValue("mu_init", hints.mu_init);
+  options->SetStringValue("hessian_constant", hints.constant_derivatives ? "yes" : "no");
   options->SetStringValue("jac_c_constant", "yes");
   if (application->Initialize("") != Ipopt::Solve_Succeeded) {
     answer.detail = "Ipopt refused its options";

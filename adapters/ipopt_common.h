@@ -53,10 +53,15 @@ class QuietProgram : public Ipopt::TNLP {
 /// What Ipopt says of a run, in our words: its two kinds of success are kSolved.
 Claim ipopt_claim(Ipopt::ApplicationReturnStatus status);
 
-/// Runs Ipopt on `program`, whose constraints are linear and whose objective is quadratic: Ipopt is told that their
-/// derivatives do not change. Sets claim, iteration count and detail of the answer, not its z.
+/// What Ipopt is told of a program besides its settings.
+struct IpoptHints {
+  bool constant_derivatives = true;  ///< linear constraints and a quadratic objective
+  double mu_init = 0.1;              ///< the first barrier parameter; 0.1 is Ipopt's default
+};
+
+/// Runs Ipopt on `program`. Sets claim, iteration count and detail of the answer, not its z.
 void run_ipopt(const Ipopt::SmartPtr<QuietProgram>& program, const IpoptSettings& settings, double time_limit_s,
-               Answer& answer);
+               Answer& answer, const IpoptHints& hints = {});
 
 #endif
 

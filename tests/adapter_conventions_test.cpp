@@ -85,25 +85,69 @@ void expect_solution(const std::string& solver, const Problem& problem, const Ve
 constexpr double kDirect = 1e-13;
 constexpr double kInteriorPoint = 1e-7;
 
+// Iterations end where the next changes little: their tolerances are below this on quantities of size one.
+constexpr double kIterative = 1e-6;
+
 TEST(AdapterConventionsTest, SymmetricProblemsComeBackUnpermuted) {
   const Vector z{{1.0, 0.0, 2.0}};
+  expect_solution("ode_dantzig", symmetric_problem(), z, kDirect);
+  expect_solution("bullet_mlcp_lemke{box=false}", symmetric_problem(), z, kDirect);
+  expect_solution("bullet_pgs{iterations=200}", symmetric_problem(), z, kDirect);
+  expect_solution("siconos_lemke", symmetric_problem(), z, kDirect);
+  expect_solution("siconos_avi", symmetric_problem(), z, kDirect);
+  expect_solution("siconos_newton_fb", symmetric_problem(), z, kIterative);
+  expect_solution("siconos_pgs{tolerance=1e-10}", symmetric_problem(), z, kIterative);
   expect_solution("bullet_dantzig", symmetric_problem(), z, kDirect);
   expect_solution("bullet_lemke", symmetric_problem(), z, kDirect);
   expect_solution("ipopt_qp", symmetric_problem(), z, kInteriorPoint);
   expect_solution("ipopt_mpcc", symmetric_problem(), z, kInteriorPoint);
+  expect_solution("ipopt_scholtes", symmetric_problem(), z, kInteriorPoint);
 }
 
 TEST(AdapterConventionsTest, NonsymmetricMatricesAreNotTransposed) {
   const Vector z{{1.0, 0.0, 2.0}};
+  expect_solution("bullet_mlcp_lemke{box=false}", nonsymmetric_problem(), z, kDirect);
+  expect_solution("siconos_lemke", nonsymmetric_problem(), z, kDirect);
+  expect_solution("siconos_avi", nonsymmetric_problem(), z, kDirect);
+  expect_solution("siconos_newton_fb", nonsymmetric_problem(), z, kIterative);
   expect_solution("bullet_lemke", nonsymmetric_problem(), z, kDirect);
   expect_solution("ipopt_mpcc", nonsymmetric_problem(), z, kInteriorPoint);
+  expect_solution("ipopt_scholtes", nonsymmetric_problem(), z, kInteriorPoint);
 }
 
 TEST(AdapterConventionsTest, SolversOfSymmetricProblemsRefuseOthers) {
-  for (const char* solver : {"bullet_dantzig", "ipopt_qp"}) {
+  for (const char* solver : {"bullet_dantzig", "ode_dantzig", "bullet_pgs", "siconos_pgs", "ipopt_qp"}) {
     if (missing(solver)) continue;
     EXPECT_EQ(run(solver, nonsymmetric_problem()).answer.claim, Claim::kUnsupported) << solver;
   }
+}
+
+// The wrapper's bounds of 1e10 are part of the problem that it hands on: they cost ten digits.
+TEST(AdapterConventionsTest, BulletsMlcpWrapperSolvesTheProblemWithItsBounds) {
+  expect_solution("bullet_mlcp_lemke", symmetric_problem(), Vector{{1.0, 0.0, 2.0}}, 1e-4);
+  expect_solution("bullet_mlcp_lemke{upper=100}", nonsymmetric_problem(), Vector{{1.0, 0.0, 2.0}}, 1e-11);
+}
+
+TEST(AdapterConventionsTest, BulletsMlcpWrapperDiscardsLargeAnswers) {
+  const std::string wrapper = "bullet_mlcp_lemke{upper=10,max_value=1.5}";
+  if (missing(wrapper)) return;
+  EXPECT_EQ(run(wrapper, symmetric_problem()).answer.claim, Claim::kNumericalFailure);
+}
+
+TEST(AdapterConventionsTest, LimitsOfIterationsReachTheLibrary) {
+  for (const char* solver :
+       {"siconos_pgs{max_iterations=1}", "siconos_newton_fb{max_iterations=1}", "siconos_lemke{max_iterations=1}"}) {
+    if (missing(solver)) continue;
+    EXPECT_NE(run(solver, symmetric_problem()).answer.claim, Claim::kSolved) << solver;
+  }
+}
+
+TEST(AdapterConventionsTest, BulletsGaussSeidelClaimsWhateverItHas) {
+  if (missing("bullet_pgs")) return;
+  const Problem problem = symmetric_problem();
+  const Answer answer = run("bullet_pgs{iterations=1}", problem).answer;
+  EXPECT_EQ(answer.claim, Claim::kSolved);
+  EXPECT_FALSE(Evaluator(problem).errors(answer).solved);
 }
 
 TEST(AdapterConventionsTest, QuickStepReturnsTheStacksImpulses) {
@@ -123,6 +167,27 @@ TEST(AdapterConventionsTest, QuickStepSolvesTheSameProblemAsTheMatrixSolvers) {
   // Three contacts on one body: M is regular, z unique. The box has to press somewhere and not everywhere alike.
   EXPECT_GT(from_lemke.z.maxCoeff(), 0.1);
   EXPECT_LE((from_ode.z - from_lemke.z).lpNorm<Eigen::Infinity>(), 1e-9);
+}
+
+TEST(AdapterConventionsTest, StepSolvesTheScene) {
+  expect_solution("ode_step", stack_of_two(), Vector{{7.0, 6.0}}, 1e-12);
+  if (missing("ode_step")) return;
+  const Problem box = falling_box();
+  expect_solution("ode_step", box, run("lemke", box).answer.z, 1e-12);
+}
+
+TEST(AdapterConventionsTest, OdesConstraintForceMixingIsAddedToM) {
+  // z = 7 / (1 + cfm) for the lower body alone: 1 kg at 7 m/s on the ground.
+  RigidScene scene;
+  RigidBody body;
+  body.mass = 1.0;
+  body.position = {0.0, 0.0, 1.0};
+  body.linear_velocity = {0.0, 0.0, -7.0};
+  scene.bodies = {body};
+  scene.contacts.push_back({.body_a = 0, .point = {0.0, 0.0, 0.0}});
+  const Problem drop("drop", scene);
+  expect_solution("ode_step{cfm=0.75}", drop, Vector{{4.0}}, 1e-12);
+  expect_solution("ode_quickstep{cfm=0.75,iterations=1000}", drop, Vector{{4.0}}, 1e-12);
 }
 
 TEST(AdapterConventionsTest, QuickStepWithFewSweepsStillClaimsSuccess) {
@@ -147,7 +212,9 @@ TEST(AdapterConventionsTest, RepeatedSolvesStartFromTheSameState) {
 
 TEST(AdapterConventionsTest, EmptyProblemsAreFine) {
   const Problem empty("empty", Lcp{Matrix(0, 0), Vector(0)});
-  for (const char* solver : {"bullet_dantzig", "bullet_lemke", "ipopt_qp", "ipopt_mpcc"}) {
+  for (const char* solver :
+       {"bullet_dantzig", "bullet_lemke", "bullet_pgs", "bullet_mlcp_lemke", "ode_dantzig", "siconos_lemke",
+        "siconos_newton_fb", "siconos_avi", "siconos_pgs", "ipopt_qp", "ipopt_mpcc", "ipopt_scholtes"}) {
     if (missing(solver)) continue;
     EXPECT_EQ(run(solver, empty).answer.claim, Claim::kSolved) << solver;
   }
