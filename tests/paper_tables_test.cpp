@@ -250,6 +250,14 @@ TEST(PaperTablesTest, TimesAreComparedAsRatios) {
   EXPECT_EQ(entry(ratios, {tried[0], "published", "all"}, "1e8, best"), "1.38e+04");     // 2.59 / 1.88e-4
 }
 
+TEST(PaperTablesTest, PublishedTimesStandWithEveryDigit) {
+  MadeSummary made;
+  made.flat("paper/copositive/exp6-1e5", "regularized", 1);
+  const paper::Table table = times_table(made.summary, paper::grids(made.summary), Kind::kCopositive);
+  EXPECT_EQ(entry(table.layouts[1], {"Lemke", "published", "solved"}, "1e5, all parameters"), "1.41 (15.212) 1781.61");
+  EXPECT_EQ(entry(table.layouts[1], {"PATH", "published", "all"}, "1e10, best"), "0.221 (1.867) 34.32");
+}
+
 TEST(PaperTablesTest, SpreadsPoolAllParameterisations) {
   MadeSummary made;
   MadeCell slow;

@@ -315,16 +315,18 @@ void add_condition_columns(Layout& layout) {
   }
 }
 
+/// With every digit that the paper prints.
+std::string printed(const PublishedSpread& spread) {
+  if (std::isnan(spread.mean)) return kAbsent;
+  return fmt::format("{:.6g} ({:.6g}) {:.6g}", spread.mean, spread.sigma, spread.max);
+}
+
 std::vector<Entry> published_row(Kind kind, Family family, Quantity quantity) {
   std::vector<Entry> row{{name_of(family), ""}, {"published", ""}, {rows_words(quantity), ""}};
   for (const Experiment* experiment : experiment_six()) {
     const auto published = published_span(kind, *experiment, family, quantity);
-    for (const auto part : {&PublishedMeasurement::best, &PublishedMeasurement::all}) {
-      const bool printed = published && !std::isnan((*published.*part).mean);
-      row.push_back(
-          {printed ? spread_text((*published.*part).mean, (*published.*part).sigma, (*published.*part).max) : kAbsent,
-           ""});
-    }
+    row.push_back({published ? printed(published->best) : kAbsent, ""});
+    row.push_back({published ? printed(published->all) : kAbsent, ""});
   }
   return row;
 }
