@@ -13,7 +13,7 @@ add_dependencies(worker_test fault_worker worker_parent)
 function(lcpbench_links_test name target expectation)
   add_test(NAME ${name}
            COMMAND ${CMAKE_COMMAND} -DBINARY=$<TARGET_FILE:${target}> -DEXPECT=${expectation}
-                   "-DLIBRARIES=lib(ode|Bullet|LinearMath|ipopt|siconos|dart|cholmod|umfpack|openblas|blas|lapack)"
+                   "-DLIBRARIES=lib(ode|Bullet|LinearMath|ipopt|siconos|dart|path|cholmod|umfpack|mumps|openblas|blas|lapack|gfortran)"
                    -P ${CMAKE_CURRENT_SOURCE_DIR}/loaded_libraries.cmake)
 endfunction()
 
