@@ -61,8 +61,8 @@ void report(const active_set::Outcome& outcome, Answer& answer) {
 ActiveSet::ActiveSet(const ActiveSetSettings& settings, IsaLevel level)
     : settings_(settings),
       first_(engine_at(settings.precision, level)),
-      quad_(active_set::portable::kQuadEngine),
-      climbs_(settings.precision == ActiveSetPrecision::kLadder) {}
+      second_(settings.precision == ActiveSetPrecision::kFloat ? engine_at(ActiveSetPrecision::kDouble, level)
+                                                               : active_set::portable::kQuadEngine) {}
 
 ActiveSet::~ActiveSet() = default;
 
@@ -71,7 +71,8 @@ const Capabilities& ActiveSet::capabilities() const { return kCapabilities; }
 void ActiveSet::on_load(const Problem& problem) {
   describe(*problem.contact());
   first_.load(input_);
-  if (climbs_) quad_.reserve(input_);
+  if (settings_.precision == ActiveSetPrecision::kLadder) second_.reserve(input_);
+  if (settings_.precision == ActiveSetPrecision::kFloat) second_.load(input_);
   image_.resize(input_.ngc);
 }
 
@@ -108,12 +109,13 @@ void ActiveSet::on_update(const Vector& v) {
   if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
   v_ = v;
   first_.update(v_);
+  if (settings_.precision == ActiveSetPrecision::kFloat) second_.update(v_);
 }
 
 active_set::Rules ActiveSet::rules(const SolveRequest& request) const {
   active_set::Rules rules;
   rules.polish =
-      settings_.precision != ActiveSetPrecision::kFloat && settings_.precision != ActiveSetPrecision::kDouble;
+      settings_.precision == ActiveSetPrecision::kPolished || settings_.precision == ActiveSetPrecision::kQuad;
   rules.accept_residual = settings_.accept_residual;
   rules.max_steps = settings_.max_iterations > 0 ? static_cast<std::ptrdiff_t>(settings_.max_iterations)
                                                  : 20 * (input_.nc + input_.ngc) + 100;
@@ -124,7 +126,11 @@ active_set::Rules ActiveSet::rules(const SolveRequest& request) const {
 }
 
 void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
-  const active_set::Rules rules = this->rules(request);
+  if (!(request.time_limit_s > 0)) {  // the clock is first read after some steps
+    answer.claim = Claim::kTimeLimit;
+    return;
+  }
+  active_set::Rules rules = this->rules(request);
   Vector& velocity = cleared_vectors().velocity;
   velocity.resize(input_.ngc);
   Vector& u = cleared_vectors().farkas;
@@ -132,9 +138,14 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
   active_set::Outcome outcome = first_.solve(rules, answer.z, velocity, u);
   const bool stopped =
       outcome.ending == Ending::kTimeLimit || (outcome.ending == Ending::kStepLimit && settings_.max_iterations > 0);
-  if (climbs_ && outcome.ending != Ending::kSolved && !stopped) {
-    quad_.load(input_);
-    const active_set::Outcome second = quad_.solve(rules, answer.z, velocity, u);
+  if (settings_.precision == ActiveSetPrecision::kFloat && outcome.ending == Ending::kSolved &&
+      !second_.accepts(answer.z, settings_.accept_residual)) {
+    outcome.ending = Ending::kRejected;
+  }
+  if (settings_.precision == ActiveSetPrecision::kLadder && outcome.ending != Ending::kSolved && !stopped) {
+    second_.load(input_);
+    rules.polish = true;
+    const active_set::Outcome second = second_.solve(rules, answer.z, velocity, u);
     outcome.ending = second.ending;
     outcome.steps += second.steps;
     outcome.factorizations += second.factorizations;

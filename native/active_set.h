@@ -15,16 +15,15 @@ struct ActiveSetSettings {
   std::int64_t max_iterations = 0;
 
   void visit(auto&& field) {
-    field(
-        "precision", precision,
-        Choices<ActiveSetPrecision>{{{"float", ActiveSetPrecision::kFloat},
-                                     {"double", ActiveSetPrecision::kDouble},
-                                     {"polished", ActiveSetPrecision::kPolished},
-                                     {"quad", ActiveSetPrecision::kQuad},
-                                     {"ladder", ActiveSetPrecision::kLadder}}},
-        "arithmetic; polished: double, active set factored afresh at the end; ladder: polished, where that fails quad");
+    field("precision", precision,
+          Choices<ActiveSetPrecision>{{{"float", ActiveSetPrecision::kFloat},
+                                       {"double", ActiveSetPrecision::kDouble},
+                                       {"polished", ActiveSetPrecision::kPolished},
+                                       {"quad", ActiveSetPrecision::kQuad},
+                                       {"ladder", ActiveSetPrecision::kLadder}}},
+          "arithmetic; polished: double, active set factored afresh at the end; ladder: double, where that fails quad");
     field("accept_residual", accept_residual, RealRange{.min = 0},
-          "claim solved only when the velocity residual, in the precision of the solve, is at most this times max|q|");
+          "claim solved only when the velocity residual, in double or better, is at most this times max|q|");
     field("max_iterations", max_iterations, IntegerRange{.min = 0, .max = std::int64_t{1} << 40},
           "contacts added to or dropped from the active set; 0: 20 (contacts + coordinates) + 100");
   }
@@ -67,6 +66,7 @@ class ActiveSet final : public Solver {
     active_set::Outcome solve(const active_set::Rules& rules, Vector& z, Vector& velocity, Vector& u) {
       return engine_.solve(state_, rules, z.data(), velocity.data(), u.data());
     }
+    bool accepts(const Vector& z, double residual) { return engine_.accepts(state_, z.data(), residual); }
 
    private:
     const active_set::Engine& engine_;
@@ -83,14 +83,13 @@ class ActiveSet final : public Solver {
 
   ActiveSetSettings settings_;
   Rung first_;
-  Rung quad_;  // the ladder's second rung; unused otherwise
+  Rung second_;  // the ladder's quad rung; of float the double one, which knows the data that float rounds and tests
 
   active_set::Input input_;  // points into the problem, or into what follows
   Vector v_;
   Matrix dense_normals_;  // of a sparse N
   Matrix dense_inertia_;  // of block inertia
   Vector image_;          // N u
-  bool climbs_ = false;
 };
 
 }  // namespace lcpbench

@@ -50,6 +50,7 @@ struct Outcome {
 /// these dimensions, `load` allocates what was not reserved; `update` and `solve` allocate nothing.
 /// `solve` writes z (nc) and velocity (ngc) when the ending is kSolved or kRejected, u (nc) when it is kInfeasible:
 /// u >= 0 with N u in null(G) and v'N u < 0, to the precision of the engine.
+/// `accepts` is the test that `solve` makes of its own answer, for any z (nc).
 struct Engine {
   void* (*create)();
   void (*destroy)(void* engine);
@@ -57,6 +58,7 @@ struct Engine {
   void (*load)(void* engine, const Input& input);
   void (*update)(void* engine, const double* v);
   Outcome (*solve)(void* engine, const Rules& rules, double* z, double* velocity, double* u);
+  bool (*accepts)(void* engine, const double* z, double accept_residual);
 };
 
 namespace baseline {

@@ -2,6 +2,10 @@
 lcpbench_test(conformance LINK lcpbench_solver_list)
 target_sources(conformance_test PRIVATE allocation_counter.cpp)
 
+lcpbench_test(active_set LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
+target_sources(active_set_test PRIVATE allocation_counter.cpp)
+lcpbench_test(contact_lemke LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
+target_sources(contact_lemke_test PRIVATE allocation_counter.cpp)
 lcpbench_test(enumeration LINK lcpbench_native)
 lcpbench_test(primal_dual LINK lcpbench_native)
 lcpbench_test(regularized LINK lcpbench_native)
@@ -23,6 +27,10 @@ foreach(level IN LISTS levels)
     add_test(NAME lemke_symbols_${level}
              COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DLEVEL=${level} -DOBJECT=$<TARGET_OBJECTS:lcpbench_lemke_${level}>
                      -P ${CMAKE_CURRENT_SOURCE_DIR}/lemke_symbols.cmake)
+    add_test(NAME active_set_symbols_${level}
+             COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DLEVEL=${level}
+                     -DOBJECT=$<TARGET_OBJECTS:lcpbench_active_set_${level}>
+                     -P ${CMAKE_CURRENT_SOURCE_DIR}/lemke_symbols.cmake)
   endif()
 endforeach()
 
@@ -33,3 +41,5 @@ add_executable(lemke_paper_rates EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/le
 target_link_libraries(lemke_paper_rates PRIVATE lcpbench_native lcpbench_generators lcpbench_evaluation)
 add_executable(lemke_sweep_benchmark EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/lemke_sweep_benchmark.cpp)
 target_link_libraries(lemke_sweep_benchmark PRIVATE lcpbench_native lcpbench_generators)
+add_executable(active_set_accuracy EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/active_set_accuracy.cpp)
+target_link_libraries(active_set_accuracy PRIVATE lcpbench_native lcpbench_generators lcpbench_evaluation)

@@ -23,14 +23,13 @@ class DualMethod {
     const Count vectors = L::padded(input.ngc);
     const Count contacts = L::padded(input.nc);
     const Count most = most_active(input);
-    Buffer<Scalar>* const by_coordinate[] = {&v_, &y0_, &change_, &velocity_, &test_, &entering_, &rest_};
+    Buffer<Scalar>* const by_coordinate[] = {&v_, &y0_, &change_, &velocity_, &test_, &rest_};
     for (Buffer<Scalar>* buffer : by_coordinate) buffer->resize(vectors + 1);
     Buffer<Scalar>* const by_contact[] = {&given_, &slack_, &weight_, &merit_, &impulse_};
     for (Buffer<Scalar>* buffer : by_contact) buffer->resize(contacts + 1);
     Buffer<Scalar>* const by_active_contact[] = {&pressed_, &share_, &coefficients_, &remaining_};
     for (Buffer<Scalar>* buffer : by_active_contact) buffer->resize(most + 2);
-    active_normals_.resize(most * vectors + 1);
-    active_.resize(most + 2);
+    active_.resize(input.nc + 1);
     basis_.reserve(vectors, most);
   }
 
@@ -62,14 +61,25 @@ class DualMethod {
     if (rules.polish) {
       polish(outcome);
     } else {
-      sum_change();
+      press_active();
     }
     if (!write_answer(z, velocity)) {
       outcome.ending = Ending::kBreakdown;
-    } else if (!(residual() <= static_cast<Scalar>(rules.accept_residual) * largest_given())) {
+    } else if (!(residual(basis_.size()) <= static_cast<Scalar>(rules.accept_residual) * largest_given())) {
       outcome.ending = Ending::kRejected;
     }
     return outcome;
+  }
+
+  bool accepts(const double* z, double accept_residual) {
+    if (!usable_) return false;
+    Count pressed = 0;
+    for (Count j = 0; j < whitening_.nc(); ++j) {
+      impulse_[j] = static_cast<Scalar>(z[j]);
+      if (z[j] != 0) active_[pressed++] = j;
+    }
+    for (Count j = whitening_.nc(); j < contact_lanes(); ++j) impulse_[j] = 0;
+    return residual(pressed) <= static_cast<Scalar>(accept_residual) * largest_given();
   }
 
  private:
@@ -79,7 +89,6 @@ class DualMethod {
   static Count most_active(const Input& input) { return input.ngc < input.nc ? input.ngc : input.nc; }
   Count lanes() const { return whitening_.velocity_lanes(); }
   Count contact_lanes() const { return whitening_.contact_lanes(); }
-  Scalar* active_normal(Count k) { return active_normals_.data() + k * lanes(); }
 
   // --- the iteration ---
 
@@ -121,21 +130,20 @@ class DualMethod {
   Count most_violated() {
     const Scalar largest = measure_merits();
     if (!(largest > violation_threshold_)) return -1;
-    Count contact = 0;
-    while (!(merit_[contact] == largest)) ++contact;
+    Count contact = 0;  // the first; without a branch that nothing could foretell
+    for (Count j = whitening_.nc() - 1; j >= 0; --j) contact = merit_[j] == largest ? j : contact;
     return contact;
   }
 
   Ending iterate(const Rules& rules, Outcome& outcome) {
     if (immovable_contact_is_violated()) return Ending::kInfeasible;
     for (Count contact = most_violated(); contact >= 0; contact = most_violated()) {
-      whitening_.gather(contact, entering_.data());
       entering_contact_ = contact;
       entering_impulse_ = 0;
       for (bool added = false; !added;) {
         if (outcome.steps >= rules.max_steps) return Ending::kStepLimit;
-        if (outcome.steps % kStepsPerClockReading == 0 && rules.deadline_s < kInfinity<double> &&
-            !(rules.clock_s() < rules.deadline_s)) {
+        if (outcome.steps % kStepsPerClockReading == kStepsPerClockReading - 1 &&
+            rules.deadline_s < kInfinity<double> && !(rules.clock_s() < rules.deadline_s)) {
           return Ending::kTimeLimit;
         }
         ++outcome.steps;
@@ -163,7 +171,8 @@ class DualMethod {
   /// Moves towards the entering contact's boundary until there (added), or until an active contact lets go.
   Ending step(bool& added) {
     const Scalar squared_norm = whitening_.squared_norm(entering_contact_);
-    const Scalar left = basis_.split(entering_.data(), squared_norm, coefficients_.data(), rest_.data());
+    const Scalar left =
+        basis_.split(whitening_.normal(entering_contact_), squared_norm, coefficients_.data(), rest_.data());
     for (Count k = 0; k < basis_.size(); ++k) share_[k] = coefficients_[k];
     basis_.solve(share_.data());
     const Scalar noise = whitening_.noise();
@@ -177,7 +186,7 @@ class DualMethod {
         leaving = k;
       }
     }
-    if (!independent && leaving < 0) return Ending::kInfeasible;
+    if (!independent && leaving < 0) return whitening_.triangular() ? Ending::kBreakdown : Ending::kInfeasible;
     const Scalar full = independent ? -slack_[entering_contact_] / left : kInfinity<Scalar>;
     added = !(partial < full);
     const Scalar length = added ? full : partial;
@@ -203,7 +212,6 @@ class DualMethod {
 
   void add_entering(Scalar left) {
     const Count k = basis_.size();
-    copy(active_normal(k), entering_.data(), lanes());
     active_[k] = entering_contact_;
     pressed_[k] = entering_impulse_;
     weight_[entering_contact_] = 0;
@@ -216,7 +224,6 @@ class DualMethod {
     for (Count i = k; i < basis_.size(); ++i) {
       active_[i] = active_[i + 1];
       pressed_[i] = pressed_[i + 1];
-      copy(active_normal(i), active_normal(i + 1), lanes());
     }
   }
 
@@ -228,7 +235,7 @@ class DualMethod {
     const Count k = basis_.size();
     const Scalar squared_norm = whitening_.squared_norm(contact);
     const Scalar noise = whitening_.noise();
-    const Scalar left = basis_.split(active_normal(k), squared_norm, coefficients_.data(), rest_.data());
+    const Scalar left = basis_.split(whitening_.normal(contact), squared_norm, coefficients_.data(), rest_.data());
     if (!(left > noise * noise * squared_norm)) return false;
     basis_.append(coefficients_.data(), rest_.data(), left);
     active_[k] = contact;
@@ -239,18 +246,19 @@ class DualMethod {
   /// The active set from the last time step, less the contacts that it would pull.
   void warm_start(const Rules& rules, Outcome& outcome) {
     for (Count j = 0; j < whitening_.nc(); ++j) {
-      if (!(rules.start[j] > 0) || basis_.size() >= most_active_now()) continue;
-      whitening_.gather(j, active_normal(basis_.size()));
-      append_independent(j);
+      if (rules.start[j] > 0) append_independent(j);
     }
     ++outcome.factorizations;
-    while (basis_.size() > 0) {
+    for (;;) {
       press_active();
-      Count most_pulled = 0;
-      for (Count k = 1; k < basis_.size(); ++k) {
-        if (pressed_[k] < pressed_[most_pulled]) most_pulled = k;
+      Count most_pulled = -1;
+      Scalar least = 0;
+      for (Count k = 0; k < basis_.size(); ++k) {
+        if (!(pressed_[k] < least)) continue;
+        least = pressed_[k];
+        most_pulled = k;
       }
-      if (pressed_[most_pulled] >= 0) break;
+      if (most_pulled < 0) break;
       drop(most_pulled);
       ++outcome.steps;
     }
@@ -267,7 +275,7 @@ class DualMethod {
       basis_.solve_transposed(c);
     }
     set_zero(change_.data(), lanes());
-    for (Count k = 0; k < basis_.size(); ++k) add_multiple(change_.data(), c[k], basis_.q(k), lanes());
+    combine_rows(change_.data(), change_.data(), basis_.q(0), lanes(), c, basis_.size(), lanes());
     for (Count k = 0; k < basis_.size(); ++k) pressed_[k] = c[k];
     basis_.solve_in_doubles(pressed_.data());
   }
@@ -279,8 +287,7 @@ class DualMethod {
 
   // --- the end ---
 
-  /// Factors the active normals afresh and takes velocity and impulses from the factors: free of what the path
-  /// accumulated.
+  /// press_active() with the active normals factored afresh: free of what exchanges left in the factors.
   ///
   /// In double, the normal that stands out most of the earlier ones comes next. In the last precision, the one whose
   /// impulse moves the least: the impulses are then rounded to double one by one so that the last to be rounded, which
@@ -305,7 +312,7 @@ class DualMethod {
         continue;
       }
       for (Count i = k + 1; i < count; ++i) {
-        const Scalar along = dot(basis_.q(k), active_normal(i), lanes());
+        const Scalar along = dot(basis_.q(k), whitening_.normal(active_[i]), lanes());
         remaining_[i] -= along * along * (kLastPrecision ? pressed_[i] * pressed_[i] : Scalar(1));
       }
     }
@@ -324,17 +331,6 @@ class DualMethod {
     swap_entries(active_, i, j);
     swap_entries(remaining_, i, j);
     swap_entries(pressed_, i, j);
-    for (Count l = 0; l < lanes(); ++l) {
-      const Scalar entry = active_normal(i)[l];
-      active_normal(i)[l] = active_normal(j)[l];
-      active_normal(j)[l] = entry;
-    }
-  }
-
-  /// change_ from the impulses that the iteration left.
-  void sum_change() {
-    set_zero(change_.data(), lanes());
-    for (Count k = 0; k < basis_.size(); ++k) add_multiple(change_.data(), pressed_[k], active_normal(k), lanes());
   }
 
   /// False when it is not finite.
@@ -355,7 +351,9 @@ class DualMethod {
   }
 
   void compute_velocity() {
-    if (whitening_.triangular()) {
+    if (basis_.size() == 0) {
+      copy(velocity_.data(), v_.data(), lanes());
+    } else if (whitening_.triangular()) {
       for (Count i = 0; i < lanes(); i += L::kWidth) {
         L::store(velocity_.data() + i, L::load(y0_.data() + i) + L::load(change_.data() + i));
       }
@@ -374,11 +372,14 @@ class DualMethod {
     return largest;
   }
 
-  /// max |min(|W_i|^2 z_i, w_i)| with w = N'(v + G* N z), from the normals as given.
-  Scalar residual() {
+  /// max |min(|W_i|^2 z_i, w_i)| with w = N'(v + G* N z), from the normals as given; z is impulse_, and not zero for
+  /// the first `pressed` contacts of active_ at most.
+  Scalar residual(Count pressed) {
     set_zero(test_.data(), lanes());
     for (Count i = 0; i < whitening_.ngc(); ++i) {
-      test_[i] = dot(whitening_.normals(i), impulse_.data(), contact_lanes());
+      for (Count k = 0; k < pressed; ++k) {
+        test_[i] += whitening_.normals(i)[active_[k]] * impulse_[active_[k]];
+      }
     }
     if (whitening_.triangular()) {
       whitening_.solve_transposed(test_.data());
@@ -421,13 +422,11 @@ class DualMethod {
   Buffer<Scalar> weight_;  // 1 / |W_j|^2, 0 for active contacts
 
   Buffer<Count> active_;
-  Buffer<Scalar> pressed_;         // impulses of the active contacts
-  Buffer<Scalar> active_normals_;  // whitened, one after the other
+  Buffer<Scalar> pressed_;  // impulses of the active contacts
   Buffer<Scalar> remaining_;
 
   Count entering_contact_ = 0;
   Scalar entering_impulse_ = 0;
-  Buffer<Scalar> entering_;
   Buffer<Scalar> coefficients_;
   Buffer<Scalar> share_;  // of the entering normal in the active ones: R^-1 Q' of it
   Buffer<Scalar> rest_;

@@ -21,12 +21,15 @@ struct Interface {
   static Outcome solve(void* engine, const Rules& rules, double* z, double* velocity, double* u) {
     return static_cast<Method*>(engine)->solve(rules, z, velocity, u);
   }
+  static bool accepts(void* engine, const double* z, double accept_residual) {
+    return static_cast<Method*>(engine)->accepts(z, accept_residual);
+  }
 };
 
 template <class Scalar>
 constexpr Engine engine_over() {
   using I = Interface<Scalar>;
-  return {I::create, I::destroy, I::reserve, I::load, I::update, I::solve};
+  return {I::create, I::destroy, I::reserve, I::load, I::update, I::solve, I::accepts};
 }
 
 }  // namespace lcpbench::active_set::LCPBENCH_LEVEL

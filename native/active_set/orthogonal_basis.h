@@ -17,6 +17,8 @@ class OrthogonalBasis {
   void reserve(Count length, Count capacity) {
     q_.resize(length * (capacity + 1) + 1);
     r_.resize(capacity * capacity + 1);
+    inverse_diagonal_.resize(capacity + 1);
+    minus_along_.resize(capacity + 1);
   }
   void clear(Count length, Count capacity) {
     reserve(length, capacity);
@@ -31,17 +33,18 @@ class OrthogonalBasis {
   Scalar r(Count i, Count j) const { return r_[j * capacity_ + i]; }
 
   /// coefficients (size) = Q'x, rest = x - Q Q'x. @returns |rest|^2
-  Scalar split(const Scalar* x, Scalar squared_norm, Scalar* coefficients, Scalar* rest) const {
-    for (Count k = 0; k < size_; ++k) coefficients[k] = dot(q(k), x, length_);
-    copy(rest, x, length_);
-    for (Count k = 0; k < size_; ++k) add_multiple(rest, -coefficients[k], q(k), length_);
-    Scalar left = dot(rest, rest, length_);
-    if (2 * left > squared_norm || size_ == 0) return left;  // no cancellation: one pass is enough
+  Scalar split(const Scalar* x, Scalar squared_norm, Scalar* coefficients, Scalar* rest) {
+    Scalar left = squared_norm;
     for (Count k = 0; k < size_; ++k) {
-      const Scalar correction = dot(q(k), rest, length_);
-      add_multiple(rest, -correction, q(k), length_);
-      coefficients[k] += correction;
+      coefficients[k] = dot(q(k), x, length_);
+      minus_along_[k] = -coefficients[k];
+      left -= coefficients[k] * coefficients[k];
     }
+    combine_rows(rest, x, q_.data(), length_, minus_along_.data(), size_, length_);
+    if (size_ == 0 || left > kEnoughLeft * squared_norm) return left;
+    for (Count k = 0; k < size_; ++k) minus_along_[k] = -dot(q(k), rest, length_);
+    combine_rows(rest, rest, q_.data(), length_, minus_along_.data(), size_, length_);
+    for (Count k = 0; k < size_; ++k) coefficients[k] -= minus_along_[k];
     return dot(rest, rest, length_);
   }
 
@@ -51,9 +54,10 @@ class OrthogonalBasis {
     Scalar* column = r_.data() + size_ * capacity_;
     for (Count k = 0; k < size_; ++k) column[k] = coefficients[k];
     column[size_] = norm;
+    inverse_diagonal_[size_] = 1 / norm;
     Scalar* direction = q_.data() + size_ * length_;
     copy(direction, rest, length_);
-    scale(direction, 1 / norm, length_);
+    scale(direction, inverse_diagonal_[size_], length_);
     ++size_;
   }
 
@@ -72,8 +76,9 @@ class OrthogonalBasis {
   void solve(Scalar* x) const {
     for (Count j = size_ - 1; j >= 0; --j) {
       const Scalar* column = r_.data() + j * capacity_;
-      x[j] /= column[j];
-      for (Count i = 0; i < j; ++i) x[i] -= x[j] * column[i];
+      const Scalar value = x[j] * inverse_diagonal_[j];
+      x[j] = value;
+      for (Count i = 0; i < j; ++i) x[i] -= value * column[i];
     }
   }
 
@@ -83,7 +88,7 @@ class OrthogonalBasis {
   void solve_in_doubles(Scalar* x) const {
     for (Count j = size_ - 1; j >= 0; --j) {
       const Scalar* column = r_.data() + j * capacity_;
-      x[j] = static_cast<Scalar>(static_cast<double>(x[j] / column[j]));
+      x[j] = static_cast<Scalar>(static_cast<double>(x[j] * inverse_diagonal_[j]));
       for (Count i = 0; i < j; ++i) x[i] -= x[j] * column[i];
     }
   }
@@ -93,18 +98,23 @@ class OrthogonalBasis {
     for (Count j = 0; j < size_; ++j) {
       const Scalar* column = r_.data() + j * capacity_;
       for (Count i = 0; i < j; ++i) x[j] -= column[i] * x[i];
-      x[j] /= column[j];
+      x[j] *= inverse_diagonal_[j];
     }
   }
 
  private:
+  /// Of the squared length. Much less would do for one vector, but what each loses is lost again by those after it.
+  static constexpr Scalar kEnoughLeft = Scalar(0.5);
+
   /// Makes R(i + 1, i) zero by turning directions i and i + 1.
   void rotate(Count i) {
     Scalar* pivot = r_.data() + i * capacity_ + i;
     const Scalar norm = L::square_root(pivot[0] * pivot[0] + pivot[1] * pivot[1]);
-    const Scalar c = pivot[0] / norm;
-    const Scalar s = pivot[1] / norm;
+    const Scalar inverse = 1 / norm;
+    const Scalar c = pivot[0] * inverse;
+    const Scalar s = pivot[1] * inverse;
     pivot[0] = norm;
+    inverse_diagonal_[i] = inverse;
     for (Count j = i + 1; j < size_; ++j) {
       Scalar* entry = r_.data() + j * capacity_ + i;
       const Scalar above = c * entry[0] + s * entry[1];
@@ -126,6 +136,8 @@ class OrthogonalBasis {
   Count size_ = 0;
   Buffer<Scalar> q_;  // one direction after the other
   Buffer<Scalar> r_;  // capacity x capacity by columns
+  Buffer<Scalar> inverse_diagonal_;
+  Buffer<Scalar> minus_along_;
 };
 
 }  // namespace lcpbench::active_set::LCPBENCH_LEVEL

@@ -23,6 +23,7 @@ class Whitening {
     set_dimensions(input);
     rows_.resize(ngc_ * stride_ + 1);
     normals_.resize(ngc_ * contact_lanes_ + 1);
+    whitened_.resize(nc_ * velocity_lanes_ + 1);
     squared_norm_.resize(contact_lanes_ + 1);
     weight_.resize(contact_lanes_ + 1);
     columns_.resize(ngc_ * velocity_lanes_ + 1);
@@ -62,12 +63,8 @@ class Whitening {
   /// Relative size of the rounding errors in a whitened normal, about.
   Scalar noise() const { return noise_; }
 
-  /// Whitened normal `contact` as one vector of velocity_lanes() entries.
-  void gather(Count contact, Scalar* to) const {
-    const Scalar* from = row(0) + contact;
-    for (Count i = 0; i < rank_; ++i) to[i] = from[i * stride_];
-    for (Count i = rank_; i < velocity_lanes_; ++i) to[i] = 0;
-  }
+  /// Whitened normal `contact`, velocity_lanes() entries.
+  const Scalar* normal(Count contact) const { return whitened_.data() + contact * velocity_lanes_; }
 
   /// to = C v. @pre triangular()
   void whiten_velocity(const Scalar* v, Scalar* to) const {
@@ -352,6 +349,12 @@ class Whitening {
       L::store(squared_norm_.data() + j, sum);
     }
     if (!triangular_) discard_rounding();
+    for (Count j = 0; j < nc_; ++j) {
+      Scalar* to = whitened_.data() + j * velocity_lanes_;
+      const Scalar* from = row(0) + j;
+      for (Count i = 0; i < rank_; ++i) to[i] = from[i * stride_];
+      for (Count i = rank_; i < velocity_lanes_; ++i) to[i] = 0;
+    }
     const auto one = L::broadcast(1);
     const auto zero = L::broadcast(0);
     for (Count j = 0; j < contact_lanes_; j += L::kWidth) {
@@ -386,6 +389,7 @@ class Whitening {
   Buffer<Scalar> columns_;           // of C
   Buffer<Scalar> inverse_diagonal_;  // of C
   Buffer<Scalar> normals_;           // N by rows
+  Buffer<Scalar> whitened_;          // W by columns
   Buffer<Scalar> squared_norm_;      // |W_j|^2
   Buffer<Scalar> weight_;
 
