@@ -19,7 +19,7 @@ void keep_message(int number, const char* format, va_list arguments) {
 struct OdeLibrary {
   OdeLibrary() {
     dInitODE2(0);
-    dAllocateODEDataForThread(dAllocateMaskAll);
+    dAllocateODEDataForThread(static_cast<unsigned>(dAllocateMaskAll));
     dSetMessageHandler(keep_message);
   }
   ~OdeLibrary() { dCloseODE(); }

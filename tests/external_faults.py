@@ -64,6 +64,11 @@ def closed_output(problem):
     sleep_for_ever(problem)
 
 
+def not_utf_8(problem):
+    sys.stdout.buffer.write(b'{"claim": "iteration_limit", "detail": "\xff"}\n')
+    sys.stdout.buffer.flush()
+
+
 def words(problem):
     return {"claim": "solved", "z": right(problem)["z"], "detail": "|".join(sys.argv[1:])}
 
@@ -97,7 +102,7 @@ behaviours = {
     "huge": huge,
     "twice": twice,
     "garbage": raw("solved!"),
-    "not utf-8": lambda problem: sys.stdout.buffer.write(b'{"claim": "solved", "detail": "\xff"}\n'),
+    "not utf-8": not_utf_8,
     "an array": raw("[1, 2]"),
     "nan": raw('{"claim": "solved", "z": [NaN, 0, 0, 0, 0]}'),
     "null": raw('{"claim": "solved", "z": [null, 0, 0, 0, 0]}'),
