@@ -27,14 +27,17 @@ std::string why_unavailable(const RegisteredSolver& solver) {
   }
 }
 
-bool runs_unasked(const RegisteredSolver& solver) {
-  if (!why_unavailable(solver).empty()) return false;
+bool needs_to_be_told(const RegisteredSolver& solver) {
   try {
     solver.definition.changed_settings({});
-    return true;
-  } catch (const InputError&) {
     return false;
+  } catch (const InputError&) {
+    return true;
   }
+}
+
+bool runs_unasked(const RegisteredSolver& solver) {
+  return why_unavailable(solver).empty() && !needs_to_be_told(solver);
 }
 
 std::unique_ptr<TimedSolver> open_solver(const Spec& spec) {

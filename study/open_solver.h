@@ -14,8 +14,11 @@ namespace lcpbench {
 /// missing; "" when it can run.
 std::string why_unavailable(const RegisteredSolver& solver);
 
-/// Whether the solver can run here as it is: available, and with defaults for all that it needs to be told (`external`
-/// has none for its command).
+/// Whether the solver has no default for something that it must be told, as `external` for its command: then it runs
+/// only where it is asked for.
+bool needs_to_be_told(const RegisteredSolver& solver);
+
+/// Whether the solver can run here as it is: available, and not one that needs to be told anything.
 bool runs_unasked(const RegisteredSolver& solver);
 
 /// Any registered solver, under the clock: native ones in this process, foreign ones in their worker.

@@ -380,6 +380,14 @@ TEST(ExternalExampleTest, SolvesTheBoxOnTheSlope) {
   EXPECT_GT(answer["counters"]["pivots"], 0);
 }
 
+TEST(ExternalExampleTest, DoesNotRunWhereNobodyAskedForIt) {
+  const Scratch scratch;
+  const std::string solved = lcpbench("solve examples/box_on_slope.json");
+  EXPECT_NE(solved.find("lemke"), std::string::npos);
+  EXPECT_EQ(solved.find("external"), std::string::npos);
+  EXPECT_NE(lcpbench("run --set paper/monotone/exp1 --trials 1 --jobs 1 --store " + scratch.file("all.db")), "");
+}
+
 TEST(ExternalExampleTest, RunsInAStudy) {
   const Scratch scratch;
   const std::string store = scratch.file("mine.db");

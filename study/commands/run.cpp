@@ -18,6 +18,7 @@
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
 #include "study/interrupt.h"
+#include "study/open_solver.h"
 #include "study/plan.h"
 #include "study/provenance.h"
 #include "study/report.h"
@@ -65,9 +66,11 @@ Shard parse_shard(const std::string& text) {
   return {shard.index - 1, shard.count};
 }
 
+/// All but those that have to be told something; those that cannot run here too, so that they are named as skipped.
 std::vector<PlannedSolver> every_solver() {
   std::vector<PlannedSolver> solvers;
   for (const RegisteredSolver& solver : registered_solvers()) {
+    if (needs_to_be_told(solver)) continue;
     PlannedSolver planned;
     planned.spec.name = solver.definition.name;
     planned.optional = true;
