@@ -473,12 +473,17 @@ class Path {
       P::store(rate + t, (shift_rate + ds) * P::load(allowed + t));
       P::store(rate + width + t, (shift_rate - ds) * P::load(allowed + width + t));
     }
-    value[2 * width] = shift - (zero_base ? Scalar(0) : cover * z0);
-    rate[2 * width] = allowed[2 * width] * (shift_rate - (zero_base ? Scalar(0) : cover * dz0));
+    const Scalar preferred = static_cast<Scalar>(kStickingFirst);
+    value[2 * width] = preferred * (shift - (zero_base ? Scalar(0) : cover * z0));
+    rate[2 * width] = preferred * allowed[2 * width] * (shift_rate - (zero_base ? Scalar(0) : cover * dz0));
     const bool watched = support_[contact] > 0 || enters_friction_of(entering, contact);
     value[2 * width + 1] = base_value_[contact] * impulse_norm_[contact];
     rate[2 * width + 1] = watched ? base_rate_[contact] * impulse_norm_[contact] : Scalar(0);
   }
+
+  /// Where slip ends, lambda and the slip in the opposite direction reach zero together. As a candidate in larger units
+  /// lambda leaves first, so that friction unused stays unused instead of being spent on opposite directions.
+  static constexpr double kStickingFirst = 4;
 
   static bool enters_friction_of(const Entering& entering, Count contact) {
     return !entering.is_velocity && entering.label.contact == contact && !entering.label.is_normal();
@@ -849,7 +854,7 @@ class Path {
   Buffer<Scalar> x_, dx_, residual_, coefficients_;           ///< per column or row of the kernel
   Buffer<Scalar> u_, du_, entering_response_, column_, row_;  ///< per generalized coordinate
   static constexpr double kWorthRefining = 1e-3;  ///< residual relative to the scale beyond which refining is slow
-  static constexpr double kLostRoundings = 100;   ///< residual after refinement that asks for inversion
+  static constexpr double kLostRoundings = 10;    ///< residual after refinement that asks for inversion
   bool refines_rates_ = false;
   Scalar entering_norm_ = 0;
   Scalar speed_scale_ = 0, value_scale_ = 0, rate_scale_ = 0;
