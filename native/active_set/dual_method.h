@@ -186,7 +186,14 @@ class DualMethod {
         leaving = k;
       }
     }
-    if (!independent && leaving < 0) return whitening_.triangular() ? Ending::kBreakdown : Ending::kInfeasible;
+    if (!independent && leaving < 0) {
+      if (!whitening_.triangular()) return Ending::kInfeasible;
+      // A positive definite inertia leaves nothing infeasible: the violation is rounding, most often at v+ = 0, where all
+      // contacts rest. If it is not, the test at the end finds it.
+      weight_[entering_contact_] = 0;
+      added = true;
+      return Ending::kSolved;
+    }
     const Scalar full = independent ? -slack_[entering_contact_] / left : kInfinity<Scalar>;
     added = !(partial < full);
     const Scalar length = added ? full : partial;
