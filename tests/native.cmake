@@ -8,6 +8,7 @@ lcpbench_test(contact_lemke LINK lcpbench_native lcpbench_generators lcpbench_ev
 target_sources(contact_lemke_test PRIVATE allocation_counter.cpp)
 lcpbench_test(enumeration LINK lcpbench_native)
 lcpbench_test(primal_dual LINK lcpbench_native)
+lcpbench_test(velocity_ipm LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 lcpbench_test(regularized LINK lcpbench_native)
 lcpbench_test(principal_pivoting LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 lcpbench_test(psor LINK lcpbench_native lcpbench_generators lcpbench_evaluation)

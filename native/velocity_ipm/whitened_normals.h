@@ -1,0 +1,37 @@
+#pragma once
+
+#include <memory>
+
+#include "core/contact_problem.h"
+
+namespace lcpbench {
+
+/// The contact normals in coordinates in which the inertia is the identity: W with W'W = N'G*N, and what an
+/// interior-point method needs of it. A velocity there is the change u - v before the change of coordinates.
+class WhitenedNormals {
+ public:
+  virtual ~WhitenedNormals() = default;
+
+  virtual Index coordinates() const = 0;
+  /// |W_i|^2 = M_ii.
+  virtual Vector squared_norms() const = 0;
+  /// y = W f.
+  virtual void combine(const Vector& f, Vector& y) const = 0;
+  /// s = W'y.
+  virtual void project(const Vector& y, Vector& s) const = 0;
+  /// Factors I + W diag(weights) W', weights >= 0. False when the factorization breaks down.
+  virtual bool factor(const Vector& weights) = 0;
+  /// y := (I + W diag(weights) W')^-1 y, of the last factorization.
+  virtual void solve(Vector& y) const = 0;
+  /// u = v + the change y.
+  virtual void velocity(const Vector& v, const Vector& y, Vector& u) const = 0;
+};
+
+/// Dense Cholesky: O(ngc^2 (nc + ngc)) per factorization. Any inertia; of a singular one the range only.
+std::unique_ptr<WhitenedNormals> dense_whitened_normals(const ContactProblem& problem);
+
+/// Sparse LDL' in an approximate minimum degree ordering, analysed once. @pre the inertia comes in positive definite
+/// blocks. nullptr when a block is not positive definite.
+std::unique_ptr<WhitenedNormals> sparse_whitened_normals(const ContactProblem& problem);
+
+}  // namespace lcpbench

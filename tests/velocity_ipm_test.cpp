@@ -1,0 +1,178 @@
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "core/registry.h"
+#include "generators/sets.h"
+#include "study/evaluation/evaluation.h"
+#include "tests/brick_wall.h"
+#include "tests/exact_velocity.h"
+#include "tests/textbook_lcps.h"
+
+namespace lcpbench {
+SolverDefinition lcpbench_solver_velocity_ipm();
+
+namespace {
+
+constexpr int kMostSteps = 25;
+
+Answer solve(const Problem& problem, const Options& options = {}, const SolveRequest& request = {}) {
+  const auto solver = lcpbench_solver_velocity_ipm().make(options);
+  solver->load(problem);
+  Answer answer;
+  solver->solve(request, answer);
+  return answer;
+}
+
+ContactProblem frictionless(Vector v, Matrix N, Inertia inertia) {
+  ContactProblem contact;
+  contact.v = std::move(v);
+  contact.D = Matrix(N.rows(), 0);
+  contact.edges.assign(static_cast<std::size_t>(N.cols()), 0);
+  contact.mu = Vector::Zero(N.cols());
+  contact.N = std::move(N);
+  contact.inertia = std::move(inertia);
+  return contact;
+}
+
+/// The same problem without its sparsity.
+ContactProblem dense(const ContactProblem& sparse) {
+  return frictionless(sparse.v, to_dense(sparse.N), DenseInertia{dense_inertia(sparse.inertia)});
+}
+
+TEST(VelocityIpmTest, FinishesThePaperSetsToFullAccuracy) {
+  for (const char* name : {"paper/monotone/exp1", "paper/monotone/exp2{redundancy=combination}",
+                           "paper/monotone/exp5-1e5", "paper/monotone/exp5-1e8", "paper/monotone/exp5-1e10"}) {
+    const auto set = open_set(name);
+    const double bound = std::string(name).find("exp5") == std::string::npos ? 1e-12 : 1e-9;
+    for (int trial = 0; trial < 60; ++trial) {
+      const Problem problem = set->generate(31, trial);
+      const Answer answer = solve(problem);
+      ASSERT_EQ(answer.claim, Claim::kSolved) << name << ", trial " << trial << ": " << answer.detail;
+      ASSERT_TRUE(Evaluator(problem).errors(answer).solved) << name << ", trial " << trial;
+      QuadVector exact;
+      ASSERT_TRUE(testing::exact_velocity(*problem.contact(), answer.z, exact)) << name << ", trial " << trial;
+      ASSERT_LE(testing::velocity_error(*problem.contact(), answer.velocity, exact), bound) << name << ", " << trial;
+    }
+  }
+}
+
+// Through 1e5 the iteration alone gets there; what it claims is true beyond, too.
+TEST(VelocityIpmTest, ConvergesInAFewStepsAndClaimsOnlyWhatIsTrue) {
+  for (const char* name : {"paper/monotone/exp1", "paper/monotone/exp2", "paper/monotone/exp5-1e5",
+                           "paper/monotone/exp5-1e10{redundancy=combination}"}) {
+    const auto set = open_set(name);
+    const bool easy = std::string(name).find("1e10") == std::string::npos;
+    for (int trial = 0; trial < 60; ++trial) {
+      const Problem problem = set->generate(32, trial);
+      const Answer answer = solve(problem, {{"finish", "false"}});
+      if (easy) {
+        ASSERT_EQ(answer.claim, Claim::kSolved) << name << ", trial " << trial << ": " << answer.detail;
+        EXPECT_LE(answer.counters.iterations, 40) << name << ", trial " << trial;
+      }
+      if (answer.claim == Claim::kSolved) {
+        EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << name << ", trial " << trial;
+      }
+    }
+  }
+}
+
+// A ball between plates, and normals whose positive combinations span the plane: no velocity parts from all of them.
+TEST(VelocityIpmTest, NeedsNoCentralPath) {
+  const Matrix plates = testing::matrix_of(2, {1, -1, 0, 0});
+  Matrix star(2, 3);
+  star << 1, -1, 0, 0.5, 0.5, -1;
+  for (const Matrix& N : {plates, star}) {
+    const Problem problem("caught",
+                          frictionless(testing::vector_of({-0.75, 0.5}), N, DenseInertia{2 * Matrix::Identity(2, 2)}));
+    const Answer answer = solve(problem, {{"finish", "false"}});
+    ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+    EXPECT_LE(answer.counters.iterations, kMostSteps);
+    EXPECT_LE(Evaluator(problem).errors(answer).velocity_residual_relative, 1e-8);
+  }
+}
+
+TEST(VelocityIpmTest, SparseAndDenseAlgebraGiveTheSameVelocity) {
+  const ContactProblem wall = contact_problem(testing::brick_wall(4, 5));
+  const Answer sparse = solve(Problem("sparse", wall));
+  const Answer full = solve(Problem("dense", dense(wall)));
+  ASSERT_EQ(sparse.claim, Claim::kSolved) << sparse.detail;
+  ASSERT_EQ(full.claim, Claim::kSolved) << full.detail;
+  EXPECT_LE((sparse.velocity - full.velocity).lpNorm<Eigen::Infinity>(), 1e-12 * wall.v.norm());
+  EXPECT_EQ(sparse.counters.pivots, 0);  // the sparse finish has no active set to change
+}
+
+TEST(VelocityIpmTest, SolvesAWallOf2400ContactsToFullAccuracy) {
+  const Problem wall("wall", testing::brick_wall(15, 21));
+  EXPECT_GE(wall.size(), 2300);
+  const Answer answer = solve(wall);
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_LE(answer.counters.iterations, kMostSteps);
+  const Errors errors = Evaluator(wall).errors(answer);
+  EXPECT_TRUE(errors.solved);
+  EXPECT_LE(errors.velocity_residual_relative, 1e-12);
+  EXPECT_LE(errors.velocity_mismatch, 1e-14);
+  EXPECT_GE(errors.min_z, 0);
+  // The iteration alone stops at its tolerance.
+  const Answer unfinished = solve(wall, {{"finish", "false"}});
+  EXPECT_EQ(unfinished.claim, Claim::kSolved);
+  EXPECT_GE(Evaluator(wall).errors(unfinished).velocity_residual_relative, 1e-12);
+}
+
+TEST(VelocityIpmTest, SolvesAWallOf10000Contacts) {
+  const Problem wall("wall", testing::brick_wall(32, 40));
+  EXPECT_GE(wall.size(), 9900);
+  const Answer answer = solve(wall);
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_LE(answer.counters.iterations, kMostSteps);
+  EXPECT_LE(Evaluator(wall).errors(answer).velocity_residual_relative, 1e-11);
+}
+
+TEST(VelocityIpmTest, UpdateGivesBitForBitWhatLoadGives) {
+  ContactProblem wall = contact_problem(testing::brick_wall(3, 4));
+  for (const bool sparse : {true, false}) {
+    ContactProblem contact = sparse ? wall : dense(wall);
+    const auto solver = lcpbench_solver_velocity_ipm().make({});
+    solver->load(Problem("first", contact));
+    contact.v *= 0.5;
+    contact.v(2) -= 0.125;
+    solver->update(contact.v);
+    Answer updated;
+    solver->solve({}, updated);
+    const Answer loaded = solve(Problem("second", contact));
+    ASSERT_EQ(updated.claim, Claim::kSolved);
+    EXPECT_EQ(updated.z, loaded.z);
+    EXPECT_EQ(updated.velocity, loaded.velocity);
+  }
+}
+
+TEST(VelocityIpmTest, SaysUnsolvableOnlyWithTheFinishAndSolvedNever) {
+  Matrix N(2, 2);
+  N << 1, -1, 1, 1;
+  Matrix Ginv = Matrix::Identity(2, 2);
+  Ginv(1, 1) = 0;
+  const Problem crushed("crushed", frictionless(testing::vector_of({0, -1}), N, InverseInertia{Ginv}));
+  const Answer answer = solve(crushed);
+  EXPECT_EQ(answer.claim, Claim::kUnsolvable) << answer.detail;
+  EXPECT_TRUE(Evaluator(crushed).check_farkas(answer.farkas));
+  EXPECT_NE(solve(crushed, {{"finish", "false"}}).claim, Claim::kSolved);
+}
+
+TEST(VelocityIpmTest, StopsAtItsLimits) {
+  const Problem wall("wall", testing::brick_wall(4, 4));
+  const Answer three = solve(wall, {{"max_iterations", "3"}});
+  EXPECT_EQ(three.claim, Claim::kIterationLimit);
+  EXPECT_EQ(three.counters.iterations, 3);
+  EXPECT_EQ(solve(wall, {}, {.time_limit_s = 0}).claim, Claim::kTimeLimit);
+}
+
+TEST(VelocityIpmTest, RefusesWhatItsAlgebraCannotTake) {
+  const ContactProblem wall = contact_problem(testing::brick_wall(2, 2));
+  const Answer answer = solve(Problem("dense", dense(wall)), {{"algebra", "sparse"}});
+  EXPECT_EQ(answer.claim, Claim::kUnsupported);
+  EXPECT_NE(answer.detail.find("blocks"), std::string::npos);
+  EXPECT_EQ(solve(Problem("bare", Lcp{Matrix::Identity(2, 2), -testing::ones(2)})).claim, Claim::kUnsupported);
+}
+
+}  // namespace
+}  // namespace lcpbench
