@@ -16,34 +16,51 @@ using lemke::LCPBENCH_LEVEL::kInfinity;
 template <class Scalar>
 struct Lanes;
 
-/// Sum of a register's lanes, by halves.
-template <class Scalar, class Pack>
-inline Scalar sum_of_lanes(Pack x) {
+/// Combines a register's lanes by halves.
+template <class Scalar, class Pack, class Combine>
+inline Scalar reduce_lanes(Pack x, Combine combine) {
   constexpr Count kWidth = static_cast<Count>(sizeof(Pack) / sizeof(Scalar));
   if constexpr (kWidth == 16) {
-    return sum_of_lanes<Scalar>(__builtin_shufflevector(x, x, 0, 1, 2, 3, 4, 5, 6, 7) +
-                                __builtin_shufflevector(x, x, 8, 9, 10, 11, 12, 13, 14, 15));
+    return reduce_lanes<Scalar>(combine(__builtin_shufflevector(x, x, 0, 1, 2, 3, 4, 5, 6, 7),
+                                        __builtin_shufflevector(x, x, 8, 9, 10, 11, 12, 13, 14, 15)),
+                                combine);
   } else if constexpr (kWidth == 8) {
-    return sum_of_lanes<Scalar>(__builtin_shufflevector(x, x, 0, 1, 2, 3) + __builtin_shufflevector(x, x, 4, 5, 6, 7));
+    return reduce_lanes<Scalar>(
+        combine(__builtin_shufflevector(x, x, 0, 1, 2, 3), __builtin_shufflevector(x, x, 4, 5, 6, 7)), combine);
   } else if constexpr (kWidth == 4) {
-    return sum_of_lanes<Scalar>(__builtin_shufflevector(x, x, 0, 1) + __builtin_shufflevector(x, x, 2, 3));
+    return reduce_lanes<Scalar>(combine(__builtin_shufflevector(x, x, 0, 1), __builtin_shufflevector(x, x, 2, 3)),
+                                combine);
   } else {
-    return x[0] + x[1];
+    return combine(x[0], x[1]);
   }
+}
+
+template <class Scalar, class Pack>
+inline Scalar sum_of_lanes(Pack x) {
+  return reduce_lanes<Scalar>(x, [](auto a, auto b) { return a + b; });
+}
+
+template <class Scalar, class Pack>
+inline Scalar largest_lane(Pack x) {
+  return reduce_lanes<Scalar>(x, [](auto a, auto b) { return a > b ? a : b; });
 }
 
 template <>
 struct Lanes<double> : lemke::LCPBENCH_LEVEL::Packed<double> {
   static constexpr double kUnitRoundoff = 0x1p-53;
   static double square_root(double x) { return __builtin_sqrt(x); }
+  using lemke::LCPBENCH_LEVEL::Packed<double>::max;
   static double sum(Pack pack) { return sum_of_lanes<double>(pack); }
+  static double max(Pack pack) { return largest_lane<double>(pack); }
 };
 
 template <>
 struct Lanes<float> : lemke::LCPBENCH_LEVEL::Packed<float> {
   static constexpr float kUnitRoundoff = 0x1p-24F;
   static float square_root(float x) { return __builtin_sqrtf(x); }
+  using lemke::LCPBENCH_LEVEL::Packed<float>::max;
   static float sum(Pack pack) { return sum_of_lanes<float>(pack); }
+  static float max(Pack pack) { return largest_lane<float>(pack); }
 };
 
 #if defined(LCPBENCH_WITH_QUAD)
@@ -72,6 +89,21 @@ inline void add_multiple(Scalar* y, Scalar factor, const Scalar* x, Count size) 
   using L = Lanes<Scalar>;
   const auto broadcast = L::broadcast(factor);
   for (Count i = 0; i < size; i += L::kWidth) L::store(y + i, L::load(y + i) + broadcast * L::load(x + i));
+}
+
+/// Row i -= (row[i] / pivot) row for the rows after `k` of a symmetric matrix with more columns to its right, in the
+/// kPacks registers from `first` on, of which those of row k stay registers.
+template <int kPacks, class Scalar>
+inline void eliminate_below(Scalar* A, Count stride, Count k, Count count, Count first, Scalar inverse_pivot) {
+  using L = Lanes<Scalar>;
+  const Scalar* pivot_row = A + k * stride;
+  typename L::Pack pivots[static_cast<unsigned>(kPacks)];
+  for (int p = 0; p < kPacks; ++p) pivots[p] = L::load(pivot_row + first + p * L::kWidth);
+  for (Count i = k + 1; i < count; ++i) {
+    const auto factor = L::broadcast(-pivot_row[i] * inverse_pivot);
+    Scalar* row = A + i * stride + first;
+    for (int p = 0; p < kPacks; ++p) L::store(row + p * L::kWidth, L::load(row + p * L::kWidth) + factor * pivots[p]);
+  }
 }
 
 template <class Scalar>

@@ -188,8 +188,8 @@ class DualMethod {
     }
     if (!independent && leaving < 0) {
       if (!whitening_.triangular()) return Ending::kInfeasible;
-      // A positive definite inertia leaves nothing infeasible: the violation is rounding, most often at v+ = 0, where all
-      // contacts rest. If it is not, the test at the end finds it.
+      // A positive definite inertia leaves nothing infeasible: the violation is rounding, most often at v+ = 0, where
+      // all contacts rest. If it is not, the test at the end finds it.
       weight_[entering_contact_] = 0;
       added = true;
       return Ending::kSolved;
@@ -390,15 +390,12 @@ class DualMethod {
     }
     if (whitening_.triangular()) {
       whitening_.solve_transposed(test_.data());
-      whitening_.solve(test_.data());
-      add_multiple(test_.data(), Scalar(1), v_.data(), lanes());
     } else {
       whitening_.project(test_.data(), change_.data());
-      whitening_.add_response(v_.data(), change_.data(), test_.data());
+      copy(test_.data(), change_.data(), lanes());
     }
-    set_zero(slack_.data(), contact_lanes());
-    combine_rows(slack_.data(), slack_.data(), whitening_.normals(0), contact_lanes(), test_.data(), whitening_.ngc(),
-                 contact_lanes());
+    combine_rows(slack_.data(), given_.data(), whitening_.row(0), whitening_.row_stride(), test_.data(),
+                 whitening_.rank(), contact_lanes());
     Scalar worst = 0;
     for (Count j = 0; j < whitening_.nc(); ++j) {
       const Scalar pressure = whitening_.squared_norm(j) * impulse_[j];

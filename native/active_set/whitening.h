@@ -162,11 +162,23 @@ class Whitening {
       if (!(pivot_row[k] > least * inverse_diagonal_[k])) return false;
       const Scalar inverse = 1 / pivot_row[k];
       const Count first = k / L::kWidth * L::kWidth;
-      for (Count i = k + 1; i < ngc_; ++i) {
-        add_multiple(work_row(i) + first, -pivot_row[i] * inverse, pivot_row + first, stride_ - first);
-      }
+      eliminate_below(k, first, inverse);
     }
     return true;
+  }
+
+  void eliminate_below(Count k, Count first, Scalar inverse_pivot) {
+    constexpr int kMostPacks = 4;
+    Scalar* A = rows_.data();
+    for (; stride_ - first > kMostPacks * L::kWidth; first += kMostPacks * L::kWidth) {
+      LCPBENCH_LEVEL::eliminate_below<kMostPacks>(A, stride_, k, ngc_, first, inverse_pivot);
+    }
+    switch ((stride_ - first) / L::kWidth) {
+      case 1: return LCPBENCH_LEVEL::eliminate_below<1>(A, stride_, k, ngc_, first, inverse_pivot);
+      case 2: return LCPBENCH_LEVEL::eliminate_below<2>(A, stride_, k, ngc_, first, inverse_pivot);
+      case 3: return LCPBENCH_LEVEL::eliminate_below<3>(A, stride_, k, ngc_, first, inverse_pivot);
+      case 4: return LCPBENCH_LEVEL::eliminate_below<4>(A, stride_, k, ngc_, first, inverse_pivot);
+    }
   }
 
   /// Makes rows of [C W] of the eliminated ones, and the columns of C.
