@@ -29,6 +29,7 @@ using contact_lemke::Engine;
 using contact_lemke::Residual;
 using contact_lemke::Rules;
 
+constexpr double kFloatUnitRoundoff = 0x1p-24;
 constexpr double kDoubleUnitRoundoff = 0x1p-53;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -36,21 +37,34 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// side whatever this test itself rounds.
 constexpr double kClaimedResidual = 5e-5;
 
-const Engine& engine_at(IsaLevel level) {
+struct Engines {
+  const Engine& in_double;
+  const Engine& in_float;
+};
+
+Engines engines_at(IsaLevel level) {
   if (level > best_isa_level()) throw std::invalid_argument("this processor lacks the instruction-set level asked for");
 #if defined(__x86_64__)
-  if (level == IsaLevel::kAvx512) return lemke::avx512::kContactEngine;
-  if (level == IsaLevel::kAvx2) return lemke::avx2::kContactEngine;
+  if (level == IsaLevel::kAvx512) return {lemke::avx512::kContactEngine, lemke::avx512::kFloatContactEngine};
+  if (level == IsaLevel::kAvx2) return {lemke::avx2::kContactEngine, lemke::avx2::kFloatContactEngine};
 #endif
-  return lemke::baseline::kContactEngine;
+  return {lemke::baseline::kContactEngine, lemke::baseline::kFloatContactEngine};
 }
 
 constexpr std::array kRungs{ContactRung{false, false, false, ""}, ContactRung{false, false, true, "reinverted"},
-                            ContactRung{false, true, true, "classic"}, ContactRung{true, false, false, "quad"},
+                            ContactRung{false, true, false, "classic"}, ContactRung{true, false, false, "quad"},
                             ContactRung{true, true, false, "quad, classic"}};
 
+bool climbs_to_quad(const ContactLemkeSettings& settings) {
+  return settings.precision == ContactLemkePrecision::kQuad || settings.precision == ContactLemkePrecision::kCascade;
+}
+
+bool returns_velocity(const ContactLemkeSettings& settings) {
+  return settings.precision == ContactLemkePrecision::kPolished || settings.precision == ContactLemkePrecision::kQuad;
+}
+
 bool wanted(const ContactRung& rung, const ContactLemkeSettings& settings) {
-  if (rung.quad && settings.precision == ContactLemkePrecision::kDouble) return false;
+  if (rung.quad && !climbs_to_quad(settings)) return false;
   if (!rung.quad && settings.precision == ContactLemkePrecision::kQuad) return false;
   if (rung.classic && settings.covering == ContactLemkeCovering::kNormals) return false;
   if (!rung.classic && settings.covering == ContactLemkeCovering::kClassic) return false;
@@ -122,15 +136,18 @@ Capabilities contact_lemke_capabilities(const ContactLemkeSettings& settings) {
   capabilities.guarantees = "contact problems with mu >= 0 and positive definite G, without degeneracy";
   capabilities.obeys_time_limit = true;
   // The memory of 113-bit arithmetic is taken when a problem first needs it.
-  capabilities.allocation_free = settings.precision == ContactLemkePrecision::kDouble;
+  // So is the velocity's, of which the answer keeps none from one solve to the next.
+  capabilities.allocation_free =
+      settings.precision == ContactLemkePrecision::kDouble || settings.precision == ContactLemkePrecision::kFloat;
   return capabilities;
 }
 
 ContactLemke::ContactLemke(const ContactLemkeSettings& settings, IsaLevel level)
     : settings_(settings),
       capabilities_(contact_lemke_capabilities(settings)),
-      double_(engine_at(level)),
-      quad_(lemke::quad::kContactEngine) {}
+      double_(engines_at(level).in_double),
+      quad_(lemke::quad::kContactEngine),
+      float_(engines_at(level).in_float) {}
 
 const Capabilities& ContactLemke::capabilities() const { return capabilities_; }
 
@@ -138,24 +155,32 @@ void ContactLemke::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   data_.load(contact);
   double_.load(data_.input);
+  if (in_float()) float_.load(data_.input);
   quad_is_loaded_ = false;
   best_.resize(problem.size());
+  best_velocity_.resize(0);
 }
 
 void ContactLemke::on_update(const Vector& v) {
   if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
   data_.v = v;
   double_.set_velocity(data_.v.data());
+  if (in_float()) float_.set_velocity(data_.v.data());
   if (quad_is_loaded_) quad_.set_velocity(data_.v.data());
 }
 
 LoadedContacts& ContactLemke::engine_of(bool quad) {
-  if (!quad) return double_;
+  if (!quad) return in_float() ? float_ : double_;
   if (!quad_is_loaded_) {
     quad_.load(data_.input);
     quad_is_loaded_ = true;
   }
   return quad_;
+}
+
+double ContactLemke::roundoff_of(const LoadedContacts& engine) const {
+  if (&engine == &quad_) return kQuadUnitRoundoff;
+  return &engine == &float_ ? kFloatUnitRoundoff : kDoubleUnitRoundoff;
 }
 
 /// Several times what the sets of the study take at most.
@@ -186,19 +211,26 @@ bool ContactLemke::climb(const ContactRung& rung, Rules rules, Progress& progres
   if (ending == Ending::kPivotLimit) return progress.pivots_left(settings_.max_pivots) <= 0;
   if (ending == Ending::kRay) return !progress.disproof_was_tried && disprove(engine, progress, answer);
   if (ending != Ending::kSolved) return false;
-  const Residual residual = engine.complete(answer.z.data());
+  if (returns_velocity(settings_)) polish(engine, answer);
+  const Residual residual = (in_float() ? double_ : engine).complete(answer.z.data());
   const double reached = relative(residual.velocity, residual.q_max);
   const double certain = relative(residual.velocity + residual.rounding, residual.q_max);
   if (certain < progress.best) {
     progress.best = certain;
     progress.rung = rung.name;
     best_ = answer.z;
+    best_velocity_ = answer.velocity;
   }
   return reached <= settings_.accept_residual && certain <= kClaimedResidual;
 }
 
+void ContactLemke::polish(LoadedContacts& engine, Answer& answer) {
+  answer.velocity.resize(data_.input.ngc);
+  if (!engine.polish(answer.velocity.data(), answer.z.data())) answer.velocity.resize(0);
+}
+
 Ending ContactLemke::run(LoadedContacts& engine, Rules rules, Progress& progress, Vector& z) {
-  const double roundoff = &engine == &quad_ ? kQuadUnitRoundoff : kDoubleUnitRoundoff;
+  const double roundoff = roundoff_of(engine);
   rules.pivot_tolerance = roundoff * settings_.pivot_tolerance;
   rules.tie_tolerance = roundoff * settings_.tie_tolerance;
   rules.residual_tolerance = roundoff * settings_.refine_tolerance;
@@ -221,7 +253,7 @@ bool ContactLemke::disprove(LoadedContacts& engine, Progress& progress, Answer& 
   rules.frictionless = true;
   const Ending ending = run(engine, rules, progress, answer.z);
   if (ending == Ending::kTimeLimit) return true;
-  if (ending != Ending::kRay || !engine.disproves(answer.z.data())) return false;
+  if (ending != Ending::kRay || !(in_float() ? double_ : engine).disproves(answer.z.data())) return false;
   progress.disproved = true;
   answer.farkas = answer.z.head(data_.input.nc);
   return true;
@@ -233,10 +265,12 @@ void ContactLemke::report(const Progress& progress, Answer& answer) {
   if (progress.best <= kClaimedResidual) {
     answer.claim = Claim::kSolved;
     answer.z = best_;
+    answer.velocity = best_velocity_;
     answer.detail = progress.rung;
     return;
   }
   answer.z.setZero();
+  answer.velocity.resize(0);
   if (progress.disproved) {
     answer.claim = Claim::kUnsolvable;
     answer.detail = "ray, proven";

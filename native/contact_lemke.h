@@ -12,7 +12,7 @@
 
 namespace lcpbench {
 
-enum class ContactLemkePrecision { kDouble, kQuad, kCascade };
+enum class ContactLemkePrecision { kFloat, kDouble, kPolished, kQuad, kCascade };
 enum class ContactLemkeCovering { kBoth, kNormals, kClassic };
 
 struct ContactLemkeSettings {
@@ -20,7 +20,7 @@ struct ContactLemkeSettings {
   ContactLemkeCovering covering = ContactLemkeCovering::kBoth;
   std::int64_t max_refinements = 1;
   double pivot_tolerance = 1000;
-  double tie_tolerance = 100;
+  double tie_tolerance = 30;
   double refine_tolerance = 1000;
   double accept_residual = 1e-6;
   std::int64_t max_pivots = 0;
@@ -28,10 +28,15 @@ struct ContactLemkeSettings {
   void visit(auto&& field) {
     using Precision = ContactLemkePrecision;
     using Covering = ContactLemkeCovering;
-    field("precision", precision,
-          Choices<Precision>{
-              {{"double", Precision::kDouble}, {"quad", Precision::kQuad}, {"cascade", Precision::kCascade}}},
-          "arithmetic: double, 113 bits, or 113 bits only where double does not pass the test of its answer");
+    field(
+        "precision", precision,
+        Choices<Precision>{{{"float", Precision::kFloat},
+                            {"double", Precision::kDouble},
+                            {"polished", Precision::kPolished},
+                            {"quad", Precision::kQuad},
+                            {"cascade", Precision::kCascade}}},
+        "arithmetic: 24, 53 or 113 bits; polished: 53 and the velocity by orthogonal projection; cascade: 53, and 113 "
+        "only where that does not pass the test of its answer");
     field("covering", covering,
           Choices<Covering>{
               {{"both", Covering::kBoth}, {"normals", Covering::kNormals}, {"classic", Covering::kClassic}}},
@@ -65,6 +70,7 @@ class LoadedContacts {
   void set_velocity(const double* v) { engine_.set_velocity(state_, v); }
   contact_lemke::Outcome solve(const contact_lemke::Rules& rules, double* z) { return engine_.solve(state_, rules, z); }
   contact_lemke::Residual complete(double* z) { return engine_.complete(state_, z); }
+  bool polish(double* velocity, double* z) { return engine_.polish(state_, velocity, z); }
   bool disproves(const double* u) { return engine_.disproves(state_, u); }
 
  private:
@@ -115,7 +121,10 @@ class ContactLemke final : public Solver {
   void on_update(const Vector& v) override;
   void on_solve(const SolveRequest& request, Answer& answer) override;
 
+  bool in_float() const { return settings_.precision == ContactLemkePrecision::kFloat; }
   LoadedContacts& engine_of(bool quad);
+  double roundoff_of(const LoadedContacts& engine) const;
+  void polish(LoadedContacts& engine, Answer& answer);
   std::ptrdiff_t pivots_of_rung(bool classic) const;
   bool climb(const ContactRung& rung, contact_lemke::Rules rules, Progress& progress, Answer& answer);
   contact_lemke::Ending run(LoadedContacts& engine, contact_lemke::Rules rules, Progress& progress, Vector& z);
@@ -125,9 +134,10 @@ class ContactLemke final : public Solver {
   ContactLemkeSettings settings_;
   Capabilities capabilities_;
   ContactData data_;
-  LoadedContacts double_, quad_;
+  LoadedContacts double_;  ///< also what tests the answers of float
+  LoadedContacts quad_, float_;
   bool quad_is_loaded_ = false;
-  Vector best_;
+  Vector best_, best_velocity_;
 };
 
 /// What the solver promises with these settings.

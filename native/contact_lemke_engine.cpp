@@ -35,13 +35,14 @@ struct ContactInterface {
     return object(memory).path.solve(rules, z);
   }
   static contact_lemke::Residual complete(void* memory, double* z) { return object(memory).completion.run(z); }
+  static bool polish(void* memory, double* velocity, double* z) { return object(memory).path.polish(velocity, z); }
   static bool disproves(void* memory, const double* u) { return object(memory).completion.disproves(u); }
 };
 
 template <class Scalar>
 constexpr contact_lemke::Engine contact_engine() {
   using I = ContactInterface<Scalar>;
-  return {I::create, I::destroy, I::load, I::set_velocity, I::solve, I::complete, I::disproves};
+  return {I::create, I::destroy, I::load, I::set_velocity, I::solve, I::complete, I::polish, I::disproves};
 }
 
 }  // namespace
@@ -50,6 +51,7 @@ constexpr contact_lemke::Engine contact_engine() {
 const contact_lemke::Engine kContactEngine = contact_engine<Quad>();
 #else
 const contact_lemke::Engine kContactEngine = contact_engine<double>();
+const contact_lemke::Engine kFloatContactEngine = contact_engine<float>();
 #endif
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

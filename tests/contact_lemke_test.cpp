@@ -1,7 +1,10 @@
 #include "native/contact_lemke.h"
 
+#include <algorithm>
 #include <cmath>
-#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -86,7 +89,7 @@ std::vector<std::string> full_rank_sets() {
 // --- small problems with known answers ---
 
 TEST(ContactLemkeTest, ASlidingPointIsBrakedByTheFullConeAndAStickingOneStops) {
-  for (const char* precision : {"double", "quad", "cascade"}) {
+  for (const char* precision : {"double", "polished", "quad", "cascade"}) {
     for (const char* covering : {"both", "normals", "classic"}) {
       const Options options{{"precision", precision}, {"covering", covering}};
       // f_N = 2, friction 0.5 * 2 = 1 against x: v+ = (2.5, 0, 0), lambda bounds the slip of 2.5.
@@ -206,6 +209,60 @@ TEST(ContactLemkeTest, QuadAloneSolvesAndIsAsExactAsDoublesCanTell) {
       EXPECT_LE(errors_of(problem, answer).velocity_residual_relative, 1e-6) << trial;
     }
   }
+}
+
+/// Medians over 40 problems of ||v+ - v*||_G / ||v||_G, of the velocity that z implies and of the one returned; v* is
+/// the velocity of the run in 113 bits.
+std::pair<double, double> median_forward_errors(const std::string& set_name) {
+  const auto set = open_set(set_name);
+  std::vector<double> implied, returned;
+  for (std::int64_t trial = 0; trial < 40; ++trial) {
+    const Problem problem = set->generate(14, trial);
+    const Answer polished = solve(problem, {{"precision", "polished"}});
+    const Answer exact = solve(problem, {{"precision", "quad"}});
+    if (polished.claim != Claim::kSolved || exact.claim != Claim::kSolved) continue;
+    Evaluator evaluator(problem);
+    evaluator.set_certified_velocity(exact.velocity);
+    const Errors errors = evaluator.errors(polished);
+    EXPECT_LE(errors.velocity_mismatch, 1e-9) << set_name << " " << trial;
+    implied.push_back(errors.forward_velocity);
+    returned.push_back(errors.forward_velocity_returned);
+  }
+  EXPECT_GE(implied.size(), 36u);
+  std::sort(implied.begin(), implied.end());
+  std::sort(returned.begin(), returned.end());
+  return {implied[implied.size() / 2], returned[returned.size() / 2]};
+}
+
+// The bounds are those of the method in double: about the roundoff times the root of the condition number.
+TEST(ContactLemkeTest, ThePolishedVelocityIsMoreExactThanItsImpulses) {
+  struct Case {
+    const char* set;
+    double bound;
+  };
+  for (const Case& c : {Case{"paper/monotone/exp1", 3e-15}, Case{"paper/monotone/exp5-1e5", 3e-14},
+                        Case{"paper/monotone/exp5-1e8", 1e-12}, Case{"paper/monotone/exp5-1e10", 1e-11}}) {
+    const auto [implied, returned] = median_forward_errors(c.set);
+    RecordProperty(c.set, std::to_string(returned * 1e15) + "e-15");
+    EXPECT_LE(returned, c.bound) << c.set;
+    EXPECT_LT(returned, implied) << c.set;
+  }
+}
+
+TEST(ContactLemkeTest, FloatClaimsOnlyWhatHoldsInDouble) {
+  int solved = 0;
+  for (const char* name : {"paper/monotone/exp1", "paper/copositive/exp1", "paper/monotone/exp5-1e10"}) {
+    const auto set = open_set(name);
+    for (std::int64_t trial = 0; trial < 40; ++trial) {
+      const Problem problem = set->generate(15, trial);
+      const Answer answer = solve(problem, {{"precision", "float"}});
+      EXPECT_NE(answer.claim, Claim::kUnsolvable) << name << " " << trial;
+      if (answer.claim != Claim::kSolved) continue;
+      ++solved;
+      EXPECT_TRUE(errors_of(problem, answer).solved) << name << " " << trial;
+    }
+  }
+  EXPECT_GE(solved, 40);
 }
 
 // The reason for its speed, counted: M is of order 200 and more, its pivots are tens.

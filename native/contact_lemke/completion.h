@@ -36,7 +36,7 @@ class Completion {
 
   /// Whether u proves to rounding that there is no solution, see engine.h.
   bool disproves(const double* u) {
-    if (response_.full_rank()) return false;
+    if (!response_.may_be_singular()) return false;
     add_impulses(u, contacts_.nc());
     response_.apply(impulse_.data(), change_.data());
     const Count length = contacts_.padded_ngc();
@@ -131,7 +131,7 @@ class Completion {
   }
 
   static constexpr double kNoDoubt = 1e-9;
-  static constexpr double kProofRoundings = 1e4;  // of the elimination that led to u; small against any real motion
+  static constexpr double kProofRoundings = 256;  // of the elimination that led to u; small against any real motion
 
   Contacts<Scalar>& contacts_;
   Response<Scalar>& response_;

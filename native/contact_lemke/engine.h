@@ -72,6 +72,9 @@ struct Engine {
   Outcome (*solve)(void* engine, const Rules& rules, double* z);
   /// Sets the lambdas of z to the least that its impulses allow and evaluates the answer.
   Residual (*complete)(void* engine, double* z);
+  /// After a solve that ended in kSolved: the velocity (ngc) of its basis, by orthogonal columns in whitened
+  /// coordinates. False where that cannot be had.
+  bool (*polish)(void* engine, double* velocity, double* z);
   /// Whether u (nc) >= 0 proves, to rounding, that nothing solves the problem: N u in null(G), v'N u < 0. Never true
   /// for a G of full rank.
   bool (*disproves)(void* engine, const double* u);
@@ -83,13 +86,16 @@ namespace lcpbench::lemke {
 
 namespace baseline {
 extern const contact_lemke::Engine kContactEngine;
-}
+extern const contact_lemke::Engine kFloatContactEngine;
+}  // namespace baseline
 namespace avx2 {
 extern const contact_lemke::Engine kContactEngine;
-}
+extern const contact_lemke::Engine kFloatContactEngine;
+}  // namespace avx2
 namespace avx512 {
 extern const contact_lemke::Engine kContactEngine;
-}
+extern const contact_lemke::Engine kFloatContactEngine;
+}  // namespace avx512
 namespace quad {
 extern const contact_lemke::Engine kContactEngine;
 }

@@ -2,6 +2,7 @@
 
 #include "native/contact_lemke/contacts.h"
 #include "native/contact_lemke/kernel.h"
+#include "native/contact_lemke/polish.h"
 #include "native/contact_lemke/response.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
@@ -36,6 +37,7 @@ class Path {
     impulse_norm_.resize(contacts_.nc());
     cone_cover_.resize(contacts_.nc());
     support_.resize(contacts_.nc());
+    polish_.load(contacts_.ngc());
     living_.resize(contacts_.nc());
     slip_.fill(2 * contacts_.most_padded_half(), Scalar(0));
     covers_.resize(contacts_.padded_nc());
@@ -49,6 +51,38 @@ class Path {
     outcome_.ending = follow(z);
     if (outcome_.ending == contact_lemke::Ending::kBreakdown) kernel_.wipe();
     return outcome_;
+  }
+
+  /// The velocity of the last basis by Polish, and its impulses anew. False, and z as it was, where G is singular or
+  /// the basis' columns are dependent.
+  /// @pre solve() ended in kSolved
+  bool polish(double* velocity, double* z) {
+    if (!response_.full_rank()) return false;
+    if (kernel_.order() == 0) {
+      for (Count i = 0; i < contacts_.ngc(); ++i) velocity[i] = static_cast<double>(contacts_.velocity()[i]);
+      return true;
+    }
+    polish_.clear();
+    for (Count r = 0; r < kernel_.order(); ++r) {
+      if (artificial_ >= 0 && kernel_.row_label(r) == last_.label) continue;  // z0's row, zero by itself
+      Scalar* const to = polish_.next_row();
+      if (to == nullptr) return false;
+      load_row(kernel_.row_label(r));
+      response_.whiten(row_.data(), to);
+    }
+    for (Count j = 0; j < kernel_.order(); ++j) {
+      if (j == artificial_) continue;
+      Scalar* const to = polish_.next_column();
+      if (to == nullptr) return false;
+      load_column(kernel_.column_label(j));
+      response_.whiten(column_.data(), to);
+    }
+    if (!polish_.run(contacts_, response_, u_.data())) return false;
+    for (Count i = 0; i < contacts_.ngc(); ++i) velocity[i] = static_cast<double>(u_[i]);
+    Count column = 0;
+    for (Count j = 0; j < kernel_.order(); ++j) x_[j] = j == artificial_ ? Scalar(0) : polish_.impulse(column++);
+    write_impulses(z);
+    return true;
   }
 
   Contacts<Scalar>& contacts() { return contacts_; }
@@ -103,7 +137,7 @@ class Path {
   Ending follow(double* z) {
     if (expired()) return Ending::kTimeLimit;
     begin();
-    Entering entering;
+    Entering& entering = last_;
     if (!choose_first(entering)) return Ending::kSolved;
     for (;;) {
       if (rules_.reinvert && !invert()) return Ending::kBreakdown;
@@ -849,6 +883,8 @@ class Path {
   Contacts<Scalar> contacts_;
   Response<Scalar> response_;
   Kernel<Scalar> kernel_;
+  Polish<Scalar> polish_;
+  Entering last_;          ///< what enters next
   Count artificial_ = -1;  ///< column of z0
 
   Buffer<Scalar> x_, dx_, residual_, coefficients_;           ///< per column or row of the kernel

@@ -18,6 +18,7 @@ class Response {
     ngc_ = input.ngc;
     padded_ = P::padded(ngc_);
     given_ = input.inertia.Ginv != nullptr;
+    by_factors_ = input.inertia.factors >= 0;
     if (given_) {
       load_inverse(input.inertia.Ginv);
       return;
@@ -38,6 +39,9 @@ class Response {
   }
 
   Count rank() const { return rank_; }
+  /// G given whole is positive definite by contract, however ill-conditioned; fewer than ngc factors, or a G* as it is,
+  /// may leave directions in which nothing moves.
+  bool may_be_singular() const { return given_ || (by_factors_ && rank_ < ngc_); }
   bool full_rank() const { return !given_ && rank_ == ngc_; }
 
   /// An estimate from below of the condition number of G; 1 where G* was given.
@@ -56,6 +60,17 @@ class Response {
     combine(columns_.data(), padded_, rank_, white_.data(), c, padded_);
   }
 
+  /// L^-1 a, padded as a is. @pre full_rank()
+  void whiten(const Scalar* a, Scalar* white) const {
+    combine(rows_.data(), rank_padded_, ngc_, a, white, rank_padded_);
+  }
+  /// L'u
+  void whiten_velocity(const Scalar* u, Scalar* white) const {
+    for (Count k = 0; k < rank_; ++k) white[k] = dot(L_.data() + k * padded_, u, padded_);
+  }
+  /// L^-T white
+  void unwhiten(const Scalar* white, Scalar* u) const { combine(columns_.data(), padded_, rank_, white, u, padded_); }
+
   /// a'G* a
   Scalar square(const Scalar* a) {
     if (given_) {
@@ -68,8 +83,6 @@ class Response {
 
  private:
   using P = Packed<Scalar>;
-
-  void whiten(const Scalar* a, Scalar* white) { combine(rows_.data(), rank_padded_, ngc_, a, white, rank_padded_); }
 
   void load_inverse(const double* Ginv) {
     columns_.resize(ngc_ * padded_);
@@ -211,7 +224,7 @@ class Response {
   }
 
   Count ngc_ = 0, padded_ = 0, rank_ = 0, rank_padded_ = 0;
-  bool given_ = false;
+  bool given_ = false, by_factors_ = false;
   Scalar condition_ = 1, norm_ = 0;
   Buffer<Scalar> work_, L_, done_, white_;
   Buffer<Scalar> columns_;  ///< of W (of G* where it is given), padded_ apart
