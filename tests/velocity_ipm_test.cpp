@@ -1,9 +1,13 @@
+#include <Eigen/SparseCholesky>
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "core/registry.h"
 #include "generators/sets.h"
+#include "native/velocity_ipm/nested_dissection.h"
 #include "study/evaluation/evaluation.h"
 #include "tests/brick_wall.h"
 #include "tests/exact_velocity.h"
@@ -126,6 +130,43 @@ TEST(VelocityIpmTest, SolvesAWallOf10000Contacts) {
   ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
   EXPECT_LE(answer.counters.iterations, kMostSteps);
   EXPECT_LE(Evaluator(wall).errors(answer).velocity_residual_relative, 1e-11);
+}
+
+/// The lower triangle of the matrix of a grid of side x side points, each tied to its four neighbours, and of as many
+/// points that are tied to nothing.
+SparseMatrix grid_matrix(int side) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < 2 * side * side; ++i) entries.emplace_back(i, i, 5.0);
+  for (int row = 0; row < side; ++row) {
+    for (int column = 0; column < side; ++column) {
+      const int point = row * side + column;
+      if (column + 1 < side) entries.emplace_back(point + 1, point, -1.0);
+      if (row + 1 < side) entries.emplace_back(point + side, point, -1.0);
+    }
+  }
+  SparseMatrix matrix(2 * side * side, 2 * side * side);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+TEST(NestedDissectionTest, OrdersEveryRowOnceAndFillsAGridLessThanItsBand) {
+  const SparseMatrix grid = grid_matrix(60);
+  const std::vector<int> order = nested_dissection(grid);
+  std::vector<int> sorted = order;
+  std::sort(sorted.begin(), sorted.end());
+  for (int i = 0; i < static_cast<int>(sorted.size()); ++i) ASSERT_EQ(sorted[static_cast<std::size_t>(i)], i);
+
+  Eigen::PermutationMatrix<Eigen::Dynamic> position(grid.rows());
+  for (int k = 0; k < static_cast<int>(order.size()); ++k) position.indices()(order[static_cast<std::size_t>(k)]) = k;
+  SparseMatrix ordered;
+  ordered.selfadjointView<Eigen::Lower>() = grid.selfadjointView<Eigen::Lower>().twistedBy(position);
+  using Cholesky = Eigen::SimplicialLLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>>;
+  const Cholesky dissected(ordered);
+  const Cholesky banded(grid);
+  const SparseMatrix dissected_factor = dissected.matrixL();
+  const SparseMatrix banded_factor = banded.matrixL();
+  EXPECT_LE(3 * dissected_factor.nonZeros(), banded_factor.nonZeros());  // 60 entries in each column of the band
+  EXPECT_TRUE(nested_dissection(SparseMatrix(0, 0)).empty());
 }
 
 TEST(VelocityIpmTest, UpdateGivesBitForBitWhatLoadGives) {

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "native/velocity_ipm/nested_dissection.h"
+
 namespace lcpbench {
 namespace {
 
@@ -135,7 +137,15 @@ SparseMatrix sparse(const Jacobian& J) {
 class SparseNormals final : public WhitenedNormals {
  public:
   explicit SparseNormals(BlockRoots roots, const Jacobian& N) : roots_(std::move(roots)), W_(roots_.whiten(sparse(N))) {
-    form_pattern();
+    matrix_ = pattern();
+    const std::vector<int> order = nested_dissection(matrix_);
+    position_of_.resize(W_.rows());
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      position_of_.indices()(order[k]) = static_cast<int>(k);
+    }
+    W_ = (position_of_ * W_).eval();
+    matrix_ = pattern();
+    find_positions();
     factor_.analyzePattern(matrix_);
   }
 
@@ -164,14 +174,14 @@ class SparseNormals final : public WhitenedNormals {
   }
   void solve(Vector& y) const override { y = factor_.solve(y).eval(); }
   void velocity(const Vector& v, const Vector& y, Vector& u) const override {
-    u = y;
+    u = position_of_.transpose() * y;
     roots_.solve_transposed(u);
     u += v;
   }
 
  private:
-  /// The lower triangle of I + W W', and where each product of two entries of a column of W goes.
-  void form_pattern() {
+  /// The lower triangle of I + W W'.
+  SparseMatrix pattern() const {
     std::vector<Eigen::Triplet<double>> entries;
     for (int i = 0; i < static_cast<int>(W_.rows()); ++i) entries.emplace_back(i, i, 1.0);
     for (Index j = 0; j < W_.cols(); ++j) {
@@ -181,8 +191,13 @@ class SparseNormals final : public WhitenedNormals {
         }
       }
     }
-    matrix_.resize(W_.rows(), W_.rows());
-    matrix_.setFromTriplets(entries.begin(), entries.end());
+    SparseMatrix matrix(W_.rows(), W_.rows());
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    return matrix;
+  }
+
+  /// Where the diagonal is in matrix_, and where each product of two entries of a column of W goes.
+  void find_positions() {
     const auto position = [&](Index row, Index column) {
       const int* begin = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[column];
       const int* end = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[column + 1];
@@ -197,11 +212,12 @@ class SparseNormals final : public WhitenedNormals {
   }
 
   BlockRoots roots_;
-  SparseMatrix W_;
-  SparseMatrix matrix_;  // lower triangle
+  Eigen::PermutationMatrix<Eigen::Dynamic> position_of_;  // of each coordinate in the order of elimination
+  SparseMatrix W_;                                        // rows in the order of elimination
+  SparseMatrix matrix_;                                   // lower triangle
   std::vector<Index> diagonal_;
   std::vector<Index> position_;
-  Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::AMDOrdering<int>> factor_;
+  Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>> factor_;
 };
 
 }  // namespace

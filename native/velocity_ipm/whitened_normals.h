@@ -30,7 +30,7 @@ class WhitenedNormals {
 /// Dense Cholesky: O(ngc^2 (nc + ngc)) per factorization. Any inertia; of a singular one the range only.
 std::unique_ptr<WhitenedNormals> dense_whitened_normals(const ContactProblem& problem);
 
-/// Sparse LDL' in an approximate minimum degree ordering, analysed once. @pre the inertia comes in positive definite
+/// Sparse LDL', analysed once, in the order of nested_dissection(). @pre the inertia comes in positive definite
 /// blocks. nullptr when a block is not positive definite.
 std::unique_ptr<WhitenedNormals> sparse_whitened_normals(const ContactProblem& problem);
 
