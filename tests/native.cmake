@@ -22,7 +22,8 @@ target_sources(lemke_sweep_test PRIVATE allocation_counter.cpp)
 get_property(levels GLOBAL PROPERTY LCPBENCH_LEMKE_LEVELS)
 foreach(level IN LISTS levels)
   add_test(NAME lemke_${level} COMMAND lemke_test)
-  set_tests_properties(lemke_${level} PROPERTIES ENVIRONMENT "LCPBENCH_ISA=${level}"
+  add_test(NAME contact_lemke_${level} COMMAND contact_lemke_test)
+  set_tests_properties(lemke_${level} contact_lemke_${level} PROPERTIES ENVIRONMENT "LCPBENCH_ISA=${level}"
                                                  SKIP_REGULAR_EXPRESSION "this processor has no more than")
   if(NOT LCPBENCH_SANITIZE)  # sanitizers add symbols of their own
     add_test(NAME lemke_symbols_${level}
@@ -31,6 +32,10 @@ foreach(level IN LISTS levels)
     add_test(NAME active_set_symbols_${level}
              COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DLEVEL=${level}
                      -DOBJECT=$<TARGET_OBJECTS:lcpbench_active_set_${level}>
+                     -P ${CMAKE_CURRENT_SOURCE_DIR}/lemke_symbols.cmake)
+    add_test(NAME contact_lemke_symbols_${level}
+             COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DLEVEL=${level}
+                     -DOBJECT=$<TARGET_OBJECTS:lcpbench_contact_lemke_${level}>
                      -P ${CMAKE_CURRENT_SOURCE_DIR}/lemke_symbols.cmake)
   endif()
 endforeach()
