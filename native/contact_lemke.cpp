@@ -16,10 +16,11 @@ namespace lcpbench {
 
 /// One rung of the cascade.
 struct ContactRung {
-  bool quad;
-  bool classic;
-  bool reinvert;
-  const char* name;  ///< short enough for std::string to hold in place
+  bool quad = false;
+  bool classic = false;
+  std::ptrdiff_t variant = 0;
+  bool reinvert = false;
+  const char* name = "";  ///< short enough for std::string to hold in place
 };
 
 namespace {
@@ -51,9 +52,17 @@ Engines engines_at(IsaLevel level) {
   return {lemke::baseline::kContactEngine, lemke::baseline::kFloatContactEngine};
 }
 
-constexpr std::array kRungs{ContactRung{false, false, false, ""}, ContactRung{false, false, true, "reinverted"},
-                            ContactRung{false, true, false, "classic"}, ContactRung{true, false, false, "quad"},
-                            ContactRung{true, true, false, "quad, classic"}};
+constexpr std::array kRungs{ContactRung{.name = ""},
+                            ContactRung{.reinvert = true, .name = "reinverted"},
+                            ContactRung{.variant = 1, .reinvert = true, .name = "second path"},
+                            ContactRung{.variant = 2, .reinvert = true, .name = "third path"},
+                            ContactRung{.classic = true, .reinvert = true, .name = "classic"},
+                            ContactRung{.quad = true, .name = "quad"},
+                            ContactRung{.quad = true, .classic = true, .name = "quad, classic"}};
+
+/// The classic covering vector takes many pivots: above this order of kernels their inversion would cost more than the
+/// rungs in 113 bits, and is left to the path's own judgement.
+constexpr std::ptrdiff_t kSmallKernel = 32;
 
 bool climbs_to_quad(const ContactLemkeSettings& settings) {
   return settings.precision == ContactLemkePrecision::kQuad || settings.precision == ContactLemkePrecision::kCascade;
@@ -197,7 +206,8 @@ void ContactLemke::on_solve(const SolveRequest& request, Answer& answer) {
     if (rung.quad && progress.best <= kClaimedResidual) break;
     Rules rules;
     rules.classic = rung.classic;
-    rules.reinvert = rung.reinvert;
+    rules.variant = rung.variant;
+    rules.reinvert = rung.reinvert && (!rung.classic || data_.input.ngc <= kSmallKernel);
     if (climb(rung, rules, progress, answer)) break;
   }
   report(progress, answer);

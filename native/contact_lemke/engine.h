@@ -35,6 +35,7 @@ struct Rules {
   /// false: the covering vector acts on normal rows only, and friction rows exist only where a contact presses.
   /// true: it is positive on every row, and so are friction rows there: Lemke's method as its proofs have it.
   bool classic = false;
+  std::ptrdiff_t variant = 0;      ///< > 0: unequal entries in the covering vector, another path for each number
   bool frictionless = false;       ///< as if every mu were 0
   std::ptrdiff_t refinements = 0;  ///< steps of iterative refinement of the basic variables at each pivot
   bool reinvert = false;           ///< invert the kernel afresh at each pivot

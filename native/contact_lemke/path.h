@@ -190,7 +190,10 @@ class Path {
     return static_cast<Scalar>(1 + (turns - static_cast<double>(static_cast<Count>(turns))));
   }
 
-  Scalar cover_of_normal(Count contact) const { return rules_.classic ? spread(contact) : Scalar(1); }
+  Scalar cover_of_normal(Count contact) const {
+    if (rules_.classic) return spread(contact);
+    return rules_.variant > 0 ? spread(contact + (rules_.variant - 1) * contacts_.nc()) : Scalar(1);
+  }
   Scalar cover_of_directions(Count contact) const {
     return rules_.classic ? spread(contact + contacts_.nc()) : Scalar(0);
   }
