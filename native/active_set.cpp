@@ -145,6 +145,7 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
   if (settings_.precision == ActiveSetPrecision::kLadder && outcome.ending != Ending::kSolved && !stopped) {
     second_.load(input_);
     rules.polish = true;
+    rules.start = nullptr;  // it may have been what misled the first rung
     const active_set::Outcome second = second_.solve(rules, answer.z, velocity, u);
     outcome.ending = second.ending;
     outcome.steps += second.steps;

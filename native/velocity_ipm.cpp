@@ -39,9 +39,9 @@ struct VelocityIpmSettings {
 constexpr double kBoundaryFraction = 0.995;  // of the step to the nearest boundary [Mehrotra 1992]
 constexpr double kShortestStep = 0x1p-26;    // shorter ones were cut by rounding, not by the problem
 
-// So many steps without the residual falling by a tenth: no solution (the impulses grow without bound), or rounding.
-constexpr int kMostIdleSteps = 12;
-constexpr double kProgress = 0.9;
+// So many steps without the residual falling to a half: no solution (the impulses grow without bound), or rounding.
+constexpr int kMostIdleSteps = 25;
+constexpr double kProgress = 0.5;
 
 /// A point: f > 0, s > 0 and y, with residuals y - W f and W'y + q - s.
 struct Point {

@@ -156,6 +156,18 @@ TEST(ActiveSetTest, TheLastRungSolvesWhatDoubleAndCarelessRoundingCannot) {
   EXPECT_LE(evaluator.errors(answer).velocity_residual_relative, 1e-5);
 }
 
+// As many active contacts as coordinates leave v+ = 0, where the others rest too; rounding says that one of them is
+// violated.
+TEST(ActiveSetTest, RestingContactsAreNotTakenForViolatedOnes) {
+  for (const auto& [name, trial] : {std::pair{"paper/monotone/exp1", 375}, std::pair{"paper/monotone/exp1", 5367},
+                                    std::pair{"paper/monotone/exp2", 1394}, std::pair{"paper/monotone/exp2", 5534}}) {
+    const Problem problem = open_set(name)->generate(20261120, trial);
+    const Answer answer = solve(problem, {{"precision", "double"}});
+    EXPECT_EQ(answer.claim, Claim::kSolved) << name << ", trial " << trial << ": " << answer.detail;
+    EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << name << ", trial " << trial;
+  }
+}
+
 TEST(ActiveSetTest, ErrorsFallFromRungToRung) {
   const auto set = open_set("paper/monotone/exp1");
   std::vector<double> medians;

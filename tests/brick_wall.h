@@ -9,7 +9,7 @@ namespace lcpbench::testing {
 ///
 /// Bricks measure 2 x 1 x 1 and weigh 2; each rests with four contacts on the overlap (1 x 1) with each brick below it,
 /// those of the lowest row with four on the ground. Bed joints only: 4 columns + about 8 columns (rows - 1) contacts,
-/// two redundant ones in each joint.
+/// more than twice as many as the three coordinates of each brick that they act on.
 inline RigidScene brick_wall(int rows, int columns) {
   RigidScene scene;
   const auto add_joint = [&](int above, int below, double left, double right, double height) {
