@@ -80,11 +80,6 @@ bool wanted(const ContactRung& rung, const ContactLemkeSettings& settings) {
   return true;
 }
 
-double relative(double residual, double q_max) {
-  if (q_max > 0) return residual / q_max;
-  return residual == 0 ? 0 : kInfinity;
-}
-
 }  // namespace
 
 LoadedContacts::LoadedContacts(const Engine& engine) : engine_(engine), state_(engine.create()) {}
@@ -141,7 +136,7 @@ void ContactLemke::ContactData::add_block(const Matrix& G) {
 Capabilities contact_lemke_capabilities(const ContactLemkeSettings& settings) {
   Capabilities capabilities;
   capabilities.needs = Needs::kFactored;
-  capabilities.max_size = 20000;
+  capabilities.max_size = 3000;  // dense matrices of order ngc, which may be several times n
   capabilities.guarantees = "contact problems with mu >= 0 and positive definite G, without degeneracy";
   capabilities.obeys_time_limit = true;
   // The memory of 113-bit arithmetic is taken when a problem first needs it.
@@ -223,15 +218,13 @@ bool ContactLemke::climb(const ContactRung& rung, Rules rules, Progress& progres
   if (ending != Ending::kSolved) return false;
   if (returns_velocity(settings_)) polish(engine, answer);
   const Residual residual = (in_float() ? double_ : engine).complete(answer.z.data());
-  const double reached = relative(residual.velocity, residual.q_max);
-  const double certain = relative(residual.velocity + residual.rounding, residual.q_max);
-  if (certain < progress.best) {
-    progress.best = certain;
+  if (residual.certain < progress.best) {
+    progress.best = residual.certain;
     progress.rung = rung.name;
     best_ = answer.z;
     best_velocity_ = answer.velocity;
   }
-  return reached <= settings_.accept_residual && certain <= kClaimedResidual;
+  return residual.velocity <= settings_.accept_residual && residual.certain <= kClaimedResidual;
 }
 
 void ContactLemke::polish(LoadedContacts& engine, Answer& answer) {

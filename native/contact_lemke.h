@@ -78,7 +78,17 @@ class LoadedContacts {
   void* state_ = nullptr;
 };
 
-/// Lemke's method on the factored contact problem (v, N, D, mu, G); M is never formed. See docs/contact_lemke.md.
+/// Solves contact problems by Lemke's method on the factors (v, N, D, mu, G); M is never formed.
+///
+/// Friction rows exist only where a contact presses and the kernel of the basis has at most rank(G) + 1 rows. A rung
+/// that does not pass the solver's own test of its answer is followed by the next: other covering vectors, among them
+/// the one that is positive on every row, and 113-bit arithmetic. With mu >= 0, positive definite G and no ties that
+/// last one ends in a solution. O(ngc (ngc + friction directions of pressing contacts)) per pivot; tens of pivots.
+/// [Lemke 1965; Anitescu, Potra 1997; Cottle, Pang, Stone 1992, 4.4] See docs/contact_lemke.md.
+///
+/// kSolved: the velocity residual with its estimated rounding is within 5e-5 of max|q|, evaluated from the returned z;
+/// `detail` names the rung. kUnsolvable: with a proof in `farkas`. kIterationLimit, kTimeLimit; kNumericalFailure: no
+/// rung gave an answer that passes. z is zero unless kSolved. Returns the velocity with precision=polished and quad.
 class ContactLemke final : public Solver {
  public:
   /// @param level instruction-set level of the engine; must not exceed best_isa_level().

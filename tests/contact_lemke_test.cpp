@@ -329,6 +329,30 @@ TEST(ContactLemkeTest, DoesNotDependOnUnits) {
   }
 }
 
+TEST(ContactLemkeTest, SurvivesDataAtTheEndsOfTheRange) {
+  const ContactProblem contact = *open_set("paper/copositive/exp2")->generate(16, 4).contact();
+  for (const char* precision : {"double", "float"}) {
+    const auto solver = contact_lemke({{"precision", precision}});
+    for (const double speed : {0.0, 0x1p-1070, 1e-150, 1e150, 1e300}) {
+      for (const double mass : {0x1p-1070, 1e-150, 1.0, 1e150, 1e300}) {
+        for (const double reach : {1e-150, 1.0, 1e150}) {
+          ContactProblem scaled = contact;
+          scaled.v *= speed;
+          scaled.inertia = DenseInertia{mass * dense_inertia(contact.inertia)};
+          scaled.N = Matrix(reach * std::get<Matrix>(contact.N));
+          const Problem problem("extreme", scaled);
+          solver->load(problem);
+          const Answer answer = solve(*solver, {.time_limit_s = 5});
+          EXPECT_EQ(answer.z.size(), problem.size());
+          if (answer.claim != Claim::kSolved) continue;
+          EXPECT_TRUE(answer.z.allFinite()) << speed << " " << mass << " " << reach;
+          EXPECT_TRUE(errors_of(problem, answer).solved) << precision << " " << speed << " " << mass << " " << reach;
+        }
+      }
+    }
+  }
+}
+
 TEST(ContactLemkeTest, RefusesBareLcps) {
   const Answer answer = solve(Problem("bare", Lcp{Matrix::Identity(2, 2), -testing::ones(2)}));
   EXPECT_EQ(answer.claim, Claim::kUnsupported);

@@ -33,6 +33,12 @@ inline double square_root(double x) { return __builtin_sqrt(x); }
 inline float square_root(float x) { return __builtin_sqrtf(x); }
 #endif
 
+/// Sums of products above this have lost nothing that counts to underflow.
+template <class Scalar>
+constexpr double kSmallestSafe = sizeof(Scalar) > sizeof(double)   ? 0
+                                 : sizeof(Scalar) == sizeof(float) ? 1e-25
+                                                                   : 1e-280;
+
 template <class Scalar, class... More>
 void fill_with_zeros(Count size, Buffer<Scalar>& first, More&... more) {
   first.fill(size, Scalar(0));

@@ -28,9 +28,10 @@ class Completion {
       if (contacts_.edges(c) > 0) measure_friction(c, z, z[lambda++]);
     }
     contact_lemke::Residual residual;
-    residual.velocity = static_cast<double>(worst_);
-    residual.rounding = static_cast<double>(rounding());
-    residual.q_max = static_cast<double>(q_max(residual.velocity + residual.rounding));
+    const Scalar with_rounding = worst_ + rounding();
+    const Scalar scale = q_max(with_rounding);
+    residual.velocity = relative(worst_, scale);
+    residual.certain = relative(with_rounding, scale);
     return residual;
   }
 
@@ -109,20 +110,27 @@ class Completion {
     if (!(off <= worst_)) worst_ = off;
   }
 
-  /// Of J f, whose terms may cancel, and of G's factors.
+  /// Of J f, whose terms may cancel, and of G's factors. Infinite where products with v may have underflowed.
   Scalar rounding() const {
+    const Scalar largest_product = contacts_.reach() * contacts_.speed();
+    if (contacts_.moves() && !(largest_product > static_cast<Scalar>(kSmallestSafe<Scalar>))) return kInfinity<Scalar>;
     const Count length = contacts_.padded_ngc();
     const Scalar terms = square_root(dot(magnitude_.data(), magnitude_.data(), length)) * response_.norm();
     const Scalar change = square_root(dot(change_.data(), change_.data(), length)) * response_.condition();
     return static_cast<Scalar>(2 * kUnitRoundoff<Scalar>) * contacts_.reach() * (terms + change);
   }
 
+  static double relative(Scalar residual, Scalar q_max) {
+    if (q_max > 0 && q_max < kInfinity<Scalar>) return static_cast<double>(residual / q_max);
+    return residual == 0 && q_max == 0 ? 0 : __builtin_inf();
+  }
+
   /// max|q|; the friction part, which costs the most, only where the normals' leaves `error` above kNoDoubt of it.
-  Scalar q_max(double error) {
+  Scalar q_max(Scalar error) {
     const Count length = contacts_.padded_nc();
     combine(contacts_.normals(), length, contacts_.ngc(), contacts_.velocity(), normal_velocity_.data(), length);
     Scalar largest = largest_magnitude(normal_velocity_.data(), contacts_.nc());
-    if (static_cast<Scalar>(error) <= static_cast<Scalar>(kNoDoubt) * largest) return largest;
+    if (error <= static_cast<Scalar>(kNoDoubt) * largest) return largest;
     for (Count c = 0; c < contacts_.nc(); ++c) {
       const Scalar slip = contacts_.largest_slip(c, contacts_.velocity());
       if (slip > largest) largest = slip;

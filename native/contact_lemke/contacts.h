@@ -36,6 +36,8 @@ class Contacts {
   Count padded_nc() const { return padded_nc_; }
   const Scalar* velocity() const { return velocity_.data(); }
   Scalar speed() const { return speed_; }
+  /// Whether v is not zero, however small.
+  bool moves() const { return largest_magnitude(velocity_.data(), ngc()) > 0; }
   const Scalar* normals() const { return normals_.data(); }
   /// The largest Euclidean norm of a normal.
   Scalar reach() const { return reach_; }

@@ -55,11 +55,10 @@ struct Outcome {
   std::ptrdiff_t factorizations = 0;  ///< inversions of a whole kernel
 };
 
-/// What an answer is worth, evaluated from v, N, D, mu and the inertia in the engine's arithmetic.
+/// What an answer is worth, evaluated from v, N, D, mu and the inertia in the engine's arithmetic, relative to max|q|.
 struct Residual {
-  double velocity = 0;  ///< bound on the velocity residual: max |w_i| where z_i > 0, max(0, -w_i) elsewhere [m/s]
-  double rounding = 0;  ///< estimate of the rounding error in `velocity` [m/s]
-  double q_max = 0;     ///< max|q|, or a lower bound of it that already serves [m/s]
+  double velocity = 0;  ///< bound on the velocity residual: max |w_i| where z_i > 0, max(0, -w_i) elsewhere
+  double certain = 0;   ///< the same with an estimate of its rounding added
 };
 
 /// One engine at one level. `create` gives an object that `destroy` ends. `load` allocates; nothing else does.
