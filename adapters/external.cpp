@@ -95,7 +95,6 @@ class External final : public Solver, public SelfTimed {
 
  protected:
   void on_load(const Problem& problem) override {
-    if (!usable()) start();
     sizes_ = worker::answer_sizes(problem);
     const double begin_s = wall_clock_s();
     const Lcp lcp = settings_.form == ProblemKind::kLcp ? make_lcp(problem) : Lcp{};
@@ -117,7 +116,6 @@ class External final : public Solver, public SelfTimed {
 
  private:
   void start() {
-    program_.reset();
     program_ = std::make_unique<external::ExternalProgram>(external::command_words(settings_.command));
     deadline_s_ = wall_clock_s() + kStartTimeout_s;
     try {

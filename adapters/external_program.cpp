@@ -146,11 +146,11 @@ std::string ExternalProgram::ask(const std::string& line, std::size_t max_bytes,
   std::string_view unsent = message;
   read_output(max_bytes);
   if (!received_.empty()) fail(Claim::kCrashed, "said more than was asked");
-  for (;;) {
+  for (bool ended = false;;) {
     const double left = deadline_s - wall_clock_s();
     std::array<pollfd, 3> polled{
         {{unsent.empty() ? -1 : input_.get(), POLLOUT, 0}, {output_.get(), POLLIN, 0}, {messages_.get(), POLLIN, 0}}};
-    poll(polled.data(), polled.size(), poll_timeout_ms(left));
+    const int ready = poll(polled.data(), polled.size(), ended ? 0 : poll_timeout_ms(left));
     if (polled[0].revents != 0) write_some(unsent);
     if (polled[2].revents != 0) read_messages();
     if (polled[1].revents != 0) {
@@ -163,8 +163,11 @@ std::string ExternalProgram::ask(const std::string& line, std::size_t max_bytes,
         return std::exchange(received_, {});
       }
       if (closed) fail_ended();
-    } else if (dead()) {
+    } else if (ended && ready >= 0) {
       fail_ended();
+    } else if (dead()) {
+      ended = true;  // it may have answered after poll() looked: once more
+      continue;
     }
     if (!(left > 0)) fail(Claim::kTimeLimit, "no answer within " + seconds_text(wall_clock_s() - begin_s));
   }

@@ -10,10 +10,11 @@ class SelfTimed {
  public:
   virtual ~SelfTimed() = default;
 
-  /// Loads and solves, as timed_solve() does. times.transport_s is what is part of neither.
+  /// Loads and solves, as timed_solve() does. times.transport_s is what is part of neither. @pre usable()
   virtual void run(const Problem& problem, const TimedRequest& request, TimedAnswer& result) = 0;
 
-  /// False once nothing more can be solved: the worker ends, and the next problem gets a fresh one.
+  /// False once nothing more can be solved: the worker ends, and the next problem gets a fresh one. Asked before each
+  /// problem, and after it.
   virtual bool usable() const = 0;
 };
 

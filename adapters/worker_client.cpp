@@ -72,24 +72,34 @@ class WorkerSolver final : public TimedSolver {
   }
 
   void exchange(TimedAnswer& result) {
+    if (ask(result)) return;
+    // It, or the program behind it, died since its last answer: not this problem's doing.
+    stop();
+    start_if_needed();
+    if (!ask(result)) throw std::runtime_error("the worker takes no requests");
+  }
+
+  /// False when the worker did not begin with the problem.
+  bool ask(TimedAnswer& result) {
     const worker::AnswerSizes sizes = worker::answer_sizes(request_.problem);
     const double begin_s = wall_clock_s();
     const worker::RequestNotice notice = write_into_region(sizes);
-    if (!notify(notice)) {  // it died since its last answer: not this problem's doing
-      stop();
-      start_if_needed();
-      if (!notify(notice)) throw std::runtime_error("the worker takes no requests");
-    }
+    if (!notify(notice)) return false;
     const double cpu_before_s = process_->cpu_s();
     worker::ResponseNotice reply;
     const WorkerProcess::Wait wait =
         process_->wait(std::as_writable_bytes(std::span(&reply, 1)), begin_s + allowed_s());
     const double elapsed_s = wall_clock_s() - begin_s;
     if (wait.event == WorkerProcess::Event::kPacket) {
-      if (wait.packet_bytes != sizeof reply || reply.magic != worker::kMagic || reply.sequence != notice.sequence) {
-        return crashed("sent what is no notice of an answer", result);
+      const bool valid = wait.packet_bytes == sizeof reply && reply.magic == worker::kMagic &&
+                         reply.sequence == notice.sequence && reply.declined <= 1;
+      if (valid && reply.declined == 1) return false;
+      if (valid) {
+        take_response(notice, sizes, elapsed_s, result);
+      } else {
+        crashed("sent what is no notice of an answer", result);
       }
-      return take_response(notice, sizes, elapsed_s, result);
+      return true;
     }
     const double cpu_s = std::max(0.0, process_->cpu_s() - cpu_before_s);
     if (wait.event == WorkerProcess::Event::kTimeout) {
@@ -100,6 +110,7 @@ class WorkerSolver final : public TimedSolver {
     }
     result.times.solve_wall_s = elapsed_s;
     result.times.solve_cpu_s = cpu_s;
+    return true;
   }
 
   double allowed_s() const {

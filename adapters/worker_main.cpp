@@ -81,6 +81,12 @@ class CurrentSolver {
     return *solver_;
   }
 
+  /// False when the other process that does the solver's work has ended since its last problem.
+  bool usable() const {
+    const auto* const self_timed = dynamic_cast<const SelfTimed*>(solver_.get());
+    return self_timed == nullptr || self_timed->usable();
+  }
+
  private:
   std::string spec_;
   std::unique_ptr<Solver> solver_;
@@ -154,10 +160,15 @@ void check(const RequestNotice& notice, std::size_t region_bytes) {
       region = SharedRegion::adopt(std::move(attached));
     }
     check(notice, region.bytes().size());
-    const Response response = answer(current, region.bytes().first(notice.request_bytes), notice.sequence);
-    write_response(response, region.bytes().subspan(notice.response_offset, notice.response_bytes));
     ResponseNotice done;
     done.sequence = notice.sequence;
+    if (!current.usable()) {
+      done.declined = 1;
+      send_packet(kSocketFd, std::as_bytes(std::span(&done, 1)));
+      _exit(0);
+    }
+    const Response response = answer(current, region.bytes().first(notice.request_bytes), notice.sequence);
+    write_response(response, region.bytes().subspan(notice.response_offset, notice.response_bytes));
     if (!send_packet(kSocketFd, std::as_bytes(std::span(&done, 1)))) _exit(0);
     if (response.retiring) _exit(0);
   }

@@ -216,16 +216,18 @@ void WorkerProcess::expect_greeting(double timeout_s) {
 }
 
 WorkerProcess::Wait WorkerProcess::wait(std::span<std::byte> packet, double deadline_s) {
-  for (;;) {
+  for (bool ended = false;;) {
     const double left = deadline_s - wall_clock_s();
     pollfd polled{socket_.get(), POLLIN, 0};
-    const int ready = poll(&polled, 1, poll_timeout_ms(left));
+    const int ready = poll(&polled, 1, ended ? 0 : poll_timeout_ms(left));
     if (ready > 0) {
       const ssize_t received = receive_packet(socket_.get(), packet, nullptr, MSG_DONTWAIT);
       if (received > 0) return {Event::kPacket, static_cast<std::size_t>(received)};
       if (received == 0 || errno != EAGAIN) return {Event::kEnded, 0};
-    } else if (dead()) {
+    } else if (ended && ready == 0) {
       return {Event::kEnded, 0};
+    } else if (dead()) {
+      ended = true;  // it may have answered after poll() looked: once more
     } else if (!(left > 0)) {
       return {Event::kTimeout, 0};
     }

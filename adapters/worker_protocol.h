@@ -19,7 +19,7 @@ namespace lcpbench::worker {
 
 inline constexpr std::uint64_t kMagic = 0x6c637062656e6368;
 /// Raised with every change of the messages: a worker of another build is refused, not misread.
-inline constexpr std::uint64_t kVersion = 1;
+inline constexpr std::uint64_t kVersion = 2;
 /// Descriptor of the worker's end of the socket.
 inline constexpr int kSocketFd = 3;
 /// Whether a worker's memory is limited: not under AddressSanitizer, whose shadow is terabytes of address space.
@@ -71,10 +71,11 @@ struct RequestNotice {
   std::uint64_t response_bytes = 0;   ///< room for the response
 };
 
-/// Socket packet from the worker: the response is complete.
+/// Socket packet from the worker: the response is complete, or none will come.
 struct ResponseNotice {
   std::uint64_t magic = kMagic;
   std::uint64_t sequence = 0;
+  std::uint64_t declined = 0;  ///< 1: the worker ends without having looked at the request; another may answer it
 };
 
 /// `value` holds only when `error` is empty; else `error` is one clause naming the field.

@@ -7,6 +7,9 @@
 namespace lcpbench {
 namespace {
 
+/// So many worker processes may live on between the problems of a sweep.
+constexpr std::size_t kKeptWorkers = 16;
+
 /// nullptr where the solver has no way to share work between these cells.
 std::unique_ptr<SweptSolver> shared_sweep(const RegisteredSolver& solver, const std::vector<Spec>& cells) {
   if (!solver.native() || solver.definition.make_swept == nullptr) return nullptr;
@@ -55,7 +58,7 @@ std::unique_ptr<SweptSolver> open_swept_solver(const std::vector<Spec>& cells) {
   if (std::unique_ptr<SweptSolver> shared = shared_sweep(solver, cells)) return shared;
   std::vector<OpenCell> open;
   for (const Spec& cell : cells) open.push_back([cell] { return open_solver(cell); });
-  return one_by_one(std::move(open), solver.native());
+  return one_by_one(std::move(open), solver.native() || cells.size() <= kKeptWorkers);
 }
 
 }  // namespace lcpbench

@@ -7,6 +7,7 @@ lcpbench_test(worker_protocol LINK lcpbench_adapters)
 lcpbench_test(worker LINK lcpbench_adapters)
 target_compile_definitions(worker_test PRIVATE FAULT_WORKER="$<TARGET_FILE:fault_worker>"
                                                WORKER_PARENT="$<TARGET_FILE:worker_parent>")
+target_sources(worker_test PRIVATE worker_empty_poll.cpp)
 add_dependencies(worker_test fault_worker worker_parent)
 
 # Foreign libraries are loaded by the workers and by nothing else.
@@ -37,8 +38,10 @@ target_compile_definitions(adapter_path_test PRIVATE PATH_WORKER="$<TARGET_FILE:
 add_dependencies(adapter_path_test lcpbench-worker-path path_stand_in_4 path_stand_in_5)
 
 # Programs of a user's own: the example's, and one that misbehaves.
-lcpbench_test(external LINK lcpbench_adapters lcpbench_generators lcpbench_solver_list nlohmann_json::nlohmann_json)
-target_sources(external_test PRIVATE ${PROJECT_SOURCE_DIR}/adapters/external_json.cpp
+lcpbench_test(external LINK lcpbench_study lcpbench_adapters lcpbench_generators lcpbench_solver_list
+                            nlohmann_json::nlohmann_json)
+target_sources(external_test PRIVATE worker_empty_poll.cpp
+                                     ${PROJECT_SOURCE_DIR}/adapters/external_json.cpp
                                      ${PROJECT_SOURCE_DIR}/adapters/external_program.cpp)
 target_compile_definitions(external_test PRIVATE EXTERNAL_WORKER="$<TARGET_FILE:lcpbench-worker-external>"
   EXTERNAL_FAULTS="${CMAKE_CURRENT_SOURCE_DIR}/external_faults.py"

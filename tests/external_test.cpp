@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -26,6 +27,8 @@
 #include "core/error.h"
 #include "generators/problem_io.h"
 #include "generators/sets.h"
+#include "study/open_solver.h"
+#include "worker_empty_poll.h"
 
 namespace lcpbench {
 
@@ -106,6 +109,23 @@ bool all_children_end_within(double seconds) {
   return false;
 }
 
+/// A folder of its own, removed at the end.
+class Scratch {
+ public:
+  Scratch() {
+    std::string name = (std::filesystem::temp_directory_path() / "lcpbench-external-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
+    path_ = name;
+  }
+  ~Scratch() { std::filesystem::remove_all(path_); }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  std::string file(const char* name) const { return (path_ / name).string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
 struct Fault {
   const char* behaviour;
   Claim claim;
@@ -174,13 +194,25 @@ TEST(ExternalTest, OneProcessServesAllProblemsAndANewOneFollowsACrash) {
   EXPECT_NE(run(*solver, "process").counters.iterations, process);
 }
 
-TEST(ExternalTest, ProgramThatEndedBetweenProblemsIsStartedAnew) {
-  const auto solver = client();
-  const auto process = static_cast<pid_t>(run(*solver, "process").counters.iterations);
+void end_between_problems(TimedSolver& solver) {
+  const auto process = static_cast<pid_t>(run(solver, "process").counters.iterations);
   ASSERT_GT(process, 0);
   ASSERT_EQ(kill(process, SIGKILL), 0);
   while (state_of(process) != 'Z') std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+TEST(ExternalTest, ProgramThatEndedBetweenProblemsIsStartedAnew) {
+  const auto solver = client();
+  end_between_problems(*solver);
   expect_right(*solver);
+}
+
+TEST(ExternalTest, ProblemAfterANewStartHasTheTimeLimitOfAnyOther) {
+  const auto solver = client();
+  end_between_problems(*solver);
+  const Answer answer = run(*solver, "sleep", kImpatient);
+  EXPECT_STREQ(to_string(answer.claim), "time_limit");
+  EXPECT_NE(answer.detail.find("no answer within"), std::string::npos) << answer.detail;
 }
 
 TEST(ExternalTest, CountersAndDetailArrive) {
@@ -226,6 +258,61 @@ TEST(ExternalTest, ProgramThatDoesNotStartIsReportedAndBlamesNoProblem) {
   EXPECT_NE(start_error("'open").find("an open quote"), std::string::npos);
 }
 
+TEST(ExternalTest, ProgramThatDoesNotStartAgainIsReportedAndBlamesNoProblem) {
+  const Scratch scratch;
+  const std::string mark = scratch.file("started");
+  const auto solver = client("sh -c 'test -e " + mark + " && exit 3; : > " + mark + "; exec " EXTERNAL_FAULTS "'");
+  end_between_problems(*solver);
+  try {
+    ADD_FAILURE() << to_string(run(*solver, "right").claim);
+  } catch (const WorkerError& error) {
+    EXPECT_NE(std::string(error.what()).find("start: exited with code 3"), std::string::npos) << error.what();
+  }
+  std::filesystem::remove(mark);
+  expect_right(*solver);
+}
+
+TEST(ExternalProgramTest, AnswerOfAProgramThatEndsBehindOurBackIsRead) {
+  external::ExternalProgram program(external::command_words("sh -c 'read line; kill -STOP $$; echo {}'"));
+  const std::vector<pid_t> children = children_of(getpid());
+  ASSERT_EQ(children.size(), 1U);
+  end_stopped_child_in_next_empty_poll(children[0]);
+  EXPECT_EQ(program.ask("{}", 100, wall_clock_s() + 20.0), "{}");
+  EXPECT_TRUE(child_has_ended_in_empty_poll());
+  EXPECT_TRUE(program.dead());
+}
+
+/// A sweep over programs that differ in an argument.
+std::unique_ptr<SweptSolver> sweep_of(int cells) {
+  std::vector<Spec> specs;
+  for (int cell = 0; cell < cells; ++cell) {
+    specs.push_back({"external", {{"command", EXTERNAL_FAULTS " " + std::to_string(cell)}}});
+  }
+  return open_swept_solver(specs);
+}
+
+/// The processes that answer the cells.
+std::set<std::int64_t> processes(SweptSolver& sweep) {
+  std::vector<SweptAnswer> answers;
+  sweep.run(named("process"), kPatient, answers);
+  std::set<std::int64_t> result;
+  for (const SweptAnswer& answer : answers) result.insert(answer.timed.answer.counters.iterations);
+  return result;
+}
+
+TEST(ExternalSweepTest, ProcessesOfAFewCellsServeAllProblems) {
+  const auto sweep = sweep_of(3);
+  const std::set<std::int64_t> first = processes(*sweep);
+  EXPECT_EQ(first.size(), 3U);
+  EXPECT_EQ(processes(*sweep), first);
+}
+
+TEST(ExternalSweepTest, ManyCellsDoNotAddUpToManyProcesses) {
+  const auto sweep = sweep_of(17);
+  EXPECT_EQ(processes(*sweep).size(), 17U);
+  EXPECT_TRUE(children_of(getpid()).empty());
+}
+
 // What the program does in "problem" is transport: 0.2 s there and 0.1 s in "setup" are told apart from 0.05 s in
 // "solve".
 TEST(ExternalTest, TimesAreTakenApartByTheWallClock) {
@@ -246,11 +333,13 @@ TEST(ExternalTest, TimesAreTakenApartByTheWallClock) {
 
 TEST(ExternalTest, TimeLimitIsKept) {
   const auto solver = client();
+  expect_right(*solver);  // starting takes its time
   const double begin_s = wall_clock_s();
   TimedAnswer result;
   solver->run(named("sleep"), kImpatient, result);
   EXPECT_STREQ(to_string(result.answer.claim), "time_limit");
   EXPECT_LT(wall_clock_s() - begin_s, 1.0);  // the program is ended at 0.3 s, not the worker at 1.3 s
+  EXPECT_NE(result.answer.detail.find("no answer within"), std::string::npos) << result.answer.detail;
   EXPECT_GE(result.times.solve_wall_s, 0.3);
 }
 
@@ -306,23 +395,6 @@ TEST(ExternalSafetyTest, NothingOutlivesTheSolver) {
   EXPECT_TRUE(all_children_end_within(5.0));
   prctl(PR_SET_CHILD_SUBREAPER, 0);
 }
-
-/// A folder of its own, removed at the end.
-class Scratch {
- public:
-  Scratch() {
-    std::string name = (std::filesystem::temp_directory_path() / "lcpbench-external-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    path_ = name;
-  }
-  ~Scratch() { std::filesystem::remove_all(path_); }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  std::string file(const char* name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
-};
 
 pid_t start_lcpbench_solve(const std::string& problem, const std::string& solver) {
   const pid_t program = fork();

@@ -200,6 +200,11 @@ class Fault final : public Solver {
            }
          }},
         {"stop", [](A&) { raise(SIGSTOP); }},
+        {"stop, then throw",
+         [](A&) {
+           raise(SIGSTOP);
+           throw std::runtime_error("boom");
+         }},
         {"print", [](A&) { print_megabytes(); }},
         {"fork and exit", [](A&) { fork_a_child_and_exit(); }},
         {"throw", [](A&) { throw std::runtime_error("boom"); }},

@@ -23,6 +23,7 @@
 #include "adapters/worker_client.h"
 #include "adapters/worker_protocol.h"
 #include "core/error.h"
+#include "worker_empty_poll.h"
 
 namespace lcpbench {
 
@@ -256,6 +257,19 @@ TEST(WorkerTest, WorkerThatDiedBetweenRunsIsReplaced) {
   ASSERT_EQ(kill(process, SIGKILL), 0);
   siginfo_t info{};
   ASSERT_EQ(waitid(P_PID, static_cast<id_t>(process), &info, WEXITED | WNOWAIT), 0);
+  expect_right(*solver);
+}
+
+// After "throw" a worker answers and ends.
+TEST(WorkerTest, AnswerOfAWorkerThatEndsBehindOurBackIsRead) {
+  const auto solver = client();
+  const auto process = static_cast<pid_t>(ask(*solver, "pid"));
+  ASSERT_GT(process, 0);
+  end_stopped_child_in_next_empty_poll(process);
+  const Answer answer = run(*solver, "stop, then throw").answer;
+  EXPECT_TRUE(child_has_ended_in_empty_poll());
+  EXPECT_STREQ(to_string(answer.claim), "numerical_failure");
+  EXPECT_EQ(answer.detail, "exception: boom");
   expect_right(*solver);
 }
 

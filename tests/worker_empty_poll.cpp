@@ -1,0 +1,41 @@
+#include "worker_empty_poll.h"
+
+#include <atomic>
+
+#include <poll.h>
+#include <signal.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace lcpbench {
+namespace {
+
+std::atomic<pid_t> g_child = -1;
+std::atomic<bool> g_ended = false;
+
+void end_stopped(pid_t child) {
+  siginfo_t info{};
+  waitid(P_PID, static_cast<id_t>(child), &info, WSTOPPED | WEXITED | WNOWAIT);
+  kill(child, SIGCONT);
+  g_ended = waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOWAIT) == 0;
+}
+
+}  // namespace
+
+void end_stopped_child_in_next_empty_poll(pid_t child) {
+  g_ended = false;
+  g_child = child;
+}
+
+bool child_has_ended_in_empty_poll() { return g_ended; }
+
+}  // namespace lcpbench
+
+/// In place of the C library's.
+extern "C" int poll(pollfd* descriptors, nfds_t count, int timeout_ms) {
+  const auto ready = static_cast<int>(syscall(SYS_poll, descriptors, count, timeout_ms));
+  if (ready != 0) return ready;
+  if (const pid_t child = lcpbench::g_child.exchange(-1); child > 0) lcpbench::end_stopped(child);
+  return 0;
+}
