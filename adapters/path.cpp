@@ -4,7 +4,16 @@
 
 #include "core/registry.h"
 
-#ifndef LCPBENCH_DESCRIBE_ONLY
+#ifdef LCPBENCH_DESCRIBE_ONLY
+#define XXH_INLINE_ALL
+#include <array>
+#include <cstddef>
+#include <cstdio>
+#include <fstream>
+#include <optional>
+
+#include <xxhash.h>
+#else
 #include <algorithm>
 #include <vector>
 
@@ -150,20 +159,40 @@ std::filesystem::path users_library() {
   return file == nullptr ? "" : file;
 }
 
+/// 16 hexadecimal digits: XXH3-64 of the file's bytes. nullopt when it cannot be read.
+std::optional<std::string> content_hash(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::array<char, 16384> bytes;
+  XXH3_state_t state;
+  XXH3_64bits_reset(&state);
+  while (in.read(bytes.data(), bytes.size()) || in.gcount() > 0) {
+    XXH3_64bits_update(&state, bytes.data(), static_cast<std::size_t>(in.gcount()));
+  }
+  if (!in.eof()) return std::nullopt;
+  std::array<char, 17> text;
+  std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(XXH3_64bits_digest(&state)));
+  return text.data();
+}
+
 }  // namespace
+
+// What these two return gets into stores and reports: no folder of the user's, only the file's name.
 
 std::string lcpbench_unavailable_path() {
   const std::filesystem::path file = users_library();
   if (file.empty()) return "set PATH_LIBRARY to the file of your libpath (and PATH_LICENSE_STRING to its licence)";
-  std::error_code error;
   // A bare name is looked for by the dynamic linker, in the worker.
-  if (file.has_parent_path() && !std::filesystem::exists(file, error)) {
-    return "PATH_LIBRARY names " + file.string() + ", which is not there";
+  if (file.has_parent_path() && !content_hash(file)) {
+    return "PATH_LIBRARY names a file " + file.filename().string() + " that is not there or cannot be read";
   }
   return {};
 }
 
-std::string lcpbench_version_path() { return users_library().filename().string(); }
+std::string lcpbench_version_path() {
+  const std::filesystem::path file = users_library();
+  const std::optional<std::string> hash = file.has_parent_path() ? content_hash(file) : std::nullopt;
+  return file.filename().string() + (hash ? " " + *hash : "");
+}
 
 #endif
 

@@ -211,6 +211,7 @@ void PathLibrary::solve(McpInterface& callbacks, int n, int entries, Answer& ans
     answer.claim = termination.claim;
     answer.detail = version_ + ": " + termination.meaning;
   }
+  if (answer.claim == Claim::kUnsupported) answer.z.resize(0);
 }
 
 }  // namespace lcpbench::path

@@ -2,6 +2,7 @@
 // structures, its licence, its options, and what is said when it is not there.
 
 #include <cstdlib>
+#include <filesystem>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -104,6 +105,14 @@ TEST_P(PathTest, LicenceIsNeededForLargeProblems) {
   EXPECT_STREQ(to_string(solve(large).claim), "numerical_failure");
 }
 
+TEST_P(PathTest, LicenceThatFailsAtTheSolveLeavesNoAnswer) {
+  setenv("PATH_LICENSE_STRING", "a licence that fails late", 1);
+  const Answer refused = solve(nonsymmetric());
+  EXPECT_STREQ(to_string(refused.claim), "unsupported") << refused.detail;
+  EXPECT_EQ(refused.z.size(), 0);
+  EXPECT_NE(refused.detail.find("licence error"), std::string::npos) << refused.detail;
+}
+
 std::string start_error() {
   try {
     TimedAnswer result;
@@ -118,11 +127,42 @@ TEST(PathAvailabilityTest, TellsWhatToSet) {
   unsetenv("PATH_LIBRARY");
   EXPECT_NE(lcpbench_unavailable_path().find("set PATH_LIBRARY"), std::string::npos);
   setenv("PATH_LIBRARY", "/nowhere/libpath50.so", 1);
-  EXPECT_NE(lcpbench_unavailable_path().find("/nowhere/libpath50.so"), std::string::npos);
+  EXPECT_NE(lcpbench_unavailable_path().find("libpath50.so"), std::string::npos);
+  EXPECT_EQ(lcpbench_unavailable_path().find("nowhere"), std::string::npos) << "stands in reports";
+  setenv("PATH_LIBRARY", std::filesystem::path(STAND_IN_5).parent_path().c_str(), 1);
+  EXPECT_NE(lcpbench_unavailable_path(), "") << "a folder is no library";
   setenv("PATH_LIBRARY", STAND_IN_5, 1);
   EXPECT_EQ(lcpbench_unavailable_path(), "");
-  EXPECT_EQ(lcpbench_version_path(), "libpath_stand_in_5.so");
   unsetenv("PATH_LIBRARY");
+}
+
+std::string version_of(const std::filesystem::path& library) {
+  setenv("PATH_LIBRARY", library.c_str(), 1);
+  const std::string version = lcpbench_version_path();
+  unsetenv("PATH_LIBRARY");
+  return version;
+}
+
+TEST(PathVersionTest, IsTheFilesNameAndContent) {
+  const std::string five = version_of(STAND_IN_5);
+  EXPECT_TRUE(five.starts_with("libpath_stand_in_5.so ")) << five;
+  EXPECT_EQ(version_of(STAND_IN_5), five);
+  EXPECT_EQ(version_of("libpath50.so"), "libpath50.so");  // only the dynamic linker knows which
+  EXPECT_EQ(version_of(""), "");
+}
+
+TEST(PathVersionTest, LibrariesOfOneNameAndDifferentContentDiffer) {
+  std::string folder = (std::filesystem::temp_directory_path() / "lcpbench-path-XXXXXX").string();
+  ASSERT_NE(mkdtemp(folder.data()), nullptr);
+  const std::filesystem::path library = std::filesystem::path(folder) / "libpath.so";
+  std::filesystem::copy_file(STAND_IN_5, library);
+  const std::string five = version_of(library);
+  std::filesystem::copy_file(STAND_IN_4, library, std::filesystem::copy_options::overwrite_existing);
+  const std::string four = version_of(library);
+  std::filesystem::remove_all(folder);
+  EXPECT_TRUE(four.starts_with("libpath.so ")) << four;
+  EXPECT_TRUE(five.starts_with("libpath.so ")) << five;
+  EXPECT_NE(four, five);
 }
 
 TEST(PathAvailabilityTest, LibraryThatDoesNotOpenIsNamed) {
