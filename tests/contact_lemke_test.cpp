@@ -331,7 +331,7 @@ TEST(ContactLemkeTest, DoesNotDependOnUnits) {
 
 TEST(ContactLemkeTest, SurvivesDataAtTheEndsOfTheRange) {
   const ContactProblem contact = *open_set("paper/copositive/exp2")->generate(16, 4).contact();
-  for (const char* precision : {"double", "float"}) {
+  for (const char* precision : {"double", "float", "cascade"}) {
     const auto solver = contact_lemke({{"precision", precision}});
     for (const double speed : {0.0, 0x1p-1070, 1e-150, 1e150, 1e300}) {
       for (const double mass : {0x1p-1070, 1e-150, 1.0, 1e150, 1e300}) {

@@ -121,8 +121,17 @@ class Completion {
   }
 
   static double relative(Scalar residual, Scalar q_max) {
-    if (q_max > 0 && q_max < kInfinity<Scalar>) return static_cast<double>(residual / q_max);
-    return residual == 0 && q_max == 0 ? 0 : __builtin_inf();
+    if (q_max == 0) return residual == 0 ? 0 : __builtin_inf();
+    return is_scale(q_max) ? static_cast<double>(residual / q_max) : __builtin_inf();
+  }
+
+  /// Answers are doubles: where 113 bits reach further, nothing is vouched for.
+  static bool is_scale(Scalar q_max) {
+    if constexpr (sizeof(Scalar) > sizeof(double)) {
+      return q_max >= static_cast<Scalar>(__DBL_MIN__) && q_max <= static_cast<Scalar>(__DBL_MAX__);
+    } else {
+      return q_max > 0 && q_max < kInfinity<Scalar>;
+    }
   }
 
   /// max|q|; the friction part, which costs the most, only where the normals' leaves `error` above kNoDoubt of it.
