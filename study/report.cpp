@@ -77,10 +77,11 @@ Json decision_json(const Summary& summary, const std::vector<report::Situation>&
   return records;
 }
 
-/// Claim against verdict as records, one per set, solver and claim.
+/// Claim against verdict as records, one per set, solver at single settings and claim.
 Json claims_json(const Json& cells) {
   Json records = Json::array();
   for (const Json& cell : cells) {
+    if (!cell.contains("claims")) continue;
     for (const auto& [claim, verdicts] : cell["claims"].items()) {
       Json record{{"set", cell["set"]},
                   {"solver", cell["solver"]},

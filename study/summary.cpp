@@ -30,6 +30,7 @@ double share(std::int64_t part, std::int64_t whole) {
 /// One distinct answer as the store holds it.
 struct Row {
   std::int64_t problem = 0;
+  std::int64_t seed = 0;
   std::int64_t trial = 0;
   const std::vector<std::uint32_t>* cells = nullptr;  ///< parameterisations that gave it
   Claim claim = Claim::kNumericalFailure;
@@ -115,7 +116,7 @@ std::map<std::int64_t, std::vector<Row>> read_answers(sqlite::Database& store, s
                           "SELECT j.solver_id, j.problem_id, j.trial, j.claim, j.verdict, v.criterion,"
                           " v.velocity_residual_relative, v.backward_row_norm, v.violation_m_per_s,"
                           " t.setup_wall_s, t.setup_cpu_s, t.solve_wall_s, t.solve_cpu_s, t.transport_s, t.verify_s, "
-                          "CASE j.claim WHEN 'unsupported' THEN a.detail ELSE '' END, a.pivots, j.group_id"
+                          "CASE j.claim WHEN 'unsupported' THEN a.detail ELSE '' END, a.pivots, j.group_id, j.seed"
                           " FROM judged j JOIN answers a USING (problem_id, solver_id, part)"
                           " JOIN verdicts v USING (problem_id, solver_id, part)"
                           " LEFT JOIN timings t USING (problem_id, solver_id, part)"
@@ -136,6 +137,7 @@ std::map<std::int64_t, std::vector<Row>> read_answers(sqlite::Database& store, s
     row.times = {query.real(9), query.real(10), query.real(11), query.real(12), query.real(13), query.real(14)};
     row.detail = query.text(15);
     row.pivots = query.integer(16);
+    row.seed = query.integer(18);
     row.cells = &cells_of(groups, query.integer(17), solver_cells.at(solver), store);
     answers[solver].push_back(std::move(row));
   }
@@ -288,6 +290,7 @@ std::vector<Outcome> outcomes_of(const std::vector<Row>& rows) {
   outcomes.reserve(rows.size());
   for (const Row& row : rows) {
     outcomes.push_back({.problem = row.problem,
+                        .seed = row.seed,
                         .trial = row.trial,
                         .solved = solved(row),
                         .false_claim = false_claim(row.claim, row.verdict),
@@ -432,17 +435,24 @@ double best_held_out(const std::vector<const Cell*>& cells) {
 std::vector<SweepSummary> summarize_sweeps(const Summary& summary) {
   struct Key {
     std::size_t set;
-    std::string solver, sweep, isa;
+    std::string solver, sweep, isa, library, version;
     auto operator<=>(const Key&) const = default;
   };
   std::map<Key, std::vector<const Cell*>> groups;
   for (const Cell& cell : summary.cells) {
     const SolverRow& solver = summary.solvers[cell.solver];
-    if (!solver.sweep.empty()) groups[{cell.set, solver.name, solver.sweep, solver.isa}].push_back(&cell);
+    if (solver.sweep.empty()) continue;
+    groups[{cell.set, solver.name, solver.sweep, solver.isa, solver.library, solver.version}].push_back(&cell);
   }
   std::vector<SweepSummary> sweeps;
   for (const auto& [key, cells] : groups) {
-    SweepSummary sweep{key.set, key.solver, key.sweep, key.isa, static_cast<std::int64_t>(cells.size()), 0, {}, {}, 0};
+    SweepSummary sweep{.set = key.set,
+                       .solver = key.solver,
+                       .sweep = key.sweep,
+                       .isa = key.isa,
+                       .library = key.library,
+                       .version = key.version,
+                       .parameterisations = static_cast<std::int64_t>(cells.size())};
     sweep.trials = (*std::min_element(cells.begin(), cells.end(), [](const Cell* a, const Cell* b) {
                      return a->trials < b->trials;
                    }))->trials;
@@ -515,6 +525,24 @@ nlohmann::ordered_json claims_json(const Cell& cell) {
   return json;
 }
 
+/// What a solver at single settings has beyond the keys of a sweep's parameterisation.
+void add_details(const Cell& cell, nlohmann::ordered_json& json) {
+  json["time"]["criterion"] = spread_json(cell.criterion_time);
+  json["time"]["all"]["median_low"] = cell.median_time.low;
+  json["time"]["all"]["median_high"] = cell.median_time.high;
+  json["time"]["parts_mean"] = {{"setup_wall", cell.time_parts.setup_wall}, {"setup_cpu", cell.time_parts.setup_cpu},
+                                {"solve_wall", cell.time_parts.solve_wall}, {"solve_cpu", cell.time_parts.solve_cpu},
+                                {"transport", cell.time_parts.transport},   {"verify", cell.time_parts.verify}};
+  json["time_ratio_low"] = cell.time_ratio.low;
+  json["time_ratio_high"] = cell.time_ratio.high;
+  json["time_ratio_problems"] = cell.paired;
+  json["criterion_violation"] = spread_json(cell.criterion_violation);
+  json["pivots"] = spread_json(cell.pivots);
+  json["claims"] = claims_json(cell);
+  json["even_trials"] = half_json(cell.halves[0]);
+  json["odd_trials"] = half_json(cell.halves[1]);
+}
+
 nlohmann::ordered_json cell_json(const Summary& summary, const Cell& cell) {
   const SolverRow& solver = summary.solvers[cell.solver];
   nlohmann::ordered_json json;
@@ -542,30 +570,17 @@ nlohmann::ordered_json cell_json(const Summary& summary, const Cell& cell) {
   json["rate"] = cell.rate();
   json["rate_low"] = cell.rate_interval.low;
   json["rate_high"] = cell.rate_interval.high;
-  json["time"]["solved"] = spread_json(cell.solved_time);
-  json["time"]["criterion"] = spread_json(cell.criterion_time);
-  json["time"]["all"] = spread_json(cell.all_time);
-  json["time"]["all"]["median_low"] = cell.median_time.low;
-  json["time"]["all"]["median_high"] = cell.median_time.high;
-  json["time"]["parts_mean"] = {{"setup_wall", cell.time_parts.setup_wall}, {"setup_cpu", cell.time_parts.setup_cpu},
-                                {"solve_wall", cell.time_parts.solve_wall}, {"solve_cpu", cell.time_parts.solve_cpu},
-                                {"transport", cell.time_parts.transport},   {"verify", cell.time_parts.verify}};
-  json["time_ratio"] = cell.time_ratio.value;
-  json["time_ratio_low"] = cell.time_ratio.low;
-  json["time_ratio_high"] = cell.time_ratio.high;
-  json["time_ratio_problems"] = cell.paired;
-  json["violation"] = spread_json(cell.violation);
   json["criterion_rate"] = cell.criterion_rate();
-  json["criterion_violation"] = spread_json(cell.criterion_violation);
-  json["pivots"] = spread_json(cell.pivots);
+  json["time"]["solved"] = spread_json(cell.solved_time);
+  json["time"]["all"] = spread_json(cell.all_time);
+  json["time_ratio"] = cell.time_ratio.value;
+  json["violation"] = spread_json(cell.violation);
   json["error"]["measure"] = nullable(cell.error_measure);
   json["error"]["answers"] = cell.error_count;
   json["error"]["median"] = cell.error_median;
   json["error"]["p99"] = cell.error_p99;
   json["error"]["max"] = cell.error_max;
-  json["claims"] = claims_json(cell);
-  json["even_trials"] = half_json(cell.halves[0]);
-  json["odd_trials"] = half_json(cell.halves[1]);
+  if (solver.sweep.empty()) add_details(cell, json);
   return json;
 }
 
@@ -578,9 +593,14 @@ nlohmann::ordered_json range_json(const SweepSummary::Range& range) {
 }
 
 nlohmann::ordered_json sweep_json(const Summary& summary, const SweepSummary& sweep) {
-  nlohmann::ordered_json json{
-      {"set", summary.sets[sweep.set].name}, {"solver", sweep.solver}, {"sweep", sweep.sweep}, {"isa", sweep.isa},
-      {"cells", sweep.parameterisations},    {"trials", sweep.trials}};
+  nlohmann::ordered_json json{{"set", summary.sets[sweep.set].name},
+                              {"solver", sweep.solver},
+                              {"sweep", sweep.sweep},
+                              {"isa", sweep.isa},
+                              {"library", sweep.library},
+                              {"version", sweep.version},
+                              {"cells", sweep.parameterisations},
+                              {"trials", sweep.trials}};
   json.update(range_json(sweep.verdict));
   json["best_held_out"] = sweep.best_held_out;
   json["criterion"] = range_json(sweep.criterion);

@@ -35,13 +35,14 @@ struct SetSummary {
 /// One problem as one solver met it.
 struct Outcome {
   std::int64_t problem = 0;  ///< the store's id
+  std::int64_t seed = 0;
   std::int64_t trial = 0;
-  bool solved = false;       ///< the verdict
+  bool solved = false;  ///< the verdict
   bool false_claim = false;
-  bool unsolvable = false;   ///< proven: no solver can solve it
-  bool refused = false;      ///< outside what the solver takes
-  double time_s = 0;  ///< set-up and solve, CPU; NaN where nothing was timed or the problem was refused
-  double error = 0;   ///< what the verdict was taken on: rho, or the backward error of a bare LCP; NaN without an answer
+  bool unsolvable = false;  ///< proven: no solver can solve it
+  bool refused = false;     ///< outside what the solver takes
+  double time_s = 0;        ///< set-up and solve, CPU; NaN where nothing was timed or the problem was refused
+  double error = 0;  ///< what the verdict was taken on: rho, or the backward error of a bare LCP; NaN without an answer
 };
 
 /// Means over all trials but the refused ones [s].
@@ -130,6 +131,8 @@ struct SweepSummary {
   std::string solver;
   std::string sweep;
   std::string isa;
+  std::string library;
+  std::string version;
   std::int64_t parameterisations = 0;
   std::int64_t trials = 0;   ///< the fewest of any of them
   Range verdict;             ///< of Cell::rate
@@ -156,7 +159,8 @@ struct Summary {
 /// Byte for byte the same for equal rows. @throws InputError when the store cannot be read.
 Summary summarize(Store& store);
 
-/// The contract's summary.json; NaN and infinity are null.
+/// The contract's summary.json; NaN and infinity are null. Parameterisations of a sweep are thousands: they have the
+/// contract's keys and `criterion_rate` alone, without the matrix of claims, the halves and the parts of times.
 nlohmann::ordered_json summary_json(const Summary& summary);
 
 /// Less, where runs of digits compare as numbers.

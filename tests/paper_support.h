@@ -13,7 +13,8 @@ struct MadeCell {
   std::int64_t criterion = 2000;
   std::int64_t solved = 2000;  ///< verdict, all claimed
   std::int64_t unsolvable = 0;
-  std::int64_t wrong = 0;   ///< claimed solved
+  std::int64_t wrong = 0;  ///< claimed solved
+  std::int64_t refused = 0;
   double time_s = 1e-3;     ///< mean; sigma is half of it, the maximum ten times
   double violation = 1e-9;  ///< mean, likewise
 };
@@ -25,8 +26,12 @@ class MadeSummary {
   /// One parameterisation of a swept solver, `sweep` as stores name it: "paper", "paper{test=tried}".
   void swept(const std::string& set, const std::string& solver, const std::string& sweep, const std::string& settings,
              const MadeCell& made) {
-    add(set, {solver, settings, settings, "native", "1.0", "baseline", sweep}, made);
+    add(set, {solver, settings, settings, "native", version, isa, sweep}, made);
   }
+
+  /// Of what is added from here on.
+  std::string isa = "baseline";
+  std::string version = "1.0";
 
   /// A sweep of `count` parameterisations whose counts go in equal steps from the worst to the best.
   void grid(const std::string& set, const std::string& solver, const MadeCell& worst, const MadeCell& best,
@@ -84,7 +89,10 @@ class MadeSummary {
     count(Claim::kSolved, Verdict::kSolved) = made.solved;
     count(Claim::kSolved, Verdict::kWrong) = made.wrong;
     count(Claim::kIterationLimit, Verdict::kUnsolvable) = made.unsolvable;
-    count(Claim::kIterationLimit, Verdict::kOpen) = made.trials - made.solved - made.wrong - made.unsolvable;
+    count(Claim::kUnsupported, Verdict::kOpen) = made.refused;
+    if (made.refused > 0) cell.refusal = "no licence for this size";
+    count(Claim::kIterationLimit, Verdict::kOpen) =
+        made.trials - made.solved - made.wrong - made.unsolvable - made.refused;
     cell.criterion = made.criterion;
     cell.all_time = spread_of(made.trials, made.time_s);
     cell.solved_time = spread_of(made.solved, made.time_s);

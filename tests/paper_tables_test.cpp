@@ -265,12 +265,13 @@ TEST(PaperTablesTest, SpreadsPoolAllParameterisations) {
   made.swept("paper/monotone/exp6-1e5", "lemke", "paper", "a=1", {});
   made.swept("paper/monotone/exp6-1e5", "lemke", "paper", "a=2", slow);
   const auto grids = paper::grids(made.summary);
-  const Spread all = paper::over_all(grids.front(), paper::Quantity::kTimeAll, Measure::kCriterion);
+  const Spread all = paper::over_all(grids.front(), paper::Quantity::kTimeAll, Measure::kCriterion).values;
   EXPECT_EQ(all.count, 4000);
   EXPECT_NEAR(all.mean, 2e-3, 1e-15);
   EXPECT_GT(all.sigma, 1e-3);
   EXPECT_DOUBLE_EQ(all.max, 3e-2);
-  EXPECT_EQ(paper::at_best(grids.front(), paper::Quantity::kTimeAll, Measure::kCriterion).count, 1000);
+  EXPECT_EQ(paper::at_best(grids.front(), paper::Quantity::kTimeAll, Measure::kCriterion).values.count, 1000);
+  EXPECT_EQ(paper::over_all(grids.front(), paper::Quantity::kTimeAll, Measure::kCriterion).problems, 2000);
 }
 
 // --- maps and readings ---
@@ -318,10 +319,57 @@ TEST(ReadingsTest, WhatIsNotReproducedFollowsFromTheNumbers) {
   made.grid("paper/monotone/exp2", "lemke", worst, best);
   const auto rows = paper::reproductions(paper::grids(made.summary));
   ASSERT_EQ(rows.size(), 6U);
-  EXPECT_TRUE(rows[0].reproduced);  // Experiment 1, worst: the published number itself
-  EXPECT_TRUE(rows[2].reproduced);
-  EXPECT_FALSE(rows[3].reproduced);  // Experiment 2, worst: 50 instead of 79.73
-  EXPECT_TRUE(rows[5].reproduced);
+  EXPECT_EQ(rows[0].agreement, paper::Agreement::kReproduced);  // Experiment 1, worst: the published number itself
+  EXPECT_EQ(rows[2].agreement, paper::Agreement::kReproduced);
+  EXPECT_EQ(rows[3].agreement, paper::Agreement::kTooFewTrials);  // Experiment 2, worst: 50 of 2000, +- 2.3 points
+  EXPECT_EQ(rows[5].agreement, paper::Agreement::kReproduced);
+}
+
+TEST(ReadingsTest, FewTrialsAndRefusalsReproduceNothing) {
+  const auto agreement = [](const MadeCell& cell) {
+    MadeSummary made;
+    made.grid("paper/monotone/exp1", "path", cell, cell);
+    return paper::reproductions(paper::grids(made.summary)).at(0).agreement;
+  };
+  EXPECT_EQ(agreement({.trials = 20, .criterion = 20, .solved = 20}), paper::Agreement::kTooFewTrials);
+  EXPECT_EQ(agreement({.trials = 20000, .criterion = 19500, .solved = 19500}), paper::Agreement::kReproduced);
+  EXPECT_EQ(agreement({.trials = 20000, .criterion = 10000, .solved = 10000}), paper::Agreement::kDiffers);
+  EXPECT_EQ(agreement({.trials = 20000, .criterion = 19500, .solved = 19500, .refused = 300}),
+            paper::Agreement::kRefused);
+}
+
+TEST(PaperTablesTest, RefusalsStandInsteadOfShares) {
+  MadeSummary made;
+  const MadeCell path{.criterion = 1500, .solved = 1500, .refused = 500};
+  made.grid("paper/monotone/exp1", "path", path, path);
+  const paper::Table table = rates_table(made.summary, paper::grids(made.summary), Kind::kMonotone);
+  EXPECT_EQ(entry(table.layouts.front(), {"1", "–", "our verdict"}, "`path`"), "refused 500 of 2000");
+  EXPECT_EQ(record(table, "exp1", "path", "–")["not_run"], "refused 500 of 2000: no licence for this size");
+}
+
+TEST(PaperGridsTest, VersionsAreToldApart) {
+  MadeSummary made;
+  made.flat("paper/monotone/exp1", "lemke", 1);
+  made.version = "2.0";
+  made.flat("paper/monotone/exp1", "lemke", 0.5);
+  const auto grids = paper::grids(made.summary);
+  ASSERT_EQ(grids.size(), 2U);
+  EXPECT_EQ(grids[0].label, "lemke of native 1.0");
+  EXPECT_EQ(grids[1].label, "lemke of native 2.0");
+  EXPECT_EQ(grids[1].cells.size(), 3U);
+}
+
+TEST(PaperReportTest, ProvenanceNamesEveryCommitAndNoFolder) {
+  MadeSummary made;
+  made.flat("paper/monotone/exp1", "lemke", 1);
+  made.summary.runs.push_back({"a", Json::parse(R"({"commit": "c0ffee", "command": "lcpbench run paper"})")});
+  made.summary.runs.push_back(
+      {"b",
+       Json::parse(R"({"commit": "decade", "command": "/opt/x/lcpbench run --set paper/* --store '/tmp/a b/c.db'"})")});
+  const report::PaperStudy study = report::paper_study(made.summary);
+  const std::string page = paper_files(made.summary, study).at("paper.md");
+  EXPECT_NE(page.find("`c0ffee`, `decade`"), std::string::npos);
+  EXPECT_NE(page.find("`lcpbench run --set paper/* --store 'c.db'`"), std::string::npos);
 }
 
 // --- a store of a real run ---

@@ -1,11 +1,14 @@
 #include "study/summary.h"
 
+#include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <limits>
 
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "study/report.h"
 #include "synthetic_store.h"
 
 namespace lcpbench {
@@ -237,6 +240,37 @@ TEST(SummaryTest, SweepGivesWorstAverageBestAndAnHonestBest) {
   const auto json = summary_json(summary)["sweeps"][0];
   EXPECT_DOUBLE_EQ(json["best"].get<double>(), 7.0 / 8);
   EXPECT_EQ(json["cells"], 2);
+}
+
+/// Thousands of parameterisations: their cells hold what stands in the contract and add up, nothing more.
+TEST(SummaryTest, CellsOfSweepsAreShort) {
+  const ScratchFolder folder;
+  SyntheticStore made(folder / "s.db");
+  const auto swept = made.solver("lemke", "zero_tolerance=1e-4", "paper");
+  const auto single = made.solver("lemke", "zero_tolerance=1e-8");
+  made.problem(kSet, 0, {{swept, {}}, {single, {}}});
+  const Summary summary = summarize(made.store());
+  for (const auto& cell : summary_json(summary)["cells"]) {
+    const bool is_single = cell["sweep"] == "";
+    for (const char* key : {"claims", "even_trials", "odd_trials"}) EXPECT_EQ(cell.contains(key), is_single) << key;
+    EXPECT_EQ(cell["time"].contains("parts_mean"), is_single);
+    EXPECT_EQ(cell["criterion"], 1);
+    EXPECT_DOUBLE_EQ(cell["criterion_rate"].get<double>(), 1);
+    EXPECT_TRUE(cell["time"]["all"].contains("median"));
+    EXPECT_TRUE(cell["error"].contains("p99"));
+  }
+  EXPECT_EQ(summary_json(summary)["sweeps"][0]["version"], summary.sweeps.at(0).version);
+  write_report(made.store(), folder / "out");
+  std::ifstream table(folder / "out" / "tables" / "cells.csv");
+  std::ifstream claims(folder / "out" / "tables" / "claims.csv");
+  std::vector<std::ptrdiff_t> commas;
+  for (std::string line; std::getline(table, line);) commas.push_back(std::count(line.begin(), line.end(), ','));
+  ASSERT_EQ(commas.size(), 3U);
+  EXPECT_EQ(commas[0], commas[1]);
+  EXPECT_EQ(commas[0], commas[2]);
+  int rows = 0;
+  for (std::string line; std::getline(claims, line);) ++rows;
+  EXPECT_EQ(rows, 1 + static_cast<int>(kClaims));
 }
 
 /// A sweep of three cells on four trials, whose cells agree in another way on each; beside it the reference.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,27 +12,34 @@
 namespace lcpbench::paper {
 
 /// What one comparison says of its claim, at a family-wise error of 5 % within the claim.
-enum class Stance { kSupports, kOpposes, kUndecided };
+enum class Stance {
+  kSupports,
+  kOpposes,
+  kUndecided,
+  kShown  ///< no test: a number without an interval, shown as evidence beside those that are tested
+};
 
-/// One quantity against one bound.
+/// One quantity against one bound, or against two that it should lie between.
 struct Comparison {
   std::string what;   ///< the quantity in words, with set and solvers
   std::string scope;  ///< reading and measure
   double value = 0;
   double bound = 0;
   bool above = true;                         ///< the claim says that the quantity is above the bound
+  std::optional<double> within;              ///< the claim says that it lies above the bound and below this one
   bool share = true;                         ///< a share or a difference of shares, shown in points; else a ratio
-  std::function<Interval(double)> interval;  ///< at a normal quantile
+  std::function<Interval(double)> interval;  ///< at a normal quantile; none for a number that is no estimate
+  std::optional<double> p_value;             ///< of an exact test, which has to agree for a stance
   std::string detail;                        ///< counts, tests
   Stance stance = Stance::kUndecided;
 };
 
 /// The result of a claim's test, found from its comparisons.
 enum class Word {
-  kConfirmed,     ///< some comparisons support it, none opposes
-  kInPart,        ///< some support it, some oppose
+  kConfirmed,     ///< some comparisons support it, none opposes; of a claim on every set: all support it
+  kInPart,        ///< some support it, some oppose; of a claim on every set: at least half support it, none opposes
   kContradicted,  ///< some oppose it, none supports
-  kExplained,     ///< confirmed as the paper measured, and the comparisons that name the cause support the cause
+  kExplained,     ///< confirmed as the paper measured, and all comparisons that name the cause support the cause
   kUndecided,     ///< no comparison is decided at this number of trials
   kNotTested,     ///< the store does not hold the data
 };
@@ -40,9 +48,10 @@ const char* name_of(Word word);
 struct Claim {
   std::string id;
   std::string statement;
-  std::string rule;   ///< how the word is found
-  std::string cause;  ///< what `explained` says; "" for claims without a tested explanation
-  std::string needs;  ///< what a store must hold
+  std::string rule;           ///< how the word is found
+  std::string cause;          ///< what `explained` says; "" for claims without a tested explanation
+  std::string needs;          ///< what a store must hold
+  bool on_every_set = false;  ///< the claim speaks of every set: one that is undecided leaves it unconfirmed
   std::vector<Comparison> comparisons;
   std::vector<Comparison> explanation;
   std::vector<Comparison> beyond;  ///< beside the claim: other solvers; no part in the word
@@ -50,11 +59,12 @@ struct Claim {
 };
 
 /// Drops comparisons without a number (a solver that met no odd trial has no held-out share), then decides all stances
-/// and the word. Within each list, m comparisons are made at the normal quantile of 5 %/m (Bonferroni), so that a
-/// stance is due to chance in at most 5 % of studies.
+/// and the word. Within each list, m comparisons that have an interval are made at the normal quantile of 5 %/m, and at
+/// exact p-values of 5 %/m (Bonferroni), so that a stance is due to chance in at most 5 % of studies.
 void judge(Claim& claim);
 
-/// Every claim of the paper, and what this project adds to them, tested on the summary's data.
+/// Every claim of the paper, and what this project adds to them, tested on the summary's data. Grids with refusals take
+/// no part.
 std::vector<Claim> test_claims(const Summary& summary, const std::vector<Grid>& grids);
 
 /// One record per comparison, for claims-paper.csv; a claim without any has one that says what is needed.

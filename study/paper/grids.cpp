@@ -14,6 +14,7 @@ namespace lcpbench::paper {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::string_view kPaperSweep = "paper";
 constexpr std::string_view kRedundancy = "redundancy";
 constexpr std::string_view kRegularized = "regularized";
@@ -72,25 +73,33 @@ double sample_sigma(const std::vector<double>& values) {
   return std::sqrt(squares / static_cast<double>(values.size() - 1));
 }
 
-/// The cell with the largest share on the even trials; the first of equals.
-const Cell* choose(const Grid& grid, Measure measure) {
+/// The cell with the largest share on the even trials (or the smallest); the first of equals.
+const Cell* choose(const Grid& grid, Measure measure, bool largest = true) {
   const Cell* chosen = nullptr;
-  double best = -1;
+  double extreme = -kInfinity;
   for (const Cell* cell : grid.cells) {
-    const double share = solved_share(cell->halves[0], measure).value();
-    if (!(share > best)) continue;
-    best = share;
+    const double share = (largest ? 1 : -1) * solved_share(cell->halves[0], measure).value();
+    if (!(share > extreme)) continue;
+    extreme = share;
     chosen = cell;
   }
   return chosen;
 }
 
-/// Adds the instruction-set level to labels that the store has at several.
-void tell_levels_apart(std::vector<Grid>& grids) {
+std::string build_of(const Grid& grid) { return grid.library + " " + grid.version; }
+
+/// Adds the instruction-set level to labels that the store has at several, and likewise library and version.
+void tell_builds_apart(std::vector<Grid>& grids) {
   std::map<std::string, std::set<std::string>> levels;
-  for (const Grid& grid : grids) levels[grid.label].insert(grid.isa);
+  std::map<std::string, std::set<std::string>> builds;
+  for (const Grid& grid : grids) {
+    levels[grid.label].insert(grid.isa);
+    builds[grid.label].insert(build_of(grid));
+  }
   for (Grid& grid : grids) {
-    if (levels[grid.label].size() > 1) grid.label += " at " + grid.isa;
+    const std::string plain = grid.label;
+    if (levels[plain].size() > 1) grid.label += " at " + grid.isa;
+    if (builds[plain].size() > 1) grid.label += " of " + build_of(grid);
   }
 }
 
@@ -124,6 +133,27 @@ const char* solver_of(Family family) {
 
 }  // namespace
 
+std::int64_t Grid::refused() const {
+  std::int64_t most = 0;
+  for (const Cell* cell : cells) most = std::max(most, cell->count(Claim::kUnsupported));
+  return most;
+}
+
+std::string Grid::refusal() const {
+  const std::int64_t most = refused();
+  if (most == 0) return "";
+  const Cell* cell = *std::find_if(cells.begin(), cells.end(),
+                                   [most](const Cell* each) { return each->count(Claim::kUnsupported) == most; });
+  return "refused " + std::to_string(most) + " of " + std::to_string(cell->trials) +
+         (cell->refusal.empty() ? "" : ": " + cell->refusal);
+}
+
+std::int64_t Grid::trials() const {
+  std::int64_t fewest = std::numeric_limits<std::int64_t>::max();
+  for (const Cell* cell : cells) fewest = std::min(fewest, cell->trials);
+  return cells.empty() ? 0 : fewest;
+}
+
 std::string PaperSet::redundancy() const {
   const std::string* value = find_option(options, kRedundancy);
   return value == nullptr ? "multiple" : *value;
@@ -150,21 +180,30 @@ std::optional<PaperSet> paper_set(const std::string& name) {
 
 std::vector<Grid> grids(const Summary& summary) {
   std::vector<Grid> grids;
-  std::map<std::tuple<std::size_t, std::string, std::string>, std::size_t> places;
+  std::map<std::tuple<std::size_t, std::string, std::string, std::string, std::string>, std::size_t> places;
   for (const Cell& cell : summary.cells) {
     const SolverRow& row = summary.solvers[cell.solver];
     if (row.sweep.empty() || cell.refused()) continue;
     const std::optional<PaperSet> problems = paper_set(summary.sets[cell.set].name);
     if (!problems) continue;
-    const auto [place, is_new] = places.try_emplace({cell.set, row.name + " " + row.sweep, row.isa}, grids.size());
+    const auto [place, is_new] =
+        places.try_emplace({cell.set, row.name + " " + row.sweep, row.isa, row.library, row.version}, grids.size());
     if (is_new) {
       auto [solver, sweep] = solver_and_sweep(row);
       std::string label = sweep == kPaperSweep ? solver : solver + " (sweep " + sweep + ")";
-      grids.push_back({cell.set, *problems, std::move(solver), std::move(sweep), row.isa, std::move(label), {}});
+      grids.push_back({cell.set,
+                       *problems,
+                       std::move(solver),
+                       std::move(sweep),
+                       row.isa,
+                       row.library,
+                       row.version,
+                       std::move(label),
+                       {}});
     }
     grids[place->second].cells.push_back(&cell);
   }
-  tell_levels_apart(grids);
+  tell_builds_apart(grids);
   std::stable_sort(grids.begin(), grids.end(), [](const Grid& a, const Grid& b) {
     return a.set != b.set ? a.set < b.set : natural_less(a.label, b.label);
   });
@@ -180,6 +219,23 @@ const Grid* find_grid(const std::vector<Grid>& grids, Kind kind, const Experimen
     if (!experiment.redundant || problems.redundancy() == redundancy) return &grid;
   }
   return nullptr;
+}
+
+std::vector<const Grid*> wrapped_grids(const std::vector<Grid>& grids, const Grid& regularized,
+                                       const Experiment& experiment, const std::string& redundancy) {
+  const std::string wrapped = wrapped_solver(regularized.solver);
+  std::vector<const Grid*> found;
+  for (const Grid& grid : grids) {
+    const PaperSet& problems = grid.problems;
+    const bool same_problems = problems.kind == regularized.problems.kind && problems.experiment == &experiment &&
+                               problems.other_readings().empty() &&
+                               (!experiment.redundant || problems.redundancy() == redundancy);
+    const bool same_build =
+        grid.isa.empty() || (grid.isa == regularized.isa && build_of(grid) == build_of(regularized));
+    const bool same_solver = !wrapped.empty() && grid.solver == wrapped && grid.sweep == regularized.sweep;
+    if (same_problems && same_solver && same_build) found.push_back(&grid);
+  }
+  return found;
 }
 
 std::vector<std::string> readings_of(const Experiment& experiment) {
@@ -218,7 +274,7 @@ Proportion solved_share(const Cell::Half& half, Measure measure) {
 GridRange range_of(const Grid& grid, Measure measure) {
   GridRange range;
   std::vector<double> shares;
-  double fewest = std::numeric_limits<double>::infinity();
+  double fewest = kInfinity;
   for (const Cell* cell : grid.cells) {
     const Proportion share = solved_share(*cell, measure);
     if (!(share.trials > 0)) continue;
@@ -243,19 +299,20 @@ GridRange range_of(const Grid& grid, Measure measure) {
   if (range.chosen == nullptr) return range;
   range.chosen_even = solved_share(range.chosen->halves[0], measure);
   range.held_out = solved_share(range.chosen->halves[1], measure);
+  range.worst_held_out = solved_share(choose(grid, measure, false)->halves[1], measure);
   return range;
 }
 
-Spread at_best(const Grid& grid, Quantity quantity, Measure measure) {
+PooledMean at_best(const Grid& grid, Quantity quantity, Measure measure) {
   const Cell* chosen = choose(grid, measure);
-  return chosen == nullptr ? pooled({}) : pooled({spread_of(chosen->halves[1], quantity, measure)});
+  return chosen == nullptr ? pooled_mean({}) : pooled_mean({spread_of(chosen->halves[1], quantity, measure)});
 }
 
-Spread over_all(const Grid& grid, Quantity quantity, Measure measure) {
+PooledMean over_all(const Grid& grid, Quantity quantity, Measure measure) {
   std::vector<Spread> parts;
   parts.reserve(grid.cells.size());
   for (const Cell* cell : grid.cells) parts.push_back(spread_of(*cell, quantity, measure));
-  return pooled(parts);
+  return pooled_mean(parts);
 }
 
 std::string settings_of(const Summary& summary, const Cell* cell) {

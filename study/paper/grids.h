@@ -34,9 +34,19 @@ struct Grid {
   std::string solver;  ///< with what all cells share off its defaults: "lemke", "regularized{test=tried}"
   std::string sweep;   ///< the grid's name
   std::string isa;
+  std::string library;
+  std::string version;
   std::string label;               ///< the solver as tables name it: with the grid unless that is the paper's, with the
-                                   ///< instruction-set level where the store has it at several
+                                   ///< instruction-set level, library and version where the store has it at several
   std::vector<const Cell*> cells;  ///< in the order of Summary::solvers
+
+  /// The most problems that a cell refused; more than 0 leaves a grid out of every comparison, because a refusal is no
+  /// failure to solve. Cells that refused all of their problems are not in the grid.
+  std::int64_t refused() const;
+  /// "refused 300 of 2000: <reason>"; "" for a grid without refusals.
+  std::string refusal() const;
+  /// The fewest trials of any cell.
+  std::int64_t trials() const;
 };
 
 /// All grids of a summary on the paper's sets, by set, then solver. They point into `summary`.
@@ -46,6 +56,11 @@ std::vector<Grid> grids(const Summary& summary);
 /// the experiment has no redundant contacts. nullptr when the store has none.
 const Grid* find_grid(const std::vector<Grid>& grids, Kind kind, const Experiment& experiment,
                       const std::string& redundancy, const std::string& label);
+
+/// The grids of the solver that a regularised one wraps, on another experiment and the same kind and reading: same
+/// sweep, and, where the wrapped solver is compiled here, same instruction-set level and version.
+std::vector<const Grid*> wrapped_grids(const std::vector<Grid>& grids, const Grid& regularized,
+                                       const Experiment& experiment, const std::string& redundancy);
 
 /// The readings of `redundancy`, the default first.
 inline constexpr std::array<const char*, 2> kReadings{"multiple", "combination"};
@@ -81,7 +96,10 @@ struct GridRange {
   const Cell* chosen = nullptr;  ///< best on the even trials; the first of equals
   Proportion chosen_even;
   Proportion held_out;  ///< its share on the odd trials
-  double sigma = 0;     ///< sample standard deviation of the shares; NaN for one cell
+  /// The odd trials' share of the cell that is worst on the even ones: a range free of the selection that makes the
+  /// difference of best and worst grow with the number of cells.
+  Proportion worst_held_out;
+  double sigma = 0;  ///< sample standard deviation of the shares; NaN for one cell
 };
 
 /// Cells all of whose problems are unsolvable have no share and are passed over; all pointers null when no cell has
@@ -91,9 +109,9 @@ GridRange range_of(const Grid& grid, Measure measure);
 enum class Quantity { kTimeSolved, kTimeAll, kViolation };
 
 /// At the parameterisation chosen on the even trials, of the odd ones; `measure` says what solved means and chooses.
-Spread at_best(const Grid& grid, Quantity quantity, Measure measure);
+PooledMean at_best(const Grid& grid, Quantity quantity, Measure measure);
 /// Over all parameterisations, all trials.
-Spread over_all(const Grid& grid, Quantity quantity, Measure measure);
+PooledMean over_all(const Grid& grid, Quantity quantity, Measure measure);
 
 /// Settings of a cell as tables write them: those off their defaults, "defaults" for none.
 std::string settings_of(const Summary& summary, const Cell* cell);

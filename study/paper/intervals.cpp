@@ -10,12 +10,14 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-bool holds_values(const Spread& spread) { return spread.count > 1 && spread.mean > 0 && std::isfinite(spread.sigma); }
+bool holds_values(const PooledMean& mean) {
+  return mean.problems > 1 && mean.values.mean > 0 && std::isfinite(mean.values.sigma);
+}
 
 /// (standard error of the mean / mean)^2
-double relative_variance(const Spread& spread) {
-  const double ratio = spread.sigma / spread.mean;
-  return ratio * ratio / static_cast<double>(spread.count);
+double relative_variance(const PooledMean& mean) {
+  const double ratio = mean.values.sigma / mean.values.mean;
+  return ratio * ratio / mean.problems;
 }
 
 }  // namespace
@@ -63,7 +65,7 @@ Interval LinearCombination::interval(double z) const {
 LinearCombination difference(const Proportion& first, const Proportion& second) { return {{{1, first}, {-1, second}}}; }
 
 double RatioOfMeans::value() const {
-  return holds_values(numerator) && holds_values(denominator) ? numerator.mean / denominator.mean : kNone;
+  return holds_values(numerator) && holds_values(denominator) ? numerator.values.mean / denominator.values.mean : kNone;
 }
 
 Interval RatioOfMeans::interval(double z) const {
@@ -91,6 +93,12 @@ Spread pooled(const std::vector<Spread>& parts) {
   }
   if (whole.count > 1) whole.sigma = std::sqrt(squares / static_cast<double>(whole.count - 1));
   return whole;
+}
+
+PooledMean pooled_mean(const std::vector<Spread>& parts) {
+  const auto holding = std::count_if(parts.begin(), parts.end(), [](const Spread& part) { return part.count > 0; });
+  const Spread values = pooled(parts);
+  return {values, holding > 0 ? static_cast<double>(values.count) / static_cast<double>(holding) : 0};
 }
 
 double PairedCounts::difference() const {

@@ -37,19 +37,30 @@ struct LinearCombination {
 
   double value() const;
   /// The method of variance estimates recovery on Wilson intervals (Newcombe 1998, method 10, for a difference; Zou,
-  /// Huang and Zhang 2009 in general). It takes the shares as independent: for shares of the same problems, which agree
-  /// more often than chance, it is wider than need be, never narrower.
+  /// Huang and Zhang 2009 in general). It takes the shares as independent. Shares of the same problems, which agree
+  /// more often than chance, make the interval of their difference wider than need be; terms of one sign that agree
+  /// make that of their sum too narrow, at most by the square root of the number of such terms.
   Interval interval(double z = kZ95) const;
 };
 
 /// first - second
 LinearCombination difference(const Proportion& first, const Proportion& second);
 
-/// mean / mean, with the interval of its logarithm by the delta method, the two taken as independent; NaN unless both
-/// means are positive and both counts above 1.
+/// Pooled values of parameterisations that met the same problems. Values of one problem depend on each other, so the
+/// pooled count says nothing of how well the mean is known; the problems do.
+struct PooledMean {
+  Spread values{};
+  /// Pooled values per parameterisation that has any. The sum of a problem's deviations over at most c
+  /// parameterisations has a square of at most c times the sum of their squares (Cauchy and Schwarz), so the variance
+  /// of the pooled mean is at most sigma^2 / (count / c), however the values of a problem depend on each other.
+  double problems = 0;
+};
+
+/// mean / mean, with the interval of its logarithm by the delta method on the counts of problems, the two means taken
+/// as independent; NaN unless both means are positive and both counts above 1.
 struct RatioOfMeans {
-  Spread numerator{};
-  Spread denominator{};
+  PooledMean numerator{};
+  PooledMean denominator{};
 
   double value() const;
   Interval interval(double z = kZ95) const;
@@ -58,6 +69,9 @@ struct RatioOfMeans {
 /// One group of values from the counts, means, deviations and maxima of its parts, exactly (within + between); the
 /// median, which parts do not give, is NaN.
 Spread pooled(const std::vector<Spread>& parts);
+
+/// The same with the number of problems behind it. @param parts one for each parameterisation
+PooledMean pooled_mean(const std::vector<Spread>& parts);
 
 /// Two solvers, or one on two sets with the same problems, paired by problem.
 struct PairedCounts {

@@ -33,12 +33,22 @@ std::string known_explanation(Kind kind, const Experiment& experiment, Family fa
   return "what was tried: docs/lemke.md";
 }
 
+Agreement agreement_of(const Grid& grid, const Interval& gap) {
+  if (grid.refused() > 0) return Agreement::kRefused;
+  if (!(gap.high - gap.low <= 2 * kReproductionWidth)) return Agreement::kTooFewTrials;
+  const bool near = gap.low <= kReproductionMargin && gap.high >= -kReproductionMargin;
+  return near ? Agreement::kReproduced : Agreement::kDiffers;
+}
+
 Reproduction reproduction(const Grid& grid, Family family, const char* statistic, double published,
                           const Proportion& ours) {
   const LinearCombination gap = difference(ours, {published * kPublishedTrials, kPublishedTrials});
-  Reproduction row{&grid, family, statistic, published, ours.value(), gap.interval(), false, ""};
-  row.reproduced = row.difference.low <= kReproductionMargin && row.difference.high >= -kReproductionMargin;
-  if (!row.reproduced) row.explanation = known_explanation(grid.problems.kind, *grid.problems.experiment, family);
+  Reproduction row{
+      &grid,         family, statistic, published, ours.value(), gap.interval(), agreement_of(grid, gap.interval()),
+      grid.refusal()};
+  if (row.agreement == Agreement::kDiffers) {
+    row.explanation = known_explanation(grid.problems.kind, *grid.problems.experiment, family);
+  }
   return row;
 }
 
@@ -70,18 +80,28 @@ Json reproduction_record(const std::string& set, const std::string& solver, cons
           {"ours", number_json(row.ours)},
           {"low", number_json(row.difference.low)},
           {"high", number_json(row.difference.high)},
-          {"reproduced", row.reproduced},
+          {"result", name_of(row.agreement)},
           {"explanation", row.explanation}};
 }
 
 }  // namespace
+
+const char* name_of(Agreement agreement) {
+  switch (agreement) {
+    case Agreement::kReproduced: return "reproduced";
+    case Agreement::kDiffers: return "differs";
+    case Agreement::kTooFewTrials: return "too few trials";
+    case Agreement::kRefused: return "refused";
+  }
+  return "";
+}
 
 std::vector<ReadingEffect> reading_effects(const std::vector<Grid>& grids) {
   std::vector<ReadingEffect> effects;
   for (const Grid& grid : grids) {
     if (grid.problems.options.empty()) continue;
     const Grid* at_default = default_of(grids, grid);
-    if (at_default == nullptr) continue;
+    if (at_default == nullptr || grid.refused() > 0 || at_default->refused() > 0) continue;
     for (const Measure measure : kMeasures) {
       effects.push_back({&grid, at_default, measure, range_of(grid, measure), range_of(*at_default, measure)});
     }

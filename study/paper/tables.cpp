@@ -89,6 +89,14 @@ Entry range_entry(const GridRange& range) {
                       range.average.trials)};
 }
 
+/// What stands instead of a number where a solver refused some of the problems: a refusal is no failure to solve, and
+/// a share of the rest is not comparable.
+Entry refused_entry(const Grid& grid) {
+  const std::string text = grid.refusal();
+  const std::size_t colon = text.find(": ");
+  return {text.substr(0, colon), colon == std::string::npos ? "" : text.substr(colon + 2)};
+}
+
 /// A column of the rates: what the paper prints of a solver, or one of ours.
 struct RateColumn {
   Contestant contestant;
@@ -166,7 +174,11 @@ class RatesLayout {
         continue;
       }
       const Grid* grid = find_grid(grids_, kind_, experiment, reading, column.contestant.label);
-      row.push_back(grid != nullptr && measure ? range_entry(range_of(*grid, *measure)) : not_run(column.contestant));
+      if (grid == nullptr || !measure) {
+        row.push_back(not_run(column.contestant));
+      } else {
+        row.push_back(grid->refused() > 0 ? refused_entry(*grid) : range_entry(range_of(*grid, *measure)));
+      }
     }
     layout_.rows.push_back(std::move(row));
   }
@@ -196,7 +208,7 @@ Layout chosen_layout(const Summary& summary, const std::vector<Grid>& grids, Kin
                 5,
                 {}};
   for (const Grid& grid : grids) {
-    if (!compared_with_paper(grid, kind)) continue;
+    if (!compared_with_paper(grid, kind) || grid.refused() > 0) continue;
     for (const Measure measure : kMeasures) {
       const GridRange range = range_of(grid, measure);
       if (range.chosen == nullptr) continue;
@@ -219,7 +231,7 @@ Layout robustness_layout(const std::vector<Grid>& grids, Kind kind) {
                 4,
                 {}};
   for (const Grid& grid : grids) {
-    if (!compared_with_paper(grid, kind)) continue;
+    if (!compared_with_paper(grid, kind) || grid.refused() > 0) continue;
     for (const Measure measure : kMeasures) {
       const GridRange range = range_of(grid, measure);
       if (range.best_cell == nullptr) continue;
@@ -247,6 +259,12 @@ Json range_json(const Summary& summary, const GridRange& range) {
           {"held_out", share_json(range.held_out)}};
 }
 
+/// "" for a whole grid; else why it is absent, or what it refused.
+std::string why_no_numbers(const Summary& summary, const Contestant& contestant, const Grid* grid) {
+  if (grid != nullptr) return grid->refusal();
+  return contestant.label.empty() ? why_not_run(summary, *contestant.family) : "not run";
+}
+
 Json rates_record(const Summary& summary, const std::string& table, Kind kind, const Experiment& experiment,
                   const std::string& reading, const Contestant& contestant, const Grid* grid) {
   const std::optional<PublishedRate> published =
@@ -259,9 +277,7 @@ Json rates_record(const Summary& summary, const std::string& table, Kind kind, c
               {"paper_solver", contestant.family ? name_of(*contestant.family) : ""},
               {"solver", contestant.label},
               {"set", grid == nullptr ? "" : summary.sets[grid->set].name},
-              {"not_run", grid != nullptr            ? ""
-                          : contestant.label.empty() ? why_not_run(summary, *contestant.family)
-                                                     : std::string("not run")},
+              {"not_run", why_no_numbers(summary, contestant, grid)},
               {"parameterisations", grid == nullptr ? 0 : grid->cells.size()}};
   record["trials"] = number_json(grid == nullptr ? none : range_of(*grid, Measure::kCriterion).average.trials);
   record["published"] = {{"worst", number_json(published ? published->worst : none)},
@@ -276,8 +292,8 @@ Json rates_record(const Summary& summary, const std::string& table, Kind kind, c
 // --- times and violations ---
 
 struct Span {
-  Spread best{};
-  Spread all{};
+  PooledMean best{};
+  PooledMean all{};
 };
 
 Span span_of(const Grid& grid, Quantity quantity, Measure measure) {
@@ -338,8 +354,12 @@ std::vector<Entry> our_row(const std::vector<Grid>& grids, Kind kind, const std:
   for (const Experiment* experiment : experiment_six()) {
     const Grid* grid = find_grid(grids, kind, *experiment, reading, label);
     const Span span = grid == nullptr ? Span{} : span_of(*grid, quantity, measure);
-    for (const Spread& part : {span.best, span.all}) {
-      row.push_back(grid == nullptr ? Entry{"not run", ""} : spread_entry(part));
+    for (const Spread& part : {span.best.values, span.all.values}) {
+      if (grid == nullptr) {
+        row.push_back({"not run", ""});
+      } else {
+        row.push_back(grid->refused() > 0 ? refused_entry(*grid) : spread_entry(part));
+      }
     }
   }
   return row;
@@ -426,10 +446,13 @@ Entry published_ratio(const RatioPair& pair, const Experiment& experiment, Quant
 }
 
 Entry our_ratio(const std::vector<Grid>& grids, const RatioPair& pair, const Experiment& experiment,
-                const std::string& reading, Quantity quantity, Measure measure, Spread Span::*part) {
+                const std::string& reading, Quantity quantity, Measure measure, PooledMean Span::*part) {
   const Grid* top = find_grid(grids, pair.numerator_kind, experiment, reading, pair.numerator.label);
   const Grid* bottom = find_grid(grids, pair.denominator_kind, experiment, reading, pair.denominator.label);
   if (top == nullptr || bottom == nullptr) return {"not run", ""};
+  for (const Grid* side : {top, bottom}) {
+    if (side->refused() > 0) return refused_entry(*side);
+  }
   const RatioOfMeans ratio{span_of(*top, quantity, measure).*part, span_of(*bottom, quantity, measure).*part};
   if (std::isnan(ratio.value())) return {kAbsent, ""};
   return {number(ratio.value()), number(ratio.interval().low) + "–" + number(ratio.interval().high)};
@@ -497,7 +520,7 @@ const char* quantity_name(Quantity quantity) {
 Json measurement_record(const Summary& summary, const std::string& table, Kind kind, const Experiment& experiment,
                         const std::string& reading, const Contestant& contestant, const Grid* grid, Quantity quantity,
                         Measure measure) {
-  const Span span = grid == nullptr ? Span{pooled({}), pooled({})} : span_of(*grid, quantity, measure);
+  const Span span = grid == nullptr ? Span{pooled_mean({}), pooled_mean({})} : span_of(*grid, quantity, measure);
   const auto published = published_span(kind, experiment, contestant.family, quantity);
   return {{"table", table},
           {"kind", name_of(kind)},
@@ -506,14 +529,12 @@ Json measurement_record(const Summary& summary, const std::string& table, Kind k
           {"paper_solver", contestant.family ? name_of(*contestant.family) : ""},
           {"solver", contestant.label},
           {"set", grid == nullptr ? "" : summary.sets[grid->set].name},
-          {"not_run", grid != nullptr            ? ""
-                      : contestant.label.empty() ? why_not_run(summary, *contestant.family)
-                                                 : std::string("not run")},
+          {"not_run", why_no_numbers(summary, contestant, grid)},
           {"quantity", quantity_name(quantity)},
           {"solved_by", name_of(measure)},
           {"best_settings", grid == nullptr ? "" : settings_of(summary, range_of(*grid, measure).chosen)},
-          {"best", spread_json(span.best)},
-          {"all", spread_json(span.all)},
+          {"best", spread_json(span.best.values)},
+          {"all", spread_json(span.all.values)},
           {"published_best", published_json(published, &PublishedMeasurement::best)},
           {"published_all", published_json(published, &PublishedMeasurement::all)}};
 }
@@ -638,7 +659,9 @@ Table times_table(const Summary& summary, const std::vector<Grid>& grids, Kind k
   table.notes = {kSolvedNote, kBestNote,
                  "Seconds of 2012 and of this machine stand in the same layout and are not compared: only the ratios "
                  "between solvers "
-                 "are. Interval of a ratio: 95 %, delta method on its logarithm, the two means taken as independent.",
+                 "are. Interval of a ratio: 95 %, delta method on its logarithm, the two means taken as independent, "
+                 "each known as "
+                 "well as its problems allow, however many parameterisations met them.",
                  "The paper’s Lemke is `regularized{test=tried}`: its test is the published one. `regularized` tests "
                  "on the problem "
                  "itself. Times are set-up plus solve, CPU. Parameterisations that answer a problem alike share a "

@@ -1,6 +1,7 @@
 #include "study/report/csv.h"
 
 #include <cmath>
+#include <map>
 #include <utility>
 
 namespace lcpbench::report {
@@ -50,7 +51,11 @@ std::string csv_table(const Json& example, const Json& records) {
   for (const Json& record : records) {
     Fields fields;
     flatten("", record, fields);
-    table += line_of(fields, [](const auto& field) { return field.second; });
+    const std::map<std::string, std::string> values(fields.begin(), fields.end());
+    table += line_of(columns, [&values](const auto& column) {
+      const auto value = values.find(column.first);
+      return value == values.end() ? std::string() : value->second;
+    });
   }
   return table;
 }

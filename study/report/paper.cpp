@@ -37,16 +37,45 @@ std::string member(const RunSummary& run, const char* name) {
                            : value.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
+/// A member's distinct values over all runs, in the order of their first use.
+std::string distinct_members(const Summary& summary, const char* name) {
+  std::vector<std::string> values;
+  for (const RunSummary& run : summary.runs) {
+    const std::string value = code(member(run, name));
+    if (std::find(values.begin(), values.end(), value) == values.end()) values.push_back(value);
+  }
+  return fmt::format("{}", fmt::join(values, ", "));
+}
+
+/// A command with the absolute paths in it cut down to their last part: folders of one machine repeat nothing
+/// elsewhere.
+std::string without_folders(const std::string& command) {
+  const auto begins = [&command](std::size_t at) {
+    return at == 0 || std::string_view(" '\"=:,").find(command[at - 1]) != std::string_view::npos;
+  };
+  std::string text;
+  for (std::size_t at = 0; at < command.size(); ++at) {
+    if (command[at] == '/' && begins(at)) {
+      const bool quoted = at > 0 && (command[at - 1] == '\'' || command[at - 1] == '"');
+      const std::size_t end = quoted ? command.find(command[at - 1], at) : command.find_first_of(" '\",{}", at);
+      const std::size_t last = command.rfind('/', std::min(end, command.size()) - 1);
+      at = last + 1;
+      if (at >= command.size()) break;
+    }
+    text += command[at];
+  }
+  return text;
+}
+
 std::string provenance_line(const Summary& summary) {
   if (summary.runs.empty()) return "The store records no run.";
   const RunSummary& run = summary.runs.back();
   return fmt::format(
-      "Latest run: {}, lcpbench {} at commit {}, processor {}, instruction-set level {}, compiler {}, seed {}. To "
-      "repeat "
-      "it: {}. Runs in the store: {}.",
-      code(run.started), code(member(run, "lcpbench")), code(member(run, "commit")), code(member(run, "processor")),
-      code(member(run, "isa")), code(member(run, "compiler")), code(member(run, "seed")), code(member(run, "command")),
-      summary.runs.size());
+      "Runs in the store: {}, of lcpbench {} at commits {}, on processors {} at instruction-set levels {}, compilers "
+      "{}, seeds {}. The latest, of {}, was: {}.",
+      summary.runs.size(), distinct_members(summary, "lcpbench"), distinct_members(summary, "commit"),
+      distinct_members(summary, "processor"), distinct_members(summary, "isa"), distinct_members(summary, "compiler"),
+      distinct_members(summary, "seed"), code(run.started), code(without_folders(member(run, "command"))));
 }
 
 // --- claims ---
@@ -57,11 +86,16 @@ std::string quantity_text(const Comparison& comparison, double value) {
 }
 
 std::string interval_text(const Comparison& comparison) {
+  if (!comparison.interval) return "no interval";
   const Interval interval = comparison.interval(paper::kZ95);
   return quantity_text(comparison, interval.low) + " to " + quantity_text(comparison, interval.high);
 }
 
 std::string bound_text(const Comparison& comparison) {
+  if (comparison.within) {
+    return "between " + quantity_text(comparison, comparison.bound) + " and " +
+           quantity_text(comparison, *comparison.within);
+  }
   return std::string(comparison.above ? "above " : "below ") + quantity_text(comparison, comparison.bound);
 }
 
@@ -70,6 +104,7 @@ const char* stance_text(Stance stance) {
     case Stance::kSupports: return "supports";
     case Stance::kOpposes: return "opposes";
     case Stance::kUndecided: return "undecided";
+    case Stance::kShown: return "not tested";
   }
   return "";
 }
@@ -89,7 +124,10 @@ Layout comparisons_layout(const std::string& caption, const std::vector<Comparis
 /// Of the comparisons with a stance the one nearest to its bound, or the one farthest; nullptr for none.
 const Comparison* extreme(const std::vector<Comparison>& comparisons, Stance stance, bool nearest) {
   const auto distance = [](const Comparison& c) {
-    return c.share ? std::abs(c.value - c.bound) : std::abs(std::log(c.value / c.bound));
+    const auto from = [&c](double bound) {
+      return c.share ? std::abs(c.value - bound) : std::abs(std::log(c.value / bound));
+    };
+    return c.within ? std::min(from(c.bound), from(*c.within)) : from(c.bound);
   };
   const Comparison* found = nullptr;
   for (const Comparison& comparison : comparisons) {
@@ -127,24 +165,30 @@ Entry evidence_entry(const Claim& claim) {
   return {text, detail};
 }
 
-void write_claims(PaperWriter& writer, const PaperStudy& study) {
+void write_claims(PaperWriter& writer, const Summary& summary, const PaperStudy& study) {
   writer.heading(1, "paper-claims", "The paper’s claims");
   writer.paragraph(
       "Each claim is tested by the rule that stands with it, on this store. A comparison supports or opposes its claim "
       "when "
-      "its interval lies on one side of the bound, at a level that keeps the chance of any wrong one within a claim "
-      "below "
-      "5 % (Bonferroni). `confirmed`: some support, none opposes; `confirmed in part`: both; `contradicted`: some "
-      "oppose, "
-      "none supports; `explained`: confirmed as the paper measured, and a named cause is supported too; `undecided`: "
-      "too "
-      "few trials to tell.");
+      "its whole interval lies on one side of the bound (inside or outside of two bounds), at a level that keeps the "
+      "chance of any wrong one within a claim below 5 % (Bonferroni). `confirmed`: some support, none opposes; "
+      "`confirmed in part`: both; `contradicted`: some oppose, none supports; `explained`: confirmed as the paper "
+      "measured, and every test of a named cause supports it; `undecided`: too few trials to tell. A claim whose rule "
+      "says on every set is `confirmed` only when all comparisons support it; when none opposes, it is `confirmed in "
+      "part` as long as at least half support it, else `undecided`.");
   writer.paragraph(
       "Values are shares and their differences in per cent, times and violations as ratios; in small print 95 % "
       "intervals. "
-      "Parameterisations of sweeps are compared as independent samples although they met the same problems, which "
-      "makes "
-      "intervals wider than need be. Numbers: `tables/claims-paper.csv`.");
+      "Parameterisations met the same problems, so a mean over them is taken to be known only as well as one value per "
+      "problem allows. The terms of a difference are compared as independent samples although they mostly met the same "
+      "problems: that makes intervals of differences wider than need be. It can make those of sums of like terms too "
+      "narrow, which “far more” and the closed gap contain. Numbers: `tables/claims-paper.csv`.");
+  for (const paper::Grid& grid : study.grids) {
+    if (grid.refused() > 0) {
+      writer.paragraph("Left out of every claim, because a refusal is no failure to solve: " + code(grid.label) +
+                       " on " + code(summary.sets[grid.set].name) + ", " + grid.refusal() + ".");
+    }
+  }
   Layout layout{"Claims", {"Claim", "Result", "Evidence"}, 1, {}};
   for (const Claim& claim : study.claims) {
     layout.rows.push_back({{claim.statement, ""}, {name_of(claim.word), ""}, evidence_entry(claim)});
@@ -199,7 +243,7 @@ Layout missed_layout(const Summary& summary, const PaperStudy& study) {
                 4,
                 {}};
   for (const paper::Reproduction& row : study.reproductions) {
-    if (row.reproduced) continue;
+    if (row.agreement != paper::Agreement::kDiffers) continue;
     layout.rows.push_back({{code(summary.sets[row.grid->set].name), ""},
                            {name_of(row.family), ""},
                            {code(row.grid->label), ""},
@@ -229,14 +273,28 @@ void write_readings(PaperWriter& writer, const Summary& summary, const PaperStud
                        " is reproduced here: " + paper::why_not_run(summary, family) + ".");
     }
   }
-  const auto missed = std::count_if(study.reproductions.begin(), study.reproductions.end(),
-                                    [](const paper::Reproduction& row) { return !row.reproduced; });
+  const auto rows_that = [&study](paper::Agreement agreement) {
+    return std::count_if(study.reproductions.begin(), study.reproductions.end(),
+                         [agreement](const paper::Reproduction& row) { return row.agreement == agreement; });
+  };
+  const auto missed = rows_that(paper::Agreement::kDiffers);
   writer.paragraph(fmt::format(
       "Published worst, average and best shares against ours by the paper’s criterion: {} of {} differ by more than "
-      "{:.0f} "
-      "point beyond the 95 % interval of the difference, in which both are samples, the paper’s of {:.0f} trials. All "
-      "are in `tables/reproduction.csv`.",
-      missed, study.reproductions.size(), 100 * paper::kReproductionMargin, paper::kPublishedTrials));
+      "{:.0f} point beyond the 95 % interval of the difference, in which both are samples, the paper’s of {:.0f} "
+      "trials. {} more have too few trials to tell (half of the interval exceeds {:.0f} points). All are in "
+      "`tables/reproduction.csv`.",
+      missed, missed + rows_that(paper::Agreement::kReproduced), 100 * paper::kReproductionMargin,
+      paper::kPublishedTrials, rows_that(paper::Agreement::kTooFewTrials), 100 * paper::kReproductionWidth));
+  for (const paper::Grid& grid : study.grids) {
+    const bool listed =
+        std::any_of(study.reproductions.begin(), study.reproductions.end(), [&grid](const paper::Reproduction& row) {
+          return row.grid == &grid && row.agreement == paper::Agreement::kRefused;
+        });
+    if (listed) {
+      writer.paragraph("Not compared: " + code(grid.label) + " on " + code(summary.sets[grid.set].name) + ", " +
+                       grid.refusal() + ".");
+    }
+  }
   if (missed > 0) {
     writer.open(fmt::format("The {} that differ", missed));
     writer.table(missed_layout(summary, study));
@@ -283,7 +341,7 @@ void write_maps(PaperWriter& writer, const Summary& summary, const PaperStudy& s
 
 void write_study(PaperWriter& writer, const Summary& summary, const PaperStudy& study) {
   write_tables(writer, study);
-  write_claims(writer, study);
+  write_claims(writer, summary, study);
   write_readings(writer, summary, study);
   write_maps(writer, summary, study);
 }
