@@ -452,7 +452,11 @@ std::vector<SweepSummary> summarize_sweeps(const Summary& summary) {
                        .isa = key.isa,
                        .library = key.library,
                        .version = key.version,
-                       .parameterisations = static_cast<std::int64_t>(cells.size())};
+                       .parameterisations = static_cast<std::int64_t>(cells.size()),
+                       .trials = 0,
+                       .verdict = {},
+                       .criterion = {},
+                       .best_held_out = 0};
     sweep.trials = (*std::min_element(cells.begin(), cells.end(), [](const Cell* a, const Cell* b) {
                      return a->trials < b->trials;
                    }))->trials;
