@@ -160,7 +160,8 @@ PrincipalPivoting::Block PrincipalPivoting::first_to_fall(Index r, double direct
     const double step = std::max(basic_(i) - lower_bound(i), 0.0) / fall;
     if (first.pair == r) {
       if (step + bounds_(i) / fall < first.step) first = {i, step};
-    } else if (step < first.step || (step == first.step && fall > std::abs(column(first.pair)))) {
+    } else if (step < first.step ||
+               (first.pair != kNone && step == first.step && fall > std::abs(column(first.pair)))) {
       first = {i, step};
     }
   }
