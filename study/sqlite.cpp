@@ -75,6 +75,17 @@ std::int64_t Database::integer(const std::string& sql) {
   return statement.step() ? statement.integer(0) : 0;
 }
 
+ReadSnapshot::ReadSnapshot(Database& database) {
+  if (sqlite3_get_autocommit(database.handle()) == 0) return;
+  database.execute("BEGIN");
+  handle_ = database.handle();
+}
+
+ReadSnapshot::~ReadSnapshot() {
+  // Nothing was written: there is nothing to lose, whatever this returns.
+  if (handle_ != nullptr) sqlite3_exec(handle_, "COMMIT", nullptr, nullptr, nullptr);
+}
+
 Statement::Statement(Database& database, std::string_view sql) : database_(database) {
   check(sqlite3_prepare_v3(database.handle(), sql.data(), static_cast<int>(sql.size()), SQLITE_PREPARE_PERSISTENT,
                            &statement_, nullptr));

@@ -41,6 +41,19 @@ class Database {
   sqlite3* handle_ = nullptr;
 };
 
+/// While it lives, all queries of a connection see the database as it was at the first of them, whatever other
+/// connections commit. Inside a transaction, which has that already, it does nothing.
+class ReadSnapshot {
+ public:
+  explicit ReadSnapshot(Database& database);
+  ~ReadSnapshot();
+  ReadSnapshot(const ReadSnapshot&) = delete;
+  ReadSnapshot& operator=(const ReadSnapshot&) = delete;
+
+ private:
+  sqlite3* handle_ = nullptr;  // nullptr where a transaction was open
+};
+
 /// One prepared statement: bind, step, reset, again. Parameters and columns count from 1 and 0, as in SQLite.
 class Statement {
  public:

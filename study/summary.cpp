@@ -673,6 +673,7 @@ double Cell::Half::criterion_rate() const { return share(criterion, trials); }
 Summary summarize(Store& store) {
   Summary summary;
   sqlite::Database& database = store.database();
+  const sqlite::ReadSnapshot snapshot(database);  // a run may be writing
   summary.runs = read_runs(database);
   const std::vector<Source> sources = read_solvers(store, summary);
   std::map<std::int64_t, std::size_t> solver_cells;

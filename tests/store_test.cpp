@@ -109,6 +109,27 @@ TEST(VectorCodecTest, RefusesDamagedBytes) {
   EXPECT_THROW(decode_vector(std::string("\xff\xff\xff\xff", 4)), InputError);
 }
 
+TEST(StoreTest, ASnapshotDoesNotSeeWhatAnotherProcessCommits) {
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder / "s.db";
+  Store writer = Store::open_for_writing(file);
+  Store reader = Store::open_for_reading(file);
+  const auto add_set = [&](const std::string& name) {
+    writer.begin();
+    writer.add_set(name);
+    writer.commit();
+  };
+  add_set("a/set");
+  {
+    const sqlite::ReadSnapshot snapshot(reader.database());
+    const sqlite::ReadSnapshot inner(reader.database());  // nests
+    EXPECT_EQ(reader.sets().size(), 1U);
+    add_set("b/set");
+    EXPECT_EQ(reader.sets().size(), 1U);
+  }
+  EXPECT_EQ(reader.sets().size(), 2U);
+}
+
 TEST(StoreTest, GivesBackWhatWentIn) {
   const ScratchFolder folder;
   const std::filesystem::path file = folder / "s.db";
