@@ -130,6 +130,12 @@ inline Scalar dot(const Scalar* x, const Scalar* y, Count length) {
   return P::sum(sum);
 }
 
+/// Keeps what is no number from comparing as small: a maximum that has met one stays infinite.
+template <class Scalar>
+Scalar number_or_infinity(Scalar x) {
+  return x < kInfinity<Scalar> ? x : kInfinity<Scalar>;
+}
+
 /// max |x_i| over whole packs; NaN is passed over.
 template <class Scalar>
 inline Scalar largest_magnitude(const Scalar* x, Count length) {

@@ -64,9 +64,11 @@ class Completion {
   }
 
   /// A row with z_i > 0 is off by min(M_ii z_i, w_i) <= |w_i|, one with z_i = 0 by -w_i.
-  void offer(Scalar w, double z) {
-    const Scalar off = z > 0 || w < 0 ? magnitude(w) : Scalar(0);
-    if (!(off <= worst_)) worst_ = off;
+  void offer(Scalar w, double z) { note(z > 0 || !(w >= 0) ? magnitude(w) : Scalar(0)); }
+
+  /// What is no number, or too large for one, stays the worst.
+  void note(Scalar off) {
+    if (!(off <= worst_)) worst_ = number_or_infinity(off);
   }
 
   void measure_normals(const double* z) {
@@ -80,6 +82,7 @@ class Completion {
     const Count edges = contacts_.edges(contact);
     if (!(z[contact] > 0)) {
       lambda = static_cast<double>(contacts_.largest_slip(contact, u_.data()));
+      if (!(lambda - lambda == 0)) note(kInfinity<Scalar>);
       for (Count t = 0; t < edges; ++t) {
         if (z[first + t] > 0) worst_ = kInfinity<Scalar>;  // friction without a normal impulse
       }
@@ -89,9 +92,10 @@ class Completion {
     contacts_.slip(contact, u_.data(), slip_.data());
     Scalar largest = 0;
     for (Count t = 0; t < half; ++t) {
-      if (!(magnitude(slip_[t]) <= largest)) largest = magnitude(slip_[t]);
+      if (!(magnitude(slip_[t]) <= largest)) largest = number_or_infinity(magnitude(slip_[t]));
     }
     lambda = static_cast<double>(largest);
+    if (!(lambda - lambda == 0)) note(kInfinity<Scalar>);
     const Scalar bound = static_cast<Scalar>(lambda);
     Scalar unused = contacts_.mu(contact) * static_cast<Scalar>(z[contact]);
     for (Count t = 0; t < half; ++t) {
@@ -106,8 +110,8 @@ class Completion {
   void offer_cone(Count contact, Scalar lambda, Scalar unused) {
     contacts_.get_normal(contact, impulse_.data());
     const Scalar velocity = response_.square(impulse_.data()) * unused;
-    const Scalar off = magnitude(velocity < lambda ? velocity : lambda);
-    if (!(off <= worst_)) worst_ = off;
+    note(magnitude(velocity < lambda ? velocity : lambda));
+    if (!(velocity - velocity == 0)) note(kInfinity<Scalar>);
   }
 
   /// Of J f, whose terms may cancel, and of G's factors. Infinite where products with v may have underflowed.

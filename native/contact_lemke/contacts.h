@@ -79,7 +79,7 @@ class Contacts {
       const double* const column = first + t * ngc();
       Scalar sum = 0;
       for (Count i = 0; i < ngc(); ++i) sum += static_cast<Scalar>(column[i]) * u[i];
-      if (!(magnitude(sum) <= largest)) largest = magnitude(sum);
+      if (!(magnitude(sum) <= largest)) largest = number_or_infinity(magnitude(sum));
     }
     return largest;
   }
