@@ -391,6 +391,27 @@ TEST(DecisionTest, IndistinguishableSolversAreATie) {
   EXPECT_TRUE(situations[0].contenders[1].tie);
 }
 
+/// A set that is there for a sweep or one question would leave nobody who met all.
+TEST(DecisionTest, SetsThatFewSolversMetDoNotCount) {
+  const ScratchFolder folder;
+  SyntheticStore made(folder / "s.db");
+  const auto a = made.solver("a");
+  const auto b = made.solver("b");
+  const auto c = made.solver("c");
+  const auto swept = made.solver("lemke", "zero_tolerance=1e-4", "paper");
+  for (std::int64_t trial = 0; trial < 10; ++trial) {
+    made.problem("paper/monotone/exp1", trial, {{a, {.time_s = 1e-5}}, {b, {.time_s = 1e-2}}, {c, {.time_s = 1e-2}}});
+    made.problem("paper/monotone/exp1{x=bell}", trial, {{swept, {}}});
+    made.problem("paper/monotone/exp2", trial, {{b, {.time_s = 1e-6}}});
+  }
+  const Summary summary = summarize(made.store());
+  const auto situations = report::decide(summary);
+  ASSERT_EQ(situations[0].sets.size(), 1U);
+  EXPECT_EQ(summary.sets[situations[0].sets[0]].name, "paper/monotone/exp1");
+  ASSERT_TRUE(situations[0].recommended.has_value());
+  EXPECT_EQ(summary.solvers[situations[0].contenders[0].solver].name, "a");
+}
+
 TEST(DecisionTest, NothingSolvedRecommendsNothing) {
   const ScratchFolder folder;
   SyntheticStore made(folder / "s.db");

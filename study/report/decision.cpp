@@ -28,6 +28,15 @@ struct Record {
 
 bool is_curated(const SetSummary& set) { return set.name.rfind("hard/", 0) == 0; }
 
+/// Without the sets that less than half as many solvers met as met the most popular one: those of a sweep or of a
+/// special question, which would leave no solver that met all.
+std::vector<std::size_t> widely_met(const Summary& summary, std::vector<std::size_t> sets) {
+  std::size_t most = 0;
+  for (const std::size_t set : sets) most = std::max(most, drawn_cells(summary, set).size());
+  std::erase_if(sets, [&](std::size_t set) { return 2 * drawn_cells(summary, set).size() < most; });
+  return sets;
+}
+
 std::vector<std::size_t> sets_where(const Summary& summary, bool (*wanted)(const SetSummary&)) {
   std::vector<std::size_t> all;
   std::vector<std::size_t> solvable;
@@ -37,7 +46,7 @@ std::vector<std::size_t> sets_where(const Summary& summary, bool (*wanted)(const
     all.push_back(i);
     if (set.all_solvable) solvable.push_back(i);
   }
-  return solvable.empty() ? all : solvable;
+  return widely_met(summary, solvable.empty() ? all : solvable);
 }
 
 std::string scope_of(const Summary& summary, const std::vector<std::size_t>& sets) {

@@ -48,7 +48,8 @@ struct Situation {
 /// Recommended is the fastest by median time among those that solve no fewer problems and make no more false claims
 /// than the solver that solves the most, where "fewer" and "more" need a paired exact sign test below 5 %. Only solvers
 /// that met all problems of the situation can be recommended, and none when nothing was solved. A situation's sets are
-/// those whose problems are all proven solvable, where there are any: there every failure is the solver's.
+/// those whose problems are all proven solvable, where there are any: there every failure is the solver's; less those
+/// that few solvers met (less than half of the number that met the most popular one).
 std::vector<Situation> decide(const Summary& summary);
 
 /// The solver recommended for each set (index into Summary::sets) of the situations.
