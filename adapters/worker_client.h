@@ -30,7 +30,7 @@ class WorkerError : public std::runtime_error {
 /// memory can reach the problem data of this process.
 ///
 /// A worker is killed, and the answer is kTimeLimit, when set-up and solve together are not done within the time limit,
-/// four times `repeat_until_s`, and the grace. An exception in the worker, memory that ran out included, is answered
+/// forty times `repeat_until_s`, and the grace. An exception in the worker, memory that ran out included, is answered
 /// kNumericalFailure with its text; it too costs the process. For a run that got no answer, times.solve_wall_s and
 /// solve_cpu_s tell what it cost until it was given up.
 ///
