@@ -176,6 +176,13 @@ TEST(AdapterConventionsTest, StepSolvesTheScene) {
   expect_solution("ode_step", box, run("lemke", box).answer.z, 1e-12);
 }
 
+TEST(AdapterConventionsTest, CholmodBehindTheInteriorPointSolvesTheScene) {
+  for (const char* solver : {"velocity_ipm_cholmod{factor=simplicial}", "velocity_ipm_cholmod{factor=supernodal}"}) {
+    expect_solution(solver, stack_of_two(), Vector{{7.0, 6.0}}, 1e-12);
+    expect_solution(solver, falling_box(), run("lemke", falling_box()).answer.z, 1e-12);
+  }
+}
+
 TEST(AdapterConventionsTest, OdesConstraintForceMixingIsAddedToM) {
   // z = 7 / (1 + cfm) for the lower body alone: 1 kg at 7 m/s on the ground.
   RigidScene scene;

@@ -27,6 +27,9 @@ endif()
 lcpbench_test(adapter_conventions LINK lcpbench_study)
 add_dependencies(adapter_conventions_test lcpbench_workers)
 
+lcpbench_test(velocity_ipm_cholmod LINK lcpbench_study)
+add_dependencies(velocity_ipm_cholmod_test lcpbench_workers)
+
 # PATH, played by stand-ins with the two layouts of its structures.
 foreach(version 4 5)
   add_library(path_stand_in_${version} MODULE path_stand_in.cpp)

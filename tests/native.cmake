@@ -50,4 +50,5 @@ target_link_libraries(lemke_sweep_benchmark PRIVATE lcpbench_native lcpbench_gen
 add_executable(active_set_accuracy EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/active_set_accuracy.cpp)
 target_link_libraries(active_set_accuracy PRIVATE lcpbench_native lcpbench_generators lcpbench_evaluation)
 add_executable(velocity_ipm_walls EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/velocity_ipm_walls.cpp)
-target_link_libraries(velocity_ipm_walls PRIVATE lcpbench_native lcpbench_evaluation)
+target_link_libraries(velocity_ipm_walls PRIVATE lcpbench_study)
+add_dependencies(velocity_ipm_walls lcpbench_workers)

@@ -1,8 +1,8 @@
-// What frictionless walls cost velocity_ipm: one CSV row for each size and algebra. Not a test;
-// results/native/README.md has its command.
+// What frictionless walls cost velocity_ipm and others: one CSV row for each size. Not a test; results/native/README.md
+// has its commands.
 //
-//   velocity_ipm_walls ALGEBRA ROWSxCOLUMNS...        ALGEBRA: sparse (with its finish), dense (without: the method
-//   alone)
+//   velocity_ipm_walls SOLVER ROWSxCOLUMNS...     SOLVER: a spec; or sparse, dense: velocity_ipm with its sparse
+//   algebra and finish, and with dense algebra and no finish (the method alone)
 //
 // The last line is the slope of log(set-up + solve) over log(contacts), by least squares, and the times that this gives
 // for 2,400 and 10,000 contacts.
@@ -12,14 +12,12 @@
 #include <string>
 #include <vector>
 
-#include "core/registry.h"
 #include "core/timed_solve.h"
 #include "study/evaluation/evaluation.h"
+#include "study/open_solver.h"
 #include "tests/brick_wall.h"
 
 namespace lcpbench {
-SolverDefinition lcpbench_solver_velocity_ipm();
-
 namespace {
 
 struct Timing {
@@ -27,16 +25,20 @@ struct Timing {
   double seconds = 0;
 };
 
-Timing measure(const std::string& algebra, int rows, int columns) {
+Spec solver_named(const std::string& name) {
+  if (name == "sparse") return parse_spec("velocity_ipm{algebra=sparse}");
+  if (name == "dense") return parse_spec("velocity_ipm{algebra=dense,finish=false}");
+  return parse_spec(name);
+}
+
+Timing measure(const std::string& name, int rows, int columns) {
   const Problem problem("wall", testing::brick_wall(rows, columns));
-  const auto solver =
-      lcpbench_solver_velocity_ipm().make({{"algebra", algebra}, {"finish", algebra == "sparse" ? "true" : "false"}});
   TimedAnswer timed;
-  timed_solve(*solver, problem, {.time_limit_s = 600, .repeat_until_s = 0.25}, timed);
+  open_solver(solver_named(name))->run(problem, {.time_limit_s = 600, .repeat_until_s = 0.25}, timed);
   const Answer& answer = timed.answer;
   const Errors errors = Evaluator(problem).errors(answer);
-  std::printf("%d,%d,%td,%td,%s,%.4g,%.4g,%lld,%lld,%s,%s,%.2g\n", rows, columns, problem.size(),
-              problem.contact()->ngc(), algebra.c_str(), timed.times.setup_cpu_s, timed.times.solve_cpu_s,
+  std::printf("%d,%d,%td,%td,\"%s\",%.4g,%.4g,%lld,%lld,%s,%s,%.2g\n", rows, columns, problem.size(),
+              problem.contact()->ngc(), name.c_str(), timed.times.setup_cpu_s, timed.times.solve_cpu_s,
               static_cast<long long>(answer.counters.iterations),
               static_cast<long long>(answer.counters.factorizations), to_string(answer.claim),
               errors.solved ? "solved" : "not solved", errors.velocity_residual_relative);
@@ -66,10 +68,10 @@ void print_fit(const std::vector<Timing>& timings) {
 
 int main(int argc, char** argv) {
   if (argc < 4) {
-    std::fprintf(stderr, "velocity_ipm_walls sparse|dense ROWSxCOLUMNS ROWSxCOLUMNS...\n");
+    std::fprintf(stderr, "velocity_ipm_walls sparse|dense|SPEC ROWSxCOLUMNS ROWSxCOLUMNS...\n");
     return 2;
   }
-  std::printf("rows,columns,contacts,ngc,algebra,setup_s,solve_s,iterations,factorizations,claim,verdict,rho\n");
+  std::printf("rows,columns,contacts,ngc,solver,setup_s,solve_s,iterations,factorizations,claim,verdict,rho\n");
   std::vector<lcpbench::Timing> timings;
   for (int i = 2; i < argc; ++i) {
     int rows = 0;

@@ -2,7 +2,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -136,7 +135,8 @@ SparseMatrix sparse(const Jacobian& J) {
 
 class SparseNormals final : public WhitenedNormals {
  public:
-  explicit SparseNormals(BlockRoots roots, const Jacobian& N) : roots_(std::move(roots)), W_(roots_.whiten(sparse(N))) {
+  SparseNormals(BlockRoots roots, const Jacobian& N, std::unique_ptr<SparseFactorization> factorization)
+      : roots_(std::move(roots)), W_(roots_.whiten(sparse(N))), factorization_(std::move(factorization)) {
     matrix_ = pattern();
     const std::vector<int> order = nested_dissection(matrix_);
     position_of_.resize(W_.rows());
@@ -146,7 +146,7 @@ class SparseNormals final : public WhitenedNormals {
     W_ = (position_of_ * W_).eval();
     matrix_ = pattern();
     find_positions();
-    factor_.analyzePattern(matrix_);
+    factorization_->analyze(matrix_);
   }
 
   Index coordinates() const override { return W_.rows(); }
@@ -169,10 +169,9 @@ class SparseNormals final : public WhitenedNormals {
         for (SparseMatrix::InnerIterator a = b; a; ++a) values[position_[product++]] += weighted * a.value();
       }
     }
-    factor_.factorize(matrix_);
-    return factor_.info() == Eigen::Success;
+    return factorization_->factor(matrix_);
   }
-  void solve(Vector& y) const override { y = factor_.solve(y).eval(); }
+  void solve(Vector& y) const override { factorization_->solve(y); }
   void velocity(const Vector& v, const Vector& y, Vector& u) const override {
     u = position_of_.transpose() * y;
     roots_.solve_transposed(u);
@@ -217,7 +216,7 @@ class SparseNormals final : public WhitenedNormals {
   SparseMatrix matrix_;                                   // lower triangle
   std::vector<Index> diagonal_;
   std::vector<Index> position_;
-  Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>> factor_;
+  std::unique_ptr<SparseFactorization> factorization_;
 };
 
 }  // namespace
@@ -226,11 +225,12 @@ std::unique_ptr<WhitenedNormals> dense_whitened_normals(const ContactProblem& pr
   return std::make_unique<DenseNormals>(problem);
 }
 
-std::unique_ptr<WhitenedNormals> sparse_whitened_normals(const ContactProblem& problem) {
+std::unique_ptr<WhitenedNormals> sparse_whitened_normals(const ContactProblem& problem,
+                                                         std::unique_ptr<SparseFactorization> factorization) {
   BlockRoots roots;
   const auto* blocks = std::get_if<BlockInertia>(&problem.inertia);
   if (blocks == nullptr || !roots.factor(*blocks)) return nullptr;
-  return std::make_unique<SparseNormals>(std::move(roots), problem.N);
+  return std::make_unique<SparseNormals>(std::move(roots), problem.N, std::move(factorization));
 }
 
 }  // namespace lcpbench

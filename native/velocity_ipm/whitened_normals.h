@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "core/contact_problem.h"
+#include "native/velocity_ipm/sparse_factorization.h"
 
 namespace lcpbench {
 
@@ -30,8 +31,9 @@ class WhitenedNormals {
 /// Dense Cholesky: O(ngc^2 (nc + ngc)) per factorization. Any inertia; of a singular one the range only.
 std::unique_ptr<WhitenedNormals> dense_whitened_normals(const ContactProblem& problem);
 
-/// Sparse LDL', analysed once, in the order of nested_dissection(). @pre the inertia comes in positive definite
-/// blocks. nullptr when a block is not positive definite.
-std::unique_ptr<WhitenedNormals> sparse_whitened_normals(const ContactProblem& problem);
+/// Sparse Cholesky by `factorization`, analysed once, its rows in the order of nested_dissection(). nullptr unless the
+/// inertia comes in positive definite blocks.
+std::unique_ptr<WhitenedNormals> sparse_whitened_normals(const ContactProblem& problem,
+                                                         std::unique_ptr<SparseFactorization> factorization);
 
 }  // namespace lcpbench

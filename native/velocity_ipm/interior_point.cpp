@@ -1,0 +1,192 @@
+#include "native/velocity_ipm/interior_point.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/timed_solve.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kBoundaryFraction = 0.995;  // of the step to the nearest boundary [Mehrotra 1992]
+constexpr double kShortestStep = 0x1p-26;    // shorter ones were cut by rounding, not by the problem
+
+// So many steps without the residual falling to a half: no solution (the impulses grow without bound), or rounding.
+constexpr int kMostIdleSteps = 25;
+constexpr double kProgress = 0.5;
+
+}  // namespace
+
+void InteriorPoint::load(std::unique_ptr<WhitenedNormals> normals, const ContactProblem& contact) {
+  normals_ = std::move(normals);
+  if (!loaded()) return;
+  N_ = contact.N;
+  diagonal_ = normals_->squared_norms();
+  shift_ = contact.nc() > 0 ? settings_.shift * diagonal_.maxCoeff() : 0;
+  for (Point* point : {&point_, &step_}) point->resize(contact.nc(), normals_->coordinates());
+  for (Vector* vector : {&primal_residual_, &target_, &contacts_}) vector->resize(contact.nc());
+  for (Vector* vector : {&dual_residual_, &coordinates_}) vector->resize(normals_->coordinates());
+  set_velocity(contact.v);
+}
+
+void InteriorPoint::set_velocity(const Vector& v) {
+  v_ = v;
+  q_ = std::visit([&](const auto& N) { return Vector(N.transpose() * v); }, N_);
+  q_max_ = q_.size() > 0 ? q_.cwiseAbs().maxCoeff() : 0;
+}
+
+/// y = 0, s of the size of q, and f such that f and s are as far from their boundaries in the same unit.
+void InteriorPoint::set_start() {
+  const double largest = diagonal_.maxCoeff();
+  point_.y.setZero();
+  point_.s = q_.cwiseAbs().cwiseMax(0.1 * q_max_);
+  for (Index i = 0; i < q_.size(); ++i) point_.f(i) = point_.s(i) / (diagonal_(i) > 0 ? diagonal_(i) : largest);
+}
+
+void InteriorPoint::evaluate_residuals() {
+  normals_->combine(point_.f, dual_residual_);
+  dual_residual_ = point_.y - dual_residual_;
+  normals_->project(point_.y, primal_residual_);
+  primal_residual_ += q_ - point_.s;
+}
+
+bool InteriorPoint::factor(Counters& counters) {
+  ++counters.factorizations;
+  contacts_.array() = point_.f.array() / (point_.s.array() + shift_ * point_.f.array());
+  return contacts_.allFinite() && normals_->factor(contacts_);
+}
+
+/// The Newton step towards f s + target_, residuals zero.
+void InteriorPoint::find_direction() {
+  const auto f = point_.f.array();
+  const auto denominator = point_.s.array() + shift_ * f;
+  contacts_.array() = (target_.array() - f * primal_residual_.array()) / denominator;
+  normals_->combine(contacts_, step_.y);
+  step_.y -= dual_residual_;
+  normals_->solve(step_.y);
+  normals_->project(step_.y, step_.s);
+  step_.f.array() = (target_.array() - f * (step_.s + primal_residual_).array()) / denominator;
+  step_.s += primal_residual_ + shift_ * step_.f;
+}
+
+/// The longest step <= 1 that leaves f and s nonnegative.
+double InteriorPoint::longest_step() const {
+  double step = 1.0;
+  for (Index i = 0; i < q_.size(); ++i) {
+    if (step_.f(i) < 0) step = std::min(step, -point_.f(i) / step_.f(i));
+    if (step_.s(i) < 0) step = std::min(step, -point_.s(i) / step_.s(i));
+  }
+  return step;
+}
+
+double InteriorPoint::gap_after(double step) const {
+  return (point_.f + step * step_.f).dot(point_.s + step * step_.s);
+}
+
+/// max |min(M_ii f_i, w_i)| / max|q| with w = W'W f + q: the evaluation's measure, in double. Infinity for NaN.
+double InteriorPoint::relative_residual(const Vector& f) {
+  normals_->combine(f, coordinates_);
+  normals_->project(coordinates_, contacts_);
+  double worst = 0;
+  for (Index i = 0; i < q_.size(); ++i) {
+    const double off = std::abs(std::min(diagonal_(i) * f(i), contacts_(i) + q_(i)));
+    if (!std::isfinite(off)) return std::numeric_limits<double>::infinity();
+    worst = std::max(worst, off);
+  }
+  return worst / q_max_;
+}
+
+InteriorPoint::Stop InteriorPoint::iterate(double deadline_s, Counters& counters) {
+  const double contacts = static_cast<double>(q_.size());
+  double best = std::numeric_limits<double>::infinity();
+  int idle_steps = 0;
+  for (;; ++counters.iterations) {
+    const double residual = relative_residual(point_.f);
+    if (residual <= settings_.tolerance) return Stop::kConverged;
+    idle_steps = residual < kProgress * best ? 0 : idle_steps + 1;
+    best = std::min(best, residual);
+    if (idle_steps > kMostIdleSteps) return Stop::kStalled;
+    if (counters.iterations >= settings_.max_iterations) return Stop::kIterationLimit;
+    if (!(wall_clock_s() < deadline_s)) return Stop::kTimeLimit;
+    evaluate_residuals();
+    if (!factor(counters)) return Stop::kBreakdown;
+    const double gap = point_.f.dot(point_.s);
+    target_ = -point_.f.cwiseProduct(point_.s);
+    find_direction();
+    const double predicted = gap_after(longest_step()) / gap;
+    const double centering = predicted * predicted * predicted;  // [Mehrotra 1992]
+    target_.array() += centering * gap / contacts - step_.f.array() * step_.s.array();
+    find_direction();
+    const double length = std::min(1.0, kBoundaryFraction * longest_step());
+    if (!(step_.f.allFinite() && step_.s.allFinite())) return Stop::kBreakdown;
+    if (!(length >= kShortestStep) || !(gap > std::numeric_limits<double>::min())) return Stop::kStalled;
+    point_.f += length * step_.f;
+    point_.s += length * step_.s;
+    point_.y += length * step_.y;
+  }
+}
+
+void InteriorPoint::pressed_contacts(Vector& f) const {
+  for (Index i = 0; i < q_.size(); ++i) f(i) = diagonal_(i) * point_.f(i) > point_.s(i) ? point_.f(i) : 0;
+}
+
+/// Brings the velocities of the pressed contacts to zero: M df = -w on them, solved as the least-squares problem that
+/// redundant contacts make of it, (M + I / weight) df = -w, in velocity space. The steps repair what the weight leaves;
+/// it stands 1e8 above the diagonal of M, halfway in digits between the problem and its rounding.
+void InteriorPoint::finish(Counters& counters) {
+  constexpr double kWeight = 1e8;
+  constexpr int kRounds = 6;
+  double best = relative_residual(point_.f);
+  Vector& f = step_.f;
+  Vector& weights = step_.s;
+  pressed_contacts(f);
+  const double largest = diagonal_.maxCoeff();
+  for (Index i = 0; i < f.size(); ++i) weights(i) = f(i) > 0 ? kWeight / largest : 0;
+  ++counters.factorizations;
+  if (!normals_->factor(weights)) return;
+  for (int round = 0; round < kRounds; ++round) {
+    target_ = f.cwiseMax(0.0);
+    const double residual = relative_residual(target_);  // leaves W f and W'W f behind
+    if (residual < best) {
+      best = residual;
+      point_.f = target_;
+    } else if (round > 0) {
+      return;
+    }
+    // df = -weights (w + W'dy) with (I + W weights W') dy = -W weights w.
+    contacts_ = weights.cwiseProduct(contacts_ + q_);
+    f = target_ - contacts_;
+    normals_->combine(contacts_, step_.y);
+    normals_->solve(step_.y);
+    normals_->project(step_.y, contacts_);
+    f += weights.cwiseProduct(contacts_);
+  }
+}
+
+bool InteriorPoint::iterate(const SolveRequest& request, Answer& answer) {
+  answer.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
+  if (q_max_ == 0) {  // z = 0 solves it, and max|q| gives no scale to judge another answer by
+    answer.claim = Claim::kSolved;
+    answer.velocity = v_;
+    return false;
+  }
+  set_start();
+  stop_ = iterate(wall_clock_s() + request.time_limit_s, answer.counters);
+  answer.z = point_.f;
+  if (stop_ != Stop::kIterationLimit && stop_ != Stop::kTimeLimit) return true;
+  answer.claim = stop_ == Stop::kTimeLimit ? Claim::kTimeLimit : Claim::kIterationLimit;
+  return false;
+}
+
+void InteriorPoint::conclude(Answer& answer) {
+  answer.z = point_.f;
+  const double residual = relative_residual(answer.z);
+  answer.claim = residual <= settings_.accept_residual ? Claim::kSolved : Claim::kNumericalFailure;
+  normals_->velocity(v_, coordinates_, answer.velocity);
+  if (stop_ == Stop::kStalled) answer.detail = "no step goes further";
+  if (stop_ == Stop::kBreakdown) answer.detail = "the Newton system could not be solved";
+}
+
+}  // namespace lcpbench

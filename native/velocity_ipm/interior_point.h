@@ -1,0 +1,89 @@
+#pragma once
+
+#include <memory>
+
+#include "core/contact_problem.h"
+#include "core/solver.h"
+#include "native/velocity_ipm/settings.h"
+#include "native/velocity_ipm/whitened_normals.h"
+
+namespace lcpbench {
+
+/// Mehrotra's predictor-corrector method in velocity space for frictionless contact problems,
+///
+///     minimize 1/2 (u - v)'G (u - v) subject to N'u >= 0,
+///
+/// the multipliers being the impulses. Each step factors one matrix of the order of the velocity (ngc), not of the
+/// contacts, whatever their number and redundancy: I + W diag(f / (s + shift f)) W' in coordinates where G = I. What
+/// factors it is the WhitenedNormals' business. [Mehrotra 1992; Wright 1997, ch. 10; docs/velocity_ipm.md]
+///
+/// Life: load(), then for each velocity set_velocity(), iterate(), perhaps finish(), conclude().
+class InteriorPoint {
+ public:
+  explicit InteriorPoint(const InteriorPointSettings& settings) : settings_(settings) {}
+
+  /// @param normals  nullptr: the inertia is not what the algebra needs; loaded() is then false and nothing else legal
+  void load(std::unique_ptr<WhitenedNormals> normals, const ContactProblem& contact);
+  bool loaded() const { return normals_ != nullptr; }
+  void set_velocity(const Vector& v);
+
+  /// Iterates from the standard start. False when that ended the solve: `answer` says how (a limit; or q = 0, whose
+  /// solution is z = 0). True: the point reached awaits finish() and conclude().
+  bool iterate(const SolveRequest& request, Answer& answer);
+
+  /// Brings the velocities of the pressed contacts to zero by regularised Newton steps with one more factorization; of
+  /// the points on the way the best one is kept.
+  void finish(Counters& counters);
+
+  /// Sets z, velocity and the claim: kSolved when the velocity residual, computed from z alone, is within
+  /// accept_residual, else kNumericalFailure; with what ended the iteration.
+  void conclude(Answer& answer);
+
+  const Vector& impulses() const { return point_.f; }
+  /// f of the contacts that are pressed rather than parting, in the same unit; 0 for the others.
+  void pressed_contacts(Vector& f) const;
+
+ private:
+  enum class Stop { kConverged, kStalled, kBreakdown, kIterationLimit, kTimeLimit };
+
+  /// A point: f > 0, s > 0 and y, with residuals y - W f and W'y + q - s.
+  struct Point {
+    Vector f;  // nc, impulses [N s]
+    Vector s;  // nc, normal velocities [m/s]
+    Vector y;  // change of velocity in whitened coordinates
+
+    void resize(Index contacts, Index coordinates) {
+      f.resize(contacts);
+      s.resize(contacts);
+      y.resize(coordinates);
+    }
+  };
+
+  Stop iterate(double deadline_s, Counters& counters);
+  void set_start();
+  void evaluate_residuals();
+  bool factor(Counters& counters);
+  void find_direction();
+  double longest_step() const;
+  double gap_after(double step) const;
+  double relative_residual(const Vector& f);
+
+  InteriorPointSettings settings_;
+  std::unique_ptr<WhitenedNormals> normals_;
+  Jacobian N_;
+  Vector v_;
+  Vector q_;
+  Vector diagonal_;  // M_ii
+  double q_max_ = 0;
+  double shift_ = 0;
+
+  Stop stop_ = Stop::kConverged;
+  Point point_, step_;
+  Vector dual_residual_;    // y - W f
+  Vector primal_residual_;  // W'y + q - s
+  Vector target_;           // what f s is to become, less f s
+  Vector contacts_;         // scratch, nc
+  Vector coordinates_;      // scratch
+};
+
+}  // namespace lcpbench

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "core/settings.h"
+
+namespace lcpbench {
+
+/// Settings of the interior-point method, whatever factors its systems.
+struct InteriorPointSettings {
+  double tolerance = 1e-9;
+  double accept_residual = 3e-5;
+  double shift = 1e-12;
+  bool finish = true;
+  std::int64_t max_iterations = 100;
+
+  void visit(auto&& field) {
+    field("tolerance", tolerance, RealRange{.min = 0}, "stop when the velocity residual is at most this times max|q|");
+    field("accept_residual", accept_residual, RealRange{.min = 0},
+          "claim solved only when the velocity residual, evaluated in double, is at most this times max|q|");
+    field("shift", shift, RealRange{.min = 0, .max = 1},
+          "shift max|M_ii| I is added to M in each step: contacts that push against each other have no central path");
+    field("finish", finish, "go on from the pressed contacts to full accuracy");
+    field("max_iterations", max_iterations, IntegerRange{.min = 0}, "predictor-corrector steps");
+  }
+};
+
+}  // namespace lcpbench

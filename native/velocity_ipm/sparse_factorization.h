@@ -1,0 +1,27 @@
+#pragma once
+
+#include <memory>
+
+#include "core/types.h"
+
+namespace lcpbench {
+
+/// Solves systems with sparse symmetric positive definite matrices of one pattern: what the interior-point method needs
+/// of a sparse Cholesky library. Matrices are given by their lower triangle, compressed, with sorted columns, their
+/// rows already in an order of elimination by nested dissection.
+class SparseFactorization {
+ public:
+  virtual ~SparseFactorization() = default;
+
+  /// Once, before anything else: the pattern of every matrix to come. Values mean nothing yet.
+  virtual void analyze(const SparseMatrix& lower) = 0;
+  /// False when the factorization breaks down. @param lower  stays as it is until the last solve() with it
+  virtual bool factor(const SparseMatrix& lower) = 0;
+  /// x := A^-1 x, of the last matrix factored.
+  virtual void solve(Vector& x) = 0;
+};
+
+/// Eigen's simplicial LDL', in the order given.
+std::unique_ptr<SparseFactorization> simplicial_ldlt();
+
+}  // namespace lcpbench
