@@ -45,6 +45,11 @@ enum class Purpose : std::uint64_t {
   kContactBodies = 36,
   kContactPoints = 37,
   kConditioning = 38,
+  kMatrixOrder = 48,
+  kMatrixCondition = 49,
+  kMatrixVectors = 50,
+  kPlantedSupport = 51,
+  kPlantedValues = 52,
 };
 
 /// Draws are integers k that stand for the dyadic number k * kGridStep.

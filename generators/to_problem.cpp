@@ -47,4 +47,6 @@ RigidScene to_scene(const RigidSample& sample) {
   return scene;
 }
 
+Lcp to_lcp(const PlantedSample& sample) { return {to_matrix(sample.M), to_vector(sample.q)}; }
+
 }  // namespace lcpbench

@@ -3,6 +3,7 @@
 #include "core/contact_problem.h"
 #include "core/scene.h"
 #include "generators/paper.h"
+#include "generators/planted.h"
 #include "generators/rigid.h"
 
 namespace lcpbench {
@@ -12,5 +13,8 @@ ContactProblem to_contact_problem(const PaperSample& sample);
 
 /// The sample's numbers, unchanged, as a scene. Every contact is frictionless; its unused tangent keeps the default.
 RigidScene to_scene(const RigidSample& sample);
+
+/// The sample's (q, M), unchanged.
+Lcp to_lcp(const PlantedSample& sample);
 
 }  // namespace lcpbench

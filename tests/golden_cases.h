@@ -9,6 +9,7 @@
 
 #include "core/spec.h"
 #include "generators/paper.h"
+#include "generators/planted.h"
 #include "generators/rigid.h"
 
 // What the golden hashes are taken of, and how: shared by the program that is built with several compilers and by the
@@ -60,14 +61,22 @@ inline std::vector<std::string> split_choices(const std::string& range) {
   return choices;
 }
 
-/// The values of an option to try: every other choice; one larger number.
+/// The values of an option to try: every other choice; one larger number; half a real one.
 inline std::vector<std::string> other_values(const SettingInfo& option) {
   if (option.type == "integer") return {std::to_string(std::stoll(option.default_value) + 3)};
+  if (option.type == "real") return {format_real(std::stod(option.default_value) / 2)};
   std::vector<std::string> values;
   for (const std::string& choice : split_choices(option.range)) {
     if (choice != option.default_value) values.push_back(choice);
   }
   return values;
+}
+
+/// Whether a set has the condition number that the sets of its kind are compared at, or none.
+template <class Set>
+bool one_of_its_kind(const Set& set) {
+  if constexpr (requires { set.condition; }) return set.condition == 0 || set.condition == 1e8;
+  return true;
 }
 
 /// Every set as it is; every set with each other redundancy; and one set of each kind of experiment with
@@ -78,7 +87,7 @@ std::vector<Case<Set>> cases(const std::vector<Set>& sets) {
   for (const Set& set : sets) {
     all.push_back({&set, {}});
     const bool large = set.name.find("extra100") != std::string::npos;
-    const bool every_option = set.stream == set.name && (set.condition == 0 || set.condition == 1e8);
+    const bool every_option = set.stream == set.name && one_of_its_kind(set);
     for (const SettingInfo& option : set.options()) {
       if (large || !(every_option || option.name == "redundancy")) continue;
       for (const std::string& value : other_values(option)) all.push_back({&set, {{option.name, value}}});

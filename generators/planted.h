@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/settings.h"
+#include "generators/column_major.h"
+
+// Symmetric positive definite LCPs around a solution that was drawn first: easy problems with an answer that is known
+// without any solver, on which every solver that claims the class has to be right.
+
+namespace lcpbench {
+
+struct PlantedReading {
+  std::int64_t n_max = 20;
+  double condition = 1e4;
+};
+
+/// w = M z + q holds exactly in the doubles below: M on the 2^-36 grid, z on 2^-8, w on 2^-20, q on 2^-44.
+struct PlantedSample {
+  ColumnMajor<double> M;  ///< n x n, symmetric, eigenvalues from 1/condition to 1 up to the rounding to its grid
+  std::vector<double> q;
+  std::vector<double> z;  ///< the only solution: in each row z > 0 and w = 0, or z = 0 and w > 0
+  std::vector<double> w;
+};
+
+struct PlantedSet {
+  std::string name;
+  std::string stream;  ///< name of its random stream
+  std::string summary;
+
+  std::vector<SettingInfo> (*options)() = nullptr;
+  PlantedReading (*parse)(std::string_view owner, const Options&) = nullptr;  ///< throws InputError
+  Options (*changed)(std::string_view owner, const Options&) = nullptr;  ///< off their defaults, in declaration order
+};
+
+/// planted/definite.
+const std::vector<PlantedSet>& planted_sets();
+
+/// One trial: a function of its arguments alone, bit for bit on every processor with IEEE doubles.
+/// O(n^3), about 8 sweeps of Jacobi rotations.
+PlantedSample draw_planted(const PlantedSet& set, const PlantedReading& reading, std::uint64_t seed,
+                           std::uint64_t trial);
+
+}  // namespace lcpbench
