@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "generators/paper.h"
+#include "generators/planted.h"
 #include "generators/problem_io.h"
 #include "generators/rigid.h"
 #include "generators/to_problem.h"
@@ -41,6 +42,11 @@ Problem make_problem(const PaperSet& set, const PaperReading& reading, std::uint
 Problem make_problem(const RigidSet& set, const RigidReading& reading, std::uint64_t seed, std::uint64_t trial,
                      std::string name) {
   return {std::move(name), to_scene(draw_rigid(set, reading, seed, trial))};
+}
+
+Problem make_problem(const PlantedSet& set, const PlantedReading& reading, std::uint64_t seed, std::uint64_t trial,
+                     std::string name) {
+  return {std::move(name), to_lcp(draw_planted(set, reading, seed, trial))};
 }
 
 template <class Set, class Reading>
@@ -129,6 +135,12 @@ SetInfo describe(const RigidSet& set) {
           "frictionless: " + set.summary, set.options()};
 }
 
+SetInfo describe(const PlantedSet& set) {
+  return {set.name, "n 1..20, condition at most 1e4",
+          "this project's; planting after Cottle, Pang and Stone 1992, The linear complementarity problem",
+          "bare (q, M): " + set.summary, set.options()};
+}
+
 template <class Set>
 const Set* find_set(const std::vector<Set>& sets, const std::string& name) {
   const auto found = std::find_if(sets.begin(), sets.end(), [&](const Set& set) { return set.name == name; });
@@ -164,6 +176,7 @@ std::vector<SetInfo> list_sets() {
   std::vector<SetInfo> infos;
   for (const PaperSet& set : paper_sets()) infos.push_back(describe(set));
   for (const RigidSet& set : rigid_sets()) infos.push_back(describe(set));
+  for (const PlantedSet& set : planted_sets()) infos.push_back(describe(set));
   return infos;
 }
 
@@ -175,6 +188,9 @@ std::unique_ptr<ProblemSet> open_set(const std::string& text) {
   }
   if (const RigidSet* set = find_set(rigid_sets(), spec.name)) {
     return std::make_unique<RandomSet<RigidSet, RigidReading>>(*set, spec.options);
+  }
+  if (const PlantedSet* set = find_set(planted_sets(), spec.name)) {
+    return std::make_unique<RandomSet<PlantedSet, PlantedReading>>(*set, spec.options);
   }
   throw InputError("unknown problem set '" + spec.name + "'; `lcpbench sets` lists them");
 }

@@ -62,12 +62,21 @@ void add(const RigidSample& sample, Hash& hash) {
   }
 }
 
+void add(const PlantedSample& sample, Hash& hash) {
+  add(sample.M, hash);
+  add(sample.q, hash);
+}
+
 PaperSample draw(const PaperSet& set, const PaperReading& reading, std::uint64_t trial) {
   return draw_paper(set, reading, kSeed, trial);
 }
 
 RigidSample draw(const RigidSet& set, const RigidReading& reading, std::uint64_t trial) {
   return draw_rigid(set, reading, kSeed, trial);
+}
+
+PlantedSample draw(const PlantedSet& set, const PlantedReading& reading, std::uint64_t trial) {
+  return draw_planted(set, reading, kSeed, trial);
 }
 
 template <class Set>
@@ -89,7 +98,7 @@ int compare(const std::string& actual, const std::string& expected) {
 }
 
 int run(int argc, char** argv) {
-  const std::string actual = lines(paper_sets()) + lines(rigid_sets());
+  const std::string actual = lines(paper_sets()) + lines(rigid_sets()) + lines(planted_sets());
   if (argc < 2) return std::fputs(actual.c_str(), stdout) < 0 ? 1 : 0;
   std::ifstream file(argv[1]);
   if (!file) {

@@ -66,6 +66,11 @@ void add(const RigidScene& scene, Hash& hash) {
   }
 }
 
+void add(const Lcp& lcp, Hash& hash) {
+  add(lcp.M, hash);
+  add(lcp.q, hash);
+}
+
 std::map<std::string, std::string> committed_hashes() {
   std::ifstream file(GOLDEN_HASHES);
   std::map<std::string, std::string> hashes;
@@ -77,7 +82,7 @@ std::map<std::string, std::string> committed_hashes() {
 
 TEST(GoldenHashesTest, TheLibraryGivesThemToo) {
   const std::map<std::string, std::string> hashes = committed_hashes();
-  ASSERT_GE(hashes.size(), cases(paper_sets()).size() + cases(rigid_sets()).size());
+  ASSERT_GE(hashes.size(), cases(paper_sets()).size() + cases(rigid_sets()).size() + cases(planted_sets()).size());
   for (const auto& [name, expected] : hashes) {
     const std::unique_ptr<ProblemSet> set = open_set(name);
     EXPECT_EQ(set->name(), name);
@@ -86,8 +91,10 @@ TEST(GoldenHashesTest, TheLibraryGivesThemToo) {
       const Problem problem = set->generate(kSeed, static_cast<std::int64_t>(trial));
       if (problem.scene() != nullptr) {
         add(*problem.scene(), hash);
-      } else {
+      } else if (problem.contact() != nullptr) {
         add(*problem.contact(), hash);
+      } else {
+        add(problem.lcp(), hash);
       }
     }
     EXPECT_EQ(hash.text(), expected) << name;

@@ -43,6 +43,7 @@ TEST(ListSetsTest, NamesEveryExperimentOnce) {
        {"exp1", "exp2", "exp5-1e5", "exp5-1e8", "exp5-1e10", "exp6-1e5", "exp6-1e8", "exp6-1e10"}) {
     expected.push_back("rigid/" + name);
   }
+  expected.push_back("planted/definite");
   EXPECT_EQ(names(), expected);
 }
 
