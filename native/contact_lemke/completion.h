@@ -116,6 +116,7 @@ class Completion {
 
   /// Of J f, whose terms may cancel, and of G's factors. Infinite where products with v may have underflowed.
   Scalar rounding() const {
+    if (contacts_.nc() == 0) return 0;
     const Scalar largest_product = contacts_.reach() * contacts_.speed();
     if (contacts_.moves() && !(largest_product > static_cast<Scalar>(kSmallestSafe<Scalar>))) return kInfinity<Scalar>;
     const Count length = contacts_.padded_ngc();
