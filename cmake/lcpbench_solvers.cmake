@@ -67,16 +67,23 @@ const std::vector<RegisteredSolver>& registered_solvers() {
 ]])
 endfunction()
 
-# Writes the list of the main program and builds one worker per library that was found.
-function(lcpbench_finish_solvers)
+# What _lcpbench_write_list takes, of native solvers.
+function(_lcpbench_native_entries natives declarations_out entries_out)
   set(declarations "")
   set(entries "")
-  get_property(natives GLOBAL PROPERTY LCPBENCH_NATIVE_SOLVERS)
   foreach(name IN LISTS natives)
     string(APPEND declarations "SolverDefinition lcpbench_solver_${name}();\n")
     string(APPEND entries
            "      {lcpbench_solver_${name}(), \"native\", \"${PROJECT_VERSION}\", \"\", \"\"},\n")
   endforeach()
+  set(${declarations_out} "${declarations}" PARENT_SCOPE)
+  set(${entries_out} "${entries}" PARENT_SCOPE)
+endfunction()
+
+# Writes the list of the main program and builds one worker per library that was found.
+function(lcpbench_finish_solvers)
+  get_property(natives GLOBAL PROPERTY LCPBENCH_NATIVE_SOLVERS)
+  _lcpbench_native_entries("${natives}" declarations entries)
 
   get_property(adapters GLOBAL PROPERTY LCPBENCH_ADAPTERS)
   foreach(adapter IN LISTS adapters)

@@ -4,36 +4,10 @@
 #include <limits>
 #include <vector>
 
+#include "native/block_inverse.h"
+
 namespace lcpbench {
 namespace {
-
-/// G* by its diagonal blocks; one block unless the inertia came in blocks.
-class BlockInverse {
- public:
-  explicit BlockInverse(const Inertia& inertia) {
-    if (const auto* given = std::get_if<BlockInertia>(&inertia)) {
-      for (const Matrix& block : given->blocks) add(inverse_inertia(DenseInertia{block}));
-    } else {
-      add(inverse_inertia(inertia));
-    }
-  }
-
-  Index dimension() const { return static_cast<Index>(block_of_row_.size()); }
-  std::size_t block_of(Index row) const { return block_of_row_[static_cast<std::size_t>(row)]; }
-  const Matrix& inverse(std::size_t block) const { return inverses_[block]; }
-  Index offset(std::size_t block) const { return offsets_[block]; }
-
- private:
-  void add(Matrix inverse) {
-    offsets_.push_back(dimension());
-    block_of_row_.insert(block_of_row_.end(), static_cast<std::size_t>(inverse.rows()), inverses_.size());
-    inverses_.push_back(std::move(inverse));
-  }
-
-  std::vector<Matrix> inverses_;
-  std::vector<Index> offsets_;
-  std::vector<std::size_t> block_of_row_;
-};
 
 class Builder {
  public:

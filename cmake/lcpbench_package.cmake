@@ -1,0 +1,45 @@
+# The native solvers as a package for simulators: one header <lcpbench/lcpbench.h>, one static library, one CMake target
+# lcpbench::native. Eigen and the standard library only. Installed by `cmake --install BUILD`.
+include(CMakePackageConfigHelpers)
+include(GNUInstallDirs)
+
+get_property(natives GLOBAL PROPERTY LCPBENCH_NATIVE_SOLVERS)
+_lcpbench_native_entries("${natives}" declarations entries)
+_lcpbench_write_list(${PROJECT_BINARY_DIR}/generated/native_list.cpp "${declarations}" "${entries}")
+
+get_property(engines GLOBAL PROPERTY LCPBENCH_ENGINES)
+set(objects $<TARGET_OBJECTS:lcpbench_core> $<TARGET_OBJECTS:lcpbench_native>)
+foreach(engine IN LISTS engines)
+  list(APPEND objects $<TARGET_OBJECTS:${engine}>)
+endforeach()
+
+set(header ${PROJECT_BINARY_DIR}/include/lcpbench/lcpbench.h)
+file(GLOB headers ${PROJECT_SOURCE_DIR}/core/*.h)
+add_custom_command(
+  OUTPUT ${header}
+  COMMAND ${CMAKE_COMMAND} -DROOT=${PROJECT_SOURCE_DIR} -DINPUT=native/lcpbench.h -DOUTPUT=${header}
+          -P ${PROJECT_SOURCE_DIR}/cmake/single_header.cmake
+  DEPENDS ${PROJECT_SOURCE_DIR}/cmake/single_header.cmake ${PROJECT_SOURCE_DIR}/native/lcpbench.h ${headers}
+  COMMENT "Writing lcpbench/lcpbench.h" VERBATIM)
+
+add_library(lcpbench_package STATIC ${PROJECT_BINARY_DIR}/generated/native_list.cpp ${header} ${objects})
+add_library(lcpbench::native ALIAS lcpbench_package)
+target_include_directories(lcpbench_package
+  PRIVATE ${PROJECT_SOURCE_DIR}
+  INTERFACE $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+target_link_libraries(lcpbench_package PUBLIC Eigen3::Eigen)
+target_compile_features(lcpbench_package INTERFACE cxx_std_20)
+set_target_properties(lcpbench_package PROPERTIES EXPORT_NAME native OUTPUT_NAME lcpbench)
+
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/lcpbench)
+set(generated_dir ${PROJECT_BINARY_DIR}/generated/package)
+configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/lcpbench-config.cmake.in ${generated_dir}/lcpbench-config.cmake
+                              INSTALL_DESTINATION ${package_dir})
+# Before 1.0 a minor version may change the interface.
+write_basic_package_version_file(${generated_dir}/lcpbench-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(TARGETS lcpbench_package EXPORT lcpbench-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lcpbench)
+install(EXPORT lcpbench-targets NAMESPACE lcpbench:: DESTINATION ${package_dir})
+install(FILES ${generated_dir}/lcpbench-config.cmake ${generated_dir}/lcpbench-config-version.cmake
+        DESTINATION ${package_dir})
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/NOTICE DESTINATION ${CMAKE_INSTALL_DOCDIR})

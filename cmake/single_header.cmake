@@ -1,0 +1,28 @@
+# cmake -DROOT=<source> -DINPUT=native/lcpbench.h -DOUTPUT=<file> -P single_header.cmake
+#
+# Writes INPUT with every header of this project that it includes in place of the include, each once: an installed
+# header must not depend on files with names like core/solver.h, which a simulator may have too.
+cmake_policy(VERSION 3.22)
+set(text "#include \"${INPUT}\"\n")
+set(written "")
+set(pattern "#include \"((core|native)/[A-Za-z0-9_/]+\\.h)\"\n")
+while(text MATCHES "${pattern}")
+  set(line "${CMAKE_MATCH_0}")
+  set(header "${CMAKE_MATCH_1}")
+  string(FIND "${text}" "${line}" begin)
+  string(LENGTH "${line}" length)
+  math(EXPR end "${begin} + ${length}")
+  string(SUBSTRING "${text}" 0 ${begin} before)
+  string(SUBSTRING "${text}" ${end} -1 after)
+  set(body "")
+  if(NOT header IN_LIST written)
+    list(APPEND written "${header}")
+    file(READ "${ROOT}/${header}" body)
+    string(REPLACE "#pragma once\n" "" body "${body}")
+  endif()
+  set(text "${before}${body}${after}")
+endwhile()
+if(text MATCHES "#include \"")
+  message(FATAL_ERROR "${INPUT} leads to a header that is not of core or native")
+endif()
+file(WRITE "${OUTPUT}" "// lcpbench, native contact solvers. Generated from ${INPUT}. Apache-2.0.\n#pragma once\n\n${text}")

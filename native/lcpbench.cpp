@@ -1,0 +1,209 @@
+#include "native/lcpbench.h"
+
+#include <stdexcept>
+#include <utility>
+
+#include "core/registry.h"
+#include "native/block_inverse.h"
+#include "native/lcpbench_checks.h"
+
+namespace lcpbench {
+namespace {
+
+/// impulse += J f
+void add_impulses(const Jacobian& J, const double* f, Vector& impulse) {
+  const Index columns = cols(J);
+  if (const auto* dense = std::get_if<Matrix>(&J)) {
+    for (Index j = 0; j < columns; ++j) {
+      if (f[j] != 0) impulse += f[j] * dense->col(j);
+    }
+    return;
+  }
+  const SparseMatrix& sparse = std::get<SparseMatrix>(J);
+  for (Index j = 0; j < columns; ++j) {
+    if (f[j] == 0) continue;
+    for (SparseMatrix::InnerIterator entry(sparse, j); entry; ++entry) impulse(entry.row()) += f[j] * entry.value();
+  }
+}
+
+std::unique_ptr<Solver> make_native(const Spec& spec) {
+  if (!find_solver(spec.name).native()) throw InputError("'" + spec.name + "' is no native solver");
+  return make_solver(spec);
+}
+
+void check_layout(const EigenLayout& caller) {
+  const EigenLayout here;
+  if (caller == here) return;
+  const auto text = [](const EigenLayout& layout) {
+    return std::to_string(layout.version / 100) + "." + std::to_string(layout.version % 100) +
+           " with memory aligned to " + std::to_string(layout.alignment) + " bytes";
+  };
+  throw InputError("the program was compiled for Eigen " + text(caller) + ", lcpbench for " + text(here) +
+                   ": build both with the same -m options");
+}
+
+}  // namespace
+
+struct ContactSolver::State {
+  std::string name;
+  std::unique_ptr<Solver> solver;
+  Capabilities capabilities;
+
+  Problem problem;
+  const ContactProblem* contacts = nullptr;  ///< of the problem; null before load()
+  ContactLayout layout;
+  BlockInverse inverse_inertia;
+  Vector v;
+
+  Answer answer;
+  Vector start;  ///< impulses of the last solve
+  bool has_start = false;
+  Vector impulse, velocity;  ///< ngc
+
+  void load(Problem next);
+  void forget_answer();
+  void compute_velocity();
+  double friction(Index contact, Index t) const;
+};
+
+void ContactSolver::State::load(Problem next) {
+  const std::string refusal = why_not(capabilities, next);
+  if (!refusal.empty()) throw InputError(name + ": " + refusal);
+  problem = std::move(next);
+  contacts = problem.contact();
+  layout = contact_layout(*contacts);
+  inverse_inertia = BlockInverse(contacts->inertia);
+  v = velocity = contacts->v;
+  impulse.resize(v.size());
+  solver->load(problem);
+  start.resize(problem.size());
+  has_start = false;
+  forget_answer();
+}
+
+void ContactSolver::State::forget_answer() {
+  answer.claim = Claim::kNumericalFailure;
+  answer.z.setZero(problem.size());
+  answer.velocity.resize(0);
+  answer.farkas.resize(0);
+  answer.counters = Counters{};
+  answer.detail.clear();
+}
+
+void ContactSolver::State::compute_velocity() {
+  if (answer.velocity.size() == v.size() && answer.claim == Claim::kSolved) {
+    velocity = answer.velocity;
+    return;
+  }
+  velocity = v;
+  if (answer.z.size() != layout.size()) return;
+  impulse.setZero();
+  add_impulses(contacts->N, answer.z.data(), impulse);
+  add_impulses(contacts->D, answer.z.data() + layout.friction_offset(), impulse);
+  inverse_inertia.add_product(impulse, velocity);
+}
+
+double ContactSolver::State::friction(Index contact, Index t) const {
+  const auto c = static_cast<std::size_t>(contact);
+  const Index half = (layout.friction_begin[c + 1] - layout.friction_begin[c]) / 2;
+  if (t < 0 || t >= half) throw std::out_of_range("the contact has no friction direction " + std::to_string(t));
+  const Index first = layout.friction_offset() + layout.friction_begin[c] + t;
+  return answer.z(first) - answer.z(first + half);
+}
+
+std::vector<NativeSolver> native_solvers() {
+  std::vector<NativeSolver> solvers;
+  for (const RegisteredSolver& solver : registered_solvers()) {
+    if (!solver.native() || !solver.unavailable.empty()) continue;
+    const SolverDefinition& definition = solver.definition;
+    solvers.push_back(
+        {definition.name, definition.summary, definition.source, !definition.capabilities.frictionless_only});
+  }
+  return solvers;
+}
+
+ContactSolver::ContactSolver(std::string_view spec, EigenLayout layout) {
+  check_layout(layout);
+  const Spec parsed = parse_spec(spec);
+  state_ = std::make_unique<State>();
+  state_->name = parsed.name;
+  state_->solver = make_native(parsed);
+  state_->capabilities = state_->solver->capabilities();
+}
+
+ContactSolver::~ContactSolver() = default;
+ContactSolver::ContactSolver(ContactSolver&& other) noexcept = default;
+ContactSolver& ContactSolver::operator=(ContactSolver&& other) noexcept = default;
+
+void ContactSolver::load(const RigidScene& scene) {
+  check_usable(scene);
+  state_->load(Problem(state_->name, scene));
+}
+
+void ContactSolver::load(const ContactProblem& contacts) {
+  check_usable(contacts);
+  state_->load(Problem(state_->name, contacts));
+}
+
+ContactSolver::State& ContactSolver::loaded() const {
+  if (state_->contacts == nullptr) throw std::logic_error("ContactSolver: nothing was loaded");
+  return *state_;
+}
+
+void ContactSolver::set_velocity(const Vector& v) {
+  State& state = loaded();
+  if (v.size() != state.v.size()) {
+    throw InputError("v has " + std::to_string(v.size()) + " entries, expected " + std::to_string(state.v.size()));
+  }
+  if (!v.allFinite()) throw InputError("v holds NaN or infinity");
+  state.v = v;
+  state.velocity = v;
+  state.solver->update(state.v);
+}
+
+Claim ContactSolver::solve(double time_limit_s) {
+  State& state = loaded();
+  SolveRequest request;
+  request.time_limit_s = time_limit_s;
+  if (state.has_start) request.start = &state.start;
+  state.solver->solve(request, state.answer);
+  state.has_start = state.capabilities.warm_start && state.answer.claim == Claim::kSolved;
+  if (state.has_start) state.start = state.answer.z;
+  state.compute_velocity();
+  return state.answer.claim;
+}
+
+const Vector& ContactSolver::velocity() const { return loaded().velocity; }
+
+double ContactSolver::normal_impulse(Index contact) const {
+  const State& state = loaded();
+  if (contact < 0 || contact >= state.layout.nc) {
+    throw std::out_of_range("there is no contact " + std::to_string(contact));
+  }
+  return state.answer.z.size() == 0 ? 0.0 : state.answer.z(contact);
+}
+
+double ContactSolver::friction_impulse(Index contact, Index t) const {
+  normal_impulse(contact);  // tests the index
+  const State& state = loaded();
+  return state.answer.z.size() == 0 ? 0.0 : state.friction(contact, t);
+}
+
+Eigen::Vector3d ContactSolver::impulse(Index contact) const {
+  const State& state = loaded();
+  const RigidScene* scene = state.problem.scene();
+  if (scene == nullptr) throw std::logic_error("ContactSolver: impulses in world axes need a RigidScene");
+  const double normal = normal_impulse(contact);
+  const RigidContact& geometry = scene->contacts[static_cast<std::size_t>(contact)];
+  Eigen::Vector3d total = normal * geometry.normal;
+  if (geometry.edges == 0) return total;
+  total += friction_impulse(contact, 0) * geometry.tangent;
+  total += friction_impulse(contact, 1) * geometry.normal.cross(geometry.tangent);
+  return total;
+}
+
+const Answer& ContactSolver::answer() const { return state_->answer; }
+
+const Capabilities& ContactSolver::capabilities() const { return state_->capabilities; }
+
+}  // namespace lcpbench

@@ -1,0 +1,125 @@
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/error.h"
+#include "core/scene.h"
+#include "core/solver.h"
+
+// The one header to solve contacts in a simulator: installed as <lcpbench/lcpbench.h>, with all that it includes in one
+// file; the package's target is lcpbench::native. docs/embedding.md shows its use.
+
+namespace lcpbench {
+
+/// What the solvers of this library can be asked for by name.
+struct NativeSolver {
+  std::string name;      ///< what ContactSolver takes
+  std::string summary;   ///< one line
+  std::string source;    ///< where the method comes from
+  bool friction = true;  ///< false: frictionless contacts only
+};
+
+/// Every solver that ContactSolver knows, in a fixed order.
+std::vector<NativeSolver> native_solvers();
+
+/// How Eigen's matrices are laid out and allocated where this is compiled. Where it differs, matrices cannot be handed
+/// on: one side would free what the other allocated in another way.
+struct EigenLayout {
+  int version = 100 * EIGEN_WORLD_VERSION + EIGEN_MAJOR_VERSION;
+  int alignment = EIGEN_DEFAULT_ALIGN_BYTES;  ///< -mavx, -march=native and the like change it
+  bool plain_malloc = EIGEN_MALLOC_ALREADY_ALIGNED != 0;
+
+  bool operator==(const EigenLayout&) const = default;
+};
+
+/// Turns contacts into impulses, once per time step.
+///
+/// Given the velocity v that the bodies would have without contacts, finds impulses under which no contact approaches,
+/// none pulls, separating contacts do not push, and friction stays in its pyramid and opposes slip [Anitescu, Potra
+/// 1997]: the problem of ContactProblem. Impacts are inelastic; penetration is not corrected: whoever wants restitution
+/// or stabilisation puts it into v.
+///
+///     ContactSolver solver("contact_lemke");
+///     solver.load(scene);                    // whenever contacts or inertia change
+///     solver.set_velocity(v);                // each step
+///     if (solver.solve() == Claim::kSolved) v = solver.velocity();
+///
+/// Units are SI: v in m/s and rad/s, impulses in N s. One object per thread; objects share nothing. Deterministic: the
+/// same calls give the same bits on the same instruction-set level.
+///
+/// Errors of the caller throw and leave the object as it was; what goes wrong with the numbers is a claim.
+class ContactSolver {
+ public:
+  /// @param spec name and settings: "contact_lemke", "contact_lemke{precision=double}", "active_set"; see
+  ///     native_solvers() and the page of each solver in docs/
+  /// @param layout leave it alone: it tells how the caller's code was compiled
+  /// @throws InputError for unknown names and settings, and where caller and library were compiled with -m options for
+  ///     which Eigen lays out memory differently: build both with the same ones
+  explicit ContactSolver(std::string_view spec, EigenLayout layout = {});
+  ~ContactSolver();
+  ContactSolver(ContactSolver&& other) noexcept;
+  ContactSolver& operator=(ContactSolver&& other) noexcept;
+
+  /// Takes bodies and contacts; the bodies' velocities are the first v. O(bodies + contacts), allocates, and then what
+  /// the solver does with the matrices once: its page tells.
+  /// @throws InputError naming body or contact and field: an index out of range, a mass or inertia that is not
+  /// positive, edges
+  ///     other than 0 and 4, mu < 0, mu > 0 without edges, NaN or infinity, or a problem outside what the solver
+  ///     takes (friction given to a frictionless solver, n over its limit). Directions are taken as they are: normals
+  ///     and tangents should be orthogonal unit vectors.
+  void load(const RigidScene& scene);
+
+  /// The same for generalized coordinates: v, N, D, mu, G as ContactProblem has them. Copied.
+  /// @throws InputError when sizes do not fit together, edges are odd or negative, mu < 0, a number is NaN or
+  ///     infinite, or the solver does not take it. That G is symmetric and positive definite and that D comes in +-
+  ///     pairs is the caller's promise: testing it would cost more than a solve (`lcpbench solve` tests it).
+  void load(const ContactProblem& contacts);
+
+  /// Another velocity for the same contacts and inertia; what depends on these alone is kept.
+  /// Six entries per body for scenes, linear then angular. Allocates nothing with the solvers that say so.
+  /// @throws InputError for another number of entries, NaN or infinity; std::logic_error before load()
+  void set_velocity(const Vector& v);
+
+  /// Solves what is loaded, from the impulses of the last solve where the solver can use them.
+  ///
+  /// Allocates nothing with solvers whose capabilities say so, on every call but the first after load().
+  /// @param time_limit_s wall clock; obeyed to within a few pivots by solvers whose capabilities say so
+  /// @returns kSolved: every condition holds to the solver's tolerance; kUnsolvable: no impulses exist (only with
+  ///     singular inertia); kIterationLimit, kTimeLimit, kNumericalFailure: no answer. A claim is the solver's own:
+  ///     docs/ tells for each how it is tested.
+  /// @throws std::logic_error before load()
+  Claim solve(double time_limit_s = std::numeric_limits<double>::infinity());
+
+  /// ngc: the velocity under the impulses found, v + G* J f; v itself before a solve and where none were found. From
+  /// the solver where it returns one (precision=polished), else computed here: a product with N, D and G*.
+  const Vector& velocity() const;
+
+  /// Impulse along the contact's normal [N s], >= 0; 0 before a solve and where none was found.
+  /// @throws std::out_of_range for this and the next two
+  double normal_impulse(Index contact) const;
+
+  /// Net friction impulse [N s] along direction t of the contact, t < edges / 2. Of a scene: 0 is the contact's
+  /// tangent, 1 is normal x tangent.
+  double friction_impulse(Index contact, Index t) const;
+
+  /// Total impulse on body_a at the contact's point, in world axes [N s]; body_b gets its negative.
+  /// @throws std::logic_error unless a scene is loaded
+  Eigen::Vector3d impulse(Index contact) const;
+
+  /// The whole answer: claim, z in the order of ContactProblem, work done, the rung or reason in words.
+  const Answer& answer() const;
+
+  /// What the solver promises with these settings.
+  const Capabilities& capabilities() const;
+
+ private:
+  struct State;
+  State& loaded() const;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace lcpbench

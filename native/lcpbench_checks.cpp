@@ -1,0 +1,106 @@
+#include "native/lcpbench_checks.h"
+
+#include <Eigen/Cholesky>
+#include <cstddef>
+#include <string>
+#include <variant>
+
+#include "core/error.h"
+#include "core/settings.h"
+
+namespace lcpbench {
+namespace {
+
+std::string at(const char* list, std::size_t i, const char* field) {
+  return std::string(list) + "[" + std::to_string(i) + "]." + field;
+}
+
+[[noreturn]] void refuse(const std::string& field, const std::string& value, const std::string& expected) {
+  throw InputError(field + " is " + value + ", expected " + expected);
+}
+
+void check_body(const RigidBody& body, std::size_t i) {
+  if (!(body.mass > 0)) refuse(at("bodies", i, "mass"), format_real(body.mass), "> 0");
+  const Eigen::LLT<Eigen::Matrix3d> cholesky(body.inertia);
+  const Eigen::Vector3d pivots = cholesky.matrixLLT().diagonal();
+  if (cholesky.info() != Eigen::Success || !(pivots.array() > 0).all()) {  // Eigen's own test lets NaN pass
+    throw InputError(at("bodies", i, "inertia") + " is not positive definite");
+  }
+}
+
+void check_body_index(int body, int lowest, std::size_t bodies, const std::string& field) {
+  if (body >= lowest && body < static_cast<std::int64_t>(bodies)) return;
+  refuse(field, std::to_string(body),
+         (lowest < 0 ? "-1 (world) or " : "") + std::string("one of ") + std::to_string(bodies) +
+             " bodies, counted from 0");
+}
+
+void check_friction(double mu, int edges, const std::string& field) {
+  if (!(mu >= 0)) refuse(field, format_real(mu), ">= 0");
+  if (mu > 0 && edges == 0) throw InputError(field + " would be ignored: the contact has no edges");
+}
+
+void check_contact(const RigidScene& scene, std::size_t i) {
+  const RigidContact& contact = scene.contacts[i];
+  check_body_index(contact.body_a, 0, scene.bodies.size(), at("contacts", i, "body_a"));
+  check_body_index(contact.body_b, RigidContact::kWorld, scene.bodies.size(), at("contacts", i, "body_b"));
+  if (contact.body_a == contact.body_b) throw InputError(at("contacts", i, "body_b") + " is body_a");
+  if (contact.edges != 0 && contact.edges != 4) {
+    refuse(at("contacts", i, "edges"), std::to_string(contact.edges), "0 or 4");
+  }
+  check_friction(contact.mu, contact.edges, at("contacts", i, "mu"));
+}
+
+void check_shape(Index rows, Index cols, Index expected_rows, Index expected_cols, const std::string& field) {
+  if (rows == expected_rows && cols == expected_cols) return;
+  refuse(field, std::to_string(rows) + " x " + std::to_string(cols),
+         std::to_string(expected_rows) + " x " + std::to_string(expected_cols));
+}
+
+struct InertiaShape {
+  Index ngc;
+
+  void operator()(const DenseInertia& inertia) const {
+    check_shape(inertia.G.rows(), inertia.G.cols(), ngc, ngc, "inertia.G");
+  }
+  void operator()(const BlockInertia& inertia) const {
+    Index size = 0;
+    for (std::size_t i = 0; i < inertia.blocks.size(); ++i) {
+      const Matrix& block = inertia.blocks[i];
+      check_shape(block.rows(), block.cols(), block.rows(), block.rows(), "inertia.blocks[" + std::to_string(i) + "]");
+      size += block.rows();
+    }
+    check_shape(size, size, ngc, ngc, "inertia.blocks together");
+  }
+  void operator()(const FactoredInertia& inertia) const {
+    check_shape(inertia.X.rows(), inertia.X.cols(), ngc, inertia.alpha.size(), "inertia.X");
+  }
+  void operator()(const InverseInertia& inertia) const {
+    check_shape(inertia.Ginv.rows(), inertia.Ginv.cols(), ngc, ngc, "inertia.Ginv");
+  }
+};
+
+}  // namespace
+
+void check_usable(const RigidScene& scene) {
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) check_body(scene.bodies[i], i);
+  for (std::size_t i = 0; i < scene.contacts.size(); ++i) check_contact(scene, i);
+}
+
+void check_usable(const ContactProblem& contacts) {
+  const Index nc = contacts.nc();
+  if (contacts.mu.size() != nc) refuse("mu", std::to_string(contacts.mu.size()) + " entries", std::to_string(nc));
+  Index friction = 0;
+  for (Index i = 0; i < nc; ++i) {
+    const int edges = contacts.edges[static_cast<std::size_t>(i)];
+    const std::string of_contact = "[" + std::to_string(i) + "]";
+    if (edges < 0 || edges % 2 != 0) refuse("edges" + of_contact, std::to_string(edges), "an even number >= 0");
+    check_friction(contacts.mu(i), edges, "mu" + of_contact);
+    friction += edges;
+  }
+  check_shape(rows(contacts.N), cols(contacts.N), contacts.ngc(), nc, "N");
+  check_shape(rows(contacts.D), cols(contacts.D), contacts.ngc(), friction, "D");
+  std::visit(InertiaShape{contacts.ngc()}, contacts.inertia);
+}
+
+}  // namespace lcpbench

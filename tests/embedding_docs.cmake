@@ -1,0 +1,12 @@
+# The example in docs/embedding.md is the file that the tests compile, of at most 30 lines.
+file(READ ${ROOT}/examples/embed/main.cpp example)
+file(READ ${ROOT}/docs/embedding.md page)
+string(FIND "${page}" "```cpp\n${example}```" found)
+if(found EQUAL -1)
+  message(FATAL_ERROR "docs/embedding.md does not show examples/embed/main.cpp as it is")
+endif()
+string(REGEX MATCHALL "\n" lines "${example}")
+list(LENGTH lines count)
+if(count GREATER 30)
+  message(FATAL_ERROR "examples/embed/main.cpp has ${count} lines")
+endif()
