@@ -200,8 +200,24 @@ TEST(ClaimsTest, ACauseNeedsEveryTestOfIt) {
     summary.grid("paper/monotone/exp3", "lemke", second, second, "paper{engine=kernel}");
     return summary;
   };
-  EXPECT_EQ(word(made({.trials = 1200, .criterion = 768, .solved = 1000}), "rank-far-more"), Word::kConfirmed);
-  EXPECT_EQ(word(made({.trials = 200, .criterion = 128, .solved = 170}), "rank-far-more"), Word::kExplained);
+  EXPECT_EQ(word(made({.trials = 12000, .criterion = 7680, .solved = 10000}), "rank-far-more"), Word::kConfirmed);
+  EXPECT_EQ(word(made({.trials = 2000, .criterion = 1280, .solved = 1700}), "rank-far-more"), Word::kExplained);
+}
+
+/// What a sweep of a small part of the problems says against a claim is left to the sweeps of all of them.
+TEST(ClaimsTest, ASubsampleTakesNoPart) {
+  const auto made = [](std::int64_t trials) {
+    MadeSummary summary;
+    add(summary, "paper/monotone/exp3", 0.64, 0.8);
+    add(summary, "paper/monotone/exp4", 0.73, 0.9);
+    const MadeCell more{.trials = trials, .criterion = trials * 9 / 10, .solved = trials * 9 / 10};
+    const MadeCell less{.trials = trials, .criterion = trials * 3 / 10, .solved = trials * 3 / 10};
+    summary.grid("paper/monotone/exp3", "lemke", more, more, "paper{engine=kernel}");
+    summary.grid("paper/monotone/exp4", "lemke", less, less, "paper{engine=kernel}");
+    return summary;
+  };
+  EXPECT_EQ(word(made(12000), "exp4-above-exp3"), Word::kInPart);
+  EXPECT_EQ(word(made(4000), "exp4-above-exp3"), Word::kConfirmed);
 }
 
 /// A claim on every set is not confirmed by one of them.

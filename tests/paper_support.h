@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -83,6 +84,8 @@ class MadeSummary {
     cell.solver = summary.solvers.size();
     summary.solvers.push_back(solver);
     cell.trials = made.trials;
+    SetSummary& problems = summary.sets[cell.set];
+    problems.problems = std::max(problems.problems, made.trials);
     const auto count = [&cell](Claim claim, Verdict verdict) -> std::int64_t& {
       return cell.counts[static_cast<std::size_t>(claim)][static_cast<std::size_t>(verdict)];
     };
@@ -116,7 +119,6 @@ class MadeSummary {
     }
     SetSummary made;
     made.name = set;
-    made.problems = 2000;
     made.contact = true;
     made.frictional = set.find("copositive") != std::string::npos;
     summary.sets.push_back(made);
