@@ -60,6 +60,25 @@ Triple draw_axis_normal(DrawSequence& draws) {
   return normal;
 }
 
+Triple draw_general_tangent(DrawSequence& draws, const Triple& normal) {
+  for (;;) {
+    const Triple across = cross(draw_velocity(draws), normal);
+    const double square = across[0] * across[0] + across[1] * across[1] + across[2] * across[2];
+    if (square > 1 || square < 0x1p-4) continue;
+    const double length = std::sqrt(square);
+    return {round_to_normal_grid(across[0] / length), round_to_normal_grid(across[1] / length),
+            round_to_normal_grid(across[2] / length)};
+  }
+}
+
+Triple draw_axis_tangent(DrawSequence& draws, const Triple& normal) {
+  const std::size_t axis = normal[0] != 0 ? 0 : (normal[1] != 0 ? 1 : 2);
+  const std::int64_t side = draws.integer(0, 3);
+  Triple tangent{};
+  tangent[(axis + 1 + static_cast<std::size_t>(side / 2)) % 3] = side % 2 == 0 ? 1.0 : -1.0;
+  return tangent;
+}
+
 // Inertia of six point masses in three opposite pairs about the centre, so that the centre of mass is where it should
 // be and the tensor belongs to a real body. Every entry is exact: weights on 2^-12, arms on 2^-10.
 struct Shape {
@@ -153,20 +172,25 @@ std::vector<RigidBodySample> draw_bodies(const TrialKey& key, const RigidSet& se
 
 class ContactSource {
  public:
-  ContactSource(const TrialKey& key, NormalReading reading)
+  ContactSource(const TrialKey& key, NormalReading reading, bool frictional)
       : reading_(reading),
+        frictional_(frictional),
         bodies_(key, Purpose::kContactBodies),
         points_(key, Purpose::kContactPoints),
-        normals_(key, Purpose::kNormals) {}
+        normals_(key, Purpose::kNormals),
+        tangents_(key, Purpose::kTangents) {}
 
   // Every body in turn, against the world or one of the others.
   RigidContactSample independent(std::size_t body_count) {
     const int a = static_cast<int>(turn_++ % body_count);
     const int b = static_cast<int>(bodies_.integer(0, static_cast<std::int64_t>(body_count) - 1));
-    return {a, b == a ? -1 : b, draw_point(points_, 1.0), normal()};
+    RigidContactSample contact{a, b == a ? -1 : b, draw_point(points_, 1.0), normal()};
+    if (frictional_) contact.tangent = tangent(contact.normal);
+    return contact;
   }
 
-  // Another contact of the same two bodies with the same normal, at another place of the plane across it.
+  // Another contact of the same two bodies with the same normal and tangent, at another place of the plane across the
+  // normal.
   RigidContactSample partner(const RigidContactSample& first) {
     for (;;) {
       const Triple step = draw_point(points_, 0.125);
@@ -181,12 +205,18 @@ class ContactSource {
   Triple normal() {
     return reading_ == NormalReading::kAxis ? draw_axis_normal(normals_) : draw_general_normal(normals_);
   }
+  Triple tangent(const Triple& normal) {
+    return reading_ == NormalReading::kAxis ? draw_axis_tangent(tangents_, normal)
+                                            : draw_general_tangent(tangents_, normal);
+  }
 
   NormalReading reading_;
+  bool frictional_;
   std::size_t turn_ = 0;
   DrawSequence bodies_;
   DrawSequence points_;
   DrawSequence normals_;
+  DrawSequence tangents_;
 };
 
 RigidDependence draw_dependence(std::size_t contact, std::size_t independent, Redundancy redundancy,
@@ -208,64 +238,14 @@ RigidContactSample depend(const std::vector<RigidContactSample>& contacts, const
   return contact;
 }
 
-template <RigidFeatures kFeatures>
-struct RigidSettings {
-  RigidReading reading;
-
-  void visit(auto&& field) {
-    if constexpr (kFeatures.redundant) {
-      field("redundancy", reading.redundancy,
-            Choices<Redundancy>{{{"multiple", Redundancy::kMultiple}, {"combination", Redundancy::kCombination}}},
-            "a dependent contact repeats an independent one, or lies between two of the same bodies and normal");
-    }
-    field("normals", reading.normals,
-          Choices<NormalReading>{{{"general", NormalReading::kGeneral}, {"axis", NormalReading::kAxis}}},
-          "contact normals in any direction (of length 1 within 1e-12), or along the axes (of length 1 exactly)");
-    field("bodies_max", reading.bodies_max, IntegerRange{1, 16}, "ceiling of the number of bodies");
-    field("nc_max", reading.nc_max, IntegerRange{2, 200}, "ceiling of the number of contacts");
-  }
-};
-
-template <RigidFeatures kFeatures>
-RigidSet make_set(std::string name, std::string stream, std::string summary, double condition = 0) {
-  using Settings = RigidSettings<kFeatures>;
-  RigidSet set{std::move(name), std::move(stream), std::move(summary), kFeatures, condition};
-  set.options = [] { return describe_settings<Settings>(); };
-  set.parse = [](std::string_view owner, const Options& options) {
-    return parse_settings<Settings>(owner, options).reading;
-  };
-  set.changed = [](std::string_view owner, const Options& options) {
-    return changed_settings(parse_settings<Settings>(owner, options));
-  };
-  return set;
-}
-
-std::vector<RigidSet> all_rigid_sets() {
-  constexpr RigidFeatures kConditioned{.redundant = true, .conditioned = true};
-  const std::pair<const char*, double> conditions[] = {{"1e5", 1e5}, {"1e8", 1e8}, {"1e10", 1e10}};
-  std::vector<RigidSet> sets;
-  sets.push_back(make_set<RigidFeatures{}>("rigid/exp1", "rigid/exp1", "rigid bodies, independent contacts"));
-  sets.push_back(
-      make_set<RigidFeatures{.redundant = true}>("rigid/exp2", "rigid/exp2", "rigid bodies, redundant contacts"));
-  for (const auto& [label, condition] : conditions) {
-    const std::string name = std::string("rigid/exp5-") + label;
-    sets.push_back(make_set<kConditioned>(
-        name, name, std::string("redundant contacts, eigenvalues of the inertia from 1 to ") + label, condition));
-  }
-  for (const auto& [label, condition] : conditions) {
-    sets.push_back(make_set<kConditioned>(
-        std::string("rigid/exp6-") + label, std::string("rigid/exp5-") + label,
-        "the problems of exp5-" + std::string(label) + ", for solvers that regularise", condition));
-  }
-  return sets;
+// Each contact has a mu of its own, a dependent one too.
+void add_friction(const TrialKey& key, PyramidEdges edges, RigidSample& sample) {
+  DrawSequence draws(key, Purpose::kFriction);
+  for (RigidContactSample& contact : sample.contacts) contact.mu = static_cast<double>(draws.unit_grid()) * kGridStep;
+  sample.edges = static_cast<int>(edges);
 }
 
 }  // namespace
-
-const std::vector<RigidSet>& rigid_sets() {
-  static const std::vector<RigidSet> sets = all_rigid_sets();
-  return sets;
-}
 
 RigidSample draw_rigid(const RigidSet& set, const RigidReading& reading, std::uint64_t seed, std::uint64_t trial) {
   const TrialKey key{stream_id(set.stream), seed, trial};
@@ -280,7 +260,7 @@ RigidSample draw_rigid(const RigidSet& set, const RigidReading& reading, std::ui
 
   RigidSample sample;
   sample.bodies = draw_bodies(key, set, body_count);
-  ContactSource source(key, reading.normals);
+  ContactSource source(key, reading.normals, set.features.frictional);
   const bool paired = redundant > 0 && reading.redundancy == Redundancy::kCombination;
   for (std::size_t i = 0; i < independent; ++i) {
     sample.contacts.push_back(paired && i % 2 == 1 ? source.partner(sample.contacts.back())
@@ -292,7 +272,28 @@ RigidSample draw_rigid(const RigidSet& set, const RigidReading& reading, std::ui
     sample.dependences.push_back(draw_dependence(i, independent, reading.redundancy, sources, factors));
     sample.contacts.push_back(depend(sample.contacts, sample.dependences.back()));
   }
+  if (set.features.frictional) add_friction(key, reading.edges, sample);
   return sample;
+}
+
+std::vector<Triple> friction_directions(const RigidContactSample& contact, PyramidEdges edges) {
+  constexpr double kCosEighth = 0.92387953251128674;   // cos(pi / 8)
+  constexpr double kSinEighth = 0.38268343236508977;   // sin(pi / 8)
+  constexpr double kCosQuarter = 0.70710678118654752;  // cos(pi / 4)
+  constexpr std::array<double, 8> kCosines = {1, kCosEighth,  kCosQuarter,  kSinEighth,
+                                              0, -kSinEighth, -kCosQuarter, -kCosEighth};
+  const auto count = static_cast<std::size_t>(edges) / 2;
+  const Triple second = cross(contact.normal, contact.tangent);
+  std::vector<Triple> directions(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t eighths = k * (8 / count);
+    const double cosine = kCosines[eighths];
+    const double sine = kCosines[eighths < 4 ? 4 - eighths : eighths - 4];
+    for (std::size_t i = 0; i < 3; ++i) {
+      directions[k][i] = round_to_normal_grid(cosine * contact.tangent[i] + sine * second[i]);
+    }
+  }
+  return directions;
 }
 
 }  // namespace lcpbench

@@ -2,7 +2,7 @@
 # and with optimisation, and for this processor; each program must print the hashes that are committed.
 set(golden_sources
   tests/golden_hashes.cpp generators/paper.cpp generators/planted.cpp generators/random.cpp generators/rigid.cpp
-  generators/spectrum.cpp core/settings.cpp core/spec.cpp)
+  generators/rigid_sets.cpp generators/spectrum.cpp core/settings.cpp core/spec.cpp)
 
 function(lcpbench_golden variant compiler)
   set(directory ${CMAKE_CURRENT_BINARY_DIR}/golden/${variant})
@@ -55,6 +55,7 @@ lcpbench_test(random LINK lcpbench_generators)
 lcpbench_test(spectrum LINK lcpbench_generators)
 lcpbench_test(paper_generator LINK lcpbench_generators Threads::Threads)
 lcpbench_test(rigid_generator LINK lcpbench_generators Threads::Threads)
+lcpbench_test(rigid_friction LINK lcpbench_generators)
 lcpbench_test(planted_generator LINK lcpbench_generators)
 lcpbench_test(sets LINK lcpbench_generators)
 lcpbench_test(golden_library LINK lcpbench_generators)

@@ -30,8 +30,8 @@ void add(const Matrix& values, Hash& hash) {
 
 void add(const ContactProblem& problem, Hash& hash) {
   add(problem.v, hash);
-  add(std::get<Matrix>(problem.N), hash);
-  add(std::get<Matrix>(problem.D), hash);
+  add(to_dense(problem.N), hash);
+  add(to_dense(problem.D), hash);
   hash.add_size(problem.edges.size());
   for (const int edges : problem.edges) hash.add_size(static_cast<std::size_t>(edges));
   add(problem.mu, hash);
@@ -42,6 +42,9 @@ void add(const ContactProblem& problem, Hash& hash) {
     hash.add_size(1);
     add(factors->X, hash);
     add(factors->alpha, hash);
+  } else if (const auto* bodies = std::get_if<BlockInertia>(&problem.inertia)) {
+    hash.add_size(3);
+    for (const Matrix& block : bodies->blocks) add(block, hash);
   } else {
     hash.add_size(2);
     add(std::get<InverseInertia>(problem.inertia).Ginv, hash);
@@ -63,6 +66,9 @@ void add(const RigidScene& scene, Hash& hash) {
     hash.add_size(static_cast<std::size_t>(contact.body_b + 1));
     add_entries(contact.point, hash);
     add_entries(contact.normal, hash);
+    if (contact.edges == 0) continue;
+    add_entries(contact.tangent, hash);
+    hash.add(contact.mu);
   }
 }
 

@@ -39,9 +39,11 @@ TEST(ListSetsTest, NamesEveryExperimentOnce) {
       expected.push_back(kind + name);
     }
   }
-  for (const std::string name :
-       {"exp1", "exp2", "exp5-1e5", "exp5-1e8", "exp5-1e10", "exp6-1e5", "exp6-1e8", "exp6-1e10"}) {
-    expected.push_back("rigid/" + name);
+  for (const std::string kind : {"rigid/", "rigid/frictional/"}) {
+    for (const std::string name :
+         {"exp1", "exp2", "exp5-1e5", "exp5-1e8", "exp5-1e10", "exp6-1e5", "exp6-1e8", "exp6-1e10"}) {
+      expected.push_back(kind + name);
+    }
   }
   expected.push_back("planted/definite");
   EXPECT_EQ(names(), expected);
@@ -120,8 +122,8 @@ TEST(GenerateTest, KindsAndSizesAgreeWithTheSet) {
 TEST(ExpandSetsTest, GlobsMatchOverSlashes) {
   EXPECT_EQ(expand_sets("*"), names());
   EXPECT_EQ(expand_sets("paper/*").size(), 22u);
-  EXPECT_EQ(expand_sets("*/exp1"),
-            (std::vector<std::string>{"paper/monotone/exp1", "paper/copositive/exp1", "rigid/exp1"}));
+  EXPECT_EQ(expand_sets("*/exp1"), (std::vector<std::string>{"paper/monotone/exp1", "paper/copositive/exp1",
+                                                             "rigid/exp1", "rigid/frictional/exp1"}));
   EXPECT_EQ(expand_sets("paper/monotone/exp?").size(), 4u);
   EXPECT_EQ(expand_sets("paper/mono*5-1e?"),
             (std::vector<std::string>{"paper/monotone/exp5-1e5", "paper/monotone/exp5-1e8"}));
@@ -130,9 +132,9 @@ TEST(ExpandSetsTest, GlobsMatchOverSlashes) {
 
 TEST(ExpandSetsTest, OptionsGoToEveryMatch) {
   EXPECT_EQ(expand_sets("*/exp2{redundancy=combination}"),
-            (std::vector<std::string>{"paper/monotone/exp2{redundancy=combination}",
-                                      "paper/copositive/exp2{redundancy=combination}",
-                                      "rigid/exp2{redundancy=combination}"}));
+            (std::vector<std::string>{
+                "paper/monotone/exp2{redundancy=combination}", "paper/copositive/exp2{redundancy=combination}",
+                "rigid/exp2{redundancy=combination}", "rigid/frictional/exp2{redundancy=combination}"}));
   EXPECT_EQ(expand_sets("paper/*/exp2{redundancy=multiple}"),
             (std::vector<std::string>{"paper/monotone/exp2", "paper/copositive/exp2"}));
   EXPECT_NE(error_of([] { expand_sets("paper/monotone/exp*{redundancy=combination}"); }).find("exp1: unknown option"),
