@@ -57,6 +57,8 @@ struct PlantedSettings {
   PlantedReading reading;
 
   void visit(auto&& field) {
+    field("form", reading.form, Choices<PlantedForm>{{{"contact", PlantedForm::kContact}, {"lcp", PlantedForm::kLcp}}},
+          "frictionless contacts with v = q, N = I, G* = M, or the bare (q, M)");
     field("n_max", reading.n_max, IntegerRange{1, kLargestOrder}, "ceiling of the order n");
     field("condition", reading.condition, RealRange{.min = 1, .max = kLargestCondition},
           "ceiling of the condition number of M");

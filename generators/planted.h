@@ -13,7 +13,11 @@
 
 namespace lcpbench {
 
+/// How the problem is handed out: as frictionless contacts (v = q, N = I, G* = M), or as (q, M) alone.
+enum class PlantedForm { kContact, kLcp };
+
 struct PlantedReading {
+  PlantedForm form = PlantedForm::kContact;
   std::int64_t n_max = 20;
   double condition = 1e4;
 };

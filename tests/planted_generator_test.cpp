@@ -107,6 +107,17 @@ TEST(PlantedGeneratorTest, DrawsAreUniform) {
   }
 }
 
+TEST(PlantedGeneratorTest, BothFormsAreTheSameLcp) {
+  for (std::int64_t trial = 0; trial < 20; ++trial) {
+    const Problem contact = open_set("planted/definite")->generate(kSeed, trial);
+    const Problem bare = open_set("planted/definite{form=lcp}")->generate(kSeed, trial);
+    ASSERT_NE(contact.contact(), nullptr);
+    ASSERT_EQ(bare.contact(), nullptr);
+    ASSERT_EQ(contact.lcp().M, bare.lcp().M);
+    ASSERT_EQ(contact.lcp().q, bare.lcp().q);
+  }
+}
+
 TEST(PlantedGeneratorTest, EveryTrialIsAnotherProblem) {
   const Opened set = open("planted/definite");
   std::set<std::vector<double>> seen;
