@@ -41,7 +41,9 @@ Problem make_problem(const PaperSet& set, const PaperReading& reading, std::uint
 
 Problem make_problem(const RigidSet& set, const RigidReading& reading, std::uint64_t seed, std::uint64_t trial,
                      std::string name) {
-  return {std::move(name), to_scene(draw_rigid(set, reading, seed, trial))};
+  const RigidSample sample = draw_rigid(set, reading, seed, trial);
+  if (sample.edges > 4) return {std::move(name), to_contact_problem(sample)};  // a scene has no such pyramid
+  return {std::move(name), to_scene(sample)};
 }
 
 Problem make_problem(const PlantedSet& set, const PlantedReading& reading, std::uint64_t seed, std::uint64_t trial,
@@ -132,9 +134,12 @@ SetInfo describe(const PaperSet& set) {
 }
 
 SetInfo describe(const RigidSet& set) {
-  return {set.name, "1..4 bodies (ngc 6..24), nc 2..20, n = nc",
+  const bool frictional = set.features.frictional;
+  return {set.name,
+          std::string("1..4 bodies (ngc 6..24), nc 2..20, ") +
+              (frictional ? "n = nc (edges + 2), at most 120 with 4 edges" : "n = nc"),
           "this project's: rigid bodies in place of the random matrices of " + std::string(kPaperSource),
-          "frictionless: " + set.summary, set.options()};
+          (frictional ? "frictional: " : "frictionless: ") + set.summary, set.options()};
 }
 
 SetInfo describe(const PlantedSet& set) {

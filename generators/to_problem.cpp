@@ -22,6 +22,30 @@ Inertia to_inertia(const PaperSample& sample) {
   return DenseInertia{to_matrix(sample.G)};
 }
 
+// A push along a friction direction is that of a frictionless contact with this direction for its normal.
+SparseMatrix friction_columns(const RigidSample& sample) {
+  RigidSample pushes{.bodies = sample.bodies};
+  for (const RigidContactSample& contact : sample.contacts) {
+    for (const Triple& direction : friction_directions(contact, static_cast<PyramidEdges>(sample.edges))) {
+      pushes.contacts.push_back(contact);
+      pushes.contacts.back().normal = direction;
+    }
+  }
+  const auto half = std::get<SparseMatrix>(contact_problem(to_scene(pushes)).N);
+  const Index directions = sample.edges / 2;
+  std::vector<Eigen::Triplet<double>> triplets;
+  for (Index column = 0; column < half.cols(); ++column) {
+    const Index first = 2 * directions * (column / directions) + column % directions;
+    for (SparseMatrix::InnerIterator entry(half, column); entry; ++entry) {
+      triplets.emplace_back(entry.row(), first, entry.value());
+      triplets.emplace_back(entry.row(), first + directions, -entry.value());
+    }
+  }
+  SparseMatrix columns(half.rows(), 2 * half.cols());
+  columns.setFromTriplets(triplets.begin(), triplets.end());
+  return columns;
+}
+
 }  // namespace
 
 ContactProblem to_contact_problem(const PaperSample& sample) {
@@ -42,9 +66,27 @@ RigidScene to_scene(const RigidSample& sample) {
     contact.body_b = sampled.body_b;
     contact.point = to_vector(sampled.point);
     contact.normal = to_vector(sampled.normal);
+    if (sample.edges > 0) {
+      contact.tangent = to_vector(sampled.tangent);
+      contact.mu = sampled.mu;
+      contact.edges = sample.edges;
+    }
     scene.contacts.push_back(contact);
   }
   return scene;
+}
+
+ContactProblem to_contact_problem(const RigidSample& sample) {
+  if (sample.edges <= 4) return contact_problem(to_scene(sample));
+  RigidSample frictionless = sample;
+  frictionless.edges = 0;
+  ContactProblem problem = contact_problem(to_scene(frictionless));
+  problem.D = friction_columns(sample);
+  for (std::size_t i = 0; i < sample.contacts.size(); ++i) {
+    problem.edges[i] = sample.edges;
+    problem.mu(static_cast<Index>(i)) = sample.contacts[i].mu;
+  }
+  return problem;
 }
 
 ContactProblem to_contact_problem(const PlantedSample& sample) {

@@ -11,8 +11,13 @@ namespace lcpbench {
 /// The sample's numbers, unchanged, as a contact problem with dense N and D.
 ContactProblem to_contact_problem(const PaperSample& sample);
 
-/// The sample's numbers, unchanged, as a scene. Every contact is frictionless; its unused tangent keeps the default.
+/// The sample's numbers, unchanged, as a scene. The unused tangent of a frictionless contact keeps its default.
+/// @pre sample.edges is 0 or 4: a scene has no other pyramid.
 RigidScene to_scene(const RigidSample& sample);
+
+/// The sample as a contact problem with the pyramid of sample.edges edges, sparse N and D. Up to 4 edges it is that of
+/// the scene.
+ContactProblem to_contact_problem(const RigidSample& sample);
 
 /// The sample's numbers, unchanged, as a contact problem whose LCP they are: v = q, N = I, G* = M.
 ContactProblem to_contact_problem(const PlantedSample& sample);

@@ -44,7 +44,64 @@ void add(const PaperSample& sample, Hash& hash) {
   }
 }
 
+// One column of the contact problem: a push along `direction` at the contact's point.
+void add_column(const RigidSample& sample, const RigidContactSample& contact, const Triple& direction, double factor,
+                ColumnMajor<double>& columns, std::size_t column) {
+  for (std::size_t b = 0; b < sample.bodies.size(); ++b) {
+    const int body = static_cast<int>(b);
+    const double sign = factor * ((contact.body_a == body ? 1 : 0) - (contact.body_b == body ? 1 : 0));
+    Triple arm;
+    for (std::size_t i = 0; i < 3; ++i) arm[i] = contact.point[i] - sample.bodies[b].position[i];
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t j = (i + 1) % 3;
+      const std::size_t k = (i + 2) % 3;
+      // + 0.0: no negative zeros
+      columns(6 * b + i, column) = sign * direction[i] + 0.0;
+      columns(6 * b + 3 + i, column) = sign * (arm[j] * direction[k] - arm[k] * direction[j]) + 0.0;
+    }
+  }
+}
+
+// With more edges than a scene has the problem is a contact problem: its numbers are hashed, not the scene's.
+void add_contact_problem(const RigidSample& sample, Hash& hash) {
+  const std::size_t ngc = 6 * sample.bodies.size();
+  const std::size_t nc = sample.contacts.size();
+  const auto edges = static_cast<std::size_t>(sample.edges);
+  std::vector<double> v;
+  for (const RigidBodySample& body : sample.bodies) {
+    v.insert(v.end(), body.linear_velocity.begin(), body.linear_velocity.end());
+    v.insert(v.end(), body.angular_velocity.begin(), body.angular_velocity.end());
+  }
+  ColumnMajor<double> N(ngc, nc);
+  ColumnMajor<double> D(ngc, nc * edges);
+  std::vector<double> mu;
+  for (std::size_t c = 0; c < nc; ++c) {
+    const RigidContactSample& contact = sample.contacts[c];
+    add_column(sample, contact, contact.normal, 1, N, c);
+    const std::vector<Triple> directions = friction_directions(contact, static_cast<PyramidEdges>(sample.edges));
+    for (std::size_t t = 0; t < directions.size(); ++t) {
+      add_column(sample, contact, directions[t], 1, D, c * edges + t);
+      add_column(sample, contact, directions[t], -1, D, c * edges + directions.size() + t);
+    }
+    mu.push_back(contact.mu);
+  }
+  add(v, hash);
+  add(N, hash);
+  add(D, hash);
+  hash.add_size(nc);
+  for (std::size_t c = 0; c < nc; ++c) hash.add_size(edges);
+  add(mu, hash);
+  hash.add_size(3);
+  for (const RigidBodySample& body : sample.bodies) {
+    ColumnMajor<double> mass(3, 3);
+    for (std::size_t i = 0; i < 3; ++i) mass(i, i) = body.mass;
+    add(mass, hash);
+    add(body.inertia, hash);
+  }
+}
+
 void add(const RigidSample& sample, Hash& hash) {
+  if (sample.edges > 4) return add_contact_problem(sample, hash);
   hash.add_size(sample.bodies.size());
   for (const RigidBodySample& body : sample.bodies) {
     hash.add(body.mass);
@@ -59,6 +116,9 @@ void add(const RigidSample& sample, Hash& hash) {
     hash.add_size(static_cast<std::size_t>(contact.body_b + 1));
     add(contact.point, hash);
     add(contact.normal, hash);
+    if (sample.edges == 0) continue;
+    add(contact.tangent, hash);
+    hash.add(contact.mu);
   }
 }
 
