@@ -1,6 +1,7 @@
 // ODE's dWorldStep on a rigid scene: its Dantzig solver on a matrix that it forms itself.
 //
-// With friction it solves another problem than ours (limits from a solve of the normals alone), so frictionless only.
+// With friction it solves another problem than ours: the limits of the friction impulses are mu times the normal
+// impulses that a solve without friction gives, and stay so. Every such answer says this in its detail.
 #include "core/registry.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
@@ -11,7 +12,8 @@ namespace lcpbench {
 namespace {
 
 constexpr Capabilities kCapabilities{
-    .needs = Needs::kScene, .frictionless_only = true, .guarantees = "symmetric positive definite M + cfm I"};
+    .needs = Needs::kScene,
+    .guarantees = "symmetric positive definite M + cfm I without friction; with friction it solves another problem"};
 
 struct OdeStepSettings {
   double cfm = 0.0;
@@ -42,11 +44,13 @@ class OdeStep final : public Solver {
       answer.detail = "dWorldStep failed";
       return;
     }
-    for (std::size_t i = 0; i < scene.contacts.size(); ++i) {
-      answer.z(static_cast<Index>(i)) = world_->normal_impulse(i, scene.contacts[i].normal);
-    }
+    world_->read(scene, answer.z);
     answer.detail = take_ode_message();  // "LCP internal error" comes this way, and no other
-    if (answer.detail.empty()) answer.claim = Claim::kSolved;
+    if (!answer.detail.empty()) return;
+    answer.claim = Claim::kSolved;
+    if (problem().contact()->frictional()) {
+      answer.detail = "another problem: friction limited by the normal impulses of a solve without friction";
+    }
   }
 
  private:

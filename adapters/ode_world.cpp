@@ -1,7 +1,11 @@
 #include "adapters/ode_world.h"
 
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
 #include <cstdarg>
 #include <cstdio>
+#include <numbers>
 #include <utility>
 
 namespace lcpbench {
@@ -14,6 +18,15 @@ void keep_message(int number, const char* format, va_list arguments) {
   char text[200];
   std::vsnprintf(text, sizeof text, format, arguments);
   g_message = "ODE message " + std::to_string(number) + ": " + text;
+}
+
+bool has_friction(const RigidContact& contact) { return contact.edges > 0 && contact.mu > 0; }
+
+Eigen::Vector3d second_tangent(const RigidContact& contact) { return contact.normal.cross(contact.tangent); }
+
+/// The first of ODE's two friction directions; the second is normal x this.
+Eigen::Vector3d turned_tangent(const RigidContact& contact) {
+  return std::numbers::sqrt2 / 2 * (contact.tangent + second_tangent(contact));
 }
 
 struct OdeLibrary {
@@ -61,11 +74,15 @@ void OdeWorld::add(const RigidBody& body) {
 
 void OdeWorld::add(const RigidContact& contact) {
   dContact data{};
-  data.surface.mode = 0;
-  data.surface.mu = 0;
   for (int k = 0; k < 3; ++k) {
     data.geom.pos[k] = contact.point(k);
     data.geom.normal[k] = contact.normal(k);
+  }
+  if (has_friction(contact)) {
+    data.surface.mode = dContactFDir1 | dContactApprox1;
+    data.surface.mu = contact.mu / std::numbers::sqrt2;
+    const Eigen::Vector3d first = turned_tangent(contact);
+    for (int k = 0; k < 3; ++k) data.fdir1[k] = first(k);
   }
   const dJointID joint = dJointCreateContact(id_, joints_, &data);
   const dBodyID second =
@@ -87,9 +104,54 @@ void OdeWorld::reset(const RigidScene& scene) {
   }
 }
 
+void OdeWorld::read(const RigidScene& scene, Vector& z) const {
+  Index friction = static_cast<Index>(scene.contacts.size());
+  Index lambda = friction;
+  for (const RigidContact& contact : scene.contacts) lambda += contact.edges;
+  for (std::size_t i = 0; i < scene.contacts.size(); ++i) {
+    const RigidContact& contact = scene.contacts[i];
+    z(static_cast<Index>(i)) = normal_impulse(i, contact.normal);
+    if (contact.edges == 0) continue;
+    read_friction(scene, i, z, friction, lambda);
+    friction += contact.edges;
+    ++lambda;
+  }
+}
+
 double OdeWorld::normal_impulse(std::size_t contact, const Eigen::Vector3d& normal) const {
-  const dReal* force = feedback_[contact].f1;
-  return (force[0] * normal(0) + force[1] * normal(1) + force[2] * normal(2)) / normal.squaredNorm();
+  return Eigen::Map<const Eigen::Vector3d>(feedback_[contact].f1).dot(normal) / normal.squaredNorm();
+}
+
+void OdeWorld::read_friction(const RigidScene& scene, std::size_t index, Vector& z, Index friction,
+                             Index lambda) const {
+  const RigidContact& contact = scene.contacts[index];
+  Eigen::Vector2d impulse = Eigen::Vector2d::Zero();  // along t and n x t
+  if (has_friction(contact)) {
+    // Normals and tangents of a file are orthogonal to 1e-6 only: the force is taken apart along the rows it came from.
+    Eigen::Matrix3d rows;
+    rows.col(0) = contact.normal;
+    rows.col(1) = turned_tangent(contact);
+    rows.col(2) = contact.normal.cross(rows.col(1));
+    const Eigen::Vector3d parts = rows.inverse() * Eigen::Map<const Eigen::Vector3d>(feedback_[index].f1);
+    z(static_cast<Index>(index)) = parts(0);
+    impulse = std::numbers::sqrt2 / 2 * Eigen::Vector2d(parts(1) - parts(2), parts(1) + parts(2));
+  }
+  const Eigen::Vector3d slip =
+      velocity(scene, contact.body_a, contact.point) - velocity(scene, contact.body_b, contact.point);
+  for (Index k = 0; k < 2; ++k) {
+    z(friction + k) = std::max(impulse(k), 0.0);
+    z(friction + 2 + k) = std::max(0.0 - impulse(k), 0.0);
+  }
+  z(lambda) = std::max(std::abs(contact.tangent.dot(slip)), std::abs(second_tangent(contact).dot(slip)));
+}
+
+/// After a step, of the point where it was before: the step has moved the bodies.
+Eigen::Vector3d OdeWorld::velocity(const RigidScene& scene, int body, const Eigen::Vector3d& point) const {
+  if (body == RigidContact::kWorld) return Eigen::Vector3d::Zero();
+  const auto b = static_cast<std::size_t>(body);
+  const Eigen::Map<const Eigen::Vector3d> linear(dBodyGetLinearVel(bodies_[b]));
+  const Eigen::Map<const Eigen::Vector3d> angular(dBodyGetAngularVel(bodies_[b]));
+  return linear + angular.cross(point - scene.bodies[b].position);
 }
 
 }  // namespace lcpbench

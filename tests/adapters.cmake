@@ -26,6 +26,10 @@ endif()
 
 lcpbench_test(adapter_conventions LINK lcpbench_study)
 add_dependencies(adapter_conventions_test lcpbench_workers)
+lcpbench_test(adapter_friction LINK lcpbench_study)
+add_dependencies(adapter_friction_test lcpbench_workers)
+add_executable(friction_model_difference EXCLUDE_FROM_ALL friction_model_difference.cpp)  # a measurement, not a test
+target_link_libraries(friction_model_difference PRIVATE lcpbench_study)
 
 lcpbench_test(velocity_ipm_cholmod LINK lcpbench_study)
 add_dependencies(velocity_ipm_cholmod_test lcpbench_workers)

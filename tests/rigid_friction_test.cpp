@@ -232,7 +232,7 @@ TEST(RigidFrictionTest, FourEdgesAreASceneAndMoreAContactProblem) {
 // Files hold what was drawn, and their readers accept every frame that is drawn.
 TEST(RigidFrictionTest, ProblemsComeBackFromFiles) {
   const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) / "rigid_friction_test.json";
-  for (const std::string name : {"exp1", "exp2{redundancy=combination}", "exp1{normals=axis}"}) {
+  for (const std::string name : {"exp1", "exp2{redundancy=combination}", "exp1{normals=axis}", "exp2{edges=8}"}) {
     const auto set = open_set("rigid/frictional/" + name);
     for (std::int64_t trial = 0; trial < 30; ++trial) {
       const Problem problem = set->generate(kSeed, trial);
@@ -240,11 +240,6 @@ TEST(RigidFrictionTest, ProblemsComeBackFromFiles) {
       ASSERT_EQ(problem_hash(read_problem(file)), problem_hash(problem)) << name << " " << trial;
     }
   }
-  const Problem eight = open_set("rigid/frictional/exp1{edges=8}")->generate(kSeed, 0);
-  write_problem(eight, file);
-  const Problem back = read_problem(file);
-  EXPECT_EQ(to_dense(back.contact()->D), to_dense(eight.contact()->D));
-  EXPECT_EQ(dense_inertia(back.contact()->inertia), dense_inertia(eight.contact()->inertia));
   std::filesystem::remove(file);
 }
 
