@@ -7,7 +7,7 @@
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
-#include "native/contact_columns.h"
+#include "native/contact_impulses.h"
 
 namespace lcpbench {
 namespace {
@@ -33,12 +33,6 @@ struct PsorSettings {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// max(worst, value), infinity where value is NaN.
-double max_or_infinity(double worst, double value) {
-  if (value <= worst) return worst;
-  return value > worst ? value : kInfinity;
-}
-
 /// Euclidean projection of y onto {sum |y_i| <= radius}, radius >= 0: shrinks all |y_i| by one threshold, found by
 /// dropping entries that it brings to zero. O(size^2), of which O(size) is usual. [Michelot 1986; Duchi et al. 2008]
 void project_on_cross_polytope(Eigen::Ref<Vector> y, double radius) {
@@ -59,15 +53,6 @@ void project_on_cross_polytope(Eigen::Ref<Vector> y, double radius) {
   }
   for (double& entry : y) entry = std::copysign(std::max(std::abs(entry) - threshold, 0.0), entry);
 }
-
-/// A contact's friction: `directions` signed impulses g_t along its first directions, f_D = (max(g, 0), max(-g, 0)).
-struct Friction {
-  Index contact = 0;
-  Index first_column = 0;  ///< in [N D]; the opposite of column t is t + directions
-  Index directions = 0;
-  Index lambda = 0;      ///< index in z
-  double curvature = 0;  ///< largest eigenvalue of the directions' block of M; 0: friction moves nothing
-};
 
 /// Projected successive over-relaxation, one row of M at a time, M not formed for contact problems.
 ///
@@ -94,174 +79,96 @@ class Psor final : public Solver {
   void on_solve(const SolveRequest& request, Answer& answer) override;
 
  private:
-  void load_lcp(const Problem& problem);
-  void load_contacts(const ContactProblem& problem);
-  void add_friction(const ContactProblem& problem, const ContactLayout& layout, Index contact);
-  double largest_eigenvalue(const Friction& friction) const;
-  void measure_q();
+  double largest_eigenvalue(const SignedFriction& friction) const;
 
   void set_start(const Vector* start);
   Claim iterate(double deadline_s, std::int64_t& iterations);
   double sweep(bool backwards);
   double update_contact(Index contact);
   double update_row(Index row);
-  double update_friction(const Friction& friction);
-  void recompute_velocity();
-  double residual() const;
-  double friction_residual(const Friction& friction) const;
-  double slip_bound(const Friction& friction) const;
-  double impulse_sum(const Friction& friction) const;
-  void write_answer(Vector& z) const;
+  double update_friction(std::size_t index);
 
   PsorSettings settings_;
-  ContactColumns columns_;  // of a bare LCP: J = I, response = M
-  Vector mu_;               // nc
-  std::vector<Friction> frictions_;
-  std::vector<Index> friction_of_;  // nc: index in frictions_, -1 without
-  Index contacts_ = 0;              // n of a bare LCP
-  Vector u0_;                       // velocity before; q of a bare LCP
-  double q_max_ = 0;
-
-  Vector u_;        // velocity; w of a bare LCP
-  Vector impulse_;  // per column of [N D]: f_N, then g at the first directions of each contact (the rest is not used)
-  Vector step_;     // the most directions that a contact has
+  ContactImpulses state_;
+  std::vector<double> curvature_;  // per friction: largest eigenvalue of its own block of M; 0: it moves nothing
+  Vector step_;                    // the most directions that a contact has
 };
 
 void Psor::on_load(const Problem& problem) {
-  columns_ = {};
-  frictions_.clear();
-  if (problem.contact() != nullptr) {
-    load_contacts(*problem.contact());
-  } else {
-    load_lcp(problem);
-  }
-  measure_q();
-  u_.resize(u0_.size());
-  impulse_.resize(columns_.diagonal.size());
-}
-
-void Psor::load_lcp(const Problem& problem) {
-  const Lcp lcp = make_lcp(problem);
-  contacts_ = lcp.size();
-  u0_ = lcp.q;
-  for (Index i = 0; i < contacts_; ++i) {
-    columns_.J.add_column();
-    columns_.J.add_run(i, Vector::Ones(1));
-    columns_.response.add_column();
-    columns_.response.add_run(0, lcp.M.col(i));
-  }
-  columns_.diagonal = lcp.M.diagonal();
-  mu_.setZero(contacts_);
-  friction_of_.assign(static_cast<std::size_t>(contacts_), -1);
-}
-
-void Psor::load_contacts(const ContactProblem& problem) {
-  const ContactLayout layout = contact_layout(problem);
-  contacts_ = layout.nc;
-  u0_ = problem.v;
-  columns_ = contact_columns(problem);
-  mu_ = problem.mu;
-  friction_of_.assign(static_cast<std::size_t>(contacts_), -1);
+  state_.load(problem);
+  curvature_.clear();
   Index most_directions = 0;
-  for (Index contact = 0; contact < contacts_; ++contact) {
-    if (layout.lambda[static_cast<std::size_t>(contact)] < 0) continue;
-    add_friction(problem, layout, contact);
-    most_directions = std::max(most_directions, frictions_.back().directions);
+  for (const SignedFriction& friction : state_.frictions) {
+    curvature_.push_back(largest_eigenvalue(friction));
+    most_directions = std::max(most_directions, friction.directions);
   }
   step_.resize(most_directions);
 }
 
-void Psor::add_friction(const ContactProblem& problem, const ContactLayout& layout, Index contact) {
-  const auto c = static_cast<std::size_t>(contact);
-  Friction friction;
-  friction.contact = contact;
-  friction.first_column = layout.friction_offset() + layout.friction_begin[c];
-  friction.directions = problem.edges[c] / 2;
-  friction.lambda = layout.lambda_offset() + layout.lambda[c];
-  friction.curvature = largest_eigenvalue(friction);
-  friction_of_[c] = static_cast<Index>(frictions_.size());
-  frictions_.push_back(friction);
-}
-
-double Psor::largest_eigenvalue(const Friction& friction) const {
+double Psor::largest_eigenvalue(const SignedFriction& friction) const {
+  const ContactColumns& columns = state_.columns;
   Matrix block(friction.directions, friction.directions);
-  Vector response(u0_.size());
+  Vector response(state_.u0.size());
   for (Index j = 0; j < friction.directions; ++j) {
     response.setZero();
-    columns_.response.add_to(response, friction.first_column + j, 1.0);
-    for (Index i = 0; i < friction.directions; ++i) block(i, j) = columns_.J.dot(friction.first_column + i, response);
+    columns.response.add_to(response, friction.first_column + j, 1.0);
+    for (Index i = 0; i < friction.directions; ++i) block(i, j) = columns.J.dot(friction.first_column + i, response);
   }
-  if (columns_.diagonal.segment(friction.first_column, friction.directions).isZero(0)) return 0;
+  if (columns.diagonal.segment(friction.first_column, friction.directions).isZero(0)) return 0;
   return Eigen::SelfAdjointEigenSolver<Matrix>(block, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
-}
-
-/// max|q|: the q of cone rows is 0.
-void Psor::measure_q() {
-  q_max_ = 0;
-  for (Index i = 0; i < columns_.diagonal.size(); ++i) q_max_ = std::max(q_max_, std::abs(columns_.J.dot(i, u0_)));
 }
 
 void Psor::on_update(const Vector& v) {
   if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
-  u0_ = v;
-  measure_q();
+  state_.set_velocity(v);
 }
 
 void Psor::set_start(const Vector* start) {
-  impulse_.setZero();
+  Vector& impulse = state_.impulse;
+  impulse.setZero();
   if (start != nullptr && start->size() == problem().size() && start->allFinite()) {
-    for (Index i = 0; i < contacts_; ++i) {
-      if (columns_.diagonal(i) > 0) impulse_(i) = std::max((*start)(i), 0.0);
+    for (Index i = 0; i < state_.contacts; ++i) {
+      if (state_.columns.diagonal(i) > 0) impulse(i) = std::max((*start)(i), 0.0);
     }
-    for (const Friction& friction : frictions_) {
+    for (const SignedFriction& friction : state_.frictions) {
       const Index first = friction.first_column;
-      auto g = impulse_.segment(first, friction.directions);
+      auto g = impulse.segment(first, friction.directions);
       g = start->segment(first, friction.directions) - start->segment(first + friction.directions, friction.directions);
-      project_on_cross_polytope(g, mu_(friction.contact) * impulse_(friction.contact));
+      project_on_cross_polytope(g, state_.mu(friction.contact) * impulse(friction.contact));
     }
   }
-  recompute_velocity();
-}
-
-void Psor::recompute_velocity() {
-  u_ = u0_;
-  for (Index i = 0; i < contacts_; ++i) {
-    if (impulse_(i) != 0) columns_.response.add_to(u_, i, impulse_(i));
-  }
-  for (const Friction& friction : frictions_) {
-    for (Index t = friction.first_column; t < friction.first_column + friction.directions; ++t) {
-      if (impulse_(t) != 0) columns_.response.add_to(u_, t, impulse_(t));
-    }
-  }
+  state_.recompute_velocity();
 }
 
 /// @returns how much the row was off, in the units of w: |min(M_ii z_i, w_i)|.
 double Psor::update_row(Index row) {
-  const double diagonal = columns_.diagonal(row);
-  const double w = columns_.J.dot(row, u_);
+  const double diagonal = state_.columns.diagonal(row);
+  const double w = state_.columns.J.dot(row, state_.u);
   if (!(diagonal > 0)) return w >= 0 ? 0.0 : max_or_infinity(0, -w);
-  const double before = impulse_(row);
+  const double before = state_.impulse(row);
   const double off = std::abs(std::min(diagonal * before, w));
-  impulse_(row) = std::max(before - settings_.relaxation * w / diagonal, 0.0);
-  columns_.response.add_to(u_, row, impulse_(row) - before);
+  state_.impulse(row) = std::max(before - settings_.relaxation * w / diagonal, 0.0);
+  state_.columns.response.add_to(state_.u, row, state_.impulse(row) - before);
   return off;
 }
 
 /// @returns the largest step before relaxation, in the units of w.
-double Psor::update_friction(const Friction& friction) {
-  if (!(friction.curvature > 0)) return 0;
-  auto g = impulse_.segment(friction.first_column, friction.directions);
+double Psor::update_friction(std::size_t index) {
+  const SignedFriction& friction = state_.frictions[index];
+  const ContactColumns& columns = state_.columns;
+  if (!(curvature_[index] > 0)) return 0;
+  auto g = state_.impulse.segment(friction.first_column, friction.directions);
   auto step = step_.head(friction.directions);
-  const double length = settings_.relaxation / friction.curvature;
+  const double length = settings_.relaxation / curvature_[index];
   for (Index t = 0; t < friction.directions; ++t) {
-    step(t) = g(t) - length * columns_.J.dot(friction.first_column + t, u_);
+    step(t) = g(t) - length * columns.J.dot(friction.first_column + t, state_.u);
   }
-  project_on_cross_polytope(step, mu_(friction.contact) * impulse_(friction.contact));
+  project_on_cross_polytope(step, state_.mu(friction.contact) * state_.impulse(friction.contact));
   step -= g;
   g += step;
   double largest = 0;
   for (Index t = 0; t < friction.directions; ++t) {
-    if (step(t) != 0) columns_.response.add_to(u_, friction.first_column + t, step(t));
+    if (step(t) != 0) columns.response.add_to(state_.u, friction.first_column + t, step(t));
     largest = max_or_infinity(largest, std::abs(step(t)) / length);
   }
   return largest;
@@ -269,86 +176,36 @@ double Psor::update_friction(const Friction& friction) {
 
 double Psor::update_contact(Index contact) {
   const double off = update_row(contact);
-  const Index friction = friction_of_[static_cast<std::size_t>(contact)];
-  return friction < 0 ? off : max_or_infinity(off, update_friction(frictions_[static_cast<std::size_t>(friction)]));
+  const Index friction = state_.friction_of[static_cast<std::size_t>(contact)];
+  return friction < 0 ? off : max_or_infinity(off, update_friction(static_cast<std::size_t>(friction)));
 }
 
 double Psor::sweep(bool backwards) {
   double off = 0;
-  for (Index i = 0; i < contacts_; ++i) {
-    off = max_or_infinity(off, update_contact(backwards ? contacts_ - 1 - i : i));
+  for (Index i = 0; i < state_.contacts; ++i) {
+    off = max_or_infinity(off, update_contact(backwards ? state_.contacts - 1 - i : i));
   }
   return off;
 }
 
-/// Largest |d_t'u|: the slip that lambda has to bound.
-double Psor::slip_bound(const Friction& friction) const {
-  double bound = 0;
-  for (Index t = 0; t < friction.directions; ++t) {
-    bound = max_or_infinity(bound, std::abs(columns_.J.dot(friction.first_column + t, u_)));
-  }
-  return bound;
-}
-
-double Psor::impulse_sum(const Friction& friction) const {
-  return impulse_.segment(friction.first_column, friction.directions).lpNorm<1>();
-}
-
-/// Of the contact's friction rows and its cone row, at lambda = max |d_t'u|.
-double Psor::friction_residual(const Friction& friction) const {
-  const double lambda = slip_bound(friction);
-  const double slack = mu_(friction.contact) * impulse_(friction.contact) - impulse_sum(friction);
-  double worst = std::abs(std::min(lambda, columns_.diagonal(friction.contact) * slack));
-  for (Index t = friction.first_column; t < friction.first_column + friction.directions; ++t) {
-    const double slip = columns_.J.dot(t, u_);
-    const double impulse = columns_.diagonal(t) * impulse_(t);
-    worst = max_or_infinity(worst, std::abs(std::min(std::max(impulse, 0.0), lambda + slip)));
-    worst = max_or_infinity(worst, std::abs(std::min(std::max(-impulse, 0.0), lambda - slip)));
-  }
-  return worst;
-}
-
-/// The velocity residual of the evaluation [m/s], in double: max |min(M_ii z_i, w_i)|, of cone rows
-/// |min(lambda_i, M_nn w_i)|. Infinity where it is not a number. Expects u_ to be recomputed.
-double Psor::residual() const {
-  double worst = 0;
-  for (Index i = 0; i < contacts_; ++i) {
-    const double w = columns_.J.dot(i, u_);
-    worst = max_or_infinity(worst, std::abs(std::min(std::max(columns_.diagonal(i), 0.0) * impulse_(i), w)));
-  }
-  for (const Friction& friction : frictions_) worst = max_or_infinity(worst, friction_residual(friction));
-  return worst;
-}
-
 Claim Psor::iterate(double deadline_s, std::int64_t& iterations) {
-  const double allowed = settings_.tolerance * q_max_;
+  const double allowed = settings_.tolerance * state_.q_max;
   for (iterations = 0;; ++iterations) {
     if (!(wall_clock_s() < deadline_s)) return Claim::kTimeLimit;
     if (iterations >= settings_.max_iterations) return Claim::kIterationLimit;
     const double off = sweep(settings_.order == Order::kSymmetric && iterations % 2 == 1);
     if (!(off < kInfinity)) return Claim::kNumericalFailure;
     if (!(off <= allowed)) continue;
-    recompute_velocity();
-    if (residual() <= allowed) {
+    state_.recompute_velocity();
+    if (state_.residual() <= allowed) {
       ++iterations;
       return Claim::kSolved;
     }
   }
 }
 
-void Psor::write_answer(Vector& z) const {
-  z.head(contacts_) = impulse_.head(contacts_);
-  for (const Friction& friction : frictions_) {
-    const auto g = impulse_.segment(friction.first_column, friction.directions);
-    z.segment(friction.first_column, friction.directions) = g.cwiseMax(0.0);
-    z.segment(friction.first_column + friction.directions, friction.directions) =
-        (0.0 - g.array()).max(0.0);  // not -g: no negative zeros
-    z(friction.lambda) = slip_bound(friction);
-  }
-}
-
 void Psor::on_solve(const SolveRequest& request, Answer& answer) {
-  if (q_max_ == 0) {  // z = 0 solves it, and max|q| gives no scale to judge another answer by
+  if (state_.q_max == 0) {  // z = 0 solves it, and max|q| gives no scale to judge another answer by
     answer.claim = Claim::kSolved;
     answer.counters.iterations = 0;
     return;
@@ -356,8 +213,8 @@ void Psor::on_solve(const SolveRequest& request, Answer& answer) {
   const double deadline_s = wall_clock_s() + request.time_limit_s;
   set_start(request.start);
   answer.claim = iterate(deadline_s, answer.counters.iterations);
-  recompute_velocity();
-  write_answer(answer.z);
+  state_.recompute_velocity();
+  state_.write_answer(answer.z);
   if (answer.claim == Claim::kNumericalFailure) answer.detail = "the iterates grew out of the range of double";
 }
 

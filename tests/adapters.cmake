@@ -30,6 +30,9 @@ lcpbench_test(adapter_friction LINK lcpbench_study)
 add_dependencies(adapter_friction_test lcpbench_workers)
 add_executable(friction_model_difference EXCLUDE_FROM_ALL friction_model_difference.cpp)  # a measurement, not a test
 target_link_libraries(friction_model_difference PRIVATE lcpbench_study)
+lcpbench_test(quickstep_sor LINK lcpbench_study)  # against the real QuickStep
+target_sources(quickstep_sor_test PRIVATE allocation_counter.cpp)
+add_dependencies(quickstep_sor_test lcpbench_workers)
 
 lcpbench_test(velocity_ipm_cholmod LINK lcpbench_study)
 add_dependencies(velocity_ipm_cholmod_test lcpbench_workers)
