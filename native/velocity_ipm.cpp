@@ -8,16 +8,12 @@
 namespace lcpbench {
 namespace {
 
-enum class Algebra { kAuto, kDense, kSparse };
-
 struct VelocityIpmSettings {
   Algebra algebra = Algebra::kAuto;
   InteriorPointSettings method;
 
   void visit(auto&& field) {
-    field("algebra", algebra,
-          Choices<Algebra>{{{"auto", Algebra::kAuto}, {"dense", Algebra::kDense}, {"sparse", Algebra::kSparse}}},
-          "Cholesky of the Newton matrix; auto: sparse for block inertia with a sparse N; sparse needs block inertia");
+    visit_algebra(field, algebra);
     method.visit(field);
   }
 };
@@ -50,15 +46,9 @@ class VelocityIpm final : public Solver {
   Vector pressed_;  // nc
 };
 
-/// Both of them and the pattern of the inertia: what a scene of many bodies is.
-bool is_sparse_problem(const ContactProblem& contact) {
-  return std::holds_alternative<SparseMatrix>(contact.N) && std::holds_alternative<BlockInertia>(contact.inertia);
-}
-
 void VelocityIpm::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
-  is_sparse_ =
-      settings_.algebra == Algebra::kSparse || (settings_.algebra == Algebra::kAuto && is_sparse_problem(contact));
+  is_sparse_ = wants_sparse(settings_.algebra, contact);
   method_.load(is_sparse_ ? sparse_whitened_normals(contact, simplicial_ldlt()) : dense_whitened_normals(contact),
                contact);
   if (!method_.loaded() || !ends_with_active_set()) return;

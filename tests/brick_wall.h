@@ -51,4 +51,20 @@ inline RigidScene brick_wall(int rows, int columns) {
   return scene;
 }
 
+/// The wall with Coulomb friction mu > 0 (four edges) at every contact, its bricks pushed sideways, along the wall and
+/// out of it, by as much as they fall: some contacts stick, some slide, some open.
+inline RigidScene frictional_brick_wall(int rows, int columns, double mu) {
+  RigidScene scene = brick_wall(rows, columns);
+  for (RigidContact& contact : scene.contacts) {
+    contact.mu = mu;
+    contact.edges = 4;
+  }
+  for (RigidBody& brick : scene.bodies) {
+    const double disturbance = brick.angular_velocity.x();  // within 0.005 of 0
+    brick.linear_velocity.x() = 2 * disturbance;
+    brick.linear_velocity.y() = 0.005 - disturbance;
+  }
+  return scene;
+}
+
 }  // namespace lcpbench::testing

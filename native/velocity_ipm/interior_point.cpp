@@ -31,14 +31,19 @@ void InteriorPoint::load(std::unique_ptr<WhitenedNormals> normals, const Contact
   set_velocity(contact.v);
 }
 
-void InteriorPoint::set_velocity(const Vector& v) {
+void InteriorPoint::set_velocity(const Vector& v, const Vector& offset) {
   v_ = v;
-  q_ = std::visit([&](const auto& N) { return Vector(N.transpose() * v); }, N_);
+  q_ = std::visit([&](const auto& N) { return Vector(N.transpose() * v); }, N_) + offset;
   q_max_ = q_.size() > 0 ? q_.cwiseAbs().maxCoeff() : 0;
 }
 
-/// y = 0, s of the size of q, and f such that f and s are as far from their boundaries in the same unit.
+/// y = 0, s of the size of q, and f such that f and s are as far from their boundaries in the same unit. The solution
+/// where q = 0.
 void InteriorPoint::set_start() {
+  if (q_max_ == 0) {
+    for (Vector* vector : {&point_.f, &point_.s, &point_.y}) vector->setZero();
+    return;
+  }
   const double largest = diagonal_.maxCoeff();
   point_.y.setZero();
   point_.s = q_.cwiseAbs().cwiseMax(0.1 * q_max_);
@@ -98,7 +103,9 @@ double InteriorPoint::relative_residual(const Vector& f) {
   return worst / q_max_;
 }
 
-InteriorPoint::Stop InteriorPoint::iterate(double deadline_s, Counters& counters) {
+InteriorPoint::Stop InteriorPoint::iterate(double deadline_s, std::int64_t max_iterations, Counters& counters) {
+  set_start();
+  if (q_max_ == 0) return Stop::kConverged;  // and max|q| gives no scale to judge an answer by
   const double contacts = static_cast<double>(q_.size());
   double best = std::numeric_limits<double>::infinity();
   int idle_steps = 0;
@@ -108,7 +115,7 @@ InteriorPoint::Stop InteriorPoint::iterate(double deadline_s, Counters& counters
     idle_steps = residual < kProgress * best ? 0 : idle_steps + 1;
     best = std::min(best, residual);
     if (idle_steps > kMostIdleSteps) return Stop::kStalled;
-    if (counters.iterations >= settings_.max_iterations) return Stop::kIterationLimit;
+    if (counters.iterations >= max_iterations) return Stop::kIterationLimit;
     if (!(wall_clock_s() < deadline_s)) return Stop::kTimeLimit;
     evaluate_residuals();
     if (!factor(counters)) return Stop::kBreakdown;
@@ -138,6 +145,7 @@ void InteriorPoint::pressed_contacts(Vector& f) const {
 void InteriorPoint::finish(Counters& counters) {
   constexpr double kWeight = 1e8;
   constexpr int kRounds = 6;
+  if (q_max_ == 0) return;
   double best = relative_residual(point_.f);
   Vector& f = step_.f;
   Vector& weights = step_.s;
@@ -167,13 +175,12 @@ void InteriorPoint::finish(Counters& counters) {
 
 bool InteriorPoint::iterate(const SolveRequest& request, Answer& answer) {
   answer.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
-  if (q_max_ == 0) {  // z = 0 solves it, and max|q| gives no scale to judge another answer by
+  if (q_max_ == 0) {  // z = 0 solves it
     answer.claim = Claim::kSolved;
     answer.velocity = v_;
     return false;
   }
-  set_start();
-  stop_ = iterate(wall_clock_s() + request.time_limit_s, answer.counters);
+  stop_ = iterate(wall_clock_s() + request.time_limit_s, settings_.max_iterations, answer.counters);
   answer.z = point_.f;
   if (stop_ != Stop::kIterationLimit && stop_ != Stop::kTimeLimit) return true;
   answer.claim = stop_ == Stop::kTimeLimit ? Claim::kTimeLimit : Claim::kIterationLimit;

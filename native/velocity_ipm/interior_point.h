@@ -17,7 +17,7 @@ namespace lcpbench {
 /// contacts, whatever their number and redundancy: I + W diag(f / (s + shift f)) W' in coordinates where G = I. What
 /// factors it is the WhitenedNormals' business. [Mehrotra 1992; Wright 1997, ch. 10; docs/velocity_ipm.md]
 ///
-/// Life: load(), then for each velocity set_velocity(), iterate(), perhaps finish(), conclude().
+/// Life: load(), then for each velocity set_velocity(), iterate(), perhaps finish(), impulses() or conclude().
 class InteriorPoint {
  public:
   explicit InteriorPoint(const InteriorPointSettings& settings) : settings_(settings) {}
@@ -25,10 +25,20 @@ class InteriorPoint {
   /// @param normals  nullptr: the inertia is not what the algebra needs; loaded() is then false and nothing else legal
   void load(std::unique_ptr<WhitenedNormals> normals, const ContactProblem& contact);
   bool loaded() const { return normals_ != nullptr; }
-  void set_velocity(const Vector& v);
+  void set_velocity(const Vector& v) { set_velocity(v, Vector::Zero(normal_count())); }
+  /// With the constraints N'u + offset >= 0 (nc) instead.
+  void set_velocity(const Vector& v, const Vector& offset);
 
-  /// Iterates from the standard start. False when that ended the solve: `answer` says how (a limit; or q = 0, whose
-  /// solution is z = 0). True: the point reached awaits finish() and conclude().
+  /// How an iteration ended: the tolerance is met; no step goes further; the Newton system could not be solved; a
+  /// limit.
+  enum class Stop { kConverged, kStalled, kBreakdown, kIterationLimit, kTimeLimit };
+
+  /// Iterates from the standard start until counters.iterations is max_iterations or the wall clock is at deadline_s.
+  /// Adds to the counters.
+  Stop iterate(double deadline_s, std::int64_t max_iterations, Counters& counters);
+
+  /// The same within the limits of request and settings. False when that ended the solve: `answer` says how (a limit;
+  /// or q = 0, whose solution is z = 0). True: the point reached awaits finish() and conclude().
   bool iterate(const SolveRequest& request, Answer& answer);
 
   /// Brings the velocities of the pressed contacts to zero by regularised Newton steps with one more factorization; of
@@ -44,8 +54,6 @@ class InteriorPoint {
   void pressed_contacts(Vector& f) const;
 
  private:
-  enum class Stop { kConverged, kStalled, kBreakdown, kIterationLimit, kTimeLimit };
-
   /// A point: f > 0, s > 0 and y, with residuals y - W f and W'y + q - s.
   struct Point {
     Vector f;  // nc, impulses [N s]
@@ -59,7 +67,7 @@ class InteriorPoint {
     }
   };
 
-  Stop iterate(double deadline_s, Counters& counters);
+  Index normal_count() const { return diagonal_.size(); }
   void set_start();
   void evaluate_residuals();
   bool factor(Counters& counters);

@@ -4,6 +4,15 @@
 
 namespace lcpbench {
 
+/// How the Newton matrix is factored; kAuto: sparse for block inertia with a sparse N, which every scene has.
+enum class Algebra { kAuto, kDense, kSparse };
+
+void visit_algebra(auto&& field, Algebra& algebra) {
+  field("algebra", algebra,
+        Choices<Algebra>{{{"auto", Algebra::kAuto}, {"dense", Algebra::kDense}, {"sparse", Algebra::kSparse}}},
+        "Cholesky of the Newton matrix; auto: sparse for block inertia with a sparse N; sparse needs block inertia");
+}
+
 /// Settings of the interior-point method, whatever factors its systems.
 struct InteriorPointSettings {
   double tolerance = 1e-9;

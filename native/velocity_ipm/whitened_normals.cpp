@@ -233,4 +233,9 @@ std::unique_ptr<WhitenedNormals> sparse_whitened_normals(const ContactProblem& p
   return std::make_unique<SparseNormals>(std::move(roots), problem.N, std::move(factorization));
 }
 
+bool wants_sparse(Algebra algebra, const ContactProblem& problem) {
+  if (algebra != Algebra::kAuto) return algebra == Algebra::kSparse;
+  return std::holds_alternative<SparseMatrix>(problem.N) && std::holds_alternative<BlockInertia>(problem.inertia);
+}
+
 }  // namespace lcpbench

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "core/contact_problem.h"
+#include "native/velocity_ipm/settings.h"
 #include "native/velocity_ipm/sparse_factorization.h"
 
 namespace lcpbench {
@@ -35,5 +36,8 @@ std::unique_ptr<WhitenedNormals> dense_whitened_normals(const ContactProblem& pr
 /// inertia comes in positive definite blocks.
 std::unique_ptr<WhitenedNormals> sparse_whitened_normals(const ContactProblem& problem,
                                                          std::unique_ptr<SparseFactorization> factorization);
+
+/// Whether the sparse algebra is asked for, or is what suits the problem.
+bool wants_sparse(Algebra algebra, const ContactProblem& problem);
 
 }  // namespace lcpbench
