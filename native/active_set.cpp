@@ -74,6 +74,7 @@ void ActiveSet::on_load(const Problem& problem) {
   if (settings_.precision == ActiveSetPrecision::kLadder) second_.reserve(input_);
   if (settings_.precision == ActiveSetPrecision::kFloat) second_.load(input_);
   image_.resize(input_.ngc);
+  farkas_.resize(input_.nc);
 }
 
 /// Points input_ to the problem's own arrays where it has dense ones.
@@ -133,9 +134,7 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
   active_set::Rules rules = this->rules(request);
   Vector& velocity = cleared_vectors().velocity;
   velocity.resize(input_.ngc);
-  Vector& u = cleared_vectors().farkas;
-  u.resize(input_.nc);
-  active_set::Outcome outcome = first_.solve(rules, answer.z, velocity, u);
+  active_set::Outcome outcome = first_.solve(rules, answer.z, velocity, farkas_);
   const bool stopped =
       outcome.ending == Ending::kTimeLimit || (outcome.ending == Ending::kStepLimit && settings_.max_iterations > 0);
   if (settings_.precision == ActiveSetPrecision::kFloat && outcome.ending == Ending::kSolved &&
@@ -146,14 +145,18 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
     second_.load(input_);
     rules.polish = true;
     rules.start = nullptr;  // it may have been what misled the first rung
-    const active_set::Outcome second = second_.solve(rules, answer.z, velocity, u);
+    const active_set::Outcome second = second_.solve(rules, answer.z, velocity, farkas_);
     outcome.ending = second.ending;
     outcome.steps += second.steps;
     outcome.factorizations += second.factorizations;
     answer.detail = "quad rung";
   }
   if (outcome.ending == Ending::kSolved || outcome.ending == Ending::kRejected) answer.velocity.swap(velocity);
-  if (outcome.ending == Ending::kInfeasible && round_to_proof(u)) answer.farkas.swap(u);
+  if (outcome.ending == Ending::kInfeasible && round_to_proof(farkas_)) {
+    Vector& farkas = cleared_vectors().farkas;
+    farkas = farkas_;
+    answer.farkas.swap(farkas);
+  }
   report(outcome, answer);
 }
 

@@ -51,6 +51,9 @@ class ActiveSet final : public Solver {
 
   const Capabilities& capabilities() const override;
 
+  /// ActiveSetSettings::max_iterations from now on.
+  void limit_iterations(std::int64_t max_iterations) { settings_.max_iterations = max_iterations; }
+
  private:
   /// An engine and the problem in it.
   class Rung {
@@ -90,6 +93,7 @@ class ActiveSet final : public Solver {
   Matrix dense_normals_;  // of a sparse N
   Matrix dense_inertia_;  // of block inertia
   Vector image_;          // N u
+  Vector farkas_;
 };
 
 }  // namespace lcpbench

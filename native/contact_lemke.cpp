@@ -6,8 +6,8 @@
 #include <limits>
 #include <span>
 #include <stdexcept>
-#include <variant>
 
+#include "core/answer_storage.h"
 #include "core/quad.h"
 #include "core/registry.h"
 #include "core/timed_solve.h"
@@ -16,7 +16,7 @@ namespace lcpbench {
 
 /// One rung of the cascade.
 struct ContactRung {
-  bool quad = false;
+  ContactArithmetic arithmetic = ContactArithmetic::kDouble;
   bool classic = false;
   std::ptrdiff_t variant = 0;
   bool reinvert = false;
@@ -32,6 +32,7 @@ using contact_lemke::Rules;
 
 constexpr double kFloatUnitRoundoff = 0x1p-24;
 constexpr double kDoubleUnitRoundoff = 0x1p-53;
+constexpr double kDoubleDoubleUnitRoundoff = 0x1p-104;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The residual up to which kSolved is claimed, relative to max|q|: half of the evaluation's bound, to be on its safe
@@ -43,6 +44,14 @@ struct Engines {
   const Engine& in_float;
 };
 
+/// Sums of two doubles give the same results with and without a fused multiply-add in the processor.
+const Engine& double_double_at([[maybe_unused]] IsaLevel level) {
+#if defined(__x86_64__)
+  if (level >= IsaLevel::kAvx2) return lemke::double_double_fma::kContactEngine;
+#endif
+  return lemke::double_double::kContactEngine;
+}
+
 Engines engines_at(IsaLevel level) {
   if (level > best_isa_level()) throw std::invalid_argument("this processor lacks the instruction-set level asked for");
 #if defined(__x86_64__)
@@ -52,29 +61,36 @@ Engines engines_at(IsaLevel level) {
   return {lemke::baseline::kContactEngine, lemke::baseline::kFloatContactEngine};
 }
 
-constexpr std::array kRungs{ContactRung{.name = ""},
-                            ContactRung{.reinvert = true, .name = "reinverted"},
-                            ContactRung{.variant = 1, .reinvert = true, .name = "second path"},
-                            ContactRung{.variant = 2, .reinvert = true, .name = "third path"},
-                            ContactRung{.classic = true, .reinvert = true, .name = "classic"},
-                            ContactRung{.quad = true, .name = "quad"},
-                            ContactRung{.quad = true, .classic = true, .name = "quad, classic"}};
+/// Before all, where a solve goes on from the last one.
+constexpr ContactRung kWarmRung{.name = "warm"};
 
-/// The classic covering vector takes many pivots: above this order of kernels their inversion would cost more than the
-/// rungs in 113 bits, and is left to the path's own judgement.
+constexpr std::array kRungs{
+    ContactRung{.name = ""},
+    ContactRung{.reinvert = true, .name = "reinverted"},
+    ContactRung{.variant = 1, .reinvert = true, .name = "second path"},
+    ContactRung{.variant = 2, .reinvert = true, .name = "third path"},
+    ContactRung{.classic = true, .reinvert = true, .name = "classic"},
+    ContactRung{.arithmetic = ContactArithmetic::kDoubleDouble, .name = "dd"},
+    ContactRung{.arithmetic = ContactArithmetic::kDoubleDouble, .classic = true, .name = "dd, classic"},
+    ContactRung{.arithmetic = ContactArithmetic::kQuad, .name = "quad"},
+    ContactRung{.arithmetic = ContactArithmetic::kQuad, .classic = true, .name = "quad, classic"}};
+
+/// Above this order of kernels their inversion at each pivot costs more than the rungs of more than 53 bits, and helps
+/// less: where those may follow, rungs that differ in it are left out, and the classic vector, which takes many pivots,
+/// leaves inversion to the path's own judgement.
 constexpr std::ptrdiff_t kSmallKernel = 32;
-
-bool climbs_to_quad(const ContactLemkeSettings& settings) {
-  return settings.precision == ContactLemkePrecision::kQuad || settings.precision == ContactLemkePrecision::kCascade;
-}
 
 bool returns_velocity(const ContactLemkeSettings& settings) {
   return settings.precision == ContactLemkePrecision::kPolished || settings.precision == ContactLemkePrecision::kQuad;
 }
 
-bool wanted(const ContactRung& rung, const ContactLemkeSettings& settings) {
-  if (rung.quad && !climbs_to_quad(settings)) return false;
-  if (!rung.quad && settings.precision == ContactLemkePrecision::kQuad) return false;
+bool wanted(const ContactRung& rung, const ContactLemkeSettings& settings, std::ptrdiff_t ngc) {
+  using Precision = ContactLemkePrecision;
+  const bool cascade = settings.precision == Precision::kCascade;
+  if (rung.arithmetic == ContactArithmetic::kQuad && !cascade && settings.precision != Precision::kQuad) return false;
+  if (rung.arithmetic == ContactArithmetic::kDoubleDouble && !cascade) return false;
+  if (rung.arithmetic == ContactArithmetic::kDouble && settings.precision == Precision::kQuad) return false;
+  if (rung.reinvert && cascade && ngc > kSmallKernel) return false;
   if (rung.classic && settings.covering == ContactLemkeCovering::kNormals) return false;
   if (!rung.classic && settings.covering == ContactLemkeCovering::kClassic) return false;
   return true;
@@ -86,63 +102,16 @@ LoadedContacts::LoadedContacts(const Engine& engine) : engine_(engine), state_(e
 
 LoadedContacts::~LoadedContacts() { engine_.destroy(state_); }
 
-void ContactLemke::ContactData::load(const ContactProblem& contact) {
-  v = contact.v;
-  mu = contact.mu;
-  const ContactLayout layout = contact_layout(contact);
-  friction_begin.assign(layout.friction_begin.begin(), layout.friction_begin.end());
-  input = {};
-  input.ngc = contact.ngc();
-  input.nc = contact.nc();
-  input.v = v.data();
-  input.N = dense_data(contact.N, N);
-  input.D = dense_data(contact.D, D);
-  input.friction_begin = friction_begin.data();
-  input.mu = mu.data();
-  load_inertia(contact.inertia);
-}
+const Engine& contact_lemke_engine(IsaLevel level) { return engines_at(level).in_double; }
 
-const double* ContactLemke::ContactData::dense_data(const Jacobian& jacobian, Matrix& copy) {
-  if (const auto* dense = std::get_if<Matrix>(&jacobian)) return dense->data();
-  copy = to_dense(jacobian);
-  return copy.data();
-}
-
-void ContactLemke::ContactData::load_inertia(const Inertia& inertia) {
-  contact_lemke::InertiaInput& to = input.inertia;
-  offsets.assign(1, 0);
-  blocks.clear();
-  if (const auto* dense = std::get_if<DenseInertia>(&inertia)) {
-    add_block(dense->G);
-  } else if (const auto* separate = std::get_if<BlockInertia>(&inertia)) {
-    for (const Matrix& block : separate->blocks) add_block(block);
-  } else if (const auto* factored = std::get_if<FactoredInertia>(&inertia)) {
-    to.factors = factored->X.cols();
-    to.X = factored->X.data();
-    to.alpha = factored->alpha.data();
-  } else {
-    to.Ginv = std::get<InverseInertia>(inertia).Ginv.data();
-  }
-  to.blocks = static_cast<std::ptrdiff_t>(blocks.size());
-  to.offsets = offsets.data();
-  to.G = blocks.data();
-}
-
-void ContactLemke::ContactData::add_block(const Matrix& G) {
-  blocks.push_back(G.data());
-  offsets.push_back(offsets.back() + G.rows());
-}
-
-Capabilities contact_lemke_capabilities(const ContactLemkeSettings& settings) {
+Capabilities contact_lemke_capabilities(const ContactLemkeSettings&) {
   Capabilities capabilities;
   capabilities.needs = Needs::kFactored;
   capabilities.max_size = 3000;  // dense matrices of order ngc, which may be several times n
   capabilities.guarantees = "contact problems with mu >= 0 and positive definite G, without degeneracy";
+  capabilities.warm_start = true;
   capabilities.obeys_time_limit = true;
-  // The memory of 113-bit arithmetic is taken when a problem first needs it.
-  // So is the velocity's, of which the answer keeps none from one solve to the next.
-  capabilities.allocation_free =
-      settings.precision == ContactLemkePrecision::kDouble || settings.precision == ContactLemkePrecision::kFloat;
+  capabilities.allocation_free = true;
   return capabilities;
 }
 
@@ -150,6 +119,7 @@ ContactLemke::ContactLemke(const ContactLemkeSettings& settings, IsaLevel level)
     : settings_(settings),
       capabilities_(contact_lemke_capabilities(settings)),
       double_(engines_at(level).in_double),
+      double_double_(double_double_at(level)),
       quad_(lemke::quad::kContactEngine),
       float_(engines_at(level).in_float) {}
 
@@ -160,9 +130,15 @@ void ContactLemke::on_load(const Problem& problem) {
   data_.load(contact);
   double_.load(data_.input);
   if (in_float()) float_.load(data_.input);
-  quad_is_loaded_ = false;
+  double_double_is_loaded_ = quad_is_loaded_ = false;
+  if (settings_.precision == ContactLemkePrecision::kCascade) double_double_.reserve(data_.input);
+  if (settings_.precision == ContactLemkePrecision::kCascade || settings_.precision == ContactLemkePrecision::kQuad) {
+    quad_.reserve(data_.input);
+  }
   best_.resize(problem.size());
-  best_velocity_.resize(0);
+  resumable_ = false;
+  velocity_.setZero(contact.ngc());
+  best_velocity_.resize(contact.ngc());
 }
 
 void ContactLemke::on_update(const Vector& v) {
@@ -170,35 +146,45 @@ void ContactLemke::on_update(const Vector& v) {
   data_.v = v;
   double_.set_velocity(data_.v.data());
   if (in_float()) float_.set_velocity(data_.v.data());
+  if (double_double_is_loaded_) double_double_.set_velocity(data_.v.data());
   if (quad_is_loaded_) quad_.set_velocity(data_.v.data());
 }
 
-LoadedContacts& ContactLemke::engine_of(bool quad) {
-  if (!quad) return in_float() ? float_ : double_;
-  if (!quad_is_loaded_) {
-    quad_.load(data_.input);
-    quad_is_loaded_ = true;
-  }
-  return quad_;
+LoadedContacts& ContactLemke::engine_of(ContactArithmetic arithmetic) {
+  if (arithmetic == ContactArithmetic::kDouble) return in_float() ? float_ : double_;
+  const bool quad = arithmetic == ContactArithmetic::kQuad;
+  LoadedContacts& engine = quad ? quad_ : double_double_;
+  bool& is_loaded = quad ? quad_is_loaded_ : double_double_is_loaded_;
+  if (!is_loaded) engine.load(data_.input);
+  is_loaded = true;
+  return engine;
 }
 
 double ContactLemke::roundoff_of(const LoadedContacts& engine) const {
   if (&engine == &quad_) return kQuadUnitRoundoff;
+  if (&engine == &double_double_) return kDoubleDoubleUnitRoundoff;
   return &engine == &float_ ? kFloatUnitRoundoff : kDoubleUnitRoundoff;
 }
 
-/// Several times what the sets of the study take at most.
-std::ptrdiff_t ContactLemke::pivots_of_rung(bool classic) const {
+/// Several times what the sets of the study take at most; where the last basis is of little help, better begin anew.
+std::ptrdiff_t ContactLemke::pivots_of_rung(const Rules& rules) const {
   const std::ptrdiff_t rows = data_.input.nc + data_.input.ngc;
-  return classic ? 50 * (rows + data_.friction_begin.back()) + 500 : 20 * rows + 100;
+  if (rules.resume) return 2 * rows + 10;
+  return rules.classic ? 50 * (rows + data_.friction_begin.back()) + 500 : 20 * rows + 100;
 }
 
 void ContactLemke::on_solve(const SolveRequest& request, Answer& answer) {
   Progress progress;
   progress.deadline_s = std::isinf(request.time_limit_s) ? kInfinity : wall_clock_s() + request.time_limit_s;
+  if (resumes(request)) {
+    Rules rules;
+    rules.resume = true;
+    if (climb(kWarmRung, rules, progress, answer)) return report(progress, answer);
+  }
+  resumable_ = false;
   for (const ContactRung& rung : kRungs) {
-    if (!wanted(rung, settings_)) continue;
-    if (rung.quad && progress.best <= kClaimedResidual) break;
+    if (!wanted(rung, settings_, data_.input.ngc)) continue;
+    if (rung.arithmetic != ContactArithmetic::kDouble && progress.best <= kClaimedResidual) break;
     Rules rules;
     rules.classic = rung.classic;
     rules.variant = rung.variant;
@@ -208,28 +194,32 @@ void ContactLemke::on_solve(const SolveRequest& request, Answer& answer) {
   report(progress, answer);
 }
 
+/// Whether to go on from the last solve: its basis is at hand, and the request is to start from its answer.
+bool ContactLemke::resumes(const SolveRequest& request) const {
+  return resumable_ && request.start != nullptr && request.start->size() == best_.size() && *request.start == best_;
+}
+
 /// @returns whether nothing remains to be tried.
 bool ContactLemke::climb(const ContactRung& rung, Rules rules, Progress& progress, Answer& answer) {
-  LoadedContacts& engine = engine_of(rung.quad);
+  LoadedContacts& engine = engine_of(rung.arithmetic);
   const Ending ending = run(engine, rules, progress, answer.z);
   if (ending == Ending::kTimeLimit) return true;
+  if (rules.resume && ending != Ending::kSolved) return progress.pivots_left(settings_.max_pivots) <= 0;
   if (ending == Ending::kPivotLimit) return progress.pivots_left(settings_.max_pivots) <= 0;
   if (ending == Ending::kRay) return !progress.disproof_was_tried && disprove(engine, progress, answer);
   if (ending != Ending::kSolved) return false;
-  if (returns_velocity(settings_)) polish(engine, answer);
+  const bool has_velocity = returns_velocity(settings_) && engine.polish(velocity_.data(), answer.z.data());
   const Residual residual = (in_float() ? double_ : engine).complete(answer.z.data());
   if (residual.certain < progress.best) {
     progress.best = residual.certain;
     progress.rung = rung.name;
     best_ = answer.z;
-    best_velocity_ = answer.velocity;
+    best_velocity_ = velocity_;
+    best_has_velocity_ = has_velocity;
   }
-  return residual.velocity <= settings_.accept_residual && residual.certain <= kClaimedResidual;
-}
-
-void ContactLemke::polish(LoadedContacts& engine, Answer& answer) {
-  answer.velocity.resize(data_.input.ngc);
-  if (!engine.polish(answer.velocity.data(), answer.z.data())) answer.velocity.resize(0);
+  const bool accepted = residual.velocity <= settings_.accept_residual && residual.certain <= kClaimedResidual;
+  resumable_ = accepted && rung.arithmetic == ContactArithmetic::kDouble && !rung.classic;
+  return accepted;
 }
 
 Ending ContactLemke::run(LoadedContacts& engine, Rules rules, Progress& progress, Vector& z) {
@@ -237,7 +227,7 @@ Ending ContactLemke::run(LoadedContacts& engine, Rules rules, Progress& progress
   rules.pivot_tolerance = roundoff * settings_.pivot_tolerance;
   rules.tie_tolerance = roundoff * settings_.tie_tolerance;
   rules.residual_tolerance = roundoff * settings_.refine_tolerance;
-  rules.max_pivots = std::min(pivots_of_rung(rules.classic), progress.pivots_left(settings_.max_pivots));
+  rules.max_pivots = std::min(pivots_of_rung(rules), progress.pivots_left(settings_.max_pivots));
   rules.refinements = static_cast<std::ptrdiff_t>(settings_.max_refinements);
   rules.deadline_s = progress.deadline_s;
   rules.clock_s = wall_clock_s;
@@ -258,7 +248,9 @@ bool ContactLemke::disprove(LoadedContacts& engine, Progress& progress, Answer& 
   if (ending == Ending::kTimeLimit) return true;
   if (ending != Ending::kRay || !(in_float() ? double_ : engine).disproves(answer.z.data())) return false;
   progress.disproved = true;
-  answer.farkas = answer.z.head(data_.input.nc);
+  Vector& farkas = cleared_vectors().farkas;
+  farkas = answer.z.head(data_.input.nc);
+  answer.farkas.swap(farkas);
   return true;
 }
 
@@ -268,12 +260,15 @@ void ContactLemke::report(const Progress& progress, Answer& answer) {
   if (progress.best <= kClaimedResidual) {
     answer.claim = Claim::kSolved;
     answer.z = best_;
-    answer.velocity = best_velocity_;
+    if (best_has_velocity_) {
+      Vector& velocity = cleared_vectors().velocity;
+      velocity = best_velocity_;
+      answer.velocity.swap(velocity);
+    }
     answer.detail = progress.rung;
     return;
   }
   answer.z.setZero();
-  answer.velocity.resize(0);
   if (progress.disproved) {
     answer.claim = Claim::kUnsolvable;
     answer.detail = "ray, proven";

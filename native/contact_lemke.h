@@ -3,11 +3,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <vector>
 
 #include "core/isa.h"
 #include "core/settings.h"
 #include "core/solver.h"
+#include "native/contact_input.h"
 #include "native/contact_lemke/engine.h"
 
 namespace lcpbench {
@@ -56,6 +56,7 @@ struct ContactLemkeSettings {
   }
 };
 
+enum class ContactArithmetic { kDouble, kDoubleDouble, kQuad };
 struct ContactRung;
 
 /// An engine with the problem that it holds.
@@ -66,11 +67,15 @@ class LoadedContacts {
   LoadedContacts(const LoadedContacts&) = delete;
   LoadedContacts& operator=(const LoadedContacts&) = delete;
 
+  void reserve(const contact_lemke::Input& input) { engine_.reserve(state_, input); }
   void load(const contact_lemke::Input& input) { engine_.load(state_, input); }
   void set_velocity(const double* v) { engine_.set_velocity(state_, v); }
   contact_lemke::Outcome solve(const contact_lemke::Rules& rules, double* z) { return engine_.solve(state_, rules, z); }
   contact_lemke::Residual complete(double* z) { return engine_.complete(state_, z); }
   bool polish(double* velocity, double* z) { return engine_.polish(state_, velocity, z); }
+  bool polish_answer(const char* basic, double* velocity, double* z) {
+    return engine_.polish_answer(state_, basic, velocity, z);
+  }
   bool disproves(const double* u) { return engine_.disproves(state_, u); }
 
  private:
@@ -89,6 +94,10 @@ class LoadedContacts {
 /// kSolved: the velocity residual with its estimated rounding is within 5e-5 of max|q|, evaluated from the returned z;
 /// `detail` names the rung. kUnsolvable: with a proof in `farkas`. kIterationLimit, kTimeLimit; kNumericalFailure: no
 /// rung gave an answer that passes. z is zero unless kSolved. Returns the velocity with precision=polished and quad.
+///
+/// SolveRequest::start: where it is the answer of this object's last solve, the path goes on from its basis, pivot by
+/// pivot as contacts change between the two velocities (`detail` is then "warm"). Any other start is ignored: a basis
+/// cannot be told from z where impulses are zero.
 class ContactLemke final : public Solver {
  public:
   /// @param level instruction-set level of the engine; must not exceed best_isa_level().
@@ -96,21 +105,10 @@ class ContactLemke final : public Solver {
 
   const Capabilities& capabilities() const override;
 
+  /// ContactLemkeSettings::max_pivots from now on.
+  void limit_pivots(std::int64_t max_pivots) { settings_.max_pivots = max_pivots; }
+
  private:
-  /// The problem as the engines take it.
-  struct ContactData {
-    contact_lemke::Input input;
-    Vector v, mu;
-    Matrix N, D;  ///< only of sparse Jacobians
-    std::vector<std::ptrdiff_t> friction_begin, offsets;
-    std::vector<const double*> blocks;
-
-    void load(const ContactProblem& contact);
-    void load_inertia(const Inertia& inertia);
-    void add_block(const Matrix& G);
-    static const double* dense_data(const Jacobian& jacobian, Matrix& copy);
-  };
-
   /// Of one solve, over all its rungs.
   struct Progress {
     double deadline_s = 0;
@@ -132,10 +130,10 @@ class ContactLemke final : public Solver {
   void on_solve(const SolveRequest& request, Answer& answer) override;
 
   bool in_float() const { return settings_.precision == ContactLemkePrecision::kFloat; }
-  LoadedContacts& engine_of(bool quad);
+  LoadedContacts& engine_of(ContactArithmetic arithmetic);
   double roundoff_of(const LoadedContacts& engine) const;
-  void polish(LoadedContacts& engine, Answer& answer);
-  std::ptrdiff_t pivots_of_rung(bool classic) const;
+  std::ptrdiff_t pivots_of_rung(const contact_lemke::Rules& rules) const;
+  bool resumes(const SolveRequest& request) const;
   bool climb(const ContactRung& rung, contact_lemke::Rules rules, Progress& progress, Answer& answer);
   contact_lemke::Ending run(LoadedContacts& engine, contact_lemke::Rules rules, Progress& progress, Vector& z);
   bool disprove(LoadedContacts& engine, Progress& progress, Answer& answer);
@@ -143,12 +141,18 @@ class ContactLemke final : public Solver {
 
   ContactLemkeSettings settings_;
   Capabilities capabilities_;
-  ContactData data_;
+  ContactInput data_;
   LoadedContacts double_;  ///< also what tests the answers of float
-  LoadedContacts quad_, float_;
-  bool quad_is_loaded_ = false;
+  LoadedContacts double_double_, quad_, float_;
+  bool double_double_is_loaded_ = false, quad_is_loaded_ = false;
+  Vector velocity_;  ///< of the last rung
   Vector best_, best_velocity_;
+  bool best_has_velocity_ = false;
+  bool resumable_ = false;  ///< the engine in double (or float) still holds the basis of best_
 };
+
+/// The engine in double. @throws std::invalid_argument when this processor lacks the level
+const contact_lemke::Engine& contact_lemke_engine(IsaLevel level);
 
 /// What the solver promises with these settings.
 Capabilities contact_lemke_capabilities(const ContactLemkeSettings& settings);

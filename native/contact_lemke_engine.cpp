@@ -1,11 +1,12 @@
-// Lemke's method on contacts. Compiled once per instruction-set level into the namespace LCPBENCH_LEVEL, and once in
-// 113-bit arithmetic (LCPBENCH_CONTACT_QUAD); see contact_lemke/engine.h for what may cross
-// the border.
+// Lemke's method on contacts. Compiled once per instruction-set level into the namespace LCPBENCH_LEVEL, once in
+// 113-bit arithmetic (LCPBENCH_CONTACT_QUAD), and in sums of two doubles (LCPBENCH_CONTACT_DOUBLE_DOUBLE) with and
+// without the processor's fused multiply-add; see contact_lemke/engine.h for what may cross the border.
 #include <new>
 
 #include "native/contact_lemke/completion.h"
 #include "native/contact_lemke/engine.h"
 #include "native/contact_lemke/path.h"
+#include "native/contact_lemke/basis_polish.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 namespace {
@@ -14,6 +15,7 @@ template <class Scalar>
 struct Loaded {
   Path<Scalar> path;
   Completion<Scalar> completion{path.contacts(), path.response()};
+  BasisPolish<Scalar> basis_polish{path.contacts(), path.response()};
 };
 
 template <class Scalar>
@@ -26,9 +28,14 @@ struct ContactInterface {
     object(memory).~Object();
     free_aligned(memory);
   }
+  static void reserve(void* memory, const contact_lemke::Input& input) {
+    object(memory).path.reserve(input);
+    object(memory).completion.reserve();
+  }
   static void load(void* memory, const contact_lemke::Input& input) {
     object(memory).path.load(input);
     object(memory).completion.load();
+    if (input.polishes_answers) object(memory).basis_polish.load();
   }
   static void set_velocity(void* memory, const double* v) { object(memory).path.set_velocity(v); }
   static contact_lemke::Outcome solve(void* memory, const contact_lemke::Rules& rules, double* z) {
@@ -36,19 +43,25 @@ struct ContactInterface {
   }
   static contact_lemke::Residual complete(void* memory, double* z) { return object(memory).completion.run(z); }
   static bool polish(void* memory, double* velocity, double* z) { return object(memory).path.polish(velocity, z); }
+  static bool polish_answer(void* memory, const char* basic, double* velocity, double* z) {
+    return object(memory).basis_polish.run(basic, velocity, z);
+  }
   static bool disproves(void* memory, const double* u) { return object(memory).completion.disproves(u); }
 };
 
 template <class Scalar>
 constexpr contact_lemke::Engine contact_engine() {
   using I = ContactInterface<Scalar>;
-  return {I::create, I::destroy, I::load, I::set_velocity, I::solve, I::complete, I::polish, I::disproves};
+  return {I::create, I::destroy,  I::reserve, I::load,          I::set_velocity,
+          I::solve,  I::complete, I::polish,  I::polish_answer, I::disproves};
 }
 
 }  // namespace
 
 #if defined(LCPBENCH_CONTACT_QUAD)
 const contact_lemke::Engine kContactEngine = contact_engine<Quad>();
+#elif defined(LCPBENCH_CONTACT_DOUBLE_DOUBLE)
+const contact_lemke::Engine kContactEngine = contact_engine<DoubleDouble>();
 #else
 const contact_lemke::Engine kContactEngine = contact_engine<double>();
 const contact_lemke::Engine kFloatContactEngine = contact_engine<float>();

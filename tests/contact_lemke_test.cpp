@@ -457,6 +457,105 @@ TEST(ContactLemkeTest, ObeysItsLimits) {
   EXPECT_EQ(solve(problem, {}, request).claim, Claim::kTimeLimit);
 }
 
+// --- from the last answer ---
+
+/// v, moved by `part` of its size in a direction that depends on the step.
+Vector moved(const Vector& v, double part, int step) {
+  testing::Uniform uniform(static_cast<std::uint64_t>(step) + 1);
+  return v + part * uniform.vector(v.size()).cwiseProduct(v);
+}
+
+TEST(ContactLemkeTest, TakesNoPivotFromItsOwnAnswer) {
+  for (const char* name : {"paper/copositive/exp1", "paper/copositive/exp5-1e8{redundancy=combination}"}) {
+    const auto set = open_set(name);
+    for (std::int64_t trial = 0; trial < 20; ++trial) {
+      const Problem problem = set->generate(71, trial);
+      const auto solver = contact_lemke({{"precision", "double"}});
+      solver->load(problem);
+      const Answer first = solve(*solver);
+      ASSERT_EQ(first.claim, Claim::kSolved);
+      const Answer again = solve(*solver, {.start = &first.z});
+      ASSERT_EQ(again.claim, Claim::kSolved);
+      EXPECT_TRUE(errors_of(problem, again).solved) << name << " " << trial;
+      if (first.detail.empty()) {
+        EXPECT_EQ(again.counters.pivots, 0) << name << " " << trial;
+      }
+    }
+  }
+}
+
+TEST(ContactLemkeTest, FollowsSmallChangesInFewPivots) {
+  for (const char* name : {"paper/copositive/exp1", "paper/copositive/exp2{redundancy=combination}",
+                           "paper/copositive/exp5-1e8", "paper/monotone/exp1"}) {
+    const auto set = open_set(name);
+    std::int64_t warm_pivots = 0, cold_pivots = 0;
+    for (std::int64_t trial = 0; trial < 15; ++trial) {
+      const Problem problem = set->generate(72, trial);
+      const auto warm = contact_lemke();
+      warm->load(problem);
+      Answer last = solve(*warm);
+      for (int step = 0; step < 6; ++step) {
+        ContactProblem contact = *problem.contact();
+        contact.v = moved(contact.v, 0.05, step);
+        const Problem now("step", contact);
+        warm->update(contact.v);
+        const Vector start = last.z;
+        last = solve(*warm, {.start = &start});
+        ASSERT_EQ(last.claim, Claim::kSolved) << name << " " << trial << " " << step << ": " << last.detail;
+        EXPECT_TRUE(errors_of(now, last).solved) << name << " " << trial << " " << step << ": " << last.detail;
+        warm_pivots += last.counters.pivots;
+        cold_pivots += solve(now).counters.pivots;
+      }
+    }
+    EXPECT_LE(2 * warm_pivots, cold_pivots) << name;
+  }
+}
+
+TEST(ContactLemkeTest, IgnoresAStartThatIsNotItsLastAnswer) {
+  const Problem problem = open_set("paper/copositive/exp1")->generate(73, 1);
+  const Answer cold = solve(problem);
+  const auto solver = contact_lemke();
+  solver->load(problem);
+  const Answer first = solve(*solver);
+  Vector other = first.z;
+  other(0) += 1;
+  const Vector short_one = first.z.head(3);
+  for (const Vector& start : {other, short_one}) {
+    const Answer answer = solve(*solver, {.start = &start});
+    EXPECT_EQ(answer.z, cold.z);
+    EXPECT_EQ(answer.counters.pivots, cold.counters.pivots);
+  }
+  solver->load(problem);  // what came before is gone
+  EXPECT_EQ(solve(*solver, {.start = &first.z}).counters.pivots, cold.counters.pivots);
+}
+
+TEST(ContactLemkeTest, AllocatesNothingAtAnyPrecision) {
+  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  for (const char* precision : {"float", "polished", "quad", "cascade"}) {
+    const auto solver = contact_lemke({{"precision", precision}});
+    for (std::int64_t trial = 0; trial < 20; ++trial) {
+      const Problem problem = open_set("paper/copositive/exp5-1e10{redundancy=combination}")->generate(52, trial);
+      solver->load(problem);
+      Answer answer;
+      answer.z.resize(problem.size());
+      answer.velocity.resize(problem.contact()->ngc());
+      EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << precision << " " << trial;
+    }
+  }
+}
+
+// --- large kernels ---
+
+// Kernels of 80 rows whose dependent rows an inverse in double, or in 113 bits without a measure of its noise, cannot
+// tell from others; the time limit is the study's.
+TEST(ContactLemkeTest, SolvesLargeIllConditionedProblemsInTime) {
+  const Problem problem = open_set("paper/copositive/extra100{redundancy=combination}")->generate(555777, 0);
+  const Answer answer = solve(problem, {}, {.time_limit_s = 10});
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_TRUE(errors_of(problem, answer).solved) << answer.detail;
+  EXPECT_EQ(answer.detail, "dd");
+}
+
 // With a bound that no rounding meets it climbs every rung that it has, and takes the best answer that still counts.
 TEST(ContactLemkeTest, ClimbsOnUntilItsBoundIsMet) {
   const Problem problem = open_set("paper/copositive/exp5-1e8")->generate(62, 5);

@@ -4,6 +4,9 @@ target_sources(conformance_test PRIVATE allocation_counter.cpp)
 
 lcpbench_test(active_set LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 target_sources(active_set_test PRIVATE allocation_counter.cpp)
+lcpbench_test(auto LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
+target_sources(auto_test PRIVATE allocation_counter.cpp)
+lcpbench_test(double_double LINK lcpbench_native)
 lcpbench_test(contact_lemke LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 target_sources(contact_lemke_test PRIVATE allocation_counter.cpp)
 lcpbench_test(enumeration LINK lcpbench_native)
@@ -41,7 +44,9 @@ foreach(level IN LISTS levels)
   endif()
 endforeach()
 
-# Measurements, not tests: docs/lemke.md shows what they print.
+# Measurements, not tests: docs/ shows what they print.
+add_executable(auto_scenes EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/auto_scenes.cpp)
+target_link_libraries(auto_scenes PRIVATE lcpbench_solver_list lcpbench_evaluation)
 add_executable(lemke_engines_benchmark EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/lemke_engines_benchmark.cpp)
 target_link_libraries(lemke_engines_benchmark PRIVATE lcpbench_native lcpbench_generators)
 add_executable(lemke_paper_rates EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/lemke_paper_rates.cpp)

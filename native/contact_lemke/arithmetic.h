@@ -4,28 +4,40 @@
 
 #if defined(LCPBENCH_CONTACT_QUAD)
 #include "core/quad.h"
+#elif defined(LCPBENCH_CONTACT_DOUBLE_DOUBLE)
+#include "native/contact_lemke/double_double.h"
 #endif
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
-#if defined(LCPBENCH_CONTACT_QUAD)
-/// One number at a time: no processor has packs of 113 bits.
-template <>
-struct Packed<Quad> {
-  using Pack = Quad;
+/// One number at a time: no processor has packs of more than 53 bits.
+template <class Scalar>
+struct Single {
+  using Pack = Scalar;
   static constexpr Count kWidth = 1;
 
-  static Pack load(const Quad* from) { return *from; }
-  static void store(Quad* to, Pack pack) { *to = pack; }
-  static Pack broadcast(Quad value) { return value; }
+  static Pack load(const Scalar* from) { return *from; }
+  static void store(Scalar* to, Pack pack) { *to = pack; }
+  static Pack broadcast(Scalar value) { return value; }
   static Pack min(Pack a, Pack b) { return a < b ? a : b; }
   static Pack max(Pack a, Pack b) { return a > b ? a : b; }
-  static Quad sum(Pack pack) { return pack; }
+  static Scalar min(Pack pack) { return pack; }
+  static Scalar max(Pack pack) { return pack; }
+  static Scalar sum(Pack pack) { return pack; }
   static Count padded(Count size) { return size; }
 };
+
+#if defined(LCPBENCH_CONTACT_QUAD)
+template <>
+struct Packed<Quad> : Single<Quad> {};
 inline Quad square_root(Quad x) { return sqrt(x); }
 template <class Scalar>
 constexpr double kUnitRoundoff = kQuadUnitRoundoff;
+#elif defined(LCPBENCH_CONTACT_DOUBLE_DOUBLE)
+template <>
+struct Packed<DoubleDouble> : Single<DoubleDouble> {};
+template <class Scalar>
+constexpr double kUnitRoundoff = 0x1p-104;  // of the sums and products of double_double.h
 #else
 template <class Scalar>
 constexpr double kUnitRoundoff = sizeof(Scalar) == sizeof(float) ? 0x1p-24 : 0x1p-53;
@@ -35,9 +47,14 @@ inline float square_root(float x) { return __builtin_sqrtf(x); }
 
 /// Sums of products above this have lost nothing that counts to underflow.
 template <class Scalar>
-constexpr double kSmallestSafe = sizeof(Scalar) > sizeof(double)   ? 0
-                                 : sizeof(Scalar) == sizeof(float) ? 1e-25
-                                                                   : 1e-280;
+constexpr double kSmallestSafe =
+#if defined(LCPBENCH_CONTACT_QUAD)
+    0;
+#elif defined(LCPBENCH_CONTACT_DOUBLE_DOUBLE)
+    1e-250;
+#else
+    sizeof(Scalar) == sizeof(float) ? 1e-25 : 1e-280;
+#endif
 
 template <class Scalar, class... More>
 void fill_with_zeros(Count size, Buffer<Scalar>& first, More&... more) {

@@ -11,10 +11,17 @@ class Completion {
  public:
   Completion(Contacts<Scalar>& contacts, Response<Scalar>& response) : contacts_(contacts), response_(response) {}
 
-  void load() {
-    fill_with_zeros(contacts_.padded_ngc(), impulse_, magnitude_, change_, u_);
+  /// Takes all memory that load() needs. @pre the contacts are reserved
+  void reserve() {
+    Buffer<Scalar>* const by_coordinate[] = {&impulse_, &magnitude_, &change_, &u_};
+    for (Buffer<Scalar>* buffer : by_coordinate) buffer->resize(contacts_.padded_ngc());
     normal_velocity_.resize(contacts_.padded_nc());
     slip_.resize(contacts_.most_padded_half());
+  }
+
+  void load() {
+    reserve();
+    fill_with_zeros(contacts_.padded_ngc(), impulse_, magnitude_, change_, u_);
   }
 
   contact_lemke::Residual run(double* z) {

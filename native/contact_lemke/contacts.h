@@ -14,10 +14,27 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 template <class Scalar>
 class Contacts {
  public:
-  void load(const contact_lemke::Input& input) {
+  /// Takes all memory that load() needs; touches none of it.
+  void reserve(const contact_lemke::Input& input) {
     input_ = input;
     padded_ngc_ = P::padded(input.ngc);
     padded_nc_ = P::padded(input.nc);
+    velocity_.resize(padded_ngc_);
+    normals_.resize(ngc() * padded_nc_);
+    squares_.resize(padded_nc_);
+    block_at_.resize(nc() + 1);
+    transposed_.resize(nc());
+    most_padded_half_ = 0;
+    Count entries = 0;
+    for (Count c = 0; c < nc(); ++c) {
+      entries += ngc() * padded_half(c);
+      if (padded_half(c) > most_padded_half_) most_padded_half_ = padded_half(c);
+    }
+    blocks_.resize(entries);
+  }
+
+  void load(const contact_lemke::Input& input) {
+    reserve(input);
     load_normals();
     load_layout();
     set_velocity(input.v);
@@ -25,7 +42,6 @@ class Contacts {
 
   void set_velocity(const double* v) {
     input_.v = v;
-    velocity_.resize(padded_ngc_);
     for (Count i = 0; i < padded_ngc_; ++i) velocity_[i] = i < ngc() ? static_cast<Scalar>(v[i]) : Scalar(0);
     speed_ = square_root(dot(velocity_.data(), velocity_.data(), padded_ngc_));
   }
@@ -97,7 +113,6 @@ class Contacts {
   }
 
   void load_normals() {
-    normals_.resize(ngc() * padded_nc_);
     squares_.fill(padded_nc_, Scalar(0));
     for (Count i = 0; i < ngc(); ++i) {
       Scalar* const row = normals_.data() + i * padded_nc_;
@@ -113,16 +128,12 @@ class Contacts {
   }
 
   void load_layout() {
-    block_at_.resize(nc() + 1);
     transposed_.fill(nc(), false);
-    most_padded_half_ = 0;
     Count at = 0;
     for (Count c = 0; c < nc(); ++c) {
       block_at_[c] = at;
       at += ngc() * padded_half(c);
-      if (padded_half(c) > most_padded_half_) most_padded_half_ = padded_half(c);
     }
-    blocks_.resize(at);
   }
 
   void transpose(Count contact, Scalar* to) {

@@ -27,6 +27,7 @@ struct Input {
   const double* D = nullptr;                       ///< ngc x friction_begin[nc] by columns
   const std::ptrdiff_t* friction_begin = nullptr;  ///< nc + 1
   const double* mu = nullptr;                      ///< nc
+  bool polishes_answers = false;                   ///< makes room for polish_answer
   InertiaInput inertia;
 };
 
@@ -35,8 +36,10 @@ struct Rules {
   /// false: the covering vector acts on normal rows only, and friction rows exist only where a contact presses.
   /// true: it is positive on every row, and so are friction rows there: Lemke's method as its proofs have it.
   bool classic = false;
-  std::ptrdiff_t variant = 0;      ///< > 0: unequal entries in the covering vector, another path for each number
-  bool frictionless = false;       ///< as if every mu were 0
+  std::ptrdiff_t variant = 0;  ///< > 0: unequal entries in the covering vector, another path for each number
+  bool frictionless = false;   ///< as if every mu were 0
+  /// From the basis with which the last solve ended, instead of from z = 0. A breakdown where there is none.
+  bool resume = false;
   std::ptrdiff_t refinements = 0;  ///< steps of iterative refinement of the basic variables at each pivot
   bool reinvert = false;           ///< invert the kernel afresh at each pivot
   double pivot_tolerance = 0;      ///< relative to the rounding scale of the direction
@@ -61,10 +64,12 @@ struct Residual {
   double certain = 0;   ///< the same with an estimate of its rounding added
 };
 
-/// One engine at one level. `create` gives an object that `destroy` ends. `load` allocates; nothing else does.
+/// One engine at one level. `create` gives an object that `destroy` ends. `reserve` allocates all that `load` needs for
+/// a problem of these dimensions, `load` what was not reserved; nothing else allocates.
 struct Engine {
   void* (*create)();
   void (*destroy)(void* engine);
+  void (*reserve)(void* engine, const Input& input);
   void (*load)(void* engine, const Input& input);
   void (*set_velocity)(void* engine, const double* v);
   /// Follows one path. Impulses of the last basis go to z (all n entries; lambdas are zero) when the ending is kSolved.
@@ -75,6 +80,9 @@ struct Engine {
   /// After a solve that ended in kSolved: the velocity (ngc) of its basis, by orthogonal columns in whitened
   /// coordinates. False where that cannot be had.
   bool (*polish)(void* engine, double* velocity, double* z);
+  /// The same for the answer z of another method that ends in a basis. `basic`: n entries, 1 where z is basic. No solve
+  /// is needed. @pre Input::polishes_answers
+  bool (*polish_answer)(void* engine, const char* basic, double* velocity, double* z);
   /// Whether u (nc) >= 0 proves, to rounding, that nothing solves the problem: N u in null(G), v'N u < 0. Never true
   /// for a G of full rank.
   bool (*disproves)(void* engine, const double* u);
@@ -97,6 +105,12 @@ extern const contact_lemke::Engine kContactEngine;
 extern const contact_lemke::Engine kFloatContactEngine;
 }  // namespace avx512
 namespace quad {
+extern const contact_lemke::Engine kContactEngine;
+}
+namespace double_double {
+extern const contact_lemke::Engine kContactEngine;
+}
+namespace double_double_fma {
 extern const contact_lemke::Engine kContactEngine;
 }
 

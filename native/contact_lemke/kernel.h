@@ -23,11 +23,24 @@ struct Label {
 template <class Scalar>
 class Kernel {
  public:
+  /// Takes all memory that load() needs; touches none of it.
   void reserve(Count ngc, Count most) {
     ngc_ = ngc;
     padded_ngc_ = P::padded(ngc);
     most_ = most;
     stride_ = P::padded(most);
+    inverse_.resize(stride_ * stride_);
+    rows_.resize(ngc_ * stride_);
+    columns_.resize(most_ * padded_ngc_);
+    Buffer<Scalar>* const by_row[] = {&cover_, &target_, &norm_, &entries_};
+    for (Buffer<Scalar>* buffer : by_row) buffer->resize(stride_);
+    work_.resize(most_ * 2 * stride_);
+    row_label_.resize(most_);
+    column_label_.resize(most_);
+  }
+
+  void load(Count ngc, Count most) {
+    reserve(ngc, most);
     inverse_.fill(stride_ * stride_, Scalar(0));
     rows_.fill(ngc_ * stride_, Scalar(0));
     columns_.fill(most_ * padded_ngc_, Scalar(0));
@@ -35,9 +48,6 @@ class Kernel {
     target_.fill(stride_, Scalar(0));
     norm_.fill(stride_, Scalar(0));
     entries_.fill(stride_, Scalar(0));
-    work_.resize(most_ * 2 * stride_);
-    row_label_.resize(most_);
-    column_label_.resize(most_);
   }
 
   void clear() { order_ = 0; }
@@ -62,6 +72,7 @@ class Kernel {
   Scalar cover(Count r) const { return cover_[r]; }
   void set_cover(Count r, Scalar value) { cover_[r] = value; }
   Scalar target(Count r) const { return target_[r]; }
+  void set_target(Count r, Scalar value) { target_[r] = value; }
   const Scalar* inverse_column(Count r) const { return inverse_.data() + r * stride_; }
 
   Count find_row(Label label) const { return find(row_label_, label); }

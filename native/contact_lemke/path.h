@@ -20,27 +20,42 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 template <class Scalar>
 class Path {
  public:
+  /// Takes all memory that load() needs; touches hardly any of it.
+  void reserve(const contact_lemke::Input& input) {
+    contacts_.reserve(input);
+    response_.reserve(input);
+    kernel_.reserve(contacts_.ngc(), most_rows());
+    polish_.reserve(contacts_.ngc());
+    slot_at_.resize(contacts_.nc());
+    place_slots();
+    Buffer<Scalar>* const by_slot[] = {&value_, &rate_, &allowed_};
+    for (Buffer<Scalar>* buffer : by_slot) buffer->resize(slots_);
+    Buffer<Scalar>* const by_coordinate[] = {&u_,    &du_, &entering_response_, &column_, &row_, &basis_velocity_,
+                                             &drift_};
+    for (Buffer<Scalar>* buffer : by_coordinate) buffer->resize(contacts_.padded_ngc());
+    Buffer<Scalar>* const by_row[] = {&x_, &dx_, &residual_, &coefficients_};
+    for (Buffer<Scalar>* buffer : by_row) buffer->resize(kernel_.stride());
+    Buffer<Scalar>* const by_contact[] = {&base_value_, &base_rate_, &impulse_norm_, &cone_cover_};
+    for (Buffer<Scalar>* buffer : by_contact) buffer->resize(contacts_.nc());
+    covers_.resize(contacts_.padded_nc());
+    slip_.resize(2 * contacts_.most_padded_half());
+    alive_.resize(contacts_.nc());
+    Buffer<Count>* const counts[] = {&base_, &living_, &support_};
+    for (Buffer<Count>* buffer : counts) buffer->resize(contacts_.nc());
+  }
+
   void load(const contact_lemke::Input& input) {
+    reserve(input);
     contacts_.load(input);
     response_.load(input);
-    Count rows = 0;
-    for (Count c = 0; c < contacts_.nc(); ++c) rows += 1 + (contacts_.has_friction(c) ? contacts_.edges(c) : 0);
-    const Count most = rows < contacts_.ngc() ? rows + 1 : contacts_.ngc() + 1;
-    kernel_.reserve(contacts_.ngc(), most + 1);
-    load_slots();
+    kernel_.load(contacts_.ngc(), most_rows());
+    fill_with_zeros(slots_, value_, rate_, allowed_);
     fill_with_zeros(contacts_.padded_ngc(), u_, du_, entering_response_, column_, row_);
     fill_with_zeros(kernel_.stride(), x_, dx_, residual_, coefficients_);
-    base_.resize(contacts_.nc());
     alive_.fill(contacts_.nc(), false);
-    base_value_.resize(contacts_.nc());
-    base_rate_.resize(contacts_.nc());
-    impulse_norm_.resize(contacts_.nc());
-    cone_cover_.resize(contacts_.nc());
-    support_.resize(contacts_.nc());
+    has_basis_ = false;
     polish_.load(contacts_.ngc());
-    living_.resize(contacts_.nc());
     slip_.fill(2 * contacts_.most_padded_half(), Scalar(0));
-    covers_.resize(contacts_.padded_nc());
   }
 
   void set_velocity(const double* v) { contacts_.set_velocity(v); }
@@ -48,8 +63,10 @@ class Path {
   contact_lemke::Outcome solve(const contact_lemke::Rules& rules, double* z) {
     rules_ = rules;
     outcome_ = {};
-    outcome_.ending = follow(z);
+    outcome_.ending = rules.resume ? resume(z) : follow(z);
     if (outcome_.ending == contact_lemke::Ending::kBreakdown) kernel_.wipe();
+    has_basis_ = outcome_.ending == contact_lemke::Ending::kSolved && !rules_.classic && !rules_.frictionless;
+    if (has_basis_) copy(basis_velocity_.data(), contacts_.velocity(), contacts_.padded_ngc());
     return outcome_;
   }
 
@@ -107,18 +124,21 @@ class Path {
 
   // --- candidates of the ratio test, all in m/s: velocities as they are, impulses times |c| |N| ---
 
+  /// Of the kernel, with room for one more.
+  Count most_rows() const {
+    Count rows = 0;
+    for (Count c = 0; c < contacts_.nc(); ++c) rows += 1 + (contacts_.has_friction(c) ? contacts_.edges(c) : 0);
+    return (rows < contacts_.ngc() ? rows : contacts_.ngc()) + 2;
+  }
+
   /// normals | kernel columns | per contact: first half of the directions, second half, {zero direction, base}
-  void load_slots() {
+  void place_slots() {
     column_slots_ = contacts_.padded_nc();
-    Count at = column_slots_ + kernel_.stride();
-    slot_at_.resize(contacts_.nc());
+    slots_ = column_slots_ + kernel_.stride();
     for (Count c = 0; c < contacts_.nc(); ++c) {
-      slot_at_[c] = at;
-      if (contacts_.has_friction(c)) at += slots_of(c);
+      slot_at_[c] = slots_;
+      if (contacts_.has_friction(c)) slots_ += slots_of(c);
     }
-    value_.fill(at, Scalar(0));
-    rate_.fill(at, Scalar(0));
-    allowed_.fill(at, Scalar(0));
   }
   Count slots_of(Count contact) const { return 2 * contacts_.padded_half(contact) + P::padded(2); }
 
@@ -137,12 +157,18 @@ class Path {
   Ending follow(double* z) {
     if (expired()) return Ending::kTimeLimit;
     begin();
+    if (!choose_first(last_)) return Ending::kSolved;
+    return walk(z);
+  }
+
+  /// From an almost complementary basis, with last_ to enter, to the end of the path.
+  Ending walk(double* z) {
     Entering& entering = last_;
-    if (!choose_first(entering)) return Ending::kSolved;
     for (;;) {
       if (rules_.reinvert && !invert()) return Ending::kBreakdown;
       if (!compute_values()) return Ending::kBreakdown;
-      if (!(x_[artificial_] > static_cast<Scalar>(rules_.tie_tolerance) * value_scale_)) return finish(z);
+      const Scalar z0 = x_[artificial_] * kernel_.norm(artificial_);
+      if (!(z0 > static_cast<Scalar>(rules_.tie_tolerance) * value_scale_)) return finish(z);
       if (outcome_.pivots >= rules_.max_pivots) return Ending::kPivotLimit;
       if (outcome_.pivots % 16 == 15 && expired()) return Ending::kTimeLimit;
       if (!entering.is_velocity && entering.label.is_normal() && !rules_.classic) press(entering.label.contact);
@@ -161,10 +187,91 @@ class Path {
     }
   }
 
+  // --- from the last basis ---
+
+  /// The basis of the last solve, for v_b, is followed along v = v_now + z0 (v_b - v_now) from z0 = 1, where it is
+  /// complementary and feasible, to z0 = 0: Lemke's path with J'(v_b - v_now) as covering vector. No pivot is needed
+  /// where the basis stays feasible; else about as many as contacts change. Nothing is proven of its end.
+  Ending resume(double* z) {
+    if (expired()) return Ending::kTimeLimit;
+    if (!has_basis_ || !release_artificial()) return Ending::kBreakdown;
+    turn_to_drift();
+    compute_values_before_drift();
+    const Entering time{false, Label{}};
+    compute_rates_of_drift();
+    compute_candidates(time);
+    const Leaving leaving = choose_leaving();
+    if (leaving.kind == Kind::kBroken) return Ending::kBreakdown;
+    if (leaving.kind == Kind::kNone || leaving.column == kPastEnd) return finish(z);
+    if (outcome_.pivots >= rules_.max_pivots) return Ending::kPivotLimit;
+    ++outcome_.pivots;
+    enter_artificial_backwards();
+    last_ = time;
+    if (!exchange(last_, leaving)) return Ending::kBreakdown;
+    artificial_ = kernel_.find_column(Label{});
+    return walk(z);
+  }
+
+  /// A path that ended because z0 was zero may have left it in the basis: what was to enter takes its place.
+  bool release_artificial() {
+    if (artificial_ < 0) return true;
+    if (!last_.is_velocity && last_.label.is_normal()) press(last_.label.contact);
+    compute_rates(last_);
+    if (!(magnitude(dx_[artificial_]) > 0)) return false;
+    const Count column = artificial_;
+    return exchange(last_, {Kind::kColumn, column, Label{}}) && artificial_ < 0;
+  }
+
+  /// Nothing is covered: z0 acts through the column v_b - v_now alone.
+  void turn_to_drift() {
+    resumed_ = true;
+    const Scalar* const velocity = contacts_.velocity();
+    for (Count i = 0; i < contacts_.padded_ngc(); ++i) drift_[i] = basis_velocity_[i] - velocity[i];
+    for (Count c = 0; c < contacts_.padded_nc(); ++c) covers_[c] = 0;
+    kernel_.measure(velocity, residual_.data());
+    for (Count r = 0; r < kernel_.order(); ++r) {
+      kernel_.set_cover(r, Scalar(0));
+      kernel_.set_target(r, -residual_[r]);
+    }
+    const Scalar before = square_root(dot(basis_velocity_.data(), basis_velocity_.data(), contacts_.padded_ngc()));
+    speed_scale_ = contacts_.reach() * (before > contacts_.speed() ? before : contacts_.speed());
+  }
+
+  /// x and u at z0 = 1, refined once: u = v_b + G* A x.
+  void compute_values_before_drift() {
+    for (Count j = 0; j < kernel_.order(); ++j) x_[j] = 0;
+    for (Count pass = 0; pass < 2; ++pass) {
+      respond_to_values();
+      add_multiple(u_.data(), Scalar(1), drift_.data(), contacts_.padded_ngc());
+      kernel_.measure(u_.data(), residual_.data());
+      kernel_.solve(residual_.data(), coefficients_.data());
+      for (Count j = 0; j < kernel_.order(); ++j) x_[j] -= coefficients_[j];
+    }
+    respond_to_values();
+    add_multiple(u_.data(), Scalar(1), drift_.data(), contacts_.padded_ngc());
+  }
+
+  /// Of 1 - z0, which grows to 1.
+  void compute_rates_of_drift() {
+    copy(entering_response_.data(), drift_.data(), contacts_.padded_ngc());
+    scale(entering_response_.data(), Scalar(-1), contacts_.padded_ngc());
+    entering_norm_ = norm_of(drift_.data());
+    rate_noise_ = 0;
+    solve_for_rates();
+  }
+
+  /// The path goes on in terms of z0 itself: all rates change their signs.
+  void enter_artificial_backwards() {
+    copy(entering_response_.data(), drift_.data(), contacts_.padded_ngc());
+    scale(dx_.data(), Scalar(-1), kernel_.order());
+    for (Count k = 0; k < living_count_; ++k) base_rate_[living_[k]] = -base_rate_[living_[k]];
+  }
+
   bool expired() const { return rules_.clock_s != nullptr && !(rules_.clock_s() < rules_.deadline_s); }
 
   void begin() {
     kernel_.clear();
+    resumed_ = false;
     living_count_ = 0;
     for (Count c = 0; c < contacts_.nc(); ++c) alive_[c] = false;
     for (Count c = 0; c < contacts_.padded_nc(); ++c) {
@@ -375,7 +482,7 @@ class Path {
   /// Of the kernel's rows; fills residual_.
   Scalar largest_residual() {
     kernel_.measure(u_.data(), residual_.data());
-    const Scalar z0 = artificial_ >= 0 ? x_[artificial_] : Scalar(0);
+    const Scalar z0 = artificial_value();
     Scalar largest = 0;
     for (Count r = 0; r < kernel_.order(); ++r) {
       residual_[r] += kernel_.cover(r) * z0;
@@ -394,28 +501,68 @@ class Path {
 
   void compute_rates(const Entering& entering) {
     const Count order = kernel_.order();
+    rate_noise_ = 0;
     if (entering.is_velocity) {
-      copy(dx_.data(), kernel_.inverse_column(kernel_.find_row(entering.label)), order);
+      const Count row = kernel_.find_row(entering.label);
+      copy(dx_.data(), kernel_.inverse_column(row), order);
       kernel_.respond(dx_.data(), du_.data());
       entering_norm_ = 1;
+      if (large()) refine_large_rates(row);
     } else {
       load_column(entering.label);
       response_.apply(column_.data(), entering_response_.data());
       entering_norm_ = norm_of(entering_response_.data());
-      kernel_.measure(entering_response_.data(), residual_.data());
-      kernel_.solve(residual_.data(), dx_.data());
-      scale(dx_.data(), Scalar(-1), order);
-      if (refines_rates_) refine_rates();
-      kernel_.respond(dx_.data(), du_.data());
-      add_multiple(du_.data(), Scalar(1), entering_response_.data(), contacts_.padded_ngc());
+      solve_for_rates();
     }
+  }
+
+  /// dx and du of an unknown that enters with entering_response_.
+  void solve_for_rates() {
+    kernel_.measure(entering_response_.data(), residual_.data());
+    kernel_.solve(residual_.data(), dx_.data());
+    scale(dx_.data(), Scalar(-1), kernel_.order());
+    if (refines_rates_) refine_rates();
+    kernel_.respond(dx_.data(), du_.data());
+    add_multiple(du_.data(), Scalar(1), entering_response_.data(), contacts_.padded_ngc());
+    if (large()) refine_large_rates(-1);
+  }
+
+  /// Kernels of more rows may be so ill-conditioned that their inverse alone gives directions too noisy to tell a rate
+  /// of zero, as dependent contacts have it, from others.
+  bool large() const { return kernel_.order() > kLargeOrder; }
+
+  /// Refines the rates of a large kernel while that helps, and keeps what the velocities of its rows then miss: of
+  /// velocities that depend on them no rate is known any better. `row`: that of the entering velocity, or -1.
+  void refine_large_rates(Count row) {
+    rate_noise_ = measure_rates(row);
+    for (Count k = 0; k < kRateRefinements; ++k) {
+      kernel_.solve(residual_.data(), coefficients_.data());
+      for (Count j = 0; j < kernel_.order(); ++j) dx_[j] -= coefficients_[j];
+      kernel_.respond(dx_.data(), du_.data());
+      if (row < 0) add_multiple(du_.data(), Scalar(1), entering_response_.data(), contacts_.padded_ngc());
+      const Scalar before = rate_noise_;
+      rate_noise_ = measure_rates(row);
+      if (!(rate_noise_ <= before / 2)) return;
+    }
+  }
+
+  /// Fills residual_ with what the rates of the kernel's rows miss. @returns the largest
+  Scalar measure_rates(Count row) {
+    kernel_.measure(du_.data(), residual_.data());
+    Scalar largest = 0;
+    for (Count r = 0; r < kernel_.order(); ++r) {
+      residual_[r] += kernel_.cover(r) * artificial_rate();
+      if (r == row) residual_[r] -= Scalar(1);
+      largest = magnitude(residual_[r]) > largest ? magnitude(residual_[r]) : largest;
+    }
+    return largest;
   }
 
   void refine_rates() {
     kernel_.respond(dx_.data(), du_.data());
     add_multiple(du_.data(), Scalar(1), entering_response_.data(), contacts_.padded_ngc());
     kernel_.measure(du_.data(), residual_.data());
-    for (Count r = 0; r < kernel_.order(); ++r) residual_[r] += kernel_.cover(r) * dx_[artificial_];
+    for (Count r = 0; r < kernel_.order(); ++r) residual_[r] += kernel_.cover(r) * artificial_rate();
     kernel_.solve(residual_.data(), coefficients_.data());
     for (Count j = 0; j < kernel_.order(); ++j) dx_[j] -= coefficients_[j];
   }
@@ -431,10 +578,13 @@ class Path {
     }
   }
 
+  Scalar artificial_value() const { return artificial_ >= 0 ? x_[artificial_] : Scalar(0); }
+  Scalar artificial_rate() const { return artificial_ >= 0 ? dx_[artificial_] : Scalar(0); }
+
   void compute_candidates(const Entering& entering) {
     compute_normal_velocities<2>();
-    const Scalar z0 = x_[artificial_];
-    const Scalar dz0 = dx_[artificial_];
+    const Scalar z0 = artificial_value();
+    const Scalar dz0 = artificial_rate();
     for (Count i = 0; i < contacts_.padded_nc(); i += P::kWidth) {
       const Pack cover = P::load(covers_.data() + i);
       P::store(value_.data() + i, P::load(value_.data() + i) + cover * z0);
@@ -464,8 +614,8 @@ class Path {
     for (Count k = 0; k < living_count_; ++k) {
       const Count c = living_[k];
       const Scalar cover = cover_of_cone(c);
-      base_value_[c] = cover * x_[artificial_];
-      base_rate_[c] = cover * dx_[artificial_];
+      base_value_[c] = cover * artificial_value();
+      base_rate_[c] = cover * artificial_rate();
     }
     for (Count j = 0; j < kernel_.order(); ++j) {
       const Label label = kernel_.column_label(j);
@@ -475,7 +625,7 @@ class Path {
       base_rate_[label.contact] += weight * dx_[j];
       if (label.is_normal()) impulse_norm_[label.contact] = kernel_.norm(j);
     }
-    if (!entering.is_velocity && alive_[entering.label.contact]) {
+    if (!entering.is_velocity && entering.label.contact != kArtificial && alive_[entering.label.contact]) {
       base_rate_[entering.label.contact] += simplex_weight(entering.label);
       if (entering.label.is_normal()) impulse_norm_[entering.label.contact] = entering_norm_;
     }
@@ -538,16 +688,24 @@ class Path {
     }
   }
 
+  /// Column of z0 where it is no basic variable and has come to its end.
+  static constexpr Count kPastEnd = -2;
+
   /// Harris's test: the least ratio with values moved up by the tie tolerance; of all that are then not above it the
   /// one with the fastest rate leaves, z0 before all.
   Leaving choose_leaving() const {
-    const Scalar least_rate = static_cast<Scalar>(rules_.pivot_tolerance) * rate_scale_;
+    Scalar least_rate = static_cast<Scalar>(rules_.pivot_tolerance) * rate_scale_;
+    if (static_cast<Scalar>(kSafeNoises) * rate_noise_ > least_rate) {
+      least_rate = static_cast<Scalar>(kSafeNoises) * rate_noise_;
+    }
     const Scalar slack = static_cast<Scalar>(rules_.tie_tolerance) * value_scale_;
     Scalar theta = least_ratio(least_rate, slack);
     if (!(theta >= 0)) return {Kind::kBroken, -1, {}};
     if (!(theta < kInfinity<Scalar>)) return {};
     theta *= static_cast<Scalar>(1 + 8 * kUnitRoundoff<Scalar>);  // the least ratio's own row is to stay among the tied
-    if (dx_[artificial_] < 0 && x_[artificial_] <= theta * -dx_[artificial_]) {
+    if (artificial_ < 0) {
+      if (theta >= 1) return {Kind::kColumn, kPastEnd, Label{}};
+    } else if (dx_[artificial_] < 0 && x_[artificial_] <= theta * -dx_[artificial_]) {
       return {Kind::kColumn, artificial_, Label{}};
     }
     return decode(fastest_of_tied(least_rate, theta));
@@ -590,7 +748,7 @@ class Path {
         const Pack value = P::max(P::load(value_.data() + i), zero);
         const auto better = (value <= theta * fall) & (fall > fastest);
         fastest = better ? fall : fastest;
-        where = better ? P::broadcast(static_cast<Scalar>(i)) : where;
+        where = better ? P::broadcast(static_cast<Scalar>(static_cast<double>(i))) : where;
       }
     });
     Scalar rates[static_cast<std::size_t>(P::kWidth)];
@@ -602,7 +760,7 @@ class Path {
     for (Count lane = 0; lane < P::kWidth; ++lane) {
       if (places[lane] >= 0 && rates[lane] > best_rate) {
         best_rate = rates[lane];
-        best = static_cast<Count>(places[lane]) + lane;
+        best = static_cast<Count>(static_cast<double>(places[lane])) + lane;
       }
     }
     return best;
@@ -813,6 +971,10 @@ class Path {
     }
     for (Count j = 0; j < kernel_.order(); ++j) {
       const Label label = kernel_.column_label(j);
+      if (resumed_ && label.contact == kArtificial) {
+        kernel_.put_column(j, label, drift_.data(), norm_of(drift_.data()));
+        continue;
+      }
       load_any_column(label);
       response_.apply(column_.data(), entering_response_.data());
       const Scalar norm = label.contact == kArtificial ? Scalar(1) : norm_of(entering_response_.data());
@@ -887,15 +1049,21 @@ class Path {
   Response<Scalar> response_;
   Kernel<Scalar> kernel_;
   Polish<Scalar> polish_;
-  Entering last_;          ///< what enters next
-  Count artificial_ = -1;  ///< column of z0
+  Entering last_;           ///< what enters next
+  Count artificial_ = -1;   ///< column of z0
+  bool has_basis_ = false;  ///< that of a solve, at basis_velocity_
+  bool resumed_ = false;    ///< z0 acts through drift_, not through a covering vector
 
   Buffer<Scalar> x_, dx_, residual_, coefficients_;           ///< per column or row of the kernel
   Buffer<Scalar> u_, du_, entering_response_, column_, row_;  ///< per generalized coordinate
+  Buffer<Scalar> basis_velocity_, drift_;
   static constexpr double kWorthRefining = 1e-3;  ///< residual relative to the scale beyond which refining is slow
   static constexpr double kLostRoundings = 10;    ///< residual after refinement that asks for inversion
+  static constexpr Count kLargeOrder = 32;        ///< no kernel of the paper's experiments 1 to 6 is as large
+  static constexpr Count kRateRefinements = 3;
+  static constexpr double kSafeNoises = 100;  ///< a rate of less than so many times the measured noise is none
   bool refines_rates_ = false;
-  Scalar entering_norm_ = 0;
+  Scalar entering_norm_ = 0, rate_noise_ = 0;
   Scalar speed_scale_ = 0, value_scale_ = 0, rate_scale_ = 0;
 
   Buffer<bool> alive_;
@@ -903,7 +1071,7 @@ class Path {
   Count living_count_ = 0;
   Buffer<Scalar> base_value_, base_rate_, impulse_norm_, cone_cover_, covers_, slip_;
 
-  Count column_slots_ = 0;
+  Count column_slots_ = 0, slots_ = 0;
   Buffer<Count> slot_at_;
   Buffer<Scalar> value_, rate_, allowed_;
 };

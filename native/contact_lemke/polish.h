@@ -13,16 +13,26 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 template <class Scalar>
 class Polish {
  public:
-  void load(Count ngc) {
+  /// Takes all memory that load() needs; touches none of it.
+  void reserve(Count ngc) {
     padded_ = P::padded(ngc);
     most_ = ngc;
-    fill_with_zeros(most_ * padded_, A_, B_);
-    fill_with_zeros(padded_, white_, step_);
-    fill_with_zeros(P::padded(most_), right_);
+    Buffer<Scalar>* const vectors[] = {&white_, &step_};
+    for (Buffer<Scalar>* buffer : vectors) buffer->resize(padded_);
+    Buffer<Scalar>* const matrices[] = {&A_, &B_};
+    for (Buffer<Scalar>* buffer : matrices) buffer->resize(most_ * padded_);
+    right_.resize(P::padded(most_));
     system_.resize(most_ * (most_ + 1));
     R_.resize(most_ * most_);
     order_.resize(most_);
     moved_.resize(most_);
+  }
+
+  void load(Count ngc) {
+    reserve(ngc);
+    fill_with_zeros(most_ * padded_, A_, B_);
+    fill_with_zeros(padded_, white_, step_);
+    fill_with_zeros(P::padded(most_), right_);
   }
 
   void clear() { columns_ = rows_ = 0; }

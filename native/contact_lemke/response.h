@@ -14,20 +14,28 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 template <class Scalar>
 class Response {
  public:
-  void load(const contact_lemke::Input& input) {
+  /// Takes all memory that load() needs; touches none of it.
+  void reserve(const contact_lemke::Input& input) {
     ngc_ = input.ngc;
     padded_ = P::padded(ngc_);
     given_ = input.inertia.Ginv != nullptr;
     by_factors_ = input.inertia.factors >= 0;
+    columns_.resize(ngc_ * padded_);
+    white_.resize(padded_);
+    if (given_) return;
+    work_.resize(ngc_ * padded_);
+    L_.resize(ngc_ * padded_);
+    rows_.resize(ngc_ * padded_);
+    pivots_.resize(ngc_);
+    done_.resize(padded_);
+  }
+
+  void load(const contact_lemke::Input& input) {
+    reserve(input);
     if (given_) {
       load_inverse(input.inertia.Ginv);
       return;
     }
-    work_.resize(ngc_ * padded_);
-    L_.resize(ngc_ * padded_);
-    columns_.resize(ngc_ * padded_);
-    pivots_.resize(ngc_);
-    done_.resize(padded_);
     form(input.inertia);
     factor(input.inertia.factors >= 0 && input.inertia.factors < ngc_ ? input.inertia.factors : ngc_);
     if (rank_ == ngc_) {
@@ -85,7 +93,6 @@ class Response {
   using P = Packed<Scalar>;
 
   void load_inverse(const double* Ginv) {
-    columns_.resize(ngc_ * padded_);
     white_.fill(padded_, Scalar(0));
     condition_ = 1;
     norm_ = 0;
@@ -213,7 +220,6 @@ class Response {
   }
 
   void transpose() {
-    rows_.resize(ngc_ * rank_padded_);
     white_.fill(padded_, Scalar(0));
     const Scalar* const last = columns_.data() + (rank_ - 1) * padded_;  // of the smallest pivot
     norm_ = rank_ > 0 ? dot(last, last, padded_) : Scalar(0);

@@ -1,0 +1,262 @@
+#include "native/auto/islands.h"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+namespace lcpbench {
+namespace {
+
+/// Disjoint sets of coordinates, joined one pair at a time.
+class CoordinateSets {
+ public:
+  explicit CoordinateSets(Index count) : parent_(static_cast<std::size_t>(count)) {
+    for (Index i = 0; i < count; ++i) parent(i) = i;
+  }
+
+  Index find(Index i) {
+    while (parent(i) != i) i = parent(i) = parent(parent(i));
+    return i;
+  }
+  /// The lower representative stays one: the sets do not depend on the order of calls.
+  void unite(Index i, Index j) {
+    const Index a = find(i);
+    const Index b = find(j);
+    parent(std::max(a, b)) = std::min(a, b);
+  }
+
+ private:
+  Index& parent(Index i) { return parent_[static_cast<std::size_t>(i)]; }
+  std::vector<Index> parent_;
+};
+
+/// Joins all rows that it is told of.
+class Joined {
+ public:
+  explicit Joined(CoordinateSets& sets) : sets_(sets) {}
+  void operator()(Index row) {
+    if (first_ < 0) {
+      first_ = row;
+    } else {
+      sets_.unite(first_, row);
+    }
+  }
+  Index first() const { return first_; }
+
+ private:
+  CoordinateSets& sets_;
+  Index first_ = -1;
+};
+
+template <class Visit>
+void for_each_nonzero(const Matrix& matrix, Index column, Visit&& visit) {
+  for (Index row = 0; row < matrix.rows(); ++row) {
+    if (matrix(row, column) != 0) visit(row);
+  }
+}
+
+template <class Visit>
+void for_each_nonzero(const SparseMatrix& matrix, Index column, Visit&& visit) {
+  for (SparseMatrix::InnerIterator entry(matrix, column); entry; ++entry) {
+    if (entry.value() != 0) visit(entry.row());
+  }
+}
+
+void join_columns(const Matrix& matrix, Index offset, CoordinateSets& sets) {
+  for (Index j = 0; j < matrix.cols(); ++j) {
+    Joined joined(sets);
+    for_each_nonzero(matrix, j, [&](Index row) { joined(offset + row); });
+  }
+}
+
+struct JoinByInertia {
+  CoordinateSets& sets;
+
+  void operator()(const DenseInertia& inertia) const { join_columns(inertia.G, 0, sets); }
+  void operator()(const InverseInertia& inertia) const { join_columns(inertia.Ginv, 0, sets); }
+  void operator()(const FactoredInertia& inertia) const { join_columns(inertia.X, 0, sets); }
+  void operator()(const BlockInertia& inertia) const {
+    Index offset = 0;
+    for (const Matrix& block : inertia.blocks) {
+      join_columns(block, offset, sets);
+      offset += block.rows();
+    }
+  }
+};
+
+/// A column without zeros. Of a symmetric positive definite matrix, or a factor.
+bool has_full_column(const Matrix& matrix) {
+  if (matrix.rows() == 0) return true;
+  return matrix.cols() > 0 && (matrix.col(0).array() != 0).all();
+}
+
+struct CouplesAll {
+  bool operator()(const DenseInertia& inertia) const { return has_full_column(inertia.G); }
+  bool operator()(const InverseInertia& inertia) const { return has_full_column(inertia.Ginv); }
+  bool operator()(const FactoredInertia& inertia) const { return has_full_column(inertia.X); }
+  bool operator()(const BlockInertia& inertia) const {
+    return inertia.blocks.empty() || (inertia.blocks.size() == 1 && has_full_column(inertia.blocks.front()));
+  }
+};
+
+/// The rows and columns of a square matrix at `indices` - offset.
+Matrix principal_part(const Matrix& matrix, std::span<const Index> indices, Index offset) {
+  const Index size = static_cast<Index>(indices.size());
+  Matrix part(size, size);
+  for (Index j = 0; j < size; ++j) {
+    for (Index i = 0; i < size; ++i) {
+      part(i, j) = matrix(indices[static_cast<std::size_t>(i)] - offset, indices[static_cast<std::size_t>(j)] - offset);
+    }
+  }
+  return part;
+}
+
+FactoredInertia cut_factors(const FactoredInertia& inertia, std::span<const Index> coordinates) {
+  std::vector<Index> columns;
+  for (Index k = 0; k < inertia.X.cols(); ++k) {
+    const bool inside = std::any_of(coordinates.begin(), coordinates.end(),
+                                    [&](Index coordinate) { return inertia.X(coordinate, k) != 0; });
+    if (inside) columns.push_back(k);
+  }
+  FactoredInertia part;
+  part.X.resize(static_cast<Index>(coordinates.size()), static_cast<Index>(columns.size()));
+  part.alpha.resize(static_cast<Index>(columns.size()));
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    part.alpha(static_cast<Index>(k)) = inertia.alpha(columns[k]);
+    for (std::size_t i = 0; i < coordinates.size(); ++i) {
+      part.X(static_cast<Index>(i), static_cast<Index>(k)) = inertia.X(coordinates[i], columns[k]);
+    }
+  }
+  return part;
+}
+
+Matrix restrict_dense(const Matrix& J, std::span<const Index> columns, std::span<const Index> rows) {
+  Matrix part(static_cast<Index>(rows.size()), static_cast<Index>(columns.size()));
+  for (std::size_t j = 0; j < columns.size(); ++j) {
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      part(static_cast<Index>(i), static_cast<Index>(j)) = J(rows[i], columns[j]);
+    }
+  }
+  return part;
+}
+
+SparseMatrix restrict_sparse(const SparseMatrix& J, std::span<const Index> columns, Index rows,
+                             const std::vector<Index>& local) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t j = 0; j < columns.size(); ++j) {
+    for (SparseMatrix::InnerIterator entry(J, columns[j]); entry; ++entry) {
+      const Index row = local[static_cast<std::size_t>(entry.row())];
+      if (row >= 0 && entry.value() != 0) {
+        entries.emplace_back(static_cast<int>(row), static_cast<int>(j), entry.value());
+      }
+    }
+  }
+  SparseMatrix part(rows, static_cast<Index>(columns.size()));
+  part.setFromTriplets(entries.begin(), entries.end());
+  return part;
+}
+
+}  // namespace
+
+bool couples_all(const Inertia& inertia) { return std::visit(CouplesAll{}, inertia); }
+
+std::vector<Island> find_islands(const ContactProblem& problem) {
+  CoordinateSets sets(problem.ngc());
+  std::visit(JoinByInertia{sets}, problem.inertia);
+  std::vector<Index> touched(problem.edges.size(), -1);  // one coordinate of each contact
+  Index direction = 0;
+  for (Index c = 0; c < problem.nc(); ++c) {
+    const int edges = problem.edges[static_cast<std::size_t>(c)];
+    Joined joined(sets);
+    std::visit([&](const auto& N) { for_each_nonzero(N, c, joined); }, problem.N);
+    for (Index t = 0; t < edges / 2; ++t) {  // the others are the negatives of these
+      std::visit([&](const auto& D) { for_each_nonzero(D, direction + t, joined); }, problem.D);
+    }
+    direction += edges;
+    touched[static_cast<std::size_t>(c)] = joined.first();
+  }
+
+  std::vector<Island> islands;
+  std::vector<Index> island_of(static_cast<std::size_t>(problem.ngc()), -1);  // by representative
+  for (Index c = 0; c < problem.nc(); ++c) {
+    if (touched[static_cast<std::size_t>(c)] < 0) continue;
+    Index& island = island_of[static_cast<std::size_t>(sets.find(touched[static_cast<std::size_t>(c)]))];
+    if (island < 0) {
+      island = static_cast<Index>(islands.size());
+      islands.emplace_back();
+    }
+    islands[static_cast<std::size_t>(island)].contacts.push_back(c);
+  }
+  for (Index i = 0; i < problem.ngc(); ++i) {
+    const Index island = island_of[static_cast<std::size_t>(sets.find(i))];
+    if (island >= 0) islands[static_cast<std::size_t>(island)].coordinates.push_back(i);
+  }
+  return islands;
+}
+
+Jacobian restrict_columns(const Jacobian& J, std::span<const Index> columns, std::span<const Index> rows,
+                          const std::vector<Index>& local) {
+  if (const auto* dense = std::get_if<Matrix>(&J)) return restrict_dense(*dense, columns, rows);
+  return restrict_sparse(std::get<SparseMatrix>(J), columns, static_cast<Index>(rows.size()), local);
+}
+
+ProblemCutter::ProblemCutter(const ContactProblem& whole)
+    : whole_(&whole), layout_(contact_layout(whole)), local_(static_cast<std::size_t>(whole.ngc()), -1) {
+  const auto* blocks = std::get_if<BlockInertia>(&whole.inertia);
+  if (blocks == nullptr) return;
+  block_begin_.push_back(0);
+  for (const Matrix& block : blocks->blocks) block_begin_.push_back(block_begin_.back() + block.rows());
+}
+
+ContactProblem ProblemCutter::cut(std::span<const Index> contacts, std::span<const Index> coordinates, const Vector& v,
+                                  bool with_friction) {
+  for (std::size_t i = 0; i < coordinates.size(); ++i) {
+    local_[static_cast<std::size_t>(coordinates[i])] = static_cast<Index>(i);
+  }
+  ContactProblem part;
+  part.v.resize(static_cast<Index>(coordinates.size()));
+  for (std::size_t i = 0; i < coordinates.size(); ++i) part.v(static_cast<Index>(i)) = v(coordinates[i]);
+  part.mu = Vector::Zero(static_cast<Index>(contacts.size()));
+  std::vector<Index> directions;
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    const auto c = static_cast<std::size_t>(contacts[k]);
+    part.edges.push_back(with_friction ? whole_->edges[c] : 0);
+    if (!with_friction) continue;
+    part.mu(static_cast<Index>(k)) = whole_->mu(contacts[k]);
+    for (Index t = layout_.friction_begin[c]; t < layout_.friction_begin[c + 1]; ++t) directions.push_back(t);
+  }
+  part.N = restrict_columns(whole_->N, contacts, coordinates, local_);
+  part.D = restrict_columns(whole_->D, directions, coordinates, local_);
+  part.inertia = cut_inertia(coordinates);
+  for (const Index coordinate : coordinates) local_[static_cast<std::size_t>(coordinate)] = -1;
+  return part;
+}
+
+Inertia ProblemCutter::cut_inertia(std::span<const Index> coordinates) const {
+  const Inertia& inertia = whole_->inertia;
+  if (const auto* dense = std::get_if<DenseInertia>(&inertia)) {
+    return DenseInertia{principal_part(dense->G, coordinates, 0)};
+  }
+  if (const auto* inverse = std::get_if<InverseInertia>(&inertia)) {
+    return InverseInertia{principal_part(inverse->Ginv, coordinates, 0)};
+  }
+  if (const auto* factors = std::get_if<FactoredInertia>(&inertia)) return cut_factors(*factors, coordinates);
+  return cut_blocks(std::get<BlockInertia>(inertia), coordinates);
+}
+
+/// An island may have some coordinates of a block only, which the block itself does not couple with the others.
+BlockInertia ProblemCutter::cut_blocks(const BlockInertia& inertia, std::span<const Index> coordinates) const {
+  BlockInertia part;
+  for (std::size_t first = 0; first < coordinates.size();) {
+    const auto next = std::upper_bound(block_begin_.begin(), block_begin_.end(), coordinates[first]);
+    std::size_t last = first;
+    while (last < coordinates.size() && coordinates[last] < *next) ++last;
+    const auto block = static_cast<std::size_t>(next - block_begin_.begin()) - 1;
+    part.blocks.push_back(
+        principal_part(inertia.blocks[block], coordinates.subspan(first, last - first), block_begin_[block]));
+    first = last;
+  }
+  return part;
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/contact_problem.h"
+
+namespace lcpbench {
+
+/// Contacts, and all generalized coordinates that their impulses may move; indices of the whole problem, ascending.
+struct Island {
+  std::vector<Index> contacts;
+  std::vector<Index> coordinates;
+};
+
+/// The parts of a problem that nothing couples, in the order of their first contacts.
+///
+/// Two coordinates belong together when G (the given G*, a factor's column) has nonzero entries for both, or a
+/// contact's normal or friction direction has: what is zero between islands is zero in the data, not to rounding, so
+/// that solving them one by one solves the whole. Contacts without any nonzero entry are in no island.
+std::vector<Island> find_islands(const ContactProblem& problem);
+
+/// True when the inertia alone shows in O(ngc) that there is one island, or no coordinate at all.
+bool couples_all(const Inertia& inertia);
+
+/// The columns with nonzero entries in some rows only, the rows renumbered. @param local of each row, -1: left out
+Jacobian restrict_columns(const Jacobian& J, std::span<const Index> columns, std::span<const Index> rows,
+                          const std::vector<Index>& local);
+
+/// Cuts parts out of a problem. The problem must outlive it.
+class ProblemCutter {
+ public:
+  explicit ProblemCutter(const ContactProblem& whole);
+
+  const ContactProblem& whole() const { return *whole_; }
+  const ContactLayout& layout() const { return layout_; }
+
+  /// The problem of some contacts on the coordinates of their island, v as given (ngc of the whole).
+  /// @param with_friction false: as if the contacts had no edges
+  ContactProblem cut(std::span<const Index> contacts, std::span<const Index> coordinates, const Vector& v,
+                     bool with_friction);
+
+ private:
+  Inertia cut_inertia(std::span<const Index> coordinates) const;
+  BlockInertia cut_blocks(const BlockInertia& inertia, std::span<const Index> coordinates) const;
+
+  const ContactProblem* whole_;
+  ContactLayout layout_;
+  std::vector<Index> local_;        ///< of each coordinate of the whole; -1 between calls
+  std::vector<Index> block_begin_;  ///< of block inertia: first coordinate of each block, and their number
+};
+
+}  // namespace lcpbench

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/problem.h"
+#include "core/solver.h"
+
+namespace lcpbench {
+
+/// Solves a bare LCP by one method after the other until an answer passes the test of bare LCPs: z >= 0 and every
+/// violation |w_i| (z_i > 0) or max(0, -w_i) within 5e-10 of |q_i| + |M_i|_1 max z, half of what the verdict allows.
+///
+/// Lemke's method with tolerances near rounding, the same with those of LEMKE, principal pivoting (which may prove that
+/// there is no solution), and regularised Lemke. The first two are loaded with the problem; the others, which few
+/// problems need, when they are.
+class LcpLadder {
+ public:
+  explicit LcpLadder(std::int64_t max_pivots) : max_pivots_(max_pivots) {}
+
+  /// @param problem a bare LCP
+  void load(const Problem& problem);
+
+  /// `answer` arrives cleared. @param text what became of it, for `detail`
+  void solve(const SolveRequest& request, Answer& answer, const char*& text);
+
+ private:
+  struct Rung {
+    const char* name;  ///< of the solver, and what is said where it gave the answer
+    std::unique_ptr<Solver> solver;
+    bool loaded = false;
+  };
+
+  void make_rungs();
+  bool solves(const Vector& z);
+  bool proves(const Vector& farkas) const;
+
+  Problem problem_;
+  std::int64_t max_pivots_;
+  std::vector<Rung> rungs_;
+  Vector row_norm_, w_;
+  Answer attempt_;
+};
+
+}  // namespace lcpbench

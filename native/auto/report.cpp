@@ -1,0 +1,76 @@
+#include "native/auto/report.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+namespace lcpbench {
+namespace {
+
+constexpr std::array<const char*, 4> kRungs{"double", "refined", "double-double", "quad"};
+
+int rung_of(std::string_view detail) {
+  if (detail.starts_with("quad")) return 3;
+  if (detail.starts_with("dd")) return 2;
+  return detail.empty() || detail == "warm" ? 0 : 1;
+}
+
+/// Text of limited length on the stack.
+class Line {
+ public:
+  Line& operator<<(std::string_view text) {
+    const std::size_t length = std::min(text.size(), buffer_.size() - size_);
+    std::copy_n(text.data(), length, buffer_.data() + size_);
+    size_ += length;
+    return *this;
+  }
+  Line& operator<<(Index number) {
+    std::array<char, 24> digits{};
+    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr;
+    return *this << std::string_view(digits.data(), static_cast<std::size_t>(end - digits.data()));
+  }
+  std::string_view text() const { return {buffer_.data(), size_}; }
+
+ private:
+  std::array<char, AutoReport::kLongestText> buffer_{};
+  std::size_t size_ = 0;
+};
+
+}  // namespace
+
+const char* rung_name(std::string_view detail) { return kRungs[static_cast<std::size_t>(rung_of(detail))]; }
+
+void AutoReport::add(const Counters& counters, std::string_view rung) {
+  counters_.iterations += std::max<std::int64_t>(counters.iterations, 0);
+  counters_.pivots += std::max<std::int64_t>(counters.pivots, 0);
+  counters_.factorizations += std::max<std::int64_t>(counters.factorizations, 0);
+  rung_ = std::max(rung_, rung_of(rung));
+}
+
+void AutoReport::write_text(std::string& text) const {
+  Line line;
+  const bool plain = islands == 1 && left_out == 0 && brought_back == 0;
+  if (!plain) {
+    line << islands << (islands == 1 ? " island" : " islands");
+    if (at_rest > 0) line << ", " << at_rest << " at rest";
+    if (left_out > 0) line << ", " << left_out << " of " << contacts << " contacts left out";
+    if (brought_back > 0) line << ", " << brought_back << " brought back";
+  }
+  const char* separator = plain ? "" : "; ";
+  const auto method = [&](const char* name, Index count) {
+    if (count == 0) return;
+    line << separator << name;
+    if (!plain) line << " " << count;
+    separator = ", ";
+  };
+  method("active_set", active_set);
+  method("contact_lemke", contact_lemke);
+  method("velocity_ipm", velocity_ipm);
+  method("friction_ipm", friction_ipm);
+  if (active_set + contact_lemke + velocity_ipm + friction_ipm > 0) {
+    line << (plain ? ", " : "; ") << kRungs[static_cast<std::size_t>(rung_)];
+  }
+  text.assign(line.text());
+}
+
+}  // namespace lcpbench

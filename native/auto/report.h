@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "core/solver.h"
+
+namespace lcpbench {
+
+/// What was done for one answer, over all islands. Its text is written without allocating where the string has room.
+class AutoReport {
+ public:
+  /// Room that text() never exceeds.
+  static constexpr std::size_t kLongestText = 240;
+
+  Index islands = 0;
+  Index at_rest = 0;  ///< islands of which no contact approaches: not solved
+  Index contacts = 0;
+  Index left_out = 0;  ///< contacts that no solver saw
+  Index brought_back = 0;
+  Index active_set = 0, contact_lemke = 0, velocity_ipm = 0, friction_ipm = 0;  ///< runs of each method
+
+  /// Counts an island's work and rung in.
+  void add(const Counters& counters, std::string_view rung);
+
+  const Counters& counters() const { return counters_; }
+
+  /// "contact_lemke, double"; where there are more islands or contacts were left out
+  /// "7 islands, 3 at rest, 12 of 40 contacts left out, 1 brought back; active_set 3, contact_lemke 1; double".
+  void write_text(std::string& text) const;
+
+ private:
+  Counters counters_{.iterations = 0, .pivots = 0, .factorizations = 0};
+  int rung_ = 0;
+};
+
+/// The name of the rung on the ladder of precision that a solver's `detail` tells: "double", "refined",
+/// "double-double", "quad".
+const char* rung_name(std::string_view detail);
+
+}  // namespace lcpbench

@@ -1,0 +1,146 @@
+// What islands, leaving out and warm starts save: docs/auto.md shows what this prints as CSV.
+//
+//   auto_scenes islands REPEATS   stacks of two cubes, 2 to 200 of them, every third flying: parts against the whole
+//   auto_scenes resting STEPS     stacks that stay at rest: pivots from z = 0 and from the last answer
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <string_view>
+#include <vector>
+
+#include "core/registry.h"
+#include "core/timed_solve.h"
+#include "study/evaluation/evaluation.h"
+#include "tests/box_stacks.h"
+
+namespace lcpbench {
+
+SolverDefinition lcpbench_solver_auto();
+
+namespace {
+
+using testing::box_stacks;
+using testing::BoxStacks;
+using testing::falling_velocity;
+
+const Options kWhole{{"islands", "false"}, {"leave_out", "false"}};
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+struct Timed {
+  Answer answer;
+  double seconds = 0;  ///< load and solve, thread CPU, median
+  bool verified = false;
+};
+
+Timed run(const Problem& problem, const Options& options, int repeats) {
+  const auto solver = lcpbench_solver_auto().make(options);
+  Timed timed;
+  std::vector<double> seconds;
+  for (int k = 0; k < repeats; ++k) {
+    const double begin = thread_cpu_clock_s();
+    solver->load(problem);
+    solver->solve({.time_limit_s = 60}, timed.answer);
+    seconds.push_back(thread_cpu_clock_s() - begin);
+  }
+  timed.seconds = median(seconds);
+  timed.verified = timed.answer.claim == Claim::kSolved && Evaluator(problem).errors(timed.answer).solved;
+  return timed;
+}
+
+void compare_islands(int repeats) {
+  std::puts("edges,islands,contacts,parts_s,whole_s,ratio,parts_verified,whole_verified,velocity_difference");
+  for (const int edges : {0, 4}) {
+    for (const int stacks : {2, 5, 10, 20, 50, 100, 200}) {
+      const Problem problem("stacks", box_stacks({.stacks = stacks, .height = 2, .edges = edges, .lifted = 3}));
+      const Timed parts = run(problem, {}, repeats);
+      const ContactProblem& contact = *problem.contact();
+      std::printf("%d,%d,%ld,%.4g,", edges, stacks, static_cast<long>(contact.nc()), parts.seconds);
+      const bool dense_fits = edges == 0 || stacks <= 60;
+      if (!dense_fits) {
+        std::printf(",,%d,,\n", parts.verified ? 1 : 0);
+        continue;
+      }
+      const Timed whole = run(problem, kWhole, stacks > 20 && edges > 0 ? 1 : repeats);
+      double difference = -1;
+      if (whole.answer.z.size() == parts.answer.z.size()) {
+        difference = (post_impact_velocity(contact, parts.answer.z) - post_impact_velocity(contact, whole.answer.z))
+                         .lpNorm<Eigen::Infinity>();
+      }
+      std::printf("%.4g,%.3g,%d,%d,%.2g\n", whole.seconds, whole.seconds / parts.seconds, parts.verified ? 1 : 0,
+                  whole.verified ? 1 : 0, difference);
+      std::fflush(stdout);
+    }
+  }
+}
+
+struct Sums {
+  long pivots = 0;
+  double seconds = 0;  ///< in solve(), thread CPU
+};
+
+void solve_step(Solver& solver, const SolveRequest& request, Answer& answer, Sums& sums) {
+  const double begin = thread_cpu_clock_s();
+  solver.solve(request, answer);
+  sums.seconds += thread_cpu_clock_s() - begin;
+  sums.pivots += answer.counters.pivots;
+}
+
+void count_pivots(const BoxStacks& shape, int steps) {
+  const Problem first("resting", box_stacks(shape));
+  const auto cold = lcpbench_solver_auto().make({});
+  const auto warm = lcpbench_solver_auto().make({});
+  cold->load(first);
+  warm->load(first);
+  Answer last, anew;
+  warm->solve({}, last);
+  Sums of_cold, of_warm;
+  int verified = 0;
+  for (int step = 1; step <= steps; ++step) {
+    ContactProblem contact = *first.contact();
+    contact.v = falling_velocity(shape, step);
+    cold->update(contact.v);
+    warm->update(contact.v);
+    const Vector start = last.z;
+    solve_step(*cold, {}, anew, of_cold);
+    solve_step(*warm, {.start = &start}, last, of_warm);
+    Evaluator evaluator(Problem("step", contact));
+    const bool claimed = last.claim == Claim::kSolved && anew.claim == Claim::kSolved;
+    if (claimed && evaluator.errors(last).solved && evaluator.errors(anew).solved) ++verified;
+  }
+  std::printf("%d,%g,%d,%d,%ld,%d,%ld,%ld,%.3g,%.4g,%.4g,%d\n", shape.edges, shape.jitter, shape.stacks, shape.height,
+              static_cast<long>(first.contact()->nc()), steps, of_cold.pivots, of_warm.pivots,
+              static_cast<double>(of_cold.pivots) / static_cast<double>(of_warm.pivots), of_cold.seconds,
+              of_warm.seconds, verified);
+  std::fflush(stdout);
+}
+
+void count_all_pivots(int steps) {
+  std::puts("edges,jitter,stacks,height,contacts,steps,cold_pivots,warm_pivots,ratio,cold_s,warm_s,verified");
+  for (const int edges : {0, 4}) {
+    for (const double jitter : {0.02, 0.1, 0.2}) {
+      for (const int height : {1, 2, 4, 8}) {
+        count_pivots({.stacks = 4, .height = height, .edges = edges, .jitter = jitter}, steps);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench
+
+int main(int argc, char** argv) {
+  const std::string_view mode = argc == 3 ? argv[1] : "";
+  const int count = argc == 3 ? std::atoi(argv[2]) : 0;
+  if (count > 0 && mode == "islands") {
+    lcpbench::compare_islands(count);
+  } else if (count > 0 && mode == "resting") {
+    lcpbench::count_all_pivots(count);
+  } else {
+    std::fputs("usage: auto_scenes islands REPEATS | auto_scenes resting STEPS\n", stderr);
+    return 2;
+  }
+}
