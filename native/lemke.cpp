@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/error.h"
 #include "core/registry.h"
 #include "core/timed_solve.h"
 #include "native/lemke_sweep.h"
@@ -42,6 +43,33 @@ void report_ending(lemke::Ending ending, Answer& answer) {
   }
 }
 
+/// Ratios and rates of 24 bits are not known to better than some roundings of numbers near 1.
+constexpr double kLeastFloatTolerance = 64 * 0x1p-24;
+
+/// With 113 bits the slack of the ratio test need not be what 53 bits want: this leaves 1e-12 of the default, and 1e-16
+/// as the smallest pivot, far above the rounding of ill-conditioned kernels.
+constexpr double kQuadToleranceFactor = 0x1p-20;
+
+double tolerance_for(LemkePrecision precision, double tolerance) {
+  if (precision == LemkePrecision::kFloat) return std::max(tolerance, kLeastFloatTolerance);
+  return precision == LemkePrecision::kQuad ? kQuadToleranceFactor * tolerance : tolerance;
+}
+
+LemkeArithmetic arithmetic_of(const LemkeSettings& settings) {
+  if (settings.precision != LemkePrecision::kDouble && settings.engine == LemkeEngine::kDense) {
+    throw InputError("lemke: engine=dense has precision=double only");
+  }
+  if (settings.precision == LemkePrecision::kFloat) return LemkeArithmetic::kFloat;
+  return settings.precision == LemkePrecision::kQuad ? LemkeArithmetic::kQuad : LemkeArithmetic::kDouble;
+}
+
+std::unique_ptr<LemkeFinish> finish_of(LemkePrecision precision, IsaLevel level) {
+  if (precision == LemkePrecision::kDouble) return nullptr;
+  const bool quad = precision == LemkePrecision::kQuad;
+  return std::make_unique<LemkeFinish>(quad ? lemke::quad::kContactEngine : contact_lemke_engine(level),
+                                       precision != LemkePrecision::kFloat);
+}
+
 }  // namespace
 
 std::ptrdiff_t lemke_pivot_limit(const LemkeSettings& settings, Index n) {
@@ -65,30 +93,42 @@ Capabilities lemke_capabilities(const LemkeSettings& settings) {
   capabilities.max_size = 10000;  // room for three n x n matrices, 2.4 GB
   capabilities.guarantees = "copositive-plus M without degeneracy";
   capabilities.obeys_time_limit = true;
+  // The tests of the other precisions take dense matrices of order ngc, which may be several times n.
+  if (settings.precision != LemkePrecision::kDouble) capabilities.max_size = 3000;
   // Eigen's blocked LU takes its packing buffers from the heap.
   capabilities.allocation_free = settings.engine == LemkeEngine::kKernel;
   return capabilities;
 }
 
 Lemke::Lemke(const LemkeSettings& settings, IsaLevel level)
-    : settings_(settings), capabilities_(lemke_capabilities(settings)), engine_(settings.engine, level) {}
+    : settings_(settings),
+      capabilities_(lemke_capabilities(settings)),
+      engine_(settings.engine, level, arithmetic_of(settings)),
+      finish_(finish_of(settings.precision, level)) {
+  if (settings.precision == LemkePrecision::kPolished) engine_.expect_refinement();
+}
 
-void Lemke::on_load(const Problem& problem) { engine_.load(problem); }
+void Lemke::on_load(const Problem& problem) {
+  engine_.load(problem);
+  if (finish_ != nullptr) finish_->load(problem);
+}
 
 void Lemke::on_solve(const SolveRequest& request, Answer& answer) {
   lemke::Rules rules;
-  rules.pivot_tolerance = settings_.pivot_tolerance;
-  rules.zero_tolerance = settings_.zero_tolerance;
+  rules.pivot_tolerance = tolerance_for(settings_.precision, settings_.pivot_tolerance);
+  rules.zero_tolerance = tolerance_for(settings_.precision, settings_.zero_tolerance);
   rules.resolve = settings_.update == LemkeUpdate::kResolve;
   rules.max_pivots = lemke_pivot_limit(settings_, answer.z.size());
   rules.clock_s = wall_clock_s;
   rules.deadline_s = std::isinf(request.time_limit_s) ? request.time_limit_s : wall_clock_s() + request.time_limit_s;
+  if (finish_ != nullptr) rules.basic = finish_->begin_basis();
   if (recorded_ != nullptr) {
     rules.on_pivot = append_pivot;
     rules.context = recorded_;
   }
 
   report_lemke(engine_.solve(rules, answer.z.data()), answer);
+  if (finish_ != nullptr) finish_->run(engine_, answer);
 }
 
 SolverDefinition lcpbench_solver_lemke() {

@@ -1,18 +1,21 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "core/isa.h"
 #include "core/settings.h"
 #include "core/solver.h"
 #include "native/lemke_engine.h"
+#include "native/lemke_finish.h"
 #include "native/lemke_loaded.h"
 
 namespace lcpbench {
 
 enum class LemkeUpdate { kResolve, kIncremental };
 enum class LemkeCap { kPaper, kLemke, k3n };
+enum class LemkePrecision { kFloat, kDouble, kPolished, kQuad };
 
 struct LemkeSettings {
   LemkeEngine engine = LemkeEngine::kKernel;
@@ -21,6 +24,7 @@ struct LemkeSettings {
   LemkeUpdate update = LemkeUpdate::kResolve;
   LemkeCap cap = LemkeCap::kPaper;
   std::int64_t max_pivots = 0;
+  LemkePrecision precision = LemkePrecision::kDouble;
 
   void visit(auto&& field) {
     field("engine", engine, Choices<LemkeEngine>{{{"dense", LemkeEngine::kDense}, {"kernel", LemkeEngine::kKernel}}},
@@ -36,6 +40,14 @@ struct LemkeSettings {
           "limit on pivots: max(1000, n^2) as in the paper, min(1000, 50 n) as in LEMKE, or max(200, 3 n)");
     field("max_pivots", max_pivots, IntegerRange{.min = 0, .max = std::int64_t{1} << 40},
           "another limit on pivots; 0: the one that `cap` names");
+    field("precision", precision,
+          Choices<LemkePrecision>{{{"float", LemkePrecision::kFloat},
+                                   {"double", LemkePrecision::kDouble},
+                                   {"polished", LemkePrecision::kPolished},
+                                   {"quad", LemkePrecision::kQuad}}},
+          "arithmetic (engine=kernel): 24, 53 or 113 bits; polished: 53, the answer refined, with the velocity of "
+          "contact "
+          "problems. All but double test their answer before they claim it");
   }
 };
 
@@ -58,9 +70,14 @@ struct LemkePivot {
 /// kSolved: the artificial variable left the basis; kUnsolvable: no row blocks the entering variable (a ray: proof of
 /// nothing but for copositive-plus M); kIterationLimit, kTimeLimit; kNumericalFailure: singular or overflowing basis.
 /// z is zero unless kSolved.
+///
+/// In other precisions than double kSolved is claimed only for answers that pass a test from the raw data, and
+/// kUnsolvable never: kNumericalFailure otherwise. polished and quad return the velocity of contact problems with
+/// regular inertia.
 class Lemke final : public Solver {
  public:
   /// @param level instruction-set level of the engine; must not exceed best_isa_level().
+  /// @throws InputError for engine=dense in another precision than double
   explicit Lemke(const LemkeSettings& settings, IsaLevel level = isa_level());
 
   const Capabilities& capabilities() const override { return capabilities_; }
@@ -75,6 +92,7 @@ class Lemke final : public Solver {
   LemkeSettings settings_;
   Capabilities capabilities_;
   lemke::LoadedEngine engine_;
+  std::unique_ptr<LemkeFinish> finish_;  ///< none in double
   std::vector<LemkePivot>* recorded_ = nullptr;
 };
 

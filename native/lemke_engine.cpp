@@ -2,46 +2,19 @@
 // into the namespace LCPBENCH_LEVEL; see lemke_engine.h for what may cross the border.
 #include "native/lemke_engine.h"
 
-#include <new>
-
 #include "native/lemke_engine/dense_basis.h"
+#include "native/lemke_engine/interface.h"
 #include "native/lemke_engine/kernel_basis.h"
-#include "native/lemke_engine/pack.h"
-#include "native/lemke_engine/path.h"
 #include "native/lemke_engine/path_tree.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 namespace {
-
-template <class Basis>
-struct Held {
-  Basis basis;
-};
 
 /// A kernel basis with the room in which a sweep's paths part.
 template <class Scalar>
 struct HeldWithRoom {
   KernelBasis<Scalar> basis;
   TreeRoom<Scalar> room;
-};
-
-template <class Scalar, class Object>
-struct Interface {
-  static void* create() { return new (allocate_aligned(sizeof(Object))) Object; }
-  static void destroy(void* object) {
-    static_cast<Object*>(object)->~Object();
-    free_aligned(object);
-  }
-  static void load(void* object, const Input& input) { static_cast<Object*>(object)->basis.load(input); }
-  static Outcome solve(void* object, const Rules& rules, double* z) {
-    auto& basis = static_cast<Object*>(object)->basis;
-    Outcome outcome;
-    if (basis.problem().zero_solves(static_cast<Scalar>(rules.zero_tolerance))) {
-      outcome.ending = Ending::kSolved;
-      return outcome;
-    }
-    return rules.resolve ? follow_path<true, Scalar>(basis, rules, z) : follow_path<false, Scalar>(basis, rules, z);
-  }
 };
 
 template <class Scalar>
@@ -51,15 +24,15 @@ Count walk(void* object, const Cell* cells, Count count, const WalkRules& rules,
   return PathTree<false, Scalar>(basis, room, cells, rules, z).walk(count);
 }
 
-template <class Object>
-constexpr Engine engine_over(decltype(Engine::walk) walk) {
-  using I = Interface<double, Object>;
-  return {I::create, I::destroy, I::load, I::solve, walk};
+template <class Scalar>
+bool refine(void* object, double* z) {
+  auto& basis = static_cast<HeldWithRoom<Scalar>*>(object)->basis;
+  return basis.refine() && write_solution(basis, z);
 }
 
 }  // namespace
 
-const Engine kDenseEngine = engine_over<Held<DenseBasis<double>>>(nullptr);
-const Engine kKernelEngine = engine_over<HeldWithRoom<double>>(walk<double>);
+const Engine kDenseEngine = engine_over<double, Held<DenseBasis<double>>>(nullptr, nullptr);
+const Engine kKernelEngine = engine_over<double, HeldWithRoom<double>>(walk<double>, refine<double>);
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

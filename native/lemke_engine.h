@@ -6,6 +6,10 @@
 // structs and pointers cross it: an inline function or template that both sides instantiate could be taken by the
 // linker from the object compiled for a newer processor, and then crash the rest of the program on an older one.
 
+namespace lcpbench::contact_lemke {
+struct Input;
+}
+
 namespace lcpbench::lemke {
 
 /// Variables are numbered w_i = i, z_i = n + i, artificial = 2 n (i < n).
@@ -21,10 +25,13 @@ struct Input {
   std::ptrdiff_t ngc = 0;
   const double* J = nullptr;     ///< ngc x dense by rows, one row per generalized coordinate
   const double* Ginv = nullptr;  ///< ngc x ngc
+  /// For 113 bits, in which q and Ginv follow from v and the inertia itself; nullptr: as given above.
+  const contact_lemke::Input* contacts = nullptr;
 
   const std::ptrdiff_t* friction_begin = nullptr;  ///< cones + 1 offsets into the rows of the dense block
   const std::ptrdiff_t* cone_normal = nullptr;     ///< cones: row of the cone's normal impulse
   const double* mu = nullptr;                      ///< cones
+  bool refines = false;                            ///< makes room for Engine::refine
 };
 
 struct Rules {
@@ -36,6 +43,7 @@ struct Rules {
   double (*clock_s)() = nullptr;  ///< monotonic clock, read every 16 pivots
   void (*on_pivot)(void* context, std::ptrdiff_t entering, std::ptrdiff_t leaving) = nullptr;  ///< nullptr: silent
   void* context = nullptr;
+  char* basic = nullptr;  ///< n: where not nullptr, 1 where z is basic at the end of a path; else as it was
 };
 
 enum class Ending { kSolved, kRay, kPivotLimit, kTimeLimit, kBreakdown };
@@ -93,20 +101,29 @@ struct Engine {
   void (*load)(void* engine, const Input& input);
   Outcome (*solve)(void* engine, const Rules& rules, double* z);
   std::ptrdiff_t (*walk)(void* engine, const Cell* cells, std::ptrdiff_t count, const WalkRules& rules, double* z);
+  /// After a solve that ended in kSolved: iterative refinement of z with residuals in 113 bits. False, and z as it was,
+  /// where that cannot be had. nullptr where an engine cannot. @pre Input::refines
+  bool (*refine)(void* engine, double* z);
 };
 
 namespace baseline {
 extern const Engine kDenseEngine;
 extern const Engine kKernelEngine;
+extern const Engine kFloatKernelEngine;
 }  // namespace baseline
 namespace avx2 {
 extern const Engine kDenseEngine;
 extern const Engine kKernelEngine;
+extern const Engine kFloatKernelEngine;
 }  // namespace avx2
 namespace avx512 {
 extern const Engine kDenseEngine;
 extern const Engine kKernelEngine;
+extern const Engine kFloatKernelEngine;
 }  // namespace avx512
+namespace quad {
+extern const Engine kKernelEngine;
+}
 
 /// 64-byte aligned memory for the engines. @throws std::bad_alloc
 void* allocate_aligned(std::size_t bytes);

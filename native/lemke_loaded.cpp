@@ -7,6 +7,8 @@
 #include <variant>
 #include <vector>
 
+#include "native/contact_input.h"
+
 namespace lcpbench::lemke {
 
 void* allocate_aligned(std::size_t bytes) {
@@ -22,9 +24,21 @@ namespace {
 
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-const Engine& engine_at(LemkeEngine engine, IsaLevel level) {
+const Engine& float_engine_at([[maybe_unused]] IsaLevel level) {
+#if defined(__x86_64__)
+  if (level == IsaLevel::kAvx512) return avx512::kFloatKernelEngine;
+  if (level == IsaLevel::kAvx2) return avx2::kFloatKernelEngine;
+#endif
+  return baseline::kFloatKernelEngine;
+}
+
+const Engine& engine_at(LemkeEngine engine, IsaLevel level, LemkeArithmetic arithmetic) {
   const bool dense = engine == LemkeEngine::kDense;
   if (level > best_isa_level()) throw std::invalid_argument("this processor lacks the instruction-set level asked for");
+  if (arithmetic != LemkeArithmetic::kDouble) {
+    if (dense) throw std::invalid_argument("the dense engine knows double only");
+    return arithmetic == LemkeArithmetic::kQuad ? quad::kKernelEngine : float_engine_at(level);
+  }
 #if defined(__x86_64__)
   if (level == IsaLevel::kAvx512) return dense ? avx512::kDenseEngine : avx512::kKernelEngine;
   if (level == IsaLevel::kAvx2) return dense ? avx2::kDenseEngine : avx2::kKernelEngine;
@@ -34,8 +48,10 @@ const Engine& engine_at(LemkeEngine engine, IsaLevel level) {
 
 }  // namespace
 
-LoadedEngine::LoadedEngine(LemkeEngine engine, IsaLevel level)
-    : engine_(engine_at(engine, level)), state_(engine_.create()) {}
+LoadedEngine::LoadedEngine(LemkeEngine engine, IsaLevel level, LemkeArithmetic arithmetic)
+    : engine_(engine_at(engine, level, arithmetic)),
+      from_data_(arithmetic == LemkeArithmetic::kQuad),
+      state_(engine_.create()) {}
 
 LoadedEngine::~LoadedEngine() { engine_.destroy(state_); }
 
@@ -52,6 +68,7 @@ void LoadedEngine::load_matrix(const Lcp& lcp) {
   input.n = input.dense = lcp.size();
   input.q = lcp.q.data();
   input.M = lcp.M.data();
+  input.refines = refines_;
   engine_.load(state_, input);
 }
 
@@ -63,7 +80,9 @@ void LoadedEngine::load_contact(const ContactProblem& contact) {
   std::visit([&](const auto& D) { J.rightCols(layout.friction) = D; }, contact.D);
   Vector q = Vector::Zero(layout.size());
   q.head(impulses).noalias() = J.transpose() * contact.v;
-  const Matrix Ginv = inverse_inertia(contact.inertia);
+  const Matrix Ginv = from_data_ ? Matrix() : inverse_inertia(contact.inertia);
+  ContactInput contacts;
+  if (from_data_) contacts.load(contact);
 
   std::vector<std::ptrdiff_t> friction_begin;
   std::vector<std::ptrdiff_t> cone_normal;
@@ -83,6 +102,7 @@ void LoadedEngine::load_contact(const ContactProblem& contact) {
   input.ngc = contact.ngc();
   input.J = J.data();
   input.Ginv = Ginv.data();
+  input.contacts = from_data_ ? &contacts.input : nullptr;
   input.friction_begin = friction_begin.data();
   input.cone_normal = cone_normal.data();
   input.mu = mu.data();

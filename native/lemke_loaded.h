@@ -7,20 +7,29 @@
 namespace lcpbench {
 
 enum class LemkeEngine { kDense, kKernel };
+/// 24, 53 or 113 bits.
+enum class LemkeArithmetic { kFloat, kDouble, kQuad };
 
 namespace lemke {
 
 /// One of Lemke's engines, with the problem that it holds.
 class LoadedEngine {
  public:
-  /// @throws std::invalid_argument when this processor lacks the level.
-  LoadedEngine(LemkeEngine engine, IsaLevel level);
+  /// Another arithmetic than double is that of the kernel engine; 113 bits are the same at each level.
+  /// @throws std::invalid_argument when this processor lacks the level, or for the dense engine in other arithmetic.
+  LoadedEngine(LemkeEngine engine, IsaLevel level, LemkeArithmetic arithmetic = LemkeArithmetic::kDouble);
   ~LoadedEngine();
   LoadedEngine(const LoadedEngine&) = delete;
   LoadedEngine& operator=(const LoadedEngine&) = delete;
 
-  /// Contact problems in factors: M is not formed here.
+  /// Contact problems in factors: M is not formed here. In 113 bits all follows from the problem's data, G^-1 included.
   void load(const Problem& problem);
+
+  /// Makes room for refine() at each load().
+  void expect_refinement() { refines_ = true; }
+
+  /// See Engine::refine; false where the engine has none.
+  bool refine(double* z) { return engine_.refine != nullptr && engine_.refine(state_, z); }
 
   Outcome solve(const Rules& rules, double* z) { return engine_.solve(state_, rules, z); }
 
@@ -34,6 +43,8 @@ class LoadedEngine {
   void load_matrix(const Lcp& lcp);
 
   const Engine& engine_;
+  bool from_data_;
+  bool refines_ = false;
   void* state_ = nullptr;
 };
 

@@ -36,7 +36,8 @@ class LemkeSweep {
   /// @param cells all with engine=kernel, and alike but for the two tolerances
   LemkeSweep(std::span<const LemkeSettings> cells, IsaLevel level = isa_level());
 
-  /// Reads settings of `lemke`; nothing where they differ in more than the tolerances, or the engine is not kernel.
+  /// Reads settings of `lemke`; nothing where they differ in more than the tolerances, the engine is not kernel, or
+  /// the precision not double.
   /// @throws InputError
   static std::optional<std::vector<LemkeSettings>> readable(std::span<const Options> cells);
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "native/lemke_engine/exact_data.h"
 #include "native/lemke_engine/matrix_columns.h"
 #include "native/lemke_engine/pack.h"
 
@@ -17,8 +18,7 @@ struct LoadedProblem {
 
   void load(const Input& input) {
     M.load(input);
-    q.resize(n());
-    for (Count i = 0; i < n(); ++i) q[i] = static_cast<Scalar>(input.q[i]);
+    load_constants(input, q);
     slot_of.fill(2 * n() + 1, -1);
   }
 

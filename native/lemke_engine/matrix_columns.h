@@ -1,6 +1,7 @@
 #pragma once
 
 #include "native/lemke_engine/column_sum.h"
+#include "native/lemke_engine/exact_data.h"
 #include "native/lemke_engine/pack.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
@@ -57,8 +58,7 @@ class MatrixColumns {
       for (Count i = 0; i < dense_; ++i) J_[g * stride_ + i] = static_cast<Scalar>(input.J[g * dense_ + i]);
       for (Count i = dense_; i < stride_; ++i) J_[g * stride_ + i] = 0;
     }
-    Ginv_.resize(ngc_ * ngc_);
-    for (Count i = 0; i < ngc_ * ngc_; ++i) Ginv_[i] = static_cast<Scalar>(input.Ginv[i]);
+    load_inverse_inertia(input, Ginv_);
     terms_.resize(ngc_);
   }
 
