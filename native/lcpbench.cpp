@@ -47,7 +47,6 @@ void check_layout(const EigenLayout& caller) {
 struct ContactSolver::State {
   std::string name;
   std::unique_ptr<Solver> solver;
-  Capabilities capabilities;
 
   Problem problem;
   const ContactProblem* contacts = nullptr;  ///< of the problem; null before load()
@@ -67,7 +66,7 @@ struct ContactSolver::State {
 };
 
 void ContactSolver::State::load(Problem next) {
-  const std::string refusal = why_not(capabilities, next);
+  const std::string refusal = why_not(solver->capabilities(), next);
   if (!refusal.empty()) throw InputError(name + ": " + refusal);
   problem = std::move(next);
   contacts = problem.contact();
@@ -128,7 +127,6 @@ ContactSolver::ContactSolver(std::string_view spec, EigenLayout layout) {
   state_ = std::make_unique<State>();
   state_->name = parsed.name;
   state_->solver = make_native(parsed);
-  state_->capabilities = state_->solver->capabilities();
 }
 
 ContactSolver::~ContactSolver() = default;
@@ -167,7 +165,7 @@ Claim ContactSolver::solve(double time_limit_s) {
   request.time_limit_s = time_limit_s;
   if (state.has_start) request.start = &state.start;
   state.solver->solve(request, state.answer);
-  state.has_start = state.capabilities.warm_start && state.answer.claim == Claim::kSolved;
+  state.has_start = state.solver->capabilities().warm_start && state.answer.claim == Claim::kSolved;
   if (state.has_start) state.start = state.answer.z;
   state.compute_velocity();
   return state.answer.claim;
@@ -204,6 +202,6 @@ Eigen::Vector3d ContactSolver::impulse(Index contact) const {
 
 const Answer& ContactSolver::answer() const { return state_->answer; }
 
-const Capabilities& ContactSolver::capabilities() const { return state_->capabilities; }
+const Capabilities& ContactSolver::capabilities() const { return state_->solver->capabilities(); }
 
 }  // namespace lcpbench

@@ -43,7 +43,7 @@ struct EigenLayout {
 /// 1997]: the problem of ContactProblem. Impacts are inelastic; penetration is not corrected: whoever wants restitution
 /// or stabilisation puts it into v.
 ///
-///     ContactSolver solver("contact_lemke");
+///     ContactSolver solver("auto");
 ///     solver.load(scene);                    // whenever contacts or inertia change
 ///     solver.set_velocity(v);                // each step
 ///     if (solver.solve() == Claim::kSolved) v = solver.velocity();
@@ -54,7 +54,7 @@ struct EigenLayout {
 /// Errors of the caller throw and leave the object as it was; what goes wrong with the numbers is a claim.
 class ContactSolver {
  public:
-  /// @param spec name and settings: "contact_lemke", "contact_lemke{precision=double}", "active_set"; see
+  /// @param spec name and settings: "auto", "contact_lemke{precision=double}", "active_set"; see
   ///     native_solvers() and the page of each solver in docs/
   /// @param layout leave it alone: it tells how the caller's code was compiled
   /// @throws InputError for unknown names and settings, and where caller and library were compiled with -m options for
@@ -113,7 +113,7 @@ class ContactSolver {
   /// The whole answer: claim, z in the order of ContactProblem, work done, the rung or reason in words.
   const Answer& answer() const;
 
-  /// What the solver promises with these settings.
+  /// What the solver promises with these settings, for what is loaded.
   const Capabilities& capabilities() const;
 
  private:

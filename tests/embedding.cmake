@@ -19,3 +19,7 @@ add_test(NAME embedding_install
 set_tests_properties(embedding_install PROPERTIES LABELS "slow;release-only")
 add_test(NAME embedding_docs
          COMMAND ${CMAKE_COMMAND} -DROOT=${PROJECT_SOURCE_DIR} -P ${CMAKE_CURRENT_SOURCE_DIR}/embedding_docs.cmake)
+
+# A measurement, not a test: docs/embedding.md shows what it prints.
+add_executable(embedding_times EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/embedding_times.cpp)
+target_link_libraries(embedding_times PRIVATE lcpbench::native)
