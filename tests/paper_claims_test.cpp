@@ -218,6 +218,11 @@ TEST(ClaimsTest, ASubsampleTakesNoPart) {
   };
   EXPECT_EQ(word(made(12000), "exp4-above-exp3"), Word::kInPart);
   EXPECT_EQ(word(made(4000), "exp4-above-exp3"), Word::kConfirmed);
+
+  // Problems that no sweep met make none of them a subsample.
+  MadeSummary beside = made(4000);
+  for (SetSummary& set : beside.summary.sets) set.problems = 100000;
+  EXPECT_EQ(word(beside, "exp4-above-exp3"), Word::kConfirmed);
 }
 
 /// A claim on every set is not confirmed by one of them.

@@ -64,8 +64,8 @@ struct Claim {
 void judge(Claim& claim);
 
 /// Every claim of the paper, and what this project adds to them, tested on the summary's data. Grids with refusals take
-/// no part, nor do those that met less than half of their set's problems: beside the sweeps of all problems they decide
-/// nothing, and their comparisons would cost the others power.
+/// no part, nor do those that met less than half as many problems as the largest sweep of their set: beside it they
+/// decide nothing, and their comparisons would cost the others power.
 std::vector<Claim> test_claims(const Summary& summary, const std::vector<Grid>& grids);
 
 /// One record per comparison, for claims-paper.csv; a claim without any has one that says what is needed.
