@@ -75,6 +75,8 @@ class CommandLine {
     add("compare", "Compare two stores: what got better, worse, or is a tie", add_compare_command);
     add("bench", "Measure speed against a reference solver",
         [&](CLI::App& command) { return add_bench_command(command, typed); });
+    add("validate", "Compare our solvers with the reference libraries, problem by problem",
+        [&](CLI::App& command) { return add_validate_command(command, typed); });
   }
 
   int run(int argc, const char* const* argv) {

@@ -1,0 +1,272 @@
+#include "study/validate.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <tuple>
+#include <vector>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "core/error.h"
+#include "generators/problem_io.h"
+#include "study/commands/commands.h"
+#include "study/commands/options.h"
+#include "study/interrupt.h"
+#include "study/json_output.h"
+#include "study/plan.h"
+#include "study/provenance.h"
+#include "study/runner.h"
+#include "study/text_table.h"
+
+namespace lcpbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Of each set, pair and outcome so many problems are saved: enough to look at, whatever the number of trials.
+constexpr int kSavedOfAKind = 3;
+
+struct Arguments {
+  std::vector<std::string> sets;
+  std::vector<std::string> solvers;
+  std::optional<std::int64_t> trials;
+  std::uint64_t seed = 1;
+  std::optional<double> time_limit_s;
+  std::optional<int> jobs;
+  std::string store;
+  std::string out = "disagreements";
+  std::string format = "text";
+  std::string command_line;
+};
+
+Plan make_plan(const Arguments& arguments) {
+  std::vector<Spec> asked;
+  for (const std::string& solver : arguments.solvers) asked.push_back(parse_spec(solver));
+  Plan plan = arguments.sets.empty() ? validation_plan(asked) : validation_plan(asked, arguments.sets);
+  if (arguments.trials) plan.trials = *arguments.trials;
+  if (arguments.time_limit_s) plan.time_limit_s = *arguments.time_limit_s;
+  plan.seed = arguments.seed;
+  return plan;
+}
+
+/// Where the answers are kept: in the store that was asked for, or in one that goes when this ends.
+class Answers {
+ public:
+  explicit Answers(const std::string& store) : file_(store) {
+    if (!store.empty()) return;
+    std::string pattern = (std::filesystem::temp_directory_path() / "lcpbench-validate-XXXXXX").string();
+    if (mkdtemp(pattern.data()) == nullptr) {
+      throw InputError(fmt::format("{}: cannot be made: {} (TMPDIR names another folder)", pattern,
+                                   std::error_code(errno, std::generic_category()).message()));
+    }
+    scratch_ = pattern;
+    file_ = scratch_ / "answers.db";
+  }
+  ~Answers() {
+    std::error_code ignored;
+    if (!scratch_.empty()) std::filesystem::remove_all(scratch_, ignored);
+  }
+  Answers(const Answers&) = delete;
+  Answers& operator=(const Answers&) = delete;
+
+  const std::filesystem::path& file() const { return file_; }
+  bool kept() const { return scratch_.empty(); }
+
+ private:
+  std::filesystem::path file_;
+  std::filesystem::path scratch_;
+};
+
+void warn_without_references(const Study& study) {
+  const bool any = std::any_of(study.solvers.begin(), study.solvers.end(),
+                               [](const StudySolver& solver) { return !is_ours(find_solver(solver.row.name)); });
+  if (!any)
+    fmt::print(stderr, "lcpbench: no reference library is available here: only what theory proves is compared\n");
+}
+
+/// False when it was interrupted.
+bool solve_all(const Study& study, Store& store, std::optional<int> jobs) {
+  RunOptions options;
+  options.jobs = jobs.value_or(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+  options.stop = catch_interrupts(kExitInterrupted);
+  const bool terminal = isatty(STDERR_FILENO) == 1;
+  options.on_progress = [&](const Progress& progress) {
+    if (terminal) fmt::print(stderr, "\r\033[K{} of {} answers", progress.done, progress.total);
+  };
+  const RunOutcome outcome = run_study(study, store, options);
+  if (terminal) fmt::print(stderr, "\r\033[K");
+  return outcome.end == RunEnd::kComplete;
+}
+
+void add_run(Store& store, const Json& origin) {
+  store.begin();
+  store.add_run(origin["started"].get<std::string>(), origin.dump());
+  store.commit();
+}
+
+Json pairs_json(const std::vector<PairCounts>& pairs) {
+  Json array = Json::array();
+  for (const PairCounts& pair : pairs) {
+    Json object{
+        {"set", pair.set}, {"native", pair.native}, {"reference", pair.reference}, {"compared", pair.compared()}};
+    for (const Outcome outcome : kAllOutcomes) object[to_string(outcome)] = pair.count(outcome);
+    array.push_back(std::move(object));
+  }
+  return array;
+}
+
+std::vector<std::string> count_cells(const PairCounts& pair) {
+  std::vector<std::string> cells{format_count(pair.compared())};
+  for (const Outcome outcome : kAllOutcomes) cells.push_back(format_count(pair.count(outcome)));
+  return cells;
+}
+
+void print_matrix(const std::vector<PairCounts>& pairs) {
+  using Align = TextTable::Align;
+  TextTable table({{"ours", Align::kLeft},
+                   {"reference", Align::kLeft},
+                   {"compared"},
+                   {"agree"},
+                   {"ours wrong"},
+                   {"theirs wrong"},
+                   {"both wrong"},
+                   {"undecided"}});
+  std::string last;
+  for (const PairCounts& pair : over_all_sets(pairs)) {
+    if (!last.empty() && pair.native != last) table.add_gap();
+    std::vector<std::string> row{pair.native == last ? "" : pair.native, pair.reference};
+    for (std::string& cell : count_cells(pair)) row.push_back(std::move(cell));
+    table.add_row(std::move(row));
+    last = pair.native;
+  }
+  fmt::print("{}", table.text());
+}
+
+/// "paper/monotone/exp2{redundancy=combination}" as part of a file's name.
+std::string file_name_part(std::string set) {
+  for (char& c : set) {
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-' && c != '=' && c != '.') c = '_';
+  }
+  return set;
+}
+
+/// The problems of the disagreements, some of each kind, as files, with an index. @returns how many problems
+std::size_t save(const Study& study, const std::vector<Disagreement>& disagreements,
+                 const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder);
+  std::ofstream index(folder / "disagreements.csv");
+  index << "file,set,trial,ours,reference,outcome\n";
+  std::map<std::tuple<std::size_t, std::string, std::string, Outcome>, int> seen;
+  std::set<std::string> written;
+  for (const Disagreement& found : disagreements) {
+    if (++seen[{found.set, found.native, found.reference, found.outcome}] > kSavedOfAKind) continue;
+    const ProblemSet& set = *study.sets[found.set].set;
+    const std::string file = fmt::format("{}-{}.json", file_name_part(set.name()), found.trial);
+    if (written.insert(file).second) write_problem(set.generate(study.seed, found.trial), folder / file);
+    index << fmt::format("{},\"{}\",{},\"{}\",\"{}\",{}\n", file, set.name(), found.trial, found.native,
+                         found.reference, to_string(found.outcome));
+  }
+  index.close();
+  if (!index) throw InputError((folder / "disagreements.csv").string() + ": cannot be written");
+  return written.size();
+}
+
+void print_verdict(const Validation& validation) {
+  const auto two_velocities = std::count_if(validation.disagreements.begin(), validation.disagreements.end(),
+                                            [](const Disagreement& d) { return d.outcome == Outcome::kUndecided; });
+  if (two_velocities > 0) {
+    fmt::print("\n{} of the undecided: both verified, with two velocities where there is only one\n",
+               format_count(two_velocities));
+  }
+  if (!validation.ours_wrong()) {
+    fmt::print("\nno false claim of ours\n");
+    return;
+  }
+  fmt::print("\nOURS IS WRONG:\n");
+  for (const PairCounts& pair : validation.pairs) {
+    if (!pair.ours_wrong()) continue;
+    fmt::print("  {} on {}: {} of {} compared with {}\n", pair.native, pair.set,
+               pair.count(Outcome::kNativeWrong) + pair.count(Outcome::kBothWrong), pair.compared(), pair.reference);
+  }
+}
+
+int run_validation(const Arguments& arguments) {
+  const Plan plan = make_plan(arguments);
+  const Study study = resolve(plan);
+  warn_without_references(study);
+  Json origin = provenance(arguments.command_line, utc_now());
+  origin["plan"] = Json::parse(plan_json(plan));
+  const Answers answers(arguments.store);
+  Validation validation;
+  {
+    Store store = Store::open_for_writing(answers.file());
+    add_run(store, origin);
+    if (!solve_all(study, store, arguments.jobs)) {
+      fmt::print(stderr, "lcpbench: interrupted; {}\n",
+                 answers.kept() ? "run the same command again to resume" : "nothing is kept (--store FILE keeps it)");
+      return kExitInterrupted;
+    }
+    validation = validate(study, store);
+  }
+  if (arguments.format == "json") {
+    print_json({{"provenance", origin}, {"pairs", pairs_json(validation.pairs)}, {"ok", !validation.ours_wrong()}});
+  } else {
+    print_matrix(validation.pairs);
+    print_verdict(validation);
+  }
+  if (!arguments.out.empty() && !validation.disagreements.empty()) {
+    const std::size_t files = save(study, validation.disagreements, arguments.out);
+    fmt::print(stderr, "{} problems on which two disagree are in {}; lcpbench solve replays them\n", files,
+               arguments.out);
+  }
+  return validation.ours_wrong() ? kExitCheckFailed : kExitDone;
+}
+
+}  // namespace
+
+Action add_validate_command(CLI::App& command, const std::string& command_line) {
+  const auto arguments = std::make_shared<Arguments>();
+  arguments->command_line = command_line;
+  command
+      .add_option("--set", arguments->sets,
+                  "problem set or glob, every problem of it to every solver; may be repeated\n(default: small rigid "
+                  "scenes, planted problems, and a selection of the paper's)")
+      ->allow_extra_args(false);
+  command
+      .add_option("--solver", arguments->solvers,
+                  "name{key=value,...}: ours, compared with the references among them, or with all\nthat are "
+                  "available; may be repeated (default: all)")
+      ->allow_extra_args(false);
+  command.add_option("--trials", arguments->trials, "problems of each set (default 1000)")
+      ->check(CLI::Range(1, 100'000'000));
+  command.add_option("--seed", arguments->seed, "stream of random problems")
+      ->check(seed_check())
+      ->capture_default_str();
+  command.add_option("--time-limit", arguments->time_limit_s, "seconds for each solve (default 2)")
+      ->check(seconds_check(1e-3, 1e6));
+  command.add_option("--jobs", arguments->jobs, "threads (default: one per processor)")->check(CLI::Range(1, 1024));
+  command.add_option("--store", arguments->store, "keep the answers in this file, and resume from it");
+  command.add_option("--out", arguments->out, "folder for some of the problems on which two disagree; '' for none")
+      ->capture_default_str();
+  add_format_option(command, arguments->format);
+  command.footer(
+      "Our solvers against the reference libraries and against what theory proves, problem by problem. Verdicts are\n"
+      "the evaluation's. Exit code 1 when one of ours made a false claim. See docs/validate.md.");
+  return [arguments] { return run_validation(*arguments); };
+}
+
+}  // namespace lcpbench

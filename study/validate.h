@@ -1,0 +1,89 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/registry.h"
+#include "study/plan.h"
+#include "study/study.h"
+
+namespace lcpbench {
+
+/// What an answer is worth beside another one, by its claim and verdict alone; docs/validate.md has the table.
+enum class Standing {
+  kRight,   ///< verified as a solution; or said to be unsolvable, which a checked proof confirms
+  kWrong,   ///< a false claim
+  kSilent,  ///< neither: gave up, missed a solution, or passes the paper's criterion only
+};
+
+Standing standing(Claim claim, Verdict verdict);
+
+enum class Outcome { kAgree, kNativeWrong, kReferenceWrong, kBothWrong, kUndecided };
+
+inline constexpr std::array kAllOutcomes{Outcome::kAgree, Outcome::kNativeWrong, Outcome::kReferenceWrong,
+                                         Outcome::kBothWrong, Outcome::kUndecided};
+
+/// "agree", "native_wrong", "reference_wrong", "both_wrong", "undecided".
+const char* to_string(Outcome outcome);
+
+/// @param same_velocity  false where both are right, and their velocities, of which there should be one, are two
+Outcome compare_standings(Standing native, Standing reference, bool same_velocity);
+
+/// How often one of our solvers and one reference came out each way on the problems of one set that neither refused.
+struct PairCounts {
+  std::string set;
+  std::string native;
+  std::string reference;
+  std::array<std::int64_t, kAllOutcomes.size()> counts{};
+
+  std::int64_t count(Outcome outcome) const { return counts[static_cast<std::size_t>(outcome)]; }
+  void add(Outcome outcome) { ++counts[static_cast<std::size_t>(outcome)]; }
+  std::int64_t compared() const;
+  /// Ours made a false claim, whatever the reference did.
+  bool ours_wrong() const;
+};
+
+/// One problem on which two came out otherwise than agreeing or silent.
+struct Disagreement {
+  std::size_t set = 0;  ///< of the study
+  std::int64_t trial = 0;
+  std::string native;
+  std::string reference;
+  Outcome outcome = Outcome::kUndecided;
+};
+
+struct Validation {
+  std::vector<PairCounts> pairs;  ///< in the study's order of sets and solvers; pairs that never met are left out
+  std::vector<Disagreement> disagreements;  ///< by set, trial, native, reference
+
+  bool ours_wrong() const;
+};
+
+/// The pairs over all sets: `set` is empty.
+std::vector<PairCounts> over_all_sets(const std::vector<PairCounts>& pairs);
+
+/// The reference that stands for what is known of a problem without any solver.
+inline constexpr const char* kTruthReference = "truth";
+
+/// Whether the method is ours: native, or ours over a library's linear algebra.
+bool is_ours(const RegisteredSolver& solver);
+
+/// The plan of a validation without --set: every solver meets every other on small rigid scenes, most on problems of
+/// the paper too, solvers that need more than 10 ms there on every so-manieth.
+/// @param asked  solvers that are compared: ours with the references among them, or with all references that run
+///   unasked where there is none; references alone with all of ours. These run on every problem.
+Plan validation_plan(const std::vector<Spec>& asked);
+
+/// The same solvers on every problem of the sets.
+Plan validation_plan(const std::vector<Spec>& asked, const std::vector<std::string>& sets);
+
+/// Compares all answers of a study that the store holds: each of ours with each reference, and with the truth where
+/// theory, a certificate or a checked proof tells it. Velocities are compared where they are unique
+/// (study/velocity_agreement.h). Memory: the answers to one problem, and the disagreements.
+Validation validate(const Study& study, Store& store);
+
+}  // namespace lcpbench
