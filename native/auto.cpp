@@ -34,8 +34,8 @@ constexpr Capabilities kCapabilities{
 /// was left out, which methods ran and the highest rung. Returns the velocity where all methods gave one.
 /// SolveRequest::start: as the methods use it, the last answer being of use to all.
 ///
-/// Nothing is allocated in solve() but where capabilities() of the loaded object says so: for large scenes, and for
-/// bare LCPs from the third method on.
+/// Nothing is allocated in solve() but where capabilities() of the loaded object says so, for large scenes, and where a
+/// method gave up and another is tried: contact_lemke after active_set, and for bare LCPs from the third on.
 class Auto final : public Solver {
  public:
   explicit Auto(const AutoSettings& settings) : settings_(settings), lcp_(settings.max_pivots) {}
@@ -51,6 +51,7 @@ class Auto final : public Solver {
   IslandSolver& island(std::size_t k) { return *islands_[k]; }
   void note_memory();
   void solve_whole(const SolveRequest& request, Answer& answer);
+  void solve_by_contact_lemke(SolveRequest request, double begin_s, AutoReport& report, Answer& answer);
   void solve_islands(const SolveRequest& request, Answer& answer);
   void give_up(Claim claim, const IslandSolver& island, Answer& answer);
   void bound_slips(Vector& z) const;
@@ -84,6 +85,7 @@ void Auto::on_load(const Problem& problem) {
   const ContactProblem* contact = problem.contact();
   if (contact == nullptr) return lcp_.load(problem);
   whole_ = whole_solver(*contact);
+  v_ = contact->v;
   if (whole_ != nullptr) return whole_->load(problem);
   load_islands(*contact);
 }
@@ -121,7 +123,6 @@ void Auto::load_islands(const ContactProblem& contact) {
   }
   cutter_ = std::make_unique<ProblemCutter>(contact);
   carries_.assign(contact.edges.size(), 0);
-  v_ = contact.v;
   u_.resize(v_.size());
   island_count_ = found.size();
   idle_ = contact.nc();
@@ -139,8 +140,8 @@ void Auto::note_memory() {
 
 void Auto::on_update(const Vector& v) {
   if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
-  if (whole_ != nullptr) return whole_->update(v);
   v_ = v;
+  if (whole_ != nullptr) return whole_->update(v);
   for (std::size_t k = 0; k < island_count_; ++k) island(k).update(v_);
   note_memory();
 }
@@ -166,14 +167,41 @@ std::string& Auto::text_of(Answer& answer) {
 }
 
 void Auto::solve_whole(const SolveRequest& request, Answer& answer) {
-  whole_->solve(request, answer);
-  if (answer.claim != Claim::kSolved) return;  // its own words say why
   AutoReport report;
   report.islands = 1;
   report.contacts = problem().contact()->nc();
-  (whole_ == active_set_.get() ? report.active_set : report.contact_lemke) = 1;
+  const double begin_s = std::isinf(request.time_limit_s) ? 0 : wall_clock_s();
+  whole_->solve(request, answer);
   report.add(answer.counters, answer.detail);
-  report.write_text(text_of(answer));
+  (whole_ == active_set_.get() ? report.active_set : report.contact_lemke) = 1;
+  const bool gave_up =
+      answer.claim == Claim::kNumericalFailure || (answer.claim == Claim::kIterationLimit && settings_.max_pivots == 0);
+  if (gave_up && whole_ == active_set_.get()) solve_by_contact_lemke(request, begin_s, report, answer);
+  answer.counters = report.counters();
+  if (answer.claim == Claim::kSolved) report.write_text(text_of(answer));  // else its own words say why
+}
+
+/// Where the active set does not get there. Allocates.
+void Auto::solve_by_contact_lemke(SolveRequest request, double begin_s, AutoReport& report, Answer& answer) {
+  answer.z.setZero();
+  if (!std::isinf(request.time_limit_s)) request.time_limit_s -= wall_clock_s() - begin_s;
+  if (!(request.time_limit_s > 0)) {
+    answer.claim = Claim::kTimeLimit;
+    return;
+  }
+  const std::int64_t pivots = settings_.max_pivots > 0 ? settings_.max_pivots - report.counters().pivots : 0;
+  if (settings_.max_pivots > 0 && pivots <= 0) {
+    answer.claim = Claim::kIterationLimit;
+    return;
+  }
+  ContactProblem now = *problem().contact();
+  now.v = v_;
+  ContactLemke solver(ContactLemkeSettings{.max_pivots = pivots});
+  solver.load(Problem(problem().name(), std::move(now)));
+  request.start = nullptr;
+  solver.solve(request, answer);
+  ++report.contact_lemke;
+  report.add(answer.counters, answer.detail);
 }
 
 void Auto::solve_islands(const SolveRequest& request, Answer& answer) {

@@ -102,7 +102,6 @@ void IslandSolver::build(const Vector& v) {
   load_method(choose_method());
   answer_.z.resize(part_.size());
   answer_.velocity.resize(part.ngc());
-  if (needs_velocity_ && method_ != Method::kActiveSet) inverse_ = BlockInverse(part.inertia);
 }
 
 IslandSolver::Method IslandSolver::choose_method() const {
@@ -132,6 +131,7 @@ void IslandSolver::load_method(Method method) {
       break;
   }
   solver().load(part_);
+  if (needs_velocity_ && method_ != Method::kActiveSet) inverse_ = BlockInverse(part_.contact()->inertia);
 }
 
 void IslandSolver::place_unknowns(const ContactProblem& part) {
@@ -190,13 +190,16 @@ Claim IslandSolver::solve(const Vector* start, const AutoLimits& limits, Vector&
   return Claim::kSolved;
 }
 
-/// The method, and where a sparse one does not get there the dense one that always does, if the island is not too
-/// large.
+/// The method, and where it does not get there the next.
 Claim IslandSolver::run(const Vector* start, const AutoLimits& limits, AutoReport& report) {
-  const Claim claim = run_once(start, limits, report);
-  if (!is_sparse(method_) || claim == Claim::kSolved || claim == Claim::kTimeLimit) return claim;
-  load_method(method_ == Method::kVelocityIpm ? Method::kActiveSet : Method::kContactLemke);
-  return run_once(nullptr, limits, report);
+  for (;;) {
+    const Claim claim = run_once(start, limits, report);
+    const bool gave_up = claim == Claim::kNumericalFailure || claim == Claim::kUnsupported ||
+                         (claim == Claim::kIterationLimit && limits.max_pivots == 0);
+    if (!gave_up || method_ == Method::kContactLemke) return claim;
+    load_method(method_ == Method::kVelocityIpm ? Method::kActiveSet : Method::kContactLemke);
+    start = nullptr;
+  }
 }
 
 Claim IslandSolver::run_once(const Vector* start, const AutoLimits& limits, AutoReport& report) {
