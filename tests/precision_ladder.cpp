@@ -59,7 +59,7 @@ void add(const Problem& problem, std::vector<Rung>& rungs) {
   QuadVector exact;
   bool proven = false;
   for (Rung& rung : rungs) {
-    timed_solve(*rung.solver, problem, {}, rung.result);
+    timed_solve(*rung.solver, problem, {.repeat_until_s = 2e-4}, rung.result);
     const Answer& answer = rung.result.answer;
     const Errors errors = evaluator.errors(answer);
     const bool claims = answer.claim == Claim::kSolved;
