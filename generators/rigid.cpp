@@ -41,11 +41,13 @@ double round_to_normal_grid(double value) {
   return static_cast<double>(static_cast<std::int64_t>(steps + (steps >= 0 ? 0.5 : -0.5))) / kNormalSteps;
 }
 
+double square_of(const Triple& a) { return a[0] * a[0] + a[1] * a[1] + a[2] * a[2]; }
+
 // Uniform in direction: a point of the unit ball, not too near its centre, divided by its length and rounded.
 Triple draw_general_normal(DrawSequence& draws) {
   for (;;) {
     const Triple point = draw_velocity(draws);
-    const double square = point[0] * point[0] + point[1] * point[1] + point[2] * point[2];
+    const double square = square_of(point);
     if (square > 1 || square < 0x1p-4) continue;
     const double length = std::sqrt(square);
     return {round_to_normal_grid(point[0] / length), round_to_normal_grid(point[1] / length),
@@ -60,11 +62,15 @@ Triple draw_axis_normal(DrawSequence& draws) {
   return normal;
 }
 
+// Uniform in direction across the normal: a point of the unit ball, which has no corners that the plane would see,
+// projected and turned by a right angle.
 Triple draw_general_tangent(DrawSequence& draws, const Triple& normal) {
   for (;;) {
-    const Triple across = cross(draw_velocity(draws), normal);
-    const double square = across[0] * across[0] + across[1] * across[1] + across[2] * across[2];
-    if (square > 1 || square < 0x1p-4) continue;
+    const Triple point = draw_velocity(draws);
+    if (square_of(point) > 1) continue;
+    const Triple across = cross(point, normal);
+    const double square = square_of(across);
+    if (square < 0x1p-4) continue;
     const double length = std::sqrt(square);
     return {round_to_normal_grid(across[0] / length), round_to_normal_grid(across[1] / length),
             round_to_normal_grid(across[2] / length)};

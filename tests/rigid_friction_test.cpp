@@ -89,8 +89,9 @@ TEST(RigidFrictionTest, TangentsHaveLengthOneAndLieAcrossTheNormal) {
 
 TEST(RigidFrictionTest, FrictionCoefficientsAndTangentsAreUniform) {
   std::vector<int> mu(16), angle(8);
+  std::vector<int> tilt(4);  // against the plane of two axes, where the normal is halfway between them
   const Opened general = open("rigid/frictional/exp1");
-  for (std::uint64_t trial = 0; trial < 1000; ++trial) {
+  for (std::uint64_t trial = 0; trial < 3000; ++trial) {
     for (const RigidContactSample& contact : general.draw(trial).contacts) {
       ASSERT_TRUE(contact.mu >= 0 && contact.mu < 1);
       ASSERT_EQ(std::trunc(contact.mu * 0x1p20), contact.mu * 0x1p20);
@@ -99,7 +100,18 @@ TEST(RigidFrictionTest, FrictionCoefficientsAndTangentsAreUniform) {
       const Triple first = cross(contact.normal, axis);
       const double turn = std::atan2(to_double(dot(contact.tangent, cross(contact.normal, first))),
                                      to_double(dot(contact.tangent, first)));
-      ++angle[std::min<std::size_t>(7, static_cast<std::size_t>((turn / std::numbers::pi + 1) * 4))];
+      const std::size_t sector = std::min<std::size_t>(7, static_cast<std::size_t>((turn / std::numbers::pi + 1) * 4));
+      ++angle[sector];
+      const Triple& normal = contact.normal;
+      const auto smaller = [&normal](std::size_t i, std::size_t j) {
+        return std::fabs(normal[i]) < std::fabs(normal[j]);
+      };
+      const std::size_t least = std::min({std::size_t{0}, std::size_t{1}, std::size_t{2}}, smaller);
+      const std::size_t next = std::min((least + 1) % 3, (least + 2) % 3, smaller);
+      if (std::fabs(normal[least]) > 0.25 || std::fabs(normal[next]) < 0.5) continue;
+      const double share = std::fabs(contact.tangent[least]) / std::sqrt(1 - normal[least] * normal[least]);
+      ++tilt[std::min<std::size_t>(3,
+                                   static_cast<std::size_t>(8 / std::numbers::pi * std::asin(std::min(share, 1.0))))];
     }
   }
   std::vector<int> side(6);
@@ -116,6 +128,11 @@ TEST(RigidFrictionTest, FrictionCoefficientsAndTangentsAreUniform) {
   uniform.add_uniform(angle);
   uniform.add_uniform(side);
   EXPECT_TRUE(uniform.plausible()) << uniform.statistic() << " at " << uniform.degrees() << " degrees of freedom";
+
+  // Tangents from points of a cube instead of a ball lean that way, and only there.
+  checks::ChiSquare upright;
+  upright.add_uniform(tilt);
+  EXPECT_TRUE(upright.plausible()) << upright.statistic() << " at " << upright.degrees() << " degrees of freedom";
 }
 
 // The largest error of a friction row [d; r x d] in double, d being the direction that the row itself has.
