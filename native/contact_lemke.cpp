@@ -167,10 +167,12 @@ double ContactLemke::roundoff_of(const LoadedContacts& engine) const {
 }
 
 /// Several times what the sets of the study take at most; where the last basis is of little help, better begin anew.
-std::ptrdiff_t ContactLemke::pivots_of_rung(const Rules& rules) const {
+/// Large kernels that double does not get through may take long paths.
+std::ptrdiff_t ContactLemke::pivots_of_rung(const LoadedContacts& engine, const Rules& rules) const {
   const std::ptrdiff_t rows = data_.input.nc + data_.input.ngc;
   if (rules.resume) return 2 * rows + 10;
-  return rules.classic ? 50 * (rows + data_.friction_begin.back()) + 500 : 20 * rows + 100;
+  const bool long_path = data_.input.ngc > kSmallKernel && (&engine == &double_double_ || &engine == &quad_);
+  return rules.classic ? 50 * (rows + data_.friction_begin.back()) + 500 : (long_path ? 60 : 20) * rows + 100;
 }
 
 void ContactLemke::on_solve(const SolveRequest& request, Answer& answer) {
@@ -227,7 +229,7 @@ Ending ContactLemke::run(LoadedContacts& engine, Rules rules, Progress& progress
   rules.pivot_tolerance = roundoff * settings_.pivot_tolerance;
   rules.tie_tolerance = roundoff * settings_.tie_tolerance;
   rules.residual_tolerance = roundoff * settings_.refine_tolerance;
-  rules.max_pivots = std::min(pivots_of_rung(rules), progress.pivots_left(settings_.max_pivots));
+  rules.max_pivots = std::min(pivots_of_rung(engine, rules), progress.pivots_left(settings_.max_pivots));
   rules.refinements = static_cast<std::ptrdiff_t>(settings_.max_refinements);
   rules.deadline_s = progress.deadline_s;
   rules.clock_s = wall_clock_s;

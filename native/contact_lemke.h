@@ -132,7 +132,7 @@ class ContactLemke final : public Solver {
   bool in_float() const { return settings_.precision == ContactLemkePrecision::kFloat; }
   LoadedContacts& engine_of(ContactArithmetic arithmetic);
   double roundoff_of(const LoadedContacts& engine) const;
-  std::ptrdiff_t pivots_of_rung(const contact_lemke::Rules& rules) const;
+  std::ptrdiff_t pivots_of_rung(const LoadedContacts& engine, const contact_lemke::Rules& rules) const;
   bool resumes(const SolveRequest& request) const;
   bool climb(const ContactRung& rung, contact_lemke::Rules rules, Progress& progress, Answer& answer);
   contact_lemke::Ending run(LoadedContacts& engine, contact_lemke::Rules rules, Progress& progress, Vector& z);
