@@ -33,13 +33,23 @@ std::unique_ptr<Solver> make_native(const Spec& spec) {
 
 void check_layout(const EigenLayout& caller) {
   const EigenLayout here;
-  if (caller == here) return;
-  const auto text = [](const EigenLayout& layout) {
-    return std::to_string(layout.version / 100) + "." + std::to_string(layout.version % 100) +
-           " with memory aligned to " + std::to_string(layout.alignment) + " bytes";
+  const auto refuse = [](const std::string& what, int there, int expected, const char* advice) {
+    throw InputError("the program was compiled with " + what + " " + std::to_string(there) + ", lcpbench with " +
+                     std::to_string(expected) + ": build both with the same " + advice);
   };
-  throw InputError("the program was compiled for Eigen " + text(caller) + ", lcpbench for " + text(here) +
-                   ": build both with the same -m options");
+  if (caller.version != here.version) refuse("Eigen's version", caller.version, here.version, "Eigen");
+  if (caller.alignment != here.alignment) {
+    refuse("Eigen's alignment in bytes", caller.alignment, here.alignment, "-m options");
+  }
+  if (caller.plain_malloc != here.plain_malloc) {
+    refuse("Eigen's plain malloc", caller.plain_malloc, here.plain_malloc, "-fsanitize and EIGEN_ options");
+  }
+  if (caller.index_bytes != here.index_bytes) {
+    refuse("Eigen's index size in bytes", caller.index_bytes, here.index_bytes, "EIGEN_ options");
+  }
+  if (caller.row_major != here.row_major) {
+    refuse("Eigen's row-major default", caller.row_major, here.row_major, "EIGEN_ options");
+  }
 }
 
 }  // namespace
@@ -62,6 +72,7 @@ struct ContactSolver::State {
   void load(Problem next);
   void forget_answer();
   void compute_velocity();
+  bool has_answer() const { return answer.claim == Claim::kSolved && answer.z.size() == layout.size(); }
   double friction(Index contact, Index t) const;
 };
 
@@ -83,19 +94,19 @@ void ContactSolver::State::load(Problem next) {
 void ContactSolver::State::forget_answer() {
   answer.claim = Claim::kNumericalFailure;
   answer.z.setZero(problem.size());
-  answer.velocity.resize(0);
-  answer.farkas.resize(0);
+  answer.velocity.setZero();
+  answer.farkas.setZero();
   answer.counters = Counters{};
   answer.detail.clear();
 }
 
 void ContactSolver::State::compute_velocity() {
-  if (answer.velocity.size() == v.size() && answer.claim == Claim::kSolved) {
+  velocity = v;
+  if (!has_answer()) return;
+  if (answer.velocity.size() == v.size()) {
     velocity = answer.velocity;
     return;
   }
-  velocity = v;
-  if (answer.z.size() != layout.size()) return;
   impulse.setZero();
   add_impulses(contacts->N, answer.z.data(), impulse);
   add_impulses(contacts->D, answer.z.data() + layout.friction_offset(), impulse);
@@ -106,6 +117,7 @@ double ContactSolver::State::friction(Index contact, Index t) const {
   const auto c = static_cast<std::size_t>(contact);
   const Index half = (layout.friction_begin[c + 1] - layout.friction_begin[c]) / 2;
   if (t < 0 || t >= half) throw std::out_of_range("the contact has no friction direction " + std::to_string(t));
+  if (!has_answer()) return 0.0;
   const Index first = layout.friction_offset() + layout.friction_begin[c] + t;
   return answer.z(first) - answer.z(first + half);
 }
@@ -156,6 +168,7 @@ void ContactSolver::set_velocity(const Vector& v) {
   if (!v.allFinite()) throw InputError("v holds NaN or infinity");
   state.v = v;
   state.velocity = v;
+  state.forget_answer();
   state.solver->update(state.v);
 }
 
@@ -165,8 +178,12 @@ Claim ContactSolver::solve(double time_limit_s) {
   request.time_limit_s = time_limit_s;
   if (state.has_start) request.start = &state.start;
   state.solver->solve(request, state.answer);
-  state.has_start = state.solver->capabilities().warm_start && state.answer.claim == Claim::kSolved;
-  if (state.has_start) state.start = state.answer.z;
+  const Vector& z = state.answer.z;
+  const Claim claim = state.answer.claim;
+  const bool usable = claim == Claim::kSolved || claim == Claim::kIterationLimit || claim == Claim::kTimeLimit;
+  state.has_start =
+      usable && state.solver->capabilities().warm_start && z.size() == state.start.size() && z.allFinite();
+  if (state.has_start) state.start = z;
   state.compute_velocity();
   return state.answer.claim;
 }
@@ -178,13 +195,13 @@ double ContactSolver::normal_impulse(Index contact) const {
   if (contact < 0 || contact >= state.layout.nc) {
     throw std::out_of_range("there is no contact " + std::to_string(contact));
   }
-  return state.answer.z.size() == 0 ? 0.0 : state.answer.z(contact);
+  return state.has_answer() ? state.answer.z(contact) : 0.0;
 }
 
 double ContactSolver::friction_impulse(Index contact, Index t) const {
   normal_impulse(contact);  // tests the index
   const State& state = loaded();
-  return state.answer.z.size() == 0 ? 0.0 : state.friction(contact, t);
+  return state.friction(contact, t);
 }
 
 Eigen::Vector3d ContactSolver::impulse(Index contact) const {

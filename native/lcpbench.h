@@ -27,11 +27,13 @@ struct NativeSolver {
 std::vector<NativeSolver> native_solvers();
 
 /// How Eigen's matrices are laid out and allocated where this is compiled. Where it differs, matrices cannot be handed
-/// on: one side would free what the other allocated in another way.
+/// on: one side would read other entries, or free what the other allocated in another way.
 struct EigenLayout {
   int version = 100 * EIGEN_WORLD_VERSION + EIGEN_MAJOR_VERSION;
-  int alignment = EIGEN_DEFAULT_ALIGN_BYTES;  ///< -mavx, -march=native and the like change it
-  bool plain_malloc = EIGEN_MALLOC_ALREADY_ALIGNED != 0;
+  int alignment = EIGEN_DEFAULT_ALIGN_BYTES;              ///< -mavx, -march=native and the like change it
+  bool plain_malloc = EIGEN_MALLOC_ALREADY_ALIGNED != 0;  ///< -fsanitize=address changes it
+  int index_bytes = sizeof(Eigen::Index);                 ///< EIGEN_DEFAULT_DENSE_INDEX_TYPE
+  bool row_major = Eigen::MatrixXd::IsRowMajor;           ///< EIGEN_DEFAULT_TO_ROW_MAJOR
 
   bool operator==(const EigenLayout&) const = default;
 };
@@ -57,8 +59,8 @@ class ContactSolver {
   /// @param spec name and settings: "auto", "contact_lemke{precision=double}", "active_set"; see
   ///     native_solvers() and the page of each solver in docs/
   /// @param layout leave it alone: it tells how the caller's code was compiled
-  /// @throws InputError for unknown names and settings, and where caller and library were compiled with -m options for
-  ///     which Eigen lays out memory differently: build both with the same ones
+  /// @throws InputError for unknown names and settings, and where caller and library were compiled with options for
+  ///     which Eigen lays out or allocates memory differently; the message names what differs
   explicit ContactSolver(std::string_view spec, EigenLayout layout = {});
   ~ContactSolver();
   ContactSolver(ContactSolver&& other) noexcept;
@@ -79,26 +81,28 @@ class ContactSolver {
   ///     pairs is the caller's promise: testing it would cost more than a solve (`lcpbench solve` tests it).
   void load(const ContactProblem& contacts);
 
-  /// Another velocity for the same contacts and inertia; what depends on these alone is kept.
+  /// Another velocity for the same contacts and inertia; what depends on these alone is kept. There is no answer until
+  /// the next solve.
   /// Six entries per body for scenes, linear then angular. Allocates nothing with the solvers that say so.
   /// @throws InputError for another number of entries, NaN or infinity; std::logic_error before load()
   void set_velocity(const Vector& v);
 
-  /// Solves what is loaded, from the impulses of the last solve where the solver can use them.
+  /// Solves what is loaded, from the impulses of the last solve, finished or cut short, where the solver can use them.
   ///
   /// Allocates nothing with solvers whose capabilities say so, on every call but the first after load().
   /// @param time_limit_s wall clock; obeyed to within a few pivots by solvers whose capabilities say so
   /// @returns kSolved: every condition holds to the solver's tolerance; kUnsolvable: no impulses exist (only with
-  ///     singular inertia); kIterationLimit, kTimeLimit, kNumericalFailure: no answer. A claim is the solver's own:
-  ///     docs/ tells for each how it is tested.
+  ///     singular inertia); kIterationLimit, kTimeLimit, kNumericalFailure, kUnsupported: no answer. A claim is the
+  ///     solver's own: docs/ tells for each how it is tested.
   /// @throws std::logic_error before load()
   Claim solve(double time_limit_s = std::numeric_limits<double>::infinity());
 
-  /// ngc: the velocity under the impulses found, v + G* J f; v itself before a solve and where none were found. From
+  /// ngc: the velocity under the impulses found, v + G* J f; v itself unless the last claim is kSolved. From
   /// the solver where it returns one (precision=polished), else computed here: a product with N, D and G*.
   const Vector& velocity() const;
 
-  /// Impulse along the contact's normal [N s], >= 0; 0 before a solve and where none was found.
+  /// Impulse along the contact's normal [N s], >= 0; 0 unless the last claim is kSolved. The last iterate of a solver
+  /// that was cut short is answer().z.
   /// @throws std::out_of_range for this and the next two
   double normal_impulse(Index contact) const;
 

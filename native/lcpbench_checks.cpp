@@ -1,6 +1,7 @@
 #include "native/lcpbench_checks.h"
 
 #include <Eigen/Cholesky>
+#include <cmath>
 #include <cstddef>
 #include <string>
 #include <variant>
@@ -19,8 +20,17 @@ std::string at(const char* list, std::size_t i, const char* field) {
   throw InputError(field + " is " + value + ", expected " + expected);
 }
 
+void check_finite(const Eigen::Vector3d& vector, const char* list, std::size_t i, const char* field) {
+  if (!vector.allFinite()) throw InputError(at(list, i, field) + " holds NaN or infinity");
+}
+
 void check_body(const RigidBody& body, std::size_t i) {
-  if (!(body.mass > 0)) refuse(at("bodies", i, "mass"), format_real(body.mass), "> 0");
+  if (!(body.mass > 0) || !std::isfinite(body.mass)) {
+    refuse(at("bodies", i, "mass"), format_real(body.mass), "a finite number > 0");
+  }
+  check_finite(body.position, "bodies", i, "position");
+  check_finite(body.linear_velocity, "bodies", i, "linear_velocity");
+  check_finite(body.angular_velocity, "bodies", i, "angular_velocity");
   const Eigen::LLT<Eigen::Matrix3d> cholesky(body.inertia);
   const Eigen::Vector3d pivots = cholesky.matrixLLT().diagonal();
   if (cholesky.info() != Eigen::Success || !(pivots.array() > 0).all()) {  // Eigen's own test lets NaN pass
@@ -48,6 +58,9 @@ void check_contact(const RigidScene& scene, std::size_t i) {
   if (contact.edges != 0 && contact.edges != 4) {
     refuse(at("contacts", i, "edges"), std::to_string(contact.edges), "0 or 4");
   }
+  check_finite(contact.point, "contacts", i, "point");
+  check_finite(contact.normal, "contacts", i, "normal");
+  check_finite(contact.tangent, "contacts", i, "tangent");
   check_friction(contact.mu, contact.edges, at("contacts", i, "mu"));
 }
 

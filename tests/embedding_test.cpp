@@ -175,6 +175,40 @@ TEST(EmbeddingTest, WithoutAnAnswerTheVelocityIsTheGivenOne) {
   EXPECT_NE(solver.velocity(), falling());
   solver.set_velocity(falling(1));
   EXPECT_EQ(solver.velocity(), falling(1)) << "not solved yet";
+  EXPECT_EQ(solver.normal_impulse(3), 0) << "not solved yet";
+  EXPECT_NE(solver.answer().claim, Claim::kSolved) << "not solved yet";
+}
+
+TEST(EmbeddingTest, WhoeverIsCutShortHandsOutNoIterate) {
+  for (const NativeSolver& each : native_solvers()) {
+    SCOPED_TRACE(each.name);
+    ContactSolver solver(each.name);
+    solver.load(box_on_ground(0));
+    solver.set_velocity(falling());
+    if (solver.solve(0.0) == Claim::kSolved) continue;
+    EXPECT_EQ(solver.velocity(), falling());
+    for (Index contact = 0; contact < 4; ++contact) EXPECT_EQ(solver.impulse(contact), Eigen::Vector3d::Zero());
+  }
+  ContactSolver relaxation("psor{max_iterations=1}");
+  relaxation.load(box_on_ground(0.5));
+  relaxation.set_velocity(falling(1));
+  ASSERT_EQ(relaxation.solve(), Claim::kIterationLimit);
+  EXPECT_GT(relaxation.answer().z.norm(), 0) << "an iterate";
+  EXPECT_EQ(relaxation.velocity(), falling(1));
+  EXPECT_EQ(relaxation.normal_impulse(0), 0);
+}
+
+/// In a loop of few iterations per step, each step goes on from the last.
+TEST(EmbeddingTest, StepsThatAreCutShortGetThere) {
+  ContactSolver relaxation("psor{max_iterations=2}");
+  relaxation.load(box_on_ground(0));
+  int steps = 1;
+  for (; steps < 10000; ++steps) {
+    relaxation.set_velocity(falling());
+    if (relaxation.solve() == Claim::kSolved) break;
+  }
+  EXPECT_GT(steps, 1);
+  EXPECT_LT(steps, 10000);
 }
 
 TEST(EmbeddingTest, BadInputIsNamedAndLeavesTheSolverAsItWas) {
@@ -199,13 +233,14 @@ TEST(EmbeddingTest, BadInputIsNamedAndLeavesTheSolverAsItWas) {
   EXPECT_EQ(of_scene([&](RigidScene& s) { s.contacts[0].mu = nan; }), "contacts[0].mu is nan, expected >= 0");
   EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[3].edges = 0; }),
             "contacts[3].mu would be ignored: the contact has no edges");
-  EXPECT_EQ(of_scene([](RigidScene& s) { s.bodies[0].mass = 0; }), "bodies[0].mass is 0, expected > 0");
+  EXPECT_EQ(of_scene([](RigidScene& s) { s.bodies[0].mass = 0; }), "bodies[0].mass is 0, expected a finite number > 0");
   EXPECT_EQ(of_scene([&](RigidScene& s) { s.bodies[0].inertia(1, 1) = nan; }),
             "bodies[0].inertia is not positive definite");
   EXPECT_EQ(of_scene([](RigidScene& s) { s.bodies[0].inertia(2, 2) = -1; }),
             "bodies[0].inertia is not positive definite");
-  EXPECT_EQ(of_scene([&](RigidScene& s) { s.contacts[0].point.x() = nan; }),
-            "contact_lemke: the data hold NaN or infinity");
+  EXPECT_EQ(of_scene([&](RigidScene& s) { s.contacts[0].point.x() = nan; }), "contacts[0].point holds NaN or infinity");
+  EXPECT_EQ(of_scene([&](RigidScene& s) { s.bodies[0].angular_velocity.y() = nan; }),
+            "bodies[0].angular_velocity holds NaN or infinity");
 
   const auto of_contacts = [&](auto&& change) {
     ContactProblem contacts = contact_problem(box_on_ground(0.5));
@@ -236,6 +271,12 @@ TEST(EmbeddingTest, ConstructionRefusesWhatItDoesNotKnow) {
   EigenLayout wider;
   wider.alignment *= 2;
   EXPECT_NE(refusal([&] { ContactSolver("contact_lemke", wider); }).find("same -m options"), std::string::npos);
+  EigenLayout sanitized;
+  sanitized.plain_malloc = !sanitized.plain_malloc;
+  EXPECT_NE(refusal([&] { ContactSolver("contact_lemke", sanitized); }).find("-fsanitize"), std::string::npos);
+  EigenLayout rows;
+  rows.row_major = !rows.row_major;
+  EXPECT_NE(refusal([&] { ContactSolver("contact_lemke", rows); }).find("row-major"), std::string::npos);
   ContactSolver empty("contact_lemke");
   EXPECT_THROW(empty.solve(), std::logic_error);
   EXPECT_THROW(empty.set_velocity(Vector::Zero(6)), std::logic_error);
