@@ -18,7 +18,6 @@ namespace {
 /// Our interior point over CHOLMOD: the library factorizes, the method is ours.
 constexpr const char* kOursInAWorker = "velocity_ipm_cholmod";
 
-constexpr std::int64_t kTrials = 1000;
 constexpr double kTimeLimitS = 2.0;
 
 struct DefaultSet {
@@ -32,22 +31,29 @@ constexpr DefaultSet kDefaultSets[]{{"rigid/exp1{nc_max=8}", 1},    {"planted/de
                                     {"paper/monotone/exp5-1e8", 1}, {"paper/copositive/exp1", 0.1},
                                     {"rigid/frictional/exp1", 0.1}};
 
-struct Subsample {
-  const char* solver;
-  const char* sets;
+/// A reference that takes more than 10 ms on most problems: it runs on trials 0, every, 2 every, ..., and on all of the
+/// sets on which it is quick.
+struct SlowReference {
+  const char* name;
   std::int64_t every;
+  std::vector<std::string> quick_on;
 };
 
-/// Entries of one solver add up; a solver without any runs on every problem.
-constexpr Subsample kSubsamples[]{
-    {"ipopt_qp", "rigid/exp1*", 1},          {"ipopt_qp", "*", 10},
-    {"ipopt_mpcc", "rigid/exp1*", 1},        {"ipopt_mpcc", "*", 20},
-    {"ipopt_scholtes", "rigid/exp1*", 1},    {"ipopt_scholtes", "*", 50},
-    {"bullet_lemke", "rigid/exp1*", 1},      {"bullet_lemke", "planted/*", 1},
-    {"bullet_lemke", "paper/monotone/*", 1}, {"bullet_lemke", "*", 5},
-    {"siconos_avi", "rigid/exp1*", 1},       {"siconos_avi", "planted/*", 1},
-    {"siconos_avi", "paper/monotone/*", 1},  {"siconos_avi", "*", 5},
-};
+/// So many problems of each set it gets, or all of a smaller one.
+constexpr std::int64_t kFewest = 20;
+
+const std::vector<SlowReference>& slow_references() {
+  static const std::vector<std::string> small{"rigid/exp1*", "file:*"};
+  static const std::vector<std::string> frictionless{"rigid/exp*", "planted/*", "paper/monotone/*", "file:*"};
+  static const std::vector<SlowReference> slow{{"ipopt_qp", 10, small},
+                                               {"ipopt_mpcc", 20, small},
+                                               {"ipopt_scholtes", 50, small},
+                                               {"bullet_lemke", 5, frictionless},
+                                               {"siconos_avi", 5, frictionless},
+                                               {"siconos_lemke", 5, frictionless},
+                                               {"siconos_newton_fb", 5, frictionless}};
+  return slow;
+}
 
 PlannedSolver planned(const Spec& spec) {
   PlannedSolver solver;
@@ -55,21 +61,19 @@ PlannedSolver planned(const Spec& spec) {
   return solver;
 }
 
-void add_unasked(const RegisteredSolver& registered, bool subsample, std::vector<PlannedSolver>& solvers) {
-  PlannedSolver solver = planned({registered.definition.name, {}});
-  bool listed = false;
-  for (const Subsample& entry : kSubsamples) {
-    if (!subsample || registered.definition.name != entry.solver) continue;
-    solver.every = entry.every;
-    solver.sets = {entry.sets};
-    solvers.push_back(solver);
-    listed = true;
+void add_unasked(const std::string& name, std::int64_t trials, std::vector<PlannedSolver>& solvers) {
+  PlannedSolver solver = planned({name, {}});
+  for (const SlowReference& slow : slow_references()) {
+    if (name != slow.name) continue;
+    PlannedSolver sampled = solver;
+    sampled.every = std::clamp<std::int64_t>(trials / kFewest, 1, slow.every);
+    solvers.push_back(std::move(sampled));
+    solver.sets = slow.quick_on;  // entries of one solver add up
   }
-  if (!listed) solvers.push_back(std::move(solver));
+  solvers.push_back(std::move(solver));
 }
 
-/// @param subsample  whether those that were not asked for may leave out problems
-std::vector<PlannedSolver> validation_solvers(const std::vector<Spec>& asked, bool subsample) {
+std::vector<PlannedSolver> validation_solvers(const std::vector<Spec>& asked, std::int64_t trials) {
   std::vector<PlannedSolver> solvers;
   bool ours_asked = false;
   bool reference_asked = false;
@@ -79,20 +83,18 @@ std::vector<PlannedSolver> validation_solvers(const std::vector<Spec>& asked, bo
   }
   for (const RegisteredSolver& solver : registered_solvers()) {
     const bool wanted = is_ours(solver) ? !ours_asked : !reference_asked;
-    if (wanted && runs_unasked(solver)) add_unasked(solver, subsample, solvers);
+    if (wanted && runs_unasked(solver)) add_unasked(solver.definition.name, trials, solvers);
   }
   return solvers;
 }
 
-Plan plan_without_sets(const std::vector<Spec>& asked, bool subsample) {
-  Plan plan;
-  plan.name = "validate";
-  plan.trials = kTrials;
-  plan.time_limit_s = kTimeLimitS;
-  plan.repeat_until_s = 0;
-  plan.solvers = validation_solvers(asked, subsample);
-  plan.other_sets = true;  // a subsample that matches no set is none
-  return plan;
+std::vector<PlannedSet> default_sets() {
+  std::vector<PlannedSet> sets;
+  for (const DefaultSet& set : kDefaultSets) {
+    sets.push_back({.pattern = set.pattern});
+    if (set.share < 1) sets.back().share = set.share;
+  }
+  return sets;
 }
 
 struct Contender {
@@ -153,6 +155,7 @@ class Comparer {
       problem_ = answer.problem_id;
       const auto solver = solver_of_.find(answer.solver_id);
       if (solver == solver_of_.end() || answer.claim == Claim::kUnsupported) return;
+      if (!planned(solver->second)) return;
       entries_.push_back({solver->second, answer, standing(answer.claim, answer.verdict)});
     });
     compare_entries();
@@ -169,6 +172,12 @@ class Comparer {
   const std::string& reference_text(std::size_t reference) const {
     static const std::string truth = kTruthReference;
     return reference == truth_column() ? truth : contenders_[reference].text;
+  }
+
+  /// A store may hold more than this study.
+  bool planned(std::size_t solver) const {
+    const auto problem = problems_.find(problem_);
+    return problem != problems_.end() && study_.solvers[solver].takes(problem->second.first, problem->second.second);
   }
 
   void add(std::size_t native, std::size_t reference, Outcome outcome, bool silent) {
@@ -303,18 +312,15 @@ std::vector<PairCounts> over_all_sets(const std::vector<PairCounts>& pairs) {
 
 bool is_ours(const RegisteredSolver& solver) { return solver.native() || solver.definition.name == kOursInAWorker; }
 
-Plan validation_plan(const std::vector<Spec>& asked) {
-  Plan plan = plan_without_sets(asked, true);
-  for (const DefaultSet& set : kDefaultSets) {
-    PlannedSet planned_set{.pattern = set.pattern};
-    if (set.share < 1) planned_set.share = set.share;
-    plan.sets.push_back(std::move(planned_set));
-  }
-  return plan;
-}
-
-Plan validation_plan(const std::vector<Spec>& asked, const std::vector<std::string>& sets) {
-  Plan plan = plan_without_sets(asked, false);
+Plan validation_plan(const std::vector<Spec>& asked, const std::vector<std::string>& sets, std::int64_t trials) {
+  Plan plan;
+  plan.name = "validate";
+  plan.trials = trials;
+  plan.time_limit_s = kTimeLimitS;
+  plan.repeat_until_s = 0;
+  plan.solvers = validation_solvers(asked, trials);
+  plan.other_sets = true;  // that a slow reference is quick on a set says nothing about what is asked for
+  if (sets.empty()) plan.sets = default_sets();
   for (const std::string& set : sets) plan.sets.push_back({.pattern = set});
   return plan;
 }

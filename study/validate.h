@@ -72,14 +72,12 @@ inline constexpr const char* kTruthReference = "truth";
 /// Whether the method is ours: native, or ours over a library's linear algebra.
 bool is_ours(const RegisteredSolver& solver);
 
-/// The plan of a validation without --set: every solver meets every other on small rigid scenes, most on problems of
-/// the paper too, solvers that need more than 10 ms there on every so-manieth.
-/// @param asked  solvers that are compared: ours with the references among them, or with all references that run
-///   unasked where there is none; references alone with all of ours. These run on every problem.
-Plan validation_plan(const std::vector<Spec>& asked);
-
-/// The same solvers on every problem of the sets.
-Plan validation_plan(const std::vector<Spec>& asked, const std::vector<std::string>& sets);
+/// What a validation runs.
+/// @param asked  solvers that are compared, each on every problem: ours with the references among them, or with all
+///   references that run unasked where there is none; references alone with all of ours. References that need more than
+///   10 ms for most problems, and were not asked for, run on every so-manieth problem, 20 of each set at least.
+/// @param sets  none: every solver meets every other on `trials` small rigid scenes, most on problems of the paper too
+Plan validation_plan(const std::vector<Spec>& asked, const std::vector<std::string>& sets, std::int64_t trials);
 
 /// Compares all answers of a study that the store holds: each of ours with each reference, and with the truth where
 /// theory, a certificate or a checked proof tells it. Velocities are compared where they are unique

@@ -241,22 +241,22 @@ std::vector<std::string> names(const Plan& plan) {
 }
 
 TEST(ValidationPlanTest, AsksForBothSides) {
-  const std::vector<std::string> all = names(validation_plan({}));
+  const std::vector<std::string> all = names(validation_plan({}, {}, 1000));
   EXPECT_EQ(std::count(all.begin(), all.end(), "lemke"), 1);
   EXPECT_EQ(std::count(all.begin(), all.end(), "external"), 0);  // has to be told its command
   for (const std::string& name : all) EXPECT_TRUE(runs_unasked(find_solver(name))) << name;
 
-  const std::vector<std::string> one = names(validation_plan({parse_spec("lemke{engine=dense}")}));
+  const std::vector<std::string> one = names(validation_plan({parse_spec("lemke{engine=dense}")}, {}, 1000));
   EXPECT_EQ(one.front(), "lemke{engine=dense}");
   for (std::size_t i = 1; i < one.size(); ++i) EXPECT_FALSE(is_ours(find_solver(one[i]))) << one[i];
 
   const std::vector<std::string> both =
-      names(validation_plan({parse_spec("lemke"), parse_spec("external{command=./mine}")}));
+      names(validation_plan({parse_spec("lemke"), parse_spec("external{command=./mine}")}, {}, 1000));
   EXPECT_EQ(both, (std::vector<std::string>{"lemke", "external{command=./mine}"}));
 }
 
 TEST(ValidationPlanTest, ResolvesAndGivesEveryPairItsThousand) {
-  const Study study = resolve(validation_plan({}));
+  const Study study = resolve(validation_plan({}, {}, 1000));
   const std::string common = study.sets.at(0).set->name();
   EXPECT_EQ(common, "rigid/exp1{nc_max=8}");
   EXPECT_EQ(study.sets.at(0).trials, 1000);
@@ -267,11 +267,24 @@ TEST(ValidationPlanTest, ResolvesAndGivesEveryPairItsThousand) {
   }
 }
 
-TEST(ValidationPlanTest, SetsThatWereAskedForAreNotSubsampled) {
-  for (const PlannedSolver& solver : validation_plan({}, {"paper/copositive/exp1"}).solvers) {
-    EXPECT_EQ(solver.every, 1) << solver.spec.text();
-    EXPECT_TRUE(solver.sets.empty()) << solver.spec.text();
+std::int64_t problems_of(const Study& study, const std::string& solver) {
+  for (const StudySolver& planned : study.solvers) {
+    if (planned.row.name != solver) continue;
+    std::int64_t taken = 0;
+    for (std::int64_t trial = 0; trial < study.sets[0].trials; ++trial) taken += planned.takes(0, trial) ? 1 : 0;
+    return taken;
   }
+  return -1;
+}
+
+TEST(ValidationPlanTest, SlowReferencesLeaveOutProblemsUnlessTheyAreAskedFor) {
+  const std::vector<std::string> set{"paper/copositive/exp1"};
+  const std::string slow = "siconos_lemke";
+  if (!runs_unasked(find_solver(slow))) GTEST_SKIP() << slow << " is not available here";
+  EXPECT_EQ(problems_of(resolve(validation_plan({}, set, 1000)), slow), 200);
+  EXPECT_EQ(problems_of(resolve(validation_plan({}, set, 1000)), "lemke"), 1000);
+  EXPECT_EQ(problems_of(resolve(validation_plan({}, set, 20)), slow), 20);
+  EXPECT_EQ(problems_of(resolve(validation_plan({parse_spec(slow)}, set, 1000)), slow), 1000);
 }
 
 // ---- the command ----

@@ -43,7 +43,7 @@ constexpr int kSavedOfAKind = 3;
 struct Arguments {
   std::vector<std::string> sets;
   std::vector<std::string> solvers;
-  std::optional<std::int64_t> trials;
+  std::int64_t trials = 1000;
   std::uint64_t seed = 1;
   std::optional<double> time_limit_s;
   std::optional<int> jobs;
@@ -56,8 +56,7 @@ struct Arguments {
 Plan make_plan(const Arguments& arguments) {
   std::vector<Spec> asked;
   for (const std::string& solver : arguments.solvers) asked.push_back(parse_spec(solver));
-  Plan plan = arguments.sets.empty() ? validation_plan(asked) : validation_plan(asked, arguments.sets);
-  if (arguments.trials) plan.trials = *arguments.trials;
+  Plan plan = validation_plan(asked, arguments.sets, arguments.trials);
   if (arguments.time_limit_s) plan.time_limit_s = *arguments.time_limit_s;
   plan.seed = arguments.seed;
   return plan;
@@ -251,8 +250,9 @@ Action add_validate_command(CLI::App& command, const std::string& command_line) 
                   "name{key=value,...}: ours, compared with the references among them, or with all\nthat are "
                   "available; may be repeated (default: all)")
       ->allow_extra_args(false);
-  command.add_option("--trials", arguments->trials, "problems of each set (default 1000)")
-      ->check(CLI::Range(1, 100'000'000));
+  command.add_option("--trials", arguments->trials, "problems of each set")
+      ->check(CLI::Range(1, 100'000'000))
+      ->capture_default_str();
   command.add_option("--seed", arguments->seed, "stream of random problems")
       ->check(seed_check())
       ->capture_default_str();
