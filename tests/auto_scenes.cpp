@@ -111,7 +111,7 @@ void count_pivots(const BoxStacks& shape, int steps) {
     const bool claimed = last.claim == Claim::kSolved && anew.claim == Claim::kSolved;
     if (claimed && evaluator.errors(last).solved && evaluator.errors(anew).solved) ++verified;
   }
-  std::printf("%d,%g,%d,%d,%ld,%d,%ld,%ld,%.3g,%.4g,%.4g,%d\n", shape.edges, shape.jitter, shape.stacks, shape.height,
+  std::printf("%d,%g,%d,%d,%ld,%d,%ld,%ld,%.3g,%.4g,%.4g,%d\n", shape.edges, shape.fresh, shape.stacks, shape.height,
               static_cast<long>(first.contact()->nc()), steps, of_cold.pivots, of_warm.pivots,
               static_cast<double>(of_cold.pivots) / static_cast<double>(of_warm.pivots), of_cold.seconds,
               of_warm.seconds, verified);
@@ -119,11 +119,11 @@ void count_pivots(const BoxStacks& shape, int steps) {
 }
 
 void count_all_pivots(int steps) {
-  std::puts("edges,jitter,stacks,height,contacts,steps,cold_pivots,warm_pivots,ratio,cold_s,warm_s,verified");
+  std::puts("edges,fresh,stacks,height,contacts,steps,cold_pivots,warm_pivots,ratio,cold_s,warm_s,verified");
   for (const int edges : {0, 4}) {
-    for (const double jitter : {0.02, 0.1, 0.2}) {
+    for (const double fresh : {1.0, 0.2}) {
       for (const int height : {1, 2, 4, 8}) {
-        count_pivots({.stacks = 4, .height = height, .edges = edges, .jitter = jitter}, steps);
+        count_pivots({.stacks = 4, .height = height, .edges = edges, .fresh = fresh}, steps);
       }
     }
   }

@@ -14,6 +14,7 @@ struct BoxStacks {
   int lifted = 0;       ///< every so many-th stack flies up as one: none of its contacts approaches; 0: none
   double slide = 0;     ///< speed of all cubes along x
   double jitter = 0.1;  ///< disturbance as part of gravity's step
+  double fresh = 1;     ///< part of the disturbance that each step draws anew; the rest is that of step 0
 };
 
 /// In [-1/2, 1/2], without pattern and the same everywhere: the number times the golden ratio, modulo 1.
@@ -30,7 +31,10 @@ inline Vector falling_velocity(const BoxStacks& shape, int step) {
     const bool up = shape.lifted > 0 && (b / shape.height) % shape.lifted == shape.lifted - 1;
     const double size = 0.1 * (up ? 0 : shape.jitter);
     const long number = 6L * (static_cast<long>(step) * bodies + b);
-    for (int i = 0; i < 6; ++i) v(6 * b + i) = size * disturbance(number + i + 1);
+    for (int i = 0; i < 6; ++i) {
+      const double lasting = disturbance(6L * b + i + 1);
+      v(6 * b + i) = size * (shape.fresh * disturbance(number + i + 1) + (1 - shape.fresh) * lasting);
+    }
     v(6 * b) += shape.slide;
     v(6 * b + 2) += up ? 0.5 + 0.25 * (b % shape.height) : -0.1;
   }
