@@ -33,10 +33,10 @@ struct DoubleDouble {
 
   DoubleDouble operator-() const { return {-high, -low}; }
   friend DoubleDouble operator+(DoubleDouble a, DoubleDouble b) {
-    const DoubleDouble high = exact_sum(a.high, b.high);
-    const DoubleDouble low = exact_sum(a.low, b.low);
-    const DoubleDouble sum = renormalised(high.high, high.low + low.high);
-    return renormalised(sum.high, sum.low + low.low);
+    const DoubleDouble first = exact_sum(a.high, b.high);
+    const DoubleDouble second = exact_sum(a.low, b.low);
+    const DoubleDouble sum = renormalised(first.high, first.low + second.high);
+    return renormalised(sum.high, sum.low + second.low);
   }
   friend DoubleDouble operator-(DoubleDouble a, DoubleDouble b) { return a + -b; }
   friend DoubleDouble operator*(DoubleDouble a, DoubleDouble b) {
