@@ -16,22 +16,19 @@ using lemke::LCPBENCH_LEVEL::kInfinity;
 template <class Scalar>
 struct Lanes;
 
-/// Combines a register's lanes by halves.
+/// Combines a register's lanes by halves. They are copied out, since GCC has __builtin_shufflevector from version 12 on
+/// only; that takes no longer.
 template <class Scalar, class Pack, class Combine>
 inline Scalar reduce_lanes(Pack x, Combine combine) {
-  constexpr Count kWidth = static_cast<Count>(sizeof(Pack) / sizeof(Scalar));
-  if constexpr (kWidth == 16) {
-    return reduce_lanes<Scalar>(combine(__builtin_shufflevector(x, x, 0, 1, 2, 3, 4, 5, 6, 7),
-                                        __builtin_shufflevector(x, x, 8, 9, 10, 11, 12, 13, 14, 15)),
-                                combine);
-  } else if constexpr (kWidth == 8) {
-    return reduce_lanes<Scalar>(
-        combine(__builtin_shufflevector(x, x, 0, 1, 2, 3), __builtin_shufflevector(x, x, 4, 5, 6, 7)), combine);
-  } else if constexpr (kWidth == 4) {
-    return reduce_lanes<Scalar>(combine(__builtin_shufflevector(x, x, 0, 1), __builtin_shufflevector(x, x, 2, 3)),
-                                combine);
-  } else {
+  constexpr std::size_t kHalfSize = sizeof(Pack) / 2;
+  if constexpr (kHalfSize == sizeof(Scalar)) {
     return combine(x[0], x[1]);
+  } else {
+    typedef Scalar Half __attribute__((vector_size(kHalfSize)));
+    Half low, high;
+    __builtin_memcpy(&low, &x, kHalfSize);
+    __builtin_memcpy(&high, reinterpret_cast<const char*>(&x) + kHalfSize, kHalfSize);
+    return reduce_lanes<Scalar>(combine(low, high), combine);
   }
 }
 
