@@ -261,6 +261,22 @@ TEST_F(ReportTest, WithoutTheHeadlineSetTheHardestFrictionalSetStandsIn) {
   EXPECT_NE(read_file(folder_ / "out/report.html").find("shown instead is the hardest set it has"), std::string::npos);
 }
 
+/// Whoever adds solvers must not push the picture off the first screen.
+TEST_F(ReportTest, TheDecisionTableStaysSmallWithManySolvers) {
+  SyntheticStore made(folder_ / "s.db");
+  std::vector<std::pair<std::int64_t, MadeAnswer>> answers;
+  for (int i = 0; i < 9; ++i)
+    answers.emplace_back(made.solver("s" + std::to_string(i)), MadeAnswer{.time_s = 1e-3 * (i + 1)});
+  for (int trial = 0; trial < 60; ++trial) made.problem("paper/copositive/exp1", trial, answers);
+  write_report(made.store(), folder_ / "out");
+  const std::string page = read_file(folder_ / "out/report.html");
+  expect_balanced(page);
+  const std::size_t fold = page.find("<details><summary>and 4 more</summary>");
+  ASSERT_NE(fold, std::string::npos);
+  EXPECT_LT(page.find("<code>s4</code>: "), fold);
+  EXPECT_GT(page.find("<code>s5</code>: "), fold) << "the best come first";
+}
+
 TEST_F(ReportTest, EmptyStoreStillGivesAReport) {
   SyntheticStore made(folder_ / "s.db");
   EXPECT_EQ(write_report(made.store(), folder_ / "out"), "");

@@ -64,14 +64,26 @@ std::string wrong_column(const Contender& best) {
          "</div><div>not solved: " + share_line(unsolved) + "</div></td>";
 }
 
+/// The table is to be seen at a glance, with the picture below it: the best few, and the others on request.
 std::string reasons_column(const Summary& summary, const Situation& situation) {
-  std::string items;
+  constexpr std::size_t kShown = 4;
+  std::vector<std::string> reasons;
   for (const Contender& contender : situation.contenders) {
     if (contender.verdict.empty()) continue;
-    items += "<li>" + code(summary.solvers[contender.solver].text()) + ": " + contender.verdict + "</li>";
+    reasons.push_back("<li>" + code(summary.solvers[contender.solver].text()) + ": " + contender.verdict + "</li>");
   }
-  return "<td class=\"reasons\" data-label=\"Why not the others\">" +
-         (items.empty() ? std::string("–") : "<ul>" + items + "</ul>") + "</td>";
+  const std::size_t shown = reasons.size() > kShown + 1 ? kShown : reasons.size();
+  const auto list = [&reasons](std::size_t begin, std::size_t end) {
+    std::string items;
+    for (std::size_t i = begin; i < end; ++i) items += reasons[i];
+    return "<ul>" + items + "</ul>";
+  };
+  std::string cell = reasons.empty() ? std::string("–") : list(0, shown);
+  if (shown < reasons.size()) {
+    cell += fmt::format("<details><summary>and {} more</summary>{}</details>", reasons.size() - shown,
+                        list(shown, reasons.size()));
+  }
+  return "<td class=\"reasons\" data-label=\"Why not the others\">" + cell + "</td>";
 }
 
 std::string decision_row(const Summary& summary, const Situation& situation) {
