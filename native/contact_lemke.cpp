@@ -137,6 +137,7 @@ void ContactLemke::on_load(const Problem& problem) {
   }
   best_.resize(problem.size());
   resumable_ = false;
+  resumable_v_.setZero(contact.ngc());
   velocity_.setZero(contact.ngc());
   best_velocity_.resize(contact.ngc());
 }
@@ -179,6 +180,11 @@ void ContactLemke::on_solve(const SolveRequest& request, Answer& answer) {
   Progress progress;
   progress.deadline_s = std::isinf(request.time_limit_s) ? kInfinity : wall_clock_s() + request.time_limit_s;
   if (resumes(request)) {
+    if (data_.v == resumable_v_) {  // the problem that was just solved
+      progress.best = resumable_residual_;
+      progress.rung = kWarmRung.name;
+      return report(progress, answer);
+    }
     Rules rules;
     rules.resume = true;
     if (climb(kWarmRung, rules, progress, answer)) return report(progress, answer);
@@ -221,6 +227,10 @@ bool ContactLemke::climb(const ContactRung& rung, Rules rules, Progress& progres
   }
   const bool accepted = residual.velocity <= settings_.accept_residual && residual.certain <= kClaimedResidual;
   resumable_ = accepted && rung.arithmetic == ContactArithmetic::kDouble && !rung.classic;
+  if (resumable_) {
+    resumable_v_ = data_.v;
+    resumable_residual_ = progress.best;
+  }
   return accepted;
 }
 

@@ -149,6 +149,8 @@ class ContactLemke final : public Solver {
   Vector best_, best_velocity_;
   bool best_has_velocity_ = false;
   bool resumable_ = false;  ///< the engine in double (or float) still holds the basis of best_
+  Vector resumable_v_;      ///< the velocity that best_ solves, and its residual
+  double resumable_residual_ = 0;
 };
 
 /// The engine in double. @throws std::invalid_argument when this processor lacks the level
