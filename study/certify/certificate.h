@@ -1,0 +1,98 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/problem.h"
+#include "core/types.h"
+
+namespace lcpbench {
+
+/// What is certain about a problem.
+enum class CertificateKind {
+  kSolution,    ///< it has a solution; one stands in the certificate, unless the proof is kLp
+  kUnsolvable,  ///< it has none
+  kOpen,        ///< neither was proven
+};
+
+/// How a certificate is proven. Every proof is over the rationals on the data as given: no tolerance anywhere.
+enum class ProofKind {
+  kNone,
+  kExactBasis,   ///< `exact_z` is a solution: checked by multiplication
+  kFarkas,       ///< `exact_farkas` contradicts solvability: checked by multiplication
+  kLp,           ///< `exact_farkas` proves that a solution exists (copositive, reduced rank) without giving one
+  kEnumeration,  ///< every complementary cone was examined; only repeating the examination checks it
+};
+
+/// "solution", "unsolvable", "open".
+const char* to_string(CertificateKind kind);
+
+/// "none", "exact_basis", "farkas", "lp", "enumeration".
+const char* to_string(ProofKind proof);
+
+/// Exact rationals over one common positive denominator: decimal integers as GMP writes them ("-17"). Empty: no vector.
+struct ExactVector {
+  std::string denominator;
+  std::vector<std::string> numerators;
+};
+
+/// The certified truth of one problem. All exact vectors are in the units of the problem (N s, m/s).
+///
+/// What is proven, with C = [N D], f = [f_N; f_D] the impulses in z, q = C'v, and "potential" p the change of velocity
+/// up to the choice of coordinates:
+///  - K p = B f, w = q + B'p on the dense rows, where
+///      G given:        K = G,               B = C,    v+ = v + p      (p has ngc entries)
+///      factors given:  K = (X'X) A (X'X),   B = X'C,  v+ = v + X p    (G = X A X', A = diag(alpha); p has k entries)
+///      Ginv given:     no system: p = Ginv C f,  B = C,  v+ = v + p
+///  - exact basis:  f, lambda >= 0; w >= 0; z'w = 0 in every entry (cone rows: mu_i f_N,i - sum of the f_D of contact i).
+///  - Farkas, contact problem: u = exact_farkas has the length of f; u >= 0, B u = 0 (Ginv given: Ginv C u = 0), every
+///    contact's friction parts are 0, and q'u < 0.
+///  - Farkas, bare LCP: y = exact_farkas has n entries: y >= 0, M'y <= 0, q'y < 0.
+///  - lp: d = exact_farkas has the length of p, and w = C'(v + R d) of the contact rows satisfies, for every contact i,
+///    w_N,i >= mu_i * max over its friction rows of (-w_D): no f in the friction cone with B f = 0 has v'C f < 0. R = I
+///    (G given), X (factors), Ginv (Ginv given; d then has ngc entries).
+struct Certificate {
+  CertificateKind kind = CertificateKind::kOpen;
+  ProofKind proof = ProofKind::kNone;
+  Vector z;                             ///< n: exact_z, each entry correctly rounded to double; empty where none
+  Vector velocity;                      ///< ngc: exact_velocity, correctly rounded; empty where none
+  std::optional<bool> velocity_unique;  ///< true: every solution has this velocity; false: another is certified
+  Vector farkas;                        ///< exact_farkas scaled to a largest entry of 1 and rounded, for display
+  ExactVector exact_z;                  ///< n
+  ExactVector exact_potential;          ///< p above; empty for bare LCPs
+  ExactVector exact_velocity;           ///< ngc: v+; empty for bare LCPs
+  ExactVector exact_farkas;             ///< the proof of kFarkas or kLp
+  ExactVector exact_other_z;            ///< where velocity_unique is false: a second solution
+  ExactVector exact_other_potential;    ///< its p
+  double seconds = 0;                   ///< wall clock of certify()
+  std::string detail;                   ///< one line: what found the proof, or what was tried in vain
+};
+
+struct CertifyOptions {
+  double time_limit_s = 10;          ///< wall clock; kOpen when it passes. Read between steps, each of them short
+  bool seek_other_velocity = false;  ///< frictional problems: look for a second solution with another velocity
+};
+
+/// Finds the exact truth of problems: candidate bases from float solvers, then exact arithmetic on the factored data.
+///
+/// Complete for monotone problems (frictionless, any rank of G) and for bare LCPs small enough to enumerate; may answer
+/// kOpen for the others. The same problem gives the same certificate on any machine unless the time limit strikes.
+/// One object per thread; it keeps its solvers and workspaces between calls.
+class Certifier {
+ public:
+  explicit Certifier(CertifyOptions options);
+  ~Certifier();
+  Certifier(const Certifier&) = delete;
+  Certifier& operator=(const Certifier&) = delete;
+
+  /// @throws InputError for NaN or infinite data.
+  Certificate certify(const Problem& problem);
+
+ private:
+  class Engine;
+  std::unique_ptr<Engine> engine_;
+};
+
+}  // namespace lcpbench
