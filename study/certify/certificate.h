@@ -44,15 +44,17 @@ struct ExactVector {
 /// up to the choice of coordinates:
 ///  - K p = B f, w = q + B'p on the dense rows, where
 ///      G given:        K = G,               B = C,    v+ = v + p      (p has ngc entries)
-///      factors given:  K = (X'X) A (X'X),   B = X'C,  v+ = v + X p    (G = X A X', A = diag(alpha); p has k entries)
+///      factors given:  K = (X'X) A (X'X),   B = X'C,  v+ = v + X p    (G = X A X', A = diag(alpha), factors of alpha
+///                      0 left out; p has an entry for each of the others)
 ///      Ginv given:     no system: p = Ginv C f,  B = C,  v+ = v + p
-///  - exact basis:  f, lambda >= 0; w >= 0; z'w = 0 in every entry (cone rows: mu_i f_N,i - sum of the f_D of contact i).
+///  - exact basis:  f, lambda >= 0; w >= 0; z'w = 0 in every entry (cone rows: mu_i f_N,i - sum of the f_D of contact
+///  i).
 ///  - Farkas, contact problem: u = exact_farkas has the length of f; u >= 0, B u = 0 (Ginv given: Ginv C u = 0), every
 ///    contact's friction parts are 0, and q'u < 0.
 ///  - Farkas, bare LCP: y = exact_farkas has n entries: y >= 0, M'y <= 0, q'y < 0.
-///  - lp: d = exact_farkas has the length of p, and w = C'(v + R d) of the contact rows satisfies, for every contact i,
-///    w_N,i >= mu_i * max over its friction rows of (-w_D): no f in the friction cone with B f = 0 has v'C f < 0. R = I
-///    (G given), X (factors), Ginv (Ginv given; d then has ngc entries).
+///  - lp: d = exact_farkas has the length of p, and w = C'(v + R d), R = X where factors are given, else I, satisfies
+///    for every contact i w_N,i >= mu_i * max(0, max over its friction rows of -w_D): no f in the friction cones with
+///    B f = 0 has v'C f < 0. G is positive semidefinite (Ginv definite) and mu >= 0, so that a solution exists.
 struct Certificate {
   CertificateKind kind = CertificateKind::kOpen;
   ProofKind proof = ProofKind::kNone;
