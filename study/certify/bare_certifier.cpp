@@ -1,0 +1,123 @@
+#include "study/certify/bare_certifier.h"
+
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "study/certify/basis.h"
+#include "study/certify/enumerate.h"
+#include "study/certify/exact_checks.h"
+#include "study/certify/exact_lemke.h"
+#include "study/certify/exact_output.h"
+
+namespace lcpbench::exact {
+namespace {
+
+constexpr Index kLargestLemke = 60;
+constexpr Index kLargestFeasibility = 40;
+constexpr Index kLargestEnumeration = 16;
+constexpr int kExchanges = 8;
+constexpr const char* kSolvers[] = {"lemke", "lemke{precision=quad}"};
+
+class BareCertifier {
+ public:
+  BareCertifier(const Problem& problem, const Deadline& deadline, Candidates& candidates)
+      : problem_(problem), deadline_(deadline), candidates_(candidates), system_(bare_system(problem.lcp())) {}
+
+  Certificate run() {
+    const bool decided =
+        solved_by(kSolvers[0]) || solved_by(kSolvers[1]) || settled_by_exact_lemke() || contradicted() || enumerated();
+    if (!decided) certificate_.detail = deadline_.passed() ? "the time limit passed" : "no proof was found either way";
+    return std::move(certificate_);
+  }
+
+ private:
+  bool solved_by(const char* spec) {
+    if (deadline_.passed()) return false;
+    const Answer& answer = candidates_.answer(spec, problem_, deadline_.left_s());
+    if (answer.claim != Claim::kSolved) return false;
+    std::vector<Index> basis = support(answer.z, system_.size());
+    for (int round = 0; round <= kExchanges && !deadline_.passed(); ++round) {
+      std::optional<ExactPoint> point = basis_point(system_, basis);
+      if (!point) point = purified_point(system_, basis, {});
+      if (!point) return false;
+      if (is_solution(system_, *point)) return take_solution(*point, "basis of " + std::string(spec));
+      std::vector<Index> next = exchanged_basis(system_, *point);
+      if (next == basis) return false;
+      basis = std::move(next);
+    }
+    return false;
+  }
+
+  bool settled_by_exact_lemke() {
+    if (system_.size() > kLargestLemke || deadline_.passed()) return false;
+    const LemkeOutcome outcome = exact_lemke(lcp(), deadline_);
+    if (outcome.ending == LemkeEnding::kSolution) {
+      return take_solution({{}, outcome.z, outcome.denominator}, "exact lexicographic Lemke");
+    }
+    return outcome.ending == LemkeEnding::kRay && take_contradiction(outcome.z, "ray of exact lexicographic Lemke");
+  }
+
+  bool contradicted() {
+    if (system_.size() > kLargestFeasibility || deadline_.passed()) return false;
+    const FeasibilityOutcome outcome = feasible_point(lcp().M, lcp().q, deadline_);
+    return outcome.feasibility == Feasibility::kInfeasible &&
+           take_contradiction(outcome.point, "the linear inequalities contradict each other");
+  }
+
+  bool enumerated() {
+    if (system_.size() > kLargestEnumeration || deadline_.passed()) return false;
+    const EnumerationOutcome outcome = enumerate_cones(lcp(), deadline_);
+    if (outcome.ending == EnumerationEnding::kSolution) {
+      return take_solution({{}, outcome.z, outcome.denominator}, "enumeration of cones");
+    }
+    if (outcome.ending != EnumerationEnding::kNone) return false;
+    certificate_.kind = CertificateKind::kUnsolvable;
+    certificate_.proof = ProofKind::kEnumeration;
+    certificate_.detail = "every complementary cone was excluded";
+    return true;
+  }
+
+  bool take_solution(const ExactPoint& point, const std::string& detail) {
+    if (!is_solution(system_, point)) return false;
+    const ScaledVector z = scaled_z(system_, point);
+    certificate_.kind = CertificateKind::kSolution;
+    certificate_.proof = ProofKind::kExactBasis;
+    certificate_.exact_z = to_text(z);
+    certificate_.z = to_doubles(z);
+    certificate_.detail = detail;
+    return true;
+  }
+
+  bool take_contradiction(const IntegerVector& y, const std::string& detail) {
+    if (!is_bare_contradiction(system_, y)) return false;
+    const ScaledVector farkas{y, std::vector<slong>(y.size(), 0), Integer(1)};
+    certificate_.kind = CertificateKind::kUnsolvable;
+    certificate_.proof = ProofKind::kFarkas;
+    certificate_.exact_farkas = to_text(farkas);
+    certificate_.farkas = to_unit_doubles(farkas);
+    certificate_.detail = detail;
+    return true;
+  }
+
+  // Formed when a float basis did not do.
+  const IntegerLcp& lcp() {
+    if (!lcp_) lcp_ = std::move(eliminate_potentials(system_)->lcp);
+    return *lcp_;
+  }
+
+  const Problem& problem_;
+  const Deadline& deadline_;
+  Candidates& candidates_;
+  ExactSystem system_;
+  std::optional<IntegerLcp> lcp_;
+  Certificate certificate_;
+};
+
+}  // namespace
+
+Certificate certify_bare(const Problem& problem, const Deadline& deadline, Candidates& candidates) {
+  return BareCertifier(problem, deadline, candidates).run();
+}
+
+}  // namespace lcpbench::exact

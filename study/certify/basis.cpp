@@ -1,0 +1,124 @@
+#include "study/certify/basis.h"
+
+#include <algorithm>
+
+#include "study/certify/exact_checks.h"
+#include "study/certify/integer_solve.h"
+
+namespace lcpbench::exact {
+namespace {
+
+/// Equations A x = b in x = [p; z of `basis`].
+struct Equations {
+  IntegerMatrix A;
+  IntegerMatrix b;
+};
+
+// K p - L z = 0, then w = 0 on `rows`.
+Equations equations(const ExactSystem& system, const std::vector<Index>& basis, const std::vector<Index>& rows) {
+  const Index k = system.potentials();
+  std::vector<Index> position(static_cast<std::size_t>(system.size()), -1);
+  for (std::size_t j = 0; j < basis.size(); ++j) position[static_cast<std::size_t>(basis[j])] = static_cast<Index>(j);
+
+  Equations e{IntegerMatrix(k + static_cast<Index>(rows.size()), k + static_cast<Index>(basis.size())),
+              IntegerMatrix(k + static_cast<Index>(rows.size()), 1)};
+  for (Index i = 0; i < k; ++i) {
+    for (Index j = 0; j < k; ++j) fmpz_set(e.A(i, j), system.K(i, j));
+    for (std::size_t j = 0; j < basis.size(); ++j) fmpz_neg(e.A(i, k + static_cast<Index>(j)), system.L(i, basis[j]));
+  }
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const Index row = k + static_cast<Index>(r);
+    for (Index j = 0; j < k; ++j) fmpz_set(e.A(row, j), system.R(j, rows[r]));
+    for (const Term& term : system.S[static_cast<std::size_t>(rows[r])]) {
+      const Index column = position[static_cast<std::size_t>(term.column)];
+      if (column >= 0) fmpz_set(e.A(row, k + column), term.value.get());
+    }
+    fmpz_neg(e.b(row, 0), system.q[static_cast<std::size_t>(rows[r])].get());
+  }
+  return e;
+}
+
+Equations part(const Equations& e, const Minor& minor) {
+  const auto size = static_cast<Index>(minor.columns.size());
+  Equations square{IntegerMatrix(size, size), IntegerMatrix(size, 1)};
+  for (Index i = 0; i < size; ++i) {
+    const Index row = minor.rows[static_cast<std::size_t>(i)];
+    fmpz_set(square.b(i, 0), e.b(row, 0));
+    for (Index j = 0; j < size; ++j) {
+      fmpz_set(square.A(i, j), e.A(row, minor.columns[static_cast<std::size_t>(j)]));
+    }
+  }
+  return square;
+}
+
+}  // namespace
+
+std::optional<ExactPoint> basis_point(const ExactSystem& system, const std::vector<Index>& basis) {
+  const Equations e = equations(system, basis, basis);
+  IntegerMatrix x;
+  ExactPoint point;
+  if (!solve(e.A, e.b, x, point.denominator)) return std::nullopt;
+  const Index k = system.potentials();
+  point.p.resize(static_cast<std::size_t>(k));
+  point.z.resize(static_cast<std::size_t>(system.size()));
+  for (Index i = 0; i < k; ++i) fmpz_swap(point.p[static_cast<std::size_t>(i)].get(), x(i, 0));
+  for (std::size_t j = 0; j < basis.size(); ++j) {
+    fmpz_swap(point.z[static_cast<std::size_t>(basis[j])].get(), x(k + static_cast<Index>(j), 0));
+  }
+  return point;
+}
+
+std::optional<ExactPoint> purified_point(const ExactSystem& system, const std::vector<Index>& basis,
+                                         const std::vector<Index>& tight) {
+  std::vector<Index> rows = basis;
+  rows.insert(rows.end(), tight.begin(), tight.end());
+  const Equations e = equations(system, basis, rows);
+  const Minor minor = independent_minor(e.A);
+  IntegerMatrix x;
+  ExactPoint point;
+  const Equations square = part(e, minor);
+  if (!solve(square.A, square.b, x, point.denominator)) return std::nullopt;
+  const Index k = system.potentials();
+  point.p.resize(static_cast<std::size_t>(k));
+  point.z.resize(static_cast<std::size_t>(system.size()));
+  for (std::size_t j = 0; j < minor.columns.size(); ++j) {
+    const Index column = minor.columns[j];
+    Integer& target = column < k ? point.p[static_cast<std::size_t>(column)]
+                                 : point.z[static_cast<std::size_t>(basis[static_cast<std::size_t>(column - k)])];
+    fmpz_swap(target.get(), x(static_cast<Index>(j), 0));
+  }
+  return point;
+}
+
+std::vector<Index> exchanged_basis(const ExactSystem& system, const ExactPoint& point) {
+  std::vector<Index> basis;
+  for (Index i = 0; i < system.size(); ++i) {
+    const int sign = point.z[static_cast<std::size_t>(i)].sign();
+    if (sign > 0 || (sign == 0 && complement(system, point, i).sign() < 0)) basis.push_back(i);
+  }
+  return basis;
+}
+
+std::optional<IntegerVector> annihilator(const ExactSystem& system, const std::vector<Index>& support) {
+  const Index k = system.potentials();
+  Equations e{IntegerMatrix(k + 1, static_cast<Index>(support.size())), IntegerMatrix(k + 1, 1)};
+  for (std::size_t j = 0; j < support.size(); ++j) {
+    fmpz_set(e.A(0, static_cast<Index>(j)), system.q[static_cast<std::size_t>(support[j])].get());
+    for (Index i = 0; i < k; ++i) fmpz_set(e.A(1 + i, static_cast<Index>(j)), system.L(i, support[j]));
+  }
+  fmpz_set_si(e.b(0, 0), -1);
+  const Minor minor = independent_minor(e.A);
+  if (std::find(minor.rows.begin(), minor.rows.end(), Index{0}) == minor.rows.end()) return std::nullopt;
+  const Equations square = part(e, minor);
+  IntegerMatrix x;
+  Integer denominator;
+  if (!solve(square.A, square.b, x, denominator)) return std::nullopt;
+  IntegerVector u(static_cast<std::size_t>(system.size()));
+  for (std::size_t j = 0; j < minor.columns.size(); ++j) {
+    fmpz_swap(u[static_cast<std::size_t>(support[static_cast<std::size_t>(minor.columns[j])])].get(),
+              x(static_cast<Index>(j), 0));
+  }
+  return u;
+}
+
+}  // namespace lcpbench::exact

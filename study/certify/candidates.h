@@ -1,0 +1,30 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/solver.h"
+
+namespace lcpbench::exact {
+
+/// Float solvers, made when first asked for and kept: where exact arithmetic gets its guesses from.
+class Candidates {
+ public:
+  /// The solver's answer, whatever it claims; valid until the same solver is asked again.
+  /// @param spec  a native solver: "lemke{precision=quad}"
+  const Answer& answer(const std::string& spec, const Problem& problem, double time_limit_s);
+
+ private:
+  struct Kept {
+    std::unique_ptr<Solver> solver;
+    Answer answer;
+  };
+  std::map<std::string, Kept> kept_;
+};
+
+/// The i with z_i > 0, the largest first; none where z is not n finite numbers.
+std::vector<Index> support(const Vector& z, Index n);
+
+}  // namespace lcpbench::exact

@@ -1,0 +1,68 @@
+#include <utility>
+
+#include <flint/flint.h>
+
+#include "core/error.h"
+#include "study/certify/bare_certifier.h"
+#include "study/certify/candidates.h"
+#include "study/certify/certificate.h"
+#include "study/certify/contact_certifier.h"
+#include "study/certify/deadline.h"
+
+namespace lcpbench {
+namespace {
+
+bool finite(const Inertia& inertia) {
+  if (const auto* dense = std::get_if<DenseInertia>(&inertia)) return dense->G.allFinite();
+  if (const auto* factors = std::get_if<FactoredInertia>(&inertia)) {
+    return factors->X.allFinite() && factors->alpha.allFinite();
+  }
+  if (const auto* inverse = std::get_if<InverseInertia>(&inertia)) return inverse->Ginv.allFinite();
+  for (const Matrix& block : std::get<BlockInertia>(inertia).blocks) {
+    if (!block.allFinite()) return false;
+  }
+  return true;
+}
+
+bool finite(const Problem& problem) {
+  if (const ContactProblem* contact = problem.contact()) {
+    return contact->v.allFinite() && all_finite(contact->N) && all_finite(contact->D) && contact->mu.allFinite() &&
+           finite(contact->inertia);
+  }
+  return problem.lcp().M.allFinite() && problem.lcp().q.allFinite();
+}
+
+/// FLINT keeps memory for each thread; this gives it back when the thread ends.
+struct FlintMemory {
+  ~FlintMemory() { flint_cleanup(); }
+};
+
+}  // namespace
+
+class Certifier::Engine {
+ public:
+  explicit Engine(CertifyOptions options) : options_(options) {}
+
+  Certificate certify(const Problem& problem) {
+    if (!finite(problem)) throw InputError(problem.name() + ": the data hold a NaN or an infinity; nothing is exact");
+    [[maybe_unused]] static thread_local FlintMemory memory;
+    const exact::Deadline deadline(options_.time_limit_s);
+    Certificate certificate = problem.contact() != nullptr
+                                  ? exact::certify_contact(problem, options_, deadline, candidates_)
+                                  : exact::certify_bare(problem, deadline, candidates_);
+    certificate.seconds = deadline.elapsed_s();
+    return certificate;
+  }
+
+ private:
+  CertifyOptions options_;
+  exact::Candidates candidates_;
+};
+
+Certifier::Certifier(CertifyOptions options) : engine_(std::make_unique<Engine>(options)) {}
+
+Certifier::~Certifier() = default;
+
+Certificate Certifier::certify(const Problem& problem) { return engine_->certify(problem); }
+
+}  // namespace lcpbench

@@ -1,0 +1,313 @@
+#include "study/certify/contact_certifier.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "study/certify/basis.h"
+#include "study/certify/contact_order.h"
+#include "study/certify/contact_truth.h"
+#include "study/certify/enumerate.h"
+#include "study/certify/exact_checks.h"
+#include "study/certify/exact_lemke.h"
+#include "study/certify/exact_output.h"
+
+namespace lcpbench::exact {
+namespace {
+
+/// Rounds of exact exchanges after a float basis that was no solution.
+constexpr int kExchanges = 8;
+/// |w_i| below this many roundings of its terms may be zero.
+constexpr double kTight = 1e-8;
+/// Largest orders for exact Lemke: on monotone problems, which it settles, on others, and for the enumeration of cones.
+constexpr Index kLargestMonotoneLemke = 128;
+constexpr Index kLargestLemke = 40;
+constexpr Index kLargestEnumeration = 16;
+/// Largest order for floats of 113 bits on a dense M.
+constexpr Index kLargestQuad = 60;
+/// How often the contacts are reordered in search of another velocity.
+constexpr Index kReorderings = 8;
+
+constexpr const char* kFrictionless[] = {"active_set", "lemke{precision=quad}"};
+constexpr const char* kFrictional[] = {"contact_lemke", "lemke", "lemke{precision=quad}"};
+
+bool fits(const ExactSystem& system, const std::vector<Index>& basis, const Deadline& deadline) {
+  // Lifting costs about 4 order^3 / 62 products for each bit of the entries; 2 ns and 64 bits are assumed of each.
+  const auto order = static_cast<double>(system.potentials() + static_cast<Index>(basis.size()));
+  return 8e-9 * order * order * order < deadline.left_s();
+}
+
+/// A point of `system` near the float solution z that `accepts` takes.
+/// @param more_rows  gives rows of w that may be zero; asked only where the support of z leaves more than one point
+template <class Rows, class Accepts>
+std::optional<ExactPoint> certified_near(const ExactSystem& system, const Vector& z, const Deadline& deadline,
+                                         Rows&& more_rows, Accepts&& accepts) {
+  std::vector<Index> basis = support(z, system.size());
+  for (int round = 0; round <= kExchanges; ++round) {
+    if (!fits(system, basis, deadline)) return std::nullopt;
+    std::optional<ExactPoint> point = basis_point(system, basis);
+    if (!point) point = purified_point(system, basis, round == 0 ? more_rows() : std::vector<Index>{});
+    if (!point) return std::nullopt;
+    if (accepts(*point)) return point;
+    std::vector<Index> next = exchanged_basis(system, *point);
+    if (next == basis) return std::nullopt;
+    basis = std::move(next);
+  }
+  return std::nullopt;
+}
+
+/// The rows that z leaves at zero to rounding and that are not in its support.
+std::vector<Index> tight_rows(const Problem& problem, const Vector& z) {
+  std::vector<Index> tight;
+  if (z.size() != problem.size() || !z.allFinite()) return tight;
+  const Lcp& lcp = problem.lcp();
+  const Vector w = lcp.q + lcp.M * z;
+  const Vector scale = lcp.q.cwiseAbs() + lcp.M.cwiseAbs() * z.cwiseAbs();
+  for (Index i = 0; i < z.size(); ++i) {
+    if (!(z(i) > 0) && std::abs(w(i)) <= kTight * scale(i)) tight.push_back(i);
+  }
+  return tight;
+}
+
+/// min |L u|^2 + (1 + q'u)^2 over u >= 0, as a frictionless contact problem of inertia 1.
+Problem contradiction_problem(const ContactProblem& contact) {
+  const Matrix N = to_dense(contact.N);
+  Matrix B = N;
+  if (const auto* factors = std::get_if<FactoredInertia>(&contact.inertia)) B = factors->X.transpose() * N;
+  if (const auto* inverse = std::get_if<InverseInertia>(&contact.inertia)) B = inverse->Ginv * N;
+  const Vector q = N.transpose() * contact.v;
+  const auto unit = [](const Matrix& a) {
+    const double largest = a.size() > 0 ? a.cwiseAbs().maxCoeff() : 0.0;
+    return largest > 0 ? largest : 1.0;
+  };
+  ContactProblem squares;
+  squares.N = Matrix(B.rows() + 1, N.cols());
+  std::get<Matrix>(squares.N) << B / unit(B), q.transpose() / unit(q);
+  squares.v = Vector::Unit(B.rows() + 1, B.rows());
+  squares.D = Matrix(B.rows() + 1, 0);
+  squares.edges.assign(static_cast<std::size_t>(N.cols()), 0);
+  squares.mu = Vector::Zero(N.cols());
+  squares.inertia = DenseInertia{Matrix::Identity(B.rows() + 1, B.rows() + 1)};
+  return {"contradiction", std::move(squares)};
+}
+
+class ContactCertifier {
+ public:
+  ContactCertifier(const Problem& problem, const CertifyOptions& options, const Deadline& deadline,
+                   Candidates& candidates)
+      : problem_(problem),
+        contact_(*problem.contact()),
+        options_(options),
+        deadline_(deadline),
+        candidates_(candidates),
+        truth_(contact_) {}
+
+  Certificate run() {
+    if (!truth_.inertia().refusal.empty()) return open(truth_.inertia().refusal);
+    const bool decided = truth_.monotone() ? decide_monotone() : decide_frictional();
+    if (!decided) return open(deadline_.passed() ? "the time limit passed" : "no proof was found either way");
+    if (truth_.monotone() && certificate_.kind == CertificateKind::kSolution) certificate_.velocity_unique = true;
+    if (options_.seek_other_velocity && solution_ && truth_.frictional()) seek_other_velocity();
+    return std::move(certificate_);
+  }
+
+ private:
+  bool decide_monotone() {
+    if (solved_by(kFrictionless[0])) return true;
+    if (!truth_.inertia().full_rank && contradicted()) return true;
+    return solved_by(kFrictionless[1]) || settled_by_exact_lemke();
+  }
+
+  bool decide_frictional() {
+    if (solved_by(kFrictional[0])) return true;
+    if (!truth_.inertia().full_rank && contradicted()) return true;
+    if (solved_by(kFrictional[1])) return true;
+    if (truth_.system().size() <= kLargestQuad && solved_by(kFrictional[2])) return true;
+    return solvable_by_velocity() || solved_in_another_order() || settled_by_exact_lemke() || enumerated();
+  }
+
+  bool solved_by(const char* spec) {
+    if (deadline_.passed()) return false;
+    const Answer& answer = candidates_.answer(spec, problem_, deadline_.left_s());
+    return answer.claim == Claim::kSolved && solved_near(answer.z, spec);
+  }
+
+  bool solved_near(const Vector& z, const std::string& found_by) {
+    std::optional<ExactPoint> point = point_near(z);
+    if (!point) return false;
+    take_solution(truth_.stated(std::move(*point)), "basis of " + found_by);
+    return true;
+  }
+
+  bool solves(const ExactPoint& point) const { return is_solution(truth_.stated(), truth_.stated(point)); }
+
+  std::optional<ExactPoint> point_near(const Vector& z) const {
+    return certified_near(
+        truth_.system(), z, deadline_, [&] { return tight_rows(problem_, z); },
+        [&](const ExactPoint& point) { return solves(point); });
+  }
+
+  /// @param point  of stated(), checked
+  void take_solution(ExactPoint point, const std::string& detail) {
+    const ScaledVector z = scaled_z(truth_.stated(), point);
+    const ScaledVector velocity = scaled_velocity(truth_.stated_inertia(), truth_.velocity(), truth_.stated(), point);
+    certificate_.kind = CertificateKind::kSolution;
+    certificate_.proof = ProofKind::kExactBasis;
+    certificate_.exact_z = to_text(z);
+    certificate_.exact_potential = to_text(scaled_potential(truth_.stated(), point));
+    certificate_.exact_velocity = to_text(velocity);
+    certificate_.z = to_doubles(z);
+    certificate_.velocity = to_doubles(velocity);
+    certificate_.detail = detail;
+    solution_ = std::move(point);
+  }
+
+  bool take_lcp_solution(const EliminatedSystem& eliminated, const IntegerVector& z, const Integer& denominator,
+                         const std::string& detail) {
+    ExactPoint point = with_potentials(eliminated, z, denominator);
+    if (!solves(point)) return false;
+    take_solution(truth_.stated(std::move(point)), detail);
+    return true;
+  }
+
+  bool contradicted() {
+    if (deadline_.passed() || contact_.nc() == 0) return false;
+    const Problem squares = contradiction_problem(contact_);
+    const Answer& answer = candidates_.answer("active_set", squares, deadline_.left_s());
+    const std::optional<IntegerVector> u = annihilator(truth_.system(), support(answer.z, contact_.nc()));
+    return u && take_contradiction(*u, "support of a nonnegative least squares solution");
+  }
+
+  bool take_contradiction(IntegerVector u, const std::string& detail) {
+    u.resize(static_cast<std::size_t>(truth_.system().size()));
+    if (!is_contradiction(truth_.stated(), u)) return false;
+    u.resize(static_cast<std::size_t>(contact_layout(contact_).lambda_offset()));
+    const ScaledVector farkas{u, std::vector<slong>(u.size(), 0), Integer(1)};
+    certificate_.kind = CertificateKind::kUnsolvable;
+    certificate_.proof = ProofKind::kFarkas;
+    certificate_.exact_farkas = to_text(farkas);
+    certificate_.farkas = to_unit_doubles(farkas);
+    certificate_.detail = detail;
+    return true;
+  }
+
+  // For monotone problems one of the two holds at its end; for others neither need.
+  bool settled_by_exact_lemke() {
+    const Index order = std::max(truth_.system().size(), truth_.system().potentials());
+    if (order > (truth_.monotone() ? kLargestMonotoneLemke : kLargestLemke) || deadline_.passed()) return false;
+    const std::optional<EliminatedSystem> eliminated = eliminate_potentials(truth_.system());
+    if (!eliminated) return false;
+    const LemkeOutcome outcome = exact_lemke(eliminated->lcp, deadline_);
+    if (outcome.ending == LemkeEnding::kSolution) {
+      return take_lcp_solution(*eliminated, outcome.z, outcome.denominator, "exact lexicographic Lemke");
+    }
+    return outcome.ending == LemkeEnding::kRay && !truth_.frictional() &&
+           take_contradiction(outcome.z, "ray of exact lexicographic Lemke");
+  }
+
+  bool enumerated() {
+    if (truth_.system().size() > kLargestEnumeration || deadline_.passed()) return false;
+    const std::optional<EliminatedSystem> eliminated = eliminate_potentials(truth_.system());
+    if (!eliminated) return false;
+    const EnumerationOutcome outcome = enumerate_cones(eliminated->lcp, deadline_);
+    if (outcome.ending == EnumerationEnding::kSolution) {
+      return take_lcp_solution(*eliminated, outcome.z, outcome.denominator, "enumeration of cones");
+    }
+    if (outcome.ending != EnumerationEnding::kNone) return false;
+    certificate_.kind = CertificateKind::kUnsolvable;
+    certificate_.proof = ProofKind::kEnumeration;
+    certificate_.detail = "every complementary cone was excluded";
+    return true;
+  }
+
+  // Where contacts can bring everything to rest, v + Y p = 0 will do; else v + Y p is the post-impact velocity of the
+  // frictionless problem whose contacts are the cones' edges.
+  bool solvable_by_velocity() {
+    if (!truth_.inertia().semidefinite || deadline_.passed()) return false;
+    std::optional<ExactPoint> point = truth_.inertia().full_rank ? point_at_rest(truth_) : point_within_cones();
+    if (!point) return false;
+    *point = truth_.stated(std::move(*point));
+    if (!is_solvability_proof(truth_.stated(), contact_, *point)) return false;
+    const ScaledVector change = scaled_potential(truth_.stated(), *point);
+    certificate_.kind = CertificateKind::kSolution;
+    certificate_.proof = ProofKind::kLp;
+    certificate_.exact_farkas = to_text(change);
+    certificate_.farkas = to_unit_doubles(change);
+    certificate_.detail = "a velocity within the dual friction cones";
+    return true;
+  }
+
+  std::optional<ExactPoint> point_within_cones() {
+    const Dyadic edges = cone_edges(contact_);
+    const ExactSystem cones = frictionless_system(truth_.inertia(), edges, truth_.velocity());
+    ContactProblem frictionless = contact_;
+    frictionless.N = to_doubles(edges);
+    frictionless.D = Matrix(contact_.ngc(), 0);
+    frictionless.edges.assign(static_cast<std::size_t>(edges.m.cols()), 0);
+    frictionless.mu = Vector::Zero(edges.m.cols());
+    const Answer& answer =
+        candidates_.answer("active_set", Problem("edges", std::move(frictionless)), deadline_.left_s());
+    if (answer.claim != Claim::kSolved) return std::nullopt;
+    return certified_near(
+        cones, answer.z, deadline_, [] { return std::vector<Index>{}; },
+        [&](const ExactPoint& point) { return is_solvability_proof(truth_.system(), contact_, point); });
+  }
+
+  // The contacts in other orders lead pivoting methods to other solutions, where there are any.
+  template <class Found>
+  bool in_another_order(const char* spec, Found&& found) {
+    for (Index shift = 0; shift < std::min(contact_.nc(), kReorderings) && !deadline_.passed(); ++shift) {
+      const ContactOrder order = rotated(contact_, shift);
+      const Answer& answer = candidates_.answer(spec, Problem("reordered", order.problem), deadline_.left_s());
+      if (answer.claim == Claim::kSolved && found(order.original(answer.z))) return true;
+    }
+    return false;
+  }
+
+  bool solved_in_another_order() {
+    return in_another_order(kFrictional[0], [&](const Vector& z) {
+      return solved_near(z, std::string(kFrictional[0]) + ", contacts in another order");
+    });
+  }
+
+  void seek_other_velocity() {
+    const auto differs = [&](const Vector& z) { return differs_near(z); };
+    if (!in_another_order(kFrictional[0], differs)) in_another_order(kFrictional[1], differs);
+  }
+
+  bool differs_near(const Vector& z) {
+    std::optional<ExactPoint> point = point_near(z);
+    if (!point) return false;
+    const ExactPoint other = truth_.stated(std::move(*point));
+    if (same_potential(*solution_, other)) return false;
+    certificate_.velocity_unique = false;
+    certificate_.exact_other_z = to_text(scaled_z(truth_.stated(), other));
+    certificate_.exact_other_potential = to_text(scaled_potential(truth_.stated(), other));
+    return true;
+  }
+
+  static Certificate open(const std::string& why) {
+    Certificate certificate;
+    certificate.detail = why;
+    return certificate;
+  }
+
+  const Problem& problem_;
+  const ContactProblem& contact_;
+  const CertifyOptions& options_;
+  const Deadline& deadline_;
+  Candidates& candidates_;
+  ContactTruth truth_;
+  Certificate certificate_;
+  std::optional<ExactPoint> solution_;
+};
+
+}  // namespace
+
+Certificate certify_contact(const Problem& problem, const CertifyOptions& options, const Deadline& deadline,
+                            Candidates& candidates) {
+  return ContactCertifier(problem, options, deadline, candidates).run();
+}
+
+}  // namespace lcpbench::exact

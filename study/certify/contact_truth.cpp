@@ -1,0 +1,52 @@
+#include "study/certify/contact_truth.h"
+
+#include <utility>
+
+#include "study/certify/integer_solve.h"
+
+namespace lcpbench::exact {
+
+ContactTruth::ContactTruth(const ContactProblem& problem)
+    : frictional_(problem.frictional()), v_(to_dyadic(problem.v)) {
+  if (const auto* factors = std::get_if<FactoredInertia>(&problem.inertia)) {
+    weighted_ = weighted_factors(*factors);
+    spanning_ = independent_factors(*factors);
+  }
+  inertia_ = exact_inertia(problem.inertia, spanning_);
+  if (!inertia_.refusal.empty()) return;
+  system_ = contact_system(problem, inertia_);
+  if (spanning_.size() == weighted_.size()) return;
+  stated_inertia_ = exact_inertia(problem.inertia, weighted_);
+  stated_ = contact_system(problem, *stated_inertia_);
+}
+
+ExactPoint ContactTruth::stated(ExactPoint point) const {
+  if (!stated_) return point;
+  IntegerVector p(weighted_.size());
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < weighted_.size() && next < spanning_.size(); ++i) {
+    if (weighted_[i] == spanning_[next]) std::swap(p[i], point.p[next++]);
+  }
+  point.p = std::move(p);
+  return point;
+}
+
+std::optional<ExactPoint> point_at_rest(const ContactTruth& truth) {
+  const Dyadic& v = truth.velocity();
+  const ExactInertia& inertia = truth.inertia();
+  IntegerMatrix p = v.m;
+  ExactPoint point{IntegerVector(static_cast<std::size_t>(v.m.rows())),
+                   IntegerVector(static_cast<std::size_t>(truth.system().size())), Integer(1)};
+  slong exponent = v.exponent;
+  if (inertia.velocity) {
+    if (!solve(inertia.velocity->m, v.m, p, point.denominator)) return std::nullopt;
+    exponent -= inertia.velocity->exponent;
+  }
+  const slong shift = exponent - truth.system().p_exponent;
+  if (shift > 0) fmpz_mat_scalar_mul_2exp(p.get(), p.get(), static_cast<ulong>(shift));
+  if (shift < 0) fmpz_mul_2exp(point.denominator.get(), point.denominator.get(), static_cast<ulong>(-shift));
+  for (std::size_t i = 0; i < point.p.size(); ++i) fmpz_neg(point.p[i].get(), p(static_cast<Index>(i), 0));
+  return point;
+}
+
+}  // namespace lcpbench::exact

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "study/certify/exact_system.h"
+
+namespace lcpbench::exact {
+
+/// A contact problem over the integers, twice where its factors depend on each other: to solve, and as a certificate
+/// states it.
+class ContactTruth {
+ public:
+  explicit ContactTruth(const ContactProblem& problem);
+
+  /// What is solved: K is nonsingular where inertia().refusal is empty.
+  const ExactSystem& system() const { return system_; }
+  const ExactInertia& inertia() const { return inertia_; }
+  const Dyadic& velocity() const { return v_; }
+
+  /// The system of the certificate: all factors with alpha > 0.
+  const ExactSystem& stated() const { return stated_ ? *stated_ : system_; }
+  const ExactInertia& stated_inertia() const { return stated_inertia_ ? *stated_inertia_ : inertia_; }
+  /// A point of system() as one of stated(): potentials of left-out factors are zero.
+  ExactPoint stated(ExactPoint point) const;
+
+  /// M, or its frictionless part, is proven semidefinite and every contact is frictionless: then all solutions share
+  /// M z, and with it one velocity.
+  bool monotone() const { return inertia_.semidefinite && !frictional_; }
+  bool frictional() const { return frictional_; }
+
+ private:
+  bool frictional_;
+  std::vector<Index> weighted_;  // factors with alpha > 0
+  std::vector<Index> spanning_;  // those of them that are independent, as positions in X
+  Dyadic v_;
+  ExactInertia inertia_;
+  ExactSystem system_;
+  std::optional<ExactInertia> stated_inertia_;
+  std::optional<ExactSystem> stated_;
+};
+
+/// The point of system() with v + Y p = 0, z = 0. @pre the inertia has full rank
+std::optional<ExactPoint> point_at_rest(const ContactTruth& truth);
+
+}  // namespace lcpbench::exact

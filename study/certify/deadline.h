@@ -1,0 +1,23 @@
+#pragma once
+
+#include <chrono>
+#include <limits>
+
+namespace lcpbench::exact {
+
+/// A point in time on the wall clock after which work stops.
+class Deadline {
+ public:
+  explicit Deadline(double seconds) : limit_s_(seconds) {}
+
+  double elapsed_s() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+  double left_s() const { return limit_s_ - elapsed_s(); }
+  /// True for a limit of NaN too.
+  bool passed() const { return !(elapsed_s() < limit_s_); }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  double limit_s_ = std::numeric_limits<double>::infinity();
+};
+
+}  // namespace lcpbench::exact

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "core/types.h"
+
+namespace lcpbench::exact {
+
+/// Whether a symmetric matrix of doubles is proven to be positive definite.
+///
+/// Fast: Cholesky's method in double on A less a bound of its rounding error. [Rump, Verification of positive
+/// definiteness, BIT 46 (2006)] Where that ends early, the signs of the leading principal minors, exactly, which
+/// decides; for orders up to 64, since it takes O(n^3) operations on integers of O(n) words. @pre finite and symmetric.
+bool positive_definite(const Matrix& A);
+
+}  // namespace lcpbench::exact

@@ -1,0 +1,223 @@
+#include "study/certify/exact_lemke.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+namespace lcpbench::exact {
+namespace {
+
+/// basic_i denominator = D_i0 + sum_j D_ij nonbasic_j. Variables: w_i is i, z_i is n + i, the artificial one is 2 n.
+class Dictionary {
+ public:
+  explicit Dictionary(const IntegerLcp& lcp)
+      : n_(lcp.size()), entries_(n_, n_ + 2), basic_(index(n_)), nonbasic_(index(n_ + 2)), column_of_(index(n_), -1) {
+    std::iota(basic_.begin(), basic_.end(), Index{0});
+    nonbasic_[0] = -1;  // the column of constants
+    std::iota(nonbasic_.begin() + 1, nonbasic_.end(), n_);
+    for (Index i = 0; i < n_; ++i) {
+      fmpz_set(entries_(i, 0), lcp.q[index(i)].get());
+      for (Index j = 0; j < n_; ++j) fmpz_set(entries_(i, 1 + j), lcp.M(i, j));
+      fmpz_one(entries_(i, n_ + 1));
+    }
+  }
+
+  Index artificial() const { return 2 * n_; }
+  Index complement(Index variable) const { return variable < n_ ? variable + n_ : variable - n_; }
+  Index basic(Index row) const { return basic_[index(row)]; }
+  const fmpz* operator()(Index i, Index j) const { return entries_(i, j); }
+  const Integer& denominator() const { return denominator_; }
+
+  Index column(Index variable) const {
+    return std::find(nonbasic_.begin(), nonbasic_.end(), variable) - nonbasic_.begin();
+  }
+
+  /// The row that first makes the artificial variable necessary, last: -1 when q >= 0.
+  Index first_row() const {
+    Index row = -1;
+    for (Index i = 0; i < n_; ++i) {
+      if (fmpz_sgn(entries_(i, 0)) >= 0) continue;
+      if (row < 0 || fmpz_cmp(entries_(i, 0), entries_(row, 0)) <= 0) row = i;
+    }
+    return row;
+  }
+
+  /// The row that blocks the increase of column s, the artificial variable's where it is among those that tie in value,
+  /// else the lexicographically first; -1 when none does.
+  Index blocking_row(Index s) const {
+    std::vector<Index> rows;
+    for (Index i = 0; i < n_; ++i) {
+      if (fmpz_sgn(entries_(i, s)) < 0) rows.push_back(i);
+    }
+    keep_smallest(rows, s, [&](Index i, Integer& value) { fmpz_set(value.get(), entries_(i, 0)); });
+    for (const Index i : rows) {
+      if (basic(i) == artificial()) return i;
+    }
+    for (Index j = 0; j < n_ && rows.size() > 1; ++j) {
+      keep_smallest(rows, s, [&](Index i, Integer& value) { set_inverse_entry(i, j, value); });
+    }
+    return rows.empty() ? -1 : rows.front();
+  }
+
+  /// False when the deadline passed; the dictionary is then of no more use.
+  bool pivot(Index r, Index s, const Deadline& deadline) {
+    const Integer old_denominator = denominator_;
+    Integer pivot;
+    fmpz_set(pivot.get(), entries_(r, s));
+    for (Index i = 0; i < n_; ++i) {
+      if (i == r) continue;
+      if (deadline.passed()) return false;
+      for (Index j = 0; j < n_ + 2; ++j) {
+        if (j == s) continue;
+        fmpz_fmms(entries_(i, j), entries_(i, j), pivot.get(), entries_(i, s), entries_(r, j));
+        fmpz_divexact(entries_(i, j), entries_(i, j), old_denominator.get());
+      }
+    }
+    for (Index j = 0; j < n_ + 2; ++j) {
+      if (j != s) fmpz_neg(entries_(r, j), entries_(r, j));
+    }
+    fmpz_set(entries_(r, s), old_denominator.get());
+    denominator_ = pivot;
+    if (pivot.sign() < 0) negate();
+    exchange(r, s);
+    return true;
+  }
+
+ private:
+  static std::size_t index(Index i) { return static_cast<std::size_t>(i); }
+
+  void negate() {
+    fmpz_neg(denominator_.get(), denominator_.get());
+    fmpz_mat_neg(entries_.get(), entries_.get());
+  }
+
+  void exchange(Index r, Index s) {
+    std::swap(basic_[index(r)], nonbasic_[index(s)]);
+    if (basic(r) < n_) column_of_[index(basic(r))] = -1;
+    if (const Index left = nonbasic_[index(s)]; left < n_) column_of_[index(left)] = s;
+  }
+
+  // Entry (i, j) of the basis inverse, times the denominator: how basic_i answers to q_j.
+  void set_inverse_entry(Index i, Index j, Integer& value) const {
+    const Index column = column_of_[index(j)];
+    if (column >= 0)
+      fmpz_neg(value.get(), entries_(i, column));
+    else if (basic(i) == j)
+      value = denominator_;
+    else
+      fmpz_zero(value.get());
+  }
+
+  // Keeps of `rows` those of the smallest value(row) / -D(row, s).
+  template <class Value>
+  void keep_smallest(std::vector<Index>& rows, Index s, Value&& value) const {
+    std::vector<Index> kept;
+    Integer best;
+    Integer own;
+    Integer difference;
+    for (const Index i : rows) {
+      value(i, own);
+      if (!kept.empty()) {
+        // own / -D_is - best / -D_bs, times the product of the two positive denominators
+        const Index b = kept.front();
+        fmpz_fmms(difference.get(), best.get(), entries_(i, s), own.get(), entries_(b, s));
+        if (difference.sign() > 0) continue;
+        if (difference.sign() < 0) kept.clear();
+      }
+      if (kept.empty()) std::swap(best, own);
+      kept.push_back(i);
+    }
+    rows = std::move(kept);
+  }
+
+  Index n_;
+  IntegerMatrix entries_;  // n x (n + 2)
+  std::vector<Index> basic_;
+  std::vector<Index> nonbasic_;
+  std::vector<Index> column_of_;  // of w_i where it is nonbasic, else -1
+  Integer denominator_{1};
+};
+
+LemkeOutcome at_vertex(const Dictionary& dictionary, Index n) {
+  LemkeOutcome outcome{LemkeEnding::kSolution, IntegerVector(static_cast<std::size_t>(n)), dictionary.denominator()};
+  for (Index i = 0; i < n; ++i) {
+    const Index variable = dictionary.basic(i);
+    if (variable >= n && variable < 2 * n) {
+      fmpz_set(outcome.z[static_cast<std::size_t>(variable - n)].get(), dictionary(i, 0));
+    }
+  }
+  return outcome;
+}
+
+LemkeOutcome along_ray(const Dictionary& dictionary, Index n, Index s, Index entering) {
+  LemkeOutcome outcome{LemkeEnding::kRay, IntegerVector(static_cast<std::size_t>(n)), Integer(1)};
+  for (Index i = 0; i < n; ++i) {
+    const Index variable = dictionary.basic(i);
+    if (variable >= n && variable < 2 * n) {
+      fmpz_set(outcome.z[static_cast<std::size_t>(variable - n)].get(), dictionary(i, s));
+    }
+  }
+  if (entering >= n) outcome.z[static_cast<std::size_t>(entering - n)] = dictionary.denominator();
+  return outcome;
+}
+
+}  // namespace
+
+std::optional<EliminatedSystem> eliminate_potentials(const ExactSystem& system) {
+  EliminatedSystem eliminated;
+  const Index k = system.potentials();
+  const Index n = system.size();
+  eliminated.potentials = IntegerMatrix(k, n);
+  if (k > 0) {
+    if (fmpz_mat_solve_fflu(eliminated.potentials.get(), eliminated.denominator.get(), system.K.get(),
+                            system.L.get()) == 0) {
+      return std::nullopt;
+    }
+    if (eliminated.denominator.sign() < 0) {
+      fmpz_neg(eliminated.denominator.get(), eliminated.denominator.get());
+      fmpz_mat_neg(eliminated.potentials.get(), eliminated.potentials.get());
+    }
+  }
+  eliminated.lcp.M = k > 0 ? product(transposed(system.R), eliminated.potentials) : IntegerMatrix(n, n);
+  eliminated.lcp.q = system.q;
+  for (Index i = 0; i < n; ++i) {
+    fmpz* q = eliminated.lcp.q[static_cast<std::size_t>(i)].get();
+    fmpz_mul(q, q, eliminated.denominator.get());
+    for (const Term& term : system.S[static_cast<std::size_t>(i)]) {
+      fmpz_addmul(eliminated.lcp.M(i, term.column), term.value.get(), eliminated.denominator.get());
+    }
+  }
+  return eliminated;
+}
+
+ExactPoint with_potentials(const EliminatedSystem& eliminated, const IntegerVector& z, const Integer& denominator) {
+  const IntegerMatrix& potentials = eliminated.potentials;
+  ExactPoint point{IntegerVector(static_cast<std::size_t>(potentials.rows())), z, {}};
+  for (Index i = 0; i < potentials.rows(); ++i) {
+    for (Index j = 0; j < potentials.cols(); ++j) {
+      fmpz_addmul(point.p[static_cast<std::size_t>(i)].get(), potentials(i, j), z[static_cast<std::size_t>(j)].get());
+    }
+  }
+  for (Integer& value : point.z) fmpz_mul(value.get(), value.get(), eliminated.denominator.get());
+  fmpz_mul(point.denominator.get(), denominator.get(), eliminated.denominator.get());
+  return point;
+}
+
+LemkeOutcome exact_lemke(const IntegerLcp& lcp, const Deadline& deadline) {
+  const Index n = lcp.size();
+  Dictionary dictionary(lcp);
+  Index row = dictionary.first_row();
+  Index entering = dictionary.artificial();
+  if (row < 0) return at_vertex(dictionary, n);
+  while (true) {
+    const Index leaving = dictionary.basic(row);
+    if (!dictionary.pivot(row, dictionary.column(entering), deadline)) return {};
+    if (leaving == dictionary.artificial()) return at_vertex(dictionary, n);
+    entering = dictionary.complement(leaving);
+    const Index column = dictionary.column(entering);
+    row = dictionary.blocking_row(column);
+    if (row < 0) return along_ray(dictionary, n, column, entering);
+  }
+}
+
+}  // namespace lcpbench::exact

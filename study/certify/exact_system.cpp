@@ -1,0 +1,196 @@
+#include "study/certify/exact_system.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "study/certify/definite.h"
+#include "study/certify/integer_solve.h"
+
+namespace lcpbench::exact {
+namespace {
+
+bool symmetric(const Matrix& G) { return G == G.transpose(); }
+
+ExactInertia of_matrix(const Matrix& G) {
+  ExactInertia inertia;
+  inertia.K = to_dyadic(G);
+  inertia.semidefinite = inertia.full_rank = symmetric(G) && positive_definite(G);
+  if (!inertia.full_rank) inertia.refusal = "the inertia is not symmetric positive definite, and no factors are given";
+  return inertia;
+}
+
+// K = (X1'X) A (X'X1), X1 the columns that span the range of G = X A X'.
+ExactInertia of_factors(const FactoredInertia& factors, const std::vector<Index>& spanning) {
+  ExactInertia inertia;
+  const Dyadic X = to_dyadic(factors.X);
+  const Dyadic X1{columns(X.m, spanning), X.exponent};
+  const Dyadic alpha = to_dyadic(factors.alpha);
+  Dyadic weighted = product(transposed(X1), X);
+  const Dyadic gram = weighted;
+  for (Index j = 0; j < X.m.cols(); ++j) {
+    for (Index i = 0; i < weighted.m.rows(); ++i) fmpz_mul(weighted.m(i, j), weighted.m(i, j), alpha.m(j, 0));
+  }
+  weighted.exponent += alpha.exponent;
+  inertia.K = product(weighted, transposed(gram));
+  inertia.left = inertia.right = transposed(X1);
+  inertia.velocity = X1;
+  inertia.semidefinite = (factors.alpha.array() >= 0).all();
+  inertia.full_rank = inertia.semidefinite && X1.m.cols() == X1.m.rows();
+  if (!inertia.semidefinite) inertia.refusal = "the inertia has a factor with a negative weight";
+  return inertia;
+}
+
+ExactInertia of_inverse(const Matrix& Ginv) {
+  ExactInertia inertia;
+  inertia.K = {identity(Ginv.rows()), 0};
+  inertia.left = to_dyadic(Ginv);
+  inertia.semidefinite = inertia.full_rank = symmetric(Ginv) && positive_definite(Ginv);
+  if (!symmetric(Ginv)) inertia.refusal = "the inverse of the inertia is not symmetric";
+  return inertia;
+}
+
+Dyadic applied(const std::optional<Dyadic>& map, const Dyadic& C) { return map ? product(*map, C) : C; }
+
+Integer power_of_two(slong exponent) {
+  Integer power(1);
+  fmpz_mul_2exp(power.get(), power.get(), static_cast<ulong>(exponent));
+  return power;
+}
+
+// The doubles mu over 2^exponent, with an exponent <= 0: then 1 is a whole number of units too.
+Dyadic coefficients(const Vector& mu) {
+  Dyadic result = to_dyadic(mu);
+  if (result.exponent > 0) {
+    for (Index i = 0; i < mu.size(); ++i) {
+      fmpz_mul_2exp(result.m(i, 0), result.m(i, 0), static_cast<ulong>(result.exponent));
+    }
+    result.exponent = 0;
+  }
+  return result;
+}
+
+void add_friction_rows(const ContactProblem& problem, const ContactLayout& layout, ExactSystem& system) {
+  const Dyadic mu = coefficients(problem.mu);
+  const Integer one = power_of_two(-mu.exponent);
+  Integer minus_one;
+  fmpz_neg(minus_one.get(), one.get());
+  for (Index c = 0; c < layout.cones; ++c) {
+    const Index contact = layout.cone_contact[static_cast<std::size_t>(c)];
+    const Index lambda = layout.lambda_offset() + c;
+    auto& cone_row = system.S[static_cast<std::size_t>(lambda)];
+    Integer coefficient;
+    fmpz_set(coefficient.get(), mu.m(contact, 0));
+    cone_row.push_back({contact, coefficient});
+    for (Index t = layout.friction_begin[static_cast<std::size_t>(contact)];
+         t < layout.friction_begin[static_cast<std::size_t>(contact) + 1]; ++t) {
+      const Index row = layout.friction_offset() + t;
+      system.S[static_cast<std::size_t>(row)].push_back({lambda, Integer(1)});
+      cone_row.push_back({row, minus_one});
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<Index> weighted_factors(const FactoredInertia& inertia) {
+  std::vector<Index> weighted;
+  for (Index j = 0; j < inertia.X.cols(); ++j) {
+    if (inertia.alpha(j) != 0) weighted.push_back(j);
+  }
+  return weighted;
+}
+
+std::vector<Index> independent_factors(const FactoredInertia& inertia) {
+  const std::vector<Index> weighted = weighted_factors(inertia);
+  std::vector<Index> independent;
+  for (const Index j : independent_minor(columns(to_dyadic(inertia.X).m, weighted)).columns) {
+    independent.push_back(weighted[static_cast<std::size_t>(j)]);
+  }
+  return independent;
+}
+
+ExactInertia exact_inertia(const Inertia& inertia, const std::vector<Index>& factors) {
+  if (const auto* factored = std::get_if<FactoredInertia>(&inertia)) return of_factors(*factored, factors);
+  if (const auto* inverse = std::get_if<InverseInertia>(&inertia)) return of_inverse(inverse->Ginv);
+  return of_matrix(dense_inertia(inertia));
+}
+
+Dyadic contact_columns(const ContactProblem& problem) {
+  const ContactLayout layout = contact_layout(problem);
+  Matrix C = Matrix::Zero(problem.ngc(), layout.size());
+  C.leftCols(layout.nc) = to_dense(problem.N);
+  C.middleCols(layout.nc, layout.friction) = to_dense(problem.D);
+  return to_dyadic(C);
+}
+
+ExactSystem frictionless_system(const ExactInertia& inertia, const Dyadic& C, const Dyadic& v) {
+  ExactSystem system;
+  const Dyadic left = applied(inertia.left, C);
+  const Dyadic right = applied(inertia.right, C);
+  const Dyadic q = product(transposed(C), v);
+  const Index n = C.m.cols();
+  system.K = inertia.K.m;
+  system.L = left.m;
+  system.R = right.m;
+  system.S.resize(static_cast<std::size_t>(n));
+  system.q.resize(static_cast<std::size_t>(n));
+  for (Index i = 0; i < n; ++i) fmpz_set(system.q[static_cast<std::size_t>(i)].get(), q.m(i, 0));
+  // K 2^eK p 2^ep = L 2^eL z 2^ez and R 2^eR p 2^ep in the units 2^eq of q.
+  system.p_exponent = q.exponent - right.exponent;
+  system.z_exponent.assign(static_cast<std::size_t>(n), inertia.K.exponent + system.p_exponent - left.exponent);
+  return system;
+}
+
+ExactSystem contact_system(const ContactProblem& problem, const ExactInertia& inertia) {
+  const ContactLayout layout = contact_layout(problem);
+  const Dyadic C = contact_columns(problem);
+  const Dyadic v = to_dyadic(problem.v);
+  ExactSystem system = frictionless_system(inertia, C, v);
+  std::fill(system.z_exponent.begin() + layout.lambda_offset(), system.z_exponent.end(), C.exponent + v.exponent);
+  add_friction_rows(problem, layout, system);
+  return system;
+}
+
+Dyadic cone_edges(const ContactProblem& problem) {
+  const ContactLayout layout = contact_layout(problem);
+  const Dyadic C = contact_columns(problem);
+  const Dyadic mu = coefficients(problem.mu);
+  std::vector<Index> impulses(static_cast<std::size_t>(layout.lambda_offset()));
+  std::iota(impulses.begin(), impulses.end(), Index{0});
+  Dyadic edges{columns(C.m, impulses), C.exponent + mu.exponent};
+  fmpz_mat_scalar_mul_2exp(edges.m.get(), edges.m.get(), static_cast<ulong>(-mu.exponent));
+  for (Index contact = 0; contact < layout.nc; ++contact) {
+    for (Index t = layout.friction_begin[static_cast<std::size_t>(contact)];
+         t < layout.friction_begin[static_cast<std::size_t>(contact) + 1]; ++t) {
+      const Index column = layout.friction_offset() + t;
+      for (Index i = 0; i < edges.m.rows(); ++i) {
+        fmpz_mul(edges.m(i, column), C.m(i, column), mu.m(contact, 0));
+        fmpz_add(edges.m(i, column), edges.m(i, column), edges.m(i, contact));
+      }
+    }
+  }
+  return edges;
+}
+
+ExactSystem bare_system(const Lcp& lcp) {
+  ExactSystem system;
+  const Index n = lcp.size();
+  const Dyadic M = to_dyadic(lcp.M);
+  const Dyadic q = to_dyadic(lcp.q);
+  system.L = system.R = IntegerMatrix(0, n);
+  system.S.resize(static_cast<std::size_t>(n));
+  system.q.resize(static_cast<std::size_t>(n));
+  system.z_exponent.assign(static_cast<std::size_t>(n), q.exponent - M.exponent);
+  for (Index i = 0; i < n; ++i) {
+    fmpz_set(system.q[static_cast<std::size_t>(i)].get(), q.m(i, 0));
+    for (Index j = 0; j < n; ++j) {
+      if (fmpz_is_zero(M.m(i, j))) continue;
+      Term term{j, {}};
+      fmpz_set(term.value.get(), M.m(i, j));
+      system.S[static_cast<std::size_t>(i)].push_back(std::move(term));
+    }
+  }
+  return system;
+}
+
+}  // namespace lcpbench::exact

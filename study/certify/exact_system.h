@@ -1,0 +1,80 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/contact_problem.h"
+#include "core/lcp.h"
+#include "study/certify/integers.h"
+
+namespace lcpbench::exact {
+
+struct Term {
+  Index column = 0;
+  Integer value;
+};
+
+/// A complementarity problem over the integers: find p (k) and z (n) >= 0 with
+///
+///     K p = L z,   w = q + R'p + S z >= 0,   z'w = 0.
+///
+/// A bare LCP has k = 0 and S = M. A contact problem keeps its inertia in K, so that no inverse is ever formed. The
+/// numbers are the problem's own times powers of two: p = 2^p_exponent p', z_i = 2^z_exponent[i] z'_i.
+struct ExactSystem {
+  IntegerMatrix K;                   ///< k x k
+  IntegerMatrix L;                   ///< k x n
+  IntegerMatrix R;                   ///< k x n
+  std::vector<std::vector<Term>> S;  ///< n rows
+  IntegerVector q;                   ///< n
+  slong p_exponent = 0;
+  std::vector<slong> z_exponent;  ///< n
+
+  Index size() const { return static_cast<Index>(q.size()); }
+  Index potentials() const { return K.rows(); }
+};
+
+/// p / denominator and z / denominator; denominator > 0.
+struct ExactPoint {
+  IntegerVector p;
+  IntegerVector z;
+  Integer denominator{1};
+};
+
+/// The inertia of a contact problem in the form that ExactSystem takes: K p = B_left C f, w = q + (B_right C)'p, and
+/// the change of velocity is Y p.
+struct ExactInertia {
+  Dyadic K;
+  std::optional<Dyadic> left;      ///< k x ngc; none: the identity
+  std::optional<Dyadic> right;     ///< k x ngc; none: the identity
+  std::optional<Dyadic> velocity;  ///< Y, ngc x k; none: the identity
+  bool semidefinite = false;       ///< proven: M restricted to impulses is symmetric positive semidefinite
+  bool full_rank = false;          ///< proven, for independent factors: only C f = 0 moves nothing
+  std::string refusal;             ///< why nothing can be certified; "" where it can
+};
+
+/// The factors with alpha other than 0.
+std::vector<Index> weighted_factors(const FactoredInertia& inertia);
+
+/// The weighted factors that do not depend on those before (dependence is tested modulo a prime:
+/// an independent column may be taken for dependent, never the reverse).
+std::vector<Index> independent_factors(const FactoredInertia& inertia);
+
+/// @param factors  of a FactoredInertia, the columns of X that span its range; ignored by the other forms.
+ExactInertia exact_inertia(const Inertia& inertia, const std::vector<Index>& factors);
+
+/// C = [N D 0] (ngc x n: a column of zeros for each lambda).
+Dyadic contact_columns(const ContactProblem& problem);
+
+/// The frictionless system of the columns of C: q = C'v, S = 0.
+ExactSystem frictionless_system(const ExactInertia& inertia, const Dyadic& C, const Dyadic& v);
+
+/// The whole system of a contact problem, cone rows included.
+ExactSystem contact_system(const ContactProblem& problem, const ExactInertia& inertia);
+
+/// The edges of all friction cones as columns: N_i of every contact, then N_i + mu_i D_t of every friction column t.
+Dyadic cone_edges(const ContactProblem& problem);
+
+ExactSystem bare_system(const Lcp& lcp);
+
+}  // namespace lcpbench::exact

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <vector>
+
+#include "study/certify/integers.h"
+
+namespace lcpbench::exact {
+
+/// Rows and columns of a nonsingular square part of a matrix.
+struct Minor {
+  std::vector<Index> rows;
+  std::vector<Index> columns;
+};
+
+/// A largest nonsingular minor of A modulo a prime of 63 bits, and so nonsingular over the integers: columns are taken
+/// from the left unless they depend on those before, each with the first free row that serves. O(rows cols rank).
+/// With a probability near 2^-63 a column is left out that is independent over the integers.
+Minor independent_minor(const IntegerMatrix& A);
+
+/// Solves A x = denominator b exactly, denominator > 0, by p-adic lifting. [Dixon 1982; FLINT]
+/// False where A is singular and b is not zero; x is zero where b is. O(n^3) for entries of fixed size. @param b,x  n x
+/// 1
+bool solve(const IntegerMatrix& A, const IntegerMatrix& b, IntegerMatrix& x, Integer& denominator);
+
+}  // namespace lcpbench::exact
