@@ -205,6 +205,30 @@ TEST(CertifyTest, TheTimeLimitIsObeyed) {
   EXPECT_LT(limited.seconds, 2);  // the longest step, with room for a loaded machine and sanitizers
 }
 
+// Painleve's paradox: mu couples so much that a pressed contact draws itself in. Free flight at (5, 1) and sliding at
+// (2, 0) under f_n = 1, f_t = -2 are both solutions: M_dense = [1 1; 1 2], q = (1, 5), mu = 2.
+TEST(CertifyTest, TwoVelocitiesOfPainlevesParadoxAreBothCertified) {
+  ContactProblem problem;
+  problem.v = vec({1, 5});
+  problem.N = Matrix(vec({1, 0}));
+  Matrix D(2, 2);
+  D << 0, 0, 1, -1;
+  problem.D = D;
+  problem.edges = {2};
+  problem.mu = vec({2});
+  Matrix G(2, 2);
+  G << 2, -1, -1, 1;  // the inverse of [1 1; 1 2]
+  problem.inertia = DenseInertia{G};
+  const Certificate certificate = certify(Problem("paradox", problem), {.seek_other_velocity = true});
+  EXPECT_EQ(certificate.kind, CertificateKind::kSolution);
+  EXPECT_EQ(certificate.velocity_unique, false);
+  const bool free_first = certificate.velocity(0) == 1;
+  EXPECT_EQ(certificate.velocity, free_first ? vec({1, 5}) : vec({0, 2}));
+  const testing::RationalVector other = rationals(certificate.exact_other_potential);
+  EXPECT_EQ(other, free_first ? (testing::RationalVector{-1, -3}) : (testing::RationalVector{0, 0}));
+  EXPECT_FALSE(certify(Problem("paradox", problem)).velocity_unique.has_value());
+}
+
 TEST(CertifyTest, TheSameProblemHasTheSameCertificateWhateverCameBefore) {
   Draw draw(5);
   const Problem problem("frictional", random_frictional(draw, 4, 4, 4));

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "study/certify/basis.h"
+#include "study/certify/contact_modes.h"
 #include "study/certify/contact_order.h"
 #include "study/certify/contact_truth.h"
 #include "study/certify/enumerate.h"
@@ -28,9 +29,13 @@ constexpr Index kLargestEnumeration = 16;
 constexpr Index kLargestQuad = 60;
 /// How often the contacts are reordered in search of another velocity.
 constexpr Index kReorderings = 8;
+/// Most combinations of contact modes to try one by one.
+constexpr std::size_t kModes = 2500;
 
 constexpr const char* kFrictionless[] = {"active_set", "lemke{precision=quad}"};
-constexpr const char* kFrictional[] = {"contact_lemke", "lemke", "lemke{precision=quad}"};
+constexpr const char* kFrictional[] = {"contact_lemke", "lemke", "contact_lemke{covering=classic}"};
+constexpr const char* kSmallFrictional = "lemke{precision=quad}";
+constexpr const char* kReordered = "contact_lemke{precision=double}";
 
 bool fits(const ExactSystem& system, const std::vector<Index>& basis, const Deadline& deadline) {
   // Lifting costs about 4 order^3 / 62 products for each bit of the entries; 2 ns and 64 bits are assumed of each.
@@ -122,9 +127,10 @@ class ContactCertifier {
   bool decide_frictional() {
     if (solved_by(kFrictional[0])) return true;
     if (!truth_.inertia().full_rank && contradicted()) return true;
-    if (solved_by(kFrictional[1])) return true;
-    if (truth_.system().size() <= kLargestQuad && solved_by(kFrictional[2])) return true;
-    return solvable_by_velocity() || solved_in_another_order() || settled_by_exact_lemke() || enumerated();
+    if (solved_by(kFrictional[1]) || solved_by(kFrictional[2])) return true;
+    if (truth_.system().size() <= kLargestQuad && solved_by(kSmallFrictional)) return true;
+    return solvable_by_velocity() || solved_in_another_order() || solved_in_some_mode() || settled_by_exact_lemke() ||
+           enumerated();
   }
 
   bool solved_by(const char* spec) {
@@ -266,20 +272,40 @@ class ContactCertifier {
   }
 
   bool solved_in_another_order() {
-    return in_another_order(kFrictional[0], [&](const Vector& z) {
-      return solved_near(z, std::string(kFrictional[0]) + ", contacts in another order");
+    return in_another_order(kReordered, [&](const Vector& z) {
+      return solved_near(z, std::string(kReordered) + ", contacts in another order");
+    });
+  }
+
+  // Every combination of contact modes, where these are few.
+  template <class Found>
+  bool in_another_mode(Found&& found) {
+    for (const std::vector<Index>& basis : contact_modes(contact_, kModes)) {
+      if (deadline_.passed()) return false;
+      const std::optional<ExactPoint> point = basis_point(truth_.system(), basis);
+      if (point && solves(*point) && found(*point)) return true;
+    }
+    return false;
+  }
+
+  bool solved_in_some_mode() {
+    return in_another_mode([&](const ExactPoint& point) {
+      take_solution(truth_.stated(point), "a combination of contact modes");
+      return true;
     });
   }
 
   void seek_other_velocity() {
-    const auto differs = [&](const Vector& z) { return differs_near(z); };
-    if (!in_another_order(kFrictional[0], differs)) in_another_order(kFrictional[1], differs);
+    if (in_another_mode([&](const ExactPoint& point) { return differs(point); })) return;
+    const auto differs_near = [&](const Vector& z) {
+      const std::optional<ExactPoint> point = point_near(z);
+      return point && differs(*point);
+    };
+    if (!in_another_order(kReordered, differs_near)) in_another_order(kFrictional[1], differs_near);
   }
 
-  bool differs_near(const Vector& z) {
-    std::optional<ExactPoint> point = point_near(z);
-    if (!point) return false;
-    const ExactPoint other = truth_.stated(std::move(*point));
+  bool differs(const ExactPoint& point) {
+    const ExactPoint other = truth_.stated(point);
     if (same_potential(*solution_, other)) return false;
     certificate_.velocity_unique = false;
     certificate_.exact_other_z = to_text(scaled_z(truth_.stated(), other));
