@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "generators/hard/hard.h"
 #include "generators/paper.h"
 #include "generators/planted.h"
 #include "generators/problem_io.h"
@@ -71,6 +72,30 @@ class RandomSet final : public ProblemSet {
   const Set& set_;
   Reading reading_;
   std::string name_;
+};
+
+/// A problem by formula: one, the same whatever the seed.
+class HardProblemSet final : public ProblemSet {
+ public:
+  HardProblemSet(const HardSet& set, const Options& options)
+      : name_(Spec{set.name, set.changed(set.name, options)}.text()),
+        problem_(to_problem(set.make(set.name, options), name_)) {}
+
+  std::string name() const override { return name_; }
+  Problem generate(std::uint64_t, std::int64_t trial) const override {
+    checked_trial(name_, trial, count());
+    return problem_;
+  }
+  std::optional<std::int64_t> count() const override { return 1; }
+
+ private:
+  static Problem to_problem(const HardCase& hard, const std::string& name) {
+    if (hard.contact) return {name, to_contact_problem(*hard.contact)};
+    return {name, to_lcp(hard)};
+  }
+
+  std::string name_;
+  Problem problem_;
 };
 
 // ---- files ----
@@ -148,6 +173,11 @@ SetInfo describe(const PlantedSet& set) {
           "frictionless: " + set.summary, set.options()};
 }
 
+SetInfo describe(const HardSet& set) {
+  const std::string truth = truth_text(set.make(set.name, {}));
+  return {set.name, set.size, set.source, set.summary + "; hard: " + set.hard + "; " + truth, set.options()};
+}
+
 template <class Set>
 const Set* find_set(const std::vector<Set>& sets, const std::string& name) {
   const auto found = std::find_if(sets.begin(), sets.end(), [&](const Set& set) { return set.name == name; });
@@ -184,6 +214,7 @@ std::vector<SetInfo> list_sets() {
   for (const PaperSet& set : paper_sets()) infos.push_back(describe(set));
   for (const RigidSet& set : rigid_sets()) infos.push_back(describe(set));
   for (const PlantedSet& set : planted_sets()) infos.push_back(describe(set));
+  for (const HardSet& set : hard_sets()) infos.push_back(describe(set));
   return infos;
 }
 
@@ -198,6 +229,9 @@ std::unique_ptr<ProblemSet> open_set(const std::string& text) {
   }
   if (const PlantedSet* set = find_set(planted_sets(), spec.name)) {
     return std::make_unique<RandomSet<PlantedSet, PlantedReading>>(*set, spec.options);
+  }
+  if (const HardSet* set = find_set(hard_sets(), spec.name)) {
+    return std::make_unique<HardProblemSet>(*set, spec.options);
   }
   throw InputError("unknown problem set '" + spec.name + "'; `lcpbench sets` lists them");
 }

@@ -98,4 +98,6 @@ ContactProblem to_contact_problem(const PlantedSample& sample) {
 
 Lcp to_lcp(const PlantedSample& sample) { return {to_matrix(sample.M), to_vector(sample.q)}; }
 
+Lcp to_lcp(const HardCase& problem) { return {to_matrix(problem.M), to_vector(problem.q)}; }
+
 }  // namespace lcpbench

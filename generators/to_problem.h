@@ -2,6 +2,7 @@
 
 #include "core/contact_problem.h"
 #include "core/scene.h"
+#include "generators/hard/hard.h"
 #include "generators/paper.h"
 #include "generators/planted.h"
 #include "generators/rigid.h"
@@ -24,5 +25,8 @@ ContactProblem to_contact_problem(const PlantedSample& sample);
 
 /// The sample's (q, M), unchanged.
 Lcp to_lcp(const PlantedSample& sample);
+
+/// The case's (q, M), unchanged. @pre a bare LCP: its contact problem, where it has one, is that of *problem.contact.
+Lcp to_lcp(const HardCase& problem);
 
 }  // namespace lcpbench

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/spec.h"
+#include "generators/hard/hard.h"
 #include "generators/paper.h"
 #include "generators/planted.h"
 #include "generators/rigid.h"

@@ -161,6 +161,22 @@ PlantedDraw draw(const PlantedSet& set, const PlantedReading& reading, std::uint
   return {draw_planted(set, reading, kSeed, trial), reading.form};
 }
 
+void add(const HardCase& problem, Hash& hash) {
+  if (problem.contact) return add(*problem.contact, hash);
+  add(problem.M, hash);
+  add(problem.q, hash);
+}
+
+std::string hard_lines() {
+  std::string text;
+  for (const Case<HardSet>& one : cases(hard_sets())) {
+    Hash hash;
+    add(one.set->make(one.set->name, one.options), hash);
+    text += hash.text() + " " + one.name() + "\n";
+  }
+  return text;
+}
+
 template <class Set>
 std::string lines(const std::vector<Set>& sets) {
   std::string text;
@@ -180,7 +196,7 @@ int compare(const std::string& actual, const std::string& expected) {
 }
 
 int run(int argc, char** argv) {
-  const std::string actual = lines(paper_sets()) + lines(rigid_sets()) + lines(planted_sets());
+  const std::string actual = lines(paper_sets()) + lines(rigid_sets()) + lines(planted_sets()) + hard_lines();
   if (argc < 2) return std::fputs(actual.c_str(), stdout) < 0 ? 1 : 0;
   std::ifstream file(argv[1]);
   if (!file) {

@@ -88,13 +88,15 @@ std::map<std::string, std::string> committed_hashes() {
 
 TEST(GoldenHashesTest, TheLibraryGivesThemToo) {
   const std::map<std::string, std::string> hashes = committed_hashes();
-  ASSERT_GE(hashes.size(), cases(paper_sets()).size() + cases(rigid_sets()).size() + cases(planted_sets()).size());
+  ASSERT_GE(hashes.size(), cases(paper_sets()).size() + cases(rigid_sets()).size() + cases(planted_sets()).size() +
+                               cases(hard_sets()).size());
   for (const auto& [name, expected] : hashes) {
     const std::unique_ptr<ProblemSet> set = open_set(name);
     EXPECT_EQ(set->name(), name);
     Hash hash;
-    for (std::uint64_t trial = 0; trial < kTrials; ++trial) {
-      const Problem problem = set->generate(kSeed, static_cast<std::int64_t>(trial));
+    const std::int64_t trials = set->count().value_or(kTrials);
+    for (std::int64_t trial = 0; trial < trials; ++trial) {
+      const Problem problem = set->generate(kSeed, trial);
       if (problem.scene() != nullptr) {
         add(*problem.scene(), hash);
       } else if (problem.contact() != nullptr) {

@@ -3,6 +3,7 @@
 
 #include "generators/problem_io.h"
 
+#include <algorithm>
 #include <bit>
 #include <chrono>
 #include <cmath>
@@ -150,7 +151,9 @@ TEST_F(ProblemIoTest, EveryKindComesBackEqual) {
 TEST_F(ProblemIoTest, EveryGeneratedProblemComesBackEqual) {
   for (const SetInfo& set : list_sets()) {
     SCOPED_TRACE(set.name);
-    for (std::int64_t trial = 0; trial < 3; ++trial) expect_round_trip(open_set(set.name)->generate(1, trial));
+    const auto problems = open_set(set.name);
+    const std::int64_t trials = std::min<std::int64_t>(3, problems->count().value_or(3));
+    for (std::int64_t trial = 0; trial < trials; ++trial) expect_round_trip(problems->generate(1, trial));
   }
 }
 

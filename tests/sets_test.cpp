@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "generators/hard/hard.h"
 #include "generators/problem_io.h"
 
 namespace lcpbench {
@@ -31,6 +32,8 @@ std::vector<std::string> names() {
   return result;
 }
 
+bool is_hard(const std::string& name) { return name.rfind("hard/", 0) == 0; }
+
 TEST(ListSetsTest, NamesEveryExperimentOnce) {
   std::vector<std::string> expected;
   for (const std::string kind : {"paper/monotone/", "paper/copositive/"}) {
@@ -46,6 +49,7 @@ TEST(ListSetsTest, NamesEveryExperimentOnce) {
     }
   }
   expected.push_back("planted/definite");
+  for (const HardSet& set : hard_sets()) expected.push_back(set.name);
   EXPECT_EQ(names(), expected);
 }
 
@@ -53,8 +57,20 @@ TEST(ListSetsTest, DescribesEverySet) {
   for (const SetInfo& set : list_sets()) {
     EXPECT_FALSE(set.size.empty() || set.source.empty() || set.summary.empty() || set.options.empty()) << set.name;
     EXPECT_EQ(open_set(set.name)->name(), set.name);
+    if (is_hard(set.name)) continue;
     EXPECT_FALSE(open_set(set.name)->count().has_value());
     EXPECT_NO_THROW(open_set(set.name)->generate(7, 3).size()) << set.name;
+  }
+}
+
+TEST(ListSetsTest, AHardSetIsOneProblemWhateverTheSeed) {
+  for (const SetInfo& info : list_sets()) {
+    if (!is_hard(info.name)) continue;
+    const auto set = open_set(info.name);
+    EXPECT_EQ(set->count(), 1);
+    EXPECT_EQ(set->generate(1, 0).name(), info.name);
+    EXPECT_EQ(problem_hash(set->generate(1, 0)), problem_hash(set->generate(99, 0)));
+    EXPECT_EQ(error_of([&] { set->generate(1, 1); }), info.name + ": trial 1: the set has 1");
   }
 }
 

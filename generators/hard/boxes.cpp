@@ -1,0 +1,211 @@
+#include <algorithm>
+
+#include "generators/hard/build.h"
+
+namespace lcpbench::hard {
+namespace {
+
+/// A box with k x k contacts below it, spread evenly over [-1, 1]^2 at the depth `depth` under its centre, in units of
+/// its own: mass and moments of inertia 1 and length 1, each times a power of two.
+/// Coordinates: velocity x, y, z, then turn about x, y, z. Friction directions +x, +y, -x, -y.
+struct Box {
+  std::size_t k = 2;
+  double depth = 0;
+  bool frictional = false;
+  double mu = 0;
+  double mass = 1;
+  double length = 1;
+
+  std::size_t points() const { return k * k; }
+  /// Of point i in x, i % k, or y, i / k; exactly antisymmetric.
+  double place(std::size_t index) const {
+    if (k == 1) return 0;
+    return (2 * static_cast<double>(index) - static_cast<double>(k - 1)) / static_cast<double>(k - 1);
+  }
+  double x(std::size_t point) const { return place(point % k); }
+  double y(std::size_t point) const { return place(point / k); }
+
+  /// @param v  in the units of a box of length 1
+  HardCase fall(Numbers v, HardTruth truth) const;
+  /// z with normal impulses at the four corners alone, those at x = -1 and at x = 1, and friction along -x.
+  Numbers corner_impulses(double at_rear, double at_front, double friction_per_normal) const;
+};
+
+HardCase Box::fall(Numbers v, HardTruth truth) const {
+  Square inertia(6, 6);
+  for (std::size_t i = 0; i < 3; ++i) {
+    inertia(i, i) = mass;
+    inertia(3 + i, 3 + i) = mass * length * length;
+    v[i] *= length;
+  }
+  Contacts contacts(inertia, v);
+  for (std::size_t point = 0; point < points(); ++point) {
+    const double px = length * x(point);
+    const double py = length * y(point);
+    const double pz = -length * depth;
+    const Numbers normal{0, 0, 1, py, -px, 0};
+    if (!frictional) {
+      contacts.add(normal);
+      continue;
+    }
+    contacts.add(normal, mu, {{1, 0, 0, 0, pz, -py}, {0, 1, 0, -pz, 0, px}});
+  }
+  truth.z = scaled(std::move(truth.z), mass * length);
+  for (std::size_t i = 0; i < std::min<std::size_t>(3, truth.velocity.size()); ++i) truth.velocity[i] *= length;
+  return contacts.with(std::move(truth));
+}
+
+Numbers Box::corner_impulses(double at_rear, double at_front, double friction_per_normal) const {
+  constexpr std::size_t kEdges = 4;
+  constexpr std::size_t kAgainstX = 2;
+  Numbers z(frictional ? points() * (kEdges + 2) : points());
+  for (const std::size_t row : {std::size_t{0}, k - 1}) {
+    for (const std::size_t column : {std::size_t{0}, k - 1}) {
+      const std::size_t point = row * k + column;
+      z[point] = column == 0 ? at_rear : at_front;
+      if (frictional) z[points() + kEdges * point + kAgainstX] = friction_per_normal * z[point];
+    }
+  }
+  return z;
+}
+
+struct GridDials {
+  std::int64_t k = 6;
+  void visit(auto&& field) { field("k", k, IntegerRange{2, 20}, "contacts along a side, k^2 in all"); }
+  Box box() const { return {.k = static_cast<std::size_t>(k)}; }
+};
+
+HardCase make_falling(const GridDials& dials) {
+  const Box box = dials.box();
+  const HardTruth truth = solution(box.corner_impulses(0.25, 0.25, 0), HardUnique::kYes, kDefiniteInertia);
+  return box.fall({0, 0, -1, 0, 0, 0}, with_velocity(truth, constant(6, 0)));
+}
+
+// Turning with 1/2 and 1/4 it stops whole: the corners bear (1 - sx / 4) (1 - sy / 2) / 4 for their signs in x and y.
+HardCase make_tilted(const GridDials& dials) {
+  const Box box = dials.box();
+  Numbers z(box.points());
+  for (const double sx : {-1.0, 1.0}) {
+    for (const double sy : {-1.0, 1.0}) {
+      const std::size_t column = sx < 0 ? 0 : box.k - 1;
+      const std::size_t row = sy < 0 ? 0 : box.k - 1;
+      z[row * box.k + column] = (1 - sx / 4) * (1 - sy / 2) / 4;
+    }
+  }
+  const HardTruth truth = solution(z, HardUnique::kYes, kDefiniteInertia);
+  return box.fall({0, 0, -1, 0.5, -0.25, 0}, with_velocity(truth, constant(6, 0)));
+}
+
+// Turning with 2 it lands on the edge y = -1, whose two corners bear 3/4 each; the others leave the ground.
+HardCase make_on_edge(const GridDials& dials) {
+  const Box box = dials.box();
+  Numbers z(box.points());
+  z[0] = z[box.k - 1] = 0.75;
+  const HardTruth truth = solution(z, HardUnique::kYes, kDefiniteInertia);
+  return box.fall({0, 0, -1, 2, 0, 0}, with_velocity(truth, {0, 0, 0.5, 0.5, 0, 0}));
+}
+
+struct FrictionGridDials {
+  std::int64_t k = 2;
+  double mu = 0.5;
+  void visit(auto&& field) {
+    field("k", k, IntegerRange{2, 8}, "contacts along a side, k^2 in all");
+    field("mu", mu, RealRange{0, 1e6}, "friction coefficient");
+  }
+  Box box() const { return {.k = static_cast<std::size_t>(k), .depth = 1, .frictional = true, .mu = mu}; }
+};
+
+HardCase make_sliding(const FrictionGridDials& dials) {
+  return dials.box().fall({2, 0.5, -1, 0, 0, 0}, solvable(HardUnique::kUnknown, kDefiniteInertia));
+}
+
+HardCase make_spinning(const FrictionGridDials& dials) {
+  return dials.box().fall({0, 0, -1, 0, 0, 1}, solvable(HardUnique::kUnknown, kDefiniteInertia));
+}
+
+HardCase make_at_rest(const FrictionGridDials& dials) {
+  const Box box = dials.box();
+  const HardTruth truth = solution(constant(6 * box.points(), 0), HardUnique::kUnknown, "q = 0");
+  return box.fall(constant(6, 0), with_velocity(truth, constant(6, 0)));
+}
+
+/// Four times the impulse that stops 3 along x and 4 downward, at the friction angle of mu = 3/4: it stops whole, the
+/// friction at the depth 1 shifting the load to the corners in front.
+HardCase at_friction_angle(Box box) {
+  constexpr double kShare = 0.75;  // of a corner's load that moves from the rear to the front
+  constexpr double kSlope = 0.75;
+  if (box.mu < kSlope) return box.fall({3, 0, -4, 0, 0, 0}, solvable(HardUnique::kUnknown, kDefiniteInertia));
+  const Numbers z = box.corner_impulses(1 - kShare, 1 + kShare, kSlope);
+  const HardTruth truth = solution(z, HardUnique::kUnknown, kDefiniteInertia);
+  return box.fall({3, 0, -4, 0, 0, 0}, with_velocity(truth, constant(6, 0)));
+}
+
+struct AngleDials {
+  std::int64_t k = 2;
+  std::int64_t ulps = 0;
+  void visit(auto&& field) {
+    field("k", k, IntegerRange{2, 8}, "contacts along a side, k^2 in all");
+    field("ulps", ulps, IntegerRange{-1'000'000, 1'000'000}, "mu is 3/4 plus so many units in its last place");
+  }
+};
+
+HardCase make_friction_angle(const AngleDials& dials) {
+  return at_friction_angle({.k = static_cast<std::size_t>(dials.k),
+                            .depth = 1,
+                            .frictional = true,
+                            .mu = 0.75 + static_cast<double>(dials.ulps) * 0x1p-53});
+}
+
+struct UnitsDials {
+  std::int64_t mass = 10;
+  std::int64_t length = 10;
+  void visit(auto&& field) {
+    field("mass", mass, IntegerRange{-100, 100}, "the unit of mass is 2^-mass kg: 10 is close to grams");
+    field("length", length, IntegerRange{-100, 100}, "the unit of length is 2^-length m: 10 is close to millimetres");
+  }
+};
+
+HardCase make_units(const UnitsDials& dials) {
+  return at_friction_angle({.k = 2,
+                            .depth = 1,
+                            .frictional = true,
+                            .mu = 0.75,
+                            .mass = power_of_two(dials.mass),
+                            .length = power_of_two(dials.length)});
+}
+
+}  // namespace
+
+void add_box_sets(std::vector<HardSet>& sets) {
+  constexpr const char* kGridSize = "k^2 contacts, n = k^2";
+  constexpr const char* kFrictionSize = "k^2 contacts, 4 edges, n = 6 k^2";
+  constexpr const char* kSource = "by hand";
+  sets.push_back(
+      hard_set<GridDials, make_falling>({"contact/box-falling", kGridSize, "a box falls flat on k x k contacts",
+                                         "k^2 contacts of rank 3 that all tie; the velocity is one", kSource}));
+  sets.push_back(
+      hard_set<GridDials, make_tilted>({"contact/box-tilted", kGridSize, "the box turns as it falls, and stops whole",
+                                        "only the corners have to bear, in a ratio that few bases give", kSource}));
+  sets.push_back(
+      hard_set<GridDials, make_on_edge>({"contact/box-on-edge", kGridSize, "the box turns faster and lands on one edge",
+                                         "k contacts share an edge of rank 2, the others open", kSource}));
+  sets.push_back(hard_set<FrictionGridDials, make_sliding>(
+      {"contact/box-sliding", kFrictionSize, "the box slides askew and falls",
+       "friction under the centre tips it: normals and friction are coupled, 6 k^2 unknowns of rank 6", kSource}));
+  sets.push_back(hard_set<FrictionGridDials, make_spinning>(
+      {"contact/box-spinning", kFrictionSize, "the box spins about the vertical and falls",
+       "friction at the contacts may share the spin in many ways, with different velocities", kSource}));
+  sets.push_back(hard_set<FrictionGridDials, make_at_rest>(
+      {"contact/box-at-rest", kFrictionSize, "the box lies there: q = 0",
+       "every ratio is 0 / 0 for relative tests; z = 0 is the answer", kSource}));
+  sets.push_back(hard_set<AngleDials, make_friction_angle>(
+      {"contact/box-friction-angle", kFrictionSize,
+       "the box arrives at the friction angle of mu = 3/4, give or take ulps",
+       "at each contact the friction cone is just reached; an ulp less and it slides", kSource}));
+  sets.push_back(hard_set<UnitsDials, make_units>(
+      {"contact/units", "4 contacts, 4 edges, n = 24",
+       "the box at the friction angle, in other units of mass and length",
+       "exactly the same motion: whoever answers otherwise has a unit in its tolerances", kSource}));
+}
+
+}  // namespace lcpbench::hard

@@ -1,0 +1,199 @@
+#include "generators/hard/build.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lcpbench::hard {
+
+double power_of_two(std::int64_t exponent) { return std::ldexp(1.0, static_cast<int>(exponent)); }
+
+Square zero_matrix(std::size_t n) { return Square(n, n); }
+
+Square identity(std::size_t n) { return triangular(n, 0, 1, 0); }
+
+Square matrix(const std::vector<Numbers>& rows) {
+  Square M(rows.size(), rows.front().size());
+  for (std::size_t i = 0; i < M.rows; ++i) {
+    for (std::size_t j = 0; j < M.cols; ++j) M(i, j) = rows[i][j];
+  }
+  return M;
+}
+
+Square tridiagonal(std::size_t n, double below, double diagonal, double above) {
+  Square M(n, n);
+  for (std::size_t i = 0; i < n; ++i) {
+    M(i, i) = diagonal;
+    if (i > 0) M(i, i - 1) = below;
+    if (i + 1 < n) M(i, i + 1) = above;
+  }
+  return M;
+}
+
+Square triangular(std::size_t n, double below, double diagonal, double above) {
+  Square M(n, n);
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < n; ++j) M(i, j) = i == j ? diagonal : i > j ? below : above;
+  }
+  return M;
+}
+
+Square transposed(const Square& A) {
+  Square T(A.cols, A.rows);
+  for (std::size_t i = 0; i < A.rows; ++i) {
+    for (std::size_t j = 0; j < A.cols; ++j) T(j, i) = A(i, j);
+  }
+  return T;
+}
+
+Square product(const Square& A, const Square& B) {
+  Square C(A.rows, B.cols);
+  for (std::size_t i = 0; i < A.rows; ++i) {
+    for (std::size_t j = 0; j < B.cols; ++j) {
+      double sum = 0;
+      for (std::size_t k = 0; k < A.cols; ++k) sum += A(i, k) * B(k, j);
+      C(i, j) = sum;
+    }
+  }
+  return C;
+}
+
+Numbers times(const Square& M, const Numbers& x) {
+  Numbers y(M.rows);
+  for (std::size_t i = 0; i < M.rows; ++i) {
+    for (std::size_t j = 0; j < M.cols; ++j) y[i] += M(i, j) * x[j];
+  }
+  return y;
+}
+
+Numbers constant(std::size_t n, double value) { return Numbers(n, value); }
+
+Numbers unit(std::size_t n, std::size_t i) {
+  Numbers x(n);
+  x[i] = 1;
+  return x;
+}
+
+Numbers alternating(std::size_t n) {
+  Numbers x(n);
+  for (std::size_t i = 0; i < n; i += 2) x[i] = 1;
+  return x;
+}
+
+Numbers scaled(Numbers x, double factor) {
+  for (double& entry : x) entry *= factor;
+  return x;
+}
+
+Square skew_blocks(const Square& A) {
+  Square M(A.rows + A.cols, A.rows + A.cols);
+  for (std::size_t i = 0; i < A.rows; ++i) {
+    for (std::size_t j = 0; j < A.cols; ++j) {
+      M(j, A.cols + i) = A(i, j);
+      M(A.cols + i, j) = 0.0 - A(i, j);  // no negative zeros
+    }
+  }
+  return M;
+}
+
+Numbers joined(const Numbers& first, const Numbers& second) {
+  Numbers all = first;
+  all.insert(all.end(), second.begin(), second.end());
+  return all;
+}
+
+HardTruth solution(Numbers z, HardUnique unique, std::string reason) {
+  HardTruth truth = solvable(unique, std::move(reason));
+  truth.z = std::move(z);
+  return truth;
+}
+
+HardTruth rounded_solution(Numbers z, HardUnique unique, std::string reason) {
+  HardTruth truth = solution(std::move(z), unique, std::move(reason));
+  truth.exact = false;
+  return truth;
+}
+
+HardTruth solvable(HardUnique unique, std::string reason) {
+  HardTruth truth;
+  truth.unique = unique;
+  truth.reason = std::move(reason);
+  return truth;
+}
+
+HardTruth unsolvable(Numbers farkas, std::string reason) {
+  HardTruth truth;
+  truth.known = HardKnown::kUnsolvable;
+  truth.reason = std::move(reason);
+  truth.farkas = std::move(farkas);
+  return truth;
+}
+
+HardTruth with_velocity(HardTruth truth, Numbers velocity) {
+  truth.velocity = std::move(velocity);
+  return truth;
+}
+
+HardCase lcp(Square M, Numbers q, HardTruth truth) {
+  HardCase problem;
+  problem.M = std::move(M);
+  problem.q = std::move(q);
+  problem.truth = std::move(truth);
+  return problem;
+}
+
+HardCase planted(Square M, const Numbers& z, const Numbers& w, HardUnique unique, std::string reason) {
+  Numbers q = times(M, z);
+  for (std::size_t i = 0; i < q.size(); ++i) q[i] = w[i] - q[i];
+  return lcp(std::move(M), std::move(q), solution(z, unique, std::move(reason)));
+}
+
+HardCase with_scale(HardCase problem, const ScaleDial& dial) {
+  const double factor = power_of_two(dial.scale);
+  problem.q = scaled(std::move(problem.q), factor);
+  problem.truth.z = scaled(std::move(problem.truth.z), factor);
+  return problem;
+}
+
+namespace {
+
+void append_column(const Numbers& column, double factor, ColumnMajor<double>& columns) {
+  for (const double entry : column) columns.data.push_back(factor * entry + 0.0);  // no negative zeros
+  ++columns.cols;
+}
+
+}  // namespace
+
+Contacts::Contacts(Square inertia, Numbers v, InertiaForm form) {
+  sample_.N = ColumnMajor<double>(v.size(), 0);
+  sample_.D = ColumnMajor<double>(v.size(), 0);
+  sample_.v = std::move(v);
+  sample_.form = form;
+  sample_.G = std::move(inertia);
+}
+
+Contacts Contacts::reduced(ColumnMajor<double> X, Numbers v) {
+  Contacts contacts(Square(), std::move(v), InertiaForm::kFactored);
+  contacts.sample_.alpha = constant(X.cols, 1.0);
+  contacts.sample_.X = std::move(X);
+  return contacts;
+}
+
+void Contacts::add(Numbers normal) { add(std::move(normal), 0, {}); }
+
+void Contacts::add(Numbers normal, double mu, const std::vector<Numbers>& directions) {
+  append_column(normal, 1, sample_.N);
+  for (const double factor : {1.0, -1.0}) {
+    for (const Numbers& direction : directions) append_column(direction, factor, sample_.D);
+  }
+  sample_.edges.push_back(static_cast<int>(2 * directions.size()));
+  sample_.mu.push_back(mu);
+}
+
+HardCase Contacts::with(HardTruth truth) const {
+  HardCase problem;
+  problem.contact = sample_;
+  problem.truth = std::move(truth);
+  return problem;
+}
+
+}  // namespace lcpbench::hard

@@ -1,0 +1,149 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "generators/hard/hard.h"
+
+// What the formulas are written with. Sums of products are left to right; where a case says that its answer is exact,
+// every one of them is exact in doubles for all values of its dials.
+
+namespace lcpbench::hard {
+
+// ---- dials ----
+
+/// The order of M, or a number that stands for it.
+template <std::int64_t kDefault, std::int64_t kMin, std::int64_t kMax>
+struct OrderDial {
+  std::int64_t n = kDefault;
+  void visit(auto&& field) { field("n", n, IntegerRange{kMin, kMax}, "order of M"); }
+};
+
+/// An odd order: what happens at even ones is another problem.
+template <std::int64_t kDefault, std::int64_t kMax>
+struct OddOrderDial {
+  std::int64_t half = kDefault;
+  void visit(auto&& field) { field("half", half, IntegerRange{1, kMax}, "the order of M is 2 half + 1"); }
+  std::size_t order() const { return static_cast<std::size_t>(2 * half + 1); }
+};
+
+/// For problems of a fixed size: an exact change of unit, which no relative test can see.
+struct ScaleDial {
+  std::int64_t scale = 0;
+  void visit(auto&& field) {
+    field("scale", scale, IntegerRange{-400, 400}, "q, and with it every solution, is multiplied by 2^scale");
+  }
+};
+
+/// A distance or a size 2^-k.
+template <std::int64_t kDefault, std::int64_t kMax>
+struct BitsDial {
+  std::int64_t bits = kDefault;
+  void visit(auto&& field) { field("bits", bits, IntegerRange{0, kMax}, "k of the 2^-k in the formula"); }
+};
+
+// ---- vectors and matrices ----
+
+using Numbers = std::vector<double>;
+using Square = ColumnMajor<double>;
+
+/// 2^exponent, exact; denormal or zero where it must be.
+double power_of_two(std::int64_t exponent);
+Square zero_matrix(std::size_t n);
+Square identity(std::size_t n);
+/// Rows as they are written.
+Square matrix(const std::vector<Numbers>& rows);
+Square tridiagonal(std::size_t n, double below, double diagonal, double above);
+/// diagonal on the diagonal, below under it, above over it.
+Square triangular(std::size_t n, double below, double diagonal, double above);
+Square transposed(const Square& A);
+Square product(const Square& A, const Square& B);
+Numbers times(const Square& M, const Numbers& x);
+Numbers constant(std::size_t n, double value);
+Numbers unit(std::size_t n, std::size_t i);
+/// 1, 0, 1, 0, ...
+Numbers alternating(std::size_t n);
+Numbers scaled(Numbers x, double factor);
+/// [0 A'; -A 0]: the optimality conditions of min c'x, A x <= b, x >= 0 are the LCP of this matrix with q = [c; b].
+Square skew_blocks(const Square& A);
+Numbers joined(const Numbers& first, const Numbers& second);
+
+// ---- truths ----
+
+HardTruth solution(Numbers z, HardUnique unique, std::string reason);
+/// A z whose entries are rounded.
+HardTruth rounded_solution(Numbers z, HardUnique unique, std::string reason);
+/// Solvable; no formula for z.
+HardTruth solvable(HardUnique unique, std::string reason);
+HardTruth unsolvable(Numbers farkas, std::string reason);
+HardTruth with_velocity(HardTruth truth, Numbers velocity);
+/// Why a contact problem is solvable, and a frictionless one has one velocity.
+inline constexpr const char* kDefiniteInertia = "G is positive definite";
+
+// ---- cases ----
+
+HardCase lcp(Square M, Numbers q, HardTruth truth);
+/// q = w - M z, for z >= 0, w >= 0 with z'w = 0: z is a solution.
+HardCase planted(Square M, const Numbers& z, const Numbers& w, HardUnique unique, std::string reason);
+/// The same problem with q and z multiplied by 2^dial.scale.
+HardCase with_scale(HardCase problem, const ScaleDial& dial);
+
+/// Builds a contact problem contact by contact.
+class Contacts {
+ public:
+  /// @param inertia  G, or its inverse
+  Contacts(Square inertia, Numbers v, InertiaForm form = InertiaForm::kDense);
+  /// Inertia of reduced rank: G = X X'.
+  static Contacts reduced(ColumnMajor<double> X, Numbers v);
+
+  void add(Numbers normal);
+  /// @param directions  half of the friction columns; their negatives follow them
+  void add(Numbers normal, double mu, const std::vector<Numbers>& directions);
+  HardCase with(HardTruth truth) const;
+
+ private:
+  PaperSample sample_;
+};
+
+// ---- sets ----
+
+struct HardWords {
+  const char* name;
+  const char* size;
+  const char* summary;
+  const char* hard;
+  const char* source;
+};
+
+template <class Dials, HardCase (*kMake)(const Dials&)>
+HardSet hard_set(const HardWords& words) {
+  HardSet set;
+  set.name = std::string("hard/") + words.name;
+  set.size = words.size;
+  set.summary = words.summary;
+  set.hard = words.hard;
+  set.source = words.source;
+  set.options = [] { return describe_settings<Dials>(); };
+  set.make = [](std::string_view owner, const Options& options) {
+    return kMake(parse_settings<Dials>(owner, options));
+  };
+  set.changed = [](std::string_view owner, const Options& options) {
+    return changed_settings(parse_settings<Dials>(owner, options));
+  };
+  return set;
+}
+
+// ---- the families, each file its own ----
+
+void add_edge_sets(std::vector<HardSet>& sets);
+void add_class_sets(std::vector<HardSet>& sets);         ///< ray, class, game
+void add_pivoting_sets(std::vector<HardSet>& sets);      ///< cycling, degenerate, exponential
+void add_conditioning_sets(std::vector<HardSet>& sets);  ///< ill-conditioned, scaling
+void add_application_sets(std::vector<HardSet>& sets);   ///< family, pde
+void add_particle_sets(std::vector<HardSet>& sets);      ///< contact: particles, one body at few points
+void add_box_sets(std::vector<HardSet>& sets);           ///< contact: boxes on k x k points
+void add_chain_sets(std::vector<HardSet>& sets);         ///< contact: stacks, rows, rings
+
+}  // namespace lcpbench::hard

@@ -1,0 +1,225 @@
+#include "generators/hard/build.h"
+
+namespace lcpbench::hard {
+namespace {
+
+// ---- ray ----
+
+HardCase scaled_lcp(const Square& M, const Numbers& q, HardTruth truth, const ScaleDial& dial) {
+  return with_scale(lcp(M, q, std::move(truth)), dial);
+}
+
+HardCase make_ray_solvable(const ScaleDial& dial) {
+  return scaled_lcp(matrix({{0, 1}, {1, 0}}), {-2, -2}, solution({2, 2}, HardUnique::kYes, "z = (2, 2), by cases"),
+                    dial);
+}
+
+HardCase make_ray_none(const ScaleDial& dial) {
+  return scaled_lcp(matrix({{2, 0}, {1, 0}}), {-2, -2},
+                    unsolvable({}, "w >= 0 asks for z_1 >= 2, then w_1 > 0 asks for z_1 = 0"), dial);
+}
+
+HardCase make_ray_continuum(const ScaleDial& dial) {
+  return scaled_lcp(matrix({{1, 0}, {1, 0}}), {-2, -2},
+                    solution({2, 0}, HardUnique::kNo, "z = (2, t) for every t >= 0"), dial);
+}
+
+HardCase make_ray_indefinite(const ScaleDial& dial) {
+  return scaled_lcp(matrix({{1, 0}, {1, -2}}), {-2, -2}, solution({2, 0}, HardUnique::kYes, "z = (2, 0), by cases"),
+                    dial);
+}
+
+HardCase make_ray_infeasible(const ScaleDial& dial) {
+  return scaled_lcp(matrix({{1, -1}, {-1, 1}}), {-1, -1}, unsolvable({1, 1}, "w_1 + w_2 = -2 for every z"), dial);
+}
+
+HardCase make_barely_feasible(const BitsDial<40, 52>& dial) {
+  return lcp(matrix({{1, -1}, {-1, 1}}), {-1, 1 + power_of_two(-dial.bits)},
+             solution({1, 0}, HardUnique::kYes, "w_1 + w_2 = 2^-bits"));
+}
+
+HardCase make_barely_infeasible(const BitsDial<20, 52>& dial) {
+  return lcp(matrix({{1, -1}, {-1, 1}}), {-1, 1 - power_of_two(-dial.bits)},
+             unsolvable({1, 1}, "w_1 + w_2 = -2^-bits for every z"));
+}
+
+void add_ray(std::vector<HardSet>& sets) {
+  constexpr const char* kSource =
+      "by hand, after Cottle, Pang and Stone 1992, The linear complementarity problem, ch. 4";
+  sets.push_back(
+      hard_set<ScaleDial, make_ray_solvable>({"ray/copositive-solvable", "n = 2", "M = [0 1; 1 0], q = (-2, -2)",
+                                              "Lemke's method ends on a ray although there is a solution", kSource}));
+  sets.push_back(hard_set<ScaleDial, make_ray_none>(
+      {"ray/copositive-none", "n = 2", "M = [2 0; 1 0], q = (-2, -2)",
+       "w >= 0 has points, so that no linear certificate exists: only the cases prove it unsolvable", kSource}));
+  sets.push_back(
+      hard_set<ScaleDial, make_ray_continuum>({"ray/copositive-continuum", "n = 2", "M = [1 0; 1 0], q = (-2, -2)",
+                                               "a ray at once, beside a ray of solutions", kSource}));
+  sets.push_back(
+      hard_set<ScaleDial, make_ray_indefinite>({"ray/indefinite-solvable", "n = 2", "M = [1 0; 1 -2], q = (-2, -2)",
+                                                "not copositive: a ray means nothing", kSource}));
+  sets.push_back(hard_set<ScaleDial, make_ray_infeasible>(
+      {"ray/infeasible", "n = 2", "M = [1 -1; -1 1], q = (-1, -1)",
+       "a ball between closing plates: positive semidefinite and infeasible, a ray is a proof", kSource}));
+  sets.push_back(hard_set<BitsDial<40, 52>, make_barely_feasible>(
+      {"ray/barely-feasible", "n = 2", "M = [1 -1; -1 1], q = (-1, 1 + 2^-bits)",
+       "feasible by 2^-bits: tolerances see a ray", kSource}));
+  sets.push_back(hard_set<BitsDial<20, 52>, make_barely_infeasible>(
+      {"ray/barely-infeasible", "n = 2", "M = [1 -1; -1 1], q = (-1, 1 - 2^-bits)",
+       "infeasible by 2^-bits: z = (1, 0) is wrong by that much and by no more", kSource}));
+}
+
+// ---- class ----
+
+HardCase make_horn(const ScaleDial& dial) {
+  Square M(5, 5);
+  constexpr double kRow[] = {1, -1, 1, 1, -1};
+  for (std::size_t i = 0; i < 5; ++i) {
+    for (std::size_t j = 0; j < 5; ++j) M(i, j) = kRow[(j + 5 - i) % 5];
+  }
+  return with_scale(planted(M, constant(5, 1), constant(5, 0), HardUnique::kYes, "z = e, by cases"), dial);
+}
+
+HardCase make_n_matrix(const ScaleDial& dial) {
+  return scaled_lcp(matrix({{-1, 2}, {2, -1}}), {1, 1}, solution({0, 0}, HardUnique::kNo, "z = 0, (1, 0), (0, 1)"),
+                    dial);
+}
+
+HardCase make_n_matrix_negative(const ScaleDial& dial) {
+  return scaled_lcp(matrix({{-1, 2}, {2, -1}}), {-1, -1}, solution({1, 1}, HardUnique::kYes, "z = e, by cases"), dial);
+}
+
+HardCase make_isolated(const ScaleDial& dial) {
+  return scaled_lcp(matrix({{0, -1, -1}, {1, 0, 0}, {-1, 0, 0}}), {0, -1, 1},
+                    solution({1, 0, 0}, HardUnique::kYes, "w_1 asks for z_2 = z_3 = 0, w_2 and w_3 for z_1 = 1"), dial);
+}
+
+HardCase make_isolated_transposed(const ScaleDial& dial) {
+  return scaled_lcp(matrix({{0, 1, -1}, {-1, 0, 0}, {-1, 0, 0}}), {0, -1, 1},
+                    unsolvable({0, 1, 0}, "w_2 < 0 for every z"), dial);
+}
+
+struct ShearDials {
+  double shear = 4;
+  void visit(auto&& field) { field("shear", shear, RealRange{1, 1e15}, "t of M = [1 t; 0 1]"); }
+};
+
+HardCase make_shear(const ShearDials& dials) {
+  return lcp(matrix({{1, dials.shear}, {0, 1}}), {-1, -1},
+             solution({0, 1}, HardUnique::kYes, "M is a P-matrix, z = (0, 1)"));
+}
+
+struct BlockDials {
+  std::int64_t blocks = 4;
+  void visit(auto&& field) { field("blocks", blocks, IntegerRange{1, 100}, "n = 2 blocks"); }
+};
+
+// (z - e) and w - 0 in each block: w = (z_2 - 1, 1 - z_1), z'w = z_2 - z_1.
+HardCase make_skew(const BlockDials& dials) {
+  const auto n = static_cast<std::size_t>(2 * dials.blocks);
+  Square M(n, n);
+  for (std::size_t i = 0; i < n; i += 2) {
+    M(i, i + 1) = 1;
+    M(i + 1, i) = -1;
+  }
+  return planted(M, constant(n, 1), constant(n, 0), HardUnique::kYes, "z_2 >= 1 >= z_1 and z_2 = z_1 in each block");
+}
+
+void add_class(std::vector<HardSet>& sets) {
+  sets.push_back(hard_set<ScaleDial, make_horn>(
+      {"class/horn", "n = 5", "the Horn matrix, q = -e",
+       "copositive without being a sum of semidefinite and nonnegative: Lemke ends on a ray",
+       "Hall and Newman 1963, Copositive and completely positive quadratic forms"}));
+  sets.push_back(hard_set<ScaleDial, make_n_matrix>(
+      {"class/n-matrix", "n = 2", "M = [-1 2; 2 -1], q = e", "an N-matrix: three solutions, of which z = 0 is one",
+       "Kojima and Saigal 1979, On the number of solutions to a class of linear complementarity problems"}));
+  sets.push_back(hard_set<ScaleDial, make_n_matrix_negative>(
+      {"class/n-matrix-negative", "n = 2", "M = [-1 2; 2 -1], q = -e",
+       "the same N-matrix: one solution, which Lemke's method with e misses",
+       "Kojima and Saigal 1979, On the number of solutions to a class of linear complementarity problems"}));
+  sets.push_back(hard_set<ScaleDial, make_isolated>(
+      {"class/isolated", "n = 3", "M = [0 -1 -1; 1 0 0; -1 0 0], q = (0, -1, 1)",
+       "one solution, not stable: perturbed data have none",
+       "Pang; as lcp_Pang_isolated_sol among the examples of Siconos, read by columns"}));
+  sets.push_back(hard_set<ScaleDial, make_isolated_transposed>(
+      {"class/isolated-transposed", "n = 3", "the transpose of it",
+       "read by rows instead of columns the same numbers have no solution", "as class/isolated"}));
+  sets.push_back(hard_set<ShearDials, make_shear>(
+      {"class/shear", "n = 2", "M = [1 t; 0 1], q = -e",
+       "a P-matrix far from any semidefinite one: methods for monotone problems diverge", "by hand"}));
+  sets.push_back(hard_set<BlockDials, make_skew>(
+      {"class/skew", "n = 2..200", "blocks [0 1; -1 0], q = (-1, 1)",
+       "monotone with a zero diagonal: splittings divide by it or rotate around the solution", "by hand"}));
+}
+
+// ---- game ----
+
+/// Of two players with costs A (rows) and B (columns): [0 A; B' 0], q = -factor e.
+Square bimatrix(const Square& A, const Square& B) {
+  const std::size_t m = A.rows;
+  Square M(m + A.cols, m + A.cols);
+  for (std::size_t i = 0; i < m; ++i) {
+    for (std::size_t j = 0; j < A.cols; ++j) {
+      M(i, m + j) = A(i, j);
+      M(m + j, i) = B(i, j);
+    }
+  }
+  return M;
+}
+
+HardCase make_battle(const ScaleDial& dial) {
+  return scaled_lcp(bimatrix(matrix({{1, 3}, {3, 2}}), matrix({{2, 3}, {3, 1}})), constant(4, -1),
+                    solution({0.5, 0, 1, 0}, HardUnique::kNo, "three equilibria"), dial);
+}
+
+struct StrategiesDials {
+  std::int64_t strategies = 3;
+  void visit(auto&& field) { field("strategies", strategies, IntegerRange{2, 60}, "of each player; n = 2 strategies"); }
+};
+
+HardCase make_coordination(const StrategiesDials& dials) {
+  const auto k = static_cast<std::size_t>(dials.strategies);
+  const Square cost = triangular(k, 2, 1, 2);
+  return lcp(bimatrix(cost, cost), constant(2 * k, -1),
+             solution(joined(unit(k, 0), unit(k, 0)), HardUnique::kNo, "2^strategies - 1 equilibria"));
+}
+
+// Row sums of the payoffs are 0: every strategy equally often. Its null space is that one direction.
+HardCase make_cyclic(const OddOrderDial<1, 30>& dial) {
+  const std::size_t k = dial.order();
+  Square rows(k, k);
+  Square columns(k, k);
+  for (std::size_t i = 0; i < k; ++i) {
+    for (std::size_t j = 0; j < k; ++j) {
+      const std::size_t ahead = (j + k - i) % k;
+      const double payoff = ahead == 0 ? 0 : ahead <= k / 2 ? 1 : -1;
+      rows(i, j) = 2 - payoff;
+      columns(i, j) = 2 + payoff;
+    }
+  }
+  return planted(bimatrix(rows, columns), constant(2 * k, 1), constant(2 * k, 0), HardUnique::kYes,
+                 "a zero-sum game with one completely mixed equilibrium");
+}
+
+void add_game(std::vector<HardSet>& sets) {
+  constexpr const char* kSource = "Lemke and Howson 1964, Equilibrium points of bimatrix games";
+  sets.push_back(hard_set<ScaleDial, make_battle>(
+      {"game/battle-of-sexes", "n = 4", "two players, two strategies, costs 1 to 3",
+       "three equilibria; Lemke's method with the covering vector e ends on a ray", kSource}));
+  sets.push_back(hard_set<StrategiesDials, make_coordination>(
+      {"game/coordination", "n = 4..120", "both pay 1 when they choose alike, else 2",
+       "2^strategies - 1 equilibria, ties everywhere", kSource}));
+  sets.push_back(hard_set<OddOrderDial<1, 30>, make_cyclic>(
+      {"game/cyclic", "n = 6..122", "each strategy beats the next half of them, loses to the rest",
+       "one equilibrium with full support: every smaller basis is wrong", kSource}));
+}
+
+}  // namespace
+
+void add_class_sets(std::vector<HardSet>& sets) {
+  add_ray(sets);
+  add_class(sets);
+  add_game(sets);
+}
+
+}  // namespace lcpbench::hard

@@ -1,0 +1,189 @@
+#include <numeric>
+
+#include "generators/hard/build.h"
+
+namespace lcpbench::hard {
+namespace {
+
+// ---- ill-conditioned ----
+
+/// The least common multiple of 1..last; below 2^53 for last <= 41.
+double common_multiple(std::int64_t last) {
+  std::int64_t multiple = 1;
+  for (std::int64_t i = 2; i <= last; ++i) multiple = std::lcm(multiple, i);
+  return static_cast<double>(multiple);
+}
+
+/// l / (i + j + 1) for the l that makes every entry an integer.
+Square integer_hilbert(std::int64_t order) {
+  const auto n = static_cast<std::size_t>(order);
+  const double multiple = common_multiple(2 * order - 1);
+  Square M(n, n);
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < n; ++j) M(i, j) = multiple / static_cast<double>(i + j + 1);
+  }
+  return M;
+}
+
+HardCase planted_ones(Square M, HardUnique unique, const char* reason) {
+  const std::size_t n = M.rows;
+  return planted(std::move(M), constant(n, 1), constant(n, 0), unique, reason);
+}
+
+constexpr const char* kDefinite = "M is positive definite, z = e";
+/// Row sums stay below 2^53 up to here, so that q = -M e is exact.
+using HilbertDial = OrderDial<10, 1, 18>;
+
+HardCase make_hilbert(const HilbertDial& dial) {
+  return planted_ones(integer_hilbert(dial.n), HardUnique::kYes, kDefinite);
+}
+
+HardCase make_hilbert_mixed(const HilbertDial& dial) {
+  const Square M = integer_hilbert(dial.n);
+  const Numbers z = alternating(M.rows);
+  Numbers w(M.rows);
+  for (std::size_t i = 0; i < M.rows; ++i) w[i] = 1 - z[i];
+  return planted(M, z, w, HardUnique::kYes, "M is positive definite, z = (1, 0, 1, ...)");
+}
+
+HardCase make_pascal(const OrderDial<18, 1, 28>& dial) {
+  const auto n = static_cast<std::size_t>(dial.n);
+  Square M(n, n);
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < n; ++j) M(i, j) = i == 0 || j == 0 ? 1 : M(i - 1, j) + M(i, j - 1);
+  }
+  return planted_ones(M, HardUnique::kYes, kDefinite);
+}
+
+HardCase make_lotkin(const OrderDial<8, 1, 18>& dial) {
+  Square M = integer_hilbert(dial.n);
+  for (std::size_t j = 0; j < M.cols; ++j) M(0, j) = M(0, 0);
+  return planted_ones(M, HardUnique::kUnknown, "z = e");
+}
+
+HardCase make_moler(const OrderDial<20, 1, 200>& dial) {
+  const Square L = triangular(static_cast<std::size_t>(dial.n), -1, 1, 0);
+  return planted_ones(product(L, transposed(L)), HardUnique::kYes, kDefinite);
+}
+
+// Every principal minor is a power of two: the same matrix again, or a unit triangle.
+HardCase make_growth(const OrderDial<40, 1, 200>& dial) {
+  Square M = triangular(static_cast<std::size_t>(dial.n), -1, 1, 0);
+  for (std::size_t i = 0; i < M.rows; ++i) M(i, M.cols - 1) = 1;
+  return planted_ones(M, HardUnique::kYes, "M is a P-matrix, z = e");
+}
+
+// ---- scaling ----
+
+struct ScalingDials {
+  std::int64_t range = 40;
+  std::int64_t n = 12;
+  void visit(auto&& field) {
+    field("range", range, IntegerRange{0, 200}, "the factors are powers of two from 2^-range to 2^range");
+    field("n", n, IntegerRange{1, 200}, "order of M");
+  }
+};
+
+/// Powers of two from 2^-range to 2^range, far ones beside each other.
+Numbers scattered_powers(const ScalingDials& dials) {
+  constexpr std::int64_t kSteps = 5;  // on either side of 1
+  Numbers factors;
+  for (std::int64_t i = 0; i < dials.n; ++i) {
+    const std::int64_t step = 5 * i % (2 * kSteps + 1) - kSteps;
+    factors.push_back(power_of_two(dials.range * step / kSteps));
+  }
+  return factors;
+}
+
+/// diag(rows) M diag(columns) and the diag(columns)^-1 e that solves it with q = -M e.
+HardCase scaled_problem(Square M, const Numbers& row_factors, const Numbers& column_factors, const char* reason) {
+  Numbers z(M.rows);
+  for (std::size_t j = 0; j < M.cols; ++j) {
+    z[j] = 1 / column_factors[j];
+    for (std::size_t i = 0; i < M.rows; ++i) M(i, j) *= row_factors[i] * column_factors[j];
+  }
+  return planted(std::move(M), z, constant(z.size(), 0), HardUnique::kYes, reason);
+}
+
+Square well_scaled(const ScalingDials& dials) { return tridiagonal(static_cast<std::size_t>(dials.n), -1, 4, -1); }
+Numbers ones(const ScalingDials& dials) { return constant(static_cast<std::size_t>(dials.n), 1); }
+
+HardCase make_symmetric(const ScalingDials& dials) {
+  const Numbers factors = scattered_powers(dials);
+  return scaled_problem(well_scaled(dials), factors, factors, "M is positive definite");
+}
+
+HardCase make_rows(const ScalingDials& dials) {
+  return scaled_problem(well_scaled(dials), scattered_powers(dials), ones(dials), "M is a P-matrix, z = e");
+}
+
+HardCase make_columns(const ScalingDials& dials) {
+  return scaled_problem(well_scaled(dials), ones(dials), scattered_powers(dials), "M is a P-matrix");
+}
+
+struct SmallBlockDials {
+  std::int64_t bits = 40;
+  std::int64_t n = 4;
+  void visit(auto&& field) {
+    field("bits", bits, IntegerRange{0, 500}, "the second block and its q are those of the first times 2^-bits");
+    field("n", n, IntegerRange{1, 100}, "rows of each block");
+  }
+};
+
+HardCase make_small_block(const SmallBlockDials& dials) {
+  const auto n = static_cast<std::size_t>(dials.n);
+  const Square block = tridiagonal(n, -1, 4, -1);
+  const double factor = power_of_two(-dials.bits);
+  Square M(2 * n, 2 * n);
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < n; ++j) {
+      M(i, j) = block(i, j);
+      M(n + i, n + j) = factor * block(i, j);
+    }
+  }
+  return planted_ones(M, HardUnique::kYes, kDefinite);
+}
+
+}  // namespace
+
+void add_conditioning_sets(std::vector<HardSet>& sets) {
+  sets.push_back(hard_set<HilbertDial, make_hilbert>(
+      {"ill-conditioned/hilbert", "n = 1..18", "the Hilbert matrix times the number that makes it integral, q = -M e",
+       "the condition number grows like e^(3.5 n), with no scaling to blame",
+       "Hilbert 1894; Higham 2002, Accuracy and stability of numerical algorithms, ch. 28"}));
+  sets.push_back(hard_set<HilbertDial, make_hilbert_mixed>(
+      {"ill-conditioned/hilbert-mixed", "n = 1..18", "the same M, every other z positive, the other w = 1",
+       "beside the condition number, active sets next to the right one fail by 1 in entries of 1e8",
+       "as ill-conditioned/hilbert"}));
+  sets.push_back(hard_set<OrderDial<18, 1, 28>, make_pascal>(
+      {"ill-conditioned/pascal", "n = 1..28", "binomial coefficients, q = -M e",
+       "integers with determinant 1 and a condition number near 16^n / (n pi): exact data, no double pivot is right",
+       "Higham 2002, Accuracy and stability of numerical algorithms, ch. 28"}));
+  sets.push_back(hard_set<OrderDial<8, 1, 18>, make_lotkin>(
+      {"ill-conditioned/lotkin", "n = 1..18", "the integral Hilbert matrix with a constant first row, q = -M e",
+       "ill-conditioned and nonsymmetric; many solutions", "Lotkin 1955, A set of test matrices"}));
+  sets.push_back(hard_set<OrderDial<20, 1, 200>, make_moler>(
+      {"ill-conditioned/moler", "n = 1..200", "L L' with -1 below the unit diagonal, q = -M e",
+       "one eigenvalue near 4^-n among ordinary ones: definite, and singular in doubles from n = 27 on",
+       "Nash 1979, Compact numerical methods for computers, app. 1"}));
+  sets.push_back(hard_set<OrderDial<40, 1, 200>, make_growth>(
+      {"ill-conditioned/growth", "n = 1..200", "1 on the diagonal and in the last column, -1 below, q = -M e",
+       "well-conditioned, and yet elimination without exchanges or by largest pivots grows like 2^(n-1)",
+       "Wilkinson 1961, Error analysis of direct methods of matrix inversion"}));
+
+  sets.push_back(hard_set<ScalingDials, make_symmetric>(
+      {"scaling/symmetric", "n = 1..200",
+       "D tridiag(-1, 4, -1) D with powers of two in D: a change of units of each body",
+       "entries from 2^-2 range to 2^2 range; the scaled problem is well-conditioned", "by hand"}));
+  sets.push_back(
+      hard_set<ScalingDials, make_rows>({"scaling/rows", "n = 1..200", "D tridiag(-1, 4, -1), q = -M e",
+                                         "residuals of the small rows disappear in any common norm", "by hand"}));
+  sets.push_back(hard_set<ScalingDials, make_columns>(
+      {"scaling/columns", "n = 1..200", "tridiag(-1, 4, -1) D",
+       "entries of z from 2^-range to 2^range: no common scale for their signs", "by hand"}));
+  sets.push_back(hard_set<SmallBlockDials, make_small_block>(
+      {"scaling/small-block", "n = 2..200", "two uncoupled blocks, the second 2^-bits times the first, q = -M e",
+       "an absolute tolerance takes the small block for solved by z = 0", "by hand"}));
+}
+
+}  // namespace lcpbench::hard

@@ -1,0 +1,126 @@
+#include "generators/hard/build.h"
+
+namespace lcpbench::hard {
+namespace {
+
+constexpr const char* kByHand = "by hand";
+
+struct ScalarDials {
+  double M = 2;
+  double q = -3;
+  void visit(auto&& field) {
+    field("M", M, RealRange{-1e100, 1e100}, "the matrix");
+    field("q", q, RealRange{-1e100, 1e100}, "the right-hand side");
+  }
+};
+
+HardCase make_scalar(const ScalarDials& dials) {
+  const Square M = matrix({{dials.M}});
+  const Numbers q{dials.q};
+  if (dials.q < 0 && dials.M <= 0) return lcp(M, q, unsolvable({1}, "q < 0 and M <= 0"));
+  if (dials.q < 0) return lcp(M, q, rounded_solution({-dials.q / dials.M}, HardUnique::kYes, "z = -q / M"));
+  if (dials.M > 0) return lcp(M, q, solution({0}, HardUnique::kYes, "q >= 0"));
+  const bool only = dials.M < 0 && dials.q == 0;
+  const bool whole_ray = dials.M == 0 && dials.q == 0;
+  if (only) return lcp(M, q, solution({0}, HardUnique::kYes, "w = M z >= 0 for z = 0 alone"));
+  if (dials.M == 0 && !whole_ray) return lcp(M, q, solution({0}, HardUnique::kYes, "w = q > 0"));
+  return lcp(M, q, solution({0}, HardUnique::kNo, whole_ray ? "every z >= 0" : "z = 0 and z = -q / M"));
+}
+
+HardCase make_tiny_pivot(const BitsDial<300, 1074>& dial) {
+  constexpr std::int64_t kLargestExponent = 1023;
+  const Square M = matrix({{power_of_two(-dial.bits)}});
+  if (dial.bits > kLargestExponent) return lcp(M, {-1}, solvable(HardUnique::kYes, "z = 2^bits is no double"));
+  return lcp(M, {-1}, solution({power_of_two(dial.bits)}, HardUnique::kYes, "z = 2^bits"));
+}
+
+HardCase make_zero_q(const OrderDial<5, 1, 200>& dial) {
+  const auto n = static_cast<std::size_t>(dial.n);
+  return lcp(tridiagonal(n, -1, 4, -1), constant(n, 0),
+             solution(constant(n, 0), HardUnique::kYes, "q = 0, M is positive definite"));
+}
+
+HardCase make_nonnegative_q(const OrderDial<3, 1, 200>& dial) {
+  const auto n = static_cast<std::size_t>(dial.n);
+  return lcp(triangular(n, 2, -1, -3), constant(n, 1),
+             solution(constant(n, 0), HardUnique::kNo, "q >= 0; z = (1, 0, ...) too"));
+}
+
+// The coordinate in the middle takes part in nothing.
+HardCase make_zero_row(const OrderDial<3, 1, 200>& dial) {
+  const auto n = static_cast<std::size_t>(dial.n);
+  const std::size_t middle = n / 2;
+  Square M = tridiagonal(n, -1, 4, -1);
+  for (std::size_t i = 0; i < n; ++i) M(i, middle) = M(middle, i) = 0;
+  Numbers z = constant(n, 1);
+  z[middle] = 0;
+  return planted(M, z, constant(n, 0), HardUnique::kNo, "M is positive semidefinite; the middle z is free");
+}
+
+HardCase make_zero_matrix(const OrderDial<3, 1, 200>& dial) {
+  const auto n = static_cast<std::size_t>(dial.n);
+  return lcp(zero_matrix(n), constant(n, -1), unsolvable(constant(n, 1), "w = q < 0 for every z"));
+}
+
+/// The same problem at another scale of all of its numbers.
+HardCase make_scaled_tridiagonal(std::size_t n, std::int64_t exponent) {
+  const double unit_size = power_of_two(exponent);
+  return planted(tridiagonal(n, -unit_size, 4 * unit_size, -unit_size), constant(n, 1), constant(n, 0),
+                 HardUnique::kYes, "M is positive definite, z = e");
+}
+
+struct DenormalDials {
+  std::int64_t bits = 1060;
+  std::int64_t n = 6;
+  void visit(auto&& field) {
+    field("bits", bits, IntegerRange{0, 1074}, "M is 2^-bits tridiag(-1, 4, -1)");
+    field("n", n, IntegerRange{1, 200}, "order of M");
+  }
+};
+
+HardCase make_denormal(const DenormalDials& dials) {
+  return make_scaled_tridiagonal(static_cast<std::size_t>(dials.n), -dials.bits);
+}
+
+struct HugeDials {
+  std::int64_t bits = 1000;
+  std::int64_t n = 6;
+  void visit(auto&& field) {
+    field("bits", bits, IntegerRange{0, 1020}, "M is 2^bits tridiag(-1, 4, -1)");
+    field("n", n, IntegerRange{1, 200}, "order of M");
+  }
+};
+
+HardCase make_huge(const HugeDials& dials) {
+  return make_scaled_tridiagonal(static_cast<std::size_t>(dials.n), dials.bits);
+}
+
+}  // namespace
+
+void add_edge_sets(std::vector<HardSet>& sets) {
+  sets.push_back(hard_set<ScalarDials, make_scalar>(
+      {"edge/scalar", "n = 1", "one number M, one number q",
+       "zero and negative pivots: one solution, two, a ray of them or none, all within four signs", kByHand}));
+  sets.push_back(hard_set<BitsDial<300, 1074>, make_tiny_pivot>(
+      {"edge/tiny-pivot", "n = 1", "M = 2^-bits, q = -1",
+       "the pivot is far below any absolute tolerance; from bits = 1024 on the answer is no double", kByHand}));
+  sets.push_back(hard_set<OrderDial<5, 1, 200>, make_zero_q>(
+      {"edge/zero-q", "n = 1..200", "M = tridiag(-1, 4, -1), q = 0",
+       "every relative test divides by zero; z = 0 is the answer", kByHand}));
+  sets.push_back(hard_set<OrderDial<3, 1, 200>, make_nonnegative_q>(
+      {"edge/nonnegative-q", "n = 1..200", "M = -1 on the diagonal, 2 below, -3 above, q = e",
+       "M is of no class, and yet z = 0 is a solution: methods that begin with M and not with q fail", kByHand}));
+  sets.push_back(hard_set<OrderDial<3, 1, 200>, make_zero_row>(
+      {"edge/zero-row", "n = 1..200", "tridiag(-1, 4, -1) without the row and column in the middle, q = -M e",
+       "a zero on the diagonal that must not be divided by, and an entry of z that nothing determines", kByHand}));
+  sets.push_back(hard_set<OrderDial<3, 1, 200>, make_zero_matrix>(
+      {"edge/zero-matrix", "n = 1..200", "M = 0, q = -e", "nothing can be done, and a solver has to say so", kByHand}));
+  sets.push_back(hard_set<DenormalDials, make_denormal>(
+      {"edge/denormal", "n = 1..200", "2^-bits tridiag(-1, 4, -1), q = -M e",
+       "all data are denormal numbers: products of two of them are zero, reciprocals overflow", kByHand}));
+  sets.push_back(hard_set<HugeDials, make_huge>({"edge/huge", "n = 1..200", "2^bits tridiag(-1, 4, -1), q = -M e",
+                                                 "products of two entries overflow from bits = 512 on; the answer is e",
+                                                 kByHand}));
+}
+
+}  // namespace lcpbench::hard

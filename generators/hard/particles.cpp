@@ -1,0 +1,280 @@
+#include <algorithm>
+#include <cmath>
+
+#include "generators/hard/build.h"
+
+namespace lcpbench::hard {
+namespace {
+
+// ---- one particle on the ground, in the plane: x along it, y up; friction columns +x, -x ----
+
+struct ParticleDials {
+  double mu;
+  double slip;
+  explicit constexpr ParticleDials(double friction, double speed) : mu(friction), slip(speed) {}
+  void visit(auto&& field) {
+    field("mu", mu, RealRange{0, 1e6}, "friction coefficient");
+    field("slip", slip, RealRange{0, 1e6}, "speed along the ground; it approaches with 1 m/s");
+  }
+};
+
+struct StickingDials : ParticleDials {
+  constexpr StickingDials() : ParticleDials(0.5, 0.25) {}
+};
+struct SlidingDials : ParticleDials {
+  constexpr SlidingDials() : ParticleDials(0.5, 2) {}
+};
+
+/// A particle of mass 1 with velocity (slip, -approach): Coulomb's law by hand.
+HardCase particle(double mu, double slip, double approach) {
+  Contacts contacts(identity(2), {slip, -approach});
+  contacts.add({0, 1}, mu, {{1, 0}});
+  const double grip = mu * approach;
+  const double friction = std::min(grip, slip);
+  const double rest = slip - friction;
+  HardTruth truth = solution({approach, 0, friction, rest}, HardUnique::kYes, kDefiniteInertia);
+  const bool exact_friction = friction == slip || std::fma(mu, approach, -grip) == 0;
+  truth.exact = exact_friction && slip - rest == friction;
+  if (truth.exact) truth.velocity = {rest, 0};
+  return contacts.with(truth);
+}
+
+HardCase make_sticking(const StickingDials& dials) { return particle(dials.mu, dials.slip, 1); }
+HardCase make_sliding(const SlidingDials& dials) { return particle(dials.mu, dials.slip, 1); }
+
+struct UlpsDials {
+  std::int64_t ulps = 0;
+  void visit(auto&& field) {
+    field("ulps", ulps, IntegerRange{-1'000'000, 1'000'000}, "mu is 3/4 plus so many units in its last place");
+  }
+  double mu() const { return 0.75 + static_cast<double>(ulps) * 0x1p-53; }
+};
+
+HardCase make_friction_angle(const UlpsDials& dials) { return particle(dials.mu(), 3, 4); }
+
+struct HugeFrictionDials {
+  std::int64_t bits = 27;
+  void visit(auto&& field) { field("bits", bits, IntegerRange{0, 300}, "mu is 2^bits"); }
+};
+
+HardCase make_zero_friction(const ScaleDial& dial) {
+  const double unit_speed = power_of_two(dial.scale);
+  return particle(0, 2 * unit_speed, unit_speed);
+}
+
+HardCase make_huge_friction(const HugeFrictionDials& dials) { return particle(power_of_two(dials.bits), 0.25, 1); }
+
+struct DiagonalDials {
+  double mu = 0.5;
+  void visit(auto&& field) { field("mu", mu, RealRange{0, 1e6}, "friction coefficient"); }
+};
+
+// In space with the directions +x, +y, -x, -y and the velocity (1, 1, -1): half of the friction along each axis.
+HardCase make_diagonal(const DiagonalDials& dials) {
+  Contacts contacts(identity(3), {1, 1, -1});
+  contacts.add({0, 0, 1}, dials.mu, {{1, 0, 0}, {0, 1, 0}});
+  const double friction = std::min(dials.mu / 2, 1.0);
+  const double rest = 1 - friction;
+  HardTruth truth = solution({1, 0, 0, friction, friction, rest}, HardUnique::kYes, kDefiniteInertia);
+  truth.exact = 1 - rest == friction;
+  if (truth.exact) truth.velocity = {rest, rest, 0};
+  return contacts.with(truth);
+}
+
+// ---- one particle between several surfaces ----
+
+HardCase make_plates(const ScaleDial& dial) {
+  const double speed = power_of_two(dial.scale);
+  Contacts contacts(identity(1), {-speed});
+  contacts.add({1});
+  contacts.add({-1});
+  return contacts.with(with_velocity(solution({speed, 0}, HardUnique::kYes, kDefiniteInertia), {0}));
+}
+
+HardCase make_corner(const ScaleDial& dial) {
+  const double speed = power_of_two(dial.scale);
+  Contacts contacts(identity(2), {-speed, -speed});
+  for (const Numbers& normal : {Numbers{1, 0}, Numbers{-1, 0}, Numbers{0, 1}, Numbers{0, -1}}) contacts.add(normal);
+  return contacts.with(with_velocity(solution({speed, 0, speed, 0}, HardUnique::kYes, kDefiniteInertia), {0, 0}));
+}
+
+struct WedgeDials {
+  double mu = 0.75;
+  void visit(auto&& field) { field("mu", mu, RealRange{0, 1e6}, "friction coefficient; from 3/4 on the groove locks"); }
+};
+
+// Normals of length 5, so that they are integers: impulses are a fifth of those of unit normals.
+HardCase make_wedge(const WedgeDials& dials) {
+  Contacts contacts(identity(2), {0, -5});
+  contacts.add({3, 4}, dials.mu, {{4, -3}});
+  contacts.add({-3, 4}, dials.mu, {{4, 3}});
+  const Numbers z{0.625, 0.625, 0, 0, 0, 0, 0, 0};
+  return contacts.with(with_velocity(solution(z, HardUnique::kUnknown, kDefiniteInertia), {0, 0}));
+}
+
+struct NearDuplicateDials {
+  std::int64_t bits = 25;
+  void visit(auto&& field) { field("bits", bits, IntegerRange{1, 50}, "the second normal is (2^-bits, 1)"); }
+};
+
+HardCase make_near_duplicate(const NearDuplicateDials& dials) {
+  const double offset = power_of_two(-dials.bits);
+  Contacts contacts(identity(2), {-offset / 2, -1});
+  contacts.add({0, 1});
+  contacts.add({offset, 1});
+  return contacts.with(with_velocity(solution({0.5, 0.5}, HardUnique::kYes, kDefiniteInertia), {0, 0}));
+}
+
+// ---- one body in the plane: x, y, turn ----
+
+struct GraspDials {
+  double mu = 0.5;
+  void visit(auto&& field) { field("mu", mu, RealRange{0, 1e6}, "friction coefficient"); }
+};
+
+// A disc held between two fingers at (-1, 0) and (1, 0), falling with 1 m/s: nothing presses, so that it may fall on;
+// an internal force may also stop it.
+HardCase make_grasp(const GraspDials& dials) {
+  Contacts contacts(identity(3), {0, -1, 0});
+  contacts.add({1, 0, 0}, dials.mu, {{0, 1, -1}});
+  contacts.add({-1, 0, 0}, dials.mu, {{0, 1, 1}});
+  return contacts.with(
+      with_velocity(solution({0, 0, 0, 0, 0, 0, 1, 1}, dials.mu > 0 ? HardUnique::kNo : HardUnique::kYes,
+                             "it falls on without impulses"),
+                    {0, -1, 0}));
+}
+
+struct PainleveDials {
+  double mu = 2;
+  void visit(auto&& field) { field("mu", mu, RealRange{0, 1e6}, "friction coefficient"); }
+};
+
+// Normal acceleration of the contact per unit of normal force while a rod at the slope 3 : 4 slides: 25 times
+// 1 + 3 c (c - mu s) with c = 3/5, s = 4/5.
+HardCase make_painleve_acceleration(const PainleveDials& dials) {
+  const Square M = matrix({{52 - 36 * dials.mu}});
+  const Numbers q{-25};
+  if (M(0, 0) <= 0) return lcp(M, q, unsolvable({1}, "q < 0 and M <= 0: every force presses the rod further in"));
+  return lcp(M, q, rounded_solution({25 / M(0, 0)}, HardUnique::kYes, "z = -q / M"));
+}
+
+// The same rod in impulses: arms and directions times 5, G^-1 = diag(1, 1, 3). It sticks when mu >= 88/109.
+HardCase make_painleve_impulse(const PainleveDials& dials) {
+  constexpr double kSpeed = 500.0 / 1024;
+  constexpr double kNormal = 109.0 / 1024;
+  constexpr double kFriction = 88.0 / 1024;
+  Contacts contacts(matrix({{1, 0, 0}, {0, 1, 0}, {0, 0, 3}}), {-kSpeed, -kSpeed, 0}, InertiaForm::kInverse);
+  contacts.add({0, 5, -3}, dials.mu, {{5, 0, 4}});
+  if (109 * dials.mu < 88) return contacts.with(solvable(HardUnique::kUnknown, kDefiniteInertia));
+  const double spin = 3 * (4 * kFriction - 3 * kNormal);
+  return contacts.with(with_velocity(solution({kNormal, kFriction, 0, 0}, HardUnique::kUnknown, kDefiniteInertia),
+                                     {5 * kFriction - kSpeed, 5 * kNormal - kSpeed, spin}));
+}
+
+struct ThinRodDials {
+  std::int64_t bits = 40;
+  void visit(auto&& field) { field("bits", bits, IntegerRange{0, 100}, "the moment of inertia is 2^-bits"); }
+};
+
+HardCase make_thin_rod(const ThinRodDials& dials) {
+  Contacts contacts(matrix({{1, 0}, {0, power_of_two(-dials.bits)}}), {-1, 0});
+  contacts.add({1, 1});
+  contacts.add({1, -1});
+  return contacts.with(with_velocity(solution({0.5, 0.5}, HardUnique::kYes, kDefiniteInertia), {0, 0}));
+}
+
+// ---- inertia of reduced rank: G = diag(1, 0) ----
+
+HardCase make_massless(const ScaleDial& dial) {
+  Contacts contacts = Contacts::reduced(matrix({{1}, {0}}), {0, -power_of_two(dial.scale)});
+  contacts.add({0, 1});
+  return contacts.with(unsolvable({1}, "the normal is in the null space of G and approaches: no impulse changes that"));
+}
+
+struct NearlyMasslessDials {
+  std::int64_t bits = 10;
+  void visit(auto&& field) { field("bits", bits, IntegerRange{0, 26}, "the normal is (2^-bits, 1)"); }
+};
+
+HardCase make_nearly_massless(const NearlyMasslessDials& dials) {
+  const double tilt = power_of_two(-dials.bits);
+  Contacts contacts = Contacts::reduced(matrix({{1}, {0}}), {0, -1});
+  contacts.add({tilt, 1});
+  return contacts.with(with_velocity(solution({power_of_two(2 * dials.bits)}, HardUnique::kYes, "M = 4^-bits > 0"),
+                                     {power_of_two(dials.bits), -1}));
+}
+
+void add_single_contacts(std::vector<HardSet>& sets) {
+  sets.push_back(hard_set<StickingDials, make_sticking>(
+      {"contact/sticking", "1 contact, 2 edges, n = 4", "a particle that friction stops",
+       "even one sticking contact has many z: both friction impulses may grow together; the velocity is one",
+       "Coulomb's law by hand"}));
+  sets.push_back(hard_set<SlidingDials, make_sliding>(
+      {"contact/sliding", "1 contact, 2 edges, n = 4", "a particle that friction slows",
+       "its lambda is a velocity among impulses: another unit, another scale", "Coulomb's law by hand"}));
+  sets.push_back(hard_set<UlpsDials, make_friction_angle>(
+      {"contact/friction-angle", "1 contact, 2 edges, n = 4", "a particle whose slope is mu = 3/4, give or take ulps",
+       "the border of sticking and sliding: nothing is strictly complementary; an ulp decides",
+       "Coulomb's law by hand"}));
+  sets.push_back(hard_set<ScaleDial, make_zero_friction>(
+      {"contact/zero-friction", "1 contact, 2 edges, n = 4", "friction rows with mu = 0",
+       "the cone is a ray, lambda is bounded from below only", "by hand"}));
+  sets.push_back(hard_set<HugeFrictionDials, make_huge_friction>(
+      {"contact/huge-friction", "1 contact, 2 edges, n = 4", "mu = 2^bits",
+       "one entry of M outgrows all others, and tolerances relative to the largest one", "by hand"}));
+  sets.push_back(hard_set<DiagonalDials, make_diagonal>(
+      {"contact/diagonal", "1 contact, 4 edges, n = 6", "a particle that slides between two friction directions",
+       "two directions have to share the friction evenly; each vertex of the cone is wrong", "by hand"}));
+}
+
+void add_enclosed(std::vector<HardSet>& sets) {
+  sets.push_back(
+      hard_set<ScaleDial, make_plates>({"contact/plates", "2 contacts, n = 2", "a particle between two plates",
+                                        "an internal force is free: z = (1 + t, t)", "by hand"}));
+  sets.push_back(hard_set<ScaleDial, make_corner>(
+      {"contact/corner", "4 contacts, n = 4", "a particle boxed in by four walls",
+       "two internal forces are free, and no velocity is strictly feasible: interior points have no central path",
+       "by hand"}));
+  sets.push_back(hard_set<WedgeDials, make_wedge>(
+      {"contact/wedge", "2 contacts, 2 edges, n = 8", "a particle in a groove with the slopes 3 : 4",
+       "at mu = 3/4 the groove locks itself: friction and normals trade without limit", "by hand"}));
+  sets.push_back(hard_set<NearDuplicateDials, make_near_duplicate>(
+      {"contact/near-duplicate", "2 contacts, n = 2", "one particle on two normals 2^-bits apart",
+       "the velocity is well-defined, the share of each contact is not; formed in doubles M is singular from bits = 27 "
+       "on",
+       "by hand"}));
+  sets.push_back(hard_set<GraspDials, make_grasp>(
+      {"contact/grasp", "2 contacts, 2 edges, n = 8", "a disc between two fingers that do not press, falling",
+       "two velocities are right: it falls on, or an internal force holds it", "by hand"}));
+}
+
+void add_rods(std::vector<HardSet>& sets) {
+  constexpr const char* kSource =
+      "Painleve 1895, Sur les lois du frottement de glissement; Genot and Brogliato 1999, New results on Painleve "
+      "paradoxes";
+  sets.push_back(hard_set<PainleveDials, make_painleve_acceleration>(
+      {"contact/painleve-acceleration", "n = 1", "a sliding rod, its normal force and acceleration",
+       "from mu = 13/9 on no finite force exists", kSource}));
+  sets.push_back(hard_set<PainleveDials, make_painleve_impulse>(
+      {"contact/painleve-impulse", "1 contact, 2 edges, n = 4", "the same rod in impulses",
+       "always solvable, but friction raises the normal impulse that raises friction", kSource}));
+  sets.push_back(hard_set<ThinRodDials, make_thin_rod>(
+      {"contact/thin-rod", "2 contacts, n = 2", "a rod on both ends with a moment of inertia of 2^-bits",
+       "M = [1 + 2^bits, 1 - 2^bits; ...]: rounding swallows the mass from bits = 53 on", "by hand"}));
+  sets.push_back(hard_set<ScaleDial, make_massless>(
+      {"contact/massless", "1 contact, n = 1", "a contact pressed along a direction without inertia",
+       "M = 0, q < 0: no impulse helps, and a pseudo-inverse hides it", "by hand"}));
+  sets.push_back(hard_set<NearlyMasslessDials, make_nearly_massless>(
+      {"contact/nearly-massless", "1 contact, n = 1", "the same contact tilted by 2^-bits",
+       "solvable by an impulse of 4^bits, at the edge of what a rank tolerance takes for none", "by hand"}));
+}
+
+}  // namespace
+
+void add_particle_sets(std::vector<HardSet>& sets) {
+  add_single_contacts(sets);
+  add_enclosed(sets);
+  add_rods(sets);
+}
+
+}  // namespace lcpbench::hard
