@@ -67,6 +67,7 @@ class CommandLine {
     add("solvers", "List every solver, also those that cannot run here", add_solvers_command);
     add("sets", "List every problem set", add_sets_command);
     add("generate", "Write problems of a set as files", add_generate_command);
+    add("inspect", "Say what problem files are, and what looks wrong or hard in them", add_inspect_command);
     add("solve", "Solve problem files and verify the answers", add_solve_command);
     add("run", "Run a study into a store; resumes by default",
         [&](CLI::App& command) { return add_run_command(command, typed); });
@@ -75,6 +76,8 @@ class CommandLine {
     add("compare", "Compare two stores: what got better, worse, or is a tie", add_compare_command);
     add("bench", "Measure speed against a reference solver",
         [&](CLI::App& command) { return add_bench_command(command, typed); });
+    add("stability", "Scale, permute, perturb problems: whose answers move, and who breaks",
+        [&](CLI::App& command) { return add_stability_command(command, typed); });
     add("validate", "Compare our solvers with the reference libraries, problem by problem",
         [&](CLI::App& command) { return add_validate_command(command, typed); });
   }

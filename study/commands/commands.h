@@ -20,6 +20,7 @@ using Action = std::function<int()>;
 Action add_solvers_command(CLI::App& command);
 Action add_sets_command(CLI::App& command);
 Action add_generate_command(CLI::App& command);
+Action add_inspect_command(CLI::App& command);
 Action add_solve_command(CLI::App& command);
 /// @param command_line as typed: for the provenance
 Action add_run_command(CLI::App& command, const std::string& command_line);
@@ -27,6 +28,7 @@ Action add_merge_command(CLI::App& command);
 Action add_report_command(CLI::App& command);
 Action add_compare_command(CLI::App& command);
 Action add_bench_command(CLI::App& command, const std::string& command_line);
+Action add_stability_command(CLI::App& command, const std::string& command_line);
 Action add_validate_command(CLI::App& command, const std::string& command_line);
 
 }  // namespace lcpbench

@@ -1,0 +1,58 @@
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "generators/problem_io.h"
+#include "study/commands/commands.h"
+#include "study/commands/options.h"
+#include "study/inspect/inspection.h"
+#include "study/inspect/inspection_output.h"
+#include "study/json_output.h"
+
+namespace lcpbench {
+namespace {
+
+struct Arguments {
+  std::vector<std::string> files;
+  std::string format = "text";
+};
+
+int inspect_files(const Arguments& arguments) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  bool complete = true;
+  for (const std::string& file : arguments.files) {
+    try {
+      const Inspection inspection = inspect(read_problem(file));
+      if (arguments.format == "json") {
+        rows.push_back(inspection_json(inspection));
+        rows.back()["problem"]["file"] = file;
+      } else {
+        fmt::print("{}\n{}\n", file, inspection_text(inspection));
+      }
+    } catch (const InputError& error) {
+      complete = false;
+      fmt::print(stderr, "lcpbench: {}\n", error.what());
+    }
+  }
+  if (arguments.format == "json") print_json(rows);
+  return complete ? kExitDone : kExitBadInput;
+}
+
+}  // namespace
+
+Action add_inspect_command(CLI::App& command) {
+  const auto arguments = std::make_shared<Arguments>();
+  command.add_option("FILE", arguments->files, "problem files")->required();
+  add_format_option(command, arguments->format);
+  command.footer(
+      "Size, symmetry, definiteness, rank, conditioning, redundancy, scaling, and what looks like a slip in the data:\n"
+      "what to know before blaming a solver. Nothing is solved; warnings do not change the exit code. A file that\n"
+      "cannot be read does not stop the others; the exit code is then 2. See docs/inspect.md.");
+  return [arguments] { return inspect_files(*arguments); };
+}
+
+}  // namespace lcpbench

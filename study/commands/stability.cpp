@@ -1,0 +1,119 @@
+#include "study/stability/stability.h"
+
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "core/error.h"
+#include "study/commands/commands.h"
+#include "study/commands/options.h"
+#include "study/json_output.h"
+#include "study/open_solver.h"
+#include "study/plan.h"
+#include "study/provenance.h"
+#include "study/stability/stability_output.h"
+
+namespace lcpbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Arguments {
+  std::vector<std::string> sets{"hard/*",
+                                "paper/monotone/exp1",
+                                "paper/monotone/exp2",
+                                "paper/monotone/exp3",
+                                "paper/monotone/exp5-1e8",
+                                "paper/monotone/exp5-1e10",
+                                "paper/copositive/exp1",
+                                "rigid/exp1{nc_max=8}",
+                                "planted/definite"};
+  std::vector<std::string> solvers;
+  std::int64_t trials = 10;
+  std::uint64_t seed = 1;
+  double time_limit_s = 1.0;
+  std::string format = "text";
+  std::string command_line;
+};
+
+Plan make_plan(const Arguments& arguments) {
+  Plan plan;
+  plan.name = "stability";
+  plan.trials = arguments.trials;
+  plan.seed = arguments.seed;
+  plan.time_limit_s = arguments.time_limit_s;
+  for (const std::string& set : arguments.sets) plan.sets.push_back({.pattern = set});
+  std::vector<Spec> specs;
+  for (const std::string& solver : arguments.solvers) specs.push_back(parse_spec(solver));
+  if (specs.empty()) {
+    for (const RegisteredSolver& solver : registered_solvers()) {
+      if (runs_unasked(solver)) specs.push_back({solver.definition.name, {}});
+    }
+  }
+  for (const Spec& spec : specs) {
+    PlannedSolver planned;
+    planned.spec = canonical_solver_spec(spec);
+    plan.solvers.push_back(std::move(planned));
+  }
+  return plan;
+}
+
+int run_stability(const Arguments& arguments) {
+  const Json origin = provenance(arguments.command_line, utc_now());
+  const Study study = resolve(make_plan(arguments));
+  StabilityOptions options;
+  options.seed = arguments.seed;
+  options.time_limit_s = arguments.time_limit_s;
+  const bool terminal = isatty(STDERR_FILENO) == 1;
+  options.on_set = [terminal](const std::string& set) {
+    if (terminal) fmt::print(stderr, "solving {}\n", set);
+  };
+  const StabilityResult result = stability(study.sets, study.solvers, options);
+  if (arguments.format == "json") {
+    print_json({{"provenance", origin},
+                {"sets", result.sets},
+                {"problems", result.problems},
+                {"left_out", result.left_out},
+                {"allowed_amplification", kAllowedAmplification},
+                {"cells", stability_json(result)}});
+  } else {
+    fmt::print("{}", stability_text(result));
+  }
+  return kExitDone;
+}
+
+}  // namespace
+
+Action add_stability_command(CLI::App& command, const std::string& command_line) {
+  const auto arguments = std::make_shared<Arguments>();
+  arguments->command_line = command_line;
+  command.add_option("--set", arguments->sets, "problem set or glob; may be repeated")
+      ->allow_extra_args(false)
+      ->capture_default_str();
+  command
+      .add_option("--solver", arguments->solvers,
+                  "name{key=value,...}; may be repeated (default: all that are available)")
+      ->allow_extra_args(false);
+  command.add_option("--trials", arguments->trials, "problems of each set")
+      ->check(CLI::Range(INT64_C(1), INT64_C(1'000'000)))
+      ->capture_default_str();
+  command.add_option("--seed", arguments->seed, "stream of random problems and of transformations")
+      ->check(seed_check())
+      ->capture_default_str();
+  command.add_option("--time-limit", arguments->time_limit_s, "seconds for each solve")
+      ->check(seconds_check(1e-3, 1e6))
+      ->capture_default_str();
+  add_format_option(command, arguments->format);
+  command.footer(
+      "Problems are scaled, permuted, put in other units, given duplicated contacts, and perturbed; the physical "
+      "answer\n"
+      "must move no more than conditioning allows. One thread. See docs/stability.md.");
+  return [arguments] { return run_stability(*arguments); };
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,91 @@
+#include "study/inspect/rigid_bodies.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace lcpbench {
+namespace {
+
+constexpr Index kBody = 6;
+constexpr double kUnitTolerance = 1e-6;  // what single-precision engines keep of a unit vector
+
+std::optional<BodyBlock> body_block(const Matrix& block) {
+  const double mass = block(0, 0);
+  const bool linear = block.topLeftCorner(3, 3) == Matrix(mass * Eigen::Matrix3d::Identity());
+  if (!linear || !(mass > 0) || !block.topRightCorner(3, 3).isZero(0)) return std::nullopt;
+  return BodyBlock{mass, block.bottomRightCorner(3, 3)};
+}
+
+std::vector<BodyBlock> bodies_of_blocks(const std::vector<Matrix>& blocks) {
+  std::vector<BodyBlock> bodies;
+  for (const Matrix& block : blocks) {
+    const std::optional<BodyBlock> body = block.rows() == kBody ? body_block(block) : std::nullopt;
+    if (!body) return {};
+    bodies.push_back(*body);
+  }
+  return bodies;
+}
+
+std::vector<BodyBlock> bodies_of_matrix(const Matrix& G) {
+  if (G.rows() == 0 || G.rows() % kBody != 0) return {};
+  std::vector<Matrix> blocks;
+  Matrix rest = G;
+  for (Index at = 0; at < G.rows(); at += kBody) {
+    blocks.emplace_back(G.block(at, at, kBody, kBody));
+    rest.block(at, at, kBody, kBody).setZero();
+  }
+  return rest.isZero(0) ? bodies_of_blocks(blocks) : std::vector<BodyBlock>{};
+}
+
+Eigen::Vector3d principal_moments(const Eigen::Matrix3d& inertia) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
+/// I1 + I2 >= I3; thin bodies meet it with equality, to rounding.
+bool is_mass_distribution(const Eigen::Vector3d& moments) {
+  return moments(0) > 0 && moments(0) + moments(1) >= moments(2) * (1 - 1e-6);
+}
+
+}  // namespace
+
+std::vector<BodyBlock> rigid_bodies(const Inertia& inertia) {
+  if (const auto* blocks = std::get_if<BlockInertia>(&inertia)) return bodies_of_blocks(blocks->blocks);
+  if (const auto* dense = std::get_if<DenseInertia>(&inertia)) return bodies_of_matrix(dense->G);
+  if (const auto* inverse = std::get_if<InverseInertia>(&inertia)) return bodies_of_matrix(inverse->Ginv);
+  return {};
+}
+
+std::optional<bool> reads_as_inverse(const BodyBlock& body, double arm) {
+  const Eigen::Vector3d moments = principal_moments(body.inertia);
+  if (!(moments(0) > 0)) return std::nullopt;
+  const bool possible = is_mass_distribution(moments);
+  const bool inverse_possible = is_mass_distribution(moments.cwiseInverse().reverse());
+  if (possible != inverse_possible) return inverse_possible;
+  if (!(arm > 0)) return std::nullopt;
+  const double gyration = std::sqrt(moments(2) / body.mass);
+  const double gyration_of_inverse = std::sqrt(body.mass / moments(0));
+  const double radii = arm / gyration;
+  const double radii_of_inverse = arm / gyration_of_inverse;
+  const auto plausible = [](double r) { return r >= 0.3 && r <= 3; };
+  if (plausible(radii_of_inverse) && (radii < 0.05 || radii > 20)) return true;
+  return plausible(radii) ? std::optional<bool>(false) : std::nullopt;
+}
+
+bool columns_are_unit_normals(const Matrix& N) {
+  if (N.size() == 0 || N.rows() % kBody != 0) return false;
+  for (Index j = 0; j < N.cols(); ++j) {
+    bool touched = false;
+    for (Index at = 0; at < N.rows(); at += kBody) {
+      const double length = N.block(at, j, 3, 1).norm();
+      const bool unit = std::abs(length - 1) <= kUnitTolerance;
+      if (!unit && length != 0) return false;
+      touched = touched || unit;
+    }
+    if (!touched) return false;
+  }
+  return true;
+}
+
+}  // namespace lcpbench

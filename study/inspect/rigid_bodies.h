@@ -1,0 +1,31 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "core/contact_problem.h"
+
+namespace lcpbench {
+
+/// A body in space as its block of the inertia reads: diag(mass I, inertia).
+struct BodyBlock {
+  double mass = 0;
+  Eigen::Matrix3d inertia;
+};
+
+/// The bodies of an inertia that is diag(m I, 3 x 3) for each body, off these blocks exactly zero. Of InverseInertia
+/// the blocks of the inverse, as they stand. Empty for any other inertia.
+std::vector<BodyBlock> rigid_bodies(const Inertia& inertia);
+
+/// Whether the inverse of the block is the likelier inertia: its principal moments obey the triangle inequality that
+/// every mass distribution obeys, and the block's own do not; or, where that decides nothing, contacts act on it at
+/// plausible distances (arms of 0.3 to 3 radii of gyration) only if it is read as the inverse, and at 20 times
+/// implausible ones as it stands. nullopt: neither says anything.
+/// @param arm  largest |r x n| of the body's contacts [m]; 0 without contacts
+std::optional<bool> reads_as_inverse(const BodyBlock& body, double arm);
+
+/// True when each column of N has, for every body, a linear part of length 0 or 1 (to 1e-6), and one of length 1.
+bool columns_are_unit_normals(const Matrix& N);
+
+}  // namespace lcpbench

@@ -1,0 +1,196 @@
+#include "study/inspect/spectra.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+namespace lcpbench {
+namespace {
+
+constexpr int kMostSweeps = 60;  // convergence is quadratic: ten are plenty
+
+Quad off_diagonal_square(const QuadMatrix& A) {
+  Quad sum = 0;
+  for (std::size_t i = 0; i < A.rows; ++i) {
+    for (std::size_t j = 0; j < i; ++j) sum += 2 * A(i, j) * A(i, j);
+  }
+  return sum;
+}
+
+Quad frobenius_square(const QuadMatrix& A) {
+  Quad sum = off_diagonal_square(A);
+  for (std::size_t i = 0; i < A.rows; ++i) sum += A(i, i) * A(i, i);
+  return sum;
+}
+
+/// Makes A_pq zero by a rotation of rows and columns p and q; only the lower triangle is kept up.
+void rotate(QuadMatrix& A, std::size_t p, std::size_t q) {
+  const auto entry = [&A](std::size_t i, std::size_t j) -> Quad& { return i > j ? A(i, j) : A(j, i); };
+  const Quad apq = entry(p, q);
+  if (apq == 0) return;
+  const Quad theta = (A(q, q) - A(p, p)) / (2 * apq);
+  const Quad magnitude = 1 / (abs(theta) + sqrt(theta * theta + 1));
+  const Quad t = theta < 0 ? -magnitude : magnitude;
+  const Quad c = 1 / sqrt(t * t + 1);
+  const Quad s = t * c;
+  A(p, p) -= t * apq;
+  A(q, q) += t * apq;
+  entry(p, q) = 0;
+  for (std::size_t k = 0; k < A.rows; ++k) {
+    if (k == p || k == q) continue;
+    const Quad akp = entry(k, p);
+    const Quad akq = entry(k, q);
+    entry(k, p) = c * akp - s * akq;
+    entry(k, q) = s * akp + c * akq;
+  }
+}
+
+Spectrum summarize(const std::vector<double>& ascending, double rounding) {
+  Spectrum spectrum;
+  spectrum.rounding = rounding;
+  spectrum.rank = 0;
+  spectrum.smallest = ascending.empty() ? 0 : ascending.front();
+  spectrum.largest = ascending.empty() ? 0 : ascending.back();
+  for (const double value : ascending) {
+    if (!(std::abs(value) > rounding)) continue;
+    ++spectrum.rank;
+    spectrum.smallest_nonzero =
+        std::isnan(spectrum.smallest_nonzero) ? std::abs(value) : std::min(spectrum.smallest_nonzero, std::abs(value));
+  }
+  return spectrum;
+}
+
+constexpr std::uint64_t kPrime = (std::uint64_t{1} << 61) - 1;
+
+std::uint64_t times(std::uint64_t a, std::uint64_t b) {
+  __extension__ using Wide = unsigned __int128;
+  const Wide product = static_cast<Wide>(a) * b;
+  const std::uint64_t sum = (static_cast<std::uint64_t>(product) & kPrime) + static_cast<std::uint64_t>(product >> 61);
+  return sum >= kPrime ? sum - kPrime : sum;
+}
+
+std::uint64_t difference(std::uint64_t a, std::uint64_t b) { return a >= b ? a - b : a + kPrime - b; }
+
+std::uint64_t inverse(std::uint64_t a) {
+  std::uint64_t result = 1;
+  for (std::uint64_t exponent = kPrime - 2; exponent > 0; exponent /= 2) {
+    if (exponent % 2 == 1) result = times(result, a);
+    a = times(a, a);
+  }
+  return result;
+}
+
+/// A double is an integer times a power of two, and 2^61 is 1 here: it has a residue whatever its exponent.
+std::uint64_t residue(double value) {
+  int exponent = 0;
+  const double fraction = std::frexp(std::abs(value), &exponent);
+  const auto mantissa = static_cast<std::uint64_t>(std::ldexp(fraction, 53));
+  const int shift = (((exponent - 53) % 61) + 61) % 61;
+  const std::uint64_t magnitude = times(mantissa, std::uint64_t{1} << shift);
+  return value < 0 ? difference(0, magnitude) : magnitude;
+}
+
+/// Columns scaled to length 1 by way of their largest entry, so that no square overflows.
+Matrix unit_columns(Matrix A) {
+  for (Index j = 0; j < A.cols(); ++j) {
+    const double largest = A.rows() > 0 ? A.col(j).cwiseAbs().maxCoeff() : 0.0;
+    if (!(largest > 0)) continue;
+    A.col(j) /= largest;
+    A.col(j) /= A.col(j).norm();
+  }
+  return A;
+}
+
+}  // namespace
+
+const char* definiteness(const Spectrum& spectrum) {
+  if (!spectrum.known()) return "not computed";
+  if (spectrum.rank == 0) return "zero to rounding";
+  if (spectrum.positive_definite()) return "positive definite";
+  if (spectrum.may_be_semidefinite()) return "positive semidefinite to rounding";
+  if (spectrum.largest < -spectrum.rounding) return "negative definite";
+  return spectrum.largest <= spectrum.rounding ? "negative semidefinite to rounding" : "indefinite";
+}
+
+QuadVector eigenvalues(QuadMatrix A) {
+  const Quad done = frobenius_square(A) * Quad{0x1p-230};
+  for (int sweep = 0; sweep < kMostSweeps && off_diagonal_square(A) > done; ++sweep) {
+    for (std::size_t q = 1; q < A.rows; ++q) {
+      for (std::size_t p = 0; p < q; ++p) rotate(A, p, q);
+    }
+  }
+  QuadVector values(A.rows);
+  for (std::size_t i = 0; i < A.rows; ++i) values[i] = A(i, i);
+  std::sort(values.begin(), values.end());
+  return values;
+}
+
+Spectrum spectrum_of(const QuadMatrix& A, double formation_error) {
+  const QuadVector values = eigenvalues(A);
+  // Each rotation errs by a few units of the Frobenius norm; an entry is touched by 2n rotations a sweep.
+  const auto n = static_cast<double>(A.rows);
+  const double norm = to_double(sqrt(frobenius_square(A)));
+  const double rounding = (128 * n * kQuadUnitRoundoff + n * formation_error) * norm;
+  return summarize(std::vector<double>(values.begin(), values.end()), rounding);
+}
+
+Spectrum spectrum_of(const Matrix& A) {
+  if (A.rows() <= kLargestQuad) return spectrum_of(QuadMatrix(A), 0);
+  const Eigen::SelfAdjointEigenSolver<Matrix> solver(A, Eigen::EigenvaluesOnly);
+  const Vector& values = solver.eigenvalues();
+  // The eigenvalues computed are those of a matrix that differs by a modest multiple of n eps in norm. [Wilkinson 1965]
+  const double rounding = 8.0 * static_cast<double>(A.rows()) * std::numeric_limits<double>::epsilon() * A.norm();
+  return summarize(std::vector<double>(values.begin(), values.end()), rounding);
+}
+
+Matrix unit_diagonal(const Matrix& A) {
+  Vector scale(A.rows());
+  for (Index i = 0; i < A.rows(); ++i) scale(i) = A(i, i) > 0 ? 1 / std::sqrt(A(i, i)) : 0;
+  return scale.asDiagonal() * A * scale.asDiagonal();
+}
+
+QuadMatrix unit_diagonal(const QuadMatrix& A) {
+  QuadVector scale(A.rows);
+  for (std::size_t i = 0; i < A.rows; ++i) scale[i] = A(i, i) > 0 ? 1 / sqrt(A(i, i)) : Quad{0};
+  QuadMatrix scaled = A;
+  for (std::size_t i = 0; i < A.rows; ++i) {
+    for (std::size_t j = 0; j < A.cols; ++j) scaled(i, j) *= scale[i] * scale[j];
+  }
+  return scaled;
+}
+
+Index rank_of_doubles(const Matrix& A) {
+  const auto at = [&A](Index row, Index column) { return static_cast<std::size_t>(column * A.rows() + row); };
+  std::vector<std::uint64_t> work(static_cast<std::size_t>(A.size()));
+  for (Index j = 0; j < A.cols(); ++j) {
+    for (Index i = 0; i < A.rows(); ++i) work[at(i, j)] = residue(A(i, j));
+  }
+  Index rank = 0;
+  for (Index column = 0; column < A.cols() && rank < A.rows(); ++column) {
+    Index pivot = rank;
+    while (pivot < A.rows() && work[at(pivot, column)] == 0) ++pivot;
+    if (pivot == A.rows()) continue;
+    for (Index j = column; j < A.cols(); ++j) std::swap(work[at(pivot, j)], work[at(rank, j)]);
+    const std::uint64_t reciprocal = inverse(work[at(rank, column)]);
+    for (Index j = column + 1; j < A.cols(); ++j) {
+      const std::uint64_t factor = times(work[at(rank, j)], reciprocal);
+      if (factor == 0) continue;
+      for (Index i = rank + 1; i < A.rows(); ++i) {
+        work[at(i, j)] = difference(work[at(i, j)], times(factor, work[at(i, column)]));
+      }
+    }
+    ++rank;
+  }
+  return rank;
+}
+
+Index numerical_rank(const Matrix& A, double relative) {
+  if (A.size() == 0) return 0;
+  const Vector values = Eigen::BDCSVD<Matrix>(unit_columns(A)).singularValues();
+  return (values.array() > relative * values(0)).count();
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "core/solver.h"
+#include "study/evaluation/evaluation.h"
+#include "study/evaluation/quad_inertia.h"
+#include "study/evaluation/quad_lcp.h"
+#include "study/stability/transformations.h"
+
+namespace lcpbench {
+
+/// Judges answers to one problem and takes the physical answer from them.
+class Judge {
+ public:
+  explicit Judge(const Problem& problem);
+
+  Errors errors(const Answer& answer) { return evaluator_.errors(answer); }
+  Truth truth() const { return evaluator_.truth(); }
+  bool proves_unsolvable(const Answer& answer) const;
+
+  /// Contact problem: the velocity returned, else v + G* J f, of z in 113 bits. Bare LCP: z. @pre z is usable
+  Vector physical_answer(const Answer& answer);
+
+ private:
+  Problem problem_;
+  Evaluator evaluator_;
+  std::unique_ptr<QuadInertia> inertia_;
+  std::unique_ptr<ContactQuadLcp> lcp_;
+};
+
+/// How far physical answers to one problem lie apart, in a norm that no unit changes.
+class Distance {
+ public:
+  /// @param unique  the problem has one physical answer by theory; see stability()
+  Distance(const Problem& problem, bool unique);
+
+  bool unique() const { return unique_; }
+  /// Relative. NaN where nothing can be said (no velocity before the impact).
+  double operator()(const Vector& a, const Vector& b) const;
+  /// What conditioning allows per unit of change of the data; at least 1. Only of unique answers.
+  double condition() const { return condition_; }
+
+ private:
+  Vector coordinates(const Vector& difference) const;
+
+  bool unique_ = false;
+  bool bare_ = false;
+  bool inverse_ = false;
+  Matrix factor_;     ///< lower Cholesky factor of G, or of G*; N' where the answer is not unique
+  double scale_ = 0;  ///< of the velocity before the impact
+  double condition_ = 1;
+};
+
+/// Largest over smallest eigenvalue of a symmetric matrix with unit diagonal, of those above n eps of the largest.
+double visible_condition(const Matrix& symmetric);
+
+}  // namespace lcpbench
