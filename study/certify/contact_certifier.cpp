@@ -7,8 +7,8 @@
 
 #include "study/certify/basis.h"
 #include "study/certify/contact_modes.h"
-#include "study/certify/contact_order.h"
 #include "study/certify/contact_truth.h"
+#include "study/certify/contact_variant.h"
 #include "study/certify/enumerate.h"
 #include "study/certify/exact_checks.h"
 #include "study/certify/exact_lemke.h"
@@ -27,15 +27,16 @@ constexpr Index kLargestLemke = 40;
 constexpr Index kLargestEnumeration = 16;
 /// Largest order for floats of 113 bits on a dense M.
 constexpr Index kLargestQuad = 60;
-/// How often the contacts are reordered in search of another velocity.
-constexpr Index kReorderings = 8;
+/// How many variants of a problem are tried in search of a solution, or of another velocity.
+constexpr Index kVariants = 40;
+constexpr Index kVelocityVariants = 8;
 /// Most combinations of contact modes to try one by one.
 constexpr std::size_t kModes = 2500;
 
 constexpr const char* kFrictionless[] = {"active_set", "lemke{precision=quad}"};
 constexpr const char* kFrictional[] = {"contact_lemke", "lemke", "contact_lemke{covering=classic}"};
 constexpr const char* kSmallFrictional = "lemke{precision=quad}";
-constexpr const char* kReordered = "contact_lemke{precision=double}";
+constexpr const char* kOnVariants = "contact_lemke{precision=double}";
 
 bool fits(const ExactSystem& system, const std::vector<Index>& basis, const Deadline& deadline) {
   // Lifting costs about 4 order^3 / 62 products for each bit of the entries; 2 ns and 64 bits are assumed of each.
@@ -129,8 +130,8 @@ class ContactCertifier {
     if (!truth_.inertia().full_rank && contradicted()) return true;
     if (solved_by(kFrictional[1]) || solved_by(kFrictional[2])) return true;
     if (truth_.system().size() <= kLargestQuad && solved_by(kSmallFrictional)) return true;
-    return solvable_by_velocity() || solved_in_another_order() || solved_in_some_mode() || settled_by_exact_lemke() ||
-           enumerated();
+    return solvable_by_velocity() || solved_in_a_variant(kFrictional[1]) || solved_in_a_variant(kOnVariants) ||
+           solved_in_some_mode() || settled_by_exact_lemke() || enumerated();
   }
 
   bool solved_by(const char* spec) {
@@ -260,21 +261,20 @@ class ContactCertifier {
         [&](const ExactPoint& point) { return is_solvability_proof(truth_.system(), contact_, point); });
   }
 
-  // The contacts in other orders lead pivoting methods to other solutions, where there are any.
+  // The contacts in other orders and units lead pivoting methods along other paths.
   template <class Found>
-  bool in_another_order(const char* spec, Found&& found) {
-    for (Index shift = 0; shift < std::min(contact_.nc(), kReorderings) && !deadline_.passed(); ++shift) {
-      const ContactOrder order = rotated(contact_, shift);
-      const Answer& answer = candidates_.answer(spec, Problem("reordered", order.problem), deadline_.left_s());
-      if (answer.claim == Claim::kSolved && found(order.original(answer.z))) return true;
+  bool in_a_variant(const char* spec, Index variants, Found&& found) {
+    for (Index number = 0; contact_.nc() > 0 && number < variants && !deadline_.passed(); ++number) {
+      const ContactVariant variant = contact_variant(contact_, number);
+      const Answer& answer = candidates_.answer(spec, Problem("variant", variant.problem), deadline_.left_s());
+      if (answer.claim == Claim::kSolved && found(variant.original(answer.z))) return true;
     }
     return false;
   }
 
-  bool solved_in_another_order() {
-    return in_another_order(kReordered, [&](const Vector& z) {
-      return solved_near(z, std::string(kReordered) + ", contacts in another order");
-    });
+  bool solved_in_a_variant(const char* spec) {
+    return in_a_variant(spec, kVariants,
+                        [&](const Vector& z) { return solved_near(z, std::string(spec) + " on a variant"); });
   }
 
   // Every combination of contact modes, where these are few.
@@ -301,7 +301,8 @@ class ContactCertifier {
       const std::optional<ExactPoint> point = point_near(z);
       return point && differs(*point);
     };
-    if (!in_another_order(kReordered, differs_near)) in_another_order(kFrictional[1], differs_near);
+    if (!in_a_variant(kOnVariants, kVelocityVariants, differs_near))
+      in_a_variant(kFrictional[1], kVelocityVariants, differs_near);
   }
 
   bool differs(const ExactPoint& point) {
