@@ -69,6 +69,8 @@ class CommandLine {
     add("generate", "Write problems of a set as files", add_generate_command);
     add("inspect", "Say what problem files are, and what looks wrong or hard in them", add_inspect_command);
     add("solve", "Solve problem files and verify the answers", add_solve_command);
+    add("certify", "Prove what is true of problem files, or of a study's problems",
+        [&](CLI::App& command) { return add_certify_command(command, typed); });
     add("run", "Run a study into a store; resumes by default",
         [&](CLI::App& command) { return add_run_command(command, typed); });
     add("merge", "Join the stores of shards", add_merge_command);

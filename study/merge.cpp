@@ -1,5 +1,6 @@
 #include "study/merge.h"
 
+#include <string_view>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -20,7 +21,12 @@ struct Table {
   std::vector<const char*> key;
   std::vector<const char*> content;  ///< what must agree where keys do; empty for what may differ
   const char* conflict_names;        ///< a query on m (merged) and i (input) that says in words which row it is
+  const char* conflict = "0";        ///< what else two rows of one key cannot both say
 };
+
+constexpr const char* kProblemInWords =
+    "(SELECT s.name || ' seed ' || p.seed || ' trial ' || p.trial FROM problems p JOIN sets s ON s.id = p.set_id "
+    "WHERE p.id = m.problem_id)";
 
 constexpr const char* kCellInWords =
     "(SELECT s.name || ' seed ' || p.seed || ' trial ' || p.trial FROM problems p JOIN sets s ON s.id = p.set_id "
@@ -55,11 +61,20 @@ const std::vector<Table>& tables() {
       {"verdicts",
        {"problem_id", "solver_id", "part"},
        {"usable", "solved", "criterion", "farkas_checked", "velocity_residual_m_per_s", "velocity_residual_relative",
-        "natural_residual", "backward_componentwise", "backward_row_norm", "forward_velocity", "violation_m_per_s",
-        "work_gain_j", "complementarity_j", "cone_violation", "min_z"},
-       kCellInWords},
+        "natural_residual", "backward_componentwise", "backward_row_norm", "violation_m_per_s", "work_gain_j",
+        "complementarity_j", "cone_violation", "min_z"},
+       kCellInWords,
+       "m.forward_velocity <> i.forward_velocity"},  // NULL where the problem was not certified
       {"timings", {"problem_id", "solver_id", "part"}, {}, "''"},
-      {"certificates", {"problem_id"}, {"certificate", "proof", "vector"}, "m.problem_id"}};
+      // Two proofs of one fact may differ, and what one time limit left open another may settle.
+      {"certificates",
+       {"problem_id"},
+       {},
+       kProblemInWords,
+       "(m.certificate <> i.certificate AND 'open' NOT IN (m.certificate, i.certificate)) OR "
+       "(m.velocity_unique = 1 AND i.velocity_unique = 1 AND m.velocity <> i.velocity)"},
+      {"proofs", {"problem_id"}, {}, "''"},
+      {"certificate_timings", {"problem_id"}, {}, "''"}};
   return all;
 }
 
@@ -69,14 +84,29 @@ std::string joined(const std::vector<const char*>& columns, const char* form, co
   return text;
 }
 
+/// A store of format 2 is joined without its table of certificates, which nothing wrote to.
+bool has_certificates(Store& store) { return store.database().integer("PRAGMA input.user_version") > 2; }
+
+bool about_certificates(const Table& table) {
+  const std::string_view name = table.name;
+  return name == "certificates" || name == "proofs" || name == "certificate_timings";
+}
+
+std::vector<Table> tables_of_input(Store& store) {
+  std::vector<Table> present = tables();
+  if (!has_certificates(store)) std::erase_if(present, about_certificates);
+  return present;
+}
+
 std::vector<std::string> find_conflicts(Store& store, const std::filesystem::path& input) {
   std::vector<std::string> conflicts;
-  for (const Table& table : tables()) {
-    if (table.content.empty()) continue;
-    Statement query(store.database(),
-                    fmt::format("SELECT {} FROM main.{} m JOIN input.{} i USING ({}) WHERE {} LIMIT {}",
-                                table.conflict_names, table.name, table.name, joined(table.key, "{}", ", "),
-                                joined(table.content, "m.{0} IS NOT i.{0}", " OR "), kConflictsShown));
+  for (const Table& table : tables_of_input(store)) {
+    std::string differ = joined(table.content, "m.{0} IS NOT i.{0}", " OR ");
+    differ += (differ.empty() ? "" : " OR ") + std::string(table.conflict);
+    Statement query(
+        store.database(),
+        fmt::format("SELECT {} FROM main.{} m JOIN input.{} i USING ({}) WHERE {} LIMIT {}", table.conflict_names,
+                    table.name, table.name, joined(table.key, "{}", ", "), differ, kConflictsShown));
     while (query.step()) {
       conflicts.push_back(fmt::format("{}: {}: {}", input.string(), table.name, query.text(0)));
     }
@@ -100,10 +130,30 @@ void check_tables(Store& store, const std::filesystem::path& input) {
   Statement query(store.database(),
                   "SELECT m.name FROM main.sqlite_master m LEFT JOIN input.sqlite_master i "
                   "ON i.type = m.type AND i.name = m.name WHERE m.type = 'table' AND m.sql IS NOT i.sql");
-  if (query.step()) {
-    throw InputError(
-        fmt::format("{}: the store is damaged: table {} is missing or altered", input.string(), query.text(0)));
+  while (query.step()) {
+    const std::string name(query.text(0));
+    if (!has_certificates(store) && about_certificates({.name = name.c_str()})) continue;
+    throw InputError(fmt::format("{}: the store is damaged: table {} is missing or altered", input.string(), name));
   }
+}
+
+/// What the input has certified and the store left open goes, so that the input's proof takes its place.
+void make_way_for_proofs(Store& store) {
+  for (const char* table : {"certificate_timings", "certificates"}) {
+    store.database().execute(
+        fmt::format("DELETE FROM main.{} WHERE problem_id IN (SELECT problem_id FROM main.certificates m "
+                    "JOIN input.certificates i USING (problem_id) "
+                    "WHERE m.certificate = 'open' AND i.certificate <> 'open')",
+                    table));
+  }
+}
+
+/// Forward errors of answers that both have, where only the input's problem was certified.
+void take_forward_errors(Store& store) {
+  store.database().execute(
+      "UPDATE main.verdicts AS m SET forward_velocity = i.forward_velocity FROM input.verdicts AS i "
+      "WHERE i.problem_id = m.problem_id AND i.solver_id = m.solver_id AND i.part = m.part "
+      "AND m.forward_velocity IS NULL AND i.forward_velocity IS NOT NULL");
 }
 
 /// Adds the input's rows; or returns its conflicts and adds none.
@@ -113,9 +163,11 @@ std::vector<std::string> join(Store& store, const std::filesystem::path& input) 
   std::vector<std::string> conflicts = find_conflicts(store, input);
   if (conflicts.empty()) {
     store.begin();
-    for (const Table& table : tables()) {
+    if (has_certificates(store)) make_way_for_proofs(store);
+    for (const Table& table : tables_of_input(store)) {
       store.database().execute(fmt::format("INSERT OR IGNORE INTO main.{0} SELECT * FROM input.{0}", table.name));
     }
+    take_forward_errors(store);
     store.commit();
   }
   store.database().execute("DETACH DATABASE input");

@@ -13,7 +13,8 @@ struct MergeOutcome {
 };
 
 /// Joins stores into `out`, which may exist and then counts as the first of them. Rows are joined by id; timings and
-/// runs of a cell that several stores have come from the first of them. All or nothing: when two stores disagree on a
+/// runs of a cell that several stores have come from the first of them, and so does its certificate, unless the first
+/// left open what another proved. All or nothing: when two stores disagree on a
 /// row, `out` stays as it was and the conflicts are returned.
 /// @throws InputError when a file is no store, or `out` is in use or cannot be written.
 MergeOutcome merge_stores(const std::filesystem::path& out, const std::vector<std::filesystem::path>& inputs);

@@ -92,9 +92,19 @@ CREATE TABLE IF NOT EXISTS timings (
   PRIMARY KEY (problem_id, solver_id, part)) WITHOUT ROWID;
 CREATE TABLE IF NOT EXISTS certificates (
   problem_id INTEGER PRIMARY KEY,
-  certificate TEXT NOT NULL,    -- "solution" or "unsolvable"
-  proof TEXT NOT NULL,
-  vector INTEGER REFERENCES vectors(id));
+  certificate TEXT NOT NULL,    -- "solution", "unsolvable", "open": see docs/certificates.md
+  proof TEXT NOT NULL,          -- "exact_basis", "farkas", "lp", "enumeration"; "none" where open
+  velocity INTEGER REFERENCES vectors(id),  -- v+ of the certified solution, each entry correctly rounded
+  velocity_unique INTEGER,      -- 1: every solution has this v+; 0: another is certified; NULL: not known
+  least_violation_m_per_s REAL, -- unsolvable: no impulse at all violates the contacts by less
+  detail TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS proofs (
+  problem_id INTEGER PRIMARY KEY,
+  document BLOB NOT NULL);      -- problem and exact proof, what study/check_certificates.py reads: JSON, deflated
+CREATE TABLE IF NOT EXISTS certificate_timings (
+  problem_id INTEGER PRIMARY KEY,
+  seconds REAL NOT NULL,        -- wall clock
+  time_limit_s REAL NOT NULL);
 
 CREATE VIEW IF NOT EXISTS truths AS
   SELECT p.id AS problem_id,

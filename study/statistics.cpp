@@ -13,7 +13,6 @@ namespace lcpbench {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kNormal975 = 1.959963984540054;
 constexpr std::uint64_t kBootstrapSeed = 0x6c637062656e6368;
 
 double sum(std::span<const double> values) { return std::accumulate(values.begin(), values.end(), 0.0); }
@@ -61,14 +60,14 @@ std::uint64_t BoundedDraw::below(std::uint64_t bound) {
   return static_cast<std::uint64_t>(product >> 64);
 }
 
-Interval wilson(std::int64_t successes, std::int64_t trials) {
+Interval wilson(std::int64_t successes, std::int64_t trials, double quantile) {
   if (successes < 0 || successes > trials) throw std::invalid_argument("wilson: successes must lie in 0 .. trials");
   if (trials == 0) return {kNone, kNone};
   const auto n = static_cast<double>(trials);
   const double share = static_cast<double>(successes) / n;
-  const double z2_n = kNormal975 * kNormal975 / n;
+  const double z2_n = quantile * quantile / n;
   const double centre = share + z2_n / 2;
-  const double half = kNormal975 * std::sqrt(share * (1 - share) / n + z2_n / (4 * n));
+  const double half = quantile * std::sqrt(share * (1 - share) / n + z2_n / (4 * n));
   const double scale = 1 + z2_n;
   // The exact ends at 0 and n successes, which rounding would miss by an ulp.
   return {successes == 0 ? 0.0 : (centre - half) / scale, successes == trials ? 1.0 : (centre + half) / scale};

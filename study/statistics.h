@@ -45,10 +45,15 @@ class BoundedDraw {
 /// Resamples drawn by every bootstrap here. Their noise moves an end of an interval by about 1/10 of its half-width.
 inline constexpr int kResamples = 1000;
 
-/// Wilson's 95 % score interval for a share (Wilson 1927), without continuity correction; NaN for no trials.
-/// Coverage averages 95 % and dips below it near 0 and 1, never to 0 as the normal approximation does.
+/// Quantiles of the normal distribution: two-sided 95 % and 99.9 %.
+inline constexpr double kNormal975 = 1.959963984540054;
+inline constexpr double kNormal9995 = 3.2905267314919255;
+
+/// Wilson's score interval for a share (Wilson 1927), without continuity correction; NaN for no trials.
+/// Coverage averages the level and dips below it near 0 and 1, never to 0 as the normal approximation does.
+/// @param quantile  of the normal distribution: the level, 95 % unless told.
 /// @throws std::invalid_argument unless 0 <= successes <= trials.
-Interval wilson(std::int64_t successes, std::int64_t trials);
+Interval wilson(std::int64_t successes, std::int64_t trials, double quantile = kNormal975);
 
 /// The smallest of the values that at least the share p of them do not exceed (the inverse of the empirical
 /// distribution, type 1 of Hyndman and Fan 1996): always a value that occurred, infinity included. NaN for no values.

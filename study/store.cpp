@@ -19,7 +19,8 @@ using sqlite::Mode;
 using sqlite::Statement;
 
 constexpr std::int64_t kApplicationId = 0x4c43'5042;  // "LCPB", in the header of the file
-constexpr std::int64_t kFormatVersion = 2;
+constexpr std::int64_t kFormatVersion = 3;
+constexpr std::int64_t kOldestFormat = 2;  // had a table of certificates with other columns, which nothing wrote to
 
 std::int64_t key_id(std::initializer_list<std::string_view> parts) {
   std::string key;
@@ -40,14 +41,17 @@ void check_format(Database& database) {
     throw InputError(describe(database.file(), "not an lcpbench store"));
   }
   const std::int64_t version = database.integer("PRAGMA user_version");
-  if (version != kFormatVersion) {
-    throw InputError(fmt::format("{}: store format {}, this lcpbench reads format {}; use another store, or --fresh",
-                                 database.file().string(), version, kFormatVersion));
+  if (version < kOldestFormat || version > kFormatVersion) {
+    throw InputError(
+        fmt::format("{}: store format {}, this lcpbench reads formats {} to {}; use another store, or --fresh",
+                    database.file().string(), version, kOldestFormat, kFormatVersion));
   }
 }
 
-void initialise(Database& database) {
+/// Makes a blank file a store, or one of the older format one of today's, whole or not at all.
+void initialise(Database& database, bool blank) {
   database.execute("BEGIN IMMEDIATE");
+  if (!blank) database.execute("DROP TABLE IF EXISTS certificates");
   database.execute(kStoreSchema);
   database.execute(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}", kApplicationId, kFormatVersion));
   database.execute("COMMIT");
@@ -318,7 +322,7 @@ Store Store::open_for_writing(const std::filesystem::path& file) {
   const bool blank = is_blank(database);
   if (!blank) check_format(database);
   database.execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL");
-  if (blank) initialise(database);
+  if (blank || database.integer("PRAGMA user_version") != kFormatVersion) initialise(database, blank);
   data->writers = std::make_unique<Writers>(database);
   return Store(std::move(data));
 }

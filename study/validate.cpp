@@ -114,7 +114,7 @@ std::unordered_set<std::int64_t> problems_of_known_truth(Store& store) {
   std::unordered_set<std::int64_t> known;
   sqlite::Statement query(store.database(),
                           "SELECT id FROM problems WHERE theory = 'solvable' UNION "
-                          "SELECT problem_id FROM certificates UNION "
+                          "SELECT problem_id FROM certificates WHERE certificate <> 'open' UNION "
                           "SELECT problem_id FROM verdicts WHERE farkas_checked = 1");
   while (query.step()) known.insert(query.integer(0));
   return known;

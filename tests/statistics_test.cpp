@@ -25,6 +25,15 @@ TEST(StatisticsTest, WilsonMatchesNewcombesTable) {
   }
 }
 
+/// Its ends are the shares from which what was seen is just the quantile's number of standard errors away.
+TEST(StatisticsTest, WilsonAtAnotherLevelSolvesItsOwnEquation) {
+  const Interval interval = wilson(8492, 10'000, kNormal9995);
+  for (const double end : {interval.low, interval.high}) {
+    EXPECT_NEAR(std::abs(0.8492 - end), kNormal9995 * std::sqrt(end * (1 - end) / 10'000), 1e-12);
+  }
+  EXPECT_LT(interval.low, wilson(8492, 10'000).low);
+}
+
 TEST(StatisticsTest, WilsonIsClosedAtTheEndsAndNamesTheSampleSizesPower) {
   EXPECT_EQ(wilson(0, 200).low, 0.0);
   EXPECT_EQ(wilson(200, 200).high, 1.0);

@@ -172,14 +172,15 @@ std::string stored_verdict(Database& store, std::size_t problem, const Row& row,
   if (stored.solved_by_other) insert_answer(store, problem, 2, "solved", errors_of("solved"), false);
   if (stored.refuted_by_other) insert_answer(store, problem, 3, "unsolvable", errors_of("unusable"), true);
   if (!stored.certificate.empty()) {
-    store.run("INSERT INTO certificates VALUES (" + id + ",'" + stored.certificate + "','farkas',NULL)");
+    store.run("INSERT INTO certificates (problem_id, certificate, proof, detail) VALUES (" + id + ",'" +
+              stored.certificate + "','farkas','')");
   }
   const auto found = store.texts("SELECT verdict FROM judged WHERE solver_id = 1 AND problem_id = " + id);
   return found.size() == 1 ? found.front() : "no single row";
 }
 
 TEST(VerdictTest, TheStoresViewFollowsTheTableHoweverTheTruthCameToLight) {
-  const std::vector<StoredCase> unknown{{"", ""}};
+  const std::vector<StoredCase> unknown{{"", ""}, {"", "open"}};
   const std::vector<StoredCase> solvable{{"solvable", ""}, {"", "solution"}, {"", "", true}};
   const std::vector<StoredCase> unsolvable{
       {"", "unsolvable"}, {"", "", false, true}, {"", "", true, true}, {"", "unsolvable", true, false}};
@@ -192,7 +193,7 @@ TEST(VerdictTest, TheStoresViewFollowsTheTableHoweverTheTruthCameToLight) {
       EXPECT_EQ(stored_verdict(store, ++problem, row, stored), row.verdict) << row.combination();
     }
   }
-  EXPECT_EQ(problem, kClaims.size() * kAnswers.size() * (1 + 3 + 4));
+  EXPECT_EQ(problem, kClaims.size() * kAnswers.size() * (2 + 3 + 4));
 }
 
 }  // namespace

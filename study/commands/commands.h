@@ -28,6 +28,7 @@ Action add_merge_command(CLI::App& command);
 Action add_report_command(CLI::App& command);
 Action add_compare_command(CLI::App& command);
 Action add_bench_command(CLI::App& command, const std::string& command_line);
+Action add_certify_command(CLI::App& command, const std::string& command_line);
 Action add_stability_command(CLI::App& command, const std::string& command_line);
 Action add_validate_command(CLI::App& command, const std::string& command_line);
 

@@ -14,6 +14,7 @@
 #include "study/answer_note.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
+#include "study/commands/problem_text.h"
 #include "study/evaluation/evaluation.h"
 #include "study/json_output.h"
 #include "study/open_solver.h"
@@ -146,22 +147,6 @@ std::vector<Attempt> attempts_on(const Problem& problem, Solvers& solvers, doubl
   return attempts;
 }
 
-Json problem_json(const Problem& problem, const std::string& file) {
-  const ContactProblem* contact = problem.contact();
-  Json json = {{"name", problem.name().empty() ? file : problem.name()},
-               {"kind", to_string(problem.kind())},
-               {"n", problem.size()},
-               {"ngc", nullptr},
-               {"nc", nullptr},
-               {"edges", nullptr}};
-  if (contact != nullptr) {
-    json["ngc"] = contact->ngc();
-    json["nc"] = contact->nc();
-    json["edges"] = contact->edges;
-  }
-  return json;
-}
-
 Json attempt_json(const Json& problem, const Attempt& attempt) {
   const Answer& answer = attempt.timed.answer;
   const Errors& errors = attempt.errors;
@@ -194,15 +179,6 @@ Json attempt_json(const Json& problem, const Attempt& attempt) {
           {"detail", answer.detail.empty() ? attempt.note : answer.detail}};
 }
 
-std::string described(const Problem& problem, const std::string& file) {
-  std::string text = fmt::format("{}: {}, n {}", file, to_string(problem.kind()), problem.size());
-  if (const ContactProblem* contact = problem.contact()) {
-    text += fmt::format(", {} coordinates, {} contacts, {} friction edges", contact->ngc(), contact->nc(),
-                        cols(contact->D));
-  }
-  return text;
-}
-
 void print_velocity(const Attempt& best) {
   if (best.verdict != Verdict::kSolved || best.velocity.size() == 0 || best.velocity.size() > kVelocityShown) return;
   std::string numbers;
@@ -216,7 +192,7 @@ std::string detail_of(const Attempt& attempt) {
 }
 
 void print_attempts(const Problem& problem, const std::string& file, const std::vector<Attempt>& attempts) {
-  fmt::print("{}\n", described(problem, file));
+  fmt::print("{}\n", problem_summary_text(problem, file));
   if (attempts.empty()) {
     fmt::print("no available solver takes this problem; lcpbench solvers lists what each needs\n\n");
     return;
@@ -255,7 +231,7 @@ int solve(const Arguments& arguments) {
       const Problem problem = read_problem(file);
       const std::vector<Attempt> attempts = attempts_on(problem, solvers, arguments.time_limit_s, complete);
       if (arguments.format == "json") {
-        const Json described_problem = problem_json(problem, file);
+        const Json described_problem = problem_summary_json(problem, file);
         for (const Attempt& each : attempts) rows.push_back(attempt_json(described_problem, each));
       } else {
         print_attempts(problem, file, attempts);

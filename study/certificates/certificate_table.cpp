@@ -1,0 +1,226 @@
+#include "study/certificates/certificate_table.h"
+
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "study/certificates/proof_document.h"
+#include "study/json_output.h"
+#include "study/vector_codec.h"
+
+namespace lcpbench {
+namespace {
+
+using sqlite::Statement;
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr int kContradictionsShown = 100;
+
+/// Problems p of the sets s that ?1 names (a JSON array; empty: every set).
+constexpr const char* kInSets = "(json_array_length(?1) = 0 OR s.name IN (SELECT value FROM json_each(?1)))";
+/// 1 for a problem with friction rows: those of a bare LCP are not told apart.
+constexpr const char* kFrictional = "(p.kind <> 'lcp' AND p.n > p.nc)";
+/// Which answer a row of the table of verdicts v is about.
+constexpr const char* kAnswerInWords =
+    "(SELECT name || CASE settings WHEN '' THEN '' ELSE '{' || settings || '}' END FROM solvers "
+    "WHERE id = v.solver_id)";
+
+std::string sets_parameter(const CertifyScope& scope) { return nlohmann::json(scope.sets).dump(); }
+
+bool still_to_certify(const Statement& row, int column, const CertifyScope& scope) {
+  if (row.is_null(column)) return true;
+  return row.text(column) == "open" && row.real(column + 1) < scope.time_limit_s;
+}
+
+void bind_vector(Statement& insert, int parameter, Store& store, const Vector& vector) {
+  if (vector.size() == 0) {
+    insert.bind_null(parameter);
+    return;
+  }
+  const std::string bytes = encode_vector(vector);
+  const std::int64_t id = content_id(bytes);
+  Statement keep(store.database(), "INSERT OR IGNORE INTO vectors (id, data) VALUES (?, ?)");
+  keep.bind(1, id);
+  keep.bind_blob(2, bytes);
+  keep.run();
+  insert.bind(parameter, id);
+}
+
+std::string forward_errors_missing(const char* problem) {
+  return fmt::format(
+      "EXISTS (SELECT 1 FROM verdicts v WHERE v.problem_id = {} AND v.usable = 1 AND v.forward_velocity IS NULL)",
+      problem);
+}
+
+}  // namespace
+
+std::vector<CertifyTask> CertificateTable::pending(const CertifyScope& scope) {
+  Statement query(store_.database(),
+                  fmt::format("SELECT p.id, s.name, p.seed, p.trial, p.hash, c.certificate, t.time_limit_s, "
+                              "IFNULL(c.velocity_unique, 0) = 1 AND {} FROM problems p JOIN sets s ON s.id = p.set_id "
+                              "LEFT JOIN certificates c ON c.problem_id = p.id "
+                              "LEFT JOIN certificate_timings t ON t.problem_id = p.id "
+                              "WHERE {} AND (NOT {} OR p.trial % ?2 = 0) ORDER BY p.trial, s.name, p.seed",
+                              forward_errors_missing("p.id"), kInSets, kFrictional));
+  const std::string sets = sets_parameter(scope);
+  query.bind(1, sets);
+  query.bind(2, scope.every);
+  std::vector<CertifyTask> tasks;
+  while (query.step()) {
+    const bool certify = still_to_certify(query, 5, scope);
+    if (!certify && query.integer(7) == 0) continue;
+    tasks.push_back({query.integer(0), std::string(query.text(1)), static_cast<std::uint64_t>(query.integer(2)),
+                     query.integer(3), std::string(query.text(4)), certify});
+  }
+  return tasks;
+}
+
+void CertificateTable::add(std::int64_t problem_id, const CertificateRow& row) {
+  Statement certificate(store_.database(),
+                        "INSERT OR REPLACE INTO certificates (problem_id, certificate, proof, velocity, "
+                        "velocity_unique, least_violation_m_per_s, detail) VALUES (?, ?, ?, ?, ?, ?, ?)");
+  certificate.bind(1, problem_id);
+  certificate.bind(2, std::string_view(to_string(row.kind)));
+  certificate.bind(3, std::string_view(to_string(row.proof)));
+  bind_vector(certificate, 4, store_, row.velocity);
+  if (row.velocity_unique) {
+    certificate.bind(5, static_cast<std::int64_t>(*row.velocity_unique ? 1 : 0));
+  } else {
+    certificate.bind_null(5);
+  }
+  certificate.bind(6, row.least_violation_m_per_s);
+  certificate.bind(7, row.detail);
+  certificate.run();
+
+  Statement timing(store_.database(),
+                   "INSERT OR REPLACE INTO certificate_timings (problem_id, seconds, time_limit_s) VALUES (?, ?, ?)");
+  timing.bind(1, problem_id);
+  timing.bind(2, row.seconds);
+  timing.bind(3, row.time_limit_s);
+  timing.run();
+
+  if (row.document.empty()) return;
+  Statement proof(store_.database(), "INSERT OR REPLACE INTO proofs (problem_id, document) VALUES (?, ?)");
+  proof.bind(1, problem_id);
+  proof.bind_blob(2, row.document);
+  proof.run();
+}
+
+void CertificateTable::add(std::int64_t problem_id, const std::vector<ForwardError>& errors) {
+  Statement update(store_.database(),
+                   "UPDATE verdicts SET forward_velocity = ? WHERE problem_id = ? AND solver_id = ? AND part = ?");
+  for (const ForwardError& error : errors) {
+    update.bind(1, error.forward_velocity);
+    update.bind(2, problem_id);
+    update.bind(3, error.solver_id);
+    update.bind(4, error.part);
+    update.run();
+  }
+}
+
+std::optional<Vector> CertificateTable::unique_velocity(std::int64_t problem_id) {
+  Statement query(store_.database(),
+                  "SELECT v.data FROM certificates c JOIN vectors v ON v.id = c.velocity "
+                  "WHERE c.problem_id = ? AND c.velocity_unique = 1");
+  query.bind(1, problem_id);
+  if (!query.step()) return std::nullopt;
+  return decode_vector(query.blob(0));
+}
+
+std::vector<ForwardError> CertificateTable::answers_without_forward_error(std::int64_t problem_id) {
+  Statement query(store_.database(),
+                  "SELECT solver_id, part FROM verdicts WHERE problem_id = ? AND usable = 1 "
+                  "AND forward_velocity IS NULL ORDER BY solver_id, part");
+  query.bind(1, problem_id);
+  std::vector<ForwardError> answers;
+  while (query.step()) answers.push_back({query.integer(0), query.integer(1), kNone});
+  return answers;
+}
+
+void CertificateTable::for_each_proof(const CertifyScope& scope,
+                                      const std::function<void(std::string_view document)>& visit) {
+  Statement query(store_.database(),
+                  fmt::format("SELECT d.document FROM proofs d JOIN problems p ON p.id = d.problem_id "
+                              "JOIN sets s ON s.id = p.set_id WHERE {} ORDER BY s.name, p.seed, p.trial",
+                              kInSets));
+  const std::string sets = sets_parameter(scope);
+  query.bind(1, sets);
+  while (query.step()) {
+    std::string document;
+    try {
+      document = inflate(query.blob(0));
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: {}", store_.file().string(), error.what()));
+    }
+    visit(document);
+  }
+}
+
+std::vector<CertifiedSet> CertificateTable::counts(const CertifyScope& scope) {
+  Statement query(
+      store_.database(),
+      fmt::format("SELECT s.name, MAX({}), COUNT(*), IFNULL(SUM(c.certificate = 'solution'), 0), "
+                  "IFNULL(SUM(c.certificate = 'unsolvable'), 0), IFNULL(SUM(c.certificate = 'open'), 0), "
+                  "AVG(t.seconds), MAX(t.seconds), IFNULL(SUM(c.velocity_unique = 0), 0), "
+                  "IFNULL(SUM(CASE WHEN c.problem_id IS NOT NULL THEN a.answers END), 0), "
+                  "IFNULL(SUM(CASE WHEN c.problem_id IS NOT NULL THEN a.verified END), 0), "
+                  "IFNULL(SUM(CASE WHEN c.problem_id IS NOT NULL THEN a.forward END), 0) "
+                  "FROM problems p JOIN sets s ON s.id = p.set_id LEFT JOIN certificates c ON c.problem_id = p.id "
+                  "LEFT JOIN certificate_timings t ON t.problem_id = p.id "
+                  "LEFT JOIN (SELECT problem_id, COUNT(*) AS answers, SUM(solved) AS verified, "
+                  "COUNT(forward_velocity) AS forward FROM verdicts GROUP BY problem_id) a ON a.problem_id = p.id "
+                  "WHERE {} GROUP BY s.name ORDER BY s.name",
+                  kFrictional, kInSets));
+  const std::string sets = sets_parameter(scope);
+  query.bind(1, sets);
+  std::vector<CertifiedSet> counts;
+  while (query.step()) {
+    CertifiedSet set;
+    set.set = query.text(0);
+    set.frictional = query.integer(1) != 0;
+    std::int64_t CertifiedSet::*const fields[] = {&CertifiedSet::problems, &CertifiedSet::solution,
+                                                  &CertifiedSet::unsolvable, &CertifiedSet::open};
+    int column = 2;
+    for (const auto field : fields) set.*field = query.integer(column++);
+    set.seconds_mean = query.real(column++);
+    set.seconds_max = query.real(column++);
+    set.other_velocity = query.integer(column++);
+    set.answers = query.integer(column++);
+    set.verified = query.integer(column++);
+    set.forward = query.integer(column);
+    counts.push_back(std::move(set));
+  }
+  return counts;
+}
+
+std::vector<std::string> CertificateTable::contradictions(const CertifyScope& scope) {
+  // The evaluation's residual is at least the violation of the contacts, and that is at least the certified bound. A
+  // bare LCP has no such bound: there a verified answer contradicts the proof.
+  Statement query(
+      store_.database(),
+      fmt::format(
+          "SELECT s.name, p.seed, p.trial, {0} || ' has an answer that is better than the proof of unsolvability "
+          "allows' FROM certificates c JOIN problems p ON p.id = c.problem_id JOIN sets s ON s.id = p.set_id "
+          "JOIN verdicts v ON v.problem_id = c.problem_id WHERE {1} AND c.certificate = 'unsolvable' "
+          "AND (v.velocity_residual_m_per_s < c.least_violation_m_per_s "
+          "OR (c.least_violation_m_per_s IS NULL AND v.solved = 1)) "
+          "UNION ALL SELECT s.name, p.seed, p.trial, {0} || ' has a proof of unsolvability, yet a solution is "
+          "certified' FROM certificates c JOIN problems p ON p.id = c.problem_id JOIN sets s ON s.id = p.set_id "
+          "JOIN verdicts v ON v.problem_id = c.problem_id WHERE {1} AND c.certificate = 'solution' "
+          "AND v.farkas_checked = 1 "
+          "UNION ALL SELECT s.name, p.seed, p.trial, 'theory says solvable, the certificate unsolvable' "
+          "FROM certificates c JOIN problems p ON p.id = c.problem_id JOIN sets s ON s.id = p.set_id "
+          "WHERE {1} AND c.certificate = 'unsolvable' AND p.theory = 'solvable' LIMIT {2}",
+          kAnswerInWords, kInSets, kContradictionsShown));
+  const std::string sets = sets_parameter(scope);
+  query.bind(1, sets);
+  std::vector<std::string> lines;
+  while (query.step()) {
+    lines.push_back(fmt::format("{} seed {} trial {}: {}", query.text(0), static_cast<std::uint64_t>(query.integer(1)),
+                                query.integer(2), query.text(3)));
+  }
+  return lines;
+}
+
+}  // namespace lcpbench

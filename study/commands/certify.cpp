@@ -1,0 +1,361 @@
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "core/error.h"
+#include "generators/problem_io.h"
+#include "generators/sets.h"
+#include "study/certificates/certify_store.h"
+#include "study/certificates/proof_document.h"
+#include "study/commands/commands.h"
+#include "study/commands/options.h"
+#include "study/commands/problem_text.h"
+#include "study/interrupt.h"
+#include "study/json_output.h"
+#include "study/provenance.h"
+#include "study/statistics.h"
+#include "study/text_table.h"
+
+namespace lcpbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr Index kVelocityShown = 12;
+
+struct Arguments {
+  std::vector<std::string> files;
+  bool exact = false;
+  double time_limit_s = 10.0;
+  std::string proofs;
+  std::string format = "text";
+  std::string store;
+  std::vector<std::string> sets;
+  std::int64_t every = 20;
+  std::optional<int> jobs;
+  bool other_velocity = false;
+  std::string command_line;
+};
+
+/// Proofs go to a file, one line each; or nowhere.
+class ProofFile {
+ public:
+  explicit ProofFile(std::string name) : name_(std::move(name)) {
+    if (name_.empty()) return;
+    file_.open(name_, std::ios::binary | std::ios::trunc);
+    check();
+  }
+  bool wanted() const { return !name_.empty(); }
+  void add(std::string_view document) {
+    file_ << document << '\n';
+    ++count_;
+  }
+  /// @throws InputError when not all of it arrived.
+  void close() {
+    if (!wanted()) return;
+    file_.close();
+    check();
+    fmt::print(stderr, "{} proof{} in {}; study/check_certificates.py checks them\n", format_count(count_),
+               count_ == 1 ? "" : "s", name_);
+  }
+
+ private:
+  void check() const {
+    if (!file_) throw InputError(name_ + ": cannot be written");
+  }
+  std::string name_;
+  std::ofstream file_;
+  std::int64_t count_ = 0;
+};
+
+// ------------------------------------------------------------------------------------------------ problem files
+
+Json optional_json(const std::optional<bool>& flag) { return flag ? Json(*flag) : Json(nullptr); }
+
+Json fractions_json(const ExactVector& vector) {
+  return vector.numerators.empty() ? Json(nullptr) : Json(fractions(vector));
+}
+
+Json certificate_json(const Problem& problem, const std::string& file, const Certificate& certificate, bool exact) {
+  Json json{{"problem", problem_summary_json(problem, file)},
+            {"certificate", to_string(certificate.kind)},
+            {"proof", certificate.proof == ProofKind::kNone ? Json(nullptr) : Json(to_string(certificate.proof))},
+            {"z", json_vector(certificate.z)},
+            {"velocity", json_vector(certificate.velocity)},
+            {"velocity_unique", optional_json(certificate.velocity_unique)},
+            {"farkas", json_vector(certificate.farkas)},
+            {"seconds", json_number(certificate.seconds)}};
+  if (exact) {
+    json["z_exact"] = fractions_json(certificate.exact_z);
+    json["velocity_exact"] = fractions_json(certificate.exact_velocity);
+    json["farkas_exact"] = fractions_json(certificate.exact_farkas);
+  }
+  return json;
+}
+
+std::string finding(const Problem& problem, const Certificate& certificate) {
+  switch (certificate.proof) {
+    case ProofKind::kExactBasis: return "it has a solution, checked in exact arithmetic";
+    case ProofKind::kLp: return "it has a solution: proven in exact arithmetic without giving one";
+    case ProofKind::kEnumeration: return "it has no solution: every complementary cone was examined exactly";
+    case ProofKind::kFarkas: {
+      const double bound = least_violation(problem, certificate);
+      return bound > 0 ? fmt::format(
+                             "it has no solution: whatever the impulses, a contact is violated by {:.3g} m/s "
+                             "or more",
+                             bound)
+                       : "it has no solution, proven in exact arithmetic";
+    }
+    case ProofKind::kNone: break;
+  }
+  return "neither a solution nor a proof that there is none was found";
+}
+
+void print_vector(const char* title, const ExactVector& vector) {
+  if (vector.numerators.empty()) return;
+  fmt::print("  {}:\n", title);
+  for (const std::string& entry : fractions(vector)) fmt::print("    {}\n", entry);
+}
+
+void print_certificate(const Problem& problem, const std::string& file, const Certificate& certificate, bool exact) {
+  fmt::print("{}\n  {}: {} ({})\n", problem_summary_text(problem, file), to_string(certificate.kind),
+             finding(problem, certificate), format_seconds(certificate.seconds));
+  if (!certificate.detail.empty()) fmt::print("  {}\n", certificate.detail);
+  if (certificate.velocity.size() > 0 && certificate.velocity.size() <= kVelocityShown) {
+    std::string numbers;
+    for (const double value : certificate.velocity) numbers += fmt::format(" {:.6g}", value);
+    const char* others = !certificate.velocity_unique   ? ""
+                         : *certificate.velocity_unique ? ", the only one"
+                                                        : ", of which another is certified too";
+    fmt::print("  velocity after the impact{}:{}\n", others, numbers);
+  }
+  if (exact) {
+    print_vector("z", certificate.exact_z);
+    print_vector("velocity", certificate.exact_velocity);
+    print_vector("proof", certificate.exact_farkas);
+  }
+  fmt::print("\n");
+}
+
+int certify_files(const Arguments& arguments) {
+  ProofFile proofs(arguments.proofs);
+  // A single problem is somebody's question: whether its answer is the only one belongs to it.
+  const CertifyOptions options{.time_limit_s = arguments.time_limit_s, .seek_other_velocity = true};
+  Certifier certifier(options);
+  Json rows = Json::array();
+  bool complete = true;
+  for (const std::string& file : arguments.files) {
+    try {
+      const Problem problem = read_problem(file);
+      const Certificate certificate = certifier.certify(problem);
+      if (arguments.format == "json") {
+        rows.push_back(certificate_json(problem, file, certificate, arguments.exact));
+      } else {
+        print_certificate(problem, file, certificate, arguments.exact);
+      }
+      if (proofs.wanted() && certificate.kind != CertificateKind::kOpen) {
+        proofs.add(proof_document(problem, certificate));
+      }
+    } catch (const InputError& error) {
+      complete = false;
+      fmt::print(stderr, "lcpbench: {}\n", error.what());
+    }
+  }
+  if (arguments.format == "json") print_json(rows);
+  proofs.close();
+  return complete ? kExitDone : kExitBadInput;
+}
+
+// ------------------------------------------------------------------------------------------------------ a store
+
+/// The store's sets that the patterns name. @throws InputError for a pattern that names none of them.
+std::vector<std::string> sets_of_store(Store& store, const std::vector<std::string>& patterns) {
+  const auto stored = store.sets();
+  std::vector<std::string> chosen;
+  for (const std::string& pattern : patterns) {
+    bool any = false;
+    for (const std::string& name : expand_sets(pattern)) {
+      const bool known = std::any_of(stored.begin(), stored.end(), [&](const auto& set) { return set.second == name; });
+      if (known) chosen.push_back(name);
+      any = any || known;
+    }
+    if (!any) throw InputError(fmt::format("{}: has no problem of '{}'", store.file().string(), pattern));
+  }
+  return chosen;
+}
+
+Json set_json(const CertifiedSet& set) {
+  const std::int64_t proven = set.certified();
+  const Interval share = wilson(set.solution, proven);
+  const Interval share_999 = wilson(set.solution, proven, kNormal9995);
+  return {{"set", set.set},
+          {"problems", set.problems},
+          {"certified", proven},
+          {"solution", set.solution},
+          {"unsolvable", set.unsolvable},
+          {"open", set.open},
+          {"solution_share", json_number(static_cast<double>(set.solution) / static_cast<double>(proven))},
+          {"solution_low", json_number(share.low)},
+          {"solution_high", json_number(share.high)},
+          {"solution_low_999", json_number(share_999.low)},
+          {"solution_high_999", json_number(share_999.high)},
+          {"unsolvable_high", json_number(wilson(set.unsolvable, proven).high)},
+          {"open_high", json_number(wilson(set.open, proven).high)},
+          {"seconds_mean", json_number(set.seconds_mean)},
+          {"seconds_max", json_number(set.seconds_max)},
+          {"other_velocity", set.other_velocity},
+          {"answers", set.answers},
+          {"verified", set.verified},
+          {"forward_errors", set.forward}};
+}
+
+std::string percent_range(const Interval& interval) {
+  return fmt::format("{:.2f} to {:.2f} %", 100 * interval.low, 100 * interval.high);
+}
+
+void print_counts(const std::vector<CertifiedSet>& sets) {
+  using Align = TextTable::Align;
+  TextTable table({{"set", Align::kLeft},
+                   {"problems"},
+                   {"certified"},
+                   {"solution"},
+                   {"unsolvable"},
+                   {"open"},
+                   {"solvable, 95 %"},
+                   {"mean time"},
+                   {"answers"},
+                   {"verified"},
+                   {"forward errors"}});
+  for (const CertifiedSet& set : sets) {
+    table.add_row({set.set, format_count(set.problems), format_count(set.certified()), format_count(set.solution),
+                   format_count(set.unsolvable), format_count(set.open),
+                   set.certified() > 0 ? percent_range(wilson(set.solution, set.certified())) : "-",
+                   format_seconds(set.seconds_mean), format_count(set.answers), format_count(set.verified),
+                   format_count(set.forward)});
+  }
+  fmt::print("{}", table.text());
+}
+
+/// @throws InputError when the file is no store; one that does not exist is not made.
+Store open_existing(const std::string& file) {
+  { Store::open_for_reading(file); }
+  return Store::open_for_writing(file);
+}
+
+CertifyOutcome certify_all(const Arguments& arguments, Store& store, const CertifyScope& scope,
+                           const volatile std::sig_atomic_t* stop) {
+  CertifyRun run;
+  run.scope = scope;
+  run.jobs = arguments.jobs.value_or(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+  run.stop = stop;
+  const CertifyOptions options{.time_limit_s = arguments.time_limit_s, .seek_other_velocity = arguments.other_velocity};
+  run.open = [options] {
+    const auto certifier = std::make_shared<Certifier>(options);
+    return [certifier](const Problem& problem) { return certifier->certify(problem); };
+  };
+  const bool terminal = isatty(STDERR_FILENO) == 1;
+  if (terminal) {
+    run.on_progress = [](std::int64_t done, std::int64_t total) {
+      fmt::print(stderr, "\r\033[K{} of {} problems", format_count(done), format_count(total));
+    };
+  }
+  const CertifyOutcome outcome = certify_store(store, run);
+  if (terminal) fmt::print(stderr, "\r\033[K");
+  return outcome;
+}
+
+void print_findings(const Arguments& arguments, const std::vector<CertifiedSet>& sets,
+                    const std::vector<std::string>& contradictions) {
+  if (arguments.format == "json") {
+    Json rows = Json::array();
+    for (const CertifiedSet& set : sets) rows.push_back(set_json(set));
+    print_json({{"provenance", provenance(arguments.command_line, utc_now())},
+                {"sets", rows},
+                {"contradictions", contradictions},
+                {"ok", contradictions.empty()}});
+    return;
+  }
+  print_counts(sets);
+  for (const std::string& line : contradictions) fmt::print("CONTRADICTION: {}\n", line);
+  if (contradictions.empty()) fmt::print("\nno answer and no certificate contradict each other\n");
+}
+
+int certify_stored(const Arguments& arguments) {
+  const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
+  Store store = open_existing(arguments.store);
+  ProofFile proofs(arguments.proofs);
+  const CertifyScope scope{sets_of_store(store, arguments.sets), arguments.every, arguments.time_limit_s};
+  const CertifyOutcome outcome = certify_all(arguments, store, scope, stop);
+  if (outcome.done < outcome.total) {
+    fmt::print(stderr, "lcpbench: interrupted; {} of {} problems are done: run the same command again to resume\n",
+               format_count(outcome.done), format_count(outcome.total));
+    return kExitInterrupted;
+  }
+  CertificateTable table(store);
+  const std::vector<std::string> contradictions = table.contradictions(scope);
+  print_findings(arguments, table.counts(scope), contradictions);
+  if (proofs.wanted()) {
+    table.for_each_proof(scope, [&](std::string_view document) { proofs.add(document); });
+    proofs.close();
+  }
+  return contradictions.empty() ? kExitDone : kExitCheckFailed;
+}
+
+int certify(const Arguments& arguments) {
+  if (arguments.files.empty() == arguments.store.empty()) {
+    throw InputError("certify: give problem files, or --store STORE (lcpbench certify --help)");
+  }
+  return arguments.store.empty() ? certify_files(arguments) : certify_stored(arguments);
+}
+
+}  // namespace
+
+Action add_certify_command(CLI::App& command, const std::string& command_line) {
+  const auto arguments = std::make_shared<Arguments>();
+  arguments->command_line = command_line;
+  command.add_option("FILE", arguments->files, "problem files");
+  command.add_option("--time-limit", arguments->time_limit_s, "seconds for each problem")
+      ->check(seconds_check(1e-6, 1e7))
+      ->capture_default_str();
+  command.add_option("--proofs", arguments->proofs,
+                     "write problems and proofs to this file, for study/check_certificates.py");
+  add_format_option(command, arguments->format);
+  CLI::Option* store = command.add_option("--store", arguments->store,
+                                          "instead of FILE: the problems of a store of lcpbench run; resumes");
+  command.add_flag("--exact", arguments->exact, "show the exact rationals too")->excludes(store);
+  command.add_option("--set", arguments->sets, "only this set, or glob, of the store; may be repeated (default: all)")
+      ->allow_extra_args(false)
+      ->needs(store);
+  command
+      .add_option("--every", arguments->every,
+                  "of the store's frictional problems only the trials that this divides;\nfrictionless ones are all "
+                  "certified")
+      ->check(CLI::Range(1, 100'000'000))
+      ->capture_default_str()
+      ->needs(store);
+  command.add_option("--jobs", arguments->jobs, "threads (default: one per processor)")
+      ->check(CLI::Range(1, 1024))
+      ->needs(store);
+  command
+      .add_flag("--other-velocity", arguments->other_velocity,
+                "look for a second velocity of frictional problems; with FILE always done")
+      ->needs(store);
+  command.footer(
+      "solution: one is proven to exist. unsolvable: proven to have none. open: neither. Proofs are exact, on the\n"
+      "numbers of the file. A file that cannot be read does not stop the others; the exit code is then 2.\n"
+      "With --store: exit code 1 when an answer and a certificate contradict each other. See docs/certificates.md.");
+  return [arguments] { return certify(*arguments); };
+}
+
+}  // namespace lcpbench

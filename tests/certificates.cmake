@@ -1,0 +1,9 @@
+# Certificates as users and studies get them, and the checker that shares no code with what made them.
+lcpbench_test(certificates LINK lcpbench_certificates lcpbench_report lcpbench_study lcpbench_solver_list nlohmann_json::nlohmann_json)
+target_compile_definitions(certificates_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
+add_dependencies(certificates_test lcpbench)
+
+find_package(Python3 REQUIRED COMPONENTS Interpreter)
+add_test(NAME check_certificates
+         COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/check_certificates_test.py
+                 ${PROJECT_SOURCE_DIR}/study/check_certificates.py $<TARGET_FILE:lcpbench>)

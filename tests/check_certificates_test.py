@@ -1,0 +1,230 @@
+"""The checker of certificates accepts what was proven and rejects what was changed, in every way that a proof can be.
+
+usage: check_certificates_test.py CHECKER LCPBENCH
+"""
+
+import copy
+import importlib.util
+import json
+import math
+import pathlib
+import shutil
+import sqlite3
+import subprocess
+import sys
+import tempfile
+
+MOST_NODES = 1000
+SETS = ("paper/monotone/exp1", "paper/monotone/exp2", "paper/monotone/exp3", "paper/copositive/exp1{nc_max=4}",
+        "paper/copositive/exp3{nc_max=6}", "planted/definite", "planted/definite{form=lcp}")
+TRIALS = 12
+
+failures = []
+
+
+def expect(condition, what):
+    if not condition:
+        failures.append(what)
+
+
+def load(path):
+    spec = importlib.util.spec_from_file_location("checker", path)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["checker"] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def run(*command):
+    return subprocess.run([str(part) for part in command], capture_output=True, text=True, check=False)
+
+
+def make_store(lcpbench, folder):
+    """A store with certificates, and its proofs."""
+    store, proofs = folder / "s.db", folder / "proofs.jsonl"
+    sets = [argument for name in SETS for argument in ("--set", name)]
+    solved = run(lcpbench, "run", *sets, "--solver", "lemke", "--trials", TRIALS, "--store", store)
+    expect(solved.returncode == 0, solved.stderr)
+    certified = run(lcpbench, "certify", "--store", store, "--every", 1, "--other-velocity", "--proofs", proofs)
+    expect(certified.returncode == 0, certified.stderr + certified.stdout)
+    return store, [json.loads(line) for line in proofs.read_text().splitlines()]
+
+
+# --------------------------------------------------------------------------------------------- changed documents
+
+
+def next_number(x):
+    return math.nextafter(x, math.inf)
+
+
+def first_nonzero(numerators):
+    return next((i for i, number in enumerate(numerators) if int(number)), 0)
+
+
+def add_one(vector):
+    at = first_nonzero(vector["numerators"])
+    vector["numerators"][at] = str(int(vector["numerators"][at]) + 1)
+
+
+def change_sign(vector):
+    at = first_nonzero(vector["numerators"])
+    vector["numerators"][at] = str(-int(vector["numerators"][at]))
+
+
+def vectors_of(document):
+    names = [name for name in document if name.startswith("exact_") and document[name]]
+    if document["proof"] == "lp":
+        names = []  # an inequality with room to spare: a proof changed a little is another proof
+    return names
+
+
+def changed_documents(document, others):
+    """Pairs of what was changed, and a document that proves nothing any more."""
+    def changed(edit):
+        result = copy.deepcopy(document)
+        edit(result)
+        return result
+
+    for name in vectors_of(document):
+        yield f"{name}: one numerator", changed(lambda d: add_one(d[name]))
+        if any(int(number) for number in document[name]["numerators"]):
+            yield f"{name}: one sign", changed(lambda d: change_sign(d[name]))
+            if name != "exact_farkas":  # of which every positive multiple proves the same
+                yield f"{name}: the denominator", changed(
+                    lambda d: d[name].update(denominator=str(2 * int(d[name]["denominator"]))))
+        yield f"{name}: a negative denominator", changed(
+            lambda d: d[name].update(denominator="-" + d[name]["denominator"]))
+        yield f"{name}: no integer", changed(lambda d: d[name]["numerators"].__setitem__(0, "1.0"))
+        yield f"{name}: one entry less", changed(lambda d: d[name]["numerators"].pop())
+        yield f"{name}: one entry more", changed(lambda d: d[name]["numerators"].append("0"))
+        yield f"{name}: missing", changed(lambda d: d.update({name: None}))
+    if document["proof"] == "lp":
+        yield "lp: pushed the other way", changed(lambda d: d["exact_farkas"].update(
+            numerators=[str(-1000 * int(x)) for x in d["exact_farkas"]["numerators"]]))
+        yield "lp: one entry less", changed(lambda d: d["exact_farkas"]["numerators"].pop())
+    for name in ("z", "velocity"):
+        if document[name]:
+            yield f"{name}: one bit", changed(lambda d: d[name].__setitem__(0, next_number(d[name][0])))
+            yield f"{name}: missing", changed(lambda d: d.update({name: None}))
+    other_kind = "unsolvable" if document["certificate"] == "solution" else "solution"
+    yield "the other kind", changed(lambda d: d.update(certificate=other_kind))
+    for proof in {"exact_basis", "farkas"} - {document["proof"]}:
+        kind = "solution" if proof == "exact_basis" else "unsolvable"
+        yield f"kind and proof of {proof}", changed(lambda d: d.update(certificate=kind, proof=proof))
+    yield "open", changed(lambda d: d.update(certificate="open", proof="none"))
+    yield "another version", changed(lambda d: d.update(version=2))
+    for other in others:
+        yield f"the problem of {other['problem']['name']}", changed(lambda d: d.update(problem=other["problem"]))
+    if document["velocity_unique"] is not False and document["problem"]["kind"] == "contact":
+        if document["proof"] == "exact_basis":
+            yield "two velocities claimed", changed(lambda d: d.update(velocity_unique=False))
+    if document["proof"] == "exact_basis" and any(document["problem"].get("mu", [])):
+        yield "one velocity claimed", changed(lambda d: d.update(velocity_unique=True))
+    if document["problem"]["kind"] == "contact" and document["proof"] == "exact_basis":
+        yield "v by one ulp", changed(lambda d: d["problem"]["v"].__setitem__(0, next_number(d["problem"]["v"][0])))
+    if "G" in document["problem"]:
+        corner = document["problem"]["G"][0][1]
+        yield "G not symmetric", changed(lambda d: d["problem"]["G"][0].__setitem__(1, next_number(corner)))
+        yield "G not definite", changed(lambda d: d["problem"]["G"][0].__setitem__(0, -1.0))
+
+
+def test_documents(checker, documents):
+    def reason(document):
+        return checker.verdict(checker.Item("test", json.dumps(document), None), MOST_NODES)[1]
+
+    kinds = {(d["certificate"], d["proof"], d["problem"]["kind"]) for d in documents}
+    for kind in (("solution", "exact_basis", "contact"), ("solution", "exact_basis", "lcp"),
+                 ("unsolvable", "farkas", "contact")):
+        expect(kind in kinds, f"no certificate of the kind {kind}: the test has to see one")
+    tried = 0
+    for number, document in enumerate(documents):
+        expect(reason(document) == "", f"{document['problem']['name']}: rejected: {reason(document)}")
+        others = [documents[number - 1], documents[(number + TRIALS) % len(documents)]]
+        for what, changed in changed_documents(document, others):
+            tried += 1
+            expect(reason(changed) != "", f"{document['problem']['name']}: accepted with a change: {what}")
+    print(f"{len(documents)} proofs, {tried} changed ones, kinds {sorted(kinds)}")
+
+
+def small_lcp(M, q, kind, proof, farkas=None):
+    exact = {"denominator": "1", "numerators": [str(x) for x in farkas]} if farkas else None
+    return {"format": "lcpbench-proof", "version": 1, "certificate": kind, "proof": proof, "z": None, "velocity": None,
+            "velocity_unique": None, "exact_z": None, "exact_potential": None, "exact_velocity": None,
+            "exact_farkas": exact, "exact_other_z": None, "exact_other_potential": None,
+            "problem": {"format": "lcpbench-problem", "version": 1, "name": "small", "kind": "lcp", "M": M, "q": q}}
+
+
+def test_searches(checker):
+    """Bare LCPs whose truth can be seen on paper."""
+    def reason(document, nodes=MOST_NODES):
+        return checker.verdict(checker.Item("test", json.dumps(document), None), nodes)[1]
+
+    feasible_but_unsolvable = [[0.0, 1.0], [0.0, 1.0]], [-1.0, 1.0]  # w1 >= 0 asks for z2 >= 1, where w2 >= 2
+    solvable_singular = [[1.0, 1.0], [1.0, 1.0]], [-1.0, -1.0]
+    search = ("unsolvable", "enumeration")
+    expect(reason(small_lcp(*feasible_but_unsolvable, *search)) == "", "a search that finds nothing was rejected")
+    expect("linear programs" in reason(small_lcp(*feasible_but_unsolvable, *search), 1), "a search was cut short")
+    expect("has a solution" in reason(small_lcp(*solvable_singular, *search)), "a solution was overlooked")
+    expect("has a solution" in reason(small_lcp([[1.0]], [-1.0], *search)), "a solution was overlooked")
+    expect(reason(small_lcp([[-1.0]], [-1.0], "unsolvable", "farkas", [1])) == "", "y = 1 proves it")
+    expect(reason(small_lcp([[1.0]], [-1.0], "unsolvable", "farkas", [1])) != "", "y = 1 proves nothing here")
+    expect(reason(small_lcp([[-1.0]], [-1.0], "unsolvable", "farkas", [0])) != "", "y = 0 proves nothing")
+
+
+# ------------------------------------------------------------------------------------------------ changed stores
+
+
+STORE_CHANGES = {
+    "proofs exchanged": "UPDATE proofs SET document = (SELECT document FROM proofs p WHERE p.problem_id = "
+                        "(SELECT MAX(problem_id) FROM proofs)) WHERE problem_id = (SELECT MIN(problem_id) FROM proofs)",
+    "a proof missing": "DELETE FROM proofs WHERE problem_id = (SELECT MIN(problem_id) FROM proofs)",
+    "a certificate missing": "DELETE FROM certificates WHERE problem_id = (SELECT MIN(problem_id) FROM proofs)",
+    "a certificate left open": "UPDATE certificates SET certificate = 'open', proof = 'none' "
+                               "WHERE problem_id = (SELECT MIN(problem_id) FROM proofs)",
+    "damaged bytes": "UPDATE proofs SET document = substr(document, 1, 100) "
+                     "WHERE problem_id = (SELECT MIN(problem_id) FROM proofs)",
+    "another kind in the table": "UPDATE certificates SET certificate = CASE certificate WHEN 'solution' "
+                                 "THEN 'unsolvable' ELSE 'solution' END "
+                                 "WHERE problem_id = (SELECT MIN(problem_id) FROM proofs)",
+    "another velocity in the table": "UPDATE certificates SET velocity = (SELECT MIN(velocity) FROM certificates) "
+                                     "WHERE problem_id = (SELECT problem_id FROM certificates ORDER BY velocity DESC)",
+    "another number of velocities": "UPDATE certificates SET velocity_unique = NULL WHERE velocity_unique = 1",
+    "another size in the table": "UPDATE problems SET n = n + 1 WHERE id = (SELECT MIN(problem_id) FROM proofs)",
+}
+
+
+def test_stores(checker, path, store, proofs):
+    accepted = run(sys.executable, path, store, "--jobs", 2)
+    expect(accepted.returncode == 0, accepted.stdout + accepted.stderr)
+    expect(accepted.stdout.endswith(f"\n{len(proofs)} accepted, 0 rejected\n"), accepted.stdout)
+    for what, sql in STORE_CHANGES.items():
+        changed = store.with_name("changed.db")
+        shutil.copy(store, changed)
+        database = sqlite3.connect(changed)
+        expect(database.execute(sql).rowcount > 0, f"{what}: nothing was changed")
+        database.commit()
+        database.close()
+        result = run(sys.executable, path, changed)
+        expect(result.returncode == 1, f"{what}: exit code {result.returncode}: {result.stdout}{result.stderr}")
+        expect("REJECTED " in result.stdout, f"{what}: {result.stdout}")
+    older = run(sys.executable, path, store.with_name("none.db"))
+    expect(older.returncode == 2 and older.stderr.startswith("check_certificates: "), older.stderr)
+
+
+def main():
+    path, lcpbench = sys.argv[1:]
+    checker = load(path)
+    checker.unlimited_digits()
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        store, documents = make_store(lcpbench, folder)
+        test_documents(checker, documents)
+        test_searches(checker)
+        test_stores(checker, path, store, documents)
+    for failure in failures[:50]:
+        print("FAILED:", failure)
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
