@@ -1,12 +1,13 @@
-#include "native/auto/lcp_ladder.h"
-
 #include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "core/quad.h"
 #include "core/registry.h"
 #include "core/timed_solve.h"
+#include "native/auto/lcp_ladder.h"
 
 namespace lcpbench {
 
@@ -17,6 +18,10 @@ SolverDefinition lcpbench_solver_regularized();
 namespace {
 
 constexpr double kClaimedError = 5e-10;
+/// How finely a proof has to hold: as well as doubles can tell, or as well as 113 bits can, in which their products are
+/// exact.
+constexpr Quad kDouble = 4e-16;
+constexpr Quad kExact = 4 * kQuadUnitRoundoff;
 constexpr std::size_t kLoadedAtOnce = 2;
 
 Options with_limit(Options options, std::int64_t max_pivots) {
@@ -69,16 +74,15 @@ void LcpLadder::solve(const SolveRequest& request, Answer& answer, const char*& 
     answer.counters.pivots += std::max<std::int64_t>(attempt_.counters.pivots, 0);
     answer.counters.factorizations += std::max<std::int64_t>(attempt_.counters.factorizations, 0);
     if (attempt_.claim == Claim::kSolved && solves(attempt_.z)) {
+      Vector farkas = witness(attempt_.z);
+      if (proves(farkas, kExact)) return report_unsolvable(farkas, answer, text);
       answer.claim = Claim::kSolved;
       answer.z.swap(attempt_.z);
       text = rung.name;
       return;
     }
-    if (attempt_.claim == Claim::kUnsolvable && proves(attempt_.farkas)) {
-      answer.claim = Claim::kUnsolvable;
-      answer.farkas = attempt_.farkas;
-      text = "proven by u >= 0 with M'u <= 0, q'u < 0";
-      return;
+    if (attempt_.claim == Claim::kUnsolvable && proves(attempt_.farkas, kDouble)) {
+      return report_unsolvable(attempt_.farkas, answer, text);
     }
     // All methods share the limit: what one has used up, the next would exceed.
     if (max_pivots_ > 0 && answer.counters.pivots >= max_pivots_) {
@@ -110,17 +114,65 @@ bool LcpLadder::solves(const Vector& z) {
   return true;
 }
 
-/// u >= 0, M'u <= 0 and q'u < 0, each by more than its sum can round.
-bool LcpLadder::proves(const Vector& farkas) const {
+/// u >= 0, M'u <= 0 and q'u < 0, where n `unit` of the magnitudes of its terms counts as the rounding of a sum.
+bool LcpLadder::proves(const Vector& farkas, Quad unit) const {
   const Lcp& lcp = problem_.lcp();
   if (farkas.size() != lcp.size() || farkas.size() == 0 || !farkas.allFinite() || !(farkas.minCoeff() >= 0)) {
     return false;
   }
-  const double rounding = 4e-16 * static_cast<double>(lcp.size());
-  const Vector product = lcp.M.transpose() * farkas;
-  const Vector terms = lcp.M.cwiseAbs().transpose() * farkas;
-  const bool blocked = (product.array() <= rounding * terms.array()).all();
-  return blocked && lcp.q.dot(farkas) < -rounding * lcp.q.cwiseAbs().dot(farkas);
+  const Quad tolerance = unit * static_cast<Quad>(lcp.size());
+  const auto sums = [&farkas](const auto& column) {
+    std::pair<Quad, Quad> sum{0, 0};  // of the products, and of their magnitudes
+    for (Index i = 0; i < farkas.size(); ++i) {
+      const Quad product = static_cast<Quad>(column(i)) * static_cast<Quad>(farkas(i));
+      sum.first += product;
+      sum.second += abs(product);
+    }
+    return sum;
+  };
+  for (Index j = 0; j < farkas.size(); ++j) {
+    const auto [sum, magnitude] = sums(lcp.M.col(j));
+    if (!(sum <= tolerance * magnitude)) return false;
+  }
+  const auto [sum, magnitude] = sums(lcp.q);
+  return sum < -tolerance * magnitude;
+}
+
+/// Of an answer that passes, where it violates w >= 0 by more than rounding: what would prove that nothing can do
+/// without, 1 for the row that is worst and for the rows of the support what keeps their z out of the sum. Else empty.
+/// O(support^3), allocates.
+Vector LcpLadder::witness(const Vector& z) const {
+  const Lcp& lcp = problem_.lcp();
+  const double rounding = 0x1p-53 * static_cast<double>(lcp.size() + 1);
+  Index worst = -1;
+  double most = 0;
+  std::vector<Index> support;
+  for (Index i = 0; i < z.size(); ++i) {
+    if (z(i) > 0) {
+      support.push_back(i);
+      continue;
+    }
+    const double excess = -w_(i) - rounding * (std::abs(lcp.q(i)) + lcp.M.row(i).cwiseAbs().dot(z));
+    if (excess > most) {
+      most = excess;
+      worst = i;
+    }
+  }
+  if (worst < 0) return {};
+  Vector u = Vector::Zero(z.size());
+  u(worst) = 1;
+  if (support.empty()) return u;
+  const Matrix block = lcp.M(support, support).transpose();
+  const Vector weights = Eigen::PartialPivLU<Matrix>(block).solve(-lcp.M(worst, support).transpose());
+  for (std::size_t k = 0; k < support.size(); ++k) u(support[k]) = weights(static_cast<Index>(k));
+  return u;
+}
+
+/// As unsolvable, with its proof, which `farkas` is.
+void LcpLadder::report_unsolvable(Vector& farkas, Answer& answer, const char*& text) {
+  answer.claim = Claim::kUnsolvable;
+  answer.farkas.swap(farkas);
+  text = "proven by u >= 0 with M'u <= 0, q'u < 0";
 }
 
 }  // namespace lcpbench

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/problem.h"
+#include "core/quad.h"
 #include "core/solver.h"
 
 namespace lcpbench {
@@ -12,7 +13,8 @@ namespace lcpbench {
 /// violation |w_i| (z_i > 0) or max(0, -w_i) within 5e-10 of |q_i| + |M_i|_1 max z, half of what the verdict allows.
 ///
 /// Lemke's method with tolerances near rounding, the same with those of LEMKE, principal pivoting (which may prove that
-/// there is no solution), and regularised Lemke. The first two are loaded with the problem; the others, which few
+/// there is no solution), and regularised Lemke. An answer that passes, but violates w >= 0 by more than rounding, is
+/// no solution where its basis proves so exactly. The first two are loaded with the problem; the others, which few
 /// problems need, when they are.
 class LcpLadder {
  public:
@@ -33,7 +35,9 @@ class LcpLadder {
 
   void make_rungs();
   bool solves(const Vector& z);
-  bool proves(const Vector& farkas) const;
+  bool proves(const Vector& farkas, Quad unit) const;
+  Vector witness(const Vector& z) const;
+  static void report_unsolvable(Vector& farkas, Answer& answer, const char*& text);
 
   Problem problem_;
   std::int64_t max_pivots_;

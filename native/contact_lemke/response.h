@@ -132,14 +132,22 @@ class Response {
   void factor(Count most) {
     Scalar* const left = done_.data();  // 1 where the row is not yet eliminated
     for (Count i = 0; i < padded_; ++i) left[i] = i < ngc_ ? Scalar(1) : Scalar(0);
+    // What elimination leaves of an entry is compared with that entry: another coordinate may have another unit.
+    Scalar* const whole = white_.data();
+    for (Count i = 0; i < ngc_; ++i) whole[i] = work_[i * padded_ + i];
     Scalar first = 0, last = 0;
-    for (rank_ = 0; rank_ < most; ++rank_) {
+    rank_ = 0;
+    for (Count tried = 0; tried < ngc_ && rank_ < most; ++tried) {
       const Count pivot = largest_diagonal();
       const Scalar value = work_[pivot * padded_ + pivot];
+      if (!(value > static_cast<Scalar>(2 * kUnitRoundoff<Scalar> * static_cast<double>(ngc_)) * whole[pivot])) {
+        done_[pivot] = 0;  // depends on those before it
+        continue;
+      }
       if (rank_ == 0) first = value;
-      if (!(value > static_cast<Scalar>(2 * kUnitRoundoff<Scalar> * static_cast<double>(ngc_)) * first)) break;
       last = value;
       eliminate(pivot, value);
+      ++rank_;
     }
     rank_padded_ = P::padded(rank_);
     condition_ = rank_ > 0 ? first / last : Scalar(1);
