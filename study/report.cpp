@@ -20,6 +20,8 @@
 #include "study/report/ecdf_figures.h"
 #include "study/report/figures.h"
 #include "study/report/gnuplot.h"
+#include "study/report/hard.h"
+#include "study/report/hard_section.h"
 #include "study/report/page.h"
 #include "study/report/paper.h"
 #include "study/report/text.h"
@@ -121,6 +123,14 @@ void write_tables(const Summary& summary, const Json& document, const std::vecto
   write("decision.csv", decision_json(example, {situation}), decision_json(summary, situations));
 }
 
+/// hard_matrix.csv, hard_cases.csv and, where a dial has more than one value, hard_dials.csv.
+void write_hard_tables(const Summary& summary, const std::filesystem::path& folder) {
+  const Json tables = report::hard_tables(summary, report::hard_study(summary));
+  for (const auto& [name, records] : tables.items()) {
+    if (!records.empty()) write_file(folder / (name + ".csv"), report::csv_table(records.at(0), records));
+  }
+}
+
 /// mcnemar.csv, solver_times.csv, ecdf.csv, profiles.csv, vbs.csv, chains.csv.
 void write_comparison_tables(const Summary& summary, const std::vector<SetComparison>& comparisons,
                              const std::filesystem::path& folder) {
@@ -136,6 +146,7 @@ report::Figures draw_figures(const Summary& summary, const std::vector<SetCompar
   report::Figures figures;
   try {
     for (std::size_t set = 0; set < summary.sets.size(); ++set) {
+      if (report::is_hard_set(summary.sets[set].name)) continue;
       if (auto figure = report::speed_error_figure(summary, set)) figures.speed_error[set] = std::move(*figure);
       if (auto figure = report::error_distribution_figure(summary, set)) figures.distribution[set] = std::move(*figure);
     }
@@ -250,13 +261,18 @@ std::string set_text(const Summary& summary, std::size_t set) {
 std::string write_report(Store& store, const std::filesystem::path& folder) {
   const Summary summary = summarize(store);
   const std::vector<report::Situation> situations = report::decide(summary);
-  const std::vector<SetComparison> comparisons = compare_solvers(summary, report::recommended_by_set(situations));
+  std::vector<SetComparison> comparisons = compare_solvers(summary, report::recommended_by_set(situations));
+  // One problem each: there is nothing to test or to draw.
+  std::erase_if(comparisons, [&summary](const SetComparison& comparison) {
+    return report::is_hard_set(summary.sets[comparison.set].name);
+  });
   const report::Figures figures = draw_figures(summary, comparisons);
   Json document = summary_json(summary);
   document["comparison"] = report::comparison_json(summary, comparisons);
   make_folder(folder);
   write_tables(summary, document, situations, folder / "tables");
   write_comparison_tables(summary, comparisons, folder / "tables");
+  write_hard_tables(summary, folder / "tables");
   write_figures(summary, figures, folder / "figures");
   write_file(folder / "summary.json", json_document(document));
   const report::PaperStudy paper = report::paper_study(summary);
@@ -268,7 +284,14 @@ std::string write_report(Store& store, const std::filesystem::path& folder) {
 std::string table_text(const Summary& summary) {
   if (summary.cells.empty()) return "no answers yet\n";
   std::string text = text_line("", {"solved", "(95 %)", "wrong", "roughly", "gave up", "median", "ratio", "err 99%"});
-  for (std::size_t set = 0; set < summary.sets.size(); ++set) text += set_text(summary, set);
+  bool any = false;
+  for (std::size_t set = 0; set < summary.sets.size(); ++set) {
+    if (report::is_hard_set(summary.sets[set].name)) continue;
+    text += set_text(summary, set);
+    any = true;
+  }
+  if (!any) return report::hard_text(summary);
+  text += report::hard_text(summary);
   text +=
       "solved: verified here. wrong: said solved, was not. roughly: said solved, passes only the\n"
       "paper's criterion. median: set-up and solve, CPU. err 99%: of the answers said to be solved;\n"

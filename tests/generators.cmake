@@ -64,3 +64,7 @@ lcpbench_test(sets LINK lcpbench_generators)
 lcpbench_test(golden_library LINK lcpbench_generators)
 target_compile_definitions(golden_library_test
                            PRIVATE GOLDEN_HASHES="${CMAKE_CURRENT_SOURCE_DIR}/golden/hashes.txt")
+
+# Against the judge, which lives in study/.
+lcpbench_test(hard LINK lcpbench_evaluation lcpbench_generators lcpbench_study lcpbench_solver_list)
+target_compile_definitions(hard_test PRIVATE HARD_CASES_PAGE="${PROJECT_SOURCE_DIR}/docs/hard-cases.md")

@@ -147,7 +147,7 @@ HardCase make_jammed_row(const CountDials& dials) {
 
 struct RingDials {
   std::int64_t doublings = 2;
-  void visit(auto&& field) { field("doublings", doublings, IntegerRange{0, 6}, "3 times 2^doublings discs"); }
+  void visit(auto&& field) { field("doublings", doublings, IntegerRange{0, 7}, "3 times 2^doublings discs"); }
 };
 
 struct Direction {

@@ -92,12 +92,12 @@ void print_solvers() {
   }
 }
 
-/// A set of files, where `name` opens one.
+/// A set of files, where `name` says that it is one.
 std::optional<SetInfo> file_set(const std::string& name) {
-  const std::optional<std::int64_t> count = open_set(name)->count();
-  if (!count) return std::nullopt;
+  if (name.rfind("file:", 0) != 0) return std::nullopt;
+  const std::int64_t count = open_set(name)->count().value_or(0);
   return SetInfo{name,
-                 fmt::format("{} problem{}", format_count(*count), *count == 1 ? "" : "s"),
+                 fmt::format("{} problem{}", format_count(count), count == 1 ? "" : "s"),
                  "problem files",
                  "problem files, in the order of their names",
                  {}};

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "study/report/figures.h"
+#include "study/report/hard.h"
 #include "study/report/text.h"
 
 namespace lcpbench::report {
@@ -26,8 +27,6 @@ struct Record {
   std::vector<std::pair<std::size_t, const Outcome*>> outcomes;
 };
 
-bool is_curated(const SetSummary& set) { return set.name.rfind("hard/", 0) == 0; }
-
 /// Without the sets that less than half as many solvers met as met the most popular one: those of a sweep or of a
 /// special question, which would leave no solver that met all.
 std::vector<std::size_t> widely_met(const Summary& summary, std::vector<std::size_t> sets) {
@@ -42,7 +41,7 @@ std::vector<std::size_t> sets_where(const Summary& summary, bool (*wanted)(const
   std::vector<std::size_t> solvable;
   for (std::size_t i = 0; i < summary.sets.size(); ++i) {
     const SetSummary& set = summary.sets[i];
-    if (!set.contact || is_curated(set) || !wanted(set)) continue;
+    if (!set.contact || is_hard_set(set.name) || !wanted(set)) continue;
     all.push_back(i);
     if (set.all_solvable) solvable.push_back(i);
   }
@@ -312,7 +311,7 @@ std::optional<std::size_t> headline_set(const Summary& summary) {
   for (std::size_t i = 0; i < summary.sets.size(); ++i) {
     const SetSummary& set = summary.sets[i];
     const auto cells = drawn_cells(summary, i);
-    if (cells.empty()) continue;
+    if (cells.empty() || is_hard_set(set.name)) continue;
     if (set.name == "paper/copositive/exp5-1e8") return i;
     const double rate = mean_rate(cells);
     const std::pair<bool, double> key{!set.frictional, std::isnan(rate) ? 2 : rate};

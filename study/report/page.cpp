@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "study/report/comparison_section.h"
+#include "study/report/hard_section.h"
 #include "study/report/sections.h"
 #include "study/report/style.h"
 #include "study/report/text.h"
@@ -14,10 +15,10 @@ namespace lcpbench::report {
 
 namespace {
 
-std::string navigation(const PaperStudy& paper) {
+std::string navigation(const Summary& summary, const PaperStudy& paper) {
   return "<nav aria-label=\"Contents\"><a href=\"#answer\">Answer</a><a href=\"#sets\">Every set and solver</a>"
-         "<a href=\"#comparison\">Comparing solvers</a><a href=\"#claims\">Claim against verdict</a>" +
-         paper_navigation(paper) +
+         "<a href=\"#comparison\">Comparing solvers</a>" +
+         hard_navigation(summary) + "<a href=\"#claims\">Claim against verdict</a>" + paper_navigation(paper) +
          "<a href=\"#times\">What each time contains</a>"
          "<a href=\"#provenance\">Provenance</a><a href=\"#definitions\">Definitions</a>"
          "<a href=\"#limits\">Limits</a></nav>\n";
@@ -165,13 +166,13 @@ std::string html_page(const Summary& summary, const std::vector<Situation>& situ
   page += "</style></head>\n<body>\n<header id=\"answer\">\n";
   page += "<h1>Which solver should turn contacts into impulses, and what does it cost in speed and error?</h1>\n";
   page += "<p class=\"answer\">" + one_line_answer(summary, situations) + "</p>\n</header>\n";
-  page += navigation(paper) + "<main>\n";
+  page += navigation(summary, paper) + "<main>\n";
   page += decision_table(summary, situations);
   page += headline_figure(summary, figures);
   page += "<h3>Three limits</h3>\n" + three_limits(summary);
-  page += sets_section(summary, figures) + comparison_section(summary, comparisons, figures) + claims_section(summary) +
-          paper_sections(summary, paper) + times_section(summary) + provenance_section(summary) +
-          definitions_section() + limits_section(summary);
+  page += sets_section(summary, figures) + comparison_section(summary, comparisons, figures) + hard_section(summary) +
+          claims_section(summary) + paper_sections(summary, paper) + times_section(summary) +
+          provenance_section(summary) + definitions_section() + limits_section(summary);
   page += "</main>\n<script>";
   page += kScript;
   return page + "</script>\n</body></html>\n";

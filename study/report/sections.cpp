@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "study/report/hard.h"
 #include "study/report/html_table.h"
 #include "study/report/text.h"
 
@@ -327,6 +328,7 @@ std::string sets_section(const Summary& summary, const Figures& figures) {
                ", on the problems that both solved; below 1 is faster.</p>\n";
   }
   for (std::size_t set = 0; set < summary.sets.size(); ++set) {
+    if (is_hard_set(summary.sets[set].name)) continue;
     section += fmt::format("<h3 id=\"set-{}\">{}</h3>\n", set, code(summary.sets[set].name));
     section += size_line(summary.sets[set]) + set_table(summary, set) + sweep_table(summary, set);
     section += figure_html(figures.speed_error, set, "") + figure_html(figures.distribution, set, "");
