@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "core/answer_storage.h"
@@ -26,6 +27,13 @@ const Engine& engine_at(ActiveSetPrecision precision, IsaLevel level) {
   return single ? active_set::baseline::kFloatEngine : active_set::baseline::kDoubleEngine;
 }
 
+const Engine& double_double_at(IsaLevel level) {
+#if defined(__x86_64__)
+  if (level >= IsaLevel::kAvx2) return active_set::double_double_fma::kDoubleDoubleEngine;
+#endif
+  return active_set::double_double::kDoubleDoubleEngine;
+}
+
 constexpr Capabilities kCapabilities{
     .needs = Needs::kFactored,
     .frictionless_only = true,
@@ -34,6 +42,9 @@ constexpr Capabilities kCapabilities{
     .warm_start = true,
     .obeys_time_limit = true,
     .allocation_free = true};
+
+/// Products of coordinates and contacts up to which sixteen steps take microseconds at most.
+constexpr std::ptrdiff_t kSmallSystem = 1024;
 
 /// Details are short enough for std::string to hold in place, so that solve() allocates nothing.
 void report(const active_set::Outcome& outcome, Answer& answer) {
@@ -62,7 +73,8 @@ ActiveSet::ActiveSet(const ActiveSetSettings& settings, IsaLevel level)
     : settings_(settings),
       first_(engine_at(settings.precision, level)),
       second_(settings.precision == ActiveSetPrecision::kFloat ? engine_at(ActiveSetPrecision::kDouble, level)
-                                                               : active_set::portable::kQuadEngine) {}
+                                                               : double_double_at(level)),
+      third_(active_set::portable::kQuadEngine) {}
 
 ActiveSet::~ActiveSet() = default;
 
@@ -71,10 +83,21 @@ const Capabilities& ActiveSet::capabilities() const { return kCapabilities; }
 void ActiveSet::on_load(const Problem& problem) {
   describe(*problem.contact());
   first_.load(input_);
-  if (settings_.precision == ActiveSetPrecision::kLadder) second_.reserve(input_);
+  if (settings_.precision == ActiveSetPrecision::kLadder) reserve_later_rungs();
   if (settings_.precision == ActiveSetPrecision::kFloat) second_.load(input_);
   image_.resize(input_.ngc);
   farkas_.resize(input_.nc);
+}
+
+/// For any problem up to the largest dimensions so far: the same sizes again and again ask for nothing.
+void ActiveSet::reserve_later_rungs() {
+  const std::ptrdiff_t factors = input_.form == InertiaForm::kFactors ? input_.factors : input_.ngc;
+  if (input_.ngc <= reserved_.ngc && input_.nc <= reserved_.nc && factors <= reserved_.factors) return;
+  reserved_.ngc = std::max(reserved_.ngc, input_.ngc);
+  reserved_.nc = std::max(reserved_.nc, input_.nc);
+  reserved_.factors = std::max(reserved_.factors, factors);
+  second_.reserve(reserved_);
+  third_.reserve(reserved_);
 }
 
 /// Points input_ to the problem's own arrays where it has dense ones.
@@ -121,7 +144,10 @@ active_set::Rules ActiveSet::rules(const SolveRequest& request) const {
   rules.max_steps = settings_.max_iterations > 0 ? static_cast<std::ptrdiff_t>(settings_.max_iterations)
                                                  : 20 * (input_.nc + input_.ngc) + 100;
   rules.clock_s = wall_clock_s;
-  rules.deadline_s = std::isinf(request.time_limit_s) ? request.time_limit_s : wall_clock_s() + request.time_limit_s;
+  rules.time_limit_s = request.time_limit_s;
+  // Reading the clock takes as long as several steps of a small problem.
+  const bool reads_clock = !std::isinf(request.time_limit_s) && input_.ngc * input_.nc > kSmallSystem;
+  rules.begin_s = reads_clock ? wall_clock_s() : std::numeric_limits<double>::quiet_NaN();
   if (request.start != nullptr && request.start->size() == input_.nc) rules.start = request.start->data();
   return rules;
 }
@@ -135,21 +161,17 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
   Vector& velocity = cleared_vectors().velocity;
   velocity.resize(input_.ngc);
   active_set::Outcome outcome = first_.solve(rules, answer.z, velocity, farkas_);
-  const bool stopped =
-      outcome.ending == Ending::kTimeLimit || (outcome.ending == Ending::kStepLimit && settings_.max_iterations > 0);
   if (settings_.precision == ActiveSetPrecision::kFloat && outcome.ending == Ending::kSolved &&
       !second_.accepts(answer.z, settings_.accept_residual)) {
     outcome.ending = Ending::kRejected;
   }
-  if (settings_.precision == ActiveSetPrecision::kLadder && outcome.ending != Ending::kSolved && !stopped) {
-    second_.load(input_);
-    rules.polish = true;
-    rules.start = nullptr;  // it may have been what misled the first rung
-    const active_set::Outcome second = second_.solve(rules, answer.z, velocity, farkas_);
-    outcome.ending = second.ending;
-    outcome.steps += second.steps;
-    outcome.factorizations += second.factorizations;
-    answer.detail = "quad rung";
+  if (settings_.precision == ActiveSetPrecision::kLadder) {
+    // What has no solution, only the last rung may say.
+    const bool open = outcome.ending != Ending::kSolved && outcome.ending != Ending::kInfeasible && !stopped(outcome);
+    if (open) climb(second_, "dd rung", rules, outcome, answer, velocity);
+    if (outcome.ending != Ending::kSolved && !stopped(outcome)) {
+      climb(third_, "quad rung", rules, outcome, answer, velocity);
+    }
   }
   if (outcome.ending == Ending::kSolved || outcome.ending == Ending::kRejected) answer.velocity.swap(velocity);
   if (outcome.ending == Ending::kInfeasible && round_to_proof(farkas_)) {
@@ -158,6 +180,25 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
     answer.farkas.swap(farkas);
   }
   report(outcome, answer);
+}
+
+/// Whether a limit of the caller's ended it.
+bool ActiveSet::stopped(const active_set::Outcome& outcome) const {
+  return outcome.ending == Ending::kTimeLimit || (outcome.ending == Ending::kStepLimit && settings_.max_iterations > 0);
+}
+
+/// One rung up: `outcome` counts the steps of all.
+void ActiveSet::climb(Rung& rung, const char* name, active_set::Rules& rules, active_set::Outcome& outcome,
+                      Answer& answer, Vector& velocity) {
+  if (std::isnan(rules.begin_s)) rules.begin_s = wall_clock_s();
+  rules.polish = true;
+  rules.start = nullptr;  // it may have been what misled the first rung
+  rung.load(input_);
+  const active_set::Outcome next = rung.solve(rules, answer.z, velocity, farkas_);
+  outcome.ending = next.ending;
+  outcome.steps += next.steps;
+  outcome.factorizations += next.factorizations;
+  answer.detail = name;
 }
 
 /// Replaces u by small integers in the same proportion when there are such, and N u is in null(G) for them in double:

@@ -21,7 +21,9 @@ struct ActiveSetSettings {
                                        {"polished", ActiveSetPrecision::kPolished},
                                        {"quad", ActiveSetPrecision::kQuad},
                                        {"ladder", ActiveSetPrecision::kLadder}}},
-          "arithmetic; polished: double, active set factored afresh at the end; ladder: double, where that fails quad");
+          "arithmetic; polished: double, active set factored afresh at the end; ladder: double, where that fails sums "
+          "of two "
+          "doubles, then quad");
     field("accept_residual", accept_residual, RealRange{.min = 0},
           "claim solved only when the velocity residual, in double or better, is at most this times max|q|");
     field("max_iterations", max_iterations, IntegerRange{.min = 0, .max = std::int64_t{1} << 40},
@@ -80,15 +82,21 @@ class ActiveSet final : public Solver {
   void on_update(const Vector& v) override;
   void on_solve(const SolveRequest& request, Answer& answer) override;
   void describe(const ContactProblem& contact);
+  void reserve_later_rungs();
   active_set::Rules rules(const SolveRequest& request) const;
+  bool stopped(const active_set::Outcome& outcome) const;
+  void climb(Rung& rung, const char* name, active_set::Rules& rules, active_set::Outcome& outcome, Answer& answer,
+             Vector& velocity);
   bool round_to_proof(Vector& u);
   bool annihilates(const Vector& u);
 
   ActiveSetSettings settings_;
   Rung first_;
-  Rung second_;  // the ladder's quad rung; of float the double one, which knows the data that float rounds and tests
+  Rung second_;  // the ladder's double-double rung; of float the double one, which knows what float rounds, and tests
+  Rung third_;   // the ladder's quad rung
 
   active_set::Input input_;  // points into the problem, or into what follows
+  active_set::Input reserved_{.ngc = -1, .form = active_set::InertiaForm::kFactors};  // the largest dimensions so far
   Vector v_;
   Matrix dense_normals_;  // of a sparse N
   Matrix dense_inertia_;  // of block inertia

@@ -3,14 +3,14 @@
 #include <cstddef>
 
 // The border between the active-set solver and its engines, which are compiled once per instruction-set level (float
-// and double) and once for all of them (113 bits). Only plain structs and pointers cross it, for the reason that
-// lemke_engine.h gives.
+// and double), with and without a fused multiply-add (sums of two doubles) and once for all (113 bits). Only plain
+// structs and pointers cross it, for the reason that lemke_engine.h gives.
 
 namespace lcpbench::active_set {
 
 enum class InertiaForm { kDense, kFactors, kInverse };
 
-/// A frictionless contact problem. Matrices by columns; not owned.
+/// A frictionless contact problem. Matrices by columns; not owned. N must stay valid until the next load().
 struct Input {
   std::ptrdiff_t ngc = 0;
   std::ptrdiff_t nc = 0;
@@ -26,8 +26,9 @@ struct Rules {
   bool polish = true;             ///< factor the final active set afresh
   double accept_residual = 0;     ///< of the engine's own test, relative to max|q|
   std::ptrdiff_t max_steps = 0;   ///< changes of the active set
-  double deadline_s = 0;          ///< on the clock below; infinity: none
-  double (*clock_s)() = nullptr;  ///< monotonic clock, read every 16 steps
+  double time_limit_s = 0;        ///< infinity: none
+  double begin_s = 0;             ///< from when the limit counts, on the clock below; NaN: from its first reading
+  double (*clock_s)() = nullptr;  ///< monotonic clock, read every 16 steps where there is a limit
   const double* start = nullptr;  ///< nc: contacts with a positive entry are active at the start; nullptr: none
 };
 
@@ -73,6 +74,12 @@ namespace avx512 {
 extern const Engine kFloatEngine;
 extern const Engine kDoubleEngine;
 }  // namespace avx512
+namespace double_double {
+extern const Engine kDoubleDoubleEngine;
+}  // namespace double_double
+namespace double_double_fma {
+extern const Engine kDoubleDoubleEngine;
+}  // namespace double_double_fma
 namespace portable {
 extern const Engine kQuadEngine;
 }  // namespace portable

@@ -7,8 +7,8 @@ namespace lcpbench {
 void ContactInput::load(const ContactProblem& contact) {
   v = contact.v;
   mu = contact.mu;
-  const ContactLayout layout = contact_layout(contact);
-  friction_begin.assign(layout.friction_begin.begin(), layout.friction_begin.end());
+  friction_begin.assign(1, 0);
+  for (const int edges : contact.edges) friction_begin.push_back(friction_begin.back() + edges);
   input = {};
   input.ngc = contact.ngc();
   input.nc = contact.nc();

@@ -43,7 +43,7 @@ void measure(const ProblemSet& set, const std::string& precision, int trials, st
     false_claims += answer.claim == Claim::kSolved && !measured.solved;
     solved_1e6 += measured.velocity_residual_relative <= 1e-6;
     solved_1e9 += measured.velocity_residual_relative <= 1e-9;
-    climbed += answer.detail == "quad rung";
+    climbed += answer.detail.ends_with("rung");
     steps += answer.counters.pivots;
     QuadVector exact;
     if (answer.claim != Claim::kSolved || !testing::exact_velocity(*problem.contact(), answer.z, exact)) continue;

@@ -152,7 +152,7 @@ TEST(ActiveSetTest, TheLastRungSolvesWhatDoubleAndCarelessRoundingCannot) {
   }
   const Answer answer = solve(problem);
   EXPECT_EQ(answer.claim, Claim::kSolved);
-  EXPECT_EQ(answer.detail, "quad rung");
+  EXPECT_EQ(answer.detail, "dd rung");
   EXPECT_LE(evaluator.errors(answer).velocity_residual_relative, 1e-5);
 }
 

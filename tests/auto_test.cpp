@@ -343,9 +343,9 @@ TEST(AutoTest, FromTheLastAnswerARestingStepTakesLessThanHalfThePivots) {
       const StepCounts counts = count_pivots({.stacks = 3, .height = height, .edges = edges, .fresh = 0.2}, 20);
       EXPECT_GT(counts.cold, 0);
       EXPECT_LE(2 * counts.warm, counts.cold) << edges << " edges, height " << height;
-      // Whatever the step draws anew is as large as all that friction has to resist: every contact may change.
+      // What the step draws anew is as large as all that friction has to resist, which turns round at every contact.
       const StepCounts upset = count_pivots({.stacks = 3, .height = height, .edges = edges}, 10);
-      EXPECT_LE(3 * upset.warm, 2 * upset.cold) << edges << " edges, height " << height;
+      EXPECT_LE(2 * upset.warm, upset.cold) << edges << " edges, height " << height;
     }
   }
 }

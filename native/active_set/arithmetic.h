@@ -4,6 +4,8 @@
 
 #if defined(LCPBENCH_WITH_QUAD)
 #include "core/quad.h"
+#elif defined(LCPBENCH_CONTACT_DOUBLE_DOUBLE)
+#include "native/contact_lemke/double_double.h"
 #endif
 
 namespace lcpbench::active_set::LCPBENCH_LEVEL {
@@ -11,70 +13,51 @@ namespace lcpbench::active_set::LCPBENCH_LEVEL {
 using lemke::LCPBENCH_LEVEL::Buffer;
 using lemke::LCPBENCH_LEVEL::Count;
 using lemke::LCPBENCH_LEVEL::kInfinity;
+using lemke::LCPBENCH_LEVEL::magnitude;
 
 /// Registers of a scalar type, and what the method needs to know of its arithmetic.
 template <class Scalar>
 struct Lanes;
 
-/// Combines a register's lanes by halves. They are copied out, since GCC has __builtin_shufflevector from version 12 on
-/// only; that takes no longer.
-template <class Scalar, class Pack, class Combine>
-inline Scalar reduce_lanes(Pack x, Combine combine) {
-  constexpr std::size_t kHalfSize = sizeof(Pack) / 2;
-  if constexpr (kHalfSize == sizeof(Scalar)) {
-    return combine(x[0], x[1]);
-  } else {
-    typedef Scalar Half __attribute__((vector_size(kHalfSize)));
-    Half low, high;
-    __builtin_memcpy(&low, &x, kHalfSize);
-    __builtin_memcpy(&high, reinterpret_cast<const char*>(&x) + kHalfSize, kHalfSize);
-    return reduce_lanes<Scalar>(combine(low, high), combine);
-  }
-}
-
-template <class Scalar, class Pack>
-inline Scalar sum_of_lanes(Pack x) {
-  return reduce_lanes<Scalar>(x, [](auto a, auto b) { return a + b; });
-}
-
-template <class Scalar, class Pack>
-inline Scalar largest_lane(Pack x) {
-  return reduce_lanes<Scalar>(x, [](auto a, auto b) { return a > b ? a : b; });
-}
-
 template <>
 struct Lanes<double> : lemke::LCPBENCH_LEVEL::Packed<double> {
   static constexpr double kUnitRoundoff = 0x1p-53;
   static double square_root(double x) { return __builtin_sqrt(x); }
-  using lemke::LCPBENCH_LEVEL::Packed<double>::max;
-  static double sum(Pack pack) { return sum_of_lanes<double>(pack); }
-  static double max(Pack pack) { return largest_lane<double>(pack); }
 };
 
 template <>
 struct Lanes<float> : lemke::LCPBENCH_LEVEL::Packed<float> {
   static constexpr float kUnitRoundoff = 0x1p-24F;
   static float square_root(float x) { return __builtin_sqrtf(x); }
-  using lemke::LCPBENCH_LEVEL::Packed<float>::max;
-  static float sum(Pack pack) { return sum_of_lanes<float>(pack); }
-  static float max(Pack pack) { return largest_lane<float>(pack); }
+};
+
+/// One number at a time: no processor has registers of more than 53 bits.
+template <class Scalar>
+struct OneLane {
+  using Pack = Scalar;
+  static constexpr Count kWidth = 1;
+  static Pack load(const Scalar* from) { return *from; }
+  static void store(Scalar* to, Pack pack) { *to = pack; }
+  static Pack broadcast(Scalar value) { return value; }
+  static Pack min(Pack a, Pack b) { return a < b ? a : b; }
+  static Pack max(Pack a, Pack b) { return a > b ? a : b; }
+  static Scalar sum(Pack pack) { return pack; }
+  static Scalar max(Pack pack) { return pack; }
+  static Count padded(Count size) { return size; }
 };
 
 #if defined(LCPBENCH_WITH_QUAD)
 template <>
-struct Lanes<Quad> {
-  using Pack = Quad;
-  static constexpr Count kWidth = 1;
+struct Lanes<Quad> : OneLane<Quad> {
   static constexpr double kUnitRoundoff = kQuadUnitRoundoff;
   static Quad square_root(Quad x) { return lcpbench::sqrt(x); }
-  static Pack load(const Quad* from) { return *from; }
-  static void store(Quad* to, Pack pack) { *to = pack; }
-  static Pack broadcast(Quad value) { return value; }
-  static Pack min(Pack a, Pack b) { return a < b ? a : b; }
-  static Pack max(Pack a, Pack b) { return a > b ? a : b; }
-  static Quad sum(Pack pack) { return pack; }
-  static Quad max(Pack pack) { return pack; }
-  static Count padded(Count size) { return size; }
+};
+#elif defined(LCPBENCH_CONTACT_DOUBLE_DOUBLE)
+using lemke::LCPBENCH_LEVEL::DoubleDouble;
+template <>
+struct Lanes<DoubleDouble> : OneLane<DoubleDouble> {
+  static constexpr double kUnitRoundoff = 0x1p-104;  // of the sums and products of double_double.h
+  static DoubleDouble square_root(DoubleDouble x) { return lemke::LCPBENCH_LEVEL::square_root(x); }
 };
 #endif
 
@@ -86,6 +69,18 @@ inline void add_multiple(Scalar* y, Scalar factor, const Scalar* x, Count size) 
   using L = Lanes<Scalar>;
   const auto broadcast = L::broadcast(factor);
   for (Count i = 0; i < size; i += L::kWidth) L::store(y + i, L::load(y + i) + broadcast * L::load(x + i));
+}
+
+/// y += factor x for an x that is not padded.
+template <class Scalar>
+inline void add_unpadded_multiple(Scalar* y, Scalar factor, const double* x, Count size) {
+  Count i = 0;
+  if constexpr (sizeof(Scalar) == sizeof(double)) {
+    using L = Lanes<double>;
+    const auto broadcast = L::broadcast(factor);
+    for (; i + L::kWidth <= size; i += L::kWidth) L::store(y + i, L::load(y + i) + broadcast * L::load(x + i));
+  }
+  for (; i < size; ++i) y[i] += factor * static_cast<Scalar>(x[i]);
 }
 
 /// Row i -= (row[i] / pivot) row for the rows after `k` of a symmetric matrix with more columns to its right, in the
@@ -122,6 +117,22 @@ inline void set_zero(Scalar* x, Count size) {
   for (Count i = 0; i < size; i += L::kWidth) L::store(x + i, L::broadcast(0));
 }
 
+/// to := from, and zeros from `size` to `padded`. The last register of doubles may overlap the one before.
+template <class Scalar>
+inline void widen(Scalar* to, const double* from, Count size, Count padded) {
+  if constexpr (sizeof(Scalar) == sizeof(double)) {
+    using L = Lanes<double>;
+    if (size >= L::kWidth) {
+      L::store(to + padded - L::kWidth, L::broadcast(0));
+      for (Count i = 0; i + L::kWidth <= size; i += L::kWidth) L::store(to + i, L::load(from + i));
+      L::store(to + size - L::kWidth, L::load(from + size - L::kWidth));
+      return;
+    }
+  }
+  for (Count i = 0; i < size; ++i) to[i] = static_cast<Scalar>(from[i]);
+  for (Count i = size; i < padded; ++i) to[i] = 0;
+}
+
 template <class Scalar>
 inline Scalar dot(const Scalar* x, const Scalar* y, Count size) {
   using L = Lanes<Scalar>;
@@ -141,7 +152,22 @@ inline void combine_columns(Scalar* y, const Scalar* start, const Scalar* A, Cou
   using L = Lanes<Scalar>;
   typename L::Pack sums[static_cast<unsigned>(kPacks)];
   for (int p = 0; p < kPacks; ++p) sums[p] = L::load(start + p * L::kWidth);
-  for (Count i = 0; i < count; ++i) {
+  Count i = 0;
+  if constexpr (L::kWidth > 1) {  // two rows at a time: half as many additions wait for one another
+    typename L::Pack others[static_cast<unsigned>(kPacks)];
+    for (int p = 0; p < kPacks; ++p) others[p] = L::broadcast(0);
+    for (; i + 1 < count; i += 2) {
+      const Scalar* const row = A + i * stride;
+      const auto first = L::broadcast(factors[i]);
+      const auto second = L::broadcast(factors[i + 1]);
+      for (int p = 0; p < kPacks; ++p) {
+        sums[p] += first * L::load(row + p * L::kWidth);
+        others[p] += second * L::load(row + stride + p * L::kWidth);
+      }
+    }
+    for (int p = 0; p < kPacks; ++p) sums[p] += others[p];
+  }
+  for (; i < count; ++i) {
     const auto factor = L::broadcast(factors[i]);
     for (int p = 0; p < kPacks; ++p) sums[p] += factor * L::load(A + i * stride + p * L::kWidth);
   }
@@ -160,11 +186,6 @@ inline void combine_rows(Scalar* y, const Scalar* start, const Scalar* A, Count 
   } else if (j < size) {
     combine_columns<1>(y + j, start + j, A + j, stride, factors, count);
   }
-}
-
-template <class Scalar>
-inline Scalar magnitude(Scalar x) {
-  return x < 0 ? -x : x;
 }
 
 /// False for NaN and infinity.

@@ -41,8 +41,7 @@ class DualMethod {
 
   void update(const double* v) {
     const Count ngc = whitening_.ngc();
-    for (Count i = 0; i < ngc; ++i) v_[i] = static_cast<Scalar>(v[i]);
-    for (Count i = ngc; i < whitening_.velocity_lanes(); ++i) v_[i] = 0;
+    widen(v_.data(), v, ngc, whitening_.velocity_lanes());
     if (!usable_) return;
     set_zero(given_.data(), whitening_.contact_lanes());
     combine_rows(given_.data(), given_.data(), whitening_.normals(0), whitening_.contact_lanes(), v_.data(), ngc,
@@ -53,6 +52,7 @@ class DualMethod {
   Outcome solve(const Rules& rules, double* z, double* velocity, double* u) {
     Outcome outcome;
     if (!usable_) return outcome;
+    begin_s_ = rules.begin_s;
     start();
     if (rules.start != nullptr) warm_start(rules, outcome);
     outcome.ending = iterate(rules, outcome);
@@ -143,8 +143,7 @@ class DualMethod {
       entering_impulse_ = 0;
       for (bool added = false; !added;) {
         if (outcome.steps >= rules.max_steps) return Ending::kStepLimit;
-        if (outcome.steps % kStepsPerClockReading == kStepsPerClockReading - 1 &&
-            rules.deadline_s < kInfinity<double> && !(rules.clock_s() < rules.deadline_s)) {
+        if (outcome.steps % kStepsPerClockReading == kStepsPerClockReading - 1 && expired(rules)) {
           return Ending::kTimeLimit;
         }
         ++outcome.steps;
@@ -153,6 +152,13 @@ class DualMethod {
       }
     }
     return Ending::kSolved;
+  }
+
+  bool expired(const Rules& rules) {
+    if (!(rules.time_limit_s < kInfinity<double>)) return false;
+    const double now_s = rules.clock_s();
+    if (!(begin_s_ <= now_s)) begin_s_ = now_s;
+    return !(now_s - begin_s_ < rules.time_limit_s);
   }
 
   /// Contacts that no impulse moves: violated ones stay so.
@@ -182,7 +188,7 @@ class DualMethod {
     Count leaving = -1;
     Scalar partial = kInfinity<Scalar>;
     for (Count k = 0; k < basis_.size(); ++k) {
-      if (share_[k] > 0 && pressed_[k] < partial * share_[k]) {
+      if (share_[k] > 0 && (leaving < 0 || pressed_[k] < partial * share_[k])) {
         partial = pressed_[k] / share_[k];
         leaving = k;
       }
@@ -372,12 +378,12 @@ class DualMethod {
   }
 
   Scalar largest_given() const {
-    Scalar largest = 0;
-    for (Count j = 0; j < whitening_.nc(); ++j) {
-      const Scalar size = magnitude(given_[j]);
-      largest = size > largest ? size : largest;
+    auto largest = L::broadcast(0);
+    for (Count j = 0; j < contact_lanes(); j += L::kWidth) {
+      const auto given = L::load(given_.data() + j);
+      largest = L::max(L::max(given, -given), largest);
     }
-    return largest;
+    return L::max(largest);
   }
 
   /// max |min(|W_i|^2 z_i, w_i)|, in double with its rounding, with w = N'(v + G* N z), from the normals as given; z is
@@ -385,10 +391,9 @@ class DualMethod {
   /// the first `pressed` contacts of active_ at most.
   Scalar residual(Count pressed) {
     set_zero(test_.data(), lanes());
-    for (Count i = 0; i < whitening_.ngc(); ++i) {
-      for (Count k = 0; k < pressed; ++k) {
-        test_[i] += whitening_.normals(i)[active_[k]] * impulse_[active_[k]];
-      }
+    for (Count k = 0; k < pressed; ++k) {
+      const Count contact = active_[k];
+      add_unpadded_multiple(test_.data(), impulse_[contact], whitening_.given_normal(contact), whitening_.ngc());
     }
     if (whitening_.triangular()) {
       whitening_.solve_transposed(test_.data());
@@ -398,16 +403,18 @@ class DualMethod {
     }
     combine_rows(slack_.data(), given_.data(), whitening_.row(0), whitening_.row_stride(), test_.data(),
                  whitening_.rank(), contact_lanes());
-    Scalar worst = 0, terms = 0;
-    for (Count j = 0; j < whitening_.nc(); ++j) {
-      const Scalar pressure = whitening_.squared_norm(j) * impulse_[j];
-      terms += magnitude(pressure);
-      const Scalar off = magnitude(pressure < slack_[j] ? pressure : slack_[j]);
-      if (!finite(off)) return kInfinity<Scalar>;
-      worst = off > worst ? off : worst;
+    auto worst = L::broadcast(0), terms = L::broadcast(0), poison = L::broadcast(0);
+    for (Count j = 0; j < contact_lanes(); j += L::kWidth) {
+      const auto pressure = L::load(whitening_.squared_norms() + j) * L::load(impulse_.data() + j);
+      const auto least = L::min(pressure, L::load(slack_.data() + j));
+      terms += L::max(pressure, -pressure);
+      worst = L::max(L::max(least, -least), worst);
+      poison += least - least;
     }
+    if (!(L::sum(poison) == 0)) return kInfinity<Scalar>;
     // What large impulses that cancel leave of this test. Answers in float are tested in double anyway.
-    return sizeof(Scalar) == sizeof(double) ? worst + static_cast<Scalar>(kTestRoundings * 0x1p-53) * terms : worst;
+    const Scalar rounding = static_cast<Scalar>(kTestRoundings * 0x1p-53) * L::sum(terms);
+    return sizeof(Scalar) == sizeof(double) ? L::max(worst) + rounding : L::max(worst);
   }
 
   void write_farkas(double* u) {
@@ -420,6 +427,7 @@ class DualMethod {
   Whitening<Scalar> whitening_;
   OrthogonalBasis<Scalar> basis_;  // of the active normals
   bool usable_ = false;
+  double begin_s_ = 0;  // of the solve, on its clock; NaN until that is read
   Scalar violation_threshold_ = 0;
 
   Buffer<Scalar> v_;      // ngc

@@ -24,16 +24,20 @@ class Whitening {
     rows_.resize(ngc_ * stride_ + 1);
     normals_.resize(ngc_ * contact_lanes_ + 1);
     whitened_.resize(nc_ * velocity_lanes_ + 1);
+    is_gathered_.resize(nc_ + 1);
     squared_norm_.resize(contact_lanes_ + 1);
     weight_.resize(contact_lanes_ + 1);
     columns_.resize(ngc_ * velocity_lanes_ + 1);
     inverse_diagonal_.resize(velocity_lanes_ + 1);
+    pivots_.resize(velocity_lanes_ + 1);
+    solution_.resize(velocity_lanes_ + 1);
     if (kLastPrecision || input.form != InertiaForm::kDense) reserve_factors(input);
   }
 
   /// False when the inertia is indefinite, not a number, or (dense G) singular to this precision.
   bool load(const Input& input) {
     reserve(input);
+    given_normals_ = input.N;
     read_normals(input);
     rank_ = 0;
     triangular_ = false;
@@ -56,15 +60,23 @@ class Whitening {
   Count row_stride() const { return stride_; }
   /// Coordinate `i` of all normals as given.
   const Scalar* normals(Count i) const { return normals_.data() + i * contact_lanes_; }
+  /// Normal `contact` as given, ngc() entries.
+  const double* given_normal(Count contact) const { return given_normals_ + contact * ngc_; }
   Scalar squared_norm(Count contact) const { return squared_norm_[contact]; }
+  const Scalar* squared_norms() const { return squared_norm_.data(); }
   /// 1 / |W_j|^2 by contact; 0 for contacts that no impulse moves.
   const Scalar* weights() const { return weight_.data(); }
 
   /// Relative size of the rounding errors in a whitened normal, about.
   Scalar noise() const { return noise_; }
 
-  /// Whitened normal `contact`, velocity_lanes() entries.
-  const Scalar* normal(Count contact) const { return whitened_.data() + contact * velocity_lanes_; }
+  /// Whitened normal `contact`, velocity_lanes() entries. Gathered from the rows on first use: many contacts never
+  /// press.
+  const Scalar* normal(Count contact) {
+    Scalar* const to = whitened_.data() + contact * velocity_lanes_;
+    if (!is_gathered_[contact]) gather(contact, to);
+    return to;
+  }
 
   /// to = C v. @pre triangular()
   void whiten_velocity(const Scalar* v, Scalar* to) const {
@@ -73,22 +85,24 @@ class Whitening {
   }
 
   /// x := C^-1 x. @pre triangular()
-  void solve(Scalar* x) const {
+  void solve(Scalar* x) {
     for (Count i = ngc_ - 1; i >= 0; --i) {
       const Scalar value = x[i] * inverse_diagonal_[i];
       add_multiple(x, -value, columns_.data() + i * velocity_lanes_, (i / L::kWidth + 1) * L::kWidth);
-      x[i] = value;
+      solution_[i] = value;
     }
+    take_solution(x);
   }
 
   /// x := C^-T x. @pre triangular()
-  void solve_transposed(Scalar* x) const {
+  void solve_transposed(Scalar* x) {
     for (Count i = 0; i < ngc_; ++i) {
       const Scalar value = x[i] * inverse_diagonal_[i];
       const Count first = i / L::kWidth * L::kWidth;
       add_multiple(x + first, -value, rows_.data() + i * stride_ + first, velocity_lanes_ - first);
-      x[i] = value;
+      solution_[i] = value;
     }
+    take_solution(x);
   }
 
   /// to = v + S x. @pre !triangular(); to holds velocity_lanes() entries.
@@ -111,6 +125,12 @@ class Whitening {
     velocity_lanes_ = L::padded(ngc_);
     contact_lanes_ = L::padded(nc_);
     stride_ = velocity_lanes_ + contact_lanes_;
+  }
+
+  /// Solutions stand apart until all are known: a number stored among others holds up the next load of the register.
+  void take_solution(Scalar* x) {
+    for (Count i = ngc_; i < velocity_lanes_; ++i) solution_[i] = 0;
+    copy(x, solution_.data(), velocity_lanes_);
   }
 
   Scalar* work_row(Count i) { return rows_.data() + i * stride_; }
@@ -151,16 +171,19 @@ class Whitening {
   bool eliminate(const double* G) {
     for (Count i = 0; i < ngc_; ++i) {
       Scalar* row = work_row(i);
-      for (Count j = 0; j < ngc_; ++j) row[j] = static_cast<Scalar>(G[i * ngc_ + j]);
-      for (Count j = ngc_; j < velocity_lanes_; ++j) row[j] = 0;
+      widen(row, G + i * ngc_, ngc_, velocity_lanes_);
       copy(row + velocity_lanes_, normals_.data() + i * contact_lanes_, contact_lanes_);
       inverse_diagonal_[i] = row[i];  // G_ii, until scale_rows
     }
-    const Scalar least = static_cast<Scalar>(ngc_) * kEpsilon;
+    const Scalar least = static_cast<Scalar>(static_cast<double>(ngc_)) * kEpsilon;
+    Scalar pivot = ngc_ > 0 ? work_row(0)[0] : Scalar(0);
     for (Count k = 0; k < ngc_; ++k) {
       const Scalar* pivot_row = work_row(k);
-      if (!(pivot_row[k] > least * inverse_diagonal_[k])) return false;
-      const Scalar inverse = 1 / pivot_row[k];
+      if (!(pivot > least * inverse_diagonal_[k])) return false;
+      pivots_[k] = pivot;
+      const Scalar inverse = 1 / pivot;
+      // The next pivot is computed apart from its row, so that its reciprocal need not wait for that to be written.
+      if (k + 1 < ngc_) pivot = work_row(k + 1)[k + 1] + -pivot_row[k + 1] * inverse * pivot_row[k + 1];
       const Count first = k / L::kWidth * L::kWidth;
       eliminate_below(k, first, inverse);
     }
@@ -183,18 +206,21 @@ class Whitening {
 
   /// Makes rows of [C W] of the eliminated ones, and the columns of C.
   void scale_rows() {
-    Scalar growth = 1;
+    for (Count i = ngc_; i < velocity_lanes_; ++i) inverse_diagonal_[i] = pivots_[i] = 1;
+    auto growth = L::broadcast(1);
+    for (Count i = 0; i < velocity_lanes_; i += L::kWidth) {
+      growth = L::max(L::load(inverse_diagonal_.data() + i) / L::load(pivots_.data() + i), growth);
+    }
+    // A loop of its own, which compilers turn into roots of whole registers.
+    for (Count i = 0; i < velocity_lanes_; ++i) inverse_diagonal_[i] = 1 / L::square_root(pivots_[i]);
     for (Count i = 0; i < ngc_; ++i) {
       Scalar* row = work_row(i);
-      const Scalar ratio = inverse_diagonal_[i] / row[i];
-      growth = ratio > growth ? ratio : growth;
-      inverse_diagonal_[i] = 1 / L::square_root(row[i]);
       scale(row, inverse_diagonal_[i], stride_);
       Scalar* column = columns_.data() + i * velocity_lanes_;
       for (Count j = 0; j <= i; ++j) column[j] = work_row(j)[i];
       for (Count j = i + 1; j < velocity_lanes_; ++j) column[j] = 0;
     }
-    set_noise(L::square_root(growth));
+    set_noise(L::square_root(L::max(growth)));
     for (Count i = 0; i < ngc_; ++i) {  // what elimination left below the diagonal
       for (Count j = i / L::kWidth * L::kWidth; j < i; ++j) work_row(i)[j] = 0;
     }
@@ -238,7 +264,7 @@ class Whitening {
       if (!finite(row[i])) return false;
       largest = row[i] > largest ? row[i] : largest;
     }
-    const Scalar least = static_cast<Scalar>(ngc_) * cut * largest;
+    const Scalar least = static_cast<Scalar>(static_cast<double>(ngc_)) * cut * largest;
     Scalar last = largest;
     for (factor_count_ = 0; factor_count_ < ngc_; ++factor_count_) {
       Count pivot = 0;
@@ -361,18 +387,20 @@ class Whitening {
       L::store(squared_norm_.data() + j, sum);
     }
     if (!triangular_) discard_rounding();
-    for (Count j = 0; j < nc_; ++j) {
-      Scalar* to = whitened_.data() + j * velocity_lanes_;
-      const Scalar* from = row(0) + j;
-      for (Count i = 0; i < rank_; ++i) to[i] = from[i * stride_];
-      for (Count i = rank_; i < velocity_lanes_; ++i) to[i] = 0;
-    }
+    is_gathered_.fill(nc_, false);
     const auto one = L::broadcast(1);
     const auto zero = L::broadcast(0);
     for (Count j = 0; j < contact_lanes_; j += L::kWidth) {
       const auto squared = L::load(squared_norm_.data() + j);
       L::store(weight_.data() + j, squared > zero ? one / squared : zero);
     }
+  }
+
+  void gather(Count contact, Scalar* to) {
+    const Scalar* const from = row(0) + contact;
+    for (Count i = 0; i < rank_; ++i) to[i] = from[i * stride_];
+    for (Count i = rank_; i < velocity_lanes_; ++i) to[i] = 0;
+    is_gathered_[contact] = true;
   }
 
   /// Normals in null(G): what S leaves of them is rounding.
@@ -399,10 +427,14 @@ class Whitening {
 
   Buffer<Scalar> rows_;              // rank rows: [C W], or [S' W]
   Buffer<Scalar> columns_;           // of C
-  Buffer<Scalar> inverse_diagonal_;  // of C
-  Buffer<Scalar> normals_;           // N by rows
-  Buffer<Scalar> whitened_;          // W by columns
-  Buffer<Scalar> squared_norm_;      // |W_j|^2
+  Buffer<Scalar> inverse_diagonal_;  // of C; during the elimination the diagonal of G
+  Buffer<Scalar> pivots_;            // of the elimination
+  Buffer<Scalar> solution_;
+  Buffer<Scalar> normals_;   // N by rows
+  Buffer<Scalar> whitened_;  // W by columns, those that is_gathered_
+  Buffer<bool> is_gathered_;
+  const double* given_normals_ = nullptr;
+  Buffer<Scalar> squared_norm_;  // |W_j|^2
   Buffer<Scalar> weight_;
 
   Count factor_count_ = 0;

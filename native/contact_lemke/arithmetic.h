@@ -66,6 +66,8 @@ void fill_with_zeros(Count size, Buffer<Scalar>& first, More&... more) {
 
 /// Packs of the output that stay in registers at a time.
 constexpr Count kTilePacks = 4;
+/// Of those, for all sides together, up to which two rows are taken at a time.
+constexpr Count kMostInPairs = 4;
 
 /// `kSides` combinations of the same rows.
 template <class Scalar, Count kSides>
@@ -78,12 +80,33 @@ template <Count kPacks, class Scalar, Count kSides>
 inline void combine_tile(const Scalar* rows, Count stride, Count count, const Combination<Scalar, kSides>& sides,
                          Count at) {
   using P = Packed<Scalar>;
-  typename P::Pack sums[static_cast<std::size_t>(kSides)][static_cast<std::size_t>(kPacks)];
+  using Sums = typename P::Pack[static_cast<std::size_t>(kSides)][static_cast<std::size_t>(kPacks)];
+  Sums sums;
   for (Count s = 0; s < kSides; ++s) {
     for (Count p = 0; p < kPacks; ++p) sums[s][p] = typename P::Pack{};
   }
   const Scalar* row = rows + at;
-  for (Count k = 0; k < count; ++k, row += stride) {
+  Count k = 0;
+  if constexpr (P::kWidth > 1 && kSides * kPacks <= kMostInPairs) {  // halves the additions that wait for one another
+    Sums others;
+    for (Count s = 0; s < kSides; ++s) {
+      for (Count p = 0; p < kPacks; ++p) others[s][p] = typename P::Pack{};
+    }
+    for (; k + 1 < count; k += 2, row += 2 * stride) {
+      for (Count p = 0; p < kPacks; ++p) {
+        const typename P::Pack first = P::load(row + p * P::kWidth);
+        const typename P::Pack second = P::load(row + stride + p * P::kWidth);
+        for (Count s = 0; s < kSides; ++s) {
+          sums[s][p] += first * sides.coefficients[s][k];
+          others[s][p] += second * sides.coefficients[s][k + 1];
+        }
+      }
+    }
+    for (Count s = 0; s < kSides; ++s) {
+      for (Count p = 0; p < kPacks; ++p) sums[s][p] += others[s][p];
+    }
+  }
+  for (; k < count; ++k, row += stride) {
     for (Count p = 0; p < kPacks; ++p) {
       const typename P::Pack entries = P::load(row + p * P::kWidth);
       for (Count s = 0; s < kSides; ++s) sums[s][p] += entries * sides.coefficients[s][k];

@@ -34,7 +34,7 @@ class Kernel {
     columns_.resize(most_ * padded_ngc_);
     Buffer<Scalar>* const by_row[] = {&cover_, &target_, &norm_, &entries_};
     for (Buffer<Scalar>* buffer : by_row) buffer->resize(stride_);
-    work_.resize(most_ * 2 * stride_);
+    exchanged_.resize(most_);
     row_label_.resize(most_);
     column_label_.resize(most_);
   }
@@ -218,6 +218,12 @@ class Kernel {
     target_[r] = -target_[r];
   }
 
+  /// Unknown j := -unknown j
+  void negate_unknown(Count j) {
+    scale(column(j), Scalar(-1), padded_ngc_);
+    for (Count r = 0; r < order_; ++r) inverse_[r * stride_ + j] = -inverse_[r * stride_ + j];
+  }
+
   /// Row r -= row s, with the inverse: column s of K^-1 gains column r of it.
   void subtract_row(Count r, Count s) {
     add_multiple(inverse_.data() + s * stride_, Scalar(1), inverse_.data() + r * stride_, order_);
@@ -238,21 +244,17 @@ class Kernel {
   void relabel_column(Count j, Label label) { column_label_[j] = label; }
   void set_norm(Count j, Scalar norm) { norm_[j] = norm; }
 
-  /// The inverse from rows and columns by Gauss-Jordan elimination with row pivoting. False when singular.
+  /// The inverse from rows and columns, by Gauss-Jordan elimination in the place where it is to stand, with pivots
+  /// among the rows of K. False when singular, and the inverse is lost.
   bool invert(Count artificial) {
-    const Count width = 2 * stride_;
-    for (Count r = 0; r < order_; ++r) {
-      Scalar* const row = work_.data() + r * width;
-      for (Count j = 0; j < order_; ++j) row[j] = entry(r, j, artificial);
-      for (Count j = order_; j < width; ++j) row[j] = 0;
-      row[stride_ + r] = 1;
-    }
+    write_transposed(artificial);
     for (Count step = 0; step < order_; ++step) {
-      if (!eliminate(step, width)) return false;
+      if (!eliminate(step)) return false;
     }
-    // Row j of the work is now row j of the inverse.
-    for (Count r = 0; r < order_; ++r) {
-      for (Count j = 0; j < order_; ++j) inverse_[r * stride_ + j] = work_[j * width + stride_ + r];
+    for (Count step = order_ - 1; step >= 0; --step) {
+      Scalar* const a = inverse_.data() + step * stride_;
+      Scalar* const b = inverse_.data() + exchanged_[step] * stride_;
+      for (Count j = 0; j < order_; ++j) exchange(a[j], b[j]);
     }
     return true;
   }
@@ -267,11 +269,22 @@ class Kernel {
     return -1;
   }
 
-  Scalar entry(Count r, Count j, Count artificial) const {
-    const Scalar* const c = columns_.data() + j * padded_ngc_;
-    Scalar sum = j == artificial ? cover_[r] : Scalar(0);
-    for (Count i = 0; i < ngc_; ++i) sum += rows_[i * stride_ + r] * c[i];
-    return sum;
+  static void exchange(Scalar& a, Scalar& b) {
+    const Scalar keep = a;
+    a = b;
+    b = keep;
+  }
+
+  /// K' in the place of K^-T, zeros in what fills the last pack of each row.
+  void write_transposed(Count artificial) {
+    for (Count j = 0; j < order_; ++j) {
+      Scalar* const row = inverse_.data() + j * stride_;
+      measure(column(j), row);
+      for (Count r = order_; r < P::padded(order_); ++r) row[r] = 0;
+    }
+    if (artificial < 0) return;
+    Scalar* const row = inverse_.data() + artificial * stride_;
+    for (Count r = 0; r < order_; ++r) row[r] += cover_[r];
   }
 
   /// The entries of a further row against all columns.
@@ -282,24 +295,27 @@ class Kernel {
   }
   Scalar dot_entries(const Scalar* h) const { return dot(entries_.data(), h, order_); }
 
-  bool eliminate(Count step, Count width) {
+  /// One step on K': unknown `step` against the row of K in which it counts most, which takes place `step`.
+  bool eliminate(Count step) {
+    Scalar* const pivot_row = inverse_.data() + step * stride_;
     Count pivot = step;
     for (Count r = step + 1; r < order_; ++r) {
-      if (magnitude(work_[r * width + step]) > magnitude(work_[pivot * width + step])) pivot = r;
+      if (magnitude(pivot_row[r]) > magnitude(pivot_row[pivot])) pivot = r;
     }
-    Scalar* const row = work_.data() + step * width;
+    exchanged_[step] = pivot;
     if (pivot != step) {
-      Scalar* const other = work_.data() + pivot * width;
-      for (Count j = 0; j < width; ++j) {
-        const Scalar keep = row[j];
-        row[j] = other[j];
-        other[j] = keep;
-      }
+      for (Count j = 0; j < order_; ++j) exchange(inverse_[j * stride_ + step], inverse_[j * stride_ + pivot]);
     }
-    if (!(magnitude(row[step]) > 0)) return false;
-    scale(row, Scalar(1) / row[step], width);
-    for (Count r = 0; r < order_; ++r) {
-      if (r != step) add_multiple(work_.data() + r * width, -work_[r * width + step], row, width);
+    if (!(magnitude(pivot_row[step]) > 0)) return false;
+    const Scalar reciprocal = Scalar(1) / pivot_row[step];
+    pivot_row[step] = 1;
+    scale(pivot_row, reciprocal, order_);
+    for (Count j = 0; j < order_; ++j) {
+      if (j == step) continue;
+      Scalar* const row = inverse_.data() + j * stride_;
+      const Scalar factor = row[step];
+      row[step] = 0;
+      add_multiple(row, -factor, pivot_row, order_);
     }
     return true;
   }
@@ -310,7 +326,8 @@ class Kernel {
   Buffer<Scalar> rows_;     ///< b_r, one per lane, by generalized coordinates
   Buffer<Scalar> columns_;  ///< c_j, padded_ngc_ apart
   Buffer<Scalar> cover_, target_, norm_;
-  Buffer<Scalar> entries_, work_;
+  Buffer<Scalar> entries_;
+  Buffer<Count> exchanged_;  ///< by step of an inversion: the row that came to its place
   Buffer<Label> row_label_, column_label_;
 };
 

@@ -1,0 +1,238 @@
+#pragma once
+
+#include "native/contact_lemke/path.h"
+
+// How the basis changes.
+
+namespace lcpbench::lemke::LCPBENCH_LEVEL {
+
+/// The basis changes; `entering` becomes the complement of what left.
+template <class Scalar>
+inline bool Path<Scalar>::exchange(Entering& entering, Leaving leaving) {
+  if (leaving.kind == Kind::kBase) {
+    const Count contact = leaving.label.contact;
+    if (support_[contact] == 0) return replace_base_by_entering(entering);
+    leaving.column = change_base(contact, entering);
+    leaving.kind = Kind::kColumn;
+  }
+  if (leaving.kind == Kind::kVelocity) return bring_row(entering, leaving.label);
+  const bool contact_opens = leaving.label.is_normal() && !rules_.classic && alive_[leaving.label.contact];
+  if (contact_opens && has_friction_labels(leaving.label.contact, entering)) {
+    return open_sticking(entering, leaving.label.contact);
+  }
+  drop_column(entering, leaving.column);
+  if (contact_opens) let_die(leaving.label.contact);
+  entering = {true, leaving.label};
+  return true;
+}
+
+template <class Scalar>
+inline void Path<Scalar>::count_support(Label label, Count change) {
+  if (label.contact != kArtificial && !label.is_normal()) support_[label.contact] += change;
+}
+
+template <class Scalar>
+inline void Path<Scalar>::drop_column(const Entering& entering, Count column) {
+  count_support(kernel_.column_label(column), -1);
+  if (entering.is_velocity) {
+    allowed_[slot(entering.label)] = 1;
+    kernel_.remove(kernel_.find_row(entering.label), column);
+  } else {
+    kernel_.replace_column(column, dx_.data());
+    kernel_.put_column(column, entering.label, entering_response_.data(), entering_norm_);
+    count_support(entering.label, 1);
+  }
+  artificial_ = kernel_.find_column(Label{});
+}
+
+template <class Scalar>
+inline bool Path<Scalar>::bring_row(Entering& entering, Label leaving) {
+  load_row(leaving);
+  const Scalar cover = cover_of(leaving);
+  const Scalar target = -dot(row_.data(), contacts_.velocity(), contacts_.padded_ngc());
+  allowed_[slot(leaving)] = 0;
+  if (entering.is_velocity) {
+    const Count r = kernel_.find_row(entering.label);
+    if (!kernel_.replace_row(r, row_.data(), cover, artificial_)) return false;
+    kernel_.put_row(r, leaving, row_.data(), cover, target);
+    allowed_[slot(entering.label)] = 1;
+  } else {
+    if (kernel_.full()) return false;
+    if (!kernel_.append(row_.data(), cover, artificial_, entering_response_.data(), dx_.data())) return false;
+    const Count last = kernel_.order();
+    kernel_.put_row(last, leaving, row_.data(), cover, target);
+    kernel_.put_column(last, entering.label, entering_response_.data(), entering_norm_);
+    kernel_.grow();
+    count_support(entering.label, 1);
+  }
+  entering = {false, leaving};
+  return true;
+}
+
+/// Another basic friction impulse of the contact becomes its base, the old base an unknown of the kernel.
+/// @returns the column of the old base.
+template <class Scalar>
+inline Count Path<Scalar>::change_base(Count contact, const Entering& entering) {
+  const Count place = largest_friction_column(contact);
+  make_base(contact, place, entering);
+  return place;
+}
+
+/// The friction impulse in the column `place` becomes the base, the old base the unknown there.
+template <class Scalar>
+inline void Path<Scalar>::make_base(Count contact, Count place, const Entering& entering) {
+  const Count old_base = base_[contact];
+  const Label new_base = kernel_.column_label(place);
+  const Count row = kernel_.find_row(new_base);
+  move_rows(contact, row);
+  move_columns(contact, place, entering);
+  base_[contact] = new_base.direction;
+  kernel_.relabel_row(row, Label{contact, old_base});
+  kernel_.relabel_column(place, Label{contact, old_base});
+  x_[place] = base_value_[contact];
+  dx_[place] = base_rate_[contact];
+}
+
+template <class Scalar>
+inline Count Path<Scalar>::largest_friction_column(Count contact) const {
+  Count largest = -1;
+  for (Count j = 0; j < kernel_.order(); ++j) {
+    const Label label = kernel_.column_label(j);
+    if (label.contact != contact || label.is_normal()) continue;
+    if (largest < 0 || x_[j] > x_[largest]) largest = j;
+  }
+  return largest;
+}
+
+/// d_s - d_t becomes d_s - d_new; the new base's own row that of the old base.
+template <class Scalar>
+inline void Path<Scalar>::move_rows(Count contact, Count row) {
+  for (Count r = 0; r < kernel_.order(); ++r) {
+    const Label label = kernel_.row_label(r);
+    if (r != row && label.contact == contact && !label.is_normal()) kernel_.subtract_row(r, row);
+  }
+  kernel_.negate_row(row);
+}
+
+template <class Scalar>
+inline void Path<Scalar>::move_columns(Count contact, Count place, const Entering& entering) {
+  const Count order = kernel_.order();
+  for (Count j = 0; j < P::padded(order); ++j) coefficients_[j] = 0;
+  copy(column_.data(), kernel_.column(place), contacts_.padded_ngc());
+  for (Count j = 0; j < order; ++j) {
+    const Label label = kernel_.column_label(j);
+    if (j == artificial_) {
+      coefficients_[j] = cover_of_cone(contact);
+    } else if (label.contact == contact) {
+      coefficients_[j] = simplex_weight(label);
+    } else {
+      continue;
+    }
+    if (j != place) add_multiple(kernel_.column(j), coefficients_[j], column_.data(), contacts_.padded_ngc());
+    if (j != artificial_) kernel_.set_norm(j, norm_of(kernel_.column(j)));
+  }
+  scale(kernel_.column(place), Scalar(-1), contacts_.padded_ngc());
+  kernel_.substitute_unknown(place, coefficients_.data());
+  if (!entering.is_velocity && entering.label.contact == contact) {
+    add_multiple(entering_response_.data(), simplex_weight(entering.label), column_.data(), contacts_.padded_ngc());
+    entering_norm_ = norm_of(entering_response_.data());
+  }
+}
+
+/// The only friction impulse of a contact leaves while another of it enters: that becomes the base.
+template <class Scalar>
+inline bool Path<Scalar>::replace_base_by_entering(Entering& entering) {
+  const Count contact = entering.label.contact;
+  const Count normal = kernel_.find_column(Label{contact, kNormal});
+  const Scalar mu = contacts_.mu(contact);
+  const Scalar cone = cover_of_cone(contact);
+  const Count z0 = cone != 0 ? artificial_ : -1;
+  if (!kernel_.add_outer(normal, mu, z0, cone, dx_.data())) return false;
+  if (normal >= 0) {
+    add_multiple(kernel_.column(normal), mu, entering_response_.data(), contacts_.padded_ngc());
+    kernel_.set_norm(normal, norm_of(kernel_.column(normal)));
+  }
+  if (z0 >= 0) add_multiple(kernel_.column(z0), cone, entering_response_.data(), contacts_.padded_ngc());
+  const Count row = kernel_.find_row(entering.label);
+  kernel_.negate_row(row);
+  const Label old_base{contact, base_[contact]};
+  kernel_.relabel_row(row, old_base);
+  base_[contact] = entering.label.direction;
+  entering = {true, old_base};
+  return true;
+}
+
+template <class Scalar>
+inline bool Path<Scalar>::has_friction_labels(Count contact, const Entering& entering) const {
+  if (support_[contact] > 0) return true;
+  return entering.label.contact == contact && !entering.label.is_normal();
+}
+
+/// A contact opens while several of its friction impulses are basic, all zero then: they go with it.
+template <class Scalar>
+inline bool Path<Scalar>::open_sticking(Entering& entering, Count contact) {
+  kernel_.begin_labels();
+  for (Count r = kernel_.rows_left() - 1; r >= 0; --r) {
+    const Label label = kernel_.row_label(r);
+    if (label.contact == contact && !label.is_normal()) kernel_.drop_row_label(r);
+  }
+  for (Count j = kernel_.columns_left() - 1; j >= 0; --j) {
+    if (kernel_.column_label(j).contact == contact) kernel_.drop_column_label(j);
+  }
+  const bool of_contact = entering.label.contact == contact;
+  if (!of_contact && entering.is_velocity) {
+    for (Count r = 0; r < kernel_.rows_left(); ++r) {
+      if (kernel_.row_label(r) == entering.label) kernel_.drop_row_label(r);
+    }
+    allowed_[slot(entering.label)] = 1;
+  }
+  if (!of_contact && !entering.is_velocity) {
+    kernel_.add_column_label(entering.label);
+    count_support(entering.label, 1);
+  }
+  let_die(contact);
+  entering = {true, Label{contact, kNormal}};
+  return kernel_.end_labels() && rebuild();
+}
+
+/// Rows, columns and inverse from the labels.
+template <class Scalar>
+inline bool Path<Scalar>::rebuild() {
+  artificial_ = kernel_.find_column(Label{});
+  for (Count r = 0; r < kernel_.order(); ++r) {
+    const Label label = kernel_.row_label(r);
+    load_row(label);
+    kernel_.put_row(r, label, row_.data(), cover_of(label),
+                    -dot(row_.data(), contacts_.velocity(), contacts_.padded_ngc()));
+  }
+  for (Count j = 0; j < kernel_.order(); ++j) {
+    const Label label = kernel_.column_label(j);
+    if (resumed_ && label.contact == kArtificial) {
+      kernel_.put_column(j, label, drift_.data(), norm_of(drift_.data()));
+      continue;
+    }
+    load_any_column(label);
+    response_.apply(column_.data(), entering_response_.data());
+    const Scalar norm = label.contact == kArtificial ? Scalar(1) : norm_of(entering_response_.data());
+    kernel_.put_column(j, label, entering_response_.data(), norm);
+  }
+  return invert();
+}
+
+template <class Scalar>
+inline void Path<Scalar>::load_any_column(Label label) {
+  if (label.contact != kArtificial) return load_column(label);
+  for (Count i = 0; i < contacts_.padded_ngc(); ++i) column_[i] = 0;
+  if (!rules_.classic) return;
+  for (Count k = 0; k < living_count_; ++k) {
+    contacts_.add_direction(living_[k], base_[living_[k]], cover_of_cone(living_[k]), column_.data());
+  }
+}
+
+template <class Scalar>
+inline bool Path<Scalar>::invert() {
+  ++outcome_.factorizations;
+  return kernel_.invert(artificial_);
+}
+
+}  // namespace lcpbench::lemke::LCPBENCH_LEVEL

@@ -1,0 +1,261 @@
+#pragma once
+
+#include "native/contact_lemke/path.h"
+
+// Values and rates of the basic variables, and the candidates of the ratio test made of them.
+
+namespace lcpbench::lemke::LCPBENCH_LEVEL {
+
+/// x, u and the scale of rounding in them. The rows of the kernel should have velocity zero: where they miss it by
+/// more than rounding the inverse has lost accuracy, and x is refined, or the kernel inverted afresh.
+template <class Scalar>
+inline bool Path<Scalar>::compute_values() {
+  compute_values_once();
+  Scalar missed = largest_residual();
+  refines_rates_ = missed > residual_tolerance();
+  if (missed > static_cast<Scalar>(kWorthRefining) * value_scale_ && !invert_and_recompute(missed)) return false;
+  refine_until_small(missed);
+  if (rules_.reinvert || !(missed > lost_residual())) return true;
+  if (!invert_and_recompute(missed)) return false;
+  refine_until_small(missed);
+  return true;
+}
+
+template <class Scalar>
+inline void Path<Scalar>::refine_until_small(Scalar& missed) {
+  for (Count k = 0; k < rules_.refinements && missed > residual_tolerance(); ++k) {
+    const Scalar before = missed;
+    missed = refine();
+    if (!(missed <= before / 2)) return;
+  }
+}
+
+template <class Scalar>
+inline void Path<Scalar>::compute_values_once() {
+  kernel_.solve_target(x_.data());
+  respond_to_values();
+}
+
+template <class Scalar>
+inline void Path<Scalar>::respond_to_values() {
+  kernel_.respond(x_.data(), u_.data());
+  add_multiple(u_.data(), Scalar(1), contacts_.velocity(), contacts_.padded_ngc());
+  measure_value_scale();
+}
+
+template <class Scalar>
+inline void Path<Scalar>::measure_value_scale() {
+  value_scale_ = speed_scale_;
+  for (Count j = 0; j < kernel_.order(); ++j) {
+    const Scalar value = magnitude(x_[j]) * kernel_.norm(j);
+    if (j != artificial_ && value > value_scale_) value_scale_ = value;
+  }
+}
+
+template <class Scalar>
+inline bool Path<Scalar>::invert_and_recompute(Scalar& missed) {
+  if (!invert()) return false;
+  compute_values_once();
+  missed = largest_residual();
+  return true;
+}
+
+/// Of the kernel's rows; fills residual_.
+template <class Scalar>
+inline Scalar Path<Scalar>::largest_residual() {
+  kernel_.measure(u_.data(), residual_.data());
+  const Scalar z0 = artificial_value();
+  Scalar largest = 0;
+  for (Count r = 0; r < kernel_.order(); ++r) {
+    residual_[r] += kernel_.cover(r) * z0;
+    largest = magnitude(residual_[r]) > largest ? magnitude(residual_[r]) : largest;
+  }
+  return largest;
+}
+
+/// One step of iterative refinement from residual_. @returns the largest residual after it.
+template <class Scalar>
+inline Scalar Path<Scalar>::refine() {
+  kernel_.solve(residual_.data(), coefficients_.data());
+  for (Count j = 0; j < kernel_.order(); ++j) x_[j] -= coefficients_[j];
+  respond_to_values();
+  return largest_residual();
+}
+
+template <class Scalar>
+inline void Path<Scalar>::compute_rates(const Entering& entering) {
+  const Count order = kernel_.order();
+  rate_noise_ = 0;
+  if (entering.is_velocity) {
+    const Count row = kernel_.find_row(entering.label);
+    copy(dx_.data(), kernel_.inverse_column(row), order);
+    kernel_.respond(dx_.data(), du_.data());
+    entering_norm_ = 1;
+    if (large()) refine_large_rates(row);
+  } else {
+    load_column(entering.label);
+    response_.apply(column_.data(), entering_response_.data());
+    entering_norm_ = norm_of(entering_response_.data());
+    solve_for_rates();
+  }
+}
+
+/// dx and du of an unknown that enters with entering_response_.
+template <class Scalar>
+inline void Path<Scalar>::solve_for_rates() {
+  kernel_.measure(entering_response_.data(), residual_.data());
+  kernel_.solve(residual_.data(), dx_.data());
+  scale(dx_.data(), Scalar(-1), kernel_.order());
+  if (refines_rates_) refine_rates();
+  kernel_.respond(dx_.data(), du_.data());
+  add_multiple(du_.data(), Scalar(1), entering_response_.data(), contacts_.padded_ngc());
+  if (large()) refine_large_rates(-1);
+}
+
+/// Refines the rates of a large kernel while that helps, and keeps what the velocities of its rows then miss: of
+/// velocities that depend on them no rate is known any better. `row`: that of the entering velocity, or -1.
+template <class Scalar>
+inline void Path<Scalar>::refine_large_rates(Count row) {
+  rate_noise_ = measure_rates(row);
+  for (Count k = 0; k < kRateRefinements; ++k) {
+    kernel_.solve(residual_.data(), coefficients_.data());
+    for (Count j = 0; j < kernel_.order(); ++j) dx_[j] -= coefficients_[j];
+    kernel_.respond(dx_.data(), du_.data());
+    if (row < 0) add_multiple(du_.data(), Scalar(1), entering_response_.data(), contacts_.padded_ngc());
+    const Scalar before = rate_noise_;
+    rate_noise_ = measure_rates(row);
+    if (!(rate_noise_ <= before / 2)) return;
+  }
+}
+
+/// Fills residual_ with what the rates of the kernel's rows miss. @returns the largest
+template <class Scalar>
+inline Scalar Path<Scalar>::measure_rates(Count row) {
+  kernel_.measure(du_.data(), residual_.data());
+  Scalar largest = 0;
+  for (Count r = 0; r < kernel_.order(); ++r) {
+    residual_[r] += kernel_.cover(r) * artificial_rate();
+    if (r == row) residual_[r] -= Scalar(1);
+    largest = magnitude(residual_[r]) > largest ? magnitude(residual_[r]) : largest;
+  }
+  return largest;
+}
+
+template <class Scalar>
+inline void Path<Scalar>::refine_rates() {
+  kernel_.respond(dx_.data(), du_.data());
+  add_multiple(du_.data(), Scalar(1), entering_response_.data(), contacts_.padded_ngc());
+  kernel_.measure(du_.data(), residual_.data());
+  for (Count r = 0; r < kernel_.order(); ++r) residual_[r] += kernel_.cover(r) * artificial_rate();
+  kernel_.solve(residual_.data(), coefficients_.data());
+  for (Count j = 0; j < kernel_.order(); ++j) dx_[j] -= coefficients_[j];
+}
+
+template <class Scalar>
+template <Count kSides>
+inline void Path<Scalar>::compute_normal_velocities() {
+  const Count length = contacts_.padded_nc();
+  if constexpr (kSides == 1) {
+    combine(contacts_.normals(), length, contacts_.ngc(), u_.data(), value_.data(), length);
+  } else {
+    combine(contacts_.normals(), length, contacts_.ngc(),
+            Combination<Scalar, 2>{{u_.data(), du_.data()}, {value_.data(), rate_.data()}}, length);
+  }
+}
+
+template <class Scalar>
+inline void Path<Scalar>::compute_candidates(const Entering& entering) {
+  compute_normal_velocities<2>();
+  const Scalar z0 = artificial_value();
+  const Scalar dz0 = artificial_rate();
+  for (Count i = 0; i < contacts_.padded_nc(); i += P::kWidth) {
+    const Pack cover = P::load(covers_.data() + i);
+    P::store(value_.data() + i, P::load(value_.data() + i) + cover * z0);
+    P::store(rate_.data() + i, (P::load(rate_.data() + i) + cover * dz0) * P::load(allowed_.data() + i));
+  }
+  compute_column_candidates();
+  compute_base_values(entering);
+  for (Count k = 0; k < living_count_; ++k) compute_contact_candidates(living_[k], z0, dz0, entering);
+}
+
+template <class Scalar>
+inline void Path<Scalar>::compute_column_candidates() {
+  const Count order = kernel_.order();
+  for (Count j = order; j < P::padded(order); ++j) x_[j] = dx_[j] = 0;
+  const Scalar* const norms = kernel_.norms();
+  rate_scale_ = entering_norm_;
+  for (Count j = 0; j < P::padded(order); ++j) {
+    const Scalar value = x_[j] * norms[j];
+    const Scalar rate = dx_[j] * norms[j];
+    value_[column_slots_ + j] = value;
+    rate_[column_slots_ + j] = rate;
+    rate_scale_ = magnitude(rate) > rate_scale_ ? magnitude(rate) : rate_scale_;
+  }
+}
+
+/// f_t = mu f_N + cover z0 - (the contact's other friction impulses)
+template <class Scalar>
+inline void Path<Scalar>::compute_base_values(const Entering& entering) {
+  for (Count k = 0; k < living_count_; ++k) {
+    const Count c = living_[k];
+    const Scalar cover = cover_of_cone(c);
+    base_value_[c] = cover * artificial_value();
+    base_rate_[c] = cover * artificial_rate();
+  }
+  for (Count j = 0; j < kernel_.order(); ++j) {
+    const Label label = kernel_.column_label(j);
+    if (label.contact == kArtificial || !alive_[label.contact]) continue;
+    const Scalar weight = simplex_weight(label);
+    base_value_[label.contact] += weight * x_[j];
+    base_rate_[label.contact] += weight * dx_[j];
+    if (label.is_normal()) impulse_norm_[label.contact] = kernel_.norm(j);
+  }
+  if (!entering.is_velocity && entering.label.contact != kArtificial && alive_[entering.label.contact]) {
+    base_rate_[entering.label.contact] += simplex_weight(entering.label);
+    if (entering.label.is_normal()) impulse_norm_[entering.label.contact] = entering_norm_;
+  }
+}
+
+template <class Scalar>
+inline void Path<Scalar>::compute_contact_candidates(Count contact, Scalar z0, Scalar dz0, const Entering& entering) {
+  const Count half = contacts_.half(contact);
+  const Count width = contacts_.padded_half(contact);
+  Scalar* const slip = slip_.data();
+  Scalar* const slip_rate = slip + contacts_.most_padded_half();
+  combine(contacts_.block(contact), width, contacts_.ngc(),
+          Combination<Scalar, 2>{{u_.data(), du_.data()}, {slip, slip_rate}}, width);
+
+  const Count base = base_[contact];
+  const bool zero_base = base == 2 * half;
+  const Count twin = base < half ? base : base - half;
+  const Scalar sign = base < half ? Scalar(1) : Scalar(-1);
+  const Scalar cover = cover_of_directions(contact);
+  // What is added to +-slip, of the first and second half alike: -d_t'u, or the cover where the base is zero.
+  const Scalar shift = zero_base ? cover * z0 : -sign * slip[twin];
+  const Scalar shift_rate = zero_base ? cover * dz0 : -sign * slip_rate[twin];
+
+  Scalar* const value = value_.data() + slot_at_[contact];
+  Scalar* const rate = rate_.data() + slot_at_[contact];
+  const Scalar* const allowed = allowed_.data() + slot_at_[contact];
+  for (Count t = 0; t < width; t += P::kWidth) {
+    const Pack s = P::load(slip + t);
+    const Pack ds = P::load(slip_rate + t);
+    P::store(value + t, shift + s);
+    P::store(value + width + t, shift - s);
+    P::store(rate + t, (shift_rate + ds) * P::load(allowed + t));
+    P::store(rate + width + t, (shift_rate - ds) * P::load(allowed + width + t));
+  }
+  const Scalar preferred = static_cast<Scalar>(kStickingFirst);
+  value[2 * width] = preferred * (shift - (zero_base ? Scalar(0) : cover * z0));
+  rate[2 * width] = preferred * allowed[2 * width] * (shift_rate - (zero_base ? Scalar(0) : cover * dz0));
+  const bool watched = support_[contact] > 0 || enters_friction_of(entering, contact);
+  value[2 * width + 1] = base_value_[contact] * impulse_norm_[contact];
+  rate[2 * width + 1] = watched ? base_rate_[contact] * impulse_norm_[contact] : Scalar(0);
+}
+
+template <class Scalar>
+inline bool Path<Scalar>::enters_friction_of(const Entering& entering, Count contact) {
+  return !entering.is_velocity && entering.label.contact == contact && !entering.label.is_normal();
+}
+
+}  // namespace lcpbench::lemke::LCPBENCH_LEVEL
