@@ -197,6 +197,13 @@ TEST(TransformationTest, OneUlpMovesEveryNumberToANeighbour) {
   EXPECT_NE(G(0, 0), 4);
 }
 
+TEST(TransformationTest, OneUlpOfADenormalIsNoSmallChange) {
+  const Problem problem("denormal", Lcp{Matrix::Constant(1, 1, 0x1p-1070), Vector::Constant(1, -0x1p-1070)});
+  EXPECT_EQ(draw_transformation(Kind::kOneUlp, problem, key(), 0)->data_change, 0x1p-4);
+  const Problem usual("usual", Lcp{Matrix::Constant(1, 1, 1.5), Vector::Constant(1, -1.5)});
+  EXPECT_EQ(draw_transformation(Kind::kOneUlp, usual, key(), 0)->data_change, 0x1p-52 / 1.5);
+}
+
 /// One sweep of Gauss-Seidel: exact for walls that do not know of each other, and for the same wall twice. What it does
 /// wrong is the test's choice.
 class Walls : public Solver {
@@ -282,6 +289,7 @@ TEST_F(StabilityTest, AmplificationIsTheChangeOverWhatConditioningAllows) {
   const double speed = std::sqrt(1 + 0.25 + 0.0625);
   EXPECT_NEAR(noisy.largest_amplification(), 0x1p-30 * 0.5 / speed / 0x1p-52, 0.01 * 0x1p22);
   EXPECT_TRUE(noisy.moves_too_far());
+  EXPECT_EQ(noisy.farthest.substr(0, 12), "given trial ");
   EXPECT_FALSE(noisy.breaks());
   EXPECT_NE(stability_text(result_).find("noisy under permutation"), std::string::npos);
 }
@@ -334,11 +342,13 @@ TEST(StabilityOfSolversTest, ProblemsThatAPerturbationMayMakeUnsolvableAreNotPer
 TEST(StabilityOfSolversTest, ConditionIsThatOfTheMatrixWithUnitDiagonal) {
   Matrix A(2, 2);
   A << 1, 0.5, 0.5, 1;
-  EXPECT_NEAR(visible_condition(A), 3, 1e-14);
+  EXPECT_NEAR(scaled_condition(A), 3, 1e-14);
   Vector units(2);
   units << 1e6, 1e-6;
-  EXPECT_NEAR(visible_condition(units.asDiagonal() * A * units.asDiagonal()), 3, 1e-12);
-  EXPECT_NEAR(visible_condition(Matrix::Ones(3, 3)), 1, 1e-14);  // zero eigenvalues are no part of it
+  EXPECT_NEAR(scaled_condition(units.asDiagonal() * A * units.asDiagonal()), 3, 1e-12);
+  EXPECT_NEAR(scaled_condition(Matrix::Ones(3, 3)), 1, 1e-14);  // zero eigenvalues are no part of it
+  A(0, 1) = A(1, 0) = 1 - 0x1p-53;
+  EXPECT_NEAR(scaled_condition(A), 0x1p54, 0x1p4);  // but those that double arithmetic takes for zero are
 }
 
 class StabilityCommandTest : public testing::Test {

@@ -133,7 +133,9 @@ void Nudge::operator()(double& x) {
   if (x == 0) return;
   const bool up = (draws_.integer(0, 1) == 0) == forth_;
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  x = std::nextafter(x, up ? kInfinity : -kInfinity);
+  const double neighbour = std::nextafter(x, up ? kInfinity : -kInfinity);
+  largest_change_ = std::max(largest_change_, std::abs((neighbour - x) / x));
+  x = neighbour;
 }
 
 void Nudge::vector(Vector& x) {

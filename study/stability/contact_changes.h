@@ -54,12 +54,16 @@ class Nudge {
   /// v, N, D with its columns in opposite pairs, mu, and the inertia as it is given.
   void contact(ContactProblem& contact);
 
+  /// The largest relative change so far: 2^-52 at most, but for denormal numbers.
+  double largest_change() const { return largest_change_; }
+
  private:
   void inertia(Inertia& inertia);
   void directions(ContactProblem& contact);
 
   DrawSequence draws_;
   bool forth_;
+  double largest_change_ = 0;
 };
 
 }  // namespace lcpbench

@@ -1,9 +1,8 @@
 #include "study/stability/physical_answer.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <limits>
+#include <cmath>
 
 #include "study/inspect/contact_facts.h"
 #include "study/inspect/spectra.h"
@@ -11,14 +10,11 @@
 namespace lcpbench {
 namespace {
 
-constexpr double kEps = std::numeric_limits<double>::epsilon();
-
-double contact_condition(const Problem& problem) {
-  const ContactProblem& contact = *problem.contact();
+double contact_condition(const ContactProblem& contact) {
   const auto* inverse = std::get_if<InverseInertia>(&contact.inertia);
   const Matrix inertia = inverse != nullptr ? inverse->Ginv : dense_inertia(contact.inertia);
-  const std::vector<Index> rows = independent_rows(contact);
-  return std::max(visible_condition(inertia), visible_condition(problem.lcp().M(rows, rows)));
+  const double of_matrix = contact_facts(contact).condition;
+  return std::isnan(of_matrix) ? scaled_condition(inertia) : std::max(scaled_condition(inertia), of_matrix);
 }
 
 }  // namespace
@@ -45,7 +41,7 @@ Vector Judge::physical_answer(const Answer& answer) {
 Distance::Distance(const Problem& problem, bool unique) : unique_(unique), bare_(problem.contact() == nullptr) {
   if (bare_) {
     const Matrix& M = problem.lcp().M;
-    if (unique_) condition_ = visible_condition(M / 2 + M.transpose() / 2);
+    if (unique_) condition_ = scaled_condition(M / 2 + M.transpose() / 2);
     return;
   }
   const ContactProblem& contact = *problem.contact();
@@ -58,7 +54,7 @@ Distance::Distance(const Problem& problem, bool unique) : unique_(unique), bare_
   inverse_ = inverse != nullptr;
   factor_ = Eigen::LLT<Matrix>(inverse_ ? inverse->Ginv : dense_inertia(contact.inertia)).matrixL();
   scale_ = coordinates(contact.v).norm();
-  condition_ = contact_condition(problem);
+  condition_ = contact_condition(contact);
 }
 
 // G = L L': ||u||_G = |L'u|. G* = L L': ||u||_G = |L^-1 u|.
@@ -76,16 +72,10 @@ double Distance::operator()(const Vector& a, const Vector& b) const {
   return to_double(quotient(unique_ ? moved.norm() : moved.cwiseAbs().maxCoeff(), scale_));
 }
 
-double visible_condition(const Matrix& symmetric) {
-  if (symmetric.rows() == 0) return 1;
-  const Vector values =
-      Eigen::SelfAdjointEigenSolver<Matrix>(unit_diagonal(symmetric), Eigen::EigenvaluesOnly).eigenvalues();
-  const double largest = values(values.size() - 1);
-  const double cut = static_cast<double>(values.size()) * kEps * largest;
-  for (const double value : values) {
-    if (value > cut) return largest / value;
-  }
-  return 1;
+double scaled_condition(const Matrix& symmetric) {
+  const Spectrum spectrum = symmetric.rows() <= kLargestQuad ? spectrum_of(unit_diagonal(QuadMatrix(symmetric)), 0)
+                                                             : spectrum_of(unit_diagonal(symmetric));
+  return spectrum.rank > 0 ? spectrum.largest / spectrum.smallest_nonzero : 1;
 }
 
 }  // namespace lcpbench

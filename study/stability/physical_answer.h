@@ -53,7 +53,8 @@ class Distance {
   double condition_ = 1;
 };
 
-/// Largest over smallest eigenvalue of a symmetric matrix with unit diagonal, of those above n eps of the largest.
-double visible_condition(const Matrix& symmetric);
+/// Largest over smallest nonzero eigenvalue of a symmetric matrix of doubles with unit diagonal. Up to kLargestQuad
+/// rows in 113 bits, so that only true zeros are left out; above, all below 8 n eps of the norm are.
+double scaled_condition(const Matrix& symmetric);
 
 }  // namespace lcpbench

@@ -1,7 +1,6 @@
 #include "study/stability/scene_transformations.h"
 
 #include <functional>
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -88,7 +87,7 @@ void nudge_triple(Triple& triple, Nudge& nudge) {
 }
 
 /// Directions are left alone: their lengths and angles are data too.
-void nudge_scene(RigidScene& scene, Nudge nudge) {
+void nudge_scene(RigidScene& scene, Nudge& nudge) {
   for (RigidBody& body : scene.bodies) {
     nudge(body.mass);
     Matrix inertia = body.inertia;
@@ -105,12 +104,18 @@ void nudge_scene(RigidScene& scene, Nudge nudge) {
 }
 
 std::optional<Transformation> one_ulp(const DrawSequence& draws, const RigidScene& scene) {
+  const auto all_nudged = [draws](bool forth) {
+    return [draws, forth](RigidScene& changed) {
+      Nudge nudge(draws, forth);
+      nudge_scene(changed, nudge);
+    };
+  };
+  Nudge nudge(draws, true);
   RigidScene neighbour = scene;
-  nudge_scene(neighbour, Nudge(draws, true));
+  nudge_scene(neighbour, nudge);
   if (!has_definite_inertia(contact_problem(neighbour).inertia)) return std::nullopt;
-  Transformation result = of_changes([=](RigidScene& changed) { nudge_scene(changed, Nudge(draws, true)); },
-                                     [=](RigidScene& changed) { nudge_scene(changed, Nudge(draws, false)); });
-  result.data_change = std::numeric_limits<double>::epsilon();
+  Transformation result = of_changes(all_nudged(true), all_nudged(false));
+  result.data_change = nudge.largest_change();
   return result;
 }
 

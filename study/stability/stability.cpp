@@ -171,7 +171,8 @@ class Experiment {
     const double change = distance(before.physical, answer);
     const double data = std::max(transformation.data_change, std::numeric_limits<double>::epsilon());
     fate.change = larger(change, fate.change);
-    fate.relative_change = larger(change / (data * distance.condition()), fate.relative_change);
+    const double allowed = std::min(1.0, data * distance.condition());
+    fate.relative_change = larger(change / allowed, fate.relative_change);
   }
 
   void enter(const Judged& before, const Fate& fate, bool unique, StabilityCell& cell) const {
@@ -188,6 +189,7 @@ class Experiment {
     ++cell.kept;
     cell.residuals.push_back(fate.residual);
     if (unique) {
+      if (!(fate.relative_change <= cell.largest_amplification())) cell.farthest = problem_;
       cell.changes.push_back(fate.change);
       cell.amplifications.push_back(fate.relative_change);
     } else {

@@ -36,6 +36,8 @@ struct StabilityCell {
   std::int64_t turned_false = 0;  ///< of these: a false claim after some draw
   std::vector<std::string> examples;  ///< "SET trial T", the first few problems lost or turned false
 
+  std::string farthest;  ///< "SET trial T" of the largest amplification
+
   // One entry for each problem solved before and after: the largest over its draws.
   std::vector<double> changes;         ///< of a unique answer, relative: see stability()
   std::vector<double> amplifications;  ///< that / (condition times the larger of eps and the change of the data)
@@ -68,8 +70,9 @@ struct StabilityResult {
 /// the data are applied where theory proves the problem solvable for all data nearby, so that a solver that no longer
 /// solves it has no excuse. The answer of a frictionless problem with definite inertia is its velocity after the impact
 /// (the one returned, else the one that follows from z), and its change is measured in the norm of G relative to v;
-/// that of a bare LCP with definite M is z, in the largest norm relative to z. Their condition is the spread of the
-/// eigenvalues of M, and of G, with unit diagonal, those below n eps of the largest left out; bare: of M + M'.
+/// that of a bare LCP with definite M is z, in the largest norm relative to z. Conditioning allows the condition times
+/// the larger of eps and the change of the data, at most 1: the condition of M as its data have it and of G, the
+/// larger, or of M + M' of a bare LCP; each with unit diagonal, of the nonzero eigenvalues.
 ///
 /// One thread; each problem with all of its copies for all solvers before the next.
 StabilityResult stability(const std::vector<StudySet>& sets, const std::vector<StudySolver>& solvers,

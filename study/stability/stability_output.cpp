@@ -104,8 +104,8 @@ std::string names(const StabilityResult& result) {
     const std::string& solver = result.solvers[cell.solver];
     if (cell.breaks()) broken += "  " + breaks_text(cell, solver) + "\n";
     if (!cell.moves_too_far()) continue;
-    moved += fmt::format("  {} under {}: {:.2g} times what conditioning allows\n", solver, to_string(cell.kind),
-                         cell.largest_amplification());
+    moved += fmt::format("  {} under {}: up to {:.2g} times what conditioning allows, on {}\n", solver,
+                         to_string(cell.kind), cell.largest_amplification(), cell.farthest);
   }
   return (broken.empty() ? "\nnone breaks\n" : "\nbreaks:\n" + broken) +
          (moved.empty() ? "none moves further than conditioning allows\n"
@@ -134,6 +134,7 @@ Json cell_json(const StabilityCell& cell, const std::string& solver) {
           {"pivot_spread", spread_json(cell.pivot_spreads)},
           {"breaks", cell.breaks()},
           {"moves_too_far", cell.moves_too_far()},
+          {"farthest", cell.farthest.empty() ? Json(nullptr) : Json(cell.farthest)},
           {"examples", cell.examples}};
 }
 

@@ -1,7 +1,6 @@
 #include "study/stability/transformations.h"
 
 #include <cmath>
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -186,7 +185,7 @@ std::optional<Transformation> duplicate(const Problem& problem, DrawSequence& dr
   return result;
 }
 
-Problem nudged(const Problem& problem, Nudge nudge) {
+Problem nudged(const Problem& problem, Nudge& nudge) {
   if (problem.contact() == nullptr) {
     return changed(problem, [&](Lcp& lcp) {
       if (lcp.M == lcp.M.transpose()) {
@@ -201,12 +200,19 @@ Problem nudged(const Problem& problem, Nudge nudge) {
 }
 
 std::optional<Transformation> one_ulp(const Problem& problem, const DrawSequence& draws) {
-  const Problem neighbour = nudged(problem, Nudge(draws, true));
+  const auto all_nudged = [draws](bool forth) {
+    return [draws, forth](const Problem& p) {
+      Nudge nudge(draws, forth);
+      return nudged(p, nudge);
+    };
+  };
+  Nudge nudge(draws, true);
+  const Problem neighbour = nudged(problem, nudge);
   if (neighbour.contact() != nullptr && !has_definite_inertia(neighbour.contact()->inertia)) return std::nullopt;
   Transformation result = with_answers_as_they_are();
-  result.apply = [=](const Problem& p) { return nudged(p, Nudge(draws, true)); };
-  result.undo = [=](const Problem& p) { return nudged(p, Nudge(draws, false)); };
-  result.data_change = std::numeric_limits<double>::epsilon();
+  result.apply = all_nudged(true);
+  result.undo = all_nudged(false);
+  result.data_change = nudge.largest_change();
   return result;
 }
 
