@@ -96,6 +96,49 @@ bool wanted(const ContactRung& rung, const ContactLemkeSettings& settings, std::
   return true;
 }
 
+/// Diagonal entries of G that differ by more than this are taken for entries in different units.
+constexpr double kSameUnit = 0x1p50;
+
+/// The diagonal of G given whole or by blocks; else empty.
+Vector diagonal_of(const Inertia& inertia) {
+  if (const auto* dense = std::get_if<DenseInertia>(&inertia)) return dense->G.diagonal();
+  Vector diagonal;
+  if (const auto* bodies = std::get_if<BlockInertia>(&inertia)) {
+    diagonal.resize(dimension(inertia));
+    Index at = 0;
+    for (const Matrix& block : bodies->blocks) {
+      diagonal.segment(at, block.rows()) = block.diagonal();
+      at += block.rows();
+    }
+  }
+  return diagonal;
+}
+
+/// Powers of two S for which S G S has a diagonal within [1, 4), where that of G spans more than kSameUnit; else empty.
+/// The engines' bounds on rounding are norms over all coordinates.
+Vector coordinate_units(const Inertia& inertia) {
+  Vector units = diagonal_of(inertia);
+  if (units.size() == 0 || !(units.minCoeff() > 0) || !(units.maxCoeff() > kSameUnit * units.minCoeff())) return {};
+  for (double& unit : units) unit = std::ldexp(1.0, -static_cast<int>(std::floor(std::ilogb(unit) / 2.0)));
+  return units;
+}
+
+Jacobian in_units(const Jacobian& J, const Vector& units) {
+  if (const auto* dense = std::get_if<Matrix>(&J)) return Matrix(units.asDiagonal() * *dense);
+  return SparseMatrix(units.asDiagonal() * std::get<SparseMatrix>(J));
+}
+
+/// The same problem for the velocity S^-1 v, bit for bit the same M and q: products with powers of two are exact.
+ContactProblem contact_in_units(const ContactProblem& contact, const Vector& units) {
+  const Matrix G = units.asDiagonal() * dense_inertia(contact.inertia) * units.asDiagonal();
+  return {contact.v.cwiseQuotient(units),
+          in_units(contact.N, units),
+          in_units(contact.D, units),
+          contact.edges,
+          contact.mu,
+          DenseInertia{G}};
+}
+
 }  // namespace
 
 LoadedContacts::LoadedContacts(const Engine& engine) : engine_(engine), state_(engine.create()) {}
@@ -127,7 +170,9 @@ const Capabilities& ContactLemke::capabilities() const { return capabilities_; }
 
 void ContactLemke::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
-  data_.load(contact);
+  units_ = coordinate_units(contact.inertia);
+  if (units_.size() > 0) in_units_ = contact_in_units(contact, units_);
+  data_.load(units_.size() > 0 ? in_units_ : contact);
   double_.load(data_.input);
   if (in_float()) float_.load(data_.input);
   double_double_is_loaded_ = quad_is_loaded_ = false;
@@ -145,6 +190,7 @@ void ContactLemke::on_load(const Problem& problem) {
 void ContactLemke::on_update(const Vector& v) {
   if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
   data_.v = v;
+  if (units_.size() > 0) data_.v.array() /= units_.array();
   double_.set_velocity(data_.v.data());
   if (in_float()) float_.set_velocity(data_.v.data());
   if (double_double_is_loaded_) double_double_.set_velocity(data_.v.data());
@@ -223,6 +269,7 @@ bool ContactLemke::climb(const ContactRung& rung, Rules rules, Progress& progres
     progress.rung = rung.name;
     best_ = answer.z;
     best_velocity_ = velocity_;
+    if (units_.size() > 0) best_velocity_.array() *= units_.array();
     best_has_velocity_ = has_velocity;
   }
   const bool accepted = residual.velocity <= settings_.accept_residual && residual.certain <= kClaimedResidual;

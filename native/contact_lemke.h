@@ -141,6 +141,8 @@ class ContactLemke final : public Solver {
 
   ContactLemkeSettings settings_;
   Capabilities capabilities_;
+  Vector units_;             // of the coordinates that the engines see, see coordinate_units(); mostly empty
+  ContactProblem in_units_;  // the problem in them
   ContactInput data_;
   LoadedContacts double_;  ///< also what tests the answers of float
   LoadedContacts double_double_, quad_, float_;

@@ -123,7 +123,7 @@ TEST_F(HardReportTest, ThePageShowsThemInTheirOwnSectionOnly) {
 
 TEST_F(HardReportTest, TheTerminalNamesEveryFalseClaim) {
   const std::string text = table_text(summarize(made_.store()));
-  EXPECT_NE(text.find("  liar: contact/stack{ratio=30}, contact/stack{ratio=30,order=growing}, ray/infeasible\n"),
+  EXPECT_NE(text.find("  liar: contact/stack{ratio=30,order=growing}, contact/stack{ratio=30}, ray/infeasible\n"),
             std::string::npos)
       << text;
   EXPECT_EQ(text.find("hard/contact/stack"), std::string::npos);
