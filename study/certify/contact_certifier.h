@@ -10,10 +10,12 @@ namespace lcpbench::exact {
 ///
 /// Without friction, and M proven semidefinite: complete. A basis from `active_set`, mended by exact exchanges where it
 /// is wrong; a contradiction from the nonnegative least squares problem min |L u|^2 + (1 + q'u)^2, which has the
-/// residual 0 exactly when the problem is unsolvable; last, exact Lemke on M with its potentials eliminated. With
-/// friction: bases from `contact_lemke` and `lemke` in double and quad; the contradiction of the normals alone; the
-/// velocity inside the dual friction cones, the solution of a frictionless problem whose contacts are the cones' edges;
-/// for few unknowns exact Lemke and the enumeration of cones.
+/// residual 0 exactly when the problem is unsolvable; last, exact Lemke on M with its potentials eliminated.
+///
+/// With friction: bases from `contact_lemke` and `lemke`; the contradiction of the normals alone; the velocity inside
+/// the dual friction cones, the solution of a frictionless problem whose contacts are the cones' edges; the same
+/// solvers on variants of the problem; for few contacts all combinations of their modes; for few unknowns exact Lemke
+/// and the enumeration of cones.
 /// @pre finite data
 Certificate certify_contact(const Problem& problem, const CertifyOptions& options, const Deadline& deadline,
                             Candidates& candidates);

@@ -32,7 +32,7 @@ bool definite_by_minors(const Matrix& A) {
     if (fmpz_sgn(a(s, s)) <= 0) return false;  // the leading minor of order s + 1
     for (Index i = s + 1; i < a.rows(); ++i) {
       for (Index j = s + 1; j < a.cols(); ++j) {
-        fmpz_fmms(a(i, j), a(i, j), a(s, s), a(i, s), a(s, j));
+        set_difference_of_products(a(i, j), a(i, j), a(s, s), a(i, s), a(s, j));
         fmpz_divexact(a(i, j), a(i, j), previous.get());
       }
     }

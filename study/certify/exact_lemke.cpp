@@ -69,7 +69,7 @@ class Dictionary {
       if (deadline.passed()) return false;
       for (Index j = 0; j < n_ + 2; ++j) {
         if (j == s) continue;
-        fmpz_fmms(entries_(i, j), entries_(i, j), pivot.get(), entries_(i, s), entries_(r, j));
+        set_difference_of_products(entries_(i, j), entries_(i, j), pivot.get(), entries_(i, s), entries_(r, j));
         fmpz_divexact(entries_(i, j), entries_(i, j), old_denominator.get());
       }
     }
@@ -120,7 +120,7 @@ class Dictionary {
       if (!kept.empty()) {
         // own / -D_is - best / -D_bs, times the product of the two positive denominators
         const Index b = kept.front();
-        fmpz_fmms(difference.get(), best.get(), entries_(i, s), own.get(), entries_(b, s));
+        set_difference_of_products(difference.get(), best.get(), entries_(i, s), own.get(), entries_(b, s));
         if (difference.sign() > 0) continue;
         if (difference.sign() < 0) kept.clear();
       }

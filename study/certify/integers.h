@@ -69,6 +69,14 @@ IntegerMatrix transposed(const IntegerMatrix& a);
 IntegerMatrix columns(const IntegerMatrix& a, const std::vector<Index>& which);
 IntegerMatrix identity(Index n);
 
+/// f = a b - c d; f may be one of them.
+inline void set_difference_of_products(fmpz* f, const fmpz* a, const fmpz* b, const fmpz* c, const fmpz* d) {
+  Integer result;
+  fmpz_mul(result.get(), a, b);
+  fmpz_submul(result.get(), c, d);
+  fmpz_swap(f, result.get());
+}
+
 /// numerator * 2^exponent.
 struct Dyadic {
   IntegerMatrix m;
