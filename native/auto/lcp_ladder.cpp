@@ -1,3 +1,5 @@
+#include "native/auto/lcp_ladder.h"
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -7,7 +9,6 @@
 #include "core/quad.h"
 #include "core/registry.h"
 #include "core/timed_solve.h"
-#include "native/auto/lcp_ladder.h"
 
 namespace lcpbench {
 
@@ -139,19 +140,15 @@ bool LcpLadder::proves(const Vector& farkas, Quad unit) const {
 }
 
 /// Of an answer that passes, where it violates w >= 0 by more than rounding: what would prove that nothing can do
-/// without, 1 for the row that is worst and for the rows of the support what keeps their z out of the sum. Else empty.
-/// O(support^3), allocates.
+/// without, 1 for the row that is worst and for the rows of the support what keeps their z out of the sum:
+/// O(support^3), allocates. Else empty.
 Vector LcpLadder::witness(const Vector& z) const {
   const Lcp& lcp = problem_.lcp();
   const double rounding = 0x1p-53 * static_cast<double>(lcp.size() + 1);
   Index worst = -1;
   double most = 0;
-  std::vector<Index> support;
   for (Index i = 0; i < z.size(); ++i) {
-    if (z(i) > 0) {
-      support.push_back(i);
-      continue;
-    }
+    if (z(i) > 0) continue;
     const double excess = -w_(i) - rounding * (std::abs(lcp.q(i)) + lcp.M.row(i).cwiseAbs().dot(z));
     if (excess > most) {
       most = excess;
@@ -159,6 +156,10 @@ Vector LcpLadder::witness(const Vector& z) const {
     }
   }
   if (worst < 0) return {};
+  std::vector<Index> support;
+  for (Index i = 0; i < z.size(); ++i) {
+    if (z(i) > 0) support.push_back(i);
+  }
   Vector u = Vector::Zero(z.size());
   u(worst) = 1;
   if (support.empty()) return u;
