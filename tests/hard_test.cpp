@@ -233,6 +233,28 @@ TEST(HardTruthTest, SeveralEquilibriaWhereTheGameHasThem) {
   EXPECT_EQ(vertex_solutions(problem_of("hard/class/n-matrix").lcp()).size(), 3U);
 }
 
+// It took coordinates of small inertia for ones without any: thin rods, lengths in other units.
+TEST(HardSolversTest, ContactLemkeClaimsNothingFalse) {
+  for (const std::string& name : instances()) {
+    const Problem problem = problem_of(name);
+    if (problem.contact() == nullptr) continue;
+    const Answer answer = solve("contact_lemke", problem);
+    const bool solvable = hard_case(name)->truth.known == HardKnown::kSolvable;
+    EXPECT_TRUE(answer.claim != Claim::kSolved || Evaluator(problem).errors(answer).solved) << name;
+    EXPECT_TRUE(answer.claim != Claim::kUnsolvable || !solvable) << name;
+  }
+}
+
+// An answer to them is within 2^-bits of right; only exact arithmetic on the basis shows that there is none.
+TEST(HardSolversTest, AutoProvesWhatIsBarelyInfeasible) {
+  for (const int bits : {5, 20, 30, 40, 50}) {
+    const Problem problem = problem_of("hard/ray/barely-infeasible{bits=" + std::to_string(bits) + "}");
+    const Answer answer = solve("auto", problem);
+    EXPECT_EQ(answer.claim, Claim::kUnsolvable) << bits;
+    EXPECT_TRUE(Evaluator(problem).check_farkas(answer.farkas)) << bits;
+  }
+}
+
 // ---- formulas against a second way to the same numbers ----
 
 TEST(HardFormulaTest, TheRingIsTheCirculantOfItsAngle) {
