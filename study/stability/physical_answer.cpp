@@ -47,7 +47,7 @@ Distance::Distance(const Problem& problem, bool unique) : unique_(unique), bare_
   const ContactProblem& contact = *problem.contact();
   if (!unique_) {
     factor_ = to_dense(contact.N).transpose();
-    scale_ = problem.lcp().q.cwiseAbs().maxCoeff();
+    scale_ = problem.lcp().q.lpNorm<Eigen::Infinity>();
     return;
   }
   const auto* inverse = std::get_if<InverseInertia>(&contact.inertia);
@@ -69,7 +69,7 @@ double Distance::operator()(const Vector& a, const Vector& b) const {
   if (difference.size() == 0) return 0;
   if (bare_) return to_double(quotient(difference.cwiseAbs().maxCoeff(), a.cwiseAbs().maxCoeff()));
   const Vector moved = coordinates(difference);
-  return to_double(quotient(unique_ ? moved.norm() : moved.cwiseAbs().maxCoeff(), scale_));
+  return to_double(quotient(unique_ ? moved.norm() : moved.lpNorm<Eigen::Infinity>(), scale_));
 }
 
 double scaled_condition(const Matrix& symmetric) {
