@@ -9,6 +9,7 @@
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
+#include "native/contact_test.h"
 
 namespace lcpbench {
 namespace {
@@ -161,7 +162,7 @@ class Enumeration final : public Solver {
   bool complete(const ExactSystem& system, Index first_row);
   bool is_solution(const ExactSystem& system);
   std::vector<Integer> equation(Index row) const;
-  void report_solution(Answer& answer) const;
+  void report_solution(Answer& answer);
   void report_none(Answer& answer) const;
 
   Index n_ = 0;
@@ -171,6 +172,7 @@ class Enumeration final : public Solver {
   std::vector<Index> others_;
   std::vector<Integer> numerators_;  // of z on the support
   Integer denominator_ = 1;          // > 0
+  ContactTest test_;
   double deadline_s_ = 0;
   bool out_of_time_ = false;
   Counters counters_;
@@ -180,6 +182,7 @@ void Enumeration::on_load(const Problem& problem) {
   const Lcp lcp = make_lcp(problem);
   n_ = lcp.size();
   rows_ = integer_rows(lcp);
+  test_.load(problem);
 }
 
 /// Row `row` of M z + q = 0 on the support.
@@ -227,13 +230,19 @@ bool Enumeration::find_with_support(IndexSet support) {
   return complete(system, 0);
 }
 
-void Enumeration::report_solution(Answer& answer) const {
+/// M of a contact problem is rounded when it is formed: its exact solution need not be one of the contacts.
+void Enumeration::report_solution(Answer& answer) {
   for (std::size_t j = 0; j < support_.size(); ++j) {
     answer.z(support_[j]) = nearest_double(numerators_[j], denominator_);
   }
   answer.claim = answer.z.allFinite() ? Claim::kSolved : Claim::kNumericalFailure;
   answer.detail = "exact solution with z = 0 outside " + text(support_);
-  if (answer.claim != Claim::kSolved) answer.detail += " overflows double";
+  if (answer.claim != Claim::kSolved) {
+    answer.detail += " overflows double";
+  } else if (!test_.passes(answer.z)) {
+    answer.claim = Claim::kNumericalFailure;
+    answer.detail = "the exact solution for M as rounded to double does not solve the contact problem";
+  }
 }
 
 /// M of a contact problem is rounded when it is formed: that it has no solution proves nothing about the contacts.

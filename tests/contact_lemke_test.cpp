@@ -402,6 +402,32 @@ TEST(ContactLemkeTest, ClaimsNothingUntrueOnReducedRank) {
   EXPECT_GE(unsolvable, 5);
 }
 
+// The factors' range is what the smallest pivots of a rounded G = X A X' would lose: here four digits were left of it.
+TEST(ContactLemkeTest, KnowsTheRangeOfAnInertiaFromItsFactors) {
+  const Problem problem = open_set("paper/monotone/exp4")->generate(1, 11036);
+  const Answer answer = solve(problem);
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_LE(errors_of(problem, answer).velocity_residual_relative, 1e-6);
+}
+
+TEST(ContactLemkeTest, TakesDependentFactorsAndThoseOfNoWeight) {
+  ContactProblem contact;
+  contact.v = testing::vector_of({1, -1, 0});
+  contact.D = Matrix(3, 0);
+  contact.edges = {0};
+  contact.mu = Vector::Zero(1);
+  Matrix X(3, 2);
+  X << 0, 0, 2, 4, 0, 0;  // twice the same direction: G = diag(0, 20, 0)
+  contact.N = Matrix(testing::vector_of({0, 1, 0}));
+  for (const Vector& alpha : {testing::vector_of({1, 1}), testing::vector_of({1, 0})}) {
+    contact.inertia = FactoredInertia{X, alpha};
+    const Problem problem("dependent", contact);
+    const Answer answer = solve(problem);
+    ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+    EXPECT_NEAR(answer.z(0), 4 * alpha(0) + 16 * alpha(1), 1e-12);  // G_22 times the approach of 1 m/s
+  }
+}
+
 // --- the life of a solver ---
 
 TEST(ContactLemkeTest, UpdateIsAsGoodAsLoading) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/registry.h"
+#include "generators/sets.h"
 #include "tests/textbook_lcps.h"
 
 namespace lcpbench {
@@ -137,6 +138,17 @@ TEST(EnumerationTest, ClaimsNothingUnsolvableOfAContactProblem) {
   const Answer answer = enumerate(Problem("crushed", crushed));
   EXPECT_EQ(answer.claim, Claim::kNumericalFailure);
   EXPECT_NE(answer.detail.find("contact problem"), std::string::npos);
+}
+
+// Nor need the exact solution of that M be one of the contacts: these two are off by more than max|q|.
+TEST(EnumerationTest, ClaimsNothingSolvedThatTheContactsAreNot) {
+  const auto set = open_set("paper/monotone/exp3");
+  for (const std::int64_t trial : {3040, 3985}) {
+    const Answer answer = enumerate(set->generate(1, trial));
+    EXPECT_EQ(answer.claim, Claim::kNumericalFailure) << trial;
+    EXPECT_NE(answer.detail.find("contact problem"), std::string::npos);
+  }
+  EXPECT_EQ(enumerate(set->generate(1, 0)).claim, Claim::kSolved);
 }
 
 TEST(EnumerationTest, RefusesMoreThanTwelve) {

@@ -10,7 +10,8 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 /// G is factored by Cholesky with diagonal pivoting, P'GP = L D L' with |L| <= 1, and W = P L^-T D^-1/2 is kept, so
 /// that G* = W W'. The factors of a badly conditioned G differ in their scales D but hardly in their unit triangle, so
 /// that W has small relative errors row by row where G^-1 itself would not. Singular G: L has rank columns and W = L
-/// (L'L)^-1. Where G* was given, it is used as it is.
+/// (L'L)^-1; fewer than ngc factors x, alpha > 0 are the columns sqrt(alpha) x of L, so that the range of G is theirs and
+/// not what rounding leaves of it. Where G* was given, it is used as it is.
 template <class Scalar>
 class Response {
  public:
@@ -36,14 +37,23 @@ class Response {
       load_inverse(input.inertia.Ginv);
       return;
     }
-    form(input.inertia);
-    factor(input.inertia.factors >= 0 && input.inertia.factors < ngc_ ? input.inertia.factors : ngc_);
-    if (rank_ == ngc_) {
-      invert_triangle();
-    } else {
-      pseudo_invert();
+    const bool by_columns = load_columns(input.inertia);
+    if (!by_columns) {
+      form(input.inertia);
+      factor(by_factors_ && input.inertia.factors < ngc_ ? input.inertia.factors : ngc_);
+      if (rank_ == ngc_) {
+        invert_triangle();
+      } else {
+        pseudo_invert();
+      }
     }
     transpose();
+    norm_ = 0;
+    for (Count k = by_columns || rank_ == 0 ? 0 : rank_ - 1; k < rank_; ++k) {  // the last is of the smallest pivot
+      const Scalar* const column = columns_.data() + k * padded_;
+      const Scalar square = dot(column, column, padded_);
+      norm_ = square > norm_ ? square : norm_;
+    }
   }
 
   Count rank() const { return rank_; }
@@ -103,6 +113,26 @@ class Response {
       for (Count i = ngc_; i < padded_; ++i) columns_[j * padded_ + i] = 0;
       norm_ = columns_[j * padded_ + j] > norm_ ? columns_[j * padded_ + j] : norm_;
     }
+  }
+
+  /// L and W straight from fewer than ngc factors. False where there are not such, or where they are dependent.
+  bool load_columns(const contact_lemke::InertiaInput& inertia) {
+    if (!by_factors_ || inertia.factors >= ngc_) return false;
+    rank_ = 0;
+    condition_ = 1;
+    for (Count k = 0; k < inertia.factors; ++k) {
+      if (!(inertia.alpha[k] > 0)) {
+        if (inertia.alpha[k] == 0) continue;
+        return false;
+      }
+      Scalar* const l = L_.data() + rank_ * padded_;
+      const Scalar root = square_root(static_cast<Scalar>(inertia.alpha[k]));
+      for (Count i = 0; i < ngc_; ++i) l[i] = root * static_cast<Scalar>(inertia.X[k * ngc_ + i]);
+      for (Count i = ngc_; i < padded_; ++i) l[i] = 0;
+      ++rank_;
+    }
+    rank_padded_ = P::padded(rank_);
+    return pseudo_invert();
   }
 
   void form(const contact_lemke::InertiaInput& inertia) {
@@ -196,16 +226,25 @@ class Response {
     }
   }
 
-  /// W = L S^-1 with S = L'L, by Cholesky of S.
-  void pseudo_invert() {
+  /// W = L S^-1 with S = L'L, by Cholesky of S. False where S is singular to working precision, W worthless.
+  bool pseudo_invert() {
     Scalar* const S = work_.data();  // by rows, rank x rank, as far apart as the rows of G were
     for (Count i = 0; i < rank_; ++i) {
       for (Count j = 0; j <= i; ++j) {
         S[i * padded_ + j] = dot(L_.data() + i * padded_, L_.data() + j * padded_, padded_);
       }
     }
+    bool independent = true;
+    Scalar largest = 0, smallest = kInfinity<Scalar>;
     for (Count j = 0; j < rank_; ++j) {
+      const Scalar whole = S[j * padded_ + j];
       for (Count k = 0; k < j; ++k) S[j * padded_ + j] -= S[j * padded_ + k] * S[j * padded_ + k];
+      const Scalar left = S[j * padded_ + j];
+      if (!(left > static_cast<Scalar>(4 * kUnitRoundoff<Scalar> * static_cast<double>(ngc_)) * whole)) {
+        independent = false;
+      }
+      largest = left > largest ? left : largest;
+      smallest = left < smallest ? left : smallest;
       S[j * padded_ + j] = square_root(S[j * padded_ + j]);
       for (Count i = j + 1; i < rank_; ++i) {
         for (Count k = 0; k < j; ++k) S[i * padded_ + j] -= S[i * padded_ + k] * S[j * padded_ + k];
@@ -221,6 +260,8 @@ class Response {
       for (Count j = k + 1; j < rank_; ++j) subtract_column(k, j, S[j * padded_ + k]);
       scale(columns_.data() + k * padded_, Scalar(1) / S[k * padded_ + k], padded_);
     }
+    if (rank_ > 0) condition_ = largest / smallest;
+    return independent;
   }
 
   void subtract_column(Count to, Count from, Scalar factor) {
@@ -229,8 +270,6 @@ class Response {
 
   void transpose() {
     white_.fill(padded_, Scalar(0));
-    const Scalar* const last = columns_.data() + (rank_ - 1) * padded_;  // of the smallest pivot
-    norm_ = rank_ > 0 ? dot(last, last, padded_) : Scalar(0);
     for (Count i = 0; i < ngc_; ++i) {
       for (Count k = 0; k < rank_; ++k) rows_[i * rank_padded_ + k] = columns_[k * padded_ + i];
       for (Count k = rank_; k < rank_padded_; ++k) rows_[i * rank_padded_ + k] = 0;
