@@ -23,7 +23,8 @@ constexpr double kClaimedError = 5e-10;
 /// exact.
 constexpr Quad kDouble = 4e-16;
 constexpr Quad kExact = 4 * kQuadUnitRoundoff;
-constexpr std::size_t kLoadedAtOnce = 2;
+/// Loading these takes O(n^2); `regularized`, the last, allocates in any case.
+constexpr std::size_t kLoadedAtOnce = 3;
 
 Options with_limit(Options options, std::int64_t max_pivots) {
   if (max_pivots > 0) options.emplace_back("max_pivots", std::to_string(max_pivots));

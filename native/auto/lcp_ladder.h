@@ -14,8 +14,7 @@ namespace lcpbench {
 ///
 /// Lemke's method with tolerances near rounding, the same with those of LEMKE, principal pivoting (which may prove that
 /// there is no solution), and regularised Lemke. An answer that passes, but violates w >= 0 by more than rounding, is
-/// no solution where its basis proves so exactly. The first two are loaded with the problem; the others, which few
-/// problems need, when they are.
+/// no solution where its basis proves so exactly. All but the last, which allocates, are loaded with the problem.
 class LcpLadder {
  public:
   explicit LcpLadder(std::int64_t max_pivots) : max_pivots_(max_pivots) {}
