@@ -6,8 +6,8 @@
 
 namespace lcpbench {
 
-/// Half of what the evaluation allows, to be on its safe side whatever the test itself rounds: velocity residual relative
-/// to max|q| of contact problems.
+/// Half of what the evaluation allows, to be on its safe side whatever the test itself rounds: velocity residual
+/// relative to max|q| of contact problems.
 inline constexpr double kClaimedResidual = 5e-5;
 
 /// Whether an answer solves a contact problem, from its factors: for methods that work on M. M as rounded is another

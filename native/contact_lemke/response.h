@@ -10,8 +10,8 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 /// G is factored by Cholesky with diagonal pivoting, P'GP = L D L' with |L| <= 1, and W = P L^-T D^-1/2 is kept, so
 /// that G* = W W'. The factors of a badly conditioned G differ in their scales D but hardly in their unit triangle, so
 /// that W has small relative errors row by row where G^-1 itself would not. Singular G: L has rank columns and W = L
-/// (L'L)^-1; fewer than ngc factors x, alpha > 0 are the columns sqrt(alpha) x of L, so that the range of G is theirs and
-/// not what rounding leaves of it. Where G* was given, it is used as it is.
+/// (L'L)^-1; fewer than ngc factors x, alpha > 0 are the columns sqrt(alpha) x of L, so that the range of G is theirs
+/// and not what rounding leaves of it. Where G* was given, it is used as it is.
 template <class Scalar>
 class Response {
  public:
