@@ -5,7 +5,10 @@
 #include <functional>
 #include <iterator>
 #include <numeric>
+#include <string>
 #include <utility>
+
+#include "core/error.h"
 
 namespace lcpbench {
 namespace {
@@ -242,7 +245,8 @@ void draw_inertia(const TrialKey& key, const Dimensions& sizes, const PaperSet& 
                   PaperSample& sample) {
   if (!set.features.reduced) {
     sample.form = InertiaForm::kDense;
-    sample.G = draw_full_rank_inertia(key, sizes, reading, set.condition);
+    sample.G =
+        draw_full_rank_inertia(key, sizes, reading, set.features.conditioned ? set.condition : reading.condition);
   } else {
     Factors factors = draw_factors(key, sizes, reading, 0);
     sample.form = InertiaForm::kFactored;
@@ -258,6 +262,7 @@ void draw_inertia(const TrialKey& key, const Dimensions& sizes, const PaperSet& 
 template <PaperFeatures kFeatures>
 struct PaperSettings {
   PaperReading reading{.ngc_max = kFeatures.ngc_max, .nc_max = kFeatures.nc_max};
+  static constexpr bool kDialled = !kFeatures.reduced && !kFeatures.conditioned;
 
   void visit(auto&& field) {
     if constexpr (kFeatures.redundant) visit_redundancy(field);
@@ -275,6 +280,10 @@ struct PaperSettings {
                                   {"linear", SpectrumMap::kLinear},
                                   {"geometric", SpectrumMap::kGeometric}}},
             "how the eigenvalues of the inertia are mapped into [1, condition]");
+    }
+    if constexpr (kDialled) {
+      field("condition", reading.condition, RealRange{.min = 0, .max = 1e12},
+            "condition number that the eigenvalues of the inertia are brought to, 1 or more; 0: as drawn");
     }
     visit_inertia(field);
     field("ngc_max", reading.ngc_max, IntegerRange{6, kLargestCeiling}, "ceiling of the number of coordinates");
@@ -322,7 +331,11 @@ PaperSet make_set(std::string name, std::string stream, std::string summary, dou
   PaperSet set{std::move(name), std::move(stream), std::move(summary), kFeatures, condition};
   set.options = [] { return describe_settings<Settings>(); };
   set.parse = [](std::string_view owner, const Options& options) {
-    return parse_settings<Settings>(owner, options).reading;
+    const PaperReading reading = parse_settings<Settings>(owner, options).reading;
+    if (reading.condition > 0 && reading.condition < 1) {
+      throw InputError(std::string(owner) + ": condition=" + format_real(reading.condition) + " is below 1");
+    }
+    return reading;
   };
   set.changed = [](std::string_view owner, const Options& options) {
     return changed_settings(parse_settings<Settings>(owner, options));

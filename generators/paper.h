@@ -38,6 +38,7 @@ struct PaperReading {
   SpectrumMap spectrum = SpectrumMap::kLogLinear;
   WeightDistribution alpha = WeightDistribution::kUniform;
   VectorDistribution x = VectorDistribution::kUniform;
+  double condition = 0;  ///< of the inertia, log-linear spectrum; 0: as drawn
   std::int64_t ngc_max = 15;
   std::int64_t nc_max = 20;
 };

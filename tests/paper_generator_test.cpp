@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/error.h"
 #include "core/spec.h"
 #include "generators/paper.h"
 #include "tests/generator_checks.h"
@@ -256,6 +257,32 @@ TEST(PaperGeneratorTest, ConditionedInertiaHasTheEigenvaluesOneAndCondition) {
       }
     }
   }
+}
+
+// What a study of conditioning relies on: along the dial problems differ in their inertia alone.
+TEST(PaperGeneratorTest, TheDialOfConditionChangesTheSpectrumAlone) {
+  for (const std::string name : {"paper/monotone/exp1", "paper/copositive/exp2"}) {
+    const Opened as_drawn = open(name);
+    const std::pair<const char*, double> conditions[] = {{"1", 1}, {"1e6", 1e6}, {"1e12", 1e12}};
+    for (const auto& [label, condition] : conditions) {
+      const Opened dialled = open(name + "{condition=" + label + "}");
+      for (std::uint64_t trial = 0; trial < 20; ++trial) {
+        const PaperSample plain = as_drawn.draw(trial);
+        PaperSample sample = dialled.draw(trial);
+        const double slack = static_cast<double>(sample.v.size()) * 0x1p-52 * condition;
+        ASSERT_TRUE(checks::symmetric(sample.G));
+        ASSERT_TRUE(checks::spectrum_ends_at(sample.G, 1, condition, slack)) << name << label << trial;
+        ASSERT_FALSE(same(sample, plain));
+        sample.G = plain.G;
+        ASSERT_TRUE(same(sample, plain));
+      }
+    }
+    for (const char* bad : {"{condition=0.5}", "{condition=2e12}", "{condition=nan}", "{condition=-1}"}) {
+      EXPECT_THROW(open(name + bad), InputError) << bad;
+    }
+  }
+  EXPECT_THROW(open("paper/monotone/exp3{condition=10}"), InputError);
+  EXPECT_THROW(open("paper/monotone/exp5-1e8{condition=10}"), InputError);
 }
 
 TEST(PaperGeneratorTest, TheLargeSetReachesOneHundredAndItsCondition) {
