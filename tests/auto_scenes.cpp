@@ -59,11 +59,6 @@ void compare_islands(int repeats) {
       const Timed parts = run(problem, {}, repeats);
       const ContactProblem& contact = *problem.contact();
       std::printf("%d,%d,%ld,%.4g,", edges, stacks, static_cast<long>(contact.nc()), parts.seconds);
-      const bool dense_fits = edges == 0 || stacks <= 60;
-      if (!dense_fits) {
-        std::printf(",,%d,,\n", parts.verified ? 1 : 0);
-        continue;
-      }
       const Timed whole = run(problem, kWhole, stacks > 20 && edges > 0 ? 1 : repeats);
       double difference = -1;
       if (whole.answer.z.size() == parts.answer.z.size()) {
