@@ -31,8 +31,9 @@ double wall_clock_s();
 double thread_cpu_clock_s();
 
 /// Loads and solves under both clocks. The first load and solve give the answer. When together they took less CPU time
-/// than `repeat_until_s`, both are repeated in batches (one clock reading around each batch) and the batch means are
-/// reported: cold caches and clock resolution drop out. Throws what the solver throws.
+/// than `repeat_until_s`, a batch of loads and a batch of loads with their solves follow (one clock reading around each
+/// batch), and the means are reported, the solve's as their difference: cold caches and clock resolution drop out, and no
+/// solve gains from what the one before it prepared. Throws what the solver throws.
 void timed_solve(Solver& solver, const Problem& problem, const TimedRequest& request, TimedAnswer& result);
 
 /// Something that answers problems under the clock: a native solver in this process, or a foreign one in its worker.

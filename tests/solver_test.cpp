@@ -112,6 +112,31 @@ TEST(TimedSolveTest, RepeatsShortSolvesAndReportsMeans) {
   EXPECT_EQ(timed.answer.claim, Claim::kSolved);
 }
 
+// Works hard in the first solve after a load only, as one that keeps a fallback it has found.
+class Remembers final : public Solver {
+ public:
+  const Capabilities& capabilities() const override { return capabilities_; }
+
+ protected:
+  void on_load(const Problem&) override { known_ = false; }
+  void on_solve(const SolveRequest&, Answer&) override {
+    if (!known_) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    known_ = true;
+  }
+
+ private:
+  Capabilities capabilities_;
+  bool known_ = false;
+};
+
+TEST(TimedSolveTest, NoSolveGainsFromTheOneBefore) {
+  Remembers remembers;
+  TimedAnswer timed;
+  timed_solve(remembers, frictional_particle(), {.repeat_until_s = 1e-2, .max_repeats = 5}, timed);
+  EXPECT_EQ(timed.times.repeats, 5);
+  EXPECT_GE(timed.times.solve_wall_s, 1.9e-3);  // the sleep, less what five loads may take on a busy machine
+}
+
 class Waits final : public Solver {
  public:
   const Capabilities& capabilities() const override { return capabilities_; }
