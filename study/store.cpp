@@ -36,16 +36,26 @@ std::string describe(const std::filesystem::path& file, const char* what) { retu
 /// True when the file holds nothing yet: also one whose process was killed before its first commit.
 bool is_blank(Database& database) { return database.integer("SELECT COUNT(*) FROM sqlite_master") == 0; }
 
-void check_format(Database& database) {
+void check_application(Database& database) {
   if (database.integer("PRAGMA application_id") != kApplicationId) {
     throw InputError(describe(database.file(), "not an lcpbench store"));
   }
+}
+
+void check_format(Database& database) {
+  check_application(database);
   const std::int64_t version = database.integer("PRAGMA user_version");
   if (version < kOldestFormat || version > kFormatVersion) {
-    throw InputError(
-        fmt::format("{}: store format {}, this lcpbench reads formats {} to {}; use another store, or --fresh",
-                    database.file().string(), version, kOldestFormat, kFormatVersion));
+    throw InputError(fmt::format(
+        "{}: store format {}, this lcpbench reads formats {} to {}; use another store (`run --fresh` replaces it)",
+        database.file().string(), version, kOldestFormat, kFormatVersion));
   }
+}
+
+/// What is no file at all would be told by SQLite in words that name no cause.
+void refuse_folder(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) throw InputError(describe(file, "is a folder, expected a store"));
 }
 
 /// Makes a blank file a store, or one of the older format one of today's, whole or not at all.
@@ -315,6 +325,7 @@ Store::~Store() {
 }
 
 Store Store::open_for_writing(const std::filesystem::path& file) {
+  refuse_folder(file);
   auto lock = std::make_unique<FileLock>(file);
   auto data = std::make_unique<Data>(file, Mode::kReadWriteCreate);
   data->lock = std::move(lock);
@@ -328,6 +339,7 @@ Store Store::open_for_writing(const std::filesystem::path& file) {
 }
 
 Store Store::open_for_reading(const std::filesystem::path& file) {
+  refuse_folder(file);
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored)) throw InputError(describe(file, "no such store"));
   auto data = std::make_unique<Data>(file, Mode::kReadOnly);
@@ -338,10 +350,11 @@ Store Store::open_for_reading(const std::filesystem::path& file) {
 void Store::remove(const std::filesystem::path& file) {
   std::error_code ignored;
   if (!std::filesystem::exists(file, ignored)) return;
+  refuse_folder(file);
   const FileLock lock(file);
   {
     Database database(file, Mode::kReadOnly);
-    if (!is_blank(database)) check_format(database);
+    if (!is_blank(database)) check_application(database);
   }
   for (const char* suffix : {"-wal", "-shm", ""}) std::filesystem::remove(file.string() + suffix);
 }

@@ -343,7 +343,8 @@ TEST(StoreTest, OlderFormatIsRefusedInOneLine) {
   fill(folder / "s.db", Vector::Ones(2));
   sqlite::Database(folder / "s.db", sqlite::Mode::kReadWriteCreate).execute("PRAGMA user_version = 1");
   const std::string expected = (folder / "s.db").string() +
-                               ": store format 1, this lcpbench reads formats 2 to 3; use another store, or --fresh";
+                               ": store format 1, this lcpbench reads formats 2 to 3; use another store (`run --fresh` "
+                               "replaces it)";
   EXPECT_EQ(input_error([&] { Store::open_for_reading(folder / "s.db"); }), expected);
   EXPECT_EQ(input_error([&] { Store::open_for_writing(folder / "s.db"); }), expected);
 }
@@ -385,6 +386,25 @@ TEST(StoreTest, NewerFormatIsNamed) {
   fill(folder / "s.db", Vector::Ones(2));
   sqlite::Database(folder / "s.db", sqlite::Mode::kReadWriteCreate).execute("PRAGMA user_version = 99");
   EXPECT_NE(input_error([&] { Store::open_for_writing(folder / "s.db"); }).find("store format 99"), std::string::npos);
+}
+
+TEST(StoreTest, StoreOfAnotherFormatCanBeThrownAwayAsItsRefusalSays) {
+  const ScratchFolder folder;
+  fill(folder / "s.db", Vector::Ones(2));
+  sqlite::Database(folder / "s.db", sqlite::Mode::kReadWriteCreate).execute("PRAGMA user_version = 99");
+  Store::remove(folder / "s.db");
+  EXPECT_FALSE(std::filesystem::exists(folder / "s.db"));
+}
+
+TEST(StoreTest, FolderIsCalledAFolder) {
+  const ScratchFolder folder;
+  const std::filesystem::path path = folder / "there";
+  std::filesystem::create_directory(path);
+  const std::string expected = path.string() + ": is a folder, expected a store";
+  EXPECT_EQ(input_error([&] { Store::open_for_reading(path); }), expected);
+  EXPECT_EQ(input_error([&] { Store::open_for_writing(path); }), expected);
+  EXPECT_EQ(input_error([&] { Store::remove(path); }), expected);
+  EXPECT_TRUE(std::filesystem::is_directory(path));
 }
 
 TEST(StoreTest, DamagedFileIsAnInputError) {
