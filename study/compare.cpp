@@ -9,9 +9,9 @@
 #include <set>
 
 #include <fmt/format.h>
-#include <fnmatch.h>
 
 #include "core/error.h"
+#include "generators/glob.h"
 #include "study/comparison.h"
 #include "study/json_output.h"
 #include "study/text_table.h"
@@ -216,9 +216,8 @@ void compare_solver(const std::string& set, const SolverPair& solvers, const Ent
 }
 
 bool is_wanted(const std::string& set, const std::vector<std::string>& patterns) {
-  return patterns.empty() || std::any_of(patterns.begin(), patterns.end(), [&set](const std::string& pattern) {
-           return fnmatch(pattern.c_str(), set.c_str(), 0) == 0;
-         });
+  return patterns.empty() || std::any_of(patterns.begin(), patterns.end(),
+                                         [&set](const std::string& pattern) { return glob_matches(pattern, set); });
 }
 
 using SetIds = std::map<std::string, std::int64_t, bool (*)(const std::string&, const std::string&)>;
@@ -229,6 +228,14 @@ SetIds wanted_sets(Store& store, const std::vector<std::string>& patterns) {
     if (is_wanted(name, patterns)) sets.emplace(name, id);
   }
   return sets;
+}
+
+/// A pattern that names no set of either store is a slip, not an empty comparison.
+void check_patterns(Store& a, Store& b, const std::vector<std::string>& patterns) {
+  for (const std::string& pattern : patterns) {
+    if (!wanted_sets(a, {pattern}).empty() || !wanted_sets(b, {pattern}).empty()) continue;
+    throw InputError(fmt::format("--set '{}': no such set in {} or {}", pattern, a.file().string(), b.file().string()));
+  }
 }
 
 void list_unmatched(Store& store, const SetIds& sets, const std::vector<StoredSolver>& solvers,
@@ -413,6 +420,7 @@ bool StoreComparison::slower() const {
 }
 
 StoreComparison compare_stores(Store& a, Store& b, const CompareOptions& options) {
+  check_patterns(a, b, options.sets);
   const std::string& wanted_b = options.solver_b.empty() ? options.solver_a : options.solver_b;
   const bool by_name = options.solver_a.empty() || options.solver_a == wanted_b;
   const Matching matching = match_solvers(chosen_solvers(a, options.solver_a), chosen_solvers(b, wanted_b), by_name);

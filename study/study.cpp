@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <string_view>
 
 #include <fmt/format.h>
 
 #include "core/error.h"
 #include "core/isa.h"
 #include "core/registry.h"
+#include "generators/glob.h"
 #include "study/open_solver.h"
 
 namespace lcpbench {
@@ -51,36 +51,13 @@ std::vector<StudySet> open_sets(const Plan& plan) {
   return opened;
 }
 
-/// * stands for any characters, ? for one.
-bool matches(std::string_view pattern, std::string_view text) {
-  std::size_t at = 0;
-  std::size_t i = 0;
-  std::size_t star = std::string_view::npos;
-  std::size_t after_star = 0;
-  while (i < text.size()) {
-    if (at < pattern.size() && pattern[at] == '*') {
-      star = at++;
-      after_star = i;
-    } else if (at < pattern.size() && (pattern[at] == '?' || pattern[at] == text[i])) {
-      ++at;
-      ++i;
-    } else if (star != std::string_view::npos) {
-      at = star + 1;
-      i = ++after_star;
-    } else {
-      return false;
-    }
-  }
-  return pattern.find_first_not_of('*', at) == std::string_view::npos;
-}
-
 /// The sets of the study that a planned solver runs on.
 std::vector<bool> sets_of(const PlannedSolver& planned, const Plan& plan, const std::vector<StudySet>& sets) {
   std::vector<bool> chosen(sets.size(), planned.sets.empty());
   for (const std::string& pattern : planned.sets) {
     bool any = plan.other_sets;
     for (std::size_t i = 0; i < sets.size(); ++i) {
-      if (!matches(pattern, sets[i].set->name())) continue;
+      if (!glob_matches(pattern, sets[i].set->name())) continue;
       chosen[i] = true;
       any = true;
     }

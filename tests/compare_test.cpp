@@ -216,6 +216,17 @@ TEST_F(CompareTest, NothingInCommonIsBadInput) {
   EXPECT_THROW(compare({.sets = {}, .solver_a = "nosuch", .solver_b = ""}), InputError);
 }
 
+TEST_F(CompareTest, PatternThatNamesNoSetIsNamed) {
+  write({}, {});
+  std::string message;
+  try {
+    compare({.sets = {"*", "hard/?"}, .solver_a = "", .solver_b = ""});
+  } catch (const InputError& error) {
+    message = error.what();
+  }
+  EXPECT_NE(message.find("'hard/?'"), std::string::npos) << message;
+}
+
 TEST_F(CompareTest, ExitCodesAndJsonOfTheProgram) {
   write({}, {.lemke_fails = 13, .steady_time_s = 2e-3});
   EXPECT_EQ(run("a.db b.db"), 0) << read_file(folder_ / "err");
