@@ -28,7 +28,7 @@ int generate(const Arguments& arguments) {
   const std::filesystem::path folder = arguments.out;
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) throw InputError(fmt::format("--out {}: {}", arguments.out, error.message()));
+  if (error) throw InputError(fmt::format("--out '{}': {}", arguments.out, error.message()));
   for (std::int64_t trial = arguments.first; trial - arguments.first < arguments.count; ++trial) {
     write_problem(set->generate(arguments.seed, trial), folder / fmt::format("{:06}.json", trial));
   }

@@ -1,13 +1,11 @@
-#include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "core/error.h"
-#include "generators/problem_io.h"
 #include "study/commands/commands.h"
+#include "study/commands/files.h"
 #include "study/commands/options.h"
 #include "study/inspect/inspection.h"
 #include "study/inspect/inspection_output.h"
@@ -23,21 +21,15 @@ struct Arguments {
 
 int inspect_files(const Arguments& arguments) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-  bool complete = true;
-  for (const std::string& file : arguments.files) {
-    try {
-      const Inspection inspection = inspect(read_problem(file));
-      if (arguments.format == "json") {
-        rows.push_back(inspection_json(inspection));
-        rows.back()["problem"]["file"] = file;
-      } else {
-        fmt::print("{}\n{}\n", file, inspection_text(inspection));
-      }
-    } catch (const InputError& error) {
-      complete = false;
-      fmt::print(stderr, "lcpbench: {}\n", error.what());
+  const bool complete = for_each_problem_file(arguments.files, [&](const Problem& problem, const std::string& file) {
+    const Inspection inspection = inspect(problem);
+    if (arguments.format == "json") {
+      rows.push_back(inspection_json(inspection));
+      rows.back()["problem"]["file"] = file;
+    } else {
+      fmt::print("{}\n{}\n", file, inspection_text(inspection));
     }
-  }
+  });
   if (arguments.format == "json") print_json(rows);
   return complete ? kExitDone : kExitBadInput;
 }

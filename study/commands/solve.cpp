@@ -9,10 +9,9 @@
 #include <fmt/format.h>
 
 #include "adapters/worker_client.h"
-#include "core/error.h"
-#include "generators/problem_io.h"
 #include "study/answer_note.h"
 #include "study/commands/commands.h"
+#include "study/commands/files.h"
 #include "study/commands/options.h"
 #include "study/commands/problem_text.h"
 #include "study/evaluation/evaluation.h"
@@ -127,15 +126,15 @@ int rank(const Attempt& attempt) {
   }
 }
 
-/// A solver whose worker does not start has no row: stderr says why, and `complete` becomes false.
-std::vector<Attempt> attempts_on(const Problem& problem, Solvers& solvers, double time_limit_s, bool& complete) {
+/// A solver whose worker does not start has no row: stderr says why, and `all_started` becomes false.
+std::vector<Attempt> attempts_on(const Problem& problem, Solvers& solvers, double time_limit_s, bool& all_started) {
   Evaluator evaluator(problem);
   std::vector<Attempt> attempts;
   for (const Spec& spec : solvers.choose(problem)) {
     try {
       attempts.push_back(attempt(problem, spec, solvers.opened(spec), evaluator, time_limit_s));
     } catch (const WorkerError& error) {
-      complete = false;
+      all_started = false;
       fmt::print(stderr, "lcpbench: {}\n", error.what());
     }
   }
@@ -225,24 +224,18 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
 int solve(const Arguments& arguments) {
   Solvers solvers(arguments.solvers);
   Json rows = Json::array();
-  bool complete = true;
-  for (const std::string& file : arguments.files) {
-    try {
-      const Problem problem = read_problem(file);
-      const std::vector<Attempt> attempts = attempts_on(problem, solvers, arguments.time_limit_s, complete);
-      if (arguments.format == "json") {
-        const Json described_problem = problem_summary_json(problem, file);
-        for (const Attempt& each : attempts) rows.push_back(attempt_json(described_problem, each));
-      } else {
-        print_attempts(problem, file, attempts);
-      }
-    } catch (const InputError& error) {
-      complete = false;
-      fmt::print(stderr, "lcpbench: {}\n", error.what());
+  bool all_started = true;
+  const bool all_read = for_each_problem_file(arguments.files, [&](const Problem& problem, const std::string& file) {
+    const std::vector<Attempt> attempts = attempts_on(problem, solvers, arguments.time_limit_s, all_started);
+    if (arguments.format == "json") {
+      const Json described_problem = problem_summary_json(problem, file);
+      for (const Attempt& each : attempts) rows.push_back(attempt_json(described_problem, each));
+    } else {
+      print_attempts(problem, file, attempts);
     }
-  }
+  });
   if (arguments.format == "json") print_json(rows);
-  return complete ? kExitDone : kExitBadInput;
+  return all_started && all_read ? kExitDone : kExitBadInput;
 }
 
 }  // namespace
