@@ -97,6 +97,7 @@ Spread spread(std::span<const double> values) {
 
 Estimate median_estimate(std::span<const double> values) {
   if (values.empty()) return {kNone, kNone, kNone};
+  if (values.size() == 1) return {values.front(), kNone, kNone};
   const std::vector<double> sorted = sorted_copy(values);
   BoundedDraw draw(kBootstrapSeed);
   std::vector<std::uint32_t> drawn(sorted.size());
@@ -115,6 +116,7 @@ Estimate ratio_of_sums(std::span<const double> reference, std::span<const double
   const double numerator = sum(reference);
   const double denominator = sum(solver);
   if (!(numerator > 0 && denominator > 0)) return {kNone, kNone, kNone};
+  if (solver.size() == 1) return {numerator / denominator, kNone, kNone};
   BoundedDraw draw(kBootstrapSeed);
   std::vector<double> ratios;
   ratios.reserve(kResamples);

@@ -67,12 +67,14 @@ double median(std::span<const double> sorted);
 /// @param values in any order, no NaN
 Spread spread(std::span<const double> values);
 
-/// Median with its percentile-bootstrap interval; O(kResamples n). The same values give the same interval.
+/// Median with its percentile-bootstrap interval; O(kResamples n). The same values give the same interval. A single
+/// value has none: all resamples of it are equal, and a point would pass for certainty.
 /// @param values in any order, no NaN
 Estimate median_estimate(std::span<const double> values);
 
 /// sum(reference) / sum(solver), two times of the same problems, with its percentile-bootstrap interval over problems:
-/// the speed-up of `solver`. Resampling keeps each pair together. NaN for no pairs or a sum that is not positive.
+/// the speed-up of `solver`. Resampling keeps each pair together. NaN for no pairs or a sum that is not positive; a
+/// single pair has no interval.
 /// @throws std::invalid_argument when the lengths differ.
 Estimate ratio_of_sums(std::span<const double> reference, std::span<const double> solver);
 

@@ -175,6 +175,16 @@ TEST(StatisticsTest, RatioWithoutTimesIsNotANumber) {
   EXPECT_THROW(ratio_of_sums(ones, {}), std::invalid_argument);
 }
 
+TEST(StatisticsTest, BootstrapsOfASingleValueHaveNoInterval) {
+  const std::vector<double> one{2};
+  const std::vector<double> other{6};
+  for (const Estimate& estimate : {median_estimate(one), ratio_of_sums(one, other)}) {
+    EXPECT_TRUE(std::isfinite(estimate.value));
+    EXPECT_TRUE(std::isnan(estimate.low));
+    EXPECT_TRUE(std::isnan(estimate.high));
+  }
+}
+
 TEST(StatisticsTest, BootstrapsRepeatToTheLastBit) {
   const std::vector<double> values{3, 1, 4, 1, 5, 9, 2, 6};
   EXPECT_EQ(median_estimate(values).low, median_estimate(values).low);
