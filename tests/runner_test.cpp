@@ -346,8 +346,10 @@ TEST(RunnerTest, VerdictsFollowFromTheStoreWithoutSolvingAgain) {
     problems[row.id] = problem;
   });
   std::int64_t last = -1;
+  std::int64_t cells = 0;
   std::unique_ptr<Evaluator> evaluator;
   store.for_each_answer([&](const StoredAnswer& row) {
+    cells += row.cells;
     if (row.problem_id != last) evaluator = std::make_unique<Evaluator>(problems.at(row.problem_id));
     last = row.problem_id;
     const Answer answer = *store.answer(row.problem_id, row.solver_id, static_cast<std::uint32_t>(row.part));
@@ -358,6 +360,8 @@ TEST(RunnerTest, VerdictsFollowFromTheStoreWithoutSolvingAgain) {
     }
     EXPECT_EQ(verdict(answer.claim, errors, row.truth), row.verdict);
   });
+  EXPECT_EQ(cells, store.cell_count());
+  EXPECT_GT(cells, 0);
 }
 
 class Liar final : public TimedSolver {

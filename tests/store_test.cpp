@@ -207,7 +207,12 @@ TEST(StoreTest, SeedsUseAll64Bits) {
     store.add(result);
   }
   Store store = Store::open_for_reading(folder / "s.db");
-  store.for_each_problem([&](const ProblemRow& row) { EXPECT_EQ(row.seed, kSeed); });
+  int rows = 0;
+  store.for_each_problem([&](const ProblemRow& row) {
+    EXPECT_EQ(row.seed, kSeed);
+    ++rows;
+  });
+  EXPECT_EQ(rows, 1);
 }
 
 TEST(StoreTest, AtRestIsOneFile) {
