@@ -30,6 +30,8 @@ lcpbench_test(adapter_friction LINK lcpbench_study)
 add_dependencies(adapter_friction_test lcpbench_workers)
 add_executable(friction_model_difference EXCLUDE_FROM_ALL friction_model_difference.cpp)  # a measurement, not a test
 target_link_libraries(friction_model_difference PRIVATE lcpbench_study)
+add_executable(matrix_rounding EXCLUDE_FROM_ALL matrix_rounding.cpp)  # a measurement, not a test
+target_link_libraries(matrix_rounding PRIVATE lcpbench_study)
 lcpbench_test(quickstep_sor LINK lcpbench_study)  # against the real QuickStep
 target_sources(quickstep_sor_test PRIVATE allocation_counter.cpp)
 add_dependencies(quickstep_sor_test lcpbench_workers)
