@@ -236,7 +236,7 @@ ColumnMajor<double> draw_full_rank_inertia(const TrialKey& key, const Dimensions
     ColumnMajor<double> G = weighted_outer_sum(factors.X, factors.alpha);
     if (!safely_positive_definite(G)) continue;
     if (condition == 0) return G;
-    const Spectrum spectrum = spectrum_of_square(square_root(std::move(factors)));
+    const Eigensystem spectrum = spectrum_of_square(square_root(std::move(factors)));
     return weighted_outer_sum(spectrum.vectors, map_spectrum(spectrum.values, condition, reading.spectrum));
   }
 }
@@ -329,16 +329,13 @@ template <PaperFeatures kFeatures>
 PaperSet make_set(std::string name, std::string stream, std::string summary, double condition = 0) {
   using Settings = PaperSettings<kFeatures>;
   PaperSet set{std::move(name), std::move(stream), std::move(summary), kFeatures, condition};
-  set.options = [] { return describe_settings<Settings>(); };
+  read_options_as<Settings>(set);
   set.parse = [](std::string_view owner, const Options& options) {
     const PaperReading reading = parse_settings<Settings>(owner, options).reading;
     if (reading.condition > 0 && reading.condition < 1) {
       throw InputError(std::string(owner) + ": condition=" + format_real(reading.condition) + " is below 1");
     }
     return reading;
-  };
-  set.changed = [](std::string_view owner, const Options& options) {
-    return changed_settings(parse_settings<Settings>(owner, options));
   };
   return set;
 }
@@ -357,18 +354,9 @@ void append_sets(const std::string& kind, std::vector<PaperSet>& sets) {
       "exp4", "inertia of reduced rank, redundant contacts");
 
   constexpr PaperFeatures kConditioned{.frictional = kFrictional, .redundant = true, .conditioned = true};
-  const std::pair<const char*, double> conditions[] = {{"1e5", 1e5}, {"1e8", 1e8}, {"1e10", 1e10}};
-  const std::string text = "redundant contacts, eigenvalues of the inertia from 1 to ";
-  for (const auto& [label, condition] : conditions) {
-    const std::string name = kind + "exp5-" + label;
-    sets.push_back(make_set<kConditioned>(name, name, text + label, condition));
-  }
-  for (const auto& [label, condition] : conditions) {
-    const std::string same = kind + "exp5-" + label;
-    sets.push_back(make_set<kConditioned>(
-        kind + "exp6-" + label, same, "the problems of exp5-" + std::string(label) + ", for solvers that regularise",
-        condition));
-  }
+  for_each_conditioned_experiment(kind, kind, [&](auto&&... arguments) {
+    sets.push_back(make_set<kConditioned>(std::forward<decltype(arguments)>(arguments)...));
+  });
   constexpr PaperFeatures kLarge{
       .frictional = kFrictional, .redundant = true, .conditioned = true, .ngc_max = 100, .nc_max = 100};
   sets.push_back(

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/settings.h"
 #include "generators/column_major.h"
+#include "generators/experiment_set.h"
 #include "generators/random.h"
 #include "generators/spectrum.h"
 
@@ -79,18 +79,7 @@ struct PaperSample {
   std::vector<Dependence> dependences;  ///< ascending by contact; how the sample came about, not part of the problem
 };
 
-/// One named experiment.
-struct PaperSet {
-  std::string name;
-  std::string stream;  ///< name of its random stream: that of another set when the problems are the same
-  std::string summary;
-  PaperFeatures features;
-  double condition = 0;  ///< 0 unless features.conditioned
-
-  std::vector<SettingInfo> (*options)() = nullptr;
-  PaperReading (*parse)(std::string_view owner, const Options&) = nullptr;  ///< throws InputError
-  Options (*changed)(std::string_view owner, const Options&) = nullptr;  ///< off their defaults, in declaration order
-};
+using PaperSet = ExperimentSet<PaperFeatures, PaperReading>;
 
 /// All experiments of the paper, in its order, monotone before copositive.
 const std::vector<PaperSet>& paper_sets();

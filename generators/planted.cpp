@@ -21,7 +21,7 @@ constexpr std::int64_t kLargestOrder = 100;
 constexpr double kLargestCondition = 1e6;
 
 /// Orthonormal columns: eigenvectors of Y Y' for a Y with uniform entries.
-Spectrum draw_spectrum(const TrialKey& key, std::size_t n) {
+Eigensystem draw_spectrum(const TrialKey& key, std::size_t n) {
   for (std::uint64_t attempt = 0;; ++attempt) {
     DrawSequence draws(key, Purpose::kMatrixVectors, attempt);
     ColumnMajor<double> Y(n, n);
@@ -44,7 +44,7 @@ std::int64_t nearest_step(double value) { return static_cast<std::int64_t>(value
 /// In steps of 2^-36.
 ColumnMajor<std::int64_t> draw_matrix(const TrialKey& key, std::size_t n, double largest_condition) {
   const double condition = draw_condition(key, largest_condition);
-  const Spectrum spectrum = draw_spectrum(key, n);
+  const Eigensystem spectrum = draw_spectrum(key, n);
   std::vector<double> eigenvalues = map_spectrum(spectrum.values, condition, SpectrumMap::kLogLinear);
   for (double& value : eigenvalues) value /= condition;
   const ColumnMajor<double> exact = weighted_outer_sum(spectrum.vectors, eigenvalues);

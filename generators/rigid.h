@@ -7,7 +7,6 @@
 #include <string_view>
 #include <vector>
 
-#include "core/settings.h"
 #include "generators/paper.h"
 
 // Random rigid bodies with point contacts, without and with friction: the counterpart, for physics engines, of those
@@ -72,17 +71,7 @@ struct RigidSample {
   std::vector<RigidDependence> dependences;  ///< how the sample came about, not part of the problem
 };
 
-struct RigidSet {
-  std::string name;
-  std::string stream;  ///< name of its random stream: that of another set when the problems are the same
-  std::string summary;
-  RigidFeatures features;
-  double condition = 0;  ///< 0 unless features.conditioned
-
-  std::vector<SettingInfo> (*options)() = nullptr;
-  RigidReading (*parse)(std::string_view owner, const Options&) = nullptr;  ///< throws InputError
-  Options (*changed)(std::string_view owner, const Options&) = nullptr;  ///< off their defaults, in declaration order
-};
+using RigidSet = ExperimentSet<RigidFeatures, RigidReading>;
 
 /// rigid/exp1, exp2, exp5-*, exp6-*, then rigid/frictional/exp1, ... alike: the same scenes with friction.
 const std::vector<RigidSet>& rigid_sets();

@@ -32,13 +32,7 @@ template <RigidFeatures kFeatures>
 RigidSet make_set(std::string name, std::string stream, std::string summary, double condition = 0) {
   using Settings = RigidSettings<kFeatures>;
   RigidSet set{std::move(name), std::move(stream), std::move(summary), kFeatures, condition};
-  set.options = [] { return describe_settings<Settings>(); };
-  set.parse = [](std::string_view owner, const Options& options) {
-    return parse_settings<Settings>(owner, options).reading;
-  };
-  set.changed = [](std::string_view owner, const Options& options) {
-    return changed_settings(parse_settings<Settings>(owner, options));
-  };
+  read_options_as<Settings>(set);
   return set;
 }
 
@@ -48,20 +42,11 @@ void add_sets(const std::string& prefix, std::vector<RigidSet>& sets) {
   constexpr RigidFeatures kPlain{.frictional = kFrictional};
   constexpr RigidFeatures kRedundant{.frictional = kFrictional, .redundant = true};
   constexpr RigidFeatures kConditioned{.frictional = kFrictional, .redundant = true, .conditioned = true};
-  const std::pair<const char*, double> conditions[] = {{"1e5", 1e5}, {"1e8", 1e8}, {"1e10", 1e10}};
   sets.push_back(make_set<kPlain>(prefix + "exp1", "rigid/exp1", "rigid bodies, independent contacts"));
   sets.push_back(make_set<kRedundant>(prefix + "exp2", "rigid/exp2", "rigid bodies, redundant contacts"));
-  for (const auto& [label, condition] : conditions) {
-    const std::string five = std::string("exp5-") + label;
-    sets.push_back(make_set<kConditioned>(
-        prefix + five, "rigid/" + five,
-        std::string("redundant contacts, eigenvalues of the inertia from 1 to ") + label, condition));
-  }
-  for (const auto& [label, condition] : conditions) {
-    const std::string five = std::string("exp5-") + label;
-    sets.push_back(make_set<kConditioned>(prefix + "exp6-" + label, "rigid/" + five,
-                                          "the problems of " + five + ", for solvers that regularise", condition));
-  }
+  for_each_conditioned_experiment(prefix, "rigid/", [&](auto&&... arguments) {
+    sets.push_back(make_set<kConditioned>(std::forward<decltype(arguments)>(arguments)...));
+  });
 }
 
 std::vector<RigidSet> all_rigid_sets() {

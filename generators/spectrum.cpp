@@ -131,7 +131,7 @@ bool safely_positive_definite(const ColumnMajor<double>& A) {
   return true;
 }
 
-Spectrum spectrum_of_square(ColumnMajor<double> Y) {
+Eigensystem spectrum_of_square(ColumnMajor<double> Y) {
   int sweeps = 0;
   while (sweep(Y)) {
     if (++sweeps == kMaxSweeps) throw std::logic_error("Jacobi rotations did not converge");
@@ -142,7 +142,7 @@ Spectrum spectrum_of_square(ColumnMajor<double> Y) {
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return squares[a] < squares[b]; });
 
-  Spectrum spectrum;
+  Eigensystem spectrum;
   spectrum.vectors = ColumnMajor<double>(n, n);
   for (std::size_t j = 0; j < n; ++j) {
     const double norm = std::sqrt(squares[order[j]]);

@@ -25,15 +25,15 @@ ColumnMajor<double> weighted_outer_sum(const ColumnMajor<double>& X, const std::
 bool safely_positive_definite(const ColumnMajor<double>& A);
 
 /// The eigenvalues (ascending) and orthonormal eigenvectors of a symmetric positive definite matrix.
-struct Spectrum {
+struct Eigensystem {
   std::vector<double> values;
   ColumnMajor<double> vectors;
 };
 
-/// Spectrum of Y Y' for a nonsingular square Y, by one-sided cyclic Jacobi rotations of the columns of Y. High relative
-/// accuracy of the small eigenvalues too, for Y Y' is never formed. O(n^3) per sweep, about 8 sweeps.
+/// Eigensystem of Y Y' for a nonsingular square Y, by one-sided cyclic Jacobi rotations of the columns of Y. High
+/// relative accuracy of the small eigenvalues too, for Y Y' is never formed. O(n^3) per sweep, about 8 sweeps.
 /// [Hestenes 1958; Demmel, Veselic 1992] @throws std::logic_error if 60 sweeps do not suffice.
-Spectrum spectrum_of_square(ColumnMajor<double> Y);
+Eigensystem spectrum_of_square(ColumnMajor<double> Y);
 
 /// How eigenvalues are brought into [1, condition].
 enum class SpectrumMap {

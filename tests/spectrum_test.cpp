@@ -53,7 +53,7 @@ TEST(SafelyPositiveDefiniteTest, AcceptsOnlyWhatIsPositiveDefiniteBeyondDoubt) {
 TEST(SpectrumTest, FindsKnownEigenvaluesToFullRelativeAccuracy) {
   // Y = diag(1e-4, 1, 1e3) times a rotation by 45 degrees of the last two columns: Y Y' has the squares as eigenvalues.
   const double c = std::sqrt(0.5);
-  const Spectrum spectrum = spectrum_of_square(square(3, {1e-4, 0, 0, 0, c, 1e3 * c, 0, -c, 1e3 * c}));
+  const Eigensystem spectrum = spectrum_of_square(square(3, {1e-4, 0, 0, 0, c, 1e3 * c, 0, -c, 1e3 * c}));
   ASSERT_EQ(spectrum.values.size(), 3u);
   EXPECT_NEAR(spectrum.values[0] / 1e-8, 1, 1e-14);
   EXPECT_NEAR(spectrum.values[1], 1, 1e-14 * 1e3);  // the input's own rounding, 1e3 times its column's
@@ -65,7 +65,7 @@ TEST(SpectrumTest, VectorsAreOrthonormalAndRebuildTheMatrix) {
   const std::size_t n = 12;
   ColumnMajor<double> Y(n, n);
   for (double& entry : Y.data) entry = static_cast<double>(draws.signed_grid()) * kGridStep;
-  const Spectrum spectrum = spectrum_of_square(Y);
+  const Eigensystem spectrum = spectrum_of_square(Y);
   const ColumnMajor<double> original = weighted_outer_sum(Y, std::vector<double>(n, 1.0));
   const ColumnMajor<double> rebuilt = weighted_outer_sum(spectrum.vectors, spectrum.values);
   const double tolerance = static_cast<double>(n) * 0x1p-52;
