@@ -180,10 +180,10 @@ class Comparer {
     return problem != problems_.end() && study_.solvers[solver].takes(problem->second.first, problem->second.second);
   }
 
-  void add(std::size_t native, std::size_t reference, Outcome outcome, bool silent) {
+  void add(std::size_t native, std::size_t reference, PairOutcome outcome, bool silent) {
     const auto [set, trial] = problems_.at(problem_);
     counts_[place(set, native, reference)].add(outcome);
-    if (outcome == Outcome::kAgree || silent) return;
+    if (outcome == PairOutcome::kAgree || silent) return;
     disagreements_.push_back({set, trial, contenders_[native].text, reference_text(reference), outcome});
   }
 
@@ -202,8 +202,8 @@ class Comparer {
         const Entry& reference = entries[r];
         if (contenders_[reference.solver].ours) continue;
         const bool same = !sides[n] || !sides[r] || agreement_->agree(*sides[n], *sides[r]);
-        const Outcome outcome = compare_standings(native.standing, reference.standing, same);
-        add(native.solver, reference.solver, outcome, outcome == Outcome::kUndecided && same);
+        const PairOutcome outcome = compare_standings(native.standing, reference.standing, same);
+        add(native.solver, reference.solver, outcome, outcome == PairOutcome::kUndecided && same);
       }
     }
   }
@@ -267,30 +267,30 @@ Standing standing(Claim claim, Verdict verdict) {
   return verdict == Verdict::kSolved || proven_unsolvable ? Standing::kRight : Standing::kSilent;
 }
 
-const char* to_string(Outcome outcome) {
+const char* to_string(PairOutcome outcome) {
   switch (outcome) {
-    case Outcome::kAgree: return "agree";
-    case Outcome::kNativeWrong: return "native_wrong";
-    case Outcome::kReferenceWrong: return "reference_wrong";
-    case Outcome::kBothWrong: return "both_wrong";
-    case Outcome::kUndecided: break;
+    case PairOutcome::kAgree: return "agree";
+    case PairOutcome::kNativeWrong: return "native_wrong";
+    case PairOutcome::kReferenceWrong: return "reference_wrong";
+    case PairOutcome::kBothWrong: return "both_wrong";
+    case PairOutcome::kUndecided: break;
   }
   return "undecided";
 }
 
-Outcome compare_standings(Standing native, Standing reference, bool same_velocity) {
+PairOutcome compare_standings(Standing native, Standing reference, bool same_velocity) {
   const bool native_wrong = native == Standing::kWrong;
   const bool reference_wrong = reference == Standing::kWrong;
-  if (native_wrong && reference_wrong) return Outcome::kBothWrong;
-  if (native_wrong) return Outcome::kNativeWrong;
-  if (reference_wrong) return Outcome::kReferenceWrong;
+  if (native_wrong && reference_wrong) return PairOutcome::kBothWrong;
+  if (native_wrong) return PairOutcome::kNativeWrong;
+  if (reference_wrong) return PairOutcome::kReferenceWrong;
   const bool both_right = native == Standing::kRight && reference == Standing::kRight;
-  return both_right && same_velocity ? Outcome::kAgree : Outcome::kUndecided;
+  return both_right && same_velocity ? PairOutcome::kAgree : PairOutcome::kUndecided;
 }
 
 std::int64_t PairCounts::compared() const { return std::accumulate(counts.begin(), counts.end(), std::int64_t{0}); }
 
-bool PairCounts::ours_wrong() const { return count(Outcome::kNativeWrong) + count(Outcome::kBothWrong) > 0; }
+bool PairCounts::ours_wrong() const { return count(PairOutcome::kNativeWrong) + count(PairOutcome::kBothWrong) > 0; }
 
 bool Validation::ours_wrong() const {
   return std::any_of(pairs.begin(), pairs.end(), [](const PairCounts& pair) { return pair.ours_wrong(); });

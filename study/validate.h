@@ -22,16 +22,16 @@ enum class Standing {
 
 Standing standing(Claim claim, Verdict verdict);
 
-enum class Outcome { kAgree, kNativeWrong, kReferenceWrong, kBothWrong, kUndecided };
+enum class PairOutcome { kAgree, kNativeWrong, kReferenceWrong, kBothWrong, kUndecided };
 
-inline constexpr std::array kAllOutcomes{Outcome::kAgree, Outcome::kNativeWrong, Outcome::kReferenceWrong,
-                                         Outcome::kBothWrong, Outcome::kUndecided};
+inline constexpr std::array kAllOutcomes{PairOutcome::kAgree, PairOutcome::kNativeWrong, PairOutcome::kReferenceWrong,
+                                         PairOutcome::kBothWrong, PairOutcome::kUndecided};
 
 /// "agree", "native_wrong", "reference_wrong", "both_wrong", "undecided".
-const char* to_string(Outcome outcome);
+const char* to_string(PairOutcome outcome);
 
 /// @param same_velocity  false where both are right, and their velocities, of which there should be one, are two
-Outcome compare_standings(Standing native, Standing reference, bool same_velocity);
+PairOutcome compare_standings(Standing native, Standing reference, bool same_velocity);
 
 /// How often one of our solvers and one reference came out each way on the problems of one set that neither refused.
 struct PairCounts {
@@ -40,8 +40,8 @@ struct PairCounts {
   std::string reference;
   std::array<std::int64_t, kAllOutcomes.size()> counts{};
 
-  std::int64_t count(Outcome outcome) const { return counts[static_cast<std::size_t>(outcome)]; }
-  void add(Outcome outcome) { ++counts[static_cast<std::size_t>(outcome)]; }
+  std::int64_t count(PairOutcome outcome) const { return counts[static_cast<std::size_t>(outcome)]; }
+  void add(PairOutcome outcome) { ++counts[static_cast<std::size_t>(outcome)]; }
   std::int64_t compared() const;
   /// Ours made a false claim, whatever the reference did.
   bool ours_wrong() const;
@@ -53,7 +53,7 @@ struct Disagreement {
   std::int64_t trial = 0;
   std::string native;
   std::string reference;
-  Outcome outcome = Outcome::kUndecided;
+  PairOutcome outcome = PairOutcome::kUndecided;
 };
 
 struct Validation {

@@ -44,16 +44,16 @@ TEST(CompareStandingsTest, IsTheTableOfTheDocument) {
   constexpr Standing r = Standing::kRight;
   constexpr Standing w = Standing::kWrong;
   constexpr Standing s = Standing::kSilent;
-  EXPECT_EQ(compare_standings(r, r, true), Outcome::kAgree);
-  EXPECT_EQ(compare_standings(r, r, false), Outcome::kUndecided);
-  EXPECT_EQ(compare_standings(r, w, true), Outcome::kReferenceWrong);
-  EXPECT_EQ(compare_standings(r, s, true), Outcome::kUndecided);
-  EXPECT_EQ(compare_standings(w, r, true), Outcome::kNativeWrong);
-  EXPECT_EQ(compare_standings(w, w, true), Outcome::kBothWrong);
-  EXPECT_EQ(compare_standings(w, s, true), Outcome::kNativeWrong);
-  EXPECT_EQ(compare_standings(s, r, true), Outcome::kUndecided);
-  EXPECT_EQ(compare_standings(s, w, true), Outcome::kReferenceWrong);
-  EXPECT_EQ(compare_standings(s, s, true), Outcome::kUndecided);
+  EXPECT_EQ(compare_standings(r, r, true), PairOutcome::kAgree);
+  EXPECT_EQ(compare_standings(r, r, false), PairOutcome::kUndecided);
+  EXPECT_EQ(compare_standings(r, w, true), PairOutcome::kReferenceWrong);
+  EXPECT_EQ(compare_standings(r, s, true), PairOutcome::kUndecided);
+  EXPECT_EQ(compare_standings(w, r, true), PairOutcome::kNativeWrong);
+  EXPECT_EQ(compare_standings(w, w, true), PairOutcome::kBothWrong);
+  EXPECT_EQ(compare_standings(w, s, true), PairOutcome::kNativeWrong);
+  EXPECT_EQ(compare_standings(s, r, true), PairOutcome::kUndecided);
+  EXPECT_EQ(compare_standings(s, w, true), PairOutcome::kReferenceWrong);
+  EXPECT_EQ(compare_standings(s, s, true), PairOutcome::kUndecided);
 }
 
 PairCounts counts(const std::string& set, const std::string& native, std::array<std::int64_t, 5> numbers) {
@@ -167,11 +167,11 @@ TEST(ValidateTest, CountsEveryOutcomeOnce) {
   EXPECT_EQ(pair.set, "given");
   EXPECT_EQ(pair.native, "lemke");
   EXPECT_EQ(pair.compared(), 6);  // what was refused is not compared
-  EXPECT_EQ(pair.count(Outcome::kAgree), 1);
-  EXPECT_EQ(pair.count(Outcome::kReferenceWrong), 2);
-  EXPECT_EQ(pair.count(Outcome::kNativeWrong), 1);
-  EXPECT_EQ(pair.count(Outcome::kBothWrong), 1);
-  EXPECT_EQ(pair.count(Outcome::kUndecided), 1);
+  EXPECT_EQ(pair.count(PairOutcome::kAgree), 1);
+  EXPECT_EQ(pair.count(PairOutcome::kReferenceWrong), 2);
+  EXPECT_EQ(pair.count(PairOutcome::kNativeWrong), 1);
+  EXPECT_EQ(pair.count(PairOutcome::kBothWrong), 1);
+  EXPECT_EQ(pair.count(PairOutcome::kUndecided), 1);
   EXPECT_TRUE(validation.ours_wrong());
 }
 
@@ -179,9 +179,9 @@ TEST(ValidateTest, TruthIsAReferenceOfItsOwn) {
   const PairCounts truth = pair_with(
       PlayedStudy({{kRightAnswer, kRefused}, {kWrongAnswer, kRefused}, {kGaveUp, kRefused}}).validate(), "truth");
   EXPECT_EQ(truth.compared(), 3);
-  EXPECT_EQ(truth.count(Outcome::kAgree), 1);
-  EXPECT_EQ(truth.count(Outcome::kNativeWrong), 1);
-  EXPECT_EQ(truth.count(Outcome::kUndecided), 1);
+  EXPECT_EQ(truth.count(PairOutcome::kAgree), 1);
+  EXPECT_EQ(truth.count(PairOutcome::kNativeWrong), 1);
+  EXPECT_EQ(truth.count(PairOutcome::kUndecided), 1);
 }
 
 TEST(ValidateTest, TheReferencesMistakesAreNotOurs) {
@@ -193,11 +193,11 @@ TEST(ValidateTest, TheReferencesMistakesAreNotOurs) {
 TEST(ValidateTest, TwoVelocitiesWhereThereIsOneAreUndecidedAndReported) {
   const Validation validation = PlayedStudy({{kRightAnswer, kRightAnswer}, {kRightAnswer, kOtherVelocity}}).validate();
   const PairCounts pair = pair_with(validation, "siconos_lemke");
-  EXPECT_EQ(pair.count(Outcome::kAgree), 1);
-  EXPECT_EQ(pair.count(Outcome::kUndecided), 1);
+  EXPECT_EQ(pair.count(PairOutcome::kAgree), 1);
+  EXPECT_EQ(pair.count(PairOutcome::kUndecided), 1);
   ASSERT_EQ(validation.disagreements.size(), 1U);
   EXPECT_EQ(validation.disagreements[0].trial, 1);
-  EXPECT_EQ(validation.disagreements[0].outcome, Outcome::kUndecided);
+  EXPECT_EQ(validation.disagreements[0].outcome, PairOutcome::kUndecided);
 }
 
 // ---- real solvers ----
@@ -228,7 +228,7 @@ TEST(ValidateTest, ABadSettingIsCaughtByTheoryAlone) {
   for (const PairCounts& pair : validation.pairs) with_truth[pair.native] = pair;
   const PairCounts& bad = with_truth.at(study.solvers[0].row.text());
   EXPECT_EQ(bad.compared(), 5);
-  EXPECT_GE(bad.count(Outcome::kNativeWrong), 1);
+  EXPECT_GE(bad.count(PairOutcome::kNativeWrong), 1);
   EXPECT_FALSE(with_truth.at("contact_lemke").ours_wrong());
 }
 

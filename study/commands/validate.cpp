@@ -122,7 +122,7 @@ Json pairs_json(const std::vector<PairCounts>& pairs) {
   for (const PairCounts& pair : pairs) {
     Json object{
         {"set", pair.set}, {"native", pair.native}, {"reference", pair.reference}, {"compared", pair.compared()}};
-    for (const Outcome outcome : kAllOutcomes) object[to_string(outcome)] = pair.count(outcome);
+    for (const PairOutcome outcome : kAllOutcomes) object[to_string(outcome)] = pair.count(outcome);
     array.push_back(std::move(object));
   }
   return array;
@@ -130,7 +130,7 @@ Json pairs_json(const std::vector<PairCounts>& pairs) {
 
 std::vector<std::string> count_cells(const PairCounts& pair) {
   std::vector<std::string> cells{format_count(pair.compared())};
-  for (const Outcome outcome : kAllOutcomes) cells.push_back(format_count(pair.count(outcome)));
+  for (const PairOutcome outcome : kAllOutcomes) cells.push_back(format_count(pair.count(outcome)));
   return cells;
 }
 
@@ -169,7 +169,7 @@ std::size_t save(const Study& study, const std::vector<Disagreement>& disagreeme
   std::filesystem::create_directories(folder);
   std::ofstream index(folder / "disagreements.csv");
   index << "file,set,trial,ours,reference,outcome\n";
-  std::map<std::tuple<std::size_t, std::string, std::string, Outcome>, int> seen;
+  std::map<std::tuple<std::size_t, std::string, std::string, PairOutcome>, int> seen;
   std::set<std::string> written;
   for (const Disagreement& found : disagreements) {
     if (++seen[{found.set, found.native, found.reference, found.outcome}] > kSavedOfAKind) continue;
@@ -186,7 +186,7 @@ std::size_t save(const Study& study, const std::vector<Disagreement>& disagreeme
 
 void print_verdict(const Validation& validation) {
   const auto two_velocities = std::count_if(validation.disagreements.begin(), validation.disagreements.end(),
-                                            [](const Disagreement& d) { return d.outcome == Outcome::kUndecided; });
+                                            [](const Disagreement& d) { return d.outcome == PairOutcome::kUndecided; });
   if (two_velocities > 0) {
     fmt::print("\n{} of the undecided: both verified, with two velocities where there is only one\n",
                format_count(two_velocities));
@@ -199,7 +199,8 @@ void print_verdict(const Validation& validation) {
   for (const PairCounts& pair : validation.pairs) {
     if (!pair.ours_wrong()) continue;
     fmt::print("  {} on {}: {} of {} compared with {}\n", pair.native, pair.set,
-               pair.count(Outcome::kNativeWrong) + pair.count(Outcome::kBothWrong), pair.compared(), pair.reference);
+               pair.count(PairOutcome::kNativeWrong) + pair.count(PairOutcome::kBothWrong), pair.compared(),
+               pair.reference);
   }
 }
 
