@@ -55,16 +55,19 @@ bool parse_boolean(std::string_view owner, std::string_view name, std::string_vi
   throw_bad_value(owner, name, text, "true or false");
 }
 
+/// Half open where a bound is infinite, which is no value of a setting itself.
 std::string range_text(RealRange range) {
-  const std::string low = range.min == -std::numeric_limits<double>::max() ? "-inf" : format_real(range.min);
-  const std::string high = range.max == std::numeric_limits<double>::max() ? "inf" : format_real(range.max);
-  return "[" + low + ", " + high + "]";
+  constexpr double kLargest = std::numeric_limits<double>::max();
+  const std::string low = range.min == -kLargest ? "(-inf" : "[" + format_real(range.min);
+  const std::string high = range.max == kLargest ? "inf)" : format_real(range.max) + "]";
+  return low + ", " + high;
 }
 
 std::string range_text(IntegerRange range) {
-  const std::string low = range.min == std::numeric_limits<std::int64_t>::min() ? "-inf" : std::to_string(range.min);
-  const std::string high = range.max == std::numeric_limits<std::int64_t>::max() ? "inf" : std::to_string(range.max);
-  return "[" + low + ", " + high + "]";
+  using Limits = std::numeric_limits<std::int64_t>;
+  const std::string low = range.min == Limits::min() ? "-2^63" : std::to_string(range.min);
+  const std::string high = range.max == Limits::max() ? "2^63)" : std::to_string(range.max) + "]";
+  return "[" + low + ", " + high;
 }
 
 void check_known(std::string_view owner, const Options& options, std::span<const std::string> known) {

@@ -62,11 +62,19 @@ TEST(SettingsTest, ErrorsNameOwnerFieldValueAndRange) {
   EXPECT_EQ(error_of({{"tolerance", "-1"}}), "sample: tolerance = '-1': expected a number in [0, 1]");
   EXPECT_EQ(error_of({{"tolerance", "nan"}}), "sample: tolerance = 'nan': expected a number in [0, 1]");
   EXPECT_EQ(error_of({{"tolerance", "1e-3x"}}), "sample: tolerance = '1e-3x': expected a number in [0, 1]");
-  EXPECT_EQ(error_of({{"limit", "1.5"}}), "sample: limit = '1.5': expected an integer in [0, inf]");
+  EXPECT_EQ(error_of({{"limit", "1.5"}}), "sample: limit = '1.5': expected an integer in [0, 2^63)");
+  EXPECT_EQ(error_of({{"limit", "9223372036854775808"}}),
+            "sample: limit = '9223372036854775808': expected an integer in [0, 2^63)");
   EXPECT_EQ(error_of({{"engine", "fast"}}), "sample: engine = 'fast': expected dense|kernel");
   EXPECT_EQ(error_of({{"polish", "1"}}), "sample: polish = '1': expected true or false");
   EXPECT_EQ(error_of({{"speed", "1"}}),
             "sample: unknown option 'speed'; known: tolerance, limit, polish, engine, inner");
+}
+
+TEST(SettingsTest, NoInfinityIsAValue) {
+  EXPECT_EQ(range_text(RealRange{.min = 0}), "[0, inf)");
+  EXPECT_EQ(range_text(RealRange{}), "(-inf, inf)");
+  EXPECT_EQ(error_of({{"tolerance", "inf"}}), "sample: tolerance = 'inf': expected a number in [0, 1]");
 }
 
 TEST(SettingsTest, DescriptionCarriesTypeRangeAndHelp) {
