@@ -72,8 +72,8 @@ TEST(SettingsTest, ErrorsNameOwnerFieldValueAndRange) {
 }
 
 TEST(SettingsTest, NoInfinityIsAValue) {
-  EXPECT_EQ(range_text(RealRange{.min = 0}), "[0, inf)");
-  EXPECT_EQ(range_text(RealRange{}), "(-inf, inf)");
+  EXPECT_EQ(detail::range_text(RealRange{.min = 0}), "[0, inf)");
+  EXPECT_EQ(detail::range_text(RealRange{}), "(-inf, inf)");
   EXPECT_EQ(error_of({{"tolerance", "inf"}}), "sample: tolerance = 'inf': expected a number in [0, 1]");
 }
 
