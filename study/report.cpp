@@ -15,6 +15,7 @@
 #include "study/comparison.h"
 #include "study/report/canvas.h"
 #include "study/report/comparison_tables.h"
+#include "study/report/conditioning.h"
 #include "study/report/csv.h"
 #include "study/report/decision.h"
 #include "study/report/ecdf_figures.h"
@@ -142,12 +143,33 @@ void write_comparison_tables(const Summary& summary, const std::vector<SetCompar
   }
 }
 
-report::Figures draw_figures(const Summary& summary, const std::vector<SetComparison>& comparisons) {
+/// speed_error.csv, cheapest.csv and, where the store has sets along a dial, conditioning.csv.
+void write_speed_error_tables(const Json& tables, const std::filesystem::path& folder) {
+  for (const auto& [name, records] : tables.items()) {
+    if (!records.empty()) write_file(folder / (name + ".csv"), report::csv_table(records.at(0), records));
+  }
+}
+
+Json speed_error_tables(const Summary& summary, const report::SpeedErrorStudy& study) {
+  return {{"speed_error", report::speed_error_json(summary, study.sets)},
+          {"cheapest", report::cheapest_json(summary, study.sets)},
+          {"conditioning", report::conditioning_json(summary, study.families)}};
+}
+
+report::Figures draw_figures(const Summary& summary, const std::vector<SetComparison>& comparisons,
+                             const report::SpeedErrorStudy& study) {
   report::Figures figures;
   try {
+    for (const report::SpeedError& set : study.sets) {
+      if (study.is_step(summary, set.set)) continue;
+      if (auto figure = report::speed_error_figure(summary, set)) figures.speed_error[set.set] = std::move(*figure);
+    }
+    for (std::size_t i = 0; i < study.families.size(); ++i) {
+      auto figure = report::conditioning_figure(summary, study.families[i]);
+      if (figure) figures.conditioning[i] = std::move(*figure);
+    }
     for (std::size_t set = 0; set < summary.sets.size(); ++set) {
       if (report::is_hard_set(summary.sets[set].name)) continue;
-      if (auto figure = report::speed_error_figure(summary, set)) figures.speed_error[set] = std::move(*figure);
       if (auto figure = report::error_distribution_figure(summary, set)) figures.distribution[set] = std::move(*figure);
     }
     for (const SetComparison& comparison : comparisons) {
@@ -175,9 +197,13 @@ class FileNames {
   std::set<std::string> taken_;
 };
 
-void write_figures(const Summary& summary, const report::Figures& figures, const std::filesystem::path& folder) {
+void write_figures(const Summary& summary, const report::SpeedErrorStudy& study, const report::Figures& figures,
+                   const std::filesystem::path& folder) {
   make_folder(folder);
   FileNames names;
+  for (const auto& [family, figure] : figures.conditioning) {
+    write_file(folder / names.unique(study.families[family].family, ".conditioning.svg"), figure.svg);
+  }
   for (const auto& [set, figure] : figures.speed_error) {
     write_file(folder / names.unique(summary.sets[set].name, ".svg"), figure.svg);
   }
@@ -266,18 +292,22 @@ std::string write_report(Store& store, const std::filesystem::path& folder) {
   std::erase_if(comparisons, [&summary](const SetComparison& comparison) {
     return report::is_hard_set(summary.sets[comparison.set].name);
   });
-  const report::Figures figures = draw_figures(summary, comparisons);
+  const report::SpeedErrorStudy speed_error = report::speed_error_study(summary);
+  const report::Figures figures = draw_figures(summary, comparisons, speed_error);
   Json document = summary_json(summary);
   document["comparison"] = report::comparison_json(summary, comparisons);
+  const Json speed_error_records = speed_error_tables(summary, speed_error);
+  document["speed_against_error"] = speed_error_records;
   make_folder(folder);
   write_tables(summary, document, situations, folder / "tables");
   write_comparison_tables(summary, comparisons, folder / "tables");
   write_hard_tables(summary, folder / "tables");
-  write_figures(summary, figures, folder / "figures");
+  write_speed_error_tables(speed_error_records, folder / "tables");
+  write_figures(summary, speed_error, figures, folder / "figures");
   write_file(folder / "summary.json", json_document(document));
   const report::PaperStudy paper = report::paper_study(summary);
   for (const auto& [name, content] : report::paper_files(summary, paper)) write_file(folder / name, content);
-  write_file(folder / "report.html", report::html_page(summary, situations, comparisons, figures, paper));
+  write_file(folder / "report.html", report::html_page(summary, situations, comparisons, speed_error, figures, paper));
   return figures.missing;
 }
 

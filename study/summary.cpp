@@ -9,6 +9,7 @@
 #include <span>
 #include <string_view>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 #include "core/error.h"
@@ -38,6 +39,7 @@ struct Row {
   bool criterion = false;
   double velocity_residual = 0;
   double backward_error = 0;
+  double forward_error = kNone;
   double violation_m_per_s = 0;
   std::int64_t pivots = -1;
   TimeParts times;
@@ -91,6 +93,18 @@ std::vector<RunSummary> read_runs(sqlite::Database& store) {
   return runs;
 }
 
+/// Problems of a set whose only post-impact velocity is certified.
+std::unordered_set<std::int64_t> read_unique_velocities(sqlite::Database& store, std::int64_t set_id) {
+  std::unordered_set<std::int64_t> problems;
+  if (store.integer("PRAGMA user_version") < 3) return problems;  // no certificates
+  sqlite::Statement query(store,
+                          "SELECT c.problem_id FROM certificates c JOIN problems p ON p.id = c.problem_id"
+                          " WHERE p.set_id = ? AND c.velocity_unique = 1 AND c.velocity IS NOT NULL");
+  query.bind(1, set_id);
+  while (query.step()) problems.insert(query.integer(0));
+  return problems;
+}
+
 CellGroups read_groups(sqlite::Database& store) {
   sqlite::Statement query(store, "SELECT group_id, cell FROM cell_groups ORDER BY group_id, cell");
   CellGroups groups;
@@ -111,12 +125,14 @@ const std::vector<std::uint32_t>& cells_of(const CellGroups& groups, std::int64_
 /// The answers to one set, by solver (store id), each list by problem and part.
 std::map<std::int64_t, std::vector<Row>> read_answers(sqlite::Database& store, std::int64_t set_id,
                                                       const CellGroups& groups,
-                                                      const std::map<std::int64_t, std::size_t>& solver_cells) {
+                                                      const std::map<std::int64_t, std::size_t>& solver_cells,
+                                                      const std::unordered_set<std::int64_t>& unique_velocities) {
   sqlite::Statement query(store,
                           "SELECT j.solver_id, j.problem_id, j.trial, j.claim, j.verdict, v.criterion,"
                           " v.velocity_residual_relative, v.backward_row_norm, v.violation_m_per_s,"
                           " t.setup_wall_s, t.setup_cpu_s, t.solve_wall_s, t.solve_cpu_s, t.transport_s, t.verify_s, "
-                          "CASE j.claim WHEN 'unsupported' THEN a.detail ELSE '' END, a.pivots, j.group_id, j.seed"
+                          "CASE j.claim WHEN 'unsupported' THEN a.detail ELSE '' END, a.pivots, j.group_id, j.seed,"
+                          " v.usable, v.forward_velocity"
                           " FROM judged j JOIN answers a USING (problem_id, solver_id, part)"
                           " JOIN verdicts v USING (problem_id, solver_id, part)"
                           " LEFT JOIN timings t USING (problem_id, solver_id, part)"
@@ -138,6 +154,9 @@ std::map<std::int64_t, std::vector<Row>> read_answers(sqlite::Database& store, s
     row.detail = query.text(15);
     row.pivots = query.integer(16);
     row.seed = query.integer(18);
+    if (unique_velocities.contains(row.problem)) {
+      row.forward_error = query.integer(19) != 0 ? query.real(20) : kInfinity;
+    }
     row.cells = &cells_of(groups, query.integer(17), solver_cells.at(solver), store);
     answers[solver].push_back(std::move(row));
   }
@@ -292,12 +311,14 @@ std::vector<Outcome> outcomes_of(const std::vector<Row>& rows) {
     outcomes.push_back({.problem = row.problem,
                         .seed = row.seed,
                         .trial = row.trial,
+                        .claimed = claimed_solved(row),
                         .solved = solved(row),
                         .false_claim = false_claim(row.claim, row.verdict),
                         .unsolvable = row.verdict == Verdict::kUnsolvable,
                         .refused = refused(row),
                         .time_s = refused(row) ? kNone : row.time_s(),
-                        .error = error_of(row)});
+                        .error = error_of(row),
+                        .forward_error = row.forward_error});
   }
   return outcomes;
 }
@@ -683,7 +704,9 @@ Summary summarize(Store& store) {
   const auto sets = read_sets(database);
   for (const auto& [id, set] : sets) summary.sets.push_back(set);
   for (std::size_t set = 0; set < sets.size(); ++set) {
-    const auto answers = read_answers(database, sets[set].first, groups, solver_cells);
+    const auto unique_velocities = read_unique_velocities(database, sets[set].first);
+    summary.sets[set].unique_velocities = static_cast<std::int64_t>(unique_velocities.size());
+    const auto answers = read_answers(database, sets[set].first, groups, solver_cells, unique_velocities);
     const auto first = static_cast<std::ptrdiff_t>(summary.cells.size());
     for (const Source& source : sources) {
       const auto rows = answers.find(source.id);

@@ -28,7 +28,8 @@ struct SetSummary {
   bool frictional = false;       ///< some problem has friction rows
   bool all_solvable = false;     ///< every problem is proven solvable
   bool ill_conditioned = false;  ///< the set's name asks for an inertia condition number, or for the ceilings of 100
-  std::int64_t smallest_n = 0;   ///< order of M
+  std::int64_t unique_velocities = 0;  ///< problems whose only post-impact velocity is certified
+  std::int64_t smallest_n = 0;         ///< order of M
   std::int64_t largest_n = 0;
 };
 
@@ -37,12 +38,16 @@ struct Outcome {
   std::int64_t problem = 0;  ///< the store's id
   std::int64_t seed = 0;
   std::int64_t trial = 0;
-  bool solved = false;  ///< the verdict
+  bool claimed = false;  ///< said solved
+  bool solved = false;   ///< the verdict
   bool false_claim = false;
   bool unsolvable = false;  ///< proven: no solver can solve it
   bool refused = false;     ///< outside what the solver takes
   double time_s = 0;        ///< set-up and solve, CPU; NaN where nothing was timed or the problem was refused
   double error = 0;  ///< what the verdict was taken on: rho, or the backward error of a bare LCP; NaN without an answer
+  /// ||v+ - v*||_G / ||v||_G where the only velocity v* is certified; infinity where the answer is then no answer; NaN:
+  /// not known.
+  double forward_error = 0;
 };
 
 /// Means over all trials but the refused ones [s].

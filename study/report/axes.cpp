@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdlib>
 
+#include "study/report/speed_error.h"
 #include "study/report/text.h"
 
 namespace lcpbench::report {
@@ -23,6 +24,11 @@ std::string set_line(const SetSummary& set) {
   return shorten(fmt::format("{} · {} · {}", set.name, counted(set.problems, "problem"), size), 120);
 }
 
+std::string sized_label(const Summary& summary, const Cell& cell, std::string label) {
+  if (cell.trials < summary.sets[cell.set].problems) label += fmt::format(" (n = {})", cell.trials);
+  return shorten(label, 44);
+}
+
 }  // namespace
 
 std::string power_of_ten(int exponent) { return exponent == 0 ? "1" : "10" + superscript(exponent); }
@@ -34,6 +40,13 @@ std::string time_of_decade(int exponent) {
   const char* name = kUnits[static_cast<std::size_t>(unit)];
   if (power > 2) return "10" + superscript(power) + " " + name;
   return fmt::format("{:.0f} {}", std::pow(10, power), name);
+}
+
+std::string ratio_of_decade(int exponent) {
+  if (exponent == 0) return "same";
+  const int magnitude = std::abs(exponent);
+  const std::string size = magnitude <= 3 ? fmt::format("{:.0f}", std::pow(10, magnitude)) : power_of_ten(magnitude);
+  return exponent < 0 ? "1/" + size : size + "×";
 }
 
 LogAxis::LogAxis(const std::vector<double>& values, double begin, double end) : begin_(begin), end_(end) {
@@ -72,9 +85,11 @@ void draw_heading(Canvas& canvas, const SetSummary& set) {
 }
 
 std::string label_of(const Summary& summary, const Cell& cell) {
-  std::string label = summary.solvers[cell.solver].text();
-  if (cell.trials < summary.sets[cell.set].problems) label += fmt::format(" (n = {})", cell.trials);
-  return shorten(label, 44);
+  return sized_label(summary, cell, summary.solvers[cell.solver].text());
+}
+
+std::string rung_label(const Summary& summary, const Cell& cell) {
+  return sized_label(summary, cell, rung_label(summary, cell.solver));
 }
 
 double verdict_bound(const SetSummary& set) { return set.bare ? 1e-9 : 1e-4; }

@@ -30,6 +30,9 @@ std::string power_of_ten(int exponent);
 /// "100 µs" for -4.
 std::string time_of_decade(int exponent);
 
+/// "1/100", "same", "10×": a ratio's power of ten.
+std::string ratio_of_decade(int exponent);
+
 /// A logarithmic axis over whole decades, drawn at pixels `begin` .. `end`. gnuplot gets the logarithms on a linear
 /// axis, so that what it draws and what is placed here agree to the pixel.
 class LogAxis {
@@ -59,6 +62,9 @@ void draw_heading(Canvas& canvas, const SetSummary& set);
 
 /// A solver's name as pictures write it, with its trials where it has fewer than the set has problems.
 std::string label_of(const Summary& summary, const Cell& cell);
+
+/// The same with the rung of a precision ladder as a word: "lemke quad (n = 20)".
+std::string rung_label(const Summary& summary, const Cell& cell);
 
 /// The relative error up to which an answer of the set counts as solved.
 double verdict_bound(const SetSummary& set);

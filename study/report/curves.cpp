@@ -17,8 +17,6 @@ namespace {
 constexpr std::array<const char*, 10> kColors{"#0072b2", "#d55e00", "#007a5a", "#a8518a", "#333333",
                                               "#9a6a00", "#4aa3df", "#7a4fd0", "#5f8a1f", "#8a8a8a"};
 
-const char* color_of(const Curve& curve) { return kColors[curve.color % kColors.size()]; }
-
 double end_pixel(const Curve& curve, const Box& area) { return area.bottom - curve.end() * (area.bottom - area.top); }
 
 struct NamedEnd {
@@ -26,23 +24,16 @@ struct NamedEnd {
   double label_y = 0;  ///< [px]
 };
 
-/// Puts each label beside its curve's end, and where ends crowd, pushes labels down, then up again from the bottom,
-/// until no two overlap.
+/// Each label beside its curve's end, as far as ends do not crowd; the highest first.
 std::vector<NamedEnd> spread_labels(const std::vector<Curve>& curves, const Box& area) {
   std::vector<NamedEnd> ends;
   for (const Curve& curve : curves) ends.push_back({&curve, 0});
   std::stable_sort(ends.begin(), ends.end(),
                    [](const NamedEnd& a, const NamedEnd& b) { return a.curve->end() > b.curve->end(); });
-  double y = area.top - kLabelHeight;
-  for (NamedEnd& end : ends) {
-    y = std::max(end_pixel(*end.curve, area), y + kLabelHeight);
-    end.label_y = y;
-  }
-  double limit = area.bottom;
-  for (auto end = ends.rbegin(); end != ends.rend(); ++end) {
-    end->label_y = std::min(end->label_y, limit);
-    limit = end->label_y - kLabelHeight;
-  }
+  std::vector<double> wishes;
+  for (const NamedEnd& end : ends) wishes.push_back(end_pixel(*end.curve, area));
+  const std::vector<double> placed = stack_labels(wishes, area.top, area.bottom, kLabelHeight);
+  for (std::size_t i = 0; i < ends.size(); ++i) ends[i].label_y = placed[i];
   return ends;
 }
 
@@ -75,11 +66,11 @@ std::string plot_curves(Canvas& canvas, const std::vector<Curve>& curves, const 
   std::string data;
   for (const NamedEnd& end : spread_labels(curves, area)) {
     const Curve& curve = *end.curve;
-    canvas.line(area.right, end_pixel(curve, area), area.right + 14, end.label_y, color_of(curve), 1);
+    canvas.line(area.right, end_pixel(curve, area), area.right + 14, end.label_y, curve_color(curve.color), 1);
     canvas.text(area.right + 18, end.label_y, curve.label,
-                {.size = kLabelSize, .color = color_of(curve), .monospace = true});
+                {.size = kLabelSize, .color = curve_color(curve.color), .monospace = true});
     plot += fmt::format("{}'-' using 1:2 with steps linewidth 1.8 linecolor rgb '{}'", data.empty() ? "" : ", ",
-                        color_of(curve));
+                        curve_color(curve.color));
     data += steps_data(curve, axis);
   }
   return plot + "\n" + data;
@@ -93,6 +84,8 @@ void draw_bound(Canvas& canvas, double x, const Box& area) {
 }
 
 }  // namespace
+
+const char* curve_color(std::size_t number) { return kColors[number % kColors.size()]; }
 
 std::string draw_shares(const SetSummary& set, const ShareAxes& axes, const std::vector<Curve>& curves) {
   const double height = std::max(300.0, kLabelHeight * static_cast<double>(curves.size() + 1));

@@ -18,6 +18,9 @@ struct Curve {
   double end() const { return steps.empty() ? 0 : steps.back().second; }
 };
 
+/// The colour of a curve by its number, of a cycle of ten.
+const char* curve_color(std::size_t number);
+
 /// What a picture of shares says around its curves.
 struct ShareAxes {
   std::string title;    ///< for those who do not see the picture

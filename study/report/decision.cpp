@@ -4,10 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <tuple>
 
 #include <fmt/format.h>
 
+#include "study/report/conditioning.h"
 #include "study/report/figures.h"
 #include "study/report/hard.h"
 #include "study/report/text.h"
@@ -36,12 +38,18 @@ std::vector<std::size_t> widely_met(const Summary& summary, std::vector<std::siz
   return sets;
 }
 
+/// A step along a dial of conditioning, with a section of its own, and no situation that a user is in.
+bool is_dialled(const std::string& set) {
+  const std::optional<ConditionDial> dial = condition_dial(set);
+  return dial && dial->by_option;
+}
+
 std::vector<std::size_t> sets_where(const Summary& summary, bool (*wanted)(const SetSummary&)) {
   std::vector<std::size_t> all;
   std::vector<std::size_t> solvable;
   for (std::size_t i = 0; i < summary.sets.size(); ++i) {
     const SetSummary& set = summary.sets[i];
-    if (!set.contact || is_hard_set(set.name) || !wanted(set)) continue;
+    if (!set.contact || is_hard_set(set.name) || is_dialled(set.name) || !wanted(set)) continue;
     all.push_back(i);
     if (set.all_solvable) solvable.push_back(i);
   }
@@ -139,13 +147,19 @@ double median_time(const Record& record) {
   return std::isnan(value) ? std::numeric_limits<double>::infinity() : value;
 }
 
-const Record* choose(const std::vector<Record>& records) {
+/// The solver whose share solved is the surest to be high; nullptr where none solved anything.
+const Record* most_solving(const std::vector<Record>& records) {
   const Record* most = nullptr;
   for (const Record& record : records) {
     if (!record.eligible || record.contender.solved.part == 0) continue;
     if (most == nullptr || record.contender.solved.interval().low > most->contender.solved.interval().low)
       most = &record;
   }
+  return most;
+}
+
+const Record* choose(const std::vector<Record>& records) {
+  const Record* most = most_solving(records);
   if (most == nullptr) return nullptr;
   const Record* fastest = most;
   for (const Record& record : records) {
@@ -205,21 +219,25 @@ void sort_contenders(std::vector<Contender>& contenders, std::optional<std::size
   });
 }
 
+/// Who met how much of `sets`, and so may be recommended.
+void compare_samples(std::size_t sets, std::vector<Record>& records) {
+  std::int64_t most_trials = 0;
+  for (const Record& record : records) most_trials = std::max(most_trials, record.contender.trials);
+  for (Record& record : records) {
+    record.contender.complete = record.sets == sets;
+    record.contender.sampled = record.contender.trials < most_trials;
+    record.eligible = record.contender.complete && 2 * record.contender.trials >= most_trials;
+  }
+}
+
 Situation judge(const Summary& summary, std::string title, std::vector<std::size_t> sets) {
   Situation situation{std::move(title), scope_of(summary, sets), std::move(sets), {}, std::nullopt};
   std::vector<Record> records = records_of(summary, situation.sets);
-  const Record* reference = nullptr;
-  std::int64_t most_trials = 0;
-  for (const Record& record : records) {
-    most_trials = std::max(most_trials, record.contender.trials);
-    if (summary.solvers[record.contender.solver].text() == summary.reference) reference = &record;
-  }
-  for (Record& record : records) {
-    record.contender.complete = record.sets == situation.sets.size();
-    record.contender.sampled = record.contender.trials < most_trials;
-    record.eligible = record.contender.complete && 2 * record.contender.trials >= most_trials;
-    measure_times(reference, record);
-  }
+  compare_samples(situation.sets.size(), records);
+  const auto reference = std::find_if(records.begin(), records.end(), [&summary](const Record& record) {
+    return summary.solvers[record.contender.solver].text() == summary.reference;
+  });
+  for (Record& record : records) measure_times(reference == records.end() ? nullptr : &*reference, record);
   const Record* chosen = choose(records);
   for (Record& record : records) {
     if (&record == chosen) continue;
@@ -294,6 +312,17 @@ std::vector<Situation> decide(const Summary& summary) {
           judge(summary, ill_conditioned_title(summary, ill_conditioned), ill_conditioned)};
 }
 
+std::set<std::size_t> reliable_solvers(const Summary& summary, std::size_t set) {
+  std::vector<Record> records = records_of(summary, {set});
+  compare_samples(1, records);
+  const Record* most = most_solving(records);
+  std::set<std::size_t> reliable;
+  for (const Record& record : records) {
+    if (most != nullptr && record.eligible && as_reliable(record, *most)) reliable.insert(record.contender.solver);
+  }
+  return reliable;
+}
+
 std::map<std::size_t, std::size_t> recommended_by_set(const std::vector<Situation>& situations) {
   std::map<std::size_t, std::size_t> recommended;
   for (const Situation& situation : situations) {
@@ -311,7 +340,7 @@ std::optional<std::size_t> headline_set(const Summary& summary) {
   for (std::size_t i = 0; i < summary.sets.size(); ++i) {
     const SetSummary& set = summary.sets[i];
     const auto cells = drawn_cells(summary, i);
-    if (cells.empty() || is_hard_set(set.name)) continue;
+    if (cells.empty() || is_hard_set(set.name) || is_dialled(set.name)) continue;
     if (set.name == "paper/copositive/exp5-1e8") return i;
     const double rate = mean_rate(cells);
     const std::pair<bool, double> key{!set.frictional, std::isnan(rate) ? 2 : rate};

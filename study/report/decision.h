@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -49,8 +50,14 @@ struct Situation {
 /// than the solver that solves the most, where "fewer" and "more" need a paired exact sign test below 5 %. Only solvers
 /// that met all problems of the situation can be recommended, and none when nothing was solved. A situation's sets are
 /// those whose problems are all proven solvable, where there are any: there every failure is the solver's; less those
-/// that few solvers met (less than half of the number that met the most popular one).
+/// that few solvers met (less than half of the number that met the most popular one), the hard cases, and the steps
+/// along a dial of conditioning.
 std::vector<Situation> decide(const Summary& summary);
+
+/// The solvers (indices into Summary::solvers) among which speed may decide on one set: those that met at least half as
+/// many of its problems as the solver that met the most, and of which the solver with the surest share solved neither
+/// solves significantly more nor has significantly fewer false claims: decide()'s rule. None when nothing was solved.
+std::set<std::size_t> reliable_solvers(const Summary& summary, std::size_t set);
 
 /// The solver recommended for each set (index into Summary::sets) of the situations.
 std::map<std::size_t, std::size_t> recommended_by_set(const std::vector<Situation>& situations);

@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "study/report/conditioning.h"
+#include "study/report/speed_error.h"
 #include "study/summary.h"
 
 namespace lcpbench::report {
@@ -17,10 +19,14 @@ struct Figure {
 /// The cells of a set that a picture shows: single solvers, not the cells of a sweep, that took the set's problems.
 std::vector<const Cell*> drawn_cells(const Summary& summary, std::size_t set);
 
-/// Speed against error of every solver on one set, each point labelled, under a strip of the shares that each answered
-/// wrongly or not at all.
+/// Speed against error of every solver on one set, each point labelled, the frontier drawn, and under it the shares
+/// that each answered wrongly or not at all.
 /// @returns nullopt when no solver of the set can be drawn. @throws FigureError when gnuplot fails.
-std::optional<Figure> speed_error_figure(const Summary& summary, std::size_t set);
+std::optional<Figure> speed_error_figure(const Summary& summary, const SpeedError& speed_error);
+
+/// Error (99th percentile) and cost of every solver over the condition number, one line each.
+/// @returns nullopt when no solver has a point at two conditions. @throws FigureError when gnuplot fails.
+std::optional<Figure> conditioning_figure(const Summary& summary, const Conditioning& family);
 
 /// The share of a set's problems that each solver answered within an error, over the error: the whole distribution.
 /// @returns nullopt when no solver of the set can be drawn. @throws FigureError when gnuplot fails.

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace lcpbench::report {
 
@@ -142,6 +143,24 @@ double Box::overlap(const Box& other) const {
 std::vector<PlacedLabel> place_labels(std::span<const LabelledPoint> points, std::span<const Box> obstacles,
                                       const Box& area, double height) {
   return Placement(points, obstacles, area, height).run();
+}
+
+std::vector<double> stack_labels(std::span<const double> wishes, double top, double bottom, double height) {
+  std::vector<std::size_t> order(wishes.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return wishes[a] < wishes[b]; });
+  std::vector<double> placed(wishes.size());
+  double y = top - height;
+  for (const std::size_t i : order) {
+    y = std::max(wishes[i], y + height);
+    placed[i] = y;
+  }
+  double limit = bottom;
+  for (auto i = order.rbegin(); i != order.rend(); ++i) {
+    placed[*i] = std::min(placed[*i], limit);
+    limit = placed[*i] - height;
+  }
+  return placed;
 }
 
 }  // namespace lcpbench::report

@@ -36,4 +36,8 @@ struct PlacedLabel {
 std::vector<PlacedLabel> place_labels(std::span<const LabelledPoint> points, std::span<const Box> obstacles,
                                       const Box& area, double height);
 
+/// Heights for labels of one line each in a column, every one as near to what it wishes as order and room allow: where
+/// they crowd they are pushed down, then up again from the bottom, until no two overlap. @returns in the order given.
+std::vector<double> stack_labels(std::span<const double> wishes, double top, double bottom, double height);
+
 }  // namespace lcpbench::report

@@ -8,6 +8,7 @@
 #include "study/report/comparison_section.h"
 #include "study/report/hard_section.h"
 #include "study/report/sections.h"
+#include "study/report/speed_error_section.h"
 #include "study/report/style.h"
 #include "study/report/text.h"
 
@@ -16,7 +17,8 @@ namespace lcpbench::report {
 namespace {
 
 std::string navigation(const Summary& summary, const PaperStudy& paper) {
-  return "<nav aria-label=\"Contents\"><a href=\"#answer\">Answer</a><a href=\"#sets\">Every set and solver</a>"
+  return "<nav aria-label=\"Contents\"><a href=\"#answer\">Answer</a><a href=\"#speed-error\">Speed against error</a>"
+         "<a href=\"#sets\">Every set and solver</a>"
          "<a href=\"#comparison\">Comparing solvers</a>" +
          hard_navigation(summary) + "<a href=\"#claims\">Claim against verdict</a>" + paper_navigation(paper) +
          "<a href=\"#times\">What each time contains</a>"
@@ -157,7 +159,8 @@ std::string figure_html(const std::map<std::size_t, Figure>& figures, std::size_
 }
 
 std::string html_page(const Summary& summary, const std::vector<Situation>& situations,
-                      const std::vector<SetComparison>& comparisons, const Figures& figures, const PaperStudy& paper) {
+                      const std::vector<SetComparison>& comparisons, const SpeedErrorStudy& speed_error,
+                      const Figures& figures, const PaperStudy& paper) {
   std::string page =
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
@@ -170,6 +173,7 @@ std::string html_page(const Summary& summary, const std::vector<Situation>& situ
   page += decision_table(summary, situations);
   page += headline_figure(summary, figures);
   page += "<h3>Three limits</h3>\n" + three_limits(summary);
+  page += speed_error_section(summary, speed_error, figures);
   page += sets_section(summary, figures) + comparison_section(summary, comparisons, figures) + hard_section(summary) +
           claims_section(summary) + paper_sections(summary, paper) + times_section(summary) +
           provenance_section(summary) + definitions_section() + limits_section(summary);

@@ -13,9 +13,10 @@
 
 namespace lcpbench::report {
 
-/// Pictures of a report by index of their set.
+/// Pictures of a report by index of their set, unless told.
 struct Figures {
   std::map<std::size_t, Figure> speed_error;
+  std::map<std::size_t, Figure> conditioning;  ///< by index of their family
   std::map<std::size_t, Figure> distribution;
   std::map<std::size_t, Figure> time_ecdf;
   std::map<std::size_t, Figure> error_ecdf;
@@ -24,6 +25,7 @@ struct Figures {
 
 /// The whole of report.html: self-contained, readable without scripts, every text of the store escaped.
 std::string html_page(const Summary& summary, const std::vector<Situation>& situations,
-                      const std::vector<SetComparison>& comparisons, const Figures& figures, const PaperStudy& paper);
+                      const std::vector<SetComparison>& comparisons, const SpeedErrorStudy& speed_error,
+                      const Figures& figures, const PaperStudy& paper);
 
 }  // namespace lcpbench::report

@@ -331,7 +331,7 @@ std::string sets_section(const Summary& summary, const Figures& figures) {
     if (is_hard_set(summary.sets[set].name)) continue;
     section += fmt::format("<h3 id=\"set-{}\">{}</h3>\n", set, code(summary.sets[set].name));
     section += size_line(summary.sets[set]) + set_table(summary, set) + sweep_table(summary, set);
-    section += figure_html(figures.speed_error, set, "") + figure_html(figures.distribution, set, "");
+    section += figure_html(figures.distribution, set, "");
   }
   if (summary.sets.empty()) section += "<p>The store holds no problems.</p>\n";
   return section + "</section>\n";

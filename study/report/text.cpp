@@ -1,11 +1,11 @@
 #include "study/report/text.h"
 
 #include <cmath>
-#include <regex>
 
 #include <fmt/format.h>
 
 #include "core/utf8.h"
+#include "study/report/conditioning.h"
 #include "study/text_table.h"
 
 namespace lcpbench::report {
@@ -123,9 +123,9 @@ std::string base64(std::string_view bytes) {
 std::string describe(const SetSummary& set) {
   std::string words = "Complementarity problems without contact data";
   if (!set.bare) words = set.frictional ? "Frictional contacts" : "Frictionless contacts";
-  std::smatch match;
-  static const std::regex conditioning("exp[56]-(1e[0-9]+)");
-  if (std::regex_search(set.name, match, conditioning)) words += ", inertia condition number " + match[1].str();
+  if (const auto dial = condition_dial(set.name)) {
+    words += ", inertia condition number " + condition_text(dial->condition);
+  }
   if (set.name.find("extra100") != std::string::npos) words += ", up to 100 contacts and coordinates";
   return words;
 }

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "study/summary.h"
+
+namespace lcpbench::report {
+
+/// What stands for the error of an answer. One set has one measure.
+enum class ErrorMeasure {
+  kNone,      ///< the set mixes contact problems and bare LCPs
+  kForward,   ///< ||v+ - v*||_G / ||v||_G against the certified post-impact velocity v*, where it is the only one
+  kResidual,  ///< relative velocity residual rho
+  kBackward,  ///< row-norm backward error, bare LCPs
+};
+
+/// The name in tables: "forward_velocity", "velocity_residual_relative", "backward_row_norm", "".
+const char* to_string(ErrorMeasure measure);
+
+/// In words, for headings: "error ρ, relative velocity residual".
+std::string measure_words(ErrorMeasure measure);
+
+/// The best measure that a set allows: the forward error where the only velocity of at least half of its problems is
+/// certified, else what the verdict is taken on.
+ErrorMeasure best_measure(const SetSummary& set);
+
+/// One solver at one setting (a rung of a precision ladder is a setting) on one set.
+struct SpeedErrorPoint {
+  const Cell* cell = nullptr;
+  std::int64_t answers = 0;  ///< said solved
+  std::int64_t known = 0;    ///< of those the ones whose error is known; the two below describe them
+  double median = 0;         ///< infinity: no number; NaN: none is known
+  double p99 = 0;
+  Estimate cost;          ///< see SpeedError::relative; NaN where there is none
+  bool reliable = false;  ///< see reliable_solvers (decision.h)
+  bool frontier = false;  ///< reliable, p99 a number, and no such other is as cheap and as accurate and better in one
+
+  /// Has a finite cost and a known error, which may be infinite.
+  bool placed() const;
+};
+
+/// Errors that an answer may have to meet.
+inline constexpr std::array kErrorTargets{1e-4, 1e-6, 1e-9, 1e-12};
+
+/// The cheapest reliable solvers whose error is at most a target.
+struct Cheapest {
+  double target = 0;
+  std::optional<std::size_t> by_median;  ///< index into SpeedError::points
+  std::optional<std::size_t> by_p99;
+};
+
+/// Speed against error of every solver on one set.
+struct SpeedError {
+  std::size_t set = 0;  ///< index into Summary::sets
+  ErrorMeasure measure = ErrorMeasure::kNone;
+  /// Costs are ratios: summed times over those of the reference on the problems that both solved. Without a reference
+  /// on this set they are median times per problem [s].
+  bool relative = false;
+  std::vector<SpeedErrorPoint> points;  ///< in the order of the solvers
+  std::vector<Cheapest> cheapest;       ///< one for each of kErrorTargets
+};
+
+/// The points of one set, by the measure given or the best that it allows. Refused sets and sweeps have none.
+/// O(answers log answers + points^2).
+/// @param ratios  costs are ratios where the set has any, else median times always
+SpeedError speed_error(const Summary& summary, std::size_t set, std::optional<ErrorMeasure> measure = std::nullopt,
+                       bool ratios = true);
+
+/// Of all sets but the curated cases of `hard/` (one problem each).
+std::vector<SpeedError> speed_errors(const Summary& summary);
+
+/// speed_error.csv: one record for each set and solver, `frontier` among its columns; cheapest.csv: one for each set,
+/// target and statistic, without a solver where none meets the target.
+nlohmann::ordered_json speed_error_json(const Summary& summary, const std::vector<SpeedError>& sets);
+nlohmann::ordered_json cheapest_json(const Summary& summary, const std::vector<SpeedError>& sets);
+
+/// What speed_error.csv and conditioning.csv say of a point.
+nlohmann::ordered_json point_json(const Summary& summary, const SpeedError& set, const SpeedErrorPoint& point);
+
+/// A solver's name with its rung in a word: "lemke quad" for lemke{precision=quad}.
+std::string rung_label(const Summary& summary, std::size_t solver);
+
+}  // namespace lcpbench::report
