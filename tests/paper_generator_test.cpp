@@ -1,36 +1,20 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <thread>
 
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "core/spec.h"
 #include "generators/paper.h"
 #include "tests/generator_checks.h"
+#include "tests/opened_set.h"
 
 namespace lcpbench {
 namespace {
 
-constexpr std::uint64_t kSeed = 20120101;
+using Opened = testing::OpenedSet<PaperSet, draw_paper>;
 
-struct Opened {
-  const PaperSet* set = nullptr;
-  PaperReading reading;
-
-  PaperSample draw(std::uint64_t trial, std::uint64_t seed = kSeed) const {
-    return draw_paper(*set, reading, seed, trial);
-  }
-};
-
-Opened open(const std::string& text) {
-  const Spec spec = parse_spec(text);
-  for (const PaperSet& set : paper_sets()) {
-    if (set.name == spec.name) return {&set, set.parse(set.name, spec.options)};
-  }
-  throw std::logic_error("no set " + text);
-}
+Opened open(const std::string& text) { return testing::opened_set<draw_paper>(paper_sets(), text); }
 
 bool same(const PaperSample& a, const PaperSample& b) {
   return a.v == b.v && a.N.data == b.N.data && a.D.data == b.D.data && a.edges == b.edges && a.mu == b.mu &&
@@ -399,21 +383,9 @@ TEST(PaperGeneratorTest, SetsSeedsAndTrialsDiffer) {
 
 TEST(PaperGeneratorTest, ATrialIsTheSameAloneInABatchAndInTwoThreads) {
   for (const std::string name : {"paper/copositive/exp5-1e8", "paper/monotone/exp4{redundancy=combination}"}) {
-    const Opened set = open(name);
-    constexpr std::uint64_t kTrials = 60;
-    std::vector<PaperSample> batch;
-    for (std::uint64_t trial = 0; trial < kTrials; ++trial) batch.push_back(set.draw(trial));
-    std::vector<PaperSample> threaded(kTrials);
-    const auto work = [&](std::uint64_t first) {
-      for (std::uint64_t trial = first; trial < kTrials; trial += 2) threaded[trial] = set.draw(trial);
-    };
-    std::thread other(work, 1);
-    work(0);
-    other.join();
-    for (std::uint64_t trial = kTrials; trial-- > 0;) {
-      ASSERT_TRUE(same(batch[trial], threaded[trial]));
-      ASSERT_TRUE(same(batch[trial], set.draw(trial)));
-    }
+    SCOPED_TRACE(name);
+    testing::expect_order_and_threads_do_not_matter(
+        open(name), [](const PaperSample& a, const PaperSample& b) { return same(a, b); });
   }
 }
 

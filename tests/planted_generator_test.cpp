@@ -6,30 +6,17 @@
 
 #include <gtest/gtest.h>
 
-#include "core/spec.h"
 #include "generators/planted.h"
 #include "generators/sets.h"
 #include "tests/generator_checks.h"
+#include "tests/opened_set.h"
 
 namespace lcpbench {
 namespace {
 
-constexpr std::uint64_t kSeed = 20120101;
+using Opened = testing::OpenedSet<PlantedSet, draw_planted>;
 
-struct Opened {
-  const PlantedSet* set = nullptr;
-  PlantedReading reading;
-
-  PlantedSample draw(std::uint64_t trial) const { return draw_planted(*set, reading, kSeed, trial); }
-};
-
-Opened open(const std::string& text) {
-  const Spec spec = parse_spec(text);
-  for (const PlantedSet& set : planted_sets()) {
-    if (set.name == spec.name) return {&set, set.parse(set.name, spec.options)};
-  }
-  throw std::logic_error("no set " + text);
-}
+Opened open(const std::string& text) { return testing::opened_set<draw_planted>(planted_sets(), text); }
 
 const std::vector<std::string> kReadings = {"planted/definite", "planted/definite{n_max=1}",
                                             "planted/definite{n_max=100,condition=1e6}",
@@ -109,8 +96,8 @@ TEST(PlantedGeneratorTest, DrawsAreUniform) {
 
 TEST(PlantedGeneratorTest, BothFormsAreTheSameLcp) {
   for (std::int64_t trial = 0; trial < 20; ++trial) {
-    const Problem contact = open_set("planted/definite")->generate(kSeed, trial);
-    const Problem bare = open_set("planted/definite{form=lcp}")->generate(kSeed, trial);
+    const Problem contact = open_set("planted/definite")->generate(testing::kDrawSeed, trial);
+    const Problem bare = open_set("planted/definite{form=lcp}")->generate(testing::kDrawSeed, trial);
     ASSERT_NE(contact.contact(), nullptr);
     ASSERT_EQ(bare.contact(), nullptr);
     ASSERT_EQ(contact.lcp().M, bare.lcp().M);

@@ -5,32 +5,19 @@
 
 #include <gtest/gtest.h>
 
-#include "core/spec.h"
 #include "generators/problem_io.h"
 #include "generators/rigid.h"
 #include "generators/sets.h"
 #include "generators/to_problem.h"
 #include "tests/generator_checks.h"
+#include "tests/opened_set.h"
 
 namespace lcpbench {
 namespace {
 
-constexpr std::uint64_t kSeed = 20120101;
+using Opened = testing::OpenedSet<RigidSet, draw_rigid>;
 
-struct Opened {
-  const RigidSet* set = nullptr;
-  RigidReading reading;
-
-  RigidSample draw(std::uint64_t trial) const { return draw_rigid(*set, reading, kSeed, trial); }
-};
-
-Opened open(const std::string& text) {
-  const Spec spec = parse_spec(text);
-  for (const RigidSet& set : rigid_sets()) {
-    if (set.name == spec.name) return {&set, set.parse(set.name, spec.options)};
-  }
-  throw std::logic_error("no set " + text);
-}
+Opened open(const std::string& text) { return testing::opened_set<draw_rigid>(rigid_sets(), text); }
 
 const std::vector<std::string> kReadings = {
     "exp1",
@@ -235,9 +222,9 @@ TEST(RigidFrictionTest, DependentContactsDependInTheirFrictionToo) {
 }
 
 TEST(RigidFrictionTest, FourEdgesAreASceneAndMoreAContactProblem) {
-  const Problem scene = open_set("rigid/frictional/exp1")->generate(kSeed, 0);
+  const Problem scene = open_set("rigid/frictional/exp1")->generate(testing::kDrawSeed, 0);
   ASSERT_EQ(scene.kind(), ProblemKind::kScene);
-  const Problem eight = open_set("rigid/frictional/exp1{edges=8}")->generate(kSeed, 0);
+  const Problem eight = open_set("rigid/frictional/exp1{edges=8}")->generate(testing::kDrawSeed, 0);
   ASSERT_EQ(eight.kind(), ProblemKind::kContact);
   EXPECT_EQ(eight.contact()->v, scene.contact()->v);
   EXPECT_EQ(eight.contact()->mu, scene.contact()->mu);
@@ -252,7 +239,7 @@ TEST(RigidFrictionTest, ProblemsComeBackFromFiles) {
   for (const std::string name : {"exp1", "exp2{redundancy=combination}", "exp1{normals=axis}", "exp2{edges=8}"}) {
     const auto set = open_set("rigid/frictional/" + name);
     for (std::int64_t trial = 0; trial < 30; ++trial) {
-      const Problem problem = set->generate(kSeed, trial);
+      const Problem problem = set->generate(testing::kDrawSeed, trial);
       write_problem(problem, file);
       ASSERT_EQ(problem_hash(read_problem(file)), problem_hash(problem)) << name << " " << trial;
     }

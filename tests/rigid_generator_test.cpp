@@ -1,35 +1,21 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <thread>
 
 #include <gtest/gtest.h>
 
 #include "core/scene.h"
-#include "core/spec.h"
 #include "generators/rigid.h"
 #include "generators/to_problem.h"
 #include "tests/generator_checks.h"
+#include "tests/opened_set.h"
 
 namespace lcpbench {
 namespace {
 
-constexpr std::uint64_t kSeed = 20120101;
+using Opened = testing::OpenedSet<RigidSet, draw_rigid>;
 
-struct Opened {
-  const RigidSet* set = nullptr;
-  RigidReading reading;
-
-  RigidSample draw(std::uint64_t trial) const { return draw_rigid(*set, reading, kSeed, trial); }
-};
-
-Opened open(const std::string& text) {
-  const Spec spec = parse_spec(text);
-  for (const RigidSet& set : rigid_sets()) {
-    if (set.name == spec.name) return {&set, set.parse(set.name, spec.options)};
-  }
-  throw std::logic_error("no set " + text);
-}
+Opened open(const std::string& text) { return testing::opened_set<draw_rigid>(rigid_sets(), text); }
 
 const std::vector<std::string> kEverySetAndReading = {
     "rigid/exp1",
@@ -284,22 +270,9 @@ TEST(RigidGeneratorTest, ExperimentSixHasTheProblemsOfExperimentFive) {
 }
 
 TEST(RigidGeneratorTest, ATrialIsTheSameAloneInABatchAndInTwoThreads) {
-  const Opened set = open("rigid/exp5-1e8{redundancy=combination}");
-  constexpr std::uint64_t kTrials = 60;
-  std::vector<RigidSample> batch;
-  for (std::uint64_t trial = 0; trial < kTrials; ++trial) batch.push_back(set.draw(trial));
-  std::vector<RigidSample> threaded(kTrials);
-  const auto work = [&](std::uint64_t first) {
-    for (std::uint64_t trial = first; trial < kTrials; trial += 2) threaded[trial] = set.draw(trial);
-  };
-  std::thread other(work, 1);
-  work(0);
-  other.join();
-  for (std::uint64_t trial = kTrials; trial-- > 0;) {
-    ASSERT_TRUE(same(batch[trial], threaded[trial]));
-    ASSERT_TRUE(same(batch[trial], set.draw(trial)));
-  }
-  EXPECT_FALSE(same(batch[0], batch[1]));
+  testing::expect_order_and_threads_do_not_matter(
+      open("rigid/exp5-1e8{redundancy=combination}"),
+      [](const RigidSample& a, const RigidSample& b) { return same(a, b); });
 }
 
 }  // namespace
