@@ -6,11 +6,8 @@
 #include <chrono>
 #include <csignal>
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <functional>
-#include <sstream>
 #include <string>
 #include <thread>
 #include <tuple>
@@ -29,6 +26,7 @@
 #include "study/paper/solvability.h"
 #include "study/runner.h"
 #include "study/statistics.h"
+#include "tests/program_run.h"
 #include "tests/study_support.h"
 
 namespace lcpbench {
@@ -401,28 +399,9 @@ TEST(ProofDocumentTest, FractionsAreInLowestTerms) {
 
 // ------------------------------------------------------------------------------------------------- the command line
 
-struct Output {
-  int exit_code = -1;
-  std::string out;
-  std::string err;
-};
-
-std::string file_text(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
-
 class CertifyCommandTest : public testing::Test {
  protected:
-  Output run(const std::string& arguments) {
-    const std::string out = (folder_ / "out").string();
-    const std::string err = (folder_ / "err").string();
-    const std::string command =
-        "cd '" + (folder_ / "").string() + "' && '" LCPBENCH_PROGRAM "' " + arguments + " >" + out + " 2>" + err;
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, file_text(out), file_text(err)};
-  }
+  ProgramRun run(const std::string& arguments) { return run_program(folder_ / "", arguments); }
   void generate(const std::string& set, int trial, const std::string& name) {
     write_problem(open_set(set)->generate(1, trial), folder_ / name);
   }
@@ -438,7 +417,7 @@ std::vector<std::string> keys(const ordered_json& object) {
 TEST_F(CertifyCommandTest, JsonHasTheFieldsOfTheContract) {
   generate(kMonotone, 0, "a.json");
   generate("planted/definite{form=lcp}", 0, "b.json");
-  const Output output = run("certify a.json b.json --format json");
+  const ProgramRun output = run("certify a.json b.json --format json");
   ASSERT_EQ(output.exit_code, 0) << output.err;
   const auto rows = ordered_json::parse(output.out);
   ASSERT_EQ(rows.size(), 2U);
@@ -460,7 +439,7 @@ TEST_F(CertifyCommandTest, JsonHasTheFieldsOfTheContract) {
 
 TEST_F(CertifyCommandTest, ExactRationalsStandBesideTheDoublesWhereAsked) {
   generate(kMonotone, 0, "a.json");
-  const Output output = run("certify a.json --exact --format json");
+  const ProgramRun output = run("certify a.json --exact --format json");
   ASSERT_EQ(output.exit_code, 0) << output.err;
   const auto row = ordered_json::parse(output.out).at(0);
   EXPECT_EQ(keys(row).size(), 11U);
@@ -472,7 +451,7 @@ TEST_F(CertifyCommandTest, ExactRationalsStandBesideTheDoublesWhereAsked) {
 
 TEST_F(CertifyCommandTest, AFileThatCannotBeReadDoesNotStopTheOthers) {
   generate(kMonotone, 0, "a.json");
-  const Output output = run("certify nosuch.json a.json --format json");
+  const ProgramRun output = run("certify nosuch.json a.json --format json");
   EXPECT_EQ(output.exit_code, 2);
   EXPECT_EQ(ordered_json::parse(output.out).size(), 1U);
   EXPECT_EQ(output.err.rfind("lcpbench: nosuch.json", 0), 0U) << output.err;
@@ -487,7 +466,7 @@ TEST_F(CertifyCommandTest, MistakesOfUseExitWith2AndOneLine) {
         "certify --store nosuch.db", "certify --store s.db --exact", "certify --store s.db --set paper/monotone/exp2",
         "certify --store s.db --set nope", "certify --store s.db --every 0", "certify --store a.json",
         "certify a.json --time-limit 0", "certify a.json --proofs /nosuchfolder/p"}) {
-    const Output output = run(arguments);
+    const ProgramRun output = run(arguments);
     EXPECT_EQ(output.exit_code, 2) << arguments;
     EXPECT_EQ(output.err.rfind("lcpbench: ", 0), 0U) << arguments << ": " << output.err;
     EXPECT_EQ(std::count(output.err.begin(), output.err.end(), '\n'), 1) << arguments << ": " << output.err;
@@ -497,12 +476,12 @@ TEST_F(CertifyCommandTest, MistakesOfUseExitWith2AndOneLine) {
 
 TEST_F(CertifyCommandTest, ContradictionInAStoreExitsWith1) {
   ASSERT_EQ(run("run --set paper/monotone/exp1 --solver lemke --trials 3 --store s.db").exit_code, 0);
-  const Output fine = run("certify --store s.db --format json");
+  const ProgramRun fine = run("certify --store s.db --format json");
   ASSERT_EQ(fine.exit_code, 0) << fine.err;
   EXPECT_EQ(ordered_json::parse(fine.out)["ok"], true);
   EXPECT_EQ(ordered_json::parse(fine.out)["sets"][0]["solution"], 3);
   change(folder_ / "s.db", "UPDATE certificates SET certificate = 'unsolvable', proof = 'farkas'");
-  const Output output = run("certify --store s.db --format json");
+  const ProgramRun output = run("certify --store s.db --format json");
   EXPECT_EQ(output.exit_code, 1) << output.err;
   EXPECT_FALSE(ordered_json::parse(output.out)["contradictions"].empty());
 }
@@ -511,7 +490,7 @@ TEST_F(CertifyCommandTest, ContradictionInAStoreExitsWith1) {
 TEST_F(CertifyCommandTest, SolvableShareOfExperiment3IsTheClosedForm) {
   constexpr int kTrials = 400;
   ASSERT_EQ(run("run --set paper/monotone/exp3 --solver primal_dual --trials 400 --store s.db").exit_code, 0);
-  const Output output = run("certify --store s.db --format json");
+  const ProgramRun output = run("certify --store s.db --format json");
   ASSERT_EQ(output.exit_code, 0) << output.err;
   const auto set = ordered_json::parse(output.out)["sets"].at(0);
   EXPECT_EQ(set["open"], 0);

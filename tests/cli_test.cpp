@@ -5,16 +5,15 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 
 #include "study/answer_note.h"
 #include "study/store.h"
+#include "tests/program_run.h"
 #include "tests/study_support.h"
 
 namespace lcpbench {
@@ -22,31 +21,11 @@ namespace {
 
 using nlohmann::json;
 
-struct Output {
-  int exit_code = -1;
-  std::string out;
-  std::string err;
-};
-
-std::string file_text(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
-
 class CommandLineTest : public testing::Test {
  protected:
-  Output run(const std::string& arguments) {
-    const std::string out = (folder_ / "out").string();
-    const std::string err = (folder_ / "err").string();
-    // Redirections in `arguments` come later and win.
-    const std::string command =
-        "cd '" + (folder_ / "").string() + "' && '" LCPBENCH_PROGRAM "' >'" + out + "' 2>'" + err + "' " + arguments;
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, file_text(out), file_text(err)};
-  }
+  ProgramRun run(const std::string& arguments) { return run_program(folder_ / "", arguments); }
   json run_json(const std::string& arguments) {
-    const Output output = run(arguments + " --format json");
+    const ProgramRun output = run(arguments + " --format json");
     EXPECT_EQ(output.exit_code, 0) << output.err;
     return json::parse(output.out);
   }
@@ -104,7 +83,7 @@ TEST_F(CommandLineTest, MistakesOfUseExitWith2AndOneLine) {
                                 "bench --solver nope",
                                 "bench --problems 0",
                                 "run smoke --store /nosuchfolder/x.db"}) {
-    const Output output = run(arguments);
+    const ProgramRun output = run(arguments);
     EXPECT_EQ(output.exit_code, 2) << arguments;
     EXPECT_EQ(output.err.rfind("lcpbench: ", 0), 0U) << arguments << ": " << output.err;
     EXPECT_EQ(std::count(output.err.begin(), output.err.end(), '\n'), 1) << arguments << ": " << output.err;
@@ -116,7 +95,7 @@ TEST_F(CommandLineTest, OutputThatDoesNotArriveIsAnError) {
   for (const char* command :
        {"solvers", "sets --format json", "generate paper/monotone/exp1 --seed 1 --count 1 --out d",
         "run --set paper/monotone/exp1 --solver lemke --trials 1", "--help"}) {
-    const Output output = run(std::string(command) + " >/dev/full");
+    const ProgramRun output = run(std::string(command) + " >/dev/full");
     EXPECT_EQ(output.exit_code, 2) << command;
     EXPECT_NE(output.err.find("No space left on device"), std::string::npos) << command << ": " << output.err;
   }
@@ -126,7 +105,7 @@ TEST_F(CommandLineTest, ClosedOutputEndsUpInNoFile) {
   EXPECT_EQ(run("generate paper/monotone/exp1 --seed 1 --count 2 --out open").exit_code, 0);
   EXPECT_EQ(run("generate paper/monotone/exp1 --seed 1 --count 2 --out closed <&- >&- 2>&-").exit_code, 0);
   for (const char* name : {"000000.json", "000001.json"}) {
-    EXPECT_EQ(file_text(folder_ / "closed" / name), file_text(folder_ / "open" / name)) << name;
+    EXPECT_EQ(read_file(folder_ / "closed" / name), read_file(folder_ / "open" / name)) << name;
   }
 }
 
@@ -144,11 +123,11 @@ TEST_F(CommandLineTest, HelpIsCompleteAndNoError) {
       {"merge", {"OUT", "IN"}},
       {"report", {"STORE", "--out"}},
       {"bench", {"--set", "--solver", "--problems", "--seed", "--format"}}};
-  const Output overview = run("--help");
+  const ProgramRun overview = run("--help");
   EXPECT_EQ(overview.exit_code, 0);
   for (const auto& [command, names] : options) {
     EXPECT_NE(overview.out.find("\n  " + command + " "), std::string::npos) << command;
-    const Output help = run(command + " --help");
+    const ProgramRun help = run(command + " --help");
     EXPECT_EQ(help.exit_code, 0);
     for (const char* name : names) EXPECT_NE(help.out.find(name), std::string::npos) << command << " " << name;
   }
@@ -157,7 +136,7 @@ TEST_F(CommandLineTest, HelpIsCompleteAndNoError) {
 TEST_F(CommandLineTest, AMissingWorkerProgramMakesItsSolversUnavailable) {
   setenv("LCPBENCH_WORKER_DIR", (folder_ / "").c_str(), 1);
   const json solvers = run_json("solvers");
-  const Output study = run("run smoke --trials 1 --store alone.db");
+  const ProgramRun study = run("run smoke --trials 1 --store alone.db");
   unsetenv("LCPBENCH_WORKER_DIR");
   for (const json& solver : solvers) {
     EXPECT_EQ(solver["available"], solver["origin"] == "native") << solver["name"];
@@ -244,10 +223,10 @@ TEST_F(CommandLineTest, TrialAloneIsByteIdenticalToTheTrialInABatch) {
   ASSERT_EQ(run("generate 'paper/copositive/exp2{redundancy=combination}' --seed 5 --count 1 --first 3 --out alone")
                 .exit_code,
             0);
-  const std::string alone = file_text(folder_ / "alone/000003.json");
+  const std::string alone = read_file(folder_ / "alone/000003.json");
   EXPECT_GT(alone.size(), 100U);
-  EXPECT_EQ(alone, file_text(folder_ / "batch/000003.json"));
-  EXPECT_NE(alone, file_text(folder_ / "batch/000002.json"));
+  EXPECT_EQ(alone, read_file(folder_ / "batch/000003.json"));
+  EXPECT_NE(alone, read_file(folder_ / "batch/000002.json"));
 }
 
 TEST_F(CommandLineTest, SolveJson) {
@@ -298,7 +277,7 @@ TEST_F(CommandLineTest, OneBadFileDoesNotStopTheOthers) {
   std::ofstream(folder_ / "bad.json") << "{}";
   std::ofstream(folder_ / "good.json")
       << R"({"format": "lcpbench-problem", "version": 1, "name": "one", "kind": "lcp", "M": [[1]], "q": [-1]})";
-  const Output output = run("solve bad.json good.json --solver lemke --format json");
+  const ProgramRun output = run("solve bad.json good.json --solver lemke --format json");
   EXPECT_EQ(output.exit_code, 2);
   EXPECT_EQ(output.err.rfind("lcpbench: bad.json: ", 0), 0U) << output.err;
   EXPECT_EQ(json::parse(output.out).size(), 1U);
@@ -320,7 +299,7 @@ constexpr const char* kStudy =
     "run --set paper/monotone/exp1 --set paper/monotone/exp2 --solver lemke --solver primal_dual --trials 12 --seed 3 ";
 
 TEST_F(CommandLineTest, RunResumesAndFreshStartsAnew) {
-  const Output first = run(std::string(kStudy) + "--store a.db");
+  const ProgramRun first = run(std::string(kStudy) + "--store a.db");
   EXPECT_EQ(first.exit_code, 0) << first.err;
   EXPECT_NE(first.out.find("48 of 48 cells"), std::string::npos) << first.out;
   const std::string rows = dump(folder_ / "a.db");
@@ -343,7 +322,7 @@ TEST_F(CommandLineTest, MergeOfContradictionsExitsWith1) {
   ASSERT_EQ(run(std::string(kStudy) + "--store a.db").exit_code, 0);
   std::filesystem::copy_file(folder_ / "a.db", folder_ / "b.db");
   sqlite::Database(folder_ / "b.db", sqlite::Mode::kReadWriteCreate).execute("UPDATE answers SET pivots = pivots + 1");
-  const Output output = run("merge out.db a.db b.db");
+  const ProgramRun output = run("merge out.db a.db b.db");
   EXPECT_EQ(output.exit_code, 1);
   EXPECT_NE(output.err.find("conflict: b.db: answers: paper/monotone/exp"), std::string::npos) << output.err;
   EXPECT_FALSE(std::filesystem::exists(folder_ / "out.db"));

@@ -3,15 +3,12 @@
 #include "study/compare.h"
 
 #include <cmath>
-#include <cstdlib>
-#include <fstream>
 #include <limits>
-#include <sstream>
 
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include "core/error.h"
+#include "tests/program_run.h"
 #include "tests/synthetic_store.h"
 
 namespace lcpbench {
@@ -51,12 +48,6 @@ void fill(SyntheticStore& made, const Contents& contents) {
   }
 }
 
-std::string read_file(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
-
 class CompareTest : public testing::Test {
  protected:
   void write(const Contents& a, const Contents& b) {
@@ -83,12 +74,7 @@ class CompareTest : public testing::Test {
     throw std::runtime_error("no cell of " + solver);
   }
 
-  int run(const std::string& arguments) {
-    const std::string command =
-        "cd '" + (folder_ / "").string() + "' && '" LCPBENCH_PROGRAM "' compare " + arguments + " >out 2>err";
-    const int status = std::system(command.c_str());
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
+  int run(const std::string& arguments) { return run_program(folder_ / "", "compare " + arguments).exit_code; }
 
   ScratchFolder folder_;
 };

@@ -3,11 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <functional>
 #include <limits>
 #include <map>
-#include <sstream>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -15,18 +13,13 @@
 #include "study/report.h"
 #include "study/report/comparison_tables.h"
 #include "study/report/decision.h"
+#include "tests/program_run.h"
 #include "tests/synthetic_store.h"
 
 namespace lcpbench {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
-std::string read_file(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 /// Two sets with everything that counts differently: failures, false claims, refusals, an unsolvable problem, a solver
 /// that met only some problems, one that takes none, a name with a quote, a cell of a sweep.

@@ -1,18 +1,15 @@
 // The plan `hard` as a user runs it, with the solver that a user calls: no false claim anywhere, every solvable contact
 // case solved, and a report that says so.
 
-#include <cstdlib>
-#include <fstream>
 #include <map>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include "generators/hard/hard.h"
 #include "study/store.h"
+#include "tests/program_run.h"
 #include "tests/study_support.h"
 
 namespace lcpbench {
@@ -29,18 +26,9 @@ class HardStudyTest : public testing::Test {
     folder_ = nullptr;
   }
 
-  static int run(const std::string& arguments) {
-    const std::string command =
-        "cd '" + (*folder_ / "").string() + "' && '" LCPBENCH_PROGRAM "' " + arguments + " >out 2>err";
-    const int status = std::system(command.c_str());
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
+  static int run(const std::string& arguments) { return run_program(*folder_ / "", arguments).exit_code; }
 
-  static std::string text(const std::string& file) {
-    std::ostringstream content;
-    content << std::ifstream(*folder_ / file).rdbuf();
-    return content.str();
-  }
+  static std::string text(const std::string& file) { return read_file(*folder_ / file); }
 
   /// "set: claim, verdict" of each answer of a solver that `wanted` picks.
   template <class Wanted>

@@ -3,19 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 
 #include "generators/problem_io.h"
 #include "generators/sets.h"
 #include "study/inspect/inspection.h"
 #include "study/inspect/inspection_output.h"
+#include "tests/program_run.h"
 #include "tests/study_support.h"
 
 namespace lcpbench {
@@ -398,16 +397,8 @@ TEST(InspectTest, RandomSetsRaiseNoDoubtAboutTheirData) {
 
 class InspectCommandTest : public testing::Test {
  protected:
-  int run(const std::string& arguments) {
-    const std::string command = "'" LCPBENCH_PROGRAM "' inspect " + arguments + " >'" + (folder_ / "out").string() +
-                                "' 2>'" + (folder_ / "err").string() + "'";
-    const int status = std::system(command.c_str());
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-  std::string text(const std::string& name) {
-    std::ifstream file(folder_ / name);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  int run(const std::string& arguments) { return run_program(folder_ / "", "inspect " + arguments).exit_code; }
+  std::string text(const std::string& name) { return read_file(folder_ / name); }
   ScratchFolder folder_;
 };
 

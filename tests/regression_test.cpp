@@ -8,13 +8,13 @@
 #include <cstdlib>
 #include <fstream>
 #include <map>
-#include <sstream>
 #include <string>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "study/store.h"
+#include "tests/program_run.h"
 #include "tests/study_support.h"
 
 namespace lcpbench {
@@ -25,12 +25,6 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kToAccept =
     "\nIf this is meant: LCPBENCH_ACCEPT=1 ./regression_test (in the build folder) writes the new counts into "
     "tests/golden/regression.json; commit it and say in the message why they changed.\n";
-
-std::string read_file(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 /// One record per set and solver: sums over its problems, and over the cells of a sweep.
 Json counts_of(Store& store) {

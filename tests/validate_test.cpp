@@ -4,19 +4,16 @@
 #include "study/validate.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <map>
-#include <sstream>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 
 #include "core/error.h"
 #include "study/open_solver.h"
 #include "study/runner.h"
+#include "tests/program_run.h"
 #include "tests/study_support.h"
 
 namespace lcpbench {
@@ -289,26 +286,9 @@ TEST(ValidationPlanTest, SlowReferencesLeaveOutProblemsUnlessTheyAreAskedFor) {
 
 // ---- the command ----
 
-struct Output {
-  int exit_code = -1;
-  std::string out;
-  std::string err;
-};
-
-std::string file_text(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
-
 class ValidateCommandTest : public testing::Test {
  protected:
-  Output run(const std::string& arguments) {
-    const std::string command =
-        "cd '" + (folder_ / "").string() + "' && '" LCPBENCH_PROGRAM "' >out 2>err " + arguments;
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, file_text(folder_ / "out"), file_text(folder_ / "err")};
-  }
+  ProgramRun run(const std::string& arguments) { return run_program(folder_ / "", arguments); }
   ScratchFolder folder_;
 };
 
@@ -317,7 +297,7 @@ constexpr const char* kReference = "siconos_lemke";
 
 TEST_F(ValidateCommandTest, PrintsTheFieldsOfTheInterface) {
   if (!runs_unasked(find_solver(kReference))) GTEST_SKIP() << kReference << " is not available here";
-  const Output output = run(
+  const ProgramRun output = run(
       "validate --solver lemke --solver siconos_lemke --set paper/monotone/exp1 --set paper/monotone/exp2 --trials 20 "
       "--format json");
   EXPECT_EQ(output.exit_code, 0) << output.err;
@@ -347,13 +327,13 @@ TEST_F(ValidateCommandTest, ABadSettingExitsWith1AndSavesWhatItGotWrong) {
                 " --out hard")
                 .exit_code,
             0);
-  const Output output = run("validate " + bad + " --solver siconos_lemke --set file:hard");
+  const ProgramRun output = run("validate " + bad + " --solver siconos_lemke --set file:hard");
   EXPECT_EQ(output.exit_code, 1) << output.err;
   EXPECT_NE(output.out.find("OURS IS WRONG"), std::string::npos) << output.out;
-  const std::string index = file_text(folder_ / "disagreements/disagreements.csv");
+  const std::string index = read_file(folder_ / "disagreements/disagreements.csv");
   EXPECT_NE(index.find("native_wrong"), std::string::npos) << index;
   const std::string file = index.substr(index.find('\n') + 1, index.find(',', index.find('\n')) - index.find('\n') - 1);
-  const Output replay = run("solve --format json disagreements/" + file + " " + bad);
+  const ProgramRun replay = run("solve --format json disagreements/" + file + " " + bad);
   EXPECT_EQ(replay.exit_code, 0) << replay.err;
   EXPECT_EQ(json::parse(replay.out).at(0).at("verdict"), "wrong") << file;
 }
@@ -372,7 +352,7 @@ TEST_F(ValidateCommandTest, MistakesOfUseExitWith2AndOneLine) {
        {"validate --solver nosuch", "validate --set nosuch", "validate --trials 0", "validate --seed -1",
         "validate --solver 'lemke{zero_tolerance=x}'", "validate --format xml", "validate --time-limit nan",
         "validate --store /nonexistent/folder/s.db --trials 1 --solver lemke --set planted/definite"}) {
-    const Output output = run(arguments);
+    const ProgramRun output = run(arguments);
     EXPECT_EQ(output.exit_code, 2) << arguments << output.err;
     EXPECT_EQ(std::count(output.err.begin(), output.err.end(), '\n'), 1) << arguments << ": " << output.err;
     EXPECT_EQ(output.out, "") << arguments;
