@@ -2,15 +2,11 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <chrono>
-#include <condition_variable>
 #include <deque>
 #include <exception>
-#include <mutex>
 #include <numeric>
 #include <stdexcept>
-#include <thread>
 #include <unordered_map>
 #include <utility>
 
@@ -20,6 +16,7 @@
 #include "core/error.h"
 #include "generators/problem_io.h"
 #include "study/one_by_one.h"
+#include "study/result_exchange.h"
 #include "study/vector_codec.h"
 
 namespace lcpbench {
@@ -29,10 +26,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr auto kHandOverAfter =
     std::chrono::milliseconds(500);  // what a kill can lose, but for the solve or sweep in flight
-constexpr auto kCommitAfter = std::chrono::milliseconds(800);
 constexpr auto kProgressEvery = std::chrono::milliseconds(100);
 constexpr std::size_t kCommitAnswers = 20'000;
-constexpr std::size_t kQueuedResults = 256;
 constexpr double kFirstPartialS = 8.0;  // well inside the twenty seconds in which a user wants to see a first row
 constexpr double kPartialGrowth = 3.0;  // ever rarer: each one reads the whole store
 
@@ -97,63 +92,7 @@ struct Batch {
   ProblemResult result;
 };
 
-/// What the worker threads and the writing thread share.
-class Exchange {
- public:
-  explicit Exchange(int producers) : producers_(producers) {}
-
-  /// Blocks while the writer is behind.
-  void push(Batch batch) {
-    std::unique_lock lock(mutex_);
-    room_.wait(lock, [this] { return batches_.size() < kQueuedResults || stopped(); });
-    batches_.push_back(std::move(batch));
-    arrived_.notify_one();
-  }
-  /// All that has arrived; waits up to `patience` for the first.
-  std::deque<Batch> take(std::chrono::milliseconds patience) {
-    std::unique_lock lock(mutex_);
-    arrived_.wait_for(lock, patience, [this] { return !batches_.empty() || producers_ == 0; });
-    room_.notify_all();
-    return std::exchange(batches_, {});
-  }
-  void producer_ends(std::exception_ptr error) {
-    const std::lock_guard lock(mutex_);
-    --producers_;
-    if (error != nullptr) {
-      if (error_ == nullptr) error_ = error;
-      stop_ = true;
-    }
-    arrived_.notify_one();
-  }
-  bool drained() {
-    const std::lock_guard lock(mutex_);
-    return producers_ == 0 && batches_.empty();
-  }
-  std::exception_ptr error() {
-    const std::lock_guard lock(mutex_);
-    return error_;
-  }
-  /// After the solve in flight, nothing more is begun.
-  void stop() {
-    const std::lock_guard lock(mutex_);
-    stop_ = true;
-    room_.notify_all();
-  }
-  bool stopped() const { return stop_; }
-  /// After the problem in flight, nothing more is begun.
-  void close_queue() { closed_ = true; }
-  bool queue_closed() const { return closed_ || stop_; }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable arrived_;
-  std::condition_variable room_;
-  std::deque<Batch> batches_;
-  std::exception_ptr error_;
-  int producers_;
-  std::atomic<bool> stop_{false};
-  std::atomic<bool> closed_{false};
-};
+using Exchange = ResultExchange<Batch>;
 
 /// Verifies the answers to one problem, equal ones once.
 class ProblemJudge {
@@ -270,18 +209,12 @@ class Worker {
     for (const StudySolver& solver : study.solvers) ids_.push_back(solver.row.id());
   }
 
-  void run() noexcept {
-    std::exception_ptr error;
-    try {
-      while (!exchange_.queue_closed()) {
-        const std::size_t task = next_.fetch_add(1);
-        if (task >= queue_.tasks.size()) break;
-        run_task(queue_.tasks[task]);
-      }
-    } catch (...) {
-      error = std::current_exception();
+  void run() {
+    while (!exchange_.queue_closed()) {
+      const std::size_t task = next_.fetch_add(1);
+      if (task >= queue_.tasks.size()) break;
+      run_task(queue_.tasks[task]);
     }
-    exchange_.producer_ends(error);
   }
 
  private:
@@ -351,32 +284,20 @@ class Worker {
 /// Groups what arrives into transactions.
 class BatchWriter {
  public:
-  explicit BatchWriter(Store& store) : store_(store) {}
+  explicit BatchWriter(Store& store) : store_(store), transactions_(store) {}
 
   void add(const ProblemResult& result) {
-    if (!open_) {
-      store_.begin();
-      open_ = true;
-      began_ = Clock::now();
-      answers_ = 0;
-    }
+    if (transactions_.begin()) answers_ = 0;
     store_.add(result);
     answers_ += result.answers.size();
     if (answers_ >= kCommitAnswers) commit();
   }
-  void commit_when_due() {
-    if (open_ && Clock::now() - began_ >= kCommitAfter) commit();
-  }
-  void commit() {
-    if (!open_) return;
-    open_ = false;
-    store_.commit();
-  }
+  void commit_when_due() { transactions_.commit_when_due(); }
+  void commit() { transactions_.commit(); }
 
  private:
   Store& store_;
-  bool open_ = false;
-  Clock::time_point began_;
+  PacedTransactions transactions_;
   std::size_t answers_ = 0;
 };
 
@@ -402,28 +323,6 @@ void add_names(const Study& study, Store& store) {
   }
 }
 
-class Threads {
- public:
-  explicit Threads(Exchange& exchange) : exchange_(exchange) {}
-  ~Threads() {
-    exchange_.stop();
-    join();
-  }
-  template <class Function>
-  void start(Function function) {
-    threads_.emplace_back(std::move(function));
-  }
-  void join() {
-    for (std::thread& thread : threads_) {
-      if (thread.joinable()) thread.join();
-    }
-  }
-
- private:
-  Exchange& exchange_;
-  std::vector<std::thread> threads_;
-};
-
 }  // namespace
 
 RunOutcome run_study(const Study& study, Store& store, const RunOptions& options) {
@@ -437,7 +336,7 @@ RunOutcome run_study(const Study& study, Store& store, const RunOptions& options
   Exchange exchange(jobs);
   std::atomic<std::size_t> next{0};
   BatchWriter writer(store);
-  Threads threads(exchange);
+  ProducerThreads<Batch> threads(exchange);
   std::vector<std::string> set_names;
   for (const StudySet& set : study.sets) set_names.push_back(set.set->name());
 

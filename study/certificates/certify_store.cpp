@@ -3,13 +3,10 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <exception>
 #include <limits>
 #include <map>
 #include <memory>
-#include <mutex>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -19,15 +16,12 @@
 #include "generators/problem_io.h"
 #include "generators/sets.h"
 #include "study/certificates/proof_document.h"
+#include "study/result_exchange.h"
 
 namespace lcpbench {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-constexpr auto kCommitAfter = std::chrono::milliseconds(800);
 constexpr auto kProgressEvery = std::chrono::milliseconds(100);
-constexpr std::size_t kQueuedResults = 256;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 using Sets = std::map<std::string, std::unique_ptr<const ProblemSet>>;
@@ -36,59 +30,6 @@ struct Result {
   std::int64_t problem_id = 0;
   std::optional<CertificateRow> certificate;
   std::vector<ForwardError> forward;
-};
-
-/// What the threads and the writer share.
-class Exchange {
- public:
-  explicit Exchange(int producers) : producers_(producers) {}
-
-  /// Blocks while the writer is behind.
-  void push(Result result) {
-    std::unique_lock lock(mutex_);
-    room_.wait(lock, [this] { return results_.size() < kQueuedResults || stop_; });
-    results_.push_back(std::move(result));
-    arrived_.notify_one();
-  }
-  std::vector<Result> take() {
-    std::unique_lock lock(mutex_);
-    arrived_.wait_for(lock, kProgressEvery, [this] { return !results_.empty() || producers_ == 0; });
-    room_.notify_all();
-    return std::exchange(results_, {});
-  }
-  void producer_ends(std::exception_ptr error) {
-    const std::lock_guard lock(mutex_);
-    --producers_;
-    if (error != nullptr) {
-      if (error_ == nullptr) error_ = error;
-      stop_ = true;
-    }
-    room_.notify_all();
-    arrived_.notify_one();
-  }
-  bool drained() {
-    const std::lock_guard lock(mutex_);
-    return producers_ == 0 && results_.empty();
-  }
-  void stop() {
-    const std::lock_guard lock(mutex_);
-    stop_ = true;
-    room_.notify_all();
-  }
-  bool stopped() const { return stop_; }
-  std::exception_ptr error() {
-    const std::lock_guard lock(mutex_);
-    return error_;
-  }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable arrived_;
-  std::condition_variable room_;
-  std::vector<Result> results_;
-  std::exception_ptr error_;
-  int producers_;
-  std::atomic<bool> stop_{false};
 };
 
 CertificateRow row_of(const Problem& problem, const Certificate& certificate, double time_limit_s) {
@@ -156,52 +97,19 @@ class Worker {
 
 class Writer {
  public:
-  explicit Writer(Store& store) : store_(store), table_(store) {}
+  explicit Writer(Store& store) : transactions_(store), table_(store) {}
 
   void add(const Result& result) {
-    if (!open_) {
-      store_.begin();
-      open_ = true;
-      began_ = Clock::now();
-    }
+    transactions_.begin();
     if (result.certificate) table_.add(result.problem_id, *result.certificate);
     table_.add(result.problem_id, result.forward);
   }
-  void commit_when_due() {
-    if (open_ && Clock::now() - began_ >= kCommitAfter) commit();
-  }
-  void commit() {
-    if (open_) store_.commit();
-    open_ = false;
-  }
+  void commit_when_due() { transactions_.commit_when_due(); }
+  void commit() { transactions_.commit(); }
 
  private:
-  Store& store_;
+  PacedTransactions transactions_;
   CertificateTable table_;
-  bool open_ = false;
-  Clock::time_point began_{};
-};
-
-class Threads {
- public:
-  explicit Threads(Exchange& exchange) : exchange_(exchange) {}
-  ~Threads() {
-    exchange_.stop();
-    join();
-  }
-  template <class Function>
-  void start(Function function) {
-    threads_.emplace_back(std::move(function));
-  }
-  void join() {
-    for (std::thread& thread : threads_) {
-      if (thread.joinable()) thread.join();
-    }
-  }
-
- private:
-  Exchange& exchange_;
-  std::vector<std::thread> threads_;
 };
 
 Sets open_sets(const std::vector<CertifyTask>& tasks) {
@@ -235,28 +143,22 @@ CertifyOutcome certify_store(Store& store, const CertifyRun& run) {
   outcome.total = static_cast<std::int64_t>(tasks.size());
 
   const int jobs = static_cast<int>(std::min(static_cast<std::size_t>(run.jobs), tasks.size()));
-  Exchange exchange(jobs);
+  ResultExchange<Result> exchange(jobs);
   std::atomic<std::size_t> next{0};
   Writer writer(store);
-  Threads threads(exchange);
+  ProducerThreads<Result> threads(exchange);
   for (int i = 0; i < jobs; ++i) {
     threads.start([&] {
-      std::exception_ptr error;
-      try {
-        Worker worker(run, store.file(), sets);
-        while (!exchange.stopped()) {
-          const std::size_t task = next.fetch_add(1);
-          if (task >= tasks.size()) break;
-          exchange.push(worker.work(tasks[task]));
-        }
-      } catch (...) {
-        error = std::current_exception();
+      Worker worker(run, store.file(), sets);
+      while (!exchange.stopped()) {
+        const std::size_t task = next.fetch_add(1);
+        if (task >= tasks.size()) break;
+        exchange.push(worker.work(tasks[task]));
       }
-      exchange.producer_ends(error);
     });
   }
   while (!exchange.drained()) {
-    for (const Result& result : exchange.take()) {
+    for (const Result& result : exchange.take(kProgressEvery)) {
       writer.add(result);
       ++outcome.done;
     }
