@@ -28,7 +28,7 @@
 #include "generators/problem_io.h"
 #include "generators/sets.h"
 #include "study/open_solver.h"
-#include "worker_empty_poll.h"
+#include "tests/worker_empty_poll.h"
 
 namespace lcpbench {
 

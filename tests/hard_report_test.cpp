@@ -9,7 +9,7 @@
 #include "study/report.h"
 #include "study/report/hard.h"
 #include "study/report/hard_section.h"
-#include "synthetic_store.h"
+#include "tests/synthetic_store.h"
 
 namespace lcpbench {
 namespace {

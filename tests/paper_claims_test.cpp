@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "paper_support.h"
 #include "study/paper/claims.h"
 #include "study/paper/solvability.h"
+#include "tests/paper_support.h"
 
 namespace lcpbench {
 namespace {

@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 #include <libxml/parser.h>
 
-#include "paper_support.h"
 #include "study/paper/intervals.h"
 #include "study/paper/queries.h"
 #include "study/paper/readings.h"
@@ -17,7 +16,8 @@
 #include "study/paper/tolerance_map.h"
 #include "study/report.h"
 #include "study/report/paper.h"
-#include "study_support.h"
+#include "tests/paper_support.h"
+#include "tests/study_support.h"
 
 namespace lcpbench {
 namespace {

@@ -16,7 +16,7 @@
 #include "study/report/decision.h"
 #include "study/report/labels.h"
 #include "study/report/text.h"
-#include "synthetic_store.h"
+#include "tests/synthetic_store.h"
 
 namespace lcpbench {
 namespace {

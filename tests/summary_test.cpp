@@ -9,7 +9,7 @@
 
 #include "core/error.h"
 #include "study/report.h"
-#include "synthetic_store.h"
+#include "tests/synthetic_store.h"
 
 namespace lcpbench {
 namespace {

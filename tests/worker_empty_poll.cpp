@@ -1,4 +1,4 @@
-#include "worker_empty_poll.h"
+#include "tests/worker_empty_poll.h"
 
 #include <atomic>
 

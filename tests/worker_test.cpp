@@ -23,7 +23,7 @@
 #include "adapters/worker_client.h"
 #include "adapters/worker_protocol.h"
 #include "core/error.h"
-#include "worker_empty_poll.h"
+#include "tests/worker_empty_poll.h"
 
 namespace lcpbench {
 
