@@ -23,7 +23,7 @@ import sys
 import zlib
 from fractions import Fraction
 
-PROOFS_OF = {"solution": ("exact_basis", "lp"), "unsolvable": ("farkas", "enumeration")}
+PROOFS_OF = {"solution": ("exact_basis", "lp"), "unsolvable": ("farkas", "branching", "enumeration")}
 
 
 class Rejected(Exception):
@@ -363,6 +363,93 @@ def check_lp(document, problem):
                 f"contact {i} is not covered by the shifted velocity")
 
 
+class Transposed:
+    """M'y and q'y of the LCP w = q + M z, times positive denominators, for y given as pairs of row and integer."""
+
+    def __init__(self, problem):
+        self.problem = problem
+        if isinstance(problem, BareLcp):
+            return
+        require(problem.form != "G" or problem.has_inertia, "G is not positive definite")
+        dense = problem.nc + problem.friction
+        units = [Rationals([int(i == j) for i in range(dense)], 1) for j in range(dense)]
+        self.moved = []  # the change of velocity by each unit impulse
+        for p in potentials(problem, [problem.impulse(unit) for unit in units]):
+            self.moved.append(problem.moved_by(p))
+        common = math.lcm(*(column.denominator for column in self.moved))
+        self.moved = [[number * (common // column.denominator) for number in column.numerators]
+                      for column in self.moved]
+        self.common = common
+        self.lambda_of = [lam for lam, i in enumerate(problem.cones) for _ in range(problem.edges[i])]
+
+    def gain(self, y):
+        q = self.problem.q if isinstance(self.problem, BareLcp) else self.problem.on_contacts(self.problem.v)
+        return sum(q.numerators[i] * value for i, value in y if i < len(q))
+
+    def columns(self, y):
+        problem = self.problem
+        if isinstance(problem, BareLcp):
+            sums = [0] * problem.size
+            for i, value in y:
+                sums = [a + b * value for a, b in zip(sums, problem.M.numerators[i])]
+            return sums
+        # M is symmetric but for mu and the signs of the cone rows.
+        dense = problem.nc + problem.friction
+        velocity = [0] * problem.ngc
+        for i, value in y:
+            if i < dense:
+                velocity = [a + b * value for a, b in zip(velocity, self.moved[i])]
+        w = problem.on_contacts(Rationals(velocity, self.common))
+        sums, scale = list(w.numerators) + [0] * len(problem.cones), w.denominator
+        mu, unit = problem.mu.numerators, problem.mu.denominator
+        sums = [number * unit for number in sums]
+        for i, value in y:
+            if i >= dense:
+                contact = problem.cones[i - dense]
+                sums[contact] += mu[contact] * value * scale
+                begin = problem.nc + problem.first[contact]
+                for t in range(begin, begin + problem.edges[contact]):
+                    sums[t] -= value * scale * unit
+            elif i >= problem.nc:
+                sums[dense + self.lambda_of[i - problem.nc]] += value * scale * unit
+        return sums
+
+
+def check_leaf(transposed, node, w_is_zero, z_is_zero):
+    require(len(node) % 2 == 0, "a leaf has a row without a multiplier")
+    y = list(zip((index_below(row, transposed.problem.size) for row in node[::2]), map(integer, node[1::2])))
+    require(all(value >= 0 or i in w_is_zero for i, value in y), "a leaf has a negative multiplier")
+    require(transposed.gain(y) < 0, "a leaf proves nothing: q'y is not negative")
+    columns = transposed.columns(y)
+    require(all(entry <= 0 or j in z_is_zero for j, entry in enumerate(columns)), "a leaf has M'y positive")
+
+
+def integer(text):
+    require(isinstance(text, str) and re.fullmatch(r"-?[0-9]+", text), "a multiplier is no integer")
+    return int(text)
+
+
+def index_below(number, size):
+    require(isinstance(number, float) and number.is_integer() and 0 <= number < size, "a row is none of the problem's")
+    return int(number)
+
+
+def check_branching(document, problem):
+    """In every leaf y'w = q'y + (M'y)'z, where the left is not negative and the right is: no z lies in its cones."""
+    transposed = Transposed(problem)
+    imposed = [(frozenset(), frozenset())]  # what the nodes to come impose: rows with w = 0, rows with z = 0
+    require(document["branches"], "branches is missing")
+    for node in document["branches"]:
+        require(imposed, "there are more nodes than branches")
+        w_is_zero, z_is_zero = imposed.pop()
+        if isinstance(node, list):
+            check_leaf(transposed, node, w_is_zero, z_is_zero)
+        else:
+            row = index_below(node, problem.size)
+            imposed += [(w_is_zero, z_is_zero | {row}), (w_is_zero | {row}, z_is_zero)]
+    require(not imposed, "a branch is missing")
+
+
 # A certificate of this kind is one's word that a search found nothing: the search is done again.
 
 
@@ -467,6 +554,8 @@ def check(document, most_nodes):
         check_farkas(document, problem)
     elif proof == "lp":
         check_lp(document, problem)
+    elif proof == "branching":
+        check_branching(document, problem)
     else:
         check_enumeration(document, problem, most_nodes)
 

@@ -149,10 +149,11 @@ TEST(CertifyTest, SolutionsBeyondLemkesRaysAreFound) {
   expect_solution(certify(bare({0, 1, 1, 0}, {-2, -2})), vec({2, 2}));
 }
 
-TEST(CertifyTest, AFeasibleProblemWithoutSolutionIsProvenByEnumeration) {
+TEST(CertifyTest, AFeasibleProblemWithoutSolutionIsContradictedConeByCone) {
   const Certificate certificate = certify(bare({2, 0, 1, 0}, {-2, -2}));
   EXPECT_EQ(certificate.kind, CertificateKind::kUnsolvable) << certificate.detail;
-  EXPECT_EQ(certificate.proof, ProofKind::kEnumeration);
+  EXPECT_EQ(certificate.proof, ProofKind::kBranching);
+  EXPECT_GE(certificate.branches.size(), 3U);
 }
 
 TEST(CertifyTest, AnInfeasibleProblemIsContradicted) {
@@ -247,17 +248,17 @@ TEST(CertifyTest, TheSameProblemHasTheSameCertificateWhateverCameBefore) {
 TEST(CertifyTest, SmallBareProblemsAreAllDecided) {
   Draw draw(23);
   int solvable = 0;
-  int enumerated = 0;
+  int branched = 0;
   for (int trial = 0; trial < 300; ++trial) {
     const Index n = 1 + trial % 5;
     const Problem problem("small", Lcp{draw.matrix(n, n), draw.vector(n)});
     const Certificate certificate = certify(problem);
     EXPECT_NE(certificate.kind, CertificateKind::kOpen) << trial;
     solvable += certificate.kind == CertificateKind::kSolution ? 1 : 0;
-    enumerated += certificate.proof == ProofKind::kEnumeration ? 1 : 0;
+    branched += certificate.proof == ProofKind::kBranching ? 1 : 0;
   }
   EXPECT_GT(solvable, 100);
-  EXPECT_GT(enumerated, 5);
+  EXPECT_GT(branched, 5);
 }
 
 TEST(RoundingTest, QuotientsRoundAsTheProcessorDividesThem) {

@@ -31,6 +31,7 @@ struct Row {
   int exact_basis = 0;
   int by_lp = 0;
   int farkas = 0;
+  int branched = 0;
   int enumerated = 0;
   int open = 0;
   int other_velocity = 0;
@@ -46,6 +47,7 @@ void count(const Certificate& certificate, Row& row) {
   row.exact_basis += certificate.proof == ProofKind::kExactBasis;
   row.by_lp += certificate.proof == ProofKind::kLp;
   row.farkas += certificate.proof == ProofKind::kFarkas;
+  row.branched += certificate.proof == ProofKind::kBranching;
   row.enumerated += certificate.proof == ProofKind::kEnumeration;
   row.other_velocity += certificate.velocity_unique == false;
 }
@@ -85,9 +87,9 @@ void measure(const std::string& name, int trials, std::uint64_t seed) {
     compare(problem, certificate, *other, row);
   }
   std::sort(row.milliseconds.begin(), row.milliseconds.end());
-  std::printf("\"%s\",%d,%d,%d,%d,%d,%d,%.4f,%d,%.3f,%.3f,%.3f,%.3f,%.3f,%d,%d,%d\n", set->name().c_str(), trials,
-              row.exact_basis, row.by_lp, row.farkas, row.enumerated, row.open, wilson(row.open, trials).high,
-              row.other_velocity, mean(row.milliseconds), mean(row.small_milliseconds),
+  std::printf("\"%s\",%d,%d,%d,%d,%d,%d,%d,%.4f,%d,%.3f,%.3f,%.3f,%.3f,%.3f,%d,%d,%d\n", set->name().c_str(), trials,
+              row.exact_basis, row.by_lp, row.farkas, row.branched, row.enumerated, row.open,
+              wilson(row.open, trials).high, row.other_velocity, mean(row.milliseconds), mean(row.small_milliseconds),
               row.milliseconds[row.milliseconds.size() / 2], row.milliseconds[row.milliseconds.size() * 99 / 100],
               row.milliseconds.back(), row.disproofs, row.answers, row.roundings);
   std::fflush(stdout);
@@ -102,7 +104,8 @@ int main(int argc, char** argv) {
     return 2;
   }
   std::puts(
-      "set,trials,exact_basis,lp,farkas,enumeration,open,open_high,other_velocity,mean_ms,small_mean_ms,median_ms,p99_"
+      "set,trials,exact_basis,lp,farkas,branching,enumeration,open,open_high,other_velocity,mean_ms,small_mean_ms,"
+      "median_ms,p99_"
       "ms,max_ms,"
       "disproofs,answers,roundings");
   for (int i = 3; i < argc; ++i) {

@@ -16,7 +16,7 @@ import tempfile
 
 MOST_NODES = 1000
 SETS = ("paper/monotone/exp1", "paper/monotone/exp2", "paper/monotone/exp3", "paper/copositive/exp1{nc_max=4}",
-        "paper/copositive/exp3{nc_max=6}", "planted/definite", "planted/definite{form=lcp}")
+        "paper/copositive/exp3{nc_max=10}", "planted/definite", "planted/definite{form=lcp}")
 TRIALS = 12
 
 failures = []
@@ -85,6 +85,29 @@ def vectors_of(document):
     return names
 
 
+def changed_branches(nodes, changed):
+    """A proof by branching with a part missing, moved, or turned about."""
+    leaves = [at for at, node in enumerate(nodes) if isinstance(node, list)]
+    splits = [at for at, node in enumerate(nodes) if not isinstance(node, list)]
+
+    def negated(texts):
+        return [str(-int(text)) if at % 2 else text for at, text in enumerate(texts)]
+
+    yield "branches: missing", changed(lambda d: d.update(branches=None))
+    yield "branches: none", changed(lambda d: d.update(branches=[]))
+    yield "branches: the last leaf missing", changed(lambda d: d["branches"].pop())
+    yield "branches: a leaf too many", changed(lambda d: d["branches"].append(nodes[leaves[0]]))
+    for at in {leaves[0], leaves[len(leaves) // 2], leaves[-1]}:
+        yield "branches: a leaf turned about", changed(lambda d: d["branches"].__setitem__(at, negated(nodes[at])))
+        yield "branches: an empty leaf", changed(lambda d: d["branches"].__setitem__(at, []))
+        yield "branches: a multiplier missing", changed(lambda d: d["branches"][at].pop())
+        yield "branches: no integer", changed(lambda d: d["branches"][at].__setitem__(1, "1.5"))
+        yield "branches: no row", changed(lambda d: d["branches"][at].__setitem__(0, -1))
+        yield "branches: a leaf without what was imposed", changed(lambda d: d.update(branches=[nodes[at]]))
+    if splits:
+        yield "branches: a row that is none", changed(lambda d: d["branches"].__setitem__(splits[0], 10**6))
+
+
 def changed_documents(document, others):
     """Pairs of what was changed, and a document that proves nothing any more."""
     def changed(edit):
@@ -105,6 +128,8 @@ def changed_documents(document, others):
         yield f"{name}: one entry less", changed(lambda d: d[name]["numerators"].pop())
         yield f"{name}: one entry more", changed(lambda d: d[name]["numerators"].append("0"))
         yield f"{name}: missing", changed(lambda d: d.update({name: None}))
+    if document["branches"]:
+        yield from changed_branches(document["branches"], changed)
     if document["proof"] == "lp":
         yield "lp: pushed the other way", changed(lambda d: d["exact_farkas"].update(
             numerators=[str(-1000 * int(x)) for x in d["exact_farkas"]["numerators"]]))
@@ -115,7 +140,7 @@ def changed_documents(document, others):
             yield f"{name}: missing", changed(lambda d: d.update({name: None}))
     other_kind = "unsolvable" if document["certificate"] == "solution" else "solution"
     yield "the other kind", changed(lambda d: d.update(certificate=other_kind))
-    for proof in {"exact_basis", "farkas"} - {document["proof"]}:
+    for proof in {"exact_basis", "farkas", "branching"} - {document["proof"]}:
         kind = "solution" if proof == "exact_basis" else "unsolvable"
         yield f"kind and proof of {proof}", changed(lambda d: d.update(certificate=kind, proof=proof))
     yield "open", changed(lambda d: d.update(certificate="open", proof="none"))
@@ -141,7 +166,7 @@ def test_documents(checker, documents):
 
     kinds = {(d["certificate"], d["proof"], d["problem"]["kind"]) for d in documents}
     for kind in (("solution", "exact_basis", "contact"), ("solution", "exact_basis", "lcp"),
-                 ("unsolvable", "farkas", "contact")):
+                 ("unsolvable", "farkas", "contact"), ("unsolvable", "branching", "contact")):
         expect(kind in kinds, f"no certificate of the kind {kind}: the test has to see one")
     tried = 0
     for number, document in enumerate(documents):
@@ -157,7 +182,7 @@ def small_lcp(M, q, kind, proof, farkas=None):
     exact = {"denominator": "1", "numerators": [str(x) for x in farkas]} if farkas else None
     return {"format": "lcpbench-proof", "version": 1, "certificate": kind, "proof": proof, "z": None, "velocity": None,
             "velocity_unique": None, "exact_z": None, "exact_potential": None, "exact_velocity": None,
-            "exact_farkas": exact, "exact_other_z": None, "exact_other_potential": None,
+            "exact_farkas": exact, "branches": None, "exact_other_z": None, "exact_other_potential": None,
             "problem": {"format": "lcpbench-problem", "version": 1, "name": "small", "kind": "lcp", "M": M, "q": q}}
 
 

@@ -38,6 +38,25 @@ Json exact_json(const ExactVector& vector) {
   return {{"denominator", vector.denominator}, {"numerators", vector.numerators}};
 }
 
+/// Nodes in their order: the row of one that branches, or the rows and multipliers of a leaf in turn.
+Json branches_json(const std::vector<ProofNode>& nodes) {
+  if (nodes.empty()) return nullptr;
+  Json json = Json::array();
+  for (const ProofNode& node : nodes) {
+    if (node.row >= 0) {
+      json.push_back(node.row);
+      continue;
+    }
+    Json leaf = Json::array();
+    for (const Multiplier& multiplier : node.multipliers) {
+      leaf.push_back(multiplier.row);
+      leaf.push_back(multiplier.value);
+    }
+    json.push_back(std::move(leaf));
+  }
+  return json;
+}
+
 Json flag_json(const std::optional<bool>& flag) { return flag ? Json(*flag) : Json(nullptr); }
 
 }  // namespace
@@ -52,6 +71,7 @@ std::string proof_document(const Problem& problem, const Certificate& certificat
                    {"exact_potential", exact_json(certificate.exact_potential)},
                    {"exact_velocity", exact_json(certificate.exact_velocity)},
                    {"exact_farkas", exact_json(certificate.exact_farkas)},
+                   {"branches", branches_json(certificate.branches)},
                    {"exact_other_z", exact_json(certificate.exact_other_z)},
                    {"exact_other_potential", exact_json(certificate.exact_other_potential)}};
   // The problem goes in as text: its numbers stay the digits that the problem file has.

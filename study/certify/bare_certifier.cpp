@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "study/certify/basis.h"
+#include "study/certify/branching.h"
 #include "study/certify/enumerate.h"
 #include "study/certify/exact_checks.h"
 #include "study/certify/exact_lemke.h"
@@ -25,8 +26,8 @@ class BareCertifier {
       : problem_(problem), deadline_(deadline), candidates_(candidates), system_(bare_system(problem.lcp())) {}
 
   Certificate run() {
-    const bool decided =
-        solved_by(kSolvers[0]) || solved_by(kSolvers[1]) || settled_by_exact_lemke() || contradicted() || enumerated();
+    const bool decided = solved_by(kSolvers[0]) || solved_by(kSolvers[1]) || settled_by_exact_lemke() ||
+                         contradicted() || branched() || enumerated();
     if (!decided) certificate_.detail = deadline_.passed() ? "the time limit passed" : "no proof was found either way";
     return std::move(certificate_);
   }
@@ -36,12 +37,16 @@ class BareCertifier {
     if (deadline_.passed()) return false;
     const Answer& answer = candidates_.answer(spec, problem_, deadline_.left_s());
     if (answer.claim != Claim::kSolved) return false;
-    std::vector<Index> basis = support(answer.z, system_.size());
+    return solved_near(answer.z, "basis of " + std::string(spec));
+  }
+
+  bool solved_near(const Vector& z, const std::string& found_by) {
+    std::vector<Index> basis = support(z, system_.size());
     for (int round = 0; round <= kExchanges && !deadline_.passed(); ++round) {
       std::optional<ExactPoint> point = basis_point(system_, basis);
       if (!point) point = purified_point(system_, basis, {});
       if (!point) return false;
-      if (is_solution(system_, *point)) return take_solution(*point, "basis of " + std::string(spec));
+      if (is_solution(system_, *point)) return take_solution(*point, found_by);
       std::vector<Index> next = exchanged_basis(system_, *point);
       if (next == basis) return false;
       basis = std::move(next);
@@ -63,6 +68,15 @@ class BareCertifier {
     const FeasibilityOutcome outcome = feasible_point(lcp().M, lcp().q, deadline_);
     return outcome.feasibility == Feasibility::kInfeasible &&
            take_contradiction(outcome.point, "the linear inequalities contradict each other");
+  }
+
+  bool branched() {
+    if (deadline_.passed()) return false;
+    BranchingOutcome outcome = branch(problem_.lcp(), LeafCheck(system_), deadline_);
+    if (outcome.z) return solved_near(*outcome.z, "branch and bound");
+    if (outcome.proof.empty()) return false;
+    take_branches(std::move(outcome.proof), certificate_);
+    return true;
   }
 
   bool enumerated() {

@@ -8,13 +8,7 @@
 namespace lcpbench::exact {
 namespace {
 
-/// Equations A x = b in x = [p; z of `basis`].
-struct Equations {
-  IntegerMatrix A;
-  IntegerMatrix b;
-};
-
-// K p - L z = 0, then w = 0 on `rows`.
+// K p - L z = 0, then w = 0 on `rows`, in x = [p; z of `basis`].
 Equations equations(const ExactSystem& system, const std::vector<Index>& basis, const std::vector<Index>& rows) {
   const Index k = system.potentials();
   std::vector<Index> position(static_cast<std::size_t>(system.size()), -1);
@@ -36,19 +30,6 @@ Equations equations(const ExactSystem& system, const std::vector<Index>& basis, 
     fmpz_neg(e.b(row, 0), system.q[static_cast<std::size_t>(rows[r])].get());
   }
   return e;
-}
-
-Equations part(const Equations& e, const Minor& minor) {
-  const auto size = static_cast<Index>(minor.columns.size());
-  Equations square{IntegerMatrix(size, size), IntegerMatrix(size, 1)};
-  for (Index i = 0; i < size; ++i) {
-    const Index row = minor.rows[static_cast<std::size_t>(i)];
-    fmpz_set(square.b(i, 0), e.b(row, 0));
-    for (Index j = 0; j < size; ++j) {
-      fmpz_set(square.A(i, j), e.A(row, minor.columns[static_cast<std::size_t>(j)]));
-    }
-  }
-  return square;
 }
 
 }  // namespace
@@ -107,17 +88,10 @@ std::optional<IntegerVector> annihilator(const ExactSystem& system, const std::v
     for (Index i = 0; i < k; ++i) fmpz_set(e.A(1 + i, static_cast<Index>(j)), system.L(i, support[j]));
   }
   fmpz_set_si(e.b(0, 0), -1);
-  const Minor minor = independent_minor(e.A);
-  if (std::find(minor.rows.begin(), minor.rows.end(), Index{0}) == minor.rows.end()) return std::nullopt;
-  const Equations square = part(e, minor);
-  IntegerMatrix x;
-  Integer denominator;
-  if (!solve(square.A, square.b, x, denominator)) return std::nullopt;
+  const std::optional<IntegerVector> x = solve_independent_part(e);
+  if (!x) return std::nullopt;
   IntegerVector u(static_cast<std::size_t>(system.size()));
-  for (std::size_t j = 0; j < minor.columns.size(); ++j) {
-    fmpz_swap(u[static_cast<std::size_t>(support[static_cast<std::size_t>(minor.columns[j])])].get(),
-              x(static_cast<Index>(j), 0));
-  }
+  for (std::size_t j = 0; j < support.size(); ++j) u[static_cast<std::size_t>(support[j])] = (*x)[j];
   return u;
 }
 

@@ -18,6 +18,7 @@ const char* to_string(ProofKind proof) {
     case ProofKind::kFarkas: return "farkas";
     case ProofKind::kLp: return "lp";
     case ProofKind::kEnumeration: return "enumeration";
+    case ProofKind::kBranching: return "branching";
   }
   return "";
 }

@@ -24,18 +24,32 @@ enum class ProofKind {
   kFarkas,       ///< `exact_farkas` contradicts solvability: checked by multiplication
   kLp,           ///< `exact_farkas` proves that a solution exists (copositive, reduced rank) without giving one
   kEnumeration,  ///< every complementary cone was examined; only repeating the examination checks it
+  kBranching,    ///< `branches` contradicts every complementary cone: checked by multiplication
 };
 
 /// "solution", "unsolvable", "open".
 const char* to_string(CertificateKind kind);
 
-/// "none", "exact_basis", "farkas", "lp", "enumeration".
+/// "none", "exact_basis", "farkas", "lp", "enumeration", "branching".
 const char* to_string(ProofKind proof);
 
 /// Exact rationals over one common positive denominator: decimal integers as GMP writes them ("-17"). Empty: no vector.
 struct ExactVector {
   std::string denominator;
   std::vector<std::string> numerators;
+};
+
+/// Row `row` of the inequalities w >= 0, times `value`.
+struct Multiplier {
+  Index row = 0;
+  std::string value;  ///< a decimal integer
+};
+
+/// A node of a proof by branching. Nodes stand in the order in which they are visited: a node, all of its branch with
+/// w_row = 0, then all of its branch with z_row = 0.
+struct ProofNode {
+  Index row = -1;                       ///< the pair that branches; -1: a leaf
+  std::vector<Multiplier> multipliers;  ///< of a leaf
 };
 
 /// The certified truth of one problem. All exact vectors are in the units of the problem (N s, m/s).
@@ -55,6 +69,8 @@ struct ExactVector {
 ///  - lp: d = exact_farkas has the length of p, and w = C'(v + R d), R = X where factors are given, else I, satisfies
 ///    for every contact i w_N,i >= mu_i * max(0, max over its friction rows of -w_D): no f in the friction cones with
 ///    B f = 0 has v'C f < 0. G is positive semidefinite (Ginv definite) and mu >= 0, so that a solution exists.
+///  - branching:  in every leaf, with y its multipliers and w = q + M z in the units of the problem: y_i >= 0 unless
+///    w_i = 0 is imposed on the way to it, (M'y)_j <= 0 unless z_j = 0 is, and q'y < 0.
 struct Certificate {
   CertificateKind kind = CertificateKind::kOpen;
   ProofKind proof = ProofKind::kNone;
@@ -66,6 +82,7 @@ struct Certificate {
   ExactVector exact_potential;          ///< p above; empty for bare LCPs
   ExactVector exact_velocity;           ///< ngc: v+; empty for bare LCPs
   ExactVector exact_farkas;             ///< the proof of kFarkas or kLp
+  std::vector<ProofNode> branches;      ///< the proof of kBranching
   ExactVector exact_other_z;            ///< where velocity_unique is false: a second solution
   ExactVector exact_other_potential;    ///< its p
   double seconds = 0;                   ///< wall clock of certify()

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "study/certify/basis.h"
+#include "study/certify/branching.h"
 #include "study/certify/contact_modes.h"
 #include "study/certify/contact_truth.h"
 #include "study/certify/contact_variant.h"
@@ -130,14 +131,14 @@ class ContactCertifier {
     if (!truth_.inertia().full_rank && contradicted()) return true;
     if (solved_by(kFrictional[1]) || solved_by(kFrictional[2])) return true;
     if (truth_.system().size() <= kLargestQuad && solved_by(kSmallFrictional)) return true;
-    return solvable_by_velocity() || solved_in_a_variant(kFrictional[1]) || solved_in_a_variant(kOnVariants) ||
-           solved_in_some_mode() || settled_by_exact_lemke() || enumerated();
+    return solvable_by_velocity() || branched() || solved_in_a_variant(kFrictional[1]) ||
+           solved_in_a_variant(kOnVariants) || solved_in_some_mode() || settled_by_exact_lemke() || enumerated();
   }
 
   bool solved_by(const char* spec) {
     if (deadline_.passed()) return false;
     const Answer& answer = candidates_.answer(spec, problem_, deadline_.left_s());
-    return answer.claim == Claim::kSolved && solved_near(answer.z, spec);
+    return solved_near(answer.z, spec);
   }
 
   bool solved_near(const Vector& z, const std::string& found_by) {
@@ -225,6 +226,15 @@ class ContactCertifier {
     certificate_.kind = CertificateKind::kUnsolvable;
     certificate_.proof = ProofKind::kEnumeration;
     certificate_.detail = "every complementary cone was excluded";
+    return true;
+  }
+
+  bool branched() {
+    if (deadline_.passed()) return false;
+    BranchingOutcome outcome = branch(problem_.lcp(), LeafCheck(truth_.system()), deadline_);
+    if (outcome.z) return solved_near(*outcome.z, "branch and bound");
+    if (outcome.proof.empty()) return false;
+    take_branches(std::move(outcome.proof), certificate_);
     return true;
   }
 

@@ -77,6 +77,8 @@ void add_friction_rows(const ContactProblem& problem, const ContactLayout& layou
   for (Index c = 0; c < layout.cones; ++c) {
     const Index contact = layout.cone_contact[static_cast<std::size_t>(c)];
     const Index lambda = layout.lambda_offset() + c;
+    system.w_exponent[static_cast<std::size_t>(lambda)] =
+        mu.exponent + system.z_exponent[static_cast<std::size_t>(contact)];
     auto& cone_row = system.S[static_cast<std::size_t>(lambda)];
     Integer coefficient;
     fmpz_set(coefficient.get(), mu.m(contact, 0));
@@ -138,6 +140,7 @@ ExactSystem frictionless_system(const ExactInertia& inertia, const Dyadic& C, co
   // K 2^eK p 2^ep = L 2^eL z 2^ez and R 2^eR p 2^ep in the units 2^eq of q.
   system.p_exponent = q.exponent - right.exponent;
   system.z_exponent.assign(static_cast<std::size_t>(n), inertia.K.exponent + system.p_exponent - left.exponent);
+  system.w_exponent.assign(static_cast<std::size_t>(n), q.exponent);
   return system;
 }
 
@@ -181,6 +184,7 @@ ExactSystem bare_system(const Lcp& lcp) {
   system.S.resize(static_cast<std::size_t>(n));
   system.q.resize(static_cast<std::size_t>(n));
   system.z_exponent.assign(static_cast<std::size_t>(n), q.exponent - M.exponent);
+  system.w_exponent.assign(static_cast<std::size_t>(n), q.exponent);
   for (Index i = 0; i < n; ++i) {
     fmpz_set(system.q[static_cast<std::size_t>(i)].get(), q.m(i, 0));
     for (Index j = 0; j < n; ++j) {

@@ -20,7 +20,8 @@ struct Term {
 ///     K p = L z,   w = q + R'p + S z >= 0,   z'w = 0.
 ///
 /// A bare LCP has k = 0 and S = M. A contact problem keeps its inertia in K, so that no inverse is ever formed. The
-/// numbers are the problem's own times powers of two: p = 2^p_exponent p', z_i = 2^z_exponent[i] z'_i.
+/// numbers are the problem's own times powers of two: p = 2^p_exponent p', z_i = 2^z_exponent[i] z'_i, w_i =
+/// 2^w_exponent[i] w'_i.
 struct ExactSystem {
   IntegerMatrix K;                   ///< k x k
   IntegerMatrix L;                   ///< k x n
@@ -29,6 +30,7 @@ struct ExactSystem {
   IntegerVector q;                   ///< n
   slong p_exponent = 0;
   std::vector<slong> z_exponent;  ///< n
+  std::vector<slong> w_exponent;  ///< n
 
   Index size() const { return static_cast<Index>(q.size()); }
   Index potentials() const { return K.rows(); }

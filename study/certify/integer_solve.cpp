@@ -69,4 +69,31 @@ bool solve(const IntegerMatrix& A, const IntegerMatrix& b, IntegerMatrix& x, Int
   return denominator.sign() > 0;
 }
 
+Equations part(const Equations& e, const Minor& minor) {
+  const auto size = static_cast<Index>(minor.columns.size());
+  Equations square{IntegerMatrix(size, size), IntegerMatrix(size, 1)};
+  for (Index i = 0; i < size; ++i) {
+    const Index row = minor.rows[static_cast<std::size_t>(i)];
+    fmpz_set(square.b(i, 0), e.b(row, 0));
+    for (Index j = 0; j < size; ++j) {
+      fmpz_set(square.A(i, j), e.A(row, minor.columns[static_cast<std::size_t>(j)]));
+    }
+  }
+  return square;
+}
+
+std::optional<IntegerVector> solve_independent_part(const Equations& e) {
+  const Minor minor = independent_minor(e.A);
+  if (std::find(minor.rows.begin(), minor.rows.end(), Index{0}) == minor.rows.end()) return std::nullopt;
+  const Equations square = part(e, minor);
+  IntegerMatrix x;
+  Integer denominator;
+  if (!solve(square.A, square.b, x, denominator)) return std::nullopt;
+  IntegerVector solution(static_cast<std::size_t>(e.A.cols()));
+  for (std::size_t j = 0; j < minor.columns.size(); ++j) {
+    fmpz_swap(solution[static_cast<std::size_t>(minor.columns[j])].get(), x(static_cast<Index>(j), 0));
+  }
+  return solution;
+}
+
 }  // namespace lcpbench::exact

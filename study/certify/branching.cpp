@@ -1,0 +1,233 @@
+#include "study/certify/branching.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "study/certify/integer_solve.h"
+#include "study/certify/relaxation.h"
+
+namespace lcpbench::exact {
+namespace {
+
+/// Entries of dictionaries updated until the search gives up: a second or so.
+constexpr double kMostWork = 4e9;
+/// Complementary to rounding: z_i w_i below this part of the largest z_j times the largest w_j.
+constexpr double kComplementary = 1e-13;
+/// Multipliers are rounded to this many bits, that is, to integers which doubles hold.
+constexpr int kMultiplierBits = 50;
+/// Multipliers below this part of the largest one are rounding errors.
+constexpr double kNoMultiplier = 1e-9;
+
+Multipliers rounded_multipliers(const Vector& y) {
+  Multipliers multipliers;
+  for (Index i = 0; i < y.size(); ++i) {
+    const double value = std::nearbyint(std::ldexp(y(i), kMultiplierBits));
+    if (value != 0) multipliers.emplace_back(i, Integer(static_cast<slong>(value)));
+  }
+  return multipliers;
+}
+
+std::vector<Index> rows_of(const Vector& y) {
+  std::vector<Index> rows;
+  for (Index i = 0; i < y.size(); ++i) {
+    if (std::abs(y(i)) > kNoMultiplier) rows.push_back(i);
+  }
+  return rows;
+}
+
+class Search {
+ public:
+  Search(const Lcp& lcp, const LeafCheck& check, const Deadline& deadline)
+      : n_(lcp.size()),
+        check_(check),
+        deadline_(deadline),
+        w_is_zero_(static_cast<std::size_t>(n_), 0),
+        z_is_zero_(static_cast<std::size_t>(n_), 0) {}
+
+  /// False when the search has to end: a solution was found, or there is no proof to be had.
+  bool exhausted(Relaxation node) {
+    if (work_ > kMostWork || deadline_.passed()) return false;
+    switch (node.solve(work_)) {
+      case Relaxation::Ending::kStuck: return false;
+      case Relaxation::Ending::kInfeasible:
+        // Where equations depend on each other, rounding may have led to a row that contradicts nothing: split on.
+        return contradicted(node) || split(node, undecided_row(node));
+      case Relaxation::Ending::kFeasible: break;
+    }
+    const Index row = most_violated(node);
+    if (row < 0) outcome_.z = node.z();
+    return split(std::move(node), row);
+  }
+
+  BranchingOutcome take_outcome() { return std::move(outcome_); }
+
+ private:
+  bool split(Relaxation node, Index row) {
+    if (row < 0) return false;
+    outcome_.proof.push_back({row, {}});
+    Relaxation other = node;
+    other.impose(row);
+    if (!exhausted_under(std::move(other), w_is_zero_[static_cast<std::size_t>(row)])) return false;
+    node.impose(n_ + row);
+    return exhausted_under(std::move(node), z_is_zero_[static_cast<std::size_t>(row)]);
+  }
+
+  bool exhausted_under(Relaxation node, char& is_zero) {
+    is_zero = 1;
+    const bool result = exhausted(std::move(node));
+    is_zero = 0;
+    return result;
+  }
+
+  bool contradicted(const Relaxation& node) {
+    if (taken(rounded_multipliers(node.contradiction_with_room()))) return true;
+    const std::optional<Multipliers> exact = check_.exact(rows_of(node.contradiction()), node.tight_columns());
+    return exact && taken(*exact);
+  }
+
+  bool taken(const Multipliers& y) {
+    if (!check_.contradicts(y, w_is_zero_, z_is_zero_)) return false;
+    ProofNode leaf;
+    for (const auto& [row, value] : y) leaf.multipliers.push_back({row, text(value)});
+    outcome_.proof.push_back(std::move(leaf));
+    return true;
+  }
+
+  // The row of the largest multiplier among those whose pair was not split.
+  Index undecided_row(const Relaxation& node) const {
+    const Vector y = node.contradiction();
+    double largest = kNoMultiplier;
+    Index row = -1;
+    for (Index i = 0; i < n_; ++i) {
+      const bool decided = w_is_zero_[static_cast<std::size_t>(i)] != 0 || z_is_zero_[static_cast<std::size_t>(i)] != 0;
+      if (decided || !(std::abs(y(i)) > largest)) continue;
+      largest = std::abs(y(i));
+      row = i;
+    }
+    return row;
+  }
+
+  Index most_violated(const Relaxation& node) const {
+    const Vector z = node.z();
+    const Vector w = node.w();
+    double worst = kComplementary * z.cwiseAbs().maxCoeff() * w.cwiseAbs().maxCoeff();
+    Index row = -1;
+    for (Index i = 0; i < n_; ++i) {
+      if (!(z(i) * w(i) > worst)) continue;
+      worst = z(i) * w(i);
+      row = i;
+    }
+    return row;
+  }
+
+  Index n_;
+  const LeafCheck& check_;
+  const Deadline& deadline_;
+  std::vector<char> w_is_zero_;
+  std::vector<char> z_is_zero_;
+  double work_ = 0;
+  BranchingOutcome outcome_;
+};
+
+}  // namespace
+
+LeafCheck::LeafCheck(const ExactSystem& system) : system_(system), row_shift_(system.w_exponent) {
+  const slong least = row_shift_.empty() ? 0 : *std::min_element(row_shift_.begin(), row_shift_.end());
+  for (slong& shift : row_shift_) shift -= least;
+  if (system.potentials() == 0) return;
+  inverse_ = IntegerMatrix(system.potentials(), system.potentials());
+  possible_ = fmpz_mat_inv(inverse_.get(), denominator_.get(), system.K.get()) != 0;
+  if (denominator_.sign() < 0) {
+    fmpz_neg(denominator_.get(), denominator_.get());
+    fmpz_mat_neg(inverse_.get(), inverse_.get());
+  }
+}
+
+// With K pi = -R y: y'w = q'y + (S'y - L'pi)'z. The sum of w_i times y_i cannot be negative, and all on the right is.
+bool LeafCheck::contradicts(const Multipliers& y, const std::vector<char>& w_is_zero,
+                            const std::vector<char>& z_is_zero) const {
+  const Index k = system_.potentials();
+  Integer gain;
+  IntegerMatrix forced(k, 1);  // R y
+  IntegerVector columns(static_cast<std::size_t>(system_.size()));
+  Integer value;
+  for (const auto& [row, multiplier] : y) {
+    const auto i = static_cast<std::size_t>(row);
+    if (multiplier.sign() < 0 && !w_is_zero[i]) return false;
+    fmpz_mul_2exp(value.get(), multiplier.get(), static_cast<ulong>(row_shift_[i]));
+    fmpz_addmul(gain.get(), system_.q[i].get(), value.get());
+    for (Index j = 0; j < k; ++j) fmpz_addmul(forced(j, 0), system_.R(j, row), value.get());
+    for (const Term& term : system_.S[i]) {
+      fmpz_addmul(columns[static_cast<std::size_t>(term.column)].get(), term.value.get(), value.get());
+    }
+  }
+  if (gain.sign() >= 0) return false;
+  const IntegerMatrix potential =
+      k > 0 ? product(inverse_, forced) : IntegerMatrix(0, 1);  // -pi, times the denominator
+  for (Index j = 0; j < system_.size(); ++j) {
+    if (z_is_zero[static_cast<std::size_t>(j)]) continue;
+    Integer& column = columns[static_cast<std::size_t>(j)];
+    if (k > 0) fmpz_mul(column.get(), column.get(), denominator_.get());
+    for (Index i = 0; i < k; ++i) fmpz_addmul(column.get(), system_.L(i, j), potential(i, 0));
+    if (column.sign() > 0) return false;
+  }
+  return true;
+}
+
+// Unknown are pi and y, in that order: K pi + R y = 0, (S'y - L'pi)_j = 0 in the tight columns, q'y = -1.
+std::optional<Multipliers> LeafCheck::exact(const std::vector<Index>& rows, const std::vector<Index>& tight) const {
+  const Index k = system_.potentials();
+  const auto support = static_cast<Index>(rows.size());
+  const auto columns = static_cast<Index>(tight.size());
+  Equations e{IntegerMatrix(1 + k + columns, k + support), IntegerMatrix(1 + k + columns, 1)};
+  fmpz_set_si(e.b(0, 0), -1);
+  std::vector<Index> equation_of(static_cast<std::size_t>(system_.size()), -1);
+  for (Index t = 0; t < columns; ++t)
+    equation_of[static_cast<std::size_t>(tight[static_cast<std::size_t>(t)])] = 1 + k + t;
+  for (Index i = 0; i < k; ++i) {
+    for (Index j = 0; j < k; ++j) fmpz_set(e.A(1 + i, j), system_.K(i, j));
+    for (Index t = 0; t < columns; ++t) fmpz_neg(e.A(1 + k + t, i), system_.L(i, tight[static_cast<std::size_t>(t)]));
+  }
+  for (Index s = 0; s < support; ++s) {
+    const Index row = rows[static_cast<std::size_t>(s)];
+    fmpz_set(e.A(0, k + s), system_.q[static_cast<std::size_t>(row)].get());
+    for (Index i = 0; i < k; ++i) fmpz_set(e.A(1 + i, k + s), system_.R(i, row));
+    for (const Term& term : system_.S[static_cast<std::size_t>(row)]) {
+      const Index equation = equation_of[static_cast<std::size_t>(term.column)];
+      if (equation >= 0) fmpz_set(e.A(equation, k + s), term.value.get());
+    }
+  }
+  const std::optional<IntegerVector> x = solve_independent_part(e);
+  if (!x) return std::nullopt;
+  const slong largest = row_shift_.empty() ? 0 : *std::max_element(row_shift_.begin(), row_shift_.end());
+  Multipliers y;
+  for (Index s = 0; s < support; ++s) {
+    const Index row = rows[static_cast<std::size_t>(s)];
+    Integer value = (*x)[static_cast<std::size_t>(k + s)];
+    if (value.sign() == 0) continue;
+    fmpz_mul_2exp(value.get(), value.get(), static_cast<ulong>(largest - row_shift_[static_cast<std::size_t>(row)]));
+    y.emplace_back(row, std::move(value));
+  }
+  return y;
+}
+
+BranchingOutcome branch(const Lcp& lcp, const LeafCheck& check, const Deadline& deadline) {
+  if (lcp.size() == 0 || !check.possible() || !lcp.M.allFinite() || !lcp.q.allFinite()) return {};
+  Search search(lcp, check, deadline);
+  const bool exhausted = search.exhausted(Relaxation(lcp));
+  BranchingOutcome outcome = search.take_outcome();
+  if (!exhausted) outcome.proof.clear();
+  return outcome;
+}
+
+void take_branches(std::vector<ProofNode> proof, Certificate& certificate) {
+  const auto leaves = std::count_if(proof.begin(), proof.end(), [](const ProofNode& node) { return node.row < 0; });
+  certificate.kind = CertificateKind::kUnsolvable;
+  certificate.proof = ProofKind::kBranching;
+  certificate.detail = "branch and bound: " + std::to_string(leaves) + " contradictions";
+  certificate.branches = std::move(proof);
+}
+
+}  // namespace lcpbench::exact

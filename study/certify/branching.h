@@ -1,0 +1,56 @@
+#pragma once
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/lcp.h"
+#include "study/certify/certificate.h"
+#include "study/certify/deadline.h"
+#include "study/certify/exact_system.h"
+
+namespace lcpbench::exact {
+
+/// y as integers, row by row, in the units of the problem; other rows are zero.
+using Multipliers = std::vector<std::pair<Index, Integer>>;
+
+/// Checks leaves of proofs by branching on one system: by multiplication over the integers alone.
+class LeafCheck {
+ public:
+  /// @param system  outlives this
+  explicit LeafCheck(const ExactSystem& system);
+
+  /// False where K is singular: then nothing can be checked.
+  bool possible() const { return possible_; }
+
+  /// y contradicts w = q + M z >= 0, z >= 0 with w_i = 0 where w_is_zero[i], z_i = 0 where z_is_zero[i]:
+  /// q'y < 0, y_i >= 0 for the other w_i, (M'y)_j <= 0 for the other z_j.
+  bool contradicts(const Multipliers& y, const std::vector<char>& w_is_zero, const std::vector<char>& z_is_zero) const;
+
+  /// y that is zero but for `rows`, with (M'y)_j = 0 in `tight` and q'y = -1, up to a positive factor. Of equations
+  /// that depend on each other a largest independent part is taken; no value where they contradict q'y = -1.
+  std::optional<Multipliers> exact(const std::vector<Index>& rows, const std::vector<Index>& tight) const;
+
+ private:
+  const ExactSystem& system_;
+  std::vector<slong> row_shift_;
+  IntegerMatrix inverse_;  // of K, times the denominator
+  Integer denominator_{1};
+  bool possible_ = true;
+};
+
+/// What exhausts 2^n cones, or found a solution among them.
+struct BranchingOutcome {
+  std::vector<ProofNode> proof;  ///< empty unless every leaf was contradicted and checked
+  std::optional<Vector> z;       ///< a solution, in floats
+};
+
+/// Branch and bound over the pairs (z_i, w_i): the relaxation in floats, in each node the pair whose z_i w_i is largest
+/// is split into w_i = 0 and z_i = 0, each leaf is checked exactly. Ends without either where a leaf is not confirmed
+/// or the work is too much. @param lcp  of `check`'s system, rounded to doubles
+BranchingOutcome branch(const Lcp& lcp, const LeafCheck& check, const Deadline& deadline);
+
+/// The certificate that `proof` gives.
+void take_branches(std::vector<ProofNode> proof, Certificate& certificate);
+
+}  // namespace lcpbench::exact

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <vector>
+
+#include "core/lcp.h"
+#include "core/types.h"
+
+namespace lcpbench::exact {
+
+/// The linear inequalities of an LCP, w = q + M z >= 0 and z >= 0, with some entries imposed to be zero: in floats, by
+/// the dual simplex method on a dense dictionary. What it says is a guess. O(n^2) a pivot; an object is O(n^2) to copy.
+///
+/// Variables: w_i is i, z_i is n + i.
+class Relaxation {
+ public:
+  enum class Ending { kFeasible, kInfeasible, kStuck };
+
+  explicit Relaxation(const Lcp& lcp);
+
+  Index size() const { return static_cast<Index>(nonbasic_.size()); }
+
+  /// From now on the variable is zero.
+  void impose(Index variable) { imposed_[static_cast<std::size_t>(variable)] = true; }
+
+  /// A vertex of least sum of z (in units that even out the entries of M), or a row that contradicts the inequalities.
+  /// @param work  grows by the entries updated
+  Ending solve(double& work);
+
+  /// After kFeasible: the vertex, in the units of the problem.
+  Vector z() const;
+  Vector w() const;
+
+  /// After kInfeasible: y with q'y < 0, y_i >= 0 where w_i is not imposed to be zero, and (M'y)_j <= 0 where z_j is
+  /// not. The largest entry is 1 in size.
+  Vector contradiction() const;
+
+  /// The entries of M'y that are zero because of the vertex, for y = contradiction().
+  std::vector<Index> tight_columns() const;
+
+  /// Another y, with (M'y)_j < 0 in as many of those as can be: there is room for rounding it.
+  Vector contradiction_with_room() const;
+
+ private:
+  void pivot(Index row, Index column);
+  bool is_imposed(Index variable) const { return imposed_[static_cast<std::size_t>(variable)]; }
+  Vector contradiction(double epsilon, const Eigen::RowVectorXd& slope) const;
+  bool has_room(Index row) const;
+  double room(const Eigen::RowVectorXd& slope, double constant) const;
+
+  Vector row_unit_;     // w = row_unit times the dictionary's w
+  Vector column_unit_;  // z = column_unit times the dictionary's z
+  Matrix A_;            // basic = b + A nonbasic
+  Vector b_;
+  Vector cost_;  // of the nonbasic variables, >= 0 but for imposed ones
+  std::vector<Index> basic_;
+  std::vector<Index> nonbasic_;
+  std::vector<char> imposed_;
+  Index contradicting_row_ = -1;
+  double side_ = 1;  // +1: the contradicting row's variable is too small; -1: imposed to be zero and too large
+};
+
+}  // namespace lcpbench::exact
