@@ -11,7 +11,7 @@
 
 #include "study/report.h"
 #include "study/report/conditioning.h"
-#include "synthetic_store.h"
+#include "tests/synthetic_store.h"
 
 namespace lcpbench {
 namespace {
@@ -50,13 +50,14 @@ class Certified {
   SyntheticStore& made_;
 };
 
-/// Six solvers on ten problems; times are 1/32 to 1 of the reference's, which takes 8 ms.
+/// Eight solvers on ten problems; times are 1/32 to 1 of the reference's, which takes 8 ms.
 ///
 /// | solver    | time | forward error         | and                                |
 /// | lemke     | 8 ms | 1e-9                  | the reference                      |
 /// | quad      | 4 ms | 1e-15                 |                                    |
 /// | slow      | 2 ms | 1e-5                  | slower than `fast`, and less exact |
 /// | fast      | 1 ms | 1e-6                  |                                    |
+/// | twin      | 1.5 ms | 1e-6                |                                    |
 /// | wavering  | 0.5 ms | 1e-13, once 1e-3    |                                    |
 /// | broken    | 0.25 ms | 1e-15, once no number |                                 |
 /// | liar      | 0.1 ms | 1e-15               | wrong on eight, and said solved    |
@@ -69,6 +70,7 @@ class SpeedErrorTest : public testing::Test {
     const auto quad = made_.solver("lemke", "precision=quad");
     const auto slow = made_.solver("slow");
     const auto fast = made_.solver("fast");
+    const auto twin = made_.solver("twin");
     const auto wavering = made_.solver("wavering");
     const auto broken = made_.solver("broken");
     const auto liar = made_.solver("liar");
@@ -79,6 +81,7 @@ class SpeedErrorTest : public testing::Test {
                      {quad, {.error = 1e-14, .time_s = 4e-3}},
                      {slow, {.error = 1e-7, .time_s = 2e-3}},
                      {fast, {.error = 1e-7, .time_s = 1e-3}},
+                     {twin, {.error = 1e-7, .time_s = 1.5e-3}},
                      {wavering, {.error = 1e-12, .time_s = 0.5e-3}},
                      {broken, {.error = last ? kNone : 1e-14, .criterion = !last, .time_s = 0.25e-3}},
                      {liar, {.error = trial < 8 ? 0.3 : 1e-14, .criterion = false, .time_s = 0.1e-3}}});
@@ -88,6 +91,7 @@ class SpeedErrorTest : public testing::Test {
       certified_.forward(set, trial, quad, 1e-15);
       certified_.forward(set, trial, slow, 1e-5);
       certified_.forward(set, trial, fast, 1e-6);
+      certified_.forward(set, trial, twin, 1e-6);
       certified_.forward(set, trial, wavering, last ? 1e-3 : 1e-13);
       if (!last) certified_.forward(set, trial, broken, 1e-15);
       certified_.forward(set, trial, liar, 1e-15);
@@ -136,7 +140,7 @@ TEST_F(SpeedErrorTest, TheFrontierHoldsWhatNoReliableSolverBeatsInBoth) {
   for (const char* solver : {"wavering", "fast", "lemke{precision=quad}"}) {
     EXPECT_TRUE(point(set, solver).frontier) << solver;
   }
-  for (const char* solver : {"lemke", "slow"}) {
+  for (const char* solver : {"lemke", "slow", "twin"}) {
     EXPECT_TRUE(point(set, solver).reliable) << solver;
     EXPECT_FALSE(point(set, solver).frontier) << solver;
   }
@@ -175,7 +179,7 @@ TEST_F(SpeedErrorTest, AnswersGivenAfterTheCertificatesHaveNoKnownError) {
   EXPECT_EQ(point(set, "fast").known, 0);
   EXPECT_TRUE(std::isnan(point(set, "fast").p99));
   EXPECT_FALSE(point(set, "fast").placed());
-  EXPECT_TRUE(point(set, "slow").frontier);
+  EXPECT_TRUE(point(set, "twin").frontier);
 }
 
 TEST_F(SpeedErrorTest, HalfOfTheProblemsMustBeCertifiedElseTheResidualStandsAndThePageSaysSo) {
@@ -247,7 +251,7 @@ TEST_F(SpeedErrorTest, AFamilyIsInOrderOfConditionAndHasOneMeasure) {
   EXPECT_EQ(families[0].measure, ErrorMeasure::kForward);
   EXPECT_EQ(families[1].measure, ErrorMeasure::kResidual);
   EXPECT_EQ(families[1].steps[0].measure, ErrorMeasure::kResidual);
-  EXPECT_EQ(families[1].solvers.size(), 7u);
+  EXPECT_EQ(families[1].solvers.size(), 8u);
 }
 
 TEST_F(SpeedErrorTest, TablesPicturesAndPageSayTheSameTwice) {

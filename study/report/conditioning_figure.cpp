@@ -28,6 +28,7 @@ struct Line {
   std::string label;
   std::size_t color = 0;
   std::vector<Point> points;  ///< ascending by condition
+  bool reaches_the_end = false;
 };
 
 std::vector<Line> lines_of(const Summary& summary, const Conditioning& family,
@@ -41,6 +42,7 @@ std::vector<Line> lines_of(const Summary& summary, const Conditioning& family,
         line.points.push_back({family.conditions[step], value(point), point.reliable});
       }
     }
+    line.reaches_the_end = line.points.back().condition == family.conditions.back();
     lines.push_back(std::move(line));
   }
   return lines;
@@ -94,7 +96,10 @@ void draw_panel(Canvas& canvas, const Box& area, const std::vector<Line>& lines,
       canvas.line(x.pixel(points[k - 1].condition), y.pixel(points[k - 1].value), px, py, color, reliable ? 1.6 : 0.9,
                   !reliable);
     }
-    canvas.line(x.pixel(points.back().condition) + 3, ends[i], area.right + 14, labels[i], color, 0.7);
+    const double end = x.pixel(points.back().condition);
+    const bool to_the_last = lines[i].reaches_the_end;
+    canvas.line(end + 3, ends[i], area.right + 14, labels[i], to_the_last ? color : "#bbbbbb", to_the_last ? 0.7 : 0.5,
+                false, Layer::kBack);
     canvas.text(area.right + 18, labels[i], lines[i].label, {.size = kLabelSize, .color = color, .monospace = true});
   }
 }
