@@ -1,4 +1,4 @@
-# Fails on an include that points upward. Run as: cmake -DROOT=<source> -P tests/layers.cmake
+# Fails on an include that points upward, or that is not spelled from the root. Run as: cmake -DROOT=<source> -P tests/layers.cmake
 #
 #   core  <-  generators, native, adapters  <-  study        tests may include everything
 #   core  <-  study/evaluation  <-  study
@@ -42,6 +42,15 @@ foreach(layer core generators native adapters study)
         string(APPEND violations "  ${file} includes \"${target}\"; ${layer} may include: ${allowed}\n")
       endif()
     endforeach()
+  endforeach()
+endforeach()
+
+# A name without its folder means another file to each reader and each compiler.
+file(GLOB_RECURSE test_files RELATIVE ${ROOT} ${ROOT}/tests/*.h ${ROOT}/tests/*.cpp)
+foreach(file IN LISTS test_files)
+  file(STRINGS ${ROOT}/${file} includes REGEX "^[ \t]*#[ \t]*include[ \t]+\"[^/\"]+\"")
+  foreach(include IN LISTS includes)
+    string(APPEND violations "  ${file}: ${include}: includes are spelled from the root\n")
   endforeach()
 endforeach()
 
