@@ -80,6 +80,9 @@ TEST_F(CommandLineTest, MistakesOfUseExitWith2AndOneLine) {
                                 "sets file:nosuch",
                                 "sets 'paper/monotone/exp2{redundancy=nope}'",
                                 "sets 'paper/monotone/exp2{nope=1}'",
+                                "report nosuch.db --out ''",
+                                "generate paper/monotone/exp1 --seed 1 --count 1 --out ''",
+                                "run smoke --set paper/monotone/exp1 --store .",
                                 "bench --solver nope",
                                 "bench --problems 0",
                                 "run smoke --store /nosuchfolder/x.db"}) {

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "core/error.h"
 #include "study/commands/commands.h"
 
 namespace lcpbench {
@@ -16,6 +17,7 @@ struct Arguments {
 };
 
 int report(const Arguments& arguments) {
+  if (arguments.out.empty()) throw InputError("--out '': names no folder");
   Store store = Store::open_for_reading(arguments.store);
   const std::string without_figures = write_report(store, arguments.out);
   if (!without_figures.empty()) fmt::print(stderr, "lcpbench: the report has no figures: {}\n", without_figures);
