@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "study/report/axes.h"
 #include "study/report/html_table.h"
 #include "study/report/sections.h"
 #include "study/report/text.h"
@@ -102,14 +103,19 @@ std::string chosen_cell(const Summary& summary, const SpeedError& set, std::opti
          scientific(point.*error) + "</small></td>";
 }
 
+/// Targets are powers of ten.
+std::string target_heading(double target) {
+  return "<tr><th scope=\"row\" class=\"line\">" + power_of_ten(static_cast<int>(std::lround(std::log10(target)))) +
+         "</th>";
+}
+
 std::string cheapest_table(const Summary& summary, const SpeedError& set) {
   std::string table =
       "<div class=\"scroll\" tabindex=\"0\"><table><caption>The cheapest reliable solver that meets an "
       "error</caption><thead><tr><th scope=\"col\">Error at most</th><th scope=\"col\">in 99 % of its answers</th>"
       "<th scope=\"col\">in the median</th></tr></thead><tbody>\n";
   for (const Cheapest& cheapest : set.cheapest) {
-    table += fmt::format("<tr><th scope=\"row\" class=\"line\">{:.0e}</th>", cheapest.target) +
-             chosen_cell(summary, set, cheapest.by_p99, &SpeedErrorPoint::p99) +
+    table += target_heading(cheapest.target) + chosen_cell(summary, set, cheapest.by_p99, &SpeedErrorPoint::p99) +
              chosen_cell(summary, set, cheapest.by_median, &SpeedErrorPoint::median) + "</tr>\n";
   }
   return table + kTableEnd;
@@ -117,7 +123,7 @@ std::string cheapest_table(const Summary& summary, const SpeedError& set) {
 
 std::string measure_line(const Summary& summary, const SpeedError& set) {
   const SetSummary& info = summary.sets[set.set];
-  std::string line = describe(info) + ". Error: " + measure_words(set.measure);
+  std::string line = describe(info) + ". Measured by the " + measure_words(set.measure);
   if (set.measure == ErrorMeasure::kForward) {
     line += fmt::format(", of {} of {}", info.unique_velocities, counted(info.problems, "problem"));
   }
@@ -178,7 +184,7 @@ std::string cheapest_by_condition(const Summary& summary, const Conditioning& fa
       "99 % of its answers</caption><thead><tr><th scope=\"col\">Error at most</th>" +
       condition_headings(family);
   for (std::size_t i = 0; i < kErrorTargets.size(); ++i) {
-    table += fmt::format("<tr><th scope=\"row\" class=\"line\">{:.0e}</th>", kErrorTargets[i]);
+    table += target_heading(kErrorTargets[i]);
     for (const SpeedError& step : family.steps) {
       const std::optional<std::size_t> place = step.cheapest[i].by_p99;
       if (!place) {
@@ -197,7 +203,7 @@ std::string cheapest_by_condition(const Summary& summary, const Conditioning& fa
 std::string family_part(const Summary& summary, const SpeedErrorStudy& study, std::size_t index,
                         const Figures& figures) {
   const Conditioning& family = study.families[index];
-  return "<h3>" + code(family.family) + "</h3>\n<p class=\"note\">Error: " + measure_words(family.measure) +
+  return "<h3>" + code(family.family) + "</h3>\n<p class=\"note\">Measured by the " + measure_words(family.measure) +
          ", the same at all condition numbers.</p>\n" + figure_html(figures.conditioning, index, figures.missing) +
          conditioning_table(summary, family) + cheapest_by_condition(summary, family);
 }
