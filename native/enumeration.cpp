@@ -9,7 +9,7 @@
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
-#include "native/contact_test.h"
+#include "native/answer_test.h"
 
 namespace lcpbench {
 namespace {
@@ -172,7 +172,7 @@ class Enumeration final : public Solver {
   std::vector<Index> others_;
   std::vector<Integer> numerators_;  // of z on the support
   Integer denominator_ = 1;          // > 0
-  ContactTest test_;
+  AnswerTest test_;
   double deadline_s_ = 0;
   bool out_of_time_ = false;
   Counters counters_;
@@ -239,10 +239,13 @@ void Enumeration::report_solution(Answer& answer) {
   answer.detail = "exact solution with z = 0 outside " + text(support_);
   if (answer.claim != Claim::kSolved) {
     answer.detail += " overflows double";
-  } else if (!test_.passes(answer.z)) {
-    answer.claim = Claim::kNumericalFailure;
-    answer.detail = "the exact solution for M as rounded to double does not solve the contact problem";
+    return;
   }
+  const std::string detail = answer.detail;
+  if (test_.settle(answer)) return;
+  answer.detail = problem().contact() != nullptr
+                      ? "the exact solution for M as rounded to double does not solve the contact problem"
+                      : detail + ": rounded to double it solves the problem no more";
 }
 
 /// M of a contact problem is rounded when it is formed: that it has no solution proves nothing about the contacts.

@@ -6,6 +6,7 @@
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
+#include "native/answer_test.h"
 #include "native/contact_impulses.h"
 #include "native/velocity_ipm/interior_point.h"
 #include "native/velocity_ipm/sparse_factorization.h"
@@ -99,9 +100,9 @@ ContactProblem convex_problem(const ContactProblem& contact, const ConeColumns& 
 /// not proven; without friction the first one is the answer. [Cadoux 2009; Acary, Cadoux, Lemarechal, Malick 2011, ZAMM
 /// 91; Anitescu 2006]
 ///
-/// kSolved: the velocity residual, recomputed from z in double, is within accept_residual; kNumericalFailure: the
-/// rounds did not get there. `detail` has their number. Opposite friction impulses of a contact are returned as their
-/// difference.
+/// kSolved: the velocity residual, recomputed from z in double, is within accept_residual and AnswerTest passes;
+/// kNumericalFailure: the rounds did not get there. `detail` has their number. Opposite friction impulses of a contact
+/// are returned as their difference.
 class FrictionIpm final : public Solver {
  public:
   explicit FrictionIpm(const FrictionIpmSettings& settings)
@@ -121,6 +122,7 @@ class FrictionIpm final : public Solver {
   InteriorPoint method_;
   ContactImpulses state_;
   ConeColumns cone_;
+  AnswerTest test_;
 };
 
 void FrictionIpm::on_load(const Problem& problem) {
@@ -129,12 +131,15 @@ void FrictionIpm::on_load(const Problem& problem) {
   const ContactProblem convex = convex_problem(contact, cone_);
   const bool sparse = wants_sparse(settings_.algebra, convex);
   method_.load(sparse ? sparse_whitened_normals(convex, simplicial_ldlt()) : dense_whitened_normals(convex), convex);
-  if (method_.loaded()) state_.load(problem);
+  if (!method_.loaded()) return;
+  state_.load(problem);
+  test_.load(problem, AnswerTest::Bodies::kTrusted);
 }
 
 void FrictionIpm::on_update(const Vector& v) {
   if (!method_.loaded() || !v.allFinite()) return Solver::on_update(v);
   state_.set_velocity(v);
+  test_.set_velocity(v);
 }
 
 /// The multipliers of the cone columns as normal and signed friction impulses, and the velocity that they give.
@@ -208,6 +213,7 @@ void FrictionIpm::on_solve(const SolveRequest& request, Answer& answer) {
   state_.write_answer(answer.z);
   answer.velocity = state_.u;
   answer.detail = std::to_string(rounds) + (rounds == 1 ? " convex problem" : " convex problems");
+  test_.settle(answer);
 }
 
 constexpr Capabilities kCapabilities{

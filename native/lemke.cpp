@@ -70,6 +70,17 @@ std::unique_ptr<LemkeFinish> finish_of(LemkePrecision precision, IsaLevel level)
                                        precision != LemkePrecision::kFloat);
 }
 
+std::unique_ptr<AnswerTest> test_of(const LemkeSettings& settings) {
+  const bool by_engine = settings.test == LemkeAnswerTest::kByEngine && settings.engine == LemkeEngine::kKernel;
+  const bool wanted = settings.test == LemkeAnswerTest::kResidual || by_engine;
+  return wanted && settings.precision == LemkePrecision::kDouble ? std::make_unique<AnswerTest>() : nullptr;
+}
+
+/// A wider slack of the ratio test moves the answer with it: whoever asks for that asks for a looser test.
+double test_slack(const LemkeSettings& settings) {
+  return std::max(1.0, settings.zero_tolerance / LemkeSettings{}.zero_tolerance);
+}
+
 }  // namespace
 
 std::ptrdiff_t lemke_pivot_limit(const LemkeSettings& settings, Index n) {
@@ -104,13 +115,15 @@ Lemke::Lemke(const LemkeSettings& settings, IsaLevel level)
     : settings_(settings),
       capabilities_(lemke_capabilities(settings)),
       engine_(settings.engine, level, arithmetic_of(settings)),
-      finish_(finish_of(settings.precision, level)) {
+      finish_(finish_of(settings.precision, level)),
+      test_(test_of(settings)) {
   if (settings.precision == LemkePrecision::kPolished) engine_.expect_refinement();
 }
 
 void Lemke::on_load(const Problem& problem) {
   engine_.load(problem);
   if (finish_ != nullptr) finish_->load(problem);
+  if (test_ != nullptr) test_->load(problem);
 }
 
 void Lemke::on_solve(const SolveRequest& request, Answer& answer) {
@@ -129,6 +142,8 @@ void Lemke::on_solve(const SolveRequest& request, Answer& answer) {
 
   report_lemke(engine_.solve(rules, answer.z.data()), answer);
   if (finish_ != nullptr) finish_->run(engine_, answer);
+  if (test_ == nullptr || answer.claim != Claim::kSolved) return;
+  if (!test_->settle(answer, test_slack(settings_))) answer.z.setZero();
 }
 
 SolverDefinition lcpbench_solver_lemke() {

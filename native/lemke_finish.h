@@ -4,6 +4,7 @@
 
 #include "core/problem.h"
 #include "core/solver.h"
+#include "native/bare_lcp_test.h"
 #include "native/contact_input.h"
 #include "native/contact_lemke.h"
 #include "native/lemke_loaded.h"
@@ -31,16 +32,14 @@ class LemkeFinish {
   double finish_contacts(Answer& answer);
   double finish_matrix(lemke::LoadedEngine& engine, Answer& answer);
   bool polish_contacts(Answer& answer);
-  void release_friction(Vector& z) const;
-  double backward_error(const Vector& z);
 
   LoadedContacts judge_;
   bool polishes_;
-  const Lcp* lcp_ = nullptr;  ///< of a bare LCP
+  bool bare_ = true;
+  BareLcpTest bare_test_;
   ContactInput contacts_;
   std::vector<char> basic_;  ///< n
   Vector plain_;             ///< n: the answer before it was polished
-  Vector w_, size_;          ///< n
 };
 
 }  // namespace lcpbench

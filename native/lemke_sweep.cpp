@@ -105,6 +105,7 @@ std::optional<std::vector<LemkeSettings>> LemkeSweep::readable(std::span<const O
   for (const Options& cell : cells) settings.push_back(parse_settings<LemkeSettings>("lemke", cell));
   if (settings.empty() || settings.front().engine != LemkeEngine::kKernel) return std::nullopt;
   if (settings.front().precision != LemkePrecision::kDouble) return std::nullopt;
+  if (settings.front().test != LemkeAnswerTest::kNone) return std::nullopt;
   const Options common = others(settings.front());
   for (const LemkeSettings& cell : settings) {
     if (others(cell) != common) return std::nullopt;

@@ -33,11 +33,11 @@ struct LemkeLeaf {
 /// kernel (k^2 doubles, k basic z) for each point at which paths part on the way to the present one, fewer than cells.
 class LemkeSweep {
  public:
-  /// @param cells all with engine=kernel, and alike but for the two tolerances
+  /// @param cells all with engine=kernel and test=none, and alike but for the two tolerances
   LemkeSweep(std::span<const LemkeSettings> cells, IsaLevel level = isa_level());
 
-  /// Reads settings of `lemke`; nothing where they differ in more than the tolerances, the engine is not kernel, or
-  /// the precision not double.
+  /// Reads settings of `lemke`; nothing where they differ in more than the tolerances, the engine is not kernel, the
+  /// precision not double, or answers are tested.
   /// @throws InputError
   static std::optional<std::vector<LemkeSettings>> readable(std::span<const Options> cells);
 

@@ -2,6 +2,7 @@
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
+#include "native/answer_test.h"
 #include "native/principal_tableau.h"
 
 namespace lcpbench {
@@ -16,8 +17,10 @@ struct MurtySettings {
     field("max_pivots", max_pivots, IntegerRange{.min = 0}, "0 stands for max(1000, n^2), the paper's limit");
     field("data_error", data_error, RealRange{.min = 0, .max = 1},
           "relative error of M and q: values that errors of this size could make 0 count as 0");
-    field("accept_residual", accept_residual, RealRange{.min = 0},
-          "claim solved only when max|min(c_i z_i, w_i)| <= this * max|q|, c_i the largest |entry| of M's column i");
+    field(
+        "accept_residual", accept_residual, RealRange{.min = 0},
+        "asked for before the test of every claim: max|min(c_i z_i, w_i)| <= this * max|q|, c_i the largest |entry| of "
+        "M's column i");
   }
 };
 
@@ -44,11 +47,13 @@ class Murty final : public Solver {
 
   MurtySettings settings_;
   PrincipalTableau tableau_;
+  AnswerTest test_;
   Vector bounds_;  // n
 };
 
 void Murty::on_load(const Problem& problem) {
   tableau_.load(make_lcp(problem));
+  test_.load(problem);
   bounds_.resize(tableau_.size());
 }
 
@@ -103,6 +108,7 @@ void Murty::on_solve(const SolveRequest& request, Answer& answer) {
     case End::kNonnegative:
       if (tableau_.residual(answer.z) <= settings_.accept_residual * tableau_.largest_q()) {
         answer.claim = Claim::kSolved;
+        test_.settle(answer);
       } else {
         answer.detail = "the final basis is too ill-conditioned for the accuracy asked for";
       }

@@ -1,14 +1,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
+#include "native/answer_test.h"
 
 namespace lcpbench {
 namespace {
 
 enum class Objective { kWork, kComplementarity };
+enum class FinalTest { kNone, kResidual };
 
 struct PrimalDualSettings {
   double eps = 1e-14;
@@ -20,6 +23,7 @@ struct PrimalDualSettings {
   double diagonal_shift = 0.0;
   double accept_residual = 1e-4;
   Objective objective = Objective::kWork;
+  FinalTest test = FinalTest::kResidual;
 
   void visit(auto&& field) {
     field("eps", eps, RealRange{.min = 0}, "stop when the surrogate duality gap is at most this (absolute)");
@@ -36,6 +40,10 @@ struct PrimalDualSettings {
     field("objective", objective,
           Choices<Objective>{{{"work", Objective::kWork}, {"complementarity", Objective::kComplementarity}}},
           "1/2 z'Mz + q'z as in the paper, or z'(Mz + q); the latter always when M is not symmetric");
+    field(
+        "test", test, Choices<FinalTest>{{{"none", FinalTest::kNone}, {"residual", FinalTest::kResidual}}},
+        "of an answer that meets accept_residual: none, as in the paper; residual: from the raw data, as all native "
+        "solvers do, with z_i = 0 where c_i z_i < w_i, and where that does not pass with M z = -q solved on the rest");
   }
 };
 
@@ -114,6 +122,8 @@ class PrimalDual final : public Solver {
   void step_to_trial(double s);
   bool line_search(double t);
   double lcp_residual();
+  void finish_on_support(Vector& z);
+  void settle(Answer& answer);
 
   PrimalDualSettings settings_;
   Matrix M_;  // shifted
@@ -125,7 +135,9 @@ class PrimalDual final : public Solver {
   Point point_, trial_, direction_;
   Vector r_dual_, r_pri_;  // n: of the last point evaluated
   Vector work_;            // n
+  AnswerTest test_;
   Matrix newton_, factor_;
+  std::vector<Index> support_;  // n
 };
 
 /// True when M is symmetric up to the rounding of a product N'(G*N) formed in double.
@@ -139,6 +151,7 @@ void PrimalDual::on_load(const Problem& problem) {
   Lcp lcp = make_lcp(problem);
   const Index n = lcp.size();
   resize_workspace(n);
+  if (settings_.test == FinalTest::kResidual) test_.load(problem);
   q_ = std::move(lcp.q);
   M_ = std::move(lcp.M);
   if (n == 0) return;
@@ -154,6 +167,7 @@ void PrimalDual::resize_workspace(Index n) {
   for (Vector* vector : {&r_dual_, &r_pri_, &work_}) vector->resize(n);
   newton_.resize(n, n);
   factor_.resize(n, n);
+  support_.resize(static_cast<std::size_t>(n));
 }
 
 void PrimalDual::set_start() {
@@ -288,6 +302,61 @@ double PrimalDual::lcp_residual() {
   return worst;
 }
 
+/// The solution of M z = -q on the rows and columns of the nonzero entries of z, by elimination with complete pivoting;
+/// what depends on the pivots before it, to rounding, stays zero. O(k^3). Spoils factor_ and work_.
+void PrimalDual::finish_on_support(Vector& z) {
+  constexpr double kDependent = 1e-12;
+  Index order = 0;
+  for (Index i = 0; i < z.size(); ++i) {
+    if (z(i) > 0) support_[static_cast<std::size_t>(order++)] = i;
+  }
+  auto block = factor_.topLeftCorner(order, order);
+  auto x = work_.head(order);
+  const auto member = [this](Index k) { return support_[static_cast<std::size_t>(k)]; };
+  for (Index c = 0; c < order; ++c) {
+    x(c) = -q_(member(c));
+    for (Index r = 0; r < order; ++r) block(r, c) = M_(member(r), member(c)) - (r == c ? shift_ : 0.0);
+  }
+  double first = 0;
+  Index rank = 0;
+  for (; rank < order; ++rank) {
+    const Index left = order - rank;
+    Index row = 0;
+    Index column = 0;
+    const double largest = block.bottomRightCorner(left, left).cwiseAbs().maxCoeff(&row, &column);
+    first = std::max(first, largest);
+    if (!(largest > kDependent * first)) break;
+    block.row(rank).swap(block.row(rank + row));
+    std::swap(x(rank), x(rank + row));
+    block.col(rank).swap(block.col(rank + column));
+    std::swap(support_[static_cast<std::size_t>(rank)], support_[static_cast<std::size_t>(rank + column)]);
+    for (Index r = rank + 1; r < order; ++r) {
+      const double factor = block(r, rank) / block(rank, rank);
+      block.row(r).tail(left) -= factor * block.row(rank).tail(left);
+      x(r) -= factor * x(rank);
+    }
+  }
+  z.setZero();
+  for (Index k = rank; k-- > 0;) {
+    x(k) /= block(k, k);
+    x.head(k) -= x(k) * block.col(k).head(k);
+    z(member(k)) = x(k);
+  }
+}
+
+/// An interior point has no zeros, and is only as near to w = 0 as its gap: those that the residual takes for zero
+/// become so, and where that does not pass, what remains is solved for. @pre lcp_residual()
+void PrimalDual::settle(Answer& answer) {
+  for (Index i = 0; i < q_.size(); ++i) {
+    if (column_scale_(i) * answer.z(i) < work_(i)) answer.z(i) = 0;
+  }
+  if (test_.settle(answer) || answer.claim != Claim::kNumericalFailure) return;
+  answer.claim = Claim::kSolved;
+  answer.detail = "finished on its support";
+  finish_on_support(answer.z);
+  if (!test_.settle(answer)) answer.z = point_.z;
+}
+
 void PrimalDual::on_solve(const SolveRequest& request, Answer& answer) {
   answer.counters = {.iterations = 0, .pivots = -1, .factorizations = 0};
   if (q_.isZero(0)) {  // z = 0 solves it, and max|q| gives no scale to judge another answer by
@@ -302,12 +371,12 @@ void PrimalDual::on_solve(const SolveRequest& request, Answer& answer) {
     case Stop::kConverged:
       answer.claim = accepted ? Claim::kSolved : Claim::kNumericalFailure;
       if (!accepted) answer.detail = "converged to a point that does not solve the LCP";
-      return;
+      break;
     case Stop::kStalled:
       answer.claim = accepted ? Claim::kSolved : Claim::kNumericalFailure;
       answer.detail =
           accepted ? "no step reduces the residual further; accepted as it is" : "no step reduces the residual further";
-      return;
+      break;
     case Stop::kBreakdown:
       answer.claim = Claim::kNumericalFailure;
       answer.detail = "the Newton system could not be solved";
@@ -315,6 +384,7 @@ void PrimalDual::on_solve(const SolveRequest& request, Answer& answer) {
     case Stop::kIterationLimit: answer.claim = Claim::kIterationLimit; return;
     case Stop::kTimeLimit: answer.claim = Claim::kTimeLimit; return;
   }
+  if (accepted && settings_.test == FinalTest::kResidual) settle(answer);
 }
 
 constexpr Capabilities kCapabilities{

@@ -5,6 +5,7 @@
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
+#include "native/answer_test.h"
 #include "native/principal_tableau.h"
 
 namespace lcpbench {
@@ -26,8 +27,10 @@ struct PrincipalPivotingSettings {
           "which negative w is made nonnegative next");
     field("data_error", data_error, RealRange{.min = 0, .max = 1},
           "relative error of M and q: values that errors of this size could make 0 count as 0");
-    field("accept_residual", accept_residual, RealRange{.min = 0},
-          "claim solved only when max|min(c_i z_i, w_i)| <= this * max|q|, c_i the largest |entry| of M's column i");
+    field(
+        "accept_residual", accept_residual, RealRange{.min = 0},
+        "asked for before the test of every claim: max|min(c_i z_i, w_i)| <= this * max|q|, c_i the largest |entry| of "
+        "M's column i");
   }
 };
 
@@ -80,6 +83,7 @@ class PrincipalPivoting final : public Solver {
 
   PrincipalPivotingSettings settings_;
   PrincipalTableau tableau_;
+  AnswerTest test_;
   Vector nonbasic_;              // n: values of the nonbasic variables
   Vector basic_;                 // n: values of the basic ones
   std::vector<char> unsettled_;  // n: w_i was negative from the start on and is bounded by floor_, not by 0
@@ -92,6 +96,7 @@ class PrincipalPivoting final : public Solver {
 
 void PrincipalPivoting::on_load(const Problem& problem) {
   tableau_.load(make_lcp(problem));
+  test_.load(problem);
   const Index n = tableau_.size();
   for (Vector* vector : {&nonbasic_, &basic_, &bounds_, &column_bounds_, &farkas_}) vector->resize(n);
   unsettled_.resize(static_cast<std::size_t>(n));
@@ -284,6 +289,7 @@ void PrincipalPivoting::on_solve(const SolveRequest& request, Answer& answer) {
     case End::kNonnegative:
       if (tableau_.residual(answer.z) <= settings_.accept_residual * tableau_.largest_q()) {
         answer.claim = Claim::kSolved;
+        test_.settle(answer);
       } else {
         answer.detail = "the final basis is too ill-conditioned for the accuracy asked for";
       }

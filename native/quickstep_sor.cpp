@@ -7,6 +7,7 @@
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
+#include "native/answer_test.h"
 #include "native/contact_impulses.h"
 #include "native/ode_order.h"
 
@@ -89,6 +90,8 @@ class QuickstepSor final : public Solver {
 
   Vector x_;
   std::vector<std::vector<Index>> order_;
+
+  AnswerTest test_;
 };
 
 void QuickstepSor::on_load(const Problem& problem) {
@@ -104,6 +107,7 @@ void QuickstepSor::on_load(const Problem& problem) {
   }
   x_.resize(step_.size());
   order_rows(problem);
+  test_.load(problem, AnswerTest::Bodies::kTrusted);
 }
 
 /// E = D times this; also fills friction_rows_ and first_row_.
@@ -167,6 +171,7 @@ void QuickstepSor::order_rows(const Problem& problem) {
 void QuickstepSor::on_update(const Vector& v) {
   if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
   state_.set_velocity(v);
+  test_.set_velocity(v);
 }
 
 double QuickstepSor::limit(Index row) const {
@@ -209,6 +214,12 @@ Claim QuickstepSor::iterate(double deadline_s) {
   return Claim::kIterationLimit;
 }
 
+/// a + b, where it is more than what rounding leaves of numbers that cancel.
+double sum_or_zero(double a, double b) {
+  constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
+  return std::abs(a + b) > kRounding * (std::abs(a) + std::abs(b)) ? a + b : 0.0;
+}
+
 /// The impulses along the problem's own directions, and the velocity that they give.
 void QuickstepSor::write_impulses() {
   state_.impulse.setZero();
@@ -220,8 +231,8 @@ void QuickstepSor::write_impulses() {
     auto g = state_.impulse.segment(friction.first_column, friction.directions);
     g = x_.segment(row, friction.directions);
     if (friction.directions != 2) continue;
-    g(0) = std::numbers::sqrt2 / 2 * (x_(row) - x_(row + 1));
-    g(1) = std::numbers::sqrt2 / 2 * (x_(row) + x_(row + 1));
+    g(0) = std::numbers::sqrt2 / 2 * sum_or_zero(x_(row), -x_(row + 1));
+    g(1) = std::numbers::sqrt2 / 2 * sum_or_zero(x_(row), x_(row + 1));
   }
   state_.recompute_velocity();
 }
@@ -242,6 +253,7 @@ void QuickstepSor::on_solve(const SolveRequest& request, Answer& answer) {
     answer.detail = "the iterates grew out of the range of double";
   } else if (residual <= settings_.tolerance * state_.q_max) {
     answer.claim = Claim::kSolved;
+    test_.settle(answer);
   }
 }
 

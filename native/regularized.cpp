@@ -129,6 +129,7 @@ void Regularization::load(const Problem& problem) {
   name_ = problem.name();
   contact_ = problem.contact() != nullptr;
   lcp_ = make_lcp(problem);
+  if (tests_residual()) answer_test_.load(problem);
   if (lcp_.size() == 0) return;
   column_scale_ = lcp_.M.cwiseAbs().colwise().maxCoeff();
   const double largest_q = lcp_.q.cwiseAbs().maxCoeff();
@@ -148,9 +149,10 @@ std::optional<double> Regularization::next(double eps) const {
   return larger <= settings_.last ? std::optional(larger) : std::nullopt;
 }
 
-TryOutcome Regularization::judge(const Answer& answer, double eps) const {
+TryOutcome Regularization::judge(Answer& answer, double eps) {
   if (answer.claim == Claim::kTimeLimit) return TryOutcome::kOutOfTime;
-  return passes(answer, eps) ? TryOutcome::kPassed : TryOutcome::kFailed;
+  if (!passes(answer, eps)) return TryOutcome::kFailed;
+  return !tests_residual() || answer_test_.settle(answer) ? TryOutcome::kPassed : TryOutcome::kFailed;
 }
 
 bool Regularization::passes(const Answer& answer, double eps) const {

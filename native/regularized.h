@@ -9,19 +9,20 @@
 #include "core/registry.h"
 #include "core/settings.h"
 #include "core/solver.h"
+#include "native/answer_test.h"
 
 namespace lcpbench {
 
-/// Whose w the test takes.
-enum class RegularizedTest { kTried, kOriginal };
+/// Whose w the test takes; kResidual: as kOriginal, and then the test of all native solvers.
+enum class RegularizedTest { kTried, kOriginal, kResidual };
 
 struct RegularizedSettings {
-  std::string solver = "lemke";
+  std::string solver = "lemke{test=none}";
   double first = 1e-20;
   double factor = 1e4;
   double last = 10.0;
   double tolerance = 1e-6;
-  RegularizedTest test = RegularizedTest::kOriginal;
+  RegularizedTest test = RegularizedTest::kResidual;
 
   void visit(auto&& field) {
     field("solver", solver, "the native solver tried on each problem, with its settings in braces");
@@ -30,8 +31,12 @@ struct RegularizedSettings {
     field("last", last, RealRange{.min = 0, .max = 1e300}, "no eps is above this; 0: only M itself is tried");
     field("tolerance", tolerance, RealRange{.min = 0, .max = 1}, "relative tolerance of the test on z, w and z'w");
     field("test", test,
-          Choices<RegularizedTest>{{{"tried", RegularizedTest::kTried}, {"original", RegularizedTest::kOriginal}}},
-          "w of the test is that of M + eps I, as published (passes answers far from the truth), or of M");
+          Choices<RegularizedTest>{{{"tried", RegularizedTest::kTried},
+                                    {"original", RegularizedTest::kOriginal},
+                                    {"residual", RegularizedTest::kResidual}}},
+          "w of the test is that of M + eps I, as published (passes answers far from the truth), or of M; residual: of "
+          "M, "
+          "and the answer has to solve the problem as given, from its raw data");
   }
 };
 
@@ -54,7 +59,8 @@ enum class TryOutcome { kPassed, kFailed, kOutOfTime };
 /// excuse nothing, but |q_i| + sum_j |M_ij| max(|z_j|, max|q| / c_j) on rows with M_ii = 0 (those of a friction cone,
 /// whose w has other units than q; z_j below tau max|q| / c_j is rounding noise, as in the test on z). With test=tried,
 /// as published, w belongs to the problem with the shift, so that a passed test says nothing about how far the shift
-/// moved the solution, and problems without any solution pass; test=original takes w of the problem as given.
+/// moved the solution, and problems without any solution pass; test=original takes w of the problem as given;
+/// test=residual asks for that and for AnswerTest.
 class Regularization {
  public:
   explicit Regularization(const RegularizedSettings& settings) : settings_(settings) {}
@@ -69,7 +75,8 @@ class Regularization {
   /// The eps after this one, from 0 on; nothing where the ladder ends.
   std::optional<double> next(double eps) const;
 
-  TryOutcome judge(const Answer& answer, double eps) const;
+  /// An answer that AnswerTest refuses loses its claim.
+  TryOutcome judge(Answer& answer, double eps);
 
   /// Says of an answer that passed which try it is from: the first has eps = 0.
   static void report_pass(double eps, int tries, Answer& answer);
@@ -79,6 +86,7 @@ class Regularization {
 
  private:
   bool passes(const Answer& answer, double eps) const;
+  bool tests_residual() const { return settings_.test == RegularizedTest::kResidual; }
 
   RegularizedSettings settings_;
   std::string name_;
@@ -86,6 +94,7 @@ class Regularization {
   Lcp lcp_;
   Vector column_scale_;  // n: largest |entry| of each column of M
   Vector resolved_;      // n: the z_i that moves some w by max|q|, 0 where none does
+  AnswerTest answer_test_;
 };
 
 /// SolverDefinition::make_swept of `regularized`: null but for cells that differ in the tolerances of an inner `lemke`

@@ -113,7 +113,7 @@ class SweptRegularized final : public SweptSolver {
       }
     }
     present.sweep.walk(tries_, leaves_);
-    for (const LemkeLeaf& leaf : leaves_) {
+    for (LemkeLeaf& leaf : leaves_) {
       TryOutcome outcome{};
       Seconds spent = timed([&] { outcome = regularization_.judge(leaf.answer, present.eps); });
       spent += {leaf.wall_s, leaf.cpu_s};

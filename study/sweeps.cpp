@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "core/error.h"
 #include "core/registry.h"
@@ -19,9 +20,14 @@ std::vector<std::string> decades(int first, int step) {
   return values;
 }
 
+/// The paper's programs do not test what they return.
+SweepAxis untested(std::string value) { return {"test", {std::move(value)}}; }
+
 std::vector<SweepAxis> paper_axes(const std::string& solver) {
-  if (solver == "lemke") return {{"pivot_tolerance", decades(-20, 2)}, {"zero_tolerance", decades(-20, 2)}};
-  if (solver == "primal_dual") return {{"eps", decades(-20, 6)}, {"eps_feas", decades(-20, 6)}};
+  if (solver == "lemke") {
+    return {{"pivot_tolerance", decades(-20, 2)}, {"zero_tolerance", decades(-20, 2)}, untested("none")};
+  }
+  if (solver == "primal_dual") return {{"eps", decades(-20, 6)}, {"eps_feas", decades(-20, 6)}, untested("none")};
   if (solver == "path") return {{"tolerance", decades(-20, 2)}};
   return {};
 }
@@ -34,6 +40,11 @@ std::optional<Spec> inner_solver(const Spec& solver) {
   return std::nullopt;
 }
 
+bool names(const Spec& solver, const std::string& setting) {
+  return std::any_of(solver.options.begin(), solver.options.end(),
+                     [&](const auto& option) { return option.first == setting; });
+}
+
 std::vector<SweepAxis> paper_axes_of(const Spec& solver) {
   std::vector<SweepAxis> axes = paper_axes(solver.name);
   if (!axes.empty()) return axes;
@@ -41,6 +52,7 @@ std::vector<SweepAxis> paper_axes_of(const Spec& solver) {
   if (!inner) return {};
   axes = paper_axes_of(*inner);
   for (SweepAxis& axis : axes) axis.setting = std::string(kInnerSolver) + "." + axis.setting;
+  if (solver.name == "regularized" && !names(solver, "test")) axes.push_back(untested("original"));
   return axes;
 }
 

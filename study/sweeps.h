@@ -22,7 +22,8 @@ struct Sweep {
 /// A built-in sweep of a solver. "paper" is the grid of Drumwright and Shell 2012: lemke 9 x 9 over pivot_tolerance and
 /// zero_tolerance (1e-20 to 1e-4 in steps of 1e2), primal_dual 3 x 3 over eps and eps_feas (1e-20, 1e-14, 1e-8: steps
 /// of 1e6, whose next would be beyond 1e-4), path its one tolerance (1e-20 to 1e-4 in steps of 1e2). A solver that
-/// wraps another by a setting `solver` takes the grid of that one.
+/// wraps another by a setting `solver` takes the grid of that one. lemke and primal_dual claim as in the paper, with
+/// test=none; regularized with test=original unless the spec names another.
 /// @throws InputError when the name is unknown, or the solver has no such grid.
 Sweep builtin_sweep(const std::string& name, const Spec& solver);
 

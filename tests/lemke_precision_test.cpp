@@ -250,8 +250,8 @@ TEST(LemkePrecisionTest, NoRungAllocatesInASolve) {
 
 TEST(LemkePrecisionTest, SweepsOfOtherPrecisionsRunOneByOne) {
   const auto sweep = [](const char* precision) {
-    return make_swept_lemke({{{"pivot_tolerance", "1e-8"}, {"precision", precision}},
-                             {{"pivot_tolerance", "1e-12"}, {"precision", precision}}});
+    return make_swept_lemke({{{"pivot_tolerance", "1e-8"}, {"precision", precision}, {"test", "none"}},
+                             {{"pivot_tolerance", "1e-12"}, {"precision", precision}, {"test", "none"}}});
   };
   EXPECT_NE(sweep("double"), nullptr);
   for (const char* precision : {"float", "polished", "quad"}) EXPECT_EQ(sweep(precision), nullptr) << precision;

@@ -41,6 +41,7 @@ using Cells = std::vector<LemkeSettings>;
 LemkeSettings cell(double pivot_tolerance, double zero_tolerance, LemkeSettings common = {}) {
   common.pivot_tolerance = pivot_tolerance;
   common.zero_tolerance = zero_tolerance;
+  common.test = LemkeAnswerTest::kNone;  // paths end in the tree as in LEMKE
   return common;
 }
 
@@ -365,12 +366,18 @@ TEST(SweptLemkeTest, GivesEachCellItsOwnAnswer) {
 
 TEST(SweptLemkeTest, SweepsTolerancesOfTheKernelEngineOnly) {
   const auto make = find_solver("lemke").definition.make_swept;
-  const Options one{{"pivot_tolerance", "1e-20"}};
-  EXPECT_NE(make({one, {{"zero_tolerance", "0"}}, one}), nullptr);
-  EXPECT_NE(make({{{"cap", "3n"}}, {{"cap", "3n"}, {"zero_tolerance", "0"}}}), nullptr);
-  EXPECT_EQ(make({one, {{"cap", "3n"}}}), nullptr);
-  EXPECT_EQ(make({one, {{"update", "incremental"}}}), nullptr);
-  EXPECT_EQ(make({{{"engine", "dense"}}, {{"engine", "dense"}, {"zero_tolerance", "0"}}}), nullptr);
+  const auto untested = [](Options options) {
+    options.emplace_back("test", "none");
+    return options;
+  };
+  const Options one = untested({{"pivot_tolerance", "1e-20"}});
+  const Options dense = untested({{"engine", "dense"}});
+  EXPECT_NE(make({one, untested({{"zero_tolerance", "0"}}), one}), nullptr);
+  EXPECT_NE(make({untested({{"cap", "3n"}}), untested({{"cap", "3n"}, {"zero_tolerance", "0"}})}), nullptr);
+  EXPECT_EQ(make({one, untested({{"cap", "3n"}})}), nullptr);
+  EXPECT_EQ(make({one, untested({{"update", "incremental"}})}), nullptr);
+  EXPECT_EQ(make({dense, untested({{"engine", "dense"}, {"zero_tolerance", "0"}})}), nullptr);
+  EXPECT_EQ(make({{{"pivot_tolerance", "1e-20"}}, {{"zero_tolerance", "0"}}}), nullptr);  // their answers are tested
   EXPECT_EQ(make({}), nullptr);
   EXPECT_THROW(make({one, {{"zero_tolerance", "-1"}}}), InputError);
 }
@@ -395,7 +402,7 @@ class SweptRegularizedTest : public ::testing::TestWithParam<const char*> {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Tests, SweptRegularizedTest, ::testing::Values("tried", "original"),
+INSTANTIATE_TEST_SUITE_P(Tests, SweptRegularizedTest, ::testing::Values("tried", "original", "residual"),
                          [](const auto& test) { return std::string(test.param); });
 
 TEST_P(SweptRegularizedTest, GivesEachCellItsOwnAnswer) {
@@ -426,10 +433,12 @@ TEST(SweptRegularizedRulesTest, SweepsTolerancesOfAnInnerLemkeOnly) {
   const auto cell_of = [](const char* solver, const char* last = "10") {
     return Options{{"solver", solver}, {"last", last}};
   };
-  EXPECT_NE(make({cell_of("lemke"), cell_of("lemke{zero_tolerance=0}")}), nullptr);
-  EXPECT_EQ(make({cell_of("lemke"), cell_of("lemke{zero_tolerance=0}", "1")}), nullptr);
-  EXPECT_EQ(make({cell_of("lemke"), cell_of("lemke{update=incremental}")}), nullptr);
+  const char* plain = "lemke{test=none}";
+  EXPECT_NE(make({cell_of(plain), cell_of("lemke{test=none,zero_tolerance=0}")}), nullptr);
+  EXPECT_EQ(make({cell_of(plain), cell_of("lemke{test=none,zero_tolerance=0}", "1")}), nullptr);
+  EXPECT_EQ(make({cell_of(plain), cell_of("lemke{test=none,update=incremental}")}), nullptr);
   EXPECT_EQ(make({cell_of("lemke{engine=dense}"), cell_of("lemke{engine=dense,zero_tolerance=0}")}), nullptr);
+  EXPECT_EQ(make({cell_of("lemke"), cell_of("lemke{zero_tolerance=0}")}), nullptr);
   EXPECT_EQ(make({cell_of("primal_dual"), cell_of("primal_dual")}), nullptr);
   EXPECT_EQ(make({}), nullptr);
   EXPECT_THROW(make({cell_of("nobody")}), InputError);

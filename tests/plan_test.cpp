@@ -155,12 +155,13 @@ TEST(SweepTest, PaperGridsHaveThePapersCells) {
     return sweep_cells(builtin_sweep("paper", spec), spec);
   };
   EXPECT_EQ(cells("lemke").size(), 81U);
-  EXPECT_EQ(cells("lemke").front().text(), "lemke{pivot_tolerance=1e-20,zero_tolerance=1e-20}");
-  EXPECT_EQ(cells("lemke").back().text(), "lemke{pivot_tolerance=1e-04,zero_tolerance=1e-04}");
+  EXPECT_EQ(cells("lemke").front().text(), "lemke{pivot_tolerance=1e-20,zero_tolerance=1e-20,test=none}");
+  EXPECT_EQ(cells("lemke").back().text(), "lemke{pivot_tolerance=1e-04,zero_tolerance=1e-04,test=none}");
   EXPECT_EQ(cells("primal_dual").size(), 9U);
   EXPECT_EQ(cells("regularized{solver=lemke{engine=dense}}").size(), 81U);
-  EXPECT_EQ(cells("regularized{solver=lemke{engine=dense}}").front().text(),
-            "regularized{solver=lemke{engine=dense,pivot_tolerance=1e-20,zero_tolerance=1e-20}}");
+  EXPECT_EQ(
+      cells("regularized{solver=lemke{engine=dense}}").front().text(),
+      "regularized{solver=lemke{engine=dense,pivot_tolerance=1e-20,zero_tolerance=1e-20,test=none},test=original}");
 }
 
 TEST(SweepTest, LabelTellsWhatWasSwept) {

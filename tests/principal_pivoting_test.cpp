@@ -189,8 +189,11 @@ TEST(PrincipalPivotingTest, NeverCallsASolvableMonotoneProblemInfeasible) {
     Vector z;
     const Vector t = uniform.vector(n).array() * (uniform.vector(n).array() > 0).cast<double>();  // degenerate
     const Problem problem("planted", testing::plant(A.transpose() * A, t, z));
-    ASSERT_NE(principal(problem).claim, Claim::kUnsolvable) << "trial " << trial;
-    ASSERT_NE(murty(problem).claim, Claim::kUnsolvable) << "trial " << trial;
+    for (const Answer& answer : {principal(problem), murty(problem)}) {
+      if (answer.claim != Claim::kUnsolvable) continue;
+      // Where the rounding of q has made the problem unsolvable after all, the test of the answer may find it out.
+      ASSERT_TRUE(Evaluator(problem).check_farkas(answer.farkas)) << "trial " << trial;
+    }
   }
 }
 

@@ -142,9 +142,11 @@ TEST_F(RegularizedTest, TheToleranceIsRelativeToTheData) {
   for (const double scale : {1e-12, 1.0, 1e12}) {
     script.works_from = 1e300;
     script.bad_answer = 1.5 * (1 + 1e-7);  // w = 1e-7 max|q|
-    EXPECT_EQ(solve(one(2 * scale, -3 * scale), "solver=scripted,last=0").claim, Claim::kSolved) << scale;
+    const Lcp problem = one(2 * scale, -3 * scale);
+    EXPECT_EQ(solve(problem, "solver=scripted,last=0,test=original").claim, Claim::kSolved) << scale;
+    EXPECT_EQ(solve(problem, "solver=scripted,last=0").claim, Claim::kNumericalFailure) << scale;
     script.bad_answer = 1.5 * (1 + 1e-5);
-    EXPECT_EQ(solve(one(2 * scale, -3 * scale), "solver=scripted,last=0").claim, Claim::kNumericalFailure) << scale;
+    EXPECT_EQ(solve(problem, "solver=scripted,last=0,test=original").claim, Claim::kNumericalFailure) << scale;
   }
 }
 

@@ -1,0 +1,63 @@
+#pragma once
+
+#include "core/problem.h"
+#include "core/solver.h"
+#include "native/bare_lcp_test.h"
+#include "native/contact_input.h"
+#include "native/contact_lemke.h"
+
+namespace lcpbench {
+
+/// Half of what the evaluation allows, to be on its safe side whatever a test in double itself rounds: velocity
+/// residual relative to max|q| of contact problems.
+inline constexpr double kClaimedResidual = 5e-5;
+
+/// The last test of an answer before it is claimed as solved, from the data of the problem, by the measure of the
+/// verdict: for methods that work on M. M as rounded is another problem where the inertia is near singular, and its
+/// exact solution may be none of the contacts'.
+class AnswerTest {
+ public:
+  /// Of contacts between separate bodies (BlockInertia). kTrusted: for methods that measure the velocity residual
+  /// themselves, with the inverse of each body's inertia. That is as good as each of them, and the test would take
+  /// dense matrices over all bodies.
+  enum class Bodies { kTested, kTrusted };
+
+  AnswerTest();
+
+  /// @param problem must stay as it is until the next load. O(ngc^3), of bare LCPs O(n^2)
+  void load(const Problem& problem, Bodies bodies = Bodies::kTested);
+
+  /// The same contacts, another velocity before the impact (ngc). @pre a contact problem was loaded
+  void set_velocity(const Vector& v);
+
+  /// Where the claim is not solved, nothing. Else: entries of z below zero count as zero, and so does friction where no
+  /// contact presses; lambda is the least that the friction impulses allow. If that solves the problem it is the
+  /// answer. If not, z stays and the claim becomes kNumericalFailure (`detail` "residual"), or kUnsolvable, with
+  /// `farkas`, where the answer proves that a bare LCP has no solution. Of contact problems the velocity residual with
+  /// its estimated rounding has to be within kClaimedResidual of max|q| in double, or within what the verdict allows in
+  /// 113 bits; of bare LCPs the backward error within kClaimedBackwardError. Positive entries count as in the basis: w
+  /// has to vanish there. O(ngc n); in 113 bits, where double is in doubt, O(ngc^3). Allocates nothing but the Farkas
+  /// vector's memory, once.
+  /// @param slack factor on the bounds
+  /// @returns whether the claim is still solved
+  bool settle(Answer& answer, double slack = 1);
+
+ private:
+  bool solves(const Vector& z, double slack);
+  bool solves_contacts(double slack);
+
+  LoadedContacts judge_, quad_judge_;
+  Vector units_;             // of the coordinates, see coordinate_units(); mostly empty
+  ContactProblem in_units_;  // the problem in them
+  ContactInput contacts_;
+  BareLcpTest bare_test_;
+  bool trusts_ = false;  // every claim stands
+  bool bare_ = true;
+  bool quad_is_loaded_ = false;
+  Vector completed_;  // n
+};
+
+/// Contact problems: no friction impulses where the normal one is zero. @param z of lcp_size entries
+void release_friction(const contact_lemke::Input& contacts, Vector& z);
+
+}  // namespace lcpbench
