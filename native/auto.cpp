@@ -34,9 +34,8 @@ constexpr Capabilities kCapabilities{
 /// was left out, which methods ran and the highest rung. Returns the velocity where all methods gave one.
 /// SolveRequest::start: as the methods use it, the last answer being of use to all.
 ///
-/// Nothing is allocated in solve() but where capabilities() of the loaded object says so, for large scenes, where a
-/// method gave up and another is tried (contact_lemke after active_set, and for bare LCPs from the third on), and where
-/// an answer to a bare LCP violates w >= 0 by more than rounding.
+/// Nothing is allocated in solve() but where capabilities() of the loaded object says so, for large scenes, and where a
+/// method gave up on contacts and another is tried (contact_lemke after active_set).
 class Auto final : public Solver {
  public:
   explicit Auto(const AutoSettings& settings) : settings_(settings), lcp_(settings.max_pivots) {}

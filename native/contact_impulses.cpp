@@ -108,6 +108,21 @@ double ContactImpulses::residual() const {
   return worst;
 }
 
+void ContactImpulses::drop_what_counts_as_zero() {
+  for (Index i = 0; i < contacts; ++i) {
+    if (columns.diagonal(i) * impulse(i) < columns.J.dot(i, u)) impulse(i) = 0;
+  }
+  for (const SignedFriction& friction : frictions) {
+    const double lambda = slip_bound(friction);
+    for (Index t = friction.first_column; t < friction.first_column + friction.directions; ++t) {
+      const double slip = columns.J.dot(t, u);
+      const double w = impulse(t) > 0 ? lambda + slip : lambda - slip;
+      if (!(impulse(friction.contact) > 0) || columns.diagonal(t) * std::abs(impulse(t)) < w) impulse(t) = 0;
+    }
+  }
+  recompute_velocity();
+}
+
 void ContactImpulses::write_answer(Vector& z) const {
   z.head(contacts) = impulse.head(contacts);
   for (const SignedFriction& friction : frictions) {

@@ -33,6 +33,10 @@ struct ContactImpulses {
   /// |min(lambda_i, M_nn w_i)|, at lambda = slip_bound. Infinity where it is not a number. @pre u is recomputed.
   double residual() const;
 
+  /// Sets to zero the impulses that residual() takes for zero, M_ii z_i < w_i, and recomputes u. Methods that end
+  /// inside have no zeros of their own.
+  void drop_what_counts_as_zero();
+
   /// Largest |d_t'u|: the slip that lambda has to bound.
   double slip_bound(const SignedFriction& friction) const;
 
