@@ -32,17 +32,24 @@ struct Result {
   std::vector<ForwardError> forward;
 };
 
+/// The row of a certificate; an open one where no problem file can hold the problem: nobody could check the proof.
 CertificateRow row_of(const Problem& problem, const Certificate& certificate, double time_limit_s) {
   CertificateRow row;
+  row.seconds = certificate.seconds;
+  row.time_limit_s = time_limit_s;
+  row.least_violation_m_per_s = kNone;
+  try {
+    if (certificate.kind != CertificateKind::kOpen) row.document = deflate(proof_document(problem, certificate));
+  } catch (const InputError& refusal) {
+    row.detail = fmt::format("not within what a problem file may hold: {}", refusal.what());
+    return row;
+  }
   row.kind = certificate.kind;
   row.proof = certificate.proof;
   row.velocity = certificate.velocity;
   row.velocity_unique = certificate.velocity_unique;
   row.least_violation_m_per_s = least_violation(problem, certificate);
   row.detail = certificate.detail;
-  row.seconds = certificate.seconds;
-  row.time_limit_s = time_limit_s;
-  if (certificate.kind != CertificateKind::kOpen) row.document = deflate(proof_document(problem, certificate));
   return row;
 }
 
@@ -66,7 +73,7 @@ class Worker {
     if (task.certify) {
       const Certificate certificate = certify_(problem);
       result.certificate = row_of(problem, certificate, run_.scope.time_limit_s);
-      if (certificate.velocity_unique.value_or(false)) v_star = certificate.velocity;
+      if (result.certificate->velocity_unique.value_or(false)) v_star = result.certificate->velocity;
     } else {
       v_star = table_.unique_velocity(task.problem_id);
     }
@@ -80,10 +87,15 @@ class Worker {
     if (errors.empty()) return errors;
     Evaluator evaluator(problem);
     evaluator.set_certified_velocity(v_star);
+    known_.clear();
     for (ForwardError& error : errors) {
       const auto part = static_cast<std::uint32_t>(error.part);
       const std::optional<Answer> answer = store_.answer(problem_id, error.solver_id, part);
-      if (answer) error.forward_velocity = evaluator.errors(*answer).forward_velocity;
+      if (!answer) continue;
+      const auto equal = [&](const auto& k) { return k.first.size() == answer->z.size() && k.first == answer->z; };
+      const auto known = std::find_if(known_.begin(), known_.end(), equal);
+      error.forward_velocity = known != known_.end() ? known->second : evaluator.forward_velocity(*answer);
+      if (known == known_.end()) known_.emplace_back(answer->z, error.forward_velocity);
     }
     return errors;
   }
@@ -93,6 +105,7 @@ class Worker {
   Store store_;
   CertificateTable table_;
   CertifyProblem certify_;
+  std::vector<std::pair<Vector, double>> known_;  // answers to the problem at hand and their errors: many are equal
 };
 
 class Writer {

@@ -72,6 +72,7 @@ struct ContactEvaluation {
 
   void measure(const QuadVector& z, const QuadVector& v_plus, const QuadVector& w, Errors& errors);
   void measure_returned(const Vector& velocity, const QuadVector& z, const QuadVector& v_plus, Errors& errors) const;
+  double forward_velocity(const QuadVector& velocity) const;
 
   const ContactProblem& problem;
   QuadInertia inertia;
@@ -84,7 +85,6 @@ struct ContactEvaluation {
   Quad mismatch(const QuadVector& velocity, const QuadVector& z, const QuadVector& v_plus) const;
   void measure_work(const QuadVector& z, const QuadVector& v_plus, Errors& errors) const;
   void measure_cone(const QuadVector& z, const QuadVector& w, Errors& errors) const;
-  double forward_velocity(const QuadVector& velocity) const;
   double forward_normal(const QuadVector& velocity) const;
 };
 
@@ -236,6 +236,13 @@ Errors Evaluator::errors(const Answer& answer) {
     errors.solved = errors.backward_row_norm <= kSolvedBackwardError;
   }
   return errors;
+}
+
+double Evaluator::forward_velocity(const Answer& answer) {
+  const bool usable = answer.z.size() == data_->problem.size() && answer.z.allFinite();
+  if (!usable || !data_->contact || !data_->contact->lcp) return Errors::kNone;
+  const QuadVector v_plus = data_->contact->lcp->response(quad(answer.z));
+  return all_finite(v_plus) ? data_->contact->forward_velocity(v_plus) : Errors::kNone;
 }
 
 void Evaluator::set_certified_velocity(const Vector& v_star) {

@@ -99,6 +99,9 @@ class Evaluator {
   /// @throws std::invalid_argument for a bare LCP, or v* of another length or not finite.
   void set_certified_velocity(const Vector& v_star);
 
+  /// errors(answer).forward_velocity at a small part of its cost.
+  double forward_velocity(const Answer& answer);
+
   /// kSolvable when theory proves it from the data, else kUnknown; kUnsolvable needs a proof, see check_farkas.
   ///
   /// Contact problem with mu >= 0 and G (or the given G*) proven positive definite here in 113 bits: solvable for any
