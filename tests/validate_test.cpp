@@ -1,5 +1,5 @@
-// What a user relies on: `lcpbench validate` says that ours is wrong exactly
-// when it is, whoever else is, and by the verdicts of the one evaluation.
+// What a user relies on: `lcpbench validate` says that ours is wrong exactly when it is, whoever else is, and by the
+// verdicts of the one evaluation.
 
 #include "study/validate.h"
 
@@ -23,26 +23,18 @@ using nlohmann::json;
 
 TEST(StandingTest, FollowsClaimAndVerdict) {
   EXPECT_EQ(standing(Claim::kSolved, Verdict::kSolved), Standing::kRight);
-  EXPECT_EQ(standing(Claim::kIterationLimit, Verdict::kSolved),
-            Standing::kRight);
-  EXPECT_EQ(standing(Claim::kUnsolvable, Verdict::kUnsolvable),
-            Standing::kRight);
+  EXPECT_EQ(standing(Claim::kIterationLimit, Verdict::kSolved), Standing::kRight);
+  EXPECT_EQ(standing(Claim::kUnsolvable, Verdict::kUnsolvable), Standing::kRight);
   EXPECT_EQ(standing(Claim::kSolved, Verdict::kWrong), Standing::kWrong);
   EXPECT_EQ(standing(Claim::kSolved, Verdict::kUnsolvable), Standing::kWrong);
   for (const Claim claim :
-       {Claim::kUnsolvable, Claim::kIterationLimit, Claim::kTimeLimit,
-        Claim::kNumericalFailure, Claim::kCrashed}) {
-    EXPECT_EQ(standing(claim, Verdict::kMissed), Standing::kSilent)
-        << to_string(claim);
-    EXPECT_EQ(standing(claim, Verdict::kOpen), Standing::kSilent)
-        << to_string(claim);
-    EXPECT_EQ(standing(claim, Verdict::kCriterionOnly), Standing::kSilent)
-        << to_string(claim);
+       {Claim::kUnsolvable, Claim::kIterationLimit, Claim::kTimeLimit, Claim::kNumericalFailure, Claim::kCrashed}) {
+    EXPECT_EQ(standing(claim, Verdict::kMissed), Standing::kSilent) << to_string(claim);
+    EXPECT_EQ(standing(claim, Verdict::kOpen), Standing::kSilent) << to_string(claim);
+    EXPECT_EQ(standing(claim, Verdict::kCriterionOnly), Standing::kSilent) << to_string(claim);
   }
-  EXPECT_EQ(standing(Claim::kSolved, Verdict::kCriterionOnly),
-            Standing::kSilent);
-  EXPECT_EQ(standing(Claim::kIterationLimit, Verdict::kUnsolvable),
-            Standing::kSilent);
+  EXPECT_EQ(standing(Claim::kSolved, Verdict::kCriterionOnly), Standing::kSilent);
+  EXPECT_EQ(standing(Claim::kIterationLimit, Verdict::kUnsolvable), Standing::kSilent);
 }
 
 TEST(CompareStandingsTest, IsTheTableOfTheDocument) {
@@ -61,15 +53,13 @@ TEST(CompareStandingsTest, IsTheTableOfTheDocument) {
   EXPECT_EQ(compare_standings(s, s, true), PairOutcome::kUndecided);
 }
 
-PairCounts counts(const std::string &set, const std::string &native,
-                  std::array<std::int64_t, 5> numbers) {
+PairCounts counts(const std::string& set, const std::string& native, std::array<std::int64_t, 5> numbers) {
   return {.set = set, .native = native, .reference = "ref", .counts = numbers};
 }
 
 TEST(PairCountsTest, AddUpOverSets) {
   const std::vector<PairCounts> sums = over_all_sets(
-      {counts("a", "x", {1, 2, 3, 4, 5}), counts("a", "y", {1, 0, 0, 0, 0}),
-       counts("b", "x", {10, 20, 30, 40, 50})});
+      {counts("a", "x", {1, 2, 3, 4, 5}), counts("a", "y", {1, 0, 0, 0, 0}), counts("b", "x", {10, 20, 30, 40, 50})});
   ASSERT_EQ(sums.size(), 2U);
   EXPECT_EQ(sums[0].native, "x");
   EXPECT_EQ(sums[0].counts, (std::array<std::int64_t, 5>{11, 22, 33, 44, 55}));
@@ -86,9 +76,8 @@ TEST(PairCountsTest, OursIsWrongByItselfOrWithTheOther) {
 
 // ---- a study whose answers are made up ----
 
-/// One body of mass 1 falling at 1 m/s on one contact. The answer is z = 1, v+
-/// = 0.
-Problem falling_body(const std::string &name) {
+/// One body of mass 1 falling at 1 m/s on one contact. The answer is z = 1, v+ = 0.
+Problem falling_body(const std::string& name) {
   ContactProblem contact;
   contact.v = Vector::Constant(1, -1.0);
   contact.N = Matrix(Matrix::Ones(1, 1));
@@ -99,13 +88,11 @@ Problem falling_body(const std::string &name) {
   return {name, contact};
 }
 
-Answer made_up(Claim claim, double z,
-               std::optional<double> velocity = std::nullopt) {
+Answer made_up(Claim claim, double z, std::optional<double> velocity = std::nullopt) {
   Answer answer;
   answer.claim = claim;
   answer.z = Vector::Constant(1, z);
-  if (velocity)
-    answer.velocity = Vector::Constant(1, *velocity);
+  if (velocity) answer.velocity = Vector::Constant(1, *velocity);
   return answer;
 }
 
@@ -116,23 +103,21 @@ const Answer kRefused = made_up(Claim::kUnsupported, 0.0);
 const Answer kOtherVelocity = made_up(Claim::kSolved, 1.0, 0.5);
 
 class Player final : public TimedSolver {
-public:
-  explicit Player(const std::vector<Answer> &answers) : answers_(answers) {}
-  void run(const Problem &problem, const TimedRequest &,
-           TimedAnswer &result) override {
+ public:
+  explicit Player(const std::vector<Answer>& answers) : answers_(answers) {}
+  void run(const Problem& problem, const TimedRequest&, TimedAnswer& result) override {
     result = {};
     result.answer = answers_.at(std::stoul(problem.name()));
   }
 
-private:
-  const std::vector<Answer> &answers_;
+ private:
+  const std::vector<Answer>& answers_;
 };
 
-/// The answers of a native solver and of a reference to the same problem, one
-/// pair after the other.
+/// The answers of a native solver and of a reference to the same problem, one pair after the other.
 class PlayedStudy {
-public:
-  explicit PlayedStudy(const std::vector<std::pair<Answer, Answer>> &answers) {
+ public:
+  explicit PlayedStudy(const std::vector<std::pair<Answer, Answer>>& answers) {
     std::vector<Problem> problems;
     for (std::size_t i = 0; i < answers.size(); ++i) {
       problems.push_back(falling_body(std::to_string(i)));
@@ -140,13 +125,9 @@ public:
       reference_.push_back(answers[i].second);
     }
     const auto count = static_cast<std::int64_t>(problems.size());
-    study_.sets = {
-        {std::make_shared<GivenProblems>("given", std::move(problems)), count}};
-    study_.solvers.push_back(given_solver(
-        "lemke", [this] { return std::make_unique<Player>(native_); }));
-    study_.solvers.push_back(given_solver("siconos_lemke", [this] {
-      return std::make_unique<Player>(reference_);
-    }));
+    study_.sets = {{std::make_shared<GivenProblems>("given", std::move(problems)), count}};
+    study_.solvers.push_back(given_solver("lemke", [this] { return std::make_unique<Player>(native_); }));
+    study_.solvers.push_back(given_solver("siconos_lemke", [this] { return std::make_unique<Player>(reference_); }));
   }
 
   Validation validate() const {
@@ -156,17 +137,15 @@ public:
     return lcpbench::validate(study_, store);
   }
 
-private:
+ private:
   std::vector<Answer> native_;
   std::vector<Answer> reference_;
   Study study_;
 };
 
-PairCounts pair_with(const Validation &validation,
-                     const std::string &reference) {
-  for (const PairCounts &pair : validation.pairs) {
-    if (pair.reference == reference)
-      return pair;
+PairCounts pair_with(const Validation& validation, const std::string& reference) {
+  for (const PairCounts& pair : validation.pairs) {
+    if (pair.reference == reference) return pair;
   }
   return {};
 }
@@ -184,7 +163,7 @@ TEST(ValidateTest, CountsEveryOutcomeOnce) {
   const PairCounts pair = pair_with(validation, "siconos_lemke");
   EXPECT_EQ(pair.set, "given");
   EXPECT_EQ(pair.native, "lemke");
-  EXPECT_EQ(pair.compared(), 6); // what was refused is not compared
+  EXPECT_EQ(pair.compared(), 6);  // what was refused is not compared
   EXPECT_EQ(pair.count(PairOutcome::kAgree), 1);
   EXPECT_EQ(pair.count(PairOutcome::kReferenceWrong), 2);
   EXPECT_EQ(pair.count(PairOutcome::kNativeWrong), 1);
@@ -194,11 +173,8 @@ TEST(ValidateTest, CountsEveryOutcomeOnce) {
 }
 
 TEST(ValidateTest, TruthIsAReferenceOfItsOwn) {
-  const PairCounts truth = pair_with(PlayedStudy({{kRightAnswer, kRefused},
-                                                  {kWrongAnswer, kRefused},
-                                                  {kGaveUp, kRefused}})
-                                         .validate(),
-                                     "truth");
+  const PairCounts truth = pair_with(
+      PlayedStudy({{kRightAnswer, kRefused}, {kWrongAnswer, kRefused}, {kGaveUp, kRefused}}).validate(), "truth");
   EXPECT_EQ(truth.compared(), 3);
   EXPECT_EQ(truth.count(PairOutcome::kAgree), 1);
   EXPECT_EQ(truth.count(PairOutcome::kNativeWrong), 1);
@@ -206,17 +182,13 @@ TEST(ValidateTest, TruthIsAReferenceOfItsOwn) {
 }
 
 TEST(ValidateTest, TheReferencesMistakesAreNotOurs) {
-  const Validation validation =
-      PlayedStudy({{kRightAnswer, kWrongAnswer}, {kGaveUp, kWrongAnswer}})
-          .validate();
+  const Validation validation = PlayedStudy({{kRightAnswer, kWrongAnswer}, {kGaveUp, kWrongAnswer}}).validate();
   EXPECT_FALSE(validation.ours_wrong());
   EXPECT_EQ(validation.disagreements.size(), 2U);
 }
 
 TEST(ValidateTest, TwoVelocitiesWhereThereIsOneAreUndecidedAndReported) {
-  const Validation validation = PlayedStudy({{kRightAnswer, kRightAnswer},
-                                             {kRightAnswer, kOtherVelocity}})
-                                    .validate();
+  const Validation validation = PlayedStudy({{kRightAnswer, kRightAnswer}, {kRightAnswer, kOtherVelocity}}).validate();
   const PairCounts pair = pair_with(validation, "siconos_lemke");
   EXPECT_EQ(pair.count(PairOutcome::kAgree), 1);
   EXPECT_EQ(pair.count(PairOutcome::kUndecided), 1);
@@ -227,12 +199,10 @@ TEST(ValidateTest, TwoVelocitiesWhereThereIsOneAreUndecidedAndReported) {
 
 // ---- real solvers ----
 
-/// Lemke, untested, with tolerances that badly conditioned problems do not
-/// bear. Mostly it gives up; on 3 of the first 1,000 problems of the set it
-/// claims an answer that is none, on trial 577 for one.
-constexpr const char *kBadSetting =
-    "lemke{pivot_tolerance=1e-4,zero_tolerance=1e-4,test=none}";
-constexpr const char *kHardSet = "paper/copositive/exp5-1e10";
+/// Lemke, untested, with tolerances that badly conditioned problems do not bear. Mostly it gives up; on 3 of the first
+/// 1,000 problems of the set it claims an answer that is none, on trial 577 for one.
+constexpr const char* kBadSetting = "lemke{pivot_tolerance=1e-4,zero_tolerance=1e-4,test=none}";
+constexpr const char* kHardSet = "paper/copositive/exp5-1e10";
 constexpr std::int64_t kFalselyClaimed = 577;
 
 TEST(ValidateTest, ABadSettingIsCaughtByTheoryAlone) {
@@ -240,12 +210,10 @@ TEST(ValidateTest, ABadSettingIsCaughtByTheoryAlone) {
   plan.name = "bad";
   plan.repeat_until_s = 0;
   plan.sets = {{.pattern = kHardSet}};
-  plan.solvers = {{.spec = parse_spec(kBadSetting)},
-                  {.spec = parse_spec("contact_lemke")}};
+  plan.solvers = {{.spec = parse_spec(kBadSetting)}, {.spec = parse_spec("contact_lemke")}};
   Study study = resolve(plan);
   std::vector<Problem> problems;
-  for (std::int64_t trial = kFalselyClaimed - 4; trial <= kFalselyClaimed;
-       ++trial) {
+  for (std::int64_t trial = kFalselyClaimed - 4; trial <= kFalselyClaimed; ++trial) {
     problems.push_back(open_set(kHardSet)->generate(1, trial));
   }
   study.sets = {{std::make_shared<GivenProblems>("given", problems), 5}};
@@ -254,19 +222,17 @@ TEST(ValidateTest, ABadSettingIsCaughtByTheoryAlone) {
   run_study(study, store, {});
   const Validation validation = validate(study, store);
   std::map<std::string, PairCounts> with_truth;
-  for (const PairCounts &pair : validation.pairs)
-    with_truth[pair.native] = pair;
-  const PairCounts &bad = with_truth.at(study.solvers[0].row.text());
+  for (const PairCounts& pair : validation.pairs) with_truth[pair.native] = pair;
+  const PairCounts& bad = with_truth.at(study.solvers[0].row.text());
   EXPECT_EQ(bad.compared(), 5);
   EXPECT_GE(bad.count(PairOutcome::kNativeWrong), 1);
   EXPECT_FALSE(with_truth.at("contact_lemke").ours_wrong());
 }
 
-std::vector<std::string> names(const Plan &plan) {
+std::vector<std::string> names(const Plan& plan) {
   std::vector<std::string> names;
-  for (const PlannedSolver &solver : plan.solvers) {
-    if (names.empty() || names.back() != solver.spec.text())
-      names.push_back(solver.spec.text());
+  for (const PlannedSolver& solver : plan.solvers) {
+    if (names.empty() || names.back() != solver.spec.text()) names.push_back(solver.spec.text());
   }
   return names;
 }
@@ -274,21 +240,16 @@ std::vector<std::string> names(const Plan &plan) {
 TEST(ValidationPlanTest, AsksForBothSides) {
   const std::vector<std::string> all = names(validation_plan({}, {}, 1000));
   EXPECT_EQ(std::count(all.begin(), all.end(), "lemke"), 1);
-  EXPECT_EQ(std::count(all.begin(), all.end(), "external"),
-            0); // has to be told its command
-  for (const std::string &name : all)
-    EXPECT_TRUE(runs_unasked(find_solver(name))) << name;
+  EXPECT_EQ(std::count(all.begin(), all.end(), "external"), 0);  // has to be told its command
+  for (const std::string& name : all) EXPECT_TRUE(runs_unasked(find_solver(name))) << name;
 
-  const std::vector<std::string> one =
-      names(validation_plan({parse_spec("lemke{engine=dense}")}, {}, 1000));
+  const std::vector<std::string> one = names(validation_plan({parse_spec("lemke{engine=dense}")}, {}, 1000));
   EXPECT_EQ(one.front(), "lemke{engine=dense}");
-  for (std::size_t i = 1; i < one.size(); ++i)
-    EXPECT_FALSE(is_ours(find_solver(one[i]))) << one[i];
+  for (std::size_t i = 1; i < one.size(); ++i) EXPECT_FALSE(is_ours(find_solver(one[i]))) << one[i];
 
-  const std::vector<std::string> both = names(validation_plan(
-      {parse_spec("lemke"), parse_spec("external{command=./mine}")}, {}, 1000));
-  EXPECT_EQ(both,
-            (std::vector<std::string>{"lemke", "external{command=./mine}"}));
+  const std::vector<std::string> both =
+      names(validation_plan({parse_spec("lemke"), parse_spec("external{command=./mine}")}, {}, 1000));
+  EXPECT_EQ(both, (std::vector<std::string>{"lemke", "external{command=./mine}"}));
 }
 
 TEST(ValidationPlanTest, ResolvesAndGivesEveryPairItsThousand) {
@@ -296,21 +257,18 @@ TEST(ValidationPlanTest, ResolvesAndGivesEveryPairItsThousand) {
   const std::string common = study.sets.at(0).set->name();
   EXPECT_EQ(common, "rigid/exp1{nc_max=8}");
   EXPECT_EQ(study.sets.at(0).trials, 1000);
-  for (const StudySolver &solver : study.solvers) {
+  for (const StudySolver& solver : study.solvers) {
     std::int64_t taken = 0;
-    for (std::int64_t trial = 0; trial < 1000; ++trial)
-      taken += solver.takes(0, trial) ? 1 : 0;
+    for (std::int64_t trial = 0; trial < 1000; ++trial) taken += solver.takes(0, trial) ? 1 : 0;
     EXPECT_EQ(taken, 1000) << solver.row.text();
   }
 }
 
-std::int64_t problems_of(const Study &study, const std::string &solver) {
-  for (const StudySolver &planned : study.solvers) {
-    if (planned.row.name != solver)
-      continue;
+std::int64_t problems_of(const Study& study, const std::string& solver) {
+  for (const StudySolver& planned : study.solvers) {
+    if (planned.row.name != solver) continue;
     std::int64_t taken = 0;
-    for (std::int64_t trial = 0; trial < study.sets[0].trials; ++trial)
-      taken += planned.takes(0, trial) ? 1 : 0;
+    for (std::int64_t trial = 0; trial < study.sets[0].trials; ++trial) taken += planned.takes(0, trial) ? 1 : 0;
     return taken;
   }
   return -1;
@@ -319,49 +277,39 @@ std::int64_t problems_of(const Study &study, const std::string &solver) {
 TEST(ValidationPlanTest, SlowReferencesLeaveOutProblemsUnlessTheyAreAskedFor) {
   const std::vector<std::string> set{"paper/copositive/exp1"};
   const std::string slow = "siconos_lemke";
-  if (!runs_unasked(find_solver(slow)))
-    GTEST_SKIP() << slow << " is not available here";
+  if (!runs_unasked(find_solver(slow))) GTEST_SKIP() << slow << " is not available here";
   EXPECT_EQ(problems_of(resolve(validation_plan({}, set, 1000)), slow), 200);
-  EXPECT_EQ(problems_of(resolve(validation_plan({}, set, 1000)), "lemke"),
-            1000);
+  EXPECT_EQ(problems_of(resolve(validation_plan({}, set, 1000)), "lemke"), 1000);
   EXPECT_EQ(problems_of(resolve(validation_plan({}, set, 20)), slow), 20);
-  EXPECT_EQ(problems_of(resolve(validation_plan({parse_spec(slow)}, set, 1000)),
-                        slow),
-            1000);
+  EXPECT_EQ(problems_of(resolve(validation_plan({parse_spec(slow)}, set, 1000)), slow), 1000);
 }
 
 // ---- the command ----
 
 class ValidateCommandTest : public testing::Test {
-protected:
-  ProgramRun run(const std::string &arguments) {
-    return run_program(folder_ / "", arguments);
-  }
+ protected:
+  ProgramRun run(const std::string& arguments) { return run_program(folder_ / "", arguments); }
   ScratchFolder folder_;
 };
 
 /// A reference that answers fast, where there is one.
-constexpr const char *kReference = "siconos_lemke";
+constexpr const char* kReference = "siconos_lemke";
 
 TEST_F(ValidateCommandTest, PrintsTheFieldsOfTheInterface) {
-  if (!runs_unasked(find_solver(kReference)))
-    GTEST_SKIP() << kReference << " is not available here";
-  const ProgramRun output =
-      run("validate --solver lemke --solver siconos_lemke --set "
-          "paper/monotone/exp1 --set paper/monotone/exp2 --trials 20 "
-          "--format json");
+  if (!runs_unasked(find_solver(kReference))) GTEST_SKIP() << kReference << " is not available here";
+  const ProgramRun output = run(
+      "validate --solver lemke --solver siconos_lemke --set paper/monotone/exp1 --set paper/monotone/exp2 --trials 20 "
+      "--format json");
   EXPECT_EQ(output.exit_code, 0) << output.err;
   const json document = json::parse(output.out);
   ASSERT_EQ(document.size(), 3U);
   EXPECT_TRUE(document.at("provenance").is_object());
   EXPECT_EQ(document.at("ok"), true);
-  ASSERT_EQ(document.at("pairs").size(),
-            4U); // two sets, each with the library and with the truth
-  for (const json &pair : document.at("pairs")) {
+  ASSERT_EQ(document.at("pairs").size(), 4U);  // two sets, each with the library and with the truth
+  for (const json& pair : document.at("pairs")) {
     ASSERT_EQ(pair.size(), 9U) << pair.dump();
     std::int64_t sum = 0;
-    for (const char *field : {"agree", "native_wrong", "reference_wrong",
-                              "both_wrong", "undecided"}) {
+    for (const char* field : {"agree", "native_wrong", "reference_wrong", "both_wrong", "undecided"}) {
       sum += pair.at(field).get<std::int64_t>();
     }
     EXPECT_EQ(pair.at("compared"), sum);
@@ -373,59 +321,43 @@ TEST_F(ValidateCommandTest, PrintsTheFieldsOfTheInterface) {
 }
 
 TEST_F(ValidateCommandTest, ABadSettingExitsWith1AndSavesWhatItGotWrong) {
-  if (!runs_unasked(find_solver(kReference)))
-    GTEST_SKIP() << kReference << " is not available here";
+  if (!runs_unasked(find_solver(kReference))) GTEST_SKIP() << kReference << " is not available here";
   const std::string bad = std::string("--solver '") + kBadSetting + "'";
-  ASSERT_EQ(run("generate " + std::string(kHardSet) +
-                " --seed 1 --count 1 --first " +
-                std::to_string(kFalselyClaimed) + " --out hard")
+  ASSERT_EQ(run("generate " + std::string(kHardSet) + " --seed 1 --count 1 --first " + std::to_string(kFalselyClaimed) +
+                " --out hard")
                 .exit_code,
             0);
-  const ProgramRun output =
-      run("validate " + bad + " --solver siconos_lemke --set file:hard");
+  const ProgramRun output = run("validate " + bad + " --solver siconos_lemke --set file:hard");
   EXPECT_EQ(output.exit_code, 1) << output.err;
   EXPECT_NE(output.out.find("OURS IS WRONG"), std::string::npos) << output.out;
-  const std::string index =
-      read_file(folder_ / "disagreements/disagreements.csv");
+  const std::string index = read_file(folder_ / "disagreements/disagreements.csv");
   EXPECT_NE(index.find("native_wrong"), std::string::npos) << index;
-  const std::string file =
-      index.substr(index.find('\n') + 1,
-                   index.find(',', index.find('\n')) - index.find('\n') - 1);
-  const ProgramRun replay =
-      run("solve --format json disagreements/" + file + " " + bad);
+  const std::string file = index.substr(index.find('\n') + 1, index.find(',', index.find('\n')) - index.find('\n') - 1);
+  const ProgramRun replay = run("solve --format json disagreements/" + file + " " + bad);
   EXPECT_EQ(replay.exit_code, 0) << replay.err;
   EXPECT_EQ(json::parse(replay.out).at(0).at("verdict"), "wrong") << file;
 }
 
 TEST_F(ValidateCommandTest, LeavesNothingBehindWhenAllAgree) {
-  if (!runs_unasked(find_solver(kReference)))
-    GTEST_SKIP() << kReference << " is not available here";
-  EXPECT_EQ(run("validate --solver lemke --solver siconos_lemke --set "
-                "planted/definite --trials 20")
-                .exit_code,
-            0);
+  if (!runs_unasked(find_solver(kReference))) GTEST_SKIP() << kReference << " is not available here";
+  EXPECT_EQ(run("validate --solver lemke --solver siconos_lemke --set planted/definite --trials 20").exit_code, 0);
   std::vector<std::string> files;
-  for (const auto &entry : std::filesystem::directory_iterator(folder_ / ""))
-    files.push_back(entry.path().filename());
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "")) files.push_back(entry.path().filename());
   std::sort(files.begin(), files.end());
   EXPECT_EQ(files, (std::vector<std::string>{"err", "out"}));
 }
 
 TEST_F(ValidateCommandTest, MistakesOfUseExitWith2AndOneLine) {
-  for (const char *arguments :
-       {"validate --solver nosuch", "validate --set nosuch",
-        "validate --trials 0", "validate --seed -1",
-        "validate --solver 'lemke{zero_tolerance=x}'", "validate --format xml",
-        "validate --time-limit nan",
-        "validate --store /nonexistent/folder/s.db --trials 1 --solver lemke "
-        "--set planted/definite"}) {
+  for (const char* arguments :
+       {"validate --solver nosuch", "validate --set nosuch", "validate --trials 0", "validate --seed -1",
+        "validate --solver 'lemke{zero_tolerance=x}'", "validate --format xml", "validate --time-limit nan",
+        "validate --store /nonexistent/folder/s.db --trials 1 --solver lemke --set planted/definite"}) {
     const ProgramRun output = run(arguments);
     EXPECT_EQ(output.exit_code, 2) << arguments << output.err;
-    EXPECT_EQ(std::count(output.err.begin(), output.err.end(), '\n'), 1)
-        << arguments << ": " << output.err;
+    EXPECT_EQ(std::count(output.err.begin(), output.err.end(), '\n'), 1) << arguments << ": " << output.err;
     EXPECT_EQ(output.out, "") << arguments;
   }
 }
 
-} // namespace
-} // namespace lcpbench
+}  // namespace
+}  // namespace lcpbench
