@@ -32,8 +32,8 @@ double thread_cpu_clock_s();
 
 /// Loads and solves under both clocks. The first load and solve give the answer. When together they took less CPU time
 /// than `repeat_until_s`, a batch of loads and a batch of loads with their solves follow (one clock reading around each
-/// batch), and the means are reported, the solve's as their difference: cold caches and clock resolution drop out, and no
-/// solve gains from what the one before it prepared. Throws what the solver throws.
+/// batch), and the means are reported, the solve's as their difference: cold caches and clock resolution drop out, and
+/// no solve gains from what the one before it prepared. Throws what the solver throws.
 void timed_solve(Solver& solver, const Problem& problem, const TimedRequest& request, TimedAnswer& result);
 
 /// Something that answers problems under the clock: a native solver in this process, or a foreign one in its worker.
