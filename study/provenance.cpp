@@ -4,7 +4,9 @@
 #include <fstream>
 #include <thread>
 
+#include <flint/flint.h>
 #include <fmt/chrono.h>
+#include <gmp.h>
 #include <sqlite3.h>
 #include <sys/utsname.h>
 
@@ -36,6 +38,15 @@ nlohmann::ordered_json solver_versions() {
   return versions;
 }
 
+/// What the program was compiled against, beside the solvers' own.
+nlohmann::ordered_json library_versions() {
+  return {{"eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
+          {"flint", FLINT_VERSION},
+          {"gmp", fmt::format("{}.{}.{}", __GNU_MP_VERSION, __GNU_MP_VERSION_MINOR, __GNU_MP_VERSION_PATCHLEVEL)},
+          {"nlohmann_json", fmt::format("{}.{}.{}", NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR,
+                                        NLOHMANN_JSON_VERSION_PATCH)}};
+}
+
 }  // namespace
 
 nlohmann::ordered_json provenance(const std::string& command_line, const std::string& started) {
@@ -52,6 +63,7 @@ nlohmann::ordered_json provenance(const std::string& command_line, const std::st
           {"os", distribution()},
           {"kernel", fmt::format("{} {} {}", system.sysname, system.release, system.machine)},
           {"sqlite", sqlite3_libversion()},
+          {"libraries", library_versions()},
           {"solvers", solver_versions()},
           {"command", command_line},
           {"started", started}};

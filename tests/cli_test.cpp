@@ -346,6 +346,7 @@ TEST_F(CommandLineTest, ProvenanceSaysWhereResultsComeFrom) {
                              {"os", "s"},
                              {"kernel", "s"},
                              {"sqlite", "s"},
+                             {"libraries", "o"},
                              {"solvers", "o"},
                              {"command", "s"},
                              {"started", "s"},
