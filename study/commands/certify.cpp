@@ -14,11 +14,11 @@
 #include <unistd.h>
 
 #include "core/error.h"
-#include "generators/problem_io.h"
 #include "generators/sets.h"
 #include "study/certificates/certify_store.h"
 #include "study/certificates/proof_document.h"
 #include "study/commands/commands.h"
+#include "study/commands/files.h"
 #include "study/commands/options.h"
 #include "study/commands/problem_text.h"
 #include "study/interrupt.h"
@@ -155,24 +155,17 @@ int certify_files(const Arguments& arguments) {
   const CertifyOptions options{.time_limit_s = arguments.time_limit_s, .seek_other_velocity = true};
   Certifier certifier(options);
   Json rows = Json::array();
-  bool complete = true;
-  for (const std::string& file : arguments.files) {
-    try {
-      const Problem problem = read_problem(file);
-      const Certificate certificate = certifier.certify(problem);
-      if (arguments.format == "json") {
-        rows.push_back(certificate_json(problem, file, certificate, arguments.exact));
-      } else {
-        print_certificate(problem, file, certificate, arguments.exact);
-      }
-      if (proofs.wanted() && certificate.kind != CertificateKind::kOpen) {
-        proofs.add(proof_document(problem, certificate));
-      }
-    } catch (const InputError& error) {
-      complete = false;
-      fmt::print(stderr, "lcpbench: {}\n", error.what());
+  const bool complete = for_each_problem_file(arguments.files, [&](const Problem& problem, const std::string& file) {
+    const Certificate certificate = certifier.certify(problem);
+    if (arguments.format == "json") {
+      rows.push_back(certificate_json(problem, file, certificate, arguments.exact));
+    } else {
+      print_certificate(problem, file, certificate, arguments.exact);
     }
-  }
+    if (proofs.wanted() && certificate.kind != CertificateKind::kOpen) {
+      proofs.add(proof_document(problem, certificate));
+    }
+  });
   if (arguments.format == "json") print_json(rows);
   proofs.close();
   return complete ? kExitDone : kExitBadInput;
