@@ -209,13 +209,7 @@ bool ExternalProgram::dead() const {
 std::string ExternalProgram::end() {
   if (pid_ < 0) return "is not running";
   kill(pid_, SIGKILL);
-  int status = 0;
-  pid_t reaped = 0;
-  do {
-    reaped = waitpid(pid_, &status, 0);
-  } while (reaped < 0 && errno == EINTR);
-  pid_ = -1;
-  return reaped < 0 ? "ended in an unknown way" : worker::describe_exit(status);
+  return worker::reap(std::exchange(pid_, -1));
 }
 
 /// The last line on its standard error that is not empty, as "; stderr: ..."; "" for none.

@@ -14,6 +14,7 @@
 #include <stdexcept>
 #include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <fcntl.h>
@@ -262,13 +263,7 @@ std::string WorkerProcess::end() {
   socket_.reset();
   kill(-pid_, SIGKILL);
   kill(pid_, SIGKILL);
-  int status = 0;
-  pid_t reaped = 0;
-  do {
-    reaped = waitpid(pid_, &status, 0);
-  } while (reaped < 0 && errno == EINTR);
-  pid_ = -1;
-  return reaped < 0 ? "ended in an unknown way" : describe_exit(status);
+  return reap(std::exchange(pid_, -1));
 }
 
 void WorkerProcess::clear_messages() { lseek(stderr_file_.get(), 0, SEEK_SET); }

@@ -94,9 +94,11 @@ TEST(TransformationTest, UndoneItIsTheSameProblemBitForBit) {
 
 TEST(TransformationTest, ASceneStaysOneWhereTheChangeIsOneOfScenes) {
   const Problem scene = open_set("rigid/frictional/exp1")->generate(3, 1);
+  int checked = 0;
   for (const Kind kind : kAllTransformations) {
     const auto transformation = draw_transformation(kind, scene, key(), 0);
     if (!transformation) continue;
+    ++checked;
     const Problem changed = transformation->apply(scene);
     const bool of_columns = kind == Kind::kContactScaling || kind == Kind::kDirectionOrder;
     EXPECT_EQ(changed.scene() == nullptr, of_columns) << to_string(kind);
@@ -108,6 +110,7 @@ TEST(TransformationTest, ASceneStaysOneWhereTheChangeIsOneOfScenes) {
     EXPECT_LE((changed.lcp().M - expected.M).cwiseAbs().maxCoeff(), 1e-12 * scale) << to_string(kind);
     EXPECT_LE((changed.lcp().q - expected.q).cwiseAbs().maxCoeff(), 1e-12 * expected.q.cwiseAbs().maxCoeff());
   }
+  EXPECT_EQ(checked, 8) << "all but the scalings of rows and of columns of a bare LCP";
 }
 
 TEST(TransformationTest, UnitsAreUndoneWhereTheProductsAreExact) {
@@ -272,12 +275,15 @@ TEST_F(StabilityTest, ASolverWithAnAbsoluteToleranceIsNamed) {
 }
 
 TEST_F(StabilityTest, ASoundSolverIsNotNamed) {
+  std::int64_t solved = 0;
   for (const StabilityCell& each : result_.cells) {
     if (each.solver != 0) continue;
+    solved += each.solved;
     EXPECT_FALSE(each.breaks()) << to_string(each.kind);
     EXPECT_FALSE(each.moves_too_far()) << to_string(each.kind);
     EXPECT_EQ(each.kept, each.solved) << to_string(each.kind);
   }
+  EXPECT_GE(solved, 2 * 6) << "both problems, under all that changes frictionless contacts";
 }
 
 TEST_F(StabilityTest, AmplificationIsTheChangeOverWhatConditioningAllows) {

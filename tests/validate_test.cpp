@@ -351,7 +351,9 @@ TEST_F(ValidateCommandTest, MistakesOfUseExitWith2AndOneLine) {
   for (const char* arguments :
        {"validate --solver nosuch", "validate --set nosuch", "validate --trials 0", "validate --seed -1",
         "validate --solver 'lemke{zero_tolerance=x}'", "validate --format xml", "validate --time-limit nan",
-        "validate --store /nonexistent/folder/s.db --trials 1 --solver lemke --set planted/definite"}) {
+        "validate --store /nonexistent/folder/s.db --trials 1 --solver lemke --set planted/definite",
+        "validate --out /dev/null --trials 1 --solver lemke --set planted/definite",
+        "validate --out /dev/null/folder --trials 1 --solver lemke --set planted/definite"}) {
     const ProgramRun output = run(arguments);
     EXPECT_EQ(output.exit_code, 2) << arguments << output.err;
     EXPECT_EQ(std::count(output.err.begin(), output.err.end(), '\n'), 1) << arguments << ": " << output.err;

@@ -155,6 +155,28 @@ void print_matrix(const std::vector<PairCounts>& pairs) {
   fmt::print("{}", table.text());
 }
 
+/// Told before hours are spent on answers: a folder that cannot be made. Makes nothing.
+void check_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::path there = std::filesystem::absolute(folder);
+  while (!std::filesystem::exists(there, error) && there.has_parent_path() && there != there.parent_path()) {
+    there = there.parent_path();
+  }
+  if (!std::filesystem::is_directory(there, error)) {
+    throw InputError(fmt::format("--out {}: {} is not a folder", folder.string(), there.string()));
+  }
+  if (access(there.c_str(), W_OK) != 0) {
+    throw InputError(fmt::format("--out {}: {} is not writable", folder.string(), there.string()));
+  }
+}
+
+/// As a field of a CSV file.
+std::string quoted(const std::string& text) {
+  std::string field = "\"";
+  for (const char c : text) field.append(c == '"' ? 2 : 1, c);
+  return field + "\"";
+}
+
 /// "paper/monotone/exp2{redundancy=combination}" as part of a file's name.
 std::string file_name_part(std::string set) {
   for (char& c : set) {
@@ -166,7 +188,9 @@ std::string file_name_part(std::string set) {
 /// The problems of the disagreements, some of each kind, as files, with an index. @returns how many problems
 std::size_t save(const Study& study, const std::vector<Disagreement>& disagreements,
                  const std::filesystem::path& folder) {
-  std::filesystem::create_directories(folder);
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw InputError(fmt::format("--out {}: {}", folder.string(), error.message()));
   std::ofstream index(folder / "disagreements.csv");
   index << "file,set,trial,ours,reference,outcome\n";
   std::map<std::tuple<std::size_t, std::string, std::string, PairOutcome>, int> seen;
@@ -176,8 +200,8 @@ std::size_t save(const Study& study, const std::vector<Disagreement>& disagreeme
     const ProblemSet& set = *study.sets[found.set].set;
     const std::string file = fmt::format("{}-{}.json", file_name_part(set.name()), found.trial);
     if (written.insert(file).second) write_problem(set.generate(study.seed, found.trial), folder / file);
-    index << fmt::format("{},\"{}\",{},\"{}\",\"{}\",{}\n", file, set.name(), found.trial, found.native,
-                         found.reference, to_string(found.outcome));
+    index << fmt::format("{},{},{},{},{},{}\n", file, quoted(set.name()), found.trial, quoted(found.native),
+                         quoted(found.reference), to_string(found.outcome));
   }
   index.close();
   if (!index) throw InputError((folder / "disagreements.csv").string() + ": cannot be written");
@@ -207,6 +231,7 @@ void print_verdict(const Validation& validation) {
 int run_validation(const Arguments& arguments) {
   const Plan plan = make_plan(arguments);
   const Study study = resolve(plan);
+  if (!arguments.out.empty()) check_folder(arguments.out);
   warn_without_references(study);
   Json origin = provenance(arguments.command_line, utc_now());
   origin["plan"] = Json::parse(plan_json(plan));
