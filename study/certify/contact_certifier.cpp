@@ -138,7 +138,7 @@ class ContactCertifier {
   bool solved_by(const char* spec) {
     if (deadline_.passed()) return false;
     const Answer& answer = candidates_.answer(spec, problem_, deadline_.left_s());
-    return solved_near(answer.z, spec);
+    return answer.claim == Claim::kSolved && solved_near(answer.z, spec);
   }
 
   bool solved_near(const Vector& z, const std::string& found_by) {
