@@ -26,8 +26,8 @@ class BareCertifier {
       : problem_(problem), deadline_(deadline), candidates_(candidates), system_(bare_system(problem.lcp())) {}
 
   Certificate run() {
-    const bool decided = solved_by(kSolvers[0]) || solved_by(kSolvers[1]) || settled_by_exact_lemke() ||
-                         contradicted() || branched() || enumerated();
+    const bool decided = solved_by(kSolvers[0]) || solved_by(kSolvers[1]) || branched() || settled_by_exact_lemke() ||
+                         contradicted() || enumerated();
     if (!decided) certificate_.detail = deadline_.passed() ? "the time limit passed" : "no proof was found either way";
     return std::move(certificate_);
   }
@@ -44,7 +44,7 @@ class BareCertifier {
     std::vector<Index> basis = support(z, system_.size());
     for (int round = 0; round <= kExchanges && !deadline_.passed(); ++round) {
       std::optional<ExactPoint> point = basis_point(system_, basis);
-      if (!point) point = purified_point(system_, basis, {});
+      if (!point) point = purified_point(system_, basis, round == 0 ? tight_rows(problem_, z) : std::vector<Index>{});
       if (!point) return false;
       if (is_solution(system_, *point)) return take_solution(*point, found_by);
       std::vector<Index> next = exchanged_basis(system_, *point);
@@ -75,8 +75,19 @@ class BareCertifier {
     BranchingOutcome outcome = branch(problem_.lcp(), LeafCheck(system_), deadline_);
     if (outcome.z) return solved_near(*outcome.z, "branch and bound");
     if (outcome.proof.empty()) return false;
+    if (outcome.proof.size() == 1) {
+      return take_contradiction(multipliers(outcome.proof.front()), "the linear inequalities contradict each other");
+    }
     take_branches(std::move(outcome.proof), certificate_);
     return true;
+  }
+
+  IntegerVector multipliers(const ProofNode& leaf) const {
+    IntegerVector y(static_cast<std::size_t>(system_.size()));
+    for (const Multiplier& entry : leaf.multipliers) {
+      fmpz_set_str(y[static_cast<std::size_t>(entry.row)].get(), entry.value.c_str(), 10);
+    }
+    return y;
   }
 
   bool enumerated() {

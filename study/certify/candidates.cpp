@@ -1,10 +1,17 @@
 #include "study/certify/candidates.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/registry.h"
 
 namespace lcpbench::exact {
+namespace {
+
+/// |w_i| below this many roundings of its terms may be zero.
+constexpr double kTight = 1e-8;
+
+}  // namespace
 
 const Answer& Candidates::answer(const std::string& spec, const Problem& problem, double time_limit_s) {
   Kept& kept = kept_[spec];
@@ -22,6 +29,18 @@ std::vector<Index> support(const Vector& z, Index n) {
   }
   std::stable_sort(positive.begin(), positive.end(), [&](Index a, Index b) { return z(a) > z(b); });
   return positive;
+}
+
+std::vector<Index> tight_rows(const Problem& problem, const Vector& z) {
+  std::vector<Index> tight;
+  if (z.size() != problem.size() || !z.allFinite()) return tight;
+  const Lcp& lcp = problem.lcp();
+  const Vector w = lcp.q + lcp.M * z;
+  const Vector scale = lcp.q.cwiseAbs() + lcp.M.cwiseAbs() * z.cwiseAbs();
+  for (Index i = 0; i < z.size(); ++i) {
+    if (!(z(i) > 0) && std::abs(w(i)) <= kTight * scale(i)) tight.push_back(i);
+  }
+  return tight;
 }
 
 }  // namespace lcpbench::exact

@@ -27,4 +27,7 @@ class Candidates {
 /// The i with z_i > 0, the largest first; none where z is not n finite numbers.
 std::vector<Index> support(const Vector& z, Index n);
 
+/// The rows that z leaves at zero to rounding and that are not in its support.
+std::vector<Index> tight_rows(const Problem& problem, const Vector& z);
+
 }  // namespace lcpbench::exact

@@ -20,8 +20,6 @@ namespace {
 
 /// Rounds of exact exchanges after a float basis that was no solution.
 constexpr int kExchanges = 8;
-/// |w_i| below this many roundings of its terms may be zero.
-constexpr double kTight = 1e-8;
 /// Largest orders for exact Lemke: on monotone problems, which it settles, on others, and for the enumeration of cones.
 constexpr Index kLargestMonotoneLemke = 128;
 constexpr Index kLargestLemke = 40;
@@ -62,19 +60,6 @@ std::optional<ExactPoint> certified_near(const ExactSystem& system, const Vector
     basis = std::move(next);
   }
   return std::nullopt;
-}
-
-/// The rows that z leaves at zero to rounding and that are not in its support.
-std::vector<Index> tight_rows(const Problem& problem, const Vector& z) {
-  std::vector<Index> tight;
-  if (z.size() != problem.size() || !z.allFinite()) return tight;
-  const Lcp& lcp = problem.lcp();
-  const Vector w = lcp.q + lcp.M * z;
-  const Vector scale = lcp.q.cwiseAbs() + lcp.M.cwiseAbs() * z.cwiseAbs();
-  for (Index i = 0; i < z.size(); ++i) {
-    if (!(z(i) > 0) && std::abs(w(i)) <= kTight * scale(i)) tight.push_back(i);
-  }
-  return tight;
 }
 
 /// min |L u|^2 + (1 + q'u)^2 over u >= 0, as a frictionless contact problem of inertia 1.
