@@ -38,10 +38,10 @@ void AnswerTest::set_velocity(const Vector& v) {
   if (quad_is_loaded_) quad_judge_.set_velocity(contacts_.v.data());
 }
 
-bool AnswerTest::settle(Answer& answer, double slack) {
+bool AnswerTest::settle(Answer& answer) {
   if (answer.claim != Claim::kSolved) return false;
   if (trusts_) return true;
-  if (solves(answer.z, slack)) {
+  if (solves(answer.z)) {
     if (bare_ && bare_test_.disproves(completed_)) {
       answer.claim = Claim::kUnsolvable;
       answer.detail = "proven";
@@ -58,19 +58,19 @@ bool AnswerTest::settle(Answer& answer, double slack) {
   return false;
 }
 
-bool AnswerTest::solves(const Vector& z, double slack) {
+bool AnswerTest::solves(const Vector& z) {
   if (!z.allFinite()) return false;
   completed_ = z.cwiseMax(0.0);
-  if (!bare_) return solves_contacts(slack);
-  return bare_test_.backward_error(completed_) <= slack * kClaimedBackwardError;
+  if (!bare_) return solves_contacts();
+  return bare_test_.backward_error(completed_) <= kClaimedBackwardError;
 }
 
-bool AnswerTest::solves_contacts(double slack) {
+bool AnswerTest::solves_contacts() {
   release_friction(contacts_.input, completed_);
-  if (judge_.complete(completed_.data()).certain <= slack * kClaimedResidual) return true;
+  if (judge_.complete(completed_.data()).certain <= kClaimedResidual) return true;
   if (!quad_is_loaded_) quad_judge_.load(contacts_.input);
   quad_is_loaded_ = true;
-  return quad_judge_.complete(completed_.data()).certain <= slack * kClaimedQuadResidual;
+  return quad_judge_.complete(completed_.data()).certain <= kClaimedQuadResidual;
 }
 
 void release_friction(const contact_lemke::Input& contacts, Vector& z) {

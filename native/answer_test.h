@@ -38,13 +38,12 @@ class AnswerTest {
   /// 113 bits; of bare LCPs the backward error within kClaimedBackwardError. Positive entries count as in the basis: w
   /// has to vanish there. O(ngc n); in 113 bits, where double is in doubt, O(ngc^3). Allocates nothing but the Farkas
   /// vector's memory, once.
-  /// @param slack factor on the bounds
   /// @returns whether the claim is still solved
-  bool settle(Answer& answer, double slack = 1);
+  bool settle(Answer& answer);
 
  private:
-  bool solves(const Vector& z, double slack);
-  bool solves_contacts(double slack);
+  bool solves(const Vector& z);
+  bool solves_contacts();
 
   LoadedContacts judge_, quad_judge_;
   Vector units_;             // of the coordinates, see coordinate_units(); mostly empty

@@ -16,8 +16,8 @@ namespace lcpbench {
 
 enum class LemkeUpdate { kResolve, kIncremental };
 enum class LemkeCap { kPaper, kLemke, k3n };
-/// kByEngine: kResidual with the kernel engine, kNone with the dense one.
-enum class LemkeAnswerTest { kByEngine, kNone, kResidual };
+/// kAuto: kResidual with the kernel engine and both tolerances at their defaults, else kNone.
+enum class LemkeAnswerTest { kAuto, kNone, kResidual };
 enum class LemkePrecision { kFloat, kDouble, kPolished, kQuad };
 
 struct LemkeSettings {
@@ -28,7 +28,7 @@ struct LemkeSettings {
   LemkeCap cap = LemkeCap::kPaper;
   std::int64_t max_pivots = 0;
   LemkePrecision precision = LemkePrecision::kDouble;
-  LemkeAnswerTest test = LemkeAnswerTest::kByEngine;
+  LemkeAnswerTest test = LemkeAnswerTest::kAuto;
 
   void visit(auto&& field) {
     field("engine", engine, Choices<LemkeEngine>{{{"dense", LemkeEngine::kDense}, {"kernel", LemkeEngine::kKernel}}},
@@ -52,11 +52,11 @@ struct LemkeSettings {
           "arithmetic (engine=kernel): 24, 53 or 113 bits; polished: 53, the answer refined, with the velocity of "
           "contact problems");
     field("test", test,
-          Choices<LemkeAnswerTest>{{{"by_engine", LemkeAnswerTest::kByEngine},
+          Choices<LemkeAnswerTest>{{{"auto", LemkeAnswerTest::kAuto},
                                     {"none", LemkeAnswerTest::kNone},
                                     {"residual", LemkeAnswerTest::kResidual}}},
           "of an answer from the raw data before it is claimed (precision=double; the others always): none, as in "
-          "LEMKE; its residual; by_engine: residual with engine=kernel, none with engine=dense");
+          "LEMKE; its residual; auto: residual with engine=kernel and both tolerances at their defaults, else none");
   }
 };
 
@@ -76,10 +76,10 @@ struct LemkePivot {
 /// pivots. Cost per pivot: engine=dense 2/3 n^3; engine=kernel O(k^3 + n k) with k the number of basic z.
 /// See docs/lemke.md.
 ///
-/// kSolved: the artificial variable left the basis, and, with test=residual, the answer passes AnswerTest, whose bounds
-/// grow with zero_tolerance beyond its default. kUnsolvable: no row blocks the entering variable (a ray: proof of
-/// nothing but for copositive-plus M), or, of a bare LCP, with a proof in `farkas`; kIterationLimit, kTimeLimit;
-/// kNumericalFailure: singular or overflowing basis, or an answer that does not pass.
+/// kSolved: the artificial variable left the basis, and, with test=residual, the answer passes AnswerTest. kUnsolvable: no
+/// row blocks the entering variable (a ray: proof of nothing but for copositive-plus M), or, of a bare LCP, with a proof
+/// in `farkas`; kIterationLimit, kTimeLimit; kNumericalFailure: singular or overflowing basis, or an answer that does
+/// not pass.
 /// z is zero unless kSolved.
 ///
 /// In other precisions than double kSolved is claimed only for answers that pass a test from the raw data, and

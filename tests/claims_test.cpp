@@ -198,12 +198,12 @@ TEST(ClaimsTest, ProveUnsolvableWhatIsNearlySolvable) {
   }
 }
 
-// Who asks for a slack that moves the answer gets the published method's claim, where no test is asked for.
-TEST(ClaimsTest, LooserTolerancesLoosenTheTest) {
+// Who sets a slack that moves the answer gets the published method's claim, where no test is asked for.
+TEST(ClaimsTest, TolerancesOfOnesOwnMeanThePublishedMethod) {
   const Problem problem("slack", Lcp{Matrix::Identity(1, 1), Vector::Constant(1, -1.0)});
   EXPECT_EQ(solve("lemke{zero_tolerance=2,test=residual}", problem).claim, Claim::kNumericalFailure);
   EXPECT_EQ(solve("lemke{zero_tolerance=2,test=none}", problem).claim, Claim::kSolved);
-  EXPECT_EQ(solve("lemke{zero_tolerance=2000}", problem).claim, Claim::kSolved);
+  EXPECT_EQ(solve("lemke{zero_tolerance=2}", problem).claim, Claim::kSolved);
   EXPECT_EQ(solve("lemke{engine=dense,zero_tolerance=2}", problem).claim, Claim::kSolved);
 }
 

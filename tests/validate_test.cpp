@@ -201,7 +201,7 @@ TEST(ValidateTest, TwoVelocitiesWhereThereIsOneAreUndecidedAndReported) {
 
 /// Lemke, untested, with tolerances that badly conditioned problems do not bear. Mostly it gives up; on 3 of the first
 /// 1,000 problems of the set it claims an answer that is none, on trial 577 for one.
-constexpr const char* kBadSetting = "lemke{pivot_tolerance=1e-4,zero_tolerance=1e-4,test=none}";
+constexpr const char* kBadSetting = "lemke{pivot_tolerance=1e-4,zero_tolerance=1e-4}";
 constexpr const char* kHardSet = "paper/copositive/exp5-1e10";
 constexpr std::int64_t kFalselyClaimed = 577;
 
