@@ -18,7 +18,7 @@ constexpr Index kLargestLemke = 60;
 constexpr Index kLargestFeasibility = 40;
 constexpr Index kLargestEnumeration = 16;
 constexpr int kExchanges = 8;
-constexpr const char* kSolvers[] = {"lemke", "lemke{precision=quad}"};
+constexpr const char* kSolvers[] = {"lemke{test=none}", "lemke{precision=quad}"};
 
 class BareCertifier {
  public:
