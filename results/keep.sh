@@ -12,4 +12,4 @@ columns='"set", solver, settings, trials, claimed, solved, criterion, criterion_
 sqlite3 :memory: '.mode csv' '.headers on' ".import $report/tables/cells.csv cells" "SELECT $columns FROM cells" |
   tr -d '\r' >"$3.cells.csv"
 sqlite3 "$2" 'SELECT provenance FROM runs' >"$3.provenance.json"
-if [ -s "$report/tables/sweeps.csv" ]; then cp "$report/tables/sweeps.csv" "$3.sweeps.csv"; fi
+if [ "$(wc -l <"$report/tables/sweeps.csv")" -gt 1 ]; then cp "$report/tables/sweeps.csv" "$3.sweeps.csv"; fi
