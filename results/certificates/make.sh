@@ -31,7 +31,7 @@ for part in "$@"; do
         "paper/monotone/exp4$combination" paper/monotone/exp5-1e5 paper/monotone/exp5-1e8 paper/monotone/exp5-1e10 ;;
     copositive)
       solvers="--solver contact_lemke --solver lemke"
-      study copositive 1000 "--every 1" paper/copositive/exp3 paper/copositive/exp4 "paper/copositive/exp4$combination" ;;
+      study copositive 1000 "--every 1 --time-limit 4" paper/copositive/exp3 paper/copositive/exp4 "paper/copositive/exp4$combination" ;;
     full_rank)
       solvers="--solver contact_lemke"
       study full_rank 100 "--every 1" paper/copositive/exp1 paper/copositive/exp2 paper/copositive/exp5-1e5 \
