@@ -79,7 +79,8 @@ bool tests_answers(const LemkeSettings& settings) {
 }
 
 std::unique_ptr<AnswerTest> test_of(const LemkeSettings& settings) {
-  return tests_answers(settings) && settings.precision == LemkePrecision::kDouble ? std::make_unique<AnswerTest>() : nullptr;
+  return tests_answers(settings) && settings.precision == LemkePrecision::kDouble ? std::make_unique<AnswerTest>()
+                                                                                  : nullptr;
 }
 
 }  // namespace

@@ -76,11 +76,10 @@ struct LemkePivot {
 /// pivots. Cost per pivot: engine=dense 2/3 n^3; engine=kernel O(k^3 + n k) with k the number of basic z.
 /// See docs/lemke.md.
 ///
-/// kSolved: the artificial variable left the basis, and, with test=residual, the answer passes AnswerTest. kUnsolvable: no
-/// row blocks the entering variable (a ray: proof of nothing but for copositive-plus M), or, of a bare LCP, with a proof
-/// in `farkas`; kIterationLimit, kTimeLimit; kNumericalFailure: singular or overflowing basis, or an answer that does
-/// not pass.
-/// z is zero unless kSolved.
+/// kSolved: the artificial variable left the basis, and, with test=residual, the answer passes AnswerTest. kUnsolvable:
+/// no row blocks the entering variable (a ray: proof of nothing but for copositive-plus M), or, of a bare LCP, with a
+/// proof in `farkas`; kIterationLimit, kTimeLimit; kNumericalFailure: singular or overflowing basis, or an answer that
+/// does not pass. z is zero unless kSolved.
 ///
 /// In other precisions than double kSolved is claimed only for answers that pass a test from the raw data, and
 /// kUnsolvable never: kNumericalFailure otherwise. polished and quad return the velocity of contact problems with
