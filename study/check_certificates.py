@@ -593,7 +593,8 @@ def check_stored(document, stored):
     velocity = decoded_vector(stored["velocity"]) if stored["velocity"] is not None else []
     require(velocity == (document["velocity"] or []), "the table has another velocity")
     if not stored["set_name"].startswith("file:"):
-        require(document["problem"]["name"] == stored["name"], "the proof is of another problem")
+        names = [stored["name"]] + [stored["set_name"]] * (stored["trial"] == 0)  # the only problem of a set has its name
+        require(document["problem"]["name"] in names, "the proof is of another problem")
     size = read_problem(document["problem"]).size
     require(size == stored["n"], f"the table has a problem of {stored['n']} unknowns, the proof one of {size}")
 

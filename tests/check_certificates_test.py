@@ -16,7 +16,8 @@ import tempfile
 
 MOST_NODES = 1000
 SETS = ("paper/monotone/exp1", "paper/monotone/exp2", "paper/monotone/exp3", "paper/copositive/exp1{nc_max=4}",
-        "paper/copositive/exp3{nc_max=10}", "planted/definite", "planted/definite{form=lcp}")
+        "paper/copositive/exp3{nc_max=10}", "planted/definite", "planted/definite{form=lcp}",
+        "hard/contact/stack", "hard/ray/infeasible", "hard/cycling/kostreva")
 TRIALS = 12
 
 failures = []
