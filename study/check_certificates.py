@@ -593,7 +593,7 @@ def check_stored(document, stored):
     velocity = decoded_vector(stored["velocity"]) if stored["velocity"] is not None else []
     require(velocity == (document["velocity"] or []), "the table has another velocity")
     if not stored["set_name"].startswith("file:"):
-        names = [stored["name"]] + [stored["set_name"]] * (stored["trial"] == 0)  # the only problem of a set has its name
+        names = [stored["name"]] + [stored["set_name"]] * (stored["trial"] == 0)  # one of a kind: the set's
         require(document["problem"]["name"] in names, "the proof is of another problem")
     size = read_problem(document["problem"]).size
     require(size == stored["n"], f"the table has a problem of {stored['n']} unknowns, the proof one of {size}")
