@@ -11,5 +11,5 @@ columns='"set", solver, settings, trials, claimed, solved, criterion, criterion_
   false_claims, gave_up, "error.measure", "error.median", "error.p99", "error.max", "time.all.mean", "time.all.max"'
 sqlite3 :memory: '.mode csv' '.headers on' ".import $report/tables/cells.csv cells" "SELECT $columns FROM cells" |
   tr -d '\r' >"$3.cells.csv"
-sqlite3 "$2" 'SELECT provenance FROM runs' >"$3.provenance.json"
+sqlite3 "$2" 'SELECT provenance FROM runs' | sed -E -f "$(dirname "$0")/plain_paths.sed" >"$3.provenance.json"
 if [ "$(wc -l <"$report/tables/sweeps.csv")" -gt 1 ]; then cp "$report/tables/sweeps.csv" "$3.sweeps.csv"; fi

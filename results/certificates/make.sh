@@ -15,6 +15,7 @@ study() { # NAME TRIALS CERTIFY-OPTIONS SETS...
   # shellcheck disable=SC2086
   /usr/bin/time -f '%U user s, %S system s, %e s' -o "$out/$name.time" \
     "$lcpbench" certify --store "$stores/$name.db" $options --format json >"$out/$name.json"
+  sed -i -E -f "$(dirname "$0")/../plain_paths.sed" "$out/$name.json"
   python3 "$checker" "$stores/$name.db" --jobs 2 >"$out/$name.checked"
   sqlite3 -header -csv "$stores/$name.db" 'SELECT s.name AS "set", c.certificate, c.proof, COUNT(*) AS problems,
       ROUND(AVG(t.seconds), 6) AS mean_s, ROUND(MAX(t.seconds), 6) AS max_s FROM certificates c

@@ -31,7 +31,8 @@ bench() { # FILE ARGUMENTS...
   file=$out/ratios-$1.json
   shift
   "$lcpbench" bench "$@" --seed $ratio_seed --format json >"$file.part"
-  mv "$file.part" "$file"
+  sed -E -f "$here/../plain_paths.sed" "$file.part" >"$file"
+  rm "$file.part"
 }
 
 large_problems() { # the first 1,000 of paper/copositive/exp1 with n > 340, as files
