@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "generators/glob.h"
 #include "generators/hard/hard.h"
 #include "generators/paper.h"
 #include "generators/planted.h"
@@ -184,29 +185,6 @@ const Set* find_set(const std::vector<Set>& sets, const std::string& name) {
   return found == sets.end() ? nullptr : &*found;
 }
 
-// * stands for any run of characters, ? for any one. The position after the last * is tried again and again: O(n m).
-bool matches(std::string_view pattern, std::string_view text) {
-  std::size_t p = 0;
-  std::size_t t = 0;
-  std::size_t star = std::string_view::npos;
-  std::size_t retry = 0;
-  while (t < text.size()) {
-    if (p < pattern.size() && pattern[p] == '*') {
-      star = p++;
-      retry = t;
-    } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == text[t])) {
-      ++p;
-      ++t;
-    } else if (star != std::string_view::npos) {
-      p = star + 1;
-      t = ++retry;
-    } else {
-      return false;
-    }
-  }
-  return std::all_of(pattern.begin() + static_cast<std::ptrdiff_t>(p), pattern.end(), [](char c) { return c == '*'; });
-}
-
 }  // namespace
 
 std::vector<SetInfo> list_sets() {
@@ -241,7 +219,7 @@ std::vector<std::string> expand_sets(const std::string& pattern) {
   const Spec spec = parse_spec(pattern);
   std::vector<std::string> names;
   for (const SetInfo& set : list_sets()) {
-    if (matches(spec.name, set.name)) names.push_back(open_set(Spec{set.name, spec.options}.text())->name());
+    if (glob_matches(spec.name, set.name)) names.push_back(open_set(Spec{set.name, spec.options}.text())->name());
   }
   if (names.empty()) throw InputError("no problem set matches '" + spec.name + "'; `lcpbench sets` lists them");
   return names;
