@@ -59,16 +59,19 @@ ratios() {
   for set in $(each_full_rank_set monotone); do
     name=$(file_name "$set")
     bench "dense-$name" --solver active_set --set "$set" --problems 1000
-    bench "kernel-$name" --reference 'lemke{engine=kernel}' --solver active_set --set "$set" --problems 1000
-    bench "ode_dantzig-$name" --reference 'ode_dantzig{diagonal=1e-8}' --solver active_set --set "$set" --problems 1000
+    bench "kernel-$name" --reference 'lemke{engine=kernel,test=none}' --solver active_set --set "$set" --problems 1000
+    for diagonal in 1e-8 1e-12; do
+      bench "bullet_dantzig-$diagonal-$name" --reference "bullet_dantzig{diagonal=$diagonal}" --solver active_set --set "$set" \
+        --problems 1000
+    done
     bench "siconos_lemke-$name" --reference siconos_lemke --solver active_set --set "$set" --problems 1000
   done
   for set in $(each_full_rank_set copositive); do
     name=$(file_name "$set")
     bench "dense-$name" --solver contact_lemke --set "$set" --problems 1000
-    bench "kernel-$name" --reference 'lemke{engine=kernel}' --solver contact_lemke --set "$set" --problems 1000
+    bench "kernel-$name" --reference 'lemke{engine=kernel,test=none}' --solver contact_lemke --set "$set" --problems 1000
   done
-  bench kernel-copositive-extra100 --reference 'lemke{engine=kernel}' --solver contact_lemke --set paper/copositive/extra100 \
+  bench kernel-copositive-extra100 --reference 'lemke{engine=kernel,test=none}' --solver contact_lemke --set paper/copositive/extra100 \
     --problems 30
   large_problems
   bench dense-copositive-n-over-340 --solver contact_lemke --set "file:$work/large" --problems 1000
