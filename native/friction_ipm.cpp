@@ -9,7 +9,7 @@
 #include "native/answer_test.h"
 #include "native/contact_impulses.h"
 #include "native/velocity_ipm/interior_point.h"
-#include "native/velocity_ipm/sparse_factorization.h"
+#include "native/velocity_ipm/multifrontal_cholesky.h"
 
 namespace lcpbench {
 namespace {
@@ -96,7 +96,7 @@ ContactProblem convex_problem(const ContactProblem& contact, const ConeColumns& 
 /// one constraint for each direction d of each contact i, whose multipliers g give f_N = sum g_d and f_D = mu g. Where
 /// lambda_i = max -d'u of its own solution, that solution solves the whole problem, and conversely. From lambda = 0
 /// (the convex relaxation) each round solves one such problem by InteriorPoint and takes lambda from its velocity.
-/// Block inertia with sparse N and D: sparse LDL', whose cost follows the graph of bodies. That the rounds converge is
+/// Block inertia with sparse N and D: sparse Cholesky, whose cost follows the graph of bodies. That the rounds converge is
 /// not proven; without friction the first one is the answer. [Cadoux 2009; Acary, Cadoux, Lemarechal, Malick 2011, ZAMM
 /// 91; Anitescu 2006]
 ///
@@ -131,7 +131,7 @@ void FrictionIpm::on_load(const Problem& problem) {
   cone_ = cone_columns(contact);
   const ContactProblem convex = convex_problem(contact, cone_);
   const bool sparse = wants_sparse(settings_.algebra, convex);
-  method_.load(sparse ? sparse_whitened_normals(convex, simplicial_ldlt()) : dense_whitened_normals(convex), convex);
+  method_.load(sparse ? sparse_whitened_normals(convex, multifrontal_cholesky()) : dense_whitened_normals(convex), convex);
   if (!method_.loaded()) return;
   state_.load(problem);
   test_.load(problem, AnswerTest::Bodies::kTrusted);

@@ -3,7 +3,7 @@
 #include "core/registry.h"
 #include "native/active_set.h"
 #include "native/velocity_ipm/interior_point.h"
-#include "native/velocity_ipm/sparse_factorization.h"
+#include "native/velocity_ipm/multifrontal_cholesky.h"
 
 namespace lcpbench {
 namespace {
@@ -19,7 +19,7 @@ struct VelocityIpmSettings {
 };
 
 /// Solves frictionless contact problems by the interior-point method in velocity space (InteriorPoint). Block inertia
-/// with a sparse N: Eigen's sparse LDL', whose cost follows the graph of bodies. Dense: O(ngc^2 (nc + ngc)).
+/// with a sparse N: sparse Cholesky, whose cost follows the graph of bodies. Dense: O(ngc^2 (nc + ngc)).
 ///
 /// Finish. Dense: the dual active-set method from the contacts that are pressed. Sparse: InteriorPoint::finish().
 ///
@@ -49,7 +49,7 @@ class VelocityIpm final : public Solver {
 void VelocityIpm::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   is_sparse_ = wants_sparse(settings_.algebra, contact);
-  method_.load(is_sparse_ ? sparse_whitened_normals(contact, simplicial_ldlt()) : dense_whitened_normals(contact),
+  method_.load(is_sparse_ ? sparse_whitened_normals(contact, multifrontal_cholesky()) : dense_whitened_normals(contact),
                contact);
   if (!method_.loaded() || !ends_with_active_set()) return;
   active_set_.load(problem);

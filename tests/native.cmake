@@ -13,6 +13,8 @@ lcpbench_test(contact_lemke LINK lcpbench_native lcpbench_generators lcpbench_ev
 target_sources(contact_lemke_test PRIVATE allocation_counter.cpp)
 lcpbench_test(enumeration LINK lcpbench_generators lcpbench_native)
 lcpbench_test(primal_dual LINK lcpbench_native)
+lcpbench_test(multifrontal_cholesky LINK lcpbench_native)
+target_sources(multifrontal_cholesky_test PRIVATE allocation_counter.cpp)
 lcpbench_test(velocity_ipm LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 lcpbench_test(friction_ipm LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 lcpbench_test(regularized LINK lcpbench_native)
@@ -38,6 +40,10 @@ foreach(level IN LISTS levels)
     add_test(NAME active_set_symbols_${level}
              COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DLEVEL=${level}
                      -DOBJECT=$<TARGET_OBJECTS:lcpbench_active_set_${level}>
+                     -P ${CMAKE_CURRENT_SOURCE_DIR}/lemke_symbols.cmake)
+    add_test(NAME cholesky_symbols_${level}
+             COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DLEVEL=${level}
+                     -DOBJECT=$<TARGET_OBJECTS:lcpbench_cholesky_${level}>
                      -P ${CMAKE_CURRENT_SOURCE_DIR}/lemke_symbols.cmake)
     add_test(NAME contact_lemke_symbols_${level}
              COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DLEVEL=${level}

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <memory>
-
 #include "core/types.h"
 
 namespace lcpbench {
@@ -20,8 +18,5 @@ class SparseFactorization {
   /// x := A^-1 x, of the last matrix factored.
   virtual void solve(Vector& x) = 0;
 };
-
-/// Eigen's simplicial LDL', in the order given.
-std::unique_ptr<SparseFactorization> simplicial_ldlt();
 
 }  // namespace lcpbench

@@ -1,10 +1,7 @@
 #include "native/velocity_ipm/whitened_normals.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -12,65 +9,6 @@
 
 namespace lcpbench {
 namespace {
-
-/// S (ngc x rank) with S S' = G*.
-Matrix inverse_root(const Inertia& inertia) {
-  const auto of_eigenvalues = [](const Matrix& A, bool inverse) {
-    const Eigen::SelfAdjointEigenSolver<Matrix> eigen(A);
-    const Vector& values = eigen.eigenvalues();
-    const double cut =
-        static_cast<double>(A.rows()) * std::numeric_limits<double>::epsilon() * values.cwiseAbs().maxCoeff();
-    Matrix S(A.rows(), 0);
-    for (Index i = 0; i < values.size(); ++i) {
-      if (!(values(i) > cut)) continue;
-      S.conservativeResize(Eigen::NoChange, S.cols() + 1);
-      S.col(S.cols() - 1) = eigen.eigenvectors().col(i) * std::sqrt(inverse ? 1 / values(i) : values(i));
-    }
-    return S;
-  };
-  if (dimension(inertia) == 0) return Matrix(0, 0);
-  if (const auto* given = std::get_if<InverseInertia>(&inertia)) return of_eigenvalues(given->Ginv, false);
-  const Matrix G = dense_inertia(inertia);
-  const auto* factors = std::get_if<FactoredInertia>(&inertia);
-  const Eigen::LLT<Matrix> llt(G);
-  if (llt.info() != Eigen::Success || (factors != nullptr && factors->X.cols() < factors->X.rows())) {
-    return of_eigenvalues(G, true);
-  }
-  return llt.matrixU().solve(Matrix::Identity(G.rows(), G.cols()));
-}
-
-class DenseNormals final : public WhitenedNormals {
- public:
-  explicit DenseNormals(const ContactProblem& problem) : S_(inverse_root(problem.inertia)) {
-    W_.noalias() = S_.transpose() * to_dense(problem.N);
-    scaled_.resize(W_.rows(), W_.cols());
-    matrix_.resize(W_.rows(), W_.rows());
-  }
-
-  Index coordinates() const override { return W_.rows(); }
-  Vector squared_norms() const override { return W_.colwise().squaredNorm(); }
-  void combine(const Vector& f, Vector& y) const override { y.noalias() = W_ * f; }
-  void project(const Vector& y, Vector& s) const override { s.noalias() = W_.transpose() * y; }
-  bool factor(const Vector& weights) override {
-    scaled_.noalias() = W_ * weights.cwiseSqrt().asDiagonal();
-    matrix_.setIdentity();
-    matrix_.selfadjointView<Eigen::Lower>().rankUpdate(scaled_);
-    factor_.compute(matrix_);
-    return factor_.info() == Eigen::Success;
-  }
-  void solve(Vector& y) const override { factor_.solveInPlace(y); }
-  void velocity(const Vector& v, const Vector& y, Vector& u) const override {
-    u = v;
-    u.noalias() += S_ * y;
-  }
-
- private:
-  Matrix S_;
-  Matrix W_;
-  Matrix scaled_;
-  Matrix matrix_;
-  Eigen::LLT<Matrix> factor_;
-};
 
 /// Factors of the blocks of an inertia: G = L L', block by block.
 class BlockRoots {
@@ -133,17 +71,43 @@ SparseMatrix sparse(const Jacobian& J) {
   return compressed;
 }
 
+/// The rows of W that have entries: the others are coordinates that no contact changes.
+std::vector<int> touched_rows(const SparseMatrix& W) {
+  std::vector<char> touched(static_cast<std::size_t>(W.rows()), 0);
+  for (Index e = 0; e < W.nonZeros(); ++e) touched[static_cast<std::size_t>(W.innerIndexPtr()[e])] = 1;
+  std::vector<int> rows;
+  for (std::size_t i = 0; i < touched.size(); ++i) {
+    if (touched[i] != 0) rows.push_back(static_cast<int>(i));
+  }
+  return rows;
+}
+
+/// The rows of W listed, in that order. @pre the others are empty
+SparseMatrix rows_of(const SparseMatrix& W, const std::vector<int>& rows) {
+  std::vector<int> position(static_cast<std::size_t>(W.rows()), -1);
+  for (std::size_t k = 0; k < rows.size(); ++k) position[static_cast<std::size_t>(rows[k])] = static_cast<int>(k);
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(static_cast<std::size_t>(W.nonZeros()));
+  for (Index j = 0; j < W.outerSize(); ++j) {
+    for (SparseMatrix::InnerIterator entry(W, j); entry; ++entry) {
+      entries.emplace_back(position[static_cast<std::size_t>(entry.row())], static_cast<int>(j), entry.value());
+    }
+  }
+  SparseMatrix chosen(static_cast<Index>(rows.size()), W.cols());
+  chosen.setFromTriplets(entries.begin(), entries.end());
+  return chosen;
+}
+
+/// Coordinates that no contact changes are left out.
 class SparseNormals final : public WhitenedNormals {
  public:
   SparseNormals(BlockRoots roots, const Jacobian& N, std::unique_ptr<SparseFactorization> factorization)
-      : roots_(std::move(roots)), W_(roots_.whiten(sparse(N))), factorization_(std::move(factorization)) {
-    matrix_ = pattern();
-    const std::vector<int> order = nested_dissection(matrix_);
-    position_of_.resize(W_.rows());
-    for (std::size_t k = 0; k < order.size(); ++k) {
-      position_of_.indices()(order[k]) = static_cast<int>(k);
-    }
-    W_ = (position_of_ * W_).eval();
+      : roots_(std::move(roots)), factorization_(std::move(factorization)) {
+    const SparseMatrix W = roots_.whiten(sparse(N));
+    const std::vector<int> touched = touched_rows(W);
+    W_ = rows_of(W, touched);
+    for (const int row : nested_dissection(pattern())) rows_.push_back(touched[static_cast<std::size_t>(row)]);
+    W_ = rows_of(W, rows_);
     matrix_ = pattern();
     find_positions();
     factorization_->analyze(matrix_);
@@ -173,7 +137,8 @@ class SparseNormals final : public WhitenedNormals {
   }
   void solve(Vector& y) const override { factorization_->solve(y); }
   void velocity(const Vector& v, const Vector& y, Vector& u) const override {
-    u = position_of_.transpose() * y;
+    u.setZero(v.size());
+    for (std::size_t k = 0; k < rows_.size(); ++k) u(rows_[k]) = y(static_cast<Index>(k));
     roots_.solve_transposed(u);
     u += v;
   }
@@ -211,19 +176,15 @@ class SparseNormals final : public WhitenedNormals {
   }
 
   BlockRoots roots_;
-  Eigen::PermutationMatrix<Eigen::Dynamic> position_of_;  // of each coordinate in the order of elimination
-  SparseMatrix W_;                                        // rows in the order of elimination
-  SparseMatrix matrix_;                                   // lower triangle
+  std::vector<int> rows_;  // the coordinates that contacts change, in the order of elimination
+  SparseMatrix W_;         // their rows
+  SparseMatrix matrix_;    // lower triangle
   std::vector<Index> diagonal_;
   std::vector<Index> position_;
   std::unique_ptr<SparseFactorization> factorization_;
 };
 
 }  // namespace
-
-std::unique_ptr<WhitenedNormals> dense_whitened_normals(const ContactProblem& problem) {
-  return std::make_unique<DenseNormals>(problem);
-}
 
 std::unique_ptr<WhitenedNormals> sparse_whitened_normals(const ContactProblem& problem,
                                                          std::unique_ptr<SparseFactorization> factorization) {

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstddef>
+
+#include "core/isa.h"
+
+// The border between the Cholesky factorizations and their dense kernels, which are compiled once per instruction-set
+// level. Only plain structs and pointers cross it, for the reason that lemke_engine.h gives.
+
+namespace lcpbench::cholesky {
+
+/// Kernels work on four rows and columns at a time. A matrix of m rows that they change stands in columns of
+/// `stride` >= m + kMargin entries, has kMargin more columns than m, and zeros in its rows m to m + kMargin - 1; of the
+/// rest they change the lower triangle, and use the upper one and the columns beyond m as scratch.
+inline constexpr std::ptrdiff_t kMargin = 3;
+
+/// Entries of `work` for matrices of so many rows.
+constexpr std::ptrdiff_t work_size(std::ptrdiff_t rows) { return (rows + kMargin) * 64; }
+
+/// Dense kernels of Cholesky factorizations, A = L L'. None allocates.
+struct Engine {
+  /// Factors the first `columns` columns of the symmetric `a` (rows x rows) and subtracts their part from the rest: L
+  /// stands in them then, and the Schur complement in the rest. False when a pivot is not positive, or not finite.
+  bool (*factor)(double* a, std::ptrdiff_t stride, std::ptrdiff_t rows, std::ptrdiff_t columns, double* work);
+  /// a += B B' for B (rows x columns) by columns of `b_stride` >= rows + kMargin entries, zeros in the margin.
+  void (*add_product)(double* a, std::ptrdiff_t stride, const double* b, std::ptrdiff_t b_stride, std::ptrdiff_t rows,
+                      std::ptrdiff_t columns, double* work);
+  /// x := [L1 0; L2 I]^-1 x for L = [L1; L2] (rows x columns) by columns without margin, L1 with the inverse of each
+  /// diagonal entry in its place.
+  void (*solve_lower)(const double* l, std::ptrdiff_t rows, std::ptrdiff_t columns, double* x);
+  /// x := [L1 0; L2 I]'^-1 x.
+  void (*solve_transposed)(const double* l, std::ptrdiff_t rows, std::ptrdiff_t columns, double* x);
+};
+
+/// The kernels of one level. @param level must not exceed best_isa_level()
+const Engine& engine(IsaLevel level);
+
+namespace baseline {
+extern const Engine kEngine;
+}  // namespace baseline
+namespace avx2 {
+extern const Engine kEngine;
+}  // namespace avx2
+namespace avx512 {
+extern const Engine kEngine;
+}  // namespace avx512
+
+}  // namespace lcpbench::cholesky

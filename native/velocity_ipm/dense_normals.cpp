@@ -1,0 +1,88 @@
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "core/isa.h"
+#include "native/cholesky_engine.h"
+#include "native/velocity_ipm/whitened_normals.h"
+
+namespace lcpbench {
+namespace {
+
+/// S (ngc x rank) with S S' = G*.
+Matrix inverse_root(const Inertia& inertia) {
+  const auto of_eigenvalues = [](const Matrix& A, bool inverse) {
+    const Eigen::SelfAdjointEigenSolver<Matrix> eigen(A);
+    const Vector& values = eigen.eigenvalues();
+    const double cut =
+        static_cast<double>(A.rows()) * std::numeric_limits<double>::epsilon() * values.cwiseAbs().maxCoeff();
+    Matrix S(A.rows(), 0);
+    for (Index i = 0; i < values.size(); ++i) {
+      if (!(values(i) > cut)) continue;
+      S.conservativeResize(Eigen::NoChange, S.cols() + 1);
+      S.col(S.cols() - 1) = eigen.eigenvectors().col(i) * std::sqrt(inverse ? 1 / values(i) : values(i));
+    }
+    return S;
+  };
+  if (dimension(inertia) == 0) return Matrix(0, 0);
+  if (const auto* given = std::get_if<InverseInertia>(&inertia)) return of_eigenvalues(given->Ginv, false);
+  const Matrix G = dense_inertia(inertia);
+  const auto* factors = std::get_if<FactoredInertia>(&inertia);
+  const Eigen::LLT<Matrix> llt(G);
+  if (llt.info() != Eigen::Success || (factors != nullptr && factors->X.cols() < factors->X.rows())) {
+    return of_eigenvalues(G, true);
+  }
+  return llt.matrixU().solve(Matrix::Identity(G.rows(), G.cols()));
+}
+
+class DenseNormals final : public WhitenedNormals {
+ public:
+  explicit DenseNormals(const ContactProblem& problem)
+      : kernels_(cholesky::engine(isa_level())), S_(inverse_root(problem.inertia)) {
+    W_.noalias() = S_.transpose() * to_dense(problem.N);
+    const Index stride = coordinates() + cholesky::kMargin;
+    scaled_.setZero(stride, W_.cols());
+    matrix_.setZero(stride, stride);
+    work_.resize(cholesky::work_size(coordinates()));
+  }
+
+  Index coordinates() const override { return W_.rows(); }
+  Vector squared_norms() const override { return W_.colwise().squaredNorm(); }
+  void combine(const Vector& f, Vector& y) const override { y.noalias() = W_ * f; }
+  void project(const Vector& y, Vector& s) const override { s.noalias() = W_.transpose() * y; }
+  bool factor(const Vector& weights) override {
+    const Index n = coordinates();
+    for (Index j = 0; j < W_.cols(); ++j) scaled_.col(j).head(n) = std::sqrt(weights(j)) * W_.col(j);
+    matrix_.topLeftCorner(n, n).setIdentity();
+    kernels_.add_product(matrix_.data(), matrix_.rows(), scaled_.data(), scaled_.rows(), n, W_.cols(), work_.data());
+    return kernels_.factor(matrix_.data(), matrix_.rows(), n, n, work_.data());
+  }
+  void solve(Vector& y) const override {
+    const auto L = matrix_.topLeftCorner(coordinates(), coordinates());
+    L.triangularView<Eigen::Lower>().solveInPlace(y);
+    L.triangularView<Eigen::Lower>().transpose().solveInPlace(y);
+  }
+  void velocity(const Vector& v, const Vector& y, Vector& u) const override {
+    u = v;
+    u.noalias() += S_ * y;
+  }
+
+ private:
+  const cholesky::Engine& kernels_;
+  Matrix S_;
+  Matrix W_;
+  Matrix scaled_;  // W weights^(1/2), with the margin of the kernels
+  Matrix matrix_;  // lower triangle, likewise
+  Vector work_;
+};
+
+}  // namespace
+
+std::unique_ptr<WhitenedNormals> dense_whitened_normals(const ContactProblem& problem) {
+  return std::make_unique<DenseNormals>(problem);
+}
+
+}  // namespace lcpbench
