@@ -1,13 +1,15 @@
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <limits>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
 #include "native/answer_test.h"
 #include "native/contact_impulses.h"
+#include "native/velocity_ipm/answer_room.h"
 #include "native/velocity_ipm/interior_point.h"
 #include "native/velocity_ipm/multifrontal_cholesky.h"
 
@@ -96,9 +98,9 @@ ContactProblem convex_problem(const ContactProblem& contact, const ConeColumns& 
 /// one constraint for each direction d of each contact i, whose multipliers g give f_N = sum g_d and f_D = mu g. Where
 /// lambda_i = max -d'u of its own solution, that solution solves the whole problem, and conversely. From lambda = 0
 /// (the convex relaxation) each round solves one such problem by InteriorPoint and takes lambda from its velocity.
-/// Block inertia with sparse N and D: sparse Cholesky, whose cost follows the graph of bodies. That the rounds converge is
-/// not proven; without friction the first one is the answer. [Cadoux 2009; Acary, Cadoux, Lemarechal, Malick 2011, ZAMM
-/// 91; Anitescu 2006]
+/// Block inertia with sparse N and D: sparse Cholesky, whose cost follows the graph of bodies. That the rounds converge
+/// is not proven; without friction the first one is the answer. [Cadoux 2009; Acary, Cadoux, Lemarechal, Malick 2011,
+/// ZAMM 91; Anitescu 2006]
 ///
 /// kSolved: the velocity residual, recomputed from z in double, is within accept_residual and AnswerTest passes;
 /// kNumericalFailure: the rounds did not get there. `detail` has their number. Opposite friction impulses of a contact
@@ -116,25 +118,36 @@ class FrictionIpm final : public Solver {
 
   Claim run(double deadline_s, Answer& answer, int& rounds);
   void take_impulses();
-  void report(Claim claim, int rounds, Answer& answer) const;
-  Vector offsets() const;
+  void report(Claim claim, int rounds, Answer& answer);
+  void find_offsets();
 
   FrictionIpmSettings settings_;
   InteriorPoint method_;
   ContactImpulses state_;
   ConeColumns cone_;
   AnswerTest test_;
+  AnswerRoom room_;
+  Vector friction_impulses_;  // f_D
+  Vector slip_bounds_;        // nc, mu lambda
+  Vector offset_;             // per cone column
+  Vector best_impulse_;
 };
 
 void FrictionIpm::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
+  room_.reserve(contact.ngc());
   cone_ = cone_columns(contact);
   const ContactProblem convex = convex_problem(contact, cone_);
   const bool sparse = wants_sparse(settings_.algebra, convex);
-  method_.load(sparse ? sparse_whitened_normals(convex, multifrontal_cholesky()) : dense_whitened_normals(convex), convex);
+  method_.load(sparse ? sparse_whitened_normals(convex, multifrontal_cholesky()) : dense_whitened_normals(convex),
+               convex);
   if (!method_.loaded()) return;
   state_.load(problem);
   test_.load(problem, AnswerTest::Bodies::kTrusted);
+  friction_impulses_.resize(cone_.friction.rows());
+  slip_bounds_.resize(state_.contacts);
+  offset_.resize(cone_.size());
+  best_impulse_.resize(state_.impulse.size());
 }
 
 void FrictionIpm::on_update(const Vector& v) {
@@ -145,35 +158,36 @@ void FrictionIpm::on_update(const Vector& v) {
 
 /// The multipliers of the cone columns as normal and signed friction impulses, and the velocity that they give.
 void FrictionIpm::take_impulses() {
-  const Vector f_D = cone_.friction * method_.impulses();
-  state_.impulse.head(state_.contacts) = cone_.normal * method_.impulses();
+  friction_impulses_.noalias() = cone_.friction * method_.impulses();
+  state_.impulse.head(state_.contacts).noalias() = cone_.normal * method_.impulses();
   for (const SignedFriction& friction : state_.frictions) {
     const Index first = friction.first_column - state_.contacts;
     state_.impulse.segment(friction.first_column, friction.directions) =
-        f_D.segment(first, friction.directions) - f_D.segment(first + friction.directions, friction.directions);
+        friction_impulses_.segment(first, friction.directions) -
+        friction_impulses_.segment(first + friction.directions, friction.directions);
   }
   state_.recompute_velocity();
 }
 
-/// mu lambda of each cone column, at the velocity reached.
-Vector FrictionIpm::offsets() const {
-  Vector of_contact = Vector::Zero(state_.contacts);
+/// mu lambda of each cone column into offset_, at the velocity reached.
+void FrictionIpm::find_offsets() {
+  slip_bounds_.setZero();
   for (const SignedFriction& friction : state_.frictions) {
-    of_contact(friction.contact) = state_.mu(friction.contact) * state_.slip_bound(friction);
+    slip_bounds_(friction.contact) = state_.mu(friction.contact) * state_.slip_bound(friction);
   }
-  return cone_.normal.transpose() * of_contact;
+  offset_.noalias() = cone_.normal.transpose() * slip_bounds_;
 }
 
 /// Leaves the impulses of the smallest residual in state_.
 Claim FrictionIpm::run(double deadline_s, Answer& answer, int& rounds) {
   using Stop = InteriorPoint::Stop;
   Claim claim = Claim::kNumericalFailure;
-  Vector best_impulse = state_.impulse;
+  best_impulse_ = state_.impulse;
   double best = kInfinity;
   int idle_rounds = 0;
-  Vector offset = Vector::Zero(cone_.size());
+  offset_.setZero();
   for (rounds = 1;; ++rounds) {
-    method_.set_velocity(state_.u0, offset);
+    method_.set_velocity(state_.u0, offset_);
     const Stop stop = method_.iterate(deadline_s, settings_.max_iterations, answer.counters);
     if (stop == Stop::kTimeLimit) claim = Claim::kTimeLimit;
     if (stop == Stop::kIterationLimit) claim = Claim::kIterationLimit;
@@ -184,34 +198,36 @@ Claim FrictionIpm::run(double deadline_s, Answer& answer, int& rounds) {
     idle_rounds = residual < kProgress * best ? 0 : idle_rounds + 1;
     if (residual < best) {
       best = residual;
-      best_impulse = state_.impulse;
+      best_impulse_ = state_.impulse;
     }
     if (best <= settings_.tolerance || idle_rounds > kMostIdleRounds || !(residual < kInfinity)) break;
     if (cone_.friction.nonZeros() == 0) break;  // the next problem would be the same
-    offset = offsets();
+    find_offsets();
   }
-  state_.impulse = best_impulse;
+  state_.impulse = best_impulse_;
   state_.recompute_velocity();
   return best <= settings_.accept_residual ? Claim::kSolved : claim;
 }
 
-void FrictionIpm::report(Claim claim, int rounds, Answer& answer) const {
+void FrictionIpm::report(Claim claim, int rounds, Answer& answer) {
   answer.claim = claim;
   state_.write_answer(answer.z);
-  answer.velocity = state_.u;
-  answer.detail = std::to_string(rounds) + (rounds == 1 ? " convex problem" : " convex problems");
+  room_.write_velocity(state_.u, answer);
+  std::array<char, 40> text{};
+  const int length = std::snprintf(text.data(), text.size(), "%d convex problem%s", rounds, rounds == 1 ? "" : "s");
+  room_.write_text({text.data(), static_cast<std::size_t>(length)}, answer);
 }
 
 void FrictionIpm::on_solve(const SolveRequest& request, Answer& answer) {
   answer.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
   if (!method_.loaded()) {
     answer.claim = Claim::kUnsupported;
-    answer.detail = "algebra=sparse needs an inertia of positive definite blocks";
+    room_.write_text("algebra=sparse needs an inertia of positive definite blocks", answer);
     return;
   }
   if (state_.q_max == 0) {  // z = 0 solves it, and max|q| gives no scale to judge another answer by
     answer.claim = Claim::kSolved;
-    answer.velocity = state_.u0;
+    room_.write_velocity(state_.u0, answer);
     return;
   }
   int rounds = 0;
@@ -228,7 +244,8 @@ void FrictionIpm::on_solve(const SolveRequest& request, Answer& answer) {
 constexpr Capabilities kCapabilities{
     .needs = Needs::kFactored,
     .guarantees = "without friction as velocity_ipm; with friction none, the rounds may not converge",
-    .obeys_time_limit = true};
+    .obeys_time_limit = true,
+    .allocation_free = true};
 
 const Capabilities& FrictionIpm::capabilities() const { return kCapabilities; }
 

@@ -1,7 +1,9 @@
 #include <memory>
 
+#include "core/answer_storage.h"
 #include "core/registry.h"
 #include "native/active_set.h"
+#include "native/velocity_ipm/answer_room.h"
 #include "native/velocity_ipm/interior_point.h"
 #include "native/velocity_ipm/multifrontal_cholesky.h"
 
@@ -44,10 +46,12 @@ class VelocityIpm final : public Solver {
   ActiveSet active_set_;
   bool is_sparse_ = false;
   Vector pressed_;  // nc
+  AnswerRoom room_;
 };
 
 void VelocityIpm::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
+  room_.reserve(0);
   is_sparse_ = wants_sparse(settings_.algebra, contact);
   method_.load(is_sparse_ ? sparse_whitened_normals(contact, multifrontal_cholesky()) : dense_whitened_normals(contact),
                contact);
@@ -62,11 +66,10 @@ void VelocityIpm::on_update(const Vector& v) {
   method_.set_velocity(v);
 }
 
-/// False when the active set has no answer either.
+/// False when the active set has no answer either; conclude() then writes all of the answer.
 bool VelocityIpm::finish_dense(const SolveRequest& request, Answer& answer) {
   method_.pressed_contacts(pressed_);
   const Counters counters = answer.counters;
-  const Vector before = answer.z;
   active_set_.solve({.start = &pressed_, .time_limit_s = request.time_limit_s}, answer);
   const std::int64_t steps = answer.counters.pivots;
   const std::int64_t factorizations = answer.counters.factorizations;
@@ -74,8 +77,7 @@ bool VelocityIpm::finish_dense(const SolveRequest& request, Answer& answer) {
   answer.counters.pivots = steps;
   answer.counters.factorizations += factorizations;
   if (answer.claim == Claim::kSolved || answer.claim == Claim::kUnsolvable) return true;
-  answer.z = before;
-  answer.velocity.resize(0);
+  if (answer.velocity.size() > 0) answer.velocity.swap(cleared_vectors().velocity);  // empty, and keeps the memory
   return false;
 }
 
@@ -83,7 +85,7 @@ void VelocityIpm::on_solve(const SolveRequest& request, Answer& answer) {
   if (!method_.loaded()) {
     answer.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
     answer.claim = Claim::kUnsupported;
-    answer.detail = "algebra=sparse needs an inertia of positive definite blocks";
+    room_.write_text("algebra=sparse needs an inertia of positive definite blocks", answer);
     return;
   }
   if (!method_.iterate(request, answer)) return;
@@ -96,7 +98,8 @@ constexpr Capabilities kCapabilities{
     .needs = Needs::kFactored,
     .frictionless_only = true,
     .guarantees = "solvable frictionless contact problems, redundant contacts included",
-    .obeys_time_limit = true};
+    .obeys_time_limit = true,
+    .allocation_free = true};
 
 const Capabilities& VelocityIpm::capabilities() const { return kCapabilities; }
 

@@ -5,6 +5,7 @@
 #include "core/registry.h"
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
+#include "tests/allocation_counter.h"
 #include "tests/brick_wall.h"
 #include "tests/textbook_lcps.h"
 
@@ -138,6 +139,40 @@ TEST(FrictionIpmTest, UpdateGivesBitForBitWhatLoadGives) {
   EXPECT_EQ(updated.claim, loaded.claim);
   EXPECT_EQ(updated.z, loaded.z);
   EXPECT_EQ(updated.velocity, loaded.velocity);
+}
+
+// Whatever the algebra, the size and the way a solve ends; the second time, when the answer has its storage.
+TEST(FrictionIpmTest, SolvingAllocatesNothing) {
+  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  ASSERT_TRUE(lcpbench_solver_friction_ipm().capabilities.allocation_free);
+  const std::vector<Problem> problems{
+      Problem("particle", sliding_particle(4, 0.5)),        Problem("small", testing::frictional_brick_wall(2, 3, 0.5)),
+      Problem("frictionless", testing::brick_wall(15, 21)), Problem("large", testing::frictional_brick_wall(8, 9, 0.5)),
+      open_set("paper/copositive/exp1")->generate(35, 0),   open_set("paper/copositive/exp5-1e8")->generate(35, 1)};
+  const std::vector<Options> ways{{},
+                                  {{"max_iterations", "30"}},
+                                  {{"accept_residual", "0"}, {"tolerance", "0"}, {"max_iterations", "300"}},
+                                  {{"algebra", "dense"}},
+                                  {{"algebra", "sparse"}}};
+  for (const Problem& problem : problems) {
+    for (const Options& options : ways) {
+      if (problem.contact()->nc() > 100 && !options.empty() && options.front().first == "algebra") continue;
+      const auto solver = lcpbench_solver_friction_ipm().make(options);
+      solver->load(problem);
+      Answer answer;
+      solver->solve({}, answer);
+      const std::string what = problem.name() + ": " + to_string(answer.claim) + ", " + answer.detail;
+      EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << what;
+      EXPECT_EQ(testing::count_allocations([&] { solver->solve({.time_limit_s = 0}, answer); }), 0) << what;
+      if (answer.claim == Claim::kUnsupported) continue;  // an update loads again
+      Vector v = 0.5 * problem.contact()->v;
+      EXPECT_EQ(testing::count_allocations([&] { solver->update(v); }), 0) << what;
+      EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << what;
+      v.setZero();
+      solver->update(v);
+      EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << what << ", at rest";
+    }
+  }
 }
 
 TEST(FrictionIpmTest, StopsAtItsLimits) {

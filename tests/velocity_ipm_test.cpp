@@ -9,6 +9,7 @@
 #include "generators/sets.h"
 #include "native/velocity_ipm/nested_dissection.h"
 #include "study/evaluation/evaluation.h"
+#include "tests/allocation_counter.h"
 #include "tests/brick_wall.h"
 #include "tests/exact_velocity.h"
 #include "tests/textbook_lcps.h"
@@ -185,6 +186,60 @@ TEST(VelocityIpmTest, UpdateGivesBitForBitWhatLoadGives) {
     EXPECT_EQ(updated.z, loaded.z);
     EXPECT_EQ(updated.velocity, loaded.velocity);
   }
+}
+
+// Whatever the algebra, the size and the way a solve ends; the second time, when the answer has its storage.
+TEST(VelocityIpmTest, SolvingAllocatesNothing) {
+  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  ASSERT_TRUE(lcpbench_solver_velocity_ipm().capabilities.allocation_free);
+  const ContactProblem small = contact_problem(testing::brick_wall(4, 5));
+  const std::vector<Problem> problems{
+      Problem("small", small),
+      Problem("dense", dense(small)),
+      Problem("large", testing::brick_wall(32, 40)),
+      Problem("dense, more than the stack holds", dense(contact_problem(testing::brick_wall(6, 7)))),
+      open_set("paper/monotone/exp5-1e10")->generate(31, 0),
+      open_set("paper/monotone/exp2")->generate(31, 0)};
+  const std::vector<Options> ways{{},
+                                  {{"finish", "false"}},
+                                  {{"max_iterations", "3"}},
+                                  {{"tolerance", "0"}},
+                                  {{"tolerance", "0"}, {"finish", "false"}, {"accept_residual", "0"}},
+                                  {{"algebra", "dense"}, {"finish", "false"}},
+                                  {{"algebra", "sparse"}}};
+  for (const Problem& problem : problems) {
+    for (const Options& options : ways) {
+      if (problem.size() > 1000 && !options.empty() && options.front().first == "algebra") continue;
+      const auto solver = lcpbench_solver_velocity_ipm().make(options);
+      solver->load(problem);
+      Answer answer;
+      solver->solve({.time_limit_s = 0}, answer);  // leaves no text
+      solver->solve({}, answer);
+      Vector v = problem.contact()->v;
+      const std::string what = problem.name() + ": " + to_string(answer.claim) + ", " + answer.detail;
+      EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << what;
+      EXPECT_EQ(testing::count_allocations([&] { solver->solve({.time_limit_s = 0}, answer); }), 0) << what;
+      if (answer.claim == Claim::kUnsupported) continue;  // an update loads again
+      v *= 0.5;
+      EXPECT_EQ(testing::count_allocations([&] { solver->update(v); }), 0) << what;
+      EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << what;
+      v.setZero();
+      solver->update(v);
+      EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << what << ", at rest";
+    }
+  }
+}
+
+TEST(VelocityIpmTest, TheFirstTextAndVelocityTakeNoMemoryEither) {
+  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  const auto solver = lcpbench_solver_velocity_ipm().make({{"tolerance", "0"}});
+  const Problem wall("wall", testing::brick_wall(4, 5));
+  solver->load(wall);
+  Answer answer;
+  answer.z.setZero(wall.size());
+  EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0);
+  EXPECT_EQ(answer.detail, "no step goes further");
+  EXPECT_EQ(answer.velocity.size(), wall.contact()->ngc());
 }
 
 TEST(VelocityIpmTest, SaysUnsolvableOnlyWithTheFinishAndSolvedNever) {

@@ -26,15 +26,28 @@ void InteriorPoint::load(std::unique_ptr<WhitenedNormals> normals, const Contact
   diagonal_ = normals_->squared_norms();
   shift_ = contact.nc() > 0 ? settings_.shift * diagonal_.maxCoeff() : 0;
   for (Point* point : {&point_, &step_}) point->resize(contact.nc(), normals_->coordinates());
-  for (Vector* vector : {&primal_residual_, &target_, &contacts_}) vector->resize(contact.nc());
+  for (Vector* vector : {&primal_residual_, &target_, &contacts_, &q_}) vector->resize(contact.nc());
   for (Vector* vector : {&dual_residual_, &coordinates_}) vector->resize(normals_->coordinates());
+  velocity_.resize(contact.ngc());
+  room_.reserve(contact.ngc());
   set_velocity(contact.v);
 }
 
-void InteriorPoint::set_velocity(const Vector& v, const Vector& offset) {
-  v_ = v;
-  q_ = std::visit([&](const auto& N) { return Vector(N.transpose() * v); }, N_) + offset;
+void InteriorPoint::set_velocity(const Vector& v) {
+  project_velocity(v);
   q_max_ = q_.size() > 0 ? q_.cwiseAbs().maxCoeff() : 0;
+}
+
+void InteriorPoint::set_velocity(const Vector& v, const Vector& offset) {
+  project_velocity(v);
+  q_ += offset;
+  q_max_ = q_.size() > 0 ? q_.cwiseAbs().maxCoeff() : 0;
+}
+
+/// v_ = v, q_ = N'v.
+void InteriorPoint::project_velocity(const Vector& v) {
+  v_ = v;
+  std::visit([&](const auto& N) { q_.noalias() = N.transpose() * v; }, N_);
 }
 
 /// y = 0, s of the size of q, and f such that f and s are as far from their boundaries in the same unit. The solution
@@ -177,7 +190,7 @@ bool InteriorPoint::iterate(const SolveRequest& request, Answer& answer) {
   answer.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
   if (q_max_ == 0) {  // z = 0 solves it
     answer.claim = Claim::kSolved;
-    answer.velocity = v_;
+    room_.write_velocity(v_, answer);
     return false;
   }
   stop_ = iterate(wall_clock_s() + request.time_limit_s, settings_.max_iterations, answer.counters);
@@ -191,9 +204,10 @@ void InteriorPoint::conclude(Answer& answer) {
   answer.z = point_.f;
   const double residual = relative_residual(answer.z);
   answer.claim = residual <= settings_.accept_residual ? Claim::kSolved : Claim::kNumericalFailure;
-  normals_->velocity(v_, coordinates_, answer.velocity);
-  if (stop_ == Stop::kStalled) answer.detail = "no step goes further";
-  if (stop_ == Stop::kBreakdown) answer.detail = "the Newton system could not be solved";
+  normals_->velocity(v_, coordinates_, velocity_);
+  room_.write_velocity(velocity_, answer);
+  if (stop_ == Stop::kStalled) room_.write_text("no step goes further", answer);
+  if (stop_ == Stop::kBreakdown) room_.write_text("the Newton system could not be solved", answer);
 }
 
 }  // namespace lcpbench

@@ -4,6 +4,7 @@
 
 #include "core/contact_problem.h"
 #include "core/solver.h"
+#include "native/velocity_ipm/answer_room.h"
 #include "native/velocity_ipm/settings.h"
 #include "native/velocity_ipm/whitened_normals.h"
 
@@ -17,7 +18,8 @@ namespace lcpbench {
 /// contacts, whatever their number and redundancy: I + W diag(f / (s + shift f)) W' in coordinates where G = I. What
 /// factors it is the WhitenedNormals' business. [Mehrotra 1992; Wright 1997, ch. 10; docs/velocity_ipm.md]
 ///
-/// Life: load(), then for each velocity set_velocity(), iterate(), perhaps finish(), impulses() or conclude().
+/// Life: load(), then for each velocity set_velocity(), iterate(), perhaps finish(), impulses() or conclude(). Only
+/// load() allocates, as far as this depends on the WhitenedNormals, and what the answer had no room for.
 class InteriorPoint {
  public:
   explicit InteriorPoint(const InteriorPointSettings& settings) : settings_(settings) {}
@@ -25,7 +27,7 @@ class InteriorPoint {
   /// @param normals  nullptr: the inertia is not what the algebra needs; loaded() is then false and nothing else legal
   void load(std::unique_ptr<WhitenedNormals> normals, const ContactProblem& contact);
   bool loaded() const { return normals_ != nullptr; }
-  void set_velocity(const Vector& v) { set_velocity(v, Vector::Zero(normal_count())); }
+  void set_velocity(const Vector& v);
   /// With the constraints N'u + offset >= 0 (nc) instead.
   void set_velocity(const Vector& v, const Vector& offset);
 
@@ -67,7 +69,7 @@ class InteriorPoint {
     }
   };
 
-  Index normal_count() const { return diagonal_.size(); }
+  void project_velocity(const Vector& v);
   void set_start();
   void evaluate_residuals();
   bool factor(Counters& counters);
@@ -92,6 +94,8 @@ class InteriorPoint {
   Vector target_;           // what f s is to become, less f s
   Vector contacts_;         // scratch, nc
   Vector coordinates_;      // scratch
+  Vector velocity_;         // v + the change that the impulses make
+  AnswerRoom room_;
 };
 
 }  // namespace lcpbench
