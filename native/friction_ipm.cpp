@@ -37,6 +37,9 @@ struct FrictionIpmSettings {
 /// So many convex problems without the residual falling to a half: the fixed point is not being reached.
 constexpr int kMostIdleRounds = 60;
 constexpr double kProgress = 0.5;
+/// Of the tolerance, to which the convex problems are solved: at the tolerance itself their errors keep the rounds
+/// around it, and rounding decides when one is below.
+constexpr double kConvexShare = 0.25;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The columns a_id = N_i + mu_i d of every contact i and direction d, one column N_i where there is no friction, as
@@ -108,7 +111,7 @@ ContactProblem convex_problem(const ContactProblem& contact, const ConeColumns& 
 class FrictionIpm final : public Solver {
  public:
   explicit FrictionIpm(const FrictionIpmSettings& settings)
-      : settings_(settings), method_({.tolerance = settings.tolerance, .shift = settings.shift}) {}
+      : settings_(settings), method_({.tolerance = kConvexShare * settings.tolerance, .shift = settings.shift}) {}
   const Capabilities& capabilities() const override;
 
  private:
