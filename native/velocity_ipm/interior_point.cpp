@@ -63,9 +63,9 @@ void InteriorPoint::set_start() {
   for (Index i = 0; i < q_.size(); ++i) point_.f(i) = point_.s(i) / (diagonal_(i) > 0 ? diagonal_(i) : largest);
 }
 
+/// @pre relative_residual(point_.f)
 void InteriorPoint::evaluate_residuals() {
-  normals_->combine(point_.f, dual_residual_);
-  dual_residual_ = point_.y - dual_residual_;
+  dual_residual_ = point_.y - coordinates_;
   normals_->project(point_.y, primal_residual_);
   primal_residual_ += q_ - point_.s;
 }
@@ -103,7 +103,8 @@ double InteriorPoint::gap_after(double step) const {
   return (point_.f + step * step_.f).dot(point_.s + step * step_.s);
 }
 
-/// max |min(M_ii f_i, w_i)| / max|q| with w = W'W f + q: the evaluation's measure, in double. Infinity for NaN.
+/// max |min(M_ii f_i, w_i)| / max|q| with w = W'W f + q: the evaluation's measure, in double. Infinity for NaN. Leaves
+/// W f in coordinates_ and W'W f in contacts_.
 double InteriorPoint::relative_residual(const Vector& f) {
   normals_->combine(f, coordinates_);
   normals_->project(coordinates_, contacts_);
@@ -169,7 +170,7 @@ void InteriorPoint::finish(Counters& counters) {
   if (!normals_->factor(weights)) return;
   for (int round = 0; round < kRounds; ++round) {
     target_ = f.cwiseMax(0.0);
-    const double residual = relative_residual(target_);  // leaves W f and W'W f behind
+    const double residual = relative_residual(target_);
     if (residual < best) {
       best = residual;
       point_.f = target_;

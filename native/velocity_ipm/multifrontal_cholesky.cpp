@@ -127,10 +127,7 @@ bool MultifrontalCholesky::factor(const SparseMatrix& lower) {
 void MultifrontalCholesky::assemble(std::size_t node, const double* values) {
   const Node& parent = tree_.nodes[node];
   double* const front = entries(node);
-  for (std::ptrdiff_t c = 0; c < parent.rows; ++c) {
-    double* const column = front + c * stride(parent);
-    std::fill(column + c, column + stride(parent), 0.0);
-  }
+  std::fill(front, front + parent.rows * stride(parent), 0.0);
   for (std::size_t e = entries_begin_[node]; e < entries_begin_[node + 1]; ++e) {
     front[place_[e]] = values[entry_[e]];
   }

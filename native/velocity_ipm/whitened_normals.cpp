@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -26,28 +27,15 @@ class BlockRoots {
 
   Index size() const { return static_cast<Index>(block_of_row_.size()); }
 
-  /// L^-1 N, column by column over the blocks that it touches.
-  SparseMatrix whiten(const SparseMatrix& N) const {
-    std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(static_cast<std::size_t>(N.nonZeros()));
-    Vector part;
-    for (Index j = 0; j < N.outerSize(); ++j) {
-      for (SparseMatrix::InnerIterator entry(N, j); entry;) {
-        const std::size_t block = block_of_row_[static_cast<std::size_t>(entry.row())];
-        const Index first = begin_[block];
-        part.setZero(factors_[block].rows());
-        for (; entry && block_of_row_[static_cast<std::size_t>(entry.row())] == block; ++entry) {
-          part(entry.row() - first) += entry.value();
-        }
-        factors_[block].matrixL().solveInPlace(part);
-        for (Index i = 0; i < part.size(); ++i) {
-          if (part(i) != 0) entries.emplace_back(static_cast<int>(first + i), static_cast<int>(j), part(i));
-        }
-      }
-    }
-    SparseMatrix W(N.rows(), N.cols());
-    W.setFromTriplets(entries.begin(), entries.end());
-    return W;
+  /// The inertia block that a coordinate is of.
+  std::size_t block_of(Index row) const { return block_of_row_[static_cast<std::size_t>(row)]; }
+  Index begin(std::size_t block) const { return begin_[block]; }
+  Index size(std::size_t block) const { return factors_[block].rows(); }
+
+  /// part := L^-1 part, in one block.
+  template <class Part>
+  void whiten(std::size_t block, Part part) const {
+    factors_[block].matrixL().solveInPlace(part);
   }
 
   /// x := L^-T x.
@@ -71,70 +59,152 @@ SparseMatrix sparse(const Jacobian& J) {
   return compressed;
 }
 
-/// The rows of W that have entries: the others are coordinates that no contact changes.
-std::vector<int> touched_rows(const SparseMatrix& W) {
-  std::vector<char> touched(static_cast<std::size_t>(W.rows()), 0);
-  for (Index e = 0; e < W.nonZeros(); ++e) touched[static_cast<std::size_t>(W.innerIndexPtr()[e])] = 1;
-  std::vector<int> rows;
-  for (std::size_t i = 0; i < touched.size(); ++i) {
-    if (touched[i] != 0) rows.push_back(static_cast<int>(i));
-  }
-  return rows;
-}
+constexpr int kChunk = 16;  // rows whose sums are kept on the stack: those of two bodies, and more
 
-/// The rows of W listed, in that order. @pre the others are empty
-SparseMatrix rows_of(const SparseMatrix& W, const std::vector<int>& rows) {
-  std::vector<int> position(static_cast<std::size_t>(W.rows()), -1);
-  for (std::size_t k = 0; k < rows.size(); ++k) position[static_cast<std::size_t>(rows[k])] = static_cast<int>(k);
-  std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(static_cast<std::size_t>(W.nonZeros()));
-  for (Index j = 0; j < W.outerSize(); ++j) {
-    for (SparseMatrix::InnerIterator entry(W, j); entry; ++entry) {
-      entries.emplace_back(position[static_cast<std::size_t>(entry.row())], static_cast<int>(j), entry.value());
+/// Consecutive columns of W that touch the same bodies, as one dense matrix.
+struct ColumnGroup {
+  int first_column = 0;
+  int columns = 0;
+  int size = 0;            // rows
+  std::size_t rows = 0;    // where they begin in the list of all groups' rows
+  std::size_t values = 0;  // where the matrix begins, by columns
+};
+
+/// L^-1 N by groups of columns, without the rows that are zero in all columns of a group.
+struct ColumnGroups {
+  std::vector<ColumnGroup> groups;
+  std::vector<int> rows;
+  std::vector<double> values;
+
+  ColumnGroups(const BlockRoots& roots, const SparseMatrix& N);
+
+  /// Numbers rows anew, increasing in each group. @param number  of each row
+  void renumber(const std::vector<int>& number);
+
+  const double* column(const ColumnGroup& group, int c) const {
+    return values.data() + group.values + static_cast<std::ptrdiff_t>(c) * group.size;
+  }
+
+  /// f(begin, count) for parts of a group's rows, each of at most kChunk. `count` is a constant for the rows of one
+  /// body or two, so that compilers unroll the loops over them.
+  template <class F>
+  static void for_each_chunk(const ColumnGroup& group, F&& f) {
+    switch (group.size) {
+      case 3: return f(0, std::integral_constant<int, 3>());
+      case 6: return f(0, std::integral_constant<int, 6>());
+      case 12: return f(0, std::integral_constant<int, 12>());
+      default:
+        for (int begin = 0; begin < group.size; begin += kChunk) f(begin, std::min(kChunk, group.size - begin));
     }
   }
-  SparseMatrix chosen(static_cast<Index>(rows.size()), W.cols());
-  chosen.setFromTriplets(entries.begin(), entries.end());
-  return chosen;
+
+  /// f(row, column) for each pair row >= column of a group's rows, by columns.
+  template <class F>
+  void for_each_pair(const ColumnGroup& group, F&& f) const {
+    const int* const row = rows.data() + group.rows;
+    for (int c = 0; c < group.size; ++c) {
+      for (int r = c; r < group.size; ++r) f(row[r], row[c]);
+    }
+  }
+
+ private:
+  void add(const BlockRoots& roots, const SparseMatrix& N, int first_column, int end_column,
+           const std::vector<std::size_t>& bodies);
+};
+
+/// The inertia blocks that a column has entries in, increasing.
+void find_bodies(const BlockRoots& roots, const SparseMatrix& N, int column, std::vector<std::size_t>& bodies) {
+  bodies.clear();
+  for (SparseMatrix::InnerIterator entry(N, column); entry; ++entry) {
+    const std::size_t block = roots.block_of(entry.row());
+    if (bodies.empty() || bodies.back() != block) bodies.push_back(block);
+  }
+}
+
+ColumnGroups::ColumnGroups(const BlockRoots& roots, const SparseMatrix& N) {
+  std::vector<std::size_t> bodies, next_bodies;
+  const int columns = static_cast<int>(N.cols());
+  for (int first = 0, end = 0; first < columns; first = end, bodies.swap(next_bodies)) {
+    if (first == 0) find_bodies(roots, N, first, bodies);
+    for (end = first + 1; end < columns; ++end) {
+      find_bodies(roots, N, end, next_bodies);
+      if (next_bodies != bodies) break;
+    }
+    add(roots, N, first, end, bodies);
+  }
+}
+
+void ColumnGroups::add(const BlockRoots& roots, const SparseMatrix& N, int first_column, int end_column,
+                       const std::vector<std::size_t>& bodies) {
+  std::vector<int> candidates;
+  for (const std::size_t body : bodies) {
+    for (Index r = 0; r < roots.size(body); ++r) candidates.push_back(static_cast<int>(roots.begin(body) + r));
+  }
+  Matrix part = Matrix::Zero(static_cast<Index>(candidates.size()), end_column - first_column);
+  for (Index c = 0; c < part.cols(); ++c) {
+    Index begin = 0;
+    std::size_t body = 0;
+    for (SparseMatrix::InnerIterator entry(N, first_column + c); entry; ++entry) {
+      for (; roots.block_of(entry.row()) != bodies[body]; ++body) begin += roots.size(bodies[body]);
+      part(begin + entry.row() - roots.begin(bodies[body]), c) += entry.value();
+    }
+  }
+  Index begin = 0;
+  for (const std::size_t body : bodies) {
+    roots.whiten(body, part.middleRows(begin, roots.size(body)));
+    begin += roots.size(body);
+  }
+  ColumnGroup group{
+      .first_column = first_column, .columns = end_column - first_column, .rows = rows.size(), .values = values.size()};
+  std::vector<Index> kept;
+  for (Index r = 0; r < part.rows(); ++r) {
+    if ((part.row(r).array() == 0).all()) continue;
+    kept.push_back(r);
+    rows.push_back(candidates[static_cast<std::size_t>(r)]);
+  }
+  group.size = static_cast<int>(kept.size());
+  for (Index c = 0; c < part.cols(); ++c) {
+    for (const Index r : kept) values.push_back(part(r, c));
+  }
+  groups.push_back(group);
+}
+
+void ColumnGroups::renumber(const std::vector<int>& number) {
+  std::vector<std::pair<int, int>> order;  // new row, old place
+  std::vector<double> column;
+  for (const ColumnGroup& group : groups) {
+    order.clear();
+    int* const row = rows.data() + group.rows;
+    for (int r = 0; r < group.size; ++r) order.emplace_back(number[static_cast<std::size_t>(row[r])], r);
+    std::sort(order.begin(), order.end());
+    for (int r = 0; r < group.size; ++r) row[r] = order[static_cast<std::size_t>(r)].first;
+    for (int c = 0; c < group.columns; ++c) {
+      double* const value = values.data() + group.values + static_cast<std::ptrdiff_t>(c) * group.size;
+      column.assign(value, value + group.size);
+      for (int r = 0; r < group.size; ++r) {
+        value[r] = column[static_cast<std::size_t>(order[static_cast<std::size_t>(r)].second)];
+      }
+    }
+  }
 }
 
 /// Coordinates that no contact changes are left out.
 class SparseNormals final : public WhitenedNormals {
  public:
   SparseNormals(BlockRoots roots, const Jacobian& N, std::unique_ptr<SparseFactorization> factorization)
-      : roots_(std::move(roots)), factorization_(std::move(factorization)) {
-    const SparseMatrix W = roots_.whiten(sparse(N));
-    const std::vector<int> touched = touched_rows(W);
-    W_ = rows_of(W, touched);
-    for (const int row : nested_dissection(pattern())) rows_.push_back(touched[static_cast<std::size_t>(row)]);
-    W_ = rows_of(W, rows_);
+      : roots_(std::move(roots)), columns_(cols(N)), W_(roots_, sparse(N)), factorization_(std::move(factorization)) {
+    leave_out_untouched();
+    order_rows();
     matrix_ = pattern();
     find_positions();
     factorization_->analyze(matrix_);
   }
 
-  Index coordinates() const override { return W_.rows(); }
-  Vector squared_norms() const override {
-    Vector norms(W_.cols());
-    for (Index j = 0; j < W_.cols(); ++j) norms(j) = W_.col(j).squaredNorm();
-    return norms;
-  }
-  void combine(const Vector& f, Vector& y) const override { y.noalias() = W_ * f; }
-  void project(const Vector& y, Vector& s) const override { s.noalias() = W_.transpose() * y; }
-
-  bool factor(const Vector& weights) override {
-    double* values = matrix_.valuePtr();
-    std::fill(values, values + matrix_.nonZeros(), 0.0);
-    for (const Index diagonal : diagonal_) values[diagonal] = 1;
-    std::size_t product = 0;
-    for (Index j = 0; j < W_.cols(); ++j) {
-      for (SparseMatrix::InnerIterator b(W_, j); b; ++b) {
-        const double weighted = weights(j) * b.value();
-        for (SparseMatrix::InnerIterator a = b; a; ++a) values[position_[product++]] += weighted * a.value();
-      }
-    }
-    return factorization_->factor(matrix_);
-  }
+  Index coordinates() const override { return static_cast<Index>(rows_.size()); }
+  Vector squared_norms() const override;
+  void combine(const Vector& f, Vector& y) const override;
+  void project(const Vector& y, Vector& s) const override;
+  bool factor(const Vector& weights) override;
   void solve(Vector& y) const override { factorization_->solve(y); }
   void velocity(const Vector& v, const Vector& y, Vector& u) const override {
     u.setZero(v.size());
@@ -144,45 +214,131 @@ class SparseNormals final : public WhitenedNormals {
   }
 
  private:
-  /// The lower triangle of I + W W'.
-  SparseMatrix pattern() const {
-    std::vector<Eigen::Triplet<double>> entries;
-    for (int i = 0; i < static_cast<int>(W_.rows()); ++i) entries.emplace_back(i, i, 1.0);
-    for (Index j = 0; j < W_.cols(); ++j) {
-      for (SparseMatrix::InnerIterator b(W_, j); b; ++b) {
-        for (SparseMatrix::InnerIterator a = b; a; ++a) {
-          entries.emplace_back(static_cast<int>(a.row()), static_cast<int>(b.row()), 1.0);
-        }
-      }
-    }
-    SparseMatrix matrix(W_.rows(), W_.rows());
-    matrix.setFromTriplets(entries.begin(), entries.end());
-    return matrix;
-  }
-
-  /// Where the diagonal is in matrix_, and where each product of two entries of a column of W goes.
-  void find_positions() {
-    const auto position = [&](Index row, Index column) {
-      const int* begin = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[column];
-      const int* end = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[column + 1];
-      return static_cast<Index>(std::lower_bound(begin, end, static_cast<int>(row)) - matrix_.innerIndexPtr());
-    };
-    for (Index i = 0; i < W_.rows(); ++i) diagonal_.push_back(position(i, i));
-    for (Index j = 0; j < W_.cols(); ++j) {
-      for (SparseMatrix::InnerIterator b(W_, j); b; ++b) {
-        for (SparseMatrix::InnerIterator a = b; a; ++a) position_.push_back(position(a.row(), b.row()));
-      }
-    }
-  }
+  void leave_out_untouched();
+  void order_rows();
+  SparseMatrix pattern() const;
+  void find_positions();
 
   BlockRoots roots_;
-  std::vector<int> rows_;  // the coordinates that contacts change, in the order of elimination
-  SparseMatrix W_;         // their rows
+  Index columns_ = 0;
+  ColumnGroups W_;         // rows in the order of elimination
+  std::vector<int> rows_;  // the coordinates that contacts change, in that order
   SparseMatrix matrix_;    // lower triangle
-  std::vector<Index> diagonal_;
-  std::vector<Index> position_;
+  std::vector<int> diagonal_;
+  std::vector<int> position_;  // in matrix_, of the groups' pairs of rows
   std::unique_ptr<SparseFactorization> factorization_;
 };
+
+void SparseNormals::leave_out_untouched() {
+  std::vector<int> number(static_cast<std::size_t>(roots_.size()), -1);
+  for (const int row : W_.rows) number[static_cast<std::size_t>(row)] = 0;
+  for (std::size_t row = 0; row < number.size(); ++row) {
+    if (number[row] < 0) continue;
+    number[row] = static_cast<int>(rows_.size());
+    rows_.push_back(static_cast<int>(row));
+  }
+  W_.renumber(number);
+}
+
+void SparseNormals::order_rows() {
+  const std::vector<int> order = nested_dissection(pattern());
+  std::vector<int> number(order.size());
+  std::vector<int> ordered(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    number[static_cast<std::size_t>(order[k])] = static_cast<int>(k);
+    ordered[k] = rows_[static_cast<std::size_t>(order[k])];
+  }
+  rows_ = std::move(ordered);
+  W_.renumber(number);
+}
+
+/// The lower triangle of I + W W'.
+SparseMatrix SparseNormals::pattern() const {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < static_cast<int>(rows_.size()); ++i) entries.emplace_back(i, i, 1.0);
+  for (const ColumnGroup& group : W_.groups) {
+    W_.for_each_pair(group, [&](int row, int column) { entries.emplace_back(row, column, 1.0); });
+  }
+  SparseMatrix matrix(coordinates(), coordinates());
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+/// Where the diagonal is in matrix_, and where each pair of a group's rows is.
+void SparseNormals::find_positions() {
+  const auto position = [&](int row, int column) {
+    const int* begin = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[column];
+    const int* end = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[column + 1];
+    return static_cast<int>(std::lower_bound(begin, end, row) - matrix_.innerIndexPtr());
+  };
+  for (int i = 0; i < static_cast<int>(rows_.size()); ++i) diagonal_.push_back(position(i, i));
+  for (const ColumnGroup& group : W_.groups) {
+    W_.for_each_pair(group, [&](int row, int column) { position_.push_back(position(row, column)); });
+  }
+}
+
+Vector SparseNormals::squared_norms() const {
+  Vector norms(columns_);
+  for (const ColumnGroup& group : W_.groups) {
+    for (int c = 0; c < group.columns; ++c) {
+      norms(group.first_column + c) = Eigen::Map<const Vector>(W_.column(group, c), group.size).squaredNorm();
+    }
+  }
+  return norms;
+}
+void SparseNormals::combine(const Vector& f, Vector& y) const {
+  y.setZero(coordinates());
+  for (const ColumnGroup& group : W_.groups) {
+    W_.for_each_chunk(group, [&](int begin, auto count) {
+      double sums[kChunk] = {};
+      for (int c = 0; c < group.columns; ++c) {
+        const double* const column = W_.column(group, c) + begin;
+        for (int r = 0; r < count; ++r) sums[r] += f(group.first_column + c) * column[r];
+      }
+      const int* const row = W_.rows.data() + group.rows + begin;
+      for (int r = 0; r < count; ++r) y(row[r]) += sums[r];
+    });
+  }
+}
+
+void SparseNormals::project(const Vector& y, Vector& s) const {
+  s.setZero(columns_);
+  for (const ColumnGroup& group : W_.groups) {
+    W_.for_each_chunk(group, [&](int begin, auto count) {
+      const int* const row = W_.rows.data() + group.rows + begin;
+      double part[kChunk];
+      for (int r = 0; r < count; ++r) part[r] = y(row[r]);
+      for (int c = 0; c < group.columns; ++c) {
+        const double* const column = W_.column(group, c) + begin;
+        double sum = 0;
+        for (int r = 0; r < count; ++r) sum += column[r] * part[r];
+        s(group.first_column + c) += sum;
+      }
+    });
+  }
+}
+
+bool SparseNormals::factor(const Vector& weights) {
+  double* const values = matrix_.valuePtr();
+  std::fill(values, values + matrix_.nonZeros(), 0.0);
+  for (const int diagonal : diagonal_) values[diagonal] = 1;
+  const int* position = position_.data();
+  for (const ColumnGroup& group : W_.groups) {
+    for (int pivot = 0; pivot < group.size; ++pivot) {
+      W_.for_each_chunk(group, [&](int begin, auto count) {
+        if (begin + count <= pivot) return;
+        double sums[kChunk] = {};
+        for (int c = 0; c < group.columns; ++c) {
+          const double* const column = W_.column(group, c);
+          const double weighted = weights(group.first_column + c) * column[pivot];
+          for (int r = 0; r < count; ++r) sums[r] += weighted * column[begin + r];
+        }
+        for (int r = std::max(pivot - begin, 0); r < count; ++r) values[*position++] += sums[r];
+      });
+    }
+  }
+  return factorization_->factor(matrix_);
+}
 
 }  // namespace
 
