@@ -33,15 +33,15 @@ double velocity_difference(const Problem& problem, const Answer& a, const Answer
 
 TEST_F(VelocityIpmCholmodTest, GivesTheVelocityOfVelocityIpmOnAWallWhateverItsSettings) {
   const Problem wall("wall", testing::brick_wall(10, 12));
-  const Answer eigen = solve("velocity_ipm", wall);
-  ASSERT_EQ(eigen.claim, Claim::kSolved) << eigen.detail;
+  const Answer native = solve("velocity_ipm", wall);
+  ASSERT_EQ(native.claim, Claim::kSolved) << native.detail;
   for (const std::string factor : {"auto", "simplicial", "supernodal"}) {
     for (const std::string ordering : {"given", "amd", "metis"}) {
       const std::string solver = "velocity_ipm_cholmod{factor=" + factor + ",ordering=" + ordering + "}";
       const Answer answer = solve(solver, wall);
       ASSERT_EQ(answer.claim, Claim::kSolved) << solver << ": " << answer.detail;
       EXPECT_LE(answer.counters.iterations, kMostSteps) << solver;
-      EXPECT_LE(velocity_difference(wall, answer, eigen), 1e-11) << solver;
+      EXPECT_LE(velocity_difference(wall, answer, native), 1e-11) << solver;
       EXPECT_LE(Evaluator(wall).errors(answer).velocity_residual_relative, 1e-12) << solver;
     }
   }
