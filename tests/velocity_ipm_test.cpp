@@ -107,6 +107,27 @@ TEST(VelocityIpmTest, SparseAndDenseAlgebraGiveTheSameVelocity) {
   EXPECT_EQ(sparse.counters.pivots, 0);  // the sparse finish has no active set to change
 }
 
+// Bodies of any number of coordinates, some of which no contact touches, and contacts that touch none. Measured: 6e-12;
+// what the regularised finish of the sparse algebra leaves.
+TEST(VelocityIpmTest, SparseAlgebraTakesBodiesOfAnySize) {
+  for (int trial = 0; trial < 40; ++trial) {
+    ContactProblem contact = *open_set("paper/monotone/exp1")->generate(37, trial).contact();
+    const Index ngc = contact.ngc();
+    const Index nc = contact.nc();
+    Matrix N = Matrix::Zero(ngc + 5, nc + 1);
+    N.block(2, 0, ngc, nc) = to_dense(contact.N);
+    Vector v = Vector::Constant(ngc + 5, 0.25);
+    v.segment(2, ngc) = contact.v;
+    const BlockInertia inertia{{2 * Matrix::Identity(2, 2), dense_inertia(contact.inertia), Matrix::Identity(3, 3)}};
+    const ContactProblem bodies = frictionless(v, N, inertia);
+    const Answer sparse = solve(Problem("sparse", bodies), {{"algebra", "sparse"}});
+    const Answer full = solve(Problem("dense", dense(bodies)));
+    ASSERT_EQ(sparse.claim, Claim::kSolved) << "trial " << trial << ": " << sparse.detail;
+    ASSERT_EQ(full.claim, Claim::kSolved) << "trial " << trial << ": " << full.detail;
+    EXPECT_LE((sparse.velocity - full.velocity).norm(), 1e-10 * v.norm()) << "trial " << trial;
+  }
+}
+
 TEST(VelocityIpmTest, SolvesAWallOf2400ContactsToFullAccuracy) {
   const Problem wall("wall", testing::brick_wall(15, 21));
   EXPECT_GE(wall.size(), 2300);

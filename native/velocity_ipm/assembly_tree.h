@@ -32,7 +32,7 @@ struct AssemblyTree {
 };
 
 /// Of Cholesky's factorization of a matrix in the order given, or in one with the same fill: columns are put together
-/// where the fronts' cost becomes smaller. A few thousand operations per column, O(nnz(L)) time, O(nnz(A)) memory.
+/// where the fronts' cost becomes smaller. O(nnz(L)) time.
 /// [Liu 1990, The role of elimination trees in sparse factorization; Duff, Reid 1983]
 /// @param lower  lower triangle with all of the diagonal, compressed, columns sorted
 AssemblyTree assembly_tree(const SparseMatrix& lower);

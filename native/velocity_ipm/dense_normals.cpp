@@ -3,7 +3,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <vector>
 
 #include "core/isa.h"
 #include "native/cholesky_engine.h"
