@@ -7,7 +7,8 @@
 
 namespace lcpbench {
 
-/// Memory for what answers may come without: it is given to the first one that lacks it, and later solves find it there.
+/// Memory for what answers may come without: it is given to the first one that lacks it, and later solves find it
+/// there.
 class AnswerRoom {
  public:
   /// Room for a text of kLongestText characters and for a velocity of so many coordinates. Allocates.
