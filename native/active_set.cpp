@@ -8,6 +8,7 @@
 #include "core/answer_storage.h"
 #include "core/registry.h"
 #include "core/timed_solve.h"
+#include "native/dense_data.h"
 
 namespace lcpbench {
 namespace {
@@ -80,21 +81,34 @@ ActiveSet::~ActiveSet() = default;
 
 const Capabilities& ActiveSet::capabilities() const { return kCapabilities; }
 
+void ActiveSet::reserve(const Problem& problem) {
+  const ContactProblem& contact = *problem.contact();
+  reserve_later_rungs(contact);
+  first_.reserve(reserved_);
+  v_.reserve(reserved_.ngc);
+  dense_normals_.reserve(reserved_.ngc * reserved_.nc);
+  dense_inertia_.reserve(reserved_.ngc * reserved_.ngc);
+  image_.reserve(reserved_.ngc);
+  farkas_.reserve(reserved_.nc);
+}
+
 void ActiveSet::on_load(const Problem& problem) {
-  describe(*problem.contact());
+  const ContactProblem& contact = *problem.contact();
+  describe(contact);
   first_.load(input_);
-  if (settings_.precision == ActiveSetPrecision::kLadder) reserve_later_rungs();
+  if (settings_.precision == ActiveSetPrecision::kLadder) reserve_later_rungs(contact);
   if (settings_.precision == ActiveSetPrecision::kFloat) second_.load(input_);
   image_.resize(input_.ngc);
   farkas_.resize(input_.nc);
 }
 
 /// For any problem up to the largest dimensions so far: the same sizes again and again ask for nothing.
-void ActiveSet::reserve_later_rungs() {
-  const std::ptrdiff_t factors = input_.form == InertiaForm::kFactors ? input_.factors : input_.ngc;
-  if (input_.ngc <= reserved_.ngc && input_.nc <= reserved_.nc && factors <= reserved_.factors) return;
-  reserved_.ngc = std::max(reserved_.ngc, input_.ngc);
-  reserved_.nc = std::max(reserved_.nc, input_.nc);
+void ActiveSet::reserve_later_rungs(const ContactProblem& contact) {
+  const auto* factored = std::get_if<FactoredInertia>(&contact.inertia);
+  const Index factors = factored != nullptr ? factored->X.cols() : contact.ngc();
+  if (contact.ngc() <= reserved_.ngc && contact.nc() <= reserved_.nc && factors <= reserved_.factors) return;
+  reserved_.ngc = std::max(reserved_.ngc, contact.ngc());
+  reserved_.nc = std::max(reserved_.nc, contact.nc());
   reserved_.factors = std::max(reserved_.factors, factors);
   second_.reserve(reserved_);
   third_.reserve(reserved_);
@@ -107,12 +121,7 @@ void ActiveSet::describe(const ContactProblem& contact) {
   input_.nc = contact.nc();
   v_ = contact.v;
   input_.v = v_.data();
-  if (const auto* dense = std::get_if<Matrix>(&contact.N)) {
-    input_.N = dense->data();
-  } else {
-    dense_normals_ = to_dense(contact.N);
-    input_.N = dense_normals_.data();
-  }
+  input_.N = dense_data(contact.N, dense_normals_);
   if (const auto* dense = std::get_if<DenseInertia>(&contact.inertia)) {
     input_.matrix = dense->G.data();
   } else if (const auto* factors = std::get_if<FactoredInertia>(&contact.inertia)) {
@@ -124,7 +133,7 @@ void ActiveSet::describe(const ContactProblem& contact) {
     input_.form = InertiaForm::kInverse;
     input_.matrix = inverse->Ginv.data();
   } else {
-    dense_inertia_ = dense_inertia(contact.inertia);
+    copy_dense(std::get<BlockInertia>(contact.inertia), input_.ngc, dense_inertia_);
     input_.matrix = dense_inertia_.data();
   }
 }
@@ -132,8 +141,8 @@ void ActiveSet::describe(const ContactProblem& contact) {
 void ActiveSet::on_update(const Vector& v) {
   if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
   v_ = v;
-  first_.update(v_);
-  if (settings_.precision == ActiveSetPrecision::kFloat) second_.update(v_);
+  first_.update(v_.data());
+  if (settings_.precision == ActiveSetPrecision::kFloat) second_.update(v_.data());
 }
 
 active_set::Rules ActiveSet::rules(const SolveRequest& request) const {
@@ -174,9 +183,9 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
     }
   }
   if (outcome.ending == Ending::kSolved || outcome.ending == Ending::kRejected) answer.velocity.swap(velocity);
-  if (outcome.ending == Ending::kInfeasible && round_to_proof(farkas_)) {
+  if (outcome.ending == Ending::kInfeasible && round_to_proof(farkas_.view())) {
     Vector& farkas = cleared_vectors().farkas;
-    farkas = farkas_;
+    farkas = farkas_.view();
     answer.farkas.swap(farkas);
   }
   report(outcome, answer);
@@ -203,7 +212,7 @@ void ActiveSet::climb(Rung& rung, const char* name, active_set::Rules& rules, ac
 
 /// Replaces u by small integers in the same proportion when there are such, and N u is in null(G) for them in double:
 /// sums of a few products of small integers with data of few bits are exact, so that these are proofs.
-bool ActiveSet::round_to_proof(Vector& u) {
+bool ActiveSet::round_to_proof(Eigen::Ref<Vector> u) {
   constexpr int kLargestMultiple = 64;
   constexpr double kRounding = 1e-6;
   const double largest = u.maxCoeff();
@@ -219,14 +228,14 @@ bool ActiveSet::round_to_proof(Vector& u) {
 }
 
 /// Whether X'N u (G N u, G* N u) is zero as computed.
-bool ActiveSet::annihilates(const Vector& u) {
-  image_.setZero();
+bool ActiveSet::annihilates(const Eigen::Ref<const Vector>& u) {
+  image_.view().setZero();
   for (Index j = 0; j < input_.nc; ++j) {
-    if (u(j) != 0) image_ += u(j) * Eigen::Map<const Vector>(input_.N + j * input_.ngc, input_.ngc);
+    if (u(j) != 0) image_.view() += u(j) * Eigen::Map<const Vector>(input_.N + j * input_.ngc, input_.ngc);
   }
   const Index columns = input_.form == InertiaForm::kFactors ? input_.factors : input_.ngc;
   for (Index k = 0; k < columns; ++k) {
-    if (Eigen::Map<const Vector>(input_.matrix + k * input_.ngc, input_.ngc).dot(image_) != 0) return false;
+    if (Eigen::Map<const Vector>(input_.matrix + k * input_.ngc, input_.ngc).dot(image_.view()) != 0) return false;
   }
   return true;
 }

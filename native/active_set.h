@@ -4,6 +4,7 @@
 #include "core/settings.h"
 #include "core/solver.h"
 #include "native/active_set_engine.h"
+#include "native/growing_vector.h"
 
 namespace lcpbench {
 
@@ -53,6 +54,10 @@ class ActiveSet final : public Solver {
 
   const Capabilities& capabilities() const override;
 
+  /// Takes all memory that load() and solve() need for this problem, and touches hardly any of it: load() then
+  /// allocates nothing for this and any other that was reserved. What was loaded must be loaded again.
+  void reserve(const Problem& problem);
+
   /// ActiveSetSettings::max_iterations from now on.
   void limit_iterations(std::int64_t max_iterations) { settings_.max_iterations = max_iterations; }
 
@@ -67,8 +72,8 @@ class ActiveSet final : public Solver {
 
     void reserve(const active_set::Input& input) { engine_.reserve(state_, input); }
     void load(const active_set::Input& input) { engine_.load(state_, input); }
-    void update(const Vector& v) { engine_.update(state_, v.data()); }
-    active_set::Outcome solve(const active_set::Rules& rules, Vector& z, Vector& velocity, Vector& u) {
+    void update(const double* v) { engine_.update(state_, v); }
+    active_set::Outcome solve(const active_set::Rules& rules, Vector& z, Vector& velocity, GrowingVector& u) {
       return engine_.solve(state_, rules, z.data(), velocity.data(), u.data());
     }
     bool accepts(const Vector& z, double residual) { return engine_.accepts(state_, z.data(), residual); }
@@ -82,13 +87,13 @@ class ActiveSet final : public Solver {
   void on_update(const Vector& v) override;
   void on_solve(const SolveRequest& request, Answer& answer) override;
   void describe(const ContactProblem& contact);
-  void reserve_later_rungs();
+  void reserve_later_rungs(const ContactProblem& contact);
   active_set::Rules rules(const SolveRequest& request) const;
   bool stopped(const active_set::Outcome& outcome) const;
   void climb(Rung& rung, const char* name, active_set::Rules& rules, active_set::Outcome& outcome, Answer& answer,
              Vector& velocity);
-  bool round_to_proof(Vector& u);
-  bool annihilates(const Vector& u);
+  bool round_to_proof(Eigen::Ref<Vector> u);
+  bool annihilates(const Eigen::Ref<const Vector>& u);
 
   ActiveSetSettings settings_;
   Rung first_;
@@ -97,11 +102,11 @@ class ActiveSet final : public Solver {
 
   active_set::Input input_;  // points into the problem, or into what follows
   active_set::Input reserved_{.ngc = -1, .form = active_set::InertiaForm::kFactors};  // the largest dimensions so far
-  Vector v_;
-  Matrix dense_normals_;  // of a sparse N
-  Matrix dense_inertia_;  // of block inertia
-  Vector image_;          // N u
-  Vector farkas_;
+  GrowingVector v_;
+  GrowingVector dense_normals_;  // of a sparse N
+  GrowingVector dense_inertia_;  // of block inertia
+  GrowingVector image_;          // N u
+  GrowingVector farkas_;
 };
 
 }  // namespace lcpbench

@@ -6,12 +6,12 @@
 #include <limits>
 #include <span>
 #include <stdexcept>
+#include <vector>
 
 #include "core/answer_storage.h"
 #include "core/quad.h"
 #include "core/registry.h"
 #include "core/timed_solve.h"
-#include "native/contact_units.h"
 
 namespace lcpbench {
 
@@ -126,33 +126,76 @@ ContactLemke::ContactLemke(const ContactLemkeSettings& settings, IsaLevel level)
 
 const Capabilities& ContactLemke::capabilities() const { return capabilities_; }
 
+void ContactLemke::reserve(const Problem& problem) {
+  const ContactProblem& contact = *problem.contact();
+  if (!contact.frictional()) return reserve(contact.ngc(), contact.nc());
+  data_.reserve(contact.ngc(), contact.nc(), cols(contact.D));
+  best_.reserve(problem.size());
+  for (GrowingVector* of_coordinates : {&velocity_, &best_velocity_, &resumable_v_}) {
+    of_coordinates->reserve(contact.ngc());
+  }
+  data_.load_layout(contact);
+  reserve_engines(data_.input);
+}
+
+/// For all frictionless problems up to these dimensions: the same sizes again and again ask for nothing.
+void ContactLemke::reserve(Index ngc, Index nc) {
+  if (ngc <= reserved_ngc_ && nc <= reserved_nc_) return;
+  reserved_ngc_ = std::max(ngc, reserved_ngc_);
+  reserved_nc_ = std::max(nc, reserved_nc_);
+  data_.reserve(reserved_ngc_, reserved_nc_, 0);
+  best_.reserve(reserved_nc_);
+  for (GrowingVector* of_coordinates : {&velocity_, &best_velocity_, &resumable_v_}) {
+    of_coordinates->reserve(reserved_ngc_);
+  }
+  const std::vector<std::ptrdiff_t> no_friction(static_cast<std::size_t>(reserved_nc_) + 1, 0);
+  contact_lemke::Input input;
+  input.ngc = reserved_ngc_;
+  input.nc = reserved_nc_;
+  input.friction_begin = no_friction.data();
+  reserve_engines(input);
+}
+
+void ContactLemke::reserve_engines(const contact_lemke::Input& input) {
+  double_.reserve(input);
+  if (in_float()) float_.reserve(input);
+  reserve_later_rungs(input);
+}
+
+void ContactLemke::reserve_later_rungs(const contact_lemke::Input& input) {
+  using Precision = ContactLemkePrecision;
+  if (settings_.precision == Precision::kCascade) double_double_.reserve(input);
+  if (settings_.precision == Precision::kCascade || settings_.precision == Precision::kQuad) quad_.reserve(input);
+}
+
 void ContactLemke::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
-  units_ = coordinate_units(contact.inertia);
-  if (units_.size() > 0) in_units_ = contact_in_units(contact, units_);
-  data_.load(units_.size() > 0 ? in_units_ : contact);
+  data_.load_in_units(contact);
   double_.load(data_.input);
   if (in_float()) float_.load(data_.input);
   double_double_is_loaded_ = quad_is_loaded_ = false;
-  if (settings_.precision == ContactLemkePrecision::kCascade) double_double_.reserve(data_.input);
-  if (settings_.precision == ContactLemkePrecision::kCascade || settings_.precision == ContactLemkePrecision::kQuad) {
-    quad_.reserve(data_.input);
-  }
+  reserve_later_rungs(data_.input);
   best_.resize(problem.size());
   resumable_ = false;
-  resumable_v_.setZero(contact.ngc());
-  velocity_.setZero(contact.ngc());
+  resumable_v_.resize(contact.ngc());
+  velocity_.resize(contact.ngc());
+  velocity_.view().setZero();
   best_velocity_.resize(contact.ngc());
 }
 
 void ContactLemke::on_update(const Vector& v) {
   if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
-  data_.v = v;
-  if (units_.size() > 0) data_.v.array() /= units_.array();
+  data_.set_velocity(v);
   double_.set_velocity(data_.v.data());
   if (in_float()) float_.set_velocity(data_.v.data());
   if (double_double_is_loaded_) double_double_.set_velocity(data_.v.data());
   if (quad_is_loaded_) quad_.set_velocity(data_.v.data());
+}
+
+void ContactLemke::respond(const Vector& z, Vector& velocity) {
+  LoadedContacts& engine = quad_is_loaded_ ? quad_ : double_double_is_loaded_ ? double_double_ : double_;
+  engine.respond(z.data(), velocity.data());
+  if (data_.units.size() > 0) velocity.array() *= data_.units.view().array();
 }
 
 LoadedContacts& ContactLemke::engine_of(ContactArithmetic arithmetic) {
@@ -184,7 +227,7 @@ void ContactLemke::on_solve(const SolveRequest& request, Answer& answer) {
   Progress progress;
   progress.deadline_s = std::isinf(request.time_limit_s) ? kInfinity : wall_clock_s() + request.time_limit_s;
   if (resumes(request)) {
-    if (data_.v == resumable_v_) {  // the problem that was just solved
+    if (data_.v.view() == resumable_v_.view()) {  // the problem that was just solved
       progress.best = resumable_residual_;
       progress.rung = kWarmRung.name;
       return report(progress, answer);
@@ -208,7 +251,8 @@ void ContactLemke::on_solve(const SolveRequest& request, Answer& answer) {
 
 /// Whether to go on from the last solve: its basis is at hand, and the request is to start from its answer.
 bool ContactLemke::resumes(const SolveRequest& request) const {
-  return resumable_ && request.start != nullptr && request.start->size() == best_.size() && *request.start == best_;
+  return resumable_ && request.start != nullptr && request.start->size() == best_.size() &&
+         *request.start == best_.view();
 }
 
 /// @returns whether nothing remains to be tried.
@@ -226,14 +270,14 @@ bool ContactLemke::climb(const ContactRung& rung, Rules rules, Progress& progres
     progress.best = residual.certain;
     progress.rung = rung.name;
     best_ = answer.z;
-    best_velocity_ = velocity_;
-    if (units_.size() > 0) best_velocity_.array() *= units_.array();
+    best_velocity_ = velocity_.view();
+    if (data_.units.size() > 0) best_velocity_.array() *= data_.units.view().array();
     best_has_velocity_ = has_velocity;
   }
   const bool accepted = residual.velocity <= settings_.accept_residual && residual.certain <= kClaimedResidual;
   resumable_ = accepted && rung.arithmetic == ContactArithmetic::kDouble && !rung.classic;
   if (resumable_) {
-    resumable_v_ = data_.v;
+    resumable_v_ = data_.v.view();
     resumable_residual_ = progress.best;
   }
   return accepted;
@@ -276,10 +320,10 @@ void ContactLemke::report(const Progress& progress, Answer& answer) {
   answer.counters.factorizations = progress.factorizations;
   if (progress.best <= kClaimedResidual) {
     answer.claim = Claim::kSolved;
-    answer.z = best_;
+    answer.z = best_.view();
     if (best_has_velocity_) {
       Vector& velocity = cleared_vectors().velocity;
-      velocity = best_velocity_;
+      velocity = best_velocity_.view();
       answer.velocity.swap(velocity);
     }
     answer.detail = progress.rung;

@@ -9,6 +9,7 @@
 #include "core/solver.h"
 #include "native/contact_input.h"
 #include "native/contact_lemke/engine.h"
+#include "native/growing_vector.h"
 
 namespace lcpbench {
 
@@ -72,6 +73,7 @@ class LoadedContacts {
   void set_velocity(const double* v) { engine_.set_velocity(state_, v); }
   contact_lemke::Outcome solve(const contact_lemke::Rules& rules, double* z) { return engine_.solve(state_, rules, z); }
   contact_lemke::Residual complete(double* z) { return engine_.complete(state_, z); }
+  void respond(const double* z, double* velocity) { engine_.respond(state_, z, velocity); }
   bool polish(double* velocity, double* z) { return engine_.polish(state_, velocity, z); }
   bool polish_answer(const char* basic, double* velocity, double* z) {
     return engine_.polish_answer(state_, basic, velocity, z);
@@ -105,8 +107,16 @@ class ContactLemke final : public Solver {
 
   const Capabilities& capabilities() const override;
 
+  /// Takes all memory that load() and solve() need for this problem, and touches hardly any of it: load() then
+  /// allocates nothing for this and any other that was reserved. What was loaded must be loaded again.
+  void reserve(const Problem& problem);
+
   /// ContactLemkeSettings::max_pivots from now on.
   void limit_pivots(std::int64_t max_pivots) { settings_.max_pivots = max_pivots; }
+
+  /// velocity := v + G* [N D] z, for z (n) and velocity (ngc) of the loaded problem, in the highest precision that its
+  /// solves came to. O(ngc^2)
+  void respond(const Vector& z, Vector& velocity);
 
  private:
   /// Of one solve, over all its rungs.
@@ -129,6 +139,9 @@ class ContactLemke final : public Solver {
   void on_update(const Vector& v) override;
   void on_solve(const SolveRequest& request, Answer& answer) override;
 
+  void reserve(Index ngc, Index nc);
+  void reserve_engines(const contact_lemke::Input& input);
+  void reserve_later_rungs(const contact_lemke::Input& input);
   bool in_float() const { return settings_.precision == ContactLemkePrecision::kFloat; }
   LoadedContacts& engine_of(ContactArithmetic arithmetic);
   double roundoff_of(const LoadedContacts& engine) const;
@@ -141,17 +154,16 @@ class ContactLemke final : public Solver {
 
   ContactLemkeSettings settings_;
   Capabilities capabilities_;
-  Vector units_;             // of the coordinates that the engines see, see coordinate_units(); mostly empty
-  ContactProblem in_units_;  // the problem in them
   ContactInput data_;
-  LoadedContacts double_;  ///< also what tests the answers of float
+  Index reserved_ngc_ = 0, reserved_nc_ = 0;  ///< up to which frictionless problems find memory
+  LoadedContacts double_;                     ///< also what tests the answers of float
   LoadedContacts double_double_, quad_, float_;
   bool double_double_is_loaded_ = false, quad_is_loaded_ = false;
-  Vector velocity_;  ///< of the last rung
-  Vector best_, best_velocity_;
+  GrowingVector velocity_;  ///< of the last rung
+  GrowingVector best_, best_velocity_;
   bool best_has_velocity_ = false;
-  bool resumable_ = false;  ///< the engine in double (or float) still holds the basis of best_
-  Vector resumable_v_;      ///< the velocity that best_ solves, and its residual
+  bool resumable_ = false;     ///< the engine in double (or float) still holds the basis of best_
+  GrowingVector resumable_v_;  ///< the velocity that best_ solves, and its residual
   double resumable_residual_ = 0;
 };
 

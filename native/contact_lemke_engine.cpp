@@ -3,10 +3,10 @@
 // without the processor's fused multiply-add; see contact_lemke/engine.h for what may cross the border.
 #include <new>
 
+#include "native/contact_lemke/basis_polish.h"
 #include "native/contact_lemke/completion.h"
 #include "native/contact_lemke/engine.h"
 #include "native/contact_lemke/path.h"
-#include "native/contact_lemke/basis_polish.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 namespace {
@@ -42,6 +42,9 @@ struct ContactInterface {
     return object(memory).path.solve(rules, z);
   }
   static contact_lemke::Residual complete(void* memory, double* z) { return object(memory).completion.run(z); }
+  static void respond(void* memory, const double* z, double* velocity) {
+    object(memory).completion.respond(z, velocity);
+  }
   static bool polish(void* memory, double* velocity, double* z) { return object(memory).path.polish(velocity, z); }
   static bool polish_answer(void* memory, const char* basic, double* velocity, double* z) {
     return object(memory).basis_polish.run(basic, velocity, z);
@@ -52,8 +55,8 @@ struct ContactInterface {
 template <class Scalar>
 constexpr contact_lemke::Engine contact_engine() {
   using I = ContactInterface<Scalar>;
-  return {I::create, I::destroy,  I::reserve, I::load,          I::set_velocity,
-          I::solve,  I::complete, I::polish,  I::polish_answer, I::disproves};
+  return {I::create,   I::destroy, I::reserve, I::load,          I::set_velocity, I::solve,
+          I::complete, I::respond, I::polish,  I::polish_answer, I::disproves};
 }
 
 }  // namespace

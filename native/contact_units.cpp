@@ -1,6 +1,8 @@
 #include "native/contact_units.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <variant>
 
 namespace lcpbench {
@@ -9,19 +11,20 @@ namespace {
 /// Diagonal entries of G that differ by more than this are taken for entries in different units.
 constexpr double kSameUnit = 0x1p50;
 
-/// The diagonal of G given whole or by blocks; else empty.
-Vector diagonal_of(const Inertia& inertia) {
-  if (const auto* dense = std::get_if<DenseInertia>(&inertia)) return dense->G.diagonal();
-  Vector diagonal;
-  if (const auto* bodies = std::get_if<BlockInertia>(&inertia)) {
-    diagonal.resize(dimension(inertia));
-    Index at = 0;
-    for (const Matrix& block : bodies->blocks) {
-      diagonal.segment(at, block.rows()) = block.diagonal();
-      at += block.rows();
-    }
+/// Calls visit(i, G_ii) for G given whole or by blocks; else never.
+template <class Visit>
+void for_each_diagonal_entry(const Inertia& inertia, Visit&& visit) {
+  const auto visit_block = [&](const Matrix& G, Index offset) {
+    for (Index i = 0; i < G.rows(); ++i) visit(offset + i, G(i, i));
+  };
+  if (const auto* dense = std::get_if<DenseInertia>(&inertia)) return visit_block(dense->G, 0);
+  const auto* bodies = std::get_if<BlockInertia>(&inertia);
+  if (bodies == nullptr) return;
+  Index at = 0;
+  for (const Matrix& block : bodies->blocks) {
+    visit_block(block, at);
+    at += block.rows();
   }
-  return diagonal;
 }
 
 Jacobian in_units(const Jacobian& J, const Vector& units) {
@@ -31,10 +34,26 @@ Jacobian in_units(const Jacobian& J, const Vector& units) {
 
 }  // namespace
 
+bool mixes_units(const Inertia& inertia) {
+  double least = std::numeric_limits<double>::infinity();
+  double most = 0;
+  for_each_diagonal_entry(inertia, [&](Index, double entry) {
+    least = std::min(least, entry);
+    most = std::max(most, entry);
+  });
+  return least > 0 && most > kSameUnit * least;
+}
+
+void write_coordinate_units(const Inertia& inertia, Eigen::Ref<Vector> units) {
+  for_each_diagonal_entry(inertia, [&](Index i, double entry) {
+    units(i) = std::ldexp(1.0, -static_cast<int>(std::floor(std::ilogb(entry) / 2.0)));
+  });
+}
+
 Vector coordinate_units(const Inertia& inertia) {
-  Vector units = diagonal_of(inertia);
-  if (units.size() == 0 || !(units.minCoeff() > 0) || !(units.maxCoeff() > kSameUnit * units.minCoeff())) return {};
-  for (double& unit : units) unit = std::ldexp(1.0, -static_cast<int>(std::floor(std::ilogb(unit) / 2.0)));
+  if (!mixes_units(inertia)) return {};
+  Vector units(dimension(inertia));
+  write_coordinate_units(inertia, units);
   return units;
 }
 

@@ -405,5 +405,32 @@ TEST(ActiveSetTest, SolvingAllocatesNothing) {
   }
 }
 
+TEST(ActiveSetTest, LoadsWithoutAllocatingWhatWasReserved) {
+  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  std::vector<Problem> problems;
+  for (const int bodies : {3, 1, 2}) problems.push_back(Problem("stack", stack(bodies, {0.25, 0, -0.5})));
+  for (const char* name : {"paper/monotone/exp2", "paper/monotone/exp4"}) {
+    for (std::int64_t trial = 0; trial < 8; ++trial) problems.push_back(open_set(name)->generate(55, trial));
+  }
+  ActiveSet solver{ActiveSetSettings{}};
+  for (const Problem& problem : problems) solver.reserve(problem);
+  for (const Problem& problem : problems) {
+    const Answer fresh = solve(problem);
+    Answer answer;
+    answer.z.resize(problem.size());
+    answer.velocity.resize(problem.contact()->ngc());
+    answer.farkas.resize(problem.contact()->nc());
+    EXPECT_EQ(testing::count_allocations([&] {
+                solver.load(problem);
+                solver.update(problem.contact()->v);
+                solver.solve({}, answer);
+              }),
+              0)
+        << problem.name();
+    EXPECT_EQ(answer.claim, fresh.claim) << problem.name();
+    EXPECT_EQ(answer.z, fresh.z) << problem.name();
+  }
+}
+
 }  // namespace
 }  // namespace lcpbench

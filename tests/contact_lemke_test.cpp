@@ -473,6 +473,58 @@ TEST(ContactLemkeTest, AllocatesNothingInDouble) {
   }
 }
 
+/// The stack with its second body 2^60 times as heavy: coordinates in other units for the engines.
+Problem stack_in_two_units(int edges) {
+  ContactProblem contact = *stack(2, edges, 0.25, 0.5).contact();
+  std::get<BlockInertia>(contact.inertia).blocks[1] *= 0x1p60;
+  return Problem("two units", contact);
+}
+
+TEST(ContactLemkeTest, LoadsWithoutAllocatingWhatWasReserved) {
+  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  std::vector<Problem> problems;
+  for (const int edges : {0, 4}) {
+    for (const int bodies : {3, 1}) problems.push_back(stack(bodies, edges, 0.25, 0.5));
+    problems.push_back(stack_in_two_units(edges));
+  }
+  for (const char* name : {"monotone/exp2", "monotone/exp4", "copositive/exp2", "copositive/exp3"}) {
+    const auto set = open_set(std::string("paper/") + name);
+    for (std::int64_t trial = 0; trial < 6; ++trial) problems.push_back(set->generate(53, trial));
+  }
+  ContactLemke solver{ContactLemkeSettings{}};
+  for (const Problem& problem : problems) solver.reserve(problem);
+  for (const Problem& problem : problems) {
+    const Answer fresh = solve(problem);
+    Answer answer;
+    answer.z.resize(problem.size());
+    answer.farkas = Vector::Zero(problem.contact()->nc());
+    EXPECT_EQ(testing::count_allocations([&] {
+                solver.load(problem);
+                solver.update(problem.contact()->v);
+                solver.solve({}, answer);
+              }),
+              0)
+        << problem.name();
+    EXPECT_EQ(answer.claim, fresh.claim) << problem.name();
+    EXPECT_EQ(answer.z, fresh.z) << problem.name();
+  }
+}
+
+TEST(ContactLemkeTest, RespondsWithTheVelocityOfItsAnswer) {
+  for (const Problem& problem :
+       {stack(3, 4, 0.25, 0.5), stack_in_two_units(4), open_set("paper/copositive/exp2")->generate(54, 1)}) {
+    ContactLemke solver{ContactLemkeSettings{}};
+    solver.load(problem);
+    const Answer answer = solve(solver);
+    ASSERT_EQ(answer.claim, Claim::kSolved) << problem.name();
+    const Vector expected = post_impact_velocity(*problem.contact(), answer.z);
+    Vector velocity(expected.size());
+    solver.respond(answer.z, velocity);
+    // Both are double arithmetic on a well-conditioned inertia, or one whose conditioning is that of its units.
+    EXPECT_LE((velocity - expected).lpNorm<Eigen::Infinity>(), 1e-12 * problem.contact()->v.norm()) << problem.name();
+  }
+}
+
 TEST(ContactLemkeTest, ObeysItsLimits) {
   const Problem problem = open_set("paper/copositive/exp1")->generate(61, 3);
   const Answer whole = solve(problem);

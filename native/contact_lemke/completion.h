@@ -42,6 +42,15 @@ class Completion {
     return residual;
   }
 
+  /// velocity (ngc) := v + G* [N D] z
+  void respond(const double* z, double* velocity) {
+    add_impulses(z, contacts_.nc() + contacts_.first_direction(contacts_.nc()));
+    response_.apply(impulse_.data(), change_.data());
+    for (Count i = 0; i < contacts_.ngc(); ++i) {
+      velocity[i] = static_cast<double>(contacts_.velocity()[i] + change_[i]);
+    }
+  }
+
   /// Whether u proves to rounding that there is no solution, see engine.h.
   bool disproves(const double* u) {
     if (!response_.may_be_singular()) return false;

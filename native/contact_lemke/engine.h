@@ -77,6 +77,8 @@ struct Engine {
   Outcome (*solve)(void* engine, const Rules& rules, double* z);
   /// Sets the lambdas of z to the least that its impulses allow and evaluates the answer.
   Residual (*complete)(void* engine, double* z);
+  /// The velocity (ngc) that the impulses of z lead to: v + G* [N D] z.
+  void (*respond)(void* engine, const double* z, double* velocity);
   /// After a solve that ended in kSolved: the velocity (ngc) of its basis, by orthogonal columns in whitened
   /// coordinates. False where that cannot be had.
   bool (*polish)(void* engine, double* velocity, double* z);
