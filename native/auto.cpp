@@ -1,15 +1,18 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "core/answer_storage.h"
 #include "core/registry.h"
 #include "core/timed_solve.h"
+#include "native/auto/dense_methods.h"
 #include "native/auto/island_solver.h"
 #include "native/auto/islands.h"
 #include "native/auto/lcp_ladder.h"
+#include "native/auto/methods.h"
 #include "native/auto/report.h"
 #include "native/auto/settings.h"
 
@@ -34,24 +37,23 @@ constexpr Capabilities kCapabilities{
 /// was left out, which methods ran and the highest rung. Returns the velocity where all methods gave one.
 /// SolveRequest::start: as the methods use it, the last answer being of use to all.
 ///
-/// Nothing is allocated in solve() but where capabilities() of the loaded object says so, for large scenes, and where a
-/// method gave up on contacts and another is tried (contact_lemke after active_set).
+/// Nothing is allocated in solve(): what is tried where a method gives up has its memory from load().
 class Auto final : public Solver {
  public:
   explicit Auto(const AutoSettings& settings) : settings_(settings), lcp_(settings.max_pivots) {}
-  const Capabilities& capabilities() const override { return capabilities_; }
+  const Capabilities& capabilities() const override { return kCapabilities; }
 
  private:
   void on_load(const Problem& problem) override;
   void on_update(const Vector& v) override;
   void on_solve(const SolveRequest& request, Answer& answer) override;
 
-  Solver* whole_solver(const ContactProblem& contact);
+  static std::optional<AutoMethod> method_of_whole(const ContactProblem& contact);
+  void load_whole(const Problem& problem);
   void load_islands(const ContactProblem& contact);
   IslandSolver& island(std::size_t k) { return *islands_[k]; }
-  void note_memory();
+  AutoLimits limits_of(const SolveRequest& request) const;
   void solve_whole(const SolveRequest& request, Answer& answer);
-  void solve_by_contact_lemke(SolveRequest request, double begin_s, AutoReport& report, Answer& answer);
   void solve_islands(const SolveRequest& request, Answer& answer);
   void give_up(Claim claim, const IslandSolver& island, Answer& answer);
   void bound_slips(Vector& z) const;
@@ -59,13 +61,10 @@ class Auto final : public Solver {
   std::string& text_of(Answer& answer);
 
   AutoSettings settings_;
-  Capabilities capabilities_ = kCapabilities;
   LcpLadder lcp_;
 
-  // One island that is the whole problem goes to its solver as it is.
-  Solver* whole_ = nullptr;
-  std::unique_ptr<ActiveSet> active_set_;
-  std::unique_ptr<ContactLemke> contact_lemke_;
+  DenseMethods dense_;
+  std::optional<AutoMethod> whole_;  // one island that is the whole problem: goes to its method, in dense_, as it is
 
   std::unique_ptr<ProblemCutter> cutter_;
   std::vector<std::unique_ptr<IslandSolver>> islands_;  // kept for the next problem
@@ -78,35 +77,31 @@ class Auto final : public Solver {
 };
 
 void Auto::on_load(const Problem& problem) {
-  capabilities_.allocation_free = true;
   text_.reserve(AutoReport::kLongestText);
-  whole_ = nullptr;
+  whole_.reset();
   island_count_ = 0;
   const ContactProblem* contact = problem.contact();
   if (contact == nullptr) return lcp_.load(problem);
-  whole_ = whole_solver(*contact);
+  whole_ = method_of_whole(*contact);
   v_ = contact->v;
-  if (whole_ != nullptr) return whole_->load(problem);
+  if (whole_) return load_whole(problem);
   load_islands(*contact);
 }
 
-/// The solver that takes the whole problem as it is, where it can be told at once that there is nothing to split or to
-/// strip; else nullptr.
-Solver* Auto::whole_solver(const ContactProblem& contact) {
-  if (!couples_all(contact.inertia)) return nullptr;
-  if (!contact.frictional()) {
-    if (active_set_ == nullptr) {
-      active_set_ = std::make_unique<ActiveSet>(ActiveSetSettings{.max_iterations = settings_.max_pivots});
-    }
-    return active_set_.get();
-  }
+/// The method that takes the whole problem as it is, where it can be told at once that there is nothing to split or to
+/// strip.
+std::optional<AutoMethod> Auto::method_of_whole(const ContactProblem& contact) {
+  if (!couples_all(contact.inertia)) return std::nullopt;
+  if (!contact.frictional()) return AutoMethod::kActiveSet;
   bool any_friction = false;
   for (Index c = 0; c < contact.nc(); ++c) any_friction = any_friction || contact.mu(c) > 0;
-  if (!any_friction) return nullptr;
-  if (contact_lemke_ == nullptr) {
-    contact_lemke_ = std::make_unique<ContactLemke>(ContactLemkeSettings{.max_pivots = settings_.max_pivots});
-  }
-  return contact_lemke_.get();
+  return any_friction ? std::optional(AutoMethod::kContactLemke) : std::nullopt;
+}
+
+void Auto::load_whole(const Problem& problem) {
+  dense_.solver(*whole_).load(problem);
+  const std::optional<AutoMethod> next = dense_.after(*whole_, problem);
+  if (next) dense_.reserve(*next, problem);
 }
 
 void Auto::load_islands(const ContactProblem& contact) {
@@ -127,23 +122,18 @@ void Auto::load_islands(const ContactProblem& contact) {
   island_count_ = found.size();
   idle_ = contact.nc();
   for (const Island& part : found) idle_ -= static_cast<Index>(part.contacts.size());
-  while (islands_.size() < island_count_) islands_.push_back(std::make_unique<IslandSolver>(settings_));
+  while (islands_.size() < island_count_) islands_.push_back(std::make_unique<IslandSolver>(settings_, dense_));
   for (std::size_t k = 0; k < island_count_; ++k) island(k).load(*cutter_, std::move(found[k]), v_, carries_);
-  note_memory();
-}
-
-void Auto::note_memory() {
-  for (std::size_t k = 0; k < island_count_; ++k) {
-    if (!island(k).allocation_free()) capabilities_.allocation_free = false;
-  }
 }
 
 void Auto::on_update(const Vector& v) {
   if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
   v_ = v;
-  if (whole_ != nullptr) return whole_->update(v);
+  if (whole_) {
+    if (takes(dense_.solver(*whole_), problem())) dense_.solver(*whole_).update(v);
+    return;
+  }
   for (std::size_t k = 0; k < island_count_; ++k) island(k).update(v_);
-  note_memory();
 }
 
 void Auto::on_solve(const SolveRequest& request, Answer& answer) {
@@ -153,7 +143,7 @@ void Auto::on_solve(const SolveRequest& request, Answer& answer) {
     text_of(answer).assign(text);
   } else if (!(request.time_limit_s > 0)) {
     answer.claim = Claim::kTimeLimit;
-  } else if (whole_ != nullptr) {
+  } else if (whole_) {
     solve_whole(request, answer);
   } else {
     solve_islands(request, answer);
@@ -170,43 +160,24 @@ void Auto::solve_whole(const SolveRequest& request, Answer& answer) {
   AutoReport report;
   report.islands = 1;
   report.contacts = problem().contact()->nc();
-  const double begin_s = std::isinf(request.time_limit_s) ? 0 : wall_clock_s();
-  whole_->solve(request, answer);
-  report.add(answer.counters, answer.detail);
-  (whole_ == active_set_.get() ? report.active_set : report.contact_lemke) = 1;
-  const bool gave_up =
-      answer.claim == Claim::kNumericalFailure || (answer.claim == Claim::kIterationLimit && settings_.max_pivots == 0);
-  if (gave_up && whole_ == active_set_.get()) solve_by_contact_lemke(request, begin_s, report, answer);
+  const AutoLimits limits = limits_of(request);
+  run_method(*whole_, dense_.solver(*whole_), request, limits, answer, report);
+  const std::optional<AutoMethod> next = dense_.after(*whole_, problem());
+  if (next && gave_up(answer.claim, settings_.max_pivots)) {
+    dense_.solve(*next, problem(), v_, limits, answer, report);
+  }
   answer.counters = report.counters();
   if (answer.claim == Claim::kSolved) report.write_text(text_of(answer));  // else its own words say why
 }
 
-/// Where the active set does not get there. Allocates.
-void Auto::solve_by_contact_lemke(SolveRequest request, double begin_s, AutoReport& report, Answer& answer) {
-  answer.z.setZero();
-  if (!std::isinf(request.time_limit_s)) request.time_limit_s -= wall_clock_s() - begin_s;
-  if (!(request.time_limit_s > 0)) {
-    answer.claim = Claim::kTimeLimit;
-    return;
-  }
-  const std::int64_t pivots = settings_.max_pivots > 0 ? settings_.max_pivots - report.counters().pivots : 0;
-  if (settings_.max_pivots > 0 && pivots <= 0) {
-    answer.claim = Claim::kIterationLimit;
-    return;
-  }
-  ContactProblem now = *problem().contact();
-  now.v = v_;
-  ContactLemke solver(ContactLemkeSettings{.max_pivots = pivots});
-  solver.load(Problem(problem().name(), std::move(now)));
-  request.start = nullptr;
-  solver.solve(request, answer);
-  ++report.contact_lemke;
-  report.add(answer.counters, answer.detail);
+AutoLimits Auto::limits_of(const SolveRequest& request) const {
+  AutoLimits limits{.deadline_s = request.time_limit_s, .max_pivots = settings_.max_pivots};
+  if (!std::isinf(limits.deadline_s)) limits.deadline_s += wall_clock_s();
+  return limits;
 }
 
 void Auto::solve_islands(const SolveRequest& request, Answer& answer) {
-  AutoLimits limits{.deadline_s = request.time_limit_s, .max_pivots = settings_.max_pivots};
-  if (!std::isinf(limits.deadline_s)) limits.deadline_s += wall_clock_s();
+  const AutoLimits limits = limits_of(request);
   const Vector* start = request.start != nullptr && request.start->size() == answer.z.size() ? request.start : nullptr;
   AutoReport report;
   report.islands = static_cast<Index>(island_count_);

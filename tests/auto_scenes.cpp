@@ -2,9 +2,11 @@
 //
 //   auto_scenes islands REPEATS   stacks of two cubes, 2 to 200 of them, every third flying: parts against the whole
 //   auto_scenes resting STEPS     stacks that stay at rest: pivots from z = 0 and from the last answer
+//   auto_scenes flying REPEATS    stacks of which a part flies apart, and seesaws: leaving out against all contacts
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -12,6 +14,7 @@
 #include "core/timed_solve.h"
 #include "study/evaluation/evaluation.h"
 #include "tests/box_stacks.h"
+#include "tests/seesaws.h"
 
 namespace lcpbench {
 
@@ -68,6 +71,69 @@ void compare_islands(int repeats) {
       std::printf("%.4g,%.3g,%d,%d,%.2g\n", whole.seconds, whole.seconds / parts.seconds, parts.verified ? 1 : 0,
                   whole.verified ? 1 : 0, difference);
       std::fflush(stdout);
+    }
+  }
+}
+
+/// A stack of which the cubes from `first` on fly up, each faster than the one below it.
+RigidScene flying_stack(int height, int first, int edges) {
+  RigidScene scene = box_stacks({.stacks = 1, .height = height, .edges = edges});
+  for (int b = first; b < height; ++b) {
+    scene.bodies[static_cast<std::size_t>(b)].linear_velocity.z() = 0.25 * (b - first + 1);
+  }
+  return scene;
+}
+
+struct LoadAndSolve {
+  double load_s = 0, solve_s = 0;  ///< thread CPU, medians
+  Answer answer;
+  bool verified = false;
+};
+
+LoadAndSolve run_apart(const Problem& problem, const Options& options, int repeats) {
+  const auto solver = lcpbench_solver_auto().make(options);
+  LoadAndSolve timed;
+  std::vector<double> load_s, solve_s;
+  for (int k = 0; k < repeats; ++k) {
+    const double begin = thread_cpu_clock_s();
+    solver->load(problem);
+    const double loaded = thread_cpu_clock_s();
+    solver->solve({.time_limit_s = 60}, timed.answer);
+    load_s.push_back(loaded - begin);
+    solve_s.push_back(thread_cpu_clock_s() - loaded);
+  }
+  timed.load_s = median(load_s);
+  timed.solve_s = median(solve_s);
+  timed.verified = timed.answer.claim == Claim::kSolved && Evaluator(problem).errors(timed.answer).solved;
+  return timed;
+}
+
+void print_leaving_out(const char* scene, const Problem& problem, int edges, int repeats) {
+  const LoadAndSolve some = run_apart(problem, {}, repeats);
+  const LoadAndSolve all = run_apart(problem, {{"leave_out", "false"}}, repeats);
+  const double ratio = (all.load_s + all.solve_s) / (some.load_s + some.solve_s);
+  std::printf("%s,%d,%ld,%.4g,%.4g,%.4g,%.4g,%.3g,%d,%d,\"%s\"\n", scene, edges,
+              static_cast<long>(problem.contact()->nc()), some.load_s, some.solve_s, all.load_s, all.solve_s, ratio,
+              some.verified ? 1 : 0, all.verified ? 1 : 0, some.answer.detail.c_str());
+  std::fflush(stdout);
+}
+
+void compare_leaving_out(int repeats) {
+  std::puts("scene,edges,contacts,load_s,solve_s,all_load_s,all_solve_s,ratio,verified,all_verified,detail");
+  for (const int edges : {0, 4}) {
+    for (const int height : {16, 24, 40, 80, 200, 750}) {
+      if (edges > 0 && (height == 80 || height == 750)) continue;  // dense and slow; sparse from 200 on
+      for (const int first : {height / 4, height / 2, 3 * height / 4}) {
+        const std::string name = "stack, " + std::to_string(height - first) + " of " + std::to_string(height) + " fly";
+        const int runs = height > 100 || (edges > 0 && height > 24) ? std::min(repeats, 3) : repeats;
+        print_leaving_out(('"' + name + '"').c_str(), Problem("stack", flying_stack(height, first, edges)), edges,
+                          runs);
+      }
+    }
+    for (const int planks : {17, 24, 45, 170}) {
+      if (edges > 0 && planks == 45) continue;
+      const int runs = planks > 100 ? std::min(repeats, 3) : repeats;
+      print_leaving_out("seesaws", Problem("seesaws", testing::seesaws(planks, edges)), edges, runs);
     }
   }
 }
@@ -134,8 +200,10 @@ int main(int argc, char** argv) {
     lcpbench::compare_islands(count);
   } else if (count > 0 && mode == "resting") {
     lcpbench::count_all_pivots(count);
+  } else if (count > 0 && mode == "flying") {
+    lcpbench::compare_leaving_out(count);
   } else {
-    std::fputs("usage: auto_scenes islands REPEATS | auto_scenes resting STEPS\n", stderr);
+    std::fputs("usage: auto_scenes islands REPEATS | auto_scenes resting STEPS | auto_scenes flying REPEATS\n", stderr);
     return 2;
   }
 }

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -10,17 +11,21 @@
 #include "study/evaluation/evaluation.h"
 #include "tests/allocation_counter.h"
 #include "tests/box_stacks.h"
+#include "tests/seesaws.h"
 #include "tests/textbook_lcps.h"
 
 namespace lcpbench {
 SolverDefinition lcpbench_solver_active_set();
 SolverDefinition lcpbench_solver_auto();
+SolverDefinition lcpbench_solver_friction_ipm();
+SolverDefinition lcpbench_solver_velocity_ipm();
 
 namespace {
 
 using testing::box_stacks;
 using testing::BoxStacks;
 using testing::falling_velocity;
+using testing::seesaws;
 using testing::vector_of;
 
 std::unique_ptr<Solver> auto_solver(const Options& options = {}) { return lcpbench_solver_auto().make(options); }
@@ -44,6 +49,12 @@ void expect_verified(const Problem& problem, const Answer& answer, const std::st
   const Errors errors = Evaluator(problem).errors(answer);
   EXPECT_TRUE(errors.solved) << what << ": " << answer.detail;
   EXPECT_LE(errors.velocity_residual_relative, 1e-9) << what << ": " << answer.detail;
+}
+
+void expect_claimed(const Problem& problem, const Answer& answer, const std::string& methods) {
+  ASSERT_EQ(answer.claim, Claim::kSolved) << problem.name() << ": " << answer.detail;
+  EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << problem.name() << ": " << answer.detail;
+  EXPECT_NE(answer.detail.find(methods), std::string::npos) << problem.name() << ": " << answer.detail;
 }
 
 double velocity_difference(const Problem& problem, const Answer& a, const Answer& b) {
@@ -212,6 +223,60 @@ TEST(AutoTest, LeavesContactsOfLargeIslandsOut) {
     const Answer whole = solve(problem, kWhole);
     expect_verified(problem, whole, "whole");
     EXPECT_LE(velocity_difference(problem, answer, whole), 1e-12) << edges;
+  }
+}
+
+// By active_set, by active_set in place of velocity_ipm, by contact_lemke; large frictional ones leave nothing out.
+TEST(AutoTest, BringsBackWhatASwingPressesDown) {
+  for (const auto& [planks, edges] : {std::pair(17, 0), std::pair(30, 0), std::pair(17, 4)}) {
+    const Problem problem("seesaws", seesaws(planks, edges));
+    const auto solver = auto_solver();
+    solver->load(problem);
+    const Answer answer = solve(*solver);
+    expect_verified(problem, answer, "seesaws");
+    EXPECT_TRUE(contains(answer.detail, std::to_string(2 * planks) + " brought back")) << answer.detail;
+    const Answer whole = solve(problem, {{"leave_out", "false"}});
+    expect_verified(problem, whole, "all contacts");
+    EXPECT_LE(velocity_difference(problem, answer, whole), 1e-13);
+
+    // What was brought back stays, also for the next velocity.
+    EXPECT_FALSE(contains(solve(*solver).detail, "brought back"));
+    ContactProblem next = *problem.contact();
+    next.v *= 1.5;
+    solver->update(next.v);
+    const Problem now("next", next);
+    const Answer updated = solve(*solver);
+    expect_verified(now, updated, "next");
+    EXPECT_FALSE(contains(updated.detail, "brought back")) << updated.detail;
+    EXPECT_LE(velocity_difference(now, updated, solve(now, {{"leave_out", "false"}})), 1e-13);
+  }
+  const Problem large("seesaws", seesaws(60, 4));
+  EXPECT_EQ(solve(large).detail, "friction_ipm, double");
+}
+
+/// A stack of 24 cubes, of which all from `first` on fly up, each faster than the one below it. None: first = 24.
+ContactProblem flying_from(int first, int edges) {
+  ContactProblem contact = contact_problem(box_stacks({.stacks = 1, .height = 24, .edges = edges}));
+  for (int b = first; b < 24; ++b) contact.v(6 * b + 2) = 0.25 * (b - first + 1);
+  return contact;
+}
+
+TEST(AutoTest, AnUpdateMakesAnythingPressAndLeavesAnythingOut) {
+  for (const int edges : {0, 4}) {
+    const auto solver = auto_solver();
+    solver->load(Problem("all fly", flying_from(0, edges)));
+    EXPECT_TRUE(contains(solve(*solver).detail, "1 at rest")) << edges;
+    for (const int first : {12, 18, 0, 12, 24, 6, 12}) {
+      const ContactProblem contact = flying_from(first, edges);
+      const Problem now("from " + std::to_string(first), contact);
+      solver->update(contact.v);
+      const Answer answer = solve(*solver);
+      expect_verified(now, answer, now.name());
+      EXPECT_EQ(contains(answer.detail, "1 at rest"), first == 0) << answer.detail;
+      // Loaded for 12: what then flies is left out as long as it flies.
+      EXPECT_EQ(contains(answer.detail, "contacts left out"), first <= 12) << now.name() << ": " << answer.detail;
+      EXPECT_LE(velocity_difference(now, answer, solve(now, kWhole)), 1e-12) << now.name();
+    }
   }
 }
 
@@ -400,10 +465,87 @@ TEST(AutoTest, AllocatesNothingInASolve) {
   }
 }
 
-TEST(AutoTest, SaysWhereItAllocates) {
-  const auto solver = auto_solver();
-  solver->load(Problem("large", box_stacks({.stacks = 1, .height = 30, .edges = 0})));
-  EXPECT_FALSE(solver->capabilities().allocation_free);
+/// Of what no method but another may get through: every other cube is heavier.
+RigidScene uneven_stack(int height, int edges, double ratio) {
+  RigidScene scene = box_stacks({.stacks = 1, .height = height, .edges = edges, .jitter = 1});
+  for (std::size_t b = 0; b < scene.bodies.size(); b += 2) {
+    scene.bodies[b].mass *= ratio;
+    scene.bodies[b].inertia *= ratio;
+  }
+  return scene;
+}
+
+int allocations_in_solve(Solver& solver, Answer& answer) {
+  return testing::count_allocations([&] { solver.solve({}, answer); });
+}
+
+TEST(AutoTest, AllocatesNothingWhereContactsAreBroughtBack) {
+  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  for (const auto& [planks, edges] : {std::pair(17, 0), std::pair(17, 4), std::pair(24, 0), std::pair(30, 0)}) {
+    const Problem problem("seesaws", seesaws(planks, edges));
+    const auto solver = auto_solver();
+    solver->load(problem);
+    ASSERT_TRUE(solver->capabilities().allocation_free);
+    Answer answer;
+    answer.z.resize(problem.size());
+    answer.velocity.resize(problem.contact()->ngc());
+    EXPECT_EQ(allocations_in_solve(*solver, answer), 0) << planks << " planks, " << edges << " edges";
+    EXPECT_TRUE(contains(answer.detail, "brought back")) << answer.detail;
+    if (planks == 30) continue;  // goes on with velocity_ipm
+    for (const double factor : {2.0, -1.0, 1.0}) {
+      solver->update(factor * problem.contact()->v);
+      EXPECT_EQ(allocations_in_solve(*solver, answer), 0) << planks << " planks, " << edges << " edges";
+      EXPECT_EQ(answer.claim, Claim::kSolved);
+    }
+  }
+}
+
+// Of several that take turns, so that memory has to do for each; none more than its first method by itself.
+TEST(AutoTest, AllocatesNothingWhereAMethodGivesUp) {
+  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  struct Case {
+    Problem problem;
+    Options options;
+    std::string methods;
+    std::unique_ptr<Solver> first;
+  };
+  std::vector<Case> cases;
+  const auto hidden = open_set("paper/monotone/exp5-1e10{redundancy=combination}")->generate(555001, 7544);
+  cases.push_back({hidden, {}, "active_set, contact_lemke", nullptr});
+  cases.push_back({Problem("uneven", uneven_stack(26, 0, 1e8)),
+                   {},
+                   "active_set, velocity_ipm",
+                   lcpbench_solver_velocity_ipm().make({})});
+  cases.push_back({Problem("uneven, rough", uneven_stack(4, 4, 1e10)),
+                   {{"sparse_friction_from", "1"}},
+                   "contact_lemke, friction_ipm",
+                   lcpbench_solver_friction_ipm().make({})});
+  for (const Case& test : cases) {
+    const auto solver = auto_solver(test.options);
+    for (const bool reversed : {false, true}) {  // then after a smaller problem of both kinds
+      if (reversed) {
+        solver->load(Problem("small", box_stacks({.stacks = 2})));
+        solver->load(Problem("small", box_stacks({.stacks = 2, .edges = 0})));
+      }
+      solver->load(test.problem);
+      int own = 0;
+      if (test.first != nullptr) {
+        Answer answer;
+        answer.z.resize(test.problem.size());
+        answer.velocity.resize(test.problem.contact()->ngc());
+        test.first->load(test.problem);
+        own = allocations_in_solve(*test.first, answer);
+        EXPECT_NE(answer.claim, Claim::kSolved) << test.problem.name();
+      }
+      Answer answer;
+      answer.z.resize(test.problem.size());
+      answer.velocity.resize(test.problem.contact()->ngc());
+      for (int repeat = 0; repeat < 2; ++repeat) {
+        EXPECT_LE(allocations_in_solve(*solver, answer), own) << test.problem.name();
+        expect_claimed(test.problem, answer, test.methods);
+      }
+    }
+  }
 }
 
 // --- limits and refusals ---

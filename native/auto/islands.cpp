@@ -1,6 +1,7 @@
 #include "native/auto/islands.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 #include <variant>
 
@@ -232,6 +233,28 @@ ContactProblem ProblemCutter::cut(std::span<const Index> contacts, std::span<con
   return part;
 }
 
+std::vector<Index> ProblemCutter::moved(std::span<const Index> contacts, std::span<const Index> coordinates) const {
+  std::vector<char> is_moved(block_begin_.size(), 0);
+  const auto mark = [&](Index row) { is_moved[block_of(row)] = 1; };
+  for (const Index contact : contacts) {
+    const auto c = static_cast<std::size_t>(contact);
+    std::visit([&](const auto& N) { for_each_nonzero(N, contact, mark); }, whole_->N);
+    for (Index t = layout_.friction_begin[c]; t < layout_.friction_begin[c + 1]; ++t) {
+      std::visit([&](const auto& D) { for_each_nonzero(D, t, mark); }, whole_->D);
+    }
+  }
+  std::vector<Index> moved;
+  std::copy_if(coordinates.begin(), coordinates.end(), std::back_inserter(moved),
+               [&](Index coordinate) { return is_moved[block_of(coordinate)] != 0; });
+  return moved;
+}
+
+/// The block that the coordinate is in.
+std::size_t ProblemCutter::block_of(Index coordinate) const {
+  const auto next = std::upper_bound(block_begin_.begin(), block_begin_.end(), coordinate);
+  return static_cast<std::size_t>(next - block_begin_.begin()) - 1;
+}
+
 Inertia ProblemCutter::cut_inertia(std::span<const Index> coordinates) const {
   const Inertia& inertia = whole_->inertia;
   if (const auto* dense = std::get_if<DenseInertia>(&inertia)) {
@@ -248,10 +271,9 @@ Inertia ProblemCutter::cut_inertia(std::span<const Index> coordinates) const {
 BlockInertia ProblemCutter::cut_blocks(const BlockInertia& inertia, std::span<const Index> coordinates) const {
   BlockInertia part;
   for (std::size_t first = 0; first < coordinates.size();) {
-    const auto next = std::upper_bound(block_begin_.begin(), block_begin_.end(), coordinates[first]);
+    const std::size_t block = block_of(coordinates[first]);
     std::size_t last = first;
-    while (last < coordinates.size() && coordinates[last] < *next) ++last;
-    const auto block = static_cast<std::size_t>(next - block_begin_.begin()) - 1;
+    while (last < coordinates.size() && coordinates[last] < block_begin_[block + 1]) ++last;
     part.blocks.push_back(
         principal_part(inertia.blocks[block], coordinates.subspan(first, last - first), block_begin_[block]));
     first = last;

@@ -40,8 +40,14 @@ class ProblemCutter {
   ContactProblem cut(std::span<const Index> contacts, std::span<const Index> coordinates, const Vector& v,
                      bool with_friction);
 
+  /// Those of an island's coordinates that belong to bodies (blocks of the inertia) which the contacts touch,
+  /// ascending.
+  /// @pre block inertia @param coordinates of the island, ascending
+  std::vector<Index> moved(std::span<const Index> contacts, std::span<const Index> coordinates) const;
+
  private:
   Inertia cut_inertia(std::span<const Index> coordinates) const;
+  std::size_t block_of(Index coordinate) const;
   BlockInertia cut_blocks(const BlockInertia& inertia, std::span<const Index> coordinates) const;
 
   const ContactProblem* whole_;

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/problem.h"
+#include "core/solver.h"
+#include "native/auto/dense_methods.h"
+#include "native/auto/islands.h"
+#include "native/auto/methods.h"
+#include "native/auto/report.h"
+#include "native/auto/settings.h"
+
+namespace lcpbench {
+
+/// Contacts with the coordinates that they move, as a problem of their own, with the method for its class and size.
+class IslandPart {
+ public:
+  IslandPart(const AutoSettings& settings, DenseMethods& dense) : settings_(settings), dense_(dense) {}
+
+  /// Cuts the problem out and takes the memory to solve it.
+  /// @param whole, part must outlive the next load @param v velocity of the whole problem
+  void load(ProblemCutter& whole, const Island& part, const Vector& v);
+  /// The same, but the work is put off until an update(), or a solve(), which then does it by a dense method.
+  /// @returns false where no dense method will do, and the work was done
+  bool load_when_needed(ProblemCutter& whole, const Island& part, const Vector& v);
+
+  /// Another velocity of the whole problem. Does what was put off.
+  void update(const Vector& v);
+  /// The same, but what was put off stays so. Allocates nothing.
+  void set_velocity(const Vector& v);
+
+  /// Solves it by its method, and where that gives up by those that follow. Allocates nothing.
+  /// @param start of the whole problem, or nullptr
+  /// @returns the claim of answer()
+  Claim solve(const Vector* start, const AutoLimits& limits, AutoReport& report);
+
+  const Answer& answer() const { return answer_; }
+  const std::vector<Index>& contacts() const { return part_->contacts; }
+  /// Whether the answer has lambdas for those of its contacts that have any.
+  bool carries_friction() const { return problem_.contact()->frictional(); }
+
+  // After a solve that ended in kSolved:
+
+  /// Whether the solver gave a velocity of its own.
+  bool gave_velocity() const { return gave_velocity_; }
+  /// The impulses in z of the whole.
+  void write_impulses(Vector& z) const;
+  /// The velocity in u of the whole. O(ngc^2) where the solver gave none.
+  void write_velocity(Vector& u);
+  /// The velocity before, in u of the whole.
+  void take_back_velocity(Vector& u) const { write(v_, u); }
+
+ private:
+  void cut(ProblemCutter& whole, const Island& part, const Vector& v);
+  AutoMethod choose_method(bool is_scene) const;
+  AutoMethod stand_in() const;
+  void load_method();
+  void place_unknowns(const ContactLayout& layout);
+  Solver& solver();
+  void write(const Vector& own, Vector& u) const;
+
+  const AutoSettings& settings_;
+  DenseMethods& dense_;
+  const Island* part_ = nullptr;
+  Problem problem_;
+  std::vector<Index> place_;  ///< in z of the whole, of each unknown
+  AutoMethod method_ = AutoMethod::kActiveSet;
+  bool is_loaded_ = false;  ///< the method's solver holds the problem
+  bool by_dense_ = false;   ///< the last answer is from dense_
+  bool gave_velocity_ = false;
+  Vector v_, u_, start_;
+  Answer answer_;
+
+  std::unique_ptr<ActiveSet> active_set_;
+  std::unique_ptr<ContactLemke> contact_lemke_;
+  std::unique_ptr<Solver> velocity_ipm_, friction_ipm_;
+};
+
+}  // namespace lcpbench
