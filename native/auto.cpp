@@ -162,9 +162,9 @@ void Auto::solve_whole(const SolveRequest& request, Answer& answer) {
   report.contacts = problem().contact()->nc();
   const AutoLimits limits = limits_of(request);
   run_method(*whole_, dense_.solver(*whole_), request, limits, answer, report);
-  const std::optional<AutoMethod> next = dense_.after(*whole_, problem());
-  if (next && gave_up(answer.claim, settings_.max_pivots)) {
-    dense_.solve(*next, problem(), v_, limits, answer, report);
+  if (gave_up(answer.claim, settings_.max_pivots)) {
+    const std::optional<AutoMethod> next = dense_.after(*whole_, problem());
+    if (next) dense_.solve(*next, problem(), v_, limits, answer, report);
   }
   answer.counters = report.counters();
   if (answer.claim == Claim::kSolved) report.write_text(text_of(answer));  // else its own words say why

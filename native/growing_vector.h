@@ -15,7 +15,8 @@ class GrowingVector {
     reserve(size);
     size_ = size;
   }
-  GrowingVector& operator=(const Eigen::Ref<const Vector>& values) {
+  template <class Values>
+  GrowingVector& operator=(const Eigen::MatrixBase<Values>& values) {
     resize(values.size());
     view() = values;
     return *this;
