@@ -125,6 +125,7 @@ ClearedVectors& cleared_vectors() {
 }
 
 void Solver::load(const Problem& problem) {
+  cleared_vectors();  // a thread's first use of them allocates
   problem_ = problem;
   refusal_ = why_not(capabilities(), problem);
   if (refusal_.empty()) on_load(problem);
