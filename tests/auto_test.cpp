@@ -571,7 +571,8 @@ TEST(AutoTest, AllocatesNothingWhereAMethodGivesUp) {
       solver->update(test.problem.contact()->v);
       Answer answer = room();
       for (int repeat = 0; repeat < 2; ++repeat) {
-        EXPECT_LE(allocations_in_solve(*solver, answer), own) << test.problem.name() << " after " << before.name() << ", solve " << repeat << ": " << answer.detail;
+        EXPECT_LE(allocations_in_solve(*solver, answer), own)
+            << test.problem.name() << " after " << before.name() << ", solve " << repeat << ": " << answer.detail;
         expect_claimed(test.problem, answer, test.methods);
       }
     }
