@@ -1,15 +1,30 @@
 #include "native/answer_test.h"
 
+#include <limits>
 #include <variant>
 
 #include "core/answer_storage.h"
+#include "core/quad.h"
 #include "native/contact_units.h"
 
 namespace lcpbench {
 namespace {
 
+using contact_lemke::Ending;
+
 /// Of the verdict's 1e-4, relative to max|q|: in 113 bits nothing is lost to rounding but that of the returned lambdas.
 constexpr double kClaimedQuadResidual = 0.999e-4;
+
+constexpr double kDoubleUnitRoundoff = 0x1p-53;
+
+/// Velocity residual relative to max|q|, its estimated rounding included, with which the end of a path in double shows
+/// that there is a solution. In 113 bits the path's own word is enough.
+constexpr double kSolvableResidual = 1e-12;
+
+/// Whether there may be directions in which nothing moves, so that contacts can ask for what no impulse does.
+bool may_be_singular(const Inertia& inertia) {
+  return std::holds_alternative<FactoredInertia>(inertia) || std::holds_alternative<InverseInertia>(inertia);
+}
 
 }  // namespace
 
@@ -28,6 +43,8 @@ void AnswerTest::load(const Problem& problem, Bodies bodies) {
   judge_.load(contacts_.input);
   quad_judge_.reserve(contacts_.input);
   quad_is_loaded_ = false;
+  may_be_singular_ = may_be_singular(contact.inertia);
+  if (may_be_singular_) path_end_.resize(problem.size());
 }
 
 void AnswerTest::set_velocity(const Vector& v) {
@@ -41,21 +58,27 @@ void AnswerTest::set_velocity(const Vector& v) {
 bool AnswerTest::settle(Answer& answer) {
   if (answer.claim != Claim::kSolved) return false;
   if (trusts_) return true;
-  if (solves(answer.z)) {
-    if (bare_ && bare_test_.disproves(completed_)) {
-      answer.claim = Claim::kUnsolvable;
-      answer.detail = "proven";
-      Vector& farkas = cleared_vectors().farkas;
-      farkas = bare_test_.proof();
-      answer.farkas.swap(farkas);
-      return false;
-    }
-    answer.z = completed_;
-    return true;
+  const Outcome outcome = solves(answer.z) ? confirm() : Outcome::kResidual;
+  switch (outcome) {  // details are short enough for std::string to hold in place
+    case Outcome::kSolved: answer.z = completed_; return true;
+    case Outcome::kUnsolvable: report_proof(answer); return false;
+    case Outcome::kResidual: answer.detail = "residual"; break;
+    case Outcome::kUnconfirmed: answer.detail = "unconfirmed"; break;
   }
   answer.claim = Claim::kNumericalFailure;
-  answer.detail = "residual";  // short enough for std::string to hold in place
   return false;
+}
+
+void AnswerTest::report_proof(Answer& answer) {
+  answer.claim = Claim::kUnsolvable;
+  answer.detail = "proven";
+  Vector& farkas = cleared_vectors().farkas;
+  if (bare_) {
+    farkas = bare_test_.proof();
+  } else {
+    farkas = path_end_.head(contacts_.input.nc);
+  }
+  answer.farkas.swap(farkas);
 }
 
 bool AnswerTest::solves(const Vector& z) {
@@ -67,10 +90,58 @@ bool AnswerTest::solves(const Vector& z) {
 
 bool AnswerTest::solves_contacts() {
   release_friction(contacts_.input, completed_);
-  if (judge_.complete(completed_.data()).certain <= kClaimedResidual) return true;
+  residual_ = judge_.complete(completed_.data()).certain;
+  if (residual_ <= kClaimedResidual) return true;
+  residual_ = quad_judge().complete(completed_.data()).certain;
+  return residual_ <= kClaimedQuadResidual;
+}
+
+/// Whether the problem that completed_ seems to solve has a solution.
+AnswerTest::Outcome AnswerTest::confirm() {
+  if (bare_) return bare_test_.disproves(completed_) ? Outcome::kUnsolvable : Outcome::kSolved;
+  if (!may_be_singular_ || residual_ <= kUndoubtedResidual) return Outcome::kSolved;
+  const bool frictional = contacts_.friction_begin.back() > 0;
+  Outcome outcome = confirm({}, frictional);
+  if (outcome == Outcome::kUnconfirmed) outcome = confirm({.quad = true}, frictional);
+  if (outcome == Outcome::kUnconfirmed && frictional) outcome = confirm({.quad = true, .classic = true}, true);
+  return outcome;
+}
+
+/// What one path shows. A ray of the problem without friction proves that nothing solves the problem with it; path_end_
+/// is then that proof.
+AnswerTest::Outcome AnswerTest::confirm(const Path& path, bool frictional) {
+  LoadedContacts& engine = path.quad ? quad_judge() : judge_;
+  Ending ending = follow(path, engine, false);
+  if (ending == Ending::kSolved) {
+    const bool certain = path.quad || engine.complete(path_end_.data()).certain <= kSolvableResidual;
+    return certain ? Outcome::kSolved : Outcome::kUnconfirmed;
+  }
+  if (ending == Ending::kRay && frictional) ending = follow(path, engine, true);
+  const bool disproved = ending == Ending::kRay && judge_.disproves(path_end_.data());
+  return disproved ? Outcome::kUnsolvable : Outcome::kUnconfirmed;
+}
+
+Ending AnswerTest::follow(const Path& path, LoadedContacts& engine, bool frictionless) {
+  const ContactLemkeSettings settings;
+  const double roundoff = path.quad ? kQuadUnitRoundoff : kDoubleUnitRoundoff;
+  const std::ptrdiff_t rows = contacts_.input.nc + contacts_.input.ngc;
+  contact_lemke::Rules rules;
+  rules.classic = path.classic && !frictionless;
+  rules.frictionless = frictionless;
+  rules.refinements = static_cast<std::ptrdiff_t>(settings.max_refinements);
+  rules.pivot_tolerance = roundoff * settings.pivot_tolerance;
+  rules.tie_tolerance = roundoff * settings.tie_tolerance;
+  rules.residual_tolerance = roundoff * settings.refine_tolerance;
+  rules.max_pivots = 100 + 20 * (path.classic ? rows + contacts_.friction_begin.back() : rows);
+  rules.deadline_s = std::numeric_limits<double>::infinity();
+  path_end_.setZero();
+  return engine.solve(rules, path_end_.data()).ending;
+}
+
+LoadedContacts& AnswerTest::quad_judge() {
   if (!quad_is_loaded_) quad_judge_.load(contacts_.input);
   quad_is_loaded_ = true;
-  return quad_judge_.complete(completed_.data()).certain <= kClaimedQuadResidual;
+  return quad_judge_;
 }
 
 void release_friction(const contact_lemke::Input& contacts, Vector& z) {

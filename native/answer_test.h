@@ -12,6 +12,10 @@ namespace lcpbench {
 /// residual relative to max|q| of contact problems.
 inline constexpr double kClaimedResidual = 5e-5;
 
+/// Velocity residual relative to max|q|, its estimated rounding included, that an answer to a problem without any
+/// solution does not have but by chance: of random problems one in 1e10 misses solvability by so little.
+inline constexpr double kUndoubtedResidual = 1e-10;
+
 /// The last test of an answer before it is claimed as solved, from the data of the problem, by the measure of the
 /// verdict: for methods that work on M. M as rounded is another problem where the inertia is near singular, and its
 /// exact solution may be none of the contacts'.
@@ -32,18 +36,35 @@ class AnswerTest {
 
   /// Where the claim is not solved, nothing. Else: entries of z below zero count as zero, and so does friction where no
   /// contact presses; lambda is the least that the friction impulses allow. If that solves the problem it is the
-  /// answer. If not, z stays and the claim becomes kNumericalFailure (`detail` "residual"), or kUnsolvable, with
-  /// `farkas`, where the answer proves that a bare LCP has no solution. Of contact problems the velocity residual with
-  /// its estimated rounding has to be within kClaimedResidual of max|q| in double, or within what the verdict allows in
-  /// 113 bits; of bare LCPs the backward error within kClaimedBackwardError. Positive entries count as in the basis: w
-  /// has to vanish there. O(ngc n); in 113 bits, where double is in doubt, O(ngc^3). Allocates nothing but the Farkas
-  /// vector's memory, once.
+  /// answer. If not, z stays and the claim becomes kNumericalFailure (`detail` "residual" or "unconfirmed"), or
+  /// kUnsolvable, with `farkas`, where the problem is proven to have no solution: bare LCPs in 113 bits, contacts to
+  /// rounding. Of contact problems the velocity residual with its estimated rounding has to be within kClaimedResidual
+  /// of max|q| in double, or within what the verdict allows in 113 bits; of bare LCPs the backward error within
+  /// kClaimedBackwardError. Positive entries count as in the basis: w has to vanish there. O(ngc n); in 113 bits, where
+  /// double is in doubt, O(ngc^3). Allocates nothing but the Farkas vector's memory, once.
+  ///
+  /// With singular inertia contacts may miss having a solution by so little that the residual does not tell. Where that
+  /// is above kUndoubtedResidual, the answer is "unconfirmed" unless a path of Lemke's method, in double or in 113
+  /// bits, ends in a solution. See docs/claims.md.
   /// @returns whether the claim is still solved
   bool settle(Answer& answer);
 
  private:
+  enum class Outcome { kSolved, kUnsolvable, kResidual, kUnconfirmed };
+
+  /// Of Lemke's method: to a solution that owes nothing to the answer.
+  struct Path {
+    bool quad = false;
+    bool classic = false;  ///< the covering vector that is positive on every row
+  };
+
   bool solves(const Vector& z);
   bool solves_contacts();
+  Outcome confirm();
+  Outcome confirm(const Path& path, bool frictional);
+  contact_lemke::Ending follow(const Path& path, LoadedContacts& engine, bool frictionless);
+  void report_proof(Answer& answer);
+  LoadedContacts& quad_judge();
 
   LoadedContacts judge_, quad_judge_;
   Vector units_;             // of the coordinates, see coordinate_units(); mostly empty
@@ -53,7 +74,10 @@ class AnswerTest {
   bool trusts_ = false;  // every claim stands
   bool bare_ = true;
   bool quad_is_loaded_ = false;
-  Vector completed_;  // n
+  bool may_be_singular_ = false;  // the inertia of contacts
+  double residual_ = 0;           // of completed_, contacts
+  Vector completed_;              // n
+  Vector path_end_;               // n, where the inertia may be singular
 };
 
 /// Contact problems: no friction impulses where the normal one is zero. @param z of lcp_size entries
