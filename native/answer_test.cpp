@@ -17,10 +17,6 @@ constexpr double kClaimedQuadResidual = 0.999e-4;
 
 constexpr double kDoubleUnitRoundoff = 0x1p-53;
 
-/// Velocity residual relative to max|q|, its estimated rounding included, with which the end of a path in double shows
-/// that there is a solution. In 113 bits the path's own word is enough.
-constexpr double kSolvableResidual = 1e-12;
-
 /// Whether there may be directions in which nothing moves, so that contacts can ask for what no impulse does.
 bool may_be_singular(const Inertia& inertia) {
   return std::holds_alternative<FactoredInertia>(inertia) || std::holds_alternative<InverseInertia>(inertia);
@@ -90,10 +86,12 @@ bool AnswerTest::solves(const Vector& z) {
 
 bool AnswerTest::solves_contacts() {
   release_friction(contacts_.input, completed_);
-  residual_ = judge_.complete(completed_.data()).certain;
-  if (residual_ <= kClaimedResidual) return true;
-  residual_ = quad_judge().complete(completed_.data()).certain;
-  return residual_ <= kClaimedQuadResidual;
+  contact_lemke::Residual residual = judge_.complete(completed_.data());
+  residual_ = residual.velocity;
+  if (residual.certain <= kClaimedResidual) return true;
+  residual = quad_judge().complete(completed_.data());
+  residual_ = residual.velocity;
+  return residual.certain <= kClaimedQuadResidual;
 }
 
 /// Whether the problem that completed_ seems to solve has a solution.
@@ -113,8 +111,9 @@ AnswerTest::Outcome AnswerTest::confirm(const Path& path, bool frictional) {
   LoadedContacts& engine = path.quad ? quad_judge() : judge_;
   Ending ending = follow(path, engine, false);
   if (ending == Ending::kSolved) {
-    const bool certain = path.quad || engine.complete(path_end_.data()).certain <= kSolvableResidual;
-    return certain ? Outcome::kSolved : Outcome::kUnconfirmed;
+    // In 113 bits the path's own word is enough: its answer was rounded to doubles.
+    const bool confirms = path.quad || engine.complete(path_end_.data()).velocity <= kUndoubtedResidual;
+    return confirms ? Outcome::kSolved : Outcome::kUnconfirmed;
   }
   if (ending == Ending::kRay && frictional) ending = follow(path, engine, true);
   const bool disproved = ending == Ending::kRay && judge_.disproves(path_end_.data());

@@ -12,8 +12,8 @@ namespace lcpbench {
 /// residual relative to max|q| of contact problems.
 inline constexpr double kClaimedResidual = 5e-5;
 
-/// Velocity residual relative to max|q|, its estimated rounding included, that an answer to a problem without any
-/// solution does not have but by chance: of random problems one in 1e10 misses solvability by so little.
+/// Velocity residual relative to max|q|, as evaluated in double, that an answer to a problem without any solution does
+/// not have but by chance: of random problems about one in 1e10 misses its solution by so little.
 inline constexpr double kUndoubtedResidual = 1e-10;
 
 /// The last test of an answer before it is claimed as solved, from the data of the problem, by the measure of the
