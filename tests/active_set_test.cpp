@@ -221,6 +221,16 @@ TEST(ActiveSetTest, AContactThatNothingMovesMustPartByItself) {
   EXPECT_TRUE(Evaluator(problem(-0.5)).check_farkas(answer.farkas));
 }
 
+// The same with an inertia given by factors, which may be singular: that rounding is no proof in any precision.
+TEST(ActiveSetTest, RoundingAtRestIsNotTakenForAProof) {
+  const Problem problem = open_set("paper/monotone/exp3")->generate(20261203, 8128);
+  for (const char* precision : {"double", "polished", "quad", "ladder"}) {
+    const Answer answer = solve(problem, {{"precision", precision}});
+    EXPECT_EQ(answer.claim, Claim::kSolved) << precision << ": " << answer.detail;
+    EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << precision;
+  }
+}
+
 // 84.92 % of Experiment 3 are solvable, by the closed form of the paper's generator: 255 of 300 +- 6.2.
 TEST(ActiveSetTest, TellsSolvableFromUnsolvableInertiaOfLowRank) {
   const auto set = open_set("paper/monotone/exp3");

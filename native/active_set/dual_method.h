@@ -166,13 +166,32 @@ class DualMethod {
     if (whitening_.triangular()) return false;  // their normals are zero, and so is their velocity
     for (Count j = 0; j < whitening_.nc(); ++j) {
       if (whitening_.squared_norm(j) > 0) continue;
-      Scalar terms = 0;
-      for (Count i = 0; i < whitening_.ngc(); ++i) terms += magnitude(whitening_.normals(i)[j] * v_[i]);
-      if (given_[j] >= -whitening_.noise() * terms) continue;
+      if (given_[j] >= -whitening_.noise() * velocity_terms(j)) continue;
       entering_contact_ = j;
       return true;
     }
     return false;
+  }
+
+  /// Sum of the magnitudes of what the normal velocity N_j'v adds up.
+  Scalar velocity_terms(Count j) {
+    Scalar terms = 0;
+    for (Count i = 0; i < whitening_.ngc(); ++i) terms += magnitude(whitening_.normals(i)[j] * v_[i]);
+    return terms;
+  }
+
+  /// Whether the entering contact and the active ones that its normal depends on, u >= 0 with N u in null(G), have
+  /// v'N u < 0 by more than rounding. Where it is rounding, most often at v+ = 0, where all contacts rest, the
+  /// violation is rounding too.
+  bool proves_infeasible() {
+    constexpr double kRoundings = kLastPrecision ? 0x1p20 : 1;  // the last precision has digits to spare
+    Scalar value = given_[entering_contact_];
+    Scalar terms = velocity_terms(entering_contact_);
+    for (Count k = 0; k < basis_.size(); ++k) {
+      value -= share_[k] * given_[active_[k]];
+      terms -= share_[k] * velocity_terms(active_[k]);
+    }
+    return value < -static_cast<Scalar>(kRoundings) * whitening_.noise() * terms;
   }
 
   /// Moves towards the entering contact's boundary until there (added), or until an active contact lets go.
@@ -194,9 +213,9 @@ class DualMethod {
       }
     }
     if (!independent && leaving < 0) {
-      if (!whitening_.triangular()) return Ending::kInfeasible;
-      // A positive definite inertia leaves nothing infeasible: the violation is rounding, most often at v+ = 0, where
-      // all contacts rest. If it is not, the test at the end finds it.
+      // A positive definite inertia leaves nothing infeasible. If the violation is no rounding, the test at the end
+      // finds it.
+      if (!whitening_.triangular() && proves_infeasible()) return Ending::kInfeasible;
       weight_[entering_contact_] = 0;
       added = true;
       return Ending::kSolved;
