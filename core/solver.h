@@ -17,7 +17,7 @@ enum class Claim {
   kIterationLimit,    ///< stopped by its own limit on iterations or pivots
   kTimeLimit,         ///< stopped by SolveRequest::time_limit_s, or ended from outside for it
   kNumericalFailure,  ///< gave up: no usable pivot, a breakdown, an error code
-  kUnsupported,       ///< the problem is outside what the solver takes; `detail` says why
+  kUnsupported,       ///< the problem is outside what the solver takes; `detail` says why, and there are no vectors
   kCrashed,           ///< died, or returned what is no answer; only workers report it
 };
 

@@ -50,6 +50,24 @@ class Throws final : public Solver {
   Capabilities capabilities_;
 };
 
+/// Finds out at the solve only that it cannot, and leaves what it has.
+class RefusesLate final : public Solver {
+ public:
+  const Capabilities& capabilities() const override { return capabilities_; }
+
+ protected:
+  void on_load(const Problem&) override {}
+  void on_solve(const SolveRequest&, Answer& answer) override {
+    answer.claim = Claim::kUnsupported;
+    answer.velocity = Vector::Zero(2);
+    answer.farkas = Vector::Zero(4);
+    answer.detail = "not this one";
+  }
+
+ private:
+  Capabilities capabilities_;
+};
+
 Problem frictional_particle() {
   ContactProblem contact;
   contact.v = Vector{{1.0, -1.0}};
@@ -80,6 +98,19 @@ TEST(SolverTest, RefusedProblemsAreAnsweredUnsupportedWithTheReason) {
   symmetric.load(frictional_particle());
   symmetric.solve({}, answer);
   EXPECT_EQ(answer.claim, Claim::kUnsupported);
+}
+
+// Zeros are right for bodies that separate: an answer that nobody gave would be verified.
+TEST(SolverTest, RefusalsAtTheSolveHoldNoAnswer) {
+  RefusesLate solver;
+  Answer answer;
+  solver.load(frictional_particle());
+  solver.solve({}, answer);
+  EXPECT_EQ(answer.claim, Claim::kUnsupported);
+  EXPECT_EQ(answer.detail, "not this one");
+  EXPECT_EQ(answer.z.size(), 0);
+  EXPECT_EQ(answer.velocity.size(), 0);
+  EXPECT_EQ(answer.farkas.size(), 0);
 }
 
 TEST(SolverTest, NaNAndInfinityAreRefused) {

@@ -91,7 +91,9 @@ TEST_F(VelocityIpmCholmodTest, RefusesWhatItCannotTakeAndRegularisesNothing) {
   contact.edges = {0, 0};
   contact.mu = Vector::Zero(2);
   contact.inertia = InverseInertia{Matrix::Identity(2, 2)};
-  EXPECT_EQ(solve("velocity_ipm_cholmod", Problem("inverse only", contact)).claim, Claim::kUnsupported);
+  const Answer inverse_only = solve("velocity_ipm_cholmod", Problem("inverse only", contact));
+  EXPECT_EQ(inverse_only.claim, Claim::kUnsupported);
+  EXPECT_EQ(inverse_only.z.size(), 0);
   contact.inertia = FactoredInertia{Matrix(testing::ones(2)), testing::ones(1)};
   const Answer singular = solve("velocity_ipm_cholmod", Problem("singular", contact));
   EXPECT_EQ(singular.claim, Claim::kUnsupported);
