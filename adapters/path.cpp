@@ -131,7 +131,6 @@ class Path final : public Solver {
                           .time_limit_s = request.time_limit_s});
     if (!library_.licensed(mcp_->size(), mcp_->entries())) {
       answer.claim = Claim::kUnsupported;
-      answer.z.resize(0);
       answer.detail = library_.version() + ": the licence does not cover n = " + std::to_string(mcp_->size()) +
                       " with " + std::to_string(mcp_->entries()) + " nonzeros; set PATH_LICENSE_STRING";
       return;

@@ -100,6 +100,14 @@ std::string short_version(const char* text) {
   return version.substr(0, version.find_last_not_of(" \n") + 1);
 }
 
+/// Every `from` replaced by `to`.
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
+    text.replace(at, from.size(), to);
+  }
+  return text;
+}
+
 void discard(void*, int, char*) {}
 void discard_flush(void*, int) {}
 
@@ -125,12 +133,14 @@ struct PathLibrary::EntryPoints {
   double* (*MCP_GetX)(void* mcp);
   void (*MCP_Destroy)(void* mcp);
 
+  /// The errors name no folder: they get into reports.
   explicit EntryPoints(const std::string& file) {
+    const std::string name = std::filesystem::path(file).filename();
     void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (library == nullptr) throw InputError(std::string("PATH_LIBRARY: ") + dlerror());
-    const auto find = [&](auto& entry, const char* name) {
-      void* const address = dlsym(library, name);
-      if (address == nullptr) throw InputError("PATH_LIBRARY: " + file + " has no " + name);
+    if (library == nullptr) throw InputError("PATH_LIBRARY: " + replaced(dlerror(), file, name));
+    const auto find = [&](auto& entry, const char* symbol) {
+      void* const address = dlsym(library, symbol);
+      if (address == nullptr) throw InputError("PATH_LIBRARY: " + name + " has no " + symbol);
       std::memcpy(&entry, &address, sizeof entry);
     };
     find(Path_Version, "Path_Version");
@@ -211,7 +221,6 @@ void PathLibrary::solve(McpInterface& callbacks, int n, int entries, Answer& ans
     answer.claim = termination.claim;
     answer.detail = version_ + ": " + termination.meaning;
   }
-  if (answer.claim == Claim::kUnsupported) answer.z.resize(0);
 }
 
 }  // namespace lcpbench::path

@@ -196,6 +196,23 @@ std::unique_ptr<TimedSolver> worker_solver(const std::filesystem::path& executab
   return std::make_unique<WorkerSolver>(executable, solver, limits);
 }
 
+std::string why_no_worker(const std::filesystem::path& executable, const Spec& solver, const WorkerLimits& limits) {
+  try {
+    const WorkerProcess process(executable, solver.text(), limits);
+    return {};
+  } catch (const worker::EndedBeforeGreeting& ended) {
+    return ended.last_words().empty() ? ended.what() : ended.last_words();
+  } catch (const std::exception& error) {
+    return worker::printable(error.what(), worker::kMaxDetailBytes);
+  }
+}
+
+std::string why_not_opened(const std::string& known, const std::string& solver, const std::string& worker) {
+  if (!known.empty()) return known;
+  const std::filesystem::path executable = worker_directory() / worker;
+  return access(executable.c_str(), X_OK) == 0 ? why_no_worker(executable, {solver, {}}) : "";
+}
+
 std::filesystem::path worker_executable(const RegisteredSolver& solver) {
   const std::string& name = solver.definition.name;
   if (solver.native()) throw InputError("solver '" + name + "' is native: it has no worker");

@@ -46,6 +46,15 @@ class WorkerError : public std::runtime_error {
 std::unique_ptr<TimedSolver> worker_solver(const std::filesystem::path& executable, const Spec& solver,
                                            const WorkerLimits& limits = {});
 
+/// Starts a worker for this solver and ends it again. @returns "" when it came up and greeted; else why not, on one
+/// line: what it said itself where it said something. Takes a process start; at most limits.start_timeout_s.
+std::string why_no_worker(const std::filesystem::path& executable, const Spec& solver, const WorkerLimits& limits = {});
+
+/// What RegisteredSolver::unavailable says of a solver whose library is the user's own and opened by its worker alone:
+/// `known`, the reason that shows without that, if there is one; else the worker's, started to see. A worker program
+/// that is missing is no reason here: worker_executable tells.
+std::string why_not_opened(const std::string& known, const std::string& solver, const std::string& worker);
+
 /// The worker executable of a registered solver: beside the running program, or in the folder that the environment
 /// variable LCPBENCH_WORKER_DIR names. @throws InputError when unavailable, native, or not there.
 std::filesystem::path worker_executable(const RegisteredSolver& solver);

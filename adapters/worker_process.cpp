@@ -208,7 +208,8 @@ void WorkerProcess::expect_greeting(double timeout_s) {
   const Wait greeted = wait(packet, wall_clock_s() + timeout_s);
   if (greeted.event == Event::kTimeout) throw std::runtime_error("the worker did not greet in time");
   if (greeted.event == Event::kEnded) {
-    throw std::runtime_error("the worker ended before its greeting: " + end() + messages());
+    const std::string ending = end();
+    throw EndedBeforeGreeting("the worker ended before its greeting: " + ending + messages(), last_words());
   }
   if (greeted.packet_bytes > packet.size()) throw std::runtime_error("the worker's greeting is too long");
   Parsed<Greeting> greeting = parse_greeting(std::span(packet).first(greeted.packet_bytes));
@@ -269,12 +270,17 @@ std::string WorkerProcess::end() {
 void WorkerProcess::clear_messages() { lseek(stderr_file_.get(), 0, SEEK_SET); }
 
 std::string WorkerProcess::messages() const {
+  const std::string text = last_words();
+  return text.empty() ? "" : "; stderr: " + text;
+}
+
+std::string WorkerProcess::last_words() const {
   const off_t written = std::clamp<off_t>(lseek(stderr_file_.get(), 0, SEEK_CUR), 0, kStderrBytes);
   std::string text(std::min(kStderrTail, static_cast<std::size_t>(written)), '\0');
   const ssize_t read = pread(stderr_file_.get(), text.data(), text.size(), written - static_cast<off_t>(text.size()));
   text = printable(std::string_view(text).substr(0, static_cast<std::size_t>(std::max<ssize_t>(read, 0))), kStderrTail);
   text.erase(text.find_last_not_of(' ') + 1);
-  return text.empty() ? "" : "; stderr: " + text;
+  return text;
 }
 
 }  // namespace lcpbench::worker

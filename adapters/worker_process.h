@@ -3,7 +3,9 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <sys/types.h>
 
@@ -13,6 +15,18 @@
 
 namespace lcpbench::worker {
 
+/// A worker ended by itself before it greeted.
+class EndedBeforeGreeting : public std::runtime_error {
+ public:
+  EndedBeforeGreeting(const std::string& what, std::string last_words)
+      : std::runtime_error(what), last_words_(std::move(last_words)) {}
+  /// The end of what it wrote to its standard error, on one line; "" for nothing.
+  const std::string& last_words() const { return last_words_; }
+
+ private:
+  std::string last_words_;
+};
+
 /// A running worker process and this side of its socket. The destructor kills and reaps it.
 ///
 /// The process leads a session of its own: Ctrl-C at the terminal does not reach it. It is started by one thread that
@@ -21,7 +35,7 @@ namespace lcpbench::worker {
 class WorkerProcess {
  public:
   /// Starts the executable, which makes the solver of this spec, and waits for its greeting. @throws std::runtime_error
-  /// with the reason when it does not come.
+  /// with the reason when it does not come: EndedBeforeGreeting where the worker gave up.
   WorkerProcess(const std::filesystem::path& executable, const std::string& solver, const WorkerLimits& limits);
   ~WorkerProcess();
   WorkerProcess(const WorkerProcess&) = delete;
@@ -60,6 +74,8 @@ class WorkerProcess {
   void clear_messages();
 
  private:
+  /// What messages() puts after "; stderr: ".
+  std::string last_words() const;
   void start(const std::filesystem::path& executable, const std::string& solver, const WorkerLimits& limits);
   void expect_greeting(double timeout_s);
 

@@ -15,7 +15,8 @@ set_property(GLOBAL PROPERTY LCPBENCH_LIBRARIES "")
 # lcpbench_library(bullet NAME "Bullet" VERSION 3.24 FOUND TRUE MISSING "why not" LINK target...)
 # Declares a foreign library. All its adapters share one worker executable, lcpbench-worker-<id>.
 # AT_RUN_TIME instead of VERSION, FOUND and MISSING: the program asks when it starts. One of the adapters' sources then has
-# the functions `std::string lcpbench_unavailable_<id>()`, the reason or "", and `std::string lcpbench_version_<id>()`.
+# the functions `std::string lcpbench_unavailable_<id>()`, the reason or "", and `std::string lcpbench_version_<id>()`; without
+# a reason the worker is started, once, to see whether it comes up.
 function(lcpbench_library id)
   cmake_parse_arguments(ARG "AT_RUN_TIME" "NAME;VERSION;FOUND;MISSING" "LINK" ${ARGN})
   if(ARG_AT_RUN_TIME)
@@ -99,8 +100,10 @@ function(lcpbench_finish_solvers)
     set(why "\"\"")
     if(at_run_time)
       set(version "lcpbench_version_${id}()")
-      set(why "lcpbench_unavailable_${id}()")
-      string(APPEND declarations "std::string lcpbench_version_${id}();\nstd::string lcpbench_unavailable_${id}();\n")
+      set(why "why_not_opened(lcpbench_unavailable_${id}(), \"${name}\", \"lcpbench-worker-${id}\")")
+      string(APPEND declarations
+             "std::string lcpbench_version_${id}();\nstd::string lcpbench_unavailable_${id}();\n"
+             "std::string why_not_opened(const std::string&, const std::string&, const std::string&);\n")
     elseif(NOT found)
       set(why "\"${missing}\"")
     endif()
@@ -110,7 +113,8 @@ function(lcpbench_finish_solvers)
   endforeach()
   _lcpbench_write_list(${PROJECT_BINARY_DIR}/generated/solver_list.cpp "${declarations}" "${entries}")
   add_library(lcpbench_solver_list STATIC ${PROJECT_BINARY_DIR}/generated/solver_list.cpp)
-  target_link_libraries(lcpbench_solver_list PUBLIC lcpbench_native lcpbench_adapter_descriptions lcpbench_core)
+  target_link_libraries(lcpbench_solver_list PUBLIC lcpbench_native lcpbench_adapter_descriptions lcpbench_adapters
+                                                    lcpbench_core)
   # core calls registered_solvers() and stands after this archive on the link line: the linker must take it the first time.
   target_link_options(lcpbench_solver_list INTERFACE "LINKER:--undefined=_ZN8lcpbench18registered_solversEv")
 

@@ -10,8 +10,8 @@
 
 namespace lcpbench {
 
-/// Why the solver cannot run here: its library was not found when this was built, or its worker program is
-/// missing; "" when it can run.
+/// Why the solver cannot run here: its library was not found when this was built, its worker program is
+/// missing, or a library of the user's own does not open; "" when it can run.
 std::string why_unavailable(const RegisteredSolver& solver);
 
 /// Whether the solver has no default for something that it must be told, as `external` for its command: then it runs

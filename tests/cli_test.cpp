@@ -149,6 +149,42 @@ TEST_F(CommandLineTest, AMissingWorkerProgramMakesItsSolversUnavailable) {
   EXPECT_NE(study.err.find("skipped: bullet_dantzig: "), std::string::npos) << study.err;
 }
 
+// Not there, no library, no PATH: in each case the study goes on without it, and the reason names no folder.
+TEST_F(CommandLineTest, ALibraryOfTheUsersThatIsNoneMakesItsSolverUnavailable) {
+  std::ofstream(folder_ / "notes.txt") << "no library";
+  std::ofstream(folder_ / "good.json")
+      << R"({"format": "lcpbench-problem", "version": 1, "name": "one", "kind": "lcp", "M": [[1]], "q": [-1]})";
+  std::ofstream(folder_ / "plan.json")
+      << R"({"format": "lcpbench-plan", "version": 1, "name": "two", "trials": 1, "sets": ["planted/definite"],)"
+      << R"("solvers": ["lemke", {"solver": "path", "optional": true}]})";
+  for (const auto& [library, cause] :
+       std::vector<std::pair<std::string, std::string>>{{folder_ / "nowhere.so", "nowhere.so"},
+                                                        {folder_ / "notes.txt", "notes.txt"},
+                                                        {"libm.so.6", "Path_Version"}}) {
+    setenv("PATH_LIBRARY", library.c_str(), 1);
+    const json solvers = run_json("solvers");
+    const ProgramRun solve = run("solve good.json");
+    const ProgramRun asked = run("solve good.json --solver path");
+    const ProgramRun study = run("run plan.json --fresh --store two.db");
+    const ProgramRun validation =
+        run("validate --solver lemke --solver siconos_lemke --set planted/definite --trials 2");
+    unsetenv("PATH_LIBRARY");
+    const auto path =
+        std::find_if(solvers.begin(), solvers.end(), [](const json& solver) { return solver["name"] == "path"; });
+    ASSERT_NE(path, solvers.end());
+    const std::string reason = (*path)["reason"];
+    EXPECT_FALSE((*path)["available"].get<bool>()) << library;
+    EXPECT_NE(reason.find(cause), std::string::npos) << reason;
+    EXPECT_EQ(reason.find('/'), std::string::npos) << reason;
+    EXPECT_EQ(solve.exit_code, 0) << solve.err;
+    EXPECT_EQ(asked.exit_code, 2);
+    EXPECT_NE(asked.err.find(reason), std::string::npos) << asked.err;
+    EXPECT_EQ(study.exit_code, 0) << study.err;
+    EXPECT_NE(study.err.find("skipped: path: " + reason), std::string::npos) << study.err;
+    EXPECT_EQ(validation.exit_code, 0) << validation.err;
+  }
+}
+
 TEST_F(CommandLineTest, SolversJson) {
   const json solvers = run_json("solvers");
   std::vector<std::string> names;
