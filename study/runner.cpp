@@ -309,8 +309,9 @@ void add_names(const Study& study, Store& store) {
 }
 
 /// Throws what ended a thread; where a user can go on once the cause is mended, the message says how.
-[[noreturn]] void rethrow(const std::exception_ptr& error, const Store& store) {
-  const auto resumable = [&store](const std::exception& cause) {
+[[noreturn]] void rethrow(const std::exception_ptr& error, const Store& store, bool kept) {
+  const auto resumable = [&store, kept](const std::exception& cause) {
+    if (!kept) return std::string(cause.what());
     return fmt::format("{}; what was done is kept in {}: run the same command again to go on", cause.what(),
                        store.file().string());
   };
@@ -369,7 +370,7 @@ RunOutcome run_study(const Study& study, Store& store, const RunOptions& options
   writer.commit();
   outcome.progress.elapsed_s = seconds_since(start);
   outcome.progress.set = nullptr;
-  if (const std::exception_ptr error = exchange.error()) rethrow(error, store);
+  if (const std::exception_ptr error = exchange.error()) rethrow(error, store, options.store_is_kept);
   if (outcome.end == RunEnd::kComplete && outcome.progress.done < outcome.progress.total) {
     outcome.end = RunEnd::kOutOfBudget;
   }

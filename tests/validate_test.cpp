@@ -347,6 +347,28 @@ TEST_F(ValidateCommandTest, LeavesNothingBehindWhenAllAgree) {
   EXPECT_EQ(files, (std::vector<std::string>{"err", "out"}));
 }
 
+// The temporary folder holds nothing while the answers are being made: no end of the program can leave it behind.
+TEST_F(ValidateCommandTest, WithoutAStoreThereIsNoFileToLeaveBehind) {
+  std::filesystem::create_directory(folder_ / "temporary");
+  setenv("TMPDIR", (folder_ / "temporary").c_str(), 1);
+  const ProgramRun output =
+      run("validate --set planted/definite --trials 1 --solver lemke "
+          "--solver 'external{command=sh -c \"ls -A temporary >seen; exit 1\"}'");
+  unsetenv("TMPDIR");
+  EXPECT_EQ(output.exit_code, 2);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "seen"));
+  EXPECT_EQ(read_file(folder_ / "seen"), "");
+  EXPECT_EQ(output.err.find("what was done is kept"), std::string::npos) << output.err;
+  EXPECT_EQ(std::count(output.err.begin(), output.err.end(), '\n'), 1) << output.err;
+}
+
+TEST_F(ValidateCommandTest, WhatWasDoneIsKeptInAStoreThatWasAskedFor) {
+  const ProgramRun output =
+      run("validate --store s.db --set planted/definite --trials 1 --solver lemke --solver 'external{command=false}'");
+  EXPECT_EQ(output.exit_code, 2);
+  EXPECT_NE(output.err.find("kept in s.db"), std::string::npos) << output.err;
+}
+
 TEST_F(ValidateCommandTest, MistakesOfUseExitWith2AndOneLine) {
   for (const char* arguments :
        {"validate --solver nosuch", "validate --set nosuch", "validate --trials 0", "validate --seed -1",

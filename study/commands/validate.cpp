@@ -62,33 +62,36 @@ Plan make_plan(const Arguments& arguments) {
   return plan;
 }
 
-/// Where the answers are kept: in the store that was asked for, or in one that goes when this ends.
-class Answers {
+/// A new folder, deleted with all that it holds.
+class ScratchFolder {
  public:
-  explicit Answers(const std::string& store) : file_(store) {
-    if (!store.empty()) return;
+  ScratchFolder() {
     std::string pattern = (std::filesystem::temp_directory_path() / "lcpbench-validate-XXXXXX").string();
     if (mkdtemp(pattern.data()) == nullptr) {
       throw InputError(fmt::format("{}: cannot be made: {} (TMPDIR names another folder)", pattern,
                                    std::error_code(errno, std::generic_category()).message()));
     }
-    scratch_ = pattern;
-    file_ = scratch_ / "answers.db";
+    path_ = pattern;
   }
-  ~Answers() {
+  ~ScratchFolder() {
     std::error_code ignored;
-    if (!scratch_.empty()) std::filesystem::remove_all(scratch_, ignored);
+    std::filesystem::remove_all(path_, ignored);
   }
-  Answers(const Answers&) = delete;
-  Answers& operator=(const Answers&) = delete;
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
 
-  const std::filesystem::path& file() const { return file_; }
-  bool kept() const { return scratch_.empty(); }
+  const std::filesystem::path& path() const { return path_; }
 
  private:
-  std::filesystem::path file_;
-  std::filesystem::path scratch_;
+  std::filesystem::path path_;
 };
+
+/// A store for the answers of this run alone. Its files lose their names as soon as they are open, so that nothing is
+/// left behind however the program ends.
+Store nameless_store() {
+  const ScratchFolder folder;
+  return Store::open_for_writing(folder.path() / "answers.db");
+}
 
 void warn_without_references(const Study& study) {
   const bool any = std::any_of(study.solvers.begin(), study.solvers.end(),
@@ -98,8 +101,9 @@ void warn_without_references(const Study& study) {
 }
 
 /// False when it was interrupted.
-bool solve_all(const Study& study, Store& store, std::optional<int> jobs) {
+bool solve_all(const Study& study, Store& store, bool kept, std::optional<int> jobs) {
   RunOptions options;
+  options.store_is_kept = kept;
   options.jobs = jobs.value_or(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
   options.stop = catch_interrupts(kExitInterrupted);
   const bool terminal = isatty(STDERR_FILENO) == 1;
@@ -235,14 +239,14 @@ int run_validation(const Arguments& arguments) {
   warn_without_references(study);
   Json origin = provenance(arguments.command_line, utc_now());
   origin["plan"] = Json::parse(plan_json(plan));
-  const Answers answers(arguments.store);
+  const bool kept = !arguments.store.empty();
   Validation validation;
   {
-    Store store = Store::open_for_writing(answers.file());
+    Store store = kept ? Store::open_for_writing(arguments.store) : nameless_store();
     add_run(store, origin);
-    if (!solve_all(study, store, arguments.jobs)) {
+    if (!solve_all(study, store, kept, arguments.jobs)) {
       fmt::print(stderr, "lcpbench: interrupted; {}\n",
-                 answers.kept() ? "run the same command again to resume" : "nothing is kept (--store FILE keeps it)");
+                 kept ? "run the same command again to resume" : "nothing is kept (--store FILE keeps it)");
       return kExitInterrupted;
     }
     validation = validate(study, store);
