@@ -185,6 +185,19 @@ TEST_F(CommandLineTest, ALibraryOfTheUsersThatIsNoneMakesItsSolverUnavailable) {
   }
 }
 
+TEST_F(CommandLineTest, AProgramThatDoesNotStartIsOneLine) {
+  std::ofstream(folder_ / "good.json")
+      << R"({"format": "lcpbench-problem", "version": 1, "name": "one", "kind": "lcp", "M": [[1]], "q": [-1]})";
+  const ProgramRun alone = run("solve good.json --solver 'external{command=./nowhere}'");
+  EXPECT_EQ(alone.exit_code, 2);
+  EXPECT_EQ(alone.out, "");
+  EXPECT_EQ(std::count(alone.err.begin(), alone.err.end(), '\n'), 1) << alone.err;
+  EXPECT_NE(alone.err.find("./nowhere"), std::string::npos) << alone.err;
+  const ProgramRun beside = run("solve good.json --solver 'external{command=./nowhere}' --solver lemke");
+  EXPECT_EQ(beside.exit_code, 2);
+  EXPECT_NE(beside.out.find("lemke"), std::string::npos) << beside.out;
+}
+
 TEST_F(CommandLineTest, SolversJson) {
   const json solvers = run_json("solvers");
   std::vector<std::string> names;

@@ -226,11 +226,13 @@ int solve(const Arguments& arguments) {
   Json rows = Json::array();
   bool all_started = true;
   const bool all_read = for_each_problem_file(arguments.files, [&](const Problem& problem, const std::string& file) {
-    const std::vector<Attempt> attempts = attempts_on(problem, solvers, arguments.time_limit_s, all_started);
+    bool started = true;
+    const std::vector<Attempt> attempts = attempts_on(problem, solvers, arguments.time_limit_s, started);
+    all_started = all_started && started;
     if (arguments.format == "json") {
       const Json described_problem = problem_summary_json(problem, file);
       for (const Attempt& each : attempts) rows.push_back(attempt_json(described_problem, each));
-    } else {
+    } else if (started || !attempts.empty()) {  // else stderr has said all
       print_attempts(problem, file, attempts);
     }
   });
