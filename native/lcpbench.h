@@ -68,11 +68,11 @@ class ContactSolver {
 
   /// Takes bodies and contacts; the bodies' velocities are the first v. O(bodies + contacts), allocates, and then what
   /// the solver does with the matrices once: its page tells.
-  /// @throws InputError naming body or contact and field: an index out of range, a mass or inertia that is not
-  /// positive, edges
-  ///     other than 0 and 4, mu < 0, mu > 0 without edges, NaN or infinity, or a problem outside what the solver
-  ///     takes (friction given to a frictionless solver, n over its limit). Directions are taken as they are: normals
-  ///     and tangents should be orthogonal unit vectors.
+  /// @throws InputError naming body or contact and field: an index out of range, a mass that is not positive, an
+  ///     inertia that is not symmetric (to 1e-6 of its largest entry) and positive definite, edges other than 0 and 4,
+  ///     mu < 0, mu > 0 without edges, NaN or infinity, or a problem outside what the solver takes (friction given to
+  ///     a frictionless solver, n over its limit). Directions are taken as they are: normals and tangents should be
+  ///     orthogonal unit vectors.
   void load(const RigidScene& scene);
 
   /// The same for generalized coordinates: v, N, D, mu, G as ContactProblem has them. Copied.

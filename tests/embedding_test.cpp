@@ -235,7 +235,11 @@ TEST(EmbeddingTest, BadInputIsNamedAndLeavesTheSolverAsItWas) {
             "contacts[3].mu would be ignored: the contact has no edges");
   EXPECT_EQ(of_scene([](RigidScene& s) { s.bodies[0].mass = 0; }), "bodies[0].mass is 0, expected a finite number > 0");
   EXPECT_EQ(of_scene([&](RigidScene& s) { s.bodies[0].inertia(1, 1) = nan; }),
-            "bodies[0].inertia is not positive definite");
+            "bodies[0].inertia holds NaN or infinity");
+  EXPECT_EQ(of_scene([&](RigidScene& s) { s.bodies[0].inertia(0, 1) = nan; }),
+            "bodies[0].inertia holds NaN or infinity");
+  EXPECT_EQ(of_scene([](RigidScene& s) { s.bodies[0].inertia(0, 1) = 1e-3; }), "bodies[0].inertia is not symmetric");
+  EXPECT_EQ(of_scene([](RigidScene& s) { s.bodies[0].inertia(2, 0) = 1e-3; }), "bodies[0].inertia is not symmetric");
   EXPECT_EQ(of_scene([](RigidScene& s) { s.bodies[0].inertia(2, 2) = -1; }),
             "bodies[0].inertia is not positive definite");
   EXPECT_EQ(of_scene([&](RigidScene& s) { s.contacts[0].point.x() = nan; }), "contacts[0].point holds NaN or infinity");
