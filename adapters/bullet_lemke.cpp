@@ -16,7 +16,7 @@ struct BulletLemkeSettings {
 
   void visit(auto&& field) {
     field("max_loops", max_loops, IntegerRange{.min = 1, .max = 1000000000},
-          "pivots at most; the library's own default is 100");
+          "pivots at most; btLemkeAlgorithm's own default is 100, 1000 is that of btLemkeSolver around it");
   }
 };
 

@@ -23,9 +23,10 @@ struct IpoptSettings {
   std::int64_t max_iter = 3000;
 
   void visit(auto&& field) {
-    field("tol", tol, RealRange{.min = 1e-300, .max = 1.0}, "Ipopt's tol");
-    field("acceptable_tol", acceptable_tol, RealRange{.min = 1e-300, .max = 1.0}, "Ipopt's acceptable_tol");
-    field("max_iter", max_iter, IntegerRange{.min = 1, .max = 1000000000}, "Ipopt's max_iter");
+    field("tol", tol, RealRange{.min = 1e-300, .max = 1.0}, "Ipopt's tol; the library's own default is 1e-8");
+    field("acceptable_tol", acceptable_tol, RealRange{.min = 1e-300, .max = 1.0},
+          "Ipopt's acceptable_tol; the library's own default is 1e-6");
+    field("max_iter", max_iter, IntegerRange{.min = 1, .max = 1000000000}, "Ipopt's max_iter; 3000 is Ipopt's default");
   }
 };
 
