@@ -157,11 +157,12 @@ void Solver::solve(const SolveRequest& request, Answer& answer) {
     answer.detail = refusal_;
     return;
   }
+  if (answer.z.size() == 0) answer.z.swap(cleared_vectors().z);
   answer.z.setZero(problem_.size());
   on_solve(request, answer);
   // A solver that refuses only here may leave the zeros it was handed, and zeros solve some problems.
   if (answer.claim == Claim::kUnsupported) {
-    answer.z.resize(0);
+    clear_into(answer.z, cleared_vectors().z);
     clear_into(answer.velocity, cleared_vectors().velocity);
     clear_into(answer.farkas, cleared_vectors().farkas);
   }
