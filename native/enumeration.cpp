@@ -275,6 +275,7 @@ void Enumeration::on_solve(const SolveRequest& request, Answer& answer) {
   answer.counters = counters_;
 }
 
+// Not allocation_free: integers of any size live on the heap.
 constexpr Capabilities kCapabilities{
     .max_size = kMaxSize, .guarantees = "every (q, M) as rounded to double", .obeys_time_limit = true};
 

@@ -43,8 +43,8 @@ struct RegularizedSettings {
 /// The native solver that `spec` names. @throws InputError for a solver that does not run in this process.
 const SolverDefinition& regularized_inner(const Spec& spec);
 
-/// What `regularized` promises with this inner solver.
-Capabilities regularized_capabilities(const Capabilities& inner);
+/// What `regularized` promises with this inner solver of that name.
+Capabilities regularized_capabilities(const std::string& solver, const Capabilities& inner);
 
 /// Adds counters up; unknown ones stay unknown.
 void add_counters(Counters& sum, const Counters& counters);
@@ -65,12 +65,13 @@ class Regularization {
  public:
   explicit Regularization(const RegularizedSettings& settings) : settings_(settings) {}
 
-  /// Forms M.
+  /// Forms M. Nothing else allocates, but for the text of an answer that has no room for it.
   void load(const Problem& problem);
 
   Index size() const { return lcp_.size(); }
-  Problem plain() const;
-  Problem shifted(double eps) const;
+
+  /// LCP(q, M + eps I): one object for all eps, changed in place. What was loaded from it must be loaded again. O(n)
+  const Problem& tried(double eps);
 
   /// The eps after this one, from 0 on; nothing where the ladder ends.
   std::optional<double> next(double eps) const;
@@ -85,15 +86,16 @@ class Regularization {
   void report_failure(TryOutcome last, Answer& answer) const;
 
  private:
-  bool passes(const Answer& answer, double eps) const;
+  bool passes(const Answer& answer, double eps);
   bool tests_residual() const { return settings_.test == RegularizedTest::kResidual; }
 
   RegularizedSettings settings_;
-  std::string name_;
   bool contact_ = false;
   Lcp lcp_;
-  Vector column_scale_;  // n: largest |entry| of each column of M
-  Vector resolved_;      // n: the z_i that moves some w by max|q|, 0 where none does
+  Problem tried_;
+  Vector column_scale_;           // n: largest |entry| of each column of M
+  Vector resolved_;               // n: the z_i that moves some w by max|q|, 0 where none does
+  Vector w_, magnitude_, scale_;  // n, of the test
   AnswerTest answer_test_;
 };
 

@@ -38,7 +38,7 @@ Seconds timed(Work&& work) {
 class SweptRegularized final : public SweptSolver {
  public:
   SweptRegularized(const RegularizedSettings& common, std::span<const LemkeSettings> cells)
-      : capabilities_(regularized_capabilities(lemke_capabilities(cells.front()))),
+      : capabilities_(regularized_capabilities("lemke", lemke_capabilities(cells.front()))),
         regularization_(common),
         plain_(cells),
         shifted_(cells),
@@ -75,7 +75,7 @@ class SweptRegularized final : public SweptSolver {
       refusal = why_not(capabilities_, problem);
       if (!refusal.empty()) return;
       regularization_.load(problem);
-      plain_.load(regularization_.plain());
+      plain_.load(regularization_.tried(0));
     });
     tracks_.assign(1, Track{});
     for (std::uint32_t cell = 0; cell < track_of_.size(); ++cell) tracks_.front().cells.push_back(cell);
@@ -90,7 +90,7 @@ class SweptRegularized final : public SweptSolver {
     attempt({plain_}, request.time_limit_s, gathered);
     int number = 1;
     for (auto eps = regularization_.next(0); eps && !tracks_.empty(); eps = regularization_.next(*eps)) {
-      const Seconds load = timed([&] { shifted_.load(regularization_.shifted(*eps)); });
+      const Seconds load = timed([&] { shifted_.load(regularization_.tried(*eps)); });
       for (Track& track : tracks_) track.spent += load;
       attempt({shifted_, *eps, ++number}, request.time_limit_s, gathered);
     }

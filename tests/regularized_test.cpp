@@ -4,10 +4,13 @@
 
 #include "core/error.h"
 #include "core/registry.h"
+#include "generators/sets.h"
+#include "tests/allocation_counter.h"
 #include "tests/textbook_lcps.h"
 
 namespace lcpbench {
 SolverDefinition lcpbench_solver_enumeration();
+SolverDefinition lcpbench_solver_lemke();
 SolverDefinition lcpbench_solver_regularized();
 
 namespace {
@@ -61,6 +64,7 @@ const std::vector<RegisteredSolver>& registered_solvers() {
   static const std::vector<RegisteredSolver> solvers{
       {scripted(), "native", "", "", ""},
       {lcpbench_solver_enumeration(), "native", "", "", ""},
+      {lcpbench_solver_lemke(), "native", "", "", ""},
       {lcpbench_solver_regularized(), "native", "", "", ""},
       {with_settings<NoSettings>({.name = "foreign"}), "L", "", "w", ""}};
   return solvers;
@@ -189,6 +193,54 @@ TEST_F(RegularizedTest, WrapsContactProblemsAsBareMatrices) {
   solver->solve({}, answer);
   EXPECT_EQ(answer.claim, Claim::kSolved);
   EXPECT_EQ(answer.z, testing::vector_of({4}));
+}
+
+TEST_F(RegularizedTest, ASecondSolveStartsFromTheProblemAsGiven) {
+  script.works_from = 0.1;
+  const auto solver = make_solver(parse_spec("regularized{solver=scripted,first=0.125,test=tried}"));
+  solver->load(Problem("case", one(0, -3)));
+  Answer answer;
+  for (int repeat = 0; repeat < 2; ++repeat) {
+    solver->solve({}, answer);
+    EXPECT_EQ(answer.claim, Claim::kSolved);
+    EXPECT_EQ(answer.detail, "passed with eps = 0.125, try 2");
+    EXPECT_EQ(answer.counters.iterations, 4);
+  }
+  EXPECT_EQ(script.diagonals_seen, (std::vector<double>{0, 0.125, 0, 0.125}));
+}
+
+TEST_F(RegularizedTest, DeclaresNoMoreThanItsInnerSolverKeepsWhenLoadedAnew) {
+  const auto declares = [](const char* settings) {
+    return make_solver(parse_spec("regularized" + std::string(settings)))->capabilities().allocation_free;
+  };
+  EXPECT_TRUE(declares(""));
+  EXPECT_FALSE(declares("{solver=enumeration}"));
+  EXPECT_FALSE(declares("{solver=regularized}"));
+}
+
+// Whether M passes, some M + eps I does, or none.
+TEST_F(RegularizedTest, AllocatesNothingOnAnyRungOfTheLadder) {
+  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  const Problem none("no solution", Lcp{Matrix::Zero(30, 30), -testing::ones(30)});
+  const Problem singular_inertia = open_set("paper/copositive/exp3")->generate(1, 0);
+  const Problem regular = open_set("paper/copositive/exp2")->generate(1, 0);
+  for (const std::string inner : {"{test=none}", "{test=residual}", "{update=incremental}", "{precision=float}",
+                                  "{precision=polished}", "{precision=quad}"}) {
+    for (const std::string test : {"tried", "original", "residual"}) {
+      const auto solver = make_solver(parse_spec("regularized{solver=lemke" + inner + ",test=" + test + "}"));
+      ASSERT_TRUE(solver->capabilities().allocation_free) << inner;
+      for (const Problem& problem : {none, singular_inertia, regular}) {
+        solver->load(problem);
+        Answer answer;
+        answer.z.resize(problem.size());
+        answer.farkas.resize(problem.size());
+        for (int repeat = 0; repeat < 2; ++repeat) {
+          EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0)
+              << inner << " " << test << " " << problem.name() << ": " << answer.detail;
+        }
+      }
+    }
+  }
 }
 
 TEST_F(RegularizedTest, TheInnerSpecIsCheckedAndCanonical) {
