@@ -108,8 +108,7 @@ Capabilities lemke_capabilities(const LemkeSettings& settings) {
   capabilities.obeys_time_limit = true;
   // The tests of the other precisions take dense matrices of order ngc, which may be several times n.
   if (settings.precision != LemkePrecision::kDouble) capabilities.max_size = 3000;
-  // Eigen's blocked LU takes its packing buffers from the heap.
-  capabilities.allocation_free = settings.engine == LemkeEngine::kKernel;
+  capabilities.allocation_free = true;
   return capabilities;
 }
 

@@ -24,6 +24,8 @@ target_sources(regularized_test PRIVATE allocation_counter.cpp)
 lcpbench_test(principal_pivoting LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 lcpbench_test(psor LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 target_sources(psor_test PRIVATE allocation_counter.cpp)
+lcpbench_test(packed_lu LINK lcpbench_native)
+target_sources(packed_lu_test PRIVATE allocation_counter.cpp)
 
 # Once at the level in use, and once at each level; those that this processor lacks are skipped.
 lcpbench_test(lemke LINK lcpbench_native lcpbench_generators)

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/LU>
 
 #include "native/lemke_engine/loaded_problem.h"
 #include "native/lemke_engine/pack.h"
+#include "native/lemke_engine/packed_lu.h"
 #include "native/lemke_engine/ratio_test.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
@@ -21,7 +21,7 @@ class DenseBasis {
     B_.resize(n, n);
     rhs_.resize(n, 2);
     solution_.resize(n, 2);
-    lu_ = LU(n);
+    lu_.load(n);
     M_.resize(n, n);
     for (Count j = 0; j < n; ++j) {
       for (Count i = 0; i < n; ++i) M_(i, j) = problem_.M.entry(i, j);
@@ -50,7 +50,7 @@ class DenseBasis {
   /// d for the entering variable; with kResolve also x anew.
   template <bool kResolve>
   bool solve(Count entering) {
-    lu_.compute(B_);
+    lu_.factor(B_);
     write_column(entering, rhs_.col(0));
     solution_.col(0).noalias() = lu_.permutationP() * rhs_.col(0);
     substitute(solution_.col(0));
@@ -61,7 +61,7 @@ class DenseBasis {
 
   /// x of the present basis.
   bool resolve() {
-    lu_.compute(B_);
+    lu_.factor(B_);
     solve_for_values();
     return true;
   }
@@ -70,7 +70,6 @@ class DenseBasis {
 
  private:
   using Dense = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
-  using LU = Eigen::PartialPivLU<Dense>;
 
   void solve_for_values() {
     for (Count i = 0; i < problem_.n(); ++i) rhs_(i, 1) = problem_.q[i];
@@ -115,7 +114,7 @@ class DenseBasis {
 
   LoadedProblem<Scalar> problem_;
   Dense M_, B_, rhs_, solution_;
-  LU lu_;
+  PackedLu<Scalar> lu_;
   Buffer<Scalar> x_, d_, ratio_, id_;
   Slots<Scalar> slots_;
 };
