@@ -1,10 +1,10 @@
 #include "native/answer_test.h"
 
-#include <limits>
 #include <variant>
 
 #include "core/answer_storage.h"
 #include "core/quad.h"
+#include "core/timed_solve.h"
 #include "native/contact_units.h"
 
 namespace lcpbench {
@@ -51,15 +51,19 @@ void AnswerTest::set_velocity(const Vector& v) {
   if (quad_is_loaded_) quad_judge_.set_velocity(contacts_.v.data());
 }
 
-bool AnswerTest::settle(Answer& answer) {
+bool AnswerTest::settle(Answer& answer, double deadline_s) {
   if (answer.claim != Claim::kSolved) return false;
   if (trusts_) return true;
-  const Outcome outcome = solves(answer.z) ? confirm() : Outcome::kResidual;
+  const Outcome outcome = solves(answer.z) ? confirm(deadline_s) : Outcome::kResidual;
   switch (outcome) {  // details are short enough for std::string to hold in place
     case Outcome::kSolved: answer.z = completed_; return true;
     case Outcome::kUnsolvable: report_proof(answer); return false;
     case Outcome::kResidual: answer.detail = "residual"; break;
     case Outcome::kUnconfirmed: answer.detail = "unconfirmed"; break;
+    case Outcome::kOutOfTime:
+      answer.claim = Claim::kTimeLimit;
+      answer.detail.clear();
+      return false;
   }
   answer.claim = Claim::kNumericalFailure;
   return false;
@@ -95,13 +99,15 @@ bool AnswerTest::solves_contacts() {
 }
 
 /// Whether the problem that completed_ seems to solve has a solution.
-AnswerTest::Outcome AnswerTest::confirm() {
+AnswerTest::Outcome AnswerTest::confirm(double deadline_s) {
   if (bare_) return bare_test_.disproves(completed_) ? Outcome::kUnsolvable : Outcome::kSolved;
   if (!may_be_singular_ || residual_ <= kUndoubtedResidual) return Outcome::kSolved;
   const bool frictional = contacts_.friction_begin.back() > 0;
-  Outcome outcome = confirm({}, frictional);
-  if (outcome == Outcome::kUnconfirmed) outcome = confirm({.quad = true}, frictional);
-  if (outcome == Outcome::kUnconfirmed && frictional) outcome = confirm({.quad = true, .classic = true}, true);
+  Outcome outcome = confirm({.deadline_s = deadline_s}, frictional);
+  if (outcome == Outcome::kUnconfirmed) outcome = confirm({.quad = true, .deadline_s = deadline_s}, frictional);
+  if (outcome == Outcome::kUnconfirmed && frictional) {
+    outcome = confirm({.quad = true, .classic = true, .deadline_s = deadline_s}, true);
+  }
   return outcome;
 }
 
@@ -116,6 +122,7 @@ AnswerTest::Outcome AnswerTest::confirm(const Path& path, bool frictional) {
     return confirms ? Outcome::kSolved : Outcome::kUnconfirmed;
   }
   if (ending == Ending::kRay && frictional) ending = follow(path, engine, true);
+  if (ending == Ending::kTimeLimit) return Outcome::kOutOfTime;
   const bool disproved = ending == Ending::kRay && judge_.disproves(path_end_.data());
   return disproved ? Outcome::kUnsolvable : Outcome::kUnconfirmed;
 }
@@ -132,7 +139,8 @@ Ending AnswerTest::follow(const Path& path, LoadedContacts& engine, bool frictio
   rules.tie_tolerance = roundoff * settings.tie_tolerance;
   rules.residual_tolerance = roundoff * settings.refine_tolerance;
   rules.max_pivots = 100 + 20 * (path.classic ? rows + contacts_.friction_begin.back() : rows);
-  rules.deadline_s = std::numeric_limits<double>::infinity();
+  rules.deadline_s = path.deadline_s;
+  rules.clock_s = wall_clock_s;
   path_end_.setZero();
   return engine.solve(rules, path_end_.data()).ending;
 }

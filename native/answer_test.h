@@ -45,22 +45,24 @@ class AnswerTest {
   ///
   /// With singular inertia contacts may miss having a solution by so little that the residual does not tell. Where that
   /// is above kUndoubtedResidual, the answer is "unconfirmed" unless a path of Lemke's method, in double or in 113
-  /// bits, ends in a solution. See docs/claims.md.
+  /// bits, ends in a solution. Where the deadline ends that, the claim becomes kTimeLimit. See docs/claims.md.
+  /// @param deadline_s on wall_clock_s(), for the paths only; infinity: none
   /// @returns whether the claim is still solved
-  bool settle(Answer& answer);
+  bool settle(Answer& answer, double deadline_s);
 
  private:
-  enum class Outcome { kSolved, kUnsolvable, kResidual, kUnconfirmed };
+  enum class Outcome { kSolved, kUnsolvable, kResidual, kUnconfirmed, kOutOfTime };
 
   /// Of Lemke's method: to a solution that owes nothing to the answer.
   struct Path {
     bool quad = false;
     bool classic = false;  ///< the covering vector that is positive on every row
+    double deadline_s = 0;
   };
 
   bool solves(const Vector& z);
   bool solves_contacts();
-  Outcome confirm();
+  Outcome confirm(double deadline_s);
   Outcome confirm(const Path& path, bool frictional);
   contact_lemke::Ending follow(const Path& path, LoadedContacts& engine, bool frictionless);
   void report_proof(Answer& answer);

@@ -242,7 +242,8 @@ void Enumeration::report_solution(Answer& answer) {
     return;
   }
   const std::string detail = answer.detail;
-  if (test_.settle(answer)) return;
+  if (test_.settle(answer, deadline_s_)) return;
+  if (answer.claim == Claim::kTimeLimit) return;
   answer.detail = problem().contact() != nullptr
                       ? "the exact solution for M as rounded to double does not solve the contact problem"
                       : detail + ": rounded to double it solves the problem no more";

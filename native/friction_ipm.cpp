@@ -236,12 +236,14 @@ void FrictionIpm::on_solve(const SolveRequest& request, Answer& answer) {
   int rounds = 0;
   state_.impulse.setZero();
   state_.u = state_.u0;
-  const Claim claim = run(wall_clock_s() + request.time_limit_s, answer, rounds);
+  const double deadline_s = wall_clock_s() + request.time_limit_s;
+  const Claim claim = run(deadline_s, answer, rounds);
   report(claim, rounds, answer);
-  if (claim != Claim::kSolved || test_.settle(answer)) return;
+  if (claim != Claim::kSolved || test_.settle(answer, deadline_s)) return;
+  if (answer.claim != Claim::kNumericalFailure) return;
   state_.drop_what_counts_as_zero();
   report(claim, rounds, answer);
-  test_.settle(answer);
+  test_.settle(answer, deadline_s);
 }
 
 constexpr Capabilities kCapabilities{

@@ -102,13 +102,14 @@ Murty::End Murty::run(double deadline_s, Counters& counters) {
 
 void Murty::on_solve(const SolveRequest& request, Answer& answer) {
   answer.counters = {.iterations = -1, .pivots = 0, .factorizations = 0};
-  const End end = run(wall_clock_s() + request.time_limit_s, answer.counters);
+  const double deadline_s = wall_clock_s() + request.time_limit_s;
+  const End end = run(deadline_s, answer.counters);
   tableau_.solution(answer.z);
   switch (end) {
     case End::kNonnegative:
       if (tableau_.residual(answer.z) <= settings_.accept_residual * tableau_.largest_q()) {
         answer.claim = Claim::kSolved;
-        test_.settle(answer);
+        test_.settle(answer, deadline_s);
       } else {
         answer.detail = "the final basis is too ill-conditioned for the accuracy asked for";
       }

@@ -123,7 +123,7 @@ class PrimalDual final : public Solver {
   bool line_search(double t);
   double lcp_residual();
   void finish_on_support(Vector& z);
-  void settle(Answer& answer);
+  void settle(double deadline_s, Answer& answer);
 
   PrimalDualSettings settings_;
   Matrix M_;  // shifted
@@ -346,15 +346,15 @@ void PrimalDual::finish_on_support(Vector& z) {
 
 /// An interior point has no zeros, and is only as near to w = 0 as its gap: those that the residual takes for zero
 /// become so, and where that does not pass, what remains is solved for. @pre lcp_residual()
-void PrimalDual::settle(Answer& answer) {
+void PrimalDual::settle(double deadline_s, Answer& answer) {
   for (Index i = 0; i < q_.size(); ++i) {
     if (column_scale_(i) * answer.z(i) < work_(i)) answer.z(i) = 0;
   }
-  if (test_.settle(answer) || answer.claim != Claim::kNumericalFailure) return;
+  if (test_.settle(answer, deadline_s) || answer.claim != Claim::kNumericalFailure) return;
   answer.claim = Claim::kSolved;
   answer.detail = "finished on its support";
   finish_on_support(answer.z);
-  if (!test_.settle(answer)) answer.z = point_.z;
+  if (!test_.settle(answer, deadline_s)) answer.z = point_.z;
 }
 
 void PrimalDual::on_solve(const SolveRequest& request, Answer& answer) {
@@ -364,7 +364,8 @@ void PrimalDual::on_solve(const SolveRequest& request, Answer& answer) {
     return;
   }
   set_start();
-  const Stop stop = iterate(wall_clock_s() + request.time_limit_s, answer.counters);
+  const double deadline_s = wall_clock_s() + request.time_limit_s;
+  const Stop stop = iterate(deadline_s, answer.counters);
   answer.z = point_.z;
   const bool accepted = lcp_residual() <= settings_.accept_residual * q_.cwiseAbs().maxCoeff();
   switch (stop) {
@@ -384,7 +385,7 @@ void PrimalDual::on_solve(const SolveRequest& request, Answer& answer) {
     case Stop::kIterationLimit: answer.claim = Claim::kIterationLimit; return;
     case Stop::kTimeLimit: answer.claim = Claim::kTimeLimit; return;
   }
-  if (accepted && settings_.test == FinalTest::kResidual) settle(answer);
+  if (accepted && settings_.test == FinalTest::kResidual) settle(deadline_s, answer);
 }
 
 constexpr Capabilities kCapabilities{

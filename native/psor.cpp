@@ -86,7 +86,7 @@ class Psor final : public Solver {
 
   void set_start(const Vector* start);
   void iterate(double deadline_s, Answer& answer);
-  bool settle(Answer& answer);
+  bool settle(double deadline_s, Answer& answer);
   double sweep(bool backwards);
   double update_contact(Index contact);
   double update_row(Index row);
@@ -197,10 +197,10 @@ double Psor::sweep(bool backwards) {
 
 /// Of an answer with a small residual: claims it, where it passes the test of all native solvers.
 /// @returns whether that is the end
-bool Psor::settle(Answer& answer) {
+bool Psor::settle(double deadline_s, Answer& answer) {
   state_.write_answer(answer.z);
   answer.claim = Claim::kSolved;
-  return test_.settle(answer) || answer.claim == Claim::kUnsolvable;
+  return test_.settle(answer, deadline_s) || answer.claim != Claim::kNumericalFailure;
 }
 
 void Psor::iterate(double deadline_s, Answer& answer) {
@@ -218,7 +218,7 @@ void Psor::iterate(double deadline_s, Answer& answer) {
     state_.recompute_velocity();
     const double residual = state_.residual();
     if (!(residual <= allowed)) continue;
-    if (settle(answer)) {
+    if (settle(deadline_s, answer)) {
       ++iterations;
       return;
     }

@@ -79,7 +79,7 @@ class QuickstepSor final : public Solver {
   void update(Index row);
   double limit(Index row) const;
   void write_impulses();
-  void settle(Answer& answer);
+  void settle(double deadline_s, Answer& answer);
 
   QuickstepSorSettings settings_;
   ContactImpulses state_;
@@ -240,14 +240,14 @@ void QuickstepSor::write_impulses() {
 
 /// Sweeps end near zero as well as at it, and the test takes what is not zero for basic: what the residual takes for
 /// zero becomes so where the answer does not pass as it is.
-void QuickstepSor::settle(Answer& answer) {
+void QuickstepSor::settle(double deadline_s, Answer& answer) {
   answer.claim = Claim::kSolved;
-  if (test_.settle(answer) || answer.claim == Claim::kUnsolvable) return;
+  if (test_.settle(answer, deadline_s) || answer.claim != Claim::kNumericalFailure) return;
   state_.drop_what_counts_as_zero();
   state_.write_answer(answer.z);
   answer.claim = Claim::kSolved;
   answer.detail.clear();
-  test_.settle(answer);
+  test_.settle(answer, deadline_s);
 }
 
 void QuickstepSor::on_solve(const SolveRequest& request, Answer& answer) {
@@ -256,7 +256,8 @@ void QuickstepSor::on_solve(const SolveRequest& request, Answer& answer) {
     answer.counters.iterations = 0;
     return;
   }
-  answer.claim = iterate(wall_clock_s() + request.time_limit_s);
+  const double deadline_s = wall_clock_s() + request.time_limit_s;
+  answer.claim = iterate(deadline_s);
   if (answer.claim != Claim::kTimeLimit) answer.counters.iterations = settings_.iterations;
   write_impulses();
   state_.write_answer(answer.z);
@@ -265,7 +266,7 @@ void QuickstepSor::on_solve(const SolveRequest& request, Answer& answer) {
     answer.claim = Claim::kNumericalFailure;
     answer.detail = "the iterates grew out of the range of double";
   } else if (residual <= settings_.tolerance * state_.q_max) {
-    settle(answer);
+    settle(deadline_s, answer);
   }
 }
 

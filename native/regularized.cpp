@@ -97,7 +97,7 @@ TryOutcome Regularized::attempt(double eps, const SolveRequest& request, double 
   if (!(inner_request.time_limit_s > 0)) return TryOutcome::kOutOfTime;
   solver_->solve(inner_request, answer);
   add_counters(total_, answer.counters);
-  return regularization_.judge(answer, eps);
+  return regularization_.judge(answer, eps, deadline_s);
 }
 
 void Regularized::on_solve(const SolveRequest& request, Answer& answer) {
@@ -178,10 +178,11 @@ std::optional<double> Regularization::next(double eps) const {
   return larger <= settings_.last ? std::optional(larger) : std::nullopt;
 }
 
-TryOutcome Regularization::judge(Answer& answer, double eps) {
+TryOutcome Regularization::judge(Answer& answer, double eps, double deadline_s) {
   if (answer.claim == Claim::kTimeLimit) return TryOutcome::kOutOfTime;
   if (!passes(answer, eps)) return TryOutcome::kFailed;
-  return !tests_residual() || answer_test_.settle(answer) ? TryOutcome::kPassed : TryOutcome::kFailed;
+  if (!tests_residual() || answer_test_.settle(answer, deadline_s)) return TryOutcome::kPassed;
+  return answer.claim == Claim::kTimeLimit ? TryOutcome::kOutOfTime : TryOutcome::kFailed;
 }
 
 bool Regularization::passes(const Answer& answer, double eps) {

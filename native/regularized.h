@@ -76,8 +76,8 @@ class Regularization {
   /// The eps after this one, from 0 on; nothing where the ladder ends.
   std::optional<double> next(double eps) const;
 
-  /// An answer that AnswerTest refuses loses its claim.
-  TryOutcome judge(Answer& answer, double eps);
+  /// An answer that AnswerTest refuses loses its claim. @param deadline_s of AnswerTest
+  TryOutcome judge(Answer& answer, double eps, double deadline_s);
 
   /// Says of an answer that passed which try it is from: the first has eps = 0.
   static void report_pass(double eps, int tries, Answer& answer);

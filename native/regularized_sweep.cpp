@@ -115,7 +115,8 @@ class SweptRegularized final : public SweptSolver {
     present.sweep.walk(tries_, leaves_);
     for (LemkeLeaf& leaf : leaves_) {
       TryOutcome outcome{};
-      Seconds spent = timed([&] { outcome = regularization_.judge(leaf.answer, present.eps); });
+      const double deadline_s = wall_clock_s() + time_limit_s;  // tracks that meet here may have less time left
+      Seconds spent = timed([&] { outcome = regularization_.judge(leaf.answer, present.eps, deadline_s); });
       spent += {leaf.wall_s, leaf.cpu_s};
       for (Track& track : continued(before, leaf, spent))
         settle(std::move(track), leaf.answer, outcome, present, gathered);

@@ -6,7 +6,9 @@
 
 #include "core/registry.h"
 #include "core/spec.h"
+#include "core/timed_solve.h"
 #include "generators/sets.h"
+#include "native/answer_test.h"
 #include "study/evaluation/evaluation.h"
 #include "tests/allocation_counter.h"
 
@@ -170,6 +172,16 @@ std::int64_t allocations_of_second_solve(const std::string& name, const Problem&
   return testing::count_allocations([&] { solver->solve({}, answer); });
 }
 
+/// What passes any test of its residual.
+Vector unconfirmed_answer(const Problem& problem) {
+  const auto solver = make_solver(parse_spec("primal_dual{test=none}"));
+  Answer answer;
+  solver->load(problem);
+  solver->solve({}, answer);
+  EXPECT_EQ(answer.claim, Claim::kSolved);
+  return answer.z;
+}
+
 // Singular inertia, and no solution by 2e-6: answers to it pass any test of their residual.
 TEST(ClaimsTest, AreNotMadeWhereAProblemOfThePaperMissesItsSolution) {
   const Problem problem = open_set("paper/monotone/exp3")->generate(1, 4860);
@@ -178,6 +190,22 @@ TEST(ClaimsTest, AreNotMadeWhereAProblemOfThePaperMissesItsSolution) {
   ASSERT_EQ(answer.claim, Claim::kUnsolvable);
   EXPECT_LT(problem.contact()->v.dot(to_dense(problem.contact()->N) * answer.farkas), 0);
   EXPECT_EQ(allocations_of_second_solve("primal_dual", problem), 0);
+}
+
+// Confirming such answers may take longer than finding them.
+TEST(ClaimsTest, AreConfirmedInTimeOrNotMade) {
+  const Problem problem = open_set("paper/monotone/exp3")->generate(1, 4860);
+  AnswerTest test;
+  test.load(problem);
+  Answer answer;
+  answer.z = unconfirmed_answer(problem);
+  answer.claim = Claim::kSolved;
+  EXPECT_FALSE(test.settle(answer, wall_clock_s()));
+  EXPECT_EQ(answer.claim, Claim::kTimeLimit);
+  EXPECT_EQ(answer.farkas.size(), 0);
+  answer.claim = Claim::kSolved;
+  EXPECT_FALSE(test.settle(answer, wall_clock_s() + kTimeLimit_s));
+  EXPECT_EQ(answer.claim, Claim::kUnsolvable);
 }
 
 Problem with_velocity(const Problem& problem, const Vector& v) {
