@@ -5,7 +5,6 @@
 #include "core/answer_storage.h"
 #include "core/quad.h"
 #include "core/timed_solve.h"
-#include "native/contact_units.h"
 
 namespace lcpbench {
 namespace {
@@ -33,9 +32,7 @@ void AnswerTest::load(const Problem& problem, Bodies bodies) {
   if (trusts_) return;
   if (bare_) return bare_test_.load(problem.lcp());
   const ContactProblem& contact = *problem.contact();
-  units_ = coordinate_units(contact.inertia);
-  if (units_.size() > 0) in_units_ = contact_in_units(contact, units_);
-  contacts_.load(units_.size() > 0 ? in_units_ : contact);
+  contacts_.load_in_units(contact);
   judge_.load(contacts_.input);
   quad_judge_.reserve(contacts_.input);
   quad_is_loaded_ = false;
@@ -45,8 +42,7 @@ void AnswerTest::load(const Problem& problem, Bodies bodies) {
 
 void AnswerTest::set_velocity(const Vector& v) {
   if (trusts_) return;
-  contacts_.v = v;
-  if (units_.size() > 0) contacts_.v.array() /= units_.array();
+  contacts_.set_velocity(v);
   judge_.set_velocity(contacts_.v.data());
   if (quad_is_loaded_) quad_judge_.set_velocity(contacts_.v.data());
 }

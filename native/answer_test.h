@@ -69,8 +69,6 @@ class AnswerTest {
   LoadedContacts& quad_judge();
 
   LoadedContacts judge_, quad_judge_;
-  Vector units_;             // of the coordinates, see coordinate_units(); mostly empty
-  ContactProblem in_units_;  // the problem in them
   ContactInput contacts_;
   BareLcpTest bare_test_;
   bool trusts_ = false;  // every claim stands

@@ -27,11 +27,6 @@ void for_each_diagonal_entry(const Inertia& inertia, Visit&& visit) {
   }
 }
 
-Jacobian in_units(const Jacobian& J, const Vector& units) {
-  if (const auto* dense = std::get_if<Matrix>(&J)) return Matrix(units.asDiagonal() * *dense);
-  return SparseMatrix(units.asDiagonal() * std::get<SparseMatrix>(J));
-}
-
 }  // namespace
 
 bool mixes_units(const Inertia& inertia) {
@@ -48,23 +43,6 @@ void write_coordinate_units(const Inertia& inertia, Eigen::Ref<Vector> units) {
   for_each_diagonal_entry(inertia, [&](Index i, double entry) {
     units(i) = std::ldexp(1.0, -static_cast<int>(std::floor(std::ilogb(entry) / 2.0)));
   });
-}
-
-Vector coordinate_units(const Inertia& inertia) {
-  if (!mixes_units(inertia)) return {};
-  Vector units(dimension(inertia));
-  write_coordinate_units(inertia, units);
-  return units;
-}
-
-ContactProblem contact_in_units(const ContactProblem& contact, const Vector& units) {
-  const Matrix G = units.asDiagonal() * dense_inertia(contact.inertia) * units.asDiagonal();
-  return {contact.v.cwiseQuotient(units),
-          in_units(contact.N, units),
-          in_units(contact.D, units),
-          contact.edges,
-          contact.mu,
-          DenseInertia{G}};
 }
 
 }  // namespace lcpbench

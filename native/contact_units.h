@@ -9,14 +9,8 @@ namespace lcpbench {
 /// coordinates. O(ngc); allocates nothing.
 bool mixes_units(const Inertia& inertia);
 
-/// Powers of two S for which S G S has a diagonal within [1, 4). @pre mixes_units(inertia) @param units ngc entries
+/// Powers of two S for which S G S has a diagonal within [1, 4): the problem for the velocity S^-1 v has bit for bit
+/// the same M and q. @pre mixes_units(inertia) @param units ngc entries
 void write_coordinate_units(const Inertia& inertia, Eigen::Ref<Vector> units);
-
-/// S of write_coordinate_units where mixes_units(); else empty.
-Vector coordinate_units(const Inertia& inertia);
-
-/// The same problem for the velocity S^-1 v, bit for bit the same M and q: products with powers of two are exact.
-/// @param units S, as coordinate_units gives them; not empty
-ContactProblem contact_in_units(const ContactProblem& contact, const Vector& units);
 
 }  // namespace lcpbench
