@@ -48,6 +48,7 @@ class Auto final : public Solver {
   void on_update(const Vector& v) override;
   void on_solve(const SolveRequest& request, Answer& answer) override;
 
+  static void drop_words_and_velocity(Answer& answer);
   static std::optional<AutoMethod> method_of_whole(const ContactProblem& contact);
   void load_whole(const Problem& problem);
   void load_islands(const ContactProblem& contact);
@@ -164,10 +165,19 @@ void Auto::solve_whole(const SolveRequest& request, Answer& answer) {
   run_method(*whole_, dense_.solver(*whole_), request, limits, answer, report);
   if (gave_up(answer.claim, settings_.max_pivots)) {
     const std::optional<AutoMethod> next = dense_.after(*whole_, problem());
-    if (next) dense_.solve(*next, problem(), v_, limits, answer, report);
+    if (next) {
+      drop_words_and_velocity(answer);  // the limits may leave nothing for the next method
+      dense_.solve(*next, problem(), v_, limits, answer, report);
+    }
   }
   answer.counters = report.counters();
   if (answer.claim == Claim::kSolved) report.write_text(text_of(answer));  // else its own words say why
+}
+
+/// Of a solve; the next one finds the memory of both.
+void Auto::drop_words_and_velocity(Answer& answer) {
+  answer.detail.clear();
+  if (answer.velocity.size() > 0) answer.velocity.swap(cleared_vectors().velocity);
 }
 
 AutoLimits Auto::limits_of(const SolveRequest& request) const {

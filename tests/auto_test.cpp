@@ -585,6 +585,17 @@ TEST(AutoTest, ObeysItsLimits) {
   }
 }
 
+// Nothing of the method that gave up is in the answer when the limit leaves none for the next.
+TEST(AutoTest, EndsAtALimitBetweenTwoMethods) {
+  const Problem problem = problems_that_a_method_gives_up_on().front().problem;
+  for (std::int64_t limit = 1; limit <= 60; ++limit) {
+    const Answer cut = solve(problem, {{"max_pivots", std::to_string(limit)}});
+    ASSERT_EQ(cut.claim, Claim::kIterationLimit) << limit << " pivots: " << cut.detail;
+    EXPECT_TRUE(cut.detail.empty() || cut.detail == "pivot limit") << limit << " pivots: " << cut.detail;
+    EXPECT_EQ(cut.velocity.size(), 0) << limit << " pivots";
+  }
+}
+
 TEST(AutoTest, RefusesWhatIsNoNumber) {
   const auto solver = auto_solver();
   const Problem problem("stacks", box_stacks({.stacks = 2}));
