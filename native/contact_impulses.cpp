@@ -60,7 +60,7 @@ void ContactImpulses::load_contacts(const ContactProblem& problem) {
 void ContactImpulses::set_velocity(const Vector& v) {
   u0 = v;
   q_max = 0;  // the q of cone rows is 0
-  for (Index i = 0; i < columns.diagonal.size(); ++i) q_max = std::max(q_max, std::abs(columns.J.dot(i, u0)));
+  for (Index i = 0; i < columns.diagonal.size(); ++i) q_max = max_or_infinity(q_max, std::abs(columns.J.dot(i, u0)));
 }
 
 void ContactImpulses::recompute_velocity() {

@@ -596,6 +596,30 @@ TEST(AutoTest, EndsAtALimitBetweenTwoMethods) {
   }
 }
 
+// Two velocities of 1e400 m/s, one the other way: their sum is no number in double, and no contact at rest.
+ContactProblem overflowing() {
+  ContactProblem contact;
+  contact.v = Vector{{1e200, 2e200}};
+  contact.N = Matrix{{0, 1e200}, {0, -1e200}};
+  contact.D = Matrix(2, 0);
+  contact.edges.assign(2, 0);
+  contact.mu = Vector::Zero(2);
+  contact.inertia = DenseInertia{Matrix::Identity(2, 2)};
+  return contact;
+}
+
+TEST(AutoTest, TakesNothingThatOverflowsForRest) {
+  ContactProblem contact = overflowing();
+  ASSERT_GT(solve(Problem("overflow", contact)).z.sum(), 0);
+  for (const char* name : {"velocity_ipm{finish=false}", "friction_ipm", "psor", "quickstep_sor"}) {
+    const auto solver = make_solver(parse_spec(name));
+    solver->load(Problem("overflow", contact));
+    Answer answer;
+    solver->solve({}, answer);
+    EXPECT_NE(answer.claim, Claim::kSolved) << name;
+  }
+}
+
 TEST(AutoTest, RefusesWhatIsNoNumber) {
   const auto solver = auto_solver();
   const Problem problem("stacks", box_stacks({.stacks = 2}));

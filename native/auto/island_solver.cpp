@@ -5,6 +5,8 @@
 #include <utility>
 #include <variant>
 
+#include "native/contact_impulses.h"
+
 namespace lcpbench {
 namespace {
 
@@ -49,7 +51,7 @@ void IslandSolver::measure_approach(const Vector& v) {
   for (std::size_t k = 0; k < island_.contacts.size(); ++k) {
     const double velocity = dot_column(N, island_.contacts[k], v);
     approach_(static_cast<Index>(k)) = velocity;
-    fastest_ = std::max(fastest_, -velocity);
+    fastest_ = max_or_infinity(fastest_, -velocity);
     scale_ = std::max(scale_, std::abs(velocity));
   }
 }

@@ -54,7 +54,7 @@ class IslandSolver {
   std::vector<char>* carries_ = nullptr;
   Island island_;
   Vector approach_;     ///< N'v by position in island_.contacts
-  double fastest_ = 0;  ///< the largest of -N'v
+  double fastest_ = 0;  ///< the largest of -N'v; infinity for what overflows to NaN
   double scale_ = 0;    ///< max|N'v|
 
   IslandPart all_, some_;

@@ -35,19 +35,27 @@ void InteriorPoint::load(std::unique_ptr<WhitenedNormals> normals, const Contact
 
 void InteriorPoint::set_velocity(const Vector& v) {
   project_velocity(v);
-  q_max_ = q_.size() > 0 ? q_.cwiseAbs().maxCoeff() : 0;
+  measure_q();
 }
 
 void InteriorPoint::set_velocity(const Vector& v, const Vector& offset) {
   project_velocity(v);
   q_ += offset;
-  q_max_ = q_.size() > 0 ? q_.cwiseAbs().maxCoeff() : 0;
+  measure_q();
 }
 
 /// v_ = v, q_ = N'v.
 void InteriorPoint::project_velocity(const Vector& v) {
   v_ = v;
   std::visit([&](const auto& N) { q_.noalias() = N.transpose() * v; }, N_);
+}
+
+/// max|q|; infinity also for NaN, which must not pass for zero.
+void InteriorPoint::measure_q() {
+  q_max_ = 0;
+  for (const double q : q_) {
+    if (!(std::abs(q) <= q_max_)) q_max_ = std::isnan(q) ? std::numeric_limits<double>::infinity() : std::abs(q);
+  }
 }
 
 /// y = 0, s of the size of q, and f such that f and s are as far from their boundaries in the same unit. The solution

@@ -70,6 +70,7 @@ class InteriorPoint {
   };
 
   void project_velocity(const Vector& v);
+  void measure_q();
   void set_start();
   void evaluate_residuals();
   bool factor(Counters& counters);
