@@ -92,17 +92,18 @@ double ContactImpulses::friction_residual(const SignedFriction& friction) const 
   for (Index t = friction.first_column; t < friction.first_column + friction.directions; ++t) {
     const double slip = columns.J.dot(t, u);
     const double moved = columns.diagonal(t) * impulse(t);
-    worst = max_or_infinity(worst, std::abs(std::min(std::max(moved, 0.0), lambda + slip)));
-    worst = max_or_infinity(worst, std::abs(std::min(std::max(-moved, 0.0), lambda - slip)));
+    worst = max_or_infinity(worst, std::abs(std::min(lambda + slip, std::max(moved, 0.0))));
+    worst = max_or_infinity(worst, std::abs(std::min(lambda - slip, std::max(-moved, 0.0))));
   }
   return worst;
 }
 
+/// std::min and std::max give their first argument where one is NaN: the velocity stands there.
 double ContactImpulses::residual() const {
   double worst = 0;
   for (Index i = 0; i < contacts; ++i) {
     const double w = columns.J.dot(i, u);
-    worst = max_or_infinity(worst, std::abs(std::min(std::max(columns.diagonal(i), 0.0) * impulse(i), w)));
+    worst = max_or_infinity(worst, std::abs(std::min(w, std::max(columns.diagonal(i), 0.0) * impulse(i))));
   }
   for (const SignedFriction& friction : frictions) worst = max_or_infinity(worst, friction_residual(friction));
   return worst;

@@ -611,12 +611,15 @@ ContactProblem overflowing() {
 TEST(AutoTest, TakesNothingThatOverflowsForRest) {
   ContactProblem contact = overflowing();
   ASSERT_GT(solve(Problem("overflow", contact)).z.sum(), 0);
-  for (const char* name : {"velocity_ipm{finish=false}", "friction_ipm", "psor", "quickstep_sor"}) {
-    const auto solver = make_solver(parse_spec(name));
-    solver->load(Problem("overflow", contact));
-    Answer answer;
-    solver->solve({}, answer);
-    EXPECT_NE(answer.claim, Claim::kSolved) << name;
+  for (const bool bodies : {false, true}) {
+    if (bodies) contact.inertia = BlockInertia{{Matrix::Identity(1, 1), Matrix::Identity(1, 1)}};
+    for (const char* name : {"velocity_ipm{finish=false}", "friction_ipm", "psor", "quickstep_sor"}) {
+      const auto solver = make_solver(parse_spec(name));
+      solver->load(Problem("overflow", contact));
+      Answer answer;
+      solver->solve({}, answer);
+      EXPECT_NE(answer.claim, Claim::kSolved) << name << (bodies ? ", bodies" : "");
+    }
   }
 }
 

@@ -118,7 +118,7 @@ double InteriorPoint::relative_residual(const Vector& f) {
   normals_->project(coordinates_, contacts_);
   double worst = 0;
   for (Index i = 0; i < q_.size(); ++i) {
-    const double off = std::abs(std::min(diagonal_(i) * f(i), contacts_(i) + q_(i)));
+    const double off = std::abs(std::min(contacts_(i) + q_(i), diagonal_(i) * f(i)));
     if (!std::isfinite(off)) return std::numeric_limits<double>::infinity();
     worst = std::max(worst, off);
   }
