@@ -142,6 +142,7 @@ walls() {
 scenes() {
   "$build/auto_scenes" islands 15 >"$out/auto-islands.csv"
   "$build/auto_scenes" resting 200 >"$out/auto-resting.csv"
+  "$build/auto_scenes" flying 9 >"$out/auto-flying.csv"
 }
 
 for part in "$@"; do
