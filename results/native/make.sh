@@ -60,7 +60,7 @@ ratios() {
     name=$(file_name "$set")
     bench "dense-$name" --solver active_set --set "$set" --problems 1000
     bench "kernel-$name" --reference 'lemke{engine=kernel,test=none}' --solver active_set --set "$set" --problems 1000
-    for diagonal in 1e-8 1e-12; do
+    for diagonal in 1e-8 1e-10 1e-12 1e-13; do
       bench "bullet_dantzig-$diagonal-$name" --reference "bullet_dantzig{diagonal=$diagonal}" --solver active_set --set "$set" \
         --problems 1000
     done
