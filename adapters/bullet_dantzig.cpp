@@ -46,7 +46,8 @@ class BulletDantzig final : public Solver {
       answer.claim = Claim::kSolved;
       return;
     }
-    // The library works in place on all of its input. M is symmetric, so its rows are Eigen's columns.
+    // The library works in place on all of its input, and reads one triangle: of our columns, which are its rows, the
+    // upper.
     destroyed_M_ = lcp_.M;
     b_ = -lcp_.q;
     upper_.setConstant(lcp_.size(), static_cast<double>(BT_INFINITY));

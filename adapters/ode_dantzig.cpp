@@ -34,7 +34,8 @@ class OdeDantzig final : public Solver {
     lcp_ = make_lcp(problem);
     lcp_.M.diagonal().array() += settings_.diagonal;
     padded_.setZero(dPAD(lcp_.size()), lcp_.size());
-    padded_.topRows(lcp_.size()) = lcp_.M;  // M is symmetric: the library's rows are our columns
+    // The library reads one triangle: of our columns, which are its rows, the upper.
+    padded_.topRows(lcp_.size()) = lcp_.M;
   }
 
   void on_solve(const SolveRequest&, Answer& answer) override {

@@ -26,6 +26,10 @@ endif()
 
 lcpbench_test(adapter_conventions LINK lcpbench_study)
 add_dependencies(adapter_conventions_test lcpbench_workers)
+if(BULLET_FOUND)
+  lcpbench_test(bullet_direct LINK lcpbench_study PkgConfig::BULLET)
+  add_dependencies(bullet_direct_test lcpbench_workers)
+endif()
 lcpbench_test(adapter_friction LINK lcpbench_study)
 add_dependencies(adapter_friction_test lcpbench_workers)
 add_executable(friction_model_difference EXCLUDE_FROM_ALL friction_model_difference.cpp)  # a measurement, not a test
