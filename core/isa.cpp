@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <istream>
 #include <string_view>
 
 #include "core/error.h"
@@ -46,10 +47,19 @@ IsaLevel isa_level() {
 
 std::string processor_name() {
   std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);) {
-    if (line.rfind("model name", 0) != 0) continue;
+  return processor_name(file);
+}
+
+std::string processor_name(std::istream& cpuinfo) {
+  std::string implementer;
+  for (std::string line; std::getline(cpuinfo, line);) {
     const auto colon = line.find(": ");
-    if (colon != std::string::npos) return line.substr(colon + 2);
+    if (colon == std::string::npos) continue;
+    const std::string key = line.substr(0, line.find_last_not_of(" \t", colon - 1) + 1);
+    const std::string value = line.substr(colon + 2);
+    if (key == "model name" || key == "cpu" || key == "uarch") return value;
+    if (key == "CPU implementer") implementer = value;
+    if (key == "CPU part") return "CPU implementer " + implementer + " part " + value;
   }
   return "unknown";
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <iosfwd>
 #include <string>
 
 namespace lcpbench {
@@ -17,7 +18,12 @@ IsaLevel best_isa_level();
 /// @throws InputError when LCPBENCH_ISA is no level's name or asks for more than the processor has.
 IsaLevel isa_level();
 
-/// Model name of the processor as the system tells it; "unknown" where it does not.
+/// Name of the processor as the system tells it; "unknown" where it does not.
 std::string processor_name();
+
+/// The first processor's name in a text of the form of Linux's /proc/cpuinfo: "model name" (x86), "cpu" (POWER),
+/// "uarch" (RISC-V), or Arm's numbers, which have no name there: "CPU implementer 0x41 part 0xd0c". "unknown" without
+/// any.
+std::string processor_name(std::istream& cpuinfo);
 
 }  // namespace lcpbench
