@@ -13,6 +13,7 @@
 #include "core/scene.h"
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
+#include "tests/allocation_checks.h"
 #include "tests/allocation_counter.h"
 #include "tests/textbook_lcps.h"
 
@@ -491,23 +492,7 @@ TEST(ContactLemkeTest, LoadsWithoutAllocatingWhatWasReserved) {
     const auto set = open_set(std::string("paper/") + name);
     for (std::int64_t trial = 0; trial < 6; ++trial) problems.push_back(set->generate(53, trial));
   }
-  ContactLemke solver{ContactLemkeSettings{}};
-  for (const Problem& problem : problems) solver.reserve(problem);
-  for (const Problem& problem : problems) {
-    const Answer fresh = solve(problem);
-    Answer answer;
-    answer.z.resize(problem.size());
-    answer.farkas = Vector::Zero(problem.contact()->nc());
-    EXPECT_EQ(testing::count_allocations([&] {
-                solver.load(problem);
-                solver.update(problem.contact()->v);
-                solver.solve({}, answer);
-              }),
-              0)
-        << problem.name();
-    EXPECT_EQ(answer.claim, fresh.claim) << problem.name();
-    EXPECT_EQ(answer.z, fresh.z) << problem.name();
-  }
+  testing::expect_loads_without_allocating([] { return ContactLemke(ContactLemkeSettings{}); }, problems);
 }
 
 TEST(ContactLemkeTest, RespondsWithTheVelocityOfItsAnswer) {

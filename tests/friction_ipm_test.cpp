@@ -5,6 +5,7 @@
 #include "core/registry.h"
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
+#include "tests/allocation_checks.h"
 #include "tests/allocation_counter.h"
 #include "tests/brick_wall.h"
 #include "tests/textbook_lcps.h"
@@ -165,20 +166,7 @@ TEST(FrictionIpmTest, SolvingAllocatesNothing) {
   for (const Problem& problem : problems) {
     for (const Options& options : ways) {
       if (problem.contact()->nc() > 100 && !options.empty() && options.front().first == "algebra") continue;
-      const auto solver = lcpbench_solver_friction_ipm().make(options);
-      solver->load(problem);
-      Answer answer;
-      solver->solve({}, answer);
-      const std::string what = problem.name() + ": " + to_string(answer.claim) + ", " + answer.detail;
-      EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << what;
-      EXPECT_EQ(testing::count_allocations([&] { solver->solve({.time_limit_s = 0}, answer); }), 0) << what;
-      if (answer.claim == Claim::kUnsupported) continue;  // an update loads again
-      Vector v = 0.5 * problem.contact()->v;
-      EXPECT_EQ(testing::count_allocations([&] { solver->update(v); }), 0) << what;
-      EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << what;
-      v.setZero();
-      solver->update(v);
-      EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << what << ", at rest";
+      testing::expect_solves_without_allocating(*lcpbench_solver_friction_ipm().make(options), problem);
     }
   }
 }

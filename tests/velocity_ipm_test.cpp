@@ -9,6 +9,7 @@
 #include "generators/sets.h"
 #include "native/velocity_ipm/nested_dissection.h"
 #include "study/evaluation/evaluation.h"
+#include "tests/allocation_checks.h"
 #include "tests/allocation_counter.h"
 #include "tests/brick_wall.h"
 #include "tests/exact_velocity.h"
@@ -240,22 +241,7 @@ TEST(VelocityIpmTest, SolvingAllocatesNothing) {
   for (const Problem& problem : problems) {
     for (const Options& options : ways) {
       if (problem.size() > 1000 && !options.empty() && options.front().first == "algebra") continue;
-      const auto solver = lcpbench_solver_velocity_ipm().make(options);
-      solver->load(problem);
-      Answer answer;
-      solver->solve({.time_limit_s = 0}, answer);  // leaves no text
-      solver->solve({}, answer);
-      Vector v = problem.contact()->v;
-      const std::string what = problem.name() + ": " + to_string(answer.claim) + ", " + answer.detail;
-      EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << what;
-      EXPECT_EQ(testing::count_allocations([&] { solver->solve({.time_limit_s = 0}, answer); }), 0) << what;
-      if (answer.claim == Claim::kUnsupported) continue;  // an update loads again
-      v *= 0.5;
-      EXPECT_EQ(testing::count_allocations([&] { solver->update(v); }), 0) << what;
-      EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << what;
-      v.setZero();
-      solver->update(v);
-      EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << what << ", at rest";
+      testing::expect_solves_without_allocating(*lcpbench_solver_velocity_ipm().make(options), problem);
     }
   }
 }
