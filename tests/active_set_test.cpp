@@ -98,6 +98,35 @@ TEST(ActiveSetTest, WhatPartsByItselfIsLeftAlone) {
   EXPECT_EQ(answer.velocity, v);
 }
 
+/// Symmetric and diagonally dominant: few entries off the diagonal, none in the last columns of most rows.
+Matrix sparse_inertia(Index order, testing::Uniform& uniform) {
+  Matrix G = order * Matrix::Identity(order, order);
+  for (Index k = 0; k < order; ++k) {
+    const Index i = uniform.integer(0, order - 1);
+    const Index j = uniform.integer(0, order - 1);
+    if (i != j) G(i, j) = G(j, i) = uniform();
+  }
+  return G;
+}
+
+// Elimination passes over the rows that a row cannot reach, not over those that fill reaches.
+TEST(ActiveSetTest, TheZerosOfASparseInertiaChangeNothing) {
+  testing::Uniform uniform(77);
+  for (const Index order : {1, 2, 7, 8, 9, 30, 61}) {
+    for (int trial = 0; trial < 10; ++trial) {
+      const Matrix G = sparse_inertia(order, uniform);
+      const Matrix N = uniform.matrix(order, order);
+      const Vector v = uniform.vector(order);
+      const Problem given("G", frictionless(v, N, DenseInertia{G}));
+      const Answer answer = solve(given);
+      const Answer inverse = solve(Problem("G*", frictionless(v, N, InverseInertia{G.inverse()})));
+      ASSERT_EQ(answer.claim, Claim::kSolved) << order << ", trial " << trial << ": " << answer.detail;
+      EXPECT_TRUE(answer.detail.empty()) << order << ", trial " << trial << ": " << answer.detail;
+      EXPECT_LE((answer.velocity - inverse.velocity).lpNorm<Eigen::Infinity>(), 1e-13) << order << ", trial " << trial;
+    }
+  }
+}
+
 TEST(ActiveSetTest, CopiesOfAContactChangeNothing) {
   Matrix N(2, 6);
   N << 0, 0, 0, 0, 1, 1, 1, 3, 1, 0.25, 1, 1;  // four times the ground, twice an edge

@@ -9,7 +9,8 @@ namespace lcpbench::active_set::LCPBENCH_LEVEL {
 /// The contact normals in coordinates in which the inertia is the identity: W with W'W = N'G*N.
 ///
 /// Positive definite G = C'C (C upper triangular): W = C^-T N, and the velocity v becomes C v. W comes from eliminating
-/// [G N] by rows, square roots last, so that few operations wait for one another. O(ngc^3 / 6 + nc ngc^2 / 2).
+/// [G N] by rows, square roots last, so that few operations wait for one another. O(ngc^3 / 6 + nc ngc^2 / 2); of
+/// blocks O(nc ngc) times their order.
 ///
 /// G of lower rank, or G* alone: G* = S S' with S (ngc x rank), W = S'N. From factors, G = Y Y': Y = Q R, then R' = P
 /// T, both by Gram-Schmidt, so that G = Q T'T Q' and S = Q T^-1; the condition number is never squared. From G* by
@@ -177,30 +178,39 @@ class Whitening {
     }
     const Scalar least = static_cast<Scalar>(static_cast<double>(ngc_)) * kEpsilon;
     Scalar pivot = ngc_ > 0 ? work_row(0)[0] : Scalar(0);
+    Count end = 0;
     for (Count k = 0; k < ngc_; ++k) {
       const Scalar* pivot_row = work_row(k);
+      end = profile_end(pivot_row, end > k ? end : k + 1);
       if (!(pivot > least * inverse_diagonal_[k])) return false;
       pivots_[k] = pivot;
       const Scalar inverse = 1 / pivot;
       // The next pivot is computed apart from its row, so that its reciprocal need not wait for that to be written.
       if (k + 1 < ngc_) pivot = work_row(k + 1)[k + 1] + -pivot_row[k + 1] * inverse * pivot_row[k + 1];
       const Count first = k / L::kWidth * L::kWidth;
-      eliminate_below(k, first, inverse);
+      eliminate_below(k, end, first, inverse);
     }
     return true;
   }
 
-  void eliminate_below(Count k, Count first, Scalar inverse_pivot) {
+  /// Behind the last nonzero of the row's entries from `least` on: no row after those is changed by it.
+  Count profile_end(const Scalar* row, Count least) const {
+    Count end = ngc_;
+    while (end > least && row[end - 1] == 0) --end;
+    return end;
+  }
+
+  void eliminate_below(Count k, Count end, Count first, Scalar inverse_pivot) {
     constexpr int kMostPacks = 4;
     Scalar* A = rows_.data();
     for (; stride_ - first > kMostPacks * L::kWidth; first += kMostPacks * L::kWidth) {
-      LCPBENCH_LEVEL::eliminate_below<kMostPacks>(A, stride_, k, ngc_, first, inverse_pivot);
+      LCPBENCH_LEVEL::eliminate_below<kMostPacks>(A, stride_, k, end, first, inverse_pivot);
     }
     switch ((stride_ - first) / L::kWidth) {
-      case 1: return LCPBENCH_LEVEL::eliminate_below<1>(A, stride_, k, ngc_, first, inverse_pivot);
-      case 2: return LCPBENCH_LEVEL::eliminate_below<2>(A, stride_, k, ngc_, first, inverse_pivot);
-      case 3: return LCPBENCH_LEVEL::eliminate_below<3>(A, stride_, k, ngc_, first, inverse_pivot);
-      case 4: return LCPBENCH_LEVEL::eliminate_below<4>(A, stride_, k, ngc_, first, inverse_pivot);
+      case 1: return LCPBENCH_LEVEL::eliminate_below<1>(A, stride_, k, end, first, inverse_pivot);
+      case 2: return LCPBENCH_LEVEL::eliminate_below<2>(A, stride_, k, end, first, inverse_pivot);
+      case 3: return LCPBENCH_LEVEL::eliminate_below<3>(A, stride_, k, end, first, inverse_pivot);
+      case 4: return LCPBENCH_LEVEL::eliminate_below<4>(A, stride_, k, end, first, inverse_pivot);
     }
   }
 
