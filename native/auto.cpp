@@ -167,7 +167,7 @@ void Auto::solve_whole(const SolveRequest& request, Answer& answer) {
     const std::optional<AutoMethod> next = dense_.after(*whole_, problem());
     if (next) {
       drop_words_and_velocity(answer);  // the limits may leave nothing for the next method
-      dense_.solve(*next, problem(), v_, limits, answer, report);
+      dense_.solve(*next, problem(), v_, nullptr, limits, answer, report);
     }
   }
   answer.counters = report.counters();

@@ -135,6 +135,11 @@ void compare_leaving_out(int repeats) {
       const int runs = planks > 100 ? std::min(repeats, 3) : repeats;
       print_leaving_out("seesaws", Problem("seesaws", testing::seesaws(planks, edges)), edges, runs);
     }
+    for (const auto& [falling, flying] : {std::pair(1, 24), std::pair(1, 78), std::pair(1, 168), std::pair(85, 84)}) {
+      if (edges > 0) continue;
+      const Problem problem("catapult", testing::catapult(falling, flying));
+      print_leaving_out("catapult", problem, edges, falling + flying > 100 ? std::min(repeats, 3) : repeats);
+    }
   }
 }
 

@@ -36,4 +36,40 @@ inline RigidScene seesaws(int planks, int edges) {
   return scene;
 }
 
+/// A plank at rest on a pivot. A stack of heavy cubes falls on its short arm; above its long arm a stack of light ones
+/// flies apart, slower than the arm will strike it: of the contacts that separate faster than any approaches the lowest
+/// press, and through them those above. One island of 4 (falling + flying + 1) contacts, 4 flying of which separate.
+inline RigidScene catapult(int falling, int flying) {
+  RigidScene scene;
+  const auto add_body = [&](double mass, const Eigen::Vector3d& position, double rising) {
+    RigidBody body;
+    body.mass = mass;
+    body.inertia = mass / 6 * Eigen::Matrix3d::Identity();
+    body.position = position;
+    body.linear_velocity = {0, 0, rising};
+    scene.bodies.push_back(body);
+    return static_cast<int>(scene.bodies.size()) - 1;
+  };
+  const auto add_contacts = [&](int upper, int lower, const Eigen::Vector3d& centre, double half_width) {
+    for (const double x : {-0.5, 0.5}) {
+      for (const double y : {-half_width, half_width}) {
+        scene.contacts.push_back({.body_a = upper, .body_b = lower, .point = centre + Eigen::Vector3d(x, y, 0)});
+      }
+    }
+  };
+  constexpr double kShortArm = 1, kLongArm = -6;  // along y
+  const int plank = add_body(1, {0, 0, 0}, 0);
+  add_contacts(plank, RigidContact::kWorld, {0, 0, 0}, 0.01);
+  const auto stack = [&](double y, int count, double mass, double rising, double faster) {
+    for (int k = 0, below = plank; k < count; ++k) {
+      const int cube = add_body(mass, {0, y, k + 0.5}, rising + faster * k);
+      add_contacts(cube, below, {0, y, 1.0 * k}, 0.5);
+      below = cube;
+    }
+  };
+  stack(kShortArm, falling, 1000, -1, 0);
+  stack(kLongArm, flying, 1, 1.1, 1.1);
+  return scene;
+}
+
 }  // namespace lcpbench::testing

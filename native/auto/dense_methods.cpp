@@ -30,12 +30,12 @@ Solver& DenseMethods::solver(AutoMethod method) {
   return contact_lemke_;
 }
 
-void DenseMethods::solve(AutoMethod method, const Problem& problem, const Vector& v, const AutoLimits& limits,
-                         Answer& answer, AutoReport& report) {
+void DenseMethods::solve(AutoMethod method, const Problem& problem, const Vector& v, const Vector* start,
+                         const AutoLimits& limits, Answer& answer, AutoReport& report) {
   for (std::optional<AutoMethod> next = method; next; next = after(*next, problem)) {
     solver(*next).load(problem);
     solver(*next).update(v);
-    run_method(*next, solver(*next), {.time_limit_s = limits.time()}, limits, answer, report);
+    run_method(*next, solver(*next), {.start = start, .time_limit_s = limits.time()}, limits, answer, report);
     if (!gave_up(answer.claim, limits.max_pivots)) return;
   }
 }

@@ -28,9 +28,9 @@ class DenseMethods {
   void reserve(AutoMethod method, const Problem& problem);
 
   /// Solves by `method`, and where that gives up by what follows it. Allocates nothing.
-  /// @param v of the problem now @pre reserve(method, problem)
-  void solve(AutoMethod method, const Problem& problem, const Vector& v, const AutoLimits& limits, Answer& answer,
-             AutoReport& report);
+  /// @param v of the problem now @param start SolveRequest::start @pre reserve(method, problem)
+  void solve(AutoMethod method, const Problem& problem, const Vector& v, const Vector* start, const AutoLimits& limits,
+             Answer& answer, AutoReport& report);
 
   /// With the problem of the last solve() that tried it, or with what the caller loads. @pre the method is dense
   Solver& solver(AutoMethod method);

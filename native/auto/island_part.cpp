@@ -117,18 +117,19 @@ void IslandPart::set_velocity(const Vector& v) {
 }
 
 Claim IslandPart::solve(const Vector* start, const AutoLimits& limits, AutoReport& report) {
+  SolveRequest request{.time_limit_s = limits.time()};
+  if (start != nullptr) {
+    for (Index i = 0; i < start_.size(); ++i) start_(i) = (*start)(place_[static_cast<std::size_t>(i)]);
+    request.start = &start_;
+  }
   std::optional<AutoMethod> next = stand_in();
   if (is_loaded_) {
-    SolveRequest request{.time_limit_s = limits.time()};
-    if (start != nullptr) {
-      for (Index i = 0; i < start_.size(); ++i) start_(i) = (*start)(place_[static_cast<std::size_t>(i)]);
-      request.start = &start_;
-    }
     run_method(method_, solver(), request, limits, answer_, report);
     next = gave_up(answer_.claim, limits.max_pivots) ? dense_.after(method_, problem_) : std::nullopt;
+    request.start = nullptr;  // it may have been what misled the method
   }
   by_dense_ = next.has_value();
-  if (by_dense_) dense_.solve(*next, problem_, v_, limits, answer_, report);
+  if (by_dense_) dense_.solve(*next, problem_, v_, request.start, limits, answer_, report);
   gave_velocity_ = answer_.velocity.size() > 0;
   // Solver::solve took the memory of the velocity: for the next solve, which may give one.
   if (!gave_velocity_) answer_.velocity.swap(cleared_vectors().velocity);

@@ -25,6 +25,10 @@ class IslandPart {
   /// @returns false where no dense method will do, and the work was done
   bool load_when_needed(ProblemCutter& whole, const Island& part, const Vector& v);
 
+  /// Whether what is put off until a solve is then done by another method than its own, which may take a hundred times
+  /// as long.
+  bool has_stand_in() const { return stand_in() != method_; }
+
   /// Another velocity of the whole problem. Does what was put off.
   void update(const Vector& v);
   /// The same, but what was put off stays so. Allocates nothing.

@@ -62,14 +62,18 @@ void IslandSolver::load_parts(const Vector& v) {
   if (!find_what_may_press()) return all_.load(*cutter_, island_, v);
   has_some_ = all_.load_when_needed(*cutter_, island_, v);
   if (!has_some_) return;
+  if (all_.has_stand_in() && !keep_what_may_be_struck()) {
+    has_some_ = false;
+    return all_.update(v);
+  }
   kept_.coordinates = cutter_->moved(kept_.contacts, island_.coordinates);
   some_.load(*cutter_, kept_, v);
   now_ = &some_;
 }
 
-/// Fills kept_ and left_out_. @returns whether enough is left out
+/// Fills kept_, separating_ and left_out_. @returns whether enough is left out
 bool IslandSolver::find_what_may_press() {
-  left_out_.clear();
+  separating_.clear();
   kept_.contacts.clear();
   const bool is_scene = std::holds_alternative<BlockInertia>(cutter_->whole().inertia);
   const auto contacts = static_cast<std::int64_t>(island_.contacts.size());
@@ -78,15 +82,31 @@ bool IslandSolver::find_what_may_press() {
     if (may_press(k)) {
       kept_.contacts.push_back(island_.contacts[k]);
     } else {
-      left_out_.push_back(k);
+      separating_.push_back(k);
     }
   }
-  return kLeastShare * left_out_.size() >= island_.contacts.size();
+  left_out_ = separating_;
+  return leaves_enough_out();
 }
 
-/// Whether the contacts that some_ leaves out can still be left out.
+/// Takes what touches a body that a kept contact touches from left_out_ into kept_: only the impulses of these contacts
+/// can make another one approach. @returns whether enough is left out
+bool IslandSolver::keep_what_may_be_struck() {
+  const std::vector<char> may_be_struck = cutter_->share_bodies(island_.contacts, kept_.contacts);
+  std::erase_if(left_out_, [&](std::size_t k) { return may_be_struck[k] != 0; });
+  kept_.contacts.clear();
+  for (std::size_t k = 0; k < island_.contacts.size(); ++k) {
+    if (may_be_struck[k] != 0) kept_.contacts.push_back(island_.contacts[k]);
+  }
+  return leaves_enough_out();
+}
+
+bool IslandSolver::leaves_enough_out() const { return kLeastShare * left_out_.size() >= island_.contacts.size(); }
+
+/// Whether the contacts that were found to separate still do.
 bool IslandSolver::some_will_do() const {
-  return has_some_ && std::none_of(left_out_.begin(), left_out_.end(), [this](std::size_t k) { return may_press(k); });
+  return has_some_ &&
+         std::none_of(separating_.begin(), separating_.end(), [this](std::size_t k) { return may_press(k); });
 }
 
 Claim IslandSolver::solve(const Vector* start, const AutoLimits& limits, Vector& z, Vector& u, AutoReport& report) {
@@ -106,7 +126,8 @@ Claim IslandSolver::solve(const Vector* start, const AutoLimits& limits, Vector&
       has_some_ = false;
       now_ = &all_;
       all_.set_velocity(u);
-      claim = all_.solve(nullptr, limits, report);
+      some_.write_impulses(z);
+      claim = all_.solve(all_.has_stand_in() ? &z : nullptr, limits, report);
     }
   }
   if (claim != Claim::kSolved) return claim;

@@ -45,6 +45,8 @@ class IslandSolver {
   bool may_press(std::size_t k) const { return !(approach_(static_cast<Index>(k)) > fastest_); }
   void load_parts(const Vector& v);
   bool find_what_may_press();
+  bool keep_what_may_be_struck();
+  bool leaves_enough_out() const;
   bool some_will_do() const;
   Index count_approaching(const Vector& u) const;
   void tell_what_is_carried();
@@ -62,8 +64,11 @@ class IslandSolver {
   IslandPart* carried_ = nullptr;  ///< what carries_ is told of
   bool is_loaded_ = false;         ///< all_, and some_ where has_some_
   bool has_some_ = false;
-  Island kept_;                        ///< of some_
-  std::vector<std::size_t> left_out_;  ///< positions in island_.contacts
+  Island kept_;  ///< of some_
+
+  // Positions in island_.contacts:
+  std::vector<std::size_t> separating_;  ///< faster, at the load, than any approached
+  std::vector<std::size_t> left_out_;    ///< of these, not in some_
 };
 
 }  // namespace lcpbench

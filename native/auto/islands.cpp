@@ -234,19 +234,39 @@ ContactProblem ProblemCutter::cut(std::span<const Index> contacts, std::span<con
 }
 
 std::vector<Index> ProblemCutter::moved(std::span<const Index> contacts, std::span<const Index> coordinates) const {
-  std::vector<char> is_moved(block_begin_.size(), 0);
-  const auto mark = [&](Index row) { is_moved[block_of(row)] = 1; };
-  for (const Index contact : contacts) {
-    const auto c = static_cast<std::size_t>(contact);
-    std::visit([&](const auto& N) { for_each_nonzero(N, contact, mark); }, whole_->N);
-    for (Index t = layout_.friction_begin[c]; t < layout_.friction_begin[c + 1]; ++t) {
-      std::visit([&](const auto& D) { for_each_nonzero(D, t, mark); }, whole_->D);
-    }
-  }
+  const std::vector<char> is_moved = bodies_of(contacts);
   std::vector<Index> moved;
   std::copy_if(coordinates.begin(), coordinates.end(), std::back_inserter(moved),
                [&](Index coordinate) { return is_moved[block_of(coordinate)] != 0; });
   return moved;
+}
+
+std::vector<char> ProblemCutter::share_bodies(std::span<const Index> contacts, std::span<const Index> others) const {
+  const std::vector<char> touched = bodies_of(others);
+  std::vector<char> shares(contacts.size(), 0);
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    for_each_row(contacts[k], [&](Index row) { shares[k] |= touched[block_of(row)]; });
+  }
+  return shares;
+}
+
+/// 1 for each block that one of the contacts touches.
+std::vector<char> ProblemCutter::bodies_of(std::span<const Index> contacts) const {
+  std::vector<char> touched(block_begin_.size(), 0);
+  for (const Index contact : contacts) {
+    for_each_row(contact, [&](Index row) { touched[block_of(row)] = 1; });
+  }
+  return touched;
+}
+
+/// The coordinates that the contact's impulses act on, some of them more than once.
+template <class Visit>
+void ProblemCutter::for_each_row(Index contact, Visit&& visit) const {
+  std::visit([&](const auto& N) { for_each_nonzero(N, contact, visit); }, whole_->N);
+  const auto c = static_cast<std::size_t>(contact);
+  for (Index t = layout_.friction_begin[c]; t < layout_.friction_begin[c + 1]; ++t) {
+    std::visit([&](const auto& D) { for_each_nonzero(D, t, visit); }, whole_->D);
+  }
 }
 
 /// The block that the coordinate is in.

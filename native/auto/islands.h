@@ -45,7 +45,13 @@ class ProblemCutter {
   /// @pre block inertia @param coordinates of the island, ascending
   std::vector<Index> moved(std::span<const Index> contacts, std::span<const Index> coordinates) const;
 
+  /// Of each of `contacts`, whether it touches a body that one of `others` touches. @pre block inertia
+  std::vector<char> share_bodies(std::span<const Index> contacts, std::span<const Index> others) const;
+
  private:
+  std::vector<char> bodies_of(std::span<const Index> contacts) const;
+  template <class Visit>
+  void for_each_row(Index contact, Visit&& visit) const;
   Inertia cut_inertia(std::span<const Index> coordinates) const;
   std::size_t block_of(Index coordinate) const;
   BlockInertia cut_blocks(const BlockInertia& inertia, std::span<const Index> coordinates) const;
