@@ -452,6 +452,8 @@ TEST(ActiveSetTest, LoadsWithoutAllocatingWhatWasReserved) {
   for (const char* name : {"paper/monotone/exp2", "paper/monotone/exp4"}) {
     for (std::int64_t trial = 0; trial < 8; ++trial) problems.push_back(open_set(name)->generate(55, trial));
   }
+  // And one that climbs to the last rung.
+  problems.push_back(open_set("paper/monotone/exp5-1e10{redundancy=combination}")->generate(555001, 7544));
   testing::expect_loads_without_allocating([] { return ActiveSet(ActiveSetSettings{}); }, problems);
 }
 
