@@ -92,12 +92,14 @@ bool IslandSolver::find_what_may_press() {
 /// Takes what touches a body that a kept contact touches from left_out_ into kept_: only the impulses of these contacts
 /// can make another one approach. @returns whether enough is left out
 bool IslandSolver::keep_what_may_be_struck() {
-  const std::vector<char> may_be_struck = cutter_->share_bodies(island_.contacts, kept_.contacts);
-  std::erase_if(left_out_, [&](std::size_t k) { return may_be_struck[k] != 0; });
-  kept_.contacts.clear();
-  for (std::size_t k = 0; k < island_.contacts.size(); ++k) {
-    if (may_be_struck[k] != 0) kept_.contacts.push_back(island_.contacts[k]);
-  }
+  const std::vector<char> bodies = cutter_->bodies_of(kept_.contacts);
+  std::erase_if(left_out_, [&](std::size_t k) {
+    const Index contact = island_.contacts[k];
+    if (!cutter_->touches(contact, bodies)) return false;
+    kept_.contacts.push_back(contact);
+    return true;
+  });
+  std::sort(kept_.contacts.begin(), kept_.contacts.end());
   return leaves_enough_out();
 }
 

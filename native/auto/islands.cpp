@@ -206,7 +206,11 @@ ProblemCutter::ProblemCutter(const ContactProblem& whole)
   const auto* blocks = std::get_if<BlockInertia>(&whole.inertia);
   if (blocks == nullptr) return;
   block_begin_.push_back(0);
-  for (const Matrix& block : blocks->blocks) block_begin_.push_back(block_begin_.back() + block.rows());
+  block_of_.reserve(local_.size());
+  for (const Matrix& block : blocks->blocks) {
+    block_of_.insert(block_of_.end(), static_cast<std::size_t>(block.rows()), block_begin_.size() - 1);
+    block_begin_.push_back(block_begin_.back() + block.rows());
+  }
 }
 
 ContactProblem ProblemCutter::cut(std::span<const Index> contacts, std::span<const Index> coordinates, const Vector& v,
@@ -241,22 +245,18 @@ std::vector<Index> ProblemCutter::moved(std::span<const Index> contacts, std::sp
   return moved;
 }
 
-std::vector<char> ProblemCutter::share_bodies(std::span<const Index> contacts, std::span<const Index> others) const {
-  const std::vector<char> touched = bodies_of(others);
-  std::vector<char> shares(contacts.size(), 0);
-  for (std::size_t k = 0; k < contacts.size(); ++k) {
-    for_each_row(contacts[k], [&](Index row) { shares[k] |= touched[block_of(row)]; });
+std::vector<char> ProblemCutter::bodies_of(std::span<const Index> contacts) const {
+  std::vector<char> bodies(block_begin_.size() - 1, 0);
+  for (const Index contact : contacts) {
+    for_each_row(contact, [&](Index row) { bodies[block_of(row)] = 1; });
   }
-  return shares;
+  return bodies;
 }
 
-/// 1 for each block that one of the contacts touches.
-std::vector<char> ProblemCutter::bodies_of(std::span<const Index> contacts) const {
-  std::vector<char> touched(block_begin_.size(), 0);
-  for (const Index contact : contacts) {
-    for_each_row(contact, [&](Index row) { touched[block_of(row)] = 1; });
-  }
-  return touched;
+bool ProblemCutter::touches(Index contact, const std::vector<char>& bodies) const {
+  bool found = false;
+  for_each_row(contact, [&](Index row) { found = found || bodies[block_of(row)] != 0; });
+  return found;
 }
 
 /// The coordinates that the contact's impulses act on, some of them more than once.
@@ -267,12 +267,6 @@ void ProblemCutter::for_each_row(Index contact, Visit&& visit) const {
   for (Index t = layout_.friction_begin[c]; t < layout_.friction_begin[c + 1]; ++t) {
     std::visit([&](const auto& D) { for_each_nonzero(D, t, visit); }, whole_->D);
   }
-}
-
-/// The block that the coordinate is in.
-std::size_t ProblemCutter::block_of(Index coordinate) const {
-  const auto next = std::upper_bound(block_begin_.begin(), block_begin_.end(), coordinate);
-  return static_cast<std::size_t>(next - block_begin_.begin()) - 1;
 }
 
 Inertia ProblemCutter::cut_inertia(std::span<const Index> coordinates) const {

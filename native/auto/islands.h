@@ -45,21 +45,24 @@ class ProblemCutter {
   /// @pre block inertia @param coordinates of the island, ascending
   std::vector<Index> moved(std::span<const Index> contacts, std::span<const Index> coordinates) const;
 
-  /// Of each of `contacts`, whether it touches a body that one of `others` touches. @pre block inertia
-  std::vector<char> share_bodies(std::span<const Index> contacts, std::span<const Index> others) const;
+  /// Per body (block of the inertia), 1 for those that one of the contacts touches. @pre block inertia
+  std::vector<char> bodies_of(std::span<const Index> contacts) const;
+
+  /// Whether the contact touches one of them. @param bodies as of bodies_of()
+  bool touches(Index contact, const std::vector<char>& bodies) const;
 
  private:
-  std::vector<char> bodies_of(std::span<const Index> contacts) const;
   template <class Visit>
   void for_each_row(Index contact, Visit&& visit) const;
   Inertia cut_inertia(std::span<const Index> coordinates) const;
-  std::size_t block_of(Index coordinate) const;
+  std::size_t block_of(Index coordinate) const { return block_of_[static_cast<std::size_t>(coordinate)]; }
   BlockInertia cut_blocks(const BlockInertia& inertia, std::span<const Index> coordinates) const;
 
   const ContactProblem* whole_;
   ContactLayout layout_;
-  std::vector<Index> local_;        ///< of each coordinate of the whole; -1 between calls
-  std::vector<Index> block_begin_;  ///< of block inertia: first coordinate of each block, and their number
+  std::vector<Index> local_;           ///< of each coordinate of the whole; -1 between calls
+  std::vector<Index> block_begin_;     ///< of block inertia: first coordinate of each block, and their number
+  std::vector<std::size_t> block_of_;  ///< of block inertia: the block that each coordinate is in
 };
 
 }  // namespace lcpbench
