@@ -40,7 +40,8 @@ struct ActiveSetSettings {
 /// which the inertia is the identity. In exact arithmetic it ends at the solution, or proves that there is none, for
 /// any contacts, redundant or not: finite because the objective increases. [Goldfarb, Idnani 1983; docs/active_set.md]
 ///
-/// Set-up O(ngc^3 / 6 + nc ngc^2 / 2), a step O(ngc (nc + active)). Returns the velocity as well as z.
+/// Set-up O(ngc^3 / 6 + nc ngc^2 / 2), less where the inertia is blocks, a step O(ngc (nc + active)). Returns the
+/// velocity as well as z.
 ///
 /// kSolved: the answer passed the solver's own test; kUnsolvable: contacts whose normals depend on each other through
 /// null(G) approach whatever the impulses (`farkas` is set when u could be rounded to small integers that prove it);

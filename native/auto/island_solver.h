@@ -11,8 +11,9 @@ namespace lcpbench {
 /// Where no contact approaches, none presses and nothing is solved. In islands of bodies, contacts that separate faster
 /// than any other approaches are left out, with the bodies that only they touch; where the answer's velocity has some
 /// of them approaching, the island is solved with all its contacts. Either way it is an answer of the whole island,
-/// since contacts left out need no impulse when they do not approach. Not in islands for a sparse method: all contacts
-/// would have to be loaded as well, which costs what leaving out saves.
+/// since contacts left out need no impulse when they do not approach. Where a slower method would have to bring them
+/// back, contacts at bodies that kept contacts touch are kept. Nothing is left out of islands that only a sparse method
+/// may solve: all contacts would have to be loaded as well, which costs what leaving out saves.
 class IslandSolver {
  public:
   IslandSolver(const AutoSettings& settings, DenseMethods& dense)
