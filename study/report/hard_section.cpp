@@ -122,7 +122,8 @@ std::vector<std::string> families(const Summary& summary, const HardStudy& study
 
 std::string family_table(const Summary& summary, const HardStudy& study, const std::string& family) {
   return "<details open><summary>" + escape(family) +
-         "</summary><div class=\"scroll\" tabindex=\"0\"><table><thead><tr><th scope=\"col\">Case</th>" +
+         "</summary><div class=\"scroll\" tabindex=\"0\"><table class=\"cases\"><thead><tr><th "
+         "scope=\"col\">Case</th>" +
          solver_headings(summary, study) + "</tr></thead><tbody>\n" + case_rows(summary, study, family) + kTableEnd +
          "</details>\n";
 }

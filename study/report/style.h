@@ -9,7 +9,7 @@ inline constexpr const char* kStyle = R"css(
 @media (prefers-color-scheme: dark) { :root { --ink: #e6e7e8; --soft: #a8adb3; --ground: #17191b; --panel: #212427;
   --line: #3a3e43; --link: #86b7ea; --bad: #ff8a80; --good: #7fd1a0; } }
 * { box-sizing: border-box; }
-body { margin: 0 auto; max-width: 1160px; padding: 1rem 1.25rem 4rem; background: var(--ground); color: var(--ink);
+body { margin: 0 auto; max-width: 1360px; padding: 1rem 1.25rem 4rem; background: var(--ground); color: var(--ink);
   font: 16px/1.5 system-ui, "Segoe UI", Helvetica, Arial, sans-serif; }
 h1 { font-size: 1.6rem; line-height: 1.25; margin: .6rem 0 .4rem; }
 h2 { font-size: 1.3rem; margin: 2.4rem 0 .5rem; padding-top: .6rem; border-top: 1px solid var(--line); }
@@ -32,6 +32,11 @@ td.number, th.line { white-space: nowrap; }
 summary { cursor: pointer; margin: .5rem 0; }
 tbody th { font-weight: 400; }
 .cells code, .paper code { white-space: nowrap; }
+.cells tbody th, .cases tbody th { position: sticky; left: 0; background: var(--ground); }
+.cases code { white-space: nowrap; }
+.cases thead th + th { writing-mode: vertical-rl; transform: rotate(180deg); vertical-align: top; padding: .5rem .2rem; }
+.cases td { padding: .35rem .2rem; text-align: center; white-space: nowrap; }
+.cases tbody th { min-width: 17rem; }
 .paper .words { min-width: 13rem; }
 small { color: var(--soft); font-size: .82rem; }
 td small, th small { display: block; }
@@ -53,7 +58,7 @@ th[aria-sort=descending] button::after { content: " \2193"; }
 figure { margin: .8rem 0; }
 figure .scroll { background: #fff; }
 figure img { display: block; width: 100%; min-width: 640px; max-width: 900px; height: auto; margin: 0 auto; }
-.matrices { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 34rem), 1fr)); gap: .6rem 1.2rem; }
+.matrices { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 36rem), 1fr)); gap: .6rem 1.2rem; }
 .matrices > * { min-width: 0; }
 .matrices table { font-size: .84rem; }
 .matrices th, .matrices td { padding: .3rem .35rem; }
