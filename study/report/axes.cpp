@@ -25,7 +25,8 @@ std::string set_line(const SetSummary& set) {
 }
 
 std::string sized_label(const Summary& summary, const Cell& cell, std::string label) {
-  if (cell.trials < summary.sets[cell.set].problems) label += fmt::format(" (n = {})", cell.trials);
+  if (cell.trials < summary.sets[cell.set].problems)
+    label += fmt::format(" ({} of {})", cell.trials, summary.sets[cell.set].problems);
   return shorten(label, 44);
 }
 

@@ -63,7 +63,7 @@ void draw_heading(Canvas& canvas, const SetSummary& set);
 /// A solver's name as pictures write it, with its trials where it has fewer than the set has problems.
 std::string label_of(const Summary& summary, const Cell& cell);
 
-/// The same with the rung of a precision ladder as a word: "lemke quad (n = 20)".
+/// The same with the rung of a precision ladder as a word: "lemke quad (20 of 100)".
 std::string rung_label(const Summary& summary, const Cell& cell);
 
 /// The relative error up to which an answer of the set counts as solved.

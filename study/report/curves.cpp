@@ -79,7 +79,7 @@ std::string plot_curves(Canvas& canvas, const std::vector<Curve>& curves, const 
 void draw_bound(Canvas& canvas, double x, const Box& area) {
   canvas.line(x, area.top, x, area.bottom, kWrong, 1, true);
   const bool room_right = area.right - x > 130;
-  canvas.text(x + (room_right ? 5 : -5), area.bottom - 10, "wrong beyond this",
+  canvas.text(x + (room_right ? 5 : -5), area.bottom - 10, "not solved beyond this",
               {.size = 11, .color = kWrong, .align = room_right ? Align::kLeft : Align::kRight});
 }
 

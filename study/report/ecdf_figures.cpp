@@ -50,7 +50,7 @@ std::vector<Curve> curves_of(const Summary& summary, const SetComparison& compar
     if (kept.empty()) continue;
     std::string label = solver_label(summary, distribution.solver);
     if (distribution.problems < summary.sets[comparison.set].problems) {
-      label += fmt::format(" (n = {})", distribution.problems);
+      label += fmt::format(" ({} of {})", distribution.problems, summary.sets[comparison.set].problems);
     }
     curves.push_back({shorten(label, 44), i, steps(kept, distribution.problems)});
   }

@@ -56,6 +56,12 @@ std::vector<DrawnPoint> points_of(const Summary& summary, const SpeedError& spee
   return drawn;
 }
 
+/// Is there an error too small to be drawn where it is, 0 above all?
+bool reaches_floor(const std::vector<DrawnPoint>& points) {
+  return std::any_of(points.begin(), points.end(),
+                     [](const DrawnPoint& point) { return point.point->median < kErrorFloor; });
+}
+
 std::string undrawn_note(const Summary& summary, const SpeedError& speed_error) {
   std::string names;
   for (const SpeedErrorPoint& point : speed_error.points) {
@@ -126,16 +132,46 @@ void draw_legend(Canvas& canvas, const std::vector<DrawnPoint>& points, double y
   }
 }
 
-/// The bound above which an answer counts as wrong, where the error is the one that the verdict is taken on.
+/// Where a text at the line y fits beside the points: at the right or left end of the area, above the line or below.
+Box free_place(const Box& area, double y, double width, const std::vector<Box>& taken) {
+  constexpr double kHeight = 18;
+  const Box places[] = {{area.right - width, y - kHeight, area.right, y},
+                        {area.left, y - kHeight, area.left + width, y},
+                        {area.right - width, y, area.right, y + kHeight},
+                        {area.left, y, area.left + width, y + kHeight}};
+  for (const Box& place : places) {
+    if (std::none_of(taken.begin(), taken.end(), [&](const Box& box) { return box.overlap(place) > 0; })) return place;
+  }
+  return places[0];
+}
+
+/// The points and the bars to their medians.
+std::vector<Box> boxes_of(const std::vector<DrawnPoint>& points, const LogAxis& x, const LogAxis& y) {
+  constexpr double kRadius = 6;
+  std::vector<Box> boxes;
+  for (const DrawnPoint& point : points) {
+    const double px = x.pixel(point.cost);
+    const double py = y.pixel(point.error);
+    const double median_y = y.pixel(point.median_error);
+    boxes.push_back({px - kRadius, std::min(py, median_y) - kRadius, px + kRadius, std::max(py, median_y) + kRadius});
+  }
+  return boxes;
+}
+
+/// The bound above which no answer counts as solved, where the error is the one that the verdict is taken on.
 std::vector<Box> draw_bound(Canvas& canvas, const SetSummary& set, const SpeedError& speed_error, const Box& area,
-                            const LogAxis& y) {
+                            const LogAxis& y, const std::vector<Box>& taken) {
   if (speed_error.measure == ErrorMeasure::kForward) return {};
   const double bound = y.pixel(verdict_bound(set));
   canvas.line(area.left, bound, area.right, bound, kWrong, 1, true);
-  const std::string text = set.bare ? "above 10⁻⁹ an answer counts as wrong" : "above 10⁻⁴ an answer counts as wrong";
-  canvas.text(area.right, bound - 9, text, {.size = 11, .color = kWrong, .align = Align::kRight});
+  const std::string text =
+      set.bare ? "above 10⁻⁹ an answer does not count as solved" : "above 10⁻⁴ an answer does not count as solved";
   const double width = static_cast<double>(character_count(text)) * 11 * kProportionalWidth;
-  return {{area.left, bound - 2, area.right, bound + 2}, {area.right - width, bound - 18, area.right, bound}};
+  const Box place = free_place(area, bound, width, taken);
+  const bool at_right = place.right == area.right;
+  canvas.text(at_right ? place.right : place.left + 4, (place.top + place.bottom) / 2, text,
+              {.size = 11, .color = kWrong, .align = at_right ? Align::kRight : Align::kLeft});
+  return {{area.left, bound - 2, area.right, bound + 2}, place};
 }
 
 std::string cost_words(const Summary& summary, const SpeedError& speed_error) {
@@ -190,7 +226,8 @@ std::optional<Figure> speed_error_figure(const Summary& summary, const SpeedErro
              fmt::format("[{}:{}]", y.low(), y.high()), y.tics(9, power_of_ten));
   canvas.text(kMargin, area.top - 20,
               "↑ worse: " + measure_words(speed_error.measure) +
-                  ", of the answers said to be solved; dot 99th percentile, bar to the median",
+                  ", of the answers said to be solved; dot 99th percentile, bar to the median" +
+                  (reaches_floor(points) ? "; 0 is drawn at 10⁻¹⁷" : ""),
               {.size = 11.5, .color = kSoft});
   canvas.text((area.left + area.right) / 2, area.bottom + 38, cost_words(summary, speed_error),
               {.color = kSoft, .align = Align::kCenter});
@@ -198,7 +235,7 @@ std::optional<Figure> speed_error_figure(const Summary& summary, const SpeedErro
   if (!note.empty()) canvas.text(kMargin, area.bottom + 82, note, {.size = 11, .color = kSoft});
   strip.draw(canvas, strip_top);
   std::vector<Box> obstacles = draw_frontier(canvas, points, x, y);
-  for (const Box& box : draw_bound(canvas, set, speed_error, area, y)) obstacles.push_back(box);
+  for (const Box& box : draw_bound(canvas, set, speed_error, area, y, boxes_of(points, x, y))) obstacles.push_back(box);
   const std::string plot = draw_points(canvas, points, area, x, y, obstacles);
   return Figure{canvas.draw(escape(describe(set) + ": speed against error"), plot),
                 alternative_text(summary, speed_error)};
