@@ -73,6 +73,8 @@ Json decision_json(const Summary& summary, const std::vector<report::Situation>&
                          {"trials", contender.trials},
                          {"solved", share_json(contender.solved)},
                          {"false_claims", share_json(contender.false_claims)},
+                         {"error_median", contender.median_error},
+                         {"error_p99", contender.p99_error},
                          {"median_time_s", estimate_json(contender.time)},
                          {"speedup", estimate_json(contender.speedup)}});
     }
@@ -234,9 +236,15 @@ struct TextRow {
   std::string solved, interval, wrong, roughly, gave_up, time, ratio, error;
 };
 
+/// The first column; a name too long for it has a line of its own, so that the numbers stay in theirs.
+std::string name_column(const std::string& name) {
+  const std::string text = report::mended(name);
+  if (report::character_count(text) <= kNameWidth) return "  " + padded(text, kNameWidth, false);
+  return "  " + text + "\n  " + padded("", kNameWidth, false);
+}
+
 std::string text_line(const std::string& name, const TextRow& row) {
-  std::string line = "  " + padded(report::mended(name), kNameWidth, false) + " " + padded(row.solved, 8, true) + " " +
-                     padded(row.interval, 12, false);
+  std::string line = name_column(name) + " " + padded(row.solved, 8, true) + " " + padded(row.interval, 12, false);
   const std::pair<const std::string&, std::size_t> numbers[] = {{row.wrong, 8}, {row.roughly, 8}, {row.gave_up, 8},
                                                                 {row.time, 8},  {row.ratio, 6},   {row.error, 8}};
   for (const auto& [text, width] : numbers) line += " " + padded(text, width, true);
@@ -247,8 +255,7 @@ std::string cell_line(const Summary& summary, const Cell& cell) {
   const SolverRow& solver = summary.solvers[cell.solver];
   std::string name = solver.text();
   if (cell.refused()) {
-    return "  " + padded(report::mended(name), kNameWidth, false) +
-           "   does not take these: " + report::mended(cell.refusal) + "\n";
+    return name_column(name) + "   does not take these: " + report::mended(cell.refusal) + "\n";
   }
   if (cell.trials < summary.sets[cell.set].problems) name += fmt::format(" n={}", cell.trials);
   const auto of_trials = [&cell](std::int64_t count) {

@@ -121,6 +121,22 @@ TEST_F(HardReportTest, ThePageShowsThemInTheirOwnSectionOnly) {
   EXPECT_TRUE(std::filesystem::exists(folder_ / "out/tables/hard_cases.csv"));
 }
 
+TEST(HardReportAloneTest, AStoreOfHardCasesAloneRecommendsNothingAndSaysWhy) {
+  const ScratchFolder folder;
+  SyntheticStore made(folder / "hard.db");
+  const auto solver = made.solver("lemke");
+  for (const char* name : {"hard/contact/stack", "hard/ray/infeasible"}) made.problem(name, 0, {{solver, {}}});
+  write_report(made.store(), folder / "out");
+  std::ostringstream page;
+  page << std::ifstream(folder / "out/report.html").rdbuf();
+  EXPECT_NE(page.str().find("This store holds 2 hard cases"), std::string::npos);
+  EXPECT_NE(page.str().find("they show where a solver breaks, not how often"), std::string::npos);
+  for (const char* empty :
+       {"<table class=\"decision\">", "#speed-error", "\"sets\"", "\"comparison\"", "Random problems"}) {
+    EXPECT_EQ(page.str().find(empty), std::string::npos) << empty;
+  }
+}
+
 TEST_F(HardReportTest, TheTerminalNamesEveryFalseClaim) {
   const std::string text = table_text(summarize(made_.store()));
   EXPECT_NE(text.find("  liar: contact/stack{ratio=30,order=growing}, contact/stack{ratio=30}, ray/infeasible\n"),

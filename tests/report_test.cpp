@@ -95,7 +95,7 @@ void expect_balanced(const std::string& page) {
   for (const std::string& tag : parse_markup(page).tags) {
     const std::string name = element_name(tag);
     EXPECT_EQ(std::count(tag.begin(), tag.end(), '"') % 2, 0) << tag;
-    if (name == "!DOCTYPE" || name == "meta" || name == "img" || name == "br") continue;
+    if (name == "!DOCTYPE" || name == "meta" || name == "img" || name == "br" || name == "wbr") continue;
     if (name.front() != '/') {
       open.push_back(name);
       continue;
@@ -105,6 +105,18 @@ void expect_balanced(const std::string& page) {
     open.pop_back();
   }
   EXPECT_TRUE(open.empty());
+}
+
+/// A link that leads nowhere is a promise of a section that the page has not.
+void expect_links_lead_somewhere(const std::string& page) {
+  const std::string link = "href=\"#";
+  std::size_t links = 0;
+  for (std::size_t at = page.find(link); at != std::string::npos; at = page.find(link, at + 1), ++links) {
+    const std::size_t begin = at + link.size();
+    const std::string id = page.substr(begin, page.find('"', begin) - begin);
+    EXPECT_NE(page.find("id=\"" + id + "\""), std::string::npos) << id;
+  }
+  EXPECT_GT(links, 3U);
 }
 
 std::string visible_text(const std::string& page) { return parse_markup(page).text; }
@@ -169,6 +181,7 @@ TEST_F(ReportTest, PageIsBalancedAndSelfContained) {
   write();
   EXPECT_EQ(note_, "");
   expect_balanced(page_);
+  expect_links_lead_somewhere(page_);
   for (const char* reference : {"http://", "https://", "@import", "url(", "<link", "<iframe", "<object"}) {
     EXPECT_EQ(page_.find(reference), std::string::npos) << reference;
   }
@@ -189,6 +202,45 @@ TEST_F(ReportTest, FirstScreenRecommendsTheReliableAndNamesTheLiar) {
   EXPECT_NE(first_screen.find("<code>liar</code>: said solved and was wrong on 33.3 %"), std::string::npos);
   EXPECT_NE(first_screen.find("as reliable, 40.0× slower"), std::string::npos);
   EXPECT_NE(first_screen.find("data:image/svg+xml;base64,"), std::string::npos);
+  EXPECT_NE(first_screen.find("the error ρ of 99 % of its answers is at most 1.6e-12"), std::string::npos);
+  EXPECT_NE(first_screen.find("error ρ: 1.6e-12 <small>99 %</small>, 1.3e-12 <small>median</small>"),
+            std::string::npos);
+  EXPECT_NE(read_file(folder_ / "out/tables/decision.csv").find("error_median,error_p99"), std::string::npos);
+}
+
+/// One solver on one small set is no comparison, and the page must not read like one.
+TEST_F(ReportTest, ASolverAloneIsSaidToBeAlone) {
+  SyntheticStore made(folder_ / "s.db");
+  const auto solver = made.solver("lemke");
+  for (std::int64_t trial = 0; trial < 5; ++trial) made.problem("paper/monotone/exp1", trial, {{solver, {}}});
+  write_report(made.store(), folder_ / "out");
+  const std::string page = read_file(folder_ / "out/report.html");
+  expect_links_lead_somewhere(page);
+  EXPECT_NE(page.find("<code>lemke</code> (the only solver here), which solved 100 % (56.6–100 %) of 5 problems"),
+            std::string::npos);
+  EXPECT_NE(page.find("shown instead is the only set it has"), std::string::npos);
+  EXPECT_EQ(page.find("0 problems"), std::string::npos);
+}
+
+/// The words on the line of the verdict give way to a point, at whichever end of the picture it lies.
+TEST_F(ReportTest, TheBoundsWordsStandClearOfThePoints) {
+  const auto words_align_at = [this](double fast_error, double slow_error) {
+    const ScratchFolder folder;
+    SyntheticStore made(folder / "s.db");
+    const auto fast = made.solver("fast");
+    const auto slow = made.solver("slow");
+    for (std::int64_t trial = 0; trial < 5; ++trial) {
+      made.problem("paper/copositive/exp1", trial,
+                   {{fast, {.error = fast_error, .time_s = 1.1e-6}}, {slow, {.error = slow_error, .time_s = 0.9}}}, 10);
+    }
+    write_report(made.store(), folder_ / "out");
+    const std::string svg = read_file(folder_ / "out/figures/headline.svg");
+    const std::size_t anchor = svg.rfind("text-anchor=\"", svg.find("does not count as solved")) + 13;
+    return svg.substr(anchor, svg.find('"', anchor) - anchor);
+  };
+  EXPECT_EQ(words_align_at(1e-10, 1e-10), "end");
+  EXPECT_EQ(words_align_at(1e-10, 2e-4), "start");
+  EXPECT_EQ(words_align_at(2e-4, 1e-10), "end");
 }
 
 TEST_F(ReportTest, SkippedAndRefusingSolversStandWithTheirReasons) {
@@ -282,6 +334,7 @@ TEST_F(ReportTest, EmptyStoreStillGivesAReport) {
   EXPECT_EQ(write_report(made.store(), folder_ / "out"), "");
   const std::string page = read_file(folder_ / "out/report.html");
   expect_balanced(page);
+  expect_links_lead_somewhere(page);
   EXPECT_NE(page.find("does not yet hold enough verified answers"), std::string::npos);
   EXPECT_EQ(table_text(summarize(made.store())), "no answers yet\n");
 }
@@ -312,6 +365,20 @@ TEST_F(ReportTest, TerminalTableKeepsItsColumnsApartWhenAnErrorIsNoNumber) {
   const std::string text = table_text(summarize(made.store()));
   EXPECT_NE(text.find(" none\n"), std::string::npos) << text;
   EXPECT_EQ(text.find("no number"), std::string::npos) << text;
+}
+
+TEST_F(ReportTest, TerminalTableKeepsItsColumnsUnderLongNames) {
+  SyntheticStore made(folder_ / "s.db");
+  const auto brief = made.solver("lemke");
+  const auto wordy = made.solver("bullet_mlcp_lemke", "box=false,max_value=1e+10");
+  made.problem("paper/monotone/exp3", 0, {{brief, {}}, {wordy, {}}});
+  std::istringstream lines(table_text(summarize(made.store())));
+  std::vector<std::size_t> columns;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find("100 %") != std::string::npos) columns.push_back(line.find("100 %"));
+  }
+  ASSERT_EQ(columns.size(), 2U);
+  EXPECT_EQ(columns[0], columns[1]);
 }
 
 TEST_F(ReportTest, SetWhereAllIsUnsolvableHasNoRate) {

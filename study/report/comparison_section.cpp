@@ -230,6 +230,7 @@ std::string queries() {
 
 std::string comparison_section(const Summary& summary, const std::vector<SetComparison>& comparisons,
                                const Figures& figures) {
+  if (comparisons.empty()) return "";
   std::string section = "<section id=\"comparison\"><h2>Comparing solvers</h2>\n" + introduction(summary);
   for (const SetComparison& comparison : comparisons) {
     section += "<details><summary>" + set_line(summary, comparison) + "</summary>\n";

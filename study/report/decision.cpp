@@ -63,7 +63,7 @@ std::string scope_of(const Summary& summary, const std::vector<std::size_t>& set
     problems += summary.sets[set].problems;
     names += (names.empty() ? "" : ", ") + code(summary.sets[set].name);
   }
-  return counted(problems, "problem") + ": " + names;
+  return sets.empty() ? "" : counted(problems, "problem") + ": " + names;
 }
 
 std::vector<Record> records_of(const Summary& summary, const std::vector<std::size_t>& sets) {
@@ -115,6 +115,17 @@ Estimate time_ratio(const Record& a, const Record& b) {
     others.push_back(right.time_s);
   });
   return ratio_of_sums(own, others);
+}
+
+void measure_errors(Record& record) {
+  std::vector<double> errors;
+  for (const auto& [set, outcome] : record.outcomes) {
+    if (!outcome->claimed) continue;
+    errors.push_back(std::isnan(outcome->error) ? std::numeric_limits<double>::infinity() : outcome->error);
+  }
+  std::sort(errors.begin(), errors.end());
+  record.contender.median_error = median(errors);
+  record.contender.p99_error = quantile(errors, 0.99);
 }
 
 void measure_times(const Record* reference, Record& record) {
@@ -199,7 +210,7 @@ std::string gravest(const Record& record, const Record* chosen) {
 }
 
 std::string why_not(const Record& record, const Record* chosen) {
-  const std::string sample = record.contender.sampled ? fmt::format(" (n = {})", record.contender.trials) : "";
+  const std::string sample = record.contender.sampled ? " (" + counted(record.contender.trials, "problem") + ")" : "";
   return gravest(record, chosen) + sample;
 }
 
@@ -237,7 +248,10 @@ Situation judge(const Summary& summary, std::string title, std::vector<std::size
   const auto reference = std::find_if(records.begin(), records.end(), [&summary](const Record& record) {
     return summary.solvers[record.contender.solver].text() == summary.reference;
   });
-  for (Record& record : records) measure_times(reference == records.end() ? nullptr : &*reference, record);
+  for (Record& record : records) {
+    measure_times(reference == records.end() ? nullptr : &*reference, record);
+    measure_errors(record);
+  }
   const Record* chosen = choose(records);
   for (Record& record : records) {
     if (&record == chosen) continue;
@@ -296,6 +310,18 @@ std::string warning_on(const Summary& summary, const Situation& situation) {
                      percent_range(worst->false_claims.interval()), counted(worst->trials, "problem"));
 }
 
+/// What a store is for that has no set to recommend a solver on.
+std::string answer_without_situations(const Summary& summary) {
+  const auto hard = std::count_if(summary.sets.begin(), summary.sets.end(),
+                                  [](const SetSummary& set) { return is_hard_set(set.name); });
+  if (hard == 0)
+    return "This store has no random contact problems, so it recommends no solver; what it has stands below.";
+  return fmt::format(
+      "This store holds {}, chosen to break solvers: no share of them recommends one. "
+      "<a href=\"#hard\">Who is right on which</a>.",
+      counted(hard, "hard case"));
+}
+
 }  // namespace
 
 double Share::value() const { return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : kNone; }
@@ -352,19 +378,29 @@ std::optional<std::size_t> headline_set(const Summary& summary) {
   return hardest;
 }
 
+bool only_special_sets(const Summary& summary, const std::vector<Situation>& situations) {
+  return !summary.cells.empty() && std::all_of(situations.begin(), situations.end(),
+                                               [](const Situation& situation) { return situation.sets.empty(); });
+}
+
 std::string one_line_answer(const Summary& summary, const std::vector<Situation>& situations) {
+  if (only_special_sets(summary, situations)) return answer_without_situations(summary);
   const Situation* situation = most_telling(situations);
   if (situation == nullptr) return "The store does not yet hold enough verified answers to recommend a solver.";
   const Contender& best = situation->contenders[*situation->recommended];
   std::string title = situation->title;
   title.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(title.front())));
-  std::string answer = fmt::format("For {} contacts: {}, which solved {} ({}) of {} in a median of {}", title,
-                                   code(summary.solvers[best.solver].text()), percent(best.solved.value()),
+  const char* alone = situation->contenders.size() == 1 ? " (the only solver here)" : "";
+  std::string answer = fmt::format("For {} contacts: {}{}, which solved {} ({}) of {} in a median of {}", title,
+                                   code(summary.solvers[best.solver].text()), alone, percent(best.solved.value()),
                                    percent_range(best.solved.interval()), counted(best.solved.whole, "problem"),
                                    duration(best.time.value));
   const bool is_reference = summary.solvers[best.solver].text() == summary.reference;
   if (!is_reference && std::isfinite(best.speedup.value)) {
     answer += fmt::format(", {} the dense reference", speed_against(1 / best.speedup.value));
+  }
+  if (!std::isnan(best.p99_error)) {
+    answer += fmt::format("; the error ρ of 99 % of its answers is at most {}", scientific(best.p99_error));
   }
   return answer + ". " + warning_on(summary, *situation);
 }

@@ -27,6 +27,8 @@ struct Contender {
   Share solved;             ///< of those not proven unsolvable
   Share false_claims;       ///< of the trials
   Share crashed;            ///< of the trials
+  double median_error = 0;  ///< rho of the answers said to be solved; infinity: no number; NaN: there are none
+  double p99_error = 0;     ///< the same, 99th percentile
   Estimate time;            ///< median [s]
   Estimate speedup;         ///< reference's time / this one's on the problems that both solved: ratio of sums
   bool complete = false;    ///< met problems of every set of the situation
@@ -38,7 +40,7 @@ struct Contender {
 /// One row of the decision table.
 struct Situation {
   std::string title;
-  std::string scope;                       ///< which problems, one clause
+  std::string scope;                       ///< which problems, one clause; "" without any
   std::vector<std::size_t> sets;           ///< indices into Summary::sets; empty: no such problems in this store
   std::vector<Contender> contenders;       ///< the recommended one first, then by share solved, then by time
   std::optional<std::size_t> recommended;  ///< index into `contenders` (0)
@@ -65,6 +67,9 @@ std::map<std::size_t, std::size_t> recommended_by_set(const std::vector<Situatio
 /// The set of the one picture: frictional contacts at inertia condition number 1e8 where the store has them, else the
 /// frictional set that its solvers solve least of, else the same among all sets. nullopt for a store without answers.
 std::optional<std::size_t> headline_set(const Summary& summary);
+
+/// Does the store hold answers, but none on a set that a situation takes: hard cases alone, say, or bare LCPs?
+bool only_special_sets(const Summary& summary, const std::vector<Situation>& situations);
 
 /// The answer to the report's question, in one or two sentences of HTML.
 std::string one_line_answer(const Summary& summary, const std::vector<Situation>& situations);

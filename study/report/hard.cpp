@@ -220,6 +220,11 @@ HardOutcome hard_outcome(const Cell& cell) {
 
 bool is_hard_set(std::string_view name) { return name.substr(0, kPrefix.size()) == kPrefix; }
 
+bool has_only_hard_sets(const Summary& summary) {
+  return !summary.sets.empty() && std::all_of(summary.sets.begin(), summary.sets.end(),
+                                              [](const SetSummary& set) { return is_hard_set(set.name); });
+}
+
 std::string hard_family(const std::string& name) {
   const std::size_t begin = kPrefix.size();
   return name.substr(begin, name.find('/', begin) - begin);

@@ -72,6 +72,9 @@ struct HardStudy {
 /// Whether a set is one of the hard cases, by its name.
 bool is_hard_set(std::string_view name);
 
+/// Whether the store has problems, and all of them are hard cases.
+bool has_only_hard_sets(const Summary& summary);
+
 /// "contact" of hard/contact/stack{k=4}.
 std::string hard_family(const std::string& name);
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "study/report/comparison_section.h"
+#include "study/report/hard.h"
 #include "study/report/hard_section.h"
 #include "study/report/sections.h"
 #include "study/report/speed_error_section.h"
@@ -16,14 +17,18 @@ namespace lcpbench::report {
 
 namespace {
 
-std::string navigation(const Summary& summary, const PaperStudy& paper) {
-  return "<nav aria-label=\"Contents\"><a href=\"#answer\">Answer</a><a href=\"#speed-error\">Speed against error</a>"
-         "<a href=\"#sets\">Every set and solver</a>"
-         "<a href=\"#comparison\">Comparing solvers</a>" +
-         hard_navigation(summary) + "<a href=\"#claims\">Claim against verdict</a>" + paper_navigation(paper) +
-         "<a href=\"#times\">What each time contains</a>"
-         "<a href=\"#provenance\">Provenance</a><a href=\"#definitions\">Definitions</a>"
-         "<a href=\"#limits\">Limits</a></nav>\n";
+/// A link to a section, where the page has it.
+std::string section_link(const std::string& sections, const std::string& id, const char* title) {
+  const bool present = sections.find("<section id=\"" + id + "\"") != std::string::npos;
+  return present ? "<a href=\"#" + id + "\">" + title + "</a>" : "";
+}
+
+std::string navigation(const Summary& summary, const PaperStudy& paper, const std::string& sections) {
+  const auto link = [&sections](const char* id, const char* title) { return section_link(sections, id, title); };
+  return "<nav aria-label=\"Contents\"><a href=\"#answer\">Answer</a>" + link("speed-error", "Speed against error") +
+         link("sets", "Every set and solver") + link("comparison", "Comparing solvers") + hard_navigation(summary) +
+         link("claims", "Claim against verdict") + paper_navigation(paper) + link("times", "What each time contains") +
+         link("provenance", "Provenance") + link("definitions", "Definitions") + link("limits", "Limits") + "</nav>\n";
 }
 
 std::string share_line(const Share& share) {
@@ -32,16 +37,24 @@ std::string share_line(const Share& share) {
                      percent_range(share.interval()));
 }
 
+/// A solver's name that a narrow column breaks before its settings, not within a word.
+std::string breakable_name(const SolverRow& solver) {
+  std::string name = code(solver.text());
+  const std::size_t brace = name.find('{');
+  if (brace != std::string::npos) name.insert(brace + 1, "<wbr>");
+  return name;
+}
+
 std::string use_column(const Summary& summary, const Situation& situation) {
   if (situation.contenders.empty())
     return "<td class=\"use\" data-label=\"Use\">– <small>no such problems in this study</small></td>";
   if (!situation.recommended)
     return "<td class=\"use\" data-label=\"Use\">none <small>no solver solved enough of them</small></td>";
   const Contender& best = situation.contenders[*situation.recommended];
-  std::string cell = "<td class=\"use\" data-label=\"Use\">" + code(summary.solvers[best.solver].text());
+  std::string cell = "<td class=\"use\" data-label=\"Use\">" + breakable_name(summary.solvers[best.solver]);
   std::string ties;
   for (const Contender& contender : situation.contenders) {
-    if (contender.tie) ties += (ties.empty() ? "" : ", ") + code(summary.solvers[contender.solver].text());
+    if (contender.tie) ties += (ties.empty() ? "" : ", ") + breakable_name(summary.solvers[contender.solver]);
   }
   if (!ties.empty()) cell += "<small>a tie with " + ties + "</small>";
   cell +=
@@ -64,7 +77,9 @@ std::string time_column(const Summary& summary, const Contender& best) {
 std::string wrong_column(const Contender& best) {
   const Share unsolved{best.solved.whole - best.solved.part, best.solved.whole};
   return "<td data-label=\"What it gets wrong\"><div>said solved, was wrong: " + share_line(best.false_claims) +
-         "</div><div>not solved: " + share_line(unsolved) + "</div></td>";
+         "</div><div>not solved: " + share_line(unsolved) +
+         fmt::format("</div><div>error ρ: {} <small>99 %</small>, {} <small>median</small></div></td>",
+                     scientific(best.p99_error), scientific(best.median_error));
 }
 
 /// The table is to be seen at a glance, with the picture below it: the best few, and the others on request.
@@ -90,7 +105,9 @@ std::string reasons_column(const Summary& summary, const Situation& situation) {
 }
 
 std::string decision_row(const Summary& summary, const Situation& situation) {
-  std::string row = fmt::format("<tr><th scope=\"row\">{} <small>{}</small></th>", situation.title, situation.scope);
+  std::string row = "<tr><th scope=\"row\">" + situation.title;
+  if (!situation.scope.empty()) row += " <small>" + situation.scope + "</small>";
+  row += "</th>";
   row += use_column(summary, situation);
   if (situation.recommended) {
     const Contender& best = situation.contenders[*situation.recommended];
@@ -101,7 +118,9 @@ std::string decision_row(const Summary& summary, const Situation& situation) {
   return row + reasons_column(summary, situation) + "</tr>\n";
 }
 
+/// "" where the store has nothing that a solver could be recommended for.
 std::string decision_table(const Summary& summary, const std::vector<Situation>& situations) {
+  if (only_special_sets(summary, situations)) return "";
   std::string table =
       "<div class=\"scroll\" tabindex=\"0\"><table class=\"decision\"><thead><tr><th scope=\"col\">Contacts</th>"
       "<th scope=\"col\">Use</th><th scope=\"col\">Time per problem</th><th scope=\"col\">What it gets wrong</th>"
@@ -117,29 +136,38 @@ std::string headline_figure(const Summary& summary, const Figures& figures) {
   std::string introduction;
   if (name != "paper/copositive/exp5-1e8") {
     introduction = "<p class=\"note\">This store has no " + code("paper/copositive/exp5-1e8") +
-                   " (frictional contacts, inertia condition number 1e8); shown instead is the hardest set it has, " +
-                   code(name) + ".</p>\n";
+                   " (frictional contacts, inertia condition number 1e8); shown instead is the " +
+                   (summary.sets.size() > 1 ? "hardest" : "only") + " set it has, " + code(name) + ".</p>\n";
   }
   return introduction + figure_html(figures.speed_error, *set, figures.missing);
 }
 
-/// Upper end of the 95 % interval of "never seen" on the largest set: what the sample size can exclude at best.
-std::string sample_limit(const Summary& summary) {
-  std::int64_t most = 0;
-  for (const Cell& cell : summary.cells) most = std::max(most, cell.trials);
-  if (most == 0) return "The store holds no answers yet.";
-  return fmt::format(
-      "The largest sample here is {}: even there, a failure never seen may still happen in up to {} of "
-      "such problems (95 % interval).",
-      counted(most, "problem"), percent(wilson(0, most).high));
+std::string chosen_problems(const Summary& summary) {
+  if (has_only_hard_sets(summary)) {
+    return "<strong>Problems made to break solvers.</strong> The contacts of your robot need not be like any of them.";
+  }
+  return "<strong>Random problems.</strong> Most problems here are drawn at random, dense and unrelated to each other. "
+         "Contacts of your robot have structure; their failure rates will differ.";
 }
 
-std::string three_limits(const Summary& summary) {
-  return "<ol>\n<li><strong>Random problems.</strong> Most problems here are drawn at random, dense and unrelated to "
-         "each "
-         "other. Contacts of your robot have structure; their failure rates will differ.</li>\n"
-         "<li><strong>Sample size.</strong> " +
-         sample_limit(summary) +
+/// Upper end of the 95 % interval of "never seen" on the largest set: what the sample size can exclude at best.
+std::string sample_limit(const Summary& summary, const std::vector<Situation>& situations) {
+  if (summary.cells.empty()) return "The store holds no answers yet.";
+  if (has_only_hard_sets(summary)) return "One problem each: they show where a solver breaks, not how often.";
+  std::int64_t most = 0;
+  for (const Cell& cell : summary.cells) most = std::max(most, cell.trials);
+  const bool pooled = std::any_of(situations.begin(), situations.end(),
+                                  [](const Situation& situation) { return situation.sets.size() > 1; });
+  return fmt::format(
+      "The largest set here has {}: even there, a failure never seen may still happen in up to {} of "
+      "such problems (95 % interval).{}",
+      counted(most, "problem"), percent(wilson(0, most).high),
+      pooled ? " The table pools sets; its intervals are those of the pool." : "");
+}
+
+std::string three_limits(const Summary& summary, const std::vector<Situation>& situations) {
+  return "<ol>\n<li>" + chosen_problems(summary) + "</li>\n<li><strong>Sample size.</strong> " +
+         sample_limit(summary, situations) +
          "</li>\n<li><strong>Cold, single solves on one machine.</strong> No warm start from the last time step, one "
          "thread, solvers at the settings shown. Ratios carry over to other machines better than times "
          "do.</li>\n</ol>\n";
@@ -169,14 +197,15 @@ std::string html_page(const Summary& summary, const std::vector<Situation>& situ
   page += "</style></head>\n<body>\n<header id=\"answer\">\n";
   page += "<h1>Which solver should turn contacts into impulses, and what does it cost in speed and error?</h1>\n";
   page += "<p class=\"answer\">" + one_line_answer(summary, situations) + "</p>\n</header>\n";
-  page += navigation(summary, paper) + "<main>\n";
+  const std::string sections = speed_error_section(summary, speed_error, figures) + sets_section(summary, figures) +
+                               comparison_section(summary, comparisons, figures) + hard_section(summary) +
+                               claims_section(summary) + paper_sections(summary, paper) + times_section(summary) +
+                               provenance_section(summary) + definitions_section() + limits_section(summary);
+  page += navigation(summary, paper, sections) + "<main>\n";
   page += decision_table(summary, situations);
   page += headline_figure(summary, figures);
-  page += "<h3>Three limits</h3>\n" + three_limits(summary);
-  page += speed_error_section(summary, speed_error, figures);
-  page += sets_section(summary, figures) + comparison_section(summary, comparisons, figures) + hard_section(summary) +
-          claims_section(summary) + paper_sections(summary, paper) + times_section(summary) +
-          provenance_section(summary) + definitions_section() + limits_section(summary);
+  page += "<h3>Three limits</h3>\n" + three_limits(summary, situations);
+  page += sections;
   page += "</main>\n<script>";
   page += kScript;
   return page + "</script>\n</body></html>\n";

@@ -233,7 +233,7 @@ std::string times_table(const Summary& summary) {
     rows += "<tr>" + solver_heading(summary.solvers[solver]);
     for (const double part :
          {parts.setup_cpu, parts.solve_cpu, parts.setup_wall, parts.solve_wall, parts.transport, parts.verify}) {
-      rows += number_cell(part, duration(part));
+      rows += number_cell(part, part == 0 ? "–" : duration(part));  // no transport within this process
     }
     rows += "</tr>\n";
   }
@@ -318,6 +318,7 @@ std::string skipped_list(const Summary& summary) {
 }  // namespace
 
 std::string sets_section(const Summary& summary, const Figures& figures) {
+  if (has_only_hard_sets(summary)) return "";
   std::string section =
       "<section id=\"sets\"><h2>Every set and solver</h2>\n"
       "<p>Small numbers are 95 % intervals. Headings sort. “Solved” is our verdict on the answer, of the problems not "

@@ -9,7 +9,8 @@ namespace lcpbench::report {
 
 // The parts of the report behind its first screen, each an HTML section with its anchor.
 
-/// #sets: a table and the pictures of every set, and the sweeps.
+/// #sets: a table and the pictures of every set, and the sweeps; the hard cases have a section of their own, and "" is
+/// returned where there is nothing else.
 std::string sets_section(const Summary& summary, const Figures& figures);
 /// #claims: what each solver said against what was true.
 std::string claims_section(const Summary& summary);
