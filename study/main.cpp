@@ -93,7 +93,9 @@ class CommandLine {
     } catch (const CLI::Success& help) {
       return app_.exit(help);
     } catch (const CLI::ParseError& error) {
-      throw InputError(first_line(error.what()) + " (lcpbench --help)");
+      const bool known = argc > 1 && is_command(argv[1]);
+      throw InputError(
+          fmt::format("{} (lcpbench {}--help)", first_line(error.what()), known ? std::string(argv[1]) + " " : ""));
     }
     for (const auto& [command, action] : commands_) {
       if (command->parsed()) return action();

@@ -306,10 +306,14 @@ Plan load_plan(const std::string& name_or_file) {
     if (name_or_file == plan.name) return parse_plan(plan.text, "plan " + name_or_file);
   }
   std::error_code ignored;
+  if (std::filesystem::is_directory(name_or_file, ignored)) {
+    throw InputError(name_or_file + ": is a folder, expected a plan file");
+  }
   if (!std::filesystem::is_regular_file(name_or_file, ignored)) {
     throw InputError(fmt::format("plan '{}': neither a file nor built in ({})", name_or_file,
                                  fmt::join(builtin_plan_names(), ", ")));
   }
+  if (std::filesystem::file_size(name_or_file, ignored) == 0) throw InputError(name_or_file + ": empty file");
   if (std::filesystem::file_size(name_or_file, ignored) > kMaxPlanBytes) {
     throw InputError(fmt::format("{}: more than {} bytes", name_or_file, kMaxPlanBytes));
   }

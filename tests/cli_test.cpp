@@ -92,6 +92,8 @@ TEST_F(CommandLineTest, MistakesOfUseExitWith2AndOneLine) {
     EXPECT_EQ(std::count(output.err.begin(), output.err.end(), '\n'), 1) << arguments << ": " << output.err;
     EXPECT_EQ(output.out, "") << arguments;
   }
+  EXPECT_NE(run("solve").err.find("(lcpbench solve --help)"), std::string::npos);
+  EXPECT_NE(run("--frobnicate").err.find("(lcpbench --help)"), std::string::npos);
 }
 
 TEST_F(CommandLineTest, OutputThatDoesNotArriveIsAnError) {

@@ -2,6 +2,7 @@
 
 #include "study/plan.h"
 
+#include <filesystem>
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -147,7 +148,21 @@ TEST(PlanTest, BuiltInPlansArePlansInTheFormOfAFile) {
   }
 }
 
-TEST(PlanTest, MissingFileIsNamed) { EXPECT_THROW(load_plan("no-such-plan.json"), InputError); }
+TEST(PlanTest, WhatIsNoPlanFileIsCalledWhatItIs) {
+  const auto complaint = [](const std::filesystem::path& file) -> std::string {
+    try {
+      load_plan(file.string());
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "none";
+  };
+  const ScratchFolder folder;
+  std::ofstream(folder / "empty.json").close();
+  EXPECT_NE(complaint("no-such-plan.json").find("neither a file nor built in"), std::string::npos);
+  EXPECT_NE(complaint(folder / "empty.json").find("empty.json: empty file"), std::string::npos);
+  EXPECT_NE(complaint(folder / "").find("is a folder, expected a plan file"), std::string::npos);
+}
 
 TEST(SweepTest, PaperGridsHaveThePapersCells) {
   const auto cells = [](const char* solver) {

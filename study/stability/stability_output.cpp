@@ -146,7 +146,10 @@ std::string stability_text(const StabilityResult& result) {
   const auto pivots = [](const StabilityCell& cell) {
     return cell.kind == TransformationKind::kPermutation && !cell.pivot_spreads.empty();
   };
-  std::string text = fmt::format("{} problems of {} sets", result.problems - result.left_out, result.sets.size());
+  const auto plural = [](auto count) { return count == 1 ? "" : "s"; };
+  const auto problems = result.problems - result.left_out;
+  std::string text = fmt::format("{} problem{} of {} set{}", problems, plural(problems), result.sets.size(),
+                                 plural(result.sets.size()));
   if (result.left_out > 0) {
     text += fmt::format(", {} left out (above {} unknowns)", result.left_out, kLargestStabilityOrder);
   }
