@@ -77,6 +77,7 @@ void draw_panel(Canvas& canvas, const Box& area, const std::vector<Line>& lines,
   if (panel.bound) {
     const double at = y.pixel(*panel.bound);
     canvas.line(area.left, at, area.right, at, kWrong, 1, true);
+    canvas.text(area.left + 4, at - 9, "not solved above this", {.size = 11, .color = kWrong});
   }
   canvas.line(area.left, area.top, area.left, area.bottom, "#999999", 1);
   canvas.line(area.left, area.bottom, area.right, area.bottom, "#999999", 1);
@@ -116,6 +117,13 @@ std::string alternative_text(const Summary& summary, const Conditioning& family)
   return text;
 }
 
+bool reaches_floor(const std::vector<Line>& errors) {
+  return std::any_of(errors.begin(), errors.end(), [](const Line& line) {
+    return std::any_of(line.points.begin(), line.points.end(),
+                       [](const Line::Point& point) { return point.value <= kErrorFloor; });
+  });
+}
+
 double label_room(const std::vector<Line>& lines) {
   std::size_t longest = 0;
   for (const Line& line : lines) longest = std::max(longest, character_count(line.label));
@@ -144,6 +152,7 @@ std::optional<Figure> conditioning_figure(const Summary& summary, const Conditio
 
   const LogAxis x(family.conditions, top.left, top.right);
   Panel error_panel{"↑ worse: " + measure_words(family.measure) + ", 99th percentile", power_of_ten, std::nullopt};
+  if (reaches_floor(errors)) error_panel.heading += "; 0 is drawn at 10⁻¹⁷";
   if (family.measure == ErrorMeasure::kResidual) error_panel.bound = verdict_bound(set);
   draw_panel(canvas, top, errors, x, error_panel);
   const Panel cost_panel{relative ? "↑ slower: time over that of " + summary.reference + ", on the problems both solved"

@@ -32,7 +32,8 @@ td.number, th.line { white-space: nowrap; }
 summary { cursor: pointer; margin: .5rem 0; }
 tbody th { font-weight: 400; }
 .cells code, .paper code { white-space: nowrap; }
-.cells tbody th, .cases tbody th { position: sticky; left: 0; background: var(--ground); }
+@media (min-width: 800px) { .cells tbody th, .cases tbody th { position: sticky; left: 0; background: var(--ground);
+  box-shadow: inset 0 -1px var(--line); } }
 .cases code { white-space: nowrap; }
 .cases thead th + th { writing-mode: vertical-rl; transform: rotate(180deg); vertical-align: top; padding: .5rem .2rem; }
 .cases td { padding: .35rem .2rem; text-align: center; white-space: nowrap; }
