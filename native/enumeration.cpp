@@ -1,23 +1,24 @@
 #include <algorithm>
-#include <cmath>
+#include <charconv>
 #include <cstdint>
-#include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
-
-#include <boost/multiprecision/cpp_int.hpp>
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
 #include "native/answer_test.h"
+#include "native/enumeration/exact_system.h"
 
 namespace lcpbench {
 namespace {
 
-using Integer = boost::multiprecision::number<boost::multiprecision::cpp_int_backend<>, boost::multiprecision::et_off>;
 using IndexSet = std::uint32_t;  // bit i: index i is in the set
 
 constexpr Index kMaxSize = 12;
+
+/// Longer than any detail.
+constexpr std::size_t kLongestDetail = 160;
 
 struct EnumerationSettings {
   void visit(auto&&) {}
@@ -25,120 +26,23 @@ struct EnumerationSettings {
 
 bool contains(IndexSet set, Index i) { return (set >> i & 1U) != 0; }
 
-std::vector<Index> members(IndexSet set) {
-  std::vector<Index> result;
+void list_members(IndexSet set, std::vector<Index>& members) {
+  members.clear();
   for (Index i = 0; i < kMaxSize; ++i) {
-    if (contains(set, i)) result.push_back(i);
+    if (contains(set, i)) members.push_back(i);
   }
-  return result;
 }
 
-/// "{0,2}".
-std::string text(const std::vector<Index>& set) {
-  std::string result = "{";
-  for (const Index i : set) result += (result.size() > 1 ? "," : "") + std::to_string(i);
-  return result + "}";
-}
-
-/// x = mantissa * 2^exponent exactly, |mantissa| < 2^53; exponent is left alone for x = 0.
-std::int64_t mantissa_of(double x, int& exponent) {
-  if (x == 0) return 0;
-  const double fraction = std::frexp(x, &exponent);
-  exponent -= std::numeric_limits<double>::digits;
-  return static_cast<std::int64_t>(std::ldexp(fraction, std::numeric_limits<double>::digits));
-}
-
-/// The rows [M q], each multiplied by the power of two that makes it integers. Scaling a row scales its w alone, so
-/// solutions stay what they are.
-std::vector<std::vector<Integer>> integer_rows(const Lcp& lcp) {
-  const Index n = lcp.size();
-  std::vector<std::vector<Integer>> rows(static_cast<std::size_t>(n));
-  for (Index i = 0; i < n; ++i) {
-    const auto entry = [&](Index j) { return j < n ? lcp.M(i, j) : lcp.q(i); };
-    int smallest = std::numeric_limits<int>::max();
-    for (Index j = 0; j <= n; ++j) {
-      int exponent = std::numeric_limits<int>::max();
-      mantissa_of(entry(j), exponent);
-      smallest = std::min(smallest, exponent);
-    }
-    for (Index j = 0; j <= n; ++j) {
-      int exponent = smallest;
-      const std::int64_t mantissa = mantissa_of(entry(j), exponent);
-      rows[static_cast<std::size_t>(i)].push_back(Integer(mantissa) << static_cast<unsigned>(exponent - smallest));
-    }
+/// Appends "{0,2}".
+void append(const std::vector<Index>& set, std::string& text) {
+  text += '{';
+  for (const Index i : set) {
+    char digits[2];
+    if (i != set.front()) text += ',';
+    text.append(digits, std::to_chars(digits, digits + sizeof digits, i).ptr);
   }
-  return rows;
+  text += '}';
 }
-
-/// numerator / denominator rounded once to the nearest double (twice when the result is subnormal). denominator != 0.
-double nearest_double(const Integer& numerator, const Integer& denominator) {
-  if (numerator == 0) return 0;
-  Integer a = abs(numerator);
-  Integer b = abs(denominator);
-  // Scale so that the quotient has 63 or 64 bits; what the division drops is kept as a sticky last bit.
-  const int shift = 63 + static_cast<int>(msb(b)) - static_cast<int>(msb(a));
-  if (shift >= 0) {
-    a <<= static_cast<unsigned>(shift);
-  } else {
-    b <<= static_cast<unsigned>(-shift);
-  }
-  Integer quotient, remainder;
-  divide_qr(a, b, quotient, remainder);
-  const auto bits = static_cast<std::uint64_t>(quotient) | (remainder != 0 ? 1U : 0U);
-  const double magnitude = std::ldexp(static_cast<double>(bits), -shift);
-  return (numerator < 0) != (denominator < 0) ? -magnitude : magnitude;
-}
-
-/// A system of linear equations that takes its rows one by one, exactly, by fraction-free elimination: every entry is a
-/// determinant of the data, every division exact. O(rank columns) operations per row. [Bareiss 1968]
-class ExactSystem {
- public:
-  explicit ExactSystem(std::size_t columns) : columns_(columns) {}
-
-  enum class Row { kIndependent, kDependent, kInconsistent };
-
-  /// Takes in coefficients . x = right-hand side. @param row the coefficients, then the right-hand side
-  Row add(std::vector<Integer> row) {
-    for (std::size_t r = 0; r < rows_.size(); ++r) {
-      const Integer factor = row[pivot_column_[r]];
-      for (std::size_t j = 0; j <= columns_; ++j) {
-        row[j] = (row[j] * pivot(r) - factor * rows_[r][j]) / (r > 0 ? pivot(r - 1) : Integer(1));
-      }
-    }
-    for (std::size_t j = 0; j < columns_; ++j) {
-      if (row[j] == 0) continue;
-      rows_.push_back(std::move(row));
-      pivot_column_.push_back(j);
-      return Row::kIndependent;
-    }
-    return row[columns_] == 0 ? Row::kDependent : Row::kInconsistent;
-  }
-
-  bool full_rank() const { return rows_.size() == columns_; }
-
-  /// The solution as numerators over one common positive denominator. @pre full_rank()
-  void solve(std::vector<Integer>& numerators, Integer& denominator) const {
-    denominator = rows_.empty() ? Integer(1) : pivot(rows_.size() - 1);
-    numerators.assign(columns_, 0);
-    for (std::size_t r = rows_.size(); r-- > 0;) {
-      Integer sum = rows_[r][columns_] * denominator;
-      for (std::size_t later = r + 1; later < rows_.size(); ++later) {
-        sum -= rows_[r][pivot_column_[later]] * numerators[pivot_column_[later]];
-      }
-      numerators[pivot_column_[r]] = sum / pivot(r);
-    }
-    if (denominator > 0) return;
-    denominator = -denominator;
-    for (Integer& numerator : numerators) numerator = -numerator;
-  }
-
- private:
-  const Integer& pivot(std::size_t r) const { return rows_[r][pivot_column_[r]]; }
-
-  std::size_t columns_;
-  std::vector<std::vector<Integer>> rows_;  // row r is zero in the pivot columns of the rows before it
-  std::vector<std::size_t> pivot_column_;
-};
 
 /// Decides LCP(q, M), n <= 12, in exact integer arithmetic by going through all 2^n supports of z.
 ///
@@ -159,20 +63,19 @@ class Enumeration final : public Solver {
 
  private:
   bool find_with_support(IndexSet support);
-  bool complete(const ExactSystem& system, Index first_row);
-  bool is_solution(const ExactSystem& system);
-  std::vector<Integer> equation(Index row) const;
+  bool complete(Index first_row);
+  bool is_solution();
+  void describe(Answer& answer, std::string_view remark) const;
   void report_solution(Answer& answer);
   void report_none(Answer& answer) const;
 
   Index n_ = 0;
-  std::vector<std::vector<Integer>> rows_;  // n rows [M_i q_i], scaled to integers
-
+  enumeration::Rows rows_;
+  enumeration::System system_;
   std::vector<Index> support_;
   std::vector<Index> others_;
-  std::vector<Integer> numerators_;  // of z on the support
-  Integer denominator_ = 1;          // > 0
   AnswerTest test_;
+  std::string detail_;  // memory for the first answer that comes with less
   double deadline_s_ = 0;
   bool out_of_time_ = false;
   Counters counters_;
@@ -181,72 +84,67 @@ class Enumeration final : public Solver {
 void Enumeration::on_load(const Problem& problem) {
   const Lcp lcp = make_lcp(problem);
   n_ = lcp.size();
-  rows_ = integer_rows(lcp);
+  rows_.load(lcp);
+  system_.load(rows_);
+  support_.reserve(kMaxSize);
+  others_.reserve(kMaxSize);
   test_.load(problem);
+  detail_.reserve(kLongestDetail);
 }
 
-/// Row `row` of M z + q = 0 on the support.
-std::vector<Integer> Enumeration::equation(Index row) const {
-  const std::vector<Integer>& full = rows_[static_cast<std::size_t>(row)];
-  std::vector<Integer> result;
-  result.reserve(support_.size() + 1);
-  for (const Index j : support_) result.push_back(full[static_cast<std::size_t>(j)]);
-  result.push_back(-full.back());
-  return result;
-}
-
-bool Enumeration::is_solution(const ExactSystem& system) {
+bool Enumeration::is_solution() {
   ++counters_.factorizations;
-  system.solve(numerators_, denominator_);
-  if (std::any_of(numerators_.begin(), numerators_.end(), [](const Integer& z) { return z < 0; })) return false;
-  return std::all_of(others_.begin(), others_.end(), [this](Index row) {
-    const std::vector<Integer>& full = rows_[static_cast<std::size_t>(row)];
-    Integer w = full.back() * denominator_;
-    for (std::size_t j = 0; j < support_.size(); ++j) w += full[static_cast<std::size_t>(support_[j])] * numerators_[j];
-    return w >= 0;
-  });
+  system_.solve();
+  for (std::size_t j = 0; j < support_.size(); ++j) {
+    if (enumeration::is_negative(system_.numerator(j))) return false;
+  }
+  return std::none_of(others_.begin(), others_.end(), [this](Index row) { return system_.is_violated(row); });
 }
 
-/// Tries every point that `system` and rows w_j = 0, j >= first_row outside the support, determine.
-bool Enumeration::complete(const ExactSystem& system, Index first_row) {
+/// Tries every point that the system and rows w_j = 0, j >= first_row outside the support, determine. Leaves the system
+/// as it was, or, where it finds one, at the solution.
+bool Enumeration::complete(Index first_row) {
   out_of_time_ = out_of_time_ || !(wall_clock_s() < deadline_s_);
   if (out_of_time_) return false;
-  if (system.full_rank()) return is_solution(system);
+  if (system_.full_rank()) return is_solution();
   for (const Index row : others_) {
     if (row < first_row || out_of_time_) continue;
-    ExactSystem larger = system;
-    if (larger.add(equation(row)) == ExactSystem::Row::kIndependent && complete(larger, row + 1)) return true;
+    if (system_.add(row) != enumeration::System::Row::kIndependent) continue;
+    if (complete(row + 1)) return true;
+    system_.remove_last();
   }
   return false;
 }
 
 bool Enumeration::find_with_support(IndexSet support) {
-  support_ = members(support);
-  others_ = members(~support & ((IndexSet{1} << n_) - 1));
-  ExactSystem system(support_.size());
+  list_members(support, support_);
+  list_members(~support & ((IndexSet{1} << n_) - 1), others_);
+  system_.start(support_);
   for (const Index row : support_) {
-    if (system.add(equation(row)) == ExactSystem::Row::kInconsistent) return false;
+    if (system_.add(row) == enumeration::System::Row::kInconsistent) return false;
   }
-  return complete(system, 0);
+  return complete(0);
+}
+
+void Enumeration::describe(Answer& answer, std::string_view remark) const {
+  answer.detail = "exact solution with z = 0 outside ";
+  append(support_, answer.detail);
+  answer.detail += remark;
 }
 
 /// M of a contact problem is rounded when it is formed: its exact solution need not be one of the contacts.
 void Enumeration::report_solution(Answer& answer) {
-  for (std::size_t j = 0; j < support_.size(); ++j) {
-    answer.z(support_[j]) = nearest_double(numerators_[j], denominator_);
-  }
+  for (std::size_t j = 0; j < support_.size(); ++j) answer.z(support_[j]) = system_.nearest(j);
   answer.claim = answer.z.allFinite() ? Claim::kSolved : Claim::kNumericalFailure;
-  answer.detail = "exact solution with z = 0 outside " + text(support_);
-  if (answer.claim != Claim::kSolved) {
-    answer.detail += " overflows double";
-    return;
-  }
-  const std::string detail = answer.detail;
+  describe(answer, answer.claim == Claim::kSolved ? "" : " overflows double");
+  if (answer.claim != Claim::kSolved) return;
   if (test_.settle(answer, deadline_s_)) return;
   if (answer.claim == Claim::kTimeLimit) return;
-  answer.detail = problem().contact() != nullptr
-                      ? "the exact solution for M as rounded to double does not solve the contact problem"
-                      : detail + ": rounded to double it solves the problem no more";
+  if (problem().contact() != nullptr) {
+    answer.detail = "the exact solution for M as rounded to double does not solve the contact problem";
+  } else {
+    describe(answer, ": rounded to double it solves the problem no more");
+  }
 }
 
 /// M of a contact problem is rounded when it is formed: that it has no solution proves nothing about the contacts.
@@ -258,6 +156,8 @@ void Enumeration::report_none(Answer& answer) const {
 }
 
 void Enumeration::on_solve(const SolveRequest& request, Answer& answer) {
+  if (answer.detail.capacity() < kLongestDetail) answer.detail.swap(detail_);
+  answer.detail.clear();
   deadline_s_ = wall_clock_s() + request.time_limit_s;
   out_of_time_ = false;
   counters_ = {.iterations = 0, .pivots = -1, .factorizations = 0};
@@ -276,9 +176,10 @@ void Enumeration::on_solve(const SolveRequest& request, Answer& answer) {
   answer.counters = counters_;
 }
 
-// Not allocation_free: integers of any size live on the heap.
-constexpr Capabilities kCapabilities{
-    .max_size = kMaxSize, .guarantees = "every (q, M) as rounded to double", .obeys_time_limit = true};
+constexpr Capabilities kCapabilities{.max_size = kMaxSize,
+                                     .guarantees = "every (q, M) as rounded to double",
+                                     .obeys_time_limit = true,
+                                     .allocation_free = true};
 
 const Capabilities& Enumeration::capabilities() const { return kCapabilities; }
 

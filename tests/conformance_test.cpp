@@ -370,7 +370,6 @@ TEST_P(ConformanceTest, SurvivesExtremeData) {
 }
 
 TEST_P(ConformanceTest, AllocatesNothingInASolve) {
-  if (GetParam() == "enumeration") GTEST_SKIP() << "the one exception: integers of any size (docs/enumeration.md)";
   EXPECT_TRUE(capabilities().allocation_free);
   if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
   for (const Index n : {5, 40, 200}) {

@@ -1,10 +1,15 @@
+#include <array>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "core/registry.h"
 #include "generators/sets.h"
+#include "tests/allocation_counter.h"
 #include "tests/textbook_lcps.h"
 
 namespace lcpbench {
@@ -126,6 +131,31 @@ TEST(EnumerationTest, RoundsEachEntryToNearest) {
   }
 }
 
+/// I + S, S skew, of entries +-1 with orthogonal rows: by the squares modulo 11. [Paley 1933]
+Matrix hadamard_matrix_12() {
+  constexpr std::array<int, 11> kSquare = {0, 1, -1, 1, 1, 1, -1, -1, -1, 1, -1};
+  Matrix H = Matrix::Identity(12, 12);
+  for (Index i = 0; i < 11; ++i) {
+    H(0, i + 1) = 1;
+    H(i + 1, 0) = -1;
+    for (Index j = 0; j < 11; ++j) {
+      if (i != j) H(i + 1, j + 1) = kSquare[static_cast<std::size_t>((i - j + 11) % 11)];
+    }
+  }
+  return H;
+}
+
+// No matrix with entries of this size has a larger determinant. [Hadamard 1893]
+TEST(EnumerationTest, HasRoomForTheLargestDeterminant) {
+  const Matrix H = hadamard_matrix_12();
+  ASSERT_EQ(H * H.transpose(), 12 * Matrix::Identity(12, 12));
+  const double odd = 0x1p53 - 1;
+  const Answer answer = enumerate({odd * H, -odd * Vector::Unit(12, 0)});
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_EQ(answer.counters.iterations, 1 << 12);
+  EXPECT_EQ(answer.z, Vector::Constant(12, 1.0 / 12));  // H' e_0 / 12
+}
+
 // What is exact is M after it was rounded; the contact problem may be solvable where that M is not.
 TEST(EnumerationTest, ClaimsNothingUnsolvableOfAContactProblem) {
   ContactProblem crushed;  // a ball between two plates that close in
@@ -161,6 +191,63 @@ TEST(EnumerationTest, CountsSupportsAndObeysItsTimeLimit) {
   const Lcp last_support{Matrix::Identity(10, 10), -testing::ones(10)};
   EXPECT_EQ(enumerate(last_support).counters.iterations, 1 << 10);
   EXPECT_EQ(enumerate(Problem("case", last_support), 0.0).claim, Claim::kTimeLimit);
+}
+
+/// 12 rows of doubles that span 2,000 bits; the solution has its support among the first three.
+Problem of_2000_bits() {
+  Uniform uniform(3);
+  Matrix M = Matrix::Identity(12, 12);
+  for (Index j = 0; j < 12; ++j) {
+    for (Index i = 0; i < 12; ++i) {
+      if (i != j) M(i, j) = (i + j) % 2 == 0 ? 1e300 * (1 + std::fabs(uniform())) : 1e-300 * uniform();
+    }
+  }
+  Vector q = Vector::Constant(12, 1e300);
+  q.head(3).setConstant(-1);
+  return {"2,000 bits", Lcp{M, q}};
+}
+
+std::vector<Problem> problems_that_end_in_all_ways() {
+  std::vector<Problem> problems;
+  for (const TextbookLcp& textbook : testing::textbook_lcps()) {
+    if (textbook.lcp.size() <= 12) problems.emplace_back(textbook.name, textbook.lcp);
+  }
+  const auto contacts = open_set("paper/monotone/exp1{nc_max=12}");
+  for (std::int64_t trial = 0; trial < 30; ++trial) problems.push_back(contacts->generate(1, trial));
+  const auto singular_inertia = open_set("paper/monotone/exp3");
+  for (const std::int64_t trial : {0, 3040}) problems.push_back(singular_inertia->generate(1, trial));
+  problems.emplace_back("singular", Lcp{Matrix::Ones(7, 7), -testing::ones(7)});
+  problems.emplace_back("singular, unsolvable", Lcp{Matrix::Zero(6, 6), -testing::ones(6)});
+  problems.emplace_back("overflow", Lcp{testing::matrix_of(1, {1e-200}), testing::vector_of({-1e200})});
+  problems.emplace_back("largest determinant", Lcp{hadamard_matrix_12(), -Vector::Unit(12, 0)});
+  problems.push_back(of_2000_bits());
+  return problems;
+}
+
+// From the first solve after load() on, with an answer that has room for z and for no text.
+TEST(EnumerationTest, AllocatesNothingInASolveHoweverItEnds) {
+  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  const auto solver = lcpbench_solver_enumeration().make({});
+  for (const Problem& problem : problems_that_end_in_all_ways()) {
+    solver->load(problem);
+    Answer answer;
+    answer.z.resize(problem.size());
+    for (const double time_limit_s : {0.0, std::numeric_limits<double>::infinity()}) {
+      SolveRequest request;
+      request.time_limit_s = time_limit_s;
+      EXPECT_EQ(testing::count_allocations([&] { solver->solve(request, answer); }), 0)
+          << problem.name() << " within " << time_limit_s << " s: " << answer.detail;
+    }
+    EXPECT_NE(answer.claim, Claim::kTimeLimit) << problem.name();
+  }
+}
+
+TEST(EnumerationTest, SolvesWhatSpans2000Bits) {
+  const Problem problem = of_2000_bits();
+  const Answer answer = enumerate(problem);
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_LE(answer.counters.iterations, 8);
+  EXPECT_LE(testing::relative_residual(problem.lcp(), answer.z), 1e-14);
 }
 
 }  // namespace
