@@ -7,9 +7,9 @@
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
+#include "native/answer_room.h"
 #include "native/answer_test.h"
 #include "native/contact_impulses.h"
-#include "native/velocity_ipm/answer_room.h"
 #include "native/velocity_ipm/interior_point.h"
 #include "native/velocity_ipm/multifrontal_cholesky.h"
 

@@ -5,6 +5,7 @@
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
+#include "native/answer_room.h"
 #include "native/answer_test.h"
 
 namespace lcpbench {
@@ -123,7 +124,7 @@ class PrimalDual final : public Solver {
   bool line_search(double t);
   double lcp_residual();
   void finish_on_support(Vector& z);
-  void settle(double deadline_s, Answer& answer);
+  void settle(Stop stop, double deadline_s, Answer& answer);
 
   PrimalDualSettings settings_;
   Matrix M_;  // shifted
@@ -135,6 +136,7 @@ class PrimalDual final : public Solver {
   Point point_, trial_, direction_;
   Vector r_dual_, r_pri_;  // n: of the last point evaluated
   Vector work_;            // n
+  AnswerRoom room_;
   AnswerTest test_;
   Matrix newton_, factor_;
   std::vector<Index> support_;  // n
@@ -148,6 +150,7 @@ bool nearly_symmetric(const Matrix& M) {
 }
 
 void PrimalDual::on_load(const Problem& problem) {
+  room_.reserve(0);
   Lcp lcp = make_lcp(problem);
   const Index n = lcp.size();
   resize_workspace(n);
@@ -346,13 +349,15 @@ void PrimalDual::finish_on_support(Vector& z) {
 
 /// An interior point has no zeros, and is only as near to w = 0 as its gap: those that the residual takes for zero
 /// become so, and where that does not pass, what remains is solved for. @pre lcp_residual()
-void PrimalDual::settle(double deadline_s, Answer& answer) {
+void PrimalDual::settle(Stop stop, double deadline_s, Answer& answer) {
   for (Index i = 0; i < q_.size(); ++i) {
     if (column_scale_(i) * answer.z(i) < work_(i)) answer.z(i) = 0;
   }
   if (test_.settle(answer, deadline_s) || answer.claim != Claim::kNumericalFailure) return;
   answer.claim = Claim::kSolved;
-  answer.detail = "finished on its support";
+  room_.write_text(stop == Stop::kStalled ? "no step reduces the residual further; finished on its support"
+                                          : "finished on its support",
+                   answer);
   finish_on_support(answer.z);
   if (!test_.settle(answer, deadline_s)) answer.z = point_.z;
 }
@@ -371,21 +376,22 @@ void PrimalDual::on_solve(const SolveRequest& request, Answer& answer) {
   switch (stop) {
     case Stop::kConverged:
       answer.claim = accepted ? Claim::kSolved : Claim::kNumericalFailure;
-      if (!accepted) answer.detail = "converged to a point that does not solve the LCP";
+      if (!accepted) room_.write_text("converged to a point that does not solve the LCP", answer);
       break;
     case Stop::kStalled:
       answer.claim = accepted ? Claim::kSolved : Claim::kNumericalFailure;
-      answer.detail =
-          accepted ? "no step reduces the residual further; accepted as it is" : "no step reduces the residual further";
+      room_.write_text(
+          accepted ? "no step reduces the residual further; accepted as it is" : "no step reduces the residual further",
+          answer);
       break;
     case Stop::kBreakdown:
       answer.claim = Claim::kNumericalFailure;
-      answer.detail = "the Newton system could not be solved";
+      room_.write_text("the Newton system could not be solved", answer);
       return;
     case Stop::kIterationLimit: answer.claim = Claim::kIterationLimit; return;
     case Stop::kTimeLimit: answer.claim = Claim::kTimeLimit; return;
   }
-  if (accepted && settings_.test == FinalTest::kResidual) settle(deadline_s, answer);
+  if (accepted && settings_.test == FinalTest::kResidual) settle(stop, deadline_s, answer);
 }
 
 constexpr Capabilities kCapabilities{

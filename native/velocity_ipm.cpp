@@ -3,7 +3,7 @@
 #include "core/answer_storage.h"
 #include "core/registry.h"
 #include "native/active_set.h"
-#include "native/velocity_ipm/answer_room.h"
+#include "native/answer_room.h"
 #include "native/velocity_ipm/interior_point.h"
 #include "native/velocity_ipm/multifrontal_cholesky.h"
 

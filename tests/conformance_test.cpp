@@ -382,6 +382,19 @@ TEST_P(ConformanceTest, AllocatesNothingInASolve) {
   }
 }
 
+TEST_P(ConformanceTest, AllocatesNothingWhereItFailsAndSaysWhy) {
+  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  for (const testing::TextbookLcp& textbook : testing::textbook_lcps()) {
+    const auto solver = make();
+    solver->load(Problem("case", textbook.lcp));
+    Answer answer;  // only z is had beforehand: no text, no Farkas vector
+    answer.z.resize(textbook.lcp.size());
+    const auto allocations = testing::count_allocations([&] { solver->solve({}, answer); });
+    if (answer.claim == Claim::kUnsupported) continue;  // nothing was solved
+    EXPECT_EQ(allocations, answer.farkas.size() > 0 ? 1 : 0) << textbook.name << ": " << answer.detail;
+  }
+}
+
 TEST(AllocationCounterTest, SeesEveryForm) {
   if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
   Vector grown(2);

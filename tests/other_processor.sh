@@ -70,12 +70,12 @@ not_emulated=(
   # prctl(PR_SET_CHILD_SUBREAPER) fails
   WorkerTest.ChildrenOfAWorkerEndWithIt WorkerTest.KillOfTheProgramEndsIdleAndBusyWorkers
   # setrlimit(RLIMIT_AS) limits nothing
-  WorkerTest.MemoryIsLimited
+  WorkerTest.MemoryIsLimited AdapterFaultsTest.EveryOtherRowIsUntouched
   # posix_spawn of a file that is not there succeeds
   WorkerTest.FailureToStartIsReported RunnerTest.WhatAUserCanMendEndsTheRunAndSaysHowToGoOn
   ReportTest.WithoutGnuplotTheReportSaysSoAndIsCompleteOtherwise
-  # 113-bit arithmetic against a clock
-  ContactLemkeTest.SolvesLargeIllConditionedProblemsInTime
+  # against a clock: 113-bit arithmetic; kills at times by which a worker has to be up
+  ContactLemkeTest.SolvesLargeIllConditionedProblemsInTime KillTest.FiftyKillsLoseNothing
 )
 say "Left out, since the emulator cannot show them: ${not_emulated[*]}"
 GTEST_FILTER="-$(IFS=:; echo "${not_emulated[*]}")" chroot "$root" ctest --test-dir "$checkout/build/release" --output-on-failure "$@"

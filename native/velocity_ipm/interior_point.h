@@ -4,7 +4,7 @@
 
 #include "core/contact_problem.h"
 #include "core/solver.h"
-#include "native/velocity_ipm/answer_room.h"
+#include "native/answer_room.h"
 #include "native/velocity_ipm/settings.h"
 #include "native/velocity_ipm/whitened_normals.h"
 

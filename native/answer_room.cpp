@@ -1,4 +1,4 @@
-#include "native/velocity_ipm/answer_room.h"
+#include "native/answer_room.h"
 
 #include "core/answer_storage.h"
 
