@@ -258,18 +258,20 @@ Problem moving_at(const Problem& problem, double factor) {
 struct BroughtBack {
   Problem problem;
   int contacts;
+  double tolerance = 1e-12;  ///< of velocities [m/s]
 };
 
 /// By active_set, contact_lemke, and active_set in place of velocity_ipm; large frictional ones leave nothing out.
+/// In the loaded catapult 3e4 N s meet at a body of 1 kg: each rounding of them changes velocities by up to 7e-12 m/s.
 std::vector<BroughtBack> problems_with_contacts_brought_back() {
   return {{Problem("seesaws", seesaws(17, 0)), 34},
           {Problem("rough seesaws", seesaws(17, 4)), 34},
-          {Problem("catapult", catapult(1, 30)), 4},
-          {Problem("loaded catapult", catapult(30, 12)), 4}};
+          {Problem("catapult", catapult(1, 30)), 4, 1e-9},
+          {Problem("loaded catapult", catapult(30, 12)), 4, 1e-9}};
 }
 
 TEST(AutoTest, BringsBackWhatAnImpulsePressesDown) {
-  for (const auto& [problem, contacts] : problems_with_contacts_brought_back()) {
+  for (const auto& [problem, contacts, tolerance] : problems_with_contacts_brought_back()) {
     const auto solver = auto_solver();
     solver->load(moving_at(problem, 0.5));
     solver->update(problem.contact()->v);
@@ -278,7 +280,7 @@ TEST(AutoTest, BringsBackWhatAnImpulsePressesDown) {
     EXPECT_TRUE(contains(answer.detail, "1 island, " + std::to_string(contacts) + " brought back")) << answer.detail;
     const Answer whole = solve(problem, {{"leave_out", "false"}});
     expect_verified(problem, whole, "all contacts");
-    EXPECT_LE(velocity_difference(problem, answer, whole), 1e-12) << problem.name();
+    EXPECT_LE(velocity_difference(problem, answer, whole), tolerance) << problem.name();
 
     // What was brought back stays, also for the next velocity.
     EXPECT_FALSE(contains(solve(*solver).detail, "brought back"));
@@ -291,7 +293,7 @@ TEST(AutoTest, BringsBackWhatAnImpulsePressesDown) {
     if (problem.contact()->frictional()) {
       EXPECT_EQ(solve(*solver, {.start = &updated.z}).counters.pivots, 0);
     }
-    EXPECT_LE(velocity_difference(now, updated, solve(now, {{"leave_out", "false"}})), 1e-12) << problem.name();
+    EXPECT_LE(velocity_difference(now, updated, solve(now, {{"leave_out", "false"}})), tolerance) << problem.name();
   }
   const Problem large("seesaws", seesaws(60, 4));
   EXPECT_EQ(solve(large).detail, "friction_ipm, double");
@@ -518,7 +520,7 @@ int allocations_in_solve(Solver& solver, Answer& answer) {
 
 TEST(AutoTest, AllocatesNothingWhereContactsAreBroughtBack) {
   if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
-  for (const auto& [problem, contacts] : problems_with_contacts_brought_back()) {
+  for (const auto& [problem, contacts, tolerance] : problems_with_contacts_brought_back()) {
     const auto solver = auto_solver();
     solver->load(problem);
     ASSERT_TRUE(solver->capabilities().allocation_free);
