@@ -4,24 +4,9 @@
 #include <vector>
 
 #include "core/contact_problem.h"
+#include "core/islands.h"
 
 namespace lcpbench {
-
-/// Contacts, and all generalized coordinates that their impulses may move; indices of the whole problem, ascending.
-struct Island {
-  std::vector<Index> contacts;
-  std::vector<Index> coordinates;
-};
-
-/// The parts of a problem that nothing couples, in the order of their first contacts.
-///
-/// Two coordinates belong together when G (the given G*, a factor's column) has nonzero entries for both, or a
-/// contact's normal or friction direction has: what is zero between islands is zero in the data, not to rounding, so
-/// that solving them one by one solves the whole. Contacts without any nonzero entry are in no island.
-std::vector<Island> find_islands(const ContactProblem& problem);
-
-/// True when the inertia alone shows in O(ngc) that there is one island, or no coordinate at all.
-bool couples_all(const Inertia& inertia);
 
 /// The columns with nonzero entries in some rows only, the rows renumbered. @param local of each row, -1: left out
 Jacobian restrict_columns(const Jacobian& J, std::span<const Index> columns, std::span<const Index> rows,

@@ -1,0 +1,174 @@
+#include "core/islands.h"
+
+#include <algorithm>
+#include <variant>
+
+namespace lcpbench {
+namespace {
+
+/// Disjoint sets of indices, joined one pair at a time.
+class DisjointSets {
+ public:
+  explicit DisjointSets(Index count) : parent_(static_cast<std::size_t>(count)) {
+    for (Index i = 0; i < count; ++i) parent(i) = i;
+  }
+
+  Index find(Index i) {
+    while (parent(i) != i) i = parent(i) = parent(parent(i));
+    return i;
+  }
+  /// The lower representative stays one: the sets do not depend on the order of calls.
+  void unite(Index i, Index j) {
+    const Index a = find(i);
+    const Index b = find(j);
+    parent(std::max(a, b)) = std::min(a, b);
+  }
+
+ private:
+  Index& parent(Index i) { return parent_[static_cast<std::size_t>(i)]; }
+  std::vector<Index> parent_;
+};
+
+/// Joins all rows that it is told of.
+class Joined {
+ public:
+  explicit Joined(DisjointSets& sets) : sets_(sets) {}
+  void operator()(Index row) {
+    if (first_ < 0) {
+      first_ = row;
+    } else {
+      sets_.unite(first_, row);
+    }
+  }
+  Index first() const { return first_; }
+
+ private:
+  DisjointSets& sets_;
+  Index first_ = -1;
+};
+
+void join_columns(const Matrix& matrix, Index offset, DisjointSets& sets) {
+  for (Index j = 0; j < matrix.cols(); ++j) {
+    Joined joined(sets);
+    for_each_nonzero(matrix, j, [&](Index row) { joined(offset + row); });
+  }
+}
+
+struct JoinByInertia {
+  DisjointSets& sets;
+
+  void operator()(const DenseInertia& inertia) const { join_columns(inertia.G, 0, sets); }
+  void operator()(const InverseInertia& inertia) const { join_columns(inertia.Ginv, 0, sets); }
+  void operator()(const FactoredInertia& inertia) const { join_columns(inertia.X, 0, sets); }
+  void operator()(const BlockInertia& inertia) const {
+    Index offset = 0;
+    for (const Matrix& block : inertia.blocks) {
+      join_columns(block, offset, sets);
+      offset += block.rows();
+    }
+  }
+};
+
+/// A column without zeros. Of a symmetric positive definite matrix, or a factor.
+bool has_full_column(const Matrix& matrix) {
+  if (matrix.rows() == 0) return true;
+  return matrix.cols() > 0 && (matrix.col(0).array() != 0).all();
+}
+
+struct CouplesAll {
+  bool operator()(const DenseInertia& inertia) const { return has_full_column(inertia.G); }
+  bool operator()(const InverseInertia& inertia) const { return has_full_column(inertia.Ginv); }
+  bool operator()(const FactoredInertia& inertia) const { return has_full_column(inertia.X); }
+  bool operator()(const BlockInertia& inertia) const {
+    return inertia.blocks.empty() || (inertia.blocks.size() == 1 && has_full_column(inertia.blocks.front()));
+  }
+};
+
+}  // namespace
+
+bool couples_all(const Inertia& inertia) { return std::visit(CouplesAll{}, inertia); }
+
+std::vector<Island> find_islands(const ContactProblem& problem) {
+  DisjointSets sets(problem.ngc());
+  std::visit(JoinByInertia{sets}, problem.inertia);
+  std::vector<Index> touched(problem.edges.size(), -1);  // one coordinate of each contact
+  Index direction = 0;
+  for (Index c = 0; c < problem.nc(); ++c) {
+    const int edges = problem.edges[static_cast<std::size_t>(c)];
+    Joined joined(sets);
+    std::visit([&](const auto& N) { for_each_nonzero(N, c, joined); }, problem.N);
+    for (Index t = 0; t < edges / 2; ++t) {  // the others are the negatives of these
+      std::visit([&](const auto& D) { for_each_nonzero(D, direction + t, joined); }, problem.D);
+    }
+    direction += edges;
+    touched[static_cast<std::size_t>(c)] = joined.first();
+  }
+
+  std::vector<Island> islands;
+  std::vector<Index> island_of(static_cast<std::size_t>(problem.ngc()), -1);  // by representative
+  for (Index c = 0; c < problem.nc(); ++c) {
+    if (touched[static_cast<std::size_t>(c)] < 0) continue;
+    Index& island = island_of[static_cast<std::size_t>(sets.find(touched[static_cast<std::size_t>(c)]))];
+    if (island < 0) {
+      island = static_cast<Index>(islands.size());
+      islands.emplace_back();
+    }
+    islands[static_cast<std::size_t>(island)].contacts.push_back(c);
+  }
+  for (Index i = 0; i < problem.ngc(); ++i) {
+    const Index island = island_of[static_cast<std::size_t>(sets.find(i))];
+    if (island >= 0) islands[static_cast<std::size_t>(island)].coordinates.push_back(i);
+  }
+  return islands;
+}
+
+RowIslands row_islands(const ContactProblem& problem) {
+  const std::vector<Island> islands = find_islands(problem);
+  std::vector<const Island*> island_of(static_cast<std::size_t>(problem.nc()), nullptr);
+  for (const Island& island : islands) {
+    for (const Index contact : island.contacts) island_of[static_cast<std::size_t>(contact)] = &island;
+  }
+  const ContactLayout layout = contact_layout(problem);
+  RowIslands rows;
+  rows.of_row.resize(static_cast<std::size_t>(layout.size()));
+  std::vector<Index> number(islands.size(), -1);
+  for (Index c = 0; c < problem.nc(); ++c) {
+    const auto contact = static_cast<std::size_t>(c);
+    Index of_contact = rows.count;
+    if (const Island* island = island_of[contact]) {
+      Index& known = number[static_cast<std::size_t>(island - islands.data())];
+      if (known < 0) known = rows.count++;
+      of_contact = known;
+    } else {
+      ++rows.count;
+    }
+    const auto set = [&](Index row) { rows.of_row[static_cast<std::size_t>(row)] = of_contact; };
+    set(c);
+    for (Index t = layout.friction_begin[contact]; t < layout.friction_begin[contact + 1]; ++t) {
+      set(layout.friction_offset() + t);
+    }
+    if (layout.lambda[contact] >= 0) set(layout.lambda_offset() + layout.lambda[contact]);
+  }
+  return rows;
+}
+
+RowIslands row_islands(const Matrix& M) {
+  const Index n = M.rows();
+  RowIslands rows;
+  rows.of_row.assign(static_cast<std::size_t>(n), 0);
+  rows.count = std::min<Index>(n, 1);
+  if (n == 0 || (M.col(0).array() != 0).all() || (M.row(0).array() != 0).all()) return rows;
+  DisjointSets sets(n);
+  for (Index j = 0; j < n; ++j) {
+    for_each_nonzero(M, j, [&](Index i) { sets.unite(i, j); });
+  }
+  rows.count = 0;
+  for (Index i = 0; i < n; ++i) {  // the representative of a set is its lowest row
+    const Index first = sets.find(i);
+    auto& of_row = rows.of_row;
+    of_row[static_cast<std::size_t>(i)] = first == i ? rows.count++ : of_row[static_cast<std::size_t>(first)];
+  }
+  return rows;
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <vector>
+
+#include "core/contact_problem.h"
+
+namespace lcpbench {
+
+/// Contacts, and all generalized coordinates that their impulses may move; indices of the whole problem, ascending.
+struct Island {
+  std::vector<Index> contacts;
+  std::vector<Index> coordinates;
+};
+
+/// The parts of a problem that nothing couples, in the order of their first contacts.
+///
+/// Two coordinates belong together when G (the given G*, a factor's column) has nonzero entries for both, or a
+/// contact's normal or friction direction has: what is zero between islands is zero in the data, not to rounding, so
+/// that solving them one by one solves the whole. Contacts without any nonzero entry are in no island.
+std::vector<Island> find_islands(const ContactProblem& problem);
+
+/// True when the inertia alone shows in O(ngc) that there is one island, or no coordinate at all.
+bool couples_all(const Inertia& inertia);
+
+/// The island of each row of LCP(q, M), numbered from 0 in the order of their first rows.
+struct RowIslands {
+  std::vector<Index> of_row;  ///< n entries
+  Index count = 0;            ///< number of islands; 0 for n = 0
+};
+
+/// The islands of find_islands(), per row: a contact's normal row, its friction rows and its cone row are in its
+/// island. A contact without any nonzero entry is an island of its own. O(nonzeros of the data and n)
+RowIslands row_islands(const ContactProblem& problem);
+
+/// The connected blocks of M: rows i and j belong together when M_ij or M_ji is not zero. O(n^2); O(n) where
+/// the first column or row of M has no zero.
+RowIslands row_islands(const Matrix& M);
+
+/// Calls visit(row) for each nonzero entry of a column of a dense or sparse matrix.
+template <class Visit>
+void for_each_nonzero(const Matrix& matrix, Index column, Visit&& visit) {
+  for (Index row = 0; row < matrix.rows(); ++row) {
+    if (matrix(row, column) != 0) visit(row);
+  }
+}
+
+template <class Visit>
+void for_each_nonzero(const SparseMatrix& matrix, Index column, Visit&& visit) {
+  for (SparseMatrix::InnerIterator entry(matrix, column); entry; ++entry) {
+    if (entry.value() != 0) visit(entry.row());
+  }
+}
+
+}  // namespace lcpbench
