@@ -78,7 +78,7 @@ std::vector<Record> records_of(const Summary& summary, const std::vector<std::si
       contender.trials += taken;
       contender.solved.part += cell->count(Verdict::kSolved);
       contender.solved.whole +=
-          taken - cell->count(Verdict::kUnsolvable) + cell->count(Claim::kUnsupported, Verdict::kUnsolvable);
+          taken - cell->unsolvable_problems + cell->count(Claim::kUnsupported, Verdict::kUnsolvable);
       contender.false_claims.part += cell->false_claims();
       contender.crashed.part += cell->count(Claim::kCrashed);
       for (const Outcome& outcome : cell->outcomes) record.outcomes.emplace_back(set, &outcome);
