@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -132,7 +133,9 @@ TEST(QuadLcpTest, EveryWayToARowGivesTheSameRow) {
   QuadVector u = lcp.response(z);
   const QuadVector w = lcp.all_rows(z, u);
   const QuadVector expected = bare.response(z);
-  const std::vector<double> estimated = lcp.estimate_w(z, u);
+  std::vector<std::size_t> rows(lcp.size());
+  std::iota(rows.begin(), rows.end(), std::size_t{0});
+  const std::vector<double> estimated = lcp.estimate_w(z, u, rows);
   const MagnitudeEstimate* estimate = lcp.estimate();
   ASSERT_NE(estimate, nullptr);
   for (std::size_t i = 0; i < lcp.size(); ++i) {
