@@ -78,6 +78,9 @@ struct Errors {
 /// What is known of a problem whoever solved it.
 enum class Truth { kUnknown, kSolvable, kUnsolvable };
 
+/// "unknown", "solvable", "unsolvable".
+const char* to_string(Truth truth);
+
 /// What an answer is. The order of the enum is the order in which verdict() asks.
 enum class Verdict {
   kSolved,      ///< passes, and no proof says that the problem has no solution
