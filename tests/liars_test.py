@@ -6,6 +6,7 @@ usage: liars_test.py LCPBENCH
 import csv
 import json
 import os
+import sqlite3
 import subprocess
 import sys
 import tempfile
@@ -87,6 +88,36 @@ class LiarTest(unittest.TestCase):
 
     def test_the_frictionless_answer(self):
         self.expect_wrong_everywhere("frictionless", "paper/copositive/exp1{nc_max=3}")
+
+    def answering(self, name, answer):
+        """A solver that gives this answer to the problem named x."""
+        with open(self.path(name), "w", encoding="utf-8") as file:
+            json.dump({"x": answer}, file)
+        return (f"external{{command={sys.executable} {os.path.join(HERE, 'fixed_answers.py')} {self.path(name)}}}")
+
+    def test_what_one_denies_rightly_is_the_truth_for_all(self):
+        """No z solves it, by 1e-10, and no u proves that: M z + q >= 0 has solutions. Only enumeration sees it."""
+        problem = {"format": "lcpbench-problem", "version": 1, "name": "x", "kind": "lcp",
+                   "M": [[0, 3], [0, 1]], "q": [-3, -0.9999999999]}
+        with open(self.path("x.json"), "w", encoding="utf-8") as file:
+            json.dump(problem, file)
+        near = {"claim": "solved", "z": [0, 1]}
+        self.assertTrue(second_judge.judge(problem, near["z"])["passes"])
+        solvers = [argument for name, answer in (("near", near), ("denies", {"claim": "unsolvable"}),
+                                                 ("lost", {"claim": "iteration_limit", "z": [0, 1]}))
+                   for argument in ("--solver", self.answering(name, answer))]
+        rows = json.loads(lcpbench("solve", self.path("x.json"), *solvers, "--format", "json"))
+        verdicts = {row["claim"]: row["verdict"] for row in rows}
+        self.assertEqual(verdicts, {"solved": "wrong", "unsolvable": "unsolvable", "iteration_limit": "unsolvable"})
+        self.assertEqual({row["truth"] for row in rows}, {"unsolvable"})
+        alone = json.loads(lcpbench("solve", self.path("x.json"), *solvers[:2], "--format", "json"))
+        self.assertEqual(alone[0]["verdict"], "solved")  # nobody denied it
+
+        lcpbench("run", "--set", "file:" + self.path("x.json"), *solvers, "--store", self.path("s.db"))
+        with sqlite3.connect(self.path("s.db")) as store:
+            self.assertEqual(store.execute("SELECT certificate FROM certificates").fetchall(), [("unsolvable",)])
+            self.assertEqual(dict(store.execute("SELECT claim, verdict FROM judged")), verdicts)
+        store.close()
 
 
 unittest.main(argv=sys.argv[:1])
