@@ -64,15 +64,19 @@ Json estimate_json(const Estimate& estimate) {
 Json decision_json(const Summary& summary, const std::vector<report::Situation>& situations) {
   Json records = Json::array();
   for (const report::Situation& situation : situations) {
-    for (const report::Contender& contender : situation.contenders) {
+    for (std::size_t i = 0; i < situation.contenders.size(); ++i) {
+      const report::Contender& contender = situation.contenders[i];
       records.push_back({{"contacts", situation.title},
                          {"solver", summary.solvers[contender.solver].text()},
-                         {"recommended", contender.verdict.empty()},
+                         {"recommended", situation.recommended == i},
                          {"tie", contender.tie},
                          {"why_not", contender.verdict},
+                         {"reliable", report::reliable_json(contender.reliability)},
+                         {"reliability", report::to_string(contender.reliability.ground)},
                          {"trials", contender.trials},
                          {"solved", share_json(contender.solved)},
                          {"false_claims", share_json(contender.false_claims)},
+                         {"refused", share_json(contender.refused)},
                          {"error_median", contender.median_error},
                          {"error_p99", contender.p99_error},
                          {"median_time_s", estimate_json(contender.time)},
@@ -302,6 +306,8 @@ std::string write_report(Store& store, const std::filesystem::path& folder) {
   const report::SpeedErrorStudy speed_error = report::speed_error_study(summary);
   const report::Figures figures = draw_figures(summary, comparisons, speed_error);
   Json document = summary_json(summary);
+  document["reliability_rule"] = report::reliability_rule_json();
+  document["decision"] = decision_json(summary, situations);
   document["comparison"] = report::comparison_json(summary, comparisons);
   const Json speed_error_records = speed_error_tables(summary, speed_error);
   document["speed_against_error"] = speed_error_records;
