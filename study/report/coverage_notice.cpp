@@ -65,15 +65,16 @@ std::string coverage_text(const Coverage& coverage) {
   if (!coverage.known) return std::string(kUnknown) + "\n";
   if (!coverage.incomplete()) return "";
   std::string text = fmt::format("INCOMPLETE: {} of the plan ({})", plan_share(coverage.share()), cells_text(coverage));
+  const char* const remedy = "To complete it, run the same command again; merge the stores of all shards.\n";
   const std::vector<Coverage::Set> thin = coverage.thin_sets();
-  if (thin.empty()) return text + "\n";
+  if (thin.empty()) return text + "\n" + remedy;
   text += fmt::format("; {}:\n", thin_words(thin.size(), coverage.sets.size()));
   const std::size_t shown = thin.size() <= kSetsOnTheTerminal ? thin.size() : kSetsOnTheTerminal - 1;
   for (std::size_t i = 0; i < shown; ++i) {
     text += fmt::format("  {:>5}  {}\n", plan_share(thin[i].share()), mended(thin[i].name));
   }
   if (shown < thin.size()) text += fmt::format("  and {} more sets\n", thin.size() - shown);
-  return text;
+  return text + remedy;
 }
 
 std::string set_coverage(const Coverage& coverage, const std::string& set) {

@@ -72,6 +72,9 @@ bool significantly_more(const Record& a, const Record& b, bool Outcome::*propert
   return only_a > only_b && sign_test(only_a, only_b) < kSignificance;
 }
 
+/// A bound of the rule: "90 %".
+std::string bound(double share) { return fmt::format("{:g} %", 100 * share); }
+
 }  // namespace
 
 double Share::value() const {
@@ -167,8 +170,8 @@ std::string reliability_rule_html() {
       "share’s interval is at most {}, and it is named wherever it is called reliable. Where no false claim was seen, "
       "the interval says how many there may still be: up to {} after {} problems. Refused problems are not counted as "
       "failures; a solver that refuses more than {} of the problems is not ranked.",
-      percent(kReliableShare), percent(kSignificance), least_problems(), percent(kReliableShare),
-      percent(kFalseClaimBound), percent(wilson(0, least_problems()).high), least_problems(), percent(kRefusedBound));
+      bound(kReliableShare), bound(kSignificance), least_problems(), bound(kReliableShare), bound(kFalseClaimBound),
+      percent(wilson(0, least_problems()).high), least_problems(), bound(kRefusedBound));
 }
 
 std::string too_few_text(std::int64_t problems) {
