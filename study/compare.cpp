@@ -52,7 +52,7 @@ Entries read_entries(Store& store, std::int64_t set, std::int64_t solver) {
     entries[query.integer(0)].push_back({.problem = query.integer(1),
                                          .hash = std::string(query.text(2)),
                                          .solved = verdict == Verdict::kSolved,
-                                         .false_claim = false_claim(claim, verdict),
+                                         .false_claim = verdict == Verdict::kWrong,
                                          .pivots = query.integer(5),
                                          .time_s = claim == Claim::kUnsupported ? kNone : query.real(6)});
   }

@@ -1,6 +1,5 @@
 #include "study/merge.h"
 
-#include <string_view>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -84,23 +83,9 @@ std::string joined(const std::vector<const char*>& columns, const char* form, co
   return text;
 }
 
-/// A store of format 2 is joined without its table of certificates, which nothing wrote to.
-bool has_certificates(Store& store) { return store.database().integer("PRAGMA input.user_version") > 2; }
-
-bool about_certificates(const Table& table) {
-  const std::string_view name = table.name;
-  return name == "certificates" || name == "proofs" || name == "certificate_timings";
-}
-
-std::vector<Table> tables_of_input(Store& store) {
-  std::vector<Table> present = tables();
-  if (!has_certificates(store)) std::erase_if(present, about_certificates);
-  return present;
-}
-
 std::vector<std::string> find_conflicts(Store& store, const std::filesystem::path& input) {
   std::vector<std::string> conflicts;
-  for (const Table& table : tables_of_input(store)) {
+  for (const Table& table : tables()) {
     std::string differ = joined(table.content, "m.{0} IS NOT i.{0}", " OR ");
     differ += (differ.empty() ? "" : " OR ") + std::string(table.conflict);
     Statement query(
@@ -131,9 +116,8 @@ void check_tables(Store& store, const std::filesystem::path& input) {
                   "SELECT m.name FROM main.sqlite_master m LEFT JOIN input.sqlite_master i "
                   "ON i.type = m.type AND i.name = m.name WHERE m.type = 'table' AND m.sql IS NOT i.sql");
   while (query.step()) {
-    const std::string name(query.text(0));
-    if (!has_certificates(store) && about_certificates({.name = name.c_str()})) continue;
-    throw InputError(fmt::format("{}: the store is damaged: table {} is missing or altered", input.string(), name));
+    throw InputError(
+        fmt::format("{}: the store is damaged: table {} is missing or altered", input.string(), query.text(0)));
   }
 }
 
@@ -163,8 +147,8 @@ std::vector<std::string> join(Store& store, const std::filesystem::path& input) 
   std::vector<std::string> conflicts = find_conflicts(store, input);
   if (conflicts.empty()) {
     store.begin();
-    if (has_certificates(store)) make_way_for_proofs(store);
-    for (const Table& table : tables_of_input(store)) {
+    make_way_for_proofs(store);
+    for (const Table& table : tables()) {
       store.database().execute(fmt::format("INSERT OR IGNORE INTO main.{0} SELECT * FROM input.{0}", table.name));
     }
     take_forward_errors(store);

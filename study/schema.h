@@ -119,10 +119,10 @@ CREATE VIEW IF NOT EXISTS judged AS
   SELECT a.problem_id, a.solver_id, a.part, a.group_id,
          (SELECT COUNT(*) FROM cell_groups g WHERE g.group_id = a.group_id) AS cells,
          p.set_id, p.seed, p.trial, p.n, a.claim, t.truth,
-         CASE WHEN t.truth = 'unsolvable' THEN 'unsolvable'
-              WHEN v.solved = 1 THEN 'solved'
-              WHEN v.criterion = 1 THEN 'criterion_only'
+         CASE WHEN v.solved = 1 AND t.truth <> 'unsolvable' THEN 'solved'
               WHEN a.claim = 'solved' THEN 'wrong'
+              WHEN t.truth = 'unsolvable' THEN 'unsolvable'
+              WHEN a.claim = 'unsupported' THEN 'refused'
               WHEN t.truth = 'solvable' THEN 'missed'
               ELSE 'open' END AS verdict
   FROM answers a JOIN verdicts v USING (problem_id, solver_id, part)

@@ -19,8 +19,8 @@ using sqlite::Mode;
 using sqlite::Statement;
 
 constexpr std::int64_t kApplicationId = 0x4c43'5042;  // "LCPB", in the header of the file
-constexpr std::int64_t kFormatVersion = 3;
-constexpr std::int64_t kOldestFormat = 2;  // had a table of certificates with other columns, which nothing wrote to
+/// Rises with what a verdict means, too: answers judged by two definitions must not meet in one store.
+constexpr std::int64_t kFormatVersion = 4;
 
 std::int64_t key_id(std::initializer_list<std::string_view> parts) {
   std::string key;
@@ -45,10 +45,11 @@ void check_application(Database& database) {
 void check_format(Database& database) {
   check_application(database);
   const std::int64_t version = database.integer("PRAGMA user_version");
-  if (version < kOldestFormat || version > kFormatVersion) {
-    throw InputError(fmt::format(
-        "{}: store format {}, this lcpbench reads formats {} to {}; use another store (`run --fresh` replaces it)",
-        database.file().string(), version, kOldestFormat, kFormatVersion));
+  if (version != kFormatVersion) {
+    throw InputError(
+        fmt::format("{}: store format {}, this lcpbench reads format {} alone: verdicts mean something else there; use "
+                    "another store (`run --fresh` replaces it)",
+                    database.file().string(), version, kFormatVersion));
   }
 }
 
@@ -58,10 +59,9 @@ void refuse_folder(const std::filesystem::path& file) {
   if (std::filesystem::is_directory(file, ignored)) throw InputError(describe(file, "is a folder, expected a store"));
 }
 
-/// Makes a blank file a store, or one of the older format one of today's, whole or not at all.
-void initialise(Database& database, bool blank) {
+/// Makes a blank file a store, whole or not at all.
+void initialise(Database& database) {
   database.execute("BEGIN IMMEDIATE");
-  if (!blank) database.execute("DROP TABLE IF EXISTS certificates");
   database.execute(kStoreSchema);
   database.execute(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}", kApplicationId, kFormatVersion));
   database.execute("COMMIT");
@@ -333,7 +333,7 @@ Store Store::open_for_writing(const std::filesystem::path& file) {
   const bool blank = is_blank(database);
   if (!blank) check_format(database);
   database.execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL");
-  if (blank || database.integer("PRAGMA user_version") != kFormatVersion) initialise(database, blank);
+  if (blank) initialise(database);
   data->writers = std::make_unique<Writers>(database);
   return Store(std::move(data));
 }

@@ -121,13 +121,11 @@ Verdict stored_verdict(const sqlite::Database& store, std::string_view word);
 /// the process at any moment. Not thread-safe: one thread writes.
 class Store {
  public:
-  /// Opens a store for writing, or makes it. Holds a lock on it: a second process is refused. A store of format 2
-  /// becomes one of format 3 and keeps its rows.
+  /// Opens a store for writing, or makes it. Holds a lock on it: a second process is refused.
   /// @throws InputError when the file is no store, of another format, damaged, in use, or cannot be written.
   static Store open_for_writing(const std::filesystem::path& file);
 
-  /// Opens an existing store for reading, also while another process writes it; one of format 2 has no tables `proofs`
-  /// and `certificate_timings`. @throws InputError as above.
+  /// Opens an existing store for reading, also while another process writes it. @throws InputError as above.
   static Store open_for_reading(const std::filesystem::path& file);
 
   /// Deletes a store of whatever format with its side files. Nothing happens when there is none. @throws InputError

@@ -37,6 +37,7 @@ struct Row {
   Claim claim = Claim::kNumericalFailure;
   Verdict verdict = Verdict::kOpen;
   bool criterion = false;
+  bool unsolvable = false;  ///< the problem: proven
   double velocity_residual = 0;
   double backward_error = 0;
   double forward_error = kNone;
@@ -96,7 +97,6 @@ std::vector<RunSummary> read_runs(sqlite::Database& store) {
 /// Problems of a set whose only post-impact velocity is certified.
 std::unordered_set<std::int64_t> read_unique_velocities(sqlite::Database& store, std::int64_t set_id) {
   std::unordered_set<std::int64_t> problems;
-  if (store.integer("PRAGMA user_version") < 3) return problems;  // no certificates
   sqlite::Statement query(store,
                           "SELECT c.problem_id FROM certificates c JOIN problems p ON p.id = c.problem_id"
                           " WHERE p.set_id = ? AND c.velocity_unique = 1 AND c.velocity IS NOT NULL");
@@ -132,7 +132,7 @@ std::map<std::int64_t, std::vector<Row>> read_answers(sqlite::Database& store, s
                           " v.velocity_residual_relative, v.backward_row_norm, v.violation_m_per_s,"
                           " t.setup_wall_s, t.setup_cpu_s, t.solve_wall_s, t.solve_cpu_s, t.transport_s, t.verify_s, "
                           "CASE j.claim WHEN 'unsupported' THEN a.detail ELSE '' END, a.pivots, j.group_id, j.seed,"
-                          " v.usable, v.forward_velocity"
+                          " v.usable, v.forward_velocity, j.truth = 'unsolvable'"
                           " FROM judged j JOIN answers a USING (problem_id, solver_id, part)"
                           " JOIN verdicts v USING (problem_id, solver_id, part)"
                           " LEFT JOIN timings t USING (problem_id, solver_id, part)"
@@ -157,6 +157,7 @@ std::map<std::int64_t, std::vector<Row>> read_answers(sqlite::Database& store, s
     if (unique_velocities.contains(row.problem)) {
       row.forward_error = query.integer(19) != 0 ? query.real(20) : kInfinity;
     }
+    row.unsolvable = query.integer(21) != 0;
     row.cells = &cells_of(groups, query.integer(17), solver_cells.at(solver), store);
     answers[solver].push_back(std::move(row));
   }
@@ -188,10 +189,12 @@ void count_answer(const Row& row, Cell& cell) {
   if (solved(row) && error <= 1e-6) ++cell.solved_1e6;
   if (solved(row) && error <= 1e-9) ++cell.solved_1e9;
   if (passes_criterion(row)) ++cell.criterion;
+  if (row.criterion) ++cell.criterion_any;
+  if (row.unsolvable) ++cell.unsolvable_problems;
   Cell::Half& half = cell.halves[row.half()];
   ++half.trials;
   if (solved(row)) ++half.solved;
-  if (row.verdict == Verdict::kUnsolvable) ++half.unsolvable;
+  if (row.unsolvable) ++half.unsolvable_problems;
   if (passes_criterion(row)) ++half.criterion;
 }
 
@@ -313,8 +316,8 @@ std::vector<Outcome> outcomes_of(const std::vector<Row>& rows) {
                         .trial = row.trial,
                         .claimed = claimed_solved(row),
                         .solved = solved(row),
-                        .false_claim = false_claim(row.claim, row.verdict),
-                        .unsolvable = row.verdict == Verdict::kUnsolvable,
+                        .false_claim = row.verdict == Verdict::kWrong,
+                        .unsolvable = row.unsolvable,
                         .refused = refused(row),
                         .time_s = refused(row) ? kNone : row.time_s(),
                         .error = error_of(row),
@@ -560,16 +563,12 @@ std::int64_t Cell::count(Claim claim, Verdict verdict) const {
 }
 
 std::int64_t Cell::gave_up() const {
-  std::int64_t total = 0;
-  for (const Verdict verdict : {Verdict::kCriterionOnly, Verdict::kMissed, Verdict::kOpen}) {
-    total += count(verdict) - count(Claim::kSolved, verdict);
-  }
-  return total;
+  return count(Verdict::kRefused) + count(Verdict::kMissed) + count(Verdict::kOpen);
 }
 
 double Cell::rate() const { return share(count(Verdict::kSolved), solvable()); }
 double Cell::criterion_rate() const { return share(criterion, trials); }
-double Cell::Half::rate() const { return share(solved, trials - unsolvable); }
+double Cell::Half::rate() const { return share(solved, trials - unsolvable_problems); }
 double Cell::Half::criterion_rate() const { return share(criterion, trials); }
 
 Summary summarize(Store& store) {

@@ -62,7 +62,7 @@ struct TimeParts {
 };
 
 /// One solver parameterisation on one set. The verdicts are a partition of the trials:
-/// solved + criterion_only + wrong + unsolvable + missed + open = trials. Every other count overlaps with them.
+/// solved + wrong + unsolvable + refused + missed + open = trials. Every other count overlaps with them.
 struct Cell {
   std::size_t set = 0;     ///< index into Summary::sets
   std::size_t solver = 0;  ///< index into Summary::solvers
@@ -70,8 +70,10 @@ struct Cell {
   std::array<std::array<std::int64_t, kVerdicts>, kClaims> counts{};  ///< [claim][verdict]
   std::int64_t solved_1e6 = 0;                                        ///< verdict solved, and error <= 1e-6
   std::int64_t solved_1e9 = 0;                                        ///< verdict solved, and error <= 1e-9
-  std::int64_t criterion = 0;  ///< claimed solved, and passes the paper's criterion
-  std::string refusal;         ///< the most frequent reason among the refused problems, "" for none
+  std::int64_t criterion = 0;            ///< claimed solved, and passes the paper's criterion
+  std::int64_t criterion_any = 0;        ///< passes the paper's criterion, whatever was claimed
+  std::int64_t unsolvable_problems = 0;  ///< proven to have no solution, whatever the solver made of them
+  std::string refusal;                   ///< the most frequent reason among the refused problems, "" for none
 
   Interval rate_interval{};  ///< Wilson 95 %
   Spread solved_time{};      ///< [s] of the trials with verdict solved
@@ -97,7 +99,7 @@ struct Cell {
   struct Half {
     std::int64_t trials = 0;
     std::int64_t solved = 0;
-    std::int64_t unsolvable = 0;
+    std::int64_t unsolvable_problems = 0;
     std::int64_t criterion = 0;
     Spread solved_time{}, all_time{}, violation{}, criterion_time{}, criterion_violation{};  ///< as in Cell
     double rate() const;
@@ -110,15 +112,13 @@ struct Cell {
   std::int64_t count(Verdict verdict) const;
   std::int64_t count(Claim claim) const;
   std::int64_t count(Claim claim, Verdict verdict) const;
-  std::int64_t solvable() const { return trials - count(Verdict::kUnsolvable); }
-  std::int64_t false_claims() const {
-    return count(Claim::kSolved, Verdict::kWrong) + count(Claim::kSolved, Verdict::kUnsolvable);
-  }
+  std::int64_t solvable() const { return trials - unsolvable_problems; }
+  std::int64_t false_claims() const { return count(Verdict::kWrong); }
   /// Not claimed solved, not solved, and not proven unsolvable: the user is left without an answer and knows it.
   std::int64_t gave_up() const;
   /// Every problem was refused as outside what the solver takes.
   bool refused() const { return trials > 0 && count(Claim::kUnsupported) == trials; }
-  /// solved / (trials - unsolvable); NaN when every problem is unsolvable.
+  /// solved / (trials - unsolvable_problems); NaN when every problem is unsolvable.
   double rate() const;
   /// criterion / trials: the paper's solution frequency.
   double criterion_rate() const;

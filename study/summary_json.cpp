@@ -20,7 +20,7 @@ nlohmann::ordered_json spread_json(const Spread& values) {
 nlohmann::ordered_json half_json(const Cell::Half& half) {
   return {{"trials", half.trials},
           {"solved", half.solved},
-          {"unsolvable", half.unsolvable},
+          {"unsolvable_problems", half.unsolvable_problems},
           {"rate", half.rate()},
           {"criterion", half.criterion},
           {"criterion_rate", half.criterion_rate()},
@@ -76,9 +76,11 @@ nlohmann::ordered_json cell_json(const Summary& summary, const Cell& cell) {
   json["solved_1e6"] = cell.solved_1e6;
   json["solved_1e9"] = cell.solved_1e9;
   json["criterion"] = cell.criterion;
+  json["criterion_any"] = cell.criterion_any;
   for (const Verdict verdict : kAllVerdicts) {
     if (verdict != Verdict::kSolved) json[to_string(verdict)] = cell.count(verdict);
   }
+  json["unsolvable_problems"] = cell.unsolvable_problems;
   json["false_claims"] = cell.false_claims();
   json["gave_up"] = cell.gave_up();
   for (const Claim claim : {Claim::kTimeLimit, Claim::kUnsupported, Claim::kCrashed}) {

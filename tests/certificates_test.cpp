@@ -349,19 +349,6 @@ TEST_F(MergedCertificatesTest, TwoTruthsAreAConflictThatNamesTheProblem) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "out.db"));
 }
 
-TEST_F(MergedCertificatesTest, StoreOfTheFormatBeforeTakesPart) {
-  solve_all(study_, a_, {.shard = 0, .shards = 2});
-  solve_all(study_, b_, {.shard = 1, .shards = 2});
-  certify_as(CertificateKind::kSolution, a_);
-  change(b_,
-         "DROP TABLE certificates; DROP TABLE proofs; DROP TABLE certificate_timings;"
-         "CREATE TABLE certificates (problem_id INTEGER PRIMARY KEY, certificate TEXT NOT NULL, proof TEXT NOT NULL, "
-         "vector INTEGER REFERENCES vectors(id)); PRAGMA user_version = 2");
-  ASSERT_TRUE(merge_stores(folder_ / "out.db", {a_, b_}).conflicts.empty());
-  EXPECT_EQ(count(folder_ / "out.db", "certificates"), 3);
-  EXPECT_EQ(count(folder_ / "out.db", "answers"), 6);
-}
-
 // --------------------------------------------------------------------------------------------------- the document
 
 TEST(ProofDocumentTest, HoldsTheProblemBitForBitOnOneLine) {

@@ -30,10 +30,11 @@ Outcome outcome_of(char sign, std::int64_t problem, double time_s) {
 void count(char sign, Cell& cell) {
   const auto [claim, verdict] = sign == 'S'   ? std::pair(Claim::kSolved, Verdict::kSolved)
                                 : sign == '!' ? std::pair(Claim::kSolved, Verdict::kWrong)
-                                : sign == 'r' ? std::pair(Claim::kUnsupported, Verdict::kMissed)
+                                : sign == 'r' ? std::pair(Claim::kUnsupported, Verdict::kRefused)
                                 : sign == 'u' ? std::pair(Claim::kIterationLimit, Verdict::kUnsolvable)
                                               : std::pair(Claim::kIterationLimit, Verdict::kMissed);
   ++cell.trials;
+  if (sign == 'u') ++cell.unsolvable_problems;
   ++cell.counts[static_cast<std::size_t>(claim)][static_cast<std::size_t>(verdict)];
 }
 

@@ -92,7 +92,8 @@ class MadeSummary {
     count(Claim::kSolved, Verdict::kSolved) = made.solved;
     count(Claim::kSolved, Verdict::kWrong) = made.wrong;
     count(Claim::kIterationLimit, Verdict::kUnsolvable) = made.unsolvable;
-    count(Claim::kUnsupported, Verdict::kOpen) = made.refused;
+    count(Claim::kUnsupported, Verdict::kRefused) = made.refused;
+    cell.unsolvable_problems = made.unsolvable;
     if (made.refused > 0) cell.refusal = "no licence for this size";
     count(Claim::kIterationLimit, Verdict::kOpen) =
         made.trials - made.solved - made.wrong - made.unsolvable - made.refused;

@@ -480,7 +480,7 @@ TEST_F(PaperStoreTest, QueriesOfCellsRepeatMapsAndClaims) {
     EXPECT_EQ(by_cell.integer(6), cell->trials);
     EXPECT_EQ(by_cell.integer(7), cell->criterion);
     EXPECT_EQ(by_cell.integer(8), cell->count(Verdict::kSolved));
-    EXPECT_EQ(by_cell.integer(9), cell->count(Verdict::kUnsolvable));
+    EXPECT_EQ(by_cell.integer(9), cell->unsolvable_problems);
   }
   EXPECT_EQ(rows, cells.size());
   sqlite::Statement totals(store.database(), paper::totals_query());

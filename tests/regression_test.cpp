@@ -32,7 +32,7 @@ Json counts_of(Store& store) {
       store.database(),
       "SELECT sets.name, s.name || iif(s.settings = '', '', '{' || s.settings || '}')"
       "         || iif(s.sweep = '', '', ' sweep ' || s.sweep),"
-      "       COUNT(*), SUM(j.verdict = 'solved'), SUM(j.claim = 'solved' AND j.verdict IN ('wrong', 'unsolvable')),"
+      "       COUNT(*), SUM(j.verdict = 'solved'), SUM(j.verdict = 'wrong'),"
       "       SUM(j.claim = 'solved' AND v.criterion), SUM(max(a.pivots, 0)),"
       "       SUM(max(a.iterations, 0))"
       " FROM judged_cells j JOIN solvers s ON s.id = j.solver_id JOIN sets ON sets.id = j.set_id"

@@ -24,7 +24,7 @@ const Cell& only_cell(const Summary& summary) {
 
 std::int64_t sum_of_verdicts(const nlohmann::ordered_json& cell) {
   std::int64_t total = 0;
-  for (const char* verdict : {"solved", "criterion_only", "wrong", "unsolvable", "missed", "open"}) {
+  for (const char* verdict : {"solved", "wrong", "unsolvable", "refused", "missed", "open"}) {
     total += cell.at(verdict).get<std::int64_t>();
   }
   return total;
@@ -43,35 +43,38 @@ TEST(SummaryTest, VerdictsAddUpToTrialsAndTheOtherCountsOverlap) {
   add({.error = 1e-7}, "");
   add({.error = 1e-5}, "");
   add({.claim = Claim::kIterationLimit, .error = 1e-12}, "");  // solved, and did not say so
-  add({.error = 1e-2, .criterion = true}, "");                 // criterion only
+  add({.error = 1e-2, .criterion = true}, "");                 // wrong: the paper's criterion excuses nothing
   add({.error = 1e-2, .criterion = false}, "");                // wrong
   add({.error = kNone}, "");                                   // wrong: NaN
   add({.claim = Claim::kUnsolvable, .error = kNone, .proves_unsolvable = true}, "");
   add({.claim = Claim::kNumericalFailure, .error = kNone}, "solvable");     // missed
   add({.claim = Claim::kCrashed, .error = kNone}, "");                      // open
-  add({.claim = Claim::kTimeLimit, .error = 1e-2, .criterion = true}, "");  // criterion only, not claimed
+  add({.claim = Claim::kTimeLimit, .error = 1e-2, .criterion = true}, "");  // open
+  add({.claim = Claim::kUnsupported, .error = kNone}, "solvable");          // refused
 
   const Summary summary = summarize(made.store());
   const auto cell = summary_json(summary)["cells"][0];
-  EXPECT_EQ(cell["trials"], 11);
-  EXPECT_EQ(sum_of_verdicts(cell), 11);
+  EXPECT_EQ(cell["trials"], 12);
+  EXPECT_EQ(sum_of_verdicts(cell), 12);
   EXPECT_EQ(cell["solved"], 4);
   EXPECT_EQ(cell["solved_1e6"], 3);
   EXPECT_EQ(cell["solved_1e9"], 2);
-  EXPECT_EQ(cell["criterion_only"], 2);
-  EXPECT_EQ(cell["wrong"], 2);
+  EXPECT_EQ(cell["wrong"], 3);
   EXPECT_EQ(cell["unsolvable"], 1);
+  EXPECT_EQ(cell["refused"], 1);
   EXPECT_EQ(cell["missed"], 1);
-  EXPECT_EQ(cell["open"], 1);
+  EXPECT_EQ(cell["open"], 2);
+  EXPECT_EQ(cell["unsolvable_problems"], 1);
   EXPECT_EQ(cell["claimed"], 6);
-  EXPECT_EQ(cell["criterion"], 4);  // the answer of the iteration limit passes it too, but did not claim
-  EXPECT_EQ(cell["false_claims"], 2);
-  EXPECT_EQ(cell["gave_up"], 3);
+  EXPECT_EQ(cell["criterion"], 4);  // of those who claimed
+  EXPECT_EQ(cell["criterion_any"], 6);
+  EXPECT_EQ(cell["false_claims"], 3);
+  EXPECT_EQ(cell["gave_up"], 4);
   EXPECT_EQ(cell["crashed"], 1);
   EXPECT_EQ(cell["time_limit"], 1);
-  EXPECT_DOUBLE_EQ(cell["rate"].get<double>(), 0.4);
-  EXPECT_DOUBLE_EQ(cell["rate_low"].get<double>(), wilson(4, 10).low);
-  EXPECT_EQ(cell["claims"]["solved"]["wrong"], 2);
+  EXPECT_DOUBLE_EQ(cell["rate"].get<double>(), 4.0 / 11);
+  EXPECT_DOUBLE_EQ(cell["rate_low"].get<double>(), wilson(4, 11).low);
+  EXPECT_EQ(cell["claims"]["solved"]["wrong"], 3);
   EXPECT_EQ(cell["claims"]["iteration_limit"]["solved"], 1);
 }
 
@@ -100,6 +103,9 @@ TEST(SummaryTest, ClaimOnAnUnsolvableProblemIsFalse) {
   EXPECT_EQ(summary.cells[0].false_claims(), 0);
   EXPECT_EQ(summary.cells[0].gave_up(), 0);
   EXPECT_EQ(summary.cells[1].false_claims(), 1);
+  EXPECT_EQ(summary.cells[1].count(Verdict::kWrong), 1);
+  EXPECT_EQ(summary.cells[1].count(Verdict::kUnsolvable), 0);
+  EXPECT_EQ(summary.cells[1].unsolvable_problems, 1);
   EXPECT_EQ(summary.cells[1].solvable(), 0);
   const auto cell = summary_json(summary)["cells"][1];
   EXPECT_TRUE(std::isnan(cell["rate"].get<double>()));

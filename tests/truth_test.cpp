@@ -54,8 +54,8 @@ TEST(FarkasTest, AProofHoldsAndOverridesASmallResidual) {
   EXPECT_EQ(evaluator.truth(), Truth::kUnknown);
   Errors looks_solved;
   looks_solved.solved = true;
-  EXPECT_EQ(verdict(Claim::kSolved, looks_solved, Truth::kUnsolvable), Verdict::kUnsolvable);
-  EXPECT_TRUE(false_claim(Claim::kSolved, Verdict::kUnsolvable));
+  EXPECT_EQ(verdict(Claim::kSolved, looks_solved, Truth::kUnsolvable), Verdict::kWrong);
+  EXPECT_EQ(verdict(Claim::kIterationLimit, looks_solved, Truth::kUnsolvable), Verdict::kUnsolvable);
 }
 
 TEST(FarkasTest, WhatIsNotExactlyAProofIsNone) {

@@ -26,14 +26,12 @@ TEST(StandingTest, FollowsClaimAndVerdict) {
   EXPECT_EQ(standing(Claim::kIterationLimit, Verdict::kSolved), Standing::kRight);
   EXPECT_EQ(standing(Claim::kUnsolvable, Verdict::kUnsolvable), Standing::kRight);
   EXPECT_EQ(standing(Claim::kSolved, Verdict::kWrong), Standing::kWrong);
-  EXPECT_EQ(standing(Claim::kSolved, Verdict::kUnsolvable), Standing::kWrong);
   for (const Claim claim :
        {Claim::kUnsolvable, Claim::kIterationLimit, Claim::kTimeLimit, Claim::kNumericalFailure, Claim::kCrashed}) {
     EXPECT_EQ(standing(claim, Verdict::kMissed), Standing::kSilent) << to_string(claim);
     EXPECT_EQ(standing(claim, Verdict::kOpen), Standing::kSilent) << to_string(claim);
-    EXPECT_EQ(standing(claim, Verdict::kCriterionOnly), Standing::kSilent) << to_string(claim);
+    EXPECT_EQ(standing(claim, Verdict::kRefused), Standing::kSilent) << to_string(claim);
   }
-  EXPECT_EQ(standing(Claim::kSolved, Verdict::kCriterionOnly), Standing::kSilent);
   EXPECT_EQ(standing(Claim::kIterationLimit, Verdict::kUnsolvable), Standing::kSilent);
 }
 

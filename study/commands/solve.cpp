@@ -116,14 +116,16 @@ Truth truth_of(const Evaluator& evaluator, const std::vector<Attempt>& attempts)
 
 /// Right answers first, then honest failures, then false claims, then refusals.
 int rank(const Attempt& attempt) {
-  if (attempt.timed.answer.claim == Claim::kUnsupported) return 5;
-  if (false_claim(attempt.timed.answer.claim, attempt.verdict)) return 4;
+  if (attempt.timed.answer.claim == Claim::kUnsupported) return 4;
   switch (attempt.verdict) {
     case Verdict::kSolved: return 0;
     case Verdict::kUnsolvable: return 1;
-    case Verdict::kCriterionOnly: return 2;
-    default: return 3;
+    case Verdict::kMissed:
+    case Verdict::kOpen: return 2;
+    case Verdict::kWrong: return 3;
+    case Verdict::kRefused: return 4;
   }
+  return 4;
 }
 
 /// A solver whose worker does not start has no row: stderr says why, and `all_started` becomes false.

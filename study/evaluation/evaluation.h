@@ -63,15 +63,23 @@ struct Errors {
 /// What is known of a problem whoever solved it.
 enum class Truth { kUnknown, kSolvable, kUnsolvable };
 
-enum class Verdict { kSolved, kCriterionOnly, kWrong, kUnsolvable, kMissed, kOpen };
+/// What an answer is. The order of the enum is the order in which verdict() asks.
+enum class Verdict {
+  kSolved,      ///< passes, and no proof says that the problem has no solution
+  kWrong,       ///< claimed solved and is not: a false claim
+  kUnsolvable,  ///< the problem is proven to have no solution
+  kRefused,     ///< the problem is outside what the solver takes
+  kMissed,      ///< no answer, and the problem is known to have a solution
+  kOpen,        ///< no answer, and nobody knows whether there is one
+};
 
 inline constexpr std::size_t kVerdicts = 6;
 
 /// Every verdict, in the order of the enum.
-inline constexpr std::array<Verdict, kVerdicts> kAllVerdicts{
-    Verdict::kSolved, Verdict::kCriterionOnly, Verdict::kWrong, Verdict::kUnsolvable, Verdict::kMissed, Verdict::kOpen};
+inline constexpr std::array<Verdict, kVerdicts> kAllVerdicts{Verdict::kSolved,  Verdict::kWrong,  Verdict::kUnsolvable,
+                                                             Verdict::kRefused, Verdict::kMissed, Verdict::kOpen};
 
-/// "solved", "criterion_only", "wrong", "unsolvable", "missed", "open".
+/// "solved", "wrong", "unsolvable", "refused", "missed", "open".
 const char* to_string(Verdict verdict);
 
 /// The inverse of to_string. @throws InputError for any other word.
@@ -80,9 +88,6 @@ Verdict parse_verdict(std::string_view text);
 /// The verdict on an answer. Every combination of claim, truth and errors is fixed by the table in docs/verdicts.md.
 /// @param truth  kSolvable also when another solver's answer was found solved.
 Verdict verdict(Claim claim, const Errors& errors, Truth truth);
-
-/// Claimed solved, and the verdict is wrong or unsolvable.
-bool false_claim(Claim claim, Verdict verdict);
 
 /// Evaluates answers to one problem. Keeps the problem's data in 113-bit arithmetic; what an answer needs of M is
 /// formed when it first needs it. Contact problems never form M. One object per thread.

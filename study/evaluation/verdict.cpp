@@ -8,9 +8,9 @@ namespace lcpbench {
 const char* to_string(Verdict verdict) {
   switch (verdict) {
     case Verdict::kSolved: return "solved";
-    case Verdict::kCriterionOnly: return "criterion_only";
     case Verdict::kWrong: return "wrong";
     case Verdict::kUnsolvable: return "unsolvable";
+    case Verdict::kRefused: return "refused";
     case Verdict::kMissed: return "missed";
     case Verdict::kOpen: return "open";
   }
@@ -25,15 +25,11 @@ Verdict parse_verdict(std::string_view text) {
 }
 
 Verdict verdict(Claim claim, const Errors& errors, Truth truth) {
-  if (truth == Truth::kUnsolvable) return Verdict::kUnsolvable;
-  if (errors.solved) return Verdict::kSolved;
-  if (errors.criterion) return Verdict::kCriterionOnly;
+  if (errors.solved && truth != Truth::kUnsolvable) return Verdict::kSolved;
   if (claim == Claim::kSolved) return Verdict::kWrong;
+  if (truth == Truth::kUnsolvable) return Verdict::kUnsolvable;
+  if (claim == Claim::kUnsupported) return Verdict::kRefused;
   return truth == Truth::kSolvable ? Verdict::kMissed : Verdict::kOpen;
-}
-
-bool false_claim(Claim claim, Verdict verdict) {
-  return claim == Claim::kSolved && (verdict == Verdict::kWrong || verdict == Verdict::kUnsolvable);
 }
 
 }  // namespace lcpbench

@@ -509,9 +509,8 @@ Claim four_above_three(const Study& study) {
         const Cell* some_four = four->cells.front();
         claim.beyond.push_back(compare(
             std::string(name_of(kind)) + ": share proven unsolvable in this store, Experiment 3 − 4", reading,
-            difference(
-                {static_cast<double>(some_three->count(Verdict::kUnsolvable)), static_cast<double>(some_three->trials)},
-                {static_cast<double>(some_four->count(Verdict::kUnsolvable)), static_cast<double>(some_four->trials)}),
+            difference({static_cast<double>(some_three->unsolvable_problems), static_cast<double>(some_three->trials)},
+                       {static_cast<double>(some_four->unsolvable_problems), static_cast<double>(some_four->trials)}),
             0, true));
         const bool has_theory = kind == Kind::kMonotone && reading == std::string(kReadings.front());
         if (!has_theory || family_of(three->solver) != Family::kLemke) continue;

@@ -268,7 +268,7 @@ Proportion solved_share(const Cell& cell, Measure measure) {
 
 Proportion solved_share(const Cell::Half& half, Measure measure) {
   if (measure == Measure::kCriterion) return {static_cast<double>(half.criterion), static_cast<double>(half.trials)};
-  return {static_cast<double>(half.solved), static_cast<double>(half.trials - half.unsolvable)};
+  return {static_cast<double>(half.solved), static_cast<double>(half.trials - half.unsolvable_problems)};
 }
 
 GridRange range_of(const Grid& grid, Measure measure) {

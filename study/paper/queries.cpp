@@ -8,7 +8,7 @@ namespace {
 std::string counts_by_cell(const std::string& condition) {
   return "SELECT sets.name AS problem_set, solvers.name AS solver, solvers.sweep, solvers.isa, j.cell, j.settings,\n"
          "    COUNT(*) AS trials, SUM(j.claim = 'solved' AND v.criterion = 1) AS criterion,\n"
-         "    SUM(j.verdict = 'solved') AS solved, SUM(j.verdict = 'unsolvable') AS unsolvable,\n"
+         "    SUM(j.verdict = 'solved') AS solved, SUM(j.truth = 'unsolvable') AS unsolvable,\n"
          "    solvers.library, solvers.version\n"
          "  FROM judged_cells j JOIN verdicts v USING (problem_id, solver_id, part)\n"
          "    JOIN sets ON sets.id = j.set_id JOIN solvers ON solvers.id = j.solver_id\n"
@@ -68,8 +68,8 @@ std::string measurements_query() {
 std::string totals_query() {
   return "SELECT sets.name AS problem_set, solvers.name AS solver, solvers.sweep, j.settings, COUNT(*) AS trials,\n"
          "  SUM(j.claim = 'solved' AND v.criterion = 1) AS criterion, SUM(j.verdict = 'solved') AS solved,\n"
-         "  SUM(j.verdict = 'unsolvable') AS unsolvable,\n"
-         "  SUM(j.claim = 'solved' AND j.verdict IN ('wrong', 'unsolvable')) AS false_claims\n"
+         "  SUM(j.truth = 'unsolvable') AS unsolvable,\n"
+         "  SUM(j.verdict = 'wrong') AS false_claims\n"
          "FROM judged_cells j JOIN verdicts v USING (problem_id, solver_id, part)\n"
          "  JOIN sets ON sets.id = j.set_id JOIN solvers ON solvers.id = j.solver_id\n"
          "WHERE sets.name LIKE 'paper/%'\n"

@@ -1,6 +1,7 @@
 #include "study/report/failure_strip.h"
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <utility>
 
@@ -16,7 +17,6 @@ constexpr double kRowHeight = 19;
 constexpr double kHeadingHeight = 30;
 constexpr double kLineHeight = 16;
 constexpr std::size_t kLineLimit = 128;
-constexpr const char* kLoose = "#d98e04";
 constexpr const char* kGaveUp = "#8a8a8a";
 
 void draw_bar(Canvas& canvas, double left, double y, double full_width, double share, const char* color) {
@@ -35,16 +35,15 @@ FailureStrip::FailureStrip(const Summary& summary, const std::vector<const Cell*
     const auto of_trials = [cell](std::int64_t count) {
       return static_cast<double>(count) / static_cast<double>(cell->trials);
     };
-    Row row{rung_label(summary, *cell), of_trials(cell->false_claims()),
-            of_trials(cell->count(Claim::kSolved, Verdict::kCriterionOnly)), of_trials(cell->gave_up())};
-    if (row.wrong + row.loose + row.gave_up > 0) {
+    Row row{rung_label(summary, *cell), of_trials(cell->false_claims()), of_trials(cell->gave_up())};
+    if (row.wrong + row.gave_up > 0) {
       rows_.push_back(std::move(row));
     } else {
       faultless += (faultless.empty() ? "" : ", ") + row.label;
     }
   }
   std::stable_sort(rows_.begin(), rows_.end(), [](const Row& a, const Row& b) {
-    return std::pair(a.wrong, a.gave_up + a.loose) < std::pair(b.wrong, b.gave_up + b.loose);
+    return std::pair(a.wrong, a.gave_up) < std::pair(b.wrong, b.gave_up);
   });
   if (!faultless.empty()) lines_ = lines_of("No failure seen: " + faultless, kLineLimit);
 }
@@ -61,15 +60,13 @@ void FailureStrip::draw(Canvas& canvas, double top) const {
     y += kLineHeight;
   }
   if (rows_.empty()) return;
-  const bool loose = std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.loose > 0; });
   struct Column {
     const char* heading;
     const char* color;
     double Row::*share;
   };
-  std::vector<Column> columns{{"said solved, was wrong", kWrong, &Row::wrong}};
-  if (loose) columns.push_back({"said solved, only roughly right", kLoose, &Row::loose});
-  columns.push_back({"gave up", kGaveUp, &Row::gave_up});
+  constexpr std::array<Column, 2> columns{
+      {{"said solved, was wrong", kWrong, &Row::wrong}, {"gave up", kGaveUp, &Row::gave_up}}};
 
   std::size_t longest = 0;
   for (const Row& row : rows_) longest = std::max(longest, character_count(row.label));

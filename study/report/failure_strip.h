@@ -8,7 +8,7 @@
 namespace lcpbench::report {
 
 /// What stands beside the points of speed against error: for each solver that failed on some problem the shares that it
-/// answered wrongly while saying solved, answered only roughly, or gave up on; the others in one sentence.
+/// answered wrongly while saying solved, or gave up on; the others in one sentence.
 class FailureStrip {
  public:
   FailureStrip(const Summary& summary, const std::vector<const Cell*>& cells);
@@ -21,7 +21,6 @@ class FailureStrip {
   struct Row {
     std::string label;
     double wrong = 0;
-    double loose = 0;
     double gave_up = 0;
   };
   std::vector<Row> rows_;           ///< the least failures first, wrong answers before all

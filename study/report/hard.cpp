@@ -20,14 +20,13 @@ constexpr std::string_view kPrefix = "hard/";
 
 HardOutcome outcome_of(Claim claim, Verdict verdict) {
   if (claim == Claim::kUnsupported) return HardOutcome::kRefused;
-  if (false_claim(claim, verdict)) return HardOutcome::kFalseClaim;
   const bool claims_none = claim == Claim::kUnsolvable;
   switch (verdict) {
     case Verdict::kSolved: return claim == Claim::kSolved ? HardOutcome::kSolved : HardOutcome::kSolvedUnclaimed;
     case Verdict::kUnsolvable: return claims_none ? HardOutcome::kRightlyUnsolvable : HardOutcome::kGaveUpUnsolvable;
     case Verdict::kMissed: return claims_none ? HardOutcome::kWronglyUnsolvable : HardOutcome::kMissed;
-    case Verdict::kCriterionOnly: return claim == Claim::kSolved ? HardOutcome::kRoughly : HardOutcome::kMissed;
-    case Verdict::kWrong:
+    case Verdict::kWrong: return HardOutcome::kFalseClaim;
+    case Verdict::kRefused: return HardOutcome::kRefused;
     case Verdict::kOpen: break;
   }
   return HardOutcome::kUndecided;
@@ -128,7 +127,7 @@ std::vector<HardDial> hard_dials(const std::vector<HardCaseRow>& rows) {
 
 std::string truth_word(const Summary& summary, const HardCaseRow& row) {
   for (const HardCaseCell& cell : row.cells) {
-    if (cell.cell != nullptr && cell.cell->count(Verdict::kUnsolvable) > 0) return "unsolvable";
+    if (cell.cell != nullptr && cell.cell->unsolvable_problems > 0) return "unsolvable";
   }
   return summary.sets[row.set].all_solvable ? "solvable" : "unknown";
 }
@@ -197,7 +196,6 @@ const char* to_string(HardOutcome outcome) {
     case HardOutcome::kSolvedUnclaimed: return "solved_unclaimed";
     case HardOutcome::kUndecided: return "undecided";
     case HardOutcome::kMissed: return "missed";
-    case HardOutcome::kRoughly: return "roughly";
     case HardOutcome::kWronglyUnsolvable: return "wrongly_unsolvable";
     case HardOutcome::kFalseClaim: return "false_claim";
   }

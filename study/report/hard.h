@@ -25,7 +25,6 @@ enum class HardOutcome {
   kSolvedUnclaimed,    ///< the answer is right, the solver did not say so
   kUndecided,          ///< gave up, or said to have no solution, and nobody knows
   kMissed,             ///< gave up on what has a solution
-  kRoughly,            ///< said solved, passes the paper's criterion only
   kWronglyUnsolvable,  ///< said to have no solution, has one
   kFalseClaim,         ///< said solved, and is not: wrong and silent
 };

@@ -30,18 +30,17 @@ Sign sign_of(HardOutcome outcome) {
     case HardOutcome::kSolvedUnclaimed: return {"(✓)", "zero", "the answer is right, the solver did not say so"};
     case HardOutcome::kUndecided: return {"?", "zero", "not solved, and not known whether it can be"};
     case HardOutcome::kMissed: return {"–", "zero", "gave up; it can be solved"};
-    case HardOutcome::kRoughly: return {"~", "bad", "said solved; passes the paper’s criterion only"};
     case HardOutcome::kWronglyUnsolvable: return {"∅!", "bad", "said to have no solution; it has one"};
     case HardOutcome::kFalseClaim: return {"✗", "bad", "said solved, and is not: wrong and silent"};
   }
   return {"", "", ""};
 }
 
-constexpr std::array kShown{HardOutcome::kSolved,          HardOutcome::kRightlyUnsolvable,
-                            HardOutcome::kFalseClaim,      HardOutcome::kWronglyUnsolvable,
-                            HardOutcome::kRoughly,         HardOutcome::kMissed,
-                            HardOutcome::kSolvedUnclaimed, HardOutcome::kGaveUpUnsolvable,
-                            HardOutcome::kUndecided,       HardOutcome::kRefused};
+constexpr std::array kShown{HardOutcome::kSolved,           HardOutcome::kRightlyUnsolvable,
+                            HardOutcome::kFalseClaim,       HardOutcome::kWronglyUnsolvable,
+                            HardOutcome::kMissed,           HardOutcome::kSolvedUnclaimed,
+                            HardOutcome::kGaveUpUnsolvable, HardOutcome::kUndecided,
+                            HardOutcome::kRefused};
 
 std::string sign_html(HardOutcome outcome) {
   const Sign sign = sign_of(outcome);
@@ -72,8 +71,9 @@ std::array<std::int64_t, kShown.size()> totals(const HardStudy& study, std::size
 }
 
 constexpr std::array<const char*, kShown.size()> kTotalHeadings{
-    "Solved", "Rightly unsolvable", "Wrong and silent",    "Wrongly unsolvable", "Only roughly",
-    "Missed", "Right, not claimed", "Gave up, unsolvable", "Undecided",          "Refused"};
+    "Solved", "Rightly unsolvable", "Wrong and silent",    "Wrongly unsolvable",
+    "Missed", "Right, not claimed", "Gave up, unsolvable", "Undecided",
+    "Refused"};
 
 std::string totals_table(const Summary& summary, const HardStudy& study) {
   std::vector<Column> columns{{"Solver", false}};
@@ -199,8 +199,8 @@ std::string hard_text(const Summary& summary) {
   if (study.empty()) return "";
   std::string text =
       fmt::format("hard cases, {}\n  {:<24}", counted(static_cast<std::int64_t>(study.rows.size()), "problem"), "");
-  constexpr std::array<const char*, kShown.size()> kHeadings{"solved", "no sol.", "WRONG",   "denied",  "roughly",
-                                                             "missed", "unsaid",  "gave up", "unknown", "refused"};
+  constexpr std::array<const char*, kShown.size()> kHeadings{"solved", "no sol.", "WRONG",   "denied", "missed",
+                                                             "unsaid", "gave up", "unknown", "refused"};
   for (const char* heading : kHeadings) text += fmt::format(" {:>7}", heading);
   text += "\n";
   for (std::size_t column = 0; column < study.solvers.size(); ++column) {

@@ -53,7 +53,7 @@ class Bench {
     const Verdict given = verdict(answer.claim, errors, truth);
     row.claim = answer.claim;
     row.solved = given == Verdict::kSolved;
-    row.false_claim = false_claim(answer.claim, given);
+    row.false_claim = given == Verdict::kWrong;
     row.residual =
         std::isnan(errors.velocity_residual_relative) ? errors.backward_row_norm : errors.velocity_residual_relative;
     row.pivots = answer.counters.pivots;
