@@ -152,6 +152,17 @@ TEST_F(TruncatedStoreTest, IsSaidToBeTruncatedAtTheTopAndInTheSummary) {
             "To complete it, run the same command again; merge the stores of all shards.\n");
 }
 
+/// Enough problems for the interval, not for what the plan was to tell.
+TEST_F(TruncatedStoreTest, TheTableWithholdsWhatAThinPlanCannotCarry) {
+  fill(60, 30);
+  EXPECT_NE(page_.find("no solver is recommended: too few to say: 90 problems, 30 % of the plan; the report needs 50 % "
+                       "of it, or 381 problems"),
+            std::string::npos);
+  EXPECT_EQ(document_["decision"][0]["recommended"], false);
+  EXPECT_TRUE(document_["decision"][0]["reliable"].is_null());
+  EXPECT_EQ(document_["decision"][0]["reliability"], "short_of_plan");
+}
+
 TEST_F(TruncatedStoreTest, ASetThatWasNotBegunIsNamedToo) {
   fill(200, 0);
   EXPECT_NE(page_.find("<strong>66 % of the plan.</strong>"), std::string::npos);

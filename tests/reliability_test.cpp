@@ -74,6 +74,18 @@ TEST(ReliabilityTest, BehindTheBestOrOnASmallerSampleIsNotReliable) {
   EXPECT_EQ(ground_of(sampled), Ground::kNone);
 }
 
+TEST(ReliabilityTest, LessThanHalfOfThePlanNeedsAmpleProblems) {
+  EXPECT_EQ(report::ample_problems(), 381);
+  Evidence thin = made_evidence(380, 380);
+  thin.plan_share = 0.49;
+  EXPECT_EQ(ground_of(thin), Ground::kShortOfPlan);
+  thin.plan_share = 0.5;
+  EXPECT_EQ(ground_of(thin), Ground::kNone);
+  Evidence ample = made_evidence(381, 381);
+  ample.plan_share = 0.1;
+  EXPECT_EQ(ground_of(ample), Ground::kNone);
+}
+
 TEST(ReliabilityTest, RefusalsAreNoFailuresAndAreSaid) {
   Evidence refuses = made_evidence(60, 60);
   refuses.refused = {40, 100};

@@ -31,7 +31,7 @@ std::string thin_words(std::size_t thin, std::size_t sets) {
 
 }  // namespace
 
-std::string plan_share(double share) {
+std::string plan_share_text(double share) {
   if (std::isnan(share)) return "–";
   const auto whole = static_cast<int>(std::floor(100 * share));
   return whole == 0 && share > 0 ? "<1 %" : fmt::format("{} %", whole);
@@ -45,12 +45,12 @@ std::string coverage_html(const Coverage& coverage) {
       "planned. "
       "The numbers below are of the problems that were met. To complete the study, run the same command again; merge "
       "the stores of all shards.</p>\n",
-      plan_share(coverage.share()), cells_text(coverage));
+      plan_share_text(coverage.share()), cells_text(coverage));
   const std::vector<Coverage::Set> thin = coverage.thin_sets();
   if (!thin.empty()) {
     std::string names;
     for (const Coverage::Set& set : thin) {
-      names += (names.empty() ? "" : ", ") + code(set.name) + " " + escape(plan_share(set.share()));
+      names += (names.empty() ? "" : ", ") + code(set.name) + " " + escape(plan_share_text(set.share()));
     }
     std::string words = thin_words(thin.size(), coverage.sets.size());
     words.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(words.front())));
@@ -64,14 +64,15 @@ std::string coverage_html(const Coverage& coverage) {
 std::string coverage_text(const Coverage& coverage) {
   if (!coverage.known) return std::string(kUnknown) + "\n";
   if (!coverage.incomplete()) return "";
-  std::string text = fmt::format("INCOMPLETE: {} of the plan ({})", plan_share(coverage.share()), cells_text(coverage));
+  std::string text =
+      fmt::format("INCOMPLETE: {} of the plan ({})", plan_share_text(coverage.share()), cells_text(coverage));
   const char* const remedy = "To complete it, run the same command again; merge the stores of all shards.\n";
   const std::vector<Coverage::Set> thin = coverage.thin_sets();
   if (thin.empty()) return text + "\n" + remedy;
   text += fmt::format("; {}:\n", thin_words(thin.size(), coverage.sets.size()));
   const std::size_t shown = thin.size() <= kSetsOnTheTerminal ? thin.size() : kSetsOnTheTerminal - 1;
   for (std::size_t i = 0; i < shown; ++i) {
-    text += fmt::format("  {:>5}  {}\n", plan_share(thin[i].share()), mended(thin[i].name));
+    text += fmt::format("  {:>5}  {}\n", plan_share_text(thin[i].share()), mended(thin[i].name));
   }
   if (shown < thin.size()) text += fmt::format("  and {} more sets\n", thin.size() - shown);
   return text + remedy;
@@ -82,7 +83,7 @@ std::string set_coverage(const Coverage& coverage, const std::string& set) {
   const auto found = std::find_if(coverage.sets.begin(), coverage.sets.end(),
                                   [&set](const Coverage::Set& each) { return each.name == set; });
   if (found == coverage.sets.end() || found->done >= found->planned) return "";
-  return plan_share(found->share()) + " of its planned cells are done";
+  return plan_share_text(found->share()) + " of its planned cells are done";
 }
 
 nlohmann::ordered_json coverage_json(const Coverage& coverage) {

@@ -11,7 +11,7 @@
 namespace lcpbench::report {
 
 /// "11 %": in whole percent, rounded down, so that only a whole plan has 100 %; "<1 %" for less.
-std::string plan_share(double share);
+std::string plan_share_text(double share);
 
 /// The box at the top of the page, HTML; "" for a store that holds its whole plan.
 std::string coverage_html(const Coverage& coverage);

@@ -47,16 +47,8 @@ std::vector<std::size_t> sets_where(const Summary& summary, bool (*wanted)(const
 }
 
 /// ", 11 % of the planned cells" where some are missing.
-std::string coverage_of_sets(const Summary& summary, const std::vector<std::size_t>& sets) {
-  Coverage part;
-  for (const Coverage::Set& each : summary.coverage.sets) {
-    const bool wanted =
-        std::any_of(sets.begin(), sets.end(), [&](std::size_t set) { return summary.sets[set].name == each.name; });
-    if (!wanted) continue;
-    part.planned += each.planned;
-    part.done += each.done;
-  }
-  return part.done < part.planned ? ", " + escape(plan_share(part.share())) + " of the planned cells" : "";
+std::string share_of_plan(double share) {
+  return share < 1 ? ", " + escape(plan_share_text(share)) + " of the planned cells" : "";
 }
 
 std::string scope_of(const Summary& summary, const std::vector<std::size_t>& sets) {
@@ -66,7 +58,7 @@ std::string scope_of(const Summary& summary, const std::vector<std::size_t>& set
     problems += summary.sets[set].problems;
     names += (names.empty() ? "" : ", ") + code(summary.sets[set].name);
   }
-  return sets.empty() ? "" : counted(problems, "problem") + coverage_of_sets(summary, sets) + ": " + names;
+  return sets.empty() ? "" : counted(problems, "problem") + share_of_plan(plan_share(summary, sets)) + ": " + names;
 }
 
 /// Time of `a` over time of `b` on the problems that both solved; NaN where there are none.
@@ -170,6 +162,9 @@ std::string gravest(const Candidate& candidate, const Candidate* chosen) {
     case Ground::kFewProblems:
       return fmt::format("too few to say: solved {} of {}", contender.solved.part, contender.solved.whole);
     case Ground::kSmallSample: return "too few to say: " + solved + time;
+    case Ground::kShortOfPlan:
+      return "too few to say: " + solved + " (" + plan_share_text(candidate.record->evidence.plan_share) +
+             " of the plan)";
     case Ground::kWideInterval:
       return "too few to say: " + solved + " (" + percent_range(contender.solved.interval()) + ")";
     case Ground::kNone: break;
@@ -196,7 +191,7 @@ bool is_tie(const Candidate& candidate, const Candidate& chosen) {
 }
 
 /// Why no solver of the situation is recommended.
-std::string withheld_words(const Summary& summary, const std::vector<Contender>& contenders) {
+std::string withheld_words(const Summary& summary, const std::vector<Contender>& contenders, double plan_share) {
   const auto share_low = [](const Contender& contender) {
     const double low = contender.solved.interval().low;
     return std::isnan(low) ? -1.0 : low;
@@ -208,7 +203,7 @@ std::string withheld_words(const Summary& summary, const std::vector<Contender>&
     if (best == nullptr || share_low(contender) > share_low(*best)) best = &contender;
   }
   if (best == nullptr) return "";
-  if (most < least_problems()) return too_few_text(most);
+  if (too_few(most, plan_share)) return too_few_text(most, plan_share);
   return fmt::format("no solver is shown to be reliable here; the best by share solved, {}, solved {} ({}) of {}",
                      code(summary.solvers[best->solver].text()), percent(best->solved.value()),
                      percent_range(best->solved.interval()), counted(best->solved.whole, "problem"));
@@ -247,7 +242,8 @@ Situation judge(const Summary& summary, std::string title, std::vector<std::size
   if (chosen != nullptr) chosen_solver = chosen->contender.solver;
   sort_contenders(situation.contenders, chosen_solver);
   if (chosen != nullptr) situation.recommended = 0;
-  if (chosen == nullptr) situation.withheld = withheld_words(summary, situation.contenders);
+  if (chosen == nullptr)
+    situation.withheld = withheld_words(summary, situation.contenders, plan_share(summary, situation.sets));
   return situation;
 }
 

@@ -1,12 +1,14 @@
 #include "study/report/reliability.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 
 #include <fmt/format.h>
 
 #include "study/comparison.h"
+#include "study/report/coverage_notice.h"
 #include "study/report/figures.h"
 #include "study/report/text.h"
 
@@ -92,6 +94,26 @@ std::int64_t least_problems() {
   return least;
 }
 
+std::int64_t ample_problems() {
+  static const std::int64_t ample = [] {
+    std::int64_t n = 1;
+    while (wilson(0, n).high > kFalseClaimBound) ++n;
+    return n;
+  }();
+  return ample;
+}
+
+double plan_share(const Summary& summary, const std::vector<std::size_t>& sets) {
+  std::vector<std::string> names;
+  for (const std::size_t set : sets) names.push_back(summary.sets[set].name);
+  const double share = summary.coverage.part(names).share();
+  return std::isnan(share) ? 1 : share;
+}
+
+bool too_few(std::int64_t problems, double plan_share) {
+  return problems < least_problems() || (plan_share < kPlanShare && problems < ample_problems());
+}
+
 Reliability judge_reliability(const Evidence& evidence) {
   const Share& solved = evidence.solved;
   const Share& false_claims = evidence.false_claims;
@@ -104,6 +126,7 @@ Reliability judge_reliability(const Evidence& evidence) {
   if (!(solved.interval().high >= kReliableShare)) return {Standing::kUnreliable, Ground::kUnsolved};
   if (evidence.solves_fewer) return {Standing::kUnreliable, Ground::kBehindTheBest};
   if (!has_half_of_most(evidence)) return {Standing::kTooFew, Ground::kSmallSample};
+  if (too_few(solved.whole, evidence.plan_share)) return {Standing::kTooFew, Ground::kShortOfPlan};
   if (!(solved.interval().low >= kReliableShare)) return {Standing::kTooFew, Ground::kWideInterval};
   return {Standing::kReliable, Ground::kNone};
 }
@@ -116,6 +139,7 @@ const char* to_string(Ground ground) {
     case Ground::kBehindTheBest: return "behind_the_best";
     case Ground::kFewProblems: return "few_problems";
     case Ground::kSmallSample: return "small_sample";
+    case Ground::kShortOfPlan: return "short_of_plan";
     case Ground::kWideInterval: return "wide_interval";
     case Ground::kSomeSets: return "some_sets";
     case Ground::kRefuses: return "refuses";
@@ -127,7 +151,11 @@ std::vector<Record> judged_records(const Summary& summary, const std::vector<std
   std::vector<Record> records = records_of(summary, sets);
   std::int64_t most_taken = 0;
   for (const Record& record : records) most_taken = std::max(most_taken, record.evidence.false_claims.whole);
-  for (Record& record : records) record.evidence.most_taken = most_taken;
+  const double done = plan_share(summary, sets);
+  for (Record& record : records) {
+    record.evidence.most_taken = most_taken;
+    record.evidence.plan_share = done;
+  }
   const Record* best = best_of(records);
   for (Record& record : records) {
     if (best != nullptr && &record != best) {
@@ -155,6 +183,8 @@ nlohmann::ordered_json reliability_rule_json() {
           {"false_claims_high_at_most", kFalseClaimBound},
           {"refused_at_most", kRefusedBound},
           {"sample_at_least", 0.5},
+          {"plan_at_least", kPlanShare},
+          {"ample_problems", ample_problems()},
           {"interval", 0.95},
           {"paired_test_level", kSignificance}};
 }
@@ -165,17 +195,24 @@ std::string reliability_rule_html() {
       "it takes (the lower end of Wilson’s interval), and which on the same problems neither solves significantly "
       "fewer nor makes significantly more false claims than the best (exact paired tests at {}; the best has the "
       "highest lower end). That takes {} problems, all of them solved, or more with failures; with fewer, or where the "
-      "interval contains {}, or with less than half as many problems as another solver, the report says <em>too few to "
-      "say</em>. A solver that was seen to say solved and be wrong is reliable only where the upper end of that "
+      "interval contains {}, or with less than half as many problems as another solver, or where less than {} of the "
+      "plan is done and they are fewer than {}, the report says <em>too few to say</em>. A solver that was seen to say "
+      "solved and be wrong is reliable only where the upper end of that "
       "share’s interval is at most {}, and it is named wherever it is called reliable. Where no false claim was seen, "
       "the interval says how many there may still be: up to {} after {} problems. Refused problems are not counted as "
       "failures; a solver that refuses more than {} of the problems is not ranked.",
-      bound(kReliableShare), bound(kSignificance), least_problems(), bound(kReliableShare), bound(kFalseClaimBound),
-      percent(wilson(0, least_problems()).high), least_problems(), bound(kRefusedBound));
+      bound(kReliableShare), bound(kSignificance), least_problems(), bound(kReliableShare), bound(kPlanShare),
+      ample_problems(), bound(kFalseClaimBound), percent(wilson(0, least_problems()).high), least_problems(),
+      bound(kRefusedBound));
 }
 
-std::string too_few_text(std::int64_t problems) {
-  return fmt::format("too few to say: {}; the report needs {}", counted(problems, "problem"), least_problems());
+std::string too_few_text(std::int64_t problems, double plan_share) {
+  if (problems < least_problems()) {
+    return fmt::format("too few to say: {}; the report needs {}", counted(problems, "problem"), least_problems());
+  }
+  return fmt::format("too few to say: {}, {} of the plan; the report needs {} of it, or {} problems",
+                     counted(problems, "problem"), escape(plan_share_text(plan_share)), bound(kPlanShare),
+                     ample_problems());
 }
 
 }  // namespace lcpbench::report

@@ -37,12 +37,20 @@ inline constexpr double kRefusedBound = 0.1;
 /// The fewest problems that can show a share of kReliableShare: that many, all solved, have a lower end above it.
 std::int64_t least_problems();
 
+/// A study that ended before this share of its plan was done carries no endorsement: its plan said how many problems
+/// the paired test needs. ample_problems() do without.
+inline constexpr double kPlanShare = 0.5;
+
+/// So many problems without a false claim bound their share by kFalseClaimBound.
+std::int64_t ample_problems();
+
 /// What the rule goes by.
 struct Evidence {
   Share solved;                    ///< of the problems that it took and that are not proven unsolvable
   Share false_claims;              ///< of the problems that it took
   Share refused;                   ///< of the problems that it met
   bool met_all_sets = true;        ///< met problems of every set in question
+  double plan_share = 1;           ///< of the cells planned for these sets: those that are done; 1 where nobody knows
   std::int64_t most_taken = 0;     ///< problems taken by the solver that took the most
   bool solves_fewer = false;       ///< than the best on the problems that both took, significantly
   bool more_false_claims = false;  ///< than the best, in the same sense
@@ -63,6 +71,7 @@ enum class Ground {
   kBehindTheBest,  ///< unreliable: solves significantly fewer than the best
   kFewProblems,    ///< too few: fewer than least_problems()
   kSmallSample,    ///< too few: less than half as many problems as another solver
+  kShortOfPlan,    ///< too few: less than kPlanShare of the plan is done
   kWideInterval,   ///< too few: the interval of its share solved contains kReliableShare
   kSomeSets,       ///< partly: did not meet every set
   kRefuses,        ///< partly: refused more than kRefusedBound, or all
@@ -78,7 +87,8 @@ struct Reliability {
 /// The rule. A false claim that was seen counts at any number of problems; all else needs least_problems().
 Reliability judge_reliability(const Evidence& evidence);
 
-/// "reliable", "false_claims", "unsolved", "behind_the_best", "few_problems", "small_sample", "wide_interval",
+/// "reliable", "false_claims", "unsolved", "behind_the_best", "few_problems", "small_sample", "short_of_plan",
+/// "wide_interval",
 /// "some_sets", "refuses": the words of tables.
 const char* to_string(Ground ground);
 
@@ -117,7 +127,14 @@ nlohmann::ordered_json reliability_rule_json();
 /// The rule with its numbers in sentences, HTML.
 std::string reliability_rule_html();
 
-/// "too few to say: 12 problems; the report needs 35"
-std::string too_few_text(std::int64_t problems);
+/// The share of the cells planned for some sets that is done; 1 where nobody knows.
+double plan_share(const Summary& summary, const std::vector<std::size_t>& sets);
+
+/// Can so many problems, of such a share of the plan, show nobody to be reliable?
+bool too_few(std::int64_t problems, double plan_share);
+
+/// "too few to say: 12 problems; the report needs 35", "too few to say: 88 problems, 11 % of the plan; the report needs
+/// 50 % of it, or 381 problems". @pre too_few(problems, plan_share)
+std::string too_few_text(std::int64_t problems, double plan_share);
 
 }  // namespace lcpbench::report

@@ -28,6 +28,7 @@ constexpr Column kCellColumns[] = {{"Solver", false},
                                    {"Solved", true},
                                    {"Said solved, was wrong", true},
                                    {"Gave up", true},
+                                   {"Refused", true},
                                    {"Median time", true},
                                    {"Time / reference", true},
                                    {"Error, median", true},
@@ -69,6 +70,7 @@ std::string cell_row(const Summary& summary, const Cell& cell) {
   row += number_cell(cell.rate(), percent(cell.rate()), percent_range(cell.rate_interval));
   row += count_cell(cell.false_claims(), cell.trials, true);
   row += count_cell(cell.gave_up(), cell.trials, false);
+  row += count_cell(cell.count(Claim::kUnsupported), cell.trials, false);
   row += number_cell(cell.median_time.value, duration(cell.median_time.value),
                      duration_range(cell.median_time.low, cell.median_time.high));
   row += number_cell(cell.time_ratio.value, is_reference ? "1" : factor(cell.time_ratio.value),

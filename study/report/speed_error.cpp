@@ -116,6 +116,7 @@ SpeedError speed_error(const Summary& summary, std::size_t set, std::optional<Er
   if (result.measure == ErrorMeasure::kNone) return result;
   const std::vector<const Cell*> cells = drawn_cells(summary, set);
   result.relative = ratios && has_ratios(cells);
+  result.plan_share = plan_share(summary, {set});
   std::map<std::size_t, Reliability> reliability;
   for (const Record& record : judged_records(summary, {set})) {
     reliability[record.solver] = record.reliability;

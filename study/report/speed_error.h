@@ -68,8 +68,10 @@ struct SpeedError {
   std::vector<Cheapest> cheapest;       ///< one for each of kErrorTargets
   std::int64_t most_problems = 0;       ///< that any solver took, not proven unsolvable
 
-  /// No solver met enough problems to be called reliable or not.
-  bool too_few() const { return most_problems < least_problems(); }
+  double plan_share = 1;  ///< of the cells planned for this set, those that are done
+
+  /// No solver met enough problems to be called reliable.
+  bool too_few() const { return report::too_few(most_problems, plan_share); }
 };
 
 /// The points of one set, by the measure given or the best that it allows. Refused sets and sweeps have none.

@@ -54,6 +54,7 @@ const char* ground_words(Ground ground) {
     case Ground::kBehindTheBest: return "not reliable<small>solves fewer than the best</small>";
     case Ground::kFewProblems: return "too few to say<small>too few problems</small>";
     case Ground::kSmallSample: return "too few to say<small>others met more</small>";
+    case Ground::kShortOfPlan: return "too few to say<small>short of the plan</small>";
     case Ground::kWideInterval: return "too few to say<small>wide interval</small>";
     case Ground::kSomeSets:
     case Ground::kRefuses: return "not ranked<small>refuses some</small>";
@@ -125,7 +126,8 @@ std::string target_heading(double target) {
 }
 
 std::string too_few_line(const SpeedError& set) {
-  return "<p class=\"note\">Who is reliable here, and the frontier: " + too_few_text(set.most_problems) + ".</p>\n";
+  return "<p class=\"note\">Who is reliable here, and the frontier: " +
+         too_few_text(set.most_problems, set.plan_share) + ".</p>\n";
 }
 
 std::string cheapest_table(const Summary& summary, const SpeedError& set) {
