@@ -172,7 +172,8 @@ std::string gravest(const Candidate& candidate, const Candidate* chosen) {
   if (contender.tie) return "a tie";
   const std::string refused =
       contender.refused.part > 0 ? " on what it takes, refused " + percent(contender.refused.value()) : "";
-  return (chosen == nullptr ? "reliable" : "as reliable") + refused + time;
+  const bool as_reliable = chosen != nullptr && contender.false_claims.part == 0;
+  return (as_reliable ? "as reliable" : "reliable") + refused + time;
 }
 
 std::string why_not(const Candidate& candidate, const Candidate* chosen) {
@@ -187,20 +188,21 @@ std::string why_not(const Candidate& candidate, const Candidate* chosen) {
 }
 
 bool is_tie(const Candidate& candidate, const Candidate& chosen) {
-  return candidate.may_be_recommended() && is_tie_in_time(time_ratio(*candidate.record, *chosen.record));
+  return candidate.may_be_recommended() && candidate.contender.false_claims.part == 0 &&
+         is_tie_in_time(time_ratio(*candidate.record, *chosen.record));
 }
 
 /// Why no solver of the situation is recommended.
 std::string withheld_words(const Summary& summary, const std::vector<Contender>& contenders, double plan_share) {
-  const auto share_low = [](const Contender& contender) {
+  const auto worth = [](const Contender& contender) {
     const double low = contender.solved.interval().low;
-    return std::isnan(low) ? -1.0 : low;
+    return std::pair(contender.reliability.standing != Standing::kPartly, std::isnan(low) ? -1.0 : low);
   };
   std::int64_t most = 0;
   const Contender* best = nullptr;
   for (const Contender& contender : contenders) {
     most = std::max(most, contender.solved.whole);
-    if (best == nullptr || share_low(contender) > share_low(*best)) best = &contender;
+    if (best == nullptr || worth(contender) > worth(*best)) best = &contender;
   }
   if (best == nullptr) return "";
   if (too_few(most, plan_share)) return too_few_text(most, plan_share);

@@ -92,7 +92,7 @@ std::string reasons_column(const Summary& summary, const Situation& situation) {
   for (const Contender& contender : situation.contenders) {
     if (contender.verdict.empty()) continue;
     reasons.push_back((contender.false_claims.part > 0 ? "<li class=\"bad\">" : "<li>") +
-                      code(summary.solvers[contender.solver].text()) + ": " + contender.verdict + "</li>");
+                      code(summary.solvers[contender.solver].text()) + ": " + escape(contender.verdict) + "</li>");
   }
   const std::size_t shown = reasons.size() > kShown + 1 ? kShown : reasons.size();
   const auto list = [&reasons](std::size_t begin, std::size_t end) {
