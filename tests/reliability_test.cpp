@@ -113,7 +113,8 @@ class EndorsementTest : public testing::Test {
     page_ = read_file(folder_ / "out/report.html");
   }
   report::Contender contender(const std::string& solver) const {
-    for (const report::Contender& each : report::decide(summary_)[0].contenders) {
+    const std::vector<report::Situation> situations = report::decide(summary_);
+    for (const report::Contender& each : situations[0].contenders) {
       if (summary_.solvers[each.solver].text() == solver) return each;
     }
     throw std::logic_error("no contender " + solver);
