@@ -21,12 +21,11 @@ std::string cells_text(const Coverage& coverage) {
   return fmt::format("{} of {} cells", format_count(coverage.done), format_count(coverage.planned));
 }
 
-/// "these 3 sets are thin (less than 90 % of their cells are done)"
+/// "these 3 sets are thin"
 std::string thin_words(std::size_t thin, std::size_t sets) {
-  const std::string which = thin == sets && sets > 1 ? fmt::format("all {} sets are thin", sets)
-                            : thin == 1              ? "this set is thin"
-                                                     : fmt::format("these {} sets are thin", thin);
-  return fmt::format("{} (less than {:.0f} % of the planned cells are done)", which, 100 * kThinBelow);
+  return thin == sets && sets > 1 ? fmt::format("all {} sets are thin", sets)
+         : thin == 1              ? "this set is thin"
+                                  : fmt::format("these {} sets are thin", thin);
 }
 
 }  // namespace
@@ -54,6 +53,7 @@ std::string coverage_html(const Coverage& coverage) {
     }
     std::string words = thin_words(thin.size(), coverage.sets.size());
     words.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(words.front())));
+    words += fmt::format(" (less than {:.0f} % of the planned cells are done)", 100 * kThinBelow);
     box += thin.size() <= kSetsOnTheTerminal
                ? "<p>" + words + ": " + names + ".</p>\n"
                : "<details><summary>" + words + "</summary><p>" + names + "</p></details>\n";
