@@ -64,15 +64,19 @@ Json estimate_json(const Estimate& estimate) {
 Json decision_json(const Summary& summary, const std::vector<report::Situation>& situations) {
   Json records = Json::array();
   for (const report::Situation& situation : situations) {
-    for (const report::Contender& contender : situation.contenders) {
+    for (std::size_t i = 0; i < situation.contenders.size(); ++i) {
+      const report::Contender& contender = situation.contenders[i];
       records.push_back({{"contacts", situation.title},
                          {"solver", summary.solvers[contender.solver].text()},
-                         {"recommended", contender.verdict.empty()},
+                         {"recommended", situation.recommended == i},
                          {"tie", contender.tie},
                          {"why_not", contender.verdict},
+                         {"reliable", report::reliable_json(contender.reliability)},
+                         {"reliability", report::to_string(contender.reliability.ground)},
                          {"trials", contender.trials},
                          {"solved", share_json(contender.solved)},
                          {"false_claims", share_json(contender.false_claims)},
+                         {"refused", share_json(contender.refused)},
                          {"error_median", contender.median_error},
                          {"error_p99", contender.p99_error},
                          {"median_time_s", estimate_json(contender.time)},
@@ -233,7 +237,7 @@ std::string padded(const std::string& text, std::size_t width, bool right) {
 
 /// Columns of the terminal table behind the solver's name.
 struct TextRow {
-  std::string solved, interval, wrong, gave_up, time, ratio, error;
+  std::string solved, interval, wrong, gave_up, refused, time, ratio, error;
 };
 
 /// The first column; a name too long for it has a line of its own, so that the numbers stay in theirs.
@@ -245,8 +249,8 @@ std::string name_column(const std::string& name) {
 
 std::string text_line(const std::string& name, const TextRow& row) {
   std::string line = name_column(name) + " " + padded(row.solved, 8, true) + " " + padded(row.interval, 12, false);
-  const std::pair<const std::string&, std::size_t> numbers[] = {
-      {row.wrong, 8}, {row.gave_up, 8}, {row.time, 8}, {row.ratio, 6}, {row.error, 8}};
+  const std::pair<const std::string&, std::size_t> numbers[] = {{row.wrong, 8}, {row.gave_up, 8}, {row.refused, 8},
+                                                                {row.time, 8},  {row.ratio, 6},   {row.error, 8}};
   for (const auto& [text, width] : numbers) line += " " + padded(text, width, true);
   return line + "\n";
 }
@@ -264,8 +268,8 @@ std::string cell_line(const Summary& summary, const Cell& cell) {
   const bool is_reference = solver.text() == summary.reference;
   return text_line(
       name, {report::percent(cell.rate()), report::percent_range(cell.rate_interval), of_trials(cell.false_claims()),
-             of_trials(cell.gave_up()), report::duration(cell.median_time.value),
-             is_reference ? "1" : report::factor(cell.time_ratio.value),
+             of_trials(cell.gave_up()), of_trials(cell.count(Claim::kUnsupported)),
+             report::duration(cell.median_time.value), is_reference ? "1" : report::factor(cell.time_ratio.value),
              std::isinf(cell.error_p99) ? "none" : report::scientific(cell.error_p99)});
 }
 
@@ -302,6 +306,8 @@ std::string write_report(Store& store, const std::filesystem::path& folder) {
   const report::SpeedErrorStudy speed_error = report::speed_error_study(summary);
   const report::Figures figures = draw_figures(summary, comparisons, speed_error);
   Json document = summary_json(summary);
+  document["reliability_rule"] = report::reliability_rule_json();
+  document["decision"] = decision_json(summary, situations);
   document["comparison"] = report::comparison_json(summary, comparisons);
   const Json speed_error_records = speed_error_tables(summary, speed_error);
   document["speed_against_error"] = speed_error_records;
@@ -320,7 +326,7 @@ std::string write_report(Store& store, const std::filesystem::path& folder) {
 
 std::string table_text(const Summary& summary) {
   if (summary.cells.empty()) return "no answers yet\n";
-  std::string text = text_line("", {"solved", "(95 %)", "wrong", "gave up", "median", "ratio", "err 99%"});
+  std::string text = text_line("", {"solved", "(95 %)", "wrong", "gave up", "refused", "median", "ratio", "err 99%"});
   bool any = false;
   for (std::size_t set = 0; set < summary.sets.size(); ++set) {
     if (report::is_hard_set(summary.sets[set].name)) continue;
@@ -330,8 +336,9 @@ std::string table_text(const Summary& summary) {
   if (!any) return report::hard_text(summary);
   text += report::hard_text(summary);
   text +=
-      "solved: verified here. wrong: said solved, was not. median: set-up and solve, CPU. err 99%: of\n"
-      "the answers said to be solved; none: too many of them are not finite, or not of the right length.\n";
+      "solved: verified here. wrong: said solved, was not. refused: of those given up, outside what the\n"
+      "solver takes. median: set-up and solve, CPU. err 99%: of the answers said to be solved; none: too\n"
+      "many of them are not finite, or not of the right length.\n";
   if (!summary.reference.empty())
     text += "ratio: time over that of " + summary.reference + ", on problems both solved.\n";
   return text;

@@ -576,6 +576,7 @@ Summary summarize(Store& store) {
   sqlite::Database& database = store.database();
   const sqlite::ReadSnapshot snapshot(database);  // a run may be writing
   summary.runs = read_runs(database);
+  summary.coverage = coverage_of(database);
   const std::vector<Source> sources = read_solvers(store, summary);
   std::map<std::int64_t, std::size_t> solver_cells;
   for (const Source& source : sources) solver_cells.emplace(source.id, source.solvers.size());

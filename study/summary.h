@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "study/coverage.h"
 #include "study/statistics.h"
 #include "study/store.h"
 
@@ -158,6 +159,7 @@ struct Summary {
   std::vector<Cell> cells;         ///< by set, then solver
   std::vector<SweepSummary> sweeps;
   std::string reference;  ///< spec that time ratios refer to; "" when the store has none
+  Coverage coverage;      ///< of what the runs planned
 };
 
 /// Reads a store, which may be half filled. Verdicts come from the view `judged`; nothing is solved or verified again.

@@ -1,3 +1,4 @@
+#include "study/report/coverage_notice.h"
 #include "study/summary.h"
 
 namespace lcpbench {
@@ -134,6 +135,7 @@ nlohmann::ordered_json summary_json(const Summary& summary) {
   for (const RunSummary& run : summary.runs) {
     json["provenance"]["runs"].push_back({{"started", run.started}, {"provenance", run.provenance}});
   }
+  json["coverage"] = report::coverage_json(summary.coverage);
   json["cells"] = nlohmann::ordered_json::array();
   for (const Cell& cell : summary.cells) json["cells"].push_back(cell_json(summary, cell));
   json["sweeps"] = nlohmann::ordered_json::array();

@@ -24,11 +24,14 @@ struct MadeAnswer {
 /// A store filled by hand: known rows in, so that what comes out of a summary can be worked out on paper.
 class SyntheticStore {
  public:
-  explicit SyntheticStore(const std::filesystem::path& file) : store_(Store::open_for_writing(file)) {
+  /// @param planned  what the store's run planned, JSON as planned_cells() gives it; "": nothing is recorded
+  explicit SyntheticStore(const std::filesystem::path& file, const std::string& planned = "")
+      : store_(Store::open_for_writing(file)) {
     store_.begin();
     store_.add_run("2026-01-31T12:00:00Z",
-                   R"({"processor": "test processor", "isa": "baseline", "seed": 1, "compiler": "test compiler",)"
-                   R"( "command": "lcpbench run quick", "skipped": ["absent_solver: library not found"]})");
+                   R"({"processor": "test processor", "isa": "baseline", "seed": 1, "compiler": "test compiler",)" +
+                       (planned.empty() ? "" : " \"planned\": " + planned + ",") +
+                       R"( "command": "lcpbench run quick", "skipped": ["absent_solver: library not found"]})");
     store_.commit();
   }
 

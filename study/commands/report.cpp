@@ -1,5 +1,6 @@
 #include "study/report.h"
 
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 
@@ -7,6 +8,8 @@
 
 #include "core/error.h"
 #include "study/commands/commands.h"
+#include "study/coverage.h"
+#include "study/report/coverage_notice.h"
 
 namespace lcpbench {
 namespace {
@@ -16,12 +19,14 @@ struct Arguments {
   std::filesystem::path out = "lcpbench-report";
 };
 
-int report(const Arguments& arguments) {
+int run_report(const Arguments& arguments) {
   if (arguments.out.empty()) throw InputError("--out '': names no folder");
   Store store = Store::open_for_reading(arguments.store);
   const std::string without_figures = write_report(store, arguments.out);
   if (!without_figures.empty()) fmt::print(stderr, "lcpbench: the report has no figures: {}\n", without_figures);
   fmt::print("{}\n", (arguments.out / "report.html").string());
+  std::fflush(stdout);
+  fmt::print(stderr, "{}", report::coverage_text(coverage_of(store.database())));
   return kExitDone;
 }
 
@@ -33,7 +38,7 @@ Action add_report_command(CLI::App& command) {
   command.add_option("--out", arguments->out, "folder for report.html, summary.json, tables and figures")
       ->capture_default_str();
   command.footer("Solves nothing again. Also serves the store of a study that is still running.");
-  return [arguments] { return report(*arguments); };
+  return [arguments] { return run_report(*arguments); };
 }
 
 }  // namespace lcpbench

@@ -17,11 +17,13 @@
 #include "study/build_info.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
+#include "study/coverage.h"
 #include "study/interrupt.h"
 #include "study/open_solver.h"
 #include "study/plan.h"
 #include "study/provenance.h"
 #include "study/report.h"
+#include "study/report/coverage_notice.h"
 #include "study/runner.h"
 #include "study/text_table.h"
 
@@ -180,6 +182,7 @@ void add_run(Store& store, const Arguments& arguments, const Plan& plan, const S
   const std::string started = utc_now();
   nlohmann::ordered_json origin = provenance(arguments.command_line, started);
   origin["plan"] = nlohmann::ordered_json::parse(plan_json(plan));
+  origin["planned"] = planned_cells(study);
   origin["seed"] = plan.seed;
   origin["jobs"] = options.jobs;
   origin["shard"] = fmt::format("{}/{}", options.shard + 1, options.shards);
@@ -197,8 +200,9 @@ int report_end(const RunOutcome& outcome, const Plan& plan, Store& store) {
     fmt::print(stderr, "lcpbench: interrupted; {} are in {}: run the same command again to resume\n", done, file);
     return kExitInterrupted;
   }
-  print_table(store, std::cout);
-  fmt::print("\n{} in {}, {}\n", done, clock_text(outcome.progress.elapsed_s), file);
+  const Summary summary = summarize(store);
+  fmt::print("{}\n{} in {}, {}\n{}", table_text(summary), done, clock_text(outcome.progress.elapsed_s), file,
+             report::coverage_text(summary.coverage));
   if (outcome.end == RunEnd::kOutOfBudget) {
     fmt::print("the plan's time budget of {:g} s is used up; run the same command again to go on\n", *plan.budget_s);
   }

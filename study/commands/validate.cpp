@@ -25,6 +25,7 @@
 #include "generators/problem_io.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
+#include "study/coverage.h"
 #include "study/interrupt.h"
 #include "study/json_output.h"
 #include "study/plan.h"
@@ -115,7 +116,8 @@ bool solve_all(const Study& study, Store& store, bool kept, std::optional<int> j
   return outcome.end == RunEnd::kComplete;
 }
 
-void add_run(Store& store, const Json& origin) {
+void add_run(Store& store, Json origin, const Study& study) {
+  origin["planned"] = planned_cells(study);
   store.begin();
   store.add_run(origin["started"].get<std::string>(), origin.dump());
   store.commit();
@@ -243,7 +245,7 @@ int run_validation(const Arguments& arguments) {
   Validation validation;
   {
     Store store = kept ? Store::open_for_writing(arguments.store) : nameless_store();
-    add_run(store, origin);
+    add_run(store, origin, study);
     if (!solve_all(study, store, kept, arguments.jobs)) {
       fmt::print(stderr, "lcpbench: interrupted; {}\n",
                  kept ? "run the same command again to resume" : "nothing is kept (--store FILE keeps it)");

@@ -39,7 +39,7 @@ std::vector<Line> lines_of(const Summary& summary, const Conditioning& family,
     for (std::size_t step = 0; step < family.steps.size(); ++step) {
       for (const SpeedErrorPoint& point : family.steps[step].points) {
         if (point.cell->solver != family.solvers[i] || !point.placed()) continue;
-        line.points.push_back({family.conditions[step], value(point), point.reliable});
+        line.points.push_back({family.conditions[step], value(point), point.reliable()});
       }
     }
     line.reaches_the_end = line.points.back().condition == family.conditions.back();
@@ -146,8 +146,7 @@ std::optional<Figure> conditioning_figure(const Summary& summary, const Conditio
       kMargin, 22,
       std::string(set.frictional ? "Frictional" : "Frictionless") + " contacts as the inertia’s conditioning grows",
       {.size = 17, .color = kInk, .bold = true});
-  canvas.text(kMargin, 44,
-              family.family + " · thin and dashed: not reliable there, errors are those of the few problems it solved",
+  canvas.text(kMargin, 44, family.family + " · thin and dashed: not reliable there, or too few problems to say",
               {.color = kSoft});
 
   const LogAxis x(family.conditions, top.left, top.right);

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <set>
 #include <tuple>
 
 #include <fmt/format.h>
 
 #include "study/report/conditioning.h"
+#include "study/report/coverage_notice.h"
 #include "study/report/figures.h"
 #include "study/report/hard.h"
 #include "study/report/text.h"
@@ -19,16 +19,6 @@ namespace lcpbench::report {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kSignificance = 0.05;
-
-/// A contender with its outcomes, in the order of (set, problem).
-struct Record {
-  Contender contender;
-  std::size_t sets = 0;   ///< in which it met problems
-  bool eligible = false;  ///< may be recommended
-  std::vector<std::pair<std::size_t, const Outcome*>> outcomes;
-};
-
 /// Without the sets that less than half as many solvers met as met the most popular one: those of a sweep or of a
 /// special question, which would leave no solver that met all.
 std::vector<std::size_t> widely_met(const Summary& summary, std::vector<std::size_t> sets) {
@@ -56,6 +46,11 @@ std::vector<std::size_t> sets_where(const Summary& summary, bool (*wanted)(const
   return widely_met(summary, solvable.empty() ? all : solvable);
 }
 
+/// ", 11 % of the planned cells" where some are missing.
+std::string share_of_plan(double share) {
+  return share < 1 ? ", " + escape(plan_share_text(share)) + " of the planned cells" : "";
+}
+
 std::string scope_of(const Summary& summary, const std::vector<std::size_t>& sets) {
   std::int64_t problems = 0;
   std::string names;
@@ -63,46 +58,7 @@ std::string scope_of(const Summary& summary, const std::vector<std::size_t>& set
     problems += summary.sets[set].problems;
     names += (names.empty() ? "" : ", ") + code(summary.sets[set].name);
   }
-  return sets.empty() ? "" : counted(problems, "problem") + ": " + names;
-}
-
-std::vector<Record> records_of(const Summary& summary, const std::vector<std::size_t>& sets) {
-  std::map<std::size_t, Record> by_solver;
-  for (const std::size_t set : sets) {
-    for (const Cell* cell : drawn_cells(summary, set)) {
-      Record& record = by_solver[cell->solver];
-      Contender& contender = record.contender;
-      ++record.sets;
-      const std::int64_t taken = cell->trials - cell->count(Claim::kUnsupported);
-      contender.solver = cell->solver;
-      contender.trials += taken;
-      contender.solved.part += cell->count(Verdict::kSolved);
-      contender.solved.whole +=
-          taken - cell->unsolvable_problems + cell->count(Claim::kUnsupported, Verdict::kUnsolvable);
-      contender.false_claims.part += cell->false_claims();
-      contender.crashed.part += cell->count(Claim::kCrashed);
-      for (const Outcome& outcome : cell->outcomes) record.outcomes.emplace_back(set, &outcome);
-    }
-  }
-  std::vector<Record> records;
-  for (auto& [solver, record] : by_solver) {
-    record.contender.false_claims.whole = record.contender.trials;
-    record.contender.crashed.whole = record.contender.trials;
-    records.push_back(std::move(record));
-  }
-  return records;
-}
-
-/// Calls visit(a, b) for every problem that both met.
-template <class Visit>
-void for_each_pair(const Record& a, const Record& b, Visit visit) {
-  const auto key = [](const auto& outcome) { return std::pair(outcome.first, outcome.second->problem); };
-  auto other = b.outcomes.begin();
-  for (const auto& outcome : a.outcomes) {
-    while (other != b.outcomes.end() && key(*other) < key(outcome)) ++other;
-    if (other == b.outcomes.end()) return;
-    if (key(*other) == key(outcome)) visit(*outcome.second, *other->second);
-  }
+  return sets.empty() ? "" : counted(problems, "problem") + share_of_plan(plan_share(summary, sets)) + ": " + names;
 }
 
 /// Time of `a` over time of `b` on the problems that both solved; NaN where there are none.
@@ -117,65 +73,59 @@ Estimate time_ratio(const Record& a, const Record& b) {
   return ratio_of_sums(own, others);
 }
 
-void measure_errors(Record& record) {
+void measure_errors(const Record& record, Contender& contender) {
   std::vector<double> errors;
   for (const auto& [set, outcome] : record.outcomes) {
     if (!outcome->claimed) continue;
     errors.push_back(std::isnan(outcome->error) ? std::numeric_limits<double>::infinity() : outcome->error);
   }
   std::sort(errors.begin(), errors.end());
-  record.contender.median_error = median(errors);
-  record.contender.p99_error = quantile(errors, 0.99);
+  contender.median_error = median(errors);
+  contender.p99_error = quantile(errors, 0.99);
 }
 
-void measure_times(const Record* reference, Record& record) {
+void measure_times(const Record* reference, const Record& record, Contender& contender) {
   std::vector<double> times;
   for (const auto& [set, outcome] : record.outcomes) {
     if (!std::isnan(outcome->time_s)) times.push_back(outcome->time_s);
   }
-  record.contender.time = median_estimate(times);
-  record.contender.speedup = reference == nullptr ? Estimate{kNone, kNone, kNone} : time_ratio(*reference, record);
+  contender.time = median_estimate(times);
+  contender.speedup = reference == nullptr ? Estimate{kNone, kNone, kNone} : time_ratio(*reference, record);
 }
 
-/// Does `a` show `property` on significantly more of the common problems than `b`?
-bool significantly_more(const Record& a, const Record& b, bool Outcome::*property) {
-  std::int64_t only_a = 0;
-  std::int64_t only_b = 0;
-  for_each_pair(a, b, [&](const Outcome& left, const Outcome& right) {
-    if (left.*property && !(right.*property)) ++only_a;
-    if (right.*property && !(left.*property)) ++only_b;
-  });
-  return only_a > only_b && sign_test(only_a, only_b) < kSignificance;
-}
+/// A solver with what the table says of it.
+struct Candidate {
+  const Record* record = nullptr;
+  Contender contender;
 
-bool as_reliable(const Record& record, const Record& best) {
-  return !significantly_more(best, record, &Outcome::solved) &&
-         !significantly_more(record, best, &Outcome::false_claim);
-}
-
-double median_time(const Record& record) {
-  const double value = record.contender.time.value;
-  return std::isnan(value) ? std::numeric_limits<double>::infinity() : value;
-}
-
-/// The solver whose share solved is the surest to be high; nullptr where none solved anything.
-const Record* most_solving(const std::vector<Record>& records) {
-  const Record* most = nullptr;
-  for (const Record& record : records) {
-    if (!record.eligible || record.contender.solved.part == 0) continue;
-    if (most == nullptr || record.contender.solved.interval().low > most->contender.solved.interval().low)
-      most = &record;
+  bool may_be_recommended() const { return record->reliability.reliable() && contender.refused.part == 0; }
+  double median_time() const {
+    return std::isnan(contender.time.value) ? std::numeric_limits<double>::infinity() : contender.time.value;
   }
-  return most;
+};
+
+Candidate make_candidate(const Record& record, const Record* reference) {
+  const Evidence& evidence = record.evidence;
+  Candidate candidate{&record, {}};
+  Contender& contender = candidate.contender;
+  contender.solver = record.solver;
+  contender.trials = evidence.false_claims.whole;
+  contender.solved = evidence.solved;
+  contender.false_claims = evidence.false_claims;
+  contender.refused = evidence.refused;
+  contender.reliability = record.reliability;
+  contender.sampled = contender.trials < evidence.most_taken;
+  measure_times(reference, record, contender);
+  measure_errors(record, contender);
+  return candidate;
 }
 
-const Record* choose(const std::vector<Record>& records) {
-  const Record* most = most_solving(records);
-  if (most == nullptr) return nullptr;
-  const Record* fastest = most;
-  for (const Record& record : records) {
-    if (!record.eligible || !as_reliable(record, *most)) continue;
-    if (median_time(record) < median_time(*fastest)) fastest = &record;
+/// The fastest that may be recommended; nullptr where none may.
+const Candidate* choose(const std::vector<Candidate>& candidates) {
+  const Candidate* fastest = nullptr;
+  for (const Candidate& candidate : candidates) {
+    if (!candidate.may_be_recommended()) continue;
+    if (fastest == nullptr || candidate.median_time() < fastest->median_time()) fastest = &candidate;
   }
   return fastest;
 }
@@ -186,43 +136,86 @@ std::string time_words(const Estimate& ratio) {
   return ratio.value > 1 ? factor(ratio.value) + "× slower" : "faster in total, slower in the median";
 }
 
-/// The gravest thing to say of a solver that is not the recommended one, without the size of its sample.
-std::string gravest(const Record& record, const Record* chosen) {
-  const Contender& contender = record.contender;
-  const std::string unsolved = "left " + percent(1 - contender.solved.value()) + " unsolved";
-  const std::string misled = "said solved and was wrong on " + percent(contender.false_claims.value());
+std::string misled_words(const Contender& contender) {
+  return "said solved and was wrong on " + percent(contender.false_claims.value());
+}
+
+std::string unsolved_words(const Candidate& candidate) {
+  const Share& solved = candidate.contender.solved;
+  const std::int64_t unsolved = solved.whole - solved.part;
+  const Share crashed{candidate.record->crashed, candidate.contender.trials};
+  return 2 * crashed.part > unsolved ? "crashed on " + percent(crashed.value())
+                                     : "left " + percent(1 - solved.value()) + " unsolved";
+}
+
+/// The gravest thing to say of a solver that is not the recommended one, its false claims aside.
+std::string gravest(const Candidate& candidate, const Candidate* chosen) {
+  const Contender& contender = candidate.contender;
   const std::string solved = "solved " + percent(contender.solved.value());
-  if (!contender.complete) {
-    return "met only some of these sets; there " + (contender.false_claims.part > 0 ? misled : solved);
+  const std::string time = chosen == nullptr ? "" : ", " + time_words(time_ratio(*candidate.record, *chosen->record));
+  switch (contender.reliability.ground) {
+    case Ground::kFalseClaims: return "";
+    case Ground::kUnsolved:
+    case Ground::kBehindTheBest: return unsolved_words(candidate);
+    case Ground::kSomeSets: return "met only some of these sets; there " + solved;
+    case Ground::kRefuses: return "refused " + percent(contender.refused.value()) + "; " + solved + " of the rest";
+    case Ground::kFewProblems:
+      return fmt::format("too few to say: solved {} of {}", contender.solved.part, contender.solved.whole);
+    case Ground::kSmallSample: return "too few to say: " + solved + time;
+    case Ground::kShortOfPlan:
+      return "too few to say: " + solved + " (" + plan_share_text(candidate.record->evidence.plan_share) +
+             " of the plan)";
+    case Ground::kWideInterval:
+      return "too few to say: " + solved + " (" + percent_range(contender.solved.interval()) + ")";
+    case Ground::kNone: break;
   }
-  if (chosen == nullptr) return contender.false_claims.part > 0 ? misled : unsolved;
-  if (significantly_more(record, *chosen, &Outcome::false_claim)) return misled;
-  if (significantly_more(*chosen, record, &Outcome::solved)) {
-    const bool mostly_crashes = 2 * contender.crashed.part > contender.solved.whole - contender.solved.part;
-    const std::string failed = mostly_crashes ? "crashed on " + percent(contender.crashed.value()) : unsolved;
-    return contender.false_claims.part > 0 ? failed + ", " + misled : failed;
-  }
-  const std::string time = time_words(time_ratio(record, *chosen));
-  if (!record.eligible) return contender.false_claims.part > 0 ? misled : solved + ", " + time;
   if (contender.tie) return "a tie";
-  if (median_time(record) < median_time(*chosen)) return "faster, but solves fewer than the best";
-  return "as reliable, " + time;
+  const std::string refused =
+      contender.refused.part > 0 ? " on what it takes, refused " + percent(contender.refused.value()) : "";
+  const bool as_reliable = chosen != nullptr && contender.false_claims.part == 0;
+  return (as_reliable ? "as reliable" : "reliable") + refused + time;
 }
 
-std::string why_not(const Record& record, const Record* chosen) {
-  const std::string sample = record.contender.sampled ? " (" + counted(record.contender.trials, "problem") + ")" : "";
-  return gravest(record, chosen) + sample;
+std::string why_not(const Candidate& candidate, const Candidate* chosen) {
+  const Contender& contender = candidate.contender;
+  std::string reason = gravest(candidate, chosen);
+  if (contender.false_claims.part > 0) {
+    reason += (reason.empty() ? "" : ", ") + misled_words(contender);
+  }
+  const bool counted_already = contender.reliability.ground == Ground::kFewProblems;
+  if (contender.sampled && !counted_already) reason += " (" + counted(contender.trials, "problem") + ")";
+  return reason;
 }
 
-bool is_tie(const Record& record, const Record& chosen) {
-  return record.eligible && as_reliable(record, chosen) && is_tie_in_time(time_ratio(record, chosen));
+bool is_tie(const Candidate& candidate, const Candidate& chosen) {
+  return candidate.may_be_recommended() && candidate.contender.false_claims.part == 0 &&
+         is_tie_in_time(time_ratio(*candidate.record, *chosen.record));
+}
+
+/// Why no solver of the situation is recommended.
+std::string withheld_words(const Summary& summary, const std::vector<Contender>& contenders, double plan_share) {
+  const auto worth = [](const Contender& contender) {
+    const double low = contender.solved.interval().low;
+    return std::pair(contender.reliability.standing != Standing::kPartly, std::isnan(low) ? -1.0 : low);
+  };
+  std::int64_t most = 0;
+  const Contender* best = nullptr;
+  for (const Contender& contender : contenders) {
+    most = std::max(most, contender.solved.whole);
+    if (best == nullptr || worth(contender) > worth(*best)) best = &contender;
+  }
+  if (best == nullptr) return "";
+  if (too_few(most, plan_share)) return too_few_text(most, plan_share);
+  return fmt::format("no solver is shown to be reliable here; the best by share solved, {}, solved {} ({}) of {}",
+                     code(summary.solvers[best->solver].text()), percent(best->solved.value()),
+                     percent_range(best->solved.interval()), counted(best->solved.whole, "problem"));
 }
 
 void sort_contenders(std::vector<Contender>& contenders, std::optional<std::size_t> chosen_solver) {
   const auto number_or_last = [](double value) { return std::isnan(value) ? 1e300 : value; };
   std::sort(contenders.begin(), contenders.end(), [&](const Contender& a, const Contender& b) {
     const auto key = [&](const Contender& contender) {
-      return std::tuple(contender.solver != chosen_solver, !contender.complete,
+      return std::tuple(contender.solver != chosen_solver, contender.reliability.ground == Ground::kSomeSets,
                         number_or_last(-contender.solved.value()), number_or_last(contender.time.value),
                         contender.solver);
     };
@@ -230,39 +223,29 @@ void sort_contenders(std::vector<Contender>& contenders, std::optional<std::size
   });
 }
 
-/// Who met how much of `sets`, and so may be recommended.
-void compare_samples(std::size_t sets, std::vector<Record>& records) {
-  std::int64_t most_trials = 0;
-  for (const Record& record : records) most_trials = std::max(most_trials, record.contender.trials);
-  for (Record& record : records) {
-    record.contender.complete = record.sets == sets;
-    record.contender.sampled = record.contender.trials < most_trials;
-    record.eligible = record.contender.complete && 2 * record.contender.trials >= most_trials;
-  }
-}
-
 Situation judge(const Summary& summary, std::string title, std::vector<std::size_t> sets) {
-  Situation situation{std::move(title), scope_of(summary, sets), std::move(sets), {}, std::nullopt};
-  std::vector<Record> records = records_of(summary, situation.sets);
-  compare_samples(situation.sets.size(), records);
+  Situation situation{std::move(title), scope_of(summary, sets), std::move(sets), {}, std::nullopt, ""};
+  const std::vector<Record> records = judged_records(summary, situation.sets);
   const auto reference = std::find_if(records.begin(), records.end(), [&summary](const Record& record) {
-    return summary.solvers[record.contender.solver].text() == summary.reference;
+    return summary.solvers[record.solver].text() == summary.reference;
   });
-  for (Record& record : records) {
-    measure_times(reference == records.end() ? nullptr : &*reference, record);
-    measure_errors(record);
+  std::vector<Candidate> candidates;
+  for (const Record& record : records) {
+    candidates.push_back(make_candidate(record, reference == records.end() ? nullptr : &*reference));
   }
-  const Record* chosen = choose(records);
-  for (Record& record : records) {
-    if (&record == chosen) continue;
-    record.contender.tie = chosen != nullptr && is_tie(record, *chosen);
-    record.contender.verdict = why_not(record, chosen);
+  const Candidate* chosen = choose(candidates);
+  for (Candidate& candidate : candidates) {
+    if (&candidate == chosen) continue;
+    candidate.contender.tie = chosen != nullptr && is_tie(candidate, *chosen);
+    candidate.contender.verdict = why_not(candidate, chosen);
   }
-  for (const Record& record : records) situation.contenders.push_back(record.contender);
+  for (const Candidate& candidate : candidates) situation.contenders.push_back(candidate.contender);
   std::optional<std::size_t> chosen_solver;
   if (chosen != nullptr) chosen_solver = chosen->contender.solver;
   sort_contenders(situation.contenders, chosen_solver);
   if (chosen != nullptr) situation.recommended = 0;
+  if (chosen == nullptr)
+    situation.withheld = withheld_words(summary, situation.contenders, plan_share(summary, situation.sets));
   return situation;
 }
 
@@ -289,25 +272,17 @@ double mean_rate(const std::vector<const Cell*>& cells) {
   return total / counted_cells;
 }
 
+/// The situation that the report's first sentence speaks of: one with a recommended solver if there is any, else one
+/// with solvers; nullptr where no solver met any.
 const Situation* most_telling(const std::vector<Situation>& situations) {
-  for (const std::size_t preferred : {std::size_t{1}, std::size_t{2}, std::size_t{0}}) {
+  constexpr std::size_t kPreferred[] = {1, 2, 0};
+  for (const std::size_t preferred : kPreferred) {
     if (situations[preferred].recommended) return &situations[preferred];
   }
-  return nullptr;
-}
-
-/// Names the solver whose false claims are the surest: by the lower end of their interval.
-std::string warning_on(const Summary& summary, const Situation& situation) {
-  const Contender* worst = nullptr;
-  for (const Contender& contender : situation.contenders) {
-    if (worst == nullptr || contender.false_claims.interval().low > worst->false_claims.interval().low) {
-      worst = &contender;
-    }
+  for (const std::size_t preferred : kPreferred) {
+    if (!situations[preferred].contenders.empty()) return &situations[preferred];
   }
-  if (worst == nullptr || worst->false_claims.part == 0) return "No solver here said solved and was wrong.";
-  return fmt::format("Trust no status code: {} said solved and was wrong on {} ({}) of {}.",
-                     code(summary.solvers[worst->solver].text()), percent(worst->false_claims.value()),
-                     percent_range(worst->false_claims.interval()), counted(worst->trials, "problem"));
+  return nullptr;
 }
 
 /// What a store is for that has no set to recommend a solver on.
@@ -324,10 +299,6 @@ std::string answer_without_situations(const Summary& summary) {
 
 }  // namespace
 
-double Share::value() const { return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : kNone; }
-
-Interval Share::interval() const { return wilson(part, whole); }
-
 std::vector<Situation> decide(const Summary& summary) {
   const auto frictionless =
       sets_where(summary, [](const SetSummary& set) { return !set.frictional && !set.ill_conditioned; });
@@ -336,17 +307,6 @@ std::vector<Situation> decide(const Summary& summary) {
   const auto ill_conditioned = ill_conditioned_sets(summary);
   return {judge(summary, "Frictionless", frictionless), judge(summary, "Frictional", frictional),
           judge(summary, ill_conditioned_title(summary, ill_conditioned), ill_conditioned)};
-}
-
-std::set<std::size_t> reliable_solvers(const Summary& summary, std::size_t set) {
-  std::vector<Record> records = records_of(summary, {set});
-  compare_samples(1, records);
-  const Record* most = most_solving(records);
-  std::set<std::size_t> reliable;
-  for (const Record& record : records) {
-    if (most != nullptr && record.eligible && as_reliable(record, *most)) reliable.insert(record.contender.solver);
-  }
-  return reliable;
 }
 
 std::map<std::size_t, std::size_t> recommended_by_set(const std::vector<Situation>& situations) {
@@ -387,9 +347,12 @@ std::string one_line_answer(const Summary& summary, const std::vector<Situation>
   if (only_special_sets(summary, situations)) return answer_without_situations(summary);
   const Situation* situation = most_telling(situations);
   if (situation == nullptr) return "The store does not yet hold enough verified answers to recommend a solver.";
-  const Contender& best = situation->contenders[*situation->recommended];
   std::string title = situation->title;
   title.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(title.front())));
+  if (!situation->recommended) {
+    return fmt::format("For {} contacts no solver is recommended: {}.", title, situation->withheld);
+  }
+  const Contender& best = situation->contenders[*situation->recommended];
   const char* alone = situation->contenders.size() == 1 ? " (the only solver here)" : "";
   std::string answer = fmt::format("For {} contacts: {}{}, which solved {} ({}) of {} in a median of {}", title,
                                    code(summary.solvers[best.solver].text()), alone, percent(best.solved.value()),
@@ -402,7 +365,8 @@ std::string one_line_answer(const Summary& summary, const std::vector<Situation>
   if (!std::isnan(best.p99_error)) {
     answer += fmt::format("; the error ρ of 99 % of its answers is at most {}", scientific(best.p99_error));
   }
-  return answer + ". " + warning_on(summary, *situation);
+  if (best.false_claims.part > 0) answer += "; it " + misled_words(best);
+  return answer + ".";
 }
 
 }  // namespace lcpbench::report

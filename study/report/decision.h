@@ -3,22 +3,13 @@
 #include <cstdint>
 #include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
+#include "study/report/reliability.h"
 #include "study/summary.h"
 
 namespace lcpbench::report {
-
-/// A share of a count, with its Wilson interval.
-struct Share {
-  std::int64_t part = 0;
-  std::int64_t whole = 0;
-
-  double value() const;
-  Interval interval() const;
-};
 
 /// One solver on all problems of a situation.
 struct Contender {
@@ -26,15 +17,15 @@ struct Contender {
   std::int64_t trials = 0;  ///< problems it took, refused ones not counted
   Share solved;             ///< of those not proven unsolvable
   Share false_claims;       ///< of the trials
-  Share crashed;            ///< of the trials
+  Share refused;            ///< of the problems that it met
   double median_error = 0;  ///< rho of the answers said to be solved; infinity: no number; NaN: there are none
   double p99_error = 0;     ///< the same, 99th percentile
   Estimate time;            ///< median [s]
   Estimate speedup;         ///< reference's time / this one's on the problems that both solved: ratio of sums
-  bool complete = false;    ///< met problems of every set of the situation
-  bool sampled = false;     ///< met fewer problems than another solver
-  bool tie = false;         ///< not to be told from the recommended one: neither in what it solves nor in time
-  std::string verdict;      ///< one clause on why not this one; "" for the recommended one
+  Reliability reliability;
+  bool sampled = false;  ///< took fewer problems than another solver
+  bool tie = false;      ///< reliable, and its time is not to be told from the recommended one's
+  std::string verdict;   ///< one clause on why not this one; "" for the recommended one
 };
 
 /// One row of the decision table.
@@ -44,22 +35,16 @@ struct Situation {
   std::vector<std::size_t> sets;           ///< indices into Summary::sets; empty: no such problems in this store
   std::vector<Contender> contenders;       ///< the recommended one first, then by share solved, then by time
   std::optional<std::size_t> recommended;  ///< index into `contenders` (0)
+  std::string withheld;                    ///< why none is recommended, one clause of HTML; "" where one is
 };
 
 /// Frictionless, frictional, ill-conditioned: which solver to use, and why not the others.
 ///
-/// Recommended is the fastest by median time among those that solve no fewer problems and make no more false claims
-/// than the solver that solves the most, where "fewer" and "more" need a paired exact sign test below 5 %. Only solvers
-/// that met all problems of the situation can be recommended, and none when nothing was solved. A situation's sets are
-/// those whose problems are all proven solvable, where there are any: there every failure is the solver's; less those
-/// that few solvers met (less than half of the number that met the most popular one), the hard cases, and the steps
-/// along a dial of conditioning.
+/// Recommended is the fastest by median time among the reliable solvers (reliability.h) that refused none of the
+/// problems; without such a solver none is, and `withheld` says why. A situation's sets are those whose problems are
+/// all proven solvable, where there are any: there every failure is the solver's; less those that few solvers met (less
+/// than half of the number that met the most popular one), the hard cases, and the steps along a dial of conditioning.
 std::vector<Situation> decide(const Summary& summary);
-
-/// The solvers (indices into Summary::solvers) among which speed may decide on one set: those that met at least half as
-/// many of its problems as the solver that met the most, and of which the solver with the surest share solved neither
-/// solves significantly more nor has significantly fewer false claims: decide()'s rule. None when nothing was solved.
-std::set<std::size_t> reliable_solvers(const Summary& summary, std::size_t set);
 
 /// The solver recommended for each set (index into Summary::sets) of the situations.
 std::map<std::size_t, std::size_t> recommended_by_set(const std::vector<Situation>& situations);
@@ -71,7 +56,7 @@ std::optional<std::size_t> headline_set(const Summary& summary);
 /// Does the store hold answers, but none on a set that a situation takes: hard cases alone, say, or bare LCPs?
 bool only_special_sets(const Summary& summary, const std::vector<Situation>& situations);
 
-/// The answer to the report's question, in one or two sentences of HTML.
+/// The answer to the report's question, in a sentence of HTML.
 std::string one_line_answer(const Summary& summary, const std::vector<Situation>& situations);
 
 }  // namespace lcpbench::report

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "study/report/comparison_section.h"
+#include "study/report/coverage_notice.h"
 #include "study/report/hard.h"
 #include "study/report/hard_section.h"
 #include "study/report/sections.h"
@@ -49,7 +52,7 @@ std::string use_column(const Summary& summary, const Situation& situation) {
   if (situation.contenders.empty())
     return "<td class=\"use\" data-label=\"Use\">– <small>no such problems in this study</small></td>";
   if (!situation.recommended)
-    return "<td class=\"use\" data-label=\"Use\">none <small>no solver solved enough of them</small></td>";
+    return "<td class=\"use\" data-label=\"Use\">none <small>" + situation.withheld + "</small></td>";
   const Contender& best = situation.contenders[*situation.recommended];
   std::string cell = "<td class=\"use\" data-label=\"Use\">" + breakable_name(summary.solvers[best.solver]);
   std::string ties;
@@ -88,7 +91,8 @@ std::string reasons_column(const Summary& summary, const Situation& situation) {
   std::vector<std::string> reasons;
   for (const Contender& contender : situation.contenders) {
     if (contender.verdict.empty()) continue;
-    reasons.push_back("<li>" + code(summary.solvers[contender.solver].text()) + ": " + contender.verdict + "</li>");
+    reasons.push_back((contender.false_claims.part > 0 ? "<li class=\"bad\">" : "<li>") +
+                      code(summary.solvers[contender.solver].text()) + ": " + escape(contender.verdict) + "</li>");
   }
   const std::size_t shown = reasons.size() > kShown + 1 ? kShown : reasons.size();
   const auto list = [&reasons](std::size_t begin, std::size_t end) {
@@ -116,6 +120,28 @@ std::string decision_row(const Summary& summary, const Situation& situation) {
     row += "<td>–</td><td>–</td>";
   }
   return row + reasons_column(summary, situation) + "</tr>\n";
+}
+
+/// Every solver at single settings that said solved and was wrong, on whatever set, those of whom it is surest first.
+std::string false_claims_line(const Summary& summary) {
+  std::map<std::size_t, Share> false_claims;
+  for (const Cell& cell : summary.cells) {
+    if (!summary.solvers[cell.solver].sweep.empty()) continue;
+    false_claims[cell.solver].part += cell.false_claims();
+    false_claims[cell.solver].whole += cell.trials - cell.count(Claim::kUnsupported);
+  }
+  if (false_claims.empty()) return "";
+  std::erase_if(false_claims, [](const auto& entry) { return entry.second.part == 0; });
+  if (false_claims.empty()) return "<p>No solver here said solved and was wrong.</p>\n";
+  std::vector<std::pair<std::size_t, Share>> caught(false_claims.begin(), false_claims.end());
+  std::stable_sort(caught.begin(), caught.end(),
+                   [](const auto& a, const auto& b) { return a.second.interval().low > b.second.interval().low; });
+  std::string names;
+  for (const auto& [solver, share] : caught) {
+    names += fmt::format("{}{} on {} of {}", names.empty() ? "" : "; ", code(solver_label(summary, solver)), share.part,
+                         counted(share.whole, "problem"));
+  }
+  return "<p class=\"caught\"><span class=\"bad\">Said solved, was wrong:</span> " + names + ".</p>\n";
 }
 
 /// "" where the store has nothing that a solver could be recommended for.
@@ -196,7 +222,9 @@ std::string html_page(const Summary& summary, const std::vector<Situation>& situ
   page += kStyle;
   page += "</style></head>\n<body>\n<header id=\"answer\">\n";
   page += "<h1>Which solver should turn contacts into impulses, and what does it cost in speed and error?</h1>\n";
-  page += "<p class=\"answer\">" + one_line_answer(summary, situations) + "</p>\n</header>\n";
+  page += coverage_html(summary.coverage);
+  page += "<p class=\"answer\">" + one_line_answer(summary, situations) + "</p>\n";
+  page += false_claims_line(summary) + "</header>\n";
   const std::string sections = speed_error_section(summary, speed_error, figures) + sets_section(summary, figures) +
                                comparison_section(summary, comparisons, figures) + hard_section(summary) +
                                claims_section(summary) + paper_sections(summary, paper) + times_section(summary) +

@@ -6,8 +6,10 @@
 
 #include <fmt/format.h>
 
+#include "study/report/coverage_notice.h"
 #include "study/report/hard.h"
 #include "study/report/html_table.h"
+#include "study/report/reliability.h"
 #include "study/report/text.h"
 
 namespace lcpbench::report {
@@ -26,6 +28,7 @@ constexpr Column kCellColumns[] = {{"Solver", false},
                                    {"Solved", true},
                                    {"Said solved, was wrong", true},
                                    {"Gave up", true},
+                                   {"Refused", true},
                                    {"Median time", true},
                                    {"Time / reference", true},
                                    {"Error, median", true},
@@ -67,6 +70,7 @@ std::string cell_row(const Summary& summary, const Cell& cell) {
   row += number_cell(cell.rate(), percent(cell.rate()), percent_range(cell.rate_interval));
   row += count_cell(cell.false_claims(), cell.trials, true);
   row += count_cell(cell.gave_up(), cell.trials, false);
+  row += count_cell(cell.count(Claim::kUnsupported), cell.trials, false);
   row += number_cell(cell.median_time.value, duration(cell.median_time.value),
                      duration_range(cell.median_time.low, cell.median_time.high));
   row += number_cell(cell.time_ratio.value, is_reference ? "1" : factor(cell.time_ratio.value),
@@ -121,11 +125,13 @@ std::string sweep_table(const Summary& summary, std::size_t set) {
          table_head("cells", kColumns) + rows + kTableEnd;
 }
 
-std::string size_line(const SetSummary& set) {
+std::string size_line(const Summary& summary, const SetSummary& set) {
   const std::string n = set.smallest_n == set.largest_n ? std::to_string(set.largest_n)
                                                         : fmt::format("{}–{}", set.smallest_n, set.largest_n);
-  return fmt::format("<p class=\"note\">{}; {}, n = {}.{}</p>\n", describe(set), counted(set.problems, "problem"), n,
-                     set.all_solvable ? " All proven solvable." : "");
+  const std::string coverage = set_coverage(summary.coverage, set.name);
+  return fmt::format("<p class=\"note\">{}; {}, n = {}.{}{}</p>\n", describe(set), counted(set.problems, "problem"), n,
+                     set.all_solvable ? " All proven solvable." : "",
+                     coverage.empty() ? "" : " <span class=\"bad\">Only " + escape(coverage) + ".</span>");
 }
 
 // --- claims ---
@@ -271,7 +277,9 @@ void add_provenance_rows(const std::string& name, const nlohmann::ordered_json& 
 
 std::string run_table(const RunSummary& run, bool open) {
   std::string rows;
-  add_provenance_rows("", run.provenance, rows);
+  nlohmann::ordered_json provenance = run.provenance;
+  if (provenance.is_object()) provenance.erase("planned");  // the plan says the same to people
+  add_provenance_rows("", provenance, rows);
   return std::string("<details") + (open ? " open" : "") + "><summary>Run of " + escape(run.started) +
          "</summary><div class=\"scroll\" tabindex=\"0\"><table><tbody>\n" + rows + kTableEnd + "</details>\n";
 }
@@ -329,7 +337,7 @@ std::string sets_section(const Summary& summary, const Figures& figures) {
   for (std::size_t set = 0; set < summary.sets.size(); ++set) {
     if (is_hard_set(summary.sets[set].name)) continue;
     section += fmt::format("<h3 id=\"set-{}\">{}</h3>\n", set, code(summary.sets[set].name));
-    section += size_line(summary.sets[set]) + set_table(summary, set) + sweep_table(summary, set);
+    section += size_line(summary, summary.sets[set]) + set_table(summary, set) + sweep_table(summary, set);
     section += figure_html(figures.distribution, set, "");
   }
   if (summary.sets.empty()) section += "<p>The store holds no problems.</p>\n";
@@ -387,7 +395,7 @@ std::string provenance_section(const Summary& summary) {
 }
 
 std::string definitions_section() {
-  return "<section id=\"definitions\"><h2>Definitions</h2>\n<dl>\n"
+  return std::string("<section id=\"definitions\"><h2>Definitions</h2>\n<dl>\n") +
          "<dt><strong>Problem</strong></dt><dd>Find impulses z ≥ 0 with w = M z + q ≥ 0 and zᵀw = 0. M and q come from "
          "contact normals N, friction directions D, friction coefficients μ, inertia G and velocity v.</dd>\n"
          "<dt><strong>Error ρ</strong> (relative velocity residual)</dt><dd>The largest amount by which the answer "
@@ -419,9 +427,11 @@ std::string definitions_section() {
          "<dt><strong>99 %</strong></dt><dd>The smallest value that 99 % of the answers said to be solved do not "
          "exceed; with fewer "
          "than 100 answers it is the largest.</dd>\n"
-         "<dt><strong>Tie, as reliable</strong></dt><dd>A paired exact sign test on the same problems does not tell "
-         "them "
-         "apart at 5 %; in time: the ratio is within 5 % of 1, or its interval contains 1.</dd>\n</dl>\n"
+         "<dt><strong>Reliable, too few to say</strong></dt><dd>" +
+         reliability_rule_html() +
+         "</dd>\n"
+         "<dt><strong>Tie</strong></dt><dd>Both are reliable, and the ratio of their times is within 5 % of 1, or its "
+         "interval contains 1.</dd>\n</dl>\n"
          "<p>The files <code>docs/report.md</code> and <code>docs/verdicts.md</code> of lcpbench say "
          "more.</p></section>\n";
 }

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
+#include <map>
 #include <string>
 
 #include "study/comparison.h"
-#include "study/report/decision.h"
 #include "study/report/figures.h"
 #include "study/report/hard.h"
 
@@ -25,11 +24,11 @@ double error_of(const Outcome& outcome, ErrorMeasure measure) {
   return std::isnan(outcome.error) ? kInfinity : outcome.error;
 }
 
-SpeedErrorPoint make_point(const Cell& cell, ErrorMeasure measure, bool relative, bool reliable) {
+SpeedErrorPoint make_point(const Cell& cell, ErrorMeasure measure, bool relative, const Reliability& reliability) {
   SpeedErrorPoint point;
   point.cell = &cell;
   point.cost = relative ? cell.time_ratio : cell.median_time;
-  point.reliable = reliable;
+  point.reliability = reliability;
   std::vector<double> errors;
   for (const Outcome& outcome : cell.outcomes) {
     if (!outcome.claimed) continue;
@@ -50,7 +49,7 @@ bool dominates(const SpeedErrorPoint& a, const SpeedErrorPoint& b) {
   return no_worse && (a.cost.value < b.cost.value || a.p99 < b.p99);
 }
 
-bool selectable(const SpeedErrorPoint& point) { return point.reliable && point.placed() && std::isfinite(point.p99); }
+bool selectable(const SpeedErrorPoint& point) { return point.reliable() && point.placed() && std::isfinite(point.p99); }
 
 void mark_frontier(std::vector<SpeedErrorPoint>& points) {
   for (SpeedErrorPoint& point : points) {
@@ -117,9 +116,14 @@ SpeedError speed_error(const Summary& summary, std::size_t set, std::optional<Er
   if (result.measure == ErrorMeasure::kNone) return result;
   const std::vector<const Cell*> cells = drawn_cells(summary, set);
   result.relative = ratios && has_ratios(cells);
-  const std::set<std::size_t> reliable = reliable_solvers(summary, set);
+  result.plan_share = plan_share(summary, {set});
+  std::map<std::size_t, Reliability> reliability;
+  for (const Record& record : judged_records(summary, {set})) {
+    reliability[record.solver] = record.reliability;
+    result.most_problems = std::max(result.most_problems, record.evidence.solved.whole);
+  }
   for (const Cell* cell : cells) {
-    result.points.push_back(make_point(*cell, result.measure, result.relative, reliable.contains(cell->solver)));
+    result.points.push_back(make_point(*cell, result.measure, result.relative, reliability.at(cell->solver)));
   }
   mark_frontier(result.points);
   for (const double target : kErrorTargets) {
@@ -154,8 +158,9 @@ Json point_json(const Summary& summary, const SpeedError& set, const SpeedErrorP
           {"error", {{"median", point.median}, {"p99", point.p99}}},
           {"time_ratio", estimate_json(point.cell->time_ratio)},
           {"median_time_s", point.cell->median_time.value},
-          {"reliable", point.reliable},
-          {"frontier", point.frontier}};
+          {"reliable", reliable_json(point.reliability)},
+          {"frontier", point.frontier},
+          {"reliability", to_string(point.reliability.ground)}};
 }
 
 Json speed_error_json(const Summary& summary, const std::vector<SpeedError>& sets) {

@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "study/report/reliability.h"
 #include "study/summary.h"
 
 namespace lcpbench::report {
@@ -37,10 +38,11 @@ struct SpeedErrorPoint {
   std::int64_t known = 0;    ///< of those the ones whose error is known; the two below describe them
   double median = 0;         ///< infinity: no number; NaN: none is known
   double p99 = 0;
-  Estimate cost;          ///< see SpeedError::relative; NaN where there is none
-  bool reliable = false;  ///< see reliable_solvers (decision.h)
+  Estimate cost;  ///< see SpeedError::relative; NaN where there is none
+  Reliability reliability;
   bool frontier = false;  ///< reliable, p99 a number, and no such other is as cheap and as accurate and better in one
 
+  bool reliable() const { return reliability.reliable(); }
   /// Has a finite cost and a known error, which may be infinite.
   bool placed() const;
 };
@@ -64,6 +66,12 @@ struct SpeedError {
   bool relative = false;
   std::vector<SpeedErrorPoint> points;  ///< in the order of the solvers
   std::vector<Cheapest> cheapest;       ///< one for each of kErrorTargets
+  std::int64_t most_problems = 0;       ///< that any solver took, not proven unsolvable
+
+  double plan_share = 1;  ///< of the cells planned for this set, those that are done
+
+  /// No solver met enough problems to be called reliable.
+  bool too_few() const { return report::too_few(most_problems, plan_share); }
 };
 
 /// The points of one set, by the measure given or the best that it allows. Refused sets and sweeps have none.

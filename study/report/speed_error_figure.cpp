@@ -25,12 +25,12 @@ struct Rank {
 };
 constexpr Rank kFrontier{"#00703c", "frontier: reliable, none both faster and more accurate"};
 constexpr Rank kReliable{"#1f5a99", "reliable"};
-constexpr Rank kUnproven{"#8a8a8a", "solves fewer, or met too few"};
+constexpr Rank kUnproven{"#8a8a8a", "not reliable, or too few to say"};
 constexpr Rank kMisleading{kWrong, "the same, and wrong on some that it said were solved"};
 
 const Rank& rank_of(const SpeedErrorPoint& point) {
   if (point.frontier) return kFrontier;
-  if (point.reliable) return kReliable;
+  if (point.reliable()) return kReliable;
   return point.cell->false_claims() > 0 ? kMisleading : kUnproven;
 }
 
@@ -51,6 +51,8 @@ std::vector<DrawnPoint> points_of(const Summary& summary, const SpeedError& spee
     entry.error = std::clamp(point.p99, kErrorFloor, kErrorCeiling);
     entry.median_error = std::clamp(point.median, kErrorFloor, kErrorCeiling);
     if (point.p99 > kErrorCeiling) entry.label += ": " + scientific(point.p99);
+    if (point.reliable() && point.cell->false_claims() > 0)
+      entry.label += fmt::format(": {} false", point.cell->false_claims());
     drawn.push_back(std::move(entry));
   }
   return drawn;

@@ -23,12 +23,9 @@ constexpr const char* kIntroduction =
     "least "
     "half of the problems have a certified, unique v*; elsewhere the error ρ that verdicts are taken on, or the "
     "backward error of bare problems. One set has one measure.</p>\n"
-    "<p><strong>Reliable</strong>: met at least half as many problems as any other, and the solver with the surest "
-    "share "
-    "solved neither solves significantly more nor has significantly fewer false claims (exact paired tests at 5 %). "
-    "<strong class=\"good\">Frontier</strong>: reliable, and no reliable solver is at least as cheap and as accurate "
-    "and "
-    "better in one. Frontier and cheapest solver go by the estimates, not by their intervals. "
+    "<p><strong class=\"good\">Frontier</strong>: reliable, and no reliable solver is at least as cheap and as "
+    "accurate "
+    "and better in one. Frontier and cheapest solver go by the estimates, not by their intervals. "
     "<code>tables/speed_error.csv</code>, <code>cheapest.csv</code>, <code>conditioning.csv</code>.</p>\n";
 
 std::string cost_text(const SpeedError& set, const SpeedErrorPoint& point) {
@@ -50,9 +47,28 @@ std::string share_cell(std::int64_t count, std::int64_t trials, bool bad) {
                                         percent(share)));
 }
 
-const char* rank_text(const SpeedErrorPoint& point) {
-  if (point.frontier) return "<span class=\"good\">frontier</span>";
-  return point.reliable ? "reliable" : "<span class=\"zero\">–</span>";
+const char* ground_words(Ground ground) {
+  switch (ground) {
+    case Ground::kFalseClaims: return "not reliable<small>false claims</small>";
+    case Ground::kUnsolved: return "not reliable<small>solves too few</small>";
+    case Ground::kBehindTheBest: return "not reliable<small>solves fewer than the best</small>";
+    case Ground::kFewProblems: return "too few to say<small>too few problems</small>";
+    case Ground::kSmallSample: return "too few to say<small>others met more</small>";
+    case Ground::kShortOfPlan: return "too few to say<small>short of the plan</small>";
+    case Ground::kWideInterval: return "too few to say<small>wide interval</small>";
+    case Ground::kSomeSets:
+    case Ground::kRefuses: return "not ranked<small>refuses some</small>";
+    case Ground::kNone: break;
+  }
+  return "reliable";
+}
+
+std::string rank_text(const SpeedErrorPoint& point) {
+  if (!point.reliable())
+    return "<span class=\"zero\">" + std::string(ground_words(point.reliability.ground)) + "</span>";
+  const std::int64_t caught = point.cell->false_claims();
+  return (point.frontier ? "<span class=\"good\">frontier</span>" : "reliable") +
+         (caught > 0 ? "<small class=\"bad\">but for " + counted(caught, "false claim") + "</small>" : std::string());
 }
 
 std::string known_text(const SpeedErrorPoint& point) {
@@ -63,7 +79,7 @@ std::string known_text(const SpeedErrorPoint& point) {
 std::string point_row(const Summary& summary, const SpeedError& set, const SpeedErrorPoint& point) {
   const Cell& cell = *point.cell;
   std::string row = "<tr><th scope=\"row\">" + code(summary.solvers[cell.solver].text()) + "</th>";
-  row += "<td>" + std::string(rank_text(point)) + "</td>";
+  row += "<td>" + rank_text(point) + "</td>";
   if (set.relative) row += number_cell(point.cost.value, factor(point.cost.value), cost_range(point.cost));
   row += number_cell(cell.median_time.value, duration(cell.median_time.value));
   row += number_cell(point.median, scientific(point.median)) + number_cell(point.p99, scientific(point.p99));
@@ -83,7 +99,7 @@ std::string point_table(const Summary& summary, const SpeedError& set) {
   for (const SpeedErrorPoint& point : set.points) points.push_back(&point);
   std::stable_sort(points.begin(), points.end(), [](const SpeedErrorPoint* a, const SpeedErrorPoint* b) {
     const auto key = [](const SpeedErrorPoint* point) {
-      return std::pair(!point->reliable, point->placed() ? point->cost.value : HUGE_VAL);
+      return std::pair(!point->reliable(), point->placed() ? point->cost.value : HUGE_VAL);
     };
     return key(a) < key(b);
   });
@@ -109,7 +125,13 @@ std::string target_heading(double target) {
          "</th>";
 }
 
+std::string too_few_line(const SpeedError& set) {
+  return "<p class=\"note\">Who is reliable here, and the frontier: " +
+         too_few_text(set.most_problems, set.plan_share) + ".</p>\n";
+}
+
 std::string cheapest_table(const Summary& summary, const SpeedError& set) {
+  if (set.too_few()) return too_few_line(set);
   std::string table =
       "<div class=\"scroll\" tabindex=\"0\"><table><caption>The cheapest reliable solver that meets an "
       "error</caption><thead><tr><th scope=\"col\">Error at most</th><th scope=\"col\">in 99 % of its answers</th>"
@@ -157,9 +179,9 @@ std::string condition_cell(const SpeedError& step, std::size_t solver) {
                                   [solver](const SpeedErrorPoint& each) { return each.cell->solver == solver; });
   if (point == step.points.end() || !point->placed()) return number_cell(std::nan(""), "–");
   const std::string p99 = scientific(point->p99);
-  const std::string text = point->frontier   ? "<span class=\"good\">" + p99 + "</span>"
-                           : point->reliable ? p99
-                                             : "<span class=\"zero\">" + p99 + "</span>";
+  const std::string text = point->frontier     ? "<span class=\"good\">" + p99 + "</span>"
+                           : point->reliable() ? p99
+                                               : "<span class=\"zero\">" + p99 + "</span>";
   return number_cell(point->p99, text, scientific(point->median) + "; " + cost_text(step, *point));
 }
 
@@ -167,7 +189,7 @@ std::string conditioning_table(const Summary& summary, const Conditioning& famil
   std::string table =
       "<div class=\"scroll\" tabindex=\"0\"><table class=\"cells\"><caption>By condition number: the error’s 99th "
       "percentile; below it its median, and the time as above. Green: frontier. Grey: not reliable "
-      "there.</caption><thead><tr><th scope=\"col\">Solver</th>" +
+      "there, or too few problems to say.</caption><thead><tr><th scope=\"col\">Solver</th>" +
       condition_headings(family);
   for (const std::size_t solver : family.solvers) {
     table += "<tr><th scope=\"row\">" + code(summary.solvers[solver].text()) + "</th>";
@@ -188,7 +210,8 @@ std::string cheapest_by_condition(const Summary& summary, const Conditioning& fa
     for (const SpeedError& step : family.steps) {
       const std::optional<std::size_t> place = step.cheapest[i].by_p99;
       if (!place) {
-        table += "<td class=\"number zero\">none</td>";
+        table +=
+            step.too_few() ? "<td class=\"number zero\">too few to say</td>" : "<td class=\"number zero\">none</td>";
         continue;
       }
       const SpeedErrorPoint& point = step.points[*place];
@@ -213,6 +236,7 @@ std::string family_part(const Summary& summary, const SpeedErrorStudy& study, st
 std::string speed_error_section(const Summary& summary, const SpeedErrorStudy& study, const Figures& figures) {
   if (study.sets.empty()) return "";
   std::string section = kIntroduction;
+  section += "<p>" + reliability_rule_html() + "</p>\n";
   if (!summary.reference.empty()) {
     section += "<p>Reference of the times: " + code(summary.reference) + "; below 1 is faster.</p>\n";
   }

@@ -16,6 +16,10 @@ h2 { font-size: 1.3rem; margin: 2.4rem 0 .5rem; padding-top: .6rem; border-top: 
 h3 { font-size: 1.05rem; margin: 1.8rem 0 .4rem; overflow-wrap: anywhere; }
 p, ul, ol, dl { max-width: 46rem; margin: .5rem 0; }
 .answer { font-size: 1.12rem; max-width: 60rem; }
+.caught { max-width: 60rem; font-size: .92rem; }
+.caught code { color: var(--bad); }
+.alarm { border: 2px solid var(--bad); border-radius: 6px; padding: .1rem .9rem; margin: .6rem 0; max-width: 60rem; }
+.alarm strong { color: var(--bad); font-size: 1.2rem; }
 .note { color: var(--soft); font-size: .88rem; }
 a { color: var(--link); }
 code { font: .875em ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace; overflow-wrap: anywhere; }
