@@ -261,6 +261,15 @@ TEST(CertifyTest, SmallBareProblemsAreAllDecided) {
   EXPECT_GT(branched, 5);
 }
 
+// Huge or nearly equal entries leave both entries of a pair above zero, to rounding, even where one was imposed to be
+// zero. A search that splits such a pair again never ends. Each problem is unsolvable, by its four cones:
+// with z_2 = 0 the second row asks for z_1 >= 1, whose w_1 > 0; with z_2 > 0 it asks for z_1 = 1, and w_1 > 0 again.
+TEST(CertifyTest, PairsThatRoundingLeavesOpenAreNotSplitTwice) {
+  EXPECT_EQ(certify(bare({1, 1e20, 1, 0}, {0, -1})).kind, CertificateKind::kUnsolvable);
+  // z_2 = 1 from the first row leaves w_2 = 1e-10; a greater z_2 leaves w_1 > 0 too.
+  EXPECT_EQ(certify(bare({0, 3, 0, 1}, {-3, -0.9999999999})).kind, CertificateKind::kUnsolvable);
+}
+
 TEST(RoundingTest, QuotientsRoundAsTheProcessorDividesThem) {
   Draw draw(29);
   for (int trial = 0; trial < 20000; ++trial) {

@@ -72,8 +72,9 @@ class BareCertifier {
 
   bool branched() {
     if (deadline_.passed()) return false;
-    BranchingOutcome outcome = branch(problem_.lcp(), LeafCheck(system_), deadline_);
-    if (outcome.z) return solved_near(*outcome.z, "branch and bound");
+    BranchingOutcome outcome = branch(problem_.lcp(), LeafCheck(system_), {deadline_},
+                                      [this](const Vector& z) { return solved_near(z, "branch and bound"); });
+    if (outcome.solved) return true;
     if (outcome.proof.empty()) return false;
     if (outcome.proof.size() == 1) {
       return take_contradiction(multipliers(outcome.proof.front()), "the linear inequalities contradict each other");

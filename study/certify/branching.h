@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -42,13 +43,22 @@ class LeafCheck {
 /// What exhausts 2^n cones, or found a solution among them.
 struct BranchingOutcome {
   std::vector<ProofNode> proof;  ///< empty unless every leaf was contradicted and checked
-  std::optional<Vector> z;       ///< a solution, in floats
+  bool solved = false;           ///< a vertex was accepted
 };
 
+struct BranchingLimits {
+  const Deadline& deadline;
+  double most_work = 4e9;  ///< entries of dictionaries updated until the search gives up: a second or so
+};
+
+/// Whether a vertex, in floats, that is complementary to rounding leads to a solution.
+using AcceptsVertex = std::function<bool(const Vector& z)>;
+
 /// Branch and bound over the pairs (z_i, w_i): the relaxation in floats, in each node the pair whose z_i w_i is largest
-/// is split into w_i = 0 and z_i = 0, each leaf is checked exactly. Ends without either where a leaf is not confirmed
-/// or the work is too much. @param lcp  of `check`'s system, rounded to doubles
-BranchingOutcome branch(const Lcp& lcp, const LeafCheck& check, const Deadline& deadline);
+/// is split into w_i = 0 and z_i = 0, each leaf is checked exactly. A leaf that is not confirmed leaves no proof; the
+/// search goes on for a solution. No path is longer than n. @param lcp  of `check`'s system, rounded to doubles
+BranchingOutcome branch(const Lcp& lcp, const LeafCheck& check, const BranchingLimits& limits,
+                        const AcceptsVertex& accepts);
 
 /// The certificate that `proof` gives.
 void take_branches(std::vector<ProofNode> proof, Certificate& certificate);

@@ -216,8 +216,9 @@ class ContactCertifier {
 
   bool branched() {
     if (deadline_.passed()) return false;
-    BranchingOutcome outcome = branch(problem_.lcp(), LeafCheck(truth_.system()), deadline_);
-    if (outcome.z) return solved_near(*outcome.z, "branch and bound");
+    BranchingOutcome outcome = branch(problem_.lcp(), LeafCheck(truth_.system()), {deadline_},
+                                      [this](const Vector& z) { return solved_near(z, "branch and bound"); });
+    if (outcome.solved) return true;
     if (outcome.proof.empty()) return false;
     take_branches(std::move(outcome.proof), certificate_);
     return true;
