@@ -43,11 +43,12 @@ class BareCertifier {
   bool solved_near(const Vector& z, const std::string& found_by) {
     std::vector<Index> basis = support(z, system_.size());
     for (int round = 0; round <= kExchanges && !deadline_.passed(); ++round) {
-      std::optional<ExactPoint> point = basis_point(system_, basis);
-      if (!point) point = purified_point(system_, basis, round == 0 ? tight_rows(problem_, z) : std::vector<Index>{});
+      std::optional<ExactPoint> point = basis_point(system_, basis, deadline_);
+      if (!point)
+        point = purified_point(system_, basis, round == 0 ? tight_rows(problem_, z) : std::vector<Index>{}, deadline_);
       if (!point) return false;
-      if (is_solution(system_, *point)) return take_solution(*point, found_by);
-      std::vector<Index> next = exchanged_basis(system_, *point);
+      if (is_solution(system_, *point, deadline_)) return take_solution(*point, found_by);
+      std::vector<Index> next = exchanged_basis(system_, *point, deadline_);
       if (next == basis) return false;
       basis = std::move(next);
     }
@@ -72,7 +73,7 @@ class BareCertifier {
 
   bool branched() {
     if (deadline_.passed()) return false;
-    BranchingOutcome outcome = branch(problem_.lcp(), LeafCheck(system_), {deadline_},
+    BranchingOutcome outcome = branch(problem_.lcp(), LeafCheck(system_, deadline_), {deadline_},
                                       [this](const Vector& z) { return solved_near(z, "branch and bound"); });
     if (outcome.solved) return true;
     if (outcome.proof.empty()) return false;
@@ -105,7 +106,7 @@ class BareCertifier {
   }
 
   bool take_solution(const ExactPoint& point, const std::string& detail) {
-    if (!is_solution(system_, point)) return false;
+    if (!is_solution(system_, point, deadline_)) return false;
     const ScaledVector z = scaled_z(system_, point);
     certificate_.kind = CertificateKind::kSolution;
     certificate_.proof = ProofKind::kExactBasis;
@@ -116,7 +117,7 @@ class BareCertifier {
   }
 
   bool take_contradiction(const IntegerVector& y, const std::string& detail) {
-    if (!is_bare_contradiction(system_, y)) return false;
+    if (!is_bare_contradiction(system_, y, deadline_)) return false;
     const ScaledVector farkas{y, std::vector<slong>(y.size(), 0), Integer(1)};
     certificate_.kind = CertificateKind::kUnsolvable;
     certificate_.proof = ProofKind::kFarkas;
@@ -128,7 +129,7 @@ class BareCertifier {
 
   // Formed when a float basis did not do.
   const IntegerLcp& lcp() {
-    if (!lcp_) lcp_ = std::move(eliminate_potentials(system_)->lcp);
+    if (!lcp_) lcp_ = std::move(eliminate_potentials(system_, deadline_)->lcp);
     return *lcp_;
   }
 

@@ -202,16 +202,10 @@ class Search {
 
 }  // namespace
 
-LeafCheck::LeafCheck(const ExactSystem& system) : system_(system), row_shift_(system.w_exponent) {
+LeafCheck::LeafCheck(const ExactSystem& system, const Deadline& deadline)
+    : system_(system), deadline_(deadline), row_shift_(system.w_exponent), K_(system.K, deadline) {
   const slong least = row_shift_.empty() ? 0 : *std::min_element(row_shift_.begin(), row_shift_.end());
   for (slong& shift : row_shift_) shift -= least;
-  if (system.potentials() == 0) return;
-  inverse_ = IntegerMatrix(system.potentials(), system.potentials());
-  possible_ = fmpz_mat_inv(inverse_.get(), denominator_.get(), system.K.get()) != 0;
-  if (denominator_.sign() < 0) {
-    fmpz_neg(denominator_.get(), denominator_.get());
-    fmpz_mat_neg(inverse_.get(), inverse_.get());
-  }
 }
 
 // With K pi = -R y: y'w = q'y + (S'y - L'pi)'z. The sum of w_i times y_i cannot be negative, and all on the right is.
@@ -223,6 +217,7 @@ bool LeafCheck::contradicts(const Multipliers& y, const std::vector<char>& w_is_
   IntegerVector columns(static_cast<std::size_t>(system_.size()));
   Integer value;
   for (const auto& [row, multiplier] : y) {
+    deadline_.check();
     const auto i = static_cast<std::size_t>(row);
     if (multiplier.sign() < 0 && !w_is_zero[i]) return false;
     fmpz_mul_2exp(value.get(), multiplier.get(), static_cast<ulong>(row_shift_[i]));
@@ -233,12 +228,14 @@ bool LeafCheck::contradicts(const Multipliers& y, const std::vector<char>& w_is_
     }
   }
   if (gain.sign() >= 0) return false;
-  const IntegerMatrix potential =
-      k > 0 ? product(inverse_, forced) : IntegerMatrix(0, 1);  // -pi, times the denominator
+  IntegerMatrix potential;  // -pi, times the denominator
+  Integer denominator;
+  if (!K_.solve(forced, potential, denominator)) return false;
   for (Index j = 0; j < system_.size(); ++j) {
+    deadline_.check();
     if (z_is_zero[static_cast<std::size_t>(j)]) continue;
     Integer& column = columns[static_cast<std::size_t>(j)];
-    if (k > 0) fmpz_mul(column.get(), column.get(), denominator_.get());
+    if (k > 0) fmpz_mul(column.get(), column.get(), denominator.get());
     for (Index i = 0; i < k; ++i) fmpz_addmul(column.get(), system_.L(i, j), potential(i, 0));
     if (column.sign() > 0) return false;
   }
@@ -268,7 +265,7 @@ std::optional<Multipliers> LeafCheck::exact(const std::vector<Index>& rows, cons
       if (equation >= 0) fmpz_set(e.A(equation, k + s), term.value.get());
     }
   }
-  const std::optional<IntegerVector> x = solve_independent_part(e);
+  const std::optional<IntegerVector> x = solve_independent_part(e, deadline_);
   if (!x) return std::nullopt;
   const slong largest = row_shift_.empty() ? 0 : *std::max_element(row_shift_.begin(), row_shift_.end());
   Multipliers y;

@@ -9,6 +9,7 @@
 #include "study/certify/certificate.h"
 #include "study/certify/deadline.h"
 #include "study/certify/exact_system.h"
+#include "study/certify/lifting.h"
 
 namespace lcpbench::exact {
 
@@ -18,11 +19,11 @@ using Multipliers = std::vector<std::pair<Index, Integer>>;
 /// Checks leaves of proofs by branching on one system: by multiplication over the integers alone.
 class LeafCheck {
  public:
-  /// @param system  outlives this
-  explicit LeafCheck(const ExactSystem& system);
+  /// @param system,deadline  outlive this. Every function @throws TimePassed.
+  LeafCheck(const ExactSystem& system, const Deadline& deadline);
 
   /// False where K is singular: then nothing can be checked.
-  bool possible() const { return possible_; }
+  bool possible() const { return system_.potentials() == 0 || K_.possible(); }
 
   /// y contradicts w = q + M z >= 0, z >= 0 with w_i = 0 where w_is_zero[i], z_i = 0 where z_is_zero[i]:
   /// q'y < 0, y_i >= 0 for the other w_i, (M'y)_j <= 0 for the other z_j.
@@ -34,10 +35,9 @@ class LeafCheck {
 
  private:
   const ExactSystem& system_;
+  const Deadline& deadline_;
   std::vector<slong> row_shift_;
-  IntegerMatrix inverse_;  // of K, times the denominator
-  Integer denominator_{1};
-  bool possible_ = true;
+  Lifting K_;
 };
 
 /// What exhausts 2^n cones, or found a solution among them.

@@ -62,6 +62,9 @@ class Certifier::Engine {
     try {
       return problem.contact() != nullptr ? exact::certify_contact(problem, options_, deadline, candidates_)
                                           : exact::certify_bare(problem, deadline, candidates_);
+    } catch (const exact::TimePassed& passed) {
+      open.detail = passed.what();
+      return open;
     } catch (const std::bad_alloc&) {
       open.detail = "the memory did not suffice";
     } catch (const std::exception& error) {

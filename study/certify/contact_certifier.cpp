@@ -37,12 +37,6 @@ constexpr const char* kFrictional[] = {"contact_lemke", "lemke{test=none}", "con
 constexpr const char* kSmallFrictional = "lemke{precision=quad}";
 constexpr const char* kOnVariants = "contact_lemke{precision=double}";
 
-bool fits(const ExactSystem& system, const std::vector<Index>& basis, const Deadline& deadline) {
-  // Lifting costs about 4 order^3 / 62 products for each bit of the entries; 2 ns and 64 bits are assumed of each.
-  const auto order = static_cast<double>(system.potentials() + static_cast<Index>(basis.size()));
-  return 8e-9 * order * order * order < deadline.left_s();
-}
-
 /// A point of `system` near the float solution z that `accepts` takes.
 /// @param more_rows  gives rows of w that may be zero; asked only where the support of z leaves more than one point
 template <class Rows, class Accepts>
@@ -50,12 +44,11 @@ std::optional<ExactPoint> certified_near(const ExactSystem& system, const Vector
                                          Rows&& more_rows, Accepts&& accepts) {
   std::vector<Index> basis = support(z, system.size());
   for (int round = 0; round <= kExchanges; ++round) {
-    if (!fits(system, basis, deadline)) return std::nullopt;
-    std::optional<ExactPoint> point = basis_point(system, basis);
-    if (!point) point = purified_point(system, basis, round == 0 ? more_rows() : std::vector<Index>{});
+    std::optional<ExactPoint> point = basis_point(system, basis, deadline);
+    if (!point) point = purified_point(system, basis, round == 0 ? more_rows() : std::vector<Index>{}, deadline);
     if (!point) return std::nullopt;
     if (accepts(*point)) return point;
-    std::vector<Index> next = exchanged_basis(system, *point);
+    std::vector<Index> next = exchanged_basis(system, *point, deadline);
     if (next == basis) return std::nullopt;
     basis = std::move(next);
   }
@@ -93,7 +86,7 @@ class ContactCertifier {
         options_(options),
         deadline_(deadline),
         candidates_(candidates),
-        truth_(contact_) {}
+        truth_(contact_, deadline) {}
 
   Certificate run() {
     if (!truth_.inertia().refusal.empty()) return open(truth_.inertia().refusal);
@@ -133,7 +126,7 @@ class ContactCertifier {
     return true;
   }
 
-  bool solves(const ExactPoint& point) const { return is_solution(truth_.stated(), truth_.stated(point)); }
+  bool solves(const ExactPoint& point) const { return is_solution(truth_.stated(), truth_.stated(point), deadline_); }
 
   std::optional<ExactPoint> point_near(const Vector& z) const {
     return certified_near(
@@ -168,13 +161,13 @@ class ContactCertifier {
     if (deadline_.passed() || contact_.nc() == 0) return false;
     const Problem squares = contradiction_problem(contact_);
     const Answer& answer = candidates_.answer("active_set", squares, deadline_.left_s());
-    const std::optional<IntegerVector> u = annihilator(truth_.system(), support(answer.z, contact_.nc()));
+    const std::optional<IntegerVector> u = annihilator(truth_.system(), support(answer.z, contact_.nc()), deadline_);
     return u && take_contradiction(*u, "support of a nonnegative least squares solution");
   }
 
   bool take_contradiction(IntegerVector u, const std::string& detail) {
     u.resize(static_cast<std::size_t>(truth_.system().size()));
-    if (!is_contradiction(truth_.stated(), u)) return false;
+    if (!is_contradiction(truth_.stated(), u, deadline_)) return false;
     u.resize(static_cast<std::size_t>(contact_layout(contact_).lambda_offset()));
     const ScaledVector farkas{u, std::vector<slong>(u.size(), 0), Integer(1)};
     certificate_.kind = CertificateKind::kUnsolvable;
@@ -189,7 +182,7 @@ class ContactCertifier {
   bool settled_by_exact_lemke() {
     const Index order = std::max(truth_.system().size(), truth_.system().potentials());
     if (order > (truth_.monotone() ? kLargestMonotoneLemke : kLargestLemke) || deadline_.passed()) return false;
-    const std::optional<EliminatedSystem> eliminated = eliminate_potentials(truth_.system());
+    const std::optional<EliminatedSystem> eliminated = eliminate_potentials(truth_.system(), deadline_);
     if (!eliminated) return false;
     const LemkeOutcome outcome = exact_lemke(eliminated->lcp, deadline_);
     if (outcome.ending == LemkeEnding::kSolution) {
@@ -201,7 +194,7 @@ class ContactCertifier {
 
   bool enumerated() {
     if (truth_.system().size() > kLargestEnumeration || deadline_.passed()) return false;
-    const std::optional<EliminatedSystem> eliminated = eliminate_potentials(truth_.system());
+    const std::optional<EliminatedSystem> eliminated = eliminate_potentials(truth_.system(), deadline_);
     if (!eliminated) return false;
     const EnumerationOutcome outcome = enumerate_cones(eliminated->lcp, deadline_);
     if (outcome.ending == EnumerationEnding::kSolution) {
@@ -216,7 +209,7 @@ class ContactCertifier {
 
   bool branched() {
     if (deadline_.passed()) return false;
-    BranchingOutcome outcome = branch(problem_.lcp(), LeafCheck(truth_.system()), {deadline_},
+    BranchingOutcome outcome = branch(problem_.lcp(), LeafCheck(truth_.system(), deadline_), {deadline_},
                                       [this](const Vector& z) { return solved_near(z, "branch and bound"); });
     if (outcome.solved) return true;
     if (outcome.proof.empty()) return false;
@@ -228,10 +221,11 @@ class ContactCertifier {
   // frictionless problem whose contacts are the cones' edges.
   bool solvable_by_velocity() {
     if (!truth_.inertia().semidefinite || deadline_.passed()) return false;
-    std::optional<ExactPoint> point = truth_.inertia().full_rank ? point_at_rest(truth_) : point_within_cones();
+    std::optional<ExactPoint> point =
+        truth_.inertia().full_rank ? point_at_rest(truth_, deadline_) : point_within_cones();
     if (!point) return false;
     *point = truth_.stated(std::move(*point));
-    if (!is_solvability_proof(truth_.stated(), contact_, *point)) return false;
+    if (!is_solvability_proof(truth_.stated(), contact_, *point, deadline_)) return false;
     const ScaledVector change = scaled_potential(truth_.stated(), *point);
     certificate_.kind = CertificateKind::kSolution;
     certificate_.proof = ProofKind::kLp;
@@ -243,7 +237,7 @@ class ContactCertifier {
 
   std::optional<ExactPoint> point_within_cones() {
     const Dyadic edges = cone_edges(contact_);
-    const ExactSystem cones = frictionless_system(truth_.inertia(), edges, truth_.velocity());
+    const ExactSystem cones = frictionless_system(truth_.inertia(), edges, truth_.velocity(), deadline_);
     ContactProblem frictionless = contact_;
     frictionless.N = to_doubles(edges);
     frictionless.D = Matrix(contact_.ngc(), 0);
@@ -254,7 +248,7 @@ class ContactCertifier {
     if (answer.claim != Claim::kSolved) return std::nullopt;
     return certified_near(
         cones, answer.z, deadline_, [] { return std::vector<Index>{}; },
-        [&](const ExactPoint& point) { return is_solvability_proof(truth_.system(), contact_, point); });
+        [&](const ExactPoint& point) { return is_solvability_proof(truth_.system(), contact_, point, deadline_); });
   }
 
   // The contacts in other orders and units lead pivoting methods along other paths.
@@ -278,7 +272,7 @@ class ContactCertifier {
   bool in_another_mode(Found&& found) {
     for (const std::vector<Index>& basis : contact_modes(contact_, kModes)) {
       if (deadline_.passed()) return false;
-      const std::optional<ExactPoint> point = basis_point(truth_.system(), basis);
+      const std::optional<ExactPoint> point = basis_point(truth_.system(), basis, deadline_);
       if (point && solves(*point) && found(*point)) return true;
     }
     return false;

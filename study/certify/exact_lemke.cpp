@@ -4,6 +4,8 @@
 #include <numeric>
 #include <utility>
 
+#include "study/certify/lifting.h"
+
 namespace lcpbench::exact {
 namespace {
 
@@ -163,22 +165,32 @@ LemkeOutcome along_ray(const Dictionary& dictionary, Index n, Index s, Index ent
 
 }  // namespace
 
-std::optional<EliminatedSystem> eliminate_potentials(const ExactSystem& system) {
+std::optional<EliminatedSystem> eliminate_potentials(const ExactSystem& system, const Deadline& deadline) {
   EliminatedSystem eliminated;
   const Index k = system.potentials();
   const Index n = system.size();
   eliminated.potentials = IntegerMatrix(k, n);
   if (k > 0) {
-    if (fmpz_mat_solve_fflu(eliminated.potentials.get(), eliminated.denominator.get(), system.K.get(),
-                            system.L.get()) == 0) {
-      return std::nullopt;
+    const Lifting K(system.K, deadline);
+    if (!K.possible()) return std::nullopt;
+    IntegerVector denominators(static_cast<std::size_t>(n));
+    for (Index j = 0; j < n; ++j) {
+      Integer& own = denominators[static_cast<std::size_t>(j)];
+      IntegerMatrix x;
+      if (!K.solve(columns(system.L, {j}), x, own)) return std::nullopt;
+      for (Index i = 0; i < k; ++i) fmpz_swap(eliminated.potentials(i, j), x(i, 0));
+      fmpz_lcm(eliminated.denominator.get(), eliminated.denominator.get(), own.get());
     }
-    if (eliminated.denominator.sign() < 0) {
-      fmpz_neg(eliminated.denominator.get(), eliminated.denominator.get());
-      fmpz_mat_neg(eliminated.potentials.get(), eliminated.potentials.get());
+    Integer factor;
+    for (Index j = 0; j < n; ++j) {
+      deadline.check();
+      fmpz_divexact(factor.get(), eliminated.denominator.get(), denominators[static_cast<std::size_t>(j)].get());
+      for (Index i = 0; i < k; ++i) {
+        fmpz_mul(eliminated.potentials(i, j), eliminated.potentials(i, j), factor.get());
+      }
     }
   }
-  eliminated.lcp.M = k > 0 ? product(transposed(system.R), eliminated.potentials) : IntegerMatrix(n, n);
+  eliminated.lcp.M = k > 0 ? product(transposed(system.R), eliminated.potentials, deadline) : IntegerMatrix(n, n);
   eliminated.lcp.q = system.q;
   for (Index i = 0; i < n; ++i) {
     fmpz* q = eliminated.lcp.q[static_cast<std::size_t>(i)].get();

@@ -22,8 +22,8 @@ struct EliminatedSystem {
   Integer denominator{1};
 };
 
-/// No value where K is singular.
-std::optional<EliminatedSystem> eliminate_potentials(const ExactSystem& system);
+/// No value where K is singular. @throws TimePassed
+std::optional<EliminatedSystem> eliminate_potentials(const ExactSystem& system, const Deadline& deadline);
 
 /// The point of `system` with this z / denominator.
 ExactPoint with_potentials(const EliminatedSystem& eliminated, const IntegerVector& z, const Integer& denominator);
