@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "study/certify/basis.h"
 #include "study/certify/branching.h"
@@ -10,6 +11,8 @@
 #include "study/certify/exact_checks.h"
 #include "study/certify/exact_lemke.h"
 #include "study/certify/exact_output.h"
+#include "study/certify/more_time.h"
+#include "study/certify/reduction.h"
 
 namespace lcpbench::exact {
 namespace {
@@ -19,6 +22,8 @@ constexpr Index kLargestFeasibility = 40;
 constexpr Index kLargestEnumeration = 16;
 constexpr int kExchanges = 8;
 constexpr const char* kSolvers[] = {"lemke{test=none}", "lemke{precision=quad}"};
+const std::vector<std::string> kMoreSolvers = {
+    "lemke{precision=quad}", "principal_pivoting", "regularized", "auto", "primal_dual", "murty", "lemke"};
 
 class BareCertifier {
  public:
@@ -27,7 +32,7 @@ class BareCertifier {
 
   Certificate run() {
     const bool decided = solved_by(kSolvers[0]) || solved_by(kSolvers[1]) || branched() || settled_by_exact_lemke() ||
-                         contradicted() || enumerated();
+                         contradicted() || enumerated() || found_with_more_time();
     if (!decided) certificate_.detail = deadline_.passed() ? "the time limit passed" : "no proof was found either way";
     return std::move(certificate_);
   }
@@ -71,9 +76,11 @@ class BareCertifier {
            take_contradiction(outcome.point, "the linear inequalities contradict each other");
   }
 
-  bool branched() {
+  bool branched() { return branched(BranchingLimits{deadline_}); }
+
+  bool branched(const BranchingLimits& limits) {
     if (deadline_.passed()) return false;
-    BranchingOutcome outcome = branch(problem_.lcp(), LeafCheck(system_, deadline_), {deadline_},
+    BranchingOutcome outcome = branch(problem_.lcp(), LeafCheck(system_, deadline_), limits,
                                       [this](const Vector& z) { return solved_near(z, "branch and bound"); });
     if (outcome.solved) return true;
     if (outcome.proof.empty()) return false;
@@ -105,6 +112,27 @@ class BareCertifier {
     return true;
   }
 
+  // What the steps before left open: other solvers' answers, Lemke's method from other covering vectors, and longer
+  // branching, in turns, until the time is up.
+  bool found_with_more_time() {
+    GuessedCones guesses(problem_, candidates_, kMoreSolvers);
+    for (Index round = 0; !deadline_.passed(); ++round) {
+      const double turn_s = deadline_.left_s() / kTurns;
+      const auto accepts = [&](const ExactPoint& point) { return is_solution(system_, point, deadline_); };
+      if (const auto found = guesses.next_point(system_, round, deadline_, accepts)) {
+        return take_solution(found->point, "cone of " + found->solver);
+      }
+      if (covered(round, deadline_.within(turn_s)) || branched(longer_branching(round, deadline_))) return true;
+    }
+    return false;
+  }
+
+  bool covered(Index covering, const Deadline& deadline) {
+    const LemkeOutcome outcome = exact_lemke(lcp(), deadline, covering);
+    return outcome.ending == LemkeEnding::kSolution &&
+           take_solution({{}, outcome.z, outcome.denominator}, "exact lexicographic Lemke");
+  }
+
   bool take_solution(const ExactPoint& point, const std::string& detail) {
     if (!is_solution(system_, point, deadline_)) return false;
     const ScaledVector z = scaled_z(system_, point);
@@ -129,7 +157,7 @@ class BareCertifier {
 
   // Formed when a float basis did not do.
   const IntegerLcp& lcp() {
-    if (!lcp_) lcp_ = std::move(eliminate_potentials(system_, deadline_)->lcp);
+    if (!lcp_) lcp_ = std::move(without_potentials(system_, deadline_)->lcp);
     return *lcp_;
   }
 

@@ -7,10 +7,7 @@
 #include "study/certify/lifting.h"
 
 namespace lcpbench::exact {
-namespace {
-
-// K p - L z = 0, then w = 0 on `rows`, in x = [p; z of `basis`].
-Equations equations(const ExactSystem& system, const std::vector<Index>& basis, const std::vector<Index>& rows) {
+Equations basis_equations(const ExactSystem& system, const std::vector<Index>& basis, const std::vector<Index>& rows) {
   const Index k = system.potentials();
   std::vector<Index> position(static_cast<std::size_t>(system.size()), -1);
   for (std::size_t j = 0; j < basis.size(); ++j) position[static_cast<std::size_t>(basis[j])] = static_cast<Index>(j);
@@ -33,11 +30,9 @@ Equations equations(const ExactSystem& system, const std::vector<Index>& basis, 
   return e;
 }
 
-}  // namespace
-
 std::optional<ExactPoint> basis_point(const ExactSystem& system, const std::vector<Index>& basis,
                                       const Deadline& deadline) {
-  const Equations e = equations(system, basis, basis);
+  const Equations e = basis_equations(system, basis, basis);
   IntegerMatrix x;
   ExactPoint point;
   if (!Lifting(e.A, deadline).solve(e.b, x, point.denominator)) return std::nullopt;
@@ -55,7 +50,7 @@ std::optional<ExactPoint> purified_point(const ExactSystem& system, const std::v
                                          const std::vector<Index>& tight, const Deadline& deadline) {
   std::vector<Index> rows = basis;
   rows.insert(rows.end(), tight.begin(), tight.end());
-  const Equations e = equations(system, basis, rows);
+  const Equations e = basis_equations(system, basis, rows);
   const Minor minor = independent_minor(e.A, deadline);
   IntegerMatrix x;
   ExactPoint point;

@@ -5,10 +5,14 @@
 
 #include "study/certify/deadline.h"
 #include "study/certify/exact_system.h"
+#include "study/certify/integer_solve.h"
 
 namespace lcpbench::exact {
 
-// Each function @throws TimePassed.
+// Functions that take a deadline @throw TimePassed.
+
+/// K p - L z = 0, then w = 0 on `rows`, in x = [p; z of `basis`].
+Equations basis_equations(const ExactSystem& system, const std::vector<Index>& basis, const std::vector<Index>& rows);
 
 /// The point at which z is zero but for `basis`, and w is zero there: one exact solve of order k + |basis|.
 /// No value where that system is singular. Signs are not looked at.

@@ -50,18 +50,19 @@ class Search {
         accepts_(accepts),
         most_levels_(static_cast<std::size_t>(kMostMemory / (8.0 * static_cast<double>(n_ * n_)))),
         w_is_zero_(static_cast<std::size_t>(n_), 0),
-        z_is_zero_(static_cast<std::size_t>(n_), 0) {}
+        z_is_zero_(static_cast<std::size_t>(n_), 0),
+        most_work_(limits.most_work) {}
 
   BranchingOutcome run(Relaxation node) {
     while (true) {
-      if (work_ > limits_.most_work || limits_.deadline.passed()) return {};
+      if (work_ > most_work_ || limits_.deadline.passed()) return {};
       const Index row = row_to_split(node);
       if (solved_) return {{}, true};
       if (row >= 0 && levels_.size() < most_levels_) {
         descend(node, row);
         continue;
       }
-      if (row >= 0) all_contradicted_ = false;
+      if (row >= 0) leave_open();
       if (!to_next_branch(node)) return {all_contradicted_ ? std::move(proof_) : std::vector<ProofNode>{}, false};
     }
   }
@@ -114,10 +115,12 @@ class Search {
         row = most_violated(node);
         if (row >= 0) break;
         solved_ = accepts_(node.z());
-        if (!solved_) row = first_undecided();
+        if (solved_) return -1;
+        if (++refused_ > limits_.most_refused) most_work_ = 0;
+        row = first_undecided();
         break;
     }
-    if (row < 0) all_contradicted_ = false;
+    if (row < 0) leave_open();
     return row;
   }
 
@@ -137,14 +140,22 @@ class Search {
     return true;
   }
 
+  // There will be no proof; a solution may still be found.
+  void leave_open() {
+    if (!all_contradicted_) return;
+    all_contradicted_ = false;
+    proof_ = {};
+    most_work_ = std::min(most_work_, work_ + limits_.most_work_without_proof);
+  }
+
   void add_to_proof(ProofNode node) {
     if (!all_contradicted_) return;
     proof_bytes_ += sizeof(ProofNode);
     for (const Multiplier& entry : node.multipliers) {
       proof_bytes_ += static_cast<double>(sizeof(Multiplier) + entry.value.size());
     }
-    if (proof_bytes_ > kMostMemory) all_contradicted_ = false;
     proof_.push_back(std::move(node));
+    if (proof_bytes_ > kMostMemory) leave_open();
   }
 
   bool decided(Index row) const {
@@ -196,8 +207,10 @@ class Search {
   std::vector<ProofNode> proof_;
   double proof_bytes_ = 0;
   double work_ = 0;
+  double most_work_;
   bool all_contradicted_ = true;
   bool solved_ = false;
+  int refused_ = 0;
 };
 
 }  // namespace

@@ -14,6 +14,8 @@
 #include "study/certify/exact_checks.h"
 #include "study/certify/exact_lemke.h"
 #include "study/certify/exact_output.h"
+#include "study/certify/more_time.h"
+#include "study/certify/reduction.h"
 
 namespace lcpbench::exact {
 namespace {
@@ -34,6 +36,11 @@ constexpr std::size_t kModes = 2500;
 
 constexpr const char* kFrictionless[] = {"active_set", "lemke{precision=quad}"};
 constexpr const char* kFrictional[] = {"contact_lemke", "lemke{test=none}", "contact_lemke{covering=classic}"};
+const std::vector<std::string> kMoreFrictional = {"auto",          "friction_ipm",          "principal_pivoting",
+                                                  "contact_lemke", "lemke{precision=quad}", "regularized",
+                                                  "primal_dual"};
+const std::vector<std::string> kMoreFrictionless = {
+    "auto", "velocity_ipm", "active_set", "lemke{precision=quad}", "principal_pivoting", "regularized", "primal_dual"};
 constexpr const char* kSmallFrictional = "lemke{precision=quad}";
 constexpr const char* kOnVariants = "contact_lemke{precision=double}";
 
@@ -90,10 +97,15 @@ class ContactCertifier {
 
   Certificate run() {
     if (!truth_.inertia().refusal.empty()) return open(truth_.inertia().refusal);
-    const bool decided = truth_.monotone() ? decide_monotone() : decide_frictional();
+    const bool decided = (truth_.monotone() ? decide_monotone() : decide_frictional()) || found_with_more_time();
     if (!decided) return open(deadline_.passed() ? "the time limit passed" : "no proof was found either way");
     if (truth_.monotone() && certificate_.kind == CertificateKind::kSolution) certificate_.velocity_unique = true;
-    if (options_.seek_other_velocity && solution_ && truth_.frictional()) seek_other_velocity();
+    if (options_.seek_other_velocity && solution_ && truth_.frictional()) {
+      try {
+        seek_other_velocity();
+      } catch (const TimePassed&) {  // what was found stays
+      }
+    }
     return std::move(certificate_);
   }
 
@@ -149,9 +161,9 @@ class ContactCertifier {
     solution_ = std::move(point);
   }
 
-  bool take_lcp_solution(const EliminatedSystem& eliminated, const IntegerVector& z, const Integer& denominator,
+  bool take_lcp_solution(const ReducedSystem& eliminated, const IntegerVector& z, const Integer& denominator,
                          const std::string& detail) {
-    ExactPoint point = with_potentials(eliminated, z, denominator);
+    ExactPoint point = expanded(eliminated, truth_.system(), z, denominator);
     if (!solves(point)) return false;
     take_solution(truth_.stated(std::move(point)), detail);
     return true;
@@ -182,7 +194,7 @@ class ContactCertifier {
   bool settled_by_exact_lemke() {
     const Index order = std::max(truth_.system().size(), truth_.system().potentials());
     if (order > (truth_.monotone() ? kLargestMonotoneLemke : kLargestLemke) || deadline_.passed()) return false;
-    const std::optional<EliminatedSystem> eliminated = eliminate_potentials(truth_.system(), deadline_);
+    const std::optional<ReducedSystem> eliminated = without_potentials(truth_.system(), deadline_);
     if (!eliminated) return false;
     const LemkeOutcome outcome = exact_lemke(eliminated->lcp, deadline_);
     if (outcome.ending == LemkeEnding::kSolution) {
@@ -194,7 +206,7 @@ class ContactCertifier {
 
   bool enumerated() {
     if (truth_.system().size() > kLargestEnumeration || deadline_.passed()) return false;
-    const std::optional<EliminatedSystem> eliminated = eliminate_potentials(truth_.system(), deadline_);
+    const std::optional<ReducedSystem> eliminated = without_potentials(truth_.system(), deadline_);
     if (!eliminated) return false;
     const EnumerationOutcome outcome = enumerate_cones(eliminated->lcp, deadline_);
     if (outcome.ending == EnumerationEnding::kSolution) {
@@ -207,9 +219,11 @@ class ContactCertifier {
     return true;
   }
 
-  bool branched() {
+  bool branched() { return branched(BranchingLimits{deadline_}); }
+
+  bool branched(const BranchingLimits& limits) {
     if (deadline_.passed()) return false;
-    BranchingOutcome outcome = branch(problem_.lcp(), LeafCheck(truth_.system(), deadline_), {deadline_},
+    BranchingOutcome outcome = branch(problem_.lcp(), LeafCheck(truth_.system(), deadline_), limits,
                                       [this](const Vector& z) { return solved_near(z, "branch and bound"); });
     if (outcome.solved) return true;
     if (outcome.proof.empty()) return false;
@@ -253,8 +267,8 @@ class ContactCertifier {
 
   // The contacts in other orders and units lead pivoting methods along other paths.
   template <class Found>
-  bool in_a_variant(const char* spec, Index variants, Found&& found) {
-    for (Index number = 0; contact_.nc() > 0 && number < variants && !deadline_.passed(); ++number) {
+  bool in_a_variant(const char* spec, Index first, Index variants, Found&& found) {
+    for (Index number = first; contact_.nc() > 0 && number < first + variants && !deadline_.passed(); ++number) {
       const ContactVariant variant = contact_variant(contact_, number);
       const Answer& answer = candidates_.answer(spec, Problem("variant", variant.problem), deadline_.left_s());
       if (answer.claim == Claim::kSolved && found(variant.original(answer.z))) return true;
@@ -262,8 +276,8 @@ class ContactCertifier {
     return false;
   }
 
-  bool solved_in_a_variant(const char* spec) {
-    return in_a_variant(spec, kVariants,
+  bool solved_in_a_variant(const char* spec, Index first = 0) {
+    return in_a_variant(spec, first, kVariants,
                         [&](const Vector& z) { return solved_near(z, std::string(spec) + " on a variant"); });
   }
 
@@ -285,14 +299,50 @@ class ContactCertifier {
     });
   }
 
+  // What the steps before left open: other solvers' answers, Lemke's method from other covering vectors, more variants
+  // and longer branching, in turns, until the time is up.
+  bool found_with_more_time() {
+    GuessedCones guesses(problem_, candidates_, truth_.frictional() ? kMoreFrictional : kMoreFrictionless);
+    std::optional<ReducedSystem> eliminated;
+    for (Index round = 0; !deadline_.passed(); ++round) {
+      const auto accepts = [&](const ExactPoint& point) { return solves(point); };
+      if (const auto found = guesses.next_point(truth_.system(), round, deadline_, accepts)) {
+        take_solution(truth_.stated(found->point), "cone of " + found->solver);
+        return true;
+      }
+      if (covered(eliminated, round, deadline_.within(deadline_.left_s() / kTurns))) return true;
+      if (!truth_.frictional()) continue;
+      if (solved_in_a_variant(kFrictional[1], (round + 1) * kVariants) ||
+          solved_in_a_variant(kOnVariants, (round + 1) * kVariants) || branched(longer_branching(round, deadline_))) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  bool covered(std::optional<ReducedSystem>& eliminated, Index covering, const Deadline& turn) {
+    try {
+      if (!eliminated) eliminated = without_potentials(truth_.system(), turn);
+    } catch (const TimePassed&) {
+      return false;
+    }
+    if (!eliminated) return false;
+    const LemkeOutcome outcome = exact_lemke(eliminated->lcp, turn, covering);
+    if (outcome.ending == LemkeEnding::kSolution) {
+      return take_lcp_solution(*eliminated, outcome.z, outcome.denominator, "exact lexicographic Lemke");
+    }
+    return outcome.ending == LemkeEnding::kRay && !truth_.frictional() &&
+           take_contradiction(outcome.z, "ray of exact lexicographic Lemke");
+  }
+
   void seek_other_velocity() {
     if (in_another_mode([&](const ExactPoint& point) { return differs(point); })) return;
     const auto differs_near = [&](const Vector& z) {
       const std::optional<ExactPoint> point = point_near(z);
       return point && differs(*point);
     };
-    if (!in_a_variant(kOnVariants, kVelocityVariants, differs_near))
-      in_a_variant(kFrictional[1], kVelocityVariants, differs_near);
+    if (!in_a_variant(kOnVariants, 0, kVelocityVariants, differs_near))
+      in_a_variant(kFrictional[1], 0, kVelocityVariants, differs_near);
   }
 
   bool differs(const ExactPoint& point) {

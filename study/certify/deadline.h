@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <limits>
@@ -20,6 +21,9 @@ class Deadline {
   double left_s() const { return limit_s_ - elapsed_s(); }
   /// True for a limit of NaN too.
   bool passed() const { return !(elapsed_s() < limit_s_); }
+  /// The sooner of this one and `seconds` from now.
+  Deadline within(double seconds) const { return Deadline(std::min(seconds, left_s())); }
+
   /// For loops whose result is of no use when it is not complete. @throws TimePassed
   void check() const {
     if (passed()) throw TimePassed();
