@@ -53,11 +53,20 @@ class BareCertifier {
         point = purified_point(system_, basis, round == 0 ? tight_rows(problem_, z) : std::vector<Index>{}, deadline_);
       if (!point) return false;
       if (is_solution(system_, *point, deadline_)) return take_solution(*point, found_by);
+      if (round == 0 && settled_near_answer(z, found_by)) return true;
       std::vector<Index> next = exchanged_basis(system_, *point, deadline_);
       if (next == basis) return false;
       basis = std::move(next);
     }
     return false;
+  }
+
+  bool settled_near_answer(const Vector& z, const std::string& found_by) {
+    const Guess guess = classified(problem_, z, kClear);
+    if (guess.unclear.empty() || guess.unclear.size() > kMostUnclear) return false;
+    const auto accepts = [&](const ExactPoint& point) { return is_solution(system_, point, deadline_); };
+    const std::optional<ExactPoint> point = settled_near(system_, guess, deadline_, accepts);
+    return point && take_solution(*point, found_by);
   }
 
   bool settled_by_exact_lemke() {

@@ -46,15 +46,19 @@ constexpr const char* kOnVariants = "contact_lemke{precision=double}";
 
 /// A point of `system` near the float solution z that `accepts` takes.
 /// @param more_rows  gives rows of w that may be zero; asked only where the support of z leaves more than one point
-template <class Rows, class Accepts>
+/// @param settled  gives a point, or none, in another way; asked when the support of z gave none
+template <class Rows, class Settled, class Accepts>
 std::optional<ExactPoint> certified_near(const ExactSystem& system, const Vector& z, const Deadline& deadline,
-                                         Rows&& more_rows, Accepts&& accepts) {
+                                         Rows&& more_rows, Settled&& settled, Accepts&& accepts) {
   std::vector<Index> basis = support(z, system.size());
   for (int round = 0; round <= kExchanges; ++round) {
     std::optional<ExactPoint> point = basis_point(system, basis, deadline);
     if (!point) point = purified_point(system, basis, round == 0 ? more_rows() : std::vector<Index>{}, deadline);
     if (!point) return std::nullopt;
     if (accepts(*point)) return point;
+    if (round == 0) {
+      if (std::optional<ExactPoint> other = settled()) return other;
+    }
     std::vector<Index> next = exchanged_basis(system, *point, deadline);
     if (next == basis) return std::nullopt;
     basis = std::move(next);
@@ -142,8 +146,14 @@ class ContactCertifier {
 
   std::optional<ExactPoint> point_near(const Vector& z) const {
     return certified_near(
-        truth_.system(), z, deadline_, [&] { return tight_rows(problem_, z); },
+        truth_.system(), z, deadline_, [&] { return tight_rows(problem_, z); }, [&] { return settled_near_answer(z); },
         [&](const ExactPoint& point) { return solves(point); });
+  }
+
+  std::optional<ExactPoint> settled_near_answer(const Vector& z) const {
+    const Guess guess = classified(problem_, z, kClear);
+    if (guess.unclear.empty() || guess.unclear.size() > kMostUnclear) return std::nullopt;
+    return settled_near(truth_.system(), guess, deadline_, [&](const ExactPoint& point) { return solves(point); });
   }
 
   /// @param point  of stated(), checked
@@ -261,7 +271,7 @@ class ContactCertifier {
         candidates_.answer("active_set", Problem("edges", std::move(frictionless)), deadline_.left_s());
     if (answer.claim != Claim::kSolved) return std::nullopt;
     return certified_near(
-        cones, answer.z, deadline_, [] { return std::vector<Index>{}; },
+        cones, answer.z, deadline_, [] { return std::vector<Index>{}; }, [] { return std::optional<ExactPoint>(); },
         [&](const ExactPoint& point) { return is_solvability_proof(truth_.system(), contact_, point, deadline_); });
   }
 

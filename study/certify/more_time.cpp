@@ -8,9 +8,9 @@ namespace lcpbench::exact {
 namespace {
 
 /// From clear to doubtful: the parts below which an entry may be zero.
-constexpr double kClear[] = {1e-12, 1e-9, 1e-6, 1e-3};
+constexpr double kClearParts[] = {1e-12, 1e-9, 1e-6, 1e-3};
 /// Rows to settle exactly in the first round; each round takes twice as many.
-constexpr double kMostUnclear = 30;
+constexpr double kFirstUnclear = 32;
 constexpr double kFirstWork = 4e8;
 constexpr double kWorkARefusal = 1e7;
 
@@ -39,9 +39,9 @@ std::optional<GuessedCones::Found> GuessedCones::next_point(const ExactSystem& s
                                                             const Deadline& deadline,
                                                             const std::function<bool(const ExactPoint&)>& accepts) {
   if (round == 0) ask(deadline);
-  const double most = std::min(kMostUnclear * std::pow(2.0, static_cast<double>(round)), 1e9);
+  const double most = std::min(kFirstUnclear * std::pow(2.0, static_cast<double>(round)), 1e9);
   const double fewer = round == 0 ? -1 : most / 2;
-  for (const double clear : kClear) {
+  for (const double clear : kClearParts) {
     for (const Answered& answered : answers_) {
       if (deadline.passed()) return std::nullopt;
       const Guess guess = classified(problem_, answered.z, clear);
@@ -49,7 +49,7 @@ std::optional<GuessedCones::Found> GuessedCones::next_point(const ExactSystem& s
       if (unclear > most || unclear <= fewer) continue;
       const Deadline turn = deadline.within(deadline.left_s() / kTurns);
       try {
-        if (std::optional<ExactPoint> point = point_near(system, guess, turn, accepts)) {
+        if (std::optional<ExactPoint> point = settled_near(system, guess, turn, accepts)) {
           return Found{std::move(*point), answered.solver};
         }
       } catch (const TimePassed&) {

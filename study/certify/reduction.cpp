@@ -142,8 +142,8 @@ ExactPoint expanded(const ReducedSystem& reduced, const ExactSystem& system, con
   return point;
 }
 
-std::optional<ExactPoint> point_near(const ExactSystem& system, const Guess& guess, const Deadline& deadline,
-                                     const std::function<bool(const ExactPoint&)>& accepts) {
+std::optional<ExactPoint> settled_near(const ExactSystem& system, const Guess& guess, const Deadline& deadline,
+                                       const std::function<bool(const ExactPoint&)>& accepts) {
   std::optional<ReducedSystem> small = reduced(system, guess.basis, guess.unclear, deadline);
   if (!small) {
     Guess part = independent_part(system, guess, deadline);

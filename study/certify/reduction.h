@@ -31,9 +31,13 @@ std::optional<ReducedSystem> without_potentials(const ExactSystem& system, const
 ExactPoint expanded(const ReducedSystem& reduced, const ExactSystem& system, const IntegerVector& z,
                     const Integer& denominator);
 
+/// What an answer leaves unclear up to here is settled at once, after its basis was no solution.
+constexpr double kClear = 1e-9;
+constexpr std::size_t kMostUnclear = 24;
+
 /// A point that `accepts` takes, with the guess's clear rows decided and the others settled exactly: by Lemke's method
 /// and, where they are few, by the enumeration of their cones. @throws TimePassed
-std::optional<ExactPoint> point_near(const ExactSystem& system, const Guess& guess, const Deadline& deadline,
-                                     const std::function<bool(const ExactPoint&)>& accepts);
+std::optional<ExactPoint> settled_near(const ExactSystem& system, const Guess& guess, const Deadline& deadline,
+                                       const std::function<bool(const ExactPoint&)>& accepts);
 
 }  // namespace lcpbench::exact
