@@ -24,13 +24,14 @@ class Dictionary {
  public:
   Dictionary(const IntegerLcp& lcp, Index covering)
       : n_(lcp.size()), entries_(n_, n_ + 2), basic_(index(n_)), nonbasic_(index(n_ + 2)), column_of_(index(n_), -1) {
+    denominator_ = lcp.denominator;
     std::iota(basic_.begin(), basic_.end(), Index{0});
     nonbasic_[0] = -1;  // the column of constants
     std::iota(nonbasic_.begin() + 1, nonbasic_.end(), n_);
     for (Index i = 0; i < n_; ++i) {
       fmpz_set(entries_(i, 0), lcp.q[index(i)].get());
       for (Index j = 0; j < n_; ++j) fmpz_set(entries_(i, 1 + j), lcp.M(i, j));
-      fmpz_set_si(entries_(i, n_ + 1), cover(covering, i));
+      fmpz_mul_si(entries_(i, n_ + 1), lcp.denominator.get(), cover(covering, i));
     }
   }
 

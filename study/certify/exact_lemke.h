@@ -7,10 +7,11 @@
 
 namespace lcpbench::exact {
 
-/// LCP(q, M) over the integers.
+/// LCP(q, M) over the integers, or that of a reduced system: then M and q are the denominator times the rational ones.
 struct IntegerLcp {
   IntegerMatrix M;
   IntegerVector q;
+  Integer denominator{1};  ///< of which every minor of [q M] of order r is divisible by the power r - 1
 
   Index size() const { return static_cast<Index>(q.size()); }
 };

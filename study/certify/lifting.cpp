@@ -129,6 +129,55 @@ bool Lifting::invert_modulo(mp_limb_t prime) {
   return true;
 }
 
+mp_limb_t Lifting::determinant_modulo(mp_limb_t prime) const {
+  nmod_t modulus;
+  nmod_init(&modulus, prime);
+  const auto n = static_cast<std::size_t>(n_);
+  std::vector<mp_limb_t> entries(n * n);
+  for (Index i = 0; i < n_; ++i) {
+    deadline_.check();
+    for (Index j = 0; j < n_; ++j) entries[static_cast<std::size_t>(i * n_ + j)] = fmpz_get_nmod(A_(i, j), modulus);
+  }
+  mp_limb_t determinant = 1;
+  for (std::size_t k = 0; k < n; ++k) {
+    deadline_.check();
+    std::size_t from = k;
+    while (from < n && entries[from * n + k] == 0) ++from;
+    if (from == n) return 0;
+    mp_limb_t* pivot_row = &entries[k * n];
+    if (from != k) {
+      std::swap_ranges(pivot_row, pivot_row + n, &entries[from * n]);
+      determinant = nmod_neg(determinant, modulus);
+    }
+    determinant = nmod_mul(determinant, pivot_row[k], modulus);
+    const mp_limb_t reciprocal = nmod_inv(pivot_row[k], modulus);
+    for (std::size_t i = k + 1; i < n; ++i) {
+      mp_limb_t* row = &entries[i * n];
+      if (row[k] == 0) continue;
+      const mp_limb_t factor = nmod_neg(nmod_mul(row[k], reciprocal, modulus), modulus);
+      _nmod_vec_scalar_addmul_nmod(row + k, pivot_row + k, static_cast<slong>(n - k), factor, modulus);
+    }
+  }
+  return determinant;
+}
+
+Integer Lifting::determinant_over(const Integer& divisor) const {
+  const double bound = hadamard_bits() - static_cast<double>(fmpz_bits(divisor.get())) + 3;
+  Integer quotient;
+  Integer modulus(1);
+  mp_limb_t prime = UWORD(1) << kPrimeBits;
+  while (static_cast<double>(fmpz_bits(modulus.get())) <= bound + 1) {
+    prime = n_nextprime(prime, 0);
+    const mp_limb_t reduced = fmpz_fdiv_ui(divisor.get(), prime);
+    if (reduced == 0) continue;
+    const mp_limb_t residue = n_mulmod2(determinant_modulo(prime), n_invmod(reduced, prime), prime);
+    fmpz_CRT_ui(quotient.get(), quotient.get(), modulus.get(), residue, prime, 1);
+    fmpz_mul_ui(modulus.get(), modulus.get(), prime);
+  }
+  fmpz_abs(quotient.get(), quotient.get());
+  return quotient;
+}
+
 void Lifting::slice_rows() {
   rows_.resize(static_cast<std::size_t>(n_));
   Integer rest;

@@ -29,6 +29,9 @@ class Lifting {
   /// False where A is not invertible and b is not zero; x is zero where b is. @param b,x  n x 1
   bool solve(const IntegerMatrix& b, IntegerMatrix& x, Integer& denominator) const;
 
+  /// |det A| / divisor, modulo as many primes as Hadamard's bound asks for. @pre possible(); divisor > 0 divides det A
+  Integer determinant_over(const Integer& divisor) const;
+
  private:
   /// Entry (row, column) of A holds value 2^(52 slice), among others.
   struct Slice {
@@ -37,6 +40,7 @@ class Lifting {
     std::int32_t slice;
   };
 
+  mp_limb_t determinant_modulo(mp_limb_t prime) const;
   bool invert_modulo(mp_limb_t prime);
   void slice_rows();
   double hadamard_bits() const;

@@ -10,7 +10,7 @@ namespace {
 /// From clear to doubtful: the parts below which an entry may be zero.
 constexpr double kClearParts[] = {1e-12, 1e-9, 1e-6, 1e-3};
 /// Rows to settle exactly in the first round; each round takes twice as many.
-constexpr double kFirstUnclear = 32;
+constexpr double kFirstUnclear = 128;
 constexpr double kFirstWork = 4e8;
 constexpr double kWorkARefusal = 1e7;
 

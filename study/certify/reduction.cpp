@@ -37,7 +37,7 @@ IntegerMatrix right_side(const ExactSystem& system, const std::vector<Index>& ba
   return b;
 }
 
-// All columns over the least common denominator.
+// All columns over the determinant.
 bool solve_columns(const ExactSystem& system, const Equations& e, const Deadline& deadline, ReducedSystem& result) {
   const Lifting lifting(e.A, deadline);
   if (!lifting.possible()) return false;
@@ -52,7 +52,9 @@ bool solve_columns(const ExactSystem& system, const Equations& e, const Deadline
     for (Index i = 0; i < x.rows(); ++i) fmpz_swap(result.solution(i, j), x(i, 0));
     fmpz_lcm(result.denominator.get(), result.denominator.get(), denominators[index(j)].get());
   }
-  Integer factor;
+  // Over the determinant the entries, and those that Lemke's method makes of them, are minors of the data.
+  Integer factor = lifting.determinant_over(result.denominator);
+  fmpz_mul(result.denominator.get(), result.denominator.get(), factor.get());
   for (Index j = 0; j < columns; ++j) {
     deadline.check();
     fmpz_divexact(factor.get(), result.denominator.get(), denominators[index(j)].get());
@@ -110,7 +112,7 @@ std::optional<ReducedSystem> reduced(const ExactSystem& system, std::vector<Inde
       if (position >= 0) fmpz_addmul(values(i, 1 + position), term.value.get(), result.denominator.get());
     }
   }
-  result.lcp = {IntegerMatrix(m, m), IntegerVector(index(m))};
+  result.lcp = {IntegerMatrix(m, m), IntegerVector(index(m)), result.denominator};
   for (Index i = 0; i < m; ++i) {
     fmpz_swap(result.lcp.q[index(i)].get(), values(i, 0));
     for (Index j = 0; j < m; ++j) fmpz_swap(result.lcp.M(i, j), values(i, 1 + j));

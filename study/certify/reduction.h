@@ -33,7 +33,7 @@ ExactPoint expanded(const ReducedSystem& reduced, const ExactSystem& system, con
 
 /// What an answer leaves unclear up to here is settled at once, after its basis was no solution.
 constexpr double kClear = 1e-9;
-constexpr std::size_t kMostUnclear = 24;
+constexpr std::size_t kMostUnclear = 64;
 
 /// A point that `accepts` takes, with the guess's clear rows decided and the others settled exactly: by Lemke's method
 /// and, where they are few, by the enumeration of their cones. @throws TimePassed
