@@ -298,11 +298,7 @@ void PrincipalPivoting::on_solve(const SolveRequest& request, Answer& answer) {
         room_.write_text("the final basis is too ill-conditioned for the accuracy asked for", answer);
       }
       return;
-    case End::kUnblocked:
-      answer.claim = Claim::kUnsolvable;
-      answer.farkas = farkas_;
-      room_.write_text("u >= 0 with M'u <= 0 and q'u < 0, to rounding", answer);
-      return;
+    case End::kUnblocked: test_.settle_ray(answer, deadline_s, &farkas_); return;
     case End::kNoPivot:
       room_.write_text("no usable pivot: M is not positive semidefinite to working precision", answer);
       return;
