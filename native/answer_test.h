@@ -56,6 +56,9 @@ class AnswerTest {
   /// @param u nearly a proof for a bare LCP, where the method has one; else nullptr
   void settle_ray(Answer& answer, double deadline_s, const Vector* u = nullptr);
 
+  /// Whether the bare LCP of the last settle_ray() is unsolvable but for rounding: other methods need not try it.
+  bool nearly_disproved() const { return bare_ && bare_test_.nearly_disproved(); }
+
  private:
   enum class Outcome { kSolved, kUnsolvable, kResidual, kUnconfirmed, kOutOfTime };
 

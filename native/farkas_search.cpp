@@ -13,9 +13,9 @@
 namespace lcpbench {
 namespace {
 
-/// Multiplications and additions of one search that are not worth it: about a second.
+/// Multiplications and additions above which a search is not made: about a second, and some milliseconds.
 constexpr double kMostWork = 1e9;
-constexpr double kMostQuadWork = 2e7;
+constexpr double kMostQuadWork = 5e4;
 
 /// Entries of a scaled tableau below this are rounding; reduced costs within the second are in doubt.
 template <class Scalar>
@@ -25,6 +25,13 @@ constexpr Scalar kDoubt = Scalar(sizeof(Scalar) == sizeof(double) ? 1e-8 : 0x1p-
 
 /// Below this ratio of entries after scaling, double does not tell rounding from data.
 constexpr int kWidestExponents = 24;
+
+/// Above these numbers of rows 113 bits do not try again what double has found but could not round.
+constexpr std::size_t kFewRows = 24;
+
+/// How nearly a ray of double has to prove, relative to the magnitudes of its terms: M'u <= 0, and q'u < 0.
+constexpr double kNearlyZero = 1e-12;
+constexpr double kClearlyNegative = 1e-3;
 
 /// Ratios of two entries of a ray with denominators up to this become integers.
 constexpr double kLargestDenominator = 0x1p20;
@@ -136,6 +143,7 @@ void FarkasSearch::load(const Lcp& lcp) {
 
 bool FarkasSearch::find(const std::vector<char>& candidates, double deadline_s) {
   in_ = candidates;
+  near_proof_ = false;
   drop_rows_without_part();
   if (!scale_rows_and_columns()) return false;
   const double entries = static_cast<double>(rows_.size()) * static_cast<double>(columns_.size() + 1);
@@ -146,7 +154,9 @@ bool FarkasSearch::find(const std::vector<char>& candidates, double deadline_s) 
     if (end == End::kNone) return false;
     if (end == End::kRay) {
       if (rounds_to_proof()) return true;
+      near_proof_ = is_near_proof();
       if (search(double_.get(), Goal::kInterior, deadline_s) == End::kRay && rounds_to_proof()) return true;
+      if (near_proof_ && rows_.size() > kFewRows) return false;
     }
   }
   if (static_cast<Index>(rows_.size()) > kLargestQuad || entries * pivots > kMostQuadWork) return false;
@@ -338,11 +348,27 @@ void FarkasSearch::take_ray(const Tableau<Scalar>& tableau, Index entering) {
   }
 }
 
+bool FarkasSearch::is_near_proof() const {
+  const auto nearly = [this](const auto& column, double zero) {
+    double sum = 0;
+    double size = 0;
+    for (const Index i : rows_) {
+      const double term = column(i) * to_double(ray_[static_cast<std::size_t>(i)]);
+      sum += term;
+      size += std::abs(term);
+    }
+    return sum <= zero * size;
+  };
+  if (!nearly(lcp_->q, -kClearlyNegative)) return false;
+  return std::all_of(columns_.begin(), columns_.end(), [&](Index j) { return nearly(lcp_->M.col(j), kNearlyZero); });
+}
+
 bool FarkasSearch::round(const Vector& u) {
   if (u.size() != lcp_->size() || !u.allFinite() || !(u.minCoeff() >= 0)) return false;
   for (Index i = 0; i < u.size(); ++i) ray_[static_cast<std::size_t>(i)] = u(i);
   ray_error_ = kRayError<double>;
   columns_.clear();
+  near_proof_ = false;
   return rounds_to_proof();
 }
 

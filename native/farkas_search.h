@@ -35,6 +35,10 @@ class FarkasSearch {
   /// As find(), but only by rounding u, which proves it nearly.
   bool round(const Vector& u);
 
+  /// Whether the last find() found a ray that proves it clearly, but for the rounding of its inequalities: any solution
+  /// would be many orders of magnitude larger than the data, though none of its roundings may be a proof.
+  bool found_near_proof() const { return near_proof_; }
+
   /// @pre the last find() or round() was true
   const Vector& proof() const { return proof_; }
 
@@ -54,6 +58,7 @@ class FarkasSearch {
   End pivot_to_end(Tableau<Scalar>& tableau, double deadline_s);
   template <class Scalar>
   void take_ray(const Tableau<Scalar>& tableau, Index entering);
+  bool is_near_proof() const;
   bool rounds_to_proof();
   bool rounds_with_unit(Quad unit);
   bool rounds_to_integers();
@@ -72,6 +77,7 @@ class FarkasSearch {
   std::vector<Quad> ray_;                  // n
   Quad ray_error_ = 0;                     // relative, of its entries
   std::vector<Index> support_;             // of ray_, n reserved
+  bool near_proof_ = false;
   Vector proof_;                           // n
 };
 

@@ -63,6 +63,8 @@ endforeach()
 # Measurements, not tests: docs/ shows what they print.
 add_executable(auto_scenes EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/auto_scenes.cpp)
 target_link_libraries(auto_scenes PRIVATE lcpbench_solver_list lcpbench_evaluation)
+add_executable(bare_frictional EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/bare_frictional.cpp)
+target_link_libraries(bare_frictional PRIVATE lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
 add_executable(lemke_engines_benchmark EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/lemke_engines_benchmark.cpp)
 target_link_libraries(lemke_engines_benchmark PRIVATE lcpbench_native lcpbench_generators)
 add_executable(lemke_paper_rates EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/lemke_paper_rates.cpp)

@@ -13,16 +13,19 @@ namespace {
 /// The longest `detail` of the methods here, so that none allocates.
 constexpr std::size_t kLongestDetail = 80;
 
-/// Tolerances of the second rung.
+/// Tolerances near rounding.
 constexpr double kTightPivot = 1e-13;
 constexpr double kTightZero = 1e-14;
 
 /// Systems of equations that the last rung solves before it gives up: seconds at most.
 constexpr std::int64_t kMostSystems = 20000;
 
+/// A pivot of 113 bits takes as long as some dozens in double.
+constexpr std::int64_t kQuadPivotsPerRow = 4;
+
 constexpr std::array<const char*, 7> kNames{"lemke",
-                                            "lemke, tight tolerances",
                                             "covering lemke",
+                                            "lemke, tight tolerances",
                                             "covering lemke, quad",
                                             "covering lemke, quad, rows with q < 0",
                                             "lemke",
@@ -68,7 +71,7 @@ bool LcpLadder::has(Rung rung) const {
 
 /// Of a rung that others follow.
 std::int64_t LcpLadder::share_of_pivots() const {
-  const std::int64_t share = 100 + 10 * problem_.size();
+  const std::int64_t share = 50 + 4 * problem_.size();
   return max_pivots_ > 0 ? std::min(share, max_pivots_ - pivots_) : share;
 }
 
@@ -79,7 +82,7 @@ void LcpLadder::solve(const SolveRequest& request, Answer& answer, const char*& 
   if (!takes()) return;
   pivots_ = 0;
   ended_by_share_ = false;
-  for (const Rung rung : {Rung::kLemke, Rung::kLemkeTight, Rung::kCovering, Rung::kCoveringQuad,
+  for (const Rung rung : {Rung::kLemke, Rung::kCovering, Rung::kLemkeTight, Rung::kCoveringQuad,
                           Rung::kCoveringQuadNegative, Rung::kLemkeUnlimited, Rung::kExact}) {
     if (!has(rung)) continue;
     if (!(wall_clock_s() < deadline_s_)) {
@@ -123,7 +126,8 @@ void LcpLadder::run_lemke(Rung rung) {
 
 void LcpLadder::run_covering(Rung rung) {
   using Cover = CoveringLemke::Cover;
-  const CoveringLemke::Limits limits{.deadline_s = deadline_s_, .pivots = share_of_pivots()};
+  CoveringLemke::Limits limits{.deadline_s = deadline_s_, .pivots = share_of_pivots()};
+  if (rung != Rung::kCovering) limits.pivots = std::min(limits.pivots, 20 + kQuadPivotsPerRow * problem_.size());
   const Cover cover = rung == Rung::kCoveringQuadNegative ? Cover::kNegative : Cover::kAll;
   clear_vectors(attempt_);
   const CoveringLemke::End end = rung == Rung::kCovering ? covering_.run<double>(cover, limits, attempt_.z)
@@ -174,6 +178,11 @@ bool LcpLadder::is_final(Rung rung, Answer& answer, const char*& text) {
   }
   if (attempt_.claim == Claim::kTimeLimit) {
     answer.claim = Claim::kTimeLimit;
+    return true;
+  }
+  if (rung == Rung::kLemke && attempt_.claim == Claim::kNumericalFailure && attempt_.detail == "ray" &&
+      lemke_.answer_test().nearly_disproved() && !has(Rung::kExact)) {
+    text = "ray: unsolvable to rounding, without a proof in doubles";
     return true;
   }
   // All methods share the limit: what one has used up, the next would exceed.

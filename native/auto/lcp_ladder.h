@@ -11,8 +11,8 @@ namespace lcpbench {
 /// Solves a bare LCP by one method after the other until an answer passes AnswerTest, or the problem is proven to have
 /// no solution.
 ///
-/// First `lemke` as it is by itself, then with tolerances near rounding; then CoveringLemke in double and, up to
-/// CoveringLemke::kLargestQuad rows, in 113 bits with both covering vectors; then `lemke` again where only its share of
+/// First `lemke` as it is by itself; CoveringLemke in double; `lemke` with tolerances near rounding; CoveringLemke, up
+/// to CoveringLemke::kLargestQuad rows, in 113 bits with both covering vectors; then `lemke` again where only its share of
 /// pivots ended it; and up to kLargestExact rows every support in exact arithmetic. The first methods have a share of
 /// pivots in proportion to n, which a path that does not go round seldom needs. All memory is taken by load(); nothing
 /// allocates in solve().
@@ -31,8 +31,8 @@ class LcpLadder {
 
   enum class Rung {
     kLemke,
-    kLemkeTight,
     kCovering,
+    kLemkeTight,
     kCoveringQuad,
     kCoveringQuadNegative,
     kLemkeUnlimited,
