@@ -89,6 +89,7 @@ class AnswerTest {
   double residual_ = 0;           // of completed_, contacts
   Vector completed_;              // n
   Vector path_end_;               // n, where the inertia may be singular
+  Vector farkas_;                 // memory for the proof of the first answer that comes with less
 };
 
 /// Contact problems: no friction impulses where the normal one is zero. @param z of lcp_size entries

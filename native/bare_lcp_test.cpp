@@ -37,7 +37,7 @@ constexpr std::int64_t kMostSystems = 10000;
 void BareLcpTest::load(const Lcp& lcp) {
   const Index n = lcp.size();
   lcp_ = &lcp;
-  islands_ = row_islands(lcp.M);
+  find_row_islands(lcp.M, islands_, support_);
   row_norm_ = lcp.M.cwiseAbs().rowwise().sum();
   w_.resize(n);
   largest_.resize(static_cast<std::size_t>(islands_.count));

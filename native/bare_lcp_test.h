@@ -64,7 +64,7 @@ class BareLcpTest {
   RowIslands islands_;
   Vector row_norm_, w_;           // n
   std::vector<double> largest_;   // per block: the largest entry of z
-  std::vector<Index> support_;    // n reserved
+  std::vector<Index> support_;    // n reserved; scratch of load()
   std::vector<char> candidates_;  // n
   Matrix block_, inverse_;        // of the basis, where that is small
   FarkasSearch search_;

@@ -78,7 +78,7 @@ class FarkasSearch {
   Quad ray_error_ = 0;                     // relative, of its entries
   std::vector<Index> support_;             // of ray_, n reserved
   bool near_proof_ = false;
-  Vector proof_;                           // n
+  Vector proof_;  // n
 };
 
 }  // namespace lcpbench

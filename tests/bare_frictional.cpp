@@ -1,11 +1,12 @@
-// How `auto` does on frictional problems that are given as (q, M), beside a solver that it has to be as good as: one CSV
-// row for each set. Not a test; docs/auto.md has the command.
+// How `auto` does on frictional problems that are given as (q, M), beside a solver that it has to be as good as: one
+// CSV row for each set. Not a test; docs/auto.md has the command.
 //
 //   bare_frictional TRIALS SEED [--other SOLVER] [--time-limit SECONDS] [SET...]
 //
-// Without sets: every frictional experiment of the paper, exp2 to exp5 in both readings of redundancy. q and M are those
-// of form_lcp(). Solved is the verdict (backward error of (q, M)) of an answer that is claimed. Times are of load and
-// solve together, in seconds over all problems, the two solvers taking turns; of each the faster of two runs counts.
+// Without sets: every frictional experiment of the paper, exp2 to exp5 in both readings of redundancy. q and M are
+// those of form_lcp(). Solved is the verdict (backward error of (q, M)) of an answer that is claimed. Times are of load
+// and solve together, in seconds over all problems, the two solvers taking turns; of each the faster of two runs
+// counts.
 
 #include <algorithm>
 #include <cstdio>

@@ -17,7 +17,7 @@ namespace lcpbench {
 /// or in 113 bits. [Cottle, Pang, Stone 1992, section 4.4; 4.9 on degeneracy]
 class CoveringLemke {
  public:
-  static constexpr Index kLargestQuad = 72;
+  static constexpr Index kLargestQuad = 300;
 
   /// @param lcp must stay as it is until the next load. Allocates n (n + 3) numbers, touched only in run().
   void load(const Lcp& lcp);

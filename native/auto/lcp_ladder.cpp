@@ -63,7 +63,7 @@ bool LcpLadder::has(Rung rung) const {
   switch (rung) {
     case Rung::kCoveringQuad:
     case Rung::kCoveringQuadNegative: return problem_.size() <= CoveringLemke::kLargestQuad;
-    case Rung::kLemkeUnlimited: return ended_by_share_;
+    case Rung::kLemkeLong: return ended_by_share_;
     case Rung::kExact: return problem_.size() <= kLargestExact;
     default: return true;
   }
@@ -81,9 +81,9 @@ void LcpLadder::solve(const SolveRequest& request, Answer& answer, const char*& 
   text = takes() ? "no answer passed the test" : "n is over the limit of lemke";
   if (!takes()) return;
   pivots_ = 0;
-  ended_by_share_ = false;
+  ended_by_share_ = ends_in_rays_ = false;
   for (const Rung rung : {Rung::kLemke, Rung::kCovering, Rung::kLemkeTight, Rung::kCoveringQuad,
-                          Rung::kCoveringQuadNegative, Rung::kLemkeUnlimited, Rung::kExact}) {
+                          Rung::kCoveringQuadNegative, Rung::kLemkeLong, Rung::kExact}) {
     if (!has(rung)) continue;
     if (!(wall_clock_s() < deadline_s_)) {
       answer.claim = Claim::kTimeLimit;
@@ -102,7 +102,7 @@ void LcpLadder::attempt(Rung rung) {
   switch (rung) {
     case Rung::kLemke:
     case Rung::kLemkeTight:
-    case Rung::kLemkeUnlimited: return run_lemke(rung);
+    case Rung::kLemkeLong: return run_lemke(rung);
     case Rung::kCovering:
     case Rung::kCoveringQuad:
     case Rung::kCoveringQuadNegative: return run_covering(rung);
@@ -115,11 +115,15 @@ void LcpLadder::run_lemke(Rung rung) {
   const bool tight = rung == Rung::kLemkeTight;
   lemke_.use_tolerances(tight ? kTightPivot : defaults.pivot_tolerance, tight ? kTightZero : defaults.zero_tolerance);
   std::int64_t limit = share_of_pivots();
-  if (rung == Rung::kLemkeUnlimited) limit = max_pivots_ > 0 ? max_pivots_ - pivots_ : 0;
+  if (rung == Rung::kLemkeLong) {
+    limit = std::min<std::int64_t>(1000 + 20 * problem_.size(), lemke_pivot_limit(defaults, problem_.size()));
+    if (max_pivots_ > 0) limit = std::min(limit, max_pivots_ - pivots_);
+  }
   lemke_.limit_pivots(limit);
   const bool unlimited = std::isinf(deadline_s_);
   lemke_.solve({.time_limit_s = unlimited ? deadline_s_ : deadline_s_ - wall_clock_s()}, attempt_);
   if (rung == Rung::kLemke) {
+    ends_in_rays_ = attempt_.claim == Claim::kNumericalFailure && attempt_.detail == "ray";
     ended_by_share_ = attempt_.claim == Claim::kIterationLimit && limit < lemke_pivot_limit(defaults, problem_.size());
   }
 }
@@ -134,6 +138,7 @@ void LcpLadder::run_covering(Rung rung) {
                                                          : covering_.run<Quad>(cover, limits, attempt_.z);
   attempt_.counters = {.iterations = covering_.pivots(), .pivots = covering_.pivots(), .factorizations = 0};
   attempt_.claim = Claim::kNumericalFailure;
+  if (rung == Rung::kCovering) ends_in_rays_ = ends_in_rays_ && end == CoveringLemke::End::kRay;
   if (end == CoveringLemke::End::kSolved) {
     attempt_.claim = Claim::kSolved;
     lemke_.answer_test().settle(attempt_, deadline_s_);
@@ -170,9 +175,7 @@ bool LcpLadder::is_final(Rung rung, Answer& answer, const char*& text) {
     answer.claim = Claim::kUnsolvable;
     text = "proven: every support of z is ruled out";
     if (attempt_.farkas.size() == 0) return true;
-    Vector& farkas = cleared_vectors().farkas;
-    farkas = attempt_.farkas;
-    answer.farkas.swap(farkas);
+    answer.farkas.swap(attempt_.farkas);
     text = "proven by u >= 0 with M'u <= 0, q'u < 0";
     return true;
   }
@@ -180,10 +183,15 @@ bool LcpLadder::is_final(Rung rung, Answer& answer, const char*& text) {
     answer.claim = Claim::kTimeLimit;
     return true;
   }
-  if (rung == Rung::kLemke && attempt_.claim == Claim::kNumericalFailure && attempt_.detail == "ray" &&
-      lemke_.answer_test().nearly_disproved() && !has(Rung::kExact)) {
-    text = "ray: unsolvable to rounding, without a proof in doubles";
-    return true;
+  if (ends_in_rays_ && !has(Rung::kExact)) {
+    if (rung == Rung::kLemke && lemke_.answer_test().nearly_disproved()) {
+      text = "ray: unsolvable to rounding, without a proof in doubles";
+      return true;
+    }
+    if (rung == Rung::kCovering) {
+      text = "rays with two covering vectors, without a proof";
+      return true;
+    }
   }
   // All methods share the limit: what one has used up, the next would exceed.
   if (max_pivots_ > 0 && pivots_ >= max_pivots_) {
