@@ -153,22 +153,35 @@ RowIslands row_islands(const ContactProblem& problem) {
 }
 
 RowIslands row_islands(const Matrix& M) {
-  const Index n = M.rows();
   RowIslands rows;
-  rows.of_row.assign(static_cast<std::size_t>(n), 0);
-  rows.count = std::min<Index>(n, 1);
-  if (n == 0 || (M.col(0).array() != 0).all() || (M.row(0).array() != 0).all()) return rows;
-  DisjointSets sets(n);
-  for (Index j = 0; j < n; ++j) {
-    for_each_nonzero(M, j, [&](Index i) { sets.unite(i, j); });
-  }
-  rows.count = 0;
-  for (Index i = 0; i < n; ++i) {  // the representative of a set is its lowest row
-    const Index first = sets.find(i);
-    auto& of_row = rows.of_row;
-    of_row[static_cast<std::size_t>(i)] = first == i ? rows.count++ : of_row[static_cast<std::size_t>(first)];
-  }
+  std::vector<Index> queue;
+  find_row_islands(M, rows, queue);
   return rows;
+}
+
+void find_row_islands(const Matrix& M, RowIslands& rows, std::vector<Index>& queue) {
+  const Index n = M.rows();
+  rows.of_row.assign(static_cast<std::size_t>(n), -1);
+  rows.count = 0;
+  queue.clear();
+  queue.reserve(static_cast<std::size_t>(n));
+  std::size_t next = 0;  // in the queue, which ends as a list of all rows
+  for (Index first = 0; first < n; ++first) {
+    const auto join = [&](Index row) {
+      Index& island = rows.of_row[static_cast<std::size_t>(row)];
+      if (island >= 0) return;
+      island = rows.count;
+      queue.push_back(row);
+    };
+    if (rows.of_row[static_cast<std::size_t>(first)] >= 0) continue;
+    for (join(first); next < queue.size() && queue.size() < static_cast<std::size_t>(n); ++next) {
+      const Index row = queue[next];
+      for (Index other = 0; other < n; ++other) {
+        if (rows.of_row[static_cast<std::size_t>(other)] < 0 && (M(other, row) != 0 || M(row, other) != 0)) join(other);
+      }
+    }
+    ++rows.count;
+  }
 }
 
 }  // namespace lcpbench

@@ -36,6 +36,9 @@ RowIslands row_islands(const ContactProblem& problem);
 /// the first column or row of M has no zero.
 RowIslands row_islands(const Matrix& M);
 
+/// The same into memory of the caller's, which suffices for every later problem of that order. @param queue scratch
+void find_row_islands(const Matrix& M, RowIslands& rows, std::vector<Index>& queue);
+
 /// Calls visit(row) for each nonzero entry of a column of a dense or sparse matrix.
 template <class Visit>
 void for_each_nonzero(const Matrix& matrix, Index column, Visit&& visit) {

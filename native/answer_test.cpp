@@ -27,6 +27,7 @@ AnswerTest::AnswerTest() : judge_(contact_lemke_engine(isa_level())), quad_judge
 
 void AnswerTest::load(const Problem& problem, Bodies bodies) {
   completed_.resize(problem.size());
+  farkas_.resize(problem.contact() == nullptr ? problem.size() : problem.contact()->nc());
   bare_ = problem.contact() == nullptr;
   trusts_ = bodies == Bodies::kTrusted && !bare_ && std::holds_alternative<BlockInertia>(problem.contact()->inertia);
   if (trusts_) return;
@@ -65,10 +66,24 @@ bool AnswerTest::settle(Answer& answer, double deadline_s) {
   return false;
 }
 
+void AnswerTest::settle_ray(Answer& answer, double deadline_s, const Vector* u) {
+  bool proven = false;
+  if (bare_) {
+    proven = u != nullptr ? bare_test_.disproves_near(*u, deadline_s) : bare_test_.disproves(deadline_s);
+  } else if (!trusts_ && may_be_singular_) {
+    proven = disproves_contacts({.deadline_s = deadline_s});
+  }
+  if (proven) return report_proof(answer);
+  answer.claim = Claim::kNumericalFailure;
+  answer.detail = "ray";
+}
+
 void AnswerTest::report_proof(Answer& answer) {
   answer.claim = Claim::kUnsolvable;
   answer.detail = "proven";
+  if (bare_ && bare_test_.proof().size() == 0) return;
   Vector& farkas = cleared_vectors().farkas;
+  if (farkas.size() != farkas_.size() && farkas_.size() > 0) farkas.swap(farkas_);
   if (bare_) {
     farkas = bare_test_.proof();
   } else {
@@ -81,7 +96,12 @@ bool AnswerTest::solves(const Vector& z) {
   if (!z.allFinite()) return false;
   completed_ = z.cwiseMax(0.0);
   if (!bare_) return solves_contacts();
-  return bare_test_.backward_error(completed_) <= kClaimedBackwardError;
+  return solves_bare();
+}
+
+bool AnswerTest::solves_bare() {
+  if (bare_test_.backward_error(completed_) <= kClaimedBackwardError) return true;
+  return bare_test_.drop_rounding(completed_) && bare_test_.backward_error(completed_) <= kClaimedBackwardError;
 }
 
 bool AnswerTest::solves_contacts() {
@@ -96,7 +116,7 @@ bool AnswerTest::solves_contacts() {
 
 /// Whether the problem that completed_ seems to solve has a solution.
 AnswerTest::Outcome AnswerTest::confirm(double deadline_s) {
-  if (bare_) return bare_test_.disproves(completed_) ? Outcome::kUnsolvable : Outcome::kSolved;
+  if (bare_) return bare_test_.disproves(completed_, deadline_s) ? Outcome::kUnsolvable : Outcome::kSolved;
   if (!may_be_singular_ || residual_ <= kUndoubtedResidual) return Outcome::kSolved;
   const bool frictional = contacts_.friction_begin.back() > 0;
   Outcome outcome = confirm({.deadline_s = deadline_s}, frictional);
@@ -121,6 +141,12 @@ AnswerTest::Outcome AnswerTest::confirm(const Path& path, bool frictional) {
   if (ending == Ending::kTimeLimit) return Outcome::kOutOfTime;
   const bool disproved = ending == Ending::kRay && judge_.disproves(path_end_.data());
   return disproved ? Outcome::kUnsolvable : Outcome::kUnconfirmed;
+}
+
+/// Whether a ray of the problem without friction proves that nothing solves the problem; path_end_ is then that proof.
+bool AnswerTest::disproves_contacts(const Path& path) {
+  LoadedContacts& engine = path.quad ? quad_judge() : judge_;
+  return follow(path, engine, true) == Ending::kRay && judge_.disproves(path_end_.data());
 }
 
 Ending AnswerTest::follow(const Path& path, LoadedContacts& engine, bool frictionless) {

@@ -37,11 +37,12 @@ class AnswerTest {
   /// Where the claim is not solved, nothing. Else: entries of z below zero count as zero, and so does friction where no
   /// contact presses; lambda is the least that the friction impulses allow. If that solves the problem it is the
   /// answer. If not, z stays and the claim becomes kNumericalFailure (`detail` "residual" or "unconfirmed"), or
-  /// kUnsolvable, with `farkas`, where the problem is proven to have no solution: bare LCPs in 113 bits, contacts to
-  /// rounding. Of contact problems the velocity residual with its estimated rounding has to be within kClaimedResidual
-  /// of max|q| in double, or within what the verdict allows in 113 bits; of bare LCPs the backward error within
-  /// kClaimedBackwardError. Positive entries count as in the basis: w has to vanish there. O(ngc n); in 113 bits, where
-  /// double is in doubt, O(ngc^3). Allocates nothing but the Farkas vector's memory, once.
+  /// kUnsolvable where the problem is proven to have no solution: bare LCPs exactly, with `farkas` or because every
+  /// support was tried, contacts to rounding, with `farkas`. Of contact problems the velocity residual with its
+  /// estimated rounding has to be within kClaimedResidual of max|q| in double, or within what the verdict allows in 113
+  /// bits; of bare LCPs the backward error within kClaimedBackwardError. Positive entries count as in the basis: w has
+  /// to vanish there. O(ngc n); in 113 bits, where double is in doubt, O(ngc^3). Allocates nothing but the Farkas
+  /// vector's memory, once.
   ///
   /// With singular inertia contacts may miss having a solution by so little that the residual does not tell. Where that
   /// is above kUndoubtedResidual, the answer is "unconfirmed" unless a path of Lemke's method, in double or in 113
@@ -49,6 +50,14 @@ class AnswerTest {
   /// @param deadline_s on wall_clock_s(), for the paths only; infinity: none
   /// @returns whether the claim is still solved
   bool settle(Answer& answer, double deadline_s);
+
+  /// Of a method that ended in a ray, which proves nothing for most matrices. The claim becomes kUnsolvable where the
+  /// problem is proven to have no solution as in settle(), else kNumericalFailure, `detail` "ray". z stays.
+  /// @param u nearly a proof for a bare LCP, where the method has one; else nullptr
+  void settle_ray(Answer& answer, double deadline_s, const Vector* u = nullptr);
+
+  /// Whether the bare LCP of the last settle_ray() is unsolvable but for rounding: other methods need not try it.
+  bool nearly_disproved() const { return bare_ && bare_test_.nearly_disproved(); }
 
  private:
   enum class Outcome { kSolved, kUnsolvable, kResidual, kUnconfirmed, kOutOfTime };
@@ -61,9 +70,11 @@ class AnswerTest {
   };
 
   bool solves(const Vector& z);
+  bool solves_bare();
   bool solves_contacts();
   Outcome confirm(double deadline_s);
   Outcome confirm(const Path& path, bool frictional);
+  bool disproves_contacts(const Path& path);
   contact_lemke::Ending follow(const Path& path, LoadedContacts& engine, bool frictionless);
   void report_proof(Answer& answer);
   LoadedContacts& quad_judge();
@@ -78,6 +89,7 @@ class AnswerTest {
   double residual_ = 0;           // of completed_, contacts
   Vector completed_;              // n
   Vector path_end_;               // n, where the inertia may be singular
+  Vector farkas_;                 // memory for the proof of the first answer that comes with less
 };
 
 /// Contact problems: no friction impulses where the normal one is zero. @param z of lcp_size entries

@@ -2,8 +2,11 @@
 
 #include <vector>
 
+#include "core/islands.h"
 #include "core/lcp.h"
 #include "core/quad.h"
+#include "native/enumeration/exact_search.h"
+#include "native/farkas_search.h"
 
 namespace lcpbench {
 
@@ -11,42 +14,63 @@ namespace lcpbench {
 inline constexpr double kClaimedBackwardError = 1e-9;
 
 /// Tests answers to a bare LCP from its data: whether they solve it as the verdict has it, and whether what almost
-/// solves it proves that nothing does. Memory: n^2 doubles, touched only where the latter is asked for.
+/// solves it has no solution at all. Memory: n^2 doubles, and more up to FarkasSearch::kLargestQuad, touched only where
+/// the latter is asked for.
 class BareLcpTest {
  public:
+  /// Up to this order a problem that an answer solves only by rounding is decided in exact arithmetic.
+  static constexpr Index kLargestDecided = 8;
+
   /// @param lcp must stay as it is until the next load. O(n^2)
   void load(const Lcp& lcp);
 
   /// Bound on the largest violation |w_i| (z_i > 0) or max(0, -w_i) relative to |q_i| + norm_1(M_i) max z, the rounding
-  /// of w included; infinity for z of other length, negative or not finite. Rows whose numbers double may not hold are
-  /// evaluated in 113 bits. O(n^2), allocates nothing.
+  /// of w included; max z is that of the connected block of row i. Infinity for z of other length, negative or not
+  /// finite. Rows whose numbers double may not hold are evaluated in 113 bits. O(n^2), allocates nothing.
   double backward_error(const Vector& z);
 
-  /// Whether the z that backward_error() saw last, though small in it, belongs to a problem without any solution: it
-  /// violates w >= 0, if only by rounding, and its basis, or that without the violated row, gives u >= 0 with M'u <= 0
-  /// and q'u < 0 (in 113 bits, in which the products are exact). Random data hide such a u in rounding; what is not
-  /// proven may still be unsolvable. O(n support + support^3) where w >= 0 is violated, else O(n). Allocates nothing.
-  bool disproves(const Vector& z);
+  /// Sets the entries of z to zero that are no more than rounding against the largest of their block.
+  /// @returns whether there were any. @pre z of n finite entries
+  bool drop_rounding(Vector& z);
 
-  /// That u, n entries. @pre disproves() was true
-  const Vector& proof() const { return u_; }
+  /// Whether the problem that the z of the last backward_error(), though small, seems to solve is proven exactly to
+  /// have no solution. Asked for only where z is no solution exactly, and its basis does not clearly give one: by a
+  /// vector u >= 0 with M'u <= 0 and q'u < 0 in doubles, or, up to kLargestDecided, by trying every support. What is
+  /// not proven may still be unsolvable. Allocates nothing. @param deadline_s on wall_clock_s()
+  bool disproves(const Vector& z, double deadline_s);
 
-  /// Whether u >= 0, M'u <= 0 and q'u < 0, where n `unit` of the magnitudes of their terms counts as the rounding of a
-  /// sum. False for u of another length or not finite. O(n^2) in 113 bits
-  bool proves(const Vector& u, Quad unit) const;
+  /// The same without any z, such as after a ray of Lemke's method.
+  bool disproves(double deadline_s);
+
+  /// The same by rounding u, which proves it nearly, and else as above.
+  bool disproves_near(const Vector& u, double deadline_s);
+
+  /// Whether the last disproves(), though false, found what proves it but for rounding.
+  bool nearly_disproved() const { return search_.found_near_proof(); }
+
+  /// That u, n entries; empty where every support was tried. @pre the last disproves() was true
+  const Vector& proof() const { return by_exhaustion_ ? nothing_ : search_.proof(); }
 
  private:
-  double row_error(Index row, const Vector& z, double largest) const;
+  double scale(Index row) const;
+  double row_error(Index row, const Vector& z) const;
   double row_error_in_quad(Index row, const Vector& z) const;
-  Index worst_violated(const Vector& z) const;
-  bool find_witness(Index violated, const Vector& z);
-  bool solve_block(Index order);
+  bool has_clear_basis(const Vector& z);
+  bool inverts(Index order);
+  int sign_of_w(Index row, const Vector& z) const;
+  bool exhausts(double deadline_s);
 
   const Lcp* lcp_ = nullptr;
-  Vector row_norm_, w_;         // n
-  std::vector<Index> support_;  // n reserved
-  Matrix block_;                // n x n, touched on demand
-  Vector u_, weights_;          // n
+  RowIslands islands_;
+  Vector row_norm_, w_;           // n
+  std::vector<double> largest_;   // per block: the largest entry of z
+  std::vector<Index> support_;    // n reserved; scratch of load()
+  std::vector<char> candidates_;  // n
+  Matrix block_, inverse_;        // of the basis, where that is small
+  FarkasSearch search_;
+  enumeration::ExactSearch exact_;
+  bool by_exhaustion_ = false;
+  Vector nothing_;
 };
 
 }  // namespace lcpbench

@@ -143,8 +143,9 @@ void Lemke::on_solve(const SolveRequest& request, Answer& answer) {
 
   report_lemke(engine_.solve(rules, answer.z.data()), answer);
   if (finish_ != nullptr) finish_->run(engine_, answer);
-  if (test_ == nullptr || answer.claim != Claim::kSolved) return;
-  if (!test_->settle(answer, rules.deadline_s)) answer.z.setZero();
+  if (test_ == nullptr) return;
+  if (answer.claim == Claim::kUnsolvable) return test_->settle_ray(answer, rules.deadline_s);
+  if (answer.claim == Claim::kSolved && !test_->settle(answer, rules.deadline_s)) answer.z.setZero();
 }
 
 SolverDefinition lcpbench_solver_lemke() {

@@ -76,10 +76,10 @@ struct LemkePivot {
 /// pivots. Cost per pivot: engine=dense 2/3 n^3; engine=kernel O(k^3 + n k) with k the number of basic z.
 /// See docs/lemke.md.
 ///
-/// kSolved: the artificial variable left the basis, and, with test=residual, the answer passes AnswerTest. kUnsolvable:
-/// no row blocks the entering variable (a ray: proof of nothing but for copositive-plus M), or, of a bare LCP, with a
-/// proof in `farkas`; kIterationLimit, kTimeLimit; kNumericalFailure: singular or overflowing basis, or an answer that
-/// does not pass. z is zero unless kSolved.
+/// kSolved: the artificial variable left the basis, and, with test=residual, the answer passes AnswerTest. kUnsolvable,
+/// with test=residual: AnswerTest found a proof; with test=none: no row blocks the entering variable (a ray: proof of
+/// nothing but for copositive-plus M). kIterationLimit, kTimeLimit; kNumericalFailure: singular or overflowing basis,
+/// an answer that does not pass, or, with test=residual, a ray without a proof. z is zero unless kSolved.
 ///
 /// In other precisions than double kSolved is claimed only for answers that pass a test from the raw data, and
 /// kUnsolvable never: kNumericalFailure otherwise. polished and quad return the velocity of contact problems with
@@ -91,6 +91,18 @@ class Lemke final : public Solver {
   explicit Lemke(const LemkeSettings& settings, IsaLevel level = isa_level());
 
   const Capabilities& capabilities() const override { return capabilities_; }
+
+  /// For later solves, instead of those of the settings: nothing is loaded anew.
+  void use_tolerances(double pivot, double zero) {
+    settings_.pivot_tolerance = pivot;
+    settings_.zero_tolerance = zero;
+  }
+
+  /// LemkeSettings::max_pivots of later solves.
+  void limit_pivots(std::int64_t max_pivots) { settings_.max_pivots = max_pivots; }
+
+  /// That of the last load, for answers of other methods to the same problem. @pre test=residual, precision=double
+  AnswerTest& answer_test() { return *test_; }
 
   /// Appends every pivot of later solves to `pivots`, for tests; nullptr ends it. Not owned.
   void record_pivots(std::vector<LemkePivot>* pivots) { recorded_ = pivots; }

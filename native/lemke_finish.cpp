@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/answer_storage.h"
 #include "native/answer_test.h"
 
 namespace lcpbench {
 namespace {
+
+constexpr double kNoDeadline = std::numeric_limits<double>::infinity();
 
 /// What is negative is a slack of the ratio test, or rounding; the test tells whether it mattered.
 void clip(Vector& z) {
@@ -48,8 +51,9 @@ void LemkeFinish::run(lemke::LoadedEngine& engine, Answer& answer) {
   }
   if (answer.claim != Claim::kSolved) return;
   clip(answer.z);
-  const bool passes = bare_ ? finish_matrix(engine, answer) <= kClaimedBackwardError && !bare_test_.disproves(answer.z)
-                            : finish_contacts(answer) <= kClaimedResidual;
+  const bool passes =
+      bare_ ? finish_matrix(engine, answer) <= kClaimedBackwardError && !bare_test_.disproves(answer.z, kNoDeadline)
+            : finish_contacts(answer) <= kClaimedResidual;
   if (passes) return;
   answer.claim = Claim::kNumericalFailure;
   answer.detail = "residual";

@@ -46,8 +46,8 @@ constexpr Index kNone = -1;
 /// every one with a P-matrix, barring degenerate cycles; ties in the ratio test go to the larger pivot, which is no
 /// anticycling rule. Other M are tried: the claims are checked on the data, so they hold there too.
 ///
-/// An unblocked raise gives u = (row r of the tableau) >= 0 with M'u <= 0 and q'u < 0, returned as Answer::farkas; it
-/// is claimed only where that holds on the data to rounding. O(n^2) per pivot. [Dantzig, Cottle 1967; Cottle, Pang,
+/// An unblocked raise gives u = (row r of the tableau) >= 0 with M'u <= 0 and q'u < 0 to rounding. kUnsolvable is
+/// claimed only where AnswerTest proves it, for bare LCPs exactly; else kNumericalFailure, `detail` "ray". O(n^2) per pivot. [Dantzig, Cottle 1967; Cottle, Pang,
 /// Stone 1992, section 4.3]
 class PrincipalPivoting final : public Solver {
  public:
@@ -298,11 +298,7 @@ void PrincipalPivoting::on_solve(const SolveRequest& request, Answer& answer) {
         room_.write_text("the final basis is too ill-conditioned for the accuracy asked for", answer);
       }
       return;
-    case End::kUnblocked:
-      answer.claim = Claim::kUnsolvable;
-      answer.farkas = farkas_;
-      room_.write_text("u >= 0 with M'u <= 0 and q'u < 0, to rounding", answer);
-      return;
+    case End::kUnblocked: test_.settle_ray(answer, deadline_s, &farkas_); return;
     case End::kNoPivot:
       room_.write_text("no usable pivot: M is not positive semidefinite to working precision", answer);
       return;

@@ -121,7 +121,7 @@ void Regularized::on_solve(const SolveRequest& request, Answer& answer) {
     if (eps > 0) take(attempt_, answer);
     Regularization::report_pass(eps, tries, answer);
   } else {
-    regularization_.report_failure(outcome, answer);
+    regularization_.report_failure(outcome, answer, deadline_s);
   }
   answer.counters = total_;
 }
@@ -216,8 +216,15 @@ void Regularization::report_pass(double eps, int tries, Answer& answer) {
   append(tries, answer.detail);
 }
 
-void Regularization::report_failure(TryOutcome last, Answer& answer) const {
+void Regularization::report_failure(TryOutcome last, Answer& answer, double deadline_s) {
   if (answer.claim == Claim::kUnsupported) return;
+  // What an inner solver says of a ray, or of M as rounded, is its word; here it has to be proven.
+  const bool proves = tests_residual() && last != TryOutcome::kOutOfTime && answer.claim == Claim::kUnsolvable;
+  if (proves) {
+    if (answer.farkas.size() > 0) cleared_vectors().farkas.swap(answer.farkas);
+    answer.farkas.resize(0);
+    answer_test_.settle_ray(answer, deadline_s);
+  }
   if (answer.detail.empty()) answer.detail = to_string(answer.claim);
   answer.detail.insert(0, kFailureReport);
   if (last == TryOutcome::kOutOfTime) {
@@ -226,7 +233,7 @@ void Regularization::report_failure(TryOutcome last, Answer& answer) const {
     answer.claim = Claim::kNumericalFailure;
   }
   // A proof of the inner solver speaks of (q, M), which for contacts is rounded.
-  if (!contact_ || answer.farkas.size() == 0) return;
+  if (proves || !contact_ || answer.farkas.size() == 0) return;
   cleared_vectors().farkas.swap(answer.farkas);
   answer.farkas.resize(0);
 }

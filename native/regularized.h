@@ -83,7 +83,8 @@ class Regularization {
   static void report_pass(double eps, int tries, Answer& answer);
 
   /// Turns the answer of the first try into that of the whole when none has passed: no claim of success.
-  void report_failure(TryOutcome last, Answer& answer) const;
+  /// With test=residual, one that the problem is unsolvable only where AnswerTest proves it by that deadline.
+  void report_failure(TryOutcome last, Answer& answer, double deadline_s);
 
  private:
   bool passes(const Answer& answer, double eps);

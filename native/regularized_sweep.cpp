@@ -77,6 +77,7 @@ class SweptRegularized final : public SweptSolver {
       regularization_.load(problem);
       plain_.load(regularization_.tried(0));
     });
+    time_limit_s_ = request.time_limit_s;
     tracks_.assign(1, Track{});
     for (std::uint32_t cell = 0; cell < track_of_.size(); ++cell) tracks_.front().cells.push_back(cell);
     if (!refusal.empty()) {
@@ -156,11 +157,11 @@ class SweptRegularized final : public SweptSolver {
     }
   }
 
-  void fail(const Track& track, TryOutcome last, SweptAnswers& gathered) const {
+  void fail(const Track& track, TryOutcome last, SweptAnswers& gathered) {
     Answer answer;
     answer.z.setZero(regularization_.size());
     if (track.first != nullptr) answer = *track.first;
-    regularization_.report_failure(last, answer);
+    regularization_.report_failure(last, answer, wall_clock_s() + time_limit_s_ - track.spent.wall);
     add(track, std::move(answer), gathered);
   }
 
@@ -179,6 +180,7 @@ class SweptRegularized final : public SweptSolver {
   LemkeSweep plain_;    // holds M
   LemkeSweep shifted_;  // holds M + eps I, loaded anew for each eps
   Seconds setup_;
+  double time_limit_s_ = 0;
   std::vector<Track> tracks_;
   std::vector<std::size_t> track_of_;  // of each cell, among the tracks before the present try
   std::vector<LemkeTry> tries_;

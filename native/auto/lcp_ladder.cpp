@@ -1,132 +1,205 @@
 #include "native/auto/lcp_ladder.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
-#include <string>
-#include <vector>
 
 #include "core/answer_storage.h"
-#include "core/quad.h"
-#include "core/registry.h"
 #include "core/timed_solve.h"
 
 namespace lcpbench {
-
-SolverDefinition lcpbench_solver_lemke();
-SolverDefinition lcpbench_solver_murty();
-SolverDefinition lcpbench_solver_principal_pivoting();
-SolverDefinition lcpbench_solver_psor();
-
 namespace {
 
-/// How finely the proof of another method has to hold: as well as doubles can tell.
-constexpr Quad kDouble = 4e-16;
-
-/// Above these orders 113 bits, and what Murty's method may go round in or psor sweep, take longer than a last resort
-/// should.
-constexpr Index kLargestQuad = 300;
-constexpr Index kLargestSlow = 100;
-
 /// The longest `detail` of the methods here, so that none allocates.
-constexpr std::size_t kLongestDetail = 200;
+constexpr std::size_t kLongestDetail = 80;
 
-Options with_limit(Options options, std::int64_t max_pivots) {
-  if (max_pivots > 0) options.emplace_back("max_pivots", std::to_string(max_pivots));
-  return options;
+/// Tolerances near rounding.
+constexpr double kTightPivot = 1e-13;
+constexpr double kTightZero = 1e-14;
+
+/// Systems of equations that the last rung solves before it gives up: seconds at most.
+constexpr std::int64_t kMostSystems = 20000;
+
+/// A pivot of 113 bits takes as long as some dozens in double.
+constexpr std::int64_t kQuadPivotsPerRow = 4;
+
+constexpr std::array<const char*, 7> kNames{"lemke",
+                                            "covering lemke",
+                                            "lemke, tight tolerances",
+                                            "covering lemke, quad",
+                                            "covering lemke, quad, rows with q < 0",
+                                            "lemke",
+                                            "all supports"};
+
+/// What Solver::solve does before a solver runs.
+void clear_vectors(Answer& answer) {
+  if (answer.farkas.size() > 0) cleared_vectors().farkas.swap(answer.farkas);
+  answer.farkas.resize(0);
+  answer.detail.clear();
+}
+
+LemkeSettings tested() {
+  LemkeSettings settings;
+  settings.test = LemkeAnswerTest::kResidual;
+  return settings;
 }
 
 }  // namespace
 
-void LcpLadder::make_rungs() {
-  constexpr Index kAny = std::numeric_limits<Index>::max();
-  const auto add = [this](const char* name, Index max_size, const SolverDefinition& method, const Options& options) {
-    rungs_.push_back({name, max_size, method.make(with_limit(options, max_pivots_))});
-  };
-  const SolverDefinition lemke = lcpbench_solver_lemke();
-  add("lemke, double", kAny, lemke, {{"pivot_tolerance", "1e-13"}, {"zero_tolerance", "1e-14"}, {"test", "none"}});
-  add("lemke, loose", kAny, lemke, {{"test", "none"}});
-  add("principal_pivoting", kAny, lcpbench_solver_principal_pivoting(), {});
-  add("lemke, quad", kLargestQuad, lemke, {{"precision", "quad"}});
-  add("murty", kLargestSlow, lcpbench_solver_murty(), {});
-  rungs_.push_back({"psor", kLargestSlow, lcpbench_solver_psor().make({})});  // has no pivots to limit
-}
+LcpLadder::LcpLadder(std::int64_t max_pivots) : max_pivots_(max_pivots), lemke_(tested()) {}
 
 void LcpLadder::load(const Problem& problem) {
-  if (rungs_.empty()) make_rungs();
   problem_ = problem;
-  test_.load(problem_.lcp());
+  lemke_.load(problem_);
+  if (!takes()) return;
+  covering_.load(problem_.lcp());
   attempt_.z.resize(problem_.size());
   attempt_.farkas.resize(problem_.size());
   attempt_.detail.reserve(kLongestDetail);
-  for (const Rung& rung : rungs_) {
-    if (problem_.size() <= rung.max_size) rung.solver->load(problem_);
+  if (has(Rung::kExact)) exact_.reserve(problem_.size());
+}
+
+bool LcpLadder::has(Rung rung) const {
+  switch (rung) {
+    case Rung::kCoveringQuad:
+    case Rung::kCoveringQuadNegative: return problem_.size() <= CoveringLemke::kLargestQuad;
+    case Rung::kLemkeLong: return ended_by_share_;
+    case Rung::kExact: return problem_.size() <= kLargestExact;
+    default: return true;
   }
-  if (problem_.size() <= SupportSearch::kMaxSize) search_.load(problem_.lcp());
+}
+
+/// Of a rung that others follow.
+std::int64_t LcpLadder::share_of_pivots() const {
+  const std::int64_t share = 50 + 4 * problem_.size();
+  return max_pivots_ > 0 ? std::min(share, max_pivots_ - pivots_) : share;
 }
 
 void LcpLadder::solve(const SolveRequest& request, Answer& answer, const char*& text) {
-  const double deadline_s =
-      std::isinf(request.time_limit_s) ? request.time_limit_s : wall_clock_s() + request.time_limit_s;
+  deadline_s_ = std::isinf(request.time_limit_s) ? request.time_limit_s : wall_clock_s() + request.time_limit_s;
   answer.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
-  text = "no answer passed the test";
-  for (Rung& rung : rungs_) {
-    if (problem_.size() > rung.max_size) continue;
-    const bool first = &rung == &rungs_.front();
-    SolveRequest inner = request;
-    inner.start = nullptr;
-    if (!std::isinf(deadline_s) && !first) inner.time_limit_s = deadline_s - wall_clock_s();
-    if (!(inner.time_limit_s > 0)) {
+  text = takes() ? "no answer passed the test" : "n is over the limit of lemke";
+  if (!takes()) return;
+  pivots_ = 0;
+  ended_by_share_ = ends_in_rays_ = false;
+  for (const Rung rung : {Rung::kLemke, Rung::kCovering, Rung::kLemkeTight, Rung::kCoveringQuad,
+                          Rung::kCoveringQuadNegative, Rung::kLemkeLong, Rung::kExact}) {
+    if (!has(rung)) continue;
+    if (!(wall_clock_s() < deadline_s_)) {
       answer.claim = Claim::kTimeLimit;
       return;
     }
-    rung.solver->solve(inner, attempt_);
+    attempt(rung);
     answer.counters.iterations += std::max<std::int64_t>(attempt_.counters.iterations, 0);
     answer.counters.pivots += std::max<std::int64_t>(attempt_.counters.pivots, 0);
     answer.counters.factorizations += std::max<std::int64_t>(attempt_.counters.factorizations, 0);
+    pivots_ = answer.counters.pivots;
     if (is_final(rung, answer, text)) return;
-  }
-  if (problem_.size() > SupportSearch::kMaxSize) return;
-  if (search_.run(deadline_s, test_, attempt_.z)) {
-    answer.claim = Claim::kSolved;
-    answer.z.swap(attempt_.z);
-    text = "all supports";
   }
 }
 
-/// Whether attempt_ leaves nothing more to be tried; if so `answer` is what it says.
-bool LcpLadder::is_final(const Rung& rung, Answer& answer, const char*& text) {
-  if (attempt_.claim == Claim::kSolved && test_.backward_error(attempt_.z) <= kClaimedBackwardError) {
-    if (test_.disproves(attempt_.z)) {
-      report_unsolvable(test_.proof(), answer, text);
-      return true;
-    }
+void LcpLadder::attempt(Rung rung) {
+  switch (rung) {
+    case Rung::kLemke:
+    case Rung::kLemkeTight:
+    case Rung::kLemkeLong: return run_lemke(rung);
+    case Rung::kCovering:
+    case Rung::kCoveringQuad:
+    case Rung::kCoveringQuadNegative: return run_covering(rung);
+    case Rung::kExact: return run_exact();
+  }
+}
+
+void LcpLadder::run_lemke(Rung rung) {
+  const LemkeSettings defaults;
+  const bool tight = rung == Rung::kLemkeTight;
+  lemke_.use_tolerances(tight ? kTightPivot : defaults.pivot_tolerance, tight ? kTightZero : defaults.zero_tolerance);
+  std::int64_t limit = share_of_pivots();
+  if (rung == Rung::kLemkeLong) {
+    limit = std::min<std::int64_t>(1000 + 20 * problem_.size(), lemke_pivot_limit(defaults, problem_.size()));
+    if (max_pivots_ > 0) limit = std::min(limit, max_pivots_ - pivots_);
+  }
+  lemke_.limit_pivots(limit);
+  const bool unlimited = std::isinf(deadline_s_);
+  lemke_.solve({.time_limit_s = unlimited ? deadline_s_ : deadline_s_ - wall_clock_s()}, attempt_);
+  if (rung == Rung::kLemke) {
+    ends_in_rays_ = attempt_.claim == Claim::kNumericalFailure && attempt_.detail == "ray";
+    ended_by_share_ = attempt_.claim == Claim::kIterationLimit && limit < lemke_pivot_limit(defaults, problem_.size());
+  }
+}
+
+void LcpLadder::run_covering(Rung rung) {
+  using Cover = CoveringLemke::Cover;
+  CoveringLemke::Limits limits{.deadline_s = deadline_s_, .pivots = share_of_pivots()};
+  if (rung != Rung::kCovering) limits.pivots = std::min(limits.pivots, 20 + kQuadPivotsPerRow * problem_.size());
+  const Cover cover = rung == Rung::kCoveringQuadNegative ? Cover::kNegative : Cover::kAll;
+  clear_vectors(attempt_);
+  const CoveringLemke::End end = rung == Rung::kCovering ? covering_.run<double>(cover, limits, attempt_.z)
+                                                         : covering_.run<Quad>(cover, limits, attempt_.z);
+  attempt_.counters = {.iterations = covering_.pivots(), .pivots = covering_.pivots(), .factorizations = 0};
+  attempt_.claim = Claim::kNumericalFailure;
+  if (rung == Rung::kCovering) ends_in_rays_ = ends_in_rays_ && end == CoveringLemke::End::kRay;
+  if (end == CoveringLemke::End::kSolved) {
+    attempt_.claim = Claim::kSolved;
+    lemke_.answer_test().settle(attempt_, deadline_s_);
+  } else if (end == CoveringLemke::End::kTimeLimit) {
+    attempt_.claim = Claim::kTimeLimit;
+  }
+}
+
+void LcpLadder::run_exact() {
+  using End = enumeration::ExactSearch::End;
+  exact_.load(problem_.lcp());
+  clear_vectors(attempt_);
+  attempt_.counters = {};
+  attempt_.claim = Claim::kNumericalFailure;
+  const End end = exact_.run(deadline_s_, kMostSystems);
+  if (end == End::kNone) attempt_.claim = Claim::kUnsolvable;
+  if (end == End::kTimeLimit) attempt_.claim = Claim::kTimeLimit;
+  if (end != End::kFound) return;
+  attempt_.z.setZero();
+  for (std::size_t k = 0; k < exact_.support().size(); ++k) attempt_.z(exact_.support()[k]) = exact_.nearest(k);
+  attempt_.claim = Claim::kSolved;
+  lemke_.answer_test().settle(attempt_, deadline_s_);
+}
+
+/// Whether attempt_, which was tested, leaves nothing more to be tried; if so `answer` is what it says.
+bool LcpLadder::is_final(Rung rung, Answer& answer, const char*& text) {
+  if (attempt_.claim == Claim::kSolved) {
     answer.claim = Claim::kSolved;
     answer.z.swap(attempt_.z);
-    text = rung.name;
+    text = kNames[static_cast<std::size_t>(rung)];
     return true;
   }
-  if (attempt_.claim == Claim::kUnsolvable && test_.proves(attempt_.farkas, kDouble)) {
-    report_unsolvable(attempt_.farkas, answer, text);
+  if (attempt_.claim == Claim::kUnsolvable) {
+    answer.claim = Claim::kUnsolvable;
+    text = "proven: every support of z is ruled out";
+    if (attempt_.farkas.size() == 0) return true;
+    answer.farkas.swap(attempt_.farkas);
+    text = "proven by u >= 0 with M'u <= 0, q'u < 0";
     return true;
+  }
+  if (attempt_.claim == Claim::kTimeLimit) {
+    answer.claim = Claim::kTimeLimit;
+    return true;
+  }
+  if (ends_in_rays_ && !has(Rung::kExact)) {
+    if (rung == Rung::kLemke && lemke_.answer_test().nearly_disproved()) {
+      text = "ray: unsolvable to rounding, without a proof in doubles";
+      return true;
+    }
+    if (rung == Rung::kCovering) {
+      text = "rays with two covering vectors, without a proof";
+      return true;
+    }
   }
   // All methods share the limit: what one has used up, the next would exceed.
-  if (max_pivots_ > 0 && answer.counters.pivots >= max_pivots_) {
+  if (max_pivots_ > 0 && pivots_ >= max_pivots_) {
     answer.claim = Claim::kIterationLimit;
     text = "pivot limit";
     return true;
   }
-  if (attempt_.claim == Claim::kTimeLimit) answer.claim = Claim::kTimeLimit;
-  return attempt_.claim == Claim::kTimeLimit;
-}
-
-/// As unsolvable, with its proof, which `farkas` is.
-void LcpLadder::report_unsolvable(const Vector& proof, Answer& answer, const char*& text) {
-  answer.claim = Claim::kUnsolvable;
-  Vector& farkas = cleared_vectors().farkas;
-  farkas = proof;
-  answer.farkas.swap(farkas);
-  text = "proven by u >= 0 with M'u <= 0, q'u < 0";
+  return false;
 }
 
 }  // namespace lcpbench

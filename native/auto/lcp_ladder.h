@@ -1,25 +1,24 @@
 #pragma once
 
-#include <memory>
-#include <vector>
-
 #include "core/problem.h"
 #include "core/solver.h"
-#include "native/auto/support_search.h"
-#include "native/bare_lcp_test.h"
+#include "native/auto/covering_lemke.h"
+#include "native/enumeration/exact_search.h"
+#include "native/lemke.h"
 
 namespace lcpbench {
 
-/// Solves a bare LCP by one method after the other until an answer passes BareLcpTest, whose bound is the verdict's.
+/// Solves a bare LCP by one method after the other until an answer passes AnswerTest, or the problem is proven to have
+/// no solution.
 ///
-/// Lemke's method with tolerances near rounding, the same with those of LEMKE, principal pivoting (which may prove that
-/// there is no solution), Lemke's method in 113 bits, Murty's and psor where they are not too large, and up to n =
-/// 12 all supports. An answer that passes, but
-/// violates w >= 0 by more than rounding, is no solution where its basis proves so exactly. All are loaded with the
-/// problem; nothing allocates in solve().
+/// First `lemke` as it is by itself; CoveringLemke in double; `lemke` with tolerances near rounding; CoveringLemke, up
+/// to CoveringLemke::kLargestQuad rows, in 113 bits with both covering vectors; `lemke` again, longer, where only its
+/// share of pivots ended it; and up to kLargestExact rows every support in exact arithmetic. Above kLargestExact rows
+/// it ends where the first two end in rays. The methods have a share of pivots in proportion to n, which a path that
+/// does not go round seldom needs. All memory is taken by load(); nothing allocates in solve().
 class LcpLadder {
  public:
-  explicit LcpLadder(std::int64_t max_pivots) : max_pivots_(max_pivots) {}
+  explicit LcpLadder(std::int64_t max_pivots);
 
   /// @param problem a bare LCP
   void load(const Problem& problem);
@@ -28,22 +27,37 @@ class LcpLadder {
   void solve(const SolveRequest& request, Answer& answer, const char*& text);
 
  private:
-  struct Rung {
-    const char* name;  ///< of the solver, and what is said where it gave the answer
-    Index max_size;
-    std::unique_ptr<Solver> solver;
+  static constexpr Index kLargestExact = enumeration::ExactSearch::kMaxSize;
+
+  enum class Rung {
+    kLemke,
+    kCovering,
+    kLemkeTight,
+    kCoveringQuad,
+    kCoveringQuadNegative,
+    kLemkeLong,
+    kExact,
   };
 
-  void make_rungs();
-  bool is_final(const Rung& rung, Answer& answer, const char*& text);
-  static void report_unsolvable(const Vector& proof, Answer& answer, const char*& text);
+  bool takes() const { return problem_.size() <= lemke_.capabilities().max_size; }
+  bool has(Rung rung) const;
+  void attempt(Rung rung);
+  void run_lemke(Rung rung);
+  void run_covering(Rung rung);
+  void run_exact();
+  bool is_final(Rung rung, Answer& answer, const char*& text);
+  std::int64_t share_of_pivots() const;
 
   Problem problem_;
   std::int64_t max_pivots_;
-  std::vector<Rung> rungs_;
-  BareLcpTest test_;
-  SupportSearch search_;
+  Lemke lemke_;
+  CoveringLemke covering_;
+  enumeration::ExactSearch exact_;
   Answer attempt_;
+  double deadline_s_ = 0;
+  std::int64_t pivots_ = 0;      // of all rungs so far
+  bool ended_by_share_ = false;  // the first rung
+  bool ends_in_rays_ = false;    // all rungs so far, of the first two
 };
 
 }  // namespace lcpbench

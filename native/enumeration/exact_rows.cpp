@@ -49,6 +49,11 @@ void assign(Integer to, const Dyadic& x, int exponent) {
 
 }  // namespace
 
+void Rows::reserve(Index n) {
+  bits_.reserve(static_cast<std::size_t>(n));
+  limbs_.reserve(static_cast<std::size_t>(n * (n + 1)) * kMostLimbs);
+}
+
 void Rows::load(const Lcp& lcp) {
   // The Euclidean length of twelve entries is below 2^2 times the largest.
   constexpr std::size_t kLengthBits = 2;

@@ -11,7 +11,13 @@ namespace lcpbench::enumeration {
 /// Scaling a row scales its w alone, so solutions stay what they are.
 class Rows {
  public:
-  /// O(n^2), at most 34 limbs for each entry. Allocates.
+  /// Limbs of an entry at most: the exponents of doubles span 2098 bits.
+  static constexpr std::size_t kMostLimbs = 34;
+
+  /// Room for any problem of that order. Allocates.
+  void reserve(Index n);
+
+  /// O(n^2), at most kMostLimbs limbs for each entry. Allocates where there is no room.
   void load(const Lcp& lcp);
 
   Index size() const { return static_cast<Index>(bits_.size()); }

@@ -4,6 +4,19 @@
 
 namespace lcpbench::enumeration {
 
+void System::reserve(Index order) {
+  const auto n = static_cast<std::size_t>(order);
+  const std::size_t stride = n * Rows::kMostLimbs + 1;
+  entries_.reserve(n * (n + 1) * stride);
+  numerators_.reserve(n * stride);
+  denominator_.reserve(stride);
+  factor_.reserve(stride + 2);
+  sum_.reserve(2 * stride + 1);
+  steps_.resize(n);
+  for (Step& step : steps_) step.pivot.reserve(stride);
+  one_.reserve(1);
+}
+
 void System::load(const Rows& rows) {
   rows_ = &rows;
   const auto n = static_cast<std::size_t>(rows.size());

@@ -8,14 +8,18 @@
 namespace lcpbench::enumeration {
 
 /// A system of linear equations that takes its rows one by one, exactly, by fraction-free elimination: every entry is a
-/// determinant of the data, every division exact. O(rank columns) operations per row. Nothing but load() allocates.
-/// [Bareiss 1968]
+/// determinant of the data, every division exact. O(rank columns) operations per row. Nothing but reserve() and load()
+/// allocate. [Bareiss 1968]
 ///
 /// The unknowns are some z_j, the equations M_i z = -q_i. All numbers have the length that Hadamard's inequality grants
 /// to a determinant of the rows so far.
 class System {
  public:
-  /// @param rows must stay as they are until the next load. Allocates room for n (n + 1) determinants of all rows.
+  /// Room for any problem of that order. Allocates.
+  void reserve(Index n);
+
+  /// @param rows must stay as they are until the next load. Allocates room for n (n + 1) determinants of all rows,
+  /// where there is none.
   void load(const Rows& rows);
 
   /// Begins anew, without equations. @param columns the unknowns; must stay as they are while the system is used

@@ -1,0 +1,218 @@
+#include "native/auto/covering_lemke.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <type_traits>
+#include <utility>
+
+#include "core/timed_solve.h"
+
+namespace lcpbench {
+namespace {
+
+/// Relative to the entries of a scaled tableau: below this is rounding.
+template <class Scalar>
+constexpr Scalar kNoise = Scalar(sizeof(Scalar) == sizeof(double) ? 1e-11 : 0x1p-90);
+
+constexpr int kPivotsPerClockReading = 8;
+
+/// Numbers in (1, 2) of which no small combination vanishes: the second right-hand side.
+double generic(Index i) {
+  const double turn = 0.6180339887498949 * static_cast<double>(i + 1);
+  return 1 + (turn - std::floor(turn));
+}
+
+template <class Scalar>
+Scalar power(int exponent) {
+  Scalar result = 1;
+  for (; exponent > 1000; exponent -= 1000) result *= Scalar(0x1p1000);
+  for (; exponent < -1000; exponent += 1000) result *= Scalar(0x1p-1000);
+  return result * static_cast<Scalar>(std::ldexp(1.0, exponent));
+}
+
+template <class Scalar>
+Scalar magnitude(Scalar x) {
+  return x < 0 ? -x : x;
+}
+
+}  // namespace
+
+/// basic = q + epsilon p + A nonbasic, by columns: those of A, q, p.
+template <class Scalar>
+struct CoveringLemke::Tableau {
+  Scalar* entries = nullptr;
+  Index n = 0;
+
+  Scalar* column(Index k) const { return entries + k * n; }
+  Scalar* q() const { return column(n + 1); }
+  Scalar* p() const { return column(n + 2); }
+
+  /// Exchanges the basic variable of row r with the nonbasic one of column k.
+  void exchange(Index r, Index k) const {
+    Scalar* const pivot = column(k);
+    const Scalar inverse = 1 / pivot[r];
+    for (Index l = 0; l < n + 3; ++l) {
+      Scalar* const other = column(l);
+      if (l == k || other[r] == 0) continue;
+      const Scalar factor = -other[r] * inverse;
+      for (Index i = 0; i < n; ++i) other[i] += pivot[i] * factor;
+      other[r] = factor;
+    }
+    for (Index i = 0; i < n; ++i) pivot[i] *= inverse;
+    pivot[r] = inverse;
+  }
+};
+
+void CoveringLemke::load(const Lcp& lcp) {
+  lcp_ = &lcp;
+  n_ = lcp.size();
+  const auto count = static_cast<std::size_t>(n_);
+  exponent_.resize(count);
+  basic_.resize(count);
+  nonbasic_.resize(count + 1);
+  if (n_ <= room_) return;
+  room_ = n_;
+  double_ = std::make_unique_for_overwrite<double[]>(count * (count + 3));
+  if (n_ <= kLargestQuad) quad_ = std::make_unique_for_overwrite<Quad[]>(count * (count + 3));
+}
+
+/// Diagonal entries to about one, and rows without one so that their largest entry is.
+void CoveringLemke::scale() {
+  constexpr int kNothing = std::numeric_limits<int>::min();
+  const auto exponent = [](double x) { return x == 0 ? kNothing : std::ilogb(x); };
+  for (Index i = 0; i < n_; ++i) {
+    const int own = exponent(lcp_->M(i, i));
+    exponent_[static_cast<std::size_t>(i)] = own == kNothing ? kNothing : -own / 2;
+  }
+  for (Index i = 0; i < n_; ++i) {
+    if (exponent_[static_cast<std::size_t>(i)] != kNothing) continue;
+    int largest = kNothing;
+    for (Index j = 0; j < n_; ++j) {
+      const int other = exponent_[static_cast<std::size_t>(j)];
+      const int entry = std::max(exponent(lcp_->M(i, j)), exponent(lcp_->M(j, i)));
+      if (entry != kNothing) largest = std::max(largest, entry + (other == kNothing ? 0 : other));
+    }
+    exponent_[static_cast<std::size_t>(i)] = largest == kNothing ? 0 : -largest;
+  }
+}
+
+template <class Scalar>
+void CoveringLemke::fill(Tableau<Scalar>& tableau, Cover cover) {
+  constexpr int kNothing = std::numeric_limits<int>::min();
+  int largest = kNothing;
+  for (Index i = 0; i < n_; ++i) {
+    if (lcp_->q(i) != 0) largest = std::max(largest, std::ilogb(lcp_->q(i)) + exponent_[static_cast<std::size_t>(i)]);
+  }
+  if (largest == kNothing) largest = 0;
+  for (Index j = 0; j < n_; ++j) {
+    for (Index i = 0; i < n_; ++i) {
+      const int exponent = exponent_[static_cast<std::size_t>(i)] + exponent_[static_cast<std::size_t>(j)];
+      const double entry = lcp_->M(i, j);
+      tableau.column(j)[i] = entry == 0 ? Scalar(0) : static_cast<Scalar>(entry) * power<Scalar>(exponent);
+    }
+    nonbasic_[static_cast<std::size_t>(j)] = n_ + j;
+  }
+  for (Index i = 0; i < n_; ++i) {
+    const int exponent = exponent_[static_cast<std::size_t>(i)] - largest;
+    tableau.q()[i] = lcp_->q(i) == 0 ? Scalar(0) : static_cast<Scalar>(lcp_->q(i)) * power<Scalar>(exponent);
+    tableau.p()[i] = static_cast<Scalar>(generic(i));
+    tableau.column(n_)[i] = Scalar(cover == Cover::kAll || lcp_->q(i) < 0 ? 1 : 0);
+    basic_[static_cast<std::size_t>(i)] = i;
+  }
+  nonbasic_[static_cast<std::size_t>(n_)] = 2 * n_;
+}
+
+/// Where the artificial variable comes in: the last w_i to become nonnegative as it grows.
+template <class Scalar>
+Index CoveringLemke::first_row(const Tableau<Scalar>& tableau) const {
+  Index row = -1;
+  for (Index i = 0; i < n_; ++i) {
+    if (!(tableau.q()[i] < 0)) continue;
+    const bool lower = row < 0 || tableau.q()[i] < tableau.q()[row] ||
+                       (tableau.q()[i] == tableau.q()[row] && tableau.p()[i] < tableau.p()[row]);
+    if (lower) row = i;
+  }
+  return row;
+}
+
+/// The row whose variable falls to zero first; -1: none. The artificial variable's where that is tied.
+template <class Scalar>
+Index CoveringLemke::blocking_row(const Tableau<Scalar>& tableau, Index entering, Index artificial_row) const {
+  const Scalar* const column = tableau.column(entering);
+  Scalar largest = 0;
+  Scalar reach = 0;  // of the right-hand side
+  for (Index i = 0; i < n_; ++i) {
+    largest = std::max(largest, magnitude(column[i]));
+    reach = std::max(reach, magnitude(tableau.q()[i]));
+  }
+  const Scalar least_pivot = kNoise<Scalar> * std::max(largest, Scalar(1));
+  const Scalar zero = kNoise<Scalar> * reach;
+  Scalar least = std::numeric_limits<double>::infinity();
+  for (Index i = 0; i < n_; ++i) {
+    if (-column[i] > least_pivot) least = std::min(least, (std::max(tableau.q()[i], Scalar(0)) + zero) / -column[i]);
+  }
+  Index row = -1;
+  for (Index i = 0; i < n_; ++i) {
+    if (!(-column[i] > least_pivot) || !(std::max(tableau.q()[i], Scalar(0)) / -column[i] <= least)) continue;
+    if (i == artificial_row) return i;
+    // Ties: the second right-hand side decides, exactly: p_i / -a_i < p_row / -a_row.
+    if (row < 0 || tableau.p()[i] * -column[row] < tableau.p()[row] * -column[i]) row = i;
+  }
+  return row;
+}
+
+template <class Scalar>
+void CoveringLemke::write_solution(const Tableau<Scalar>& tableau, Vector& z) const {
+  int largest = std::numeric_limits<int>::min();
+  for (Index i = 0; i < n_; ++i) {
+    if (lcp_->q(i) != 0) largest = std::max(largest, std::ilogb(lcp_->q(i)) + exponent_[static_cast<std::size_t>(i)]);
+  }
+  z.setZero();
+  for (Index r = 0; r < n_; ++r) {
+    const Index variable = basic_[static_cast<std::size_t>(r)];
+    if (variable < n_ || variable >= 2 * n_ || !(tableau.q()[r] > 0)) continue;
+    const Index i = variable - n_;
+    z(i) = static_cast<double>(tableau.q()[r] * power<Scalar>(exponent_[static_cast<std::size_t>(i)] + largest));
+  }
+}
+
+template <class Scalar>
+CoveringLemke::End CoveringLemke::run(Cover cover, const Limits& limits, Vector& z) {
+  pivots_ = 0;
+  scale();
+  Tableau<Scalar> tableau{nullptr, n_};
+  if constexpr (std::is_same_v<Scalar, Quad>) {
+    tableau.entries = quad_.get();
+  } else {
+    tableau.entries = double_.get();
+  }
+  fill(tableau, cover);
+  Index row = first_row(tableau);
+  z.setZero();
+  if (row < 0) return End::kSolved;
+  Index entering = n_;
+  for (Index artificial_row = row;;) {
+    if (pivots_ % kPivotsPerClockReading == 0 && !(wall_clock_s() < limits.deadline_s)) return End::kTimeLimit;
+    if (pivots_ >= limits.pivots) return End::kPivotLimit;
+    tableau.exchange(row, entering);
+    ++pivots_;
+    auto& leaving = basic_[static_cast<std::size_t>(row)];
+    std::swap(leaving, nonbasic_[static_cast<std::size_t>(entering)]);
+    const Index left = nonbasic_[static_cast<std::size_t>(entering)];
+    if (left == 2 * n_) break;
+    const Index complement = left < n_ ? left + n_ : left - n_;
+    const auto found = std::find(nonbasic_.begin(), nonbasic_.end(), complement);
+    entering = static_cast<Index>(found - nonbasic_.begin());
+    row = blocking_row(tableau, entering, artificial_row);
+    if (row < 0) return End::kRay;
+  }
+  write_solution(tableau, z);
+  return z.allFinite() ? End::kSolved : End::kBreakdown;
+}
+
+template CoveringLemke::End CoveringLemke::run<double>(Cover, const Limits&, Vector&);
+template CoveringLemke::End CoveringLemke::run<Quad>(Cover, const Limits&, Vector&);
+
+}  // namespace lcpbench
