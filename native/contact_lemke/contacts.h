@@ -52,11 +52,17 @@ class Contacts {
   Count padded_nc() const { return padded_nc_; }
   const Scalar* velocity() const { return velocity_.data(); }
   Scalar speed() const { return speed_; }
-  /// Whether v is not zero, however small.
-  bool moves() const { return largest_magnitude(velocity_.data(), ngc()) > 0; }
   const Scalar* normals() const { return normals_.data(); }
   /// The largest Euclidean norm of a normal.
   Scalar reach() const { return reach_; }
+
+  Count islands() const { return input_.island_of_contact == nullptr ? 1 : input_.islands; }
+  Count island_of_contact(Count contact) const {
+    return input_.island_of_contact == nullptr ? 0 : input_.island_of_contact[contact];
+  }
+  Count island_of_coordinate(Count coordinate) const {
+    return input_.island_of_coordinate == nullptr ? 0 : input_.island_of_coordinate[coordinate];
+  }
 
   Count edges(Count contact) const { return input_.friction_begin[contact + 1] - input_.friction_begin[contact]; }
   Count half(Count contact) const { return edges(contact) / 2; }
@@ -85,19 +91,6 @@ class Contacts {
   /// slip[t] = direction_t'u of the first half; slip holds padded_half() entries.
   void slip(Count contact, const Scalar* u, Scalar* slip) {
     combine(block(contact), padded_half(contact), ngc(), u, slip, padded_half(contact));
-  }
-
-  /// The largest |direction'u| of a contact, without transposing anything.
-  Scalar largest_slip(Count contact, const Scalar* u) const {
-    const double* const first = input_.D + first_direction(contact) * ngc();
-    Scalar largest = 0;
-    for (Count t = 0; t < half(contact); ++t) {
-      const double* const column = first + t * ngc();
-      Scalar sum = 0;
-      for (Count i = 0; i < ngc(); ++i) sum += static_cast<Scalar>(column[i]) * u[i];
-      if (!(magnitude(sum) <= largest)) largest = number_or_infinity(magnitude(sum));
-    }
-    return largest;
   }
 
   const double* impulse_column(Count column) const {
