@@ -30,6 +30,8 @@ class Whitening {
     weight_.resize(contact_lanes_ + 1);
     columns_.resize(ngc_ * velocity_lanes_ + 1);
     inverse_diagonal_.resize(velocity_lanes_ + 1);
+    root_.resize(velocity_lanes_ + 1);
+    probe_.resize(velocity_lanes_ + 1);
     pivots_.resize(velocity_lanes_ + 1);
     solution_.resize(velocity_lanes_ + 1);
     if (kLastPrecision || input.form != InertiaForm::kDense) reserve_factors(input);
@@ -70,6 +72,12 @@ class Whitening {
 
   /// Relative size of the rounding errors in a whitened normal, about.
   Scalar noise() const { return noise_; }
+
+  /// C'C differs from G by no more than backward_error() root(i) root(j) in each entry, and the least eigenvalue of G
+  /// scaled to unit diagonal is likely to be well above 1 / condition(). @pre triangular()
+  Scalar root(Count i) const { return root_[i]; }
+  Scalar backward_error() const { return static_cast<Scalar>(kRoundings * static_cast<double>(ngc_ + 1)) * kEpsilon; }
+  Scalar condition() const { return condition_; }
 
   /// Whitened normal `contact`, velocity_lanes() entries. Gathered from the rows on first use: many contacts never
   /// press.
@@ -119,6 +127,8 @@ class Whitening {
  private:
   static constexpr bool kLastPrecision = sizeof(Scalar) > sizeof(double);
   static constexpr Scalar kEpsilon = 2 * L::kUnitRoundoff;
+  static constexpr double kRoundings = 2;  ///< of a product and a sum in each of the ngc steps of the elimination
+  static constexpr double kMargin = 1000;  ///< of the estimated condition
 
   void set_dimensions(const Input& input) {
     ngc_ = input.ngc;
@@ -221,6 +231,7 @@ class Whitening {
     for (Count i = 0; i < velocity_lanes_; i += L::kWidth) {
       growth = L::max(L::load(inverse_diagonal_.data() + i) / L::load(pivots_.data() + i), growth);
     }
+    for (Count i = 0; i < velocity_lanes_; ++i) root_[i] = L::square_root(inverse_diagonal_[i]);
     // A loop of its own, which compilers turn into roots of whole registers.
     for (Count i = 0; i < velocity_lanes_; ++i) inverse_diagonal_[i] = 1 / L::square_root(pivots_[i]);
     for (Count i = 0; i < ngc_; ++i) {
@@ -230,10 +241,33 @@ class Whitening {
       for (Count j = 0; j <= i; ++j) column[j] = work_row(j)[i];
       for (Count j = i + 1; j < velocity_lanes_; ++j) column[j] = 0;
     }
-    set_noise(L::square_root(L::max(growth)));
+    const Scalar most = L::max(growth);
+    set_noise(L::square_root(most));
     for (Count i = 0; i < ngc_; ++i) {  // what elimination left below the diagonal
       for (Count j = i / L::kWidth * L::kWidth; j < i; ++j) work_row(i)[j] = 0;
     }
+    estimate_condition(most);
+  }
+
+  /// |A^-1 r| / |r|, A being G scaled to unit diagonal and r of entries 1 and -1, each of which makes the solution of
+  /// C'x = r grow most. No such estimate exceeds the norm of A^-1, and few fall short of it by more than ten times; the
+  /// growth of the pivots is another. The margin is for the rest. O(ngc^2)
+  void estimate_condition(Scalar growth) {
+    Scalar* const x = probe_.data();
+    set_zero(x, velocity_lanes_);
+    for (Count i = 0; i < ngc_; ++i) {
+      const Scalar value = (x[i] < 0 ? x[i] - root_[i] : x[i] + root_[i]) * inverse_diagonal_[i];
+      const Count first = i / L::kWidth * L::kWidth;
+      add_multiple(x + first, -value, rows_.data() + i * stride_ + first, velocity_lanes_ - first);
+      solution_[i] = value;
+    }
+    take_solution(x);
+    solve(x);
+    Scalar sum = 0;
+    for (Count i = 0; i < ngc_; ++i) sum += root_[i] * x[i] * root_[i] * x[i];
+    const Scalar norm = L::square_root(sum / static_cast<Scalar>(static_cast<double>(ngc_)));
+    condition_ = static_cast<Scalar>(kMargin) * (norm > growth ? norm : growth);
+    if (!finite(condition_)) condition_ = kInfinity<Scalar>;
   }
 
   /// Rounding errors grow with the cancellation in the pivots; the constant leaves room for their number.
@@ -434,10 +468,13 @@ class Whitening {
   Count stride_ = 0;
   bool triangular_ = false;
   Scalar noise_ = 0;
+  Scalar condition_ = 0;
 
   Buffer<Scalar> rows_;              // rank rows: [C W], or [S' W]
   Buffer<Scalar> columns_;           // of C
   Buffer<Scalar> inverse_diagonal_;  // of C; during the elimination the diagonal of G
+  Buffer<Scalar> root_;              // of the diagonal of G
+  Buffer<Scalar> probe_;
   Buffer<Scalar> pivots_;            // of the elimination
   Buffer<Scalar> solution_;
   Buffer<Scalar> normals_;   // N by rows
