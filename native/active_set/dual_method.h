@@ -37,6 +37,7 @@ class DualMethod {
   void load(const Input& input) {
     reserve(input);
     usable_ = whitening_.load(input);
+    if (usable_) coarse_rounding_ = coarse_rounding();
     islands_ = input.island_of_contact == nullptr ? 1 : input.islands;
     island_of_contact_ = input.island_of_contact;
     island_of_coordinate_ = input.island_of_coordinate;
@@ -416,7 +417,7 @@ class DualMethod {
     Scalar worst = 0;            ///< max |min(|W_j|^2 z_j, w_j)|
     Scalar largest = 0;          ///< max |W_j|^2
     Scalar terms = 0;            ///< sum of |W_j| z_j
-    Scalar squared_change = 0;   ///< of u - v by coordinate, each times root(i)
+    Scalar squared_change = 0;   ///< sum of (u - v)_i^2 G_ii
     Scalar scale = 0;            ///< max|q|, or the floor that the rounding of q sets
   };
 
@@ -436,29 +437,28 @@ class DualMethod {
     }
     combine_rows(slack_.data(), given_.data(), whitening_.row(0), whitening_.row_stride(), test_.data(),
                  whitening_.rank(), contact_lanes());
-    if (whitening_.triangular()) whitening_.solve(test_.data());  // u - v
     if (islands_ == 1 && passes_as_a_whole(pressed, limit)) return true;
+    if (whitening_.triangular()) whitening_.solve(test_.data());  // u - v
     return passes_by_islands(pressed, limit);
   }
 
-  /// All contacts in one island, and max|q| for its scale.
+  /// All contacts in one island, max|q| for its scale, and a coarse bound for all rounding.
   bool passes_as_a_whole(Count pressed, Scalar limit) {
-    auto worst = L::broadcast(0), largest = L::broadcast(0), poison = L::broadcast(0);
+    auto worst = L::broadcast(0), largest = L::broadcast(0), squares = L::broadcast(0), poison = L::broadcast(0);
     for (Count j = 0; j < contact_lanes(); j += L::kWidth) {
       const auto squared = L::load(whitening_.squared_norms() + j);
-      const auto least = L::min(squared * L::load(impulse_.data() + j), L::load(slack_.data() + j));
+      const auto impulse = L::load(impulse_.data() + j);
+      const auto pressure = squared * impulse;
+      const auto least = L::min(pressure, L::load(slack_.data() + j));
+      squares += pressure * impulse;
       worst = L::max(L::max(least, -least), worst);
       largest = L::max(squared, largest);
       poison += least - least;
     }
     if (!(L::sum(poison) == 0)) return false;
-    Measure all;
-    all.worst = L::max(worst);
-    all.largest = L::max(largest);
-    all.scale = largest_given();
-    for (Count k = 0; k < pressed; ++k) add_terms(active_[k], all);
-    for (Count i = 0; i < whitening_.ngc() && whitening_.triangular(); ++i) add_change(i, all);
-    return passes(all, pressed, limit);
+    // No impulse moves the velocities by more than this root, by Cauchy and Schwarz.
+    const Scalar moved = L::square_root(L::max(largest) * L::sum(squares) * static_cast<Scalar>(static_cast<double>(pressed)));
+    return L::max(worst) + coarse_rounding_ * moved <= limit * largest_given();
   }
 
   void add_terms(Count contact, Measure& measure) const {
@@ -466,8 +466,7 @@ class DualMethod {
   }
 
   void add_change(Count i, Measure& measure) const {
-    const Scalar change = whitening_.root(i) * test_[i];
-    measure.squared_change += change * change;
+    measure.squared_change += whitening_.diagonal(i) * test_[i] * test_[i];
   }
 
   bool passes(const Measure& measure, Count pressed, Scalar limit) const {
@@ -488,6 +487,17 @@ class DualMethod {
     if (!(error * whitening_.condition() < static_cast<Scalar>(kTrusted))) return kInfinity<Scalar>;
     return reach * L::square_root(whitening_.condition()) *
            (error * L::square_root(measure.squared_change) + sums * L::square_root(size) * measure.terms);
+  }
+
+  /// rounding(), relative to a bound on all |W_i'W_j| z_j that count, whatever the answer.
+  Scalar coarse_rounding() const {
+    const Scalar size = static_cast<Scalar>(static_cast<double>(whitening_.ngc()));
+    const Scalar sums = static_cast<Scalar>(kTestRoundings + 2 * static_cast<double>(whitening_.ngc())) *
+                        static_cast<Scalar>(L::kUnitRoundoff);
+    if (!whitening_.triangular()) return 2 * whitening_.noise() + sums;
+    const Scalar lost = size * whitening_.backward_error() * whitening_.condition();
+    if (!(lost < static_cast<Scalar>(kTrusted))) return kInfinity<Scalar>;
+    return lost + sums * L::square_root(size * whitening_.condition());
   }
 
   bool passes_by_islands(Count pressed, Scalar limit) {
@@ -560,6 +570,7 @@ class DualMethod {
   Buffer<Scalar> impulse_;  // by contact
   Buffer<Scalar> test_;
 
+  Scalar coarse_rounding_ = 0;
   Count islands_ = 1;
   const Count* island_of_contact_ = nullptr;  // nullptr: all are in one
   const Count* island_of_coordinate_ = nullptr;

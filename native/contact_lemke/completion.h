@@ -40,16 +40,12 @@ class Completion {
     add_impulses(z, contacts_.nc() + contacts_.first_direction(contacts_.nc()));
     response_.apply(impulse_.data(), change_.data());
     for (Count i = 0; i < contacts_.padded_ngc(); ++i) u_[i] = contacts_.velocity()[i] + change_[i];
-    for (Count k = 0; k < contacts_.islands(); ++k) worst_[k] = certain_[k] = scale_[k] = 0;
     bound_rounding();
-    Count lambda = contacts_.nc() + contacts_.first_direction(contacts_.nc());
-    for (Count c = 0; c < contacts_.nc(); ++c) {
-      if (contacts_.edges(c) > 0) measure_friction(c, z, z[lambda++]);
-    }
     const Count length = contacts_.padded_nc();
     combine(contacts_.normals(), length, contacts_.ngc(), u_.data(), normal_velocity_.data(), length);
     contact_lemke::Residual residual;
     if (contacts_.islands() == 1 && is_beyond_doubt(z, residual)) return residual;
+    measure_friction(z, [this](Count row) { return product(contacts_.impulse_column(row), bound_.data()); });
     for (Count c = 0; c < contacts_.nc(); ++c) {
       offer(c, normal_velocity_[c], z[c], product(contacts_.impulse_column(c), bound_.data()));
     }
@@ -105,26 +101,49 @@ class Completion {
     const Scalar sums = roundoff * static_cast<Scalar>(static_cast<double>(4 + 2 * contacts_.ngc() + terms_));
     const Scalar dots = roundoff * static_cast<Scalar>(static_cast<double>(2 + contacts_.ngc()));
     const Scalar* const reach = response_.reach();
+    const Scalar error = response_.backward_error();
+    const Count length = contacts_.padded_ngc();
+    is_known_ = error < kInfinity<Scalar>;
+    for (Count i = 0; i < length; ++i) {
+      if (magnitude_[i] > 0 && magnitude_[i] < static_cast<Scalar>(kSmallestSafe<Scalar>)) is_known_ = false;
+      bound_[i] = magnitude(change_[i]);
+    }
+    if (contacts_.islands() == 1) {
+      rounded_[0] = sums * dot(reach, magnitude_.data(), length);
+      if (is_known_) rounded_[0] += error * dot(reach, response_.root(), length) * dot(response_.root(), bound_.data(), length);
+      for (Count i = 0; i < length; ++i) {
+        bound_[i] = reach[i] * rounded_[0] + dots * (magnitude(contacts_.velocity()[i]) + bound_[i]);
+      }
+    } else {
+      bound_rounding_of_islands(sums, dots);
+    }
+  }
+
+  void bound_rounding_of_islands(Scalar sums, Scalar dots) {
+    const Scalar* const reach = response_.reach();
     const Scalar* const root = response_.root();
+    const Scalar error = is_known_ ? response_.backward_error() : Scalar(0);
     for (Count k = 0; k < contacts_.islands(); ++k) rounded_[k] = lost_[k] = moved_[k] = 0;
-    bool is_known = response_.backward_error() < kInfinity<Scalar>;
     for (Count i = 0; i < contacts_.ngc(); ++i) {
-      if (magnitude_[i] > 0 && magnitude_[i] < static_cast<Scalar>(kSmallestSafe<Scalar>)) is_known = false;
       const Count k = contacts_.island_of_coordinate(i);
       if (k < 0) continue;
       rounded_[k] += reach[i] * magnitude_[i];
       lost_[k] += reach[i] * root[i];
-      moved_[k] += root[i] * magnitude(change_[i]);
-    }
-    if (!is_known) {
-      for (Count k = 0; k < contacts_.islands() && terms_ > 0; ++k) certain_[k] = kInfinity<Scalar>;
+      moved_[k] += root[i] * bound_[i];
     }
     for (Count i = 0; i < contacts_.ngc(); ++i) {
       const Count k = contacts_.island_of_coordinate(i);
-      bound_[i] = 0;
-      if (k < 0) continue;
-      if (is_known) bound_[i] = reach[i] * (sums * rounded_[k] + response_.backward_error() * lost_[k] * moved_[k]);
-      bound_[i] += dots * (magnitude(contacts_.velocity()[i]) + magnitude(change_[i]));
+      bound_[i] = dots * (magnitude(contacts_.velocity()[i]) + bound_[i]);
+      if (k >= 0) bound_[i] += reach[i] * (sums * rounded_[k] + error * lost_[k] * moved_[k]);
+    }
+  }
+
+  /// Where nothing is known of G*, all that impulses do is uncertain.
+  void begin_measuring() {
+    const bool is_certain = is_known_ || terms_ == 0;
+    for (Count k = 0; k < contacts_.islands(); ++k) {
+      worst_[k] = scale_[k] = 0;
+      certain_[k] = is_certain ? Scalar(0) : kInfinity<Scalar>;
     }
   }
 
@@ -152,18 +171,40 @@ class Completion {
   }
   void note_infinite(Count contact) { note(contact, kInfinity<Scalar>, kInfinity<Scalar>); }
 
-  /// Sets lambda.
-  void measure_friction(Count contact, const double* z, double& lambda) {
+  /// Of all contacts; sets the lambdas. @param rounding  of the velocity of a row of J
+  template <class Rounding>
+  void measure_friction(double* z, Rounding&& rounding) {
+    begin_measuring();
+    Count lambda = contacts_.nc() + contacts_.first_direction(contacts_.nc());
+    for (Count c = 0; c < contacts_.nc(); ++c) {
+      if (contacts_.edges(c) == 0) continue;
+      const Count first = contacts_.nc() + contacts_.first_direction(c);
+      Scalar most = 0;
+      for (Count t = 0; t < contacts_.half(c); ++t) {
+        const Scalar of_row = rounding(first + t);
+        if (!(of_row <= most)) most = number_or_infinity(of_row);
+      }
+      measure_friction(c, z, z[lambda++], most);
+    }
+  }
+
+  void measure_friction(Count contact, const double* z, double& lambda, Scalar rounding) {
     const Count first = contacts_.nc() + contacts_.first_direction(contact);
-    const Count edges = contacts_.edges(contact);
-    const Count half = edges / 2;
-    const bool presses = z[contact] > 0;
-    Scalar largest = 0, rounding = 0;
+    const Count half = contacts_.half(contact);
+    if (!(z[contact] > 0)) {
+      const Scalar largest = contacts_.largest_slip(contact, u_.data());
+      lambda = static_cast<double>(largest);
+      offer(contact, static_cast<Scalar>(lambda) - largest, 0, rounding);
+      if (!(lambda - lambda == 0)) note_infinite(contact);
+      for (Count t = 0; t < 2 * half; ++t) {
+        if (z[first + t] > 0) note_infinite(contact);  // friction without a normal impulse
+      }
+      return;
+    }
+    contacts_.slip(contact, u_.data(), slip_.data());
+    Scalar largest = 0;
     for (Count t = 0; t < half; ++t) {
-      Scalar bound = 0;
-      slip_[t] = slip(contacts_.impulse_column(first + t), bound);
       if (!(magnitude(slip_[t]) <= largest)) largest = number_or_infinity(magnitude(slip_[t]));
-      if (!(bound <= rounding)) rounding = number_or_infinity(bound);
     }
     lambda = static_cast<double>(largest);
     if (!(lambda - lambda == 0)) note_infinite(contact);
@@ -171,25 +212,13 @@ class Completion {
     Scalar unused = contacts_.mu(contact) * static_cast<Scalar>(z[contact]);
     Scalar terms = magnitude(unused);
     for (Count t = 0; t < half; ++t) {
-      const double forth = z[first + t], back = z[first + half + t];
-      if (!presses && (forth > 0 || back > 0)) note_infinite(contact);  // friction without a normal impulse
-      offer(contact, bound + slip_[t], forth, rounding);
-      offer(contact, bound - slip_[t], back, rounding);
-      unused -= static_cast<Scalar>(forth) + static_cast<Scalar>(back);
-      terms += static_cast<Scalar>(forth) + static_cast<Scalar>(back);
+      const Scalar forth = static_cast<Scalar>(z[first + t]), back = static_cast<Scalar>(z[first + half + t]);
+      offer(contact, bound + slip_[t], z[first + t], rounding);
+      offer(contact, bound - slip_[t], z[first + half + t], rounding);
+      unused -= forth + back;
+      terms += forth + back;
     }
-    if (presses) offer_cone(contact, bound, unused, terms * static_cast<Scalar>(kUnitRoundoff<Scalar> * (2 + 2 * static_cast<double>(edges))));
-  }
-
-  /// d'u and |d|'bound_, which is as fast as either.
-  Scalar slip(const double* direction, Scalar& rounding) const {
-    Scalar sum = 0, bound = 0;
-    for (Count i = 0; i < contacts_.ngc(); ++i) {
-      sum += static_cast<Scalar>(direction[i]) * u_[i];
-      bound += static_cast<Scalar>(__builtin_fabs(direction[i])) * bound_[i];
-    }
-    rounding = bound;
-    return sum;
+    offer_cone(contact, bound, unused, terms * static_cast<Scalar>(kUnitRoundoff<Scalar> * (2 + 4 * static_cast<double>(half))));
   }
 
   /// |min(lambda, M_nn unused)|, `unused` known to within `rounding` and M_nn to within kTrusted of itself.
@@ -203,23 +232,24 @@ class Completion {
     if (!(velocity - velocity == 0)) note_infinite(contact);
   }
 
-  /// Whether the answer passes by so much that one bound for all normals, and the scale of their q alone, will do.
-  /// @pre one island; friction is measured
-  bool is_beyond_doubt(const double* z, contact_lemke::Residual& residual) {
+  /// Whether the answer passes by so much that one bound for all rows, and the scale of the normals' q alone, will do.
+  /// Sets the lambdas. @pre one island
+  bool is_beyond_doubt(double* z, contact_lemke::Residual& residual) {
     const Count length = contacts_.padded_nc();
-    const Scalar rounding =
-        contacts_.reach() * square_root(dot(bound_.data(), bound_.data(), contacts_.padded_ngc()));
-    Scalar worst = worst_[0];
+    const Scalar root = square_root(dot(bound_.data(), bound_.data(), contacts_.padded_ngc()));
+    const Scalar of_directions = contacts_.direction_reach() * root;
+    measure_friction(z, [&](Count) { return of_directions; });
+    const Scalar rounding = contacts_.reach() * root;
     for (Count c = 0; c < contacts_.nc(); ++c) {
       const Scalar w = normal_velocity_[c];
       const Scalar off = z[c] > 0 || !(w >= 0) ? magnitude(w) : Scalar(0);
-      if (!(off <= worst)) worst = number_or_infinity(off);
+      if (!(off <= worst_[0])) worst_[0] = number_or_infinity(off);
     }
-    const Scalar certain = certain_[0] > worst + rounding ? certain_[0] : worst + rounding;
+    const Scalar certain = certain_[0] > worst_[0] + rounding ? certain_[0] : worst_[0] + rounding;
     combine(contacts_.normals(), length, contacts_.ngc(), contacts_.velocity(), slack_.data(), length);
     const Scalar scale = largest_magnitude(slack_.data(), contacts_.nc());
     if (!(certain <= static_cast<Scalar>(kNoDoubt) * scale)) return false;
-    residual.velocity = relative(worst, scale);
+    residual.velocity = relative(worst_[0], scale);
     residual.certain = relative(certain, scale);
     return residual.certain < __builtin_inf();
   }
@@ -276,7 +306,8 @@ class Completion {
   Buffer<Scalar> impulse_, magnitude_, change_, u_, bound_;
   Buffer<Scalar> normal_velocity_, slack_, slip_;
   Buffer<Scalar> worst_, certain_, scale_, rounded_, lost_, moved_;  ///< by island
-  Count terms_ = 0;                                                  ///< impulses that are not zero
+  Count terms_ = 0;        ///< impulses that are not zero
+  bool is_known_ = false;  ///< whether bound_ bounds the error of what G* makes of the impulses
 };
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

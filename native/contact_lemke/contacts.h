@@ -56,6 +56,9 @@ class Contacts {
   /// The largest Euclidean norm of a normal.
   Scalar reach() const { return reach_; }
 
+  /// At least the largest Euclidean norm of a direction of friction.
+  Scalar direction_reach() const { return direction_reach_; }
+
   Count islands() const { return input_.island_of_contact == nullptr ? 1 : input_.islands; }
   Count island_of_contact(Count contact) const {
     return input_.island_of_contact == nullptr ? 0 : input_.island_of_contact[contact];
@@ -93,6 +96,39 @@ class Contacts {
     combine(block(contact), padded_half(contact), ngc(), u, slip, padded_half(contact));
   }
 
+  /// The largest |direction'u| of a contact, without transposing anything.
+  Scalar largest_slip(Count contact, const Scalar* u) const {
+    const double* const first = input_.D + first_direction(contact) * ngc();
+    Scalar largest = 0;
+    for (Count t = 0; t < half(contact); ++t) {
+      const double* const column = first + t * ngc();
+      Scalar sum = 0;
+      for (Count i = 0; i < ngc(); ++i) sum += static_cast<Scalar>(column[i]) * u[i];
+      if (!(magnitude(sum) <= largest)) largest = number_or_infinity(magnitude(sum));
+    }
+    return largest;
+  }
+
+  /// The largest magnitude of an entry of a direction.
+  double largest_direction_entry() const {
+    const Count entries = first_direction(nc()) * ngc();
+    constexpr Count kLanes = 8;
+    double largest[kLanes] = {};
+    Count k = 0;
+    for (; k + kLanes <= entries; k += kLanes) {
+      for (Count l = 0; l < kLanes; ++l) {
+        const double entry = __builtin_fabs(input_.D[k + l]);
+        largest[l] = entry > largest[l] ? entry : largest[l];
+      }
+    }
+    for (; k < entries; ++k) {
+      const double entry = __builtin_fabs(input_.D[k]);
+      largest[0] = entry > largest[0] ? entry : largest[0];
+    }
+    for (const double entry : largest) largest[0] = entry > largest[0] ? entry : largest[0];
+    return largest[0];
+  }
+
   const double* impulse_column(Count column) const {
     return column < nc() ? input_.N + column * ngc() : input_.D + (column - nc()) * ngc();
   }
@@ -118,6 +154,8 @@ class Contacts {
     Scalar largest = 0;
     for (Count j = 0; j < nc(); ++j) largest = squares_[j] > largest ? squares_[j] : largest;
     reach_ = square_root(largest);
+    direction_reach_ = static_cast<Scalar>(largest_direction_entry()) *
+                       square_root(static_cast<Scalar>(static_cast<double>(ngc())));
   }
 
   void load_layout() {
@@ -145,7 +183,7 @@ class Contacts {
   Buffer<Scalar> velocity_, normals_, squares_, blocks_;
   Buffer<Count> block_at_;
   Buffer<bool> transposed_;
-  Scalar speed_ = 0, reach_ = 0;
+  Scalar speed_ = 0, reach_ = 0, direction_reach_ = 0;
 };
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

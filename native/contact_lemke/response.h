@@ -55,7 +55,7 @@ class Response {
       }
     }
     transpose();
-    measure_factored(sound);
+    measure_factored(sound, by_columns);
     norm_ = 0;
     for (Count k = by_columns || rank_ == 0 ? 0 : rank_ - 1; k < rank_; ++k) {  // the last is of the smallest pivot
       const Scalar* const column = columns_.data() + k * padded_;
@@ -175,7 +175,8 @@ class Response {
     for (Count i = 0; i < padded_; ++i) left[i] = i < ngc_ ? Scalar(1) : Scalar(0);
     // What elimination leaves of an entry is compared with that entry: another coordinate may have another unit.
     Scalar* const whole = white_.data();
-    for (Count i = 0; i < ngc_; ++i) whole[i] = work_[i * padded_ + i];
+    for (Count i = 0; i < ngc_; ++i) whole[i] = root_[i] = work_[i * padded_ + i];
+    for (Count i = ngc_; i < padded_; ++i) root_[i] = 0;
     first_pivot_ = last_pivot_ = 0;
     rank_ = 0;
     for (Count tried = 0; tried < ngc_ && rank_ < most; ++tried) {
@@ -286,14 +287,15 @@ class Response {
   }
 
   /// @pre transpose()
-  void measure_factored(bool sound) {
-    for (Count i = 0; i < padded_; ++i) reach_[i] = root_[i] = 0;
-    for (Count k = 0; k < rank_; ++k) add_squares(L_.data() + k * padded_, root_.data());
-    for (Count i = 0; i < ngc_; ++i) {
-      const Scalar* const row = rows_.data() + i * rank_padded_;
-      reach_[i] = square_root(dot(row, row, rank_padded_));
-      root_[i] = square_root(root_[i]);
+  void measure_factored(bool sound, bool by_columns) {
+    if (by_columns) {
+      for (Count i = 0; i < padded_; ++i) root_[i] = 0;
+      for (Count k = 0; k < rank_; ++k) add_squares(L_.data() + k * padded_, root_.data());
     }
+    for (Count i = 0; i < padded_; ++i) reach_[i] = 0;
+    for (Count k = 0; k < rank_; ++k) add_squares(columns_.data() + k * padded_, reach_.data());
+    for (Count i = 0; i < padded_; ++i) reach_[i] = square_root(reach_[i]);
+    for (Count i = 0; i < padded_; ++i) root_[i] = square_root(root_[i]);
     const Scalar condition = rank_ == ngc_ ? condition_of_whole() : condition_of_columns();
     const Scalar roundings = static_cast<Scalar>((8 + 4 * static_cast<double>(ngc_)) * kUnitRoundoff<Scalar>);
     backward_error_ = rank_ == ngc_ ? roundings : roundings * condition;
@@ -307,10 +309,9 @@ class Response {
   }
 
   /// The trace of the inverse of G scaled to unit diagonal: never less than its norm.
-  Scalar condition_of_whole() const {
-    Scalar trace = 0;
-    for (Count i = 0; i < ngc_; ++i) trace += root_[i] * reach_[i] * root_[i] * reach_[i];
-    return trace;
+  Scalar condition_of_whole() {
+    for (Count i = 0; i < padded_; ++i) white_[i] = root_[i] * reach_[i];
+    return dot(white_.data(), white_.data(), padded_);
   }
 
   /// The same of L'L, whose inverse is W'W.
