@@ -75,7 +75,7 @@ class Whitening {
   /// C'C differs from G by no more than backward_error() times the roots of diagonal(i) diagonal(j) in each entry, and the
   /// least eigenvalue of G scaled to unit diagonal is likely to be well above 1 / condition(). @pre triangular()
   Scalar diagonal(Count i) const { return diagonal_[i]; }
-  Scalar backward_error() const { return static_cast<Scalar>(kRoundings * static_cast<double>(ngc_ + 1)) * kEpsilon; }
+  Scalar backward_error() const { return static_cast<Scalar>(static_cast<double>(ngc_ + 1)) * static_cast<Scalar>(L::kUnitRoundoff); }
   Scalar condition() const { return condition_; }
 
   /// Whitened normal `contact`, velocity_lanes() entries. Gathered from the rows on first use: many contacts never
@@ -126,8 +126,7 @@ class Whitening {
  private:
   static constexpr bool kLastPrecision = sizeof(Scalar) > sizeof(double);
   static constexpr Scalar kEpsilon = 2 * L::kUnitRoundoff;
-  static constexpr double kRoundings = 2;  ///< of a product and a sum in each of the ngc steps of the elimination
-  static constexpr double kMargin = 1000;  ///< of the estimated condition
+  static constexpr double kMargin = 100;  ///< of the estimated condition
   static constexpr long long kRootBias = 0x1ff7a3bea91d9b1bLL;
   static constexpr Count kProbeLength = 16;
   static constexpr double kProbes[kProbeLength][2] = {

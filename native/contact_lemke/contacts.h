@@ -111,22 +111,20 @@ class Contacts {
 
   /// The largest magnitude of an entry of a direction.
   double largest_direction_entry() const {
+    using D = Packed<double>;
     const Count entries = first_direction(nc()) * ngc();
-    constexpr Count kLanes = 8;
-    double largest[kLanes] = {};
+    D::Pack largest = typename D::Pack{};
     Count k = 0;
-    for (; k + kLanes <= entries; k += kLanes) {
-      for (Count l = 0; l < kLanes; ++l) {
-        const double entry = __builtin_fabs(input_.D[k + l]);
-        largest[l] = entry > largest[l] ? entry : largest[l];
-      }
+    for (; k + D::kWidth <= entries; k += D::kWidth) {
+      const D::Pack pack = D::load(input_.D + k);
+      largest = D::max(largest, D::max(pack, -pack));
     }
+    double result = D::max(largest);
     for (; k < entries; ++k) {
       const double entry = __builtin_fabs(input_.D[k]);
-      largest[0] = entry > largest[0] ? entry : largest[0];
+      result = entry > result ? entry : result;
     }
-    for (const double entry : largest) largest[0] = entry > largest[0] ? entry : largest[0];
-    return largest[0];
+    return result;
   }
 
   const double* impulse_column(Count column) const {
