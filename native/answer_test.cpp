@@ -28,8 +28,9 @@ AnswerTest::AnswerTest() : judge_(contact_lemke_engine(isa_level())), quad_judge
 void AnswerTest::load(const Problem& problem, Bodies bodies) {
   completed_.resize(problem.size());
   bare_ = problem.contact() == nullptr;
-  trusts_ = bodies == Bodies::kTrusted && !bare_ && std::holds_alternative<BlockInertia>(problem.contact()->inertia);
-  if (trusts_) return;
+  by_bodies_ = bodies == Bodies::kOneByOne && !bare_ && std::holds_alternative<BlockInertia>(problem.contact()->inertia);
+  may_be_singular_ = false;
+  if (by_bodies_) return bodies_test_.load(*problem.contact());
   if (bare_) return bare_test_.load(problem.lcp());
   const ContactProblem& contact = *problem.contact();
   contacts_.load_in_units(contact);
@@ -41,7 +42,7 @@ void AnswerTest::load(const Problem& problem, Bodies bodies) {
 }
 
 void AnswerTest::set_velocity(const Vector& v) {
-  if (trusts_) return;
+  if (by_bodies_) return bodies_test_.set_velocity(v);
   contacts_.set_velocity(v);
   judge_.set_velocity(contacts_.v.data());
   if (quad_is_loaded_) quad_judge_.set_velocity(contacts_.v.data());
@@ -49,7 +50,6 @@ void AnswerTest::set_velocity(const Vector& v) {
 
 bool AnswerTest::settle(Answer& answer, double deadline_s) {
   if (answer.claim != Claim::kSolved) return false;
-  if (trusts_) return true;
   const Outcome outcome = solves(answer.z) ? confirm(deadline_s) : Outcome::kResidual;
   switch (outcome) {  // details are short enough for std::string to hold in place
     case Outcome::kSolved: answer.z = completed_; return true;
@@ -67,7 +67,7 @@ bool AnswerTest::settle(Answer& answer, double deadline_s) {
 
 void AnswerTest::report_proof(Answer& answer) {
   answer.claim = Claim::kUnsolvable;
-  answer.detail = "proven";
+  answer.detail = bare_ ? "proven" : "ray, checked to rounding";
   Vector& farkas = cleared_vectors().farkas;
   if (bare_) {
     farkas = bare_test_.proof();
@@ -80,11 +80,33 @@ void AnswerTest::report_proof(Answer& answer) {
 bool AnswerTest::solves(const Vector& z) {
   if (!z.allFinite()) return false;
   completed_ = z.cwiseMax(0.0);
+  if (by_bodies_) return solves_bodies();
   if (!bare_) return solves_contacts();
   return bare_test_.backward_error(completed_) <= kClaimedBackwardError;
 }
 
+bool AnswerTest::solves_bodies() {
+  bodies_test_.release(completed_);
+  if (bodies_test_.complete_in_double(completed_).certain <= kClaimedResidual) return true;
+  return bodies_test_.complete_in_quad(completed_).certain <= kClaimedQuadResidual;
+}
+
+/// What nothing moves stays so: methods that end inside leave impulses there.
+void AnswerTest::release_islands_at_rest() {
+  const contact_lemke::Input& input = contacts_.input;
+  if (input.island_of_contact == nullptr) return;
+  for (std::ptrdiff_t c = 0; c < input.nc; ++c) {
+    const std::ptrdiff_t island = input.island_of_contact[c];
+    bool moves = false;
+    for (std::ptrdiff_t i = 0; i < input.ngc && island >= 0 && completed_(c) > 0; ++i) {
+      moves = moves || (input.island_of_coordinate[i] == island && input.v[i] != 0);
+    }
+    if (!moves) completed_(c) = 0;
+  }
+}
+
 bool AnswerTest::solves_contacts() {
+  release_islands_at_rest();
   release_friction(contacts_.input, completed_);
   contact_lemke::Residual residual = judge_.complete(completed_.data());
   residual_ = residual.velocity;

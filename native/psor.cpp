@@ -111,7 +111,7 @@ void Psor::on_load(const Problem& problem) {
     most_directions = std::max(most_directions, friction.directions);
   }
   step_.resize(most_directions);
-  test_.load(problem, AnswerTest::Bodies::kTrusted);
+  test_.load(problem, AnswerTest::Bodies::kOneByOne);
 }
 
 double Psor::largest_eigenvalue(const SignedFriction& friction) const {

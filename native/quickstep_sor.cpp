@@ -111,7 +111,7 @@ void QuickstepSor::on_load(const Problem& problem) {
   }
   x_.resize(step_.size());
   order_rows(problem);
-  test_.load(problem, AnswerTest::Bodies::kTrusted);
+  test_.load(problem, AnswerTest::Bodies::kOneByOne);
 }
 
 /// E = D times this; also fills friction_rows_ and first_row_.
