@@ -67,7 +67,7 @@ bool AnswerTest::settle(Answer& answer, double deadline_s) {
 
 void AnswerTest::report_proof(Answer& answer) {
   answer.claim = Claim::kUnsolvable;
-  answer.detail = bare_ ? "proven" : "ray, checked to rounding";
+  answer.detail = bare_ ? "proven" : "ray to rounding";
   Vector& farkas = cleared_vectors().farkas;
   if (bare_) {
     farkas = bare_test_.proof();

@@ -274,6 +274,7 @@ bool ContactLemke::climb(const ContactRung& rung, Rules rules, Progress& progres
   if (in_doubt && &engine == &double_ && may_use(ContactArithmetic::kDoubleDouble)) {
     residual = engine_of(ContactArithmetic::kDoubleDouble).complete(answer.z.data());
   }
+  progress.is_beyond_double = &engine == &quad_ && !(residual.certain <= kClaimedResidual);
   if (residual.certain < progress.best) {
     progress.best = residual.certain;
     progress.rung = rung.name;
@@ -340,7 +341,7 @@ void ContactLemke::report(const Progress& progress, Answer& answer) {
   answer.z.setZero();
   if (progress.disproved) {
     answer.claim = Claim::kUnsolvable;
-    answer.detail = "ray, checked to rounding";
+    answer.detail = "ray to rounding";
   } else if (progress.ending == Ending::kTimeLimit) {
     answer.claim = Claim::kTimeLimit;
   } else if (progress.ending == Ending::kPivotLimit) {
@@ -349,6 +350,7 @@ void ContactLemke::report(const Progress& progress, Answer& answer) {
   } else {
     answer.claim = Claim::kNumericalFailure;
     answer.detail = progress.ending == Ending::kRay ? "ray, no proof" : "residual";
+    if (progress.is_beyond_double) answer.detail = "z beyond double";
   }
 }
 

@@ -8,6 +8,8 @@ lcpbench_test(auto LINK lcpbench_solver_list lcpbench_generators lcpbench_evalua
 target_sources(auto_test PRIVATE allocation_counter.cpp)
 lcpbench_test(claims LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
 target_sources(claims_test PRIVATE allocation_counter.cpp)
+lcpbench_test(contact_claims LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
+target_sources(contact_claims_test PRIVATE allocation_counter.cpp)
 lcpbench_test(double_double LINK lcpbench_native)
 lcpbench_test(contact_lemke LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 target_sources(contact_lemke_test PRIVATE allocation_counter.cpp)

@@ -45,7 +45,7 @@ class Completion {
     combine(contacts_.normals(), length, contacts_.ngc(), u_.data(), normal_velocity_.data(), length);
     contact_lemke::Residual residual;
     if (contacts_.islands() == 1 && is_beyond_doubt(z, residual)) return residual;
-    measure_friction(z, [this](Count row) { return product(contacts_.impulse_column(row), bound_.data()); });
+    measure_friction(z, [this](Count contact) { return rounding_of_directions(contact); });
     for (Count c = 0; c < contacts_.nc(); ++c) {
       offer(c, normal_velocity_[c], z[c], product(contacts_.impulse_column(c), bound_.data()));
     }
@@ -171,20 +171,24 @@ class Completion {
   }
   void note_infinite(Count contact) { note(contact, kInfinity<Scalar>, kInfinity<Scalar>); }
 
-  /// Of all contacts; sets the lambdas. @param rounding  of the velocity of a row of J
+  Scalar rounding_of_directions(Count contact) const {
+    const Count first = contacts_.nc() + contacts_.first_direction(contact);
+    Scalar most = 0;
+    for (Count t = 0; t < contacts_.half(contact); ++t) {
+      const Scalar of_row = product(contacts_.impulse_column(first + t), bound_.data());
+      if (!(of_row <= most)) most = number_or_infinity(of_row);
+    }
+    return most;
+  }
+
+  /// Of all contacts; sets the lambdas. @param rounding  of the slips of a contact
   template <class Rounding>
   void measure_friction(double* z, Rounding&& rounding) {
     begin_measuring();
     Count lambda = contacts_.nc() + contacts_.first_direction(contacts_.nc());
     for (Count c = 0; c < contacts_.nc(); ++c) {
       if (contacts_.edges(c) == 0) continue;
-      const Count first = contacts_.nc() + contacts_.first_direction(c);
-      Scalar most = 0;
-      for (Count t = 0; t < contacts_.half(c); ++t) {
-        const Scalar of_row = rounding(first + t);
-        if (!(of_row <= most)) most = number_or_infinity(of_row);
-      }
-      measure_friction(c, z, z[lambda++], most);
+      measure_friction(c, z, z[lambda++], rounding(c));
     }
   }
 
