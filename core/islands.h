@@ -19,7 +19,8 @@ struct Island {
 /// that solving them one by one solves the whole. Contacts without any nonzero entry are in no island.
 std::vector<Island> find_islands(const ContactProblem& problem);
 
-/// The same islands as numbers, in memory that only grows: for what must not allocate when it meets the same sizes again.
+/// The same islands as numbers, in memory that only grows: for what must not allocate when it meets the same sizes
+/// again.
 struct IslandNumbers {
   std::vector<Index> of_contact;     ///< nc entries; -1 for contacts without any nonzero entry
   std::vector<Index> of_coordinate;  ///< ngc entries; -1 where no contact's impulse moves the coordinate

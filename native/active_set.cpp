@@ -194,8 +194,8 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
   report(outcome, answer);
 }
 
-/// What an engine refuses may be right: the next one tests it before it solves anew. What has no solution, only the last
-/// rung may say.
+/// What an engine refuses may be right: the next one tests it before it solves anew. What has no solution, only the
+/// last rung may say.
 void ActiveSet::solve_in_more_bits(active_set::Rules& rules, active_set::Outcome& outcome, Answer& answer,
                                    Vector& velocity) {
   if (outcome.ending != Ending::kInfeasible) {

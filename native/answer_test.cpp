@@ -28,7 +28,8 @@ AnswerTest::AnswerTest() : judge_(contact_lemke_engine(isa_level())), quad_judge
 void AnswerTest::load(const Problem& problem, Bodies bodies) {
   completed_.resize(problem.size());
   bare_ = problem.contact() == nullptr;
-  by_bodies_ = bodies == Bodies::kOneByOne && !bare_ && std::holds_alternative<BlockInertia>(problem.contact()->inertia);
+  by_bodies_ =
+      bodies == Bodies::kOneByOne && !bare_ && std::holds_alternative<BlockInertia>(problem.contact()->inertia);
   may_be_singular_ = false;
   if (by_bodies_) return bodies_test_.load(*problem.contact());
   if (bare_) return bare_test_.load(problem.lcp());

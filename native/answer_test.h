@@ -22,8 +22,8 @@ inline constexpr double kUndoubtedResidual = 1e-10;
 /// exact solution may be none of the contacts'.
 class AnswerTest {
  public:
-  /// How contacts between separate bodies (BlockInertia) are tested: with dense matrices over all bodies, or, for methods
-  /// that never form such, body by body.
+  /// How contacts between separate bodies (BlockInertia) are tested: with dense matrices over all bodies, or, for
+  /// methods that never form such, body by body.
   enum class Bodies { kTogether, kOneByOne };
 
   AnswerTest();

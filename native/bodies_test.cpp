@@ -10,9 +10,9 @@ namespace lcpbench {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kTrusted = 0.1;            ///< share of a block's least eigenvalue that rounding may take
-constexpr double kFloor = 0x1p-53 / 1e-4;   ///< of the verdict: the rounding of q in double counts as solved
-constexpr double kSmallestSafe = 1e-280;    ///< sums of products above this lose nothing that counts to underflow
+constexpr double kTrusted = 0.1;           ///< share of a block's least eigenvalue that rounding may take
+constexpr double kFloor = 0x1p-53 / 1e-4;  ///< of the verdict: the rounding of q in double counts as solved
+constexpr double kSmallestSafe = 1e-280;   ///< sums of products above this lose nothing that counts to underflow
 
 double root_of(double x) { return std::sqrt(x); }
 Quad root_of(Quad x) { return sqrt(x); }

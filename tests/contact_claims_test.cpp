@@ -79,8 +79,7 @@ TEST(ContactClaimsTest, HoldWithFrictionWhereTheInertiaIsNearlySingular) {
 }
 
 TEST(ContactClaimsTest, HoldOnTheTrialAt1e12WhereTheyDidNot) {
-  const Problem problem =
-      open_set("paper/monotone/exp2{condition=1e12,redundancy=combination}")->generate(881, 7637);
+  const Problem problem = open_set("paper/monotone/exp2{condition=1e12,redundancy=combination}")->generate(881, 7637);
   for (const std::string& solver : kOnContacts) expect_honest(solver, problem);
   for (const char* solver : {"auto", "active_set", "velocity_ipm", "contact_lemke"}) expect_solved(solver, problem);
 }
@@ -170,7 +169,8 @@ TEST(ContactClaimsTest, AreMadeOfEveryIslandByItsOwnScale) {
 }
 
 TEST(ContactClaimsTest, AreMadeOfIslandsAtRest) {
-  const Problem rest = contacts(Vector::Zero(2), Matrix{{1, 2}, {1, -1}}.transpose(), DenseInertia{Matrix{{2, 1}, {1, 3}}});
+  const Problem rest =
+      contacts(Vector::Zero(2), Matrix{{1, 2}, {1, -1}}.transpose(), DenseInertia{Matrix{{2, 1}, {1, 3}}});
   for (const bool blocks : {false, true}) {
     const Problem whole = beside_a_fast_one(rest, blocks);
     for (const std::string& solver : kOnContacts) {
@@ -192,7 +192,8 @@ TEST(ContactClaimsTest, AreMadeOfMassesOfAnySize) {
 
 // What impulses cancel, and what velocity is but the rounding of N'v, counts by that rounding.
 TEST(ContactClaimsTest, AreMadeWhereAllOfQIsRounding) {
-  const Problem problem = contacts(Vector{{0.1, 0.7}}, Matrix{{0.7, -0.1}}.transpose(), DenseInertia{Matrix::Identity(2, 2)});
+  const Problem problem =
+      contacts(Vector{{0.1, 0.7}}, Matrix{{0.7, -0.1}}.transpose(), DenseInertia{Matrix::Identity(2, 2)});
   for (const char* solver : {"auto", "active_set", "contact_lemke", "psor", "quickstep_sor"}) {
     EXPECT_EQ(solve(solver, problem).claim, Claim::kSolved) << solver;
   }

@@ -89,9 +89,11 @@ class DualMethod {
 
  private:
   static constexpr Count kStepsPerClockReading = 16;
-  static constexpr double kTestRoundings = 8;  ///< of a sum of products, beside one for each of them
-  static constexpr double kTrusted = 0.1;      ///< share of G's least eigenvalue that rounding may take
+  static constexpr double kTestRoundings = 8;       ///< of a sum of products, beside one for each of them
+  static constexpr double kTrusted = 0.1;           ///< share of G's least eigenvalue that rounding may take
   static constexpr double kFloor = 0x1p-53 / 1e-4;  ///< of the verdict: the rounding of q in double counts as solved
+  static constexpr bool kTestedInDouble =
+      sizeof(Scalar) < sizeof(double);  ///< by the engine that knows what float rounds
   static constexpr bool kLastPrecision = sizeof(Scalar) > sizeof(double);
 
   static Count most_active(const Input& input) { return input.ngc < input.nc ? input.ngc : input.nc; }
@@ -414,11 +416,11 @@ class DualMethod {
 
   /// What an answer is worth, over an island or all.
   struct Measure {
-    Scalar worst = 0;            ///< max |min(|W_j|^2 z_j, w_j)|
-    Scalar largest = 0;          ///< max |W_j|^2
-    Scalar terms = 0;            ///< sum of |W_j| z_j
-    Scalar squared_change = 0;   ///< sum of (u - v)_i^2 G_ii
-    Scalar scale = 0;            ///< max|q|, or the floor that the rounding of q sets
+    Scalar worst = 0;           ///< max |min(|W_j|^2 z_j, w_j)|
+    Scalar largest = 0;         ///< max |W_j|^2
+    Scalar terms = 0;           ///< sum of |W_j| z_j
+    Scalar squared_change = 0;  ///< sum of (u - v)_i^2 G_ii
+    Scalar scale = 0;           ///< max|q|, or the floor that the rounding of q sets
   };
 
   /// Whether each island's residual with its rounding is within `limit` of its scale, w = N'(v + G* N z) from the
@@ -457,7 +459,8 @@ class DualMethod {
     }
     if (!(L::sum(poison) == 0)) return false;
     // No impulse moves the velocities by more than this root, by Cauchy and Schwarz.
-    const Scalar moved = L::square_root(L::max(largest) * L::sum(squares) * static_cast<Scalar>(static_cast<double>(pressed)));
+    const Scalar moved =
+        L::square_root(L::max(largest) * L::sum(squares) * static_cast<Scalar>(static_cast<double>(pressed)));
     return L::max(worst) + coarse_rounding_ * moved <= limit * largest_given();
   }
 
@@ -474,9 +477,10 @@ class DualMethod {
   }
 
   /// How far the velocity of a contact of the island may be off. For G = C'C - E the change x of u is off by G^-1 of
-  /// E x and of what N z is rounded by, d: with A = G scaled to unit diagonal, no row sees more of that than |W_j| times
-  /// the root of |A^-1| times the norm of (E x - d) scaled alike.
+  /// E x and of what N z is rounded by, d: with A = G scaled to unit diagonal, no row sees more of that than |W_j|
+  /// times the root of |A^-1| times the norm of (E x - d) scaled alike.
   Scalar rounding(const Measure& measure, Count pressed) const {
+    if (kTestedInDouble) return 0;
     if (!(measure.terms > 0)) return measure.terms == 0 ? Scalar(0) : kInfinity<Scalar>;
     const Scalar reach = L::square_root(measure.largest);
     const Scalar size = static_cast<Scalar>(static_cast<double>(whitening_.ngc()));
@@ -491,6 +495,7 @@ class DualMethod {
 
   /// rounding(), relative to a bound on all |W_i'W_j| z_j that count, whatever the answer.
   Scalar coarse_rounding() const {
+    if (kTestedInDouble) return 0;
     const Scalar size = static_cast<Scalar>(static_cast<double>(whitening_.ngc()));
     const Scalar sums = static_cast<Scalar>(kTestRoundings + 2 * static_cast<double>(whitening_.ngc())) *
                         static_cast<Scalar>(L::kUnitRoundoff);

@@ -72,10 +72,12 @@ class Whitening {
   /// Relative size of the rounding errors in a whitened normal, about.
   Scalar noise() const { return noise_; }
 
-  /// C'C differs from G by no more than backward_error() times the roots of diagonal(i) diagonal(j) in each entry, and the
-  /// least eigenvalue of G scaled to unit diagonal is likely to be well above 1 / condition(). @pre triangular()
+  /// C'C differs from G by no more than backward_error() times the roots of diagonal(i) diagonal(j) in each entry, and
+  /// the least eigenvalue of G scaled to unit diagonal is likely to be well above 1 / condition(). @pre triangular()
   Scalar diagonal(Count i) const { return diagonal_[i]; }
-  Scalar backward_error() const { return static_cast<Scalar>(static_cast<double>(ngc_ + 1)) * static_cast<Scalar>(L::kUnitRoundoff); }
+  Scalar backward_error() const {
+    return static_cast<Scalar>(static_cast<double>(ngc_ + 1)) * static_cast<Scalar>(L::kUnitRoundoff);
+  }
   Scalar condition() const { return condition_; }
 
   /// Whitened normal `contact`, velocity_lanes() entries. Gathered from the rows on first use: many contacts never
@@ -129,9 +131,10 @@ class Whitening {
   static constexpr double kMargin = 100;  ///< of the estimated condition
   static constexpr long long kRootBias = 0x1ff7a3bea91d9b1bLL;
   static constexpr Count kProbeLength = 16;
-  static constexpr double kProbes[kProbeLength][2] = {
-      {0.83, -1.21}, {-1.13, 0.79}, {1.27, 1.09}, {0.91, -0.87}, {-0.77, -1.23}, {1.19, 0.97}, {-1.03, 1.17}, {0.71, 1.31},
-      {-1.29, -0.73}, {0.89, -1.07}, {1.11, 0.81}, {-0.97, 1.33}, {-1.17, -0.93}, {1.07, 1.03}, {0.73, -1.19}, {-0.87, 0.69}};
+  static constexpr double kProbes[kProbeLength][2] = {{0.83, -1.21},  {-1.13, 0.79}, {1.27, 1.09},  {0.91, -0.87},
+                                                      {-0.77, -1.23}, {1.19, 0.97},  {-1.03, 1.17}, {0.71, 1.31},
+                                                      {-1.29, -0.73}, {0.89, -1.07}, {1.11, 0.81},  {-0.97, 1.33},
+                                                      {-1.17, -0.93}, {1.07, 1.03},  {0.73, -1.19}, {-0.87, 0.69}};
 
   void set_dimensions(const Input& input) {
     ngc_ = input.ngc;
@@ -287,7 +290,8 @@ class Whitening {
   /// Within 7 % of the square root.
   static Scalar about_root(Scalar x) {
     if constexpr (sizeof(Scalar) == sizeof(double)) {
-      return static_cast<Scalar>(__builtin_bit_cast(double, (__builtin_bit_cast(long long, static_cast<double>(x)) >> 1) + kRootBias));
+      return static_cast<Scalar>(
+          __builtin_bit_cast(double, (__builtin_bit_cast(long long, static_cast<double>(x)) >> 1) + kRootBias));
     } else {
       return L::square_root(x);
     }

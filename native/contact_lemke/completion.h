@@ -9,7 +9,8 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 ///
 /// It bounds its own rounding, by coordinate first. The change c = G* p that the impulses p = J f make comes from the
 /// factors of a neighbour G + E of G (Response::backward_error()), and p is off by some d, so that c is off by
-/// G* (d - E c). With t_k = sqrt(G*_kk), by Cauchy and Schwarz in the metric of G*, a row a of J sees of that no more than
+/// G* (d - E c). With t_k = sqrt(G*_kk), by Cauchy and Schwarz in the metric of G*, a row a of J sees of that no more
+/// than
 ///
 ///     (sum |a_k| t_k) (sum t_k d_k + backward_error (sum t_k root_k) (sum root_k |c_k|)),
 ///
@@ -110,7 +111,8 @@ class Completion {
     }
     if (contacts_.islands() == 1) {
       rounded_[0] = sums * dot(reach, magnitude_.data(), length);
-      if (is_known_) rounded_[0] += error * dot(reach, response_.root(), length) * dot(response_.root(), bound_.data(), length);
+      if (is_known_)
+        rounded_[0] += error * dot(reach, response_.root(), length) * dot(response_.root(), bound_.data(), length);
       for (Count i = 0; i < length; ++i) {
         bound_[i] = reach[i] * rounded_[0] + dots * (magnitude(contacts_.velocity()[i]) + bound_[i]);
       }
@@ -222,7 +224,8 @@ class Completion {
       unused -= forth + back;
       terms += forth + back;
     }
-    offer_cone(contact, bound, unused, terms * static_cast<Scalar>(kUnitRoundoff<Scalar> * (2 + 4 * static_cast<double>(half))));
+    offer_cone(contact, bound, unused,
+               terms * static_cast<Scalar>(kUnitRoundoff<Scalar> * (2 + 4 * static_cast<double>(half))));
   }
 
   /// |min(lambda, M_nn unused)|, `unused` known to within `rounding` and M_nn to within kTrusted of itself.
@@ -230,7 +233,8 @@ class Completion {
     contacts_.get_normal(contact, impulse_.data());
     const Scalar square = response_.square(impulse_.data());
     const Scalar velocity = square * unused;
-    const Scalar most = static_cast<Scalar>(1 + 2 * Response<Scalar>::kTrusted) * square * (magnitude(unused) + rounding);
+    const Scalar most =
+        static_cast<Scalar>(1 + 2 * Response<Scalar>::kTrusted) * square * (magnitude(unused) + rounding);
     const Scalar off = magnitude(velocity < lambda ? velocity : lambda);
     note(contact, off, unused > rounding && lambda < most ? lambda : most);
     if (!(velocity - velocity == 0)) note_infinite(contact);
@@ -302,7 +306,8 @@ class Completion {
   }
 
   static constexpr double kNoDoubt = 1e-9;
-  static constexpr double kFloor = 0x1p-53 / 1e-4;  ///< of the verdict: a residual of the rounding of q counts as solved
+  static constexpr double kFloor =
+      0x1p-53 / 1e-4;                             ///< of the verdict: a residual of the rounding of q counts as solved
   static constexpr double kProofRoundings = 256;  // of the elimination that led to u; small against any real motion
 
   Contacts<Scalar>& contacts_;
@@ -310,7 +315,7 @@ class Completion {
   Buffer<Scalar> impulse_, magnitude_, change_, u_, bound_;
   Buffer<Scalar> normal_velocity_, slack_, slip_;
   Buffer<Scalar> worst_, certain_, scale_, rounded_, lost_, moved_;  ///< by island
-  Count terms_ = 0;        ///< impulses that are not zero
+  Count terms_ = 0;                                                  ///< impulses that are not zero
   bool is_known_ = false;  ///< whether bound_ bounds the error of what G* makes of the impulses
 };
 

@@ -152,8 +152,8 @@ class Contacts {
     Scalar largest = 0;
     for (Count j = 0; j < nc(); ++j) largest = squares_[j] > largest ? squares_[j] : largest;
     reach_ = square_root(largest);
-    direction_reach_ = static_cast<Scalar>(largest_direction_entry()) *
-                       square_root(static_cast<Scalar>(static_cast<double>(ngc())));
+    direction_reach_ =
+        static_cast<Scalar>(largest_direction_entry()) * square_root(static_cast<Scalar>(static_cast<double>(ngc())));
   }
 
   void load_layout() {

@@ -70,7 +70,8 @@ class Response {
   bool may_be_singular() const { return given_ || (by_factors_ && rank_ < ngc_); }
   bool full_rank() const { return !given_ && rank_ == ngc_; }
 
-  /// Per coordinate the square root of (G*)_kk: no impulse p moves the coordinate by more than that times |p|_G*. Padded.
+  /// Per coordinate the square root of (G*)_kk: no impulse p moves the coordinate by more than that times |p|_G*.
+  /// Padded.
   const Scalar* reach() const { return reach_.data(); }
   /// Per coordinate the square root of G_kk; 0 where G* was given. Padded.
   const Scalar* root() const { return root_.data(); }
@@ -271,10 +272,10 @@ class Response {
     return independent;
   }
 
-  /// Of a G that is not of full rank: whether what was cut is rounding of the doubles that it was given in, and all else
-  /// far above that. Of a precision of few bits nothing can be told.
+  /// Of a G that is not of full rank: whether what was cut is rounding of the doubles that it was given in, and all
+  /// else far above that. Of a precision of few bits nothing can be told.
   bool is_cut_cleanly() const {
-    if (kUnitRoundoff<Scalar> > kCleanCut * kCleanCut) return false;
+    if (kUnitRoundoff < Scalar >> kCleanCut * kCleanCut) return false;
     return last_pivot_ > static_cast<Scalar>(kCleanCut * static_cast<double>(ngc_)) * first_pivot_;
   }
 
@@ -343,8 +344,8 @@ class Response {
   Scalar norm_ = 0, first_pivot_ = 0, last_pivot_ = 0, backward_error_ = 0;
   Buffer<Scalar> work_, L_, done_, white_;
   Buffer<Scalar> reach_, root_;  ///< per coordinate
-  Buffer<Scalar> columns_;  ///< of W (of G* where it is given), padded_ apart
-  Buffer<Scalar> rows_;     ///< of W, rank_padded_ apart
+  Buffer<Scalar> columns_;       ///< of W (of G* where it is given), padded_ apart
+  Buffer<Scalar> rows_;          ///< of W, rank_padded_ apart
   Buffer<Count> pivots_;
 };
 
