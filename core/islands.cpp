@@ -6,10 +6,11 @@
 namespace lcpbench {
 namespace {
 
-/// Disjoint sets of indices, joined one pair at a time.
+/// Disjoint sets of the indices 0 to count - 1, joined one pair at a time, in memory of the caller's.
 class DisjointSets {
  public:
-  explicit DisjointSets(Index count) : parent_(static_cast<std::size_t>(count)) {
+  DisjointSets(Index count, std::vector<Index>& memory) : parent_(memory) {
+    parent_.resize(static_cast<std::size_t>(count));
     for (Index i = 0; i < count; ++i) parent(i) = i;
   }
 
@@ -26,7 +27,7 @@ class DisjointSets {
 
  private:
   Index& parent(Index i) { return parent_[static_cast<std::size_t>(i)]; }
-  std::vector<Index> parent_;
+  std::vector<Index>& parent_;
 };
 
 /// Joins all rows that it is told of.
@@ -88,10 +89,17 @@ struct CouplesAll {
 
 bool couples_all(const Inertia& inertia) { return std::visit(CouplesAll{}, inertia); }
 
-std::vector<Island> find_islands(const ContactProblem& problem) {
-  DisjointSets sets(problem.ngc());
+void IslandNumbers::reserve(Index ngc, Index nc) {
+  of_contact.reserve(static_cast<std::size_t>(nc));
+  for (std::vector<Index>* by_coordinate : {&of_coordinate, &parent_, &number_}) {
+    by_coordinate->reserve(static_cast<std::size_t>(ngc));
+  }
+}
+
+void IslandNumbers::find(const ContactProblem& problem) {
+  DisjointSets sets(problem.ngc(), parent_);
   std::visit(JoinByInertia{sets}, problem.inertia);
-  std::vector<Index> touched(problem.edges.size(), -1);  // one coordinate of each contact
+  of_contact.resize(problem.edges.size());  // at first one coordinate of each contact
   Index direction = 0;
   for (Index c = 0; c < problem.nc(); ++c) {
     const int edges = problem.edges[static_cast<std::size_t>(c)];
@@ -101,22 +109,33 @@ std::vector<Island> find_islands(const ContactProblem& problem) {
       std::visit([&](const auto& D) { for_each_nonzero(D, direction + t, joined); }, problem.D);
     }
     direction += edges;
-    touched[static_cast<std::size_t>(c)] = joined.first();
+    of_contact[static_cast<std::size_t>(c)] = joined.first();
   }
 
-  std::vector<Island> islands;
-  std::vector<Index> island_of(static_cast<std::size_t>(problem.ngc()), -1);  // by representative
+  count = 0;
+  number_.assign(static_cast<std::size_t>(problem.ngc()), -1);
+  for (Index& coordinate : of_contact) {
+    if (coordinate < 0) continue;
+    Index& number = number_[static_cast<std::size_t>(sets.find(coordinate))];
+    if (number < 0) number = count++;
+    coordinate = number;
+  }
+  of_coordinate.resize(static_cast<std::size_t>(problem.ngc()));
+  for (Index i = 0; i < problem.ngc(); ++i) {
+    of_coordinate[static_cast<std::size_t>(i)] = number_[static_cast<std::size_t>(sets.find(i))];
+  }
+}
+
+std::vector<Island> find_islands(const ContactProblem& problem) {
+  IslandNumbers numbers;
+  numbers.find(problem);
+  std::vector<Island> islands(static_cast<std::size_t>(numbers.count));
   for (Index c = 0; c < problem.nc(); ++c) {
-    if (touched[static_cast<std::size_t>(c)] < 0) continue;
-    Index& island = island_of[static_cast<std::size_t>(sets.find(touched[static_cast<std::size_t>(c)]))];
-    if (island < 0) {
-      island = static_cast<Index>(islands.size());
-      islands.emplace_back();
-    }
-    islands[static_cast<std::size_t>(island)].contacts.push_back(c);
+    const Index island = numbers.of_contact[static_cast<std::size_t>(c)];
+    if (island >= 0) islands[static_cast<std::size_t>(island)].contacts.push_back(c);
   }
   for (Index i = 0; i < problem.ngc(); ++i) {
-    const Index island = island_of[static_cast<std::size_t>(sets.find(i))];
+    const Index island = numbers.of_coordinate[static_cast<std::size_t>(i)];
     if (island >= 0) islands[static_cast<std::size_t>(island)].coordinates.push_back(i);
   }
   return islands;

@@ -19,6 +19,21 @@ struct Island {
 /// that solving them one by one solves the whole. Contacts without any nonzero entry are in no island.
 std::vector<Island> find_islands(const ContactProblem& problem);
 
+/// The same islands as numbers, in memory that only grows: for what must not allocate when it meets the same sizes
+/// again.
+struct IslandNumbers {
+  std::vector<Index> of_contact;     ///< nc entries; -1 for contacts without any nonzero entry
+  std::vector<Index> of_coordinate;  ///< ngc entries; -1 where no contact's impulse moves the coordinate
+  Index count = 0;
+
+  void reserve(Index ngc, Index nc);
+  void find(const ContactProblem& problem);
+
+ private:
+  std::vector<Index> parent_;  // per coordinate
+  std::vector<Index> number_;  // per representative
+};
+
 /// True when the inertia alone shows in O(ngc) that there is one island, or no coordinate at all.
 bool couples_all(const Inertia& inertia);
 

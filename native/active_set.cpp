@@ -90,6 +90,7 @@ void ActiveSet::reserve(const Problem& problem) {
   dense_inertia_.reserve(reserved_.ngc * reserved_.ngc);
   image_.reserve(reserved_.ngc);
   farkas_.reserve(reserved_.nc);
+  islands_.reserve(reserved_.ngc, reserved_.nc);
 }
 
 void ActiveSet::on_load(const Problem& problem) {
@@ -136,6 +137,11 @@ void ActiveSet::describe(const ContactProblem& contact) {
     copy_dense(std::get<BlockInertia>(contact.inertia), input_.ngc, dense_inertia_);
     input_.matrix = dense_inertia_.data();
   }
+  if (couples_all(contact.inertia)) return;
+  islands_.find(contact);
+  input_.islands = islands_.count;
+  input_.island_of_contact = islands_.of_contact.data();
+  input_.island_of_coordinate = islands_.of_coordinate.data();
 }
 
 void ActiveSet::on_update(const Vector& v) {
@@ -175,11 +181,8 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
     outcome.ending = Ending::kRejected;
   }
   if (settings_.precision == ActiveSetPrecision::kLadder) {
-    // What has no solution, only the last rung may say.
-    const bool open = outcome.ending != Ending::kSolved && outcome.ending != Ending::kInfeasible && !stopped(outcome);
-    if (open) climb(second_, "dd rung", rules, outcome, answer, velocity);
     if (outcome.ending != Ending::kSolved && !stopped(outcome)) {
-      climb(third_, "quad rung", rules, outcome, answer, velocity);
+      solve_in_more_bits(rules, outcome, answer, velocity);
     }
   }
   if (outcome.ending == Ending::kSolved || outcome.ending == Ending::kRejected) answer.velocity.swap(velocity);
@@ -191,18 +194,38 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
   report(outcome, answer);
 }
 
+/// What an engine refuses may be right: the next one tests it before it solves anew. What has no solution, only the
+/// last rung may say.
+void ActiveSet::solve_in_more_bits(active_set::Rules& rules, active_set::Outcome& outcome, Answer& answer,
+                                   Vector& velocity) {
+  if (outcome.ending != Ending::kInfeasible) {
+    second_.load(input_);
+    if (outcome.ending == Ending::kRejected && second_.accepts(answer.z, settings_.accept_residual)) {
+      outcome.ending = Ending::kSolved;
+      return;
+    }
+    climb(second_, "dd rung", rules, outcome, answer, velocity);
+    if (outcome.ending == Ending::kSolved || stopped(outcome)) return;
+  }
+  third_.load(input_);
+  if (outcome.ending == Ending::kRejected && third_.accepts(answer.z, settings_.accept_residual)) {
+    outcome.ending = Ending::kSolved;
+    return;
+  }
+  climb(third_, "quad rung", rules, outcome, answer, velocity);
+}
+
 /// Whether a limit of the caller's ended it.
 bool ActiveSet::stopped(const active_set::Outcome& outcome) const {
   return outcome.ending == Ending::kTimeLimit || (outcome.ending == Ending::kStepLimit && settings_.max_iterations > 0);
 }
 
-/// One rung up: `outcome` counts the steps of all.
+/// One rung up, whose problem is loaded: `outcome` counts the steps of all.
 void ActiveSet::climb(Rung& rung, const char* name, active_set::Rules& rules, active_set::Outcome& outcome,
                       Answer& answer, Vector& velocity) {
   if (std::isnan(rules.begin_s)) rules.begin_s = wall_clock_s();
   rules.polish = true;
   rules.start = nullptr;  // it may have been what misled the first rung
-  rung.load(input_);
   const active_set::Outcome next = rung.solve(rules, answer.z, velocity, farkas_);
   outcome.ending = next.ending;
   outcome.steps += next.steps;

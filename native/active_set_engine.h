@@ -20,11 +20,15 @@ struct Input {
   const double* matrix = nullptr;  ///< kDense: G; kInverse: G*, both ngc x ngc; kFactors: X, ngc x factors
   std::ptrdiff_t factors = 0;
   const double* alpha = nullptr;  ///< kFactors: weights >= 0
+  /// Parts that nothing couples: answers are measured by the scale of each. nullptr: all is one part. -1: of none.
+  std::ptrdiff_t islands = 1;
+  const std::ptrdiff_t* island_of_contact = nullptr;     ///< nc
+  const std::ptrdiff_t* island_of_coordinate = nullptr;  ///< ngc
 };
 
 struct Rules {
   bool polish = true;             ///< factor the final active set afresh
-  double accept_residual = 0;     ///< of the engine's own test, relative to max|q|
+  double accept_residual = 0;     ///< of the engine's own test, its rounding included; relative to each island's scale
   std::ptrdiff_t max_steps = 0;   ///< changes of the active set
   double time_limit_s = 0;        ///< infinity: none
   double begin_s = 0;             ///< from when the limit counts, on the clock below; NaN: from its first reading

@@ -29,8 +29,10 @@ void AnswerTest::load(const Problem& problem, Bodies bodies) {
   completed_.resize(problem.size());
   farkas_.resize(problem.contact() == nullptr ? problem.size() : problem.contact()->nc());
   bare_ = problem.contact() == nullptr;
-  trusts_ = bodies == Bodies::kTrusted && !bare_ && std::holds_alternative<BlockInertia>(problem.contact()->inertia);
-  if (trusts_) return;
+  by_bodies_ =
+      bodies == Bodies::kOneByOne && !bare_ && std::holds_alternative<BlockInertia>(problem.contact()->inertia);
+  may_be_singular_ = false;
+  if (by_bodies_) return bodies_test_.load(*problem.contact());
   if (bare_) return bare_test_.load(problem.lcp());
   const ContactProblem& contact = *problem.contact();
   contacts_.load_in_units(contact);
@@ -42,7 +44,7 @@ void AnswerTest::load(const Problem& problem, Bodies bodies) {
 }
 
 void AnswerTest::set_velocity(const Vector& v) {
-  if (trusts_) return;
+  if (by_bodies_) return bodies_test_.set_velocity(v);
   contacts_.set_velocity(v);
   judge_.set_velocity(contacts_.v.data());
   if (quad_is_loaded_) quad_judge_.set_velocity(contacts_.v.data());
@@ -50,7 +52,6 @@ void AnswerTest::set_velocity(const Vector& v) {
 
 bool AnswerTest::settle(Answer& answer, double deadline_s) {
   if (answer.claim != Claim::kSolved) return false;
-  if (trusts_) return true;
   const Outcome outcome = solves(answer.z) ? confirm(deadline_s) : Outcome::kResidual;
   switch (outcome) {  // details are short enough for std::string to hold in place
     case Outcome::kSolved: answer.z = completed_; return true;
@@ -70,7 +71,7 @@ void AnswerTest::settle_ray(Answer& answer, double deadline_s, const Vector* u) 
   bool proven = false;
   if (bare_) {
     proven = u != nullptr ? bare_test_.disproves_near(*u, deadline_s) : bare_test_.disproves(deadline_s);
-  } else if (!trusts_ && may_be_singular_) {
+  } else if (!by_bodies_ && may_be_singular_) {
     proven = disproves_contacts({.deadline_s = deadline_s});
   }
   if (proven) return report_proof(answer);
@@ -80,7 +81,7 @@ void AnswerTest::settle_ray(Answer& answer, double deadline_s, const Vector* u) 
 
 void AnswerTest::report_proof(Answer& answer) {
   answer.claim = Claim::kUnsolvable;
-  answer.detail = "proven";
+  answer.detail = bare_ ? "proven" : "ray to rounding";
   if (bare_ && bare_test_.proof().size() == 0) return;
   Vector& farkas = cleared_vectors().farkas;
   if (farkas.size() != farkas_.size() && farkas_.size() > 0) farkas.swap(farkas_);
@@ -95,6 +96,7 @@ void AnswerTest::report_proof(Answer& answer) {
 bool AnswerTest::solves(const Vector& z) {
   if (!z.allFinite()) return false;
   completed_ = z.cwiseMax(0.0);
+  if (by_bodies_) return solves_bodies();
   if (!bare_) return solves_contacts();
   return solves_bare();
 }
@@ -104,7 +106,28 @@ bool AnswerTest::solves_bare() {
   return bare_test_.drop_rounding(completed_) && bare_test_.backward_error(completed_) <= kClaimedBackwardError;
 }
 
+bool AnswerTest::solves_bodies() {
+  bodies_test_.release(completed_);
+  if (bodies_test_.complete_in_double(completed_).certain <= kClaimedResidual) return true;
+  return bodies_test_.complete_in_quad(completed_).certain <= kClaimedQuadResidual;
+}
+
+/// What nothing moves stays so: methods that end inside leave impulses there.
+void AnswerTest::release_islands_at_rest() {
+  const contact_lemke::Input& input = contacts_.input;
+  if (input.island_of_contact == nullptr) return;
+  for (std::ptrdiff_t c = 0; c < input.nc; ++c) {
+    const std::ptrdiff_t island = input.island_of_contact[c];
+    bool moves = false;
+    for (std::ptrdiff_t i = 0; i < input.ngc && island >= 0 && completed_(c) > 0; ++i) {
+      moves = moves || (input.island_of_coordinate[i] == island && input.v[i] != 0);
+    }
+    if (!moves) completed_(c) = 0;
+  }
+}
+
 bool AnswerTest::solves_contacts() {
+  release_islands_at_rest();
   release_friction(contacts_.input, completed_);
   contact_lemke::Residual residual = judge_.complete(completed_.data());
   residual_ = residual.velocity;

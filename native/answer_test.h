@@ -3,6 +3,7 @@
 #include "core/problem.h"
 #include "core/solver.h"
 #include "native/bare_lcp_test.h"
+#include "native/bodies_test.h"
 #include "native/contact_input.h"
 #include "native/contact_lemke.h"
 
@@ -21,15 +22,14 @@ inline constexpr double kUndoubtedResidual = 1e-10;
 /// exact solution may be none of the contacts'.
 class AnswerTest {
  public:
-  /// Of contacts between separate bodies (BlockInertia). kTrusted: for methods that measure the velocity residual
-  /// themselves, with the inverse of each body's inertia. That is as good as each of them, and the test would take
-  /// dense matrices over all bodies.
-  enum class Bodies { kTested, kTrusted };
+  /// How contacts between separate bodies (BlockInertia) are tested: with dense matrices over all bodies, or, for
+  /// methods that never form such, body by body.
+  enum class Bodies { kTogether, kOneByOne };
 
   AnswerTest();
 
   /// @param problem must stay as it is until the next load. O(ngc^3), of bare LCPs O(n^2)
-  void load(const Problem& problem, Bodies bodies = Bodies::kTested);
+  void load(const Problem& problem, Bodies bodies = Bodies::kTogether);
 
   /// The same contacts, another velocity before the impact (ngc). @pre a contact problem was loaded
   void set_velocity(const Vector& v);
@@ -72,6 +72,8 @@ class AnswerTest {
   bool solves(const Vector& z);
   bool solves_bare();
   bool solves_contacts();
+  bool solves_bodies();
+  void release_islands_at_rest();
   Outcome confirm(double deadline_s);
   Outcome confirm(const Path& path, bool frictional);
   bool disproves_contacts(const Path& path);
@@ -82,7 +84,8 @@ class AnswerTest {
   LoadedContacts judge_, quad_judge_;
   ContactInput contacts_;
   BareLcpTest bare_test_;
-  bool trusts_ = false;  // every claim stands
+  BodiesTest bodies_test_;
+  bool by_bodies_ = false;
   bool bare_ = true;
   bool quad_is_loaded_ = false;
   bool may_be_singular_ = false;  // the inertia of contacts

@@ -26,6 +26,7 @@ void ContactInput::reserve(Index ngc, Index nc, Index directions) {
   friction_begin.reserve(static_cast<std::size_t>(nc) + 1);
   blocks.reserve(static_cast<std::size_t>(ngc) + 1);
   offsets.reserve(static_cast<std::size_t>(ngc) + 2);
+  islands.reserve(ngc, nc);
 }
 
 void ContactInput::load(const ContactProblem& contact) {
@@ -64,6 +65,11 @@ void ContactInput::load_layout(const ContactProblem& contact) {
   input.nc = contact.nc();
   input.friction_begin = friction_begin.data();
   input.mu = mu.data();
+  if (couples_all(contact.inertia)) return;
+  islands.find(contact);
+  input.islands = islands.count;
+  input.island_of_contact = islands.of_contact.data();
+  input.island_of_coordinate = islands.of_coordinate.data();
 }
 
 void ContactInput::load_inertia(const Inertia& inertia) {

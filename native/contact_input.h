@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/contact_problem.h"
+#include "core/islands.h"
 #include "native/contact_lemke/engine.h"
 #include "native/growing_vector.h"
 
@@ -18,6 +19,7 @@ struct ContactInput {
   GrowingVector N, D, G;  ///< only of sparse Jacobians, and of all in units
   std::vector<std::ptrdiff_t> friction_begin, offsets;
   std::vector<const double*> blocks;
+  IslandNumbers islands;  ///< found only where the inertia does not couple all
 
   /// Takes all memory that loading a problem of up to these dimensions needs, and touches none of it.
   void reserve(Index ngc, Index nc, Index directions);

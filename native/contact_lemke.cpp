@@ -198,6 +198,10 @@ void ContactLemke::respond(const Vector& z, Vector& velocity) {
   if (data_.units.size() > 0) velocity.array() *= data_.units.view().array();
 }
 
+bool ContactLemke::may_use(ContactArithmetic arithmetic) const {
+  return arithmetic == ContactArithmetic::kDouble || settings_.precision == ContactLemkePrecision::kCascade;
+}
+
 LoadedContacts& ContactLemke::engine_of(ContactArithmetic arithmetic) {
   if (arithmetic == ContactArithmetic::kDouble) return in_float() ? float_ : double_;
   const bool quad = arithmetic == ContactArithmetic::kQuad;
@@ -265,7 +269,12 @@ bool ContactLemke::climb(const ContactRung& rung, Rules rules, Progress& progres
   if (ending == Ending::kRay) return !progress.disproof_was_tried && disprove(engine, progress, answer);
   if (ending != Ending::kSolved) return false;
   const bool has_velocity = returns_velocity(settings_) && engine.polish(velocity_.data(), answer.z.data());
-  const Residual residual = (in_float() ? double_ : engine).complete(answer.z.data());
+  Residual residual = (in_float() ? double_ : engine).complete(answer.z.data());
+  const bool in_doubt = residual.velocity <= settings_.accept_residual && !(residual.certain <= kClaimedResidual);
+  if (in_doubt && &engine == &double_ && may_use(ContactArithmetic::kDoubleDouble)) {
+    residual = engine_of(ContactArithmetic::kDoubleDouble).complete(answer.z.data());
+  }
+  progress.is_beyond_double = &engine == &quad_ && !(residual.certain <= kClaimedResidual);
   if (residual.certain < progress.best) {
     progress.best = residual.certain;
     progress.rung = rung.name;
@@ -332,7 +341,7 @@ void ContactLemke::report(const Progress& progress, Answer& answer) {
   answer.z.setZero();
   if (progress.disproved) {
     answer.claim = Claim::kUnsolvable;
-    answer.detail = "ray, proven";
+    answer.detail = "ray to rounding";
   } else if (progress.ending == Ending::kTimeLimit) {
     answer.claim = Claim::kTimeLimit;
   } else if (progress.ending == Ending::kPivotLimit) {
@@ -341,6 +350,7 @@ void ContactLemke::report(const Progress& progress, Answer& answer) {
   } else {
     answer.claim = Claim::kNumericalFailure;
     answer.detail = progress.ending == Ending::kRay ? "ray, no proof" : "residual";
+    if (progress.is_beyond_double) answer.detail = "z beyond double";
   }
 }
 

@@ -129,6 +129,7 @@ class ContactLemke final : public Solver {
     std::ptrdiff_t factorizations = 0;
     bool disproof_was_tried = false;
     bool disproved = false;
+    bool is_beyond_double = false;  ///< solved in 113 bits, but not by the doubles nearest to these impulses
 
     std::ptrdiff_t pivots_left(std::int64_t limit) const {
       return limit > 0 ? static_cast<std::ptrdiff_t>(limit) - pivots : std::numeric_limits<std::ptrdiff_t>::max();
@@ -143,6 +144,7 @@ class ContactLemke final : public Solver {
   void reserve_engines(const contact_lemke::Input& input);
   void reserve_later_rungs(const contact_lemke::Input& input);
   bool in_float() const { return settings_.precision == ContactLemkePrecision::kFloat; }
+  bool may_use(ContactArithmetic arithmetic) const;
   LoadedContacts& engine_of(ContactArithmetic arithmetic);
   double roundoff_of(const LoadedContacts& engine) const;
   std::ptrdiff_t pivots_of_rung(const LoadedContacts& engine, const contact_lemke::Rules& rules) const;

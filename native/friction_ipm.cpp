@@ -146,7 +146,7 @@ void FrictionIpm::on_load(const Problem& problem) {
                convex);
   if (!method_.loaded()) return;
   state_.load(problem);
-  test_.load(problem, AnswerTest::Bodies::kTrusted);
+  test_.load(problem, AnswerTest::Bodies::kOneByOne);
   friction_impulses_.resize(cone_.friction.rows());
   slip_bounds_.resize(state_.contacts);
   offset_.resize(cone_.size());

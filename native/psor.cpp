@@ -111,7 +111,7 @@ void Psor::on_load(const Problem& problem) {
     most_directions = std::max(most_directions, friction.directions);
   }
   step_.resize(most_directions);
-  test_.load(problem, AnswerTest::Bodies::kTrusted);
+  test_.load(problem, AnswerTest::Bodies::kOneByOne);
 }
 
 double Psor::largest_eigenvalue(const SignedFriction& friction) const {
@@ -231,12 +231,13 @@ void Psor::iterate(double deadline_s, Answer& answer) {
 }
 
 void Psor::on_solve(const SolveRequest& request, Answer& answer) {
+  const double deadline_s = wall_clock_s() + request.time_limit_s;
   if (state_.q_max == 0) {  // z = 0 solves it, and max|q| gives no scale to judge another answer by
     answer.claim = Claim::kSolved;
     answer.counters.iterations = 0;
+    test_.settle(answer, deadline_s);  // q may have underflowed
     return;
   }
-  const double deadline_s = wall_clock_s() + request.time_limit_s;
   set_start(request.start);
   iterate(deadline_s, answer);
   if (answer.claim == Claim::kSolved) return;

@@ -111,7 +111,7 @@ void QuickstepSor::on_load(const Problem& problem) {
   }
   x_.resize(step_.size());
   order_rows(problem);
-  test_.load(problem, AnswerTest::Bodies::kTrusted);
+  test_.load(problem, AnswerTest::Bodies::kOneByOne);
 }
 
 /// E = D times this; also fills friction_rows_ and first_row_.
@@ -254,12 +254,13 @@ void QuickstepSor::settle(double deadline_s, Answer& answer) {
 }
 
 void QuickstepSor::on_solve(const SolveRequest& request, Answer& answer) {
+  const double deadline_s = wall_clock_s() + request.time_limit_s;
   if (state_.q_max == 0) {  // z = 0 solves it, and max|q| gives no scale to judge another answer by
     answer.claim = Claim::kSolved;
     answer.counters.iterations = 0;
+    test_.settle(answer, deadline_s);  // q may have underflowed
     return;
   }
-  const double deadline_s = wall_clock_s() + request.time_limit_s;
   answer.claim = iterate(deadline_s);
   if (answer.claim != Claim::kTimeLimit) answer.counters.iterations = settings_.iterations;
   write_impulses();

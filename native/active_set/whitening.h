@@ -30,6 +30,7 @@ class Whitening {
     weight_.resize(contact_lanes_ + 1);
     columns_.resize(ngc_ * velocity_lanes_ + 1);
     inverse_diagonal_.resize(velocity_lanes_ + 1);
+    diagonal_.resize(velocity_lanes_ + 1);
     pivots_.resize(velocity_lanes_ + 1);
     solution_.resize(velocity_lanes_ + 1);
     if (kLastPrecision || input.form != InertiaForm::kDense) reserve_factors(input);
@@ -70,6 +71,14 @@ class Whitening {
 
   /// Relative size of the rounding errors in a whitened normal, about.
   Scalar noise() const { return noise_; }
+
+  /// C'C differs from G by no more than backward_error() times the roots of diagonal(i) diagonal(j) in each entry, and
+  /// the least eigenvalue of G scaled to unit diagonal is likely to be well above 1 / condition(). @pre triangular()
+  Scalar diagonal(Count i) const { return diagonal_[i]; }
+  Scalar backward_error() const {
+    return static_cast<Scalar>(static_cast<double>(ngc_ + 1)) * static_cast<Scalar>(L::kUnitRoundoff);
+  }
+  Scalar condition() const { return condition_; }
 
   /// Whitened normal `contact`, velocity_lanes() entries. Gathered from the rows on first use: many contacts never
   /// press.
@@ -119,6 +128,13 @@ class Whitening {
  private:
   static constexpr bool kLastPrecision = sizeof(Scalar) > sizeof(double);
   static constexpr Scalar kEpsilon = 2 * L::kUnitRoundoff;
+  static constexpr double kMargin = 100;  ///< of the estimated condition
+  static constexpr long long kRootBias = 0x1ff7a3bea91d9b1bLL;
+  static constexpr Count kProbeLength = 16;
+  static constexpr double kProbes[kProbeLength][2] = {{0.83, -1.21},  {-1.13, 0.79}, {1.27, 1.09},  {0.91, -0.87},
+                                                      {-0.77, -1.23}, {1.19, 0.97},  {-1.03, 1.17}, {0.71, 1.31},
+                                                      {-1.29, -0.73}, {0.89, -1.07}, {1.11, 0.81},  {-0.97, 1.33},
+                                                      {-1.17, -0.93}, {1.07, 1.03},  {0.73, -1.19}, {-0.87, 0.69}};
 
   void set_dimensions(const Input& input) {
     ngc_ = input.ngc;
@@ -126,6 +142,14 @@ class Whitening {
     velocity_lanes_ = L::padded(ngc_);
     contact_lanes_ = L::padded(nc_);
     stride_ = velocity_lanes_ + contact_lanes_;
+    if (contact_lanes_ - nc_ >= 2) {
+      probe_lane_ = velocity_lanes_ + nc_;
+    } else if (velocity_lanes_ - ngc_ >= 2) {
+      probe_lane_ = ngc_;
+    } else {
+      probe_lane_ = stride_;
+      stride_ += L::padded(2);
+    }
   }
 
   /// Solutions stand apart until all are known: a number stored among others holds up the next load of the register.
@@ -175,6 +199,7 @@ class Whitening {
       widen(row, G + i * ngc_, ngc_, velocity_lanes_);
       copy(row + velocity_lanes_, normals_.data() + i * contact_lanes_, contact_lanes_);
       inverse_diagonal_[i] = row[i];  // G_ii, until scale_rows
+      write_probes(i, row);
     }
     const Scalar least = static_cast<Scalar>(static_cast<double>(ngc_)) * kEpsilon;
     Scalar pivot = ngc_ > 0 ? work_row(0)[0] : Scalar(0);
@@ -221,6 +246,7 @@ class Whitening {
     for (Count i = 0; i < velocity_lanes_; i += L::kWidth) {
       growth = L::max(L::load(inverse_diagonal_.data() + i) / L::load(pivots_.data() + i), growth);
     }
+    copy(diagonal_.data(), inverse_diagonal_.data(), velocity_lanes_);
     // A loop of its own, which compilers turn into roots of whole registers.
     for (Count i = 0; i < velocity_lanes_; ++i) inverse_diagonal_[i] = 1 / L::square_root(pivots_[i]);
     for (Count i = 0; i < ngc_; ++i) {
@@ -230,9 +256,44 @@ class Whitening {
       for (Count j = 0; j <= i; ++j) column[j] = work_row(j)[i];
       for (Count j = i + 1; j < velocity_lanes_; ++j) column[j] = 0;
     }
-    set_noise(L::square_root(L::max(growth)));
+    const Scalar most = L::max(growth);
+    set_noise(L::square_root(most));
     for (Count i = 0; i < ngc_; ++i) {  // what elimination left below the diagonal
       for (Count j = i / L::kWidth * L::kWidth; j < i; ++j) work_row(i)[j] = 0;
+    }
+    read_probes(most);
+  }
+
+  /// Two right-hand sides beside the normals, in lanes that are padding: r scaled by about root(i). r'A^-1 r, A being G
+  /// scaled to unit diagonal, is on average the trace of A^-1.
+  void write_probes(Count i, Scalar* row) const {
+    if (probe_lane_ >= velocity_lanes_ + contact_lanes_) set_zero(row + probe_lane_, L::padded(2));
+    const Scalar size = about_root(row[i]);
+    row[probe_lane_] = static_cast<Scalar>(kProbes[i % kProbeLength][0]) * size;
+    row[probe_lane_ + 1] = static_cast<Scalar>(kProbes[i % kProbeLength][1]) * size;
+  }
+
+  /// Takes the probes out of the rows. The growth of the pivots is another bound from below.
+  void read_probes(Scalar growth) {
+    Scalar first = 0, second = 0;
+    for (Count i = 0; i < ngc_; ++i) {
+      Scalar* const probes = work_row(i) + probe_lane_;
+      first += probes[0] * probes[0];
+      second += probes[1] * probes[1];
+      probes[0] = probes[1] = 0;
+    }
+    const Scalar trace = first > second ? first : second;
+    condition_ = static_cast<Scalar>(kMargin) * (trace > growth ? trace : growth);
+    if (!finite(condition_)) condition_ = kInfinity<Scalar>;
+  }
+
+  /// Within 7 % of the square root.
+  static Scalar about_root(Scalar x) {
+    if constexpr (sizeof(Scalar) == sizeof(double)) {
+      return static_cast<Scalar>(
+          __builtin_bit_cast(double, (__builtin_bit_cast(long long, static_cast<double>(x)) >> 1) + kRootBias));
+    } else {
+      return L::square_root(x);
     }
   }
 
@@ -434,10 +495,13 @@ class Whitening {
   Count stride_ = 0;
   bool triangular_ = false;
   Scalar noise_ = 0;
+  Scalar condition_ = 0;
+  Count probe_lane_ = 0;
 
   Buffer<Scalar> rows_;              // rank rows: [C W], or [S' W]
   Buffer<Scalar> columns_;           // of C
   Buffer<Scalar> inverse_diagonal_;  // of C; during the elimination the diagonal of G
+  Buffer<Scalar> diagonal_;          // of G
   Buffer<Scalar> pivots_;            // of the elimination
   Buffer<Scalar> solution_;
   Buffer<Scalar> normals_;   // N by rows

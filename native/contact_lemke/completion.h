@@ -5,7 +5,16 @@
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
-/// Completes impulses by the lambdas that they allow, and measures the answer from the raw data.
+/// Completes impulses by the lambdas that they allow, and measures the answer from the raw data, island by island.
+///
+/// It bounds its own rounding, by coordinate first. The change c = G* p that the impulses p = J f make comes from the
+/// factors of a neighbour G + E of G (Response::backward_error()), and p is off by some d, so that c is off by
+/// G* (d - E c). With t_k = sqrt(G*_kk), by Cauchy and Schwarz in the metric of G*, a row a of J sees of that no more
+/// than
+///
+///     (sum |a_k| t_k) (sum t_k d_k + backward_error (sum t_k root_k) (sum root_k |c_k|)),
+///
+/// the sums over the row's island. bound_ is all that multiplies |a_k|, the rounding of a'(v + c) included.
 template <class Scalar>
 class Completion {
  public:
@@ -13,32 +22,39 @@ class Completion {
 
   /// Takes all memory that load() needs. @pre the contacts are reserved
   void reserve() {
-    Buffer<Scalar>* const by_coordinate[] = {&impulse_, &magnitude_, &change_, &u_};
+    Buffer<Scalar>* const by_coordinate[] = {&impulse_, &magnitude_, &change_, &u_, &bound_};
     for (Buffer<Scalar>* buffer : by_coordinate) buffer->resize(contacts_.padded_ngc());
+    // Islands have contacts: there are no more of them. Their number is known to load() only.
+    Buffer<Scalar>* const by_island[] = {&worst_, &certain_, &scale_, &rounded_, &lost_, &moved_};
+    for (Buffer<Scalar>* buffer : by_island) buffer->resize(contacts_.nc() + 1);
     normal_velocity_.resize(contacts_.padded_nc());
+    slack_.resize(contacts_.padded_nc());
     slip_.resize(contacts_.most_padded_half());
   }
 
   void load() {
     reserve();
-    fill_with_zeros(contacts_.padded_ngc(), impulse_, magnitude_, change_, u_);
+    fill_with_zeros(contacts_.padded_ngc(), impulse_, magnitude_, change_, u_, bound_);
   }
 
   contact_lemke::Residual run(double* z) {
     add_impulses(z, contacts_.nc() + contacts_.first_direction(contacts_.nc()));
     response_.apply(impulse_.data(), change_.data());
     for (Count i = 0; i < contacts_.padded_ngc(); ++i) u_[i] = contacts_.velocity()[i] + change_[i];
-    worst_ = 0;
-    measure_normals(z);
-    Count lambda = contacts_.nc() + contacts_.first_direction(contacts_.nc());
-    for (Count c = 0; c < contacts_.nc(); ++c) {
-      if (contacts_.edges(c) > 0) measure_friction(c, z, z[lambda++]);
-    }
+    bound_rounding();
+    const Count length = contacts_.padded_nc();
+    combine(contacts_.normals(), length, contacts_.ngc(), u_.data(), normal_velocity_.data(), length);
     contact_lemke::Residual residual;
-    const Scalar with_rounding = worst_ + rounding();
-    const Scalar scale = q_max(with_rounding);
-    residual.velocity = relative(worst_, scale);
-    residual.certain = relative(with_rounding, scale);
+    if (contacts_.islands() == 1 && is_beyond_doubt(z, residual)) return residual;
+    measure_friction(z, [this](Count contact) { return rounding_of_directions(contact); });
+    for (Count c = 0; c < contacts_.nc(); ++c) {
+      offer(c, normal_velocity_[c], z[c], product(contacts_.impulse_column(c), bound_.data()));
+    }
+    measure_scales();
+    for (Count k = 0; k < contacts_.islands(); ++k) {
+      residual.velocity = larger(residual.velocity, relative(worst_[k], scale_[k]));
+      residual.certain = larger(residual.certain, relative(certain_[k], scale_[k]));
+    }
     return residual;
   }
 
@@ -67,8 +83,10 @@ class Completion {
  private:
   void add_impulses(const double* z, Count columns) {
     for (Count i = 0; i < contacts_.padded_ngc(); ++i) impulse_[i] = magnitude_[i] = 0;
+    terms_ = 0;
     for (Count j = 0; j < columns; ++j) {
       if (z[j] == 0) continue;
+      ++terms_;
       const Scalar f = static_cast<Scalar>(z[j]);
       const double* const column = contacts_.impulse_column(j);
       for (Count i = 0; i < contacts_.ngc(); ++i) {
@@ -79,102 +97,226 @@ class Completion {
     }
   }
 
-  /// A row with z_i > 0 is off by min(M_ii z_i, w_i) <= |w_i|, one with z_i = 0 by -w_i.
-  void offer(Scalar w, double z) { note(z > 0 || !(w >= 0) ? magnitude(w) : Scalar(0)); }
+  void bound_rounding() {
+    const Scalar roundoff = static_cast<Scalar>(kUnitRoundoff<Scalar>);
+    const Scalar sums = roundoff * static_cast<Scalar>(static_cast<double>(4 + 2 * contacts_.ngc() + terms_));
+    const Scalar dots = roundoff * static_cast<Scalar>(static_cast<double>(2 + contacts_.ngc()));
+    const Scalar* const reach = response_.reach();
+    const Scalar error = response_.backward_error();
+    const Count length = contacts_.padded_ngc();
+    is_known_ = error < kInfinity<Scalar>;
+    for (Count i = 0; i < length; ++i) {
+      if (magnitude_[i] > 0 && magnitude_[i] < static_cast<Scalar>(kSmallestSafe<Scalar>)) is_known_ = false;
+      bound_[i] = magnitude(change_[i]);
+    }
+    if (contacts_.islands() == 1) {
+      rounded_[0] = sums * dot(reach, magnitude_.data(), length);
+      if (is_known_)
+        rounded_[0] += error * dot(reach, response_.root(), length) * dot(response_.root(), bound_.data(), length);
+      for (Count i = 0; i < length; ++i) {
+        bound_[i] = reach[i] * rounded_[0] + dots * (magnitude(contacts_.velocity()[i]) + bound_[i]);
+      }
+    } else {
+      bound_rounding_of_islands(sums, dots);
+    }
+  }
+
+  void bound_rounding_of_islands(Scalar sums, Scalar dots) {
+    const Scalar* const reach = response_.reach();
+    const Scalar* const root = response_.root();
+    const Scalar error = is_known_ ? response_.backward_error() : Scalar(0);
+    for (Count k = 0; k < contacts_.islands(); ++k) rounded_[k] = lost_[k] = moved_[k] = 0;
+    for (Count i = 0; i < contacts_.ngc(); ++i) {
+      const Count k = contacts_.island_of_coordinate(i);
+      if (k < 0) continue;
+      rounded_[k] += reach[i] * magnitude_[i];
+      lost_[k] += reach[i] * root[i];
+      moved_[k] += root[i] * bound_[i];
+    }
+    for (Count i = 0; i < contacts_.ngc(); ++i) {
+      const Count k = contacts_.island_of_coordinate(i);
+      bound_[i] = dots * (magnitude(contacts_.velocity()[i]) + bound_[i]);
+      if (k >= 0) bound_[i] += reach[i] * (sums * rounded_[k] + error * lost_[k] * moved_[k]);
+    }
+  }
+
+  /// Where nothing is known of G*, all that impulses do is uncertain.
+  void begin_measuring() {
+    const bool is_certain = is_known_ || terms_ == 0;
+    for (Count k = 0; k < contacts_.islands(); ++k) {
+      worst_[k] = scale_[k] = 0;
+      certain_[k] = is_certain ? Scalar(0) : kInfinity<Scalar>;
+    }
+  }
+
+  /// |column|'x
+  Scalar product(const double* column, const Scalar* x) const {
+    Scalar sum = 0;
+    for (Count i = 0; i < contacts_.ngc(); ++i) sum += static_cast<Scalar>(__builtin_fabs(column[i])) * x[i];
+    return sum;
+  }
+
+  /// What a row is off whose w is known to within `rounding`. A row with z_i > 0 is off by min(M_ii z_i, w_i) <= |w_i|,
+  /// one with z_i = 0 by -w_i.
+  void offer(Count contact, Scalar w, double z, Scalar rounding) {
+    if (z > 0 || !(w >= 0)) return note(contact, magnitude(w), magnitude(w) + rounding);
+    note(contact, 0, rounding > w ? rounding - w : Scalar(0));
+    if (!(rounding <= rounding)) note(contact, 0, kInfinity<Scalar>);
+  }
 
   /// What is no number, or too large for one, stays the worst.
-  void note(Scalar off) {
-    if (!(off <= worst_)) worst_ = number_or_infinity(off);
+  void note(Count contact, Scalar off, Scalar certain) {
+    const Count k = contacts_.island_of_contact(contact);
+    if (k < 0) return;
+    if (!(off <= worst_[k])) worst_[k] = number_or_infinity(off);
+    if (!(certain <= certain_[k])) certain_[k] = number_or_infinity(certain);
   }
+  void note_infinite(Count contact) { note(contact, kInfinity<Scalar>, kInfinity<Scalar>); }
 
-  void measure_normals(const double* z) {
-    const Count length = contacts_.padded_nc();
-    combine(contacts_.normals(), length, contacts_.ngc(), u_.data(), normal_velocity_.data(), length);
-    for (Count c = 0; c < contacts_.nc(); ++c) offer(normal_velocity_[c], z[c]);
-  }
-
-  void measure_friction(Count contact, const double* z, double& lambda) {
+  Scalar rounding_of_directions(Count contact) const {
     const Count first = contacts_.nc() + contacts_.first_direction(contact);
-    const Count edges = contacts_.edges(contact);
+    Scalar most = 0;
+    for (Count t = 0; t < contacts_.half(contact); ++t) {
+      const Scalar of_row = product(contacts_.impulse_column(first + t), bound_.data());
+      if (!(of_row <= most)) most = number_or_infinity(of_row);
+    }
+    return most;
+  }
+
+  /// Of all contacts; sets the lambdas. @param rounding  of the slips of a contact
+  template <class Rounding>
+  void measure_friction(double* z, Rounding&& rounding) {
+    begin_measuring();
+    Count lambda = contacts_.nc() + contacts_.first_direction(contacts_.nc());
+    for (Count c = 0; c < contacts_.nc(); ++c) {
+      if (contacts_.edges(c) == 0) continue;
+      measure_friction(c, z, z[lambda++], rounding(c));
+    }
+  }
+
+  void measure_friction(Count contact, const double* z, double& lambda, Scalar rounding) {
+    const Count first = contacts_.nc() + contacts_.first_direction(contact);
+    const Count half = contacts_.half(contact);
     if (!(z[contact] > 0)) {
-      lambda = static_cast<double>(contacts_.largest_slip(contact, u_.data()));
-      if (!(lambda - lambda == 0)) note(kInfinity<Scalar>);
-      for (Count t = 0; t < edges; ++t) {
-        if (z[first + t] > 0) worst_ = kInfinity<Scalar>;  // friction without a normal impulse
+      const Scalar largest = contacts_.largest_slip(contact, u_.data());
+      lambda = static_cast<double>(largest);
+      offer(contact, static_cast<Scalar>(lambda) - largest, 0, rounding);
+      if (!(lambda - lambda == 0)) note_infinite(contact);
+      for (Count t = 0; t < 2 * half; ++t) {
+        if (z[first + t] > 0) note_infinite(contact);  // friction without a normal impulse
       }
       return;
     }
-    const Count half = edges / 2;
     contacts_.slip(contact, u_.data(), slip_.data());
     Scalar largest = 0;
     for (Count t = 0; t < half; ++t) {
       if (!(magnitude(slip_[t]) <= largest)) largest = number_or_infinity(magnitude(slip_[t]));
     }
     lambda = static_cast<double>(largest);
-    if (!(lambda - lambda == 0)) note(kInfinity<Scalar>);
+    if (!(lambda - lambda == 0)) note_infinite(contact);
     const Scalar bound = static_cast<Scalar>(lambda);
     Scalar unused = contacts_.mu(contact) * static_cast<Scalar>(z[contact]);
+    Scalar terms = magnitude(unused);
     for (Count t = 0; t < half; ++t) {
-      offer(bound + slip_[t], z[first + t]);
-      offer(bound - slip_[t], z[first + half + t]);
-      unused -= static_cast<Scalar>(z[first + t]) + static_cast<Scalar>(z[first + half + t]);
+      const Scalar forth = static_cast<Scalar>(z[first + t]), back = static_cast<Scalar>(z[first + half + t]);
+      offer(contact, bound + slip_[t], z[first + t], rounding);
+      offer(contact, bound - slip_[t], z[first + half + t], rounding);
+      unused -= forth + back;
+      terms += forth + back;
     }
-    offer_cone(contact, bound, unused);
+    offer_cone(contact, bound, unused,
+               terms * static_cast<Scalar>(kUnitRoundoff<Scalar> * (2 + 4 * static_cast<double>(half))));
   }
 
-  /// |min(lambda, M_nn unused)|
-  void offer_cone(Count contact, Scalar lambda, Scalar unused) {
+  /// |min(lambda, M_nn unused)|, `unused` known to within `rounding` and M_nn to within kTrusted of itself.
+  void offer_cone(Count contact, Scalar lambda, Scalar unused, Scalar rounding) {
     contacts_.get_normal(contact, impulse_.data());
-    const Scalar velocity = response_.square(impulse_.data()) * unused;
-    note(magnitude(velocity < lambda ? velocity : lambda));
-    if (!(velocity - velocity == 0)) note(kInfinity<Scalar>);
+    const Scalar square = response_.square(impulse_.data());
+    const Scalar velocity = square * unused;
+    const Scalar most =
+        static_cast<Scalar>(1 + 2 * Response<Scalar>::kTrusted) * square * (magnitude(unused) + rounding);
+    const Scalar off = magnitude(velocity < lambda ? velocity : lambda);
+    note(contact, off, unused > rounding && lambda < most ? lambda : most);
+    if (!(velocity - velocity == 0)) note_infinite(contact);
   }
 
-  /// Of J f, whose terms may cancel, and of G's factors. Infinite where products with v may have underflowed.
-  Scalar rounding() const {
-    if (contacts_.nc() == 0) return 0;
-    const Scalar largest_product = contacts_.reach() * contacts_.speed();
-    if (contacts_.moves() && !(largest_product > static_cast<Scalar>(kSmallestSafe<Scalar>))) return kInfinity<Scalar>;
-    const Count length = contacts_.padded_ngc();
-    const Scalar terms = square_root(dot(magnitude_.data(), magnitude_.data(), length)) * response_.norm();
-    const Scalar change = square_root(dot(change_.data(), change_.data(), length)) * response_.condition();
-    return static_cast<Scalar>(2 * kUnitRoundoff<Scalar>) * contacts_.reach() * (terms + change);
-  }
-
-  static double relative(Scalar residual, Scalar q_max) {
-    if (q_max == 0) return residual == 0 ? 0 : __builtin_inf();
-    return is_scale(q_max) ? static_cast<double>(residual / q_max) : __builtin_inf();
-  }
-
-  /// Answers are doubles: where 113 bits reach further, nothing is vouched for.
-  static bool is_scale(Scalar q_max) {
-    if constexpr (sizeof(Scalar) > sizeof(double)) {
-      return q_max >= static_cast<Scalar>(__DBL_MIN__) && q_max <= static_cast<Scalar>(__DBL_MAX__);
-    } else {
-      return q_max > 0 && q_max < kInfinity<Scalar>;
-    }
-  }
-
-  /// max|q|; the friction part, which costs the most, only where the normals' leaves `error` above kNoDoubt of it.
-  Scalar q_max(Scalar error) {
+  /// Whether the answer passes by so much that one bound for all rows, and the scale of the normals' q alone, will do.
+  /// Sets the lambdas. @pre one island
+  bool is_beyond_doubt(double* z, contact_lemke::Residual& residual) {
     const Count length = contacts_.padded_nc();
-    combine(contacts_.normals(), length, contacts_.ngc(), contacts_.velocity(), normal_velocity_.data(), length);
-    Scalar largest = largest_magnitude(normal_velocity_.data(), contacts_.nc());
-    if (error <= static_cast<Scalar>(kNoDoubt) * largest) return largest;
+    const Scalar root = square_root(dot(bound_.data(), bound_.data(), contacts_.padded_ngc()));
+    const Scalar of_directions = contacts_.direction_reach() * root;
+    measure_friction(z, [&](Count) { return of_directions; });
+    const Scalar rounding = contacts_.reach() * root;
     for (Count c = 0; c < contacts_.nc(); ++c) {
-      const Scalar slip = contacts_.largest_slip(c, contacts_.velocity());
-      if (slip > largest) largest = slip;
+      const Scalar w = normal_velocity_[c];
+      const Scalar off = z[c] > 0 || !(w >= 0) ? magnitude(w) : Scalar(0);
+      if (!(off <= worst_[0])) worst_[0] = number_or_infinity(off);
     }
-    return largest;
+    const Scalar certain = certain_[0] > worst_[0] + rounding ? certain_[0] : worst_[0] + rounding;
+    combine(contacts_.normals(), length, contacts_.ngc(), contacts_.velocity(), slack_.data(), length);
+    const Scalar scale = largest_magnitude(slack_.data(), contacts_.nc());
+    if (!(certain <= static_cast<Scalar>(kNoDoubt) * scale)) return false;
+    residual.velocity = relative(worst_[0], scale);
+    residual.certain = relative(certain, scale);
+    return residual.certain < __builtin_inf();
+  }
+
+  /// scale_: of each island max|q|, or the floor that the rounding of q sets where that is more.
+  void measure_scales() {
+    const Count columns = contacts_.nc();
+    for (Count c = 0; c < columns; ++c) {
+      const Count k = contacts_.island_of_contact(c);
+      if (k < 0) continue;
+      offer_scale(contacts_.impulse_column(c), scale_[k]);
+      const Count first = contacts_.nc() + contacts_.first_direction(c);
+      for (Count t = 0; t < contacts_.half(c); ++t) offer_scale(contacts_.impulse_column(first + t), scale_[k]);
+    }
+  }
+
+  void offer_scale(const double* column, Scalar& scale) const {
+    Scalar q = 0, terms = 0;
+    Count entries = 0;
+    for (Count i = 0; i < contacts_.ngc(); ++i) {
+      if (column[i] == 0) continue;
+      const Scalar part = static_cast<Scalar>(column[i]) * contacts_.velocity()[i];
+      q += part;
+      terms += magnitude(part);
+      ++entries;
+    }
+    const Scalar floor = terms * static_cast<Scalar>(kFloor * static_cast<double>(entries + 1));
+    const Scalar larger_one = magnitude(q) > floor ? magnitude(q) : floor;
+    if (!(larger_one <= scale)) scale = number_or_infinity(larger_one);
+  }
+
+  static double larger(double a, double b) { return a >= b ? a : b; }
+
+  static double relative(Scalar residual, Scalar scale) {
+    if (scale == 0) return residual == 0 ? 0 : __builtin_inf();
+    return is_scale(scale) && residual < kInfinity<Scalar> ? static_cast<double>(residual / scale) : __builtin_inf();
+  }
+
+  /// Answers are doubles: where 113 bits reach further, nothing is vouched for. Nor where doubles may have underflowed.
+  static bool is_scale(Scalar scale) {
+    if constexpr (sizeof(Scalar) > sizeof(double)) {
+      return scale >= static_cast<Scalar>(__DBL_MIN__) && scale <= static_cast<Scalar>(__DBL_MAX__);
+    } else {
+      return scale > static_cast<Scalar>(kSmallestSafe<Scalar>) && scale < kInfinity<Scalar>;
+    }
   }
 
   static constexpr double kNoDoubt = 1e-9;
+  static constexpr double kFloor =
+      0x1p-53 / 1e-4;                             ///< of the verdict: a residual of the rounding of q counts as solved
   static constexpr double kProofRoundings = 256;  // of the elimination that led to u; small against any real motion
 
   Contacts<Scalar>& contacts_;
   Response<Scalar>& response_;
-  Buffer<Scalar> impulse_, magnitude_, change_, u_, normal_velocity_, slip_;
-  Scalar worst_ = 0;
+  Buffer<Scalar> impulse_, magnitude_, change_, u_, bound_;
+  Buffer<Scalar> normal_velocity_, slack_, slip_;
+  Buffer<Scalar> worst_, certain_, scale_, rounded_, lost_, moved_;  ///< by island
+  Count terms_ = 0;                                                  ///< impulses that are not zero
+  bool is_known_ = false;  ///< whether bound_ bounds the error of what G* makes of the impulses
 };
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

@@ -52,11 +52,20 @@ class Contacts {
   Count padded_nc() const { return padded_nc_; }
   const Scalar* velocity() const { return velocity_.data(); }
   Scalar speed() const { return speed_; }
-  /// Whether v is not zero, however small.
-  bool moves() const { return largest_magnitude(velocity_.data(), ngc()) > 0; }
   const Scalar* normals() const { return normals_.data(); }
   /// The largest Euclidean norm of a normal.
   Scalar reach() const { return reach_; }
+
+  /// At least the largest Euclidean norm of a direction of friction.
+  Scalar direction_reach() const { return direction_reach_; }
+
+  Count islands() const { return input_.island_of_contact == nullptr ? 1 : input_.islands; }
+  Count island_of_contact(Count contact) const {
+    return input_.island_of_contact == nullptr ? 0 : input_.island_of_contact[contact];
+  }
+  Count island_of_coordinate(Count coordinate) const {
+    return input_.island_of_coordinate == nullptr ? 0 : input_.island_of_coordinate[coordinate];
+  }
 
   Count edges(Count contact) const { return input_.friction_begin[contact + 1] - input_.friction_begin[contact]; }
   Count half(Count contact) const { return edges(contact) / 2; }
@@ -100,6 +109,24 @@ class Contacts {
     return largest;
   }
 
+  /// The largest magnitude of an entry of a direction.
+  double largest_direction_entry() const {
+    using D = Packed<double>;
+    const Count entries = first_direction(nc()) * ngc();
+    D::Pack largest = typename D::Pack{};
+    Count k = 0;
+    for (; k + D::kWidth <= entries; k += D::kWidth) {
+      const D::Pack pack = D::load(input_.D + k);
+      largest = D::max(largest, D::max(pack, -pack));
+    }
+    double result = D::max(largest);
+    for (; k < entries; ++k) {
+      const double entry = __builtin_fabs(input_.D[k]);
+      result = entry > result ? entry : result;
+    }
+    return result;
+  }
+
   const double* impulse_column(Count column) const {
     return column < nc() ? input_.N + column * ngc() : input_.D + (column - nc()) * ngc();
   }
@@ -125,6 +152,8 @@ class Contacts {
     Scalar largest = 0;
     for (Count j = 0; j < nc(); ++j) largest = squares_[j] > largest ? squares_[j] : largest;
     reach_ = square_root(largest);
+    direction_reach_ =
+        static_cast<Scalar>(largest_direction_entry()) * square_root(static_cast<Scalar>(static_cast<double>(ngc())));
   }
 
   void load_layout() {
@@ -152,7 +181,7 @@ class Contacts {
   Buffer<Scalar> velocity_, normals_, squares_, blocks_;
   Buffer<Count> block_at_;
   Buffer<bool> transposed_;
-  Scalar speed_ = 0, reach_ = 0;
+  Scalar speed_ = 0, reach_ = 0, direction_reach_ = 0;
 };
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

@@ -28,6 +28,10 @@ struct Input {
   const std::ptrdiff_t* friction_begin = nullptr;  ///< nc + 1
   const double* mu = nullptr;                      ///< nc
   bool polishes_answers = false;                   ///< makes room for polish_answer
+  /// Parts that nothing couples: answers are measured by the scale of each. nullptr: all is one part. -1: of none.
+  std::ptrdiff_t islands = 1;
+  const std::ptrdiff_t* island_of_contact = nullptr;     ///< nc
+  const std::ptrdiff_t* island_of_coordinate = nullptr;  ///< ngc
   InertiaInput inertia;
 };
 
@@ -58,10 +62,12 @@ struct Outcome {
   std::ptrdiff_t factorizations = 0;  ///< inversions of a whole kernel
 };
 
-/// What an answer is worth, evaluated from v, N, D, mu and the inertia in the engine's arithmetic, relative to max|q|.
+/// What an answer is worth, evaluated from v, N, D, mu and the inertia in the engine's arithmetic, each island relative
+/// to its own scale: max|q| or, where that is less, 1e4 times the rounding of q in double. Of the islands the worst.
 struct Residual {
   double velocity = 0;  ///< bound on the velocity residual: max |w_i| where z_i > 0, max(0, -w_i) elsewhere
-  double certain = 0;   ///< the same with an estimate of its rounding added
+  /// The same with a bound on its rounding added, that of G's factors included: infinite where they have lost all.
+  double certain = 0;
 };
 
 /// One engine at one level. `create` gives an object that `destroy` ends. `reserve` allocates all that `load` needs for

@@ -15,6 +15,9 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 template <class Scalar>
 class Response {
  public:
+  /// The share of G's least eigenvalue, scaled to unit diagonal, that rounding may take before nothing is known of G*.
+  static constexpr double kTrusted = 0.1;
+
   /// Takes all memory that load() needs; touches none of it.
   void reserve(const contact_lemke::Input& input) {
     ngc_ = input.ngc;
@@ -23,6 +26,8 @@ class Response {
     by_factors_ = input.inertia.factors >= 0;
     columns_.resize(ngc_ * padded_);
     white_.resize(padded_);
+    reach_.resize(padded_);
+    root_.resize(padded_);
     if (given_) return;
     work_.resize(ngc_ * padded_);
     L_.resize(ngc_ * padded_);
@@ -35,19 +40,22 @@ class Response {
     reserve(input);
     if (given_) {
       load_inverse(input.inertia.Ginv);
-      return;
+      return measure_given();
     }
-    const bool by_columns = load_columns(input.inertia);
+    bool sound = load_columns(input.inertia);
+    const bool by_columns = sound;
     if (!by_columns) {
       form(input.inertia);
       factor(by_factors_ && input.inertia.factors < ngc_ ? input.inertia.factors : ngc_);
       if (rank_ == ngc_) {
         invert_triangle();
+        sound = true;
       } else {
-        pseudo_invert();
+        sound = pseudo_invert() && is_cut_cleanly();
       }
     }
     transpose();
+    measure_factored(sound, by_columns);
     norm_ = 0;
     for (Count k = by_columns || rank_ == 0 ? 0 : rank_ - 1; k < rank_; ++k) {  // the last is of the smallest pivot
       const Scalar* const column = columns_.data() + k * padded_;
@@ -62,8 +70,14 @@ class Response {
   bool may_be_singular() const { return given_ || (by_factors_ && rank_ < ngc_); }
   bool full_rank() const { return !given_ && rank_ == ngc_; }
 
-  /// An estimate from below of the condition number of G; 1 where G* was given.
-  Scalar condition() const { return condition_; }
+  /// Per coordinate the square root of (G*)_kk: no impulse p moves the coordinate by more than that times |p|_G*.
+  /// Padded.
+  const Scalar* reach() const { return reach_.data(); }
+  /// Per coordinate the square root of G_kk; 0 where G* was given. Padded.
+  const Scalar* root() const { return root_.data(); }
+  /// The factors in use are those of a matrix that differs from G by no more than this times root_i root_j in each
+  /// entry. Infinite where that may be a singular matrix, so that nothing is known of G*.
+  Scalar backward_error() const { return backward_error_; }
 
   /// The largest diagonal entry of W'W or, where it was given, of G*: an estimate of the norm of G*.
   Scalar norm() const { return norm_; }
@@ -104,7 +118,6 @@ class Response {
 
   void load_inverse(const double* Ginv) {
     white_.fill(padded_, Scalar(0));
-    condition_ = 1;
     norm_ = 0;
     rank_ = ngc_;
     rank_padded_ = padded_;
@@ -119,7 +132,6 @@ class Response {
   bool load_columns(const contact_lemke::InertiaInput& inertia) {
     if (!by_factors_ || inertia.factors >= ngc_) return false;
     rank_ = 0;
-    condition_ = 1;
     for (Count k = 0; k < inertia.factors; ++k) {
       if (!(inertia.alpha[k] > 0)) {
         if (inertia.alpha[k] == 0) continue;
@@ -164,8 +176,9 @@ class Response {
     for (Count i = 0; i < padded_; ++i) left[i] = i < ngc_ ? Scalar(1) : Scalar(0);
     // What elimination leaves of an entry is compared with that entry: another coordinate may have another unit.
     Scalar* const whole = white_.data();
-    for (Count i = 0; i < ngc_; ++i) whole[i] = work_[i * padded_ + i];
-    Scalar first = 0, last = 0;
+    for (Count i = 0; i < ngc_; ++i) whole[i] = root_[i] = work_[i * padded_ + i];
+    for (Count i = ngc_; i < padded_; ++i) root_[i] = 0;
+    first_pivot_ = last_pivot_ = 0;
     rank_ = 0;
     for (Count tried = 0; tried < ngc_ && rank_ < most; ++tried) {
       const Count pivot = largest_diagonal();
@@ -174,13 +187,12 @@ class Response {
         done_[pivot] = 0;  // depends on those before it
         continue;
       }
-      if (rank_ == 0) first = value;
-      last = value;
+      if (rank_ == 0) first_pivot_ = value;
+      last_pivot_ = value;
       eliminate(pivot, value);
       ++rank_;
     }
     rank_padded_ = P::padded(rank_);
-    condition_ = rank_ > 0 ? first / last : Scalar(1);
   }
 
   Count largest_diagonal() const {
@@ -235,7 +247,6 @@ class Response {
       }
     }
     bool independent = true;
-    Scalar largest = 0, smallest = kInfinity<Scalar>;
     for (Count j = 0; j < rank_; ++j) {
       const Scalar whole = S[j * padded_ + j];
       for (Count k = 0; k < j; ++k) S[j * padded_ + j] -= S[j * padded_ + k] * S[j * padded_ + k];
@@ -243,8 +254,6 @@ class Response {
       if (!(left > static_cast<Scalar>(4 * kUnitRoundoff<Scalar> * static_cast<double>(ngc_)) * whole)) {
         independent = false;
       }
-      largest = left > largest ? left : largest;
-      smallest = left < smallest ? left : smallest;
       S[j * padded_ + j] = square_root(S[j * padded_ + j]);
       for (Count i = j + 1; i < rank_; ++i) {
         for (Count k = 0; k < j; ++k) S[i * padded_ + j] -= S[i * padded_ + k] * S[j * padded_ + k];
@@ -260,8 +269,61 @@ class Response {
       for (Count j = k + 1; j < rank_; ++j) subtract_column(k, j, S[j * padded_ + k]);
       scale(columns_.data() + k * padded_, Scalar(1) / S[k * padded_ + k], padded_);
     }
-    if (rank_ > 0) condition_ = largest / smallest;
     return independent;
+  }
+
+  /// Of a G that is not of full rank: whether what was cut is rounding of the doubles that it was given in, and all
+  /// else far above that. Of a precision of few bits nothing can be told.
+  bool is_cut_cleanly() const {
+    if (kUnitRoundoff < Scalar >> kCleanCut * kCleanCut) return false;
+    return last_pivot_ > static_cast<Scalar>(kCleanCut * static_cast<double>(ngc_)) * first_pivot_;
+  }
+
+  void measure_given() {
+    for (Count i = 0; i < padded_; ++i) {
+      reach_[i] = i < ngc_ ? square_root(columns_[i * padded_ + i]) : Scalar(0);
+      root_[i] = 0;
+    }
+    backward_error_ = 0;
+  }
+
+  /// @pre transpose()
+  void measure_factored(bool sound, bool by_columns) {
+    if (by_columns) {
+      for (Count i = 0; i < padded_; ++i) root_[i] = 0;
+      for (Count k = 0; k < rank_; ++k) add_squares(L_.data() + k * padded_, root_.data());
+    }
+    for (Count i = 0; i < padded_; ++i) reach_[i] = 0;
+    for (Count k = 0; k < rank_; ++k) add_squares(columns_.data() + k * padded_, reach_.data());
+    for (Count i = 0; i < padded_; ++i) reach_[i] = square_root(reach_[i]);
+    for (Count i = 0; i < padded_; ++i) root_[i] = square_root(root_[i]);
+    const Scalar condition = rank_ == ngc_ ? condition_of_whole() : condition_of_columns();
+    const Scalar roundings = static_cast<Scalar>((8 + 4 * static_cast<double>(ngc_)) * kUnitRoundoff<Scalar>);
+    backward_error_ = rank_ == ngc_ ? roundings : roundings * condition;
+    // The factors are those of a neighbour of G: they bound G* only where no neighbour is singular.
+    const Scalar lost = roundings * static_cast<Scalar>(static_cast<double>(ngc_)) * condition;
+    if (!sound || !(lost < static_cast<Scalar>(kTrusted))) backward_error_ = kInfinity<Scalar>;
+  }
+
+  void add_squares(const Scalar* x, Scalar* to) const {
+    for (Count i = 0; i < padded_; i += P::kWidth) P::store(to + i, P::load(to + i) + P::load(x + i) * P::load(x + i));
+  }
+
+  /// The trace of the inverse of G scaled to unit diagonal: never less than its norm.
+  Scalar condition_of_whole() {
+    for (Count i = 0; i < padded_; ++i) white_[i] = root_[i] * reach_[i];
+    return dot(white_.data(), white_.data(), padded_);
+  }
+
+  /// The same of L'L, whose inverse is W'W.
+  Scalar condition_of_columns() const {
+    Scalar trace = 1;
+    for (Count k = 0; k < rank_; ++k) {
+      const Scalar* const w = columns_.data() + k * padded_;
+      const Scalar* const l = L_.data() + k * padded_;
+      trace += dot(w, w, padded_) * dot(l, l, padded_);
+    }
+    return trace;
   }
 
   void subtract_column(Count to, Count from, Scalar factor) {
@@ -277,11 +339,13 @@ class Response {
   }
 
   Count ngc_ = 0, padded_ = 0, rank_ = 0, rank_padded_ = 0;
+  static constexpr double kCleanCut = 0x1p-52;  ///< relative to the largest entry: the cut of inverse_inertia()
   bool given_ = false, by_factors_ = false;
-  Scalar condition_ = 1, norm_ = 0;
+  Scalar norm_ = 0, first_pivot_ = 0, last_pivot_ = 0, backward_error_ = 0;
   Buffer<Scalar> work_, L_, done_, white_;
-  Buffer<Scalar> columns_;  ///< of W (of G* where it is given), padded_ apart
-  Buffer<Scalar> rows_;     ///< of W, rank_padded_ apart
+  Buffer<Scalar> reach_, root_;  ///< per coordinate
+  Buffer<Scalar> columns_;       ///< of W (of G* where it is given), padded_ apart
+  Buffer<Scalar> rows_;          ///< of W, rank_padded_ apart
   Buffer<Count> pivots_;
 };
 

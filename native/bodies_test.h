@@ -1,0 +1,67 @@
+#pragma once
+
+#include <vector>
+
+#include "core/contact_problem.h"
+#include "core/islands.h"
+#include "core/quad.h"
+#include "native/contact_lemke/engine.h"
+
+namespace lcpbench {
+
+/// The measure of AnswerTest for contacts between separate bodies (BlockInertia), by what the contacts touch: no dense
+/// matrix over all bodies. Every block of G is factored anew in each test, in the arithmetic of the test.
+class BodiesTest {
+ public:
+  /// @param contact with BlockInertia; must stay as it is until the next load
+  void load(const ContactProblem& contact);
+  void set_velocity(const Vector& v) { v_ = v; }
+
+  /// Impulses of islands that are at rest become zero, and so does friction where no contact presses.
+  void release(Vector& z);
+
+  /// Sets the lambdas of z to the least that its impulses allow and evaluates the answer, with a bound on its rounding:
+  /// see completion.h, whose bound this is. O(nonzeros, and the cubes of the blocks' orders). Allocates nothing.
+  contact_lemke::Residual complete_in_double(Vector& z) { return complete(z, double_); }
+  contact_lemke::Residual complete_in_quad(Vector& z) { return complete(z, quad_); }
+
+ private:
+  template <class Scalar>
+  struct Island {
+    Scalar worst, certain, scale;
+    Scalar rounded, lost, moved;
+    bool presses;
+    bool is_known;
+  };
+
+  template <class Scalar>
+  struct Room {
+    std::vector<Scalar> impulse, terms, u, bound, reach, root;  // per coordinate
+    std::vector<Scalar> factor, inverse;                        // of the largest block
+    std::vector<Island<Scalar>> islands;
+    double roundoff = 0;
+
+    void resize(Index ngc, Index largest_block, Index island_count);
+  };
+
+  template <class Scalar>
+  contact_lemke::Residual complete(Vector& z, Room<Scalar>& room);
+  template <class Scalar>
+  void add_impulses(const Vector& z, Room<Scalar>& room) const;
+  template <class Scalar>
+  void respond(const Matrix& block, Index first, Room<Scalar>& room) const;
+  template <class Scalar>
+  void bound_rounding(Index impulses, Room<Scalar>& room) const;
+  template <class Scalar>
+  void measure_friction(Index contact, Vector& z, Room<Scalar>& room) const;
+
+  const ContactProblem* contact_ = nullptr;
+  ContactLayout layout_;
+  IslandNumbers numbers_;
+  Vector v_;
+  std::vector<char> moves_;  // by island
+  Room<double> double_;
+  Room<Quad> quad_;
+};
+
+}  // namespace lcpbench

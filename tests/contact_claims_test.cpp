@@ -1,0 +1,218 @@
+// Claims on contacts where the inertia is nearly singular, or where several islands differ in scale: what is said to be
+// solved is solved, island by island, and who can solves it.
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/registry.h"
+#include "core/spec.h"
+#include "generators/sets.h"
+#include "study/evaluation/evaluation.h"
+#include "tests/allocation_counter.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kTimeLimit_s = 5;
+const std::vector<std::string> kOnContacts{"auto",         "active_set", "contact_lemke", "velocity_ipm",
+                                           "friction_ipm", "psor",       "quickstep_sor", "primal_dual"};
+
+Answer solve(const std::string& solver, const Problem& problem) {
+  const auto made = make_solver(parse_spec(solver));
+  Answer answer;
+  made->load(problem);
+  made->solve({.time_limit_s = kTimeLimit_s}, answer);
+  return answer;
+}
+
+Problem contacts(const Vector& v, const Matrix& N, Inertia inertia) {
+  ContactProblem contact;
+  contact.v = v;
+  contact.N = N;
+  contact.D = Matrix(v.size(), 0);
+  contact.edges.assign(static_cast<std::size_t>(N.cols()), 0);
+  contact.mu = Vector::Zero(N.cols());
+  contact.inertia = std::move(inertia);
+  return {"contacts", std::move(contact)};
+}
+
+Problem with_friction(const Problem& problem, const Vector& direction, double mu) {
+  ContactProblem contact = *problem.contact();
+  Matrix D(direction.size(), 2);
+  D << direction, -direction;
+  contact.D = D;
+  contact.edges = {2};
+  contact.mu = Vector::Constant(1, mu);
+  return {"friction", std::move(contact)};
+}
+
+void expect_honest(const std::string& solver, const Problem& problem) {
+  const Answer answer = solve(solver, problem);
+  EXPECT_NE(answer.claim, Claim::kUnsolvable) << solver;
+  if (answer.claim != Claim::kSolved) return;
+  EXPECT_LE(Evaluator(problem).errors(answer).velocity_residual_relative, kSolvedVelocityResidual) << solver;
+}
+
+void expect_solved(const std::string& solver, const Problem& problem) {
+  const Answer answer = solve(solver, problem);
+  EXPECT_EQ(answer.claim, Claim::kSolved) << solver << ": " << answer.detail;
+  EXPECT_LE(Evaluator(problem).errors(answer).velocity_residual_relative, kSolvedVelocityResidual) << solver;
+}
+
+/// G = [81 54; 54 36] but for 1e-13 on the diagonal: condition 1e15.
+Matrix nearly_singular() { return Matrix{{81.0000000000001, 54}, {54, 36.0000000000001}}; }
+
+TEST(ContactClaimsTest, HoldWhereTheInertiaIsNearlySingular) {
+  const Problem problem = contacts(Vector{{-0.6, 0.5}}, Matrix{{-1, -4}}.transpose(), DenseInertia{nearly_singular()});
+  for (const std::string& solver : kOnContacts) expect_honest(solver, problem);
+  for (const char* solver : {"auto", "active_set", "velocity_ipm", "contact_lemke"}) expect_solved(solver, problem);
+}
+
+TEST(ContactClaimsTest, HoldWithFrictionWhereTheInertiaIsNearlySingular) {
+  const Matrix G{{81.00000000000001, 81}, {81, 81.00000000000001}};
+  const Problem normal = contacts(Vector{{-0.6, -0.6}}, Matrix{{3, 3}}.transpose(), DenseInertia{G});
+  const Problem problem = with_friction(normal, Vector{{1, -2}}, 0.5);
+  for (const std::string& solver : kOnContacts) expect_honest(solver, problem);
+}
+
+TEST(ContactClaimsTest, HoldOnTheTrialAt1e12WhereTheyDidNot) {
+  const Problem problem = open_set("paper/monotone/exp2{condition=1e12,redundancy=combination}")->generate(881, 7637);
+  for (const std::string& solver : kOnContacts) expect_honest(solver, problem);
+  for (const char* solver : {"auto", "active_set", "velocity_ipm", "contact_lemke"}) expect_solved(solver, problem);
+}
+
+/// C'C with the upper triangle C of Kahan: its pivots hide how near to singular it is.
+Matrix kahan(Index n, double cosine) {
+  Matrix C = Matrix::Zero(n, n);
+  double size = 1;
+  for (Index i = 0; i < n; ++i, size *= std::sqrt(1 - cosine * cosine)) {
+    C(i, i) = size;
+    for (Index j = i + 1; j < n; ++j) C(i, j) = -cosine * size;
+  }
+  return C.transpose() * C;
+}
+
+TEST(ContactClaimsTest, AreNotMisledByPivotsThatHideTheCondition) {
+  for (const double cosine : {0.2, 0.4, 0.6}) {
+    for (const Index n : {8, 16, 24}) {
+      Matrix N(n, 3);
+      for (Index i = 0; i < n; ++i) N.row(i) << std::sin(1.0 + i), std::cos(2.0 * i), std::sin(3.0 + i * i);
+      Vector v(n);
+      for (Index i = 0; i < n; ++i) v(i) = std::cos(5.0 + 3 * i);
+      const Problem problem = contacts(v, N, DenseInertia{kahan(n, cosine)});
+      for (const std::string& solver : kOnContacts) expect_honest(solver, problem);
+    }
+  }
+}
+
+TEST(ContactClaimsTest, HoldWhereOneBodyIsNearlySingular) {
+  const BlockInertia bodies{{nearly_singular(), Matrix::Identity(2, 2)}};
+  const Matrix N = Matrix{{-1, -4, 0, 0}, {0, -1, 1, 0}}.transpose();
+  for (const bool sparse : {false, true}) {
+    Problem problem = contacts(Vector{{-0.6, 0.5, -1, 1}}, N, bodies);
+    if (sparse) {
+      ContactProblem contact = *problem.contact();
+      contact.N = SparseMatrix(N.sparseView());
+      problem = Problem("bodies", std::move(contact));
+    }
+    for (const std::string& solver : kOnContacts) expect_honest(solver, problem);
+    expect_solved("auto", problem);
+  }
+}
+
+/// A contact at 1e10 m/s on one body beside the given ones.
+Problem beside_a_fast_one(const Problem& problem, bool blocks) {
+  const ContactProblem& slow = *problem.contact();
+  const Index n = slow.ngc(), nc = slow.nc();
+  ContactProblem contact;
+  contact.v.resize(n + 1);
+  contact.v << slow.v, -1e10;
+  Matrix N = Matrix::Zero(n + 1, nc + 1);
+  N.topLeftCorner(n, nc) = std::get<Matrix>(slow.N);
+  N(n, nc) = 1;
+  contact.N = N;
+  contact.D = Matrix(n + 1, 0);
+  contact.edges.assign(static_cast<std::size_t>(nc + 1), 0);
+  contact.mu = Vector::Zero(nc + 1);
+  Matrix G = Matrix::Identity(n + 1, n + 1);
+  G.topLeftCorner(n, n) = std::get<DenseInertia>(slow.inertia).G;
+  if (blocks) {
+    contact.inertia = BlockInertia{{G.topLeftCorner(n, n), Matrix::Identity(1, 1)}};
+  } else {
+    contact.inertia = DenseInertia{G};
+  }
+  return {"islands", std::move(contact)};
+}
+
+void expect_first_island_honest(const std::string& solver, const Problem& first, const Problem& whole) {
+  const Answer answer = solve(solver, whole);
+  if (answer.claim != Claim::kSolved) return;
+  Answer part;
+  part.claim = Claim::kSolved;
+  part.z = answer.z.head(first.size());
+  EXPECT_LE(Evaluator(first).errors(part).velocity_residual_relative, kSolvedVelocityResidual) << solver;
+}
+
+TEST(ContactClaimsTest, AreMadeOfEveryIslandByItsOwnScale) {
+  const Matrix G{{2, 1}, {1, 3}};
+  const Problem slow = contacts(Vector{{-1e-3, 0.3}}, Matrix{{1, 2}, {1, -1}, {3, 1}}.transpose(), DenseInertia{G});
+  for (const bool blocks : {false, true}) {
+    const Problem whole = beside_a_fast_one(slow, blocks);
+    for (const std::string& solver : kOnContacts) expect_first_island_honest(solver, slow, whole);
+    for (const char* solver : {"auto", "active_set", "contact_lemke"}) {
+      EXPECT_EQ(solve(solver, whole).claim, Claim::kSolved) << solver;
+    }
+  }
+}
+
+TEST(ContactClaimsTest, AreMadeOfIslandsAtRest) {
+  const Problem rest =
+      contacts(Vector::Zero(2), Matrix{{1, 2}, {1, -1}}.transpose(), DenseInertia{Matrix{{2, 1}, {1, 3}}});
+  for (const bool blocks : {false, true}) {
+    const Problem whole = beside_a_fast_one(rest, blocks);
+    for (const std::string& solver : kOnContacts) {
+      const Answer answer = solve(solver, whole);
+      if (answer.claim != Claim::kSolved) continue;
+      EXPECT_EQ(answer.z.head(2), Vector::Zero(2)) << solver;
+    }
+  }
+}
+
+// Diagonal inertia is benign however much its masses differ.
+TEST(ContactClaimsTest, AreMadeOfMassesOfAnySize) {
+  for (const double mass : {1e-9, 1e-6, 1e6, 1e9}) {
+    const Problem problem = contacts(Vector{{-1, 0.5}}, Matrix{{1, 1}, {1, -2}}.transpose(),
+                                     DenseInertia{Vector{{1, mass}}.asDiagonal().toDenseMatrix()});
+    for (const char* solver : {"auto", "active_set", "contact_lemke"}) expect_solved(solver, problem);
+  }
+}
+
+// What impulses cancel, and what velocity is but the rounding of N'v, counts by that rounding.
+TEST(ContactClaimsTest, AreMadeWhereAllOfQIsRounding) {
+  const Problem problem =
+      contacts(Vector{{0.1, 0.7}}, Matrix{{0.7, -0.1}}.transpose(), DenseInertia{Matrix::Identity(2, 2)});
+  for (const char* solver : {"auto", "active_set", "contact_lemke", "psor", "quickstep_sor"}) {
+    EXPECT_EQ(solve(solver, problem).claim, Claim::kSolved) << solver;
+  }
+}
+
+TEST(ContactClaimsTest, AreTestedWithoutAllocation) {
+  const Problem near = contacts(Vector{{-0.6, 0.5}}, Matrix{{-1, -4}}.transpose(), DenseInertia{nearly_singular()});
+  const Problem bodies = contacts(Vector{{-0.6, 0.5, -1, 1}}, Matrix{{-1, -4, 0, 0}, {0, -1, 1, 0}}.transpose(),
+                                  BlockInertia{{nearly_singular(), Matrix::Identity(2, 2)}});
+  for (const Problem& problem : {near, bodies}) {
+    for (const std::string& name : kOnContacts) {
+      const auto solver = make_solver(parse_spec(name));
+      solver->load(problem);
+      Answer answer;
+      solver->solve({}, answer);
+      EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench
