@@ -8,9 +8,11 @@ add_library(lcpbench_attack STATIC
 target_link_libraries(lcpbench_attack
   PUBLIC lcpbench_certify lcpbench_evaluation lcpbench_generators lcpbench_solver_list Boost::headers ${GMP_LIBRARY})
 
+lcpbench_test(attack LINK lcpbench_attack)
+
 add_executable(attack attack/main.cpp)
 target_link_libraries(attack PRIVATE lcpbench_attack lcpbench_study CLI11::CLI11 nlohmann_json::nlohmann_json)
 
 # The fast share. The long run is described in results/attack/README.md.
 add_test(NAME attack_lcp COMMAND attack --kind lcp --problems 1700 --seed 15)
-add_test(NAME attack_contact COMMAND attack --kind contact --problems 700 --seed 15)
+add_test(NAME attack_contact COMMAND attack --kind contact --problems 840 --seed 15)

@@ -86,6 +86,12 @@ class Campaign {
 
   std::size_t kind_of(std::uint64_t index) const { return static_cast<std::size_t>(index % kinds_.size()); }
 
+  /// Of each kind in turn: half are loaded, a quarter updated, a quarter started anywhere.
+  Approach approach_of(std::uint64_t index) const {
+    const std::uint64_t turn = index / kinds_.size() % 4;
+    return turn == 1 ? Approach::kUpdate : turn == 3 ? Approach::kStart : Approach::kLoad;
+  }
+
   const CampaignOptions& options_;
   const std::vector<std::string>& kinds_;
   std::atomic<std::uint64_t>* counts_;
@@ -140,12 +146,12 @@ void Campaign::meet(std::size_t job, Target& target, std::uint64_t index, Subjec
 
 void Campaign::work(std::size_t job, const Chunk& chunk) {
   std::vector<std::unique_ptr<Subject>> subjects;
-  for (const std::string& name : options_.subjects) subjects.push_back(make_subject(name));
+  for (const std::string& name : options_.subjects) subjects.push_back(options_.make(name));
   for (std::uint64_t index = chunk.begin; index < chunk.end; ++index) {
     jobs_[job].since_s = now_s();
     jobs_[job].subject = subjects.size();
     jobs_[job].index = index;
-    Target target(generate(options_.family, options_.seed, index));
+    Target target(generate(options_.family, options_.seed, index), approach_of(index));
     const std::uint64_t first = index == chunk.begin ? chunk.first_subject : 0;
     if (first == 0) count_truth(kind_of(index), target.truth);
     for (std::uint64_t s = first; s < subjects.size(); ++s) meet(job, target, index, *subjects[s], s);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@ struct CampaignOptions {
   double hard_limit_s = 20;   ///< after which a subject counts as hung and its process is ended
   std::filesystem::path out;  ///< where problems of contradictions are written; "": nowhere
   int files_per_class = 12;   ///< at most, for each subject and outcome
+  std::function<std::unique_ptr<Subject>(const std::string&)> make = make_subject;
 };
 
 /// Counts of a campaign, by kind, subject and outcome.

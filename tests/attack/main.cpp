@@ -81,11 +81,14 @@ int replay(const Arguments& arguments) {
   std::printf("%s%s\n", kTruthNames[truth], target.truth.shown_by_doubles ? ", shown by doubles" : "");
   bool contradicted = false;
   for (const std::string& name : arguments.campaign.subjects) {
-    std::string detail;
-    const Outcome outcome = make_subject(name)->meet(target, arguments.campaign.time_limit_s, detail);
-    std::printf("  %-20s %s%s: %s\n", name.c_str(), contradiction(outcome) ? "! " : "", to_string(outcome),
-                detail.c_str());
-    contradicted = contradicted || contradiction(outcome);
+    for (const Approach approach : {Approach::kLoad, Approach::kUpdate, Approach::kStart}) {
+      target.approach = approach;
+      std::string detail;
+      const Outcome outcome = make_subject(name)->meet(target, arguments.campaign.time_limit_s, detail);
+      std::printf("  %-20s %s%s: %s\n", name.c_str(), contradiction(outcome) ? "! " : "", to_string(outcome),
+                  detail.c_str());
+      contradicted = contradicted || contradiction(outcome);
+    }
   }
   return contradicted ? 1 : 0;
 }

@@ -16,19 +16,42 @@ std::string number(double value) {
   return text;
 }
 
+/// The problem with its contacts at another velocity before the impact.
+Problem at_another_velocity(const ContactProblem& contact) {
+  ContactProblem other = contact;
+  other.v = Vector(-2 * contact.v.reverse());
+  return {"another-velocity", std::move(other)};
+}
+
+void solve(Solver& solver, const Target& target, double time_limit_s, Answer& answer) {
+  const ContactProblem* contact = target.problem.contact();
+  SolveRequest request{.time_limit_s = time_limit_s};
+  if (target.approach == Approach::kUpdate && contact != nullptr) {
+    solver.load(at_another_velocity(*contact));
+    solver.solve(request, answer);
+    if (answer.claim == Claim::kUnsupported) return;  // update() wants a problem that was taken
+    solver.update(contact->v);
+    solver.solve(request, answer);
+    return;
+  }
+  solver.load(target.problem);
+  Vector start(target.problem.size());
+  for (Index i = 0; i < start.size(); ++i) start(i) = i % 3 == 0 ? 1e6 : i % 3 == 1 ? 0 : -0x1p-40;
+  if (target.approach == Approach::kStart) request.start = &start;
+  solver.solve(request, answer);
+}
+
 class SolverSubject final : public Subject {
  public:
   explicit SolverSubject(std::string name) : name_(std::move(name)), solver_(make_solver(parse_spec(name_))) {}
 
   Outcome meet(Target& target, double time_limit_s, std::string& detail) override {
-    solver_->load(target.problem);
-    solver_->solve({.time_limit_s = time_limit_s}, answer_);
+    solve(*solver_, target, time_limit_s, answer_);
     const Outcome outcome = classify(target, answer_, detail);
     if (outcome != Outcome::kBeyondDoubles && !contradiction(outcome)) return outcome;
     const auto fresh = make_solver(parse_spec(name_));
     Answer again;
-    fresh->load(target.problem);
-    fresh->solve({.time_limit_s = time_limit_s}, again);
+    solve(*fresh, target, time_limit_s, again);
     if (again.claim == answer_.claim) return outcome;
     detail += std::string("; a fresh solver claims ") + lcpbench::to_string(again.claim);
     return Outcome::kDiffersAgain;
@@ -43,7 +66,8 @@ class SolverSubject final : public Subject {
 };
 
 Outcome SolverSubject::classify(Target& target, const Answer& answer, std::string& detail) {
-  detail = std::string(lcpbench::to_string(answer.claim)) + (answer.detail.empty() ? "" : " (" + answer.detail + ")");
+  detail = std::string(to_string(target.approach)) + ": " + lcpbench::to_string(answer.claim) +
+           (answer.detail.empty() ? "" : " (" + answer.detail + ")");
   if (answer.claim == Claim::kUnsupported) return Outcome::kRefused;
   const bool solves = target.judge.solves(answer.z);
   detail += ", measure " + number(target.judge.measure());
@@ -126,6 +150,15 @@ const char* to_string(Outcome outcome) {
     case Outcome::kDiffersAgain: return "differs_again";
     case Outcome::kCrashed: return "crashed";
     case Outcome::kHung: return "hung";
+  }
+  return "";
+}
+
+const char* to_string(Approach approach) {
+  switch (approach) {
+    case Approach::kLoad: return "load";
+    case Approach::kUpdate: return "update";
+    case Approach::kStart: return "start";
   }
   return "";
 }

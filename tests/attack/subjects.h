@@ -37,12 +37,27 @@ inline constexpr std::size_t kOutcomes = 16;
 const char* to_string(Outcome outcome);
 constexpr bool contradiction(Outcome outcome) { return outcome >= Outcome::kFalseSolved; }
 
+/// How a solver gets to a problem.
+enum class Approach {
+  kLoad,    ///< load(), solve()
+  kUpdate,  ///< load() with another velocity, solve(), update(): contact problems; of a bare LCP as kLoad
+  kStart,   ///< load(), solve() from a start that has nothing to do with the problem
+};
+
+/// "load", "update", "start".
+const char* to_string(Approach approach);
+
 /// One generated problem and all that is exactly true of it.
 struct Target {
-  explicit Target(Problem the_problem)
-      : problem(std::move(the_problem)), truth(exact_truth(problem)), judge(problem), evaluator(problem) {}
+  explicit Target(Problem the_problem, Approach the_approach = Approach::kLoad)
+      : problem(std::move(the_problem)),
+        approach(the_approach),
+        truth(exact_truth(problem)),
+        judge(problem),
+        evaluator(problem) {}
 
   Problem problem;
+  Approach approach;
   ExactTruth truth;
   Judge judge;
   Evaluator evaluator;

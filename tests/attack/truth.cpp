@@ -10,8 +10,8 @@ namespace lcpbench::attack {
 namespace {
 
 // Contact problems about which no theorem decides are searched as LCPs up to this order and number of linear programs.
-constexpr Index kLargestSearched = 20;
-constexpr int kNodes = 300;
+constexpr Index kLargestSearched = 24;
+constexpr int kNodes = 3000;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
