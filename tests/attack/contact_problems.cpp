@@ -189,6 +189,32 @@ ContactProblem given_inverse(Draw& draw) {
   return contact;
 }
 
+/// A planted push without any mass behind it that v meets by nothing, or by next to nothing: barely unsolvable or not.
+ContactProblem barely_solvable(Draw& draw) {
+  ContactProblem contact = contacts(2, 6, draw);
+  const Index ngc = contact.ngc();
+  const Index light = draw.index(0, ngc - 1);
+  const Index terms = draw.index(1, ngc);
+  FactoredInertia inertia{Matrix(ngc, terms), Vector::Ones(terms)};
+  for (double& x : inertia.X.reshaped()) x = draw.small(2);
+  inertia.X.row(light).setZero();
+  const double speeds[] = {0, 1, -1, -0x1p-52, 0x1p-52, -1e-10, -1e-5, -1e-20};
+  contact.v(light) = speeds[draw.integer(0, 7)];
+  Matrix N = to_dense(contact.N);
+  const Index planted = draw.index(0, N.cols() - 1);
+  N.col(planted).setZero();
+  if (N.cols() > 1 && draw.chance(1, 2)) {  // two pushes that cancel but for the massless coordinate
+    N.col(planted) = -N.col((planted + 1) % N.cols());
+    N(light, planted) += 1;
+  } else {
+    N(light, planted) = 1;
+  }
+  contact.N = N;
+  contact.inertia = inertia;
+  if (draw.chance(1, 4)) contact.inertia = InverseInertia{product(inertia.X, inertia.X.transpose())};
+  return contact;
+}
+
 using Maker = ContactProblem (*)(Draw&);
 struct Kind {
   const char* name;
@@ -280,12 +306,13 @@ constexpr Kind kKinds[] = {{"dense", dense},
                            {"bodies", bodies},
                            {"factored", factored},
                            {"given-inverse", given_inverse},
+                           {"barely-solvable", barely_solvable},
                            {"islands", islands},
                            {"trivial", trivial},
                            {"other-units", other_units}};
 
 ContactProblem other_units(Draw& draw) {
-  ContactProblem contact = kKinds[draw.integer(0, 11)].make(draw);
+  ContactProblem contact = kKinds[draw.integer(0, 12)].make(draw);
   change_units(contact, draw.chance(1, 2) ? 30 : 100, draw);
   return contact;
 }
