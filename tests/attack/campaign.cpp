@@ -35,6 +35,8 @@ struct Job {
   std::atomic<double> since_s;
 };
 
+static_assert(std::atomic<double>::is_always_lock_free && std::atomic<std::uint64_t>::is_always_lock_free);
+
 struct Slowest {
   std::atomic<double> seconds;
   std::atomic<std::uint64_t> index;

@@ -198,8 +198,8 @@ ContactProblem barely_solvable(Draw& draw) {
   FactoredInertia inertia{Matrix(ngc, terms), Vector::Ones(terms)};
   for (double& x : inertia.X.reshaped()) x = draw.small(2);
   inertia.X.row(light).setZero();
-  const double speeds[] = {0, 1, -1, -0x1p-52, 0x1p-52, -1e-10, -1e-5, -1e-20};
-  contact.v(light) = speeds[draw.integer(0, 7)];
+  const double speeds[] = {0, 1, -1, -0x1p-52, 0x1p-52, -1e-10, -1e-5, -1e-20, -1e-12, -2e-4};
+  contact.v(light) = speeds[draw.integer(0, 9)];
   Matrix N = to_dense(contact.N);
   const Index planted = draw.index(0, N.cols() - 1);
   N.col(planted).setZero();

@@ -125,8 +125,8 @@ Lcp extreme_range(Draw& draw) {
   const Index n = draw.index(1, 4);
   const int bits = draw.chance(1, 3) ? 990 : draw.chance(1, 2) ? 400 : 60;
   Lcp lcp{Matrix(n, n), Vector(n)};
-  const auto entry = [&](double zero_parts) {
-    if (draw.chance(static_cast<int>(zero_parts), 10)) return 0.0;
+  const auto entry = [&](int zeros_of_ten) {
+    if (draw.chance(zeros_of_ten, 10)) return 0.0;
     const double value = draw.chance(1, 2) ? draw.sign() : draw.mantissa();
     return value * draw.power_of_two(-bits, bits);
   };
@@ -220,7 +220,7 @@ Lcp barely_feasible(Draw& draw) {
   const Index n = draw.index(2, 8);
   Lcp lcp{small_matrix(n, 3, 3, draw), small_vector(n, 3, draw)};
   const Index last = draw.index(0, n - 1);
-  const double margin[] = {0, 0, 1, 0x1p-52, -0x1p-52, 1e-10, -1e-10, 1e-20};
+  const double margin[] = {0, 0, 1, 0x1p-52, -0x1p-52, 1e-10, -1e-10, 1e-20, 1e-9, 1e-8};
   lcp.M.row(last).setZero();
   lcp.q(last) = 0;
   for (Index i = 0; i < n; ++i) {
@@ -232,7 +232,7 @@ Lcp barely_feasible(Draw& draw) {
   for (Index j = 0; j < n; ++j) {
     if (draw.chance(1, 3)) lcp.M(last, j) -= static_cast<double>(draw.integer(0, 2));
   }
-  lcp.q(last) -= margin[draw.integer(0, 7)];
+  lcp.q(last) -= margin[draw.integer(0, 9)];
   perturb(lcp, draw);
   return lcp;
 }
