@@ -16,6 +16,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "core/error.h"
 #include "generators/problem_io.h"
 
 namespace lcpbench::attack {
@@ -118,7 +119,11 @@ void Campaign::keep(std::uint64_t index, std::uint64_t subject, Outcome outcome,
   if (files_[subject * kOutcomes + static_cast<std::size_t>(outcome)]++ >= options_.files_per_class) return;
   const std::string name = std::string(to_string(options_.family)) + "-" + to_string(outcome) + "-" +
                            options_.subjects[subject] + "-" + std::to_string(index);
-  write_problem(generate(options_.family, options_.seed, index), options_.out / (name + ".json"));
+  try {
+    write_problem(generate(options_.family, options_.seed, index), options_.out / (name + ".json"));
+  } catch (const InputError&) {
+    // A given G* that rounding made indefinite may be no file: --first and the index draw it again.
+  }
   std::ofstream(options_.out / (name + ".txt")) << detail << "\n";
 }
 
