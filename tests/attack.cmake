@@ -1,0 +1,18 @@
+find_package(Boost REQUIRED)  # headers only: integers of GMP
+find_library(GMP_LIBRARY gmp REQUIRED)
+
+# Seeded nasty problems, their exact truth found independently, and everything that claims to know it under test.
+add_library(lcpbench_attack STATIC
+  attack/campaign.cpp attack/contact_problems.cpp attack/contacts.cpp attack/exact.cpp attack/judge.cpp
+  attack/lcp_problems.cpp attack/problems.cpp attack/subjects.cpp attack/truth.cpp)
+target_link_libraries(lcpbench_attack
+  PUBLIC lcpbench_certify lcpbench_evaluation lcpbench_generators lcpbench_solver_list Boost::headers ${GMP_LIBRARY})
+
+lcpbench_test(attack LINK lcpbench_attack)
+
+add_executable(attack attack/main.cpp)
+target_link_libraries(attack PRIVATE lcpbench_attack lcpbench_study CLI11::CLI11 nlohmann_json::nlohmann_json)
+
+# The fast share. The long run is described in results/attack/README.md.
+add_test(NAME attack_lcp COMMAND attack --kind lcp --problems 1700 --seed 15)
+add_test(NAME attack_contact COMMAND attack --kind contact --problems 900 --seed 15)

@@ -1,0 +1,295 @@
+#include "tests/attack/judge.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "study/evaluation/evaluation.h"
+#include "tests/attack/truth.h"
+
+namespace lcpbench::attack {
+namespace {
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+/// Numbers of groups of things that belong together.
+class Groups {
+ public:
+  explicit Groups(Index count) : of_(at(count)) { std::iota(of_.begin(), of_.end(), Index{0}); }
+  Index of(Index i) const { return of_[at(i)]; }
+  void join(Index i, Index j) {
+    const Index kept = of(i);
+    std::replace(of_.begin(), of_.end(), Index{of(j)}, kept);
+  }
+  /// The members of every group, each group once.
+  std::vector<std::vector<Index>> members() const {
+    std::vector<std::vector<Index>> by_number(of_.size());
+    for (std::size_t i = 0; i < of_.size(); ++i) by_number[at(of_[i])].push_back(static_cast<Index>(i));
+    std::erase_if(by_number, [](const auto& group) { return group.empty(); });
+    return by_number;
+  }
+
+ private:
+  std::vector<Index> of_;
+};
+
+/// Joins the rows in which a column of A is not zero.
+void join_columns(const DyadicMatrix& A, Index row_offset, Index column_offset, Groups& groups) {
+  for (Index j = 0; j < A.cols; ++j) {
+    for (Index i = 0; i < A.rows; ++i) {
+      if (A(i, j).sign() != 0) groups.join(row_offset + i, column_offset + j);
+    }
+  }
+}
+
+DyadicMatrix coupling(const Inertia& inertia) {
+  if (const auto* given = std::get_if<InverseInertia>(&inertia)) return exact(given->Ginv);
+  if (const auto* factors = std::get_if<FactoredInertia>(&inertia)) return exact(factors->X);
+  return exact(dense_inertia(inertia));
+}
+
+/// Coordinates, factors and contacts that nothing couples are apart: the contacts' rows, by island.
+std::vector<std::vector<Index>> islands(const ContactProblem& contact, const ContactLayout& layout) {
+  const DyadicMatrix inertia = coupling(contact.inertia);
+  const bool factored = std::holds_alternative<FactoredInertia>(contact.inertia);
+  const Index ngc = contact.ngc();
+  const Index factors = factored ? inertia.cols : 0;
+  Groups groups(ngc + factors + layout.size());
+  join_columns(inertia, 0, factored ? ngc : 0, groups);
+  const Index row = ngc + factors;
+  join_columns(exact(to_dense(contact.N)), 0, row, groups);
+  join_columns(exact(to_dense(contact.D)), 0, row + layout.friction_offset(), groups);
+  for (Index c = 0; c < contact.nc(); ++c) {
+    for (Index t = layout.friction_begin[at(c)]; t < layout.friction_begin[at(c) + 1]; ++t) {
+      groups.join(row + c, row + layout.friction_offset() + t);
+    }
+    if (layout.lambda[at(c)] >= 0) groups.join(row + c, row + layout.lambda_offset() + layout.lambda[at(c)]);
+  }
+  std::vector<std::vector<Index>> result;
+  for (const std::vector<Index>& group : groups.members()) {
+    std::vector<Index> rows;
+    for (const Index member : group) {
+      if (member >= row) rows.push_back(member - row);
+    }
+    if (!rows.empty()) result.push_back(rows);
+  }
+  return result;
+}
+
+DyadicMatrix beside(const DyadicMatrix& A, const DyadicMatrix& B) {
+  DyadicMatrix result(A.rows, A.cols + B.cols);
+  for (Index i = 0; i < A.rows; ++i) {
+    for (Index j = 0; j < A.cols; ++j) result(i, j) = A(i, j);
+    for (Index j = 0; j < B.cols; ++j) result(i, A.cols + j) = B(i, j);
+  }
+  return result;
+}
+
+}  // namespace
+
+struct Judge::Data {
+  // Bare LCP
+  DyadicMatrix M;
+  DyadicVector q;
+  std::vector<std::vector<Index>> parts;  // islands or blocks, as rows
+
+  // Contact problem
+  bool contacts = false;
+  ContactLayout layout;
+  std::vector<Index> contact_of_friction;
+  DyadicMatrix J;         // ngc x impulses
+  DyadicVector mu;        // nc
+  Inverse response;       // G*
+  DyadicVector diagonal;  // M_ii of the impulse rows, times the denominator of G*
+  DyadicVector floor;     // of the impulse rows: (k + 1) 2^-53 |J_i|'|v|
+
+  explicit Data(const Problem& problem) {
+    if (problem.contact() != nullptr) {
+      load(*problem.contact());
+      return;
+    }
+    M = exact(problem.lcp().M);
+    q = exact(problem.lcp().q);
+    Groups groups(problem.size());
+    join_columns(M, 0, 0, groups);
+    parts = groups.members();
+  }
+
+  void load(const ContactProblem& contact) {
+    contacts = true;
+    layout = contact_layout(contact);
+    J = beside(exact(to_dense(contact.N)), exact(to_dense(contact.D)));
+    mu = exact(contact.mu);
+    response = exact_response(contact.inertia);
+    const DyadicVector v = exact(contact.v);
+    q = product(transposed(J), v);
+    q.resize(at(layout.size()));
+    const DyadicMatrix moved = product(response.numerator, J);
+    for (Index i = 0; i < J.cols; ++i) {
+      Dyadic square;
+      Dyadic magnitude;
+      double terms = 1;
+      for (Index k = 0; k < J.rows; ++k) {
+        square = square + J(k, i) * moved(k, i);
+        magnitude = magnitude + abs(J(k, i) * v[at(k)]);
+        if (J(k, i).sign() != 0) ++terms;
+      }
+      diagonal.push_back(square);
+      floor.push_back(Dyadic(terms) * Dyadic(0x1p-53) * magnitude);
+    }
+    for (Index c = 0; c < layout.nc; ++c) {
+      for (Index t = layout.friction_begin[at(c)]; t < layout.friction_begin[at(c) + 1]; ++t) {
+        contact_of_friction.push_back(c);
+      }
+    }
+    parts = islands(contact, layout);
+  }
+
+  /// w times the denominators of z and of G*.
+  DyadicVector complement(const DyadicVector& z, const Dyadic& denominator) const {
+    if (!contacts) {
+      DyadicVector w = product(M, z);
+      for (std::size_t i = 0; i < w.size(); ++i) w[i] = w[i] + q[i] * denominator;
+      return w;
+    }
+    const DyadicVector impulses(z.begin(), z.begin() + J.cols);
+    const DyadicVector moved = product(response.numerator, product(J, impulses));
+    DyadicVector w(z.size());
+    const Dyadic& of_response = response.denominator;
+    for (Index i = 0; i < J.cols; ++i) {
+      w[at(i)] = q[at(i)] * denominator * of_response;
+      for (Index k = 0; k < J.rows; ++k) w[at(i)] = w[at(i)] + J(k, i) * moved[at(k)];
+    }
+    for (Index c = 0; c < layout.cones; ++c) {
+      const Index contact = layout.cone_contact[at(c)];
+      w[at(layout.lambda_offset() + c)] = mu[at(contact)] * z[at(contact)] * of_response;
+    }
+    for (Index t = 0; t < layout.friction; ++t) {
+      const Index cone = layout.lambda_offset() + layout.lambda[at(contact_of_friction[at(t)])];
+      const Index row = layout.friction_offset() + t;
+      w[at(row)] = w[at(row)] + z[at(cone)] * of_response;
+      w[at(cone)] = w[at(cone)] - z[at(row)] * of_response;
+    }
+    return w;
+  }
+};
+
+Judge::Judge(const Problem& problem) : data_(std::make_unique<Data>(problem)) {}
+Judge::~Judge() = default;
+
+bool Judge::contacts_solved(const DyadicVector& z) const {
+  const Data& data = *data_;
+  const Dyadic& denominator = data.response.denominator;
+  const Dyadic square = denominator * denominator;
+  const DyadicVector w = data.complement(z, Dyadic(1.0));
+  const Dyadic tolerance(kSolvedVelocityResidual);
+  bool solved = true;
+  for (const std::vector<Index>& island : data.parts) {
+    Dyadic residual;
+    Dyadic largest_q;
+    Dyadic floor;
+    for (const Index i : island) {
+      Dyadic a;
+      Dyadic b;
+      if (i < data.J.cols) {
+        a = data.diagonal[at(i)] * z[at(i)] * denominator;
+        b = w[at(i)] * denominator;
+        floor = max(floor, data.floor[at(i)]);
+      } else {
+        const Index contact = data.layout.cone_contact[at(i - data.layout.lambda_offset())];
+        a = z[at(i)] * square;
+        b = w[at(i)] * data.diagonal[at(contact)];
+      }
+      residual = max(residual, abs(min(a, b)));
+      largest_q = max(largest_q, abs(data.q[at(i)]));
+    }
+    solved = solved && residual <= max(tolerance * largest_q, floor) * square;
+    const Dyadic scale = max(largest_q, floor * Dyadic(1 / kSolvedVelocityResidual));
+    measure_ = std::max(measure_, quotient(residual, scale * square));
+  }
+  return solved;
+}
+
+bool Judge::block_solved(const DyadicVector& z, const std::vector<Index>& block) const {
+  const Data& data = *data_;
+  const Dyadic tolerance(kSolvedBackwardError);
+  Dyadic largest;
+  for (const Index i : block) largest = max(largest, abs(z[at(i)]));
+  // A larger threshold drops more entries; only thresholds within the tolerance can pass.
+  DyadicVector thresholds{Dyadic()};
+  for (const Index i : block) {
+    if (abs(z[at(i)]) <= tolerance * largest) thresholds.push_back(abs(z[at(i)]));
+  }
+  double best = std::numeric_limits<double>::infinity();
+  bool solved = false;
+  for (const Dyadic& threshold : thresholds) {
+    DyadicVector kept(z.size());
+    bool negative = false;
+    Dyadic norm;
+    for (const Index i : block) {
+      if (abs(z[at(i)]) <= threshold) continue;
+      kept[at(i)] = z[at(i)];
+      norm = max(norm, abs(z[at(i)]));
+      negative = negative || z[at(i)].sign() < 0;
+    }
+    if (negative) continue;
+    bool passes = true;
+    double worst = quotient(threshold, largest);
+    for (const Index i : block) {
+      Dyadic w = data.q[at(i)];
+      Dyadic row_norm;
+      for (const Index j : block) {
+        w = w + data.M(i, j) * kept[at(j)];
+        row_norm = row_norm + abs(data.M(i, j));
+      }
+      const Dyadic violation = kept[at(i)].sign() > 0 ? abs(w) : max(Dyadic(), -w);
+      const Dyadic scale = abs(data.q[at(i)]) + row_norm * norm;
+      passes = passes && violation <= tolerance * scale;
+      worst = std::max(worst, quotient(violation, scale));
+    }
+    best = std::min(best, worst);
+    solved = solved || passes;
+  }
+  measure_ = std::max(measure_, best);
+  return solved;
+}
+
+bool Judge::solves(const Vector& z) const {
+  measure_ = 0;
+  if (z.size() != static_cast<Index>(data_->q.size()) || !z.allFinite()) {
+    measure_ = std::numeric_limits<double>::infinity();
+    return false;
+  }
+  const DyadicVector numbers = exact(z);
+  if (data_->contacts) return contacts_solved(numbers);
+  bool solved = true;
+  for (const std::vector<Index>& block : data_->parts) solved = block_solved(numbers, block) && solved;
+  return solved;
+}
+
+DyadicMatrix Judge::rows() const {
+  const Index n = static_cast<Index>(data_->q.size());
+  DyadicMatrix result(n, n + 1);
+  const DyadicVector q = data_->complement(DyadicVector(at(n)), Dyadic(1.0));
+  for (Index i = 0; i < n; ++i) result(i, 0) = q[at(i)];
+  for (Index j = 0; j < n; ++j) {
+    DyadicVector unit(at(n));
+    unit[at(j)] = Dyadic(1.0);
+    const DyadicVector column = data_->complement(unit, Dyadic());
+    for (Index i = 0; i < n; ++i) result(i, j + 1) = column[at(i)];
+  }
+  return result;
+}
+
+bool Judge::is_exact_solution(const Integers& numerators, const Integer& denominator) const {
+  if (numerators.size() != data_->q.size() || denominator <= 0) return false;
+  DyadicVector z;
+  for (const Integer& numerator : numerators) z.emplace_back(numerator, 0);
+  const DyadicVector w = data_->complement(z, Dyadic(denominator, 0));
+  for (std::size_t i = 0; i < z.size(); ++i) {
+    if (z[i].sign() < 0 || w[i].sign() < 0 || (z[i].sign() > 0 && w[i].sign() > 0)) return false;
+  }
+  return true;
+}
+
+}  // namespace lcpbench::attack

@@ -1,0 +1,102 @@
+#include "tests/attack/problems.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tests/attack/exact.h"
+
+namespace lcpbench::attack {
+
+const char* to_string(Family family) { return family == Family::kLcp ? "lcp" : "contact"; }
+
+const std::vector<std::string>& kinds(Family family) { return family == Family::kLcp ? lcp_kinds() : contact_kinds(); }
+
+double Draw::power_of_two(int low, int high) { return std::ldexp(1.0, static_cast<int>(integer(low, high))); }
+
+double Draw::mantissa() {
+  const auto bits = static_cast<double>(sequence_.word() >> 12);
+  return sign() * (1 + bits * 0x1p-52);
+}
+
+double Draw::neighbour(double x) {
+  if (x == 0) return x;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  return std::nextafter(x, chance(1, 2) ? kInfinity : -kInfinity);
+}
+
+double dot(const Vector& a, const Vector& b) {
+  double sum = 0;
+  for (Index i = 0; i < a.size(); ++i) sum += a(i) * b(i);
+  return sum;
+}
+
+Matrix product(const Matrix& A, const Matrix& B) {
+  Matrix C(A.rows(), B.cols());
+  for (Index i = 0; i < A.rows(); ++i) {
+    for (Index j = 0; j < B.cols(); ++j) {
+      double sum = 0;
+      for (Index k = 0; k < A.cols(); ++k) sum += A(i, k) * B(k, j);
+      C(i, j) = sum;
+    }
+  }
+  return C;
+}
+
+namespace {
+
+/// Cholesky's pivots in scalar code: what the reader of problem files tests, with the same result on every machine.
+bool cholesky_succeeds(Matrix G) {
+  for (Index k = 0; k < G.rows(); ++k) {
+    if (!(G(k, k) > 0)) return false;
+    const double pivot = std::sqrt(G(k, k));
+    for (Index i = k; i < G.rows(); ++i) G(i, k) /= pivot;
+    for (Index j = k + 1; j < G.rows(); ++j) {
+      for (Index i = j; i < G.rows(); ++i) G(i, j) -= G(i, k) * G(j, k);
+    }
+  }
+  return true;
+}
+
+/// G has to be positive definite without rounding too; G* may be semidefinite, or so but for rounding.
+bool admissible(const Inertia& inertia) {
+  if (std::holds_alternative<FactoredInertia>(inertia)) return true;
+  if (const auto* given = std::get_if<InverseInertia>(&inertia)) {
+    if (!given->Ginv.allFinite()) return false;
+    Matrix shifted = given->Ginv;
+    double largest = 0;
+    for (Index i = 0; i < shifted.rows(); ++i) largest = std::max(largest, shifted(i, i));
+    shifted.diagonal().array() += static_cast<double>(shifted.rows()) * 0x1p-52 * largest;
+    return positive_semidefinite(exact(shifted));
+  }
+  const Matrix G = dense_inertia(inertia);
+  return G.allFinite() && cholesky_succeeds(G) && positive_definite(exact(G));
+}
+
+bool admissible(const ContactProblem& contact) {
+  return contact.v.allFinite() && contact.mu.allFinite() && all_finite(contact.N) && all_finite(contact.D) &&
+         admissible(contact.inertia);
+}
+
+bool admissible(const Lcp& lcp) { return lcp.M.allFinite() && lcp.q.allFinite(); }
+
+}  // namespace
+
+Problem generate(Family family, std::uint64_t seed, std::uint64_t index) {
+  const bool bare = family == Family::kLcp;
+  const TrialKey key{stream_id(bare ? "attack/lcp" : "attack/contact"), seed, index};
+  const std::size_t kind = index % kinds(family).size();
+  const std::string name = "attack-" + kinds(family)[kind] + "-" + std::to_string(seed) + "-" + std::to_string(index);
+  for (std::uint64_t attempt = 0;; ++attempt) {
+    Draw draw(key, attempt);
+    if (bare) {
+      Lcp lcp = make_lcp_of_kind(kind, draw);
+      if (admissible(lcp)) return Problem(name, std::move(lcp));
+    } else {
+      ContactProblem contact = make_contact_of_kind(kind, draw);
+      if (admissible(contact)) return Problem(name, std::move(contact));
+    }
+  }
+}
+
+}  // namespace lcpbench::attack

@@ -1,0 +1,216 @@
+#include "tests/attack/truth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tests/attack/judge.h"
+
+namespace lcpbench::attack {
+namespace {
+
+// Contact problems about which no theorem decides are searched as LCPs up to this order and number of linear programs.
+constexpr Index kLargestSearched = 24;
+constexpr int kNodes = 3000;
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+DyadicMatrix beside(const DyadicVector& b, const DyadicMatrix& A) {
+  DyadicMatrix result(A.rows, A.cols + 1);
+  for (Index i = 0; i < A.rows; ++i) {
+    result(i, 0) = b[at(i)];
+    for (Index j = 0; j < A.cols; ++j) result(i, j + 1) = A(i, j);
+  }
+  return result;
+}
+
+/// Whether the inequalities w = q + M z >= 0, z >= 0 have a point with w_i z_i = 0 for all i. kUnknown when that would
+/// take more than `nodes` linear programs.
+Truth find_complementary_point(Inequalities& inequalities, int& nodes) {
+  if (--nodes < 0) return Truth::kUnknown;
+  if (!inequalities.feasible()) return Truth::kUnsolvable;
+  const Index n = inequalities.rows();
+  Index i = 0;
+  while (i < n && !(inequalities.sign(i) > 0 && inequalities.sign(n + i) > 0)) ++i;
+  if (i == n) return Truth::kSolvable;
+  for (const Index variable : {i, n + i}) {
+    Inequalities branch = inequalities;
+    const Truth found = branch.impose(variable) ? find_complementary_point(branch, nodes) : Truth::kUnsolvable;
+    if (found != Truth::kUnsolvable) return found;
+  }
+  return Truth::kUnsolvable;
+}
+
+/// The doubles next to u / max|u|, if they prove the same.
+bool proves_as_doubles(const Problem& problem, const DyadicVector& u) {
+  Dyadic largest;
+  for (const Dyadic& x : u) largest = max(largest, x);
+  if (largest.sign() == 0) return false;
+  const auto bits = static_cast<long>(mpz_sizeinbase(largest.numerator().backend().data(), 2)) + largest.exponent();
+  for (const long shift : {0L, 900L, -900L}) {  // where the entries differ much in size
+    Vector rounded(static_cast<Index>(u.size()));
+    for (std::size_t i = 0; i < u.size(); ++i) {
+      signed long exponent = 0;
+      const double mantissa = mpz_get_d_2exp(&exponent, u[i].numerator().backend().data());
+      const long total = std::clamp(exponent + u[i].exponent() - bits + shift, -5000L, 5000L);
+      rounded(static_cast<Index>(i)) = u[i].sign() == 0 ? 0 : std::ldexp(mantissa, static_cast<int>(total));
+    }
+    if (rounded.allFinite() && disproves(problem, rounded)) return true;
+  }
+  return false;
+}
+
+/// The same problem with its rows in another order: `shift` places on.
+DyadicMatrix rotated(const DyadicMatrix& rows, Index shift) {
+  const Index n = rows.rows;
+  DyadicMatrix result(n, n + 1);
+  for (Index i = 0; i < n; ++i) {
+    result(i, 0) = rows((i + shift) % n, 0);
+    for (Index j = 0; j < n; ++j) result(i, j + 1) = rows((i + shift) % n, (j + shift) % n + 1);
+  }
+  return result;
+}
+
+DyadicVector sum(const DyadicVector& a, const DyadicVector& b) {
+  if (a.empty()) return b;
+  DyadicVector result;
+  for (std::size_t i = 0; i < a.size(); ++i) result.push_back(a[i] + b[i]);
+  return result;
+}
+
+/// Looks at extreme rays of the cone of all proofs, and at sums of them, which have room for rounding.
+bool shown_by_doubles(const Problem& problem, const DyadicMatrix& rows) {
+  const Index n = rows.rows;
+  DyadicVector total;
+  for (Index shift = 0; shift < n; ++shift) {
+    Inequalities inequalities(rotated(rows, shift));
+    if (inequalities.feasible()) return false;
+    const DyadicVector found = inequalities.contradiction();
+    DyadicVector u(at(n));
+    for (Index i = 0; i < n; ++i) u[at((i + shift) % n)] = found[at(i)];
+    if (proves_as_doubles(problem, u)) return true;
+    total = sum(total, u);
+    if (proves_as_doubles(problem, total)) return true;
+  }
+  return false;
+}
+
+ExactTruth lcp_truth(const Problem& problem) {
+  const Lcp& lcp = problem.lcp();
+  const DyadicMatrix rows = beside(exact(lcp.q), exact(lcp.M));
+  Inequalities inequalities(rows);
+  if (!inequalities.feasible()) return {Truth::kUnsolvable, shown_by_doubles(problem, rows)};
+  int nodes = std::numeric_limits<int>::max();
+  return {find_complementary_point(inequalities, nodes), false};
+}
+
+/// P with P'f = 0 exactly where f lies in the null space of the inertia.
+DyadicMatrix range_basis(const Inertia& inertia) {
+  if (const auto* factors = std::get_if<FactoredInertia>(&inertia)) return exact(factors->X);
+  if (const auto* given = std::get_if<InverseInertia>(&inertia)) return exact(given->Ginv);
+  return exact(dense_inertia(inertia));
+}
+
+DyadicMatrix definite_part(const Inertia& inertia) {
+  if (const auto* given = std::get_if<InverseInertia>(&inertia)) return exact(given->Ginv);
+  if (const auto* factors = std::get_if<FactoredInertia>(&inertia)) {
+    DyadicMatrix weighted = exact(factors->X);
+    for (Index i = 0; i < weighted.rows; ++i) {
+      for (Index k = 0; k < weighted.cols; ++k) weighted(i, k) = weighted(i, k) * Dyadic(factors->alpha(k));
+    }
+    return product(weighted, transposed(exact(factors->X)));
+  }
+  return exact(dense_inertia(inertia));
+}
+
+/// Whether some c >= 0 has P'C c = 0 and v'C c = -1.
+bool moves_nothing_and_falls(const DyadicMatrix& P, const DyadicMatrix& C, const DyadicVector& v) {
+  const DyadicMatrix null_rows = product(transposed(P), C);
+  DyadicMatrix rows(null_rows.rows + 1, C.cols + 1);
+  rows(null_rows.rows, 0) = Dyadic(1.0);
+  for (Index j = 0; j < C.cols; ++j) {
+    for (Index i = 0; i < null_rows.rows; ++i) rows(i, j + 1) = null_rows(i, j);
+    for (Index k = 0; k < C.rows; ++k) {
+      rows(null_rows.rows, j + 1) = rows(null_rows.rows, j + 1) + v[at(k)] * C(k, j);
+    }
+  }
+  Inequalities inequalities(rows);
+  for (Index i = 0; i < rows.rows; ++i) {
+    if (!inequalities.impose(i)) return false;
+  }
+  return inequalities.feasible();
+}
+
+/// N_i of every contact, then N_i + mu_i D_t of every friction column t of it.
+DyadicMatrix cone_edges(const ContactProblem& contact) {
+  const DyadicMatrix N = exact(to_dense(contact.N));
+  const DyadicMatrix D = exact(to_dense(contact.D));
+  DyadicMatrix edges(N.rows, N.cols + D.cols);
+  Index column = 0;
+  for (Index c = 0; c < N.cols; ++c) {
+    for (Index k = 0; k < N.rows; ++k) edges(k, c) = N(k, c);
+    const Dyadic mu(contact.mu(c));
+    for (int t = 0; t < contact.edges[at(c)]; ++t, ++column) {
+      for (Index k = 0; k < N.rows; ++k) edges(k, N.cols + column) = N(k, c) + mu * D(k, column);
+    }
+  }
+  return edges;
+}
+
+ExactTruth contact_truth(const Problem& problem) {
+  const ContactProblem& contact = *problem.contact();
+  if (positive_definite(definite_part(contact.inertia))) return {Truth::kSolvable, false};
+  const DyadicMatrix P = range_basis(contact.inertia);
+  const DyadicVector v = exact(contact.v);
+  if (moves_nothing_and_falls(P, exact(to_dense(contact.N)), v)) return {Truth::kUnsolvable, false};
+  const bool copositive = positive_semidefinite(definite_part(contact.inertia));
+  if (copositive && !moves_nothing_and_falls(P, cone_edges(contact), v)) return {Truth::kSolvable, false};
+  if (problem.size() > kLargestSearched) return {};
+  Inequalities inequalities(Judge(problem).rows());
+  int nodes = kNodes;
+  return {find_complementary_point(inequalities, nodes), false};
+}
+
+bool nonnegative(const DyadicVector& x) {
+  return std::all_of(x.begin(), x.end(), [](const Dyadic& value) { return value.sign() >= 0; });
+}
+
+}  // namespace
+
+ExactTruth exact_truth(const Problem& problem) {
+  return problem.contact() != nullptr ? contact_truth(problem) : lcp_truth(problem);
+}
+
+bool disproves(const Problem& problem, const DyadicVector& u) {
+  if (!nonnegative(u)) return false;
+  if (const ContactProblem* contact = problem.contact()) {
+    if (static_cast<Index>(u.size()) != contact->nc()) return false;
+    const DyadicVector f = product(exact(to_dense(contact->N)), u);
+    const DyadicVector moved = product(transposed(range_basis(contact->inertia)), f);
+    const bool still = std::all_of(moved.begin(), moved.end(), [](const Dyadic& x) { return x.sign() == 0; });
+    return still && dot(exact(contact->v), f).sign() < 0;
+  }
+  const Lcp& lcp = problem.lcp();
+  if (static_cast<Index>(u.size()) != lcp.size()) return false;
+  const DyadicVector slope = product(transposed(exact(lcp.M)), u);
+  return std::none_of(slope.begin(), slope.end(), [](const Dyadic& x) { return x.sign() > 0; }) &&
+         dot(exact(lcp.q), u).sign() < 0;
+}
+
+bool disproves(const Problem& problem, const Vector& u) { return u.allFinite() && disproves(problem, exact(u)); }
+
+Inverse exact_response(const Inertia& inertia) {
+  if (const auto* given = std::get_if<InverseInertia>(&inertia)) return {exact(given->Ginv), Dyadic(1.0)};
+  const DyadicMatrix G = definite_part(inertia);
+  if (!std::holds_alternative<FactoredInertia>(inertia)) return inverse(G).value();
+  const DyadicMatrix X = range_basis(inertia);
+  const std::vector<Index> chosen = independent_columns(X);
+  DyadicMatrix basis(X.rows, static_cast<Index>(chosen.size()));
+  for (Index i = 0; i < X.rows; ++i) {
+    for (std::size_t k = 0; k < chosen.size(); ++k) basis(i, static_cast<Index>(k)) = X(i, chosen[k]);
+  }
+  Inverse part = inverse(product(product(transposed(basis), G), basis)).value();
+  return {product(product(basis, part.numerator), transposed(basis)), part.denominator};
+}
+
+}  // namespace lcpbench::attack

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "core/problem.h"
+#include "study/evaluation/evaluation.h"
+#include "tests/attack/exact.h"
+
+namespace lcpbench::attack {
+
+/// What is exactly true of a small problem, found without any solver.
+struct ExactTruth {
+  Truth truth = Truth::kUnknown;
+  /// A vector of doubles proves exactly that the problem has no solution: u >= 0, M'u <= 0, q'u < 0 (bare LCP). False:
+  /// either no linear proof exists, or none was found whose entries are doubles.
+  bool shown_by_doubles = false;
+};
+
+/// Bare LCP: always known. Every complementary cone is examined, by branching over the pairs; at each node an exact
+/// linear program decides whether the inequalities with the imposed zeros have a point.
+///
+/// Contact problem: positive definite inertia (leading minors) makes it solvable. Reduced rank, P'f = 0 meaning that f
+/// lies in the null space: unsolvable when some u >= 0 has P'N u = 0 and v'N u < 0; solvable when no f in the friction
+/// cones has P'f = 0 and v'f < 0. Between the two the cones are examined as for a bare LCP, within bounds; beyond
+/// them: unknown.
+ExactTruth exact_truth(const Problem& problem);
+
+/// u proves exactly that the problem has no solution. Bare LCP: u >= 0, M'u <= 0, q'u < 0. Contact problem: u >= 0 (nc
+/// entries, one per contact), N u in the null space, v'N u < 0.
+bool disproves(const Problem& problem, const DyadicVector& u);
+bool disproves(const Problem& problem, const Vector& u);
+
+/// The inverse, or pseudo-inverse, of the inertia.
+Inverse exact_response(const Inertia& inertia);
+
+}  // namespace lcpbench::attack
