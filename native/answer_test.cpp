@@ -82,7 +82,7 @@ void AnswerTest::settle_ray(Answer& answer, double deadline_s, const Vector* u) 
 void AnswerTest::report_proof(Answer& answer) {
   answer.claim = Claim::kUnsolvable;
   answer.detail = bare_ ? "proven" : "ray to rounding";
-  if (bare_ && bare_test_.proof().size() == 0) return;
+  if (bare_ && bare_test_.proof().size() == 0) return;  // by exact enumeration of all supports
   Vector& farkas = cleared_vectors().farkas;
   if (farkas.size() != farkas_.size() && farkas_.size() > 0) farkas.swap(farkas_);
   if (bare_) {

@@ -135,7 +135,8 @@ class Contact:
         if i >= self.impulses:
             return Fraction(0)
         count = sum(1 for entry in self.J[i] if entry != 0)
-        return (count + 1) * Fraction(2) ** -53 * dot([abs(entry) for entry in self.J[i]], [abs(x) for x in self.v])
+        magnitude = dot([abs(entry) for entry in self.J[i]], [abs(x) for x in self.v])
+        return (count + 1) * (Fraction(2) ** -53 * magnitude + Fraction(2) ** -1074)
 
     def residual(self, i, z, w):
         if i < self.impulses:

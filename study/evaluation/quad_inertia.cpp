@@ -7,6 +7,8 @@ namespace lcpbench {
 namespace {
 
 constexpr double kDependentLength = 0x1p-48;
+/// A pivot above this part of its diagonal entry cannot be the rounding of 113 bits.
+constexpr double kClearPivot = 0x1p-40;
 constexpr double kSingularPivot = 0x1p-96;
 
 Quad dot(const QuadMatrix& A, std::size_t column, const QuadMatrix& B, std::size_t other) {
@@ -131,7 +133,7 @@ void QuadInertia::add(Block block) {
 void QuadInertia::add_inertia(const Matrix& G) {
   Block block;
   block.matrix = QuadMatrix(G);
-  if (!block.factor.factor(block.matrix, kSingularPivot)) {
+  if (!factor_regular(block)) {
     const Factors factors = pivoted_factors(block.matrix);
     well_defined_ = factors.complete && factor_in_range(block, factors.X, factors.alpha) && well_defined_;
   }
@@ -142,7 +144,7 @@ void QuadInertia::add_factors(const QuadMatrix& X, const QuadVector& alpha) {
   Block block;
   block.matrix = weighted_gram(X, alpha);
   block.formation_terms = X.cols + 2;
-  if (X.cols < X.rows || !block.factor.factor(block.matrix, kSingularPivot)) {
+  if (X.cols < X.rows || !factor_regular(block)) {
     well_defined_ = factor_in_range(block, X, alpha) && well_defined_;
   }
   add(std::move(block));
@@ -154,6 +156,14 @@ void QuadInertia::add_inverse(const Matrix& Ginv) {
   block.is_inverse = true;
   has_inertia_ = false;
   add(std::move(block));
+}
+
+/// Factors a block that is regular beyond doubt. Small pivots may be the rounding of a singular block whose coordinates
+/// differ much in scale, so that they have to be proven positive.
+bool QuadInertia::factor_regular(Block& block) {
+  if (block.factor.factor(block.matrix, kClearPivot)) return true;
+  return lcpbench::proven_positive_definite(block.matrix, block.formation_terms) &&
+         block.factor.factor(block.matrix, kSingularPivot);
 }
 
 bool QuadInertia::factor_in_range(Block& block, const QuadMatrix& X, const QuadVector& alpha) {

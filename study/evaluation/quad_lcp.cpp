@@ -178,7 +178,7 @@ Quad ContactQuadLcp::formation_error(std::size_t i) const {
   if (i >= impulses()) return 0;
   Quad magnitude = 0;
   for (std::size_t e = begin_[i]; e < begin_[i + 1]; ++e) magnitude += abs(values_[e] * v_[rows_[e]]);
-  return static_cast<double>(begin_[i + 1] - begin_[i] + 1) * 0x1p-53 * magnitude;
+  return static_cast<double>(begin_[i + 1] - begin_[i] + 1) * (0x1p-53 * magnitude + 0x1p-1074);
 }
 
 QuadVector ContactQuadLcp::generalized_impulse(const QuadVector& z) const {

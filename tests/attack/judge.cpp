@@ -101,7 +101,7 @@ struct Judge::Data {
   DyadicVector mu;        // nc
   Inverse response;       // G*
   DyadicVector diagonal;  // M_ii of the impulse rows, times the denominator of G*
-  DyadicVector floor;     // of the impulse rows: (k + 1) 2^-53 |J_i|'|v|
+  DyadicVector floor;     // of the impulse rows: (k + 1) (2^-53 |J_i|'|v| + 2^-1074)
 
   explicit Data(const Problem& problem) {
     if (problem.contact() != nullptr) {
@@ -135,7 +135,7 @@ struct Judge::Data {
         if (J(k, i).sign() != 0) ++terms;
       }
       diagonal.push_back(square);
-      floor.push_back(Dyadic(terms) * Dyadic(0x1p-53) * magnitude);
+      floor.push_back(Dyadic(terms) * (Dyadic(0x1p-53) * magnitude + Dyadic(0x1p-1074)));
     }
     for (Index c = 0; c < layout.nc; ++c) {
       for (Index t = layout.friction_begin[at(c)]; t < layout.friction_begin[at(c) + 1]; ++t) {

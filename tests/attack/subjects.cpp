@@ -80,7 +80,8 @@ Outcome SolverSubject::classify(Target& target, const Answer& answer, std::strin
     return excused ? Outcome::kBeyondDoubles : Outcome::kDisproved;
   }
   if (answer.claim == Claim::kUnsolvable && solvable) return Outcome::kFalseUnsolvable;
-  if (answer.detail.find("proven") != std::string::npos && !witness) return Outcome::kFalseProven;
+  const bool shows_vector = answer.claim != Claim::kUnsolvable || answer.farkas.size() > 0;
+  if (answer.detail.find("proven") != std::string::npos && shows_vector && !witness) return Outcome::kFalseProven;
   const Errors errors = target.evaluator.errors(answer);
   if (errors.solved != solves) {
     detail += std::string("; the evaluation says ") + (errors.solved ? "solved" : "not solved") + ", rho " +
