@@ -32,6 +32,9 @@ struct CertifyOutcome {
 /// is at most v'N u / sum(u). Rounded down; NaN for other certificates and bare LCPs. [m/s]
 double least_violation(const Problem& problem, const Certificate& certificate);
 
+/// The row of a certificate; an open one where no problem file can hold the problem: nobody could check the proof.
+CertificateRow certificate_row(const Problem& problem, const Certificate& certificate, double time_limit_s);
+
 /// Certifies the problems of a store that have no certificate yet, keeps proofs with their problems, and evaluates the
 /// forward errors of the stored answers wherever only one velocity is right. Nothing is solved again.
 ///
