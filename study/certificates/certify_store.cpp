@@ -50,7 +50,7 @@ class Worker {
     result.problem_id = task.problem_id;
     std::optional<Vector> v_star;
     if (task.certify) {
-      const Certificate certificate = certify_(problem);
+      const Certificate certificate = certify_or_open(problem);
       result.certificate = certificate_row(problem, certificate, run_.scope.time_limit_s);
       if (result.certificate->velocity_unique.value_or(false)) v_star = result.certificate->velocity;
     } else {
@@ -61,6 +61,17 @@ class Worker {
   }
 
  private:
+  /// A problem that cannot be certified stays open, and says why; the others go on.
+  Certificate certify_or_open(const Problem& problem) {
+    try {
+      return certify_(problem);
+    } catch (const std::exception& error) {
+      Certificate open;
+      open.detail = error.what();
+      return open;
+    }
+  }
+
   std::vector<ForwardError> forward_errors(const Problem& problem, std::int64_t problem_id, const Vector& v_star) {
     std::vector<ForwardError> errors = table_.answers_without_forward_error(problem_id);
     if (errors.empty()) return errors;

@@ -43,6 +43,7 @@ CertificateRow certificate_row(const Problem& problem, const Certificate& certif
 /// ends early, in whatever way, loses the problems in flight and what was not yet committed of that second; the next
 /// call does the rest. The rows are the same for any number of threads, but for `certificate_timings` and what the time
 /// limit left open.
+/// A problem that its certifier throws for stays open, with the reason.
 /// @throws InputError when a problem is not what it was, what generating or `open` throws, after committing what was
 /// done.
 CertifyOutcome certify_store(Store& store, const CertifyRun& run);
