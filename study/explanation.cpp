@@ -38,6 +38,13 @@ RowWords words_of(const ContactProblem& problem, Index row) {
           "has an impulse of {z:.3g} N s, yet lambda exceeds the sliding against it by {w:.3g} m/s"};
 }
 
+/// "1e-4".
+std::string short_number(double power_of_ten) {
+  std::string text = fmt::format("{:.0e}", power_of_ten);
+  if (const std::size_t zero = text.find("e-0"); zero != std::string::npos) text.erase(zero + 2, 1);
+  return text;
+}
+
 std::string state_of(const RowWords& words, const WorstRow& worst) {
   const bool z_is_negative = worst.z < 0 && (!(worst.w < 0) || worst.residual != std::abs(worst.w));
   const bool w_is_negative = worst.w < 0 && !z_is_negative;
@@ -51,14 +58,14 @@ std::string worst_row_words(const Problem& problem, const Errors& errors) {
   const WorstRow& worst = errors.worst;
   if (worst.row < 0) return "its error cannot be measured: the problem's data or z are not finite";
   if (const ContactProblem* contact = problem.contact()) {
-    return fmt::format("{}: residual {:.3g} relative to its island's scale of {:.3g} m/s; the limit is {:.0e}",
+    return fmt::format("{}: residual {:.3g} relative to its island's scale of {:.3g} m/s; the limit is {}",
                        state_of(words_of(*contact, worst.row), worst), errors.velocity_residual_relative, worst.scale,
-                       kSolvedVelocityResidual);
+                       short_number(kSolvedVelocityResidual));
   }
   const RowWords words{fmt::format("row {}", worst.row), "has z = {z:.3g}, below zero", "has w = -{w:.3g}, below zero",
                        "has z = {z:.3g} and w = {w:.3g}, of which one has to be zero"};
-  return fmt::format("{}: backward error {:.3g} of its block; the limit is {:.0e}", state_of(words, worst),
-                     errors.backward_row_norm, kSolvedBackwardError);
+  return fmt::format("{}: backward error {:.3g} of its block; the limit is {}", state_of(words, worst),
+                     errors.backward_row_norm, short_number(kSolvedBackwardError));
 }
 
 std::string because(const JudgedAnswer& answer) {

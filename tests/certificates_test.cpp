@@ -208,7 +208,7 @@ TEST_F(CertifyStoreTest, AProblemThatCannotBeCertifiedStaysOpenAndTheOthersGoOn)
   };
   const CertifyOutcome outcome = certify(file_, run);
   EXPECT_EQ(outcome.done, outcome.total);
-  EXPECT_EQ(count(file_, "certificates WHERE kind = 'open'"), 2);
+  EXPECT_EQ(count(file_, "certificates WHERE certificate = 'open'"), 2);
   EXPECT_EQ(count(file_, "certificates WHERE detail = 'no numbers'"), 1);
 }
 
