@@ -59,9 +59,9 @@ const std::vector<Table>& tables() {
        kCellInWords},
       {"verdicts",
        {"problem_id", "solver_id", "part"},
-       {"usable", "solved", "criterion", "farkas_checked", "velocity_residual_m_per_s", "velocity_residual_relative",
-        "natural_residual", "backward_componentwise", "backward_row_norm", "violation_m_per_s", "work_gain_j",
-        "complementarity_j", "cone_violation", "min_z"},
+       {"usable", "solved", "criterion", "farkas_checked", "worst_row", "velocity_residual_m_per_s",
+        "velocity_residual_relative", "natural_residual", "backward_componentwise", "backward_row_norm",
+        "violation_m_per_s", "work_gain_j", "complementarity_j", "cone_violation", "min_z"},
        kCellInWords,
        "m.forward_velocity <> i.forward_velocity"},  // NULL where the problem was not certified
       {"timings", {"problem_id", "solver_id", "part"}, {}, "''"},

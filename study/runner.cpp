@@ -15,6 +15,7 @@
 #include "adapters/worker_client.h"
 #include "core/error.h"
 #include "generators/problem_io.h"
+#include "study/certificates/settle.h"
 #include "study/one_by_one.h"
 #include "study/result_exchange.h"
 #include "study/vector_codec.h"
@@ -90,16 +91,23 @@ Queue make_queue(const Study& study, Store& store, const RunOptions& options) {
 struct Batch {
   std::size_t set = 0;
   ProblemResult result;
+  std::optional<CertificateRow> certificate;  ///< found because an answer denied a solution
 };
 
 using Exchange = ResultExchange<Batch>;
 
-/// Verifies the answers to one problem, equal ones once.
+/// Verifies the answers to one problem, equal ones once, and settles what one of them denies without a proof.
 class ProblemJudge {
  public:
-  ProblemJudge(const Problem& problem, ProblemResult& result) : evaluator_(problem), result_(result) {}
+  ProblemJudge(const Problem& problem, Batch& batch, Settler& settler)
+      : problem_(problem),
+        evaluator_(problem),
+        theory_(evaluator_.truth()),
+        result_(batch.result),
+        certificate_(batch.certificate),
+        settler_(settler) {}
 
-  Truth truth() const { return evaluator_.truth(); }
+  Truth theory() const { return theory_; }
 
   AnswerRow judge(std::int64_t solver_id, const TimedAnswer& timed) {
     const Answer& answer = timed.answer;
@@ -116,6 +124,7 @@ class ProblemJudge {
     row.errors = judged.errors;
     row.farkas_checked = judged.farkas_checked;
     row.verify_s = judged.verify_s;
+    if (theory_ == Truth::kUnknown && Settler::asked_by(row.claim, row.farkas_checked)) settle();
     return row;
   }
 
@@ -127,6 +136,11 @@ class ProblemJudge {
     bool farkas_checked = false;
     double verify_s = 0;
   };
+
+  void settle() {
+    if (!settled_) certificate_ = settler_.settle_row(problem_);
+    settled_ = true;
+  }
 
   const Judged& judged_like(const Answer& answer) {
     for (const Judged& known : judged_) {
@@ -157,8 +171,13 @@ class ProblemJudge {
     return id;
   }
 
+  const Problem& problem_;
   Evaluator evaluator_;
+  Truth theory_;
   ProblemResult& result_;
+  std::optional<CertificateRow>& certificate_;
+  Settler& settler_;
+  bool settled_ = false;
   std::deque<Judged> judged_;
 };
 
@@ -221,9 +240,9 @@ class Worker {
   void run_task(const Task& task) {
     const ProblemSet& set = *study_.sets[task.set].set;
     const Problem problem = set.generate(study_.seed, task.trial);
-    Batch batch{task.set, {}};
-    ProblemJudge judge(problem, batch.result);
-    batch.result.problem = problem_row(set.name(), study_.seed, task.trial, problem, judge.truth());
+    Batch batch{task.set, {}, {}};
+    ProblemJudge judge(problem, batch, settler_);
+    batch.result.problem = problem_row(set.name(), study_.seed, task.trial, problem, judge.theory());
     Clock::time_point handed_over = Clock::now();
     for (const std::size_t solver : order(task)) {
       if (exchange_.stopped()) break;
@@ -232,6 +251,7 @@ class Worker {
       exchange_.push(batch);
       batch.result.vectors.clear();
       batch.result.answers.clear();
+      batch.certificate.reset();
       handed_over = Clock::now();
     }
     if (!batch.result.answers.empty()) exchange_.push(std::move(batch));
@@ -277,6 +297,7 @@ class Worker {
   std::vector<std::unique_ptr<TimedSolver>> solvers_;
   std::vector<std::unique_ptr<SweptSolver>> sweeps_;
   std::vector<std::int64_t> ids_;
+  Settler settler_;
   TimedAnswer timed_;
   std::vector<SweptAnswer> swept_;
 };
@@ -284,12 +305,14 @@ class Worker {
 /// Groups what arrives into transactions.
 class BatchWriter {
  public:
-  explicit BatchWriter(Store& store) : store_(store), transactions_(store) {}
+  explicit BatchWriter(Store& store) : store_(store), certificates_(store), transactions_(store) {}
 
-  void add(const ProblemResult& result) {
+  void add(const Batch& batch) {
     if (transactions_.begin()) answers_ = 0;
-    store_.add(result);
-    answers_ += result.answers.size();
+    store_.add(batch.result);
+    const std::int64_t problem = batch.result.problem.id;
+    if (batch.certificate && !certificates_.has_proof(problem)) certificates_.add(problem, *batch.certificate);
+    answers_ += batch.result.answers.size();
     if (answers_ >= kCommitAnswers) commit();
   }
   void commit_when_due() { transactions_.commit_when_due(); }
@@ -297,6 +320,7 @@ class BatchWriter {
 
  private:
   Store& store_;
+  CertificateTable certificates_;
   PacedTransactions transactions_;
   std::size_t answers_ = 0;
 };
@@ -348,7 +372,7 @@ RunOutcome run_study(const Study& study, Store& store, const RunOptions& options
   double next_partial_s = kFirstPartialS;
   while (!exchange.drained()) {
     for (const Batch& batch : exchange.take(kProgressEvery)) {
-      writer.add(batch.result);
+      writer.add(batch);
       outcome.progress.done += batch.result.cells();
       outcome.progress.set = &set_names[batch.set];
     }

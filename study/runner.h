@@ -47,9 +47,10 @@ struct RunOutcome {
 /// order, sharding or resuming changes a row but for `timings` and `runs`.
 ///
 /// A sweep on a problem is one unit of work: written with all its cells or not at all. Equal answers to one problem
-/// (bit for bit, whoever gave them) are verified once. Whatever a solver does, it leaves a row. @throws what
-/// generating, opening a solver or the store throws, after committing what was done. Memory: O(problems of the plan)
-/// for the queue, else independent of the number of trials.
+/// (bit for bit, whoever gave them) are verified once. A problem that a solver denies without a proof is settled by
+/// exact arithmetic where that is cheap (study/certificates/settle.h), and the store keeps the proof. Whatever a solver
+/// does, it leaves a row. @throws what generating, opening a solver or the store throws, after committing what was
+/// done. Memory: O(problems of the plan) for the queue, else independent of the number of trials.
 RunOutcome run_study(const Study& study, Store& store, const RunOptions& options);
 
 }  // namespace lcpbench

@@ -75,6 +75,7 @@ CREATE TABLE IF NOT EXISTS verdicts (
   solved INTEGER NOT NULL,
   criterion INTEGER NOT NULL,
   farkas_checked INTEGER NOT NULL,  -- 1 when the answer's proof of unsolvability was checked and holds
+  worst_row INTEGER,                -- of the LCP: where rho (bare LCP: the backward error) is taken; NULL where it is 0
   velocity_residual_m_per_s REAL, velocity_residual_relative REAL, natural_residual REAL,
   backward_componentwise REAL, backward_row_norm REAL, forward_velocity REAL,
   violation_m_per_s REAL, work_gain_j REAL, complementarity_j REAL, cone_violation REAL, min_z REAL,

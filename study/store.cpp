@@ -127,10 +127,11 @@ struct Writers {
                                      "pivots, factorizations, detail",
                                      12)),
         verdict(database,
-                insert_into("verdicts",
-                            std::string("problem_id, solver_id, part, usable, solved, criterion, farkas_checked, ") +
-                                kErrorColumnNames,
-                            7 + static_cast<int>(kErrorColumns.size()))),
+                insert_into(
+                    "verdicts",
+                    std::string("problem_id, solver_id, part, usable, solved, criterion, farkas_checked, worst_row, ") +
+                        kErrorColumnNames,
+                    8 + static_cast<int>(kErrorColumns.size()))),
         timing(database,
                insert_into("timings", std::string("problem_id, solver_id, part, run_id, ") + kTimeColumnNames, 11)) {}
 
@@ -216,7 +217,8 @@ void add_answer(Writers& writers, std::int64_t problem_id, std::int64_t run_id, 
   verdict.bind(5, as_integer(row.errors.solved));
   verdict.bind(6, as_integer(row.errors.criterion));
   verdict.bind(7, as_integer(row.farkas_checked));
-  int parameter = 8;
+  bind_id(verdict, 8, row.errors.worst.row < 0 ? std::nullopt : std::optional<std::int64_t>(row.errors.worst.row));
+  int parameter = 9;
   for (const auto column : kErrorColumns) verdict.bind(parameter++, row.errors.*column);
   verdict.run();
 
@@ -503,7 +505,7 @@ void Store::for_each_answer(const std::function<void(const StoredAnswer&)>& visi
       data_->database,
       fmt::format(
           "SELECT j.problem_id, j.solver_id, j.part, j.cells, j.set_id, j.seed, j.trial, j.n, j.claim, j.truth, "
-          "j.verdict, v.usable, v.solved, v.criterion, {}, {} FROM judged j "
+          "j.verdict, v.usable, v.solved, v.criterion, v.worst_row, {}, {} FROM judged j "
           "JOIN verdicts v USING (problem_id, solver_id, part) "
           "JOIN timings t USING (problem_id, solver_id, part) ORDER BY j.problem_id, j.solver_id, j.part",
           kErrorColumnNames, kTimeColumnNames));
@@ -523,7 +525,8 @@ void Store::for_each_answer(const std::function<void(const StoredAnswer&)>& visi
     row.errors.usable = query.integer(11) != 0;
     row.errors.solved = query.integer(12) != 0;
     row.errors.criterion = query.integer(13) != 0;
-    int column = 14;
+    row.errors.worst = {.row = query.is_null(14) ? -1 : query.integer(14)};
+    int column = 15;
     for (const auto error : kErrorColumns) row.errors.*error = query.real(column++);
     for (const auto time : kTimeColumns) row.times.*time = query.real(column++);
     row.verify_s = query.real(column++);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -132,7 +133,9 @@ TEST(QuadLcpTest, EveryWayToARowGivesTheSameRow) {
   QuadVector u = lcp.response(z);
   const QuadVector w = lcp.all_rows(z, u);
   const QuadVector expected = bare.response(z);
-  const std::vector<double> estimated = lcp.estimate_w(z, u);
+  std::vector<std::size_t> rows(lcp.size());
+  std::iota(rows.begin(), rows.end(), std::size_t{0});
+  const std::vector<double> estimated = lcp.estimate_w(z, u, rows);
   const MagnitudeEstimate* estimate = lcp.estimate();
   ASSERT_NE(estimate, nullptr);
   for (std::size_t i = 0; i < lcp.size(); ++i) {
@@ -158,13 +161,17 @@ TEST(QuadLcpTest, EveryWayToARowGivesTheSameRow) {
 }
 
 TEST(BackwardErrorTest, ForgivesDustAtThePriceOfItsSize) {
-  const Lcp lcp{Matrix::Identity(2, 2), vec({-1, 1})};
-  const Errors errors = evaluate(Problem("dust", lcp), vec({1, 1e-12}));  // w_2 = 1: not complementary
+  Lcp lcp{Matrix::Identity(2, 2), vec({-1, 1})};
+  lcp.M(0, 1) = lcp.M(1, 0) = 0.5;
+  const Errors errors = evaluate(Problem("dust", lcp), vec({1, 1e-12}));  // w_2 = 1.5: not complementary
   EXPECT_EQ(errors.backward_componentwise, 1e-12);
   EXPECT_EQ(errors.backward_row_norm, 1e-12);
   EXPECT_TRUE(errors.solved);
   EXPECT_FALSE(evaluate(Problem("dust", lcp), vec({1, 1e-8})).solved);
   EXPECT_TRUE(evaluate(Problem("dust", lcp), vec({1, -1e-12})).solved);
+  // Alone in its block it is the largest entry, and no dust.
+  EXPECT_EQ(evaluate(Problem("alone", Lcp{Matrix::Identity(2, 2), vec({-1, 1})}), vec({1, 1e-12})).backward_row_norm,
+            1);
 }
 
 TEST(BackwardErrorTest, ARowWithoutDataForgivesNothing) {

@@ -1,5 +1,5 @@
 # Certificates as users and studies get them, and the checker that shares no code with what made them.
-lcpbench_test(certificates LINK lcpbench_certificates lcpbench_report lcpbench_study lcpbench_solver_list nlohmann_json::nlohmann_json)
+lcpbench_test(certificates LINK lcpbench_runner lcpbench_certificates lcpbench_report lcpbench_study lcpbench_solver_list nlohmann_json::nlohmann_json)
 target_compile_definitions(certificates_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
 add_dependencies(certificates_test lcpbench)
 

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <new>
 #include <string>
 #include <thread>
 #include <tuple>
@@ -192,6 +193,23 @@ TEST_F(CertifyStoreTest, KilledItLosesOnlyWhatIsInFlight) {
   EXPECT_EQ(certify(file_, maker.run()).done, 2);
   EXPECT_EQ(maker.calls, 2);
   EXPECT_EQ(count(file_, "certificates"), 6);
+}
+
+TEST_F(CertifyStoreTest, AProblemThatCannotBeCertifiedStaysOpenAndTheOthersGoOn) {
+  solve_all(study_of({{kMonotone, 6}}), file_);
+  Maker maker;
+  CertifyRun run = maker.run();
+  run.open = [] {
+    return [number = 0](const Problem& problem) mutable {
+      if (++number == 2) throw InputError("no numbers");
+      if (number == 3) throw std::bad_alloc();
+      return made(CertificateKind::kSolution, problem);
+    };
+  };
+  const CertifyOutcome outcome = certify(file_, run);
+  EXPECT_EQ(outcome.done, outcome.total);
+  EXPECT_EQ(count(file_, "certificates WHERE certificate = 'open'"), 2);
+  EXPECT_EQ(count(file_, "certificates WHERE detail = 'no numbers'"), 1);
 }
 
 TEST_F(CertifyStoreTest, OfFrictionalProblemsAStatedSampleIsCertified) {
@@ -443,6 +461,17 @@ TEST_F(CertifyCommandTest, AFileThatCannotBeReadDoesNotStopTheOthers) {
   EXPECT_EQ(ordered_json::parse(output.out).size(), 1U);
   EXPECT_EQ(output.err.rfind("lcpbench: nosuch.json", 0), 0U) << output.err;
   EXPECT_EQ(std::count(output.err.begin(), output.err.end(), '\n'), 1) << output.err;
+}
+
+TEST_F(CertifyCommandTest, ANastyProblemDoesNotEndTheBatch) {
+  write_problem(Problem("huge", Lcp{Matrix{{1, 1e20}, {1, 0}}, Vector{{0, -1}}}), folder_ / "huge.json");
+  generate(kMonotone, 0, "a.json");
+  const ProgramRun output = run("certify huge.json a.json --format json");
+  ASSERT_EQ(output.exit_code, 0) << output.err;
+  const auto rows = ordered_json::parse(output.out);
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0]["certificate"], "unsolvable");
+  EXPECT_EQ(rows[1]["certificate"], "solution");
 }
 
 TEST_F(CertifyCommandTest, MistakesOfUseExitWith2AndOneLine) {

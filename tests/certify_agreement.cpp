@@ -26,6 +26,7 @@
 #include "study/certify/contact_truth.h"
 #include "study/certify/enumerate.h"
 #include "study/certify/exact_checks.h"
+#include "study/certify/reduction.h"
 #include "study/evaluation/evaluation.h"
 
 namespace lcpbench {
@@ -56,13 +57,15 @@ Word by_certificate(const Certificate& certificate) {
 }
 
 /// Exact Lemke's own word, believed only as far as multiplication confirms it.
-Word by_lemke(const exact::ContactTruth& truth, const exact::EliminatedSystem& eliminated) {
+Word by_lemke(const exact::ContactTruth& truth, const exact::ReducedSystem& eliminated) {
   const exact::LemkeOutcome outcome = exact_lemke(eliminated.lcp, exact::Deadline(kLimit));
   if (outcome.ending == exact::LemkeEnding::kSolution) {
-    exact::ExactPoint point = with_potentials(eliminated, outcome.z, outcome.denominator);
-    return is_solution(truth.stated(), truth.stated(std::move(point))) ? Word::kSolvable : Word::kUndecided;
+    exact::ExactPoint point = expanded(eliminated, truth.system(), outcome.z, outcome.denominator);
+    return is_solution(truth.stated(), truth.stated(std::move(point)), exact::Deadline(kLimit)) ? Word::kSolvable
+                                                                                                : Word::kUndecided;
   }
-  const bool proven = outcome.ending == exact::LemkeEnding::kRay && is_contradiction(truth.stated(), outcome.z);
+  const bool proven = outcome.ending == exact::LemkeEnding::kRay &&
+                      is_contradiction(truth.stated(), outcome.z, exact::Deadline(kLimit));
   return proven ? Word::kUnsolvable : Word::kUndecided;
 }
 
@@ -97,8 +100,9 @@ void hear(const Problem& problem, bool solvable, Solver& solver, Evaluator& eval
 }
 
 void decide(const Problem& problem, Certifier& certifier, std::vector<std::unique_ptr<Solver>>& solvers, Row& row) {
-  const exact::ContactTruth truth(*problem.contact());
-  const auto eliminated = eliminate_potentials(truth.system());
+  const exact::Deadline deadline(kLimit);
+  const exact::ContactTruth truth(*problem.contact(), deadline);
+  const auto eliminated = without_potentials(truth.system(), deadline);
   const Word words[3] = {by_certificate(certifier.certify(problem)),
                          eliminated ? by_lemke(truth, *eliminated) : Word::kUndecided,
                          by_linear_program(truth.system())};

@@ -2,12 +2,17 @@
 #include <initializer_list>
 #include <limits>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "core/error.h"
 #include "study/certify/certificate.h"
+#include "study/certify/exact_checks.h"
 #include "study/certify/integers.h"
+#include "study/certify/lifting.h"
+#include "study/certify/reduction.h"
 #include "tests/certificate_check.h"
 #include "tests/evaluation_cases.h"
 
@@ -259,6 +264,151 @@ TEST(CertifyTest, SmallBareProblemsAreAllDecided) {
   }
   EXPECT_GT(solvable, 100);
   EXPECT_GT(branched, 5);
+}
+
+// Huge or nearly equal entries leave both entries of a pair above zero, to rounding, even where one was imposed to be
+// zero. A search that splits such a pair again never ends. Each problem is unsolvable, by its four cones:
+// with z_2 = 0 the second row asks for z_1 >= 1, whose w_1 > 0; with z_2 > 0 it asks for z_1 = 1, and w_1 > 0 again.
+TEST(CertifyTest, PairsThatRoundingLeavesOpenAreNotSplitTwice) {
+  EXPECT_EQ(certify(bare({1, 1e20, 1, 0}, {0, -1})).kind, CertificateKind::kUnsolvable);
+  // z_2 = 1 from the first row leaves w_2 = 1e-10; a greater z_2 leaves w_1 > 0 too.
+  EXPECT_EQ(certify(bare({0, 3, 0, 1}, {-3, -0.9999999999})).kind, CertificateKind::kUnsolvable);
+}
+
+/// Whether q + M z has a complementary solution, by Gauss and Jordan on every choice of a column for each row,
+/// dependent choices included: a row may go without any column, so that independent choices suffice. [Caratheodory]
+bool solvable_by_brute_force(const Lcp& lcp) {
+  const auto n = static_cast<std::size_t>(lcp.size());
+  std::size_t choices = 1;
+  for (std::size_t i = 0; i < n; ++i) choices *= 3;
+  for (std::size_t choice = 0; choice < choices; ++choice) {
+    std::vector<testing::RationalVector> columns;  // of w - M z = q, then q
+    for (std::size_t i = 0, digits = choice; i < n; ++i, digits /= 3) {
+      if (digits % 3 == 2) continue;
+      testing::RationalVector column(n);
+      for (std::size_t r = 0; r < n; ++r) {
+        const double entry = lcp.M(static_cast<Index>(r), static_cast<Index>(i));
+        column[r] = digits % 3 == 1 ? Rational(-entry) : Rational(r == i ? 1 : 0);
+      }
+      columns.push_back(std::move(column));
+    }
+    columns.push_back(rationals(lcp.q));
+    std::size_t rank = 0;
+    bool independent = true;
+    for (std::size_t c = 0; c + 1 < columns.size() && independent; ++c) {
+      std::size_t pivot = rank;
+      while (pivot < n && columns[c][pivot].is_zero()) ++pivot;
+      independent = pivot < n;
+      if (!independent) break;
+      for (auto& column : columns) std::swap(column[pivot], column[rank]);
+      for (std::size_t r = 0; r < n; ++r) {
+        if (r == rank || columns[c][r].is_zero()) continue;
+        const Rational ratio = columns[c][r] / columns[c][rank];
+        for (std::size_t d = c; d < columns.size(); ++d) columns[d][r] -= ratio * columns[d][rank];
+      }
+      ++rank;
+    }
+    bool solves = independent;
+    for (std::size_t r = 0; r < n && solves; ++r) {
+      const Rational& right = columns.back()[r];
+      solves = r < rank ? right.is_zero() || (right > 0) == (columns[r][r] > 0) : right.is_zero();
+    }
+    if (solves) return true;
+  }
+  return false;
+}
+
+/// Entries that tie, differ by an ulp or in the 10th digit, or lie hundreds of orders of magnitude apart.
+double nasty_entry(Draw& draw, int style) {
+  const double base = std::round(3 * draw.vector(1)(0));
+  switch (style) {
+    case 0: return base;
+    case 1: return std::nextafter(base, draw.vector(1)(0) > 0 ? 10.0 : -10.0);
+    case 2: return base * (1 + 1e-10 * std::round(draw.vector(1)(0)));
+    case 3: return base * std::exp2(std::round(900 * draw.vector(1)(0)));
+    default: return base == 0 ? std::numeric_limits<double>::denorm_min() : base;
+  }
+}
+
+TEST(CertifyTest, NastySmallProblemsAreDecidedAsByBruteForce) {
+  Draw draw(20260721);
+  int solvable = 0;
+  int unsolvable = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    const Index n = 1 + trial % 4;
+    Lcp lcp{Matrix(n, n), Vector(n)};
+    for (double& entry : lcp.M.reshaped()) entry = nasty_entry(draw, trial % 5);
+    for (double& entry : lcp.q) entry = nasty_entry(draw, trial % 5);
+    if (trial % 3 == 0 && n > 1) lcp.M.row(0) = 2 * lcp.M.row(n - 1);
+    if (trial % 7 == 0) lcp.M = Matrix(lcp.M - lcp.M.transpose());
+    const Certificate certificate = certify(Problem("nasty", lcp));
+    const bool truth = solvable_by_brute_force(lcp);
+    ASSERT_EQ(certificate.kind, truth ? CertificateKind::kSolution : CertificateKind::kUnsolvable)
+        << trial << ": " << certificate.detail;
+    (truth ? solvable : unsolvable) += 1;
+  }
+  EXPECT_GT(solvable, 100);
+  EXPECT_GT(unsolvable, 50);
+}
+
+// Two equal columns and entries that are zero to rounding: the support of a float answer is no basis.
+TEST(CertifyTest, RowsThatAFloatAnswerLeavesUnclearAreSettledExactly) {
+  const double tiny = 0x1p-60;
+  Matrix M(3, 3);
+  M << 2, 2, 0, 2, 2 + tiny, 1, 0, 1, tiny;
+  const Problem problem("unclear", Lcp{M, vec({-2, -2, -tiny})});
+  const exact::ExactSystem system = exact::bare_system(problem.lcp());
+  const exact::Deadline deadline(60);
+  const exact::Guess guess = exact::classified(problem, vec({1, 0, 0}), 1e-9);
+  EXPECT_EQ(guess.basis, std::vector<Index>{0});
+  EXPECT_EQ(guess.unclear.size(), 2U);
+  const auto accepts = [&](const exact::ExactPoint& point) { return is_solution(system, point, deadline); };
+  EXPECT_EQ(exact::settled_near(system, guess, deadline, accepts).has_value(), solvable_by_brute_force(problem.lcp()));
+}
+
+// Exact arithmetic on entries of 2000 bits: one step takes longer than the limit.
+TEST(CertifyTest, TheTimeLimitHoldsWithinAStep) {
+  Draw draw(9);
+  Matrix M = draw.matrix(90, 90);
+  for (double& entry : M.reshaped()) entry *= std::exp2(std::round(900 * draw.vector(1)(0)));
+  const Certificate wide = certify(Problem("wide", Lcp{M, draw.vector(90)}), {.time_limit_s = 0.2});
+  EXPECT_LT(wide.seconds, 2);  // with room for a loaded machine and sanitizers
+  ContactProblem contact = random_frictional(draw, 60, 60, 4);
+  const Certificate large = certify(Problem("large", contact), {.time_limit_s = 0.2});
+  EXPECT_LT(large.seconds, 2);
+}
+
+TEST(LiftingTest, SolutionsAndDeterminantsAreExact) {
+  Draw draw(11);
+  const exact::Deadline deadline(60);
+  for (Index n = 1; n <= 12; ++n) {
+    const exact::Dyadic A = exact::to_dyadic(draw.matrix(n, n));
+    const exact::Dyadic b = exact::to_dyadic(Matrix(draw.vector(n)));
+    const exact::Lifting lifting(A.m, deadline);
+    exact::IntegerMatrix x;
+    exact::Integer denominator;
+    ASSERT_TRUE(lifting.solve(b.m, x, denominator));
+    const exact::IntegerMatrix left = product(A.m, x, deadline);
+    exact::Integer right;
+    for (Index i = 0; i < n; ++i) {
+      fmpz_mul(right.get(), b.m(i, 0), denominator.get());
+      EXPECT_NE(fmpz_equal(left(i, 0), right.get()), 0) << n;
+    }
+    exact::Integer determinant;
+    fmpz_mat_det(determinant.get(), A.m.get());
+    fmpz_abs(determinant.get(), determinant.get());
+    const exact::Integer cofactor = lifting.determinant_over(denominator);
+    fmpz_mul(right.get(), cofactor.get(), denominator.get());
+    EXPECT_NE(fmpz_equal(right.get(), determinant.get()), 0) << n;
+  }
+}
+
+TEST(LiftingTest, SingularSystemsAreRefusedAndATimeThatIsUpEndsThem) {
+  const exact::Deadline deadline(60);
+  const exact::Dyadic A = exact::to_dyadic(Matrix::Ones(2, 2));
+  EXPECT_FALSE(exact::Lifting(A.m, deadline).possible());
+  const exact::Deadline passed(0);
+  EXPECT_THROW(exact::Lifting(exact::identity(3), passed), exact::TimePassed);
 }
 
 TEST(RoundingTest, QuotientsRoundAsTheProcessorDividesThem) {

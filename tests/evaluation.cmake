@@ -1,5 +1,6 @@
 lcpbench_test(quad LINK lcpbench_evaluation)
 lcpbench_test(evaluation LINK lcpbench_evaluation)
+lcpbench_test(island_evaluation LINK lcpbench_evaluation)
 lcpbench_test(backward_error LINK lcpbench_evaluation)
 lcpbench_test(truth LINK lcpbench_evaluation)
 lcpbench_test(verdict LINK lcpbench_evaluation SQLite::SQLite3)
@@ -12,3 +13,10 @@ add_dependencies(inspect_test lcpbench)
 lcpbench_test(stability LINK lcpbench_stability lcpbench_study lcpbench_solver_list nlohmann_json::nlohmann_json)
 target_compile_definitions(stability_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
 add_dependencies(stability_test lcpbench)
+
+# A judge written from the page that defines verdicts agrees with the program.
+find_package(Python3 REQUIRED COMPONENTS Interpreter)
+add_test(NAME verdicts
+  COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/verdicts_test.py $<TARGET_FILE:lcpbench>)
+add_test(NAME liars
+  COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/liars_test.py $<TARGET_FILE:lcpbench>)

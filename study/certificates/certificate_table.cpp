@@ -76,6 +76,12 @@ std::vector<CertifyTask> CertificateTable::pending(const CertifyScope& scope) {
   return tasks;
 }
 
+bool CertificateTable::has_proof(std::int64_t problem_id) {
+  Statement query(store_.database(), "SELECT 1 FROM certificates WHERE problem_id = ? AND certificate <> 'open'");
+  query.bind(1, problem_id);
+  return query.step();
+}
+
 void CertificateTable::add(std::int64_t problem_id, const CertificateRow& row) {
   Statement certificate(store_.database(),
                         "INSERT OR REPLACE INTO certificates (problem_id, certificate, proof, velocity, "

@@ -77,6 +77,7 @@ class CertificateTable {
   /// ones of one velocity with answers whose forward error is missing.
   std::vector<CertifyTask> pending(const CertifyScope& scope);
 
+  bool has_proof(std::int64_t problem_id);
   /// Takes the place of what was left open. @pre a transaction is open.
   void add(std::int64_t problem_id, const CertificateRow& row);
   void add(std::int64_t problem_id, const std::vector<ForwardError>& errors);

@@ -32,27 +32,6 @@ struct Result {
   std::vector<ForwardError> forward;
 };
 
-/// The row of a certificate; an open one where no problem file can hold the problem: nobody could check the proof.
-CertificateRow row_of(const Problem& problem, const Certificate& certificate, double time_limit_s) {
-  CertificateRow row;
-  row.seconds = certificate.seconds;
-  row.time_limit_s = time_limit_s;
-  row.least_violation_m_per_s = kNone;
-  try {
-    if (certificate.kind != CertificateKind::kOpen) row.document = deflate(proof_document(problem, certificate));
-  } catch (const InputError& refusal) {
-    row.detail = fmt::format("not within what a problem file may hold: {}", refusal.what());
-    return row;
-  }
-  row.kind = certificate.kind;
-  row.proof = certificate.proof;
-  row.velocity = certificate.velocity;
-  row.velocity_unique = certificate.velocity_unique;
-  row.least_violation_m_per_s = least_violation(problem, certificate);
-  row.detail = certificate.detail;
-  return row;
-}
-
 /// One thread's part of the work. It reads through a connection of its own.
 class Worker {
  public:
@@ -71,8 +50,8 @@ class Worker {
     result.problem_id = task.problem_id;
     std::optional<Vector> v_star;
     if (task.certify) {
-      const Certificate certificate = certify_(problem);
-      result.certificate = row_of(problem, certificate, run_.scope.time_limit_s);
+      const Certificate certificate = certify_or_open(problem);
+      result.certificate = certificate_row(problem, certificate, run_.scope.time_limit_s);
       if (result.certificate->velocity_unique.value_or(false)) v_star = result.certificate->velocity;
     } else {
       v_star = table_.unique_velocity(task.problem_id);
@@ -82,6 +61,17 @@ class Worker {
   }
 
  private:
+  /// A problem that cannot be certified stays open, and says why; the others go on.
+  Certificate certify_or_open(const Problem& problem) {
+    try {
+      return certify_(problem);
+    } catch (const std::exception& error) {
+      Certificate open;
+      open.detail = error.what();
+      return open;
+    }
+  }
+
   std::vector<ForwardError> forward_errors(const Problem& problem, std::int64_t problem_id, const Vector& v_star) {
     std::vector<ForwardError> errors = table_.answers_without_forward_error(problem_id);
     if (errors.empty()) return errors;
@@ -147,6 +137,26 @@ double least_violation(const Problem& problem, const Certificate& certificate) {
   const double gain = contact->v.dot(N * u);
   const double magnitude = contact->v.cwiseAbs().dot(N.cwiseAbs() * u);
   return std::max(0.0, (-gain - kRounding * magnitude) / u.sum());
+}
+
+CertificateRow certificate_row(const Problem& problem, const Certificate& certificate, double time_limit_s) {
+  CertificateRow row;
+  row.seconds = certificate.seconds;
+  row.time_limit_s = time_limit_s;
+  row.least_violation_m_per_s = kNone;
+  try {
+    if (certificate.kind != CertificateKind::kOpen) row.document = deflate(proof_document(problem, certificate));
+  } catch (const InputError& refusal) {
+    row.detail = fmt::format("not within what a problem file may hold: {}", refusal.what());
+    return row;
+  }
+  row.kind = certificate.kind;
+  row.proof = certificate.proof;
+  row.velocity = certificate.velocity;
+  row.velocity_unique = certificate.velocity_unique;
+  row.least_violation_m_per_s = least_violation(problem, certificate);
+  row.detail = certificate.detail;
+  return row;
 }
 
 CertifyOutcome certify_store(Store& store, const CertifyRun& run) {

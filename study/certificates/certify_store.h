@@ -32,6 +32,9 @@ struct CertifyOutcome {
 /// is at most v'N u / sum(u). Rounded down; NaN for other certificates and bare LCPs. [m/s]
 double least_violation(const Problem& problem, const Certificate& certificate);
 
+/// The row of a certificate; an open one where no problem file can hold the problem: nobody could check the proof.
+CertificateRow certificate_row(const Problem& problem, const Certificate& certificate, double time_limit_s);
+
 /// Certifies the problems of a store that have no certificate yet, keeps proofs with their problems, and evaluates the
 /// forward errors of the stored answers wherever only one velocity is right. Nothing is solved again.
 ///
@@ -40,6 +43,7 @@ double least_violation(const Problem& problem, const Certificate& certificate);
 /// ends early, in whatever way, loses the problems in flight and what was not yet committed of that second; the next
 /// call does the rest. The rows are the same for any number of threads, but for `certificate_timings` and what the time
 /// limit left open.
+/// A problem that its certifier throws for stays open, with the reason.
 /// @throws InputError when a problem is not what it was, what generating or `open` throws, after committing what was
 /// done.
 CertifyOutcome certify_store(Store& store, const CertifyRun& run);

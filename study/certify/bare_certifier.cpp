@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "study/certify/basis.h"
 #include "study/certify/branching.h"
@@ -10,6 +11,8 @@
 #include "study/certify/exact_checks.h"
 #include "study/certify/exact_lemke.h"
 #include "study/certify/exact_output.h"
+#include "study/certify/more_time.h"
+#include "study/certify/reduction.h"
 
 namespace lcpbench::exact {
 namespace {
@@ -19,6 +22,8 @@ constexpr Index kLargestFeasibility = 40;
 constexpr Index kLargestEnumeration = 16;
 constexpr int kExchanges = 8;
 constexpr const char* kSolvers[] = {"lemke{test=none}", "lemke{precision=quad}"};
+const std::vector<std::string> kMoreSolvers = {
+    "lemke{precision=quad}", "principal_pivoting", "regularized", "auto", "primal_dual", "murty", "lemke"};
 
 class BareCertifier {
  public:
@@ -27,7 +32,7 @@ class BareCertifier {
 
   Certificate run() {
     const bool decided = solved_by(kSolvers[0]) || solved_by(kSolvers[1]) || branched() || settled_by_exact_lemke() ||
-                         contradicted() || enumerated();
+                         contradicted() || enumerated() || found_with_more_time();
     if (!decided) certificate_.detail = deadline_.passed() ? "the time limit passed" : "no proof was found either way";
     return std::move(certificate_);
   }
@@ -43,15 +48,25 @@ class BareCertifier {
   bool solved_near(const Vector& z, const std::string& found_by) {
     std::vector<Index> basis = support(z, system_.size());
     for (int round = 0; round <= kExchanges && !deadline_.passed(); ++round) {
-      std::optional<ExactPoint> point = basis_point(system_, basis);
-      if (!point) point = purified_point(system_, basis, round == 0 ? tight_rows(problem_, z) : std::vector<Index>{});
+      std::optional<ExactPoint> point = basis_point(system_, basis, deadline_);
+      if (!point)
+        point = purified_point(system_, basis, round == 0 ? tight_rows(problem_, z) : std::vector<Index>{}, deadline_);
       if (!point) return false;
-      if (is_solution(system_, *point)) return take_solution(*point, found_by);
-      std::vector<Index> next = exchanged_basis(system_, *point);
+      if (is_solution(system_, *point, deadline_)) return take_solution(*point, found_by);
+      if (round == 0 && settled_near_answer(z, found_by)) return true;
+      std::vector<Index> next = exchanged_basis(system_, *point, deadline_);
       if (next == basis) return false;
       basis = std::move(next);
     }
     return false;
+  }
+
+  bool settled_near_answer(const Vector& z, const std::string& found_by) {
+    const Guess guess = classified(problem_, z, kClear);
+    if (guess.unclear.empty() || guess.unclear.size() > kMostUnclear) return false;
+    const auto accepts = [&](const ExactPoint& point) { return is_solution(system_, point, deadline_); };
+    const std::optional<ExactPoint> point = settled_near(system_, guess, deadline_, accepts);
+    return point && take_solution(*point, found_by);
   }
 
   bool settled_by_exact_lemke() {
@@ -70,10 +85,13 @@ class BareCertifier {
            take_contradiction(outcome.point, "the linear inequalities contradict each other");
   }
 
-  bool branched() {
+  bool branched() { return branched(BranchingLimits{deadline_}); }
+
+  bool branched(const BranchingLimits& limits) {
     if (deadline_.passed()) return false;
-    BranchingOutcome outcome = branch(problem_.lcp(), LeafCheck(system_), deadline_);
-    if (outcome.z) return solved_near(*outcome.z, "branch and bound");
+    BranchingOutcome outcome = branch(problem_.lcp(), LeafCheck(system_, deadline_), limits,
+                                      [this](const Vector& z) { return solved_near(z, "branch and bound"); });
+    if (outcome.solved) return true;
     if (outcome.proof.empty()) return false;
     if (outcome.proof.size() == 1) {
       return take_contradiction(multipliers(outcome.proof.front()), "the linear inequalities contradict each other");
@@ -103,8 +121,29 @@ class BareCertifier {
     return true;
   }
 
+  // What the steps before left open: other solvers' answers, Lemke's method from other covering vectors, and longer
+  // branching, in turns, until the time is up.
+  bool found_with_more_time() {
+    GuessedCones guesses(problem_, candidates_, kMoreSolvers);
+    for (Index round = 0; !deadline_.passed(); ++round) {
+      const double turn_s = deadline_.left_s() / kTurns;
+      const auto accepts = [&](const ExactPoint& point) { return is_solution(system_, point, deadline_); };
+      if (const auto found = guesses.next_point(system_, round, deadline_, accepts)) {
+        return take_solution(found->point, "cone of " + found->solver);
+      }
+      if (covered(round, deadline_.within(turn_s)) || branched(longer_branching(round, deadline_))) return true;
+    }
+    return false;
+  }
+
+  bool covered(Index covering, const Deadline& deadline) {
+    const LemkeOutcome outcome = exact_lemke(lcp(), deadline, covering);
+    return outcome.ending == LemkeEnding::kSolution &&
+           take_solution({{}, outcome.z, outcome.denominator}, "exact lexicographic Lemke");
+  }
+
   bool take_solution(const ExactPoint& point, const std::string& detail) {
-    if (!is_solution(system_, point)) return false;
+    if (!is_solution(system_, point, deadline_)) return false;
     const ScaledVector z = scaled_z(system_, point);
     certificate_.kind = CertificateKind::kSolution;
     certificate_.proof = ProofKind::kExactBasis;
@@ -115,7 +154,7 @@ class BareCertifier {
   }
 
   bool take_contradiction(const IntegerVector& y, const std::string& detail) {
-    if (!is_bare_contradiction(system_, y)) return false;
+    if (!is_bare_contradiction(system_, y, deadline_)) return false;
     const ScaledVector farkas{y, std::vector<slong>(y.size(), 0), Integer(1)};
     certificate_.kind = CertificateKind::kUnsolvable;
     certificate_.proof = ProofKind::kFarkas;
@@ -127,7 +166,7 @@ class BareCertifier {
 
   // Formed when a float basis did not do.
   const IntegerLcp& lcp() {
-    if (!lcp_) lcp_ = std::move(eliminate_potentials(system_)->lcp);
+    if (!lcp_) lcp_ = std::move(without_potentials(system_, deadline_)->lcp);
     return *lcp_;
   }
 

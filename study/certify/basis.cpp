@@ -4,12 +4,10 @@
 
 #include "study/certify/exact_checks.h"
 #include "study/certify/integer_solve.h"
+#include "study/certify/lifting.h"
 
 namespace lcpbench::exact {
-namespace {
-
-// K p - L z = 0, then w = 0 on `rows`, in x = [p; z of `basis`].
-Equations equations(const ExactSystem& system, const std::vector<Index>& basis, const std::vector<Index>& rows) {
+Equations basis_equations(const ExactSystem& system, const std::vector<Index>& basis, const std::vector<Index>& rows) {
   const Index k = system.potentials();
   std::vector<Index> position(static_cast<std::size_t>(system.size()), -1);
   for (std::size_t j = 0; j < basis.size(); ++j) position[static_cast<std::size_t>(basis[j])] = static_cast<Index>(j);
@@ -32,13 +30,12 @@ Equations equations(const ExactSystem& system, const std::vector<Index>& basis, 
   return e;
 }
 
-}  // namespace
-
-std::optional<ExactPoint> basis_point(const ExactSystem& system, const std::vector<Index>& basis) {
-  const Equations e = equations(system, basis, basis);
+std::optional<ExactPoint> basis_point(const ExactSystem& system, const std::vector<Index>& basis,
+                                      const Deadline& deadline) {
+  const Equations e = basis_equations(system, basis, basis);
   IntegerMatrix x;
   ExactPoint point;
-  if (!solve(e.A, e.b, x, point.denominator)) return std::nullopt;
+  if (!Lifting(e.A, deadline).solve(e.b, x, point.denominator)) return std::nullopt;
   const Index k = system.potentials();
   point.p.resize(static_cast<std::size_t>(k));
   point.z.resize(static_cast<std::size_t>(system.size()));
@@ -50,15 +47,15 @@ std::optional<ExactPoint> basis_point(const ExactSystem& system, const std::vect
 }
 
 std::optional<ExactPoint> purified_point(const ExactSystem& system, const std::vector<Index>& basis,
-                                         const std::vector<Index>& tight) {
+                                         const std::vector<Index>& tight, const Deadline& deadline) {
   std::vector<Index> rows = basis;
   rows.insert(rows.end(), tight.begin(), tight.end());
-  const Equations e = equations(system, basis, rows);
-  const Minor minor = independent_minor(e.A);
+  const Equations e = basis_equations(system, basis, rows);
+  const Minor minor = independent_minor(e.A, deadline);
   IntegerMatrix x;
   ExactPoint point;
   const Equations square = part(e, minor);
-  if (!solve(square.A, square.b, x, point.denominator)) return std::nullopt;
+  if (!Lifting(square.A, deadline).solve(square.b, x, point.denominator)) return std::nullopt;
   const Index k = system.potentials();
   point.p.resize(static_cast<std::size_t>(k));
   point.z.resize(static_cast<std::size_t>(system.size()));
@@ -71,16 +68,18 @@ std::optional<ExactPoint> purified_point(const ExactSystem& system, const std::v
   return point;
 }
 
-std::vector<Index> exchanged_basis(const ExactSystem& system, const ExactPoint& point) {
+std::vector<Index> exchanged_basis(const ExactSystem& system, const ExactPoint& point, const Deadline& deadline) {
   std::vector<Index> basis;
   for (Index i = 0; i < system.size(); ++i) {
+    deadline.check();
     const int sign = point.z[static_cast<std::size_t>(i)].sign();
     if (sign > 0 || (sign == 0 && complement(system, point, i).sign() < 0)) basis.push_back(i);
   }
   return basis;
 }
 
-std::optional<IntegerVector> annihilator(const ExactSystem& system, const std::vector<Index>& support) {
+std::optional<IntegerVector> annihilator(const ExactSystem& system, const std::vector<Index>& support,
+                                         const Deadline& deadline) {
   const Index k = system.potentials();
   Equations e{IntegerMatrix(k + 1, static_cast<Index>(support.size())), IntegerMatrix(k + 1, 1)};
   for (std::size_t j = 0; j < support.size(); ++j) {
@@ -88,7 +87,7 @@ std::optional<IntegerVector> annihilator(const ExactSystem& system, const std::v
     for (Index i = 0; i < k; ++i) fmpz_set(e.A(1 + i, static_cast<Index>(j)), system.L(i, support[j]));
   }
   fmpz_set_si(e.b(0, 0), -1);
-  const std::optional<IntegerVector> x = solve_independent_part(e);
+  const std::optional<IntegerVector> x = solve_independent_part(e, deadline);
   if (!x) return std::nullopt;
   IntegerVector u(static_cast<std::size_t>(system.size()));
   for (std::size_t j = 0; j < support.size(); ++j) u[static_cast<std::size_t>(support[j])] = (*x)[j];

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -11,8 +12,8 @@
 namespace lcpbench::exact {
 namespace {
 
-/// Entries of dictionaries updated until the search gives up: a second or so.
-constexpr double kMostWork = 4e9;
+/// Bytes of all dictionaries on a path, and of a proof, at most.
+constexpr double kMostMemory = 512.0 * 1024 * 1024;
 /// Complementary to rounding: z_i w_i below this part of the largest z_j times the largest w_j.
 constexpr double kComplementary = 1e-13;
 /// Multipliers are rounded to this many bits, that is, to integers which doubles hold.
@@ -22,6 +23,7 @@ constexpr double kNoMultiplier = 1e-9;
 
 Multipliers rounded_multipliers(const Vector& y) {
   Multipliers multipliers;
+  if (!y.allFinite()) return multipliers;
   for (Index i = 0; i < y.size(); ++i) {
     const double value = std::nearbyint(std::ldexp(y(i), kMultiplierBits));
     if (value != 0) multipliers.emplace_back(i, Integer(static_cast<slong>(value)));
@@ -37,53 +39,96 @@ std::vector<Index> rows_of(const Vector& y) {
   return rows;
 }
 
+/// Depth first, with a stack of its own. Every split takes a row that was not split above, so that no path is longer
+/// than n.
 class Search {
  public:
-  Search(const Lcp& lcp, const LeafCheck& check, const Deadline& deadline)
+  Search(const Lcp& lcp, const LeafCheck& check, const BranchingLimits& limits, const AcceptsVertex& accepts)
       : n_(lcp.size()),
         check_(check),
-        deadline_(deadline),
+        limits_(limits),
+        accepts_(accepts),
+        most_levels_(static_cast<std::size_t>(kMostMemory / (8.0 * static_cast<double>(n_ * n_)))),
         w_is_zero_(static_cast<std::size_t>(n_), 0),
-        z_is_zero_(static_cast<std::size_t>(n_), 0) {}
+        z_is_zero_(static_cast<std::size_t>(n_), 0),
+        most_work_(limits.most_work) {}
 
-  /// False when the search has to end: a solution was found, or there is no proof to be had.
-  bool exhausted(Relaxation node) {
-    if (work_ > kMostWork || deadline_.passed()) return false;
-    switch (node.solve(work_)) {
-      case Relaxation::Ending::kStuck: return false;
-      case Relaxation::Ending::kInfeasible:
-        // Where equations depend on each other, rounding may have led to a row that contradicts nothing: split on.
-        return contradicted(node) || split(node, undecided_row(node));
-      case Relaxation::Ending::kFeasible: break;
+  BranchingOutcome run(Relaxation node) {
+    while (true) {
+      if (work_ > most_work_ || limits_.deadline.passed()) return {};
+      const Index row = row_to_split(node);
+      if (solved_) return {{}, true};
+      if (row >= 0 && levels_.size() < most_levels_) {
+        descend(node, row);
+        continue;
+      }
+      if (row >= 0) leave_open();
+      if (!to_next_branch(node)) return {all_contradicted_ ? std::move(proof_) : std::vector<ProofNode>{}, false};
     }
-    const Index row = most_violated(node);
-    if (row < 0) outcome_.z = node.z();
-    return split(std::move(node), row);
   }
-
-  BranchingOutcome take_outcome() { return std::move(outcome_); }
 
  private:
-  bool split(Relaxation node, Index row) {
-    if (row < 0) return false;
-    outcome_.proof.push_back({row, {}});
-    Relaxation other = node;
-    other.impose(row);
-    if (!exhausted_under(std::move(other), w_is_zero_[static_cast<std::size_t>(row)])) return false;
-    node.impose(n_ + row);
-    return exhausted_under(std::move(node), z_is_zero_[static_cast<std::size_t>(row)]);
+  /// A node on the path to the present one: its branch with w_row = 0 comes first, then that with z_row = 0.
+  struct Level {
+    Index row;
+    std::optional<Relaxation> second;  ///< of the second branch, until that is entered
+  };
+
+  void descend(Relaxation& node, Index row) {
+    add_to_proof({row, {}});
+    levels_.push_back({row, node});
+    levels_.back().second->impose(n_ + row);
+    node.impose(row);
+    w_is_zero_[static_cast<std::size_t>(row)] = 1;
   }
 
-  bool exhausted_under(Relaxation node, char& is_zero) {
-    is_zero = 1;
-    const bool result = exhausted(std::move(node));
-    is_zero = 0;
-    return result;
+  // False when there is none left.
+  bool to_next_branch(Relaxation& node) {
+    while (!levels_.empty()) {
+      Level& level = levels_.back();
+      const auto row = static_cast<std::size_t>(level.row);
+      if (level.second) {
+        node = std::move(*level.second);
+        level.second.reset();
+        w_is_zero_[row] = 0;
+        z_is_zero_[row] = 1;
+        return true;
+      }
+      z_is_zero_[row] = 0;
+      levels_.pop_back();
+    }
+    return false;
+  }
+
+  // A row that was not split; or -1 where the node is done with: it holds a solution (solved_), is contradicted, or is
+  // left open, so that there will be no proof.
+  Index row_to_split(Relaxation& node) {
+    Index row = -1;
+    switch (node.solve(work_, limits_.deadline)) {
+      case Relaxation::Ending::kStuck: break;
+      case Relaxation::Ending::kInfeasible:
+        if (contradicted(node)) return -1;
+        // Where equations depend on each other, rounding may have led to a row that contradicts nothing: split on.
+        row = undecided_row(node);
+        break;
+      case Relaxation::Ending::kFeasible:
+        row = most_violated(node);
+        if (row >= 0) break;
+        solved_ = accepts_(node.z());
+        if (solved_) return -1;
+        if (++refused_ > limits_.most_refused) most_work_ = 0;
+        row = first_undecided();
+        break;
+    }
+    if (row < 0) leave_open();
+    return row;
   }
 
   bool contradicted(const Relaxation& node) {
     if (taken(rounded_multipliers(node.contradiction_with_room()))) return true;
-    const std::optional<Multipliers> exact = check_.exact(rows_of(node.contradiction()), node.tight_columns());
+    const Vector y = node.contradiction();
+    if (!y.allFinite()) return false;
+    const std::optional<Multipliers> exact = check_.exact(rows_of(y), node.tight_columns());
     return exact && taken(*exact);
   }
 
@@ -91,58 +136,89 @@ class Search {
     if (!check_.contradicts(y, w_is_zero_, z_is_zero_)) return false;
     ProofNode leaf;
     for (const auto& [row, value] : y) leaf.multipliers.push_back({row, text(value)});
-    outcome_.proof.push_back(std::move(leaf));
+    add_to_proof(std::move(leaf));
     return true;
   }
 
-  // The row of the largest multiplier among those whose pair was not split.
+  // There will be no proof; a solution may still be found.
+  void leave_open() {
+    if (!all_contradicted_) return;
+    all_contradicted_ = false;
+    proof_ = {};
+    most_work_ = std::min(most_work_, work_ + limits_.most_work_without_proof);
+  }
+
+  void add_to_proof(ProofNode node) {
+    if (!all_contradicted_) return;
+    proof_bytes_ += sizeof(ProofNode);
+    for (const Multiplier& entry : node.multipliers) {
+      proof_bytes_ += static_cast<double>(sizeof(Multiplier) + entry.value.size());
+    }
+    proof_.push_back(std::move(node));
+    if (proof_bytes_ > kMostMemory) leave_open();
+  }
+
+  bool decided(Index row) const {
+    return w_is_zero_[static_cast<std::size_t>(row)] != 0 || z_is_zero_[static_cast<std::size_t>(row)] != 0;
+  }
+
+  // The row of the largest multiplier among those that are not decided.
   Index undecided_row(const Relaxation& node) const {
     const Vector y = node.contradiction();
     double largest = kNoMultiplier;
     Index row = -1;
     for (Index i = 0; i < n_; ++i) {
-      const bool decided = w_is_zero_[static_cast<std::size_t>(i)] != 0 || z_is_zero_[static_cast<std::size_t>(i)] != 0;
-      if (decided || !(std::abs(y(i)) > largest)) continue;
+      if (decided(i) || !(std::abs(y(i)) > largest)) continue;
       largest = std::abs(y(i));
       row = i;
     }
     return row;
   }
 
+  // Of the rows that are not decided: in the others rounding alone may leave both entries above zero.
   Index most_violated(const Relaxation& node) const {
     const Vector z = node.z();
     const Vector w = node.w();
     double worst = kComplementary * z.cwiseAbs().maxCoeff() * w.cwiseAbs().maxCoeff();
     Index row = -1;
     for (Index i = 0; i < n_; ++i) {
-      if (!(z(i) * w(i) > worst)) continue;
+      if (decided(i) || !(z(i) * w(i) > worst)) continue;
       worst = z(i) * w(i);
       row = i;
     }
     return row;
   }
 
+  Index first_undecided() const {
+    for (Index i = 0; i < n_; ++i) {
+      if (!decided(i)) return i;
+    }
+    return -1;
+  }
+
   Index n_;
   const LeafCheck& check_;
-  const Deadline& deadline_;
+  const BranchingLimits& limits_;
+  const AcceptsVertex& accepts_;
+  std::size_t most_levels_;
   std::vector<char> w_is_zero_;
   std::vector<char> z_is_zero_;
+  std::vector<Level> levels_;
+  std::vector<ProofNode> proof_;
+  double proof_bytes_ = 0;
   double work_ = 0;
-  BranchingOutcome outcome_;
+  double most_work_;
+  bool all_contradicted_ = true;
+  bool solved_ = false;
+  int refused_ = 0;
 };
 
 }  // namespace
 
-LeafCheck::LeafCheck(const ExactSystem& system) : system_(system), row_shift_(system.w_exponent) {
+LeafCheck::LeafCheck(const ExactSystem& system, const Deadline& deadline)
+    : system_(system), deadline_(deadline), row_shift_(system.w_exponent), K_(system.K, deadline) {
   const slong least = row_shift_.empty() ? 0 : *std::min_element(row_shift_.begin(), row_shift_.end());
   for (slong& shift : row_shift_) shift -= least;
-  if (system.potentials() == 0) return;
-  inverse_ = IntegerMatrix(system.potentials(), system.potentials());
-  possible_ = fmpz_mat_inv(inverse_.get(), denominator_.get(), system.K.get()) != 0;
-  if (denominator_.sign() < 0) {
-    fmpz_neg(denominator_.get(), denominator_.get());
-    fmpz_mat_neg(inverse_.get(), inverse_.get());
-  }
 }
 
 // With K pi = -R y: y'w = q'y + (S'y - L'pi)'z. The sum of w_i times y_i cannot be negative, and all on the right is.
@@ -154,6 +230,7 @@ bool LeafCheck::contradicts(const Multipliers& y, const std::vector<char>& w_is_
   IntegerVector columns(static_cast<std::size_t>(system_.size()));
   Integer value;
   for (const auto& [row, multiplier] : y) {
+    deadline_.check();
     const auto i = static_cast<std::size_t>(row);
     if (multiplier.sign() < 0 && !w_is_zero[i]) return false;
     fmpz_mul_2exp(value.get(), multiplier.get(), static_cast<ulong>(row_shift_[i]));
@@ -164,12 +241,14 @@ bool LeafCheck::contradicts(const Multipliers& y, const std::vector<char>& w_is_
     }
   }
   if (gain.sign() >= 0) return false;
-  const IntegerMatrix potential =
-      k > 0 ? product(inverse_, forced) : IntegerMatrix(0, 1);  // -pi, times the denominator
+  IntegerMatrix potential;  // -pi, times the denominator
+  Integer denominator;
+  if (!K_.solve(forced, potential, denominator)) return false;
   for (Index j = 0; j < system_.size(); ++j) {
+    deadline_.check();
     if (z_is_zero[static_cast<std::size_t>(j)]) continue;
     Integer& column = columns[static_cast<std::size_t>(j)];
-    if (k > 0) fmpz_mul(column.get(), column.get(), denominator_.get());
+    if (k > 0) fmpz_mul(column.get(), column.get(), denominator.get());
     for (Index i = 0; i < k; ++i) fmpz_addmul(column.get(), system_.L(i, j), potential(i, 0));
     if (column.sign() > 0) return false;
   }
@@ -199,7 +278,7 @@ std::optional<Multipliers> LeafCheck::exact(const std::vector<Index>& rows, cons
       if (equation >= 0) fmpz_set(e.A(equation, k + s), term.value.get());
     }
   }
-  const std::optional<IntegerVector> x = solve_independent_part(e);
+  const std::optional<IntegerVector> x = solve_independent_part(e, deadline_);
   if (!x) return std::nullopt;
   const slong largest = row_shift_.empty() ? 0 : *std::max_element(row_shift_.begin(), row_shift_.end());
   Multipliers y;
@@ -213,13 +292,11 @@ std::optional<Multipliers> LeafCheck::exact(const std::vector<Index>& rows, cons
   return y;
 }
 
-BranchingOutcome branch(const Lcp& lcp, const LeafCheck& check, const Deadline& deadline) {
+BranchingOutcome branch(const Lcp& lcp, const LeafCheck& check, const BranchingLimits& limits,
+                        const AcceptsVertex& accepts) {
   if (lcp.size() == 0 || !check.possible() || !lcp.M.allFinite() || !lcp.q.allFinite()) return {};
-  Search search(lcp, check, deadline);
-  const bool exhausted = search.exhausted(Relaxation(lcp));
-  BranchingOutcome outcome = search.take_outcome();
-  if (!exhausted) outcome.proof.clear();
-  return outcome;
+  if (8.0 * static_cast<double>(lcp.size() * lcp.size()) > kMostMemory) return {};
+  return Search(lcp, check, limits, accepts).run(Relaxation(lcp));
 }
 
 void take_branches(std::vector<ProofNode> proof, Certificate& certificate) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "study/certify/certificate.h"
 #include "study/certify/deadline.h"
 #include "study/certify/exact_system.h"
+#include "study/certify/lifting.h"
 
 namespace lcpbench::exact {
 
@@ -17,11 +19,11 @@ using Multipliers = std::vector<std::pair<Index, Integer>>;
 /// Checks leaves of proofs by branching on one system: by multiplication over the integers alone.
 class LeafCheck {
  public:
-  /// @param system  outlives this
-  explicit LeafCheck(const ExactSystem& system);
+  /// @param system,deadline  outlive this. Every function @throws TimePassed.
+  LeafCheck(const ExactSystem& system, const Deadline& deadline);
 
   /// False where K is singular: then nothing can be checked.
-  bool possible() const { return possible_; }
+  bool possible() const { return system_.potentials() == 0 || K_.possible(); }
 
   /// y contradicts w = q + M z >= 0, z >= 0 with w_i = 0 where w_is_zero[i], z_i = 0 where z_is_zero[i]:
   /// q'y < 0, y_i >= 0 for the other w_i, (M'y)_j <= 0 for the other z_j.
@@ -33,22 +35,32 @@ class LeafCheck {
 
  private:
   const ExactSystem& system_;
+  const Deadline& deadline_;
   std::vector<slong> row_shift_;
-  IntegerMatrix inverse_;  // of K, times the denominator
-  Integer denominator_{1};
-  bool possible_ = true;
+  Lifting K_;
 };
 
 /// What exhausts 2^n cones, or found a solution among them.
 struct BranchingOutcome {
   std::vector<ProofNode> proof;  ///< empty unless every leaf was contradicted and checked
-  std::optional<Vector> z;       ///< a solution, in floats
+  bool solved = false;           ///< a vertex was accepted
 };
 
+struct BranchingLimits {
+  const Deadline& deadline;
+  double most_work = 4e9;                ///< entries of dictionaries updated until the search gives up: a second or so
+  double most_work_without_proof = 2e7;  ///< the same, from the first leaf on that is not confirmed
+  int most_refused = 16;                 ///< vertices that are no solution after all, each a few exact solves
+};
+
+/// Whether a vertex, in floats, that is complementary to rounding leads to a solution.
+using AcceptsVertex = std::function<bool(const Vector& z)>;
+
 /// Branch and bound over the pairs (z_i, w_i): the relaxation in floats, in each node the pair whose z_i w_i is largest
-/// is split into w_i = 0 and z_i = 0, each leaf is checked exactly. Ends without either where a leaf is not confirmed
-/// or the work is too much. @param lcp  of `check`'s system, rounded to doubles
-BranchingOutcome branch(const Lcp& lcp, const LeafCheck& check, const Deadline& deadline);
+/// is split into w_i = 0 and z_i = 0, each leaf is checked exactly. A leaf that is not confirmed leaves no proof; the
+/// search goes on for a solution. No path is longer than n. @param lcp  of `check`'s system, rounded to doubles
+BranchingOutcome branch(const Lcp& lcp, const LeafCheck& check, const BranchingLimits& limits,
+                        const AcceptsVertex& accepts);
 
 /// The certificate that `proof` gives.
 void take_branches(std::vector<ProofNode> proof, Certificate& certificate);

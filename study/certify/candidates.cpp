@@ -43,4 +43,23 @@ std::vector<Index> tight_rows(const Problem& problem, const Vector& z) {
   return tight;
 }
 
+Guess classified(const Problem& problem, const Vector& z, double clear) {
+  Guess guess;
+  const Lcp& lcp = problem.lcp();
+  if (z.size() != lcp.size() || !z.allFinite()) return guess;
+  const Vector w = lcp.q + lcp.M * z;
+  const Vector terms = lcp.q.cwiseAbs() + lcp.M.cwiseAbs() * z.cwiseAbs();
+  for (Index i = 0; i < z.size(); ++i) {
+    double part = 0;  // of z_i in the rows that it moves
+    for (Index j = 0; j < z.size(); ++j) {
+      if (lcp.M(j, i) != 0 && terms(j) > 0) part = std::max(part, std::abs(lcp.M(j, i)) * z(i) / terms(j));
+    }
+    const bool pressed = part > clear;
+    const bool open = w(i) > clear * terms(i);
+    if (pressed && !open) guess.basis.push_back(i);
+    if (pressed == open) guess.unclear.push_back(i);
+  }
+  return guess;
+}
+
 }  // namespace lcpbench::exact

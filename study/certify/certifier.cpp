@@ -1,3 +1,6 @@
+#include <exception>
+#include <new>
+#include <string>
 #include <utility>
 
 #include <flint/flint.h>
@@ -47,14 +50,30 @@ class Certifier::Engine {
     if (!finite(problem)) throw InputError(problem.name() + ": the data hold a NaN or an infinity; nothing is exact");
     [[maybe_unused]] static thread_local FlintMemory memory;
     const exact::Deadline deadline(options_.time_limit_s);
-    Certificate certificate = problem.contact() != nullptr
-                                  ? exact::certify_contact(problem, options_, deadline, candidates_)
-                                  : exact::certify_bare(problem, deadline, candidates_);
+    Certificate certificate = certify_contained(problem, deadline);
     certificate.seconds = deadline.elapsed_s();
     return certificate;
   }
 
  private:
+  /// Whatever one problem makes fail leaves this problem open, and the next ones as they are.
+  Certificate certify_contained(const Problem& problem, const exact::Deadline& deadline) {
+    Certificate open;
+    try {
+      return problem.contact() != nullptr ? exact::certify_contact(problem, options_, deadline, candidates_)
+                                          : exact::certify_bare(problem, deadline, candidates_);
+    } catch (const exact::TimePassed& passed) {
+      open.detail = passed.what();
+      return open;
+    } catch (const std::bad_alloc&) {
+      open.detail = "the memory did not suffice";
+    } catch (const std::exception& error) {
+      open.detail = std::string("the search failed: ") + error.what();
+    }
+    candidates_ = {};  // a solver that was interrupted is not asked again
+    return open;
+  }
+
   CertifyOptions options_;
   exact::Candidates candidates_;
 };

@@ -14,6 +14,8 @@
 #include "study/certify/exact_checks.h"
 #include "study/certify/exact_lemke.h"
 #include "study/certify/exact_output.h"
+#include "study/certify/more_time.h"
+#include "study/certify/reduction.h"
 
 namespace lcpbench::exact {
 namespace {
@@ -34,28 +36,30 @@ constexpr std::size_t kModes = 2500;
 
 constexpr const char* kFrictionless[] = {"active_set", "lemke{precision=quad}"};
 constexpr const char* kFrictional[] = {"contact_lemke", "lemke{test=none}", "contact_lemke{covering=classic}"};
+const std::vector<std::string> kMoreFrictional = {"auto",          "friction_ipm",          "principal_pivoting",
+                                                  "contact_lemke", "lemke{precision=quad}", "regularized",
+                                                  "primal_dual"};
+const std::vector<std::string> kMoreFrictionless = {
+    "auto", "velocity_ipm", "active_set", "lemke{precision=quad}", "principal_pivoting", "regularized", "primal_dual"};
 constexpr const char* kSmallFrictional = "lemke{precision=quad}";
 constexpr const char* kOnVariants = "contact_lemke{precision=double}";
 
-bool fits(const ExactSystem& system, const std::vector<Index>& basis, const Deadline& deadline) {
-  // Lifting costs about 4 order^3 / 62 products for each bit of the entries; 2 ns and 64 bits are assumed of each.
-  const auto order = static_cast<double>(system.potentials() + static_cast<Index>(basis.size()));
-  return 8e-9 * order * order * order < deadline.left_s();
-}
-
 /// A point of `system` near the float solution z that `accepts` takes.
 /// @param more_rows  gives rows of w that may be zero; asked only where the support of z leaves more than one point
-template <class Rows, class Accepts>
+/// @param settled  gives a point, or none, in another way; asked when the support of z gave none
+template <class Rows, class Settled, class Accepts>
 std::optional<ExactPoint> certified_near(const ExactSystem& system, const Vector& z, const Deadline& deadline,
-                                         Rows&& more_rows, Accepts&& accepts) {
+                                         Rows&& more_rows, Settled&& settled, Accepts&& accepts) {
   std::vector<Index> basis = support(z, system.size());
   for (int round = 0; round <= kExchanges; ++round) {
-    if (!fits(system, basis, deadline)) return std::nullopt;
-    std::optional<ExactPoint> point = basis_point(system, basis);
-    if (!point) point = purified_point(system, basis, round == 0 ? more_rows() : std::vector<Index>{});
+    std::optional<ExactPoint> point = basis_point(system, basis, deadline);
+    if (!point) point = purified_point(system, basis, round == 0 ? more_rows() : std::vector<Index>{}, deadline);
     if (!point) return std::nullopt;
     if (accepts(*point)) return point;
-    std::vector<Index> next = exchanged_basis(system, *point);
+    if (round == 0) {
+      if (std::optional<ExactPoint> other = settled()) return other;
+    }
+    std::vector<Index> next = exchanged_basis(system, *point, deadline);
     if (next == basis) return std::nullopt;
     basis = std::move(next);
   }
@@ -93,14 +97,19 @@ class ContactCertifier {
         options_(options),
         deadline_(deadline),
         candidates_(candidates),
-        truth_(contact_) {}
+        truth_(contact_, deadline) {}
 
   Certificate run() {
     if (!truth_.inertia().refusal.empty()) return open(truth_.inertia().refusal);
-    const bool decided = truth_.monotone() ? decide_monotone() : decide_frictional();
+    const bool decided = (truth_.monotone() ? decide_monotone() : decide_frictional()) || found_with_more_time();
     if (!decided) return open(deadline_.passed() ? "the time limit passed" : "no proof was found either way");
     if (truth_.monotone() && certificate_.kind == CertificateKind::kSolution) certificate_.velocity_unique = true;
-    if (options_.seek_other_velocity && solution_ && truth_.frictional()) seek_other_velocity();
+    if (options_.seek_other_velocity && solution_ && truth_.frictional()) {
+      try {
+        seek_other_velocity();
+      } catch (const TimePassed&) {  // what was found stays
+      }
+    }
     return std::move(certificate_);
   }
 
@@ -133,12 +142,18 @@ class ContactCertifier {
     return true;
   }
 
-  bool solves(const ExactPoint& point) const { return is_solution(truth_.stated(), truth_.stated(point)); }
+  bool solves(const ExactPoint& point) const { return is_solution(truth_.stated(), truth_.stated(point), deadline_); }
 
   std::optional<ExactPoint> point_near(const Vector& z) const {
     return certified_near(
-        truth_.system(), z, deadline_, [&] { return tight_rows(problem_, z); },
+        truth_.system(), z, deadline_, [&] { return tight_rows(problem_, z); }, [&] { return settled_near_answer(z); },
         [&](const ExactPoint& point) { return solves(point); });
+  }
+
+  std::optional<ExactPoint> settled_near_answer(const Vector& z) const {
+    const Guess guess = classified(problem_, z, kClear);
+    if (guess.unclear.empty() || guess.unclear.size() > kMostUnclear) return std::nullopt;
+    return settled_near(truth_.system(), guess, deadline_, [&](const ExactPoint& point) { return solves(point); });
   }
 
   /// @param point  of stated(), checked
@@ -156,9 +171,9 @@ class ContactCertifier {
     solution_ = std::move(point);
   }
 
-  bool take_lcp_solution(const EliminatedSystem& eliminated, const IntegerVector& z, const Integer& denominator,
+  bool take_lcp_solution(const ReducedSystem& eliminated, const IntegerVector& z, const Integer& denominator,
                          const std::string& detail) {
-    ExactPoint point = with_potentials(eliminated, z, denominator);
+    ExactPoint point = expanded(eliminated, truth_.system(), z, denominator);
     if (!solves(point)) return false;
     take_solution(truth_.stated(std::move(point)), detail);
     return true;
@@ -168,13 +183,13 @@ class ContactCertifier {
     if (deadline_.passed() || contact_.nc() == 0) return false;
     const Problem squares = contradiction_problem(contact_);
     const Answer& answer = candidates_.answer("active_set", squares, deadline_.left_s());
-    const std::optional<IntegerVector> u = annihilator(truth_.system(), support(answer.z, contact_.nc()));
+    const std::optional<IntegerVector> u = annihilator(truth_.system(), support(answer.z, contact_.nc()), deadline_);
     return u && take_contradiction(*u, "support of a nonnegative least squares solution");
   }
 
   bool take_contradiction(IntegerVector u, const std::string& detail) {
     u.resize(static_cast<std::size_t>(truth_.system().size()));
-    if (!is_contradiction(truth_.stated(), u)) return false;
+    if (!is_contradiction(truth_.stated(), u, deadline_)) return false;
     u.resize(static_cast<std::size_t>(contact_layout(contact_).lambda_offset()));
     const ScaledVector farkas{u, std::vector<slong>(u.size(), 0), Integer(1)};
     certificate_.kind = CertificateKind::kUnsolvable;
@@ -189,7 +204,7 @@ class ContactCertifier {
   bool settled_by_exact_lemke() {
     const Index order = std::max(truth_.system().size(), truth_.system().potentials());
     if (order > (truth_.monotone() ? kLargestMonotoneLemke : kLargestLemke) || deadline_.passed()) return false;
-    const std::optional<EliminatedSystem> eliminated = eliminate_potentials(truth_.system());
+    const std::optional<ReducedSystem> eliminated = without_potentials(truth_.system(), deadline_);
     if (!eliminated) return false;
     const LemkeOutcome outcome = exact_lemke(eliminated->lcp, deadline_);
     if (outcome.ending == LemkeEnding::kSolution) {
@@ -201,7 +216,7 @@ class ContactCertifier {
 
   bool enumerated() {
     if (truth_.system().size() > kLargestEnumeration || deadline_.passed()) return false;
-    const std::optional<EliminatedSystem> eliminated = eliminate_potentials(truth_.system());
+    const std::optional<ReducedSystem> eliminated = without_potentials(truth_.system(), deadline_);
     if (!eliminated) return false;
     const EnumerationOutcome outcome = enumerate_cones(eliminated->lcp, deadline_);
     if (outcome.ending == EnumerationEnding::kSolution) {
@@ -214,10 +229,13 @@ class ContactCertifier {
     return true;
   }
 
-  bool branched() {
+  bool branched() { return branched(BranchingLimits{deadline_}); }
+
+  bool branched(const BranchingLimits& limits) {
     if (deadline_.passed()) return false;
-    BranchingOutcome outcome = branch(problem_.lcp(), LeafCheck(truth_.system()), deadline_);
-    if (outcome.z) return solved_near(*outcome.z, "branch and bound");
+    BranchingOutcome outcome = branch(problem_.lcp(), LeafCheck(truth_.system(), deadline_), limits,
+                                      [this](const Vector& z) { return solved_near(z, "branch and bound"); });
+    if (outcome.solved) return true;
     if (outcome.proof.empty()) return false;
     take_branches(std::move(outcome.proof), certificate_);
     return true;
@@ -227,10 +245,11 @@ class ContactCertifier {
   // frictionless problem whose contacts are the cones' edges.
   bool solvable_by_velocity() {
     if (!truth_.inertia().semidefinite || deadline_.passed()) return false;
-    std::optional<ExactPoint> point = truth_.inertia().full_rank ? point_at_rest(truth_) : point_within_cones();
+    std::optional<ExactPoint> point =
+        truth_.inertia().full_rank ? point_at_rest(truth_, deadline_) : point_within_cones();
     if (!point) return false;
     *point = truth_.stated(std::move(*point));
-    if (!is_solvability_proof(truth_.stated(), contact_, *point)) return false;
+    if (!is_solvability_proof(truth_.stated(), contact_, *point, deadline_)) return false;
     const ScaledVector change = scaled_potential(truth_.stated(), *point);
     certificate_.kind = CertificateKind::kSolution;
     certificate_.proof = ProofKind::kLp;
@@ -242,7 +261,7 @@ class ContactCertifier {
 
   std::optional<ExactPoint> point_within_cones() {
     const Dyadic edges = cone_edges(contact_);
-    const ExactSystem cones = frictionless_system(truth_.inertia(), edges, truth_.velocity());
+    const ExactSystem cones = frictionless_system(truth_.inertia(), edges, truth_.velocity(), deadline_);
     ContactProblem frictionless = contact_;
     frictionless.N = to_doubles(edges);
     frictionless.D = Matrix(contact_.ngc(), 0);
@@ -252,14 +271,14 @@ class ContactCertifier {
         candidates_.answer("active_set", Problem("edges", std::move(frictionless)), deadline_.left_s());
     if (answer.claim != Claim::kSolved) return std::nullopt;
     return certified_near(
-        cones, answer.z, deadline_, [] { return std::vector<Index>{}; },
-        [&](const ExactPoint& point) { return is_solvability_proof(truth_.system(), contact_, point); });
+        cones, answer.z, deadline_, [] { return std::vector<Index>{}; }, [] { return std::optional<ExactPoint>(); },
+        [&](const ExactPoint& point) { return is_solvability_proof(truth_.system(), contact_, point, deadline_); });
   }
 
   // The contacts in other orders and units lead pivoting methods along other paths.
   template <class Found>
-  bool in_a_variant(const char* spec, Index variants, Found&& found) {
-    for (Index number = 0; contact_.nc() > 0 && number < variants && !deadline_.passed(); ++number) {
+  bool in_a_variant(const char* spec, Index first, Index variants, Found&& found) {
+    for (Index number = first; contact_.nc() > 0 && number < first + variants && !deadline_.passed(); ++number) {
       const ContactVariant variant = contact_variant(contact_, number);
       const Answer& answer = candidates_.answer(spec, Problem("variant", variant.problem), deadline_.left_s());
       if (answer.claim == Claim::kSolved && found(variant.original(answer.z))) return true;
@@ -267,8 +286,8 @@ class ContactCertifier {
     return false;
   }
 
-  bool solved_in_a_variant(const char* spec) {
-    return in_a_variant(spec, kVariants,
+  bool solved_in_a_variant(const char* spec, Index first = 0) {
+    return in_a_variant(spec, first, kVariants,
                         [&](const Vector& z) { return solved_near(z, std::string(spec) + " on a variant"); });
   }
 
@@ -277,7 +296,7 @@ class ContactCertifier {
   bool in_another_mode(Found&& found) {
     for (const std::vector<Index>& basis : contact_modes(contact_, kModes)) {
       if (deadline_.passed()) return false;
-      const std::optional<ExactPoint> point = basis_point(truth_.system(), basis);
+      const std::optional<ExactPoint> point = basis_point(truth_.system(), basis, deadline_);
       if (point && solves(*point) && found(*point)) return true;
     }
     return false;
@@ -290,14 +309,50 @@ class ContactCertifier {
     });
   }
 
+  // What the steps before left open: other solvers' answers, Lemke's method from other covering vectors, more variants
+  // and longer branching, in turns, until the time is up.
+  bool found_with_more_time() {
+    GuessedCones guesses(problem_, candidates_, truth_.frictional() ? kMoreFrictional : kMoreFrictionless);
+    std::optional<ReducedSystem> eliminated;
+    for (Index round = 0; !deadline_.passed(); ++round) {
+      const auto accepts = [&](const ExactPoint& point) { return solves(point); };
+      if (const auto found = guesses.next_point(truth_.system(), round, deadline_, accepts)) {
+        take_solution(truth_.stated(found->point), "cone of " + found->solver);
+        return true;
+      }
+      if (covered(eliminated, round, deadline_.within(deadline_.left_s() / kTurns))) return true;
+      if (!truth_.frictional()) continue;
+      if (solved_in_a_variant(kFrictional[1], (round + 1) * kVariants) ||
+          solved_in_a_variant(kOnVariants, (round + 1) * kVariants) || branched(longer_branching(round, deadline_))) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  bool covered(std::optional<ReducedSystem>& eliminated, Index covering, const Deadline& turn) {
+    try {
+      if (!eliminated) eliminated = without_potentials(truth_.system(), turn);
+    } catch (const TimePassed&) {
+      return false;
+    }
+    if (!eliminated) return false;
+    const LemkeOutcome outcome = exact_lemke(eliminated->lcp, turn, covering);
+    if (outcome.ending == LemkeEnding::kSolution) {
+      return take_lcp_solution(*eliminated, outcome.z, outcome.denominator, "exact lexicographic Lemke");
+    }
+    return outcome.ending == LemkeEnding::kRay && !truth_.frictional() &&
+           take_contradiction(outcome.z, "ray of exact lexicographic Lemke");
+  }
+
   void seek_other_velocity() {
     if (in_another_mode([&](const ExactPoint& point) { return differs(point); })) return;
     const auto differs_near = [&](const Vector& z) {
       const std::optional<ExactPoint> point = point_near(z);
       return point && differs(*point);
     };
-    if (!in_a_variant(kOnVariants, kVelocityVariants, differs_near))
-      in_a_variant(kFrictional[1], kVelocityVariants, differs_near);
+    if (!in_a_variant(kOnVariants, 0, kVelocityVariants, differs_near))
+      in_a_variant(kFrictional[1], 0, kVelocityVariants, differs_near);
   }
 
   bool differs(const ExactPoint& point) {

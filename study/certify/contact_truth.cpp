@@ -2,22 +2,22 @@
 
 #include <utility>
 
-#include "study/certify/integer_solve.h"
+#include "study/certify/lifting.h"
 
 namespace lcpbench::exact {
 
-ContactTruth::ContactTruth(const ContactProblem& problem)
+ContactTruth::ContactTruth(const ContactProblem& problem, const Deadline& deadline)
     : frictional_(problem.frictional()), v_(to_dyadic(problem.v)) {
   if (const auto* factors = std::get_if<FactoredInertia>(&problem.inertia)) {
     weighted_ = weighted_factors(*factors);
-    spanning_ = independent_factors(*factors);
+    spanning_ = independent_factors(*factors, deadline);
   }
-  inertia_ = exact_inertia(problem.inertia, spanning_);
+  inertia_ = exact_inertia(problem.inertia, spanning_, deadline);
   if (!inertia_.refusal.empty()) return;
-  system_ = contact_system(problem, inertia_);
+  system_ = contact_system(problem, inertia_, deadline);
   if (spanning_.size() == weighted_.size()) return;
-  stated_inertia_ = exact_inertia(problem.inertia, weighted_);
-  stated_ = contact_system(problem, *stated_inertia_);
+  stated_inertia_ = exact_inertia(problem.inertia, weighted_, deadline);
+  stated_ = contact_system(problem, *stated_inertia_, deadline);
 }
 
 ExactPoint ContactTruth::stated(ExactPoint point) const {
@@ -31,7 +31,7 @@ ExactPoint ContactTruth::stated(ExactPoint point) const {
   return point;
 }
 
-std::optional<ExactPoint> point_at_rest(const ContactTruth& truth) {
+std::optional<ExactPoint> point_at_rest(const ContactTruth& truth, const Deadline& deadline) {
   const Dyadic& v = truth.velocity();
   const ExactInertia& inertia = truth.inertia();
   IntegerMatrix p = v.m;
@@ -39,7 +39,7 @@ std::optional<ExactPoint> point_at_rest(const ContactTruth& truth) {
                    IntegerVector(static_cast<std::size_t>(truth.system().size())), Integer(1)};
   slong exponent = v.exponent;
   if (inertia.velocity) {
-    if (!solve(inertia.velocity->m, v.m, p, point.denominator)) return std::nullopt;
+    if (!Lifting(inertia.velocity->m, deadline).solve(v.m, p, point.denominator)) return std::nullopt;
     exponent -= inertia.velocity->exponent;
   }
   const slong shift = exponent - truth.system().p_exponent;

@@ -11,7 +11,8 @@ namespace lcpbench::exact {
 /// states it.
 class ContactTruth {
  public:
-  explicit ContactTruth(const ContactProblem& problem);
+  /// @param deadline  outlives this. @throws TimePassed
+  ContactTruth(const ContactProblem& problem, const Deadline& deadline);
 
   /// What is solved: K is nonsingular where inertia().refusal is empty.
   const ExactSystem& system() const { return system_; }
@@ -41,6 +42,6 @@ class ContactTruth {
 };
 
 /// The point of system() with v + Y p = 0, z = 0. @pre the inertia has full rank
-std::optional<ExactPoint> point_at_rest(const ContactTruth& truth);
+std::optional<ExactPoint> point_at_rest(const ContactTruth& truth, const Deadline& deadline);
 
 }  // namespace lcpbench::exact

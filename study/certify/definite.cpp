@@ -25,12 +25,13 @@ bool definite_in_double(const Matrix& A) {
   return Eigen::LLT<Matrix>(shifted).info() == Eigen::Success;
 }
 
-bool definite_by_minors(const Matrix& A) {
+bool definite_by_minors(const Matrix& A, const Deadline& deadline) {
   IntegerMatrix a = to_dyadic(A).m;
   Integer previous(1);
   for (Index s = 0; s < a.rows(); ++s) {
     if (fmpz_sgn(a(s, s)) <= 0) return false;  // the leading minor of order s + 1
     for (Index i = s + 1; i < a.rows(); ++i) {
+      deadline.check();
       for (Index j = s + 1; j < a.cols(); ++j) {
         set_difference_of_products(a(i, j), a(i, j), a(s, s), a(i, s), a(s, j));
         fmpz_divexact(a(i, j), a(i, j), previous.get());
@@ -43,8 +44,8 @@ bool definite_by_minors(const Matrix& A) {
 
 }  // namespace
 
-bool positive_definite(const Matrix& A) {
-  return A.rows() == 0 || definite_in_double(A) || (A.rows() <= kLargestMinor && definite_by_minors(A));
+bool positive_definite(const Matrix& A, const Deadline& deadline) {
+  return A.rows() == 0 || definite_in_double(A) || (A.rows() <= kLargestMinor && definite_by_minors(A, deadline));
 }
 
 }  // namespace lcpbench::exact

@@ -15,8 +15,10 @@ void add_column_product(const IntegerMatrix& A, Index j, const IntegerVector& x,
 }
 
 // A x - B y is zero.
-bool equal_products(const IntegerMatrix& A, const IntegerVector& x, const IntegerMatrix& B, const IntegerVector& y) {
+bool equal_products(const IntegerMatrix& A, const IntegerVector& x, const IntegerMatrix& B, const IntegerVector& y,
+                    const Deadline& deadline) {
   for (Index i = 0; i < A.rows(); ++i) {
+    deadline.check();
     Integer difference;
     for (Index j = 0; j < A.cols(); ++j) {
       fmpz_addmul(difference.get(), A(i, j), x[static_cast<std::size_t>(j)].get());
@@ -54,25 +56,27 @@ Integer complement(const ExactSystem& system, const ExactPoint& point, Index i) 
   return w;
 }
 
-bool is_solution(const ExactSystem& system, const ExactPoint& point) {
+bool is_solution(const ExactSystem& system, const ExactPoint& point, const Deadline& deadline) {
   if (point.denominator.sign() <= 0 || !nonnegative(point.z)) return false;
-  if (!equal_products(system.K, point.p, system.L, point.z)) return false;
+  if (!equal_products(system.K, point.p, system.L, point.z, deadline)) return false;
   for (Index i = 0; i < system.size(); ++i) {
+    deadline.check();
     const int sign = complement(system, point, i).sign();
     if (sign < 0 || (sign > 0 && point.z[static_cast<std::size_t>(i)].sign() > 0)) return false;
   }
   return true;
 }
 
-bool is_contradiction(const ExactSystem& system, const IntegerVector& u) {
-  return nonnegative(u) && equal_products(IntegerMatrix(system.potentials(), 0), {}, system.L, u) &&
+bool is_contradiction(const ExactSystem& system, const IntegerVector& u, const Deadline& deadline) {
+  return nonnegative(u) && equal_products(IntegerMatrix(system.potentials(), 0), {}, system.L, u, deadline) &&
          dot(system.q, u).sign() < 0;
 }
 
-bool is_bare_contradiction(const ExactSystem& system, const IntegerVector& y) {
+bool is_bare_contradiction(const ExactSystem& system, const IntegerVector& y, const Deadline& deadline) {
   if (!nonnegative(y) || dot(system.q, y).sign() >= 0) return false;
   IntegerVector columns(y.size());
   for (std::size_t i = 0; i < y.size(); ++i) {
+    deadline.check();
     for (const Term& term : system.S[i]) {
       fmpz_addmul(columns[static_cast<std::size_t>(term.column)].get(), term.value.get(), y[i].get());
     }
@@ -80,7 +84,8 @@ bool is_bare_contradiction(const ExactSystem& system, const IntegerVector& y) {
   return std::all_of(columns.begin(), columns.end(), [](const Integer& value) { return value.sign() <= 0; });
 }
 
-bool is_solvability_proof(const ExactSystem& contact, const ContactProblem& problem, const ExactPoint& point) {
+bool is_solvability_proof(const ExactSystem& contact, const ContactProblem& problem, const ExactPoint& point,
+                          const Deadline& deadline) {
   if (point.denominator.sign() <= 0 || !(problem.mu.array() >= 0).all()) return false;
   const ContactLayout layout = contact_layout(problem);
   const Dyadic mu = to_dyadic(problem.mu);
@@ -89,6 +94,7 @@ bool is_solvability_proof(const ExactSystem& contact, const ContactProblem& prob
     if (normal.sign() < 0) return false;
     for (Index t = layout.friction_begin[static_cast<std::size_t>(i)];
          t < layout.friction_begin[static_cast<std::size_t>(i) + 1]; ++t) {
+      deadline.check();
       // normal + mu 2^exponent slip >= 0
       Integer left = normal;
       Integer right = velocity_row(contact, point, layout.friction_offset() + t);

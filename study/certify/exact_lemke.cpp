@@ -1,24 +1,37 @@
 #include "study/certify/exact_lemke.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <numeric>
 #include <utility>
 
 namespace lcpbench::exact {
 namespace {
 
+/// Of 64 bits, in all entries: 512 MB.
+constexpr double kMostWords = 64.0 * 1024 * 1024;
+
+slong cover(Index covering, Index row) {
+  if (covering == 0) return 1;
+  std::uint64_t x = static_cast<std::uint64_t>(covering) * 0x9E3779B97F4A7C15U + static_cast<std::uint64_t>(row);
+  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9U;
+  x = (x ^ (x >> 27)) * 0x94D049BB133111EBU;
+  return 1 + static_cast<slong>((x >> 33) % 7);
+}
+
 /// basic_i denominator = D_i0 + sum_j D_ij nonbasic_j. Variables: w_i is i, z_i is n + i, the artificial one is 2 n.
 class Dictionary {
  public:
-  explicit Dictionary(const IntegerLcp& lcp)
+  Dictionary(const IntegerLcp& lcp, Index covering)
       : n_(lcp.size()), entries_(n_, n_ + 2), basic_(index(n_)), nonbasic_(index(n_ + 2)), column_of_(index(n_), -1) {
+    denominator_ = lcp.denominator;
     std::iota(basic_.begin(), basic_.end(), Index{0});
     nonbasic_[0] = -1;  // the column of constants
     std::iota(nonbasic_.begin() + 1, nonbasic_.end(), n_);
     for (Index i = 0; i < n_; ++i) {
       fmpz_set(entries_(i, 0), lcp.q[index(i)].get());
       for (Index j = 0; j < n_; ++j) fmpz_set(entries_(i, 1 + j), lcp.M(i, j));
-      fmpz_one(entries_(i, n_ + 1));
+      fmpz_mul_si(entries_(i, n_ + 1), lcp.denominator.get(), cover(covering, i));
     }
   }
 
@@ -35,9 +48,15 @@ class Dictionary {
   /// The row that first makes the artificial variable necessary, last: -1 when q >= 0.
   Index first_row() const {
     Index row = -1;
+    Integer difference;
     for (Index i = 0; i < n_; ++i) {
       if (fmpz_sgn(entries_(i, 0)) >= 0) continue;
-      if (row < 0 || fmpz_cmp(entries_(i, 0), entries_(row, 0)) <= 0) row = i;
+      // q_i / d_i <= q_row / d_row
+      if (row >= 0) {
+        set_difference_of_products(difference.get(), entries_(i, 0), entries_(row, n_ + 1), entries_(row, 0),
+                                   entries_(i, n_ + 1));
+      }
+      if (row < 0 || difference.sign() <= 0) row = i;
     }
     return row;
   }
@@ -59,18 +78,20 @@ class Dictionary {
     return rows.empty() ? -1 : rows.front();
   }
 
-  /// False when the deadline passed; the dictionary is then of no more use.
+  /// False when the deadline passed or the entries take too much memory; the dictionary is then of no more use.
   bool pivot(Index r, Index s, const Deadline& deadline) {
     const Integer old_denominator = denominator_;
     Integer pivot;
     fmpz_set(pivot.get(), entries_(r, s));
+    double words = 0;
     for (Index i = 0; i < n_; ++i) {
       if (i == r) continue;
-      if (deadline.passed()) return false;
+      if (deadline.passed() || words > kMostWords) return false;
       for (Index j = 0; j < n_ + 2; ++j) {
         if (j == s) continue;
         set_difference_of_products(entries_(i, j), entries_(i, j), pivot.get(), entries_(i, s), entries_(r, j));
         fmpz_divexact(entries_(i, j), entries_(i, j), old_denominator.get());
+        words += static_cast<double>(fmpz_size(entries_(i, j)));
       }
     }
     for (Index j = 0; j < n_ + 2; ++j) {
@@ -163,49 +184,9 @@ LemkeOutcome along_ray(const Dictionary& dictionary, Index n, Index s, Index ent
 
 }  // namespace
 
-std::optional<EliminatedSystem> eliminate_potentials(const ExactSystem& system) {
-  EliminatedSystem eliminated;
-  const Index k = system.potentials();
-  const Index n = system.size();
-  eliminated.potentials = IntegerMatrix(k, n);
-  if (k > 0) {
-    if (fmpz_mat_solve_fflu(eliminated.potentials.get(), eliminated.denominator.get(), system.K.get(),
-                            system.L.get()) == 0) {
-      return std::nullopt;
-    }
-    if (eliminated.denominator.sign() < 0) {
-      fmpz_neg(eliminated.denominator.get(), eliminated.denominator.get());
-      fmpz_mat_neg(eliminated.potentials.get(), eliminated.potentials.get());
-    }
-  }
-  eliminated.lcp.M = k > 0 ? product(transposed(system.R), eliminated.potentials) : IntegerMatrix(n, n);
-  eliminated.lcp.q = system.q;
-  for (Index i = 0; i < n; ++i) {
-    fmpz* q = eliminated.lcp.q[static_cast<std::size_t>(i)].get();
-    fmpz_mul(q, q, eliminated.denominator.get());
-    for (const Term& term : system.S[static_cast<std::size_t>(i)]) {
-      fmpz_addmul(eliminated.lcp.M(i, term.column), term.value.get(), eliminated.denominator.get());
-    }
-  }
-  return eliminated;
-}
-
-ExactPoint with_potentials(const EliminatedSystem& eliminated, const IntegerVector& z, const Integer& denominator) {
-  const IntegerMatrix& potentials = eliminated.potentials;
-  ExactPoint point{IntegerVector(static_cast<std::size_t>(potentials.rows())), z, {}};
-  for (Index i = 0; i < potentials.rows(); ++i) {
-    for (Index j = 0; j < potentials.cols(); ++j) {
-      fmpz_addmul(point.p[static_cast<std::size_t>(i)].get(), potentials(i, j), z[static_cast<std::size_t>(j)].get());
-    }
-  }
-  for (Integer& value : point.z) fmpz_mul(value.get(), value.get(), eliminated.denominator.get());
-  fmpz_mul(point.denominator.get(), denominator.get(), eliminated.denominator.get());
-  return point;
-}
-
-LemkeOutcome exact_lemke(const IntegerLcp& lcp, const Deadline& deadline) {
+LemkeOutcome exact_lemke(const IntegerLcp& lcp, const Deadline& deadline, Index covering) {
   const Index n = lcp.size();
-  Dictionary dictionary(lcp);
+  Dictionary dictionary(lcp, covering);
   Index row = dictionary.first_row();
   Index entering = dictionary.artificial();
   if (row < 0) return at_vertex(dictionary, n);

@@ -7,39 +7,32 @@
 
 namespace lcpbench::exact {
 
-/// LCP(q, M) over the integers.
+/// LCP(q, M) over the integers, or that of a reduced system: then M and q are the denominator times the rational ones.
 struct IntegerLcp {
   IntegerMatrix M;
   IntegerVector q;
+  Integer denominator{1};  ///< of which every minor of [q M] of order r is divisible by the power r - 1
 
   Index size() const { return static_cast<Index>(q.size()); }
 };
 
-/// A contact system with its potentials eliminated: M = R'K^-1 L + S and q, both times the denominator of K^-1 L.
-struct EliminatedSystem {
-  IntegerLcp lcp;
-  IntegerMatrix potentials;  ///< k x n: denominator K^-1 L
-  Integer denominator{1};
+enum class LemkeEnding {
+  kSolution,
+  kRay,
+  kGaveUp,  ///< the deadline passed, or the integers need too much memory
 };
 
-/// No value where K is singular.
-std::optional<EliminatedSystem> eliminate_potentials(const ExactSystem& system);
-
-/// The point of `system` with this z / denominator.
-ExactPoint with_potentials(const EliminatedSystem& eliminated, const IntegerVector& z, const Integer& denominator);
-
-enum class LemkeEnding { kSolution, kRay, kTimeLimit };
-
 struct LemkeOutcome {
-  LemkeEnding ending = LemkeEnding::kTimeLimit;
+  LemkeEnding ending = LemkeEnding::kGaveUp;
   IntegerVector z;         ///< kSolution: z times the denominator; kRay: the z-part of the ray's direction
   Integer denominator{1};  ///< > 0
 };
 
-/// Lemke's method with the lexicographic ratio test and covering vector 1, in integers: every tableau entry is a minor
+/// Lemke's method with the lexicographic ratio test, in integers: every tableau entry is a minor
 /// of the data, so the divisions are exact. Finite; solves, or proves unsolvable, every LCP of a positive semidefinite
 /// M. [Cottle, Pang, Stone 1992, sections 4.4 and 4.9; Edmonds 1967 for the pivots]
 /// n^2 exact operations a pivot, on integers of up to n + k times the length of the data's.
-LemkeOutcome exact_lemke(const IntegerLcp& lcp, const Deadline& deadline);
+/// @param covering  0: the covering vector is 1; else pseudo-random whole numbers from 1 to 7, a function of `covering`
+LemkeOutcome exact_lemke(const IntegerLcp& lcp, const Deadline& deadline, Index covering = 0);
 
 }  // namespace lcpbench::exact

@@ -11,27 +11,27 @@ namespace {
 
 bool symmetric(const Matrix& G) { return G == G.transpose(); }
 
-ExactInertia of_matrix(const Matrix& G) {
+ExactInertia of_matrix(const Matrix& G, const Deadline& deadline) {
   ExactInertia inertia;
   inertia.K = to_dyadic(G);
-  inertia.semidefinite = inertia.full_rank = symmetric(G) && positive_definite(G);
+  inertia.semidefinite = inertia.full_rank = symmetric(G) && positive_definite(G, deadline);
   if (!inertia.full_rank) inertia.refusal = "the inertia is not symmetric positive definite, and no factors are given";
   return inertia;
 }
 
 // K = (X1'X) A (X'X1), X1 the columns that span the range of G = X A X'.
-ExactInertia of_factors(const FactoredInertia& factors, const std::vector<Index>& spanning) {
+ExactInertia of_factors(const FactoredInertia& factors, const std::vector<Index>& spanning, const Deadline& deadline) {
   ExactInertia inertia;
   const Dyadic X = to_dyadic(factors.X);
   const Dyadic X1{columns(X.m, spanning), X.exponent};
   const Dyadic alpha = to_dyadic(factors.alpha);
-  Dyadic weighted = product(transposed(X1), X);
+  Dyadic weighted = product(transposed(X1), X, deadline);
   const Dyadic gram = weighted;
   for (Index j = 0; j < X.m.cols(); ++j) {
     for (Index i = 0; i < weighted.m.rows(); ++i) fmpz_mul(weighted.m(i, j), weighted.m(i, j), alpha.m(j, 0));
   }
   weighted.exponent += alpha.exponent;
-  inertia.K = product(weighted, transposed(gram));
+  inertia.K = product(weighted, transposed(gram), deadline);
   inertia.left = inertia.right = transposed(X1);
   inertia.velocity = X1;
   inertia.semidefinite = (factors.alpha.array() >= 0).all();
@@ -40,16 +40,18 @@ ExactInertia of_factors(const FactoredInertia& factors, const std::vector<Index>
   return inertia;
 }
 
-ExactInertia of_inverse(const Matrix& Ginv) {
+ExactInertia of_inverse(const Matrix& Ginv, const Deadline& deadline) {
   ExactInertia inertia;
   inertia.K = {identity(Ginv.rows()), 0};
   inertia.left = to_dyadic(Ginv);
-  inertia.semidefinite = inertia.full_rank = symmetric(Ginv) && positive_definite(Ginv);
+  inertia.semidefinite = inertia.full_rank = symmetric(Ginv) && positive_definite(Ginv, deadline);
   if (!symmetric(Ginv)) inertia.refusal = "the inverse of the inertia is not symmetric";
   return inertia;
 }
 
-Dyadic applied(const std::optional<Dyadic>& map, const Dyadic& C) { return map ? product(*map, C) : C; }
+Dyadic applied(const std::optional<Dyadic>& map, const Dyadic& C, const Deadline& deadline) {
+  return map ? product(*map, C, deadline) : C;
+}
 
 Integer power_of_two(slong exponent) {
   Integer power(1);
@@ -102,19 +104,19 @@ std::vector<Index> weighted_factors(const FactoredInertia& inertia) {
   return weighted;
 }
 
-std::vector<Index> independent_factors(const FactoredInertia& inertia) {
+std::vector<Index> independent_factors(const FactoredInertia& inertia, const Deadline& deadline) {
   const std::vector<Index> weighted = weighted_factors(inertia);
   std::vector<Index> independent;
-  for (const Index j : independent_minor(columns(to_dyadic(inertia.X).m, weighted)).columns) {
+  for (const Index j : independent_minor(columns(to_dyadic(inertia.X).m, weighted), deadline).columns) {
     independent.push_back(weighted[static_cast<std::size_t>(j)]);
   }
   return independent;
 }
 
-ExactInertia exact_inertia(const Inertia& inertia, const std::vector<Index>& factors) {
-  if (const auto* factored = std::get_if<FactoredInertia>(&inertia)) return of_factors(*factored, factors);
-  if (const auto* inverse = std::get_if<InverseInertia>(&inertia)) return of_inverse(inverse->Ginv);
-  return of_matrix(dense_inertia(inertia));
+ExactInertia exact_inertia(const Inertia& inertia, const std::vector<Index>& factors, const Deadline& deadline) {
+  if (const auto* factored = std::get_if<FactoredInertia>(&inertia)) return of_factors(*factored, factors, deadline);
+  if (const auto* inverse = std::get_if<InverseInertia>(&inertia)) return of_inverse(inverse->Ginv, deadline);
+  return of_matrix(dense_inertia(inertia), deadline);
 }
 
 Dyadic contact_columns(const ContactProblem& problem) {
@@ -125,11 +127,12 @@ Dyadic contact_columns(const ContactProblem& problem) {
   return to_dyadic(C);
 }
 
-ExactSystem frictionless_system(const ExactInertia& inertia, const Dyadic& C, const Dyadic& v) {
+ExactSystem frictionless_system(const ExactInertia& inertia, const Dyadic& C, const Dyadic& v,
+                                const Deadline& deadline) {
   ExactSystem system;
-  const Dyadic left = applied(inertia.left, C);
-  const Dyadic right = applied(inertia.right, C);
-  const Dyadic q = product(transposed(C), v);
+  const Dyadic left = applied(inertia.left, C, deadline);
+  const Dyadic right = applied(inertia.right, C, deadline);
+  const Dyadic q = product(transposed(C), v, deadline);
   const Index n = C.m.cols();
   system.K = inertia.K.m;
   system.L = left.m;
@@ -144,11 +147,11 @@ ExactSystem frictionless_system(const ExactInertia& inertia, const Dyadic& C, co
   return system;
 }
 
-ExactSystem contact_system(const ContactProblem& problem, const ExactInertia& inertia) {
+ExactSystem contact_system(const ContactProblem& problem, const ExactInertia& inertia, const Deadline& deadline) {
   const ContactLayout layout = contact_layout(problem);
   const Dyadic C = contact_columns(problem);
   const Dyadic v = to_dyadic(problem.v);
-  ExactSystem system = frictionless_system(inertia, C, v);
+  ExactSystem system = frictionless_system(inertia, C, v, deadline);
   std::fill(system.z_exponent.begin() + layout.lambda_offset(), system.z_exponent.end(), C.exponent + v.exponent);
   add_friction_rows(problem, layout, system);
   return system;

@@ -6,6 +6,7 @@
 
 #include "core/contact_problem.h"
 #include "core/lcp.h"
+#include "study/certify/deadline.h"
 #include "study/certify/integers.h"
 
 namespace lcpbench::exact {
@@ -58,21 +59,24 @@ struct ExactInertia {
 /// The factors with alpha other than 0.
 std::vector<Index> weighted_factors(const FactoredInertia& inertia);
 
+// Functions that take a deadline @throw TimePassed.
+
 /// The weighted factors that do not depend on those before (dependence is tested modulo a prime:
 /// an independent column may be taken for dependent, never the reverse).
-std::vector<Index> independent_factors(const FactoredInertia& inertia);
+std::vector<Index> independent_factors(const FactoredInertia& inertia, const Deadline& deadline);
 
 /// @param factors  of a FactoredInertia, the columns of X that span its range; ignored by the other forms.
-ExactInertia exact_inertia(const Inertia& inertia, const std::vector<Index>& factors);
+ExactInertia exact_inertia(const Inertia& inertia, const std::vector<Index>& factors, const Deadline& deadline);
 
 /// C = [N D 0] (ngc x n: a column of zeros for each lambda).
 Dyadic contact_columns(const ContactProblem& problem);
 
 /// The frictionless system of the columns of C: q = C'v, S = 0.
-ExactSystem frictionless_system(const ExactInertia& inertia, const Dyadic& C, const Dyadic& v);
+ExactSystem frictionless_system(const ExactInertia& inertia, const Dyadic& C, const Dyadic& v,
+                                const Deadline& deadline);
 
 /// The whole system of a contact problem, cone rows included.
-ExactSystem contact_system(const ContactProblem& problem, const ExactInertia& inertia);
+ExactSystem contact_system(const ContactProblem& problem, const ExactInertia& inertia, const Deadline& deadline);
 
 /// The edges of all friction cones as columns: N_i of every contact, then N_i + mu_i D_t of every friction column t.
 Dyadic cone_edges(const ContactProblem& problem);

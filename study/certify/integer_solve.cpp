@@ -6,6 +6,8 @@
 #include <flint/nmod_mat.h>
 #include <flint/nmod_vec.h>
 
+#include "study/certify/lifting.h"
+
 namespace lcpbench::exact {
 namespace {
 
@@ -38,12 +40,13 @@ class Residues {
 
 }  // namespace
 
-Minor independent_minor(const IntegerMatrix& A) {
+Minor independent_minor(const IntegerMatrix& A, const Deadline& deadline) {
   Residues residues(A);
   std::vector<Index> free_rows(static_cast<std::size_t>(A.rows()));
   std::iota(free_rows.begin(), free_rows.end(), Index{0});
   Minor minor;
   for (Index j = 0; j < A.cols() && !free_rows.empty(); ++j) {
+    deadline.check();
     const auto pivot = std::find_if(free_rows.begin(), free_rows.end(), [&](Index i) { return residues(i, j) != 0; });
     if (pivot == free_rows.end()) continue;
     const Index row = *pivot;
@@ -55,18 +58,6 @@ Minor independent_minor(const IntegerMatrix& A) {
     }
   }
   return minor;
-}
-
-bool solve(const IntegerMatrix& A, const IntegerMatrix& b, IntegerMatrix& x, Integer& denominator) {
-  x = IntegerMatrix(A.cols(), 1);
-  fmpz_one(denominator.get());
-  if (fmpz_mat_is_zero(b.get()) != 0) return true;
-  if (fmpz_mat_solve_dixon_den(x.get(), denominator.get(), A.get(), b.get()) == 0) return false;
-  if (denominator.sign() < 0) {
-    fmpz_neg(denominator.get(), denominator.get());
-    fmpz_mat_neg(x.get(), x.get());
-  }
-  return denominator.sign() > 0;
 }
 
 Equations part(const Equations& e, const Minor& minor) {
@@ -82,13 +73,13 @@ Equations part(const Equations& e, const Minor& minor) {
   return square;
 }
 
-std::optional<IntegerVector> solve_independent_part(const Equations& e) {
-  const Minor minor = independent_minor(e.A);
+std::optional<IntegerVector> solve_independent_part(const Equations& e, const Deadline& deadline) {
+  const Minor minor = independent_minor(e.A, deadline);
   if (std::find(minor.rows.begin(), minor.rows.end(), Index{0}) == minor.rows.end()) return std::nullopt;
   const Equations square = part(e, minor);
   IntegerMatrix x;
   Integer denominator;
-  if (!solve(square.A, square.b, x, denominator)) return std::nullopt;
+  if (!Lifting(square.A, deadline).solve(square.b, x, denominator)) return std::nullopt;
   IntegerVector solution(static_cast<std::size_t>(e.A.cols()));
   for (std::size_t j = 0; j < minor.columns.size(); ++j) {
     fmpz_swap(solution[static_cast<std::size_t>(minor.columns[j])].get(), x(static_cast<Index>(j), 0));

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "study/certify/deadline.h"
 #include "study/certify/integers.h"
 
 namespace lcpbench::exact {
@@ -16,7 +17,8 @@ struct Minor {
 /// A largest nonsingular minor of A modulo a prime of 63 bits, and so nonsingular over the integers: columns are taken
 /// from the left unless they depend on those before, each with the first free row that serves. O(rows cols rank).
 /// With a probability near 2^-63 a column is left out that is independent over the integers.
-Minor independent_minor(const IntegerMatrix& A);
+/// @throws TimePassed
+Minor independent_minor(const IntegerMatrix& A, const Deadline& deadline);
 
 /// Equations A x = b; b has one column.
 struct Equations {
@@ -27,13 +29,9 @@ struct Equations {
 /// The square system of a minor.
 Equations part(const Equations& e, const Minor& minor);
 
-/// Solves A x = denominator b exactly, denominator > 0, by p-adic lifting. [Dixon 1982; FLINT]
-/// False where A is singular and b is not zero; x is zero where b is. O(n^3) for entries of fixed size. @param b,x  n x
-/// 1
-bool solve(const IntegerMatrix& A, const IntegerMatrix& b, IntegerMatrix& x, Integer& denominator);
-
 /// Numerators of a solution of a largest independent part of the equations, over a positive denominator; unknowns that
 /// depend on those before are zero. No value where that part leaves out the first equation or has no solution.
-std::optional<IntegerVector> solve_independent_part(const Equations& e);
+/// @throws TimePassed
+std::optional<IntegerVector> solve_independent_part(const Equations& e, const Deadline& deadline);
 
 }  // namespace lcpbench::exact

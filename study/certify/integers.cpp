@@ -11,6 +11,8 @@ namespace lcpbench::exact {
 namespace {
 
 constexpr int kDoubleBits = 53;
+/// Rows of a product between two looks at the clock.
+constexpr Index kRowsAtOnce = 32;
 constexpr slong kSmallestExponent = -1074;  // of the smallest positive double
 
 struct Parts {
@@ -42,9 +44,19 @@ slong floor_log2(const Integer& a, const Integer& b) {
 
 }  // namespace
 
-IntegerMatrix product(const IntegerMatrix& a, const IntegerMatrix& b) {
+IntegerMatrix product(const IntegerMatrix& a, const IntegerMatrix& b, const Deadline& deadline) {
   IntegerMatrix c(a.rows(), b.cols());
-  fmpz_mat_mul(c.get(), a.get(), b.get());
+  for (Index begin = 0; begin < a.rows(); begin += kRowsAtOnce) {
+    deadline.check();
+    const Index end = std::min(begin + kRowsAtOnce, a.rows());
+    fmpz_mat_t from;
+    fmpz_mat_t to;
+    fmpz_mat_window_init(from, a.get(), begin, 0, end, a.cols());
+    fmpz_mat_window_init(to, c.get(), begin, 0, end, c.cols());
+    fmpz_mat_mul(to, from, b.get());
+    fmpz_mat_window_clear(from);
+    fmpz_mat_window_clear(to);
+  }
   return c;
 }
 
@@ -86,7 +98,9 @@ Dyadic to_dyadic(const Matrix& a) {
   return result;
 }
 
-Dyadic product(const Dyadic& a, const Dyadic& b) { return {product(a.m, b.m), a.exponent + b.exponent}; }
+Dyadic product(const Dyadic& a, const Dyadic& b, const Deadline& deadline) {
+  return {product(a.m, b.m, deadline), a.exponent + b.exponent};
+}
 
 Dyadic transposed(const Dyadic& a) { return {transposed(a.m), a.exponent}; }
 

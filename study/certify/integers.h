@@ -8,6 +8,7 @@
 #include <flint/fmpz_mat.h>
 
 #include "core/types.h"
+#include "study/certify/deadline.h"
 
 namespace lcpbench::exact {
 
@@ -64,7 +65,8 @@ class IntegerMatrix {
   fmpz_mat_t matrix_;
 };
 
-IntegerMatrix product(const IntegerMatrix& a, const IntegerMatrix& b);
+/// @throws TimePassed
+IntegerMatrix product(const IntegerMatrix& a, const IntegerMatrix& b, const Deadline& deadline);
 IntegerMatrix transposed(const IntegerMatrix& a);
 IntegerMatrix columns(const IntegerMatrix& a, const std::vector<Index>& which);
 IntegerMatrix identity(Index n);
@@ -89,7 +91,8 @@ Dyadic to_dyadic(const Matrix& a);
 /// Each entry correctly rounded.
 Matrix to_doubles(const Dyadic& a);
 
-Dyadic product(const Dyadic& a, const Dyadic& b);
+/// @throws TimePassed
+Dyadic product(const Dyadic& a, const Dyadic& b, const Deadline& deadline);
 Dyadic transposed(const Dyadic& a);
 
 /// numerator * 2^shift / denominator, rounded to the nearest double, ties to even; infinity beyond the largest double.

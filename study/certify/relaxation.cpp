@@ -77,7 +77,7 @@ void Relaxation::pivot(Index row, Index column) {
   std::swap(basic_[static_cast<std::size_t>(row)], nonbasic_[static_cast<std::size_t>(column)]);
 }
 
-Relaxation::Ending Relaxation::solve(double& work) {
+Relaxation::Ending Relaxation::solve(double& work, const Deadline& deadline) {
   const Index n = size();
   for (Index count = 0; count < kPivotsPerRow * n; ++count) {
     Index leaving = -1;
@@ -90,6 +90,7 @@ Relaxation::Ending Relaxation::solve(double& work) {
       side_ = too_large ? -1 : 1;
     }
     if (leaving < 0) return Ending::kFeasible;
+    if (deadline.passed()) return Ending::kStuck;
     Index entering = -1;
     double best = std::numeric_limits<double>::infinity();
     for (Index j = 0; j < n; ++j) {

@@ -4,6 +4,7 @@
 
 #include "core/lcp.h"
 #include "core/types.h"
+#include "study/certify/deadline.h"
 
 namespace lcpbench::exact {
 
@@ -23,8 +24,9 @@ class Relaxation {
   void impose(Index variable) { imposed_[static_cast<std::size_t>(variable)] = true; }
 
   /// A vertex of least sum of z (in units that even out the entries of M), or a row that contradicts the inequalities.
+  /// kStuck when the deadline passed too.
   /// @param work  grows by the entries updated
-  Ending solve(double& work);
+  Ending solve(double& work, const Deadline& deadline);
 
   /// After kFeasible: the vertex, in the units of the problem.
   Vector z() const;

@@ -10,11 +10,13 @@
 
 #include "adapters/worker_client.h"
 #include "study/answer_note.h"
+#include "study/certificates/settle.h"
 #include "study/commands/commands.h"
 #include "study/commands/files.h"
 #include "study/commands/options.h"
 #include "study/commands/problem_text.h"
 #include "study/evaluation/evaluation.h"
+#include "study/explanation.h"
 #include "study/json_output.h"
 #include "study/open_solver.h"
 #include "study/study.h"
@@ -40,11 +42,13 @@ struct Attempt {
   SolverRow solver;
   TimedAnswer timed;
   Errors errors;
+  Truth truth = Truth::kUnknown;  ///< of the problem
   Verdict verdict = Verdict::kOpen;
   bool proved_unsolvable = false;
   Vector velocity;
   double verify_s = 0;
   std::string note;  ///< why there are no errors; "" when there are
+  std::string why;   ///< why the verdict is not solved; "" when it is
 
   /// Thread CPU time: what other programs do at the moment is not the solver's.
   double time_s() const { return timed.times.setup_cpu_s + timed.times.solve_cpu_s; }
@@ -107,11 +111,28 @@ Attempt attempt(const Problem& problem, const Spec& spec, TimedSolver& solver, E
   return result;
 }
 
-/// What all answers together, and theory, tell of the problem.
-Truth truth_of(const Evaluator& evaluator, const std::vector<Attempt>& attempts) {
-  const auto any = [&](auto holds) { return std::any_of(attempts.begin(), attempts.end(), holds); };
-  if (any([](const Attempt& a) { return a.proved_unsolvable; })) return Truth::kUnsolvable;
-  return any([](const Attempt& a) { return a.errors.solved; }) ? Truth::kSolvable : evaluator.truth();
+/// What is known of a problem, and how.
+struct Known {
+  Truth truth = Truth::kUnknown;
+  std::string because;  ///< "" where nothing is known
+};
+
+/// What theory, exact arithmetic and all answers together tell of the problem.
+Known known_of(const Problem& problem, const Evaluator& evaluator, const std::vector<Attempt>& attempts) {
+  const auto first = [&](auto holds) { return std::find_if(attempts.begin(), attempts.end(), holds); };
+  const auto proves = first([](const Attempt& a) { return a.proved_unsolvable; });
+  if (proves != attempts.end()) return {Truth::kUnsolvable, "the proof of " + proves->solver.text() + " checks"};
+  if (evaluator.truth() == Truth::kSolvable) return {Truth::kSolvable, "by theory"};
+  const auto denies = first([](const Attempt& a) { return Settler::asked_by(a.timed.answer.claim, false); });
+  if (denies != attempts.end()) {
+    if (const auto certificate = Settler().settle(problem)) {
+      return {certificate->kind == CertificateKind::kUnsolvable ? Truth::kUnsolvable : Truth::kSolvable,
+              fmt::format("exact proof: {}", to_string(certificate->proof))};
+    }
+  }
+  const auto solves = first([](const Attempt& a) { return a.errors.solved; });
+  if (solves != attempts.end()) return {Truth::kSolvable, solves->solver.text() + " solved it"};
+  return {};
 }
 
 /// Right answers first, then honest failures, then false claims, then refusals.
@@ -140,8 +161,14 @@ std::vector<Attempt> attempts_on(const Problem& problem, Solvers& solvers, doubl
       fmt::print(stderr, "lcpbench: {}\n", error.what());
     }
   }
-  const Truth truth = truth_of(evaluator, attempts);
-  for (Attempt& each : attempts) each.verdict = verdict(each.timed.answer.claim, each.errors, truth);
+  const Known known = known_of(problem, evaluator, attempts);
+  for (Attempt& each : attempts) {
+    const Answer& answer = each.timed.answer;
+    each.truth = known.truth;
+    each.verdict = verdict(answer.claim, each.errors, known.truth);
+    each.why =
+        why_not_solved(problem, {answer.claim, each.verdict, each.errors, answer.detail, each.note, known.because});
+  }
   std::stable_sort(attempts.begin(), attempts.end(), [](const Attempt& a, const Attempt& b) {
     return rank(a) != rank(b) ? rank(a) < rank(b) : a.time_s() < b.time_s();
   });
@@ -156,6 +183,8 @@ Json attempt_json(const Json& problem, const Attempt& attempt) {
           {"settings", attempt.solver.settings},
           {"claim", to_string(answer.claim)},
           {"verdict", to_string(attempt.verdict)},
+          {"truth", to_string(attempt.truth)},
+          {"why", attempt.why},
           {"z", json_vector(answer.z)},
           {"velocity", json_vector(attempt.velocity)},
           {"errors",
@@ -168,7 +197,8 @@ Json attempt_json(const Json& problem, const Attempt& attempt) {
             {"violation_m_per_s", json_number(errors.violation_m_per_s)},
             {"work_gain_j", json_number(errors.work_gain_j)},
             {"complementarity_j", json_number(errors.complementarity_j)},
-            {"cone_violation", json_number(errors.cone_violation)}}},
+            {"cone_violation", json_number(errors.cone_violation)},
+            {"worst_row", errors.worst.row < 0 ? Json() : Json(errors.worst.row)}}},
           {"time",
            {{"setup_s", json_number(attempt.timed.times.setup_cpu_s)},
             {"solve_s", json_number(attempt.timed.times.solve_cpu_s)},
@@ -185,6 +215,22 @@ void print_velocity(const Attempt& best) {
   std::string numbers;
   for (const double value : best.velocity) numbers += fmt::format(" {:.6g}", value);
   fmt::print("velocity after the impact ({}):{}\n", best.solver.text(), numbers);
+}
+
+/// One sentence for each reason, with all solvers that it holds for.
+void print_reasons(const std::vector<Attempt>& attempts) {
+  std::vector<std::pair<std::string, std::string>> reasons;  // reason, solvers
+  for (const Attempt& each : attempts) {
+    if (each.why.empty()) continue;
+    const auto known =
+        std::find_if(reasons.begin(), reasons.end(), [&](const auto& reason) { return reason.first == each.why; });
+    if (known == reasons.end()) {
+      reasons.emplace_back(each.why, each.solver.text());
+    } else {
+      known->second += ", " + each.solver.text();
+    }
+  }
+  for (const auto& [why, solvers] : reasons) fmt::print("{} {}\n", solvers, why);
 }
 
 std::string detail_of(const Attempt& attempt) {
@@ -219,6 +265,7 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
                    detail_of(each)});
   }
   fmt::print("{}", table.text());
+  print_reasons(attempts);
   print_velocity(attempts.front());
   fmt::print("\n");
 }

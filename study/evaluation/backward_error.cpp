@@ -16,18 +16,18 @@ struct Candidate {
   std::size_t index = 0;
 };
 
-Quad largest_magnitude(const QuadVector& z, std::size_t begin, std::size_t end) {
-  Quad largest = 0;
-  for (std::size_t i = begin; i < end; ++i) largest = std::max(largest, abs(z[i]));
-  return largest;
-}
+using Rows = std::span<const std::size_t>;
 
-// The nonzero entries of z in the order in which a growing tau sets them to zero.
-std::vector<Candidate> order_of_removal(const QuadLcp& lcp, const QuadVector& z) {
-  const Quad impulse = largest_magnitude(z, 0, lcp.lambda_offset());
-  const Quad lambda = largest_magnitude(z, lcp.lambda_offset(), z.size());
+// The nonzero entries of an island's z in the order in which a growing tau sets them to zero.
+std::vector<Candidate> order_of_removal(const QuadLcp& lcp, const QuadVector& z, Rows rows) {
+  Quad impulse = 0;
+  Quad lambda = 0;
+  for (const std::size_t i : rows) {
+    Quad& largest = i < lcp.lambda_offset() ? impulse : lambda;
+    largest = std::max(largest, abs(z[i]));
+  }
   std::vector<Candidate> order;
-  for (std::size_t i = 0; i < z.size(); ++i) {
+  for (const std::size_t i : rows) {
     if (z[i] != 0) order.push_back({abs(z[i]) / (i < lcp.lambda_offset() ? impulse : lambda), i});
   }
   std::sort(order.begin(), order.end(), [](const Candidate& a, const Candidate& b) {
@@ -36,12 +36,19 @@ std::vector<Candidate> order_of_removal(const QuadLcp& lcp, const QuadVector& z)
   return order;
 }
 
-// z_tau for a growing tau, with what is needed to measure it.
+// z_tau of one island after the other for a growing tau, with what is needed to measure it. What is removed from one
+// island is never seen by another.
 class ThinningPoint {
  public:
   ThinningPoint(QuadLcp& lcp, const QuadVector& z, BackwardScale scale)
-      : lcp_(lcp), scale_(scale), z_(z), u_(lcp.response(z)), order_(order_of_removal(lcp, z)) {
+      : lcp_(lcp), scale_(scale), z_(z), u_(lcp.response(z)), w_(z.size()) {}
+
+  void enter(Rows island) {
+    island_ = island;
+    order_ = order_of_removal(lcp_, z_, island);
+    indices_.clear();
     for (const Candidate& candidate : order_) indices_.push_back(candidate.index);
+    set_removed(0);
   }
 
   // The least tau that leaves no negative entry.
@@ -54,13 +61,19 @@ class ThinningPoint {
   }
 
   void set_tau(Quad tau) {
-    for (; removed_ < order_.size() && !(order_[removed_].ratio > tau); ++removed_) {
-      const std::size_t i = order_[removed_].index;
+    std::size_t removed = removed_;
+    for (; removed < order_.size() && !(order_[removed].ratio > tau); ++removed) {
+      const std::size_t i = order_[removed].index;
       lcp_.remove(i, z_[i], u_);
       z_[i] = 0;
     }
-    z_norm_.reset();
-    rounded_z_.clear();
+    set_removed(removed);
+  }
+
+  // The entry of largest ratio among those set to zero.
+  std::optional<std::size_t> last_removed() const {
+    if (removed_ == 0) return std::nullopt;
+    return order_[removed_ - 1].index;
   }
 
   // The next tau at which z_tau changes; nothing when all is zero.
@@ -70,28 +83,30 @@ class ThinningPoint {
   }
 
   Quad violation(std::size_t i) const { return violation(i, lcp_.row(i, z_, u_)); }
-  const QuadVector& z() const { return z_; }
   // The nonzero entries, smallest ratio first.
   std::span<const std::size_t> support() const { return std::span(indices_).subspan(removed_); }
 
   // eta(z_tau). Rows are measured in the order of an upper bound of their quotients until the bound settles the rest.
-  Quad eta() {
+  BackwardError eta() {
     struct Row {
       Quad bound = 0;
       Quad violation = 0;
       std::size_t index = 0;
     };
-    const QuadVector w = lcp_.all_rows(z_, u_);
+    lcp_.fill_rows(island_, z_, u_, w_);
     std::vector<Row> rows;
-    for (std::size_t i = 0; i < w.size(); ++i) {
-      const Quad violation_i = violation(i, w[i]);
+    for (const std::size_t i : island_) {
+      const Quad violation_i = violation(i, w_[i]);
       if (violation_i != 0) rows.push_back({quotient(violation_i, scale_bounds(i).low), violation_i, i});
     }
-    std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.bound > b.bound; });
-    Quad eta = 0;
+    std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
+      return a.bound > b.bound || (a.bound == b.bound && a.index < b.index);
+    });
+    BackwardError eta;
     for (const Row& row : rows) {
-      if (!(row.bound > eta)) break;
-      eta = std::max(eta, quotient(row.violation, scale(row.index)));
+      if (!(row.bound > eta.error)) break;
+      const Quad error = quotient(row.violation, scale(row.index));
+      if (error > eta.error) eta = {error, row.index};
     }
     return eta;
   }
@@ -122,10 +137,10 @@ class ThinningPoint {
     return bounds;
   }
 
-  // Violations of all rows, in double and without a bound on their error.
+  // Violations of the island's rows, in double and without a bound on their error.
   std::vector<double> estimated_violations() const {
-    std::vector<double> violations = lcp_.estimate_w(z_, u_);
-    for (std::size_t i = 0; i < violations.size(); ++i) {
+    std::vector<double> violations = lcp_.estimate_w(z_, u_, island_);
+    for (const std::size_t i : island_) {
       violations[i] = z_[i] > 0 ? std::abs(violations[i]) : std::max(0.0, -violations[i]);
     }
     return violations;
@@ -144,8 +159,17 @@ class ThinningPoint {
     return w < 0 ? -w : Quad{0};
   }
 
+  void set_removed(std::size_t removed) {
+    removed_ = removed;
+    z_norm_.reset();
+    rounded_z_.clear();
+  }
+
   Quad z_norm() {
-    if (!z_norm_) z_norm_ = largest_magnitude(z_, 0, z_.size());
+    if (!z_norm_) {
+      z_norm_ = 0;
+      for (const std::size_t i : support()) *z_norm_ = std::max(*z_norm_, abs(z_[i]));
+    }
     return *z_norm_;
   }
 
@@ -172,9 +196,10 @@ class ThinningPoint {
   }
 
   void round_z() {
-    rounded_z_.assign(z_.begin(), z_.end());
+    rounded_z_.assign(z_.size(), 0);
+    for (const std::size_t j : island_) rounded_z_[j] = to_double(z_[j]);
     error_weight_ = 0;
-    for (std::size_t j = 0; j < z_.size(); ++j) {
+    for (const std::size_t j : island_) {
       error_weight_ += estimate_->column_scale[j] * (scale_ == BackwardScale::kRowNorm ? 1 : rounded_z_[j]);
     }
   }
@@ -183,6 +208,8 @@ class ThinningPoint {
   BackwardScale scale_;
   QuadVector z_;
   QuadVector u_;
+  QuadVector w_;  // of the island's rows, as eta() last found them
+  Rows island_;
   std::vector<Candidate> order_;
   std::vector<std::size_t> indices_;  // of order_
   std::size_t removed_ = 0;
@@ -226,20 +253,37 @@ std::optional<Witness> find_witness(ThinningPoint& point, Quad best) {
   return std::nullopt;
 }
 
-}  // namespace
-
-Quad mixed_backward_error(QuadLcp& lcp, const QuadVector& z, BackwardScale scale) {
-  ThinningPoint point(lcp, z, scale);
+// Of the island that the point has entered.
+BackwardError island_error(ThinningPoint& point) {
   std::optional<Quad> tau = point.least_tau();
   std::optional<Witness> witness;
-  Quad best = kInfinity;
-  while (tau && *tau < best) {
+  BackwardError best{kInfinity, std::nullopt};
+  while (tau && *tau < best.error) {
     point.set_tau(*tau);
-    if (best < kInfinity && !(witness && witness->refutes(point, best))) witness = find_witness(point, best);
-    if (!witness) best = std::min(best, std::max(*tau, point.eta()));
+    if (best.error < kInfinity && !(witness && witness->refutes(point, best.error))) {
+      witness = find_witness(point, best.error);
+    }
+    if (!witness) {
+      const BackwardError eta = point.eta();
+      const BackwardError error = *tau > eta.error ? BackwardError{*tau, point.last_removed()} : eta;
+      if (error.error < best.error) best = error;
+    }
     tau = point.next_tau();
   }
   return best;
+}
+
+}  // namespace
+
+BackwardError mixed_backward_error(QuadLcp& lcp, const QuadVector& z, BackwardScale scale, const IslandRows& islands) {
+  ThinningPoint point(lcp, z, scale);
+  BackwardError worst;
+  for (std::size_t island = 0; island < islands.count(); ++island) {
+    point.enter(islands.rows(island));
+    const BackwardError error = island_error(point);
+    if (error.error > worst.error) worst = error;
+  }
+  return worst;
 }
 
 }  // namespace lcpbench

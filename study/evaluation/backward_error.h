@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+
+#include "study/evaluation/island_rows.h"
 #include "study/evaluation/quad_lcp.h"
 
 namespace lcpbench {
@@ -10,16 +13,23 @@ enum class BackwardScale {
   kRowNorm,        ///< s_i = |q_i| + ||M_i||_1 ||z||_inf
 };
 
-/// Mixed backward error: the least over tau of max(tau, eta(z_tau)).
+struct BackwardError {
+  Quad error = 0;
+  std::optional<std::size_t> row;  ///< one that the error is of; none where it is zero
+};
+
+/// The largest mixed backward error of an island, each measured by itself: the least over tau of max(tau, eta(z_tau)).
 ///
-/// z_tau is z with each entry of magnitude at most tau times the largest magnitude in its block (impulses; lambdas) set
-/// to zero; eta = max_i viol_i / s_i with viol_i = |w_i| where z_i > 0, else max(0, -w_i), and 0/0 = 0, x/0 = infinity;
-/// infinity while an entry below zero remains. With the componentwise scale it is the smallest relative perturbation of
-/// (q, M), entry by entry, of which z_tau is an exact solution.
+/// z_tau is z with each entry of magnitude at most tau times the largest magnitude of its kind (impulses; lambdas) in
+/// the island set to zero; eta = max_i viol_i / s_i over the island's rows with viol_i = |w_i| where z_i > 0, else
+/// max(0, -w_i), and 0/0 = 0, x/0 = infinity; infinity while an entry below zero remains. ||z||_inf is of the island.
+/// With the componentwise scale it is the smallest relative perturbation of (q, M), entry by entry, of which z_tau is
+/// an exact solution.
 ///
 /// The minimum is exact: eta changes only where tau passes one of the ratios |z_i| / largest, and ratios are passed
 /// over only when a row proves them worse than one already measured.
 /// @param z  size() finite entries.
-Quad mixed_backward_error(QuadLcp& lcp, const QuadVector& z, BackwardScale scale);
+/// @param islands  no row of one may depend on an entry of another.
+BackwardError mixed_backward_error(QuadLcp& lcp, const QuadVector& z, BackwardScale scale, const IslandRows& islands);
 
 }  // namespace lcpbench

@@ -7,6 +7,7 @@
 
 #include "study/evaluation/backward_error.h"
 #include "study/evaluation/farkas.h"
+#include "study/evaluation/island_rows.h"
 
 namespace lcpbench {
 namespace {
@@ -66,8 +67,11 @@ Truth bare_truth(const Lcp& lcp) {
 
 // The contact side of an Evaluator: what needs v, N, D, mu and G apart.
 struct ContactEvaluation {
-  explicit ContactEvaluation(const ContactProblem& contact) : problem(contact), inertia(contact.inertia) {
-    if (inertia.well_defined()) lcp.emplace(contact, inertia);
+  explicit ContactEvaluation(const ContactProblem& contact)
+      : problem(contact), islands(row_islands(contact)), inertia(contact.inertia) {
+    if (!inertia.well_defined()) return;
+    lcp.emplace(contact, inertia);
+    for (std::size_t island = 0; island < islands.count(); ++island) scales.push_back(island_scale(island));
   }
 
   void measure(const QuadVector& z, const QuadVector& v_plus, const QuadVector& w, Errors& errors);
@@ -75,12 +79,16 @@ struct ContactEvaluation {
   double forward_velocity(const QuadVector& velocity) const;
 
   const ContactProblem& problem;
+  IslandRows islands;
   QuadInertia inertia;
   std::optional<ContactQuadLcp> lcp;
+  QuadVector scales;  // of the islands' residuals
   std::optional<QuadVector> v_star;
 
  private:
-  Quad velocity_residual(const QuadVector& z, const QuadVector& w);
+  Quad island_scale(std::size_t island) const;
+  Quad row_residual(std::size_t row, const QuadVector& z, const QuadVector& w);
+  void measure_residual(const QuadVector& z, const QuadVector& w, Errors& errors);
   Quad largest_normal_velocity(const QuadVector& velocity) const;
   Quad mismatch(const QuadVector& velocity, const QuadVector& z, const QuadVector& v_plus) const;
   void measure_work(const QuadVector& z, const QuadVector& v_plus, Errors& errors) const;
@@ -88,17 +96,46 @@ struct ContactEvaluation {
   double forward_normal(const QuadVector& velocity) const;
 };
 
-Quad ContactEvaluation::velocity_residual(const QuadVector& z, const QuadVector& w) {
-  // M_ii is needed only where its factor is not zero.
-  const auto scaled = [this](std::size_t row, Quad factor) {
-    return factor == 0 ? factor : lcp->diagonal(row) * factor;
-  };
-  Quad residual = 0;
-  for (std::size_t i = 0; i < lcp->impulses(); ++i) residual = std::max(residual, abs(std::min(scaled(i, z[i]), w[i])));
-  for (std::size_t i = lcp->impulses(); i < lcp->size(); ++i) {
-    residual = std::max(residual, abs(std::min(z[i], scaled(lcp->normal_of_cone(i), w[i]))));
+Quad ContactEvaluation::island_scale(std::size_t island) const {
+  Quad largest_q = 0;
+  Quad floor = 0;
+  for (const std::size_t row : islands.rows(island)) {
+    largest_q = std::max(largest_q, abs(lcp->q(row)));
+    floor = std::max(floor, lcp->formation_error(row));
   }
-  return residual;
+  return std::max(largest_q, floor / kSolvedVelocityResidual);
+}
+
+Quad ContactEvaluation::row_residual(std::size_t row, const QuadVector& z, const QuadVector& w) {
+  // M_ii is needed only where its factor is not zero.
+  const auto scaled = [this](std::size_t of, Quad factor) { return factor == 0 ? factor : lcp->diagonal(of) * factor; };
+  const Quad residual = row < lcp->impulses() ? abs(std::min(scaled(row, z[row]), w[row]))
+                                              : abs(std::min(z[row], scaled(lcp->normal_of_cone(row), w[row])));
+  return is_finite(residual) ? residual : Quad{std::numeric_limits<double>::infinity()};
+}
+
+void ContactEvaluation::measure_residual(const QuadVector& z, const QuadVector& w, Errors& errors) {
+  Quad largest = 0;
+  Quad rho = 0;
+  for (std::size_t island = 0; island < islands.count(); ++island) {
+    Quad residual = 0;
+    std::size_t worst = 0;
+    for (const std::size_t row : islands.rows(island)) {
+      const Quad of_row = row_residual(row, z, w);
+      if (of_row > residual) {
+        residual = of_row;
+        worst = row;
+      }
+    }
+    largest = std::max(largest, residual);
+    const Quad relative = quotient(residual, scales[island]);
+    if (!(relative > rho)) continue;
+    rho = relative;
+    errors.worst = {static_cast<Index>(worst), to_double(z[worst]), to_double(w[worst]), to_double(residual),
+                    to_double(scales[island])};
+  }
+  errors.velocity_residual_m_per_s = to_double(largest);
+  errors.velocity_residual_relative = to_double(rho);
 }
 
 Quad ContactEvaluation::largest_normal_velocity(const QuadVector& velocity) const {
@@ -126,12 +163,7 @@ void ContactEvaluation::measure_cone(const QuadVector& z, const QuadVector& w, E
 }
 
 void ContactEvaluation::measure(const QuadVector& z, const QuadVector& v_plus, const QuadVector& w, Errors& errors) {
-  Quad largest_q = 0;
-  for (std::size_t i = 0; i < lcp->size(); ++i) largest_q = std::max(largest_q, abs(lcp->q(i)));
-  const Quad residual = velocity_residual(z, w);
-  errors.velocity_residual_m_per_s = to_double(residual);
-  errors.velocity_residual_relative = to_double(quotient(residual, largest_q));
-
+  measure_residual(z, w, errors);
   Quad violation = 0;
   for (std::size_t i = 0; i < lcp->contacts(); ++i) violation = std::max(violation, -w[i]);
   errors.violation_m_per_s = to_double(violation);
@@ -189,6 +221,7 @@ struct Evaluator::Data {
       contact.emplace(*data);
     } else if (problem.lcp().M.allFinite() && problem.lcp().q.allFinite()) {
       bare.emplace(problem.lcp());
+      blocks.emplace(row_islands(problem.lcp().M));
     }
   }
 
@@ -198,8 +231,11 @@ struct Evaluator::Data {
     return contact && contact->lcp ? &*contact->lcp : nullptr;
   }
 
+  const IslandRows& islands() const { return contact ? contact->islands : *blocks; }
+
   Problem problem;  // keeps the data alive that the others refer to
   std::optional<BareQuadLcp> bare;
+  std::optional<IslandRows> blocks;  // of the bare LCP
   std::optional<ContactEvaluation> contact;
 };
 
@@ -227,13 +263,21 @@ Errors Evaluator::errors(const Answer& answer) {
   errors.complementarity_j = to_double(dot(z, w));
   errors.complementarity_relative = to_double(quotient(dot(z, w), magnitude));
   errors.min_z = z.empty() ? 0 : answer.z.minCoeff();
-  errors.backward_componentwise = to_double(mixed_backward_error(*lcp, z, BackwardScale::kComponentwise));
-  errors.backward_row_norm = to_double(mixed_backward_error(*lcp, z, BackwardScale::kRowNorm));
+  const IslandRows& islands = data_->islands();
+  const BackwardError row_norm = mixed_backward_error(*lcp, z, BackwardScale::kRowNorm, islands);
+  errors.backward_componentwise =
+      to_double(mixed_backward_error(*lcp, z, BackwardScale::kComponentwise, islands).error);
+  errors.backward_row_norm = to_double(row_norm.error);
   if (data_->contact) {
     data_->contact->measure(z, u, w, errors);
     data_->contact->measure_returned(answer.velocity, z, u, errors);
   } else {
     errors.solved = errors.backward_row_norm <= kSolvedBackwardError;
+    if (row_norm.row) {
+      errors.worst = {.row = static_cast<Index>(*row_norm.row),
+                      .z = answer.z(static_cast<Index>(*row_norm.row)),
+                      .w = to_double(w[*row_norm.row])};
+    }
   }
   return errors;
 }

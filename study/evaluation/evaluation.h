@@ -17,6 +17,17 @@ inline constexpr double kSolvedBackwardError = 1e-9;
 inline constexpr double kCriterionWork = 1e-3;
 inline constexpr double kCriterionViolation = 1e-3;
 
+/// Where the measure that the verdict is taken on is largest, and what is the matter there.
+struct WorstRow {
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+  Index row = -1;  ///< of the LCP; -1: the answer has no measure, or no row is violated
+  double z = kNone;
+  double w = kNone;
+  double residual = kNone;  ///< [m/s]; contact problems only
+  double scale = kNone;     ///< of the row's island [m/s]; contact problems only
+};
+
 /// The error measures of one answer, all from the raw data in 113-bit arithmetic, by code that knows no solver.
 ///
 /// v+ = v + G* (N f_N + D f_D) is recomputed from z. w is the complement of z: N'v+ [m/s], D'v+ + lambda [m/s], and
@@ -30,14 +41,17 @@ struct Errors {
   /// rows, M_nn,ii being the diagonal entry of the contact's normal row. Where M_ii = 0 the impulse moves nothing, and
   /// only w_i >= 0 is asked for.
   double velocity_residual_m_per_s = kNone;
-  double velocity_residual_relative = kNone;  ///< the verdict's measure, rho = r / max|q|
-  double natural_residual = kNone;            ///< max |min(z_i, w_i)|: mixes units; for comparison with other studies
-  double backward_componentwise = kNone;      ///< eta_mix, componentwise scale
-  double backward_row_norm = kNone;           ///< eta_mix, row-norm scale
-  double forward_velocity = kNone;            ///< ||v+ - v*||_G / ||v||_G; NaN where no v*, or no G, is known
-  double forward_normal = kNone;              ///< max|N'(v+ - v*)| / max|N'v|
-  double forward_velocity_returned = kNone;   ///< as forward_velocity, of the velocity that the solver returned
-  double forward_normal_returned = kNone;     ///< as forward_normal, of the velocity that the solver returned
+  /// rho, the verdict's measure of contact problems: the largest of the islands' quotients r_I / scale_I. r_I is the
+  /// largest entry of r among the island's rows; scale_I = max(max|q_i|, floor / 1e-4) over the same rows, floor being
+  /// the largest rounding error of forming q_i in double, (k_i + 1) 2^-53 |J_i|'|v| with k_i nonzero entries in J_i.
+  double velocity_residual_relative = kNone;
+  double natural_residual = kNone;           ///< max |min(z_i, w_i)|: mixes units; for comparison with other studies
+  double backward_componentwise = kNone;     ///< eta_mix, componentwise scale, of the worst island
+  double backward_row_norm = kNone;          ///< eta_mix, row-norm scale, of the worst island
+  double forward_velocity = kNone;           ///< ||v+ - v*||_G / ||v||_G; NaN where no v*, or no G, is known
+  double forward_normal = kNone;             ///< max|N'(v+ - v*)| / max|N'v|
+  double forward_velocity_returned = kNone;  ///< as forward_velocity, of the velocity that the solver returned
+  double forward_normal_returned = kNone;    ///< as forward_normal, of the velocity that the solver returned
   /// How far the returned velocity u is from what z implies: the largest |G (u - v) - J f|_i relative to
   /// (|G| (|u| + |v|) + |J| f)_i, the scale of rounding in it. 1e-16 is rounding; above 1e-9 u and z are two answers.
   /// Singular G: G (v+ - v) stands for J f, and the part of u - v outside the range of G, relative to max|u| + max|v|,
@@ -55,6 +69,7 @@ struct Errors {
   double cone_violation = kNone;            ///< max over contacts of max(0, sum f_D - mu f_N) [N s]
   double cone_violation_relative = kNone;   ///< cone violation / largest |impulse|
   double min_z = kNone;                     ///< 0 for n = 0
+  WorstRow worst;                           ///< of rho; of the row-norm backward error for bare LCPs
   bool usable = false;                      ///< z is finite and of the right length
   bool solved = false;     ///< rho <= 1e-4 (bare LCP: backward_row_norm <= 1e-9), and r (eta) is no overflow
   bool criterion = false;  ///< passes the paper's criterion: no test of sign, cone, complementarity (contact only)
@@ -62,6 +77,9 @@ struct Errors {
 
 /// What is known of a problem whoever solved it.
 enum class Truth { kUnknown, kSolvable, kUnsolvable };
+
+/// "unknown", "solvable", "unsolvable".
+const char* to_string(Truth truth);
 
 /// What an answer is. The order of the enum is the order in which verdict() asks.
 enum class Verdict {

@@ -2,13 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace lcpbench {
 
+void QuadLcp::fill_rows(std::span<const std::size_t> rows, const QuadVector& z, const QuadVector& u,
+                        QuadVector& w) const {
+  for (const std::size_t i : rows) w[i] = row(i, z, u);
+}
+
 QuadVector QuadLcp::all_rows(const QuadVector& z, const QuadVector& u) const {
+  std::vector<std::size_t> rows(size());
+  std::iota(rows.begin(), rows.end(), std::size_t{0});
   QuadVector w(size());
-  for (std::size_t i = 0; i < size(); ++i) w[i] = row(i, z, u);
+  fill_rows(rows, z, u, w);
   return w;
 }
 
@@ -54,8 +62,11 @@ Quad BareQuadLcp::abs_row_sum(std::size_t i) {
   return sum;
 }
 
-std::vector<double> BareQuadLcp::estimate_w(const QuadVector&, const QuadVector& u) const {
-  return std::vector<double>(u.begin(), u.end());
+std::vector<double> BareQuadLcp::estimate_w(const QuadVector&, const QuadVector& u,
+                                            std::span<const std::size_t> rows) const {
+  std::vector<double> w(size(), 0.0);
+  for (const std::size_t i : rows) w[i] = to_double(u[i]);
+  return w;
 }
 
 void BareQuadLcp::fill(MagnitudeEstimate& estimate) {
@@ -163,6 +174,13 @@ Quad ContactQuadLcp::project(std::size_t i, const QuadVector& x) const {
   return sum;
 }
 
+Quad ContactQuadLcp::formation_error(std::size_t i) const {
+  if (i >= impulses()) return 0;
+  Quad magnitude = 0;
+  for (std::size_t e = begin_[i]; e < begin_[i + 1]; ++e) magnitude += abs(values_[e] * v_[rows_[e]]);
+  return static_cast<double>(begin_[i + 1] - begin_[i] + 1) * 0x1p-53 * magnitude;
+}
+
 QuadVector ContactQuadLcp::generalized_impulse(const QuadVector& z) const {
   QuadVector impulse(v_.size(), 0);
   for (std::size_t j = 0; j < impulses(); ++j) {
@@ -207,12 +225,18 @@ Quad ContactQuadLcp::row(std::size_t i, const QuadVector& z, const QuadVector& u
   return i < contacts_ ? velocity : velocity + z[lambda_of_[i]];
 }
 
-QuadVector ContactQuadLcp::all_rows(const QuadVector& z, const QuadVector& u) const {
-  QuadVector w(size());
-  for (std::size_t i = 0; i < impulses(); ++i) w[i] = twin_[i] == i ? project(i, u) : -w[twin_[i]];
-  for (std::size_t i = contacts_; i < impulses(); ++i) w[i] += z[lambda_of_[i]];
-  for (std::size_t i = impulses(); i < size(); ++i) w[i] = cone_row(i - impulses(), z);
-  return w;
+void ContactQuadLcp::fill_rows(std::span<const std::size_t> rows, const QuadVector& z, const QuadVector& u,
+                               QuadVector& w) const {
+  for (const std::size_t i : rows) {
+    if (i >= impulses()) {
+      w[i] = cone_row(i - impulses(), z);
+    } else {
+      w[i] = twin_[i] == i ? project(i, u) : -w[twin_[i]];
+    }
+  }
+  for (const std::size_t i : rows) {
+    if (i >= contacts_ && i < impulses()) w[i] += z[lambda_of_[i]];
+  }
 }
 
 const ContactQuadLcp::Response& ContactQuadLcp::response_of(std::size_t column) {
@@ -298,13 +322,14 @@ double ContactQuadLcp::project(std::size_t i, const std::vector<double>& x) cons
   return sum;
 }
 
-std::vector<double> ContactQuadLcp::estimate_w(const QuadVector& z, const QuadVector& u) const {
+std::vector<double> ContactQuadLcp::estimate_w(const QuadVector& z, const QuadVector& u,
+                                               std::span<const std::size_t> rows) const {
   const std::vector<double> velocity(u.begin(), u.end());
-  std::vector<double> w(size());
-  for (std::size_t i = 0; i < impulses(); ++i) {
-    w[i] = project(i, velocity) + (i < contacts_ ? 0.0 : to_double(z[lambda_of_[i]]));
+  std::vector<double> w(size(), 0.0);
+  for (const std::size_t i : rows) {
+    w[i] = i >= impulses() ? to_double(cone_row(i - impulses(), z))
+                           : project(i, velocity) + (i < contacts_ ? 0.0 : to_double(z[lambda_of_[i]]));
   }
-  for (std::size_t i = impulses(); i < size(); ++i) w[i] = to_double(cone_row(i - impulses(), z));
   return w;
 }
 

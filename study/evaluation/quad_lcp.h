@@ -50,8 +50,11 @@ class QuadLcp {
   virtual void remove(std::size_t j, Quad value, QuadVector& u) = 0;
   /// w_i = (M z + q)_i.
   virtual Quad row(std::size_t i, const QuadVector& z, const QuadVector& u) const = 0;
+  /// Sets w_i for each of `rows`, ascending; a friction row's contact has all of its rows among them.
+  virtual void fill_rows(std::span<const std::size_t> rows, const QuadVector& z, const QuadVector& u,
+                         QuadVector& w) const;
   /// All of w.
-  virtual QuadVector all_rows(const QuadVector& z, const QuadVector& u) const;
+  QuadVector all_rows(const QuadVector& z, const QuadVector& u) const;
   /// M_ii.
   virtual Quad diagonal(std::size_t i) = 0;
   /// sum over the support of |M_ij| |z_j|.
@@ -61,8 +64,9 @@ class QuadLcp {
 
   /// Made on first use: O(nnz(M)) time and memory. nullptr when it would hold more than 2^25 entries.
   const MagnitudeEstimate* estimate();
-  /// w in double, without a bound on its error.
-  virtual std::vector<double> estimate_w(const QuadVector& z, const QuadVector& u) const = 0;
+  /// w in double, without a bound on its error: size() entries, of which those of `rows` are filled.
+  virtual std::vector<double> estimate_w(const QuadVector& z, const QuadVector& u,
+                                         std::span<const std::size_t> rows) const = 0;
 
  protected:
   static constexpr std::size_t kLargestEstimate = std::size_t{1} << 25;
@@ -87,7 +91,8 @@ class BareQuadLcp final : public QuadLcp {
   Quad diagonal(std::size_t i) override;
   Quad abs_row_times(std::size_t i, const QuadVector& z, std::span<const std::size_t> support) override;
   Quad abs_row_sum(std::size_t i) override;
-  std::vector<double> estimate_w(const QuadVector& z, const QuadVector& u) const override;
+  std::vector<double> estimate_w(const QuadVector& z, const QuadVector& u,
+                                 std::span<const std::size_t> rows) const override;
 
  private:
   void fill(MagnitudeEstimate& estimate) override;
@@ -107,11 +112,13 @@ class ContactQuadLcp final : public QuadLcp {
   QuadVector response(const QuadVector& z) override;
   void remove(std::size_t j, Quad value, QuadVector& u) override;
   Quad row(std::size_t i, const QuadVector& z, const QuadVector& u) const override;
-  QuadVector all_rows(const QuadVector& z, const QuadVector& u) const override;
+  void fill_rows(std::span<const std::size_t> rows, const QuadVector& z, const QuadVector& u,
+                 QuadVector& w) const override;
   Quad diagonal(std::size_t i) override;
   Quad abs_row_times(std::size_t i, const QuadVector& z, std::span<const std::size_t> support) override;
   Quad abs_row_sum(std::size_t i) override;
-  std::vector<double> estimate_w(const QuadVector& z, const QuadVector& u) const override;
+  std::vector<double> estimate_w(const QuadVector& z, const QuadVector& u,
+                                 std::span<const std::size_t> rows) const override;
 
   std::size_t impulses() const { return begin_.size() - 1; }
   std::size_t contacts() const { return contacts_; }
@@ -125,6 +132,9 @@ class ContactQuadLcp final : public QuadLcp {
   QuadVector generalized_impulse_scale(const QuadVector& z) const;
   /// J_i' x.
   Quad project(std::size_t i, const QuadVector& x) const;
+  /// What forming q_i = J_i'v in double may lose to rounding: (k + 1) 2^-53 |J_i|'|v|, k the nonzero entries of J_i. 0
+  /// for cone rows, whose q_i is zero in the data.
+  Quad formation_error(std::size_t i) const;
 
  private:
   /// G* J_j by its nonzero blocks.

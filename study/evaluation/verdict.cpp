@@ -17,6 +17,15 @@ const char* to_string(Verdict verdict) {
   return "unknown";
 }
 
+const char* to_string(Truth truth) {
+  switch (truth) {
+    case Truth::kUnknown: return "unknown";
+    case Truth::kSolvable: return "solvable";
+    case Truth::kUnsolvable: return "unsolvable";
+  }
+  return "unknown";
+}
+
 Verdict parse_verdict(std::string_view text) {
   for (const Verdict verdict : kAllVerdicts) {
     if (text == to_string(verdict)) return verdict;

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+
+#include "core/problem.h"
+#include "study/evaluation/evaluation.h"
+
+namespace lcpbench {
+
+/// One answer, its verdict, and what the verdict rests on.
+struct JudgedAnswer {
+  Claim claim = Claim::kNumericalFailure;
+  Verdict verdict = Verdict::kOpen;
+  Errors errors;
+  std::string detail;         ///< the solver's own words
+  std::string unusable;       ///< why its z is none; "" when there is one
+  std::string truth_because;  ///< how the problem's truth is known: "proof by enumeration"; "" where it is not
+};
+
+/// Why the verdict is not solved, as a sentence without its subject: "said solved, but contact 2 (row 1) still
+/// approaches at 1 m/s: residual 1 relative to its island's scale of 1 m/s; the limit is 1e-4." "" for solved.
+///
+/// Contacts and their friction directions are counted from 1, rows of the LCP from 0.
+std::string why_not_solved(const Problem& problem, const JudgedAnswer& answer);
+
+}  // namespace lcpbench

@@ -1,0 +1,187 @@
+"""The judge of docs/verdicts.md, written again from that page alone, in exact fractions, for small dense problems."""
+import math
+from fractions import Fraction
+
+SOLVED_RHO = Fraction(1e-4)
+SOLVED_ETA = Fraction(1e-9)
+INFINITY = math.inf
+
+
+def exact(values):
+    return [Fraction(value) for value in values]
+
+
+def quotient(value, scale):
+    if value == 0:
+        return Fraction(0)
+    return INFINITY if scale == 0 else value / scale
+
+
+def groups(n, related):
+    """The classes of 0..n-1 that the relation's pairs join, as lists in the order of their first members."""
+    label = list(range(n))
+    for a, b in related:
+        old, new = max(label[a], label[b]), min(label[a], label[b])
+        label = [new if entry == old else entry for entry in label]
+    return [[i for i in range(n) if label[i] == first] for first in sorted(set(label))]
+
+
+def backward_error(M, q, z, block, impulses, componentwise=False):
+    """eta of one block, and a row where it is taken."""
+    def largest(rows):
+        return max((abs(z[i]) for i in rows), default=Fraction(0))
+
+    kind = {i: largest([j for j in block if (j < impulses) == (i < impulses)]) for i in block}
+    ratio = {i: quotient(abs(z[i]), kind[i]) for i in block}
+    best, best_row = INFINITY, None
+    for tau in sorted({Fraction(0), *ratio.values()}):
+        kept = {i: Fraction(0) if ratio[i] <= tau else z[i] for i in block}
+        if any(value < 0 for value in kept.values()):
+            continue
+        top = max(kept.values(), default=Fraction(0))
+        eta, row = Fraction(0), None
+        for i in block:
+            w = q[i] + sum(M[i][j] * kept[j] for j in block)
+            violation = abs(w) if kept[i] > 0 else max(Fraction(0), -w)
+            scale = abs(q[i]) + sum(abs(M[i][j]) * (kept[j] if componentwise else top) for j in block)
+            if quotient(violation, scale) > eta:
+                eta, row = quotient(violation, scale), i
+        if max(tau, eta) < best:
+            best = max(tau, eta)
+            best_row = row if eta >= tau else max((i for i in block if ratio[i] <= tau and z[i] != 0),
+                                                  key=lambda i: ratio[i])
+    return best, best_row
+
+
+def judge_bare(problem, z):
+    M, q, z = [exact(row) for row in problem["M"]], exact(problem["q"]), exact(z)
+    n = len(q)
+    blocks = groups(n, [(i, j) for i in range(n) for j in range(n) if M[i][j] != 0])
+    eta, row = max((backward_error(M, q, z, block, n) for block in blocks), key=lambda pair: pair[0])
+    component = max(backward_error(M, q, z, block, n, True)[0] for block in blocks)
+    return {"backward_row_norm": eta, "backward_componentwise": component, "worst_row": row,
+            "passes": eta <= SOLVED_ETA, "criterion": False}
+
+
+def solve_exactly(G, right):
+    n = len(G)
+    rows = [list(G[i]) + [column[i] for column in right] for i in range(n)]
+    for k in range(n):
+        pivot = next(i for i in range(k, n) if rows[i][k] != 0)
+        rows[k], rows[pivot] = rows[pivot], rows[k]
+        rows[k] = [entry / rows[k][k] for entry in rows[k]]
+        for i in range(n):
+            if i != k and rows[i][k] != 0:
+                rows[i] = [a - rows[i][k] * b for a, b in zip(rows[i], rows[k])]
+    return [[rows[i][n + c] for i in range(n)] for c in range(len(right))]
+
+
+def dot(a, b):
+    return sum((x * y for x, y in zip(a, b)), Fraction(0))
+
+
+def columns_of(matrix):
+    return [exact(column) for column in zip(*matrix)]
+
+
+class Contact:
+    """LCP(q, M) of a contact problem with dense G, its rows by contact, and its islands."""
+
+    def __init__(self, problem):
+        self.v = exact(problem["v"])
+        self.G = [exact(row) for row in problem["G"]]
+        self.J = columns_of(problem["N"])
+        self.nc = len(self.J)
+        edges = problem.get("edges") or [0] * self.nc
+        mu = exact(problem.get("mu") or [0] * self.nc)
+        self.contact_of = list(range(self.nc)) + [c for c in range(self.nc) for _ in range(edges[c])]
+        if sum(edges):
+            self.J += columns_of(problem["D"])
+        self.cones = [c for c in range(self.nc) if edges[c] > 0]
+        self.responses = solve_exactly(self.G, self.J)
+        impulses = len(self.J)
+        n = impulses + len(self.cones)
+        self.impulses = impulses
+        self.q = [dot(column, self.v) for column in self.J] + [Fraction(0)] * len(self.cones)
+        self.M = [[Fraction(0)] * n for _ in range(n)]
+        for i in range(impulses):
+            for j in range(impulses):
+                self.M[i][j] = dot(self.J[i], self.responses[j])
+        for k, c in enumerate(self.cones):
+            self.M[impulses + k][c] = mu[c]
+            for i in range(self.nc, impulses):
+                if self.contact_of[i] == c:
+                    self.M[i][impulses + k] = Fraction(1)
+                    self.M[impulses + k][i] = Fraction(-1)
+        self.contact_of += self.cones
+
+    def islands(self):
+        ngc = len(self.v)
+        pairs = [(a, b) for a in range(ngc) for b in range(ngc) if self.G[a][b] != 0]
+        touched = {}
+        for i in range(self.impulses):
+            for a in range(ngc):
+                if self.J[i][a] != 0:
+                    first = touched.setdefault(self.contact_of[i], a)
+                    pairs.append((first, a))
+        label = {a: number for number, group in enumerate(groups(ngc, pairs)) for a in group}
+        rows = {}
+        for row, contact in enumerate(self.contact_of):
+            key = label[touched[contact]] if contact in touched else ("alone", contact)
+            rows.setdefault(key, []).append(row)
+        return list(rows.values())
+
+    def floor(self, i):
+        if i >= self.impulses:
+            return Fraction(0)
+        count = sum(1 for entry in self.J[i] if entry != 0)
+        return (count + 1) * Fraction(2) ** -53 * dot([abs(entry) for entry in self.J[i]], [abs(x) for x in self.v])
+
+    def residual(self, i, z, w):
+        if i < self.impulses:
+            return abs(min(self.M[i][i] * z[i], w[i]))
+        normal = self.contact_of[i]
+        return abs(min(z[i], self.M[normal][normal] * w[i]))
+
+
+def judge_contact(problem, z):
+    data, z = Contact(problem), exact(z)
+    n = len(data.q)
+    w = [data.q[i] + dot(data.M[i], z) for i in range(n)]
+    rho, worst, largest = Fraction(0), None, Fraction(0)
+    for island in data.islands():
+        residual, row = max(((data.residual(i, z, w), -i) for i in island))
+        scale = max(max(abs(data.q[i]) for i in island), max(data.floor(i) for i in island) / SOLVED_RHO)
+        largest = max(largest, residual)
+        if quotient(residual, scale) > rho:
+            rho, worst = quotient(residual, scale), -row
+    v_plus = list(data.v)
+    for response, impulse in zip(data.responses, z):
+        v_plus = [a + b * impulse for a, b in zip(v_plus, response)]
+    change = [a - b for a, b in zip(v_plus, data.v)]
+    work = dot([dot(row, change) for row in data.G], [a + b for a, b in zip(v_plus, data.v)]) / 2
+    violation = max(Fraction(0), -min(w[:data.nc]))
+    islands = data.islands()
+    eta = {componentwise: max(backward_error(data.M, data.q, z, island, data.impulses, componentwise)[0]
+                              for island in islands) for componentwise in (False, True)}
+    return {"velocity_residual_relative": rho, "velocity_residual_m_per_s": largest, "worst_row": worst,
+            "violation_m_per_s": violation, "work_gain_j": work, "backward_row_norm": eta[False],
+            "backward_componentwise": eta[True], "passes": rho <= SOLVED_RHO,
+            "criterion": violation < Fraction(1e-3) and work < Fraction(1e-3)}
+
+
+def judge(problem, z):
+    """What docs/verdicts.md finds of a usable z: the measures, `passes` and `criterion`."""
+    return judge_bare(problem, z) if problem["kind"] == "lcp" else judge_contact(problem, z)
+
+
+def verdict(claim, passes, truth):
+    if passes and truth != "unsolvable":
+        return "solved"
+    if claim == "solved":
+        return "wrong"
+    if truth == "unsolvable":
+        return "unsolvable"
+    if claim == "unsupported":
+        return "refused"
+    return "missed" if truth == "solvable" else "open"

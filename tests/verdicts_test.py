@@ -1,0 +1,169 @@
+#!/usr/bin/env python3
+"""lcpbench solve agrees with the second judge, which was written from docs/verdicts.md alone.
+
+usage: verdicts_test.py LCPBENCH
+"""
+import json
+import math
+import os
+import random
+import subprocess
+import sys
+import tempfile
+
+import second_judge
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+MEASURES = ("velocity_residual_relative", "velocity_residual_m_per_s", "violation_m_per_s", "work_gain_j",
+            "backward_row_norm", "backward_componentwise")
+
+
+def contact(v, N, G, **friction):
+    return {"kind": "contact", "v": v, "N": N, "G": G, **friction}
+
+
+def lcp(M, q):
+    return {"kind": "lcp", "M": M, "q": q}
+
+
+def identity(n, values=None):
+    return [[(values[i] if values else 1) if i == j else 0 for j in range(n)] for i in range(n)]
+
+
+def known_cases():
+    """Problems with z: islands of different scale, the floor, blocks, dust, no violation at all."""
+    two = contact([20000, -1], identity(2), identity(2))
+    yield two, [0, 0]
+    yield two, [0, 1]
+    yield two, [0, 1.00005]
+    yield contact([20000, -1], identity(2), [[1, 0.5], [0.5, 1]]), [0, 0]
+    blocks = lcp(identity(2), [-1e10, -1])
+    yield blocks, [1e10, 0]
+    yield blocks, [1e10, 1]
+    yield blocks, [1e10, 1 + 1e-8]
+    cancels = contact([0.1, 0.3], [[-3], [1]], identity(2))
+    for impulse in (0, 5.55e-18, 1e-16, 1e-13):
+        yield cancels, [impulse]
+    dusty = lcp([[1, 0, 0], [0, 1, 0.5], [0, 0.5, 1]], [-1e10, -1, 1])
+    for dust in (0, -1e-12, 1e-12, -1e-6):
+        yield dusty, [1e10, 1, dust]
+    sliders = contact([1000, -1000, 1, -2], [[0, 0], [1, 0], [0, 0], [0, 1]], identity(4), mu=[0.5, 0.5], edges=[2, 2],
+                      D=[[1, -1, 0, 0], [0] * 4, [0, 0, 1, -1], [0] * 4])
+    yield sliders, [1000, 2, 0, 500, 0, 1, 500, 0]
+    yield sliders, [1000, 2, 0, 500, 0, 0, 500, 0]
+    yield sliders, [1000, 2, 0, 500, 0, 1, 400, 0]
+    yield contact([0, 0], identity(2), identity(2)), [0, 0]
+    yield contact([0, 0], identity(2), identity(2)), [0, 1e-20]
+    yield lcp(identity(2), [1, 1]), [0, 1e-300]
+
+
+def random_cases(draw):
+    """Contacts of one to three islands, bare LCPs of one to three blocks; right answers, near ones, wild ones."""
+    def number():
+        return draw.randint(-40, 40) / 16
+
+    def dust(value):
+        kind = draw.random()
+        if kind < 0.4:
+            return value
+        if kind < 0.7:
+            return value * (1 + draw.uniform(-1, 1) * 10.0 ** draw.randint(-15, -1))
+        return value + draw.choice((0, draw.uniform(-1, 1) * 10.0 ** draw.randint(-18, 0)))
+
+    for _ in range(30):
+        islands = draw.randint(1, 3)
+        ngc, nc = 2 * islands, 2 * islands
+        scale = [10.0 ** draw.randint(-6, 6) for _ in range(islands)]
+        v = [number() * scale[i // 2] for i in range(ngc)]
+        N = [[number() if row // 2 == column // 2 else 0 for column in range(nc)] for row in range(ngc)]
+        G = [[0] * ngc for _ in range(ngc)]
+        for k in range(islands):
+            G[2 * k][2 * k], G[2 * k + 1][2 * k + 1] = draw.randint(2, 9), draw.randint(2, 9)
+            G[2 * k][2 * k + 1] = G[2 * k + 1][2 * k] = draw.randint(-1, 1)
+        edges = [draw.choice((0, 2)) for _ in range(nc)]
+        friction = {}
+        if any(edges):
+            columns = []
+            for c in range(nc):
+                if edges[c]:
+                    d = [number() if row // 2 == c // 2 else 0 for row in range(ngc)]
+                    columns += [d, [-entry for entry in d]]
+            friction = {"mu": [draw.randint(0, 8) / 8 if edges[c] else 0 for c in range(nc)], "edges": edges,
+                        "D": [list(row) for row in zip(*columns)]}
+        n = nc + sum(edges) + sum(1 for count in edges if count)
+        yield contact(v, N, G, **friction), [dust(abs(number())) if draw.random() < 0.5 else dust(0) for _ in range(n)]
+    for _ in range(30):
+        sizes = [draw.randint(1, 3) for _ in range(draw.randint(1, 3))]
+        n = sum(sizes)
+        M = [[0] * n for _ in range(n)]
+        start, z = 0, []
+        for size in sizes:
+            for i in range(start, start + size):
+                for j in range(start, start + size):
+                    M[i][j] = number()
+            z += [draw.randint(1, 9) * 2.0 ** draw.randint(-9, 9) if draw.random() < 0.6 else 0 for _ in range(size)]
+            start += size
+        # A planted solution: w = 0 where z > 0, else what makes q.
+        q = [float((0 if z[i] > 0 else draw.randint(0, 5)) -
+                   sum(second_judge.Fraction(M[i][j]) * second_judge.Fraction(z[j]) for j in range(n)))
+             for i in range(n)]
+        yield lcp(M, q), z if draw.random() < 0.3 else [dust(value) for value in z]
+
+
+def close(found, expected):
+    expected = float(expected)
+    if math.isinf(expected):
+        return found is None
+    return abs(found - expected) <= 1e-13 * abs(expected) + 1e-300
+
+
+def check(row, problem, z, claim):
+    expected = second_judge.judge(problem, z)
+    errors, complaints = row["errors"], []
+    for measure in MEASURES:
+        if measure in expected and not close(errors[measure], expected[measure]):
+            complaints.append(f"{measure} {errors[measure]}, the page says {float(expected[measure])}")
+    if row["verdict"] != second_judge.verdict(claim, expected["passes"], row["truth"]):
+        complaints.append(f"verdict {row['verdict']} of claim {claim}, passes: {expected['passes']}")
+    if (row["errors"]["worst_row"] is None) != (expected["worst_row"] is None):
+        complaints.append(f"worst row {row['errors']['worst_row']}, the page says {expected['worst_row']}")
+    if (row["why"] == "") != (row["verdict"] == "solved"):
+        complaints.append("a verdict that is not solved needs a reason")
+    return complaints
+
+
+def main():
+    program = os.path.abspath(sys.argv[1])
+    draw = random.Random(20)
+    cases = list(known_cases()) + list(random_cases(draw))
+    with tempfile.TemporaryDirectory() as folder:
+        files, given, claims = [], {}, []
+        for number, (problem, z) in enumerate(cases):
+            name = f"case{number}"
+            claims.append(("solved", "iteration_limit")[number % 5 == 4])
+            given[name] = {"claim": claims[-1], "z": z}
+            files.append(os.path.join(folder, name + ".json"))
+            with open(files[-1], "w", encoding="utf-8") as file:
+                json.dump({"format": "lcpbench-problem", "version": 1, "name": name, **problem}, file)
+        answers = os.path.join(folder, "answers")
+        with open(answers, "w", encoding="utf-8") as file:
+            json.dump(given, file)
+        script = os.path.join(HERE, "fixed_answers.py")
+        output = subprocess.run([program, "solve", *files, "--format", "json", "--solver",
+                                 f"external{{command={sys.executable} {script} {answers}}}"],
+                                capture_output=True, text=True, check=False)
+    rows = json.loads(output.stdout or "[]")
+    if len(rows) != len(cases):
+        sys.exit(f"{len(rows)} rows for {len(cases)} cases\n{output.stderr}")
+    failures, verdicts = 0, {}
+    for number, (row, (problem, z)) in enumerate(zip(rows, cases)):
+        verdicts[row["verdict"]] = verdicts.get(row["verdict"], 0) + 1
+        for complaint in check(row, problem, z, claims[number]):
+            failures += 1
+            print(f"case {number}: {complaint}\n  {json.dumps(problem)}\n  z = {z}")
+    print(f"{len(cases)} cases, {verdicts}, {failures} differences")
+    if failures or min(verdicts.get(word, 0) for word in ("solved", "wrong")) < 10:
+        sys.exit(1)
+
+
+main()
