@@ -402,6 +402,7 @@ TEST_F(CommandLineTest, ProvenanceSaysWhereResultsComeFrom) {
                              {"command", "s"},
                              {"started", "s"},
                              {"plan", "o"},
+                             {"planned", "o"},
                              {"seed", "n"},
                              {"jobs", "n"},
                              {"shard", "s"},

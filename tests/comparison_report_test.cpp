@@ -149,6 +149,10 @@ TEST_F(ComparisonReportTest, DistributionsAreRepeatedByTheirQuery) {
 
 TEST_F(ComparisonReportTest, ProfilesAreRepeatedByTheirQuery) {
   const std::vector<std::string> columns{"set", "solver", "against", "problems", "within_2"};
+  const auto quick = std::find_if(summary_.solvers.begin(), summary_.solvers.end(),
+                                  [](const SolverRow& solver) { return solver.name == "o'quick"; });
+  const Recommendations recommended{{0, static_cast<std::size_t>(quick - summary_.solvers.begin())}};
+  tables_ = report::comparison_tables(summary_, compare_solvers(summary_, recommended));
   const auto records = renamed("profiles", "factor", 2.0, [](nlohmann::ordered_json& record) {
     record["within_2"] = std::llround(record["solver_share"].get<double>() * record["problems"].get<double>());
   });
