@@ -38,6 +38,14 @@ def require(condition, reason):
 # ---------------------------------------------------------------------------------------------- exact numbers
 
 
+def rounded(number, denominator):
+    """The nearest double; None, as JSON has it, beyond the largest."""
+    try:
+        return number / denominator  # int / int rounds correctly
+    except OverflowError:
+        return None
+
+
 class Rationals:
     """A list of rationals, or of rows of them: integers over one positive denominator."""
 
@@ -55,7 +63,7 @@ class Rationals:
         return [Fraction(number, self.denominator) for number in self.numerators]
 
     def rounded(self):
-        return [number / self.denominator for number in self.numerators]  # int / int rounds correctly
+        return [rounded(number, self.denominator) for number in self.numerators]
 
 
 def from_doubles(values):

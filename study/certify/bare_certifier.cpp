@@ -1,5 +1,6 @@
 #include "study/certify/bare_certifier.h"
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -102,8 +103,11 @@ class BareCertifier {
 
   IntegerVector multipliers(const ProofNode& leaf) const {
     IntegerVector y(static_cast<std::size_t>(system_.size()));
+    const slong least = *std::min_element(system_.w_exponent.begin(), system_.w_exponent.end());
     for (const Multiplier& entry : leaf.multipliers) {
-      fmpz_set_str(y[static_cast<std::size_t>(entry.row)].get(), entry.value.c_str(), 10);
+      const auto row = static_cast<std::size_t>(entry.row);
+      fmpz_set_str(y[row].get(), entry.value.c_str(), 10);
+      fmpz_mul_2exp(y[row].get(), y[row].get(), static_cast<ulong>(system_.w_exponent[row] - least));
     }
     return y;
   }
@@ -155,7 +159,9 @@ class BareCertifier {
 
   bool take_contradiction(const IntegerVector& y, const std::string& detail) {
     if (!is_bare_contradiction(system_, y, deadline_)) return false;
-    const ScaledVector farkas{y, std::vector<slong>(y.size(), 0), Integer(1)};
+    std::vector<slong> exponents = system_.w_exponent;  // y_i w_i has the unit of w_i: y_i the inverse of it
+    for (slong& exponent : exponents) exponent = -exponent;
+    const ScaledVector farkas{y, std::move(exponents), Integer(1)};
     certificate_.kind = CertificateKind::kUnsolvable;
     certificate_.proof = ProofKind::kFarkas;
     certificate_.exact_farkas = to_text(farkas);

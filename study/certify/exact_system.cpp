@@ -1,6 +1,8 @@
 #include "study/certify/exact_system.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "study/certify/definite.h"
@@ -8,6 +10,8 @@
 
 namespace lcpbench::exact {
 namespace {
+
+constexpr int kEvenings = 4;
 
 bool symmetric(const Matrix& G) { return G == G.transpose(); }
 
@@ -92,6 +96,39 @@ void add_friction_rows(const ContactProblem& problem, const ContactLayout& layou
       cone_row.push_back({row, minus_one});
     }
   }
+}
+
+/// Units of z, powers of two, in which the columns of M differ as little as they can: entries that lie hundreds of
+/// orders of magnitude apart would make long integers of short ones.
+std::vector<slong> even_columns(const Lcp& lcp) {
+  const Index n = lcp.size();
+  std::vector<double> rows(static_cast<std::size_t>(n), 0);
+  std::vector<double> columns(static_cast<std::size_t>(n), 0);
+  for (int round = 0; round < kEvenings; ++round) {
+    for (Index i = 0; i < n; ++i) {
+      double sum = 0;
+      double count = 0;
+      for (Index j = 0; j < n; ++j) {
+        if (lcp.M(i, j) == 0) continue;
+        sum += static_cast<double>(std::ilogb(lcp.M(i, j))) + columns[static_cast<std::size_t>(j)];
+        ++count;
+      }
+      rows[static_cast<std::size_t>(i)] = count > 0 ? sum / count : 0;
+    }
+    for (Index j = 0; j < n; ++j) {
+      double sum = 0;
+      double count = 0;
+      for (Index i = 0; i < n; ++i) {
+        if (lcp.M(i, j) == 0) continue;
+        sum += rows[static_cast<std::size_t>(i)] - static_cast<double>(std::ilogb(lcp.M(i, j)));
+        ++count;
+      }
+      columns[static_cast<std::size_t>(j)] = count > 0 ? sum / count : 0;
+    }
+  }
+  std::vector<slong> exponents(static_cast<std::size_t>(n));
+  std::transform(columns.begin(), columns.end(), exponents.begin(), [](double c) { return std::lround(c); });
+  return exponents;
 }
 
 }  // namespace
@@ -181,19 +218,31 @@ Dyadic cone_edges(const ContactProblem& problem) {
 ExactSystem bare_system(const Lcp& lcp) {
   ExactSystem system;
   const Index n = lcp.size();
-  const Dyadic M = to_dyadic(lcp.M);
-  const Dyadic q = to_dyadic(lcp.q);
   system.L = system.R = IntegerMatrix(0, n);
   system.S.resize(static_cast<std::size_t>(n));
   system.q.resize(static_cast<std::size_t>(n));
-  system.z_exponent.assign(static_cast<std::size_t>(n), q.exponent - M.exponent);
-  system.w_exponent.assign(static_cast<std::size_t>(n), q.exponent);
+  system.z_exponent = even_columns(lcp);
+  system.w_exponent.resize(static_cast<std::size_t>(n));
   for (Index i = 0; i < n; ++i) {
-    fmpz_set(system.q[static_cast<std::size_t>(i)].get(), q.m(i, 0));
+    // The terms of w_i: q_i, then M_ij 2^z_exponent[j].
+    slong least = std::numeric_limits<slong>::max();
+    if (lcp.q(i) != 0) least = dyadic(lcp.q(i)).exponent;
     for (Index j = 0; j < n; ++j) {
-      if (fmpz_is_zero(M.m(i, j))) continue;
+      if (lcp.M(i, j) == 0) continue;
+      least = std::min(least, dyadic(lcp.M(i, j)).exponent + system.z_exponent[static_cast<std::size_t>(j)]);
+    }
+    if (least == std::numeric_limits<slong>::max()) least = 0;
+    system.w_exponent[static_cast<std::size_t>(i)] = least;
+    const auto whole = [&](double value, slong exponent, Integer& result) {
+      const Parts parts = dyadic(value);
+      fmpz_set_si(result.get(), parts.odd);
+      fmpz_mul_2exp(result.get(), result.get(), static_cast<ulong>(parts.exponent + exponent - least));
+    };
+    if (lcp.q(i) != 0) whole(lcp.q(i), 0, system.q[static_cast<std::size_t>(i)]);
+    for (Index j = 0; j < n; ++j) {
+      if (lcp.M(i, j) == 0) continue;
       Term term{j, {}};
-      fmpz_set(term.value.get(), M.m(i, j));
+      whole(lcp.M(i, j), system.z_exponent[static_cast<std::size_t>(j)], term.value);
       system.S[static_cast<std::size_t>(i)].push_back(std::move(term));
     }
   }

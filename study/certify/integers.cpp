@@ -15,19 +15,6 @@ constexpr int kDoubleBits = 53;
 constexpr Index kRowsAtOnce = 32;
 constexpr slong kSmallestExponent = -1074;  // of the smallest positive double
 
-struct Parts {
-  std::int64_t odd = 0;  // 0 for the double 0
-  slong exponent = 0;
-};
-
-Parts split(double value) {
-  if (value == 0) return {};
-  int exponent = 0;
-  const auto mantissa = static_cast<std::int64_t>(std::ldexp(std::frexp(value, &exponent), kDoubleBits));
-  const int zeros = std::countr_zero(static_cast<std::uint64_t>(mantissa));
-  return {mantissa / (std::int64_t{1} << zeros), exponent - kDoubleBits + zeros};
-}
-
 void shift_left(Integer& value, slong by) {
   if (by > 0) fmpz_mul_2exp(value.get(), value.get(), static_cast<ulong>(by));
 }
@@ -43,6 +30,14 @@ slong floor_log2(const Integer& a, const Integer& b) {
 }
 
 }  // namespace
+
+Parts dyadic(double value) {
+  if (value == 0) return {};
+  int exponent = 0;
+  const auto mantissa = static_cast<std::int64_t>(std::ldexp(std::frexp(value, &exponent), kDoubleBits));
+  const int zeros = std::countr_zero(static_cast<std::uint64_t>(mantissa));
+  return {mantissa / (std::int64_t{1} << zeros), exponent - kDoubleBits + zeros};
+}
 
 IntegerMatrix product(const IntegerMatrix& a, const IntegerMatrix& b, const Deadline& deadline) {
   IntegerMatrix c(a.rows(), b.cols());
@@ -84,13 +79,13 @@ Dyadic to_dyadic(const Matrix& a) {
   Dyadic result{IntegerMatrix(a.rows(), a.cols()), 0};
   std::optional<slong> smallest;
   for (const double value : a.reshaped()) {
-    if (value != 0) smallest = std::min(smallest.value_or(std::numeric_limits<slong>::max()), split(value).exponent);
+    if (value != 0) smallest = std::min(smallest.value_or(std::numeric_limits<slong>::max()), dyadic(value).exponent);
   }
   result.exponent = smallest.value_or(0);
   for (Index j = 0; j < a.cols(); ++j) {
     for (Index i = 0; i < a.rows(); ++i) {
       if (a(i, j) == 0) continue;
-      const Parts parts = split(a(i, j));
+      const Parts parts = dyadic(a(i, j));
       fmpz_set_si(result.m(i, j), parts.odd);
       fmpz_mul_2exp(result.m(i, j), result.m(i, j), static_cast<ulong>(parts.exponent - result.exponent));
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -78,6 +79,15 @@ inline void set_difference_of_products(fmpz* f, const fmpz* a, const fmpz* b, co
   fmpz_submul(result.get(), c, d);
   fmpz_swap(f, result.get());
 }
+
+/// A double: odd * 2^exponent.
+struct Parts {
+  std::int64_t odd = 0;  ///< 0 for the double 0
+  slong exponent = 0;
+};
+
+/// @pre finite
+Parts dyadic(double value);
 
 /// numerator * 2^exponent.
 struct Dyadic {
