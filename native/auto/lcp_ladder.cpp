@@ -20,8 +20,8 @@ constexpr double kTightZero = 1e-14;
 /// Systems of equations that the last rung solves before it gives up: seconds at most.
 constexpr std::int64_t kMostSystems = 20000;
 
-/// A pivot of 113 bits takes as long as some dozens in double.
-constexpr std::int64_t kQuadPivotsPerRow = 4;
+/// Entries of tableaus that a rung in 113 bits changes: some seconds.
+constexpr std::int64_t kMostQuadWork = 40'000'000;
 
 constexpr std::array<const char*, 7> kNames{"lemke",
                                             "covering lemke",
@@ -69,7 +69,7 @@ bool LcpLadder::has(Rung rung) const {
   }
 }
 
-/// Of a rung that others follow.
+/// Of lemke, where other rungs follow.
 std::int64_t LcpLadder::share_of_pivots() const {
   const std::int64_t share = 50 + 4 * problem_.size();
   return max_pivots_ > 0 ? std::min(share, max_pivots_ - pivots_) : share;
@@ -130,8 +130,10 @@ void LcpLadder::run_lemke(Rung rung) {
 
 void LcpLadder::run_covering(Rung rung) {
   using Cover = CoveringLemke::Cover;
-  CoveringLemke::Limits limits{.deadline_s = deadline_s_, .pivots = share_of_pivots()};
-  if (rung != Rung::kCovering) limits.pivots = std::min(limits.pivots, 20 + kQuadPivotsPerRow * problem_.size());
+  const Index n = problem_.size();
+  CoveringLemke::Limits limits{.deadline_s = deadline_s_, .pivots = 500 + 10 * n};
+  if (max_pivots_ > 0) limits.pivots = std::min(limits.pivots, max_pivots_ - pivots_);
+  if (rung != Rung::kCovering) limits.pivots = std::min(limits.pivots, kMostQuadWork / std::max<Index>(n * (n + 3), 1));
   const Cover cover = rung == Rung::kCoveringQuadNegative ? Cover::kNegative : Cover::kAll;
   clear_vectors(attempt_);
   const CoveringLemke::End end = rung == Rung::kCovering ? covering_.run<double>(cover, limits, attempt_.z)
