@@ -17,6 +17,9 @@ constexpr std::size_t kLongestDetail = 80;
 constexpr double kTightPivot = 1e-13;
 constexpr double kTightZero = 1e-14;
 
+/// Above this order little is left to be found where lemke ended in a ray and the second rung has no answer either.
+constexpr Index kLargestAfterRay = 40;
+
 /// Systems of equations that the last rung solves before it gives up: seconds at most.
 constexpr std::int64_t kMostSystems = 20000;
 
@@ -81,7 +84,7 @@ void LcpLadder::solve(const SolveRequest& request, Answer& answer, const char*& 
   text = takes() ? "no answer passed the test" : "n is over the limit of lemke";
   if (!takes()) return;
   pivots_ = 0;
-  ended_by_share_ = ends_in_rays_ = false;
+  ended_by_share_ = ended_in_ray_ = false;
   for (const Rung rung : {Rung::kLemke, Rung::kCovering, Rung::kLemkeTight, Rung::kCoveringQuad,
                           Rung::kCoveringQuadNegative, Rung::kLemkeLong, Rung::kExact}) {
     if (!has(rung)) continue;
@@ -123,7 +126,7 @@ void LcpLadder::run_lemke(Rung rung) {
   const bool unlimited = std::isinf(deadline_s_);
   lemke_.solve({.time_limit_s = unlimited ? deadline_s_ : deadline_s_ - wall_clock_s()}, attempt_);
   if (rung == Rung::kLemke) {
-    ends_in_rays_ = attempt_.claim == Claim::kNumericalFailure && attempt_.detail == "ray";
+    ended_in_ray_ = attempt_.claim == Claim::kNumericalFailure && attempt_.detail == "ray";
     ended_by_share_ = attempt_.claim == Claim::kIterationLimit && limit < lemke_pivot_limit(defaults, problem_.size());
   }
 }
@@ -140,7 +143,6 @@ void LcpLadder::run_covering(Rung rung) {
                                                          : covering_.run<Quad>(cover, limits, attempt_.z);
   attempt_.counters = {.iterations = covering_.pivots(), .pivots = covering_.pivots(), .factorizations = 0};
   attempt_.claim = Claim::kNumericalFailure;
-  if (rung == Rung::kCovering) ends_in_rays_ = ends_in_rays_ && end == CoveringLemke::End::kRay;
   if (end == CoveringLemke::End::kSolved) {
     attempt_.claim = Claim::kSolved;
     lemke_.answer_test().settle(attempt_, deadline_s_);
@@ -185,13 +187,13 @@ bool LcpLadder::is_final(Rung rung, Answer& answer, const char*& text) {
     answer.claim = Claim::kTimeLimit;
     return true;
   }
-  if (ends_in_rays_ && !has(Rung::kExact)) {
+  if (ended_in_ray_ && problem_.size() > kLargestAfterRay) {
     if (rung == Rung::kLemke && lemke_.answer_test().nearly_disproved()) {
       text = "ray: unsolvable to rounding, without a proof in doubles";
       return true;
     }
     if (rung == Rung::kCovering) {
-      text = "rays with two covering vectors, without a proof";
+      text = "ray, and no answer with another covering vector";
       return true;
     }
   }
