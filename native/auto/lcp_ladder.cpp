@@ -17,14 +17,15 @@ constexpr std::size_t kLongestDetail = 80;
 constexpr double kTightPivot = 1e-13;
 constexpr double kTightZero = 1e-14;
 
-/// Above this order little is left to be found where lemke ended in a ray and the second rung has no answer either.
+/// Above this order little is left to be found where lemke ended in a ray and the second rung has no answer either, or
+/// by a second covering vector in 113 bits.
 constexpr Index kLargestAfterRay = 40;
 
 /// Systems of equations that the last rung solves before it gives up: seconds at most.
 constexpr std::int64_t kMostSystems = 20000;
 
-/// Entries of tableaus that a rung in 113 bits changes: some seconds.
-constexpr std::int64_t kMostQuadWork = 40'000'000;
+/// Entries of tableaus that a rung in 113 bits changes: about a second.
+constexpr std::int64_t kMostQuadWork = 10'000'000;
 
 constexpr std::array<const char*, 7> kNames{"lemke",
                                             "covering lemke",
@@ -64,8 +65,8 @@ void LcpLadder::load(const Problem& problem) {
 
 bool LcpLadder::has(Rung rung) const {
   switch (rung) {
-    case Rung::kCoveringQuad:
-    case Rung::kCoveringQuadNegative: return problem_.size() <= CoveringLemke::kLargestQuad;
+    case Rung::kCoveringQuad: return problem_.size() <= CoveringLemke::kLargestQuad;
+    case Rung::kCoveringQuadNegative: return problem_.size() <= kLargestAfterRay;
     case Rung::kLemkeLong: return ended_by_share_;
     case Rung::kExact: return problem_.size() <= kLargestExact;
     default: return true;

@@ -12,10 +12,10 @@ namespace lcpbench {
 /// no solution.
 ///
 /// First `lemke` as it is by itself; CoveringLemke in double; `lemke` with tolerances near rounding; CoveringLemke, up
-/// to CoveringLemke::kLargestQuad rows, in 113 bits with both covering vectors; `lemke` again, longer, where only its
-/// share of pivots ended it; and up to kLargestExact rows every support in exact arithmetic. Above 40 rows it
-/// ends after two where the first ends in a ray. The methods have a share of pivots in proportion to n, which a path that
-/// does not go round seldom needs. All memory is taken by load(); nothing allocates in solve().
+/// to CoveringLemke::kLargestQuad rows, in 113 bits, up to 40 with the other covering vector too; `lemke` again,
+/// longer, where only its share of pivots ended it; and up to kLargestExact rows every support in exact arithmetic.
+/// Above 40 rows it ends after two where the first ends in a ray. The methods have a share of pivots in proportion to
+/// n, which a path that does not go round seldom needs. All memory is taken by load(); nothing allocates in solve().
 class LcpLadder {
  public:
   explicit LcpLadder(std::int64_t max_pivots);
