@@ -27,7 +27,9 @@ AnswerTest::AnswerTest() : judge_(contact_lemke_engine(isa_level())), quad_judge
 
 void AnswerTest::load(const Problem& problem, Bodies bodies) {
   completed_.resize(problem.size());
-  farkas_.resize(problem.contact() == nullptr ? problem.size() : problem.contact()->nc());
+  const Index farkas_size = problem.contact() == nullptr ? problem.size() : problem.contact()->nc();
+  if (farkas_size != farkas_size_) farkas_.resize(farkas_size);  // else it was taken, or given away
+  farkas_size_ = farkas_size;
   bare_ = problem.contact() == nullptr;
   by_bodies_ =
       bodies == Bodies::kOneByOne && !bare_ && std::holds_alternative<BlockInertia>(problem.contact()->inertia);
@@ -84,7 +86,7 @@ void AnswerTest::report_proof(Answer& answer) {
   answer.detail = bare_ ? "proven" : "ray to rounding";
   if (bare_ && bare_test_.proof().size() == 0) return;  // by exact enumeration of all supports
   Vector& farkas = cleared_vectors().farkas;
-  if (farkas.size() != farkas_.size() && farkas_.size() > 0) farkas.swap(farkas_);
+  if (farkas.size() != farkas_size_ && farkas_.size() == farkas_size_) farkas.swap(farkas_);
   if (bare_) {
     farkas = bare_test_.proof();
   } else {

@@ -93,6 +93,7 @@ class AnswerTest {
   Vector completed_;              // n
   Vector path_end_;               // n, where the inertia may be singular
   Vector farkas_;                 // memory for the proof of the first answer that comes with less
+  Index farkas_size_ = -1;        // for which it was taken
 };
 
 /// Contact problems: no friction impulses where the normal one is zero. @param z of lcp_size entries

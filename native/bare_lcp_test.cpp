@@ -187,6 +187,7 @@ bool BareLcpTest::has_clear_basis(const Vector& z) {
     }
   }
   const auto order = static_cast<Index>(support_.size());
+  if (order == 0) return true;
   if (order > kLargestInverted) return false;
   const auto member = [this](Index k) { return support_[static_cast<std::size_t>(k)]; };
   // In the scale of z, and each row by its own: w and the change of z that it asks for become relative.

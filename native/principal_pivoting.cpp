@@ -47,8 +47,8 @@ constexpr Index kNone = -1;
 /// anticycling rule. Other M are tried: the claims are checked on the data, so they hold there too.
 ///
 /// An unblocked raise gives u = (row r of the tableau) >= 0 with M'u <= 0 and q'u < 0 to rounding. kUnsolvable is
-/// claimed only where AnswerTest proves it, for bare LCPs exactly; else kNumericalFailure, `detail` "ray". O(n^2) per pivot. [Dantzig, Cottle 1967; Cottle, Pang,
-/// Stone 1992, section 4.3]
+/// claimed only where AnswerTest proves it, for bare LCPs exactly; else kNumericalFailure, `detail` "ray". O(n^2) per
+/// pivot. [Dantzig, Cottle 1967; Cottle, Pang, Stone 1992, section 4.3]
 class PrincipalPivoting final : public Solver {
  public:
   explicit PrincipalPivoting(const PrincipalPivotingSettings& settings) : settings_(settings) {}

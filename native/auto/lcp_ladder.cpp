@@ -17,11 +17,15 @@ constexpr std::size_t kLongestDetail = 80;
 constexpr double kTightPivot = 1e-13;
 constexpr double kTightZero = 1e-14;
 
+/// Above this order little is left to be found where lemke ended in a ray and the second rung has no answer either, or
+/// by a second covering vector in 113 bits.
+constexpr Index kLargestAfterRay = 40;
+
 /// Systems of equations that the last rung solves before it gives up: seconds at most.
 constexpr std::int64_t kMostSystems = 20000;
 
-/// A pivot of 113 bits takes as long as some dozens in double.
-constexpr std::int64_t kQuadPivotsPerRow = 4;
+/// Entries of tableaus that a rung in 113 bits changes: about a second.
+constexpr std::int64_t kMostQuadWork = 10'000'000;
 
 constexpr std::array<const char*, 7> kNames{"lemke",
                                             "covering lemke",
@@ -61,15 +65,15 @@ void LcpLadder::load(const Problem& problem) {
 
 bool LcpLadder::has(Rung rung) const {
   switch (rung) {
-    case Rung::kCoveringQuad:
-    case Rung::kCoveringQuadNegative: return problem_.size() <= CoveringLemke::kLargestQuad;
+    case Rung::kCoveringQuad: return problem_.size() <= CoveringLemke::kLargestQuad;
+    case Rung::kCoveringQuadNegative: return problem_.size() <= kLargestAfterRay;
     case Rung::kLemkeLong: return ended_by_share_;
     case Rung::kExact: return problem_.size() <= kLargestExact;
     default: return true;
   }
 }
 
-/// Of a rung that others follow.
+/// Of lemke, where other rungs follow.
 std::int64_t LcpLadder::share_of_pivots() const {
   const std::int64_t share = 50 + 4 * problem_.size();
   return max_pivots_ > 0 ? std::min(share, max_pivots_ - pivots_) : share;
@@ -81,7 +85,7 @@ void LcpLadder::solve(const SolveRequest& request, Answer& answer, const char*& 
   text = takes() ? "no answer passed the test" : "n is over the limit of lemke";
   if (!takes()) return;
   pivots_ = 0;
-  ended_by_share_ = ends_in_rays_ = false;
+  ended_by_share_ = ended_in_ray_ = false;
   for (const Rung rung : {Rung::kLemke, Rung::kCovering, Rung::kLemkeTight, Rung::kCoveringQuad,
                           Rung::kCoveringQuadNegative, Rung::kLemkeLong, Rung::kExact}) {
     if (!has(rung)) continue;
@@ -123,22 +127,23 @@ void LcpLadder::run_lemke(Rung rung) {
   const bool unlimited = std::isinf(deadline_s_);
   lemke_.solve({.time_limit_s = unlimited ? deadline_s_ : deadline_s_ - wall_clock_s()}, attempt_);
   if (rung == Rung::kLemke) {
-    ends_in_rays_ = attempt_.claim == Claim::kNumericalFailure && attempt_.detail == "ray";
+    ended_in_ray_ = attempt_.claim == Claim::kNumericalFailure && attempt_.detail == "ray";
     ended_by_share_ = attempt_.claim == Claim::kIterationLimit && limit < lemke_pivot_limit(defaults, problem_.size());
   }
 }
 
 void LcpLadder::run_covering(Rung rung) {
   using Cover = CoveringLemke::Cover;
-  CoveringLemke::Limits limits{.deadline_s = deadline_s_, .pivots = share_of_pivots()};
-  if (rung != Rung::kCovering) limits.pivots = std::min(limits.pivots, 20 + kQuadPivotsPerRow * problem_.size());
+  const Index n = problem_.size();
+  CoveringLemke::Limits limits{.deadline_s = deadline_s_, .pivots = 500 + 10 * n};
+  if (max_pivots_ > 0) limits.pivots = std::min(limits.pivots, max_pivots_ - pivots_);
+  if (rung != Rung::kCovering) limits.pivots = std::min(limits.pivots, kMostQuadWork / std::max<Index>(n * (n + 3), 1));
   const Cover cover = rung == Rung::kCoveringQuadNegative ? Cover::kNegative : Cover::kAll;
   clear_vectors(attempt_);
   const CoveringLemke::End end = rung == Rung::kCovering ? covering_.run<double>(cover, limits, attempt_.z)
                                                          : covering_.run<Quad>(cover, limits, attempt_.z);
   attempt_.counters = {.iterations = covering_.pivots(), .pivots = covering_.pivots(), .factorizations = 0};
   attempt_.claim = Claim::kNumericalFailure;
-  if (rung == Rung::kCovering) ends_in_rays_ = ends_in_rays_ && end == CoveringLemke::End::kRay;
   if (end == CoveringLemke::End::kSolved) {
     attempt_.claim = Claim::kSolved;
     lemke_.answer_test().settle(attempt_, deadline_s_);
@@ -183,13 +188,13 @@ bool LcpLadder::is_final(Rung rung, Answer& answer, const char*& text) {
     answer.claim = Claim::kTimeLimit;
     return true;
   }
-  if (ends_in_rays_ && !has(Rung::kExact)) {
+  if (ended_in_ray_ && problem_.size() > kLargestAfterRay) {
     if (rung == Rung::kLemke && lemke_.answer_test().nearly_disproved()) {
       text = "ray: unsolvable to rounding, without a proof in doubles";
       return true;
     }
     if (rung == Rung::kCovering) {
-      text = "rays with two covering vectors, without a proof";
+      text = "ray, and no answer with another covering vector";
       return true;
     }
   }

@@ -12,10 +12,10 @@ namespace lcpbench {
 /// no solution.
 ///
 /// First `lemke` as it is by itself; CoveringLemke in double; `lemke` with tolerances near rounding; CoveringLemke, up
-/// to CoveringLemke::kLargestQuad rows, in 113 bits with both covering vectors; `lemke` again, longer, where only its
-/// share of pivots ended it; and up to kLargestExact rows every support in exact arithmetic. Above kLargestExact rows
-/// it ends where the first two end in rays. The methods have a share of pivots in proportion to n, which a path that
-/// does not go round seldom needs. All memory is taken by load(); nothing allocates in solve().
+/// to CoveringLemke::kLargestQuad rows, in 113 bits, up to 40 with the other covering vector too; `lemke` again,
+/// longer, where only its share of pivots ended it; and up to kLargestExact rows every support in exact arithmetic.
+/// Above 40 rows it ends after two where the first ends in a ray. The methods have a share of pivots in proportion to
+/// n, which a path that does not go round seldom needs. All memory is taken by load(); nothing allocates in solve().
 class LcpLadder {
  public:
   explicit LcpLadder(std::int64_t max_pivots);
@@ -57,7 +57,7 @@ class LcpLadder {
   double deadline_s_ = 0;
   std::int64_t pivots_ = 0;      // of all rungs so far
   bool ended_by_share_ = false;  // the first rung
-  bool ends_in_rays_ = false;    // all rungs so far, of the first two
+  bool ended_in_ray_ = false;    // the first rung
 };
 
 }  // namespace lcpbench
