@@ -164,7 +164,8 @@ void ContactLemke::reserve_engines(const contact_lemke::Input& input) {
 
 void ContactLemke::reserve_later_rungs(const contact_lemke::Input& input) {
   using Precision = ContactLemkePrecision;
-  if (settings_.precision != Precision::kQuad) double_double_.reserve(input);  // it also tests what double is in doubt of
+  if (settings_.precision != Precision::kQuad)
+    double_double_.reserve(input);  // it also tests what double is in doubt of
   if (settings_.precision == Precision::kCascade || settings_.precision == Precision::kQuad) quad_.reserve(input);
 }
 
