@@ -276,8 +276,11 @@ contact_lemke::Residual BodiesTest::complete(Vector& z, Room<Scalar>& room) {
                        q += part;
                        terms += magnitude(part);
                        ++entries;
+                       // Lost to underflow: no zero, but no scale either.
+                       if (part == 0 && v_(i) != 0) terms += static_cast<Scalar>(DBL_TRUE_MIN);
                      });
-      raise(island.scale, std::max(magnitude(q), static_cast<Scalar>(kFloor * entries) * terms));
+      const Scalar own = std::max(magnitude(q), static_cast<Scalar>(kFloor * entries) * terms);
+      raise(island.scale, own == 0 ? terms : own);
     }
   }
   contact_lemke::Residual residual;

@@ -164,7 +164,8 @@ void ContactLemke::reserve_engines(const contact_lemke::Input& input) {
 
 void ContactLemke::reserve_later_rungs(const contact_lemke::Input& input) {
   using Precision = ContactLemkePrecision;
-  if (settings_.precision == Precision::kCascade) double_double_.reserve(input);
+  if (settings_.precision != Precision::kQuad)
+    double_double_.reserve(input);  // it also tests what double is in doubt of
   if (settings_.precision == Precision::kCascade || settings_.precision == Precision::kQuad) quad_.reserve(input);
 }
 
@@ -196,10 +197,6 @@ void ContactLemke::respond(const Vector& z, Vector& velocity) {
   LoadedContacts& engine = quad_is_loaded_ ? quad_ : double_double_is_loaded_ ? double_double_ : double_;
   engine.respond(z.data(), velocity.data());
   if (data_.units.size() > 0) velocity.array() *= data_.units.view().array();
-}
-
-bool ContactLemke::may_use(ContactArithmetic arithmetic) const {
-  return arithmetic == ContactArithmetic::kDouble || settings_.precision == ContactLemkePrecision::kCascade;
 }
 
 LoadedContacts& ContactLemke::engine_of(ContactArithmetic arithmetic) {
@@ -270,8 +267,8 @@ bool ContactLemke::climb(const ContactRung& rung, Rules rules, Progress& progres
   if (ending != Ending::kSolved) return false;
   const bool has_velocity = returns_velocity(settings_) && engine.polish(velocity_.data(), answer.z.data());
   Residual residual = (in_float() ? double_ : engine).complete(answer.z.data());
-  const bool in_doubt = residual.velocity <= settings_.accept_residual && !(residual.certain <= kClaimedResidual);
-  if (in_doubt && &engine == &double_ && may_use(ContactArithmetic::kDoubleDouble)) {
+  const bool in_doubt = residual.velocity <= kClaimedResidual && !(residual.certain <= kClaimedResidual);
+  if (in_doubt && (&engine == &double_ || &engine == &float_)) {
     residual = engine_of(ContactArithmetic::kDoubleDouble).complete(answer.z.data());
   }
   progress.is_beyond_double = &engine == &quad_ && !(residual.certain <= kClaimedResidual);

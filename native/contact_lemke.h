@@ -144,7 +144,6 @@ class ContactLemke final : public Solver {
   void reserve_engines(const contact_lemke::Input& input);
   void reserve_later_rungs(const contact_lemke::Input& input);
   bool in_float() const { return settings_.precision == ContactLemkePrecision::kFloat; }
-  bool may_use(ContactArithmetic arithmetic) const;
   LoadedContacts& engine_of(ContactArithmetic arithmetic);
   double roundoff_of(const LoadedContacts& engine) const;
   std::ptrdiff_t pivots_of_rung(const LoadedContacts& engine, const contact_lemke::Rules& rules) const;

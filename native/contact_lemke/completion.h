@@ -256,7 +256,7 @@ class Completion {
     const Scalar certain = certain_[0] > worst_[0] + rounding ? certain_[0] : worst_[0] + rounding;
     combine(contacts_.normals(), length, contacts_.ngc(), contacts_.velocity(), slack_.data(), length);
     const Scalar scale = largest_magnitude(slack_.data(), contacts_.nc());
-    if (!(certain <= static_cast<Scalar>(kNoDoubt) * scale)) return false;
+    if (!(scale > 0 && certain <= static_cast<Scalar>(kNoDoubt) * scale)) return false;
     residual.velocity = relative(worst_[0], scale);
     residual.certain = relative(certain, scale);
     return residual.certain < __builtin_inf();
@@ -283,10 +283,13 @@ class Completion {
       q += part;
       terms += magnitude(part);
       ++entries;
+      // Lost to underflow: no zero, but no scale either.
+      if (part == 0 && contacts_.velocity()[i] != 0) terms += static_cast<Scalar>(__DBL_DENORM_MIN__);
     }
     const Scalar floor = terms * static_cast<Scalar>(kFloor * static_cast<double>(entries + 1));
-    const Scalar larger_one = magnitude(q) > floor ? magnitude(q) : floor;
-    if (!(larger_one <= scale)) scale = number_or_infinity(larger_one);
+    Scalar own = magnitude(q) > floor ? magnitude(q) : floor;
+    if (own == 0) own = terms;
+    if (!(own <= scale)) scale = number_or_infinity(own);
   }
 
   static double larger(double a, double b) { return a >= b ? a : b; }
