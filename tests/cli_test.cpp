@@ -295,6 +295,8 @@ TEST_F(CommandLineTest, SolveJson) {
                         {"settings", "s"},
                         {"claim", "s"},
                         {"verdict", "s"},
+                        {"truth", "s"},
+                        {"why", "s"},
                         {"z", "a?"},
                         {"velocity", "a?"},
                         {"errors", "o"},
@@ -312,7 +314,8 @@ TEST_F(CommandLineTest, SolveJson) {
                                   {"violation_m_per_s", "n?"},
                                   {"work_gain_j", "n?"},
                                   {"complementarity_j", "n?"},
-                                  {"cone_violation", "n?"}});
+                                  {"cone_violation", "n?"},
+                                  {"worst_row", "n?"}});
     expect_fields(row["time"], {{"setup_s", "n"}, {"solve_s", "n"}, {"verify_s", "n"}});
     expect_fields(row["counters"], {{"iterations", "n?"}, {"pivots", "n?"}, {"factorizations", "n?"}});
     for (const json& count : row["counters"]) EXPECT_TRUE(count.is_null() || count.get<std::int64_t>() >= 0) << count;
