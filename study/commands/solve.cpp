@@ -249,7 +249,7 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
   TextTable table({{"solver", Align::kLeft},
                    {"claim", Align::kLeft},
                    {"verdict", Align::kLeft},
-                   {contact ? "residual/max|q|" : "backward error"},
+                   {contact ? "residual rho" : "backward error"},
                    {contact ? "violation m/s" : "natural residual"},
                    {"set-up"},
                    {"solve"},
