@@ -30,7 +30,8 @@ class Whitening {
     weight_.resize(contact_lanes_ + 1);
     columns_.resize(ngc_ * velocity_lanes_ + 1);
     inverse_diagonal_.resize(velocity_lanes_ + 1);
-    diagonal_.resize(velocity_lanes_ + 1);
+    inverse_.resize(ngc_ * velocity_lanes_ + 1);
+    inverse_begin_.resize(ngc_ + 1);
     pivots_.resize(velocity_lanes_ + 1);
     solution_.resize(velocity_lanes_ + 1);
     if (kLastPrecision || input.form != InertiaForm::kDense) reserve_factors(input);
@@ -40,6 +41,7 @@ class Whitening {
   bool load(const Input& input) {
     reserve(input);
     given_normals_ = input.N;
+    given_inertia_ = input.matrix;
     read_normals(input);
     rank_ = 0;
     triangular_ = false;
@@ -72,13 +74,33 @@ class Whitening {
   /// Relative size of the rounding errors in a whitened normal, about.
   Scalar noise() const { return noise_; }
 
-  /// C'C differs from G by no more than backward_error() times the roots of diagonal(i) diagonal(j) in each entry, and
-  /// the least eigenvalue of G scaled to unit diagonal is likely to be well above 1 / condition(). @pre triangular()
-  Scalar diagonal(Count i) const { return diagonal_[i]; }
+  /// Entry of G. @pre triangular()
+  double inertia(Count i, Count j) const { return given_inertia_[j * ngc_ + i]; }
+  /// Column of G, ngc() entries. @pre triangular()
+  const double* inertia_column(Count j) const { return given_inertia_ + j * ngc_; }
+  /// C'C differs from G by no more than this times the roots of G_ii G_jj in each entry. @pre triangular()
   Scalar backward_error() const {
     return static_cast<Scalar>(static_cast<double>(ngc_ + 1)) * static_cast<Scalar>(L::kUnitRoundoff);
   }
+  /// At least the inverse of the least eigenvalue of C'C scaled to unit diagonal, with room for what rounding adds
+  /// where G itself keeps nine tenths of that eigenvalue. @pre triangular()
   Scalar condition() const { return condition_; }
+
+  /// Sharpens condition(), once for each problem. @pre triangular()
+  ///
+  /// The trace of the inverse is never less than its norm. O(ngc^3 / 6); of blocks O(ngc) times their order.
+  void sharpen_condition() {
+    if (condition_is_sharp_) return;
+    condition_is_sharp_ = true;
+    Scalar* const squares = solution_.data();
+    set_zero(squares, velocity_lanes_);
+    for (Count i = 0; i < ngc_; ++i) add_squares_of_inverse(i, squares);
+    Scalar trace = 0;
+    for (Count i = 0; i < ngc_; ++i) trace += squares[i] * static_cast<Scalar>(inertia(i, i));
+    const Scalar bound = static_cast<Scalar>(kConditionRoom) * trace;
+    if (!(bound > condition_)) condition_ = bound;
+    if (!finite(condition_)) condition_ = kInfinity<Scalar>;
+  }
 
   /// Whitened normal `contact`, velocity_lanes() entries. Gathered from the rows on first use: many contacts never
   /// press.
@@ -128,13 +150,7 @@ class Whitening {
  private:
   static constexpr bool kLastPrecision = sizeof(Scalar) > sizeof(double);
   static constexpr Scalar kEpsilon = 2 * L::kUnitRoundoff;
-  static constexpr double kMargin = 100;  ///< of the estimated condition
-  static constexpr long long kRootBias = 0x1ff7a3bea91d9b1bLL;
-  static constexpr Count kProbeLength = 16;
-  static constexpr double kProbes[kProbeLength][2] = {{0.83, -1.21},  {-1.13, 0.79}, {1.27, 1.09},  {0.91, -0.87},
-                                                      {-0.77, -1.23}, {1.19, 0.97},  {-1.03, 1.17}, {0.71, 1.31},
-                                                      {-1.29, -0.73}, {0.89, -1.07}, {1.11, 0.81},  {-0.97, 1.33},
-                                                      {-1.17, -0.93}, {1.07, 1.03},  {0.73, -1.19}, {-0.87, 0.69}};
+  static constexpr double kConditionRoom = 1.2;
 
   void set_dimensions(const Input& input) {
     ngc_ = input.ngc;
@@ -142,14 +158,6 @@ class Whitening {
     velocity_lanes_ = L::padded(ngc_);
     contact_lanes_ = L::padded(nc_);
     stride_ = velocity_lanes_ + contact_lanes_;
-    if (contact_lanes_ - nc_ >= 2) {
-      probe_lane_ = velocity_lanes_ + nc_;
-    } else if (velocity_lanes_ - ngc_ >= 2) {
-      probe_lane_ = ngc_;
-    } else {
-      probe_lane_ = stride_;
-      stride_ += L::padded(2);
-    }
   }
 
   /// Solutions stand apart until all are known: a number stored among others holds up the next load of the register.
@@ -199,7 +207,6 @@ class Whitening {
       widen(row, G + i * ngc_, ngc_, velocity_lanes_);
       copy(row + velocity_lanes_, normals_.data() + i * contact_lanes_, contact_lanes_);
       inverse_diagonal_[i] = row[i];  // G_ii, until scale_rows
-      write_probes(i, row);
     }
     const Scalar least = static_cast<Scalar>(static_cast<double>(ngc_)) * kEpsilon;
     Scalar pivot = ngc_ > 0 ? work_row(0)[0] : Scalar(0);
@@ -242,11 +249,13 @@ class Whitening {
   /// Makes rows of [C W] of the eliminated ones, and the columns of C.
   void scale_rows() {
     for (Count i = ngc_; i < velocity_lanes_; ++i) inverse_diagonal_[i] = pivots_[i] = 1;
-    auto growth = L::broadcast(1);
+    auto growth = L::broadcast(1), product = L::broadcast(1);
     for (Count i = 0; i < velocity_lanes_; i += L::kWidth) {
-      growth = L::max(L::load(inverse_diagonal_.data() + i) / L::load(pivots_.data() + i), growth);
+      const auto ratio = L::load(inverse_diagonal_.data() + i) / L::load(pivots_.data() + i);
+      growth = L::max(ratio, growth);
+      product *= ratio;
     }
-    copy(diagonal_.data(), inverse_diagonal_.data(), velocity_lanes_);
+    bound_condition(product);
     // A loop of its own, which compilers turn into roots of whole registers.
     for (Count i = 0; i < velocity_lanes_; ++i) inverse_diagonal_[i] = 1 / L::square_root(pivots_[i]);
     for (Count i = 0; i < ngc_; ++i) {
@@ -256,44 +265,44 @@ class Whitening {
       for (Count j = 0; j <= i; ++j) column[j] = work_row(j)[i];
       for (Count j = i + 1; j < velocity_lanes_; ++j) column[j] = 0;
     }
-    const Scalar most = L::max(growth);
-    set_noise(L::square_root(most));
+    set_noise(L::square_root(L::max(growth)));
     for (Count i = 0; i < ngc_; ++i) {  // what elimination left below the diagonal
       for (Count j = i / L::kWidth * L::kWidth; j < i; ++j) work_row(i)[j] = 0;
     }
-    read_probes(most);
   }
 
-  /// Two right-hand sides beside the normals, in lanes that are padding: r scaled by about root(i). r'A^-1 r, A being G
-  /// scaled to unit diagonal, is on average the trace of A^-1.
-  void write_probes(Count i, Scalar* row) const {
-    if (probe_lane_ >= velocity_lanes_ + contact_lanes_) set_zero(row + probe_lane_, L::padded(2));
-    const Scalar size = about_root(row[i]);
-    row[probe_lane_] = static_cast<Scalar>(kProbes[i % kProbeLength][0]) * size;
-    row[probe_lane_ + 1] = static_cast<Scalar>(kProbes[i % kProbeLength][1]) * size;
+  /// Of the eigenvalues of G scaled to unit diagonal, whose sum is ngc, all but the least have a product of at most
+  /// (ngc / (ngc - 1))^(ngc - 1) < e: the least is no less than the determinant over e. @param product  of G_ii over the
+  /// pivots, by lanes
+  void bound_condition(typename L::Pack product) {
+    Scalar lanes[L::kWidth];
+    L::store(lanes, product);
+    Scalar whole = static_cast<Scalar>(kConditionRoom * 2.7182818284590453);
+    for (const Scalar lane : lanes) whole *= lane;
+    condition_ = finite(whole) ? whole : kInfinity<Scalar>;
+    condition_is_sharp_ = false;
   }
 
-  /// Takes the probes out of the rows. The growth of the pivots is another bound from below.
-  void read_probes(Scalar growth) {
-    Scalar first = 0, second = 0;
-    for (Count i = 0; i < ngc_; ++i) {
-      Scalar* const probes = work_row(i) + probe_lane_;
-      first += probes[0] * probes[0];
-      second += probes[1] * probes[1];
-      probes[0] = probes[1] = 0;
-    }
-    const Scalar trace = first > second ? first : second;
-    condition_ = static_cast<Scalar>(kMargin) * (trace > growth ? trace : growth);
-    if (!finite(condition_)) condition_ = kInfinity<Scalar>;
-  }
-
-  /// Within 7 % of the square root.
-  static Scalar about_root(Scalar x) {
-    if constexpr (sizeof(Scalar) == sizeof(double)) {
-      return static_cast<Scalar>(
-          __builtin_bit_cast(double, (__builtin_bit_cast(long long, static_cast<double>(x)) >> 1) + kRootBias));
-    } else {
-      return L::square_root(x);
+  /// Row i of C^-T; `squares` += those of its entries.
+  void add_squares_of_inverse(Count i, Scalar* squares) {
+    const Scalar* const column = columns_.data() + i * velocity_lanes_;
+    Count from = 0;
+    while (from < i && column[from] == 0) ++from;
+    Count begin = from == 0 ? 0 : i;  // of the row's nonzero entries
+    for (Count k = from; k < i && begin > 0; ++k) begin = inverse_begin_[k] < begin ? inverse_begin_[k] : begin;
+    begin = begin / L::kWidth * L::kWidth;
+    inverse_begin_[i] = begin;
+    const Count end = (i / L::kWidth + 1) * L::kWidth;
+    Scalar* const row = inverse_.data() + i * velocity_lanes_;
+    set_zero(row, velocity_lanes_);
+    row[i] = -1;
+    combine_rows(row + begin, row + begin, inverse_.data() + from * velocity_lanes_ + begin, velocity_lanes_,
+                 column + from, i - from, end - begin);
+    const auto factor = L::broadcast(-inverse_diagonal_[i]);
+    for (Count j = begin; j < end; j += L::kWidth) {
+      const auto entries = factor * L::load(row + j);
+      L::store(row + j, entries);
+      L::store(squares + j, L::load(squares + j) + entries * entries);
     }
   }
 
@@ -496,18 +505,20 @@ class Whitening {
   bool triangular_ = false;
   Scalar noise_ = 0;
   Scalar condition_ = 0;
-  Count probe_lane_ = 0;
+  bool condition_is_sharp_ = false;
 
   Buffer<Scalar> rows_;              // rank rows: [C W], or [S' W]
   Buffer<Scalar> columns_;           // of C
   Buffer<Scalar> inverse_diagonal_;  // of C; during the elimination the diagonal of G
-  Buffer<Scalar> diagonal_;          // of G
   Buffer<Scalar> pivots_;            // of the elimination
+  Buffer<Scalar> inverse_;           // C^-T by rows, where it is needed
+  Buffer<Count> inverse_begin_;      // of the nonzero entries of its rows
   Buffer<Scalar> solution_;
   Buffer<Scalar> normals_;   // N by rows
   Buffer<Scalar> whitened_;  // W by columns, those that is_gathered_
   Buffer<bool> is_gathered_;
   const double* given_normals_ = nullptr;
+  const double* given_inertia_ = nullptr;
   Buffer<Scalar> squared_norm_;  // |W_j|^2
   Buffer<Scalar> weight_;
 
