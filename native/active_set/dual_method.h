@@ -68,7 +68,7 @@ class DualMethod {
     }
     if (!write_answer(z, velocity)) {
       outcome.ending = Ending::kBreakdown;
-    } else if (!passes(basis_.size(), rules.accept_residual)) {
+    } else if (!passes(basis_.size(), rules.accept_residual, velocity_.data(), change_.data())) {
       outcome.ending = Ending::kRejected;
     }
     return outcome;
@@ -82,7 +82,7 @@ class DualMethod {
       if (z[j] != 0) active_[pressed++] = j;
     }
     for (Count j = whitening_.nc(); j < contact_lanes(); ++j) impulse_[j] = 0;
-    return passes(pressed, accept_residual);
+    return passes(pressed, accept_residual, nullptr, nullptr);
   }
 
  private:
@@ -399,8 +399,13 @@ class DualMethod {
   }
 
   /// Of impulse_, not zero for the first `pressed` contacts of active_ at most.
-  bool passes(Count pressed, double limit) {
-    return test_.passes({.v = v_.data(), .given = given_.data(), .impulse = impulse_.data(), .slack = slack_.data()},
+  bool passes(Count pressed, double limit, const Scalar* velocity, const Scalar* whitened_change) {
+    return test_.passes({.v = v_.data(),
+                         .given = given_.data(),
+                         .impulse = impulse_.data(),
+                         .slack = slack_.data(),
+                         .velocity = velocity,
+                         .whitened_change = whitened_change},
                         active_.data(), pressed, static_cast<Scalar>(limit));
   }
 

@@ -23,6 +23,8 @@ class VelocityTest {
     const Scalar* given;  ///< N'v
     const Scalar* impulse;
     Scalar* slack;
+    const Scalar* velocity = nullptr;         ///< about v + G* N z
+    const Scalar* whitened_change = nullptr;  ///< what velocity was made of: about C (u - v)
   };
 
   explicit VelocityTest(Whitening<Scalar>& whitening) : whitening_(whitening) {}
@@ -37,7 +39,6 @@ class VelocityTest {
 
   /// @pre the whitening is loaded, and usable
   void load(const Input& input) {
-    bound_coarsely();
     islands_ = input.island_of_contact == nullptr ? 1 : input.islands;
     island_of_contact_ = input.island_of_contact;
     island_of_coordinate_ = input.island_of_coordinate;
@@ -71,6 +72,7 @@ class VelocityTest {
   static constexpr double kTrusted = 0.1;           ///< share of G's least eigenvalue that rounding may take
   static constexpr double kRoom = 1.25;             ///< for G instead of C'C within kTrusted, and for rounding it
   static constexpr double kFloor = 0x1p-53 / 1e-4;  ///< of the verdict: the rounding of q in double counts as solved
+  static constexpr double kSafeSquare = 1e-280;     ///< no terms that matter beside it have underflowed
   static constexpr bool kTestedInDouble =
       sizeof(Scalar) < sizeof(double);  ///< by the engine that knows what float rounds
   static constexpr bool kHasMoreBits = sizeof(Scalar) == sizeof(double);
@@ -116,38 +118,62 @@ class VelocityTest {
       poison += least - least;
     }
     if (!(L::sum(poison) == 0)) return false;
-    // No impulse moves the velocities by more than this root, by Cauchy and Schwarz.
-    const Scalar moved =
-        L::square_root(L::max(largest) * L::sum(squares) * static_cast<Scalar>(static_cast<double>(pressed_)));
     const Scalar most = limit * largest_given(answer) - L::max(worst);
-    if (coarse_rounding_of_terms_ * moved <= most && !whitening_.triangular()) return true;
-    if (kTestedInDouble || !whitening_.triangular()) return kTestedInDouble && most >= 0;
-    const Scalar change = L::square_root(L::max(largest) * dot(change_.data(), change_.data(), lanes()));
-    if (coarse_rounding_of_change_ * change + coarse_rounding_of_terms_ * moved <= most) return true;
+    if (kTestedInDouble) return most >= 0;
+    // No impulse moves the velocities by more than the root of `moved`, by Cauchy and Schwarz.
+    const Scalar moved = L::max(largest) * L::sum(squares) * static_cast<Scalar>(static_cast<double>(pressed_));
+    if (!whitening_.triangular()) {
+      const Scalar sums = roundings(2 * static_cast<double>(whitening_.ngc()));
+      return (2 * whitening_.noise() + sums) * L::square_root(moved) <= most;
+    }
+    const Scalar change = L::max(largest) * dot(change_.data(), change_.data(), lanes());
+    if (is_within(most, change, moved)) return true;
+    if (answer.velocity != nullptr && is_within_by_velocity(answer, most, L::max(largest), moved)) return true;
     whitening_.sharpen_condition();
-    bound_coarsely();
-    return coarse_rounding_of_change_ * change + coarse_rounding_of_terms_ * moved <= most;
+    return is_within(most, change, moved);
   }
 
-  /// What rounding() is at most, whatever the answer: relative to |W_j| |x|_G, and to a bound on all |W_i'W_j| z_j that
-  /// count.
-  void bound_coarsely() {
-    coarse_rounding_of_change_ = coarse_rounding_of_terms_ = 0;
-    if (kTestedInDouble) return;
-    const Scalar sums = roundings(4 * static_cast<double>(whitening_.ngc()));
-    if (!whitening_.triangular()) {
-      coarse_rounding_of_terms_ = 2 * whitening_.noise() + sums;
-      return;
+  /// Whether rounding() is at most `most`: |E x| is no more than the root of `change`, the square of |W_j| |x|_G, times
+  /// lost(), and all else in terms of the root of `moved`.
+  bool is_within(Scalar most, Scalar change, Scalar moved) const {
+    if (!condition_is_trusted() || !(most >= 0)) return false;
+    if (moved == 0 && change == 0 && pressed_ == 0) return true;
+    return covers(most, lost() * lost() * change, moved);
+  }
+
+  /// The same with |x| in the metric of the diagonal of G, which most often is far less than |A^-1|^(1/2) |x|_G. A
+  /// velocity at hand gives it, but for what its whitened change differs from change_ by.
+  bool is_within_by_velocity(const Answer& answer, Scalar most, Scalar largest, Scalar moved) const {
+    if (!condition_is_trusted() || !(most >= 0)) return false;
+    Scalar change = 0, terms = 0, difference = 0;
+    for (Count i = 0; i < whitening_.ngc(); ++i) {
+      const Scalar diagonal = static_cast<Scalar>(whitening_.inertia(i, i));
+      const Scalar from = answer.v[i], to = answer.velocity[i];
+      const Scalar off = change_[i] - answer.whitened_change[i];
+      change += diagonal * (to - from) * (to - from);
+      terms += diagonal * (to * to + from * from);
+      difference += off * off;
     }
-    coarse_rounding_of_change_ = condition_is_trusted() ? lost() : kInfinity<Scalar>;
-    coarse_rounding_of_terms_ = sums * L::square_root(size() * whitening_.condition());
+    const Scalar condition = whitening_.condition();
+    const Scalar roundoff = static_cast<Scalar>(L::kUnitRoundoff);
+    const Scalar squared = static_cast<Scalar>(1.1) * change + 22 * (condition * difference + 2 * roundoff * roundoff * terms);
+    const Scalar error = size() * whitening_.backward_error();
+    return covers(most, largest * condition * error * error * squared, moved);
+  }
+
+  /// Of squares, without roots: (a + b)^2 <= 1.1 a^2 + 11 b^2.
+  bool covers(Scalar most, Scalar of_change, Scalar moved) const {
+    const Scalar sums = roundings(4 * static_cast<double>(whitening_.ngc()));
+    const Scalar of_terms = sums * sums * size() * whitening_.condition() * moved;
+    return most * most > static_cast<Scalar>(kSafeSquare) &&
+           static_cast<Scalar>(1.1) * of_change + 11 * of_terms <= most * most;
   }
 
   /// At most the share of G's least eigenvalue, scaled to unit diagonal, that the rounding of C may take.
   Scalar lost() const { return size() * whitening_.backward_error() * whitening_.condition(); }
   bool condition_is_trusted() const { return lost() < static_cast<Scalar>(kTrusted); }
 
-  bool passes_by_islands(const Answer& answer, Scalar limit) {
+  [[gnu::noinline]] bool passes_by_islands(const Answer& answer, Scalar limit) {
     if (!kTestedInDouble && whitening_.triangular()) whitening_.sharpen_condition();
     for (Count k = 0; k < islands_; ++k) measures_[k] = Measure();
     for (Count i = 0; i < whitening_.ngc() && whitening_.triangular(); ++i) {
@@ -160,12 +186,16 @@ class VelocityTest {
       if (k >= 0 && !add_given(answer, j, measures_[k])) return false;
     }
     if constexpr (kHasMoreBits) {
-      if (measures_residual()) measure_residual(answer);
+      if (measures_residual()) {
+        move_contacts(answer);
+        is_compensated_ = false;
+        measure_residual(answer);
+        if (measure_worst(answer) && islands_pass(limit)) return true;
+        is_compensated_ = true;
+        measure_residual(answer);
+      }
     }
-    for (Count j = 0; j < whitening_.nc(); ++j) {
-      const Count k = island_of_contact(j);
-      if (k >= 0 && !add_worst(answer, j, measures_[k])) return false;
-    }
+    if (!measure_worst(answer)) return false;
     if (islands_pass(limit)) return true;
     for (Count j = 0; j < whitening_.nc(); ++j) {
       const Count k = island_of_contact(j);
@@ -174,6 +204,15 @@ class VelocityTest {
       measures_[k].scale = floor > measures_[k].scale ? floor : measures_[k].scale;
     }
     return islands_pass(limit);
+  }
+
+  bool measure_worst(const Answer& answer) {
+    for (Count k = 0; k < islands_; ++k) measures_[k].worst = 0;
+    for (Count j = 0; j < whitening_.nc(); ++j) {
+      const Count k = island_of_contact(j);
+      if (k >= 0 && !add_worst(answer, j, measures_[k])) return false;
+    }
+    return true;
   }
 
   bool islands_pass(Scalar limit) const {
@@ -240,22 +279,20 @@ class VelocityTest {
     // Of r itself, in which N z and G x cancel.
     const double terms = static_cast<double>(whitening_.ngc() + pressed_);
     const Scalar bits = static_cast<Scalar>(kLongUnitRoundoff * (kRoundings + terms));
-    const Scalar own = bits * (L::square_root(size()) * island.terms + size() * L::square_root(island.squared_change));
+    const Scalar of_impulse = L::square_root(size()) * island.terms;
+    const Scalar of_change = size() * L::square_root(island.squared_change);
+    const Scalar own = is_compensated_ ? bits * (2 * of_change + bits * of_impulse) : bits * (of_change + of_impulse);
     const Scalar residual = L::square_root(island.squared_residual) + L::square_root(whitening_.condition()) * own;
     return static_cast<Scalar>(kRoom) * L::square_root(whitening_.squared_norm(j)) * residual +
            roundings(static_cast<double>(whitening_.ngc())) * terms_[j];
   }
 
-  /// Of x = change_, u - v: r by islands, and slack = w from x as it is, with terms_ = the magnitudes of what it adds.
-  void measure_residual(const Answer& answer) {
+  /// r by islands, of x = change_, u - v. Where large impulses cancel, N z is summed with compensation.
+  [[gnu::noinline]] void measure_residual(const Answer& answer) {
     const Count ngc = whitening_.ngc();
     for (Count i = 0; i < ngc; ++i) {
       const double* const column = whitening_.inertia_column(i);
-      long double first = 0, second = 0;
-      for (Count k = 0; k < pressed_; ++k) {
-        first += static_cast<long double>(whitening_.given_normal(active_[k])[i]) *
-                 static_cast<long double>(answer.impulse[active_[k]]);
-      }
+      long double first = is_compensated_ ? compensated_impulse(answer, i) : impulse(answer, i), second = 0;
       Count j = 0;
       for (; j + 1 < ngc; j += 2) {
         first -= static_cast<long double>(column[j]) * static_cast<long double>(change_[j]);
@@ -266,13 +303,42 @@ class VelocityTest {
     }
     for (Count i = ngc; i < lanes(); ++i) residual_[i] = 0;
     whitening_.solve_transposed(residual_.data());
+    for (Count k = 0; k < islands_; ++k) measures_[k].squared_residual = 0;
     for (Count i = 0; i < ngc; ++i) {
       const Count k = island_of_coordinate_ == nullptr ? 0 : island_of_coordinate_[i];
       if (k >= 0) measures_[k].squared_residual += residual_[i] * residual_[i];
     }
-    move_contacts(answer);
   }
 
+  /// (N z)_i
+  long double impulse(const Answer& answer, Count i) const {
+    long double sum = 0;
+    for (Count k = 0; k < pressed_; ++k) {
+      sum += static_cast<long double>(whitening_.given_normal(active_[k])[i]) *
+             static_cast<long double>(answer.impulse[active_[k]]);
+    }
+    return sum;
+  }
+
+  /// The same, off by about the rounding of the result alone. [Ogita, Rump, Oishi 2005, Dot2]
+  long double compensated_impulse(const Answer& answer, Count i) const {
+    long double sum = 0, rest = 0;
+    for (Count k = 0; k < pressed_; ++k) {
+      const double entry = whitening_.given_normal(active_[k])[i];
+      const double factor = answer.impulse[active_[k]];
+      const double product = entry * factor;
+      if (!(product * product > kSafeSquare) && entry != 0 && factor != 0) return __builtin_infl();  // it lost digits
+      const long double term = product;  // products and sums of different types are not contracted
+      const long double next = sum + term;
+      const long double part = next - sum;
+      rest += (sum - (next - part)) + (term - part);
+      rest += __builtin_fma(entry, factor, -product);
+      sum = next;
+    }
+    return sum + rest;
+  }
+
+  /// slack = w from x = change_ as it is, terms_ = the magnitudes of what x adds to it.
   void move_contacts(const Answer& answer) {
     for (Count j = 0; j < contact_lanes(); j += L::kWidth) {
       auto sum = L::load(answer.given + j), terms = L::broadcast(0);
@@ -289,11 +355,10 @@ class VelocityTest {
   Whitening<Scalar>& whitening_;
   const Count* active_ = nullptr;
   Count pressed_ = 0;
+  bool is_compensated_ = false;
   Buffer<Scalar> change_;    // C^-T N z, then u - v
   Buffer<Scalar> residual_;  // of u - v
   Buffer<Scalar> terms_;     // by contact
-  Scalar coarse_rounding_of_change_ = 0;
-  Scalar coarse_rounding_of_terms_ = 0;
   Count islands_ = 1;
   const Count* island_of_contact_ = nullptr;  // nullptr: all are in one
   const Count* island_of_coordinate_ = nullptr;

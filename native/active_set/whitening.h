@@ -32,6 +32,7 @@ class Whitening {
     inverse_diagonal_.resize(velocity_lanes_ + 1);
     inverse_.resize(ngc_ * velocity_lanes_ + 1);
     inverse_begin_.resize(ngc_ + 1);
+    unit_.resize(2 * L::kWidth);
     pivots_.resize(velocity_lanes_ + 1);
     solution_.resize(velocity_lanes_ + 1);
     if (kLastPrecision || input.form != InertiaForm::kDense) reserve_factors(input);
@@ -89,9 +90,11 @@ class Whitening {
   /// Sharpens condition(), once for each problem. @pre triangular()
   ///
   /// The trace of the inverse is never less than its norm. O(ngc^3 / 6); of blocks O(ngc) times their order.
-  void sharpen_condition() {
+  [[gnu::noinline]] void sharpen_condition() {
     if (condition_is_sharp_) return;
     condition_is_sharp_ = true;
+    set_zero(unit_.data(), 2 * L::kWidth);
+    unit_[L::kWidth] = 1;
     Scalar* const squares = solution_.data();
     set_zero(squares, velocity_lanes_);
     for (Count i = 0; i < ngc_; ++i) add_squares_of_inverse(i, squares);
@@ -127,7 +130,7 @@ class Whitening {
   }
 
   /// x := C^-T x. @pre triangular()
-  void solve_transposed(Scalar* x) {
+  [[gnu::always_inline]] inline void solve_transposed(Scalar* x) {
     for (Count i = 0; i < ngc_; ++i) {
       const Scalar value = x[i] * inverse_diagonal_[i];
       const Count first = i / L::kWidth * L::kWidth;
@@ -151,6 +154,11 @@ class Whitening {
   static constexpr bool kLastPrecision = sizeof(Scalar) > sizeof(double);
   static constexpr Scalar kEpsilon = 2 * L::kUnitRoundoff;
   static constexpr double kConditionRoom = 1.2;
+#if defined(LCPBENCH_WITH_QUAD)
+  static constexpr double kLeastPivot = 0;
+#else
+  static constexpr double kLeastPivot = sizeof(Scalar) < sizeof(double) ? 0x1p-100 : 0x1p-900;
+#endif
 
   void set_dimensions(const Input& input) {
     ngc_ = input.ngc;
@@ -189,10 +197,9 @@ class Whitening {
 
   bool factor_dense(const double* G) {
     if (eliminate(G)) {
-      scale_rows();
       triangular_ = true;
       rank_ = ngc_;
-      return true;
+      return scale_rows();
     }
     // Singular to this precision. Only the last precision may say that it is singular: to within the rounding of the
     // doubles that it was given in, the cut of the pseudo-inverse everywhere in this program.
@@ -246,12 +253,15 @@ class Whitening {
     }
   }
 
-  /// Makes rows of [C W] of the eliminated ones, and the columns of C.
-  void scale_rows() {
+  /// Makes rows of [C W] of the eliminated ones, and the columns of C. False where pivots have too few digits left that
+  /// doubles do not lose to underflow.
+  bool scale_rows() {
     for (Count i = ngc_; i < velocity_lanes_; ++i) inverse_diagonal_[i] = pivots_[i] = 1;
-    auto growth = L::broadcast(1), product = L::broadcast(1);
+    auto growth = L::broadcast(1), product = L::broadcast(1), least = L::broadcast(1);
     for (Count i = 0; i < velocity_lanes_; i += L::kWidth) {
-      const auto ratio = L::load(inverse_diagonal_.data() + i) / L::load(pivots_.data() + i);
+      const auto pivots = L::load(pivots_.data() + i);
+      const auto ratio = L::load(inverse_diagonal_.data() + i) / pivots;
+      least = L::min(pivots, least);
       growth = L::max(ratio, growth);
       product *= ratio;
     }
@@ -269,6 +279,7 @@ class Whitening {
     for (Count i = 0; i < ngc_; ++i) {  // what elimination left below the diagonal
       for (Count j = i / L::kWidth * L::kWidth; j < i; ++j) work_row(i)[j] = 0;
     }
+    return !(-L::max(-least) < static_cast<Scalar>(kLeastPivot));
   }
 
   /// Of the eigenvalues of G scaled to unit diagonal, whose sum is ngc, all but the least have a product of at most
@@ -294,16 +305,27 @@ class Whitening {
     inverse_begin_[i] = begin;
     const Count end = (i / L::kWidth + 1) * L::kWidth;
     Scalar* const row = inverse_.data() + i * velocity_lanes_;
-    set_zero(row, velocity_lanes_);
-    row[i] = -1;
-    combine_rows(row + begin, row + begin, inverse_.data() + from * velocity_lanes_ + begin, velocity_lanes_,
-                 column + from, i - from, end - begin);
-    const auto factor = L::broadcast(-inverse_diagonal_[i]);
+    set_zero(row, begin);
+    set_zero(row + end, velocity_lanes_ - end);
+    const auto factor = L::broadcast(inverse_diagonal_[i]);
     for (Count j = begin; j < end; j += L::kWidth) {
-      const auto entries = factor * L::load(row + j);
+      auto sum = j + L::kWidth < end ? L::broadcast(0) : unit_pack(i % L::kWidth);
+      auto other = L::broadcast(0);
+      Count k = from;
+      for (; k + 1 < i; k += 2) {
+        sum += L::broadcast(-column[k]) * L::load(inverse_.data() + k * velocity_lanes_ + j);
+        other += L::broadcast(-column[k + 1]) * L::load(inverse_.data() + (k + 1) * velocity_lanes_ + j);
+      }
+      if (k < i) sum += L::broadcast(-column[k]) * L::load(inverse_.data() + k * velocity_lanes_ + j);
+      const auto entries = factor * (sum + other);
       L::store(row + j, entries);
       L::store(squares + j, L::load(squares + j) + entries * entries);
     }
+  }
+
+  /// 1 in one lane, made without storing a number apart, which would hold up the load of the register.
+  typename L::Pack unit_pack(Count lane) const {
+    return L::load(unit_.data() + L::kWidth - lane);
   }
 
   /// Rounding errors grow with the cancellation in the pivots; the constant leaves room for their number.
@@ -512,6 +534,7 @@ class Whitening {
   Buffer<Scalar> inverse_diagonal_;  // of C; during the elimination the diagonal of G
   Buffer<Scalar> pivots_;            // of the elimination
   Buffer<Scalar> inverse_;           // C^-T by rows, where it is needed
+  Buffer<Scalar> unit_;              // zeros but for a 1 at the width of a register
   Buffer<Count> inverse_begin_;      // of the nonzero entries of its rows
   Buffer<Scalar> solution_;
   Buffer<Scalar> normals_;   // N by rows
