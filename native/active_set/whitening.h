@@ -203,8 +203,19 @@ class Whitening {
     }
     // Singular to this precision. Only the last precision may say that it is singular: to within the rounding of the
     // doubles that it was given in, the cut of the pseudo-inverse everywhere in this program.
-    if (!kLastPrecision) return false;
+    if (!kLastPrecision || mixes_scales(G)) return false;
     return factor_semidefinite(G, Scalar(0x1p-52)) && make_response(factor_count_);
+  }
+
+  /// Whether a coordinate is so light beside another that the cut of the pseudo-inverse might take it for none.
+  bool mixes_scales(const double* G) const {
+    double largest = 0;
+    for (Count i = 0; i < ngc_; ++i) largest = G[i * ngc_ + i] > largest ? G[i * ngc_ + i] : largest;
+    for (Count i = 0; i < ngc_; ++i) {
+      const double entry = G[i * ngc_ + i];
+      if (entry != 0 && !(entry > 0x1p-40 * largest)) return true;
+    }
+    return false;
   }
 
   /// Rows of [G N] become unit upper triangular times pivots.
