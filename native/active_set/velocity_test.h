@@ -156,7 +156,8 @@ class VelocityTest {
     }
     const Scalar condition = whitening_.condition();
     const Scalar roundoff = static_cast<Scalar>(L::kUnitRoundoff);
-    const Scalar squared = static_cast<Scalar>(1.1) * change + 22 * (condition * difference + 2 * roundoff * roundoff * terms);
+    const Scalar squared =
+        static_cast<Scalar>(1.1) * change + 22 * (condition * difference + 2 * roundoff * roundoff * terms);
     const Scalar error = size() * whitening_.backward_error();
     return covers(most, largest * condition * error * error * squared, moved);
   }

@@ -294,8 +294,8 @@ class Whitening {
   }
 
   /// Of the eigenvalues of G scaled to unit diagonal, whose sum is ngc, all but the least have a product of at most
-  /// (ngc / (ngc - 1))^(ngc - 1) < e: the least is no less than the determinant over e. @param product  of G_ii over the
-  /// pivots, by lanes
+  /// (ngc / (ngc - 1))^(ngc - 1) < e: the least is no less than the determinant over e. @param product  of G_ii over
+  /// the pivots, by lanes
   void bound_condition(typename L::Pack product) {
     Scalar lanes[L::kWidth];
     L::store(lanes, product);
@@ -335,9 +335,7 @@ class Whitening {
   }
 
   /// 1 in one lane, made without storing a number apart, which would hold up the load of the register.
-  typename L::Pack unit_pack(Count lane) const {
-    return L::load(unit_.data() + L::kWidth - lane);
-  }
+  typename L::Pack unit_pack(Count lane) const { return L::load(unit_.data() + L::kWidth - lane); }
 
   /// Rounding errors grow with the cancellation in the pivots; the constant leaves room for their number.
   void set_noise(Scalar growth) { noise_ = 16 * kEpsilon * growth; }
