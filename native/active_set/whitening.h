@@ -1,6 +1,7 @@
 #pragma once
 
 #include "native/active_set/arithmetic.h"
+#include "native/active_set/inverse_trace.h"
 #include "native/active_set/orthogonal_basis.h"
 #include "native/active_set_engine.h"
 
@@ -30,9 +31,7 @@ class Whitening {
     weight_.resize(contact_lanes_ + 1);
     columns_.resize(ngc_ * velocity_lanes_ + 1);
     inverse_diagonal_.resize(velocity_lanes_ + 1);
-    inverse_.resize(ngc_ * velocity_lanes_ + 1);
-    inverse_begin_.resize(ngc_ + 1);
-    unit_.resize(2 * L::kWidth);
+    inverse_trace_.reserve(ngc_);
     pivots_.resize(velocity_lanes_ + 1);
     solution_.resize(velocity_lanes_ + 1);
     if (kLastPrecision || input.form != InertiaForm::kDense) reserve_factors(input);
@@ -93,13 +92,7 @@ class Whitening {
   [[gnu::noinline]] void sharpen_condition() {
     if (condition_is_sharp_) return;
     condition_is_sharp_ = true;
-    set_zero(unit_.data(), 2 * L::kWidth);
-    unit_[L::kWidth] = 1;
-    Scalar* const squares = solution_.data();
-    set_zero(squares, velocity_lanes_);
-    for (Count i = 0; i < ngc_; ++i) add_squares_of_inverse(i, squares);
-    Scalar trace = 0;
-    for (Count i = 0; i < ngc_; ++i) trace += squares[i] * static_cast<Scalar>(inertia(i, i));
+    const Scalar trace = inverse_trace_.of(columns_.data(), inverse_diagonal_.data(), given_inertia_, ngc_);
     const Scalar bound = static_cast<Scalar>(kConditionRoom) * trace;
     if (!(bound > condition_)) condition_ = bound;
     if (!finite(condition_)) condition_ = kInfinity<Scalar>;
@@ -304,38 +297,6 @@ class Whitening {
     condition_ = finite(whole) ? whole : kInfinity<Scalar>;
     condition_is_sharp_ = false;
   }
-
-  /// Row i of C^-T; `squares` += those of its entries.
-  void add_squares_of_inverse(Count i, Scalar* squares) {
-    const Scalar* const column = columns_.data() + i * velocity_lanes_;
-    Count from = 0;
-    while (from < i && column[from] == 0) ++from;
-    Count begin = from == 0 ? 0 : i;  // of the row's nonzero entries
-    for (Count k = from; k < i && begin > 0; ++k) begin = inverse_begin_[k] < begin ? inverse_begin_[k] : begin;
-    begin = begin / L::kWidth * L::kWidth;
-    inverse_begin_[i] = begin;
-    const Count end = (i / L::kWidth + 1) * L::kWidth;
-    Scalar* const row = inverse_.data() + i * velocity_lanes_;
-    set_zero(row, begin);
-    set_zero(row + end, velocity_lanes_ - end);
-    const auto factor = L::broadcast(inverse_diagonal_[i]);
-    for (Count j = begin; j < end; j += L::kWidth) {
-      auto sum = j + L::kWidth < end ? L::broadcast(0) : unit_pack(i % L::kWidth);
-      auto other = L::broadcast(0);
-      Count k = from;
-      for (; k + 1 < i; k += 2) {
-        sum += L::broadcast(-column[k]) * L::load(inverse_.data() + k * velocity_lanes_ + j);
-        other += L::broadcast(-column[k + 1]) * L::load(inverse_.data() + (k + 1) * velocity_lanes_ + j);
-      }
-      if (k < i) sum += L::broadcast(-column[k]) * L::load(inverse_.data() + k * velocity_lanes_ + j);
-      const auto entries = factor * (sum + other);
-      L::store(row + j, entries);
-      L::store(squares + j, L::load(squares + j) + entries * entries);
-    }
-  }
-
-  /// 1 in one lane, made without storing a number apart, which would hold up the load of the register.
-  typename L::Pack unit_pack(Count lane) const { return L::load(unit_.data() + L::kWidth - lane); }
 
   /// Rounding errors grow with the cancellation in the pivots; the constant leaves room for their number.
   void set_noise(Scalar growth) { noise_ = 16 * kEpsilon * growth; }
@@ -542,9 +503,7 @@ class Whitening {
   Buffer<Scalar> columns_;           // of C
   Buffer<Scalar> inverse_diagonal_;  // of C; during the elimination the diagonal of G
   Buffer<Scalar> pivots_;            // of the elimination
-  Buffer<Scalar> inverse_;           // C^-T by rows, where it is needed
-  Buffer<Scalar> unit_;              // zeros but for a 1 at the width of a register
-  Buffer<Count> inverse_begin_;      // of the nonzero entries of its rows
+  InverseTrace<Scalar> inverse_trace_;
   Buffer<Scalar> solution_;
   Buffer<Scalar> normals_;   // N by rows
   Buffer<Scalar> whitened_;  // W by columns, those that is_gathered_
