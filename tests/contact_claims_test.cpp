@@ -78,6 +78,16 @@ TEST(ContactClaimsTest, HoldWithFrictionWhereTheInertiaIsNearlySingular) {
   for (const std::string& solver : kOnContacts) expect_honest(solver, problem);
 }
 
+/// Beside a nearly singular block, a mass too small for its inverse to be a double.
+TEST(ContactClaimsTest, HoldWhereALightCoordinateIsNoneToDouble) {
+  const Matrix G{{5e-324, 0, 0}, {0, 36.00000000001092, 30}, {0, 30, 25}};
+  const Vector v{{0.14597034454345703, 0.37563133239746094, -3}};
+  const Problem problem = contacts(v, Matrix{{4, 3, 4}}.transpose(), DenseInertia{G});
+  for (const char* solver : {"auto", "active_set", "velocity_ipm", "contact_lemke"}) {
+    EXPECT_NE(solve(solver, problem).claim, Claim::kSolved) << solver;
+  }
+}
+
 TEST(ContactClaimsTest, HoldOnTheTrialAt1e12WhereTheyDidNot) {
   const Problem problem = open_set("paper/monotone/exp2{condition=1e12,redundancy=combination}")->generate(881, 7637);
   for (const std::string& solver : kOnContacts) expect_honest(solver, problem);

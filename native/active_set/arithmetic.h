@@ -134,7 +134,7 @@ inline void widen(Scalar* to, const double* from, Count size, Count padded) {
 }
 
 template <class Scalar>
-inline Scalar dot(const Scalar* x, const Scalar* y, Count size) {
+[[gnu::always_inline]] inline Scalar dot(const Scalar* x, const Scalar* y, Count size) {
   using L = Lanes<Scalar>;
   if (size == L::kWidth) return L::sum(L::load(x) * L::load(y));
   if (size == 2 * L::kWidth) {

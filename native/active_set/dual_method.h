@@ -1,5 +1,6 @@
 #pragma once
 
+#include "native/active_set/velocity_test.h"
 #include "native/active_set/whitening.h"
 
 namespace lcpbench::active_set::LCPBENCH_LEVEL {
@@ -23,24 +24,21 @@ class DualMethod {
     const Count vectors = L::padded(input.ngc);
     const Count contacts = L::padded(input.nc);
     const Count most = most_active(input);
-    Buffer<Scalar>* const by_coordinate[] = {&v_, &y0_, &change_, &velocity_, &test_, &rest_};
+    Buffer<Scalar>* const by_coordinate[] = {&v_, &y0_, &change_, &velocity_, &rest_};
     for (Buffer<Scalar>* buffer : by_coordinate) buffer->resize(vectors + 1);
     Buffer<Scalar>* const by_contact[] = {&given_, &slack_, &weight_, &merit_, &impulse_};
     for (Buffer<Scalar>* buffer : by_contact) buffer->resize(contacts + 1);
     Buffer<Scalar>* const by_active_contact[] = {&pressed_, &share_, &coefficients_, &remaining_};
     for (Buffer<Scalar>* buffer : by_active_contact) buffer->resize(most + 2);
     active_.resize(input.nc + 1);
-    measures_.resize(input.nc + 1);  // islands have contacts: there are no more of them
     basis_.reserve(vectors, most);
+    test_.reserve(input);
   }
 
   void load(const Input& input) {
     reserve(input);
     usable_ = whitening_.load(input);
-    if (usable_) coarse_rounding_ = coarse_rounding();
-    islands_ = input.island_of_contact == nullptr ? 1 : input.islands;
-    island_of_contact_ = input.island_of_contact;
-    island_of_coordinate_ = input.island_of_coordinate;
+    if (usable_) test_.load(input);
     update(input.v);
   }
 
@@ -70,7 +68,7 @@ class DualMethod {
     }
     if (!write_answer(z, velocity)) {
       outcome.ending = Ending::kBreakdown;
-    } else if (!passes(basis_.size(), static_cast<Scalar>(rules.accept_residual))) {
+    } else if (!passes(basis_.size(), rules.accept_residual, velocity_.data(), change_.data())) {
       outcome.ending = Ending::kRejected;
     }
     return outcome;
@@ -84,16 +82,11 @@ class DualMethod {
       if (z[j] != 0) active_[pressed++] = j;
     }
     for (Count j = whitening_.nc(); j < contact_lanes(); ++j) impulse_[j] = 0;
-    return passes(pressed, static_cast<Scalar>(accept_residual));
+    return passes(pressed, accept_residual, nullptr, nullptr);
   }
 
  private:
   static constexpr Count kStepsPerClockReading = 16;
-  static constexpr double kTestRoundings = 8;       ///< of a sum of products, beside one for each of them
-  static constexpr double kTrusted = 0.1;           ///< share of G's least eigenvalue that rounding may take
-  static constexpr double kFloor = 0x1p-53 / 1e-4;  ///< of the verdict: the rounding of q in double counts as solved
-  static constexpr bool kTestedInDouble =
-      sizeof(Scalar) < sizeof(double);  ///< by the engine that knows what float rounds
   static constexpr bool kLastPrecision = sizeof(Scalar) > sizeof(double);
 
   static Count most_active(const Input& input) { return input.ngc < input.nc ? input.ngc : input.nc; }
@@ -405,139 +398,15 @@ class DualMethod {
     }
   }
 
-  Scalar largest_given() const {
-    auto largest = L::broadcast(0);
-    for (Count j = 0; j < contact_lanes(); j += L::kWidth) {
-      const auto given = L::load(given_.data() + j);
-      largest = L::max(L::max(given, -given), largest);
-    }
-    return L::max(largest);
-  }
-
-  /// What an answer is worth, over an island or all.
-  struct Measure {
-    Scalar worst = 0;           ///< max |min(|W_j|^2 z_j, w_j)|
-    Scalar largest = 0;         ///< max |W_j|^2
-    Scalar terms = 0;           ///< sum of |W_j| z_j
-    Scalar squared_change = 0;  ///< sum of (u - v)_i^2 G_ii
-    Scalar scale = 0;           ///< max|q|, or the floor that the rounding of q sets
-  };
-
-  /// Whether each island's residual with its rounding is within `limit` of its scale, w = N'(v + G* N z) from the
-  /// normals as given; z is impulse_, and not zero for the first `pressed` contacts of active_ at most.
-  bool passes(Count pressed, Scalar limit) {
-    set_zero(test_.data(), lanes());
-    for (Count k = 0; k < pressed; ++k) {
-      const Count contact = active_[k];
-      add_unpadded_multiple(test_.data(), impulse_[contact], whitening_.given_normal(contact), whitening_.ngc());
-    }
-    if (whitening_.triangular()) {
-      whitening_.solve_transposed(test_.data());
-    } else {
-      whitening_.project(test_.data(), change_.data());
-      copy(test_.data(), change_.data(), lanes());
-    }
-    combine_rows(slack_.data(), given_.data(), whitening_.row(0), whitening_.row_stride(), test_.data(),
-                 whitening_.rank(), contact_lanes());
-    if (islands_ == 1 && passes_as_a_whole(pressed, limit)) return true;
-    if (whitening_.triangular()) whitening_.solve(test_.data());  // u - v
-    return passes_by_islands(pressed, limit);
-  }
-
-  /// All contacts in one island, max|q| for its scale, and a coarse bound for all rounding.
-  bool passes_as_a_whole(Count pressed, Scalar limit) {
-    auto worst = L::broadcast(0), largest = L::broadcast(0), squares = L::broadcast(0), poison = L::broadcast(0);
-    for (Count j = 0; j < contact_lanes(); j += L::kWidth) {
-      const auto squared = L::load(whitening_.squared_norms() + j);
-      const auto impulse = L::load(impulse_.data() + j);
-      const auto pressure = squared * impulse;
-      const auto least = L::min(pressure, L::load(slack_.data() + j));
-      squares += pressure * impulse;
-      worst = L::max(L::max(least, -least), worst);
-      largest = L::max(squared, largest);
-      poison += least - least;
-    }
-    if (!(L::sum(poison) == 0)) return false;
-    // No impulse moves the velocities by more than this root, by Cauchy and Schwarz.
-    const Scalar moved =
-        L::square_root(L::max(largest) * L::sum(squares) * static_cast<Scalar>(static_cast<double>(pressed)));
-    return L::max(worst) + coarse_rounding_ * moved <= limit * largest_given();
-  }
-
-  void add_terms(Count contact, Measure& measure) const {
-    measure.terms += L::square_root(whitening_.squared_norm(contact)) * magnitude(impulse_[contact]);
-  }
-
-  void add_change(Count i, Measure& measure) const {
-    measure.squared_change += whitening_.diagonal(i) * test_[i] * test_[i];
-  }
-
-  bool passes(const Measure& measure, Count pressed, Scalar limit) const {
-    return measure.worst + rounding(measure, pressed) <= limit * measure.scale;
-  }
-
-  /// How far the velocity of a contact of the island may be off. For G = C'C - E the change x of u is off by G^-1 of
-  /// E x and of what N z is rounded by, d: with A = G scaled to unit diagonal, no row sees more of that than |W_j|
-  /// times the root of |A^-1| times the norm of (E x - d) scaled alike.
-  Scalar rounding(const Measure& measure, Count pressed) const {
-    if (kTestedInDouble) return 0;
-    if (!(measure.terms > 0)) return measure.terms == 0 ? Scalar(0) : kInfinity<Scalar>;
-    const Scalar reach = L::square_root(measure.largest);
-    const Scalar size = static_cast<Scalar>(static_cast<double>(whitening_.ngc()));
-    const Scalar sums = static_cast<Scalar>(kTestRoundings + static_cast<double>(whitening_.ngc() + pressed)) *
-                        static_cast<Scalar>(L::kUnitRoundoff);
-    if (!whitening_.triangular()) return reach * measure.terms * (2 * whitening_.noise() + sums);
-    const Scalar error = size * whitening_.backward_error();
-    if (!(error * whitening_.condition() < static_cast<Scalar>(kTrusted))) return kInfinity<Scalar>;
-    return reach * L::square_root(whitening_.condition()) *
-           (error * L::square_root(measure.squared_change) + sums * L::square_root(size) * measure.terms);
-  }
-
-  /// rounding(), relative to a bound on all |W_i'W_j| z_j that count, whatever the answer.
-  Scalar coarse_rounding() const {
-    if (kTestedInDouble) return 0;
-    const Scalar size = static_cast<Scalar>(static_cast<double>(whitening_.ngc()));
-    const Scalar sums = static_cast<Scalar>(kTestRoundings + 2 * static_cast<double>(whitening_.ngc())) *
-                        static_cast<Scalar>(L::kUnitRoundoff);
-    if (!whitening_.triangular()) return 2 * whitening_.noise() + sums;
-    const Scalar lost = size * whitening_.backward_error() * whitening_.condition();
-    if (!(lost < static_cast<Scalar>(kTrusted))) return kInfinity<Scalar>;
-    return lost + sums * L::square_root(size * whitening_.condition());
-  }
-
-  bool passes_by_islands(Count pressed, Scalar limit) {
-    for (Count k = 0; k < islands_; ++k) measures_[k] = Measure();
-    for (Count j = 0; j < whitening_.nc(); ++j) {
-      const Count k = island_of_contact_ == nullptr ? 0 : island_of_contact_[j];
-      if (k < 0) continue;
-      Measure& island = measures_[k];
-      const Scalar squared = whitening_.squared_norm(j);
-      const Scalar pressure = squared * impulse_[j];
-      const Scalar off = magnitude(slack_[j] < pressure ? slack_[j] : pressure);
-      if (!finite(pressure) || !finite(slack_[j])) return false;
-      island.worst = off > island.worst ? off : island.worst;
-      island.largest = squared > island.largest ? squared : island.largest;
-      add_terms(j, island);
-      const Scalar floor = static_cast<Scalar>(kFloor) * floor_terms(j);
-      const Scalar given = magnitude(given_[j]);
-      const Scalar scale = given > floor ? given : floor;
-      island.scale = scale > island.scale ? scale : island.scale;
-    }
-    for (Count i = 0; i < whitening_.ngc() && whitening_.triangular(); ++i) {
-      const Count k = island_of_coordinate_ == nullptr ? 0 : island_of_coordinate_[i];
-      if (k >= 0) add_change(i, measures_[k]);
-    }
-    for (Count k = 0; k < islands_; ++k) {
-      if (!passes(measures_[k], pressed, limit)) return false;
-    }
-    return true;
-  }
-
-  /// One more than the nonzero entries of the normal, times the sum of the magnitudes of what N_j'v adds up.
-  Scalar floor_terms(Count j) const {
-    Count entries = 1;
-    for (Count i = 0; i < whitening_.ngc(); ++i) entries += whitening_.given_normal(j)[i] != 0 ? 1 : 0;
-    return static_cast<Scalar>(static_cast<double>(entries)) * velocity_terms(j);
+  /// Of impulse_, not zero for the first `pressed` contacts of active_ at most.
+  bool passes(Count pressed, double limit, const Scalar* velocity, const Scalar* whitened_change) {
+    return test_.passes({.v = v_.data(),
+                         .given = given_.data(),
+                         .impulse = impulse_.data(),
+                         .slack = slack_.data(),
+                         .velocity = velocity,
+                         .whitened_change = whitened_change},
+                        active_.data(), pressed, static_cast<Scalar>(limit));
   }
 
   void write_farkas(double* u) {
@@ -573,13 +442,8 @@ class DualMethod {
   Buffer<Scalar> change_;  // y - y0; during the iteration that of one step
   Buffer<Scalar> velocity_;
   Buffer<Scalar> impulse_;  // by contact
-  Buffer<Scalar> test_;
 
-  Scalar coarse_rounding_ = 0;
-  Count islands_ = 1;
-  const Count* island_of_contact_ = nullptr;  // nullptr: all are in one
-  const Count* island_of_coordinate_ = nullptr;
-  Buffer<Measure> measures_;  // by island
+  VelocityTest<Scalar> test_{whitening_};
 };
 
 }  // namespace lcpbench::active_set::LCPBENCH_LEVEL

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "native/active_set/arithmetic.h"
+#include "native/active_set/inverse_trace.h"
 #include "native/active_set/orthogonal_basis.h"
 #include "native/active_set_engine.h"
 
@@ -30,7 +31,7 @@ class Whitening {
     weight_.resize(contact_lanes_ + 1);
     columns_.resize(ngc_ * velocity_lanes_ + 1);
     inverse_diagonal_.resize(velocity_lanes_ + 1);
-    diagonal_.resize(velocity_lanes_ + 1);
+    inverse_trace_.reserve(ngc_);
     pivots_.resize(velocity_lanes_ + 1);
     solution_.resize(velocity_lanes_ + 1);
     if (kLastPrecision || input.form != InertiaForm::kDense) reserve_factors(input);
@@ -40,6 +41,7 @@ class Whitening {
   bool load(const Input& input) {
     reserve(input);
     given_normals_ = input.N;
+    given_inertia_ = input.matrix;
     read_normals(input);
     rank_ = 0;
     triangular_ = false;
@@ -72,13 +74,29 @@ class Whitening {
   /// Relative size of the rounding errors in a whitened normal, about.
   Scalar noise() const { return noise_; }
 
-  /// C'C differs from G by no more than backward_error() times the roots of diagonal(i) diagonal(j) in each entry, and
-  /// the least eigenvalue of G scaled to unit diagonal is likely to be well above 1 / condition(). @pre triangular()
-  Scalar diagonal(Count i) const { return diagonal_[i]; }
+  /// Entry of G. @pre triangular()
+  double inertia(Count i, Count j) const { return given_inertia_[j * ngc_ + i]; }
+  /// Column of G, ngc() entries. @pre triangular()
+  const double* inertia_column(Count j) const { return given_inertia_ + j * ngc_; }
+  /// C'C differs from G by no more than this times the roots of G_ii G_jj in each entry. @pre triangular()
   Scalar backward_error() const {
     return static_cast<Scalar>(static_cast<double>(ngc_ + 1)) * static_cast<Scalar>(L::kUnitRoundoff);
   }
+  /// At least the inverse of the least eigenvalue of C'C scaled to unit diagonal, with room for what rounding adds
+  /// where G itself keeps nine tenths of that eigenvalue. @pre triangular()
   Scalar condition() const { return condition_; }
+
+  /// Sharpens condition(), once for each problem. @pre triangular()
+  ///
+  /// The trace of the inverse is never less than its norm. O(ngc^3 / 6); of blocks O(ngc) times their order.
+  [[gnu::noinline]] void sharpen_condition() {
+    if (condition_is_sharp_) return;
+    condition_is_sharp_ = true;
+    const Scalar trace = inverse_trace_.of(columns_.data(), inverse_diagonal_.data(), given_inertia_, ngc_);
+    const Scalar bound = static_cast<Scalar>(kConditionRoom) * trace;
+    if (!(bound > condition_)) condition_ = bound;
+    if (!finite(condition_)) condition_ = kInfinity<Scalar>;
+  }
 
   /// Whitened normal `contact`, velocity_lanes() entries. Gathered from the rows on first use: many contacts never
   /// press.
@@ -105,7 +123,7 @@ class Whitening {
   }
 
   /// x := C^-T x. @pre triangular()
-  void solve_transposed(Scalar* x) {
+  [[gnu::always_inline]] inline void solve_transposed(Scalar* x) {
     for (Count i = 0; i < ngc_; ++i) {
       const Scalar value = x[i] * inverse_diagonal_[i];
       const Count first = i / L::kWidth * L::kWidth;
@@ -128,13 +146,12 @@ class Whitening {
  private:
   static constexpr bool kLastPrecision = sizeof(Scalar) > sizeof(double);
   static constexpr Scalar kEpsilon = 2 * L::kUnitRoundoff;
-  static constexpr double kMargin = 100;  ///< of the estimated condition
-  static constexpr long long kRootBias = 0x1ff7a3bea91d9b1bLL;
-  static constexpr Count kProbeLength = 16;
-  static constexpr double kProbes[kProbeLength][2] = {{0.83, -1.21},  {-1.13, 0.79}, {1.27, 1.09},  {0.91, -0.87},
-                                                      {-0.77, -1.23}, {1.19, 0.97},  {-1.03, 1.17}, {0.71, 1.31},
-                                                      {-1.29, -0.73}, {0.89, -1.07}, {1.11, 0.81},  {-0.97, 1.33},
-                                                      {-1.17, -0.93}, {1.07, 1.03},  {0.73, -1.19}, {-0.87, 0.69}};
+  static constexpr double kConditionRoom = 1.2;
+#if defined(LCPBENCH_WITH_QUAD)
+  static constexpr double kLeastPivot = 0;
+#else
+  static constexpr double kLeastPivot = sizeof(Scalar) < sizeof(double) ? 0x1p-100 : 0x1p-900;
+#endif
 
   void set_dimensions(const Input& input) {
     ngc_ = input.ngc;
@@ -142,14 +159,6 @@ class Whitening {
     velocity_lanes_ = L::padded(ngc_);
     contact_lanes_ = L::padded(nc_);
     stride_ = velocity_lanes_ + contact_lanes_;
-    if (contact_lanes_ - nc_ >= 2) {
-      probe_lane_ = velocity_lanes_ + nc_;
-    } else if (velocity_lanes_ - ngc_ >= 2) {
-      probe_lane_ = ngc_;
-    } else {
-      probe_lane_ = stride_;
-      stride_ += L::padded(2);
-    }
   }
 
   /// Solutions stand apart until all are known: a number stored among others holds up the next load of the register.
@@ -181,15 +190,25 @@ class Whitening {
 
   bool factor_dense(const double* G) {
     if (eliminate(G)) {
-      scale_rows();
       triangular_ = true;
       rank_ = ngc_;
-      return true;
+      return scale_rows();
     }
     // Singular to this precision. Only the last precision may say that it is singular: to within the rounding of the
     // doubles that it was given in, the cut of the pseudo-inverse everywhere in this program.
-    if (!kLastPrecision) return false;
+    if (!kLastPrecision || mixes_scales(G)) return false;
     return factor_semidefinite(G, Scalar(0x1p-52)) && make_response(factor_count_);
+  }
+
+  /// Whether a coordinate is so light beside another that the cut of the pseudo-inverse might take it for none.
+  bool mixes_scales(const double* G) const {
+    double largest = 0;
+    for (Count i = 0; i < ngc_; ++i) largest = G[i * ngc_ + i] > largest ? G[i * ngc_ + i] : largest;
+    for (Count i = 0; i < ngc_; ++i) {
+      const double entry = G[i * ngc_ + i];
+      if (entry != 0 && !(entry > 0x1p-40 * largest)) return true;
+    }
+    return false;
   }
 
   /// Rows of [G N] become unit upper triangular times pivots.
@@ -199,7 +218,6 @@ class Whitening {
       widen(row, G + i * ngc_, ngc_, velocity_lanes_);
       copy(row + velocity_lanes_, normals_.data() + i * contact_lanes_, contact_lanes_);
       inverse_diagonal_[i] = row[i];  // G_ii, until scale_rows
-      write_probes(i, row);
     }
     const Scalar least = static_cast<Scalar>(static_cast<double>(ngc_)) * kEpsilon;
     Scalar pivot = ngc_ > 0 ? work_row(0)[0] : Scalar(0);
@@ -239,14 +257,19 @@ class Whitening {
     }
   }
 
-  /// Makes rows of [C W] of the eliminated ones, and the columns of C.
-  void scale_rows() {
+  /// Makes rows of [C W] of the eliminated ones, and the columns of C. False where pivots have too few digits left that
+  /// doubles do not lose to underflow.
+  bool scale_rows() {
     for (Count i = ngc_; i < velocity_lanes_; ++i) inverse_diagonal_[i] = pivots_[i] = 1;
-    auto growth = L::broadcast(1);
+    auto growth = L::broadcast(1), product = L::broadcast(1), least = L::broadcast(1);
     for (Count i = 0; i < velocity_lanes_; i += L::kWidth) {
-      growth = L::max(L::load(inverse_diagonal_.data() + i) / L::load(pivots_.data() + i), growth);
+      const auto pivots = L::load(pivots_.data() + i);
+      const auto ratio = L::load(inverse_diagonal_.data() + i) / pivots;
+      least = L::min(pivots, least);
+      growth = L::max(ratio, growth);
+      product *= ratio;
     }
-    copy(diagonal_.data(), inverse_diagonal_.data(), velocity_lanes_);
+    bound_condition(product);
     // A loop of its own, which compilers turn into roots of whole registers.
     for (Count i = 0; i < velocity_lanes_; ++i) inverse_diagonal_[i] = 1 / L::square_root(pivots_[i]);
     for (Count i = 0; i < ngc_; ++i) {
@@ -256,45 +279,23 @@ class Whitening {
       for (Count j = 0; j <= i; ++j) column[j] = work_row(j)[i];
       for (Count j = i + 1; j < velocity_lanes_; ++j) column[j] = 0;
     }
-    const Scalar most = L::max(growth);
-    set_noise(L::square_root(most));
+    set_noise(L::square_root(L::max(growth)));
     for (Count i = 0; i < ngc_; ++i) {  // what elimination left below the diagonal
       for (Count j = i / L::kWidth * L::kWidth; j < i; ++j) work_row(i)[j] = 0;
     }
-    read_probes(most);
+    return !(-L::max(-least) < static_cast<Scalar>(kLeastPivot));
   }
 
-  /// Two right-hand sides beside the normals, in lanes that are padding: r scaled by about root(i). r'A^-1 r, A being G
-  /// scaled to unit diagonal, is on average the trace of A^-1.
-  void write_probes(Count i, Scalar* row) const {
-    if (probe_lane_ >= velocity_lanes_ + contact_lanes_) set_zero(row + probe_lane_, L::padded(2));
-    const Scalar size = about_root(row[i]);
-    row[probe_lane_] = static_cast<Scalar>(kProbes[i % kProbeLength][0]) * size;
-    row[probe_lane_ + 1] = static_cast<Scalar>(kProbes[i % kProbeLength][1]) * size;
-  }
-
-  /// Takes the probes out of the rows. The growth of the pivots is another bound from below.
-  void read_probes(Scalar growth) {
-    Scalar first = 0, second = 0;
-    for (Count i = 0; i < ngc_; ++i) {
-      Scalar* const probes = work_row(i) + probe_lane_;
-      first += probes[0] * probes[0];
-      second += probes[1] * probes[1];
-      probes[0] = probes[1] = 0;
-    }
-    const Scalar trace = first > second ? first : second;
-    condition_ = static_cast<Scalar>(kMargin) * (trace > growth ? trace : growth);
-    if (!finite(condition_)) condition_ = kInfinity<Scalar>;
-  }
-
-  /// Within 7 % of the square root.
-  static Scalar about_root(Scalar x) {
-    if constexpr (sizeof(Scalar) == sizeof(double)) {
-      return static_cast<Scalar>(
-          __builtin_bit_cast(double, (__builtin_bit_cast(long long, static_cast<double>(x)) >> 1) + kRootBias));
-    } else {
-      return L::square_root(x);
-    }
+  /// Of the eigenvalues of G scaled to unit diagonal, whose sum is ngc, all but the least have a product of at most
+  /// (ngc / (ngc - 1))^(ngc - 1) < e: the least is no less than the determinant over e. @param product  of G_ii over
+  /// the pivots, by lanes
+  void bound_condition(typename L::Pack product) {
+    Scalar lanes[L::kWidth];
+    L::store(lanes, product);
+    Scalar whole = static_cast<Scalar>(kConditionRoom * 2.7182818284590453);
+    for (const Scalar lane : lanes) whole *= lane;
+    condition_ = finite(whole) ? whole : kInfinity<Scalar>;
+    condition_is_sharp_ = false;
   }
 
   /// Rounding errors grow with the cancellation in the pivots; the constant leaves room for their number.
@@ -496,18 +497,19 @@ class Whitening {
   bool triangular_ = false;
   Scalar noise_ = 0;
   Scalar condition_ = 0;
-  Count probe_lane_ = 0;
+  bool condition_is_sharp_ = false;
 
   Buffer<Scalar> rows_;              // rank rows: [C W], or [S' W]
   Buffer<Scalar> columns_;           // of C
   Buffer<Scalar> inverse_diagonal_;  // of C; during the elimination the diagonal of G
-  Buffer<Scalar> diagonal_;          // of G
   Buffer<Scalar> pivots_;            // of the elimination
+  InverseTrace<Scalar> inverse_trace_;
   Buffer<Scalar> solution_;
   Buffer<Scalar> normals_;   // N by rows
   Buffer<Scalar> whitened_;  // W by columns, those that is_gathered_
   Buffer<bool> is_gathered_;
   const double* given_normals_ = nullptr;
+  const double* given_inertia_ = nullptr;
   Buffer<Scalar> squared_norm_;  // |W_j|^2
   Buffer<Scalar> weight_;
 

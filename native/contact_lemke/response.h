@@ -38,6 +38,7 @@ class Response {
 
   void load(const contact_lemke::Input& input) {
     reserve(input);
+    inertia_ = input.inertia;
     if (given_) {
       load_inverse(input.inertia.Ginv);
       return measure_given();
@@ -78,6 +79,23 @@ class Response {
   /// The factors in use are those of a matrix that differs from G by no more than this times root_i root_j in each
   /// entry. Infinite where that may be a singular matrix, so that nothing is known of G*.
   Scalar backward_error() const { return backward_error_; }
+
+  /// Whether G was given by blocks, one or many.
+  bool has_blocks() const { return full_rank() && !by_factors_; }
+  /// r (ngc) -= G c, in the bits of long double. @pre has_blocks()
+  void subtract_inertia(const double* c, long double* r) const {
+    for (Count b = 0; b < inertia_.blocks; ++b) {
+      const Count first = inertia_.offsets[b];
+      const Count size = inertia_.offsets[b + 1] - first;
+      for (Count i = 0; i < size; ++i) {
+        const double* const column = inertia_.G[b] + i * size;
+        long double sum = 0;
+        for (Count j = 0; j < size; ++j)
+          sum += static_cast<long double>(column[j]) * static_cast<long double>(c[first + j]);
+        r[first + i] -= sum;
+      }
+    }
+  }
 
   /// The largest diagonal entry of W'W or, where it was given, of G*: an estimate of the norm of G*.
   Scalar norm() const { return norm_; }
@@ -341,6 +359,7 @@ class Response {
   Count ngc_ = 0, padded_ = 0, rank_ = 0, rank_padded_ = 0;
   static constexpr double kCleanCut = 0x1p-52;  ///< relative to the largest entry: the cut of inverse_inertia()
   bool given_ = false, by_factors_ = false;
+  contact_lemke::InertiaInput inertia_;
   Scalar norm_ = 0, first_pivot_ = 0, last_pivot_ = 0, backward_error_ = 0;
   Buffer<Scalar> work_, L_, done_, white_;
   Buffer<Scalar> reach_, root_;  ///< per coordinate

@@ -1,0 +1,369 @@
+#pragma once
+
+#include "native/active_set/whitening.h"
+
+namespace lcpbench::active_set::LCPBENCH_LEVEL {
+
+/// Whether impulses solve the problem, judged by w = N'(v + G* N z) with a bound on what rounding does to it, each
+/// island by its own scale. Float is not bounded: the engine that tests its answers in double does that.
+///
+/// Three bounds, each sharper and dearer than the one before. For G = C'C - E, E within backward_error(), a change of u
+/// is off by G^-1 E times it, which no contact sees by more than |W_j| |A^-1|^(1/2) |E x|, A and E scaled to unit
+/// diagonal of G: first with |A^-1| bounded by the determinant, then by the trace of the inverse. Last, in double, the
+/// residual r = N z - G x of the very change x at hand is formed in more bits: x is off by G^-1 r, of which a contact
+/// sees no more than |W_j| |r|_G*.
+template <class Scalar>
+class VelocityTest {
+  using L = Lanes<Scalar>;
+
+ public:
+  /// By contact but for v. `slack` is memory for w.
+  struct Answer {
+    const Scalar* v;
+    const Scalar* given;  ///< N'v
+    const Scalar* impulse;
+    Scalar* slack;
+    const Scalar* velocity = nullptr;         ///< about v + G* N z
+    const Scalar* whitened_change = nullptr;  ///< what velocity was made of: about C (u - v)
+  };
+
+  explicit VelocityTest(Whitening<Scalar>& whitening) : whitening_(whitening) {}
+
+  void reserve(const Input& input) {
+    const Count vectors = L::padded(input.ngc);
+    change_.resize(vectors + 1);
+    residual_.resize(vectors + 1);
+    terms_.resize(L::padded(input.nc) + 1);
+    measures_.resize(input.nc + 1);  // islands have contacts: there are no more of them
+  }
+
+  /// @pre the whitening is loaded, and usable
+  void load(const Input& input) {
+    islands_ = input.island_of_contact == nullptr ? 1 : input.islands;
+    island_of_contact_ = input.island_of_contact;
+    island_of_coordinate_ = input.island_of_coordinate;
+  }
+
+  /// Whether each island's residual with its rounding is within `limit` of its scale. Only the first `pressed` contacts
+  /// of `active` may have an impulse.
+  bool passes(const Answer& answer, const Count* active, Count pressed, Scalar limit) {
+    active_ = active;
+    pressed_ = pressed;
+    set_zero(change_.data(), lanes());
+    for (Count k = 0; k < pressed; ++k) {
+      add_unpadded_multiple(change_.data(), answer.impulse[active[k]], whitening_.given_normal(active[k]),
+                            whitening_.ngc());
+    }
+    if (whitening_.triangular()) {
+      whitening_.solve_transposed(change_.data());
+    } else {
+      whitening_.project(change_.data(), residual_.data());
+      copy(change_.data(), residual_.data(), lanes());
+    }
+    combine_rows(answer.slack, answer.given, whitening_.row(0), whitening_.row_stride(), change_.data(),
+                 whitening_.rank(), contact_lanes());
+    if (islands_ == 1 && passes_as_a_whole(answer, limit)) return true;
+    if (whitening_.triangular()) whitening_.solve(change_.data());  // u - v
+    return passes_by_islands(answer, limit);
+  }
+
+ private:
+  static constexpr double kRoundings = 8;           ///< of a sum of products, beside one for each of them
+  static constexpr double kTrusted = 0.1;           ///< share of G's least eigenvalue that rounding may take
+  static constexpr double kRoom = 1.25;             ///< for G instead of C'C within kTrusted, and for rounding it
+  static constexpr double kFloor = 0x1p-53 / 1e-4;  ///< of the verdict: the rounding of q in double counts as solved
+  static constexpr double kSafeSquare = 1e-280;     ///< no terms that matter beside it have underflowed
+  static constexpr bool kTestedInDouble =
+      sizeof(Scalar) < sizeof(double);  ///< by the engine that knows what float rounds
+  static constexpr bool kHasMoreBits = sizeof(Scalar) == sizeof(double);
+  static constexpr double kLongUnitRoundoff = static_cast<double>(__LDBL_EPSILON__) / 2;
+
+  /// What an answer is worth, over an island or all.
+  struct Measure {
+    Scalar worst = 0;             ///< max |min(|W_j|^2 z_j, w_j)|
+    Scalar largest = 0;           ///< max |W_j|^2
+    Scalar terms = 0;             ///< sum of |W_j| z_j
+    Scalar squared_change = 0;    ///< sum of (u - v)_i^2 G_ii
+    Scalar squared_residual = 0;  ///< |C^-T r|^2
+    Scalar scale = 0;             ///< max|q|, or the floor that the rounding of q sets
+  };
+
+  Count lanes() const { return whitening_.velocity_lanes(); }
+  Count contact_lanes() const { return whitening_.contact_lanes(); }
+  Scalar size() const { return static_cast<Scalar>(static_cast<double>(whitening_.ngc())); }
+  static Scalar roundings(double count) {
+    return static_cast<Scalar>(kRoundings + count) * static_cast<Scalar>(L::kUnitRoundoff);
+  }
+
+  Scalar largest_given(const Answer& answer) const {
+    auto largest = L::broadcast(0);
+    for (Count j = 0; j < contact_lanes(); j += L::kWidth) {
+      const auto given = L::load(answer.given + j);
+      largest = L::max(L::max(given, -given), largest);
+    }
+    return L::max(largest);
+  }
+
+  /// All contacts in one island, max|q| for its scale, and a coarse bound for all rounding.
+  bool passes_as_a_whole(const Answer& answer, Scalar limit) {
+    auto worst = L::broadcast(0), largest = L::broadcast(0), squares = L::broadcast(0), poison = L::broadcast(0);
+    for (Count j = 0; j < contact_lanes(); j += L::kWidth) {
+      const auto squared = L::load(whitening_.squared_norms() + j);
+      const auto impulse = L::load(answer.impulse + j);
+      const auto pressure = squared * impulse;
+      const auto least = L::min(pressure, L::load(answer.slack + j));
+      squares += pressure * impulse;
+      worst = L::max(L::max(least, -least), worst);
+      largest = L::max(squared, largest);
+      poison += least - least;
+    }
+    if (!(L::sum(poison) == 0)) return false;
+    const Scalar most = limit * largest_given(answer) - L::max(worst);
+    if (kTestedInDouble) return most >= 0;
+    // No impulse moves the velocities by more than the root of `moved`, by Cauchy and Schwarz.
+    const Scalar moved = L::max(largest) * L::sum(squares) * static_cast<Scalar>(static_cast<double>(pressed_));
+    if (!whitening_.triangular()) {
+      const Scalar sums = roundings(2 * static_cast<double>(whitening_.ngc()));
+      return (2 * whitening_.noise() + sums) * L::square_root(moved) <= most;
+    }
+    const Scalar change = L::max(largest) * dot(change_.data(), change_.data(), lanes());
+    if (is_within(most, change, moved)) return true;
+    if (answer.velocity != nullptr && is_within_by_velocity(answer, most, L::max(largest), moved)) return true;
+    whitening_.sharpen_condition();
+    return is_within(most, change, moved);
+  }
+
+  /// Whether rounding() is at most `most`: |E x| is no more than the root of `change`, the square of |W_j| |x|_G, times
+  /// lost(), and all else in terms of the root of `moved`.
+  bool is_within(Scalar most, Scalar change, Scalar moved) const {
+    if (!condition_is_trusted() || !(most >= 0)) return false;
+    if (moved == 0 && change == 0 && pressed_ == 0) return true;
+    return covers(most, lost() * lost() * change, moved);
+  }
+
+  /// The same with |x| in the metric of the diagonal of G, which most often is far less than |A^-1|^(1/2) |x|_G. A
+  /// velocity at hand gives it, but for what its whitened change differs from change_ by.
+  bool is_within_by_velocity(const Answer& answer, Scalar most, Scalar largest, Scalar moved) const {
+    if (!condition_is_trusted() || !(most >= 0)) return false;
+    Scalar change = 0, terms = 0, difference = 0;
+    for (Count i = 0; i < whitening_.ngc(); ++i) {
+      const Scalar diagonal = static_cast<Scalar>(whitening_.inertia(i, i));
+      const Scalar from = answer.v[i], to = answer.velocity[i];
+      const Scalar off = change_[i] - answer.whitened_change[i];
+      change += diagonal * (to - from) * (to - from);
+      terms += diagonal * (to * to + from * from);
+      difference += off * off;
+    }
+    const Scalar condition = whitening_.condition();
+    const Scalar roundoff = static_cast<Scalar>(L::kUnitRoundoff);
+    const Scalar squared =
+        static_cast<Scalar>(1.1) * change + 22 * (condition * difference + 2 * roundoff * roundoff * terms);
+    const Scalar error = size() * whitening_.backward_error();
+    return covers(most, largest * condition * error * error * squared, moved);
+  }
+
+  /// Of squares, without roots: (a + b)^2 <= 1.1 a^2 + 11 b^2.
+  bool covers(Scalar most, Scalar of_change, Scalar moved) const {
+    const Scalar sums = roundings(4 * static_cast<double>(whitening_.ngc()));
+    const Scalar of_terms = sums * sums * size() * whitening_.condition() * moved;
+    return most * most > static_cast<Scalar>(kSafeSquare) &&
+           static_cast<Scalar>(1.1) * of_change + 11 * of_terms <= most * most;
+  }
+
+  /// At most the share of G's least eigenvalue, scaled to unit diagonal, that the rounding of C may take.
+  Scalar lost() const { return size() * whitening_.backward_error() * whitening_.condition(); }
+  bool condition_is_trusted() const { return lost() < static_cast<Scalar>(kTrusted); }
+
+  [[gnu::noinline]] bool passes_by_islands(const Answer& answer, Scalar limit) {
+    if (!kTestedInDouble && whitening_.triangular()) whitening_.sharpen_condition();
+    for (Count k = 0; k < islands_; ++k) measures_[k] = Measure();
+    for (Count i = 0; i < whitening_.ngc() && whitening_.triangular(); ++i) {
+      const Count k = island_of_coordinate_ == nullptr ? 0 : island_of_coordinate_[i];
+      const Scalar diagonal = static_cast<Scalar>(whitening_.inertia(i, i));
+      if (k >= 0) measures_[k].squared_change += diagonal * change_[i] * change_[i];
+    }
+    for (Count j = 0; j < whitening_.nc(); ++j) {
+      const Count k = island_of_contact(j);
+      if (k >= 0 && !add_given(answer, j, measures_[k])) return false;
+    }
+    if constexpr (kHasMoreBits) {
+      if (measures_residual()) {
+        move_contacts(answer);
+        is_compensated_ = false;
+        measure_residual(answer);
+        if (measure_worst(answer) && islands_pass(limit)) return true;
+        is_compensated_ = true;
+        measure_residual(answer);
+      }
+    }
+    if (!measure_worst(answer)) return false;
+    if (islands_pass(limit)) return true;
+    for (Count j = 0; j < whitening_.nc(); ++j) {
+      const Count k = island_of_contact(j);
+      if (k < 0) continue;
+      const Scalar floor = static_cast<Scalar>(kFloor) * floor_terms(answer, j);
+      measures_[k].scale = floor > measures_[k].scale ? floor : measures_[k].scale;
+    }
+    return islands_pass(limit);
+  }
+
+  bool measure_worst(const Answer& answer) {
+    for (Count k = 0; k < islands_; ++k) measures_[k].worst = 0;
+    for (Count j = 0; j < whitening_.nc(); ++j) {
+      const Count k = island_of_contact(j);
+      if (k >= 0 && !add_worst(answer, j, measures_[k])) return false;
+    }
+    return true;
+  }
+
+  bool islands_pass(Scalar limit) const {
+    for (Count k = 0; k < islands_; ++k) {
+      const Scalar rest = measures_residual() ? Scalar(0) : rounding(measures_[k]);
+      if (!(measures_[k].worst + rest <= limit * measures_[k].scale)) return false;
+    }
+    return true;
+  }
+
+  Count island_of_contact(Count j) const { return island_of_contact_ == nullptr ? 0 : island_of_contact_[j]; }
+  bool measures_residual() const { return kHasMoreBits && whitening_.triangular(); }
+
+  /// What does not depend on w. False for an impulse that is no number, or too large.
+  bool add_given(const Answer& answer, Count j, Measure& island) const {
+    const Scalar squared = whitening_.squared_norm(j);
+    if (!finite(squared * answer.impulse[j])) return false;
+    island.largest = squared > island.largest ? squared : island.largest;
+    island.terms += L::square_root(squared) * magnitude(answer.impulse[j]);
+    const Scalar given = magnitude(answer.given[j]);
+    island.scale = given > island.scale ? given : island.scale;
+    return finite(given);
+  }
+
+  bool add_worst(const Answer& answer, Count j, Measure& island) const {
+    if (!finite(answer.slack[j])) return false;
+    const Scalar pressure = whitening_.squared_norm(j) * answer.impulse[j];
+    const Scalar off = magnitude(answer.slack[j] < pressure ? answer.slack[j] : pressure);
+    const Scalar with_rounding = measures_residual() ? off + rounding(island, j) : off;
+    if (!finite(with_rounding)) return false;
+    island.worst = with_rounding > island.worst ? with_rounding : island.worst;
+    return true;
+  }
+
+  /// One more than the nonzero entries of the normal, times the sum of the magnitudes of what N_j'v adds up.
+  Scalar floor_terms(const Answer& answer, Count j) const {
+    Count entries = 1;
+    Scalar terms = 0;
+    for (Count i = 0; i < whitening_.ngc(); ++i) {
+      const double entry = whitening_.given_normal(j)[i];
+      entries += entry != 0 ? 1 : 0;
+      terms += magnitude(static_cast<Scalar>(entry) * answer.v[i]);
+    }
+    return static_cast<Scalar>(static_cast<double>(entries)) * terms;
+  }
+
+  /// How far the velocity of a contact of the island may be off by the backward error of C.
+  Scalar rounding(const Measure& island) const {
+    if (kTestedInDouble) return 0;
+    if (!(island.terms > 0)) return island.terms == 0 ? Scalar(0) : kInfinity<Scalar>;
+    const Scalar reach = L::square_root(island.largest);
+    const Scalar sums = roundings(static_cast<double>(whitening_.ngc() + pressed_));
+    if (!whitening_.triangular()) return reach * island.terms * (2 * whitening_.noise() + sums);
+    if (!condition_is_trusted()) return kInfinity<Scalar>;
+    return reach * L::square_root(whitening_.condition()) *
+           (size() * whitening_.backward_error() * L::square_root(island.squared_change) +
+            sums * L::square_root(size()) * island.terms);
+  }
+
+  /// The same of contact j by the residual of the change. @pre measure_residual()
+  Scalar rounding(const Measure& island, Count j) const {
+    if (!(island.terms > 0)) return island.terms == 0 ? Scalar(0) : kInfinity<Scalar>;
+    if (!condition_is_trusted()) return kInfinity<Scalar>;
+    // Of r itself, in which N z and G x cancel.
+    const double terms = static_cast<double>(whitening_.ngc() + pressed_);
+    const Scalar bits = static_cast<Scalar>(kLongUnitRoundoff * (kRoundings + terms));
+    const Scalar of_impulse = L::square_root(size()) * island.terms;
+    const Scalar of_change = size() * L::square_root(island.squared_change);
+    const Scalar own = is_compensated_ ? bits * (2 * of_change + bits * of_impulse) : bits * (of_change + of_impulse);
+    const Scalar residual = L::square_root(island.squared_residual) + L::square_root(whitening_.condition()) * own;
+    return static_cast<Scalar>(kRoom) * L::square_root(whitening_.squared_norm(j)) * residual +
+           roundings(static_cast<double>(whitening_.ngc())) * terms_[j];
+  }
+
+  /// r by islands, of x = change_, u - v. Where large impulses cancel, N z is summed with compensation.
+  [[gnu::noinline]] void measure_residual(const Answer& answer) {
+    const Count ngc = whitening_.ngc();
+    for (Count i = 0; i < ngc; ++i) {
+      const double* const column = whitening_.inertia_column(i);
+      long double first = is_compensated_ ? compensated_impulse(answer, i) : impulse(answer, i), second = 0;
+      Count j = 0;
+      for (; j + 1 < ngc; j += 2) {
+        first -= static_cast<long double>(column[j]) * static_cast<long double>(change_[j]);
+        second -= static_cast<long double>(column[j + 1]) * static_cast<long double>(change_[j + 1]);
+      }
+      if (j < ngc) first -= static_cast<long double>(column[j]) * static_cast<long double>(change_[j]);
+      residual_[i] = static_cast<double>(first + second);
+    }
+    for (Count i = ngc; i < lanes(); ++i) residual_[i] = 0;
+    whitening_.solve_transposed(residual_.data());
+    for (Count k = 0; k < islands_; ++k) measures_[k].squared_residual = 0;
+    for (Count i = 0; i < ngc; ++i) {
+      const Count k = island_of_coordinate_ == nullptr ? 0 : island_of_coordinate_[i];
+      if (k >= 0) measures_[k].squared_residual += residual_[i] * residual_[i];
+    }
+  }
+
+  /// (N z)_i
+  long double impulse(const Answer& answer, Count i) const {
+    long double sum = 0;
+    for (Count k = 0; k < pressed_; ++k) {
+      sum += static_cast<long double>(whitening_.given_normal(active_[k])[i]) *
+             static_cast<long double>(answer.impulse[active_[k]]);
+    }
+    return sum;
+  }
+
+  /// The same, off by about the rounding of the result alone. [Ogita, Rump, Oishi 2005, Dot2]
+  long double compensated_impulse(const Answer& answer, Count i) const {
+    long double sum = 0, rest = 0;
+    for (Count k = 0; k < pressed_; ++k) {
+      const double entry = whitening_.given_normal(active_[k])[i];
+      const double factor = answer.impulse[active_[k]];
+      const double product = entry * factor;
+      if (!(product * product > kSafeSquare) && entry != 0 && factor != 0) return __builtin_infl();  // it lost digits
+      const long double term = product;  // products and sums of different types are not contracted
+      const long double next = sum + term;
+      const long double part = next - sum;
+      rest += (sum - (next - part)) + (term - part);
+      rest += __builtin_fma(entry, factor, -product);
+      sum = next;
+    }
+    return sum + rest;
+  }
+
+  /// slack = w from x = change_ as it is, terms_ = the magnitudes of what x adds to it.
+  void move_contacts(const Answer& answer) {
+    for (Count j = 0; j < contact_lanes(); j += L::kWidth) {
+      auto sum = L::load(answer.given + j), terms = L::broadcast(0);
+      for (Count i = 0; i < whitening_.ngc(); ++i) {
+        const auto part = L::load(whitening_.normals(i) + j) * L::broadcast(change_[i]);
+        sum += part;
+        terms += L::max(part, -part);
+      }
+      L::store(answer.slack + j, sum);
+      L::store(terms_.data() + j, terms);
+    }
+  }
+
+  Whitening<Scalar>& whitening_;
+  const Count* active_ = nullptr;
+  Count pressed_ = 0;
+  bool is_compensated_ = false;
+  Buffer<Scalar> change_;    // C^-T N z, then u - v
+  Buffer<Scalar> residual_;  // of u - v
+  Buffer<Scalar> terms_;     // by contact
+  Count islands_ = 1;
+  const Count* island_of_contact_ = nullptr;  // nullptr: all are in one
+  const Count* island_of_coordinate_ = nullptr;
+  Buffer<Measure> measures_;  // by island
+};
+
+}  // namespace lcpbench::active_set::LCPBENCH_LEVEL
