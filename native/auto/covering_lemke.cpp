@@ -70,6 +70,7 @@ void CoveringLemke::load(const Lcp& lcp) {
   n_ = lcp.size();
   const auto count = static_cast<std::size_t>(n_);
   exponent_.resize(count);
+  power_.resize(n_);
   basic_.resize(count);
   nonbasic_.resize(count + 1);
   if (n_ <= room_) return;
@@ -106,13 +107,23 @@ void CoveringLemke::fill(Tableau<Scalar>& tableau, Cover cover) {
     if (lcp_->q(i) != 0) largest = std::max(largest, std::ilogb(lcp_->q(i)) + exponent_[static_cast<std::size_t>(i)]);
   }
   if (largest == kNothing) largest = 0;
+  // Products of two powers of two that are doubles, in this range, without calls for each entry.
+  const auto in_range = [](int exponent) { return exponent >= -500 && exponent <= 500; };
+  const bool narrow = std::all_of(exponent_.begin(), exponent_.end(), in_range);
+  for (Index i = 0; i < n_ && narrow; ++i) power_(i) = std::ldexp(1.0, exponent_[static_cast<std::size_t>(i)]);
   for (Index j = 0; j < n_; ++j) {
+    Scalar* const column = tableau.column(j);
+    const double* const entries = lcp_->M.col(j).data();
+    nonbasic_[static_cast<std::size_t>(j)] = n_ + j;
+    if (narrow) {
+      const double own = power_(j);
+      for (Index i = 0; i < n_; ++i) column[i] = static_cast<Scalar>(entries[i]) * static_cast<Scalar>(power_(i) * own);
+      continue;
+    }
     for (Index i = 0; i < n_; ++i) {
       const int exponent = exponent_[static_cast<std::size_t>(i)] + exponent_[static_cast<std::size_t>(j)];
-      const double entry = lcp_->M(i, j);
-      tableau.column(j)[i] = entry == 0 ? Scalar(0) : static_cast<Scalar>(entry) * power<Scalar>(exponent);
+      column[i] = entries[i] == 0 ? Scalar(0) : static_cast<Scalar>(entries[i]) * power<Scalar>(exponent);
     }
-    nonbasic_[static_cast<std::size_t>(j)] = n_ + j;
   }
   for (Index i = 0; i < n_; ++i) {
     const int exponent = exponent_[static_cast<std::size_t>(i)] - largest;

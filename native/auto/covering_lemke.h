@@ -58,6 +58,7 @@ class CoveringLemke {
   std::unique_ptr<double[]> double_;
   std::unique_ptr<Quad[]> quad_;
   std::vector<int> exponent_;            // n: row and column i times 2^exponent_[i]
+  Vector power_;                         // n: that power, where all are well within the range of doubles
   std::vector<Index> basic_, nonbasic_;  // w_i = i, z_i = n + i, artificial = 2 n
   std::int64_t pivots_ = 0;
 };
