@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "core/isa.h"
 #include "core/timed_solve.h"
 
 namespace lcpbench {
@@ -51,6 +52,17 @@ struct CoveringLemke::Tableau {
 
   /// Exchanges the basic variable of row r with the nonbasic one of column k.
   void exchange(Index r, Index k) const {
+    if constexpr (std::is_same_v<Scalar, double>) {
+      in_double(entries, n, n + 3, r, k);
+    } else {
+      exchange_in_quad(r, k);
+    }
+  }
+
+  tableau::Exchange in_double = nullptr;
+
+ private:
+  void exchange_in_quad(Index r, Index k) const {
     Scalar* const pivot = column(k);
     const Scalar inverse = 1 / pivot[r];
     for (Index l = 0; l < n + 3; ++l) {
@@ -64,6 +76,8 @@ struct CoveringLemke::Tableau {
     pivot[r] = inverse;
   }
 };
+
+CoveringLemke::CoveringLemke() : exchange_(tableau::exchange_at(isa_level())) {}
 
 void CoveringLemke::load(const Lcp& lcp) {
   lcp_ = &lcp;
@@ -193,7 +207,9 @@ template <class Scalar>
 CoveringLemke::End CoveringLemke::run(Cover cover, const Limits& limits, Vector& z) {
   pivots_ = 0;
   scale();
-  Tableau<Scalar> tableau{nullptr, n_};
+  Tableau<Scalar> tableau;
+  tableau.n = n_;
+  tableau.in_double = exchange_;
   if constexpr (std::is_same_v<Scalar, Quad>) {
     tableau.entries = quad_.get();
   } else {

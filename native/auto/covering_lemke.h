@@ -6,6 +6,7 @@
 
 #include "core/lcp.h"
 #include "core/quad.h"
+#include "native/tableau_engine.h"
 
 namespace lcpbench {
 
@@ -18,6 +19,8 @@ namespace lcpbench {
 class CoveringLemke {
  public:
   static constexpr Index kLargestQuad = 300;
+
+  CoveringLemke();
 
   /// @param lcp must stay as it is until the next load. Allocates n (n + 3) numbers, touched only in run().
   void load(const Lcp& lcp);
@@ -52,6 +55,7 @@ class CoveringLemke {
   template <class Scalar>
   void write_solution(const Tableau<Scalar>& tableau, Vector& z) const;
 
+  tableau::Exchange exchange_;
   const Lcp* lcp_ = nullptr;
   Index n_ = 0;
   Index room_ = -1;
