@@ -11,19 +11,19 @@ namespace {
 
 using Count = std::ptrdiff_t;
 
-void exchange(double* A, Count rows, Count columns, Count row, Count column) {
-  double* const pivot = A + column * rows;
+void exchange(double* A, Count stride, Count columns, Count row, Count column) {
+  const Count lines = stride / kLine;
+  double* const pivot = static_cast<double*>(__builtin_assume_aligned(A + column * stride, kLine * sizeof(double)));
   const double inverse = 1 / pivot[row];
   for (Count k = 0; k < columns; ++k) {
-    double* const other = A + k * rows;
+    double* const __restrict other =
+        static_cast<double*>(__builtin_assume_aligned(A + k * stride, kLine * sizeof(double)));
     if (k == column || other[row] == 0) continue;
     const double factor = -other[row] * inverse;
-    const double* const __restrict from = pivot;
-    double* const __restrict to = other;
-    for (Count i = 0; i < rows; ++i) to[i] += from[i] * factor;
+    for (Count i = 0; i < lines * kLine; ++i) other[i] += pivot[i] * factor;
     other[row] = factor;
   }
-  for (Count i = 0; i < rows; ++i) pivot[i] *= inverse;
+  for (Count i = 0; i < lines * kLine; ++i) pivot[i] *= inverse;
   pivot[row] = inverse;
 }
 

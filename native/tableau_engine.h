@@ -9,9 +9,13 @@
 
 namespace lcpbench::tableau {
 
-/// Exchanges the basic variable of `row` with the nonbasic one of `column` in basic = A nonbasic, A by columns without
-/// gaps (rows x columns). Allocates nothing.
-using Exchange = void (*)(double* A, std::ptrdiff_t rows, std::ptrdiff_t columns, std::ptrdiff_t row,
+/// Columns have a multiple of so many entries, and the first begins at a multiple of as many doubles: else half of the
+/// time goes to vectors that lie across two lines of the cache.
+inline constexpr std::ptrdiff_t kLine = 8;
+
+/// Exchanges the basic variable of `row` with the nonbasic one of `column` in basic = A nonbasic, A by columns of
+/// `stride` entries, of which those beyond the rows are scratch. Allocates nothing.
+using Exchange = void (*)(double* A, std::ptrdiff_t stride, std::ptrdiff_t columns, std::ptrdiff_t row,
                           std::ptrdiff_t column);
 
 /// @param level must not exceed best_isa_level()

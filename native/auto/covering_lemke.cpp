@@ -33,6 +33,16 @@ Scalar power(int exponent) {
   return result * static_cast<Scalar>(std::ldexp(1.0, exponent));
 }
 
+/// Entries of a column in double.
+Index padded(Index n) { return (n + tableau::kLine - 1) / tableau::kLine * tableau::kLine; }
+
+/// The first of these doubles that may begin a column.
+double* first_aligned(double* room) {
+  constexpr std::uintptr_t kBytes = tableau::kLine * sizeof(double);
+  const std::uintptr_t over = reinterpret_cast<std::uintptr_t>(room) % kBytes;
+  return over == 0 ? room : room + (kBytes - over) / sizeof(double);
+}
+
 template <class Scalar>
 Scalar magnitude(Scalar x) {
   return x < 0 ? -x : x;
@@ -45,15 +55,16 @@ template <class Scalar>
 struct CoveringLemke::Tableau {
   Scalar* entries = nullptr;
   Index n = 0;
+  Index stride = 0;
 
-  Scalar* column(Index k) const { return entries + k * n; }
+  Scalar* column(Index k) const { return entries + k * stride; }
   Scalar* q() const { return column(n + 1); }
   Scalar* p() const { return column(n + 2); }
 
   /// Exchanges the basic variable of row r with the nonbasic one of column k.
   void exchange(Index r, Index k) const {
     if constexpr (std::is_same_v<Scalar, double>) {
-      in_double(entries, n, n + 3, r, k);
+      in_double(entries, stride, n + 3, r, k);
     } else {
       exchange_in_quad(r, k);
     }
@@ -89,7 +100,8 @@ void CoveringLemke::load(const Lcp& lcp) {
   nonbasic_.resize(count + 1);
   if (n_ <= room_) return;
   room_ = n_;
-  double_ = std::make_unique_for_overwrite<double[]>(count * (count + 3));
+  const auto stride = static_cast<std::size_t>(padded(n_));
+  double_ = std::make_unique_for_overwrite<double[]>(stride * (count + 3) + tableau::kLine);
   if (n_ <= kLargestQuad) quad_ = std::make_unique_for_overwrite<Quad[]>(count * (count + 3));
 }
 
@@ -146,6 +158,7 @@ void CoveringLemke::fill(Tableau<Scalar>& tableau, Cover cover) {
     tableau.column(n_)[i] = Scalar(cover == Cover::kAll || lcp_->q(i) < 0 ? 1 : 0);
     basic_[static_cast<std::size_t>(i)] = i;
   }
+  for (Index k = 0; k < n_ + 3; ++k) std::fill(tableau.column(k) + n_, tableau.column(k) + tableau.stride, Scalar(0));
   nonbasic_[static_cast<std::size_t>(n_)] = 2 * n_;
 }
 
@@ -180,7 +193,7 @@ Index CoveringLemke::blocking_row(const Tableau<Scalar>& tableau, Index entering
   }
   Index row = -1;
   for (Index i = 0; i < n_; ++i) {
-    if (!(-column[i] > least_pivot) || !(std::max(tableau.q()[i], Scalar(0)) / -column[i] <= least)) continue;
+    if (!(-column[i] > least_pivot) || !(std::max(tableau.q()[i], Scalar(0)) <= least * -column[i])) continue;
     if (i == artificial_row) return i;
     // Ties: the second right-hand side decides, exactly: p_i / -a_i < p_row / -a_row.
     if (row < 0 || tableau.p()[i] * -column[row] < tableau.p()[row] * -column[i]) row = i;
@@ -211,9 +224,11 @@ CoveringLemke::End CoveringLemke::run(Cover cover, const Limits& limits, Vector&
   tableau.n = n_;
   tableau.in_double = exchange_;
   if constexpr (std::is_same_v<Scalar, Quad>) {
+    tableau.stride = n_;
     tableau.entries = quad_.get();
   } else {
-    tableau.entries = double_.get();
+    tableau.stride = padded(n_);
+    tableau.entries = first_aligned(double_.get());
   }
   fill(tableau, cover);
   Index row = first_row(tableau);

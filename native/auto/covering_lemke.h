@@ -22,7 +22,7 @@ class CoveringLemke {
 
   CoveringLemke();
 
-  /// @param lcp must stay as it is until the next load. Allocates n (n + 3) numbers, touched only in run().
+  /// @param lcp must stay as it is until the next load. Allocates about n (n + 3) numbers, touched only in run().
   void load(const Lcp& lcp);
 
   enum class Cover { kAll, kNegative };  ///< the rows where the covering vector is 1; it is 0 elsewhere
