@@ -19,8 +19,11 @@ constexpr double kTightZero = 1e-14;
 
 /// Up to this order all rungs together take some tens of milliseconds. Above it little is left to be found, at a high
 /// price, where lemke ended in a ray and the second rung has no answer either; in 113 bits where no path in double came
-/// to an end that is at least near an answer; and by a second covering vector in 113 bits.
+/// to an end that is at least near an answer; and by smaller tolerances or a second covering vector in 113 bits.
 constexpr Index kLargestThorough = 40;
+
+/// Pivots of the second rung for each of the first, above that order, where the first ended in a ray.
+constexpr std::int64_t kPivotsAfterRay = 2;
 
 /// Systems of equations that the last rung solves before it gives up: seconds at most.
 constexpr std::int64_t kMostSystems = 20000;
@@ -68,6 +71,7 @@ bool LcpLadder::has(Rung rung) const {
   switch (rung) {
     case Rung::kCoveringQuad:
       return problem_.size() <= (is_inaccurate_ ? CoveringLemke::kLargestQuad : kLargestThorough);
+    case Rung::kLemkeTight:
     case Rung::kCoveringQuadNegative: return problem_.size() <= kLargestThorough;
     case Rung::kLemkeLong: return ended_by_share_;
     case Rung::kExact: return problem_.size() <= kLargestExact;
@@ -139,6 +143,7 @@ void LcpLadder::run_covering(Rung rung) {
   using Cover = CoveringLemke::Cover;
   const Index n = problem_.size();
   CoveringLemke::Limits limits{.deadline_s = deadline_s_, .pivots = 500 + 10 * n};
+  if (ended_in_ray_ && n > kLargestThorough) limits.pivots = std::min(limits.pivots, 50 + kPivotsAfterRay * pivots_);
   if (max_pivots_ > 0) limits.pivots = std::min(limits.pivots, max_pivots_ - pivots_);
   if (rung != Rung::kCovering) limits.pivots = std::min(limits.pivots, kMostQuadWork / std::max<Index>(n * (n + 3), 1));
   const Cover cover = rung == Rung::kCoveringQuadNegative ? Cover::kNegative : Cover::kAll;
