@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "core/isa.h"
 #include "core/timed_solve.h"
 
 namespace lcpbench {
@@ -32,6 +33,16 @@ Scalar power(int exponent) {
   return result * static_cast<Scalar>(std::ldexp(1.0, exponent));
 }
 
+/// Entries of a column in double.
+Index padded(Index n) { return (n + tableau::kLine - 1) / tableau::kLine * tableau::kLine; }
+
+/// The first of these doubles that may begin a column.
+double* first_aligned(double* room) {
+  constexpr std::uintptr_t kBytes = tableau::kLine * sizeof(double);
+  const std::uintptr_t over = reinterpret_cast<std::uintptr_t>(room) % kBytes;
+  return over == 0 ? room : room + (kBytes - over) / sizeof(double);
+}
+
 template <class Scalar>
 Scalar magnitude(Scalar x) {
   return x < 0 ? -x : x;
@@ -44,13 +55,25 @@ template <class Scalar>
 struct CoveringLemke::Tableau {
   Scalar* entries = nullptr;
   Index n = 0;
+  Index stride = 0;
 
-  Scalar* column(Index k) const { return entries + k * n; }
+  Scalar* column(Index k) const { return entries + k * stride; }
   Scalar* q() const { return column(n + 1); }
   Scalar* p() const { return column(n + 2); }
 
   /// Exchanges the basic variable of row r with the nonbasic one of column k.
   void exchange(Index r, Index k) const {
+    if constexpr (std::is_same_v<Scalar, double>) {
+      in_double(entries, stride, n + 3, r, k);
+    } else {
+      exchange_in_quad(r, k);
+    }
+  }
+
+  tableau::Exchange in_double = nullptr;
+
+ private:
+  void exchange_in_quad(Index r, Index k) const {
     Scalar* const pivot = column(k);
     const Scalar inverse = 1 / pivot[r];
     for (Index l = 0; l < n + 3; ++l) {
@@ -65,16 +88,20 @@ struct CoveringLemke::Tableau {
   }
 };
 
+CoveringLemke::CoveringLemke() : exchange_(tableau::exchange_at(isa_level())) {}
+
 void CoveringLemke::load(const Lcp& lcp) {
   lcp_ = &lcp;
   n_ = lcp.size();
   const auto count = static_cast<std::size_t>(n_);
   exponent_.resize(count);
+  power_.resize(n_);
   basic_.resize(count);
   nonbasic_.resize(count + 1);
   if (n_ <= room_) return;
   room_ = n_;
-  double_ = std::make_unique_for_overwrite<double[]>(count * (count + 3));
+  const auto stride = static_cast<std::size_t>(padded(n_));
+  double_ = std::make_unique_for_overwrite<double[]>(stride * (count + 3) + tableau::kLine);
   if (n_ <= kLargestQuad) quad_ = std::make_unique_for_overwrite<Quad[]>(count * (count + 3));
 }
 
@@ -106,13 +133,23 @@ void CoveringLemke::fill(Tableau<Scalar>& tableau, Cover cover) {
     if (lcp_->q(i) != 0) largest = std::max(largest, std::ilogb(lcp_->q(i)) + exponent_[static_cast<std::size_t>(i)]);
   }
   if (largest == kNothing) largest = 0;
+  // Products of two powers of two that are doubles, in this range, without calls for each entry.
+  const auto in_range = [](int exponent) { return exponent >= -500 && exponent <= 500; };
+  const bool narrow = std::all_of(exponent_.begin(), exponent_.end(), in_range);
+  for (Index i = 0; i < n_ && narrow; ++i) power_(i) = std::ldexp(1.0, exponent_[static_cast<std::size_t>(i)]);
   for (Index j = 0; j < n_; ++j) {
+    Scalar* const column = tableau.column(j);
+    const double* const entries = lcp_->M.col(j).data();
+    nonbasic_[static_cast<std::size_t>(j)] = n_ + j;
+    if (narrow) {
+      const double own = power_(j);
+      for (Index i = 0; i < n_; ++i) column[i] = static_cast<Scalar>(entries[i]) * static_cast<Scalar>(power_(i) * own);
+      continue;
+    }
     for (Index i = 0; i < n_; ++i) {
       const int exponent = exponent_[static_cast<std::size_t>(i)] + exponent_[static_cast<std::size_t>(j)];
-      const double entry = lcp_->M(i, j);
-      tableau.column(j)[i] = entry == 0 ? Scalar(0) : static_cast<Scalar>(entry) * power<Scalar>(exponent);
+      column[i] = entries[i] == 0 ? Scalar(0) : static_cast<Scalar>(entries[i]) * power<Scalar>(exponent);
     }
-    nonbasic_[static_cast<std::size_t>(j)] = n_ + j;
   }
   for (Index i = 0; i < n_; ++i) {
     const int exponent = exponent_[static_cast<std::size_t>(i)] - largest;
@@ -121,6 +158,7 @@ void CoveringLemke::fill(Tableau<Scalar>& tableau, Cover cover) {
     tableau.column(n_)[i] = Scalar(cover == Cover::kAll || lcp_->q(i) < 0 ? 1 : 0);
     basic_[static_cast<std::size_t>(i)] = i;
   }
+  for (Index k = 0; k < n_ + 3; ++k) std::fill(tableau.column(k) + n_, tableau.column(k) + tableau.stride, Scalar(0));
   nonbasic_[static_cast<std::size_t>(n_)] = 2 * n_;
 }
 
@@ -155,7 +193,7 @@ Index CoveringLemke::blocking_row(const Tableau<Scalar>& tableau, Index entering
   }
   Index row = -1;
   for (Index i = 0; i < n_; ++i) {
-    if (!(-column[i] > least_pivot) || !(std::max(tableau.q()[i], Scalar(0)) / -column[i] <= least)) continue;
+    if (!(-column[i] > least_pivot) || !(std::max(tableau.q()[i], Scalar(0)) <= least * -column[i])) continue;
     if (i == artificial_row) return i;
     // Ties: the second right-hand side decides, exactly: p_i / -a_i < p_row / -a_row.
     if (row < 0 || tableau.p()[i] * -column[row] < tableau.p()[row] * -column[i]) row = i;
@@ -182,11 +220,15 @@ template <class Scalar>
 CoveringLemke::End CoveringLemke::run(Cover cover, const Limits& limits, Vector& z) {
   pivots_ = 0;
   scale();
-  Tableau<Scalar> tableau{nullptr, n_};
+  Tableau<Scalar> tableau;
+  tableau.n = n_;
+  tableau.in_double = exchange_;
   if constexpr (std::is_same_v<Scalar, Quad>) {
+    tableau.stride = n_;
     tableau.entries = quad_.get();
   } else {
-    tableau.entries = double_.get();
+    tableau.stride = padded(n_);
+    tableau.entries = first_aligned(double_.get());
   }
   fill(tableau, cover);
   Index row = first_row(tableau);

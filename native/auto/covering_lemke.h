@@ -6,6 +6,7 @@
 
 #include "core/lcp.h"
 #include "core/quad.h"
+#include "native/tableau_engine.h"
 
 namespace lcpbench {
 
@@ -19,7 +20,9 @@ class CoveringLemke {
  public:
   static constexpr Index kLargestQuad = 300;
 
-  /// @param lcp must stay as it is until the next load. Allocates n (n + 3) numbers, touched only in run().
+  CoveringLemke();
+
+  /// @param lcp must stay as it is until the next load. Allocates about n (n + 3) numbers, touched only in run().
   void load(const Lcp& lcp);
 
   enum class Cover { kAll, kNegative };  ///< the rows where the covering vector is 1; it is 0 elsewhere
@@ -52,12 +55,14 @@ class CoveringLemke {
   template <class Scalar>
   void write_solution(const Tableau<Scalar>& tableau, Vector& z) const;
 
+  tableau::Exchange exchange_;
   const Lcp* lcp_ = nullptr;
   Index n_ = 0;
   Index room_ = -1;
   std::unique_ptr<double[]> double_;
   std::unique_ptr<Quad[]> quad_;
   std::vector<int> exponent_;            // n: row and column i times 2^exponent_[i]
+  Vector power_;                         // n: that power, where all are well within the range of doubles
   std::vector<Index> basic_, nonbasic_;  // w_i = i, z_i = n + i, artificial = 2 n
   std::int64_t pivots_ = 0;
 };

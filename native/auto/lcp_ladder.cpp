@@ -17,9 +17,13 @@ constexpr std::size_t kLongestDetail = 80;
 constexpr double kTightPivot = 1e-13;
 constexpr double kTightZero = 1e-14;
 
-/// Above this order little is left to be found where lemke ended in a ray and the second rung has no answer either, or
-/// by a second covering vector in 113 bits.
-constexpr Index kLargestAfterRay = 40;
+/// Up to this order all rungs together take some tens of milliseconds. Above it little is left to be found, at a high
+/// price, where lemke ended in a ray and the second rung has no answer either; in 113 bits where no path in double came
+/// to an end that is at least near an answer; and by smaller tolerances or a second covering vector in 113 bits.
+constexpr Index kLargestThorough = 40;
+
+/// Pivots of the second rung for each of the first, above that order, where the first ended in a ray.
+constexpr std::int64_t kPivotsAfterRay = 2;
 
 /// Systems of equations that the last rung solves before it gives up: seconds at most.
 constexpr std::int64_t kMostSystems = 20000;
@@ -65,8 +69,10 @@ void LcpLadder::load(const Problem& problem) {
 
 bool LcpLadder::has(Rung rung) const {
   switch (rung) {
-    case Rung::kCoveringQuad: return problem_.size() <= CoveringLemke::kLargestQuad;
-    case Rung::kCoveringQuadNegative: return problem_.size() <= kLargestAfterRay;
+    case Rung::kCoveringQuad:
+      return problem_.size() <= (is_inaccurate_ ? CoveringLemke::kLargestQuad : kLargestThorough);
+    case Rung::kLemkeTight:
+    case Rung::kCoveringQuadNegative: return problem_.size() <= kLargestThorough;
     case Rung::kLemkeLong: return ended_by_share_;
     case Rung::kExact: return problem_.size() <= kLargestExact;
     default: return true;
@@ -85,7 +91,7 @@ void LcpLadder::solve(const SolveRequest& request, Answer& answer, const char*& 
   text = takes() ? "no answer passed the test" : "n is over the limit of lemke";
   if (!takes()) return;
   pivots_ = 0;
-  ended_by_share_ = ended_in_ray_ = false;
+  ended_by_share_ = ended_in_ray_ = is_inaccurate_ = false;
   for (const Rung rung : {Rung::kLemke, Rung::kCovering, Rung::kLemkeTight, Rung::kCoveringQuad,
                           Rung::kCoveringQuadNegative, Rung::kLemkeLong, Rung::kExact}) {
     if (!has(rung)) continue;
@@ -98,6 +104,7 @@ void LcpLadder::solve(const SolveRequest& request, Answer& answer, const char*& 
     answer.counters.pivots += std::max<std::int64_t>(attempt_.counters.pivots, 0);
     answer.counters.factorizations += std::max<std::int64_t>(attempt_.counters.factorizations, 0);
     pivots_ = answer.counters.pivots;
+    is_inaccurate_ = is_inaccurate_ || attempt_.detail == "residual";
     if (is_final(rung, answer, text)) return;
   }
 }
@@ -136,6 +143,7 @@ void LcpLadder::run_covering(Rung rung) {
   using Cover = CoveringLemke::Cover;
   const Index n = problem_.size();
   CoveringLemke::Limits limits{.deadline_s = deadline_s_, .pivots = 500 + 10 * n};
+  if (ended_in_ray_ && n > kLargestThorough) limits.pivots = std::min(limits.pivots, 50 + kPivotsAfterRay * pivots_);
   if (max_pivots_ > 0) limits.pivots = std::min(limits.pivots, max_pivots_ - pivots_);
   if (rung != Rung::kCovering) limits.pivots = std::min(limits.pivots, kMostQuadWork / std::max<Index>(n * (n + 3), 1));
   const Cover cover = rung == Rung::kCoveringQuadNegative ? Cover::kNegative : Cover::kAll;
@@ -188,7 +196,7 @@ bool LcpLadder::is_final(Rung rung, Answer& answer, const char*& text) {
     answer.claim = Claim::kTimeLimit;
     return true;
   }
-  if (ended_in_ray_ && problem_.size() > kLargestAfterRay) {
+  if (ended_in_ray_ && problem_.size() > kLargestThorough) {
     if (rung == Rung::kLemke && lemke_.answer_test().nearly_disproved()) {
       text = "ray: unsolvable to rounding, without a proof in doubles";
       return true;

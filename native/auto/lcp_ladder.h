@@ -11,11 +11,14 @@ namespace lcpbench {
 /// Solves a bare LCP by one method after the other until an answer passes AnswerTest, or the problem is proven to have
 /// no solution.
 ///
-/// First `lemke` as it is by itself; CoveringLemke in double; `lemke` with tolerances near rounding; CoveringLemke, up
-/// to CoveringLemke::kLargestQuad rows, in 113 bits, up to 40 with the other covering vector too; `lemke` again,
-/// longer, where only its share of pivots ended it; and up to kLargestExact rows every support in exact arithmetic.
-/// Above 40 rows it ends after two where the first ends in a ray. The methods have a share of pivots in proportion to
-/// n, which a path that does not go round seldom needs. All memory is taken by load(); nothing allocates in solve().
+/// First `lemke` as it is by itself; CoveringLemke in double; up to 40 rows `lemke` with tolerances near rounding;
+/// CoveringLemke in 113 bits, up to 40 rows with the other covering vector too; `lemke` again, longer, where only its
+/// share of pivots ended it; and up to kLargestExact rows every support in exact arithmetic. Above 40 rows it ends
+/// after two where the first ends in a ray, and goes to 113 bits, up to CoveringLemke::kLargestQuad rows, only where a
+/// path in double ended in an answer that is not accurate enough: a path in 113 bits takes some hundred times as long
+/// as one in double, and hardly ever finds an answer where all those in double end without one. The methods have a
+/// share of pivots in proportion to n, which a path that does not go round seldom needs. All memory is taken by load();
+/// nothing allocates in solve().
 class LcpLadder {
  public:
   explicit LcpLadder(std::int64_t max_pivots);
@@ -58,6 +61,7 @@ class LcpLadder {
   std::int64_t pivots_ = 0;      // of all rungs so far
   bool ended_by_share_ = false;  // the first rung
   bool ended_in_ray_ = false;    // the first rung
+  bool is_inaccurate_ = false;   // the answer of some rung so far
 };
 
 }  // namespace lcpbench
