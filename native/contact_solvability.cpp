@@ -14,9 +14,11 @@ template <class Scalar>
 constexpr Scalar kNoise = Scalar(sizeof(Scalar) == sizeof(double) ? 1e-11 : 0x1p-98);
 template <class Scalar>
 constexpr Scalar kClear = Scalar(sizeof(Scalar) == sizeof(double) ? 1e-7 : 0x1p-92);
-/// Of the least value, relative to its terms: zero, and negative. What lies between is in doubt.
-constexpr Quad kZero = 0x1p-96;
-constexpr Quad kNegative = 0x1p-85;
+/// Of the least value in 113 bits, relative to its terms: what is rounding where no pivot is small, what it may be at
+/// most to be told from data, and how much more a negative value is.
+constexpr Quad kRounding = 0x1p-100;
+constexpr Quad kLargestRounding = 0x1p-75;
+constexpr Quad kNegative = 0x1p10;
 
 constexpr double kUnitRoundoff = 0x1p-53;
 constexpr int kNoExponent = std::numeric_limits<int>::min();
@@ -104,6 +106,8 @@ void ContactSolvability::reserve(const ContactProblem& contact) {
   column_exponent_.reserve(edges);
   row_exponent_.reserve(rows);
   basis_.reserve(rows);
+  unit_.reserve(static_cast<std::size_t>(contact.ngc()));
+  range_.reserve(static_cast<std::size_t>(contact.ngc()) * (rows - 1));
   if (proof_.size() < contact.nc()) proof_.resize(contact.nc());
   if (lift_.size() < contact.ngc()) lift_.resize(contact.ngc());
   if (lift_terms_.size() < contact.ngc()) lift_terms_.resize(contact.ngc());
@@ -119,10 +123,57 @@ void ContactSolvability::load(const ContactProblem& contact) {
   contact_ = &contact;
   X_ = &reach_of(contact.inertia);
   always_solvable_ = false;
-  row_exponent_.resize(static_cast<std::size_t>(X_->cols()));
-  for (Index k = 0; k < X_->cols(); ++k) {
-    const double largest = X_->rows() > 0 ? X_->col(k).cwiseAbs().maxCoeff() : 0.0;
-    row_exponent_[static_cast<std::size_t>(k)] = largest > 0 ? -exponent_of(largest) : 0;
+  has_range_ = false;
+}
+
+/// A basis of the range of X by elimination of columns with complete pivoting: ones in the rows of the pivots.
+void ContactSolvability::find_range() {
+  if (has_range_) return;
+  has_range_ = true;
+  const Index ngc = X_->rows();
+  const Index count = X_->cols();
+  range_.resize(static_cast<std::size_t>(ngc * count));
+  unit_.assign(static_cast<std::size_t>(ngc), 0);
+  rank_ = count;
+  const auto at = [&](Index i, Index k) -> Quad& { return range_[static_cast<std::size_t>(i * count + k)]; };
+  for (Index k = 0; k < count; ++k) {
+    const double largest = ngc > 0 ? X_->col(k).cwiseAbs().maxCoeff() : 0.0;
+    const int exponent = largest > 0 ? -exponent_of(largest) : 0;
+    for (Index i = 0; i < ngc; ++i) at(i, k) = scaled(static_cast<Quad>((*X_)(i, k)), exponent);
+  }
+  for (Index i = 0; i < ngc; ++i) {
+    Quad largest = 0;
+    for (Index k = 0; k < count; ++k) largest = std::max(largest, magnitude(at(i, k)));
+    if (!(largest > 0)) continue;
+    unit_[static_cast<std::size_t>(i)] = exponent_of(to_double(largest));
+    for (Index k = 0; k < count; ++k) at(i, k) = scaled(at(i, k), -unit_[static_cast<std::size_t>(i)]);
+  }
+  least_range_pivot_ = 1;
+  rank_ = 0;
+  for (; rank_ < std::min(ngc, count); ++rank_) {
+    Index row = 0;
+    Index column = rank_;
+    for (Index i = 0; i < ngc; ++i) {
+      for (Index k = rank_; k < count; ++k) {
+        if (magnitude(at(i, k)) > magnitude(at(row, column))) row = i, column = k;
+      }
+    }
+    const Quad pivot = at(row, column);
+    if (!(magnitude(pivot) > kClear<Quad>)) break;
+    least_range_pivot_ = std::min(least_range_pivot_, magnitude(pivot));
+    for (Index i = 0; i < ngc; ++i) std::swap(at(i, rank_), at(i, column));
+    for (Index i = 0; i < ngc; ++i) at(i, rank_) /= pivot;
+    for (Index k = 0; k < count; ++k) {
+      const Quad factor = at(row, k);
+      if (k == rank_ || factor == 0) continue;
+      for (Index i = 0; i < ngc; ++i) at(i, k) -= factor * at(i, rank_);
+      at(row, k) = 0;
+    }
+  }
+  for (Index i = 0; i < ngc; ++i) {
+    for (Index k = 0; k < rank_; ++k) {
+      range_[static_cast<std::size_t>(i * rank_ + k)] = scaled(at(i, k), unit_[static_cast<std::size_t>(i)]);
+    }
   }
 }
 
@@ -148,7 +199,17 @@ void ContactSolvability::find_normals() {
 }
 
 /// Powers of two for the columns, so that the largest term of each has about the size of one.
+template <class Scalar>
 void ContactSolvability::find_exponents() {
+  const Index size = reach_size(Scalar());
+  row_exponent_.resize(static_cast<std::size_t>(size));
+  for (Index k = 0; k < size; ++k) {
+    int largest = kNoExponent;
+    for (Index i = 0; i < X_->rows(); ++i) {
+      largest = std::max(largest, exponent_of(static_cast<double>(reach(i, k, Scalar()))));
+    }
+    row_exponent_[static_cast<std::size_t>(k)] = largest == kNoExponent ? 0 : -largest;
+  }
   column_exponent_.clear();
   cost_exponent_ = kNoExponent;
   for (const Edge& edge : edges_) {
@@ -156,8 +217,8 @@ void ContactSolvability::find_exponents() {
     int speed = kNoExponent;
     visit_edge(*contact_, edge.contact, edge.direction, edge.factor, [&](Index i, double entry, double factor) {
       const int own = exponent_of(entry) + exponent_of(factor);
-      for (Index k = 0; k < X_->cols(); ++k) {
-        const int of_X = exponent_of((*X_)(i, k));
+      for (Index k = 0; k < size; ++k) {
+        const int of_X = exponent_of(static_cast<double>(reach(i, k, Scalar())));
         if (of_X != kNoExponent) largest = std::max(largest, own + of_X + row_exponent_[static_cast<std::size_t>(k)]);
       }
       const int of_v = exponent_of(v_[i]);
@@ -172,7 +233,8 @@ void ContactSolvability::find_exponents() {
 
 template <class Scalar>
 void ContactSolvability::fill(Program<Scalar>& program) {
-  program.rows = X_->cols() + 1;
+  const Index size = reach_size(Scalar());
+  program.rows = size + 1;
   program.edges = static_cast<Index>(edges_.size());
   program.first_phase = true;
   std::fill(program.entries, program.entries + (program.rows + 1) * program.width(), Scalar(0));
@@ -181,12 +243,13 @@ void ContactSolvability::fill(Program<Scalar>& program) {
     const int exponent = column_exponent_[static_cast<std::size_t>(j)];
     visit_edge(*contact_, edge.contact, edge.direction, edge.factor, [&](Index i, double entry, double factor) {
       const Scalar weight = scaled(static_cast<Scalar>(entry) * static_cast<Scalar>(factor), exponent);
-      for (Index k = 0; k < X_->cols(); ++k) {
-        program.row(k)[j] +=
-            weight * scaled(static_cast<Scalar>((*X_)(i, k)), row_exponent_[static_cast<std::size_t>(k)]);
+      for (Index k = 0; k < size; ++k) {
+        const Scalar entry_of_X = reach(i, k, Scalar());
+        if (entry_of_X == 0) continue;
+        program.row(k)[j] += weight * scaled(entry_of_X, row_exponent_[static_cast<std::size_t>(k)]);
       }
     });
-    program.row(X_->cols())[j] = 1;
+    program.row(size)[j] = 1;
   }
   basis_.clear();
   for (Index r = 0; r < program.rows; ++r) {
@@ -255,10 +318,19 @@ bool ContactSolvability::pivot_to_end(Program<Scalar>& program, double deadline_
       least = ratio;
     }
     if (leaving < 0) return false;  // but for rounding, sum u = 1 bounds all
+    note_pivot(program, leaving, entering);
     program.exchange(leaving, entering);
     basis_[static_cast<std::size_t>(leaving)] = entering;
   }
   return false;
+}
+
+/// Keeps the least pivot, relative to its column.
+template <class Scalar>
+void ContactSolvability::note_pivot(const Program<Scalar>& program, Index row, Index column) {
+  Scalar largest = 0;
+  for (Index r = 0; r < program.rows; ++r) largest = std::max(largest, magnitude(program.row(r)[column]));
+  least_pivot_ = std::min(least_pivot_, static_cast<Quad>(magnitude(program.row(row)[column]) / largest));
 }
 
 /// Artificial variables that are zero leave the basis where their row is not zero as well.
@@ -273,6 +345,7 @@ void ContactSolvability::drop_artificial(Program<Scalar>& program) {
     }
     if (!(magnitude(row[largest]) > kClear<Scalar>)) continue;
     program.row(r)[program.right()] = 0;
+    note_pivot(program, r, largest);
     program.exchange(r, largest);
     basis_[static_cast<std::size_t>(r)] = largest;
   }
@@ -330,6 +403,8 @@ template <class Scalar>
 ContactSolvability::Sign ContactSolvability::sign_of_least(Scalar* storage, double deadline_s) {
   constexpr bool kInDouble = sizeof(Scalar) == sizeof(double);
   Program<Scalar> program{storage};
+  least_pivot_ = kInDouble ? Quad{1} : least_range_pivot_;
+  find_exponents<Scalar>();
   fill(program);
   if (!pivot_to_end(program, deadline_s)) return Sign::kUnknown;
   if (program.value() > kClear<Scalar>) {
@@ -346,17 +421,21 @@ ContactSolvability::Sign ContactSolvability::sign_of_least(Scalar* storage, doub
     return program.value() > kClear<double> && lifts_all(program, true) ? Sign::kPositive : Sign::kUnknown;
   } else {
     const Quad terms = terms_of_least(program);
-    if (program.value() >= -kZero * terms) return Sign::kZero;
-    if (!(program.value() < -kNegative * terms)) return Sign::kUnknown;
+    const Quad rounding = kRounding / least_pivot_;
+    if (!(rounding <= kLargestRounding)) return Sign::kUnknown;
+    if (program.value() >= -rounding * terms) return Sign::kZero;
+    if (!(program.value() < -kNegative * rounding * terms)) return Sign::kUnknown;
     take_proof(program);
     return Sign::kNegative;
   }
 }
 
 ContactSolvability::Sign ContactSolvability::sign_of_least(double deadline_s) {
-  find_exponents();
   const Sign in_double = sign_of_least(double_.get(), deadline_s);
-  return in_double != Sign::kUnknown ? in_double : sign_of_least(quad_.get(), deadline_s);
+  if (in_double != Sign::kUnknown) return in_double;
+  find_range();
+  if (rank_ == X_->rows()) return Sign::kAlwaysPositive;
+  return sign_of_least(quad_.get(), deadline_s);
 }
 
 ContactSolvability::Finding ContactSolvability::decide(const double* v, double deadline_s) {
@@ -377,7 +456,7 @@ ContactSolvability::Finding ContactSolvability::decide(const double* v, double d
 /// Small integers where there are such in the same proportion.
 void ContactSolvability::take_proof(const Program<Quad>& program) {
   constexpr double kLargest = 0x1p20;
-  constexpr Quad kRounding = 0x1p-40;
+  constexpr Quad kNearInteger = 0x1p-40;
   auto proof = proof_.head(contact_->nc());
   proof.setZero();
   const auto share = [&](Index r) {
@@ -393,7 +472,7 @@ void ContactSolvability::take_proof(const Program<Quad>& program) {
     if (!(share(r) > 0)) continue;
     const Quad ratio = share(r) / least;
     const double near = std::round(to_double(ratio));
-    const bool is_integer = near <= kLargest && magnitude(ratio - static_cast<Quad>(near)) <= kRounding * ratio;
+    const bool is_integer = near <= kLargest && magnitude(ratio - static_cast<Quad>(near)) <= kNearInteger * ratio;
     proof(edges_[static_cast<std::size_t>(basis_[static_cast<std::size_t>(r)])].contact) =
         is_integer ? near : to_double(ratio);
   }

@@ -19,7 +19,8 @@ namespace lcpbench {
 ///
 /// Both are decided by the linear program min v'K u, X'K u = 0, sum u = 1, u >= 0: by the simplex method in double,
 /// where its dual solution y satisfies all inequalities by more than any rounding, and else in 113 bits, where a value
-/// within 2^-85 of its terms counts as zero. Data in doubles that miss a solution do so by far more.
+/// of the size of rounding counts as zero. Data in doubles that miss a solution do so by far more, unless small pivots
+/// enlarge the rounding: then nothing is decided. X of full row rank reaches all: there is a solution.
 class ContactSolvability {
  public:
   enum class Finding { kSolvable, kUnsolvable, kUnknown };
@@ -53,8 +54,16 @@ class ContactSolvability {
   /// Of the least v'K u. kAlwaysPositive: for every v.
   enum class Sign { kAlwaysPositive, kPositive, kZero, kNegative, kUnknown };
 
+  /// Entry (i, k) of X, or of a basis of its range with ones in some rows.
+  double reach(Index i, Index k, double) const { return (*X_)(i, k); }
+  Quad reach(Index i, Index k, Quad) const { return range_[static_cast<std::size_t>(i * rank_ + k)]; }
+  Index reach_size(double) const { return X_->cols(); }
+  Index reach_size(Quad) const { return rank_; }
+
+  void find_range();
   void find_edges();
   void find_normals();
+  template <class Scalar>
   void find_exponents();
   Sign sign_of_least(double deadline_s);
   template <class Scalar>
@@ -65,6 +74,8 @@ class ContactSolvability {
   void write_costs(Program<Scalar>& program);
   template <class Scalar>
   bool pivot_to_end(Program<Scalar>& program, double deadline_s);
+  template <class Scalar>
+  void note_pivot(const Program<Scalar>& program, Index row, Index column);
   template <class Scalar>
   void drop_artificial(Program<Scalar>& program);
   bool lifts_all(const Program<double>& program, bool from_v);
@@ -86,6 +97,13 @@ class ContactSolvability {
   Vector lift_, lift_terms_;  // ngc: X y and a bound on its terms
   std::unique_ptr<double[]> double_;
   std::unique_ptr<Quad[]> quad_;
+  // The range of X, once it was asked for.
+  bool has_range_ = false;
+  Index rank_ = 0;
+  Quad least_pivot_ = 1;        // of its elimination and of the last program, relative to the largest entries
+  Quad least_range_pivot_ = 1;  // of its elimination
+  std::vector<Quad> range_;     // ngc x rank_ by rows
+  std::vector<int> unit_;       // ngc: powers of two that bring the rows of X to about one
   std::size_t room_ = 0;
 };
 
