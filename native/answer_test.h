@@ -79,6 +79,7 @@ class AnswerTest {
   bool quad_is_loaded_ = false;
   bool may_be_singular_ = false;  // the inertia of contacts
   ContactSolvability solvability_;
+  double residual_ = 0;     // of completed_, contacts
   Vector velocity_;         // v, where the inertia may be singular
   Vector path_end_;         // n, where the inertia may be singular
   Vector completed_;        // n

@@ -105,12 +105,14 @@ void ContactSolvability::reserve(const ContactProblem& contact) {
   edges_.reserve(edges);
   column_exponent_.reserve(edges);
   row_exponent_.reserve(rows);
+  row_scale_.reserve(rows);
   basis_.reserve(rows);
   unit_.reserve(static_cast<std::size_t>(contact.ngc()));
   range_.reserve(static_cast<std::size_t>(contact.ngc()) * (rows - 1));
   if (proof_.size() < contact.nc()) proof_.resize(contact.nc());
   if (lift_.size() < contact.ngc()) lift_.resize(contact.ngc());
   if (lift_terms_.size() < contact.ngc()) lift_terms_.resize(contact.ngc());
+  if (coordinate_size_.size() < contact.ngc()) coordinate_size_.resize(contact.ngc());
   const std::size_t room = (rows + 1) * (rows + edges + 1);
   if (room <= room_) return;
   room_ = room;
@@ -199,19 +201,48 @@ void ContactSolvability::find_normals() {
 }
 
 /// Powers of two for the columns, so that the largest term of each has about the size of one.
+/// find_exponents() for columns in double: what over- or underflows is left to 113 bits.
+void ContactSolvability::find_column_exponents() {
+  for (const Edge& edge : edges_) {
+    double largest = 0;
+    double speed = 0;
+    visit_edge(*contact_, edge.contact, edge.direction, edge.factor, [&](Index i, double entry, double factor) {
+      const double weight = std::fabs(entry * factor);
+      largest = std::max(largest, weight * coordinate_size_(i));
+      speed = std::max(speed, weight * std::fabs(v_[i]));
+    });
+    const int exponent = largest > 0 ? -exponent_of(largest) : speed > 0 ? -exponent_of(speed) : 0;
+    column_exponent_.push_back(exponent);
+    if (speed > 0) cost_exponent_ = std::max(cost_exponent_, exponent_of(speed) + exponent);
+  }
+  cost_exponent_ = cost_exponent_ == kNoExponent ? 0 : -cost_exponent_;
+}
+
 template <class Scalar>
 void ContactSolvability::find_exponents() {
   const Index size = reach_size(Scalar());
   row_exponent_.resize(static_cast<std::size_t>(size));
   for (Index k = 0; k < size; ++k) {
-    int largest = kNoExponent;
+    double largest = 0;
     for (Index i = 0; i < X_->rows(); ++i) {
-      largest = std::max(largest, exponent_of(static_cast<double>(reach(i, k, Scalar()))));
+      largest = std::max(largest, std::fabs(static_cast<double>(reach(i, k, Scalar()))));
     }
-    row_exponent_[static_cast<std::size_t>(k)] = largest == kNoExponent ? 0 : -largest;
+    row_exponent_[static_cast<std::size_t>(k)] = largest > 0 ? -exponent_of(largest) : 0;
   }
+  row_scale_.clear();
+  for (const int exponent : row_exponent_) row_scale_.push_back(std::ldexp(1.0, exponent));
   column_exponent_.clear();
   cost_exponent_ = kNoExponent;
+  if constexpr (sizeof(Scalar) == sizeof(double)) {
+    for (Index i = 0; i < X_->rows(); ++i) {
+      double largest_of_row = 0;
+      for (Index k = 0; k < size; ++k) {
+        largest_of_row = std::max(largest_of_row, std::fabs((*X_)(i, k)) * row_scale_[static_cast<std::size_t>(k)]);
+      }
+      coordinate_size_(i) = largest_of_row;
+    }
+    return find_column_exponents();
+  }
   for (const Edge& edge : edges_) {
     int largest = kNoExponent;
     int speed = kNoExponent;
@@ -246,7 +277,7 @@ void ContactSolvability::fill(Program<Scalar>& program) {
       for (Index k = 0; k < size; ++k) {
         const Scalar entry_of_X = reach(i, k, Scalar());
         if (entry_of_X == 0) continue;
-        program.row(k)[j] += weight * scaled(entry_of_X, row_exponent_[static_cast<std::size_t>(k)]);
+        program.row(k)[j] += weight * entry_of_X * static_cast<Scalar>(row_scale_[static_cast<std::size_t>(k)]);
       }
     });
     program.row(size)[j] = 1;
@@ -418,7 +449,8 @@ ContactSolvability::Sign ContactSolvability::sign_of_least(Scalar* storage, doub
   write_costs(program);
   if (!pivot_to_end(program, deadline_s)) return Sign::kUnknown;
   if constexpr (kInDouble) {
-    return program.value() > kClear<double> && lifts_all(program, true) ? Sign::kPositive : Sign::kUnknown;
+    if (program.value() > kClear<double> && lifts_all(program, true)) return Sign::kPositive;
+    return program.value() < -kClear<double> ? Sign::kNegativeInDouble : Sign::kUnknown;
   } else {
     const Quad terms = terms_of_least(program);
     const Quad rounding = kRounding / least_pivot_;
@@ -430,12 +462,35 @@ ContactSolvability::Sign ContactSolvability::sign_of_least(Scalar* storage, doub
   }
 }
 
-ContactSolvability::Sign ContactSolvability::sign_of_least(double deadline_s) {
-  const Sign in_double = sign_of_least(double_.get(), deadline_s);
-  if (in_double != Sign::kUnknown) return in_double;
+ContactSolvability::Sign ContactSolvability::sign_in_quad(double deadline_s) {
   find_range();
   if (rank_ == X_->rows()) return Sign::kAlwaysPositive;
   return sign_of_least(quad_.get(), deadline_s);
+}
+
+/// Only edges that are in the last basis: a u of these alone is one of all.
+void ContactSolvability::keep_basic_edges() {
+  const auto edges = static_cast<Index>(edges_.size());
+  std::sort(basis_.begin(), basis_.end());
+  std::size_t kept = 0;
+  for (const Index j : basis_) {
+    if (j < edges) edges_[kept++] = edges_[static_cast<std::size_t>(j)];
+  }
+  edges_.resize(kept);
+}
+
+/// Without friction.
+ContactSolvability::Sign ContactSolvability::sign_of_normals(double deadline_s) {
+  find_normals();
+  Sign sign = sign_of_least(double_.get(), deadline_s);
+  if (sign == Sign::kNegativeInDouble) {
+    keep_basic_edges();
+    sign = sign_in_quad(deadline_s);
+    if (sign == Sign::kNegative || sign == Sign::kAlwaysPositive) return sign;
+    find_normals();
+    return sign_in_quad(deadline_s);
+  }
+  return sign == Sign::kUnknown ? sign_in_quad(deadline_s) : sign;
 }
 
 ContactSolvability::Finding ContactSolvability::decide(const double* v, double deadline_s) {
@@ -443,14 +498,22 @@ ContactSolvability::Finding ContactSolvability::decide(const double* v, double d
   v_ = v;
   find_edges();
   if (edges_.empty()) return Finding::kSolvable;
-  Sign sign = sign_of_least(deadline_s);
-  if (sign == Sign::kAlwaysPositive) always_solvable_ = true;
-  if (sign == Sign::kAlwaysPositive || sign == Sign::kPositive || sign == Sign::kZero) return Finding::kSolvable;
-  if (sign == Sign::kNegative && has_friction_) {
-    find_normals();
-    sign = sign_of_least(deadline_s);
+  const auto is_solvable = [](Sign sign) {
+    return sign == Sign::kAlwaysPositive || sign == Sign::kPositive || sign == Sign::kZero;
+  };
+  if (has_friction_) {
+    Sign sign = sign_of_least(double_.get(), deadline_s);
+    if (sign == Sign::kUnknown) sign = sign_in_quad(deadline_s);
+    always_solvable_ = sign == Sign::kAlwaysPositive;
+    if (is_solvable(sign)) return Finding::kSolvable;
   }
-  return sign == Sign::kNegative ? Finding::kUnsolvable : Finding::kUnknown;
+  const Sign sign = sign_of_normals(deadline_s);
+  if (sign == Sign::kNegative) return Finding::kUnsolvable;
+  if (!has_friction_) {
+    always_solvable_ = sign == Sign::kAlwaysPositive;
+    return is_solvable(sign) ? Finding::kSolvable : Finding::kUnknown;
+  }
+  return Finding::kUnknown;
 }
 
 /// Small integers where there are such in the same proportion.

@@ -52,7 +52,8 @@ class ContactSolvability {
   template <class Scalar>
   struct Program;
   /// Of the least v'K u. kAlwaysPositive: for every v.
-  enum class Sign { kAlwaysPositive, kPositive, kZero, kNegative, kUnknown };
+  /// kNegativeInDouble: by more than rounding is likely to do.
+  enum class Sign { kAlwaysPositive, kPositive, kZero, kNegative, kNegativeInDouble, kUnknown };
 
   /// Entry (i, k) of X, or of a basis of its range with ones in some rows.
   double reach(Index i, Index k, double) const { return (*X_)(i, k); }
@@ -63,9 +64,12 @@ class ContactSolvability {
   void find_range();
   void find_edges();
   void find_normals();
+  void find_column_exponents();
   template <class Scalar>
   void find_exponents();
-  Sign sign_of_least(double deadline_s);
+  Sign sign_in_quad(double deadline_s);
+  Sign sign_of_normals(double deadline_s);
+  void keep_basic_edges();
   template <class Scalar>
   Sign sign_of_least(Scalar* storage, double deadline_s);
   template <class Scalar>
@@ -92,9 +96,11 @@ class ContactSolvability {
   std::vector<int> row_exponent_;     // by column of X: powers of two that bring entries to about one
   std::vector<int> column_exponent_;  // by edge
   int cost_exponent_ = 0;
-  std::vector<Index> basis_;  // by row: an edge, or their number + the row of an artificial variable
-  Vector proof_;              // nc
-  Vector lift_, lift_terms_;  // ngc: X y and a bound on its terms
+  std::vector<double> row_scale_;  // 2^row_exponent_
+  std::vector<Index> basis_;       // by row: an edge, or their number + the row of an artificial variable
+  Vector proof_;                   // nc
+  Vector lift_, lift_terms_;       // ngc: X y and a bound on its terms
+  Vector coordinate_size_;         // ngc: the largest scaled entry of X in the row
   std::unique_ptr<double[]> double_;
   std::unique_ptr<Quad[]> quad_;
   // The range of X, once it was asked for.
