@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <variant>
 
 #include "core/answer_storage.h"
 #include "core/registry.h"
@@ -46,6 +47,19 @@ constexpr Capabilities kCapabilities{
 
 /// Products of coordinates and contacts up to which sixteen steps take microseconds at most.
 constexpr std::ptrdiff_t kSmallSystem = 1024;
+
+/// Diagonal entries of G below this have reciprocals that doubles, and sums of two, do not hold with all their bits.
+constexpr double kLeastInertia = 0x1p-900;
+
+double least_diagonal_entry(const Inertia& inertia) {
+  double least = std::numeric_limits<double>::infinity();
+  const auto visit = [&](const Matrix& G) { least = G.size() > 0 ? std::min(least, G.diagonal().minCoeff()) : least; };
+  if (const auto* dense = std::get_if<DenseInertia>(&inertia)) visit(dense->G);
+  if (const auto* bodies = std::get_if<BlockInertia>(&inertia)) {
+    for (const Matrix& block : bodies->blocks) visit(block);
+  }
+  return least;
+}
 
 /// Details are short enough for std::string to hold in place, so that solve() allocates nothing.
 void report(const active_set::Outcome& outcome, Answer& answer) {
@@ -98,6 +112,7 @@ void ActiveSet::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   describe(contact);
   may_be_singular_ = ContactSolvability::is_asked(contact);
+  underflows_ = least_diagonal_entry(contact.inertia) < kLeastInertia;
   if (may_be_singular_) solvability_.load(contact);
   first_.load(input_);
   if (settings_.precision == ActiveSetPrecision::kLadder) reserve_later_rungs(contact);
@@ -173,6 +188,11 @@ active_set::Rules ActiveSet::rules(const SolveRequest& request) const {
 void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
   if (!(request.time_limit_s > 0)) {  // the clock is first read after some steps
     answer.claim = Claim::kTimeLimit;
+    return;
+  }
+  if (underflows_) {
+    answer.claim = Claim::kNumericalFailure;
+    answer.detail = "inertia";
     return;
   }
   active_set::Rules rules = this->rules(request);

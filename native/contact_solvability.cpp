@@ -108,6 +108,8 @@ void ContactSolvability::reserve(const ContactProblem& contact) {
   row_scale_.reserve(rows);
   basis_.reserve(rows);
   unit_.reserve(static_cast<std::size_t>(contact.ngc()));
+  unreached_v_.reserve(static_cast<std::size_t>(contact.ngc()));
+  pivot_rows_.reserve(rows);
   range_.reserve(static_cast<std::size_t>(contact.ngc()) * (rows - 1));
   if (proof_.size() < contact.nc()) proof_.resize(contact.nc());
   if (lift_.size() < contact.ngc()) lift_.resize(contact.ngc());
@@ -151,6 +153,7 @@ void ContactSolvability::find_range() {
     for (Index k = 0; k < count; ++k) at(i, k) = scaled(at(i, k), -unit_[static_cast<std::size_t>(i)]);
   }
   least_range_pivot_ = 1;
+  pivot_rows_.clear();
   rank_ = 0;
   for (; rank_ < std::min(ngc, count); ++rank_) {
     Index row = 0;
@@ -163,6 +166,7 @@ void ContactSolvability::find_range() {
     const Quad pivot = at(row, column);
     if (!(magnitude(pivot) > kClear<Quad>)) break;
     least_range_pivot_ = std::min(least_range_pivot_, magnitude(pivot));
+    pivot_rows_.push_back(row);
     for (Index i = 0; i < ngc; ++i) std::swap(at(i, rank_), at(i, column));
     for (Index i = 0; i < ngc; ++i) at(i, rank_) /= pivot;
     for (Index k = 0; k < count; ++k) {
@@ -177,6 +181,18 @@ void ContactSolvability::find_range() {
       range_[static_cast<std::size_t>(i * rank_ + k)] = scaled(at(i, k), unit_[static_cast<std::size_t>(i)]);
     }
   }
+}
+
+void ContactSolvability::find_unreached_velocity() {
+  const Index ngc = X_->rows();
+  unreached_v_.assign(v_, v_ + ngc);
+  for (Index k = 0; k < rank_; ++k) {
+    const Index row = pivot_rows_[static_cast<std::size_t>(k)];
+    const Quad share = static_cast<Quad>(v_[row]) / reach(row, k, Quad());
+    for (Index i = 0; i < ngc && share != 0; ++i)
+      unreached_v_[static_cast<std::size_t>(i)] -= share * reach(i, k, Quad());
+  }
+  for (const Index row : pivot_rows_) unreached_v_[static_cast<std::size_t>(row)] = 0;
 }
 
 void ContactSolvability::find_edges() {
@@ -252,7 +268,7 @@ void ContactSolvability::find_exponents() {
         const int of_X = exponent_of(static_cast<double>(reach(i, k, Scalar())));
         if (of_X != kNoExponent) largest = std::max(largest, own + of_X + row_exponent_[static_cast<std::size_t>(k)]);
       }
-      const int of_v = exponent_of(v_[i]);
+      const int of_v = exponent_of(static_cast<double>(this->speed(i, Scalar())));
       if (of_v != kNoExponent) speed = std::max(speed, own + of_v);
     });
     const int exponent = largest != kNoExponent ? -largest : speed != kNoExponent ? -speed : 0;
@@ -304,8 +320,7 @@ void ContactSolvability::write_costs(Program<Scalar>& program) {
     const Edge& edge = edges_[static_cast<std::size_t>(j)];
     const int exponent = column_exponent_[static_cast<std::size_t>(j)] + cost_exponent_;
     visit_edge(*contact_, edge.contact, edge.direction, edge.factor, [&](Index i, double entry, double factor) {
-      costs[j] +=
-          scaled(static_cast<Scalar>(entry) * static_cast<Scalar>(factor), exponent) * static_cast<Scalar>(v_[i]);
+      costs[j] += scaled(static_cast<Scalar>(entry) * static_cast<Scalar>(factor), exponent) * speed(i, Scalar());
     });
   }
   for (Index r = 0; r < program.rows; ++r) {
@@ -424,7 +439,7 @@ Scalar ContactSolvability::terms_of_least(const Program<Scalar>& program) const 
     const int exponent = column_exponent_[static_cast<std::size_t>(j)] + cost_exponent_;
     visit_edge(*contact_, edge.contact, edge.direction, edge.factor, [&](Index i, double entry, double factor) {
       const Scalar weight = scaled(static_cast<Scalar>(entry) * static_cast<Scalar>(factor), exponent);
-      terms += share * magnitude(weight * static_cast<Scalar>(v_[i]));
+      terms += share * magnitude(weight * speed(i, Scalar()));
     });
   }
   return terms;
@@ -465,6 +480,7 @@ ContactSolvability::Sign ContactSolvability::sign_of_least(Scalar* storage, doub
 ContactSolvability::Sign ContactSolvability::sign_in_quad(double deadline_s) {
   find_range();
   if (rank_ == X_->rows()) return Sign::kAlwaysPositive;
+  find_unreached_velocity();
   return sign_of_least(quad_.get(), deadline_s);
 }
 
