@@ -511,6 +511,7 @@ ContactSolvability::Sign ContactSolvability::sign_of_normals(double deadline_s) 
 
 ContactSolvability::Finding ContactSolvability::decide(const double* v, double deadline_s) {
   if (always_solvable_) return Finding::kSolvable;
+  if (deadline_s < std::numeric_limits<double>::infinity() && !(wall_clock_s() < deadline_s)) return Finding::kUnknown;
   v_ = v;
   find_edges();
   if (edges_.empty()) return Finding::kSolvable;
