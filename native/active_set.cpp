@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <variant>
 
 #include "core/answer_storage.h"
 #include "core/registry.h"
@@ -47,6 +48,19 @@ constexpr Capabilities kCapabilities{
 /// Products of coordinates and contacts up to which sixteen steps take microseconds at most.
 constexpr std::ptrdiff_t kSmallSystem = 1024;
 
+/// Diagonal entries of G below this have reciprocals that doubles, and sums of two, do not hold with all their bits.
+constexpr double kLeastInertia = 0x1p-900;
+
+double least_diagonal_entry(const Inertia& inertia) {
+  double least = std::numeric_limits<double>::infinity();
+  const auto visit = [&](const Matrix& G) { least = G.size() > 0 ? std::min(least, G.diagonal().minCoeff()) : least; };
+  if (const auto* dense = std::get_if<DenseInertia>(&inertia)) visit(dense->G);
+  if (const auto* bodies = std::get_if<BlockInertia>(&inertia)) {
+    for (const Matrix& block : bodies->blocks) visit(block);
+  }
+  return least;
+}
+
 /// Details are short enough for std::string to hold in place, so that solve() allocates nothing.
 void report(const active_set::Outcome& outcome, Answer& answer) {
   answer.counters.iterations = outcome.steps;
@@ -84,6 +98,7 @@ const Capabilities& ActiveSet::capabilities() const { return kCapabilities; }
 void ActiveSet::reserve(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   reserve_later_rungs(contact);
+  if (ContactSolvability::is_asked(contact)) solvability_.reserve(contact);
   first_.reserve(reserved_);
   v_.reserve(reserved_.ngc);
   dense_normals_.reserve(reserved_.ngc * reserved_.nc);
@@ -96,6 +111,9 @@ void ActiveSet::reserve(const Problem& problem) {
 void ActiveSet::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   describe(contact);
+  may_be_singular_ = ContactSolvability::is_asked(contact);
+  underflows_ = least_diagonal_entry(contact.inertia) < kLeastInertia;
+  if (may_be_singular_) solvability_.load(contact);
   first_.load(input_);
   if (settings_.precision == ActiveSetPrecision::kLadder) reserve_later_rungs(contact);
   if (settings_.precision == ActiveSetPrecision::kFloat) second_.load(input_);
@@ -172,6 +190,11 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
     answer.claim = Claim::kTimeLimit;
     return;
   }
+  if (underflows_) {
+    answer.claim = Claim::kNumericalFailure;
+    answer.detail = "inertia";
+    return;
+  }
   active_set::Rules rules = this->rules(request);
   Vector& velocity = cleared_vectors().velocity;
   velocity.resize(input_.ngc);
@@ -185,6 +208,7 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
       solve_in_more_bits(rules, outcome, answer, velocity);
     }
   }
+  if (may_be_singular_) check_solvability(request, rules, outcome);
   if (outcome.ending == Ending::kSolved || outcome.ending == Ending::kRejected) answer.velocity.swap(velocity);
   if (outcome.ending == Ending::kInfeasible && round_to_proof(farkas_.view())) {
     Vector& farkas = cleared_vectors().farkas;
@@ -192,6 +216,22 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
     answer.farkas.swap(farkas);
   }
   report(outcome, answer);
+}
+
+/// With singular inertia, whether there is a solution is decided apart: an answer may nearly be one where there is
+/// none, and dependent contacts nearly a proof that there is none.
+void ActiveSet::check_solvability(const SolveRequest& request, const active_set::Rules& rules,
+                                  active_set::Outcome& outcome) {
+  using Finding = ContactSolvability::Finding;
+  if (outcome.ending != Ending::kSolved && outcome.ending != Ending::kInfeasible) return;
+  const double begin_s = std::isnan(rules.begin_s) ? wall_clock_s() : rules.begin_s;
+  const Finding finding = solvability_.decide(v_.data(), begin_s + request.time_limit_s);
+  if (finding == Finding::kUnsolvable) {
+    if (outcome.ending == Ending::kSolved) solvability_.write_proof(farkas_.view());
+    outcome.ending = Ending::kInfeasible;
+  } else if (finding == Finding::kUnknown || outcome.ending == Ending::kInfeasible) {
+    outcome.ending = Ending::kRejected;
+  }
 }
 
 /// What an engine refuses may be right: the next one tests it before it solves anew. What has no solution, only the

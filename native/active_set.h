@@ -5,6 +5,7 @@
 #include "core/settings.h"
 #include "core/solver.h"
 #include "native/active_set_engine.h"
+#include "native/contact_solvability.h"
 #include "native/growing_vector.h"
 
 namespace lcpbench {
@@ -91,6 +92,7 @@ class ActiveSet final : public Solver {
   void describe(const ContactProblem& contact);
   void reserve_later_rungs(const ContactProblem& contact);
   active_set::Rules rules(const SolveRequest& request) const;
+  void check_solvability(const SolveRequest& request, const active_set::Rules& rules, active_set::Outcome& outcome);
   bool stopped(const active_set::Outcome& outcome) const;
   void solve_in_more_bits(active_set::Rules& rules, active_set::Outcome& outcome, Answer& answer, Vector& velocity);
   void climb(Rung& rung, const char* name, active_set::Rules& rules, active_set::Outcome& outcome, Answer& answer,
@@ -105,7 +107,10 @@ class ActiveSet final : public Solver {
 
   active_set::Input input_;  // points into the problem, or into what follows
   active_set::Input reserved_{.ngc = -1, .form = active_set::InertiaForm::kFactors};  // the largest dimensions so far
-  IslandNumbers islands_;  // found only where the inertia does not couple all
+  ContactSolvability solvability_;
+  bool may_be_singular_ = false;
+  bool underflows_ = false;  // G has diagonal entries whose reciprocals overflow, or nearly
+  IslandNumbers islands_;    // found only where the inertia does not couple all
   GrowingVector v_;
   GrowingVector dense_normals_;  // of a sparse N
   GrowingVector dense_inertia_;  // of block inertia

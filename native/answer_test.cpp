@@ -14,13 +14,6 @@ using contact_lemke::Ending;
 /// Of the verdict's 1e-4, relative to max|q|: in 113 bits nothing is lost to rounding but that of the returned lambdas.
 constexpr double kClaimedQuadResidual = 0.999e-4;
 
-constexpr double kDoubleUnitRoundoff = 0x1p-53;
-
-/// Whether there may be directions in which nothing moves, so that contacts can ask for what no impulse does.
-bool may_be_singular(const Inertia& inertia) {
-  return std::holds_alternative<FactoredInertia>(inertia) || std::holds_alternative<InverseInertia>(inertia);
-}
-
 }  // namespace
 
 AnswerTest::AnswerTest() : judge_(contact_lemke_engine(isa_level())), quad_judge_(lemke::quad::kContactEngine) {}
@@ -41,13 +34,17 @@ void AnswerTest::load(const Problem& problem, Bodies bodies) {
   judge_.load(contacts_.input);
   quad_judge_.reserve(contacts_.input);
   quad_is_loaded_ = false;
-  may_be_singular_ = may_be_singular(contact.inertia);
-  if (may_be_singular_) path_end_.resize(problem.size());
+  may_be_singular_ = ContactSolvability::is_asked(contact);
+  if (!may_be_singular_) return;
+  solvability_.load(contact);
+  velocity_ = contact.v;
+  path_end_.resize(problem.size());
 }
 
 void AnswerTest::set_velocity(const Vector& v) {
   if (by_bodies_) return bodies_test_.set_velocity(v);
   contacts_.set_velocity(v);
+  if (may_be_singular_) velocity_ = v;
   judge_.set_velocity(contacts_.v.data());
   if (quad_is_loaded_) quad_judge_.set_velocity(contacts_.v.data());
 }
@@ -74,7 +71,7 @@ void AnswerTest::settle_ray(Answer& answer, double deadline_s, const Vector* u) 
   if (bare_) {
     proven = u != nullptr ? bare_test_.disproves_near(*u, deadline_s) : bare_test_.disproves(deadline_s);
   } else if (!by_bodies_ && may_be_singular_) {
-    proven = disproves_contacts({.deadline_s = deadline_s});
+    proven = solvability_.decide(velocity_.data(), deadline_s) == ContactSolvability::Finding::kUnsolvable;
   }
   if (proven) return report_proof(answer);
   answer.claim = Claim::kNumericalFailure;
@@ -90,7 +87,8 @@ void AnswerTest::report_proof(Answer& answer) {
   if (bare_) {
     farkas = bare_test_.proof();
   } else {
-    farkas = path_end_.head(contacts_.input.nc);
+    farkas.resize(contacts_.input.nc);
+    solvability_.write_proof(farkas);
   }
   answer.farkas.swap(farkas);
 }
@@ -132,64 +130,42 @@ bool AnswerTest::solves_contacts() {
   release_islands_at_rest();
   release_friction(contacts_.input, completed_);
   contact_lemke::Residual residual = judge_.complete(completed_.data());
-  residual_ = residual.velocity;
   if (residual.certain <= kClaimedResidual) return true;
   residual = quad_judge().complete(completed_.data());
-  residual_ = residual.velocity;
   return residual.certain <= kClaimedQuadResidual;
 }
 
 /// Whether the problem that completed_ seems to solve has a solution.
 AnswerTest::Outcome AnswerTest::confirm(double deadline_s) {
+  using Finding = ContactSolvability::Finding;
   if (bare_) return bare_test_.disproves(completed_, deadline_s) ? Outcome::kUnsolvable : Outcome::kSolved;
-  if (!may_be_singular_ || residual_ <= kUndoubtedResidual) return Outcome::kSolved;
-  const bool frictional = contacts_.friction_begin.back() > 0;
-  Outcome outcome = confirm({.deadline_s = deadline_s}, frictional);
-  if (outcome == Outcome::kUnconfirmed) outcome = confirm({.quad = true, .deadline_s = deadline_s}, frictional);
-  if (outcome == Outcome::kUnconfirmed && frictional) {
-    outcome = confirm({.quad = true, .classic = true, .deadline_s = deadline_s}, true);
-  }
-  return outcome;
+  if (!may_be_singular_) return Outcome::kSolved;
+  const Finding finding = solvability_.decide(velocity_.data(), deadline_s);
+  if (finding == Finding::kSolvable) return Outcome::kSolved;
+  if (finding == Finding::kUnsolvable) return Outcome::kUnsolvable;
+  // In 113 bits the path's own word is enough: its answer was rounded to doubles.
+  Ending ending = Ending::kBreakdown;
+  if (contacts_.friction_begin.back() > 0) ending = follow_path(false, deadline_s);
+  if (ending == Ending::kRay || ending == Ending::kPivotLimit) ending = follow_path(true, deadline_s);
+  if (ending == Ending::kSolved) return Outcome::kSolved;
+  return wall_clock_s() < deadline_s ? Outcome::kUnconfirmed : Outcome::kOutOfTime;
 }
 
-/// What one path shows. A ray of the problem without friction proves that nothing solves the problem with it; path_end_
-/// is then that proof.
-AnswerTest::Outcome AnswerTest::confirm(const Path& path, bool frictional) {
-  LoadedContacts& engine = path.quad ? quad_judge() : judge_;
-  Ending ending = follow(path, engine, false);
-  if (ending == Ending::kSolved) {
-    // In 113 bits the path's own word is enough: its answer was rounded to doubles.
-    const bool confirms = path.quad || engine.complete(path_end_.data()).velocity <= kUndoubtedResidual;
-    return confirms ? Outcome::kSolved : Outcome::kUnconfirmed;
-  }
-  if (ending == Ending::kRay && frictional) ending = follow(path, engine, true);
-  if (ending == Ending::kTimeLimit) return Outcome::kOutOfTime;
-  const bool disproved = ending == Ending::kRay && judge_.disproves(path_end_.data());
-  return disproved ? Outcome::kUnsolvable : Outcome::kUnconfirmed;
-}
-
-/// Whether a ray of the problem without friction proves that nothing solves the problem; path_end_ is then that proof.
-bool AnswerTest::disproves_contacts(const Path& path) {
-  LoadedContacts& engine = path.quad ? quad_judge() : judge_;
-  return follow(path, engine, true) == Ending::kRay && judge_.disproves(path_end_.data());
-}
-
-Ending AnswerTest::follow(const Path& path, LoadedContacts& engine, bool frictionless) {
+/// Of Lemke's method in 113 bits, to a solution that owes nothing to the answer.
+Ending AnswerTest::follow_path(bool classic, double deadline_s) {
   const ContactLemkeSettings settings;
-  const double roundoff = path.quad ? kQuadUnitRoundoff : kDoubleUnitRoundoff;
   const std::ptrdiff_t rows = contacts_.input.nc + contacts_.input.ngc;
   contact_lemke::Rules rules;
-  rules.classic = path.classic && !frictionless;
-  rules.frictionless = frictionless;
+  rules.classic = classic;
   rules.refinements = static_cast<std::ptrdiff_t>(settings.max_refinements);
-  rules.pivot_tolerance = roundoff * settings.pivot_tolerance;
-  rules.tie_tolerance = roundoff * settings.tie_tolerance;
-  rules.residual_tolerance = roundoff * settings.refine_tolerance;
-  rules.max_pivots = 100 + 20 * (path.classic ? rows + contacts_.friction_begin.back() : rows);
-  rules.deadline_s = path.deadline_s;
+  rules.pivot_tolerance = kQuadUnitRoundoff * settings.pivot_tolerance;
+  rules.tie_tolerance = kQuadUnitRoundoff * settings.tie_tolerance;
+  rules.residual_tolerance = kQuadUnitRoundoff * settings.refine_tolerance;
+  rules.max_pivots = 100 + 20 * (classic ? rows + contacts_.friction_begin.back() : rows);
+  rules.deadline_s = deadline_s;
   rules.clock_s = wall_clock_s;
   path_end_.setZero();
-  return engine.solve(rules, path_end_.data()).ending;
+  return quad_judge().solve(rules, path_end_.data()).ending;
 }
 
 LoadedContacts& AnswerTest::quad_judge() {

@@ -6,16 +6,13 @@
 #include "native/bodies_test.h"
 #include "native/contact_input.h"
 #include "native/contact_lemke.h"
+#include "native/contact_solvability.h"
 
 namespace lcpbench {
 
 /// Half of what the evaluation allows, to be on its safe side whatever a test in double itself rounds: velocity
 /// residual relative to max|q| of contact problems.
 inline constexpr double kClaimedResidual = 5e-5;
-
-/// Velocity residual relative to max|q|, as evaluated in double, that an answer to a problem without any solution does
-/// not have but by chance: of random problems about one in 1e10 misses its solution by so little.
-inline constexpr double kUndoubtedResidual = 1e-10;
 
 /// The last test of an answer before it is claimed as solved, from the data of the problem, by the measure of the
 /// verdict: for methods that work on M. M as rounded is another problem where the inertia is near singular, and its
@@ -44,9 +41,10 @@ class AnswerTest {
   /// to vanish there. O(ngc n); in 113 bits, where double is in doubt, O(ngc^3). Allocates nothing but the Farkas
   /// vector's memory, once.
   ///
-  /// With singular inertia contacts may miss having a solution by so little that the residual does not tell. Where that
-  /// is above kUndoubtedResidual, the answer is "unconfirmed" unless a path of Lemke's method, in double or in 113
-  /// bits, ends in a solution. Where the deadline ends that, the claim becomes kTimeLimit. See docs/claims.md.
+  /// With singular inertia contacts may miss having a solution by so little that the residual does not tell. Whether
+  /// they have one is decided apart (ContactSolvability). Where that leaves it open, with friction, the answer is
+  /// "unconfirmed" unless a path of Lemke's method in 113 bits ends in a solution. Where the deadline ends that, the
+  /// claim becomes kTimeLimit. See docs/claims.md.
   /// @param deadline_s on wall_clock_s(), for the paths only; infinity: none
   /// @returns whether the claim is still solved
   bool settle(Answer& answer, double deadline_s);
@@ -62,22 +60,13 @@ class AnswerTest {
  private:
   enum class Outcome { kSolved, kUnsolvable, kResidual, kUnconfirmed, kOutOfTime };
 
-  /// Of Lemke's method: to a solution that owes nothing to the answer.
-  struct Path {
-    bool quad = false;
-    bool classic = false;  ///< the covering vector that is positive on every row
-    double deadline_s = 0;
-  };
-
   bool solves(const Vector& z);
   bool solves_bare();
   bool solves_contacts();
   bool solves_bodies();
   void release_islands_at_rest();
   Outcome confirm(double deadline_s);
-  Outcome confirm(const Path& path, bool frictional);
-  bool disproves_contacts(const Path& path);
-  contact_lemke::Ending follow(const Path& path, LoadedContacts& engine, bool frictionless);
+  contact_lemke::Ending follow_path(bool classic, double deadline_s);
   void report_proof(Answer& answer);
   LoadedContacts& quad_judge();
 
@@ -89,11 +78,13 @@ class AnswerTest {
   bool bare_ = true;
   bool quad_is_loaded_ = false;
   bool may_be_singular_ = false;  // the inertia of contacts
-  double residual_ = 0;           // of completed_, contacts
-  Vector completed_;              // n
-  Vector path_end_;               // n, where the inertia may be singular
-  Vector farkas_;                 // memory for the proof of the first answer that comes with less
-  Index farkas_size_ = -1;        // for which it was taken
+  ContactSolvability solvability_;
+  double residual_ = 0;     // of completed_, contacts
+  Vector velocity_;         // v, where the inertia may be singular
+  Vector path_end_;         // n, where the inertia may be singular
+  Vector completed_;        // n
+  Vector farkas_;           // memory for the proof of the first answer that comes with less
+  Index farkas_size_ = -1;  // for which it was taken
 };
 
 /// Contact problems: no friction impulses where the normal one is zero. @param z of lcp_size entries

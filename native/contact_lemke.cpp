@@ -30,6 +30,7 @@ using contact_lemke::Ending;
 using contact_lemke::Engine;
 using contact_lemke::Residual;
 using contact_lemke::Rules;
+using Finding = ContactSolvability::Finding;
 
 constexpr double kFloatUnitRoundoff = 0x1p-24;
 constexpr double kDoubleUnitRoundoff = 0x1p-53;
@@ -128,6 +129,7 @@ const Capabilities& ContactLemke::capabilities() const { return capabilities_; }
 
 void ContactLemke::reserve(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
+  if (ContactSolvability::is_asked(contact)) solvability_.reserve(contact);
   if (!contact.frictional()) return reserve(contact.ngc(), contact.nc());
   data_.reserve(contact.ngc(), contact.nc(), cols(contact.D));
   best_.reserve(problem.size());
@@ -172,6 +174,8 @@ void ContactLemke::reserve_later_rungs(const contact_lemke::Input& input) {
 void ContactLemke::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   data_.load_in_units(contact);
+  may_be_singular_ = ContactSolvability::is_asked(contact);
+  if (may_be_singular_) solvability_.load(contact);
   double_.load(data_.input);
   if (in_float()) float_.load(data_.input);
   double_double_is_loaded_ = quad_is_loaded_ = false;
@@ -263,13 +267,18 @@ bool ContactLemke::climb(const ContactRung& rung, Rules rules, Progress& progres
   if (ending == Ending::kTimeLimit) return true;
   if (rules.resume && ending != Ending::kSolved) return progress.pivots_left(settings_.max_pivots) <= 0;
   if (ending == Ending::kPivotLimit) return progress.pivots_left(settings_.max_pivots) <= 0;
-  if (ending == Ending::kRay) return !progress.disproof_was_tried && disprove(engine, progress, answer);
+  if (ending == Ending::kRay) return solvability(progress) == Finding::kUnsolvable;
   if (ending != Ending::kSolved) return false;
   const bool has_velocity = returns_velocity(settings_) && engine.polish(velocity_.data(), answer.z.data());
   Residual residual = (in_float() ? double_ : engine).complete(answer.z.data());
   const bool in_doubt = residual.velocity <= kClaimedResidual && !(residual.certain <= kClaimedResidual);
   if (in_doubt && (&engine == &double_ || &engine == &float_)) {
     residual = engine_of(ContactArithmetic::kDoubleDouble).complete(answer.z.data());
+  }
+  if (residual.certain <= kClaimedResidual) {
+    if (solvability(progress) == Finding::kUnsolvable) return true;
+    // Where it stays open, with friction, only a path in 113 bits tells a solution from what nearly is one.
+    if (progress.finding == Finding::kUnknown && &engine != &quad_) return false;
   }
   progress.is_beyond_double = &engine == &quad_ && !(residual.certain <= kClaimedResidual);
   if (residual.certain < progress.best) {
@@ -306,19 +315,11 @@ Ending ContactLemke::run(LoadedContacts& engine, Rules rules, Progress& progress
   return outcome.ending;
 }
 
-/// A ray of the problem without friction proves that nothing solves the problem with it.
-bool ContactLemke::disprove(LoadedContacts& engine, Progress& progress, Answer& answer) {
-  progress.disproof_was_tried = true;
-  Rules rules;
-  rules.frictionless = true;
-  const Ending ending = run(engine, rules, progress, answer.z);
-  if (ending == Ending::kTimeLimit) return true;
-  if (ending != Ending::kRay || !(in_float() ? double_ : engine).disproves(answer.z.data())) return false;
-  progress.disproved = true;
-  Vector& farkas = cleared_vectors().farkas;
-  farkas = answer.z.head(data_.input.nc);
-  answer.farkas.swap(farkas);
-  return true;
+/// Whether there is a solution at all. Where the inertia is positive definite, there is.
+ContactSolvability::Finding ContactLemke::solvability(Progress& progress) {
+  if (!may_be_singular_ || progress.is_singular_checked) return progress.finding;
+  progress.is_singular_checked = true;
+  return progress.finding = solvability_.decide(data_.v.data(), progress.deadline_s);
 }
 
 void ContactLemke::report(const Progress& progress, Answer& answer) {
@@ -336,8 +337,12 @@ void ContactLemke::report(const Progress& progress, Answer& answer) {
     return;
   }
   answer.z.setZero();
-  if (progress.disproved) {
+  if (progress.finding == Finding::kUnsolvable) {
     answer.claim = Claim::kUnsolvable;
+    Vector& farkas = cleared_vectors().farkas;
+    farkas.resize(data_.input.nc);
+    solvability_.write_proof(farkas);
+    answer.farkas.swap(farkas);
     answer.detail = "ray to rounding";
   } else if (progress.ending == Ending::kTimeLimit) {
     answer.claim = Claim::kTimeLimit;

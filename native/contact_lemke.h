@@ -9,6 +9,7 @@
 #include "core/solver.h"
 #include "native/contact_input.h"
 #include "native/contact_lemke/engine.h"
+#include "native/contact_solvability.h"
 #include "native/growing_vector.h"
 
 namespace lcpbench {
@@ -127,8 +128,8 @@ class ContactLemke final : public Solver {
     const char* rung = "";
     std::ptrdiff_t pivots = 0;
     std::ptrdiff_t factorizations = 0;
-    bool disproof_was_tried = false;
-    bool disproved = false;
+    bool is_singular_checked = false;
+    ContactSolvability::Finding finding = ContactSolvability::Finding::kSolvable;  ///< once checked
     bool is_beyond_double = false;  ///< solved in 113 bits, but not by the doubles nearest to these impulses
 
     std::ptrdiff_t pivots_left(std::int64_t limit) const {
@@ -150,7 +151,7 @@ class ContactLemke final : public Solver {
   bool resumes(const SolveRequest& request) const;
   bool climb(const ContactRung& rung, contact_lemke::Rules rules, Progress& progress, Answer& answer);
   contact_lemke::Ending run(LoadedContacts& engine, contact_lemke::Rules rules, Progress& progress, Vector& z);
-  bool disprove(LoadedContacts& engine, Progress& progress, Answer& answer);
+  ContactSolvability::Finding solvability(Progress& progress);
   void report(const Progress& progress, Answer& answer);
 
   ContactLemkeSettings settings_;
@@ -160,7 +161,9 @@ class ContactLemke final : public Solver {
   LoadedContacts double_;                     ///< also what tests the answers of float
   LoadedContacts double_double_, quad_, float_;
   bool double_double_is_loaded_ = false, quad_is_loaded_ = false;
-  GrowingVector velocity_;  ///< of the last rung
+  ContactSolvability solvability_;
+  bool may_be_singular_ = false;  ///< the inertia
+  GrowingVector velocity_;        ///< of the last rung
   GrowingVector best_, best_velocity_;
   bool best_has_velocity_ = false;
   bool resumable_ = false;     ///< the engine in double (or float) still holds the basis of best_

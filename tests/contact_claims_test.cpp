@@ -210,6 +210,53 @@ TEST(ContactClaimsTest, AreMadeWhereAllOfQIsRounding) {
   }
 }
 
+/// Contacts on a given G* that moves the second coordinate alone.
+Problem on_a_rail(double v, const Matrix& N) {
+  Matrix Ginv = Matrix::Zero(2, 2);
+  Ginv(1, 1) = 4;
+  Vector velocity(2);
+  velocity << v, 0.5;
+  return contacts(velocity, N, InverseInertia{Ginv});
+}
+
+TEST(ContactClaimsTest, TellAMissByAnUlpFromASolution) {
+  Matrix N(2, 2);
+  N << 1, -1, 1, -1;
+  const Matrix solvable = N;
+  N(0, 1) = -1 - 0x1p-52;  // asks for 1 + u and -(1 + ulp) - u, both at least 0
+  const Problem missed = on_a_rail(1, N);
+  N(0, 1) = -1 + 0x1p-52;
+  for (const std::string& solver : kOnContacts) {
+    EXPECT_NE(solve(solver, missed).claim, Claim::kSolved) << solver;
+    EXPECT_NE(solve(solver, on_a_rail(1, solvable)).claim, Claim::kUnsolvable) << solver;
+    EXPECT_NE(solve(solver, on_a_rail(1, N)).claim, Claim::kUnsolvable) << solver;
+  }
+  EXPECT_EQ(solve("auto", missed).claim, Claim::kUnsolvable);
+  EXPECT_EQ(solve("auto", on_a_rail(1, solvable)).claim, Claim::kSolved);
+}
+
+TEST(ContactClaimsTest, DoNotTakeNearlyDependentContactsForDependent) {
+  Matrix Ginv(3, 3);
+  Ginv << 0.00013063625986879058, 0.0001217693957426069, 0, 0.0001217693957426069, 0.00011350436513123717, 0, 0, 0,
+      0.0001220703125;
+  Matrix N = Matrix::Zero(3, 5);
+  N.topLeftCorner(2, 3) << -4, -1, 4, 0, -3, 2;
+  Vector v(3);
+  v << 4.33800810183022e-19, -7.022928836697716e-20, -0.0;
+  const Problem problem = contacts(v, N, InverseInertia{Ginv});
+  for (const std::string& solver : kOnContacts) expect_honest(solver, problem);
+}
+
+TEST(ContactClaimsTest, AreNotMadeOfInertiaWhoseReciprocalOverflows) {
+  Vector v(2);
+  v << -0.36268043518066406, 0;
+  Matrix N(2, 1);
+  N << 4, -1;
+  Matrix G = Matrix::Identity(2, 2);
+  G(0, 0) = 5e-324;
+  for (const std::string& solver : kOnContacts) expect_honest(solver, contacts(v, N, DenseInertia{G}));
+}
+
 TEST(ContactClaimsTest, AreTestedWithoutAllocation) {
   const Problem near = contacts(Vector{{-0.6, 0.5}}, Matrix{{-1, -4}}.transpose(), DenseInertia{nearly_singular()});
   const Problem bodies = contacts(Vector{{-0.6, 0.5, -1, 1}}, Matrix{{-1, -4, 0, 0}, {0, -1, 1, 0}}.transpose(),

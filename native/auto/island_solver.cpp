@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <variant>
 
 #include "native/contact_impulses.h"
+#include "native/contact_solvability.h"
 
 namespace lcpbench {
 namespace {
@@ -19,6 +21,15 @@ constexpr std::size_t kLeastShare = 8;
 
 double dot_column(const Jacobian& J, Index column, const Vector& v) {
   return std::visit([&](const auto& matrix) { return matrix.col(column).dot(v); }, J);
+}
+
+/// More than dot_column() rounds; 0 only where there is nothing to round.
+double rounding_of_column(const Jacobian& J, Index column, const Vector& v) {
+  constexpr double kTwoRoundings = 0x1p-52;
+  const double terms =
+      std::visit([&](const auto& matrix) { return matrix.col(column).cwiseAbs().dot(v.cwiseAbs()); }, J);
+  if (terms == 0) return 0;
+  return kTwoRoundings * static_cast<double>(v.size() + 1) * terms + std::numeric_limits<double>::denorm_min();
 }
 
 }  // namespace
@@ -47,11 +58,14 @@ void IslandSolver::update(const Vector& v) {
 
 void IslandSolver::measure_approach(const Vector& v) {
   const Jacobian& N = cutter_->whole().N;
+  const bool may_be_singular = ContactSolvability::is_asked(cutter_->whole());
   fastest_ = scale_ = 0;
   for (std::size_t k = 0; k < island_.contacts.size(); ++k) {
     const double velocity = dot_column(N, island_.contacts[k], v);
     approach_(static_cast<Index>(k)) = velocity;
+    // What no impulse moves has no solution where it approaches, be it by less than the rounding of its velocity.
     fastest_ = max_or_infinity(fastest_, -velocity);
+    if (may_be_singular) fastest_ = max_or_infinity(fastest_, rounding_of_column(N, island_.contacts[k], v) - velocity);
     scale_ = std::max(scale_, std::abs(velocity));
   }
 }

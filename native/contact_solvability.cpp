@@ -1,0 +1,486 @@
+#include "native/contact_solvability.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/timed_solve.h"
+#include "native/scaled_numbers.h"
+
+namespace lcpbench {
+namespace {
+
+/// Of a scaled tableau: what counts as rounding, and what is more than any rounding.
+template <class Scalar>
+constexpr Scalar kNoise = Scalar(sizeof(Scalar) == sizeof(double) ? 1e-11 : 0x1p-98);
+template <class Scalar>
+constexpr Scalar kClear = Scalar(sizeof(Scalar) == sizeof(double) ? 1e-7 : 0x1p-92);
+/// Of the least value in 113 bits, relative to its terms: what is rounding where no pivot is small, what it may be at
+/// most to be told from data, and how much more a negative value is.
+constexpr Quad kRounding = 0x1p-100;
+constexpr Quad kLargestRounding = 0x1p-75;
+constexpr Quad kNegative = 0x1p10;
+
+constexpr double kUnitRoundoff = 0x1p-53;
+
+/// Calls visit(row, entry) for the entries of a column that are not zero.
+template <class Visit>
+void for_each_entry(const Jacobian& J, Index column, Visit&& visit) {
+  if (const auto* dense = std::get_if<Matrix>(&J)) {
+    for (Index i = 0; i < dense->rows(); ++i) {
+      if ((*dense)(i, column) != 0) visit(i, (*dense)(i, column));
+    }
+    return;
+  }
+  for (SparseMatrix::InnerIterator it(std::get<SparseMatrix>(J), column); it; ++it) {
+    if (it.value() != 0) visit(it.row(), it.value());
+  }
+}
+
+/// Calls visit(coordinate, entry, factor) for the terms of N_normal + factor D_direction.
+template <class Visit>
+void visit_edge(const ContactProblem& contact, Index normal, Index direction, double factor, Visit&& visit) {
+  for_each_entry(contact.N, normal, [&](Index i, double entry) { visit(i, entry, 1.0); });
+  if (direction < 0) return;
+  for_each_entry(contact.D, direction, [&](Index i, double entry) { visit(i, entry, factor); });
+}
+
+const Matrix& reach_of(const Inertia& inertia) {
+  const auto* factored = std::get_if<FactoredInertia>(&inertia);
+  return factored != nullptr ? factored->X : std::get<InverseInertia>(inertia).Ginv;
+}
+
+}  // namespace
+
+/// The equations X'K u = 0 and sum u = 1 with an artificial variable each, the right-hand side last; below them the
+/// reduced costs.
+template <class Scalar>
+struct ContactSolvability::Program {
+  Scalar* entries = nullptr;
+  Index rows = 0;
+  Index edges = 0;
+  bool first_phase = true;
+
+  Index right() const { return edges + rows; }
+  Index width() const { return edges + rows + 1; }
+  Scalar* row(Index r) const { return entries + r * width(); }
+  Scalar* costs() const { return row(rows); }
+  Scalar value() const { return -costs()[right()]; }
+
+  void exchange(Index r, Index entering) const {
+    Scalar* const pivot_row = row(r);
+    const Scalar inverse = 1 / pivot_row[entering];
+    for (Index j = 0; j < width(); ++j) pivot_row[j] *= inverse;
+    pivot_row[entering] = 1;
+    for (Index i = 0; i <= rows; ++i) {
+      Scalar* const other = row(i);
+      const Scalar factor = other[entering];
+      if (i == r || factor == 0) continue;
+      for (Index j = 0; j < width(); ++j) other[j] -= factor * pivot_row[j];
+      other[entering] = 0;
+    }
+  }
+};
+
+bool ContactSolvability::is_asked(const ContactProblem& contact) {
+  return std::holds_alternative<FactoredInertia>(contact.inertia) ||
+         std::holds_alternative<InverseInertia>(contact.inertia);
+}
+
+void ContactSolvability::reserve(const ContactProblem& contact) {
+  const auto rows = static_cast<std::size_t>(reach_of(contact.inertia).cols()) + 1;
+  const auto edges = static_cast<std::size_t>(contact.nc() + cols(contact.D));
+  edges_.reserve(edges);
+  column_exponent_.reserve(edges);
+  row_exponent_.reserve(rows);
+  row_scale_.reserve(rows);
+  basis_.reserve(rows);
+  unit_.reserve(static_cast<std::size_t>(contact.ngc()));
+  unreached_v_.reserve(static_cast<std::size_t>(contact.ngc()));
+  pivot_rows_.reserve(rows);
+  range_.reserve(static_cast<std::size_t>(contact.ngc()) * (rows - 1));
+  if (proof_.size() < contact.nc()) proof_.resize(contact.nc());
+  if (lift_.size() < contact.ngc()) lift_.resize(contact.ngc());
+  if (lift_terms_.size() < contact.ngc()) lift_terms_.resize(contact.ngc());
+  if (coordinate_size_.size() < contact.ngc()) coordinate_size_.resize(contact.ngc());
+  const std::size_t room = (rows + 1) * (rows + edges + 1);
+  if (room <= room_) return;
+  room_ = room;
+  double_ = std::make_unique_for_overwrite<double[]>(room);
+  quad_ = std::make_unique_for_overwrite<Quad[]>(room);
+}
+
+void ContactSolvability::load(const ContactProblem& contact) {
+  reserve(contact);
+  contact_ = &contact;
+  X_ = &reach_of(contact.inertia);
+  always_solvable_ = false;
+  has_range_ = false;
+}
+
+void ContactSolvability::find_edges() {
+  edges_.clear();
+  has_friction_ = false;
+  Index first = 0;
+  for (Index c = 0; c < contact_->nc(); ++c) {
+    const Index edges = contact_->edges[static_cast<std::size_t>(c)];
+    const double mu = contact_->mu(c);
+    if (edges == 0 || mu == 0) edges_.push_back({.contact = c});
+    for (Index t = 0; t < edges && mu > 0; ++t) {
+      edges_.push_back({.contact = c, .direction = first + t, .factor = mu});
+      has_friction_ = true;
+    }
+    first += edges;
+  }
+}
+
+void ContactSolvability::find_normals() {
+  edges_.clear();
+  for (Index c = 0; c < contact_->nc(); ++c) edges_.push_back({.contact = c});
+}
+
+/// Powers of two for the columns, so that the largest term of each has about the size of one.
+/// find_exponents() for columns in double: what over- or underflows is left to 113 bits.
+void ContactSolvability::find_column_exponents() {
+  for (const Edge& edge : edges_) {
+    double largest = 0;
+    double speed = 0;
+    visit_edge(*contact_, edge.contact, edge.direction, edge.factor, [&](Index i, double entry, double factor) {
+      const double weight = std::fabs(entry * factor);
+      largest = std::max(largest, weight * coordinate_size_(i));
+      speed = std::max(speed, weight * std::fabs(v_[i]));
+    });
+    const int exponent = largest > 0 ? -exponent_of(largest) : speed > 0 ? -exponent_of(speed) : 0;
+    column_exponent_.push_back(exponent);
+    if (speed > 0) cost_exponent_ = std::max(cost_exponent_, exponent_of(speed) + exponent);
+  }
+  cost_exponent_ = cost_exponent_ == kNoExponent ? 0 : -cost_exponent_;
+}
+
+template <class Scalar>
+void ContactSolvability::find_exponents() {
+  const Index size = reach_size(Scalar());
+  row_exponent_.resize(static_cast<std::size_t>(size));
+  for (Index k = 0; k < size; ++k) {
+    double largest = 0;
+    for (Index i = 0; i < X_->rows(); ++i) {
+      largest = std::max(largest, std::fabs(static_cast<double>(reach(i, k, Scalar()))));
+    }
+    row_exponent_[static_cast<std::size_t>(k)] = largest > 0 ? -exponent_of(largest) : 0;
+  }
+  row_scale_.clear();
+  for (const int exponent : row_exponent_) row_scale_.push_back(std::ldexp(1.0, exponent));
+  column_exponent_.clear();
+  cost_exponent_ = kNoExponent;
+  if constexpr (sizeof(Scalar) == sizeof(double)) {
+    for (Index i = 0; i < X_->rows(); ++i) {
+      double largest_of_row = 0;
+      for (Index k = 0; k < size; ++k) {
+        largest_of_row = std::max(largest_of_row, std::fabs((*X_)(i, k)) * row_scale_[static_cast<std::size_t>(k)]);
+      }
+      coordinate_size_(i) = largest_of_row;
+    }
+    return find_column_exponents();
+  }
+  for (const Edge& edge : edges_) {
+    int largest = kNoExponent;
+    int speed = kNoExponent;
+    visit_edge(*contact_, edge.contact, edge.direction, edge.factor, [&](Index i, double entry, double factor) {
+      const int own = exponent_of(entry) + exponent_of(factor);
+      for (Index k = 0; k < size; ++k) {
+        const int of_X = exponent_of(static_cast<double>(reach(i, k, Scalar())));
+        if (of_X != kNoExponent) largest = std::max(largest, own + of_X + row_exponent_[static_cast<std::size_t>(k)]);
+      }
+      const int of_v = exponent_of(static_cast<double>(this->speed(i, Scalar())));
+      if (of_v != kNoExponent) speed = std::max(speed, own + of_v);
+    });
+    const int exponent = largest != kNoExponent ? -largest : speed != kNoExponent ? -speed : 0;
+    column_exponent_.push_back(exponent);
+    if (speed != kNoExponent) cost_exponent_ = std::max(cost_exponent_, speed + exponent);
+  }
+  cost_exponent_ = cost_exponent_ == kNoExponent ? 0 : -cost_exponent_;
+}
+
+template <class Scalar>
+void ContactSolvability::fill(Program<Scalar>& program) {
+  const Index size = reach_size(Scalar());
+  program.rows = size + 1;
+  program.edges = static_cast<Index>(edges_.size());
+  program.first_phase = true;
+  std::fill(program.entries, program.entries + (program.rows + 1) * program.width(), Scalar(0));
+  for (Index j = 0; j < program.edges; ++j) {
+    const Edge& edge = edges_[static_cast<std::size_t>(j)];
+    const int exponent = column_exponent_[static_cast<std::size_t>(j)];
+    visit_edge(*contact_, edge.contact, edge.direction, edge.factor, [&](Index i, double entry, double factor) {
+      const Scalar weight = scaled(static_cast<Scalar>(entry) * static_cast<Scalar>(factor), exponent);
+      for (Index k = 0; k < size; ++k) {
+        const Scalar entry_of_X = reach(i, k, Scalar());
+        if (entry_of_X == 0) continue;
+        program.row(k)[j] += weight * entry_of_X * static_cast<Scalar>(row_scale_[static_cast<std::size_t>(k)]);
+      }
+    });
+    program.row(size)[j] = 1;
+  }
+  basis_.clear();
+  for (Index r = 0; r < program.rows; ++r) {
+    program.row(r)[program.edges + r] = 1;
+    basis_.push_back(program.edges + r);
+  }
+  program.row(program.rows - 1)[program.right()] = 1;
+  for (Index j = 0; j < program.width(); ++j) {
+    if (j >= program.edges && j < program.right()) continue;  // the artificial variables are basic
+    for (Index r = 0; r < program.rows; ++r) program.costs()[j] -= program.row(r)[j];
+  }
+}
+
+/// The reduced costs of v'K u.
+template <class Scalar>
+void ContactSolvability::write_costs(Program<Scalar>& program) {
+  Scalar* const costs = program.costs();
+  std::fill(costs, costs + program.width(), Scalar(0));
+  program.first_phase = false;
+  for (Index j = 0; j < program.edges; ++j) {
+    const Edge& edge = edges_[static_cast<std::size_t>(j)];
+    const int exponent = column_exponent_[static_cast<std::size_t>(j)] + cost_exponent_;
+    visit_edge(*contact_, edge.contact, edge.direction, edge.factor, [&](Index i, double entry, double factor) {
+      costs[j] += scaled(static_cast<Scalar>(entry) * static_cast<Scalar>(factor), exponent) * speed(i, Scalar());
+    });
+  }
+  for (Index r = 0; r < program.rows; ++r) {
+    const Index basic = basis_[static_cast<std::size_t>(r)];
+    if (basic >= program.edges || costs[basic] == 0) continue;
+    const Scalar factor = costs[basic];
+    for (Index j = 0; j < program.width(); ++j) costs[j] -= factor * program.row(r)[j];
+    costs[basic] = 0;
+  }
+}
+
+/// All vertices but few are degenerate: the largest pivot is taken while that ends, and then the lowest numbers, which
+/// cannot go round. @returns whether it came to an end
+template <class Scalar>
+bool ContactSolvability::pivot_to_end(Program<Scalar>& program, double deadline_s) {
+  const Index usual = 4 * (program.rows + program.edges);
+  for (Index pivots = 0; pivots < 8 * usual; ++pivots) {
+    if (pivots % 16 == 15 && !(wall_clock_s() < deadline_s)) return false;
+    const bool by_number = pivots >= usual;
+    const Scalar* const costs = program.costs();
+    Index entering = -1;
+    for (Index j = 0; j < program.edges; ++j) {
+      if (costs[j] >= -kNoise<Scalar>) continue;
+      if (!(costs[j] < -kNoise<Scalar>)) return false;
+      if (entering < 0 || (!by_number && costs[j] < costs[entering])) entering = j;
+    }
+    if (entering < 0) return true;
+    Index leaving = -1;
+    Scalar least = 0;
+    for (Index r = 0; r < program.rows; ++r) {
+      const Scalar pivot = program.row(r)[entering];
+      if (!(pivot > kNoise<Scalar>)) continue;
+      const Scalar right = std::max(program.row(r)[program.right()], Scalar(0));
+      const Scalar ratio = right <= kNoise<Scalar> ? Scalar(0) : right / pivot;
+      const bool better = leaving < 0 || ratio < least ||
+                          (ratio == least &&
+                           (by_number ? basis_[static_cast<std::size_t>(r)] < basis_[static_cast<std::size_t>(leaving)]
+                                      : pivot > program.row(leaving)[entering]));
+      if (!better) continue;
+      leaving = r;
+      least = ratio;
+    }
+    if (leaving < 0) return false;  // but for rounding, sum u = 1 bounds all
+    note_pivot(program, leaving, entering);
+    program.exchange(leaving, entering);
+    basis_[static_cast<std::size_t>(leaving)] = entering;
+  }
+  return false;
+}
+
+/// Keeps the least pivot, relative to its column.
+template <class Scalar>
+void ContactSolvability::note_pivot(const Program<Scalar>& program, Index row, Index column) {
+  Scalar largest = 0;
+  for (Index r = 0; r < program.rows; ++r) largest = std::max(largest, magnitude(program.row(r)[column]));
+  least_pivot_ = std::min(least_pivot_, static_cast<Quad>(magnitude(program.row(row)[column]) / largest));
+}
+
+/// Artificial variables that are zero leave the basis where their row is not zero as well.
+template <class Scalar>
+void ContactSolvability::drop_artificial(Program<Scalar>& program) {
+  for (Index r = 0; r < program.rows; ++r) {
+    if (basis_[static_cast<std::size_t>(r)] < program.edges) continue;
+    const Scalar* const row = program.row(r);
+    Index largest = 0;
+    for (Index j = 1; j < program.edges; ++j) {
+      if (magnitude(row[j]) > magnitude(row[largest])) largest = j;
+    }
+    if (!(magnitude(row[largest]) > kClear<Scalar>)) continue;
+    program.row(r)[program.right()] = 0;
+    note_pivot(program, r, largest);
+    program.exchange(r, largest);
+    basis_[static_cast<std::size_t>(r)] = largest;
+  }
+}
+
+/// Whether K'(v + X y) > 0, or K'X y > 0, by more than the rounding in these sums, for the dual solution y.
+bool ContactSolvability::lifts_all(const Program<double>& program, bool from_v) {
+  const Index ngc = X_->rows();
+  auto lift = lift_.head(ngc);
+  auto terms = lift_terms_.head(ngc);
+  lift.setZero();
+  if (from_v) lift = Eigen::Map<const Vector>(v_, ngc);
+  terms = lift.cwiseAbs();
+  for (Index k = 0; k < X_->cols(); ++k) {
+    const double dual = program.costs()[program.edges + k] - (program.first_phase ? 1.0 : 0.0);
+    const int exponent = row_exponent_[static_cast<std::size_t>(k)] - (from_v ? cost_exponent_ : 0);
+    const double y = scaled(dual, exponent);
+    if (!(std::abs(y) < std::numeric_limits<double>::infinity())) return false;
+    if (dual != 0 && std::abs(y) < std::numeric_limits<double>::min()) return false;
+    lift += y * X_->col(k);
+    terms += std::abs(y) * X_->col(k).cwiseAbs();
+  }
+  const double rounding = 4 * kUnitRoundoff * static_cast<double>(2 * ngc + X_->cols() + 8);
+  return std::all_of(edges_.begin(), edges_.end(), [&](const Edge& edge) {
+    double sum = 0;
+    double size = 0;
+    visit_edge(*contact_, edge.contact, edge.direction, edge.factor, [&](Index i, double entry, double factor) {
+      const double weight = factor * entry;
+      sum += weight * lift(i);
+      size += std::abs(weight) * terms(i);
+    });
+    return size > 1e-250 && size < 1e250 && sum > rounding * size;
+  });
+}
+
+/// The magnitudes of what the value of the basis adds up.
+template <class Scalar>
+Scalar ContactSolvability::terms_of_least(const Program<Scalar>& program) const {
+  Scalar terms = 0;
+  for (Index r = 0; r < program.rows; ++r) {
+    const Index j = basis_[static_cast<std::size_t>(r)];
+    const Scalar share = program.row(r)[program.right()];
+    if (j >= program.edges || !(share > 0)) continue;
+    const Edge& edge = edges_[static_cast<std::size_t>(j)];
+    const int exponent = column_exponent_[static_cast<std::size_t>(j)] + cost_exponent_;
+    visit_edge(*contact_, edge.contact, edge.direction, edge.factor, [&](Index i, double entry, double factor) {
+      const Scalar weight = scaled(static_cast<Scalar>(entry) * static_cast<Scalar>(factor), exponent);
+      terms += share * magnitude(weight * speed(i, Scalar()));
+    });
+  }
+  return terms;
+}
+
+template <class Scalar>
+ContactSolvability::Sign ContactSolvability::sign_of_least(Scalar* storage, double deadline_s) {
+  constexpr bool kInDouble = sizeof(Scalar) == sizeof(double);
+  Program<Scalar> program{storage};
+  least_pivot_ = kInDouble ? Quad{1} : least_range_pivot_;
+  find_exponents<Scalar>();
+  fill(program);
+  if (!pivot_to_end(program, deadline_s)) return Sign::kUnknown;
+  if (program.value() > kClear<Scalar>) {
+    if constexpr (kInDouble) {
+      if (!lifts_all(program, false)) return Sign::kUnknown;
+    }
+    return Sign::kAlwaysPositive;
+  }
+  if (!(program.value() <= kNoise<Scalar> * Scalar(4))) return Sign::kUnknown;
+  drop_artificial(program);
+  write_costs(program);
+  if (!pivot_to_end(program, deadline_s)) return Sign::kUnknown;
+  if constexpr (kInDouble) {
+    if (program.value() > kClear<double> && lifts_all(program, true)) return Sign::kPositive;
+    return program.value() < -kClear<double> ? Sign::kNegativeInDouble : Sign::kUnknown;
+  } else {
+    const Quad terms = terms_of_least(program);
+    const Quad rounding = kRounding / least_pivot_;
+    if (!(rounding <= kLargestRounding)) return Sign::kUnknown;
+    if (program.value() >= -rounding * terms) return Sign::kZero;
+    if (!(program.value() < -kNegative * rounding * terms)) return Sign::kUnknown;
+    take_proof(program);
+    return Sign::kNegative;
+  }
+}
+
+ContactSolvability::Sign ContactSolvability::sign_in_quad(double deadline_s) {
+  find_range();
+  if (rank_ == X_->rows()) return Sign::kAlwaysPositive;
+  find_unreached_velocity();
+  return sign_of_least(quad_.get(), deadline_s);
+}
+
+/// Only edges that are in the last basis: a u of these alone is one of all.
+void ContactSolvability::keep_basic_edges() {
+  const auto edges = static_cast<Index>(edges_.size());
+  std::sort(basis_.begin(), basis_.end());
+  std::size_t kept = 0;
+  for (const Index j : basis_) {
+    if (j < edges) edges_[kept++] = edges_[static_cast<std::size_t>(j)];
+  }
+  edges_.resize(kept);
+}
+
+/// Without friction.
+ContactSolvability::Sign ContactSolvability::sign_of_normals(double deadline_s) {
+  find_normals();
+  Sign sign = sign_of_least(double_.get(), deadline_s);
+  if (sign == Sign::kNegativeInDouble) {
+    keep_basic_edges();
+    sign = sign_in_quad(deadline_s);
+    if (sign == Sign::kNegative || sign == Sign::kAlwaysPositive) return sign;
+    find_normals();
+    return sign_in_quad(deadline_s);
+  }
+  return sign == Sign::kUnknown ? sign_in_quad(deadline_s) : sign;
+}
+
+ContactSolvability::Finding ContactSolvability::decide(const double* v, double deadline_s) {
+  if (always_solvable_) return Finding::kSolvable;
+  if (deadline_s < std::numeric_limits<double>::infinity() && !(wall_clock_s() < deadline_s)) return Finding::kUnknown;
+  v_ = v;
+  find_edges();
+  if (edges_.empty()) return Finding::kSolvable;
+  const auto is_solvable = [](Sign sign) {
+    return sign == Sign::kAlwaysPositive || sign == Sign::kPositive || sign == Sign::kZero;
+  };
+  if (has_friction_) {
+    Sign sign = sign_of_least(double_.get(), deadline_s);
+    if (sign == Sign::kUnknown) sign = sign_in_quad(deadline_s);
+    always_solvable_ = sign == Sign::kAlwaysPositive;
+    if (is_solvable(sign)) return Finding::kSolvable;
+  }
+  const Sign sign = sign_of_normals(deadline_s);
+  if (sign == Sign::kNegative) return Finding::kUnsolvable;
+  if (!has_friction_) {
+    always_solvable_ = sign == Sign::kAlwaysPositive;
+    return is_solvable(sign) ? Finding::kSolvable : Finding::kUnknown;
+  }
+  return Finding::kUnknown;
+}
+
+/// Small integers where there are such in the same proportion.
+void ContactSolvability::take_proof(const Program<Quad>& program) {
+  constexpr double kLargest = 0x1p20;
+  constexpr Quad kNearInteger = 0x1p-40;
+  auto proof = proof_.head(contact_->nc());
+  proof.setZero();
+  const auto share = [&](Index r) {
+    const Index j = basis_[static_cast<std::size_t>(r)];
+    if (j >= program.edges || !(program.row(r)[program.right()] > kNoise<Quad>)) return Quad{0};
+    return scaled(program.row(r)[program.right()], column_exponent_[static_cast<std::size_t>(j)]);
+  };
+  Quad least = 0;
+  for (Index r = 0; r < program.rows; ++r) {
+    if (share(r) > 0 && (least == 0 || share(r) < least)) least = share(r);
+  }
+  for (Index r = 0; r < program.rows; ++r) {
+    if (!(share(r) > 0)) continue;
+    const Quad ratio = share(r) / least;
+    const double near = std::round(to_double(ratio));
+    const bool is_integer = near <= kLargest && magnitude(ratio - static_cast<Quad>(near)) <= kNearInteger * ratio;
+    proof(edges_[static_cast<std::size_t>(basis_[static_cast<std::size_t>(r)])].contact) =
+        is_integer ? near : to_double(ratio);
+  }
+}
+
+void ContactSolvability::write_proof(Eigen::Ref<Vector> u) const { u = proof_.head(u.size()); }
+
+}  // namespace lcpbench
