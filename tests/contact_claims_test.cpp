@@ -109,9 +109,12 @@ TEST(ContactClaimsTest, AreNotMisledByPivotsThatHideTheCondition) {
   for (const double cosine : {0.2, 0.4, 0.6}) {
     for (const Index n : {8, 16, 24}) {
       Matrix N(n, 3);
-      for (Index i = 0; i < n; ++i) N.row(i) << std::sin(1.0 + i), std::cos(2.0 * i), std::sin(3.0 + i * i);
       Vector v(n);
-      for (Index i = 0; i < n; ++i) v(i) = std::cos(5.0 + 3 * i);
+      for (Index i = 0; i < n; ++i) {
+        const auto k = static_cast<double>(i);
+        N.row(i) << std::sin(1.0 + k), std::cos(2.0 * k), std::sin(3.0 + k * k);
+        v(i) = std::cos(5.0 + 3 * k);
+      }
       const Problem problem = contacts(v, N, DenseInertia{kahan(n, cosine)});
       for (const std::string& solver : kOnContacts) expect_honest(solver, problem);
     }
