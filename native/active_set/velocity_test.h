@@ -50,12 +50,17 @@ class VelocityTest {
     active_ = active;
     pressed_ = pressed;
     set_zero(change_.data(), lanes());
-    for (Count k = 0; k < pressed; ++k) {
-      add_unpadded_multiple(change_.data(), answer.impulse[active[k]], whitening_.given_normal(active[k]),
-                            whitening_.ngc());
+    if constexpr (kHoldsProducts) {
+      add_impulses_exactly(answer);
+    } else {
+      for (Count k = 0; k < pressed; ++k) {
+        add_unpadded_multiple(change_.data(), answer.impulse[active[k]], whitening_.given_normal(active[k]),
+                              whitening_.ngc());
+      }
     }
     if (whitening_.triangular()) {
       whitening_.solve_transposed(change_.data());
+      if constexpr (kHoldsProducts) measure_whitened_change();
     } else {
       whitening_.project(change_.data(), residual_.data());
       copy(change_.data(), residual_.data(), lanes());
@@ -76,6 +81,8 @@ class VelocityTest {
   static constexpr bool kTestedInDouble =
       sizeof(Scalar) < sizeof(double);  ///< by the engine that knows what float rounds
   static constexpr bool kHasMoreBits = sizeof(Scalar) == sizeof(double);
+  /// Of two doubles, exactly: what cancels in N z then leaves no rounding.
+  static constexpr bool kHoldsProducts = L::kUnitRoundoff < 0x1p-106;
   static constexpr double kLongUnitRoundoff = static_cast<double>(__LDBL_EPSILON__) / 2;
 
   /// What an answer is worth, over an island or all.
@@ -84,6 +91,7 @@ class VelocityTest {
     Scalar largest = 0;           ///< max |W_j|^2
     Scalar terms = 0;             ///< sum of |W_j| z_j
     Scalar squared_change = 0;    ///< sum of (u - v)_i^2 G_ii
+    Scalar whitened_change = 0;   ///< sum of (C (u - v))_i^2, where products are held exactly
     Scalar squared_residual = 0;  ///< |C^-T r|^2
     Scalar scale = 0;             ///< max|q|, or the floor that the rounding of q sets
   };
@@ -176,7 +184,7 @@ class VelocityTest {
 
   [[gnu::noinline]] bool passes_by_islands(const Answer& answer, Scalar limit) {
     if (!kTestedInDouble && whitening_.triangular()) whitening_.sharpen_condition();
-    for (Count k = 0; k < islands_; ++k) measures_[k] = Measure();
+    for (Count k = 0; k < islands_; ++k) measures_[k] = {.whitened_change = measures_[k].whitened_change};
     for (Count i = 0; i < whitening_.ngc() && whitening_.triangular(); ++i) {
       const Count k = island_of_coordinate_ == nullptr ? 0 : island_of_coordinate_[i];
       const Scalar diagonal = static_cast<Scalar>(whitening_.inertia(i, i));
@@ -268,9 +276,35 @@ class VelocityTest {
     const Scalar sums = roundings(static_cast<double>(whitening_.ngc() + pressed_));
     if (!whitening_.triangular()) return reach * island.terms * (2 * whitening_.noise() + sums);
     if (!condition_is_trusted()) return kInfinity<Scalar>;
+    // Sums without a rounding of their own are off by the rounding of the result, and once more by that of the terms.
+    const Scalar terms = kHoldsProducts ? L::square_root(island.whitened_change) + sums * island.terms : island.terms;
     return reach * L::square_root(whitening_.condition()) *
            (size() * whitening_.backward_error() * L::square_root(island.squared_change) +
-            sums * L::square_root(size()) * island.terms);
+            sums * L::square_root(size()) * terms);
+  }
+
+  /// change_ := N z of impulses that are doubles, each sum with its rounding made up for. [Ogita, Rump, Oishi 2005,
+  /// Sum2]
+  void add_impulses_exactly(const Answer& answer) {
+    for (Count i = 0; i < whitening_.ngc(); ++i) {
+      Scalar sum = 0, rest = 0;
+      for (Count k = 0; k < pressed_; ++k) {
+        const Scalar term = static_cast<Scalar>(whitening_.given_normal(active_[k])[i]) * answer.impulse[active_[k]];
+        const Scalar next = sum + term;
+        const Scalar part = next - sum;
+        rest += (sum - (next - part)) + (term - part);
+        sum = next;
+      }
+      change_[i] = sum + rest;
+    }
+  }
+
+  void measure_whitened_change() {
+    for (Count k = 0; k < islands_; ++k) measures_[k].whitened_change = 0;
+    for (Count i = 0; i < whitening_.ngc(); ++i) {
+      const Count k = island_of_coordinate_ == nullptr ? 0 : island_of_coordinate_[i];
+      if (k >= 0) measures_[k].whitened_change += change_[i] * change_[i];
+    }
   }
 
   /// The same of contact j by the residual of the change. @pre measure_residual()
