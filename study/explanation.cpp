@@ -20,22 +20,22 @@ struct RowWords {
 RowWords words_of(const ContactProblem& problem, Index row) {
   const ContactLayout layout = contact_layout(problem);
   if (row < problem.nc()) {
-    return {fmt::format("contact {} (row {})", row + 1, row), "pulls with a normal impulse of {z:.3g} N s",
-            "still approaches at {w:.3g} m/s", "separates at {w:.3g} m/s, yet presses with {z:.3g} N s"};
+    return {fmt::format("contact {} (row {})", row + 1, row), "has a negative normal impulse of {z:.3g} N s",
+            "still approaches at {w:.3g} m/s", "separates at {w:.3g} m/s, but has a normal impulse of {z:.3g} N s"};
   }
   if (row >= layout.lambda_offset()) {
     const Index contact = layout.cone_contact[static_cast<std::size_t>(row - layout.lambda_offset())];
     return {fmt::format("contact {} (row {})", contact + 1, row), "has a negative lambda of {z:.3g} m/s",
             "has more friction than its cone allows, by {w:.3g} N s",
-            "slides with lambda = {z:.3g} m/s, yet its friction is {w:.3g} N s inside the cone"};
+            "has lambda = {z:.3g} m/s, but its friction is {w:.3g} N s below the limit of its cone"};
   }
   const Index direction = row - layout.friction_offset();
   const auto next = std::upper_bound(layout.friction_begin.begin(), layout.friction_begin.end(), direction);
   const auto contact = static_cast<std::size_t>(next - layout.friction_begin.begin()) - 1;
   return {fmt::format("friction direction {} of contact {} (row {})", direction - layout.friction_begin[contact] + 1,
                       contact + 1, row),
-          "has a negative impulse of {z:.3g} N s", "slides {w:.3g} m/s faster against it than lambda says",
-          "has an impulse of {z:.3g} N s, yet lambda exceeds the sliding against it by {w:.3g} m/s"};
+          "has a negative impulse of {z:.3g} N s", "has a sliding speed against it that is {w:.3g} m/s above lambda",
+          "has an impulse of {z:.3g} N s, but lambda is {w:.3g} m/s above the sliding speed against it"};
 }
 
 /// "1e-4".
@@ -56,14 +56,14 @@ std::string state_of(const RowWords& words, const WorstRow& worst) {
 /// Where the answer breaks the problem most, and by how much.
 std::string worst_row_words(const Problem& problem, const Errors& errors) {
   const WorstRow& worst = errors.worst;
-  if (worst.row < 0) return "its error cannot be measured: the problem's data or z are not finite";
+  if (worst.row < 0) return "its error cannot be measured: the data are not finite, or the inertia is indefinite";
   if (const ContactProblem* contact = problem.contact()) {
     return fmt::format("{}: residual {:.3g} relative to its island's scale of {:.3g} m/s; the limit is {}",
                        state_of(words_of(*contact, worst.row), worst), errors.velocity_residual_relative, worst.scale,
                        short_number(kSolvedVelocityResidual));
   }
   const RowWords words{fmt::format("row {}", worst.row), "has z = {z:.3g}, below zero", "has w = -{w:.3g}, below zero",
-                       "has z = {z:.3g} and w = {w:.3g}, of which one has to be zero"};
+                       "has z = {z:.3g} and w = {w:.3g}, but one of them must be zero"};
   return fmt::format("{}: backward error {:.3g} of its block; the limit is {}", state_of(words, worst),
                      errors.backward_row_norm, short_number(kSolvedBackwardError));
 }
@@ -76,12 +76,12 @@ std::string missed_or_open(const Problem& problem, const JudgedAnswer& answer) {
   const bool known = answer.verdict == Verdict::kMissed;
   if (answer.claim == Claim::kUnsolvable) {
     return known ? "said unsolvable, but the problem has a solution" + because(answer)
-                 : "said unsolvable without a proof that checks; nobody knows";
+                 : "said unsolvable, but without a valid proof; it is not known whether there is a solution";
   }
   std::string words = fmt::format("ended with {}; the problem {}", to_string(answer.claim),
                                   known ? "has a solution" + because(answer) : "is not known to have a solution");
   if (answer.unusable.empty() && answer.errors.worst.row >= 0) {
-    words += "; in its z " + worst_row_words(problem, answer.errors);
+    words += "; the worst row of its z: " + worst_row_words(problem, answer.errors);
   }
   return words;
 }

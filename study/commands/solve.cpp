@@ -121,7 +121,7 @@ struct Known {
 Known known_of(const Problem& problem, const Evaluator& evaluator, const std::vector<Attempt>& attempts) {
   const auto first = [&](auto holds) { return std::find_if(attempts.begin(), attempts.end(), holds); };
   const auto proves = first([](const Attempt& a) { return a.proved_unsolvable; });
-  if (proves != attempts.end()) return {Truth::kUnsolvable, "the proof of " + proves->solver.text() + " checks"};
+  if (proves != attempts.end()) return {Truth::kUnsolvable, "the proof of " + proves->solver.text() + " is valid"};
   if (evaluator.truth() == Truth::kSolvable) return {Truth::kSolvable, "by theory"};
   const auto denies = first([](const Attempt& a) { return Settler::asked_by(a.timed.answer.claim, false); });
   if (denies != attempts.end()) {
