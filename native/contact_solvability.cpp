@@ -20,6 +20,8 @@ constexpr Scalar kClear = Scalar(sizeof(Scalar) == sizeof(double) ? 1e-7 : 0x1p-
 constexpr Quad kRounding = 0x1p-100;
 constexpr Quad kLargestRounding = 0x1p-75;
 constexpr Quad kNegative = 0x1p10;
+/// Of a path in 113 bits, relative to the speed that no impulse reaches. One ulp of the data is 2^-52.
+constexpr Quad kLargestMiss = 0x1p-80;
 
 constexpr double kUnitRoundoff = 0x1p-53;
 
@@ -92,6 +94,8 @@ void ContactSolvability::reserve(const ContactProblem& contact) {
   const auto edges = static_cast<std::size_t>(contact.nc() + cols(contact.D));
   edges_.reserve(edges);
   column_exponent_.reserve(edges);
+  costs_.reserve(edges);
+  cost_terms_.reserve(edges);
   row_exponent_.reserve(rows);
   row_scale_.reserve(rows);
   basis_.reserve(rows);
@@ -239,12 +243,20 @@ void ContactSolvability::write_costs(Program<Scalar>& program) {
   Scalar* const costs = program.costs();
   std::fill(costs, costs + program.width(), Scalar(0));
   program.first_phase = false;
+  costs_.clear();
+  cost_terms_.clear();
   for (Index j = 0; j < program.edges; ++j) {
     const Edge& edge = edges_[static_cast<std::size_t>(j)];
     const int exponent = column_exponent_[static_cast<std::size_t>(j)] + cost_exponent_;
+    Quad terms = 0;
     visit_edge(*contact_, edge.contact, edge.direction, edge.factor, [&](Index i, double entry, double factor) {
-      costs[j] += scaled(static_cast<Scalar>(entry) * static_cast<Scalar>(factor), exponent) * speed(i, Scalar());
+      const Scalar term =
+          scaled(static_cast<Scalar>(entry) * static_cast<Scalar>(factor), exponent) * speed(i, Scalar());
+      costs[j] += term;
+      terms += magnitude(static_cast<Quad>(term));
     });
+    costs_.push_back(static_cast<Quad>(costs[j]));
+    cost_terms_.push_back(terms);
   }
   for (Index r = 0; r < program.rows; ++r) {
     const Index basic = basis_[static_cast<std::size_t>(r)];
@@ -253,6 +265,20 @@ void ContactSolvability::write_costs(Program<Scalar>& program) {
     for (Index j = 0; j < program.width(); ++j) costs[j] -= factor * program.row(r)[j];
     costs[basic] = 0;
   }
+}
+
+/// What counts as rounding of a reduced cost. In 113 bits it is relative to what that adds up: edges at rest to all but
+/// rounding have costs of their own size, and a miss among them counts.
+template <class Scalar>
+Scalar ContactSolvability::noise_of_cost(const Program<Scalar>& program, Index j) const {
+  if (sizeof(Scalar) == sizeof(double) || program.first_phase) return kNoise<Scalar>;
+  Quad terms = cost_terms_[static_cast<std::size_t>(j)];
+  for (Index r = 0; r < program.rows; ++r) {
+    const Index basic = basis_[static_cast<std::size_t>(r)];
+    if (basic >= program.edges) continue;
+    terms += cost_terms_[static_cast<std::size_t>(basic)] * magnitude(static_cast<Quad>(program.row(r)[j]));
+  }
+  return kNoise<Scalar> * static_cast<Scalar>(terms);
 }
 
 /// All vertices but few are degenerate: the largest pivot is taken while that ends, and then the lowest numbers, which
@@ -266,8 +292,10 @@ bool ContactSolvability::pivot_to_end(Program<Scalar>& program, double deadline_
     const Scalar* const costs = program.costs();
     Index entering = -1;
     for (Index j = 0; j < program.edges; ++j) {
-      if (costs[j] >= -kNoise<Scalar>) continue;
-      if (!(costs[j] < -kNoise<Scalar>)) return false;
+      if (costs[j] >= 0) continue;
+      const Scalar noise = noise_of_cost(program, j);
+      if (costs[j] >= -noise) continue;
+      if (!(costs[j] < -noise)) return false;
       if (entering < 0 || (!by_number && costs[j] < costs[entering])) entering = j;
     }
     if (entering < 0) return true;
@@ -350,6 +378,27 @@ bool ContactSolvability::lifts_all(const Program<double>& program, bool from_v) 
   });
 }
 
+/// Whether K'(v + X y) >= 0 for the dual solution y, each edge to within the rounding of its own sum.
+bool ContactSolvability::holds_to_rounding(const Program<Quad>& program, Quad rounding) {
+  for (Index j = 0; j < program.edges; ++j) {
+    const Edge& edge = edges_[static_cast<std::size_t>(j)];
+    const int exponent = column_exponent_[static_cast<std::size_t>(j)];
+    Quad sum = costs_[static_cast<std::size_t>(j)];
+    Quad terms = cost_terms_[static_cast<std::size_t>(j)];
+    visit_edge(*contact_, edge.contact, edge.direction, edge.factor, [&](Index i, double entry, double factor) {
+      const Quad weight = scaled(static_cast<Quad>(entry) * static_cast<Quad>(factor), exponent);
+      for (Index k = 0; k < program.rows - 1; ++k) {
+        const Quad dual = program.costs()[program.edges + k];
+        const Quad term = weight * reach(i, k, Quad()) * static_cast<Quad>(row_scale_[static_cast<std::size_t>(k)]);
+        sum += dual * term;
+        terms += magnitude(dual * term);
+      }
+    });
+    if (!(sum >= -rounding * terms)) return false;
+  }
+  return true;
+}
+
 /// The magnitudes of what the value of the basis adds up.
 template <class Scalar>
 Scalar ContactSolvability::terms_of_least(const Program<Scalar>& program) const {
@@ -393,7 +442,9 @@ ContactSolvability::Sign ContactSolvability::sign_of_least(Scalar* storage, doub
     const Quad terms = terms_of_least(program);
     const Quad rounding = kRounding / least_pivot_;
     if (!(rounding <= kLargestRounding)) return Sign::kUnknown;
-    if (program.value() >= -rounding * terms) return Sign::kZero;
+    if (program.value() >= -rounding * terms) {
+      return holds_to_rounding(program, rounding) ? Sign::kZero : Sign::kUnknown;
+    }
     if (!(program.value() < -kNegative * rounding * terms)) return Sign::kUnknown;
     take_proof(program);
     return Sign::kNegative;
@@ -404,7 +455,50 @@ ContactSolvability::Sign ContactSolvability::sign_in_quad(double deadline_s) {
   find_range();
   if (rank_ == X_->rows()) return Sign::kAlwaysPositive;
   find_unreached_velocity();
-  return sign_of_least(quad_.get(), deadline_s);
+  const bool dropped = drop_satisfied_edges();
+  if (edges_.empty()) return Sign::kPositive;
+  const Sign sign = sign_of_least(quad_.get(), deadline_s);
+  return dropped && sign == Sign::kAlwaysPositive ? Sign::kPositive : sign;
+}
+
+bool ContactSolvability::is_reached(const Edge& edge) const {
+  bool reached = false;
+  visit_edge(*contact_, edge.contact, edge.direction, edge.factor, [&](Index i, double, double) {
+    for (Index k = 0; k < rank_; ++k) reached = reached || reach(i, k, Quad()) != 0;
+  });
+  return reached;
+}
+
+/// Edges that nothing reaches and that separate as they are: they have part in no u, and would set a scale for others.
+/// @returns whether there were such
+bool ContactSolvability::drop_satisfied_edges() {
+  const std::size_t all = edges_.size();
+  std::erase_if(edges_, [&](const Edge& edge) {
+    Quad sum = 0;
+    Quad terms = 0;
+    visit_edge(*contact_, edge.contact, edge.direction, edge.factor, [&](Index i, double entry, double factor) {
+      const Quad term = static_cast<Quad>(entry) * static_cast<Quad>(factor) * speed(i, Quad());
+      sum += term;
+      terms += magnitude(term);
+    });
+    return sum >= kRounding * terms && !is_reached(edge);
+  });
+  return edges_.size() < all;
+}
+
+bool ContactSolvability::is_confirmed_by(double missed) {
+  find_range();
+  find_unreached_velocity();
+  Quad unreached = 0;
+  Quad speed = 0;
+  for (Index c = 0; c < contact_->nc(); ++c) {  // in the units of the coordinates that contacts see
+    visit_edge(*contact_, c, -1, 0, [&](Index i, double entry, double) {
+      const Quad size = magnitude(static_cast<Quad>(entry));
+      unreached = std::max(unreached, size * magnitude(this->speed(i, Quad())));
+      speed = std::max(speed, size * magnitude(static_cast<Quad>(v_[i])));
+    });
+  }
+  return static_cast<Quad>(missed) * speed <= kLargestMiss * unreached;
 }
 
 /// Only edges that are in the last basis: a u of these alone is one of all.
