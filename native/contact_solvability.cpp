@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/timed_solve.h"
+#include "native/contact_edges.h"
 #include "native/scaled_numbers.h"
 
 namespace lcpbench {
@@ -20,32 +21,8 @@ constexpr Scalar kClear = Scalar(sizeof(Scalar) == sizeof(double) ? 1e-7 : 0x1p-
 constexpr Quad kRounding = 0x1p-100;
 constexpr Quad kLargestRounding = 0x1p-75;
 constexpr Quad kNegative = 0x1p10;
-/// Of a path in 113 bits, relative to the speed that no impulse reaches. One ulp of the data is 2^-52.
-constexpr Quad kLargestMiss = 0x1p-80;
 
 constexpr double kUnitRoundoff = 0x1p-53;
-
-/// Calls visit(row, entry) for the entries of a column that are not zero.
-template <class Visit>
-void for_each_entry(const Jacobian& J, Index column, Visit&& visit) {
-  if (const auto* dense = std::get_if<Matrix>(&J)) {
-    for (Index i = 0; i < dense->rows(); ++i) {
-      if ((*dense)(i, column) != 0) visit(i, (*dense)(i, column));
-    }
-    return;
-  }
-  for (SparseMatrix::InnerIterator it(std::get<SparseMatrix>(J), column); it; ++it) {
-    if (it.value() != 0) visit(it.row(), it.value());
-  }
-}
-
-/// Calls visit(coordinate, entry, factor) for the terms of N_normal + factor D_direction.
-template <class Visit>
-void visit_edge(const ContactProblem& contact, Index normal, Index direction, double factor, Visit&& visit) {
-  for_each_entry(contact.N, normal, [&](Index i, double entry) { visit(i, entry, 1.0); });
-  if (direction < 0) return;
-  for_each_entry(contact.D, direction, [&](Index i, double entry) { visit(i, entry, factor); });
-}
 
 const Matrix& reach_of(const Inertia& inertia) {
   const auto* factored = std::get_if<FactoredInertia>(&inertia);
@@ -120,27 +97,6 @@ void ContactSolvability::load(const ContactProblem& contact) {
   X_ = &reach_of(contact.inertia);
   always_solvable_ = false;
   has_range_ = false;
-}
-
-void ContactSolvability::find_edges() {
-  edges_.clear();
-  has_friction_ = false;
-  Index first = 0;
-  for (Index c = 0; c < contact_->nc(); ++c) {
-    const Index edges = contact_->edges[static_cast<std::size_t>(c)];
-    const double mu = contact_->mu(c);
-    if (edges == 0 || mu == 0) edges_.push_back({.contact = c});
-    for (Index t = 0; t < edges && mu > 0; ++t) {
-      edges_.push_back({.contact = c, .direction = first + t, .factor = mu});
-      has_friction_ = true;
-    }
-    first += edges;
-  }
-}
-
-void ContactSolvability::find_normals() {
-  edges_.clear();
-  for (Index c = 0; c < contact_->nc(); ++c) edges_.push_back({.contact = c});
 }
 
 /// Powers of two for the columns, so that the largest term of each has about the size of one.
@@ -459,57 +415,6 @@ ContactSolvability::Sign ContactSolvability::sign_in_quad(double deadline_s) {
   if (edges_.empty()) return Sign::kPositive;
   const Sign sign = sign_of_least(quad_.get(), deadline_s);
   return dropped && sign == Sign::kAlwaysPositive ? Sign::kPositive : sign;
-}
-
-bool ContactSolvability::is_reached(const Edge& edge) const {
-  bool reached = false;
-  visit_edge(*contact_, edge.contact, edge.direction, edge.factor, [&](Index i, double, double) {
-    for (Index k = 0; k < rank_; ++k) reached = reached || reach(i, k, Quad()) != 0;
-  });
-  return reached;
-}
-
-/// Edges that nothing reaches and that separate as they are: they have part in no u, and would set a scale for others.
-/// @returns whether there were such
-bool ContactSolvability::drop_satisfied_edges() {
-  const std::size_t all = edges_.size();
-  std::erase_if(edges_, [&](const Edge& edge) {
-    Quad sum = 0;
-    Quad terms = 0;
-    visit_edge(*contact_, edge.contact, edge.direction, edge.factor, [&](Index i, double entry, double factor) {
-      const Quad term = static_cast<Quad>(entry) * static_cast<Quad>(factor) * speed(i, Quad());
-      sum += term;
-      terms += magnitude(term);
-    });
-    return sum >= kRounding * terms && !is_reached(edge);
-  });
-  return edges_.size() < all;
-}
-
-bool ContactSolvability::is_confirmed_by(double missed) {
-  find_range();
-  find_unreached_velocity();
-  Quad unreached = 0;
-  Quad speed = 0;
-  for (Index c = 0; c < contact_->nc(); ++c) {  // in the units of the coordinates that contacts see
-    visit_edge(*contact_, c, -1, 0, [&](Index i, double entry, double) {
-      const Quad size = magnitude(static_cast<Quad>(entry));
-      unreached = std::max(unreached, size * magnitude(this->speed(i, Quad())));
-      speed = std::max(speed, size * magnitude(static_cast<Quad>(v_[i])));
-    });
-  }
-  return static_cast<Quad>(missed) * speed <= kLargestMiss * unreached;
-}
-
-/// Only edges that are in the last basis: a u of these alone is one of all.
-void ContactSolvability::keep_basic_edges() {
-  const auto edges = static_cast<Index>(edges_.size());
-  std::sort(basis_.begin(), basis_.end());
-  std::size_t kept = 0;
-  for (const Index j : basis_) {
-    if (j < edges) edges_[kept++] = edges_[static_cast<std::size_t>(j)];
-  }
-  edges_.resize(kept);
 }
 
 /// Without friction.

@@ -247,7 +247,9 @@ Problem on_a_factor(const Vector& v, const Matrix& N, const Vector& X, double al
 void expect_not_solved(const Problem& problem) {
   for (const char* name : {"auto", "active_set", "contact_lemke", "velocity_ipm", "friction_ipm", "psor",
                            "quickstep_sor", "primal_dual", "lemke", "murty", "principal_pivoting", "regularized"}) {
-    EXPECT_NE(solve(name, problem).claim, Claim::kSolved) << name;
+    const Claim claim = solve(name, problem).claim;
+    EXPECT_NE(claim, Claim::kSolved) << name;
+    if (claim == Claim::kUnsupported) continue;
     const auto updated = make_solver(parse_spec(name));
     updated->load(problem);
     updated->update(2 * problem.contact()->v);

@@ -447,19 +447,7 @@ class Path {
     return Ending::kSolved;
   }
 
-  /// See Outcome::missed. What is negative and should not be, what is left of the rows of the kernel and of z0, and
-  /// some roundings of the largest values.
-  double missed_at_end() {
-    const Scalar left = artificial_ >= 0 ? magnitude(x_[artificial_]) * kernel_.norm(artificial_) : Scalar(0);
-    Scalar missed = left + largest_residual();
-    compute_candidates(last_);
-    for_each_segment([&](Count first, Count last) {
-      for (Count i = first; i < last; ++i) missed = value_[i] >= -missed ? missed : number_or_infinity(-value_[i]);
-    });
-    missed += static_cast<Scalar>(kRoundingsAtEnd * kUnitRoundoff<Scalar>) * value_scale_;
-    const Scalar speed = contacts_.reach() * contacts_.least_speed();
-    return speed > 0 ? static_cast<double>(number_or_infinity(missed / speed)) : __builtin_inf();
-  }
+  double missed_at_end();
 
   void write_impulses(double* z) {
     for (Count j = 0; j < kernel_.order(); ++j) {
