@@ -209,7 +209,7 @@ void ContactSolvability::write_costs(Program<Scalar>& program) {
       const Scalar term =
           scaled(static_cast<Scalar>(entry) * static_cast<Scalar>(factor), exponent) * speed(i, Scalar());
       costs[j] += term;
-      terms += magnitude(static_cast<Quad>(term));
+      if constexpr (sizeof(Scalar) > sizeof(double)) terms += magnitude(term);
     });
     costs_.push_back(static_cast<Quad>(costs[j]));
     cost_terms_.push_back(terms);
