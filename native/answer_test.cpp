@@ -143,7 +143,7 @@ AnswerTest::Outcome AnswerTest::confirm(double deadline_s) {
   const Finding finding = solvability_.decide(velocity_.data(), deadline_s);
   if (finding == Finding::kSolvable) return Outcome::kSolved;
   if (finding == Finding::kUnsolvable) return Outcome::kUnsolvable;
-  // In 113 bits the path's own word is enough: its answer was rounded to doubles.
+  // In 113 bits the path's own values count: its answer was rounded to doubles.
   Ending ending = Ending::kBreakdown;
   if (contacts_.friction_begin.back() > 0) ending = follow_path(false, deadline_s);
   if (ending == Ending::kRay || ending == Ending::kPivotLimit) ending = follow_path(true, deadline_s);
@@ -165,7 +165,9 @@ Ending AnswerTest::follow_path(bool classic, double deadline_s) {
   rules.deadline_s = deadline_s;
   rules.clock_s = wall_clock_s;
   path_end_.setZero();
-  return quad_judge().solve(rules, path_end_.data()).ending;
+  const contact_lemke::Outcome outcome = quad_judge().solve(rules, path_end_.data());
+  const bool confirms = outcome.ending != Ending::kSolved || solvability_.is_confirmed_by(outcome.missed);
+  return confirms ? outcome.ending : Ending::kBreakdown;
 }
 
 LoadedContacts& AnswerTest::quad_judge() {

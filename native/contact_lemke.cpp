@@ -278,7 +278,9 @@ bool ContactLemke::climb(const ContactRung& rung, Rules rules, Progress& progres
   if (residual.certain <= kClaimedResidual) {
     if (solvability(progress) == Finding::kUnsolvable) return true;
     // Where it stays open, with friction, only a path in 113 bits tells a solution from what nearly is one.
-    if (progress.finding == Finding::kUnknown && &engine != &quad_) return false;
+    if (progress.finding == Finding::kUnknown) {
+      if (&engine != &quad_ || !solvability_.is_confirmed_by(progress.missed)) return false;
+    }
   }
   progress.is_beyond_double = &engine == &quad_ && !(residual.certain <= kClaimedResidual);
   if (residual.certain < progress.best) {
@@ -312,6 +314,7 @@ Ending ContactLemke::run(LoadedContacts& engine, Rules rules, Progress& progress
   progress.pivots += outcome.pivots;
   progress.factorizations += outcome.factorizations;
   progress.ending = outcome.ending;
+  progress.missed = outcome.missed;
   return outcome.ending;
 }
 

@@ -1,8 +1,9 @@
-// The range of the inertia, for ContactSolvability.
+// The edges of the cones and the range of the inertia, for ContactSolvability.
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "native/contact_edges.h"
 #include "native/contact_solvability.h"
 #include "native/scaled_numbers.h"
 
@@ -11,6 +12,10 @@ namespace {
 
 /// Entries of a scaled matrix above this are more than rounding.
 constexpr Quad kLeastPivot = 0x1p-92;
+/// Of a sum in 113 bits, relative to its terms.
+constexpr Quad kRoundingOfSum = 0x1p-100;
+/// Of a path in 113 bits, relative to the speed that no impulse reaches. One ulp of the data is 2^-52.
+constexpr Quad kLargestMiss = 0x1p-80;
 
 }  // namespace
 
@@ -77,6 +82,78 @@ void ContactSolvability::find_unreached_velocity() {
       unreached_v_[static_cast<std::size_t>(i)] -= share * reach(i, k, Quad());
   }
   for (const Index row : pivot_rows_) unreached_v_[static_cast<std::size_t>(row)] = 0;
+}
+
+void ContactSolvability::find_edges() {
+  edges_.clear();
+  has_friction_ = false;
+  Index first = 0;
+  for (Index c = 0; c < contact_->nc(); ++c) {
+    const Index edges = contact_->edges[static_cast<std::size_t>(c)];
+    const double mu = contact_->mu(c);
+    if (edges == 0 || mu == 0) edges_.push_back({.contact = c});
+    for (Index t = 0; t < edges && mu > 0; ++t) {
+      edges_.push_back({.contact = c, .direction = first + t, .factor = mu});
+      has_friction_ = true;
+    }
+    first += edges;
+  }
+}
+
+void ContactSolvability::find_normals() {
+  edges_.clear();
+  for (Index c = 0; c < contact_->nc(); ++c) edges_.push_back({.contact = c});
+}
+
+bool ContactSolvability::is_reached(const Edge& edge) const {
+  bool reached = false;
+  visit_edge(*contact_, edge.contact, edge.direction, edge.factor, [&](Index i, double, double) {
+    for (Index k = 0; k < rank_; ++k) reached = reached || reach(i, k, Quad()) != 0;
+  });
+  return reached;
+}
+
+/// Edges that nothing reaches and that separate as they are: they have part in no u, and would set a scale for others.
+/// @returns whether there were such
+bool ContactSolvability::drop_satisfied_edges() {
+  const std::size_t all = edges_.size();
+  std::erase_if(edges_, [&](const Edge& edge) {
+    Quad sum = 0;
+    Quad terms = 0;
+    visit_edge(*contact_, edge.contact, edge.direction, edge.factor, [&](Index i, double entry, double factor) {
+      const Quad term = static_cast<Quad>(entry) * static_cast<Quad>(factor) * speed(i, Quad());
+      sum += term;
+      terms += magnitude(term);
+    });
+    return sum >= kRoundingOfSum * terms && !is_reached(edge);
+  });
+  return edges_.size() < all;
+}
+
+bool ContactSolvability::is_confirmed_by(double missed) {
+  find_range();
+  find_unreached_velocity();
+  Quad unreached = 0;
+  Quad speed = 0;
+  for (Index c = 0; c < contact_->nc(); ++c) {  // in the units of the coordinates that contacts see
+    visit_edge(*contact_, c, -1, 0, [&](Index i, double entry, double) {
+      const Quad size = magnitude(static_cast<Quad>(entry));
+      unreached = std::max(unreached, size * magnitude(this->speed(i, Quad())));
+      speed = std::max(speed, size * magnitude(static_cast<Quad>(v_[i])));
+    });
+  }
+  return static_cast<Quad>(missed) * speed <= kLargestMiss * unreached;
+}
+
+/// Only edges that are in the last basis: a u of these alone is one of all.
+void ContactSolvability::keep_basic_edges() {
+  const auto edges = static_cast<Index>(edges_.size());
+  std::sort(basis_.begin(), basis_.end());
+  std::size_t kept = 0;
+  for (const Index j : basis_) {
+    if (j < edges) edges_[kept++] = edges_[static_cast<std::size_t>(j)];
+  }
+  edges_.resize(kept);
 }
 
 }  // namespace lcpbench

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/timed_solve.h"
+#include "native/contact_edges.h"
 #include "native/scaled_numbers.h"
 
 namespace lcpbench {
@@ -22,28 +23,6 @@ constexpr Quad kLargestRounding = 0x1p-75;
 constexpr Quad kNegative = 0x1p10;
 
 constexpr double kUnitRoundoff = 0x1p-53;
-
-/// Calls visit(row, entry) for the entries of a column that are not zero.
-template <class Visit>
-void for_each_entry(const Jacobian& J, Index column, Visit&& visit) {
-  if (const auto* dense = std::get_if<Matrix>(&J)) {
-    for (Index i = 0; i < dense->rows(); ++i) {
-      if ((*dense)(i, column) != 0) visit(i, (*dense)(i, column));
-    }
-    return;
-  }
-  for (SparseMatrix::InnerIterator it(std::get<SparseMatrix>(J), column); it; ++it) {
-    if (it.value() != 0) visit(it.row(), it.value());
-  }
-}
-
-/// Calls visit(coordinate, entry, factor) for the terms of N_normal + factor D_direction.
-template <class Visit>
-void visit_edge(const ContactProblem& contact, Index normal, Index direction, double factor, Visit&& visit) {
-  for_each_entry(contact.N, normal, [&](Index i, double entry) { visit(i, entry, 1.0); });
-  if (direction < 0) return;
-  for_each_entry(contact.D, direction, [&](Index i, double entry) { visit(i, entry, factor); });
-}
 
 const Matrix& reach_of(const Inertia& inertia) {
   const auto* factored = std::get_if<FactoredInertia>(&inertia);
@@ -92,6 +71,8 @@ void ContactSolvability::reserve(const ContactProblem& contact) {
   const auto edges = static_cast<std::size_t>(contact.nc() + cols(contact.D));
   edges_.reserve(edges);
   column_exponent_.reserve(edges);
+  costs_.reserve(edges);
+  cost_terms_.reserve(edges);
   row_exponent_.reserve(rows);
   row_scale_.reserve(rows);
   basis_.reserve(rows);
@@ -116,27 +97,6 @@ void ContactSolvability::load(const ContactProblem& contact) {
   X_ = &reach_of(contact.inertia);
   always_solvable_ = false;
   has_range_ = false;
-}
-
-void ContactSolvability::find_edges() {
-  edges_.clear();
-  has_friction_ = false;
-  Index first = 0;
-  for (Index c = 0; c < contact_->nc(); ++c) {
-    const Index edges = contact_->edges[static_cast<std::size_t>(c)];
-    const double mu = contact_->mu(c);
-    if (edges == 0 || mu == 0) edges_.push_back({.contact = c});
-    for (Index t = 0; t < edges && mu > 0; ++t) {
-      edges_.push_back({.contact = c, .direction = first + t, .factor = mu});
-      has_friction_ = true;
-    }
-    first += edges;
-  }
-}
-
-void ContactSolvability::find_normals() {
-  edges_.clear();
-  for (Index c = 0; c < contact_->nc(); ++c) edges_.push_back({.contact = c});
 }
 
 /// Powers of two for the columns, so that the largest term of each has about the size of one.
@@ -239,12 +199,20 @@ void ContactSolvability::write_costs(Program<Scalar>& program) {
   Scalar* const costs = program.costs();
   std::fill(costs, costs + program.width(), Scalar(0));
   program.first_phase = false;
+  costs_.clear();
+  cost_terms_.clear();
   for (Index j = 0; j < program.edges; ++j) {
     const Edge& edge = edges_[static_cast<std::size_t>(j)];
     const int exponent = column_exponent_[static_cast<std::size_t>(j)] + cost_exponent_;
+    Quad terms = 0;
     visit_edge(*contact_, edge.contact, edge.direction, edge.factor, [&](Index i, double entry, double factor) {
-      costs[j] += scaled(static_cast<Scalar>(entry) * static_cast<Scalar>(factor), exponent) * speed(i, Scalar());
+      const Scalar term =
+          scaled(static_cast<Scalar>(entry) * static_cast<Scalar>(factor), exponent) * speed(i, Scalar());
+      costs[j] += term;
+      if constexpr (sizeof(Scalar) > sizeof(double)) terms += magnitude(term);
     });
+    costs_.push_back(static_cast<Quad>(costs[j]));
+    cost_terms_.push_back(terms);
   }
   for (Index r = 0; r < program.rows; ++r) {
     const Index basic = basis_[static_cast<std::size_t>(r)];
@@ -253,6 +221,20 @@ void ContactSolvability::write_costs(Program<Scalar>& program) {
     for (Index j = 0; j < program.width(); ++j) costs[j] -= factor * program.row(r)[j];
     costs[basic] = 0;
   }
+}
+
+/// What counts as rounding of a reduced cost. In 113 bits it is relative to what that adds up: edges at rest to all but
+/// rounding have costs of their own size, and a miss among them counts.
+template <class Scalar>
+Scalar ContactSolvability::noise_of_cost(const Program<Scalar>& program, Index j) const {
+  if (sizeof(Scalar) == sizeof(double) || program.first_phase) return kNoise<Scalar>;
+  Quad terms = cost_terms_[static_cast<std::size_t>(j)];
+  for (Index r = 0; r < program.rows; ++r) {
+    const Index basic = basis_[static_cast<std::size_t>(r)];
+    if (basic >= program.edges) continue;
+    terms += cost_terms_[static_cast<std::size_t>(basic)] * magnitude(static_cast<Quad>(program.row(r)[j]));
+  }
+  return kNoise<Scalar> * static_cast<Scalar>(terms);
 }
 
 /// All vertices but few are degenerate: the largest pivot is taken while that ends, and then the lowest numbers, which
@@ -266,8 +248,10 @@ bool ContactSolvability::pivot_to_end(Program<Scalar>& program, double deadline_
     const Scalar* const costs = program.costs();
     Index entering = -1;
     for (Index j = 0; j < program.edges; ++j) {
-      if (costs[j] >= -kNoise<Scalar>) continue;
-      if (!(costs[j] < -kNoise<Scalar>)) return false;
+      if (costs[j] >= 0) continue;
+      const Scalar noise = noise_of_cost(program, j);
+      if (costs[j] >= -noise) continue;
+      if (!(costs[j] < -noise)) return false;
       if (entering < 0 || (!by_number && costs[j] < costs[entering])) entering = j;
     }
     if (entering < 0) return true;
@@ -350,6 +334,27 @@ bool ContactSolvability::lifts_all(const Program<double>& program, bool from_v) 
   });
 }
 
+/// Whether K'(v + X y) >= 0 for the dual solution y, each edge to within the rounding of its own sum.
+bool ContactSolvability::holds_to_rounding(const Program<Quad>& program, Quad rounding) {
+  for (Index j = 0; j < program.edges; ++j) {
+    const Edge& edge = edges_[static_cast<std::size_t>(j)];
+    const int exponent = column_exponent_[static_cast<std::size_t>(j)];
+    Quad sum = costs_[static_cast<std::size_t>(j)];
+    Quad terms = cost_terms_[static_cast<std::size_t>(j)];
+    visit_edge(*contact_, edge.contact, edge.direction, edge.factor, [&](Index i, double entry, double factor) {
+      const Quad weight = scaled(static_cast<Quad>(entry) * static_cast<Quad>(factor), exponent);
+      for (Index k = 0; k < program.rows - 1; ++k) {
+        const Quad dual = program.costs()[program.edges + k];
+        const Quad term = weight * reach(i, k, Quad()) * static_cast<Quad>(row_scale_[static_cast<std::size_t>(k)]);
+        sum += dual * term;
+        terms += magnitude(dual * term);
+      }
+    });
+    if (!(sum >= -rounding * terms)) return false;
+  }
+  return true;
+}
+
 /// The magnitudes of what the value of the basis adds up.
 template <class Scalar>
 Scalar ContactSolvability::terms_of_least(const Program<Scalar>& program) const {
@@ -393,7 +398,9 @@ ContactSolvability::Sign ContactSolvability::sign_of_least(Scalar* storage, doub
     const Quad terms = terms_of_least(program);
     const Quad rounding = kRounding / least_pivot_;
     if (!(rounding <= kLargestRounding)) return Sign::kUnknown;
-    if (program.value() >= -rounding * terms) return Sign::kZero;
+    if (program.value() >= -rounding * terms) {
+      return holds_to_rounding(program, rounding) ? Sign::kZero : Sign::kUnknown;
+    }
     if (!(program.value() < -kNegative * rounding * terms)) return Sign::kUnknown;
     take_proof(program);
     return Sign::kNegative;
@@ -404,18 +411,10 @@ ContactSolvability::Sign ContactSolvability::sign_in_quad(double deadline_s) {
   find_range();
   if (rank_ == X_->rows()) return Sign::kAlwaysPositive;
   find_unreached_velocity();
-  return sign_of_least(quad_.get(), deadline_s);
-}
-
-/// Only edges that are in the last basis: a u of these alone is one of all.
-void ContactSolvability::keep_basic_edges() {
-  const auto edges = static_cast<Index>(edges_.size());
-  std::sort(basis_.begin(), basis_.end());
-  std::size_t kept = 0;
-  for (const Index j : basis_) {
-    if (j < edges) edges_[kept++] = edges_[static_cast<std::size_t>(j)];
-  }
-  edges_.resize(kept);
+  const bool dropped = drop_satisfied_edges();
+  if (edges_.empty()) return Sign::kPositive;
+  const Sign sign = sign_of_least(quad_.get(), deadline_s);
+  return dropped && sign == Sign::kAlwaysPositive ? Sign::kPositive : sign;
 }
 
 /// Without friction.

@@ -39,6 +39,10 @@ class ContactSolvability {
   /// @param v before the impact (ngc) @param deadline_s on wall_clock_s(): kUnknown after it
   Finding decide(const double* v, double deadline_s);
 
+  /// After kUnknown with friction: whether a path in 113 bits that ended in a solution and misses it by this much,
+  /// relative to the speed, tells that there is one. The speed that no impulse reaches decides that, and may be less.
+  bool is_confirmed_by(double missed);
+
   /// The u (nc) of the last decide() that found kUnsolvable, rounded to doubles.
   void write_proof(Eigen::Ref<Vector> u) const;
 
@@ -66,6 +70,8 @@ class ContactSolvability {
 
   void find_range();
   void find_unreached_velocity();
+  bool is_reached(const Edge& edge) const;
+  bool drop_satisfied_edges();
   void find_edges();
   void find_normals();
   void find_column_exponents();
@@ -88,6 +94,9 @@ class ContactSolvability {
   void drop_artificial(Program<Scalar>& program);
   bool lifts_all(const Program<double>& program, bool from_v);
   template <class Scalar>
+  Scalar noise_of_cost(const Program<Scalar>& program, Index j) const;
+  bool holds_to_rounding(const Program<Quad>& program, Quad rounding);
+  template <class Scalar>
   Scalar terms_of_least(const Program<Scalar>& program) const;
   void take_proof(const Program<Quad>& program);
 
@@ -100,11 +109,12 @@ class ContactSolvability {
   std::vector<int> row_exponent_;     // by column of X: powers of two that bring entries to about one
   std::vector<int> column_exponent_;  // by edge
   int cost_exponent_ = 0;
-  std::vector<double> row_scale_;  // 2^row_exponent_
-  std::vector<Index> basis_;       // by row: an edge, or their number + the row of an artificial variable
-  Vector proof_;                   // nc
-  Vector lift_, lift_terms_;       // ngc: X y and a bound on its terms
-  Vector coordinate_size_;         // ngc: the largest scaled entry of X in the row
+  std::vector<Quad> costs_, cost_terms_;  // by edge, in 113 bits: v'K, scaled, and the magnitudes it adds up
+  std::vector<double> row_scale_;         // 2^row_exponent_
+  std::vector<Index> basis_;              // by row: an edge, or their number + the row of an artificial variable
+  Vector proof_;                          // nc
+  Vector lift_, lift_terms_;              // ngc: X y and a bound on its terms
+  Vector coordinate_size_;                // ngc: the largest scaled entry of X in the row
   std::unique_ptr<double[]> double_;
   std::unique_ptr<Quad[]> quad_;
   // The range of X, once it was asked for.

@@ -364,12 +364,13 @@ void PrimalDual::settle(Stop stop, double deadline_s, Answer& answer) {
 
 void PrimalDual::on_solve(const SolveRequest& request, Answer& answer) {
   answer.counters = {.iterations = 0, .pivots = -1, .factorizations = 0};
+  const double deadline_s = wall_clock_s() + request.time_limit_s;
   if (q_.isZero(0)) {  // z = 0 solves it, and max|q| gives no scale to judge another answer by
     answer.claim = Claim::kSolved;
+    if (settings_.test == FinalTest::kResidual) test_.settle(answer, deadline_s);  // q may have been rounded to zero
     return;
   }
   set_start();
-  const double deadline_s = wall_clock_s() + request.time_limit_s;
   const Stop stop = iterate(deadline_s, answer.counters);
   answer.z = point_.z;
   const bool accepted = lcp_residual() <= settings_.accept_residual * q_.cwiseAbs().maxCoeff();

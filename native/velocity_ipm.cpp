@@ -42,6 +42,7 @@ class VelocityIpm final : public Solver {
 
   bool ends_with_active_set() const { return settings_.method.finish && !is_sparse_; }
   bool finish_dense(const SolveRequest& request, Answer& answer);
+  void confirm_rest(const SolveRequest& request, Answer& answer);
 
   VelocityIpmSettings settings_;
   InteriorPoint method_;
@@ -87,6 +88,14 @@ bool VelocityIpm::finish_dense(const SolveRequest& request, Answer& answer) {
   return false;
 }
 
+/// No q is other than zero, but q may have been rounded to that.
+void VelocityIpm::confirm_rest(const SolveRequest& request, Answer& answer) {
+  if (is_sparse_) test_.settle(answer, wall_clock_s() + request.time_limit_s);
+  if (!ends_with_active_set()) return;
+  pressed_.setZero();
+  active_set_.solve({.start = &pressed_, .time_limit_s = request.time_limit_s}, answer);
+}
+
 void VelocityIpm::on_solve(const SolveRequest& request, Answer& answer) {
   if (!method_.loaded()) {
     answer.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
@@ -94,7 +103,10 @@ void VelocityIpm::on_solve(const SolveRequest& request, Answer& answer) {
     room_.write_text("algebra=sparse needs an inertia of positive definite blocks", answer);
     return;
   }
-  if (!method_.iterate(request, answer)) return;
+  if (!method_.iterate(request, answer)) {
+    if (answer.claim == Claim::kSolved) confirm_rest(request, answer);
+    return;
+  }
   if (ends_with_active_set() && finish_dense(request, answer)) return;
   if (settings_.method.finish && is_sparse_) method_.finish(answer.counters);
   method_.conclude(answer);

@@ -238,6 +238,72 @@ TEST(ContactClaimsTest, TellAMissByAnUlpFromASolution) {
   EXPECT_EQ(solve("auto", on_a_rail(1, solvable)).claim, Claim::kSolved);
 }
 
+/// Contacts on an inertia of one factor. No impulse moves across it.
+Problem on_a_factor(const Vector& v, const Matrix& N, const Vector& X, double alpha) {
+  return contacts(v, N, FactoredInertia{X, Vector::Constant(1, alpha)});
+}
+
+/// @pre no exact solution exists
+void expect_not_solved(const Problem& problem) {
+  for (const char* name : {"auto", "active_set", "contact_lemke", "velocity_ipm", "friction_ipm", "psor",
+                           "quickstep_sor", "primal_dual", "lemke", "murty", "principal_pivoting", "regularized"}) {
+    const Claim claim = solve(name, problem).claim;
+    EXPECT_NE(claim, Claim::kSolved) << name;
+    if (claim == Claim::kUnsupported) continue;
+    const auto updated = make_solver(parse_spec(name));
+    updated->load(problem);
+    updated->update(2 * problem.contact()->v);
+    updated->update(problem.contact()->v);
+    Answer answer;
+    updated->solve({.time_limit_s = kTimeLimit_s}, answer);
+    EXPECT_NE(answer.claim, Claim::kSolved) << name << ", updated";
+  }
+}
+
+// N'v is zero in double, and less than zero for a combination of the contacts that nothing moves.
+TEST(ContactClaimsTest, AreConfirmedWhereAllOfQIsRoundedToZero) {
+  Matrix N(4, 4);
+  N << -0.206949278270534, -0.7218730161659505, 0.3609365080829752, 0,  //
+      0.48507626210458354, 1.6920255403751174, -0.8460127701875587, 0,  //
+      0, -2, 2, 1,                                                      //
+      -2, -2, 1, 0;
+  const Vector v{{-0.5122222900390625, -0.21853065490722656, 0, 0}};
+  expect_not_solved(on_a_factor(v, N, Vector{{2, -3, 0, -1}}, 0x1p-18));
+}
+
+// A cone misses by an ulp at a speed of 1e-16, beside contacts that are fast or that nothing moves.
+TEST(ContactClaimsTest, TellAMissAmongSlowContactsFromRounding) {
+  Matrix N(2, 4);
+  N << -0.5307928919926166, 0, 0.2653964459963083, 0, -1.8475015668481767, 1, 0.9237507834240883, 0;
+  ContactProblem contact = *on_a_factor(Vector{{-0.8270587921142578, 0x1p-52}}, N, Vector{{-2, 0}}, 1).contact();
+  Matrix D(2, 4);
+  D << -0.6070421085685282, 0.6070421085685282, 0, 0, -2.112898012844485, 2.112898012844485, 0, 0;
+  contact.D = D;
+  contact.edges = {0, 0, 2, 2};
+  contact.mu = Vector{{0, 0, 1, 0.875}};
+  expect_not_solved(Problem("slow", std::move(contact)));
+}
+
+// The path in 113 bits ends in impulses of 1e19 that miss a solution by 1e-13.
+TEST(ContactClaimsTest, AreNotConfirmedByAPathThatMissesASolution) {
+  Matrix N(5, 3);
+  N << -0.021118469699802477, -0.05630795289441292, -0.042236939399604975,  //
+      -0.0818400456941283, 0.7817907498352176, -0.16368009138825668,        //
+      0, 0, 0,                                                              //
+      -0.9622047759175776, 0.10077300711266628, -1.9244095518351556,        //
+      -1.0284155204735224, -2.0757640023655823, -2.056831040947045;
+  const Vector first{{1.1930230151426098, -1.2519811992136272, 0, -0.34544870978260256, 2.259718129041193}};
+  const Vector third{{2.3860460302852196, -2.5039623984272543, 0, -0.6908974195652055, 4.519436258082387}};
+  const Vector v{{0.5160913467407227, 2, 0, -0.9236364364624023, 0.6944160461425781}};
+  ContactProblem contact = *on_a_factor(v, N, Vector{{-3, 0, -2, 3, -3}}, 0x1p-8).contact();
+  Matrix D(5, 6);
+  D << first, -first, Vector::Zero(5), Vector::Zero(5), third, -third;
+  contact.D = D;
+  contact.edges = {2, 2, 2};
+  contact.mu = Vector{{0.375, 0x1p29, 0x1p31}};
+  expect_not_solved(Problem("path", std::move(contact)));
+}
+
 TEST(ContactClaimsTest, DoNotTakeNearlyDependentContactsForDependent) {
   Matrix Ginv(3, 3);
   Ginv << 0.00013063625986879058, 0.0001217693957426069, 0, 0.0001217693957426069, 0.00011350436513123717, 0, 0, 0,

@@ -52,6 +52,18 @@ class Contacts {
   Count padded_nc() const { return padded_nc_; }
   const Scalar* velocity() const { return velocity_.data(); }
   Scalar speed() const { return speed_; }
+  /// The speed of the slowest island that moves, by its fastest coordinate. O(islands ngc)
+  Scalar least_speed() const {
+    Scalar least = 0;
+    for (Count island = 0; island < islands(); ++island) {
+      Scalar own = 0;
+      for (Count i = 0; i < ngc(); ++i) {
+        if (island_of_coordinate(i) == island && magnitude(velocity_[i]) > own) own = magnitude(velocity_[i]);
+      }
+      if (own > 0 && (least == 0 || own < least)) least = own;
+    }
+    return least;
+  }
   const Scalar* normals() const { return normals_.data(); }
   /// The largest Euclidean norm of a normal.
   Scalar reach() const { return reach_; }

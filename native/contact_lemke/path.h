@@ -434,6 +434,7 @@ class Path {
   // --- ends ---
 
   static constexpr Count kLastRefinements = 1;
+  static constexpr double kRoundingsAtEnd = 64;
 
   Ending finish(double* z) {
     if (!compute_values()) return Ending::kBreakdown;
@@ -441,9 +442,12 @@ class Path {
     Scalar poison = 0;
     for (Count j = 0; j < kernel_.order(); ++j) poison += Scalar(0) * x_[j];
     if (!(poison == 0)) return Ending::kBreakdown;
+    if constexpr (sizeof(Scalar) > sizeof(double)) outcome_.missed = missed_at_end();
     write_impulses(z);
     return Ending::kSolved;
   }
+
+  double missed_at_end();
 
   void write_impulses(double* z) {
     for (Count j = 0; j < kernel_.order(); ++j) {

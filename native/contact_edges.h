@@ -1,0 +1,31 @@
+#pragma once
+
+#include <variant>
+
+#include "core/contact_problem.h"
+
+namespace lcpbench {
+
+/// Calls visit(row, entry) for the entries of a column that are not zero.
+template <class Visit>
+void for_each_entry(const Jacobian& J, Index column, Visit&& visit) {
+  if (const auto* dense = std::get_if<Matrix>(&J)) {
+    for (Index i = 0; i < dense->rows(); ++i) {
+      if ((*dense)(i, column) != 0) visit(i, (*dense)(i, column));
+    }
+    return;
+  }
+  for (SparseMatrix::InnerIterator it(std::get<SparseMatrix>(J), column); it; ++it) {
+    if (it.value() != 0) visit(it.row(), it.value());
+  }
+}
+
+/// Calls visit(coordinate, entry, factor) for the terms of N_normal + factor D_direction.
+template <class Visit>
+void visit_edge(const ContactProblem& contact, Index normal, Index direction, double factor, Visit&& visit) {
+  for_each_entry(contact.N, normal, [&](Index i, double entry) { visit(i, entry, 1.0); });
+  if (direction < 0) return;
+  for_each_entry(contact.D, direction, [&](Index i, double entry) { visit(i, entry, factor); });
+}
+
+}  // namespace lcpbench
