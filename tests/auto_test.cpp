@@ -332,7 +332,8 @@ TEST(AutoTest, CarriesNoFrictionWhereThereIsNone) {
   const Problem one("one island", dense);
   const Answer smooth = solve(one);
   expect_verified(one, smooth, "mu = 0, dense");
-  EXPECT_TRUE(contains(smooth.detail, "active_set")) << smooth.detail;
+  // Not of separate bodies: only contact_lemke tests the friction rows, which an inertia near singular may hide.
+  EXPECT_TRUE(contains(smooth.detail, "contact_lemke")) << smooth.detail;
 }
 
 // --- the study's problems ---

@@ -31,8 +31,12 @@ bool IslandPart::load_when_needed(ProblemCutter& whole, const Island& part, cons
 void IslandPart::cut(ProblemCutter& whole, const Island& part, const Vector& v) {
   part_ = &part;
   const ContactProblem& given = whole.whole();
+  // Where mu = 0 the slip gives lambda, which body by body is as certain as the velocity. In an inertia that couples
+  // more, the directions of friction may be the ones that double knows nothing of: then their rows are solved and
+  // tested too.
+  const bool by_bodies = std::holds_alternative<BlockInertia>(given.inertia);
   const bool with_friction = std::any_of(part.contacts.begin(), part.contacts.end(), [&](Index contact) {
-    return given.edges[static_cast<std::size_t>(contact)] > 0 && given.mu(contact) > 0;
+    return given.edges[static_cast<std::size_t>(contact)] > 0 && (given.mu(contact) > 0 || !by_bodies);
   });
   problem_ = Problem("", whole.cut(part.contacts, part.coordinates, v, with_friction));
   place_unknowns(whole.layout());
@@ -41,7 +45,7 @@ void IslandPart::cut(ProblemCutter& whole, const Island& part, const Vector& v) 
   start_.resize(problem_.size());
   answer_.z.resize(problem_.size());
   answer_.velocity.resize(v_.size());
-  method_ = choose_method(std::holds_alternative<BlockInertia>(given.inertia));
+  method_ = choose_method(by_bodies);
   is_loaded_ = false;
 }
 
