@@ -232,7 +232,7 @@ void Auto::bound_slips(Vector& z) const {
     const auto c = static_cast<std::size_t>(layout.cone_contact[static_cast<std::size_t>(k)]);
     if (carries_[c] != 0) continue;
     double slip = 0;
-    for (Index t = 0; t < contact.edges[c] / 2; ++t) {
+    for (Index t = 0; t < contact.edges[c] / 2 && u_.size() > 0; ++t) {  // Eigen asserts on sparse columns of no rows
       const double speed =
           std::visit([&](const auto& D) { return D.col(layout.friction_begin[c] + t).dot(u_); }, contact.D);
       slip = std::max(slip, std::abs(speed));
