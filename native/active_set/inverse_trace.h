@@ -48,9 +48,8 @@ class InverseTrace {
                   Count begin, Count end, Count lanes) {
     const Count first = begin / L::kWidth * L::kWidth;
     for (Count i = begin; i < end; ++i) {
-      const Count own = i / L::kWidth * L::kWidth;
-      set_zero(inverse_.data() + i * lanes + first, own - first);
-      L::store(inverse_.data() + i * lanes + own, L::broadcast(root_diagonal[i]) * unit_pack(i - own));
+      const auto root = L::broadcast(root_diagonal[i]);
+      for (Count j = first; j <= i; j += L::kWidth) L::store(inverse_.data() + i * lanes + j, root * unit_pack(i - j));
     }
     auto sum = L::broadcast(0);
     for (Count k = begin; k < end; ++k) {
@@ -68,8 +67,11 @@ class InverseTrace {
     return L::sum(sum);
   }
 
-  /// 1 in one lane, made without storing a number apart, which would hold up the load of the register.
-  typename L::Pack unit_pack(Count lane) const { return L::load(unit_.data() + L::kWidth - lane); }
+  /// 1 in one lane, or in none behind the last one; made without storing a number apart, which would hold up the load
+  /// of the register.
+  typename L::Pack unit_pack(Count lane) const {
+    return L::load(unit_.data() + L::kWidth - (lane < L::kWidth ? lane : L::kWidth));
+  }
 
   Buffer<Scalar> inverse_;  // C^-T by rows, its columns times the roots of the diagonal of G
   Buffer<Scalar> unit_;     // zeros but for a 1 at the width of a register
