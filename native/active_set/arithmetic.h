@@ -71,17 +71,6 @@ inline void add_multiple(Scalar* y, Scalar factor, const Scalar* x, Count size) 
   for (Count i = 0; i < size; i += L::kWidth) L::store(y + i, L::load(y + i) + broadcast * L::load(x + i));
 }
 
-/// y += factor |x|, entry by entry.
-template <class Scalar>
-inline void add_magnitudes(Scalar* y, Scalar factor, const Scalar* x, Count size) {
-  using L = Lanes<Scalar>;
-  const auto broadcast = L::broadcast(factor);
-  for (Count i = 0; i < size; i += L::kWidth) {
-    const auto entries = L::load(x + i);
-    L::store(y + i, L::load(y + i) + broadcast * L::max(entries, -entries));
-  }
-}
-
 /// y += factor x for an x that is not padded.
 template <class Scalar>
 inline void add_unpadded_multiple(Scalar* y, Scalar factor, const double* x, Count size) {

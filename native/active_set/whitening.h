@@ -283,10 +283,17 @@ class Whitening {
     for (Count i = 0; i < ngc_; ++i) {
       Scalar* const row = work_row(i);
       const Count first = i / L::kWidth * L::kWidth;
-      scale(row + first, inverse_diagonal_[i], stride_ - first);
       const Scalar bound = inverse_bound_[i] * inverse_diagonal_[i];
       squared_bound += bound * bound;
-      add_magnitudes(inverse_bound_.data() + first, bound, row + first, velocity_lanes_ - first);
+      const auto factor = L::broadcast(inverse_diagonal_[i]);
+      const auto weight = L::broadcast(bound);
+      for (Count j = first; j < velocity_lanes_; j += L::kWidth) {
+        const auto entries = factor * L::load(row + j);
+        L::store(row + j, entries);
+        Scalar* const bounds = inverse_bound_.data() + j;
+        L::store(bounds, L::load(bounds) + weight * L::max(entries, -entries));
+      }
+      scale(row + velocity_lanes_, inverse_diagonal_[i], contact_lanes_);
       Scalar* column = columns_.data() + i * velocity_lanes_;
       for (Count j = 0; j <= i; ++j) column[j] = work_row(j)[i];
       for (Count j = i + 1; j < velocity_lanes_; ++j) column[j] = 0;
