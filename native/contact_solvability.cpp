@@ -355,18 +355,6 @@ bool ContactSolvability::holds_to_rounding(const Program<Quad>& program, Quad ro
   return true;
 }
 
-/// The value of the basis from the costs as given, without the rounding that the reduced costs have gathered: where all
-/// edges of the basis are at rest, that would be all there is. Shares up to `noise` are none.
-Quad ContactSolvability::value_in_data(const Program<Quad>& program, Quad noise) const {
-  Quad value = 0;
-  for (Index r = 0; r < program.rows; ++r) {
-    const Index j = basis_[static_cast<std::size_t>(r)];
-    const Quad share = program.row(r)[program.right()];
-    if (j < program.edges && share > noise) value += share * costs_[static_cast<std::size_t>(j)];
-  }
-  return value;
-}
-
 /// The magnitudes of what the value of the basis adds up.
 template <class Scalar>
 Scalar ContactSolvability::terms_of_least(const Program<Scalar>& program) const {
@@ -383,6 +371,18 @@ Scalar ContactSolvability::terms_of_least(const Program<Scalar>& program) const 
     });
   }
   return terms;
+}
+
+/// The value of the basis from the costs as given, without the rounding that the reduced costs have gathered: where all
+/// edges of the basis are at rest, that would be all there is. Shares up to `noise` are none.
+Quad ContactSolvability::value_in_data(const Program<Quad>& program, Quad noise) const {
+  Quad value = 0;
+  for (Index r = 0; r < program.rows; ++r) {
+    const Index j = basis_[static_cast<std::size_t>(r)];
+    const Quad share = program.row(r)[program.right()];
+    if (j < program.edges && share > noise) value += share * costs_[static_cast<std::size_t>(j)];
+  }
+  return value;
 }
 
 template <class Scalar>
