@@ -51,14 +51,13 @@ constexpr std::ptrdiff_t kSmallSystem = 1024;
 /// Diagonal entries of G below this have reciprocals that doubles, and sums of two, do not hold with all their bits.
 constexpr double kLeastInertia = 0x1p-900;
 
-double least_diagonal_entry(const Inertia& inertia) {
-  double least = std::numeric_limits<double>::infinity();
-  const auto visit = [&](const Matrix& G) { least = G.size() > 0 ? std::min(least, G.diagonal().minCoeff()) : least; };
-  if (const auto* dense = std::get_if<DenseInertia>(&inertia)) visit(dense->G);
-  if (const auto* bodies = std::get_if<BlockInertia>(&inertia)) {
-    for (const Matrix& block : bodies->blocks) visit(block);
+/// Whether a diagonal entry of G, where that is given, is below kLeastInertia.
+bool underflows(const active_set::Input& input) {
+  if (input.form != InertiaForm::kDense) return false;
+  for (std::ptrdiff_t i = 0; i < input.ngc; ++i) {
+    if (input.matrix[i * input.ngc + i] < kLeastInertia) return true;
   }
-  return least;
+  return false;
 }
 
 /// Details are short enough for std::string to hold in place, so that solve() allocates nothing.
@@ -112,7 +111,6 @@ void ActiveSet::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   describe(contact);
   may_be_singular_ = ContactSolvability::is_asked(contact);
-  underflows_ = least_diagonal_entry(contact.inertia) < kLeastInertia;
   if (may_be_singular_) solvability_.load(contact);
   first_.load(input_);
   if (settings_.precision == ActiveSetPrecision::kLadder) reserve_later_rungs(contact);
@@ -190,21 +188,20 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
     answer.claim = Claim::kTimeLimit;
     return;
   }
-  if (underflows_) {
-    answer.claim = Claim::kNumericalFailure;
-    answer.detail = "inertia";
-    return;
-  }
   active_set::Rules rules = this->rules(request);
   Vector& velocity = cleared_vectors().velocity;
   velocity.resize(input_.ngc);
-  active_set::Outcome outcome = first_.solve(rules, answer.z, velocity, farkas_);
+  active_set::Outcome outcome;
+  // Other precisions break down there by themselves.
+  if (settings_.precision != ActiveSetPrecision::kQuad || !underflows(input_)) {
+    outcome = first_.solve(rules, answer.z, velocity, farkas_);
+  }
   if (settings_.precision == ActiveSetPrecision::kFloat && outcome.ending == Ending::kSolved &&
       !second_.accepts(answer.z, settings_.accept_residual)) {
     outcome.ending = Ending::kRejected;
   }
   if (settings_.precision == ActiveSetPrecision::kLadder) {
-    if (outcome.ending != Ending::kSolved && !stopped(outcome)) {
+    if (outcome.ending != Ending::kSolved && !stopped(outcome) && !underflows(input_)) {
       solve_in_more_bits(rules, outcome, answer, velocity);
     }
   }

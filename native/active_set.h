@@ -109,8 +109,7 @@ class ActiveSet final : public Solver {
   active_set::Input reserved_{.ngc = -1, .form = active_set::InertiaForm::kFactors};  // the largest dimensions so far
   ContactSolvability solvability_;
   bool may_be_singular_ = false;
-  bool underflows_ = false;  // G has diagonal entries whose reciprocals overflow, or nearly
-  IslandNumbers islands_;    // found only where the inertia does not couple all
+  IslandNumbers islands_;  // found only where the inertia does not couple all
   GrowingVector v_;
   GrowingVector dense_normals_;  // of a sparse N
   GrowingVector dense_inertia_;  // of block inertia

@@ -373,6 +373,18 @@ Scalar ContactSolvability::terms_of_least(const Program<Scalar>& program) const 
   return terms;
 }
 
+/// The value of the basis from the costs as given, without the rounding that the reduced costs have gathered: where all
+/// edges of the basis are at rest, that would be all there is. Shares up to `noise` are none.
+Quad ContactSolvability::value_in_data(const Program<Quad>& program, Quad noise) const {
+  Quad value = 0;
+  for (Index r = 0; r < program.rows; ++r) {
+    const Index j = basis_[static_cast<std::size_t>(r)];
+    const Quad share = program.row(r)[program.right()];
+    if (j < program.edges && share > noise) value += share * costs_[static_cast<std::size_t>(j)];
+  }
+  return value;
+}
+
 template <class Scalar>
 ContactSolvability::Sign ContactSolvability::sign_of_least(Scalar* storage, double deadline_s) {
   constexpr bool kInDouble = sizeof(Scalar) == sizeof(double);
@@ -398,10 +410,11 @@ ContactSolvability::Sign ContactSolvability::sign_of_least(Scalar* storage, doub
     const Quad terms = terms_of_least(program);
     const Quad rounding = kRounding / least_pivot_;
     if (!(rounding <= kLargestRounding)) return Sign::kUnknown;
-    if (program.value() >= -rounding * terms) {
+    const Quad value = value_in_data(program, kNegative * rounding);
+    if (value >= -rounding * terms) {
       return holds_to_rounding(program, rounding) ? Sign::kZero : Sign::kUnknown;
     }
-    if (!(program.value() < -kNegative * rounding * terms)) return Sign::kUnknown;
+    if (!(value < -kNegative * rounding * terms)) return Sign::kUnknown;
     take_proof(program);
     return Sign::kNegative;
   }

@@ -96,6 +96,7 @@ class ContactSolvability {
   template <class Scalar>
   Scalar noise_of_cost(const Program<Scalar>& program, Index j) const;
   bool holds_to_rounding(const Program<Quad>& program, Quad rounding);
+  Quad value_in_data(const Program<Quad>& program, Quad noise) const;
   template <class Scalar>
   Scalar terms_of_least(const Program<Scalar>& program) const;
   void take_proof(const Program<Quad>& program);

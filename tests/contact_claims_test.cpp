@@ -316,6 +316,19 @@ TEST(ContactClaimsTest, DoNotTakeNearlyDependentContactsForDependent) {
   for (const std::string& solver : kOnContacts) expect_honest(solver, problem);
 }
 
+/// No impulse moves v along (-20, 9, 15, -21), and no normals add up to that: there is a solution.
+TEST(ContactClaimsTest, DoNotTakeTheRoundingOfContactsAtRestForAProof) {
+  const Matrix N = Matrix{{1, 0, 0, 0, 0, 0, 1, 0},  //
+                          {1, 0, 1, -1, -2, 3, 0, 0},
+                          {0, -1, 0, 0, 2, 0, 0, 0},
+                          {0, 2, 0, 0, 0, 0, 1, 1}};
+  const Matrix X{{-3, 3, 0}, {2, 3, -3}, {-1, -2, -1}, {3, -3, -2}};
+  const Vector v{{-0.9696493148803711, -2, -0.03176307678222656, 1}};
+  const Problem problem = contacts(v, N, FactoredInertia{X, Vector{{0x1p-10, 0x1p-14, 1}}});
+  for (const std::string& solver : kOnContacts) expect_honest(solver, problem);
+  for (const char* solver : {"lemke", "principal_pivoting", "enumeration"}) expect_honest(solver, problem);
+}
+
 TEST(ContactClaimsTest, AreNotMadeOfInertiaWhoseReciprocalOverflows) {
   Vector v(2);
   v << -0.36268043518066406, 0;

@@ -4,6 +4,7 @@ target_sources(conformance_test PRIVATE allocation_counter.cpp)
 
 lcpbench_test(active_set LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 target_sources(active_set_test PRIVATE allocation_counter.cpp)
+lcpbench_test(active_set_bounds LINK lcpbench_native)
 lcpbench_test(auto LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
 target_sources(auto_test PRIVATE allocation_counter.cpp)
 lcpbench_test(claims LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)

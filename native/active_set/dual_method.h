@@ -20,19 +20,24 @@ class DualMethod {
 
  public:
   void reserve(const Input& input) {
-    whitening_.reserve(input);
-    const Count vectors = L::padded(input.ngc);
-    const Count contacts = L::padded(input.nc);
-    const Count most = most_active(input);
+    const Count factors = Whitening<Scalar>::root_factors(input);
+    if (input.ngc <= room_.ngc && input.nc <= room_.nc && factors <= room_.factors) return;
+    room_.ngc = input.ngc > room_.ngc ? input.ngc : room_.ngc;
+    room_.nc = input.nc > room_.nc ? input.nc : room_.nc;
+    room_.factors = factors > room_.factors ? factors : room_.factors;
+    whitening_.reserve(room_.ngc, room_.nc, room_.factors);
+    const Count vectors = L::padded(room_.ngc);
+    const Count contacts = L::padded(room_.nc);
+    const Count most = room_.ngc < room_.nc ? room_.ngc : room_.nc;
     Buffer<Scalar>* const by_coordinate[] = {&v_, &y0_, &change_, &velocity_, &rest_};
     for (Buffer<Scalar>* buffer : by_coordinate) buffer->resize(vectors + 1);
     Buffer<Scalar>* const by_contact[] = {&given_, &slack_, &weight_, &merit_, &impulse_};
     for (Buffer<Scalar>* buffer : by_contact) buffer->resize(contacts + 1);
     Buffer<Scalar>* const by_active_contact[] = {&pressed_, &share_, &coefficients_, &remaining_};
     for (Buffer<Scalar>* buffer : by_active_contact) buffer->resize(most + 2);
-    active_.resize(input.nc + 1);
+    active_.resize(room_.nc + 1);
     basis_.reserve(vectors, most);
-    test_.reserve(input);
+    test_.reserve(room_.ngc, room_.nc);
   }
 
   void load(const Input& input) {
@@ -89,7 +94,6 @@ class DualMethod {
   static constexpr Count kStepsPerClockReading = 16;
   static constexpr bool kLastPrecision = sizeof(Scalar) > sizeof(double);
 
-  static Count most_active(const Input& input) { return input.ngc < input.nc ? input.ngc : input.nc; }
   Count lanes() const { return whitening_.velocity_lanes(); }
   Count contact_lanes() const { return whitening_.contact_lanes(); }
 
@@ -416,6 +420,14 @@ class DualMethod {
     for (Count k = 0; k < basis_.size(); ++k) u[active_[k]] = share_[k] < 0 ? static_cast<double>(-share_[k]) : 0;
   }
 
+  /// The largest dimensions so far: problems that are not larger need no memory.
+  struct Room {
+    Count ngc = -1;
+    Count nc = -1;
+    Count factors = -1;  ///< of SemidefiniteRoot
+  };
+
+  Room room_;
   Whitening<Scalar> whitening_;
   OrthogonalBasis<Scalar> basis_;  // of the active normals
   bool usable_ = false;

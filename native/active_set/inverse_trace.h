@@ -12,61 +12,69 @@ class InverseTrace {
 
  public:
   void reserve(Count ngc) {
-    lanes_ = L::padded(ngc);
-    inverse_.resize(ngc * lanes_ + 1);
-    inverse_begin_.resize(ngc + 1);
-    squares_.resize(lanes_ + 1);
+    inverse_.resize(ngc * L::padded(ngc) + 1);
     unit_.resize(2 * L::kWidth);
-  }
-
-  /// @param columns  of C, padded; `inverse_diagonal` of C; G by columns
-  Scalar of(const Scalar* columns, const Scalar* inverse_diagonal, const double* G, Count ngc) {
     set_zero(unit_.data(), 2 * L::kWidth);
     unit_[L::kWidth] = 1;
-    set_zero(squares_.data(), lanes_);
-    for (Count i = 0; i < ngc; ++i) add_row(i, columns + i * lanes_, inverse_diagonal[i]);
+  }
+
+  /// @param rows  of C, `stride` from one to the next, and the inverses of its diagonal; the roots of the diagonal of G
+  Scalar of(const Scalar* rows, Count stride, const Scalar* inverse_diagonal, const Scalar* root_diagonal, Count ngc) {
     Scalar trace = 0;
-    for (Count i = 0; i < ngc; ++i) trace += squares_[i] * static_cast<Scalar>(G[i * ngc + i]);
+    for (Count begin = 0; begin < ngc;) {
+      const Count end = block_end(rows, stride, begin, ngc);
+      trace += of_block(rows, stride, inverse_diagonal, root_diagonal, begin, end, L::padded(ngc));
+      begin = end;
+    }
     return trace;
   }
 
  private:
-  /// Row i of C^-T; squares_ += those of its entries.
-  void add_row(Count i, const Scalar* column, Scalar inverse_diagonal) {
-    Count from = 0;
-    while (from < i && column[from] == 0) ++from;
-    Count begin = from == 0 ? 0 : i;  // of the row's nonzero entries
-    for (Count k = from; k < i && begin > 0; ++k) begin = inverse_begin_[k] < begin ? inverse_begin_[k] : begin;
-    begin = begin / L::kWidth * L::kWidth;
-    inverse_begin_[i] = begin;
-    const Count end = (i / L::kWidth + 1) * L::kWidth;
-    Scalar* const row = inverse_.data() + i * lanes_;
-    set_zero(row, begin);
-    set_zero(row + end, lanes_ - end);
-    const auto factor = L::broadcast(inverse_diagonal);
-    for (Count j = begin; j < end; j += L::kWidth) {
-      auto sum = j + L::kWidth < end ? L::broadcast(0) : unit_pack(i % L::kWidth);
-      auto other = L::broadcast(0);
-      Count k = from;
-      for (; k + 1 < i; k += 2) {
-        sum += L::broadcast(-column[k]) * L::load(inverse_.data() + k * lanes_ + j);
-        other += L::broadcast(-column[k + 1]) * L::load(inverse_.data() + (k + 1) * lanes_ + j);
-      }
-      if (k < i) sum += L::broadcast(-column[k]) * L::load(inverse_.data() + k * lanes_ + j);
-      const auto entries = factor * (sum + other);
-      L::store(row + j, entries);
-      L::store(squares_.data() + j, L::load(squares_.data() + j) + entries * entries);
+  /// The end of the block on the diagonal of C that begins at `begin`.
+  static Count block_end(const Scalar* rows, Count stride, Count begin, Count ngc) {
+    Count end = begin + 1;
+    for (Count i = begin; i < end; ++i) {
+      const Scalar* const row = rows + i * stride;
+      Count last = ngc;
+      while (last > end && row[last - 1] == 0) --last;
+      end = last;
     }
+    return end;
   }
 
-  /// 1 in one lane, made without storing a number apart, which would hold up the load of the register.
-  typename L::Pack unit_pack(Count lane) const { return L::load(unit_.data() + L::kWidth - lane); }
+  /// The sum of the squares of the block of C^-T, whose columns are scaled. A row that is known is taken from those
+  /// below it at once: each of these waits for one product, not for a sum.
+  Scalar of_block(const Scalar* rows, Count stride, const Scalar* inverse_diagonal, const Scalar* root_diagonal,
+                  Count begin, Count end, Count lanes) {
+    const Count first = begin / L::kWidth * L::kWidth;
+    for (Count i = begin; i < end; ++i) {
+      const auto root = L::broadcast(root_diagonal[i]);
+      for (Count j = first; j <= i; j += L::kWidth) L::store(inverse_.data() + i * lanes + j, root * unit_pack(i - j));
+    }
+    auto sum = L::broadcast(0);
+    for (Count k = begin; k < end; ++k) {
+      const Scalar* const row = rows + k * stride;
+      const auto factor = L::broadcast(inverse_diagonal[k]);
+      for (Count j = first; j <= k; j += L::kWidth) {
+        const auto entries = factor * L::load(inverse_.data() + k * lanes + j);
+        sum += entries * entries;
+        for (Count i = k + 1; i < end; ++i) {
+          Scalar* const below = inverse_.data() + i * lanes + j;
+          L::store(below, L::load(below) - L::broadcast(row[i]) * entries);
+        }
+      }
+    }
+    return L::sum(sum);
+  }
 
-  Count lanes_ = 0;
-  Buffer<Scalar> inverse_;       // C^-T by rows
-  Buffer<Count> inverse_begin_;  // of the nonzero entries of its rows
-  Buffer<Scalar> squares_;       // by coordinate, of the entries of C^-T
-  Buffer<Scalar> unit_;          // zeros but for a 1 at the width of a register
+  /// 1 in one lane, or in none behind the last one; made without storing a number apart, which would hold up the load
+  /// of the register.
+  typename L::Pack unit_pack(Count lane) const {
+    return L::load(unit_.data() + L::kWidth - (lane < L::kWidth ? lane : L::kWidth));
+  }
+
+  Buffer<Scalar> inverse_;  // C^-T by rows, its columns times the roots of the diagonal of G
+  Buffer<Scalar> unit_;     // zeros but for a 1 at the width of a register
 };
 
 }  // namespace lcpbench::active_set::LCPBENCH_LEVEL

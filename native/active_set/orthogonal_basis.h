@@ -13,15 +13,15 @@ class OrthogonalBasis {
   using L = Lanes<Scalar>;
 
  public:
-  /// Empty; room for `capacity` vectors of `length` entries (padded).
+  /// Room for `capacity` vectors of `length` entries (padded), or for fewer and shorter ones.
   void reserve(Count length, Count capacity) {
     q_.resize(length * (capacity + 1) + 1);
     r_.resize(capacity * capacity + 1);
     inverse_diagonal_.resize(capacity + 1);
     minus_along_.resize(capacity + 1);
   }
+  /// Empty. @pre reserve()
   void clear(Count length, Count capacity) {
-    reserve(length, capacity);
     length_ = length;
     capacity_ = capacity;
     size_ = 0;

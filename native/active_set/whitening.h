@@ -2,7 +2,7 @@
 
 #include "native/active_set/arithmetic.h"
 #include "native/active_set/inverse_trace.h"
-#include "native/active_set/orthogonal_basis.h"
+#include "native/active_set/semidefinite_root.h"
 #include "native/active_set_engine.h"
 
 namespace lcpbench::active_set::LCPBENCH_LEVEL {
@@ -13,33 +13,39 @@ namespace lcpbench::active_set::LCPBENCH_LEVEL {
 /// [G N] by rows, square roots last, so that few operations wait for one another. O(ngc^3 / 6 + nc ngc^2 / 2); of
 /// blocks O(nc ngc) times their order.
 ///
-/// G of lower rank, or G* alone: G* = S S' with S (ngc x rank), W = S'N. From factors, G = Y Y': Y = Q R, then R' = P
-/// T, both by Gram-Schmidt, so that G = Q T'T Q' and S = Q T^-1; the condition number is never squared. From G* by
-/// Cholesky with diagonal pivoting. O(ngc^3).
+/// G of lower rank, or G* alone: G* = S S' with S (ngc x rank), W = S'N. See SemidefiniteRoot. O(ngc^3).
 template <class Scalar>
 class Whitening {
   using L = Lanes<Scalar>;
 
  public:
-  void reserve(const Input& input) {
-    set_dimensions(input);
-    rows_.resize(ngc_ * stride_ + 1);
-    normals_.resize(ngc_ * contact_lanes_ + 1);
-    whitened_.resize(nc_ * velocity_lanes_ + 1);
-    is_gathered_.resize(nc_ + 1);
-    squared_norm_.resize(contact_lanes_ + 1);
-    weight_.resize(contact_lanes_ + 1);
-    columns_.resize(ngc_ * velocity_lanes_ + 1);
-    inverse_diagonal_.resize(velocity_lanes_ + 1);
-    inverse_trace_.reserve(ngc_);
-    pivots_.resize(velocity_lanes_ + 1);
-    solution_.resize(velocity_lanes_ + 1);
-    if (kLastPrecision || input.form != InertiaForm::kDense) reserve_factors(input);
+  /// What SemidefiniteRoot may be asked to decompose: -1 nothing, else the number of factors.
+  static Count root_factors(const Input& input) {
+    if (input.form == InertiaForm::kFactors) return input.factors;
+    return kLastPrecision || input.form != InertiaForm::kDense ? input.ngc : -1;
   }
 
-  /// False when the inertia is indefinite, not a number, or (dense G) singular to this precision.
+  /// Room for all problems that are not larger. @param factors  root_factors()
+  void reserve(Count ngc, Count nc, Count factors) {
+    const Count velocities = L::padded(ngc);
+    const Count contacts = L::padded(nc);
+    rows_.resize(ngc * (velocities + contacts) + 1);
+    normals_.resize(ngc * contacts + 1);
+    whitened_.resize(nc * velocities + 1);
+    is_gathered_.resize(nc + 1);
+    squared_norm_.resize(contacts + 1);
+    weight_.resize(contacts + 1);
+    columns_.resize(ngc * velocities + 1);
+    Buffer<Scalar>* const by_coordinate[] = {&inverse_diagonal_, &root_diagonal_, &inverse_bound_, &pivots_,
+                                             &solution_};
+    for (Buffer<Scalar>* buffer : by_coordinate) buffer->resize(velocities + 1);
+    inverse_trace_.reserve(ngc);
+    if (factors >= 0) root_.reserve(ngc, factors);
+  }
+
+  /// False when the inertia is indefinite, not a number, or (dense G) singular to this precision. @pre reserve()
   bool load(const Input& input) {
-    reserve(input);
+    set_dimensions(input);
     given_normals_ = input.N;
     given_inertia_ = input.matrix;
     read_normals(input);
@@ -74,8 +80,8 @@ class Whitening {
   /// Relative size of the rounding errors in a whitened normal, about.
   Scalar noise() const { return noise_; }
 
-  /// Entry of G. @pre triangular()
-  double inertia(Count i, Count j) const { return given_inertia_[j * ngc_ + i]; }
+  /// Roots of the diagonal of G, velocity_lanes() entries. @pre triangular()
+  const Scalar* root_diagonal() const { return root_diagonal_.data(); }
   /// Column of G, ngc() entries. @pre triangular()
   const double* inertia_column(Count j) const { return given_inertia_ + j * ngc_; }
   /// C'C differs from G by no more than this times the roots of G_ii G_jj in each entry. @pre triangular()
@@ -86,16 +92,22 @@ class Whitening {
   /// where G itself keeps nine tenths of that eigenvalue. @pre triangular()
   Scalar condition() const { return condition_; }
 
-  /// Sharpens condition(), once for each problem. @pre triangular()
+  /// At most the share of the least eigenvalue of G, scaled to unit diagonal, that backward_error() may take.
+  /// @pre triangular()
+  Scalar lost() const { return lost_; }
+
+  /// Sharpens condition() and lost(), once for each problem. @pre triangular()
   ///
   /// The trace of the inverse is never less than its norm. O(ngc^3 / 6); of blocks O(ngc) times their order.
   [[gnu::noinline]] void sharpen_condition() {
     if (condition_is_sharp_) return;
     condition_is_sharp_ = true;
-    const Scalar trace = inverse_trace_.of(columns_.data(), inverse_diagonal_.data(), given_inertia_, ngc_);
+    const Scalar trace =
+        inverse_trace_.of(rows_.data(), stride_, inverse_diagonal_.data(), root_diagonal_.data(), ngc_);
     const Scalar bound = static_cast<Scalar>(kConditionRoom) * trace;
-    if (!(bound > condition_)) condition_ = bound;
-    if (!finite(condition_)) condition_ = kInfinity<Scalar>;
+    const Scalar share = static_cast<Scalar>(static_cast<double>(ngc_)) * backward_error() * bound;
+    if (bound < condition_) condition_ = bound;
+    if (share < lost_) lost_ = share;
   }
 
   /// Whitened normal `contact`, velocity_lanes() entries. Gathered from the rows on first use: many contacts never
@@ -178,10 +190,11 @@ class Whitening {
   }
 
   bool factor_inertia(const Input& input) {
+    root_.set_rows(rows_.data(), stride_, ngc_);
     switch (input.form) {
       case InertiaForm::kDense: return factor_dense(input.matrix);
-      case InertiaForm::kFactors: return factor_factors(input);
-      case InertiaForm::kInverse: return factor_semidefinite(input.matrix, kEpsilon) && use_as_response();
+      case InertiaForm::kFactors: return take_root(root_.find_of_factors(input));
+      case InertiaForm::kInverse: return take_root(root_.find_of_inverse(input.matrix, kEpsilon));
     }
     return false;
   }
@@ -190,25 +203,15 @@ class Whitening {
 
   bool factor_dense(const double* G) {
     if (eliminate(G)) {
+      if (underflows_) return false;
       triangular_ = true;
       rank_ = ngc_;
-      return scale_rows();
+      scale_rows();
+      return true;
     }
     // Singular to this precision. Only the last precision may say that it is singular: to within the rounding of the
     // doubles that it was given in, the cut of the pseudo-inverse everywhere in this program.
-    if (!kLastPrecision || mixes_scales(G)) return false;
-    return factor_semidefinite(G, Scalar(0x1p-52)) && make_response(factor_count_);
-  }
-
-  /// Whether a coordinate is so light beside another that the cut of the pseudo-inverse might take it for none.
-  bool mixes_scales(const double* G) const {
-    double largest = 0;
-    for (Count i = 0; i < ngc_; ++i) largest = G[i * ngc_ + i] > largest ? G[i * ngc_ + i] : largest;
-    for (Count i = 0; i < ngc_; ++i) {
-      const double entry = G[i * ngc_ + i];
-      if (entry != 0 && !(entry > 0x1p-40 * largest)) return true;
-    }
-    return false;
+    return kLastPrecision && take_root(root_.find_of_singular(G, Scalar(0x1p-52)));
   }
 
   /// Rows of [G N] become unit upper triangular times pivots.
@@ -217,15 +220,17 @@ class Whitening {
       Scalar* row = work_row(i);
       widen(row, G + i * ngc_, ngc_, velocity_lanes_);
       copy(row + velocity_lanes_, normals_.data() + i * contact_lanes_, contact_lanes_);
-      inverse_diagonal_[i] = row[i];  // G_ii, until scale_rows
+      root_diagonal_[i] = row[i];  // G_ii, until scale_rows
     }
     const Scalar least = static_cast<Scalar>(static_cast<double>(ngc_)) * kEpsilon;
     Scalar pivot = ngc_ > 0 ? work_row(0)[0] : Scalar(0);
     Count end = 0;
+    underflows_ = false;
     for (Count k = 0; k < ngc_; ++k) {
       const Scalar* pivot_row = work_row(k);
       end = profile_end(pivot_row, end > k ? end : k + 1);
-      if (!(pivot > least * inverse_diagonal_[k])) return false;
+      if (!(pivot > least * root_diagonal_[k])) return false;
+      if (pivot < static_cast<Scalar>(kLeastPivot)) underflows_ = true;
       pivots_[k] = pivot;
       const Scalar inverse = 1 / pivot;
       // The next pivot is computed apart from its row, so that its reciprocal need not wait for that to be written.
@@ -257,44 +262,56 @@ class Whitening {
     }
   }
 
-  /// Makes rows of [C W] of the eliminated ones, and the columns of C. False where pivots have too few digits left that
-  /// doubles do not lose to underflow.
-  bool scale_rows() {
-    for (Count i = ngc_; i < velocity_lanes_; ++i) inverse_diagonal_[i] = pivots_[i] = 1;
-    auto growth = L::broadcast(1), product = L::broadcast(1), least = L::broadcast(1);
-    for (Count i = 0; i < velocity_lanes_; i += L::kWidth) {
-      const auto pivots = L::load(pivots_.data() + i);
-      const auto ratio = L::load(inverse_diagonal_.data() + i) / pivots;
-      least = L::min(pivots, least);
-      growth = L::max(ratio, growth);
-      product *= ratio;
+  /// Makes rows of [C W] of the eliminated ones, and the columns of C. Left of the registers that hold the diagonal the
+  /// rows keep what elimination left there, which nobody reads.
+  void scale_rows() {
+    for (Count i = ngc_; i < velocity_lanes_; ++i) {
+      root_diagonal_[i] = 0;
+      pivots_[i] = 1;
     }
-    bound_condition(product);
-    // A loop of its own, which compilers turn into roots of whole registers.
+    // Loops of their own, which compilers turn into roots of whole registers.
+    for (Count i = 0; i < velocity_lanes_; ++i) root_diagonal_[i] = L::square_root(root_diagonal_[i]);
     for (Count i = 0; i < velocity_lanes_; ++i) inverse_diagonal_[i] = 1 / L::square_root(pivots_[i]);
+    auto growth = L::broadcast(1);
+    for (Count i = 0; i < velocity_lanes_; i += L::kWidth) {
+      const auto root = L::load(root_diagonal_.data() + i);
+      growth = L::max(root * L::load(inverse_diagonal_.data() + i), growth);
+      L::store(inverse_bound_.data() + i, root);
+    }
+    set_noise(L::max(growth));
+    Scalar squared_bound = 0;
     for (Count i = 0; i < ngc_; ++i) {
-      Scalar* row = work_row(i);
-      scale(row, inverse_diagonal_[i], stride_);
+      Scalar* const row = work_row(i);
+      const Count first = i / L::kWidth * L::kWidth;
+      const Scalar bound = inverse_bound_[i] * inverse_diagonal_[i];
+      squared_bound += bound * bound;
+      const auto factor = L::broadcast(inverse_diagonal_[i]);
+      const auto weight = L::broadcast(bound);
+      for (Count j = first; j < velocity_lanes_; j += L::kWidth) {
+        const auto entries = factor * L::load(row + j);
+        L::store(row + j, entries);
+        Scalar* const bounds = inverse_bound_.data() + j;
+        L::store(bounds, L::load(bounds) + weight * L::max(entries, -entries));
+      }
+      scale(row + velocity_lanes_, inverse_diagonal_[i], contact_lanes_);
       Scalar* column = columns_.data() + i * velocity_lanes_;
       for (Count j = 0; j <= i; ++j) column[j] = work_row(j)[i];
       for (Count j = i + 1; j < velocity_lanes_; ++j) column[j] = 0;
     }
-    set_noise(L::square_root(L::max(growth)));
+    bound_condition(squared_bound);
     for (Count i = 0; i < ngc_; ++i) {  // what elimination left below the diagonal
       for (Count j = i / L::kWidth * L::kWidth; j < i; ++j) work_row(i)[j] = 0;
     }
-    return !(-L::max(-least) < static_cast<Scalar>(kLeastPivot));
   }
 
-  /// Of the eigenvalues of G scaled to unit diagonal, whose sum is ngc, all but the least have a product of at most
-  /// (ngc / (ngc - 1))^(ngc - 1) < e: the least is no less than the determinant over e. @param product  of G_ii over
-  /// the pivots, by lanes
-  void bound_condition(typename L::Pack product) {
-    Scalar lanes[L::kWidth];
-    L::store(lanes, product);
-    Scalar whole = static_cast<Scalar>(kConditionRoom * 2.7182818284590453);
-    for (const Scalar lane : lanes) whole *= lane;
-    condition_ = finite(whole) ? whole : kInfinity<Scalar>;
+  /// With D the diagonal matrix of the roots of G_ii and e of ones, B = (C D^-1)^-T: the inverse of G scaled to unit
+  /// diagonal is B'B. Where all entries of C but its diagonal are replaced by minus their magnitudes, B e becomes a
+  /// bound on |B| e [Higham 2002, section 8.3], and its squared length one on the squared norm of B, and one on
+  /// the norm of |B| e e'|B'|, in whose terms backward_error() takes from the least eigenvalue.
+  void bound_condition(Scalar squared_bound) {
+    condition_ = static_cast<Scalar>(kConditionRoom) * squared_bound;
+    if (!finite(condition_)) condition_ = kInfinity<Scalar>;
+    lost_ = backward_error() * condition_;
     condition_is_sharp_ = false;
   }
 
@@ -303,138 +320,10 @@ class Whitening {
 
   // --- any rank ---
 
-  void reserve_factors(const Input& input) {
-    const Count count = input.form == InertiaForm::kFactors ? input.factors : ngc_;
-    const Count most = count > ngc_ ? count : ngc_;
-    factors_.resize(count * velocity_lanes_ + 1);
-    coefficients_.resize(L::padded(most) * (ngc_ + 1) + 1);
-    rest_.resize(L::padded(most) + 1);
-    order_.resize(most + 1);
-    range_.reserve(velocity_lanes_, ngc_);
-    rank_basis_.reserve(L::padded(most), ngc_);
-  }
-
-  /// Y = X diag(alpha)^(1/2).
-  bool factor_factors(const Input& input) {
-    factor_count_ = input.factors;
-    for (Count k = 0; k < factor_count_; ++k) {
-      const Scalar weight = L::square_root(static_cast<Scalar>(input.alpha[k]));
-      Scalar* column = factors_.data() + k * velocity_lanes_;
-      for (Count i = 0; i < ngc_; ++i) column[i] = weight * static_cast<Scalar>(input.matrix[k * ngc_ + i]);
-      for (Count i = ngc_; i < velocity_lanes_; ++i) column[i] = 0;
-    }
-    return make_response(factor_count_);
-  }
-
-  /// A = Y Y' to within `cut` times ngc times its largest diagonal entry, by Cholesky with diagonal pivoting.
-  /// False when A is indefinite. Uses the rows as memory.
-  bool factor_semidefinite(const double* A, Scalar cut) {
-    Scalar largest = 0;
-    for (Count i = 0; i < ngc_; ++i) {
-      Scalar* row = work_row(i);
-      for (Count j = 0; j < ngc_; ++j) row[j] = static_cast<Scalar>(A[i * ngc_ + j]);
-      if (!finite(row[i])) return false;
-      largest = row[i] > largest ? row[i] : largest;
-    }
-    const Scalar least = static_cast<Scalar>(static_cast<double>(ngc_)) * cut * largest;
-    Scalar last = largest;
-    for (factor_count_ = 0; factor_count_ < ngc_; ++factor_count_) {
-      Count pivot = 0;
-      for (Count i = 1; i < ngc_; ++i) {
-        if (work_row(i)[i] > work_row(pivot)[pivot]) pivot = i;
-      }
-      if (!(work_row(pivot)[pivot] > least)) break;
-      last = work_row(pivot)[pivot];
-      take_factor(pivot);
-    }
-    for (Count i = 0; i < ngc_; ++i) {
-      if (!(work_row(i)[i] >= -least)) return false;
-    }
-    set_noise(factor_count_ > 0 ? L::square_root(largest / last) : Scalar(1));
-    return true;
-  }
-
-  /// The next column of Y, and A less its part.
-  void take_factor(Count pivot) {
-    Scalar* column = factors_.data() + factor_count_ * velocity_lanes_;
-    const Scalar inverse = 1 / L::square_root(work_row(pivot)[pivot]);
-    for (Count i = 0; i < ngc_; ++i) column[i] = inverse * work_row(pivot)[i];
-    for (Count i = ngc_; i < velocity_lanes_; ++i) column[i] = 0;
-    for (Count i = 0; i < ngc_; ++i) {
-      for (Count j = 0; j < ngc_; ++j) work_row(i)[j] -= column[i] * column[j];
-    }
-    for (Count i = 0; i < ngc_; ++i) work_row(i)[pivot] = work_row(pivot)[i] = 0;
-  }
-
-  /// S = Y, for G* = Y Y'.
-  bool use_as_response() {
-    rank_ = factor_count_;
-    for (Count k = 0; k < rank_; ++k) copy(work_row(k), factors_.data() + k * velocity_lanes_, velocity_lanes_);
-    return true;
-  }
-
-  /// S for G = Y Y'.
-  bool make_response(Count count) {
-    if (!factor_range(count)) return false;
-    // R' = P T: the rows of R, which are independent.
-    const Count length = L::padded(count > ngc_ ? count : ngc_);
-    rank_basis_.clear(length, ngc_);
-    Scalar least = kInfinity<Scalar>;
-    Scalar largest = 0;
-    for (Count i = 0; i < rank_; ++i) {
-      const Scalar* row = coefficients_.data() + i * length;
-      Scalar* t = coefficients_.data() + ngc_ * length;
-      const Scalar left = rank_basis_.split(row, dot(row, row, length), t, rest_.data());
-      if (!(left > 0)) return false;
-      rank_basis_.append(t, rest_.data(), left);
-      least = left < least ? left : least;
-      largest = left > largest ? left : largest;
-    }
-    for (Count i = 0; i < rank_; ++i) {
-      copy(work_row(i), range_.q(i), velocity_lanes_);
-      for (Count j = 0; j < i; ++j) add_multiple(work_row(i), -rank_basis_.r(j, i), work_row(j), velocity_lanes_);
-      scale(work_row(i), 1 / rank_basis_.r(i, i), velocity_lanes_);
-    }
-    set_noise(rank_ > 0 ? L::square_root(largest / least) : Scalar(1));
-    return true;
-  }
-
-  /// Q of Y = Q R, always the column that stands out most next; rows of R in coefficients_. A factor belongs to the
-  /// range of the others when less than 2^-46 of its length stands out of it (single precision: 2^-18).
-  bool factor_range(Count count) {
-    const Count length = L::padded(count > ngc_ ? count : ngc_);
-    const Scalar cut = sizeof(Scalar) < sizeof(double) ? Scalar(0x1p-18) : Scalar(0x1p-46);
-    set_zero(coefficients_.data(), length * (ngc_ + 1));
-    range_.clear(velocity_lanes_, ngc_);
-    for (Count k = 0; k < count; ++k) order_[k] = k;
-    Scalar* c = coefficients_.data() + ngc_ * length;
-    for (rank_ = 0; rank_ < ngc_ && rank_ < count; ++rank_) {
-      Count best = -1;
-      Scalar most = 0;
-      for (Count k = rank_; k < count; ++k) {
-        const Scalar* factor = factors_.data() + order_[k] * velocity_lanes_;
-        const Scalar squared = dot(factor, factor, velocity_lanes_);
-        if (!finite(squared)) return false;
-        const Scalar left = range_.split(factor, squared, c, rest_.data());
-        if (left > cut * cut * squared && left > most) {
-          most = left;
-          best = k;
-        }
-      }
-      if (best < 0) break;
-      const Count chosen = order_[best];
-      order_[best] = order_[rank_];
-      order_[rank_] = chosen;
-      const Scalar* factor = factors_.data() + chosen * velocity_lanes_;
-      const Scalar left = range_.split(factor, dot(factor, factor, velocity_lanes_), c, rest_.data());
-      range_.append(c, rest_.data(), left);
-    }
-    for (Count i = 0; i < rank_; ++i) {
-      for (Count k = 0; k < count; ++k) {
-        coefficients_[i * length + k] = dot(range_.q(i), factors_.data() + k * velocity_lanes_, velocity_lanes_);
-      }
-    }
-    set_zero(c, length);
+  bool take_root(bool found) {
+    if (!found) return false;
+    rank_ = root_.rank();
+    set_noise(root_.growth());
     return true;
   }
 
@@ -497,14 +386,18 @@ class Whitening {
   bool triangular_ = false;
   Scalar noise_ = 0;
   Scalar condition_ = 0;
+  Scalar lost_ = 0;
   bool condition_is_sharp_ = false;
+  bool underflows_ = false;  // pivots have too few digits left
 
   Buffer<Scalar> rows_;              // rank rows: [C W], or [S' W]
   Buffer<Scalar> columns_;           // of C
-  Buffer<Scalar> inverse_diagonal_;  // of C; during the elimination the diagonal of G
+  Buffer<Scalar> inverse_diagonal_;  // of C
+  Buffer<Scalar> root_diagonal_;     // of G; during the elimination the diagonal itself
+  Buffer<Scalar> inverse_bound_;     // what bound_condition() tells of
   Buffer<Scalar> pivots_;            // of the elimination
-  InverseTrace<Scalar> inverse_trace_;
   Buffer<Scalar> solution_;
+  InverseTrace<Scalar> inverse_trace_;
   Buffer<Scalar> normals_;   // N by rows
   Buffer<Scalar> whitened_;  // W by columns, those that is_gathered_
   Buffer<bool> is_gathered_;
@@ -513,13 +406,7 @@ class Whitening {
   Buffer<Scalar> squared_norm_;  // |W_j|^2
   Buffer<Scalar> weight_;
 
-  Count factor_count_ = 0;
-  Buffer<Scalar> factors_;  // Y by columns
-  Buffer<Scalar> coefficients_;
-  Buffer<Scalar> rest_;
-  Buffer<Count> order_;
-  OrthogonalBasis<Scalar> range_;
-  OrthogonalBasis<Scalar> rank_basis_;
+  SemidefiniteRoot<Scalar> root_;  // S
 };
 
 }  // namespace lcpbench::active_set::LCPBENCH_LEVEL

@@ -1,0 +1,209 @@
+#pragma once
+
+#include "native/active_set/arithmetic.h"
+#include "native/active_set/orthogonal_basis.h"
+#include "native/active_set_engine.h"
+
+namespace lcpbench::active_set::LCPBENCH_LEVEL {
+
+/// S (ngc x rank) with G* = S S', for an inertia of any rank.
+///
+/// From factors, G = Y Y': Y = Q R, then R' = P T, both by Gram-Schmidt, so that G = Q T'T Q' and S = Q T^-1; the
+/// condition number is never squared. From G* by Cholesky with diagonal pivoting. O(ngc^3).
+///
+/// The columns of S are written to the first `rank` rows that the caller provides: `ngc` rows, `stride` from one to the
+/// next, of which the first padded(ngc) entries are used, as memory too.
+template <class Scalar>
+class SemidefiniteRoot {
+  using L = Lanes<Scalar>;
+
+ public:
+  /// @param factors  columns of Y
+  void reserve(Count ngc, Count factors) {
+    const Count most = factors > ngc ? factors : ngc;
+    const Count lanes = L::padded(ngc);
+    factors_.resize(factors * lanes + 1);
+    coefficients_.resize(L::padded(most) * (ngc + 1) + 1);
+    rest_.resize(L::padded(most) + 1);
+    order_.resize(most + 1);
+    range_.reserve(lanes, ngc);
+    rank_basis_.reserve(L::padded(most), ngc);
+  }
+
+  void set_rows(Scalar* rows, Count stride, Count ngc) {
+    rows_ = rows;
+    stride_ = stride;
+    ngc_ = ngc;
+    lanes_ = L::padded(ngc);
+  }
+
+  // Each of these is false where the inertia is indefinite or not a number.
+
+  /// Of G = X diag(alpha) X'.
+  bool find_of_factors(const Input& input) {
+    factor_count_ = input.factors;
+    for (Count k = 0; k < factor_count_; ++k) {
+      const Scalar weight = L::square_root(static_cast<Scalar>(input.alpha[k]));
+      Scalar* column = factors_.data() + k * lanes_;
+      for (Count i = 0; i < ngc_; ++i) column[i] = weight * static_cast<Scalar>(input.matrix[k * ngc_ + i]);
+      for (Count i = ngc_; i < lanes_; ++i) column[i] = 0;
+    }
+    return find_of_range();
+  }
+
+  /// Of G*, singular to within `cut`.
+  bool find_of_inverse(const double* inverse, Scalar cut) {
+    if (!factor_semidefinite(inverse, cut)) return false;
+    rank_ = factor_count_;
+    for (Count k = 0; k < rank_; ++k) copy(row(k), factors_.data() + k * lanes_, lanes_);
+    return true;
+  }
+
+  /// Of G, singular to within `cut`. False too where that might take a light coordinate for none.
+  bool find_of_singular(const double* G, Scalar cut) {
+    return !mixes_scales(G) && factor_semidefinite(G, cut) && find_of_range();
+  }
+
+  Count rank() const { return rank_; }
+  /// How much rounding errors grow in S, about.
+  Scalar growth() const { return growth_; }
+
+ private:
+  Scalar* row(Count i) { return rows_ + i * stride_; }
+
+  /// Whether a coordinate is so light beside another that the cut of the pseudo-inverse might take it for none.
+  bool mixes_scales(const double* G) const {
+    double largest = 0;
+    for (Count i = 0; i < ngc_; ++i) largest = G[i * ngc_ + i] > largest ? G[i * ngc_ + i] : largest;
+    for (Count i = 0; i < ngc_; ++i) {
+      const double entry = G[i * ngc_ + i];
+      if (entry != 0 && !(entry > 0x1p-40 * largest)) return true;
+    }
+    return false;
+  }
+
+  /// A = Y Y' to within `cut` times ngc times its largest diagonal entry, by Cholesky with diagonal pivoting.
+  /// False when A is indefinite. Uses the rows as memory.
+  bool factor_semidefinite(const double* A, Scalar cut) {
+    Scalar largest = 0;
+    for (Count i = 0; i < ngc_; ++i) {
+      Scalar* to = row(i);
+      for (Count j = 0; j < ngc_; ++j) to[j] = static_cast<Scalar>(A[i * ngc_ + j]);
+      if (!finite(to[i])) return false;
+      largest = to[i] > largest ? to[i] : largest;
+    }
+    const Scalar least = static_cast<Scalar>(static_cast<double>(ngc_)) * cut * largest;
+    Scalar last = largest;
+    for (factor_count_ = 0; factor_count_ < ngc_; ++factor_count_) {
+      Count pivot = 0;
+      for (Count i = 1; i < ngc_; ++i) {
+        if (row(i)[i] > row(pivot)[pivot]) pivot = i;
+      }
+      if (!(row(pivot)[pivot] > least)) break;
+      last = row(pivot)[pivot];
+      take_factor(pivot);
+    }
+    for (Count i = 0; i < ngc_; ++i) {
+      if (!(row(i)[i] >= -least)) return false;
+    }
+    growth_ = factor_count_ > 0 ? L::square_root(largest / last) : Scalar(1);
+    return true;
+  }
+
+  /// The next column of Y, and A less its part.
+  void take_factor(Count pivot) {
+    Scalar* column = factors_.data() + factor_count_ * lanes_;
+    const Scalar inverse = 1 / L::square_root(row(pivot)[pivot]);
+    for (Count i = 0; i < ngc_; ++i) column[i] = inverse * row(pivot)[i];
+    for (Count i = ngc_; i < lanes_; ++i) column[i] = 0;
+    for (Count i = 0; i < ngc_; ++i) {
+      for (Count j = 0; j < ngc_; ++j) row(i)[j] -= column[i] * column[j];
+    }
+    for (Count i = 0; i < ngc_; ++i) row(i)[pivot] = row(pivot)[i] = 0;
+  }
+
+  /// Of G = Y Y', the factors found.
+  bool find_of_range() {
+    if (!factor_range()) return false;
+    // R' = P T: the rows of R, which are independent.
+    const Count length = coefficient_lanes();
+    rank_basis_.clear(length, ngc_);
+    Scalar least = kInfinity<Scalar>;
+    Scalar largest = 0;
+    for (Count i = 0; i < rank_; ++i) {
+      const Scalar* of_range = coefficients_.data() + i * length;
+      Scalar* t = coefficients_.data() + ngc_ * length;
+      const Scalar left = rank_basis_.split(of_range, dot(of_range, of_range, length), t, rest_.data());
+      if (!(left > 0)) return false;
+      rank_basis_.append(t, rest_.data(), left);
+      least = left < least ? left : least;
+      largest = left > largest ? left : largest;
+    }
+    for (Count i = 0; i < rank_; ++i) {
+      copy(row(i), range_.q(i), lanes_);
+      for (Count j = 0; j < i; ++j) add_multiple(row(i), -rank_basis_.r(j, i), row(j), lanes_);
+      scale(row(i), 1 / rank_basis_.r(i, i), lanes_);
+    }
+    growth_ = rank_ > 0 ? L::square_root(largest / least) : Scalar(1);
+    return true;
+  }
+
+  /// Of a row of R.
+  Count coefficient_lanes() const { return L::padded(factor_count_ > ngc_ ? factor_count_ : ngc_); }
+
+  /// Q of Y = Q R, always the column that stands out most next; rows of R in coefficients_. A factor belongs to the
+  /// range of the others when less than 2^-46 of its length stands out of it (single precision: 2^-18).
+  bool factor_range() {
+    const Count count = factor_count_;
+    const Count length = coefficient_lanes();
+    const Scalar cut = sizeof(Scalar) < sizeof(double) ? Scalar(0x1p-18) : Scalar(0x1p-46);
+    set_zero(coefficients_.data(), length * (ngc_ + 1));
+    range_.clear(lanes_, ngc_);
+    for (Count k = 0; k < count; ++k) order_[k] = k;
+    Scalar* c = coefficients_.data() + ngc_ * length;
+    for (rank_ = 0; rank_ < ngc_ && rank_ < count; ++rank_) {
+      Count best = -1;
+      Scalar most = 0;
+      for (Count k = rank_; k < count; ++k) {
+        const Scalar* factor = factors_.data() + order_[k] * lanes_;
+        const Scalar squared = dot(factor, factor, lanes_);
+        if (!finite(squared)) return false;
+        const Scalar left = range_.split(factor, squared, c, rest_.data());
+        if (left > cut * cut * squared && left > most) {
+          most = left;
+          best = k;
+        }
+      }
+      if (best < 0) break;
+      const Count chosen = order_[best];
+      order_[best] = order_[rank_];
+      order_[rank_] = chosen;
+      const Scalar* factor = factors_.data() + chosen * lanes_;
+      const Scalar left = range_.split(factor, dot(factor, factor, lanes_), c, rest_.data());
+      range_.append(c, rest_.data(), left);
+    }
+    for (Count i = 0; i < rank_; ++i) {
+      for (Count k = 0; k < count; ++k) {
+        coefficients_[i * length + k] = dot(range_.q(i), factors_.data() + k * lanes_, lanes_);
+      }
+    }
+    set_zero(c, length);
+    return true;
+  }
+
+  Scalar* rows_ = nullptr;
+  Count stride_ = 0;
+  Count ngc_ = 0;
+  Count lanes_ = 0;
+  Count rank_ = 0;
+  Scalar growth_ = 1;
+  Count factor_count_ = 0;
+  Buffer<Scalar> factors_;  // Y by columns
+  Buffer<Scalar> coefficients_;
+  Buffer<Scalar> rest_;
+  Buffer<Count> order_;
+  OrthogonalBasis<Scalar> range_;
+  OrthogonalBasis<Scalar> rank_basis_;
+};
+
+}  // namespace lcpbench::active_set::LCPBENCH_LEVEL
