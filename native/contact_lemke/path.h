@@ -425,7 +425,9 @@ class Path {
   bool is_positive(const Doubt& doubt);
   bool separates(const Doubt& doubt);
   bool slips_away(Count contact, const Doubt& doubt);
-  bool is_clear(Label label, Scalar velocity, const Doubt& doubt) const;
+  bool is_clear(Label label, Scalar velocity, const Doubt& doubt);
+  Scalar bound_velocity(Label label, const Doubt& doubt);
+  void express_by_rows(Label label);
   bool depends_on_rows(Count contact);
   bool is_sum_of_rows(Count contact, Count times) const;
 

@@ -21,28 +21,40 @@ struct Path<Scalar>::Doubt {
   Scalar gain = 0;      ///< sum of the terms of a_j over n_j
   Scalar inverse = 0;   ///< |I - R K|
   Scalar spread = 0;    ///< |R|
+  Scalar missed = 0;    ///< of a row of the kernel: its velocity at x~
   Scalar impulse = 0;   ///< of x_j n_j
-  Scalar velocity = 0;  ///< of a row's velocity
+  Scalar rounding = 0;  ///< of a row's velocity, at x~
+  Scalar velocity = 0;  ///< and at x
 };
 
 namespace proof {
 
 /// For the rounding of the bounds themselves, and products of roundings.
 constexpr double kSlack = 1.1;
-/// Coefficients of contacts that depend on others.
-constexpr Count kMostTimes = 8;
+/// Fractions by which contacts depend on others: their denominators and numerators.
+constexpr Count kMostTimes = 64;
+constexpr double kLargestShare = 1024;
 constexpr double kNearInteger = 1e-6;
 
-/// sum += times x. @returns whether that was exact
-inline bool add_exactly(double& sum, double x, Count times) {
-  const double part = times < 0 ? -x : x;
-  for (Count k = times < 0 ? -times : times; k > 0; --k) {
-    const double next = sum + part;
-    const double added = next - sum;
-    if (!((sum - (next - added)) + (part - added) == 0)) return false;
-    sum = next;
-  }
+/// sum += x. @returns whether that was exact
+inline bool add_exactly(double& sum, double x) {
+  const double next = sum + x;
+  const double added = next - sum;
+  if (!((sum - (next - added)) + (x - added) == 0)) return false;
+  sum = next;
   return true;
+}
+
+/// sum += times x, in two products of few bits. @returns whether that was exact
+inline bool add_exactly(double& sum, double x, Count times) {
+  unsigned long long bits = 0;
+  static_assert(sizeof(bits) == sizeof(x));
+  __builtin_memcpy(&bits, &x, sizeof(x));
+  bits &= ~((1ULL << 27) - 1);
+  double high = 0;
+  __builtin_memcpy(&high, &bits, sizeof(x));
+  const double factor = static_cast<double>(times);
+  return add_exactly(sum, factor * high) && add_exactly(sum, factor * (x - high));
 }
 
 inline Count nearest_integer(double x) { return static_cast<Count>(x + (x < 0 ? -0.5 : 0.5)); }
@@ -117,13 +129,11 @@ inline bool Path<Scalar>::bound_values(Doubt& doubt) {
     if (!(doubt.response < kInfinity<Scalar>) || !bound_inverse(doubt)) return false;
   }
   respond_to_values();
-  const Scalar missed = largest_residual() + doubt.reach * slack *
-                                                 ((length + rows + 6) * roundoff * doubt.speed +
-                                                  doubt.response * doubt.terms);
-  doubt.impulse = slack * doubt.spread * missed / (1 - doubt.inverse);
-  const Scalar change = slack * ((rows + 3) * roundoff * doubt.speed + doubt.response * doubt.terms);
-  doubt.velocity =
-      slack * doubt.reach * ((length + 4) * roundoff * doubt.speed + change + 2 * rows * doubt.impulse);
+  doubt.rounding =
+      slack * doubt.reach * ((length + rows + 8) * roundoff * doubt.speed + doubt.response * doubt.terms);
+  doubt.missed = largest_residual() + doubt.rounding;
+  doubt.impulse = slack * doubt.spread * doubt.missed / (1 - doubt.inverse);
+  doubt.velocity = doubt.rounding + slack * doubt.reach * 2 * rows * doubt.impulse;
   return true;
 }
 
@@ -198,8 +208,42 @@ inline bool Path<Scalar>::separates(const Doubt& doubt) {
 }
 
 template <class Scalar>
-inline bool Path<Scalar>::is_clear(Label label, Scalar velocity, const Doubt& doubt) const {
-  return velocity > doubt.velocity || kernel_.find_row(label) >= 0;
+inline bool Path<Scalar>::is_clear(Label label, Scalar velocity, const Doubt& doubt) {
+  if (velocity > doubt.velocity || kernel_.find_row(label) >= 0) return true;
+  return velocity > doubt.rounding && velocity > bound_velocity(label, doubt);
+}
+
+/// Sharper than doubt.velocity, of one row b. With k' = b'C R, C the kernel's columns, b sees of x - x~ no more than
+/// |k| times what the rows miss, and what k'K misses of b'C times |x - x~|.
+template <class Scalar>
+inline Scalar Path<Scalar>::bound_velocity(Label label, const Doubt& doubt) {
+  const Count order = kernel_.order();
+  express_by_rows(label);
+  Scalar weight = 0, off = 0;
+  for (Count r = 0; r < order; ++r) weight += magnitude(residual_[r]);
+  Scalar* const velocities = dx_.data();
+  for (Count j = 0; j < order; ++j) {
+    kernel_.measure(kernel_.column(j), velocities);
+    off += magnitude(coefficients_[j] - dot(residual_.data(), velocities, order)) / speed_of(j);
+  }
+  const Scalar rows = static_cast<Scalar>(static_cast<double>(order));
+  const Scalar length = static_cast<Scalar>(static_cast<double>(contacts_.ngc()));
+  const Scalar roundings = rows * (length + rows + 4) * static_cast<Scalar>(kUnitRoundoff<Scalar>);
+  off += doubt.reach * (1 + weight) * (roundings + doubt.response * doubt.gain);
+  return static_cast<Scalar>(proof::kSlack) * (doubt.rounding + weight * doubt.missed + off * doubt.impulse);
+}
+
+/// coefficients_ := C'b and residual_ := R'C'b for the row b of a velocity: b as a combination of the kernel's rows.
+template <class Scalar>
+inline void Path<Scalar>::express_by_rows(Label label) {
+  const Count order = kernel_.order();
+  load_row(label);
+  for (Count j = 0; j < P::padded(order); ++j) {
+    coefficients_[j] = j < order ? dot(row_.data(), kernel_.column(j), contacts_.padded_ngc()) : Scalar(0);
+  }
+  for (Count r = 0; r < P::padded(order); ++r) {
+    residual_[r] = r < order ? dot(coefficients_.data(), kernel_.inverse_column(r), order) : Scalar(0);
+  }
 }
 
 template <class Scalar>
@@ -222,12 +266,7 @@ inline bool Path<Scalar>::slips_away(Count contact, const Doubt& doubt) {
 /// velocity is zero where theirs are.
 template <class Scalar>
 inline bool Path<Scalar>::depends_on_rows(Count contact) {
-  const Count order = kernel_.order();
-  contacts_.get_normal(contact, row_.data());
-  for (Count j = 0; j < P::padded(order); ++j) {
-    coefficients_[j] = j < order ? dot(row_.data(), kernel_.column(j), contacts_.padded_ngc()) : Scalar(0);
-  }
-  for (Count r = 0; r < order; ++r) residual_[r] = dot(coefficients_.data(), kernel_.inverse_column(r), order);
+  express_by_rows(Label{contact, kNormal});
   for (Count times = 1; times <= proof::kMostTimes; ++times) {
     if (is_sum_of_rows(contact, times)) return true;
   }
@@ -240,7 +279,7 @@ inline bool Path<Scalar>::is_sum_of_rows(Count contact, Count times) const {
   const auto share_of = [&](Count r) { return static_cast<double>(residual_[r]) * static_cast<double>(times); };
   for (Count r = 0; r < kernel_.order(); ++r) {
     const double share = share_of(r);
-    if (!(__builtin_fabs(share) <= static_cast<double>(proof::kMostTimes))) return false;
+    if (!(__builtin_fabs(share) <= proof::kLargestShare)) return false;
     const double off = share - static_cast<double>(proof::nearest_integer(share));
     if (!(__builtin_fabs(off) <= proof::kNearInteger)) return false;
   }
