@@ -286,6 +286,7 @@ class Completion {
     const Scalar at_rest = worst_[0] > certain_[0] ? worst_[0] : certain_[0];
     const Scalar reach =
         contacts_.reach() > contacts_.direction_reach() ? contacts_.reach() : contacts_.direction_reach();
+    if (!(reach * reach > static_cast<Scalar>(kSmallestSafe<Scalar>))) return false;  // its squares may have underflowed
     Scalar certain = at_rest + reach * largest_rounding(reach, scale);
     const auto is_little = [&] { return certain <= static_cast<Scalar>(kLittle) * scale; };
     const auto take_bound = [&] {

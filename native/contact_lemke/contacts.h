@@ -120,23 +120,21 @@ class Contacts {
     return largest;
   }
 
-  /// The largest magnitude of an entry of a direction. The second halves of the directions are negatives of the first.
-  double largest_direction_entry() const {
+  /// Of the directions of one contact together, the largest Euclidean norm. The second halves are negatives of the first.
+  double largest_norm_of_directions() const {
     using D = Packed<double>;
-    D::Pack largest = typename D::Pack{};
-    double rest = 0;
+    double largest = 0;
     for (Count c = 0; c < nc(); ++c) {
       const double* const first = input_.D + first_direction(c) * ngc();
       const Count entries = half(c) * ngc();
+      D::Pack squares = typename D::Pack{};
       Count k = 0;
-      for (; k + D::kWidth <= entries; k += D::kWidth) {
-        const D::Pack pack = D::load(first + k);
-        largest = D::max(largest, D::max(pack, -pack));
-      }
-      for (; k < entries; ++k) rest = __builtin_fabs(first[k]) > rest ? __builtin_fabs(first[k]) : rest;
+      for (; k + D::kWidth <= entries; k += D::kWidth) squares += D::load(first + k) * D::load(first + k);
+      double sum = D::sum(squares);
+      for (; k < entries; ++k) sum += first[k] * first[k];
+      largest = sum <= largest ? largest : sum;
     }
-    const double of_packs = D::max(largest);
-    return of_packs > rest ? of_packs : rest;
+    return __builtin_sqrt(largest);
   }
 
   const double* impulse_column(Count column) const {
@@ -145,6 +143,8 @@ class Contacts {
 
  private:
   using P = Packed<Scalar>;
+
+  static constexpr double kRoundedUp = 1 + 0x1p-30;
 
   /// Directions whose products run side by side: each alone would wait for its own last addition.
   static constexpr Count kTogether = 4;
@@ -179,8 +179,7 @@ class Contacts {
     Scalar largest = 0;
     for (Count j = 0; j < nc(); ++j) largest = squares_[j] > largest ? squares_[j] : largest;
     reach_ = square_root(largest);
-    direction_reach_ =
-        static_cast<Scalar>(largest_direction_entry()) * square_root(static_cast<Scalar>(static_cast<double>(ngc())));
+    direction_reach_ = static_cast<Scalar>(kRoundedUp * largest_norm_of_directions());
   }
 
   void load_layout() {
