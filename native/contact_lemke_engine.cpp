@@ -55,7 +55,7 @@ struct ContactInterface {
 template <class Scalar>
 constexpr contact_lemke::Engine contact_engine() {
   using I = ContactInterface<Scalar>;
-  return {I::create,   I::destroy, I::reserve, I::load,          I::set_velocity, I::solve,
+  return {I::create,   I::destroy, I::reserve, I::load,          I::set_velocity,   I::solve,
           I::complete, I::respond, I::polish,  I::polish_answer, I::proves_solvable};
 }
 

@@ -286,7 +286,8 @@ class Completion {
     const Scalar at_rest = worst_[0] > certain_[0] ? worst_[0] : certain_[0];
     const Scalar reach =
         contacts_.reach() > contacts_.direction_reach() ? contacts_.reach() : contacts_.direction_reach();
-    if (!(reach * reach > static_cast<Scalar>(kSmallestSafe<Scalar>))) return false;  // its squares may have underflowed
+    if (!(reach * reach > static_cast<Scalar>(kSmallestSafe<Scalar>)))
+      return false;  // its squares may have underflowed
     Scalar certain = at_rest + reach * largest_rounding(reach, scale);
     const auto is_little = [&] { return certain <= static_cast<Scalar>(kLittle) * scale; };
     const auto take_bound = [&] {
@@ -378,7 +379,7 @@ class Completion {
   static constexpr double kRoom = 1.25;    ///< for G instead of the matrix of the factors within kTrusted
   static constexpr double kLongUnitRoundoff = static_cast<double>(__LDBL_EPSILON__) / 2;
   static constexpr double kFloor =
-      0x1p-53 / 1e-4;                             ///< of the verdict: a residual of the rounding of q counts as solved
+      0x1p-53 / 1e-4;  ///< of the verdict: a residual of the rounding of q counts as solved
 
   Contacts<Scalar>& contacts_;
   Response<Scalar>& response_;

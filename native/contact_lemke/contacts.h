@@ -120,7 +120,8 @@ class Contacts {
     return largest;
   }
 
-  /// Of the directions of one contact together, the largest Euclidean norm. The second halves are negatives of the first.
+  /// Of the directions of one contact together, the largest Euclidean norm. The second halves are negatives of the
+  /// first.
   double largest_norm_of_directions() const {
     using D = Packed<double>;
     double largest = 0;

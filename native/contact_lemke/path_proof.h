@@ -8,8 +8,8 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
 /// Bounds on what the computed values of the last basis are off, in Euclid's norms.
 ///
-/// Let K x = -B'v be the system of the basis for the exact data, R the computed inverse and x~ the computed impulses. If
-/// |I - R K| < 1, K is regular, and x is off x~ by at most |R| |B'(v + G* A x~)| / (1 - |I - R K|). Impulses are
+/// Let K x = -B'v be the system of the basis for the exact data, R the computed inverse and x~ the computed impulses.
+/// If |I - R K| < 1, K is regular, and x is off x~ by at most |R| |B'(v + G* A x~)| / (1 - |I - R K|). Impulses are
 /// measured by the speeds n_j = |c_j| that they cause. Where each basic impulse and each velocity that must not be
 /// negative exceeds its bound, x is a solution of the exact problem. It need not be near the answer.
 template <class Scalar>
@@ -129,8 +129,7 @@ inline bool Path<Scalar>::bound_values(Doubt& doubt) {
     if (!(doubt.response < kInfinity<Scalar>) || !bound_inverse(doubt)) return false;
   }
   respond_to_values();
-  doubt.rounding =
-      slack * doubt.reach * ((length + rows + 8) * roundoff * doubt.speed + doubt.response * doubt.terms);
+  doubt.rounding = slack * doubt.reach * ((length + rows + 8) * roundoff * doubt.speed + doubt.response * doubt.terms);
   doubt.missed = largest_residual() + doubt.rounding;
   doubt.impulse = slack * doubt.spread * doubt.missed / (1 - doubt.inverse);
   doubt.velocity = doubt.rounding + slack * doubt.reach * 2 * rows * doubt.impulse;

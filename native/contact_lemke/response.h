@@ -109,10 +109,10 @@ class Response {
   /// In Euclid's norms: at least |G*| and, for any vector a, |apply(a) - G* a| / |a|. G* is here that of the exact sum
   /// of the factors, or the one given. Infinite where not even its rank is certain.
   ///
-  /// With D the norms of L's columns and H = D^-1 L'L D^-1, each computed row W_i solves W_i D (H + F) = L_i D^-1 for some
-  /// F of the size of roundings [Higham 2002, 10.1], so that W_i D is off by at most |W_i D| |F| |H^-1|. The rounding of
-  /// the factors to columns of L adds to that as it does to a pseudo-inverse [Wedin 1973]. |H^-1| is bounded through
-  /// D W'L D^-1, which is nearly I.
+  /// With D the norms of L's columns and H = D^-1 L'L D^-1, each computed row W_i solves W_i D (H + F) = L_i D^-1 for
+  /// some F of the size of roundings [Higham 2002, 10.1], so that W_i D is off by at most |W_i D| |F| |H^-1|. The
+  /// rounding of the factors to columns of L adds to that as it does to a pseudo-inverse [Wedin 1973]. |H^-1| is
+  /// bounded through D W'L D^-1, which is nearly I.
   struct Certainty {
     Scalar error = kInfinity<Scalar>;
     Scalar norm = kInfinity<Scalar>;
@@ -213,8 +213,7 @@ class Response {
     const Scalar inverse = slack * scaled * scaled / ((1 - missed) * (1 - missed));
     const Scalar solves = slack * roundoff * (4 * columns + order + 16);
     if (!(columns * solves * inverse < static_cast<Scalar>(0.01))) return {};
-    const Scalar lost =
-        slack * inverse * (scaled * columns * solves + 8 * roundoff * square_root(columns)) / least;
+    const Scalar lost = slack * inverse * (scaled * columns * solves + 8 * roundoff * square_root(columns)) / least;
     const Scalar size = slack * square_root(inverse_trace_);
     const Scalar error = lost * (2 * size + lost) + slack * roundoff * (order + columns + 4) * size * size;
     return {error, size * size + error};
@@ -407,9 +406,7 @@ class Response {
     if (!is_trusted(condition)) backward_error_ = kInfinity<Scalar>;
   }
 
-  Scalar roundings() const {
-    return static_cast<Scalar>((8 + 4 * static_cast<double>(ngc_)) * kUnitRoundoff<Scalar>);
-  }
+  Scalar roundings() const { return static_cast<Scalar>((8 + 4 * static_cast<double>(ngc_)) * kUnitRoundoff<Scalar>); }
   /// The factors are those of a neighbour of G: they bound G* only where no neighbour is singular.
   bool is_trusted(Scalar condition) const {
     const Scalar lost = roundings() * static_cast<Scalar>(static_cast<double>(ngc_)) * condition;
@@ -460,17 +457,17 @@ class Response {
   static constexpr double kCleanCut = 0x1p-52;  ///< relative to the largest entry: the cut of inverse_inertia()
   static constexpr double kSlack = 1.2;         ///< for what bounds themselves round, and for products of roundings
   bool given_ = false, by_factors_ = false;
-  bool by_columns_ = false;   ///< L are the given factors
-  bool is_sound_ = false;     ///< the rank in use is that of G
-  bool is_measured_ = false;  ///< reach_, root_ and backward_error_ are those of this G
+  bool by_columns_ = false;    ///< L are the given factors
+  bool is_sound_ = false;      ///< the rank in use is that of G
+  bool is_measured_ = false;   ///< reach_, root_ and backward_error_ are those of this G
   bool is_certified_ = false;  ///< and so is certainty_
   Certainty certainty_;
   contact_lemke::InertiaInput inertia_;
   Scalar first_pivot_ = 0, last_pivot_ = 0, backward_error_ = 0, trace_ = 0, inverse_trace_ = 0;
   Buffer<Scalar> work_, L_, done_, white_;
   Buffer<Scalar> diagonal_, reach_, root_;  ///< per coordinate
-  Buffer<Scalar> columns_;       ///< of W (of G* where it is given), padded_ apart
-  Buffer<Scalar> rows_;          ///< of W, rank_padded_ apart
+  Buffer<Scalar> columns_;                  ///< of W (of G* where it is given), padded_ apart
+  Buffer<Scalar> rows_;                     ///< of W, rank_padded_ apart
   Buffer<Count> pivots_;
 };
 
