@@ -30,6 +30,7 @@ using contact_lemke::Ending;
 using contact_lemke::Engine;
 using contact_lemke::Residual;
 using contact_lemke::Rules;
+using Expected = ContactSolvability::Expected;
 using Finding = ContactSolvability::Finding;
 
 constexpr double kFloatUnitRoundoff = 0x1p-24;
@@ -173,13 +174,14 @@ void ContactLemke::reserve_later_rungs(const contact_lemke::Input& input) {
 
 void ContactLemke::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
+  if (!contact.frictional()) reserve(contact.ngc(), contact.nc());
   data_.load_in_units(contact);
   may_be_singular_ = ContactSolvability::is_asked(contact);
   if (may_be_singular_) solvability_.load(contact);
   double_.load(data_.input);
   if (in_float()) float_.load(data_.input);
   double_double_is_loaded_ = quad_is_loaded_ = false;
-  reserve_later_rungs(data_.input);
+  if (contact.frictional()) reserve_later_rungs(data_.input);
   best_.resize(problem.size());
   resumable_ = false;
   resumable_v_.resize(contact.ngc());
@@ -267,7 +269,7 @@ bool ContactLemke::climb(const ContactRung& rung, Rules rules, Progress& progres
   if (ending == Ending::kTimeLimit) return true;
   if (rules.resume && ending != Ending::kSolved) return progress.pivots_left(settings_.max_pivots) <= 0;
   if (ending == Ending::kPivotLimit) return progress.pivots_left(settings_.max_pivots) <= 0;
-  if (ending == Ending::kRay) return solvability(progress) == Finding::kUnsolvable;
+  if (ending == Ending::kRay) return solvability(progress, Expected::kUnsolvable) == Finding::kUnsolvable;
   if (ending != Ending::kSolved) return false;
   const bool has_velocity = returns_velocity(settings_) && engine.polish(velocity_.data(), answer.z.data());
   Residual residual = (in_float() ? double_ : engine).complete(answer.z.data());
@@ -275,8 +277,8 @@ bool ContactLemke::climb(const ContactRung& rung, Rules rules, Progress& progres
   if (in_doubt && (&engine == &double_ || &engine == &float_)) {
     residual = engine_of(ContactArithmetic::kDoubleDouble).complete(answer.z.data());
   }
-  if (residual.certain <= kClaimedResidual) {
-    if (solvability(progress) == Finding::kUnsolvable) return true;
+  if (may_be_singular_ && residual.certain <= kClaimedResidual && !engine.proves_solvable()) {
+    if (solvability(progress, Expected::kSolvable) == Finding::kUnsolvable) return true;
     // Where it stays open, with friction, only a path in 113 bits tells a solution from what nearly is one.
     if (progress.finding == Finding::kUnknown) {
       if (&engine != &quad_ || !solvability_.is_confirmed_by(progress.missed)) return false;
@@ -319,10 +321,10 @@ Ending ContactLemke::run(LoadedContacts& engine, Rules rules, Progress& progress
 }
 
 /// Whether there is a solution at all. Where the inertia is positive definite, there is.
-ContactSolvability::Finding ContactLemke::solvability(Progress& progress) {
+ContactSolvability::Finding ContactLemke::solvability(Progress& progress, ContactSolvability::Expected expected) {
   if (!may_be_singular_ || progress.is_singular_checked) return progress.finding;
   progress.is_singular_checked = true;
-  return progress.finding = solvability_.decide(data_.v.data(), progress.deadline_s);
+  return progress.finding = solvability_.decide(data_.v.data(), progress.deadline_s, expected);
 }
 
 void ContactLemke::report(const Progress& progress, Answer& answer) {

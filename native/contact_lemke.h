@@ -79,7 +79,7 @@ class LoadedContacts {
   bool polish_answer(const char* basic, double* velocity, double* z) {
     return engine_.polish_answer(state_, basic, velocity, z);
   }
-  bool disproves(const double* u) { return engine_.disproves(state_, u); }
+  bool proves_solvable() { return engine_.proves_solvable(state_); }
 
  private:
   const contact_lemke::Engine& engine_;
@@ -152,7 +152,7 @@ class ContactLemke final : public Solver {
   bool resumes(const SolveRequest& request) const;
   bool climb(const ContactRung& rung, contact_lemke::Rules rules, Progress& progress, Answer& answer);
   contact_lemke::Ending run(LoadedContacts& engine, contact_lemke::Rules rules, Progress& progress, Vector& z);
-  ContactSolvability::Finding solvability(Progress& progress);
+  ContactSolvability::Finding solvability(Progress& progress, ContactSolvability::Expected expected);
   void report(const Progress& progress, Answer& answer);
 
   ContactLemkeSettings settings_;

@@ -49,14 +49,14 @@ struct ContactInterface {
   static bool polish_answer(void* memory, const char* basic, double* velocity, double* z) {
     return object(memory).basis_polish.run(basic, velocity, z);
   }
-  static bool disproves(void* memory, const double* u) { return object(memory).completion.disproves(u); }
+  static bool proves_solvable(void* memory) { return object(memory).path.proves_solvable(); }
 };
 
 template <class Scalar>
 constexpr contact_lemke::Engine contact_engine() {
   using I = ContactInterface<Scalar>;
-  return {I::create,   I::destroy, I::reserve, I::load,          I::set_velocity, I::solve,
-          I::complete, I::respond, I::polish,  I::polish_answer, I::disproves};
+  return {I::create,   I::destroy, I::reserve, I::load,          I::set_velocity,   I::solve,
+          I::complete, I::respond, I::polish,  I::polish_answer, I::proves_solvable};
 }
 
 }  // namespace

@@ -98,10 +98,12 @@ void ContactSolvability::find_edges() {
     }
     first += edges;
   }
+  of_normals_ = !has_friction_;
 }
 
 void ContactSolvability::find_normals() {
   edges_.clear();
+  of_normals_ = true;
   for (Index c = 0; c < contact_->nc(); ++c) edges_.push_back({.contact = c});
 }
 

@@ -6,23 +6,17 @@
 
 #include "core/timed_solve.h"
 #include "native/contact_edges.h"
+#include "native/contact_program.h"
 #include "native/scaled_numbers.h"
 
 namespace lcpbench {
 namespace {
 
-/// Of a scaled tableau: what counts as rounding, and what is more than any rounding.
-template <class Scalar>
-constexpr Scalar kNoise = Scalar(sizeof(Scalar) == sizeof(double) ? 1e-11 : 0x1p-98);
-template <class Scalar>
-constexpr Scalar kClear = Scalar(sizeof(Scalar) == sizeof(double) ? 1e-7 : 0x1p-92);
 /// Of the least value in 113 bits, relative to its terms: what is rounding where no pivot is small, what it may be at
 /// most to be told from data, and how much more a negative value is.
 constexpr Quad kRounding = 0x1p-100;
 constexpr Quad kLargestRounding = 0x1p-75;
 constexpr Quad kNegative = 0x1p10;
-
-constexpr double kUnitRoundoff = 0x1p-53;
 
 const Matrix& reach_of(const Inertia& inertia) {
   const auto* factored = std::get_if<FactoredInertia>(&inertia);
@@ -30,36 +24,6 @@ const Matrix& reach_of(const Inertia& inertia) {
 }
 
 }  // namespace
-
-/// The equations X'K u = 0 and sum u = 1 with an artificial variable each, the right-hand side last; below them the
-/// reduced costs.
-template <class Scalar>
-struct ContactSolvability::Program {
-  Scalar* entries = nullptr;
-  Index rows = 0;
-  Index edges = 0;
-  bool first_phase = true;
-
-  Index right() const { return edges + rows; }
-  Index width() const { return edges + rows + 1; }
-  Scalar* row(Index r) const { return entries + r * width(); }
-  Scalar* costs() const { return row(rows); }
-  Scalar value() const { return -costs()[right()]; }
-
-  void exchange(Index r, Index entering) const {
-    Scalar* const pivot_row = row(r);
-    const Scalar inverse = 1 / pivot_row[entering];
-    for (Index j = 0; j < width(); ++j) pivot_row[j] *= inverse;
-    pivot_row[entering] = 1;
-    for (Index i = 0; i <= rows; ++i) {
-      Scalar* const other = row(i);
-      const Scalar factor = other[entering];
-      if (i == r || factor == 0) continue;
-      for (Index j = 0; j < width(); ++j) other[j] -= factor * pivot_row[j];
-      other[entering] = 0;
-    }
-  }
-};
 
 bool ContactSolvability::is_asked(const ContactProblem& contact) {
   return std::holds_alternative<FactoredInertia>(contact.inertia) ||
@@ -81,6 +45,12 @@ void ContactSolvability::reserve(const ContactProblem& contact) {
   pivot_rows_.reserve(rows);
   range_.reserve(static_cast<std::size_t>(contact.ngc()) * (rows - 1));
   if (proof_.size() < contact.nc()) proof_.resize(contact.nc());
+  if (basis_columns_.rows() < static_cast<Index>(rows)) {
+    basis_columns_.resize(static_cast<Index>(rows), static_cast<Index>(rows));
+    basis_terms_.resize(static_cast<Index>(rows), static_cast<Index>(rows));
+    basis_costs_.resize(static_cast<Index>(rows));
+    basis_cost_terms_.resize(static_cast<Index>(rows));
+  }
   if (lift_.size() < contact.ngc()) lift_.resize(contact.ngc());
   if (lift_terms_.size() < contact.ngc()) lift_terms_.resize(contact.ngc());
   if (coordinate_size_.size() < contact.ngc()) coordinate_size_.resize(contact.ngc());
@@ -304,57 +274,6 @@ void ContactSolvability::drop_artificial(Program<Scalar>& program) {
   }
 }
 
-/// Whether K'(v + X y) > 0, or K'X y > 0, by more than the rounding in these sums, for the dual solution y.
-bool ContactSolvability::lifts_all(const Program<double>& program, bool from_v) {
-  const Index ngc = X_->rows();
-  auto lift = lift_.head(ngc);
-  auto terms = lift_terms_.head(ngc);
-  lift.setZero();
-  if (from_v) lift = Eigen::Map<const Vector>(v_, ngc);
-  terms = lift.cwiseAbs();
-  for (Index k = 0; k < X_->cols(); ++k) {
-    const double dual = program.costs()[program.edges + k] - (program.first_phase ? 1.0 : 0.0);
-    const int exponent = row_exponent_[static_cast<std::size_t>(k)] - (from_v ? cost_exponent_ : 0);
-    const double y = scaled(dual, exponent);
-    if (!(std::abs(y) < std::numeric_limits<double>::infinity())) return false;
-    if (dual != 0 && std::abs(y) < std::numeric_limits<double>::min()) return false;
-    lift += y * X_->col(k);
-    terms += std::abs(y) * X_->col(k).cwiseAbs();
-  }
-  const double rounding = 4 * kUnitRoundoff * static_cast<double>(2 * ngc + X_->cols() + 8);
-  return std::all_of(edges_.begin(), edges_.end(), [&](const Edge& edge) {
-    double sum = 0;
-    double size = 0;
-    visit_edge(*contact_, edge.contact, edge.direction, edge.factor, [&](Index i, double entry, double factor) {
-      const double weight = factor * entry;
-      sum += weight * lift(i);
-      size += std::abs(weight) * terms(i);
-    });
-    return size > 1e-250 && size < 1e250 && sum > rounding * size;
-  });
-}
-
-/// Whether K'(v + X y) >= 0 for the dual solution y, each edge to within the rounding of its own sum.
-bool ContactSolvability::holds_to_rounding(const Program<Quad>& program, Quad rounding) {
-  for (Index j = 0; j < program.edges; ++j) {
-    const Edge& edge = edges_[static_cast<std::size_t>(j)];
-    const int exponent = column_exponent_[static_cast<std::size_t>(j)];
-    Quad sum = costs_[static_cast<std::size_t>(j)];
-    Quad terms = cost_terms_[static_cast<std::size_t>(j)];
-    visit_edge(*contact_, edge.contact, edge.direction, edge.factor, [&](Index i, double entry, double factor) {
-      const Quad weight = scaled(static_cast<Quad>(entry) * static_cast<Quad>(factor), exponent);
-      for (Index k = 0; k < program.rows - 1; ++k) {
-        const Quad dual = program.costs()[program.edges + k];
-        const Quad term = weight * reach(i, k, Quad()) * static_cast<Quad>(row_scale_[static_cast<std::size_t>(k)]);
-        sum += dual * term;
-        terms += magnitude(dual * term);
-      }
-    });
-    if (!(sum >= -rounding * terms)) return false;
-  }
-  return true;
-}
-
 /// The magnitudes of what the value of the basis adds up.
 template <class Scalar>
 Scalar ContactSolvability::terms_of_least(const Program<Scalar>& program) const {
@@ -405,7 +324,10 @@ ContactSolvability::Sign ContactSolvability::sign_of_least(Scalar* storage, doub
   if (!pivot_to_end(program, deadline_s)) return Sign::kUnknown;
   if constexpr (kInDouble) {
     if (program.value() > kClear<double> && lifts_all(program, true)) return Sign::kPositive;
-    return program.value() < -kClear<double> ? Sign::kNegativeInDouble : Sign::kUnknown;
+    if (!(program.value() < -kClear<double>)) return Sign::kUnknown;
+    if (!of_normals_ || !proves_unsolvable(program)) return Sign::kNegativeInDouble;
+    take_proof(program);
+    return Sign::kNegative;
   } else {
     const Quad terms = terms_of_least(program);
     const Quad rounding = kRounding / least_pivot_;
@@ -444,55 +366,38 @@ ContactSolvability::Sign ContactSolvability::sign_of_normals(double deadline_s) 
   return sign == Sign::kUnknown ? sign_in_quad(deadline_s) : sign;
 }
 
-ContactSolvability::Finding ContactSolvability::decide(const double* v, double deadline_s) {
+ContactSolvability::Finding ContactSolvability::decide(const double* v, double deadline_s, Expected expected) {
   if (always_solvable_) return Finding::kSolvable;
   if (deadline_s < std::numeric_limits<double>::infinity() && !(wall_clock_s() < deadline_s)) return Finding::kUnknown;
   v_ = v;
   find_edges();
   if (edges_.empty()) return Finding::kSolvable;
-  const auto is_solvable = [](Sign sign) {
-    return sign == Sign::kAlwaysPositive || sign == Sign::kPositive || sign == Sign::kZero;
-  };
-  if (has_friction_) {
-    Sign sign = sign_of_least(double_.get(), deadline_s);
-    if (sign == Sign::kUnknown) sign = sign_in_quad(deadline_s);
-    always_solvable_ = sign == Sign::kAlwaysPositive;
-    if (is_solvable(sign)) return Finding::kSolvable;
-  }
+  if (!has_friction_) return finding_of_normals(deadline_s);
+  const bool cones_first = expected == Expected::kSolvable;
+  if (cones_first && cones_are_lifted(deadline_s)) return Finding::kSolvable;
+  if (sign_of_normals(deadline_s) == Sign::kNegative) return Finding::kUnsolvable;
+  if (cones_first) return Finding::kUnknown;
+  find_edges();
+  return cones_are_lifted(deadline_s) ? Finding::kSolvable : Finding::kUnknown;
+}
+
+bool ContactSolvability::is_solvable(Sign sign) {
+  return sign == Sign::kAlwaysPositive || sign == Sign::kPositive || sign == Sign::kZero;
+}
+
+ContactSolvability::Finding ContactSolvability::finding_of_normals(double deadline_s) {
   const Sign sign = sign_of_normals(deadline_s);
+  always_solvable_ = sign == Sign::kAlwaysPositive;
   if (sign == Sign::kNegative) return Finding::kUnsolvable;
-  if (!has_friction_) {
-    always_solvable_ = sign == Sign::kAlwaysPositive;
-    return is_solvable(sign) ? Finding::kSolvable : Finding::kUnknown;
-  }
-  return Finding::kUnknown;
+  return is_solvable(sign) ? Finding::kSolvable : Finding::kUnknown;
 }
 
-/// Small integers where there are such in the same proportion.
-void ContactSolvability::take_proof(const Program<Quad>& program) {
-  constexpr double kLargest = 0x1p20;
-  constexpr Quad kNearInteger = 0x1p-40;
-  auto proof = proof_.head(contact_->nc());
-  proof.setZero();
-  const auto share = [&](Index r) {
-    const Index j = basis_[static_cast<std::size_t>(r)];
-    if (j >= program.edges || !(program.row(r)[program.right()] > kNoise<Quad>)) return Quad{0};
-    return scaled(program.row(r)[program.right()], column_exponent_[static_cast<std::size_t>(j)]);
-  };
-  Quad least = 0;
-  for (Index r = 0; r < program.rows; ++r) {
-    if (share(r) > 0 && (least == 0 || share(r) < least)) least = share(r);
-  }
-  for (Index r = 0; r < program.rows; ++r) {
-    if (!(share(r) > 0)) continue;
-    const Quad ratio = share(r) / least;
-    const double near = std::round(to_double(ratio));
-    const bool is_integer = near <= kLargest && magnitude(ratio - static_cast<Quad>(near)) <= kNearInteger * ratio;
-    proof(edges_[static_cast<std::size_t>(basis_[static_cast<std::size_t>(r)])].contact) =
-        is_integer ? near : to_double(ratio);
-  }
+/// Of the edges of all cones. @pre has_friction_
+bool ContactSolvability::cones_are_lifted(double deadline_s) {
+  Sign sign = sign_of_least(double_.get(), deadline_s);
+  if (sign == Sign::kUnknown) sign = sign_in_quad(deadline_s);
+  always_solvable_ = sign == Sign::kAlwaysPositive;
+  return is_solvable(sign);
 }
-
-void ContactSolvability::write_proof(Eigen::Ref<Vector> u) const { u = proof_.head(u.size()); }
 
 }  // namespace lcpbench

@@ -17,13 +17,16 @@ namespace lcpbench {
 /// - some y with K'(v + X y) >= 0: there is a solution [Cottle, Pang, Stone 1992, 3.8: copositive-plus M]
 /// - some u >= 0 with X'N u = 0 and v'N u < 0: there is none. Without friction one of the two holds. [Farkas 1902]
 ///
-/// Both are decided by the linear program min v'K u, X'K u = 0, sum u = 1, u >= 0: by the simplex method in double,
-/// where its dual solution y satisfies all inequalities by more than any rounding, and else in 113 bits, where a value
-/// of the size of rounding counts as zero. Data in doubles that miss a solution do so by far more, unless small pivots
-/// enlarge the rounding: then nothing is decided. X of full row rank reaches all: there is a solution.
+/// Both are decided by the linear program min v'K u, X'K u = 0, sum u = 1, u >= 0, by the simplex method in double. It
+/// decides where the dual solution y satisfies all inequalities by more than any rounding, or where the u of the exact
+/// system of the last basis is positive and falls by more than its computed neighbour may be off. Else 113 bits decide,
+/// where a value of the size of rounding counts as zero. Data in doubles that miss a solution do so by far more, unless
+/// small pivots enlarge the rounding: then nothing is decided. X of full row rank reaches all: there is a solution.
 class ContactSolvability {
  public:
   enum class Finding { kSolvable, kUnsolvable, kUnknown };
+  /// What the caller has seen: an answer, or a ray. It decides what is looked for first.
+  enum class Expected { kSolvable, kUnsolvable };
 
   /// Whether the inertia is given in a form that may be singular: else there always is a solution, and nothing else may
   /// be called.
@@ -37,7 +40,7 @@ class ContactSolvability {
 
   /// Allocates nothing. O(factors (factors + edges)) per step of the simplex method, and as many steps.
   /// @param v before the impact (ngc) @param deadline_s on wall_clock_s(): kUnknown after it
-  Finding decide(const double* v, double deadline_s);
+  Finding decide(const double* v, double deadline_s, Expected expected = Expected::kSolvable);
 
   /// After kUnknown with friction: whether a path in 113 bits that ended in a solution and misses it by this much,
   /// relative to the speed, tells that there is one. The speed that no impulse reaches decides that, and may be less.
@@ -77,6 +80,9 @@ class ContactSolvability {
   void find_column_exponents();
   template <class Scalar>
   void find_exponents();
+  static bool is_solvable(Sign sign);
+  Finding finding_of_normals(double deadline_s);
+  bool cones_are_lifted(double deadline_s);
   Sign sign_in_quad(double deadline_s);
   Sign sign_of_normals(double deadline_s);
   void keep_basic_edges();
@@ -93,19 +99,23 @@ class ContactSolvability {
   template <class Scalar>
   void drop_artificial(Program<Scalar>& program);
   bool lifts_all(const Program<double>& program, bool from_v);
+  void load_basis(const Program<double>& program);
+  bool proves_unsolvable(const Program<double>& program);
   template <class Scalar>
   Scalar noise_of_cost(const Program<Scalar>& program, Index j) const;
   bool holds_to_rounding(const Program<Quad>& program, Quad rounding);
   Quad value_in_data(const Program<Quad>& program, Quad noise) const;
   template <class Scalar>
   Scalar terms_of_least(const Program<Scalar>& program) const;
-  void take_proof(const Program<Quad>& program);
+  template <class Scalar>
+  void take_proof(const Program<Scalar>& program);
 
   const ContactProblem* contact_ = nullptr;
   const double* v_ = nullptr;
   const Matrix* X_ = nullptr;     // or G*
   bool always_solvable_ = false;  // whatever v
   bool has_friction_ = false;
+  bool of_normals_ = false;           // edges_ are normals
   std::vector<Edge> edges_;           // of the cones, or the normals alone
   std::vector<int> row_exponent_;     // by column of X: powers of two that bring entries to about one
   std::vector<int> column_exponent_;  // by edge
@@ -116,6 +126,8 @@ class ContactSolvability {
   Vector proof_;                          // nc
   Vector lift_, lift_terms_;              // ngc: X y and a bound on its terms
   Vector coordinate_size_;                // ngc: the largest scaled entry of X in the row
+  Matrix basis_columns_, basis_terms_;    // of the last basis in double, by column, and the magnitudes they add up
+  Vector basis_costs_, basis_cost_terms_;
   std::unique_ptr<double[]> double_;
   std::unique_ptr<Quad[]> quad_;
   // The range of X, once it was asked for.

@@ -42,11 +42,11 @@ class Completion {
     add_impulses(z, contacts_.nc() + contacts_.first_direction(contacts_.nc()));
     response_.apply(impulse_.data(), change_.data());
     for (Count i = 0; i < contacts_.padded_ngc(); ++i) u_[i] = contacts_.velocity()[i] + change_[i];
-    bound_rounding();
     const Count length = contacts_.padded_nc();
     combine(contacts_.normals(), length, contacts_.ngc(), u_.data(), normal_velocity_.data(), length);
     contact_lemke::Residual residual;
     if (contacts_.islands() == 1 && is_beyond_doubt(z, residual)) return residual;
+    bound_rounding();
     residual = measure(z);
     if constexpr (sizeof(Scalar) == sizeof(double)) {
       const bool in_doubt = residual.velocity <= kLittle && !(residual.certain <= kLittle);
@@ -65,19 +65,6 @@ class Completion {
     for (Count i = 0; i < contacts_.ngc(); ++i) {
       velocity[i] = static_cast<double>(contacts_.velocity()[i] + change_[i]);
     }
-  }
-
-  /// Whether u proves to rounding that there is no solution, see engine.h.
-  bool disproves(const double* u) {
-    if (!response_.may_be_singular()) return false;
-    add_impulses(u, contacts_.nc());
-    response_.apply(impulse_.data(), change_.data());
-    const Count length = contacts_.padded_ngc();
-    const Scalar terms = square_root(dot(magnitude_.data(), magnitude_.data(), length));
-    const Scalar moved = square_root(dot(change_.data(), change_.data(), length));
-    const Scalar blocked = -dot(impulse_.data(), contacts_.velocity(), length);
-    const Scalar rounding = static_cast<Scalar>(kProofRoundings * kUnitRoundoff<Scalar>) * terms;
-    return moved <= rounding * response_.norm() && blocked > rounding * contacts_.speed();
   }
 
  private:
@@ -285,25 +272,60 @@ class Completion {
   /// Whether the answer passes by so much that one bound for all rows, and the scale of the normals' q alone, will do.
   /// Sets the lambdas. @pre one island
   bool is_beyond_doubt(double* z, contact_lemke::Residual& residual) {
-    const Count length = contacts_.padded_nc();
-    const Scalar root = square_root(dot(bound_.data(), bound_.data(), contacts_.padded_ngc()));
-    const Scalar of_directions = contacts_.direction_reach() * root;
-    measure_friction(z, [&](Count) { return of_directions; });
-    const Scalar rounding = contacts_.reach() * root;
+    is_known_ = true;
+    measure_friction(z, [](Count) { return Scalar(0); });
     for (Count c = 0; c < contacts_.nc(); ++c) {
       const Scalar w = normal_velocity_[c];
       const Scalar off = z[c] > 0 || !(w >= 0) ? magnitude(w) : Scalar(0);
       if (!(off <= worst_[0])) worst_[0] = number_or_infinity(off);
     }
-    const Scalar certain = certain_[0] > worst_[0] + rounding ? certain_[0] : worst_[0] + rounding;
+    const Count length = contacts_.padded_nc();
     combine(contacts_.normals(), length, contacts_.ngc(), contacts_.velocity(), slack_.data(), length);
     const Scalar scale = largest_magnitude(slack_.data(), contacts_.nc());
-    const bool passes = scale > 0 && worst_[0] <= static_cast<Scalar>(kNoDoubt) * scale &&
-                        certain <= static_cast<Scalar>(kLittle) * scale;
-    if (!passes) return false;
+    if (!(scale > 0 && worst_[0] <= static_cast<Scalar>(kNoDoubt) * scale)) return false;
+    const Scalar at_rest = worst_[0] > certain_[0] ? worst_[0] : certain_[0];
+    const Scalar reach =
+        contacts_.reach() > contacts_.direction_reach() ? contacts_.reach() : contacts_.direction_reach();
+    if (!(reach * reach > static_cast<Scalar>(kSmallestSafe<Scalar>)))
+      return false;  // its squares may have underflowed
+    Scalar certain = at_rest + reach * largest_rounding(reach, scale);
+    const auto is_little = [&] { return certain <= static_cast<Scalar>(kLittle) * scale; };
+    const auto take_bound = [&] {
+      certain = at_rest + reach * square_root(dot(bound_.data(), bound_.data(), contacts_.padded_ngc()));
+    };
+    if (!is_little()) {
+      bound_rounding();
+      if (terms_ > 0 && !is_known_) return false;
+      take_bound();
+    }
+    if constexpr (sizeof(Scalar) == sizeof(double)) {
+      if (!is_little() && is_known_ && response_.has_blocks()) {
+        bound_rounding_by_residual(z);
+        take_bound();
+      }
+    }
+    if (!is_little()) return false;
     residual.velocity = relative(worst_[0], scale);
     residual.certain = relative(certain, scale);
     return residual.certain < __builtin_inf();
+  }
+
+  /// At least the Euclidean norm of bound_, from norms and traces: no coordinate is looked at. Infinite where products
+  /// may have underflowed by what counts beside a velocity of `scale` of a row of norm `reach`.
+  Scalar largest_rounding(Scalar reach, Scalar scale) const {
+    const Scalar roundoff = static_cast<Scalar>(kUnitRoundoff<Scalar>);
+    const Scalar sums = roundoff * static_cast<Scalar>(static_cast<double>(4 + 2 * contacts_.ngc() + terms_));
+    const Scalar dots = roundoff * static_cast<Scalar>(static_cast<double>(2 + contacts_.ngc()));
+    const Count length = contacts_.padded_ngc();
+    const Scalar change = square_root(dot(change_.data(), change_.data(), length));
+    const Scalar of_velocity = dots * (contacts_.speed() + change);
+    if (terms_ == 0) return of_velocity;
+    const Scalar gain = response_.inverse_trace();
+    const Scalar smallest = static_cast<Scalar>(kSmallestSafe<Scalar>);
+    if (!((gain + 1) * reach * smallest <= roundoff * scale && scale > smallest)) return kInfinity<Scalar>;
+    const Scalar impulse = square_root(dot(magnitude_.data(), magnitude_.data(), length));
+    const Scalar lost = response_.largest_backward_error() * response_.trace() * change;
+    return gain * (sums * impulse + lost) + of_velocity;
   }
 
   /// scale_: of each island max|q|, or the floor that the rounding of q sets where that is more.
@@ -357,8 +379,7 @@ class Completion {
   static constexpr double kRoom = 1.25;    ///< for G instead of the matrix of the factors within kTrusted
   static constexpr double kLongUnitRoundoff = static_cast<double>(__LDBL_EPSILON__) / 2;
   static constexpr double kFloor =
-      0x1p-53 / 1e-4;                             ///< of the verdict: a residual of the rounding of q counts as solved
-  static constexpr double kProofRoundings = 256;  // of the elimination that led to u; small against any real motion
+      0x1p-53 / 1e-4;  ///< of the verdict: a residual of the rounding of q counts as solved
 
   Contacts<Scalar>& contacts_;
   Response<Scalar>& response_;

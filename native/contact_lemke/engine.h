@@ -41,7 +41,6 @@ struct Rules {
   /// true: it is positive on every row, and so are friction rows there: Lemke's method as its proofs have it.
   bool classic = false;
   std::ptrdiff_t variant = 0;  ///< > 0: unequal entries in the covering vector, another path for each number
-  bool frictionless = false;   ///< as if every mu were 0
   /// From the basis with which the last solve ended, instead of from z = 0. A breakdown where there is none.
   bool resume = false;
   std::ptrdiff_t refinements = 0;  ///< steps of iterative refinement of the basic variables at each pivot
@@ -82,7 +81,6 @@ struct Engine {
   void (*load)(void* engine, const Input& input);
   void (*set_velocity)(void* engine, const double* v);
   /// Follows one path. Impulses of the last basis go to z (all n entries; lambdas are zero) when the ending is kSolved.
-  /// On a ray the normal impulses of the ray go to z instead: z'Mz = 0 on it.
   Outcome (*solve)(void* engine, const Rules& rules, double* z);
   /// Sets the lambdas of z to the least that its impulses allow and evaluates the answer.
   Residual (*complete)(void* engine, double* z);
@@ -94,9 +92,9 @@ struct Engine {
   /// The same for the answer z of another method that ends in a basis. `basic`: n entries, 1 where z is basic. No solve
   /// is needed. @pre Input::polishes_answers
   bool (*polish_answer)(void* engine, const char* basic, double* velocity, double* z);
-  /// Whether u (nc) >= 0 proves, to rounding, that nothing solves the problem: N u in null(G), v'N u < 0. Never true
-  /// for a G of full rank.
-  bool (*disproves)(void* engine, const double* u);
+  /// After a solve that ended in kSolved: whether the data prove that the problem has a solution. Either G is regular
+  /// within its rounding, or the exact problem has a solution with the basis of the path's end. False: not known.
+  bool (*proves_solvable)(void* engine);
 };
 
 }  // namespace lcpbench::contact_lemke

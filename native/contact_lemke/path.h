@@ -65,7 +65,7 @@ class Path {
     outcome_ = {};
     outcome_.ending = rules.resume ? resume(z) : follow(z);
     if (outcome_.ending == contact_lemke::Ending::kBreakdown) kernel_.wipe();
-    has_basis_ = outcome_.ending == contact_lemke::Ending::kSolved && !rules_.classic && !rules_.frictionless;
+    has_basis_ = outcome_.ending == contact_lemke::Ending::kSolved && !rules_.classic;
     if (has_basis_) copy(basis_velocity_.data(), contacts_.velocity(), contacts_.padded_ngc());
     return outcome_;
   }
@@ -73,34 +73,10 @@ class Path {
   /// The velocity of the last basis by Polish, and its impulses anew. False, and z as it was, where G is singular or
   /// the basis' columns are dependent.
   /// @pre solve() ended in kSolved
-  bool polish(double* velocity, double* z) {
-    if (!response_.full_rank()) return false;
-    if (kernel_.order() == 0) {
-      for (Count i = 0; i < contacts_.ngc(); ++i) velocity[i] = static_cast<double>(contacts_.velocity()[i]);
-      return true;
-    }
-    polish_.clear();
-    for (Count r = 0; r < kernel_.order(); ++r) {
-      if (artificial_ >= 0 && kernel_.row_label(r) == last_.label) continue;  // z0's row, zero by itself
-      Scalar* const to = polish_.next_row();
-      if (to == nullptr) return false;
-      load_row(kernel_.row_label(r));
-      response_.whiten(row_.data(), to);
-    }
-    for (Count j = 0; j < kernel_.order(); ++j) {
-      if (j == artificial_) continue;
-      Scalar* const to = polish_.next_column();
-      if (to == nullptr) return false;
-      load_column(kernel_.column_label(j));
-      response_.whiten(column_.data(), to);
-    }
-    if (!polish_.run(contacts_, response_, u_.data())) return false;
-    for (Count i = 0; i < contacts_.ngc(); ++i) velocity[i] = static_cast<double>(u_[i]);
-    Count column = 0;
-    for (Count j = 0; j < kernel_.order(); ++j) x_[j] = j == artificial_ ? Scalar(0) : polish_.impulse(column++);
-    write_impulses(z);
-    return true;
-  }
+  bool polish(double* velocity, double* z);
+
+  /// Whether the data prove that the problem has a solution, see path_proof.h. @pre solve() ended in kSolved
+  bool proves_solvable();
 
   Contacts<Scalar>& contacts() { return contacts_; }
   Response<Scalar>& response() { return response_; }
@@ -176,10 +152,7 @@ class Path {
       compute_candidates(entering);
       const Leaving leaving = choose_leaving();
       if (leaving.kind == Kind::kBroken) return Ending::kBreakdown;
-      if (leaving.kind == Kind::kNone) {
-        write_ray(entering, z);
-        return Ending::kRay;
-      }
+      if (leaving.kind == Kind::kNone) return Ending::kRay;
       ++outcome_.pivots;
       const bool last = leaving.kind == Kind::kColumn && leaving.column == artificial_;
       if (!exchange(entering, leaving)) return Ending::kBreakdown;
@@ -220,12 +193,10 @@ class Path {
     artificial_ = -1;
     if (rules_.classic) {
       for (Count c = 0; c < contacts_.nc(); ++c) {
-        if (with_friction(c)) bring_alive(c, contacts_.edges(c));
+        if (contacts_.has_friction(c)) bring_alive(c, contacts_.edges(c));
       }
     }
   }
-
-  bool with_friction(Count contact) const { return !rules_.frictionless && contacts_.has_friction(contact); }
 
   /// Between 1 and 2 and different for different k: what lies in general position has no ties.
   static Scalar spread(Count k) {
@@ -326,7 +297,7 @@ class Path {
 
   /// A contact begins to press: its friction starts in the direction against its slip.
   void press(Count contact) {
-    if (!with_friction(contact) || alive_[contact]) return;
+    if (!contacts_.has_friction(contact) || alive_[contact]) return;
     contacts_.slip(contact, u_.data(), slip_.data());
     const Count half = contacts_.half(contact);
     Count base = 2 * half;
@@ -431,55 +402,34 @@ class Path {
   void load_any_column(Label label);
   bool invert();
 
-  // --- ends ---
+  // --- ends: path_ends.h ---
 
   static constexpr Count kLastRefinements = 1;
   static constexpr double kRoundingsAtEnd = 64;
 
-  Ending finish(double* z) {
-    if (!compute_values()) return Ending::kBreakdown;
-    for (Count k = 0; k < kLastRefinements; ++k) refine();
-    Scalar poison = 0;
-    for (Count j = 0; j < kernel_.order(); ++j) poison += Scalar(0) * x_[j];
-    if (!(poison == 0)) return Ending::kBreakdown;
-    if constexpr (sizeof(Scalar) > sizeof(double)) outcome_.missed = missed_at_end();
-    write_impulses(z);
-    return Ending::kSolved;
-  }
-
+  Ending finish(double* z);
   double missed_at_end();
+  bool round_impulses(Scalar* rounded);
+  void write_impulses(const Scalar* impulses, double* z) const;
+  void write_friction(Label label, Scalar value, double* z) const;
 
-  void write_impulses(double* z) {
-    for (Count j = 0; j < kernel_.order(); ++j) {
-      const Label label = kernel_.column_label(j);
-      if (label.contact == kArtificial) continue;
-      const Scalar value = x_[j] > 0 ? x_[j] : Scalar(0);
-      if (label.is_normal()) z[label.contact] = static_cast<double>(value);
-      if (!label.is_normal()) write_friction(label, value, z);
-    }
-    for (Count k = 0; k < living_count_; ++k) {
-      const Count c = living_[k];
-      Scalar rest = 0;
-      for (Count j = 0; j < kernel_.order(); ++j) {
-        const Label label = kernel_.column_label(j);
-        if (label.contact == c && x_[j] > 0) rest += simplex_weight(label) * x_[j];
-      }
-      write_friction(Label{c, base_[c]}, rest > 0 ? rest : Scalar(0), z);
-    }
-  }
+  // --- the proof: path_proof.h ---
 
-  void write_friction(Label label, Scalar value, double* z) const {
-    if (label.direction == contacts_.edges(label.contact)) return;
-    z[contacts_.nc() + contacts_.first_direction(label.contact) + label.direction] = static_cast<double>(value);
-  }
-
-  void write_ray(const Entering& entering, double* z) const {
-    for (Count j = 0; j < kernel_.order(); ++j) {
-      const Label label = kernel_.column_label(j);
-      if (label.is_normal() && dx_[j] > 0) z[label.contact] = static_cast<double>(dx_[j]);
-    }
-    if (!entering.is_velocity && entering.label.is_normal()) z[entering.label.contact] = 1;
-  }
+  struct Doubt;
+  bool is_complementary() const;
+  void renew_kernel();
+  /// What a unit of impulse j causes.
+  Scalar speed_of(Count j) const { return kernel_.norm(j) / contacts_.reach(); }
+  bool bound_values(Doubt& doubt);
+  bool bound_inverse(Doubt& doubt);
+  bool is_positive(const Doubt& doubt);
+  bool separates(const Doubt& doubt);
+  bool slips_away(Count contact, const Doubt& doubt);
+  bool is_clear(Label label, Scalar velocity, const Doubt& doubt);
+  Scalar bound_velocity(Label label, const Doubt& doubt);
+  void express_by_rows(Label label);
+  bool depends_on_rows(Count contact);
+  bool is_sum_of_rows(Count contact, Count times) const;
 
   contact_lemke::Rules rules_;
   contact_lemke::Outcome outcome_;
@@ -517,6 +467,8 @@ class Path {
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL
 
 #include "native/contact_lemke/path_continuation.h"
+#include "native/contact_lemke/path_ends.h"
 #include "native/contact_lemke/path_exchanges.h"
+#include "native/contact_lemke/path_proof.h"
 #include "native/contact_lemke/path_ratio_test.h"
 #include "native/contact_lemke/path_values.h"

@@ -258,19 +258,4 @@ inline bool Path<Scalar>::enters_friction_of(const Entering& entering, Count con
   return !entering.is_velocity && entering.label.contact == contact && !entering.label.is_normal();
 }
 
-/// See Outcome::missed. What is negative and should not be, what is left of the rows of the kernel and of z0, and some
-/// roundings of the largest values.
-template <class Scalar>
-inline double Path<Scalar>::missed_at_end() {
-  const Scalar left = artificial_ >= 0 ? magnitude(x_[artificial_]) * kernel_.norm(artificial_) : Scalar(0);
-  Scalar missed = left + largest_residual();
-  compute_candidates(last_);
-  for_each_segment([&](Count first, Count last) {
-    for (Count i = first; i < last; ++i) missed = value_[i] >= -missed ? missed : number_or_infinity(-value_[i]);
-  });
-  missed += static_cast<Scalar>(kRoundingsAtEnd * kUnitRoundoff<Scalar>) * value_scale_;
-  const Scalar speed = contacts_.reach() * contacts_.least_speed();
-  return speed > 0 ? static_cast<double>(number_or_infinity(missed / speed)) : __builtin_inf();
-}
-
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

@@ -42,7 +42,7 @@ class Polish {
 
   /// u, ngc entries padded. False when the columns are dependent or the projection breaks down.
   bool run(const Contacts<Scalar>& contacts, const Response<Scalar>& response, Scalar* u) {
-    if (columns_ != rows_ || !orthonormalise()) return false;
+    if (columns_ != rows_ || !orthonormalise(true)) return false;
     response.whiten_velocity(contacts.velocity(), white_.data());
     for (Count k = 0; k < columns_; ++k) moved_[k] = 0;
     for (Count pass = 0; pass < kPasses; ++pass) {
@@ -50,6 +50,21 @@ class Polish {
     }
     response.unwhiten(white_.data(), u);
     solve_for_impulses();
+    return true;
+  }
+
+  /// Shares y of the columns, each what `round(column, share)` makes of it, for which the sum of y_k a_k hardly differs
+  /// from that of all a_k. Each is rounded before the next is solved for, which so makes up for the rounding; the
+  /// shortest is the last, since nothing makes up for that. False when the columns are dependent. [Babai 1986, the
+  /// nearest-plane method]
+  template <class Round>
+  bool round_shares(Round&& round) {
+    if (!orthonormalise(false)) return false;
+    for (Count k = columns_ - 1; k >= 0; --k) {
+      Scalar left = R(k, k);
+      for (Count j = k + 1; j < columns_; ++j) left += R(k, j) * (Scalar(1) - right_[j]);
+      right_[k] = round(order_[k], left / R(k, k));
+    }
     return true;
   }
 
@@ -69,10 +84,10 @@ class Polish {
 
   Scalar& R(Count k, Count j) { return R_[k * most_ + j]; }
 
-  bool orthonormalise() {
+  bool orthonormalise(bool longest_first) {
     for (Count k = 0; k < columns_; ++k) order_[k] = k;
     for (Count k = 0; k < columns_; ++k) {
-      bring_longest_to(k);
+      bring_next_to(k, longest_first);
       const Scalar before = square_root(dot(column(k), column(k), padded_));
       for (Count j = 0; j < k; ++j) {
         const Scalar rest = dot(column(j), column(k), padded_);
@@ -91,20 +106,21 @@ class Polish {
     return true;
   }
 
-  void bring_longest_to(Count k) {
-    Count longest = k;
-    Scalar largest = -1;
-    for (Count j = k; j < columns_; ++j) {
+  /// The longest, or else the shortest, of the columns from k on.
+  void bring_next_to(Count k, bool longest) {
+    Count next = k;
+    Scalar best = dot(column(k), column(k), padded_);
+    for (Count j = k + 1; j < columns_; ++j) {
       const Scalar square = dot(column(j), column(j), padded_);
-      if (square > largest) {
-        largest = square;
-        longest = j;
+      if (longest ? square > best : square < best) {
+        best = square;
+        next = j;
       }
     }
-    if (longest == k) return;
-    for (Count i = 0; i < padded_; ++i) exchange(column(k)[i], column(longest)[i]);
-    for (Count i = 0; i < k; ++i) exchange(R(i, k), R(i, longest));
-    exchange(order_[k], order_[longest]);
+    if (next == k) return;
+    for (Count i = 0; i < padded_; ++i) exchange(column(k)[i], column(next)[i]);
+    for (Count i = 0; i < k; ++i) exchange(R(i, k), R(i, next));
+    exchange(order_[k], order_[next]);
   }
 
   template <class T>

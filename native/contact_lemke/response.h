@@ -28,6 +28,7 @@ class Response {
     white_.resize(padded_);
     reach_.resize(padded_);
     root_.resize(padded_);
+    diagonal_.resize(padded_);
     if (given_) return;
     work_.resize(ngc_ * padded_);
     L_.resize(ngc_ * padded_);
@@ -39,46 +40,88 @@ class Response {
   void load(const contact_lemke::Input& input) {
     reserve(input);
     inertia_ = input.inertia;
+    is_measured_ = is_certified_ = false;
     if (given_) {
-      load_inverse(input.inertia.Ginv);
-      return measure_given();
+      by_columns_ = false;
+      is_sound_ = true;
+      return load_inverse(input.inertia.Ginv);
     }
-    bool sound = load_columns(input.inertia);
-    const bool by_columns = sound;
-    if (!by_columns) {
+    by_columns_ = is_sound_ = load_columns(input.inertia);
+    if (!by_columns_) {
       form(input.inertia);
       factor(by_factors_ && input.inertia.factors < ngc_ ? input.inertia.factors : ngc_);
       if (rank_ == ngc_) {
         invert_triangle();
-        sound = true;
+        is_sound_ = true;
       } else {
-        sound = pseudo_invert() && is_cut_cleanly();
+        is_sound_ = pseudo_invert() && is_cut_cleanly();
       }
     }
     transpose();
-    measure_factored(sound, by_columns);
-    norm_ = 0;
-    for (Count k = by_columns || rank_ == 0 ? 0 : rank_ - 1; k < rank_; ++k) {  // the last is of the smallest pivot
-      const Scalar* const column = columns_.data() + k * padded_;
-      const Scalar square = dot(column, column, padded_);
-      norm_ = square > norm_ ? square : norm_;
-    }
+    inverse_trace_ = dot(columns_.data(), columns_.data(), rank_ * padded_);
+    trace_ = by_columns_ ? dot(L_.data(), L_.data(), rank_ * padded_) : sum(diagonal_.data());
   }
 
-  Count rank() const { return rank_; }
-  /// G given whole is positive definite by contract, however ill-conditioned; fewer than ngc factors, or a G* as it is,
-  /// may leave directions in which nothing moves.
-  bool may_be_singular() const { return given_ || (by_factors_ && rank_ < ngc_); }
   bool full_rank() const { return !given_ && rank_ == ngc_; }
+  /// Whether whiten() and what goes with it may be called.
+  bool has_factors() const { return !given_; }
+
+  /// The sum of the diagonal of G*.
+  Scalar inverse_trace() const { return inverse_trace_; }
+  /// The sum of the diagonal of G; 0 where G* was given.
+  Scalar trace() const { return trace_; }
+  /// At least backward_error(), from the traces alone: infinite where they do not tell.
+  Scalar largest_backward_error() const {
+    if (given_) return 0;
+    const Scalar condition = 1 + inverse_trace_ * trace_;
+    return is_trusted(condition) ? (rank_ == ngc_ ? roundings() : roundings() * condition) : kInfinity<Scalar>;
+  }
 
   /// Per coordinate the square root of (G*)_kk: no impulse p moves the coordinate by more than that times |p|_G*.
   /// Padded.
-  const Scalar* reach() const { return reach_.data(); }
+  const Scalar* reach() {
+    measure();
+    return reach_.data();
+  }
   /// Per coordinate the square root of G_kk; 0 where G* was given. Padded.
-  const Scalar* root() const { return root_.data(); }
+  const Scalar* root() {
+    measure();
+    return root_.data();
+  }
   /// The factors in use are those of a matrix that differs from G by no more than this times root_i root_j in each
   /// entry. Infinite where that may be a singular matrix, so that nothing is known of G*.
-  Scalar backward_error() const { return backward_error_; }
+  Scalar backward_error() {
+    measure();
+    return backward_error_;
+  }
+
+  /// Whether G, given by factors, is positive definite beyond the rounding of all that was done with it.
+  bool is_regular() {
+    if (!by_factors_ || rank_ < ngc_ || inertia_.factors > 2 * ngc_ || !(backward_error() < kInfinity<Scalar>)) {
+      return false;
+    }
+    for (Count i = 0; i < ngc_; ++i) {
+      if (!in_safe_range(root_[i])) return false;
+    }
+    return true;
+  }
+
+  /// In Euclid's norms: at least |G*| and, for any vector a, |apply(a) - G* a| / |a|. G* is here that of the exact sum
+  /// of the factors, or the one given. Infinite where not even its rank is certain.
+  ///
+  /// With D the norms of L's columns and H = D^-1 L'L D^-1, each computed row W_i solves W_i D (H + F) = L_i D^-1 for
+  /// some F of the size of roundings [Higham 2002, 10.1], so that W_i D is off by at most |W_i D| |F| |H^-1|. The
+  /// rounding of the factors to columns of L adds to that as it does to a pseudo-inverse [Wedin 1973]. |H^-1| is
+  /// bounded through D W'L D^-1, which is nearly I.
+  struct Certainty {
+    Scalar error = kInfinity<Scalar>;
+    Scalar norm = kInfinity<Scalar>;
+  };
+  const Certainty& certainty() {
+    if (!is_certified_) certainty_ = find_certainty();
+    is_certified_ = true;
+    return certainty_;
+  }
 
   /// Whether G was given by blocks, one or many.
   bool has_blocks() const { return full_rank() && !by_factors_; }
@@ -96,9 +139,6 @@ class Response {
       }
     }
   }
-
-  /// The largest diagonal entry of W'W or, where it was given, of G*: an estimate of the norm of G*.
-  Scalar norm() const { return norm_; }
 
   /// c := G* a; both ngc long, padded with zeros.
   void apply(const Scalar* a, Scalar* c) {
@@ -134,15 +174,61 @@ class Response {
  private:
   using P = Packed<Scalar>;
 
+  /// Sizes whose squares and products neither over- nor underflow.
+  static bool in_safe_range(Scalar size) {
+    return static_cast<double>(size) > 1e-60 && static_cast<double>(size) < 1e60;
+  }
+
+  Certainty find_certainty() {
+    const Scalar roundoff = static_cast<Scalar>(kUnitRoundoff<Scalar>);
+    const Scalar order = static_cast<Scalar>(static_cast<double>(ngc_));
+    if (given_) {
+      const Scalar whole = square_root(dot(columns_.data(), columns_.data(), ngc_ * padded_));
+      return {roundoff * (order + 4) * static_cast<Scalar>(kSlack) * whole, static_cast<Scalar>(kSlack) * whole};
+    }
+    if (!by_columns_ || rank_ == 0) return {};
+    Scalar* const sizes = done_.data();  // of the columns of L
+    Scalar least = kInfinity<Scalar>, scaled = 0, missed = 0;
+    for (Count k = 0; k < rank_; ++k) {
+      const Scalar* const w = columns_.data() + k * padded_;
+      const Scalar* const l = L_.data() + k * padded_;
+      const Scalar size = square_root(dot(l, l, padded_));
+      if (!in_safe_range(size)) return {};
+      sizes[k] = size;
+      least = size < least ? size : least;
+      scaled += size * size * dot(w, w, padded_);
+    }
+    for (Count k = 0; k < rank_; ++k) {
+      whiten(L_.data() + k * padded_, white_.data());
+      white_[k] -= 1;
+      Scalar squares = 0;
+      for (Count j = 0; j < rank_; ++j) squares += white_[j] * white_[j] * sizes[j] * sizes[j];
+      missed += squares / (sizes[k] * sizes[k]);
+    }
+    const Scalar columns = static_cast<Scalar>(static_cast<double>(rank_));
+    scaled = square_root(scaled);
+    missed = square_root(missed) + roundoff * (order + 4) * square_root(columns) * scaled;
+    if (!(missed < static_cast<Scalar>(0.5))) return {};
+    const Scalar slack = static_cast<Scalar>(kSlack);
+    const Scalar inverse = slack * scaled * scaled / ((1 - missed) * (1 - missed));
+    const Scalar solves = slack * roundoff * (4 * columns + order + 16);
+    if (!(columns * solves * inverse < static_cast<Scalar>(0.01))) return {};
+    const Scalar lost = slack * inverse * (scaled * columns * solves + 8 * roundoff * square_root(columns)) / least;
+    const Scalar size = slack * square_root(inverse_trace_);
+    const Scalar error = lost * (2 * size + lost) + slack * roundoff * (order + columns + 4) * size * size;
+    return {error, size * size + error};
+  }
+
   void load_inverse(const double* Ginv) {
     white_.fill(padded_, Scalar(0));
-    norm_ = 0;
+    trace_ = inverse_trace_ = 0;
     rank_ = ngc_;
     rank_padded_ = padded_;
     for (Count j = 0; j < ngc_; ++j) {
       for (Count i = 0; i < ngc_; ++i) columns_[j * padded_ + i] = static_cast<Scalar>(Ginv[j * ngc_ + i]);
       for (Count i = ngc_; i < padded_; ++i) columns_[j * padded_ + i] = 0;
-      norm_ = columns_[j * padded_ + j] > norm_ ? columns_[j * padded_ + j] : norm_;
+      const Scalar entry = columns_[j * padded_ + j];
+      inverse_trace_ += entry >= 0 ? entry : kInfinity<Scalar>;
     }
   }
 
@@ -194,8 +280,8 @@ class Response {
     for (Count i = 0; i < padded_; ++i) left[i] = i < ngc_ ? Scalar(1) : Scalar(0);
     // What elimination leaves of an entry is compared with that entry: another coordinate may have another unit.
     Scalar* const whole = white_.data();
-    for (Count i = 0; i < ngc_; ++i) whole[i] = root_[i] = work_[i * padded_ + i];
-    for (Count i = ngc_; i < padded_; ++i) root_[i] = 0;
+    for (Count i = 0; i < ngc_; ++i) whole[i] = diagonal_[i] = work_[i * padded_ + i];
+    for (Count i = ngc_; i < padded_; ++i) diagonal_[i] = 0;
     first_pivot_ = last_pivot_ = 0;
     rank_ = 0;
     for (Count tried = 0; tried < ngc_ && rank_ < most; ++tried) {
@@ -297,30 +383,41 @@ class Response {
     return last_pivot_ > static_cast<Scalar>(kCleanCut * static_cast<double>(ngc_)) * first_pivot_;
   }
 
-  void measure_given() {
-    for (Count i = 0; i < padded_; ++i) {
-      reach_[i] = i < ngc_ ? square_root(columns_[i * padded_ + i]) : Scalar(0);
-      root_[i] = 0;
-    }
+  /// reach_, root_ and backward_error_, when they are first asked for.
+  void measure() {
+    if (is_measured_) return;
+    is_measured_ = true;
+    for (Count i = 0; i < padded_; ++i) reach_[i] = root_[i] = 0;
     backward_error_ = 0;
-  }
-
-  /// @pre transpose()
-  void measure_factored(bool sound, bool by_columns) {
-    if (by_columns) {
-      for (Count i = 0; i < padded_; ++i) root_[i] = 0;
-      for (Count k = 0; k < rank_; ++k) add_squares(L_.data() + k * padded_, root_.data());
+    if (given_) {
+      for (Count i = 0; i < ngc_; ++i) reach_[i] = square_root(columns_[i * padded_ + i]);
+      return;
     }
-    for (Count i = 0; i < padded_; ++i) reach_[i] = 0;
+    if (by_columns_) {
+      for (Count k = 0; k < rank_; ++k) add_squares(L_.data() + k * padded_, root_.data());
+    } else {
+      copy(root_.data(), diagonal_.data(), padded_);
+    }
     for (Count k = 0; k < rank_; ++k) add_squares(columns_.data() + k * padded_, reach_.data());
     for (Count i = 0; i < padded_; ++i) reach_[i] = square_root(reach_[i]);
     for (Count i = 0; i < padded_; ++i) root_[i] = square_root(root_[i]);
     const Scalar condition = rank_ == ngc_ ? condition_of_whole() : condition_of_columns();
-    const Scalar roundings = static_cast<Scalar>((8 + 4 * static_cast<double>(ngc_)) * kUnitRoundoff<Scalar>);
-    backward_error_ = rank_ == ngc_ ? roundings : roundings * condition;
-    // The factors are those of a neighbour of G: they bound G* only where no neighbour is singular.
-    const Scalar lost = roundings * static_cast<Scalar>(static_cast<double>(ngc_)) * condition;
-    if (!sound || !(lost < static_cast<Scalar>(kTrusted))) backward_error_ = kInfinity<Scalar>;
+    backward_error_ = rank_ == ngc_ ? roundings() : roundings() * condition;
+    if (!is_trusted(condition)) backward_error_ = kInfinity<Scalar>;
+  }
+
+  Scalar roundings() const { return static_cast<Scalar>((8 + 4 * static_cast<double>(ngc_)) * kUnitRoundoff<Scalar>); }
+  /// The factors are those of a neighbour of G: they bound G* only where no neighbour is singular.
+  bool is_trusted(Scalar condition) const {
+    const Scalar lost = roundings() * static_cast<Scalar>(static_cast<double>(ngc_)) * condition;
+    return is_sound_ && lost < static_cast<Scalar>(kTrusted);
+  }
+
+  /// Of padded_ entries.
+  Scalar sum(const Scalar* x) const {
+    typename P::Pack total = typename P::Pack{};
+    for (Count i = 0; i < padded_; i += P::kWidth) total += P::load(x + i);
+    return P::sum(total);
   }
 
   void add_squares(const Scalar* x, Scalar* to) const {
@@ -358,13 +455,19 @@ class Response {
 
   Count ngc_ = 0, padded_ = 0, rank_ = 0, rank_padded_ = 0;
   static constexpr double kCleanCut = 0x1p-52;  ///< relative to the largest entry: the cut of inverse_inertia()
+  static constexpr double kSlack = 1.2;         ///< for what bounds themselves round, and for products of roundings
   bool given_ = false, by_factors_ = false;
+  bool by_columns_ = false;    ///< L are the given factors
+  bool is_sound_ = false;      ///< the rank in use is that of G
+  bool is_measured_ = false;   ///< reach_, root_ and backward_error_ are those of this G
+  bool is_certified_ = false;  ///< and so is certainty_
+  Certainty certainty_;
   contact_lemke::InertiaInput inertia_;
-  Scalar norm_ = 0, first_pivot_ = 0, last_pivot_ = 0, backward_error_ = 0;
+  Scalar first_pivot_ = 0, last_pivot_ = 0, backward_error_ = 0, trace_ = 0, inverse_trace_ = 0;
   Buffer<Scalar> work_, L_, done_, white_;
-  Buffer<Scalar> reach_, root_;  ///< per coordinate
-  Buffer<Scalar> columns_;       ///< of W (of G* where it is given), padded_ apart
-  Buffer<Scalar> rows_;          ///< of W, rank_padded_ apart
+  Buffer<Scalar> diagonal_, reach_, root_;  ///< per coordinate
+  Buffer<Scalar> columns_;                  ///< of W (of G* where it is given), padded_ apart
+  Buffer<Scalar> rows_;                     ///< of W, rank_padded_ apart
   Buffer<Count> pivots_;
 };
 

@@ -1,0 +1,123 @@
+#pragma once
+
+#include "native/contact_lemke/path.h"
+
+// What a path ends in: the impulses and the velocity of its last basis.
+
+namespace lcpbench::lemke::LCPBENCH_LEVEL {
+
+template <class Scalar>
+inline auto Path<Scalar>::finish(double* z) -> Ending {
+  if (!compute_values()) return Ending::kBreakdown;
+  for (Count k = 0; k < kLastRefinements; ++k) refine();
+  Scalar poison = 0;
+  for (Count j = 0; j < kernel_.order(); ++j) poison += Scalar(0) * x_[j];
+  if (!(poison == 0)) return Ending::kBreakdown;
+  const Scalar* impulses = x_.data();
+  if constexpr (sizeof(Scalar) > sizeof(double)) {
+    outcome_.missed = missed_at_end();
+    if (round_impulses(coefficients_.data())) impulses = coefficients_.data();
+  }
+  write_impulses(impulses, z);
+  return Ending::kSolved;
+}
+
+/// The impulses of the kernel as doubles, each rounded so that the others can make up for it. Where contacts nearly
+/// depend on each other, impulses of 1e12 N s may leave a velocity of zero, and rounding each for itself moves it.
+template <class Scalar>
+inline bool Path<Scalar>::round_impulses(Scalar* rounded) {
+  if (!response_.has_factors()) return false;
+  const auto counts = [this](Count j) { return j != artificial_ && x_[j] > 0; };
+  polish_.clear();
+  for (Count j = 0; j < kernel_.order(); ++j) {
+    rounded[j] = 0;
+    if (!counts(j)) continue;
+    Scalar* const to = polish_.next_column();
+    if (to == nullptr) return false;
+    load_column(kernel_.column_label(j));
+    response_.whiten(column_.data(), to);
+    scale(to, x_[j], contacts_.padded_ngc());
+  }
+  return polish_.round_shares([&](Count column, Scalar share) {
+    Count j = 0;
+    for (;; ++j) {
+      if (counts(j) && column-- == 0) break;
+    }
+    const double value = static_cast<double>(share * x_[j]);
+    rounded[j] = value > 0 ? Scalar(value) : Scalar(0);
+    return rounded[j] / x_[j];
+  });
+}
+
+/// See Outcome::missed. What is negative and should not be, what is left of the rows of the kernel and of z0, and some
+/// roundings of the largest values.
+template <class Scalar>
+inline double Path<Scalar>::missed_at_end() {
+  const Scalar left = artificial_ >= 0 ? magnitude(x_[artificial_]) * kernel_.norm(artificial_) : Scalar(0);
+  Scalar missed = left + largest_residual();
+  compute_candidates(last_);
+  for_each_segment([&](Count first, Count last) {
+    for (Count i = first; i < last; ++i) missed = value_[i] >= -missed ? missed : number_or_infinity(-value_[i]);
+  });
+  missed += static_cast<Scalar>(kRoundingsAtEnd * kUnitRoundoff<Scalar>) * value_scale_;
+  const Scalar speed = contacts_.reach() * contacts_.least_speed();
+  return speed > 0 ? static_cast<double>(number_or_infinity(missed / speed)) : __builtin_inf();
+}
+
+template <class Scalar>
+inline void Path<Scalar>::write_impulses(const Scalar* impulses, double* z) const {
+  for (Count j = 0; j < kernel_.order(); ++j) {
+    const Label label = kernel_.column_label(j);
+    if (label.contact == kArtificial) continue;
+    const Scalar value = impulses[j] > 0 ? impulses[j] : Scalar(0);
+    if (label.is_normal()) z[label.contact] = static_cast<double>(value);
+    if (!label.is_normal()) write_friction(label, value, z);
+  }
+  for (Count k = 0; k < living_count_; ++k) {
+    const Count c = living_[k];
+    Scalar rest = 0;
+    for (Count j = 0; j < kernel_.order(); ++j) {
+      const Label label = kernel_.column_label(j);
+      if (label.contact == c && impulses[j] > 0) rest += simplex_weight(label) * impulses[j];
+    }
+    write_friction(Label{c, base_[c]}, rest > 0 ? rest : Scalar(0), z);
+  }
+}
+
+template <class Scalar>
+inline void Path<Scalar>::write_friction(Label label, Scalar value, double* z) const {
+  if (label.direction == contacts_.edges(label.contact)) return;
+  z[contacts_.nc() + contacts_.first_direction(label.contact) + label.direction] = static_cast<double>(value);
+}
+
+template <class Scalar>
+inline bool Path<Scalar>::polish(double* velocity, double* z) {
+  if (!response_.full_rank()) return false;
+  if (kernel_.order() == 0) {
+    for (Count i = 0; i < contacts_.ngc(); ++i) velocity[i] = static_cast<double>(contacts_.velocity()[i]);
+    return true;
+  }
+  polish_.clear();
+  for (Count r = 0; r < kernel_.order(); ++r) {
+    if (artificial_ >= 0 && kernel_.row_label(r) == last_.label) continue;  // z0's row, zero by itself
+    Scalar* const to = polish_.next_row();
+    if (to == nullptr) return false;
+    load_row(kernel_.row_label(r));
+    response_.whiten(row_.data(), to);
+  }
+  for (Count j = 0; j < kernel_.order(); ++j) {
+    if (j == artificial_) continue;
+    Scalar* const to = polish_.next_column();
+    if (to == nullptr) return false;
+    load_column(kernel_.column_label(j));
+    response_.whiten(column_.data(), to);
+  }
+  if (!polish_.run(contacts_, response_, u_.data())) return false;
+  for (Count i = 0; i < contacts_.ngc(); ++i) velocity[i] = static_cast<double>(u_[i]);
+  Count column = 0;
+  for (Count j = 0; j < kernel_.order(); ++j) x_[j] = j == artificial_ ? Scalar(0) : polish_.impulse(column++);
+  write_impulses(x_.data(), z);
+  return true;
+}
+
+}  // namespace lcpbench::lemke::LCPBENCH_LEVEL
