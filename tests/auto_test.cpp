@@ -76,6 +76,8 @@ std::vector<std::string> full_rank_sets() {
   return names;
 }
 
+Problem with_an_island_more(const Problem& problem);
+
 // --- islands ---
 
 /// Coordinates {0, 2}, {1, 3} and {4}; contacts on the first, the second, both coordinates of the second, the third,
@@ -384,6 +386,24 @@ TEST(AutoTest, ClaimsOnlyWhatHoldsWhereGIsSingular) {
   }
   EXPECT_GE(solved, 60);
   EXPECT_GE(unsolvable, 5);
+}
+
+// All normal velocities are the rounding of their sums. Both methods ended in "ray, no proof".
+TEST(AutoTest, LeavesAtRestWhatApproachesByRoundingOnly) {
+  ContactProblem contact;
+  contact.v = vector_of({0, -0.19773197174072266, 2});
+  contact.N = Matrix{{0.285797119140625, 0, -0.6656599044799805, 0.9082250595092773, -0.5794458389282227, 0},
+                     {-0.6650740522409505, 0, 0.5315480030773123, -0.320566840124378, -0.022849583086821307, 0},
+                     {-0.06575320185159772, 0, 0.052552017361660375, -0.031693156686243174, -0.0022590465586053154, 0}};
+  contact.D = Matrix(3, 0);
+  contact.edges.assign(6, 0);
+  contact.mu = Vector::Zero(6);
+  contact.inertia = DenseInertia{Matrix{{0.06637105351573568, 0.0527442392326494, 0.24326319629019724},
+                                        {0.0527442392326494, 0.041923585207879824, 0.193344203542869},
+                                        {0.24326319629019724, 0.193344203542869, 0.8917148980195483}}};
+  expect_claimed(Problem("whole", contact), solve(Problem("whole", contact)), "at rest to rounding");
+  const Problem two = with_an_island_more(Problem("island", contact));
+  expect_claimed(two, solve(two), "2 islands, 1 at rest");
 }
 
 // --- bare LCPs ---
