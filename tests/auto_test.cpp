@@ -406,6 +406,26 @@ TEST(AutoTest, LeavesAtRestWhatApproachesByRoundingOnly) {
   expect_claimed(two, solve(two), "2 islands, 1 at rest");
 }
 
+// Bodies near singular, and friction rows with mu = 0: the slip at the velocity of active_set was off by 1.06e-4.
+TEST(AutoTest, TestsFrictionRowsWithoutFrictionOfBodiesNearSingular) {
+  ContactProblem contact;
+  contact.v = vector_of({-0.003215789794921875, 0.19080734252929688, 3, 0.9037542343139648, -2, -0.9481830596923828,
+                         0.9914112091064453, -3});
+  contact.N = Matrix{{4, -1}, {2, 2}, {1, -4}, {-3, -3}, {4, 4}, {4, 2}, {-1, 4}, {-4, 2}};
+  contact.D = Matrix{{4, -4}, {-2, 2}, {-1, 1}, {-4, 4}, {-1, 1}, {-3, 3}, {-3, 3}, {-2, 2}};
+  contact.edges = {2, 0};
+  contact.mu = Vector::Zero(2);
+  contact.inertia = BlockInertia{
+      {Matrix{{0.0012031676402430832, -0.0027839601294248053}, {-0.0027839601294248053, 0.006639849937882293}},
+       Matrix{{0.007812500000000108}},
+       Matrix{{8.449470385026066, -14.10636390189588}, {-14.10636390189588, 23.550529615003708}},
+       Matrix{{1.8868406310056678, -10.395463205659208, -3.021785363102068},
+              {-10.395463205659208, 57.27371561128724, 16.64853272368027},
+              {-3.021785363102068, 16.64853272368027, 4.839459135705458}}}};
+  const Problem problem("bodies", contact);
+  expect_claimed(problem, solve(problem), "contact_lemke");
+}
+
 // --- bare LCPs ---
 
 TEST(AutoTest, TestsItsAnswersToBareLcps) {
