@@ -14,6 +14,7 @@
 #include "native/auto/lcp_ladder.h"
 #include "native/auto/methods.h"
 #include "native/auto/report.h"
+#include "native/auto/rest.h"
 #include "native/auto/settings.h"
 
 namespace lcpbench {
@@ -57,7 +58,8 @@ class Auto final : public Solver {
   void solve_whole(const SolveRequest& request, Answer& answer);
   void solve_islands(const SolveRequest& request, Answer& answer);
   void give_up(Claim claim, const IslandSolver& island, Answer& answer);
-  void bound_slips(Vector& z) const;
+  bool whole_rests() const;
+  void bound_slips(const ContactLayout& layout, const Vector& u, Vector& z) const;
   void write_velocity(Answer& answer);
   std::string& text_of(Answer& answer);
 
@@ -66,6 +68,7 @@ class Auto final : public Solver {
 
   DenseMethods dense_;
   std::optional<AutoMethod> whole_;  // one island that is the whole problem: goes to its method, in dense_, as it is
+  ContactLayout layout_;             // of that
 
   std::unique_ptr<ProblemCutter> cutter_;
   std::vector<std::unique_ptr<IslandSolver>> islands_;  // kept for the next problem
@@ -100,6 +103,8 @@ std::optional<AutoMethod> Auto::method_of_whole(const ContactProblem& contact) {
 }
 
 void Auto::load_whole(const Problem& problem) {
+  layout_ = contact_layout(*problem.contact());
+  carries_.assign(problem.contact()->edges.size(), 0);
   dense_.solver(*whole_).load(problem);
   const std::optional<AutoMethod> next = dense_.after(*whole_, problem);
   if (next) dense_.reserve(*next, problem);
@@ -171,7 +176,22 @@ void Auto::solve_whole(const SolveRequest& request, Answer& answer) {
     }
   }
   answer.counters = report.counters();
+  if (gave_up(answer.claim, settings_.max_pivots) && whole_rests()) {
+    drop_words_and_velocity(answer);
+    answer.claim = Claim::kSolved;
+    answer.z.setZero();
+    bound_slips(layout_, v_, answer.z);
+    text_of(answer).assign("at rest to rounding");
+    return;
+  }
   if (answer.claim == Claim::kSolved) report.write_text(text_of(answer));  // else its own words say why
+}
+
+/// Whether z = 0 solves the whole problem, where no method does.
+bool Auto::whole_rests() const {
+  RestTest test(*problem().contact(), layout_, v_);
+  for (Index c = 0; c < layout_.nc; ++c) test.add(c);
+  return test.passes();
 }
 
 /// Of a solve; the next one finds the memory of both.
@@ -202,7 +222,7 @@ void Auto::solve_islands(const SolveRequest& request, Answer& answer) {
   }
   answer.counters = report.counters();
   answer.claim = Claim::kSolved;
-  bound_slips(answer.z);
+  bound_slips(cutter_->layout(), u_, answer.z);
   write_velocity(answer);
   report.write_text(text_of(answer));
 }
@@ -225,16 +245,15 @@ void Auto::give_up(Claim claim, const IslandSolver& island, Answer& answer) {
 }
 
 /// lambda of the contacts that no answer includes: the slip under no friction.
-void Auto::bound_slips(Vector& z) const {
+void Auto::bound_slips(const ContactLayout& layout, const Vector& u, Vector& z) const {
   const ContactProblem& contact = *problem().contact();
-  const ContactLayout& layout = cutter_->layout();
   for (Index k = 0; k < layout.cones; ++k) {
     const auto c = static_cast<std::size_t>(layout.cone_contact[static_cast<std::size_t>(k)]);
     if (carries_[c] != 0) continue;
     double slip = 0;
-    for (Index t = 0; t < contact.edges[c] / 2 && u_.size() > 0; ++t) {  // Eigen asserts on sparse columns of no rows
+    for (Index t = 0; t < contact.edges[c] / 2 && u.size() > 0; ++t) {  // Eigen asserts on sparse columns of no rows
       const double speed =
-          std::visit([&](const auto& D) { return D.col(layout.friction_begin[c] + t).dot(u_); }, contact.D);
+          std::visit([&](const auto& D) { return D.col(layout.friction_begin[c] + t).dot(u); }, contact.D);
       slip = std::max(slip, std::abs(speed));
     }
     z(layout.lambda_offset() + k) = slip;

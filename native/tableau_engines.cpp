@@ -2,12 +2,12 @@
 
 namespace lcpbench::tableau {
 
-Exchange exchange_at([[maybe_unused]] IsaLevel level) {
+const Engine& engine_at([[maybe_unused]] IsaLevel level) {
 #if defined(__x86_64__)
-  if (level == IsaLevel::kAvx512) return avx512::kExchange;
-  if (level == IsaLevel::kAvx2) return avx2::kExchange;
+  if (level == IsaLevel::kAvx512) return avx512::kEngine;
+  if (level == IsaLevel::kAvx2) return avx2::kEngine;
 #endif
-  return baseline::kExchange;
+  return baseline::kEngine;
 }
 
 }  // namespace lcpbench::tableau

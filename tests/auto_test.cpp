@@ -76,6 +76,8 @@ std::vector<std::string> full_rank_sets() {
   return names;
 }
 
+Problem with_an_island_more(const Problem& problem);
+
 // --- islands ---
 
 /// Coordinates {0, 2}, {1, 3} and {4}; contacts on the first, the second, both coordinates of the second, the third,
@@ -384,6 +386,44 @@ TEST(AutoTest, ClaimsOnlyWhatHoldsWhereGIsSingular) {
   }
   EXPECT_GE(solved, 60);
   EXPECT_GE(unsolvable, 5);
+}
+
+// All normal velocities are the rounding of their sums. Both methods ended in "ray, no proof".
+TEST(AutoTest, LeavesAtRestWhatApproachesByRoundingOnly) {
+  ContactProblem contact;
+  contact.v = vector_of({0, -0.19773197174072266, 2});
+  contact.N = Matrix{{0.285797119140625, 0, -0.6656599044799805, 0.9082250595092773, -0.5794458389282227, 0},
+                     {-0.6650740522409505, 0, 0.5315480030773123, -0.320566840124378, -0.022849583086821307, 0},
+                     {-0.06575320185159772, 0, 0.052552017361660375, -0.031693156686243174, -0.0022590465586053154, 0}};
+  contact.D = Matrix(3, 0);
+  contact.edges.assign(6, 0);
+  contact.mu = Vector::Zero(6);
+  contact.inertia = DenseInertia{Matrix{{0.06637105351573568, 0.0527442392326494, 0.24326319629019724},
+                                        {0.0527442392326494, 0.041923585207879824, 0.193344203542869},
+                                        {0.24326319629019724, 0.193344203542869, 0.8917148980195483}}};
+  expect_claimed(Problem("whole", contact), solve(Problem("whole", contact)), "at rest to rounding");
+  const Problem two = with_an_island_more(Problem("island", contact));
+  expect_claimed(two, solve(two), "2 islands, 1 at rest");
+}
+
+// Bodies near singular, and friction rows with mu = 0: the slip at the velocity of active_set was off by 1.06e-4.
+TEST(AutoTest, TestsFrictionRowsWithoutFrictionOfBodiesNearSingular) {
+  ContactProblem contact;
+  contact.v = vector_of({-0.003215789794921875, 0.19080734252929688, 3, 0.9037542343139648, -2, -0.9481830596923828,
+                         0.9914112091064453, -3});
+  contact.N = Matrix{{4, -1}, {2, 2}, {1, -4}, {-3, -3}, {4, 4}, {4, 2}, {-1, 4}, {-4, 2}};
+  contact.D = Matrix{{4, -4}, {-2, 2}, {-1, 1}, {-4, 4}, {-1, 1}, {-3, 3}, {-3, 3}, {-2, 2}};
+  contact.edges = {2, 0};
+  contact.mu = Vector::Zero(2);
+  contact.inertia = BlockInertia{
+      {Matrix{{0.0012031676402430832, -0.0027839601294248053}, {-0.0027839601294248053, 0.006639849937882293}},
+       Matrix{{0.007812500000000108}},
+       Matrix{{8.449470385026066, -14.10636390189588}, {-14.10636390189588, 23.550529615003708}},
+       Matrix{{1.8868406310056678, -10.395463205659208, -3.021785363102068},
+              {-10.395463205659208, 57.27371561128724, 16.64853272368027},
+              {-3.021785363102068, 16.64853272368027, 4.839459135705458}}}};
+  const Problem problem("bodies", contact);
+  expect_claimed(problem, solve(problem), "contact_lemke");
 }
 
 // --- bare LCPs ---

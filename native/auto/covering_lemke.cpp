@@ -48,6 +48,19 @@ Scalar magnitude(Scalar x) {
   return x < 0 ? -x : x;
 }
 
+/// In lanes, so that one maximum need not wait for the other.
+template <class Scalar>
+Scalar largest_magnitude(const Scalar* x, Index n) {
+  constexpr Index kLanes = 4;
+  Scalar largest[kLanes] = {};
+  Index i = 0;
+  for (; i + kLanes <= n; i += kLanes) {
+    for (Index lane = 0; lane < kLanes; ++lane) largest[lane] = std::max(largest[lane], magnitude(x[i + lane]));
+  }
+  for (; i < n; ++i) largest[0] = std::max(largest[0], magnitude(x[i]));
+  return std::max(std::max(largest[0], largest[1]), std::max(largest[2], largest[3]));
+}
+
 }  // namespace
 
 /// basic = q + epsilon p + A nonbasic, by columns: those of A, q, p.
@@ -57,20 +70,26 @@ struct CoveringLemke::Tableau {
   Index n = 0;
   Index stride = 0;
 
-  Scalar* column(Index k) const { return entries + k * stride; }
+  /// With all exchanges.
+  Scalar* column(Index k) const {
+    if constexpr (std::is_same_v<Scalar, double>) engine->bring_up_to_date(*waiting, k);
+    return entries + k * stride;
+  }
   Scalar* q() const { return column(n + 1); }
   Scalar* p() const { return column(n + 2); }
 
   /// Exchanges the basic variable of row r with the nonbasic one of column k.
   void exchange(Index r, Index k) const {
     if constexpr (std::is_same_v<Scalar, double>) {
-      in_double(entries, stride, n + 3, r, k);
+      engine->exchange(*waiting, r, k);
     } else {
       exchange_in_quad(r, k);
     }
   }
 
-  tableau::Exchange in_double = nullptr;
+  // Of a tableau in double:
+  const tableau::Engine* engine = nullptr;
+  tableau::Tableau* waiting = nullptr;
 
  private:
   void exchange_in_quad(Index r, Index k) const {
@@ -88,7 +107,7 @@ struct CoveringLemke::Tableau {
   }
 };
 
-CoveringLemke::CoveringLemke() : exchange_(tableau::exchange_at(isa_level())) {}
+CoveringLemke::CoveringLemke() : engine_(tableau::engine_at(isa_level())) {}
 
 void CoveringLemke::load(const Lcp& lcp) {
   lcp_ = &lcp;
@@ -101,7 +120,11 @@ void CoveringLemke::load(const Lcp& lcp) {
   if (n_ <= room_) return;
   room_ = n_;
   const auto stride = static_cast<std::size_t>(padded(n_));
+  constexpr auto kMost = static_cast<std::size_t>(tableau::kMostWaiting);
   double_ = std::make_unique_for_overwrite<double[]>(stride * (count + 3) + tableau::kLine);
+  pivots_of_exchanges_ = std::make_unique_for_overwrite<double[]>(stride * kMost + tableau::kLine);
+  factors_ = std::make_unique_for_overwrite<double[]>((count + 3) * kMost);
+  known_.resize(count + 3);
   if (n_ <= kLargestQuad) quad_ = std::make_unique_for_overwrite<Quad[]>(count * (count + 3));
 }
 
@@ -165,12 +188,12 @@ void CoveringLemke::fill(Tableau<Scalar>& tableau, Cover cover) {
 /// Where the artificial variable comes in: the last w_i to become nonnegative as it grows.
 template <class Scalar>
 Index CoveringLemke::first_row(const Tableau<Scalar>& tableau) const {
+  const Scalar* const q = tableau.q();
+  const Scalar* const p = tableau.p();
   Index row = -1;
   for (Index i = 0; i < n_; ++i) {
-    if (!(tableau.q()[i] < 0)) continue;
-    const bool lower = row < 0 || tableau.q()[i] < tableau.q()[row] ||
-                       (tableau.q()[i] == tableau.q()[row] && tableau.p()[i] < tableau.p()[row]);
-    if (lower) row = i;
+    if (!(q[i] < 0)) continue;
+    if (row < 0 || q[i] < q[row] || (q[i] == q[row] && p[i] < p[row])) row = i;
   }
   return row;
 }
@@ -179,24 +202,20 @@ Index CoveringLemke::first_row(const Tableau<Scalar>& tableau) const {
 template <class Scalar>
 Index CoveringLemke::blocking_row(const Tableau<Scalar>& tableau, Index entering, Index artificial_row) const {
   const Scalar* const column = tableau.column(entering);
-  Scalar largest = 0;
-  Scalar reach = 0;  // of the right-hand side
-  for (Index i = 0; i < n_; ++i) {
-    largest = std::max(largest, magnitude(column[i]));
-    reach = std::max(reach, magnitude(tableau.q()[i]));
-  }
-  const Scalar least_pivot = kNoise<Scalar> * std::max(largest, Scalar(1));
-  const Scalar zero = kNoise<Scalar> * reach;
+  const Scalar* const q = tableau.q();
+  const Scalar* const p = tableau.p();
+  const Scalar least_pivot = kNoise<Scalar> * std::max(largest_magnitude(column, n_), Scalar(1));
+  const Scalar zero = kNoise<Scalar> * largest_magnitude(q, n_);
   Scalar least = std::numeric_limits<double>::infinity();
   for (Index i = 0; i < n_; ++i) {
-    if (-column[i] > least_pivot) least = std::min(least, (std::max(tableau.q()[i], Scalar(0)) + zero) / -column[i]);
+    if (-column[i] > least_pivot) least = std::min(least, (std::max(q[i], Scalar(0)) + zero) / -column[i]);
   }
   Index row = -1;
   for (Index i = 0; i < n_; ++i) {
-    if (!(-column[i] > least_pivot) || !(std::max(tableau.q()[i], Scalar(0)) <= least * -column[i])) continue;
+    if (!(-column[i] > least_pivot) || !(std::max(q[i], Scalar(0)) <= least * -column[i])) continue;
     if (i == artificial_row) return i;
     // Ties: the second right-hand side decides, exactly: p_i / -a_i < p_row / -a_row.
-    if (row < 0 || tableau.p()[i] * -column[row] < tableau.p()[row] * -column[i]) row = i;
+    if (row < 0 || p[i] * -column[row] < p[row] * -column[i]) row = i;
   }
   return row;
 }
@@ -208,11 +227,12 @@ void CoveringLemke::write_solution(const Tableau<Scalar>& tableau, Vector& z) co
     if (lcp_->q(i) != 0) largest = std::max(largest, std::ilogb(lcp_->q(i)) + exponent_[static_cast<std::size_t>(i)]);
   }
   z.setZero();
+  const Scalar* const q = tableau.q();
   for (Index r = 0; r < n_; ++r) {
     const Index variable = basic_[static_cast<std::size_t>(r)];
-    if (variable < n_ || variable >= 2 * n_ || !(tableau.q()[r] > 0)) continue;
+    if (variable < n_ || variable >= 2 * n_ || !(q[r] > 0)) continue;
     const Index i = variable - n_;
-    z(i) = static_cast<double>(tableau.q()[r] * power<Scalar>(exponent_[static_cast<std::size_t>(i)] + largest));
+    z(i) = static_cast<double>(q[r] * power<Scalar>(exponent_[static_cast<std::size_t>(i)] + largest));
   }
 }
 
@@ -221,14 +241,23 @@ CoveringLemke::End CoveringLemke::run(Cover cover, const Limits& limits, Vector&
   pivots_ = 0;
   scale();
   Tableau<Scalar> tableau;
+  tableau::Tableau waiting;
   tableau.n = n_;
-  tableau.in_double = exchange_;
   if constexpr (std::is_same_v<Scalar, Quad>) {
     tableau.stride = n_;
     tableau.entries = quad_.get();
   } else {
     tableau.stride = padded(n_);
     tableau.entries = first_aligned(double_.get());
+    std::fill(known_.begin(), known_.end(), 0);
+    waiting = {.A = tableau.entries,
+               .stride = tableau.stride,
+               .columns = n_ + 3,
+               .pivots = first_aligned(pivots_of_exchanges_.get()),
+               .factors = factors_.get(),
+               .known = known_.data()};
+    tableau.engine = &engine_;
+    tableau.waiting = &waiting;
   }
   fill(tableau, cover);
   Index row = first_row(tableau);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -55,11 +56,12 @@ class CoveringLemke {
   template <class Scalar>
   void write_solution(const Tableau<Scalar>& tableau, Vector& z) const;
 
-  tableau::Exchange exchange_;
+  const tableau::Engine& engine_;
   const Lcp* lcp_ = nullptr;
   Index n_ = 0;
   Index room_ = -1;
-  std::unique_ptr<double[]> double_;
+  std::unique_ptr<double[]> double_, pivots_of_exchanges_, factors_;
+  std::vector<std::ptrdiff_t> known_;  // n + 3
   std::unique_ptr<Quad[]> quad_;
   std::vector<int> exponent_;            // n: row and column i times 2^exponent_[i]
   Vector power_;                         // n: that power, where all are well within the range of doubles

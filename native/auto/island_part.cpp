@@ -1,5 +1,6 @@
 #include "native/auto/island_part.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <optional>
 #include <variant>
@@ -11,6 +12,28 @@ namespace lcpbench {
 
 SolverDefinition lcpbench_solver_friction_ipm();
 SolverDefinition lcpbench_solver_velocity_ipm();
+
+namespace {
+
+/// Of a body's inertia scaled to unit diagonal: its least eigenvalue is no less than a third of that.
+constexpr double kLeastDeterminant = 0x1p-20;
+
+/// Whether double knows the response of every body to any impulse well. @pre BlockInertia
+bool is_benign(const Inertia& inertia) {
+  const auto& blocks = std::get<BlockInertia>(inertia).blocks;
+  return std::all_of(blocks.begin(), blocks.end(), [](const Matrix& block) {
+    const Eigen::LLT<Matrix> factors(block);
+    if (factors.info() != Eigen::Success) return false;
+    double determinant = 1;
+    for (Index i = 0; i < block.rows(); ++i) {
+      const double pivot = factors.matrixLLT()(i, i);
+      determinant *= pivot * pivot / block(i, i);
+    }
+    return determinant >= kLeastDeterminant;
+  });
+}
+
+}  // namespace
 
 void IslandPart::load(ProblemCutter& whole, const Island& part, const Vector& v) {
   cut(whole, part, v);
@@ -32,13 +55,21 @@ void IslandPart::cut(ProblemCutter& whole, const Island& part, const Vector& v) 
   part_ = &part;
   const ContactProblem& given = whole.whole();
   // Where mu = 0 the slip gives lambda, which body by body is as certain as the velocity. In an inertia that couples
-  // more, the directions of friction may be the ones that double knows nothing of: then their rows are solved and
-  // tested too.
+  // more, or in bodies near singular, the directions of friction may be the ones that double knows nothing of: then
+  // their rows are solved and tested too.
   const bool by_bodies = std::holds_alternative<BlockInertia>(given.inertia);
-  const bool with_friction = std::any_of(part.contacts.begin(), part.contacts.end(), [&](Index contact) {
-    return given.edges[static_cast<std::size_t>(contact)] > 0 && (given.mu(contact) > 0 || !by_bodies);
-  });
-  problem_ = Problem("", whole.cut(part.contacts, part.coordinates, v, with_friction));
+  bool has_friction = false;
+  bool has_rows = false;
+  for (const Index contact : part.contacts) {
+    const bool rows = given.edges[static_cast<std::size_t>(contact)] > 0;
+    has_rows = has_rows || rows;
+    has_friction = has_friction || (rows && given.mu(contact) > 0);
+  }
+  const auto cut_out = [&](bool with_friction) {
+    problem_ = Problem("", whole.cut(part.contacts, part.coordinates, v, with_friction));
+  };
+  cut_out(has_friction || (has_rows && !by_bodies));
+  if (by_bodies && has_rows && !has_friction && !is_benign(problem_.contact()->inertia)) cut_out(true);
   place_unknowns(whole.layout());
   v_ = problem_.contact()->v;
   u_.resize(v_.size());

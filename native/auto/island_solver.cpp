@@ -6,6 +6,7 @@
 #include <utility>
 #include <variant>
 
+#include "native/auto/rest.h"
 #include "native/contact_impulses.h"
 #include "native/contact_solvability.h"
 
@@ -126,17 +127,14 @@ bool IslandSolver::some_will_do() const {
 }
 
 Claim IslandSolver::solve(const Vector* start, const AutoLimits& limits, Vector& z, Vector& u, AutoReport& report) {
-  if (now_ == nullptr) {
-    ++report.at_rest;
-    report.left_out += static_cast<Index>(island_.contacts.size());
-    tell_what_is_carried();
-    return Claim::kSolved;
-  }
+  if (now_ == nullptr) return remain_at_rest(report);
+  bool is_brought_back = false;
   Claim claim = now_->solve(start, limits, report);
   if (claim == Claim::kSolved && now_ == &some_) {
     some_.write_velocity(u);
     const Index back = count_approaching(u);
     if (back > 0) {
+      is_brought_back = true;
       report.brought_back += back;
       some_.take_back_velocity(u);
       has_some_ = false;
@@ -146,6 +144,10 @@ Claim IslandSolver::solve(const Vector* start, const AutoLimits& limits, Vector&
       claim = all_.solve(all_.has_stand_in() ? &z : nullptr, limits, report);
     }
   }
+  if (gave_up(claim, limits.max_pivots) && !is_brought_back && rests(u)) {
+    now_ = nullptr;
+    return remain_at_rest(report);
+  }
   if (claim != Claim::kSolved) return claim;
   now_->write_impulses(z);
   // Of contacts that have friction rows and a lambda, but not in the answer, the slip is asked for.
@@ -153,6 +155,21 @@ Claim IslandSolver::solve(const Vector* start, const AutoLimits& limits, Vector&
   report.left_out += static_cast<Index>(island_.contacts.size() - now_->contacts().size());
   tell_what_is_carried();
   return claim;
+}
+
+/// Whether z = 0 solves the island, where no method does. Not of several islands in one: each has its own scale.
+bool IslandSolver::rests(const Vector& u) const {
+  if (!settings_.islands) return false;
+  RestTest test(cutter_->whole(), cutter_->layout(), u);
+  for (const Index contact : island_.contacts) test.add(contact);
+  return test.passes();
+}
+
+Claim IslandSolver::remain_at_rest(AutoReport& report) {
+  ++report.at_rest;
+  report.left_out += static_cast<Index>(island_.contacts.size());
+  tell_what_is_carried();
+  return Claim::kSolved;
 }
 
 /// Contacts left out that approach in u.

@@ -8,7 +8,8 @@ namespace lcpbench {
 
 /// Solves the contacts of one island, with as few of them as will do.
 ///
-/// Where no contact approaches, none presses and nothing is solved. In islands of bodies, contacts that separate faster
+/// Where no contact approaches, none presses and nothing is solved; nor where no method finds an answer and the
+/// approach is so slow that z = 0 is one. In islands of bodies, contacts that separate faster
 /// than any other approaches are left out, with the bodies that only they touch; where the answer's velocity has some
 /// of them approaching, the island is solved with all its contacts. Either way it is an answer of the whole island,
 /// since contacts left out need no impulse when they do not approach. Where a slower method would have to bring them
@@ -50,6 +51,8 @@ class IslandSolver {
   bool leaves_enough_out() const;
   bool some_will_do() const;
   Index count_approaching(const Vector& u) const;
+  bool rests(const Vector& u) const;
+  Claim remain_at_rest(AutoReport& report);
   void tell_what_is_carried();
 
   const AutoSettings& settings_;

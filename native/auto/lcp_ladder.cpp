@@ -19,7 +19,8 @@ constexpr double kTightZero = 1e-14;
 
 /// Up to this order all rungs together take some tens of milliseconds. Above it little is left to be found, at a high
 /// price, where lemke ended in a ray and the second rung has no answer either; in 113 bits where no path in double came
-/// to an end that is at least near an answer; and by smaller tolerances or a second covering vector in 113 bits.
+/// to an end that is at least near an answer, or where 113 bits could not go as far; and by smaller tolerances or a
+/// second covering vector in 113 bits.
 constexpr Index kLargestThorough = 40;
 
 /// Pivots of the second rung for each of the first, above that order, where the first ended in a ray.
@@ -70,13 +71,20 @@ void LcpLadder::load(const Problem& problem) {
 bool LcpLadder::has(Rung rung) const {
   switch (rung) {
     case Rung::kCoveringQuad:
-      return problem_.size() <= (is_inaccurate_ ? CoveringLemke::kLargestQuad : kLargestThorough);
+      if (problem_.size() <= kLargestThorough) return true;
+      return is_inaccurate_ && problem_.size() <= CoveringLemke::kLargestQuad && covering_pivots_ <= quad_pivots();
     case Rung::kLemkeTight:
     case Rung::kCoveringQuadNegative: return problem_.size() <= kLargestThorough;
     case Rung::kLemkeLong: return ended_by_share_;
     case Rung::kExact: return problem_.size() <= kLargestExact;
     default: return true;
   }
+}
+
+/// Of a rung in 113 bits.
+std::int64_t LcpLadder::quad_pivots() const {
+  const std::int64_t n = problem_.size();
+  return kMostQuadWork / std::max<std::int64_t>(n * (n + 3), 1);
 }
 
 /// Of lemke, where other rungs follow.
@@ -145,11 +153,12 @@ void LcpLadder::run_covering(Rung rung) {
   CoveringLemke::Limits limits{.deadline_s = deadline_s_, .pivots = 500 + 10 * n};
   if (ended_in_ray_ && n > kLargestThorough) limits.pivots = std::min(limits.pivots, 50 + kPivotsAfterRay * pivots_);
   if (max_pivots_ > 0) limits.pivots = std::min(limits.pivots, max_pivots_ - pivots_);
-  if (rung != Rung::kCovering) limits.pivots = std::min(limits.pivots, kMostQuadWork / std::max<Index>(n * (n + 3), 1));
+  if (rung != Rung::kCovering) limits.pivots = std::min(limits.pivots, quad_pivots());
   const Cover cover = rung == Rung::kCoveringQuadNegative ? Cover::kNegative : Cover::kAll;
   clear_vectors(attempt_);
   const CoveringLemke::End end = rung == Rung::kCovering ? covering_.run<double>(cover, limits, attempt_.z)
                                                          : covering_.run<Quad>(cover, limits, attempt_.z);
+  if (rung == Rung::kCovering) covering_pivots_ = covering_.pivots();
   attempt_.counters = {.iterations = covering_.pivots(), .pivots = covering_.pivots(), .factorizations = 0};
   attempt_.claim = Claim::kNumericalFailure;
   if (end == CoveringLemke::End::kSolved) {

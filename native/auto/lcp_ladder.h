@@ -15,10 +15,10 @@ namespace lcpbench {
 /// CoveringLemke in 113 bits, up to 40 rows with the other covering vector too; `lemke` again, longer, where only its
 /// share of pivots ended it; and up to kLargestExact rows every support in exact arithmetic. Above 40 rows it ends
 /// after two where the first ends in a ray, and goes to 113 bits, up to CoveringLemke::kLargestQuad rows, only where a
-/// path in double ended in an answer that is not accurate enough: a path in 113 bits takes some hundred times as long
-/// as one in double, and hardly ever finds an answer where all those in double end without one. The methods have a
-/// share of pivots in proportion to n, which a path that does not go round seldom needs. All memory is taken by load();
-/// nothing allocates in solve().
+/// path in double ended in an answer that is not accurate enough and the share allows the pivots that the second rung
+/// took: a path in 113 bits takes some hundred times as long as one in double, and hardly ever finds an answer where
+/// all those in double end without one. The methods have a share of pivots in proportion to n, which a path that does
+/// not go round seldom needs. All memory is taken by load(); nothing allocates in solve().
 class LcpLadder {
  public:
   explicit LcpLadder(std::int64_t max_pivots);
@@ -50,6 +50,7 @@ class LcpLadder {
   void run_exact();
   bool is_final(Rung rung, Answer& answer, const char*& text);
   std::int64_t share_of_pivots() const;
+  std::int64_t quad_pivots() const;
 
   Problem problem_;
   std::int64_t max_pivots_;
@@ -58,10 +59,11 @@ class LcpLadder {
   enumeration::ExactSearch exact_;
   Answer attempt_;
   double deadline_s_ = 0;
-  std::int64_t pivots_ = 0;      // of all rungs so far
-  bool ended_by_share_ = false;  // the first rung
-  bool ended_in_ray_ = false;    // the first rung
-  bool is_inaccurate_ = false;   // the answer of some rung so far
+  std::int64_t pivots_ = 0;           // of all rungs so far
+  std::int64_t covering_pivots_ = 0;  // of the second rung
+  bool ended_by_share_ = false;       // the first rung
+  bool ended_in_ray_ = false;         // the first rung
+  bool is_inaccurate_ = false;        // the answer of some rung so far
 };
 
 }  // namespace lcpbench

@@ -1,0 +1,62 @@
+#include "native/auto/rest.h"
+
+#include <algorithm>
+#include <limits>
+#include <variant>
+
+#include "native/contact_solvability.h"
+#include "native/scaled_numbers.h"
+
+namespace lcpbench {
+namespace {
+
+/// Of the verdict's 1e-4: less by what the lambdas are rounded.
+constexpr Quad kLargestResidual = 0.999e-4;
+
+/// q of a row, and the scale that it gives: |q|, or 1e4 times the error of forming it in double where that is more.
+struct Row {
+  Quad q = 0;
+  Quad scale = 0;
+};
+
+Row row_at(const Jacobian& J, Index column, const Vector& v) {
+  Row row;
+  Quad terms = 0;
+  Index entries = 0;
+  const auto add = [&](Index i, double entry) {
+    if (entry == 0) return;
+    const Quad term = static_cast<Quad>(entry) * static_cast<Quad>(v(i));
+    row.q += term;
+    terms += magnitude(term);
+    ++entries;
+  };
+  if (const auto* dense = std::get_if<Matrix>(&J)) {
+    for (Index i = 0; i < dense->rows(); ++i) add(i, (*dense)(i, column));
+  } else {
+    for (SparseMatrix::InnerIterator entry(std::get<SparseMatrix>(J), column); entry; ++entry) {
+      add(entry.row(), entry.value());
+    }
+  }
+  const Quad error = static_cast<Quad>(static_cast<double>(entries + 1)) * Quad{0x1p-53} * terms;
+  row.scale = std::max(magnitude(row.q), Quad{1e4} * error);
+  return row;
+}
+
+}  // namespace
+
+void RestTest::add(Index contact) {
+  const Row normal = row_at(problem_.N, contact, v_);
+  approach_ = std::max(approach_, -normal.q);
+  scale_ = std::max(scale_, normal.scale);
+  const auto index = static_cast<std::size_t>(contact);
+  for (Index t = 0; t < problem_.edges[index] / 2; ++t) {
+    scale_ = std::max(scale_, row_at(problem_.D, layout_.friction_begin[index] + t, v_).scale);
+  }
+}
+
+bool RestTest::passes() const {
+  const bool in_range = scale_ <= static_cast<Quad>(std::numeric_limits<double>::max());
+  return in_range && approach_ <= kLargestResidual * scale_ && !ContactSolvability::is_asked(problem_);
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "core/contact_problem.h"
+#include "core/quad.h"
+
+namespace lcpbench {
+
+/// Whether z = 0, with the slips at v as lambdas, solves an island as the verdict has it although contacts approach:
+/// where the approach is the rounding of N'v, or far slower than the rest. For islands that no method solved.
+///
+/// The sums are taken in 113 bits. Never with inertia that may be singular: there need be no solution. Allocates
+/// nothing.
+class RestTest {
+ public:
+  /// @param layout of the problem @param v the velocity now
+  RestTest(const ContactProblem& problem, const ContactLayout& layout, const Vector& v)
+      : problem_(problem), layout_(layout), v_(v) {}
+
+  /// @pre all contacts added are in one island
+  void add(Index contact);
+  bool passes() const;
+
+ private:
+  const ContactProblem& problem_;
+  const ContactLayout& layout_;
+  const Vector& v_;
+  Quad approach_ = 0;
+  Quad scale_ = 0;
+};
+
+}  // namespace lcpbench
