@@ -7,6 +7,8 @@
 #ifndef LCPBENCH_DESCRIBE_ONLY
 #include <optional>
 
+#include "core/timed_solve.h"
+#include "native/answer_test.h"
 #include "native/velocity_ipm/interior_point.h"
 #endif
 
@@ -52,6 +54,8 @@ std::optional<BlockInertia> in_blocks(const Inertia& inertia) {
 }
 
 /// InteriorPoint over CHOLMOD.
+///
+/// kSolved: the velocity residual, computed from z alone, is within accept_residual, and the answer passes AnswerTest.
 class VelocityIpmCholmod final : public Solver {
  public:
   explicit VelocityIpmCholmod(const VelocityIpmCholmodSettings& settings)
@@ -65,11 +69,13 @@ class VelocityIpmCholmod final : public Solver {
     if (!blocks) return method_.load(nullptr, contact);
     contact.inertia = *blocks;
     method_.load(sparse_whitened_normals(contact, cholmod_factorization(settings_.cholmod)), contact);
+    if (method_.loaded()) test_.load(problem, AnswerTest::Bodies::kOneByOne);
   }
 
   void on_update(const Vector& v) override {
     if (!method_.loaded() || !v.allFinite()) return Solver::on_update(v);
     method_.set_velocity(v);
+    test_.set_velocity(v);
   }
 
   void on_solve(const SolveRequest& request, Answer& answer) override {
@@ -79,13 +85,17 @@ class VelocityIpmCholmod final : public Solver {
       answer.detail = "needs a positive definite inertia, given itself";
       return;
     }
-    if (!method_.iterate(request, answer)) return;
-    if (settings_.method.finish) method_.finish(answer.counters);
-    method_.conclude(answer);
+    const double deadline_s = wall_clock_s() + request.time_limit_s;
+    if (method_.iterate(request, answer)) {
+      if (settings_.method.finish) method_.finish(answer.counters);
+      method_.conclude(answer);
+    }
+    test_.settle(answer, deadline_s);
   }
 
   VelocityIpmCholmodSettings settings_;
   InteriorPoint method_;
+  AnswerTest test_;
 };
 
 #endif

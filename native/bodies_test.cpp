@@ -6,6 +6,9 @@
 #include <limits>
 #include <variant>
 
+#include "native/contact_edges.h"
+#include "native/scaled_numbers.h"
+
 namespace lcpbench {
 namespace {
 
@@ -17,11 +20,6 @@ constexpr double kSmallestSafe = 1e-280;   ///< sums of products above this lose
 double root_of(double x) { return std::sqrt(x); }
 Quad root_of(Quad x) { return sqrt(x); }
 
-template <class Scalar>
-Scalar magnitude(Scalar x) {
-  return x < 0 ? -x : x;
-}
-
 /// What is no number, or too large for one, stays the largest.
 template <class Scalar>
 void raise(Scalar& largest, Scalar x) {
@@ -30,22 +28,9 @@ void raise(Scalar& largest, Scalar x) {
 
 /// visit(row, value) for the nonzero entries of column `j` of [N D].
 template <class Visit>
-void for_each_entry(const ContactProblem& contact, Index j, Visit&& visit) {
+void visit_column(const ContactProblem& contact, Index j, Visit&& visit) {
   const bool is_normal = j < contact.nc();
-  std::visit(
-      [&](const auto& J) {
-        const Index column = is_normal ? j : j - contact.nc();
-        if constexpr (std::is_same_v<std::decay_t<decltype(J)>, Matrix>) {
-          for (Index i = 0; i < J.rows(); ++i) {
-            if (J(i, column) != 0) visit(i, J(i, column));
-          }
-        } else {
-          for (SparseMatrix::InnerIterator entry(J, column); entry; ++entry) {
-            if (entry.value() != 0) visit(entry.row(), entry.value());
-          }
-        }
-      },
-      is_normal ? contact.N : contact.D);
+  for_each_entry(is_normal ? contact.N : contact.D, is_normal ? j : j - contact.nc(), visit);
 }
 
 /// What column `j` of J sees.
@@ -59,7 +44,7 @@ struct Row {
 template <class Scalar, class Room>
 Row<Scalar> row_of(const ContactProblem& contact, Index j, const Room& room) {
   Row<Scalar> row;
-  for_each_entry(contact, j, [&](Index i, double value) {
+  visit_column(contact, j, [&](Index i, double value) {
     const auto at = static_cast<std::size_t>(i);
     const Scalar size = static_cast<Scalar>(std::abs(value));
     row.w += static_cast<Scalar>(value) * room.u[at];
@@ -135,7 +120,7 @@ void BodiesTest::add_impulses(const Vector& z, Room<Scalar>& room) const {
   for (Island<Scalar>& island : room.islands) island = {0, 0, 0, 0, 0, 0, false, true};
   for (Index j = 0; j < layout_.lambda_offset(); ++j) {
     if (z(j) == 0) continue;
-    for_each_entry(*contact_, j, [&](Index i, double value) {
+    visit_column(*contact_, j, [&](Index i, double value) {
       const auto at = static_cast<std::size_t>(i);
       const Scalar part = static_cast<Scalar>(z(j)) * static_cast<Scalar>(value);
       room.impulse[at] += part;
@@ -270,15 +255,15 @@ contact_lemke::Residual BodiesTest::complete(Vector& z, Room<Scalar>& room) {
     for (Index t = -1; t < half; ++t) {
       Scalar q = 0, terms = 0;
       double entries = 1;
-      for_each_entry(*contact_, t < 0 ? c : layout_.friction_offset() + layout_.friction_begin[contact] + t,
-                     [&](Index i, double value) {
-                       const Scalar part = static_cast<Scalar>(value) * static_cast<Scalar>(v_(i));
-                       q += part;
-                       terms += magnitude(part);
-                       ++entries;
-                       // Lost to underflow: no zero, but no scale either.
-                       if (part == 0 && v_(i) != 0) terms += static_cast<Scalar>(DBL_TRUE_MIN);
-                     });
+      visit_column(*contact_, t < 0 ? c : layout_.friction_offset() + layout_.friction_begin[contact] + t,
+                   [&](Index i, double value) {
+                     const Scalar part = static_cast<Scalar>(value) * static_cast<Scalar>(v_(i));
+                     q += part;
+                     terms += magnitude(part);
+                     ++entries;
+                     // Lost to underflow: no zero, but no scale either.
+                     if (part == 0 && v_(i) != 0) terms += static_cast<Scalar>(DBL_TRUE_MIN);
+                   });
       const Scalar own = std::max(magnitude(q), static_cast<Scalar>(kFloor * entries) * terms);
       raise(island.scale, own == 0 ? terms : own);
     }

@@ -34,6 +34,7 @@ void ContactImpulses::load_lcp(const Lcp& lcp) {
     columns.response.add_run(0, lcp.M.col(i));
   }
   columns.diagonal = lcp.M.diagonal();
+  units.load(lcp.M);
   mu.setZero(contacts);
   friction_of.assign(static_cast<std::size_t>(contacts), -1);
   set_velocity(lcp.q);
@@ -43,6 +44,7 @@ void ContactImpulses::load_contacts(const ContactProblem& problem) {
   const ContactLayout layout = contact_layout(problem);
   contacts = layout.nc;
   columns = contact_columns(problem);
+  units.load(problem);
   mu = problem.mu;
   friction_of.assign(static_cast<std::size_t>(contacts), -1);
   for (Index contact = 0; contact < contacts; ++contact) {
@@ -61,6 +63,27 @@ void ContactImpulses::set_velocity(const Vector& v) {
   u0 = v;
   q_max = 0;  // the q of cone rows is 0
   for (Index i = 0; i < columns.diagonal.size(); ++i) q_max = max_or_infinity(q_max, std::abs(columns.J.dot(i, u0)));
+  if (units.several()) scale_islands();
+}
+
+void ContactImpulses::scale_islands() {
+  const auto add_row = [&](Index contact, Index column) {
+    units.add_row(contact, columns.J.dot(column, u0), columns.J.dot_magnitudes(column, u0));
+  };
+  units.clear();
+  for (Index i = 0; i < contacts; ++i) add_row(i, i);
+  for (const SignedFriction& friction : frictions) {
+    for (Index t = 0; t < friction.directions; ++t) add_row(friction.contact, friction.first_column + t);
+  }
+  units.choose(u0);
+  units.scale(u0);
+}
+
+void ContactImpulses::scale_impulses() {
+  for (Index i = 0; i < contacts; ++i) impulse(i) *= units.of_contact(i);
+  for (const SignedFriction& friction : frictions) {
+    impulse.segment(friction.first_column, friction.directions) *= units.of_contact(friction.contact);
+  }
 }
 
 void ContactImpulses::recompute_velocity() {
@@ -132,6 +155,13 @@ void ContactImpulses::write_answer(Vector& z) const {
     z.segment(friction.first_column + friction.directions, friction.directions) =
         (0.0 - g.array()).max(0.0);  // not -g: no negative zeros
     z(friction.lambda) = slip_bound(friction);
+  }
+  if (!units.several()) return;
+  for (Index i = 0; i < contacts; ++i) z(i) /= units.of_contact(i);
+  for (const SignedFriction& friction : frictions) {
+    const double unit = units.of_contact(friction.contact);
+    z.segment(friction.first_column, 2 * friction.directions) /= unit;
+    z(friction.lambda) /= unit;
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include "core/problem.h"
 #include "native/contact_columns.h"
+#include "native/island_units.h"
 
 namespace lcpbench {
 
@@ -18,6 +19,9 @@ struct SignedFriction {
 /// What methods that change one impulse after the other keep of a problem: its columns, the impulses, the velocity that
 /// they give, and how far they are from a solution. M is not formed for contact problems. Of a bare LCP every row is a
 /// frictionless contact, u is w, J = I and G*J = M.
+///
+/// Velocities and impulses are kept in the units of their islands, so that residual() relative to q_max is that of each
+/// island relative to its own q.
 struct ContactImpulses {
   /// Everything that follows from the problem; sizes the rest. Memory: the columns, which for block inertia is what the
   /// contacts touch.
@@ -40,7 +44,9 @@ struct ContactImpulses {
   /// Largest |d_t'u|: the slip that lambda has to bound.
   double slip_bound(const SignedFriction& friction) const;
 
-  /// z of lcp_size entries. @pre u is recomputed.
+  /// Impulses in the units of the problem become those kept here.
+  void scale_impulses();
+  /// z of lcp_size entries, in the units of the problem. @pre u is recomputed.
   void write_answer(Vector& z) const;
 
   ContactColumns columns;
@@ -50,6 +56,7 @@ struct ContactImpulses {
   Index contacts = 0;              ///< nc; n of a bare LCP
   Vector u0;                       ///< velocity before the impact; q of a bare LCP
   double q_max = 0;                ///< max|q|
+  IslandUnits units;
 
   Vector u;        ///< velocity; w of a bare LCP
   Vector impulse;  ///< per column of [N D]: f_N, then g at the first directions of each contact (the rest is not used)
@@ -57,6 +64,7 @@ struct ContactImpulses {
  private:
   void load_lcp(const Lcp& lcp);
   void load_contacts(const ContactProblem& problem);
+  void scale_islands();
   double friction_residual(const SignedFriction& friction) const;
 };
 

@@ -9,6 +9,7 @@
 
 #include "core/timed_solve.h"
 #include "native/exact_sum.h"
+#include "native/scaled_numbers.h"
 
 namespace lcpbench {
 namespace {
@@ -46,17 +47,6 @@ int sign(const Lcp& lcp, Index column, const Vector& u, ExactSum& sum) {
     if (u(i) != 0) sum.add(column < 0 ? lcp.q(i) : lcp.M(i, column), u(i));
   }
   return sum.sign();
-}
-
-template <class Scalar>
-Scalar magnitude(Scalar x) {
-  return x < 0 ? -x : x;
-}
-
-Quad scaled(Quad x, int exponent) {
-  for (; exponent > 1000; exponent -= 1000) x *= Quad{0x1p1000};
-  for (; exponent < -1000; exponent += 1000) x *= Quad{0x1p-1000};
-  return x * static_cast<Quad>(std::ldexp(1.0, exponent));
 }
 
 /// The nearest integer. @param x at least 0 and below 2^62
@@ -200,47 +190,45 @@ bool FarkasSearch::scale_rows_and_columns() {
     has_negative = has_negative || lcp_->q(i) < 0;
   }
   if (!has_negative) return false;
-  constexpr int kNothing = std::numeric_limits<int>::min();
   std::fill(row_exponent_.begin(), row_exponent_.end(), 0);
-  const auto exponent = [](double x) { return x == 0 ? kNothing : std::ilogb(x); };
   for (Index j = 0; j < n; ++j) {
     if (std::any_of(rows_.begin(), rows_.end(), [&](Index i) { return lcp_->M(i, j) > 0; })) columns_.push_back(j);
   }
   std::fill(column_exponent_.begin(), column_exponent_.end(), 0);
   for (int pass = 0; pass < 2; ++pass) {
     for (const Index i : rows_) {
-      int largest = kNothing;
+      int largest = kNoExponent;
       for (const Index j : columns_) {
-        const int own = exponent(lcp_->M(i, j));
-        if (own != kNothing) largest = std::max(largest, own + column_exponent_[static_cast<std::size_t>(j)]);
+        const int own = exponent_of(lcp_->M(i, j));
+        if (own != kNoExponent) largest = std::max(largest, own + column_exponent_[static_cast<std::size_t>(j)]);
       }
-      if (largest == kNothing) largest = std::max(exponent(lcp_->q(i)), -2000);
+      if (largest == kNoExponent) largest = std::max(exponent_of(lcp_->q(i)), -2000);
       row_exponent_[static_cast<std::size_t>(i)] = -largest;
     }
     for (const Index j : columns_) {
-      int largest = kNothing;
+      int largest = kNoExponent;
       for (const Index i : rows_) {
-        const int own = exponent(lcp_->M(i, j));
-        if (own != kNothing) largest = std::max(largest, own + row_exponent_[static_cast<std::size_t>(i)]);
+        const int own = exponent_of(lcp_->M(i, j));
+        if (own != kNoExponent) largest = std::max(largest, own + row_exponent_[static_cast<std::size_t>(i)]);
       }
       column_exponent_[static_cast<std::size_t>(j)] = -largest;
     }
   }
-  cost_exponent_ = kNothing;
+  cost_exponent_ = kNoExponent;
   for (const Index i : rows_) {
-    const int own = exponent(lcp_->q(i));
-    if (own != kNothing) cost_exponent_ = std::max(cost_exponent_, own + row_exponent_[static_cast<std::size_t>(i)]);
+    const int own = exponent_of(lcp_->q(i));
+    if (own != kNoExponent) cost_exponent_ = std::max(cost_exponent_, own + row_exponent_[static_cast<std::size_t>(i)]);
   }
   cost_exponent_ = -cost_exponent_;
   wide_ = false;
   for (const Index i : rows_) {
     const int row = row_exponent_[static_cast<std::size_t>(i)];
-    const int cost = exponent(lcp_->q(i));
-    wide_ = wide_ || (cost != kNothing && cost + row + cost_exponent_ < -kWidestExponents);
+    const int cost = exponent_of(lcp_->q(i));
+    wide_ = wide_ || (cost != kNoExponent && cost + row + cost_exponent_ < -kWidestExponents);
     for (const Index j : columns_) {
-      const int own = exponent(lcp_->M(i, j));
-      wide_ =
-          wide_ || (own != kNothing && own + row + column_exponent_[static_cast<std::size_t>(j)] < -kWidestExponents);
+      const int own = exponent_of(lcp_->M(i, j));
+      wide_ = wide_ ||
+              (own != kNoExponent && own + row + column_exponent_[static_cast<std::size_t>(j)] < -kWidestExponents);
     }
   }
   return true;
@@ -260,9 +248,9 @@ void FarkasSearch::fill(Tableau<Scalar>& tableau, Goal goal) {
     for (std::size_t j = 0; j < columns_.size(); ++j) {
       const double entry = lcp_->M(i, columns_[j]);
       const int all = exponent + column_exponent_[static_cast<std::size_t>(columns_[j])];
-      column[j] = entry == 0 ? Scalar(0) : static_cast<Scalar>(scaled(entry, all));
+      column[j] = entry == 0 ? Scalar(0) : static_cast<Scalar>(scaled(static_cast<Quad>(entry), all));
     }
-    const Scalar cost = static_cast<Scalar>(scaled(lcp_->q(i), exponent + cost_exponent_));
+    const Scalar cost = static_cast<Scalar>(scaled(static_cast<Quad>(lcp_->q(i)), exponent + cost_exponent_));
     column[rows] = cost;
     if (interior) column[rows + 1] = 0;
     at_column_[k] = static_cast<Index>(k);

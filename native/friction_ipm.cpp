@@ -25,9 +25,11 @@ struct FrictionIpmSettings {
 
   void visit(auto&& field) {
     visit_algebra(field, algebra);
-    field("tolerance", tolerance, RealRange{.min = 0}, "stop when the velocity residual is at most this times max|q|");
+    field("tolerance", tolerance, RealRange{.min = 0},
+          "stop when the velocity residual of every island is at most this times max|q| of the island");
     field("accept_residual", accept_residual, RealRange{.min = 0},
-          "claim solved only when the velocity residual, evaluated in double, is at most this times max|q|");
+          "claim solved only when the velocity residual of every island, evaluated in double, is at most this times "
+          "max|q| of the island");
     field("shift", shift, RealRange{.min = 0, .max = 1}, "of the convex problems: see velocity_ipm");
     field("max_iterations", max_iterations, IntegerRange{.min = 0},
           "predictor-corrector steps, over all convex problems");
@@ -216,6 +218,7 @@ void FrictionIpm::report(Claim claim, int rounds, Answer& answer) {
   answer.claim = claim;
   state_.write_answer(answer.z);
   room_.write_velocity(state_.u, answer);
+  state_.units.restore(answer.velocity);
   std::array<char, 40> text{};
   const int length = std::snprintf(text.data(), text.size(), "%d convex problem%s", rounds, rounds == 1 ? "" : "s");
   room_.write_text({text.data(), static_cast<std::size_t>(length)}, answer);

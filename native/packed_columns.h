@@ -30,6 +30,15 @@ class PackedColumns {
     return sum;
   }
 
+  /// |column|'|x|.
+  double dot_magnitudes(Index column, const Vector& x) const {
+    double sum = 0;
+    for_each_run(column, [&](const Run& run) {
+      sum += entries(run).cwiseAbs().dot(x.segment(run.first_row, run.size).cwiseAbs());
+    });
+    return sum;
+  }
+
   /// x += factor * (column).
   void add_to(Vector& x, Index column, double factor) const {
     for_each_run(column, [&](const Run& run) { x.segment(run.first_row, run.size) += factor * entries(run); });

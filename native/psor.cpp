@@ -27,8 +27,8 @@ struct PsorSettings {
     field("relaxation", relaxation, RealRange{.min = 0x1p-10, .max = 2 - 0x1p-10},
           "factor on each step: 1 is Gauss-Seidel, more is over-relaxation");
     field("tolerance", tolerance, RealRange{.min = 0},
-          "an answer is tested, and then claimed, when the velocity residual, evaluated in double, is at most this "
-          "times max|q|");
+          "an answer is tested, and then claimed, when the velocity residual of every island, evaluated in double, is "
+          "at most this times max|q| of the island");
     field("order", order, Choices<Order>{{{"forward", Order::kForward}, {"symmetric", Order::kSymmetric}}},
           "every sweep in the order given, or every second one backwards");
   }
@@ -70,8 +70,8 @@ void project_on_cross_polytope(Eigen::Ref<Vector> y, double radius) {
 /// the splitting converges is not proven. Opposite directions are carried as one signed impulse.
 ///
 /// Contact problems keep v+ = v + G* J f: O(ngc) per row, less for sparse contacts. Bare LCPs: O(n) per row.
-/// Solved is claimed only when the residual, recomputed from z, is within the tolerance and AnswerTest passes (of
-/// contacts between separate bodies the former alone).
+/// Solved is claimed only when the residual of every island, recomputed from z, is within the tolerance and AnswerTest
+/// passes.
 class Psor final : public Solver {
  public:
   explicit Psor(const PsorSettings& settings) : settings_(settings) {}
@@ -146,6 +146,7 @@ void Psor::set_start(const Vector* start) {
       g = start->segment(first, friction.directions) - start->segment(first + friction.directions, friction.directions);
       project_on_cross_polytope(g, state_.mu(friction.contact) * impulse(friction.contact));
     }
+    state_.scale_impulses();
   }
   state_.recompute_velocity();
 }

@@ -1,7 +1,8 @@
 # Certificates as users and studies get them, and the checker that shares no code with what made them.
-lcpbench_test(certificates LINK lcpbench_runner lcpbench_certificates lcpbench_report lcpbench_study lcpbench_solver_list nlohmann_json::nlohmann_json)
-target_compile_definitions(certificates_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
-add_dependencies(certificates_test lcpbench)
+lcpbench_test(certificates LINK lcpbench_runner lcpbench_certificates lcpbench_study lcpbench_solver_list nlohmann_json::nlohmann_json)
+lcpbench_test(certify_command LINK lcpbench_report lcpbench_study lcpbench_solver_list nlohmann_json::nlohmann_json)
+target_compile_definitions(certify_command_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
+add_dependencies(certify_command_test lcpbench)
 
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 add_test(NAME check_certificates

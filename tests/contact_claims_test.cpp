@@ -12,6 +12,7 @@
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
 #include "tests/allocation_counter.h"
+#include "tests/two_chains.h"
 
 namespace lcpbench {
 namespace {
@@ -180,6 +181,41 @@ TEST(ContactClaimsTest, AreMadeOfEveryIslandByItsOwnScale) {
       EXPECT_EQ(solve(solver, whole).claim, Claim::kSolved) << solver;
     }
   }
+}
+
+/// Claimed solved, solved, and at the velocity that comes with it.
+void expect_solved_with_velocity(const std::string& solver, const Problem& problem) {
+  const Answer answer = solve(solver, problem);
+  EXPECT_EQ(answer.claim, Claim::kSolved) << solver << ": " << answer.detail;
+  const Errors errors = Evaluator(problem).errors(answer);
+  EXPECT_LE(errors.velocity_residual_relative, kSolvedVelocityResidual) << solver;
+  if (answer.velocity.size() > 0) {
+    EXPECT_LE(errors.velocity_mismatch, 1e-9) << solver;
+  }
+}
+
+TEST(ContactClaimsTest, AreMadeByIterationsOnIslandsThatDifferInScaleAndInSweeps) {
+  using testing::Storage;
+  for (const Storage storage : {Storage::kDense, Storage::kBlocks, Storage::kSparse}) {
+    for (const auto& [fast, slow] : {std::pair(1e10, 1e-4), std::pair(1e-9, 1e8), std::pair(1.0, 1.0)}) {
+      const Problem problem = testing::two_chains(fast, slow, storage);
+      for (const char* solver : {"psor", "quickstep_sor", "velocity_ipm", "friction_ipm"}) {
+        expect_solved_with_velocity(solver, problem);
+      }
+    }
+  }
+}
+
+TEST(ContactClaimsTest, AreMadeByIterationsOnSlidersThatDifferInScale) {
+  ContactProblem contact;
+  contact.v = Vector{{1e6, -1e6, 1e-3, -2e-3}};
+  contact.N = Matrix{{0, 0}, {1, 0}, {0, 0}, {0, 1}};
+  contact.D = Matrix{{1, -1, 0, 0}, {0, 0, 0, 0}, {0, 0, 1, -1}, {0, 0, 0, 0}};
+  contact.edges = {2, 2};
+  contact.mu = Vector{{0.5, 0.25}};
+  contact.inertia = DenseInertia{Matrix::Identity(4, 4)};
+  const Problem problem("sliders", std::move(contact));
+  for (const char* solver : {"psor", "quickstep_sor", "friction_ipm"}) expect_solved_with_velocity(solver, problem);
 }
 
 TEST(ContactClaimsTest, AreMadeOfIslandsAtRest) {

@@ -3,8 +3,9 @@
 #   core  <-  generators, native, adapters  <-  study        tests may include everything
 #   core  <-  study/evaluation  <-  study
 #
-# One exception: two files of adapters/ may include native/velocity_ipm. SuiteSparse's worker is that native method with
-# CHOLMOD inside, and CHOLMOD's licence keeps it out of everything but a worker (docs/decisions/005).
+# One exception: two files of adapters/ may include native/velocity_ipm and native/answer_test. SuiteSparse's worker is
+# that native method with CHOLMOD inside, so that it tests its answers as every native solver does, and CHOLMOD's licence
+# keeps it out of everything but a worker (docs/decisions/005).
 #
 # The evaluation knows core only, so that no verdict can depend on a solver or a generator.
 set(allowed_core core)
@@ -27,7 +28,7 @@ foreach(layer core generators native adapters study)
     endif()
     list(FIND native_method_files ${file} position)
     if(position GREATER -1)
-      list(APPEND allowed native/velocity_ipm)
+      list(APPEND allowed native/velocity_ipm native/answer_test)
     endif()
     file(STRINGS ${ROOT}/${file} includes REGEX "^[ \t]*#[ \t]*include[ \t]+\"")
     foreach(include IN LISTS includes)

@@ -20,6 +20,7 @@ lcpbench_test(enumeration LINK lcpbench_generators lcpbench_native)
 target_sources(enumeration_test PRIVATE allocation_counter.cpp)
 find_package(Boost REQUIRED)  # headers only: integers to compare with
 lcpbench_test(exact_integer LINK lcpbench_native Boost::headers)
+lcpbench_test(island_units LINK lcpbench_native)
 lcpbench_test(primal_dual LINK lcpbench_native)
 lcpbench_test(multifrontal_cholesky LINK lcpbench_native)
 target_sources(multifrontal_cholesky_test PRIVATE allocation_counter.cpp)

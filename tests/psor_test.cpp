@@ -9,6 +9,7 @@
 #include "study/evaluation/evaluation.h"
 #include "tests/allocation_counter.h"
 #include "tests/textbook_lcps.h"
+#include "tests/two_chains.h"
 
 namespace lcpbench {
 SolverDefinition lcpbench_solver_psor();
@@ -157,6 +158,30 @@ TEST(PsorTest, StartingFromTheAnswerTakesOneSweep) {
     senseless(0) = std::nan("");
     EXPECT_EQ(solve(*solver, {.start = &senseless}).z, cold.z);
   }
+}
+
+TEST(PsorTest, StartsFromTheAnswerOfIslandsThatDifferInScale) {
+  const Problem problem = testing::two_chains(1e10, 1e-4, testing::Storage::kSparse);
+  const auto solver = psor();
+  solver->load(problem);
+  const Answer cold = solve(*solver);
+  ASSERT_EQ(cold.claim, Claim::kSolved) << cold.detail;
+  EXPECT_GT(cold.counters.iterations, 100);
+  EXPECT_LE(solve(*solver, {.start = &cold.z}).counters.iterations, 1);
+}
+
+// Nothing couples the two, so that each is solved as if it were alone.
+TEST(PsorTest, BlocksOfABareLcpAreSolvedEachInItsScale) {
+  const Matrix chain = testing::tridiagonal(20, 2, -1);
+  Matrix M = Matrix::Zero(22, 22);
+  M.topLeftCorner(20, 20) = chain;
+  M.bottomRightCorner(2, 2) = testing::tridiagonal(2, 3, -1);
+  Vector q = -testing::ones(22);
+  q.tail(2) *= 1e10 / 3;
+  const Problem problem("blocks", Lcp{M, q});
+  const Answer answer = solve(problem);
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_TRUE(Evaluator(problem).errors(answer).solved);
 }
 
 TEST(PsorTest, ANewVelocityGivesTheAnswerOfANewProblem) {

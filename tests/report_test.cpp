@@ -249,6 +249,17 @@ TEST_F(ReportTest, SkippedAndRefusingSolversStandWithTheirReasons) {
   EXPECT_NE(page_.find("does not take these problems: only frictionless"), std::string::npos);
 }
 
+TEST_F(ReportTest, GaveUpIsDefinedByAllVerdictsAndClaimsThatItCounts) {
+  write();
+  const std::size_t at = page_.find("<dt><strong>Gave up</strong></dt>");
+  ASSERT_NE(at, std::string::npos);
+  const std::string definition = page_.substr(at, page_.find("</dd>", at) - at);
+  for (const char* words : {"Refused, missed and open", "iteration or time limit", "numerical failure", "a crash",
+                            "refused the problem", "said that it has no solution"}) {
+    EXPECT_NE(definition.find(words), std::string::npos) << words;
+  }
+}
+
 TEST_F(ReportTest, TablesReadBackToTheNumbersOfTheSummary) {
   write();
   const auto summary = nlohmann::json::parse(read_file(folder_ / "out/summary.json"));

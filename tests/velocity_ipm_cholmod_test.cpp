@@ -6,6 +6,7 @@
 #include "study/open_solver.h"
 #include "tests/brick_wall.h"
 #include "tests/textbook_lcps.h"
+#include "tests/two_chains.h"
 
 namespace lcpbench {
 namespace {
@@ -73,6 +74,34 @@ TEST_F(VelocityIpmCholmodTest, SparseScenesOf10000ContactsPassThroughTheWorker) 
   ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
   EXPECT_LE(answer.counters.iterations, kMostSteps);
   EXPECT_LE(Evaluator(wall).errors(answer).velocity_residual_relative, 1e-11);
+}
+
+// An inertia of condition 1e15, on which its own residual in double is misled.
+TEST_F(VelocityIpmCholmodTest, ClaimsOnlyWhatPassesTheTestOfAllNativeSolvers) {
+  ContactProblem contact;
+  contact.v = testing::vector_of({-0.6, 0.5});
+  contact.N = Matrix{{-1.0}, {-4.0}};
+  contact.D = Matrix(2, 0);
+  contact.edges = {0};
+  contact.mu = Vector::Zero(1);
+  contact.inertia = DenseInertia{Matrix{{81.0000000000001, 54}, {54, 36.0000000000001}}};
+  const Problem problem("nearly singular", contact);
+  const Answer answer = solve("velocity_ipm_cholmod", problem);
+  if (answer.claim == Claim::kSolved) {
+    EXPECT_TRUE(Evaluator(problem).errors(answer).solved);
+  } else {
+    EXPECT_EQ(answer.claim, Claim::kNumericalFailure);
+    EXPECT_EQ(answer.detail, "residual");
+  }
+}
+
+TEST_F(VelocityIpmCholmodTest, SolvesEveryIslandInItsOwnScale) {
+  const Problem problem = testing::two_chains(1e10, 1e-4, testing::Storage::kSparse);
+  const Answer answer = solve("velocity_ipm_cholmod", problem);
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  const Errors errors = Evaluator(problem).errors(answer);
+  EXPECT_TRUE(errors.solved) << errors.velocity_residual_relative;
+  EXPECT_LE(errors.velocity_mismatch, 1e-9);
 }
 
 TEST_F(VelocityIpmCholmodTest, StopsAtItsLimits) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/timed_solve.h"
+#include "native/contact_edges.h"
 
 namespace lcpbench {
 namespace {
@@ -23,6 +24,7 @@ void InteriorPoint::load(std::unique_ptr<WhitenedNormals> normals, const Contact
   normals_ = std::move(normals);
   if (!loaded()) return;
   N_ = contact.N;
+  units_.load(contact);
   diagonal_ = normals_->squared_norms();
   shift_ = contact.nc() > 0 ? settings_.shift * diagonal_.maxCoeff() : 0;
   for (Point* point : {&point_, &step_}) point->resize(contact.nc(), normals_->coordinates());
@@ -36,9 +38,11 @@ void InteriorPoint::load(std::unique_ptr<WhitenedNormals> normals, const Contact
 void InteriorPoint::set_velocity(const Vector& v) {
   project_velocity(v);
   measure_q();
+  if (units_.several()) scale_islands();
 }
 
 void InteriorPoint::set_velocity(const Vector& v, const Vector& offset) {
+  units_.clear();
   project_velocity(v);
   q_ += offset;
   measure_q();
@@ -48,6 +52,24 @@ void InteriorPoint::set_velocity(const Vector& v, const Vector& offset) {
 void InteriorPoint::project_velocity(const Vector& v) {
   v_ = v;
   std::visit([&](const auto& N) { q_.noalias() = N.transpose() * v; }, N_);
+}
+
+void InteriorPoint::scale_islands() {
+  units_.clear();
+  for (Index j = 0; j < q_.size(); ++j) {
+    double magnitudes = 0;
+    for_each_entry(N_, j, [&](Index i, double entry) { magnitudes += std::abs(entry * v_(i)); });
+    units_.add_row(j, q_(j), magnitudes);
+  }
+  units_.choose(v_);
+  units_.scale(v_);
+  for (Index j = 0; j < q_.size(); ++j) q_(j) *= units_.of_contact(j);
+}
+
+void InteriorPoint::write_impulses(Answer& answer) const {
+  answer.z = point_.f;
+  if (!units_.several()) return;
+  for (Index j = 0; j < q_.size(); ++j) answer.z(j) /= units_.of_contact(j);
 }
 
 /// max|q|; infinity also for NaN, which must not pass for zero.
@@ -203,17 +225,18 @@ bool InteriorPoint::iterate(const SolveRequest& request, Answer& answer) {
     return false;
   }
   stop_ = iterate(wall_clock_s() + request.time_limit_s, settings_.max_iterations, answer.counters);
-  answer.z = point_.f;
+  write_impulses(answer);
   if (stop_ != Stop::kIterationLimit && stop_ != Stop::kTimeLimit) return true;
   answer.claim = stop_ == Stop::kTimeLimit ? Claim::kTimeLimit : Claim::kIterationLimit;
   return false;
 }
 
 void InteriorPoint::conclude(Answer& answer) {
-  answer.z = point_.f;
-  const double residual = relative_residual(answer.z);
+  write_impulses(answer);
+  const double residual = relative_residual(point_.f);
   answer.claim = residual <= settings_.accept_residual ? Claim::kSolved : Claim::kNumericalFailure;
   normals_->velocity(v_, coordinates_, velocity_);
+  units_.restore(velocity_);
   room_.write_velocity(velocity_, answer);
   if (stop_ == Stop::kStalled) room_.write_text("no step goes further", answer);
   if (stop_ == Stop::kBreakdown) room_.write_text("the Newton system could not be solved", answer);

@@ -5,6 +5,7 @@
 #include "core/contact_problem.h"
 #include "core/solver.h"
 #include "native/answer_room.h"
+#include "native/island_units.h"
 #include "native/velocity_ipm/settings.h"
 #include "native/velocity_ipm/whitened_normals.h"
 
@@ -18,6 +19,9 @@ namespace lcpbench {
 /// contacts, whatever their number and redundancy: I + W diag(f / (s + shift f)) W' in coordinates where G = I. What
 /// factors it is the WhitenedNormals' business. [Mehrotra 1992; Wright 1997, ch. 10; docs/velocity_ipm.md]
 ///
+/// Every island is solved in its own unit (IslandUnits), so that max|q|, to which the residual is relative, is that of
+/// each island.
+///
 /// Life: load(), then for each velocity set_velocity(), iterate(), perhaps finish(), impulses() or conclude(). Only
 /// load() allocates, as far as this depends on the WhitenedNormals, and what the answer had no room for.
 class InteriorPoint {
@@ -28,7 +32,7 @@ class InteriorPoint {
   void load(std::unique_ptr<WhitenedNormals> normals, const ContactProblem& contact);
   bool loaded() const { return normals_ != nullptr; }
   void set_velocity(const Vector& v);
-  /// With the constraints N'u + offset >= 0 (nc) instead.
+  /// With the constraints N'u + offset >= 0 (nc) instead, in the units that they are given in.
   void set_velocity(const Vector& v, const Vector& offset);
 
   /// How an iteration ended: the tolerance is met; no step goes further; the Newton system could not be solved; a
@@ -51,8 +55,9 @@ class InteriorPoint {
   /// accept_residual, else kNumericalFailure; with what ended the iteration.
   void conclude(Answer& answer);
 
+  /// In the units of the islands, which after set_velocity(v, offset) are those of v.
   const Vector& impulses() const { return point_.f; }
-  /// f of the contacts that are pressed rather than parting, in the same unit; 0 for the others.
+  /// f of the contacts that are pressed rather than parting, in the same units; 0 for the others.
   void pressed_contacts(Vector& f) const;
 
  private:
@@ -70,7 +75,9 @@ class InteriorPoint {
   };
 
   void project_velocity(const Vector& v);
+  void scale_islands();
   void measure_q();
+  void write_impulses(Answer& answer) const;
   void set_start();
   void evaluate_residuals();
   bool factor(Counters& counters);
@@ -82,6 +89,7 @@ class InteriorPoint {
   InteriorPointSettings settings_;
   std::unique_ptr<WhitenedNormals> normals_;
   Jacobian N_;
+  IslandUnits units_;
   Vector v_;
   Vector q_;
   Vector diagonal_;  // M_ii

@@ -22,9 +22,11 @@ struct InteriorPointSettings {
   std::int64_t max_iterations = 100;
 
   void visit(auto&& field) {
-    field("tolerance", tolerance, RealRange{.min = 0}, "stop when the velocity residual is at most this times max|q|");
+    field("tolerance", tolerance, RealRange{.min = 0},
+          "stop when the velocity residual of every island is at most this times max|q| of the island");
     field("accept_residual", accept_residual, RealRange{.min = 0},
-          "claim solved only when the velocity residual, evaluated in double, is at most this times max|q|");
+          "claim solved only when the velocity residual of every island, evaluated in double, is at most this times "
+          "max|q| of the island");
     field("shift", shift, RealRange{.min = 0, .max = 1},
           "shift max|M_ii| I is added to M in each step: contacts that push against each other have no central path");
     field("finish", finish, "go on from the pressed contacts to full accuracy");

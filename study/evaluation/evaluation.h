@@ -43,7 +43,8 @@ struct Errors {
   double velocity_residual_m_per_s = kNone;
   /// rho, the verdict's measure of contact problems: the largest of the islands' quotients r_I / scale_I. r_I is the
   /// largest entry of r among the island's rows; scale_I = max(max|q_i|, floor / 1e-4) over the same rows, floor being
-  /// the largest rounding error of forming q_i in double, (k_i + 1) 2^-53 |J_i|'|v| with k_i nonzero entries in J_i.
+  /// the largest error of forming a q_i in double, (k_i + 1) (2^-53 |J_i|'|v| + 2^-1074) with k_i nonzero entries in
+  /// J_i.
   double velocity_residual_relative = kNone;
   double natural_residual = kNone;           ///< max |min(z_i, w_i)|: mixes units; for comparison with other studies
   double backward_componentwise = kNone;     ///< eta_mix, componentwise scale, of the worst island
