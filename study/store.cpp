@@ -143,8 +143,8 @@ std::string lost_rows(Database& database, bool log) {
   Statement writer(database, "SELECT since FROM writing");
   if (!writer.step()) return "";
   return fmt::format(
-      "{0}: the writer that opened it at {1} never closed it, and {0}-wal is not beside the store: its last rows may be "
-      "missing",
+      "{0}: the writer that opened it at {1} never closed it, and {0}-wal is not beside the store: its last rows may "
+      "be missing",
       database.file().string(), writer.text(0));
 }
 
@@ -200,10 +200,9 @@ Store Store::open_for_writing(const std::filesystem::path& file) {
     }
     check_content(database);
   }
-  mark_as_being_written(database);
   database.execute("PRAGMA journal_mode = WAL");
-  mark_as_being_written(database);  // again: from here on the log is there and is not empty
-  database.execute("PRAGMA wal_checkpoint(PASSIVE)");
+  mark_as_being_written(database);
+  database.execute("PRAGMA wal_checkpoint(PASSIVE)");  // a mark in the file itself: there is a log, and it is not empty
   data->writer = std::make_unique<ProblemWriter>(database);
   return Store(std::move(data));
 }

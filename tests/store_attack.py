@@ -65,6 +65,8 @@ class Attack:
         try:
             return [(table, row) for table in TABLES
                     for row in sorted(map(repr, database.execute(f"SELECT * FROM {table}")))]
+        except sqlite3.Error as error:
+            return [("unreadable", str(error))]
         finally:
             database.close()
 

@@ -1,14 +1,23 @@
 // What a user relies on: a store survives the death of its writer at any moment, a store that was damaged is refused
 // before it tells a wrong number, and two writers never meet in one store.
 
+#include <atomic>
+#include <chrono>
+#include <csignal>
 #include <cstdint>
+#include <cstdio>
 #include <fstream>
 #include <functional>
+#include <new>
 #include <random>
 #include <sstream>
 #include <string>
+#include <thread>
 
 #include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "core/error.h"
 #include "study/merge.h"
@@ -164,6 +173,60 @@ TEST_F(StoreFaultsTest, CopyWithoutTheLogOfAKilledWriterSaysSo) {
   EXPECT_NE(Store::open_for_writing(copy).notice(), "");
   EXPECT_EQ(Store::open_for_writing(copy).notice(), "") << "its end was a good one";
   EXPECT_EQ(Store::open_for_reading(file_).notice(), "");
+}
+
+/// Opens, writes, closes and merges a store again and again, until it is killed.
+[[noreturn]] void write_until_killed(const fs::path& file, const fs::path& merged, std::atomic<std::int64_t>& kept) {
+  try {
+    while (true) {
+      {
+        SyntheticStore writer(file);
+        const std::int64_t lemke = writer.solver("lemke");
+        for (int i = 0; i < 3; ++i) {
+          writer.problem("paper/monotone/exp1", kept, {{lemke, {}}});
+          ++kept;
+        }
+      }
+      merge_stores(merged, {file});
+    }
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    _exit(1);
+  }
+}
+
+TEST(StoreFaultTest, RandomKillsLoseNothingAndBlockNobody) {
+  const ScratchFolder folder;
+  const fs::path file = folder / "s.db";
+  using Count = std::atomic<std::int64_t>;
+  void* const shared = mmap(nullptr, sizeof(Count), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  ASSERT_NE(shared, MAP_FAILED);
+  Count& kept = *new (shared) Count(0);
+  std::minstd_rand random(7);
+  for (int kill_number = 0; kill_number < 60; ++kill_number) {
+    const pid_t child = fork();
+    if (child == 0) write_until_killed(file, folder / "merged.db", kept);
+    std::this_thread::sleep_for(std::chrono::microseconds(random() % 40'000));
+    kill(child, SIGKILL);
+    int status = 0;
+    waitpid(child, &status, 0);
+    ASSERT_TRUE(WIFSIGNALED(status)) << "it ended by itself";
+    if (kept == 0) continue;
+    for (const char* name : {"s.db", "merged.db"}) {
+      if (!fs::exists(folder / name)) continue;
+      Store store = Store::open_for_reading(folder / name);
+      EXPECT_EQ(store.notice(), "");
+      store.check();
+      const std::int64_t rows = store.cell_count();
+      if (file != folder / name) continue;
+      EXPECT_GE(rows, kept);
+      kept = rows;  // one may have been kept and not counted
+    }
+  }
+  EXPECT_GT(kept, 0);
+  merge_stores(folder / "merged.db", {file});
+  EXPECT_EQ(checked_rows(folder / "merged.db"), checked_rows(file));
+  munmap(shared, sizeof(Count));
 }
 
 // --------------------------------------------------------------------------------------------------------- damage
