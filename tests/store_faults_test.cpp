@@ -242,7 +242,7 @@ TEST_F(StoreFaultsTest, OneFlippedBitIsRefusedOrChangesNothing) {
   const fs::path flipped = folder_ / "flipped.db";
   std::mt19937_64 random(20261121);
   int refused = 0;
-  constexpr int kFlips = 1500;
+  constexpr int kFlips = 700;
   for (int i = 0; i < kFlips; ++i) {
     // Every second one into the pages of the small tables and of the schema.
     const std::uint64_t bit = random() % (8 * (i % 2 == 0 ? bytes.size() : bytes.size() / 3));
