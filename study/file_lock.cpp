@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "core/error.h"
+#include "study/store_files.h"
 
 namespace lcpbench {
 namespace {
@@ -20,7 +21,10 @@ namespace {
 constexpr auto kPatience = std::chrono::seconds(2);
 constexpr auto kRetryAfter = std::chrono::milliseconds(20);
 
-/// The last owner deletes the lock file: a lock on a file that no longer has its name guards nothing.
+// The locked byte is far behind those that SQLite locks, and behind any content.
+constexpr off_t kLockedByte = off_t{1} << 62;
+
+/// Another process can delete or replace the file between opening and locking it: such a lock guards nothing.
 bool still_named(int descriptor, const std::filesystem::path& file) {
   struct stat opened {};
   struct stat named {};
@@ -28,19 +32,35 @@ bool still_named(int descriptor, const std::filesystem::path& file) {
          opened.st_dev == named.st_dev;
 }
 
+/// flock() would do on local disks; over NFS it locks the whole file, and SQLite would wait for us for ever. The lock
+/// belongs to the descriptor, not to the process: SQLite's own descriptors come and go.
+/// @returns false when another descriptor holds it
+bool lock_byte(int descriptor, const std::filesystem::path& file) {
+  struct flock range {};
+  range.l_type = F_WRLCK;
+  range.l_whence = SEEK_SET;
+  range.l_start = kLockedByte;
+  range.l_len = 1;
+  if (fcntl(descriptor, F_OFD_SETLK, &range) == 0) return true;
+  if (errno == EAGAIN || errno == EACCES) return false;
+  if (errno == EINVAL || errno == ENOLCK || errno == EOPNOTSUPP) return true;  // no such locks: the name's has to do
+  throw InputError(file.string() + ": " + std::strerror(errno));
+}
+
 }  // namespace
 
-FileLock::FileLock(const std::filesystem::path& file) : lock_file_(file.string() + ".lock") {
+FileLock::FileLock(const std::filesystem::path& file, bool create) : lock_file_(side_file(file, ".lock")) {
   const auto deadline = std::chrono::steady_clock::now() + kPatience;
   while (true) {
-    descriptor_ = open(lock_file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-    if (descriptor_ < 0) throw InputError(lock_file_.string() + ": " + std::strerror(errno));
-    const bool locked = flock(descriptor_, LOCK_EX | LOCK_NB) == 0;
-    const int cause = errno;
-    if (locked && still_named(descriptor_, lock_file_)) return;
-    close(descriptor_);
-    if (locked) continue;
-    if (cause != EWOULDBLOCK) throw InputError(file.string() + ": " + std::strerror(cause));
+    if (lock_name()) {
+      try {
+        if (lock_file(file, create)) return;
+      } catch (const InputError&) {
+        release();
+        throw;
+      }
+    }
+    release();
     if (std::chrono::steady_clock::now() > deadline) {
       throw InputError(file.string() + ": another process is writing this store");
     }
@@ -48,9 +68,47 @@ FileLock::FileLock(const std::filesystem::path& file) : lock_file_(file.string()
   }
 }
 
-FileLock::~FileLock() {
-  unlink(lock_file_.c_str());
-  close(descriptor_);
+FileLock::~FileLock() { release(); }
+
+bool FileLock::lock_name() {
+  const int descriptor = open(lock_file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (descriptor < 0) throw InputError(lock_file_.string() + ": " + std::strerror(errno));
+  const bool locked = flock(descriptor, LOCK_EX | LOCK_NB) == 0;
+  const int cause = errno;
+  if (locked && still_named(descriptor, lock_file_)) {
+    name_descriptor_ = descriptor;
+    return true;
+  }
+  close(descriptor);
+  if (!locked && cause != EWOULDBLOCK) throw InputError(lock_file_.string() + ": " + std::strerror(cause));
+  return false;
+}
+
+bool FileLock::lock_file(const std::filesystem::path& file, bool create) {
+  file_descriptor_ = open(file.c_str(), O_RDWR | O_CLOEXEC | (create ? O_CREAT : 0), 0644);
+  if (file_descriptor_ < 0) {
+    if (errno == ENOENT && !create) return true;
+    throw InputError(file.string() + ": " + std::strerror(errno));
+  }
+  return lock_byte(file_descriptor_, file) && still_named(file_descriptor_, file);
+}
+
+/// The owner of the name's lock deletes its file.
+void FileLock::release() {
+  if (file_descriptor_ >= 0) close(file_descriptor_);
+  if (name_descriptor_ >= 0) {
+    unlink(lock_file_.c_str());
+    close(name_descriptor_);
+  }
+  file_descriptor_ = name_descriptor_ = -1;
+}
+
+bool FileLock::is_held(const std::filesystem::path& file) {
+  const int descriptor = open(side_file(file, ".lock").c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return false;
+  const bool held = flock(descriptor, LOCK_SH | LOCK_NB) != 0;
+  close(descriptor);
+  return held;
 }
 
 }  // namespace lcpbench

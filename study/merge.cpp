@@ -1,12 +1,14 @@
 #include "study/merge.h"
 
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "core/error.h"
 #include "study/file_lock.h"
 #include "study/store.h"
+#include "study/store_files.h"
 
 namespace lcpbench {
 namespace {
@@ -99,26 +101,13 @@ std::vector<std::string> find_conflicts(Store& store, const std::filesystem::pat
   return conflicts;
 }
 
-/// Reads the whole input once, so that damage is reported under its name. @throws InputError
-void check_input(const std::filesystem::path& input) {
+/// Reads the whole input once, so that damage is reported under its name. @returns its notice. @throws InputError
+std::string check_input(const std::filesystem::path& input) {
   Store store = Store::open_for_reading(input);
-  Statement check(store.database(), "PRAGMA quick_check(1)");
-  if (check.step() && check.text(0) != "ok") {
-    throw InputError(fmt::format("{}: the store is damaged: {}", input.string(), check.text(0)));
-  }
+  store.check();
   Statement claims(store.database(), "SELECT DISTINCT claim FROM answers");
   while (claims.step()) stored_claim(store.database(), claims.text(0));
-}
-
-/// @throws InputError when a table of the input is missing or not as in the store.
-void check_tables(Store& store, const std::filesystem::path& input) {
-  Statement query(store.database(),
-                  "SELECT m.name FROM main.sqlite_master m LEFT JOIN input.sqlite_master i "
-                  "ON i.type = m.type AND i.name = m.name WHERE m.type = 'table' AND m.sql IS NOT i.sql");
-  while (query.step()) {
-    throw InputError(
-        fmt::format("{}: the store is damaged: table {} is missing or altered", input.string(), query.text(0)));
-  }
+  return store.notice();
 }
 
 /// What the input has certified and the store left open goes, so that the input's proof takes its place.
@@ -132,10 +121,12 @@ void make_way_for_proofs(Store& store) {
   }
 }
 
-/// Forward errors of answers that both have, where only the input's problem was certified.
+/// Forward errors of answers that both have, where only the input's problem was certified. All else in the two rows is
+/// equal, so that the checksum of the input's row is that of both.
 void take_forward_errors(Store& store) {
   store.database().execute(
-      "UPDATE main.verdicts AS m SET forward_velocity = i.forward_velocity FROM input.verdicts AS i "
+      "UPDATE main.verdicts AS m SET forward_velocity = i.forward_velocity, checksum = i.checksum "
+      "FROM input.verdicts AS i "
       "WHERE i.problem_id = m.problem_id AND i.solver_id = m.solver_id AND i.part = m.part "
       "AND m.forward_velocity IS NULL AND i.forward_velocity IS NOT NULL");
 }
@@ -143,7 +134,6 @@ void take_forward_errors(Store& store) {
 /// Adds the input's rows; or returns its conflicts and adds none.
 std::vector<std::string> join(Store& store, const std::filesystem::path& input) {
   store.database().attach(input, "input");
-  check_tables(store, input);
   std::vector<std::string> conflicts = find_conflicts(store, input);
   if (conflicts.empty()) {
     store.begin();
@@ -164,12 +154,15 @@ class Draft {
   explicit Draft(std::filesystem::path file) : file_(std::move(file)) { Store::remove(file_); }
   ~Draft() {
     std::error_code ignored;
-    for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(file_.string() + suffix, ignored);
+    for (const char* suffix : {"", "-wal", "-shm", "-journal"}) {
+      std::filesystem::remove(file_.string() + suffix, ignored);
+    }
   }
   Draft(const Draft&) = delete;
   Draft& operator=(const Draft&) = delete;
   const std::filesystem::path& file() const { return file_; }
   void move_to(const std::filesystem::path& target) {
+    if (has_log(file_)) throw InputError(file_.string() + ": another process reads it");
     std::error_code error;
     std::filesystem::rename(file_, target, error);
     if (error) throw InputError(fmt::format("{}: {}", target.string(), error.message()));
@@ -183,17 +176,22 @@ class Draft {
 
 MergeOutcome merge_stores(const std::filesystem::path& out, const std::vector<std::filesystem::path>& inputs) {
   std::vector<std::filesystem::path> sources = inputs;
-  std::error_code ignored;
-  if (std::filesystem::exists(out, ignored)) {
-    Store::open_for_reading(out);
-    Store::open_for_writing(out);  // its end folds what a killed run left in the write-ahead log into the file itself
-    if (std::filesystem::exists(out.string() + "-wal")) throw InputError(out.string() + ": another process reads it");
-    sources.insert(sources.begin(), out);
-  }
-  for (const std::filesystem::path& source : sources) check_input(source);
-  const FileLock lock(out);
-  Draft draft(out.string() + ".merging");
   MergeOutcome outcome;
+  const auto take_notice = [&outcome](std::string notice) {
+    if (!notice.empty()) outcome.notices.push_back(std::move(notice));
+  };
+  std::error_code ignored;
+  const bool exists = std::filesystem::exists(out, ignored);
+  if (exists) {
+    take_notice(Store::open_for_reading(out).notice());
+    Store::open_for_writing(out);  // its end folds what a killed run left in the write-ahead log into the file itself
+  }
+  for (const std::filesystem::path& source : inputs) take_notice(check_input(source));
+  if (exists) sources.insert(sources.begin(), out);
+  const FileLock lock(out);
+  if (exists && has_log(out)) throw InputError(out.string() + ": another process reads it");
+  if (!exists) remove_side_files(out);  // of a store that is gone: they would be taken for the merged one's
+  Draft draft(side_file(out, ".merging"));
   {
     Store store = Store::open_for_writing(draft.file());
     for (const std::filesystem::path& source : sources) {
@@ -201,7 +199,7 @@ MergeOutcome merge_stores(const std::filesystem::path& out, const std::vector<st
     }
     outcome.cells = store.cell_count();
   }
-  if (outcome.conflicts.empty()) draft.move_to(out);
+  if (outcome.conflicts.empty()) draft.move_to(followed(out));
   return outcome;
 }
 

@@ -14,11 +14,16 @@ namespace lcpbench {
 /// Verdicts need every answer to a problem (one solver's solution proves solvable what another missed), so `verdicts`
 /// holds what one answer shows by itself; the view `judged` adds the problem's truth and gives claim and verdict side
 /// by side. Nothing of it needs a solver to run again: `vectors` keeps every answer exactly.
+///
+/// `checksum` is a hash of the row's other columns, see study/row_checksum.h; `vectors` and `cell_groups` have ids that
+/// are one.
 inline constexpr const char* kStoreSchema = R"sql(
 CREATE TABLE IF NOT EXISTS runs (
-  id INTEGER PRIMARY KEY, started TEXT NOT NULL, provenance TEXT NOT NULL);  -- JSON
+  id INTEGER PRIMARY KEY, started TEXT NOT NULL, provenance TEXT NOT NULL,    -- JSON
+  checksum INTEGER NOT NULL) STRICT;
 CREATE TABLE IF NOT EXISTS sets (
-  id INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE);                         -- canonical, with its options
+  id INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE,                          -- canonical, with its options
+  checksum INTEGER NOT NULL) STRICT;
 CREATE TABLE IF NOT EXISTS solvers (
   id INTEGER PRIMARY KEY,
   name TEXT NOT NULL,
@@ -28,13 +33,15 @@ CREATE TABLE IF NOT EXISTS solvers (
   version TEXT NOT NULL,
   isa TEXT NOT NULL,            -- instruction-set level of native code, "" for libraries
   sweep TEXT NOT NULL,          -- "" or the name of a sweep with the shared settings: "paper", "paper{engine=kernel}"
-  cells INTEGER NOT NULL);      -- number of parameterisations: 1 unless it is a sweep
+  cells INTEGER NOT NULL,       -- number of parameterisations: 1 unless it is a sweep
+  checksum INTEGER NOT NULL) STRICT;
 CREATE TABLE IF NOT EXISTS parameterisations (
   solver_id INTEGER NOT NULL REFERENCES solvers(id),
   cell INTEGER NOT NULL,        -- 0, 1, ...: the grid's order, its first axis varies slowest
   settings TEXT NOT NULL,       -- those off their defaults
   all_settings TEXT NOT NULL,
-  PRIMARY KEY (solver_id, cell)) WITHOUT ROWID;
+  checksum INTEGER NOT NULL,
+  PRIMARY KEY (solver_id, cell)) WITHOUT ROWID, STRICT;
 CREATE TABLE IF NOT EXISTS problems (
   id INTEGER PRIMARY KEY,
   set_id INTEGER NOT NULL REFERENCES sets(id),
@@ -46,13 +53,14 @@ CREATE TABLE IF NOT EXISTS problems (
   nc INTEGER NOT NULL,
   hash TEXT NOT NULL,           -- of the problem's data, hexadecimal
   theory TEXT NOT NULL,         -- "solvable" when proven from the data alone, else ""
-  UNIQUE (set_id, seed, trial));
+  checksum INTEGER NOT NULL,
+  UNIQUE (set_id, seed, trial)) STRICT;
 CREATE TABLE IF NOT EXISTS vectors (
-  id INTEGER PRIMARY KEY, data BLOB NOT NULL);                                -- see study/vector_codec.h
+  id INTEGER PRIMARY KEY, data BLOB NOT NULL) STRICT;                         -- see study/vector_codec.h
 CREATE TABLE IF NOT EXISTS cell_groups (
   group_id INTEGER NOT NULL,    -- hash of the group's cells
   cell INTEGER NOT NULL,
-  PRIMARY KEY (group_id, cell)) WITHOUT ROWID;
+  PRIMARY KEY (group_id, cell)) WITHOUT ROWID, STRICT;
 CREATE TABLE IF NOT EXISTS answers (
   problem_id INTEGER NOT NULL REFERENCES problems(id),
   solver_id INTEGER NOT NULL REFERENCES solvers(id),
@@ -66,7 +74,8 @@ CREATE TABLE IF NOT EXISTS answers (
   pivots INTEGER NOT NULL,
   factorizations INTEGER NOT NULL,
   detail TEXT NOT NULL,
-  PRIMARY KEY (problem_id, solver_id, part)) WITHOUT ROWID;
+  checksum INTEGER NOT NULL,
+  PRIMARY KEY (problem_id, solver_id, part)) WITHOUT ROWID, STRICT;
 CREATE TABLE IF NOT EXISTS verdicts (
   problem_id INTEGER NOT NULL,
   solver_id INTEGER NOT NULL,
@@ -79,7 +88,8 @@ CREATE TABLE IF NOT EXISTS verdicts (
   velocity_residual_m_per_s REAL, velocity_residual_relative REAL, natural_residual REAL,
   backward_componentwise REAL, backward_row_norm REAL, forward_velocity REAL,
   violation_m_per_s REAL, work_gain_j REAL, complementarity_j REAL, cone_violation REAL, min_z REAL,
-  PRIMARY KEY (problem_id, solver_id, part)) WITHOUT ROWID;
+  checksum INTEGER NOT NULL,
+  PRIMARY KEY (problem_id, solver_id, part)) WITHOUT ROWID, STRICT;
 CREATE INDEX IF NOT EXISTS checked_proofs ON verdicts(problem_id) WHERE farkas_checked = 1;
 CREATE TABLE IF NOT EXISTS timings (
   problem_id INTEGER NOT NULL,
@@ -90,7 +100,8 @@ CREATE TABLE IF NOT EXISTS timings (
   solve_wall_s REAL NOT NULL, solve_cpu_s REAL NOT NULL,
   transport_s REAL NOT NULL, verify_s REAL NOT NULL,
   repeats INTEGER NOT NULL,
-  PRIMARY KEY (problem_id, solver_id, part)) WITHOUT ROWID;
+  checksum INTEGER NOT NULL,
+  PRIMARY KEY (problem_id, solver_id, part)) WITHOUT ROWID, STRICT;
 CREATE TABLE IF NOT EXISTS certificates (
   problem_id INTEGER PRIMARY KEY,
   certificate TEXT NOT NULL,    -- "solution", "unsolvable", "open": see docs/certificates.md
@@ -98,14 +109,19 @@ CREATE TABLE IF NOT EXISTS certificates (
   velocity INTEGER REFERENCES vectors(id),  -- v+ of the certified solution, each entry correctly rounded
   velocity_unique INTEGER,      -- 1: every solution has this v+; 0: another is certified; NULL: not known
   least_violation_m_per_s REAL, -- unsolvable: no impulse at all violates the contacts by less
-  detail TEXT NOT NULL);
+  detail TEXT NOT NULL,
+  checksum INTEGER NOT NULL) STRICT;
 CREATE TABLE IF NOT EXISTS proofs (
   problem_id INTEGER PRIMARY KEY,
-  document BLOB NOT NULL);      -- problem and exact proof, what study/check_certificates.py reads: JSON, deflated
+  document BLOB NOT NULL,       -- problem and exact proof, what study/check_certificates.py reads: JSON, deflated
+  checksum INTEGER NOT NULL) STRICT;
 CREATE TABLE IF NOT EXISTS certificate_timings (
   problem_id INTEGER PRIMARY KEY,
   seconds REAL NOT NULL,        -- wall clock
-  time_limit_s REAL NOT NULL);
+  time_limit_s REAL NOT NULL,
+  checksum INTEGER NOT NULL) STRICT;
+CREATE TABLE IF NOT EXISTS writing (  -- one row while a writer has the store open
+  id INTEGER PRIMARY KEY CHECK (id = 1), since TEXT NOT NULL) STRICT;
 
 CREATE VIEW IF NOT EXISTS truths AS
   SELECT p.id AS problem_id,

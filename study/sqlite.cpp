@@ -7,6 +7,7 @@
 #include <sqlite3.h>
 
 #include "core/error.h"
+#include "study/row_checksum.h"
 
 namespace lcpbench::sqlite {
 namespace {
@@ -16,6 +17,16 @@ constexpr int kBusyTimeoutMs = 10000;
 /// The name of a file that SQLite reads as nothing else: no ":memory:", no URI, no nameless temporary database.
 std::string plain_name(const std::filesystem::path& file) {
   return file.is_absolute() ? file.string() : "./" + file.string();
+}
+
+int open_flags(Mode mode) {
+  switch (mode) {
+    case Mode::kReadOnly: return SQLITE_OPEN_READONLY;
+    case Mode::kReadWrite: return SQLITE_OPEN_READWRITE;
+    case Mode::kInMemory: return SQLITE_OPEN_READWRITE | SQLITE_OPEN_MEMORY;
+    case Mode::kReadWriteCreate: break;
+  }
+  return SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
 }
 
 bool mendable(int primary_code) {
@@ -36,8 +47,8 @@ bool mendable(int primary_code) {
 }  // namespace
 
 Database::Database(const std::filesystem::path& file, Mode mode) : file_(file) {
-  const int flags = mode == Mode::kReadOnly ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
-  const int code = sqlite3_open_v2(plain_name(file).c_str(), &handle_, flags | SQLITE_OPEN_NOMUTEX, nullptr);
+  const int flags = open_flags(mode) | SQLITE_OPEN_NOMUTEX;
+  const int code = sqlite3_open_v2(plain_name(file).c_str(), &handle_, flags, nullptr);
   if (code != SQLITE_OK) {
     sqlite3_close(handle_);
     handle_ = nullptr;
@@ -45,15 +56,27 @@ Database::Database(const std::filesystem::path& file, Mode mode) : file_(file) {
   }
   sqlite3_extended_result_codes(handle_, 1);
   sqlite3_busy_timeout(handle_, kBusyTimeoutMs);
+  sqlite3_db_config(handle_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+  sqlite3_db_config(handle_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+  sqlite3_db_config(handle_, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, nullptr);
+  // A store whose log is missing has lost rows: only its writer's good end may take the log away.
+  sqlite3_db_config(handle_, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+  add_row_checksum(handle_);
 }
 
 Database::~Database() { sqlite3_close(handle_); }
 
 void Database::fail(int code) const {
   const int primary = code & 0xff;
+  if (code == SQLITE_READONLY_ROLLBACK) {
+    throw InputError(file_.string() + ": its writer was killed and left " + file_.string() +
+                     "-journal, which has to be rolled back first, but the store or its folder cannot be written");
+  }
   if (primary == SQLITE_NOTADB) throw InputError(file_.string() + ": not an lcpbench store");
   const std::string cause = handle_ != nullptr ? sqlite3_errmsg(handle_) : sqlite3_errstr(code);
-  if (primary == SQLITE_CORRUPT) throw InputError(file_.string() + ": the store is damaged: " + cause);
+  // A file that is damaged can claim rows of any size, and a format that SQLite does not know.
+  const bool damaged = primary == SQLITE_CORRUPT || primary == SQLITE_TOOBIG || cause == "unsupported file format";
+  if (damaged) throw InputError(file_.string() + ": the store is damaged: " + cause);
   if (mendable(primary)) throw InputError(file_.string() + ": " + cause);
   throw std::runtime_error(file_.string() + ": " + cause);
 }

@@ -10,10 +10,11 @@ struct sqlite3_stmt;
 
 namespace lcpbench::sqlite {
 
-enum class Mode { kReadOnly, kReadWriteCreate };
+enum class Mode { kReadOnly, kReadWrite, kReadWriteCreate, kInMemory };
 
 /// One connection. Not thread-safe. The file's name is taken as it is: ":memory:" and "file:x" are files of these
-/// names.
+/// names. Nothing that a file brings along (triggers, functions in its views) can do more than read and write tables,
+/// and closing the connection leaves a write-ahead log where it is.
 ///
 /// Errors that a user can mend (no database, damaged, full disk, no permission) are InputError naming the file; all
 /// others are std::runtime_error.

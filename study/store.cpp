@@ -3,12 +3,20 @@
 #include <algorithm>
 #include <array>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
+#include <sqlite3.h>
 
 #include "core/error.h"
 #include "study/file_lock.h"
-#include "study/schema.h"
+#include "study/log_check.h"
+#include "study/problem_writer.h"
+#include "study/provenance.h"
+#include "study/row_checksum.h"
+#include "study/store_check.h"
+#include "study/store_columns.h"
+#include "study/store_files.h"
 #include "study/vector_codec.h"
 
 namespace lcpbench {
@@ -18,81 +26,12 @@ using sqlite::Database;
 using sqlite::Mode;
 using sqlite::Statement;
 
-constexpr std::int64_t kApplicationId = 0x4c43'5042;  // "LCPB", in the header of the file
-/// Rises with what a verdict means, too: answers judged by two definitions must not meet in one store.
-constexpr std::int64_t kFormatVersion = 4;
-
-std::int64_t key_id(std::initializer_list<std::string_view> parts) {
-  std::string key;
-  for (const std::string_view part : parts) {
-    key += part;
-    key += '\0';
-  }
-  return content_id(key);
-}
-
 std::string describe(const std::filesystem::path& file, const char* what) { return file.string() + ": " + what; }
-
-/// True when the file holds nothing yet: also one whose process was killed before its first commit.
-bool is_blank(Database& database) { return database.integer("SELECT COUNT(*) FROM sqlite_master") == 0; }
-
-void check_application(Database& database) {
-  if (database.integer("PRAGMA application_id") != kApplicationId) {
-    throw InputError(describe(database.file(), "not an lcpbench store"));
-  }
-}
-
-void check_format(Database& database) {
-  check_application(database);
-  const std::int64_t version = database.integer("PRAGMA user_version");
-  if (version != kFormatVersion) {
-    throw InputError(
-        fmt::format("{}: store format {}, this lcpbench reads format {} alone: verdicts mean something else there; use "
-                    "another store (`run --fresh` replaces it)",
-                    database.file().string(), version, kFormatVersion));
-  }
-}
-
-/// What is no file at all would be told by SQLite in words that name no cause.
-void refuse_folder(const std::filesystem::path& file) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored)) throw InputError(describe(file, "is a folder, expected a store"));
-}
-
-/// Makes a blank file a store, whole or not at all.
-void initialise(Database& database) {
-  database.execute("BEGIN IMMEDIATE");
-  database.execute(kStoreSchema);
-  database.execute(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}", kApplicationId, kFormatVersion));
-  database.execute("COMMIT");
-}
 
 Truth parse_truth(std::string_view text) {
   if (text == "solvable") return Truth::kSolvable;
   return text == "unsolvable" ? Truth::kUnsolvable : Truth::kUnknown;
 }
-
-constexpr std::array kErrorColumns{&Errors::velocity_residual_m_per_s,
-                                   &Errors::velocity_residual_relative,
-                                   &Errors::natural_residual,
-                                   &Errors::backward_componentwise,
-                                   &Errors::backward_row_norm,
-                                   &Errors::forward_velocity,
-                                   &Errors::violation_m_per_s,
-                                   &Errors::work_gain_j,
-                                   &Errors::complementarity_j,
-                                   &Errors::cone_violation,
-                                   &Errors::min_z};
-
-constexpr const char* kErrorColumnNames =
-    "velocity_residual_m_per_s, velocity_residual_relative, natural_residual, backward_componentwise, "
-    "backward_row_norm, forward_velocity, violation_m_per_s, work_gain_j, complementarity_j, cone_violation, min_z";
-
-constexpr std::array kTimeColumns{&SolveTimes::setup_wall_s, &SolveTimes::setup_cpu_s, &SolveTimes::solve_wall_s,
-                                  &SolveTimes::solve_cpu_s, &SolveTimes::transport_s};
-
-constexpr const char* kTimeColumnNames =
-    "setup_wall_s, setup_cpu_s, solve_wall_s, solve_cpu_s, transport_s, verify_s, repeats";
 
 constexpr std::array kSolverColumns{&SolverRow::name,    &SolverRow::settings, &SolverRow::all_settings,
                                     &SolverRow::library, &SolverRow::version,  &SolverRow::isa,
@@ -108,128 +47,8 @@ SolverRow read_solver(const Statement& row, int column) {
   return solver;
 }
 
-std::string insert_into(const char* table, const std::string& columns, int count) {
-  std::string marks = "?";
-  for (int i = 1; i < count; ++i) marks += ",?";
-  return fmt::format("INSERT OR IGNORE INTO {} ({}) VALUES ({})", table, columns, marks);
-}
-
-struct Writers {
-  explicit Writers(Database& database)
-      : problem(database, insert_into("problems", "id, set_id, seed, trial, kind, n, ngc, nc, hash, theory", 10)),
-        stored_problem(database, "SELECT p.hash, s.name FROM problems p JOIN sets s ON s.id = p.set_id WHERE p.id = ?"),
-        vector(database, insert_into("vectors", "id, data", 2)),
-        group(database, insert_into("cell_groups", "group_id, cell", 2)),
-        stored_group(database, "SELECT 1 FROM cell_groups WHERE group_id = ? AND cell = ?"),
-        stored_answers(database, "SELECT 1 FROM answers WHERE problem_id = ? AND solver_id = ? AND part = 0"),
-        answer(database, insert_into("answers",
-                                     "problem_id, solver_id, part, group_id, claim, z, velocity, farkas, iterations, "
-                                     "pivots, factorizations, detail",
-                                     12)),
-        verdict(database,
-                insert_into(
-                    "verdicts",
-                    std::string("problem_id, solver_id, part, usable, solved, criterion, farkas_checked, worst_row, ") +
-                        kErrorColumnNames,
-                    8 + static_cast<int>(kErrorColumns.size()))),
-        timing(database,
-               insert_into("timings", std::string("problem_id, solver_id, part, run_id, ") + kTimeColumnNames, 11)) {}
-
-  Statement problem;
-  Statement stored_problem;
-  Statement vector;
-  Statement group;
-  Statement stored_group;
-  Statement stored_answers;
-  Statement answer;
-  Statement verdict;
-  Statement timing;
-};
-
-void bind_id(Statement& statement, int parameter, const std::optional<std::int64_t>& id) {
-  if (id) {
-    statement.bind(parameter, *id);
-  } else {
-    statement.bind_null(parameter);
-  }
-}
-
-/// Answers to two problems under one id would be judged as answers to one: what is stored must be what was solved.
-void check_same_problem(Statement& stored, const ProblemRow& problem, const std::filesystem::path& file) {
-  stored.bind(1, problem.id);
-  if (stored.step() && stored.text(0) != problem.hash) {
-    throw InputError(
-        fmt::format("{}: trial {} of seed {} of set '{}' is another problem than when the store was begun: the set has "
-                    "changed; use "
-                    "another store, or --fresh",
-                    file.string(), problem.trial, problem.seed, stored.text(1)));
-  }
-  stored.reset();
-}
-
-std::int64_t as_integer(bool value) { return value ? 1 : 0; }
-
-bool is_present(Statement& query, std::int64_t first_key, std::int64_t second_key) {
-  query.bind(1, first_key);
-  query.bind(2, second_key);
-  const bool present = query.step();
-  query.reset();
-  return present;
-}
-
-/// Most groups are met again and again.
-std::int64_t add_group(Writers& writers, const std::vector<std::uint32_t>& cells) {
-  std::string key;
-  for (const std::uint32_t cell : cells) key += fmt::format("{},", cell);
-  const std::int64_t id = key_id({"group", key});
-  if (is_present(writers.stored_group, id, static_cast<std::int64_t>(cells.front()))) return id;
-  for (const std::uint32_t cell : cells) {
-    writers.group.bind(1, id);
-    writers.group.bind(2, static_cast<std::int64_t>(cell));
-    writers.group.run();
-  }
-  return id;
-}
-
-void bind_key(Statement& statement, std::int64_t problem_id, const AnswerRow& row) {
-  statement.bind(1, problem_id);
-  statement.bind(2, row.solver_id);
-  statement.bind(3, static_cast<std::int64_t>(row.cells.front()));
-}
-
-void add_answer(Writers& writers, std::int64_t problem_id, std::int64_t run_id, const AnswerRow& row) {
-  Statement& answer = writers.answer;
-  bind_key(answer, problem_id, row);
-  answer.bind(4, add_group(writers, row.cells));
-  answer.bind(5, std::string_view(to_string(row.claim)));
-  bind_id(answer, 6, row.z);
-  bind_id(answer, 7, row.velocity);
-  bind_id(answer, 8, row.farkas);
-  answer.bind(9, row.counters.iterations);
-  answer.bind(10, row.counters.pivots);
-  answer.bind(11, row.counters.factorizations);
-  answer.bind(12, row.detail);
-  answer.run();
-
-  Statement& verdict = writers.verdict;
-  bind_key(verdict, problem_id, row);
-  verdict.bind(4, as_integer(row.errors.usable));
-  verdict.bind(5, as_integer(row.errors.solved));
-  verdict.bind(6, as_integer(row.errors.criterion));
-  verdict.bind(7, as_integer(row.farkas_checked));
-  bind_id(verdict, 8, row.errors.worst.row < 0 ? std::nullopt : std::optional<std::int64_t>(row.errors.worst.row));
-  int parameter = 9;
-  for (const auto column : kErrorColumns) verdict.bind(parameter++, row.errors.*column);
-  verdict.run();
-
-  Statement& timing = writers.timing;
-  bind_key(timing, problem_id, row);
-  timing.bind(4, run_id);
-  parameter = 5;
-  for (const auto column : kTimeColumns) timing.bind(parameter++, row.times.*column);
-  timing.bind(parameter++, row.verify_s);
-  timing.bind(parameter, static_cast<std::int64_t>(row.times.repeats));
-  timing.run();
+std::string insert_new(const char* table, const std::string& columns) {
+  return sqlite::insert_row("INSERT OR IGNORE", table, columns);
 }
 
 std::vector<Parameterisation> read_cells(Database& database, std::int64_t solver_id) {
@@ -305,21 +124,57 @@ struct Store::Data {
 
   std::unique_ptr<FileLock> lock;  // first in, last out: the database is closed before the lock ends
   Database database;
-  std::unique_ptr<Writers> writers;
+  std::unique_ptr<ProblemWriter> writer;
   std::unique_ptr<Statement> done;
   std::int64_t run = 0;
+  std::string notice;
 };
+
+namespace {
+
+/// A writer that was killed leaves its row in the table `writing`, and its last rows in the write-ahead log. A copy of
+/// the store without the log has the row, but not the last rows.
+/// @param log  there was a log before the store was opened
+/// @returns what to tell the user, "" for nothing
+std::string lost_rows(Database& database, bool log) {
+  if (log) return "";
+  Statement mode(database, "PRAGMA journal_mode");
+  if (!mode.step() || mode.text(0) != "wal") return "";
+  Statement writer(database, "SELECT since FROM writing");
+  if (!writer.step()) return "";
+  return fmt::format(
+      "{0}: the writer that opened it at {1} never closed it, and {0}-wal is not beside the store: its last rows may "
+      "be missing",
+      database.file().string(), writer.text(0));
+}
+
+bool has_other_names(const std::filesystem::path& file) {
+  std::error_code error;
+  const auto names = std::filesystem::hard_link_count(file, error);
+  return !error && names > 1;
+}
+
+void mark_as_being_written(Database& database) {
+  Statement mark(database, "INSERT OR REPLACE INTO writing (id, since) VALUES (1, ?)");
+  const std::string now = utc_now();
+  mark.bind(1, std::string_view(now));
+  mark.run();
+}
+
+}  // namespace
 
 Store::Store(std::unique_ptr<Data> data) : data_(std::move(data)) {}
 Store::Store(Store&&) noexcept = default;
 
 Store::~Store() {
-  if (data_ == nullptr || data_->writers == nullptr) return;
-  data_->writers.reset();
+  if (data_ == nullptr || data_->writer == nullptr) return;
+  data_->writer.reset();
   data_->done.reset();
   // A store at rest is one plain file, readable also from a read-only folder. It stays in WAL mode when someone reads
   // it.
   try {
+    if (sqlite3_get_autocommit(data_->database.handle()) == 0) data_->database.execute("ROLLBACK");
+    data_->database.execute("DELETE FROM writing");
     data_->database.execute("PRAGMA journal_mode = DELETE");
   } catch (const std::exception&) {
     return;
@@ -328,15 +183,27 @@ Store::~Store() {
 
 Store Store::open_for_writing(const std::filesystem::path& file) {
   refuse_folder(file);
-  auto lock = std::make_unique<FileLock>(file);
+  auto lock = std::make_unique<FileLock>(file, true);
+  const bool log = has_log(file);
+  check_log(file);
   auto data = std::make_unique<Data>(file, Mode::kReadWriteCreate);
   data->lock = std::move(lock);
   Database& database = data->database;
-  const bool blank = is_blank(database);
-  if (!blank) check_format(database);
-  database.execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL");
-  if (blank) initialise(database);
-  data->writers = std::make_unique<Writers>(database);
+  database.execute("PRAGMA synchronous = NORMAL");
+  if (is_blank(database)) {
+    initialise(database);
+  } else {
+    check_format(database);
+    data->notice = lost_rows(database, log);
+    if (!data->notice.empty() && has_other_names(file)) {
+      throw InputError(data->notice + "; open the store by the name that its writer used");
+    }
+    check_content(database);
+  }
+  database.execute("PRAGMA journal_mode = WAL");
+  mark_as_being_written(database);
+  database.execute("PRAGMA wal_checkpoint(PASSIVE)");  // a mark in the file itself: there is a log, and it is not empty
+  data->writer = std::make_unique<ProblemWriter>(database);
   return Store(std::move(data));
 }
 
@@ -344,8 +211,18 @@ Store Store::open_for_reading(const std::filesystem::path& file) {
   refuse_folder(file);
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored)) throw InputError(describe(file, "no such store"));
+  roll_back_journal(file);
+  const bool log = has_log(file);
+  const bool written = FileLock::is_held(file);
+  try {
+    if (!written) check_log(file);
+  } catch (const InputError&) {
+    if (!FileLock::is_held(file)) throw;  // a writer that has just begun writes the log anew
+  }
   auto data = std::make_unique<Data>(file, Mode::kReadOnly);
+  if (is_blank(data->database)) throw InputError(describe(file, "is empty: no run has kept anything in it"));
   check_format(data->database);
+  if (!written) data->notice = lost_rows(data->database, log);
   return Store(std::move(data));
 }
 
@@ -354,19 +231,24 @@ void Store::remove(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file, ignored)) return;
   refuse_folder(file);
   const FileLock lock(file);
+  roll_back_journal(file);
   {
     Database database(file, Mode::kReadOnly);
     if (!is_blank(database)) check_application(database);
   }
-  for (const char* suffix : {"-wal", "-shm", ""}) std::filesystem::remove(file.string() + suffix);
+  remove_side_files(file);  // first: what is beside no store would be taken for the next one's
+  std::filesystem::remove(followed(file));
 }
+
+const std::string& Store::notice() const { return data_->notice; }
+void Store::check() { check_content(data_->database); }
 
 void Store::begin() { data_->database.execute("BEGIN IMMEDIATE"); }
 void Store::commit() { data_->database.execute("COMMIT"); }
 
 void Store::add_run(const std::string& started, const std::string& provenance) {
   data_->run = key_id({"run", started, provenance});
-  Statement insert(data_->database, "INSERT OR IGNORE INTO runs (id, started, provenance) VALUES (?, ?, ?)");
+  Statement insert(data_->database, insert_new("runs", "id, started, provenance"));
   insert.bind(1, data_->run);
   insert.bind(2, started);
   insert.bind(3, provenance);
@@ -375,7 +257,7 @@ void Store::add_run(const std::string& started, const std::string& provenance) {
 
 std::int64_t Store::add_set(const std::string& name) {
   const std::int64_t id = set_id(name);
-  Statement insert(data_->database, "INSERT OR IGNORE INTO sets (id, name) VALUES (?, ?)");
+  Statement insert(data_->database, insert_new("sets", "id, name"));
   insert.bind(1, id);
   insert.bind(2, name);
   insert.run();
@@ -386,14 +268,13 @@ std::int64_t Store::add_solver(const SolverRow& solver, const std::vector<Parame
   const std::int64_t id = solver.id();
   const std::vector<Parameterisation> cells =
       sweep.empty() ? std::vector<Parameterisation>{{solver.settings, solver.all_settings}} : sweep;
-  Statement insert(data_->database, insert_into("solvers", std::string("id, ") + kSolverColumnNames + ", cells", 9));
+  Statement insert(data_->database, insert_new("solvers", std::string("id, ") + kSolverColumnNames + ", cells"));
   insert.bind(1, id);
   int parameter = 2;
   for (const auto column : kSolverColumns) insert.bind(parameter++, solver.*column);
   insert.bind(parameter, static_cast<std::int64_t>(cells.size()));
   insert.run();
-  Statement insert_cell(data_->database,
-                        insert_into("parameterisations", "solver_id, cell, settings, all_settings", 4));
+  Statement insert_cell(data_->database, insert_new("parameterisations", "solver_id, cell, settings, all_settings"));
   for (std::size_t cell = 0; cell < cells.size(); ++cell) {
     insert_cell.bind(1, id);
     insert_cell.bind(2, static_cast<std::int64_t>(cell));
@@ -405,39 +286,7 @@ std::int64_t Store::add_solver(const SolverRow& solver, const std::vector<Parame
   return id;
 }
 
-void Store::add(const ProblemResult& result) {
-  Writers& writers = *data_->writers;
-  const ProblemRow& problem = result.problem;
-  writers.problem.bind(1, problem.id);
-  writers.problem.bind(2, problem.set_id);
-  writers.problem.bind(3, static_cast<std::int64_t>(problem.seed));
-  writers.problem.bind(4, problem.trial);
-  writers.problem.bind(5, problem.kind);
-  writers.problem.bind(6, problem.n);
-  writers.problem.bind(7, problem.ngc);
-  writers.problem.bind(8, problem.nc);
-  writers.problem.bind(9, problem.hash);
-  writers.problem.bind(10, problem.theory);
-  writers.problem.run();
-  check_same_problem(writers.stored_problem, problem, file());
-
-  for (const auto& [id, bytes] : result.vectors) {
-    writers.vector.bind(1, id);
-    writers.vector.bind_blob(2, bytes);
-    writers.vector.run();
-  }
-
-  // All answers of a solver to a problem come from one sitting: parts of two could overlap.
-  std::vector<std::int64_t> present;
-  for (const AnswerRow& row : result.answers) {
-    if (is_present(writers.stored_answers, problem.id, row.solver_id)) present.push_back(row.solver_id);
-  }
-  for (const AnswerRow& row : result.answers) {
-    if (std::find(present.begin(), present.end(), row.solver_id) == present.end()) {
-      add_answer(writers, problem.id, data_->run, row);
-    }
-  }
-}
+void Store::add(const ProblemResult& result) { data_->writer->add(result, data_->run); }
 
 std::vector<std::int64_t> Store::done(std::int64_t problem_id) {
   if (data_->done == nullptr) {

@@ -121,11 +121,13 @@ Verdict stored_verdict(const sqlite::Database& store, std::string_view word);
 /// the process at any moment. Not thread-safe: one thread writes.
 class Store {
  public:
-  /// Opens a store for writing, or makes it. Holds a lock on it: a second process is refused.
+  /// Opens a store for writing, or makes it, and checks its rows. Holds a lock on it: a second process is refused,
+  /// under whatever name of the file.
   /// @throws InputError when the file is no store, of another format, damaged, in use, or cannot be written.
   static Store open_for_writing(const std::filesystem::path& file);
 
-  /// Opens an existing store for reading, also while another process writes it. @throws InputError as above.
+  /// Opens an existing store for reading, also while another process writes it. What a killed writer left is brought in
+  /// order first. The rows are not checked, see check(). @throws InputError as above.
   static Store open_for_reading(const std::filesystem::path& file);
 
   /// Deletes a store of whatever format with its side files. Nothing happens when there is none. @throws InputError
@@ -163,6 +165,11 @@ class Store {
   void for_each_answer(const std::function<void(const StoredAnswer&)>& visit);
   /// The answer of one parameterisation as the solver gave it, bit for bit; nullopt when there is none.
   std::optional<Answer> answer(std::int64_t problem_id, std::int64_t solver_id, std::uint32_t cell = 0);
+
+  /// Reads every row and checks that it is what was written. @throws InputError that names file, table and row.
+  void check();
+  /// One line for the user: rows that the store has lost before it was opened. "" for none.
+  const std::string& notice() const;
 
   const std::filesystem::path& file() const;
   /// For queries of reports, and for merging.

@@ -102,9 +102,7 @@ std::int64_t count(const std::filesystem::path& file, const std::string& from) {
   return sqlite::Database(file, sqlite::Mode::kReadOnly).integer("SELECT COUNT(*) FROM " + from);
 }
 
-void change(const std::filesystem::path& file, const std::string& sql) {
-  sqlite::Database(file, sqlite::Mode::kReadWriteCreate).execute(sql);
-}
+void change(const std::filesystem::path& file, const std::string& sql) { change_rows(file, sql); }
 
 /// All that a store says but for times.
 std::string facts(const std::filesystem::path& file) {

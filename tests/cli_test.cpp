@@ -378,7 +378,7 @@ TEST_F(CommandLineTest, ShardsMergeToTheUnshardedRun) {
 TEST_F(CommandLineTest, MergeOfContradictionsExitsWith1) {
   ASSERT_EQ(run(std::string(kStudy) + "--store a.db").exit_code, 0);
   std::filesystem::copy_file(folder_ / "a.db", folder_ / "b.db");
-  sqlite::Database(folder_ / "b.db", sqlite::Mode::kReadWriteCreate).execute("UPDATE answers SET pivots = pivots + 1");
+  change_rows(folder_ / "b.db", "UPDATE answers SET pivots = pivots + 1");
   const ProgramRun output = run("merge out.db a.db b.db");
   EXPECT_EQ(output.exit_code, 1);
   EXPECT_NE(output.err.find("conflict: b.db: answers: paper/monotone/exp"), std::string::npos) << output.err;

@@ -57,9 +57,7 @@ class CompareTest : public testing::Test {
     fill(second, b);
   }
 
-  void change(const char* store, const std::string& sql) {
-    Store::open_for_writing(folder_ / store).database().execute(sql);
-  }
+  void change(const char* store, const std::string& sql) { change_rows(folder_ / store, sql); }
 
   StoreComparison compare(const CompareOptions& options = {}, const char* b_file = "b.db") {
     Store a = Store::open_for_reading(folder_ / "a.db");

@@ -270,10 +270,9 @@ TEST(RunnerTest, MergeOfContradictionsNamesThemAndWritesNothing) {
   const Study study = small_study();
   run(study, folder / "a.db");
   std::filesystem::copy_file(folder / "a.db", folder / "b.db");
-  sqlite::Database(folder / "b.db", sqlite::Mode::kReadWriteCreate)
-      .execute(
-          "UPDATE answers SET claim = 'crashed' WHERE"
-          " (problem_id, solver_id, part) IN (SELECT problem_id, solver_id, part FROM answers LIMIT 1)");
+  change_rows(folder / "b.db",
+              "UPDATE answers SET claim = 'crashed' WHERE"
+              " (problem_id, solver_id, part) IN (SELECT problem_id, solver_id, part FROM answers LIMIT 1)");
   const std::string before = dump(folder / "a.db");
   const MergeOutcome fresh = merge_stores(folder / "out.db", {folder / "a.db", folder / "b.db"});
   ASSERT_EQ(fresh.conflicts.size(), 1U);
@@ -298,14 +297,16 @@ TEST(RunnerTest, DamagedInputOfAMergeIsNamed) {
   const Study study = small_study();
   run(study, folder / "a.db");
   const std::filesystem::path b = folder / "b.db";
-  const auto damaged = [&](const char* sql) {
+  const auto damaged = [&](const char* sql, bool with_checksums) {
     std::filesystem::copy_file(folder / "a.db", b, std::filesystem::copy_options::overwrite_existing);
-    sqlite::Database(b, sqlite::Mode::kReadWriteCreate).execute(sql);
+    sqlite::Database(b, sqlite::Mode::kReadWrite).execute(sql);
+    if (with_checksums) change_rows(b, "");
     return merge_error(folder / "out.db", {folder / "a.db", b});
   };
-  EXPECT_EQ(damaged("UPDATE answers SET claim = 'sure'"), b.string() + ": unknown claim 'sure'");
-  for (const char* sql : {"DROP TABLE certificates", "ALTER TABLE timings ADD COLUMN x"}) {
-    const std::string cause = damaged(sql);
+  EXPECT_EQ(damaged("UPDATE answers SET claim = 'sure'", true), b.string() + ": unknown claim 'sure'");
+  for (const char* sql :
+       {"DROP TABLE certificates", "ALTER TABLE timings ADD COLUMN x TEXT", "UPDATE timings SET solve_cpu_s = 0"}) {
+    const std::string cause = damaged(sql, false);
     EXPECT_EQ(cause.rfind(b.string() + ": the store is damaged: table ", 0), 0U) << cause;
   }
   std::filesystem::copy_file(folder / "a.db", b, std::filesystem::copy_options::overwrite_existing);

@@ -37,7 +37,7 @@ class Certified {
   explicit Certified(SyntheticStore& made) : made_(made) { execute("INSERT OR IGNORE INTO vectors VALUES (1, x'00')"); }
 
   void unique_velocity(const std::string& set, std::int64_t trial) {
-    execute(fmt::format("INSERT INTO certificates VALUES ({}, 'solution', 'exact_basis', 1, 1, NULL, '')",
+    execute(fmt::format("INSERT INTO certificates VALUES ({}, 'solution', 'exact_basis', 1, 1, NULL, '', 0)",
                         problem_id(set, 1, trial)));
   }
   void forward(const std::string& set, std::int64_t trial, std::int64_t solver, double error) {

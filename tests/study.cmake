@@ -1,8 +1,16 @@
 lcpbench_test(store LINK lcpbench_study)
+lcpbench_test(store_faults LINK lcpbench_study)
 lcpbench_test(plan LINK lcpbench_study lcpbench_solver_list)
 lcpbench_test(runner LINK lcpbench_runner lcpbench_study lcpbench_solver_list lcpbench_adapters)
 target_compile_definitions(runner_test PRIVATE FAULT_WORKER="$<TARGET_FILE:fault_worker>")
 add_dependencies(runner_test fault_worker)
+
+find_package(Python3 REQUIRED COMPONENTS Interpreter)
+# The short share. The long form is one command: tests/store_attack.py PROGRAM.
+add_test(NAME store_attack
+         COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/store_attack.py $<TARGET_FILE:lcpbench>
+                 --kills 16 --flips 51)
+set_tests_properties(store_attack PROPERTIES LABELS slow)
 
 # These run the program itself.
 lcpbench_test(cli LINK lcpbench_study nlohmann_json::nlohmann_json)

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "generators/sets.h"
+#include "study/row_checksum.h"
 #include "study/store.h"
 #include "study/study.h"
 
@@ -57,6 +58,22 @@ inline std::string dump(const std::filesystem::path& file) {
     text += dump_table(store, table);
   }
   return text;
+}
+
+/// Changes the rows of a store as no command would, and gives them checksums that fit.
+inline void change_rows(const std::filesystem::path& file, const std::string& sql) {
+  sqlite::Database database(file, sqlite::Mode::kReadWrite);
+  database.execute(sql);
+  std::vector<std::string> tables;
+  {
+    sqlite::Statement query(database,
+                            "SELECT m.name FROM sqlite_master m JOIN pragma_table_info(m.name) c "
+                            "WHERE m.type = 'table' AND c.name = 'checksum'");
+    while (query.step()) tables.emplace_back(query.text(0));
+  }
+  for (const std::string& table : tables) {
+    database.execute("UPDATE " + table + " SET checksum = " + sqlite::row_checksum_of(database, table));
+  }
 }
 
 /// A set of given problems.

@@ -162,21 +162,23 @@ struct StoredCase {
 void insert_answer(Database& store, std::size_t problem, int solver, const std::string& claim, const Errors& errors,
                    bool farkas) {
   const std::string key = std::to_string(problem) + "," + std::to_string(solver) + ",0";
-  store.run("INSERT INTO answers VALUES (" + key + ",1,'" + claim + "',NULL,NULL,NULL,-1,-1,-1,'')");
-  store.run("INSERT INTO verdicts (problem_id, solver_id, part, usable, solved, criterion, farkas_checked) VALUES (" +
-            key + "," + std::to_string(errors.usable) + "," + std::to_string(errors.solved) + "," +
-            std::to_string(errors.criterion) + "," + std::to_string(farkas) + ")");
+  store.run("INSERT INTO answers VALUES (" + key + ",1,'" + claim + "',NULL,NULL,NULL,-1,-1,-1,'',0)");
+  store.run(
+      "INSERT INTO verdicts (problem_id, solver_id, part, usable, solved, criterion, farkas_checked, checksum) VALUES "
+      "(" +
+      key + "," + std::to_string(errors.usable) + "," + std::to_string(errors.solved) + "," +
+      std::to_string(errors.criterion) + "," + std::to_string(farkas) + ",0)");
 }
 
 std::string stored_verdict(Database& store, std::size_t problem, const Row& row, const StoredCase& stored) {
   const std::string id = std::to_string(problem);
-  store.run("INSERT INTO problems VALUES (" + id + ",1,1," + id + ",'contact',4,2,1,'','" + stored.theory + "')");
+  store.run("INSERT INTO problems VALUES (" + id + ",1,1," + id + ",'contact',4,2,1,'','" + stored.theory + "',0)");
   insert_answer(store, problem, 1, row.claim, errors_of(row.answer), false);
   if (stored.solved_by_other) insert_answer(store, problem, 2, "solved", errors_of("solved"), false);
   if (stored.refuted_by_other) insert_answer(store, problem, 3, "unsolvable", errors_of("unusable"), true);
   if (!stored.certificate.empty()) {
-    store.run("INSERT INTO certificates (problem_id, certificate, proof, detail) VALUES (" + id + ",'" +
-              stored.certificate + "','farkas','')");
+    store.run("INSERT INTO certificates (problem_id, certificate, proof, detail, checksum) VALUES (" + id + ",'" +
+              stored.certificate + "','farkas','',0)");
   }
   const auto found = store.texts("SELECT verdict FROM judged WHERE solver_id = 1 AND problem_id = " + id);
   return found.size() == 1 ? found.front() : "no single row";

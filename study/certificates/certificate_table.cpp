@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "study/certificates/proof_document.h"
 #include "study/json_output.h"
+#include "study/row_checksum.h"
 #include "study/vector_codec.h"
 
 namespace lcpbench {
@@ -47,6 +48,10 @@ void bind_vector(Statement& insert, int parameter, Store& store, const Vector& v
   insert.bind(parameter, id);
 }
 
+std::string insert_or_replace(const char* table, const char* columns) {
+  return sqlite::insert_row("INSERT OR REPLACE", table, columns);
+}
+
 std::string forward_errors_missing(const char* problem) {
   return fmt::format(
       "EXISTS (SELECT 1 FROM verdicts v WHERE v.problem_id = {} AND v.usable = 1 AND v.forward_velocity IS NULL)",
@@ -83,9 +88,9 @@ bool CertificateTable::has_proof(std::int64_t problem_id) {
 }
 
 void CertificateTable::add(std::int64_t problem_id, const CertificateRow& row) {
-  Statement certificate(store_.database(),
-                        "INSERT OR REPLACE INTO certificates (problem_id, certificate, proof, velocity, "
-                        "velocity_unique, least_violation_m_per_s, detail) VALUES (?, ?, ?, ?, ?, ?, ?)");
+  Statement certificate(store_.database(), insert_or_replace("certificates",
+                                                             "problem_id, certificate, proof, velocity, "
+                                                             "velocity_unique, least_violation_m_per_s, detail"));
   certificate.bind(1, problem_id);
   certificate.bind(2, std::string_view(to_string(row.kind)));
   certificate.bind(3, std::string_view(to_string(row.proof)));
@@ -99,23 +104,25 @@ void CertificateTable::add(std::int64_t problem_id, const CertificateRow& row) {
   certificate.bind(7, row.detail);
   certificate.run();
 
-  Statement timing(store_.database(),
-                   "INSERT OR REPLACE INTO certificate_timings (problem_id, seconds, time_limit_s) VALUES (?, ?, ?)");
+  Statement timing(store_.database(), insert_or_replace("certificate_timings", "problem_id, seconds, time_limit_s"));
   timing.bind(1, problem_id);
   timing.bind(2, row.seconds);
   timing.bind(3, row.time_limit_s);
   timing.run();
 
   if (row.document.empty()) return;
-  Statement proof(store_.database(), "INSERT OR REPLACE INTO proofs (problem_id, document) VALUES (?, ?)");
+  Statement proof(store_.database(), insert_or_replace("proofs", "problem_id, document"));
   proof.bind(1, problem_id);
   proof.bind_blob(2, row.document);
   proof.run();
 }
 
 void CertificateTable::add(std::int64_t problem_id, const std::vector<ForwardError>& errors) {
+  if (errors.empty()) return;
   Statement update(store_.database(),
-                   "UPDATE verdicts SET forward_velocity = ? WHERE problem_id = ? AND solver_id = ? AND part = ?");
+                   fmt::format("UPDATE verdicts SET forward_velocity = ?1, checksum = {} "
+                               "WHERE problem_id = ?2 AND solver_id = ?3 AND part = ?4",
+                               sqlite::row_checksum_of(store_.database(), "verdicts", "forward_velocity", "?1")));
   for (const ForwardError& error : errors) {
     update.bind(1, error.forward_velocity);
     update.bind(2, problem_id);

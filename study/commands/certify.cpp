@@ -21,6 +21,7 @@
 #include "study/commands/files.h"
 #include "study/commands/options.h"
 #include "study/commands/problem_text.h"
+#include "study/commands/stores.h"
 #include "study/interrupt.h"
 #include "study/json_output.h"
 #include "study/provenance.h"
@@ -243,7 +244,7 @@ void print_counts(const std::vector<CertifiedSet>& sets) {
 
 /// @throws InputError when the file is no store; one that does not exist is not made.
 Store open_existing(const std::string& file) {
-  { Store::open_for_reading(file); }
+  print_notice(Store::open_for_reading(file));
   return Store::open_for_writing(file);
 }
 

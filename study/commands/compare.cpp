@@ -9,6 +9,7 @@
 
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
+#include "study/commands/stores.h"
 #include "study/json_output.h"
 
 namespace lcpbench {
@@ -47,8 +48,8 @@ void warn_of_differences(const Json& a, const Json& b) {
 }
 
 int compare(const Arguments& arguments) {
-  Store a = Store::open_for_reading(arguments.a);
-  Store b = Store::open_for_reading(arguments.b);
+  Store a = open_checked(arguments.a);
+  Store b = open_checked(arguments.b);
   const StoreComparison comparison = compare_stores(a, b, arguments.options);
   const Json run_a = last_run(a);
   const Json run_b = last_run(b);

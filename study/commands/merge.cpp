@@ -19,6 +19,7 @@ struct Arguments {
 
 int merge(const Arguments& arguments) {
   const MergeOutcome outcome = merge_stores(arguments.out, arguments.inputs);
+  for (const std::string& notice : outcome.notices) fmt::print(stderr, "lcpbench: {}\n", notice);
   if (outcome.conflicts.empty()) {
     fmt::print("{}: {} cells\n", arguments.out.string(), format_count(outcome.cells));
     return kExitDone;

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "study/commands/commands.h"
+#include "study/commands/stores.h"
 #include "study/coverage.h"
 #include "study/report/coverage_notice.h"
 
@@ -21,7 +22,7 @@ struct Arguments {
 
 int run_report(const Arguments& arguments) {
   if (arguments.out.empty()) throw InputError("--out '': names no folder");
-  Store store = Store::open_for_reading(arguments.store);
+  Store store = open_checked(arguments.store);
   const std::string without_figures = write_report(store, arguments.out);
   if (!without_figures.empty()) fmt::print(stderr, "lcpbench: the report has no figures: {}\n", without_figures);
   fmt::print("{}\n", (arguments.out / "report.html").string());

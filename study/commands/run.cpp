@@ -17,6 +17,7 @@
 #include "study/build_info.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
+#include "study/commands/stores.h"
 #include "study/coverage.h"
 #include "study/interrupt.h"
 #include "study/open_solver.h"
@@ -219,6 +220,7 @@ int run(const Arguments& arguments) {
   const std::filesystem::path file = arguments.store.empty() ? plan.name + ".db" : arguments.store;
   if (arguments.fresh) Store::remove(file);
   Store store = Store::open_for_writing(file);
+  print_notice(store);
   warn_of_other_build(store);
 
   RunOptions options;

@@ -25,6 +25,7 @@
 #include "generators/problem_io.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
+#include "study/commands/stores.h"
 #include "study/coverage.h"
 #include "study/interrupt.h"
 #include "study/json_output.h"
@@ -245,6 +246,7 @@ int run_validation(const Arguments& arguments) {
   Validation validation;
   {
     Store store = kept ? Store::open_for_writing(arguments.store) : nameless_store();
+    print_notice(store);
     add_run(store, origin, study);
     if (!solve_all(study, store, kept, arguments.jobs)) {
       fmt::print(stderr, "lcpbench: interrupted; {}\n",

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "study/store.h"
+
+namespace lcpbench {
+
+/// Says on stderr which rows a store has lost before it was opened, if any.
+inline void print_notice(const Store& store) {
+  if (!store.notice().empty()) fmt::print(stderr, "lcpbench: {}\n", store.notice());
+}
+
+/// Opens a store whose numbers are to be told: every row of it is checked first. @throws InputError
+inline Store open_checked(const std::filesystem::path& file) {
+  Store store = Store::open_for_reading(file);
+  print_notice(store);
+  store.check();
+  return store;
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+
+namespace lcpbench {
+
+/// The file that a name leads to: symbolic links are followed, also where the last one leads to no file yet. SQLite and
+/// the lock keep their own files beside that one.
+std::filesystem::path followed(const std::filesystem::path& file);
+
+/// A file beside a store: the name of the store's file with a suffix. SQLite has "-journal", "-wal" and "-shm".
+std::filesystem::path side_file(const std::filesystem::path& store, const char* suffix);
+
+/// @throws InputError when the name is a folder's: SQLite's own message names no cause.
+void refuse_folder(const std::filesystem::path& file);
+
+/// A writer that was killed can leave a journal. Nobody can read the store before SQLite has rolled it back, and SQLite
+/// does that only for a connection that may write: this opens one where there is a journal. Does nothing to the journal
+/// of a writer that lives. @throws InputError when the journal is there and cannot be rolled back.
+void roll_back_journal(const std::filesystem::path& store);
+
+/// True when committed rows may stand in a write-ahead log beside the store.
+bool has_log(const std::filesystem::path& store);
+
+/// Deletes the files beside a store. @throws std::filesystem::filesystem_error
+void remove_side_files(const std::filesystem::path& store);
+
+}  // namespace lcpbench

@@ -1,0 +1,398 @@
+// What a user relies on: a store survives the death of its writer at any moment, a store that was damaged is refused
+// before it tells a wrong number, and two writers never meet in one store.
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <new>
+#include <random>
+#include <sstream>
+#include <string>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "core/error.h"
+#include "study/merge.h"
+#include "tests/synthetic_store.h"
+
+namespace lcpbench {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string input_error(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no InputError";
+}
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+/// Some sets and solvers with all kinds of answers.
+void fill(const fs::path& file, std::int64_t first_trial = 0) {
+  SyntheticStore made(file, R"({"cells": 60, "seed": 1, "sets": [], "solvers": []})");
+  const std::int64_t lemke = made.solver("lemke");
+  const std::int64_t other = made.solver("primal_dual", "step=0.5");
+  for (std::int64_t trial = first_trial; trial < first_trial + 15; ++trial) {
+    const bool fails = trial % 3 == 0;
+    made.problem("paper/monotone/exp1", trial,
+                 {{lemke, {.error = 0.0}},
+                  {other, {.claim = fails ? Claim::kIterationLimit : Claim::kSolved, .error = fails ? 1.0 : -0.0}}});
+    made.problem("paper/monotone/exp2", trial, {{lemke, {.error = 0.5}}, {other, {.time_s = 4}}}, 8, "");
+  }
+}
+
+/// All rows of all tables.
+std::string rows(const fs::path& file) {
+  Store store = Store::open_for_reading(file);
+  return dump(file) + dump_table(store, "runs") + dump_table(store, "timings");
+}
+
+/// As `rows`, where the store is checked as every command checks it.
+std::string checked_rows(const fs::path& file) {
+  Store::open_for_reading(file).check();
+  return rows(file);
+}
+
+class StoreFaultsTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    fill(file_);
+    before_ = rows(file_);
+  }
+  /// Runs SQL as other programs would, which know nothing of checksums.
+  void execute(const std::string& sql) const { sqlite::Database(file_, sqlite::Mode::kReadWrite).execute(sql); }
+
+  ScratchFolder folder_;
+  fs::path file_ = folder_ / "s.db";
+  std::string before_;
+};
+
+// ------------------------------------------------------------------------------------------------- killed writers
+
+/// Leaves `file` and its journal as a writer does that is killed in the middle of a transaction in this mode.
+void kill_in_transaction(const fs::path& file, const fs::path& killed) {
+  sqlite::Database writer(file, sqlite::Mode::kReadWrite);
+  writer.execute(
+      "PRAGMA cache_size = 1; BEGIN; UPDATE answers SET claim = 'crashed'; DELETE FROM timings; "
+      "WITH RECURSIVE n(x) AS (VALUES (1) UNION ALL SELECT x + 1 FROM n LIMIT 500) "
+      "INSERT INTO vectors SELECT x, zeroblob(3000) FROM n");  // more than the cache holds: pages reach the file
+  fs::copy_file(file, killed, fs::copy_options::overwrite_existing);
+  fs::copy_file(file.string() + "-journal", killed.string() + "-journal", fs::copy_options::overwrite_existing);
+  writer.execute("ROLLBACK");
+}
+
+class HotJournalTest : public StoreFaultsTest {
+ protected:
+  void SetUp() override {
+    StoreFaultsTest::SetUp();
+    kill_in_transaction(file_, killed_);
+    ASSERT_GT(fs::file_size(killed_), fs::file_size(file_));
+  }
+  fs::path killed_ = folder_ / "killed.db";
+};
+
+TEST_F(HotJournalTest, IsRolledBackForReaders) {
+  EXPECT_EQ(checked_rows(killed_), before_);
+  EXPECT_FALSE(fs::exists(killed_.string() + "-journal"));
+}
+
+TEST_F(HotJournalTest, IsRolledBackForWriters) {
+  { const Store store = Store::open_for_writing(killed_); }
+  EXPECT_EQ(checked_rows(killed_), before_);
+}
+
+TEST_F(HotJournalTest, DoesNotKeepAStoreFromBeingThrownAway) {
+  Store::remove(killed_);
+  EXPECT_FALSE(fs::exists(killed_));
+  EXPECT_FALSE(fs::exists(killed_.string() + "-journal"));
+}
+
+TEST_F(HotJournalTest, IsRolledBackInInputsAndInTheOutputOfAMerge) {
+  merge_stores(folder_ / "out.db", {killed_});
+  EXPECT_EQ(checked_rows(folder_ / "out.db"), before_);
+  fill(folder_ / "more.db", 15);
+  kill_in_transaction(file_, killed_);
+  merge_stores(killed_, {folder_ / "more.db"});
+  EXPECT_EQ(Store::open_for_reading(killed_).cell_count(), 120);
+}
+
+TEST_F(HotJournalTest, OfAKilledMergeIsThrownAwayWithItsDraft) {
+  fs::rename(killed_, folder_ / "out.db.merging");
+  fs::rename(killed_.string() + "-journal", folder_ / "out.db.merging-journal");
+  merge_stores(folder_ / "out.db", {file_});
+  EXPECT_EQ(checked_rows(folder_ / "out.db"), before_);
+}
+
+TEST_F(HotJournalTest, OfAStoreThatIsGoneIsNotTakenForTheMergedOnes) {
+  fs::rename(killed_.string() + "-journal", folder_ / "out.db-journal");
+  merge_stores(folder_ / "out.db", {file_});
+  EXPECT_EQ(checked_rows(folder_ / "out.db"), before_);
+}
+
+TEST_F(HotJournalTest, IsNamedWhereItCannotBeRolledBack) {
+  sqlite::Database reader(killed_, sqlite::Mode::kReadOnly);
+  const std::string cause = input_error([&] { reader.integer("SELECT COUNT(*) FROM answers"); });
+  EXPECT_TRUE(contains(cause, "killed.db-journal, which has to be rolled back first")) << cause;
+}
+
+TEST(StoreFaultTest, FileOfAWriterThatWasKilledBeforeItsFirstCommitIsCalledEmpty) {
+  const ScratchFolder folder;
+  std::ofstream(folder / "s.db").close();
+  EXPECT_TRUE(contains(input_error([&] { Store::open_for_reading(folder / "s.db"); }), "s.db: is empty"));
+}
+
+TEST_F(StoreFaultsTest, CopyWithoutTheLogOfAKilledWriterSaysSo) {
+  const fs::path copy = folder_ / "copy.db";
+  {
+    SyntheticStore writer(file_);
+    writer.problem("paper/monotone/exp1", 99, {{writer.solver("lemke"), {}}});
+    EXPECT_EQ(Store::open_for_reading(file_).notice(), "") << "the writer lives";
+    fs::copy_file(file_, copy);
+    fs::copy_file(file_, folder_ / "whole.db");
+    fs::copy_file(file_.string() + "-wal", folder_ / "whole.db-wal");
+  }
+  EXPECT_EQ(Store::open_for_reading(folder_ / "whole.db").notice(), "");
+  EXPECT_EQ(Store::open_for_reading(folder_ / "whole.db").cell_count(), 61);
+  for (int time = 0; time < 2; ++time) {
+    const std::string notice = Store::open_for_reading(copy).notice();
+    EXPECT_TRUE(contains(notice, "copy.db-wal is not beside the store: its last rows may be missing")) << notice;
+  }
+  EXPECT_EQ(merge_stores(folder_ / "out.db", {copy}).notices.size(), 1U);
+  EXPECT_NE(Store::open_for_writing(copy).notice(), "");
+  EXPECT_EQ(Store::open_for_writing(copy).notice(), "") << "its end was a good one";
+  EXPECT_EQ(Store::open_for_reading(file_).notice(), "");
+}
+
+/// Opens, writes, closes and merges a store again and again, until it is killed.
+[[noreturn]] void write_until_killed(const fs::path& file, const fs::path& merged, std::atomic<std::int64_t>& kept) {
+  try {
+    while (true) {
+      {
+        SyntheticStore writer(file);
+        const std::int64_t lemke = writer.solver("lemke");
+        for (int i = 0; i < 3; ++i) {
+          writer.problem("paper/monotone/exp1", kept, {{lemke, {}}});
+          ++kept;
+        }
+      }
+      merge_stores(merged, {file});
+    }
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    _exit(1);
+  }
+}
+
+TEST(StoreFaultTest, RandomKillsLoseNothingAndBlockNobody) {
+  const ScratchFolder folder;
+  const fs::path file = folder / "s.db";
+  using Count = std::atomic<std::int64_t>;
+  void* const shared = mmap(nullptr, sizeof(Count), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  ASSERT_NE(shared, MAP_FAILED);
+  Count& kept = *new (shared) Count(0);
+  std::minstd_rand random(7);
+  for (int kill_number = 0; kill_number < 60; ++kill_number) {
+    const pid_t child = fork();
+    if (child == 0) write_until_killed(file, folder / "merged.db", kept);
+    std::this_thread::sleep_for(std::chrono::microseconds(random() % 40'000));
+    kill(child, SIGKILL);
+    int status = 0;
+    waitpid(child, &status, 0);
+    ASSERT_TRUE(WIFSIGNALED(status)) << "it ended by itself";
+    if (kept == 0) continue;
+    for (const char* name : {"s.db", "merged.db"}) {
+      if (!fs::exists(folder / name)) continue;
+      Store store = Store::open_for_reading(folder / name);
+      EXPECT_EQ(store.notice(), "");
+      store.check();
+      const std::int64_t rows = store.cell_count();
+      if (file != folder / name) continue;
+      EXPECT_GE(rows, kept);
+      kept = rows;  // one may have been kept and not counted
+    }
+  }
+  EXPECT_GT(kept, 0);
+  merge_stores(folder / "merged.db", {file});
+  EXPECT_EQ(checked_rows(folder / "merged.db"), checked_rows(file));
+  munmap(shared, sizeof(Count));
+}
+
+// --------------------------------------------------------------------------------------------------------- damage
+
+std::string read_bytes(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+TEST_F(StoreFaultsTest, OneFlippedBitIsRefusedOrChangesNothing) {
+  const std::string bytes = read_bytes(file_);
+  const fs::path flipped = folder_ / "flipped.db";
+  std::mt19937_64 random(20261121);
+  int refused = 0;
+  constexpr int kFlips = 700;
+  for (int i = 0; i < kFlips; ++i) {
+    // Every second one into the pages of the small tables and of the schema.
+    const std::uint64_t bit = random() % (8 * (i % 2 == 0 ? bytes.size() : bytes.size() / 3));
+    std::string damaged = bytes;
+    damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << (bit % 8)));
+    std::ofstream(flipped, std::ios::binary) << damaged;
+    std::string after;
+    const std::string cause = input_error([&] { after = checked_rows(flipped); });
+    if (cause == "no InputError") {
+      ASSERT_EQ(after, before_) << "bit " << bit;
+    } else {
+      ++refused;
+      EXPECT_EQ(cause.rfind(flipped.string() + ": ", 0), 0U) << cause;
+      EXPECT_EQ(cause.find('\n'), std::string::npos) << cause;
+    }
+    for (const char* suffix : {"-wal", "-shm", "-journal"}) fs::remove(flipped.string() + suffix);
+  }
+  EXPECT_GT(refused, kFlips / 10);
+}
+
+TEST_F(StoreFaultsTest, ChangedRowIsNamedWithItsTable) {
+  const std::pair<const char*, const char*> changes[] = {
+      {"UPDATE timings SET solve_cpu_s = 2 * solve_cpu_s", "table timings, row problem_id="},
+      {"UPDATE answers SET claim = 'solved' WHERE claim <> 'solved'", "table answers, row problem_id="},
+      {"UPDATE verdicts SET criterion = 1 - criterion", "table verdicts, row problem_id="},
+      {"UPDATE problems SET n = n + 1", "table problems, row id="},
+      {"UPDATE runs SET provenance = '{}'", "table runs, row id="},
+      {"UPDATE cell_groups SET cell = cell + 1", "table cell_groups, row group_id="},
+      {"INSERT INTO vectors VALUES (7, x'00')", "table vectors, row id=7"}};
+  const std::string bytes = read_bytes(file_);
+  for (const auto& [sql, row] : changes) {
+    std::ofstream(file_, std::ios::binary) << bytes;
+    execute(sql);
+    const auto refusals = {input_error([&] { Store::open_for_reading(file_).check(); }),
+                           input_error([&] { Store::open_for_writing(file_); }),
+                           input_error([&] { merge_stores(folder_ / "out.db", {file_}); }),
+                           input_error([&] { merge_stores(file_, {file_}); })};
+    for (const std::string& refusal : refusals) {
+      EXPECT_TRUE(contains(refusal, file_.string() + ": the store is damaged: " + row)) << refusal;
+      EXPECT_TRUE(contains(refusal, "not what was written")) << refusal;
+    }
+  }
+}
+
+TEST_F(StoreFaultsTest, ValuesOfAnotherTypeAreRefusedByTheTables) {
+  EXPECT_THROW(execute("UPDATE answers SET pivots = 'many'"), std::exception);
+  EXPECT_THROW(execute("UPDATE verdicts SET min_z = 'none'"), std::exception);
+}
+
+TEST_F(StoreFaultsTest, ForeignTriggersViewsAndTablesAreRefused) {
+  const std::string bytes = read_bytes(file_);
+  const std::pair<const char*, const char*> additions[] = {
+      {"CREATE TRIGGER more AFTER INSERT ON answers BEGIN DELETE FROM timings; END", "has the trigger 'more'"},
+      {"CREATE VIEW more AS SELECT 1", "has the view 'more'"},
+      {"CREATE TABLE more (x)", "has the table 'more'"},
+      {"CREATE INDEX more ON answers(claim)", "has the index 'more'"},
+      {"DROP VIEW judged; CREATE VIEW judged AS SELECT * FROM answers", "view judged is missing or altered"}};
+  for (const auto& [sql, cause] : additions) {
+    std::ofstream(file_, std::ios::binary) << bytes;
+    execute(sql);
+    EXPECT_TRUE(contains(input_error([&] { Store::open_for_reading(file_); }), cause)) << sql;
+    EXPECT_TRUE(contains(input_error([&] { Store::open_for_writing(file_); }), cause)) << sql;
+  }
+}
+
+/// A killed writer's last rows stand in its log only.
+TEST_F(StoreFaultsTest, OneFlippedBitOfTheLogIsRefusedUnlessTheLastTransactionIsCut) {
+  const fs::path killed = folder_ / "killed.db";
+  std::vector<std::string> states{before_};  // after each transaction
+  {
+    SyntheticStore writer(file_);
+    for (std::int64_t trial = 0; trial < 4; ++trial) {
+      writer.problem("paper/monotone/exp4", trial, {{writer.solver("lemke"), {}}});
+      states.push_back(rows(file_));
+    }
+    fs::copy_file(file_, killed);
+    fs::copy_file(file_.string() + "-wal", killed.string() + "-wal");
+  }
+  const std::string main = read_bytes(killed);
+  const std::string log = read_bytes(killed.string() + "-wal");
+  ASSERT_EQ(checked_rows(killed), states.back());
+  std::mt19937_64 random(16);
+  int refused = 0;
+  constexpr int kFlips = 300;
+  for (int i = 0; i < kFlips; ++i) {
+    std::string damaged = log;
+    const std::uint64_t bit = random() % (8 * log.size());
+    damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << (bit % 8)));
+    std::ofstream(killed, std::ios::binary) << main;
+    std::ofstream(killed.string() + "-wal", std::ios::binary) << damaged;
+    fs::remove(killed.string() + "-shm");
+    std::string after;
+    const std::string cause = input_error([&] { after = checked_rows(killed); });
+    if (cause != "no InputError") {
+      ++refused;
+      EXPECT_TRUE(contains(cause, "killed.db-wal is not what was written")) << cause;
+    } else {
+      EXPECT_TRUE(after == states.back() || after == states.end()[-2]) << "bit " << bit;
+    }
+  }
+  EXPECT_GT(refused, kFlips / 2);
+}
+
+// ----------------------------------------------------------------------------------------------------- many names
+
+TEST_F(StoreFaultsTest, SecondWriterIsRefusedUnderEveryNameOfTheFile) {
+  fs::create_hard_link(file_, folder_ / "hard.db");
+  fs::create_symlink("s.db", folder_ / "soft.db");
+  {
+    const Store first = Store::open_for_writing(file_);
+    for (const char* name : {"soft.db", "hard.db"}) {
+      EXPECT_TRUE(contains(input_error([&] { Store::open_for_writing(folder_ / name); }),
+                           std::string(name) + ": another process is writing this store"));
+    }
+  }
+  EXPECT_EQ(checked_rows(folder_ / "hard.db"), before_);
+  EXPECT_FALSE(fs::exists(folder_ / "hard.db.lock"));
+}
+
+/// The log of a killed writer is beside one name: what is written under another would be lost with it.
+TEST_F(StoreFaultsTest, StoreOfAKilledWriterIsWrittenUnderItsOwnNameOnly) {
+  const fs::path killed = folder_ / "killed.db";
+  {
+    SyntheticStore writer(file_);
+    writer.problem("paper/monotone/exp1", 99, {{writer.solver("lemke"), {}}});
+    fs::copy_file(file_, killed);
+    fs::copy_file(file_.string() + "-wal", killed.string() + "-wal");
+  }
+  fs::create_hard_link(killed, folder_ / "other.db");
+  const std::string cause = input_error([&] { Store::open_for_writing(folder_ / "other.db"); });
+  EXPECT_TRUE(contains(cause, "open the store by the name that its writer used")) << cause;
+  EXPECT_EQ(Store::open_for_writing(killed).cell_count(), 61);
+  EXPECT_EQ(Store::open_for_writing(folder_ / "other.db").cell_count(), 61);
+}
+
+TEST_F(StoreFaultsTest, SymbolicLinksAreFollowed) {
+  fill(folder_ / "more.db", 15);
+  fs::create_directory(folder_ / "elsewhere");
+  fs::create_symlink("elsewhere/out.db", folder_ / "link.db");  // leads nowhere yet
+  merge_stores(folder_ / "link.db", {file_});
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link.db"));
+  EXPECT_EQ(checked_rows(folder_ / "elsewhere/out.db"), before_);
+  merge_stores(folder_ / "link.db", {folder_ / "more.db"});
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link.db"));
+  EXPECT_EQ(Store::open_for_reading(folder_ / "elsewhere/out.db").cell_count(), 120);
+  Store::remove(folder_ / "link.db");
+  EXPECT_FALSE(fs::exists(folder_ / "elsewhere/out.db"));
+  { const Store store = Store::open_for_writing(folder_ / "link.db"); }
+  EXPECT_TRUE(fs::exists(folder_ / "elsewhere/out.db"));
+}
+
+}  // namespace
+}  // namespace lcpbench
