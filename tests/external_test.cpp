@@ -20,6 +20,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "adapters/control_group.h"
 #include "adapters/external_json.h"
 #include "adapters/external_program.h"
 #include "adapters/start_directory.h"
@@ -48,8 +49,9 @@ Problem named(const std::string& behaviour, double q = -1.0) {
   return {behaviour, Lcp{2.0 * Matrix::Identity(kSize, kSize), Vector::Constant(kSize, q)}};
 }
 
-std::unique_ptr<TimedSolver> client(const std::string& command = EXTERNAL_FAULTS, const std::string& form = "lcp") {
-  return worker_solver(EXTERNAL_WORKER, Spec{"external", {{"command", command}, {"form", form}}});
+std::unique_ptr<TimedSolver> client(const std::string& command = EXTERNAL_FAULTS, const std::string& form = "lcp",
+                                    const WorkerLimits& limits = {}) {
+  return worker_solver(EXTERNAL_WORKER, Spec{"external", {{"command", command}, {"form", form}}}, limits);
 }
 
 Answer run(TimedSolver& solver, const std::string& behaviour, const TimedRequest& request = kPatient) {
@@ -175,7 +177,10 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"unknown claim", Claim::kCrashed, "claim: unknown: optimal"},
         Fault{"unknown field", Claim::kCrashed, "unknown field: zeta"},
         Fault{"negative counter", Claim::kCrashed, "iterations: expected an integer"},
-        Fault{"no z", Claim::kIterationLimit, ""}, Fault{"unsupported", Claim::kUnsupported, "no such problems"}),
+        Fault{"key twice", Claim::kCrashed, "returned no answer: z: given twice"},
+        Fault{"wrong number", Claim::kCrashed, "sequence is 1, but the question has 4: a line that came late or twice"},
+        Fault{"no number", Claim::kCrashed, "sequence is missing"}, Fault{"no z", Claim::kIterationLimit, ""},
+        Fault{"unsupported", Claim::kUnsupported, "no such problems"}),
     [](const auto& test) {
       std::string name = test.param.behaviour;
       for (char& c : name) {
@@ -252,7 +257,7 @@ TEST(ExternalTest, ProgramThatDoesNotStartIsReportedAndBlamesNoProblem) {
   EXPECT_NE(start_error("./no_such_program").find("cannot run ./no_such_program: No such file"), std::string::npos);
   EXPECT_NE(start_error("/etc/passwd").find("Permission denied"), std::string::npos);
   EXPECT_NE(start_error("false").find("exited with code 1 without an answer"), std::string::npos);
-  EXPECT_NE(start_error("cat").find("start: returned no answer: expected {}"), std::string::npos);
+  EXPECT_NE(start_error("cat").find("did not answer \"start\": expected {}"), std::string::npos);
   EXPECT_NE(start_error("sh -c 'echo missing licence >&2; exit 3'").find("stderr: missing licence"), std::string::npos);
   EXPECT_NE(start_error("").find("command"), std::string::npos);
   EXPECT_NE(start_error("'open").find("an open quote"), std::string::npos);
@@ -266,9 +271,97 @@ TEST(ExternalTest, ProgramThatDoesNotStartAgainIsReportedAndBlamesNoProblem) {
   try {
     ADD_FAILURE() << to_string(run(*solver, "right").claim);
   } catch (const WorkerError& error) {
-    EXPECT_NE(std::string(error.what()).find("start: exited with code 3"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("\"start\": exited with code 3"), std::string::npos) << error.what();
   }
   std::filesystem::remove(mark);
+  expect_right(*solver);
+}
+
+// "On one line, without our own words for processes": the program, what happened, what to do.
+TEST(ExternalTest, ProgramThatDoesNotStartIsNamedWithWhatToDo) {
+  EXPECT_EQ(
+      start_error("sh -c 'echo no licence >&2; exit 3'"),
+      "solver 'external' does not start: the program 'sh -c 'echo no licence >&2; exit 3'' did not answer \"start\": "
+      "exited with code 3 without an answer; stderr: no licence; run it in a terminal to see why "
+      "(docs/external.md)");
+}
+
+/// Seconds until a silent program is given up.
+double wait_for_silence(const TimedRequest& request) {
+  const double begin_s = wall_clock_s();
+  const auto solver = client("sleep 100", "lcp", {.program_start_allowance_s = 0.4, .program_start_s = 1.6});
+  TimedAnswer result;
+  try {
+    solver->run(named("right"), request, result);
+    ADD_FAILURE() << "it starts";
+  } catch (const WorkerError& error) {
+    EXPECT_NE(std::string(error.what()).find("let it answer every line"), std::string::npos) << error.what();
+  }
+  return wall_clock_s() - begin_s;
+}
+
+TEST(ExternalTest, WaitForAProgramToStartFollowsFromTheTimeLimit) {
+  const double allowance_s = wait_for_silence({.time_limit_s = 0.1});
+  EXPECT_GE(allowance_s, 0.4);
+  EXPECT_LT(allowance_s, 0.8);
+  const double limit_s = wait_for_silence({.time_limit_s = 0.8});
+  EXPECT_GE(limit_s, 0.8);
+  EXPECT_LT(limit_s, 1.6);
+  EXPECT_GE(wait_for_silence({.time_limit_s = 1000}), 1.6);
+}
+
+// The line that the program sends late is its answer to the problem before.
+TEST(ExternalTest, LateSecondLineIsNotTakenAsTheNextAnswer) {
+  const auto solver = client();
+  expect_right(*solver);
+  TimedAnswer result;
+  solver->run(named("late line", -3.0), kPatient, result);
+  EXPECT_STREQ(to_string(result.answer.claim), "crashed");
+  EXPECT_NE(result.answer.detail.find("a line that came late or twice"), std::string::npos) << result.answer.detail;
+  EXPECT_EQ(result.answer.z.size(), 0);
+  expect_right(*solver);
+}
+
+TEST(ExternalTest, ProgramsOfVersion1RunWithANote) {
+  for (const char* version : {" --version-1", " --only-version-1"}) {
+    const auto solver = client(EXTERNAL_FAULTS + std::string(version));
+    expect_right(*solver);
+    EXPECT_EQ(run(*solver, "right").detail, "protocol version 1: a late second answer cannot be told apart");
+    EXPECT_EQ(run(*solver, "unsupported").detail, "no such problems") << "a reason that reports count";
+  }
+}
+
+TEST(ExternalTest, KeptAnswersAreNotTimed) {
+  const auto solver = client();
+  for (int round = 0; round < 5; ++round) {
+    TimedAnswer result;
+    solver->run(named("cache"), {.time_limit_s = 20, .repeat_until_s = 0.3}, result);
+    EXPECT_STREQ(to_string(result.answer.claim), "solved") << result.answer.detail;
+    EXPECT_EQ(result.answer.detail, "");
+    EXPECT_GE(result.times.solve_wall_s, 0.05) << "round " << round;
+  }
+}
+
+TEST(ExternalTest, TimeOfKeptAnswersThatDoNotFitIsThatOfTheFirstSolve) {
+  const auto solver = client();
+  TimedAnswer result;
+  solver->run(named("stale"), {.time_limit_s = 20, .repeat_until_s = 0.3}, result);
+  EXPECT_STREQ(to_string(result.answer.claim), "solved");
+  EXPECT_EQ(result.answer.detail,
+            "the time is that of one solve, since the repeats on scaled copies failed: z is not the scaled z of the "
+            "first answer");
+  EXPECT_GE(result.times.solve_wall_s, 0.05);
+  EXPECT_EQ(result.times.repeats, 1);
+}
+
+// Whether a solve is repeated depends on the clock; what is said of its answer must not.
+TEST(ExternalTest, FailureOfARepeatLeavesTheAnswer) {
+  const auto solver = client();
+  TimedAnswer result;
+  solver->run(named("crash when scaled"), {.time_limit_s = 20, .repeat_until_s = 0.3}, result);
+  EXPECT_STREQ(to_string(result.answer.claim), "solved");
+  EXPECT_EQ(result.answer.z.size(), kSize);
+  EXPECT_NE(result.answer.detail.find("exited with code 9"), std::string::npos) << result.answer.detail;
   expect_right(*solver);
 }
 
@@ -280,6 +373,31 @@ TEST(ExternalProgramTest, AnswerOfAProgramThatEndsBehindOurBackIsRead) {
   EXPECT_EQ(program.ask("{}", 100, wall_clock_s() + 20.0), "{}");
   EXPECT_TRUE(child_has_ended_in_empty_poll());
   EXPECT_TRUE(program.dead());
+}
+
+TEST(ControlGroupTest, ProgramsAreInTheGroupThatWasMadeForThem) {
+  // Every group has this limit, also where memory and processes are limited by the older kind of groups.
+  if (!worker::make_control_group(worker::group_folders(), {{"cgroup.max.descendants", "0"}})) {
+    GTEST_SKIP() << "no control group can be made here";
+  }
+  {
+    external::ExternalProgram program(
+        external::command_words("sh -c 'read line; tr \"\\\\n\" \" \" < /proc/self/cgroup; echo'"));
+    const std::string groups = program.ask("{}", 10000, wall_clock_s() + 20.0);
+    EXPECT_NE(groups.find("lcpbench-" + std::to_string(getpid())), std::string::npos) << groups;
+  }
+  worker::remove_control_group();
+  for (const std::filesystem::path& folder : worker::group_folders()) {
+    EXPECT_FALSE(std::filesystem::exists(folder / ("lcpbench-" + std::to_string(getpid()))));
+  }
+}
+
+TEST(ControlGroupTest, NothingIsLeftWhereNoneCanBeMade) {
+  const Scratch scratch;
+  const std::filesystem::path folder = std::filesystem::path(scratch.file("x")).parent_path();
+  EXPECT_FALSE(worker::make_control_group({folder, folder / "missing"}, worker::group_limits(1 << 30)));
+  EXPECT_TRUE(std::filesystem::is_empty(folder));
+  EXPECT_FALSE(worker::join_control_group());
 }
 
 /// A sweep over programs that differ in an argument.
@@ -374,6 +492,40 @@ TEST(ExternalMessageTest, ProblemsAreGivenAsInTheProblemFile) {
   EXPECT_EQ(json["problem"]["q"][1].get<double>(), -1.0 / 3.0);
 }
 
+// What a multiple asks for is solved by the multiple of the answer, to the last bit.
+TEST(ExternalMessageTest, MultiplesScaleProblemAndAnswerExactly) {
+  const Problem problem = open_set("paper/monotone/exp1")->generate(7, 3);
+  const Lcp lcp = problem.lcp();
+  std::set<std::string> seen;
+  const auto scaled = [&](ProblemKind kind, const external::Multiple& multiple) {
+    EXPECT_TRUE(external::is_exact(multiple, problem, kind, lcp));
+    const std::string text = external::problem_message(problem, kind, lcp, multiple);
+    EXPECT_TRUE(seen.insert(text).second) << "asked before";
+    return nlohmann::json::parse(text).at("problem");
+  };
+  const double M00 = scaled(ProblemKind::kLcp, {})["M"][0][0];
+  const double q0 = lcp.q(0);
+  const double v0 = scaled(ProblemKind::kContact, {})["v"][0];
+  double last = 1.0;
+  for (int i = 0; i < external::kMultiples; ++i) {
+    const external::Multiple multiple = external::multiple_for(ProblemKind::kLcp, i);
+    const nlohmann::json json = scaled(ProblemKind::kLcp, multiple);
+    EXPECT_EQ(json["M"][0][0].get<double>(), M00 * multiple.of_matrix());
+    EXPECT_EQ(json["q"][0].get<double>(), q0 * multiple.of_vector());
+    EXPECT_EQ(multiple.of_z() * multiple.of_matrix(), multiple.of_vector());
+    EXPECT_NE(multiple.of_z(), 1.0);
+    EXPECT_NE(multiple.of_z(), last);
+    last = multiple.of_z();
+    const external::Multiple velocities = external::multiple_for(ProblemKind::kContact, i);
+    EXPECT_EQ(scaled(ProblemKind::kContact, velocities)["v"][0].get<double>(), v0 * velocities.of_z());
+    EXPECT_EQ(velocities.of_z(), velocities.of_vector());
+  }
+  const Lcp tiny{Matrix::Identity(1, 1), Vector::Constant(1, -5e-324)};
+  EXPECT_FALSE(external::is_exact({.matrix = -1, .vector = -2}, Problem("tiny", tiny), ProblemKind::kLcp, tiny));
+  const Lcp huge{Matrix::Identity(1, 1), Vector::Constant(1, -1e308)};
+  EXPECT_FALSE(external::is_exact({.matrix = 1, .vector = 2}, Problem("huge", huge), ProblemKind::kLcp, huge));
+}
+
 TEST(ExternalMessageTest, CommandsAreSplitAtSpacesOutsideQuotes) {
   using Words = std::vector<std::string>;
   EXPECT_EQ(external::command_words("a"), Words{"a"});
@@ -394,6 +546,38 @@ TEST(ExternalSafetyTest, NothingOutlivesTheSolver) {
   }
   EXPECT_TRUE(all_children_end_within(5.0));
   prctl(PR_SET_CHILD_SUBREAPER, 0);
+}
+
+bool has_ended(pid_t process) { return state_of(process) == '?' || state_of(process) == 'Z'; }
+
+bool ends_within(double seconds, pid_t process) {
+  const double deadline_s = wall_clock_s() + seconds;
+  while (!has_ended(process) && wall_clock_s() < deadline_s) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  if (has_ended(process)) return true;
+  kill(process, SIGKILL);
+  return false;
+}
+
+TEST(ExternalSafetyTest, DaemonsEndWithTheSolver) {
+  pid_t daemon = 0;
+  {
+    const auto solver = client();
+    daemon = static_cast<pid_t>(run(*solver, "daemon").counters.iterations);
+    ASSERT_GT(daemon, 0);
+    expect_right(*solver);
+    EXPECT_FALSE(has_ended(daemon)) << "it may live while its program does";
+  }
+  EXPECT_TRUE(ends_within(5.0, daemon));
+}
+
+TEST(ExternalSafetyTest, DaemonsEndWithAProgramThatFails) {
+  const auto solver = client();
+  const Answer answer = run(*solver, "daemon and exit");
+  EXPECT_STREQ(to_string(answer.claim), "crashed");
+  const std::size_t name = answer.detail.find("stderr: daemon ");
+  ASSERT_NE(name, std::string::npos) << answer.detail;
+  EXPECT_TRUE(ends_within(5.0, std::stoi(answer.detail.substr(name + 15))));
+  expect_right(*solver);
 }
 
 pid_t start_lcpbench_solve(const std::string& problem, const std::string& solver) {
@@ -424,6 +608,24 @@ TEST(ExternalSafetyTest, KillOfLcpbenchEndsProgramAndChildren) {
   }
   EXPECT_TRUE(has_great_grandchild(program));
   std::this_thread::sleep_for(std::chrono::milliseconds(300));  // it is in its sleep by now
+  kill(program, SIGKILL);
+  EXPECT_TRUE(all_children_end_within(5.0));
+  prctl(PR_SET_CHILD_SUBREAPER, 0);
+}
+
+TEST(ExternalSafetyTest, KillOfLcpbenchEndsDaemons) {
+  const Scratch scratch;
+  write_problem(named("daemon and sleep"), scratch.file("daemon.json"));
+  prctl(PR_SET_CHILD_SUBREAPER, 1);
+  const pid_t program = start_lcpbench_solve(scratch.file("daemon.json"), "external{command=" EXTERNAL_FAULTS "}");
+  const auto has_daemon = [&] {  // beside the program, since the worker adopted it
+    for (const pid_t worker : children_of(program)) {
+      if (children_of(worker).size() == 2) return true;
+    }
+    return false;
+  };
+  for (int i = 0; i < 1000 && !has_daemon(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_TRUE(has_daemon());
   kill(program, SIGKILL);
   EXPECT_TRUE(all_children_end_within(5.0));
   prctl(PR_SET_CHILD_SUBREAPER, 0);
