@@ -96,6 +96,15 @@ bool reap_children() {
 
 void adopt_orphans() { prctl(PR_SET_CHILD_SUBREAPER, 1); }
 
+void reap_orphans(pid_t program) {
+  for (;;) {
+    siginfo_t info{};
+    const int found = waitid(P_ALL, 0, &info, WEXITED | WNOHANG | WNOWAIT);
+    if (found != 0 || info.si_pid == 0 || info.si_pid == program) return;
+    waitpid(info.si_pid, nullptr, 0);
+  }
+}
+
 void end_children() {
   for (int round = 0; round < kRounds && reap_children(); ++round) {
     kill_children();

@@ -124,6 +124,7 @@ class External final : public Solver, public SelfTimed {
     times_.setup_cpu_s = times_.setup_wall_s;
     times_.solve_cpu_s = times_.solve_wall_s;
     result.times = times_;
+    if (program_ != nullptr) worker::reap_orphans(program_->id());
   }
 
   bool usable() const override { return program_ != nullptr && !program_->dead() && !worn_; }

@@ -116,6 +116,14 @@ def daemon(problem):
     return {"claim": "iteration_limit", "iterations": start_daemon()}
 
 
+def orphan(problem):
+    if os.fork() == 0:
+        os.fork()
+        os._exit(0)
+    os.wait()
+    return right(problem)
+
+
 def daemon_and_exit(problem):
     print("daemon", start_daemon(), file=sys.stderr, flush=True)
     os._exit(1)
@@ -138,6 +146,7 @@ behaviours = {
     "stale": stale,
     "crash when scaled": crash_when_scaled,
     "daemon": daemon,
+    "orphan": orphan,
     "daemon and exit": daemon_and_exit,
     "daemon and sleep": daemon_and_sleep,
     "late line": lambda problem: time.sleep(0.2) or right(problem),

@@ -57,6 +57,16 @@ TEST(ExternalSafetyTest, DaemonsEndWithTheSolver) {
   EXPECT_TRUE(ends_within(5.0, daemon));
 }
 
+TEST(ExternalSafetyTest, OrphansThatEndedLeaveNoZombies) {
+  const auto solver = client();
+  for (int i = 0; i < 5; ++i) run(*solver, "orphan");
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  expect_right(*solver);
+  const std::vector<pid_t> workers = children_of(getpid());
+  ASSERT_EQ(workers.size(), 1U);
+  EXPECT_EQ(children_of(workers[0]).size(), 1U) << "the program alone";
+}
+
 TEST(ExternalSafetyTest, DaemonsEndWithAProgramThatFails) {
   const auto solver = client();
   const Answer answer = run(*solver, "daemon and exit");
