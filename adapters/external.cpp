@@ -9,15 +9,23 @@
 #ifndef LCPBENCH_DESCRIBE_ONLY
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <functional>
 #include <memory>
+#include <unordered_map>
+#include <vector>
 
 #include <signal.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include "adapters/child_processes.h"
+#include "adapters/control_group.h"
 #include "adapters/external_json.h"
 #include "adapters/external_program.h"
 #include "adapters/self_timed.h"
+#include "adapters/start_directory.h"
 #endif
 
 namespace lcpbench {
@@ -40,16 +48,39 @@ struct ExternalSettings {
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
-/// How long a program may take from its start to its first answer: a little less than a worker may.
-constexpr double kStartTimeout_s = 18.0;
+/// Longest part of a command in a message.
+constexpr std::size_t kShownCommand = 200;
+/// The repeats of a problem, hand-over included, take at most so many times `repeat_until_s`: half of what the program
+/// that waits for this worker allows.
+constexpr double kPatience = 20.0;
+/// Repeats of one run: two runs on one problem, as `bench` makes them, do not use up its multiples.
+constexpr int kMostRepeats = external::kMultiples / 2 - 1;
+constexpr const char* kVersion1Note = "protocol version 1: a late second answer cannot be told apart";
 
-/// From now on the end of lcpbench ends the whole process group, the program and its children with it; so far it ends
-/// this process alone.
-void end_group_with_parent() {
+/// From now on the end of lcpbench ends the program, its children and its daemons; so far it ends this process alone.
+/// The program that started this worker ends it in the same way.
+void end_all_with_parent() {
   const pid_t parent = getppid();
-  signal(SIGTERM, [](int) { kill(0, SIGKILL); });
+  worker::adopt_orphans();
+  signal(SIGTERM, [](int) {
+    worker::end_children();
+    worker::remove_control_group();
+    kill(0, SIGKILL);
+  });
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) kill(0, SIGKILL);
+}
+
+/// The memory that each process may have, for all that the program starts together, where the system has groups for
+/// that.
+void limit_all_together() {
+  rlimit memory{};
+  if (getrlimit(RLIMIT_AS, &memory) != 0 || memory.rlim_cur == RLIM_INFINITY) return;
+  worker::make_control_group(worker::group_folders(), worker::group_limits(memory.rlim_cur));
+}
+
+void add_note(const std::string& note, Answer& answer) {
+  if (!note.empty()) answer.detail += (answer.detail.empty() ? "" : "; ") + note;
 }
 
 class External final : public Solver, public SelfTimed {
@@ -61,7 +92,8 @@ class External final : public Solver, public SelfTimed {
       case ProblemKind::kScene: capabilities_.needs = Needs::kScene; break;
     }
     signal(SIGPIPE, SIG_IGN);
-    end_group_with_parent();
+    end_all_with_parent();
+    limit_all_together();
     start();
   }
 
@@ -76,7 +108,11 @@ class External final : public Solver, public SelfTimed {
       deadline_s_ = begin_s + time_limit_s_;
       load(problem);
       solve({.time_limit_s = request.time_limit_s}, result.answer);
-      if (result.answer.claim != Claim::kUnsupported) repeat(request);
+      if (result.answer.claim != Claim::kUnsupported) {
+        if (version_ == 1) add_note(kVersion1Note, result.answer);
+        deadline_s_ += kPatience * request.repeat_until_s;
+        add_note(repeat(problem, request, result.answer), result.answer);
+      }
     } catch (const external::ProgramFailure& failure) {
       result = TimedAnswer{};
       result.answer.claim = failure.claim();
@@ -88,19 +124,15 @@ class External final : public Solver, public SelfTimed {
     times_.setup_cpu_s = times_.setup_wall_s;
     times_.solve_cpu_s = times_.solve_wall_s;
     result.times = times_;
-    result.times.transport_s = wall_clock_s() - begin_s - times_.repeats * (times_.setup_wall_s + times_.solve_wall_s);
+    if (program_ != nullptr) worker::reap_orphans(program_->id());
   }
 
-  bool usable() const override { return program_ != nullptr && !program_->dead(); }
+  bool usable() const override { return program_ != nullptr && !program_->dead() && !worn_; }
 
  protected:
   void on_load(const Problem& problem) override {
     sizes_ = worker::answer_sizes(problem);
-    const double begin_s = wall_clock_s();
-    const Lcp lcp = settings_.form == ProblemKind::kLcp ? make_lcp(problem) : Lcp{};
-    const double forming_M_s = wall_clock_s() - begin_s;
-    acknowledge("problem", external::problem_message(problem, settings_.form, lcp));
-    times_.setup_wall_s = forming_M_s + set_up();
+    present(problem, {});
   }
 
   void on_solve(const SolveRequest&, Answer& answer) override {
@@ -108,7 +140,7 @@ class External final : public Solver, public SelfTimed {
     const std::string text = ask("solve", external::solve_message(time_limit_s_), external::longest_answer(sizes_));
     times_.solve_wall_s = wall_clock_s() - begin_s;
     try {
-      answer = external::parse_answer(text, sizes_);
+      answer = external::parse_answer(text, sizes_, expected());
     } catch (const external::BadAnswer& bad) {
       give_up("solve", bad);
     }
@@ -116,48 +148,117 @@ class External final : public Solver, public SelfTimed {
 
  private:
   void start() {
-    program_ = std::make_unique<external::ExternalProgram>(external::command_words(settings_.command));
-    deadline_s_ = wall_clock_s() + kStartTimeout_s;
+    const std::vector<std::string> words = external::command_words(settings_.command);
+    deadline_s_ = wall_clock_s() + program_start_s();
     try {
-      acknowledge("start", external::start_message());
+      try {
+        start(words, external::kVersion);
+      } catch (const external::ProgramFailure& failure) {
+        // A program of version 1 may refuse a version that it does not know: it is asked again, in its own.
+        if (failure.claim() == Claim::kTimeLimit) throw;
+        start(words, 1);
+      }
     } catch (const external::ProgramFailure& failure) {
-      const char* const hint = failure.claim() == Claim::kTimeLimit ? " (does it flush its answers?)" : "";
-      throw InputError("external: " + settings_.command + ": " + failure.what() + hint);
+      throw InputError("external: the program '" + settings_.command.substr(0, kShownCommand) +
+                       "' did not answer \"start\": " + failure.what() +
+                       (failure.claim() == Claim::kTimeLimit
+                            ? "; let it answer every line with a line and flush it, or raise --time-limit"
+                            : "; run it in a terminal to see why") +
+                       " (docs/external.md)");
     }
   }
 
-  /// Seconds.
-  double set_up() {
+  void start(const std::vector<std::string>& words, int version) {
+    program_ = std::make_unique<external::ExternalProgram>(words);
+    told_version_ = version;
+    constexpr std::size_t kLongestGreeting = 1024;
+    const std::string text = program_->ask(next_line(external::start_message(version)), kLongestGreeting, deadline_s_);
+    try {
+      version_ = external::parse_start(text, sequence_);
+    } catch (const external::BadAnswer& bad) {
+      program_.reset();
+      throw external::ProgramFailure(Claim::kCrashed, bad.what());
+    }
+  }
+
+  /// Hands over a multiple of the problem and has it set up, which is timed. False, and nothing is asked, when the
+  /// multiple is not exact.
+  bool present(const Problem& problem, const external::Multiple& multiple) {
     const double begin_s = wall_clock_s();
+    const Lcp lcp = settings_.form == ProblemKind::kLcp ? make_lcp(problem) : Lcp{};
+    const double formed_s = wall_clock_s();
+    if (!multiple.is_problem() && !external::is_exact(multiple, problem, settings_.form, lcp)) return false;
+    const std::string message = external::problem_message(problem, settings_.form, lcp, multiple);
+    if (multiple.is_problem()) note_question(message);
+    acknowledge("problem", message);
+    const double set_up_s = wall_clock_s();
     acknowledge("setup", external::setup_message());
-    return wall_clock_s() - begin_s;
+    times_.transport_s = set_up_s - formed_s;
+    times_.setup_wall_s = formed_s - begin_s + wall_clock_s() - set_up_s;
+    return true;
   }
 
-  /// Short set-ups and solves again, in batches, as timed_solve() does.
-  void repeat(const TimedRequest& request) {
-    const double once_s = times_.setup_wall_s + times_.solve_wall_s;
-    if (!(once_s < request.repeat_until_s)) return;
-    const int repeats =
-        static_cast<int>(std::min<double>(request.max_repeats, std::ceil(request.repeat_until_s / once_s)));
-    double setup_s = 0;
-    double solve_s = 0;
-    Answer again;
-    for (int i = 0; i < repeats; ++i) {
-      deadline_s_ = wall_clock_s() + time_limit_s_;
-      setup_s += set_up();
-      on_solve({}, again);
-      solve_s += times_.solve_wall_s;
+  /// Whether this process of the program has had the problem before, and how many multiples of it.
+  void note_question(const std::string& message) {
+    const auto [known, first] = multiples_asked_.try_emplace(std::hash<std::string>{}(message), 0);
+    asked_before_ = !first;
+    asked_ = &known->second;
+  }
+
+  /// Times short set-ups and solves again, and those of a problem that the program has had before: each time with a
+  /// multiple of the problem that it has not had, so that no answer can be a kept one. Their mean is the time when each
+  /// answer is the first one's multiple. @returns a note when it is not, or there was none; else "".
+  std::string repeat(const Problem& problem, const TimedRequest& request, const Answer& first) {
+    const SolveTimes once = times_;
+    const double once_s = once.setup_wall_s + once.solve_wall_s;
+    const double begin_s = wall_clock_s();
+    const bool is_short = once_s < request.repeat_until_s;
+    // An answer that was kept comes fast: one that leaves no room for another solve was not.
+    const bool is_in_doubt = asked_before_ && request.repeat_until_s > 0 && 2 * once_s < deadline_s_ - begin_s;
+    if (!is_short && !is_in_doubt) return {};
+    const double wanted = is_short ? std::ceil(request.repeat_until_s / once_s) : 1;
+    const int most =
+        static_cast<int>(std::min<double>({wanted, kMostRepeats, static_cast<double>(request.max_repeats)}));
+    SolveTimes sum;
+    double longest_s = once.solve_wall_s;
+    int repeats = 0;
+    std::string why;
+    try {
+      Answer again;
+      while (why.empty() && repeats < most && *asked_ < external::kMultiples) {
+        if (repeats > 0 && wall_clock_s() - begin_s > kPatience * request.repeat_until_s) break;
+        const external::Multiple multiple = external::multiple_for(settings_.form, *asked_);
+        ++*asked_;
+        if (!present(problem, multiple)) break;
+        on_solve({}, again);
+        ++repeats;
+        sum.setup_wall_s += times_.setup_wall_s;
+        sum.solve_wall_s += times_.solve_wall_s;
+        longest_s = std::max(longest_s, times_.solve_wall_s);
+        why = external::difference(first, again, multiple);
+      }
+    } catch (const external::ProgramFailure& failure) {
+      why = failure.what();
+      longest_s = std::max(longest_s, wall_clock_s() - begin_s);
     }
-    times_.repeats = repeats;
-    times_.setup_wall_s = setup_s / repeats;
-    times_.solve_wall_s = solve_s / repeats;
+    worn_ = *asked_ >= external::kMultiples;
+    times_ = once;
+    if (why.empty() && repeats > 0) {
+      times_.repeats = repeats;
+      times_.setup_wall_s = sum.setup_wall_s / repeats;
+      times_.solve_wall_s = sum.solve_wall_s / repeats;
+      return {};
+    }
+    if (asked_before_) times_.solve_wall_s = longest_s;  // the first answer may be one that was kept
+    if (!why.empty()) return "the time is that of one solve, since the repeats on scaled copies failed: " + why;
+    return asked_before_ ? "the time is that of one solve, on a problem that the program had solved before" : "";
   }
 
   void acknowledge(const char* verb, const std::string& message) {
     constexpr std::size_t kLongestAcknowledgement = 1024;
     const std::string text = ask(verb, message, kLongestAcknowledgement);
     try {
-      external::parse_acknowledgement(text);
+      external::parse_acknowledgement(text, expected());
     } catch (const external::BadAnswer& bad) {
       give_up(verb, bad);
     }
@@ -165,11 +266,19 @@ class External final : public Solver, public SelfTimed {
 
   std::string ask(const char* verb, const std::string& message, std::size_t max_bytes) {
     try {
-      return program_->ask(message, max_bytes, deadline_s_);
+      return program_->ask(next_line(message), max_bytes, deadline_s_);
     } catch (const external::ProgramFailure& failure) {
       throw external::ProgramFailure(failure.claim(), std::string(verb) + ": " + failure.what());
     }
   }
+
+  /// A question as it is sent: version 1 knew no numbers.
+  std::string next_line(const std::string& message) {
+    ++sequence_;
+    return told_version_ > 1 ? external::numbered(message, sequence_) : message;
+  }
+
+  external::Expected expected() const { return {sequence_, version_ > 1}; }
 
   [[noreturn]] void give_up(const char* verb, const external::BadAnswer& bad) {
     program_.reset();
@@ -179,6 +288,14 @@ class External final : public Solver, public SelfTimed {
   ExternalSettings settings_;
   Capabilities capabilities_ = kCapabilities;
   std::unique_ptr<external::ExternalProgram> program_;
+  int told_version_ = external::kVersion;  ///< of the protocol, in "start"
+  int version_ = 1;                        ///< that the program speaks
+  std::uint64_t sequence_ = 0;
+  /// By the hash of each problem that the program has had: how many multiples of it, it has had.
+  std::unordered_map<std::size_t, int> multiples_asked_;
+  int* asked_ = nullptr;  ///< the entry of the problem that was presented last
+  bool asked_before_ = false;
+  bool worn_ = false;  ///< it has had all multiples of a problem: the next one is for a fresh process
   worker::AnswerSizes sizes_;
   SolveTimes times_;
   double time_limit_s_ = 0;

@@ -17,6 +17,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "adapters/control_group.h"
 #include "adapters/exit_status.h"
 #include "adapters/start_directory.h"
 #include "core/error.h"
@@ -61,6 +62,7 @@ void become(std::vector<char*>& words, pid_t parent, const Pipe& input, const Pi
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(0);  // it died before the line above
   restore_signals();
+  worker::join_control_group();
   if (!start_directory().empty() && chdir(start_directory().c_str()) != 0) return;
   dup2(input.read.get(), STDIN_FILENO);
   dup2(output.write.get(), STDOUT_FILENO);
@@ -132,7 +134,8 @@ void ExternalProgram::start(const std::vector<std::string>& words) {
   int cause = 0;
   if (read(error.read.get(), &cause, sizeof cause) == sizeof cause) {
     end();
-    throw InputError("external: cannot run " + words.front() + ": " + std::strerror(cause));
+    throw InputError("external: cannot run " + words.front() + ": " + std::strerror(cause) +
+                     "; docs/external.md says how to name a program");
   }
   input_ = std::move(input.write);
   output_ = std::move(output.read);

@@ -44,6 +44,9 @@ class ExternalProgram {
   /// or the program ends, closes its output or says more than was asked (kCrashed). The program is then dead.
   std::string ask(const std::string& line, std::size_t max_bytes, double deadline_s);
 
+  /// -1 after a failure.
+  pid_t id() const { return pid_; }
+
   /// True once it has ended, by itself or after a failure.
   bool dead() const;
 

@@ -45,25 +45,37 @@ class WorkerSolver final : public TimedSolver {
     try {
       start_if_needed();
       exchange(result);
+    } catch (const worker::SolverNotMade& error) {
+      failure = "does not start: " + without_name(error.what());
     } catch (const std::exception& error) {  // what the worker does to a problem is answered, not thrown
-      failure = worker::printable(error.what(), worker::kMaxDetailBytes);
+      failure = "has no worker: " + worker::printable(error.what(), worker::kMaxDetailBytes);
+    }
+    if (!failure.empty()) {
       stop();
       region_ = worker::SharedRegion();
       result = TimedAnswer{};
     }
     request_.problem = Problem();
-    if (!failure.empty()) throw WorkerError("solver '" + solver_name_ + "' has no worker: " + failure);
+    if (!failure.empty()) throw WorkerError("solver '" + solver_name_ + "' " + failure);
   }
 
  private:
   void start_if_needed() {
     if (process_ && !process_->dead()) return;
     stop();
-    process_.emplace(executable_, request_.solver, limits_);
+    WorkerLimits limits = limits_;
+    limits.program_start_s =
+        std::min(limits_.program_start_s, std::max(limits_.program_start_allowance_s, request_.timing.time_limit_s));
+    process_.emplace(executable_, request_.solver, limits);
     const std::vector<std::string>& solvers = process_->greeting().solvers;
     if (std::find(solvers.begin(), solvers.end(), solver_name_) == solvers.end()) {
       throw std::runtime_error(executable_.string() + " has no solver '" + solver_name_ + "'");
     }
+  }
+
+  /// A reason that begins with the solver's name, without it.
+  std::string without_name(const std::string& reason) const {
+    return reason.starts_with(solver_name_ + ": ") ? reason.substr(solver_name_.size() + 2) : reason;
   }
 
   void stop() {
@@ -200,8 +212,6 @@ std::string why_no_worker(const std::filesystem::path& executable, const Spec& s
   try {
     const WorkerProcess process(executable, solver.text(), limits);
     return {};
-  } catch (const worker::EndedBeforeGreeting& ended) {
-    return ended.last_words().empty() ? ended.what() : ended.last_words();
   } catch (const std::exception& error) {
     return worker::printable(error.what(), worker::kMaxDetailBytes);
   }

@@ -13,6 +13,10 @@ namespace lcpbench {
 struct WorkerLimits {
   std::uint64_t memory_bytes = std::uint64_t{4} << 30;  ///< address space of the worker process
   double start_timeout_s = 20.0;                        ///< from fork to the worker's greeting
+  /// How long a program that the worker itself starts may take for its first answer: as long as the time limit of the
+  /// problem that it is started for, but not less than the first number, and not more than the second.
+  double program_start_allowance_s = 5.0;
+  double program_start_s = 18.0;
   double grace_s = 1.0;  ///< how long past the time limit a worker may take before it is killed
 };
 
@@ -34,8 +38,9 @@ class WorkerError : public std::runtime_error {
 /// kNumericalFailure with its text; it too costs the process. For a run that got no answer, times.solve_wall_s and
 /// solve_cpu_s tell what it cost until it was given up.
 ///
-/// The destructor kills the process at once. The process also ends with this program, however that ends; children that
-/// the library may have started end with the object, unless they left their process group.
+/// The destructor ends the process. The process also ends with this program, however that ends; children that the
+/// library may have started end with the object, unless they left their process group. Of the worker of `external` they
+/// end in any case (adapters/child_processes.h).
 ///
 /// Under AddressSanitizer workers run without a memory limit.
 ///

@@ -1,6 +1,6 @@
-// The program of every worker: `WORKER PARENT_PID MEMORY_BYTES SOLVER`, with its end of the socket at kSocketFd. Which
-// solvers it has is decided by the list it is linked with; SOLVER, the spec of the one that will be asked for, is made
-// before the greeting, so that no problem pays for it or is blamed when it cannot be made.
+// The program of every worker: `WORKER PARENT_PID MEMORY_BYTES PROGRAM_START_S SOLVER`, with its end of the socket at
+// kSocketFd. Which solvers it has is decided by the list it is linked with; SOLVER, the spec of the one that will be
+// asked for, is made before the greeting, so that no problem pays for it or is blamed when it cannot be made.
 
 #include <algorithm>
 #include <charconv>
@@ -19,6 +19,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "adapters/child_processes.h"
+#include "adapters/control_group.h"
 #include "adapters/self_timed.h"
 #include "adapters/start_directory.h"
 #include "adapters/worker_channel.h"
@@ -46,6 +48,7 @@ void limit(decltype(RLIMIT_AS) resource, rlim_t value) {
 }
 
 std::filesystem::path g_start_directory;
+double g_program_start_s = 0;
 
 /// Dies with the program, leaves no core and no files behind, takes no more memory than it is given.
 void confine(rlim_t memory_bytes) {
@@ -56,8 +59,15 @@ void confine(rlim_t memory_bytes) {
   if (chdir("/proc") != 0 && chdir("/") != 0) _exit(kExitProtocol);  // nobody, not even root, can make files in /proc
 }
 
-void greet() {
+[[noreturn]] void leave() {
+  end_children();
+  remove_control_group();
+  _exit(0);
+}
+
+void greet(const std::string& failure = {}) {
   Greeting greeting;
+  greeting.failure = failure;
   for (const RegisteredSolver& solver : registered_solvers()) greeting.solvers.push_back(solver.definition.name);
   std::vector<std::byte> packet(write_greeting(greeting, {}));
   write_greeting(greeting, packet);
@@ -153,7 +163,7 @@ void check(const RequestNotice& notice, std::size_t region_bytes) {
     RequestNotice notice;
     UniqueFd attached;
     const ssize_t received = receive_packet(kSocketFd, std::as_writable_bytes(std::span(&notice, 1)), &attached);
-    if (received <= 0) _exit(0);  // the program is gone
+    if (received <= 0) leave();  // the program is gone
     if (received != sizeof notice) give_up("the notice of a request has a wrong size");
     if (attached) {
       region = SharedRegion();
@@ -165,19 +175,20 @@ void check(const RequestNotice& notice, std::size_t region_bytes) {
     if (!current.usable()) {
       done.declined = 1;
       send_packet(kSocketFd, std::as_bytes(std::span(&done, 1)));
-      _exit(0);
+      leave();
     }
     const Response response = answer(current, region.bytes().first(notice.request_bytes), notice.sequence);
     write_response(response, region.bytes().subspan(notice.response_offset, notice.response_bytes));
-    if (!send_packet(kSocketFd, std::as_bytes(std::span(&done, 1)))) _exit(0);
-    if (response.retiring) _exit(0);
+    if (!send_packet(kSocketFd, std::as_bytes(std::span(&done, 1)))) leave();
+    if (response.retiring) leave();
   }
 }
 
 int run(int argc, char** argv) {
   pid_t parent = 0;
   rlim_t memory_bytes = 0;
-  if (argc != 4 || !parse_number(argv[1], parent) || !parse_number(argv[2], memory_bytes)) {
+  if (argc != 5 || !parse_number(argv[1], parent) || !parse_number(argv[2], memory_bytes) ||
+      !parse_number(argv[3], g_program_start_s)) {
     std::fputs("This is a worker of lcpbench; lcpbench starts it.\n", stderr);
     return kExitUsage;
   }
@@ -186,9 +197,14 @@ int run(int argc, char** argv) {
   std::error_code none;
   g_start_directory = std::filesystem::current_path(none);
   confine(memory_bytes);
+  CurrentSolver current;
   try {
-    CurrentSolver current;
-    if (has_solver(parse_spec(argv[3]).name)) current.get(argv[3]);  // else the greeting tells the program so
+    if (has_solver(parse_spec(argv[4]).name)) current.get(argv[4]);  // else the greeting tells the program so
+  } catch (const std::exception& error) {
+    greet(error.what());
+    leave();
+  }
+  try {
     greet();
     serve(current);
   } catch (const std::exception& error) {
@@ -200,5 +216,6 @@ int run(int argc, char** argv) {
 }  // namespace lcpbench::worker
 
 const std::filesystem::path& lcpbench::start_directory() { return worker::g_start_directory; }
+double lcpbench::program_start_s() { return worker::g_program_start_s; }
 
 int main(int argc, char** argv) { return lcpbench::worker::run(argc, argv); }

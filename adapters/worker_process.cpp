@@ -36,6 +36,8 @@ namespace {
 constexpr double kDeathCheckPeriod_s = 0.05;
 /// How long a worker that closed its socket is given to be seen as dead of its own cause.
 constexpr double kLastWords_s = 0.2;
+/// How long a worker that is asked to end is given to end its program's processes, before it is killed.
+constexpr double kFarewell_s = 0.5;
 constexpr std::size_t kStderrBytes = 4096;
 constexpr std::size_t kStderrTail = 300;
 /// Descriptors that pass to the worker are moved here first, clear of the numbers they get there.
@@ -194,7 +196,8 @@ void WorkerProcess::start(const std::filesystem::path& executable, const std::st
   stderr_file_ = moved_up(sealed_memory_file("lcpbench-stderr", kStderrBytes));
 
   const std::vector<std::string> arguments{executable.string(), std::to_string(getpid()),
-                                           std::to_string(limits.memory_bytes), solver};
+                                           std::to_string(limits.memory_bytes), std::to_string(limits.program_start_s),
+                                           solver};
   const int error = Starter::instance().run(
       [&] { return spawn(executable.string(), arguments, worker_end.get(), stderr_file_.get(), pid_); });
   if (error != 0) {
@@ -209,12 +212,13 @@ void WorkerProcess::expect_greeting(double timeout_s) {
   if (greeted.event == Event::kTimeout) throw std::runtime_error("the worker did not greet in time");
   if (greeted.event == Event::kEnded) {
     const std::string ending = end();
-    throw EndedBeforeGreeting("the worker ended before its greeting: " + ending + messages(), last_words());
+    throw std::runtime_error("the worker ended before its greeting: " + ending + messages());
   }
   if (greeted.packet_bytes > packet.size()) throw std::runtime_error("the worker's greeting is too long");
   Parsed<Greeting> greeting = parse_greeting(std::span(packet).first(greeted.packet_bytes));
   if (!greeting.ok()) throw std::runtime_error("the worker's greeting is not valid: " + greeting.error);
   greeting_ = std::move(greeting.value);
+  if (!greeting_.failure.empty()) throw SolverNotMade(greeting_.failure);
 }
 
 WorkerProcess::Wait WorkerProcess::wait(std::span<std::byte> packet, double deadline_s) {
@@ -261,6 +265,10 @@ double WorkerProcess::cpu_s() const {
 
 std::string WorkerProcess::end() {
   if (pid_ < 0) return {};
+  kill(pid_, SIGTERM);
+  kill(pid_, SIGCONT);
+  const double deadline_s = wall_clock_s() + kFarewell_s;
+  while (!dead() && wall_clock_s() < deadline_s) std::this_thread::sleep_for(std::chrono::microseconds(200));
   socket_.reset();
   kill(-pid_, SIGKILL);
   kill(pid_, SIGKILL);
@@ -270,17 +278,12 @@ std::string WorkerProcess::end() {
 void WorkerProcess::clear_messages() { lseek(stderr_file_.get(), 0, SEEK_SET); }
 
 std::string WorkerProcess::messages() const {
-  const std::string text = last_words();
-  return text.empty() ? "" : "; stderr: " + text;
-}
-
-std::string WorkerProcess::last_words() const {
   const off_t written = std::clamp<off_t>(lseek(stderr_file_.get(), 0, SEEK_CUR), 0, kStderrBytes);
   std::string text(std::min(kStderrTail, static_cast<std::size_t>(written)), '\0');
   const ssize_t read = pread(stderr_file_.get(), text.data(), text.size(), written - static_cast<off_t>(text.size()));
   text = printable(std::string_view(text).substr(0, static_cast<std::size_t>(std::max<ssize_t>(read, 0))), kStderrTail);
   text.erase(text.find_last_not_of(' ') + 1);
-  return text;
+  return text.empty() ? "" : "; stderr: " + text;
 }
 
 }  // namespace lcpbench::worker

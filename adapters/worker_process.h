@@ -5,7 +5,6 @@
 #include <span>
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 #include <sys/types.h>
 
@@ -15,16 +14,10 @@
 
 namespace lcpbench::worker {
 
-/// A worker ended by itself before it greeted.
-class EndedBeforeGreeting : public std::runtime_error {
+/// A worker could not make its solver; the text is the worker's reason.
+class SolverNotMade : public std::runtime_error {
  public:
-  EndedBeforeGreeting(const std::string& what, std::string last_words)
-      : std::runtime_error(what), last_words_(std::move(last_words)) {}
-  /// The end of what it wrote to its standard error, on one line; "" for nothing.
-  const std::string& last_words() const { return last_words_; }
-
- private:
-  std::string last_words_;
+  using std::runtime_error::runtime_error;
 };
 
 /// A running worker process and this side of its socket. The destructor kills and reaps it.
@@ -35,7 +28,7 @@ class EndedBeforeGreeting : public std::runtime_error {
 class WorkerProcess {
  public:
   /// Starts the executable, which makes the solver of this spec, and waits for its greeting. @throws std::runtime_error
-  /// with the reason when it does not come: EndedBeforeGreeting where the worker gave up.
+  /// with the reason when it does not come, SolverNotMade when it says that there is no solver.
   WorkerProcess(const std::filesystem::path& executable, const std::string& solver, const WorkerLimits& limits);
   ~WorkerProcess();
   WorkerProcess(const WorkerProcess&) = delete;
@@ -63,8 +56,9 @@ class WorkerProcess {
   /// CPU time of the process so far [s]; 0 where the system does not tell.
   double cpu_s() const;
 
-  /// Kills what still lives of the process and its group, reaps it, and tells how it ended: "killed by signal 11
-  /// (SIGSEGV)", "exited with code 0".
+  /// Ends what still lives of the process and its group, reaps it, and tells how it ended: "killed by signal 11
+  /// (SIGSEGV)", "exited with code 0". The process is asked first, by SIGTERM, for a moment: a worker that runs another
+  /// program then ends that program's daemons too, which have left the group.
   std::string end();
 
   /// The end of what the worker wrote to its standard error since clear_messages(), as "; stderr: ..."; "" for nothing.
@@ -74,8 +68,6 @@ class WorkerProcess {
   void clear_messages();
 
  private:
-  /// What messages() puts after "; stderr: ".
-  std::string last_words() const;
   void start(const std::filesystem::path& executable, const std::string& solver, const WorkerLimits& limits);
   void expect_greeting(double timeout_s);
 

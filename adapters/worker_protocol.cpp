@@ -579,6 +579,7 @@ std::size_t write_greeting(const Greeting& greeting, std::span<std::byte> out) {
   return write_frame(Verb::kGreet, 0, out, [&](ByteWriter& writer) {
     writer.word(greeting.solvers.size());
     for (const std::string& solver : greeting.solvers) writer.text(solver);
+    writer.text(std::string_view(greeting.failure).substr(0, kMaxDetailBytes));
   });
 }
 
@@ -592,7 +593,8 @@ Parsed<Greeting> parse_greeting(std::span<const std::byte> bytes) {
   for (std::size_t i = 0; i < count && reader.ok(); ++i) {
     greeting.solvers.push_back(reader.text(kMaxGreetingBytes, "solver name"));
   }
-  reader.require(reader.remaining() == 0, "the message holds more than the solvers");
+  greeting.failure = printable(reader.text(kMaxDetailBytes, "failure"), kMaxDetailBytes);
+  reader.require(reader.remaining() == 0, "the message holds more than a greeting");
   return finish(std::move(greeting), reader);
 }
 

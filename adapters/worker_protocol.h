@@ -19,7 +19,7 @@ namespace lcpbench::worker {
 
 inline constexpr std::uint64_t kMagic = 0x6c637062656e6368;
 /// Raised with every change of the messages: a worker of another build is refused, not misread.
-inline constexpr std::uint64_t kVersion = 2;
+inline constexpr std::uint64_t kVersion = 3;
 /// Descriptor of the worker's end of the socket.
 inline constexpr int kSocketFd = 3;
 /// Whether a worker's memory is limited: not under AddressSanitizer, whose shadow is terabytes of address space.
@@ -32,7 +32,7 @@ inline constexpr bool kMemoryIsLimited = true;
 #endif
 /// Longest `detail` of an answer, in bytes; longer ones are cut.
 inline constexpr std::size_t kMaxDetailBytes = 1000;
-/// Longest greeting: the names of all solvers of a worker.
+/// Longest greeting: the names of all solvers of a worker, and a failure of at most kMaxDetailBytes.
 inline constexpr std::size_t kMaxGreetingBytes = 16384;
 
 /// "Solve this problem and time it."
@@ -53,6 +53,7 @@ struct Response {
 /// What a worker says first.
 struct Greeting {
   std::vector<std::string> solvers;
+  std::string failure;  ///< why the solver that it was started for cannot be made; "" when it was made
 };
 
 /// The lengths that an answer's vectors may have, apart from 0.

@@ -35,4 +35,4 @@ for line in sys.stdin:
         problem = request["problem"]
     elif request["verb"] == "solve":
         reply = lemke(problem["M"], problem["q"])
-    print(json.dumps(reply), flush=True)
+    print(json.dumps({**reply, "sequence": request["sequence"]}), flush=True)

@@ -1,7 +1,9 @@
 #include "study/provenance.h"
 
+#include <cstdint>
 #include <ctime>
 #include <fstream>
+#include <string>
 #include <thread>
 
 #include <flint/flint.h>
@@ -10,6 +12,7 @@
 #include <sqlite3.h>
 #include <sys/utsname.h>
 
+#include "adapters/control_group.h"
 #include "core/isa.h"
 #include "core/registry.h"
 #include "study/build_info.h"
@@ -47,6 +50,16 @@ nlohmann::ordered_json library_versions() {
                                         NLOHMANN_JSON_VERSION_PATCH)}};
 }
 
+/// Whether the limits on an external program hold for all that it starts together; docs/external.md says more.
+std::string external_limits() {
+  constexpr std::uint64_t kAnyMemory = std::uint64_t{1} << 32;
+  if (!worker::make_control_group(worker::group_folders(), worker::group_limits(kAnyMemory))) {
+    return "of each process on its own: no control group could be made";
+  }
+  worker::remove_control_group();
+  return "of each process, and of all together by a control group";
+}
+
 }  // namespace
 
 nlohmann::ordered_json provenance(const std::string& command_line, const std::string& started) {
@@ -65,6 +78,7 @@ nlohmann::ordered_json provenance(const std::string& command_line, const std::st
           {"sqlite", sqlite3_libversion()},
           {"libraries", library_versions()},
           {"solvers", solver_versions()},
+          {"external_limits", external_limits()},
           {"command", command_line},
           {"started", started}};
 }

@@ -402,6 +402,7 @@ TEST_F(CommandLineTest, ProvenanceSaysWhereResultsComeFrom) {
                              {"sqlite", "s"},
                              {"libraries", "o"},
                              {"solvers", "o"},
+                             {"external_limits", "s"},
                              {"command", "s"},
                              {"started", "s"},
                              {"plan", "o"},

@@ -77,6 +77,63 @@ def where(problem):
     return {"claim": "solved", "z": right(problem)["z"], "detail": os.getcwd()}
 
 
+kept = {}
+
+
+def keep(key, problem):
+    if key not in kept:
+        time.sleep(0.05)
+        kept[key] = right(problem)
+    return kept[key]
+
+
+def cache(problem):
+    return keep(json.dumps(problem), problem)
+
+
+def stale(problem):
+    return keep("whatever comes", problem)
+
+
+def crash_when_scaled(problem):
+    return right(problem) if abs(problem["q"][0]) == 1 else os._exit(9)
+
+
+def start_daemon():
+    read_end, write_end = os.pipe()
+    if os.fork() == 0:
+        os.setsid()
+        daemon = os.fork()
+        if daemon == 0:
+            sleep_for_ever(None)
+        os.write(write_end, str(daemon).encode())
+        os._exit(0)
+    os.wait()
+    return int(os.read(read_end, 20))
+
+
+def daemon(problem):
+    return {"claim": "iteration_limit", "iterations": start_daemon()}
+
+
+def orphan(problem):
+    if os.fork() == 0:
+        os.fork()
+        os._exit(0)
+    os.wait()
+    return right(problem)
+
+
+def daemon_and_exit(problem):
+    print("daemon", start_daemon(), file=sys.stderr, flush=True)
+    os._exit(1)
+
+
+def daemon_and_sleep(problem):
+    start_daemon()
+    sleep_for_ever(problem)
+
+
 def process(problem):
     return {"claim": "iteration_limit", "iterations": os.getpid()}
 
@@ -85,6 +142,17 @@ behaviours = {
     "right": right,
     "delays": right,
     "process": process,
+    "cache": cache,
+    "stale": stale,
+    "crash when scaled": crash_when_scaled,
+    "daemon": daemon,
+    "orphan": orphan,
+    "daemon and exit": daemon_and_exit,
+    "daemon and sleep": daemon_and_sleep,
+    "late line": lambda problem: time.sleep(0.2) or right(problem),
+    "key twice": raw('{"claim": "solved", "z": [1, 1, 1, 1, 1], "z": [0.5, 0.5, 0.5, 0.5, 0.5]}'),
+    "wrong number": with_fields(sequence=1),
+    "no number": with_fields(sequence=None),
     "words": words,
     "where": where,
     "chatter": chatter,
@@ -120,15 +188,29 @@ behaviours = {
     "counters": with_fields(iterations=3, pivots=5, factorizations=7, detail="three\nlines\x1b[31m"),
 }
 
+version = 1 if "--version-1" in sys.argv or "--only-version-1" in sys.argv else 2
 problem = None
+last_answer = ""
 for line in sys.stdin:
     request = json.loads(line)
     reply = {}
+    if "--only-version-1" in sys.argv and (request.get("version", 1) != 1 or "sequence" in request):
+        sys.exit("unknown version")
     if request["verb"] == "problem":
         problem = request["problem"]
     if problem and problem["name"] == "delays":
         time.sleep({"problem": 0.2, "setup": 0.1, "solve": 0.05}[request["verb"]])
     if request["verb"] == "solve":
         reply = behaviours[problem["name"]](problem)
-    if reply is not None:
-        say(json.dumps(reply) + "\n")
+    if reply is None:
+        continue
+    if version == 2:
+        reply = {"sequence": request["sequence"], **reply}
+        if reply["sequence"] is None:
+            del reply["sequence"]
+    say(json.dumps(reply) + "\n")
+    if request["verb"] == "solve":
+        last_answer = json.dumps(reply) + "\n"
+    if request["verb"] == "setup" and problem["name"] == "late line":
+        time.sleep(0.1)
+        say(last_answer)

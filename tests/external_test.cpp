@@ -2,24 +2,17 @@
 // show that no header, library or build of ours is needed.
 
 #include <chrono>
-#include <csignal>
-#include <cstdio>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <set>
-#include <sstream>
-#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/prctl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
+#include "adapters/control_group.h"
 #include "adapters/external_json.h"
 #include "adapters/external_program.h"
 #include "adapters/start_directory.h"
@@ -28,6 +21,7 @@
 #include "generators/problem_io.h"
 #include "generators/sets.h"
 #include "study/open_solver.h"
+#include "tests/external_client.h"
 #include "tests/worker_empty_poll.h"
 
 namespace lcpbench {
@@ -39,92 +33,6 @@ const std::filesystem::path& start_directory() {
 }
 
 namespace {
-
-constexpr Index kSize = 5;
-constexpr TimedRequest kPatient{.time_limit_s = 20.0};
-constexpr TimedRequest kImpatient{.time_limit_s = 0.3};
-
-Problem named(const std::string& behaviour, double q = -1.0) {
-  return {behaviour, Lcp{2.0 * Matrix::Identity(kSize, kSize), Vector::Constant(kSize, q)}};
-}
-
-std::unique_ptr<TimedSolver> client(const std::string& command = EXTERNAL_FAULTS, const std::string& form = "lcp") {
-  return worker_solver(EXTERNAL_WORKER, Spec{"external", {{"command", command}, {"form", form}}});
-}
-
-Answer run(TimedSolver& solver, const std::string& behaviour, const TimedRequest& request = kPatient) {
-  TimedAnswer result;
-  solver.run(named(behaviour), request, result);
-  return result.answer;
-}
-
-void expect_right(TimedSolver& solver) {
-  const Answer answer = run(solver, "right");
-  EXPECT_STREQ(to_string(answer.claim), "solved") << answer.detail;
-  EXPECT_TRUE(answer.z.size() == kSize && (answer.z.array() == 0.5).all()) << answer.z.transpose();
-}
-
-std::string start_error(const std::string& command) {
-  try {
-    run(*client(command), "right");
-    return "it starts";
-  } catch (const WorkerError& error) {
-    return error.what();
-  }
-}
-
-struct ProcessState {
-  char state = '?';
-  pid_t parent = 0;
-};
-
-ProcessState process_state(const std::filesystem::path& folder) {
-  std::ifstream file(folder / "stat");
-  std::string text;
-  ProcessState result;
-  if (std::getline(file, text)) std::istringstream(text.substr(text.rfind(')') + 1)) >> result.state >> result.parent;
-  return result;
-}
-
-char state_of(pid_t process) { return process_state("/proc/" + std::to_string(process)).state; }
-
-/// Processes whose parent is `parent`, zombies included.
-std::vector<pid_t> children_of(pid_t parent) {
-  std::vector<pid_t> children;
-  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
-    if (process_state(entry.path()).parent == parent) children.push_back(std::stoi(entry.path().filename()));
-  }
-  return children;
-}
-
-/// Reaps what this process has left of children; true when all of them ended by themselves.
-bool all_children_end_within(double seconds) {
-  const double deadline_s = wall_clock_s() + seconds;
-  while (wall_clock_s() < deadline_s) {
-    if (waitpid(-1, nullptr, WNOHANG) < 0) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  for (const pid_t child : children_of(getpid())) kill(child, SIGKILL);
-  while (waitpid(-1, nullptr, 0) > 0) continue;
-  return false;
-}
-
-/// A folder of its own, removed at the end.
-class Scratch {
- public:
-  Scratch() {
-    std::string name = (std::filesystem::temp_directory_path() / "lcpbench-external-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    path_ = name;
-  }
-  ~Scratch() { std::filesystem::remove_all(path_); }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  std::string file(const char* name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
-};
 
 struct Fault {
   const char* behaviour;
@@ -175,7 +83,10 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"unknown claim", Claim::kCrashed, "claim: unknown: optimal"},
         Fault{"unknown field", Claim::kCrashed, "unknown field: zeta"},
         Fault{"negative counter", Claim::kCrashed, "iterations: expected an integer"},
-        Fault{"no z", Claim::kIterationLimit, ""}, Fault{"unsupported", Claim::kUnsupported, "no such problems"}),
+        Fault{"key twice", Claim::kCrashed, "returned no answer: z: given twice"},
+        Fault{"wrong number", Claim::kCrashed, "sequence is 1, but the question has 4: a line that came late or twice"},
+        Fault{"no number", Claim::kCrashed, "sequence is missing"}, Fault{"no z", Claim::kIterationLimit, ""},
+        Fault{"unsupported", Claim::kUnsupported, "no such problems"}),
     [](const auto& test) {
       std::string name = test.param.behaviour;
       for (char& c : name) {
@@ -252,7 +163,7 @@ TEST(ExternalTest, ProgramThatDoesNotStartIsReportedAndBlamesNoProblem) {
   EXPECT_NE(start_error("./no_such_program").find("cannot run ./no_such_program: No such file"), std::string::npos);
   EXPECT_NE(start_error("/etc/passwd").find("Permission denied"), std::string::npos);
   EXPECT_NE(start_error("false").find("exited with code 1 without an answer"), std::string::npos);
-  EXPECT_NE(start_error("cat").find("start: returned no answer: expected {}"), std::string::npos);
+  EXPECT_NE(start_error("cat").find("did not answer \"start\": expected {}"), std::string::npos);
   EXPECT_NE(start_error("sh -c 'echo missing licence >&2; exit 3'").find("stderr: missing licence"), std::string::npos);
   EXPECT_NE(start_error("").find("command"), std::string::npos);
   EXPECT_NE(start_error("'open").find("an open quote"), std::string::npos);
@@ -266,9 +177,97 @@ TEST(ExternalTest, ProgramThatDoesNotStartAgainIsReportedAndBlamesNoProblem) {
   try {
     ADD_FAILURE() << to_string(run(*solver, "right").claim);
   } catch (const WorkerError& error) {
-    EXPECT_NE(std::string(error.what()).find("start: exited with code 3"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("\"start\": exited with code 3"), std::string::npos) << error.what();
   }
   std::filesystem::remove(mark);
+  expect_right(*solver);
+}
+
+// "On one line, without our own words for processes": the program, what happened, what to do.
+TEST(ExternalTest, ProgramThatDoesNotStartIsNamedWithWhatToDo) {
+  EXPECT_EQ(
+      start_error("sh -c 'echo no licence >&2; exit 3'"),
+      "solver 'external' does not start: the program 'sh -c 'echo no licence >&2; exit 3'' did not answer \"start\": "
+      "exited with code 3 without an answer; stderr: no licence; run it in a terminal to see why "
+      "(docs/external.md)");
+}
+
+/// Seconds until a silent program is given up.
+double wait_for_silence(const TimedRequest& request) {
+  const double begin_s = wall_clock_s();
+  const auto solver = client("sleep 100", "lcp", {.program_start_allowance_s = 0.4, .program_start_s = 1.6});
+  TimedAnswer result;
+  try {
+    solver->run(named("right"), request, result);
+    ADD_FAILURE() << "it starts";
+  } catch (const WorkerError& error) {
+    EXPECT_NE(std::string(error.what()).find("let it answer every line"), std::string::npos) << error.what();
+  }
+  return wall_clock_s() - begin_s;
+}
+
+TEST(ExternalTest, WaitForAProgramToStartFollowsFromTheTimeLimit) {
+  const double allowance_s = wait_for_silence({.time_limit_s = 0.1});
+  EXPECT_GE(allowance_s, 0.4);
+  EXPECT_LT(allowance_s, 0.8);
+  const double limit_s = wait_for_silence({.time_limit_s = 0.8});
+  EXPECT_GE(limit_s, 0.8);
+  EXPECT_LT(limit_s, 1.6);
+  EXPECT_GE(wait_for_silence({.time_limit_s = 1000}), 1.6);
+}
+
+// The line that the program sends late is its answer to the problem before.
+TEST(ExternalTest, LateSecondLineIsNotTakenAsTheNextAnswer) {
+  const auto solver = client();
+  expect_right(*solver);
+  TimedAnswer result;
+  solver->run(named("late line", -3.0), kPatient, result);
+  EXPECT_STREQ(to_string(result.answer.claim), "crashed");
+  EXPECT_NE(result.answer.detail.find("a line that came late or twice"), std::string::npos) << result.answer.detail;
+  EXPECT_EQ(result.answer.z.size(), 0);
+  expect_right(*solver);
+}
+
+TEST(ExternalTest, ProgramsOfVersion1RunWithANote) {
+  for (const char* version : {" --version-1", " --only-version-1"}) {
+    const auto solver = client(EXTERNAL_FAULTS + std::string(version));
+    expect_right(*solver);
+    EXPECT_EQ(run(*solver, "right").detail, "protocol version 1: a late second answer cannot be told apart");
+    EXPECT_EQ(run(*solver, "unsupported").detail, "no such problems") << "a reason that reports count";
+  }
+}
+
+TEST(ExternalTest, KeptAnswersAreNotTimed) {
+  const auto solver = client();
+  for (int round = 0; round < 5; ++round) {
+    TimedAnswer result;
+    solver->run(named("cache"), {.time_limit_s = 20, .repeat_until_s = 0.3}, result);
+    EXPECT_STREQ(to_string(result.answer.claim), "solved") << result.answer.detail;
+    EXPECT_EQ(result.answer.detail, "");
+    EXPECT_GE(result.times.solve_wall_s, 0.05) << "round " << round;
+  }
+}
+
+TEST(ExternalTest, TimeOfKeptAnswersThatDoNotFitIsThatOfTheFirstSolve) {
+  const auto solver = client();
+  TimedAnswer result;
+  solver->run(named("stale"), {.time_limit_s = 20, .repeat_until_s = 0.3}, result);
+  EXPECT_STREQ(to_string(result.answer.claim), "solved");
+  EXPECT_EQ(result.answer.detail,
+            "the time is that of one solve, since the repeats on scaled copies failed: z is not the scaled z of the "
+            "first answer");
+  EXPECT_GE(result.times.solve_wall_s, 0.05);
+  EXPECT_EQ(result.times.repeats, 1);
+}
+
+// Whether a solve is repeated depends on the clock; what is said of its answer must not.
+TEST(ExternalTest, FailureOfARepeatLeavesTheAnswer) {
+  const auto solver = client();
+  TimedAnswer result;
+  solver->run(named("crash when scaled"), {.time_limit_s = 20, .repeat_until_s = 0.3}, result);
+  EXPECT_STREQ(to_string(result.answer.claim), "solved");
+  EXPECT_EQ(result.answer.z.size(), kSize);
+  EXPECT_NE(result.answer.detail.find("exited with code 9"), std::string::npos) << result.answer.detail;
   expect_right(*solver);
 }
 
@@ -280,6 +279,31 @@ TEST(ExternalProgramTest, AnswerOfAProgramThatEndsBehindOurBackIsRead) {
   EXPECT_EQ(program.ask("{}", 100, wall_clock_s() + 20.0), "{}");
   EXPECT_TRUE(child_has_ended_in_empty_poll());
   EXPECT_TRUE(program.dead());
+}
+
+TEST(ControlGroupTest, ProgramsAreInTheGroupThatWasMadeForThem) {
+  // Every group has this limit, also where memory and processes are limited by the older kind of groups.
+  if (!worker::make_control_group(worker::group_folders(), {{"cgroup.max.descendants", "0"}})) {
+    GTEST_SKIP() << "no control group can be made here";
+  }
+  {
+    external::ExternalProgram program(
+        external::command_words("sh -c 'read line; tr \"\\\\n\" \" \" < /proc/self/cgroup; echo'"));
+    const std::string groups = program.ask("{}", 10000, wall_clock_s() + 20.0);
+    EXPECT_NE(groups.find("lcpbench-" + std::to_string(getpid())), std::string::npos) << groups;
+  }
+  worker::remove_control_group();
+  for (const std::filesystem::path& folder : worker::group_folders()) {
+    EXPECT_FALSE(std::filesystem::exists(folder / ("lcpbench-" + std::to_string(getpid()))));
+  }
+}
+
+TEST(ControlGroupTest, NothingIsLeftWhereNoneCanBeMade) {
+  const Scratch scratch;
+  const std::filesystem::path folder = std::filesystem::path(scratch.file("x")).parent_path();
+  EXPECT_FALSE(worker::make_control_group({folder, folder / "missing"}, worker::group_limits(1 << 30)));
+  EXPECT_TRUE(std::filesystem::is_empty(folder));
+  EXPECT_FALSE(worker::join_control_group());
 }
 
 /// A sweep over programs that differ in an argument.
@@ -374,109 +398,46 @@ TEST(ExternalMessageTest, ProblemsAreGivenAsInTheProblemFile) {
   EXPECT_EQ(json["problem"]["q"][1].get<double>(), -1.0 / 3.0);
 }
 
+// What a multiple asks for is solved by the multiple of the answer, to the last bit.
+TEST(ExternalMessageTest, MultiplesScaleProblemAndAnswerExactly) {
+  const Problem problem = open_set("paper/monotone/exp1")->generate(7, 3);
+  const Lcp lcp = problem.lcp();
+  std::set<std::string> seen;
+  const auto scaled = [&](ProblemKind kind, const external::Multiple& multiple) {
+    EXPECT_TRUE(external::is_exact(multiple, problem, kind, lcp));
+    const std::string text = external::problem_message(problem, kind, lcp, multiple);
+    EXPECT_TRUE(seen.insert(text).second) << "asked before";
+    return nlohmann::json::parse(text).at("problem");
+  };
+  const double M00 = scaled(ProblemKind::kLcp, {})["M"][0][0];
+  const double q0 = lcp.q(0);
+  const double v0 = scaled(ProblemKind::kContact, {})["v"][0];
+  double last = 1.0;
+  for (int i = 0; i < external::kMultiples; ++i) {
+    const external::Multiple multiple = external::multiple_for(ProblemKind::kLcp, i);
+    const nlohmann::json json = scaled(ProblemKind::kLcp, multiple);
+    EXPECT_EQ(json["M"][0][0].get<double>(), M00 * multiple.of_matrix());
+    EXPECT_EQ(json["q"][0].get<double>(), q0 * multiple.of_vector());
+    EXPECT_EQ(multiple.of_z() * multiple.of_matrix(), multiple.of_vector());
+    EXPECT_NE(multiple.of_z(), 1.0);
+    EXPECT_NE(multiple.of_z(), last);
+    last = multiple.of_z();
+    const external::Multiple velocities = external::multiple_for(ProblemKind::kContact, i);
+    EXPECT_EQ(scaled(ProblemKind::kContact, velocities)["v"][0].get<double>(), v0 * velocities.of_z());
+    EXPECT_EQ(velocities.of_z(), velocities.of_vector());
+  }
+  const Lcp tiny{Matrix::Identity(1, 1), Vector::Constant(1, -5e-324)};
+  EXPECT_FALSE(external::is_exact({.matrix = -1, .vector = -2}, Problem("tiny", tiny), ProblemKind::kLcp, tiny));
+  const Lcp huge{Matrix::Identity(1, 1), Vector::Constant(1, -1e308)};
+  EXPECT_FALSE(external::is_exact({.matrix = 1, .vector = 2}, Problem("huge", huge), ProblemKind::kLcp, huge));
+}
+
 TEST(ExternalMessageTest, CommandsAreSplitAtSpacesOutsideQuotes) {
   using Words = std::vector<std::string>;
   EXPECT_EQ(external::command_words("a"), Words{"a"});
   EXPECT_EQ(external::command_words("  a  b\t "), (Words{"a", "b\t"}));
   EXPECT_EQ(external::command_words("a 'b \"c' \"d 'e\"f ''"), (Words{"a", "b \"c", "d 'ef", ""}));
   for (const char* wrong : {"", "  ", "''", "a 'b", "a \"b'"}) EXPECT_THROW(external::command_words(wrong), InputError);
-}
-
-TEST(ExternalSafetyTest, NothingOutlivesTheSolver) {
-  prctl(PR_SET_CHILD_SUBREAPER, 1);  // an orphan becomes ours, and can be waited for
-  {
-    const auto solver = client();
-    EXPECT_STREQ(to_string(run(*solver, "fork").claim), "solved");
-    run(*solver, "sleep", kImpatient);
-    EXPECT_STREQ(to_string(run(*solver, "fork").claim), "solved");
-    const auto behind_a_shell = client("sh -c '" EXTERNAL_FAULTS "; true'");
-    expect_right(*behind_a_shell);
-  }
-  EXPECT_TRUE(all_children_end_within(5.0));
-  prctl(PR_SET_CHILD_SUBREAPER, 0);
-}
-
-pid_t start_lcpbench_solve(const std::string& problem, const std::string& solver) {
-  const pid_t program = fork();
-  if (program != 0) return program;
-  execl(LCPBENCH_PROGRAM, LCPBENCH_PROGRAM, "solve", problem.c_str(), "--time-limit", "1000", "--solver",
-        solver.c_str(), nullptr);
-  _exit(127);
-}
-
-bool has_great_grandchild(pid_t program) {
-  for (const pid_t worker : children_of(program)) {
-    for (const pid_t shell : children_of(worker)) {
-      if (!children_of(shell).empty()) return true;
-    }
-  }
-  return false;
-}
-
-TEST(ExternalSafetyTest, KillOfLcpbenchEndsProgramAndChildren) {
-  const Scratch scratch;
-  write_problem(named("sleep"), scratch.file("sleep.json"));
-  prctl(PR_SET_CHILD_SUBREAPER, 1);
-  const pid_t program =
-      start_lcpbench_solve(scratch.file("sleep.json"), "external{command=sh -c '" EXTERNAL_FAULTS "; true'}");
-  for (int i = 0; i < 1000 && !has_great_grandchild(program); ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  EXPECT_TRUE(has_great_grandchild(program));
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // it is in its sleep by now
-  kill(program, SIGKILL);
-  EXPECT_TRUE(all_children_end_within(5.0));
-  prctl(PR_SET_CHILD_SUBREAPER, 0);
-}
-
-/// Standard output of `lcpbench <arguments>`, run in the repository's top folder; "" when it fails.
-std::string lcpbench(const std::string& arguments) {
-  std::FILE* output = popen(("cd '" REPOSITORY "' && '" LCPBENCH_PROGRAM "' " + arguments).c_str(), "r");
-  if (output == nullptr) return {};
-  std::string text;
-  for (int c = std::fgetc(output); c != EOF; c = std::fgetc(output)) text += static_cast<char>(c);
-  return pclose(output) == 0 ? text : "";
-}
-
-// What docs/external.md promises, word for word.
-constexpr const char* kExample = "--solver 'external{command=examples/external_solver.py}' ";
-
-TEST(ExternalExampleTest, SolvesTheBoxOnTheSlope) {
-  const std::string text = lcpbench(std::string("solve examples/box_on_slope.json --format json ") + kExample);
-  ASSERT_NE(text, "");
-  const nlohmann::json answer = nlohmann::json::parse(text).at(0);
-  EXPECT_EQ(answer["claim"], "solved") << answer["detail"];
-  EXPECT_EQ(answer["verdict"], "solved");
-  EXPECT_EQ(answer["settings"], "command=examples/external_solver.py");
-  EXPECT_GT(answer["time"]["solve_s"], 0);
-  EXPECT_GT(answer["counters"]["pivots"], 0);
-}
-
-TEST(ExternalExampleTest, DoesNotRunWhereNobodyAskedForIt) {
-  const Scratch scratch;
-  const std::string solved = lcpbench("solve examples/box_on_slope.json");
-  EXPECT_NE(solved.find("lemke"), std::string::npos);
-  EXPECT_EQ(solved.find("external"), std::string::npos);
-  EXPECT_NE(lcpbench("run --set paper/monotone/exp1 --trials 1 --jobs 1 --store " + scratch.file("all.db")), "");
-}
-
-TEST(ExternalExampleTest, RunsInAStudy) {
-  const Scratch scratch;
-  const std::string store = scratch.file("mine.db");
-  ASSERT_NE(lcpbench(std::string("run --set paper/monotone/exp1 --set rigid/exp1 --trials 3 --jobs 1 ") + kExample +
-                     "--solver lemke --store " + store),
-            "");
-  ASSERT_NE(lcpbench("report " + store + " --out " + scratch.file("report")), "");
-  const nlohmann::json summary = nlohmann::json::parse(std::ifstream(scratch.file("report/summary.json")));
-  int cells = 0;
-  for (const nlohmann::json& cell : summary["cells"]) {
-    if (cell["solver"] != "external") continue;
-    ++cells;
-    EXPECT_EQ(cell["trials"], 3);
-    EXPECT_EQ(cell["solved"], 3) << cell;
-    EXPECT_EQ(cell["crashed"], 0);
-  }
-  EXPECT_EQ(cells, 2);
 }
 
 }  // namespace

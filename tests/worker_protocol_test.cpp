@@ -284,12 +284,13 @@ TEST(WorkerProtocolTest, WhatIsNoAnswerIsRefusedAndNamed) {
 }
 
 TEST(WorkerProtocolTest, GreetingsArrive) {
-  const Greeting greeting{{"one", "another_solver"}};
+  const Greeting greeting{{"one", "another_solver"}, "no licence"};
   Bytes bytes(write_greeting(greeting, {}));
   write_greeting(greeting, bytes);
   const Parsed<Greeting> parsed = parse_greeting(bytes);
   ASSERT_TRUE(parsed.ok());
   EXPECT_EQ(parsed.value.solvers, greeting.solvers);
+  EXPECT_EQ(parsed.value.failure, greeting.failure);
   set_word(bytes, kSequenceAt, 1);
   EXPECT_EQ(parse_greeting(bytes).error, "a greeting has no sequence number");
   set_word(bytes, kSequenceAt - 16, kVersion + 1);
