@@ -4,6 +4,8 @@ lcpbench_test(runner LINK lcpbench_runner lcpbench_study lcpbench_solver_list lc
 target_compile_definitions(runner_test PRIVATE FAULT_WORKER="$<TARGET_FILE:fault_worker>")
 add_dependencies(runner_test fault_worker)
 
+lcpbench_test(work_queue LINK lcpbench_runner lcpbench_study lcpbench_solver_list)
+
 # These run the program itself.
 lcpbench_test(cli LINK lcpbench_study nlohmann_json::nlohmann_json)
 lcpbench_test(kill SLOW LINK lcpbench_study)

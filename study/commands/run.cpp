@@ -194,7 +194,8 @@ void add_run(Store& store, const Arguments& arguments, const Plan& plan, const S
 
 int report_end(const RunOutcome& outcome, const Plan& plan, Store& store) {
   const std::string file = store.file().string();
-  const std::string done = fmt::format("{} of {} cells", format_count(outcome.already_done + outcome.progress.done),
+  const std::string done = fmt::format("{}{} of {} cells", outcome.counted ? "" : "at least ",
+                                       format_count(outcome.already_done + outcome.progress.done),
                                        format_count(outcome.already_done + outcome.progress.total));
   if (outcome.end == RunEnd::kStopped) {
     fmt::print(stderr, "lcpbench: interrupted; {} are in {}: run the same command again to resume\n", done, file);
