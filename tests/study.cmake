@@ -8,8 +8,9 @@ lcpbench_test(work_queue LINK lcpbench_runner lcpbench_study lcpbench_solver_lis
 
 # These run the program itself.
 lcpbench_test(cli LINK lcpbench_study nlohmann_json::nlohmann_json)
+lcpbench_test(surroundings LINK lcpbench_study)
 lcpbench_test(kill SLOW LINK lcpbench_study)
-foreach(name cli kill)
+foreach(name cli surroundings kill)
   target_compile_definitions(${name}_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
   add_dependencies(${name}_test lcpbench lcpbench_workers)
 endforeach()
