@@ -22,11 +22,11 @@ inline constexpr std::uint64_t kMagic = 0x6c637062656e6368;
 inline constexpr std::uint64_t kVersion = 3;
 /// Descriptor of the worker's end of the socket.
 inline constexpr int kSocketFd = 3;
-/// Whether a worker's memory is limited: not under AddressSanitizer, whose shadow is terabytes of address space.
-#if defined(__SANITIZE_ADDRESS__)
+/// Whether a worker's memory is limited: not under sanitizers, whose shadow is terabytes of address space.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 inline constexpr bool kMemoryIsLimited = false;
 #elif defined(__has_feature)
-inline constexpr bool kMemoryIsLimited = !__has_feature(address_sanitizer);
+inline constexpr bool kMemoryIsLimited = !__has_feature(address_sanitizer) && !__has_feature(thread_sanitizer);
 #else
 inline constexpr bool kMemoryIsLimited = true;
 #endif

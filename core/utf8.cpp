@@ -11,6 +11,15 @@ std::size_t length_by_first_byte(unsigned char first) {
   return first < 0xF5 ? 4 : 0;
 }
 
+/// U+0080 to U+009F are two bytes, the first of which is this.
+constexpr char kFirstOfC1 = '\xC2';
+
+bool is_control(std::string_view character) {
+  const auto last = static_cast<unsigned char>(character.back());
+  if (character.size() == 1) return last < 0x20 || last == 0x7F;
+  return character.size() == 2 && character.front() == kFirstOfC1 && last < 0xA0;
+}
+
 }  // namespace
 
 std::size_t utf8_length(std::string_view text, std::size_t at) {
@@ -26,6 +35,28 @@ std::size_t utf8_length(std::string_view text, std::size_t at) {
   const bool overlong = (first == 0xE0 && second < 0xA0) || (first == 0xF0 && second < 0x90);
   const bool surrogate_or_beyond = (first == 0xED && second > 0x9F) || (first == 0xF4 && second > 0x8F);
   return overlong || surrogate_or_beyond ? 0 : length;
+}
+
+bool is_utf8(std::string_view text) {
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t length = utf8_length(text, at);
+    if (length == 0) return false;
+    at += length;
+  }
+  return true;
+}
+
+std::string printable(std::string_view text, std::string_view kept) {
+  std::string shown;
+  shown.reserve(text.size());
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t length = utf8_length(text, at);
+    const std::string_view character = text.substr(at, length);
+    const bool stays = length > 0 && (!is_control(character) || kept.find(character) != std::string_view::npos);
+    shown += stays ? character : "?";
+    at += length > 0 ? length : 1;
+  }
+  return shown;
 }
 
 }  // namespace lcpbench

@@ -179,6 +179,19 @@ SetInfo describe(const HardSet& set) {
   return {set.name, set.size, set.source, set.summary + "; hard: " + set.hard + "; " + truth, set.options()};
 }
 
+/// Describing a hard case makes it: done once.
+const std::vector<SetInfo>& all_sets() {
+  static const std::vector<SetInfo> infos = [] {
+    std::vector<SetInfo> described;
+    for (const PaperSet& set : paper_sets()) described.push_back(describe(set));
+    for (const RigidSet& set : rigid_sets()) described.push_back(describe(set));
+    for (const PlantedSet& set : planted_sets()) described.push_back(describe(set));
+    for (const HardSet& set : hard_sets()) described.push_back(describe(set));
+    return described;
+  }();
+  return infos;
+}
+
 template <class Set>
 const Set* find_set(const std::vector<Set>& sets, const std::string& name) {
   const auto found = std::find_if(sets.begin(), sets.end(), [&](const Set& set) { return set.name == name; });
@@ -187,14 +200,7 @@ const Set* find_set(const std::vector<Set>& sets, const std::string& name) {
 
 }  // namespace
 
-std::vector<SetInfo> list_sets() {
-  std::vector<SetInfo> infos;
-  for (const PaperSet& set : paper_sets()) infos.push_back(describe(set));
-  for (const RigidSet& set : rigid_sets()) infos.push_back(describe(set));
-  for (const PlantedSet& set : planted_sets()) infos.push_back(describe(set));
-  for (const HardSet& set : hard_sets()) infos.push_back(describe(set));
-  return infos;
-}
+std::vector<SetInfo> list_sets() { return all_sets(); }
 
 std::unique_ptr<ProblemSet> open_set(const std::string& text) {
   if (is_file_set(text)) return std::make_unique<FileSet>(text.substr(kFilePrefix.size()));
@@ -218,7 +224,7 @@ std::vector<std::string> expand_sets(const std::string& pattern) {
   if (is_file_set(pattern)) return {open_set(pattern)->name()};
   const Spec spec = parse_spec(pattern);
   std::vector<std::string> names;
-  for (const SetInfo& set : list_sets()) {
+  for (const SetInfo& set : all_sets()) {
     if (glob_matches(spec.name, set.name)) names.push_back(open_set(Spec{set.name, spec.options}.text())->name());
   }
   if (names.empty()) throw InputError("no problem set matches '" + spec.name + "'; `lcpbench sets` lists them");

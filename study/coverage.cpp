@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "study/summary.h"
+#include "study/trials.h"
 
 namespace lcpbench {
 
@@ -21,10 +22,6 @@ struct Trials {
   std::int64_t trials = 0;
   std::vector<std::int64_t> every;
 
-  bool has(std::int64_t trial) const {
-    return trial < trials &&
-           std::any_of(every.begin(), every.end(), [trial](std::int64_t step) { return trial % step == 0; });
-  }
   auto operator<=>(const Trials&) const = default;
 };
 
@@ -45,12 +42,19 @@ struct PlannedWork {
 
 using Planned = std::map<Work, PlannedWork>;
 
+/// The trials of any of the rules. Rules are in ascending order of their trials: from one number of trials to the next
+/// the same ones hold.
 std::int64_t count(const std::set<Trials>& rules) {
-  std::int64_t most = 0;
-  for (const Trials& rule : rules) most = std::max(most, rule.trials);
   std::int64_t planned = 0;
-  for (std::int64_t trial = 0; trial < most; ++trial) {
-    if (std::any_of(rules.begin(), rules.end(), [trial](const Trials& rule) { return rule.has(trial); })) ++planned;
+  std::int64_t from = 0;
+  for (auto rule = rules.begin(); rule != rules.end(); ++rule) {
+    if (rule->trials <= from) continue;
+    std::vector<std::int64_t> steps;
+    for (auto longer = rule; longer != rules.end(); ++longer) {
+      steps.insert(steps.end(), longer->every.begin(), longer->every.end());
+    }
+    planned += count_trials(rule->trials, steps) - count_trials(from, steps);
+    from = rule->trials;
   }
   return planned;
 }
@@ -148,7 +152,7 @@ Json planned_cells(const Study& study) {
     for (std::size_t set = 0; set < solver.every.size(); ++set) {
       if (solver.every[set].empty()) continue;
       parts[solver.every[set]].push_back(set);
-      cells += solver.cell_count() * count({{study.sets[set].trials, solver.every[set]}});
+      cells += solver.cell_count() * count_trials(study.sets[set].trials, solver.every[set]);
     }
     Json on = Json::array();
     for (const auto& [every, indices] : parts) on.push_back({{"every", every}, {"sets", indices}});

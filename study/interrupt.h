@@ -4,8 +4,13 @@
 
 namespace lcpbench {
 
-/// Catches SIGINT and SIGTERM from now to the end of the process: the first raises the flag, the second ends the
-/// process with `exit_code` at once (worker processes end with it).
+/// From now on no signal that a user or a system sends ends the program without a word: SIGINT, SIGTERM and SIGHUP
+/// print one line and end the process with `exit_code` (worker processes end with it). A signal that the parent ignores
+/// stays ignored, as `nohup` asks. A file that grows beyond the limit (SIGXFSZ) is an error of the write, and no end.
+void announce_interrupts(int exit_code);
+
+/// Catches the signals from now to the end of the process: the first raises the flag, the second ends the process at
+/// once as above.
 /// @returns the flag
 const volatile std::sig_atomic_t* catch_interrupts(int exit_code);
 

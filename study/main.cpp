@@ -15,8 +15,11 @@
 
 #include "adapters/worker_client.h"
 #include "core/error.h"
+#include "core/utf8.h"
 #include "study/build_info.h"
 #include "study/commands/commands.h"
+#include "study/interrupt.h"
+#include "study/terminal.h"
 
 namespace {
 
@@ -40,9 +43,17 @@ std::string command_line(int argc, const char* const* argv) {
 }
 
 /// A file opened later must not get the number of a closed standard stream: what is printed would end up in it.
+/// Standard output that was closed stays one that nothing can be written to, so that what is printed is an error.
 void open_closed_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
-    if (fcntl(stream, F_GETFD) < 0) open("/dev/null", O_RDWR);
+    if (fcntl(stream, F_GETFD) < 0) open("/dev/null", stream == STDOUT_FILENO ? O_RDONLY : O_RDWR);
+  }
+}
+
+/// Stores and JSON hold UTF-8 alone. What cannot be kept is refused before anything is made.
+void check_arguments(int argc, const char* const* argv) {
+  for (int i = 1; i < argc; ++i) {
+    if (!is_utf8(argv[i])) throw InputError(fmt::format("argument {} ('{}') is not UTF-8", i, printable(argv[i])));
   }
 }
 
@@ -123,18 +134,20 @@ class CommandLine {
 
 int main(int argc, char** argv) {
   open_closed_streams();
+  announce_interrupts(kExitInterrupted);
   try {
+    check_arguments(argc, argv);
     const int exit_code = CommandLine(command_line(argc, argv)).run(argc, argv);
     flush_output();
     return exit_code;
   } catch (const InputError& error) {
-    fmt::print(stderr, "lcpbench: {}\n", error.what());
+    say(stderr, "lcpbench: {}\n", error.what());
   } catch (const WorkerError& error) {
-    fmt::print(stderr, "lcpbench: {}\n", error.what());
+    say(stderr, "lcpbench: {}\n", error.what());
   } catch (const std::system_error& error) {
-    fmt::print(stderr, "lcpbench: {}\n", error.what());
+    say(stderr, "lcpbench: {}\n", error.what());
   } catch (const std::exception& error) {
-    fmt::print(stderr, "lcpbench: internal error: {}\n", error.what());
+    say(stderr, "lcpbench: internal error: {}\n", error.what());
   }
   return kExitBadInput;
 }

@@ -1,13 +1,13 @@
 #include "study/runner.h"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <deque>
 #include <exception>
+#include <limits>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
-#include <unordered_map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -19,6 +19,7 @@
 #include "study/one_by_one.h"
 #include "study/result_exchange.h"
 #include "study/vector_codec.h"
+#include "study/work_queue.h"
 
 namespace lcpbench {
 namespace {
@@ -29,64 +30,15 @@ constexpr auto kHandOverAfter =
     std::chrono::milliseconds(500);  // what a kill can lose, but for the solve or sweep in flight
 constexpr auto kProgressEvery = std::chrono::milliseconds(100);
 constexpr std::size_t kCommitAnswers = 20'000;
+/// The queue is filled up to this when it holds less than half: more than the threads take while the writer is busy, as
+/// they wait for it after 256 results.
+constexpr std::size_t kTasksAhead = 2048;
+/// Problems looked up in the store before the results that have arrived are written.
+constexpr int kLookedUpAtOnce = 1000;
 constexpr double kFirstPartialS = 8.0;  // well inside the twenty seconds in which a user wants to see a first row
 constexpr double kPartialGrowth = 3.0;  // ever rarer: each one reads the whole store
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-/// One problem of the queue and the solvers that still have to run on it.
-struct Task {
-  std::size_t set = 0;
-  std::int64_t trial = 0;
-  std::vector<std::uint32_t> solvers;  ///< empty: all that the trial takes
-};
-
-struct Queue {
-  std::vector<Task> tasks;
-  std::int64_t cells = 0;
-  std::int64_t already_done = 0;
-};
-
-/// All tasks that the store does not have, by share of their set's trials.
-Queue make_queue(const Study& study, Store& store, const RunOptions& options) {
-  std::unordered_map<std::int64_t, std::uint32_t> solver_of;
-  for (std::size_t i = 0; i < study.solvers.size(); ++i) {
-    solver_of.emplace(study.solvers[i].row.id(), static_cast<std::uint32_t>(i));
-  }
-  const bool resuming = store.cell_count() > 0;
-  Queue queue;
-  std::vector<bool> is_done(study.solvers.size());
-  for (std::size_t set = 0; set < study.sets.size(); ++set) {
-    const std::string name = study.sets[set].set->name();
-    for (std::int64_t trial = options.shard; trial < study.sets[set].trials; trial += options.shards) {
-      Task task{set, trial, {}};
-      std::int64_t done = 0;
-      std::fill(is_done.begin(), is_done.end(), false);
-      for (const std::int64_t id :
-           resuming ? store.done(problem_id(name, study.seed, trial)) : std::vector<std::int64_t>{}) {
-        const auto known = solver_of.find(id);
-        if (known == solver_of.end() || !study.solvers[known->second].takes(set, trial)) continue;
-        is_done[known->second] = true;
-        done += study.solvers[known->second].cell_count();
-      }
-      std::int64_t missing = 0;
-      for (std::uint32_t i = 0; i < study.solvers.size(); ++i) {
-        if (is_done[i] || !study.solvers[i].takes(set, trial)) continue;
-        missing += study.solvers[i].cell_count();
-        if (done > 0) task.solvers.push_back(i);
-      }
-      queue.already_done += done;
-      queue.cells += missing;
-      if (missing > 0) queue.tasks.push_back(std::move(task));
-    }
-  }
-  const auto share = [&](const Task& task) {
-    return (static_cast<double>(task.trial) + 0.5) / static_cast<double>(study.sets[task.set].trials);
-  };
-  std::stable_sort(queue.tasks.begin(), queue.tasks.end(),
-                   [&](const Task& a, const Task& b) { return share(a) < share(b); });
-  return queue;
-}
 
 struct Batch {
   std::size_t set = 0;
@@ -218,10 +170,9 @@ void check_complete(const std::vector<SweptAnswer>& answers, const StudySolver& 
 /// One thread's solvers and its loop over the queue.
 class Worker {
  public:
-  Worker(const Study& study, const Queue& queue, std::atomic<std::size_t>& next, Exchange& exchange)
+  Worker(const Study& study, TaskQueue& tasks, Exchange& exchange)
       : study_(study),
-        queue_(queue),
-        next_(next),
+        tasks_(tasks),
         exchange_(exchange),
         solvers_(study.solvers.size()),
         sweeps_(study.solvers.size()) {
@@ -230,9 +181,9 @@ class Worker {
 
   void run() {
     while (!exchange_.queue_closed()) {
-      const std::size_t task = next_.fetch_add(1);
-      if (task >= queue_.tasks.size()) break;
-      run_task(queue_.tasks[task]);
+      const std::optional<Task> task = tasks_.pop();
+      if (!task) break;
+      run_task(*task);
     }
   }
 
@@ -291,8 +242,7 @@ class Worker {
   }
 
   const Study& study_;
-  const Queue& queue_;
-  std::atomic<std::size_t>& next_;
+  TaskQueue& tasks_;
   Exchange& exchange_;
   std::vector<std::unique_ptr<TimedSolver>> solvers_;
   std::vector<std::unique_ptr<SweptSolver>> sweeps_;
@@ -332,6 +282,20 @@ void add_names(const Study& study, Store& store) {
   store.commit();
 }
 
+/// Finds tasks for a queue that runs low, for about 10 ms. @returns whether it is low still, and there may be more
+bool fill(TaskQueue& tasks, PlanWalk& walk) {
+  std::size_t waiting = tasks.size();
+  if (waiting >= kTasksAhead / 2) return false;
+  for (int passed = 0; passed < kLookedUpAtOnce && waiting < kTasksAhead && !walk.ended(); ++passed) {
+    std::optional<Task> task = walk.step();
+    if (!task) continue;
+    tasks.push(std::move(*task));
+    ++waiting;
+  }
+  if (walk.ended()) tasks.end();
+  return waiting < kTasksAhead / 2 && !walk.ended();
+}
+
 /// Throws what ended a thread; where a user can go on once the cause is mended, the message says how.
 [[noreturn]] void rethrow(const std::exception_ptr& error, const Store& store, bool kept) {
   const auto resumable = [&store, kept](const std::exception& cause) {
@@ -352,31 +316,40 @@ void add_names(const Study& study, Store& store) {
 
 RunOutcome run_study(const Study& study, Store& store, const RunOptions& options) {
   add_names(study, store);
-  const Queue queue = make_queue(study, store, options);
+  const Clock::time_point start = Clock::now();
+  PlanWalk walk(study, store, options.shard, options.shards);
+  TaskQueue tasks;
+  bool searching = fill(tasks, walk);
   RunOutcome outcome;
-  outcome.already_done = queue.already_done;
-  outcome.progress.total = queue.cells;
+  const auto count = [&] {
+    outcome.already_done = walk.already_done();
+    outcome.counted = walk.counted();
+    outcome.progress.total = walk.planned() - walk.already_done();
+  };
+  count();
 
-  const int jobs = static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(options.jobs), queue.tasks.size()));
+  const std::size_t most_jobs = walk.ended() ? tasks.size() : std::numeric_limits<std::size_t>::max();
+  const int jobs = static_cast<int>(std::min(static_cast<std::size_t>(options.jobs), most_jobs));
   Exchange exchange(jobs);
-  std::atomic<std::size_t> next{0};
   BatchWriter writer(store);
   ProducerThreads<Batch> threads(exchange);
+  const ClosedAtTheEnd closed(tasks);
   std::vector<std::string> set_names;
   for (const StudySet& set : study.sets) set_names.push_back(set.set->name());
 
-  const Clock::time_point start = Clock::now();
   for (int i = 0; i < jobs; ++i) {
-    threads.start([&] { Worker(study, queue, next, exchange).run(); });
+    threads.start([&] { Worker(study, tasks, exchange).run(); });
   }
   double next_partial_s = kFirstPartialS;
   while (!exchange.drained()) {
-    for (const Batch& batch : exchange.take(kProgressEvery)) {
+    for (const Batch& batch : exchange.take(searching ? std::chrono::milliseconds(0) : kProgressEvery)) {
       writer.add(batch);
       outcome.progress.done += batch.result.cells();
       outcome.progress.set = &set_names[batch.set];
     }
     writer.commit_when_due();
+    searching = !exchange.queue_closed() && fill(tasks, walk);
+    count();
     outcome.progress.elapsed_s = seconds_since(start);
     if (options.on_progress) options.on_progress(outcome.progress);
     if (options.on_partial_results && outcome.progress.elapsed_s >= next_partial_s && outcome.progress.done > 0) {
@@ -389,6 +362,7 @@ RunOutcome run_study(const Study& study, Store& store, const RunOptions& options
       outcome.end = RunEnd::kStopped;
     }
     if (study.budget_s && outcome.progress.elapsed_s >= *study.budget_s) exchange.close_queue();
+    if (exchange.queue_closed()) tasks.close();
   }
   threads.join();
   writer.commit();

@@ -12,7 +12,7 @@ namespace lcpbench {
 /// How far a run has come.
 struct Progress {
   std::int64_t done = 0;   ///< cells finished by this run
-  std::int64_t total = 0;  ///< cells this run has to do
+  std::int64_t total = 0;  ///< cells this run has to do, as far as is known: see RunOutcome::counted
   double elapsed_s = 0;
   const std::string* set = nullptr;  ///< of the last problem; nullptr before the first
 };
@@ -34,7 +34,9 @@ enum class RunEnd { kComplete, kOutOfBudget, kStopped };
 
 struct RunOutcome {
   RunEnd end = RunEnd::kComplete;
-  std::int64_t already_done = 0;  ///< cells that the store had before
+  std::int64_t already_done = 0;  ///< cells that the store had before, of the problems that the run came to
+  /// `already_done` and `progress.total` are final. A run that ends early does not ask the store about the rest.
+  bool counted = false;
   Progress progress;
 };
 
@@ -49,8 +51,9 @@ struct RunOutcome {
 /// A sweep on a problem is one unit of work: written with all its cells or not at all. Equal answers to one problem
 /// (bit for bit, whoever gave them) are verified once. A problem that a solver denies without a proof is settled by
 /// exact arithmetic where that is cheap (study/certificates/settle.h), and the store keeps the proof. Whatever a solver
-/// does, it leaves a row. @throws what generating, opening a solver or the store throws, after committing what was
-/// done. Memory: O(problems of the plan) for the queue, else independent of the number of trials.
+/// does, it leaves a row. The work is found as it goes (study/work_queue.h): neither the memory nor the time to the
+/// first problem grow with the number of trials.
+/// @throws what generating, opening a solver or the store throws, after committing what was done.
 RunOutcome run_study(const Study& study, Store& store, const RunOptions& options);
 
 }  // namespace lcpbench

@@ -182,7 +182,10 @@ Estimate shifted_geometric_mean(std::span<const double> values, double shift) {
   const Spread logs = spread(logarithms);
   const double half = kNormal975 * logs.sigma / std::sqrt(static_cast<double>(logs.count));
   const auto back = [shift](double logarithm) { return shift * std::expm1(logarithm); };
-  return {back(logs.mean), back(logs.mean - half), back(logs.mean + half)};
+  // The normal law knows nothing of a bound that all values keep: times are not negative.
+  const bool none_negative = std::none_of(values.begin(), values.end(), [](double value) { return value < 0; });
+  const double low = back(logs.mean - half);
+  return {back(logs.mean), none_negative && low < 0 ? 0.0 : low, back(logs.mean + half)};
 }
 
 double par10(std::span<const double> solved_times_s, std::int64_t unsolved, double time_limit_s) {

@@ -102,7 +102,7 @@ std::vector<double> holm(std::span<const double> p_values);
 /// exp(mean(log(value + shift))) - shift with its 95 % interval, normal on the scale of the logarithms: needs some 50
 /// values, for fewer it covers less than it says. Far below the shift it is the mean, far above it the geometric mean.
 /// NaN for no values or any that is NaN or not above -shift; infinity where a value is infinite; the interval is NaN
-/// for a single value. @pre shift > 0.
+/// for a single value, and without negative values does not begin below 0. @pre shift > 0.
 Estimate shifted_geometric_mean(std::span<const double> values, double shift);
 
 /// Penalized average runtime PAR-10: the mean over solved and unsolved problems, each unsolved one counting as ten time

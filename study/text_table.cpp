@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "core/utf8.h"
+
 namespace lcpbench {
 namespace {
 
@@ -49,6 +51,7 @@ std::string format_count(std::int64_t count) {
 std::string format_error(double value) { return std::isnan(value) ? "-" : fmt::format("{:.2e}", value); }
 
 void TextTable::add_row(std::vector<std::string> cells) {
+  for (std::string& cell : cells) cell = printable(cell);
   cells.resize(columns_.size());
   rows_.push_back(std::move(cells));
 }

@@ -26,7 +26,7 @@ std::string format_count(std::int64_t count);
 /// Three significant digits, "1.23e-10"; "-" for NaN.
 std::string format_error(double value);
 
-/// A table for people: columns padded to their widest cell, two blanks between them.
+/// A table for people: columns padded to their widest cell, two blanks between them; control characters become '?'.
 class TextTable {
  public:
   enum class Align { kLeft, kRight };

@@ -106,9 +106,14 @@ TEST_F(CommandLineTest, OutputThatDoesNotArriveIsAnError) {
   }
 }
 
-TEST_F(CommandLineTest, ClosedOutputEndsUpInNoFile) {
+TEST_F(CommandLineTest, ClosedOutputEndsUpInNoFileAndIsAnError) {
   EXPECT_EQ(run("generate paper/monotone/exp1 --seed 1 --count 2 --out open").exit_code, 0);
-  EXPECT_EQ(run("generate paper/monotone/exp1 --seed 1 --count 2 --out closed <&- >&- 2>&-").exit_code, 0);
+  EXPECT_EQ(run("generate paper/monotone/exp1 --seed 1 --count 2 --out closed <&- >&- 2>&-").exit_code, 2);
+  for (const char* command : {"sets >&-", "sets 'paper/*/exp1' >&-"}) {
+    const ProgramRun listed = run(command);
+    EXPECT_EQ(listed.exit_code, 2) << command;
+    EXPECT_NE(listed.err.find("Bad file descriptor"), std::string::npos) << listed.err;
+  }
   for (const char* name : {"000000.json", "000001.json"}) {
     EXPECT_EQ(read_file(folder_ / "closed" / name), read_file(folder_ / "open" / name)) << name;
   }

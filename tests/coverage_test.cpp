@@ -91,6 +91,24 @@ TEST(CoverageTest, MoreTrialsAreMorePlanAndARepetitionIsNot) {
   EXPECT_TRUE(coverage(folder / "s.db").incomplete());
 }
 
+/// Runs of other lengths and subsamples: a trial that several plan is planned once.
+TEST(CoverageTest, OverlappingPlansCountEachTrialOnce) {
+  const ScratchFolder folder;
+  Store store = Store::open_for_writing(folder / "s.db");
+  for (const auto& [trials, every] : std::vector<std::pair<std::int64_t, std::int64_t>>{{10, 1}, {100, 2}, {1000, 3}}) {
+    Plan plan;
+    plan.name = "part";
+    plan.trials = trials;
+    plan.sets = {{.pattern = "paper/monotone/exp1"}};
+    plan.solvers = {{.spec = parse_spec("lemke"), .every = every}};
+    store.begin();
+    store.add_run(std::to_string(trials), nlohmann::ordered_json{{"planned", planned_cells(resolve(plan))}}.dump());
+    store.commit();
+  }
+  // 0..9; of 10..99 the 45 even ones and the 15 odd ones that 3 divides; of 100..999 the 300 that 3 divides.
+  EXPECT_EQ(coverage_of(store.database()).planned, 10 + 60 + 300);
+}
+
 TEST(CoverageTest, AShardIsPartOfThePlanAndAllOfThemAreTheWhole) {
   const ScratchFolder folder;
   run(small_study(), folder / "1.db", {.shard = 0, .shards = 2});
@@ -216,12 +234,13 @@ TEST_F(TruncatedStoreTest, ALevelOrVersionIsNoWorkOfItsOwn) {
 TEST(TruncatedRunTest, NobodyCanMissItOnTheTerminal) {
   const ScratchFolder folder;
   const std::string study = "--set paper/monotone/exp1 --set paper/monotone/exp2 --solver lemke --store s.db ";
-  const ProgramRun cut = run_program(folder / "", "run " + study + "--trials 200000 --budget 0.2");
+  const ProgramRun cut = run_program(folder / "", "run " + study + "--trials 100000000 --budget 0.2");
   EXPECT_EQ(cut.exit_code, 0) << cut.err;
   const std::size_t notice = cut.out.find("INCOMPLETE: ");
   ASSERT_NE(notice, std::string::npos) << cut.out;
   EXPECT_EQ(cut.out.find("%  paper/monotone/exp3", notice), std::string::npos);
   EXPECT_NE(cut.out.find("%  paper/monotone/exp1", notice), std::string::npos);
+  EXPECT_NE(cut.out.find(" of 200,000,000 cells in "), std::string::npos) << cut.out;
   EXPECT_NE(cut.out.find("time budget of 0.2 s is used up", notice), std::string::npos);
   const ProgramRun report = run_program(folder / "", "report s.db --out made");
   EXPECT_EQ(report.exit_code, 0);

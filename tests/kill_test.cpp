@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -14,6 +15,7 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -53,13 +55,16 @@ class Process {
   /// Exit code; -1 when a signal ended it.
   int wait() {
     int status = 0;
-    waitpid(pid_, &status, 0);
+    wait4(pid_, &status, 0, &usage_);
     pid_ = -1;
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
+  /// Largest resident memory in MB. @pre wait() has returned
+  long peak_mb() const { return usage_.ru_maxrss / 1024; }
 
  private:
   pid_t pid_ = -1;
+  struct rusage usage_ {};
 };
 
 /// A process is its number and its start time: numbers come again.
@@ -177,6 +182,31 @@ TEST_F(KillTest, InterruptEndsInGoodOrderAndResumes) {
     for (const Identity& worker : workers) EXPECT_TRUE(ends_soon(worker));
     EXPECT_GT(Store::open_for_reading(folder_ / "s.db").cell_count(), 0);
   }
+}
+
+/// What listing the work before the first cell would cost: 4 GB and half a minute, deaf to signals.
+TEST_F(KillTest, TenToTheEightTrialsBeginAtOnceAndEndInGoodOrder) {
+  const std::string store = (folder_ / "s.db").string();
+  Process process(
+      {"run", "--set", "paper/monotone/exp1", "--trials", "100000000", "--solver", "lemke", "--store", store});
+  const auto first_cell = [&store] {
+    try {
+      return Store::open_for_reading(store).cell_count() > 0;
+    } catch (const std::exception&) {
+      return false;  // the store is still being made
+    }
+  };
+  bool begun = false;
+  for (int i = 0; i < 100 && !begun; ++i) {
+    std::this_thread::sleep_for(milliseconds(100));
+    begun = first_cell();
+  }
+  EXPECT_TRUE(begun);
+  const auto sent = std::chrono::steady_clock::now();
+  process.send(SIGTERM);
+  EXPECT_EQ(process.wait(), 3);
+  EXPECT_LT(std::chrono::steady_clock::now() - sent, std::chrono::seconds(10));
+  EXPECT_LT(process.peak_mb(), 1000) << "sanitizers take some hundreds";
 }
 
 TEST_F(KillTest, SecondInterruptEndsAtOnce) {

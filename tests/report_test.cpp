@@ -14,6 +14,7 @@
 #include "study/report/canvas.h"
 #include "study/report/csv.h"
 #include "study/report/decision.h"
+#include "study/report/gnuplot.h"
 #include "study/report/labels.h"
 #include "study/report/text.h"
 #include "tests/synthetic_store.h"
@@ -419,14 +420,24 @@ TEST_F(ReportTest, WithoutGnuplotTheReportSaysSoAndIsCompleteOtherwise) {
   EXPECT_NE(page.find("<code>liar</code>: said solved and was wrong on 33.3 %"), std::string::npos);
 }
 
-TEST_F(ReportTest, WithoutATemporaryFolderTheReportSaysSoAndIsCompleteOtherwise) {
+/// What is never made cannot be left behind, whatever ends the report.
+TEST_F(ReportTest, FiguresNeedNoTemporaryFiles) {
   SyntheticStore made(folder_ / "s.db");
   fill(made);
   setenv("TMPDIR", "/nonexistent", 1);
   const std::string note = write_report(made.store(), folder_ / "out");
   unsetenv("TMPDIR");
-  EXPECT_NE(note.find("no directory for temporary files (TMPDIR)"), std::string::npos) << note;
-  expect_balanced(read_file(folder_ / "out/report.html"));
+  EXPECT_EQ(note, "");
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "out/figures/headline.svg"));
+}
+
+TEST(GnuplotTest, AMistakeInAScriptIsNamed) {
+  try {
+    report::run_gnuplot("set terminal svg\nplot x\nfrobnicate\nplot x\n");
+    FAIL() << "took the script";
+  } catch (const report::FigureError& error) {
+    EXPECT_NE(std::string(error.what()).find("line 3"), std::string::npos) << error.what();
+  }
 }
 
 TEST_F(ReportTest, AFolderThatCannotBeMadeIsOneClearLine) {
@@ -579,6 +590,25 @@ TEST(CsvTest, QuotesWhatNeedsItAndKeepsEmptyFirstFields) {
       nlohmann::ordered_json::parse(R"([{"a": "", "b": {"c": 0.1}}, {"a": "x,\"y\"", "b": {"c": null}}])");
   EXPECT_EQ(report::csv_table(records[0], records), "a,b.c\n,0.1\n\"x,\"\"y\"\"\",\n");
   EXPECT_EQ(report::csv_table(records[0], nlohmann::ordered_json::array()), "a,b.c\n");
+}
+
+/// A spreadsheet would run such a cell, a terminal would obey it; numbers stay numbers.
+TEST(CsvTest, TextsAreNoFormulasAndCommandNoTerminal) {
+  for (const auto& [text, cell] :
+       std::vector<std::pair<std::string, std::string>>{{"=1+1", "'=1+1"},
+                                                        {"@SUM(A1)", "'@SUM(A1)"},
+                                                        {"+cmd|' /C calc'!A0", "'+cmd|' /C calc'!A0"},
+                                                        {"-2,3", "\"'-2,3\""},
+                                                        {"-1.5e-10", "-1.5e-10"},
+                                                        {"+7", "+7"},
+                                                        {"-", "'-"},
+                                                        {"a-b=c", "a-b=c"},
+                                                        {"\x1b[31mred\n\x7f", "?[31mred??"},
+                                                        {"\u009b31m \xff\u2013", "?31m ?\u2013"}}) {
+    EXPECT_EQ(report::csv_text(text), cell);
+  }
+  const auto records = nlohmann::ordered_json::parse(R"([{"=a": "=b", "number": -1.5, "whole": -3}])");
+  EXPECT_EQ(report::csv_table(records[0], records), "'=a,number,whole\n'=b,-1.5,-3\n");
 }
 
 }  // namespace

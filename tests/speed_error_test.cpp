@@ -134,6 +134,19 @@ TEST_F(SpeedErrorTest, PointsAreTimeRatioAgainstCertifiedError) {
   EXPECT_DOUBLE_EQ(point(set, "wavering").p99, 1e-3);
 }
 
+TEST_F(SpeedErrorTest, FiveProblemsShowNobodyToBeReliable) {
+  const auto idle = made_.solver("idle");
+  const auto reference = made_.solver("lemke");
+  for (std::int64_t trial = 0; trial < 5; ++trial) {
+    made_.problem(kSet, trial, {{reference, {}}, {idle, {.claim = Claim::kIterationLimit, .error = 0.5}}});
+  }
+  const Summary summary = summarize(made_.store());
+  for (const auto& record : report::speed_error_json(summary, report::speed_errors(summary))) {
+    EXPECT_TRUE(record["reliable"].is_null()) << record;
+    EXPECT_EQ(record["frontier"], false) << record;
+  }
+}
+
 TEST_F(SpeedErrorTest, TheFrontierHoldsWhatNoReliableSolverBeatsInBoth) {
   fill(kSet, kTrials);
   const SpeedError set = result();

@@ -266,6 +266,14 @@ TEST(StatisticsTest, ShiftedGeometricMeanOfKnownValues) {
   EXPECT_NEAR(shifted_geometric_mean(huge, 1e-6).value, 2e6, 1e-3) << "far above it the geometric mean";
 }
 
+TEST(StatisticsTest, IntervalsOfTimesDoNotReachBelowZero) {
+  const std::vector<double> times{1e-6, 1e-6, 5e-3};
+  const Estimate mean = shifted_geometric_mean(times, 1e-3);
+  EXPECT_EQ(mean.low, 0);
+  EXPECT_GT(mean.value, 0);
+  EXPECT_LT(shifted_geometric_mean(std::vector<double>{-0.5, 1, 2}, 1).low, 0) << "no bound of other values";
+}
+
 TEST(StatisticsTest, ShiftedGeometricMeanWithoutAllNumbersIsNotANumber) {
   EXPECT_TRUE(std::isnan(shifted_geometric_mean({}, 1).value));
   EXPECT_TRUE(std::isnan(shifted_geometric_mean(std::vector<double>{1, std::nan("")}, 1).value));

@@ -5,6 +5,8 @@ lcpbench_test(runner LINK lcpbench_runner lcpbench_study lcpbench_solver_list lc
 target_compile_definitions(runner_test PRIVATE FAULT_WORKER="$<TARGET_FILE:fault_worker>")
 add_dependencies(runner_test fault_worker)
 
+lcpbench_test(work_queue LINK lcpbench_runner lcpbench_study lcpbench_solver_list)
+
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 # The short share. The long form is one command: tests/store_attack.py PROGRAM.
 add_test(NAME store_attack
@@ -14,8 +16,9 @@ set_tests_properties(store_attack PROPERTIES LABELS slow)
 
 # These run the program itself.
 lcpbench_test(cli LINK lcpbench_study nlohmann_json::nlohmann_json)
+lcpbench_test(surroundings LINK lcpbench_study)
 lcpbench_test(kill SLOW LINK lcpbench_study)
-foreach(name cli kill)
+foreach(name cli surroundings kill)
   target_compile_definitions(${name}_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
   add_dependencies(${name}_test lcpbench lcpbench_workers)
 endforeach()

@@ -27,5 +27,20 @@ TEST(Utf8Test, MalformedSequencesHaveNoLength) {
   EXPECT_EQ(utf8_length("\xf4\x8f\xbf\xbf", 0), 4U);  // U+10FFFF
 }
 
+TEST(Utf8Test, PrintableTextCommandsNoTerminal) {
+  EXPECT_EQ(printable("\x1b[2J\r\n\t\x7f"), "?[2J????");
+  EXPECT_EQ(printable("line\n\x1b", "\n"), "line\n?");
+  EXPECT_EQ(printable("\u0080\u009b31m\u00a0\u00b5"), "??31m\u00a0\u00b5");  // the controls that are two bytes long
+  EXPECT_EQ(printable("a\xff\xc2"), "a??");
+  EXPECT_EQ(printable(std::string_view("a\0b", 3)), "a?b");
+}
+
+TEST(Utf8Test, OneBadByteMakesATextNoUtf8) {
+  EXPECT_TRUE(is_utf8(""));
+  EXPECT_TRUE(is_utf8("d\u00e9j\u00e0 \U0001F600"));
+  EXPECT_FALSE(is_utf8("d\xff"));
+  EXPECT_FALSE(is_utf8("d\xc3"));
+}
+
 }  // namespace
 }  // namespace lcpbench

@@ -325,7 +325,8 @@ TEST_F(ValidateCommandTest, ABadSettingExitsWith1AndSavesWhatItGotWrong) {
                 " --out hard")
                 .exit_code,
             0);
-  const ProgramRun output = run("validate " + bad + " --solver siconos_lemke --set file:hard");
+  const std::string command = "validate " + bad + " --solver siconos_lemke --set file:hard";
+  const ProgramRun output = run(command + " --out disagreements");
   EXPECT_EQ(output.exit_code, 1) << output.err;
   EXPECT_NE(output.out.find("OURS IS WRONG"), std::string::npos) << output.out;
   const std::string index = read_file(folder_ / "disagreements/disagreements.csv");
@@ -334,6 +335,21 @@ TEST_F(ValidateCommandTest, ABadSettingExitsWith1AndSavesWhatItGotWrong) {
   const ProgramRun replay = run("solve --format json disagreements/" + file + " " + bad);
   EXPECT_EQ(replay.exit_code, 0) << replay.err;
   EXPECT_EQ(json::parse(replay.out).at(0).at("verdict"), "wrong") << file;
+
+  // Unasked, the current folder gets no file: a new one among the temporary files does, and is named.
+  std::filesystem::rename(folder_ / "disagreements", folder_ / "asked");
+  std::filesystem::create_directory(folder_ / "temporary");
+  setenv("TMPDIR", (folder_ / "temporary").c_str(), 1);
+  const ProgramRun unasked = run(command);
+  const ProgramRun none = run(command + " --out ''");
+  unsetenv("TMPDIR");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "disagreements"));
+  std::vector<std::string> folders;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "temporary")) folders.push_back(entry.path());
+  ASSERT_EQ(folders.size(), 1U) << unasked.err;
+  EXPECT_EQ(read_file(folders[0] + "/disagreements.csv"), index);
+  EXPECT_NE(unasked.err.find(" are in " + folders[0] + "; "), std::string::npos) << unasked.err;
+  EXPECT_EQ(none.err.find(" are in "), std::string::npos) << none.err;
 }
 
 TEST_F(ValidateCommandTest, LeavesNothingBehindWhenAllAgree) {

@@ -15,6 +15,7 @@
 #include "study/json_output.h"
 #include "study/provenance.h"
 #include "study/speed_bench.h"
+#include "study/terminal.h"
 #include "study/text_table.h"
 
 namespace lcpbench {
@@ -72,9 +73,9 @@ void print_cells(const std::vector<BenchCell>& cells, const Spec& reference) {
                    fmt::format("{} .. {}", format_ratio(cell.speedup_low), format_ratio(cell.speedup_high)),
                    format_ratio(cell.speedup_geomean)});
   }
-  fmt::print("{}\nreference {}, instruction set {}, thread CPU time of set-up and solve;\n", table.text(),
-             reference.text(), to_string(isa_level()));
-  fmt::print("timed: problems that both solved, verified; speed-up: ratio of summed times\n");
+  say(stdout, "{}\nreference {}, instruction set {}, thread CPU time of set-up and solve;\n", table.text(),
+      reference.text(), to_string(isa_level()));
+  say(stdout, "timed: problems that both solved, verified; speed-up: ratio of summed times\n");
 }
 
 int bench(const Arguments& arguments) {
@@ -88,7 +89,7 @@ int bench(const Arguments& arguments) {
   plan.time_limit_s = arguments.time_limit_s;
   const bool terminal = isatty(STDERR_FILENO) == 1;
   const std::vector<BenchCell> cells = run_bench(plan, [&](const std::string& set) {
-    if (terminal) fmt::print(stderr, "timing {}\n", set);
+    if (terminal) say(stderr, "timing {}\n", set);
   });
   if (arguments.format == "json") {
     print_json({{"provenance", origin},

@@ -26,6 +26,7 @@
 #include "study/json_output.h"
 #include "study/provenance.h"
 #include "study/statistics.h"
+#include "study/terminal.h"
 #include "study/text_table.h"
 
 namespace lcpbench {
@@ -67,8 +68,8 @@ class ProofFile {
     if (!wanted()) return;
     file_.close();
     check();
-    fmt::print(stderr, "{} proof{} in {}; study/check_certificates.py checks them\n", format_count(count_),
-               count_ == 1 ? "" : "s", name_);
+    say(stderr, "{} proof{} in {}; study/check_certificates.py checks them\n", format_count(count_),
+        count_ == 1 ? "" : "s", name_);
   }
 
  private:
@@ -126,28 +127,28 @@ std::string finding(const Problem& problem, const Certificate& certificate) {
 
 void print_vector(const char* title, const ExactVector& vector) {
   if (vector.numerators.empty()) return;
-  fmt::print("  {}:\n", title);
-  for (const std::string& entry : fractions(vector)) fmt::print("    {}\n", entry);
+  say(stdout, "  {}:\n", title);
+  for (const std::string& entry : fractions(vector)) say(stdout, "    {}\n", entry);
 }
 
 void print_certificate(const Problem& problem, const std::string& file, const Certificate& certificate, bool exact) {
-  fmt::print("{}\n  {}: {} ({})\n", problem_summary_text(problem, file), to_string(certificate.kind),
-             finding(problem, certificate), format_seconds(certificate.seconds));
-  if (!certificate.detail.empty()) fmt::print("  {}\n", certificate.detail);
+  say(stdout, "{}\n  {}: {} ({})\n", problem_summary_text(problem, file), to_string(certificate.kind),
+      finding(problem, certificate), format_seconds(certificate.seconds));
+  if (!certificate.detail.empty()) say(stdout, "  {}\n", certificate.detail);
   if (certificate.velocity.size() > 0 && certificate.velocity.size() <= kVelocityShown) {
     std::string numbers;
     for (const double value : certificate.velocity) numbers += fmt::format(" {:.6g}", value);
     const char* others = !certificate.velocity_unique   ? ""
                          : *certificate.velocity_unique ? ", the only one"
                                                         : ", of which another is certified too";
-    fmt::print("  velocity after the impact{}:{}\n", others, numbers);
+    say(stdout, "  velocity after the impact{}:{}\n", others, numbers);
   }
   if (exact) {
     print_vector("z", certificate.exact_z);
     print_vector("velocity", certificate.exact_velocity);
     print_vector("proof", certificate.exact_farkas);
   }
-  fmt::print("\n");
+  say(stdout, "\n");
 }
 
 int certify_files(const Arguments& arguments) {
@@ -239,7 +240,7 @@ void print_counts(const std::vector<CertifiedSet>& sets) {
                    format_seconds(set.seconds_mean), format_count(set.answers), format_count(set.verified),
                    format_count(set.forward)});
   }
-  fmt::print("{}", table.text());
+  say(stdout, "{}", table.text());
 }
 
 /// @throws InputError when the file is no store; one that does not exist is not made.
@@ -282,8 +283,8 @@ void print_findings(const Arguments& arguments, const std::vector<CertifiedSet>&
     return;
   }
   print_counts(sets);
-  for (const std::string& line : contradictions) fmt::print("CONTRADICTION: {}\n", line);
-  if (contradictions.empty()) fmt::print("\nno answer and no certificate contradict each other\n");
+  for (const std::string& line : contradictions) say(stdout, "CONTRADICTION: {}\n", line);
+  if (contradictions.empty()) say(stdout, "\nno answer and no certificate contradict each other\n");
 }
 
 int certify_stored(const Arguments& arguments) {
@@ -293,8 +294,8 @@ int certify_stored(const Arguments& arguments) {
   const CertifyScope scope{sets_of_store(store, arguments.sets), arguments.every, arguments.time_limit_s};
   const CertifyOutcome outcome = certify_all(arguments, store, scope, stop);
   if (outcome.done < outcome.total) {
-    fmt::print(stderr, "lcpbench: interrupted; {} of {} problems are done: run the same command again to resume\n",
-               format_count(outcome.done), format_count(outcome.total));
+    say(stderr, "lcpbench: interrupted; {} of {} problems are done: run the same command again to resume\n",
+        format_count(outcome.done), format_count(outcome.total));
     return kExitInterrupted;
   }
   CertificateTable table(store);

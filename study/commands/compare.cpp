@@ -11,6 +11,7 @@
 #include "study/commands/options.h"
 #include "study/commands/stores.h"
 #include "study/json_output.h"
+#include "study/terminal.h"
 
 namespace lcpbench {
 namespace {
@@ -42,8 +43,8 @@ std::string member(const Json& run, const char* name) {
 void warn_of_differences(const Json& a, const Json& b) {
   for (const char* name : {"processor", "compiler", "flags"}) {
     if (member(a, name) == member(b, name)) continue;
-    fmt::print(stderr, "lcpbench: the stores differ in their {} ({}; {}): do not trust the times\n", name,
-               member(a, name), member(b, name));
+    say(stderr, "lcpbench: the stores differ in their {} ({}; {}): do not trust the times\n", name, member(a, name),
+        member(b, name));
   }
 }
 
@@ -60,7 +61,7 @@ int compare(const Arguments& arguments) {
     document.update(comparison_document(comparison));
     print_json(document);
   } else {
-    fmt::print("A: {}\nB: {}\n\n{}", arguments.a.string(), arguments.b.string(), comparison_text(comparison));
+    say(stdout, "A: {}\nB: {}\n\n{}", arguments.a.string(), arguments.b.string(), comparison_text(comparison));
   }
   const bool failed =
       (arguments.fail_on_regression && comparison.regressed()) || (arguments.fail_on_slower && comparison.slower());

@@ -4,10 +4,9 @@
 #include <string>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "core/error.h"
 #include "generators/problem_io.h"
+#include "study/terminal.h"
 
 namespace lcpbench {
 
@@ -22,7 +21,7 @@ bool for_each_problem_file(const std::vector<std::string>& files, Visit visit) {
       visit(read_problem(file), file);
     } catch (const InputError& error) {
       complete = false;
-      fmt::print(stderr, "lcpbench: {}\n", error.what());
+      say(stderr, "lcpbench: {}\n", error.what());
     }
   }
   return complete;

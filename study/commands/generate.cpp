@@ -11,6 +11,7 @@
 #include "generators/sets.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
+#include "study/terminal.h"
 
 namespace lcpbench {
 namespace {
@@ -32,8 +33,8 @@ int generate(const Arguments& arguments) {
   for (std::int64_t trial = arguments.first; trial - arguments.first < arguments.count; ++trial) {
     write_problem(set->generate(arguments.seed, trial), folder / fmt::format("{:06}.json", trial));
   }
-  fmt::print("{} problem{} of {} in {}\n", arguments.count, arguments.count == 1 ? "" : "s", set->name(),
-             arguments.out);
+  say(stdout, "{} problem{} of {} in {}\n", arguments.count, arguments.count == 1 ? "" : "s", set->name(),
+      arguments.out);
   return kExitDone;
 }
 

@@ -2,14 +2,13 @@
 #include <string>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "study/commands/commands.h"
 #include "study/commands/files.h"
 #include "study/commands/options.h"
 #include "study/inspect/inspection.h"
 #include "study/inspect/inspection_output.h"
 #include "study/json_output.h"
+#include "study/terminal.h"
 
 namespace lcpbench {
 namespace {
@@ -27,7 +26,7 @@ int inspect_files(const Arguments& arguments) {
       rows.push_back(inspection_json(inspection));
       rows.back()["problem"]["file"] = file;
     } else {
-      fmt::print("{}\n{}\n", file, inspection_text(inspection));
+      say(stdout, "{}\n{}\n", file, inspection_text(inspection));
     }
   });
   if (arguments.format == "json") print_json(rows);

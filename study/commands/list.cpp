@@ -14,6 +14,7 @@
 #include "study/commands/options.h"
 #include "study/json_output.h"
 #include "study/open_solver.h"
+#include "study/terminal.h"
 #include "study/text_table.h"
 
 namespace lcpbench {
@@ -67,7 +68,7 @@ std::string limits(const Capabilities& capabilities) {
 
 void print_setting(const SettingInfo& setting) {
   const std::string range = setting.range.empty() ? "" : "  " + setting.range;
-  fmt::print("    {} = {}{}\n        {}\n", setting.name, setting.default_value, range, setting.help);
+  say(stdout, "    {} = {}{}\n        {}\n", setting.name, setting.default_value, range, setting.help);
 }
 
 void print_solvers() {
@@ -82,12 +83,12 @@ void print_solvers() {
     table.add_row({solver.definition.name, origin(solver), reason.empty() ? "yes" : "no: " + reason,
                    limits(solver.definition.capabilities), solver.definition.summary});
   }
-  fmt::print("{}", table.text());
+  say(stdout, "{}", table.text());
   for (const RegisteredSolver& solver : registered_solvers()) {
     const SolverDefinition& definition = solver.definition;
-    fmt::print("\n{}\n    source: {}\n", definition.name, definition.source);
+    say(stdout, "\n{}\n    source: {}\n", definition.name, definition.source);
     const std::string guarantees = definition.capabilities.guarantees;
-    fmt::print("    guaranteed: {}\n", guarantees.empty() ? "nothing" : guarantees);
+    say(stdout, "    guaranteed: {}\n", guarantees.empty() ? "nothing" : guarantees);
     for (const SettingInfo& setting : definition.settings()) print_setting(setting);
   }
 }
@@ -125,13 +126,13 @@ void print_sets(const std::vector<SetInfo>& sets, bool with_options) {
   using Align = TextTable::Align;
   TextTable table({{"set", Align::kLeft}, {"size", Align::kLeft}, {"what it is", Align::kLeft}});
   for (const SetInfo& info : sets) table.add_row({info.name, info.size, info.summary});
-  fmt::print("{}", table.text());
+  say(stdout, "{}", table.text());
   if (!with_options) {
-    fmt::print("\nSource and options of a set: lcpbench sets NAME\n");
+    say(stdout, "\nSource and options of a set: lcpbench sets NAME\n");
     return;
   }
   for (const SetInfo& info : sets) {
-    fmt::print("\n{}\n    source: {}\n", info.name, info.source);
+    say(stdout, "\n{}\n    source: {}\n", info.name, info.source);
     for (const SettingInfo& option : info.options) print_setting(option);
   }
 }

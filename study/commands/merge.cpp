@@ -4,9 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "study/commands/commands.h"
+#include "study/terminal.h"
 #include "study/text_table.h"
 
 namespace lcpbench {
@@ -21,11 +20,11 @@ int merge(const Arguments& arguments) {
   const MergeOutcome outcome = merge_stores(arguments.out, arguments.inputs);
   for (const std::string& notice : outcome.notices) fmt::print(stderr, "lcpbench: {}\n", notice);
   if (outcome.conflicts.empty()) {
-    fmt::print("{}: {} cells\n", arguments.out.string(), format_count(outcome.cells));
+    say(stdout, "{}: {} cells\n", arguments.out.string(), format_count(outcome.cells));
     return kExitDone;
   }
-  for (const std::string& conflict : outcome.conflicts) fmt::print(stderr, "lcpbench: conflict: {}\n", conflict);
-  fmt::print(stderr, "lcpbench: nothing was merged; every input is as it was\n");
+  for (const std::string& conflict : outcome.conflicts) say(stderr, "lcpbench: conflict: {}\n", conflict);
+  say(stderr, "lcpbench: nothing was merged; every input is as it was\n");
   return kExitCheckFailed;
 }
 

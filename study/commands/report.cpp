@@ -4,13 +4,12 @@
 #include <filesystem>
 #include <memory>
 
-#include <fmt/format.h>
-
 #include "core/error.h"
 #include "study/commands/commands.h"
 #include "study/commands/stores.h"
 #include "study/coverage.h"
 #include "study/report/coverage_notice.h"
+#include "study/terminal.h"
 
 namespace lcpbench {
 namespace {
@@ -24,10 +23,10 @@ int run_report(const Arguments& arguments) {
   if (arguments.out.empty()) throw InputError("--out '': names no folder");
   Store store = open_checked(arguments.store);
   const std::string without_figures = write_report(store, arguments.out);
-  if (!without_figures.empty()) fmt::print(stderr, "lcpbench: the report has no figures: {}\n", without_figures);
-  fmt::print("{}\n", (arguments.out / "report.html").string());
+  if (!without_figures.empty()) say(stderr, "lcpbench: the report has no figures: {}\n", without_figures);
+  say(stdout, "{}\n", (arguments.out / "report.html").string());
   std::fflush(stdout);
-  fmt::print(stderr, "{}", report::coverage_text(coverage_of(store.database())));
+  say(stderr, "{}", report::coverage_text(coverage_of(store.database())));
   return kExitDone;
 }
 

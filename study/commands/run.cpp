@@ -2,7 +2,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +13,7 @@
 
 #include "core/error.h"
 #include "core/registry.h"
+#include "core/utf8.h"
 #include "study/build_info.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
@@ -26,6 +26,7 @@
 #include "study/report.h"
 #include "study/report/coverage_notice.h"
 #include "study/runner.h"
+#include "study/terminal.h"
 #include "study/text_table.h"
 
 namespace lcpbench {
@@ -154,7 +155,7 @@ class ProgressLine {
     }
     fmt::print(stderr, "\r\033[K{} of {} cells  {}/s  {} left  {}", format_count(progress.done),
                format_count(progress.total), format_count(static_cast<std::int64_t>(rate)), left,
-               progress.set != nullptr ? *progress.set : "");
+               progress.set != nullptr ? printable(*progress.set) : "");
     std::fflush(stderr);
   }
   void clear() const {
@@ -174,8 +175,8 @@ void warn_of_other_build(Store& store) {
   const auto last = nlohmann::ordered_json::parse(runs.back(), nullptr, false);
   const std::string commit = last.is_object() ? last.value("commit", "") : "";
   if (commit == kBuildInfo.commit) return;
-  fmt::print(stderr, "warning: {} was begun by commit '{}', this is '{}'; its cells are kept (--fresh starts anew)\n",
-             store.file().string(), commit, kBuildInfo.commit);
+  say(stderr, "warning: {} was begun by commit '{}', this is '{}'; its cells are kept (--fresh starts anew)\n",
+      store.file().string(), commit, kBuildInfo.commit);
 }
 
 void add_run(Store& store, const Arguments& arguments, const Plan& plan, const Study& study,
@@ -195,17 +196,18 @@ void add_run(Store& store, const Arguments& arguments, const Plan& plan, const S
 
 int report_end(const RunOutcome& outcome, const Plan& plan, Store& store) {
   const std::string file = store.file().string();
-  const std::string done = fmt::format("{} of {} cells", format_count(outcome.already_done + outcome.progress.done),
+  const std::string done = fmt::format("{}{} of {} cells", outcome.counted ? "" : "at least ",
+                                       format_count(outcome.already_done + outcome.progress.done),
                                        format_count(outcome.already_done + outcome.progress.total));
   if (outcome.end == RunEnd::kStopped) {
-    fmt::print(stderr, "lcpbench: interrupted; {} are in {}: run the same command again to resume\n", done, file);
+    say(stderr, "lcpbench: interrupted; {} are in {}: run the same command again to resume\n", done, file);
     return kExitInterrupted;
   }
   const Summary summary = summarize(store);
-  fmt::print("{}\n{} in {}, {}\n{}", table_text(summary), done, clock_text(outcome.progress.elapsed_s), file,
-             report::coverage_text(summary.coverage));
+  say(stdout, "{}\n{} in {}, {}\n{}", table_text(summary), done, clock_text(outcome.progress.elapsed_s), file,
+      report::coverage_text(summary.coverage));
   if (outcome.end == RunEnd::kOutOfBudget) {
-    fmt::print("the plan's time budget of {:g} s is used up; run the same command again to go on\n", *plan.budget_s);
+    say(stdout, "the plan's time budget of {:g} s is used up; run the same command again to go on\n", *plan.budget_s);
   }
   return kExitDone;
 }
@@ -214,7 +216,7 @@ int run(const Arguments& arguments) {
   const Plan plan = make_plan(arguments);
   const Shard shard = parse_shard(arguments.shard);
   const Study study = resolve(plan);
-  for (const std::string& solver : study.skipped) fmt::print(stderr, "skipped: {}\n", solver);
+  for (const std::string& solver : study.skipped) say(stderr, "skipped: {}\n", solver);
   if (study.solvers.empty()) throw InputError("plan " + plan.name + ": none of its solvers is available");
 
   const std::filesystem::path file = arguments.store.empty() ? plan.name + ".db" : arguments.store;
@@ -232,9 +234,7 @@ int run(const Arguments& arguments) {
   options.on_progress = [&](const Progress& progress) { line.show(progress); };
   options.on_partial_results = [&](Store& partial) {
     line.clear();
-    fmt::print("so far:\n");
-    print_table(partial, std::cout);
-    fmt::print("\n");
+    say(stdout, "so far:\n{}\n", table_text(summarize(partial)));
     std::fflush(stdout);
   };
   add_run(store, arguments, plan, study, options);

@@ -20,6 +20,7 @@
 #include "study/json_output.h"
 #include "study/open_solver.h"
 #include "study/study.h"
+#include "study/terminal.h"
 #include "study/text_table.h"
 
 namespace lcpbench {
@@ -158,7 +159,7 @@ std::vector<Attempt> attempts_on(const Problem& problem, Solvers& solvers, doubl
       attempts.push_back(attempt(problem, spec, solvers.opened(spec), evaluator, time_limit_s));
     } catch (const WorkerError& error) {
       all_started = false;
-      fmt::print(stderr, "lcpbench: {}\n", error.what());
+      say(stderr, "lcpbench: {}\n", error.what());
     }
   }
   const Known known = known_of(problem, evaluator, attempts);
@@ -214,7 +215,7 @@ void print_velocity(const Attempt& best) {
   if (best.verdict != Verdict::kSolved || best.velocity.size() == 0 || best.velocity.size() > kVelocityShown) return;
   std::string numbers;
   for (const double value : best.velocity) numbers += fmt::format(" {:.6g}", value);
-  fmt::print("velocity after the impact ({}):{}\n", best.solver.text(), numbers);
+  say(stdout, "velocity after the impact ({}):{}\n", best.solver.text(), numbers);
 }
 
 /// One sentence for each reason, with all solvers that it holds for.
@@ -230,7 +231,7 @@ void print_reasons(const std::vector<Attempt>& attempts) {
       known->second += ", " + each.solver.text();
     }
   }
-  for (const auto& [why, solvers] : reasons) fmt::print("{} {}\n", solvers, why);
+  for (const auto& [why, solvers] : reasons) say(stdout, "{} {}\n", solvers, why);
 }
 
 std::string detail_of(const Attempt& attempt) {
@@ -239,9 +240,9 @@ std::string detail_of(const Attempt& attempt) {
 }
 
 void print_attempts(const Problem& problem, const std::string& file, const std::vector<Attempt>& attempts) {
-  fmt::print("{}\n", problem_summary_text(problem, file));
+  say(stdout, "{}\n", problem_summary_text(problem, file));
   if (attempts.empty()) {
-    fmt::print("no available solver takes this problem; lcpbench solvers lists what each needs\n\n");
+    say(stdout, "no available solver takes this problem; lcpbench solvers lists what each needs\n\n");
     return;
   }
   const bool contact = problem.contact() != nullptr;
@@ -264,10 +265,10 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
                    format_seconds(times.setup_cpu_s), format_seconds(times.solve_cpu_s), format_seconds(each.verify_s),
                    detail_of(each)});
   }
-  fmt::print("{}", table.text());
+  say(stdout, "{}", table.text());
   print_reasons(attempts);
   print_velocity(attempts.front());
-  fmt::print("\n");
+  say(stdout, "\n");
 }
 
 int solve(const Arguments& arguments) {

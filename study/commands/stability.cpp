@@ -17,6 +17,7 @@
 #include "study/plan.h"
 #include "study/provenance.h"
 #include "study/stability/stability_output.h"
+#include "study/terminal.h"
 
 namespace lcpbench {
 namespace {
@@ -71,7 +72,7 @@ int run_stability(const Arguments& arguments) {
   options.time_limit_s = arguments.time_limit_s;
   const bool terminal = isatty(STDERR_FILENO) == 1;
   options.on_set = [terminal](const std::string& set) {
-    if (terminal) fmt::print(stderr, "solving {}\n", set);
+    if (terminal) say(stderr, "solving {}\n", set);
   };
   const StabilityResult result = stability(study.sets, study.solvers, options);
   if (arguments.format == "json") {
@@ -82,7 +83,7 @@ int run_stability(const Arguments& arguments) {
                 {"allowed_amplification", kAllowedAmplification},
                 {"cells", stability_json(result)}});
   } else {
-    fmt::print("{}", stability_text(result));
+    say(stdout, "{}", stability_text(result));
   }
   return kExitDone;
 }

@@ -31,7 +31,9 @@
 #include "study/json_output.h"
 #include "study/plan.h"
 #include "study/provenance.h"
+#include "study/report/csv.h"
 #include "study/runner.h"
+#include "study/terminal.h"
 #include "study/text_table.h"
 
 namespace lcpbench {
@@ -50,7 +52,8 @@ struct Arguments {
   std::optional<double> time_limit_s;
   std::optional<int> jobs;
   std::string store;
-  std::string out = "disagreements";
+  std::string out;
+  bool out_given = false;
   std::string format = "text";
   std::string command_line;
 };
@@ -64,17 +67,20 @@ Plan make_plan(const Arguments& arguments) {
   return plan;
 }
 
+/// Makes a folder of its own among the temporary files. @param name  its first word
+std::filesystem::path make_own_folder(const char* name) {
+  std::string pattern = (std::filesystem::temp_directory_path() / fmt::format("lcpbench-{}-XXXXXX", name)).string();
+  if (mkdtemp(pattern.data()) == nullptr) {
+    throw InputError(fmt::format("{}: cannot be made: {} (TMPDIR names another folder)", pattern,
+                                 std::error_code(errno, std::generic_category()).message()));
+  }
+  return pattern;
+}
+
 /// A new folder, deleted with all that it holds.
 class ScratchFolder {
  public:
-  ScratchFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "lcpbench-validate-XXXXXX").string();
-    if (mkdtemp(pattern.data()) == nullptr) {
-      throw InputError(fmt::format("{}: cannot be made: {} (TMPDIR names another folder)", pattern,
-                                   std::error_code(errno, std::generic_category()).message()));
-    }
-    path_ = pattern;
-  }
+  ScratchFolder() : path_(make_own_folder("validate")) {}
   ~ScratchFolder() {
     std::error_code ignored;
     std::filesystem::remove_all(path_, ignored);
@@ -98,8 +104,7 @@ Store nameless_store() {
 void warn_without_references(const Study& study) {
   const bool any = std::any_of(study.solvers.begin(), study.solvers.end(),
                                [](const StudySolver& solver) { return !is_ours(find_solver(solver.row.name)); });
-  if (!any)
-    fmt::print(stderr, "lcpbench: no reference library is available here: only what theory proves is compared\n");
+  if (!any) say(stderr, "lcpbench: no reference library is available here: only what theory proves is compared\n");
 }
 
 /// False when it was interrupted.
@@ -159,7 +164,7 @@ void print_matrix(const std::vector<PairCounts>& pairs) {
     table.add_row(std::move(row));
     last = pair.native;
   }
-  fmt::print("{}", table.text());
+  say(stdout, "{}", table.text());
 }
 
 /// Told before hours are spent on answers: a folder that cannot be made. Makes nothing.
@@ -177,13 +182,6 @@ void check_folder(const std::filesystem::path& folder) {
   }
 }
 
-/// As a field of a CSV file.
-std::string quoted(const std::string& text) {
-  std::string field = "\"";
-  for (const char c : text) field.append(c == '"' ? 2 : 1, c);
-  return field + "\"";
-}
-
 /// "paper/monotone/exp2{redundancy=combination}" as part of a file's name.
 std::string file_name_part(std::string set) {
   for (char& c : set) {
@@ -195,43 +193,49 @@ std::string file_name_part(std::string set) {
 /// The problems of the disagreements, some of each kind, as files, with an index. @returns how many problems
 std::size_t save(const Study& study, const std::vector<Disagreement>& disagreements,
                  const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw InputError(fmt::format("--out {}: {}", folder.string(), error.message()));
   std::ofstream index(folder / "disagreements.csv");
   index << "file,set,trial,ours,reference,outcome\n";
   std::map<std::tuple<std::size_t, std::string, std::string, PairOutcome>, int> seen;
   std::set<std::string> written;
+  using report::csv_text;
   for (const Disagreement& found : disagreements) {
     if (++seen[{found.set, found.native, found.reference, found.outcome}] > kSavedOfAKind) continue;
     const ProblemSet& set = *study.sets[found.set].set;
     const std::string file = fmt::format("{}-{}.json", file_name_part(set.name()), found.trial);
     if (written.insert(file).second) write_problem(set.generate(study.seed, found.trial), folder / file);
-    index << fmt::format("{},{},{},{},{},{}\n", file, quoted(set.name()), found.trial, quoted(found.native),
-                         quoted(found.reference), to_string(found.outcome));
+    index << fmt::format("{},{},{},{},{},{}\n", csv_text(file), csv_text(set.name()), found.trial,
+                         csv_text(found.native), csv_text(found.reference), to_string(found.outcome));
   }
   index.close();
   if (!index) throw InputError((folder / "disagreements.csv").string() + ": cannot be written");
   return written.size();
 }
 
+/// The folder that --out names, made if need be; without --out a new one.
+std::filesystem::path folder_of_disagreements(const Arguments& arguments) {
+  if (!arguments.out_given) return make_own_folder("disagreements");
+  std::error_code error;
+  std::filesystem::create_directories(arguments.out, error);
+  if (error) throw InputError(fmt::format("--out {}: {}", arguments.out, error.message()));
+  return arguments.out;
+}
+
 void print_verdict(const Validation& validation) {
   const auto two_velocities = std::count_if(validation.disagreements.begin(), validation.disagreements.end(),
                                             [](const Disagreement& d) { return d.outcome == PairOutcome::kUndecided; });
   if (two_velocities > 0) {
-    fmt::print("\n{} of the undecided: both verified, with two velocities where there is only one\n",
-               format_count(two_velocities));
+    say(stdout, "\n{} of the undecided: both verified, with two velocities where there is only one\n",
+        format_count(two_velocities));
   }
   if (!validation.ours_wrong()) {
-    fmt::print("\nno false claim of ours\n");
+    say(stdout, "\nno false claim of ours\n");
     return;
   }
-  fmt::print("\nOURS IS WRONG:\n");
+  say(stdout, "\nOURS IS WRONG:\n");
   for (const PairCounts& pair : validation.pairs) {
     if (!pair.ours_wrong()) continue;
-    fmt::print("  {} on {}: {} of {} compared with {}\n", pair.native, pair.set,
-               pair.count(PairOutcome::kNativeWrong) + pair.count(PairOutcome::kBothWrong), pair.compared(),
-               pair.reference);
+    say(stdout, "  {} on {}: {} of {} compared with {}\n", pair.native, pair.set,
+        pair.count(PairOutcome::kNativeWrong) + pair.count(PairOutcome::kBothWrong), pair.compared(), pair.reference);
   }
 }
 
@@ -249,8 +253,8 @@ int run_validation(const Arguments& arguments) {
     print_notice(store);
     add_run(store, origin, study);
     if (!solve_all(study, store, kept, arguments.jobs)) {
-      fmt::print(stderr, "lcpbench: interrupted; {}\n",
-                 kept ? "run the same command again to resume" : "nothing is kept (--store FILE keeps it)");
+      say(stderr, "lcpbench: interrupted; {}\n",
+          kept ? "run the same command again to resume" : "nothing is kept (--store FILE keeps it)");
       return kExitInterrupted;
     }
     validation = validate(study, store);
@@ -261,10 +265,11 @@ int run_validation(const Arguments& arguments) {
     print_matrix(validation.pairs);
     print_verdict(validation);
   }
-  if (!arguments.out.empty() && !validation.disagreements.empty()) {
-    const std::size_t files = save(study, validation.disagreements, arguments.out);
-    fmt::print(stderr, "{} problems on which two disagree are in {}; lcpbench solve replays them\n", files,
-               arguments.out);
+  const bool saved = !arguments.out_given || !arguments.out.empty();
+  if (saved && !validation.disagreements.empty()) {
+    const std::filesystem::path folder = folder_of_disagreements(arguments);
+    const std::size_t files = save(study, validation.disagreements, folder);
+    say(stderr, "{} problems on which two disagree are in {}; lcpbench solve replays them\n", files, folder.string());
   }
   return validation.ours_wrong() ? kExitCheckFailed : kExitDone;
 }
@@ -294,13 +299,17 @@ Action add_validate_command(CLI::App& command, const std::string& command_line) 
       ->check(seconds_check(1e-3, 1e6));
   command.add_option("--jobs", arguments->jobs, "threads (default: one per processor)")->check(CLI::Range(1, 1024));
   command.add_option("--store", arguments->store, "keep the answers in this file, and resume from it");
-  command.add_option("--out", arguments->out, "folder for some of the problems on which two disagree; '' for none")
-      ->capture_default_str();
+  const CLI::Option* out = command.add_option("--out", arguments->out,
+                                              "folder for some of the problems on which two disagree; '' for none\n"
+                                              "(default: a new one among the temporary files, which is named)");
   add_format_option(command, arguments->format);
   command.footer(
       "Our solvers against the reference libraries and against what theory proves, problem by problem. Verdicts are\n"
       "the evaluation's. Exit code 1 when one of ours made a false claim. See docs/validate.md.");
-  return [arguments] { return run_validation(*arguments); };
+  return [arguments, out] {
+    arguments->out_given = out->count() > 0;
+    return run_validation(*arguments);
+  };
 }
 
 }  // namespace lcpbench

@@ -1,14 +1,12 @@
 #include "study/report/gnuplot.h"
 
 #include <cerrno>
-#include <cstdlib>
+#include <cstddef>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <sstream>
 
-#include <fcntl.h>
 #include <spawn.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -16,45 +14,48 @@ namespace lcpbench::report {
 
 namespace {
 
-/// A directory that goes away with this object.
-class ScratchDirectory {
+/// A file in memory that has no name: nothing of it is left, however the program ends.
+class NamelessFile {
  public:
-  ScratchDirectory() {
-    std::error_code error;
-    const std::filesystem::path parent = std::filesystem::temp_directory_path(error);
-    if (error) throw FigureError("there is no directory for temporary files (TMPDIR): " + error.message());
-    std::string pattern = (parent / "lcpbench-figure-XXXXXX").string();
-    if (mkdtemp(pattern.data()) == nullptr) {
-      throw FigureError("cannot make a directory for figures in " + parent.string() + ": " + std::strerror(errno));
-    }
-    path_ = pattern;
+  explicit NamelessFile(const char* purpose) : descriptor_(memfd_create(purpose, MFD_CLOEXEC)) {
+    if (descriptor_ < 0) fail();
   }
-  ~ScratchDirectory() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  ScratchDirectory(const ScratchDirectory&) = delete;
-  ScratchDirectory& operator=(const ScratchDirectory&) = delete;
+  ~NamelessFile() { close(descriptor_); }
+  NamelessFile(const NamelessFile&) = delete;
+  NamelessFile& operator=(const NamelessFile&) = delete;
 
-  std::string file(const char* name) const { return (path_ / name).string(); }
+  int descriptor() const { return descriptor_; }
+
+  /// Writes the text, and goes back to its beginning.
+  void write_all(std::string_view text) {
+    while (!text.empty()) {
+      const ssize_t written = write(descriptor_, text.data(), text.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0) fail();
+      text.remove_prefix(static_cast<std::size_t>(written));
+    }
+    lseek(descriptor_, 0, SEEK_SET);
+  }
+
+  std::string read_all() const {
+    std::string text;
+    char part[1 << 16];
+    while (true) {
+      const ssize_t count = pread(descriptor_, part, sizeof part, static_cast<off_t>(text.size()));
+      if (count < 0 && errno == EINTR) continue;
+      if (count < 0) fail();
+      if (count == 0) return text;
+      text.append(part, static_cast<std::size_t>(count));
+    }
+  }
 
  private:
-  std::filesystem::path path_;
+  [[noreturn]] static void fail() {
+    throw FigureError(std::string("cannot keep a figure in memory: ") + std::strerror(errno));
+  }
+
+  int descriptor_;
 };
-
-void write_text(const std::string& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw FigureError(file + ": cannot be written: " + std::strerror(errno));
-}
-
-std::string read_text(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
 
 /// The first line that says something; gnuplot sets off its messages by blank lines and carets.
 std::string first_message(const std::string& text) {
@@ -74,8 +75,8 @@ class FileActions {
   FileActions(const FileActions&) = delete;
   FileActions& operator=(const FileActions&) = delete;
 
-  void open(int descriptor, const std::string& file, int flags) {
-    posix_spawn_file_actions_addopen(&actions_, descriptor, file.c_str(), flags, 0600);
+  void redirect(int stream, const NamelessFile& file) {
+    posix_spawn_file_actions_adddup2(&actions_, file.descriptor(), stream);
   }
   const posix_spawn_file_actions_t* get() const { return &actions_; }
 
@@ -94,18 +95,21 @@ int wait_for(pid_t child) {
 }  // namespace
 
 std::string run_gnuplot(const std::string& script) {
-  const ScratchDirectory scratch;
-  write_text(scratch.file("script"), script);
+  NamelessFile commands("gnuplot script");
+  const NamelessFile drawing("gnuplot output");
+  const NamelessFile messages("gnuplot messages");
+  commands.write_all(script);
 
-  constexpr int kWrite = O_WRONLY | O_CREAT | O_TRUNC;
   FileActions actions;
-  actions.open(STDIN_FILENO, "/dev/null", O_RDONLY);
-  actions.open(STDOUT_FILENO, scratch.file("output"), kWrite);
-  actions.open(STDERR_FILENO, scratch.file("messages"), kWrite);
+  actions.redirect(STDIN_FILENO, commands);
+  actions.redirect(STDOUT_FILENO, drawing);
+  actions.redirect(STDERR_FILENO, messages);
 
   std::string program = "gnuplot";
   std::string without_startup_file = "-d";
-  std::string script_file = scratch.file("script");
+  // As a file, which gnuplot opens anew and reads from its beginning: it ends at the first mistake in a file, but goes
+  // on after one in its input.
+  std::string script_file = "/dev/stdin";
   char* const arguments[] = {program.data(), without_startup_file.data(), script_file.data(), nullptr};
   pid_t child = 0;
   const int failure = posix_spawnp(&child, program.c_str(), actions.get(), nullptr, arguments, environ);
@@ -114,9 +118,9 @@ std::string run_gnuplot(const std::string& script) {
 
   const int status = wait_for(child);
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    throw FigureError("gnuplot failed: " + first_message(read_text(scratch.file("messages"))));
+    throw FigureError("gnuplot failed: " + first_message(messages.read_all()));
   }
-  std::string output = read_text(scratch.file("output"));
+  std::string output = drawing.read_all();
   if (output.empty()) throw FigureError("gnuplot drew nothing");
   return output;
 }
