@@ -313,10 +313,13 @@ ContactSolvability::Sign ContactSolvability::sign_of_least(Scalar* storage, doub
   fill(program);
   if (!pivot_to_end(program, deadline_s)) return Sign::kUnknown;
   if (program.value() > kClear<Scalar>) {
+    bool lifts = false;
     if constexpr (kInDouble) {
-      if (!lifts_all(program, false)) return Sign::kUnknown;
+      lifts = lifts_all(program, false);
+    } else {
+      lifts = lifts_all(program, kRounding / least_range_pivot_);
     }
-    return Sign::kAlwaysPositive;
+    return lifts ? Sign::kAlwaysPositive : Sign::kUnknown;
   }
   if (!(program.value() <= kNoise<Scalar> * Scalar(4))) return Sign::kUnknown;
   drop_artificial(program);

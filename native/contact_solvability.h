@@ -99,6 +99,7 @@ class ContactSolvability {
   template <class Scalar>
   void drop_artificial(Program<Scalar>& program);
   bool lifts_all(const Program<double>& program, bool from_v);
+  bool lifts_all(const Program<Quad>& program, Quad rounding) const;
   void load_basis(const Program<double>& program);
   bool proves_unsolvable(const Program<double>& program);
   template <class Scalar>
