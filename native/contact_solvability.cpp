@@ -362,7 +362,7 @@ ContactSolvability::Sign ContactSolvability::sign_of_normals(double deadline_s) 
   if (sign == Sign::kNegativeInDouble) {
     keep_basic_edges();
     sign = sign_in_quad(deadline_s);
-    if (sign == Sign::kNegative || sign == Sign::kAlwaysPositive) return sign;
+    if (sign == Sign::kNegative) return sign;  // all else tells nothing of the other normals
     find_normals();
     return sign_in_quad(deadline_s);
   }

@@ -179,5 +179,23 @@ TEST(ContactSolvabilityTest, LargeFrictionDoesNotHideAMiss) {
   }
 }
 
+// In double the second normal is as opposite to the third as to the first. With the third alone it allows any velocity.
+TEST(ContactSolvabilityTest, WhatSomeContactsAllowIsNoSolutionForAll) {
+  ContactProblem contact;
+  contact.v = Vector{{0, 0, -1}};
+  const Matrix N{{1, -1, 1}, {0, 0, 1e-12}, {1e-5, 0, 1}};
+  contact.N = N;
+  contact.D = Matrix(3, 0);
+  contact.edges = {0, 0, 0};
+  contact.mu = Vector::Zero(3);
+  const Matrix X{{1, 0}, {0, 1}, {0, 0}};
+  contact.inertia = FactoredInertia{X, Vector::Ones(2)};
+  EXPECT_NE(decide(contact), Finding::kSolvable);
+  contact.N = Matrix(N.rightCols(2));
+  contact.edges = {0, 0};
+  contact.mu = Vector::Zero(2);
+  EXPECT_EQ(decide(contact), Finding::kSolvable);
+}
+
 }  // namespace
 }  // namespace lcpbench
