@@ -48,6 +48,35 @@ bool ContactSolvability::lifts_all(const Program<double>& program, bool from_v) 
   });
 }
 
+/// Whether K'X y > 0 for the dual solution y of the first phase, each edge by more than the rounding of its sum. The
+/// basis of X's range is known to within `rounding` of its rows. The value of the program is no test: where mu is
+/// large, the edges of a cone are nearly opposite, and pivots of the size of rounding may lift them.
+bool ContactSolvability::lifts_all(const Program<Quad>& program, Quad rounding) const {
+  for (Index j = 0; j < program.edges; ++j) {
+    const Edge& edge = edges_[static_cast<std::size_t>(j)];
+    const int exponent = column_exponent_[static_cast<std::size_t>(j)];
+    Quad sum = 0;
+    Quad terms = 0;
+    visit_edge(*contact_, edge.contact, edge.direction, edge.factor, [&](Index i, double entry, double factor) {
+      const Quad weight = scaled(static_cast<Quad>(entry) * static_cast<Quad>(factor), exponent);
+      Quad lift = 0;
+      Quad duals = 0;
+      Quad largest = 0;
+      for (Index k = 0; k < program.rows - 1; ++k) {
+        const Quad dual = program.costs()[program.edges + k] - 1;
+        const Quad entry_of_X = reach(i, k, Quad()) * static_cast<Quad>(row_scale_[static_cast<std::size_t>(k)]);
+        lift += dual * entry_of_X;
+        duals += magnitude(dual);
+        largest = std::max(largest, magnitude(entry_of_X));
+      }
+      sum += weight * lift;
+      terms += magnitude(weight) * duals * largest;
+    });
+    if (!(sum > rounding * terms)) return false;
+  }
+  return true;
+}
+
 /// The columns of the basis and their costs from the data, scaled as the program has them.
 void ContactSolvability::load_basis(const Program<double>& program) {
   for (Index r = 0; r < program.rows; ++r) {

@@ -82,7 +82,7 @@ class ContactSolvability {
   void find_exponents();
   static bool is_solvable(Sign sign);
   Finding finding_of_normals(double deadline_s);
-  bool cones_are_lifted(double deadline_s);
+  Sign sign_of_cones(double deadline_s);
   Sign sign_in_quad(double deadline_s);
   Sign sign_of_normals(double deadline_s);
   void keep_basic_edges();
@@ -99,6 +99,7 @@ class ContactSolvability {
   template <class Scalar>
   void drop_artificial(Program<Scalar>& program);
   bool lifts_all(const Program<double>& program, bool from_v);
+  bool lifts_all(const Program<Quad>& program, Quad rounding) const;
   void load_basis(const Program<double>& program);
   bool proves_unsolvable(const Program<double>& program);
   template <class Scalar>

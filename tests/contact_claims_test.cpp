@@ -375,6 +375,40 @@ TEST(ContactClaimsTest, AreNotMadeOfInertiaWhoseReciprocalOverflows) {
   for (const std::string& solver : kOnContacts) expect_honest(solver, contacts(v, N, DenseInertia{G}));
 }
 
+/// Factors of rank two: of three, or two, in a plane. Their weights' roots are no doubles.
+ContactProblem on_dependent_factors(const Matrix& rows, const Vector& alpha) {
+  ContactProblem contact;
+  contact.v = Vector{{1, 0.08032894134521484, -0.4703550338745117, -3, -0.5800313949584961}};
+  contact.N = Matrix{{-4}, {-4}, {2}, {-1}, {-2}};
+  contact.D = Matrix{{-4, 1, 4, -1}, {4, 3, -4, -3}, {-4, -2, 4, 2}, {-4, 2, 4, -2}, {4, -1, -4, 1}};
+  contact.edges = {4};
+  contact.mu = Vector{{1}};
+  Matrix X = Matrix::Zero(5, rows.cols());
+  X.middleRows(1, rows.rows()) = rows;
+  contact.inertia = FactoredInertia{X, alpha};
+  return contact;
+}
+
+// Rounding makes such factors independent; what then was taken for G* was rounding as a whole, but not large.
+TEST(ContactClaimsTest, HoldWhereFactorsAreDependent) {
+  const Matrix in_a_plane{{-3, -2, 2}, {3, 3, 0}};
+  const Matrix on_a_line{{2, 6, -4}, {1, 3, -2}};
+  const Matrix in_space{{1, 2, -1, 3}, {2, 1, 0, -1}, {3, 3, -1, 2}};
+  for (const Matrix& rows : {in_a_plane, on_a_line, in_space}) {
+    for (int k = 0; k < 40; ++k) {
+      Vector alpha(rows.cols());
+      for (Index j = 0; j < alpha.size(); ++j) {
+        const int step = k * (static_cast<int>(j) + 3);
+        alpha(j) = std::ldexp(1.0 + step % 7, step % 5);
+      }
+      if (k == 0) alpha(0) = 8;
+      const Problem problem("dependent", on_dependent_factors(rows, alpha));
+      for (const std::string& solver : kOnContacts) expect_honest(solver, problem);
+      expect_solved("auto", problem);
+    }
+  }
+}
+
 TEST(ContactClaimsTest, AreTestedWithoutAllocation) {
   const Problem near = contacts(Vector{{-0.6, 0.5}}, Matrix{{-1, -4}}.transpose(), DenseInertia{nearly_singular()});
   const Problem bodies = contacts(Vector{{-0.6, 0.5, -1, 1}}, Matrix{{-1, -4, 0, 0}, {0, -1, 1, 0}}.transpose(),

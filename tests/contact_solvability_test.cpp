@@ -143,5 +143,59 @@ TEST(ContactSolvabilityTest, WritesAProofInSmallIntegers) {
   EXPECT_TRUE(Evaluator(Problem("integers", contact)).check_farkas(u));
 }
 
+/// Two normals add up to the last coordinate, which no impulse moves.
+ContactProblem opposite_contacts(double mu, double last_speed) {
+  ContactProblem contact;
+  contact.v = Vector{{0, 2, 0, 2, last_speed}};
+  contact.N = Matrix{{0.3256340026855469, -0.3256340026855469},
+                     {0.056557655334472656, -0.056557655334472656},
+                     {-0.7966337203979492, 0.7966337203979492},
+                     {0.6005973815917969, -0.6005973815917969},
+                     {1.3582391738891602, -0.35823917388916016}};
+  const Vector first{{-0.553863525390625, -0.1972799301147461, 0.44847965240478516, 0.940272331237793,  //
+                      -0.3218822479248047}};
+  const Vector second{{0.9038028717041016, 0.023614883422851562, -0.23888874053955078, -0.4565420150756836,
+                       -0.9629716873168945}};
+  Matrix D(5, 4);
+  D << first, -first, second, -second;
+  contact.D = D;
+  contact.edges = {2, 2};
+  contact.mu = Vector{{mu, 0}};
+  const Matrix X{{0, 0, 1}, {-2, -1, 2}, {-1, 1, 0}, {0, 1, 1}, {0, 0, 0}};
+  contact.inertia = FactoredInertia{X, Vector::Ones(3)};
+  return contact;
+}
+
+// At mu = 2^32 the program in 113 bits, pivoting on rounding, ended in a value of one: solvable whatever the velocity.
+TEST(ContactSolvabilityTest, LargeFrictionDoesNotHideAMiss) {
+  for (int exponent = 0; exponent <= 100; exponent += 2) {
+    const double mu = std::ldexp(1.0, exponent);
+    for (const double speed : {-0x1p-60, -0x1p-52, -1e-5, -1.0}) {
+      for (const Expected expected : {Expected::kSolvable, Expected::kUnsolvable}) {
+        EXPECT_EQ(decide(opposite_contacts(mu, speed), expected), Finding::kUnsolvable) << exponent << " " << speed;
+      }
+    }
+    EXPECT_NE(decide(opposite_contacts(mu, 1)), Finding::kUnsolvable) << exponent;
+  }
+}
+
+// In double the second normal is as opposite to the third as to the first. With the third alone it allows any velocity.
+TEST(ContactSolvabilityTest, WhatSomeContactsAllowIsNoSolutionForAll) {
+  ContactProblem contact;
+  contact.v = Vector{{0, 0, -1}};
+  const Matrix N{{1, -1, 1}, {0, 0, 1e-12}, {1e-5, 0, 1}};
+  contact.N = N;
+  contact.D = Matrix(3, 0);
+  contact.edges = {0, 0, 0};
+  contact.mu = Vector::Zero(3);
+  const Matrix X{{1, 0}, {0, 1}, {0, 0}};
+  contact.inertia = FactoredInertia{X, Vector::Ones(2)};
+  EXPECT_NE(decide(contact), Finding::kSolvable);
+  contact.N = Matrix(N.rightCols(2));
+  contact.edges = {0, 0};
+  contact.mu = Vector::Zero(2);
+  EXPECT_EQ(decide(contact), Finding::kSolvable);
+}
+
 }  // namespace
 }  // namespace lcpbench

@@ -73,7 +73,7 @@ class Response {
   /// At least backward_error(), from the traces alone: infinite where they do not tell.
   Scalar largest_backward_error() const {
     if (given_) return 0;
-    const Scalar condition = 1 + inverse_trace_ * trace_;
+    const Scalar condition = rank_ == ngc_ ? 1 + inverse_trace_ * trace_ : condition_of_columns_;
     return is_trusted(condition) ? (rank_ == ngc_ ? roundings() : roundings() * condition) : kInfinity<Scalar>;
   }
 
@@ -342,7 +342,8 @@ class Response {
     }
   }
 
-  /// W = L S^-1 with S = L'L, by Cholesky of S. False where S is singular to working precision, W worthless.
+  /// W = L S^-1 with S = L'L, by Cholesky of S. False where S, scaled to unit diagonal, may be singular for all that
+  /// its rounding tells, and W worthless.
   bool pseudo_invert() {
     Scalar* const S = work_.data();  // by rows, rank x rank, as far apart as the rows of G were
     for (Count i = 0; i < rank_; ++i) {
@@ -350,14 +351,8 @@ class Response {
         S[i * padded_ + j] = dot(L_.data() + i * padded_, L_.data() + j * padded_, padded_);
       }
     }
-    bool independent = true;
     for (Count j = 0; j < rank_; ++j) {
-      const Scalar whole = S[j * padded_ + j];
       for (Count k = 0; k < j; ++k) S[j * padded_ + j] -= S[j * padded_ + k] * S[j * padded_ + k];
-      const Scalar left = S[j * padded_ + j];
-      if (!(left > static_cast<Scalar>(4 * kUnitRoundoff<Scalar> * static_cast<double>(ngc_)) * whole)) {
-        independent = false;
-      }
       S[j * padded_ + j] = square_root(S[j * padded_ + j]);
       for (Count i = j + 1; i < rank_; ++i) {
         for (Count k = 0; k < j; ++k) S[i * padded_ + j] -= S[i * padded_ + k] * S[j * padded_ + k];
@@ -373,7 +368,8 @@ class Response {
       for (Count j = k + 1; j < rank_; ++j) subtract_column(k, j, S[j * padded_ + k]);
       scale(columns_.data() + k * padded_, Scalar(1) / S[k * padded_ + k], padded_);
     }
-    return independent;
+    condition_of_columns_ = condition_of_columns(S);
+    return is_small(condition_of_columns_);
   }
 
   /// Of a G that is not of full rank: whether what was cut is rounding of the doubles that it was given in, and all
@@ -401,16 +397,17 @@ class Response {
     for (Count k = 0; k < rank_; ++k) add_squares(columns_.data() + k * padded_, reach_.data());
     for (Count i = 0; i < padded_; ++i) reach_[i] = square_root(reach_[i]);
     for (Count i = 0; i < padded_; ++i) root_[i] = square_root(root_[i]);
-    const Scalar condition = rank_ == ngc_ ? condition_of_whole() : condition_of_columns();
+    const Scalar condition = rank_ == ngc_ ? condition_of_whole() : condition_of_columns_;
     backward_error_ = rank_ == ngc_ ? roundings() : roundings() * condition;
     if (!is_trusted(condition)) backward_error_ = kInfinity<Scalar>;
   }
 
   Scalar roundings() const { return static_cast<Scalar>((8 + 4 * static_cast<double>(ngc_)) * kUnitRoundoff<Scalar>); }
   /// The factors are those of a neighbour of G: they bound G* only where no neighbour is singular.
-  bool is_trusted(Scalar condition) const {
+  bool is_trusted(Scalar condition) const { return is_sound_ && is_small(condition); }
+  bool is_small(Scalar condition) const {
     const Scalar lost = roundings() * static_cast<Scalar>(static_cast<double>(ngc_)) * condition;
-    return is_sound_ && lost < static_cast<Scalar>(kTrusted);
+    return lost < static_cast<Scalar>(kTrusted);
   }
 
   /// Of padded_ entries.
@@ -430,13 +427,23 @@ class Response {
     return dot(white_.data(), white_.data(), padded_);
   }
 
-  /// The same of L'L, whose inverse is W'W.
-  Scalar condition_of_columns() const {
+  /// The same of L'L = R R', from the inverse of R and not from W: where the columns of L are dependent but for
+  /// rounding, all of W is rounding, and may be small. The inverse takes the triangle of S that R leaves free.
+  Scalar condition_of_columns(Scalar* S) const {
     Scalar trace = 1;
-    for (Count k = 0; k < rank_; ++k) {
-      const Scalar* const w = columns_.data() + k * padded_;
-      const Scalar* const l = L_.data() + k * padded_;
-      trace += dot(w, w, padded_) * dot(l, l, padded_);
+    for (Count j = 0; j < rank_; ++j) {
+      Scalar* const column = S + j * padded_;  // entries j + 1 to rank_ of column j of the inverse
+      const Scalar* const l = L_.data() + j * padded_;
+      const Scalar first = Scalar(1) / S[j * padded_ + j];
+      Scalar squares = first * first;
+      for (Count i = j + 1; i < rank_; ++i) {
+        const Scalar* const row = S + i * padded_;
+        Scalar sum = row[j] * first;
+        for (Count k = j + 1; k < i; ++k) sum += row[k] * column[k];
+        column[i] = -sum / row[i];
+        squares += column[i] * column[i];
+      }
+      trace += dot(l, l, padded_) * squares;
     }
     return trace;
   }
@@ -464,6 +471,7 @@ class Response {
   Certainty certainty_;
   contact_lemke::InertiaInput inertia_;
   Scalar first_pivot_ = 0, last_pivot_ = 0, backward_error_ = 0, trace_ = 0, inverse_trace_ = 0;
+  Scalar condition_of_columns_ = 1;  ///< of rank_ < ngc_
   Buffer<Scalar> work_, L_, done_, white_;
   Buffer<Scalar> diagonal_, reach_, root_;  ///< per coordinate
   Buffer<Scalar> columns_;                  ///< of W (of G* where it is given), padded_ apart
