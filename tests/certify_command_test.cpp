@@ -12,7 +12,6 @@
 #include "generators/problem_io.h"
 #include "generators/sets.h"
 #include "study/paper/solvability.h"
-#include "study/sqlite.h"
 #include "study/statistics.h"
 #include "tests/program_run.h"
 #include "tests/study_support.h"
@@ -116,8 +115,7 @@ TEST_F(CertifyCommandTest, ContradictionInAStoreExitsWith1) {
   ASSERT_EQ(fine.exit_code, 0) << fine.err;
   EXPECT_EQ(ordered_json::parse(fine.out)["ok"], true);
   EXPECT_EQ(ordered_json::parse(fine.out)["sets"][0]["solution"], 3);
-  sqlite::Database(folder_ / "s.db", sqlite::Mode::kReadWriteCreate)
-      .execute("UPDATE certificates SET certificate = 'unsolvable', proof = 'farkas'");
+  change_rows(folder_ / "s.db", "UPDATE certificates SET certificate = 'unsolvable', proof = 'farkas'");
   const ProgramRun output = run("certify --store s.db --format json");
   EXPECT_EQ(output.exit_code, 1) << output.err;
   EXPECT_FALSE(ordered_json::parse(output.out)["contradictions"].empty());
