@@ -201,7 +201,11 @@ bool is_exact(const Multiple& multiple, const Problem& problem, ProblemKind kind
     case ProblemKind::kLcp:
       return all_scale_exactly(lcp.M, multiple.of_matrix()) && all_scale_exactly(lcp.q, multiple.of_vector());
     case ProblemKind::kContact:
-    case ProblemKind::kScene: return all_scale_exactly(problem.contact()->v, multiple.of_vector());
+    case ProblemKind::kScene: {
+      // Where nothing moves, every multiple is the question that was asked before.
+      const Vector& v = problem.contact()->v;
+      return (v.array() != 0).any() && all_scale_exactly(v, multiple.of_vector());
+    }
   }
   return false;
 }

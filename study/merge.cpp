@@ -189,6 +189,9 @@ MergeOutcome merge_stores(const std::filesystem::path& out, const std::vector<st
   for (const std::filesystem::path& source : inputs) take_notice(check_input(source));
   if (exists) sources.insert(sources.begin(), out);
   const FileLock lock(out);
+  if (!exists && std::filesystem::exists(out, ignored)) {
+    throw InputError(out.string() + ": another process made this store in the meantime; merge again");
+  }
   if (exists && has_log(out)) throw InputError(out.string() + ": another process reads it");
   if (!exists) remove_side_files(out);  // of a store that is gone: they would be taken for the merged one's
   Draft draft(side_file(out, ".merging"));

@@ -183,6 +183,10 @@ Store::~Store() {
 
 Store Store::open_for_writing(const std::filesystem::path& file) {
   refuse_folder(file);
+  std::error_code ignored;
+  if (has_log(file) && (!std::filesystem::exists(file, ignored) || std::filesystem::file_size(file, ignored) == 0)) {
+    throw InputError(side_file(file, "-wal").string() + " holds rows of a store that is not here; move one of the two");
+  }
   auto lock = std::make_unique<FileLock>(file, true);
   const bool log = has_log(file);
   check_log(file);

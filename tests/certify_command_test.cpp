@@ -100,13 +100,16 @@ TEST_F(CertifyCommandTest, MistakesOfUseExitWith2AndOneLine) {
        {"certify", "certify a.json --store s.db", "certify a.json --every 3", "certify a.json --set paper/*",
         "certify --store nosuch.db", "certify --store s.db --exact", "certify --store s.db --set paper/monotone/exp2",
         "certify --store s.db --set nope", "certify --store s.db --every 0", "certify --store a.json",
-        "certify a.json --time-limit 0", "certify a.json --proofs /nosuchfolder/p"}) {
+        "certify a.json --time-limit 0", "certify a.json --proofs /nosuchfolder/p", "certify a.json --proofs a.json",
+        "certify --store s.db --proofs ./s.db"}) {
     const ProgramRun output = run(arguments);
     EXPECT_EQ(output.exit_code, 2) << arguments;
     EXPECT_EQ(output.err.rfind("lcpbench: ", 0), 0U) << arguments << ": " << output.err;
     EXPECT_EQ(std::count(output.err.begin(), output.err.end(), '\n'), 1) << arguments << ": " << output.err;
   }
   EXPECT_FALSE(std::filesystem::exists(folder_ / "nosuch.db"));
+  EXPECT_GT(std::filesystem::file_size(folder_ / "a.json"), 0U);
+  EXPECT_EQ(run("certify --store s.db").exit_code, 0);
 }
 
 TEST_F(CertifyCommandTest, ContradictionInAStoreExitsWith1) {

@@ -390,6 +390,24 @@ ContactProblem on_dependent_factors(const Matrix& rows, const Vector& alpha) {
 }
 
 // Rounding makes such factors independent; what then was taken for G* was rounding as a whole, but not large.
+// Inverse inertia of a light body beside that of a heavy one, which is nearly singular: the heavy body's small pivots lie below
+// the rounding of the light one's entries, and are no rounding. active_set and velocity_ipm had rho 1.3e-3 here.
+TEST(ContactClaimsTest, HoldWhereALightBodyStandsBesideAHeavyOne) {
+  Matrix Ginv = Matrix::Zero(6, 6);
+  Ginv.topLeftCorner(3, 3) << 388590.03085062327, 228328.05640414017, -22925.26488201208, 228328.05640414017,
+      135735.85365553998, -5950.998655990264, -22925.26488201208, -5950.998655990264, 66010.11549386985;
+  Ginv.bottomRightCorner(3, 3) << 3.5703213970532496e-07, 3.8238382265826864e-07, -6.372098213293823e-07,
+      3.8238382265826864e-07, 4.097982167431267e-07, -6.829231690786027e-07, -6.372098213293823e-07,
+      -6.829231690786027e-07, 1.1424973368351075e-06;
+  const Vector v{{-2e-10, 2e-10, -2e-10, -1, -0.48881053924560547, -0.06063556671142578}};
+  Matrix N = Matrix::Zero(6, 2);
+  N.col(0).tail(3) << 0.8276920318603516, -0.7354135513305664, -0.1815042495727539;
+  N.col(1) = 2 * N.col(0);
+  const Problem problem = contacts(v, N, InverseInertia{Ginv});
+  for (const std::string& solver : kOnContacts) expect_honest(solver, problem);
+  for (const char* solver : {"auto", "active_set", "contact_lemke", "velocity_ipm"}) expect_solved(solver, problem);
+}
+
 TEST(ContactClaimsTest, HoldWhereFactorsAreDependent) {
   const Matrix in_a_plane{{-3, -2, 2}, {3, 3, 0}};
   const Matrix on_a_line{{2, 6, -4}, {1, 3, -2}};

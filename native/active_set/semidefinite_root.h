@@ -26,6 +26,7 @@ class SemidefiniteRoot {
     coefficients_.resize(L::padded(most) * (ngc + 1) + 1);
     rest_.resize(L::padded(most) + 1);
     order_.resize(most + 1);
+    diagonal_.resize(ngc + 1);
     range_.reserve(lanes, ngc);
     rank_basis_.reserve(L::padded(most), ngc);
   }
@@ -51,8 +52,10 @@ class SemidefiniteRoot {
     return find_of_range();
   }
 
-  /// Of G*, singular to within `cut`.
+  /// Of G*, singular to within `cut`, each coordinate by its own diagonal entry: a heavy body beside a light one must not
+  /// count as a body that nothing moves.
   bool find_of_inverse(const double* inverse, Scalar cut) {
+    if (!read_diagonal(inverse)) return false;
     if (!factor_semidefinite(inverse, cut)) return false;
     rank_ = factor_count_;
     for (Count k = 0; k < rank_; ++k) copy(row(k), factors_.data() + k * lanes_, lanes_);
@@ -61,7 +64,11 @@ class SemidefiniteRoot {
 
   /// Of G, singular to within `cut`. False too where that might take a light coordinate for none.
   bool find_of_singular(const double* G, Scalar cut) {
-    return !mixes_scales(G) && factor_semidefinite(G, cut) && find_of_range();
+    if (mixes_scales(G) || !read_diagonal(G)) return false;
+    Scalar largest = 0;
+    for (Count i = 0; i < ngc_; ++i) largest = diagonal_[i] > largest ? diagonal_[i] : largest;
+    for (Count i = 0; i < ngc_; ++i) diagonal_[i] = largest;
+    return factor_semidefinite(G, cut) && find_of_range();
   }
 
   Count rank() const { return rank_; }
@@ -82,31 +89,38 @@ class SemidefiniteRoot {
     return false;
   }
 
-  /// A = Y Y' to within `cut` times ngc times its largest diagonal entry, by Cholesky with diagonal pivoting.
+  /// False where an entry is not a number or below zero.
+  bool read_diagonal(const double* A) {
+    for (Count i = 0; i < ngc_; ++i) {
+      diagonal_[i] = static_cast<Scalar>(A[i * ngc_ + i]);
+      if (!(diagonal_[i] >= 0) || !finite(diagonal_[i])) return false;
+    }
+    return true;
+  }
+
+  /// A = Y Y' to within `cut` times ngc times the entries of diagonal_, by Cholesky with diagonal pivoting.
   /// False when A is indefinite. Uses the rows as memory.
   bool factor_semidefinite(const double* A, Scalar cut) {
-    Scalar largest = 0;
     for (Count i = 0; i < ngc_; ++i) {
       Scalar* to = row(i);
       for (Count j = 0; j < ngc_; ++j) to[j] = static_cast<Scalar>(A[i * ngc_ + j]);
-      if (!finite(to[i])) return false;
-      largest = to[i] > largest ? to[i] : largest;
     }
-    const Scalar least = static_cast<Scalar>(static_cast<double>(ngc_)) * cut * largest;
-    Scalar last = largest;
+    const Scalar share = static_cast<Scalar>(static_cast<double>(ngc_)) * cut;
+    Scalar growth = 1;
     for (factor_count_ = 0; factor_count_ < ngc_; ++factor_count_) {
-      Count pivot = 0;
-      for (Count i = 1; i < ngc_; ++i) {
-        if (row(i)[i] > row(pivot)[pivot]) pivot = i;
+      Count pivot = -1;
+      for (Count i = 0; i < ngc_; ++i) {
+        if (row(i)[i] > share * diagonal_[i] && (pivot < 0 || row(i)[i] > row(pivot)[pivot])) pivot = i;
       }
-      if (!(row(pivot)[pivot] > least)) break;
-      last = row(pivot)[pivot];
+      if (pivot < 0) break;
+      const Scalar cancelled = diagonal_[pivot] / row(pivot)[pivot];
+      growth = cancelled > growth ? cancelled : growth;
       take_factor(pivot);
     }
     for (Count i = 0; i < ngc_; ++i) {
-      if (!(row(i)[i] >= -least)) return false;
+      if (!(row(i)[i] >= -share * diagonal_[i])) return false;
     }
-    growth_ = factor_count_ > 0 ? L::square_root(largest / last) : Scalar(1);
+    growth_ = L::square_root(growth);
     return true;
   }
 
@@ -202,6 +216,7 @@ class SemidefiniteRoot {
   Buffer<Scalar> coefficients_;
   Buffer<Scalar> rest_;
   Buffer<Count> order_;
+  Buffer<Scalar> diagonal_;  // what a pivot of each coordinate is compared with
   OrthogonalBasis<Scalar> range_;
   OrthogonalBasis<Scalar> rank_basis_;
 };

@@ -53,8 +53,14 @@ struct Arguments {
 /// Proofs go to a file, one line each; or nowhere.
 class ProofFile {
  public:
-  explicit ProofFile(std::string name) : name_(std::move(name)) {
+  ProofFile(std::string name, const std::vector<std::string>& inputs) : name_(std::move(name)) {
     if (name_.empty()) return;
+    for (const std::string& input : inputs) {
+      std::error_code ignored;
+      if (std::filesystem::equivalent(name_, input, ignored)) {
+        throw InputError(name_ + ": is read by this command; write the proofs elsewhere");
+      }
+    }
     file_.open(name_, std::ios::binary | std::ios::trunc);
     check();
   }
@@ -152,7 +158,7 @@ void print_certificate(const Problem& problem, const std::string& file, const Ce
 }
 
 int certify_files(const Arguments& arguments) {
-  ProofFile proofs(arguments.proofs);
+  ProofFile proofs(arguments.proofs, arguments.files);
   // A single problem is somebody's question: whether its answer is the only one belongs to it.
   const CertifyOptions options{.time_limit_s = arguments.time_limit_s, .seek_other_velocity = true};
   Certifier certifier(options);
@@ -290,8 +296,8 @@ void print_findings(const Arguments& arguments, const std::vector<CertifiedSet>&
 int certify_stored(const Arguments& arguments) {
   const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
   Store store = open_existing(arguments.store);
-  ProofFile proofs(arguments.proofs);
   const CertifyScope scope{sets_of_store(store, arguments.sets), arguments.every, arguments.time_limit_s};
+  ProofFile proofs(arguments.proofs, {arguments.store});
   const CertifyOutcome outcome = certify_all(arguments, store, scope, stop);
   if (outcome.done < outcome.total) {
     say(stderr, "lcpbench: interrupted; {} of {} problems are done: run the same command again to resume\n",

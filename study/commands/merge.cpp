@@ -18,7 +18,7 @@ struct Arguments {
 
 int merge(const Arguments& arguments) {
   const MergeOutcome outcome = merge_stores(arguments.out, arguments.inputs);
-  for (const std::string& notice : outcome.notices) fmt::print(stderr, "lcpbench: {}\n", notice);
+  for (const std::string& notice : outcome.notices) say(stderr, "lcpbench: {}\n", notice);
   if (outcome.conflicts.empty()) {
     say(stdout, "{}: {} cells\n", arguments.out.string(), format_count(outcome.cells));
     return kExitDone;

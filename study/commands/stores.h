@@ -2,15 +2,14 @@
 
 #include <filesystem>
 
-#include <fmt/format.h>
-
 #include "study/store.h"
+#include "study/terminal.h"
 
 namespace lcpbench {
 
 /// Says on stderr which rows a store has lost before it was opened, if any.
 inline void print_notice(const Store& store) {
-  if (!store.notice().empty()) fmt::print(stderr, "lcpbench: {}\n", store.notice());
+  if (!store.notice().empty()) say(stderr, "lcpbench: {}\n", store.notice());
 }
 
 /// Opens a store whose numbers are to be told: every row of it is checked first. @throws InputError
