@@ -244,7 +244,7 @@ TEST(AdapterFrictionTest, TheTimeOfTheSolveIsThatOfTheIterations) {
   const SolveTimes many = run("ode_quickstep{iterations=10000}", problem, batches).times;
   EXPECT_GT(few.solve_cpu_s, 0);
   EXPECT_GT(many.solve_cpu_s, 10 * few.solve_cpu_s);
-  EXPECT_LT(none.solve_cpu_s, none.setup_cpu_s);
+  EXPECT_LT(none.solve_cpu_s, 0.1 * many.solve_cpu_s);  // a difference of two short times: 0 but for noise
   EXPECT_LT(many.setup_cpu_s, 0.5 * many.solve_cpu_s);
 }
 
