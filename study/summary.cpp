@@ -1,13 +1,11 @@
 #include "study/summary.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <numeric>
 #include <span>
-#include <string_view>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
@@ -425,73 +423,6 @@ std::vector<Cell> make_cells(std::size_t set, const SetSummary& summary, const S
   return cells;
 }
 
-/// A rate of every cell of a sweep; NaN rates (all problems unsolvable) leave the range NaN.
-template <class Rate>
-SweepSummary::Range range_over(const Summary& summary, const std::vector<const Cell*>& cells, Rate rate) {
-  SweepSummary::Range range{kInfinity, 0, -kInfinity, "", ""};
-  for (const Cell* cell : cells) {
-    const double value = rate(*cell);
-    if (std::isnan(value)) return {kNone, kNone, kNone, "", ""};
-    const std::string& settings = summary.solvers[cell->solver].settings;
-    range.average += value / static_cast<double>(cells.size());
-    if (value < range.worst) {
-      range.worst = value;
-      range.worst_settings = settings;
-    }
-    if (value > range.best) {
-      range.best = value;
-      range.best_settings = settings;
-    }
-  }
-  range.average = std::clamp(range.average, range.worst, range.best);  // the sum is rounded
-  return range;
-}
-
-double best_held_out(const std::vector<const Cell*>& cells) {
-  const Cell* best = nullptr;
-  for (const Cell* cell : cells) {
-    if (std::isnan(cell->halves[0].rate())) continue;
-    if (best == nullptr || cell->halves[0].rate() > best->halves[0].rate()) best = cell;
-  }
-  return best == nullptr ? kNone : best->halves[1].rate();
-}
-
-std::vector<SweepSummary> summarize_sweeps(const Summary& summary) {
-  struct Key {
-    std::size_t set;
-    std::string solver, sweep, isa, library, version;
-    auto operator<=>(const Key&) const = default;
-  };
-  std::map<Key, std::vector<const Cell*>> groups;
-  for (const Cell& cell : summary.cells) {
-    const SolverRow& solver = summary.solvers[cell.solver];
-    if (solver.sweep.empty()) continue;
-    groups[{cell.set, solver.name, solver.sweep, solver.isa, solver.library, solver.version}].push_back(&cell);
-  }
-  std::vector<SweepSummary> sweeps;
-  for (const auto& [key, cells] : groups) {
-    SweepSummary sweep{.set = key.set,
-                       .solver = key.solver,
-                       .sweep = key.sweep,
-                       .isa = key.isa,
-                       .library = key.library,
-                       .version = key.version,
-                       .parameterisations = static_cast<std::int64_t>(cells.size()),
-                       .trials = 0,
-                       .verdict = {},
-                       .criterion = {},
-                       .best_held_out = 0};
-    sweep.trials = (*std::min_element(cells.begin(), cells.end(), [](const Cell* a, const Cell* b) {
-                     return a->trials < b->trials;
-                   }))->trials;
-    sweep.verdict = range_over(summary, cells, [](const Cell& cell) { return cell.rate(); });
-    sweep.criterion = range_over(summary, cells, [](const Cell& cell) { return cell.criterion_rate(); });
-    sweep.best_held_out = best_held_out(cells);
-    sweeps.push_back(std::move(sweep));
-  }
-  return sweeps;
-}
-
 /// Every parameterisation becomes a solver of the summary, in natural order.
 std::vector<Source> read_solvers(Store& store, Summary& summary) {
   struct Named {
@@ -516,36 +447,7 @@ std::vector<Source> read_solvers(Store& store, Summary& summary) {
   return sources;
 }
 
-bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
-
-/// The run of digits at `at`, leading zeros skipped; `at` moves behind it.
-std::string_view take_number(const std::string& text, std::size_t& at) {
-  while (at < text.size() && text[at] == '0') ++at;
-  const std::size_t begin = at;
-  while (at < text.size() && is_digit(text[at])) ++at;
-  return std::string_view(text).substr(begin, at - begin);
-}
-
 }  // namespace
-
-bool natural_less(const std::string& a, const std::string& b) {
-  std::size_t i = 0;
-  std::size_t j = 0;
-  while (i < a.size() && j < b.size()) {
-    if (is_digit(a[i]) && is_digit(b[j])) {
-      const std::string_view left = take_number(a, i);
-      const std::string_view right = take_number(b, j);
-      if (left.size() != right.size()) return left.size() < right.size();
-      if (left != right) return left < right;
-    } else {
-      if (a[i] != b[j]) return a[i] < b[j];
-      ++i;
-      ++j;
-    }
-  }
-  if (i < a.size() || j < b.size()) return j < b.size();
-  return a < b;
-}
 
 std::int64_t Cell::count(Verdict verdict) const {
   std::int64_t total = 0;

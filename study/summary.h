@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "study/coverage.h"
+#include "study/natural_order.h"
 #include "study/statistics.h"
 #include "study/store.h"
 
@@ -166,11 +167,11 @@ struct Summary {
 /// Byte for byte the same for equal rows. @throws InputError when the store cannot be read.
 Summary summarize(Store& store);
 
+/// The sweeps of the summary's cells: worst, average and best over the parameterisations that one set met.
+std::vector<SweepSummary> summarize_sweeps(const Summary& summary);
+
 /// The contract's summary.json; NaN and infinity are null. Parameterisations of a sweep are thousands: they have the
 /// contract's keys and `criterion_rate` alone, without the matrix of claims, the halves and the parts of times.
 nlohmann::ordered_json summary_json(const Summary& summary);
-
-/// Less, where runs of digits compare as numbers.
-bool natural_less(const std::string& a, const std::string& b);
 
 }  // namespace lcpbench

@@ -1,0 +1,256 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "study/paper/contestants.h"
+#include "study/paper/queries.h"
+
+namespace lcpbench::paper {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string triple(double worst, double average, double best) {
+  return points(worst) + " / " + points(average) + " / " + points(best);
+}
+
+Entry published_entry(Kind kind, const Experiment& experiment, Family family) {
+  const std::optional<PublishedRate> rate = published_rate(kind, experiment.name, family);
+  return rate ? Entry{triple(rate->worst, rate->average, rate->best), ""} : Entry{kAbsent, ""};
+}
+
+Entry range_entry(const GridRange& range) {
+  if (range.best_cell == nullptr) return {kAbsent, "no problem is known to be solvable"};
+  return {triple(range.worst.value(), range.average.value(), range.best.value()),
+          fmt::format("worst {}; best {}; n = {:.0f}", points(range.worst.interval()), points(range.best.interval()),
+                      range.average.trials)};
+}
+
+/// A column of the rates: what the paper prints of a solver, or one of ours.
+struct RateColumn {
+  Contestant contestant;
+  bool published = false;
+};
+
+/// Before the first of ours of each of the paper's solvers stands what the paper prints of it.
+std::vector<RateColumn> rate_columns(const std::vector<Contestant>& contestants, Kind kind) {
+  std::vector<RateColumn> columns;
+  std::optional<Family> last;
+  for (const Contestant& contestant : contestants) {
+    const bool printed = contestant.family && published_rate(kind, "exp1", *contestant.family);
+    if (printed && contestant.family != last) columns.push_back({contestant, true});
+    if (printed) last = contestant.family;
+    columns.push_back({contestant, false});
+  }
+  return columns;
+}
+
+std::string column_title(const RateColumn& column) {
+  if (column.published) return std::string(name_of(*column.contestant.family)) + ", published";
+  if (column.contestant.label.empty()) return std::string(name_of(*column.contestant.family)) + ", ours";
+  return code(column.contestant.label);
+}
+
+/// Worst / average / best: per experiment and reading one row for each measure, or one that says that nothing was run;
+/// a column per solver.
+class RatesLayout {
+ public:
+  RatesLayout(const Summary& summary, const std::vector<Grid>& grids, Kind kind, const Picks& picks)
+      : summary_(summary),
+        grids_(grids),
+        kind_(kind),
+        columns_(rate_columns(contestants(grids, kind, picks, published_families(kind)), kind)) {}
+
+  Layout build(const std::string& caption, const Picks& picks) {
+    layout_ = {caption, {"Experiment", "Redundancy", "Solved by"}, 3, {}};
+    for (const RateColumn& column : columns_) layout_.columns.push_back(column_title(column));
+    for (const Experiment& experiment : experiments()) {
+      if (picks(experiment)) add_experiment(experiment);
+    }
+    return std::move(layout_);
+  }
+
+ private:
+  void add_experiment(const Experiment& experiment) {
+    bool first = true;
+    for (const std::string& reading : readings_of(experiment)) {
+      if (!was_run(experiment, reading)) {
+        add_row(experiment, reading, std::nullopt, first);
+        first = false;
+        continue;
+      }
+      for (const Measure measure : kMeasures) {
+        add_row(experiment, reading, measure, first);
+        first = false;
+      }
+    }
+  }
+
+  bool was_run(const Experiment& experiment, const std::string& reading) const {
+    return std::any_of(columns_.begin(), columns_.end(), [&](const RateColumn& column) {
+      return find_grid(grids_, kind_, experiment, reading, column.contestant.label) != nullptr;
+    });
+  }
+
+  void add_row(const Experiment& experiment, const std::string& reading, std::optional<Measure> measure,
+               bool with_published) {
+    std::vector<Entry> row{{std::string(experiment.title), ""},
+                           {reading_words(experiment, reading), ""},
+                           {measure ? words_for(*measure) : kAbsent, ""}};
+    for (const RateColumn& column : columns_) {
+      if (column.published) {
+        row.push_back(with_published ? published_entry(kind_, experiment, *column.contestant.family) : Entry{});
+        continue;
+      }
+      const Grid* grid = find_grid(grids_, kind_, experiment, reading, column.contestant.label);
+      if (grid == nullptr || !measure) {
+        row.push_back(not_run(column.contestant));
+      } else {
+        row.push_back(grid->refused() > 0 ? refused_entry(*grid) : range_entry(range_of(*grid, *measure)));
+      }
+    }
+    layout_.rows.push_back(std::move(row));
+  }
+
+  /// The reason stands once, in the table's first row.
+  Entry not_run(const Contestant& contestant) const {
+    const bool explain = contestant.label.empty() && layout_.rows.empty();
+    return {explain ? why_not_run(summary_, *contestant.family) : "not run", ""};
+  }
+
+  const Summary& summary_;
+  const std::vector<Grid>& grids_;
+  Kind kind_;
+  std::vector<RateColumn> columns_;
+  Layout layout_;
+};
+
+Layout rates_layout(const Summary& summary, const std::vector<Grid>& grids, Kind kind, const std::string& caption,
+                    const Picks& picks) {
+  return RatesLayout(summary, grids, kind, picks).build(caption, picks);
+}
+
+/// The parameterisation that the even trials choose, and what it does on the odd ones.
+Layout chosen_layout(const Summary& summary, const std::vector<Grid>& grids, Kind kind) {
+  Layout layout{"Best parameterisation: chosen on the even trials, its rate on the odd ones",
+                {"Experiment", "Redundancy", "Solver", "Solved by", "Parameterisation", "Even trials", "Odd trials"},
+                5,
+                {}};
+  for (const Grid& grid : grids) {
+    if (!compared_with_paper(grid, kind) || grid.refused() > 0) continue;
+    for (const Measure measure : kMeasures) {
+      const GridRange range = range_of(grid, measure);
+      if (range.chosen == nullptr) continue;
+      layout.rows.push_back({{std::string(grid.problems.experiment->title), ""},
+                             {reading_words(*grid.problems.experiment, grid.problems.redundancy()), ""},
+                             {code(grid.label), ""},
+                             {words_for(measure), ""},
+                             {code(settings_of(summary, range.chosen)), ""},
+                             {points(range.chosen_even.value()), ""},
+                             {points(range.held_out.value()), points(range.held_out.interval())}});
+    }
+  }
+  return layout;
+}
+
+/// How far a solver's rate depends on its parameters.
+Layout robustness_layout(const std::vector<Grid>& grids, Kind kind) {
+  Layout layout{"Dependence on the parameters: range (best − worst) and standard deviation of the rates [points]",
+                {"Experiment", "Redundancy", "Solver", "Solved by", "Parameterisations", "Range", "Sigma"},
+                4,
+                {}};
+  for (const Grid& grid : grids) {
+    if (!compared_with_paper(grid, kind) || grid.refused() > 0) continue;
+    for (const Measure measure : kMeasures) {
+      const GridRange range = range_of(grid, measure);
+      if (range.best_cell == nullptr) continue;
+      layout.rows.push_back({{std::string(grid.problems.experiment->title), ""},
+                             {reading_words(*grid.problems.experiment, grid.problems.redundancy()), ""},
+                             {code(grid.label), ""},
+                             {words_for(measure), ""},
+                             {std::to_string(grid.cells.size()), ""},
+                             {points(range.best.value() - range.worst.value()), ""},
+                             {points(range.sigma), ""}});
+    }
+  }
+  return layout;
+}
+
+Json range_json(const Summary& summary, const GridRange& range) {
+  return {{"worst", share_json(range.worst)},
+          {"average", number_json(range.average.value())},
+          {"best", share_json(range.best)},
+          {"sigma", number_json(range.sigma)},
+          {"worst_settings", settings_of(summary, range.worst_cell)},
+          {"best_settings", settings_of(summary, range.best_cell)},
+          {"chosen_on_even", settings_of(summary, range.chosen)},
+          {"even", number_json(range.chosen_even.value())},
+          {"held_out", share_json(range.held_out)}};
+}
+
+Json rates_record(const Summary& summary, const std::string& table, Kind kind, const Experiment& experiment,
+                  const std::string& reading, const Contestant& contestant, const Grid* grid) {
+  const std::optional<PublishedRate> published =
+      contestant.family ? published_rate(kind, experiment.name, *contestant.family) : std::nullopt;
+  const double none = Proportion{}.value();
+  Json record{{"table", table},
+              {"kind", name_of(kind)},
+              {"experiment", experiment.name},
+              {"redundancy", reading_words(experiment, reading)},
+              {"paper_solver", contestant.family ? name_of(*contestant.family) : ""},
+              {"solver", contestant.label},
+              {"set", grid == nullptr ? "" : summary.sets[grid->set].name},
+              {"not_run", why_no_numbers(summary, contestant, grid)},
+              {"parameterisations", grid == nullptr ? 0 : grid->cells.size()}};
+  record["trials"] = number_json(grid == nullptr ? none : range_of(*grid, Measure::kCriterion).average.trials);
+  record["published"] = {{"worst", number_json(published ? published->worst : none)},
+                         {"average", number_json(published ? published->average : none)},
+                         {"best", number_json(published ? published->best : none)}};
+  for (const Measure measure : kMeasures) {
+    record[name_of(measure)] = range_json(summary, grid == nullptr ? GridRange{} : range_of(*grid, measure));
+  }
+  return record;
+}
+
+}  // namespace
+
+Table rates_table(const Summary& summary, const std::vector<Grid>& grids, Kind kind) {
+  Table table;
+  table.id = kind == Kind::kMonotone ? "IV.1" : "IV.2";
+  table.title = std::string("Solution frequency, ") + name_of(kind) + " problems [%]";
+  const auto plain = [](const Experiment& experiment) { return !experiment.regularized; };
+  table.layouts = {
+      rates_layout(summary, grids, kind, "Worst / average / best over the parameters. Experiments 1 to 5", plain),
+      rates_layout(summary, grids, kind, "Worst / average / best over the parameters. Experiment 6, regularised",
+                   is_experiment_six),
+      chosen_layout(summary, grids, kind), robustness_layout(grids, kind)};
+  table.notes = {
+      kSolvedNote,
+      "Small numbers: Wilson 95 % intervals of the shares of the worst and of the best cell, and the trials of each "
+      "cell. "
+      "They hold for a cell named beforehand. The best of many cells flatters and the worst belittles, so the third "
+      "table "
+      "chooses the best on the even trials and gives its interval on the odd ones, where no choice was made.",
+      "In Experiment 6 the paper’s Lemke is `regularized{test=tried}`, whose test of an answer is the published one; "
+      "`regularized` tests the answer on the problem itself. Redundancy: `multiple`, a redundant contact is a multiple "
+      "of "
+      "one other; `combination`, of all independent ones (`docs/generators.md`)."};
+  table.query = rates_query(kind);
+  table.records = Json::array();
+  for (const Experiment& experiment : experiments()) {
+    const Picks same_part = [&experiment](const Experiment& other) {
+      return other.regularized == experiment.regularized;
+    };
+    for (const Contestant& contestant : contestants(grids, kind, same_part, published_families(kind))) {
+      for (const std::string& reading : readings_of(experiment)) {
+        const Grid* grid = find_grid(grids, kind, experiment, reading, contestant.label);
+        table.records.push_back(rates_record(summary, table.id, kind, experiment, reading, contestant, grid));
+      }
+    }
+  }
+  table.example = rates_record(summary, "", kind, experiments().front(), "", {Family::kLemke, ""}, nullptr);
+  return table;
+}
+
+}  // namespace lcpbench::paper
