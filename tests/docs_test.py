@@ -1,0 +1,175 @@
+#!/usr/bin/env python3
+"""Checks the documents against the project.
+
+    docs_test.py links                     every relative link and every docs/ path in the sources leads somewhere
+    docs_test.py tables LCPBENCH [--write] tables that a command can print are up to date; --write brings them up to date
+    docs_test.py tutorial PAGE LCPBENCH    the commands of a tutorial run
+
+In a tutorial a fence ```sh is run, and a fence with a file name, as in ```python mine.py, is written to that file.
+Exit codes: 0 done, 1 a check failed.
+"""
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+SOURCES = ("adapters", "cmake", "core", "examples", "generators", "native", "study", "tests")
+# The text of the store's tables is part of its format, comments included: it keeps the path that the page had.
+OLD_PATHS = {("study/schema.h", "docs/certificates.md")}
+
+
+def documents():
+    """All pages, the generated page of the paper's study included."""
+    yield from sorted(ROOT.glob("*.md"))
+    for folder in ("docs", "examples", "results", "tests"):
+        yield from sorted((ROOT / folder).rglob("*.md"))
+
+
+def without_code(text):
+    return re.sub(r"`[^`\n]*`", "", re.sub(r"^```.*?^```", "", text, flags=re.S | re.M))
+
+
+def anchors(page):
+    """The anchors that GitHub gives to the headings of a page."""
+    text = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.S | re.M)
+    headings = re.findall(r"^#+ (.*)$", text, flags=re.M)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).strip().replace(" ", "-") for heading in headings}
+
+
+def broken_links():
+    for page in documents():
+        for link in re.findall(r"\]\(([^)\s]+)\)", without_code(page.read_text())):
+            if "://" in link or link.startswith("mailto:"):
+                continue
+            path, _, anchor = link.partition("#")
+            target = (page.parent / path).resolve() if path else page
+            if not target.exists():
+                yield f"{page.relative_to(ROOT)}: ({link}) leads nowhere"
+            elif anchor and anchor not in anchors(target):
+                yield f"{page.relative_to(ROOT)}: ({link}): no such heading"
+
+
+def broken_paths():
+    files = [file for folder in SOURCES for file in sorted((ROOT / folder).rglob("*"))]
+    files += [file for file in sorted((ROOT / "results").rglob("*.sh"))] + list(ROOT.glob("run-*"))
+    for file in files + list(documents()):
+        name = str(file.relative_to(ROOT))
+        if not file.is_file() or name.startswith("results/paper/") or file == pathlib.Path(__file__).resolve():
+            continue
+        try:
+            text = file.read_text()
+        except UnicodeDecodeError:
+            continue
+        for path in re.findall(r"(?<![\w./-])docs/[\w./-]*\w", text):
+            if not (ROOT / path).exists() and (name, path) not in OLD_PATHS:
+                yield f"{name}: {path} does not exist"
+
+
+def unlisted_pages():
+    index = (ROOT / "docs/index.md").read_text()
+    listed = {(ROOT / "docs" / link).resolve() for link in re.findall(r"\]\(([^)#\s]+)", index)}
+    for page in sorted((ROOT / "docs").rglob("*.md")):
+        if page.name != "index.md" and page.resolve() not in listed and page.parent.resolve() not in listed:
+            yield f"docs/index.md does not list {page.relative_to(ROOT)}"
+
+
+def check_links():
+    faults = [*broken_links(), *broken_paths(), *unlisted_pages()]
+    print("\n".join(faults) or "all links lead somewhere")
+    return 1 if faults else 0
+
+
+def cell(text):
+    """As a cell of a table. Bars are escaped, and limits that only say "any number" are left out."""
+    text = re.sub(r", (1099511627776|1000000000)\]", ", ...)", text)
+    return re.sub(r"([|<*_])", r"\\\1", text)
+
+
+def settings_table(solver):
+    if not solver["settings"]:
+        return "It has no settings.\n"
+    lines = ["| setting | default | range | meaning |", "| --- | --- | --- | --- |"]
+    for setting in solver["settings"]:
+        default = f"`{setting['default']}`" if setting["default"] else ""
+        help_text = cell(setting["help"])
+        lines.append(f"| `{setting['name']}` | {default} | {cell(setting['range'])} | {help_text} |")
+    return "\n".join(lines) + "\n"
+
+
+def case_table(sets, family):
+    lines = ["| case | size | definition |", "| --- | --- | --- |"]
+    for each in sets:
+        name = each["name"].removeprefix("hard/")
+        if name.startswith(family + "/"):
+            lines.append(f"| `{name}` | {cell(each['size'])} | {cell(each['summary'].split('; hard: ')[0])} |")
+    return "\n".join(lines) + "\n"
+
+
+def with_tables(text, solvers, sets):
+    def table(match):
+        kind, name = match[2], match[3]
+        made = settings_table(solvers[name]) if kind == "settings" else case_table(sets, name)
+        return match[1] + made + match[4]
+
+    pattern = r"(<!-- (settings|cases): ([\w-]+) -->\n).*?(<!-- end -->)"
+    return re.sub(pattern, table, text, flags=re.S)
+
+
+def check_tables(lcpbench, write):
+    def listed(*arguments):
+        output = subprocess.run([lcpbench, *arguments, "--format", "json"], capture_output=True, text=True, check=True)
+        return json.loads(output.stdout)
+
+    solvers = {solver["name"]: solver for solver in listed("solvers")}
+    sets = listed("sets", "hard/*")
+    stale, tables = [], 0
+    for page in sorted((ROOT / "docs").rglob("*.md")):
+        text = page.read_text()
+        tables += text.count("<!-- end -->")
+        wanted = with_tables(text, solvers, sets)
+        if wanted != text:
+            stale.append(str(page.relative_to(ROOT)))
+            if write:
+                page.write_text(wanted)
+    if stale and not write:
+        print("stale tables in " + ", ".join(stale) + f"\nrun: tests/docs_test.py tables {lcpbench} --write")
+        return 1
+    print(f"{tables} tables are up to date")
+    return 0 if tables > 0 else 1
+
+
+def run_tutorial(page, lcpbench):
+    """Runs the page as a reader does, from a folder that holds the examples."""
+    program = pathlib.Path(lcpbench).resolve()
+    environment = dict(os.environ, PATH=f"{program.parent}:{os.environ['PATH']}")
+    fences = re.findall(r"^```(\w*) ?(\S*)\n(.*?)^```$", pathlib.Path(page).read_text(), flags=re.S | re.M)
+    commands = 0
+    with tempfile.TemporaryDirectory() as folder:
+        os.symlink(ROOT / "examples", os.path.join(folder, "examples"))
+        for language, file, content in fences:
+            if file:
+                (pathlib.Path(folder) / file).write_text(content)
+            elif language == "sh":
+                commands += 1
+                ended = subprocess.run(["bash", "-euo", "pipefail", "-c", content], cwd=folder, env=environment,
+                                       stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+                print(content + ended.stdout, end="")
+                if ended.returncode != 0:
+                    print(f"\n{page}: exit code {ended.returncode} of\n{content}")
+                    return 1
+    return 0 if commands > 0 else 1
+
+
+if __name__ == "__main__":
+    task, *arguments = sys.argv[1:] or [""]
+    if task == "links":
+        sys.exit(check_links())
+    if task == "tables":
+        sys.exit(check_tables(arguments[0], "--write" in arguments))
+    if task == "tutorial":
+        sys.exit(run_tutorial(*arguments))
+    sys.exit(__doc__)
