@@ -28,7 +28,7 @@ file_name() { # SET -> monotone-exp2-combination
 }
 
 bench() { # FILE ARGUMENTS...
-  file=$out/ratios-$1.json
+  file=$work/ratios-$1.json
   shift
   "$lcpbench" bench "$@" --seed $ratio_seed --format json >"$file.part"
   sed -E -f "$here/../plain_paths.sed" "$file.part" >"$file"
@@ -75,6 +75,7 @@ ratios() {
     --problems 30
   large_problems
   bench dense-copositive-n-over-340 --solver contact_lemke --set "file:$work/large" --problems 1000
+  python3 "$here/collect_ratios.py" "$work" "$out"
 }
 
 study() { # NAME ARGUMENTS...: runs a study, resumed where it stopped, and keeps its tables
