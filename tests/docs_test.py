@@ -2,12 +2,13 @@
 """Checks the documents against the project.
 
     docs_test.py links                     every relative link and every docs/ path in the sources leads somewhere
-    docs_test.py tables LCPBENCH [--write] tables that a command can print are up to date; --write brings them up to date
+    docs_test.py tables LCPBENCH [--write] tables that are made from the program or from results/ are up to date; --write brings them up to date
     docs_test.py tutorial PAGE LCPBENCH    the commands of a tutorial run
 
 In a tutorial a fence ```sh is run, and a fence with a file name, as in ```python mine.py, is written to that file.
 Exit codes: 0 done, 1 a check failed.
 """
+import csv
 import json
 import os
 import pathlib
@@ -109,14 +110,61 @@ def case_table(sets, family):
     return "\n".join(lines) + "\n"
 
 
-def with_tables(text, solvers, sets):
-    def table(match):
-        kind, name = match[2], match[3]
-        made = settings_table(solvers[name]) if kind == "settings" else case_table(sets, name)
-        return match[1] + made + match[4]
+def percent(share):
+    return f"{100 * float(share):.1f}".removesuffix(".0")
 
-    pattern = r"(<!-- (settings|cases): ([\w-]+) -->\n).*?(<!-- end -->)"
-    return re.sub(pattern, table, text, flags=re.S)
+
+def seconds(text):
+    value = float(text)
+    unit, factor = next((u, f) for u, f in (("s", 1), ("ms", 1e-3), ("µs", 1e-6), ("ns", 1e-9)) if value >= f)
+    return f"{value / factor:.3g} {unit}" if value / factor < 100 else f"{value / factor:.0f} {unit}"
+
+
+def speed(text):
+    if not text:
+        return "-"
+    ratio = float(text)
+    if 0.95 < ratio < 1.05:
+        return "the same"
+    factor = max(ratio, 1 / ratio)
+    shown = f"{factor:.1f}" if factor < 10 else f"{factor:.0f}" if factor < 1000 else f"{round(factor, -1):.0f}"
+    return f"{shown}x {'faster' if ratio > 1 else 'slower'}"
+
+
+def study_table(name):
+    """Rows of the decision table of the committed run, for the README."""
+    with open(ROOT / "results/quick/decision.csv", newline="") as file:
+        rows = {(row["contacts"], row["solver"]): row for row in csv.DictReader(file)}
+    if name == "short":
+        lines = ["| solver | solved | said solved, was wrong | median time |", "| --- | --- | --- | --- |"]
+        for solver in ("contact_lemke", "lemke", "siconos_newton_fb", "ode_quickstep", "bullet_lemke"):
+            row = rows["Frictional", solver]
+            lines.append(f"| `{solver}` | {percent(row['solved.share'])} % of {row['solved.of']} | "
+                         f"{percent(row['false_claims.share'])} % | {seconds(row['median_time_s.value'])} |")
+        return "\n".join(lines) + "\n"
+    lines = ["| contacts | solver | of | solved (95 %) | wrong | time | speed |",
+             "| --- | --- | --- | --- | --- | --- | --- |"]
+    groups = {"Frictionless": "no friction", "Frictional": "friction",
+              "Ill-conditioned, frictional": "friction, 1e8"}
+    chosen = {"Frictionless": ("active_set", "lemke", "bullet_dantzig{diagonal=1e-12}", "bullet_dantzig",
+                               "ode_quickstep", "ipopt_qp"),
+              "Frictional": ("contact_lemke", "lemke", "siconos_lemke", "bullet_lemke"),
+              "Ill-conditioned, frictional": ("contact_lemke", "lemke", "ipopt_mpcc")}
+    for contacts, solvers in chosen.items():
+        for solver in solvers:
+            row = rows[contacts, solver]
+            share = f"{percent(row['solved.share'])} % ({percent(row['solved.low'])}-{percent(row['solved.high'])})"
+            lines.append(f"| {groups[contacts] if solver == solvers[0] else ''} | `{solver}` | {row['solved.of']} | "
+                         f"{share} | {percent(row['false_claims.share'])} % | "
+                         f"{seconds(row['median_time_s.value'])} | {speed(row['speedup.value'])} |")
+    return "\n".join(lines) + "\n"
+
+
+def with_tables(text, solvers, sets):
+    makers = {"settings": lambda name: settings_table(solvers[name]), "cases": lambda name: case_table(sets, name),
+              "study": study_table}
+    pattern = r"(<!-- (settings|cases|study): ([\w-]+) -->\n).*?(<!-- end -->)"
+    return re.sub(pattern, lambda match: match[1] + makers[match[2]](match[3]) + match[4], text, flags=re.S)
 
 
 def check_tables(lcpbench, write):
@@ -127,7 +175,7 @@ def check_tables(lcpbench, write):
     solvers = {solver["name"]: solver for solver in listed("solvers")}
     sets = listed("sets", "hard/*")
     stale, tables = [], 0
-    for page in sorted((ROOT / "docs").rglob("*.md")):
+    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]:
         text = page.read_text()
         tables += text.count("<!-- end -->")
         wanted = with_tables(text, solvers, sets)
