@@ -164,7 +164,7 @@ class External final : public Solver, public SelfTimed {
                        (failure.claim() == Claim::kTimeLimit
                             ? "; let it answer every line with a line and flush it, or raise --time-limit"
                             : "; run it in a terminal to see why") +
-                       " (docs/external.md)");
+                       " (docs/reference/external.md)");
     }
   }
 
@@ -317,7 +317,7 @@ Options checked_settings(const Options& options) {
 SolverDefinition lcpbench_solver_external() {
   SolverDefinition definition{.name = "external",
                               .summary = "any program: problems on its standard input, answers on its standard output",
-                              .source = "yours; docs/external.md shows how",
+                              .source = "yours; docs/reference/external.md shows how",
                               .capabilities = kCapabilities};
 #ifdef LCPBENCH_DESCRIBE_ONLY
   definition = with_settings<ExternalSettings>(std::move(definition));

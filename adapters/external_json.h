@@ -8,7 +8,8 @@
 #include "core/problem.h"
 #include "core/solver.h"
 
-/// The texts that an external program and its worker exchange: one JSON object a line. docs/external.md documents them.
+/// The texts that an external program and its worker exchange: one JSON object a line. docs/reference/external.md
+/// documents them.
 namespace lcpbench::external {
 
 /// What is wrong with an answer, in one clause.

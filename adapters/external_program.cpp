@@ -135,7 +135,7 @@ void ExternalProgram::start(const std::vector<std::string>& words) {
   if (read(error.read.get(), &cause, sizeof cause) == sizeof cause) {
     end();
     throw InputError("external: cannot run " + words.front() + ": " + std::strerror(cause) +
-                     "; docs/external.md says how to name a program");
+                     "; docs/reference/external.md says how to name a program");
   }
   input_ = std::move(input.write);
   output_ = std::move(output.read);

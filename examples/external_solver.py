@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Lemke's algorithm on a tableau, as an external solver of lcpbench. docs/external.md explains every line."""
+"""Lemke's algorithm on a tableau, as an external solver of lcpbench. docs/reference/external.md explains every line."""
 import json
 import sys
 

@@ -14,7 +14,7 @@
 // The random contact problems of Drumwright and Shell, "Extensive analysis of linear complementarity problem (LCP)
 // solver performance on randomly generated rigid body contact problems" (IROS 2012): Algorithms III.1 (frictionless,
 // monotone) and IV.1 (frictional, copositive), Experiments 1 to 6. Where the paper leaves a point open, each reading of
-// it is a named option; docs/generators.md gives the reasons.
+// it is a named option; docs/reference/generators.md gives the reasons.
 
 namespace lcpbench {
 

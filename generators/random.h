@@ -22,7 +22,7 @@ struct TrialKey {
 };
 
 /// What a draw is for. Each purpose has its own sequence, so that drawing more of one never shifts another.
-/// The numbers are part of the frozen layout (docs/random-stream.md): never reuse or renumber one.
+/// The numbers are part of the frozen layout (docs/reference/random-stream.md): never reuse or renumber one.
 enum class Purpose : std::uint64_t {
   kCoordinateCount = 1,
   kContactCount = 2,

@@ -40,7 +40,8 @@ struct ActiveSetSettings {
 ///
 /// whose multipliers are the normal impulses, by the dual active-set method of Goldfarb and Idnani in coordinates in
 /// which the inertia is the identity. In exact arithmetic it ends at the solution, or proves that there is none, for
-/// any contacts, redundant or not: finite because the objective increases. [Goldfarb, Idnani 1983; docs/active_set.md]
+/// any contacts, redundant or not: finite because the objective increases. [Goldfarb, Idnani 1983;
+/// docs/reference/solvers/active_set.md]
 ///
 /// Set-up O(ngc^3 / 6 + nc ngc^2 / 2), less where the inertia is blocks, a step O(ngc (nc + active)). Returns the
 /// velocity as well as z.

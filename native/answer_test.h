@@ -44,7 +44,7 @@ class AnswerTest {
   /// With singular inertia contacts may miss having a solution by so little that the residual does not tell. Whether
   /// they have one is decided apart (ContactSolvability). Where that leaves it open, with friction, the answer is
   /// "unconfirmed" unless a path of Lemke's method in 113 bits ends in a solution. Where the deadline ends that, the
-  /// claim becomes kTimeLimit. See docs/claims.md.
+  /// claim becomes kTimeLimit. See docs/explanation/verdicts.md.
   /// @param deadline_s on wall_clock_s(), for the paths only; infinity: none
   /// @returns whether the claim is still solved
   bool settle(Answer& answer, double deadline_s);

@@ -27,7 +27,7 @@ constexpr Capabilities kCapabilities{
     .allocation_free = true};
 
 /// What a user should call: chooses the method by the problem, solves what belongs together, and hands out only what
-/// was tested. See docs/auto.md.
+/// was tested. See docs/reference/solvers/auto.md.
 ///
 /// Contacts: islands one by one, each without the contacts that cannot be pressed; without friction by `active_set`, or
 /// `velocity_ipm` where it is a large scene; with friction by `contact_lemke`. Bare LCPs: LcpLadder. Each of these

@@ -92,7 +92,7 @@ class LoadedContacts {
 /// that does not pass the solver's own test of its answer is followed by the next: other covering vectors, among them
 /// the one that is positive on every row, and 113-bit arithmetic. With mu >= 0, positive definite G and no ties that
 /// last one ends in a solution. O(ngc (ngc + friction directions of pressing contacts)) per pivot; tens of pivots.
-/// [Lemke 1965; Anitescu, Potra 1997; Cottle, Pang, Stone 1992, 4.4] See docs/contact_lemke.md.
+/// [Lemke 1965; Anitescu, Potra 1997; Cottle, Pang, Stone 1992, 4.4] See docs/reference/solvers/contact_lemke.md.
 ///
 /// kSolved: the velocity residual with its estimated rounding is within 5e-5 of max|q|, evaluated from the returned z;
 /// `detail` names the rung. kUnsolvable: with a proof in `farkas`. kIterationLimit, kTimeLimit; kNumericalFailure: no

@@ -11,7 +11,7 @@
 #include "core/solver.h"
 
 // The one header to solve contacts in a simulator: installed as <lcpbench/lcpbench.h>, with all that it includes in one
-// file; the package's target is lcpbench::native. docs/embedding.md shows its use.
+// file; the package's target is lcpbench::native. docs/howto/embedding.md shows its use.
 
 namespace lcpbench {
 

@@ -74,7 +74,7 @@ struct LemkePivot {
 /// artificial variable preferred. Processes any copositive-plus M in exact arithmetic without degeneracy [Cottle, Pang,
 /// Stone 1992, 4.4]; ties are not broken lexicographically, so that degenerate problems may cycle up to the limit on
 /// pivots. Cost per pivot: engine=dense 2/3 n^3; engine=kernel O(k^3 + n k) with k the number of basic z.
-/// See docs/lemke.md.
+/// See docs/reference/solvers/lemke.md.
 ///
 /// kSolved: the artificial variable left the basis, and, with test=residual, the answer passes AnswerTest. kUnsolvable,
 /// with test=residual: AnswerTest found a proof; with test=none: no row blocks the entering variable (a ray: proof of

@@ -29,8 +29,9 @@ struct LemkeLeaf {
 
 /// Lemke's method at many pairs of tolerances: each pivot that paths have in common is gone once.
 ///
-/// Answers are bit for bit those of `Lemke` with each pair; see docs/lemke.md. Memory beside that of one Lemke: a
-/// kernel (k^2 doubles, k basic z) for each point at which paths part on the way to the present one, fewer than cells.
+/// Answers are bit for bit those of `Lemke` with each pair; see docs/reference/solvers/lemke.md. Memory beside that of
+/// one Lemke: a kernel (k^2 doubles, k basic z) for each point at which paths part on the way to the present one, fewer
+/// than cells.
 class LemkeSweep {
  public:
   /// @param cells all with engine=kernel and test=none, and alike but for the two tolerances

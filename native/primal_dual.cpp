@@ -99,7 +99,7 @@ enum class Stop { kConverged, kStalled, kBreakdown, kIterationLimit, kTimeLimit 
 /// Without a strictly feasible point (contact normals that positively span space) there is no central path and the
 /// method may stall. For other M it finds at best a stationary point, and says solved only where the LCP holds.
 /// The multiplier of y = M z + q is eliminated (it equals -kappa). O(n^3) per step; solve() allocates nothing.
-/// [Boyd, Vandenberghe 2004, section 11.7; docs/primal_dual.md]
+/// [Boyd, Vandenberghe 2004, section 11.7; docs/reference/solvers/primal_dual.md]
 class PrimalDual final : public Solver {
  public:
   explicit PrimalDual(const PrimalDualSettings& settings) : settings_(settings) {}

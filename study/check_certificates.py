@@ -4,8 +4,8 @@
     check_certificates.py FILE...        stores of `lcpbench certify --store`, or files of `--proofs`
 
 Needs Python 3.9 or later and nothing else; shares no code with lcpbench. Every double is read as the rational number
-that it is, every test is an identity or an inequality between integers: there is no tolerance. docs/certificates.md
-says why each test proves what it proves.
+that it is, every test is an identity or an inequality between integers: there is no tolerance.
+docs/explanation/certificates.md says why each test proves what it proves.
 
 Exit codes: 0 every certificate was accepted; 1 one was rejected; 2 a file cannot be read.
 """

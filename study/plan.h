@@ -27,7 +27,7 @@ struct PlannedSolver {
   bool optional = false;
 };
 
-/// What a study runs. Plain data; docs/plans.md documents the JSON form.
+/// What a study runs. Plain data; docs/reference/plans.md documents the JSON form.
 struct Plan {
   std::string name;
   std::string description;

@@ -50,7 +50,8 @@ nlohmann::ordered_json library_versions() {
                                         NLOHMANN_JSON_VERSION_PATCH)}};
 }
 
-/// Whether the limits on an external program hold for all that it starts together; docs/external.md says more.
+/// Whether the limits on an external program hold for all that it starts together; docs/reference/external.md says
+/// more.
 std::string external_limits() {
   constexpr std::uint64_t kAnyMemory = std::uint64_t{1} << 32;
   if (!worker::make_control_group(worker::group_folders(), worker::group_limits(kAnyMemory))) {

@@ -2,10 +2,10 @@
 
 namespace lcpbench {
 
-/// The store: one SQLite file; docs/store.md says how to read it. Ids are 63-bit hashes of what they identify (set
-/// name; solver name, settings, library, version, instruction-set level and sweep; set, seed and trial; the cells of a
-/// group; vector content), so that stores written apart merge by INSERT OR IGNORE and equal runs hold equal rows but
-/// for `timings` and `runs`.
+/// The store: one SQLite file; docs/reference/store.md says how to read it. Ids are 63-bit hashes of what they identify
+/// (set name; solver name, settings, library, version, instruction-set level and sweep; set, seed and trial; the cells
+/// of a group; vector content), so that stores written apart merge by INSERT OR IGNORE and equal runs hold equal rows
+/// but for `timings` and `runs`.
 ///
 /// A solver has one cell (parameterisation), a sweep has many. Cells of a sweep that answered a problem alike, bit for
 /// bit, share one row of `answers`, `verdicts` and `timings`: `part` is the lowest of their numbers, `cell_groups`

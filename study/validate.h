@@ -13,7 +13,7 @@
 
 namespace lcpbench {
 
-/// What an answer is worth beside another one, by its claim and verdict alone; docs/validate.md has the table.
+/// What an answer is worth beside another one, by its claim and verdict alone; docs/howto/validate.md has the table.
 enum class Standing {
   kRight,   ///< verified as a solution; or said to be unsolvable, which a checked proof confirms
   kWrong,   ///< a false claim

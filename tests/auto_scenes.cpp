@@ -1,4 +1,4 @@
-// What islands, leaving out and warm starts save: docs/auto.md shows what this prints as CSV.
+// What islands, leaving out and warm starts save, as CSV. Not a test; results/native/README.md has its command.
 //
 //   auto_scenes islands REPEATS   stacks of two cubes, 2 to 200 of them, every third flying: parts against the whole
 //   auto_scenes resting STEPS     stacks that stay at rest: pivots from z = 0 and from the last answer

@@ -1,5 +1,5 @@
 // How `auto` does on frictional problems that are given as (q, M), beside a solver that it has to be as good as: one
-// CSV row for each set. Not a test; docs/auto.md has the command.
+// CSV row for each set. Not a test; docs/reference/solvers/auto.md has the command.
 //
 //   bare_frictional TRIALS SEED [--other SOLVER] [--time-limit SECONDS] [SET...]
 //

@@ -1,5 +1,5 @@
 // What a user relies on: on easy problems every solver is right, ours and foreign, and every exception is one that
-// docs/adapters.md names and explains.
+// docs/reference/solvers/adapters.md names and explains.
 
 #include <map>
 #include <string>
@@ -16,7 +16,8 @@ namespace {
 
 constexpr std::int64_t kProblems = 50;
 
-/// Solvers that stop where their iterations are spent, whatever the answer: docs/adapters.md, "Easy problems".
+/// Solvers that stop where their iterations are spent, whatever the answer: docs/reference/solvers/adapters.md, "Easy
+/// problems".
 const std::map<std::string, std::string> kCapped{{"bullet_pgs", "ten sweeps"}};
 
 struct Shares {

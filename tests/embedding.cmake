@@ -29,6 +29,6 @@ add_test(NAME embedding_native_only
 add_test(NAME embedding_docs
          COMMAND ${CMAKE_COMMAND} -DROOT=${PROJECT_SOURCE_DIR} -P ${CMAKE_CURRENT_SOURCE_DIR}/embedding_docs.cmake)
 
-# A measurement, not a test: docs/embedding.md shows what it prints.
+# A measurement, not a test: results/native/precision.md has its command.
 add_executable(embedding_times EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/embedding_times.cpp)
 target_link_libraries(embedding_times PRIVATE lcpbench::native)

@@ -1,9 +1,9 @@
-# The example in docs/embedding.md is the file that the tests compile, of at most 30 lines.
+# The example in docs/howto/embedding.md is the file that the tests compile, of at most 30 lines.
 file(READ ${ROOT}/examples/embed/main.cpp example)
-file(READ ${ROOT}/docs/embedding.md page)
+file(READ ${ROOT}/docs/howto/embedding.md page)
 string(FIND "${page}" "```cpp\n${example}```" found)
 if(found EQUAL -1)
-  message(FATAL_ERROR "docs/embedding.md does not show examples/embed/main.cpp as it is")
+  message(FATAL_ERROR "docs/howto/embedding.md does not show examples/embed/main.cpp as it is")
 endif()
 string(REGEX MATCHALL "\n" lines "${example}")
 list(LENGTH lines count)

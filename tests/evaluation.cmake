@@ -4,10 +4,11 @@ lcpbench_test(island_evaluation LINK lcpbench_evaluation)
 lcpbench_test(backward_error LINK lcpbench_evaluation)
 lcpbench_test(truth LINK lcpbench_evaluation)
 lcpbench_test(verdict LINK lcpbench_evaluation SQLite::SQLite3)
-target_compile_definitions(verdict_test PRIVATE LCPBENCH_VERDICTS_TABLE="${PROJECT_SOURCE_DIR}/docs/verdicts.md")
+target_compile_definitions(verdict_test PRIVATE
+  LCPBENCH_VERDICTS_TABLE="${PROJECT_SOURCE_DIR}/tests/golden/verdicts.md")
 lcpbench_test(inspect LINK lcpbench_inspect lcpbench_generators nlohmann_json::nlohmann_json lcpbench_study)
 target_compile_definitions(inspect_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>"
-  LCPBENCH_INSPECT_PAGE="${PROJECT_SOURCE_DIR}/docs/inspect.md"
+  LCPBENCH_INSPECT_PAGE="${PROJECT_SOURCE_DIR}/docs/reference/inspect.md"
   LCPBENCH_WARNINGS_SOURCE="${PROJECT_SOURCE_DIR}/study/inspect/warnings.cpp")
 add_dependencies(inspect_test lcpbench)
 lcpbench_test(stability LINK lcpbench_stability lcpbench_study lcpbench_solver_list nlohmann_json::nlohmann_json)

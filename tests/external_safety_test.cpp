@@ -1,5 +1,5 @@
-// No process of a user's program outlives the solver, or lcpbench, however that ends; and what docs/external.md
-// promises.
+// No process of a user's program outlives the solver, or lcpbench, however that ends; and what
+// docs/reference/external.md promises.
 
 #include <chrono>
 #include <csignal>
@@ -137,7 +137,7 @@ std::string lcpbench(const std::string& arguments) {
   return pclose(output) == 0 ? text : "";
 }
 
-// What docs/external.md promises, word for word.
+// What docs/reference/external.md promises, word for word.
 constexpr const char* kExample = "--solver 'external{command=examples/external_solver.py}' ";
 
 TEST(ExternalExampleTest, SolvesTheBoxOnTheSlope) {

@@ -189,7 +189,7 @@ TEST(ExternalTest, ProgramThatDoesNotStartIsNamedWithWhatToDo) {
       start_error("sh -c 'echo no licence >&2; exit 3'"),
       "solver 'external' does not start: the program 'sh -c 'echo no licence >&2; exit 3'' did not answer \"start\": "
       "exited with code 3 without an answer; stderr: no licence; run it in a terminal to see why "
-      "(docs/external.md)");
+      "(docs/reference/external.md)");
 }
 
 /// Seconds until a silent program is given up.

@@ -68,4 +68,4 @@ target_compile_definitions(golden_library_test
 
 # Against the judge, which lives in study/.
 lcpbench_test(hard LINK lcpbench_evaluation lcpbench_generators lcpbench_study lcpbench_solver_list)
-target_compile_definitions(hard_test PRIVATE HARD_CASES_PAGE="${PROJECT_SOURCE_DIR}/docs/hard-cases.md")
+target_compile_definitions(hard_test PRIVATE HARD_CASES_PAGE="${PROJECT_SOURCE_DIR}/docs/reference/hard-cases.md")

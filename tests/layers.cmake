@@ -5,7 +5,7 @@
 #
 # One exception: two files of adapters/ may include native/velocity_ipm and native/answer_test. SuiteSparse's worker is
 # that native method with CHOLMOD inside, so that it tests its answers as every native solver does, and CHOLMOD's licence
-# keeps it out of everything but a worker (docs/decisions/005).
+# keeps it out of everything but a worker (docs/decisions/005-workers-for-foreign-code.md).
 #
 # The evaluation knows core only, so that no verdict can depend on a solver or a generator.
 set(allowed_core core)

@@ -66,7 +66,7 @@ foreach(level IN LISTS levels)
   endif()
 endforeach()
 
-# Measurements, not tests: docs/ shows what they print.
+# Measurements, not tests: results/ shows what they print.
 add_executable(auto_scenes EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/auto_scenes.cpp)
 target_link_libraries(auto_scenes PRIVATE lcpbench_solver_list lcpbench_evaluation)
 add_executable(bare_frictional EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/bare_frictional.cpp)

@@ -1,4 +1,6 @@
-"""The judge of docs/verdicts.md, written again from that page alone, in exact fractions, for small dense problems."""
+"""The judge of docs/explanation/verdicts.md, written again from that page alone.
+
+It computes in exact fractions, for small dense problems."""
 import math
 from fractions import Fraction
 
@@ -172,7 +174,7 @@ def judge_contact(problem, z):
 
 
 def judge(problem, z):
-    """What docs/verdicts.md finds of a usable z: the measures, `passes` and `criterion`."""
+    """What docs/explanation/verdicts.md finds of a usable z: the measures, `passes` and `criterion`."""
     return judge_bare(problem, z) if problem["kind"] == "lcp" else judge_contact(problem, z)
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""lcpbench solve agrees with the second judge, which was written from docs/verdicts.md alone.
+"""lcpbench solve agrees with the second judge, which was written from docs/explanation/verdicts.md alone.
 
 usage: verdicts_test.py LCPBENCH
 """

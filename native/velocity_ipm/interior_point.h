@@ -17,7 +17,8 @@ namespace lcpbench {
 ///
 /// the multipliers being the impulses. Each step factors one matrix of the order of the velocity (ngc), not of the
 /// contacts, whatever their number and redundancy: I + W diag(f / (s + shift f)) W' in coordinates where G = I. What
-/// factors it is the WhitenedNormals' business. [Mehrotra 1992; Wright 1997, ch. 10; docs/velocity_ipm.md]
+/// factors it is the WhitenedNormals' business. [Mehrotra 1992; Wright 1997, ch. 10;
+/// docs/reference/solvers/velocity_ipm.md]
 ///
 /// Every island is solved in its own unit (IslandUnits), so that max|q|, to which the residual is relative, is that of
 /// each island.

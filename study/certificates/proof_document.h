@@ -10,7 +10,7 @@
 namespace lcpbench {
 
 /// A problem and what is proven of it, as one line of JSON without the newline: all that someone needs who trusts
-/// nothing of ours. study/check_certificates.py reads it; docs/certificates.md says what stands in it.
+/// nothing of ours. study/check_certificates.py reads it; docs/explanation/certificates.md says what stands in it.
 ///
 /// The problem is written as the contact problem, or the bare LCP, that the proof is about: a scene is not. Vectors
 /// that the certificate does not have are null.

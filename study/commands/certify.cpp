@@ -356,7 +356,8 @@ Action add_certify_command(CLI::App& command, const std::string& command_line) {
   command.footer(
       "solution: one is proven to exist. unsolvable: proven to have none. open: neither. Proofs are exact, on the\n"
       "numbers of the file. A file that cannot be read does not stop the others; the exit code is then 2.\n"
-      "With --store: exit code 1 when an answer and a certificate contradict each other. See docs/certificates.md.");
+      "With --store: exit code 1 when an answer and a certificate contradict each other. See "
+      "docs/explanation/certificates.md.");
   return [arguments] { return certify(*arguments); };
 }
 

@@ -90,7 +90,7 @@ Action add_compare_command(CLI::App& command) {
       "corrected by Holm's method. Times: ratio of sums on problems solved in both, bootstrap interval; under 5 %, or\n"
       "with an interval that contains 1, it is a tie. Solvers belong together by name, settings and sweep, also "
       "across\n"
-      "versions and instruction-set levels. See docs/compare.md.");
+      "versions and instruction-set levels. See docs/howto/compare.md.");
   return [arguments] { return compare(*arguments); };
 }
 

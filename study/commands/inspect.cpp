@@ -42,7 +42,7 @@ Action add_inspect_command(CLI::App& command) {
   command.footer(
       "Size, symmetry, definiteness, rank, conditioning, redundancy, scaling, and what looks like a slip in the data:\n"
       "what to know before blaming a solver. Nothing is solved; warnings do not change the exit code. A file that\n"
-      "cannot be read does not stop the others; the exit code is then 2. See docs/inspect.md.");
+      "cannot be read does not stop the others; the exit code is then 2. See docs/reference/inspect.md.");
   return [arguments] { return inspect_files(*arguments); };
 }
 

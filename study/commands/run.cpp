@@ -266,7 +266,7 @@ Action add_run_command(CLI::App& command, const std::string& command_line) {
   command.add_flag("--fresh", arguments->fresh, "throw the store away first");
   command.footer(
       "Every finished cell (set x trial x solver) is kept: an interrupted run goes on where it stopped.\n"
-      "Ctrl-C ends in good order (exit code 3), a second one at once. docs/plans.md documents plan files.");
+      "Ctrl-C ends in good order (exit code 3), a second one at once. docs/reference/plans.md documents plan files.");
   return [arguments] { return run(*arguments); };
 }
 

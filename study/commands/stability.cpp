@@ -113,7 +113,7 @@ Action add_stability_command(CLI::App& command, const std::string& command_line)
   command.footer(
       "Problems are scaled, permuted, put in other units, given duplicated contacts, and perturbed; the physical "
       "answer\n"
-      "must move no more than conditioning allows. One thread. See docs/stability.md.");
+      "must move no more than conditioning allows. One thread. See docs/howto/stability.md.");
   return [arguments] { return run_stability(*arguments); };
 }
 

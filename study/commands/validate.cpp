@@ -305,7 +305,7 @@ Action add_validate_command(CLI::App& command, const std::string& command_line) 
   add_format_option(command, arguments->format);
   command.footer(
       "Our solvers against the reference libraries and against what theory proves, problem by problem. Verdicts are\n"
-      "the evaluation's. Exit code 1 when one of ours made a false claim. See docs/validate.md.");
+      "the evaluation's. Exit code 1 when one of ours made a false claim. See docs/howto/validate.md.");
   return [arguments, out] {
     arguments->out_given = out->count() > 0;
     return run_validation(*arguments);

@@ -104,7 +104,8 @@ const char* to_string(Verdict verdict);
 /// The inverse of to_string. @throws InputError for any other word.
 Verdict parse_verdict(std::string_view text);
 
-/// The verdict on an answer. Every combination of claim, truth and errors is fixed by the table in docs/verdicts.md.
+/// The verdict on an answer. Every combination of claim, truth and errors is fixed by the table in
+/// docs/explanation/verdicts.md.
 /// @param truth  kSolvable also when another solver's answer was found solved.
 Verdict verdict(Claim claim, const Errors& errors, Truth truth);
 

@@ -119,7 +119,7 @@ enum class Concern {
 const char* to_string(Concern concern);
 
 struct Warning {
-  std::string code;  ///< stable, for programs: docs/inspect.md lists them all
+  std::string code;  ///< stable, for programs: docs/reference/inspect.md lists them all
   Concern concern = Concern::kDifficulty;
   double value = 0;  ///< the number behind it
   std::string text;  ///< one plain sentence

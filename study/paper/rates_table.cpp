@@ -235,7 +235,7 @@ Table rates_table(const Summary& summary, const std::vector<Grid>& grids, Kind k
       "In Experiment 6 the paper’s Lemke is `regularized{test=tried}`, whose test of an answer is the published one; "
       "`regularized` tests the answer on the problem itself. Redundancy: `multiple`, a redundant contact is a multiple "
       "of "
-      "one other; `combination`, of all independent ones (`docs/generators.md`)."};
+      "one other; `combination`, of all independent ones (`docs/reference/generators.md`)."};
   table.query = rates_query(kind);
   table.records = Json::array();
   for (const Experiment& experiment : experiments()) {

@@ -22,15 +22,15 @@ const Grid* default_of(const std::vector<Grid>& grids, const Grid& reading) {
   return nullptr;
 }
 
-/// What is known of rates that no reading reproduces (docs/lemke.md, docs/primal_dual.md).
+/// What is known of rates that no reading reproduces (docs/explanation/paper-study.md).
 std::string known_explanation(Kind kind, const Experiment& experiment, Family family) {
   if (family == Family::kPath) return "today's PATH is another version than that of 2012, on another machine";
   if (family == Family::kInteriorPoint)
-    return "no reading of the text that was tried gives the paper's IP rows: docs/primal_dual.md";
+    return "no reading of the text that was tried gives the paper's IP rows: docs/explanation/paper-study.md";
   const bool reduced = experiment.name == "exp3" || experiment.name == "exp4";
   if (kind == Kind::kCopositive && reduced)
-    return "no reading of the text that was tried gives these rows: docs/lemke.md";
-  return "what was tried: docs/lemke.md";
+    return "no reading of the text that was tried gives these rows: docs/explanation/paper-study.md";
+  return "what was tried: docs/explanation/paper-study.md";
 }
 
 Agreement agreement_of(const Grid& grid, const Interval& gap) {

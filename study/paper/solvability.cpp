@@ -6,7 +6,7 @@ namespace lcpbench::paper {
 
 namespace {
 
-// The generator's sizes, docs/generators.md.
+// The generator's sizes, docs/reference/generators.md.
 constexpr int kFewestCoordinates = 6;
 constexpr int kMostCoordinates = 15;
 constexpr int kFewestContacts = 2;

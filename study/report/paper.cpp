@@ -260,7 +260,8 @@ Layout missed_layout(const Summary& summary, const PaperStudy& study) {
 void write_readings(PaperWriter& writer, const Summary& summary, const PaperStudy& study) {
   writer.heading(1, "paper-readings", "Open readings, and what is not reproduced");
   writer.paragraph(
-      "The paper leaves details of its generators open. Each reading is an option of a set (`docs/generators.md`); "
+      "The paper leaves details of its generators open. Each reading is an option of a set "
+      "(`docs/reference/generators.md`); "
       "here is "
       "what it changes. Numbers: `tables/readings.csv`.");
   if (study.readings.empty()) writer.paragraph("No sweep on a set with an option off its default is in this store.");

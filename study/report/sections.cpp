@@ -435,7 +435,7 @@ std::string definitions_section() {
          "</dd>\n"
          "<dt><strong>Tie</strong></dt><dd>Both are reliable, and the ratio of their times is within 5 % of 1, or its "
          "interval contains 1.</dd>\n</dl>\n"
-         "<p>The files <code>docs/report.md</code> and <code>docs/verdicts.md</code> of lcpbench say "
+         "<p>The files <code>docs/howto/report.md</code> and <code>docs/explanation/verdicts.md</code> of lcpbench say "
          "more.</p></section>\n";
 }
 

@@ -12,7 +12,7 @@ namespace lcpbench {
 std::string stability_text(const StabilityResult& result);
 
 /// For programs: an array with an object for each transformation and solver that was asked; fields in
-/// docs/stability.md.
+/// docs/howto/stability.md.
 nlohmann::ordered_json stability_json(const StabilityResult& result);
 
 }  // namespace lcpbench

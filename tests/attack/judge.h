@@ -7,8 +7,8 @@
 
 namespace lcpbench::attack {
 
-/// The verdict's measure of an answer in exact arithmetic, written anew from docs/verdicts.md: rho by island for
-/// contact problems, eta by block for bare LCPs.
+/// The verdict's measure of an answer in exact arithmetic, written anew from docs/explanation/verdicts.md: rho by
+/// island for contact problems, eta by block for bare LCPs.
 class Judge {
  public:
   explicit Judge(const Problem& problem);
