@@ -10,6 +10,7 @@
 #include "core/registry.h"
 #include "core/timed_solve.h"
 #include "native/dense_data.h"
+#include "native/exact_sum.h"
 
 namespace lcpbench {
 namespace {
@@ -102,7 +103,6 @@ void ActiveSet::reserve(const Problem& problem) {
   v_.reserve(reserved_.ngc);
   dense_normals_.reserve(reserved_.ngc * reserved_.nc);
   dense_inertia_.reserve(reserved_.ngc * reserved_.ngc);
-  image_.reserve(reserved_.ngc);
   farkas_.reserve(reserved_.nc);
   islands_.reserve(reserved_.ngc, reserved_.nc);
 }
@@ -114,8 +114,8 @@ void ActiveSet::on_load(const Problem& problem) {
   if (may_be_singular_) solvability_.load(contact);
   first_.load(input_);
   if (settings_.precision == ActiveSetPrecision::kLadder) reserve_later_rungs(contact);
+  if (settings_.precision == ActiveSetPrecision::kQuad) reserve_proof(contact.ngc(), contact.nc());
   if (settings_.precision == ActiveSetPrecision::kFloat) second_.load(input_);
-  image_.resize(input_.ngc);
   farkas_.resize(input_.nc);
 }
 
@@ -129,6 +129,12 @@ void ActiveSet::reserve_later_rungs(const ContactProblem& contact) {
   reserved_.factors = std::max(reserved_.factors, factors);
   second_.reserve(reserved_);
   third_.reserve(reserved_);
+  reserve_proof(reserved_.ngc, reserved_.nc);
+}
+
+void ActiveSet::reserve_proof(Index ngc, Index nc) {
+  support_.reserve(static_cast<std::size_t>(nc));
+  farkas_support_.reserve(ngc, ngc, nc);
 }
 
 /// Points input_ to the problem's own arrays where it has dense ones.
@@ -205,8 +211,13 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
       solve_in_more_bits(rules, outcome, answer, velocity);
     }
   }
-  if (may_be_singular_) check_solvability(request, rules, outcome);
-  if (outcome.ending == Ending::kSolved || outcome.ending == Ending::kRejected) answer.velocity.swap(velocity);
+  const bool has_answer = outcome.ending == Ending::kSolved || outcome.ending == Ending::kRejected;
+  if (may_be_singular_) {
+    check_solvability(request, rules, outcome);
+  } else if (outcome.ending == Ending::kInfeasible && !is_proven_singular()) {
+    outcome.ending = Ending::kBreakdown;
+  }
+  if (has_answer && outcome.ending != Ending::kInfeasible) answer.velocity.swap(velocity);
   if (outcome.ending == Ending::kInfeasible && round_to_proof(farkas_.view())) {
     Vector& farkas = cleared_vectors().farkas;
     farkas = farkas_.view();
@@ -270,8 +281,21 @@ void ActiveSet::climb(Rung& rung, const char* name, active_set::Rules& rules, ac
   answer.detail = name;
 }
 
-/// Replaces u by small integers in the same proportion when there are such, and N u is in null(G) for them in double:
-/// sums of a few products of small integers with data of few bits are exact, so that these are proofs.
+/// Whether contacts on a given G, which the last precision takes for singular, have no solution with the normals of
+/// farkas_.
+bool ActiveSet::is_proven_singular() {
+  constexpr double kNoShare = 0x1p-80;  // of the largest: rounding
+  const double largest = farkas_.view().maxCoeff();
+  support_.clear();
+  for (Index j = 0; j < input_.nc; ++j) {
+    if (farkas_(j) > kNoShare * largest) support_.push_back(j);
+  }
+  const Eigen::Map<const Matrix> G(input_.matrix, input_.ngc, input_.ngc);
+  return farkas_support_.proves_unsolvable(*problem().contact(), G, v_.data(), support_);
+}
+
+/// Replaces u by small integers in the same proportion when there are such. @returns whether they prove that there is no
+/// solution
 bool ActiveSet::round_to_proof(Eigen::Ref<Vector> u) {
   constexpr int kLargestMultiple = 64;
   constexpr double kRounding = 1e-6;
@@ -282,20 +306,28 @@ bool ActiveSet::round_to_proof(Eigen::Ref<Vector> u) {
     for (const double entry : u) change = std::max(change, std::abs(std::round(entry * factor) - entry * factor));
     if (!(change <= kRounding)) continue;
     for (double& entry : u) entry = std::round(entry * factor);
-    return annihilates(u);
+    return is_proof(u);
   }
   return false;
 }
 
-/// Whether X'N u (G N u, G* N u) is zero as computed.
-bool ActiveSet::annihilates(const Eigen::Ref<const Vector>& u) {
-  image_.view().setZero();
-  for (Index j = 0; j < input_.nc; ++j) {
-    if (u(j) != 0) image_.view() += u(j) * Eigen::Map<const Vector>(input_.N + j * input_.ngc, input_.ngc);
+/// Whether X'N u (G N u, G* N u) = 0 and v'N u < 0, without any rounding. @param u small integers, at least 0
+bool ActiveSet::is_proof(const Eigen::Ref<const Vector>& u) const {
+  ExactSum sum;
+  const auto sign = [&](const double* row) {
+    sum.clear();
+    for (Index j = 0; j < input_.nc; ++j) {
+      for (Index i = 0; i < input_.ngc && u(j) != 0; ++i) sum.add(row[i], input_.N[j * input_.ngc + i], u(j));
+    }
+    return sum.sign();
+  };
+  for (const double entry : Eigen::Map<const Vector>(input_.N, input_.ngc * input_.nc)) {
+    if (!(std::abs(entry) <= std::numeric_limits<double>::max() / u.maxCoeff())) return false;
   }
+  if (sign(v_.data()) >= 0) return false;
   const Index columns = input_.form == InertiaForm::kFactors ? input_.factors : input_.ngc;
   for (Index k = 0; k < columns; ++k) {
-    if (Eigen::Map<const Vector>(input_.matrix + k * input_.ngc, input_.ngc).dot(image_.view()) != 0) return false;
+    if (sign(input_.matrix + k * input_.ngc) != 0) return false;
   }
   return true;
 }

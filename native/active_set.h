@@ -1,11 +1,14 @@
 #pragma once
 
+#include <vector>
+
 #include "core/isa.h"
 #include "core/islands.h"
 #include "core/settings.h"
 #include "core/solver.h"
 #include "native/active_set_engine.h"
 #include "native/contact_solvability.h"
+#include "native/farkas_support.h"
 #include "native/growing_vector.h"
 
 namespace lcpbench {
@@ -92,6 +95,7 @@ class ActiveSet final : public Solver {
   void on_solve(const SolveRequest& request, Answer& answer) override;
   void describe(const ContactProblem& contact);
   void reserve_later_rungs(const ContactProblem& contact);
+  void reserve_proof(Index ngc, Index nc);
   active_set::Rules rules(const SolveRequest& request) const;
   void check_solvability(const SolveRequest& request, const active_set::Rules& rules, active_set::Outcome& outcome);
   bool stopped(const active_set::Outcome& outcome) const;
@@ -99,7 +103,8 @@ class ActiveSet final : public Solver {
   void climb(Rung& rung, const char* name, active_set::Rules& rules, active_set::Outcome& outcome, Answer& answer,
              Vector& velocity);
   bool round_to_proof(Eigen::Ref<Vector> u);
-  bool annihilates(const Eigen::Ref<const Vector>& u);
+  bool is_proof(const Eigen::Ref<const Vector>& u) const;
+  bool is_proven_singular();
 
   ActiveSetSettings settings_;
   Rung first_;
@@ -114,8 +119,9 @@ class ActiveSet final : public Solver {
   GrowingVector v_;
   GrowingVector dense_normals_;  // of a sparse N
   GrowingVector dense_inertia_;  // of block inertia
-  GrowingVector image_;          // N u
   GrowingVector farkas_;
+  std::vector<Index> support_;  // of farkas_
+  FarkasSupport farkas_support_;
 };
 
 }  // namespace lcpbench

@@ -15,10 +15,12 @@ constexpr double kUnitRoundoff = 0x1p-53;
 /// Of scaled sums, whose largest terms have the size of one, with speeds up to the second.
 constexpr double kUnderflow = 0x1p-600;
 constexpr double kLargestSpeed = 0x1p300;
+constexpr double kTiny = 0x1p-1000;
 
 }  // namespace
 
-/// Whether K'(v + X y) > 0, or K'X y > 0, by more than the rounding in these sums, for the dual solution y.
+/// Whether K'(v + X y) > 0, or K'X y > 0, by more than the rounding in these sums, for the dual solution y. What products
+/// lose to underflow is less than the rounding of kTiny.
 bool ContactSolvability::lifts_all(const Program<double>& program, bool from_v) {
   const Index ngc = X_->rows();
   auto lift = lift_.head(ngc);
@@ -42,7 +44,7 @@ bool ContactSolvability::lifts_all(const Program<double>& program, bool from_v) 
     visit_edge(*contact_, edge.contact, edge.direction, edge.factor, [&](Index i, double entry, double factor) {
       const double weight = factor * entry;
       sum += weight * lift(i);
-      size += std::abs(weight) * terms(i);
+      size += (std::abs(weight) + kTiny) * (terms(i) + kTiny);
     });
     return size > 1e-250 && size < 1e250 && sum > rounding * size;
   });
@@ -94,7 +96,7 @@ void ContactSolvability::load_basis(const Program<double>& program) {
         column(k) += term;
         terms(k) += std::abs(term);
       }
-      const double cost = scaled(weight, cost_exponent_) * v_[i];
+      const double cost = scaled(entry * factor, exponent + cost_exponent_) * v_[i];  // `weight` may have underflowed
       basis_costs_(r) += cost;
       basis_cost_terms_(r) += std::abs(cost);
     });
@@ -151,6 +153,19 @@ bool ContactSolvability::proves_unsolvable(const Program<double>& program) {
     rounding += basis_cost_terms_(r) * (off + sums * share);
   }
   return value < -1.1 * rounding;
+}
+
+/// Whether the normals whose shares in the last basis are above `noise` prove that there is no solution. Keeps the proof.
+bool ContactSolvability::proves_unsolvable(const Program<Quad>& program, Quad noise) {
+  support_.clear();
+  for (Index r = 0; r < program.rows; ++r) {
+    const Index j = basis_[static_cast<std::size_t>(r)];
+    if (j >= program.edges || !(program.row(r)[program.right()] > noise)) continue;
+    support_.push_back(edges_[static_cast<std::size_t>(j)].contact);
+  }
+  if (!farkas_support_.proves_unsolvable(*contact_, *X_, v_, support_)) return false;
+  take_proof(program);
+  return true;
 }
 
 /// Whether K'(v + X y) >= 0 for the dual solution y, each edge to within the rounding of its own sum.

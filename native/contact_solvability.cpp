@@ -13,10 +13,10 @@ namespace lcpbench {
 namespace {
 
 /// Of the least value in 113 bits, relative to its terms: what is rounding where no pivot is small, what it may be at
-/// most to be told from data, and how much more a negative value is.
+/// most to be told from data, and how much more a share of it is that counts.
 constexpr Quad kRounding = 0x1p-100;
 constexpr Quad kLargestRounding = 0x1p-75;
-constexpr Quad kNegative = 0x1p10;
+constexpr Quad kNoNoise = 0x1p10;
 
 const Matrix& reach_of(const Inertia& inertia) {
   const auto* factored = std::get_if<FactoredInertia>(&inertia);
@@ -45,6 +45,8 @@ void ContactSolvability::reserve(const ContactProblem& contact) {
   pivot_rows_.reserve(rows);
   range_.reserve(static_cast<std::size_t>(contact.ngc()) * (rows - 1));
   if (proof_.size() < contact.nc()) proof_.resize(contact.nc());
+  support_.reserve(rows);
+  farkas_support_.reserve(contact.ngc(), reach_of(contact.inertia).cols(), contact.nc());
   if (basis_columns_.rows() < static_cast<Index>(rows)) {
     basis_columns_.resize(static_cast<Index>(rows), static_cast<Index>(rows));
     basis_terms_.resize(static_cast<Index>(rows), static_cast<Index>(rows));
@@ -332,16 +334,12 @@ ContactSolvability::Sign ContactSolvability::sign_of_least(Scalar* storage, doub
     take_proof(program);
     return Sign::kNegative;
   } else {
-    const Quad terms = terms_of_least(program);
     const Quad rounding = kRounding / least_pivot_;
-    if (!(rounding <= kLargestRounding)) return Sign::kUnknown;
-    const Quad value = value_in_data(program, kNegative * rounding);
-    if (value >= -rounding * terms) {
-      return holds_to_rounding(program, rounding) ? Sign::kZero : Sign::kUnknown;
-    }
-    if (!(value < -kNegative * rounding * terms)) return Sign::kUnknown;
-    take_proof(program);
-    return Sign::kNegative;
+    const Quad value = value_in_data(program, kNoNoise * rounding);
+    const Quad least = -rounding * terms_of_least(program);
+    if (of_normals_ && value < least && proves_unsolvable(program, kNoNoise * rounding)) return Sign::kNegative;
+    if (!(rounding <= kLargestRounding && value >= least)) return Sign::kUnknown;
+    return holds_to_rounding(program, rounding) ? Sign::kZero : Sign::kUnknown;
   }
 }
 

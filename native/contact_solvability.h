@@ -6,6 +6,7 @@
 
 #include "core/contact_problem.h"
 #include "core/quad.h"
+#include "native/farkas_support.h"
 
 namespace lcpbench {
 
@@ -19,9 +20,10 @@ namespace lcpbench {
 ///
 /// Both are decided by the linear program min v'K u, X'K u = 0, sum u = 1, u >= 0, by the simplex method in double. It
 /// decides where the dual solution y satisfies all inequalities by more than any rounding, or where the u of the exact
-/// system of the last basis is positive and falls by more than its computed neighbour may be off. Else 113 bits decide,
-/// where a value of the size of rounding counts as zero. Data in doubles that miss a solution do so by far more, unless
-/// small pivots enlarge the rounding: then nothing is decided. X of full row rank reaches all: there is a solution.
+/// system of the last basis is positive and falls by more than its computed neighbour may be off. Else 113 bits decide.
+/// That there is no solution has to be proven there too, for the data as they are (FarkasSupport). For a solution a value
+/// of the size of rounding counts as zero, unless small pivots enlarge the rounding: then nothing is decided. X of full
+/// row rank reaches all: there is a solution.
 class ContactSolvability {
  public:
   enum class Finding { kSolvable, kUnsolvable, kUnknown };
@@ -58,7 +60,7 @@ class ContactSolvability {
   };
   template <class Scalar>
   struct Program;
-  /// Of the least v'K u. kAlwaysPositive: for every v.
+  /// Of the least v'K u. kAlwaysPositive: for every v. kNegative: proven, for the normals alone.
   /// kNegativeInDouble: by more than rounding is likely to do.
   enum class Sign { kAlwaysPositive, kPositive, kZero, kNegative, kNegativeInDouble, kUnknown };
 
@@ -102,6 +104,7 @@ class ContactSolvability {
   bool lifts_all(const Program<Quad>& program, Quad rounding) const;
   void load_basis(const Program<double>& program);
   bool proves_unsolvable(const Program<double>& program);
+  bool proves_unsolvable(const Program<Quad>& program, Quad noise);
   template <class Scalar>
   Scalar noise_of_cost(const Program<Scalar>& program, Index j) const;
   bool holds_to_rounding(const Program<Quad>& program, Quad rounding);
@@ -125,6 +128,8 @@ class ContactSolvability {
   std::vector<double> row_scale_;         // 2^row_exponent_
   std::vector<Index> basis_;              // by row: an edge, or their number + the row of an artificial variable
   Vector proof_;                          // nc
+  std::vector<Index> support_;            // the normals that have part in it
+  FarkasSupport farkas_support_;
   Vector lift_, lift_terms_;              // ngc: X y and a bound on its terms
   Vector coordinate_size_;                // ngc: the largest scaled entry of X in the row
   Matrix basis_columns_, basis_terms_;    // of the last basis in double, by column, and the magnitudes they add up

@@ -149,6 +149,9 @@ void Psor::set_start(const Vector* start) {
     state_.scale_impulses();
   }
   state_.recompute_velocity();
+  if (impulse.allFinite() && state_.u.allFinite()) return;
+  impulse.setZero();  // beyond double, in the units of the islands: no start
+  state_.recompute_velocity();
 }
 
 /// @returns how much the row was off, in the units of w: |min(M_ii z_i, w_i)|.

@@ -27,7 +27,8 @@ struct VelocityIpmSettings {
 ///
 /// Finish. Dense: the dual active-set method from the contacts that are pressed. Sparse: InteriorPoint::finish().
 ///
-/// kSolved: the velocity residual, computed from z alone, is within accept_residual, and the answer passes AnswerTest;
+/// kSolved: the velocity residual, computed from z alone, is within accept_residual, and the answer passes AnswerTest or
+/// the test of the active set;
 /// kUnsolvable: shown by the finish; kNumericalFailure: it is not, with what ended the iteration.
 class VelocityIpm final : public Solver {
  public:
@@ -47,7 +48,7 @@ class VelocityIpm final : public Solver {
   VelocityIpmSettings settings_;
   InteriorPoint method_;
   ActiveSet active_set_;
-  AnswerTest test_;  // of sparse algebra
+  AnswerTest test_;  // of what the active set does not test
   bool is_sparse_ = false;
   Vector pressed_;  // nc
   AnswerRoom room_;
@@ -60,16 +61,20 @@ void VelocityIpm::on_load(const Problem& problem) {
   method_.load(is_sparse_ ? sparse_whitened_normals(contact, multifrontal_cholesky()) : dense_whitened_normals(contact),
                contact);
   if (!method_.loaded()) return;
-  if (is_sparse_) test_.load(problem, AnswerTest::Bodies::kOneByOne);
-  if (!ends_with_active_set()) return;
+  if (!ends_with_active_set()) {
+    return test_.load(problem, is_sparse_ ? AnswerTest::Bodies::kOneByOne : AnswerTest::Bodies::kTogether);
+  }
   active_set_.load(problem);
   pressed_.resize(contact.nc());
 }
 
 void VelocityIpm::on_update(const Vector& v) {
   if (!method_.loaded() || !v.allFinite()) return Solver::on_update(v);
-  if (ends_with_active_set()) active_set_.update(v);
-  if (is_sparse_) test_.set_velocity(v);
+  if (ends_with_active_set()) {
+    active_set_.update(v);
+  } else {
+    test_.set_velocity(v);
+  }
   method_.set_velocity(v);
 }
 
@@ -90,8 +95,10 @@ bool VelocityIpm::finish_dense(const SolveRequest& request, Answer& answer) {
 
 /// No q is other than zero, but q may have been rounded to that.
 void VelocityIpm::confirm_rest(const SolveRequest& request, Answer& answer) {
-  if (is_sparse_) test_.settle(answer, wall_clock_s() + request.time_limit_s);
-  if (!ends_with_active_set()) return;
+  if (!ends_with_active_set()) {
+    test_.settle(answer, wall_clock_s() + request.time_limit_s);
+    return;
+  }
   pressed_.setZero();
   active_set_.solve({.start = &pressed_, .time_limit_s = request.time_limit_s}, answer);
 }
@@ -108,11 +115,17 @@ void VelocityIpm::on_solve(const SolveRequest& request, Answer& answer) {
     return;
   }
   if (ends_with_active_set() && finish_dense(request, answer)) return;
-  if (settings_.method.finish && is_sparse_) method_.finish(answer.counters);
+  if (!settings_.method.finish) {
+    method_.drop_parting();
+  } else if (is_sparse_) {
+    method_.finish(answer.counters);
+  }
   method_.conclude(answer);
-  // The active set refuses what its own test, in up to 113 bits, refuses.
-  if (ends_with_active_set() && answer.claim == Claim::kSolved) answer.claim = Claim::kNumericalFailure;
-  if (is_sparse_) test_.settle(answer, std::numeric_limits<double>::infinity());
+  if (!ends_with_active_set()) {
+    test_.settle(answer, std::numeric_limits<double>::infinity());
+  } else if (answer.claim == Claim::kSolved) {  // refused by the test of the active set, in up to 113 bits
+    answer.claim = Claim::kNumericalFailure;
+  }
 }
 
 constexpr Capabilities kCapabilities{

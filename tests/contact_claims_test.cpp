@@ -365,6 +365,51 @@ TEST(ContactClaimsTest, DoNotTakeTheRoundingOfContactsAtRestForAProof) {
   for (const char* solver : {"lemke", "principal_pivoting", "enumeration"}) expect_honest(solver, problem);
 }
 
+/// Proofs are exact, or they are not given.
+void expect_no_false_proof(const std::string& solver, const Problem& problem) {
+  const Answer answer = solve(solver, problem);
+  if (answer.farkas.size() == 0) return;
+  EXPECT_EQ(answer.claim, Claim::kUnsolvable) << solver;
+  EXPECT_TRUE(Evaluator(problem).check_farkas(answer.farkas)) << solver;
+}
+
+// X'N is 2^-104 for the first normal, which an enormous impulse can move: it proves nothing, and in double it is zero.
+TEST(ContactClaimsTest, DoNotTakeAProductOfTwoUlpsForNothing) {
+  const double ulp = 0x1p-52;
+  const Inertia inertia = FactoredInertia{Matrix{{1 + ulp}, {1}, {0}}, Vector::Ones(1)};
+  const Vector v{{0, 0, -1}};
+  const Vector normal{{-(1 - ulp), 1, 0.5}};
+  const Problem alone = contacts(v, normal, inertia);
+  Matrix N(3, 2);
+  N << normal, Vector{{0, 0, 1}};
+  const Problem beside_an_immovable_one = contacts(v, N, inertia);
+  for (const std::string& solver : kOnContacts) {
+    EXPECT_NE(solve(solver, alone).claim, Claim::kUnsolvable) << solver;
+    expect_no_false_proof(solver, beside_an_immovable_one);
+  }
+}
+
+/// B'B of integers, in which no digit is lost. Its determinant is one, or zero where it is singular.
+Matrix inertia_of_integers(bool singular) {
+  const double p = 0x1p25;
+  const double last = singular ? p : p + 1;
+  const Matrix B{{p, 0, last}, {1, p, p + 1}, {0, 1, 1}};
+  return B.transpose() * B;
+}
+
+// In 113 bits the two look the same.
+TEST(ContactClaimsTest, TellADeterminantOfOneFromZero) {
+  const Matrix N = Vector{{-1, -1, 1}}.asDiagonal().toDenseMatrix();
+  const Vector v{{1, 1, -1}};
+  const Problem regular = contacts(v, N, DenseInertia{inertia_of_integers(false)});
+  const Problem singular = contacts(v, N, DenseInertia{inertia_of_integers(true)});
+  for (const std::string& solver : kOnContacts) expect_honest(solver, regular);
+  const Answer answer = solve("active_set", singular);
+  EXPECT_EQ(answer.claim, Claim::kUnsolvable) << answer.detail;
+  EXPECT_EQ(answer.farkas, Vector::Ones(3));
+  EXPECT_TRUE(Evaluator(singular).check_farkas(answer.farkas));
+}
+
 TEST(ContactClaimsTest, AreNotMadeOfInertiaWhoseReciprocalOverflows) {
   Vector v(2);
   v << -0.36268043518066406, 0;

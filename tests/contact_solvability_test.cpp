@@ -197,5 +197,51 @@ TEST(ContactSolvabilityTest, WhatSomeContactsAllowIsNoSolutionForAll) {
   EXPECT_EQ(decide(contact), Finding::kSolvable);
 }
 
+/// Contacts without friction on factors of weight one.
+ContactProblem on_factors(const Matrix& X, const Matrix& N, const Vector& v) {
+  ContactProblem contact;
+  contact.v = v;
+  contact.N = N;
+  contact.D = Matrix(v.size(), 0);
+  contact.edges.assign(static_cast<std::size_t>(N.cols()), 0);
+  contact.mu = Vector::Zero(N.cols());
+  contact.inertia = FactoredInertia{X, Vector::Ones(X.cols())};
+  return contact;
+}
+
+// X'N = 2^-104: the contact can be moved, if only by an enormous impulse.
+TEST(ContactSolvabilityTest, AProductOfTwoUlpsIsNotNothing) {
+  const double ulp = 0x1p-52;
+  const Matrix X{{1 + ulp}, {1}, {0}};
+  const Vector v{{0, 0, -1}};
+  EXPECT_NE(decide(on_factors(X, Matrix{{-(1 - ulp)}, {1}, {1}}, v)), Finding::kUnsolvable);
+  EXPECT_EQ(decide(on_factors(X, Matrix{{-1}, {1 + ulp}, {1}}, v)), Finding::kUnsolvable);
+  EXPECT_EQ(decide(on_factors(Matrix{{1}, {1}, {0}}, Matrix{{-1}, {1}, {0x1p-1000}}, v)), Finding::kUnsolvable);
+}
+
+/// Three factors in a plane. u = (3, 7, 5) of the normals add up to what no factor meets.
+ContactProblem three_in_a_plane() {
+  const Matrix X{{1, 2, 3}, {-1, 1, 0}, {2, 1, 3}, {0, 0, 0}};
+  const Matrix N{{5, -5, 5}, {1, 1, -3}, {-4, 1, 0}, {-1, -1, -1}};
+  return on_factors(X, N, Vector{{0, 0, 0, 1}});
+}
+
+// X'N has three rows of rank two: the third counts as well, to the last bit.
+TEST(ContactSolvabilityTest, DependentFactorsMustDependExactly) {
+  EXPECT_EQ(decide(three_in_a_plane()), Finding::kUnsolvable);
+  for (const int exponent : {-300, 300}) {
+    ContactProblem scaled = three_in_a_plane();
+    Matrix& X = std::get<FactoredInertia>(scaled.inertia).X;
+    X.col(2) *= std::ldexp(1.0, exponent);
+    EXPECT_EQ(decide(scaled), Finding::kUnsolvable) << exponent;
+  }
+  for (Index k = 0; k < 3; ++k) {
+    ContactProblem missed = three_in_a_plane();
+    double& entry = std::get<FactoredInertia>(missed.inertia).X(0, k);
+    entry = std::nextafter(entry, 10);
+    EXPECT_NE(decide(missed), Finding::kUnsolvable) << k;
+  }
+}
+
 }  // namespace
 }  // namespace lcpbench

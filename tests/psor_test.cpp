@@ -170,6 +170,17 @@ TEST(PsorTest, StartsFromTheAnswerOfIslandsThatDifferInScale) {
   EXPECT_LE(solve(*solver, {.start = &cold.z}).counters.iterations, 1);
 }
 
+TEST(PsorTest, StartsFromNothingWhereTheStartIsBeyondDoubleInTheUnitsOfAnIsland) {
+  const Problem problem = testing::two_chains(1e10, 1e-4, testing::Storage::kSparse);
+  const auto solver = psor();
+  solver->load(problem);
+  const Answer cold = solve(*solver);
+  const Vector start = Vector::Constant(problem.size(), 1e300);
+  const Answer answer = solve(*solver, {.start = &start});
+  EXPECT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_EQ(answer.z, cold.z);
+}
+
 // Nothing couples the two, so that each is solved as if it were alone.
 TEST(PsorTest, BlocksOfABareLcpAreSolvedEachInItsScale) {
   const Matrix chain = testing::tridiagonal(20, 2, -1);

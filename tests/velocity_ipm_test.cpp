@@ -83,6 +83,23 @@ TEST(VelocityIpmTest, ConvergesInAFewStepsAndClaimsOnlyWhatIsTrue) {
   }
 }
 
+// At a tolerance of its own above that of the verdict, what it accepts is no solution yet.
+TEST(VelocityIpmTest, IsTestedWithoutTheFinishToo) {
+  int claimed = 0;
+  for (const char* name : {"paper/monotone/exp5-1e10", "paper/monotone/exp5-1e10{redundancy=combination}",
+                           "paper/monotone/exp2{condition=1e12,redundancy=combination}"}) {
+    const auto set = open_set(name);
+    for (int trial = 0; trial < 200; ++trial) {
+      const Problem problem = set->generate(91, trial);
+      const Answer answer = solve(problem, {{"algebra", "dense"}, {"finish", "false"}, {"accept_residual", "1e-3"}});
+      if (answer.claim != Claim::kSolved) continue;
+      ++claimed;
+      EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << name << ", trial " << trial;
+    }
+  }
+  EXPECT_GT(claimed, 100);
+}
+
 // A ball between plates, and normals whose positive combinations span the plane: no velocity parts from all of them.
 TEST(VelocityIpmTest, NeedsNoCentralPath) {
   const Matrix plates = testing::matrix_of(2, {1, -1, 0, 0});

@@ -38,10 +38,11 @@ class SemidefiniteRoot {
     lanes_ = L::padded(ngc);
   }
 
-  // Each of these is false where the inertia is indefinite or not a number.
+  // Each of these is false where the inertia is indefinite or not a number. Apart from the code of positive definite
+  // inertia, whose microseconds must not depend on what is inlined here.
 
   /// Of G = X diag(alpha) X'.
-  bool find_of_factors(const Input& input) {
+  [[gnu::noinline]] bool find_of_factors(const Input& input) {
     factor_count_ = input.factors;
     for (Count k = 0; k < factor_count_; ++k) {
       const Scalar weight = L::square_root(static_cast<Scalar>(input.alpha[k]));
@@ -54,7 +55,7 @@ class SemidefiniteRoot {
 
   /// Of G*, singular to within `cut`, each coordinate by its own diagonal entry: a heavy body beside a light one must not
   /// count as a body that nothing moves.
-  bool find_of_inverse(const double* inverse, Scalar cut) {
+  [[gnu::noinline]] bool find_of_inverse(const double* inverse, Scalar cut) {
     if (!read_diagonal(inverse)) return false;
     if (!factor_semidefinite(inverse, cut)) return false;
     rank_ = factor_count_;
@@ -63,7 +64,7 @@ class SemidefiniteRoot {
   }
 
   /// Of G, singular to within `cut`. False too where that might take a light coordinate for none.
-  bool find_of_singular(const double* G, Scalar cut) {
+  [[gnu::noinline]] bool find_of_singular(const double* G, Scalar cut) {
     if (mixes_scales(G) || !read_diagonal(G)) return false;
     Scalar largest = 0;
     for (Count i = 0; i < ngc_; ++i) largest = diagonal_[i] > largest ? diagonal_[i] : largest;

@@ -126,6 +126,10 @@ class Whitening {
 
   /// x := C^-1 x. @pre triangular()
   void solve(Scalar* x) {
+    if constexpr (L::kWidth > 1) {
+      if (velocity_lanes_ == L::kWidth) return solve_in_registers<1>(x);
+      if (velocity_lanes_ == 2 * L::kWidth) return solve_in_registers<2>(x);
+    }
     for (Count i = ngc_ - 1; i >= 0; --i) {
       const Scalar value = x[i] * inverse_diagonal_[i];
       add_multiple(x, -value, columns_.data() + i * velocity_lanes_, (i / L::kWidth + 1) * L::kWidth);
@@ -136,6 +140,10 @@ class Whitening {
 
   /// x := C^-T x. @pre triangular()
   [[gnu::always_inline]] inline void solve_transposed(Scalar* x) {
+    if constexpr (L::kWidth > 1) {
+      if (velocity_lanes_ == L::kWidth) return solve_transposed_in_registers<1>(x);
+      if (velocity_lanes_ == 2 * L::kWidth) return solve_transposed_in_registers<2>(x);
+    }
     for (Count i = 0; i < ngc_; ++i) {
       const Scalar value = x[i] * inverse_diagonal_[i];
       const Count first = i / L::kWidth * L::kWidth;
@@ -177,6 +185,52 @@ class Whitening {
   void take_solution(Scalar* x) {
     for (Count i = ngc_; i < velocity_lanes_; ++i) solution_[i] = 0;
     copy(x, solution_.data(), velocity_lanes_);
+  }
+
+  /// solve() and solve_transposed() bit for bit, where all of x is one register or two: no entry waits for the memory.
+  template <int kPacks>
+  [[gnu::noinline]] void solve_in_registers(Scalar* x) {
+    typename L::Pack packs[2] = {L::load(x), L::load(x + (kPacks - 1) * L::kWidth)};
+    solve_up_from<kPacks * static_cast<int>(L::kWidth) - 1>(packs);
+    take_solution(x);
+  }
+
+  template <int kPacks>
+  [[gnu::noinline]] void solve_transposed_in_registers(Scalar* x) {
+    typename L::Pack packs[2] = {L::load(x), L::load(x + (kPacks - 1) * L::kWidth)};
+    solve_down_from<kPacks, 0>(packs);
+    take_solution(x);
+  }
+
+  template <int kAt>
+  [[gnu::always_inline]] inline void solve_up_from(typename L::Pack* packs) {
+    if constexpr (kAt >= 0) {
+      constexpr int kWidth = static_cast<int>(L::kWidth);
+      if (kAt < ngc_) {
+        const Scalar value = packs[kAt / kWidth][kAt % kWidth] * inverse_diagonal_[kAt];
+        const Scalar* const column = columns_.data() + kAt * velocity_lanes_;
+        const auto factor = L::broadcast(-value);
+        packs[0] = packs[0] + factor * L::load(column);
+        if constexpr (kAt >= kWidth) packs[1] = packs[1] + factor * L::load(column + kWidth);
+        solution_[kAt] = value;
+      }
+      solve_up_from<kAt - 1>(packs);
+    }
+  }
+
+  template <int kPacks, int kAt>
+  [[gnu::always_inline]] inline void solve_down_from(typename L::Pack* packs) {
+    constexpr int kWidth = static_cast<int>(L::kWidth);
+    if constexpr (kAt < kPacks * kWidth) {
+      if (kAt >= ngc_) return;
+      const Scalar value = packs[kAt / kWidth][kAt % kWidth] * inverse_diagonal_[kAt];
+      const Scalar* const row = rows_.data() + kAt * stride_;
+      const auto factor = L::broadcast(-value);
+      if constexpr (kAt < kWidth) packs[0] = packs[0] + factor * L::load(row);
+      if constexpr (kPacks > 1) packs[1] = packs[1] + factor * L::load(row + kWidth);
+      solution_[kAt] = value;
+      solve_down_from<kPacks, kAt + 1>(packs);
+    }
   }
 
   Scalar* work_row(Count i) { return rows_.data() + i * stride_; }

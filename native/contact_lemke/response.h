@@ -184,6 +184,7 @@ class Response {
     const Scalar order = static_cast<Scalar>(static_cast<double>(ngc_));
     if (given_) {
       const Scalar whole = square_root(dot(columns_.data(), columns_.data(), ngc_ * padded_));
+      if (!in_safe_range(whole)) return {};
       return {roundoff * (order + 4) * static_cast<Scalar>(kSlack) * whole, static_cast<Scalar>(kSlack) * whole};
     }
     if (!by_columns_ || rank_ == 0) return {};
@@ -215,6 +216,7 @@ class Response {
     if (!(columns * solves * inverse < static_cast<Scalar>(0.01))) return {};
     const Scalar lost = slack * inverse * (scaled * columns * solves + 8 * roundoff * square_root(columns)) / least;
     const Scalar size = slack * square_root(inverse_trace_);
+    if (!in_safe_range(size)) return {};
     const Scalar error = lost * (2 * size + lost) + slack * roundoff * (order + columns + 4) * size * size;
     return {error, size * size + error};
   }

@@ -217,6 +217,11 @@ void InteriorPoint::finish(Counters& counters) {
   }
 }
 
+void InteriorPoint::drop_parting() {
+  pressed_contacts(step_.f);
+  point_.f.swap(step_.f);
+}
+
 bool InteriorPoint::iterate(const SolveRequest& request, Answer& answer) {
   answer.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
   if (q_max_ == 0) {  // z = 0 solves it

@@ -52,6 +52,9 @@ class InteriorPoint {
   /// the points on the way the best one is kept.
   void finish(Counters& counters);
 
+  /// Instead of finish(): no impulses at contacts that part.
+  void drop_parting();
+
   /// Sets z, velocity and the claim: kSolved when the velocity residual, computed from z alone, is within
   /// accept_residual, else kNumericalFailure; with what ended the iteration.
   void conclude(Answer& answer);
