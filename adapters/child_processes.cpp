@@ -20,7 +20,7 @@ namespace {
 
 // A signal handler may not allocate: so system calls and fixed buffers, in place of opendir and streams.
 
-constexpr int kRounds = 300;
+constexpr std::int64_t kPatienceMs = 333;
 constexpr timespec kPause{.tv_sec = 0, .tv_nsec = 1'000'000};
 constexpr std::size_t kListBytes = 4096;
 constexpr std::size_t kStatBytes = 512;
@@ -83,6 +83,12 @@ void kill_children() {
   close(folder);
 }
 
+std::int64_t now_ms() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return std::int64_t{1000} * now.tv_sec + now.tv_nsec / 1'000'000;
+}
+
 /// Reaps all children that have ended. False when there is none left.
 bool reap_children() {
   for (;;) {
@@ -106,8 +112,10 @@ void reap_orphans(pid_t program) {
 }
 
 void end_children() {
-  for (int round = 0; round < kRounds && reap_children(); ++round) {
+  const std::int64_t deadline_ms = now_ms() + kPatienceMs;
+  while (reap_children()) {
     kill_children();
+    if (now_ms() >= deadline_ms) return;  // a look at /proc takes long where there are many processes
     nanosleep(&kPause, nullptr);
   }
 }

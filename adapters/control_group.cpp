@@ -32,7 +32,9 @@ bool write_file(const char* path, std::string_view text) {
   const int file = open(path, O_WRONLY | O_CLOEXEC);
   if (file < 0) return false;
   const bool written = write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size());
+  const int cause = errno;
   close(file);
+  errno = cause;
   return written;
 }
 
@@ -89,12 +91,17 @@ bool can_be_joined() {
   return child > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
+bool set_limit(const fs::path& group, const GroupLimit& limit) {
+  const fs::path file = group / limit.file;
+  return write_file(file.c_str(), limit.value) || (!limit.needed && access(file.c_str(), F_OK) != 0);
+}
+
 bool make_in(const fs::path& folder, const std::vector<GroupLimit>& limits) {
   remove_stale_groups(folder);
   const fs::path group = folder / (std::string(kPrefix) + std::to_string(getpid()));
   if (mkdir(group.c_str(), 0755) != 0 || !set_group(group)) return false;
   bool limited = true;
-  for (const GroupLimit& limit : limits) limited = limited && write_file((group / limit.file).c_str(), limit.value);
+  for (const GroupLimit& limit : limits) limited = limited && set_limit(group, limit);
   if (limited && can_be_joined()) return true;
   remove_control_group();
   return false;
@@ -103,7 +110,9 @@ bool make_in(const fs::path& folder, const std::vector<GroupLimit>& limits) {
 }  // namespace
 
 std::vector<GroupLimit> group_limits(std::uint64_t memory_bytes) {
-  return {{"memory.max", std::to_string(memory_bytes)}, {"pids.max", std::to_string(kGroupProcesses)}};
+  return {{"memory.max", std::to_string(memory_bytes)},
+          {.file = "memory.swap.max", .value = "0", .needed = false},  // a system without swap has no such file
+          {"pids.max", std::to_string(kGroupProcesses)}};
 }
 
 std::vector<fs::path> group_folders() {
@@ -122,7 +131,7 @@ bool make_control_group(const std::vector<fs::path>& folders, const std::vector<
   return false;
 }
 
-bool join_control_group() { return g_members[0] != '\0' && write_file(g_members.data(), "0"); }
+bool join_control_group() { return g_members[0] == '\0' || write_file(g_members.data(), "0"); }
 
 void remove_control_group() {
   if (g_group[0] != '\0') rmdir(g_group.data());

@@ -13,12 +13,13 @@ namespace lcpbench::worker {
 struct GroupLimit {
   std::string file;
   std::string value;
+  bool needed = true;  ///< false: where the system has no such file, there is nothing to limit
 };
 
 /// So many processes and threads may a program and all that it starts have.
 inline constexpr int kGroupProcesses = 512;
 
-/// Memory and processes of a group.
+/// Memory, without swap beside it, and processes of a group.
 std::vector<GroupLimit> group_limits(std::uint64_t memory_bytes);
 
 /// The folders in which this process may be able to make a group: beside its own group, and in it. Empty without
@@ -30,8 +31,8 @@ std::vector<std::filesystem::path> group_folders();
 /// process has one group at most. Removes groups that killed processes left behind.
 bool make_control_group(const std::vector<std::filesystem::path>& folders, const std::vector<GroupLimit>& limits);
 
-/// Moves the calling process into the group that it, or the process that it was forked from, has made, if any. Safe
-/// between fork and exec.
+/// Moves the calling process into the group that it, or the process that it was forked from, has made, if any.
+/// @returns false, with errno, when there is one and the process could not be moved. Safe between fork and exec.
 bool join_control_group();
 
 /// Removes the group, if there is one and no process is left in it. Safe in a signal handler.

@@ -57,11 +57,26 @@ constexpr double kPatience = 20.0;
 constexpr int kMostRepeats = external::kMultiples / 2 - 1;
 constexpr const char* kVersion1Note = "protocol version 1: a late second answer cannot be told apart";
 
+/// This process ends by a fault of its own.
+void end_all_and_die(int fault) {
+  worker::end_children();
+  worker::remove_control_group();
+  raise(fault);  // the handler is gone (SA_RESETHAND): the parent sees what it was
+}
+
 /// From now on the end of lcpbench ends the program, its children and its daemons; so far it ends this process alone.
-/// The program that started this worker ends it in the same way.
+/// The program that started this worker ends it in the same way. A crash of this process ends them too; only SIGKILL
+/// leaves daemons.
 void end_all_with_parent() {
   const pid_t parent = getppid();
   worker::adopt_orphans();
+  for (const int fault : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) {
+    struct sigaction action {};
+    if (sigaction(fault, nullptr, &action) != 0 || action.sa_handler != SIG_DFL) continue;  // a sanitizer's stays
+    action.sa_handler = end_all_and_die;
+    action.sa_flags = static_cast<int>(SA_RESETHAND);
+    sigaction(fault, &action, nullptr);
+  }
   signal(SIGTERM, [](int) {
     worker::end_children();
     worker::remove_control_group();
@@ -160,10 +175,9 @@ class External final : public Solver, public SelfTimed {
       }
     } catch (const external::ProgramFailure& failure) {
       throw InputError("external: the program '" + settings_.command.substr(0, kShownCommand) +
-                       "' did not answer \"start\": " + failure.what() +
-                       (failure.claim() == Claim::kTimeLimit
-                            ? "; let it answer every line with a line and flush it, or raise --time-limit"
-                            : "; run it in a terminal to see why") +
+                       "' did not print {\"sequence\": 1} as its first line, and flush it: " + failure.what() +
+                       (failure.claim() == Claim::kTimeLimit ? "; if it starts slowly, raise --time-limit"
+                                                             : "; run it in a terminal to see why") +
                        " (docs/reference/external.md)");
     }
   }
@@ -177,7 +191,7 @@ class External final : public Solver, public SelfTimed {
       version_ = external::parse_start(text, sequence_);
     } catch (const external::BadAnswer& bad) {
       program_.reset();
-      throw external::ProgramFailure(Claim::kCrashed, bad.what());
+      throw external::ProgramFailure(Claim::kCrashed, std::string("printed another line: ") + bad.what());
     }
   }
 
@@ -225,11 +239,11 @@ class External final : public Solver, public SelfTimed {
     std::string why;
     try {
       Answer again;
-      while (why.empty() && repeats < most && *asked_ < external::kMultiples) {
-        if (repeats > 0 && wall_clock_s() - begin_s > kPatience * request.repeat_until_s) break;
+      for (bool tried = false; why.empty() && repeats < most && *asked_ < external::kMultiples; tried = true) {
+        if (tried && wall_clock_s() - begin_s > kPatience * request.repeat_until_s) break;
         const external::Multiple multiple = external::multiple_for(settings_.form, *asked_);
         ++*asked_;
-        if (!present(problem, multiple)) break;
+        if (!present(problem, multiple)) continue;  // the next one may be exact
         on_solve({}, again);
         ++repeats;
         sum.setup_wall_s += times_.setup_wall_s;

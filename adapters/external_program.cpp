@@ -57,18 +57,38 @@ void restore_signals() {
   }
 }
 
+/// What a child does to become the program, and can fail in.
+enum class StartStep { kJoinGroup, kEnterFolder, kRun };
+
+/// What a child that failed tells its parent.
+struct StartFailure {
+  StartStep step = StartStep::kRun;
+  int cause = 0;  ///< errno
+};
+
 /// Runs in the child. Returns only on failure, with errno.
-void become(std::vector<char*>& words, pid_t parent, const Pipe& input, const Pipe& output, const Pipe& messages) {
+StartStep become(std::vector<char*>& words, pid_t parent, const Pipe& input, const Pipe& output, const Pipe& messages) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(0);  // it died before the line above
   restore_signals();
-  worker::join_control_group();
-  if (!start_directory().empty() && chdir(start_directory().c_str()) != 0) return;
+  if (!worker::join_control_group()) return StartStep::kJoinGroup;
+  if (!start_directory().empty() && chdir(start_directory().c_str()) != 0) return StartStep::kEnterFolder;
   dup2(input.read.get(), STDIN_FILENO);
   dup2(output.write.get(), STDOUT_FILENO);
   dup2(messages.write.get(), STDERR_FILENO);
   close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
   execvp(words[0], words.data());
+  return StartStep::kRun;
+}
+
+std::string describe(const StartFailure& failure, const std::string& program) {
+  const std::string cause = std::strerror(failure.cause);
+  switch (failure.step) {
+    case StartStep::kJoinGroup: return "cannot put " + program + " under its limits, a control group: " + cause;
+    case StartStep::kEnterFolder: return "cannot run " + program + " in " + start_directory().string() + ": " + cause;
+    case StartStep::kRun: break;
+  }
+  return "cannot run " + program + ": " + cause + "; docs/reference/external.md says how to name a program";
 }
 
 int poll_timeout_ms(double seconds) {
@@ -125,17 +145,16 @@ void ExternalProgram::start(const std::vector<std::string>& words) {
   pid_ = fork();
   if (pid_ < 0) throw std::system_error(errno, std::generic_category(), "fork");
   if (pid_ == 0) {
-    become(pointers, parent, input, output, messages);
-    const int cause = errno;
-    const ssize_t told = write(error.write.get(), &cause, sizeof cause);
-    _exit(told == sizeof cause ? 127 : 126);
+    const StartStep step = become(pointers, parent, input, output, messages);
+    const StartFailure failure{step, errno};
+    const ssize_t told = write(error.write.get(), &failure, sizeof failure);
+    _exit(told == sizeof failure ? 127 : 126);
   }
   error.write.reset();
-  int cause = 0;
-  if (read(error.read.get(), &cause, sizeof cause) == sizeof cause) {
+  StartFailure failure;
+  if (read(error.read.get(), &failure, sizeof failure) == sizeof failure) {
     end();
-    throw InputError("external: cannot run " + words.front() + ": " + std::strerror(cause) +
-                     "; docs/reference/external.md says how to name a program");
+    throw InputError("external: " + describe(failure, words.front()));
   }
   input_ = std::move(input.write);
   output_ = std::move(output.read);
@@ -172,7 +191,7 @@ std::string ExternalProgram::ask(const std::string& line, std::size_t max_bytes,
       ended = true;  // it may have answered after poll() looked: once more
       continue;
     }
-    if (!(left > 0)) fail(Claim::kTimeLimit, "no answer within " + seconds_text(wall_clock_s() - begin_s));
+    if (!(left > 0)) fail(Claim::kTimeLimit, "gave no answer within " + seconds_text(wall_clock_s() - begin_s));
   }
 }
 
@@ -189,7 +208,7 @@ bool ExternalProgram::read_output(std::size_t max_bytes) {
   received_.append(buffer.data(), static_cast<std::size_t>(count));
   if (received_.size() > max_bytes) {
     received_.clear();
-    fail(Claim::kCrashed, "an answer of more than " + std::to_string(max_bytes) + " bytes");
+    fail(Claim::kCrashed, "gave an answer of more than " + std::to_string(max_bytes) + " bytes");
   }
   return count == 0;
 }

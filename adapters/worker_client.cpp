@@ -48,7 +48,7 @@ class WorkerSolver final : public TimedSolver {
     } catch (const worker::SolverNotMade& error) {
       failure = "does not start: " + without_name(error.what());
     } catch (const std::exception& error) {  // what the worker does to a problem is answered, not thrown
-      failure = "has no worker: " + worker::printable(error.what(), worker::kMaxDetailBytes);
+      failure = "does not start: " + worker::printable(error.what(), worker::kMaxDetailBytes);
     }
     if (!failure.empty()) {
       stop();

@@ -59,10 +59,11 @@ void confine(rlim_t memory_bytes) {
   if (chdir("/proc") != 0 && chdir("/") != 0) _exit(kExitProtocol);  // nobody, not even root, can make files in /proc
 }
 
-[[noreturn]] void leave() {
+/// Ends this process, and first all that a program that it runs has started.
+[[noreturn]] void leave(int exit_code = 0) {
   end_children();
   remove_control_group();
-  _exit(0);
+  _exit(exit_code);
 }
 
 void greet(const std::string& failure = {}) {
@@ -71,12 +72,12 @@ void greet(const std::string& failure = {}) {
   for (const RegisteredSolver& solver : registered_solvers()) greeting.solvers.push_back(solver.definition.name);
   std::vector<std::byte> packet(write_greeting(greeting, {}));
   write_greeting(greeting, packet);
-  if (!send_packet(kSocketFd, packet)) _exit(kExitProtocol);
+  if (!send_packet(kSocketFd, packet)) leave(kExitProtocol);
 }
 
 [[noreturn]] void give_up(const std::string& cause) {
   std::fprintf(stderr, "%s\n", cause.c_str());
-  _exit(kExitProtocol);
+  leave(kExitProtocol);
 }
 
 /// The solver of the last request, kept while its spec stays the same.

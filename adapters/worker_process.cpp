@@ -209,14 +209,16 @@ void WorkerProcess::start(const std::filesystem::path& executable, const std::st
 void WorkerProcess::expect_greeting(double timeout_s) {
   std::vector<std::byte> packet(kMaxGreetingBytes);
   const Wait greeted = wait(packet, wall_clock_s() + timeout_s);
-  if (greeted.event == Event::kTimeout) throw std::runtime_error("the worker did not greet in time");
+  if (greeted.event == Event::kTimeout) throw std::runtime_error("its worker program was not ready in time");
   if (greeted.event == Event::kEnded) {
     const std::string ending = end();
-    throw std::runtime_error("the worker ended before its greeting: " + ending + messages());
+    throw std::runtime_error("its worker program " + ending + " before it was ready" + messages());
   }
-  if (greeted.packet_bytes > packet.size()) throw std::runtime_error("the worker's greeting is too long");
+  if (greeted.packet_bytes > packet.size())
+    throw std::runtime_error("the first message of its worker program is too long");
   Parsed<Greeting> greeting = parse_greeting(std::span(packet).first(greeted.packet_bytes));
-  if (!greeting.ok()) throw std::runtime_error("the worker's greeting is not valid: " + greeting.error);
+  if (!greeting.ok())
+    throw std::runtime_error("the first message of its worker program is not valid: " + greeting.error);
   greeting_ = std::move(greeting.value);
   if (!greeting_.failure.empty()) throw SolverNotMade(greeting_.failure);
 }

@@ -32,19 +32,50 @@ bool still_named(int descriptor, const std::filesystem::path& file) {
          opened.st_dev == named.st_dev;
 }
 
-/// flock() would do on local disks; over NFS it locks the whole file, and SQLite would wait for us for ever. The lock
-/// belongs to the descriptor, not to the process: SQLite's own descriptors come and go.
-/// @returns false when another descriptor holds it
-bool lock_byte(int descriptor, const std::filesystem::path& file) {
+struct flock locked_byte() {
   struct flock range {};
   range.l_type = F_WRLCK;
   range.l_whence = SEEK_SET;
   range.l_start = kLockedByte;
   range.l_len = 1;
+  return range;
+}
+
+/// Some file systems have no locks of bytes: the name's lock has to do there.
+bool has_no_such_locks(int error) { return error == EINVAL || error == ENOLCK || error == EOPNOTSUPP; }
+
+/// flock() would do on local disks; over NFS it locks the whole file, and SQLite would wait for us for ever. The lock
+/// belongs to the descriptor, not to the process: SQLite's own descriptors come and go.
+/// @returns false when another descriptor holds it
+bool lock_byte(int descriptor, const std::filesystem::path& file) {
+  struct flock range = locked_byte();
   if (fcntl(descriptor, F_OFD_SETLK, &range) == 0) return true;
   if (errno == EAGAIN || errno == EACCES) return false;
-  if (errno == EINVAL || errno == ENOLCK || errno == EOPNOTSUPP) return true;  // no such locks: the name's has to do
+  if (has_no_such_locks(errno)) return true;
   throw InputError(file.string() + ": " + std::strerror(errno));
+}
+
+bool byte_is_locked(const std::filesystem::path& file) {
+  const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return false;  // who reads the file finds the cause
+  struct flock range = locked_byte();
+  const int result = fcntl(descriptor, F_OFD_GETLK, &range);
+  const int cause = errno;
+  close(descriptor);
+  if (result == 0) return range.l_type != F_UNLCK;
+  if (has_no_such_locks(cause)) return false;
+  throw InputError(file.string() + ": " + std::strerror(cause));
+}
+
+bool name_is_locked(const std::filesystem::path& lock_file) {
+  const int descriptor = open(lock_file.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0 && errno == ENOENT) return false;
+  if (descriptor < 0) throw InputError(lock_file.string() + ": " + std::strerror(errno));
+  const bool locked = flock(descriptor, LOCK_SH | LOCK_NB) == 0;
+  const int cause = errno;
+  close(descriptor);
+  if (locked || cause == EWOULDBLOCK) return !locked;
+  throw InputError(lock_file.string() + ": " + std::strerror(cause));
 }
 
 }  // namespace
@@ -103,12 +134,13 @@ void FileLock::release() {
   file_descriptor_ = name_descriptor_ = -1;
 }
 
-bool FileLock::is_held(const std::filesystem::path& file) {
-  const int descriptor = open(side_file(file, ".lock").c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) return false;
-  const bool held = flock(descriptor, LOCK_SH | LOCK_NB) != 0;
-  close(descriptor);
-  return held;
+FileLock::Holder FileLock::holder(const std::filesystem::path& file) {
+  if (name_is_locked(side_file(file, ".lock"))) return Holder::kUnderThisName;
+  // The file itself is opened only where it has to be: closing it ends the locks that SQLite holds on it for other
+  // connections of this process.
+  if (!has_other_names(file) || !byte_is_locked(file)) return Holder::kNobody;
+  // Its owner may have begun under this name in the meantime.
+  return name_is_locked(side_file(file, ".lock")) ? Holder::kUnderThisName : Holder::kUnderAnotherName;
 }
 
 }  // namespace lcpbench

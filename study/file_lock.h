@@ -20,8 +20,10 @@ class FileLock {
   FileLock(const FileLock&) = delete;
   FileLock& operator=(const FileLock&) = delete;
 
-  /// True while some process holds the lock under this name.
-  static bool is_held(const std::filesystem::path& file);
+  /// Whether some process holds the lock, and under which name of the file.
+  enum class Holder { kNobody, kUnderThisName, kUnderAnotherName };
+  /// @throws InputError where the system does not tell.
+  static Holder holder(const std::filesystem::path& file);
 
  private:
   /// Each @returns false when another process has the lock.

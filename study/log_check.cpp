@@ -79,18 +79,22 @@ void check_log(const std::filesystem::path& store) {
     return;
   }
   bytes.resize(kFrameHeaderBytes + log.page_bytes);
-  std::uint64_t unsound = 0;  // number of the first unsound frame, counted from 1
+  std::uint64_t unsound = 0;       // number of the first unsound frame, counted from 1
+  bool transaction_ended = false;  // of the first unsound frame
   for (std::uint64_t frame = 1; file.read(bytes.data(), static_cast<std::streamsize>(bytes.size())); ++frame) {
     const bool of_this_log = number_at(bytes.data() + 8) == log.salt[0] && number_at(bytes.data() + 12) == log.salt[1];
     if (unsound == 0) {
       log.add(sums, bytes.data(), 8);
       log.add(sums, bytes.data() + kFrameHeaderBytes, log.page_bytes);
-      if (!of_this_log || !equal(sums, bytes.data() + 16)) unsound = frame;
+      if (of_this_log && equal(sums, bytes.data() + 16)) continue;
+      unsound = frame;
+    } else if (!of_this_log) {
       continue;
     }
-    // A transaction that was never committed can leave frames behind the last sound one; they commit nothing.
+    // A frame that commits ends its transaction. The transaction of the unsound frame may be lost, no later one.
     const bool commits = number_at(bytes.data() + 4) != 0;
-    if (of_this_log && commits) refuse(store, fmt::format("frame {}", unsound));
+    if (commits && transaction_ended) refuse(store, fmt::format("frame {}", unsound));
+    transaction_ended = transaction_ended || commits;
   }
 }
 

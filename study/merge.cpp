@@ -57,7 +57,7 @@ const std::vector<Table>& tables() {
       {"cell_groups", {"group_id", "cell"}, {}, "''"},
       {"answers",
        {"problem_id", "solver_id", "part"},
-       {"group_id", "claim", "z", "velocity", "farkas", "iterations", "pivots", "factorizations", "detail"},
+       {"group_id", "claim", "z", "velocity", "farkas", "iterations", "pivots", "factorizations"},
        kCellInWords},
       {"verdicts",
        {"problem_id", "solver_id", "part"},
@@ -102,9 +102,9 @@ std::vector<std::string> find_conflicts(Store& store, const std::filesystem::pat
 }
 
 /// Reads the whole input once, so that damage is reported under its name. @returns its notice. @throws InputError
-std::string check_input(const std::filesystem::path& input) {
+std::string check_input(const std::filesystem::path& input, const Waiting& waiting) {
   Store store = Store::open_for_reading(input);
-  store.check();
+  store.check(waiting);
   Statement claims(store.database(), "SELECT DISTINCT claim FROM answers");
   while (claims.step()) stored_claim(store.database(), claims.text(0));
   return store.notice();
@@ -131,19 +131,23 @@ void take_forward_errors(Store& store) {
       "AND m.forward_velocity IS NULL AND i.forward_velocity IS NOT NULL");
 }
 
-/// Adds the input's rows; or returns its conflicts and adds none.
+/// Adds the input's rows; or returns its conflicts and adds none. One transaction: what is compared is what is added,
+/// also when another process writes the input.
 std::vector<std::string> join(Store& store, const std::filesystem::path& input) {
   store.database().attach(input, "input");
+  store.begin();
   std::vector<std::string> conflicts = find_conflicts(store, input);
   if (conflicts.empty()) {
-    store.begin();
     make_way_for_proofs(store);
     for (const Table& table : tables()) {
-      store.database().execute(fmt::format("INSERT OR IGNORE INTO main.{0} SELECT * FROM input.{0}", table.name));
+      // Rows of a key that is there agree, or may differ. Whatever else keeps a row out is an error.
+      store.database().execute(
+          fmt::format("INSERT INTO main.{0} SELECT * FROM input.{0} WHERE true ON CONFLICT ({1}) DO NOTHING",
+                      table.name, joined(table.key, "{}", ", ")));
     }
     take_forward_errors(store);
-    store.commit();
   }
+  store.commit();
   store.database().execute("DETACH DATABASE input");
   return conflicts;
 }
@@ -174,7 +178,8 @@ class Draft {
 
 }  // namespace
 
-MergeOutcome merge_stores(const std::filesystem::path& out, const std::vector<std::filesystem::path>& inputs) {
+MergeOutcome merge_stores(const std::filesystem::path& out, const std::vector<std::filesystem::path>& inputs,
+                          const Waiting& waiting) {
   std::vector<std::filesystem::path> sources = inputs;
   MergeOutcome outcome;
   const auto take_notice = [&outcome](std::string notice) {
@@ -184,9 +189,10 @@ MergeOutcome merge_stores(const std::filesystem::path& out, const std::vector<st
   const bool exists = std::filesystem::exists(out, ignored);
   if (exists) {
     take_notice(Store::open_for_reading(out).notice());
-    Store::open_for_writing(out);  // its end folds what a killed run left in the write-ahead log into the file itself
+    Store::open_for_writing(
+        out, waiting);  // its end folds what a killed run left in the write-ahead log into the file itself
   }
-  for (const std::filesystem::path& source : inputs) take_notice(check_input(source));
+  for (const std::filesystem::path& source : inputs) take_notice(check_input(source, waiting));
   if (exists) sources.insert(sources.begin(), out);
   const FileLock lock(out);
   if (!exists && std::filesystem::exists(out, ignored)) {

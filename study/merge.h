@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "study/store.h"
+
 namespace lcpbench {
 
 struct MergeOutcome {
@@ -15,10 +17,11 @@ struct MergeOutcome {
 
 /// Joins stores into `out`, which may exist and then counts as the first of them. Rows are joined by id; timings and
 /// runs of a cell that several stores have come from the first of them, and so does its certificate, unless the first
-/// left open what another proved. All or nothing: when two stores disagree on a
-/// row, `out` stays as it was and the conflicts are returned. A symbolic link is followed. What a killed call left is
-/// thrown away.
+/// left open what another proved. So does the `detail` of an answer: it is a text for people, and may depend on the
+/// clock. All or nothing: when two stores disagree on a row, `out` stays as it was and the conflicts are returned. A
+/// symbolic link is followed. What a killed call left is thrown away.
 /// @throws InputError when a file is no store, or `out` is in use or cannot be written.
-MergeOutcome merge_stores(const std::filesystem::path& out, const std::vector<std::filesystem::path>& inputs);
+MergeOutcome merge_stores(const std::filesystem::path& out, const std::vector<std::filesystem::path>& inputs,
+                          const Waiting& waiting = {});
 
 }  // namespace lcpbench

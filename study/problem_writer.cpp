@@ -22,6 +22,12 @@ std::string insert_new(const char* table, const std::string& columns) {
   return sqlite::insert_row("INSERT OR IGNORE", table, columns);
 }
 
+/// For rows that are not there yet. IGNORE would also drop a row that breaks a rule of its table, such as a time that
+/// is not a number.
+std::string insert_into(const char* table, const std::string& columns) {
+  return sqlite::insert_row("INSERT", table, columns);
+}
+
 void bind_id(Statement& statement, int parameter, const std::optional<std::int64_t>& id) {
   if (id) {
     statement.bind(parameter, *id);
@@ -81,16 +87,16 @@ struct ProblemWriter::Statements {
         group(database, "INSERT OR IGNORE INTO cell_groups (group_id, cell) VALUES (?, ?)"),
         stored_group(database, "SELECT 1 FROM cell_groups WHERE group_id = ? AND cell = ?"),
         stored_answers(database, "SELECT 1 FROM answers WHERE problem_id = ? AND solver_id = ? AND part = 0"),
-        answer(database, insert_new("answers",
-                                    "problem_id, solver_id, part, group_id, claim, z, velocity, farkas, iterations, "
-                                    "pivots, factorizations, detail")),
+        answer(database, insert_into("answers",
+                                     "problem_id, solver_id, part, group_id, claim, z, velocity, farkas, iterations, "
+                                     "pivots, factorizations, detail")),
         verdict(database,
-                insert_new(
-                    "verdicts",
-                    std::string("problem_id, solver_id, part, usable, solved, criterion, farkas_checked, worst_row, ") +
-                        kErrorColumnNames)),
+                insert_into("verdicts",
+                            std::string("problem_id, solver_id, part, usable, solved, criterion, farkas_checked, "
+                                        "worst_row, ") +
+                                kErrorColumnNames)),
         timing(database,
-               insert_new("timings", std::string("problem_id, solver_id, part, run_id, ") + kTimeColumnNames)) {}
+               insert_into("timings", std::string("problem_id, solver_id, part, run_id, ") + kTimeColumnNames)) {}
 
   void add_answer(std::int64_t problem_id, std::int64_t run_id, const AnswerRow& row);
 

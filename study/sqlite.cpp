@@ -3,6 +3,7 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <sqlite3.h>
 
@@ -13,10 +14,25 @@ namespace lcpbench::sqlite {
 namespace {
 
 constexpr int kBusyTimeoutMs = 10000;
+constexpr int kInstructionsBetweenLooks = 1000;  // some ten microseconds
 
 /// The name of a file that SQLite reads as nothing else: no ":memory:", no URI, no nameless temporary database.
 std::string plain_name(const std::filesystem::path& file) {
   return file.is_absolute() ? file.string() : "./" + file.string();
+}
+
+/// The name as a URI, so that the file is neither made nor written.
+std::string read_only_uri(const std::filesystem::path& file) {
+  std::string uri = "file:";
+  for (const char c : plain_name(file)) {
+    switch (c) {
+      case '%': uri += "%25"; break;
+      case '?': uri += "%3f"; break;
+      case '#': uri += "%23"; break;
+      default: uri += c;
+    }
+  }
+  return uri + "?mode=ro";
 }
 
 int open_flags(Mode mode) {
@@ -47,7 +63,7 @@ bool mendable(int primary_code) {
 }  // namespace
 
 Database::Database(const std::filesystem::path& file, Mode mode) : file_(file) {
-  const int flags = open_flags(mode) | SQLITE_OPEN_NOMUTEX;
+  const int flags = open_flags(mode) | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_URI;  // attach() uses a URI
   const int code = sqlite3_open_v2(plain_name(file).c_str(), &handle_, flags, nullptr);
   if (code != SQLITE_OK) {
     sqlite3_close(handle_);
@@ -86,11 +102,24 @@ void Database::execute(const std::string& sql) {
   if (code != SQLITE_OK) fail(code);
 }
 
+bool Database::execute_unless_locked(const std::string& sql) {
+  sqlite3_busy_timeout(handle_, 0);
+  const int code = sqlite3_exec(handle_, sql.c_str(), nullptr, nullptr, nullptr);
+  sqlite3_busy_timeout(handle_, kBusyTimeoutMs);
+  if ((code & 0xff) == SQLITE_BUSY) return false;
+  if (code != SQLITE_OK) fail(code);
+  return true;
+}
+
 void Database::attach(const std::filesystem::path& file, const std::string& schema) {
   Statement statement(*this, "ATTACH DATABASE ? AS " + schema);
-  const std::string name = plain_name(file);
+  const std::string name = read_only_uri(file);
   statement.bind(1, std::string_view(name));
-  statement.run();
+  try {
+    statement.run();
+  } catch (const std::exception&) {
+    throw InputError(file.string() + ": can no longer be opened: it is gone, or was replaced");
+  }
 }
 
 std::int64_t Database::integer(const std::string& sql) {
@@ -107,6 +136,24 @@ ReadSnapshot::ReadSnapshot(Database& database) {
 ReadSnapshot::~ReadSnapshot() {
   // Nothing was written: there is nothing to lose, whatever this returns.
   if (handle_ != nullptr) sqlite3_exec(handle_, "COMMIT", nullptr, nullptr, nullptr);
+}
+
+SlownessNotice::SlownessNotice(Database& database, std::chrono::milliseconds after, std::function<void()> tell)
+    : handle_(database.handle()), due_(std::chrono::steady_clock::now() + after), tell_(std::move(tell)) {
+  if (tell_) sqlite3_progress_handler(handle_, kInstructionsBetweenLooks, look, this);
+}
+
+SlownessNotice::~SlownessNotice() { sqlite3_progress_handler(handle_, 0, nullptr, nullptr); }
+
+int SlownessNotice::look(void* self) {
+  auto& notice = *static_cast<SlownessNotice*>(self);
+  if (!notice.tell_ || std::chrono::steady_clock::now() < notice.due_) return 0;
+  try {
+    std::exchange(notice.tell_, nullptr)();
+  } catch (const std::exception&) {
+    return 0;  // SQLite, which called, is C: no exception may pass it, and the check is worth more than the line
+  }
+  return 0;  // the statement goes on
 }
 
 Statement::Statement(Database& database, std::string_view sql) : database_(database) {

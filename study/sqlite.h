@@ -1,7 +1,9 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -27,12 +29,14 @@ class Database {
 
   /// Runs any number of statements without results.
   void execute(const std::string& sql);
+  /// The same, without waiting: false, and nothing is done, when the lock of another connection is in the way.
+  bool execute_unless_locked(const std::string& sql);
   /// The first column of the first row of a query that has one, as an integer.
   std::int64_t integer(const std::string& sql);
 
   const std::filesystem::path& file() const { return file_; }
   sqlite3* handle() const { return handle_; }
-  /// Adds another database to this connection, under the name of `schema`.
+  /// Adds an existing database to this connection for reading, under the name of `schema`.
   void attach(const std::filesystem::path& file, const std::string& schema);
   /// Throws the exception that belongs to a result code.
   [[noreturn]] void fail(int code) const;
@@ -53,6 +57,23 @@ class ReadSnapshot {
 
  private:
   sqlite3* handle_ = nullptr;  // nullptr where a transaction was open
+};
+
+/// Calls `tell` once if statements of this connection run when it has lived for `after`. A connection has one at a
+/// time.
+class SlownessNotice {
+ public:
+  SlownessNotice(Database& database, std::chrono::milliseconds after, std::function<void()> tell);
+  ~SlownessNotice();
+  SlownessNotice(const SlownessNotice&) = delete;
+  SlownessNotice& operator=(const SlownessNotice&) = delete;
+
+ private:
+  static int look(void* self);
+
+  sqlite3* handle_;
+  std::chrono::steady_clock::time_point due_;
+  std::function<void()> tell_;
 };
 
 /// One prepared statement: bind, step, reset, again. Parameters and columns count from 1 and 0, as in SQLite.

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
@@ -148,10 +150,34 @@ std::string lost_rows(Database& database, bool log) {
       database.file().string(), writer.text(0));
 }
 
-bool has_other_names(const std::filesystem::path& file) {
-  std::error_code error;
-  const auto names = std::filesystem::hard_link_count(file, error);
-  return !error && names > 1;
+/// Every row and the file's structure.
+void check_all(Database& database, const Waiting& waiting) {
+  const sqlite::SlownessNotice notice(database, waiting.tell_after, [&] {
+    if (waiting.tell) waiting.tell("reading and checking every row of " + database.file().string());
+  });
+  check_content(database);
+}
+
+/// From now on the store can be read while it is written. The change itself needs a moment without readers.
+void begin_log(Database& database, const Waiting& waiting) {
+  using Clock = std::chrono::steady_clock;
+  constexpr auto kRetryAfter = std::chrono::milliseconds(50);
+  const Clock::time_point begin = Clock::now();
+  bool told = false;
+  // In short tries, since nobody can begin to read while SQLite itself waits.
+  while (!database.execute_unless_locked("PRAGMA journal_mode = WAL")) {
+    const auto waited = Clock::now() - begin;
+    if (waited >= waiting.reader_patience) {
+      throw InputError(
+          fmt::format("{}: another process has been reading this store for {} s; try again when it has ended",
+                      database.file().string(), std::chrono::round<std::chrono::seconds>(waited).count()));
+    }
+    if (!told && waiting.tell && waited >= waiting.tell_after) {
+      waiting.tell(fmt::format("waiting for another process that reads {}", database.file().string()));
+      told = true;
+    }
+    std::this_thread::sleep_for(kRetryAfter);
+  }
 }
 
 void mark_as_being_written(Database& database) {
@@ -181,7 +207,7 @@ Store::~Store() {
   }
 }
 
-Store Store::open_for_writing(const std::filesystem::path& file) {
+Store Store::open_for_writing(const std::filesystem::path& file, const Waiting& waiting) {
   refuse_folder(file);
   std::error_code ignored;
   if (has_log(file) && (!std::filesystem::exists(file, ignored) || std::filesystem::file_size(file, ignored) == 0)) {
@@ -202,9 +228,9 @@ Store Store::open_for_writing(const std::filesystem::path& file) {
     if (!data->notice.empty() && has_other_names(file)) {
       throw InputError(data->notice + "; open the store by the name that its writer used");
     }
-    check_content(database);
+    check_all(database, waiting);
   }
-  database.execute("PRAGMA journal_mode = WAL");
+  begin_log(database, waiting);
   mark_as_being_written(database);
   database.execute("PRAGMA wal_checkpoint(PASSIVE)");  // a mark in the file itself: there is a log, and it is not empty
   data->writer = std::make_unique<ProblemWriter>(database);
@@ -217,11 +243,17 @@ Store Store::open_for_reading(const std::filesystem::path& file) {
   if (!std::filesystem::is_regular_file(file, ignored)) throw InputError(describe(file, "no such store"));
   roll_back_journal(file);
   const bool log = has_log(file);
-  const bool written = FileLock::is_held(file);
+  const FileLock::Holder writer = FileLock::holder(file);
+  if (writer == FileLock::Holder::kUnderAnotherName) {
+    throw InputError(describe(file,
+                              "another process is writing this store under another name of the file; open it by that "
+                              "name, which has the last rows beside it"));
+  }
+  const bool written = writer == FileLock::Holder::kUnderThisName;
   try {
     if (!written) check_log(file);
   } catch (const InputError&) {
-    if (!FileLock::is_held(file)) throw;  // a writer that has just begun writes the log anew
+    if (FileLock::holder(file) == FileLock::Holder::kNobody) throw;  // a writer that has just begun writes the log anew
   }
   auto data = std::make_unique<Data>(file, Mode::kReadOnly);
   if (is_blank(data->database)) throw InputError(describe(file, "is empty: no run has kept anything in it"));
@@ -245,7 +277,7 @@ void Store::remove(const std::filesystem::path& file) {
 }
 
 const std::string& Store::notice() const { return data_->notice; }
-void Store::check() { check_content(data_->database); }
+void Store::check(const Waiting& waiting) { check_all(data_->database, waiting); }
 
 void Store::begin() { data_->database.execute("BEGIN IMMEDIATE"); }
 void Store::commit() { data_->database.execute("COMMIT"); }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -117,17 +118,25 @@ struct StoredAnswer {
 Claim stored_claim(const sqlite::Database& store, std::string_view word);
 Verdict stored_verdict(const sqlite::Database& store, std::string_view word);
 
+/// How the user hears of what takes long, and how long readers are waited for.
+struct Waiting {
+  std::function<void(const std::string&)> tell;  ///< takes one line of text; none: nothing is said
+  std::chrono::milliseconds tell_after{1000};    ///< what takes less goes without a word
+  std::chrono::milliseconds reader_patience{std::chrono::minutes(5)};
+};
+
 /// A study's store: one SQLite file in WAL mode, written in whole transactions. What is committed survives the end of
 /// the process at any moment. Not thread-safe: one thread writes.
 class Store {
  public:
   /// Opens a store for writing, or makes it, and checks its rows. Holds a lock on it: a second process is refused,
-  /// under whatever name of the file.
+  /// under whatever name of the file. Waits for those that read a store at rest: it can be read while it is written,
+  /// but they began before.
   /// @throws InputError when the file is no store, of another format, damaged, in use, or cannot be written.
-  static Store open_for_writing(const std::filesystem::path& file);
+  static Store open_for_writing(const std::filesystem::path& file, const Waiting& waiting = {});
 
-  /// Opens an existing store for reading, also while another process writes it. What a killed writer left is brought in
-  /// order first. The rows are not checked, see check(). @throws InputError as above.
+  /// Opens an existing store for reading, also while another process writes it under the same name. What a killed
+  /// writer left is brought in order first. The rows are not checked, see check(). @throws InputError as above.
   static Store open_for_reading(const std::filesystem::path& file);
 
   /// Deletes a store of whatever format with its side files. Nothing happens when there is none. @throws InputError
@@ -167,7 +176,7 @@ class Store {
   std::optional<Answer> answer(std::int64_t problem_id, std::int64_t solver_id, std::uint32_t cell = 0);
 
   /// Reads every row and checks that it is what was written. @throws InputError that names file, table and row.
-  void check();
+  void check(const Waiting& waiting = {});
   /// One line for the user: rows that the store has lost before it was opened. "" for none.
   const std::string& notice() const;
 

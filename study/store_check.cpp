@@ -1,6 +1,7 @@
 #include "study/store_check.h"
 
 #include <iterator>
+#include <limits>
 #include <map>
 #include <string>
 #include <utility>
@@ -107,7 +108,9 @@ std::string changed_group(Database& database) {
       group = query.integer(0);
       cells.clear();
     }
-    cells.push_back(static_cast<std::uint32_t>(query.integer(1)));
+    const std::int64_t cell = query.integer(1);
+    if (cell < 0 || cell > std::numeric_limits<std::uint32_t>::max()) return fmt::format("group_id={}", group);
+    cells.push_back(static_cast<std::uint32_t>(cell));
   }
   return changed() ? fmt::format("group_id={}", group) : "";
 }

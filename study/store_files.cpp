@@ -23,6 +23,12 @@ std::filesystem::path side_file(const std::filesystem::path& store, const char* 
   return followed(store).string() + suffix;
 }
 
+bool has_other_names(const std::filesystem::path& file) {
+  std::error_code error;
+  const auto names = std::filesystem::hard_link_count(file, error);
+  return !error && names > 1;
+}
+
 void refuse_folder(const std::filesystem::path& file) {
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored)) {

@@ -11,6 +11,9 @@ std::filesystem::path followed(const std::filesystem::path& file);
 /// A file beside a store: the name of the store's file with a suffix. SQLite has "-journal", "-wal" and "-shm".
 std::filesystem::path side_file(const std::filesystem::path& store, const char* suffix);
 
+/// True when the file has more names than one (hard links).
+bool has_other_names(const std::filesystem::path& file);
+
 /// @throws InputError when the name is a folder's: SQLite's own message names no cause.
 void refuse_folder(const std::filesystem::path& file);
 

@@ -58,7 +58,8 @@ add_dependencies(adapter_path_test lcpbench-worker-path path_stand_in_4 path_sta
 # Programs of a user's own: the example's, and one that misbehaves.
 lcpbench_test(external LINK lcpbench_study lcpbench_adapters lcpbench_generators lcpbench_solver_list
                             nlohmann_json::nlohmann_json)
-target_sources(external_test PRIVATE external_safety_test.cpp worker_empty_poll.cpp
+target_sources(external_test PRIVATE control_group_test.cpp external_safety_test.cpp worker_empty_poll.cpp
+                                     ${PROJECT_SOURCE_DIR}/adapters/child_processes.cpp
                                      ${PROJECT_SOURCE_DIR}/adapters/external_json.cpp
                                      ${PROJECT_SOURCE_DIR}/adapters/external_program.cpp)
 target_compile_definitions(external_test PRIVATE EXTERNAL_WORKER="$<TARGET_FILE:lcpbench-worker-external>"

@@ -13,10 +13,29 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <sys/prctl.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
+#include "adapters/child_processes.h"
+#include "adapters/worker_process.h"
 #include "generators/problem_io.h"
 #include "tests/external_client.h"
+
+namespace {
+bool g_nothing_dies = false;
+}
+
+/// In the place of the C library's.
+extern "C" int kill(pid_t process, int signal_number) noexcept {
+  return g_nothing_dies ? 0 : static_cast<int>(syscall(SYS_kill, process, signal_number));
+}
+
+/// As on a machine where a look at all processes takes long.
+extern "C" int nanosleep(const timespec* pause, timespec* left) {
+  timespec longer = *pause;
+  if (g_nothing_dies) longer.tv_nsec = 20'000'000;
+  return static_cast<int>(syscall(SYS_nanosleep, &longer, left));
+}
 
 namespace lcpbench {
 namespace {
@@ -75,6 +94,58 @@ TEST(ExternalSafetyTest, DaemonsEndWithAProgramThatFails) {
   ASSERT_NE(name, std::string::npos) << answer.detail;
   EXPECT_TRUE(ends_within(5.0, std::stoi(answer.detail.substr(name + 15))));
   expect_right(*solver);
+}
+
+/// A worker whose program started a daemon at once.
+class WorkerWithDaemonTest : public testing::Test {
+ protected:
+  WorkerWithDaemonTest() {
+    const std::vector<pid_t> workers = children_of(getpid());
+    if (workers.size() == 1) worker_ = workers[0];
+    for (const pid_t program : children_of(worker_)) {
+      for (const pid_t child : children_of(program)) daemon_ = child;
+    }
+  }
+  void SetUp() override {
+    ASSERT_GT(daemon_, 0);
+    ASSERT_FALSE(has_ended(daemon_));
+  }
+
+  worker::WorkerProcess process_{
+      EXTERNAL_WORKER, "external{command=sh -c 'setsid sleep 1000 & exec " EXTERNAL_FAULTS "'}", {}};
+  pid_t worker_ = 0;
+  pid_t daemon_ = 0;
+};
+
+TEST_F(WorkerWithDaemonTest, DaemonEndsWithAWorkerThatGivesUp) {
+  const std::string junk = "junk";
+  ASSERT_TRUE(process_.send(std::as_bytes(std::span(junk)), -1));
+  EXPECT_TRUE(ends_within(5.0, daemon_));
+  EXPECT_TRUE(process_.dies_by_itself());
+  EXPECT_EQ(process_.end(), "exited with code 70");
+}
+
+TEST_F(WorkerWithDaemonTest, DaemonEndsWithAWorkerThatCrashes) {
+  ASSERT_EQ(kill(worker_, SIGABRT), 0);
+  EXPECT_TRUE(ends_within(5.0, daemon_));
+  EXPECT_TRUE(process_.dies_by_itself());
+  EXPECT_EQ(process_.end(), "killed by signal 6 (SIGABRT)");
+}
+
+TEST(ChildProcessesTest, ChildrenThatCannotBeEndedAreWaitedForByTheClock) {
+  const pid_t child = fork();
+  if (child == 0) {
+    for (;;) pause();
+  }
+  g_nothing_dies = true;
+  const double begin_s = wall_clock_s();
+  worker::end_children();
+  const double took_s = wall_clock_s() - begin_s;
+  g_nothing_dies = false;
+  worker::end_children();
+  EXPECT_TRUE(has_ended(child));
+  EXPECT_GE(took_s, 0.3);
+  EXPECT_LT(took_s, 2.0);
 }
 
 pid_t start_lcpbench_solve(const std::string& problem, const std::string& solver) {

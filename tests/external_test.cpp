@@ -12,7 +12,6 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "adapters/control_group.h"
 #include "adapters/external_json.h"
 #include "adapters/external_program.h"
 #include "adapters/start_directory.h"
@@ -163,7 +162,7 @@ TEST(ExternalTest, ProgramThatDoesNotStartIsReportedAndBlamesNoProblem) {
   EXPECT_NE(start_error("./no_such_program").find("cannot run ./no_such_program: No such file"), std::string::npos);
   EXPECT_NE(start_error("/etc/passwd").find("Permission denied"), std::string::npos);
   EXPECT_NE(start_error("false").find("exited with code 1 without an answer"), std::string::npos);
-  EXPECT_NE(start_error("cat").find("did not answer \"start\": expected {}"), std::string::npos);
+  EXPECT_NE(start_error("cat").find("printed another line: expected {}"), std::string::npos);
   EXPECT_NE(start_error("sh -c 'echo missing licence >&2; exit 3'").find("stderr: missing licence"), std::string::npos);
   EXPECT_NE(start_error("").find("command"), std::string::npos);
   EXPECT_NE(start_error("'open").find("an open quote"), std::string::npos);
@@ -177,7 +176,7 @@ TEST(ExternalTest, ProgramThatDoesNotStartAgainIsReportedAndBlamesNoProblem) {
   try {
     ADD_FAILURE() << to_string(run(*solver, "right").claim);
   } catch (const WorkerError& error) {
-    EXPECT_NE(std::string(error.what()).find("\"start\": exited with code 3"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("flush it: exited with code 3"), std::string::npos) << error.what();
   }
   std::filesystem::remove(mark);
   expect_right(*solver);
@@ -187,9 +186,9 @@ TEST(ExternalTest, ProgramThatDoesNotStartAgainIsReportedAndBlamesNoProblem) {
 TEST(ExternalTest, ProgramThatDoesNotStartIsNamedWithWhatToDo) {
   EXPECT_EQ(
       start_error("sh -c 'echo no licence >&2; exit 3'"),
-      "solver 'external' does not start: the program 'sh -c 'echo no licence >&2; exit 3'' did not answer \"start\": "
-      "exited with code 3 without an answer; stderr: no licence; run it in a terminal to see why "
-      "(docs/reference/external.md)");
+      "solver 'external' does not start: the program 'sh -c 'echo no licence >&2; exit 3'' did not print "
+      "{\"sequence\": 1} as its first line, and flush it: exited with code 3 without an answer; stderr: no licence; "
+      "run it in a terminal to see why (docs/reference/external.md)");
 }
 
 /// Seconds until a silent program is given up.
@@ -201,7 +200,12 @@ double wait_for_silence(const TimedRequest& request) {
     solver->run(named("right"), request, result);
     ADD_FAILURE() << "it starts";
   } catch (const WorkerError& error) {
-    EXPECT_NE(std::string(error.what()).find("let it answer every line"), std::string::npos) << error.what();
+    const std::string text = error.what();
+    EXPECT_EQ(text.find("solver 'external' does not start: the program 'sleep 100' did not print "
+                        "{\"sequence\": 1} as its first line, and flush it: gave no answer within "),
+              0U)
+        << text;
+    EXPECT_NE(text.find(" ms; if it starts slowly, raise --time-limit (docs/reference/external.md)"), std::string::npos) << text;
   }
   return wall_clock_s() - begin_s;
 }
@@ -260,6 +264,17 @@ TEST(ExternalTest, TimeOfKeptAnswersThatDoNotFitIsThatOfTheFirstSolve) {
   EXPECT_EQ(result.times.repeats, 1);
 }
 
+// A number that a half would round is doubled all the same.
+TEST(ExternalTest, CopiesThatAreNotExactAreLeftOutAndTheOthersAsked) {
+  Lcp lcp{2.0 * Matrix::Identity(kSize, kSize), Vector::Constant(kSize, -1.0)};
+  lcp.q(1) = 5e-324;
+  TimedAnswer result;
+  client()->run(Problem("right", lcp), {.time_limit_s = 20, .repeat_until_s = 0.3}, result);
+  EXPECT_STREQ(to_string(result.answer.claim), "solved");
+  EXPECT_EQ(result.answer.detail, "");
+  EXPECT_EQ(result.times.repeats, external::kMultiples / 2 - 1);
+}
+
 // Whether a solve is repeated depends on the clock; what is said of its answer must not.
 TEST(ExternalTest, FailureOfARepeatLeavesTheAnswer) {
   const auto solver = client();
@@ -279,31 +294,6 @@ TEST(ExternalProgramTest, AnswerOfAProgramThatEndsBehindOurBackIsRead) {
   EXPECT_EQ(program.ask("{}", 100, wall_clock_s() + 20.0), "{}");
   EXPECT_TRUE(child_has_ended_in_empty_poll());
   EXPECT_TRUE(program.dead());
-}
-
-TEST(ControlGroupTest, ProgramsAreInTheGroupThatWasMadeForThem) {
-  // Every group has this limit, also where memory and processes are limited by the older kind of groups.
-  if (!worker::make_control_group(worker::group_folders(), {{"cgroup.max.descendants", "0"}})) {
-    GTEST_SKIP() << "no control group can be made here";
-  }
-  {
-    external::ExternalProgram program(
-        external::command_words("sh -c 'read line; tr \"\\\\n\" \" \" < /proc/self/cgroup; echo'"));
-    const std::string groups = program.ask("{}", 10000, wall_clock_s() + 20.0);
-    EXPECT_NE(groups.find("lcpbench-" + std::to_string(getpid())), std::string::npos) << groups;
-  }
-  worker::remove_control_group();
-  for (const std::filesystem::path& folder : worker::group_folders()) {
-    EXPECT_FALSE(std::filesystem::exists(folder / ("lcpbench-" + std::to_string(getpid()))));
-  }
-}
-
-TEST(ControlGroupTest, NothingIsLeftWhereNoneCanBeMade) {
-  const Scratch scratch;
-  const std::filesystem::path folder = std::filesystem::path(scratch.file("x")).parent_path();
-  EXPECT_FALSE(worker::make_control_group({folder, folder / "missing"}, worker::group_limits(1 << 30)));
-  EXPECT_TRUE(std::filesystem::is_empty(folder));
-  EXPECT_FALSE(worker::join_control_group());
 }
 
 /// A sweep over programs that differ in an argument.

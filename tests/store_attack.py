@@ -28,6 +28,7 @@ PLAN = {"format": "lcpbench-plan", "version": 1, "name": "attacked", "trials": 4
 TABLES = ("sets", "solvers", "parameterisations", "problems", "vectors", "cell_groups", "answers", "verdicts",
           "certificates", "proofs")  # not those that hold times
 NOTHING_KEPT = ("no such store", "is empty")
+TAKES_LONG = "reading and checking every row of"  # a busy machine may take its second for that
 
 
 class Attack:
@@ -244,7 +245,7 @@ class Attack:
             kind = kinds[number % len(kinds)]
             bit = self.flip("flipped.db")
             code, out, err = kind()
-            lines = err.strip().splitlines()
+            lines = [line for line in err.strip().splitlines() if TAKES_LONG not in line]
             if code == 2 and len(lines) == 1 and "flipped.db: " in lines[0] and "internal error" not in lines[0]:
                 refused += 1
             elif (code, out) != expected[kind][:2]:

@@ -1,5 +1,7 @@
 lcpbench_test(store LINK lcpbench_study)
 lcpbench_test(store_faults LINK lcpbench_study)
+lcpbench_test(store_sharing LINK lcpbench_study)
+lcpbench_test(merge LINK lcpbench_study)
 lcpbench_test(plan LINK lcpbench_study lcpbench_solver_list)
 lcpbench_test(runner LINK lcpbench_runner lcpbench_study lcpbench_solver_list lcpbench_adapters)
 target_compile_definitions(runner_test PRIVATE FAULT_WORKER="$<TARGET_FILE:fault_worker>")

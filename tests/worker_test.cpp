@@ -316,9 +316,9 @@ TEST(WorkerTest, FailureToStartIsReported) {
     return worker_error(*worker_solver(executable, Spec{solver, {}}, {.start_timeout_s = 0.3}));
   };
   EXPECT_NE(detail("/nonexistent/worker").find("No such file"), std::string::npos);
-  EXPECT_NE(detail("/bin/true").find("ended before its greeting: exited with code 0"), std::string::npos);
+  EXPECT_NE(detail("/bin/true").find("its worker program exited with code 0 before it was ready"), std::string::npos);
   EXPECT_NE(detail("/bin/ls").find("stderr: "), std::string::npos);
-  EXPECT_NE(detail("/bin/sleep", "1").find("did not greet in time"), std::string::npos);  // sleeps for a second
+  EXPECT_NE(detail("/bin/sleep", "1").find("was not ready in time"), std::string::npos);  // sleeps for a second
   EXPECT_NE(worker_error(*worker_solver(FAULT_WORKER, Spec{"other", {}})).find("no solver 'other'"), std::string::npos);
   const auto misspelt = worker_solver(FAULT_WORKER, Spec{"fault", {{"tolerence", "1"}}});
   EXPECT_NE(worker_error(*misspelt).find("tolerence"), std::string::npos);

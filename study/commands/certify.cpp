@@ -252,7 +252,7 @@ void print_counts(const std::vector<CertifiedSet>& sets) {
 /// @throws InputError when the file is no store; one that does not exist is not made.
 Store open_existing(const std::string& file) {
   print_notice(Store::open_for_reading(file));
-  return Store::open_for_writing(file);
+  return Store::open_for_writing(file, told_on_stderr());
 }
 
 CertifyOutcome certify_all(const Arguments& arguments, Store& store, const CertifyScope& scope,

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "study/commands/commands.h"
+#include "study/commands/stores.h"
 #include "study/terminal.h"
 #include "study/text_table.h"
 
@@ -17,7 +18,7 @@ struct Arguments {
 };
 
 int merge(const Arguments& arguments) {
-  const MergeOutcome outcome = merge_stores(arguments.out, arguments.inputs);
+  const MergeOutcome outcome = merge_stores(arguments.out, arguments.inputs, told_on_stderr());
   for (const std::string& notice : outcome.notices) say(stderr, "lcpbench: {}\n", notice);
   if (outcome.conflicts.empty()) {
     say(stdout, "{}: {} cells\n", arguments.out.string(), format_count(outcome.cells));

@@ -221,7 +221,7 @@ int run(const Arguments& arguments) {
 
   const std::filesystem::path file = arguments.store.empty() ? plan.name + ".db" : arguments.store;
   if (arguments.fresh) Store::remove(file);
-  Store store = Store::open_for_writing(file);
+  Store store = Store::open_for_writing(file, told_on_stderr());
   print_notice(store);
   warn_of_other_build(store);
 

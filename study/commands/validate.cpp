@@ -249,7 +249,7 @@ int run_validation(const Arguments& arguments) {
   const bool kept = !arguments.store.empty();
   Validation validation;
   {
-    Store store = kept ? Store::open_for_writing(arguments.store) : nameless_store();
+    Store store = kept ? Store::open_for_writing(arguments.store, told_on_stderr()) : nameless_store();
     print_notice(store);
     add_run(store, origin, study);
     if (!solve_all(study, store, kept, arguments.jobs)) {
