@@ -1,14 +1,14 @@
 # Sourced by run-study and run-tests: installs what is missing, by Debian package name. Says what it does.
 
-REQUIRED_PACKAGES="g++ cmake ninja-build pkg-config git libeigen3-dev libboost-dev libcli11-dev libfmt-dev
-  nlohmann-json3-dev libsqlite3-dev librandom123-dev libxxhash-dev libflint-dev zlib1g-dev"
+REQUIRED_PACKAGES="g++ cmake ninja-build pkg-config git libeigen3-dev libcli11-dev libfmt-dev
+  nlohmann-json3-dev libsqlite3-dev librandom123-dev libxxhash-dev libflint-dev libgmp-dev zlib1g-dev"
 # Figures of the report, and faster second builds: good to have, not needed.
 HELPFUL_PACKAGES="gnuplot-nox ccache"
 # Each of these brings adapters; without it they are left out, and `lcpbench solvers` says so.
 ADAPTER_PACKAGES="libbullet-dev coinor-libipopt-dev libode-dev libsiconos-numerics-dev
   libdart-external-odelcpsolver-dev libsuitesparse-dev"
 
-say() { printf '%s\n' "$*" >&2; }
+say() { printf '%s\n' "$@" >&2; }
 
 as_root() {
   if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo "$@"; fi
@@ -64,15 +64,43 @@ install_packages() {
   fi
 }
 
-# Configures and builds one preset: build_preset NAME [cmake options...] [-- targets...]
+# Ends the script: failed WHAT LOG. The lines that say why come first, then the last lines, and the log's path at the end.
+failed() {
+  say "" "$1 failed. Lines with errors:"
+  grep -m 20 -nE 'error|Error|FAILED|undefined reference' "$2" >&2 || say "(none)"
+  say "" "The last lines:"
+  tail -n 30 "$2" >&2 || true
+  say "" "$1 failed. Everything it printed is in $2"
+  exit 1
+}
+
+# Reads ninja's output and shows its count: on one line of a terminal, otherwise about every tenth of the work.
+show_progress() {
+  local line count total tenth shown=0
+  while IFS= read -r line; do
+    [[ $line =~ ^\[([0-9]+)/([0-9]+)\] ]] || continue
+    count=${BASH_REMATCH[1]} total=${BASH_REMATCH[2]}
+    tenth=$((count * 10 / total))
+    if [ -t 2 ]; then
+      printf '\r  %d of %d steps ' "$count" "$total" >&2
+    elif [ $tenth -ne $shown ]; then
+      say "  $count of $total steps"
+    fi
+    shown=$tenth
+  done
+  if [ -t 2 ] && [ -n "${total:-}" ]; then say ""; fi
+}
+
+# Configures and builds one preset: build_preset NAME [cmake options...] [-- targets...]. Needs `set -o pipefail`.
 build_preset() {
-  local preset=$1 options=() targets=()
+  local preset=$1 log="build/$1.build.log" options=() targets=()
   shift
   while [ $# -gt 0 ] && [ "$1" != -- ]; do options+=("$1"); shift; done
   [ $# -eq 0 ] || { shift; targets=("$@"); }
-  say "Building ($preset) ..."
+  say "Building ($preset); the compiler's messages go to $log ..."
   cmake --preset "$preset" "${options[@]}" > "build/$preset.configure.log" 2>&1 ||
-    { cat "build/$preset.configure.log" >&2; exit 1; }
-  cmake --build "build/$preset" ${targets[@]:+--target "${targets[@]}"} > "build/$preset.build.log" 2>&1 ||
-    { grep -nE 'error|FAILED|undefined reference' "build/$preset.build.log" >&2; tail -n 40 "build/$preset.build.log" >&2; exit 1; }
+    failed "Configuring ($preset)" "build/$preset.configure.log"
+  NINJA_STATUS='[%f/%t] ' cmake --build "build/$preset" ${targets[@]:+--target "${targets[@]}"} 2>&1 |
+    tee "$log" | show_progress ||
+    failed "Building ($preset)" "$log"
 }

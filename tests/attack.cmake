@@ -1,12 +1,11 @@
 find_package(Boost REQUIRED)  # headers only: integers of GMP
-find_library(GMP_LIBRARY gmp REQUIRED)
 
 # Seeded nasty problems, their exact truth found independently, and everything that claims to know it under test.
 add_library(lcpbench_attack STATIC
   attack/campaign.cpp attack/contact_problems.cpp attack/contacts.cpp attack/exact.cpp attack/judge.cpp
   attack/lcp_problems.cpp attack/problems.cpp attack/subjects.cpp attack/truth.cpp)
 target_link_libraries(lcpbench_attack
-  PUBLIC lcpbench_certify lcpbench_evaluation lcpbench_generators lcpbench_solver_list Boost::headers ${GMP_LIBRARY})
+  PUBLIC lcpbench_certify lcpbench_evaluation lcpbench_generators lcpbench_solver_list Boost::headers lcpbench_gmp)
 
 lcpbench_test(attack LINK lcpbench_attack)
 

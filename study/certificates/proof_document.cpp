@@ -3,7 +3,7 @@
 #include <array>
 #include <stdexcept>
 
-#include <boost/multiprecision/cpp_int.hpp>
+#include <gmpxx.h>
 #include <zlib.h>
 
 #include "core/error.h"
@@ -14,7 +14,6 @@ namespace lcpbench {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Integer = boost::multiprecision::cpp_int;
 
 /// The problem file on one line. Line breaks and the blanks after them stand between tokens only: in texts they are
 /// escaped.
@@ -113,9 +112,11 @@ std::string inflate(std::string_view bytes) {
 std::vector<std::string> fractions(const ExactVector& vector) {
   std::vector<std::string> texts;
   if (vector.numerators.empty()) return texts;
-  const Integer denominator(vector.denominator);
+  const mpz_class denominator(vector.denominator, 10);
   for (const std::string& numerator : vector.numerators) {
-    texts.push_back(boost::multiprecision::cpp_rational(Integer(numerator), denominator).str());
+    mpq_class fraction(mpz_class(numerator, 10), denominator);
+    fraction.canonicalize();
+    texts.push_back(fraction.get_str());
   }
   return texts;
 }

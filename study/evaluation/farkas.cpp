@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include <boost/multiprecision/cpp_int.hpp>
+#include <gmpxx.h>
 
 namespace lcpbench {
 namespace {
@@ -16,21 +16,21 @@ class Dyadic {
   explicit Dyadic(double value) {
     if (value == 0) return;
     int exponent = 0;
-    mantissa_ = static_cast<std::int64_t>(std::ldexp(std::frexp(value, &exponent), kDoubleBits));
+    mantissa_ = std::ldexp(std::frexp(value, &exponent), kDoubleBits);
     exponent_ = exponent - kDoubleBits;
   }
 
-  int sign() const { return mantissa_.sign(); }
+  int sign() const { return sgn(mantissa_); }
 
   Dyadic& operator+=(const Dyadic& other) {
     if (other.sign() == 0) return *this;
     if (sign() == 0) return *this = other;
     if (exponent_ > other.exponent_) {
-      mantissa_ <<= static_cast<unsigned>(exponent_ - other.exponent_);
+      mantissa_ <<= static_cast<mp_bitcnt_t>(exponent_ - other.exponent_);
       exponent_ = other.exponent_;
       mantissa_ += other.mantissa_;
     } else {
-      mantissa_ += other.mantissa_ << static_cast<unsigned>(other.exponent_ - exponent_);
+      mantissa_ += other.mantissa_ << static_cast<mp_bitcnt_t>(other.exponent_ - exponent_);
     }
     return *this;
   }
@@ -45,7 +45,7 @@ class Dyadic {
  private:
   static constexpr int kDoubleBits = 53;
 
-  boost::multiprecision::cpp_int mantissa_ = 0;
+  mpz_class mantissa_;
   long exponent_ = 0;
 };
 
