@@ -231,7 +231,7 @@ double draw_legend(Canvas& canvas, const std::vector<DrawnPoint>& points, double
     const bool seen = std::any_of(points.begin(), points.end(),
                                   [rank](const DrawnPoint& point) { return &rank_of(*point.point) == rank; });
     if (!seen) continue;
-    const double width = 13 + static_cast<double>(character_count(rank->meaning)) * 11 * 0.5 + 18;
+    const double width = 13 + static_cast<double>(character_count(rank->meaning)) * 11 * 0.54 + 20;
     if (x > kMargin && x + width > kWidth) {
       x = kMargin;
       y += 18;
