@@ -263,6 +263,15 @@ TEST(CrowdedLabelTest, OverlapsAndCrossingsAreFound) {
   EXPECT_TRUE(report::crowded_labels(points, placed).empty());
 }
 
+TEST(CurveTest, APictureOfManyProblemsIsNoLarger) {
+  report::Curve curve{"solver", 0, {}};
+  constexpr int kProblems = 20000;
+  for (int i = 1; i <= kProblems; ++i) curve.steps.emplace_back(1e-12 * i, static_cast<double>(i) / kProblems);
+  report::ShareAxes axes;
+  axes.tic = [](int) { return std::string("tic"); };
+  EXPECT_LT(report::draw_shares(SetSummary{}, axes, {curve}).size(), 25000U);
+}
+
 TEST(CurveStyleTest, NoTwoCurvesOfAPictureLookAlike) {
   std::set<std::pair<std::string, std::string>> styles;
   for (std::size_t number = 0; number < 80; ++number) {
