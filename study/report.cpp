@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <map>
 #include <ostream>
 #include <set>
 #include <utility>
@@ -20,7 +21,6 @@
 #include "study/report/decision.h"
 #include "study/report/ecdf_figures.h"
 #include "study/report/figures.h"
-#include "study/report/gnuplot.h"
 #include "study/report/hard.h"
 #include "study/report/hard_section.h"
 #include "study/report/page.h"
@@ -165,26 +165,22 @@ Json speed_error_tables(const Summary& summary, const report::SpeedErrorStudy& s
 report::Figures draw_figures(const Summary& summary, const std::vector<SetComparison>& comparisons,
                              const report::SpeedErrorStudy& study) {
   report::Figures figures;
-  try {
-    for (const report::SpeedError& set : study.sets) {
-      if (study.is_step(summary, set.set)) continue;
-      if (auto figure = report::speed_error_figure(summary, set)) figures.speed_error[set.set] = std::move(*figure);
-    }
-    for (std::size_t i = 0; i < study.families.size(); ++i) {
-      auto figure = report::conditioning_figure(summary, study.families[i]);
-      if (figure) figures.conditioning[i] = std::move(*figure);
-    }
-    for (std::size_t set = 0; set < summary.sets.size(); ++set) {
-      if (report::is_hard_set(summary.sets[set].name)) continue;
-      if (auto figure = report::error_distribution_figure(summary, set)) figures.distribution[set] = std::move(*figure);
-    }
-    for (const SetComparison& comparison : comparisons) {
-      const std::size_t set = comparison.set;
-      if (auto figure = report::time_ecdf_figure(summary, comparison)) figures.time_ecdf[set] = std::move(*figure);
-      if (auto figure = report::error_ecdf_figure(summary, comparison)) figures.error_ecdf[set] = std::move(*figure);
-    }
-  } catch (const report::FigureError& error) {
-    figures.missing = error.what();
+  for (const report::SpeedError& set : study.sets) {
+    if (study.is_step(summary, set.set)) continue;
+    if (auto figure = report::speed_error_figure(summary, set)) figures.speed_error[set.set] = std::move(*figure);
+  }
+  for (std::size_t i = 0; i < study.families.size(); ++i) {
+    auto figure = report::conditioning_figure(summary, study.families[i]);
+    if (figure) figures.conditioning[i] = std::move(*figure);
+  }
+  for (std::size_t set = 0; set < summary.sets.size(); ++set) {
+    if (report::is_hard_set(summary.sets[set].name)) continue;
+    if (auto figure = report::error_distribution_figure(summary, set)) figures.distribution[set] = std::move(*figure);
+  }
+  for (const SetComparison& comparison : comparisons) {
+    const std::size_t set = comparison.set;
+    if (auto figure = report::time_ecdf_figure(summary, comparison)) figures.time_ecdf[set] = std::move(*figure);
+    if (auto figure = report::error_ecdf_figure(summary, comparison)) figures.error_ecdf[set] = std::move(*figure);
   }
   return figures;
 }
@@ -196,35 +192,70 @@ class FileNames {
     const std::string stem = report::file_stem(set);
     std::string name = stem + ending;
     for (int suffix = 2; !taken_.insert(name).second; ++suffix) name = fmt::format("{}-{}{}", stem, suffix, ending);
-    return name;
+    return "figures/" + name;
   }
 
  private:
   std::set<std::string> taken_;
 };
 
-void write_figures(const Summary& summary, const report::SpeedErrorStudy& study, const report::Figures& figures,
+/// Gives every figure its place, and writes it there.
+void write_figures(const Summary& summary, const report::SpeedErrorStudy& study, report::Figures& figures,
                    const std::filesystem::path& folder) {
-  make_folder(folder);
+  make_folder(folder / "figures");
   FileNames names;
-  for (const auto& [family, figure] : figures.conditioning) {
-    write_file(folder / names.unique(study.families[family].family, ".conditioning.svg"), figure.svg);
-  }
-  for (const auto& [set, figure] : figures.speed_error) {
-    write_file(folder / names.unique(summary.sets[set].name, ".svg"), figure.svg);
-  }
-  for (const auto& [set, figure] : figures.distribution) {
-    write_file(folder / names.unique(summary.sets[set].name, ".errors.svg"), figure.svg);
-  }
-  for (const auto& [set, figure] : figures.time_ecdf) {
-    write_file(folder / names.unique(summary.sets[set].name, ".ecdf-time.svg"), figure.svg);
-  }
-  for (const auto& [set, figure] : figures.error_ecdf) {
-    write_file(folder / names.unique(summary.sets[set].name, ".ecdf-error.svg"), figure.svg);
-  }
+  const auto write = [&](std::map<std::size_t, report::Figure>& kind, const char* ending, const auto& name) {
+    for (auto& [index, figure] : kind) {
+      figure.file = names.unique(name(index), ending);
+      write_file(folder / figure.file, figure.svg);
+    }
+  };
+  const auto family = [&study](std::size_t index) { return study.families[index].family; };
+  const auto set_name = [&summary](std::size_t set) { return summary.sets[set].name; };
+  write(figures.conditioning, ".conditioning.svg", family);
+  write(figures.speed_error, ".svg", set_name);
+  write(figures.distribution, ".errors.svg", set_name);
+  write(figures.time_ecdf, ".ecdf-time.svg", set_name);
+  write(figures.error_ecdf, ".ecdf-error.svg", set_name);
   const std::optional<std::size_t> headline = report::headline_set(summary);
   const auto figure = headline ? figures.speed_error.find(*headline) : figures.speed_error.end();
   if (figure != figures.speed_error.end()) write_file(folder / names.unique("headline", ".svg"), figure->second.svg);
+}
+
+/// One row per set and solver at single settings, the columns that most readers want, each named with its unit.
+/// @param study  of the summary: gives the standing
+Json results_json(const Summary& summary, const report::SpeedErrorStudy& study) {
+  std::map<const Cell*, std::string> standing;
+  for (const report::SpeedError& set : study.sets) {
+    for (const report::SpeedErrorPoint& point : set.points) {
+      standing[point.cell] = report::to_string(point.reliability.ground);
+    }
+  }
+  Json records = Json::array();
+  for (const Cell& cell : summary.cells) {
+    const SolverRow& solver = summary.solvers[cell.solver];
+    if (!solver.sweep.empty()) continue;
+    records.push_back({{"set", summary.sets[cell.set].name},
+                       {"solver", solver_label(summary, cell.solver)},
+                       {"library", solver.library},
+                       {"problems", cell.trials},
+                       {"solved_share", cell.rate()},
+                       {"solved_share_low", cell.rate_interval.low},
+                       {"solved_share_high", cell.rate_interval.high},
+                       {"false_claims", cell.false_claims()},
+                       {"gave_up", cell.gave_up()},
+                       {"refused", cell.count(Claim::kUnsupported)},
+                       {"median_time_s", cell.median_time.value},
+                       {"median_time_low_s", cell.median_time.low},
+                       {"median_time_high_s", cell.median_time.high},
+                       {"time_ratio", cell.time_ratio.value},
+                       {"time_ratio_low", cell.time_ratio.low},
+                       {"time_ratio_high", cell.time_ratio.high},
+                       {"error_median", cell.error_median},
+                       {"error_p99", cell.error_p99},
+                       {"reliability", standing[&cell]}});
+  }
+  return records;
 }
 
 constexpr std::size_t kNameWidth = 24;
@@ -295,7 +326,7 @@ std::string set_text(const Summary& summary, std::size_t set) {
 
 }  // namespace
 
-std::string write_report(Store& store, const std::filesystem::path& folder) {
+void write_report(Store& store, const std::filesystem::path& folder) {
   const Summary summary = summarize(store);
   const std::vector<report::Situation> situations = report::decide(summary);
   std::vector<SetComparison> comparisons = compare_solvers(summary, report::recommended_by_set(situations));
@@ -304,7 +335,7 @@ std::string write_report(Store& store, const std::filesystem::path& folder) {
     return report::is_hard_set(summary.sets[comparison.set].name);
   });
   const report::SpeedErrorStudy speed_error = report::speed_error_study(summary);
-  const report::Figures figures = draw_figures(summary, comparisons, speed_error);
+  report::Figures figures = draw_figures(summary, comparisons, speed_error);
   Json document = summary_json(summary);
   document["reliability_rule"] = report::reliability_rule_json();
   document["decision"] = decision_json(summary, situations);
@@ -316,12 +347,13 @@ std::string write_report(Store& store, const std::filesystem::path& folder) {
   write_comparison_tables(summary, comparisons, folder / "tables");
   write_hard_tables(summary, folder / "tables");
   write_speed_error_tables(speed_error_records, folder / "tables");
-  write_figures(summary, speed_error, figures, folder / "figures");
+  write_file(folder / "tables" / "results.csv",
+             report::csv_table(results_json(example_summary(), {}).at(0), results_json(summary, speed_error)));
+  write_figures(summary, speed_error, figures, folder);
   write_file(folder / "summary.json", json_document(document));
   const report::PaperStudy paper = report::paper_study(summary);
   for (const auto& [name, content] : report::paper_files(summary, paper)) write_file(folder / name, content);
   write_file(folder / "report.html", report::html_page(summary, situations, comparisons, speed_error, figures, paper));
-  return figures.missing;
 }
 
 std::string table_text(const Summary& summary) {

@@ -9,12 +9,11 @@
 
 namespace lcpbench {
 
-/// Writes `report.html` (one self-contained file), `summary.json`, `tables/*.csv` and `figures/*.svg` into a folder,
-/// which is made where it is missing; files of the same names are replaced, others are left alone. Nothing is solved
-/// again.
-/// @returns "" or, in one line, why the report has no figures (gnuplot is missing or failed); it is complete otherwise.
+/// Writes `report.html` (one file; links lead to the others), `summary.json`, `tables/*.csv` and `figures/*.svg` into a
+/// folder, which is made where it is missing; files of the same names are replaced, others are left alone. Nothing is
+/// solved again.
 /// @throws InputError when the store cannot be read or a file cannot be written.
-std::string write_report(Store& store, const std::filesystem::path& folder);
+void write_report(Store& store, const std::filesystem::path& folder);
 
 /// The results as text, at most 100 columns wide unless a name is longer: per set one row for each solver with the
 /// share solved and its 95 % interval, false claims, giving up, median time, time ratio to the reference, and the 99th

@@ -8,6 +8,7 @@ target_compile_definitions(compare_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:
 add_dependencies(compare_test lcpbench)
 lcpbench_test(summary LINK lcpbench_report)
 lcpbench_test(report LINK lcpbench_report LibXml2::LibXml2)
+lcpbench_test(report_page LINK lcpbench_report)
 lcpbench_test(paper_claims LINK lcpbench_report)
 lcpbench_test(hard_report LINK lcpbench_report)
 lcpbench_test(speed_error LINK lcpbench_report)
@@ -21,3 +22,8 @@ add_dependencies(hard_study_test lcpbench)
 lcpbench_test(paper_tables LINK lcpbench_report LibXml2::LibXml2)
 target_compile_definitions(paper_tables_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
 add_dependencies(paper_tables_test lcpbench)
+
+# The programs of docs/howto/read-the-tables.md, run on a report made for them.
+add_test(NAME tables_page
+         COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/tables_page_test.py $<TARGET_FILE:lcpbench>
+                 ${CMAKE_SOURCE_DIR}/docs/howto/read-the-tables.md)

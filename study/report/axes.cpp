@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
+
+#include <fmt/format.h>
 
 #include "study/report/speed_error.h"
 #include "study/report/text.h"
@@ -60,28 +63,34 @@ LogAxis::LogAxis(const std::vector<double>& values, double begin, double end) : 
   high_ = static_cast<int>(std::ceil(high + margin));
 }
 
-std::string LogAxis::tics(int count, std::string (*name)(int)) const {
-  const int step = std::max(1, (high_ - low_ + count - 1) / count);
-  std::string list;
-  for (int exponent = low_; exponent <= high_; ++exponent) {
-    if (exponent % step != 0) continue;
-    list += fmt::format("{}{} {}", list.empty() ? "" : ", ", gnuplot_quote(name(exponent)), exponent);
-  }
-  return "(" + list + ")";
+double LogAxis::pixel(double value) const {
+  return begin_ + (std::log10(value) - low_) / (high_ - low_) * (end_ - begin_);
 }
 
-void draw_frame(Canvas& canvas, const Box& area, const std::string& x_range, const std::string& x_tics,
-                const std::string& y_range, const std::string& y_tics) {
-  canvas.plot_area(area);
-  canvas.command("set xrange " + x_range + "\nset yrange " + y_range);
-  canvas.command("set border 3 linecolor rgb '#999999'");
-  canvas.command(fmt::format("set grid linecolor rgb '{}' linewidth 1 linetype 1", kGrid));
-  canvas.command(fmt::format("set xtics nomirror out scale 0.6 textcolor rgb '{}' {}", kInk, x_tics));
-  canvas.command(fmt::format("set ytics nomirror out scale 0.6 textcolor rgb '{}' {}", kInk, y_tics));
+std::vector<Tic> LogAxis::tics(int count, std::string (*name)(int)) const {
+  const int step = std::max(1, (high_ - low_ + count - 1) / count);
+  std::vector<Tic> tics;
+  for (int exponent = low_; exponent <= high_; ++exponent) {
+    if (exponent % step == 0) tics.push_back({pixel(std::pow(10, exponent)), name(exponent)});
+  }
+  return tics;
+}
+
+void draw_frame(Canvas& canvas, const Box& area, const std::vector<Tic>& x_tics, const std::vector<Tic>& y_tics) {
+  for (const Tic& tic : x_tics) {
+    canvas.line(tic.pixel, area.top, tic.pixel, area.bottom, kGrid, 1, false, Layer::kBack);
+    canvas.text(tic.pixel, area.bottom + 14, tic.label, {.align = Align::kCenter});
+  }
+  for (const Tic& tic : y_tics) {
+    canvas.line(area.left, tic.pixel, area.right, tic.pixel, kGrid, 1, false, Layer::kBack);
+    canvas.text(area.left - 6, tic.pixel, tic.label, {.align = Align::kRight});
+  }
+  canvas.line(area.left, area.top, area.left, area.bottom, kAxis, 1);
+  canvas.line(area.left, area.bottom, area.right, area.bottom, kAxis, 1);
 }
 
 void draw_heading(Canvas& canvas, const SetSummary& set) {
-  canvas.text(kMargin, 22, describe(set), {.size = 17, .color = kInk, .bold = true});
+  canvas.text(kMargin, 22, describe(set), {.size = 17, .bold = true});
   canvas.text(kMargin, 44, set_line(set), {.color = kSoft});
 }
 

@@ -1,29 +1,20 @@
 #pragma once
 
-#include <cmath>
 #include <string>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "study/report/canvas.h"
-#include "study/report/gnuplot.h"
 #include "study/summary.h"
 
 namespace lcpbench::report {
 
-// What all pictures share: sizes [px], colours, headings, logarithmic axes.
+// What all pictures share: sizes [px], headings, logarithmic axes.
 
 inline constexpr double kWidth = 900;
 inline constexpr double kMargin = 16;
 inline constexpr double kLabelSize = 12;
 inline constexpr double kLabelHeight = 15;
 inline constexpr double kErrorFloor = 1e-17;  ///< smaller errors, exact answers among them, are drawn here
-
-inline constexpr const char* kInk = "#222222";
-inline constexpr const char* kSoft = "#666666";
-inline constexpr const char* kGrid = "#e4e4e4";
-inline constexpr const char* kWrong = "#b3261e";
 
 /// "10⁻⁴"
 std::string power_of_ten(int exponent);
@@ -33,18 +24,21 @@ std::string time_of_decade(int exponent);
 /// "1/100", "same", "10×": a ratio's power of ten.
 std::string ratio_of_decade(int exponent);
 
-/// A logarithmic axis over whole decades, drawn at pixels `begin` .. `end`. gnuplot gets the logarithms on a linear
-/// axis, so that what it draws and what is placed here agree to the pixel.
+/// A label of an axis and where it stands.
+struct Tic {
+  double pixel = 0;
+  std::string label;
+};
+
+/// A logarithmic axis over whole decades, drawn at pixels `begin` .. `end`.
 class LogAxis {
  public:
   /// @pre the values are positive and finite, and there is at least one.
   LogAxis(const std::vector<double>& values, double begin, double end);
-  int low() const { return low_; }
-  int high() const { return high_; }
-  double pixel(double value) const { return begin_ + (std::log10(value) - low_) / (high_ - low_) * (end_ - begin_); }
+  double pixel(double value) const;
 
-  /// A list of at most about `count` tics for gnuplot; `name` turns an exponent into a label.
-  std::string tics(int count, std::string (*name)(int)) const;
+  /// At most about `count` tics at powers of ten; `name` turns an exponent into a label.
+  std::vector<Tic> tics(int count, std::string (*name)(int)) const;
 
  private:
   double begin_;
@@ -53,9 +47,8 @@ class LogAxis {
   int high_ = 0;
 };
 
-/// Frame and grid; `x_tics` and `y_tics` as LogAxis::tics gives them.
-void draw_frame(Canvas& canvas, const Box& area, const std::string& x_range, const std::string& x_tics,
-                const std::string& y_range, const std::string& y_tics);
+/// The axes at the left and below, with a grid.
+void draw_frame(Canvas& canvas, const Box& area, const std::vector<Tic>& x_tics, const std::vector<Tic>& y_tics);
 
 /// Two lines at the top: what the set is, and its name and size.
 void draw_heading(Canvas& canvas, const SetSummary& set);

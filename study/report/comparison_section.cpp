@@ -7,7 +7,6 @@
 
 #include "study/report/comparison_tables.h"
 #include "study/report/html_table.h"
-#include "study/report/sections.h"
 #include "study/report/text.h"
 
 namespace lcpbench::report {
@@ -29,84 +28,59 @@ std::string share_cell(std::int64_t part, std::int64_t whole) {
   return number_cell(share.value(), percent(share.value()), percent_range(share.interval()));
 }
 
-std::string p_value(double p) { return p < 1e-99 ? "&lt; 1e-99" : fmt::format("{:.2g}", p); }
+// --- solvers ---
 
-// --- pairs ---
+/// How many others a solver is told apart from, by the corrected tests.
+struct Tests {
+  int solves_more = 0;
+  int solves_fewer = 0;
+  int not_told_apart = 0;
+};
 
-std::string pair_verdict(const Summary& summary, const PairedCounts& pair) {
-  const std::optional<std::size_t> better = pair.better();
-  return better ? solver_code(summary, *better) + " solves more" : "not told apart";
-}
-
-std::string pairs_table(const Summary& summary, const SetComparison& comparison) {
-  if (comparison.pairs.empty()) return "";
-  constexpr Column kColumns[] = {{"First", false},       {"Second", false}, {"Problems", true}, {"Only first", true},
-                                 {"Only second", true},  {"Both", true},    {"Neither", true},  {"p", true},
-                                 {"p, corrected", true}, {"Verdict", false}};
-  std::string rows;
+Tests tests_of(const SetComparison& comparison, std::size_t solver) {
+  Tests tests;
   for (const PairedCounts& pair : comparison.pairs) {
-    rows += "<tr>" + row_heading(summary, pair.first) + "<td>" + solver_code(summary, pair.second) + "</td>";
-    for (const std::int64_t count : {pair.problems, pair.only_first, pair.only_second, pair.both, pair.neither}) {
-      rows += count_cell(count);
-    }
-    rows += number_cell(pair.p, p_value(pair.p)) + number_cell(pair.p_holm, p_value(pair.p_holm));
-    rows += "<td>" + pair_verdict(summary, pair) + "</td></tr>\n";
+    if (pair.first != solver && pair.second != solver) continue;
+    const std::optional<std::size_t> better = pair.better();
+    ++(!better ? tests.not_told_apart : *better == solver ? tests.solves_more : tests.solves_fewer);
   }
-  return "<h4>Who solves what the other does not</h4>\n" + table_head("cells", kColumns) + rows + kTableEnd;
+  return tests;
 }
 
-// --- times ---
+/// What a solver adds to the virtual best solver over all problems of the set; nullptr where it met only a part.
+const Contribution* contribution_of(const SetComparison& comparison, std::size_t solver) {
+  for (const VirtualBest& best : comparison.virtual_bests) {
+    if (best.common_only) continue;
+    for (const Contribution& part : best.contributions) {
+      if (part.solver == solver) return &part;
+    }
+  }
+  return nullptr;
+}
 
 std::string seconds_cell(const Estimate& estimate) {
   return number_cell(estimate.value, duration(estimate.value), duration_range(estimate.low, estimate.high));
 }
 
-std::string times_table(const Summary& summary, const SetComparison& comparison) {
-  constexpr Column kColumns[] = {
-      {"Solver", false}, {"Problems", true}, {"Solved", true}, {"Median time", true}, {"Shifted geometric mean", true},
-      {"PAR‑10", true}};
+std::string solvers_table(const Summary& summary, const SetComparison& comparison) {
+  constexpr Column kColumns[] = {{"Solver", false},         {"Solved", true},
+                                 {"Solves more than", true}, {"Solves fewer than", true},
+                                 {"Not told apart from", true}, {"Solved by it alone", true},
+                                 {"Fastest to solve", true}, {"Shifted geometric mean", true},
+                                 {"PAR‑10", true}};
   std::string rows;
   for (const SolverTimes& times : comparison.times) {
-    rows += "<tr>" + row_heading(summary, times.solver) + count_cell(times.problems);
-    rows += share_cell(times.solved, times.problems);
-    rows += seconds_cell(times.median) + seconds_cell(times.geometric_mean);
-    rows += number_cell(times.par10, duration(times.par10)) + "</tr>\n";
-  }
-  return "<h4>Times, slow and failed solves weighed in three ways</h4>\n" + table_head("cells", kColumns) + rows +
-         kTableEnd;
-}
-
-// --- profiles ---
-
-std::size_t factor_index(double factor) {
-  return static_cast<std::size_t>(std::find(kProfileFactors.begin(), kProfileFactors.end(), factor) -
-                                  kProfileFactors.begin());
-}
-
-std::string profiles_table(const Summary& summary, const SetComparison& comparison) {
-  if (comparison.profiles.empty()) return "";
-  constexpr Column kColumns[] = {
-      {"Solver", false},          {"Against", false},          {"Problems", true},   {"Faster", true},
-      {"Within 1.1×", true},      {"Within 2×", true},         {"Within 10×", true}, {"Within 1000×", true},
-      {"Other one faster", true}, {"Other within 1000×", true}};
-  std::string rows;
-  for (const PairProfile& profile : comparison.profiles) {
-    rows += "<tr>" + row_heading(summary, profile.solver) + "<td>" + solver_code(summary, profile.against) + "</td>";
-    rows += count_cell(profile.problems);
-    for (const double factor : {1.0, 1.1, 2.0, 10.0, 1000.0}) {
-      const double share = profile.solver_shares[factor_index(factor)];
-      rows += number_cell(share, percent(share));
+    const Tests tests = tests_of(comparison, times.solver);
+    rows += "<tr>" + row_heading(summary, times.solver) + share_cell(times.solved, times.problems);
+    rows += count_cell(tests.solves_more) + count_cell(tests.solves_fewer) + count_cell(tests.not_told_apart);
+    if (const Contribution* part = contribution_of(comparison, times.solver)) {
+      rows += count_cell(part->alone) + count_cell(part->fastest);
+    } else {
+      rows += number_cell(std::nan(""), "–") + number_cell(std::nan(""), "–");
     }
-    for (const double factor : {1.0, 1000.0}) {
-      const double share = profile.against_shares[factor_index(factor)];
-      rows += number_cell(share, percent(share));
-    }
-    rows += "</tr>\n";
+    rows += seconds_cell(times.geometric_mean) + number_cell(times.par10, duration(times.par10)) + "</tr>\n";
   }
-  return "<h4>Profiles of two</h4>\n<p class=\"note\">Share of the problems that a solver solved within a factor of "
-         "the "
-         "faster of the two.</p>\n" +
-         table_head("cells", kColumns) + rows + kTableEnd;
+  return table_head("cells", kColumns) + rows + kTableEnd;
 }
 
 // --- portfolio ---
@@ -125,17 +99,6 @@ std::string best_words(const VirtualBest& best) {
   return fmt::format("The virtual best solver solves {} of {} ({}, {}) in a median of {}, a mean of {}.", best.solved,
                      best.problems, percent(solved.value()), percent_range(solved.interval()),
                      duration(best.median_time.value), duration(best.mean_time_s));
-}
-
-std::string contributions_table(const Summary& summary, const VirtualBest& best) {
-  constexpr Column kColumns[] = {
-      {"Solver", false}, {"Solved", true}, {"Solved by it alone", true}, {"Fastest to solve", true}};
-  std::string rows;
-  for (const Contribution& part : best.contributions) {
-    rows += "<tr>" + row_heading(summary, part.solver) + share_cell(part.solved, best.problems);
-    rows += count_cell(part.alone) + count_cell(part.fastest) + "</tr>\n";
-  }
-  return table_head("cells", kColumns) + rows + kTableEnd;
 }
 
 std::string chain_words(const Summary& summary, std::size_t set, const VirtualBest& best) {
@@ -165,7 +128,7 @@ std::string portfolio_part(const Summary& summary, const SetComparison& comparis
   for (const VirtualBest& best : comparison.virtual_bests) {
     part += "<h4>Virtual best solver and fallback chain</h4>\n<p class=\"note\">" + scope_words(summary, best) +
             ".</p>\n<p>" + best_words(best) + "</p>\n";
-    part += contributions_table(summary, best) + chain_words(summary, comparison.set, best);
+    part += chain_words(summary, comparison.set, best);
   }
   return part;
 }
@@ -175,27 +138,28 @@ std::string portfolio_part(const Summary& summary, const SetComparison& comparis
 std::string introduction(const Summary& summary) {
   const double limit = recorded_time_limit(summary);
   return fmt::format(
-      "<p>Within a set, on the same problems. Open a set for its tables; all of them are in <code>tables/</code> "
-      "(<code>mcnemar.csv</code>, <code>solver_times.csv</code>, <code>ecdf.csv</code>, <code>profiles.csv</code>, "
-      "<code>vbs.csv</code>, <code>chains.csv</code>). What solvers said against what was true stands under <a "
-      "href=\"#claims\">Claim against verdict</a>.</p>\n<ul>\n"
-      "<li><strong>Pairs.</strong> Problems that both took. p: exact McNemar test, two-sided, on the problems that "
-      "only one solved; corrected by Holm’s method for the number of pairs of the set. “Solves more” is said where the "
-      "corrected p is below 5 %. Unsolvable problems count as solved by neither.</li>\n"
-      "<li><strong>Times.</strong> Median and shifted geometric mean are over all problems that a solver took, "
-      "failures included; 95 % intervals. The shift is {}, one period of a 1 kHz control loop: shorter solves count by "
+      "<p>Within a set, on the same problems. Open a set for its table. Every pair, profile and curve is in "
+      "<code>tables/</code>: <code>mcnemar.csv</code>, <code>solver_times.csv</code>, <code>ecdf.csv</code>, "
+      "<code>profiles.csv</code>, <code>vbs.csv</code>, <code>chains.csv</code>.</p>\n"
+      "<details><summary>How to read the comparisons</summary>\n<ul>\n"
+      "<li><strong>Solves more than, solves fewer than.</strong> The number of other solvers. Two solvers are compared "
+      "on the problems that both took, by the exact McNemar test, two-sided, on the problems that only one solved, "
+      "corrected by Holm’s method for the number of pairs of the set. They are told apart where the corrected p is "
+      "below 5 %. Unsolvable problems count as solved by neither.</li>\n"
+      "<li><strong>Times.</strong> The shifted geometric mean is over all problems that a solver took, failures "
+      "included, with its 95 % interval. The shift is {}, one period of a 1 kHz control loop: shorter solves count by "
       "their sum, longer ones by their ratio. PAR‑10 is the mean over the problems not proven unsolvable, where each "
       "unsolved one counts as ten time limits ({}).</li>\n"
       "<li><strong>Curves.</strong> Shares of the problems not proven unsolvable. A failure is in the whole and never "
-      "in "
-      "the share, so that a curve ends at what the solver solved.</li>\n"
-      "<li><strong>Profiles</strong> compare two solvers alone: in profiles of many, leaving one out can turn the "
-      "order "
+      "in the share, so that a curve ends at what the solver solved.</li>\n"
+      "<li><strong>Profiles</strong> compare two solvers alone: in profiles of many, leaving one out can turn the order "
       "of the others.</li>\n"
       "<li><strong>Virtual best solver.</strong> The fastest that solved each problem, known only afterwards. "
-      "<strong>Fallback chain.</strong> Solvers tried one after the other until an answer passes verification. It "
-      "relies on every answer being verified; what a solver claims ends nothing. All subsets of solvers are tried, so "
-      "none shorter exists on these problems; its order is the cheapest here, and may not be elsewhere.</li>\n"
+      "“Solved by it alone” and “fastest to solve” count its problems; solvers that met only a part of the set have no "
+      "such count. <strong>Fallback chain.</strong> Solvers tried one after the other until an answer passes "
+      "verification. It relies on every answer being verified; what a solver claims ends nothing. All subsets of "
+      "solvers are tried, so none shorter exists on these problems; its order is the cheapest here, and may not be "
+      "elsewhere.</li>\n"
       "<li>Parameterisations of sweeps take no part.</li>\n</ul>\n",
       duration(kTimeShift), std::isnan(limit) ? "no run of this store recorded one" : "limit: " + duration(limit));
 }
@@ -206,11 +170,8 @@ std::string set_line(const Summary& summary, const SetComparison& comparison) {
                                         [](const PairedCounts& pair) { return pair.better().has_value(); });
   line += fmt::format(": {} of {} told apart", told_apart, counted(std::ssize(comparison.pairs), "pair"));
   for (const VirtualBest& best : comparison.virtual_bests) {
-    if (best.common_only || !best.chain) continue;
-    line += "; virtual best " + percent(Share{best.solved, best.problems}.value()) + ", reached by";
-    for (std::size_t i = 0; i < best.chain->steps.size(); ++i) {
-      line += (i == 0 ? " " : " → ") + solver_code(summary, best.chain->steps[i].solver);
-    }
+    if (best.common_only) continue;
+    line += "; virtual best " + percent(Share{best.solved, best.problems}.value());
   }
   return line;
 }
@@ -231,15 +192,14 @@ std::string queries() {
 std::string comparison_section(const Summary& summary, const std::vector<SetComparison>& comparisons,
                                const Figures& figures) {
   if (comparisons.empty()) return "";
-  std::string section = "<section id=\"comparison\"><h2>Comparing solvers</h2>\n" + introduction(summary);
+  std::string section = "<section id=\"comparison\"><h2>Comparing solvers</h2>\n" + introduction(summary) + queries() +
+                        "</details>\n";
   for (const SetComparison& comparison : comparisons) {
     section += "<details><summary>" + set_line(summary, comparison) + "</summary>\n";
-    section += pairs_table(summary, comparison) + times_table(summary, comparison);
-    section += figure_html(figures.time_ecdf, comparison.set, figures.missing);
-    section += figure_html(figures.error_ecdf, comparison.set, "");
-    section += profiles_table(summary, comparison) + portfolio_part(summary, comparison) + "</details>\n";
+    section += solvers_table(summary, comparison) + figure_html(figures.time_ecdf, comparison.set);
+    section += portfolio_part(summary, comparison) + "</details>\n";
   }
-  return section + queries() + "</section>\n";
+  return section + "</section>\n";
 }
 
 }  // namespace lcpbench::report

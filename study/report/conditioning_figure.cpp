@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -17,6 +18,10 @@ namespace {
 constexpr double kErrorCeiling = 1e2;  // larger errors are drawn here
 constexpr double kPanelHeight = 250;
 constexpr double kGap = 92;
+constexpr double kBandHeight = 34;
+constexpr std::size_t kColorsInTurn = 10;
+constexpr std::array kMarkers{Shape::kSquare,  Shape::kDisc,  Shape::kTriangle,
+                              Shape::kDiamond, Shape::kCross, Shape::kPlus};
 
 /// One solver along the dial; value is what the panel shows.
 struct Line {
@@ -24,9 +29,10 @@ struct Line {
     double condition = 0;
     double value = 0;
     bool reliable = false;
+    bool failed = false;  ///< has no error of its own
   };
   std::string label;
-  std::size_t color = 0;
+  std::size_t number = 0;  ///< gives colour and shape
   std::vector<Point> points;  ///< ascending by condition
   bool reaches_the_end = false;
 };
@@ -35,11 +41,11 @@ std::vector<Line> lines_of(const Summary& summary, const Conditioning& family,
                            double (*value)(const SpeedErrorPoint&)) {
   std::vector<Line> lines;
   for (std::size_t i = 0; i < family.solvers.size(); ++i) {
-    Line line{shorten(rung_label(summary, family.solvers[i]), 34), i, {}};
+    Line line{shorten(rung_label(summary, family.solvers[i]), 34), i, {}, false};
     for (std::size_t step = 0; step < family.steps.size(); ++step) {
       for (const SpeedErrorPoint& point : family.steps[step].points) {
         if (point.cell->solver != family.solvers[i] || !point.placed()) continue;
-        line.points.push_back({family.conditions[step], value(point), point.reliable()});
+        line.points.push_back({family.conditions[step], value(point), point.reliable(), point.failed()});
       }
     }
     line.reaches_the_end = line.points.back().condition == family.conditions.back();
@@ -56,52 +62,73 @@ struct Panel {
   std::string heading;
   std::string (*tic)(int) = nullptr;
   std::optional<double> bound;
+  bool failures_apart = false;  ///< those that failed stand in a band above the values
 };
 
-/// A gnuplot picture holds one plot of data; these few segments are drawn as a part of the canvas instead.
-void draw_panel(Canvas& canvas, const Box& area, const std::vector<Line>& lines, const LogAxis& x, const Panel& panel) {
+bool apart(const Panel& panel, const Line::Point& point) { return panel.failures_apart && point.failed; }
+
+/// One solver's points, and the lines between them. A line ends where the solver failed.
+void draw_line(Canvas& canvas, const Box& area, const Line& line, const LogAxis& x, const LogAxis& y,
+               const Panel& panel) {
+  const char* color = curve_color(line.number);
+  const Shape shape = kMarkers[line.number / kColorsInTurn % kMarkers.size()];
+  const auto height = [&](const Line::Point& point) {
+    return apart(panel, point) ? area.top - kBandHeight / 2 : y.pixel(point.value);
+  };
+  for (std::size_t k = 0; k < line.points.size(); ++k) {
+    const Line::Point& point = line.points[k];
+    // In the band all would stand on one another.
+    const double aside = apart(panel, point) ? 6.0 * (static_cast<double>(line.number % 9) - 4) : 0;
+    const double px = x.pixel(point.condition) + aside;
+    if (k > 0 && !apart(panel, point) && !apart(panel, line.points[k - 1])) {
+      const bool reliable = point.reliable && line.points[k - 1].reliable;
+      canvas.line(x.pixel(line.points[k - 1].condition), height(line.points[k - 1]), px, height(point), color,
+                  reliable ? 1.6 : 0.9, !reliable);
+    }
+    canvas.marker(px, height(point), point.reliable ? 3.6 : 2.8, shape, color, point.failed);
+  }
+}
+
+void draw_panel(Canvas& canvas, const Box& area, const std::vector<Line>& lines, const LogAxis& x,
+                const std::vector<double>& conditions, const Panel& panel) {
   std::vector<double> values;
   if (panel.bound) values.push_back(*panel.bound);
   for (const Line& line : lines) {
-    for (const Line::Point& point : line.points) values.push_back(point.value);
+    for (const Line::Point& point : line.points) {
+      if (!apart(panel, point)) values.push_back(point.value);
+    }
   }
+  if (values.empty()) values.push_back(1);
   const LogAxis y(values, area.bottom, area.top);
-  canvas.text(kMargin, area.top - 18, panel.heading, {.color = kSoft});
-  const int step = std::max(1, (y.high() - y.low() + 7) / 8);
-  for (int exponent = y.low(); exponent <= y.high(); ++exponent) {
-    if (exponent % step != 0) continue;
-    const double at = y.pixel(std::pow(10, exponent));
-    canvas.line(area.left, at, area.right, at, kGrid, 1, false, Layer::kBack);
-    canvas.text(area.left - 6, at, panel.tic(exponent), {.color = kInk, .align = Align::kRight});
+  canvas.text(kMargin, area.top - 18 - (panel.failures_apart ? kBandHeight : 0), panel.heading, {.color = kSoft});
+  std::vector<Tic> x_tics;
+  for (const double condition : conditions) x_tics.push_back({x.pixel(condition), condition_text(condition)});
+  draw_frame(canvas, area, x_tics, y.tics(8, panel.tic));
+  if (panel.failures_apart) {
+    canvas.line(area.left, area.top, area.right, area.top, kWrong, 1, false, Layer::kBack);
+    canvas.text(area.left - 6, area.top - kBandHeight / 2, "failed", {.color = kWrong, .align = Align::kRight});
   }
   if (panel.bound) {
     const double at = y.pixel(*panel.bound);
     canvas.line(area.left, at, area.right, at, kWrong, 1, true);
     canvas.text(area.left + 4, at - 9, "not solved above this", {.size = 11, .color = kWrong});
   }
-  canvas.line(area.left, area.top, area.left, area.bottom, "#999999", 1);
-  canvas.line(area.left, area.bottom, area.right, area.bottom, "#999999", 1);
   std::vector<double> ends;
-  for (const Line& line : lines) ends.push_back(y.pixel(line.points.back().value));
-  const std::vector<double> labels = stack_labels(ends, area.top, area.bottom + 12, kLabelHeight - 1);
+  for (const Line& line : lines) {
+    const Line::Point& last = line.points.back();
+    ends.push_back(apart(panel, last) ? area.top - kBandHeight / 2 : y.pixel(last.value));
+  }
+  const double top = area.top - (panel.failures_apart ? kBandHeight / 2 : 0);
+  const std::vector<double> labels = stack_labels(ends, top, area.bottom + 12, kLabelHeight - 1);
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    const char* color = curve_color(lines[i].color);
-    const auto& points = lines[i].points;
-    for (std::size_t k = 0; k < points.size(); ++k) {
-      const double px = x.pixel(points[k].condition);
-      const double py = y.pixel(points[k].value);
-      const double half = points[k].reliable ? 3 : 1.5;
-      canvas.rectangle({px - half, py - half, px + half, py + half}, color);
-      if (k == 0) continue;
-      const bool reliable = points[k].reliable && points[k - 1].reliable;
-      canvas.line(x.pixel(points[k - 1].condition), y.pixel(points[k - 1].value), px, py, color, reliable ? 1.6 : 0.9,
-                  !reliable);
-    }
-    const double end = x.pixel(points.back().condition);
+    const char* color = curve_color(lines[i].number);
+    draw_line(canvas, area, lines[i], x, y, panel);
+    const double end = x.pixel(lines[i].points.back().condition);
     const bool to_the_last = lines[i].reaches_the_end;
-    canvas.line(end + 3, ends[i], area.right + 14, labels[i], to_the_last ? color : "#bbbbbb", to_the_last ? 0.7 : 0.5,
+    canvas.line(end + 5, ends[i], area.right + 14, labels[i], to_the_last ? color : kAxis, to_the_last ? 0.7 : 0.5,
                 false, Layer::kBack);
-    canvas.text(area.right + 18, labels[i], lines[i].label, {.size = kLabelSize, .color = color, .monospace = true});
+    canvas.marker(area.right + 20, labels[i], 3.6, kMarkers[lines[i].number / kColorsInTurn % kMarkers.size()], color);
+    canvas.text(area.right + 28, labels[i], lines[i].label, {.size = kLabelSize, .color = color, .monospace = true});
   }
 }
 
@@ -110,7 +137,8 @@ std::string alternative_text(const Summary& summary, const Conditioning& family)
   for (const Line& line : lines_of(summary, family, drawn_error)) {
     text += " " + line.label + ":";
     for (const Line::Point& point : line.points) {
-      text += fmt::format(" {} at {},", scientific(point.value), condition_text(point.condition));
+      text += fmt::format(" {} at {},", point.failed ? "failed" : scientific(point.value),
+                          condition_text(point.condition));
     }
     text.back() = '.';
   }
@@ -120,14 +148,20 @@ std::string alternative_text(const Summary& summary, const Conditioning& family)
 bool reaches_floor(const std::vector<Line>& errors) {
   return std::any_of(errors.begin(), errors.end(), [](const Line& line) {
     return std::any_of(line.points.begin(), line.points.end(),
-                       [](const Line::Point& point) { return point.value <= kErrorFloor; });
+                       [](const Line::Point& point) { return !point.failed && point.value <= kErrorFloor; });
+  });
+}
+
+bool any_failed(const std::vector<Line>& lines) {
+  return std::any_of(lines.begin(), lines.end(), [](const Line& line) {
+    return std::any_of(line.points.begin(), line.points.end(), [](const Line::Point& point) { return point.failed; });
   });
 }
 
 double label_room(const std::vector<Line>& lines) {
   std::size_t longest = 0;
   for (const Line& line : lines) longest = std::max(longest, character_count(line.label));
-  return static_cast<double>(longest) * kLabelSize * kMonospaceWidth + 22;
+  return static_cast<double>(longest) * kLabelSize * kMonospaceWidth + 32;
 }
 
 }  // namespace
@@ -138,38 +172,38 @@ std::optional<Figure> conditioning_figure(const Summary& summary, const Conditio
   const std::vector<Line> costs = lines_of(summary, family, cost);
   const bool relative = family.steps.front().relative;
   const double height = std::max(kPanelHeight, (kLabelHeight - 1) * static_cast<double>(errors.size() + 1));
-  const Box top{76, 92, kWidth - kMargin - label_room(errors), 92 + height};
+  const bool failures = any_failed(errors);
+  const double begin = 92 + (failures ? kBandHeight : 0);
+  const Box top{76, begin, kWidth - kMargin - label_room(errors), begin + height};
   const Box bottom{top.left, top.bottom + kGap, top.right, top.bottom + kGap + height};
   Canvas canvas(kWidth, bottom.bottom + 60);
-  SetSummary set = summary.sets[family.steps.front().set];
+  const SetSummary& set = summary.sets[family.steps.front().set];
   canvas.text(
       kMargin, 22,
       std::string(set.frictional ? "Frictional" : "Frictionless") + " contacts as the inertia’s conditioning grows",
-      {.size = 17, .color = kInk, .bold = true});
-  canvas.text(kMargin, 44, family.family + " · thin and dashed: not reliable there, or too few problems to say",
+      {.size = 17, .bold = true});
+  canvas.text(kMargin, 44,
+              family.family + " · thin and dashed: not reliable there, or too few problems to say" +
+                  (failures ? " · hollow: failed, solved less than 90 %" : ""),
               {.color = kSoft});
 
   const LogAxis x(family.conditions, top.left, top.right);
-  Panel error_panel{"↑ worse: " + measure_words(family.measure) + ", 99th percentile", power_of_ten, std::nullopt};
+  Panel error_panel{"↑ worse: " + measure_words(family.measure) + ", 99th percentile", power_of_ten, std::nullopt,
+                    failures};
   if (reaches_floor(errors)) error_panel.heading += "; 0 is drawn at 10⁻¹⁷";
   if (family.measure == ErrorMeasure::kResidual) error_panel.bound = verdict_bound(set);
-  draw_panel(canvas, top, errors, x, error_panel);
+  draw_panel(canvas, top, errors, x, family.conditions, error_panel);
   const Panel cost_panel{relative ? "↑ slower: time over that of " + summary.reference + ", on the problems both solved"
                                   : "↑ slower: median time per problem (CPU)",
                          relative ? ratio_of_decade : time_of_decade, std::nullopt};
-  draw_panel(canvas, bottom, costs, x, cost_panel);
+  draw_panel(canvas, bottom, costs, x, family.conditions, cost_panel);
   for (const Box& area : {top, bottom}) {
-    for (const double condition : family.conditions) {
-      canvas.text(x.pixel(condition), area.bottom + 14, condition_text(condition),
-                  {.size = 11.5, .color = kInk, .align = Align::kCenter});
-    }
     canvas.text((area.left + area.right) / 2, area.bottom + 32, "condition number of the inertia",
                 {.color = kSoft, .align = Align::kCenter});
   }
-  canvas.plot_area(bottom);
-  canvas.command("unset border\nunset tics\nset xrange [0:1]\nset yrange [0:1]");
-  return Figure{canvas.draw(escape(family.family + ": error and time over the condition number"), "plot NaN notitle"),
-                alternative_text(summary, family)};
+  const std::string alternative = alternative_text(summary, family);
+  return Figure{canvas.draw(family.family + ": error and time over the condition number", alternative), alternative,
+                ""};
 }
 
 }  // namespace lcpbench::report

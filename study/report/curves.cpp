@@ -7,15 +7,15 @@
 #include <fmt/format.h>
 
 #include "study/report/axes.h"
+#include "study/report/text.h"
 
 namespace lcpbench::report {
 
 namespace {
 
-// Dark enough for text on white; neighbours in the list differ in lightness or hue under common colour vision
-// deficiencies.
-constexpr std::array<const char*, 10> kColors{"#0072b2", "#d55e00", "#007a5a", "#a8518a", "#333333",
-                                              "#9a6a00", "#4aa3df", "#7a4fd0", "#5f8a1f", "#8a8a8a"};
+constexpr std::array kColors{"c0", "c1", "c2", "c3", "c4", "c5", "c6", "c7", "c8", "c9"};
+constexpr double kSample = 26;  // of a curve's line, before its name [px]
+constexpr double kFinest = 0.7;  // [px]
 
 double end_pixel(const Curve& curve, const Box& area) { return area.bottom - curve.end() * (area.bottom - area.top); }
 
@@ -37,11 +37,11 @@ std::vector<NamedEnd> spread_labels(const std::vector<Curve>& curves, const Box&
   return ends;
 }
 
-/// Room that the names need to the right of the axes [px].
+/// Room that the lines' samples and the names need to the right of the axes [px].
 double label_room(const std::vector<Curve>& curves) {
   std::size_t longest = 0;
   for (const Curve& curve : curves) longest = std::max(longest, character_count(curve.label));
-  return static_cast<double>(longest) * kLabelSize * kMonospaceWidth + 22;
+  return static_cast<double>(longest) * kLabelSize * kMonospaceWidth + kSample + 22;
 }
 
 std::vector<double> spanned(const ShareAxes& axes, const std::vector<Curve>& curves) {
@@ -53,27 +53,25 @@ std::vector<double> spanned(const ShareAxes& axes, const std::vector<Curve>& cur
   return values;
 }
 
-/// gnuplot's inline data, over log10 x.
-std::string steps_data(const Curve& curve, const LogAxis& axis) {
-  std::string data = fmt::format("{} 0\n", axis.low());
-  for (const auto& [x, share] : curve.steps) data += fmt::format("{:.6g} {:.6g}\n", std::log10(x), 100 * share);
-  return data + fmt::format("{} {:.6g}\ne\n", axis.high(), 100 * curve.end());
-}
-
-/// Names the curves. @returns the plot command with its data.
-std::string plot_curves(Canvas& canvas, const std::vector<Curve>& curves, const Box& area, const LogAxis& axis) {
-  std::string plot = "plot ";
-  std::string data;
+void draw_curves(Canvas& canvas, const std::vector<Curve>& curves, const Box& area, const LogAxis& axis) {
+  const auto height = [&area](double share) { return area.bottom - share * (area.bottom - area.top); };
   for (const NamedEnd& end : spread_labels(curves, area)) {
     const Curve& curve = *end.curve;
-    canvas.line(area.right, end_pixel(curve, area), area.right + 14, end.label_y, curve_color(curve.color), 1);
-    canvas.text(area.right + 18, end.label_y, curve.label,
+    std::vector<std::pair<double, double>> pixels{{area.left, area.bottom}};
+    for (const auto& [x, share] : curve.steps) {
+      // Of steps that the eye cannot tell apart one is drawn, so that a picture of 20,000 problems is no larger.
+      const bool same_place = pixels.size() > 1 && axis.pixel(x) - pixels.back().first < kFinest;
+      if (!same_place) pixels.emplace_back(axis.pixel(x), height(share));
+      pixels.back().second = height(share);
+    }
+    pixels.emplace_back(area.right, height(curve.end()));
+    const double sample = area.right + 16;
+    canvas.steps(pixels, curve_stroke(curve.color, 1.8));
+    canvas.line(area.right, height(curve.end()), sample - 3, end.label_y, kAxis, 0.7);
+    canvas.steps({{sample, end.label_y}, {sample + kSample, end.label_y}}, curve_stroke(curve.color, 1.8));
+    canvas.text(sample + kSample + 4, end.label_y, curve.label,
                 {.size = kLabelSize, .color = curve_color(curve.color), .monospace = true});
-    plot += fmt::format("{}'-' using 1:2 with steps linewidth 1.8 linecolor rgb '{}'", data.empty() ? "" : ", ",
-                        curve_color(curve.color));
-    data += steps_data(curve, axis);
   }
-  return plot + "\n" + data;
 }
 
 void draw_bound(Canvas& canvas, double x, const Box& area) {
@@ -87,6 +85,21 @@ void draw_bound(Canvas& canvas, double x, const Box& area) {
 
 const char* curve_color(std::size_t number) { return kColors[number % kColors.size()]; }
 
+Stroke curve_stroke(std::size_t number, double width) {
+  Stroke stroke{curve_color(number), width, ""};
+  const std::size_t turn = number / kColors.size();
+  if (turn == 1) stroke.dash = "7 3";
+  if (turn == 2) stroke.dash = "2 2";
+  if (turn > 2) stroke.dash = fmt::format("{} 3 2 3", 5 * turn - 6);
+  return stroke;
+}
+
+std::string ends_in_words(const std::vector<Curve>& curves) {
+  std::string words;
+  for (const Curve& curve : curves) words += fmt::format(" {}: {} in the end.", curve.label, percent(curve.end()));
+  return words;
+}
+
 std::string draw_shares(const SetSummary& set, const ShareAxes& axes, const std::vector<Curve>& curves) {
   const double height = std::max(300.0, kLabelHeight * static_cast<double>(curves.size() + 1));
   const Box area{64, 92, kWidth - kMargin - label_room(curves), 92 + height};
@@ -94,12 +107,15 @@ std::string draw_shares(const SetSummary& set, const ShareAxes& axes, const std:
   const LogAxis x(spanned(axes, curves), area.left, area.right);
   draw_heading(canvas, set);
   canvas.text(kMargin, area.top - 20, axes.heading, {.color = kSoft});
-  draw_frame(canvas, area, fmt::format("[{}:{}]", x.low(), x.high()), x.tics(8, axes.tic), "[0:100]",
-             "('0 %%' 0, '25 %%' 25, '50 %%' 50, '75 %%' 75, '100 %%' 100)");
+  std::vector<Tic> shares;
+  for (const int part : {0, 25, 50, 75, 100}) {
+    shares.push_back({area.bottom - 0.01 * part * (area.bottom - area.top), fmt::format("{} %", part)});
+  }
+  draw_frame(canvas, area, x.tics(8, axes.tic), shares);
   if (axes.bound) draw_bound(canvas, x.pixel(*axes.bound), area);
   canvas.text((area.left + area.right) / 2, area.bottom + 40, axes.x_label, {.color = kSoft, .align = Align::kCenter});
-  const std::string plot = plot_curves(canvas, curves, area, x);
-  return canvas.draw(axes.title, plot);
+  draw_curves(canvas, curves, area, x);
+  return canvas.draw(axes.title, axes.alternative);
 }
 
 }  // namespace lcpbench::report

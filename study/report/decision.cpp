@@ -12,6 +12,7 @@
 #include "study/report/coverage_notice.h"
 #include "study/report/figures.h"
 #include "study/report/hard.h"
+#include "study/report/references.h"
 #include "study/report/text.h"
 
 namespace lcpbench::report {
@@ -235,6 +236,8 @@ Situation judge(const Summary& summary, std::string title, std::vector<std::size
   }
   const Candidate* chosen = choose(candidates);
   for (Candidate& candidate : candidates) {
+    candidate.contender.recommended_factor =
+        chosen == nullptr ? kNone : time_ratio(*chosen->record, *candidate.record).value;
     if (&candidate == chosen) continue;
     candidate.contender.tie = chosen != nullptr && is_tie(candidate, *chosen);
     candidate.contender.verdict = why_not(candidate, chosen);
@@ -343,6 +346,12 @@ bool only_special_sets(const Summary& summary, const std::vector<Situation>& sit
                                                [](const Situation& situation) { return situation.sets.empty(); });
 }
 
+std::string speed_beside_reference(const Summary& summary, const Contender& best) {
+  const bool is_reference = summary.solvers[best.solver].text() == summary.reference;
+  if (is_reference || !std::isfinite(best.speedup.value)) return "";
+  return speed_against(1 / best.speedup.value) + " the dense reference";
+}
+
 std::string one_line_answer(const Summary& summary, const std::vector<Situation>& situations) {
   if (only_special_sets(summary, situations)) return answer_without_situations(summary);
   const Situation* situation = most_telling(situations);
@@ -358,9 +367,9 @@ std::string one_line_answer(const Summary& summary, const std::vector<Situation>
                                    code(summary.solvers[best.solver].text()), alone, percent(best.solved.value()),
                                    percent_range(best.solved.interval()), counted(best.solved.whole, "problem"),
                                    duration(best.time.value));
-  const bool is_reference = summary.solvers[best.solver].text() == summary.reference;
-  if (!is_reference && std::isfinite(best.speedup.value)) {
-    answer += fmt::format(", {} the dense reference", speed_against(1 / best.speedup.value));
+  if (const std::string speed = speed_beside_reference(summary, best); !speed.empty()) {
+    const auto index = static_cast<std::size_t>(situation - situations.data());
+    answer += fmt::format(", <span data-speed=\"{}\">{}</span>", situation_key(index, best.solver), speed);
   }
   if (!std::isnan(best.p99_error)) {
     answer += fmt::format("; the error ρ of 99 % of its answers is at most {}", scientific(best.p99_error));

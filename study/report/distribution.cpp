@@ -31,33 +31,27 @@ std::vector<std::pair<double, double>> steps(const std::vector<double>& errors, 
   return steps;
 }
 
-std::string error_words(const std::string& label, const Cell& cell) {
-  return fmt::format(" {}: median {}, 99th percentile {}.", label, scientific(cell.error_median),
-                     scientific(cell.error_p99));
-}
-
 }  // namespace
 
 std::optional<Figure> error_distribution_figure(const Summary& summary, std::size_t set_index) {
   const SetSummary& set = summary.sets[set_index];
   const std::vector<const Cell*> cells = drawn_cells(summary, set_index);
   std::vector<Curve> curves;
-  std::string alternative = describe(set) + ": share of problems answered within an error.";
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const std::vector<double> errors = finite_errors(*cells[i]);
     if (errors.empty()) continue;
     curves.push_back({label_of(summary, *cells[i]), i, steps(errors, cells[i]->trials)});
-    alternative += error_words(curves.back().label, *cells[i]);
   }
   if (curves.empty()) return std::nullopt;
 
   ShareAxes axes;
-  axes.title = escape(describe(set) + ": distribution of the error");
+  axes.title = describe(set) + ": distribution of the error";
+  axes.alternative = describe(set) + ": share of problems answered within an error." + ends_in_words(curves);
   axes.heading = "Share of all problems answered within an error, of answers said to be solved";
   axes.x_label = set.bare ? "error: backward error" : "error ρ: relative velocity residual";
   axes.tic = power_of_ten;
   axes.bound = verdict_bound(set);
-  return Figure{draw_shares(set, axes, curves), alternative};
+  return Figure{draw_shares(set, axes, curves), axes.alternative, ""};
 }
 
 }  // namespace lcpbench::report

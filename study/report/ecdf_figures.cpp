@@ -57,12 +57,6 @@ std::vector<Curve> curves_of(const Summary& summary, const SetComparison& compar
   return curves;
 }
 
-std::string ends_in_words(const std::vector<Curve>& curves) {
-  std::string words;
-  for (const Curve& curve : curves) words += fmt::format(" {}: {} in the end.", curve.label, percent(curve.end()));
-  return words;
-}
-
 }  // namespace
 
 std::optional<Figure> time_ecdf_figure(const Summary& summary, const SetComparison& comparison) {
@@ -71,12 +65,12 @@ std::optional<Figure> time_ecdf_figure(const Summary& summary, const SetComparis
       curves_of(summary, comparison, &Distribution::times_s, kShortestTime, std::numeric_limits<double>::max());
   if (curves.empty()) return std::nullopt;
   ShareAxes axes;
-  axes.title = escape(describe(set) + ": share solved within a time");
+  axes.title = describe(set) + ": share solved within a time";
+  axes.alternative = describe(set) + ": share of problems solved within a time." + ends_in_words(curves);
   axes.heading = "Share of the problems solved within a time; failures stay below the curve";
   axes.x_label = "time per problem, set-up and solve (CPU)";
   axes.tic = time_of_decade;
-  return Figure{draw_shares(set, axes, curves),
-                describe(set) + ": share of problems solved within a time." + ends_in_words(curves)};
+  return Figure{draw_shares(set, axes, curves), axes.alternative, ""};
 }
 
 std::optional<Figure> error_ecdf_figure(const Summary& summary, const SetComparison& comparison) {
@@ -84,13 +78,13 @@ std::optional<Figure> error_ecdf_figure(const Summary& summary, const SetCompari
   const std::vector<Curve> curves = curves_of(summary, comparison, &Distribution::errors, kErrorFloor, kErrorCeiling);
   if (curves.empty()) return std::nullopt;
   ShareAxes axes;
-  axes.title = escape(describe(set) + ": share answered within an error");
+  axes.title = describe(set) + ": share answered within an error";
+  axes.alternative = describe(set) + ": share of problems answered within an error." + ends_in_words(curves);
   axes.heading = "Share of the problems answered within an error, whatever the solver claimed";
   axes.x_label = set.bare ? "error: backward error" : "error ρ: relative velocity residual";
   axes.tic = power_of_ten;
   axes.bound = verdict_bound(set);
-  return Figure{draw_shares(set, axes, curves),
-                describe(set) + ": share of problems answered within an error." + ends_in_words(curves)};
+  return Figure{draw_shares(set, axes, curves), axes.alternative, ""};
 }
 
 }  // namespace lcpbench::report

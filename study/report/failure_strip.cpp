@@ -17,11 +17,10 @@ constexpr double kRowHeight = 19;
 constexpr double kHeadingHeight = 30;
 constexpr double kLineHeight = 16;
 constexpr std::size_t kLineLimit = 128;
-constexpr const char* kGaveUp = "#8a8a8a";
 
 void draw_bar(Canvas& canvas, double left, double y, double full_width, double share, const char* color) {
   const double width = std::max(share > 0 ? 1.5 : 0.0, share * full_width);
-  canvas.line(left, y - 7, left, y + 7, "#bbbbbb", 1);
+  canvas.line(left, y - 7, left, y + 7, kAxis, 1);
   if (width > 0) canvas.rectangle({left, y - 6, left + width, y + 6}, color);
   canvas.text(left + width + 5, y, percent(share),
               {.size = kLabelSize, .color = share > 0 ? kInk : kSoft, .bold = share > 0});
@@ -66,7 +65,7 @@ void FailureStrip::draw(Canvas& canvas, double top) const {
     double Row::*share;
   };
   constexpr std::array<Column, 2> columns{
-      {{"said solved, was wrong", kWrong, &Row::wrong}, {"gave up", kGaveUp, &Row::gave_up}}};
+      {{"said solved, was wrong", kWrong, &Row::wrong}, {"gave up", kGrey, &Row::gave_up}}};
 
   std::size_t longest = 0;
   for (const Row& row : rows_) longest = std::max(longest, character_count(row.label));

@@ -14,6 +14,7 @@ namespace lcpbench::report {
 struct Figure {
   std::string svg;
   std::string alternative;  ///< for those who do not see it
+  std::string file;         ///< its place below the report's folder, once it has one
 };
 
 /// The cells of a set that a picture shows: single solvers, not the cells of a sweep, that took the set's problems.
@@ -21,15 +22,15 @@ std::vector<const Cell*> drawn_cells(const Summary& summary, std::size_t set);
 
 /// Speed against error of every solver on one set, each point labelled, the frontier drawn, and under it the shares
 /// that each answered wrongly or not at all.
-/// @returns nullopt when no solver of the set can be drawn. @throws FigureError when gnuplot fails.
+/// @returns nullopt when no solver of the set can be drawn.
 std::optional<Figure> speed_error_figure(const Summary& summary, const SpeedError& speed_error);
 
 /// Error (99th percentile) and cost of every solver over the condition number, one line each.
-/// @returns nullopt when no solver has a point at two conditions. @throws FigureError when gnuplot fails.
+/// @returns nullopt when no solver has a point at two conditions.
 std::optional<Figure> conditioning_figure(const Summary& summary, const Conditioning& family);
 
 /// The share of a set's problems that each solver answered within an error, over the error: the whole distribution.
-/// @returns nullopt when no solver of the set can be drawn. @throws FigureError when gnuplot fails.
+/// @returns nullopt when no solver of the set can be drawn.
 std::optional<Figure> error_distribution_figure(const Summary& summary, std::size_t set);
 
 }  // namespace lcpbench::report

@@ -48,7 +48,8 @@ std::string sign_html(HardOutcome outcome) {
 }
 
 std::string sign_cell(const HardCaseCell& cell) {
-  return fmt::format("<td title=\"{}\">{}</td>", sign_of(cell.outcome).meaning, sign_html(cell.outcome));
+  const Sign sign = sign_of(cell.outcome);
+  return fmt::format("<td class=\"{}\">{}</td>", sign.cls, sign.text);
 }
 
 std::string legend() {
@@ -121,7 +122,7 @@ std::vector<std::string> families(const Summary& summary, const HardStudy& study
 }
 
 std::string family_table(const Summary& summary, const HardStudy& study, const std::string& family) {
-  return "<details open><summary>" + escape(family) +
+  return "<details><summary>" + escape(family) +
          "</summary><div class=\"scroll\" tabindex=\"0\"><table class=\"cases\"><thead><tr><th "
          "scope=\"col\">Case</th>" +
          solver_headings(summary, study) + "</tr></thead><tbody>\n" + case_rows(summary, study, family) + kTableEnd +
@@ -182,9 +183,10 @@ std::string hard_section(const Summary& summary) {
   if (!study.dials.empty()) {
     section +=
         "<h3>Where each solver breaks</h3>\n<p>Cases that differ in one dial alone; solvers that are right at every "
-        "value they take are left out.</p>\n";
+        "value they take are left out.</p>\n<details><summary>The dials, one table each</summary>\n";
+    for (const HardDial& dial : study.dials) section += dial_table(summary, study, dial);
+    section += "</details>\n";
   }
-  for (const HardDial& dial : study.dials) section += dial_table(summary, study, dial);
   return section + "</section>\n";
 }
 

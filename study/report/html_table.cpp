@@ -14,9 +14,10 @@ std::string table_head(const std::string& cls, std::span<const Column> columns) 
   return head + "</tr></thead><tbody>\n";
 }
 
-std::string number_cell(double value, const std::string& text, const std::string& detail) {
-  const std::string key = std::isfinite(value) ? fmt::format("{:.9g}", value) : "";
-  return fmt::format("<td class=\"number\" data-value=\"{}\">{}{}</td>", key, text,
+std::string number_cell(double value, const std::string& text, const std::string& detail,
+                        const std::string& attributes) {
+  const std::string key = std::isfinite(value) ? fmt::format("{:.5g}", value) : "";
+  return fmt::format("<td data-value=\"{}\"{}>{}{}</td>", key, attributes, text,
                      detail.empty() ? "" : "<small>" + detail + "</small>");
 }
 

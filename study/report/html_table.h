@@ -15,7 +15,9 @@ struct Column {
 std::string table_head(const std::string& cls, std::span<const Column> columns);
 inline constexpr const char* kTableEnd = "</tbody></table></div>\n";
 
-/// A numeric cell that sorts by `value`; `detail` is a second, smaller line, already HTML.
-std::string number_cell(double value, const std::string& text, const std::string& detail = {});
+/// A numeric cell that sorts by `value`; `detail` is a second, smaller line, already HTML; `attributes` of the cell, each
+/// after a blank.
+std::string number_cell(double value, const std::string& text, const std::string& detail = {},
+                        const std::string& attributes = {});
 
 }  // namespace lcpbench::report

@@ -70,6 +70,18 @@ bool leader_crosses(const Box& box, const LabelledPoint& point, const Box& other
   return false;
 }
 
+/// Do the leaders of two points cross?
+bool leaders_cross(const Box& box, const LabelledPoint& point, const Box& other_box, const LabelledPoint& other) {
+  const Direction a{point.x, point.y};
+  const Direction b = nearest(box, point);
+  const Direction c{other.x, other.y};
+  const Direction d = nearest(other_box, other);
+  const auto side = [](const Direction& from, const Direction& to, const Direction& of) {
+    return (to.x - from.x) * (of.y - from.y) - (to.y - from.y) * (of.x - from.x);
+  };
+  return side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0;
+}
+
 class Placement {
  public:
   Placement(std::span<const LabelledPoint> points, std::span<const Box> obstacles, const Box& area, double height)
@@ -117,6 +129,7 @@ class Placement {
       if (leader_crosses(box, points_[i], boxes_[other])) total += kCrossingCost;
       if (leader_crosses(box, points_[i], around(points_[other]))) total += kCrossingCost;
       if (leader_crosses(boxes_[other], points_[other], box)) total += kCrossingCost;
+      if (leaders_cross(box, points_[i], boxes_[other], points_[other])) total += kCrossingCost;
     }
     return total;
   }
@@ -143,6 +156,22 @@ double Box::overlap(const Box& other) const {
 std::vector<PlacedLabel> place_labels(std::span<const LabelledPoint> points, std::span<const Box> obstacles,
                                       const Box& area, double height) {
   return Placement(points, obstacles, area, height).run();
+}
+
+std::vector<std::size_t> crowded_labels(std::span<const LabelledPoint> points, std::span<const PlacedLabel> placed) {
+  std::vector<std::size_t> crowded;
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    const Box& box = placed[i].box;
+    bool any = false;
+    for (std::size_t other = 0; other < placed.size(); ++other) {
+      if (other == i) continue;
+      const Box& second = placed[other].box;
+      any = any || box.overlap(second) > 0 || (placed[i].leader && leader_crosses(box, points[i], second)) ||
+            (placed[i].leader && placed[other].leader && leaders_cross(box, points[i], second, points[other]));
+    }
+    if (any) crowded.push_back(i);
+  }
+  return crowded;
 }
 
 std::vector<double> stack_labels(std::span<const double> wishes, double top, double bottom, double height) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -35,6 +36,10 @@ struct PlacedLabel {
 /// @param height of one line of text
 std::vector<PlacedLabel> place_labels(std::span<const LabelledPoint> points, std::span<const Box> obstacles,
                                       const Box& area, double height);
+
+/// The labels that overlap another one, or whose leader crosses a label or another leader: where there is no room for
+/// all, these are too long. Ascending. O(points^2)
+std::vector<std::size_t> crowded_labels(std::span<const LabelledPoint> points, std::span<const PlacedLabel> placed);
 
 /// Heights for labels of one line each in a column, every one as near to what it wishes as order and room allow: where
 /// they crowd they are pushed down, then up again from the bottom, until no two overlap. @returns in the order given.

@@ -7,10 +7,13 @@
 
 #include <fmt/format.h>
 
+#include "study/report/canvas.h"
 #include "study/report/comparison_section.h"
 #include "study/report/coverage_notice.h"
 #include "study/report/hard.h"
 #include "study/report/hard_section.h"
+#include "study/report/provenance_section.h"
+#include "study/report/references.h"
 #include "study/report/sections.h"
 #include "study/report/speed_error_section.h"
 #include "study/report/style.h"
@@ -28,8 +31,8 @@ std::string section_link(const std::string& sections, const std::string& id, con
 
 std::string navigation(const Summary& summary, const PaperStudy& paper, const std::string& sections) {
   const auto link = [&sections](const char* id, const char* title) { return section_link(sections, id, title); };
-  return "<nav aria-label=\"Contents\"><a href=\"#answer\">Answer</a>" + link("speed-error", "Speed against error") +
-         link("sets", "Every set and solver") + link("comparison", "Comparing solvers") + hard_navigation(summary) +
+  return "<nav aria-label=\"Contents\"><a href=\"#answer\">Answer</a>" + link("speed-error", "Every set") +
+         link("comparison", "Comparing solvers") + hard_navigation(summary) +
          link("claims", "Claim against verdict") + paper_navigation(paper) + link("times", "What each time contains") +
          link("provenance", "Provenance") + link("definitions", "Definitions") + link("limits", "Limits") + "</nav>\n";
 }
@@ -65,13 +68,13 @@ std::string use_column(const Summary& summary, const Situation& situation) {
   return cell + "</td>";
 }
 
-std::string time_column(const Summary& summary, const Contender& best) {
+std::string time_column(const Summary& summary, const Contender& best, std::size_t situation) {
   std::string cell = fmt::format("<td data-label=\"Time per problem\">{} <small>median, {}</small>",
                                  duration(best.time.value), duration_range(best.time.low, best.time.high));
   if (summary.solvers[best.solver].text() == summary.reference) {
     cell += "<small>it is the reference of all ratios</small>";
-  } else if (std::isfinite(best.speedup.value)) {
-    cell += fmt::format("<small>{} the dense reference, {}–{}×</small>", speed_against(1 / best.speedup.value),
+  } else if (const std::string speed = speed_beside_reference(summary, best); !speed.empty()) {
+    cell += fmt::format("<small data-speed=\"{}\">{}, {}–{}×</small>", situation_key(situation, best.solver), speed,
                         factor(best.speedup.low), factor(best.speedup.high));
   }
   return cell + "</td>";
@@ -108,14 +111,14 @@ std::string reasons_column(const Summary& summary, const Situation& situation) {
   return "<td class=\"reasons\" data-label=\"Why not the others\">" + cell + "</td>";
 }
 
-std::string decision_row(const Summary& summary, const Situation& situation) {
+std::string decision_row(const Summary& summary, const Situation& situation, std::size_t index) {
   std::string row = "<tr><th scope=\"row\">" + situation.title;
   if (!situation.scope.empty()) row += " <small>" + situation.scope + "</small>";
   row += "</th>";
   row += use_column(summary, situation);
   if (situation.recommended) {
     const Contender& best = situation.contenders[*situation.recommended];
-    row += time_column(summary, best) + wrong_column(best);
+    row += time_column(summary, best, index) + wrong_column(best);
   } else {
     row += "<td>–</td><td>–</td>";
   }
@@ -151,7 +154,7 @@ std::string decision_table(const Summary& summary, const std::vector<Situation>&
       "<div class=\"scroll\" tabindex=\"0\"><table class=\"decision\"><thead><tr><th scope=\"col\">Contacts</th>"
       "<th scope=\"col\">Use</th><th scope=\"col\">Time per problem</th><th scope=\"col\">What it gets wrong</th>"
       "<th scope=\"col\">Why not the others</th></tr></thead><tbody>\n";
-  for (const Situation& situation : situations) table += decision_row(summary, situation);
+  for (std::size_t i = 0; i < situations.size(); ++i) table += decision_row(summary, situations[i], i);
   return table + "</tbody></table></div>\n";
 }
 
@@ -165,7 +168,7 @@ std::string headline_figure(const Summary& summary, const Figures& figures) {
                    " (frictional contacts, inertia condition number 1e8); shown instead is the " +
                    (summary.sets.size() > 1 ? "hardest" : "only") + " set it has, " + code(name) + ".</p>\n";
   }
-  return introduction + figure_html(figures.speed_error, *set, figures.missing);
+  return introduction + figure_html(figures.speed_error, *set);
 }
 
 std::string chosen_problems(const Summary& summary) {
@@ -201,15 +204,10 @@ std::string three_limits(const Summary& summary, const std::vector<Situation>& s
 
 }  // namespace
 
-std::string figure_html(const std::map<std::size_t, Figure>& figures, std::size_t set, const std::string& missing) {
-  const auto figure = figures.find(set);
-  if (figure == figures.end()) {
-    return missing.empty() ? "" : "<p class=\"note\">No picture: " + escape(missing) + ".</p>\n";
-  }
-  return fmt::format(
-      "<figure><div class=\"scroll\" tabindex=\"0\"><img alt=\"{}\" "
-      "src=\"data:image/svg+xml;base64,{}\"></div></figure>\n",
-      escape(figure->second.alternative), base64(figure->second.svg));
+std::string figure_html(const std::map<std::size_t, Figure>& figures, std::size_t index) {
+  const auto figure = figures.find(index);
+  if (figure == figures.end()) return "";
+  return "<figure><div class=\"scroll\" tabindex=\"0\">" + inline_svg(figure->second.svg) + "</div></figure>\n";
 }
 
 std::string html_page(const Summary& summary, const std::vector<Situation>& situations,
@@ -220,21 +218,25 @@ std::string html_page(const Summary& summary, const std::vector<Situation>& situ
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<title>lcpbench report</title>\n<style>";
   page += kStyle;
+  page += kFigureStyle;
   page += "</style></head>\n<body>\n<header id=\"answer\">\n";
   page += "<h1>Which solver should turn contacts into impulses, and what does it cost in speed and error?</h1>\n";
   page += coverage_html(summary.coverage);
   page += "<p class=\"answer\">" + one_line_answer(summary, situations) + "</p>\n";
   page += false_claims_line(summary) + "</header>\n";
-  const std::string sections = speed_error_section(summary, speed_error, figures) + sets_section(summary, figures) +
+  const std::string sections = speed_error_section(summary, speed_error, figures) +
                                comparison_section(summary, comparisons, figures) + hard_section(summary) +
                                claims_section(summary) + paper_sections(summary, paper) + times_section(summary) +
-                               provenance_section(summary) + definitions_section() + limits_section(summary);
+                               provenance_section(summary) + "<details><summary>Definitions: what the words of this page mean</summary>\n" +
+                               definitions_section() + "</details>\n" + limits_section(summary);
   page += navigation(summary, paper, sections) + "<main>\n";
-  page += decision_table(summary, situations);
+  const std::string table = decision_table(summary, situations);
+  if (!table.empty()) page += reference_choice(summary);
+  page += table;
   page += headline_figure(summary, figures);
   page += "<h3>Three limits</h3>\n" + three_limits(summary, situations);
   page += sections;
-  page += "</main>\n<script>";
+  page += "</main>\n" + reference_data(summary, situations) + "<script>";
   page += kScript;
   return page + "</script>\n</body></html>\n";
 }

@@ -20,8 +20,10 @@ struct Figures {
   std::map<std::size_t, Figure> distribution;
   std::map<std::size_t, Figure> time_ecdf;
   std::map<std::size_t, Figure> error_ecdf;
-  std::string missing;  ///< why there are none, "" when there are
 };
+
+/// A picture in a box that scrolls; "" where there is none.
+std::string figure_html(const std::map<std::size_t, Figure>& figures, std::size_t index);
 
 /// The whole of report.html: self-contained, readable without scripts, every text of the store escaped.
 std::string html_page(const Summary& summary, const std::vector<Situation>& situations,

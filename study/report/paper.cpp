@@ -10,6 +10,7 @@
 #include "study/report/csv.h"
 #include "study/report/paper_figures.h"
 #include "study/report/paper_writer.h"
+#include "study/report/provenance_section.h"
 #include "study/report/text.h"
 
 namespace lcpbench::report {
@@ -29,21 +30,10 @@ constexpr const char* kSource =
     "solver "
     "performance on randomly generated rigid body contact problems”, IROS 2012.";
 
-std::string member(const RunSummary& run, const char* name) {
-  const bool present = run.provenance.is_object() && run.provenance.contains(name);
-  if (!present) return "not recorded";
-  const auto& value = run.provenance[name];
-  return value.is_string() ? value.get<std::string>()
-                           : value.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-}
-
 /// A member's distinct values over all runs, in the order of their first use.
 std::string distinct_members(const Summary& summary, const char* name) {
   std::vector<std::string> values;
-  for (const RunSummary& run : summary.runs) {
-    const std::string value = code(member(run, name));
-    if (std::find(values.begin(), values.end(), value) == values.end()) values.push_back(value);
-  }
+  for (const std::string& value : recorded_values(summary, name)) values.push_back(code(value));
   return fmt::format("{}", fmt::join(values, ", "));
 }
 
@@ -75,7 +65,7 @@ std::string provenance_line(const Summary& summary) {
       "{}, seeds {}. The latest, of {}, was: {}.",
       summary.runs.size(), distinct_members(summary, "lcpbench"), distinct_members(summary, "commit"),
       distinct_members(summary, "processor"), distinct_members(summary, "isa"), distinct_members(summary, "compiler"),
-      distinct_members(summary, "seed"), code(run.started), code(without_folders(member(run, "command"))));
+      distinct_members(summary, "seed"), code(run.started), code(without_folders(recorded_value(run, "command"))));
 }
 
 // --- claims ---
@@ -388,7 +378,7 @@ std::string paper_sections(const Summary& summary, const PaperStudy& study) {
   if (study.empty()) return "";
   HtmlPaperWriter writer;
   write_study(writer, summary, study);
-  return "<section id=\"paper\">\n" + writer.text() + "</section>\n";
+  return "<section id=\"paper\">\n" + writer.text() + "</details>\n</section>\n";
 }
 
 std::string paper_navigation(const PaperStudy& study) {

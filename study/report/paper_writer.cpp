@@ -79,7 +79,10 @@ std::string markdown_entry(const paper::Entry& entry) {
 
 void HtmlPaperWriter::heading(int level, const std::string& anchor, const std::string& text) {
   const int rank = level + 1;
+  const bool part = level == 1;
+  if (part && !text_.empty()) text_ += "</details>\n";
   text_ += fmt::format("<h{}{}>{}</h{}>\n", rank, anchor.empty() ? "" : " id=\"" + anchor + "\"", html(text), rank);
+  if (part) text_ += "<details><summary>Show this part</summary>\n";
 }
 
 void HtmlPaperWriter::paragraph(const std::string& text) { text_ += "<p>" + html(text) + "</p>\n"; }
@@ -106,11 +109,8 @@ void HtmlPaperWriter::query(const std::string& sql) {
       report::code(sql) + "</pre></div></details>\n";
 }
 
-void HtmlPaperWriter::figure(const std::string&, const Figure& figure) {
-  text_ += fmt::format(
-      "<figure><div class=\"scroll\" tabindex=\"0\"><img alt=\"{}\" "
-      "src=\"data:image/svg+xml;base64,{}\"></div></figure>\n",
-      escape(figure.alternative), base64(figure.svg));
+void HtmlPaperWriter::figure(const std::string& file, const Figure& figure) {
+  text_ += "<p><a href=\"" + escape(file) + "\">" + escape(figure.alternative) + "</a></p>\n";
 }
 
 void HtmlPaperWriter::open(const std::string& summary) {

@@ -32,7 +32,7 @@ class PaperWriter {
   std::string text_;
 };
 
-/// For report.html.
+/// For report.html. Each part is folded below its heading; the last one is left open for the caller to close.
 class HtmlPaperWriter final : public PaperWriter {
  public:
   void heading(int level, const std::string& anchor, const std::string& text) override;

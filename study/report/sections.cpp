@@ -2,12 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 #include <fmt/format.h>
 
-#include "study/report/coverage_notice.h"
-#include "study/report/hard.h"
 #include "study/report/html_table.h"
 #include "study/report/reliability.h"
 #include "study/report/text.h"
@@ -16,122 +13,10 @@ namespace lcpbench::report {
 
 namespace {
 
-std::string count_cell(std::int64_t count, std::int64_t trials, bool bad) {
-  const Share share{count, trials};
-  const char* cls = count == 0 ? "zero" : bad ? "bad" : "";
-  return number_cell(share.value(), fmt::format("<span class=\"{}\">{}</span>", cls, percent(share.value())),
-                     count == 0 ? "≤ " + percent(share.interval().high) : percent_range(share.interval()));
-}
-
-constexpr Column kCellColumns[] = {{"Solver", false},
-                                   {"Problems", true},
-                                   {"Solved", true},
-                                   {"Said solved, was wrong", true},
-                                   {"Gave up", true},
-                                   {"Refused", true},
-                                   {"Median time", true},
-                                   {"Time / reference", true},
-                                   {"Error, median", true},
-                                   {"Error, 99 %", true},
-                                   {"Error ≤ 1e‑6", true},
-                                   {"Error ≤ 1e‑9", true},
-                                   {"Paper’s criterion", true},
-                                   {"Violation, max [m/s]", true}};
-
 std::string solver_heading(const SolverRow& solver) {
   std::string detail = escape(solver.library);
   if (solver.library != "native" && !solver.version.empty()) detail += " " + escape(solver.version);
   return "<th scope=\"row\">" + code(solver.text()) + "<small>" + detail + "</small></th>";
-}
-
-std::string refused_row(const SolverRow& solver, const Cell& cell) {
-  return fmt::format(
-      "<tr>{}<td class=\"number\" data-value=\"\">0<small>of {}</small></td>"
-      "<td colspan=\"{}\">does not take these problems: {}</td></tr>\n",
-      solver_heading(solver), cell.trials, std::size(kCellColumns) - 2, escape(cell.refusal));
-}
-
-std::string trials_cell(const Summary& summary, const Cell& cell) {
-  const std::int64_t problems = summary.sets[cell.set].problems;
-  std::string detail;
-  if (cell.trials < problems) detail = fmt::format("of {}", problems);
-  if (cell.unsolvable_problems > 0) {
-    detail += fmt::format("{}{} unsolvable", detail.empty() ? "" : "<br>", cell.unsolvable_problems);
-  }
-  return number_cell(static_cast<double>(cell.trials), std::to_string(cell.trials), detail);
-}
-
-std::string cell_row(const Summary& summary, const Cell& cell) {
-  const SolverRow& solver = summary.solvers[cell.solver];
-  if (cell.refused()) return refused_row(solver, cell);
-  const auto of_solvable = [&cell](std::int64_t count) { return Share{count, cell.solvable()}.value(); };
-  const bool is_reference = solver.text() == summary.reference;
-  std::string row = "<tr>" + solver_heading(solver) + trials_cell(summary, cell);
-  row += number_cell(cell.rate(), percent(cell.rate()), percent_range(cell.rate_interval));
-  row += count_cell(cell.false_claims(), cell.trials, true);
-  row += count_cell(cell.gave_up(), cell.trials, false);
-  row += count_cell(cell.count(Claim::kUnsupported), cell.trials, false);
-  row += number_cell(cell.median_time.value, duration(cell.median_time.value),
-                     duration_range(cell.median_time.low, cell.median_time.high));
-  row += number_cell(cell.time_ratio.value, is_reference ? "1" : factor(cell.time_ratio.value),
-                     is_reference || !std::isfinite(cell.time_ratio.low)
-                         ? ""
-                         : factor(cell.time_ratio.low) + "–" + factor(cell.time_ratio.high));
-  row += number_cell(cell.error_median, scientific(cell.error_median));
-  row += number_cell(cell.error_p99, scientific(cell.error_p99));
-  row += number_cell(of_solvable(cell.solved_1e6), percent(of_solvable(cell.solved_1e6)));
-  row += number_cell(of_solvable(cell.solved_1e9), percent(of_solvable(cell.solved_1e9)));
-  row += number_cell(cell.criterion_rate(), percent(cell.criterion_rate()));
-  row += number_cell(cell.violation.max, scientific(cell.violation.max));
-  return row + "</tr>\n";
-}
-
-bool has_sweep(const Summary& summary, const Cell& cell) { return !summary.solvers[cell.solver].sweep.empty(); }
-
-std::string set_table(const Summary& summary, std::size_t set) {
-  std::string rows;
-  for (const Cell& cell : summary.cells) {
-    if (cell.set == set && !has_sweep(summary, cell)) rows += cell_row(summary, cell);
-  }
-  return rows.empty() ? "" : table_head("cells", kCellColumns) + rows + kTableEnd;
-}
-
-std::string settings_detail(const std::string& settings) { return settings.empty() ? "defaults" : code(settings); }
-
-std::string range_cells(const SweepSummary::Range& range) {
-  return number_cell(range.worst, percent(range.worst), settings_detail(range.worst_settings)) +
-         number_cell(range.average, percent(range.average)) +
-         number_cell(range.best, percent(range.best), settings_detail(range.best_settings));
-}
-
-std::string sweep_table(const Summary& summary, std::size_t set) {
-  constexpr Column kColumns[] = {
-      {"Solver, sweep", false}, {"Cells", true}, {"Problems", true},       {"Verdict: worst", true},
-      {"average", true},        {"best", true},  {"best, held out", true}, {"Criterion: worst", true},
-      {"average", true},        {"best", true}};
-  std::string rows;
-  for (const SweepSummary& sweep : summary.sweeps) {
-    if (sweep.set != set) continue;
-    rows += fmt::format("<tr><th scope=\"row\">{}<small>{}</small></th>", code(sweep.solver), code(sweep.sweep));
-    rows += number_cell(static_cast<double>(sweep.parameterisations), std::to_string(sweep.parameterisations));
-    rows += number_cell(static_cast<double>(sweep.trials), std::to_string(sweep.trials));
-    rows += range_cells(sweep.verdict);
-    rows += number_cell(sweep.best_held_out, percent(sweep.best_held_out));
-    rows += range_cells(sweep.criterion) + "</tr>\n";
-  }
-  if (rows.empty()) return "";
-  return "<p class=\"note\">Sweeps: shares solved over all parameterisations of a grid, by our verdict and by the "
-         "paper’s criterion. “Held out”: chosen on the even trials, reported on the odd ones.</p>\n" +
-         table_head("cells", kColumns) + rows + kTableEnd;
-}
-
-std::string size_line(const Summary& summary, const SetSummary& set) {
-  const std::string n = set.smallest_n == set.largest_n ? std::to_string(set.largest_n)
-                                                        : fmt::format("{}–{}", set.smallest_n, set.largest_n);
-  const std::string coverage = set_coverage(summary.coverage, set.name);
-  return fmt::format("<p class=\"note\">{}; {}, n = {}.{}{}</p>\n", describe(set), counted(set.problems, "problem"), n,
-                     set.all_solvable ? " All proven solvable." : "",
-                     coverage.empty() ? "" : " <span class=\"bad\">Only " + escape(coverage) + ".</span>");
 }
 
 // --- claims ---
@@ -244,105 +129,7 @@ std::string times_table(const Summary& summary) {
   return rows.empty() ? "" : table_head("cells", kColumns) + rows + kTableEnd;
 }
 
-// --- provenance ---
-
-std::string json_text(const nlohmann::ordered_json& value) {
-  if (value.is_string()) return value.get<std::string>();
-  return value.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-}
-
-bool holds_only_scalars(const nlohmann::ordered_json& value) {
-  return std::none_of(value.begin(), value.end(), [](const auto& member) { return member.is_structured(); });
-}
-
-/// "library Bullet, version 3.24"
-std::string members_in_line(const nlohmann::ordered_json& object) {
-  std::string line;
-  for (const auto& [key, member] : object.items()) line += (line.empty() ? "" : ", ") + key + " " + json_text(member);
-  return line;
-}
-
-/// One row per member; objects inside are taken apart, down to those that fit in one row.
-void add_provenance_rows(const std::string& name, const nlohmann::ordered_json& value, std::string& rows) {
-  const bool nested = !name.empty();
-  if (value.is_object() && !value.empty() && !(nested && holds_only_scalars(value))) {
-    for (const auto& [key, member] : value.items()) {
-      add_provenance_rows(nested ? name + "." + key : key, member, rows);
-    }
-    return;
-  }
-  const std::string text = value.is_object() ? members_in_line(value) : json_text(value);
-  rows += "<tr><th scope=\"row\" class=\"line\">" + escape(name) + "</th><td>" + code(text) + "</td></tr>\n";
-}
-
-std::string run_table(const RunSummary& run, bool open) {
-  std::string rows;
-  nlohmann::ordered_json provenance = run.provenance;
-  if (provenance.is_object()) provenance.erase("planned");  // the plan says the same to people
-  add_provenance_rows("", provenance, rows);
-  return std::string("<details") + (open ? " open" : "") + "><summary>Run of " + escape(run.started) +
-         "</summary><div class=\"scroll\" tabindex=\"0\"><table><tbody>\n" + rows + kTableEnd + "</details>\n";
-}
-
-std::string run_line(const RunSummary& run) {
-  const auto member = [&run](const char* name) {
-    const bool present = run.provenance.is_object() && run.provenance.contains(name);
-    return present ? json_text(run.provenance[name]) : std::string("not recorded");
-  };
-  return fmt::format(
-      "<p>Latest run: {}, processor {}, instruction-set level {}, seed {}, compiler {}. To repeat it: {}</p>\n",
-      escape(run.started), escape(member("processor")), code(member("isa")), escape(member("seed")),
-      escape(member("compiler")), code(member("command")));
-}
-
-/// Solvers that a run left out, "name: reason", each once.
-std::vector<std::string> skipped_solvers(const Summary& summary) {
-  std::vector<std::string> skipped;
-  for (const RunSummary& run : summary.runs) {
-    if (!run.provenance.is_object()) continue;
-    const auto list = run.provenance.find("skipped");
-    if (list == run.provenance.end() || !list->is_array()) continue;
-    for (const auto& entry : *list) {
-      const std::string text = json_text(entry);
-      if (std::find(skipped.begin(), skipped.end(), text) == skipped.end()) skipped.push_back(text);
-    }
-  }
-  return skipped;
-}
-
-std::string skipped_list(const Summary& summary) {
-  std::string items;
-  for (const std::string& entry : skipped_solvers(summary)) {
-    const std::size_t colon = entry.find(": ");
-    items += "<li>" + code(entry.substr(0, colon));
-    if (colon != std::string::npos) items += ": " + escape(entry.substr(colon + 2));
-    items += "</li>\n";
-  }
-  return items.empty() ? "" : "<p>Solvers left out of a run:</p>\n<ul>\n" + items + "</ul>\n";
-}
-
 }  // namespace
-
-std::string sets_section(const Summary& summary, const Figures& figures) {
-  if (has_only_hard_sets(summary)) return "";
-  std::string section =
-      "<section id=\"sets\"><h2>Every set and solver</h2>\n"
-      "<p>Small numbers are 95 % intervals. Headings sort. “Solved” is our verdict on the answer, of the problems not "
-      "proven unsolvable; what the solver said of itself plays no part in it. The same numbers are in "
-      "<code>tables/cells.csv</code> and <code>summary.json</code>.</p>\n";
-  if (!summary.reference.empty()) {
-    section += "<p>Reference of the time ratios: " + code(summary.reference) +
-               ", on the problems that both solved; below 1 is faster.</p>\n";
-  }
-  for (std::size_t set = 0; set < summary.sets.size(); ++set) {
-    if (is_hard_set(summary.sets[set].name)) continue;
-    section += fmt::format("<h3 id=\"set-{}\">{}</h3>\n", set, code(summary.sets[set].name));
-    section += size_line(summary, summary.sets[set]) + set_table(summary, set) + sweep_table(summary, set);
-    section += figure_html(figures.distribution, set, "");
-  }
-  if (summary.sets.empty()) section += "<p>The store holds no problems.</p>\n";
-  return section + "</section>\n";
-}
 
 std::string claims_section(const Summary& summary) {
   std::string section =
@@ -350,11 +137,12 @@ std::string claims_section(const Summary& summary) {
       "what "
       "the answer is, found from the problem’s data alone. Red: said solved, was wrong, or the problem has no "
       "solution. "
-      "Every answer is counted once.</p>\n<div class=\"matrices\">\n";
+      "Every answer is counted once.</p>\n<details><summary>The solvers, one table each</summary><div "
+      "class=\"matrices\">\n";
   for (std::size_t solver = 0; solver < summary.solvers.size(); ++solver) {
     if (summary.solvers[solver].sweep.empty()) section += claim_matrix(summary, solver);
   }
-  return section + "</div></section>\n";
+  return section + "</div></details></section>\n";
 }
 
 std::string times_section(const Summary& summary) {
@@ -363,7 +151,8 @@ std::string times_section(const Summary& summary) {
          "thread "
          "that solves: of this process for native solvers, of the worker process for foreign libraries. CPU time does "
          "not "
-         "grow when other programs use the machine; wall time stands beside it below.</p>\n<ul>\n"
+         "grow when other programs use the machine; wall time stands beside it below.</p>\n<details><summary>The parts "
+         "of a time, and their means</summary>\n<ul>\n"
          "<li><strong>Set-up</strong>: taking in the problem: forming the matrix M from the contacts’ data, factoring "
          "what does not depend on the velocity, and converting to the library’s own form (row padding, signs, its own "
          "objects). A foreign library pays for its conversion here, as it would in your program.</li>\n"
@@ -382,16 +171,7 @@ std::string times_section(const Summary& summary) {
          "<p class=\"note\">Means over all problems of a solver. Solvers that ran on other sets met other problems: "
          "compare "
          "solvers within a set.</p>\n" +
-         times_table(summary) + "</section>\n";
-}
-
-std::string provenance_section(const Summary& summary) {
-  std::string section = "<section id=\"provenance\"><h2>Provenance</h2>\n";
-  if (!summary.runs.empty()) section += run_line(summary.runs.back());
-  section += skipped_list(summary);
-  for (const RunSummary& run : summary.runs) section += run_table(run, &run == &summary.runs.back());
-  if (summary.runs.empty()) section += "<p>The store records no run.</p>\n";
-  return section + "</section>\n";
+         times_table(summary) + "</details></section>\n";
 }
 
 std::string definitions_section() {

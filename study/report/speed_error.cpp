@@ -109,6 +109,12 @@ ErrorMeasure best_measure(const SetSummary& set) {
 
 bool SpeedErrorPoint::placed() const { return std::isfinite(cost.value) && cost.value > 0 && !std::isnan(p99); }
 
+bool SpeedErrorPoint::failed() const {
+  const std::int64_t taken = cell->solvable() - cell->count(Verdict::kRefused);
+  const auto solved = static_cast<double>(cell->count(Verdict::kSolved));
+  return std::isinf(p99) || solved < kReliableShare * static_cast<double>(taken);
+}
+
 SpeedError speed_error(const Summary& summary, std::size_t set, std::optional<ErrorMeasure> measure, bool ratios) {
   SpeedError result;
   result.set = set;

@@ -45,6 +45,9 @@ struct SpeedErrorPoint {
   bool reliable() const { return reliability.reliable(); }
   /// Has a finite cost and a known error, which may be infinite.
   bool placed() const;
+  /// Solved less than kReliableShare of the problems that it took and that are not proven unsolvable, or has answers
+  /// without a number. Its error is that of the few that it solved: pictures draw it as a failure, at no error.
+  bool failed() const;
 };
 
 /// Errors that an answer may have to meet.

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -16,52 +17,81 @@ namespace {
 
 constexpr double kErrorCeiling = 100;  // larger errors are drawn here, their value in the label
 constexpr double kPlotHeight = 360;
+constexpr double kBandHeight = 64;
 constexpr double kLegendHeight = 26;
+constexpr std::size_t kMostNames = 14;  // beside points; the others have numbers
 
 /// How a point stands to the others.
 struct Rank {
   const char* color;
+  Shape shape;
+  bool hollow;
   const char* meaning;
 };
-constexpr Rank kFrontier{"#00703c", "frontier: reliable, none both faster and more accurate"};
-constexpr Rank kReliable{"#1f5a99", "reliable"};
-constexpr Rank kUnproven{"#8a8a8a", "not reliable, or too few to say"};
-constexpr Rank kMisleading{kWrong, "the same, and wrong on some that it said were solved"};
+constexpr Rank kFrontier{kGood, Shape::kDisc, false, "frontier: reliable, none both faster and more accurate"};
+constexpr Rank kReliable{kPlain, Shape::kDisc, false, "reliable"};
+constexpr Rank kUnproven{kGrey, Shape::kSquare, false, "not reliable, or too few to say"};
+constexpr Rank kMisleading{kWrong, Shape::kDiamond, false, "the same, and wrong on some that it said were solved"};
+constexpr Rank kFailed{kWrong, Shape::kDisc, true, "failed: solved less than 90 %"};
+constexpr Rank kFailedAndWrong{kWrong, Shape::kDiamond, true, "failed, and wrong on some that it said were solved"};
 
 const Rank& rank_of(const SpeedErrorPoint& point) {
+  const bool misled = point.cell->false_claims() > 0;
+  if (point.failed()) return misled ? kFailedAndWrong : kFailed;
   if (point.frontier) return kFrontier;
   if (point.reliable()) return kReliable;
-  return point.cell->false_claims() > 0 ? kMisleading : kUnproven;
+  return misled ? kMisleading : kUnproven;
 }
 
 /// A point with errors that fit on the axis.
 struct DrawnPoint {
   const SpeedErrorPoint* point = nullptr;
-  std::string label;
+  std::string name;
+  std::string label;  ///< beside the point: its name, or its number in the list below
   double cost = 0;
   double error = 0;
   double median_error = 0;
 };
 
+/// In the order of their cost. Points on the frontier and points that said solved and were wrong are labelled with
+/// their names, as far as there are at most kMostNames; the others with numbers.
 std::vector<DrawnPoint> points_of(const Summary& summary, const SpeedError& speed_error) {
   std::vector<DrawnPoint> drawn;
   for (const SpeedErrorPoint& point : speed_error.points) {
     if (!point.placed()) continue;
-    DrawnPoint entry{&point, rung_label(summary, *point.cell), point.cost.value, 0, 0};
+    DrawnPoint entry{&point, rung_label(summary, *point.cell), "", point.cost.value, 0, 0};
     entry.error = std::clamp(point.p99, kErrorFloor, kErrorCeiling);
     entry.median_error = std::clamp(point.median, kErrorFloor, kErrorCeiling);
-    if (point.p99 > kErrorCeiling) entry.label += ": " + scientific(point.p99);
+    if (point.p99 > kErrorCeiling && !point.failed()) entry.name += ": " + scientific(point.p99);
     if (point.reliable() && point.cell->false_claims() > 0)
-      entry.label += fmt::format(": {} false", point.cell->false_claims());
+      entry.name += fmt::format(": {} false", point.cell->false_claims());
     drawn.push_back(std::move(entry));
+  }
+  std::stable_sort(drawn.begin(), drawn.end(),
+                   [](const DrawnPoint& a, const DrawnPoint& b) { return a.cost < b.cost; });
+  std::size_t names = 0;
+  for (const bool frontier : {true, false}) {
+    for (DrawnPoint& entry : drawn) {
+      const bool wanted = frontier ? entry.point->frontier : entry.point->cell->false_claims() > 0;
+      if (wanted && entry.label.empty() && ++names <= kMostNames) entry.label = entry.name;
+    }
   }
   return drawn;
 }
 
+/// Numbers for the points that have no names beside them, in the order of the list.
+void number_points(std::vector<DrawnPoint>& points) {
+  int number = 0;
+  for (DrawnPoint& entry : points) {
+    if (entry.label != entry.name) entry.label = std::to_string(++number);
+  }
+}
+
 /// Is there an error too small to be drawn where it is, 0 above all?
 bool reaches_floor(const std::vector<DrawnPoint>& points) {
-  return std::any_of(points.begin(), points.end(),
-                     [](const DrawnPoint& point) { return point.point->median < kErrorFloor; });
+  return std::any_of(points.begin(), points.end(), [](const DrawnPoint& point) {
+    return !point.point->failed() && point.point->median < kErrorFloor;
+  });
 }
 
 std::string undrawn_note(const Summary& summary, const SpeedError& speed_error) {
@@ -90,48 +120,127 @@ std::vector<Box> draw_frontier(Canvas& canvas, std::vector<DrawnPoint> points, c
   return steps;
 }
 
-/// The points with their labels, clear of each other and of the obstacles. @returns the plot command with its data.
-std::string draw_points(Canvas& canvas, const std::vector<DrawnPoint>& points, const Box& area, const LogAxis& x,
-                        const LogAxis& y, std::vector<Box> obstacles) {
-  std::vector<LabelledPoint> wishes;
-  std::string plot;
-  std::string data;
+/// Where points stand: those that failed in the band above the errors.
+struct Place {
+  const Box& area;
+  const LogAxis& x;
+  const LogAxis& y;
+
+  double band() const { return area.top - kBandHeight / 2; }
+  double of(const DrawnPoint& point) const { return point.point->failed() ? band() : y.pixel(point.error); }
+  double of_median(const DrawnPoint& point) const {
+    return point.point->failed() ? band() : y.pixel(point.median_error);
+  }
+};
+
+/// Labels for all points. Where names crowd, those of the least consequence give way to numbers, one after the other.
+std::vector<PlacedLabel> place_names(std::vector<DrawnPoint>& points, const Place& place,
+                                     const std::vector<Box>& obstacles, std::vector<LabelledPoint>& wishes) {
+  const Box room{place.area.left, place.area.top - kBandHeight, place.area.right, place.area.bottom};
+  while (true) {
+    number_points(points);
+    wishes.clear();
+    for (const DrawnPoint& point : points) {
+      const auto characters = static_cast<double>(character_count(point.label));
+      wishes.push_back({place.x.pixel(point.cost), place.of(point), characters * kLabelSize * kMonospaceWidth + 4});
+    }
+    std::vector<PlacedLabel> placed = place_labels(wishes, obstacles, room, kLabelHeight);
+    DrawnPoint* least = nullptr;
+    for (const std::size_t i : crowded_labels(wishes, placed)) {
+      if (points[i].label != points[i].name) continue;
+      if (least == nullptr || !points[i].point->frontier) least = &points[i];
+    }
+    if (least == nullptr) return placed;
+    least->label.clear();
+  }
+}
+
+/// The points with their labels, clear of each other and of the obstacles.
+void draw_points(Canvas& canvas, std::vector<DrawnPoint>& points, const Place& place, std::vector<Box> obstacles) {
   for (const DrawnPoint& point : points) {
     const Rank& rank = rank_of(*point.point);
-    const double px = x.pixel(point.cost);
-    const double py = y.pixel(point.error);
-    const double median_y = y.pixel(point.median_error);
-    wishes.push_back({px, py, static_cast<double>(character_count(point.label)) * kLabelSize * kMonospaceWidth + 4});
+    const double px = place.x.pixel(point.cost);
+    const double py = place.of(point);
+    const double median_y = place.of_median(point);
+    canvas.marker(px, py, point.point->frontier ? 5.5 : 4.2, rank.shape, rank.color, rank.hollow);
+    if (point.point->failed()) continue;
     obstacles.push_back({px - 2, std::min(py, median_y), px + 2, std::max(py, median_y)});
-    canvas.line(px, py, px, median_y, "#b9c4d0", 2, false, Layer::kBack);
-    canvas.line(px - 4, median_y, px + 4, median_y, "#b9c4d0", 2, false, Layer::kBack);
-    plot += fmt::format("{}'-' using 1:2 with points pointtype 7 pointsize {} linecolor rgb '{}'",
-                        plot.empty() ? "plot " : ", ", point.point->frontier ? "1.1" : "0.8", rank.color);
-    data += fmt::format("{:.9g} {:.9g}\ne\n", std::log10(point.cost), std::log10(point.error));
+    canvas.line(px, py, px, median_y, kFaint, 2, false, Layer::kBack);
+    canvas.line(px - 4, median_y, px + 4, median_y, kFaint, 2, false, Layer::kBack);
   }
-  const std::vector<PlacedLabel> placed = place_labels(wishes, obstacles, area, kLabelHeight);
+  std::vector<LabelledPoint> wishes;
+  const std::vector<PlacedLabel> placed = place_names(points, place, obstacles, wishes);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Box& box = placed[i].box;
     if (placed[i].leader) {
       canvas.line(wishes[i].x, wishes[i].y, std::clamp(wishes[i].x, box.left, box.right),
-                  std::clamp(wishes[i].y, box.top + 2, box.bottom - 2), "#888888", 0.8);
+                  std::clamp(wishes[i].y, box.top + 2, box.bottom - 2), kAxis, 0.8);
     }
     canvas.text(box.left + 2, (box.top + box.bottom) / 2, points[i].label,
                 {.size = kLabelSize, .color = rank_of(*points[i].point).color, .monospace = true});
   }
-  return plot + "\n" + data;
 }
 
-void draw_legend(Canvas& canvas, const std::vector<DrawnPoint>& points, double y) {
+/// The band above the errors, where some solver failed.
+void draw_band(Canvas& canvas, const Box& area) {
+  const double top = area.top - kBandHeight;
+  canvas.line(area.left, top, area.right, top, kGrid, 1, false, Layer::kBack);
+  canvas.line(area.left, area.top, area.right, area.top, kWrong, 1, false, Layer::kBack);
+  canvas.text(area.left - 6, area.top - kBandHeight / 2, "failed", {.color = kWrong, .align = Align::kRight});
+}
+
+/// The names of the points that have numbers, in columns.
+class NumberedNames {
+ public:
+  explicit NumberedNames(const std::vector<DrawnPoint>& points) {
+    std::size_t longest = 0;
+    for (const DrawnPoint& point : points) {
+      if (point.label == point.name) continue;
+      entries_.push_back({fmt::format("{:>2}  {}", point.label, point.name), rank_of(*point.point).color});
+      longest = std::max(longest, character_count(entries_.back().first));
+    }
+    const double wanted = static_cast<double>(longest) * kLabelSize * kMonospaceWidth + 14;
+    columns_ = std::max(1, static_cast<int>((kWidth - 2 * kMargin) / wanted));
+    width_ = (kWidth - 2 * kMargin) / columns_;
+    rows_ = (static_cast<int>(entries_.size()) + columns_ - 1) / columns_;
+  }
+
+  double height() const { return rows_ == 0 ? 0 : kLabelHeight * rows_ + 8; }
+
+  void draw(Canvas& canvas, double top) const {
+    for (std::size_t i = 0; i < entries_.size(); ++i) {
+      const auto column = static_cast<double>(i / static_cast<std::size_t>(rows_));
+      const auto row = static_cast<double>(i % static_cast<std::size_t>(rows_));
+      canvas.text(kMargin + column * width_, top + kLabelHeight * (row + 0.5), entries_[i].first,
+                  {.size = kLabelSize, .color = entries_[i].second, .monospace = true});
+    }
+  }
+
+ private:
+  std::vector<std::pair<std::string, const char*>> entries_;
+  int columns_ = 1;
+  int rows_ = 0;
+  double width_ = 0;
+};
+
+/// @returns the height that it took.
+double draw_legend(Canvas& canvas, const std::vector<DrawnPoint>& points, double y) {
   double x = kMargin;
-  for (const Rank* rank : {&kFrontier, &kReliable, &kUnproven, &kMisleading}) {
+  const double top = y;
+  for (const Rank* rank : {&kFrontier, &kReliable, &kUnproven, &kMisleading, &kFailed, &kFailedAndWrong}) {
     const bool seen = std::any_of(points.begin(), points.end(),
                                   [rank](const DrawnPoint& point) { return &rank_of(*point.point) == rank; });
     if (!seen) continue;
-    canvas.rectangle({x, y - 4, x + 8, y + 4}, rank->color);
+    const double width = 13 + static_cast<double>(character_count(rank->meaning)) * 11 * 0.54 + 20;
+    if (x > kMargin && x + width > kWidth) {
+      x = kMargin;
+      y += 18;
+    }
+    canvas.marker(x + 4, y, 4.2, rank->shape, rank->color, rank->hollow);
     canvas.text(x + 13, y, rank->meaning, {.size = 11, .color = rank->color});
-    x += 13 + static_cast<double>(character_count(rank->meaning)) * 11 * 0.5 + 18;
+    x += width;
   }
+  return y - top + kLegendHeight;
 }
 
 /// Where a text at the line y fits beside the points: at the right or left end of the area, above the line or below.
@@ -148,13 +257,13 @@ Box free_place(const Box& area, double y, double width, const std::vector<Box>& 
 }
 
 /// The points and the bars to their medians.
-std::vector<Box> boxes_of(const std::vector<DrawnPoint>& points, const LogAxis& x, const LogAxis& y) {
+std::vector<Box> boxes_of(const std::vector<DrawnPoint>& points, const Place& place) {
   constexpr double kRadius = 6;
   std::vector<Box> boxes;
   for (const DrawnPoint& point : points) {
-    const double px = x.pixel(point.cost);
-    const double py = y.pixel(point.error);
-    const double median_y = y.pixel(point.median_error);
+    const double px = place.x.pixel(point.cost);
+    const double py = place.of(point);
+    const double median_y = place.of_median(point);
     boxes.push_back({px - kRadius, std::min(py, median_y) - kRadius, px + kRadius, std::max(py, median_y) + kRadius});
   }
   return boxes;
@@ -177,70 +286,97 @@ std::vector<Box> draw_bound(Canvas& canvas, const SetSummary& set, const SpeedEr
 }
 
 std::string cost_words(const Summary& summary, const SpeedError& speed_error) {
-  if (!speed_error.relative) return "← faster    median time per problem, set-up and solve (CPU)    slower →";
-  return "← faster    time over that of " + summary.reference + ", on the problems both solved (CPU)    slower →";
+  if (!speed_error.relative) return "← faster · median time per problem, set-up and solve (CPU) · slower →";
+  return "← faster · time over that of " + summary.reference + ", on the problems both solved (CPU) · slower →";
 }
 
+/// What the picture is there to show; the numbers of all points stand in the table beside it.
 std::string alternative_text(const Summary& summary, const SpeedError& speed_error) {
-  std::string text =
-      fmt::format("{}: {} against {}.", describe(summary.sets[speed_error.set]),
-                  speed_error.relative ? "time over that of " + summary.reference : "median time per problem",
-                  measure_words(speed_error.measure));
+  std::string frontier;
+  std::string failed;
+  std::string wrong;
+  const auto add = [](std::string& list, const std::string& entry) { list += (list.empty() ? "" : "; ") + entry; };
   for (const SpeedErrorPoint& point : speed_error.points) {
-    const auto share = [&point](std::int64_t count) {
-      return percent(static_cast<double>(count) / static_cast<double>(point.cell->trials));
-    };
-    text += fmt::format(" {}: {}, error median {}, 99th percentile {}, said solved and was wrong {}, gave up {}{}.",
-                        summary.solvers[point.cell->solver].text(),
-                        speed_error.relative ? factor(point.cost.value) : duration(point.cost.value),
-                        scientific(point.median), scientific(point.p99), share(point.cell->false_claims()),
-                        share(point.cell->gave_up()), point.frontier ? ", on the frontier" : "");
+    const std::string& name = summary.solvers[point.cell->solver].text();
+    if (point.frontier) {
+      add(frontier, fmt::format("{}, {}, error {}", name,
+                                speed_error.relative ? factor(point.cost.value) : duration(point.cost.value),
+                                scientific(point.p99)));
+    }
+    if (point.placed() && point.failed()) add(failed, name);
+    if (point.cell->false_claims() > 0) add(wrong, name);
   }
-  return text;
+  const auto sentence = [](const char* what, const std::string& list) {
+    return list.empty() ? std::string() : std::string(" ") + what + ": " + list + ".";
+  };
+  return fmt::format("{}: {} against {}.", describe(summary.sets[speed_error.set]),
+                     speed_error.relative ? "time over that of " + summary.reference : "median time per problem",
+                     measure_words(speed_error.measure)) +
+         sentence("On the frontier", frontier) + sentence("Failed", failed) +
+         sentence("Said solved and was wrong", wrong);
+}
+
+LogAxis error_axis(const SetSummary& set, const SpeedError& speed_error, const std::vector<DrawnPoint>& points,
+                   const Box& area) {
+  std::vector<double> errors;
+  if (speed_error.measure != ErrorMeasure::kForward) errors.push_back(verdict_bound(set) * 10);
+  for (const DrawnPoint& point : points) {
+    if (point.point->failed()) continue;
+    errors.push_back(point.error);
+    errors.push_back(point.median_error);
+  }
+  if (errors.empty()) errors.push_back(verdict_bound(set));
+  return LogAxis(errors, area.bottom, area.top);
 }
 
 }  // namespace
 
 std::optional<Figure> speed_error_figure(const Summary& summary, const SpeedError& speed_error) {
   const SetSummary& set = summary.sets[speed_error.set];
-  const std::vector<DrawnPoint> points = points_of(summary, speed_error);
+  std::vector<DrawnPoint> points = points_of(summary, speed_error);
   if (points.empty()) return std::nullopt;
   const FailureStrip strip(summary, drawn_cells(summary, speed_error.set));
   const std::string note = undrawn_note(summary, speed_error);
+  const bool any_failed =
+      std::any_of(points.begin(), points.end(), [](const DrawnPoint& point) { return point.point->failed(); });
 
-  const Box area{84, 92, kWidth - 2 * kMargin, 92 + kPlotHeight};
-  const double strip_top = area.bottom + 56 + kLegendHeight + (note.empty() ? 0 : 18);
-  Canvas canvas(kWidth, strip_top + strip.height() + 8);
-  draw_heading(canvas, set);
-
+  const double top = 92 + (any_failed ? kBandHeight : 0);
+  const Box area{84, top, kWidth - 2 * kMargin, top + kPlotHeight};
   std::vector<double> costs;
-  std::vector<double> errors;
-  if (speed_error.measure != ErrorMeasure::kForward) errors.push_back(verdict_bound(set) * 10);
-  for (const DrawnPoint& point : points) {
-    costs.push_back(point.cost);
-    errors.push_back(point.error);
-    errors.push_back(point.median_error);
-  }
+  for (const DrawnPoint& point : points) costs.push_back(point.cost);
   const LogAxis x(costs, area.left, area.right);
-  const LogAxis y(errors, area.bottom, area.top);
-  draw_frame(canvas, area, fmt::format("[{}:{}]", x.low(), x.high()),
-             x.tics(9, speed_error.relative ? ratio_of_decade : time_of_decade),
-             fmt::format("[{}:{}]", y.low(), y.high()), y.tics(9, power_of_ten));
-  canvas.text(kMargin, area.top - 20,
+  const LogAxis y = error_axis(set, speed_error, points, area);
+  const Place place{area, x, y};
+
+  Canvas canvas(kWidth);
+  draw_heading(canvas, set);
+  draw_frame(canvas, area, x.tics(9, speed_error.relative ? ratio_of_decade : time_of_decade),
+             y.tics(9, power_of_ten));
+  if (any_failed) draw_band(canvas, area);
+  canvas.text(kMargin, 72,
               "↑ worse: " + measure_words(speed_error.measure) +
                   ", of the answers said to be solved; dot 99th percentile, bar to the median" +
                   (reaches_floor(points) ? "; 0 is drawn at 10⁻¹⁷" : ""),
               {.size = 11.5, .color = kSoft});
   canvas.text((area.left + area.right) / 2, area.bottom + 38, cost_words(summary, speed_error),
               {.color = kSoft, .align = Align::kCenter});
-  draw_legend(canvas, points, area.bottom + 62);
-  if (!note.empty()) canvas.text(kMargin, area.bottom + 82, note, {.size = 11, .color = kSoft});
-  strip.draw(canvas, strip_top);
   std::vector<Box> obstacles = draw_frontier(canvas, points, x, y);
-  for (const Box& box : draw_bound(canvas, set, speed_error, area, y, boxes_of(points, x, y))) obstacles.push_back(box);
-  const std::string plot = draw_points(canvas, points, area, x, y, obstacles);
-  return Figure{canvas.draw(escape(describe(set) + ": speed against error"), plot),
-                alternative_text(summary, speed_error)};
+  for (const Box& box : draw_bound(canvas, set, speed_error, area, y, boxes_of(points, place))) obstacles.push_back(box);
+  draw_points(canvas, points, place, obstacles);
+
+  double below = area.bottom + 62;
+  below += draw_legend(canvas, points, below) - 8;
+  const NumberedNames names(points);
+  names.draw(canvas, below);
+  below += names.height();
+  if (!note.empty()) {
+    canvas.text(kMargin, below + 9, note, {.size = 11, .color = kSoft});
+    below += 18;
+  }
+  strip.draw(canvas, below);
+  canvas.set_height(below + strip.height() + 8);
+  const std::string alternative = alternative_text(summary, speed_error);
+  return Figure{canvas.draw(describe(set) + ": speed against error", alternative), alternative, ""};
 }
 
 }  // namespace lcpbench::report

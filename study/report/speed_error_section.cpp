@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "study/report/axes.h"
+#include "study/report/coverage_notice.h"
+#include "study/report/hard.h"
 #include "study/report/html_table.h"
-#include "study/report/sections.h"
+#include "study/report/references.h"
 #include "study/report/text.h"
 
 namespace lcpbench::report {
@@ -15,18 +19,22 @@ namespace lcpbench::report {
 namespace {
 
 constexpr const char* kIntroduction =
-    "<section id=\"speed-error\"><h2>Speed against error</h2>\n"
-    "<p>One point per solver and setting; the rungs of a precision ladder are settings. Errors are those of the "
-    "answers "
-    "said to be solved: median, and the 99th percentile, which decides. <strong>True error</strong>: the distance of "
-    "the post-impact velocity from the certified one, ‖v⁺ − v*‖ / ‖v‖ in the norm of the inertia, on sets where at "
-    "least "
-    "half of the problems have a certified, unique v*; elsewhere the error ρ that verdicts are taken on, or the "
-    "backward error of bare problems. One set has one measure.</p>\n"
+    "<section id=\"speed-error\"><h2>Every set: speed against error</h2>\n"
+    "<p>One row per set; open a set below for its picture and for all solvers.</p>\n"
+    "<details><summary>How to read the sets</summary>\n"
+    "<p>Pictures have one point per solver and setting; the rungs of a precision ladder are settings. Errors are those "
+    "of the answers said to be solved: median, and the 99th percentile, which decides. <strong>True error</strong>: the "
+    "distance of the post-impact velocity from the certified one, ‖v⁺ − v*‖ / ‖v‖ in the norm of the inertia, on sets "
+    "where at least half of the problems have a certified, unique v*; elsewhere the error ρ that verdicts are taken on, "
+    "or the backward error of bare problems. One set has one measure.</p>\n"
     "<p><strong class=\"good\">Frontier</strong>: reliable, and no reliable solver is at least as cheap and as "
-    "accurate "
-    "and better in one. Frontier and cheapest solver go by the estimates, not by their intervals. "
-    "<code>tables/speed_error.csv</code>, <code>cheapest.csv</code>, <code>conditioning.csv</code>.</p>\n";
+    "accurate and better in one. Frontier and cheapest solver go by the estimates, not by their intervals.</p>\n"
+    "<p><strong class=\"bad\">Failed</strong>: solved less than 90 % of the problems. The error of the few that it "
+    "solved is no error of the set, so pictures show it as a hollow red point in a band of its own.</p>\n"
+    "<p>Small numbers in the tables are 95 % intervals. Headings sort. “Solved” is our verdict on the answer, of the "
+    "problems not proven unsolvable; what the solver said of itself plays no part in it. "
+    "<code>tables/results.csv</code> has these rows for a spreadsheet or for pandas, <code>tables/cells.csv</code> and "
+    "<code>summary.json</code> have every number.</p>\n";
 
 std::string cost_text(const SpeedError& set, const SpeedErrorPoint& point) {
   if (!set.relative) return duration(point.cost.value);
@@ -38,13 +46,13 @@ std::string cost_range(const Estimate& ratio) {
   return known ? factor(ratio.low) + "–" + factor(ratio.high) : "";
 }
 
-std::string share_cell(std::int64_t count, std::int64_t trials, bool bad) {
-  const double share = trials > 0 ? static_cast<double>(count) / static_cast<double>(trials) : std::nan("");
-  return number_cell(share, fmt::format("<span class=\"{}\">{}</span>",
-                                        count == 0 ? "zero"
-                                        : bad      ? "bad"
-                                                   : "",
-                                        percent(share)));
+std::string count_cell(std::int64_t count, std::int64_t trials, bool bad, const std::string& note = {}) {
+  const Share share{count, trials};
+  const char* cls = count == 0 ? "zero" : bad ? "bad" : "";
+  const std::string interval =
+      count == 0 ? "≤ " + percent(share.interval().high) : percent_range(share.interval());
+  return number_cell(share.value(), fmt::format("<span class=\"{}\">{}</span>", cls, percent(share.value())),
+                     note.empty() ? interval : interval + "; " + note);
 }
 
 const char* ground_words(Ground ground) {
@@ -71,41 +79,121 @@ std::string rank_text(const SpeedErrorPoint& point) {
          (caught > 0 ? "<small class=\"bad\">but for " + counted(caught, "false claim") + "</small>" : std::string());
 }
 
-std::string known_text(const SpeedErrorPoint& point) {
-  return point.known == point.answers ? std::to_string(point.known)
-                                      : fmt::format("{} of {}", point.known, point.answers);
-}
-
-std::string point_row(const Summary& summary, const SpeedError& set, const SpeedErrorPoint& point) {
-  const Cell& cell = *point.cell;
-  std::string row = "<tr><th scope=\"row\">" + code(summary.solvers[cell.solver].text()) + "</th>";
-  row += "<td>" + rank_text(point) + "</td>";
-  if (set.relative) row += number_cell(point.cost.value, factor(point.cost.value), cost_range(point.cost));
-  row += number_cell(cell.median_time.value, duration(cell.median_time.value));
-  row += number_cell(point.median, scientific(point.median)) + number_cell(point.p99, scientific(point.p99));
-  row += number_cell(static_cast<double>(point.known), known_text(point));
-  row += share_cell(cell.solvable() - cell.count(Verdict::kSolved), cell.solvable(), false);
-  return row + share_cell(cell.false_claims(), cell.trials, true) + "</tr>\n";
-}
-
-std::string point_table(const Summary& summary, const SpeedError& set) {
-  std::vector<Column> columns{{"Solver", false}, {"Rank", false}};
-  if (set.relative) columns.push_back({"Time / reference", true});
-  for (const char* heading :
-       {"Median time", "Error, median", "Error, 99 %", "Answers", "Not solved", "Said solved, was wrong"}) {
-    columns.push_back({heading, true});
+std::string trials_cell(const Summary& summary, const Cell& cell) {
+  const std::int64_t problems = summary.sets[cell.set].problems;
+  std::string detail;
+  if (cell.trials < problems) detail = fmt::format("of {}", problems);
+  if (cell.unsolvable_problems > 0) {
+    detail += fmt::format("{}{} unsolvable", detail.empty() ? "" : "<br>", cell.unsolvable_problems);
   }
-  std::vector<const SpeedErrorPoint*> points;
-  for (const SpeedErrorPoint& point : set.points) points.push_back(&point);
-  std::stable_sort(points.begin(), points.end(), [](const SpeedErrorPoint* a, const SpeedErrorPoint* b) {
-    const auto key = [](const SpeedErrorPoint* point) {
-      return std::pair(!point->reliable(), point->placed() ? point->cost.value : HUGE_VAL);
+  return number_cell(static_cast<double>(cell.trials), std::to_string(cell.trials), detail);
+}
+
+/// A solver on a set, with its point where the set has one measure of error.
+struct Row {
+  const Cell* cell = nullptr;
+  const SpeedErrorPoint* point = nullptr;
+};
+
+/// The reliable ones first, then by cost; those that take no problem of the set last.
+std::vector<Row> rows_of(const Summary& summary, std::size_t set, const SpeedError* speed_error) {
+  std::vector<Row> rows;
+  for (const Cell& cell : summary.cells) {
+    if (cell.set != set || !summary.solvers[cell.solver].sweep.empty()) continue;
+    Row row{&cell, nullptr};
+    if (speed_error != nullptr) {
+      const auto point = std::find_if(speed_error->points.begin(), speed_error->points.end(),
+                                      [&cell](const SpeedErrorPoint& each) { return each.cell == &cell; });
+      if (point != speed_error->points.end()) row.point = &*point;
+    }
+    rows.push_back(row);
+  }
+  std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
+    const auto key = [](const Row& row) {
+      const bool placed = row.point != nullptr && row.point->placed();
+      return std::tuple(row.cell->refused(), row.point == nullptr || !row.point->reliable(),
+                        placed ? row.point->cost.value : HUGE_VAL);
     };
     return key(a) < key(b);
   });
-  std::string table = table_head("cells", columns);
-  for (const SpeedErrorPoint* point : points) table += point_row(summary, set, *point);
-  return table + kTableEnd;
+  return rows;
+}
+
+constexpr Column kColumns[] = {{"Solver", false},       {"Standing", false},
+                               {"Problems", true},      {"Solved", true},
+                               {"Said solved, was wrong", true}, {"Gave up", true},
+                               {"Time / reference", true}, {"Median time", true},
+                               {"Error, median", true}, {"Error, 99 %", true}};
+
+std::string refused_row(const std::string& heading, const Cell& cell) {
+  return fmt::format(
+      "<tr>{}<td></td><td data-value=\"\">0<small>of {}</small></td>"
+      "<td colspan=\"{}\">does not take these problems: {}</td></tr>\n",
+      heading, cell.trials, std::size(kColumns) - 3, escape(cell.refusal));
+}
+
+std::string factor_cell(const Summary& summary, const Cell& cell) {
+  const bool is_reference = summary.solvers[cell.solver].text() == summary.reference;
+  return number_cell(cell.time_ratio.value, is_reference ? "1" : factor(cell.time_ratio.value),
+                     is_reference ? "" : cost_range(cell.time_ratio),
+                     " data-factor=\"" + factor_key(cell.set, cell.solver) + "\"");
+}
+
+std::string solver_row(const Summary& summary, const Row& row) {
+  const Cell& cell = *row.cell;
+  const std::string heading = "<th scope=\"row\">" + code(summary.solvers[cell.solver].text()) + "</th>";
+  if (cell.refused()) return refused_row(heading, cell);
+  const std::int64_t refused = cell.count(Claim::kUnsupported);
+  std::string text = "<tr>" + heading + "<td>" + (row.point == nullptr ? "" : rank_text(*row.point)) + "</td>";
+  text += trials_cell(summary, cell);
+  text += number_cell(cell.rate(), percent(cell.rate()), percent_range(cell.rate_interval));
+  text += count_cell(cell.false_claims(), cell.trials, true);
+  text += count_cell(cell.gave_up(), cell.trials, false,
+                     refused == 0 ? "" : "refused " + percent(Share{refused, cell.trials}.value()));
+  text += factor_cell(summary, cell);
+  text += number_cell(cell.median_time.value, duration(cell.median_time.value),
+                      duration_range(cell.median_time.low, cell.median_time.high));
+  const double median = row.point == nullptr ? cell.error_median : row.point->median;
+  const double p99 = row.point == nullptr ? cell.error_p99 : row.point->p99;
+  const bool all_known = row.point == nullptr || row.point->known == row.point->answers;
+  text += number_cell(median, scientific(median),
+                      all_known ? "" : fmt::format("of {} of {} answers", row.point->known, row.point->answers));
+  return text + number_cell(p99, scientific(p99)) + "</tr>\n";
+}
+
+std::string solvers_table(const Summary& summary, std::size_t set, const SpeedError* speed_error) {
+  std::string rows;
+  for (const Row& row : rows_of(summary, set, speed_error)) rows += solver_row(summary, row);
+  return rows.empty() ? "" : table_head("cells", kColumns) + rows + kTableEnd;
+}
+
+std::string settings_detail(const std::string& settings) { return settings.empty() ? "defaults" : code(settings); }
+
+std::string range_cells(const SweepSummary::Range& range) {
+  return number_cell(range.worst, percent(range.worst), settings_detail(range.worst_settings)) +
+         number_cell(range.average, percent(range.average)) +
+         number_cell(range.best, percent(range.best), settings_detail(range.best_settings));
+}
+
+std::string sweep_table(const Summary& summary, std::size_t set) {
+  constexpr Column kSweepColumns[] = {
+      {"Solver, sweep", false}, {"Cells", true}, {"Problems", true},       {"Verdict: worst", true},
+      {"average", true},        {"best", true},  {"best, held out", true}, {"Criterion: worst", true},
+      {"average", true},        {"best", true}};
+  std::string rows;
+  for (const SweepSummary& sweep : summary.sweeps) {
+    if (sweep.set != set) continue;
+    rows += fmt::format("<tr><th scope=\"row\">{}<small>{}</small></th>", code(sweep.solver), code(sweep.sweep));
+    rows += number_cell(static_cast<double>(sweep.parameterisations), std::to_string(sweep.parameterisations));
+    rows += number_cell(static_cast<double>(sweep.trials), std::to_string(sweep.trials));
+    rows += range_cells(sweep.verdict);
+    rows += number_cell(sweep.best_held_out, percent(sweep.best_held_out));
+    rows += range_cells(sweep.criterion) + "</tr>\n";
+  }
+  if (rows.empty()) return "";
+  return "<p class=\"note\">Sweeps: shares solved over all parameterisations of a grid, by our verdict and by the "
+         "paper’s criterion. “Held out”: chosen on the even trials, reported on the odd ones.</p>\n" +
+         table_head("cells", kSweepColumns) + rows + kTableEnd;
 }
 
 /// "contact_lemke, 0.0089", and how well it meets the target.
@@ -143,25 +231,94 @@ std::string cheapest_table(const Summary& summary, const SpeedError& set) {
   return table + kTableEnd;
 }
 
-std::string measure_line(const Summary& summary, const SpeedError& set) {
-  const SetSummary& info = summary.sets[set.set];
-  std::string line = describe(info) + ". Measured by the " + measure_words(set.measure);
-  if (set.measure == ErrorMeasure::kForward) {
-    line += fmt::format(", of {} of {}", info.unique_velocities, counted(info.problems, "problem"));
-  }
-  if (set.measure == ErrorMeasure::kResidual) {
-    line += info.unique_velocities == 0 ? "; no problem of this set has a certified, unique velocity"
-                                        : fmt::format("; only {} of {} have a certified, unique velocity",
-                                                      info.unique_velocities, counted(info.problems, "problem"));
-  }
-  if (!set.relative) line += ". The reference solved none of them: times instead of ratios";
-  return "<p class=\"note\">" + line + ".</p>\n";
+std::string size_words(const SetSummary& set) {
+  const std::string n = set.smallest_n == set.largest_n ? std::to_string(set.largest_n)
+                                                        : fmt::format("{}–{}", set.smallest_n, set.largest_n);
+  return fmt::format("{}, n = {}", counted(set.problems, "problem"), n);
 }
 
-std::string set_part(const Summary& summary, const SpeedError& set, const Figures& figures) {
-  return "<h3>" + code(summary.sets[set.set].name) + "</h3>\n" + measure_line(summary, set) +
-         figure_html(figures.speed_error, set.set, figures.missing) + point_table(summary, set) +
-         cheapest_table(summary, set);
+std::string coverage_words(const Summary& summary, const SetSummary& set) {
+  const std::string coverage = set_coverage(summary.coverage, set.name);
+  return coverage.empty() ? "" : " <span class=\"bad\">Only " + escape(coverage) + ".</span>";
+}
+
+std::string measure_sentence(const Summary& summary, const SpeedError& speed_error) {
+  const SetSummary& info = summary.sets[speed_error.set];
+  std::string words = " Measured by the " + measure_words(speed_error.measure);
+  if (speed_error.measure == ErrorMeasure::kForward) {
+    words += fmt::format(", of {} of {}", info.unique_velocities, counted(info.problems, "problem"));
+  }
+  if (speed_error.measure == ErrorMeasure::kResidual) {
+    words += info.unique_velocities == 0 ? "; no problem of this set has a certified, unique velocity"
+                                         : fmt::format("; only {} of {} have a certified, unique velocity",
+                                                       info.unique_velocities, counted(info.problems, "problem"));
+  }
+  if (!speed_error.relative) words += ". The reference solved none of them: times instead of ratios";
+  return words + ".";
+}
+
+/// "More pictures: ...", the files beside the page.
+std::string more_pictures(std::size_t set, const Figures& figures) {
+  std::string links;
+  const auto add = [&links, set](const std::map<std::size_t, Figure>& kind, const char* words) {
+    const auto figure = kind.find(set);
+    if (figure == kind.end()) return;
+    links += (links.empty() ? "" : ", ") + ("<a href=\"" + figure->second.file + "\">" + words + "</a>");
+  };
+  add(figures.distribution, "errors of the answers said to be solved");
+  add(figures.error_ecdf, "errors of all answers");
+  return links.empty() ? "" : "<p class=\"note\">More pictures: " + links + ".</p>\n";
+}
+
+const SpeedError* of_set(const SpeedErrorStudy& study, std::size_t set) {
+  const auto found =
+      std::find_if(study.sets.begin(), study.sets.end(), [set](const SpeedError& each) { return each.set == set; });
+  return found == study.sets.end() ? nullptr : &*found;
+}
+
+std::string set_part(const Summary& summary, std::size_t set, const SpeedErrorStudy& study, const Figures& figures) {
+  const SetSummary& info = summary.sets[set];
+  const SpeedError* speed_error = of_set(study, set);
+  std::string part = fmt::format("<details><summary><span id=\"set-{}\">{}</span></summary>\n<p class=\"note\">{}; {}.",
+                                 set, code(info.name), describe(info), size_words(info));
+  if (info.all_solvable) part += " All proven solvable.";
+  if (speed_error != nullptr) part += measure_sentence(summary, *speed_error);
+  part += coverage_words(summary, info) + "</p>\n" + figure_html(figures.speed_error, set);
+  part += solvers_table(summary, set, speed_error);
+  if (speed_error != nullptr) part += cheapest_table(summary, *speed_error);
+  return part + sweep_table(summary, set) + more_pictures(set, figures) + "</details>\n";
+}
+
+/// The cheapest point of the frontier; nullptr where there is none.
+const SpeedErrorPoint* cheapest_reliable(const SpeedError* speed_error) {
+  const SpeedErrorPoint* best = nullptr;
+  if (speed_error == nullptr) return best;
+  for (const SpeedErrorPoint& point : speed_error->points) {
+    if (point.frontier && (best == nullptr || point.cost.value < best->cost.value)) best = &point;
+  }
+  return best;
+}
+
+std::string overview_row(const Summary& summary, std::size_t set, const SpeedErrorStudy& study) {
+  const SetSummary& info = summary.sets[set];
+  const SpeedError* speed_error = of_set(study, set);
+  std::string row = fmt::format("<tr><th scope=\"row\"><a href=\"#set-{}\">{}</a><small>{}; {}</small>", set,
+                                code(info.name), describe(info), size_words(info));
+  row += coverage_words(summary, info) + "</th>";
+  if (const SpeedErrorPoint* best = cheapest_reliable(speed_error)) {
+    row += "<td>" + code(summary.solvers[best->cell->solver].text()) + "</td>";
+    row += number_cell(best->cell->median_time.value, duration(best->cell->median_time.value));
+    row += number_cell(best->p99, scientific(best->p99));
+  } else {
+    row += speed_error != nullptr && speed_error->too_few() ? "<td>too few to say</td>" : "<td>none</td>";
+    row += number_cell(std::nan(""), "–") + number_cell(std::nan(""), "–");
+  }
+  const auto wrong = std::count_if(summary.cells.begin(), summary.cells.end(), [&](const Cell& cell) {
+    return cell.set == set && summary.solvers[cell.solver].sweep.empty() && cell.false_claims() > 0;
+  });
+  row += number_cell(static_cast<double>(wrong),
+                     fmt::format("<span class=\"{}\">{}</span>", wrong > 0 ? "bad" : "zero", wrong));
+  return row + "</tr>\n";
 }
 
 // --- conditioning ---
@@ -226,23 +383,37 @@ std::string cheapest_by_condition(const Summary& summary, const Conditioning& fa
 std::string family_part(const Summary& summary, const SpeedErrorStudy& study, std::size_t index,
                         const Figures& figures) {
   const Conditioning& family = study.families[index];
-  return "<h3>" + code(family.family) + "</h3>\n<p class=\"note\">Measured by the " + measure_words(family.measure) +
-         ", the same at all condition numbers.</p>\n" + figure_html(figures.conditioning, index, figures.missing) +
-         conditioning_table(summary, family) + cheapest_by_condition(summary, family);
+  return "<details><summary>" + code(family.family) + "</summary>\n<p class=\"note\">Measured by the " +
+         measure_words(family.measure) + ", the same at all condition numbers.</p>\n" +
+         figure_html(figures.conditioning, index) + conditioning_table(summary, family) +
+         cheapest_by_condition(summary, family) + "</details>\n";
 }
 
 }  // namespace
 
 std::string speed_error_section(const Summary& summary, const SpeedErrorStudy& study, const Figures& figures) {
-  if (study.sets.empty()) return "";
+  constexpr Column kOverview[] = {{"Set", false},
+                                  {"Fastest reliable solver", false},
+                                  {"Its median time", true},
+                                  {"Its error, 99 %", true},
+                                  {"Solvers that said solved and were wrong", true}};
+  if (has_only_hard_sets(summary)) return "";
+  std::string rows;
+  std::string parts;
+  for (std::size_t set = 0; set < summary.sets.size(); ++set) {
+    if (is_hard_set(summary.sets[set].name)) continue;
+    rows += overview_row(summary, set, study);
+    parts += set_part(summary, set, study, figures);
+  }
   std::string section = kIntroduction;
   section += "<p>" + reliability_rule_html() + "</p>\n";
   if (!summary.reference.empty()) {
-    section += "<p>Reference of the times: " + code(summary.reference) + "; below 1 is faster.</p>\n";
+    section += "<p>Reference of the times: " + code(summary.reference) +
+               ", on the problems that both solved; below 1 is faster.</p>\n";
   }
-  for (const SpeedError& set : study.sets) {
-    if (!study.is_step(summary, set.set)) section += set_part(summary, set, figures);
-  }
+  section += "</details>\n";
+  if (rows.empty()) return section + "<p>The store holds no problems.</p>\n</section>\n";
+  section += table_head("cells overview", kOverview) + rows + kTableEnd + parts;
   if (!study.families.empty()) {
     section +=
         "<h3 id=\"conditioning\">How it moves with conditioning</h3>\n<p>Sets that differ in the inertia’s condition "

@@ -7,8 +7,9 @@
 
 namespace lcpbench::report {
 
-/// #speed-error: of each set one point per solver and rung, the frontier, the cheapest solver that meets an error, and
-/// how all that moves with conditioning. Steps along a dial of conditioning stand in the latter alone. "" for no set.
+/// #speed-error: one row per set; per set, folded, one point and one row per solver and rung, the frontier, the cheapest
+/// solver that meets an error, and the sweeps; then how all that moves with conditioning. The hard cases have a section
+/// of their own, and "" is returned where there is nothing else.
 std::string speed_error_section(const Summary& summary, const SpeedErrorStudy& study, const Figures& figures);
 
 }  // namespace lcpbench::report

@@ -103,23 +103,6 @@ std::string escape(std::string_view text) {
 
 std::string code(std::string_view text) { return "<code>" + escape(text) + "</code>"; }
 
-std::string base64(std::string_view bytes) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  out.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t at = 0; at < bytes.size(); at += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      group = group << 8 | (at + i < bytes.size() ? static_cast<unsigned char>(bytes[at + i]) : 0U);
-    }
-    for (std::size_t i = 0; i < 4; ++i) {
-      const bool padding = at + i > bytes.size();
-      out += padding ? '=' : kDigits[group >> (18 - 6 * i) & 63];
-    }
-  }
-  return out;
-}
-
 std::string describe(const SetSummary& set) {
   std::string words = "Complementarity problems without contact data";
   if (!set.bare) words = set.frictional ? "Frictional contacts" : "Frictionless contacts";

@@ -35,7 +35,6 @@ std::string mended(std::string_view text);
 std::string escape(std::string_view text);
 /// <code>text</code>, escaped.
 std::string code(std::string_view text);
-std::string base64(std::string_view bytes);
 
 /// What a set is, in words a roboticist uses: "Frictional contacts, inertia condition number 1e8".
 std::string describe(const SetSummary& set);

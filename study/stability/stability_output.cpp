@@ -155,10 +155,17 @@ std::string stability_text(const StabilityResult& result) {
   }
   text += "\n\nstill solved, of those solved before (!: answers turned into false claims)\n" +
           matrix(result, asked, kept_text);
-  text += "\namplification, median and largest (1: what conditioning allows)\n" +
-          matrix(result, moved, [](const StabilityCell& cell) { return median_and_most(cell.amplifications); });
-  text += "\nmost over fewest pivots of one problem, median and largest\n" +
-          matrix(result, pivots, [](const StabilityCell& cell) { return median_and_most(cell.pivot_spreads); });
+  // A table without rows says nothing: frictional problems and bare LCPs have no amplification, and some solvers no
+  // pivots.
+  const auto add = [&](const char* heading, const auto& shows, const auto& values) {
+    if (std::none_of(result.cells.begin(), result.cells.end(), shows)) return;
+    text += heading;
+    text += matrix(result, shows, [&values](const StabilityCell& cell) { return median_and_most(values(cell)); });
+  };
+  add("\namplification, median and largest (1: what conditioning allows)\n", moved,
+      [](const StabilityCell& cell) { return cell.amplifications; });
+  add("\nmost over fewest pivots of one problem, median and largest\n", pivots,
+      [](const StabilityCell& cell) { return cell.pivot_spreads; });
   return text + names(result);
 }
 

@@ -1,0 +1,59 @@
+#!/usr/bin/env python3
+"""Runs the programs of docs/howto/read-the-tables.md on a report, and compares what they print with summary.json.
+
+Usage: tables_page_test.py LCPBENCH PAGE
+"""
+
+import importlib.util
+import json
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+
+def make_report(program, folder):
+    run = [program, "run", "--store", "s.db", "--trials", "40"]
+    for name in ["paper/monotone/exp1", "paper/copositive/exp1"]:
+        run += ["--set", name]
+    for name in ["lemke", "contact_lemke"]:
+        run += ["--solver", name]
+    for command in [run, [program, "report", "s.db", "--out", "report"]]:
+        subprocess.run(command, cwd=folder, check=True, capture_output=True)
+    return folder / "report"
+
+
+def expected_lines(report):
+    """The fastest reliable solver of each set, as summary.json has it."""
+    summary = json.loads((report / "summary.json").read_text())
+    fastest = {}
+    for point in summary["speed_against_error"]["speed_error"]:
+        if point["reliability"] != "reliable":
+            continue
+        solver = point["solver"] + ("{" + point["settings"] + "}" if point["settings"] else "")
+        fastest.setdefault(point["set"], []).append((point["median_time_s"], solver))
+    best = {name: min(times) for name, times in fastest.items()}
+    return [f"{name}: {best[name][1]}, {best[name][0]:.3g} s" for name in sorted(best)]
+
+
+def main():
+    program, page = sys.argv[1:]
+    blocks = re.findall(r"```python\n(.*?)```", Path(page).read_text(), re.DOTALL)
+    assert len(blocks) == 2, f"{page}: {len(blocks)} programs instead of 2"
+    with tempfile.TemporaryDirectory() as name:
+        report = make_report(program, Path(name))
+        expected = expected_lines(report)
+        assert len(expected) == 2, expected
+        for block in blocks:
+            if "import pandas" in block and importlib.util.find_spec("pandas") is None:
+                print("pandas is not installed: its program was left out")
+                continue
+            done = subprocess.run([sys.executable, "-c", block], cwd=report, capture_output=True, text=True)
+            assert done.returncode == 0, done.stderr
+            assert done.stdout.splitlines() == expected, (done.stdout, expected)
+            print("ran:", block.splitlines()[0])
+
+
+if __name__ == "__main__":
+    main()
