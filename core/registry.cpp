@@ -1,16 +1,23 @@
 #include "core/registry.h"
 
+#include <vector>
+
 #include "core/error.h"
+#include "core/suggestion.h"
 
 namespace lcpbench {
 
 const RegisteredSolver& find_solver(const std::string& name) {
-  std::string names;
   for (const RegisteredSolver& solver : registered_solvers()) {
     if (solver.definition.name == name) return solver;
-    names += (names.empty() ? "" : ", ") + solver.definition.name;
   }
-  throw InputError("unknown solver '" + name + "'; known: " + names);
+  std::vector<std::string> known;
+  std::string list;
+  for (const RegisteredSolver& solver : registered_solvers()) {
+    known.push_back(solver.definition.name);
+    list += (list.empty() ? "" : ", ") + known.back();
+  }
+  throw InputError("unknown solver '" + name + "'" + did_you_mean(name, known) + "; known: " + list);
 }
 
 std::unique_ptr<Solver> make_solver(const Spec& spec) {

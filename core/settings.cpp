@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/suggestion.h"
 
 namespace lcpbench {
 
@@ -75,7 +76,8 @@ void check_known(std::string_view owner, const Options& options, std::span<const
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     std::string names;
     for (const std::string& name : known) names += (names.empty() ? "" : ", ") + name;
-    throw InputError(std::string(owner) + ": unknown option '" + key + "'; known: " + (names.empty() ? "none" : names));
+    throw InputError(std::string(owner) + ": unknown option '" + key + "'" + did_you_mean(key, known) +
+                     "; known: " + (names.empty() ? "none" : names));
   }
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/suggestion.h"
 #include "generators/glob.h"
 #include "generators/hard/hard.h"
 #include "generators/paper.h"
@@ -198,6 +199,13 @@ const Set* find_set(const std::vector<Set>& sets, const std::string& name) {
   return found == sets.end() ? nullptr : &*found;
 }
 
+/// See did_you_mean.
+std::string closest_set(const std::string& name) {
+  std::vector<std::string> known;
+  for (const SetInfo& set : all_sets()) known.push_back(set.name);
+  return did_you_mean(name, known);
+}
+
 }  // namespace
 
 std::vector<SetInfo> list_sets() { return all_sets(); }
@@ -217,7 +225,7 @@ std::unique_ptr<ProblemSet> open_set(const std::string& text) {
   if (const HardSet* set = find_set(hard_sets(), spec.name)) {
     return std::make_unique<HardProblemSet>(*set, spec.options);
   }
-  throw InputError("unknown problem set '" + spec.name + "'; `lcpbench sets` lists them");
+  throw InputError("unknown problem set '" + spec.name + "'" + closest_set(spec.name) + "; `lcpbench sets` lists them");
 }
 
 std::vector<std::string> expand_sets(const std::string& pattern) {
@@ -227,7 +235,10 @@ std::vector<std::string> expand_sets(const std::string& pattern) {
   for (const SetInfo& set : all_sets()) {
     if (glob_matches(spec.name, set.name)) names.push_back(open_set(Spec{set.name, spec.options}.text())->name());
   }
-  if (names.empty()) throw InputError("no problem set matches '" + spec.name + "'; `lcpbench sets` lists them");
+  if (names.empty()) {
+    throw InputError("no problem set matches '" + spec.name + "'" + closest_set(spec.name) +
+                     "; `lcpbench sets` lists them");
+  }
   return names;
 }
 

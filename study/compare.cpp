@@ -11,9 +11,11 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/suggestion.h"
 #include "generators/glob.h"
 #include "study/comparison.h"
 #include "study/json_output.h"
+#include "study/terminal.h"
 #include "study/text_table.h"
 
 namespace lcpbench {
@@ -131,14 +133,15 @@ std::string solver_text(const SolverRow& row) {
 std::vector<StoredSolver> chosen_solvers(Store& store, const std::string& wanted) {
   std::vector<StoredSolver> solvers = store.solvers();
   if (wanted.empty()) return solvers;
-  std::string known;
+  std::vector<std::string> known;
   for (const StoredSolver& solver : solvers) {
-    if (solver.row.sweep.empty()) known += (known.empty() ? "" : ", ") + solver.row.text();
+    if (solver.row.sweep.empty()) known.push_back(solver.row.text());
   }
   std::erase_if(solvers,
                 [&](const StoredSolver& solver) { return !solver.row.sweep.empty() || solver.row.text() != wanted; });
   if (solvers.empty()) {
-    throw InputError(fmt::format("{}: no solver '{}'; it has {}", store.file().string(), wanted, known));
+    throw InputError(fmt::format("{}: no solver '{}'{}; it has {}", store.file().string(), wanted,
+                                 did_you_mean(wanted, known), fmt::join(known, ", ")));
   }
   return solvers;
 }
@@ -380,6 +383,46 @@ std::string total_text(const std::vector<CellChange>& cells) {
                      count([](const CellChange& c) { return c.time() == Tendency::kWorse; }));
 }
 
+std::string conclusion_text(const StoreComparison& comparison) {
+  if (comparison.regressed())
+    return "B is worse: it solves significantly fewer problems in some, or makes new false claims.\n";
+  if (comparison.slower()) return "B is no less reliable, and significantly slower in some.\n";
+  const bool any = std::any_of(comparison.cells.begin(), comparison.cells.end(),
+                               [](const CellChange& cell) { return change_words(cell) != "tie"; });
+  return any ? "B is neither less reliable nor slower, and better in some.\n" : "B is a tie with A.\n";
+}
+
+constexpr std::size_t kLinesOfAnswer = kAnswerLines - 3;  // the names of the stores stand above it
+
+/// The gravest first: new false claims, fewer solved, slower, then what got better.
+int gravity(const CellChange& cell) {
+  if (cell.false_new > 0) return 0;
+  if (cell.solved() == Tendency::kWorse) return 1;
+  return cell.time() == Tendency::kWorse ? 2 : 3;
+}
+
+TextTable change_table() {
+  using Align = TextTable::Align;
+  return TextTable({{"set", Align::kLeft, 0, 12},
+                    {"solver", Align::kLeft, 0, 12},
+                    {"problems", Align::kRight, 2},
+                    {"solved"},
+                    {"lost", Align::kRight, 4},
+                    {"gained", Align::kRight, 4},
+                    {"p", Align::kRight, 3},
+                    {"false claims", Align::kRight, 1},
+                    {"time B/A"},
+                    {"pivots", Align::kRight, 5},
+                    {"B is", Align::kLeft, 0, 12}});
+}
+
+void add_row(const CellChange& cell, TextTable& table) {
+  table.add_row({cell.set, name_text(cell), format_count(cell.problems), change_text(cell.solved_a, cell.solved_b),
+                 format_count(cell.lost), format_count(cell.gained), p_text(cell.solved_p_holm),
+                 change_text(cell.false_a, cell.false_b), time_text(cell),
+                 cell.counted > 0 ? change_text(cell.pivots_a, cell.pivots_b) : "-", change_words(cell)});
+}
+
 }  // namespace
 
 const char* to_string(Tendency tendency) {
@@ -455,37 +498,45 @@ Json comparison_document(const StoreComparison& comparison) {
   return json;
 }
 
-std::string comparison_text(const StoreComparison& comparison) {
-  using Align = TextTable::Align;
-  TextTable table({{"set", Align::kLeft},
-                   {"solver", Align::kLeft},
-                   {"problems"},
-                   {"solved"},
-                   {"lost"},
-                   {"gained"},
-                   {"p"},
-                   {"false claims"},
-                   {"time B/A"},
-                   {"pivots"},
-                   {"B is", Align::kLeft}});
+std::string comparison_answer(const StoreComparison& comparison, int width) {
+  std::vector<const CellChange*> changed;
+  for (const CellChange& cell : comparison.cells) {
+    if (change_words(cell) != "tie") changed.push_back(&cell);
+  }
+  std::stable_sort(changed.begin(), changed.end(),
+                   [](const CellChange* a, const CellChange* b) { return gravity(*a) < gravity(*b); });
+  std::string note = left_out_text(comparison.cells);
+  const auto unmatched = [&note](const std::vector<std::string>& list, const char* where) {
+    if (!list.empty()) note += fmt::format("only in {}: {}\n", where, counted_noun(list.size(), "cell"));
+  };
+  unmatched(comparison.missing, "A");
+  unmatched(comparison.added, "B");
+  const std::string end = folded(note + total_text(comparison.cells) + conclusion_text(comparison), width);
+  return fitting_text(changed.size(), kLinesOfAnswer, [&](std::size_t rows) {
+    TextTable table = change_table();
+    for (std::size_t i = 0; i < rows; ++i) add_row(*changed[i], table);
+    const std::string more =
+        rows < changed.size() ? fmt::format("and {} more changed: --long shows them\n", changed.size() - rows) : "";
+    return (table.empty() ? "" : table.text(width)) + more + end;
+  });
+}
+
+std::string comparison_text(const StoreComparison& comparison, int width) {
+  TextTable table = change_table();
   std::int64_t hidden = 0;
   for (const CellChange& cell : comparison.cells) {
-    if (!is_shown(cell)) {
-      ++hidden;
-      continue;
-    }
-    table.add_row({cell.set, name_text(cell), format_count(cell.problems), change_text(cell.solved_a, cell.solved_b),
-                   format_count(cell.lost), format_count(cell.gained), p_text(cell.solved_p_holm),
-                   change_text(cell.false_a, cell.false_b), time_text(cell),
-                   cell.counted > 0 ? change_text(cell.pivots_a, cell.pivots_b) : "-", change_words(cell)});
+    if (is_shown(cell)) add_row(cell, table);
+    hidden += is_shown(cell) ? 0 : 1;
   }
-  std::string text = table.text() + "\n" + total_text(comparison.cells);
-  if (hidden > 0) text += fmt::format("{} parameterisations of sweeps did not change and are not shown\n", hidden);
-  text += left_out_text(comparison.cells);
-  text += unmatched_text(comparison.missing, "A") + unmatched_text(comparison.added, "B");
-  return text +
-         "p: exact McNemar test of the share solved, corrected by Holm's method for the number of cells; 5 %.\n"
-         "time: ratio of summed times of the problems solved in both, with its bootstrap interval; a tie within 5 %.\n";
+  std::string text = table.text(width) + "\n";
+  std::string note;
+  if (hidden > 0) note += fmt::format("{} parameterisations of sweeps did not change and are not shown\n", hidden);
+  note += left_out_text(comparison.cells);
+  note += unmatched_text(comparison.missing, "A") + unmatched_text(comparison.added, "B");
+  note +=
+      "p: exact McNemar test of the share solved, corrected by Holm's method for the number of cells; 5 %.\n"
+      "time: ratio of summed times of the problems solved in both, with its bootstrap interval; a tie within 5 %.\n";
+  return text + folded(note + total_text(comparison.cells) + conclusion_text(comparison), width);
 }
 
 }  // namespace lcpbench

@@ -81,7 +81,10 @@ StoreComparison compare_stores(Store& a, Store& b, const CompareOptions& options
 /// All of it; NaN is null.
 nlohmann::ordered_json comparison_document(const StoreComparison& comparison);
 
+/// For people: the gravest changes, and at the end what B is. kAnswerLines at most, with the names of the stores.
+std::string comparison_answer(const StoreComparison& comparison, int width);
+
 /// A table for people: every single solver; of a sweep the cells that changed, and how many did not.
-std::string comparison_text(const StoreComparison& comparison);
+std::string comparison_text(const StoreComparison& comparison, int width);
 
 }  // namespace lcpbench

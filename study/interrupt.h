@@ -9,8 +9,9 @@ namespace lcpbench {
 /// stays ignored, as `nohup` asks. A file that grows beyond the limit (SIGXFSZ) is an error of the write, and no end.
 void announce_interrupts(int exit_code);
 
-/// Catches the signals from now to the end of the process: the first raises the flag, the second ends the process at
-/// once as above.
+/// Catches the signals from now to the end of the process: the first prints one line and raises the flag, the second
+/// ends the process at once as above. Each long command looks at the flag between two pieces of its work, keeps or
+/// prints what is done, and ends with `exit_code`.
 /// @returns the flag
 const volatile std::sig_atomic_t* catch_interrupts(int exit_code);
 

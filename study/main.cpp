@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <exception>
 #include <iostream>
+#include <sstream>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -15,11 +16,13 @@
 
 #include "adapters/worker_client.h"
 #include "core/error.h"
+#include "core/suggestion.h"
 #include "core/utf8.h"
 #include "study/build_info.h"
 #include "study/commands/commands.h"
 #include "study/interrupt.h"
 #include "study/terminal.h"
+#include "study/text_table.h"
 
 namespace {
 
@@ -67,6 +70,17 @@ void flush_output() {
 
 std::string first_line(std::string text) { return text.substr(0, text.find('\n')); }
 
+/// What an option does begins in a column of its own; a paragraph begins at the left.
+std::string folded_help(const std::string& help) {
+  constexpr std::size_t kColumn = 28;  // behind the option's indent
+  std::string text;
+  std::istringstream lines(help);
+  for (std::string line; std::getline(lines, line);) {
+    text += folded(line + "\n", terminal_width(), line.starts_with(' ') ? kColumn : 0);
+  }
+  return text;
+}
+
 class CommandLine {
  public:
   explicit CommandLine(const std::string& typed)
@@ -89,7 +103,7 @@ class CommandLine {
     add("compare", "Compare two stores: what got better, worse, or is a tie", add_compare_command);
     add("bench", "Measure speed against a reference solver",
         [&](CLI::App& command) { return add_bench_command(command, typed); });
-    add("stability", "Scale, permute, perturb problems: whose answers move, and who breaks",
+    add("stability", "Perturb problems in known ways; report which solvers' answers change or fail",
         [&](CLI::App& command) { return add_stability_command(command, typed); });
     add("validate", "Compare our solvers with the reference libraries, problem by problem",
         [&](CLI::App& command) { return add_validate_command(command, typed); });
@@ -97,16 +111,21 @@ class CommandLine {
 
   int run(int argc, const char* const* argv) {
     if (argc > 1 && argv[1][0] != '-' && !is_command(argv[1])) {
-      throw InputError("unknown command '" + std::string(argv[1]) + "' (lcpbench --help)");
+      throw InputError(
+          fmt::format("unknown command '{}'{} (lcpbench --help)", argv[1], did_you_mean(argv[1], command_names())));
     }
     try {
       app_.parse(argc, argv);
-    } catch (const CLI::Success& help) {
-      return app_.exit(help);
+    } catch (const CLI::CallForHelp&) {
+      say(stdout, "{}", folded_help(app_.help()));
+      return kExitDone;
+    } catch (const CLI::Success& success) {
+      return app_.exit(success);
     } catch (const CLI::ParseError& error) {
       const bool known = argc > 1 && is_command(argv[1]);
-      throw InputError(
-          fmt::format("{} (lcpbench {}--help)", first_line(error.what()), known ? std::string(argv[1]) + " " : ""));
+      const bool unexpected = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
+      throw InputError(fmt::format("{}{} (lcpbench {}--help)", first_line(error.what()),
+                                   unexpected ? closest_option() : "", known ? std::string(argv[1]) + " " : ""));
     }
     for (const auto& [command, action] : commands_) {
       if (command->parsed()) return action();
@@ -115,9 +134,28 @@ class CommandLine {
   }
 
  private:
+  std::vector<std::string> command_names() const {
+    std::vector<std::string> names;
+    for (const auto& [command, action] : commands_) names.push_back(command->get_name());
+    return names;
+  }
   bool is_command(const std::string& name) const {
-    return std::any_of(commands_.begin(), commands_.end(),
-                       [&](const auto& command) { return command.first->get_name() == name; });
+    const std::vector<std::string> names = command_names();
+    return std::find(names.begin(), names.end(), name) != names.end();
+  }
+  /// See did_you_mean: for the first option that the command typed does not have.
+  std::string closest_option() const {
+    for (const auto& [command, action] : commands_) {
+      if (!command->parsed()) continue;
+      std::vector<std::string> known;
+      for (const CLI::Option* option : command->get_options()) {
+        for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+      }
+      for (const std::string& argument : command->remaining()) {
+        if (argument.starts_with("--")) return did_you_mean(argument.substr(0, argument.find('=')), known);
+      }
+    }
+    return "";
   }
 
   template <class AddOptions>

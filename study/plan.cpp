@@ -12,6 +12,7 @@
 
 #include "core/error.h"
 #include "core/registry.h"
+#include "core/suggestion.h"
 #include "study/builtin_plans.h"
 
 namespace lcpbench {
@@ -310,8 +311,9 @@ Plan load_plan(const std::string& name_or_file) {
     throw InputError(name_or_file + ": is a folder, expected a plan file");
   }
   if (!std::filesystem::is_regular_file(name_or_file, ignored)) {
-    throw InputError(fmt::format("plan '{}': neither a file nor built in ({})", name_or_file,
-                                 fmt::join(builtin_plan_names(), ", ")));
+    const std::vector<std::string> built_in = builtin_plan_names();
+    throw InputError(fmt::format("plan '{}': neither a file nor built in ({}){}", name_or_file,
+                                 fmt::join(built_in, ", "), did_you_mean(name_or_file, built_in)));
   }
   if (std::filesystem::file_size(name_or_file, ignored) == 0) throw InputError(name_or_file + ": empty file");
   if (std::filesystem::file_size(name_or_file, ignored) > kMaxPlanBytes) {

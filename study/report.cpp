@@ -6,7 +6,6 @@
 #include <cstring>
 #include <fstream>
 #include <map>
-#include <ostream>
 #include <set>
 #include <utility>
 
@@ -22,7 +21,6 @@
 #include "study/report/ecdf_figures.h"
 #include "study/report/figures.h"
 #include "study/report/hard.h"
-#include "study/report/hard_section.h"
 #include "study/report/page.h"
 #include "study/report/paper.h"
 #include "study/report/text.h"
@@ -258,72 +256,6 @@ Json results_json(const Summary& summary, const report::SpeedErrorStudy& study) 
   return records;
 }
 
-constexpr std::size_t kNameWidth = 24;
-
-std::string padded(const std::string& text, std::size_t width, bool right) {
-  const std::size_t length = report::character_count(text);
-  const std::string blanks(width > length ? width - length : 0, ' ');
-  return right ? blanks + text : text + blanks;
-}
-
-/// Columns of the terminal table behind the solver's name.
-struct TextRow {
-  std::string solved, interval, wrong, gave_up, refused, time, ratio, error;
-};
-
-/// The first column; a name too long for it has a line of its own, so that the numbers stay in theirs.
-std::string name_column(const std::string& name) {
-  const std::string text = report::mended(name);
-  if (report::character_count(text) <= kNameWidth) return "  " + padded(text, kNameWidth, false);
-  return "  " + text + "\n  " + padded("", kNameWidth, false);
-}
-
-std::string text_line(const std::string& name, const TextRow& row) {
-  std::string line = name_column(name) + " " + padded(row.solved, 8, true) + " " + padded(row.interval, 12, false);
-  const std::pair<const std::string&, std::size_t> numbers[] = {{row.wrong, 8}, {row.gave_up, 8}, {row.refused, 8},
-                                                                {row.time, 8},  {row.ratio, 6},   {row.error, 8}};
-  for (const auto& [text, width] : numbers) line += " " + padded(text, width, true);
-  return line + "\n";
-}
-
-std::string cell_line(const Summary& summary, const Cell& cell) {
-  const SolverRow& solver = summary.solvers[cell.solver];
-  std::string name = solver.text();
-  if (cell.refused()) {
-    return name_column(name) + "   does not take these: " + report::mended(cell.refusal) + "\n";
-  }
-  if (cell.trials < summary.sets[cell.set].problems) name += fmt::format(" n={}", cell.trials);
-  const auto of_trials = [&cell](std::int64_t count) {
-    return report::percent(report::Share{count, cell.trials}.value());
-  };
-  const bool is_reference = solver.text() == summary.reference;
-  return text_line(
-      name, {report::percent(cell.rate()), report::percent_range(cell.rate_interval), of_trials(cell.false_claims()),
-             of_trials(cell.gave_up()), of_trials(cell.count(Claim::kUnsupported)),
-             report::duration(cell.median_time.value), is_reference ? "1" : report::factor(cell.time_ratio.value),
-             std::isinf(cell.error_p99) ? "none" : report::scientific(cell.error_p99)});
-}
-
-std::string sweep_line(const SweepSummary& sweep) {
-  return fmt::format("  {} sweep {} ({} cells): worst {}, average {}, best {}; by the paper's criterion {} / {} / {}\n",
-                     report::mended(sweep.solver), report::mended(sweep.sweep), sweep.parameterisations,
-                     report::percent(sweep.verdict.worst), report::percent(sweep.verdict.average),
-                     report::percent(sweep.verdict.best), report::percent(sweep.criterion.worst),
-                     report::percent(sweep.criterion.average), report::percent(sweep.criterion.best));
-}
-
-std::string set_text(const Summary& summary, std::size_t set) {
-  std::string text = fmt::format("{}, {}\n", report::mended(summary.sets[set].name),
-                                 report::counted(summary.sets[set].problems, "problem"));
-  for (const Cell& cell : summary.cells) {
-    if (cell.set == set && summary.solvers[cell.solver].sweep.empty()) text += cell_line(summary, cell);
-  }
-  for (const SweepSummary& sweep : summary.sweeps) {
-    if (sweep.set == set) text += sweep_line(sweep);
-  }
-  return text;
-}
-
 }  // namespace
 
 void write_report(Store& store, const std::filesystem::path& folder) {
@@ -355,27 +287,5 @@ void write_report(Store& store, const std::filesystem::path& folder) {
   for (const auto& [name, content] : report::paper_files(summary, paper)) write_file(folder / name, content);
   write_file(folder / "report.html", report::html_page(summary, situations, comparisons, speed_error, figures, paper));
 }
-
-std::string table_text(const Summary& summary) {
-  if (summary.cells.empty()) return "no answers yet\n";
-  std::string text = text_line("", {"solved", "(95 %)", "wrong", "gave up", "refused", "median", "ratio", "err 99%"});
-  bool any = false;
-  for (std::size_t set = 0; set < summary.sets.size(); ++set) {
-    if (report::is_hard_set(summary.sets[set].name)) continue;
-    text += set_text(summary, set);
-    any = true;
-  }
-  if (!any) return report::hard_text(summary);
-  text += report::hard_text(summary);
-  text +=
-      "solved: verified here. wrong: said solved, was not. refused: of those given up, outside what the\n"
-      "solver takes. median: set-up and solve, CPU. err 99%: of the answers said to be solved; none: too\n"
-      "many of them are not finite, or not of the right length.\n";
-  if (!summary.reference.empty())
-    text += "ratio: time over that of " + summary.reference + ", on problems both solved.\n";
-  return text;
-}
-
-void print_table(Store& store, std::ostream& out) { out << table_text(summarize(store)); }
 
 }  // namespace lcpbench

@@ -25,14 +25,20 @@ struct Measured {
 
 double cpu_time_s(const SolveTimes& times) { return times.setup_cpu_s + times.solve_cpu_s; }
 
-/// Contender 0 is the reference.
-std::vector<Measured> measure(const Problem& problem, std::vector<Contender>& contenders, const TimedRequest& request) {
+bool stopped(const BenchPlan& plan) { return plan.stop != nullptr && *plan.stop != 0; }
+
+/// Contender 0 is the reference. None where `stop` was raised.
+std::vector<Measured> measure(const Problem& problem, std::vector<Contender>& contenders, const BenchPlan& plan) {
+  TimedRequest request;
+  request.time_limit_s = plan.time_limit_s;
+  request.repeat_until_s = plan.repeat_until_s;
   Evaluator evaluator(problem);
   std::vector<Measured> measured(contenders.size());
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < contenders.size(); ++i) order.push_back(i);
   for (int round = 0; round < 2; ++round) {
     for (const std::size_t i : order) {
+      if (stopped(plan)) return {};
       TimedAnswer timed;
       contenders[i].solver->run(problem, request, timed);
       measured[i].time_s += 0.5 * cpu_time_s(timed.times);
@@ -77,13 +83,12 @@ BenchCell summarise(const std::string& set, const SolverRow& solver, std::int64_
 
 std::vector<BenchCell> bench_set(const std::string& name, const BenchPlan& plan, std::vector<Contender>& contenders) {
   const std::unique_ptr<ProblemSet> set = open_set(name);
-  const std::int64_t problems = std::min(plan.problems, set->count().value_or(plan.problems));
-  TimedRequest request;
-  request.time_limit_s = plan.time_limit_s;
-  request.repeat_until_s = plan.repeat_until_s;
+  const std::int64_t planned = std::min(plan.problems, set->count().value_or(plan.problems));
   std::vector<Pairs> pairs(contenders.size());
-  for (std::int64_t trial = 0; trial < problems; ++trial) {
-    const std::vector<Measured> measured = measure(set->generate(plan.seed, trial), contenders, request);
+  std::int64_t problems = 0;
+  for (; problems < planned; ++problems) {
+    const std::vector<Measured> measured = measure(set->generate(plan.seed, problems), contenders, plan);
+    if (measured.empty()) break;
     for (std::size_t i = 1; i < contenders.size(); ++i) {
       if (!measured[0].verified || !measured[i].verified) continue;
       pairs[i].reference.push_back(measured[0].time_s);
@@ -109,6 +114,7 @@ std::vector<BenchCell> run_bench(const BenchPlan& plan, const std::function<void
   }
   std::vector<BenchCell> cells;
   for (const std::string& set : sets) {
+    if (stopped(plan)) break;
     on_set(set);
     for (BenchCell& cell : bench_set(set, plan, contenders)) cells.push_back(std::move(cell));
   }

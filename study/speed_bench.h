@@ -1,5 +1,6 @@
 #pragma once
 
+#include <csignal>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -18,6 +19,8 @@ struct BenchPlan {
   std::uint64_t seed = 1;
   double time_limit_s = 10.0;
   double repeat_until_s = 2e-4;
+  /// Set to non-zero from outside (a signal handler): no problem is begun any more.
+  const volatile std::sig_atomic_t* stop = nullptr;
 };
 
 /// One solver against the reference on one set. Times are thread CPU time of set-up and solve together [s]: what it
@@ -25,10 +28,10 @@ struct BenchPlan {
 struct BenchCell {
   std::string set;
   SolverRow solver;
-  std::int64_t problems = 0;
-  std::int64_t timed = 0;   ///< problems on which this answer and the reference's were both verified
-  double speedup_mean = 0;  ///< summed time of the reference / summed time of the solver
-  double speedup_low = 0;   ///< 95 % bootstrap interval of it over problems
+  std::int64_t problems = 0;  ///< that were solved
+  std::int64_t timed = 0;     ///< problems on which this answer and the reference's were both verified
+  double speedup_mean = 0;    ///< summed time of the reference / summed time of the solver
+  double speedup_low = 0;     ///< 95 % bootstrap interval of it over problems
   double speedup_high = 0;
   double speedup_geomean = 0;  ///< geometric mean of the ratios
   double reference_mean_s = 0;
@@ -39,6 +42,7 @@ struct BenchCell {
 /// order, then in reverse order, each the mean of its two times, so that drifts cancel. Both sides run at the
 /// instruction-set level of this process. An answer counts as verified when its verdict is solved, both times.
 /// @param on_set called with each set's name before it is run
+/// @returns the cells of every set that was begun, each with the problems that were solved until `stop`
 /// @throws InputError for unknown sets and solvers that are not available.
 std::vector<BenchCell> run_bench(const BenchPlan& plan, const std::function<void(const std::string&)>& on_set);
 

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <chrono>
+#include <cstddef>
 #include <cstdio>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -15,5 +18,35 @@ template <class... Values>
 void say(std::FILE* stream, fmt::format_string<Values...> format, Values&&... values) {
   fmt::print(stream, "{}", printable(fmt::format(format, std::forward<Values>(values)...), "\n"));
 }
+
+/// How many characters a line for people may have: what COLUMNS says, else the width of the terminal that the stream
+/// is, else 100. At least 40, so that a table keeps a shape.
+int terminal_width(std::FILE* stream = stdout);
+
+/// The end of a command's text that answers the question has at most so many lines.
+inline constexpr std::size_t kAnswerLines = 25;
+
+/// One line on stderr that says how far a command is. On a terminal it is written over again and again, cut to the
+/// terminal's width. Elsewhere one line is printed in all, so that a log says that something goes on, and nothing
+/// twice; not before half a second, so that an error found at once stands alone.
+class ProgressLine {
+ public:
+  ProgressLine();
+  ~ProgressLine() { clear(); }  // before the words of an exception
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+
+  bool is_on_terminal() const { return is_on_terminal_; }
+  void show(const std::string& text);
+  /// Shows it without the half second: for a command that does not look at the clock for long.
+  void begin(const std::string& text);
+  /// Empties the line on a terminal, for what is printed next.
+  void clear() const;
+
+ private:
+  bool is_on_terminal_;
+  bool begun_ = false;
+  std::chrono::steady_clock::time_point silent_until_;
+};
 
 }  // namespace lcpbench

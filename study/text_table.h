@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -26,26 +28,70 @@ std::string format_count(std::int64_t count);
 /// Three significant digits, "1.23e-10"; "-" for NaN.
 std::string format_error(double value);
 
+/// As wide as it comes out, for `width` below.
+inline constexpr int kUnlimited = 0;
+
+/// The text up to so many characters.
+std::string first_characters(const std::string& text, std::size_t characters);
+
+/// The text with every line that is longer than `width` characters broken at a blank, else behind a comma, brace or
+/// slash, else anywhere. What continues a line is indented by `hanging` characters more than the line is.
+std::string folded(const std::string& text, int width, std::size_t hanging = 2);
+
+/// The text that `make(rows)` gives for the most rows, at most `rows` of them, that leave it within `lines` lines.
+template <class Make>
+std::string fitting_text(std::size_t rows, std::size_t lines, Make make) {
+  rows = std::min(rows, lines);
+  std::string text = make(rows);
+  while (rows > 0 && static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) > lines) text = make(--rows);
+  return text;
+}
+
+/// "5 lines", "1 line": a count with its noun.
+std::string counted_noun(std::size_t count, const char* noun);
+
 /// A table for people: columns padded to their widest cell, two blanks between them; control characters become '?'.
+/// One that is too wide for the terminal has its left-aligned columns broken into several lines; where that is not
+/// enough it loses columns, and says how many.
 class TextTable {
  public:
   enum class Align { kLeft, kRight };
   struct Column {
     std::string title;
     Align align = Align::kRight;
+    int rank = 0;                ///< the column of the largest rank is left out first; 0: never
+    std::size_t narrowest = 16;  ///< left-aligned cells are not broken into lines shorter than this
   };
 
   explicit TextTable(std::vector<Column> columns) : columns_(std::move(columns)) {}
 
   /// A row with fewer cells than columns is filled up with empty ones.
   void add_row(std::vector<std::string> cells);
+  /// A line over the whole width, between rows: a heading of a group, or words in place of numbers.
+  void add_line(std::string text);
   /// An empty line between groups of rows.
-  void add_gap();
-  std::string text() const;
+  void add_gap() { add_line(""); }
+  bool empty() const { return rows_.empty(); }
+  /// @param width  characters of a line; kUnlimited: no end
+  std::string text(int width = kUnlimited) const;
 
  private:
+  struct Row {
+    std::vector<std::string> cells;  ///< none: a line
+    std::string line;
+  };
+  /// A column that is shown, and how wide.
+  struct Shown {
+    std::size_t column = 0;
+    std::size_t width = 0;
+  };
+
+  std::size_t natural_width(std::size_t column) const;
+  std::vector<Shown> layout(int width) const;
+  std::string row_text(const std::vector<Shown>& shown, const std::vector<std::string>& cells) const;
+
   std::vector<Column> columns_;
-  std::vector<std::vector<std::string>> rows_;
+  std::vector<Row> rows_;
 };
 
 }  // namespace lcpbench

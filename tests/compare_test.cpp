@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "study/text_table.h"
 #include "tests/program_run.h"
 #include "tests/synthetic_store.h"
 
@@ -154,7 +155,7 @@ TEST_F(CompareTest, ProblemsWithOtherDataAreCountedAndLeftOut) {
   EXPECT_EQ(change.only_in_a, 10);
   EXPECT_EQ(change.only_in_b, 0);
   EXPECT_EQ(change.lost, 3);
-  EXPECT_NE(comparison_text(compare()).find("whose data differ"), std::string::npos);
+  EXPECT_NE(comparison_text(compare(), kUnlimited).find("whose data differ"), std::string::npos);
 }
 
 TEST_F(CompareTest, PivotsAreSummedOverTheSameProblems) {
@@ -173,7 +174,7 @@ TEST_F(CompareTest, VersionsAndLevelsAreComparedUnderOneName) {
   const StoreComparison comparison = compare();
   EXPECT_EQ(cell(comparison, "lemke").b.version, "2.0");
   EXPECT_TRUE(comparison.missing.empty());
-  EXPECT_NE(comparison_text(comparison).find("lemke [1.0 -> 2.0] [baseline -> avx2]"), std::string::npos);
+  EXPECT_NE(comparison_text(comparison, kUnlimited).find("lemke [1.0 -> 2.0] [baseline -> avx2]"), std::string::npos);
 }
 
 TEST_F(CompareTest, SolversOfOneStoreAloneAreNamed) {

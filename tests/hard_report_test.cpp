@@ -9,6 +9,7 @@
 #include "study/report.h"
 #include "study/report/hard.h"
 #include "study/report/hard_section.h"
+#include "study/terminal_report.h"
 #include "tests/synthetic_store.h"
 
 namespace lcpbench {
@@ -138,7 +139,7 @@ TEST(HardReportAloneTest, AStoreOfHardCasesAloneRecommendsNothingAndSaysWhy) {
 }
 
 TEST_F(HardReportTest, TheTerminalNamesEveryFalseClaim) {
-  const std::string text = table_text(summarize(made_.store()));
+  const std::string text = table_text(summarize(made_.store()), 100);
   EXPECT_NE(text.find("  liar: contact/stack{ratio=30,order=growing}, contact/stack{ratio=30}, ray/infeasible\n"),
             std::string::npos)
       << text;
@@ -149,7 +150,7 @@ TEST(HardReportEmptyTest, AStoreWithoutHardCasesHasNoSection) {
   const Summary summary;
   EXPECT_EQ(report::hard_section(summary), "");
   EXPECT_EQ(report::hard_navigation(summary), "");
-  EXPECT_EQ(report::hard_text(summary), "");
+  EXPECT_EQ(report::hard_text(summary, 100), "");
 }
 
 }  // namespace

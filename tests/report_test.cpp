@@ -16,6 +16,7 @@
 #include "study/report/decision.h"
 #include "study/report/labels.h"
 #include "study/report/text.h"
+#include "study/terminal_report.h"
 #include "tests/synthetic_store.h"
 
 namespace lcpbench {
@@ -365,7 +366,7 @@ TEST_F(ReportTest, EmptyStoreStillGivesAReport) {
   expect_balanced(page);
   expect_links_lead_somewhere(page);
   EXPECT_NE(page.find("does not yet hold enough verified answers"), std::string::npos);
-  EXPECT_EQ(table_text(summarize(made.store())), "no answers yet\n");
+  EXPECT_EQ(table_text(summarize(made.store()), 100), "no answers yet\n");
 }
 
 TEST_F(ReportTest, TablesWithoutRowsHaveTheSameHeaderAsThoseWithRows) {
@@ -391,7 +392,7 @@ TEST_F(ReportTest, TerminalTableKeepsItsColumnsApartWhenAnErrorIsNoNumber) {
   SyntheticStore made(folder_ / "s.db");
   const auto solver = made.solver("lemke");
   made.problem("paper/monotone/exp3", 0, {{solver, {.error = kNone}}});
-  const std::string text = table_text(summarize(made.store()));
+  const std::string text = table_text(summarize(made.store()), 100);
   EXPECT_NE(text.find(" none\n"), std::string::npos) << text;
   EXPECT_EQ(text.find("no number"), std::string::npos) << text;
 }
@@ -401,7 +402,7 @@ TEST_F(ReportTest, TerminalTableKeepsItsColumnsUnderLongNames) {
   const auto brief = made.solver("lemke");
   const auto wordy = made.solver("bullet_mlcp_lemke", "box=false,max_value=1e+10");
   made.problem("paper/monotone/exp3", 0, {{brief, {}}, {wordy, {}}});
-  std::istringstream lines(table_text(summarize(made.store())));
+  std::istringstream lines(table_text(summarize(made.store()), 100));
   std::vector<std::size_t> columns;
   for (std::string line; std::getline(lines, line);) {
     if (line.find("100 %") != std::string::npos) columns.push_back(line.find("100 %"));
@@ -449,12 +450,11 @@ TEST_F(ReportTest, AFolderThatCannotBeMadeIsOneClearLine) {
 TEST_F(ReportTest, TerminalTableFitsAndNamesEverySolver) {
   SyntheticStore made(folder_ / "s.db");
   fill(made);
-  std::ostringstream out;
-  print_table(made.store(), out);
-  std::istringstream lines(out.str());
+  const std::string out = table_text(summarize(made.store()), 100);
+  std::istringstream lines(out);
   for (std::string line; std::getline(lines, line);) EXPECT_LE(report::character_count(line), 100U) << line;
   for (const char* expected : {"good{engine=kernel}", "liar", "33.3 %", "does not take these", "130 µs"}) {
-    EXPECT_NE(out.str().find(expected), std::string::npos) << expected;
+    EXPECT_NE(out.find(expected), std::string::npos) << expected;
   }
 }
 

@@ -94,8 +94,9 @@ TEST(OpenSetTest, NamesAreCanonical) {
 }
 
 TEST(OpenSetTest, RefusesWhatItDoesNotKnow) {
-  EXPECT_EQ(error_of([] { open_set("paper/monotone/exp7"); }),
-            "unknown problem set 'paper/monotone/exp7'; `lcpbench sets` lists them");
+  EXPECT_EQ(
+      error_of([] { open_set("paper/monotone/exp7"); }),
+      "unknown problem set 'paper/monotone/exp7' (did you mean 'paper/monotone/exp1'?); `lcpbench sets` lists them");
   EXPECT_NE(
       error_of([] { open_set("paper/monotone/exp1{redundancy=combination}"); }).find("unknown option 'redundancy'"),
       std::string::npos);

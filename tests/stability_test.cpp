@@ -19,6 +19,7 @@
 #include "study/open_solver.h"
 #include "study/stability/physical_answer.h"
 #include "study/stability/stability_output.h"
+#include "study/text_table.h"
 #include "tests/program_run.h"
 #include "tests/study_support.h"
 
@@ -269,7 +270,7 @@ TEST_F(StabilityTest, ASolverWithAnAbsoluteToleranceIsNamed) {
   EXPECT_EQ(grams.examples.at(0), "given trial 0");
   EXPECT_FALSE(cell(result_, Kind::kLengthUnit, 1).breaks());
   EXPECT_FALSE(cell(result_, Kind::kPermutation, 1).breaks());
-  const std::string text = stability_text(result_);
+  const std::string text = stability_text(result_, kUnlimited);
   EXPECT_NE(text.find("absolute under kg_to_g: 2 of 2 solved problems lost"), std::string::npos) << text;
   EXPECT_EQ(text.find("sound under"), std::string::npos) << text;
 }
@@ -296,7 +297,7 @@ TEST_F(StabilityTest, AmplificationIsTheChangeOverWhatConditioningAllows) {
   EXPECT_TRUE(noisy.moves_too_far());
   EXPECT_EQ(noisy.farthest.substr(0, 12), "given trial ");
   EXPECT_FALSE(noisy.breaks());
-  EXPECT_NE(stability_text(result_).find("noisy under permutation"), std::string::npos);
+  EXPECT_NE(stability_text(result_, kUnlimited).find("noisy under permutation"), std::string::npos);
 }
 
 TEST_F(StabilityTest, PivotsSpreadOverThePermutations) {

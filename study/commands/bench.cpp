@@ -6,12 +6,12 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "core/isa.h"
 #include "core/registry.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
+#include "study/interrupt.h"
 #include "study/json_output.h"
 #include "study/provenance.h"
 #include "study/speed_bench.h"
@@ -31,6 +31,7 @@ struct Arguments {
   std::uint64_t seed = 1;
   double time_limit_s = 10.0;
   std::string format = "text";
+  Extent extent;
   std::string command_line;
 };
 
@@ -56,16 +57,16 @@ Json cells_json(const std::vector<BenchCell>& cells) {
 
 std::string format_ratio(double ratio) { return std::isfinite(ratio) ? fmt::format("{:#.3g}x", ratio) : "-"; }
 
-void print_cells(const std::vector<BenchCell>& cells, const Spec& reference) {
+void print_cells(const std::vector<BenchCell>& cells, const Spec& reference, int width) {
   using Align = TextTable::Align;
   TextTable table({{"set", Align::kLeft},
                    {"solver", Align::kLeft},
                    {"timed"},
-                   {"reference"},
-                   {"solver"},
+                   {"reference", Align::kRight, 2},
+                   {"solver", Align::kRight, 1},
                    {"speed-up"},
                    {"95 % interval"},
-                   {"geometric mean"}});
+                   {"geometric mean", Align::kRight, 3}});
   for (const BenchCell& cell : cells) {
     table.add_row({cell.set, cell.solver.text(), fmt::format("{}/{}", cell.timed, cell.problems),
                    format_seconds(cell.reference_mean_s), format_seconds(cell.solver_mean_s),
@@ -73,9 +74,11 @@ void print_cells(const std::vector<BenchCell>& cells, const Spec& reference) {
                    fmt::format("{} .. {}", format_ratio(cell.speedup_low), format_ratio(cell.speedup_high)),
                    format_ratio(cell.speedup_geomean)});
   }
-  say(stdout, "{}\nreference {}, instruction set {}, thread CPU time of set-up and solve;\n", table.text(),
-      reference.text(), to_string(isa_level()));
-  say(stdout, "timed: problems that both solved, verified; speed-up: ratio of summed times\n");
+  say(stdout, "{}\n{}", table.text(width),
+      folded(fmt::format("reference {}, instruction set {}, thread CPU time of set-up and solve; timed: problems that "
+                         "both solved, verified; speed-up: ratio of summed times\n",
+                         reference.text(), to_string(isa_level())),
+             width));
 }
 
 int bench(const Arguments& arguments) {
@@ -87,19 +90,20 @@ int bench(const Arguments& arguments) {
   plan.problems = arguments.problems;
   plan.seed = arguments.seed;
   plan.time_limit_s = arguments.time_limit_s;
-  const bool terminal = isatty(STDERR_FILENO) == 1;
-  const std::vector<BenchCell> cells = run_bench(plan, [&](const std::string& set) {
-    if (terminal) say(stderr, "timing {}\n", set);
-  });
+  plan.stop = catch_interrupts(kExitInterrupted);
+  ProgressLine progress;
+  const std::vector<BenchCell> cells =
+      run_bench(plan, [&](const std::string& set) { progress.begin("timing " + set); });
+  progress.clear();
   if (arguments.format == "json") {
     print_json({{"provenance", origin},
                 {"reference", arguments.reference},
                 {"isa", to_string(isa_level())},
                 {"cells", cells_json(cells)}});
   } else {
-    print_cells(cells, parse_spec(arguments.reference));
+    print_cells(cells, parse_spec(arguments.reference), arguments.extent.width());
   }
-  return kExitDone;
+  return *plan.stop != 0 ? kExitInterrupted : kExitDone;
 }
 
 }  // namespace
@@ -123,10 +127,12 @@ Action add_bench_command(CLI::App& command, const std::string& command_line) {
   command.add_option("--time-limit", arguments->time_limit_s, "seconds for each solve")
       ->check(seconds_check(1e-6, 1e7))
       ->capture_default_str();
+  add_wide_option(command, arguments->extent);
   add_format_option(command, arguments->format);
   command.footer(
-      "One thread, interleaved problem by problem, in alternating order, thread CPU time. Only problems on which both\n"
-      "answers are verified are timed. LCPBENCH_ISA sets the instruction-set level, of both sides.");
+      "One thread, interleaved problem by problem, in alternating order, thread CPU time. Only problems on which "
+      "both answers are verified are timed. LCPBENCH_ISA sets the instruction-set level, of both sides. Ctrl-C "
+      "shows what is measured so far (exit code 3).");
   return [arguments] { return bench(*arguments); };
 }
 

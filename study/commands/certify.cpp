@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -11,7 +12,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "core/error.h"
 #include "generators/sets.h"
@@ -47,6 +47,7 @@ struct Arguments {
   std::int64_t every = 20;
   std::optional<int> jobs;
   bool other_velocity = false;
+  Extent extent;
   std::string command_line;
 };
 
@@ -137,19 +138,22 @@ void print_vector(const char* title, const ExactVector& vector) {
   for (const std::string& entry : fractions(vector)) say(stdout, "    {}\n", entry);
 }
 
-void print_certificate(const Problem& problem, const std::string& file, const Certificate& certificate, bool exact) {
-  say(stdout, "{}\n  {}: {} ({})\n", problem_summary_text(problem, file), to_string(certificate.kind),
-      finding(problem, certificate), format_seconds(certificate.seconds));
-  if (!certificate.detail.empty()) say(stdout, "  {}\n", certificate.detail);
+void print_certificate(const Problem& problem, const std::string& file, const Certificate& certificate,
+                       const Arguments& arguments) {
+  std::string text =
+      fmt::format("{}\n  {}: {} ({})\n", problem_summary_text(problem, file), to_string(certificate.kind),
+                  finding(problem, certificate), format_seconds(certificate.seconds));
+  if (!certificate.detail.empty()) text += "  " + certificate.detail + "\n";
   if (certificate.velocity.size() > 0 && certificate.velocity.size() <= kVelocityShown) {
     std::string numbers;
     for (const double value : certificate.velocity) numbers += fmt::format(" {:.6g}", value);
     const char* others = !certificate.velocity_unique   ? ""
                          : *certificate.velocity_unique ? ", the only one"
                                                         : ", of which another is certified too";
-    say(stdout, "  velocity after the impact{}:{}\n", others, numbers);
+    text += fmt::format("  velocity after the impact{}:{}\n", others, numbers);
   }
-  if (exact) {
+  say(stdout, "{}", folded(text, arguments.extent.width()));
+  if (arguments.exact) {
     print_vector("z", certificate.exact_z);
     print_vector("velocity", certificate.exact_velocity);
     print_vector("proof", certificate.exact_farkas);
@@ -161,21 +165,24 @@ int certify_files(const Arguments& arguments) {
   ProofFile proofs(arguments.proofs, arguments.files);
   // A single problem is somebody's question: whether its answer is the only one belongs to it.
   const CertifyOptions options{.time_limit_s = arguments.time_limit_s, .seek_other_velocity = true};
+  const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
   Certifier certifier(options);
   Json rows = Json::array();
-  const bool complete = for_each_problem_file(arguments.files, [&](const Problem& problem, const std::string& file) {
+  const auto visit = [&](const Problem& problem, const std::string& file) {
     const Certificate certificate = certifier.certify(problem);
     if (arguments.format == "json") {
       rows.push_back(certificate_json(problem, file, certificate, arguments.exact));
     } else {
-      print_certificate(problem, file, certificate, arguments.exact);
+      print_certificate(problem, file, certificate, arguments);
     }
     if (proofs.wanted() && certificate.kind != CertificateKind::kOpen) {
       proofs.add(proof_document(problem, certificate));
     }
-  });
+  };
+  const bool complete = for_each_problem_file(arguments.files, stop, visit);
   if (arguments.format == "json") print_json(rows);
   proofs.close();
+  if (*stop != 0) return kExitInterrupted;
   return complete ? kExitDone : kExitBadInput;
 }
 
@@ -226,19 +233,19 @@ std::string percent_range(const Interval& interval) {
   return fmt::format("{:.2f} to {:.2f} %", 100 * interval.low, 100 * interval.high);
 }
 
-void print_counts(const std::vector<CertifiedSet>& sets) {
+void print_counts(const std::vector<CertifiedSet>& sets, int width) {
   using Align = TextTable::Align;
   TextTable table({{"set", Align::kLeft},
                    {"problems"},
                    {"certified"},
-                   {"solution"},
+                   {"solution", Align::kRight, 1},
                    {"unsolvable"},
                    {"open"},
-                   {"solvable, 95 %"},
-                   {"mean time"},
-                   {"answers"},
-                   {"verified"},
-                   {"forward errors"}});
+                   {"solvable, 95 %", Align::kRight, 2},
+                   {"mean time", Align::kRight, 4},
+                   {"answers", Align::kRight, 3},
+                   {"verified", Align::kRight, 3},
+                   {"forward errors", Align::kRight, 5}});
   for (const CertifiedSet& set : sets) {
     table.add_row({set.set, format_count(set.problems), format_count(set.certified()), format_count(set.solution),
                    format_count(set.unsolvable), format_count(set.open),
@@ -246,7 +253,7 @@ void print_counts(const std::vector<CertifiedSet>& sets) {
                    format_seconds(set.seconds_mean), format_count(set.answers), format_count(set.verified),
                    format_count(set.forward)});
   }
-  say(stdout, "{}", table.text());
+  say(stdout, "{}", table.text(width));
 }
 
 /// @throws InputError when the file is no store; one that does not exist is not made.
@@ -266,15 +273,12 @@ CertifyOutcome certify_all(const Arguments& arguments, Store& store, const Certi
     const auto certifier = std::make_shared<Certifier>(options);
     return [certifier](const Problem& problem) { return certifier->certify(problem); };
   };
-  const bool terminal = isatty(STDERR_FILENO) == 1;
-  if (terminal) {
-    run.on_progress = [](std::int64_t done, std::int64_t total) {
-      fmt::print(stderr, "\r\033[K{} of {} problems", format_count(done), format_count(total));
-    };
-  }
-  const CertifyOutcome outcome = certify_store(store, run);
-  if (terminal) fmt::print(stderr, "\r\033[K");
-  return outcome;
+  ProgressLine progress;
+  progress.show("certifying problems of " + store.file().string());
+  run.on_progress = [&progress](std::int64_t done, std::int64_t total) {
+    progress.show(fmt::format("{} of {} problems", format_count(done), format_count(total)));
+  };
+  return certify_store(store, run);
 }
 
 void print_findings(const Arguments& arguments, const std::vector<CertifiedSet>& sets,
@@ -288,8 +292,9 @@ void print_findings(const Arguments& arguments, const std::vector<CertifiedSet>&
                 {"ok", contradictions.empty()}});
     return;
   }
-  print_counts(sets);
-  for (const std::string& line : contradictions) say(stdout, "CONTRADICTION: {}\n", line);
+  const int width = arguments.extent.width();
+  print_counts(sets, width);
+  for (const std::string& line : contradictions) say(stdout, "{}", folded("CONTRADICTION: " + line + "\n", width));
   if (contradictions.empty()) say(stdout, "\nno answer and no certificate contradict each other\n");
 }
 
@@ -332,6 +337,7 @@ Action add_certify_command(CLI::App& command, const std::string& command_line) {
       ->capture_default_str();
   command.add_option("--proofs", arguments->proofs,
                      "write problems and proofs to this file, for study/check_certificates.py");
+  add_wide_option(command, arguments->extent);
   add_format_option(command, arguments->format);
   CLI::Option* store = command.add_option("--store", arguments->store,
                                           "instead of FILE: the problems of a store of lcpbench run; resumes");
@@ -354,10 +360,9 @@ Action add_certify_command(CLI::App& command, const std::string& command_line) {
                 "look for a second velocity of frictional problems; with FILE always done")
       ->needs(store);
   command.footer(
-      "solution: one is proven to exist. unsolvable: proven to have none. open: neither. Proofs are exact, on the\n"
-      "numbers of the file. A file that cannot be read does not stop the others; the exit code is then 2.\n"
-      "With --store: exit code 1 when an answer and a certificate contradict each other. See "
-      "docs/explanation/certificates.md.");
+      "solution: one is proven to exist. unsolvable: proven to have none. open: neither. Proofs are exact, on the "
+      "numbers of the file. A file that cannot be read does not stop the others; the exit code is then 2. With "
+      "--store: exit code 1 when an answer and a certificate contradict each other. See docs/explanation/certificates.md.");
   return [arguments] { return certify(*arguments); };
 }
 

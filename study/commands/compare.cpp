@@ -12,6 +12,7 @@
 #include "study/commands/stores.h"
 #include "study/json_output.h"
 #include "study/terminal.h"
+#include "study/text_table.h"
 
 namespace lcpbench {
 namespace {
@@ -23,6 +24,7 @@ struct Arguments {
   std::filesystem::path b;
   CompareOptions options;
   std::string format = "text";
+  Extent extent;
   bool fail_on_regression = false;
   bool fail_on_slower = false;
 };
@@ -61,7 +63,9 @@ int compare(const Arguments& arguments) {
     document.update(comparison_document(comparison));
     print_json(document);
   } else {
-    say(stdout, "A: {}\nB: {}\n\n{}", arguments.a.string(), arguments.b.string(), comparison_text(comparison));
+    const int width = arguments.extent.width();
+    say(stdout, "{}\n{}", folded(fmt::format("A: {}\nB: {}\n", arguments.a.string(), arguments.b.string()), width),
+        arguments.extent.all ? comparison_text(comparison, width) : comparison_answer(comparison, width));
   }
   const bool failed =
       (arguments.fail_on_regression && comparison.regressed()) || (arguments.fail_on_slower && comparison.slower());
@@ -83,14 +87,14 @@ Action add_compare_command(CLI::App& command) {
   command.add_flag("--fail-on-regression", arguments->fail_on_regression,
                    "exit with 1 when B solves significantly fewer problems or makes any new false claim");
   command.add_flag("--fail-on-slower", arguments->fail_on_slower, "exit with 1 when B is significantly slower");
+  add_long_option(command, arguments->extent, "show every set and solver, not the gravest changes alone");
+  add_wide_option(command, arguments->extent);
   add_format_option(command, arguments->format);
   command.footer(
       "Compares on the problems that both stores hold with the same data. Solved and false claims: exact McNemar "
-      "test,\n"
-      "corrected by Holm's method. Times: ratio of sums on problems solved in both, bootstrap interval; under 5 %, or\n"
-      "with an interval that contains 1, it is a tie. Solvers belong together by name, settings and sweep, also "
-      "across\n"
-      "versions and instruction-set levels. See docs/howto/compare.md.");
+      "test, corrected by Holm's method. Times: ratio of sums on problems solved in both, bootstrap interval; "
+      "under 5 %, or with an interval that contains 1, it is a tie. Solvers belong together by name, settings and "
+      "sweep, also across versions and instruction-set levels. See docs/howto/compare.md.");
   return [arguments] { return compare(*arguments); };
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <csignal>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -11,12 +12,13 @@
 namespace lcpbench {
 
 /// Reads each file and calls visit(problem, file). What is wrong with one (InputError, of `visit` too) is told in a
-/// line on stderr and does not stop the others.
+/// line on stderr and does not stop the others. A `stop` that is raised ends the walk before the next file.
 /// @returns whether nothing was wrong with any
 template <class Visit>
-bool for_each_problem_file(const std::vector<std::string>& files, Visit visit) {
+bool for_each_problem_file(const std::vector<std::string>& files, const volatile std::sig_atomic_t* stop, Visit visit) {
   bool complete = true;
   for (const std::string& file : files) {
+    if (*stop != 0) break;
     try {
       visit(read_problem(file), file);
     } catch (const InputError& error) {

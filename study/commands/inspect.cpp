@@ -1,3 +1,4 @@
+#include <csignal>
 #include <memory>
 #include <string>
 #include <vector>
@@ -7,6 +8,7 @@
 #include "study/commands/options.h"
 #include "study/inspect/inspection.h"
 #include "study/inspect/inspection_output.h"
+#include "study/interrupt.h"
 #include "study/json_output.h"
 #include "study/terminal.h"
 
@@ -16,20 +18,24 @@ namespace {
 struct Arguments {
   std::vector<std::string> files;
   std::string format = "text";
+  Extent extent;
 };
 
 int inspect_files(const Arguments& arguments) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-  const bool complete = for_each_problem_file(arguments.files, [&](const Problem& problem, const std::string& file) {
+  const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
+  const auto visit = [&](const Problem& problem, const std::string& file) {
     const Inspection inspection = inspect(problem);
     if (arguments.format == "json") {
       rows.push_back(inspection_json(inspection));
       rows.back()["problem"]["file"] = file;
     } else {
-      say(stdout, "{}\n{}\n", file, inspection_text(inspection));
+      say(stdout, "{}\n{}\n", file, inspection_text(inspection, arguments.extent.width()));
     }
-  });
+  };
+  const bool complete = for_each_problem_file(arguments.files, stop, visit);
   if (arguments.format == "json") print_json(rows);
+  if (*stop != 0) return kExitInterrupted;
   return complete ? kExitDone : kExitBadInput;
 }
 
@@ -38,11 +44,12 @@ int inspect_files(const Arguments& arguments) {
 Action add_inspect_command(CLI::App& command) {
   const auto arguments = std::make_shared<Arguments>();
   command.add_option("FILE", arguments->files, "problem files")->required();
+  add_wide_option(command, arguments->extent);
   add_format_option(command, arguments->format);
   command.footer(
-      "Size, symmetry, definiteness, rank, conditioning, redundancy, scaling, and what looks like a slip in the data:\n"
-      "what to know before blaming a solver. Nothing is solved; warnings do not change the exit code. A file that\n"
-      "cannot be read does not stop the others; the exit code is then 2. See docs/reference/inspect.md.");
+      "Size, symmetry, definiteness, rank, conditioning, redundancy, scaling, and what looks like a slip in the "
+      "data: what to know before blaming a solver. Nothing is solved; warnings do not change the exit code. A file "
+      "that cannot be read does not stop the others; the exit code is then 2. See docs/reference/inspect.md.");
   return [arguments] { return inspect_files(*arguments); };
 }
 

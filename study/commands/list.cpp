@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/registry.h"
+#include "generators/glob.h"
 #include "generators/sets.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
@@ -66,30 +67,79 @@ std::string limits(const Capabilities& capabilities) {
   return text;
 }
 
-void print_setting(const SettingInfo& setting) {
+void print_setting(const SettingInfo& setting, int width) {
   const std::string range = setting.range.empty() ? "" : "  " + setting.range;
-  say(stdout, "    {} = {}{}\n        {}\n", setting.name, setting.default_value, range, setting.help);
+  say(stdout, "{}",
+      folded(fmt::format("    {} = {}{}\n        {}\n", setting.name, setting.default_value, range, setting.help),
+             width));
 }
 
-void print_solvers() {
+using Solvers = std::vector<const RegisteredSolver*>;
+
+/// @throws InputError for a pattern that matches none
+Solvers matching_solvers(const std::string& pattern) {
+  Solvers solvers;
+  for (const RegisteredSolver& solver : registered_solvers()) {
+    if (pattern.empty() || glob_matches(pattern, solver.definition.name)) solvers.push_back(&solver);
+  }
+  if (solvers.empty()) find_solver(pattern);  // says which there are
+  return solvers;
+}
+
+/// Names under what they have in common, a line or two for each group.
+class GroupedNames {
+ public:
+  void add(const std::string& group, const std::string& name) {
+    auto known = std::find_if(groups_.begin(), groups_.end(), [&](const auto& each) { return each.first == group; });
+    if (known == groups_.end()) known = groups_.emplace(groups_.end(), group, "");
+    known->second += (known->second.empty() ? "" : ", ") + name;
+  }
+  std::string text(const char* title, const char* title_of_names, int width) const {
+    TextTable table({{title, TextTable::Align::kLeft}, {title_of_names, TextTable::Align::kLeft}});
+    for (const auto& [group, names] : groups_) table.add_row({group, names});
+    return table.text(width);
+  }
+
+ private:
+  std::vector<std::pair<std::string, std::string>> groups_;  // in the order in which they came
+};
+
+void print_solver_names(const Solvers& solvers, int width) {
+  GroupedNames names;
+  for (const bool available : {true, false}) {
+    for (const RegisteredSolver* solver : solvers) {
+      const std::string reason = why_unavailable(*solver);
+      if (reason.empty() != available) continue;
+      names.add(available ? origin(*solver) : "not here: " + reason, solver->definition.name);
+    }
+  }
+  say(stdout, "{}{}", names.text("from", "solvers", width),
+      folded("What a solver needs and guarantees, and its settings: lcpbench solvers NAME, with * and ?. Of all: "
+             "--long.\n",
+             width));
+}
+
+void print_solvers(const Solvers& solvers, int width) {
   using Align = TextTable::Align;
   TextTable table({{"solver", Align::kLeft},
-                   {"origin", Align::kLeft},
-                   {"available", Align::kLeft},
+                   {"origin", Align::kLeft, 1},
+                   {"available", Align::kLeft, 2},
                    {"needs", Align::kLeft},
-                   {"what it is", Align::kLeft}});
-  for (const RegisteredSolver& solver : registered_solvers()) {
-    const std::string reason = why_unavailable(solver);
-    table.add_row({solver.definition.name, origin(solver), reason.empty() ? "yes" : "no: " + reason,
-                   limits(solver.definition.capabilities), solver.definition.summary});
+                   {"what it is", Align::kLeft, 0, 30}});
+  for (const RegisteredSolver* solver : solvers) {
+    const std::string reason = why_unavailable(*solver);
+    table.add_row({solver->definition.name, origin(*solver), reason.empty() ? "yes" : "no: " + reason,
+                   limits(solver->definition.capabilities), solver->definition.summary});
   }
-  say(stdout, "{}", table.text());
-  for (const RegisteredSolver& solver : registered_solvers()) {
-    const SolverDefinition& definition = solver.definition;
-    say(stdout, "\n{}\n    source: {}\n", definition.name, definition.source);
+  say(stdout, "{}", table.text(width));
+  for (const RegisteredSolver* solver : solvers) {
+    const SolverDefinition& definition = solver->definition;
     const std::string guarantees = definition.capabilities.guarantees;
-    say(stdout, "    guaranteed: {}\n", guarantees.empty() ? "nothing" : guarantees);
-    for (const SettingInfo& setting : definition.settings()) print_setting(setting);
+    say(stdout, "{}",
+        folded(fmt::format("\n{}\n    source: {}\n    guaranteed: {}\n", definition.name, definition.source,
+                           guarantees.empty() ? "nothing" : guarantees),
+               width));
+    for (const SettingInfo& setting : definition.settings()) print_setting(setting, width);
   }
 }
 
@@ -122,18 +172,25 @@ std::vector<SetInfo> matching_sets(const std::string& pattern) {
   return found;
 }
 
-void print_sets(const std::vector<SetInfo>& sets, bool with_options) {
-  using Align = TextTable::Align;
-  TextTable table({{"set", Align::kLeft}, {"size", Align::kLeft}, {"what it is", Align::kLeft}});
-  for (const SetInfo& info : sets) table.add_row({info.name, info.size, info.summary});
-  say(stdout, "{}", table.text());
-  if (!with_options) {
-    say(stdout, "\nSource and options of a set: lcpbench sets NAME\n");
-    return;
-  }
+void print_set_names(const std::vector<SetInfo>& sets, int width) {
+  GroupedNames names;
   for (const SetInfo& info : sets) {
-    say(stdout, "\n{}\n    source: {}\n", info.name, info.source);
-    for (const SettingInfo& option : info.options) print_setting(option);
+    const std::size_t slash = info.name.rfind('/') + 1;
+    names.add(info.name.substr(0, slash), info.name.substr(slash));
+  }
+  say(stdout, "{}{}", names.text("sets", "", width),
+      folded("What a set holds, its source and its options: lcpbench sets NAME, with * and ?. Of all: --long.\n",
+             width));
+}
+
+void print_sets(const std::vector<SetInfo>& sets, int width) {
+  using Align = TextTable::Align;
+  TextTable table({{"set", Align::kLeft}, {"size", Align::kLeft}, {"what it is", Align::kLeft, 0, 30}});
+  for (const SetInfo& info : sets) table.add_row({info.name, info.size, info.summary});
+  say(stdout, "{}", table.text(width));
+  for (const SetInfo& info : sets) {
+    say(stdout, "{}", folded(fmt::format("\n{}\n    source: {}\n", info.name, info.source), width));
+    for (const SettingInfo& option : info.options) print_setting(option, width);
   }
 }
 
@@ -149,38 +206,63 @@ Json sets_json(const std::vector<SetInfo>& sets) {
   return array;
 }
 
+struct Arguments {
+  std::string pattern;
+  std::string format = "text";
+  Extent extent;
+
+  /// The names alone, where nobody asked for more.
+  bool brief() const { return pattern.empty() && !extent.all && !extent.wide; }
+};
+
+std::shared_ptr<Arguments> add_arguments(CLI::App& command, const char* pattern, const std::string& help) {
+  const auto arguments = std::make_shared<Arguments>();
+  command.add_option(pattern, arguments->pattern, help);
+  add_long_option(command, arguments->extent, "show all there is to know, not the names alone");
+  add_wide_option(command, arguments->extent);
+  add_format_option(command, arguments->format);
+  return arguments;
+}
+
+int list_solvers(const Arguments& arguments) {
+  const Solvers solvers = matching_solvers(arguments.pattern);
+  if (arguments.format == "json") {
+    Json array = Json::array();
+    for (const RegisteredSolver* solver : solvers) array.push_back(solver_json(*solver));
+    print_json(array);
+  } else if (arguments.brief()) {
+    print_solver_names(solvers, arguments.extent.width());
+  } else {
+    print_solvers(solvers, arguments.extent.width());
+  }
+  return kExitDone;
+}
+
+int list_problem_sets(const Arguments& arguments) {
+  const std::vector<SetInfo> sets = matching_sets(arguments.pattern);
+  if (arguments.format == "json") {
+    print_json(sets_json(sets));
+  } else if (arguments.brief()) {
+    print_set_names(sets, arguments.extent.width());
+  } else {
+    print_sets(sets, arguments.extent.width());
+  }
+  return kExitDone;
+}
+
 }  // namespace
 
 Action add_solvers_command(CLI::App& command) {
-  const auto format = std::make_shared<std::string>("text");
-  add_format_option(command, *format);
-  return [format] {
-    if (*format == "json") {
-      Json array = Json::array();
-      for (const RegisteredSolver& solver : registered_solvers()) array.push_back(solver_json(solver));
-      print_json(array);
-    } else {
-      print_solvers();
-    }
-    return kExitDone;
-  };
+  const auto arguments =
+      add_arguments(command, "NAME", "only the solvers that this name, or glob with * and ?, matches");
+  return [arguments] { return list_solvers(*arguments); };
 }
 
 Action add_sets_command(CLI::App& command) {
-  const auto format = std::make_shared<std::string>("text");
-  const auto pattern = std::make_shared<std::string>();
-  command.add_option("PATTERN", *pattern,
-                     "only the sets that this name, or glob with * and ?, matches; {key=value} after it, or file:PATH");
-  add_format_option(command, *format);
-  return [format, pattern] {
-    const std::vector<SetInfo> sets = matching_sets(*pattern);
-    if (*format == "json") {
-      print_json(sets_json(sets));
-    } else {
-      print_sets(sets, !pattern->empty());
-    }
-    return kExitDone;
-  };
+  const auto arguments =
+      add_arguments(command, "PATTERN",
+                    "only the sets that this name, or glob with * and ?, matches; {key=value} after it, or file:PATH");
+  return [arguments] { return list_problem_sets(*arguments); };
 }
 
 }  // namespace lcpbench

@@ -7,6 +7,9 @@
 
 #include <fmt/format.h>
 
+#include "study/terminal.h"
+#include "study/text_table.h"
+
 namespace lcpbench {
 namespace {
 
@@ -23,6 +26,16 @@ void add_format_option(CLI::App& command, std::string& format) {
   command.add_option("--format", format, "text for people, json for programs")
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
+}
+
+int Extent::width() const { return wide ? kUnlimited : terminal_width(); }
+
+void add_wide_option(CLI::App& command, Extent& extent) {
+  command.add_flag("--wide", extent.wide, "show every column, however wide the lines become");
+}
+
+void add_long_option(CLI::App& command, Extent& extent, const std::string& help) {
+  command.add_flag("--long", extent.all, help);
 }
 
 CLI::Validator seed_check() {

@@ -9,6 +9,20 @@ namespace lcpbench {
 /// `--format text|json`, into `format`.
 void add_format_option(CLI::App& command, std::string& format);
 
+/// How much of a text for people is shown.
+struct Extent {
+  bool wide = false;  ///< every column, as wide as it comes out
+  bool all = false;   ///< every row, and not the answer alone
+
+  /// For TextTable::text and folded.
+  int width() const;
+};
+
+/// `--wide`, into `extent`.
+void add_wide_option(CLI::App& command, Extent& extent);
+/// `--long`, into `extent`.
+void add_long_option(CLI::App& command, Extent& extent, const std::string& help);
+
 /// Refuses what is no decimal integer in [0, 2^64). CLI11's own conversion turns larger ones into 2^64 - 1.
 CLI::Validator seed_check();
 

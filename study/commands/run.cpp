@@ -13,7 +13,6 @@
 
 #include "core/error.h"
 #include "core/registry.h"
-#include "core/utf8.h"
 #include "study/build_info.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
@@ -23,10 +22,10 @@
 #include "study/open_solver.h"
 #include "study/plan.h"
 #include "study/provenance.h"
-#include "study/report.h"
 #include "study/report/coverage_notice.h"
 #include "study/runner.h"
 #include "study/terminal.h"
+#include "study/terminal_report.h"
 #include "study/text_table.h"
 
 namespace lcpbench {
@@ -47,6 +46,7 @@ struct Arguments {
   std::string store;
   std::string shard;
   bool fresh = false;
+  Extent extent;
   std::string command_line;
 };
 
@@ -139,35 +139,18 @@ std::string clock_text(double seconds) {
                    : fmt::format("{}:{:02}", minutes, whole % 60);
 }
 
-/// One line on stderr that is written over again and again; silent when stderr is no terminal.
-class ProgressLine {
- public:
-  explicit ProgressLine(std::optional<double> budget_s) : budget_s_(budget_s), shown_(isatty(STDERR_FILENO) == 1) {}
-
-  void show(const Progress& progress) {
-    if (!shown_ || progress.total == 0) return;
-    const double rate = progress.elapsed_s > 0 ? static_cast<double>(progress.done) / progress.elapsed_s : 0.0;
-    std::string left = "?";
-    if (rate > 0) {
-      double seconds = static_cast<double>(progress.total - progress.done) / rate;
-      if (budget_s_) seconds = std::min(seconds, std::max(0.0, *budget_s_ - progress.elapsed_s));
-      left = clock_text(seconds);
-    }
-    fmt::print(stderr, "\r\033[K{} of {} cells  {}/s  {} left  {}", format_count(progress.done),
-               format_count(progress.total), format_count(static_cast<std::int64_t>(rate)), left,
-               progress.set != nullptr ? printable(*progress.set) : "");
-    std::fflush(stderr);
+/// "1,234 of 5,678 cells  90/s  0:49 left  paper/monotone/exp1".
+std::string progress_text(const Progress& progress, std::optional<double> budget_s) {
+  const double rate = progress.elapsed_s > 0 ? static_cast<double>(progress.done) / progress.elapsed_s : 0.0;
+  std::string left = "?";
+  if (rate > 0) {
+    double seconds = static_cast<double>(progress.total - progress.done) / rate;
+    if (budget_s) seconds = std::min(seconds, std::max(0.0, *budget_s - progress.elapsed_s));
+    left = clock_text(seconds);
   }
-  void clear() const {
-    if (!shown_) return;
-    fmt::print(stderr, "\r\033[K");
-    std::fflush(stderr);
-  }
-
- private:
-  std::optional<double> budget_s_;
-  bool shown_;
-};
+  return fmt::format("{} of {} cells  {}/s  {} left  {}", format_count(progress.done), format_count(progress.total),
+                     format_count(static_cast<std::int64_t>(rate)), left, progress.set != nullptr ? *progress.set : "");
+}
 
 void warn_of_other_build(Store& store) {
   const std::vector<std::string> runs = store.runs();
@@ -194,7 +177,25 @@ void add_run(Store& store, const Arguments& arguments, const Plan& plan, const S
   store.commit();
 }
 
-int report_end(const RunOutcome& outcome, const Plan& plan, Store& store) {
+/// What is there, what it says, and where to go on: kAnswerLines at most, and all tables before it where asked for.
+std::string end_text(const Arguments& arguments, const Summary& summary, const std::string& head,
+                     const std::string& file) {
+  const int width = arguments.extent.width();
+  const std::string first = folded(head, width);
+  const auto lines = [](const std::string& text) {
+    return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+  };
+  const std::string whole = table_text(summary, width);
+  const std::string report =
+      folded("Every set and solver: --long. The report: lcpbench report " + file + " --out FOLDER.\n", width);
+  const std::size_t used = lines(first) + lines(report);
+  const std::string answer = answer_text(summary, width, kAnswerLines > used ? kAnswerLines - used : 0);
+  const bool fits = lines(whole) + used + lines(answer) <= kAnswerLines;
+  return (arguments.extent.all || fits ? whole : "") + first + answer + report;
+}
+
+int report_end(const Arguments& arguments, const RunOutcome& outcome, const Plan& plan, Store& store,
+               ProgressLine& line) {
   const std::string file = store.file().string();
   const std::string done = fmt::format("{}{} of {} cells", outcome.counted ? "" : "at least ",
                                        format_count(outcome.already_done + outcome.progress.done),
@@ -203,19 +204,26 @@ int report_end(const RunOutcome& outcome, const Plan& plan, Store& store) {
     say(stderr, "lcpbench: interrupted; {} are in {}: run the same command again to resume\n", done, file);
     return kExitInterrupted;
   }
+  line.show("reading the results");
   const Summary summary = summarize(store);
-  say(stdout, "{}\n{} in {}, {}\n{}", table_text(summary), done, clock_text(outcome.progress.elapsed_s), file,
-      report::coverage_text(summary.coverage));
+  line.clear();
+  std::string head = fmt::format("{} in {}, {}\n{}", done, clock_text(outcome.progress.elapsed_s), file,
+                                 report::coverage_text(summary.coverage));
   if (outcome.end == RunEnd::kOutOfBudget) {
-    say(stdout, "the plan's time budget of {:g} s is used up; run the same command again to go on\n", *plan.budget_s);
+    head += fmt::format("the plan's time budget of {:g} s is used up; run the same command again to go on\n",
+                        *plan.budget_s);
   }
+  say(stdout, "{}", end_text(arguments, summary, head, file));
   return kExitDone;
 }
 
 int run(const Arguments& arguments) {
   const Plan plan = make_plan(arguments);
   const Shard shard = parse_shard(arguments.shard);
+  ProgressLine line;
+  line.show("opening the sets and solvers of the plan " + plan.name);
   const Study study = resolve(plan);
+  line.clear();
   for (const std::string& solver : study.skipped) say(stderr, "skipped: {}\n", solver);
   if (study.solvers.empty()) throw InputError("plan " + plan.name + ": none of its solvers is available");
 
@@ -230,17 +238,23 @@ int run(const Arguments& arguments) {
   options.shard = shard.index;
   options.shards = shard.count;
   options.stop = catch_interrupts(kExitInterrupted);
-  ProgressLine line(plan.budget_s);
-  options.on_progress = [&](const Progress& progress) { line.show(progress); };
-  options.on_partial_results = [&](Store& partial) {
-    line.clear();
-    say(stdout, "so far:\n{}\n", table_text(summarize(partial)));
-    std::fflush(stdout);
+  options.on_progress = [&](const Progress& progress) {
+    if (progress.total > 0) line.show(progress_text(progress, plan.budget_s));
   };
+  if (isatty(STDOUT_FILENO) == 1) {  // a file or a program that reads this wants the end, and it once
+    options.on_partial_results = [&](Store& partial) {
+      line.clear();
+      const int width = arguments.extent.width();
+      say(stdout, "so far:\n{}\n", answer_text(summarize(partial), width, kAnswerLines));
+      std::fflush(stdout);
+    };
+  }
+  line.show(fmt::format("plan {}: {} and {}, into {}", plan.name, counted_noun(study.sets.size(), "set"),
+                        counted_noun(study.solvers.size(), "solver"), file.string()));
   add_run(store, arguments, plan, study, options);
   const RunOutcome outcome = run_study(study, store, options);
   line.clear();
-  return report_end(outcome, plan, store);
+  return report_end(arguments, outcome, plan, store, line);
 }
 
 }  // namespace
@@ -264,9 +278,11 @@ Action add_run_command(CLI::App& command, const std::string& command_line) {
   command.add_option("--store", arguments->store, "file of the results (default: PLAN.db)");
   command.add_option("--shard", arguments->shard, "I/N: only the I-th of N parts, for lcpbench merge");
   command.add_flag("--fresh", arguments->fresh, "throw the store away first");
+  add_long_option(command, arguments->extent, "show the results of every set and solver before the answer");
+  add_wide_option(command, arguments->extent);
   command.footer(
-      "Every finished cell (set x trial x solver) is kept: an interrupted run goes on where it stopped.\n"
-      "Ctrl-C ends in good order (exit code 3), a second one at once. docs/reference/plans.md documents plan files.");
+      "Every finished cell (set x trial x solver) is kept: an interrupted run goes on where it stopped. Ctrl-C "
+      "ends in good order (exit code 3), a second one at once. docs/reference/plans.md documents plan files.");
   return [arguments] { return run(*arguments); };
 }
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <map>
 #include <memory>
@@ -17,6 +18,7 @@
 #include "study/commands/problem_text.h"
 #include "study/evaluation/evaluation.h"
 #include "study/explanation.h"
+#include "study/interrupt.h"
 #include "study/json_output.h"
 #include "study/open_solver.h"
 #include "study/study.h"
@@ -37,6 +39,7 @@ struct Arguments {
   std::vector<std::string> solvers;
   double time_limit_s = 10.0;
   std::string format = "text";
+  Extent extent;
 };
 
 struct Attempt {
@@ -150,11 +153,15 @@ int rank(const Attempt& attempt) {
   return 4;
 }
 
-/// A solver whose worker does not start has no row: stderr says why, and `all_started` becomes false.
-std::vector<Attempt> attempts_on(const Problem& problem, Solvers& solvers, double time_limit_s, bool& all_started) {
+/// A solver whose worker does not start has no row: stderr says why, and `all_started` becomes false. A `stop` that is
+/// raised leaves out the solvers that come later.
+std::vector<Attempt> attempts_on(const Problem& problem, Solvers& solvers, double time_limit_s,
+                                 const volatile std::sig_atomic_t* stop, ProgressLine& progress, bool& all_started) {
   Evaluator evaluator(problem);
   std::vector<Attempt> attempts;
   for (const Spec& spec : solvers.choose(problem)) {
+    if (*stop != 0) break;
+    if (progress.is_on_terminal()) progress.show("solving with " + spec.text());
     try {
       attempts.push_back(attempt(problem, spec, solvers.opened(spec), evaluator, time_limit_s));
     } catch (const WorkerError& error) {
@@ -162,6 +169,7 @@ std::vector<Attempt> attempts_on(const Problem& problem, Solvers& solvers, doubl
       say(stderr, "lcpbench: {}\n", error.what());
     }
   }
+  progress.clear();
   const Known known = known_of(problem, evaluator, attempts);
   for (Attempt& each : attempts) {
     const Answer& answer = each.timed.answer;
@@ -211,15 +219,15 @@ Json attempt_json(const Json& problem, const Attempt& attempt) {
           {"detail", answer.detail.empty() ? attempt.note : answer.detail}};
 }
 
-void print_velocity(const Attempt& best) {
+void print_velocity(const Attempt& best, int width) {
   if (best.verdict != Verdict::kSolved || best.velocity.size() == 0 || best.velocity.size() > kVelocityShown) return;
   std::string numbers;
   for (const double value : best.velocity) numbers += fmt::format(" {:.6g}", value);
-  say(stdout, "velocity after the impact ({}):{}\n", best.solver.text(), numbers);
+  say(stdout, "{}", folded(fmt::format("velocity after the impact ({}):{}\n", best.solver.text(), numbers), width));
 }
 
 /// One sentence for each reason, with all solvers that it holds for.
-void print_reasons(const std::vector<Attempt>& attempts) {
+void print_reasons(const std::vector<Attempt>& attempts, int width) {
   std::vector<std::pair<std::string, std::string>> reasons;  // reason, solvers
   for (const Attempt& each : attempts) {
     if (each.why.empty()) continue;
@@ -231,7 +239,22 @@ void print_reasons(const std::vector<Attempt>& attempts) {
       known->second += ", " + each.solver.text();
     }
   }
-  for (const auto& [why, solvers] : reasons) say(stdout, "{} {}\n", solvers, why);
+  for (const auto& [why, solvers] : reasons) say(stdout, "{}", folded(solvers + " " + why + "\n", width));
+}
+
+/// Who solved it, who is the fastest of them, and who said so and is wrong.
+void print_conclusion(const std::vector<Attempt>& attempts, int width) {
+  const auto solved =
+      std::count_if(attempts.begin(), attempts.end(), [](const Attempt& a) { return a.verdict == Verdict::kSolved; });
+  std::string text = fmt::format("solved by {} of {}", solved, counted_noun(attempts.size(), "solver"));
+  const Attempt& best = attempts.front();
+  if (solved > 0) text += fmt::format("; the fastest is {}: {}", best.solver.text(), format_seconds(best.time_s()));
+  std::string wrong;
+  for (const Attempt& each : attempts) {
+    if (each.verdict == Verdict::kWrong) wrong += (wrong.empty() ? "" : ", ") + each.solver.text();
+  }
+  if (!wrong.empty()) text += "; claims that are false: " + wrong;
+  say(stdout, "{}", folded(text + "\n", width));
 }
 
 std::string detail_of(const Attempt& attempt) {
@@ -239,23 +262,23 @@ std::string detail_of(const Attempt& attempt) {
   return detail.empty() || attempt.note.empty() ? detail + attempt.note : detail + "; " + attempt.note;
 }
 
-void print_attempts(const Problem& problem, const std::string& file, const std::vector<Attempt>& attempts) {
-  say(stdout, "{}\n", problem_summary_text(problem, file));
+void print_attempts(const Problem& problem, const std::string& file, const std::vector<Attempt>& attempts, int width) {
+  say(stdout, "{}", folded(problem_summary_text(problem, file) + "\n", width));
   if (attempts.empty()) {
     say(stdout, "no available solver takes this problem; lcpbench solvers lists what each needs\n\n");
     return;
   }
   const bool contact = problem.contact() != nullptr;
   using Align = TextTable::Align;
-  TextTable table({{"solver", Align::kLeft},
-                   {"claim", Align::kLeft},
+  TextTable table({{"solver", Align::kLeft, 0, 20},
+                   {"claim", Align::kLeft, 0, 20},
                    {"verdict", Align::kLeft},
                    {contact ? "residual rho" : "backward error"},
-                   {contact ? "violation m/s" : "natural residual"},
-                   {"set-up"},
+                   {contact ? "violation m/s" : "natural residual", Align::kRight, 2},
+                   {"set-up", Align::kRight, 3},
                    {"solve"},
-                   {"verify"},
-                   {"detail", Align::kLeft}});
+                   {"verify", Align::kRight, 4},
+                   {"detail", Align::kLeft, 5, 30}});
   for (const Attempt& each : attempts) {
     const SolveTimes& times = each.timed.times;
     const Errors& errors = each.errors;
@@ -265,28 +288,33 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
                    format_seconds(times.setup_cpu_s), format_seconds(times.solve_cpu_s), format_seconds(each.verify_s),
                    detail_of(each)});
   }
-  say(stdout, "{}", table.text());
-  print_reasons(attempts);
-  print_velocity(attempts.front());
+  say(stdout, "{}", table.text(width));
+  print_reasons(attempts, width);
+  print_conclusion(attempts, width);
+  print_velocity(attempts.front(), width);
   say(stdout, "\n");
 }
 
 int solve(const Arguments& arguments) {
+  const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
+  ProgressLine progress;
   Solvers solvers(arguments.solvers);
   Json rows = Json::array();
   bool all_started = true;
-  const bool all_read = for_each_problem_file(arguments.files, [&](const Problem& problem, const std::string& file) {
+  const auto visit = [&](const Problem& problem, const std::string& file) {
     bool started = true;
-    const std::vector<Attempt> attempts = attempts_on(problem, solvers, arguments.time_limit_s, started);
+    const auto attempts = attempts_on(problem, solvers, arguments.time_limit_s, stop, progress, started);
     all_started = all_started && started;
     if (arguments.format == "json") {
       const Json described_problem = problem_summary_json(problem, file);
       for (const Attempt& each : attempts) rows.push_back(attempt_json(described_problem, each));
-    } else if (started || !attempts.empty()) {  // else stderr has said all
-      print_attempts(problem, file, attempts);
+    } else if ((started && *stop == 0) || !attempts.empty()) {  // else stderr has said all
+      print_attempts(problem, file, attempts, arguments.extent.width());
     }
-  });
+  };
+  const bool all_read = for_each_problem_file(arguments.files, stop, visit);
   if (arguments.format == "json") print_json(rows);
+  if (*stop != 0) return kExitInterrupted;
   return all_started && all_read ? kExitDone : kExitBadInput;
 }
 
@@ -300,11 +328,11 @@ Action add_solve_command(CLI::App& command) {
   command.add_option("--time-limit", arguments->time_limit_s, "seconds for each solve")
       ->check(seconds_check(1e-6, 1e7))
       ->capture_default_str();
+  add_wide_option(command, arguments->extent);
   add_format_option(command, arguments->format);
   command.footer(
       "claim: what the solver says. verdict: what the problem's data say of its answer. A file that cannot be read "
-      "does\n"
-      "not stop the others; the exit code is then 2.");
+      "does not stop the others; the exit code is then 2. Ctrl-C shows the answers so far (exit code 3).");
   return [arguments] { return solve(*arguments); };
 }
 

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "core/error.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
+#include "study/interrupt.h"
 #include "study/json_output.h"
 #include "study/open_solver.h"
 #include "study/plan.h"
@@ -39,6 +39,7 @@ struct Arguments {
   std::uint64_t seed = 1;
   double time_limit_s = 1.0;
   std::string format = "text";
+  Extent extent;
   std::string command_line;
 };
 
@@ -70,11 +71,11 @@ int run_stability(const Arguments& arguments) {
   StabilityOptions options;
   options.seed = arguments.seed;
   options.time_limit_s = arguments.time_limit_s;
-  const bool terminal = isatty(STDERR_FILENO) == 1;
-  options.on_set = [terminal](const std::string& set) {
-    if (terminal) say(stderr, "solving {}\n", set);
-  };
+  options.stop = catch_interrupts(kExitInterrupted);
+  ProgressLine progress;
+  options.on_set = [&progress](const std::string& set) { progress.begin("solving " + set); };
   const StabilityResult result = stability(study.sets, study.solvers, options);
+  progress.clear();
   if (arguments.format == "json") {
     print_json({{"provenance", origin},
                 {"sets", result.sets},
@@ -83,9 +84,11 @@ int run_stability(const Arguments& arguments) {
                 {"allowed_amplification", kAllowedAmplification},
                 {"cells", stability_json(result)}});
   } else {
-    say(stdout, "{}", stability_text(result));
+    const int width = arguments.extent.width();
+    say(stdout, "{}{}", arguments.extent.all ? stability_text(result, width) + "\n" : "",
+        stability_answer(result, width));
   }
-  return kExitDone;
+  return *options.stop != 0 ? kExitInterrupted : kExitDone;
 }
 
 }  // namespace
@@ -109,11 +112,13 @@ Action add_stability_command(CLI::App& command, const std::string& command_line)
   command.add_option("--time-limit", arguments->time_limit_s, "seconds for each solve")
       ->check(seconds_check(1e-3, 1e6))
       ->capture_default_str();
+  add_long_option(command, arguments->extent, "show the tables too, and every break by name");
+  add_wide_option(command, arguments->extent);
   add_format_option(command, arguments->format);
   command.footer(
       "Problems are scaled, permuted, put in other units, given duplicated contacts, and perturbed; the physical "
-      "answer\n"
-      "must move no more than conditioning allows. One thread. See docs/howto/stability.md.");
+      "answer must move no more than conditioning allows. One thread. Ctrl-C shows what is known so far (exit code "
+      "3). See docs/howto/stability.md.");
   return [arguments] { return run_stability(*arguments); };
 }
 

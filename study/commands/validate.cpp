@@ -54,6 +54,7 @@ struct Arguments {
   std::string store;
   std::string out;
   bool out_given = false;
+  Extent extent;
   std::string format = "text";
   std::string command_line;
 };
@@ -113,12 +114,13 @@ bool solve_all(const Study& study, Store& store, bool kept, std::optional<int> j
   options.store_is_kept = kept;
   options.jobs = jobs.value_or(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
   options.stop = catch_interrupts(kExitInterrupted);
-  const bool terminal = isatty(STDERR_FILENO) == 1;
-  options.on_progress = [&](const Progress& progress) {
-    if (terminal) fmt::print(stderr, "\r\033[K{} of {} answers", progress.done, progress.total);
+  ProgressLine line;
+  line.show(fmt::format("validating {} on {}", counted_noun(study.solvers.size(), "solver"),
+                        counted_noun(study.sets.size(), "set")));
+  options.on_progress = [&line](const Progress& progress) {
+    line.show(fmt::format("{} of {} answers", format_count(progress.done), format_count(progress.total)));
   };
   const RunOutcome outcome = run_study(study, store, options);
-  if (terminal) fmt::print(stderr, "\r\033[K");
   return outcome.end == RunEnd::kComplete;
 }
 
@@ -146,16 +148,16 @@ std::vector<std::string> count_cells(const PairCounts& pair) {
   return cells;
 }
 
-void print_matrix(const std::vector<PairCounts>& pairs) {
+void print_matrix(const std::vector<PairCounts>& pairs, int width) {
   using Align = TextTable::Align;
   TextTable table({{"ours", Align::kLeft},
                    {"reference", Align::kLeft},
                    {"compared"},
-                   {"agree"},
+                   {"agree", Align::kRight, 3},
                    {"ours wrong"},
                    {"theirs wrong"},
-                   {"both wrong"},
-                   {"undecided"}});
+                   {"both wrong", Align::kRight, 1},
+                   {"undecided", Align::kRight, 2}});
   std::string last;
   for (const PairCounts& pair : over_all_sets(pairs)) {
     if (!last.empty() && pair.native != last) table.add_gap();
@@ -164,7 +166,7 @@ void print_matrix(const std::vector<PairCounts>& pairs) {
     table.add_row(std::move(row));
     last = pair.native;
   }
-  say(stdout, "{}", table.text());
+  say(stdout, "{}", table.text(width));
 }
 
 /// Told before hours are spent on answers: a folder that cannot be made. Makes nothing.
@@ -248,21 +250,23 @@ int run_validation(const Arguments& arguments) {
   origin["plan"] = Json::parse(plan_json(plan));
   const bool kept = !arguments.store.empty();
   Validation validation;
+  bool complete = true;
   {
     Store store = kept ? Store::open_for_writing(arguments.store, told_on_stderr()) : nameless_store();
     print_notice(store);
     add_run(store, origin, study);
-    if (!solve_all(study, store, kept, arguments.jobs)) {
+    complete = solve_all(study, store, kept, arguments.jobs);
+    if (!complete) {
       say(stderr, "lcpbench: interrupted; {}\n",
-          kept ? "run the same command again to resume" : "nothing is kept (--store FILE keeps it)");
-      return kExitInterrupted;
+          kept ? "run the same command again to resume" : "compared is what was answered (--store FILE keeps it)");
+      if (kept) return kExitInterrupted;
     }
     validation = validate(study, store);
   }
   if (arguments.format == "json") {
     print_json({{"provenance", origin}, {"pairs", pairs_json(validation.pairs)}, {"ok", !validation.ours_wrong()}});
   } else {
-    print_matrix(validation.pairs);
+    print_matrix(validation.pairs, arguments.extent.width());
     print_verdict(validation);
   }
   const bool saved = !arguments.out_given || !arguments.out.empty();
@@ -271,6 +275,7 @@ int run_validation(const Arguments& arguments) {
     const std::size_t files = save(study, validation.disagreements, folder);
     say(stderr, "{} problems on which two disagree are in {}; lcpbench solve replays them\n", files, folder.string());
   }
+  if (!complete) return kExitInterrupted;
   return validation.ours_wrong() ? kExitCheckFailed : kExitDone;
 }
 
@@ -302,10 +307,11 @@ Action add_validate_command(CLI::App& command, const std::string& command_line) 
   const CLI::Option* out = command.add_option("--out", arguments->out,
                                               "folder for some of the problems on which two disagree; '' for none\n"
                                               "(default: a new one among the temporary files, which is named)");
+  add_wide_option(command, arguments->extent);
   add_format_option(command, arguments->format);
   command.footer(
-      "Our solvers against the reference libraries and against what theory proves, problem by problem. Verdicts are\n"
-      "the evaluation's. Exit code 1 when one of ours made a false claim. See docs/howto/validate.md.");
+      "Our solvers against the reference libraries and against what theory proves, problem by problem. Verdicts "
+      "are the evaluation's. Exit code 1 when one of ours made a false claim. See docs/howto/validate.md.");
   return [arguments, out] {
     arguments->out_given = out->count() > 0;
     return run_validation(*arguments);

@@ -174,12 +174,12 @@ Json velocity_json(const VelocityFacts& velocity) {
 
 }  // namespace
 
-std::string inspection_text(const Inspection& inspection) {
-  TextTable table({{"", TextTable::Align::kLeft}, {size_text(inspection), TextTable::Align::kLeft}});
+std::string inspection_text(const Inspection& inspection, int width) {
+  TextTable table({{"", TextTable::Align::kLeft, 0, 24}, {size_text(inspection), TextTable::Align::kLeft}});
   if (inspection.contact) add_contact_rows(inspection, table);
   add_matrix_rows(inspection, table);
   add_velocity_rows(inspection, table);
-  std::string text = table.text();
+  std::string text = table.text(width);
   if (inspection.warnings.empty()) return text + "nothing to warn of\n";
   for (const Concern concern : {Concern::kData, Concern::kDifficulty}) {
     bool first = true;
@@ -187,7 +187,7 @@ std::string inspection_text(const Inspection& inspection) {
       if (warning.concern != concern) continue;
       if (first) text += concern == Concern::kData ? "is this what was meant?\n" : "hard on solvers:\n";
       first = false;
-      text += fmt::format("  {} [{}]\n", warning.text, warning.code);
+      text += folded(fmt::format("  {} [{}]\n", warning.text, warning.code), width);
     }
   }
   return text;

@@ -12,7 +12,8 @@ namespace lcpbench::report {
 
 namespace {
 
-constexpr std::size_t kSetsOnTheTerminal = 8;
+constexpr std::size_t kSetsInTheBox = 8;
+constexpr std::size_t kSetsOnTheTerminal = 4;
 constexpr const char* kUnknown =
     "How much of its plan this store covers is not known: a run in it recorded no plan, as runs of earlier versions "
     "did not.";
@@ -54,9 +55,8 @@ std::string coverage_html(const Coverage& coverage) {
     std::string words = thin_words(thin.size(), coverage.sets.size());
     words.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(words.front())));
     words += fmt::format(" (less than {:.0f} % of the planned cells are done)", 100 * kThinBelow);
-    box += thin.size() <= kSetsOnTheTerminal
-               ? "<p>" + words + ": " + names + ".</p>\n"
-               : "<details><summary>" + words + "</summary><p>" + names + "</p></details>\n";
+    box += thin.size() <= kSetsInTheBox ? "<p>" + words + ": " + names + ".</p>\n"
+                                        : "<details><summary>" + words + "</summary><p>" + names + "</p></details>\n";
   }
   return box + "</div>\n";
 }

@@ -62,18 +62,6 @@ std::string scope_of(const Summary& summary, const std::vector<std::size_t>& set
   return sets.empty() ? "" : counted(problems, "problem") + share_of_plan(plan_share(summary, sets)) + ": " + names;
 }
 
-/// Time of `a` over time of `b` on the problems that both solved; NaN where there are none.
-Estimate time_ratio(const Record& a, const Record& b) {
-  std::vector<double> own;
-  std::vector<double> others;
-  for_each_pair(a, b, [&](const Outcome& left, const Outcome& right) {
-    if (!left.solved || !right.solved || std::isnan(left.time_s) || std::isnan(right.time_s)) return;
-    own.push_back(left.time_s);
-    others.push_back(right.time_s);
-  });
-  return ratio_of_sums(own, others);
-}
-
 void measure_errors(const Record& record, Contender& contender) {
   std::vector<double> errors;
   for (const auto& [set, outcome] : record.outcomes) {
@@ -301,6 +289,17 @@ std::string answer_without_situations(const Summary& summary) {
 }
 
 }  // namespace
+
+Estimate time_ratio(const Record& a, const Record& b) {
+  std::vector<double> own;
+  std::vector<double> others;
+  for_each_pair(a, b, [&](const Outcome& left, const Outcome& right) {
+    if (!left.solved || !right.solved || std::isnan(left.time_s) || std::isnan(right.time_s)) return;
+    own.push_back(left.time_s);
+    others.push_back(right.time_s);
+  });
+  return ratio_of_sums(own, others);
+}
 
 std::vector<Situation> decide(const Summary& summary) {
   const auto frictionless =

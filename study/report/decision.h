@@ -48,6 +48,9 @@ struct Situation {
 /// than half of the number that met the most popular one), the hard cases, and the steps along a dial of conditioning.
 std::vector<Situation> decide(const Summary& summary);
 
+/// Time of `a` over time of `b` on the problems that both solved: ratio of sums; NaN where there are none.
+Estimate time_ratio(const Record& a, const Record& b);
+
 /// The solver recommended for each set (index into Summary::sets) of the situations.
 std::map<std::size_t, std::size_t> recommended_by_set(const std::vector<Situation>& situations);
 

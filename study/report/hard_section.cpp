@@ -9,6 +9,7 @@
 #include "study/report/hard.h"
 #include "study/report/html_table.h"
 #include "study/report/text.h"
+#include "study/text_table.h"
 
 namespace lcpbench::report {
 
@@ -196,25 +197,30 @@ std::string hard_navigation(const Summary& summary) {
   return any ? "<a href=\"#hard\">Hard cases</a>" : "";
 }
 
-std::string hard_text(const Summary& summary) {
+std::string hard_text(const Summary& summary, int width) {
   const HardStudy study = hard_study(summary);
   if (study.empty()) return "";
-  std::string text =
-      fmt::format("hard cases, {}\n  {:<24}", counted(static_cast<std::int64_t>(study.rows.size()), "problem"), "");
   constexpr std::array<const char*, kShown.size()> kHeadings{"solved", "no sol.", "WRONG",   "denied", "missed",
                                                              "unsaid", "gave up", "unknown", "refused"};
-  for (const char* heading : kHeadings) text += fmt::format(" {:>7}", heading);
-  text += "\n";
+  std::vector<TextTable::Column> columns{
+      {counted(static_cast<std::int64_t>(study.rows.size()), "hard case"), TextTable::Align::kLeft}};
+  constexpr std::array<int, kShown.size()> kRanks{0, 1, 0, 2, 0, 5, 4, 3, 6};  // see TextTable::Column
+  for (std::size_t i = 0; i < kHeadings.size(); ++i) {
+    columns.push_back({kHeadings[i], TextTable::Align::kRight, kRanks[i]});
+  }
+  TextTable table(columns);
   for (std::size_t column = 0; column < study.solvers.size(); ++column) {
-    text += fmt::format("  {:<24}", mended(solver_label(summary, study.solvers[column])));
-    for (const std::int64_t count : totals(study, column)) text += fmt::format(" {:>7}", count);
-    text += "\n";
+    std::vector<std::string> row{solver_label(summary, study.solvers[column])};
+    for (const std::int64_t count : totals(study, column)) row.push_back(std::to_string(count));
+    table.add_row(std::move(row));
   }
   const std::string claims = false_claims_text(summary, study);
-  text += claims.empty() ? "  no solver said solved what is not\n" : "said solved, and is not:\n" + claims;
-  return text +
-         "no sol.: rightly said to have no solution. WRONG: said solved, and is not. denied: said to have no\n"
-         "solution, has one. unsaid: right, but not claimed. gave up: on what has no solution.\n";
+  return table.text(width) +
+         folded(
+             (claims.empty() ? "no solver said solved what is not\n" : "said solved, and is not:\n" + claims) +
+                 "no sol.: rightly said to have no solution. WRONG: said solved, and is not. denied: said to have no "
+                 "solution, has one. unsaid: right, but not claimed. gave up: on what has no solution.\n",
+             width);
 }
 
 }  // namespace lcpbench::report

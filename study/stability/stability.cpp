@@ -21,21 +21,25 @@ struct Judged {
   Vector physical;  ///< of solved answers, in the coordinates of the original
 };
 
+bool stopped(const StabilityOptions& options) { return options.stop != nullptr && *options.stop != 0; }
+
 /// A problem, or one of its copies, before all solvers.
 class Bench {
  public:
-  Bench(std::vector<std::unique_ptr<TimedSolver>>& solvers, double time_limit_s)
-      : solvers_(solvers), time_limit_s_(time_limit_s) {}
+  Bench(std::vector<std::unique_ptr<TimedSolver>>& solvers, const StabilityOptions& options)
+      : solvers_(solvers), options_(options) {}
 
   /// @param truth  of the problem, where it is known
+  /// @returns a row for each solver; none where `stop` was raised
   std::vector<Judged> run(const Problem& problem, Truth truth) {
     Judge judge(problem);
     std::vector<Answer> answers;
     std::vector<Judged> rows;
     std::vector<Errors> errors;
     for (const std::unique_ptr<TimedSolver>& solver : solvers_) {
+      if (stopped(options_)) return {};
       TimedRequest request;
-      request.time_limit_s = time_limit_s_;
+      request.time_limit_s = options_.time_limit_s;
       TimedAnswer timed;
       solver->run(problem, request, timed);
       errors.push_back(judge.errors(timed.answer));
@@ -62,7 +66,7 @@ class Bench {
   }
 
   std::vector<std::unique_ptr<TimedSolver>>& solvers_;
-  double time_limit_s_;
+  const StabilityOptions& options_;
 };
 
 /// What happened to one solver's answer over the draws of one kind.
@@ -104,7 +108,7 @@ class Experiment {
   void run(const StudySet& set) {
     result_.sets.push_back(set.set->name());
     if (options_.on_set) options_.on_set(set.set->name());
-    for (std::int64_t trial = 0; trial < set.trials; ++trial) {
+    for (std::int64_t trial = 0; trial < set.trials && !stopped(options_); ++trial) {
       const Problem problem = set.set->generate(options_.seed, trial);
       ++result_.problems;
       if (problem.size() > kLargestStabilityOrder) {
@@ -112,6 +116,7 @@ class Experiment {
         continue;
       }
       run(problem, set.set->name(), static_cast<std::uint64_t>(trial));
+      if (stopped(options_)) --result_.problems;  // it is not done, at most in part
     }
   }
 
@@ -130,7 +135,8 @@ class Experiment {
     const bool frictional = problem.contact() != nullptr && problem.contact()->frictional();
     const Distance distance(problem, truth == Truth::kSolvable && !frictional);
     const bool solvable_nearby = truth == Truth::kSolvable;
-    const std::vector<Judged> before = Bench(solvers_, options_.time_limit_s).run(problem, truth);
+    const std::vector<Judged> before = Bench(solvers_, options_).run(problem, truth);
+    if (before.empty()) return;
     const auto any_solved = std::any_of(before.begin(), before.end(), [](const Judged& row) { return row.solved; });
     if (truth == Truth::kUnknown && any_solved) truth = Truth::kSolvable;
     for (const TransformationKind kind : kAllTransformations) {
@@ -149,8 +155,8 @@ class Experiment {
       const std::optional<Transformation> transformation =
           draw_transformation(kind, problem, key, static_cast<std::uint64_t>(draw));
       if (!transformation) return;
-      const std::vector<Judged> after =
-          Bench(solvers_, options_.time_limit_s).run(transformation->apply(problem), truth);
+      const std::vector<Judged> after = Bench(solvers_, options_).run(transformation->apply(problem), truth);
+      if (after.empty()) return;
       for (std::size_t s = 0; s < before.size(); ++s) {
         compare(before[s], after[s], *transformation, problem.contact() == nullptr, distance, fates[s]);
       }
@@ -219,7 +225,9 @@ double StabilityCell::largest_amplification() const {
 StabilityResult stability(const std::vector<StudySet>& sets, const std::vector<StudySolver>& solvers,
                           const StabilityOptions& options) {
   Experiment experiment(solvers, options);
-  for (const StudySet& set : sets) experiment.run(set);
+  for (const StudySet& set : sets) {
+    if (!stopped(options)) experiment.run(set);
+  }
   return std::move(experiment).result();
 }
 

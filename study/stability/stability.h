@@ -1,5 +1,6 @@
 #pragma once
 
+#include <csignal>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -22,6 +23,8 @@ struct StabilityOptions {
   double time_limit_s = 1.0;
   int permutations = 5;                            ///< drawn for each problem; of every other kind one is drawn
   std::function<void(const std::string&)> on_set;  ///< called with each set's name before it is run
+  /// Set to non-zero from outside (a signal handler): no problem is begun any more, and the result is of those before.
+  const volatile std::sig_atomic_t* stop = nullptr;
 };
 
 /// One solver under one kind of transformation. The unit of every count is a problem, so that intervals of shares hold:

@@ -4,12 +4,15 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "study/json_output.h"
 #include "study/statistics.h"
+#include "study/terminal.h"
 #include "study/text_table.h"
 
 namespace lcpbench {
@@ -54,11 +57,15 @@ std::vector<TransformationKind> kinds_with(const StabilityResult& result,
   return kinds;
 }
 
-std::string matrix(const StabilityResult& result, const std::function<bool(const StabilityCell&)>& shows,
-                   const CellText& text) {
+/// A row for each solver and a column for each kind, under a title; "" where no solver has anything to show.
+std::string matrix(const char* title, const StabilityResult& result, int width,
+                   const std::function<bool(const StabilityCell&)>& shows, const CellText& text) {
   const std::vector<TransformationKind> kinds = kinds_with(result, shows);
+  if (kinds.empty()) return "";
   std::vector<TextTable::Column> columns{{"solver", TextTable::Align::kLeft}};
-  for (const TransformationKind kind : kinds) columns.push_back({to_string(kind)});
+  for (const TransformationKind kind : kinds) {
+    columns.push_back({to_string(kind), TextTable::Align::kRight, static_cast<int>(columns.size())});
+  }
   TextTable table(columns);
   for (std::size_t s = 0; s < result.solvers.size(); ++s) {
     std::vector<std::string> row{result.solvers[s]};
@@ -70,7 +77,7 @@ std::string matrix(const StabilityResult& result, const std::function<bool(const
     }
     if (any) table.add_row(std::move(row));
   }
-  return table.text();
+  return std::string("\n") + title + "\n" + table.text(width);
 }
 
 std::string kept_text(const StabilityCell& cell) {
@@ -97,7 +104,80 @@ std::string breaks_text(const StabilityCell& cell, const std::string& solver) {
   return text + "; first: " + cell.examples.at(0);
 }
 
-std::string names(const StabilityResult& result) {
+constexpr std::size_t kMovesShown = 4;
+
+std::string and_more(std::size_t all, std::size_t shown) {
+  return all > shown ? fmt::format("and {} more: --long shows them\n", all - shown) : "";
+}
+
+/// Those that turn honest answers into false claims first, then by the share of solved problems that they lose.
+std::vector<const StabilityCell*> gravest_breaks(const StabilityResult& result) {
+  std::vector<const StabilityCell*> broken;
+  for (const StabilityCell& cell : result.cells) {
+    if (cell.breaks()) broken.push_back(&cell);
+  }
+  const auto lost_share = [](const StabilityCell& cell) {
+    return cell.solved > 0 ? static_cast<double>(cell.lost()) / static_cast<double>(cell.solved) : 0.0;
+  };
+  std::stable_sort(broken.begin(), broken.end(), [&](const StabilityCell* a, const StabilityCell* b) {
+    return std::pair(a->turned_false, lost_share(*a)) > std::pair(b->turned_false, lost_share(*b));
+  });
+  return broken;
+}
+
+std::string breaks_table(const StabilityResult& result, const std::vector<const StabilityCell*>& broken,
+                         std::size_t rows, int width) {
+  using Align = TextTable::Align;
+  TextTable table({{"breaks", Align::kLeft},
+                   {"under", Align::kLeft},
+                   {"lost"},
+                   {"turned false"},
+                   {"first on", Align::kLeft, 1, 30}});
+  for (std::size_t i = 0; i < rows; ++i) {
+    const StabilityCell& cell = *broken[i];
+    table.add_row({result.solvers[cell.solver], to_string(cell.kind), fmt::format("{} of {}", cell.lost(), cell.solved),
+                   fmt::format("{} of {}", cell.turned_false, cell.honest), cell.examples.at(0)});
+  }
+  return (table.empty() ? "" : table.text(width)) + and_more(broken.size(), rows);
+}
+
+std::string farthest_moves(const StabilityResult& result, int width) {
+  std::vector<const StabilityCell*> moved;
+  for (const StabilityCell& cell : result.cells) {
+    if (cell.moves_too_far()) moved.push_back(&cell);
+  }
+  std::stable_sort(moved.begin(), moved.end(), [](const StabilityCell* a, const StabilityCell* b) {
+    return a->largest_amplification() > b->largest_amplification();
+  });
+  std::string text;
+  for (std::size_t i = 0; i < std::min(moved.size(), kMovesShown); ++i) {
+    text += folded(
+        fmt::format("{} moves up to {:.2g} times what conditioning allows, under {}\n",
+                    result.solvers[moved[i]->solver], moved[i]->largest_amplification(), to_string(moved[i]->kind)),
+        width);
+  }
+  return text + and_more(moved.size(), kMovesShown);
+}
+
+/// How many solvers have a cell for which this holds.
+std::size_t solvers_with(const StabilityResult& result, bool (StabilityCell::*holds)() const) {
+  std::set<std::size_t> solvers;
+  for (const StabilityCell& cell : result.cells) {
+    if ((cell.*holds)()) solvers.insert(cell.solver);
+  }
+  return solvers.size();
+}
+
+std::string scope_text(const StabilityResult& result) {
+  const auto problems = static_cast<std::size_t>(result.problems - result.left_out);
+  std::string text = counted_noun(problems, "problem") + " of " + counted_noun(result.sets.size(), "set");
+  if (result.left_out > 0) {
+    text += fmt::format(", {} left out (above {} unknowns)", result.left_out, kLargestStabilityOrder);
+  }
+  return text;
+}
+
+std::string names(const StabilityResult& result, int width) {
   std::string broken;
   std::string moved;
   for (const StabilityCell& cell : result.cells) {
@@ -107,9 +187,10 @@ std::string names(const StabilityResult& result) {
     moved += fmt::format("  {} under {}: up to {:.2g} times what conditioning allows, on {}\n", solver,
                          to_string(cell.kind), cell.largest_amplification(), cell.farthest);
   }
-  return (broken.empty() ? "\nnone breaks\n" : "\nbreaks:\n" + broken) +
-         (moved.empty() ? "none moves further than conditioning allows\n"
-                        : "moves further than conditioning allows:\n" + moved);
+  return folded((broken.empty() ? "\nnone breaks\n" : "\nbreaks:\n" + broken) +
+                    (moved.empty() ? "none moves further than conditioning allows\n"
+                                   : "moves further than conditioning allows:\n" + moved),
+                width);
 }
 
 Json spread_json(const std::vector<double>& values) {
@@ -140,33 +221,34 @@ Json cell_json(const StabilityCell& cell, const std::string& solver) {
 
 }  // namespace
 
-std::string stability_text(const StabilityResult& result) {
+std::string stability_answer(const StabilityResult& result, int width) {
+  const std::size_t moving = solvers_with(result, &StabilityCell::moves_too_far);
+  const std::string end =
+      farthest_moves(result, width) +
+      folded(fmt::format("{}: {} of {} break (lose a problem that they solved, or turn an honest answer into a false "
+                         "claim), {} move{} further than conditioning allows\n",
+                         scope_text(result), solvers_with(result, &StabilityCell::breaks),
+                         counted_noun(result.solvers.size(), "solver"), moving, moving == 1 ? "s" : ""),
+             width);
+  const std::vector<const StabilityCell*> broken = gravest_breaks(result);
+  return fitting_text(broken.size(), kAnswerLines,
+                      [&](std::size_t rows) { return breaks_table(result, broken, rows, width) + end; });
+}
+
+std::string stability_text(const StabilityResult& result, int width) {
   const auto asked = [](const StabilityCell& cell) { return cell.asked > 0; };
   const auto moved = [](const StabilityCell& cell) { return !cell.amplifications.empty(); };
   const auto pivots = [](const StabilityCell& cell) {
     return cell.kind == TransformationKind::kPermutation && !cell.pivot_spreads.empty();
   };
-  const auto plural = [](auto count) { return count == 1 ? "" : "s"; };
-  const auto problems = result.problems - result.left_out;
-  std::string text = fmt::format("{} problem{} of {} set{}", problems, plural(problems), result.sets.size(),
-                                 plural(result.sets.size()));
-  if (result.left_out > 0) {
-    text += fmt::format(", {} left out (above {} unknowns)", result.left_out, kLargestStabilityOrder);
-  }
-  text += "\n\nstill solved, of those solved before (!: answers turned into false claims)\n" +
-          matrix(result, asked, kept_text);
-  // A table without rows says nothing: frictional problems and bare LCPs have no amplification, and some solvers no
-  // pivots.
-  const auto add = [&](const char* heading, const auto& shows, const auto& values) {
-    if (std::none_of(result.cells.begin(), result.cells.end(), shows)) return;
-    text += heading;
-    text += matrix(result, shows, [&values](const StabilityCell& cell) { return median_and_most(values(cell)); });
-  };
-  add("\namplification, median and largest (1: what conditioning allows)\n", moved,
-      [](const StabilityCell& cell) { return cell.amplifications; });
-  add("\nmost over fewest pivots of one problem, median and largest\n", pivots,
-      [](const StabilityCell& cell) { return cell.pivot_spreads; });
-  return text + names(result);
+  return scope_text(result) + "\n" +
+         matrix("still solved, of those solved before (!: answers turned into false claims)", result, width, asked,
+                kept_text) +
+         matrix("amplification, median and largest (1: what conditioning allows)", result, width, moved,
+                [](const StabilityCell& cell) { return median_and_most(cell.amplifications); }) +
+         matrix("most over fewest pivots of one problem, median and largest", result, width, pivots,
+                [](const StabilityCell& cell) { return median_and_most(cell.pivot_spreads); }) +
+         names(result, width);
 }
 
 Json stability_json(const StabilityResult& result) {

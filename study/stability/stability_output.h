@@ -8,8 +8,12 @@
 
 namespace lcpbench {
 
-/// For people: what stays solved, how far answers move, how pivots spread, and who breaks, by name.
-std::string stability_text(const StabilityResult& result);
+/// For people: who breaks under what and whose answers move too far, the gravest few, and at the end how many.
+/// kAnswerLines at most, unless names are very long.
+std::string stability_answer(const StabilityResult& result, int width);
+
+/// For people: what stays solved, how far answers move, how pivots spread, and who breaks, by name; all of it.
+std::string stability_text(const StabilityResult& result, int width);
 
 /// For programs: an array with an object for each transformation and solver that was asked; fields in
 /// docs/howto/stability.md.
