@@ -15,7 +15,7 @@ Answer solved(const Options& options) {
   Vector q(2);
   q << -5, -6;
   const auto solver = lcpbench_solver_gauss_seidel().make(options);
-  solver->load(Problem("two unknowns", Lcp{q, M}));
+  solver->load(Problem("two unknowns", Lcp{.M = M, .q = q}));
   Answer answer;
   solver->solve({}, answer);
   return answer;
