@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "generators/random.h"
-#include "generators/spectrum.h"
+#include "generators/paper/spectrum.h"
 
 namespace lcpbench {
 namespace {

@@ -8,10 +8,10 @@
 #include "core/suggestion.h"
 #include "generators/glob.h"
 #include "generators/hard/hard.h"
-#include "generators/paper.h"
+#include "generators/paper/paper.h"
 #include "generators/planted.h"
-#include "generators/problem_io.h"
-#include "generators/rigid.h"
+#include "core/io/problem_io.h"
+#include "generators/rigid/rigid.h"
 #include "generators/to_problem.h"
 
 namespace lcpbench {

@@ -3,9 +3,9 @@
 #include "core/contact_problem.h"
 #include "core/scene.h"
 #include "generators/hard/hard.h"
-#include "generators/paper.h"
+#include "generators/paper/paper.h"
 #include "generators/planted.h"
-#include "generators/rigid.h"
+#include "generators/rigid/rigid.h"
 
 namespace lcpbench {
 

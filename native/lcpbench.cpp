@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/registry.h"
-#include "native/block_inverse.h"
+#include "native/contacts/block_inverse.h"
 #include "native/lcpbench_checks.h"
 
 namespace lcpbench {

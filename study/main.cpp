@@ -14,15 +14,15 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "adapters/worker_client.h"
+#include "adapters/worker/worker_client.h"
 #include "core/error.h"
 #include "core/suggestion.h"
 #include "core/utf8.h"
-#include "study/build_info.h"
+#include "study/run/build_info.h"
 #include "study/commands/commands.h"
-#include "study/interrupt.h"
-#include "study/terminal.h"
-#include "study/text_table.h"
+#include "study/run/interrupt.h"
+#include "study/output/terminal.h"
+#include "study/output/text_table.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "native/active_set.h"
+#include "native/active_set/active_set.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,7 @@
 
 #include "core/registry.h"
 #include "study/evaluation/evaluation.h"
-#include "study/open_solver.h"
+#include "study/run/open_solver.h"
 
 namespace lcpbench {
 namespace {

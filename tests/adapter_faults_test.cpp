@@ -8,12 +8,12 @@
 
 #include <gtest/gtest.h>
 
-#include "adapters/worker_client.h"
-#include "adapters/worker_protocol.h"
+#include "adapters/worker/worker_client.h"
+#include "adapters/worker/worker_protocol.h"
 #include "core/registry.h"
-#include "study/one_by_one.h"
-#include "study/open_solver.h"
-#include "study/runner.h"
+#include "study/run/one_by_one.h"
+#include "study/run/open_solver.h"
+#include "study/run/runner.h"
 #include "tests/study_support.h"
 
 namespace lcpbench {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "adapters/worker_client.h"
+#include "adapters/worker/worker_client.h"
 
 namespace lcpbench {
 

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "generators/problem_io.h"
+#include "core/io/problem_io.h"
 #include "tests/attack/campaign.h"
 
 namespace lcpbench::attack {

@@ -13,9 +13,9 @@
 #include "core/spec.h"
 #include "core/timed_solve.h"
 #include "generators/sets.h"
-#include "native/bare_lcp_test.h"
-#include "native/exact_sum.h"
-#include "native/farkas_search.h"
+#include "native/answer_test/bare_lcp_test.h"
+#include "native/answer_test/exact_sum.h"
+#include "native/answer_test/farkas_search.h"
 #include "study/evaluation/evaluation.h"
 
 namespace lcpbench {

@@ -15,7 +15,7 @@
 
 #include "core/timed_solve.h"
 #include "study/evaluation/evaluation.h"
-#include "study/open_solver.h"
+#include "study/run/open_solver.h"
 #include "tests/brick_wall.h"
 
 namespace lcpbench {

@@ -9,7 +9,7 @@
 
 #include "core/registry.h"
 #include "generators/sets.h"
-#include "study/open_solver.h"
+#include "study/run/open_solver.h"
 
 namespace lcpbench {
 namespace {

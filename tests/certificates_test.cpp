@@ -20,11 +20,11 @@
 #include <unistd.h>
 
 #include "core/error.h"
-#include "generators/problem_io.h"
+#include "core/io/problem_io.h"
 #include "study/certificates/certify_store.h"
 #include "study/certificates/proof_document.h"
-#include "study/merge.h"
-#include "study/runner.h"
+#include "study/store/merge.h"
+#include "study/run/runner.h"
 #include "tests/study_support.h"
 
 namespace lcpbench {

@@ -9,10 +9,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "generators/problem_io.h"
+#include "core/io/problem_io.h"
 #include "generators/sets.h"
 #include "study/paper/solvability.h"
-#include "study/statistics.h"
+#include "study/statistics/statistics.h"
 #include "tests/program_run.h"
 #include "tests/study_support.h"
 

@@ -20,7 +20,7 @@
 #include "generators/sets.h"
 #include "study/certify/certificate.h"
 #include "study/evaluation/evaluation.h"
-#include "study/statistics.h"
+#include "study/statistics/statistics.h"
 
 namespace lcpbench {
 namespace {

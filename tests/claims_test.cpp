@@ -8,7 +8,7 @@
 #include "core/spec.h"
 #include "core/timed_solve.h"
 #include "generators/sets.h"
-#include "native/answer_test.h"
+#include "native/answer_test/answer_test.h"
 #include "study/evaluation/evaluation.h"
 #include "tests/allocation_counter.h"
 

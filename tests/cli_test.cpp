@@ -11,8 +11,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "study/answer_note.h"
-#include "study/store.h"
+#include "study/run/answer_note.h"
+#include "study/store/store.h"
 #include "tests/program_run.h"
 #include "tests/study_support.h"
 

@@ -1,6 +1,6 @@
 // `lcpbench compare`: two stores that differ in a known way.
 
-#include "study/compare.h"
+#include "study/compare/store_comparison.h"
 
 #include <cmath>
 #include <limits>
@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "study/text_table.h"
+#include "study/output/text_table.h"
 #include "tests/program_run.h"
 #include "tests/synthetic_store.h"
 

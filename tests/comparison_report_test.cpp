@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "study/report.h"
+#include "study/report/report.h"
 #include "study/report/comparison_tables.h"
 #include "study/report/decision.h"
 #include "tests/program_run.h"

@@ -1,4 +1,4 @@
-#include "study/comparison.h"
+#include "study/report/solver_comparison.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "native/contact_lemke.h"
+#include "native/contact_lemke/contact_lemke.h"
 
 #include <algorithm>
 #include <cmath>

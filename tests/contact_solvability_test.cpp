@@ -1,4 +1,4 @@
-#include "native/contact_solvability.h"
+#include "native/answer_test/contact_solvability.h"
 
 #include <cmath>
 #include <limits>
@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "generators/sets.h"
-#include "native/contact_input.h"
-#include "native/contact_lemke.h"
+#include "native/contacts/contact_input.h"
+#include "native/contact_lemke/contact_lemke.h"
 #include "study/evaluation/evaluation.h"
 
 namespace lcpbench {

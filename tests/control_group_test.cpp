@@ -1,6 +1,6 @@
 // The limits on a program together with all that it starts, where the system has groups for that.
 
-#include "adapters/control_group.h"
+#include "adapters/worker/control_group.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "adapters/external_program.h"
+#include "adapters/external/external_program.h"
 #include "core/error.h"
 #include "tests/external_client.h"
 

@@ -1,16 +1,16 @@
 // A study that ended before its plan was done must look like one: in the report, on the terminal, in summary.json.
 
-#include "study/coverage.h"
+#include "study/report/coverage.h"
 
 #include <cmath>
 #include <csignal>
 
 #include <gtest/gtest.h>
 
-#include "study/merge.h"
-#include "study/report.h"
+#include "study/store/merge.h"
+#include "study/report/report.h"
 #include "study/report/coverage_notice.h"
-#include "study/runner.h"
+#include "study/run/runner.h"
 #include "tests/program_run.h"
 #include "tests/synthetic_store.h"
 

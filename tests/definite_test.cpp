@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "core/registry.h"
-#include "study/open_solver.h"
-#include "study/runner.h"
+#include "study/run/open_solver.h"
+#include "study/run/runner.h"
 #include "tests/study_support.h"
 
 namespace lcpbench {

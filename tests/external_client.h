@@ -16,7 +16,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "adapters/worker_client.h"
+#include "adapters/worker/worker_client.h"
 
 /// The external program of the tests and what they ask of it, and the processes that are about.
 namespace lcpbench {

@@ -16,9 +16,9 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include "adapters/child_processes.h"
-#include "adapters/worker_process.h"
-#include "generators/problem_io.h"
+#include "adapters/worker/child_processes.h"
+#include "adapters/worker/worker_process.h"
+#include "core/io/problem_io.h"
 #include "tests/external_client.h"
 
 namespace {

@@ -12,14 +12,14 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "adapters/external_json.h"
-#include "adapters/external_program.h"
-#include "adapters/start_directory.h"
-#include "adapters/worker_client.h"
+#include "adapters/external/external_json.h"
+#include "adapters/external/external_program.h"
+#include "adapters/external/start_directory.h"
+#include "adapters/worker/worker_client.h"
 #include "core/error.h"
-#include "generators/problem_io.h"
+#include "core/io/problem_io.h"
 #include "generators/sets.h"
-#include "study/open_solver.h"
+#include "study/run/open_solver.h"
 #include "tests/external_client.h"
 #include "tests/worker_empty_poll.h"
 

@@ -17,8 +17,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "adapters/worker_channel.h"
-#include "adapters/worker_protocol.h"
+#include "adapters/worker/worker_channel.h"
+#include "adapters/worker/worker_protocol.h"
 #include "core/registry.h"
 
 namespace lcpbench {

@@ -9,9 +9,9 @@
 
 #include "core/spec.h"
 #include "generators/hard/hard.h"
-#include "generators/paper.h"
+#include "generators/paper/paper.h"
 #include "generators/planted.h"
-#include "generators/rigid.h"
+#include "generators/rigid/rigid.h"
 
 // What the golden hashes are taken of, and how: shared by the program that is built with several compilers and by the
 // test of the library.

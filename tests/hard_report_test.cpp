@@ -6,10 +6,10 @@
 
 #include <gtest/gtest.h>
 
-#include "study/report.h"
+#include "study/report/report.h"
 #include "study/report/hard.h"
 #include "study/report/hard_section.h"
-#include "study/terminal_report.h"
+#include "study/report/terminal_report.h"
 #include "tests/synthetic_store.h"
 
 namespace lcpbench {

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "generators/hard/hard.h"
-#include "study/store.h"
+#include "study/store/store.h"
 #include "tests/program_run.h"
 #include "tests/study_support.h"
 

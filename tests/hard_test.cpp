@@ -15,8 +15,8 @@
 #include "core/registry.h"
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
-#include "study/plan.h"
-#include "study/study.h"
+#include "study/run/plan.h"
+#include "study/run/study.h"
 
 namespace lcpbench {
 namespace {

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "generators/problem_io.h"
+#include "core/io/problem_io.h"
 #include "generators/sets.h"
 #include "study/inspect/inspection.h"
 #include "study/inspect/inspection_output.h"

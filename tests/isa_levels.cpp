@@ -17,11 +17,11 @@
 #include "core/isa.h"
 #include "core/timed_solve.h"
 #include "generators/sets.h"
-#include "native/active_set.h"
-#include "native/contact_lemke.h"
-#include "native/lemke.h"
+#include "native/active_set/active_set.h"
+#include "native/contact_lemke/contact_lemke.h"
+#include "native/lemke/lemke.h"
 #include "study/evaluation/evaluation.h"
-#include "study/statistics.h"
+#include "study/statistics/statistics.h"
 
 namespace lcpbench {
 namespace {

@@ -1,4 +1,4 @@
-#include "native/island_units.h"
+#include "native/contacts/island_units.h"
 
 #include <cmath>
 

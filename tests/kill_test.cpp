@@ -19,7 +19,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "study/store.h"
+#include "study/store/store.h"
 #include "tests/study_support.h"
 
 namespace lcpbench {

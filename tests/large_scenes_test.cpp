@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "study/evaluation/evaluation.h"
-#include "study/open_solver.h"
+#include "study/run/open_solver.h"
 #include "tests/brick_wall.h"
 
 namespace lcpbench {

@@ -14,7 +14,7 @@ set(allowed_native core native)
 set(allowed_adapters core adapters)
 set(allowed_study core generators adapters study)
 set(allowed_evaluation core study/evaluation)
-set(native_method_files adapters/velocity_ipm_cholmod.cpp adapters/cholmod_factorization.h)
+set(native_method_files adapters/suitesparse/velocity_ipm_cholmod.cpp adapters/suitesparse/cholmod_factorization.h)
 
 set(violations "")
 set(seen 0)

@@ -17,7 +17,7 @@
 #include "core/isa.h"
 #include "core/timed_solve.h"
 #include "generators/sets.h"
-#include "native/lemke.h"
+#include "native/lemke/lemke.h"
 
 namespace {
 

@@ -19,7 +19,7 @@
 #include "core/settings.h"
 #include "core/spec.h"
 #include "generators/sets.h"
-#include "native/lemke_sweep.h"
+#include "native/lemke/lemke_sweep.h"
 #include "study/evaluation/evaluation.h"
 
 namespace {

@@ -26,8 +26,8 @@
 #include "core/spec.h"
 #include "core/timed_solve.h"
 #include "generators/sets.h"
-#include "native/lemke_sweep.h"
-#include "native/swept_answers.h"
+#include "native/lemke/lemke_sweep.h"
+#include "native/lemke/swept_answers.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "native/lemke_sweep.h"
+#include "native/lemke/lemke_sweep.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@
 #include "core/error.h"
 #include "core/registry.h"
 #include "generators/sets.h"
-#include "native/swept_answers.h"
+#include "native/lemke/swept_answers.h"
 #include "tests/allocation_counter.h"
 #include "tests/textbook_lcps.h"
 

@@ -1,4 +1,4 @@
-#include "native/lemke.h"
+#include "native/lemke/lemke.h"
 
 #include <cmath>
 #include <limits>

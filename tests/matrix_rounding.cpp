@@ -33,7 +33,7 @@
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
 #include "study/evaluation/quad_lcp.h"
-#include "study/open_solver.h"
+#include "study/run/open_solver.h"
 
 namespace lcpbench {
 namespace {

@@ -1,6 +1,6 @@
 // What a user relies on: a merge adds every row once, or says why it adds none, and leaves its inputs as they are.
 
-#include "study/merge.h"
+#include "study/store/merge.h"
 
 #include <filesystem>
 #include <limits>

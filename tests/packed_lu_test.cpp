@@ -1,7 +1,7 @@
 // Eigen is not renamed here, so the class must not be that of any level.
 #define LCPBENCH_LEVEL packed_lu_test
 
-#include "native/lemke_engine/packed_lu.h"
+#include "native/lemke/packed_lu.h"
 
 #include <gtest/gtest.h>
 

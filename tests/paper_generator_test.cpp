@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "generators/paper.h"
+#include "generators/paper/paper.h"
 #include "tests/generator_checks.h"
 #include "tests/opened_set.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "study/summary.h"
+#include "study/report/summary.h"
 
 namespace lcpbench {
 

@@ -14,7 +14,7 @@
 #include "study/paper/solvability.h"
 #include "study/paper/tables.h"
 #include "study/paper/tolerance_map.h"
-#include "study/report.h"
+#include "study/report/report.h"
 #include "study/report/paper.h"
 #include "tests/paper_support.h"
 #include "tests/study_support.h"

@@ -1,6 +1,6 @@
 // What a user relies on: a plan does what it says, or one line says what is wrong with it and where.
 
-#include "study/plan.h"
+#include "study/run/plan.h"
 
 #include <filesystem>
 #include <fstream>
@@ -9,7 +9,7 @@
 
 #include "core/error.h"
 #include "core/registry.h"
-#include "study/study.h"
+#include "study/run/study.h"
 #include "tests/study_support.h"
 
 namespace lcpbench {

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "generators/problem_checks.h"
-#include "generators/problem_io.h"
+#include "core/io/problem_checks.h"
+#include "core/io/problem_io.h"
 
 namespace lcpbench {
 namespace {

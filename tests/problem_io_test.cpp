@@ -1,7 +1,7 @@
 // Problem files out and in again: every number keeps its bits, the file is a function of the problem alone, and equal
 // data hash alike however they are stored.
 
-#include "generators/problem_io.h"
+#include "core/io/problem_io.h"
 
 #include <algorithm>
 #include <bit>
@@ -18,7 +18,7 @@
 #include <unistd.h>
 
 #include "core/error.h"
-#include "generators/problem_checks.h"
+#include "core/io/problem_checks.h"
 #include "generators/sets.h"
 
 namespace lcpbench {

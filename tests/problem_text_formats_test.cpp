@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "core/error.h"
-#include "generators/problem_io.h"
+#include "core/io/problem_io.h"
 
 namespace lcpbench {
 namespace {

@@ -6,9 +6,9 @@
 
 #include "core/registry.h"
 #include "generators/sets.h"
-#include "native/ode_order.h"
+#include "native/sor/ode_order.h"
 #include "study/evaluation/evaluation.h"
-#include "study/open_solver.h"
+#include "study/run/open_solver.h"
 #include "tests/allocation_counter.h"
 
 namespace lcpbench {

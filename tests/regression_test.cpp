@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "study/store.h"
+#include "study/store/store.h"
 #include "tests/program_run.h"
 #include "tests/study_support.h"
 

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "study/report.h"
+#include "study/report/report.h"
 #include "study/report/decision.h"
 #include "study/report/speed_error.h"
 #include "tests/program_run.h"

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "study/report.h"
+#include "study/report/report.h"
 #include "study/report/canvas.h"
 #include "study/report/curves.h"
 #include "study/report/labels.h"

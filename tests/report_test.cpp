@@ -1,4 +1,4 @@
-#include "study/report.h"
+#include "study/report/report.h"
 
 #include <algorithm>
 #include <cctype>
@@ -16,7 +16,7 @@
 #include "study/report/decision.h"
 #include "study/report/labels.h"
 #include "study/report/text.h"
-#include "study/terminal_report.h"
+#include "study/report/terminal_report.h"
 #include "tests/synthetic_store.h"
 
 namespace lcpbench {

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "generators/problem_io.h"
-#include "generators/rigid.h"
+#include "core/io/problem_io.h"
+#include "generators/rigid/rigid.h"
 #include "generators/sets.h"
 #include "generators/to_problem.h"
 #include "tests/generator_checks.h"

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/scene.h"
-#include "generators/rigid.h"
+#include "generators/rigid/rigid.h"
 #include "generators/to_problem.h"
 #include "tests/generator_checks.h"
 #include "tests/opened_set.h"

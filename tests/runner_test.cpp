@@ -1,7 +1,7 @@
 // What a user relies on: however a study was run - threads, shards, interruptions - it ends with the same rows; and
 // whatever a solver does, it leaves a row that says so.
 
-#include "study/runner.h"
+#include "study/run/runner.h"
 
 #include <csignal>
 #include <filesystem>
@@ -15,11 +15,11 @@
 
 #include <gtest/gtest.h>
 
-#include "adapters/worker_client.h"
+#include "adapters/worker/worker_client.h"
 #include "core/error.h"
-#include "generators/problem_io.h"
-#include "study/merge.h"
-#include "study/one_by_one.h"
+#include "core/io/problem_io.h"
+#include "study/store/merge.h"
+#include "study/run/one_by_one.h"
 #include "tests/study_support.h"
 
 namespace lcpbench {

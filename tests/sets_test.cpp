@@ -9,7 +9,7 @@
 
 #include "core/error.h"
 #include "generators/hard/hard.h"
-#include "generators/problem_io.h"
+#include "core/io/problem_io.h"
 
 namespace lcpbench {
 namespace {

@@ -1,4 +1,4 @@
-#include "generators/spectrum.h"
+#include "generators/paper/spectrum.h"
 
 #include <cmath>
 #include <limits>

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "study/report.h"
+#include "study/report/report.h"
 #include "study/report/conditioning.h"
 #include "tests/synthetic_store.h"
 

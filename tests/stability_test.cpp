@@ -14,12 +14,12 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "generators/problem_io.h"
+#include "core/io/problem_io.h"
 #include "generators/sets.h"
-#include "study/open_solver.h"
+#include "study/run/open_solver.h"
 #include "study/stability/physical_answer.h"
 #include "study/stability/stability_output.h"
-#include "study/text_table.h"
+#include "study/output/text_table.h"
 #include "tests/program_run.h"
 #include "tests/study_support.h"
 

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "study/statistics.h"
+#include "study/statistics/statistics.h"
 
 namespace lcpbench {
 namespace {

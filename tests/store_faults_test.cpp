@@ -19,7 +19,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "study/merge.h"
+#include "study/store/merge.h"
 #include "tests/filled_store.h"
 
 namespace lcpbench {

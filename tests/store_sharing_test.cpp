@@ -14,7 +14,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include "study/merge.h"
+#include "study/store/merge.h"
 #include "tests/filled_store.h"
 
 namespace {

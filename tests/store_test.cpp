@@ -1,6 +1,6 @@
 // What a user relies on: a store gives back exactly what went in, and says clearly when a file cannot be used.
 
-#include "study/store.h"
+#include "study/store/store.h"
 
 #include <bit>
 #include <cmath>
@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "study/vector_codec.h"
+#include "study/store/vector_codec.h"
 #include "tests/study_support.h"
 
 namespace lcpbench {

@@ -12,9 +12,9 @@
 #include <unistd.h>
 
 #include "generators/sets.h"
-#include "study/row_checksum.h"
-#include "study/store.h"
-#include "study/study.h"
+#include "study/store/row_checksum.h"
+#include "study/store/store.h"
+#include "study/run/study.h"
 
 namespace lcpbench {
 

@@ -1,4 +1,4 @@
-#include "study/summary.h"
+#include "study/report/summary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "study/report.h"
+#include "study/report/report.h"
 #include "tests/synthetic_store.h"
 
 namespace lcpbench {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <string>
 
-#include "study/store.h"
+#include "study/store/store.h"
 #include "tests/study_support.h"
 
 namespace lcpbench {

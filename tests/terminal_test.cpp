@@ -1,7 +1,7 @@
 // What the commands print for people: it fits the terminal, the answer comes last and is short, a misspelt name is
 // recognised.
 
-#include "study/terminal.h"
+#include "study/output/terminal.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -13,8 +13,8 @@
 #include <gtest/gtest.h>
 
 #include "study/report/canvas.h"
-#include "study/terminal_report.h"
-#include "study/text_table.h"
+#include "study/report/terminal_report.h"
+#include "study/output/text_table.h"
 #include "tests/program_run.h"
 #include "tests/synthetic_store.h"
 

@@ -1,7 +1,7 @@
 // What a user relies on: `lcpbench validate` says that ours is wrong exactly when it is, whoever else is, and by the
 // verdicts of the one evaluation.
 
-#include "study/validate.h"
+#include "study/validate/validate.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -11,8 +11,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "study/open_solver.h"
-#include "study/runner.h"
+#include "study/run/open_solver.h"
+#include "study/run/runner.h"
 #include "tests/program_run.h"
 #include "tests/study_support.h"
 

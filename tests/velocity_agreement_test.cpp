@@ -1,7 +1,7 @@
 // What a user relies on: answers with different impulses and one velocity agree, and a velocity that is another one is
 // seen.
 
-#include "study/velocity_agreement.h"
+#include "study/validate/velocity_agreement.h"
 
 #include <limits>
 

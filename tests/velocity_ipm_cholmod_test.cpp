@@ -3,7 +3,7 @@
 
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
-#include "study/open_solver.h"
+#include "study/run/open_solver.h"
 #include "tests/brick_wall.h"
 #include "tests/textbook_lcps.h"
 #include "tests/two_chains.h"

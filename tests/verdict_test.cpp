@@ -10,7 +10,7 @@
 #include <sqlite3.h>
 
 #include "study/evaluation/evaluation.h"
-#include "study/schema.h"
+#include "study/store/schema.h"
 
 namespace lcpbench {
 namespace {

@@ -1,6 +1,6 @@
 // The work of a run is found as it goes: in the order and with the counts that a list of all of it would have.
 
-#include "study/work_queue.h"
+#include "study/run/work_queue.h"
 
 #include <algorithm>
 #include <random>
@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "study/runner.h"
+#include "study/run/runner.h"
 #include "tests/study_support.h"
 
 namespace lcpbench {

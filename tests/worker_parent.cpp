@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <thread>
 
-#include "adapters/worker_client.h"
+#include "adapters/worker/worker_client.h"
 
 namespace lcpbench {
 namespace {

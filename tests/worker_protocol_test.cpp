@@ -1,6 +1,6 @@
 // Problems and answers cross the process border bit for bit, and nothing malformed crosses it at all.
 
-#include "adapters/worker_protocol.h"
+#include "adapters/worker/worker_protocol.h"
 
 #include <cmath>
 #include <cstring>

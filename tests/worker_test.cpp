@@ -20,8 +20,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "adapters/worker_client.h"
-#include "adapters/worker_protocol.h"
+#include "adapters/worker/worker_client.h"
+#include "adapters/worker/worker_protocol.h"
 #include "core/error.h"
 #include "tests/worker_empty_poll.h"
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "generators/problem_io.h"
+#include "core/io/problem_io.h"
 #include "generators/sets.h"
 
 namespace lcpbench {

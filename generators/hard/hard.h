@@ -7,7 +7,7 @@
 
 #include "core/settings.h"
 #include "generators/column_major.h"
-#include "generators/paper.h"
+#include "generators/paper/paper.h"
 
 // Problems that are hard for a reason, each by a formula with its dials: no random numbers, no trials, the same bits
 // everywhere. Where the formula gives the answer too, the answer comes with it.

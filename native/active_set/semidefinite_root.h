@@ -2,7 +2,7 @@
 
 #include "native/active_set/arithmetic.h"
 #include "native/active_set/orthogonal_basis.h"
-#include "native/active_set_engine.h"
+#include "native/active_set/active_set_engine.h"
 
 namespace lcpbench::active_set::LCPBENCH_LEVEL {
 

@@ -3,7 +3,7 @@
 #include "native/active_set/arithmetic.h"
 #include "native/active_set/inverse_trace.h"
 #include "native/active_set/semidefinite_root.h"
-#include "native/active_set_engine.h"
+#include "native/active_set/active_set_engine.h"
 
 namespace lcpbench::active_set::LCPBENCH_LEVEL {
 

@@ -7,7 +7,7 @@
 
 #include "core/lcp.h"
 #include "core/quad.h"
-#include "native/tableau_engine.h"
+#include "native/auto/tableau_engine.h"
 
 namespace lcpbench {
 

@@ -3,9 +3,9 @@
 #include <optional>
 
 #include "core/problem.h"
-#include "native/active_set.h"
+#include "native/active_set/active_set.h"
 #include "native/auto/methods.h"
-#include "native/contact_lemke.h"
+#include "native/contact_lemke/contact_lemke.h"
 
 namespace lcpbench {
 

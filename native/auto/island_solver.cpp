@@ -7,8 +7,8 @@
 #include <variant>
 
 #include "native/auto/rest.h"
-#include "native/contact_impulses.h"
-#include "native/contact_solvability.h"
+#include "native/contacts/contact_impulses.h"
+#include "native/answer_test/contact_solvability.h"
 
 namespace lcpbench {
 namespace {

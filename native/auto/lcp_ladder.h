@@ -4,7 +4,7 @@
 #include "core/solver.h"
 #include "native/auto/covering_lemke.h"
 #include "native/enumeration/exact_search.h"
-#include "native/lemke.h"
+#include "native/lemke/lemke.h"
 
 namespace lcpbench {
 

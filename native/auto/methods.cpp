@@ -4,8 +4,8 @@
 #include <string_view>
 
 #include "core/timed_solve.h"
-#include "native/active_set.h"
-#include "native/contact_lemke.h"
+#include "native/active_set/active_set.h"
+#include "native/contact_lemke/contact_lemke.h"
 
 namespace lcpbench {
 

@@ -4,8 +4,8 @@
 #include <limits>
 #include <variant>
 
-#include "native/contact_solvability.h"
-#include "native/scaled_numbers.h"
+#include "native/answer_test/contact_solvability.h"
+#include "native/answer_test/scaled_numbers.h"
 
 namespace lcpbench {
 namespace {

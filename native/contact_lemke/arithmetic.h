@@ -1,6 +1,6 @@
 #pragma once
 
-#include "native/lemke_engine/pack.h"
+#include "native/lemke/pack.h"
 
 #if defined(LCPBENCH_CONTACT_QUAD)
 #include "core/quad.h"

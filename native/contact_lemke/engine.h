@@ -3,7 +3,7 @@
 #include <cstddef>
 
 // The border between the solver `contact_lemke` and its engine, which is compiled once per instruction-set level and
-// once in 113-bit arithmetic. Only plain structs and pointers cross it, for the reason given in native/lemke_engine.h.
+// once in 113-bit arithmetic. Only plain structs and pointers cross it, for the reason given in native/lemke/lemke_engine.h.
 
 namespace lcpbench::contact_lemke {
 

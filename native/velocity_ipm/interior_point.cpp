@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/timed_solve.h"
-#include "native/contact_edges.h"
+#include "native/contacts/contact_edges.h"
 
 namespace lcpbench {
 namespace {

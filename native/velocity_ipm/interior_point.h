@@ -5,7 +5,7 @@
 #include "core/contact_problem.h"
 #include "core/solver.h"
 #include "native/answer_room.h"
-#include "native/island_units.h"
+#include "native/contacts/island_units.h"
 #include "native/velocity_ipm/settings.h"
 #include "native/velocity_ipm/whitened_normals.h"
 

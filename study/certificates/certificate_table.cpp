@@ -6,9 +6,9 @@
 
 #include "core/error.h"
 #include "study/certificates/proof_document.h"
-#include "study/json_output.h"
-#include "study/row_checksum.h"
-#include "study/vector_codec.h"
+#include "study/output/json_output.h"
+#include "study/store/row_checksum.h"
+#include "study/store/vector_codec.h"
 
 namespace lcpbench {
 namespace {

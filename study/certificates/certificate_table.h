@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "study/certify/certificate.h"
-#include "study/store.h"
+#include "study/store/store.h"
 
 namespace lcpbench {
 

@@ -13,10 +13,10 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "generators/problem_io.h"
+#include "core/io/problem_io.h"
 #include "generators/sets.h"
 #include "study/certificates/proof_document.h"
-#include "study/result_exchange.h"
+#include "study/run/result_exchange.h"
 
 namespace lcpbench {
 namespace {

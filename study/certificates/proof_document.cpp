@@ -7,8 +7,8 @@
 #include <zlib.h>
 
 #include "core/error.h"
-#include "generators/problem_io.h"
-#include "study/json_output.h"
+#include "core/io/problem_io.h"
+#include "study/output/json_output.h"
 
 namespace lcpbench {
 namespace {

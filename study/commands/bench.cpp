@@ -11,12 +11,12 @@
 #include "core/registry.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
-#include "study/interrupt.h"
-#include "study/json_output.h"
-#include "study/provenance.h"
-#include "study/speed_bench.h"
-#include "study/terminal.h"
-#include "study/text_table.h"
+#include "study/run/interrupt.h"
+#include "study/output/json_output.h"
+#include "study/run/provenance.h"
+#include "study/commands/speed_bench.h"
+#include "study/output/terminal.h"
+#include "study/output/text_table.h"
 
 namespace lcpbench {
 namespace {

@@ -22,12 +22,12 @@
 #include "study/commands/options.h"
 #include "study/commands/problem_text.h"
 #include "study/commands/stores.h"
-#include "study/interrupt.h"
-#include "study/json_output.h"
-#include "study/provenance.h"
-#include "study/statistics.h"
-#include "study/terminal.h"
-#include "study/text_table.h"
+#include "study/run/interrupt.h"
+#include "study/output/json_output.h"
+#include "study/run/provenance.h"
+#include "study/statistics/statistics.h"
+#include "study/output/terminal.h"
+#include "study/output/text_table.h"
 
 namespace lcpbench {
 namespace {

@@ -1,4 +1,4 @@
-#include "study/compare.h"
+#include "study/compare/store_comparison.h"
 
 #include <filesystem>
 #include <memory>
@@ -10,9 +10,9 @@
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
 #include "study/commands/stores.h"
-#include "study/json_output.h"
-#include "study/terminal.h"
-#include "study/text_table.h"
+#include "study/output/json_output.h"
+#include "study/output/terminal.h"
+#include "study/output/text_table.h"
 
 namespace lcpbench {
 namespace {

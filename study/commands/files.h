@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/error.h"
-#include "generators/problem_io.h"
-#include "study/terminal.h"
+#include "core/io/problem_io.h"
+#include "study/output/terminal.h"
 
 namespace lcpbench {
 

@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "generators/problem_io.h"
+#include "core/io/problem_io.h"
 #include "generators/sets.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
-#include "study/terminal.h"
+#include "study/output/terminal.h"
 
 namespace lcpbench {
 namespace {

@@ -8,9 +8,9 @@
 #include "study/commands/options.h"
 #include "study/inspect/inspection.h"
 #include "study/inspect/inspection_output.h"
-#include "study/interrupt.h"
-#include "study/json_output.h"
-#include "study/terminal.h"
+#include "study/run/interrupt.h"
+#include "study/output/json_output.h"
+#include "study/output/terminal.h"
 
 namespace lcpbench {
 namespace {

@@ -13,10 +13,10 @@
 #include "generators/sets.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
-#include "study/json_output.h"
-#include "study/open_solver.h"
-#include "study/terminal.h"
-#include "study/text_table.h"
+#include "study/output/json_output.h"
+#include "study/run/open_solver.h"
+#include "study/output/terminal.h"
+#include "study/output/text_table.h"
 
 namespace lcpbench {
 namespace {

@@ -1,4 +1,4 @@
-#include "study/merge.h"
+#include "study/store/merge.h"
 
 #include <filesystem>
 #include <memory>
@@ -6,8 +6,8 @@
 
 #include "study/commands/commands.h"
 #include "study/commands/stores.h"
-#include "study/terminal.h"
-#include "study/text_table.h"
+#include "study/output/terminal.h"
+#include "study/output/text_table.h"
 
 namespace lcpbench {
 namespace {

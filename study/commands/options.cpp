@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "study/terminal.h"
-#include "study/text_table.h"
+#include "study/output/terminal.h"
+#include "study/output/text_table.h"
 
 namespace lcpbench {
 namespace {

@@ -1,4 +1,4 @@
-#include "study/report.h"
+#include "study/report/report.h"
 
 #include <cstdio>
 #include <filesystem>
@@ -7,9 +7,9 @@
 #include "core/error.h"
 #include "study/commands/commands.h"
 #include "study/commands/stores.h"
-#include "study/coverage.h"
+#include "study/report/coverage.h"
 #include "study/report/coverage_notice.h"
-#include "study/terminal.h"
+#include "study/output/terminal.h"
 
 namespace lcpbench {
 namespace {

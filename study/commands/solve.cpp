@@ -9,21 +9,21 @@
 
 #include <fmt/format.h>
 
-#include "adapters/worker_client.h"
-#include "study/answer_note.h"
+#include "adapters/worker/worker_client.h"
+#include "study/run/answer_note.h"
 #include "study/certificates/settle.h"
 #include "study/commands/commands.h"
 #include "study/commands/files.h"
 #include "study/commands/options.h"
 #include "study/commands/problem_text.h"
 #include "study/evaluation/evaluation.h"
-#include "study/explanation.h"
-#include "study/interrupt.h"
-#include "study/json_output.h"
-#include "study/open_solver.h"
-#include "study/study.h"
-#include "study/terminal.h"
-#include "study/text_table.h"
+#include "study/output/explanation.h"
+#include "study/run/interrupt.h"
+#include "study/output/json_output.h"
+#include "study/run/open_solver.h"
+#include "study/run/study.h"
+#include "study/output/terminal.h"
+#include "study/output/text_table.h"
 
 namespace lcpbench {
 namespace {

@@ -11,13 +11,13 @@
 #include "core/error.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
-#include "study/interrupt.h"
-#include "study/json_output.h"
-#include "study/open_solver.h"
-#include "study/plan.h"
-#include "study/provenance.h"
+#include "study/run/interrupt.h"
+#include "study/output/json_output.h"
+#include "study/run/open_solver.h"
+#include "study/run/plan.h"
+#include "study/run/provenance.h"
 #include "study/stability/stability_output.h"
-#include "study/terminal.h"
+#include "study/output/terminal.h"
 
 namespace lcpbench {
 namespace {

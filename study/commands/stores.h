@@ -2,8 +2,8 @@
 
 #include <filesystem>
 
-#include "study/store.h"
-#include "study/terminal.h"
+#include "study/store/store.h"
+#include "study/output/terminal.h"
 
 namespace lcpbench {
 

@@ -1,4 +1,4 @@
-#include "study/validate.h"
+#include "study/validate/validate.h"
 
 #include <algorithm>
 #include <cctype>
@@ -22,19 +22,19 @@
 #include <unistd.h>
 
 #include "core/error.h"
-#include "generators/problem_io.h"
+#include "core/io/problem_io.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
 #include "study/commands/stores.h"
-#include "study/coverage.h"
-#include "study/interrupt.h"
-#include "study/json_output.h"
-#include "study/plan.h"
-#include "study/provenance.h"
+#include "study/report/coverage.h"
+#include "study/run/interrupt.h"
+#include "study/output/json_output.h"
+#include "study/run/plan.h"
+#include "study/run/provenance.h"
 #include "study/report/csv.h"
-#include "study/runner.h"
-#include "study/terminal.h"
-#include "study/text_table.h"
+#include "study/run/runner.h"
+#include "study/output/terminal.h"
+#include "study/output/text_table.h"
 
 namespace lcpbench {
 namespace {

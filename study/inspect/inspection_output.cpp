@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "study/json_output.h"
-#include "study/text_table.h"
+#include "study/output/json_output.h"
+#include "study/output/text_table.h"
 
 namespace lcpbench {
 namespace {

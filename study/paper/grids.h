@@ -8,7 +8,7 @@
 #include "core/spec.h"
 #include "study/paper/intervals.h"
 #include "study/paper/published.h"
-#include "study/summary.h"
+#include "study/report/summary.h"
 
 namespace lcpbench::paper {
 

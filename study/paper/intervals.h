@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "study/statistics.h"
+#include "study/statistics/statistics.h"
 
 namespace lcpbench::paper {
 

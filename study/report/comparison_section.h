@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "study/comparison.h"
+#include "study/report/solver_comparison.h"
 #include "study/report/page.h"
 
 namespace lcpbench::report {

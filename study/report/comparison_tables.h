@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "study/comparison.h"
+#include "study/report/solver_comparison.h"
 
 namespace lcpbench::report {
 

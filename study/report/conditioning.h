@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "study/report/speed_error.h"
-#include "study/summary.h"
+#include "study/report/summary.h"
 
 namespace lcpbench::report {
 

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "study/coverage.h"
+#include "study/report/coverage.h"
 
 // What a reader is told of a store that does not hold all that its runs planned. A whole store has nothing to tell.
 

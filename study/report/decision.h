@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "study/report/reliability.h"
-#include "study/summary.h"
+#include "study/report/summary.h"
 
 namespace lcpbench::report {
 

@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "study/comparison.h"
+#include "study/report/solver_comparison.h"
 #include "study/report/figures.h"
 
 namespace lcpbench::report {

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "study/report/canvas.h"
-#include "study/summary.h"
+#include "study/report/summary.h"
 
 namespace lcpbench::report {
 

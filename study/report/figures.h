@@ -6,7 +6,7 @@
 
 #include "study/report/conditioning.h"
 #include "study/report/speed_error.h"
-#include "study/summary.h"
+#include "study/report/summary.h"
 
 namespace lcpbench::report {
 

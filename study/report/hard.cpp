@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 #include "generators/hard/hard.h"
-#include "study/comparison.h"
+#include "study/report/solver_comparison.h"
 
 namespace lcpbench::report {
 

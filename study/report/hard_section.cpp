@@ -5,11 +5,11 @@
 
 #include <fmt/format.h>
 
-#include "study/comparison.h"
+#include "study/report/solver_comparison.h"
 #include "study/report/hard.h"
 #include "study/report/html_table.h"
 #include "study/report/text.h"
-#include "study/text_table.h"
+#include "study/output/text_table.h"
 
 namespace lcpbench::report {
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "study/summary.h"
+#include "study/report/summary.h"
 
 namespace lcpbench::report {
 

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "study/comparison.h"
+#include "study/report/solver_comparison.h"
 #include "study/report/decision.h"
 #include "study/report/figures.h"
 #include "study/report/paper.h"
-#include "study/summary.h"
+#include "study/report/summary.h"
 
 namespace lcpbench::report {
 

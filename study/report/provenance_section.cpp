@@ -6,7 +6,7 @@
 
 #include "study/report/html_table.h"
 #include "study/report/text.h"
-#include "study/text_table.h"
+#include "study/output/text_table.h"
 
 namespace lcpbench::report {
 

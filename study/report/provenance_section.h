@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "study/summary.h"
+#include "study/report/summary.h"
 
 namespace lcpbench::report {
 

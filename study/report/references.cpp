@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "study/comparison.h"
+#include "study/report/solver_comparison.h"
 #include "study/report/figures.h"
 #include "study/report/hard.h"
 #include "study/report/text.h"

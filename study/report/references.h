@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "study/report/decision.h"
-#include "study/summary.h"
+#include "study/report/summary.h"
 
 // The solver that factors are over: the paper's dense one, unless the reader chooses another one in the page.
 

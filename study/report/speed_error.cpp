@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-#include "study/comparison.h"
+#include "study/report/solver_comparison.h"
 #include "study/report/figures.h"
 #include "study/report/hard.h"
 

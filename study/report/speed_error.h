@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "study/report/reliability.h"
-#include "study/summary.h"
+#include "study/report/summary.h"
 
 namespace lcpbench::report {
 

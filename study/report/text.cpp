@@ -6,7 +6,7 @@
 
 #include "core/utf8.h"
 #include "study/report/conditioning.h"
-#include "study/text_table.h"
+#include "study/output/text_table.h"
 
 namespace lcpbench::report {
 

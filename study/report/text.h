@@ -3,8 +3,8 @@
 #include <string>
 #include <string_view>
 
-#include "study/statistics.h"
-#include "study/summary.h"
+#include "study/statistics/statistics.h"
+#include "study/report/summary.h"
 
 namespace lcpbench::report {
 

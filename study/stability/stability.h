@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "study/stability/transformations.h"
-#include "study/study.h"
+#include "study/run/study.h"
 
 namespace lcpbench {
 

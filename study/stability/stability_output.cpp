@@ -10,10 +10,10 @@
 
 #include <fmt/format.h>
 
-#include "study/json_output.h"
-#include "study/statistics.h"
-#include "study/terminal.h"
-#include "study/text_table.h"
+#include "study/output/json_output.h"
+#include "study/statistics/statistics.h"
+#include "study/output/terminal.h"
+#include "study/output/text_table.h"
 
 namespace lcpbench {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "core/error.h"
 #include "core/spec.h"
-#include "generators/problem_io.h"
-#include "study/provenance.h"
+#include "core/io/problem_io.h"
+#include "study/run/provenance.h"
 #include "tests/attack/campaign.h"
 
 namespace lcpbench::attack {

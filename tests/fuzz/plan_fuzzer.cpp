@@ -1,4 +1,4 @@
-#include "study/plan.h"
+#include "study/run/plan.h"
 #include "tests/fuzz/harness.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

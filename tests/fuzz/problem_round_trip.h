@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "generators/problem_io.h"
+#include "core/io/problem_io.h"
 #include "tests/fuzz/harness.h"
 
 namespace lcpbench::fuzz {

@@ -1,4 +1,4 @@
-#include "adapters/worker_protocol.h"
+#include "adapters/worker/worker_protocol.h"
 #include "tests/fuzz/worker_bytes.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

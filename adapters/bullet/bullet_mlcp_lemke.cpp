@@ -1,0 +1,74 @@
+// Bullet's btLemkeSolver: the wrapper that its worlds use around btLemkeAlgorithm.
+//
+// By default it inverts the matrix without exchanging rows, solves a problem of twice the size that has the bounds in
+// its data, and discards every answer with an entry beyond 1e5. All of that is the library's, and measured as such.
+#include "core/registry.h"
+
+#ifndef LCPBENCH_DESCRIBE_ONLY
+#include <BulletDynamics/MLCPSolvers/btLemkeSolver.h>
+
+#include "adapters/bullet/bullet_common.h"
+#endif
+
+namespace lcpbench {
+namespace {
+
+constexpr Capabilities kCapabilities{.guarantees = "none stated by the library"};
+
+struct BulletMlcpLemkeSettings {
+  std::int64_t max_loops = 1000;
+  bool box = true;
+  double upper = 1e10;
+  double max_value = 1e5;
+
+  void visit(auto&& field) {
+    field("max_loops", max_loops, IntegerRange{.min = 1, .max = 1000000000}, "m_maxLoops: pivots at most");
+    field("box", box, "m_useLoHighBounds: bounds in the data, with an inverse of M; false: btLemkeAlgorithm on (q, M)");
+    field("upper", upper, RealRange{.min = 0.0}, "upper bound of every unknown, with box; 1e10 is that of contacts");
+    field("max_value", max_value, RealRange{.min = 0.0}, "m_maxValue: an answer with a larger entry is discarded");
+  }
+};
+
+#ifndef LCPBENCH_DESCRIBE_ONLY
+
+class BulletMlcpLemke final : public Solver {
+ public:
+  explicit BulletMlcpLemke(const BulletMlcpLemkeSettings& settings) : settings_(settings) {}
+  const Capabilities& capabilities() const override { return kCapabilities; }
+
+ protected:
+  void on_load(const Problem& problem) override { mlcp_.load(make_lcp(problem), settings_.upper); }
+
+  void on_solve(const SolveRequest&, Answer& answer) override {
+    btLemkeSolver solver;
+    solver.m_maxLoops = static_cast<int>(settings_.max_loops);
+    solver.m_useLoHighBounds = settings_.box;
+    solver.m_maxValue = settings_.max_value;
+    constexpr int kUnused = 0;  // the interface's number of iterations is not read
+    const bool solved = mlcp_.solve(solver, kUnused, answer.z);
+    answer.claim = solved ? Claim::kSolved : Claim::kNumericalFailure;
+    if (!solved) answer.detail = "solveMLCP returned false";
+  }
+
+ private:
+  BulletMlcpLemkeSettings settings_;
+  BulletMlcp mlcp_;
+};
+
+#endif
+
+}  // namespace
+
+SolverDefinition lcpbench_solver_bullet_mlcp_lemke() {
+  SolverDefinition definition{.name = "bullet_mlcp_lemke",
+                              .summary = "Bullet's btLemkeSolver (float64): its Lemke algorithm as its worlds call it",
+                              .source = "Bullet Physics, BulletDynamics/MLCPSolvers; after J. E. Lloyd, ICRA 2005",
+                              .capabilities = kCapabilities};
+#ifdef LCPBENCH_DESCRIBE_ONLY
+  return with_settings<BulletMlcpLemkeSettings>(std::move(definition));
+#else
+  return define_solver<BulletMlcpLemke, BulletMlcpLemkeSettings>(std::move(definition));
+#endif
+}
+
+}  // namespace lcpbench

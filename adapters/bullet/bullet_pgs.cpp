@@ -1,0 +1,65 @@
+// Bullet's btSolveProjectedGaussSeidel on the matrix.
+#include "core/registry.h"
+
+#ifndef LCPBENCH_DESCRIBE_ONLY
+#include <BulletDynamics/MLCPSolvers/btSolveProjectedGaussSeidel.h>
+
+#include "adapters/bullet/bullet_common.h"
+#endif
+
+namespace lcpbench {
+namespace {
+
+constexpr Capabilities kCapabilities{.frictionless_only = true,
+                                     .guarantees = "converges for symmetric positive definite M"};
+
+struct BulletPgsSettings {
+  std::int64_t iterations = 10;
+
+  void visit(auto&& field) {
+    field("iterations", iterations, IntegerRange{.min = 1, .max = 1000000000},
+          "sweeps over the unknowns; 10 is Bullet's default for a step");
+  }
+};
+
+#ifndef LCPBENCH_DESCRIBE_ONLY
+
+class BulletPgs final : public Solver {
+ public:
+  explicit BulletPgs(const BulletPgsSettings& settings) : settings_(settings) {}
+  const Capabilities& capabilities() const override { return kCapabilities; }
+
+ protected:
+  void on_load(const Problem& problem) override { mlcp_.load(make_lcp(problem), static_cast<double>(BT_INFINITY)); }
+
+  void on_solve(const SolveRequest&, Answer& answer) override {
+    btSolveProjectedGaussSeidel solver;
+    // It has no test of convergence that could fail: what it returns is always true.
+    const bool solved = mlcp_.solve(solver, static_cast<int>(settings_.iterations), answer.z);
+    answer.counters.iterations = settings_.iterations;
+    answer.claim = solved ? Claim::kSolved : Claim::kNumericalFailure;
+  }
+
+ private:
+  BulletPgsSettings settings_;
+  BulletMlcp mlcp_;
+};
+
+#endif
+
+}  // namespace
+
+SolverDefinition lcpbench_solver_bullet_pgs() {
+  SolverDefinition definition{
+      .name = "bullet_pgs",
+      .summary = "Bullet's projected Gauss-Seidel solver (btSolveProjectedGaussSeidel, float64)",
+      .source = "Bullet Physics, BulletDynamics/MLCPSolvers; finished sweeps count as a claim, it has no failure",
+      .capabilities = kCapabilities};
+#ifdef LCPBENCH_DESCRIBE_ONLY
+  return with_settings<BulletPgsSettings>(std::move(definition));
+#else
+  return define_solver<BulletPgs, BulletPgsSettings>(std::move(definition));
+#endif
+}
+
+}  // namespace lcpbench

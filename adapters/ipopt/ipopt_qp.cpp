@@ -1,0 +1,113 @@
+// Ipopt on the convex quadratic program whose optimality conditions are the symmetric LCP.
+#include "adapters/ipopt/ipopt_common.h"
+#include "core/registry.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr Capabilities kCapabilities{.frictionless_only = true,
+                                     .guarantees = "symmetric positive semidefinite M (a convex program)",
+                                     .obeys_time_limit = true};
+
+#ifndef LCPBENCH_DESCRIBE_ONLY
+
+/// min 1/2 z'Mz + q'z subject to z >= 0. Its multipliers are w = M z + q.
+class BoundQp final : public QuietProgram {
+ public:
+  explicit BoundQp(const Lcp& lcp) : lcp_(lcp) {}
+
+  bool get_nlp_info(Ipopt::Index& n, Ipopt::Index& m, Ipopt::Index& jacobian_entries, Ipopt::Index& hessian_entries,
+                    IndexStyleEnum& style) override {
+    n = static_cast<Ipopt::Index>(lcp_.size());
+    m = 0;
+    jacobian_entries = 0;
+    hessian_entries = n * (n + 1) / 2;
+    style = C_STYLE;
+    return true;
+  }
+  bool get_bounds_info(Ipopt::Index n, Ipopt::Number* lower, Ipopt::Number* upper, Ipopt::Index, Ipopt::Number*,
+                       Ipopt::Number*) override {
+    std::fill_n(lower, n, 0.0);
+    std::fill_n(upper, n, kInfinity);
+    return true;
+  }
+  bool get_starting_point(Ipopt::Index n, bool, Ipopt::Number* z, bool, Ipopt::Number*, Ipopt::Number*, Ipopt::Index,
+                          bool, Ipopt::Number*) override {
+    std::fill_n(z, n, 0.0);
+    return true;
+  }
+  bool eval_f(Ipopt::Index n, const Ipopt::Number* z, bool, Ipopt::Number& value) override {
+    const Eigen::Map<const Vector> point(z, n);
+    value = 0.5 * point.dot(lcp_.M * point) + lcp_.q.dot(point);
+    return true;
+  }
+  bool eval_grad_f(Ipopt::Index n, const Ipopt::Number* z, bool, Ipopt::Number* gradient) override {
+    Eigen::Map<Vector>(gradient, n) = lcp_.M * Eigen::Map<const Vector>(z, n) + lcp_.q;
+    return true;
+  }
+  bool eval_g(Ipopt::Index, const Ipopt::Number*, bool, Ipopt::Index, Ipopt::Number*) override { return true; }
+  bool eval_jac_g(Ipopt::Index, const Ipopt::Number*, bool, Ipopt::Index, Ipopt::Index, Ipopt::Index*, Ipopt::Index*,
+                  Ipopt::Number*) override {
+    return true;
+  }
+  bool eval_h(Ipopt::Index n, const Ipopt::Number*, bool, Ipopt::Number objective_factor, Ipopt::Index,
+              const Ipopt::Number*, bool, Ipopt::Index, Ipopt::Index* rows, Ipopt::Index* columns,
+              Ipopt::Number* values) override {
+    Ipopt::Index entry = 0;
+    for (Ipopt::Index i = 0; i < n; ++i) {
+      for (Ipopt::Index j = 0; j <= i; ++j, ++entry) {
+        if (values == nullptr) {
+          rows[entry] = i;
+          columns[entry] = j;
+        } else {
+          values[entry] = objective_factor * lcp_.M(i, j);
+        }
+      }
+    }
+    return true;
+  }
+
+ private:
+  const Lcp& lcp_;
+};
+
+class IpoptQp final : public Solver {
+ public:
+  explicit IpoptQp(const IpoptSettings& settings) : settings_(settings) {}
+  const Capabilities& capabilities() const override { return kCapabilities; }
+
+ protected:
+  void on_load(const Problem& problem) override { lcp_ = make_lcp(problem); }
+
+  void on_solve(const SolveRequest& request, Answer& answer) override {
+    if (lcp_.size() == 0) {
+      answer.claim = Claim::kSolved;
+      return;
+    }
+    const Ipopt::SmartPtr<QuietProgram> program = new BoundQp(lcp_);
+    run_ipopt(program, settings_, request.time_limit_s, answer);
+    if (program->solution().size() == lcp_.size()) answer.z = program->solution();
+  }
+
+ private:
+  IpoptSettings settings_;
+  Lcp lcp_;
+};
+
+#endif
+
+}  // namespace
+
+SolverDefinition lcpbench_solver_ipopt_qp() {
+  SolverDefinition definition{.name = "ipopt_qp",
+                              .summary = "Ipopt on min 1/2 z'Mz + q'z, z >= 0 (frictionless problems)",
+                              .source = "Waechter, Biegler 2006, Math. Program. 106",
+                              .capabilities = kCapabilities};
+#ifdef LCPBENCH_DESCRIBE_ONLY
+  return with_settings<IpoptSettings>(std::move(definition));
+#else
+  return define_solver<IpoptQp, IpoptSettings>(std::move(definition));
+#endif
+}
+
+}  // namespace lcpbench

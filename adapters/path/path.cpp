@@ -1,0 +1,211 @@
+// PATH, from a library of the user's own: opened at run time, never linked.
+#include <cstdlib>
+#include <filesystem>
+
+#include "core/registry.h"
+
+#ifdef LCPBENCH_DESCRIBE_ONLY
+#define XXH_INLINE_ALL
+#include <array>
+#include <cstddef>
+#include <cstdio>
+#include <fstream>
+#include <optional>
+
+#include <xxhash.h>
+#else
+#include <algorithm>
+#include <vector>
+
+#include "adapters/path/path_library.h"
+#endif
+
+namespace lcpbench {
+namespace {
+
+constexpr Capabilities kCapabilities{.guarantees = "none stated by the library", .obeys_time_limit = true};
+
+struct PathSettings {
+  double tolerance = 1e-6;
+  std::int64_t major_iterations = 500;
+
+  void visit(auto&& field) {
+    field("tolerance", tolerance, RealRange{.min = 1e-300, .max = 1.0},
+          "PATH's convergence_tolerance; 1e-6 is PATH's default");
+    field("major_iterations", major_iterations, IntegerRange{.min = 1, .max = 1000000000},
+          "PATH's major_iteration_limit; 500 is PATH's default");
+  }
+};
+
+#ifndef LCPBENCH_DESCRIBE_ONLY
+
+/// F(z) = M z + q with 0 <= z, in the form that PATH's callbacks ask for: the columns' entries that are not zero.
+class LinearMcp {
+ public:
+  explicit LinearMcp(const Lcp& lcp) : q_(lcp.q) {
+    const Index n = lcp.size();
+    starts_.push_back(0);
+    for (Index j = 0; j < n; ++j) {
+      for (Index i = 0; i < n; ++i) {
+        if (lcp.M(i, j) == 0.0) continue;
+        rows_.push_back(static_cast<int>(i));
+        values_.push_back(lcp.M(i, j));
+      }
+      starts_.push_back(static_cast<int>(rows_.size()));
+    }
+  }
+
+  int size() const { return static_cast<int>(q_.size()); }
+  int entries() const { return static_cast<int>(rows_.size()); }
+
+  path::McpInterface callbacks() {
+    path::McpInterface callbacks;
+    callbacks.data = this;
+    callbacks.problem_size = [](void* self, int* n, int* entries) {
+      *n = of(self).size();
+      *entries = of(self).entries();
+    };
+    callbacks.bounds = [](void*, int n, double* z, double* lower, double* upper) {
+      std::fill_n(z, n, 0.0);
+      std::fill_n(lower, n, 0.0);
+      std::fill_n(upper, n, path::kInfinity);
+    };
+    callbacks.function = [](void* self, int, double* z, double* f) {
+      of(self).evaluate(z, f);
+      return 0;
+    };
+    callbacks.jacobian = [](void* self, int, double* z, int wants_f, double* f, int* entries, int* starts, int* lengths,
+                            int* rows, double* values) {
+      if (wants_f != 0) of(self).evaluate(z, f);
+      of(self).write_jacobian(starts, lengths, rows, values);
+      *entries = of(self).entries();
+      return 0;
+    };
+    return callbacks;
+  }
+
+ private:
+  static const LinearMcp& of(void* self) { return *static_cast<const LinearMcp*>(self); }
+
+  void evaluate(const double* z, double* f) const {
+    std::copy_n(q_.data(), q_.size(), f);
+    for (std::size_t j = 0; j + 1 < starts_.size(); ++j) {
+      for (int k = starts_[j]; k < starts_[j + 1]; ++k) {
+        const auto entry = static_cast<std::size_t>(k);
+        f[rows_[entry]] += values_[entry] * z[j];
+      }
+    }
+  }
+
+  /// Starts and rows are counted from 1.
+  void write_jacobian(int* starts, int* lengths, int* rows, double* values) const {
+    for (std::size_t j = 0; j + 1 < starts_.size(); ++j) {
+      starts[j] = starts_[j] + 1;
+      lengths[j] = starts_[j + 1] - starts_[j];
+    }
+    std::transform(rows_.begin(), rows_.end(), rows, [](int row) { return row + 1; });
+    std::copy(values_.begin(), values_.end(), values);
+  }
+
+  Vector q_;
+  std::vector<int> starts_;  ///< n + 1
+  std::vector<int> rows_;
+  std::vector<double> values_;
+};
+
+class Path final : public Solver {
+ public:
+  explicit Path(const PathSettings& settings) : settings_(settings), library_(path::PathLibrary::of_user()) {}
+  const Capabilities& capabilities() const override { return kCapabilities; }
+
+ protected:
+  void on_load(const Problem& problem) override { mcp_ = std::make_unique<LinearMcp>(make_lcp(problem)); }
+
+  void on_solve(const SolveRequest& request, Answer& answer) override {
+    if (mcp_->size() == 0) {
+      answer.claim = Claim::kSolved;
+      return;
+    }
+    library_.set_options({.tolerance = settings_.tolerance,
+                          .major_iterations = static_cast<int>(settings_.major_iterations),
+                          .time_limit_s = request.time_limit_s});
+    if (!library_.licensed(mcp_->size(), mcp_->entries())) {
+      answer.claim = Claim::kUnsupported;
+      answer.detail = library_.version() + ": the licence does not cover n = " + std::to_string(mcp_->size()) +
+                      " with " + std::to_string(mcp_->entries()) + " nonzeros; set PATH_LICENSE_STRING";
+      return;
+    }
+    path::McpInterface callbacks = mcp_->callbacks();
+    library_.solve(callbacks, mcp_->size(), mcp_->entries(), answer);
+  }
+
+ private:
+  PathSettings settings_;
+  path::PathLibrary& library_;
+  std::unique_ptr<LinearMcp> mcp_;
+};
+
+#endif
+
+}  // namespace
+
+#ifdef LCPBENCH_DESCRIBE_ONLY
+
+namespace {
+
+std::filesystem::path users_library() {
+  const char* file = std::getenv("PATH_LIBRARY");
+  return file == nullptr ? "" : file;
+}
+
+/// 16 hexadecimal digits: XXH3-64 of the file's bytes. nullopt when it cannot be read.
+std::optional<std::string> content_hash(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::array<char, 16384> bytes;
+  XXH3_state_t state;
+  XXH3_64bits_reset(&state);
+  while (in.read(bytes.data(), bytes.size()) || in.gcount() > 0) {
+    XXH3_64bits_update(&state, bytes.data(), static_cast<std::size_t>(in.gcount()));
+  }
+  if (!in.eof()) return std::nullopt;
+  std::array<char, 17> text;
+  std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(XXH3_64bits_digest(&state)));
+  return text.data();
+}
+
+}  // namespace
+
+// What these two return gets into stores and reports: no folder of the user's, only the file's name.
+
+std::string lcpbench_unavailable_path() {
+  const std::filesystem::path file = users_library();
+  if (file.empty()) return "set PATH_LIBRARY to the file of your libpath (and PATH_LICENSE_STRING to its licence)";
+  // A bare name is looked for by the dynamic linker, in the worker.
+  if (file.has_parent_path() && !content_hash(file)) {
+    return "PATH_LIBRARY names a file " + file.filename().string() + " that is not there or cannot be read";
+  }
+  return {};
+}
+
+std::string lcpbench_version_path() {
+  const std::filesystem::path file = users_library();
+  const std::optional<std::string> hash = file.has_parent_path() ? content_hash(file) : std::nullopt;
+  return file.filename().string() + (hash ? " " + *hash : "");
+}
+
+#endif
+
+SolverDefinition lcpbench_solver_path() {
+  SolverDefinition definition{
+      .name = "path",
+      .summary = "PATH on the LCP as a mixed complementarity problem; the library is the user's own",
+      .source = "Dirkse, Ferris 1995, Optim. Methods Softw. 5; Ferris, Munson 1999, Comput. Optim. Appl. 12",
+      .capabilities = kCapabilities};
+#ifdef LCPBENCH_DESCRIBE_ONLY
+  return with_settings<PathSettings>(std::move(definition));
+#else
+  return define_solver<Path, PathSettings>(std::move(definition));
+#endif
+}
+
+}  // namespace lcpbench

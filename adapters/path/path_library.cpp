@@ -1,0 +1,226 @@
+#include "adapters/path/path_library.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <stdexcept>
+
+#include <dlfcn.h>
+
+#include "adapters/external/start_directory.h"
+#include "core/error.h"
+
+namespace lcpbench::path {
+namespace {
+
+/// Output_Interface.
+struct OutputInterface {
+  void* data = nullptr;
+  void (*print)(void* data, int mode, char* text) = nullptr;
+  void (*flush)(void* data, int mode) = nullptr;
+};
+
+/// The end of the structure Information: what follows its doubles. PATH's Boolean is an int.
+struct InformationTail {
+  int major_iterations = 0;
+  int minor_iterations = 0;
+  int crash_iterations = 0;
+  int function_evaluations = 0;
+  int jacobian_evaluations = 0;
+  int gradient_steps = 0;
+  int restarts = 0;
+  int generate_output = 0;
+  int generated_output = 0;
+  int forward = 0;
+  int backtrace = 0;
+  int gradient = 0;
+  int use_start = 0;
+  int use_basics = 0;
+  int used_start = 0;
+  int used_basics = 0;
+};
+
+/// Information. Version 5 has six doubles in front (basis_time is the new one), earlier versions have five. There is
+/// room to spare behind, should a version write more.
+class Information {
+ public:
+  explicit Information(const std::string& version) : tail_at_((is_before_5(version) ? 5 : 6) * sizeof(double)) {
+    InformationTail input;
+    input.use_start = 1;
+    std::memcpy(bytes_.data() + tail_at_, &input, sizeof input);
+  }
+  void* data() { return bytes_.data(); }
+  InformationTail tail() const {
+    InformationTail tail;
+    std::memcpy(&tail, bytes_.data() + tail_at_, sizeof tail);
+    return tail;
+  }
+
+ private:
+  static bool is_before_5(const std::string& version) {
+    const auto digit = version.find_first_of("0123456789");
+    return digit != std::string::npos && std::atoi(version.c_str() + digit) < 5;
+  }
+
+  std::size_t tail_at_;
+  alignas(std::max_align_t) std::array<std::byte, 512> bytes_{};
+};
+
+struct Termination {
+  int code;
+  Claim claim;
+  const char* meaning;
+};
+
+/// MCP_Termination.
+constexpr std::array<Termination, 13> kTerminations{{{1, Claim::kSolved, "solved"},
+                                                     {2, Claim::kNumericalFailure, "no progress"},
+                                                     {3, Claim::kIterationLimit, "major iteration limit"},
+                                                     {4, Claim::kIterationLimit, "minor iteration limit"},
+                                                     {5, Claim::kTimeLimit, "time limit"},
+                                                     {6, Claim::kNumericalFailure, "user interrupt"},
+                                                     {7, Claim::kNumericalFailure, "bound error"},
+                                                     {8, Claim::kNumericalFailure, "domain error"},
+                                                     {9, Claim::kUnsolvable, "infeasible"},
+                                                     {10, Claim::kNumericalFailure, "error"},
+                                                     {11, Claim::kNumericalFailure, "reduced by presolve"},
+                                                     {12, Claim::kUnsupported, "licence error"},
+                                                     {13, Claim::kNumericalFailure, "not modified by presolve"}}};
+
+constexpr double kLongestTimeLimit_s = 1e6;
+
+/// "Path 5.0.03 (Tue Jul 19 ...)" gives "Path 5.0.03".
+std::string short_version(const char* text) {
+  if (text == nullptr) return "Path";
+  std::string version(text);
+  version = version.substr(0, version.find('('));
+  return version.substr(0, version.find_last_not_of(" \n") + 1);
+}
+
+/// Every `from` replaced by `to`.
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
+    text.replace(at, from.size(), to);
+  }
+  return text;
+}
+
+void discard(void*, int, char*) {}
+void discard_flush(void*, int) {}
+
+}  // namespace
+
+struct PathLibrary::EntryPoints {
+  const char* (*Path_Version)();
+  void (*Output_SetInterface)(OutputInterface*);
+  void* (*Options_Create)();
+  void (*Path_AddOptions)(void* options);
+  void (*Options_Default)(const void* options);
+  int (*Options_Set)(const void* options, const char* text);
+  int (*Options_SetInt)(const void* options, const char* name, int value);
+  int (*Options_SetDouble)(const void* options, const char* name, double value);
+  int (*Options_GetInt)(const void* options, const char* name);
+  double (*Options_GetDouble)(const void* options, const char* name);
+  int (*Path_CheckLicense)(int n, int entries);
+  int (*License_SetString)(const char* licence);
+  void* (*MCP_Create)(int n, int entries);
+  void (*MCP_Jacobian_Structure_Constant)(void* mcp, int yes);
+  void (*MCP_SetInterface)(void* mcp, McpInterface* callbacks);
+  int (*Path_Solve)(void* mcp, void* information);
+  double* (*MCP_GetX)(void* mcp);
+  void (*MCP_Destroy)(void* mcp);
+
+  /// The errors name no folder: they get into reports.
+  explicit EntryPoints(const std::string& file) {
+    const std::string name = std::filesystem::path(file).filename();
+    void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (library == nullptr) throw InputError("PATH_LIBRARY: " + replaced(dlerror(), file, name));
+    const auto find = [&](auto& entry, const char* symbol) {
+      void* const address = dlsym(library, symbol);
+      if (address == nullptr) throw InputError("PATH_LIBRARY: " + name + " has no " + symbol);
+      std::memcpy(&entry, &address, sizeof entry);
+    };
+    find(Path_Version, "Path_Version");
+    find(Output_SetInterface, "Output_SetInterface");
+    find(Options_Create, "Options_Create");
+    find(Path_AddOptions, "Path_AddOptions");
+    find(Options_Default, "Options_Default");
+    find(Options_Set, "Options_Set");
+    find(Options_SetInt, "Options_SetInt");
+    find(Options_SetDouble, "Options_SetDouble");
+    find(Options_GetInt, "Options_GetInt");
+    find(Options_GetDouble, "Options_GetDouble");
+    find(Path_CheckLicense, "Path_CheckLicense");
+    find(MCP_Create, "MCP_Create");
+    find(MCP_Jacobian_Structure_Constant, "MCP_Jacobian_Structure_Constant");
+    find(MCP_SetInterface, "MCP_SetInterface");
+    find(Path_Solve, "Path_Solve");
+    find(MCP_GetX, "MCP_GetX");
+    find(MCP_Destroy, "MCP_Destroy");
+    if (std::getenv("PATH_LICENSE_STRING") != nullptr) find(License_SetString, "License_SetString");
+  }
+};
+
+PathLibrary& PathLibrary::of_user() {
+  const char* name = std::getenv("PATH_LIBRARY");
+  if (name == nullptr || *name == '\0') throw InputError("PATH_LIBRARY is not set");
+  std::filesystem::path file = name;
+  if (file.has_parent_path() && file.is_relative()) file = start_directory() / file;
+  static auto* const library = new PathLibrary(file.string());
+  return *library;
+}
+
+// PATH asks for this order: first where output goes, then the options, and only then anything else.
+PathLibrary::PathLibrary(const std::string& file) : call_(new EntryPoints(file)) {
+  static OutputInterface silence{nullptr, discard, discard_flush};
+  call_->Output_SetInterface(&silence);
+  version_ = short_version(call_->Path_Version());
+  options_ = call_->Options_Create();
+  call_->Path_AddOptions(options_);
+  if (const char* licence = std::getenv("PATH_LICENSE_STRING")) call_->License_SetString(licence);
+}
+
+void PathLibrary::set_options(const Options& options) {
+  const double time_limit_s = std::min(options.time_limit_s, kLongestTimeLimit_s);
+  call_->Options_Default(options_);
+  call_->Options_Set(options_, "output no");
+  call_->Options_SetDouble(options_, "convergence_tolerance", options.tolerance);
+  call_->Options_SetDouble(options_, "time_limit", time_limit_s);
+  call_->Options_SetInt(options_, "major_iteration_limit", options.major_iterations);
+  // What the functions above return is not documented; what was stored is.
+  if (call_->Options_GetDouble(options_, "convergence_tolerance") != options.tolerance ||
+      call_->Options_GetDouble(options_, "time_limit") != time_limit_s ||
+      call_->Options_GetInt(options_, "major_iteration_limit") != options.major_iterations) {
+    throw std::runtime_error(version_ + " did not take its options");
+  }
+}
+
+bool PathLibrary::licensed(int n, int entries) { return call_->Path_CheckLicense(n, entries) != 0; }
+
+void PathLibrary::solve(McpInterface& callbacks, int n, int entries, Answer& answer) {
+  void* const mcp = call_->MCP_Create(n, std::max(entries, 1));
+  if (mcp == nullptr) {
+    answer.detail = version_ + ": MCP_Create gave nothing";
+    return;
+  }
+  call_->MCP_Jacobian_Structure_Constant(mcp, 1);
+  call_->MCP_SetInterface(mcp, &callbacks);
+  Information information(version_);
+  const int code = call_->Path_Solve(mcp, information.data());
+  if (const double* z = call_->MCP_GetX(mcp)) answer.z = Eigen::Map<const Vector>(z, n);
+  call_->MCP_Destroy(mcp);
+
+  answer.counters.iterations = information.tail().major_iterations;
+  answer.counters.pivots = information.tail().minor_iterations;
+  answer.detail = version_ + ": unknown status " + std::to_string(code);
+  for (const Termination& termination : kTerminations) {
+    if (termination.code != code) continue;
+    answer.claim = termination.claim;
+    answer.detail = version_ + ": " + termination.meaning;
+  }
+}
+
+}  // namespace lcpbench::path

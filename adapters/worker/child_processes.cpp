@@ -1,0 +1,123 @@
+#include "adapters/worker/child_processes.h"
+
+#include <cerrno>
+#include <charconv>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <ctime>
+#include <string_view>
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace lcpbench::worker {
+namespace {
+
+// A signal handler may not allocate: so system calls and fixed buffers, in place of opendir and streams.
+
+constexpr std::int64_t kPatienceMs = 333;
+constexpr timespec kPause{.tv_sec = 0, .tv_nsec = 1'000'000};
+constexpr std::size_t kListBytes = 4096;
+constexpr std::size_t kStatBytes = 512;
+
+/// The parent of a process, from the text of /proc/PID/stat: "PID (NAME) STATE PARENT ...", where NAME may hold
+/// anything. 0 for none.
+pid_t parent_in(std::string_view stat) {
+  constexpr std::size_t kFromNameToParent = 4;  // ") S "
+  const std::size_t name_end = stat.rfind(')');
+  if (name_end == std::string_view::npos || stat.size() < name_end + kFromNameToParent) return 0;
+  pid_t parent = 0;
+  std::from_chars(stat.data() + name_end + kFromNameToParent, stat.data() + stat.size(), parent);
+  return parent;
+}
+
+/// @param name  an entry of /proc
+bool is_child(std::string_view name, pid_t self) {
+  char path[32] = "/proc/";
+  constexpr std::string_view kStat = "/stat";
+  std::size_t length = std::strlen(path);
+  if (length + name.size() + kStat.size() >= sizeof path) return false;
+  for (const std::string_view part : {name, kStat}) {
+    std::memcpy(path + length, part.data(), part.size());
+    length += part.size();
+  }
+  const int file = open(path, O_RDONLY | O_CLOEXEC);
+  if (file < 0) return false;
+  char text[kStatBytes];
+  const ssize_t count = read(file, text, sizeof text);
+  close(file);
+  return count > 0 && parent_in({text, static_cast<std::size_t>(count)}) == self;
+}
+
+void kill_if_child(const char* name, pid_t self) {
+  const std::string_view text(name);
+  pid_t process = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), process);
+  if (error != std::errc() || end != text.data() + text.size()) return;
+  if (is_child(text, self)) kill(process, SIGKILL);
+}
+
+void kill_children() {
+  const int folder = open("/proc", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder < 0) return;
+  const pid_t self = getpid();
+  alignas(std::uint64_t) char list[kListBytes];
+  for (;;) {
+    const long bytes = syscall(SYS_getdents64, folder, list, sizeof list);
+    if (bytes <= 0) break;
+    // struct linux_dirent64, which no header of the C library declares: inode, offset, record length, type, name
+    constexpr std::size_t kLengthAt = 16;
+    constexpr std::size_t kNameAt = 19;
+    for (long at = 0; at < bytes;) {
+      std::uint16_t length = 0;
+      std::memcpy(&length, list + at + kLengthAt, sizeof length);
+      kill_if_child(list + at + kNameAt, self);
+      at += length;
+    }
+  }
+  close(folder);
+}
+
+std::int64_t now_ms() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return std::int64_t{1000} * now.tv_sec + now.tv_nsec / 1'000'000;
+}
+
+/// Reaps all children that have ended. False when there is none left.
+bool reap_children() {
+  for (;;) {
+    const pid_t reaped = waitpid(-1, nullptr, WNOHANG);
+    if (reaped == 0) return true;
+    if (reaped < 0 && errno != EINTR) return false;
+  }
+}
+
+}  // namespace
+
+void adopt_orphans() { prctl(PR_SET_CHILD_SUBREAPER, 1); }
+
+void reap_orphans(pid_t program) {
+  for (;;) {
+    siginfo_t info{};
+    const int found = waitid(P_ALL, 0, &info, WEXITED | WNOHANG | WNOWAIT);
+    if (found != 0 || info.si_pid == 0 || info.si_pid == program) return;
+    waitpid(info.si_pid, nullptr, 0);
+  }
+}
+
+void end_children() {
+  const std::int64_t deadline_ms = now_ms() + kPatienceMs;
+  while (reap_children()) {
+    kill_children();
+    if (now_ms() >= deadline_ms) return;  // a look at /proc takes long where there are many processes
+    nanosleep(&kPause, nullptr);
+  }
+}
+
+}  // namespace lcpbench::worker

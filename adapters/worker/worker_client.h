@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+
+#include "core/registry.h"
+#include "core/timed_solve.h"
+
+namespace lcpbench {
+
+struct WorkerLimits {
+  std::uint64_t memory_bytes = std::uint64_t{4} << 30;  ///< address space of the worker process
+  double start_timeout_s = 20.0;                        ///< from fork to the worker's greeting
+  /// How long a program that the worker itself starts may take for its first answer: as long as the time limit of the
+  /// problem that it is started for, but not less than the first number, and not more than the second.
+  double program_start_allowance_s = 5.0;
+  double program_start_s = 18.0;
+  double grace_s = 1.0;  ///< how long past the time limit a worker may take before it is killed
+};
+
+/// A worker could not be asked at all: its program is missing or broken (it does not start, does not greet in time,
+/// does not have the solver, takes no requests), or this machine has no process, descriptor or memory left for it. No
+/// problem is to blame, so this is no answer to one.
+class WorkerError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// A solver that runs in the worker process of its library. The process starts at the first run and lives on; when it
+/// dies, hangs, exits or returns what does not validate, that one run is answered kCrashed (or kTimeLimit), with the
+/// signal or exit code as detail, and the next run starts a fresh process. Nothing that the worker does to the shared
+/// memory can reach the problem data of this process.
+///
+/// A worker is killed, and the answer is kTimeLimit, when set-up and solve together are not done within the time limit,
+/// forty times `repeat_until_s`, and the grace. An exception in the worker, memory that ran out included, is answered
+/// kNumericalFailure with its text; it too costs the process. For a run that got no answer, times.solve_wall_s and
+/// solve_cpu_s tell what it cost until it was given up.
+///
+/// The destructor ends the process. The process also ends with this program, however that ends; children that the
+/// library may have started end with the object, unless they left their process group. Of the worker of `external` they
+/// end in any case (adapters/worker/child_processes.h).
+///
+/// Under AddressSanitizer workers run without a memory limit.
+///
+/// run() throws WorkerError when there is no worker to ask; a later run tries anew.
+///
+/// One object per thread; objects in many threads at once are fine, and an object may move between threads.
+/// @param executable  the worker's file
+std::unique_ptr<TimedSolver> worker_solver(const std::filesystem::path& executable, const Spec& solver,
+                                           const WorkerLimits& limits = {});
+
+/// Starts a worker for this solver and ends it again. @returns "" when it came up and greeted; else why not, on one
+/// line: what it said itself where it said something. Takes a process start; at most limits.start_timeout_s.
+std::string why_no_worker(const std::filesystem::path& executable, const Spec& solver, const WorkerLimits& limits = {});
+
+/// What RegisteredSolver::unavailable says of a solver whose library is the user's own and opened by its worker alone:
+/// `known`, the reason that shows without that, if there is one; else the worker's, started to see. A worker program
+/// that is missing is no reason here: worker_executable tells.
+std::string why_not_opened(const std::string& known, const std::string& solver, const std::string& worker);
+
+/// The worker executable of a registered solver: beside the running program, or in the folder that the environment
+/// variable LCPBENCH_WORKER_DIR names. @throws InputError when unavailable, native, or not there.
+std::filesystem::path worker_executable(const RegisteredSolver& solver);
+
+}  // namespace lcpbench

@@ -1,0 +1,194 @@
+#include <array>
+#include <bit>
+#include <memory>
+#include <new>
+
+#include <xxhash.h>
+
+#include "core/io/problem_io.h"
+
+// What is hashed is a stream of 64-bit words, least significant byte first. Every object begins with a tag, every list
+// and matrix with its sizes, so that no two problems share a stream. Matrices go column by column as (row, value) of
+// the entries that are not +0.0: dense and sparse storage of the same numbers hash alike, as do inertia blocks and the
+// block diagonal matrix, because a problem file does not tell them apart either.
+
+namespace lcpbench {
+namespace {
+
+enum class Tag : std::uint64_t {
+  kLcp = 1,
+  kContact = 2,
+  kScene = 3,
+  kInertia = 4,
+  kFactors = 5,
+  kInverse = 6,
+};
+
+class WordHash {
+ public:
+  WordHash() : state_(XXH3_createState(), XXH3_freeState) {
+    if (!state_) throw std::bad_alloc();
+    XXH3_128bits_reset(state_.get());
+  }
+
+  void word(std::uint64_t word) {
+    for (std::size_t byte = 0; byte < 8; ++byte) {
+      buffer_[filled_++] = static_cast<unsigned char>(word >> (8 * byte));
+    }
+    if (filled_ == buffer_.size()) flush();
+  }
+  void tag(Tag tag) { word(static_cast<std::uint64_t>(tag)); }
+  void index(Index value) { word(static_cast<std::uint64_t>(value)); }
+  void real(double value) { word(std::bit_cast<std::uint64_t>(value)); }
+
+  std::string hexadecimal() {
+    flush();
+    XXH128_canonical_t canonical;
+    XXH128_canonicalFromHash(&canonical, XXH3_128bits_digest(state_.get()));
+    std::string text;
+    for (const unsigned char byte : canonical.digest) {
+      text += "0123456789abcdef"[byte >> 4];
+      text += "0123456789abcdef"[byte & 15];
+    }
+    return text;
+  }
+
+ private:
+  void flush() {
+    XXH3_128bits_update(state_.get(), buffer_.data(), filled_);
+    filled_ = 0;
+  }
+
+  std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state_;
+  std::array<unsigned char, 4096> buffer_{};
+  std::size_t filled_ = 0;
+};
+
+void add(WordHash& hash, const Vector& values) {
+  hash.index(values.size());
+  for (const double value : values) hash.real(value);
+}
+
+void add(WordHash& hash, const Eigen::Vector3d& values) {
+  for (const double value : values) hash.real(value);
+}
+
+/// One entry of a column, unless it is the +0.0 that sparse storage leaves out.
+void add_entry(WordHash& hash, Index row, double value) {
+  if (std::bit_cast<std::uint64_t>(value) == 0) return;
+  hash.index(row);
+  hash.real(value);
+}
+
+/// Ends a column: no row has this number.
+constexpr Index kColumnEnd = -1;
+
+void add_columns(WordHash& hash, const Matrix& matrix, Index first_row) {
+  for (Index column = 0; column < matrix.cols(); ++column) {
+    for (Index row = 0; row < matrix.rows(); ++row) add_entry(hash, first_row + row, matrix(row, column));
+    hash.index(kColumnEnd);
+  }
+}
+
+void add(WordHash& hash, const Matrix& matrix) {
+  hash.index(matrix.rows());
+  hash.index(matrix.cols());
+  add_columns(hash, matrix, 0);
+}
+
+void add(WordHash& hash, const SparseMatrix& matrix) {
+  hash.index(matrix.rows());
+  hash.index(matrix.cols());
+  for (Index column = 0; column < matrix.outerSize(); ++column) {
+    for (SparseMatrix::InnerIterator it(matrix, column); it; ++it) add_entry(hash, it.row(), it.value());
+    hash.index(kColumnEnd);
+  }
+}
+
+struct InertiaHasher {
+  WordHash& hash;
+
+  void operator()(const DenseInertia& inertia) const {
+    hash.tag(Tag::kInertia);
+    add(hash, inertia.G);
+  }
+  void operator()(const BlockInertia& inertia) const {
+    hash.tag(Tag::kInertia);
+    const Index order = dimension(inertia);
+    hash.index(order);
+    hash.index(order);
+    Index first_row = 0;
+    for (const Matrix& block : inertia.blocks) {
+      add_columns(hash, block, first_row);
+      first_row += block.rows();
+    }
+  }
+  void operator()(const FactoredInertia& inertia) const {
+    hash.tag(Tag::kFactors);
+    add(hash, inertia.X);
+    add(hash, inertia.alpha);
+  }
+  void operator()(const InverseInertia& inertia) const {
+    hash.tag(Tag::kInverse);
+    add(hash, inertia.Ginv);
+  }
+};
+
+void add(WordHash& hash, const ContactProblem& problem) {
+  hash.tag(Tag::kContact);
+  add(hash, problem.v);
+  std::visit([&](const auto& matrix) { add(hash, matrix); }, problem.N);
+  std::visit([&](const auto& matrix) { add(hash, matrix); }, problem.D);
+  hash.index(problem.nc());
+  for (Index i = 0; i < problem.nc(); ++i) {
+    const int edges = problem.edges[static_cast<std::size_t>(i)];
+    hash.index(edges);
+    if (edges > 0) hash.real(problem.mu(i));  // without friction mu is no data
+  }
+  std::visit(InertiaHasher{hash}, problem.inertia);
+}
+
+void add(WordHash& hash, const RigidScene& scene) {
+  hash.tag(Tag::kScene);
+  hash.index(static_cast<Index>(scene.bodies.size()));
+  for (const RigidBody& body : scene.bodies) {
+    hash.real(body.mass);
+    for (const double entry : body.inertia.reshaped()) hash.real(entry);
+    add(hash, body.position);
+    add(hash, body.linear_velocity);
+    add(hash, body.angular_velocity);
+  }
+  hash.index(static_cast<Index>(scene.contacts.size()));
+  for (const RigidContact& contact : scene.contacts) {
+    hash.index(contact.body_a);
+    hash.index(contact.body_b);
+    add(hash, contact.point);
+    add(hash, contact.normal);
+    hash.index(contact.edges);
+    if (contact.edges == 0) continue;  // no friction: tangent and mu are no data
+    add(hash, contact.tangent);
+    hash.real(contact.mu);
+  }
+}
+
+void add(WordHash& hash, const Lcp& lcp) {
+  hash.tag(Tag::kLcp);
+  add(hash, lcp.M);
+  add(hash, lcp.q);
+}
+
+}  // namespace
+
+std::string problem_hash(const Problem& problem) {
+  WordHash hash;
+  if (problem.kind() == ProblemKind::kScene) {
+    add(hash, *problem.scene());
+  } else if (problem.kind() == ProblemKind::kContact) {
+    add(hash, *problem.contact());
+  } else {
+    add(hash, problem.lcp());
+  }
+  return hash.hexadecimal();
+}
+
+}  // namespace lcpbench

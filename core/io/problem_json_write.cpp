@@ -1,0 +1,201 @@
+#include <array>
+#include <charconv>
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "core/settings.h"
+#include "core/io/problem_checks.h"
+#include "core/io/problem_io.h"
+
+namespace lcpbench {
+namespace {
+
+/// Builds the text by hand: the layout is for people, and shortest numbers are all that JSON needs of them.
+class ProblemWriter {
+ public:
+  explicit ProblemWriter(const Problem& problem) {
+    text_ = "{\n  \"format\": \"lcpbench-problem\",\n  \"version\": 1,\n  \"name\": " +
+            nlohmann::json(problem.name()).dump() + ",\n  \"kind\": \"" + to_string(problem.kind()) + "\"";
+  }
+
+  std::string finish() { return std::move(text_) + "\n}\n"; }
+
+  void lcp(const Lcp& lcp) {
+    field("M");
+    rows(lcp.M, "  ");
+    field("q");
+    list(lcp.q);
+  }
+
+  void contact(const ContactProblem& problem) {
+    field("v");
+    list(problem.v);
+    field("N");
+    rows(to_dense(problem.N), "  ");
+    // Without a row in N nothing else would tell the number of contacts.
+    if (problem.frictional() || (problem.ngc() == 0 && problem.nc() > 0)) friction(problem);
+    std::visit([this](const auto& inertia) { this->inertia(inertia); }, problem.inertia);
+  }
+
+  void scene(const RigidScene& scene) {
+    field("bodies");
+    objects(scene.bodies, [this](const RigidBody& body) { this->body(body); });
+    field("contacts");
+    objects(scene.contacts, [this](const RigidContact& contact) { rigid_contact(contact); });
+  }
+
+ private:
+  void field(const char* name) { text_ += std::string(",\n  \"") + name + "\": "; }
+
+  void number(double value) {
+    std::array<char, 32> digits{};
+    const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value);
+    text_.append(digits.data(), end);
+    // "-0" is an integer to many JSON readers, and integers have no negative zero.
+    if (value == 0 && std::signbit(value)) text_ += ".0";
+  }
+
+  template <class Numbers>
+  void list(const Numbers& numbers) {
+    text_ += '[';
+    for (Index i = 0; i < numbers.size(); ++i) {
+      if (i > 0) text_ += ", ";
+      number(numbers(i));
+    }
+    text_ += ']';
+  }
+
+  void rows(const Matrix& matrix, const std::string& indent) {
+    text_ += '[';
+    for (Index row = 0; row < matrix.rows(); ++row) {
+      text_ += (row == 0 ? "\n" : ",\n") + indent + "  ";
+      list(matrix.row(row));
+    }
+    text_ += matrix.rows() == 0 ? "]" : "\n" + indent + "]";
+  }
+
+  void friction(const ContactProblem& problem) {
+    field("D");
+    rows(to_dense(problem.D), "  ");
+    field("edges");
+    Vector edges(problem.nc());
+    for (Index i = 0; i < problem.nc(); ++i) edges(i) = problem.edges[static_cast<std::size_t>(i)];
+    list(edges);
+    field("mu");
+    list(problem.mu);
+  }
+
+  void inertia(const DenseInertia& inertia) {
+    field("G");
+    rows(inertia.G, "  ");
+  }
+  void inertia(const BlockInertia& inertia) {
+    field("G");
+    rows(dense_inertia(inertia), "  ");
+  }
+  void inertia(const FactoredInertia& inertia) {
+    text_ += ",\n  \"G_factors\": {\n    \"X\": ";
+    rows(inertia.X, "    ");
+    text_ += ",\n    \"alpha\": ";
+    list(inertia.alpha);
+    text_ += "\n  }";
+  }
+  void inertia(const InverseInertia& inertia) {
+    field("Ginv");
+    rows(inertia.Ginv, "  ");
+  }
+
+  template <class Item, class Write>
+  void objects(const std::vector<Item>& items, const Write& write) {
+    text_ += '[';
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      text_ += i == 0 ? "\n    {" : ",\n    {";
+      write(items[i]);
+      text_ += '}';
+    }
+    text_ += items.empty() ? "]" : "\n  ]";
+  }
+
+  void item(const char* name, double value) {
+    text_ += std::string("\"") + name + "\": ";
+    number(value);
+  }
+  void item(const char* name, const Eigen::Vector3d& value) {
+    text_ += std::string(", \"") + name + "\": ";
+    list(value);
+  }
+
+  void body(const RigidBody& body) {
+    item("mass", body.mass);
+    text_ += ", \"inertia\": [";
+    for (Index row = 0; row < 3; ++row) {
+      if (row > 0) text_ += ", ";
+      list(body.inertia.row(row));
+    }
+    text_ += ']';
+    item("position", body.position);
+    item("linear_velocity", body.linear_velocity);
+    item("angular_velocity", body.angular_velocity);
+  }
+
+  void rigid_contact(const RigidContact& contact) {
+    item("body_a", contact.body_a);
+    text_ += ", ";
+    item("body_b", contact.body_b);
+    item("point", contact.point);
+    item("normal", contact.normal);
+    if (contact.edges == 0) return;
+    item("tangent", contact.tangent);
+    text_ += ", ";
+    item("mu", contact.mu);
+    text_ += ", ";
+    item("edges", contact.edges);
+  }
+
+  std::string text_;
+};
+
+/// Numbers and rows that the reader will count, an upper bound; in double because a sparse problem's may overflow.
+double dense_numbers(const Lcp& lcp) {
+  const auto n = static_cast<double>(lcp.size());
+  return n * n + 2 * n;
+}
+
+double dense_numbers(const ContactProblem& problem) {
+  const auto ngc = static_cast<double>(problem.ngc());
+  const auto* factors = std::get_if<FactoredInertia>(&problem.inertia);
+  const auto inertia_columns = static_cast<double>(factors != nullptr ? factors->X.cols() : problem.ngc());
+  const auto columns = static_cast<double>(cols(problem.N) + cols(problem.D)) + inertia_columns;
+  return ngc * (columns + 4) + inertia_columns + 2 * static_cast<double>(problem.nc());
+}
+
+/// What the reader would refuse is not written.
+void check_dense_size(double numbers, const std::string& origin) {
+  if (numbers <= static_cast<double>(kMaxNumbers)) return;
+  throw input_error(origin, "too large for a problem file with dense matrices: " + format_real(numbers) +
+                                " numbers, at most " + std::to_string(kMaxNumbers) + " are allowed");
+}
+
+}  // namespace
+
+std::string problem_json(const Problem& problem) {
+  const std::string origin = problem.name().empty() ? "unnamed problem" : problem.name();
+  check_name(problem.name(), origin);
+  ProblemWriter writer(problem);
+  if (problem.kind() == ProblemKind::kScene) {
+    check_scene(*problem.scene(), origin);
+    writer.scene(*problem.scene());
+  } else if (problem.kind() == ProblemKind::kContact) {
+    check_dense_size(dense_numbers(*problem.contact()), origin);
+    check_contact(*problem.contact(), origin);
+    writer.contact(*problem.contact());
+  } else {
+    check_dense_size(dense_numbers(problem.lcp()), origin);
+    check_lcp(problem.lcp(), origin);
+    writer.lcp(problem.lcp());
+  }
+  return writer.finish();
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,344 @@
+#include "native/active_set/active_set.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <variant>
+
+#include "core/answer_storage.h"
+#include "core/registry.h"
+#include "core/timed_solve.h"
+#include "native/contacts/dense_data.h"
+#include "native/answer_test/exact_sum.h"
+
+namespace lcpbench {
+namespace {
+
+using active_set::Ending;
+using active_set::Engine;
+using active_set::InertiaForm;
+
+const Engine& engine_at(ActiveSetPrecision precision, IsaLevel level) {
+  if (level > best_isa_level()) throw std::invalid_argument("this processor lacks the instruction-set level asked for");
+  if (precision == ActiveSetPrecision::kQuad) return active_set::portable::kQuadEngine;
+  const bool single = precision == ActiveSetPrecision::kFloat;
+#if defined(__x86_64__)
+  if (level == IsaLevel::kAvx512) return single ? active_set::avx512::kFloatEngine : active_set::avx512::kDoubleEngine;
+  if (level == IsaLevel::kAvx2) return single ? active_set::avx2::kFloatEngine : active_set::avx2::kDoubleEngine;
+#endif
+  return single ? active_set::baseline::kFloatEngine : active_set::baseline::kDoubleEngine;
+}
+
+const Engine& double_double_at(IsaLevel level) {
+#if defined(__x86_64__)
+  if (level >= IsaLevel::kAvx2) return active_set::double_double_fma::kDoubleDoubleEngine;
+#endif
+  return active_set::double_double::kDoubleDoubleEngine;
+}
+
+constexpr Capabilities kCapabilities{
+    .needs = Needs::kFactored,
+    .frictionless_only = true,
+    .max_size = 10000,  // the whitened normals and the active ones are dense
+    .guarantees = "every frictionless contact problem: solved, or recognised as unsolvable",
+    .warm_start = true,
+    .obeys_time_limit = true,
+    .allocation_free = true};
+
+/// Products of coordinates and contacts up to which sixteen steps take microseconds at most.
+constexpr std::ptrdiff_t kSmallSystem = 1024;
+
+/// Diagonal entries of G below this have reciprocals that doubles, and sums of two, do not hold with all their bits.
+constexpr double kLeastInertia = 0x1p-900;
+
+/// Whether a diagonal entry of G, where that is given, is below kLeastInertia.
+bool underflows(const active_set::Input& input) {
+  if (input.form != InertiaForm::kDense) return false;
+  for (std::ptrdiff_t i = 0; i < input.ngc; ++i) {
+    if (input.matrix[i * input.ngc + i] < kLeastInertia) return true;
+  }
+  return false;
+}
+
+/// Details are short enough for std::string to hold in place, so that solve() allocates nothing.
+void report(const active_set::Outcome& outcome, Answer& answer) {
+  answer.counters.iterations = outcome.steps;
+  answer.counters.pivots = outcome.steps;
+  answer.counters.factorizations = outcome.factorizations;
+  switch (outcome.ending) {
+    case Ending::kSolved: answer.claim = Claim::kSolved; return;
+    case Ending::kInfeasible: answer.claim = Claim::kUnsolvable; return;
+    case Ending::kRejected:
+      answer.claim = Claim::kNumericalFailure;
+      answer.detail = "own test failed";
+      return;
+    case Ending::kStepLimit: answer.claim = Claim::kIterationLimit; return;
+    case Ending::kTimeLimit: answer.claim = Claim::kTimeLimit; return;
+    case Ending::kBreakdown:
+      answer.claim = Claim::kNumericalFailure;
+      answer.detail = "inertia";
+      return;
+  }
+}
+
+}  // namespace
+
+ActiveSet::ActiveSet(const ActiveSetSettings& settings, IsaLevel level)
+    : settings_(settings),
+      first_(engine_at(settings.precision, level)),
+      second_(settings.precision == ActiveSetPrecision::kFloat ? engine_at(ActiveSetPrecision::kDouble, level)
+                                                               : double_double_at(level)),
+      third_(active_set::portable::kQuadEngine) {}
+
+ActiveSet::~ActiveSet() = default;
+
+const Capabilities& ActiveSet::capabilities() const { return kCapabilities; }
+
+void ActiveSet::reserve(const Problem& problem) {
+  const ContactProblem& contact = *problem.contact();
+  reserve_later_rungs(contact);
+  if (ContactSolvability::is_asked(contact)) solvability_.reserve(contact);
+  first_.reserve(reserved_);
+  v_.reserve(reserved_.ngc);
+  dense_normals_.reserve(reserved_.ngc * reserved_.nc);
+  dense_inertia_.reserve(reserved_.ngc * reserved_.ngc);
+  farkas_.reserve(reserved_.nc);
+  islands_.reserve(reserved_.ngc, reserved_.nc);
+}
+
+void ActiveSet::on_load(const Problem& problem) {
+  const ContactProblem& contact = *problem.contact();
+  describe(contact);
+  may_be_singular_ = ContactSolvability::is_asked(contact);
+  if (may_be_singular_) solvability_.load(contact);
+  first_.load(input_);
+  if (settings_.precision == ActiveSetPrecision::kLadder) reserve_later_rungs(contact);
+  if (settings_.precision == ActiveSetPrecision::kQuad) reserve_proof(contact.ngc(), contact.nc());
+  if (settings_.precision == ActiveSetPrecision::kFloat) second_.load(input_);
+  farkas_.resize(input_.nc);
+}
+
+/// For any problem up to the largest dimensions so far: the same sizes again and again ask for nothing.
+void ActiveSet::reserve_later_rungs(const ContactProblem& contact) {
+  const auto* factored = std::get_if<FactoredInertia>(&contact.inertia);
+  const Index factors = factored != nullptr ? factored->X.cols() : contact.ngc();
+  if (contact.ngc() <= reserved_.ngc && contact.nc() <= reserved_.nc && factors <= reserved_.factors) return;
+  reserved_.ngc = std::max(reserved_.ngc, contact.ngc());
+  reserved_.nc = std::max(reserved_.nc, contact.nc());
+  reserved_.factors = std::max(reserved_.factors, factors);
+  second_.reserve(reserved_);
+  third_.reserve(reserved_);
+  reserve_proof(reserved_.ngc, reserved_.nc);
+}
+
+void ActiveSet::reserve_proof(Index ngc, Index nc) {
+  support_.reserve(static_cast<std::size_t>(nc));
+  farkas_support_.reserve(ngc, ngc, nc);
+}
+
+/// Points input_ to the problem's own arrays where it has dense ones.
+void ActiveSet::describe(const ContactProblem& contact) {
+  input_ = {};
+  input_.ngc = contact.ngc();
+  input_.nc = contact.nc();
+  v_ = contact.v;
+  input_.v = v_.data();
+  input_.N = dense_data(contact.N, dense_normals_);
+  if (const auto* dense = std::get_if<DenseInertia>(&contact.inertia)) {
+    input_.matrix = dense->G.data();
+  } else if (const auto* factors = std::get_if<FactoredInertia>(&contact.inertia)) {
+    input_.form = InertiaForm::kFactors;
+    input_.matrix = factors->X.data();
+    input_.factors = factors->X.cols();
+    input_.alpha = factors->alpha.data();
+  } else if (const auto* inverse = std::get_if<InverseInertia>(&contact.inertia)) {
+    input_.form = InertiaForm::kInverse;
+    input_.matrix = inverse->Ginv.data();
+  } else {
+    copy_dense(std::get<BlockInertia>(contact.inertia), input_.ngc, dense_inertia_);
+    input_.matrix = dense_inertia_.data();
+  }
+  if (couples_all(contact.inertia)) return;
+  islands_.find(contact);
+  input_.islands = islands_.count;
+  input_.island_of_contact = islands_.of_contact.data();
+  input_.island_of_coordinate = islands_.of_coordinate.data();
+}
+
+void ActiveSet::on_update(const Vector& v) {
+  if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
+  v_ = v;
+  first_.update(v_.data());
+  if (settings_.precision == ActiveSetPrecision::kFloat) second_.update(v_.data());
+}
+
+active_set::Rules ActiveSet::rules(const SolveRequest& request) const {
+  active_set::Rules rules;
+  rules.polish =
+      settings_.precision == ActiveSetPrecision::kPolished || settings_.precision == ActiveSetPrecision::kQuad;
+  rules.accept_residual = settings_.accept_residual;
+  rules.max_steps = settings_.max_iterations > 0 ? static_cast<std::ptrdiff_t>(settings_.max_iterations)
+                                                 : 20 * (input_.nc + input_.ngc) + 100;
+  rules.clock_s = wall_clock_s;
+  rules.time_limit_s = request.time_limit_s;
+  // Reading the clock takes as long as several steps of a small problem.
+  const bool reads_clock = !std::isinf(request.time_limit_s) && input_.ngc * input_.nc > kSmallSystem;
+  rules.begin_s = reads_clock ? wall_clock_s() : std::numeric_limits<double>::quiet_NaN();
+  if (request.start != nullptr && request.start->size() == input_.nc) rules.start = request.start->data();
+  return rules;
+}
+
+void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
+  if (!(request.time_limit_s > 0)) {  // the clock is first read after some steps
+    answer.claim = Claim::kTimeLimit;
+    return;
+  }
+  active_set::Rules rules = this->rules(request);
+  Vector& velocity = cleared_vectors().velocity;
+  velocity.resize(input_.ngc);
+  active_set::Outcome outcome;
+  // Other precisions break down there by themselves.
+  if (settings_.precision != ActiveSetPrecision::kQuad || !underflows(input_)) {
+    outcome = first_.solve(rules, answer.z, velocity, farkas_);
+  }
+  if (settings_.precision == ActiveSetPrecision::kFloat && outcome.ending == Ending::kSolved &&
+      !second_.accepts(answer.z, settings_.accept_residual)) {
+    outcome.ending = Ending::kRejected;
+  }
+  if (settings_.precision == ActiveSetPrecision::kLadder) {
+    if (outcome.ending != Ending::kSolved && !stopped(outcome) && !underflows(input_)) {
+      solve_in_more_bits(rules, outcome, answer, velocity);
+    }
+  }
+  const bool has_answer = outcome.ending == Ending::kSolved || outcome.ending == Ending::kRejected;
+  if (may_be_singular_) {
+    check_solvability(request, rules, outcome);
+  } else if (outcome.ending == Ending::kInfeasible && !is_proven_singular()) {
+    outcome.ending = Ending::kBreakdown;
+  }
+  if (has_answer && outcome.ending != Ending::kInfeasible) answer.velocity.swap(velocity);
+  if (outcome.ending == Ending::kInfeasible && round_to_proof(farkas_.view())) {
+    Vector& farkas = cleared_vectors().farkas;
+    farkas = farkas_.view();
+    answer.farkas.swap(farkas);
+  }
+  report(outcome, answer);
+}
+
+/// With singular inertia, whether there is a solution is decided apart: an answer may nearly be one where there is
+/// none, and dependent contacts nearly a proof that there is none.
+void ActiveSet::check_solvability(const SolveRequest& request, const active_set::Rules& rules,
+                                  active_set::Outcome& outcome) {
+  using Finding = ContactSolvability::Finding;
+  if (outcome.ending != Ending::kSolved && outcome.ending != Ending::kInfeasible) return;
+  const double begin_s = std::isnan(rules.begin_s) ? wall_clock_s() : rules.begin_s;
+  const Finding finding = solvability_.decide(v_.data(), begin_s + request.time_limit_s);
+  if (finding == Finding::kUnsolvable) {
+    if (outcome.ending == Ending::kSolved) solvability_.write_proof(farkas_.view());
+    outcome.ending = Ending::kInfeasible;
+  } else if (finding == Finding::kUnknown || outcome.ending == Ending::kInfeasible) {
+    outcome.ending = Ending::kRejected;
+  }
+}
+
+/// What an engine refuses may be right: the next one tests it before it solves anew. What has no solution, only the
+/// last rung may say.
+void ActiveSet::solve_in_more_bits(active_set::Rules& rules, active_set::Outcome& outcome, Answer& answer,
+                                   Vector& velocity) {
+  if (outcome.ending != Ending::kInfeasible) {
+    second_.load(input_);
+    if (outcome.ending == Ending::kRejected && second_.accepts(answer.z, settings_.accept_residual)) {
+      outcome.ending = Ending::kSolved;
+      return;
+    }
+    climb(second_, "dd rung", rules, outcome, answer, velocity);
+    if (outcome.ending == Ending::kSolved || stopped(outcome)) return;
+  }
+  third_.load(input_);
+  if (outcome.ending == Ending::kRejected && third_.accepts(answer.z, settings_.accept_residual)) {
+    outcome.ending = Ending::kSolved;
+    return;
+  }
+  climb(third_, "quad rung", rules, outcome, answer, velocity);
+}
+
+/// Whether a limit of the caller's ended it.
+bool ActiveSet::stopped(const active_set::Outcome& outcome) const {
+  return outcome.ending == Ending::kTimeLimit || (outcome.ending == Ending::kStepLimit && settings_.max_iterations > 0);
+}
+
+/// One rung up, whose problem is loaded: `outcome` counts the steps of all.
+void ActiveSet::climb(Rung& rung, const char* name, active_set::Rules& rules, active_set::Outcome& outcome,
+                      Answer& answer, Vector& velocity) {
+  if (std::isnan(rules.begin_s)) rules.begin_s = wall_clock_s();
+  rules.polish = true;
+  rules.start = nullptr;  // it may have been what misled the first rung
+  const active_set::Outcome next = rung.solve(rules, answer.z, velocity, farkas_);
+  outcome.ending = next.ending;
+  outcome.steps += next.steps;
+  outcome.factorizations += next.factorizations;
+  answer.detail = name;
+}
+
+/// Whether contacts on a given G, which the last precision takes for singular, have no solution with the normals of
+/// farkas_.
+bool ActiveSet::is_proven_singular() {
+  constexpr double kNoShare = 0x1p-80;  // of the largest: rounding
+  const double largest = farkas_.view().maxCoeff();
+  support_.clear();
+  for (Index j = 0; j < input_.nc; ++j) {
+    if (farkas_(j) > kNoShare * largest) support_.push_back(j);
+  }
+  const Eigen::Map<const Matrix> G(input_.matrix, input_.ngc, input_.ngc);
+  return farkas_support_.proves_unsolvable(*problem().contact(), G, v_.data(), support_);
+}
+
+/// Replaces u by small integers in the same proportion when there are such. @returns whether they prove that there is no
+/// solution
+bool ActiveSet::round_to_proof(Eigen::Ref<Vector> u) {
+  constexpr int kLargestMultiple = 64;
+  constexpr double kRounding = 1e-6;
+  const double largest = u.maxCoeff();
+  for (int multiple = 1; multiple <= kLargestMultiple; ++multiple) {
+    const double factor = multiple / largest;
+    double change = 0;
+    for (const double entry : u) change = std::max(change, std::abs(std::round(entry * factor) - entry * factor));
+    if (!(change <= kRounding)) continue;
+    for (double& entry : u) entry = std::round(entry * factor);
+    return is_proof(u);
+  }
+  return false;
+}
+
+/// Whether X'N u (G N u, G* N u) = 0 and v'N u < 0, without any rounding. @param u small integers, at least 0
+bool ActiveSet::is_proof(const Eigen::Ref<const Vector>& u) const {
+  ExactSum sum;
+  const auto sign = [&](const double* row) {
+    sum.clear();
+    for (Index j = 0; j < input_.nc; ++j) {
+      for (Index i = 0; i < input_.ngc && u(j) != 0; ++i) sum.add(row[i], input_.N[j * input_.ngc + i], u(j));
+    }
+    return sum.sign();
+  };
+  for (const double entry : Eigen::Map<const Vector>(input_.N, input_.ngc * input_.nc)) {
+    if (!(std::abs(entry) <= std::numeric_limits<double>::max() / u.maxCoeff())) return false;
+  }
+  if (sign(v_.data()) >= 0) return false;
+  const Index columns = input_.form == InertiaForm::kFactors ? input_.factors : input_.ngc;
+  for (Index k = 0; k < columns; ++k) {
+    if (sign(input_.matrix + k * input_.ngc) != 0) return false;
+  }
+  return true;
+}
+
+SolverDefinition lcpbench_solver_active_set() {
+  return define_solver<ActiveSet, ActiveSetSettings>(
+      {.name = "active_set",
+       .summary = "dual active set for the projection of v on the frictionless contacts, in whitened velocity space",
+       .source =
+           "Goldfarb, Idnani 1983, A numerically stable dual method for solving strictly convex quadratic programs",
+       .capabilities = kCapabilities});
+}
+
+}  // namespace lcpbench

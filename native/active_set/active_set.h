@@ -1,0 +1,127 @@
+#pragma once
+
+#include <vector>
+
+#include "core/isa.h"
+#include "core/islands.h"
+#include "core/settings.h"
+#include "core/solver.h"
+#include "native/active_set/active_set_engine.h"
+#include "native/answer_test/contact_solvability.h"
+#include "native/answer_test/farkas_support.h"
+#include "native/contacts/growing_vector.h"
+
+namespace lcpbench {
+
+enum class ActiveSetPrecision { kFloat, kDouble, kPolished, kQuad, kLadder };
+
+struct ActiveSetSettings {
+  ActiveSetPrecision precision = ActiveSetPrecision::kLadder;
+  double accept_residual = 3e-5;
+  std::int64_t max_iterations = 0;
+
+  void visit(auto&& field) {
+    field("precision", precision,
+          Choices<ActiveSetPrecision>{{{"float", ActiveSetPrecision::kFloat},
+                                       {"double", ActiveSetPrecision::kDouble},
+                                       {"polished", ActiveSetPrecision::kPolished},
+                                       {"quad", ActiveSetPrecision::kQuad},
+                                       {"ladder", ActiveSetPrecision::kLadder}}},
+          "arithmetic; polished: double, active set factored afresh at the end; ladder: double, where that fails sums "
+          "of two "
+          "doubles, then quad");
+    field("accept_residual", accept_residual, RealRange{.min = 0},
+          "claim solved only when the velocity residual, in double or better, is at most this times max|q|");
+    field("max_iterations", max_iterations, IntegerRange{.min = 0, .max = std::int64_t{1} << 40},
+          "contacts added to or dropped from the active set; 0: 20 (contacts + coordinates) + 100");
+  }
+};
+
+/// Solves frictionless contact problems as the projection of v onto {u : N'u >= 0} in the metric of the inertia,
+///
+///     minimize 1/2 (u - v)'G (u - v) subject to N'u >= 0,
+///
+/// whose multipliers are the normal impulses, by the dual active-set method of Goldfarb and Idnani in coordinates in
+/// which the inertia is the identity. In exact arithmetic it ends at the solution, or proves that there is none, for
+/// any contacts, redundant or not: finite because the objective increases. [Goldfarb, Idnani 1983;
+/// docs/reference/solvers/active_set.md]
+///
+/// Set-up O(ngc^3 / 6 + nc ngc^2 / 2), less where the inertia is blocks, a step O(ngc (nc + active)). Returns the
+/// velocity as well as z.
+///
+/// kSolved: the answer passed the solver's own test; kUnsolvable: contacts whose normals depend on each other through
+/// null(G) approach whatever the impulses (`farkas` is set when u could be rounded to small integers that prove it);
+/// kIterationLimit, kTimeLimit; kNumericalFailure: the test failed, or the inertia is not semidefinite or too close to
+/// singular for the precision. SolveRequest::start: its positive entries are the first active set.
+class ActiveSet final : public Solver {
+ public:
+  /// @param level instruction-set level of the engines; must not exceed best_isa_level().
+  explicit ActiveSet(const ActiveSetSettings& settings, IsaLevel level = isa_level());
+  ~ActiveSet() override;
+
+  const Capabilities& capabilities() const override;
+
+  /// Takes all memory that load() and solve() need for this problem, and touches hardly any of it: load() then
+  /// allocates nothing for this and any other that was reserved. What was loaded must be loaded again.
+  void reserve(const Problem& problem);
+
+  /// ActiveSetSettings::max_iterations from now on.
+  void limit_iterations(std::int64_t max_iterations) { settings_.max_iterations = max_iterations; }
+
+ private:
+  /// An engine and the problem in it.
+  class Rung {
+   public:
+    explicit Rung(const active_set::Engine& engine) : engine_(engine), state_(engine.create()) {}
+    ~Rung() { engine_.destroy(state_); }
+    Rung(const Rung&) = delete;
+    Rung& operator=(const Rung&) = delete;
+
+    void reserve(const active_set::Input& input) { engine_.reserve(state_, input); }
+    void load(const active_set::Input& input) { engine_.load(state_, input); }
+    void update(const double* v) { engine_.update(state_, v); }
+    active_set::Outcome solve(const active_set::Rules& rules, Vector& z, Vector& velocity, GrowingVector& u) {
+      return engine_.solve(state_, rules, z.data(), velocity.data(), u.data());
+    }
+    bool accepts(const Vector& z, double residual) { return engine_.accepts(state_, z.data(), residual); }
+
+   private:
+    const active_set::Engine& engine_;
+    void* state_;
+  };
+
+  void on_load(const Problem& problem) override;
+  void on_update(const Vector& v) override;
+  void on_solve(const SolveRequest& request, Answer& answer) override;
+  void describe(const ContactProblem& contact);
+  void reserve_later_rungs(const ContactProblem& contact);
+  void reserve_proof(Index ngc, Index nc);
+  active_set::Rules rules(const SolveRequest& request) const;
+  void check_solvability(const SolveRequest& request, const active_set::Rules& rules, active_set::Outcome& outcome);
+  bool stopped(const active_set::Outcome& outcome) const;
+  void solve_in_more_bits(active_set::Rules& rules, active_set::Outcome& outcome, Answer& answer, Vector& velocity);
+  void climb(Rung& rung, const char* name, active_set::Rules& rules, active_set::Outcome& outcome, Answer& answer,
+             Vector& velocity);
+  bool round_to_proof(Eigen::Ref<Vector> u);
+  bool is_proof(const Eigen::Ref<const Vector>& u) const;
+  bool is_proven_singular();
+
+  ActiveSetSettings settings_;
+  Rung first_;
+  Rung second_;  // the ladder's double-double rung; of float the double one, which knows what float rounds, and tests
+  Rung third_;   // the ladder's quad rung
+
+  active_set::Input input_;  // points into the problem, or into what follows
+  active_set::Input reserved_{.ngc = -1, .form = active_set::InertiaForm::kFactors};  // the largest dimensions so far
+  ContactSolvability solvability_;
+  bool may_be_singular_ = false;
+  IslandNumbers islands_;  // found only where the inertia does not couple all
+  GrowingVector v_;
+  GrowingVector dense_normals_;  // of a sparse N
+  GrowingVector dense_inertia_;  // of block inertia
+  GrowingVector farkas_;
+  std::vector<Index> support_;  // of farkas_
+  FarkasSupport farkas_support_;
+};
+
+}  // namespace lcpbench

@@ -1,0 +1,188 @@
+#include "native/answer_test/answer_test.h"
+
+#include <variant>
+
+#include "core/answer_storage.h"
+#include "core/quad.h"
+#include "core/timed_solve.h"
+
+namespace lcpbench {
+namespace {
+
+using contact_lemke::Ending;
+
+/// Of the verdict's 1e-4, relative to max|q|: in 113 bits nothing is lost to rounding but that of the returned lambdas.
+constexpr double kClaimedQuadResidual = 0.999e-4;
+
+}  // namespace
+
+AnswerTest::AnswerTest() : judge_(contact_lemke_engine(isa_level())), quad_judge_(lemke::quad::kContactEngine) {}
+
+void AnswerTest::load(const Problem& problem, Bodies bodies) {
+  completed_.resize(problem.size());
+  const Index farkas_size = problem.contact() == nullptr ? problem.size() : problem.contact()->nc();
+  if (farkas_size != farkas_size_) farkas_.resize(farkas_size);  // else it was taken, or given away
+  farkas_size_ = farkas_size;
+  bare_ = problem.contact() == nullptr;
+  by_bodies_ =
+      bodies == Bodies::kOneByOne && !bare_ && std::holds_alternative<BlockInertia>(problem.contact()->inertia);
+  may_be_singular_ = false;
+  if (by_bodies_) return bodies_test_.load(*problem.contact());
+  if (bare_) return bare_test_.load(problem.lcp());
+  const ContactProblem& contact = *problem.contact();
+  contacts_.load_in_units(contact);
+  judge_.load(contacts_.input);
+  quad_judge_.reserve(contacts_.input);
+  quad_is_loaded_ = false;
+  may_be_singular_ = ContactSolvability::is_asked(contact);
+  if (!may_be_singular_) return;
+  solvability_.load(contact);
+  velocity_ = contact.v;
+  path_end_.resize(problem.size());
+}
+
+void AnswerTest::set_velocity(const Vector& v) {
+  if (by_bodies_) return bodies_test_.set_velocity(v);
+  contacts_.set_velocity(v);
+  if (may_be_singular_) velocity_ = v;
+  judge_.set_velocity(contacts_.v.data());
+  if (quad_is_loaded_) quad_judge_.set_velocity(contacts_.v.data());
+}
+
+bool AnswerTest::settle(Answer& answer, double deadline_s) {
+  if (answer.claim != Claim::kSolved) return false;
+  const Outcome outcome = solves(answer.z) ? confirm(deadline_s) : Outcome::kResidual;
+  switch (outcome) {  // details are short enough for std::string to hold in place
+    case Outcome::kSolved: answer.z = completed_; return true;
+    case Outcome::kUnsolvable: report_proof(answer); return false;
+    case Outcome::kResidual: answer.detail = "residual"; break;
+    case Outcome::kUnconfirmed: answer.detail = "unconfirmed"; break;
+    case Outcome::kOutOfTime:
+      answer.claim = Claim::kTimeLimit;
+      answer.detail.clear();
+      return false;
+  }
+  answer.claim = Claim::kNumericalFailure;
+  return false;
+}
+
+void AnswerTest::settle_ray(Answer& answer, double deadline_s, const Vector* u) {
+  bool proven = false;
+  if (bare_) {
+    proven = u != nullptr ? bare_test_.disproves_near(*u, deadline_s) : bare_test_.disproves(deadline_s);
+  } else if (!by_bodies_ && may_be_singular_) {
+    proven = solvability_.decide(velocity_.data(), deadline_s) == ContactSolvability::Finding::kUnsolvable;
+  }
+  if (proven) return report_proof(answer);
+  answer.claim = Claim::kNumericalFailure;
+  answer.detail = "ray";
+}
+
+void AnswerTest::report_proof(Answer& answer) {
+  answer.claim = Claim::kUnsolvable;
+  answer.detail = bare_ ? "proven" : "ray to rounding";
+  if (bare_ && bare_test_.proof().size() == 0) return;  // by exact enumeration of all supports
+  Vector& farkas = cleared_vectors().farkas;
+  if (farkas.size() != farkas_size_ && farkas_.size() == farkas_size_) farkas.swap(farkas_);
+  if (bare_) {
+    farkas = bare_test_.proof();
+  } else {
+    farkas.resize(contacts_.input.nc);
+    solvability_.write_proof(farkas);
+  }
+  answer.farkas.swap(farkas);
+}
+
+bool AnswerTest::solves(const Vector& z) {
+  if (!z.allFinite()) return false;
+  completed_ = z.cwiseMax(0.0);
+  if (by_bodies_) return solves_bodies();
+  if (!bare_) return solves_contacts();
+  return solves_bare();
+}
+
+bool AnswerTest::solves_bare() {
+  if (bare_test_.backward_error(completed_) <= kClaimedBackwardError) return true;
+  return bare_test_.drop_rounding(completed_) && bare_test_.backward_error(completed_) <= kClaimedBackwardError;
+}
+
+bool AnswerTest::solves_bodies() {
+  bodies_test_.release(completed_);
+  if (bodies_test_.complete_in_double(completed_).certain <= kClaimedResidual) return true;
+  return bodies_test_.complete_in_quad(completed_).certain <= kClaimedQuadResidual;
+}
+
+/// What nothing moves stays so: methods that end inside leave impulses there.
+void AnswerTest::release_islands_at_rest() {
+  const contact_lemke::Input& input = contacts_.input;
+  if (input.island_of_contact == nullptr) return;
+  for (std::ptrdiff_t c = 0; c < input.nc; ++c) {
+    const std::ptrdiff_t island = input.island_of_contact[c];
+    bool moves = false;
+    for (std::ptrdiff_t i = 0; i < input.ngc && island >= 0 && completed_(c) > 0; ++i) {
+      moves = moves || (input.island_of_coordinate[i] == island && input.v[i] != 0);
+    }
+    if (!moves) completed_(c) = 0;
+  }
+}
+
+bool AnswerTest::solves_contacts() {
+  release_islands_at_rest();
+  release_friction(contacts_.input, completed_);
+  contact_lemke::Residual residual = judge_.complete(completed_.data());
+  if (residual.certain <= kClaimedResidual) return true;
+  residual = quad_judge().complete(completed_.data());
+  return residual.certain <= kClaimedQuadResidual;
+}
+
+/// Whether the problem that completed_ seems to solve has a solution.
+AnswerTest::Outcome AnswerTest::confirm(double deadline_s) {
+  using Finding = ContactSolvability::Finding;
+  if (bare_) return bare_test_.disproves(completed_, deadline_s) ? Outcome::kUnsolvable : Outcome::kSolved;
+  if (!may_be_singular_) return Outcome::kSolved;
+  const Finding finding = solvability_.decide(velocity_.data(), deadline_s);
+  if (finding == Finding::kSolvable) return Outcome::kSolved;
+  if (finding == Finding::kUnsolvable) return Outcome::kUnsolvable;
+  // In 113 bits the path's own values count: its answer was rounded to doubles.
+  Ending ending = Ending::kBreakdown;
+  if (contacts_.friction_begin.back() > 0) ending = follow_path(false, deadline_s);
+  if (ending == Ending::kRay || ending == Ending::kPivotLimit) ending = follow_path(true, deadline_s);
+  if (ending == Ending::kSolved) return Outcome::kSolved;
+  return wall_clock_s() < deadline_s ? Outcome::kUnconfirmed : Outcome::kOutOfTime;
+}
+
+/// Of Lemke's method in 113 bits, to a solution that owes nothing to the answer.
+Ending AnswerTest::follow_path(bool classic, double deadline_s) {
+  const ContactLemkeSettings settings;
+  const std::ptrdiff_t rows = contacts_.input.nc + contacts_.input.ngc;
+  contact_lemke::Rules rules;
+  rules.classic = classic;
+  rules.refinements = static_cast<std::ptrdiff_t>(settings.max_refinements);
+  rules.pivot_tolerance = kQuadUnitRoundoff * settings.pivot_tolerance;
+  rules.tie_tolerance = kQuadUnitRoundoff * settings.tie_tolerance;
+  rules.residual_tolerance = kQuadUnitRoundoff * settings.refine_tolerance;
+  rules.max_pivots = 100 + 20 * (classic ? rows + contacts_.friction_begin.back() : rows);
+  rules.deadline_s = deadline_s;
+  rules.clock_s = wall_clock_s;
+  path_end_.setZero();
+  const contact_lemke::Outcome outcome = quad_judge().solve(rules, path_end_.data());
+  const bool confirms = outcome.ending != Ending::kSolved || solvability_.is_confirmed_by(outcome.missed);
+  return confirms ? outcome.ending : Ending::kBreakdown;
+}
+
+LoadedContacts& AnswerTest::quad_judge() {
+  if (!quad_is_loaded_) quad_judge_.load(contacts_.input);
+  quad_is_loaded_ = true;
+  return quad_judge_;
+}
+
+void release_friction(const contact_lemke::Input& contacts, Vector& z) {
+  for (std::ptrdiff_t contact = 0; contact < contacts.nc; ++contact) {
+    if (z(contact) > 0) continue;
+    z.segment(contacts.nc + contacts.friction_begin[contact],
+              contacts.friction_begin[contact + 1] - contacts.friction_begin[contact])
+        .setZero();
+  }
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,93 @@
+#pragma once
+
+#include "core/problem.h"
+#include "core/solver.h"
+#include "native/answer_test/bare_lcp_test.h"
+#include "native/answer_test/bodies_test.h"
+#include "native/contacts/contact_input.h"
+#include "native/contact_lemke/contact_lemke.h"
+#include "native/answer_test/contact_solvability.h"
+
+namespace lcpbench {
+
+/// Half of what the evaluation allows, to be on its safe side whatever a test in double itself rounds: velocity
+/// residual relative to max|q| of contact problems.
+inline constexpr double kClaimedResidual = 5e-5;
+
+/// The last test of an answer before it is claimed as solved, from the data of the problem, by the measure of the
+/// verdict: for methods that work on M. M as rounded is another problem where the inertia is near singular, and its
+/// exact solution may be none of the contacts'.
+class AnswerTest {
+ public:
+  /// How contacts between separate bodies (BlockInertia) are tested: with dense matrices over all bodies, or, for
+  /// methods that never form such, body by body.
+  enum class Bodies { kTogether, kOneByOne };
+
+  AnswerTest();
+
+  /// @param problem must stay as it is until the next load. O(ngc^3), of bare LCPs O(n^2)
+  void load(const Problem& problem, Bodies bodies = Bodies::kTogether);
+
+  /// The same contacts, another velocity before the impact (ngc). @pre a contact problem was loaded
+  void set_velocity(const Vector& v);
+
+  /// Where the claim is not solved, nothing. Else: entries of z below zero count as zero, and so does friction where no
+  /// contact presses; lambda is the least that the friction impulses allow. If that solves the problem it is the
+  /// answer. If not, z stays and the claim becomes kNumericalFailure (`detail` "residual" or "unconfirmed"), or
+  /// kUnsolvable where the problem is proven to have no solution: bare LCPs exactly, with `farkas` or because every
+  /// support was tried, contacts to rounding, with `farkas`. Of contact problems the velocity residual with its
+  /// estimated rounding has to be within kClaimedResidual of max|q| in double, or within what the verdict allows in 113
+  /// bits; of bare LCPs the backward error within kClaimedBackwardError. Positive entries count as in the basis: w has
+  /// to vanish there. O(ngc n); in 113 bits, where double is in doubt, O(ngc^3). Allocates nothing but the Farkas
+  /// vector's memory, once.
+  ///
+  /// With singular inertia contacts may miss having a solution by so little that the residual does not tell. Whether
+  /// they have one is decided apart (ContactSolvability). Where that leaves it open, with friction, the answer is
+  /// "unconfirmed" unless a path of Lemke's method in 113 bits ends in a solution. Where the deadline ends that, the
+  /// claim becomes kTimeLimit. See docs/explanation/verdicts.md.
+  /// @param deadline_s on wall_clock_s(), for the paths only; infinity: none
+  /// @returns whether the claim is still solved
+  bool settle(Answer& answer, double deadline_s);
+
+  /// Of a method that ended in a ray, which proves nothing for most matrices. The claim becomes kUnsolvable where the
+  /// problem is proven to have no solution as in settle(), else kNumericalFailure, `detail` "ray". z stays.
+  /// @param u nearly a proof for a bare LCP, where the method has one; else nullptr
+  void settle_ray(Answer& answer, double deadline_s, const Vector* u = nullptr);
+
+  /// Whether the bare LCP of the last settle_ray() is unsolvable but for rounding: other methods need not try it.
+  bool nearly_disproved() const { return bare_ && bare_test_.nearly_disproved(); }
+
+ private:
+  enum class Outcome { kSolved, kUnsolvable, kResidual, kUnconfirmed, kOutOfTime };
+
+  bool solves(const Vector& z);
+  bool solves_bare();
+  bool solves_contacts();
+  bool solves_bodies();
+  void release_islands_at_rest();
+  Outcome confirm(double deadline_s);
+  contact_lemke::Ending follow_path(bool classic, double deadline_s);
+  void report_proof(Answer& answer);
+  LoadedContacts& quad_judge();
+
+  LoadedContacts judge_, quad_judge_;
+  ContactInput contacts_;
+  BareLcpTest bare_test_;
+  BodiesTest bodies_test_;
+  bool by_bodies_ = false;
+  bool bare_ = true;
+  bool quad_is_loaded_ = false;
+  bool may_be_singular_ = false;  // the inertia of contacts
+  ContactSolvability solvability_;
+  double residual_ = 0;     // of completed_, contacts
+  Vector velocity_;         // v, where the inertia may be singular
+  Vector path_end_;         // n, where the inertia may be singular
+  Vector completed_;        // n
+  Vector farkas_;           // memory for the proof of the first answer that comes with less
+  Index farkas_size_ = -1;  // for which it was taken
+};
+
+/// Contact problems: no friction impulses where the normal one is zero. @param z of lcp_size entries
+void release_friction(const contact_lemke::Input& contacts, Vector& z);
+
+}  // namespace lcpbench

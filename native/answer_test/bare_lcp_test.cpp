@@ -1,0 +1,235 @@
+#include "native/answer_test/bare_lcp_test.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "native/answer_test/exact_sum.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnitRoundoff = 0x1p-53;
+
+/// Between these, products and sums of a row neither overflow nor lose to underflow what counts against the row's
+/// scale.
+constexpr double kSmallestSafe = 0x1p-900;
+constexpr double kLargestSafe = 0x1p900;
+
+/// Entries of z below this, relative to the largest of their block, are rounding. Well below what the verdict allows.
+constexpr double kRounding = 1e-13;
+
+/// A w_i or z_i of less than this, relative to its scale, may vanish or be negative in the exact solution of a basis.
+constexpr double kClear = 1e-6;
+
+/// Rows whose w_i exceeds this, relative to its scale, have no part in a proof against an answer that almost solves.
+constexpr double kSlack = 1e-6;
+
+/// Orders up to which a basis is inverted to see whether it gives a solution.
+constexpr Index kLargestInverted = 32;
+
+/// Systems of equations that are tried before a small problem is left undecided: all of nondegenerate ones.
+constexpr std::int64_t kMostSystems = 10000;
+
+}  // namespace
+
+void BareLcpTest::load(const Lcp& lcp) {
+  const Index n = lcp.size();
+  lcp_ = &lcp;
+  find_row_islands(lcp.M, islands_, support_);
+  row_norm_ = lcp.M.cwiseAbs().rowwise().sum();
+  w_.resize(n);
+  largest_.resize(static_cast<std::size_t>(islands_.count));
+  support_.reserve(static_cast<std::size_t>(n));
+  candidates_.resize(static_cast<std::size_t>(n));
+  const Index order = std::min(n, kLargestInverted);
+  block_.resize(order, order);
+  inverse_.resize(order, order);
+  search_.load(lcp);
+  if (n <= kLargestDecided) exact_.reserve(n);
+}
+
+double BareLcpTest::backward_error(const Vector& z) {
+  const Index n = lcp_->size();
+  if (z.size() != n || !z.allFinite()) return kInfinity;
+  if (n == 0) return 0;
+  if (!(z.minCoeff() >= 0)) return kInfinity;
+  w_ = lcp_->q;
+  w_.noalias() += lcp_->M * z;
+  std::fill(largest_.begin(), largest_.end(), 0.0);
+  for (Index i = 0; i < n; ++i) {
+    double& largest = largest_[static_cast<std::size_t>(islands_.of_row[static_cast<std::size_t>(i)])];
+    largest = std::max(largest, z(i));
+  }
+  double worst = 0;
+  for (Index i = 0; i < n; ++i) {
+    const double error = row_error(i, z);
+    if (!(error <= worst)) worst = std::isnan(error) ? kInfinity : error;
+  }
+  return worst;
+}
+
+/// |q_i| + norm_1(M_i) max z.
+double BareLcpTest::scale(Index row) const {
+  const double largest = largest_[static_cast<std::size_t>(islands_.of_row[static_cast<std::size_t>(row)])];
+  return std::abs(lcp_->q(row)) + row_norm_(row) * largest;
+}
+
+double BareLcpTest::row_error(Index row, const Vector& z) const {
+  const double scale = this->scale(row);
+  if (!(scale >= kSmallestSafe && scale <= kLargestSafe)) return row_error_in_quad(row, z);
+  const double violation = z(row) > 0 ? std::abs(w_(row)) : std::max(0.0, -w_(row));
+  // n products and n sums, each rounded once, and two roundings here.
+  return violation / scale + static_cast<double>(2 * z.size() + 2) * kUnitRoundoff;
+}
+
+double BareLcpTest::row_error_in_quad(Index row, const Vector& z) const {
+  Quad w = lcp_->q(row);
+  Quad norm = 0;
+  const Quad largest = largest_[static_cast<std::size_t>(islands_.of_row[static_cast<std::size_t>(row)])];
+  for (Index j = 0; j < z.size(); ++j) {
+    const Quad entry = lcp_->M(row, j);
+    w += entry * static_cast<Quad>(z(j));
+    norm += abs(entry);
+  }
+  const Quad violation = z(row) > 0 ? abs(w) : std::max(Quad{0}, -w);
+  if (violation == 0) return 0;
+  return to_double(violation / (abs(static_cast<Quad>(lcp_->q(row))) + norm * largest));
+}
+
+bool BareLcpTest::drop_rounding(Vector& z) {
+  std::fill(largest_.begin(), largest_.end(), 0.0);
+  const auto largest = [this](Index i) -> double& {
+    return largest_[static_cast<std::size_t>(islands_.of_row[static_cast<std::size_t>(i)])];
+  };
+  for (Index i = 0; i < z.size(); ++i) largest(i) = std::max(largest(i), z(i));
+  bool dropped = false;
+  for (Index i = 0; i < z.size(); ++i) {
+    if (!(z(i) > 0 && z(i) <= kRounding * largest(i))) continue;
+    z(i) = 0;
+    dropped = true;
+  }
+  return dropped;
+}
+
+bool BareLcpTest::disproves(const Vector& z, double deadline_s) {
+  by_exhaustion_ = false;
+  if (has_clear_basis(z)) return false;
+  const Index n = z.size();
+  bool is_solution = true;
+  bool is_feasible = true;
+  const bool small = n <= kLargestDecided;
+  for (Index i = 0; i < n && is_feasible; ++i) {
+    const double rounding = static_cast<double>(2 * n + 2) * kUnitRoundoff * scale(i);
+    if (w_(i) > rounding && !(z(i) > 0)) continue;
+    if (w_(i) > rounding && !small) continue;
+    const int sign = sign_of_w(i, z);
+    is_feasible = sign >= 0;
+    is_solution = is_solution && (sign == 0 || (sign > 0 && !(z(i) > 0)));
+  }
+  if (!is_feasible) {
+    for (Index i = 0; i < n; ++i) {
+      candidates_[static_cast<std::size_t>(i)] = w_(i) > kSlack * scale(i) ? char{0} : char{1};
+    }
+    if (search_.find(candidates_, deadline_s)) return true;
+  }
+  if (!small || (is_solution && is_feasible)) return false;
+  exact_.load(*lcp_);
+  support_.clear();
+  for (Index i = 0; i < n; ++i) {
+    if (z(i) > 0) support_.push_back(i);
+  }
+  if (exact_.solves_with(support_)) return false;
+  return exhausts(deadline_s);
+}
+
+bool BareLcpTest::disproves(double deadline_s) {
+  by_exhaustion_ = false;
+  std::fill(candidates_.begin(), candidates_.end(), char{1});
+  if (search_.find(candidates_, deadline_s)) return true;
+  if (lcp_->size() > kLargestDecided) return false;
+  exact_.load(*lcp_);
+  return exhausts(deadline_s);
+}
+
+bool BareLcpTest::disproves_near(const Vector& u, double deadline_s) {
+  by_exhaustion_ = false;
+  return search_.round(u) || disproves(deadline_s);
+}
+
+bool BareLcpTest::exhausts(double deadline_s) {
+  by_exhaustion_ = exact_.run(deadline_s, kMostSystems) == enumeration::ExactSearch::End::kNone;
+  return by_exhaustion_;
+}
+
+/// Exactly.
+int BareLcpTest::sign_of_w(Index row, const Vector& z) const {
+  ExactSum sum;
+  sum.add(lcp_->q(row), 1.0);
+  for (Index j = 0; j < z.size(); ++j) {
+    if (z(j) != 0) sum.add(lcp_->M(row, j), z(j));
+  }
+  return sum.sign();
+}
+
+/// Whether the exact solution of M z = -q on the support of z is so near that it has the same support and w >= 0: then
+/// it solves the problem. The margins are wide enough for all that is rounded here.
+bool BareLcpTest::has_clear_basis(const Vector& z) {
+  support_.clear();
+  for (Index i = 0; i < z.size(); ++i) {
+    const double scale = this->scale(i);
+    if (!(scale >= kSmallestSafe && scale <= kLargestSafe)) return false;
+    if (z(i) > 0) {
+      support_.push_back(i);
+    } else if (!(w_(i) > kClear * scale)) {
+      return false;
+    }
+  }
+  const auto order = static_cast<Index>(support_.size());
+  if (order == 0) return true;
+  if (order > kLargestInverted) return false;
+  const auto member = [this](Index k) { return support_[static_cast<std::size_t>(k)]; };
+  // In the scale of z, and each row by its own: w and the change of z that it asks for become relative.
+  for (Index c = 0; c < order; ++c) {
+    for (Index r = 0; r < order; ++r) block_(r, c) = lcp_->M(member(r), member(c)) * (z(member(c)) / scale(member(r)));
+  }
+  if (!inverts(order)) return false;
+  // With entries of the block at most 1: |block^-1| against the errors of w, and again for those of the inverse.
+  const double norm = inverse_.topLeftCorner(order, order).cwiseAbs().rowwise().sum().maxCoeff();
+  double largest = 0;
+  for (Index r = 0; r < order; ++r) largest = std::max(largest, std::abs(w_(member(r))) / scale(member(r)));
+  const double rounding = static_cast<double>(2 * z.size() + 2) * kUnitRoundoff;
+  return norm * (largest + rounding) <= 0.1 * kClear;
+}
+
+/// inverse_ := block_^-1 by elimination with partial pivoting; false where that is far from one. Spoils block_.
+bool BareLcpTest::inverts(Index order) {
+  auto inverse = inverse_.topLeftCorner(order, order);
+  inverse.setIdentity();
+  for (Index step = 0; step < order; ++step) {
+    Index pivot = step;
+    for (Index r = step + 1; r < order; ++r) {
+      if (std::abs(block_(r, step)) > std::abs(block_(pivot, step))) pivot = r;
+    }
+    const double value = block_(pivot, step);
+    if (!(std::abs(value) > kClear)) return false;
+    for (Index c = 0; c < order; ++c) {
+      std::swap(block_(step, c), block_(pivot, c));
+      std::swap(inverse(step, c), inverse(pivot, c));
+      block_(step, c) /= value;
+      inverse(step, c) /= value;
+    }
+    for (Index r = 0; r < order; ++r) {
+      const double factor = block_(r, step);
+      if (r == step || factor == 0) continue;
+      for (Index c = 0; c < order; ++c) {
+        block_(r, c) -= factor * block_(step, c);
+        inverse(r, c) -= factor * inverse(step, c);
+      }
+    }
+  }
+  return true;
+}
+
+}  // namespace lcpbench

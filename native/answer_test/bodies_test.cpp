@@ -1,0 +1,283 @@
+#include "native/answer_test/bodies_test.h"
+
+#include <algorithm>
+#include <cfloat>
+#include <cmath>
+#include <limits>
+#include <variant>
+
+#include "native/contacts/contact_edges.h"
+#include "native/answer_test/scaled_numbers.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kTrusted = 0.1;           ///< share of a block's least eigenvalue that rounding may take
+constexpr double kFloor = 0x1p-53 / 1e-4;  ///< of the verdict: the rounding of q in double counts as solved
+constexpr double kSmallestSafe = 1e-280;   ///< sums of products above this lose nothing that counts to underflow
+
+double root_of(double x) { return std::sqrt(x); }
+Quad root_of(Quad x) { return sqrt(x); }
+
+/// What is no number, or too large for one, stays the largest.
+template <class Scalar>
+void raise(Scalar& largest, Scalar x) {
+  if (!(x <= largest)) largest = x < static_cast<Scalar>(kInfinity) ? x : static_cast<Scalar>(kInfinity);
+}
+
+/// visit(row, value) for the nonzero entries of column `j` of [N D].
+template <class Visit>
+void visit_column(const ContactProblem& contact, Index j, Visit&& visit) {
+  const bool is_normal = j < contact.nc();
+  for_each_entry(is_normal ? contact.N : contact.D, is_normal ? j : j - contact.nc(), visit);
+}
+
+/// What column `j` of J sees.
+template <class Scalar>
+struct Row {
+  Scalar w = 0;         ///< J_j'u
+  Scalar rounding = 0;  ///< bound on its error
+  Scalar reach = 0;     ///< at least the root of M_jj
+};
+
+template <class Scalar, class Room>
+Row<Scalar> row_of(const ContactProblem& contact, Index j, const Room& room) {
+  Row<Scalar> row;
+  visit_column(contact, j, [&](Index i, double value) {
+    const auto at = static_cast<std::size_t>(i);
+    const Scalar size = static_cast<Scalar>(std::abs(value));
+    row.w += static_cast<Scalar>(value) * room.u[at];
+    row.rounding += size * room.bound[at];
+    row.reach += size * room.reach[at];
+  });
+  return row;
+}
+
+/// min(M_jj z_j, w) or more, of a row with z_j >= 0.
+template <class Scalar, class Island>
+void offer(const Row<Scalar>& row, Scalar w, double z, Island& island) {
+  const Scalar pressure = row.reach * row.reach * static_cast<Scalar>(z);
+  const auto off = [&](Scalar least) { return least < 0 ? -least : (least < pressure ? least : pressure); };
+  raise(island.worst, off(w));
+  raise(island.certain, std::max(off(w + row.rounding), off(w - row.rounding)));
+  if (!(row.rounding <= row.rounding)) raise(island.certain, row.rounding);
+}
+
+template <class Scalar>
+double relative(Scalar residual, Scalar scale) {
+  if (scale == 0) return residual == 0 ? 0 : kInfinity;
+  const double least = sizeof(Scalar) > sizeof(double) ? DBL_MIN : kSmallestSafe;
+  const bool is_scale = scale >= static_cast<Scalar>(least) && scale <= static_cast<Scalar>(DBL_MAX);
+  return is_scale && residual < static_cast<Scalar>(kInfinity) ? static_cast<double>(residual / scale) : kInfinity;
+}
+
+}  // namespace
+
+template <class Scalar>
+void BodiesTest::Room<Scalar>::resize(Index ngc, Index largest_block, Index island_count) {
+  for (std::vector<Scalar>* by_coordinate : {&impulse, &terms, &u, &bound, &reach, &root}) {
+    by_coordinate->resize(static_cast<std::size_t>(ngc));
+  }
+  factor.resize(static_cast<std::size_t>(largest_block * largest_block));
+  inverse.resize(static_cast<std::size_t>(largest_block));
+  islands.resize(static_cast<std::size_t>(island_count));
+}
+
+void BodiesTest::load(const ContactProblem& contact) {
+  contact_ = &contact;
+  layout_ = contact_layout(contact);
+  numbers_.find(contact);
+  moves_.resize(static_cast<std::size_t>(numbers_.count));
+  v_ = contact.v;
+  Index largest = 0;
+  for (const Matrix& block : std::get<BlockInertia>(contact.inertia).blocks) largest = std::max(largest, block.rows());
+  double_.resize(contact.ngc(), largest, numbers_.count);
+  double_.roundoff = 0x1p-53;
+  quad_.resize(contact.ngc(), largest, numbers_.count);
+  quad_.roundoff = kQuadUnitRoundoff;
+}
+
+void BodiesTest::release(Vector& z) {
+  std::fill(moves_.begin(), moves_.end(), char{0});
+  for (Index i = 0; i < v_.size(); ++i) {
+    const Index island = numbers_.of_coordinate[static_cast<std::size_t>(i)];
+    if (island >= 0 && v_(i) != 0) moves_[static_cast<std::size_t>(island)] = 1;
+  }
+  for (Index c = 0; c < contact_->nc(); ++c) {
+    const Index first = layout_.friction_begin[static_cast<std::size_t>(c)];
+    const Index count = layout_.friction_begin[static_cast<std::size_t>(c) + 1] - first;
+    const Index island = numbers_.of_contact[static_cast<std::size_t>(c)];
+    if (island < 0 || moves_[static_cast<std::size_t>(island)] == 0) z(c) = 0;
+    if (!(z(c) > 0)) z.segment(layout_.friction_offset() + first, count).setZero();
+  }
+}
+
+template <class Scalar>
+void BodiesTest::add_impulses(const Vector& z, Room<Scalar>& room) const {
+  std::fill(room.impulse.begin(), room.impulse.end(), Scalar(0));
+  std::fill(room.terms.begin(), room.terms.end(), Scalar(0));
+  for (Island<Scalar>& island : room.islands) island = {0, 0, 0, 0, 0, 0, false, true};
+  for (Index j = 0; j < layout_.lambda_offset(); ++j) {
+    if (z(j) == 0) continue;
+    visit_column(*contact_, j, [&](Index i, double value) {
+      const auto at = static_cast<std::size_t>(i);
+      const Scalar part = static_cast<Scalar>(z(j)) * static_cast<Scalar>(value);
+      room.impulse[at] += part;
+      room.terms[at] += magnitude(part);
+      const Index island = numbers_.of_coordinate[at];
+      room.islands[static_cast<std::size_t>(island)].presses = true;
+    });
+  }
+}
+
+/// u of one block, by Cholesky; reach, root, and the sums of bound_rounding().
+template <class Scalar>
+void BodiesTest::respond(const Matrix& block, Index first, Room<Scalar>& room) const {
+  const auto n = static_cast<std::size_t>(block.rows());
+  const auto at = static_cast<std::size_t>(first);
+  std::vector<Scalar>& L = room.factor;
+  bool is_definite = true;
+  for (std::size_t j = 0; j < n; ++j) {
+    for (std::size_t i = j; i < n; ++i) {
+      Scalar sum = static_cast<Scalar>(block(static_cast<Index>(i), static_cast<Index>(j)));
+      for (std::size_t k = 0; k < j; ++k) sum -= L[i * n + k] * L[j * n + k];
+      if (i == j) is_definite = is_definite && sum > 0;
+      L[i * n + j] = i == j ? root_of(sum > 0 ? sum : Scalar(1)) : sum / L[j * n + j];
+    }
+    room.root[at + j] = root_of(static_cast<Scalar>(block(static_cast<Index>(j), static_cast<Index>(j))));
+    room.reach[at + j] = 0;
+  }
+  Scalar condition = 0;
+  for (std::size_t k = 0; k < n; ++k) {  // column k of L^-1
+    std::vector<Scalar>& x = room.inverse;
+    for (std::size_t i = k; i < n; ++i) {
+      Scalar sum = i == k ? Scalar(1) : Scalar(0);
+      for (std::size_t l = k; l < i; ++l) sum -= L[i * n + l] * x[l];
+      x[i] = sum / L[i * n + i];
+      room.reach[at + k] += x[i] * x[i];
+    }
+    room.reach[at + k] = root_of(room.reach[at + k]);
+    const Scalar scaled = room.reach[at + k] * room.root[at + k];
+    condition += scaled * scaled;
+  }
+  Scalar* const x = room.u.data() + at;
+  for (std::size_t i = 0; i < n; ++i) {
+    x[i] = room.impulse[at + i];
+    for (std::size_t k = 0; k < i; ++k) x[i] -= L[i * n + k] * x[k];
+    x[i] /= L[i * n + i];
+  }
+  for (std::size_t i = n; i-- > 0;) {
+    for (std::size_t k = i + 1; k < n; ++k) x[i] -= L[k * n + i] * x[k];
+    x[i] /= L[i * n + i];
+  }
+  const Scalar lost = static_cast<Scalar>(room.roundoff * static_cast<double>(n * (8 + 4 * n))) * condition;
+  const bool is_known = is_definite && lost < static_cast<Scalar>(kTrusted);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Index k = numbers_.of_coordinate[at + i];
+    room.bound[at + i] = magnitude(x[i]);
+    if (k < 0) continue;
+    Island<Scalar>& island = room.islands[static_cast<std::size_t>(k)];
+    const bool is_safe = room.terms[at + i] == 0 || room.terms[at + i] > static_cast<Scalar>(kSmallestSafe);
+    island.is_known = island.is_known && is_known && is_safe;
+    island.rounded += room.reach[at + i] * room.terms[at + i];
+    island.lost += room.reach[at + i] * room.root[at + i] * static_cast<Scalar>(static_cast<double>(8 + 4 * n));
+    island.moved += room.root[at + i] * magnitude(x[i]);
+  }
+}
+
+template <class Scalar>
+void BodiesTest::bound_rounding(Index impulses, Room<Scalar>& room) const {
+  const Scalar roundoff = static_cast<Scalar>(room.roundoff);
+  const Scalar sums = roundoff * static_cast<Scalar>(static_cast<double>(64 + impulses));
+  const Scalar dots = roundoff * static_cast<Scalar>(static_cast<double>(4 + contact_->ngc()));
+  for (std::size_t i = 0; i < room.u.size(); ++i) {
+    const Scalar v = static_cast<Scalar>(v_(static_cast<Index>(i)));
+    room.bound[i] = dots * (room.bound[i] + magnitude(v));
+    room.u[i] += v;
+    const Index k = numbers_.of_coordinate[i];
+    if (k < 0) continue;
+    const Island<Scalar>& island = room.islands[static_cast<std::size_t>(k)];
+    room.bound[i] += room.reach[i] * (sums * island.rounded + roundoff * island.lost * island.moved);
+  }
+}
+
+template <class Scalar>
+void BodiesTest::measure_friction(Index contact, Vector& z, Room<Scalar>& room) const {
+  const auto c = static_cast<std::size_t>(contact);
+  Island<Scalar>& island = room.islands[static_cast<std::size_t>(numbers_.of_contact[c])];
+  const Index first = layout_.friction_offset() + layout_.friction_begin[c];
+  const Index half = (layout_.friction_begin[c + 1] - layout_.friction_begin[c]) / 2;
+  Scalar largest = 0;
+  for (Index t = 0; t < half; ++t) raise(largest, magnitude(row_of<Scalar>(*contact_, first + t, room).w));
+  double& lambda = z(layout_.lambda_offset() + layout_.lambda[c]);
+  lambda = static_cast<double>(largest);
+  if (!std::isfinite(lambda)) raise(island.certain, static_cast<Scalar>(kInfinity));
+  const Scalar bound = static_cast<Scalar>(lambda);
+  Scalar unused = static_cast<Scalar>(contact_->mu(contact)) * static_cast<Scalar>(z(contact));
+  Scalar terms = unused;
+  for (Index t = 0; t < half; ++t) {
+    const Row<Scalar> row = row_of<Scalar>(*contact_, first + t, room);
+    offer(row, bound + row.w, z(first + t), island);
+    offer(row, bound - row.w, z(first + half + t), island);
+    const Scalar used = static_cast<Scalar>(z(first + t)) + static_cast<Scalar>(z(first + half + t));
+    unused -= used;
+    terms += used;
+  }
+  const Scalar reach = row_of<Scalar>(*contact_, contact, room).reach;
+  const Scalar rounding = terms * static_cast<Scalar>(room.roundoff * static_cast<double>(2 + 4 * half));
+  const Scalar most = static_cast<Scalar>(1 + 2 * kTrusted) * reach * reach * (magnitude(unused) + rounding);
+  raise(island.worst, unused > 0 && bound < most ? bound : most);
+  raise(island.certain, unused > rounding && bound < most ? bound : most);
+}
+
+template <class Scalar>
+contact_lemke::Residual BodiesTest::complete(Vector& z, Room<Scalar>& room) {
+  add_impulses(z, room);
+  Index first = 0;
+  for (const Matrix& block : std::get<BlockInertia>(contact_->inertia).blocks) {
+    respond(block, first, room);
+    first += block.rows();
+  }
+  bound_rounding((z.array() != 0).count(), room);
+  for (Index c = 0; c < contact_->nc(); ++c) {
+    const auto contact = static_cast<std::size_t>(c);
+    const Index lambda = layout_.lambda[contact];
+    if (numbers_.of_contact[contact] < 0) {
+      if (lambda >= 0) z(layout_.lambda_offset() + lambda) = 0;
+      continue;
+    }
+    Island<Scalar>& island = room.islands[static_cast<std::size_t>(numbers_.of_contact[contact])];
+    const Row<Scalar> row = row_of<Scalar>(*contact_, c, room);
+    offer(row, row.w, z(c), island);
+    if (lambda >= 0) measure_friction(c, z, room);
+    const Index half = (layout_.friction_begin[contact + 1] - layout_.friction_begin[contact]) / 2;
+    for (Index t = -1; t < half; ++t) {
+      Scalar q = 0, terms = 0;
+      double entries = 1;
+      visit_column(*contact_, t < 0 ? c : layout_.friction_offset() + layout_.friction_begin[contact] + t,
+                   [&](Index i, double value) {
+                     const Scalar part = static_cast<Scalar>(value) * static_cast<Scalar>(v_(i));
+                     q += part;
+                     terms += magnitude(part);
+                     ++entries;
+                     // Lost to underflow: no zero, but no scale either.
+                     if (part == 0 && v_(i) != 0) terms += static_cast<Scalar>(DBL_TRUE_MIN);
+                   });
+      const Scalar own = std::max(magnitude(q), static_cast<Scalar>(kFloor * entries) * terms);
+      raise(island.scale, own == 0 ? terms : own);
+    }
+  }
+  contact_lemke::Residual residual;
+  for (const Island<Scalar>& island : room.islands) {
+    const bool is_certain = island.is_known || !island.presses;
+    residual.velocity = std::max(residual.velocity, relative(island.worst, island.scale));
+    residual.certain = std::max(residual.certain, is_certain ? relative(island.certain, island.scale) : kInfinity);
+  }
+  return residual;
+}
+
+template contact_lemke::Residual BodiesTest::complete(Vector& z, Room<double>& room);
+template contact_lemke::Residual BodiesTest::complete(Vector& z, Room<Quad>& room);
+
+}  // namespace lcpbench

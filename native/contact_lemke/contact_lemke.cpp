@@ -1,0 +1,372 @@
+#include "native/contact_lemke/contact_lemke.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <stdexcept>
+#include <vector>
+
+#include "core/answer_storage.h"
+#include "core/quad.h"
+#include "core/registry.h"
+#include "core/timed_solve.h"
+
+namespace lcpbench {
+
+/// One rung of the cascade.
+struct ContactRung {
+  ContactArithmetic arithmetic = ContactArithmetic::kDouble;
+  bool classic = false;
+  std::ptrdiff_t variant = 0;
+  bool reinvert = false;
+  const char* name = "";  ///< short enough for std::string to hold in place
+};
+
+namespace {
+
+using contact_lemke::Ending;
+using contact_lemke::Engine;
+using contact_lemke::Residual;
+using contact_lemke::Rules;
+using Expected = ContactSolvability::Expected;
+using Finding = ContactSolvability::Finding;
+
+constexpr double kFloatUnitRoundoff = 0x1p-24;
+constexpr double kDoubleUnitRoundoff = 0x1p-53;
+constexpr double kDoubleDoubleUnitRoundoff = 0x1p-104;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// The residual up to which kSolved is claimed, relative to max|q|: half of the evaluation's bound, to be on its safe
+/// side whatever this test itself rounds.
+constexpr double kClaimedResidual = 5e-5;
+
+struct Engines {
+  const Engine& in_double;
+  const Engine& in_float;
+};
+
+/// Sums of two doubles give the same results with and without a fused multiply-add in the processor.
+const Engine& double_double_at([[maybe_unused]] IsaLevel level) {
+#if defined(__x86_64__)
+  if (level >= IsaLevel::kAvx2) return lemke::double_double_fma::kContactEngine;
+#endif
+  return lemke::double_double::kContactEngine;
+}
+
+Engines engines_at(IsaLevel level) {
+  if (level > best_isa_level()) throw std::invalid_argument("this processor lacks the instruction-set level asked for");
+#if defined(__x86_64__)
+  if (level == IsaLevel::kAvx512) return {lemke::avx512::kContactEngine, lemke::avx512::kFloatContactEngine};
+  if (level == IsaLevel::kAvx2) return {lemke::avx2::kContactEngine, lemke::avx2::kFloatContactEngine};
+#endif
+  return {lemke::baseline::kContactEngine, lemke::baseline::kFloatContactEngine};
+}
+
+/// Before all, where a solve goes on from the last one.
+constexpr ContactRung kWarmRung{.name = "warm"};
+
+constexpr std::array kRungs{
+    ContactRung{.name = ""},
+    ContactRung{.reinvert = true, .name = "reinverted"},
+    ContactRung{.variant = 1, .reinvert = true, .name = "second path"},
+    ContactRung{.variant = 2, .reinvert = true, .name = "third path"},
+    ContactRung{.classic = true, .reinvert = true, .name = "classic"},
+    ContactRung{.arithmetic = ContactArithmetic::kDoubleDouble, .name = "dd"},
+    ContactRung{.arithmetic = ContactArithmetic::kDoubleDouble, .classic = true, .name = "dd, classic"},
+    ContactRung{.arithmetic = ContactArithmetic::kQuad, .name = "quad"},
+    ContactRung{.arithmetic = ContactArithmetic::kQuad, .classic = true, .name = "quad, classic"}};
+
+/// Above this order of kernels their inversion at each pivot costs more than the rungs of more than 53 bits, and helps
+/// less: where those may follow, rungs that differ in it are left out, and the classic vector, which takes many pivots,
+/// leaves inversion to the path's own judgement.
+constexpr std::ptrdiff_t kSmallKernel = 32;
+
+bool returns_velocity(const ContactLemkeSettings& settings) {
+  return settings.precision == ContactLemkePrecision::kPolished || settings.precision == ContactLemkePrecision::kQuad;
+}
+
+bool wanted(const ContactRung& rung, const ContactLemkeSettings& settings, std::ptrdiff_t ngc) {
+  using Precision = ContactLemkePrecision;
+  const bool cascade = settings.precision == Precision::kCascade;
+  if (rung.arithmetic == ContactArithmetic::kQuad && !cascade && settings.precision != Precision::kQuad) return false;
+  if (rung.arithmetic == ContactArithmetic::kDoubleDouble && !cascade) return false;
+  if (rung.arithmetic == ContactArithmetic::kDouble && settings.precision == Precision::kQuad) return false;
+  if (rung.reinvert && cascade && ngc > kSmallKernel) return false;
+  if (rung.classic && settings.covering == ContactLemkeCovering::kNormals) return false;
+  if (!rung.classic && settings.covering == ContactLemkeCovering::kClassic) return false;
+  return true;
+}
+
+}  // namespace
+
+LoadedContacts::LoadedContacts(const Engine& engine) : engine_(engine), state_(engine.create()) {}
+
+LoadedContacts::~LoadedContacts() { engine_.destroy(state_); }
+
+const Engine& contact_lemke_engine(IsaLevel level) { return engines_at(level).in_double; }
+
+Capabilities contact_lemke_capabilities(const ContactLemkeSettings&) {
+  Capabilities capabilities;
+  capabilities.needs = Needs::kFactored;
+  capabilities.max_size = 3000;  // dense matrices of order ngc, which may be several times n
+  capabilities.guarantees = "contact problems with mu >= 0 and positive definite G, without degeneracy";
+  capabilities.warm_start = true;
+  capabilities.obeys_time_limit = true;
+  capabilities.allocation_free = true;
+  return capabilities;
+}
+
+ContactLemke::ContactLemke(const ContactLemkeSettings& settings, IsaLevel level)
+    : settings_(settings),
+      capabilities_(contact_lemke_capabilities(settings)),
+      double_(engines_at(level).in_double),
+      double_double_(double_double_at(level)),
+      quad_(lemke::quad::kContactEngine),
+      float_(engines_at(level).in_float) {}
+
+const Capabilities& ContactLemke::capabilities() const { return capabilities_; }
+
+void ContactLemke::reserve(const Problem& problem) {
+  const ContactProblem& contact = *problem.contact();
+  if (ContactSolvability::is_asked(contact)) solvability_.reserve(contact);
+  if (!contact.frictional()) return reserve(contact.ngc(), contact.nc());
+  data_.reserve(contact.ngc(), contact.nc(), cols(contact.D));
+  best_.reserve(problem.size());
+  for (GrowingVector* of_coordinates : {&velocity_, &best_velocity_, &resumable_v_}) {
+    of_coordinates->reserve(contact.ngc());
+  }
+  data_.load_layout(contact);
+  reserve_engines(data_.input);
+}
+
+/// For all frictionless problems up to these dimensions: the same sizes again and again ask for nothing.
+void ContactLemke::reserve(Index ngc, Index nc) {
+  if (ngc <= reserved_ngc_ && nc <= reserved_nc_) return;
+  reserved_ngc_ = std::max(ngc, reserved_ngc_);
+  reserved_nc_ = std::max(nc, reserved_nc_);
+  data_.reserve(reserved_ngc_, reserved_nc_, 0);
+  best_.reserve(reserved_nc_);
+  for (GrowingVector* of_coordinates : {&velocity_, &best_velocity_, &resumable_v_}) {
+    of_coordinates->reserve(reserved_ngc_);
+  }
+  const std::vector<std::ptrdiff_t> no_friction(static_cast<std::size_t>(reserved_nc_) + 1, 0);
+  contact_lemke::Input input;
+  input.ngc = reserved_ngc_;
+  input.nc = reserved_nc_;
+  input.friction_begin = no_friction.data();
+  reserve_engines(input);
+}
+
+void ContactLemke::reserve_engines(const contact_lemke::Input& input) {
+  double_.reserve(input);
+  if (in_float()) float_.reserve(input);
+  reserve_later_rungs(input);
+}
+
+void ContactLemke::reserve_later_rungs(const contact_lemke::Input& input) {
+  using Precision = ContactLemkePrecision;
+  if (settings_.precision != Precision::kQuad)
+    double_double_.reserve(input);  // it also tests what double is in doubt of
+  if (settings_.precision == Precision::kCascade || settings_.precision == Precision::kQuad) quad_.reserve(input);
+}
+
+void ContactLemke::on_load(const Problem& problem) {
+  const ContactProblem& contact = *problem.contact();
+  if (!contact.frictional()) reserve(contact.ngc(), contact.nc());
+  data_.load_in_units(contact);
+  may_be_singular_ = ContactSolvability::is_asked(contact);
+  if (may_be_singular_) solvability_.load(contact);
+  double_.load(data_.input);
+  if (in_float()) float_.load(data_.input);
+  double_double_is_loaded_ = quad_is_loaded_ = false;
+  if (contact.frictional()) reserve_later_rungs(data_.input);
+  best_.resize(problem.size());
+  resumable_ = false;
+  resumable_v_.resize(contact.ngc());
+  velocity_.resize(contact.ngc());
+  velocity_.view().setZero();
+  best_velocity_.resize(contact.ngc());
+}
+
+void ContactLemke::on_update(const Vector& v) {
+  if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
+  data_.set_velocity(v);
+  double_.set_velocity(data_.v.data());
+  if (in_float()) float_.set_velocity(data_.v.data());
+  if (double_double_is_loaded_) double_double_.set_velocity(data_.v.data());
+  if (quad_is_loaded_) quad_.set_velocity(data_.v.data());
+}
+
+void ContactLemke::respond(const Vector& z, Vector& velocity) {
+  LoadedContacts& engine = quad_is_loaded_ ? quad_ : double_double_is_loaded_ ? double_double_ : double_;
+  engine.respond(z.data(), velocity.data());
+  if (data_.units.size() > 0) velocity.array() *= data_.units.view().array();
+}
+
+LoadedContacts& ContactLemke::engine_of(ContactArithmetic arithmetic) {
+  if (arithmetic == ContactArithmetic::kDouble) return in_float() ? float_ : double_;
+  const bool quad = arithmetic == ContactArithmetic::kQuad;
+  LoadedContacts& engine = quad ? quad_ : double_double_;
+  bool& is_loaded = quad ? quad_is_loaded_ : double_double_is_loaded_;
+  if (!is_loaded) engine.load(data_.input);
+  is_loaded = true;
+  return engine;
+}
+
+double ContactLemke::roundoff_of(const LoadedContacts& engine) const {
+  if (&engine == &quad_) return kQuadUnitRoundoff;
+  if (&engine == &double_double_) return kDoubleDoubleUnitRoundoff;
+  return &engine == &float_ ? kFloatUnitRoundoff : kDoubleUnitRoundoff;
+}
+
+/// Several times what the sets of the study take at most; where the last basis is of little help, better begin anew.
+/// Large kernels that double does not get through may take long paths.
+std::ptrdiff_t ContactLemke::pivots_of_rung(const LoadedContacts& engine, const Rules& rules) const {
+  const std::ptrdiff_t rows = data_.input.nc + data_.input.ngc;
+  if (rules.resume) return 2 * rows + 10;
+  const bool long_path = data_.input.ngc > kSmallKernel && (&engine == &double_double_ || &engine == &quad_);
+  return rules.classic ? 50 * (rows + data_.friction_begin.back()) + 500 : (long_path ? 60 : 20) * rows + 100;
+}
+
+void ContactLemke::on_solve(const SolveRequest& request, Answer& answer) {
+  Progress progress;
+  progress.deadline_s = std::isinf(request.time_limit_s) ? kInfinity : wall_clock_s() + request.time_limit_s;
+  if (resumes(request)) {
+    if (data_.v.view() == resumable_v_.view()) {  // the problem that was just solved
+      progress.best = resumable_residual_;
+      progress.rung = kWarmRung.name;
+      return report(progress, answer);
+    }
+    Rules rules;
+    rules.resume = true;
+    if (climb(kWarmRung, rules, progress, answer)) return report(progress, answer);
+  }
+  resumable_ = false;
+  for (const ContactRung& rung : kRungs) {
+    if (!wanted(rung, settings_, data_.input.ngc)) continue;
+    if (rung.arithmetic != ContactArithmetic::kDouble && progress.best <= kClaimedResidual) break;
+    Rules rules;
+    rules.classic = rung.classic;
+    rules.variant = rung.variant;
+    rules.reinvert = rung.reinvert && (!rung.classic || data_.input.ngc <= kSmallKernel);
+    if (climb(rung, rules, progress, answer)) break;
+  }
+  report(progress, answer);
+}
+
+/// Whether to go on from the last solve: its basis is at hand, and the request is to start from its answer.
+bool ContactLemke::resumes(const SolveRequest& request) const {
+  return resumable_ && request.start != nullptr && request.start->size() == best_.size() &&
+         *request.start == best_.view();
+}
+
+/// @returns whether nothing remains to be tried.
+bool ContactLemke::climb(const ContactRung& rung, Rules rules, Progress& progress, Answer& answer) {
+  LoadedContacts& engine = engine_of(rung.arithmetic);
+  const Ending ending = run(engine, rules, progress, answer.z);
+  if (ending == Ending::kTimeLimit) return true;
+  if (rules.resume && ending != Ending::kSolved) return progress.pivots_left(settings_.max_pivots) <= 0;
+  if (ending == Ending::kPivotLimit) return progress.pivots_left(settings_.max_pivots) <= 0;
+  if (ending == Ending::kRay) return solvability(progress, Expected::kUnsolvable) == Finding::kUnsolvable;
+  if (ending != Ending::kSolved) return false;
+  const bool has_velocity = returns_velocity(settings_) && engine.polish(velocity_.data(), answer.z.data());
+  Residual residual = (in_float() ? double_ : engine).complete(answer.z.data());
+  const bool in_doubt = residual.velocity <= kClaimedResidual && !(residual.certain <= kClaimedResidual);
+  if (in_doubt && (&engine == &double_ || &engine == &float_)) {
+    residual = engine_of(ContactArithmetic::kDoubleDouble).complete(answer.z.data());
+  }
+  if (may_be_singular_ && residual.certain <= kClaimedResidual && !engine.proves_solvable()) {
+    if (solvability(progress, Expected::kSolvable) == Finding::kUnsolvable) return true;
+    // Where it stays open, with friction, only a path in 113 bits tells a solution from what nearly is one.
+    if (progress.finding == Finding::kUnknown) {
+      if (&engine != &quad_ || !solvability_.is_confirmed_by(progress.missed)) return false;
+    }
+  }
+  progress.is_beyond_double = &engine == &quad_ && !(residual.certain <= kClaimedResidual);
+  if (residual.certain < progress.best) {
+    progress.best = residual.certain;
+    progress.rung = rung.name;
+    best_ = answer.z;
+    best_velocity_ = velocity_.view();
+    if (data_.units.size() > 0) best_velocity_.array() *= data_.units.view().array();
+    best_has_velocity_ = has_velocity;
+  }
+  const bool accepted = residual.velocity <= settings_.accept_residual && residual.certain <= kClaimedResidual;
+  resumable_ = accepted && rung.arithmetic == ContactArithmetic::kDouble && !rung.classic;
+  if (resumable_) {
+    resumable_v_ = data_.v.view();
+    resumable_residual_ = progress.best;
+  }
+  return accepted;
+}
+
+Ending ContactLemke::run(LoadedContacts& engine, Rules rules, Progress& progress, Vector& z) {
+  const double roundoff = roundoff_of(engine);
+  rules.pivot_tolerance = roundoff * settings_.pivot_tolerance;
+  rules.tie_tolerance = roundoff * settings_.tie_tolerance;
+  rules.residual_tolerance = roundoff * settings_.refine_tolerance;
+  rules.max_pivots = std::min(pivots_of_rung(engine, rules), progress.pivots_left(settings_.max_pivots));
+  rules.refinements = static_cast<std::ptrdiff_t>(settings_.max_refinements);
+  rules.deadline_s = progress.deadline_s;
+  rules.clock_s = wall_clock_s;
+  z.setZero();
+  const contact_lemke::Outcome outcome = engine.solve(rules, z.data());
+  progress.pivots += outcome.pivots;
+  progress.factorizations += outcome.factorizations;
+  progress.ending = outcome.ending;
+  progress.missed = outcome.missed;
+  return outcome.ending;
+}
+
+/// Whether there is a solution at all. Where the inertia is positive definite, there is.
+ContactSolvability::Finding ContactLemke::solvability(Progress& progress, ContactSolvability::Expected expected) {
+  if (!may_be_singular_ || progress.is_singular_checked) return progress.finding;
+  progress.is_singular_checked = true;
+  return progress.finding = solvability_.decide(data_.v.data(), progress.deadline_s, expected);
+}
+
+void ContactLemke::report(const Progress& progress, Answer& answer) {
+  answer.counters.iterations = answer.counters.pivots = progress.pivots;
+  answer.counters.factorizations = progress.factorizations;
+  if (progress.best <= kClaimedResidual) {
+    answer.claim = Claim::kSolved;
+    answer.z = best_.view();
+    if (best_has_velocity_) {
+      Vector& velocity = cleared_vectors().velocity;
+      velocity = best_velocity_.view();
+      answer.velocity.swap(velocity);
+    }
+    answer.detail = progress.rung;
+    return;
+  }
+  answer.z.setZero();
+  if (progress.finding == Finding::kUnsolvable) {
+    answer.claim = Claim::kUnsolvable;
+    Vector& farkas = cleared_vectors().farkas;
+    farkas.resize(data_.input.nc);
+    solvability_.write_proof(farkas);
+    answer.farkas.swap(farkas);
+    answer.detail = "ray to rounding";
+  } else if (progress.ending == Ending::kTimeLimit) {
+    answer.claim = Claim::kTimeLimit;
+  } else if (progress.ending == Ending::kPivotLimit) {
+    answer.claim = Claim::kIterationLimit;
+    answer.detail = "pivot limit";
+  } else {
+    answer.claim = Claim::kNumericalFailure;
+    answer.detail = progress.ending == Ending::kRay ? "ray, no proof" : "residual";
+    if (progress.is_beyond_double) answer.detail = "z beyond double";
+  }
+}
+
+SolverDefinition lcpbench_solver_contact_lemke() {
+  return define_solver<ContactLemke, ContactLemkeSettings>(
+      {.name = "contact_lemke",
+       .summary = "Lemke's method on contacts: friction only where a contact presses, refined or in 113 bits on demand",
+       .source = "Lemke 1965; Anitescu, Potra 1997; Cottle, Pang, Stone 1992, 4.4",
+       .capabilities = contact_lemke_capabilities({})});
+}
+
+}  // namespace lcpbench

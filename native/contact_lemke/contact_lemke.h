@@ -1,0 +1,181 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "core/isa.h"
+#include "core/settings.h"
+#include "core/solver.h"
+#include "native/contacts/contact_input.h"
+#include "native/contact_lemke/engine.h"
+#include "native/answer_test/contact_solvability.h"
+#include "native/contacts/growing_vector.h"
+
+namespace lcpbench {
+
+enum class ContactLemkePrecision { kFloat, kDouble, kPolished, kQuad, kCascade };
+enum class ContactLemkeCovering { kBoth, kNormals, kClassic };
+
+struct ContactLemkeSettings {
+  ContactLemkePrecision precision = ContactLemkePrecision::kCascade;
+  ContactLemkeCovering covering = ContactLemkeCovering::kBoth;
+  std::int64_t max_refinements = 1;
+  double pivot_tolerance = 1000;
+  double tie_tolerance = 30;
+  double refine_tolerance = 1000;
+  double accept_residual = 1e-6;
+  std::int64_t max_pivots = 0;
+
+  void visit(auto&& field) {
+    using Precision = ContactLemkePrecision;
+    using Covering = ContactLemkeCovering;
+    field(
+        "precision", precision,
+        Choices<Precision>{{{"float", Precision::kFloat},
+                            {"double", Precision::kDouble},
+                            {"polished", Precision::kPolished},
+                            {"quad", Precision::kQuad},
+                            {"cascade", Precision::kCascade}}},
+        "arithmetic: 24, 53 or 113 bits; polished: 53 and the velocity by orthogonal projection; cascade: 53, and 113 "
+        "only where that does not pass the test of its answer");
+    field("covering", covering,
+          Choices<Covering>{
+              {{"both", Covering::kBoth}, {"normals", Covering::kNormals}, {"classic", Covering::kClassic}}},
+          "covering vector: on normal rows only, positive on every row, or the second where the first fails");
+    field("max_refinements", max_refinements, IntegerRange{.min = 0, .max = 10},
+          "at most so many steps of iterative refinement at each pivot");
+    field("pivot_tolerance", pivot_tolerance, RealRange{.min = 0, .max = 1e12},
+          "a variable may leave only if its rate exceeds this many roundings of the largest term of the rates");
+    field("tie_tolerance", tie_tolerance, RealRange{.min = 0, .max = 1e12},
+          "roundings of the largest term of the values: slack of the ratio test, and zero of the artificial variable");
+    field("refine_tolerance", refine_tolerance, RealRange{.min = 0, .max = 1e12},
+          "basic variables are refined where velocities that should be zero exceed this many roundings of |v|");
+    field("accept_residual", accept_residual, RealRange{.min = 0, .max = 5e-5},
+          "velocity residual relative to max|q| below which no further rung of the cascade is tried");
+    field("max_pivots", max_pivots, IntegerRange{.min = 0, .max = std::int64_t{1} << 40},
+          "limit on pivots over all rungs together; 0: none but those of the rungs");
+  }
+};
+
+enum class ContactArithmetic { kDouble, kDoubleDouble, kQuad };
+struct ContactRung;
+
+/// An engine with the problem that it holds.
+class LoadedContacts {
+ public:
+  explicit LoadedContacts(const contact_lemke::Engine& engine);
+  ~LoadedContacts();
+  LoadedContacts(const LoadedContacts&) = delete;
+  LoadedContacts& operator=(const LoadedContacts&) = delete;
+
+  void reserve(const contact_lemke::Input& input) { engine_.reserve(state_, input); }
+  void load(const contact_lemke::Input& input) { engine_.load(state_, input); }
+  void set_velocity(const double* v) { engine_.set_velocity(state_, v); }
+  contact_lemke::Outcome solve(const contact_lemke::Rules& rules, double* z) { return engine_.solve(state_, rules, z); }
+  contact_lemke::Residual complete(double* z) { return engine_.complete(state_, z); }
+  void respond(const double* z, double* velocity) { engine_.respond(state_, z, velocity); }
+  bool polish(double* velocity, double* z) { return engine_.polish(state_, velocity, z); }
+  bool polish_answer(const char* basic, double* velocity, double* z) {
+    return engine_.polish_answer(state_, basic, velocity, z);
+  }
+  bool proves_solvable() { return engine_.proves_solvable(state_); }
+
+ private:
+  const contact_lemke::Engine& engine_;
+  void* state_ = nullptr;
+};
+
+/// Solves contact problems by Lemke's method on the factors (v, N, D, mu, G); M is never formed.
+///
+/// Friction rows exist only where a contact presses and the kernel of the basis has at most rank(G) + 1 rows. A rung
+/// that does not pass the solver's own test of its answer is followed by the next: other covering vectors, among them
+/// the one that is positive on every row, and 113-bit arithmetic. With mu >= 0, positive definite G and no ties that
+/// last one ends in a solution. O(ngc (ngc + friction directions of pressing contacts)) per pivot; tens of pivots.
+/// [Lemke 1965; Anitescu, Potra 1997; Cottle, Pang, Stone 1992, 4.4] See docs/reference/solvers/contact_lemke.md.
+///
+/// kSolved: the velocity residual with its estimated rounding is within 5e-5 of max|q|, evaluated from the returned z;
+/// `detail` names the rung. kUnsolvable: with a proof in `farkas`. kIterationLimit, kTimeLimit; kNumericalFailure: no
+/// rung gave an answer that passes. z is zero unless kSolved. Returns the velocity with precision=polished and quad.
+///
+/// SolveRequest::start: where it is the answer of this object's last solve, the path goes on from its basis, pivot by
+/// pivot as contacts change between the two velocities (`detail` is then "warm"). Any other start is ignored: a basis
+/// cannot be told from z where impulses are zero.
+class ContactLemke final : public Solver {
+ public:
+  /// @param level instruction-set level of the engine; must not exceed best_isa_level().
+  explicit ContactLemke(const ContactLemkeSettings& settings, IsaLevel level = isa_level());
+
+  const Capabilities& capabilities() const override;
+
+  /// Takes all memory that load() and solve() need for this problem, and touches hardly any of it: load() then
+  /// allocates nothing for this and any other that was reserved. What was loaded must be loaded again.
+  void reserve(const Problem& problem);
+
+  /// ContactLemkeSettings::max_pivots from now on.
+  void limit_pivots(std::int64_t max_pivots) { settings_.max_pivots = max_pivots; }
+
+  /// velocity := v + G* [N D] z, for z (n) and velocity (ngc) of the loaded problem, in the highest precision that its
+  /// solves came to. O(ngc^2)
+  void respond(const Vector& z, Vector& velocity);
+
+ private:
+  /// Of one solve, over all its rungs.
+  struct Progress {
+    double deadline_s = 0;
+    double best = std::numeric_limits<double>::infinity();  ///< residual and its rounding, relative to max|q|
+    contact_lemke::Ending ending = contact_lemke::Ending::kBreakdown;
+    const char* rung = "";
+    std::ptrdiff_t pivots = 0;
+    std::ptrdiff_t factorizations = 0;
+    bool is_singular_checked = false;
+    ContactSolvability::Finding finding = ContactSolvability::Finding::kSolvable;  ///< once checked
+    double missed = 0;                                                             ///< of the last path
+    bool is_beyond_double = false;  ///< solved in 113 bits, but not by the doubles nearest to these impulses
+
+    std::ptrdiff_t pivots_left(std::int64_t limit) const {
+      return limit > 0 ? static_cast<std::ptrdiff_t>(limit) - pivots : std::numeric_limits<std::ptrdiff_t>::max();
+    }
+  };
+
+  void on_load(const Problem& problem) override;
+  void on_update(const Vector& v) override;
+  void on_solve(const SolveRequest& request, Answer& answer) override;
+
+  void reserve(Index ngc, Index nc);
+  void reserve_engines(const contact_lemke::Input& input);
+  void reserve_later_rungs(const contact_lemke::Input& input);
+  bool in_float() const { return settings_.precision == ContactLemkePrecision::kFloat; }
+  LoadedContacts& engine_of(ContactArithmetic arithmetic);
+  double roundoff_of(const LoadedContacts& engine) const;
+  std::ptrdiff_t pivots_of_rung(const LoadedContacts& engine, const contact_lemke::Rules& rules) const;
+  bool resumes(const SolveRequest& request) const;
+  bool climb(const ContactRung& rung, contact_lemke::Rules rules, Progress& progress, Answer& answer);
+  contact_lemke::Ending run(LoadedContacts& engine, contact_lemke::Rules rules, Progress& progress, Vector& z);
+  ContactSolvability::Finding solvability(Progress& progress, ContactSolvability::Expected expected);
+  void report(const Progress& progress, Answer& answer);
+
+  ContactLemkeSettings settings_;
+  Capabilities capabilities_;
+  ContactInput data_;
+  Index reserved_ngc_ = 0, reserved_nc_ = 0;  ///< up to which frictionless problems find memory
+  LoadedContacts double_;                     ///< also what tests the answers of float
+  LoadedContacts double_double_, quad_, float_;
+  bool double_double_is_loaded_ = false, quad_is_loaded_ = false;
+  ContactSolvability solvability_;
+  bool may_be_singular_ = false;  ///< the inertia
+  GrowingVector velocity_;        ///< of the last rung
+  GrowingVector best_, best_velocity_;
+  bool best_has_velocity_ = false;
+  bool resumable_ = false;     ///< the engine in double (or float) still holds the basis of best_
+  GrowingVector resumable_v_;  ///< the velocity that best_ solves, and its residual
+  double resumable_residual_ = 0;
+};
+
+/// The engine in double. @throws std::invalid_argument when this processor lacks the level
+const contact_lemke::Engine& contact_lemke_engine(IsaLevel level);
+
+/// What the solver promises with these settings.
+Capabilities contact_lemke_capabilities(const ContactLemkeSettings& settings);
+
+}  // namespace lcpbench

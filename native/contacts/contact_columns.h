@@ -1,0 +1,19 @@
+#pragma once
+
+#include "core/contact_problem.h"
+#include "native/contacts/packed_columns.h"
+
+namespace lcpbench {
+
+/// What methods that go through the rows of M one by one need of a contact problem: M is never formed.
+struct ContactColumns {
+  PackedColumns J;         ///< the columns of [N D], ngc rows
+  PackedColumns response;  ///< the columns of G* [N D], ngc rows
+  /// J_i'G*J_i; exactly 0 where the impulse moves nothing to within the rounding of this product.
+  Vector diagonal;
+};
+
+/// For block inertia a column costs the blocks that it touches, else O(ngc^2). Memory alike.
+ContactColumns contact_columns(const ContactProblem& problem);
+
+}  // namespace lcpbench

@@ -1,0 +1,168 @@
+#include "native/contacts/contact_impulses.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/solver.h"
+
+namespace lcpbench {
+
+double max_or_infinity(double worst, double value) {
+  if (value <= worst) return worst;
+  return value > worst ? value : std::numeric_limits<double>::infinity();
+}
+
+void ContactImpulses::load(const Problem& problem) {
+  columns = {};
+  frictions.clear();
+  if (problem.contact() != nullptr) {
+    load_contacts(*problem.contact());
+  } else {
+    load_lcp(make_lcp(problem));
+  }
+  u.resize(u0.size());
+  impulse.resize(columns.diagonal.size());
+}
+
+void ContactImpulses::load_lcp(const Lcp& lcp) {
+  contacts = lcp.size();
+  for (Index i = 0; i < contacts; ++i) {
+    columns.J.add_column();
+    columns.J.add_run(i, Vector::Ones(1));
+    columns.response.add_column();
+    columns.response.add_run(0, lcp.M.col(i));
+  }
+  columns.diagonal = lcp.M.diagonal();
+  units.load(lcp.M);
+  mu.setZero(contacts);
+  friction_of.assign(static_cast<std::size_t>(contacts), -1);
+  set_velocity(lcp.q);
+}
+
+void ContactImpulses::load_contacts(const ContactProblem& problem) {
+  const ContactLayout layout = contact_layout(problem);
+  contacts = layout.nc;
+  columns = contact_columns(problem);
+  units.load(problem);
+  mu = problem.mu;
+  friction_of.assign(static_cast<std::size_t>(contacts), -1);
+  for (Index contact = 0; contact < contacts; ++contact) {
+    const auto c = static_cast<std::size_t>(contact);
+    if (layout.lambda[c] < 0) continue;
+    friction_of[c] = static_cast<Index>(frictions.size());
+    frictions.push_back({.contact = contact,
+                         .first_column = layout.friction_offset() + layout.friction_begin[c],
+                         .directions = problem.edges[c] / 2,
+                         .lambda = layout.lambda_offset() + layout.lambda[c]});
+  }
+  set_velocity(problem.v);
+}
+
+void ContactImpulses::set_velocity(const Vector& v) {
+  u0 = v;
+  q_max = 0;  // the q of cone rows is 0
+  for (Index i = 0; i < columns.diagonal.size(); ++i) q_max = max_or_infinity(q_max, std::abs(columns.J.dot(i, u0)));
+  if (units.several()) scale_islands();
+}
+
+void ContactImpulses::scale_islands() {
+  const auto add_row = [&](Index contact, Index column) {
+    units.add_row(contact, columns.J.dot(column, u0), columns.J.dot_magnitudes(column, u0));
+  };
+  units.clear();
+  for (Index i = 0; i < contacts; ++i) add_row(i, i);
+  for (const SignedFriction& friction : frictions) {
+    for (Index t = 0; t < friction.directions; ++t) add_row(friction.contact, friction.first_column + t);
+  }
+  units.choose(u0);
+  units.scale(u0);
+}
+
+void ContactImpulses::scale_impulses() {
+  for (Index i = 0; i < contacts; ++i) impulse(i) *= units.of_contact(i);
+  for (const SignedFriction& friction : frictions) {
+    impulse.segment(friction.first_column, friction.directions) *= units.of_contact(friction.contact);
+  }
+}
+
+void ContactImpulses::recompute_velocity() {
+  u = u0;
+  for (Index i = 0; i < contacts; ++i) {
+    if (impulse(i) != 0) columns.response.add_to(u, i, impulse(i));
+  }
+  for (const SignedFriction& friction : frictions) {
+    for (Index t = friction.first_column; t < friction.first_column + friction.directions; ++t) {
+      if (impulse(t) != 0) columns.response.add_to(u, t, impulse(t));
+    }
+  }
+}
+
+double ContactImpulses::slip_bound(const SignedFriction& friction) const {
+  double bound = 0;
+  for (Index t = 0; t < friction.directions; ++t) {
+    bound = max_or_infinity(bound, std::abs(columns.J.dot(friction.first_column + t, u)));
+  }
+  return bound;
+}
+
+/// Of the contact's friction rows and its cone row, at lambda = max |d_t'u|.
+double ContactImpulses::friction_residual(const SignedFriction& friction) const {
+  const double lambda = slip_bound(friction);
+  const double used = impulse.segment(friction.first_column, friction.directions).lpNorm<1>();
+  const double slack = mu(friction.contact) * impulse(friction.contact) - used;
+  double worst = std::abs(std::min(lambda, columns.diagonal(friction.contact) * slack));
+  for (Index t = friction.first_column; t < friction.first_column + friction.directions; ++t) {
+    const double slip = columns.J.dot(t, u);
+    const double moved = columns.diagonal(t) * impulse(t);
+    worst = max_or_infinity(worst, std::abs(std::min(lambda + slip, std::max(moved, 0.0))));
+    worst = max_or_infinity(worst, std::abs(std::min(lambda - slip, std::max(-moved, 0.0))));
+  }
+  return worst;
+}
+
+/// std::min and std::max give their first argument where one is NaN: the velocity stands there.
+double ContactImpulses::residual() const {
+  double worst = 0;
+  for (Index i = 0; i < contacts; ++i) {
+    const double w = columns.J.dot(i, u);
+    worst = max_or_infinity(worst, std::abs(std::min(w, std::max(columns.diagonal(i), 0.0) * impulse(i))));
+  }
+  for (const SignedFriction& friction : frictions) worst = max_or_infinity(worst, friction_residual(friction));
+  return worst;
+}
+
+void ContactImpulses::drop_what_counts_as_zero() {
+  for (Index i = 0; i < contacts; ++i) {
+    if (columns.diagonal(i) * impulse(i) < columns.J.dot(i, u)) impulse(i) = 0;
+  }
+  for (const SignedFriction& friction : frictions) {
+    const double lambda = slip_bound(friction);
+    for (Index t = friction.first_column; t < friction.first_column + friction.directions; ++t) {
+      const double slip = columns.J.dot(t, u);
+      const double w = impulse(t) > 0 ? lambda + slip : lambda - slip;
+      if (!(impulse(friction.contact) > 0) || columns.diagonal(t) * std::abs(impulse(t)) < w) impulse(t) = 0;
+    }
+  }
+  recompute_velocity();
+}
+
+void ContactImpulses::write_answer(Vector& z) const {
+  z.head(contacts) = impulse.head(contacts);
+  for (const SignedFriction& friction : frictions) {
+    const auto g = impulse.segment(friction.first_column, friction.directions);
+    z.segment(friction.first_column, friction.directions) = g.cwiseMax(0.0);
+    z.segment(friction.first_column + friction.directions, friction.directions) =
+        (0.0 - g.array()).max(0.0);  // not -g: no negative zeros
+    z(friction.lambda) = slip_bound(friction);
+  }
+  if (!units.several()) return;
+  for (Index i = 0; i < contacts; ++i) z(i) /= units.of_contact(i);
+  for (const SignedFriction& friction : frictions) {
+    const double unit = units.of_contact(friction.contact);
+    z.segment(friction.first_column, 2 * friction.directions) /= unit;
+    z(friction.lambda) /= unit;
+  }
+}
+
+}  // namespace lcpbench

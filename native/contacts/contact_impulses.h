@@ -1,0 +1,74 @@
+#pragma once
+
+#include <vector>
+
+#include "core/problem.h"
+#include "native/contacts/contact_columns.h"
+#include "native/contacts/island_units.h"
+
+namespace lcpbench {
+
+/// A contact's friction as signed impulses: g_t along each of its first directions, f_D = (max(g, 0), max(-g, 0)).
+struct SignedFriction {
+  Index contact = 0;
+  Index first_column = 0;  ///< in [N D]; the opposite of column t is t + directions
+  Index directions = 0;
+  Index lambda = 0;  ///< index in z
+};
+
+/// What methods that change one impulse after the other keep of a problem: its columns, the impulses, the velocity that
+/// they give, and how far they are from a solution. M is not formed for contact problems. Of a bare LCP every row is a
+/// frictionless contact, u is w, J = I and G*J = M.
+///
+/// Velocities and impulses are kept in the units of their islands, so that residual() relative to q_max is that of each
+/// island relative to its own q.
+struct ContactImpulses {
+  /// Everything that follows from the problem; sizes the rest. Memory: the columns, which for block inertia is what the
+  /// contacts touch.
+  void load(const Problem& problem);
+
+  /// Another velocity before the impact (ngc; q of a bare LCP), the same columns.
+  void set_velocity(const Vector& v);
+
+  /// u = u0 + G* (the impulses).
+  void recompute_velocity();
+
+  /// The velocity residual of the evaluation [m/s], in double: max |min(M_ii z_i, w_i)|, of cone rows
+  /// |min(lambda_i, M_nn w_i)|, at lambda = slip_bound. Infinity where it is not a number. @pre u is recomputed.
+  double residual() const;
+
+  /// Sets to zero the impulses that residual() takes for zero, M_ii z_i < w_i, and recomputes u. Methods that end
+  /// inside have no zeros of their own.
+  void drop_what_counts_as_zero();
+
+  /// Largest |d_t'u|: the slip that lambda has to bound.
+  double slip_bound(const SignedFriction& friction) const;
+
+  /// Impulses in the units of the problem become those kept here.
+  void scale_impulses();
+  /// z of lcp_size entries, in the units of the problem. @pre u is recomputed.
+  void write_answer(Vector& z) const;
+
+  ContactColumns columns;
+  Vector mu;  ///< nc
+  std::vector<SignedFriction> frictions;
+  std::vector<Index> friction_of;  ///< nc: index in frictions, -1 without
+  Index contacts = 0;              ///< nc; n of a bare LCP
+  Vector u0;                       ///< velocity before the impact; q of a bare LCP
+  double q_max = 0;                ///< max|q|
+  IslandUnits units;
+
+  Vector u;        ///< velocity; w of a bare LCP
+  Vector impulse;  ///< per column of [N D]: f_N, then g at the first directions of each contact (the rest is not used)
+
+ private:
+  void load_lcp(const Lcp& lcp);
+  void load_contacts(const ContactProblem& problem);
+  void scale_islands();
+  double friction_residual(const SignedFriction& friction) const;
+};
+
+/// max(worst, value), infinity where value is NaN.
+double max_or_infinity(double worst, double value);
+
+}  // namespace lcpbench

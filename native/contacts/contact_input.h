@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/contact_problem.h"
+#include "core/islands.h"
+#include "native/contact_lemke/engine.h"
+#include "native/contacts/growing_vector.h"
+
+namespace lcpbench {
+
+/// A contact problem as the engines of contact_lemke take it. Points into the problem where its matrices are dense, and
+/// must not be moved once loaded. Its memory only grows.
+struct ContactInput {
+  contact_lemke::Input input;
+  GrowingVector v, mu;
+  GrowingVector units;    ///< of the coordinates that the engines see, see contact_units.h; empty: those of the problem
+  GrowingVector N, D, G;  ///< only of sparse Jacobians, and of all in units
+  std::vector<std::ptrdiff_t> friction_begin, offsets;
+  std::vector<const double*> blocks;
+  IslandNumbers islands;  ///< found only where the inertia does not couple all
+
+  /// Takes all memory that loading a problem of up to these dimensions needs, and touches none of it.
+  void reserve(Index ngc, Index nc, Index directions);
+  /// @param contact must outlive what is made of `input`
+  void load(const ContactProblem& contact);
+  /// The same in coordinates of comparable units.
+  void load_in_units(const ContactProblem& contact);
+  /// Of load(), only dimensions, mu and friction.
+  void load_layout(const ContactProblem& contact);
+  /// Another velocity, in the units of the problem.
+  void set_velocity(const Vector& velocity);
+
+ private:
+  void load_inertia(const Inertia& inertia);
+  void load_inertia_in_units(const Inertia& inertia);
+  void add_block(const double* entries, Index size);
+};
+
+}  // namespace lcpbench

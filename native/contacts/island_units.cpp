@@ -1,0 +1,77 @@
+#include "native/contacts/island_units.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace lcpbench {
+namespace {
+
+constexpr double kRounding = 0x1p-50;         ///< of a sum of few terms, relative to their magnitudes
+constexpr double kLargestRounding = 0x1p-33;  ///< that a scaled island may have, relative to max|q|: 1e-10
+constexpr int kLargestExponent = 1000;        ///< of a unit and of scaled velocities: both stay doubles
+
+/// Infinity where `value` is NaN.
+void raise(double& largest, double value) {
+  if (!(value <= largest)) largest = value > largest ? value : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+void IslandUnits::load(const ContactProblem& problem) {
+  numbers_ = {};
+  if (!couples_all(problem.inertia)) numbers_.find(problem);
+  islands_.assign(static_cast<std::size_t>(numbers_.count), {});
+}
+
+void IslandUnits::load(const Matrix& M) {
+  RowIslands rows = row_islands(M);
+  numbers_.of_coordinate = rows.of_row;
+  numbers_.of_contact = std::move(rows.of_row);
+  numbers_.count = rows.count;
+  islands_.assign(static_cast<std::size_t>(rows.count), {});
+}
+
+void IslandUnits::clear() { std::fill(islands_.begin(), islands_.end(), Island{}); }
+
+void IslandUnits::add_row(Index contact, double q, double magnitudes) {
+  if (!several()) return;
+  const Index number = numbers_.of_contact[static_cast<std::size_t>(contact)];
+  if (number < 0) return;
+  Island& island = islands_[static_cast<std::size_t>(number)];
+  raise(island.q, std::abs(q));
+  raise(island.magnitudes, magnitudes);
+}
+
+double IslandUnits::choose(const Island& island, double largest_q) {
+  const double own = std::max(island.q, kRounding / kLargestRounding * island.magnitudes);
+  if (!(island.q > 0 && own < largest_q && largest_q <= std::numeric_limits<double>::max())) return 1;
+  int exponent = std::ilogb(largest_q) - std::ilogb(own);
+  if (std::ldexp(own, exponent) < largest_q) ++exponent;
+  const int most = std::min(kLargestExponent, kLargestExponent - std::ilogb(island.speed));
+  return std::ldexp(1.0, std::clamp(most, 0, exponent));
+}
+
+void IslandUnits::choose(const Vector& v) {
+  if (!several()) return;
+  double largest_q = 0;
+  for (const Island& island : islands_) largest_q = std::max(largest_q, island.q);
+  for (Index i = 0; i < v.size(); ++i) {
+    const Index number = numbers_.of_coordinate[static_cast<std::size_t>(i)];
+    if (number >= 0) raise(islands_[static_cast<std::size_t>(number)].speed, std::abs(v(i)));
+  }
+  for (Island& island : islands_) island.unit = choose(island, largest_q);
+}
+
+void IslandUnits::scale(Vector& v) const {
+  if (!several()) return;
+  for (Index i = 0; i < v.size(); ++i) v(i) *= of_coordinate(i);
+}
+
+void IslandUnits::restore(Vector& v) const {
+  if (!several()) return;
+  for (Index i = 0; i < v.size(); ++i) v(i) /= of_coordinate(i);
+}
+
+}  // namespace lcpbench

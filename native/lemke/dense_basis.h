@@ -1,0 +1,122 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "native/lemke/loaded_problem.h"
+#include "native/lemke/pack.h"
+#include "native/lemke/packed_lu.h"
+#include "native/lemke/ratio_test.h"
+
+namespace lcpbench::lemke::LCPBENCH_LEVEL {
+
+/// The basis as one n x n matrix B, in the signs of w - M z - cover z0 = q: x = B^-1 q, d = B^-1 (entering column), by
+/// LU with partial pivoting of all of B at each pivot. Slot i is the variable of B's column i.
+template <class Scalar>
+class DenseBasis {
+ public:
+  void load(const Input& input) {
+    problem_.load(input);
+    const Count n = problem_.n();
+    const Count padded = Packed<Scalar>::padded(n);
+    B_.resize(n, n);
+    rhs_.resize(n, 2);
+    solution_.resize(n, 2);
+    lu_.load(n);
+    M_.resize(n, n);
+    for (Count j = 0; j < n; ++j) {
+      for (Count i = 0; i < n; ++i) M_(i, j) = problem_.M.entry(i, j);
+    }
+    for (Buffer<Scalar>* slots : {&x_, &d_, &ratio_}) slots->fill(padded, 0);
+    id_.fill(padded, kInfinity<Scalar>);
+    slots_ = {padded, x_.data(), d_.data(), ratio_.data(), id_.data()};
+  }
+
+  const LoadedProblem<Scalar>& problem() const { return problem_; }
+  const Slots<Scalar>& slots() const { return slots_; }
+  Count slot_of(Count variable) const { return problem_.slot_of[variable]; }
+
+  /// Brings the artificial variable in for w of `row`.
+  void start(Count row) {
+    const Count n = problem_.n();
+    B_.setIdentity();
+    const Scalar value = -problem_.q[row];
+    for (Count i = 0; i < n; ++i) {
+      x_[i] = problem_.q[i] + problem_.cover(i) * value;
+      put(i, i);
+    }
+    place(row, problem_.artificial(), value);
+  }
+
+  /// d for the entering variable; with kResolve also x anew.
+  template <bool kResolve>
+  bool solve(Count entering) {
+    lu_.factor(B_);
+    write_column(entering, rhs_.col(0));
+    solution_.col(0).noalias() = lu_.permutationP() * rhs_.col(0);
+    substitute(solution_.col(0));
+    store(d_, 0);
+    if constexpr (kResolve) solve_for_values();
+    return true;
+  }
+
+  /// x of the present basis.
+  bool resolve() {
+    lu_.factor(B_);
+    solve_for_values();
+    return true;
+  }
+
+  void exchange(Count entering, Count leaving, Scalar value) { place(slot_of(leaving), entering, value); }
+
+ private:
+  using Dense = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+
+  void solve_for_values() {
+    for (Count i = 0; i < problem_.n(); ++i) rhs_(i, 1) = problem_.q[i];
+    solution_.col(1).noalias() = lu_.permutationP() * rhs_.col(1);
+    substitute(solution_.col(1));
+    store(x_, 1);
+  }
+
+  template <class Column>
+  void substitute(Column column) {
+    lu_.matrixLU().template triangularView<Eigen::UnitLower>().solveInPlace(column);
+    lu_.matrixLU().template triangularView<Eigen::Upper>().solveInPlace(column);
+  }
+
+  void store(Buffer<Scalar>& slots, Count column) {
+    for (Count i = 0; i < problem_.n(); ++i) slots[i] = solution_(i, column);
+  }
+
+  template <class Column>
+  void write_column(Count variable, Column column) {
+    const Count n = problem_.n();
+    if (variable < n) {
+      column.setZero();
+      column(variable) = 1;
+    } else if (variable < 2 * n) {
+      column = -M_.col(variable - n);
+    } else {
+      for (Count i = 0; i < n; ++i) column(i) = -problem_.cover(i);
+    }
+  }
+
+  void put(Count slot, Count variable) {
+    id_[slot] = static_cast<Scalar>(variable);
+    problem_.slot_of[variable] = slot;
+  }
+
+  void place(Count slot, Count variable, Scalar value) {
+    write_column(variable, B_.col(slot));
+    put(slot, variable);
+    x_[slot] = value;
+  }
+
+  LoadedProblem<Scalar> problem_;
+  Dense M_, B_, rhs_, solution_;
+  PackedLu<Scalar> lu_;
+  Buffer<Scalar> x_, d_, ratio_, id_;
+  Slots<Scalar> slots_;
+};
+
+}  // namespace lcpbench::lemke::LCPBENCH_LEVEL

@@ -1,0 +1,49 @@
+#pragma once
+
+#include "native/lemke/pack.h"
+
+#if defined(LCPBENCH_CONTACT_QUAD)
+#include "native/contact_lemke/response.h"
+#endif
+
+namespace lcpbench::lemke::LCPBENCH_LEVEL {
+
+// What is rounded to double where the solver prepares it: engines of more bits make it afresh from the data.
+
+/// G* by columns, ngc x ngc.
+template <class Scalar>
+void load_inverse_inertia(const Input& input, Buffer<Scalar>& Ginv) {
+  Ginv.resize(input.ngc * input.ngc);
+#if defined(LCPBENCH_CONTACT_QUAD)
+  if (input.contacts != nullptr) {
+    Response<Scalar> response;
+    response.load(*input.contacts);
+    Buffer<Scalar> unit;
+    unit.fill(input.ngc, Scalar(0));
+    for (Count j = 0; j < input.ngc; ++j) {
+      unit[j] = 1;
+      response.apply(unit.data(), Ginv.data() + j * input.ngc);
+      unit[j] = 0;
+    }
+    return;
+  }
+#endif
+  for (Count i = 0; i < input.ngc * input.ngc; ++i) Ginv[i] = static_cast<Scalar>(input.Ginv[i]);
+}
+
+/// n entries.
+template <class Scalar>
+void load_constants(const Input& input, Buffer<Scalar>& q) {
+  q.resize(input.n);
+  for (Count i = 0; i < input.n; ++i) q[i] = static_cast<Scalar>(input.q[i]);
+#if defined(LCPBENCH_CONTACT_QUAD)
+  for (Count i = 0; input.contacts != nullptr && i < input.dense; ++i) {
+    q[i] = 0;
+    for (Count g = 0; g < input.ngc; ++g) {
+      q[i] += static_cast<Scalar>(input.J[g * input.dense + i]) * static_cast<Scalar>(input.contacts->v[g]);
+    }
+  }
+#endif
+}
+
+}  // namespace lcpbench::lemke::LCPBENCH_LEVEL

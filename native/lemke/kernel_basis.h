@@ -1,0 +1,389 @@
+#pragma once
+
+#include <initializer_list>
+
+#include "core/quad.h"
+#include "native/lemke/column_sum.h"
+#include "native/lemke/loaded_problem.h"
+#include "native/lemke/pack.h"
+#include "native/lemke/ratio_test.h"
+#include "native/lemke/small_system.h"
+
+namespace lcpbench::lemke::LCPBENCH_LEVEL {
+
+/// A basis of a KernelBasis, put by. What it holds is all that the path's continuation depends on.
+template <class Scalar>
+struct KernelState {
+  Count order = 0;
+  Buffer<Count> rows, columns;
+  Buffer<Scalar> A;  ///< by rows, without gaps
+  Buffer<Scalar> entering_column;
+  Buffer<Scalar> x, d;  ///< by slots; not kept where the next solve resolves them
+};
+
+/// Which basis a KernelBasis had, with the order of its rows and columns, in which it sums.
+struct KernelMark {
+  Count order = -1;
+  Buffer<Count> rows, columns;
+};
+
+/// The basis as its kernel: rows whose w is nonbasic against columns of the basic z and the artificial variable, in the
+/// signs of w = q + M z + cover z0. Everything else of the basis is a unit column and needs no factoring:
+///
+///     d_kernel = A^-1 M_kernel,e    (entering z_e)    or   -A^-1 e_r   (entering w of kernel row r)
+///     d_w      = M_w,kernel d_kernel - M_w,e                M_w,kernel d_kernel
+///     x_kernel = -A^-1 q_kernel,    x_w = q_w + M_w,kernel x_kernel
+///
+/// Slots: w of the dense rows, w of the cone rows, kernel columns, each padded. Slots of nonbasic w hold zeros.
+template <class Scalar>
+class KernelBasis {
+ public:
+  void load(const Input& input) {
+    problem_.load(input);
+    const Count n = problem_.n();
+    cone_slots_ = problem_.M.stride();
+    column_slots_ = cone_slots_ + P::padded(problem_.M.cones());
+    const Count most_slots = column_slots_ + P::padded(n);
+    for (Buffer<Scalar>* slots : {&x_, &d_, &ratio_}) slots->fill(most_slots, 0);
+    id_.fill(most_slots, kInfinity<Scalar>);
+    order_ = 0;
+    q_.fill(column_slots_, 0);
+    cover_.fill(column_slots_, 0);
+    for (Count i = 0; i < n; ++i) {
+      q_[row_slot(i)] = problem_.q[i];
+      cover_[row_slot(i)] = problem_.cover(i);
+    }
+    rows_.resize(n);
+    columns_.resize(n);
+    entering_column_.resize(n);
+    terms_.resize(n + 1);
+    A_.resize(n * P::padded(n));
+    if (input.refines) refined_.resize(n);
+    system_.reserve(n);
+    slots_ = {column_slots_, x_.data(), d_.data(), ratio_.data(), id_.data()};
+  }
+
+  const LoadedProblem<Scalar>& problem() const { return problem_; }
+  const Slots<Scalar>& slots() const { return slots_; }
+  Count slot_of(Count variable) const { return problem_.slot_of[variable]; }
+
+  /// Brings the artificial variable in for w of `row`.
+  void start(Count row) {
+    while (order_ > 0) vacate_column_slot(--order_);
+    const Count n = problem_.n();
+    const Scalar value = -problem_.q[row];
+    for (Count i = 0; i < n; ++i) {
+      const Count slot = row_slot(i);
+      x_[slot] = problem_.q[i] + problem_.cover(i) * value;
+      id_[slot] = static_cast<Scalar>(i);
+      problem_.slot_of[i] = slot;
+    }
+    stride_ = P::padded(kFirstStride < n ? kFirstStride : n);
+    add_column(problem_.artificial(), value);
+    add_row(row);
+  }
+
+  /// d for the entering variable; with kResolve also x anew. False when the kernel is singular.
+  template <bool kResolve>
+  bool solve(Count entering) {
+    return solve_sides<true, kResolve>(entering);
+  }
+
+  /// x of the present basis.
+  bool resolve() { return solve_sides<false, true>(problem_.artificial()); }
+
+  /// x of the present kernel by iterative refinement, residuals in 113 bits; what else the slots hold is lost. False
+  /// when the kernel is singular. @pre Input::refines, and the artificial variable is not basic
+  [[gnu::noinline]] bool refine() {
+    for (Count c = 0; c < order_; ++c) refined_[c] = x_[column_slots_ + c];
+    for (Count pass = 0; pass < kRefinements; ++pass) {
+      system_.begin(order_);
+      for (Count r = 0; r < order_; ++r) {
+        const Scalar* const row = A_.data() + r * stride_;
+        Quad off = problem_.q[rows_[r]];
+        for (Count c = 0; c < order_; ++c) off += static_cast<Quad>(row[c]) * refined_[c];
+        system_.write_row(r, row, static_cast<Scalar>(-off), Scalar(0));
+      }
+      if (!system_.solve(d_.data() + column_slots_, ratio_.data() + column_slots_)) return false;
+      for (Count c = 0; c < order_; ++c) refined_[c] += d_[column_slots_ + c];
+    }
+    for (Count c = 0; c < order_; ++c) x_[column_slots_ + c] = static_cast<Scalar>(refined_[c]);
+    return true;
+  }
+
+  /// @pre solve(entering) was called last. @param value of the entering variable, where values are not resolved
+  void exchange(Count entering, Count leaving, Scalar value) {
+    const Count n = problem_.n();
+    if (entering < n) {
+      const Count row = kernel_row(entering);
+      if (leaving < n) {
+        replace_row(row, leaving);
+      } else {
+        remove(row, slot_of(leaving) - column_slots_);
+      }
+      x_[row_slot(entering)] = value;
+    } else if (leaving < n) {
+      add_column(entering, value);
+      add_row(leaving);
+    } else {
+      replace_column(slot_of(leaving) - column_slots_, entering, value);
+    }
+  }
+
+  /// Puts the basis by between solve() and exchange(). The next one is solved with the same kResolve.
+  template <bool kResolve>
+  void save(KernelState<Scalar>& state) const {
+    state.order = order_;
+    copy(state.rows, rows_, order_);
+    copy(state.columns, columns_, order_);
+    copy(state.entering_column, entering_column_, order_);
+    state.A.resize(order_ * order_);
+    for (Count r = 0; r < order_; ++r) {
+      for (Count c = 0; c < order_; ++c) state.A[r * order_ + c] = A_[r * stride_ + c];
+    }
+    if constexpr (!kResolve) {
+      copy(state.x, x_, slots_.count);
+      copy(state.d, d_, slots_.count);
+    }
+  }
+
+  /// @pre state was saved since start(): the rows of A are at least as far apart now as they were then
+  template <bool kResolve>
+  void restore(const KernelState<Scalar>& state) {
+    while (order_ > state.order) vacate_column_slot(--order_);
+    order_ = state.order;
+    copy(rows_, state.rows, order_);
+    copy(entering_column_, state.entering_column, order_);
+    for (Count c = 0; c < order_; ++c) put_column_variable(c, state.columns[c], 0);
+    for (Count r = 0; r < order_; ++r) {
+      for (Count c = 0; c < order_; ++c) A_[r * stride_ + c] = state.A[r * order_ + c];
+    }
+    set_column_slots();
+    if constexpr (!kResolve) {
+      copy(x_, state.x, slots_.count);
+      copy(d_, state.d, slots_.count);
+    }
+  }
+
+  void mark(KernelMark& mark) const {
+    mark.order = order_;
+    copy(mark.rows, rows_, order_);
+    copy(mark.columns, columns_, order_);
+  }
+
+  bool is_at(const KernelMark& mark) const {
+    if (order_ != mark.order) return false;
+    for (Count i = 0; i < order_; ++i) {
+      if (rows_[i] != mark.rows[i] || columns_[i] != mark.columns[i]) return false;
+    }
+    return true;
+  }
+
+ private:
+  using P = Packed<Scalar>;
+  static constexpr Count kFirstStride = 64;
+  static constexpr Count kRefinements = 2;  // each gains as many digits as the first solve had right
+
+  template <class T>
+  static void copy(Buffer<T>& to, const Buffer<T>& from, Count size) {
+    to.resize(size);
+    for (Count i = 0; i < size; ++i) to[i] = from[i];
+  }
+
+  Count row_slot(Count row) const { return row < problem_.M.dense() ? row : cone_slots_ + row - problem_.M.dense(); }
+
+  /// Position in the kernel of the row whose w is nonbasic.
+  Count kernel_row(Count variable) const {
+    Count row = 0;
+    while (rows_[row] != variable) ++row;
+    return row;
+  }
+
+  /// Entry of M, or of the covering vector, in the column of a basic variable that is no w.
+  Scalar entry(Count row, Count variable) {
+    if (variable == problem_.artificial()) return problem_.cover(row);
+    return problem_.M.entry(row, variable - problem_.n());
+  }
+
+  template <bool kDirection, bool kValues>
+  bool solve_sides(Count entering) {
+    write_system<kDirection>(entering);
+    Scalar* const direction = d_.data() + column_slots_;
+    if constexpr (kValues) {
+      if (!system_.solve(direction, x_.data() + column_slots_)) return false;
+      extend(entering);
+    } else {
+      // Without new values the second right-hand side is idle; its solution must not touch x.
+      if (!system_.solve(direction, ratio_.data() + column_slots_)) return false;
+      extend_direction(entering);
+    }
+    return true;
+  }
+
+  template <bool kDirection>
+  void write_system(Count entering) {
+    if constexpr (kDirection) write_entering_column(entering);
+    system_.begin(order_);
+    for (Count r = 0; r < order_; ++r) {
+      const Scalar direction = kDirection ? entering_column_[r] : Scalar(0);
+      system_.write_row(r, A_.data() + r * stride_, direction, -problem_.q[rows_[r]]);
+    }
+  }
+
+  void write_entering_column(Count entering) {
+    const bool is_row = entering < problem_.n();
+    for (Count r = 0; r < order_; ++r) {
+      entering_column_[r] = is_row ? Scalar(rows_[r] == entering ? -1 : 0) : entry(rows_[r], entering);
+    }
+  }
+
+  /// From the kernel's d and x to those of the basic w.
+  void extend(Count entering) {
+    using Pack = typename P::Pack;
+    for (Count i = 0; i < column_slots_; i += P::kWidth) {
+      P::store(x_.data() + i, P::load(q_.data() + i));
+      P::store(d_.data() + i, Pack{});
+    }
+    Scalar* const sums[2] = {d_.data(), x_.data()};
+    add_columns(entering, sums);
+    clear_nonbasic(sums);
+  }
+
+  void extend_direction(Count entering) {
+    for (Count i = 0; i < column_slots_; i += P::kWidth) P::store(d_.data() + i, typename P::Pack{});
+    Scalar* const sums[1] = {d_.data()};
+    add_columns(entering, sums);
+    clear_nonbasic(sums);
+  }
+
+  template <std::size_t kSums>
+  void add_columns(Count entering, Scalar* const (&sums)[kSums]) {
+    const Count n = problem_.n();
+    Count terms = 0;
+    for (Count c = 0; c < order_; ++c) {
+      terms = add_column_to(sums, columns_[c], d_[column_slots_ + c], x_[column_slots_ + c], terms);
+    }
+    if (entering >= n && entering != problem_.artificial()) {
+      terms = add_column_to(sums, entering, Scalar(-1), Scalar(0), terms);
+    }
+    add_terms(terms_.data(), terms, cone_slots_, sums);
+  }
+
+  /// Adds the sparse part of one column at once and appends its dense part to the terms.
+  template <std::size_t kSums>
+  Count add_column_to(Scalar* const (&sums)[kSums], Count variable, Scalar d, Scalar x, Count terms) {
+    const Scalar factor[2] = {d, x};
+    if (variable == problem_.artificial()) {
+      // The covering vector is zero on cone rows, whose q is zero.
+      terms_[terms] = {cover_.data(), {d, x}};
+      return terms + 1;
+    }
+    const MatrixColumns<Scalar>& M = problem_.M;
+    const Count j = variable - problem_.n();
+    if (j >= M.dense()) {
+      for (std::size_t s = 0; s < kSums; ++s) {
+        for (Count t = M.friction_first(j - M.dense()); t < M.friction_last(j - M.dense()); ++t) {
+          sums[s][t] += factor[s];
+        }
+      }
+      return terms;
+    }
+    if (const Count cone = M.cone(j); cone >= 0) {
+      for (std::size_t s = 0; s < kSums; ++s) sums[s][cone_slots_ + cone] += M.cone_coefficient(j) * factor[s];
+    }
+    terms_[terms] = {problem_.M.column(j), {d, x}};
+    return terms + 1;
+  }
+
+  template <std::size_t kSums>
+  void clear_nonbasic(Scalar* const (&sums)[kSums]) {
+    for (Count r = 0; r < order_; ++r) {
+      for (std::size_t s = 0; s < kSums; ++s) sums[s][row_slot(rows_[r])] = 0;
+    }
+  }
+
+  void add_column(Count variable, Scalar value) {
+    if (order_ + 1 > stride_) widen();
+    for (Count r = 0; r < order_; ++r) A_[r * stride_ + order_] = entering_column_[r];
+    put_column_variable(order_, variable, value);
+  }
+
+  /// Completes add_column: the order grows here.
+  void add_row(Count row) {
+    rows_[order_] = row;
+    ++order_;
+    write_row(order_ - 1);
+    clear_slot(row_slot(row));
+    set_column_slots();
+  }
+
+  void replace_row(Count position, Count row) {
+    rows_[position] = row;
+    write_row(position);
+    clear_slot(row_slot(row));
+  }
+
+  void replace_column(Count position, Count variable, Scalar value) {
+    for (Count r = 0; r < order_; ++r) A_[r * stride_ + position] = entering_column_[r];
+    put_column_variable(position, variable, value);
+  }
+
+  /// Removes a row and a column; the last ones take their places.
+  void remove(Count row, Count column) {
+    const Count last = order_ - 1;
+    rows_[row] = rows_[last];
+    for (Count c = 0; c < order_; ++c) A_[row * stride_ + c] = A_[last * stride_ + c];
+    for (Count r = 0; r < last; ++r) A_[r * stride_ + column] = A_[r * stride_ + last];
+    const Scalar value = x_[column_slots_ + last];
+    if (column != last) put_column_variable(column, columns_[last], value);
+    vacate_column_slot(last);
+    order_ = last;
+    set_column_slots();
+  }
+
+  void write_row(Count position) {
+    for (Count c = 0; c < order_; ++c) A_[position * stride_ + c] = entry(rows_[position], columns_[c]);
+  }
+
+  void put_column_variable(Count position, Count variable, Scalar value) {
+    columns_[position] = variable;
+    const Count slot = column_slots_ + position;
+    problem_.slot_of[variable] = slot;
+    id_[slot] = static_cast<Scalar>(variable);
+    x_[slot] = value;
+  }
+
+  void vacate_column_slot(Count position) {
+    clear_slot(column_slots_ + position);
+    id_[column_slots_ + position] = kInfinity<Scalar>;
+  }
+
+  void clear_slot(Count slot) { x_[slot] = d_[slot] = 0; }
+
+  void set_column_slots() { slots_.count = column_slots_ + P::padded(order_); }
+
+  /// Doubles the room of A's rows, from the last row to the first since they move up in place.
+  void widen() {
+    const Count n = problem_.n();
+    const Count wider = 2 * stride_ < P::padded(n) ? 2 * stride_ : P::padded(n);
+    for (Count r = order_ - 1; r > 0; --r) {
+      for (Count c = order_ - 1; c >= 0; --c) A_[r * wider + c] = A_[r * stride_ + c];
+    }
+    stride_ = wider;
+  }
+
+  LoadedProblem<Scalar> problem_;
+  Count cone_slots_ = 0, column_slots_ = 0;
+  Count order_ = 0, stride_ = 0;
+  Buffer<Count> rows_, columns_;  ///< the kernel's rows (of M) and columns (variables)
+  Buffer<Scalar> A_;              ///< the kernel by rows, stride_ apart
+  Buffer<Scalar> entering_column_;
+  Buffer<Scalar> q_, cover_;  ///< by slots
+  Buffer<Scalar> x_, d_, ratio_, id_;
+  Buffer<Term<Scalar>> terms_;
+  Buffer<Quad> refined_;
+  SmallSystem<Scalar> system_;
+  Slots<Scalar> slots_;
+};
+
+}  // namespace lcpbench::lemke::LCPBENCH_LEVEL

@@ -1,0 +1,163 @@
+#include "native/lemke/lemke.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/registry.h"
+#include "core/timed_solve.h"
+#include "native/lemke/lemke_sweep.h"
+
+namespace lcpbench {
+namespace {
+
+void append_pivot(void* pivots, std::ptrdiff_t entering, std::ptrdiff_t leaving) {
+  static_cast<std::vector<LemkePivot>*>(pivots)->push_back({entering, leaving});
+}
+
+/// Sets to zero what is negative by no more than rounding; larger negatives stay, to be seen.
+void clip_rounding(Vector& z) {
+  const double noise = 1e-12 * z.cwiseAbs().maxCoeff();
+  for (double& value : z) {
+    if (value < 0 && value >= -noise) value = 0;
+  }
+}
+
+void report_ending(lemke::Ending ending, Answer& answer) {
+  // Short enough for std::string to hold in place, so that solve() allocates nothing.
+  switch (ending) {
+    case lemke::Ending::kSolved: answer.claim = Claim::kSolved; return;
+    case lemke::Ending::kRay:
+      answer.claim = Claim::kUnsolvable;
+      answer.detail = "ray";
+      return;
+    case lemke::Ending::kPivotLimit:
+      answer.claim = Claim::kIterationLimit;
+      answer.detail = "pivot limit";
+      return;
+    case lemke::Ending::kTimeLimit: answer.claim = Claim::kTimeLimit; return;
+    case lemke::Ending::kBreakdown:
+      answer.claim = Claim::kNumericalFailure;
+      answer.detail = "singular basis";
+      return;
+  }
+}
+
+/// Ratios and rates of 24 bits are not known to better than some roundings of numbers near 1.
+constexpr double kLeastFloatTolerance = 64 * 0x1p-24;
+
+/// With 113 bits the slack of the ratio test need not be what 53 bits want: this leaves 1e-12 of the default, and 1e-16
+/// as the smallest pivot, far above the rounding of ill-conditioned kernels.
+constexpr double kQuadToleranceFactor = 0x1p-20;
+
+double tolerance_for(LemkePrecision precision, double tolerance) {
+  if (precision == LemkePrecision::kFloat) return std::max(tolerance, kLeastFloatTolerance);
+  return precision == LemkePrecision::kQuad ? kQuadToleranceFactor * tolerance : tolerance;
+}
+
+LemkeArithmetic arithmetic_of(const LemkeSettings& settings) {
+  if (settings.precision != LemkePrecision::kDouble && settings.engine == LemkeEngine::kDense) {
+    throw InputError("lemke: engine=dense has precision=double only");
+  }
+  if (settings.precision == LemkePrecision::kFloat) return LemkeArithmetic::kFloat;
+  return settings.precision == LemkePrecision::kQuad ? LemkeArithmetic::kQuad : LemkeArithmetic::kDouble;
+}
+
+std::unique_ptr<LemkeFinish> finish_of(LemkePrecision precision, IsaLevel level) {
+  if (precision == LemkePrecision::kDouble) return nullptr;
+  const bool quad = precision == LemkePrecision::kQuad;
+  return std::make_unique<LemkeFinish>(quad ? lemke::quad::kContactEngine : contact_lemke_engine(level),
+                                       precision != LemkePrecision::kFloat);
+}
+
+/// Whoever sets tolerances of his own studies the method as it was published, which tests nothing.
+bool tests_answers(const LemkeSettings& settings) {
+  if (settings.test != LemkeAnswerTest::kAuto) return settings.test == LemkeAnswerTest::kResidual;
+  const LemkeSettings defaults;
+  return settings.engine == LemkeEngine::kKernel && settings.pivot_tolerance == defaults.pivot_tolerance &&
+         settings.zero_tolerance == defaults.zero_tolerance;
+}
+
+std::unique_ptr<AnswerTest> test_of(const LemkeSettings& settings) {
+  return tests_answers(settings) && settings.precision == LemkePrecision::kDouble ? std::make_unique<AnswerTest>()
+                                                                                  : nullptr;
+}
+
+}  // namespace
+
+std::ptrdiff_t lemke_pivot_limit(const LemkeSettings& settings, Index n) {
+  if (settings.max_pivots > 0) return static_cast<std::ptrdiff_t>(settings.max_pivots);
+  if (settings.cap == LemkeCap::kLemke) return std::min<Index>(1000, 50 * n);
+  if (settings.cap == LemkeCap::k3n) return std::max<Index>(200, 3 * n);
+  return std::max<Index>(1000, n * n);
+}
+
+void report_lemke(const lemke::Outcome& outcome, Answer& answer) {
+  report_ending(outcome.ending, answer);
+  if (answer.claim == Claim::kSolved && answer.z.size() > 0) clip_rounding(answer.z);
+  answer.counters.iterations = outcome.pivots;
+  answer.counters.pivots = outcome.pivots;
+  answer.counters.factorizations = outcome.factorizations;
+}
+
+Capabilities lemke_capabilities(const LemkeSettings& settings) {
+  Capabilities capabilities;
+  capabilities.needs = Needs::kDense;
+  capabilities.max_size = 10000;  // room for three n x n matrices, 2.4 GB
+  capabilities.guarantees = "copositive-plus M without degeneracy";
+  capabilities.obeys_time_limit = true;
+  // The tests of the other precisions take dense matrices of order ngc, which may be several times n.
+  if (settings.precision != LemkePrecision::kDouble) capabilities.max_size = 3000;
+  capabilities.allocation_free = true;
+  return capabilities;
+}
+
+Lemke::Lemke(const LemkeSettings& settings, IsaLevel level)
+    : settings_(settings),
+      capabilities_(lemke_capabilities(settings)),
+      engine_(settings.engine, level, arithmetic_of(settings)),
+      finish_(finish_of(settings.precision, level)),
+      test_(test_of(settings)) {
+  if (settings.precision == LemkePrecision::kPolished) engine_.expect_refinement();
+}
+
+void Lemke::on_load(const Problem& problem) {
+  engine_.load(problem);
+  if (finish_ != nullptr) finish_->load(problem);
+  if (test_ != nullptr) test_->load(problem);
+}
+
+void Lemke::on_solve(const SolveRequest& request, Answer& answer) {
+  lemke::Rules rules;
+  rules.pivot_tolerance = tolerance_for(settings_.precision, settings_.pivot_tolerance);
+  rules.zero_tolerance = tolerance_for(settings_.precision, settings_.zero_tolerance);
+  rules.resolve = settings_.update == LemkeUpdate::kResolve;
+  rules.max_pivots = lemke_pivot_limit(settings_, answer.z.size());
+  rules.clock_s = wall_clock_s;
+  rules.deadline_s = std::isinf(request.time_limit_s) ? request.time_limit_s : wall_clock_s() + request.time_limit_s;
+  if (finish_ != nullptr) rules.basic = finish_->begin_basis();
+  if (recorded_ != nullptr) {
+    rules.on_pivot = append_pivot;
+    rules.context = recorded_;
+  }
+
+  report_lemke(engine_.solve(rules, answer.z.data()), answer);
+  if (finish_ != nullptr) finish_->run(engine_, answer);
+  if (test_ == nullptr) return;
+  if (answer.claim == Claim::kUnsolvable) return test_->settle_ray(answer, rules.deadline_s);
+  if (answer.claim == Claim::kSolved && !test_->settle(answer, rules.deadline_s)) answer.z.setZero();
+}
+
+SolverDefinition lcpbench_solver_lemke() {
+  SolverDefinition definition;
+  definition.name = "lemke";
+  definition.summary = "Lemke's complementary pivoting by the rules of LEMKE, basis factored afresh at each pivot";
+  definition.source =
+      "Lemke 1965; LEMKE of Fackler, Miranda 1997, as used by Drumwright, Shell 2012; Cottle, Pang, Stone 1992, 4.4";
+  definition.capabilities = lemke_capabilities({});
+  definition = define_solver<Lemke, LemkeSettings>(std::move(definition));
+  definition.make_swept = make_swept_lemke;
+  return definition;
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,131 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/isa.h"
+#include "core/settings.h"
+#include "core/solver.h"
+#include "native/answer_test/answer_test.h"
+#include "native/lemke/lemke_engine.h"
+#include "native/lemke/lemke_finish.h"
+#include "native/lemke/lemke_loaded.h"
+
+namespace lcpbench {
+
+enum class LemkeUpdate { kResolve, kIncremental };
+enum class LemkeCap { kPaper, kLemke, k3n };
+/// kAuto: kResidual with the kernel engine and both tolerances at their defaults, else kNone.
+enum class LemkeAnswerTest { kAuto, kNone, kResidual };
+enum class LemkePrecision { kFloat, kDouble, kPolished, kQuad };
+
+struct LemkeSettings {
+  LemkeEngine engine = LemkeEngine::kKernel;
+  double pivot_tolerance = 1e-10;
+  double zero_tolerance = 1e-6;
+  LemkeUpdate update = LemkeUpdate::kResolve;
+  LemkeCap cap = LemkeCap::kPaper;
+  std::int64_t max_pivots = 0;
+  LemkePrecision precision = LemkePrecision::kDouble;
+  LemkeAnswerTest test = LemkeAnswerTest::kAuto;
+
+  void visit(auto&& field) {
+    field("engine", engine, Choices<LemkeEngine>{{{"dense", LemkeEngine::kDense}, {"kernel", LemkeEngine::kKernel}}},
+          "what is factored afresh at each pivot: the whole basis, or its kernel of nonbasic rows only");
+    field("pivot_tolerance", pivot_tolerance, RealRange{.min = 0}, "a row may leave only if its pivot is larger");
+    field("zero_tolerance", zero_tolerance, RealRange{.min = 0},
+          "slack of the ratio test, and of q >= 0 in the test for z = 0");
+    field("update", update,
+          Choices<LemkeUpdate>{{{"resolve", LemkeUpdate::kResolve}, {"incremental", LemkeUpdate::kIncremental}}},
+          "basic values solved from the basis at each pivot, or updated by x - ratio d");
+    field("cap", cap,
+          Choices<LemkeCap>{{{"paper", LemkeCap::kPaper}, {"lemke", LemkeCap::kLemke}, {"3n", LemkeCap::k3n}}},
+          "limit on pivots: max(1000, n^2) as in the paper, min(1000, 50 n) as in LEMKE, or max(200, 3 n)");
+    field("max_pivots", max_pivots, IntegerRange{.min = 0, .max = std::int64_t{1} << 40},
+          "another limit on pivots; 0: the one that `cap` names");
+    field("precision", precision,
+          Choices<LemkePrecision>{{{"float", LemkePrecision::kFloat},
+                                   {"double", LemkePrecision::kDouble},
+                                   {"polished", LemkePrecision::kPolished},
+                                   {"quad", LemkePrecision::kQuad}}},
+          "arithmetic (engine=kernel): 24, 53 or 113 bits; polished: 53, the answer refined, with the velocity of "
+          "contact problems");
+    field("test", test,
+          Choices<LemkeAnswerTest>{{{"auto", LemkeAnswerTest::kAuto},
+                                    {"none", LemkeAnswerTest::kNone},
+                                    {"residual", LemkeAnswerTest::kResidual}}},
+          "of an answer from the raw data before it is claimed (precision=double; the others always): none, as in "
+          "LEMKE; its residual; auto: residual with engine=kernel and both tolerances at their defaults, else none");
+  }
+};
+
+/// One exchange. Variables are numbered w_i = i, z_i = n + i, artificial = 2 n.
+struct LemkePivot {
+  Index entering = 0;
+  Index leaving = 0;
+  bool operator==(const LemkePivot&) const = default;
+};
+
+/// Solves LCP(q, M) by Lemke's complementary pivoting with the rules of LEMKE, the program behind the study of
+/// Drumwright and Shell (2012).
+///
+/// Covering vector 1 where q_i < 0 and 0 elsewhere; ratio test with a zero tolerance, ties to the largest pivot, the
+/// artificial variable preferred. Processes any copositive-plus M in exact arithmetic without degeneracy [Cottle, Pang,
+/// Stone 1992, 4.4]; ties are not broken lexicographically, so that degenerate problems may cycle up to the limit on
+/// pivots. Cost per pivot: engine=dense 2/3 n^3; engine=kernel O(k^3 + n k) with k the number of basic z.
+/// See docs/reference/solvers/lemke.md.
+///
+/// kSolved: the artificial variable left the basis, and, with test=residual, the answer passes AnswerTest. kUnsolvable,
+/// with test=residual: AnswerTest found a proof; with test=none: no row blocks the entering variable (a ray: proof of
+/// nothing but for copositive-plus M). kIterationLimit, kTimeLimit; kNumericalFailure: singular or overflowing basis,
+/// an answer that does not pass, or, with test=residual, a ray without a proof. z is zero unless kSolved.
+///
+/// In other precisions than double kSolved is claimed only for answers that pass a test from the raw data, and
+/// kUnsolvable never: kNumericalFailure otherwise. polished and quad return the velocity of contact problems with
+/// regular inertia.
+class Lemke final : public Solver {
+ public:
+  /// @param level instruction-set level of the engine; must not exceed best_isa_level().
+  /// @throws InputError for engine=dense in another precision than double
+  explicit Lemke(const LemkeSettings& settings, IsaLevel level = isa_level());
+
+  const Capabilities& capabilities() const override { return capabilities_; }
+
+  /// For later solves, instead of those of the settings: nothing is loaded anew.
+  void use_tolerances(double pivot, double zero) {
+    settings_.pivot_tolerance = pivot;
+    settings_.zero_tolerance = zero;
+  }
+
+  /// LemkeSettings::max_pivots of later solves.
+  void limit_pivots(std::int64_t max_pivots) { settings_.max_pivots = max_pivots; }
+
+  /// That of the last load, for answers of other methods to the same problem. @pre test=residual, precision=double
+  AnswerTest& answer_test() { return *test_; }
+
+  /// Appends every pivot of later solves to `pivots`, for tests; nullptr ends it. Not owned.
+  void record_pivots(std::vector<LemkePivot>* pivots) { recorded_ = pivots; }
+
+ private:
+  void on_load(const Problem& problem) override;
+  void on_solve(const SolveRequest& request, Answer& answer) override;
+
+  LemkeSettings settings_;
+  Capabilities capabilities_;
+  lemke::LoadedEngine engine_;
+  std::unique_ptr<LemkeFinish> finish_;  ///< none in double
+  std::unique_ptr<AnswerTest> test_;     ///< none but in double
+  std::vector<LemkePivot>* recorded_ = nullptr;
+};
+
+/// What the solver promises with these settings.
+Capabilities lemke_capabilities(const LemkeSettings& settings);
+
+/// The limit on pivots for problems of order n.
+std::ptrdiff_t lemke_pivot_limit(const LemkeSettings& settings, Index n);
+
+/// Claim, detail and counters of an engine's outcome. `answer` arrives cleared, with z as the engine left it.
+void report_lemke(const lemke::Outcome& outcome, Answer& answer);
+
+}  // namespace lcpbench

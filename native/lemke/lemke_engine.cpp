@@ -1,0 +1,38 @@
+// Lemke's pivoting with LEMKE's rules over two representations of the basis. Compiled once per instruction-set level
+// into the namespace LCPBENCH_LEVEL; see lemke_engine.h for what may cross the border.
+#include "native/lemke/lemke_engine.h"
+
+#include "native/lemke/dense_basis.h"
+#include "native/lemke/interface.h"
+#include "native/lemke/kernel_basis.h"
+#include "native/lemke/path_tree.h"
+
+namespace lcpbench::lemke::LCPBENCH_LEVEL {
+namespace {
+
+/// A kernel basis with the room in which a sweep's paths part.
+template <class Scalar>
+struct HeldWithRoom {
+  KernelBasis<Scalar> basis;
+  TreeRoom<Scalar> room;
+};
+
+template <class Scalar>
+Count walk(void* object, const Cell* cells, Count count, const WalkRules& rules, double* z) {
+  auto& [basis, room] = *static_cast<HeldWithRoom<Scalar>*>(object);
+  if (rules.resolve) return PathTree<true, Scalar>(basis, room, cells, rules, z).walk(count);
+  return PathTree<false, Scalar>(basis, room, cells, rules, z).walk(count);
+}
+
+template <class Scalar>
+bool refine(void* object, double* z) {
+  auto& basis = static_cast<HeldWithRoom<Scalar>*>(object)->basis;
+  return basis.refine() && write_solution(basis, z);
+}
+
+}  // namespace
+
+const Engine kDenseEngine = engine_over<double, Held<DenseBasis<double>>>(nullptr, nullptr);
+const Engine kKernelEngine = engine_over<double, HeldWithRoom<double>>(walk<double>, refine<double>);
+
+}  // namespace lcpbench::lemke::LCPBENCH_LEVEL

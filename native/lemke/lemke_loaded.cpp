@@ -1,0 +1,112 @@
+#include "native/lemke/lemke_loaded.h"
+
+#include <Eigen/Core>
+#include <cstdlib>
+#include <new>
+#include <stdexcept>
+#include <variant>
+#include <vector>
+
+#include "native/contacts/contact_input.h"
+
+namespace lcpbench::lemke {
+
+void* allocate_aligned(std::size_t bytes) {
+  constexpr std::size_t kAlignment = 64;
+  void* memory = std::aligned_alloc(kAlignment, (bytes / kAlignment + 1) * kAlignment);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+
+void free_aligned(void* memory) { std::free(memory); }
+
+namespace {
+
+using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+const Engine& float_engine_at([[maybe_unused]] IsaLevel level) {
+#if defined(__x86_64__)
+  if (level == IsaLevel::kAvx512) return avx512::kFloatKernelEngine;
+  if (level == IsaLevel::kAvx2) return avx2::kFloatKernelEngine;
+#endif
+  return baseline::kFloatKernelEngine;
+}
+
+const Engine& engine_at(LemkeEngine engine, IsaLevel level, LemkeArithmetic arithmetic) {
+  const bool dense = engine == LemkeEngine::kDense;
+  if (level > best_isa_level()) throw std::invalid_argument("this processor lacks the instruction-set level asked for");
+  if (arithmetic != LemkeArithmetic::kDouble) {
+    if (dense) throw std::invalid_argument("the dense engine knows double only");
+    return arithmetic == LemkeArithmetic::kQuad ? quad::kKernelEngine : float_engine_at(level);
+  }
+#if defined(__x86_64__)
+  if (level == IsaLevel::kAvx512) return dense ? avx512::kDenseEngine : avx512::kKernelEngine;
+  if (level == IsaLevel::kAvx2) return dense ? avx2::kDenseEngine : avx2::kKernelEngine;
+#endif
+  return dense ? baseline::kDenseEngine : baseline::kKernelEngine;
+}
+
+}  // namespace
+
+LoadedEngine::LoadedEngine(LemkeEngine engine, IsaLevel level, LemkeArithmetic arithmetic)
+    : engine_(engine_at(engine, level, arithmetic)),
+      from_data_(arithmetic == LemkeArithmetic::kQuad),
+      state_(engine_.create()) {}
+
+LoadedEngine::~LoadedEngine() { engine_.destroy(state_); }
+
+void LoadedEngine::load(const Problem& problem) {
+  if (const ContactProblem* contact = problem.contact()) {
+    load_contact(*contact);
+  } else {
+    load_matrix(problem.lcp());
+  }
+}
+
+void LoadedEngine::load_matrix(const Lcp& lcp) {
+  Input input;
+  input.n = input.dense = lcp.size();
+  input.q = lcp.q.data();
+  input.M = lcp.M.data();
+  input.refines = refines_;
+  engine_.load(state_, input);
+}
+
+void LoadedEngine::load_contact(const ContactProblem& contact) {
+  const ContactLayout layout = contact_layout(contact);
+  const Index impulses = layout.nc + layout.friction;
+  RowMajorMatrix J(contact.ngc(), impulses);
+  std::visit([&](const auto& N) { J.leftCols(layout.nc) = N; }, contact.N);
+  std::visit([&](const auto& D) { J.rightCols(layout.friction) = D; }, contact.D);
+  Vector q = Vector::Zero(layout.size());
+  q.head(impulses).noalias() = J.transpose() * contact.v;
+  const Matrix Ginv = from_data_ ? Matrix() : inverse_inertia(contact.inertia);
+  ContactInput contacts;
+  if (from_data_) contacts.load(contact);
+
+  std::vector<std::ptrdiff_t> friction_begin;
+  std::vector<std::ptrdiff_t> cone_normal;
+  std::vector<double> mu;
+  for (const Index normal : layout.cone_contact) {
+    friction_begin.push_back(layout.friction_offset() + layout.friction_begin[static_cast<std::size_t>(normal)]);
+    cone_normal.push_back(normal);
+    mu.push_back(contact.mu(normal));
+  }
+  friction_begin.push_back(impulses);
+
+  Input input;
+  input.n = layout.size();
+  input.dense = impulses;
+  input.cones = layout.cones;
+  input.q = q.data();
+  input.ngc = contact.ngc();
+  input.J = J.data();
+  input.Ginv = Ginv.data();
+  input.contacts = from_data_ ? &contacts.input : nullptr;
+  input.friction_begin = friction_begin.data();
+  input.cone_normal = cone_normal.data();
+  input.mu = mu.data();
+  engine_.load(state_, input);
+}
+
+}  // namespace lcpbench::lemke

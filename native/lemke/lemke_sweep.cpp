@@ -1,0 +1,176 @@
+#include "native/lemke/lemke_sweep.h"
+
+#include <algorithm>
+#include <exception>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+#include <utility>
+
+#include "native/lemke/swept_answers.h"
+
+namespace lcpbench {
+namespace {
+
+/// The position of each value among the distinct ones.
+std::vector<std::ptrdiff_t> ranks(const std::vector<double>& values) {
+  std::vector<double> distinct = values;
+  std::sort(distinct.begin(), distinct.end());
+  distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+  std::vector<std::ptrdiff_t> places;
+  for (const double value : values) {
+    places.push_back(std::lower_bound(distinct.begin(), distinct.end(), value) - distinct.begin());
+  }
+  return places;
+}
+
+/// All settings but the tolerances.
+Options others(LemkeSettings settings) {
+  settings.pivot_tolerance = settings.zero_tolerance = 0;
+  return all_settings(settings);
+}
+
+const LemkeSettings& first_of(std::span<const LemkeSettings> cells) {
+  if (cells.empty()) throw std::invalid_argument("a sweep needs parameterisations");
+  return cells.front();
+}
+
+class SweptLemke final : public SweptSolver {
+ public:
+  explicit SweptLemke(std::span<const LemkeSettings> cells) : sweep_(cells), tries_(cells.size()) {
+    for (std::uint32_t cell = 0; cell < tries_.size(); ++cell) tries_[cell].cell = cell;
+  }
+
+  void run(const Problem& problem, const TimedRequest& request, std::vector<SweptAnswer>& answers) override {
+    try {
+      solve(problem, request, answers);
+    } catch (const std::exception& error) {
+      answer_all_with_failure(tries_.size(), error.what(), answers);
+    }
+  }
+
+ private:
+  void solve(const Problem& problem, const TimedRequest& request, std::vector<SweptAnswer>& answers) {
+    SolveTimes times;
+    const double wall_s = wall_clock_s();
+    const double cpu_s = thread_cpu_clock_s();
+    sweep_.load(problem);
+    times.setup_cpu_s = thread_cpu_clock_s() - cpu_s;
+    times.setup_wall_s = wall_clock_s() - wall_s;
+    for (LemkeTry& each : tries_) each.time_limit_s = request.time_limit_s;
+    sweep_.walk(tries_, leaves_);
+    SweptAnswers gathered(answers);
+    for (LemkeLeaf& leaf : leaves_) {
+      times.solve_wall_s = leaf.wall_s;
+      times.solve_cpu_s = leaf.cpu_s;
+      gathered.add(leaf.cells, {std::move(leaf.answer), times});
+    }
+    gathered.finish();
+  }
+
+  LemkeSweep sweep_;
+  std::vector<LemkeTry> tries_;
+  std::vector<LemkeLeaf> leaves_;
+};
+
+}  // namespace
+
+LemkeSweep::LemkeSweep(std::span<const LemkeSettings> cells, IsaLevel level)
+    : common_(first_of(cells)), capabilities_(lemke_capabilities(common_)), engine_(LemkeEngine::kKernel, level) {
+  std::vector<double> pivot_tolerances, zero_tolerances;
+  for (const LemkeSettings& cell : cells) {
+    pivot_tolerances.push_back(cell.pivot_tolerance);
+    zero_tolerances.push_back(cell.zero_tolerance);
+  }
+  const auto pivot_ranks = ranks(pivot_tolerances);
+  const auto zero_ranks = ranks(zero_tolerances);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    cells_.push_back({pivot_tolerances[i], zero_tolerances[i], pivot_ranks[i], zero_ranks[i], 0});
+  }
+  read_idle_clocks();
+}
+
+void LemkeSweep::read_idle_clocks() {
+  idle_wall_s_ = idle_cpu_s_ = std::numeric_limits<double>::infinity();
+  for (int reading = 0; reading < 100; ++reading) {
+    const double wall_s = wall_clock_s();
+    const double cpu_s = thread_cpu_clock_s();
+    idle_cpu_s_ = std::min(idle_cpu_s_, thread_cpu_clock_s() - cpu_s);
+    idle_wall_s_ = std::min(idle_wall_s_, wall_clock_s() - wall_s);
+  }
+}
+
+std::optional<std::vector<LemkeSettings>> LemkeSweep::readable(std::span<const Options> cells) {
+  std::vector<LemkeSettings> settings;
+  for (const Options& cell : cells) settings.push_back(parse_settings<LemkeSettings>("lemke", cell));
+  if (settings.empty() || settings.front().engine != LemkeEngine::kKernel) return std::nullopt;
+  if (settings.front().precision != LemkePrecision::kDouble) return std::nullopt;
+  if (settings.front().test != LemkeAnswerTest::kNone) return std::nullopt;
+  const Options common = others(settings.front());
+  for (const LemkeSettings& cell : settings) {
+    if (others(cell) != common) return std::nullopt;
+  }
+  return settings;
+}
+
+void LemkeSweep::load(const Problem& problem) {
+  refusal_ = why_not(capabilities_, problem);
+  n_ = problem.size();
+  if (refusal_.empty()) engine_.load(problem);
+}
+
+struct LemkeSweep::Collector {
+  std::span<const LemkeTry> tries;
+  const Vector& z;
+  std::vector<LemkeLeaf>& leaves;
+};
+
+void LemkeSweep::collect(void* collector, const lemke::Leaf& leaf) {
+  const auto& [tries, z, leaves] = *static_cast<Collector*>(collector);
+  LemkeLeaf& copy = leaves.emplace_back();
+  for (std::ptrdiff_t i = 0; i < leaf.count; ++i) {
+    copy.cells.push_back(tries[static_cast<std::size_t>(leaf.cells[i])].cell);
+  }
+  std::sort(copy.cells.begin(), copy.cells.end());
+  copy.answer.z = z;
+  report_lemke(leaf.outcome, copy.answer);
+  copy.wall_s = leaf.wall_s;
+  copy.cpu_s = leaf.cpu_s;
+}
+
+std::int64_t LemkeSweep::walk(std::span<const LemkeTry> tries, std::vector<LemkeLeaf>& leaves) {
+  leaves.clear();
+  if (tries.empty()) return 0;
+  if (!refusal_.empty()) {
+    LemkeLeaf& refused = leaves.emplace_back();
+    for (const LemkeTry& each : tries) refused.cells.push_back(each.cell);
+    std::sort(refused.cells.begin(), refused.cells.end());
+    refused.answer.claim = Claim::kUnsupported;
+    refused.answer.detail = refusal_;
+    return 0;
+  }
+  tried_.clear();
+  for (const LemkeTry& each : tries) {
+    tried_.push_back(cells_[each.cell]);
+    tried_.back().time_limit_s = each.time_limit_s;
+  }
+  z_.resize(n_);
+  Collector collector{tries, z_, leaves};
+  lemke::WalkRules rules;
+  rules.resolve = common_.update == LemkeUpdate::kResolve;
+  rules.max_pivots = lemke_pivot_limit(common_, n_);
+  rules.wall_s = wall_clock_s;
+  rules.cpu_s = thread_cpu_clock_s;
+  rules.idle_wall_s = idle_wall_s_;
+  rules.idle_cpu_s = idle_cpu_s_;
+  rules.on_leaf = collect;
+  rules.context = &collector;
+  return engine_.walk(tried_.data(), static_cast<std::ptrdiff_t>(tried_.size()), rules, z_.data());
+}
+
+std::unique_ptr<SweptSolver> make_swept_lemke(const std::vector<Options>& cells) {
+  const auto settings = LemkeSweep::readable(cells);
+  return settings ? std::make_unique<SweptLemke>(*settings) : nullptr;
+}
+
+}  // namespace lcpbench

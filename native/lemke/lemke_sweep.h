@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/spec.h"
+#include "core/swept_solver.h"
+#include "native/lemke/lemke.h"
+
+namespace lcpbench {
+
+/// A parameterisation that is to be solved, by its number in the sweep.
+struct LemkeTry {
+  std::uint32_t cell = 0;
+  double time_limit_s = 0;  ///< wall clock, on the cell's own path
+};
+
+/// What some parameterisations have in common: their path to its end.
+struct LemkeLeaf {
+  std::vector<std::uint32_t> cells;  ///< ascending
+  Answer answer;
+  double wall_s = 0;  ///< of that path, from its first pivot to its last; see lemke::Leaf
+  double cpu_s = 0;   ///< of this thread
+};
+
+/// Lemke's method at many pairs of tolerances: each pivot that paths have in common is gone once.
+///
+/// Answers are bit for bit those of `Lemke` with each pair; see docs/reference/solvers/lemke.md. Memory beside that of
+/// one Lemke: a kernel (k^2 doubles, k basic z) for each point at which paths part on the way to the present one, fewer
+/// than cells.
+class LemkeSweep {
+ public:
+  /// @param cells all with engine=kernel and test=none, and alike but for the two tolerances
+  LemkeSweep(std::span<const LemkeSettings> cells, IsaLevel level = isa_level());
+
+  /// Reads settings of `lemke`; nothing where they differ in more than the tolerances, the engine is not kernel, the
+  /// precision not double, or answers are tested.
+  /// @throws InputError
+  static std::optional<std::vector<LemkeSettings>> readable(std::span<const Options> cells);
+
+  std::size_t size() const { return cells_.size(); }
+
+  /// As Solver::load.
+  void load(const Problem& problem);
+
+  /// The ends of the paths of these cells, in any order; a cell named twice stands in its leaf twice. Refused problems
+  /// have one leaf, kUnsupported. Returns the pivots gone, each once.
+  std::int64_t walk(std::span<const LemkeTry> tries, std::vector<LemkeLeaf>& leaves);
+
+ private:
+  struct Collector;
+  void read_idle_clocks();
+  static void collect(void* collector, const lemke::Leaf& leaf);
+
+  LemkeSettings common_;
+  Capabilities capabilities_;
+  std::vector<lemke::Cell> cells_;
+  lemke::LoadedEngine engine_;
+  std::string refusal_;
+  Index n_ = 0;
+  double idle_wall_s_ = 0;  // see lemke::WalkRules
+  double idle_cpu_s_ = 0;
+  std::vector<lemke::Cell> tried_;
+  Vector z_;  // n: where the engine writes
+};
+
+/// SolverDefinition::make_swept of `lemke`: null where LemkeSweep::readable has nothing.
+std::unique_ptr<SweptSolver> make_swept_lemke(const std::vector<Options>& cells);
+
+}  // namespace lcpbench

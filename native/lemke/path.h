@@ -1,0 +1,108 @@
+#pragma once
+
+#include "native/lemke/lemke_engine.h"
+#include "native/lemke/pack.h"
+#include "native/lemke/ratio_test.h"
+
+namespace lcpbench::lemke::LCPBENCH_LEVEL {
+
+// The steps of Lemke's path. A single solve and the tree of a sweep call the same ones, kept out of line, so that both
+// run the same machine code and not what the compiler makes of it in two places.
+
+constexpr Count kPivotsPerClockReading = 16;
+
+inline Count complement(Count variable, Count n) { return variable < n ? variable + n : variable - n; }
+
+/// d for the entering variable, and x as well where it is resolved. False when the basis is singular.
+template <bool kResolve, class Basis>
+[[gnu::noinline]] bool find_direction(Basis& basis, Count entering, Outcome& outcome) {
+  ++outcome.factorizations;
+  return basis.template solve<kResolve>(entering);
+}
+
+/// @pre find_direction(entering) was called last.
+template <bool kResolve, class Basis>
+[[gnu::noinline]] void pivot(Basis& basis, Count entering, Count leaving, Outcome& outcome) {
+  if constexpr (kResolve) {
+    basis.exchange(entering, leaving, 0);
+  } else {
+    basis.exchange(entering, leaving, advance(basis.slots(), basis.slot_of(leaving)));
+  }
+  ++outcome.pivots;
+}
+
+/// Writes z; false when a value is not finite.
+template <class Basis>
+bool write_solution(const Basis& basis, double* z) {
+  const auto& slots = basis.slots();
+  const Count n = basis.problem().n();
+  for (Count i = 0; i < slots.count; ++i) {
+    if (!(slots.x[i] - slots.x[i] == 0)) return false;
+  }
+  for (Count i = 0; i < slots.count; ++i) {
+    const auto id = slots.id[i];
+    if (id >= static_cast<decltype(id)>(n) && id < static_cast<decltype(id)>(2 * n)) {
+      z[static_cast<Count>(id) - n] = static_cast<double>(slots.x[i]);
+    }
+  }
+  return true;
+}
+
+/// How a path ends on which the artificial variable has left; writes the basic entries of z.
+template <bool kResolve, class Basis>
+[[gnu::noinline]] Ending finish(Basis& basis, Outcome& outcome, double* z) {
+  if constexpr (kResolve) {
+    ++outcome.factorizations;
+    if (!basis.resolve()) return Ending::kBreakdown;
+  }
+  return write_solution(basis, z) ? Ending::kSolved : Ending::kBreakdown;
+}
+
+/// Marks which z are basic.
+template <class Basis>
+[[gnu::noinline]] void write_basis(const Basis& basis, char* basic) {
+  const auto& slots = basis.slots();
+  const Count n = basis.problem().n();
+  for (Count i = 0; i < slots.count; ++i) {
+    const auto id = slots.id[i];
+    if (id >= static_cast<decltype(id)>(n) && id < static_cast<decltype(id)>(2 * n)) {
+      basic[static_cast<Count>(id) - n] = 1;
+    }
+  }
+}
+
+inline bool out_of_time(const Rules& rules) {
+  return rules.deadline_s < kInfinity<double> && !(rules.clock_s() < rules.deadline_s);
+}
+
+/// Lemke's path from the first exchange to its end.
+template <bool kResolve, class Scalar, class Basis>
+Outcome follow_path(Basis& basis, const Rules& rules, double* z) {
+  const Count n = basis.problem().n();
+  const Count artificial = basis.problem().artificial();
+  const Scalar pivot_tolerance = static_cast<Scalar>(rules.pivot_tolerance);
+  const Scalar zero_tolerance = static_cast<Scalar>(rules.zero_tolerance);
+  Outcome outcome;
+  Count leaving = basis.problem().most_negative_row();
+  basis.start(leaving);
+  while (leaving != artificial) {
+    if (outcome.pivots >= rules.max_pivots) return outcome.ending = Ending::kPivotLimit, outcome;
+    if (outcome.pivots % kPivotsPerClockReading == 0 && out_of_time(rules)) {
+      return outcome.ending = Ending::kTimeLimit, outcome;
+    }
+    const Count entering = complement(leaving, n);
+    if (!find_direction<kResolve>(basis, entering, outcome)) return outcome;
+    const Blocking blocking =
+        ratio_test(basis.slots(), pivot_tolerance, zero_tolerance, artificial, basis.slot_of(artificial));
+    if (blocking.kind == Block::kRay) return outcome.ending = Ending::kRay, outcome;
+    if (blocking.kind == Block::kBreakdown) return outcome;
+    leaving = blocking.leaving;
+    pivot<kResolve>(basis, entering, leaving, outcome);
+    if (rules.on_pivot != nullptr) rules.on_pivot(rules.context, entering, leaving);
+  }
+  outcome.ending = finish<kResolve>(basis, outcome, z);
+  if (rules.basic != nullptr) write_basis(basis, rules.basic);
+  return outcome;
+}
+
+}  // namespace lcpbench::lemke::LCPBENCH_LEVEL

@@ -1,0 +1,98 @@
+#pragma once
+
+#include "native/lemke/pack.h"
+
+namespace lcpbench::lemke::LCPBENCH_LEVEL {
+
+/// The basic variables as the ratio test sees them: value, rate and number, in any order. Slots that hold no variable
+/// have d = 0. All arrays are padded to packs with d = x = 0.
+template <class Scalar>
+struct Slots {
+  Count count = 0;  ///< a multiple of the pack's width
+  Scalar* x = nullptr;
+  Scalar* d = nullptr;
+  Scalar* ratio = nullptr;     ///< scratch
+  const Scalar* id = nullptr;  ///< variable numbers; exact in any Scalar for n < 2^22
+};
+
+enum class Block { kFound, kRay, kBreakdown };
+
+/// What the ratio test finds.
+struct Blocking {
+  Block kind = Block::kBreakdown;
+  Count leaving = 0;  ///< number of the leaving variable
+};
+
+/// Pivots whose d is this close to the largest count as equally large: rounding must not choose between duplicates.
+template <class Scalar>
+constexpr double kEqualPivots = sizeof(Scalar) == sizeof(float) ? 0x1p-18 : 1e-9;
+
+/// What leaves among the rows that are tied.
+template <class Scalar>
+struct Leaving {
+  Count variable = 0;
+  Scalar largest = 0;  ///< the largest d of the tied rows; infinity when the artificial variable leaves
+};
+
+/// Tied are all rows with ratio <= theta. Of these the artificial variable leaves if it is there, else the one with the
+/// largest d, and of equally large ones that of the lowest number (LEMKE draws lots).
+template <class Scalar>
+Leaving<Scalar> leaving_of_tied(const Slots<Scalar>& slots, Scalar theta, Count artificial_id, Count artificial_slot) {
+  using P = Packed<Scalar>;
+  using Pack = typename P::Pack;
+  if (slots.ratio[artificial_slot] <= theta) return {artificial_id, kInfinity<Scalar>};
+  Pack most = Pack{};
+  for (Count i = 0; i < slots.count; i += P::kWidth) {
+    most = P::max(P::load(slots.ratio + i) <= theta ? P::load(slots.d + i) : Pack{}, most);
+  }
+  const Scalar largest = P::max(most);
+  const Scalar enough = static_cast<Scalar>(1 - kEqualPivots<Scalar>) * largest;
+  const Pack infinity = P::broadcast(kInfinity<Scalar>);
+  Pack lowest = infinity;
+  for (Count i = 0; i < slots.count; i += P::kWidth) {
+    const auto eligible = (P::load(slots.ratio + i) <= theta) & (P::load(slots.d + i) >= enough);
+    lowest = P::min(eligible ? P::load(slots.id + i) : infinity, lowest);
+  }
+  return {static_cast<Count>(P::min(lowest)), largest};
+}
+
+/// LEMKE's ratio test. Theta = min (x_i + zero_tolerance) / d_i over d_i > pivot_tolerance; tied are all with
+/// x_i / d_i <= theta. Leaves the ratios of the candidates in slots.ratio, infinity elsewhere.
+template <class Scalar>
+Blocking ratio_test(const Slots<Scalar>& slots, Scalar pivot_tolerance, Scalar zero_tolerance, Count artificial_id,
+                    Count artificial_slot) {
+  using P = Packed<Scalar>;
+  using Pack = typename P::Pack;
+  const Pack infinity = P::broadcast(kInfinity<Scalar>);
+  Pack least = infinity;
+  Pack largest = Pack{};
+  Pack poison = Pack{};  // becomes NaN when any x or d is not finite
+  for (Count i = 0; i < slots.count; i += P::kWidth) {
+    const Pack x = P::load(slots.x + i);
+    const Pack d = P::load(slots.d + i);
+    const auto candidate = d > pivot_tolerance;
+    const Pack divisor = candidate ? d : P::broadcast(1);
+    P::store(slots.ratio + i, candidate ? x / divisor : infinity);
+    least = P::min(candidate ? (x + zero_tolerance) / divisor : infinity, least);
+    largest = P::max(d, largest);
+    poison += Scalar(0) * x + Scalar(0) * d;
+  }
+  if (!(P::sum(poison) == 0)) return {Block::kBreakdown, 0};
+  if (!(P::max(largest) > pivot_tolerance)) return {Block::kRay, 0};
+  const Scalar theta = P::min(least);
+  if (!(theta < kInfinity<Scalar>)) return {Block::kBreakdown, 0};
+  return {Block::kFound, leaving_of_tied(slots, theta, artificial_id, artificial_slot).variable};
+}
+
+/// x -= (x_leaving / d_leaving) d; returns that ratio.
+template <class Scalar>
+Scalar advance(const Slots<Scalar>& slots, Count leaving_slot) {
+  using P = Packed<Scalar>;
+  const Scalar ratio = slots.x[leaving_slot] / slots.d[leaving_slot];
+  for (Count i = 0; i < slots.count; i += P::kWidth) {
+    P::store(slots.x + i, P::load(slots.x + i) - ratio * P::load(slots.d + i));
+  }
+  return ratio;
+}
+
+}  // namespace lcpbench::lemke::LCPBENCH_LEVEL

@@ -1,0 +1,415 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "core/registry.h"
+#include "core/timed_solve.h"
+#include "native/answer_room.h"
+#include "native/answer_test/answer_test.h"
+
+namespace lcpbench {
+namespace {
+
+enum class Objective { kWork, kComplementarity };
+enum class FinalTest { kNone, kResidual };
+
+struct PrimalDualSettings {
+  double eps = 1e-14;
+  double eps_feas = 1e-8;
+  double mu = 10.0;
+  double alpha = 0.01;
+  double beta = 0.5;
+  std::int64_t max_iterations = 1000;
+  double diagonal_shift = 0.0;
+  double accept_residual = 1e-4;
+  Objective objective = Objective::kWork;
+  FinalTest test = FinalTest::kResidual;
+
+  void visit(auto&& field) {
+    field("eps", eps, RealRange{.min = 0}, "stop when the surrogate duality gap is at most this (absolute)");
+    field("eps_feas", eps_feas, RealRange{.min = 0},
+          "... and the norms of the primal and the dual residual are at most this (absolute)");
+    field("mu", mu, RealRange{.min = 1.001, .max = 1e6}, "the barrier aims at a gap smaller by this factor, each step");
+    field("alpha", alpha, RealRange{.min = 0, .max = 0.5}, "share of the predicted residual decrease asked for");
+    field("beta", beta, RealRange{.min = 0.01, .max = 0.99}, "factor on the step in backtracking");
+    field("max_iterations", max_iterations, IntegerRange{.min = 0}, "Newton steps");
+    field("diagonal_shift", diagonal_shift, RealRange{.min = 0, .max = 1},
+          "solve for M + diagonal_shift * max|M_ii| * I instead of M");
+    field("accept_residual", accept_residual, RealRange{.min = 0},
+          "claim solved only when max|min(c_i z_i, w_i)| <= this * max|q|, c_i the largest |entry| of M's column i");
+    field("objective", objective,
+          Choices<Objective>{{{"work", Objective::kWork}, {"complementarity", Objective::kComplementarity}}},
+          "1/2 z'Mz + q'z as in the paper, or z'(Mz + q); the latter always when M is not symmetric");
+    field(
+        "test", test, Choices<FinalTest>{{{"none", FinalTest::kNone}, {"residual", FinalTest::kResidual}}},
+        "of an answer that meets accept_residual: none, as in the paper; residual: from the raw data, as all native "
+        "solvers do, with z_i = 0 where c_i z_i < w_i, and where that does not pass with M z = -q solved on the rest");
+  }
+};
+
+constexpr double kBoundaryFraction = 0.99;  // of the longest step that keeps the multipliers positive [BV04 p. 613]
+
+// A Newton step cut shorter than this was cut by rounding errors, not by the problem: the square root of the unit
+// round-off, as is usual where a decrease is told from noise.
+constexpr double kShortestStep = 0x1p-26;
+
+// Shifts tried, relative to the largest diagonal entry, when the Newton matrix is not positive definite: from its own
+// rounding error to dominating it.
+constexpr double kFirstCorrection = 1e-15;
+constexpr double kCorrectionGrowth = 100.0;
+constexpr double kLastCorrection = 1e3;
+
+/// Factors the lower triangle of A in place as L L'; false, with A spoiled, when a pivot is not positive.
+/// Column by column, so that nothing is allocated.
+bool cholesky_in_place(Matrix& A) {
+  const Index n = A.rows();
+  for (Index j = 0; j < n; ++j) {
+    A.col(j).tail(n - j).noalias() -= A.block(j, 0, n - j, j) * A.row(j).head(j).transpose();
+    const double pivot = A(j, j);
+    if (!(pivot > 0) || !std::isfinite(pivot)) return false;
+    A.col(j).tail(n - j) /= std::sqrt(pivot);
+  }
+  return true;
+}
+
+void solve_with_factor(const Matrix& L, Vector& x) {
+  L.triangularView<Eigen::Lower>().solveInPlace(x);
+  L.transpose().triangularView<Eigen::Upper>().solveInPlace(x);
+}
+
+/// A point of the method: z and the slack y = M z + q, both kept positive, and their multipliers.
+struct Point {
+  Vector z, y;           // n
+  Vector lambda, kappa;  // n: of z >= 0 and of y >= 0
+
+  void resize(Index n) {
+    for (Vector* part : {&z, &y, &lambda, &kappa}) part->resize(n);
+  }
+  double surrogate_gap() const { return z.dot(lambda) + y.dot(kappa); }
+};
+
+enum class Stop { kConverged, kStalled, kBreakdown, kIterationLimit, kTimeLimit };
+
+/// Solves LCP(q, M) as a convex quadratic program by the primal-dual interior-point method.
+///
+/// minimize f(z) subject to z >= 0, y >= 0, y = M z + q, with f(z) = 1/2 z'Mz + q'z (the work done, and the paper's
+/// program) or f(z) = z'(Mz + q). For positive semidefinite M a solution of the LCP is a solution of the program. With
+/// the former both y_i and its multiplier vanish on active contacts, so that they are only of the size of sqrt(gap).
+/// Without a strictly feasible point (contact normals that positively span space) there is no central path and the
+/// method may stall. For other M it finds at best a stationary point, and says solved only where the LCP holds.
+/// The multiplier of y = M z + q is eliminated (it equals -kappa). O(n^3) per step; solve() allocates nothing.
+/// [Boyd, Vandenberghe 2004, section 11.7; docs/reference/solvers/primal_dual.md]
+class PrimalDual final : public Solver {
+ public:
+  explicit PrimalDual(const PrimalDualSettings& settings) : settings_(settings) {}
+  const Capabilities& capabilities() const override;
+
+ protected:
+  void on_load(const Problem& problem) override;
+  void on_solve(const SolveRequest& request, Answer& answer) override;
+
+ private:
+  void resize_workspace(Index n);
+  void set_start();
+  Stop iterate(double deadline_s, Counters& counters);
+  void evaluate_residuals(const Point& point);
+  double residual_norm(const Point& point, double t) const;
+  bool converged() const;
+  bool find_direction(double t, Counters& counters);
+  void form_newton_matrix();
+  bool factor_newton_matrix(Counters& counters);
+  double longest_step() const;
+  void step_to_trial(double s);
+  bool line_search(double t);
+  double lcp_residual();
+  void finish_on_support(Vector& z);
+  void settle(Stop stop, double deadline_s, Answer& answer);
+
+  PrimalDualSettings settings_;
+  Matrix M_;  // shifted
+  Matrix H_;
+  Vector q_;
+  Vector column_scale_;  // of the unshifted M
+  double shift_ = 0;
+
+  Point point_, trial_, direction_;
+  Vector r_dual_, r_pri_;  // n: of the last point evaluated
+  Vector work_;            // n
+  AnswerRoom room_;
+  AnswerTest test_;
+  Matrix newton_, factor_;
+  std::vector<Index> support_;  // n
+};
+
+/// True when M is symmetric up to the rounding of a product N'(G*N) formed in double.
+bool nearly_symmetric(const Matrix& M) {
+  const double tolerance =
+      static_cast<double>(M.rows()) * std::numeric_limits<double>::epsilon() * M.cwiseAbs().maxCoeff();
+  return (M - M.transpose()).cwiseAbs().maxCoeff() <= tolerance;
+}
+
+void PrimalDual::on_load(const Problem& problem) {
+  room_.reserve(0);
+  Lcp lcp = make_lcp(problem);
+  const Index n = lcp.size();
+  resize_workspace(n);
+  if (settings_.test == FinalTest::kResidual) test_.load(problem);
+  q_ = std::move(lcp.q);
+  M_ = std::move(lcp.M);
+  if (n == 0) return;
+  column_scale_ = M_.cwiseAbs().colwise().maxCoeff();
+  shift_ = settings_.diagonal_shift * M_.diagonal().cwiseAbs().maxCoeff();
+  M_.diagonal().array() += shift_;
+  H_ = M_ + M_.transpose();
+  if (settings_.objective == Objective::kWork && nearly_symmetric(M_)) H_ *= 0.5;
+}
+
+void PrimalDual::resize_workspace(Index n) {
+  for (Point* point : {&point_, &trial_, &direction_}) point->resize(n);
+  for (Vector* vector : {&r_dual_, &r_pri_, &work_}) vector->resize(n);
+  newton_.resize(n, n);
+  factor_.resize(n, n);
+  support_.resize(static_cast<std::size_t>(n));
+}
+
+void PrimalDual::set_start() {
+  point_.z.setOnes();
+  point_.y = q_;
+  point_.y.noalias() += M_ * point_.z;
+  point_.y = point_.y.cwiseMax(1.0);
+  point_.lambda.setOnes();
+  point_.kappa = point_.y.cwiseInverse();
+}
+
+void PrimalDual::evaluate_residuals(const Point& point) {
+  r_dual_ = q_ - point.lambda;
+  r_dual_.noalias() += H_ * point.z;
+  r_dual_.noalias() -= M_.transpose() * point.kappa;
+  r_pri_ = q_ - point.y;
+  r_pri_.noalias() += M_ * point.z;
+}
+
+/// Norm of (dual, centrality, primal) residual at `point`, for which the residuals were evaluated.
+double PrimalDual::residual_norm(const Point& point, double t) const {
+  return std::sqrt(r_dual_.squaredNorm() + r_pri_.squaredNorm() +
+                   (point.z.array() * point.lambda.array() - 1 / t).matrix().squaredNorm() +
+                   (point.y.array() * point.kappa.array() - 1 / t).matrix().squaredNorm());
+}
+
+bool PrimalDual::converged() const {
+  return r_pri_.norm() <= settings_.eps_feas && r_dual_.norm() <= settings_.eps_feas &&
+         point_.surrogate_gap() <= settings_.eps;
+}
+
+/// newton_ (lower triangle) = H + diag(lambda / z) + M' diag(kappa / y) M.
+void PrimalDual::form_newton_matrix() {
+  const Index n = q_.size();
+  for (Index j = 0; j < n; ++j) {
+    work_.array() = point_.kappa.array() / point_.y.array() * M_.col(j).array();
+    auto column = newton_.col(j).tail(n - j);
+    column = H_.col(j).tail(n - j);
+    column.noalias() += M_.rightCols(n - j).transpose() * work_;
+    newton_(j, j) += point_.lambda(j) / point_.z(j);
+  }
+}
+
+bool PrimalDual::factor_newton_matrix(Counters& counters) {
+  const double largest = newton_.diagonal().cwiseAbs().maxCoeff();
+  for (double correction = 0; correction <= kLastCorrection;
+       correction = correction > 0 ? correction * kCorrectionGrowth : kFirstCorrection) {
+    factor_ = newton_;
+    factor_.diagonal().array() += correction * largest;
+    ++counters.factorizations;
+    if (cholesky_in_place(factor_)) return true;
+  }
+  return false;
+}
+
+/// The Newton step on the perturbed optimality conditions, the slack and the multipliers eliminated. [BV04 (11.55)]
+bool PrimalDual::find_direction(double t, Counters& counters) {
+  form_newton_matrix();
+  if (!factor_newton_matrix(counters)) return false;
+  const auto z = point_.z.array();
+  const auto y = point_.y.array();
+  work_.array() = 1 / (t * y) - point_.kappa.array() - point_.kappa.array() / y * r_pri_.array();
+  direction_.z.array() = 1 / (t * z) - point_.lambda.array() - r_dual_.array();
+  direction_.z.noalias() += M_.transpose() * work_;
+  solve_with_factor(factor_, direction_.z);
+  direction_.y = r_pri_;
+  direction_.y.noalias() += M_ * direction_.z;
+  direction_.lambda.array() = 1 / (t * z) - point_.lambda.array() - point_.lambda.array() / z * direction_.z.array();
+  direction_.kappa.array() = 1 / (t * y) - point_.kappa.array() - point_.kappa.array() / y * direction_.y.array();
+  return direction_.z.allFinite() && direction_.y.allFinite() && direction_.lambda.allFinite() &&
+         direction_.kappa.allFinite();
+}
+
+/// The longest step <= 1 that keeps the multipliers nonnegative.
+double PrimalDual::longest_step() const {
+  double s = 1.0;
+  for (Index i = 0; i < q_.size(); ++i) {
+    if (direction_.lambda(i) < 0) s = std::min(s, -point_.lambda(i) / direction_.lambda(i));
+    if (direction_.kappa(i) < 0) s = std::min(s, -point_.kappa(i) / direction_.kappa(i));
+  }
+  return s;
+}
+
+void PrimalDual::step_to_trial(double s) {
+  trial_.z = point_.z + s * direction_.z;
+  trial_.y = point_.y + s * direction_.y;
+  trial_.lambda = point_.lambda + s * direction_.lambda;
+  trial_.kappa = point_.kappa + s * direction_.kappa;
+}
+
+/// Backtracks until the trial is strictly inside and the residual norm has fallen by the share alpha s; then moves
+/// there. False when no step of a length that matters does. On entry the residuals are those of point_, on success the
+/// new ones.
+bool PrimalDual::line_search(double t) {
+  const double norm = residual_norm(point_, t);
+  for (double s = kBoundaryFraction * longest_step(); s >= kShortestStep; s *= settings_.beta) {
+    step_to_trial(s);
+    if (!(trial_.z.minCoeff() > 0 && trial_.y.minCoeff() > 0)) continue;
+    if (!(trial_.lambda.minCoeff() > 0 && trial_.kappa.minCoeff() > 0)) continue;  // rounding at the boundary
+    evaluate_residuals(trial_);
+    if (residual_norm(trial_, t) <= (1 - settings_.alpha * s) * norm) {
+      std::swap(point_, trial_);
+      return true;
+    }
+  }
+  return false;
+}
+
+Stop PrimalDual::iterate(double deadline_s, Counters& counters) {
+  const double constraints = 2.0 * static_cast<double>(q_.size());
+  evaluate_residuals(point_);
+  for (;; ++counters.iterations) {
+    if (converged()) return Stop::kConverged;
+    if (counters.iterations >= settings_.max_iterations) return Stop::kIterationLimit;
+    if (!(wall_clock_s() < deadline_s)) return Stop::kTimeLimit;
+    const double t = settings_.mu * constraints / point_.surrogate_gap();
+    if (!std::isfinite(t) || !find_direction(t, counters)) return Stop::kBreakdown;
+    if (!line_search(t)) return Stop::kStalled;
+  }
+}
+
+/// max |min(c_i z_i, w_i)| for the unshifted M: c_i z_i is the largest change in w that leaving out z_i would make.
+/// Infinity when it is not a number.
+double PrimalDual::lcp_residual() {
+  work_ = q_ - shift_ * point_.z;
+  work_.noalias() += M_ * point_.z;
+  double worst = 0;
+  for (Index i = 0; i < q_.size(); ++i) {
+    const double residual = std::abs(std::min(column_scale_(i) * point_.z(i), work_(i)));
+    if (!(residual <= worst)) worst = std::isfinite(residual) ? residual : std::numeric_limits<double>::infinity();
+  }
+  return worst;
+}
+
+/// The solution of M z = -q on the rows and columns of the nonzero entries of z, by elimination with complete pivoting;
+/// what depends on the pivots before it, to rounding, stays zero. O(k^3). Spoils factor_ and work_.
+void PrimalDual::finish_on_support(Vector& z) {
+  constexpr double kDependent = 1e-12;
+  Index order = 0;
+  for (Index i = 0; i < z.size(); ++i) {
+    if (z(i) > 0) support_[static_cast<std::size_t>(order++)] = i;
+  }
+  auto block = factor_.topLeftCorner(order, order);
+  auto x = work_.head(order);
+  const auto member = [this](Index k) { return support_[static_cast<std::size_t>(k)]; };
+  for (Index c = 0; c < order; ++c) {
+    x(c) = -q_(member(c));
+    for (Index r = 0; r < order; ++r) block(r, c) = M_(member(r), member(c)) - (r == c ? shift_ : 0.0);
+  }
+  double first = 0;
+  Index rank = 0;
+  for (; rank < order; ++rank) {
+    const Index left = order - rank;
+    Index row = 0;
+    Index column = 0;
+    const double largest = block.bottomRightCorner(left, left).cwiseAbs().maxCoeff(&row, &column);
+    first = std::max(first, largest);
+    if (!(largest > kDependent * first)) break;
+    block.row(rank).swap(block.row(rank + row));
+    std::swap(x(rank), x(rank + row));
+    block.col(rank).swap(block.col(rank + column));
+    std::swap(support_[static_cast<std::size_t>(rank)], support_[static_cast<std::size_t>(rank + column)]);
+    for (Index r = rank + 1; r < order; ++r) {
+      const double factor = block(r, rank) / block(rank, rank);
+      block.row(r).tail(left) -= factor * block.row(rank).tail(left);
+      x(r) -= factor * x(rank);
+    }
+  }
+  z.setZero();
+  for (Index k = rank; k-- > 0;) {
+    x(k) /= block(k, k);
+    x.head(k) -= x(k) * block.col(k).head(k);
+    z(member(k)) = x(k);
+  }
+}
+
+/// An interior point has no zeros, and is only as near to w = 0 as its gap: those that the residual takes for zero
+/// become so, and where that does not pass, what remains is solved for. @pre lcp_residual()
+void PrimalDual::settle(Stop stop, double deadline_s, Answer& answer) {
+  for (Index i = 0; i < q_.size(); ++i) {
+    if (column_scale_(i) * answer.z(i) < work_(i)) answer.z(i) = 0;
+  }
+  if (test_.settle(answer, deadline_s) || answer.claim != Claim::kNumericalFailure) return;
+  answer.claim = Claim::kSolved;
+  room_.write_text(stop == Stop::kStalled ? "no step reduces the residual further; finished on its support"
+                                          : "finished on its support",
+                   answer);
+  finish_on_support(answer.z);
+  if (!test_.settle(answer, deadline_s)) answer.z = point_.z;
+}
+
+void PrimalDual::on_solve(const SolveRequest& request, Answer& answer) {
+  answer.counters = {.iterations = 0, .pivots = -1, .factorizations = 0};
+  const double deadline_s = wall_clock_s() + request.time_limit_s;
+  if (q_.isZero(0)) {  // z = 0 solves it, and max|q| gives no scale to judge another answer by
+    answer.claim = Claim::kSolved;
+    if (settings_.test == FinalTest::kResidual) test_.settle(answer, deadline_s);  // q may have been rounded to zero
+    return;
+  }
+  set_start();
+  const Stop stop = iterate(deadline_s, answer.counters);
+  answer.z = point_.z;
+  const bool accepted = lcp_residual() <= settings_.accept_residual * q_.cwiseAbs().maxCoeff();
+  switch (stop) {
+    case Stop::kConverged:
+      answer.claim = accepted ? Claim::kSolved : Claim::kNumericalFailure;
+      if (!accepted) room_.write_text("converged to a point that does not solve the LCP", answer);
+      break;
+    case Stop::kStalled:
+      answer.claim = accepted ? Claim::kSolved : Claim::kNumericalFailure;
+      room_.write_text(
+          accepted ? "no step reduces the residual further; accepted as it is" : "no step reduces the residual further",
+          answer);
+      break;
+    case Stop::kBreakdown:
+      answer.claim = Claim::kNumericalFailure;
+      room_.write_text("the Newton system could not be solved", answer);
+      return;
+    case Stop::kIterationLimit: answer.claim = Claim::kIterationLimit; return;
+    case Stop::kTimeLimit: answer.claim = Claim::kTimeLimit; return;
+  }
+  if (accepted && settings_.test == FinalTest::kResidual) settle(stop, deadline_s, answer);
+}
+
+constexpr Capabilities kCapabilities{
+    .guarantees = "positive semidefinite M with a strictly feasible point (z > 0 with M z + q > 0)",
+    .obeys_time_limit = true,
+    .allocation_free = true};
+
+const Capabilities& PrimalDual::capabilities() const { return kCapabilities; }
+
+}  // namespace
+
+SolverDefinition lcpbench_solver_primal_dual() {
+  return define_solver<PrimalDual, PrimalDualSettings>(
+      {.name = "primal_dual",
+       .summary = "primal-dual interior point on the quadratic program of the LCP, dense, the paper's method",
+       .source = "Boyd, Vandenberghe: Convex Optimization, 2004, section 11.7; Drumwright, Shell 2012",
+       .capabilities = kCapabilities});
+}
+
+}  // namespace lcpbench

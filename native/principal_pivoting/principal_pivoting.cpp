@@ -1,0 +1,327 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "core/registry.h"
+#include "core/timed_solve.h"
+#include "native/answer_room.h"
+#include "native/answer_test/answer_test.h"
+#include "native/principal_pivoting/principal_tableau.h"
+
+namespace lcpbench {
+namespace {
+
+enum class Distinguished { kLeastIndex, kMostNegative };
+
+struct PrincipalPivotingSettings {
+  std::int64_t max_pivots = 0;
+  Distinguished distinguished = Distinguished::kMostNegative;
+  double data_error = 1e-14;
+  double accept_residual = 1e-6;
+
+  void visit(auto&& field) {
+    field("max_pivots", max_pivots, IntegerRange{.min = 0}, "0 stands for max(1000, n^2), the paper's limit");
+    field("distinguished", distinguished,
+          Choices<Distinguished>{
+              {{"least_index", Distinguished::kLeastIndex}, {"most_negative", Distinguished::kMostNegative}}},
+          "which negative w is made nonnegative next");
+    field("data_error", data_error, RealRange{.min = 0, .max = 1},
+          "relative error of M and q: values that errors of this size could make 0 count as 0");
+    field(
+        "accept_residual", accept_residual, RealRange{.min = 0},
+        "asked for before the test of every claim: max|min(c_i z_i, w_i)| <= this * max|q|, c_i the largest |entry| of "
+        "M's column i");
+  }
+};
+
+constexpr Index kNone = -1;
+
+/// The symmetric principal pivoting method of Dantzig and Cottle.
+///
+/// A negative w_r is distinguished and its complement (or, once it is nonbasic, w_r itself) raised until w_r is 0. A
+/// basic variable that reaches its bound first is exchanged with its complement, or, where its diagonal entry is zero,
+/// together with the pair r. The bound is 0, but for w_i that are negative still: those must not fall below a fixed
+/// value under all of q. Solves or proves infeasible every LCP with positive semidefinite M, symmetric or not, and
+/// every one with a P-matrix, barring degenerate cycles; ties in the ratio test go to the larger pivot, which is no
+/// anticycling rule. Other M are tried: the claims are checked on the data, so they hold there too.
+///
+/// An unblocked raise gives u = (row r of the tableau) >= 0 with M'u <= 0 and q'u < 0 to rounding. kUnsolvable is
+/// claimed only where AnswerTest proves it, for bare LCPs exactly; else kNumericalFailure, `detail` "ray". O(n^2) per
+/// pivot. [Dantzig, Cottle 1967; Cottle, Pang, Stone 1992, section 4.3]
+class PrincipalPivoting final : public Solver {
+ public:
+  explicit PrincipalPivoting(const PrincipalPivotingSettings& settings) : settings_(settings) {}
+  const Capabilities& capabilities() const override;
+
+ protected:
+  void on_load(const Problem& problem) override;
+  void on_solve(const SolveRequest& request, Answer& answer) override;
+
+ private:
+  enum class End { kNonnegative, kUnblocked, kNoPivot, kSingularBasis, kPivotLimit, kTimeLimit };
+  struct Block {
+    Index pair = kNone;  ///< kNone: nothing blocks
+    double step = 0;     ///< of the driving variable, >= 0
+  };
+
+  void start();
+  End run(double deadline_s, Counters& counters);
+  End make_nonnegative(Index r, double deadline_s, Counters& counters);
+  Index next_distinguished() const;
+  double value_of_w(Index i) const;
+  double lower_bound(Index i) const;
+  void refresh_values(Index r);
+  bool rebuild(Index r, Counters& counters);
+  bool has_pivot(Index k);
+  Block block_upwards(Index r) const;
+  Block block_downwards(Index r) const;
+  Block first_to_fall(Index r, double direction, Block first) const;
+  bool vanishes(Index r) const { return !tableau_.z_is_basic(r) && basic_(r) >= -bounds_(r); }
+  void finish(Index r, Counters& counters);
+  bool exchange_blocking(Index k, Index r, Counters& counters);
+  bool find_farkas_vector(Index r);
+
+  PrincipalPivotingSettings settings_;
+  PrincipalTableau tableau_;
+  AnswerRoom room_;
+  AnswerTest test_;
+  Vector nonbasic_;              // n: values of the nonbasic variables
+  Vector basic_;                 // n: values of the basic ones
+  std::vector<char> unsettled_;  // n: w_i was negative from the start on and is bounded by floor_, not by 0
+  double floor_ = 0;
+  Vector bounds_;         // n: errors of the constants
+  Vector column_bounds_;  // n: errors of the column last looked at
+  Vector farkas_;         // n
+  std::int64_t limit_ = 0;
+};
+
+void PrincipalPivoting::on_load(const Problem& problem) {
+  room_.reserve(0);
+  tableau_.load(make_lcp(problem));
+  test_.load(problem);
+  const Index n = tableau_.size();
+  for (Vector* vector : {&nonbasic_, &basic_, &bounds_, &column_bounds_, &farkas_}) vector->resize(n);
+  unsettled_.resize(static_cast<std::size_t>(n));
+  limit_ = settings_.max_pivots > 0 ? settings_.max_pivots : std::max<std::int64_t>(1000, n * n);
+}
+
+void PrincipalPivoting::start() {
+  tableau_.reset();
+  nonbasic_.setZero();
+  bounds_.setZero();  // the constants are the data
+  basic_ = tableau_.lcp().q;
+  for (Index i = 0; i < tableau_.size(); ++i) unsettled_[static_cast<std::size_t>(i)] = basic_(i) < 0;
+  floor_ = -2 * tableau_.largest_q();  // any value below all of q
+}
+
+double PrincipalPivoting::value_of_w(Index i) const { return tableau_.z_is_basic(i) ? nonbasic_(i) : basic_(i); }
+
+/// Of the basic variable of pair i.
+double PrincipalPivoting::lower_bound(Index i) const {
+  return !tableau_.z_is_basic(i) && unsettled_[static_cast<std::size_t>(i)] ? floor_ : 0.0;
+}
+
+Index PrincipalPivoting::next_distinguished() const {
+  Index next = kNone;
+  for (Index i = 0; i < tableau_.size(); ++i) {
+    if (!unsettled_[static_cast<std::size_t>(i)]) continue;
+    if (next < 0) next = i;
+    if (settings_.distinguished == Distinguished::kMostNegative && value_of_w(i) < value_of_w(next)) next = i;
+  }
+  return next;
+}
+
+/// The w_i that came to 0 while another was driven are settled. Not w_r itself: as long as its complement is off 0 it
+/// has to be exchanged, also where its own value already vanishes.
+void PrincipalPivoting::refresh_values(Index r) {
+  basic_ = tableau_.constants();
+  basic_.noalias() += tableau_.matrix() * nonbasic_;
+  tableau_.constant_errors(settings_.data_error, bounds_);
+  for (Index i = 0; i < tableau_.size(); ++i) {
+    if (i != r && !tableau_.z_is_basic(i) && basic_(i) >= -bounds_(i)) unsettled_[static_cast<std::size_t>(i)] = false;
+  }
+}
+
+bool PrincipalPivoting::rebuild(Index r, Counters& counters) {
+  ++counters.factorizations;
+  if (!tableau_.rebuild()) return false;
+  refresh_values(r);
+  return basic_.allFinite();
+}
+
+/// Leaves the errors of column k in column_bounds_. The diagonal entry of a basic z belongs to an inverse: nothing
+/// makes it 0.
+bool PrincipalPivoting::has_pivot(Index k) {
+  tableau_.column_errors(k, settings_.data_error, column_bounds_);
+  return tableau_.matrix()(k, k) > (tableau_.z_is_basic(k) ? 0.0 : column_bounds_(k));
+}
+
+/// The first basic variable to reach its bound when the nonbasic one of pair r moves in `direction`, if it comes before
+/// `first`. Ties go to the larger entry, but to r where that brings another below its bound by errors only: else two
+/// that are 0 but for rounding can take turns for ever. Expects the errors of column r in column_bounds_.
+PrincipalPivoting::Block PrincipalPivoting::first_to_fall(Index r, double direction, Block first) const {
+  const auto column = tableau_.matrix().col(r);
+  for (Index i = 0; i < tableau_.size(); ++i) {
+    const double fall = -direction * column(i);
+    if (i == r || !(fall > column_bounds_(i))) continue;
+    const double step = std::max(basic_(i) - lower_bound(i), 0.0) / fall;
+    if (first.pair == r) {
+      if (step + bounds_(i) / fall < first.step) first = {i, step};
+    } else if (step < first.step ||
+               (first.pair != kNone && step == first.step && fall > std::abs(column(first.pair)))) {
+      first = {i, step};
+    }
+  }
+  return first;
+}
+
+/// Raising the driving variable until w_r is 0, which is a block by r itself, or another reaches its bound.
+PrincipalPivoting::Block PrincipalPivoting::block_upwards(Index r) const {
+  Block first{kNone, std::numeric_limits<double>::infinity()};
+  const double diagonal = tableau_.matrix()(r, r);
+  if (tableau_.z_is_basic(r)) {
+    first = {r, -nonbasic_(r)};
+  } else if (diagonal > column_bounds_(r)) {
+    first = {r, std::max(-basic_(r) / diagonal, 0.0)};
+  }
+  return first_to_fall(r, 1, first);
+}
+
+/// w_r is 0 whatever z_r is: z_r goes back to 0, or until another reaches its bound.
+PrincipalPivoting::Block PrincipalPivoting::block_downwards(Index r) const {
+  return first_to_fall(r, -1, {r, nonbasic_(r)});
+}
+
+/// w_r becomes nonbasic at 0.
+void PrincipalPivoting::finish(Index r, Counters& counters) {
+  if (!tableau_.z_is_basic(r)) {
+    tableau_.pivot(r);
+    ++counters.pivots;
+  }
+  nonbasic_(r) = 0;
+  unsettled_[static_cast<std::size_t>(r)] = false;
+}
+
+/// Makes basic variable k nonbasic at its bound, the driving variable of pair r having moved that far.
+bool PrincipalPivoting::exchange_blocking(Index k, Index r, Counters& counters) {
+  const double bound = lower_bound(k);
+  if (has_pivot(k)) {
+    tableau_.pivot(k);
+    nonbasic_(k) = bound;
+  } else {
+    if (!(std::abs(tableau_.matrix()(r, k)) > column_bounds_(r) && tableau_.determinant(k, r) > 0)) return false;
+    tableau_.pivot(k, r);
+    nonbasic_(k) = bound;
+    nonbasic_(r) = basic_(r);  // was basic at this value; what was driven is basic now
+  }
+  ++counters.pivots;
+  return true;
+}
+
+PrincipalPivoting::End PrincipalPivoting::make_nonnegative(Index r, double deadline_s, Counters& counters) {
+  bool vanished = false;  // once w_r is 0 to within errors it stays so: nothing but those moves it from there on
+  while (unsettled_[static_cast<std::size_t>(r)]) {
+    if (!(wall_clock_s() < deadline_s)) return End::kTimeLimit;
+    if (tableau_.pivots_since_rebuild() > tableau_.size() && !rebuild(r, counters)) return End::kSingularBasis;
+    if (counters.pivots >= limit_) return End::kPivotLimit;
+    const bool regular = has_pivot(r);
+    vanished = vanished || vanishes(r);
+    if (vanished && regular) {
+      finish(r, counters);
+    } else {
+      const Block block = vanished ? block_downwards(r) : block_upwards(r);
+      if (block.pair == kNone) {
+        if (tableau_.pivots_since_rebuild() == 0) return End::kUnblocked;
+        if (!rebuild(r, counters)) return End::kSingularBasis;
+        continue;
+      }
+      const double move = vanished ? -block.step : block.step;
+      nonbasic_(r) += move;
+      basic_ += move * tableau_.matrix().col(r);
+      if (block.pair != r) {
+        if (!exchange_blocking(block.pair, r, counters)) return End::kNoPivot;
+      } else if (vanished) {
+        unsettled_[static_cast<std::size_t>(r)] = false;
+        nonbasic_(r) = 0;
+      } else {
+        finish(r, counters);
+      }
+    }
+    refresh_values(r);
+    if (!basic_.allFinite()) return End::kSingularBasis;
+  }
+  return End::kNonnegative;
+}
+
+PrincipalPivoting::End PrincipalPivoting::run(double deadline_s, Counters& counters) {
+  start();
+  for (Index r = next_distinguished(); r >= 0; r = next_distinguished()) {
+    const End end = make_nonnegative(r, deadline_s, counters);
+    if (end == End::kUnblocked && find_farkas_vector(r)) return end;
+    if (end != End::kNonnegative) return end == End::kUnblocked ? End::kNoPivot : end;
+  }
+  if (tableau_.pivots_since_rebuild() > 0 && !rebuild(kNone, counters)) return End::kSingularBasis;
+  return End::kNonnegative;
+}
+
+/// u = e_r - (row r over the nonbasic w), whether it proves on the data, to within their rounding, that no z >= 0 has
+/// M z + q >= 0: u >= 0, M'u <= 0, q'u < 0.
+bool PrincipalPivoting::find_farkas_vector(Index r) {
+  const Lcp& lcp = tableau_.lcp();
+  const Index n = tableau_.size();
+  farkas_.setZero();
+  for (Index j = 0; j < n; ++j) {
+    if (tableau_.z_is_basic(j)) farkas_(j) = std::max(-tableau_.matrix()(r, j), 0.0);
+  }
+  if (tableau_.z_is_basic(r)) return false;
+  farkas_(r) = 1;
+  for (Index j = 0; j < n; ++j) {
+    const auto column = lcp.M.col(j);
+    if (!(column.dot(farkas_) <= settings_.data_error * column.cwiseAbs().dot(farkas_))) return false;
+  }
+  // Errors of M'u count as much as q'u would have to: the margin is the square root of the round-off.
+  return lcp.q.dot(farkas_) < -0x1p-26 * lcp.q.cwiseAbs().dot(farkas_);
+}
+
+void PrincipalPivoting::on_solve(const SolveRequest& request, Answer& answer) {
+  answer.counters = {.iterations = -1, .pivots = 0, .factorizations = 0};
+  const double deadline_s = wall_clock_s() + request.time_limit_s;
+  const End end = run(deadline_s, answer.counters);
+  if (end != End::kUnblocked) tableau_.solution(answer.z);
+  switch (end) {
+    case End::kNonnegative:
+      if (tableau_.residual(answer.z) <= settings_.accept_residual * tableau_.largest_q()) {
+        answer.claim = Claim::kSolved;
+        test_.settle(answer, deadline_s);
+      } else {
+        room_.write_text("the final basis is too ill-conditioned for the accuracy asked for", answer);
+      }
+      return;
+    case End::kUnblocked: test_.settle_ray(answer, deadline_s, &farkas_); return;
+    case End::kNoPivot:
+      room_.write_text("no usable pivot: M is not positive semidefinite to working precision", answer);
+      return;
+    case End::kSingularBasis: room_.write_text("the basis is singular to working precision", answer); return;
+    case End::kPivotLimit: answer.claim = Claim::kIterationLimit; return;
+    case End::kTimeLimit: answer.claim = Claim::kTimeLimit; return;
+  }
+}
+
+constexpr Capabilities kCapabilities{.guarantees = "positive semidefinite M and P-matrices, barring degenerate cycles",
+                                     .obeys_time_limit = true,
+                                     .allocation_free = true};
+
+const Capabilities& PrincipalPivoting::capabilities() const { return kCapabilities; }
+
+}  // namespace
+
+SolverDefinition lcpbench_solver_principal_pivoting() {
+  return define_solver<PrincipalPivoting, PrincipalPivotingSettings>(
+      {.name = "principal_pivoting",
+       .summary = "symmetric principal pivoting method; proves infeasibility of monotone problems",
+       .source = "Dantzig, Cottle 1967: Positive (semi-)definite programming; Cottle, Pang, Stone 1992, section 4.3",
+       .capabilities = kCapabilities});
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,259 @@
+#include "native/regularized/regularized.h"
+
+#include <charconv>
+#include <cmath>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "core/answer_storage.h"
+#include "core/error.h"
+#include "core/timed_solve.h"
+
+namespace lcpbench {
+namespace {
+
+/// The settings with the inner solver's spec checked and in canonical form.
+Options with_canonical_inner_solver(Options options) {
+  for (auto& [key, value] : options) {
+    if (key != "solver") continue;
+    const Spec spec = parse_spec(value);
+    value = Spec{spec.name, regularized_inner(spec).changed_settings(spec.options)}.text();
+  }
+  return options;
+}
+
+constexpr std::string_view kFailureReport = "no try passed the test; the first: ";
+
+/// Of a report on a pass, and of one on a failure whose inner solver used 60 characters.
+constexpr std::size_t kLongestReport = kFailureReport.size() + 60;
+
+/// `answer` = `last` but for the detail, whose memory it keeps.
+void take(Answer& last, Answer& answer) {
+  answer.detail.swap(last.detail);
+  std::swap(answer, last);
+}
+
+/// Appends the shortest text that reads back to the same number.
+template <class Number>
+void append(Number value, std::string& text) {
+  char digits[32];
+  text.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+}
+
+void add_counter(std::int64_t& sum, std::int64_t count) { sum = sum < 0 || count < 0 ? -1 : sum + count; }
+
+/// Gives LCP(q, M) to another solver and, while its answer fails the test of Regularization, LCP(q, M + eps I) for
+/// growing eps.
+///
+/// Contact problems are tried as bare (q, M). When nothing passes, the first answer is returned, never as solved. Every
+/// try counts into the time of the solve. [Drumwright, Shell 2012, experiment 6; the ladder is that of the Moby
+/// simulator]
+class Regularized final : public Solver {
+ public:
+  explicit Regularized(const RegularizedSettings& settings);
+  const Capabilities& capabilities() const override { return capabilities_; }
+
+ protected:
+  void on_load(const Problem& problem) override;
+  void on_solve(const SolveRequest& request, Answer& answer) override;
+
+ private:
+  void hold(double eps);
+  TryOutcome attempt(double eps, const SolveRequest& request, double deadline_s, Answer& answer);
+
+  Regularization regularization_;
+  std::unique_ptr<Solver> solver_;
+  double held_eps_ = 0;  // solver_ holds M + held_eps_ I
+  Capabilities capabilities_;
+  Answer attempt_;  // the last one with eps > 0
+  Counters total_;
+};
+
+Regularized::Regularized(const RegularizedSettings& settings) : regularization_(settings) {
+  const Spec spec = parse_spec(settings.solver);
+  regularized_inner(spec);
+  solver_ = make_solver(spec);
+  capabilities_ = regularized_capabilities(spec.name, solver_->capabilities());
+}
+
+void Regularized::on_load(const Problem& problem) {
+  regularization_.load(problem);
+  solver_->load(regularization_.tried(0));
+  held_eps_ = 0;
+  attempt_.z.resize(problem.size());
+  attempt_.detail.reserve(kLongestReport);
+}
+
+void Regularized::hold(double eps) {
+  if (eps != held_eps_) solver_->load(regularization_.tried(eps));
+  held_eps_ = eps;
+}
+
+TryOutcome Regularized::attempt(double eps, const SolveRequest& request, double deadline_s, Answer& answer) {
+  hold(eps);
+  SolveRequest inner_request = request;
+  inner_request.time_limit_s = deadline_s - wall_clock_s();
+  if (!(inner_request.time_limit_s > 0)) return TryOutcome::kOutOfTime;
+  solver_->solve(inner_request, answer);
+  add_counters(total_, answer.counters);
+  return regularization_.judge(answer, eps, deadline_s);
+}
+
+void Regularized::on_solve(const SolveRequest& request, Answer& answer) {
+  const double deadline_s = wall_clock_s() + request.time_limit_s;
+  total_ = {.iterations = 0, .pivots = 0, .factorizations = 0};
+  if (answer.detail.capacity() < kLongestReport) answer.detail.swap(attempt_.detail);
+
+  TryOutcome outcome = attempt(0.0, request, deadline_s, answer);
+  int tries = 1;
+  double eps = 0;
+  if (answer.claim != Claim::kUnsupported) {
+    for (auto next = regularization_.next(eps); outcome == TryOutcome::kFailed && next;
+         next = regularization_.next(eps)) {
+      eps = *next;
+      outcome = attempt(eps, request, deadline_s, attempt_);
+      ++tries;
+    }
+  }
+
+  if (outcome == TryOutcome::kPassed) {
+    if (eps > 0) take(attempt_, answer);
+    Regularization::report_pass(eps, tries, answer);
+  } else {
+    regularization_.report_failure(outcome, answer, deadline_s);
+  }
+  answer.counters = total_;
+}
+
+}  // namespace
+
+const SolverDefinition& regularized_inner(const Spec& spec) {
+  const SolverDefinition& definition = find_solver(spec.name).definition;
+  if (definition.make == nullptr) {
+    throw InputError("regularized: solver = '" + spec.name + "': only native solvers can be regularized");
+  }
+  return definition;
+}
+
+Capabilities regularized_capabilities(const std::string& solver, const Capabilities& inner) {
+  return {.needs = inner.needs,
+          .frictionless_only = inner.frictionless_only,
+          .max_size = inner.max_size,
+          .guarantees = "none",
+          .warm_start = inner.warm_start,
+          .obeys_time_limit = inner.obeys_time_limit,
+          // Each try loads the solver anew, for which most take memory.
+          .allocation_free = inner.allocation_free && solver == "lemke"};
+}
+
+void add_counters(Counters& sum, const Counters& counters) {
+  add_counter(sum.iterations, counters.iterations);
+  add_counter(sum.pivots, counters.pivots);
+  add_counter(sum.factorizations, counters.factorizations);
+}
+
+void Regularization::load(const Problem& problem) {
+  contact_ = problem.contact() != nullptr;
+  lcp_ = make_lcp(problem);
+  tried_ = Problem(problem.name(), lcp_);
+  if (tests_residual()) answer_test_.load(problem);
+  for (Vector* vector : {&w_, &magnitude_, &scale_}) vector->resize(lcp_.size());
+  if (lcp_.size() == 0) return;
+  column_scale_ = lcp_.M.cwiseAbs().colwise().maxCoeff();
+  const double largest_q = lcp_.q.cwiseAbs().maxCoeff();
+  resolved_ = (column_scale_.array() > 0).select(largest_q / column_scale_.array(), 0.0);
+}
+
+const Problem& Regularization::tried(double eps) {
+  // Problems are immutable to those who share them; this one is shared with solvers that load it anew.
+  Matrix& M = const_cast<Lcp&>(tried_.lcp()).M;
+  M.diagonal() = lcp_.M.diagonal();
+  if (eps > 0) M.diagonal().array() += eps;
+  return tried_;
+}
+
+std::optional<double> Regularization::next(double eps) const {
+  const double larger = eps > 0 ? eps * settings_.factor : settings_.first;
+  return larger <= settings_.last ? std::optional(larger) : std::nullopt;
+}
+
+TryOutcome Regularization::judge(Answer& answer, double eps, double deadline_s) {
+  if (answer.claim == Claim::kTimeLimit) return TryOutcome::kOutOfTime;
+  if (!passes(answer, eps)) return TryOutcome::kFailed;
+  if (!tests_residual() || answer_test_.settle(answer, deadline_s)) return TryOutcome::kPassed;
+  return answer.claim == Claim::kTimeLimit ? TryOutcome::kOutOfTime : TryOutcome::kFailed;
+}
+
+bool Regularization::passes(const Answer& answer, double eps) {
+  const Vector& z = answer.z;
+  if (answer.claim != Claim::kSolved || z.size() != lcp_.size() || !z.allFinite()) return false;
+  if (z.size() == 0) return true;
+  const double shift = settings_.test == RegularizedTest::kTried ? eps : 0.0;
+  w_.noalias() = lcp_.M * z;
+  w_ += lcp_.q;
+  w_ += shift * z;
+  const double tolerance = settings_.tolerance;
+  const double largest_q = lcp_.q.cwiseAbs().maxCoeff();
+  magnitude_ = z.cwiseAbs().cwiseMax(resolved_);
+  scale_.noalias() = lcp_.M.cwiseAbs() * magnitude_;
+  scale_ += lcp_.q.cwiseAbs();
+  for (Index i = 0; i < scale_.size(); ++i) {
+    if (lcp_.M(i, i) != 0) scale_(i) = largest_q;
+  }
+  return column_scale_.cwiseProduct(z).minCoeff() >= -tolerance * largest_q &&
+         (w_ + tolerance * scale_).minCoeff() >= 0 && std::abs(z.dot(w_)) <= tolerance * z.cwiseAbs().dot(scale_);
+}
+
+void Regularization::report_pass(double eps, int tries, Answer& answer) {
+  if (!(eps > 0)) {
+    answer.detail = "passed without regularization";
+    return;
+  }
+  answer.detail = "passed with eps = ";
+  append(eps, answer.detail);
+  answer.detail += ", try ";
+  append(tries, answer.detail);
+}
+
+void Regularization::report_failure(TryOutcome last, Answer& answer, double deadline_s) {
+  if (answer.claim == Claim::kUnsupported) return;
+  // What an inner solver says of a ray, or of M as rounded, is its word; here it has to be proven.
+  const bool proves = tests_residual() && last != TryOutcome::kOutOfTime && answer.claim == Claim::kUnsolvable;
+  if (proves) {
+    if (answer.farkas.size() > 0) cleared_vectors().farkas.swap(answer.farkas);
+    answer.farkas.resize(0);
+    answer_test_.settle_ray(answer, deadline_s);
+  }
+  if (answer.detail.empty()) answer.detail = to_string(answer.claim);
+  answer.detail.insert(0, kFailureReport);
+  if (last == TryOutcome::kOutOfTime) {
+    answer.claim = Claim::kTimeLimit;
+  } else if (answer.claim == Claim::kSolved) {
+    answer.claim = Claim::kNumericalFailure;
+  }
+  // A proof of the inner solver speaks of (q, M), which for contacts is rounded.
+  if (proves || !contact_ || answer.farkas.size() == 0) return;
+  cleared_vectors().farkas.swap(answer.farkas);
+  answer.farkas.resize(0);
+}
+
+SolverDefinition lcpbench_solver_regularized() {
+  SolverDefinition definition = define_solver<Regularized, RegularizedSettings>(
+      {.name = "regularized",
+       .summary = "another solver on M, then on M + eps I for growing eps until its own test passes",
+       .source = "Drumwright, Shell 2012, experiment 6; Moby (lcp_lemke_regularized)",
+       .capabilities = {.guarantees = "none", .obeys_time_limit = true, .allocation_free = true}});
+  definition.make_swept = make_swept_regularized;
+  definition.all_settings = [](const Options& options) {
+    const auto settings = parse_settings<RegularizedSettings>("regularized", options);
+    return with_canonical_inner_solver(all_settings(settings));
+  };
+  definition.changed_settings = [](const Options& options) {
+    const auto written = all_settings(parse_settings<RegularizedSettings>("regularized", options));
+    return changed_settings(parse_settings<RegularizedSettings>("regularized", with_canonical_inner_solver(written)));
+  };
+  return definition;
+}
+
+}  // namespace lcpbench

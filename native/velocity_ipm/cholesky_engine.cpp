@@ -1,0 +1,242 @@
+// Compiled once per instruction-set level into the namespace LCPBENCH_LEVEL; see cholesky_engine.h for what may cross
+// the border.
+#include "native/velocity_ipm/cholesky_engine.h"
+
+#if !defined(LCPBENCH_LEVEL)
+#error "LCPBENCH_LEVEL names the instruction-set level"
+#endif
+
+namespace lcpbench::cholesky::LCPBENCH_LEVEL {
+namespace {
+
+using Count = std::ptrdiff_t;
+
+#if defined(__AVX2__)
+constexpr Count kPackBytes = 32;
+constexpr Count kTall = 3;  // blocks of rows in a tile: as many as sixteen registers hold
+#else
+constexpr Count kPackBytes = 16;
+constexpr Count kTall = 1;
+#endif
+typedef double Pack __attribute__((vector_size(kPackBytes)));
+
+constexpr Count kLanes = kPackBytes / static_cast<Count>(sizeof(double));
+constexpr Count kBlock = 4;                // rows, and columns, that are dealt with together
+constexpr Count kPacks = kBlock / kLanes;  // of a block's column
+constexpr Count kDepth = 64;               // columns of a panel: what is packed of them stays near
+static_assert(kMargin == kBlock - 1 && work_size(1) == (1 + kMargin) * kDepth);
+
+Pack load(const double* from) {
+  Pack pack;
+  __builtin_memcpy(&pack, from, sizeof(pack));
+  return pack;
+}
+void store(double* to, Pack pack) { __builtin_memcpy(to, &pack, sizeof(pack)); }
+double sum(Pack pack) {
+  double lanes[static_cast<std::size_t>(kLanes)];
+  store(lanes, pack);
+  double total = lanes[0];
+  for (Count lane = 1; lane < kLanes; ++lane) total += lanes[lane];
+  return total;
+}
+
+/// B (rows x depth) as blocks of four rows, each by columns: block b begins at 4 b depth.
+void pack_blocks(const double* b, Count stride, Count rows, Count depth, double* packed) {
+  for (Count row = 0; row < rows; row += kBlock) {
+    for (Count p = 0; p < depth; ++p, packed += kBlock) {
+      for (Count r = 0; r < kBlock; r += kLanes) store(packed + r, load(b + p * stride + row + r));
+    }
+  }
+}
+
+/// Adds or subtracts left right' for `kBlocks` packed blocks of rows on the left, one on the right.
+template <Count kBlocks, bool kAdd>
+void update_tile(double* a, Count stride, const double* left, const double* right, Count depth) {
+  constexpr Count kRows = kBlocks * kPacks;
+  Pack total[static_cast<std::size_t>(kBlock)][static_cast<std::size_t>(kRows)] = {};
+  for (Count p = 0; p < depth; ++p, left += kBlock, right += kBlock) {
+    Pack rows[static_cast<std::size_t>(kRows)];
+    for (Count block = 0; block < kBlocks; ++block) {
+      for (Count r = 0; r < kPacks; ++r) rows[block * kPacks + r] = load(left + block * depth * kBlock + r * kLanes);
+    }
+    for (Count column = 0; column < kBlock; ++column) {
+      for (Count r = 0; r < kRows; ++r) total[column][r] += rows[r] * right[column];
+    }
+  }
+  for (Count column = 0; column < kBlock; ++column) {
+    for (Count r = 0; r < kRows; ++r) {
+      double* const to = a + column * stride + r * kLanes;
+      store(to, kAdd ? load(to) + total[column][r] : load(to) - total[column][r]);
+    }
+  }
+}
+
+/// The lower triangle of a (rows x rows) plus or minus B B', B (rows x depth) packed.
+template <bool kAdd>
+void update(double* a, Count stride, Count rows, const double* packed, Count depth) {
+  for (Count column = 0; column < rows; column += kBlock) {
+    const double* const right = packed + column * depth;
+    Count row = column;
+    const auto tile = [&]<Count kBlocks>() {
+      for (; row + (kBlocks - 1) * kBlock < rows; row += kBlocks * kBlock) {
+        update_tile<kBlocks, kAdd>(a + column * stride + row, stride, packed + row * depth, right, depth);
+      }
+    };
+    tile.template operator()<kTall>();
+    if constexpr (kTall > 2) tile.template operator()<2>();
+    tile.template operator()<1>();
+  }
+}
+
+/// The first kColumns <= 4 columns of L in place of those of a (rows x kColumns).
+template <Count kColumns>
+bool factor_columns(double* a, Count stride, Count rows) {
+  double l[static_cast<std::size_t>(kColumns)][static_cast<std::size_t>(kColumns)];
+  double inverse[static_cast<std::size_t>(kColumns)];
+  for (Count c = 0; c < kColumns; ++c) {
+    double pivot = a[c * stride + c];
+    for (Count p = 0; p < c; ++p) pivot -= l[c][p] * l[c][p];
+    if (!(pivot > 0 && pivot < __builtin_inf())) return false;
+    l[c][c] = __builtin_sqrt(pivot);
+    inverse[c] = 1 / l[c][c];
+    for (Count r = c + 1; r < kColumns; ++r) {
+      double entry = a[c * stride + r];
+      for (Count p = 0; p < c; ++p) entry -= l[r][p] * l[c][p];
+      l[r][c] = entry * inverse[c];
+    }
+    for (Count r = c; r < kColumns; ++r) a[c * stride + r] = l[r][c];
+  }
+  for (Count row = kColumns; row < rows; row += kLanes) {
+    Pack x[static_cast<std::size_t>(kColumns)];
+    for (Count c = 0; c < kColumns; ++c) {
+      x[c] = load(a + c * stride + row);
+      for (Count p = 0; p < c; ++p) x[c] -= x[p] * l[c][p];
+      x[c] *= inverse[c];
+      store(a + c * stride + row, x[c]);
+    }
+  }
+  return true;
+}
+
+/// Subtracts the part of the first kColumns columns from the columns after them, up to `columns`.
+template <Count kColumns>
+void subtract_columns(double* a, Count stride, Count rows, Count columns) {
+  for (Count c = kColumns; c < columns; ++c) {
+    double* const to = a + c * stride;
+    for (Count row = c; row < rows; row += kLanes) {
+      Pack x = load(to + row);
+      for (Count p = 0; p < kColumns; ++p) x -= load(a + p * stride + row) * a[p * stride + c];
+      store(to + row, x);
+    }
+  }
+}
+
+/// The first `columns` columns of L in place of those of a (rows x columns).
+bool factor_panel(double* a, Count stride, Count rows, Count columns) {
+  for (; columns >= kBlock; a += kBlock * (stride + 1), rows -= kBlock, columns -= kBlock) {
+    if (!factor_columns<kBlock>(a, stride, rows)) return false;
+    subtract_columns<kBlock>(a, stride, rows, columns);
+  }
+  switch (columns) {
+    case 1: return factor_columns<1>(a, stride, rows);
+    case 2: return factor_columns<2>(a, stride, rows);
+    case 3: return factor_columns<3>(a, stride, rows);
+    default: return true;
+  }
+}
+
+bool factor(double* a, Count stride, Count rows, Count columns, double* work) {
+  while (columns > 0) {
+    const Count depth = columns < kDepth ? columns : kDepth;
+    if (!factor_panel(a, stride, rows, depth)) return false;
+    rows -= depth;
+    columns -= depth;
+    pack_blocks(a + depth, stride, rows, depth, work);
+    a += depth * (stride + 1);
+    update<false>(a, stride, rows, work, depth);
+  }
+  return true;
+}
+
+void add_product(double* a, Count stride, const double* b, Count b_stride, Count rows, Count columns, double* work) {
+  for (Count first = 0; first < columns; first += kDepth) {
+    const Count depth = columns - first < kDepth ? columns - first : kDepth;
+    pack_blocks(b + first * b_stride, b_stride, rows, depth, work);
+    update<true>(a, stride, rows, work, depth);
+  }
+}
+
+/// x := ([l I])^-1 x for kColumns columns of L, from their first diagonal entry on.
+template <Count kColumns>
+void solve_lower_columns(const double* l, Count rows, Count stride, double* x) {
+  double value[static_cast<std::size_t>(kColumns)];
+  for (Count c = 0; c < kColumns; ++c) {
+    double entry = x[c];
+    for (Count p = 0; p < c; ++p) entry -= l[p * stride + c] * value[p];
+    value[c] = x[c] = entry * l[c * stride + c];
+  }
+  Count row = kColumns;
+  for (; row + kLanes <= rows; row += kLanes) {
+    Pack rest = load(x + row);
+    for (Count c = 0; c < kColumns; ++c) rest -= load(l + c * stride + row) * value[c];
+    store(x + row, rest);
+  }
+  for (; row < rows; ++row) {
+    for (Count c = 0; c < kColumns; ++c) x[row] -= l[c * stride + row] * value[c];
+  }
+}
+
+/// The same with the transpose.
+template <Count kColumns>
+void solve_transposed_columns(const double* l, Count rows, Count stride, double* x) {
+  Pack totals[static_cast<std::size_t>(kColumns)] = {};
+  Count row = kColumns;
+  for (; row + kLanes <= rows; row += kLanes) {
+    const Pack rest = load(x + row);
+    for (Count c = 0; c < kColumns; ++c) totals[c] += load(l + c * stride + row) * rest;
+  }
+  double total[static_cast<std::size_t>(kColumns)];
+  for (Count c = 0; c < kColumns; ++c) total[c] = sum(totals[c]);
+  for (; row < rows; ++row) {
+    for (Count c = 0; c < kColumns; ++c) total[c] += l[c * stride + row] * x[row];
+  }
+  for (Count c = kColumns; c-- > 0;) {
+    for (Count p = c + 1; p < kColumns; ++p) total[c] += l[c * stride + p] * x[p];
+    x[c] = (x[c] - total[c]) * l[c * stride + c];
+  }
+}
+
+void solve_lower(const double* l, Count rows, Count columns, double* x) {
+  const Count stride = rows;
+  for (; columns >= kBlock; l += kBlock * (stride + 1), x += kBlock, rows -= kBlock, columns -= kBlock) {
+    solve_lower_columns<kBlock>(l, rows, stride, x);
+  }
+  switch (columns) {
+    case 1: return solve_lower_columns<1>(l, rows, stride, x);
+    case 2: return solve_lower_columns<2>(l, rows, stride, x);
+    case 3: return solve_lower_columns<3>(l, rows, stride, x);
+    default: return;
+  }
+}
+
+void solve_transposed(const double* l, Count rows, Count columns, double* x) {
+  const Count stride = rows;
+  Count done = columns / kBlock * kBlock;
+  const auto at = [&](Count column) { return l + column * (stride + 1); };
+  switch (columns - done) {
+    case 1: solve_transposed_columns<1>(at(done), rows - done, stride, x + done); break;
+    case 2: solve_transposed_columns<2>(at(done), rows - done, stride, x + done); break;
+    case 3: solve_transposed_columns<3>(at(done), rows - done, stride, x + done); break;
+    default: break;
+  }
+  while (done > 0) {
+    done -= kBlock;
+    solve_transposed_columns<kBlock>(at(done), rows - done, stride, x + done);
+  }
+}
+
+}  // namespace
+
+const Engine kEngine{factor, add_product, solve_lower, solve_transposed};
+
+}  // namespace lcpbench::cholesky::LCPBENCH_LEVEL

@@ -1,0 +1,114 @@
+#include "study/output/explanation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace lcpbench {
+namespace {
+
+/// What is wrong in a row whose z and w have these units and names.
+struct RowWords {
+  std::string subject;
+  const char* negative_z;
+  const char* negative_w;
+  const char* both;  ///< z and w both positive
+};
+
+/// The words with z as {z} and w as {w}.
+RowWords words_of(const ContactProblem& problem, Index row) {
+  const ContactLayout layout = contact_layout(problem);
+  if (row < problem.nc()) {
+    return {fmt::format("contact {} (row {})", row + 1, row), "has a negative normal impulse of {z:.3g} N s",
+            "still approaches at {w:.3g} m/s", "separates at {w:.3g} m/s, but has a normal impulse of {z:.3g} N s"};
+  }
+  if (row >= layout.lambda_offset()) {
+    const Index contact = layout.cone_contact[static_cast<std::size_t>(row - layout.lambda_offset())];
+    return {fmt::format("contact {} (row {})", contact + 1, row), "has a negative lambda of {z:.3g} m/s",
+            "has more friction than its cone allows, by {w:.3g} N s",
+            "has lambda = {z:.3g} m/s, but its friction is {w:.3g} N s below the limit of its cone"};
+  }
+  const Index direction = row - layout.friction_offset();
+  const auto next = std::upper_bound(layout.friction_begin.begin(), layout.friction_begin.end(), direction);
+  const auto contact = static_cast<std::size_t>(next - layout.friction_begin.begin()) - 1;
+  return {fmt::format("friction direction {} of contact {} (row {})", direction - layout.friction_begin[contact] + 1,
+                      contact + 1, row),
+          "has a negative impulse of {z:.3g} N s", "has a sliding speed against it that is {w:.3g} m/s above lambda",
+          "has an impulse of {z:.3g} N s, but lambda is {w:.3g} m/s above the sliding speed against it"};
+}
+
+/// "1e-4".
+std::string short_number(double power_of_ten) {
+  std::string text = fmt::format("{:.0e}", power_of_ten);
+  if (const std::size_t zero = text.find("e-0"); zero != std::string::npos) text.erase(zero + 2, 1);
+  return text;
+}
+
+std::string state_of(const RowWords& words, const WorstRow& worst) {
+  const bool z_is_negative = worst.z < 0 && (!(worst.w < 0) || worst.residual != std::abs(worst.w));
+  const bool w_is_negative = worst.w < 0 && !z_is_negative;
+  const char* form = w_is_negative ? words.negative_w : z_is_negative ? words.negative_z : words.both;
+  return words.subject + " " +
+         fmt::format(fmt::runtime(form), fmt::arg("z", worst.z), fmt::arg("w", std::abs(worst.w)));
+}
+
+/// Where the answer breaks the problem most, and by how much.
+std::string worst_row_words(const Problem& problem, const Errors& errors) {
+  const WorstRow& worst = errors.worst;
+  if (worst.row < 0) return "its error cannot be measured: the data are not finite, or the inertia is indefinite";
+  if (const ContactProblem* contact = problem.contact()) {
+    return fmt::format("{}: residual {:.3g} relative to its island's scale of {:.3g} m/s; the limit is {}",
+                       state_of(words_of(*contact, worst.row), worst), errors.velocity_residual_relative, worst.scale,
+                       short_number(kSolvedVelocityResidual));
+  }
+  const RowWords words{fmt::format("row {}", worst.row), "has z = {z:.3g}, below zero", "has w = -{w:.3g}, below zero",
+                       "has z = {z:.3g} and w = {w:.3g}, but one of them must be zero"};
+  return fmt::format("{}: backward error {:.3g} of its block; the limit is {}", state_of(words, worst),
+                     errors.backward_row_norm, short_number(kSolvedBackwardError));
+}
+
+std::string because(const JudgedAnswer& answer) {
+  return answer.truth_because.empty() ? "" : " (" + answer.truth_because + ")";
+}
+
+std::string missed_or_open(const Problem& problem, const JudgedAnswer& answer) {
+  const bool known = answer.verdict == Verdict::kMissed;
+  if (answer.claim == Claim::kUnsolvable) {
+    return known ? "said unsolvable, but the problem has a solution" + because(answer)
+                 : "said unsolvable, but without a valid proof; it is not known whether there is a solution";
+  }
+  std::string words = fmt::format("ended with {}; the problem {}", to_string(answer.claim),
+                                  known ? "has a solution" + because(answer) : "is not known to have a solution");
+  if (answer.unusable.empty() && answer.errors.worst.row >= 0) {
+    words += "; the worst row of its z: " + worst_row_words(problem, answer.errors);
+  }
+  return words;
+}
+
+}  // namespace
+
+std::string why_not_solved(const Problem& problem, const JudgedAnswer& answer) {
+  switch (answer.verdict) {
+    case Verdict::kSolved: return "";
+    case Verdict::kWrong:
+      if (answer.errors.solved) {
+        return "said solved, but the problem is proven to have no solution" + because(answer) + ".";
+      }
+      return "said solved, but " +
+             (answer.unusable.empty() ? worst_row_words(problem, answer.errors) : answer.unusable) + ".";
+    case Verdict::kUnsolvable:
+      return fmt::format("{} the problem is proven to have no solution{}.",
+                         answer.claim == Claim::kUnsolvable
+                             ? "said unsolvable, which is right:"
+                             : fmt::format("ended with {}, and", to_string(answer.claim)),
+                         because(answer));
+    case Verdict::kRefused:
+      return "refused the problem" + (answer.detail.empty() ? std::string() : ": " + answer.detail) + ".";
+    case Verdict::kMissed:
+    case Verdict::kOpen: return missed_or_open(problem, answer) + ".";
+  }
+  return "";
+}
+
+}  // namespace lcpbench

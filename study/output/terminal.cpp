@@ -1,0 +1,73 @@
+#include "study/output/terminal.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <cstring>
+#include <system_error>
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include "study/output/text_table.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr int kWidthWithoutTerminal = 100;
+constexpr int kNarrowest = 40;
+constexpr int kWidest = 10'000;
+constexpr auto kSilence = std::chrono::milliseconds(500);
+
+/// 0 where COLUMNS says no number.
+int width_of_environment() {
+  const char* text = std::getenv("COLUMNS");
+  if (text == nullptr) return 0;
+  int columns = 0;
+  const char* end = text + std::strlen(text);
+  const auto [stop, error] = std::from_chars(text, end, columns);
+  return error == std::errc() && stop == end && columns > 0 && columns <= kWidest ? columns : 0;
+}
+
+/// 0 where the stream is no terminal, or one that does not know its size.
+int width_of_terminal(std::FILE* stream) {
+  struct winsize size {};
+  return ioctl(fileno(stream), TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
+}
+
+}  // namespace
+
+int terminal_width(std::FILE* stream) {
+  int width = width_of_environment();
+  if (width == 0) width = width_of_terminal(stream);
+  if (width == 0) width = kWidthWithoutTerminal;
+  return std::max(width, kNarrowest);
+}
+
+ProgressLine::ProgressLine()
+    : is_on_terminal_(isatty(STDERR_FILENO) == 1), silent_until_(std::chrono::steady_clock::now() + kSilence) {}
+
+void ProgressLine::show(const std::string& text) {
+  if (is_on_terminal_) {
+    const auto room = static_cast<std::size_t>(terminal_width(stderr)) - 1;  // a full line would wrap the cursor
+    fmt::print(stderr, "\r\033[K{}", first_characters(printable(text), room));
+  } else {
+    if (begun_ || std::chrono::steady_clock::now() < silent_until_) return;
+    say(stderr, "{}\n", text);
+  }
+  begun_ = true;
+  std::fflush(stderr);
+}
+
+void ProgressLine::begin(const std::string& text) {
+  silent_until_ = {};
+  show(text);
+}
+
+void ProgressLine::clear() const {
+  if (!is_on_terminal_ || !begun_) return;
+  fmt::print(stderr, "\r\033[K");
+  std::fflush(stderr);
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,189 @@
+#include "study/report/coverage.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include "study/report/summary.h"
+#include "study/run/trials.h"
+
+namespace lcpbench {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Some trials of a set: those below `trials` that one of the steps divides.
+struct Trials {
+  std::int64_t trials = 0;
+  std::vector<std::int64_t> every;
+
+  auto operator<=>(const Trials&) const = default;
+};
+
+/// A solver on the problems of a set, whatever its version and level. Names as in the store.
+struct Work {
+  std::string set;
+  std::string solver;  ///< SolverRow::text()
+  std::string sweep;
+
+  auto operator<=>(const Work&) const = default;
+};
+
+/// What all runs together plan: by work and seed, each with its cells per problem.
+struct PlannedWork {
+  std::int64_t cells = 1;
+  std::map<std::uint64_t, std::set<Trials>> trials;
+};
+
+using Planned = std::map<Work, PlannedWork>;
+
+/// The trials of any of the rules. Rules are in ascending order of their trials: from one number of trials to the next
+/// the same ones hold.
+std::int64_t count(const std::set<Trials>& rules) {
+  std::int64_t planned = 0;
+  std::int64_t from = 0;
+  for (auto rule = rules.begin(); rule != rules.end(); ++rule) {
+    if (rule->trials <= from) continue;
+    std::vector<std::int64_t> steps;
+    for (auto longer = rule; longer != rules.end(); ++longer) {
+      steps.insert(steps.end(), longer->every.begin(), longer->every.end());
+    }
+    planned += count_trials(rule->trials, steps) - count_trials(from, steps);
+    from = rule->trials;
+  }
+  return planned;
+}
+
+/// Adds what one run planned. @throws Json::exception for anything but what planned_cells() writes.
+void add_plan(const Json& plan, Planned& planned) {
+  const auto seed = plan.at("seed").get<std::uint64_t>();
+  const Json& sets = plan.at("sets");
+  for (const Json& solver : plan.at("solvers")) {
+    for (const Json& part : solver.at("on")) {
+      for (const Json& index : part.at("sets")) {
+        const Json& set = sets.at(index.get<std::size_t>());
+        Trials trials{set.at("trials").get<std::int64_t>(), part.at("every").get<std::vector<std::int64_t>>()};
+        if (std::any_of(trials.every.begin(), trials.every.end(), [](std::int64_t step) { return step < 1; })) continue;
+        PlannedWork& work = planned[{set.at("set").get<std::string>(), solver.at("solver").get<std::string>(),
+                                     solver.at("sweep").get<std::string>()}];
+        work.cells = solver.at("cells").get<std::int64_t>();
+        work.trials[seed].insert(std::move(trials));
+      }
+    }
+  }
+}
+
+/// nullopt where there is no run, or one that recorded no plan.
+std::optional<Planned> read_plans(sqlite::Database& store) {
+  sqlite::Statement query(store, "SELECT provenance FROM runs");
+  Planned planned;
+  bool any = false;
+  while (query.step()) {
+    const Json provenance = Json::parse(query.text(0), nullptr, false);
+    if (!provenance.is_object() || !provenance.contains("planned")) return std::nullopt;
+    try {
+      add_plan(provenance["planned"], planned);
+    } catch (const Json::exception&) {
+      return std::nullopt;
+    }
+    any = true;
+  }
+  return any ? std::optional(std::move(planned)) : std::nullopt;
+}
+
+/// Problems that each solver answered, by its work.
+std::map<Work, std::int64_t> read_done(sqlite::Database& store) {
+  sqlite::Statement query(store,
+                          "SELECT s.name, v.name, v.settings, v.sweep, COUNT(DISTINCT a.problem_id)"
+                          " FROM answers a JOIN problems p ON p.id = a.problem_id JOIN sets s ON s.id = p.set_id"
+                          " JOIN solvers v ON v.id = a.solver_id WHERE a.part = 0"
+                          " GROUP BY p.set_id, v.name, v.settings, v.sweep");
+  std::map<Work, std::int64_t> done;
+  while (query.step()) {
+    SolverRow solver;
+    solver.name = query.text(1);
+    solver.settings = query.text(2);
+    done[{std::string(query.text(0)), solver.text(), std::string(query.text(3))}] = query.integer(4);
+  }
+  return done;
+}
+
+double ratio(std::int64_t part, std::int64_t whole) {
+  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace
+
+double Coverage::Set::share() const { return ratio(done, planned); }
+bool Coverage::Set::thin() const { return share() < kThinBelow; }
+double Coverage::share() const { return ratio(done, planned); }
+
+Coverage Coverage::part(const std::vector<std::string>& names) const {
+  Coverage part;
+  part.known = known;
+  for (const Set& set : sets) {
+    if (std::find(names.begin(), names.end(), set.name) == names.end()) continue;
+    part.planned += set.planned;
+    part.done += set.done;
+    part.sets.push_back(set);
+  }
+  return part;
+}
+
+std::vector<Coverage::Set> Coverage::thin_sets() const {
+  std::vector<Set> thin;
+  std::copy_if(sets.begin(), sets.end(), std::back_inserter(thin), [](const Set& set) { return set.thin(); });
+  std::stable_sort(thin.begin(), thin.end(), [](const Set& a, const Set& b) { return a.share() < b.share(); });
+  return thin;
+}
+
+Json planned_cells(const Study& study) {
+  Json sets = Json::array();
+  for (const StudySet& set : study.sets) sets.push_back({{"set", set.set->name()}, {"trials", set.trials}});
+  Json solvers = Json::array();
+  std::int64_t cells = 0;
+  for (const StudySolver& solver : study.solvers) {
+    std::map<std::vector<std::int64_t>, Json> parts;  // sets by the steps of their trials
+    for (std::size_t set = 0; set < solver.every.size(); ++set) {
+      if (solver.every[set].empty()) continue;
+      parts[solver.every[set]].push_back(set);
+      cells += solver.cell_count() * count_trials(study.sets[set].trials, solver.every[set]);
+    }
+    Json on = Json::array();
+    for (const auto& [every, indices] : parts) on.push_back({{"every", every}, {"sets", indices}});
+    solvers.push_back({{"solver", solver.row.text()},
+                       {"sweep", solver.row.sweep},
+                       {"cells", solver.cell_count()},
+                       {"on", std::move(on)}});
+  }
+  return {{"cells", cells}, {"seed", study.seed}, {"sets", std::move(sets)}, {"solvers", std::move(solvers)}};
+}
+
+Coverage coverage_of(sqlite::Database& store) {
+  const std::optional<Planned> planned = read_plans(store);
+  Coverage coverage;
+  if (!planned) return coverage;
+  coverage.known = true;
+  const std::map<Work, std::int64_t> done = read_done(store);
+  std::map<std::string, Coverage::Set, decltype(&natural_less)> sets(&natural_less);
+  for (const auto& [work, plan] : *planned) {
+    Coverage::Set& set = sets[work.set];
+    set.name = work.set;
+    for (const auto& [seed, rules] : plan.trials) set.planned += plan.cells * count(rules);
+    const auto answered = done.find(work);
+    if (answered != done.end()) set.done += plan.cells * answered->second;
+  }
+  for (auto& [name, set] : sets) {
+    coverage.planned += set.planned;
+    coverage.done += set.done;
+    coverage.sets.push_back(std::move(set));
+  }
+  return coverage;
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "study/store/sqlite.h"
+#include "study/run/study.h"
+
+namespace lcpbench {
+
+/// A set of which less than this share of its planned cells is done counts as thin.
+inline constexpr double kThinBelow = 0.9;
+
+/// How many of the cells (set x trial x solver parameterisation) that its runs planned a store holds.
+///
+/// The plan is the union of the plans of all runs, each with all its shards: a run that is repeated or resumed plans
+/// nothing new, one with more trials or solvers plans more, and the store of one shard of two holds half of the plan. A
+/// cell is done when any version and any instruction-set level of its solver answered it.
+struct Coverage {
+  struct Set {
+    std::string name;
+    std::int64_t planned = 0;
+    std::int64_t done = 0;
+
+    double share() const;
+    bool thin() const;
+  };
+
+  bool known = false;  ///< false: some run recorded no plan, and the numbers below are zero
+  std::int64_t planned = 0;
+  std::int64_t done = 0;
+  std::vector<Set> sets;  ///< in natural order of names
+
+  /// done / planned; NaN where it is not known, or nothing was planned.
+  double share() const;
+  /// Not known is not incomplete.
+  bool incomplete() const { return known && done < planned; }
+  /// The same of some sets alone.
+  Coverage part(const std::vector<std::string>& names) const;
+  /// The thin sets, thinnest first.
+  std::vector<Set> thin_sets() const;
+};
+
+/// What a run of this study plans, for its provenance: the sets with their trials, the solvers with their number of
+/// cells and the trials of each set that they run on.
+nlohmann::ordered_json planned_cells(const Study& study);
+
+/// Reads what the runs of a store planned, and counts its answers. O(answers log answers). @throws InputError when the
+/// store cannot be read.
+Coverage coverage_of(sqlite::Database& store);
+
+}  // namespace lcpbench

@@ -1,0 +1,509 @@
+#include "study/report/summary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <span>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
+
+#include "core/error.h"
+
+namespace lcpbench {
+
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+constexpr std::array kTimeParts{&TimeParts::setup_wall, &TimeParts::setup_cpu, &TimeParts::solve_wall,
+                                &TimeParts::solve_cpu,  &TimeParts::transport, &TimeParts::verify};
+
+double share(std::int64_t part, std::int64_t whole) {
+  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : kNone;
+}
+
+/// One distinct answer as the store holds it.
+struct Row {
+  std::int64_t problem = 0;
+  std::int64_t seed = 0;
+  std::int64_t trial = 0;
+  const std::vector<std::uint32_t>* cells = nullptr;  ///< parameterisations that gave it
+  Claim claim = Claim::kNumericalFailure;
+  Verdict verdict = Verdict::kOpen;
+  bool criterion = false;
+  bool unsolvable = false;  ///< the problem: proven
+  double velocity_residual = 0;
+  double backward_error = 0;
+  double forward_error = kNone;
+  double violation_m_per_s = 0;
+  std::int64_t pivots = -1;
+  TimeParts times;
+  std::string detail;
+
+  double time_s() const { return times.setup_cpu + times.solve_cpu; }
+  std::size_t half() const { return static_cast<std::size_t>(trial & 1); }
+};
+
+/// The cells of each group, by the group's id.
+using CellGroups = std::unordered_map<std::int64_t, std::vector<std::uint32_t>>;
+
+bool asks_for_ill_conditioning(const std::string& set) {
+  return set.find("exp5-") != std::string::npos || set.find("exp6-") != std::string::npos ||
+         set.find("extra100") != std::string::npos;
+}
+
+std::vector<std::pair<std::int64_t, SetSummary>> read_sets(sqlite::Database& store) {
+  sqlite::Statement query(store,
+                          "SELECT s.id, s.name, COUNT(*), SUM(p.kind <> 'lcp'), SUM(p.nc > 0 AND p.n > p.nc),"
+                          " SUM(t.truth = 'solvable'), MIN(p.n), MAX(p.n)"
+                          " FROM sets s JOIN problems p ON p.set_id = s.id JOIN truths t ON t.problem_id = p.id"
+                          " GROUP BY s.id");
+  std::vector<std::pair<std::int64_t, SetSummary>> sets;
+  while (query.step()) {
+    SetSummary set;
+    set.name = query.text(1);
+    set.problems = query.integer(2);
+    set.contact = query.integer(3) == set.problems;
+    set.bare = query.integer(3) == 0;
+    set.frictional = query.integer(4) > 0;
+    set.all_solvable = query.integer(5) == set.problems;
+    set.ill_conditioned = asks_for_ill_conditioning(set.name);
+    set.smallest_n = query.integer(6);
+    set.largest_n = query.integer(7);
+    sets.emplace_back(query.integer(0), std::move(set));
+  }
+  std::sort(sets.begin(), sets.end(),
+            [](const auto& a, const auto& b) { return natural_less(a.second.name, b.second.name); });
+  return sets;
+}
+
+std::vector<RunSummary> read_runs(sqlite::Database& store) {
+  sqlite::Statement query(store, "SELECT started, provenance FROM runs ORDER BY started, id");
+  std::vector<RunSummary> runs;
+  while (query.step()) {
+    auto provenance = nlohmann::ordered_json::parse(query.text(1), nullptr, false);
+    if (provenance.is_discarded()) provenance = std::string(query.text(1));
+    runs.push_back({std::string(query.text(0)), std::move(provenance)});
+  }
+  return runs;
+}
+
+/// Problems of a set whose only post-impact velocity is certified.
+std::unordered_set<std::int64_t> read_unique_velocities(sqlite::Database& store, std::int64_t set_id) {
+  std::unordered_set<std::int64_t> problems;
+  sqlite::Statement query(store,
+                          "SELECT c.problem_id FROM certificates c JOIN problems p ON p.id = c.problem_id"
+                          " WHERE p.set_id = ? AND c.velocity_unique = 1 AND c.velocity IS NOT NULL");
+  query.bind(1, set_id);
+  while (query.step()) problems.insert(query.integer(0));
+  return problems;
+}
+
+CellGroups read_groups(sqlite::Database& store) {
+  sqlite::Statement query(store, "SELECT group_id, cell FROM cell_groups ORDER BY group_id, cell");
+  CellGroups groups;
+  while (query.step()) groups[query.integer(0)].push_back(static_cast<std::uint32_t>(query.integer(1)));
+  return groups;
+}
+
+/// @throws InputError when the answer's group is not one of this solver's cells.
+const std::vector<std::uint32_t>& cells_of(const CellGroups& groups, std::int64_t group, std::size_t solver_cells,
+                                           const sqlite::Database& store) {
+  const auto found = groups.find(group);
+  if (found == groups.end() || found->second.back() >= solver_cells) {
+    throw InputError(store.file().string() + ": the store is damaged: an answer belongs to no cells of its solver");
+  }
+  return found->second;
+}
+
+/// The answers to one set, by solver (store id), each list by problem and part.
+std::map<std::int64_t, std::vector<Row>> read_answers(sqlite::Database& store, std::int64_t set_id,
+                                                      const CellGroups& groups,
+                                                      const std::map<std::int64_t, std::size_t>& solver_cells,
+                                                      const std::unordered_set<std::int64_t>& unique_velocities) {
+  sqlite::Statement query(store,
+                          "SELECT j.solver_id, j.problem_id, j.trial, j.claim, j.verdict, v.criterion,"
+                          " v.velocity_residual_relative, v.backward_row_norm, v.violation_m_per_s,"
+                          " t.setup_wall_s, t.setup_cpu_s, t.solve_wall_s, t.solve_cpu_s, t.transport_s, t.verify_s, "
+                          "CASE j.claim WHEN 'unsupported' THEN a.detail ELSE '' END, a.pivots, j.group_id, j.seed,"
+                          " v.usable, v.forward_velocity, j.truth = 'unsolvable'"
+                          " FROM judged j JOIN answers a USING (problem_id, solver_id, part)"
+                          " JOIN verdicts v USING (problem_id, solver_id, part)"
+                          " LEFT JOIN timings t USING (problem_id, solver_id, part)"
+                          " WHERE j.set_id = ? ORDER BY j.problem_id, j.solver_id, j.part");
+  query.bind(1, set_id);
+  std::map<std::int64_t, std::vector<Row>> answers;
+  while (query.step()) {
+    const std::int64_t solver = query.integer(0);
+    Row row;
+    row.problem = query.integer(1);
+    row.trial = query.integer(2);
+    row.claim = stored_claim(store, query.text(3));
+    row.verdict = stored_verdict(store, query.text(4));
+    row.criterion = query.integer(5) != 0;
+    row.velocity_residual = query.real(6);
+    row.backward_error = query.real(7);
+    row.violation_m_per_s = query.real(8);
+    row.times = {query.real(9), query.real(10), query.real(11), query.real(12), query.real(13), query.real(14)};
+    row.detail = query.text(15);
+    row.pivots = query.integer(16);
+    row.seed = query.integer(18);
+    if (unique_velocities.contains(row.problem)) {
+      row.forward_error = query.integer(19) != 0 ? query.real(20) : kInfinity;
+    }
+    row.unsolvable = query.integer(21) != 0;
+    row.cells = &cells_of(groups, query.integer(17), solver_cells.at(solver), store);
+    answers[solver].push_back(std::move(row));
+  }
+  return answers;
+}
+
+bool claimed_solved(const Row& row) { return row.claim == Claim::kSolved; }
+bool refused(const Row& row) { return row.claim == Claim::kUnsupported; }
+bool solved(const Row& row) { return row.verdict == Verdict::kSolved; }
+
+const char* error_measure(const SetSummary& set) {
+  if (set.contact) return "velocity_residual_relative";
+  if (set.bare) return "backward_row_norm";
+  return "";
+}
+
+/// What the verdict was taken on: rho of a contact problem, else the backward error. NaN: the answer has none.
+double error_of(const Row& row) {
+  return std::isnan(row.velocity_residual) ? row.backward_error : row.velocity_residual;
+}
+
+/// What the paper counts as solved.
+bool passes_criterion(const Row& row) { return claimed_solved(row) && row.criterion; }
+
+void count_answer(const Row& row, Cell& cell) {
+  ++cell.trials;
+  ++cell.counts[static_cast<std::size_t>(row.claim)][static_cast<std::size_t>(row.verdict)];
+  const double error = error_of(row);
+  if (solved(row) && error <= 1e-6) ++cell.solved_1e6;
+  if (solved(row) && error <= 1e-9) ++cell.solved_1e9;
+  if (passes_criterion(row)) ++cell.criterion;
+  if (row.criterion) ++cell.criterion_any;
+  if (row.unsolvable) ++cell.unsolvable_problems;
+  Cell::Half& half = cell.halves[row.half()];
+  ++half.trials;
+  if (solved(row)) ++half.solved;
+  if (row.unsolvable) ++half.unsolvable_problems;
+  if (passes_criterion(row)) ++half.criterion;
+}
+
+/// @param cells  of one solver, one for each parameterisation
+void count_answers(const std::vector<Row>& rows, std::span<Cell> cells) {
+  std::vector<std::map<std::string, std::int64_t>> refusals(cells.size());
+  for (const Row& row : rows) {
+    for (const std::uint32_t number : *row.cells) {
+      count_answer(row, cells[number]);
+      if (refused(row)) ++refusals[number][row.detail];
+    }
+  }
+  for (std::size_t number = 0; number < cells.size(); ++number) {
+    const auto most = std::max_element(refusals[number].begin(), refusals[number].end(),
+                                       [](const auto& a, const auto& b) { return a.second < b.second; });
+    if (most != refusals[number].end()) cells[number].refusal = most->first;
+    cells[number].rate_interval = wilson(cells[number].count(Verdict::kSolved), cells[number].solvable());
+  }
+}
+
+/// Means of the parts of the times of all timed trials that were not refused.
+void measure_time_parts(const std::vector<Row>& rows, std::span<Cell> cells) {
+  std::vector<double> timed(cells.size());
+  for (const Row& row : rows) {
+    if (std::isnan(row.time_s()) || refused(row)) continue;
+    for (const std::uint32_t number : *row.cells) {
+      timed[number] += 1;
+      for (const auto part : kTimeParts) cells[number].time_parts.*part += row.times.*part;
+    }
+  }
+  for (std::size_t number = 0; number < cells.size(); ++number) {
+    for (const auto part : kTimeParts) cells[number].time_parts.*part /= timed[number];
+  }
+}
+
+/// A quantity of each parameterisation's trials, ascending: of all, of the even and of the odd ones.
+struct Sample {
+  std::vector<double> all;
+  std::array<std::vector<double>, 2> halves;
+};
+
+/// Sorts the distinct answers once and hands each value to the parameterisations that share it.
+/// @param value_of  NaN leaves the answer out
+template <class ValueOf>
+std::vector<Sample> distribute(const std::vector<Row>& rows, std::size_t cells, ValueOf value_of) {
+  std::vector<std::pair<double, const Row*>> values;
+  values.reserve(rows.size());
+  for (const Row& row : rows) {
+    const double value = value_of(row);
+    if (!std::isnan(value)) values.emplace_back(value, &row);
+  }
+  std::stable_sort(values.begin(), values.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<Sample> samples(cells);
+  for (const auto& [value, row] : values) {
+    for (const std::uint32_t number : *row->cells) {
+      samples[number].all.push_back(value);
+      samples[number].halves[row->half()].push_back(value);
+    }
+  }
+  return samples;
+}
+
+/// One of a cell's spreads, of all trials and of its halves.
+template <class ValueOf>
+void measure(const std::vector<Row>& rows, std::span<Cell> cells, Spread Cell::*whole, Spread Cell::Half::*half,
+             ValueOf value_of) {
+  const std::vector<Sample> samples = distribute(rows, cells.size(), value_of);
+  for (std::size_t number = 0; number < cells.size(); ++number) {
+    cells[number].*whole = spread(samples[number].all);
+    for (std::size_t i = 0; i < 2; ++i) cells[number].halves[i].*half = spread(samples[number].halves[i]);
+  }
+}
+
+void measure_answers(const std::vector<Row>& rows, std::span<Cell> cells) {
+  const auto time = [](const Row& row) { return row.time_s(); };
+  const auto violation = [](const Row& row) { return row.violation_m_per_s; };
+  const auto where = [](auto condition, auto value) {
+    return [=](const Row& row) { return condition(row) ? value(row) : kNone; };
+  };
+  measure(rows, cells, &Cell::all_time, &Cell::Half::all_time,
+          where([](const Row& row) { return !refused(row); }, time));
+  measure(rows, cells, &Cell::solved_time, &Cell::Half::solved_time, where(solved, time));
+  measure(rows, cells, &Cell::violation, &Cell::Half::violation, where(solved, violation));
+  measure(rows, cells, &Cell::criterion_time, &Cell::Half::criterion_time, where(passes_criterion, time));
+  measure(rows, cells, &Cell::criterion_violation, &Cell::Half::criterion_violation,
+          where(passes_criterion, violation));
+  const std::vector<Sample> pivots = distribute(
+      rows, cells.size(), [](const Row& row) { return row.pivots < 0 ? kNone : static_cast<double>(row.pivots); });
+  for (std::size_t number = 0; number < cells.size(); ++number) cells[number].pivots = spread(pivots[number].all);
+}
+
+/// Errors of the answers claimed solved; one that is no number is infinite.
+void measure_errors(const std::vector<Row>& rows, const SetSummary& set, bool swept, std::span<Cell> cells) {
+  const char* measure = error_measure(set);
+  std::vector<Sample> errors = distribute(rows, cells.size(), [measure](const Row& row) {
+    if (!claimed_solved(row) || *measure == '\0') return kNone;
+    const double error = error_of(row);
+    return std::isnan(error) ? kInfinity : error;
+  });
+  for (std::size_t number = 0; number < cells.size(); ++number) {
+    Cell& cell = cells[number];
+    std::vector<double>& sorted = errors[number].all;
+    cell.error_measure = measure;
+    cell.error_count = static_cast<std::int64_t>(sorted.size());
+    cell.error_median = median(sorted);
+    cell.error_p99 = quantile(sorted, 0.99);
+    cell.error_max = sorted.empty() ? kNone : sorted.back();
+    if (!swept) cell.errors = std::move(sorted);
+  }
+}
+
+/// @param rows  of a solver by itself: one for each problem
+std::vector<Outcome> outcomes_of(const std::vector<Row>& rows) {
+  std::vector<Outcome> outcomes;
+  outcomes.reserve(rows.size());
+  for (const Row& row : rows) {
+    outcomes.push_back({.problem = row.problem,
+                        .seed = row.seed,
+                        .trial = row.trial,
+                        .claimed = claimed_solved(row),
+                        .solved = solved(row),
+                        .false_claim = row.verdict == Verdict::kWrong,
+                        .unsolvable = row.unsolvable,
+                        .refused = refused(row),
+                        .time_s = refused(row) ? kNone : row.time_s(),
+                        .error = error_of(row),
+                        .forward_error = row.forward_error});
+  }
+  return outcomes;
+}
+
+Estimate median_time_of(const Cell& cell) {
+  std::vector<double> times;
+  for (const Outcome& outcome : cell.outcomes) {
+    if (!std::isnan(outcome.time_s)) times.push_back(outcome.time_s);
+  }
+  return median_estimate(times);
+}
+
+/// Is this the solver that all time ratios refer to: the paper's algorithm as published, `lemke{engine=dense}` and
+/// nothing else off its default?
+bool is_reference(const SolverRow& solver) {
+  if (solver.name != "lemke" || !solver.sweep.empty()) return false;
+  if (solver.settings == "engine=dense") return true;
+  return solver.settings.empty() && solver.all_settings.find("engine=dense") != std::string::npos;
+}
+
+/// Times of a solver's cell and of the reference on the problems that both solved.
+struct PairedTimes {
+  std::vector<double> times;
+  std::vector<double> reference;
+};
+
+std::vector<PairedTimes> pair_times(const std::vector<Row>& rows, std::size_t cells,
+                                    const std::vector<Row>& reference) {
+  std::vector<PairedTimes> paired(cells);
+  auto other = reference.begin();
+  for (const Row& row : rows) {
+    while (other != reference.end() && other->problem < row.problem) ++other;
+    if (other == reference.end()) break;
+    if (other->problem != row.problem || !solved(row) || !solved(*other)) continue;
+    if (std::isnan(row.time_s()) || std::isnan(other->time_s())) continue;
+    for (const std::uint32_t number : *row.cells) {
+      paired[number].times.push_back(row.time_s());
+      paired[number].reference.push_back(other->time_s());
+    }
+  }
+  return paired;
+}
+
+Estimate plain_ratio(const PairedTimes& paired) {
+  const double total = std::accumulate(paired.times.begin(), paired.times.end(), 0.0);
+  const double reference = std::accumulate(paired.reference.begin(), paired.reference.end(), 0.0);
+  return {reference > 0 ? total / reference : kNone, kNone, kNone};
+}
+
+/// One solver of a store, and what its cells are called in the summary.
+struct Source {
+  std::int64_t id = 0;
+  SolverRow row;
+  std::vector<std::size_t> solvers;  ///< by cell: index into Summary::solvers
+
+  bool swept() const { return !row.sweep.empty(); }
+};
+
+/// The reference at the solver's instruction-set level, else at any; nullptr where the set has none.
+const std::vector<Row>* find_reference(const std::vector<Source>& sources, const Source& source,
+                                       const std::map<std::int64_t, std::vector<Row>>& answers) {
+  const std::vector<Row>* found = nullptr;
+  for (const Source& candidate : sources) {
+    const auto rows = answers.find(candidate.id);
+    if (!is_reference(candidate.row) || rows == answers.end()) continue;
+    if (candidate.row.isa == source.row.isa) return &rows->second;
+    if (found == nullptr) found = &rows->second;
+  }
+  return found;
+}
+
+void add_time_ratios(const std::vector<Row>& rows, const std::vector<Row>* reference, bool swept,
+                     std::span<Cell> cells) {
+  for (Cell& cell : cells) cell.time_ratio = {kNone, kNone, kNone};
+  if (reference == nullptr) return;
+  const std::vector<PairedTimes> paired = pair_times(rows, cells.size(), *reference);
+  for (std::size_t number = 0; number < cells.size(); ++number) {
+    const PairedTimes& times = paired[number];
+    cells[number].paired = static_cast<std::int64_t>(times.times.size());
+    cells[number].time_ratio = swept ? plain_ratio(times) : ratio_of_sums(times.times, times.reference);
+  }
+}
+
+/// The cells of one solver on one set.
+std::vector<Cell> make_cells(std::size_t set, const SetSummary& summary, const Source& source,
+                             const std::vector<Row>& rows, const std::vector<Row>* reference) {
+  std::vector<Cell> cells(source.solvers.size());
+  for (std::size_t number = 0; number < cells.size(); ++number) {
+    cells[number].set = set;
+    cells[number].solver = source.solvers[number];
+  }
+  count_answers(rows, cells);
+  measure_time_parts(rows, cells);
+  measure_answers(rows, cells);
+  measure_errors(rows, summary, source.swept(), cells);
+  add_time_ratios(rows, reference, source.swept(), cells);
+  for (Cell& cell : cells) {
+    if (!source.swept()) cell.outcomes = outcomes_of(rows);
+    cell.median_time = source.swept() ? Estimate{cell.all_time.median, kNone, kNone} : median_time_of(cell);
+  }
+  return cells;
+}
+
+/// Every parameterisation becomes a solver of the summary, in natural order.
+std::vector<Source> read_solvers(Store& store, Summary& summary) {
+  struct Named {
+    SolverRow row;
+    std::size_t source, cell;
+  };
+  std::vector<Source> sources;
+  std::vector<Named> solvers;
+  for (const StoredSolver& stored : store.solvers()) {
+    for (std::size_t cell = 0; cell < stored.cells.size(); ++cell) {
+      solvers.push_back({stored.cell(cell), sources.size(), cell});
+    }
+    sources.push_back({stored.id, stored.row, std::vector<std::size_t>(stored.cells.size())});
+  }
+  std::stable_sort(solvers.begin(), solvers.end(),
+                   [](const Named& a, const Named& b) { return natural_less(a.row.text(), b.row.text()); });
+  for (Named& solver : solvers) {
+    sources[solver.source].solvers[solver.cell] = summary.solvers.size();
+    if (is_reference(solver.row)) summary.reference = solver.row.text();
+    summary.solvers.push_back(std::move(solver.row));
+  }
+  return sources;
+}
+
+}  // namespace
+
+std::int64_t Cell::count(Verdict verdict) const {
+  std::int64_t total = 0;
+  for (const Claim claim : kAllClaims) total += count(claim, verdict);
+  return total;
+}
+
+std::int64_t Cell::count(Claim claim) const {
+  const auto& verdicts = counts[static_cast<std::size_t>(claim)];
+  return std::accumulate(verdicts.begin(), verdicts.end(), std::int64_t{0});
+}
+
+std::int64_t Cell::count(Claim claim, Verdict verdict) const {
+  return counts[static_cast<std::size_t>(claim)][static_cast<std::size_t>(verdict)];
+}
+
+std::int64_t Cell::gave_up() const {
+  return count(Verdict::kRefused) + count(Verdict::kMissed) + count(Verdict::kOpen);
+}
+
+double Cell::rate() const { return share(count(Verdict::kSolved), solvable()); }
+double Cell::criterion_rate() const { return share(criterion, trials); }
+double Cell::Half::rate() const { return share(solved, trials - unsolvable_problems); }
+double Cell::Half::criterion_rate() const { return share(criterion, trials); }
+
+Summary summarize(Store& store) {
+  Summary summary;
+  sqlite::Database& database = store.database();
+  const sqlite::ReadSnapshot snapshot(database);  // a run may be writing
+  summary.runs = read_runs(database);
+  summary.coverage = coverage_of(database);
+  const std::vector<Source> sources = read_solvers(store, summary);
+  std::map<std::int64_t, std::size_t> solver_cells;
+  for (const Source& source : sources) solver_cells.emplace(source.id, source.solvers.size());
+
+  const CellGroups groups = read_groups(database);
+  const auto sets = read_sets(database);
+  for (const auto& [id, set] : sets) summary.sets.push_back(set);
+  for (std::size_t set = 0; set < sets.size(); ++set) {
+    const auto unique_velocities = read_unique_velocities(database, sets[set].first);
+    summary.sets[set].unique_velocities = static_cast<std::int64_t>(unique_velocities.size());
+    const auto answers = read_answers(database, sets[set].first, groups, solver_cells, unique_velocities);
+    const auto first = static_cast<std::ptrdiff_t>(summary.cells.size());
+    for (const Source& source : sources) {
+      const auto rows = answers.find(source.id);
+      if (rows == answers.end()) continue;
+      const std::vector<Row>* reference = find_reference(sources, source, answers);
+      for (Cell& cell : make_cells(set, summary.sets[set], source, rows->second, reference)) {
+        summary.cells.push_back(std::move(cell));
+      }
+    }
+    std::sort(summary.cells.begin() + first, summary.cells.end(),
+              [](const Cell& a, const Cell& b) { return a.solver < b.solver; });
+  }
+  summary.sweeps = summarize_sweeps(summary);
+  return summary;
+}
+
+}  // namespace lcpbench

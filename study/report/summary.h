@@ -1,0 +1,177 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "study/report/coverage.h"
+#include "study/report/natural_order.h"
+#include "study/statistics/statistics.h"
+#include "study/store/store.h"
+
+namespace lcpbench {
+
+inline constexpr std::size_t kClaims = 7;
+
+/// Every claim, in the order of the enum.
+inline constexpr std::array<Claim, kClaims> kAllClaims{
+    Claim::kSolved,           Claim::kUnsolvable,  Claim::kIterationLimit, Claim::kTimeLimit,
+    Claim::kNumericalFailure, Claim::kUnsupported, Claim::kCrashed};
+
+/// One problem set of a store, and what its problems say of it.
+struct SetSummary {
+  std::string name;
+  std::int64_t problems = 0;
+  bool contact = false;          ///< every problem is a contact problem (bare LCPs have no velocity residual)
+  bool bare = false;             ///< every problem is a bare LCP
+  bool frictional = false;       ///< some problem has friction rows
+  bool all_solvable = false;     ///< every problem is proven solvable
+  bool ill_conditioned = false;  ///< the set's name asks for an inertia condition number, or for the ceilings of 100
+  std::int64_t unique_velocities = 0;  ///< problems whose only post-impact velocity is certified
+  std::int64_t smallest_n = 0;         ///< order of M
+  std::int64_t largest_n = 0;
+};
+
+/// One problem as one solver met it.
+struct Outcome {
+  std::int64_t problem = 0;  ///< the store's id
+  std::int64_t seed = 0;
+  std::int64_t trial = 0;
+  bool claimed = false;  ///< said solved
+  bool solved = false;   ///< the verdict
+  bool false_claim = false;
+  bool unsolvable = false;  ///< proven: no solver can solve it
+  bool refused = false;     ///< outside what the solver takes
+  double time_s = 0;        ///< set-up and solve, CPU; NaN where nothing was timed or the problem was refused
+  double error = 0;  ///< what the verdict was taken on: rho, or the backward error of a bare LCP; NaN without an answer
+  /// ||v+ - v*||_G / ||v||_G where the only velocity v* is certified; infinity where the answer is then no answer; NaN:
+  /// not known.
+  double forward_error = 0;
+};
+
+/// Means over all trials but the refused ones [s].
+struct TimeParts {
+  double setup_wall = 0;
+  double setup_cpu = 0;
+  double solve_wall = 0;
+  double solve_cpu = 0;
+  double transport = 0;
+  double verify = 0;
+};
+
+/// One solver parameterisation on one set. The verdicts are a partition of the trials:
+/// solved + wrong + unsolvable + refused + missed + open = trials. Every other count overlaps with them.
+struct Cell {
+  std::size_t set = 0;     ///< index into Summary::sets
+  std::size_t solver = 0;  ///< index into Summary::solvers
+  std::int64_t trials = 0;
+  std::array<std::array<std::int64_t, kVerdicts>, kClaims> counts{};  ///< [claim][verdict]
+  std::int64_t solved_1e6 = 0;                                        ///< verdict solved, and error <= 1e-6
+  std::int64_t solved_1e9 = 0;                                        ///< verdict solved, and error <= 1e-9
+  std::int64_t criterion = 0;            ///< claimed solved, and passes the paper's criterion
+  std::int64_t criterion_any = 0;        ///< passes the paper's criterion, whatever was claimed
+  std::int64_t unsolvable_problems = 0;  ///< proven to have no solution, whatever the solver made of them
+  std::string refusal;                   ///< the most frequent reason among the refused problems, "" for none
+
+  Interval rate_interval{};  ///< Wilson 95 %
+  Spread solved_time{};      ///< [s] of the trials with verdict solved
+  Spread all_time{};         ///< [s] of all trials but the refused ones
+  Estimate median_time{};    ///< [s] of all trials but the refused ones, bootstrap 95 %
+  TimeParts time_parts{};
+  std::int64_t paired = 0;         ///< problems that both this solver and the reference solved
+  Estimate time_ratio{};           ///< time / reference's time on those: ratio of sums, bootstrap 95 %
+  Spread violation{};              ///< [m/s] of the trials with verdict solved
+  Spread criterion_time{};         ///< [s] of the trials that count in `criterion`: the paper's "solved"
+  Spread criterion_violation{};    ///< [m/s] of the same
+  Spread pivots{};                 ///< of all trials whose solver counts them
+  const char* error_measure = "";  ///< "velocity_residual_relative", "backward_row_norm", "" when the set mixes kinds
+  std::int64_t error_count = 0;    ///< answers claimed solved, which the three below describe; infinity: no number
+  double error_median = 0;
+  double error_p99 = 0;
+  double error_max = 0;
+
+  std::vector<double>
+      errors;  ///< those of the answers claimed solved, ascending; empty for parameterisations of a sweep
+
+  /// Even and odd trials apart: choose a parameterisation on one half, report it on the other.
+  struct Half {
+    std::int64_t trials = 0;
+    std::int64_t solved = 0;
+    std::int64_t unsolvable_problems = 0;
+    std::int64_t criterion = 0;
+    Spread solved_time{}, all_time{}, violation{}, criterion_time{}, criterion_violation{};  ///< as in Cell
+    double rate() const;
+    double criterion_rate() const;  ///< criterion / trials
+  };
+  std::array<Half, 2> halves{};
+
+  std::vector<Outcome> outcomes;  ///< by problem id; empty for parameterisations of a sweep
+
+  std::int64_t count(Verdict verdict) const;
+  std::int64_t count(Claim claim) const;
+  std::int64_t count(Claim claim, Verdict verdict) const;
+  std::int64_t solvable() const { return trials - unsolvable_problems; }
+  std::int64_t false_claims() const { return count(Verdict::kWrong); }
+  /// Not claimed solved, not solved, and not proven unsolvable: the user is left without an answer and knows it.
+  std::int64_t gave_up() const;
+  /// Every problem was refused as outside what the solver takes.
+  bool refused() const { return trials > 0 && count(Claim::kUnsupported) == trials; }
+  /// solved / (trials - unsolvable_problems); NaN when every problem is unsolvable.
+  double rate() const;
+  /// criterion / trials: the paper's solution frequency.
+  double criterion_rate() const;
+};
+
+/// Worst, average and best over the parameterisations of one sweep on one set.
+struct SweepSummary {
+  struct Range {
+    double worst = 0;
+    double average = 0;
+    double best = 0;
+    std::string worst_settings;
+    std::string best_settings;
+  };
+  std::size_t set = 0;
+  std::string solver;
+  std::string sweep;
+  std::string isa;
+  std::string library;
+  std::string version;
+  std::int64_t parameterisations = 0;
+  std::int64_t trials = 0;   ///< the fewest of any of them
+  Range verdict;             ///< of Cell::rate
+  Range criterion;           ///< of Cell::criterion_rate
+  double best_held_out = 0;  ///< parameterisation chosen on the even trials, its rate on the odd ones
+};
+
+struct RunSummary {
+  std::string started;
+  nlohmann::ordered_json provenance;
+};
+
+/// All that the report says, in numbers.
+struct Summary {
+  std::vector<RunSummary> runs;
+  std::vector<SetSummary> sets;    ///< natural order of names: exp5-1e5 before exp5-1e10
+  std::vector<SolverRow> solvers;  ///< natural order of specs
+  std::vector<Cell> cells;         ///< by set, then solver
+  std::vector<SweepSummary> sweeps;
+  std::string reference;  ///< spec that time ratios refer to; "" when the store has none
+  Coverage coverage;      ///< of what the runs planned
+};
+
+/// Reads a store, which may be half filled. Verdicts come from the view `judged`; nothing is solved or verified again.
+/// Byte for byte the same for equal rows. @throws InputError when the store cannot be read.
+Summary summarize(Store& store);
+
+/// The sweeps of the summary's cells: worst, average and best over the parameterisations that one set met.
+std::vector<SweepSummary> summarize_sweeps(const Summary& summary);
+
+/// The contract's summary.json; NaN and infinity are null. Parameterisations of a sweep are thousands: they have the
+/// contract's keys and `criterion_rate` alone, without the matrix of claims, the halves and the parts of times.
+nlohmann::ordered_json summary_json(const Summary& summary);
+
+}  // namespace lcpbench

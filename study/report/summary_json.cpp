@@ -1,0 +1,146 @@
+#include "study/report/coverage_notice.h"
+#include "study/report/summary.h"
+
+namespace lcpbench {
+
+namespace {
+
+nlohmann::ordered_json nullable(const std::string& text) {
+  return text.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(text);
+}
+
+nlohmann::ordered_json spread_json(const Spread& values) {
+  return {{"count", values.count},
+          {"mean", values.mean},
+          {"sigma", values.sigma},
+          {"max", values.max},
+          {"median", values.median}};
+}
+
+nlohmann::ordered_json half_json(const Cell::Half& half) {
+  return {{"trials", half.trials},
+          {"solved", half.solved},
+          {"unsolvable_problems", half.unsolvable_problems},
+          {"rate", half.rate()},
+          {"criterion", half.criterion},
+          {"criterion_rate", half.criterion_rate()},
+          {"time",
+           {{"solved", spread_json(half.solved_time)},
+            {"criterion", spread_json(half.criterion_time)},
+            {"all", spread_json(half.all_time)}}},
+          {"violation", spread_json(half.violation)},
+          {"criterion_violation", spread_json(half.criterion_violation)}};
+}
+
+nlohmann::ordered_json claims_json(const Cell& cell) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  for (const Claim claim : kAllClaims) {
+    for (const Verdict verdict : kAllVerdicts) {
+      json[to_string(claim)][to_string(verdict)] = cell.count(claim, verdict);
+    }
+  }
+  return json;
+}
+
+/// What a solver at single settings has beyond the keys of a sweep's parameterisation.
+void add_details(const Cell& cell, nlohmann::ordered_json& json) {
+  json["time"]["criterion"] = spread_json(cell.criterion_time);
+  json["time"]["all"]["median_low"] = cell.median_time.low;
+  json["time"]["all"]["median_high"] = cell.median_time.high;
+  json["time"]["parts_mean"] = {{"setup_wall", cell.time_parts.setup_wall}, {"setup_cpu", cell.time_parts.setup_cpu},
+                                {"solve_wall", cell.time_parts.solve_wall}, {"solve_cpu", cell.time_parts.solve_cpu},
+                                {"transport", cell.time_parts.transport},   {"verify", cell.time_parts.verify}};
+  json["time_ratio_low"] = cell.time_ratio.low;
+  json["time_ratio_high"] = cell.time_ratio.high;
+  json["time_ratio_problems"] = cell.paired;
+  json["criterion_violation"] = spread_json(cell.criterion_violation);
+  json["pivots"] = spread_json(cell.pivots);
+  json["claims"] = claims_json(cell);
+  json["even_trials"] = half_json(cell.halves[0]);
+  json["odd_trials"] = half_json(cell.halves[1]);
+}
+
+nlohmann::ordered_json cell_json(const Summary& summary, const Cell& cell) {
+  const SolverRow& solver = summary.solvers[cell.solver];
+  nlohmann::ordered_json json;
+  json["set"] = summary.sets[cell.set].name;
+  json["solver"] = solver.name;
+  json["settings"] = solver.settings;
+  json["library"] = solver.library;
+  json["version"] = solver.version;
+  json["isa"] = solver.isa;
+  json["sweep"] = solver.sweep;
+  json["trials"] = cell.trials;
+  json["claimed"] = cell.count(Claim::kSolved);
+  json["solved"] = cell.count(Verdict::kSolved);
+  json["solved_1e6"] = cell.solved_1e6;
+  json["solved_1e9"] = cell.solved_1e9;
+  json["criterion"] = cell.criterion;
+  json["criterion_any"] = cell.criterion_any;
+  for (const Verdict verdict : kAllVerdicts) {
+    if (verdict != Verdict::kSolved) json[to_string(verdict)] = cell.count(verdict);
+  }
+  json["unsolvable_problems"] = cell.unsolvable_problems;
+  json["false_claims"] = cell.false_claims();
+  json["gave_up"] = cell.gave_up();
+  for (const Claim claim : {Claim::kTimeLimit, Claim::kUnsupported, Claim::kCrashed}) {
+    json[to_string(claim)] = cell.count(claim);
+  }
+  json["rate"] = cell.rate();
+  json["rate_low"] = cell.rate_interval.low;
+  json["rate_high"] = cell.rate_interval.high;
+  json["criterion_rate"] = cell.criterion_rate();
+  json["time"]["solved"] = spread_json(cell.solved_time);
+  json["time"]["all"] = spread_json(cell.all_time);
+  json["time_ratio"] = cell.time_ratio.value;
+  json["violation"] = spread_json(cell.violation);
+  json["error"]["measure"] = nullable(cell.error_measure);
+  json["error"]["answers"] = cell.error_count;
+  json["error"]["median"] = cell.error_median;
+  json["error"]["p99"] = cell.error_p99;
+  json["error"]["max"] = cell.error_max;
+  if (solver.sweep.empty()) add_details(cell, json);
+  return json;
+}
+
+nlohmann::ordered_json range_json(const SweepSummary::Range& range) {
+  return {{"worst", range.worst},
+          {"average", range.average},
+          {"best", range.best},
+          {"worst_settings", range.worst_settings},
+          {"best_settings", range.best_settings}};
+}
+
+nlohmann::ordered_json sweep_json(const Summary& summary, const SweepSummary& sweep) {
+  nlohmann::ordered_json json{{"set", summary.sets[sweep.set].name},
+                              {"solver", sweep.solver},
+                              {"sweep", sweep.sweep},
+                              {"isa", sweep.isa},
+                              {"library", sweep.library},
+                              {"version", sweep.version},
+                              {"cells", sweep.parameterisations},
+                              {"trials", sweep.trials}};
+  json.update(range_json(sweep.verdict));
+  json["best_held_out"] = sweep.best_held_out;
+  json["criterion"] = range_json(sweep.criterion);
+  return json;
+}
+
+}  // namespace
+
+nlohmann::ordered_json summary_json(const Summary& summary) {
+  nlohmann::ordered_json json;
+  json["provenance"]["reference"] = nullable(summary.reference);
+  json["provenance"]["runs"] = nlohmann::ordered_json::array();
+  for (const RunSummary& run : summary.runs) {
+    json["provenance"]["runs"].push_back({{"started", run.started}, {"provenance", run.provenance}});
+  }
+  json["coverage"] = report::coverage_json(summary.coverage);
+  json["cells"] = nlohmann::ordered_json::array();
+  for (const Cell& cell : summary.cells) json["cells"].push_back(cell_json(summary, cell));
+  json["sweeps"] = nlohmann::ordered_json::array();
+  for (const SweepSummary& sweep : summary.sweeps) json["sweeps"].push_back(sweep_json(summary, sweep));
+  return json;
+}
+
+}  // namespace lcpbench

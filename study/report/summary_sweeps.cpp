@@ -1,0 +1,85 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "study/report/summary.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// A rate of every cell of a sweep; NaN rates (all problems unsolvable) leave the range NaN.
+template <class Rate>
+SweepSummary::Range range_over(const Summary& summary, const std::vector<const Cell*>& cells, Rate rate) {
+  SweepSummary::Range range{kInfinity, 0, -kInfinity, "", ""};
+  for (const Cell* cell : cells) {
+    const double value = rate(*cell);
+    if (std::isnan(value)) return {kNone, kNone, kNone, "", ""};
+    const std::string& settings = summary.solvers[cell->solver].settings;
+    range.average += value / static_cast<double>(cells.size());
+    if (value < range.worst) {
+      range.worst = value;
+      range.worst_settings = settings;
+    }
+    if (value > range.best) {
+      range.best = value;
+      range.best_settings = settings;
+    }
+  }
+  range.average = std::clamp(range.average, range.worst, range.best);  // the sum is rounded
+  return range;
+}
+
+double best_held_out(const std::vector<const Cell*>& cells) {
+  const Cell* best = nullptr;
+  for (const Cell* cell : cells) {
+    if (std::isnan(cell->halves[0].rate())) continue;
+    if (best == nullptr || cell->halves[0].rate() > best->halves[0].rate()) best = cell;
+  }
+  return best == nullptr ? kNone : best->halves[1].rate();
+}
+
+}  // namespace
+
+std::vector<SweepSummary> summarize_sweeps(const Summary& summary) {
+  struct Key {
+    std::size_t set;
+    std::string solver, sweep, isa, library, version;
+    auto operator<=>(const Key&) const = default;
+  };
+  std::map<Key, std::vector<const Cell*>> groups;
+  for (const Cell& cell : summary.cells) {
+    const SolverRow& solver = summary.solvers[cell.solver];
+    if (solver.sweep.empty()) continue;
+    groups[{cell.set, solver.name, solver.sweep, solver.isa, solver.library, solver.version}].push_back(&cell);
+  }
+  std::vector<SweepSummary> sweeps;
+  for (const auto& [key, cells] : groups) {
+    SweepSummary sweep{.set = key.set,
+                       .solver = key.solver,
+                       .sweep = key.sweep,
+                       .isa = key.isa,
+                       .library = key.library,
+                       .version = key.version,
+                       .parameterisations = static_cast<std::int64_t>(cells.size()),
+                       .trials = 0,
+                       .verdict = {},
+                       .criterion = {},
+                       .best_held_out = 0};
+    sweep.trials = (*std::min_element(cells.begin(), cells.end(), [](const Cell* a, const Cell* b) {
+                     return a->trials < b->trials;
+                   }))->trials;
+    sweep.verdict = range_over(summary, cells, [](const Cell& cell) { return cell.rate(); });
+    sweep.criterion = range_over(summary, cells, [](const Cell& cell) { return cell.criterion_rate(); });
+    sweep.best_held_out = best_held_out(cells);
+    sweeps.push_back(std::move(sweep));
+  }
+  return sweeps;
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,66 @@
+#include "study/run/interrupt.h"
+
+#include <cerrno>
+#include <initializer_list>
+#include <string_view>
+
+#include <unistd.h>
+
+namespace lcpbench {
+namespace {
+
+volatile std::sig_atomic_t interrupts = 0;
+volatile std::sig_atomic_t exit_code_of_end = 0;
+/// Someone looks at the flag and ends the program in good order.
+volatile std::sig_atomic_t is_watched = 0;
+volatile std::sig_atomic_t is_on_terminal = 0;
+
+/// Safe in a signal handler. What stands in the terminal's present line, a progress line, goes.
+void print(std::string_view words) {
+  constexpr std::string_view kEmptyLine = "\r\033[K";
+  [[maybe_unused]] ssize_t written = 0;
+  if (is_on_terminal != 0) written = write(STDERR_FILENO, kEmptyLine.data(), kEmptyLine.size());
+  written = write(STDERR_FILENO, words.data(), words.size());
+}
+
+void on_interrupt(int) {
+  if (is_watched != 0 && interrupts == 0) {
+    const int error = errno;  // of what the signal interrupts
+    print("lcpbench: interrupted; what is begun is finished first (a second signal ends at once)\n");
+    interrupts = 1;
+    errno = error;
+    return;
+  }
+  print("lcpbench: interrupted\n");
+  _exit(exit_code_of_end);
+}
+
+/// A handler, and not SIG_IGN, which the programs that this one starts would inherit: the write fails with EFBIG.
+void on_file_too_large(int) {}
+
+void handle(int signal, void (*handler)(int)) {
+  struct sigaction action {};
+  sigaction(signal, nullptr, &action);
+  if (action.sa_handler == SIG_IGN) return;
+  action = {};
+  action.sa_handler = handler;
+  action.sa_flags = SA_RESTART;
+  sigaction(signal, &action, nullptr);
+}
+
+}  // namespace
+
+void announce_interrupts(int exit_code) {
+  exit_code_of_end = exit_code;
+  is_on_terminal = isatty(STDERR_FILENO);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) handle(signal, on_interrupt);
+  handle(SIGXFSZ, on_file_too_large);
+}
+
+const volatile std::sig_atomic_t* catch_interrupts(int exit_code) {
+  announce_interrupts(exit_code);
+  is_watched = 1;
+  return &interrupts;
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,64 @@
+#include "study/run/open_solver.h"
+
+#include "adapters/worker/worker_client.h"
+#include "core/error.h"
+#include "study/run/one_by_one.h"
+
+namespace lcpbench {
+namespace {
+
+/// So many worker processes may live on between the problems of a sweep.
+constexpr std::size_t kKeptWorkers = 16;
+
+/// nullptr where the solver has no way to share work between these cells.
+std::unique_ptr<SweptSolver> shared_sweep(const RegisteredSolver& solver, const std::vector<Spec>& cells) {
+  if (!solver.native() || solver.definition.make_swept == nullptr) return nullptr;
+  std::vector<Options> options;
+  for (const Spec& cell : cells) options.push_back(canonical_solver_spec(cell).options);
+  return solver.definition.make_swept(options);
+}
+
+}  // namespace
+
+std::string why_unavailable(const RegisteredSolver& solver) {
+  if (!solver.unavailable.empty() || solver.native()) return solver.unavailable;
+  try {
+    worker_executable(solver);
+    return "";
+  } catch (const InputError&) {
+    return "its worker " + solver.worker + " is missing or not executable";
+  }
+}
+
+bool needs_to_be_told(const RegisteredSolver& solver) {
+  try {
+    solver.definition.changed_settings({});
+    return false;
+  } catch (const InputError&) {
+    return true;
+  }
+}
+
+bool runs_unasked(const RegisteredSolver& solver) {
+  return why_unavailable(solver).empty() && !needs_to_be_told(solver);
+}
+
+std::unique_ptr<TimedSolver> open_solver(const Spec& spec) {
+  const RegisteredSolver& solver = find_solver(spec.name);
+  if (const std::string reason = why_unavailable(solver); !reason.empty()) {
+    throw InputError("solver '" + spec.name + "' is not available: " + reason);
+  }
+  const Spec canonical = canonical_solver_spec(spec);
+  if (solver.native()) return in_process(make_solver(canonical));
+  return worker_solver(worker_executable(solver), canonical);
+}
+
+std::unique_ptr<SweptSolver> open_swept_solver(const std::vector<Spec>& cells) {
+  const RegisteredSolver& solver = find_solver(cells.at(0).name);
+  if (std::unique_ptr<SweptSolver> shared = shared_sweep(solver, cells)) return shared;
+  std::vector<OpenCell> open;
+  for (const Spec& cell : cells) open.push_back([cell] { return open_solver(cell); });
+  return one_by_one(std::move(open), solver.native() || cells.size() <= kKeptWorkers);
+}
+
+}  // namespace lcpbench

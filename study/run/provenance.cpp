@@ -1,0 +1,89 @@
+#include "study/run/provenance.h"
+
+#include <cstdint>
+#include <ctime>
+#include <fstream>
+#include <string>
+#include <thread>
+
+#include <flint/flint.h>
+#include <fmt/chrono.h>
+#include <gmp.h>
+#include <sqlite3.h>
+#include <sys/utsname.h>
+
+#include "adapters/worker/control_group.h"
+#include "core/isa.h"
+#include "core/registry.h"
+#include "study/run/build_info.h"
+#include "study/run/open_solver.h"
+
+namespace lcpbench {
+namespace {
+
+/// PRETTY_NAME of /etc/os-release; "" where there is none.
+std::string distribution() {
+  std::ifstream file("/etc/os-release");
+  const std::string key = "PRETTY_NAME=\"";
+  for (std::string line; std::getline(file, line);) {
+    if (line.rfind(key, 0) == 0 && line.size() > key.size())
+      return line.substr(key.size(), line.size() - key.size() - 1);
+  }
+  return {};
+}
+
+nlohmann::ordered_json solver_versions() {
+  nlohmann::ordered_json versions = nlohmann::ordered_json::object();
+  for (const RegisteredSolver& solver : registered_solvers()) {
+    versions[solver.definition.name] = {
+        {"library", solver.library}, {"version", solver.version}, {"available", why_unavailable(solver).empty()}};
+  }
+  return versions;
+}
+
+/// What the program was compiled against, beside the solvers' own.
+nlohmann::ordered_json library_versions() {
+  return {{"eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
+          {"flint", FLINT_VERSION},
+          {"gmp", fmt::format("{}.{}.{}", __GNU_MP_VERSION, __GNU_MP_VERSION_MINOR, __GNU_MP_VERSION_PATCHLEVEL)},
+          {"nlohmann_json", fmt::format("{}.{}.{}", NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR,
+                                        NLOHMANN_JSON_VERSION_PATCH)}};
+}
+
+/// Whether the limits on an external program hold for all that it starts together; docs/reference/external.md says
+/// more.
+std::string external_limits() {
+  constexpr std::uint64_t kAnyMemory = std::uint64_t{1} << 32;
+  if (!worker::make_control_group(worker::group_folders(), worker::group_limits(kAnyMemory))) {
+    return "of each process on its own: no control group could be made";
+  }
+  worker::remove_control_group();
+  return "of each process, and of all together by a control group";
+}
+
+}  // namespace
+
+nlohmann::ordered_json provenance(const std::string& command_line, const std::string& started) {
+  utsname system{};
+  uname(&system);
+  return {{"lcpbench", kBuildInfo.version},
+          {"commit", kBuildInfo.commit},
+          {"compiler", kBuildInfo.compiler},
+          {"flags", kBuildInfo.flags},
+          {"build_type", kBuildInfo.build_type},
+          {"processor", processor_name()},
+          {"isa", to_string(isa_level())},
+          {"cores", std::thread::hardware_concurrency()},
+          {"os", distribution()},
+          {"kernel", fmt::format("{} {} {}", system.sysname, system.release, system.machine)},
+          {"sqlite", sqlite3_libversion()},
+          {"libraries", library_versions()},
+          {"solvers", solver_versions()},
+          {"external_limits", external_limits()},
+          {"command", command_line},
+          {"started", started}};
+}
+
+std::string utc_now() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
+
+}  // namespace lcpbench

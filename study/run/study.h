@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/swept_solver.h"
+#include "core/timed_solve.h"
+#include "generators/sets.h"
+#include "study/run/plan.h"
+#include "study/store/store.h"
+
+namespace lcpbench {
+
+struct StudySet {
+  std::shared_ptr<const ProblemSet> set;
+  std::int64_t trials = 0;
+};
+
+/// A solver, or a solver's sweep, and the trials that it runs on.
+struct StudySolver {
+  SolverRow row;
+  std::vector<Parameterisation> cells;  ///< of a sweep; empty for a solver by itself
+  std::function<std::unique_ptr<TimedSolver>()> open;
+  std::function<std::unique_ptr<SweptSolver>()> open_swept;  ///< instead of `open`, for a sweep
+  /// For each set of the study: runs on the trials that one of these divides. Shorter than the sets: none of the rest.
+  std::vector<std::vector<std::int64_t>> every;
+
+  bool swept() const { return !cells.empty(); }
+  std::int64_t cell_count() const { return swept() ? static_cast<std::int64_t>(cells.size()) : 1; }
+  bool takes(std::size_t set, std::int64_t trial) const;
+};
+
+/// A plan with its sets opened and its solvers found: what the runner runs.
+struct Study {
+  std::uint64_t seed = 1;
+  double time_limit_s = 10.0;
+  double repeat_until_s = 0;
+  std::optional<double> budget_s;
+  std::vector<StudySet> sets;
+  std::vector<StudySolver> solvers;
+  std::vector<std::string> skipped;  ///< optional solvers left out, "name: reason"
+};
+
+/// The row of a solver as this process would run it.
+SolverRow solver_row(const Spec& solver, const std::string& sweep = {});
+
+/// Opens the sets, lays out the sweeps and finds the solvers of a plan. Finite sets are cut to the problems they have.
+/// The same set named twice counts once; a solver named more than once runs on the trials that any of its entries
+/// names.
+/// @throws InputError for unknown sets, one set with two numbers of trials, a solver's pattern that matches no set of
+/// the plan (unless `Plan::other_sets`), two grids under one name, and unavailable solvers that are not optional.
+Study resolve(const Plan& plan);
+
+}  // namespace lcpbench

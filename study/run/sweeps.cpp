@@ -1,0 +1,118 @@
+#include "study/run/sweeps.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "core/error.h"
+#include "core/registry.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr const char* kPaper = "paper";
+constexpr const char* kInnerSolver = "solver";
+
+/// 1e<first>, 1e<first + step>, ..., up to 1e-4: the paper's upper end.
+std::vector<std::string> decades(int first, int step) {
+  std::vector<std::string> values;
+  for (int exponent = first; exponent <= -4; exponent += step) values.push_back("1e" + std::to_string(exponent));
+  return values;
+}
+
+/// The paper's programs do not test what they return.
+SweepAxis untested(std::string value) { return {"test", {std::move(value)}}; }
+
+std::vector<SweepAxis> paper_axes(const std::string& solver) {
+  if (solver == "lemke") {
+    return {{"pivot_tolerance", decades(-20, 2)}, {"zero_tolerance", decades(-20, 2)}, untested("none")};
+  }
+  if (solver == "primal_dual") return {{"eps", decades(-20, 6)}, {"eps_feas", decades(-20, 6)}, untested("none")};
+  if (solver == "path") return {{"tolerance", decades(-20, 2)}};
+  return {};
+}
+
+/// The solver inside a wrapping one, its default included; nullopt when `solver` wraps nothing.
+std::optional<Spec> inner_solver(const Spec& solver) {
+  for (const auto& [key, value] : find_solver(solver.name).definition.all_settings(solver.options)) {
+    if (key == kInnerSolver) return parse_spec(value);
+  }
+  return std::nullopt;
+}
+
+bool names(const Spec& solver, const std::string& setting) {
+  return std::any_of(solver.options.begin(), solver.options.end(),
+                     [&](const auto& option) { return option.first == setting; });
+}
+
+std::vector<SweepAxis> paper_axes_of(const Spec& solver) {
+  std::vector<SweepAxis> axes = paper_axes(solver.name);
+  if (!axes.empty()) return axes;
+  const std::optional<Spec> inner = inner_solver(solver);
+  if (!inner) return {};
+  axes = paper_axes_of(*inner);
+  for (SweepAxis& axis : axes) axis.setting = std::string(kInnerSolver) + "." + axis.setting;
+  if (solver.name == "regularized" && !names(solver, "test")) axes.push_back(untested("original"));
+  return axes;
+}
+
+void set_option(Options& options, const std::string& key, const std::string& value) {
+  const auto found =
+      std::find_if(options.begin(), options.end(), [&](const auto& option) { return option.first == key; });
+  if (found != options.end()) {
+    found->second = value;
+  } else {
+    options.emplace_back(key, value);
+  }
+}
+
+void set_path(Spec& spec, const std::string& path, const std::string& value) {
+  const auto dot = path.find('.');
+  if (dot == std::string::npos) return set_option(spec.options, path, value);
+  const std::string key = path.substr(0, dot);
+  for (const auto& [name, text] : find_solver(spec.name).definition.all_settings(spec.options)) {
+    if (name != key) continue;
+    Spec inner = parse_spec(text);
+    set_path(inner, path.substr(dot + 1), value);
+    return set_option(spec.options, key, inner.text());
+  }
+  throw InputError(spec.name + ": unknown option '" + key + "'");
+}
+
+}  // namespace
+
+bool has_builtin_sweep(const std::string& name, const Spec& solver) {
+  return name == kPaper && !paper_axes_of(solver).empty();
+}
+
+Sweep builtin_sweep(const std::string& name, const Spec& solver) {
+  if (name != kPaper) throw InputError("unknown sweep '" + name + "'; known: " + kPaper);
+  std::vector<SweepAxis> axes = paper_axes_of(solver);
+  if (axes.empty()) throw InputError("sweep '" + name + "': the paper has no grid for solver '" + solver.name + "'");
+  return {name, std::move(axes)};
+}
+
+std::vector<Spec> sweep_cells(const Sweep& sweep, const Spec& solver) {
+  std::vector<Spec> cells{solver};
+  for (const SweepAxis& axis : sweep.axes) {
+    std::vector<Spec> finer;
+    finer.reserve(cells.size() * axis.values.size());
+    for (const Spec& cell : cells) {
+      for (const std::string& value : axis.values) {
+        finer.push_back(cell);
+        set_path(finer.back(), axis.setting, value);
+      }
+    }
+    cells = std::move(finer);
+  }
+  for (Spec& cell : cells) cell = canonical_solver_spec(cell);
+  return cells;
+}
+
+std::string sweep_label(const std::string& sweep, const Spec& solver) {
+  Spec label = canonical_solver_spec(solver);
+  label.name = sweep;
+  return label.text();
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,220 @@
+#include "study/statistics/statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+#include <vector>
+
+namespace lcpbench {
+
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr std::uint64_t kBootstrapSeed = 0x6c637062656e6368;
+
+double sum(std::span<const double> values) { return std::accumulate(values.begin(), values.end(), 0.0); }
+
+double sample_sigma(std::span<const double> values, double mean) {
+  if (values.size() < 2) return kNone;
+  double squares = 0;
+  for (const double value : values) squares += (value - mean) * (value - mean);
+  return std::sqrt(squares / static_cast<double>(values.size() - 1));
+}
+
+std::vector<double> sorted_copy(std::span<const double> values) {
+  std::vector<double> sorted(values.begin(), values.end());
+  std::sort(sorted.begin(), sorted.end());
+  return sorted;
+}
+
+Interval percentile_interval(std::vector<double> resampled) {
+  std::sort(resampled.begin(), resampled.end());
+  return {quantile(resampled, 0.025), quantile(resampled, 0.975)};
+}
+
+/// The middle of a resample given as how often each of `sorted` was drawn.
+double resampled_median(std::span<const double> sorted, std::span<const std::uint32_t> drawn) {
+  const std::size_t lower_rank = (sorted.size() + 1) / 2;
+  const std::size_t upper_rank = sorted.size() / 2 + 1;
+  std::size_t passed = 0;
+  double lower = kNone;
+  for (std::size_t i = 0; i < sorted.size(); ++i) {
+    const bool lower_reached = passed >= lower_rank;
+    passed += drawn[i];
+    if (!lower_reached && passed >= lower_rank) lower = sorted[i];
+    if (passed >= upper_rank) return std::midpoint(lower, sorted[i]);
+  }
+  return kNone;
+}
+
+}  // namespace
+
+std::uint64_t BoundedDraw::below(std::uint64_t bound) {
+  __extension__ using Wide = unsigned __int128;
+  Wide product = static_cast<Wide>(engine_()) * bound;
+  const std::uint64_t threshold = (0 - bound) % bound;
+  while (static_cast<std::uint64_t>(product) < threshold) product = static_cast<Wide>(engine_()) * bound;
+  return static_cast<std::uint64_t>(product >> 64);
+}
+
+Interval wilson(std::int64_t successes, std::int64_t trials, double quantile) {
+  if (successes < 0 || successes > trials) throw std::invalid_argument("wilson: successes must lie in 0 .. trials");
+  if (trials == 0) return {kNone, kNone};
+  const auto n = static_cast<double>(trials);
+  const double share = static_cast<double>(successes) / n;
+  const double z2_n = quantile * quantile / n;
+  const double centre = share + z2_n / 2;
+  const double half = quantile * std::sqrt(share * (1 - share) / n + z2_n / (4 * n));
+  const double scale = 1 + z2_n;
+  // The exact ends at 0 and n successes, which rounding would miss by an ulp.
+  return {successes == 0 ? 0.0 : (centre - half) / scale, successes == trials ? 1.0 : (centre + half) / scale};
+}
+
+double quantile(std::span<const double> sorted, double p) {
+  if (sorted.empty()) return kNone;
+  const auto n = static_cast<double>(sorted.size());
+  // p n is a whole number for p = 0.99, n = 700 but may round above it.
+  const double rank = std::clamp(std::ceil(p * n * (1 - 1e-12)), 1.0, n);
+  return sorted[static_cast<std::size_t>(rank) - 1];
+}
+
+double median(std::span<const double> sorted) {
+  if (sorted.empty()) return kNone;
+  const double lower = sorted[(sorted.size() - 1) / 2];
+  const double upper = sorted[sorted.size() / 2];
+  return std::midpoint(lower, upper);
+}
+
+Spread spread(std::span<const double> values) {
+  if (values.empty()) return {0, kNone, kNone, kNone, kNone};
+  const double mean = sum(values) / static_cast<double>(values.size());
+  return {static_cast<std::int64_t>(values.size()), mean, sample_sigma(values, mean),
+          *std::max_element(values.begin(), values.end()), median(sorted_copy(values))};
+}
+
+Estimate median_estimate(std::span<const double> values) {
+  if (values.empty()) return {kNone, kNone, kNone};
+  if (values.size() == 1) return {values.front(), kNone, kNone};
+  const std::vector<double> sorted = sorted_copy(values);
+  BoundedDraw draw(kBootstrapSeed);
+  std::vector<std::uint32_t> drawn(sorted.size());
+  std::vector<double> medians(kResamples);
+  for (double& resampled : medians) {
+    std::fill(drawn.begin(), drawn.end(), 0U);
+    for (std::size_t i = 0; i < sorted.size(); ++i) ++drawn[draw.below(sorted.size())];
+    resampled = resampled_median(sorted, drawn);
+  }
+  const Interval interval = percentile_interval(std::move(medians));
+  return {median(sorted), interval.low, interval.high};
+}
+
+Estimate ratio_of_sums(std::span<const double> reference, std::span<const double> solver) {
+  if (reference.size() != solver.size()) throw std::invalid_argument("ratio_of_sums: times must come in pairs");
+  const double numerator = sum(reference);
+  const double denominator = sum(solver);
+  if (!(numerator > 0 && denominator > 0)) return {kNone, kNone, kNone};
+  if (solver.size() == 1) return {numerator / denominator, kNone, kNone};
+  BoundedDraw draw(kBootstrapSeed);
+  std::vector<double> ratios;
+  ratios.reserve(kResamples);
+  for (int resample = 0; resample < kResamples; ++resample) {
+    double drawn_numerator = 0;
+    double drawn_denominator = 0;
+    for (std::size_t i = 0; i < solver.size(); ++i) {
+      const std::size_t pair = draw.below(solver.size());
+      drawn_numerator += reference[pair];
+      drawn_denominator += solver[pair];
+    }
+    if (drawn_denominator > 0) ratios.push_back(drawn_numerator / drawn_denominator);
+  }
+  const Interval interval = percentile_interval(std::move(ratios));
+  return {numerator / denominator, interval.low, interval.high};
+}
+
+bool is_tie_in_time(const Estimate& ratio) {
+  const bool within_noise = ratio.value < kTieInTime && ratio.value > 1 / kTieInTime;
+  return within_noise || (ratio.low <= 1 && ratio.high >= 1);
+}
+
+double sign_test(std::int64_t first, std::int64_t second) {
+  const std::int64_t tosses = first + second;
+  const std::int64_t fewer = std::min(first, second);
+  // Sum of C(tosses, k) / 2^tosses for k <= fewer, each term from the one before, in logarithms against underflow.
+  double log_term = -static_cast<double>(tosses) * std::log(2.0);
+  double tail = 0;
+  for (std::int64_t k = 0; k <= fewer; ++k) {
+    tail += std::exp(log_term);
+    log_term += std::log(static_cast<double>(tosses - k)) - std::log(static_cast<double>(k + 1));
+  }
+  return std::min(1.0, 2 * tail);
+}
+
+double mcnemar_exact(std::int64_t only_first, std::int64_t only_second) {
+  if (only_first < 0 || only_second < 0) throw std::invalid_argument("mcnemar_exact: counts must not be negative");
+  return sign_test(only_first, only_second);
+}
+
+std::vector<double> holm(std::span<const double> p_values) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < p_values.size(); ++i) {
+    if (!std::isnan(p_values[i])) order.push_back(i);
+  }
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return p_values[a] < p_values[b]; });
+  std::vector<double> adjusted(p_values.size(), kNone);
+  double largest = 0;
+  for (std::size_t rank = 0; rank < order.size(); ++rank) {
+    largest = std::max(largest, static_cast<double>(order.size() - rank) * p_values[order[rank]]);
+    adjusted[order[rank]] = std::min(1.0, largest);
+  }
+  return adjusted;
+}
+
+Estimate shifted_geometric_mean(std::span<const double> values, double shift) {
+  std::vector<double> logarithms;
+  logarithms.reserve(values.size());
+  for (const double value : values) {
+    if (!(value > -shift)) return {kNone, kNone, kNone};
+    logarithms.push_back(std::log1p(value / shift));
+  }
+  const Spread logs = spread(logarithms);
+  const double half = kNormal975 * logs.sigma / std::sqrt(static_cast<double>(logs.count));
+  const auto back = [shift](double logarithm) { return shift * std::expm1(logarithm); };
+  // The normal law knows nothing of a bound that all values keep: times are not negative.
+  const bool none_negative = std::none_of(values.begin(), values.end(), [](double value) { return value < 0; });
+  const double low = back(logs.mean - half);
+  return {back(logs.mean), none_negative && low < 0 ? 0.0 : low, back(logs.mean + half)};
+}
+
+double par10(std::span<const double> solved_times_s, std::int64_t unsolved, double time_limit_s) {
+  const double penalty = unsolved > 0 ? 10 * time_limit_s * static_cast<double>(unsolved) : 0.0;
+  return (sum(solved_times_s) + penalty) / (static_cast<double>(solved_times_s.size()) + static_cast<double>(unsolved));
+}
+
+std::vector<double> ecdf(std::span<const double> values, std::int64_t total, std::span<const double> targets) {
+  if (total < static_cast<std::int64_t>(values.size())) throw std::invalid_argument("ecdf: more values than the total");
+  std::vector<double> reached;
+  reached.reserve(values.size());
+  std::copy_if(values.begin(), values.end(), std::back_inserter(reached),
+               [](double value) { return !std::isnan(value); });
+  std::sort(reached.begin(), reached.end());
+  std::vector<double> shares;
+  shares.reserve(targets.size());
+  for (const double target : targets) {
+    const auto end = std::isnan(target) ? reached.begin() : std::upper_bound(reached.begin(), reached.end(), target);
+    shares.push_back(total > 0 ? static_cast<double>(end - reached.begin()) / static_cast<double>(total) : kNone);
+  }
+  return shares;
+}
+
+std::vector<double> decade_grid(int low, int high, int per_decade) {
+  std::vector<double> grid;
+  for (int step = low * per_decade; step <= high * per_decade; ++step) {
+    grid.push_back(std::pow(10.0, static_cast<double>(step) / per_decade));
+  }
+  return grid;
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,215 @@
+#include "study/store/merge.h"
+
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "study/store/file_lock.h"
+#include "study/store/store.h"
+#include "study/store/store_files.h"
+
+namespace lcpbench {
+namespace {
+
+using sqlite::Statement;
+
+constexpr std::size_t kConflictsShown = 20;
+
+struct Table {
+  const char* name;
+  std::vector<const char*> key;
+  std::vector<const char*> content;  ///< what must agree where keys do; empty for what may differ
+  const char* conflict_names;        ///< a query on m (merged) and i (input) that says in words which row it is
+  const char* conflict = "0";        ///< what else two rows of one key cannot both say
+};
+
+constexpr const char* kProblemInWords =
+    "(SELECT s.name || ' seed ' || p.seed || ' trial ' || p.trial FROM problems p JOIN sets s ON s.id = p.set_id "
+    "WHERE p.id = m.problem_id)";
+
+constexpr const char* kCellInWords =
+    "(SELECT s.name || ' seed ' || p.seed || ' trial ' || p.trial FROM problems p JOIN sets s ON s.id = p.set_id "
+    "WHERE p.id = m.problem_id) || ', ' || (SELECT name || CASE settings WHEN '' THEN '' ELSE '{' || settings || '}' "
+    "END FROM solvers "
+    "WHERE id = m.solver_id) || CASE m.part WHEN 0 THEN '' ELSE ' part ' || m.part END";
+
+/// Two stores that group the cells of a sweep on a problem differently differ in a row of `answers` that both have:
+/// both have the part 0; where its groups agree, the lowest cell outside it is a part of both, and so on.
+const std::vector<Table>& tables() {
+  static const std::vector<Table> all{
+      {"runs", {"id"}, {}, "''"},
+      {"sets", {"id"}, {"name"}, "m.name"},
+      {"solvers",
+       {"id"},
+       {"name", "settings", "all_settings", "library", "version", "isa", "sweep", "cells"},
+       "m.name"},
+      {"parameterisations",
+       {"solver_id", "cell"},
+       {"settings", "all_settings"},
+       "(SELECT name || ' ' || sweep FROM solvers WHERE id = m.solver_id) || ' cell ' || m.cell"},
+      {"problems",
+       {"id"},
+       {"set_id", "seed", "trial", "kind", "n", "ngc", "nc", "hash", "theory"},
+       "(SELECT name FROM sets WHERE id = m.set_id) || ' seed ' || m.seed || ' trial ' || m.trial"},
+      {"vectors", {"id"}, {"data"}, "m.id"},
+      {"cell_groups", {"group_id", "cell"}, {}, "''"},
+      {"answers",
+       {"problem_id", "solver_id", "part"},
+       {"group_id", "claim", "z", "velocity", "farkas", "iterations", "pivots", "factorizations"},
+       kCellInWords},
+      {"verdicts",
+       {"problem_id", "solver_id", "part"},
+       {"usable", "solved", "criterion", "farkas_checked", "worst_row", "velocity_residual_m_per_s",
+        "velocity_residual_relative", "natural_residual", "backward_componentwise", "backward_row_norm",
+        "violation_m_per_s", "work_gain_j", "complementarity_j", "cone_violation", "min_z"},
+       kCellInWords,
+       "m.forward_velocity <> i.forward_velocity"},  // NULL where the problem was not certified
+      {"timings", {"problem_id", "solver_id", "part"}, {}, "''"},
+      // Two proofs of one fact may differ, and what one time limit left open another may settle.
+      {"certificates",
+       {"problem_id"},
+       {},
+       kProblemInWords,
+       "(m.certificate <> i.certificate AND 'open' NOT IN (m.certificate, i.certificate)) OR "
+       "(m.velocity_unique = 1 AND i.velocity_unique = 1 AND m.velocity <> i.velocity)"},
+      {"proofs", {"problem_id"}, {}, "''"},
+      {"certificate_timings", {"problem_id"}, {}, "''"}};
+  return all;
+}
+
+std::string joined(const std::vector<const char*>& columns, const char* form, const char* separator) {
+  std::string text;
+  for (const char* column : columns) text += (text.empty() ? "" : separator) + fmt::format(fmt::runtime(form), column);
+  return text;
+}
+
+std::vector<std::string> find_conflicts(Store& store, const std::filesystem::path& input) {
+  std::vector<std::string> conflicts;
+  for (const Table& table : tables()) {
+    std::string differ = joined(table.content, "m.{0} IS NOT i.{0}", " OR ");
+    differ += (differ.empty() ? "" : " OR ") + std::string(table.conflict);
+    Statement query(
+        store.database(),
+        fmt::format("SELECT {} FROM main.{} m JOIN input.{} i USING ({}) WHERE {} LIMIT {}", table.conflict_names,
+                    table.name, table.name, joined(table.key, "{}", ", "), differ, kConflictsShown));
+    while (query.step()) {
+      conflicts.push_back(fmt::format("{}: {}: {}", input.string(), table.name, query.text(0)));
+    }
+  }
+  return conflicts;
+}
+
+/// Reads the whole input once, so that damage is reported under its name. @returns its notice. @throws InputError
+std::string check_input(const std::filesystem::path& input, const Waiting& waiting) {
+  Store store = Store::open_for_reading(input);
+  store.check(waiting);
+  Statement claims(store.database(), "SELECT DISTINCT claim FROM answers");
+  while (claims.step()) stored_claim(store.database(), claims.text(0));
+  return store.notice();
+}
+
+/// What the input has certified and the store left open goes, so that the input's proof takes its place.
+void make_way_for_proofs(Store& store) {
+  for (const char* table : {"certificate_timings", "certificates"}) {
+    store.database().execute(
+        fmt::format("DELETE FROM main.{} WHERE problem_id IN (SELECT problem_id FROM main.certificates m "
+                    "JOIN input.certificates i USING (problem_id) "
+                    "WHERE m.certificate = 'open' AND i.certificate <> 'open')",
+                    table));
+  }
+}
+
+/// Forward errors of answers that both have, where only the input's problem was certified. All else in the two rows is
+/// equal, so that the checksum of the input's row is that of both.
+void take_forward_errors(Store& store) {
+  store.database().execute(
+      "UPDATE main.verdicts AS m SET forward_velocity = i.forward_velocity, checksum = i.checksum "
+      "FROM input.verdicts AS i "
+      "WHERE i.problem_id = m.problem_id AND i.solver_id = m.solver_id AND i.part = m.part "
+      "AND m.forward_velocity IS NULL AND i.forward_velocity IS NOT NULL");
+}
+
+/// Adds the input's rows; or returns its conflicts and adds none. One transaction: what is compared is what is added,
+/// also when another process writes the input.
+std::vector<std::string> join(Store& store, const std::filesystem::path& input) {
+  store.database().attach(input, "input");
+  store.begin();
+  std::vector<std::string> conflicts = find_conflicts(store, input);
+  if (conflicts.empty()) {
+    make_way_for_proofs(store);
+    for (const Table& table : tables()) {
+      // Rows of a key that is there agree, or may differ. Whatever else keeps a row out is an error.
+      store.database().execute(
+          fmt::format("INSERT INTO main.{0} SELECT * FROM input.{0} WHERE true ON CONFLICT ({1}) DO NOTHING",
+                      table.name, joined(table.key, "{}", ", ")));
+    }
+    take_forward_errors(store);
+  }
+  store.commit();
+  store.database().execute("DETACH DATABASE input");
+  return conflicts;
+}
+
+/// A file that is deleted again unless it was moved away.
+class Draft {
+ public:
+  explicit Draft(std::filesystem::path file) : file_(std::move(file)) { Store::remove(file_); }
+  ~Draft() {
+    std::error_code ignored;
+    for (const char* suffix : {"", "-wal", "-shm", "-journal"}) {
+      std::filesystem::remove(file_.string() + suffix, ignored);
+    }
+  }
+  Draft(const Draft&) = delete;
+  Draft& operator=(const Draft&) = delete;
+  const std::filesystem::path& file() const { return file_; }
+  void move_to(const std::filesystem::path& target) {
+    if (has_log(file_)) throw InputError(file_.string() + ": another process reads it");
+    std::error_code error;
+    std::filesystem::rename(file_, target, error);
+    if (error) throw InputError(fmt::format("{}: {}", target.string(), error.message()));
+  }
+
+ private:
+  std::filesystem::path file_;
+};
+
+}  // namespace
+
+MergeOutcome merge_stores(const std::filesystem::path& out, const std::vector<std::filesystem::path>& inputs,
+                          const Waiting& waiting) {
+  std::vector<std::filesystem::path> sources = inputs;
+  MergeOutcome outcome;
+  const auto take_notice = [&outcome](std::string notice) {
+    if (!notice.empty()) outcome.notices.push_back(std::move(notice));
+  };
+  std::error_code ignored;
+  const bool exists = std::filesystem::exists(out, ignored);
+  if (exists) {
+    take_notice(Store::open_for_reading(out).notice());
+    Store::open_for_writing(
+        out, waiting);  // its end folds what a killed run left in the write-ahead log into the file itself
+  }
+  for (const std::filesystem::path& source : inputs) take_notice(check_input(source, waiting));
+  if (exists) sources.insert(sources.begin(), out);
+  const FileLock lock(out);
+  if (!exists && std::filesystem::exists(out, ignored)) {
+    throw InputError(out.string() + ": another process made this store in the meantime; merge again");
+  }
+  if (exists && has_log(out)) throw InputError(out.string() + ": another process reads it");
+  if (!exists) remove_side_files(out);  // of a store that is gone: they would be taken for the merged one's
+  Draft draft(side_file(out, ".merging"));
+  {
+    Store store = Store::open_for_writing(draft.file());
+    for (const std::filesystem::path& source : sources) {
+      for (std::string& conflict : join(store, source)) outcome.conflicts.push_back(std::move(conflict));
+    }
+    outcome.cells = store.cell_count();
+  }
+  if (outcome.conflicts.empty()) draft.move_to(followed(out));
+  return outcome;
+}
+
+}  // namespace lcpbench

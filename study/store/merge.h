@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "study/store/store.h"
+
+namespace lcpbench {
+
+struct MergeOutcome {
+  std::int64_t cells = 0;              ///< in the merged store
+  std::vector<std::string> conflicts;  ///< rows of equal ids and different content, one line each; empty: merged
+  std::vector<std::string> notices;    ///< rows that an input had lost before, one line each
+};
+
+/// Joins stores into `out`, which may exist and then counts as the first of them. Rows are joined by id; timings and
+/// runs of a cell that several stores have come from the first of them, and so does its certificate, unless the first
+/// left open what another proved. So does the `detail` of an answer: it is a text for people, and may depend on the
+/// clock. All or nothing: when two stores disagree on a row, `out` stays as it was and the conflicts are returned. A
+/// symbolic link is followed. What a killed call left is thrown away.
+/// @throws InputError when a file is no store, or `out` is in use or cannot be written.
+MergeOutcome merge_stores(const std::filesystem::path& out, const std::vector<std::filesystem::path>& inputs,
+                          const Waiting& waiting = {});
+
+}  // namespace lcpbench

@@ -1,0 +1,449 @@
+#include "study/store/store.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+#include <sqlite3.h>
+
+#include "core/error.h"
+#include "study/store/file_lock.h"
+#include "study/store/log_check.h"
+#include "study/run/problem_writer.h"
+#include "study/run/provenance.h"
+#include "study/store/row_checksum.h"
+#include "study/store/store_check.h"
+#include "study/store/store_columns.h"
+#include "study/store/store_files.h"
+#include "study/store/vector_codec.h"
+
+namespace lcpbench {
+namespace {
+
+using sqlite::Database;
+using sqlite::Mode;
+using sqlite::Statement;
+
+std::string describe(const std::filesystem::path& file, const char* what) { return file.string() + ": " + what; }
+
+Truth parse_truth(std::string_view text) {
+  if (text == "solvable") return Truth::kSolvable;
+  return text == "unsolvable" ? Truth::kUnsolvable : Truth::kUnknown;
+}
+
+constexpr std::array kSolverColumns{&SolverRow::name,    &SolverRow::settings, &SolverRow::all_settings,
+                                    &SolverRow::library, &SolverRow::version,  &SolverRow::isa,
+                                    &SolverRow::sweep};
+
+constexpr const char* kSolverColumnNames = "name, settings, all_settings, library, version, isa, sweep";
+
+constexpr std::array kCellColumns{&Parameterisation::settings, &Parameterisation::all_settings};
+
+SolverRow read_solver(const Statement& row, int column) {
+  SolverRow solver;
+  for (const auto field : kSolverColumns) solver.*field = row.text(column++);
+  return solver;
+}
+
+std::string insert_new(const char* table, const std::string& columns) {
+  return sqlite::insert_row("INSERT OR IGNORE", table, columns);
+}
+
+std::vector<Parameterisation> read_cells(Database& database, std::int64_t solver_id) {
+  Statement query(database, "SELECT settings, all_settings FROM parameterisations WHERE solver_id = ? ORDER BY cell");
+  query.bind(1, solver_id);
+  std::vector<Parameterisation> cells;
+  while (query.step()) cells.push_back({std::string(query.text(0)), std::string(query.text(1))});
+  return cells;
+}
+
+/// Answers of two solvers, or over two grids, under one id would be taken for answers of one.
+void check_same_solver(Database& database, const SolverRow& solver, const std::vector<Parameterisation>& cells) {
+  Statement stored(database, fmt::format("SELECT {}, cells FROM solvers WHERE id = ?", kSolverColumnNames));
+  stored.bind(1, solver.id());
+  stored.step();
+  const char* difference = nullptr;
+  if (read_solver(stored, 0) != solver) {
+    difference = "defaults";
+  } else if (stored.integer(static_cast<int>(kSolverColumns.size())) != static_cast<std::int64_t>(cells.size()) ||
+             read_cells(database, solver.id()) != cells) {
+    difference = solver.sweep.empty() ? "defaults" : "grid values";
+  }
+  if (difference == nullptr) return;
+  throw InputError(fmt::format("{}: the store knows {}'{}' with other {}; use another store, or --fresh",
+                               database.file().string(), solver.sweep.empty() ? "" : "sweep '" + solver.sweep + "' of ",
+                               solver.text(), difference));
+}
+
+/// What `read` makes of the store's content; its complaints get the store's name.
+template <class Read>
+auto from_store(const Database& store, Read read) {
+  try {
+    return read();
+  } catch (const InputError& error) {
+    throw InputError(describe(store.file(), error.what()));
+  }
+}
+
+}  // namespace
+
+Claim stored_claim(const Database& store, std::string_view word) {
+  return from_store(store, [&] { return parse_claim(word); });
+}
+
+Verdict stored_verdict(const Database& store, std::string_view word) {
+  return from_store(store, [&] { return parse_verdict(word); });
+}
+
+std::int64_t SolverRow::id() const { return key_id({"solver", name, settings, library, version, isa, sweep}); }
+std::string SolverRow::text() const { return settings.empty() ? name : name + "{" + settings + "}"; }
+
+std::int64_t set_id(const std::string& set_name) { return key_id({"set", set_name}); }
+
+std::int64_t ProblemResult::cells() const {
+  std::int64_t total = 0;
+  for (const AnswerRow& answer : answers) total += static_cast<std::int64_t>(answer.cells.size());
+  return total;
+}
+
+SolverRow StoredSolver::cell(std::size_t number) const {
+  SolverRow single = row;
+  single.settings = cells.at(number).settings;
+  single.all_settings = cells.at(number).all_settings;
+  return single;
+}
+
+std::int64_t problem_id(const std::string& set_name, std::uint64_t seed, std::int64_t trial) {
+  return key_id({"problem", set_name, std::to_string(seed), std::to_string(trial)});
+}
+
+struct Store::Data {
+  Data(const std::filesystem::path& file, Mode mode) : database(file, mode) {}
+
+  std::unique_ptr<FileLock> lock;  // first in, last out: the database is closed before the lock ends
+  Database database;
+  std::unique_ptr<ProblemWriter> writer;
+  std::unique_ptr<Statement> done;
+  std::int64_t run = 0;
+  std::string notice;
+};
+
+namespace {
+
+/// A writer that was killed leaves its row in the table `writing`, and its last rows in the write-ahead log. A copy of
+/// the store without the log has the row, but not the last rows.
+/// @param log  there was a log before the store was opened
+/// @returns what to tell the user, "" for nothing
+std::string lost_rows(Database& database, bool log) {
+  if (log) return "";
+  Statement mode(database, "PRAGMA journal_mode");
+  if (!mode.step() || mode.text(0) != "wal") return "";
+  Statement writer(database, "SELECT since FROM writing");
+  if (!writer.step()) return "";
+  return fmt::format(
+      "{0}: the writer that opened it at {1} never closed it, and {0}-wal is not beside the store: its last rows may "
+      "be missing",
+      database.file().string(), writer.text(0));
+}
+
+/// Every row and the file's structure.
+void check_all(Database& database, const Waiting& waiting) {
+  const sqlite::SlownessNotice notice(database, waiting.tell_after, [&] {
+    if (waiting.tell) waiting.tell("reading and checking every row of " + database.file().string());
+  });
+  check_content(database);
+}
+
+/// From now on the store can be read while it is written. The change itself needs a moment without readers.
+void begin_log(Database& database, const Waiting& waiting) {
+  using Clock = std::chrono::steady_clock;
+  constexpr auto kRetryAfter = std::chrono::milliseconds(50);
+  const Clock::time_point begin = Clock::now();
+  bool told = false;
+  // In short tries, since nobody can begin to read while SQLite itself waits.
+  while (!database.execute_unless_locked("PRAGMA journal_mode = WAL")) {
+    const auto waited = Clock::now() - begin;
+    if (waited >= waiting.reader_patience) {
+      throw InputError(
+          fmt::format("{}: another process has been reading this store for {} s; try again when it has ended",
+                      database.file().string(), std::chrono::round<std::chrono::seconds>(waited).count()));
+    }
+    if (!told && waiting.tell && waited >= waiting.tell_after) {
+      waiting.tell(fmt::format("waiting for another process that reads {}", database.file().string()));
+      told = true;
+    }
+    std::this_thread::sleep_for(kRetryAfter);
+  }
+}
+
+void mark_as_being_written(Database& database) {
+  Statement mark(database, "INSERT OR REPLACE INTO writing (id, since) VALUES (1, ?)");
+  const std::string now = utc_now();
+  mark.bind(1, std::string_view(now));
+  mark.run();
+}
+
+}  // namespace
+
+Store::Store(std::unique_ptr<Data> data) : data_(std::move(data)) {}
+Store::Store(Store&&) noexcept = default;
+
+Store::~Store() {
+  if (data_ == nullptr || data_->writer == nullptr) return;
+  data_->writer.reset();
+  data_->done.reset();
+  // A store at rest is one plain file, readable also from a read-only folder. It stays in WAL mode when someone reads
+  // it.
+  try {
+    if (sqlite3_get_autocommit(data_->database.handle()) == 0) data_->database.execute("ROLLBACK");
+    data_->database.execute("DELETE FROM writing");
+    data_->database.execute("PRAGMA journal_mode = DELETE");
+  } catch (const std::exception&) {
+    return;
+  }
+}
+
+Store Store::open_for_writing(const std::filesystem::path& file, const Waiting& waiting) {
+  refuse_folder(file);
+  std::error_code ignored;
+  if (has_log(file) && (!std::filesystem::exists(file, ignored) || std::filesystem::file_size(file, ignored) == 0)) {
+    throw InputError(side_file(file, "-wal").string() + " holds rows of a store that is not here; move one of the two");
+  }
+  auto lock = std::make_unique<FileLock>(file, true);
+  const bool log = has_log(file);
+  check_log(file);
+  auto data = std::make_unique<Data>(file, Mode::kReadWriteCreate);
+  data->lock = std::move(lock);
+  Database& database = data->database;
+  database.execute("PRAGMA synchronous = NORMAL");
+  if (is_blank(database)) {
+    initialise(database);
+  } else {
+    check_format(database);
+    data->notice = lost_rows(database, log);
+    if (!data->notice.empty() && has_other_names(file)) {
+      throw InputError(data->notice + "; open the store by the name that its writer used");
+    }
+    check_all(database, waiting);
+  }
+  begin_log(database, waiting);
+  mark_as_being_written(database);
+  database.execute("PRAGMA wal_checkpoint(PASSIVE)");  // a mark in the file itself: there is a log, and it is not empty
+  data->writer = std::make_unique<ProblemWriter>(database);
+  return Store(std::move(data));
+}
+
+Store Store::open_for_reading(const std::filesystem::path& file) {
+  refuse_folder(file);
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) throw InputError(describe(file, "no such store"));
+  roll_back_journal(file);
+  const bool log = has_log(file);
+  const FileLock::Holder writer = FileLock::holder(file);
+  if (writer == FileLock::Holder::kUnderAnotherName) {
+    throw InputError(describe(file,
+                              "another process is writing this store under another name of the file; open it by that "
+                              "name, which has the last rows beside it"));
+  }
+  const bool written = writer == FileLock::Holder::kUnderThisName;
+  try {
+    if (!written) check_log(file);
+  } catch (const InputError&) {
+    if (FileLock::holder(file) == FileLock::Holder::kNobody) throw;  // a writer that has just begun writes the log anew
+  }
+  auto data = std::make_unique<Data>(file, Mode::kReadOnly);
+  if (is_blank(data->database)) throw InputError(describe(file, "is empty: no run has kept anything in it"));
+  check_format(data->database);
+  if (!written) data->notice = lost_rows(data->database, log);
+  return Store(std::move(data));
+}
+
+void Store::remove(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(file, ignored)) return;
+  refuse_folder(file);
+  const FileLock lock(file);
+  roll_back_journal(file);
+  {
+    Database database(file, Mode::kReadOnly);
+    if (!is_blank(database)) check_application(database);
+  }
+  remove_side_files(file);  // first: what is beside no store would be taken for the next one's
+  std::filesystem::remove(followed(file));
+}
+
+const std::string& Store::notice() const { return data_->notice; }
+void Store::check(const Waiting& waiting) { check_all(data_->database, waiting); }
+
+void Store::begin() { data_->database.execute("BEGIN IMMEDIATE"); }
+void Store::commit() { data_->database.execute("COMMIT"); }
+
+void Store::add_run(const std::string& started, const std::string& provenance) {
+  data_->run = key_id({"run", started, provenance});
+  Statement insert(data_->database, insert_new("runs", "id, started, provenance"));
+  insert.bind(1, data_->run);
+  insert.bind(2, started);
+  insert.bind(3, provenance);
+  insert.run();
+}
+
+std::int64_t Store::add_set(const std::string& name) {
+  const std::int64_t id = set_id(name);
+  Statement insert(data_->database, insert_new("sets", "id, name"));
+  insert.bind(1, id);
+  insert.bind(2, name);
+  insert.run();
+  return id;
+}
+
+std::int64_t Store::add_solver(const SolverRow& solver, const std::vector<Parameterisation>& sweep) {
+  const std::int64_t id = solver.id();
+  const std::vector<Parameterisation> cells =
+      sweep.empty() ? std::vector<Parameterisation>{{solver.settings, solver.all_settings}} : sweep;
+  Statement insert(data_->database, insert_new("solvers", std::string("id, ") + kSolverColumnNames + ", cells"));
+  insert.bind(1, id);
+  int parameter = 2;
+  for (const auto column : kSolverColumns) insert.bind(parameter++, solver.*column);
+  insert.bind(parameter, static_cast<std::int64_t>(cells.size()));
+  insert.run();
+  Statement insert_cell(data_->database, insert_new("parameterisations", "solver_id, cell, settings, all_settings"));
+  for (std::size_t cell = 0; cell < cells.size(); ++cell) {
+    insert_cell.bind(1, id);
+    insert_cell.bind(2, static_cast<std::int64_t>(cell));
+    parameter = 3;
+    for (const auto column : kCellColumns) insert_cell.bind(parameter++, cells[cell].*column);
+    insert_cell.run();
+  }
+  check_same_solver(data_->database, solver, cells);
+  return id;
+}
+
+void Store::add(const ProblemResult& result) { data_->writer->add(result, data_->run); }
+
+std::vector<std::int64_t> Store::done(std::int64_t problem_id) {
+  if (data_->done == nullptr) {
+    data_->done = std::make_unique<Statement>(
+        data_->database, "SELECT solver_id FROM answers WHERE problem_id = ? AND part = 0 ORDER BY 1");
+  }
+  data_->done->bind(1, problem_id);
+  std::vector<std::int64_t> solvers;
+  while (data_->done->step()) solvers.push_back(data_->done->integer(0));
+  data_->done->reset();
+  return solvers;
+}
+
+std::int64_t Store::cell_count() {
+  return data_->database.integer(
+      "SELECT IFNULL(SUM(s.cells), 0) FROM answers a JOIN solvers s ON s.id = a.solver_id WHERE a.part = 0");
+}
+
+std::vector<std::pair<std::int64_t, std::string>> Store::sets() {
+  Statement query(data_->database, "SELECT id, name FROM sets ORDER BY name");
+  std::vector<std::pair<std::int64_t, std::string>> rows;
+  while (query.step()) rows.emplace_back(query.integer(0), query.text(1));
+  return rows;
+}
+
+std::vector<StoredSolver> Store::solvers() {
+  Statement query(data_->database, fmt::format("SELECT id, {0} FROM solvers ORDER BY {0}, id", kSolverColumnNames));
+  std::vector<StoredSolver> rows;
+  while (query.step()) {
+    const std::int64_t id = query.integer(0);
+    rows.push_back({id, read_solver(query, 1), read_cells(data_->database, id)});
+  }
+  return rows;
+}
+
+std::vector<std::string> Store::runs() {
+  Statement query(data_->database, "SELECT provenance FROM runs ORDER BY started, id");
+  std::vector<std::string> rows;
+  while (query.step()) rows.emplace_back(query.text(0));
+  return rows;
+}
+
+void Store::for_each_problem(const std::function<void(const ProblemRow&)>& visit) {
+  Statement query(
+      data_->database,
+      "SELECT id, set_id, seed, trial, kind, n, ngc, nc, hash, theory FROM problems ORDER BY set_id, seed, trial");
+  ProblemRow row;
+  while (query.step()) {
+    row.id = query.integer(0);
+    row.set_id = query.integer(1);
+    row.seed = static_cast<std::uint64_t>(query.integer(2));
+    row.trial = query.integer(3);
+    row.kind = query.text(4);
+    row.n = query.integer(5);
+    row.ngc = query.integer(6);
+    row.nc = query.integer(7);
+    row.hash = query.text(8);
+    row.theory = query.text(9);
+    visit(row);
+  }
+}
+
+void Store::for_each_answer(const std::function<void(const StoredAnswer&)>& visit) {
+  Statement query(
+      data_->database,
+      fmt::format(
+          "SELECT j.problem_id, j.solver_id, j.part, j.cells, j.set_id, j.seed, j.trial, j.n, j.claim, j.truth, "
+          "j.verdict, v.usable, v.solved, v.criterion, v.worst_row, {}, {} FROM judged j "
+          "JOIN verdicts v USING (problem_id, solver_id, part) "
+          "JOIN timings t USING (problem_id, solver_id, part) ORDER BY j.problem_id, j.solver_id, j.part",
+          kErrorColumnNames, kTimeColumnNames));
+  StoredAnswer row;
+  while (query.step()) {
+    row.problem_id = query.integer(0);
+    row.solver_id = query.integer(1);
+    row.part = query.integer(2);
+    row.cells = query.integer(3);
+    row.set_id = query.integer(4);
+    row.seed = static_cast<std::uint64_t>(query.integer(5));
+    row.trial = query.integer(6);
+    row.n = query.integer(7);
+    row.claim = stored_claim(data_->database, query.text(8));
+    row.truth = parse_truth(query.text(9));
+    row.verdict = stored_verdict(data_->database, query.text(10));
+    row.errors.usable = query.integer(11) != 0;
+    row.errors.solved = query.integer(12) != 0;
+    row.errors.criterion = query.integer(13) != 0;
+    row.errors.worst = {.row = query.is_null(14) ? -1 : query.integer(14)};
+    int column = 15;
+    for (const auto error : kErrorColumns) row.errors.*error = query.real(column++);
+    for (const auto time : kTimeColumns) row.times.*time = query.real(column++);
+    row.verify_s = query.real(column++);
+    row.times.repeats = static_cast<int>(query.integer(column));
+    visit(row);
+  }
+}
+
+std::optional<Answer> Store::answer(std::int64_t problem_id, std::int64_t solver_id, std::uint32_t cell) {
+  Statement query(data_->database,
+                  "SELECT claim, iterations, pivots, factorizations, detail, z.data, velocity.data, farkas.data "
+                  "FROM answers a JOIN cell_groups g ON g.group_id = a.group_id AND g.cell = ? "
+                  "LEFT JOIN vectors z ON z.id = a.z LEFT JOIN vectors velocity ON velocity.id = a.velocity "
+                  "LEFT JOIN vectors farkas ON farkas.id = a.farkas WHERE problem_id = ? AND solver_id = ?");
+  query.bind(1, static_cast<std::int64_t>(cell));
+  query.bind(2, problem_id);
+  query.bind(3, solver_id);
+  if (!query.step()) return std::nullopt;
+  Answer answer;
+  answer.claim = stored_claim(data_->database, query.text(0));
+  answer.counters = {query.integer(1), query.integer(2), query.integer(3)};
+  answer.detail = query.text(4);
+  Vector* const vectors[] = {&answer.z, &answer.velocity, &answer.farkas};
+  for (int i = 0; i < 3; ++i) {
+    if (!query.is_null(5 + i)) {
+      *vectors[i] = from_store(data_->database, [&] { return decode_vector(query.blob(5 + i)); });
+    }
+  }
+  return answer;
+}
+
+const std::filesystem::path& Store::file() const { return data_->database.file(); }
+sqlite::Database& Store::database() { return data_->database; }
+
+}  // namespace lcpbench

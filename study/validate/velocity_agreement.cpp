@@ -1,0 +1,64 @@
+#include "study/validate/velocity_agreement.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <variant>
+
+namespace lcpbench {
+namespace {
+
+double condition(const Matrix& definite) {
+  const Eigen::SelfAdjointEigenSolver<Matrix> spectrum(definite, Eigen::EigenvaluesOnly);
+  const Vector& values = spectrum.eigenvalues();
+  return values(values.size() - 1) / values(0);
+}
+
+Matrix lower_factor(const Matrix& definite) { return Eigen::LLT<Matrix>(definite).matrixL(); }
+
+}  // namespace
+
+bool VelocityAgreement::applies(const Problem& problem, bool definite) {
+  const ContactProblem* contact = problem.contact();
+  return contact != nullptr && definite && !contact->frictional() && contact->ngc() > 0 && contact->ngc() <= kLargest;
+}
+
+VelocityAgreement::VelocityAgreement(const Problem& problem) : problem_(problem) {
+  const ContactProblem& contact = *problem.contact();
+  const auto* given = std::get_if<InverseInertia>(&contact.inertia);
+  inverse_ = given != nullptr;
+  const Matrix matrix = inverse_ ? given->Ginv : dense_inertia(contact.inertia);
+  factor_ = lower_factor(matrix);
+  rounding_ = static_cast<double>(contact.ngc()) * std::numeric_limits<double>::epsilon() * condition(matrix);
+  velocity_before_ = whiten(contact.v).norm();
+}
+
+// G = L L': ||u||_G = |L'u|. G* = L L': ||u||_G = |L^-1 u|.
+Vector VelocityAgreement::whiten(const Vector& velocity) const {
+  const auto lower = factor_.triangularView<Eigen::Lower>();
+  return inverse_ ? Vector(lower.solve(velocity)) : Vector(lower.transpose() * velocity);
+}
+
+VelocityAgreement::Side VelocityAgreement::side(const Answer& answer, const Errors& errors) const {
+  const ContactProblem& contact = *problem_.contact();
+  const Vector implied = post_impact_velocity(contact, answer.z);
+  Side side;
+  side.velocity = whiten(answer.velocity.size() == contact.ngc() ? answer.velocity : implied);
+  side.impulses = answer.z.cwiseAbs().sum();
+  side.slacks = (to_dense(contact.N).transpose() * implied).cwiseAbs().sum();
+  side.complementarity = std::fabs(errors.complementarity_j);
+  side.violation = errors.violation_m_per_s;
+  side.negativity = std::max(0.0, -errors.min_z);
+  return side;
+}
+
+bool VelocityAgreement::agree(const Side& a, const Side& b) const {
+  const double gap = a.complementarity + b.complementarity + a.impulses * b.violation + b.impulses * a.violation +
+                     a.negativity * b.slacks + b.negativity * a.slacks;
+  const double rounding = rounding_ * (velocity_before_ + a.velocity.norm() + b.velocity.norm());
+  return (a.velocity - b.velocity).norm() <= std::sqrt(gap) + rounding;
+}
+
+}  // namespace lcpbench
