@@ -376,6 +376,8 @@ TEST_F(StabilityCommandTest, GivesTheSameTableTwiceAndRefusesWhatItDoesNotKnow) 
   ASSERT_EQ(run(arguments), 0);
   EXPECT_EQ(nlohmann::json::parse(text("out"))["cells"], first["cells"]);
   EXPECT_EQ(run("--set planted/definite --solver lemke --trials 1"), 0);
+  EXPECT_NE(text("out").find("1 problem of 1 set: 0 of 1 solver break"), std::string::npos) << text("out");
+  EXPECT_EQ(run("--set planted/definite --solver lemke --trials 1 --long"), 0);
   EXPECT_NE(text("out").find("still solved"), std::string::npos);
   EXPECT_EQ(run("--set nosuch"), 2);
   EXPECT_EQ(run("--solver nosuch"), 2);

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -172,11 +173,21 @@ std::vector<SetInfo> matching_sets(const std::string& pattern) {
   return found;
 }
 
+/// Sets of one problem each: too many to be named in a list that is to be taken in at a glance.
+constexpr std::string_view kHardCases = "hard/";
+
 void print_set_names(const std::vector<SetInfo>& sets, int width) {
   GroupedNames names;
+  std::string family;
   for (const SetInfo& info : sets) {
     const std::size_t slash = info.name.rfind('/') + 1;
-    names.add(info.name.substr(0, slash), info.name.substr(slash));
+    const std::string folder = info.name.substr(0, slash);
+    if (!folder.starts_with(kHardCases)) {
+      names.add(folder, info.name.substr(slash));
+    } else if (family != folder) {
+      names.add(std::string(kHardCases), folder.substr(kHardCases.size()) + "*");
+      family = folder;
+    }
   }
   say(stdout, "{}{}", names.text("sets", "", width),
       folded("What a set holds, its source and its options: lcpbench sets NAME, with * and ?. Of all: --long.\n",

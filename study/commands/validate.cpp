@@ -148,7 +148,23 @@ std::vector<std::string> count_cells(const PairCounts& pair) {
   return cells;
 }
 
-void print_matrix(const std::vector<PairCounts>& pairs, int width) {
+/// Each of ours against all of its references together.
+std::vector<PairCounts> over_all_references(const std::vector<PairCounts>& pairs) {
+  std::vector<PairCounts> sums;
+  std::map<std::string, std::size_t> references;
+  for (const PairCounts& pair : pairs) {
+    auto known =
+        std::find_if(sums.begin(), sums.end(), [&](const PairCounts& sum) { return sum.native == pair.native; });
+    if (known == sums.end()) {
+      known = sums.insert(sums.end(), PairCounts{.set = "", .native = pair.native, .reference = ""});
+    }
+    for (std::size_t i = 0; i < pair.counts.size(); ++i) known->counts[i] += pair.counts[i];
+    known->reference = counted_noun(++references[pair.native], "reference");
+  }
+  return sums;
+}
+
+void print_matrix(const std::vector<PairCounts>& pairs, const Extent& extent) {
   using Align = TextTable::Align;
   TextTable table({{"ours", Align::kLeft},
                    {"reference", Align::kLeft},
@@ -159,14 +175,15 @@ void print_matrix(const std::vector<PairCounts>& pairs, int width) {
                    {"both wrong", Align::kRight, 1},
                    {"undecided", Align::kRight, 2}});
   std::string last;
-  for (const PairCounts& pair : over_all_sets(pairs)) {
-    if (!last.empty() && pair.native != last) table.add_gap();
+  const std::vector<PairCounts> sums = over_all_sets(pairs);
+  for (const PairCounts& pair : extent.all ? sums : over_all_references(sums)) {
+    if (extent.all && !last.empty() && pair.native != last) table.add_gap();
     std::vector<std::string> row{pair.native == last ? "" : pair.native, pair.reference};
     for (std::string& cell : count_cells(pair)) row.push_back(std::move(cell));
     table.add_row(std::move(row));
     last = pair.native;
   }
-  say(stdout, "{}", table.text(width));
+  say(stdout, "{}", table.text(extent.width()));
 }
 
 /// Told before hours are spent on answers: a folder that cannot be made. Makes nothing.
@@ -266,7 +283,7 @@ int run_validation(const Arguments& arguments) {
   if (arguments.format == "json") {
     print_json({{"provenance", origin}, {"pairs", pairs_json(validation.pairs)}, {"ok", !validation.ours_wrong()}});
   } else {
-    print_matrix(validation.pairs, arguments.extent.width());
+    print_matrix(validation.pairs, arguments.extent);
     print_verdict(validation);
   }
   const bool saved = !arguments.out_given || !arguments.out.empty();
@@ -307,6 +324,7 @@ Action add_validate_command(CLI::App& command, const std::string& command_line) 
   const CLI::Option* out = command.add_option("--out", arguments->out,
                                               "folder for some of the problems on which two disagree; '' for none\n"
                                               "(default: a new one among the temporary files, which is named)");
+  add_long_option(command, arguments->extent, "show each of ours with each reference, not the sums alone");
   add_wide_option(command, arguments->extent);
   add_format_option(command, arguments->format);
   command.footer(
