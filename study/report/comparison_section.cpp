@@ -196,7 +196,11 @@ std::string comparison_section(const Summary& summary, const std::vector<SetComp
                         "</details>\n";
   for (const SetComparison& comparison : comparisons) {
     section += "<details><summary>" + set_line(summary, comparison) + "</summary>\n";
-    section += solvers_table(summary, comparison) + figure_html(figures.time_ecdf, comparison.set);
+    section += solvers_table(summary, comparison);
+    if (const auto figure = figures.time_ecdf.find(comparison.set); figure != figures.time_ecdf.end()) {
+      section += "<p class=\"note\"><a href=\"" + figure->second.file +
+                 "\">Picture: share of the problems solved within a time</a>.</p>\n";
+    }
     section += portfolio_part(summary, comparison) + "</details>\n";
   }
   return section + "</section>\n";
