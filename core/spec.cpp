@@ -7,7 +7,7 @@
 namespace lcpbench {
 namespace {
 
-std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"; }
+std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
 
 std::string_view trimmed(std::string_view text) {
   const auto first = text.find_first_not_of(" \t\n\r");
@@ -33,13 +33,13 @@ std::vector<std::string> split_top_level(std::string_view text) {
   int depth = 0;
   for (std::size_t i = 0; i < text.size(); ++i) {
     if (text[i] == '{') ++depth;
-    if (text[i] == '}' && --depth < 0) throw InputError("unbalanced '}' in " + quoted(text));
+    if (text[i] == '}' && --depth < 0) throw InputError("unbalanced '}' in " + in_quotes(text));
     if (text[i] == ',' && depth == 0) {
       parts.emplace_back(trimmed(text.substr(begin, i - begin)));
       begin = i + 1;
     }
   }
-  if (depth != 0) throw InputError("missing '}' in " + quoted(text));
+  if (depth != 0) throw InputError("missing '}' in " + in_quotes(text));
   parts.emplace_back(trimmed(text.substr(begin)));
   return parts;
 }
@@ -49,26 +49,26 @@ Spec parse_spec(std::string_view whole) {
   Spec spec;
   const auto open = text.find('{');
   spec.name = std::string(trimmed(text.substr(0, open)));
-  if (spec.name.empty()) throw InputError("no name in " + quoted(whole));
+  if (spec.name.empty()) throw InputError("no name in " + in_quotes(whole));
   if (spec.name.find_first_of("}=,") != std::string::npos) {
-    throw InputError("unexpected character in the name " + quoted(spec.name));
+    throw InputError("unexpected character in the name " + in_quotes(spec.name));
   }
   if (open == std::string_view::npos) return spec;
-  if (text.back() != '}') throw InputError("text after the closing brace, or no closing brace, in " + quoted(whole));
+  if (text.back() != '}') throw InputError("text after the closing brace, or no closing brace, in " + in_quotes(whole));
   const std::string_view inside = text.substr(open + 1, text.size() - open - 2);
   if (trimmed(inside).empty()) return spec;
   for (const std::string& part : split_top_level(inside)) {
     const auto equals = part.find('=');
     if (equals == std::string::npos)
-      throw InputError("expected key=value, found " + quoted(part) + " in " + quoted(whole));
+      throw InputError("expected key=value, found " + in_quotes(part) + " in " + in_quotes(whole));
     std::string key(trimmed(std::string_view(part).substr(0, equals)));
     std::string value(trimmed(std::string_view(part).substr(equals + 1)));
     if (key.empty() || key.find_first_of("{}") != std::string::npos) {
-      throw InputError("bad key in " + quoted(part) + " in " + quoted(whole));
+      throw InputError("bad key in " + in_quotes(part) + " in " + in_quotes(whole));
     }
     const bool repeated =
         std::any_of(spec.options.begin(), spec.options.end(), [&](const auto& option) { return option.first == key; });
-    if (repeated) throw InputError("key '" + key + "' given twice in " + quoted(whole));
+    if (repeated) throw InputError("key '" + key + "' given twice in " + in_quotes(whole));
     spec.options.emplace_back(std::move(key), std::move(value));
   }
   return spec;
