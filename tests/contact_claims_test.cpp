@@ -435,8 +435,9 @@ ContactProblem on_dependent_factors(const Matrix& rows, const Vector& alpha) {
 }
 
 // Rounding makes such factors independent; what then was taken for G* was rounding as a whole, but not large.
-// Inverse inertia of a light body beside that of a heavy one, which is nearly singular: the heavy body's small pivots lie below
-// the rounding of the light one's entries, and are no rounding. active_set and velocity_ipm had rho 1.3e-3 here.
+// Inverse inertia of a light body beside that of a heavy one, which is nearly singular: the heavy body's small pivots
+// lie below the rounding of the light one's entries, and are no rounding. active_set and velocity_ipm had rho 1.3e-3
+// here.
 TEST(ContactClaimsTest, HoldWhereALightBodyStandsBesideAHeavyOne) {
   Matrix Ginv = Matrix::Zero(6, 6);
   Ginv.topLeftCorner(3, 3) << 388590.03085062327, 228328.05640414017, -22925.26488201208, 228328.05640414017,
