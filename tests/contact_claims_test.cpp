@@ -380,13 +380,18 @@ TEST(ContactClaimsTest, DoNotTakeAProductOfTwoUlpsForNothing) {
   const Vector v{{0, 0, -1}};
   const Vector normal{{-(1 - ulp), 1, 0.5}};
   const Problem alone = contacts(v, normal, inertia);
-  Matrix N(3, 2);
-  N << normal, Vector{{0, 0, 1}};
-  const Problem beside_an_immovable_one = contacts(v, N, inertia);
-  for (const std::string& solver : kOnContacts) {
-    EXPECT_NE(solve(solver, alone).claim, Claim::kUnsolvable) << solver;
-    expect_no_false_proof(solver, beside_an_immovable_one);
-  }
+  for (const std::string& solver : kOnContacts) EXPECT_NE(solve(solver, alone).claim, Claim::kUnsolvable) << solver;
+}
+
+// To 113 bits the first normal is one that nothing moves, as the second is. Only the second is a proof.
+TEST(ContactClaimsTest, GiveProofsThatHoldWithoutRounding) {
+  const double ulp = 0x1p-52;
+  const Inertia inertia = FactoredInertia{Matrix{{1 + ulp}, {1}, {0}, {1}, {1}}, Vector::Ones(1)};
+  Matrix N(5, 2);
+  N << Vector{{-(1 - ulp), 1, 0.5, 0x1p8, -0x1p8}}, Vector{{0, 0, 1, 0, 0}};
+  const Problem problem = contacts(Vector{{0, 0, -1, 0, 0}}, N, inertia);
+  for (const std::string& solver : kOnContacts) expect_no_false_proof(solver, problem);
+  EXPECT_EQ(solve("active_set", problem).claim, Claim::kUnsolvable);
 }
 
 /// B'B of integers, in which no digit is lost. Its determinant is one, or zero where it is singular.
@@ -435,8 +440,9 @@ ContactProblem on_dependent_factors(const Matrix& rows, const Vector& alpha) {
 }
 
 // Rounding makes such factors independent; what then was taken for G* was rounding as a whole, but not large.
-// Inverse inertia of a light body beside that of a heavy one, which is nearly singular: the heavy body's small pivots lie below
-// the rounding of the light one's entries, and are no rounding. active_set and velocity_ipm had rho 1.3e-3 here.
+// Inverse inertia of a light body beside that of a heavy one, which is nearly singular: the heavy body's small pivots
+// lie below the rounding of the light one's entries, and are no rounding. active_set and velocity_ipm had rho 1.3e-3
+// here.
 TEST(ContactClaimsTest, HoldWhereALightBodyStandsBesideAHeavyOne) {
   Matrix Ginv = Matrix::Zero(6, 6);
   Ginv.topLeftCorner(3, 3) << 388590.03085062327, 228328.05640414017, -22925.26488201208, 228328.05640414017,

@@ -294,8 +294,8 @@ bool ActiveSet::is_proven_singular() {
   return farkas_support_.proves_unsolvable(*problem().contact(), G, v_.data(), support_);
 }
 
-/// Replaces u by small integers in the same proportion when there are such. @returns whether they prove that there is no
-/// solution
+/// Replaces u by small integers in the same proportion when there are such. @returns whether they prove that there is
+/// no solution
 bool ActiveSet::round_to_proof(Eigen::Ref<Vector> u) {
   constexpr int kLargestMultiple = 64;
   constexpr double kRounding = 1e-6;

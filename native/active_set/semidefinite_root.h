@@ -53,8 +53,8 @@ class SemidefiniteRoot {
     return find_of_range();
   }
 
-  /// Of G*, singular to within `cut`, each coordinate by its own diagonal entry: a heavy body beside a light one must not
-  /// count as a body that nothing moves.
+  /// Of G*, singular to within `cut`, each coordinate by its own diagonal entry: a heavy body beside a light one must
+  /// not count as a body that nothing moves.
   [[gnu::noinline]] bool find_of_inverse(const double* inverse, Scalar cut) {
     if (!read_diagonal(inverse)) return false;
     if (!factor_semidefinite(inverse, cut)) return false;

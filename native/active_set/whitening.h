@@ -191,7 +191,7 @@ class Whitening {
   template <int kPacks>
   [[gnu::noinline]] void solve_in_registers(Scalar* x) {
     typename L::Pack packs[2] = {L::load(x), L::load(x + (kPacks - 1) * L::kWidth)};
-    solve_up_from<kPacks * static_cast<int>(L::kWidth) - 1>(packs);
+    solve_up_from<kPacks* static_cast<int>(L::kWidth) - 1>(packs);
     take_solution(x);
   }
 

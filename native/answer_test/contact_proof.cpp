@@ -19,8 +19,8 @@ constexpr double kTiny = 0x1p-1000;
 
 }  // namespace
 
-/// Whether K'(v + X y) > 0, or K'X y > 0, by more than the rounding in these sums, for the dual solution y. What products
-/// lose to underflow is less than the rounding of kTiny.
+/// Whether K'(v + X y) > 0, or K'X y > 0, by more than the rounding in these sums, for the dual solution y. What
+/// products lose to underflow is less than the rounding of kTiny.
 bool ContactSolvability::lifts_all(const Program<double>& program, bool from_v) {
   const Index ngc = X_->rows();
   auto lift = lift_.head(ngc);
@@ -155,7 +155,8 @@ bool ContactSolvability::proves_unsolvable(const Program<double>& program) {
   return value < -1.1 * rounding;
 }
 
-/// Whether the normals whose shares in the last basis are above `noise` prove that there is no solution. Keeps the proof.
+/// Whether the normals whose shares in the last basis are above `noise` prove that there is no solution. Keeps the
+/// proof.
 bool ContactSolvability::proves_unsolvable(const Program<Quad>& program, Quad noise) {
   support_.clear();
   for (Index r = 0; r < program.rows; ++r) {

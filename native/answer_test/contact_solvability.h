@@ -21,9 +21,9 @@ namespace lcpbench {
 /// Both are decided by the linear program min v'K u, X'K u = 0, sum u = 1, u >= 0, by the simplex method in double. It
 /// decides where the dual solution y satisfies all inequalities by more than any rounding, or where the u of the exact
 /// system of the last basis is positive and falls by more than its computed neighbour may be off. Else 113 bits decide.
-/// That there is no solution has to be proven there too, for the data as they are (FarkasSupport). For a solution a value
-/// of the size of rounding counts as zero, unless small pivots enlarge the rounding: then nothing is decided. X of full
-/// row rank reaches all: there is a solution.
+/// That there is no solution has to be proven there too, for the data as they are (FarkasSupport). For a solution a
+/// value of the size of rounding counts as zero, unless small pivots enlarge the rounding: then nothing is decided. X
+/// of full row rank reaches all: there is a solution.
 class ContactSolvability {
  public:
   enum class Finding { kSolvable, kUnsolvable, kUnknown };
@@ -130,9 +130,9 @@ class ContactSolvability {
   Vector proof_;                          // nc
   std::vector<Index> support_;            // the normals that have part in it
   FarkasSupport farkas_support_;
-  Vector lift_, lift_terms_;              // ngc: X y and a bound on its terms
-  Vector coordinate_size_;                // ngc: the largest scaled entry of X in the row
-  Matrix basis_columns_, basis_terms_;    // of the last basis in double, by column, and the magnitudes they add up
+  Vector lift_, lift_terms_;            // ngc: X y and a bound on its terms
+  Vector coordinate_size_;              // ngc: the largest scaled entry of X in the row
+  Matrix basis_columns_, basis_terms_;  // of the last basis in double, by column, and the magnitudes they add up
   Vector basis_costs_, basis_cost_terms_;
   std::unique_ptr<double[]> double_;
   std::unique_ptr<Quad[]> quad_;

@@ -226,8 +226,8 @@ bool FarkasSupport::invert_system() {
   return true;
 }
 
-/// Whether the exact system B u = e, e the last unit vector, has a solution u > 0 with v'N u < 0. With R about the inverse
-/// of B and |I - R B| < 1, u is off by at most |R| |B u~ - e| / (1 - |I - R B|).
+/// Whether the exact system B u = e, e the last unit vector, has a solution u > 0 with v'N u < 0. With R about the
+/// inverse of B and |I - R B| < 1, u is off by at most |R| |B u~ - e| / (1 - |I - R B|).
 bool FarkasSupport::encloses_negative(const double* v) {
   const Quad sums = static_cast<Quad>(4 * kQuadUnitRoundoff * static_cast<double>(X_->rows() + order_ + 4));
   constexpr Quad kRoom = 0x1.2p0;  // for the rounding of the bounds themselves
@@ -267,8 +267,8 @@ bool FarkasSupport::encloses_negative(const double* v) {
     Quad cost = 0;
     Quad terms = 0;
     for_each_entry(contact_->N, normal(j), [&](Index i, double entry) {
-      const Quad term = scaled(static_cast<Quad>(entry) * static_cast<Quad>(v[i]),
-                               column_exponent_[static_cast<std::size_t>(j)]);
+      const Quad term =
+          scaled(static_cast<Quad>(entry) * static_cast<Quad>(v[i]), column_exponent_[static_cast<std::size_t>(j)]);
       cost += term;
       terms += magnitude(term);
     });
@@ -303,9 +303,9 @@ bool FarkasSupport::lacks_rank() {
   const std::size_t primes = bits_of_minors() / kBitsOfPrime + 1;
   const auto rows = static_cast<double>(X_->rows());
   const auto columns = static_cast<double>(order_);
-  const double work = static_cast<double>(X_->cols()) *
-                          (rows * (kOfResidue + columns) + columns * (kOfResidue + columns)) +
-                      kOfResidue * rows * columns;
+  const double work =
+      static_cast<double>(X_->cols()) * (rows * (kOfResidue + columns) + columns * (kOfResidue + columns)) +
+      kOfResidue * rows * columns;
   if (static_cast<double>(primes) * work > kMostWork) return false;
   std::uint64_t prime = kAbovePrimes - 1;
   for (std::size_t found = 0; found < primes; prime -= 2) {

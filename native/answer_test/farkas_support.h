@@ -14,7 +14,8 @@ namespace lcpbench {
 ///
 /// - With A = X'N of the given normals, some of A's rows and sum u = 1 are a square system. 113 bits enclose its only
 ///   solution. [Rump 1983]
-/// - A has no full column rank, so that the other rows vanish at that solution too: but for powers of two, the minors of
+/// - A has no full column rank, so that the other rows vanish at that solution too: but for powers of two, the minors
+/// of
 ///   A are integers, and they are zero if they are zero modulo primes whose product exceeds the bound of Hadamard.
 class FarkasSupport {
  public:
@@ -46,12 +47,12 @@ class FarkasSupport {
   const ContactProblem* contact_ = nullptr;
   const Eigen::Ref<const Matrix>* X_ = nullptr;
   const std::vector<Index>* normals_ = nullptr;
-  Index order_ = 0;                                // of the square system: the number of normals
+  Index order_ = 0;                                  // of the square system: the number of normals
   std::vector<int> row_exponent_, column_exponent_;  // powers of two that bring the terms of A to at most about one
-  std::vector<Index> rows_;                        // of A in the square system
-  std::vector<char> is_chosen_;                    // by row of A
-  std::vector<Quad> eliminated_;                   // A, while rows are chosen
-  std::vector<Quad> system_, terms_, inverse_;     // the system, the magnitudes its entries add up, its inverse
+  std::vector<Index> rows_;                          // of A in the square system
+  std::vector<char> is_chosen_;                      // by row of A
+  std::vector<Quad> eliminated_;                     // A, while rows are chosen
+  std::vector<Quad> system_, terms_, inverse_;       // the system, the magnitudes its entries add up, its inverse
   std::vector<std::uint64_t> residues_of_X_, residues_;
 };
 

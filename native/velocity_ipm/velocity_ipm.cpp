@@ -27,9 +27,9 @@ struct VelocityIpmSettings {
 ///
 /// Finish. Dense: the dual active-set method from the contacts that are pressed. Sparse: InteriorPoint::finish().
 ///
-/// kSolved: the velocity residual, computed from z alone, is within accept_residual, and the answer passes AnswerTest or
-/// the test of the active set;
-/// kUnsolvable: shown by the finish; kNumericalFailure: it is not, with what ended the iteration.
+/// kSolved: the velocity residual, computed from z alone, is within accept_residual, and the answer passes AnswerTest
+/// or the test of the active set; kUnsolvable: shown by the finish; kNumericalFailure: it is not, with what ended the
+/// iteration.
 class VelocityIpm final : public Solver {
  public:
   explicit VelocityIpm(const VelocityIpmSettings& settings)
