@@ -84,7 +84,7 @@ std::string folded_help(const std::string& help) {
 class CommandLine {
  public:
   explicit CommandLine(const std::string& typed)
-      : app_("Compares LCP and contact solvers, verified by code that trusts none.") {
+      : app_("Compares LCP and contact solvers. Code that is independent of all solvers checks every answer.") {
     app_.name("lcpbench");
     app_.set_version_flag("--version", std::string("lcpbench ") + kBuildInfo.version);
     app_.require_subcommand(1);
@@ -92,9 +92,9 @@ class CommandLine {
     add("solvers", "List every solver, also those that cannot run here", add_solvers_command);
     add("sets", "List every problem set", add_sets_command);
     add("generate", "Write problems of a set as files", add_generate_command);
-    add("inspect", "Say what problem files are, and what looks wrong or hard in them", add_inspect_command);
+    add("inspect", "Print the properties of problems, and warn of mistakes and difficulties", add_inspect_command);
     add("solve", "Solve problem files and verify the answers", add_solve_command);
-    add("certify", "Prove what is true of problem files, or of a study's problems",
+    add("certify", "Prove whether problems have a solution",
         [&](CLI::App& command) { return add_certify_command(command, typed); });
     add("run", "Run a study into a store; resumes by default",
         [&](CLI::App& command) { return add_run_command(command, typed); });

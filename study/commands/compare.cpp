@@ -80,14 +80,14 @@ Action add_compare_command(CLI::App& command) {
   command.add_option("B", arguments->b, "store to judge: the newer one; may be A with --solver-b")->required();
   command.add_option("--set", arguments->options.sets, "set name or glob; may be repeated; default all")
       ->allow_extra_args(false);
-  const auto solver_a =
-      command.add_option("--solver-a", arguments->options.solver_a, "compare only this solver, as the store spells it");
-  command.add_option("--solver-b", arguments->options.solver_b, "with this one of B; default the same")
+  const auto solver_a = command.add_option("--solver-a", arguments->options.solver_a,
+                                           "compare only this solver of A, spelt as in the report");
+  command.add_option("--solver-b", arguments->options.solver_b, "... with this solver of B; default: the same")
       ->needs(solver_a);
   command.add_flag("--fail-on-regression", arguments->fail_on_regression,
                    "exit with 1 when B solves significantly fewer problems or makes any new false claim");
   command.add_flag("--fail-on-slower", arguments->fail_on_slower, "exit with 1 when B is significantly slower");
-  add_long_option(command, arguments->extent, "show every set and solver, not the gravest changes alone");
+  add_long_option(command, arguments->extent, "show every set and solver, not only the largest changes");
   add_wide_option(command, arguments->extent);
   add_format_option(command, arguments->format);
   command.footer(

@@ -47,8 +47,8 @@ Action add_inspect_command(CLI::App& command) {
   add_wide_option(command, arguments->extent);
   add_format_option(command, arguments->format);
   command.footer(
-      "Size, symmetry, definiteness, rank, conditioning, redundancy, scaling, and what looks like a slip in the "
-      "data: what to know before blaming a solver. Nothing is solved; warnings do not change the exit code. A file "
+      "Prints size, symmetry, definiteness, rank, conditioning, redundancy and scaling, and warns of probable mistakes "
+      "in the data. Solves nothing. Warnings do not change the exit code. A file "
       "that cannot be read does not stop the others; the exit code is then 2. See docs/reference/inspect.md.");
   return [arguments] { return inspect_files(*arguments); };
 }

@@ -33,9 +33,11 @@ int merge(const Arguments& arguments) {
 
 Action add_merge_command(CLI::App& command) {
   const auto arguments = std::make_shared<Arguments>();
-  command.add_option("OUT", arguments->out, "store to write; an existing one takes part")->required();
+  command.add_option("OUT", arguments->out, "store to write; if it exists, it is joined with the others")->required();
   command.add_option("IN", arguments->inputs, "stores to join")->required();
-  command.footer("Equal to the unsharded run but for timings. Exit code 1, and nothing written, when stores disagree.");
+  command.footer(
+      "The result equals that of the unsharded run, except for times. If stores contradict each other, nothing is "
+      "written and the exit code is 1.");
   return [arguments] { return merge(*arguments); };
 }
 

@@ -36,7 +36,7 @@ Action add_report_command(CLI::App& command) {
   command.add_option("STORE", arguments->store, "store that `lcpbench run` wrote")->required();
   command.add_option("--out", arguments->out, "folder for report.html, summary.json, tables and figures")
       ->capture_default_str();
-  command.footer("Solves nothing again. Also serves the store of a study that is still running.");
+  command.footer("Solves nothing again. The study may still be running.");
   return [arguments] { return run_report(*arguments); };
 }
 

@@ -282,7 +282,7 @@ Action add_run_command(CLI::App& command, const std::string& command_line) {
   add_wide_option(command, arguments->extent);
   command.footer(
       "Every finished cell (set x trial x solver) is kept: an interrupted run goes on where it stopped. Ctrl-C "
-      "ends in good order (exit code 3), a second one at once. docs/reference/plans.md documents plan files.");
+      "saves and ends (exit code 3); a second Ctrl-C ends at once. docs/reference/plans.md documents plan files.");
   return [arguments] { return run(*arguments); };
 }
 

@@ -331,7 +331,7 @@ Action add_solve_command(CLI::App& command) {
   add_wide_option(command, arguments->extent);
   add_format_option(command, arguments->format);
   command.footer(
-      "claim: what the solver says. verdict: what the problem's data say of its answer. A file that cannot be read "
+      "claim: what the solver says. verdict: lcpbench's own check of the answer. A file that cannot be read "
       "does not stop the others; the exit code is then 2. Ctrl-C shows the answers so far (exit code 3).");
   return [arguments] { return solve(*arguments); };
 }

@@ -303,7 +303,7 @@ Action add_validate_command(CLI::App& command, const std::string& command_line) 
   arguments->command_line = command_line;
   command
       .add_option("--set", arguments->sets,
-                  "problem set or glob, every problem of it to every solver; may be repeated\n(default: small rigid "
+                  "problem set or glob, run with every solver; may be repeated\n(default: small rigid "
                   "scenes, planted problems, and a selection of the paper's)")
       ->allow_extra_args(false);
   command
