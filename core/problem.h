@@ -14,7 +14,7 @@ enum class ProblemKind { kLcp, kContact, kScene };
 /// "lcp", "contact" or "scene": the words of the problem file.
 const char* to_string(ProblemKind kind);
 
-/// One problem, in the richest form that is known of it. Immutable; copies share the data; safe to read from many
+/// One problem, in the most detailed form that is known. Immutable; copies share the data; safe to read from many
 /// threads. A scene carries its contact problem; either carries its LCP, which is formed on first use only.
 class Problem {
  public:

@@ -10,15 +10,15 @@
 
 namespace lcpbench {
 
-/// What a solver says of its own answer. Never what we say: that is the verdict of the evaluation.
+/// The statement of a solver about its own answer. Our own statement is the verdict of the evaluation.
 enum class Claim {
   kSolved,            ///< z is a solution
-  kUnsolvable,        ///< no solution was found to exist (a ray, an infeasible system)
+  kUnsolvable,        ///< there is no solution (a ray, an infeasible system)
   kIterationLimit,    ///< stopped by its own limit on iterations or pivots
   kTimeLimit,         ///< stopped by SolveRequest::time_limit_s, or ended from outside for it
   kNumericalFailure,  ///< gave up: no usable pivot, a breakdown, an error code
   kUnsupported,       ///< the problem is outside what the solver takes; `detail` says why, and there are no vectors
-  kCrashed,           ///< died, or returned what is no answer; only workers report it
+  kCrashed,           ///< died, or returned an invalid answer; only workers report it
 };
 
 /// "solved", "unsolvable", "iteration_limit", "time_limit", "numerical_failure", "unsupported", "crashed".
@@ -43,7 +43,7 @@ struct Answer {
   std::string detail;  ///< one line, foreign status codes spelled out; may be empty
 };
 
-/// What a solver takes as input. Each implies the earlier ones can be derived by it, not that they are.
+/// The input that a solver takes. The earlier forms can be derived from each later one.
 enum class Needs { kDense, kFactored, kScene };
 
 /// "dense", "factored", "scene".
@@ -107,8 +107,8 @@ class Solver {
 /// NaN and infinite data are always refused.
 std::string why_not(const Capabilities& capabilities, const Problem& problem);
 
-/// A fresh copy of (q, M), formed from the factors where there are any. What a solver on matrices calls in on_load, so
-/// that its set-up time contains the forming of M whoever asked for it before.
+/// A fresh copy of (q, M), formed from the factors if there are any. Solvers on matrices call it in on_load, so that
+/// their set-up time always contains the forming of M.
 Lcp make_lcp(const Problem& problem);
 
 }  // namespace lcpbench

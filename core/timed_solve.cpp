@@ -10,7 +10,7 @@
 namespace lcpbench {
 namespace {
 
-/// A call that used less than this share of its wall clock was made to wait, or waits by itself.
+/// A call that used less CPU time than this share of its wall clock time spent most of the time waiting.
 constexpr double kLeastShare = 0.1;
 
 struct Stopwatch {
@@ -33,7 +33,7 @@ void time_once(Solver& solver, const Problem& problem, const SolveRequest& reque
   solve.stop(1, times.solve_wall_s, times.solve_cpu_s);
 }
 
-/// CPU time, since on a busy machine a short solve can be kept waiting; the share bounds what waiting costs again.
+/// The CPU time, since a short solve may wait on a busy machine; at least kLeastShare of the wall clock, to bound waits.
 double cost_of_repeating(const SolveTimes& times) {
   return std::max(times.setup_cpu_s + times.solve_cpu_s, kLeastShare * (times.setup_wall_s + times.solve_wall_s));
 }
@@ -92,7 +92,7 @@ void timed_solve(Solver& solver, const Problem& problem, const TimedRequest& req
     solver.solve(solve_request, again);
   }
   both.stop(times.repeats, times.solve_wall_s, times.solve_cpu_s);
-  // Of two measurements of nearly the same, the longer may come out as the shorter one.
+  // The set-up may seem to take longer than set-up and solve together, because both times are measured with noise.
   times.solve_wall_s = std::max(0.0, times.solve_wall_s - times.setup_wall_s);
   times.solve_cpu_s = std::max(0.0, times.solve_cpu_s - times.setup_cpu_s);
 }

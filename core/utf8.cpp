@@ -11,7 +11,7 @@ std::size_t length_by_first_byte(unsigned char first) {
   return first < 0xF5 ? 4 : 0;
 }
 
-/// U+0080 to U+009F are two bytes, the first of which is this.
+/// The first byte of the control characters U+0080 to U+009F, which have two bytes.
 constexpr char kFirstOfC1 = '\xC2';
 
 bool is_control(std::string_view character) {

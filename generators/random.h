@@ -21,7 +21,7 @@ struct TrialKey {
   std::uint64_t trial = 0;
 };
 
-/// What a draw is for. Each purpose has its own sequence, so that drawing more of one never shifts another.
+/// The purpose of a draw. Each purpose has its own sequence, so that more draws for one purpose never shift another.
 /// The numbers are part of the frozen layout (docs/reference/random-stream.md): never reuse or renumber one.
 enum class Purpose : std::uint64_t {
   kCoordinateCount = 1,

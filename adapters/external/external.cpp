@@ -50,8 +50,8 @@ struct ExternalSettings {
 
 /// Longest part of a command in a message.
 constexpr std::size_t kShownCommand = 200;
-/// The repeats of a problem, hand-over included, take at most so many times `repeat_until_s`: half of what the program
-/// that waits for this worker allows.
+/// The repeats of a problem, sending it included, take at most this number times `repeat_until_s`. That is half of the
+/// time that the main program allows this worker.
 constexpr double kPatience = 20.0;
 /// Repeats of one run: two runs on one problem, as `bench` makes them, do not use up its multiples.
 constexpr int kMostRepeats = external::kMultiples / 2 - 1;

@@ -169,14 +169,14 @@ std::string vector_difference(const char* field, const Vector& first, const Vect
   return std::string(field) + " is not the scaled " + field + " of the first answer";
 }
 
-/// What a program may claim: that it crashed is for others to say.
+/// The claim of a program. A program may not claim that it crashed.
 Claim parse_program_claim(const Json& json) {
   const std::string text = parse_text(json, "claim");
   try {
     const Claim claim = parse_claim(text);
     if (claim != Claim::kCrashed) return claim;
   } catch (const InputError&) {
-    // said below, for both
+    // the error below is the same for both cases
   }
   throw BadAnswer("claim: unknown: " + text.substr(0, 40));
 }

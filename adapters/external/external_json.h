@@ -12,7 +12,7 @@
 /// documents them.
 namespace lcpbench::external {
 
-/// What is wrong with an answer, in one clause.
+/// The fault of an answer, in one clause.
 class BadAnswer : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -57,10 +57,10 @@ void restore_signals() {
   }
 }
 
-/// What a child does to become the program, and can fail in.
+/// The steps by which a child becomes the program. Each of them can fail.
 enum class StartStep { kJoinGroup, kEnterFolder, kRun };
 
-/// What a child that failed tells its parent.
+/// The message of a child that failed to its parent.
 struct StartFailure {
   StartStep step = StartStep::kRun;
   int cause = 0;  ///< errno

@@ -51,10 +51,10 @@ class QuietProgram : public Ipopt::TNLP {
   Vector solution_;
 };
 
-/// What Ipopt says of a run, in our words: its two kinds of success are kSolved.
+/// Ipopt's status of a run as a claim. Both of its kinds of success are kSolved.
 Claim ipopt_claim(Ipopt::ApplicationReturnStatus status);
 
-/// What Ipopt is told of a program besides its settings.
+/// The properties of a program that Ipopt is told besides its settings.
 struct IpoptHints {
   bool constant_derivatives = true;  ///< linear constraints and a quadratic objective
   double mu_init = 0.1;              ///< the first barrier parameter; 0.1 is Ipopt's default

@@ -17,7 +17,7 @@ static_assert(sizeof(dReal) == sizeof(double), "needs ODE in double precision");
 /// Starts ODE with the first use; a process keeps it.
 void start_ode();
 
-/// What ODE said since this was last called; "" for nothing. ODE reports trouble in no other way.
+/// The messages of ODE since the last call; "" if there are none. ODE reports trouble in no other way.
 std::string take_ode_message();
 
 /// Bodies and contacts, with error reduction, damping, gravity and gyroscopic terms off: in a step of length 1 s force

@@ -175,7 +175,7 @@ std::optional<std::string> content_hash(const std::filesystem::path& file) {
 
 }  // namespace
 
-// What these two return gets into stores and reports: no folder of the user's, only the file's name.
+// Stores and reports show the texts of these two functions. So they name the file without the user's folder.
 
 std::string lcpbench_unavailable_path() {
   const std::filesystem::path file = users_library();

@@ -23,7 +23,7 @@ struct OutputInterface {
   void (*flush)(void* data, int mode) = nullptr;
 };
 
-/// The end of the structure Information: what follows its doubles. PATH's Boolean is an int.
+/// The end of the structure Information, after its doubles. PATH's Boolean is an int.
 struct InformationTail {
   int major_iterations = 0;
   int minor_iterations = 0;
@@ -133,7 +133,7 @@ struct PathLibrary::EntryPoints {
   double* (*MCP_GetX)(void* mcp);
   void (*MCP_Destroy)(void* mcp);
 
-  /// The errors name no folder: they get into reports.
+  /// The errors do not name the folder of the file, because reports show them.
   explicit EntryPoints(const std::string& file) {
     const std::string name = std::filesystem::path(file).filename();
     void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
@@ -190,7 +190,7 @@ void PathLibrary::set_options(const Options& options) {
   call_->Options_SetDouble(options_, "convergence_tolerance", options.tolerance);
   call_->Options_SetDouble(options_, "time_limit", time_limit_s);
   call_->Options_SetInt(options_, "major_iteration_limit", options.major_iterations);
-  // What the functions above return is not documented; what was stored is.
+  // The return values of the functions above are not documented. So read back what they stored.
   if (call_->Options_GetDouble(options_, "convergence_tolerance") != options.tolerance ||
       call_->Options_GetDouble(options_, "time_limit") != time_limit_s ||
       call_->Options_GetInt(options_, "major_iteration_limit") != options.major_iterations) {

@@ -10,7 +10,7 @@
 /// keeps its state in globals: one library per process, one thread.
 namespace lcpbench::path {
 
-/// What PATH takes for infinity.
+/// PATH's value for infinity.
 inline constexpr double kInfinity = 1e20;
 
 /// MCP_Interface. Builds of PATH differ in whether a slot for second derivatives follows `jacobian`; all slots after it
@@ -47,7 +47,7 @@ class PathLibrary {
   /// Everything at PATH's defaults but these. @throws std::runtime_error when PATH does not take one.
   void set_options(const Options& options);
 
-  /// Whether the licence in force covers a problem with n variables and so many nonzeros.
+  /// Whether the licence covers a problem with n variables and this number of nonzeros.
   bool licensed(int n, int entries);
 
   /// Solves one problem from the start that `callbacks` gives; fills in claim, z, counters and detail.

@@ -25,7 +25,8 @@ int ordering_method(CholmodOrdering ordering) {
   return CHOLMOD_NATURAL;
 }
 
-/// CHOLMOD's view of a lower triangle that stays ours. The library takes pointers to data that may change; it does not.
+/// CHOLMOD's view of a lower triangle that the caller owns. The library takes pointers to mutable data, but does not
+/// change the data.
 cholmod_sparse view_of(const SparseMatrix& lower) {
   cholmod_sparse view{};
   view.nrow = static_cast<std::size_t>(lower.rows());

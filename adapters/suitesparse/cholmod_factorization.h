@@ -15,7 +15,7 @@ enum class CholmodOrdering { kGiven, kAmd, kMetis };
 struct CholmodOptions {
   CholmodFactor factor = CholmodFactor::kAuto;
   CholmodOrdering ordering = CholmodOrdering::kGiven;
-  std::int64_t refinements = 1;  ///< x += A^-1 (b - A x), so many times after each solution
+  std::int64_t refinements = 1;  ///< steps x += A^-1 (b - A x) after each solution
 };
 
 /// CHOLMOD's Cholesky factorization, nothing added to the matrix. A pivot that is not positive (LL') or zero (LDL') is

@@ -16,7 +16,7 @@ struct GroupLimit {
   bool needed = true;  ///< false: where the system has no such file, there is nothing to limit
 };
 
-/// So many processes and threads may a program and all that it starts have.
+/// Limit on the processes and threads of a program and of all processes that it starts, together.
 inline constexpr int kGroupProcesses = 512;
 
 /// Memory, without swap beside it, and processes of a group.

@@ -33,7 +33,7 @@ namespace {
 
 constexpr int kExitUsage = 2;
 constexpr int kExitProtocol = 70;
-/// What a library may write to any one file; the stderr that the program reads is as long.
+/// Limit on the bytes that a library may write to one file. The stderr that the main program reads has the same limit.
 constexpr rlim_t kFileBytes = 4096;
 
 template <class Number>

@@ -9,7 +9,7 @@
 #include "core/problem.h"
 #include "core/timed_solve.h"
 
-/// What the main program and a worker process say to each other.
+/// The messages between the main program and a worker process.
 ///
 /// A request and its response lie in one shared memory region; short notices on a socket say when each is complete.
 /// Every message is a frame (magic, version, verb, sequence number, payload size) and a payload of 8-byte aligned
@@ -50,7 +50,7 @@ struct Response {
   bool retiring = false;  ///< the worker ends after this answer: an exception left it in doubt
 };
 
-/// What a worker says first.
+/// The first message of a worker.
 struct Greeting {
   std::vector<std::string> solvers;
   std::string failure;  ///< why the solver that it was started for cannot be made; "" when it was made

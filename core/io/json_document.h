@@ -9,7 +9,7 @@
 
 namespace lcpbench {
 
-/// What one field of a JSON object must hold.
+/// The required content of one field of a JSON object.
 enum class FieldType {
   kText,
   kNumber,

@@ -7,7 +7,7 @@
 
 #include "core/io/problem_io.h"
 
-// What is hashed is a stream of 64-bit words, least significant byte first. Every object begins with a tag, every list
+// The input is a stream of 64-bit words, least significant byte first. Every object begins with a tag, every list
 // and matrix with its sizes, so that no two problems share a stream. Matrices go column by column as (row, value) of
 // the entries that are not +0.0: dense and sparse storage of the same numbers hash alike, as do inertia blocks and the
 // block diagonal matrix, because a problem file does not tell them apart either.

@@ -170,7 +170,7 @@ double dense_numbers(const ContactProblem& problem) {
   return ngc * (columns + 4) + inertia_columns + 2 * static_cast<double>(problem.nc());
 }
 
-/// What the reader would refuse is not written.
+/// Refuses to write a problem that the reader would refuse.
 void check_dense_size(double numbers, const std::string& origin) {
   if (numbers <= static_cast<double>(kMaxNumbers)) return;
   throw input_error(origin, "too large for a problem file with dense matrices: " + format_real(numbers) +

@@ -7,8 +7,8 @@
 
 #include "generators/hard/hard.h"
 
-// What the formulas are written with. Sums of products are left to right; where a case says that its answer is exact,
-// every one of them is exact in doubles for all values of its dials.
+// The building blocks of the formulas. Sums of products are taken from left to right. If a case says that its answer is
+// exact, each of its sums is exact in doubles for all values of its dials.
 
 namespace lcpbench::hard {
 
@@ -21,7 +21,7 @@ struct OrderDial {
   void visit(auto&& field) { field("n", n, IntegerRange{kMin, kMax}, "order of M"); }
 };
 
-/// An odd order: what happens at even ones is another problem.
+/// An odd order; the formula gives a different kind of problem at even orders.
 template <std::int64_t kDefault, std::int64_t kMax>
 struct OddOrderDial {
   std::int64_t half = kDefault;
@@ -29,7 +29,7 @@ struct OddOrderDial {
   std::size_t order() const { return static_cast<std::size_t>(2 * half + 1); }
 };
 
-/// For problems of a fixed size: an exact change of unit, which no relative test can see.
+/// For problems of a fixed size: an exact change of unit, which does not affect a relative test.
 struct ScaleDial {
   std::int64_t scale = 0;
   void visit(auto&& field) {
@@ -79,7 +79,7 @@ HardTruth rounded_solution(Numbers z, HardUnique unique, std::string reason);
 HardTruth solvable(HardUnique unique, std::string reason);
 HardTruth unsolvable(Numbers farkas, std::string reason);
 HardTruth with_velocity(HardTruth truth, Numbers velocity);
-/// Why a contact problem is solvable, and a frictionless one has one velocity.
+/// The reason why a contact problem is solvable, and why a frictionless one has only one velocity.
 inline constexpr const char* kDefiniteInertia = "G is positive definite";
 
 // ---- cases ----

@@ -32,7 +32,7 @@ Numbers stack_masses(std::int64_t k, std::int64_t ratio, Order order) {
   return masses;
 }
 
-/// What each contact has to bear: the masses on it, ascending.
+/// The load of each contact: the sum of the masses that rest on it.
 Numbers loads(const Numbers& masses) {
   Numbers sums = masses;
   for (std::size_t i = masses.size() - 1; i-- > 0;) sums[i] += sums[i + 1];

@@ -43,7 +43,7 @@ struct PaperReading {
   std::int64_t nc_max = 20;
 };
 
-/// What an experiment varies: it decides which readings matter, and so which options the set has.
+/// The variation of an experiment. It decides which readings matter, and therefore which options the set has.
 struct PaperFeatures {
   bool frictional = false;
   bool redundant = false;    ///< some contacts depend on others

@@ -19,7 +19,7 @@ double portable_exp2(double x);
 ColumnMajor<double> weighted_outer_sum(const ColumnMajor<double>& X, const std::vector<double>& weights);
 
 /// True only if the symmetric A (n x n) is positive definite: Cholesky's factorization of A - c diag(A) runs through,
-/// where c = 2 n (n + 2) u, u = 2^-53, exceeds all that its rounding can hide. [Rump 2006, "Verification of positive
+/// where c = 2 n (n + 2) u, u = 2^-53, exceeds any effect of its rounding. [Rump 2006, "Verification of positive
 /// definiteness"] Some matrices with a condition number (after scaling to a unit diagonal) above 1/c are refused
 /// although positive definite. False for NaN. O(n^3).
 bool safely_positive_definite(const ColumnMajor<double>& A);

@@ -15,12 +15,12 @@ namespace lcpbench {
 /// Which problems of a store are to be certified.
 struct CertifyScope {
   std::vector<std::string> sets;  ///< names as the store has them; empty: all
-  /// Of the frictional problems only the trials that this divides; frictionless ones and bare LCPs are all taken.
+  /// Of the frictional problems, only trials that are multiples of this number. All others are taken.
   std::int64_t every = 1;
-  double time_limit_s = 10;  ///< for each problem; what a shorter limit left open is tried again
+  double time_limit_s = 10;  ///< for each problem; problems left open by a shorter limit are tried again
 };
 
-/// A problem that something is still to be done for.
+/// A problem that still needs work.
 struct CertifyTask {
   std::int64_t problem_id = 0;
   std::string set;
@@ -50,7 +50,7 @@ struct ForwardError {
   double forward_velocity = 0;  ///< see Errors::forward_velocity; NaN: none
 };
 
-/// What a set's certificates amount to.
+/// Counts of a set's certificates.
 struct CertifiedSet {
   std::string set;
   bool frictional = false;  ///< some problem is

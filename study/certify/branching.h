@@ -40,7 +40,7 @@ class LeafCheck {
   Lifting K_;
 };
 
-/// What exhausts 2^n cones, or found a solution among them.
+/// The result of a search through all 2^n cones: a proof that none holds a solution, or a solution.
 struct BranchingOutcome {
   std::vector<ProofNode> proof;  ///< empty unless every leaf was contradicted and checked
   bool solved = false;           ///< a vertex was accepted

@@ -24,13 +24,13 @@ class Candidates {
   std::map<std::string, Kept> kept_;
 };
 
-/// What an answer says of the complementary cone of a solution.
+/// A guess, from a computed answer, at the complementary cone of a solution.
 struct Guess {
   std::vector<Index> basis;    ///< w_i = 0 and z_i > 0, clearly
   std::vector<Index> unclear;  ///< neither z_i nor w_i is clearly zero while the other is not
 };
 
-/// @param clear  what is above this part of the terms that it meets in the rows of q + M z is not zero
+/// @param clear  a number counts as zero up to this fraction of the other terms of its row of q + M z
 Guess classified(const Problem& problem, const Vector& z, double clear);
 
 /// The i with z_i > 0, the largest first; none where z is not n finite numbers.

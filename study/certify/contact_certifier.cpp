@@ -200,7 +200,7 @@ class ContactCertifier {
     return true;
   }
 
-  // For monotone problems one of the two holds at its end; for others neither need.
+  // On monotone problems Lemke ends at a solution or at a proof that there is none. On others it need not do either.
   bool settled_by_exact_lemke() {
     const Index order = std::max(truth_.system().size(), truth_.system().potentials());
     if (order > (truth_.monotone() ? kLargestMonotoneLemke : kLargestLemke) || deadline_.passed()) return false;

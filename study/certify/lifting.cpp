@@ -18,7 +18,7 @@ constexpr int kSliceBits = 52;
 constexpr int kPrimeBits = 60;
 constexpr Index kMostColumns = Index{1} << 13;
 constexpr std::size_t kFirstAttempt = 8;
-/// What a wrong reconstruction would have to meet by chance, in bits, before it is multiplied out.
+/// Extra bits of a reconstruction, so that a wrong one is multiplied out with a chance of 2^-30 only.
 constexpr double kGuardBits = 30;
 
 __extension__ using Wide = __int128;

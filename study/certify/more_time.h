@@ -11,9 +11,9 @@
 
 namespace lcpbench::exact {
 
-/// What the search turns to while there is time left: turns that grow from round to round, without end.
+// The search while there is time left. It repeats its steps in rounds, and each round does more work than the last.
 
-/// A step of a round takes this part of the time left, at most.
+/// A step of a round takes at most 1/kTurns of the time left.
 constexpr double kTurns = 4;
 
 /// Four times as much work as the round before.
@@ -27,7 +27,7 @@ class GuessedCones {
     std::string solver;
   };
 
-  /// @param solvers  specs; what does not take the problem is passed over. All outlive this.
+  /// @param solvers  specs; solvers that do not take the problem are skipped. All arguments outlive this object.
   GuessedCones(const Problem& problem, Candidates& candidates, const std::vector<std::string>& solvers)
       : problem_(problem), candidates_(candidates), solvers_(solvers) {}
 

@@ -31,7 +31,7 @@ std::optional<ReducedSystem> without_potentials(const ExactSystem& system, const
 ExactPoint expanded(const ReducedSystem& reduced, const ExactSystem& system, const IntegerVector& z,
                     const Integer& denominator);
 
-/// What an answer leaves unclear up to here is settled at once, after its basis was no solution.
+/// Limits of the first exact search near an answer whose basis was no solution.
 constexpr double kClear = 1e-9;
 constexpr std::size_t kMostUnclear = 64;
 

@@ -11,7 +11,7 @@
 
 namespace lcpbench {
 
-/// What became of something from A to B.
+/// The change of a quantity from A to B.
 enum class Tendency { kTie, kBetter, kWorse, kUnknown };
 const char* to_string(Tendency tendency);
 
@@ -81,7 +81,8 @@ StoreComparison compare_stores(Store& a, Store& b, const CompareOptions& options
 /// All of it; NaN is null.
 nlohmann::ordered_json comparison_document(const StoreComparison& comparison);
 
-/// For people: the gravest changes, and at the end what B is. kAnswerLines at most, with the names of the stores.
+/// For people: the most serious changes, then the conclusion about B. At most kAnswerLines, the names of the stores
+/// included.
 std::string comparison_answer(const StoreComparison& comparison, int width);
 
 /// A table for people: every single solver; of a sweep the cells that changed, and how many did not.

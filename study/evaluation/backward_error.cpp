@@ -173,7 +173,7 @@ class ThinningPoint {
     return *z_norm_;
   }
 
-  // What |M_ii| is multiplied by in s_i, at least.
+  // A lower bound of the factor of |M_ii| in s_i.
   Quad least_weight(std::size_t i) { return scale_ == BackwardScale::kComponentwise ? z_[i] : z_norm(); }
 
   struct Estimate {

@@ -23,7 +23,7 @@ void say(std::FILE* stream, fmt::format_string<Values...> format, Values&&... va
 /// is, else 100. At least 40, so that a table keeps a shape.
 int terminal_width(std::FILE* stream = stdout);
 
-/// The end of a command's text that answers the question has at most so many lines.
+/// The last lines of a command's text answer the user's question. This is their largest number.
 inline constexpr std::size_t kAnswerLines = 25;
 
 /// One line on stderr that says how far a command is. On a terminal it is written over again and again, cut to the

@@ -28,10 +28,10 @@ std::string format_count(std::int64_t count);
 /// Three significant digits, "1.23e-10"; "-" for NaN.
 std::string format_error(double value);
 
-/// As wide as it comes out, for `width` below.
+/// No limit on the width, for `width` below.
 inline constexpr int kUnlimited = 0;
 
-/// The text up to so many characters.
+/// The first `characters` characters of the text.
 std::string first_characters(const std::string& text, std::size_t characters);
 
 /// The text with every line that is longer than `width` characters broken at a blank, else behind a comma, brace or

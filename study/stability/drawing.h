@@ -9,7 +9,7 @@
 #include "study/stability/contact_changes.h"
 #include "study/stability/transformations.h"
 
-// What transformations of contact problems and of scenes draw alike.
+// Draws that transformations of contact problems and of scenes have in common.
 
 namespace lcpbench {
 

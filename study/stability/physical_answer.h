@@ -39,7 +39,7 @@ class Distance {
   bool unique() const { return unique_; }
   /// Relative. NaN where nothing can be said (no velocity before the impact).
   double operator()(const Vector& a, const Vector& b) const;
-  /// What conditioning allows per unit of change of the data; at least 1. Only of unique answers.
+  /// The change that conditioning allows per unit of change of the data; at least 1. Only for unique answers.
   double condition() const { return condition_; }
 
  private:

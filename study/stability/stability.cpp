@@ -69,7 +69,7 @@ class Bench {
   const StabilityOptions& options_;
 };
 
-/// What happened to one solver's answer over the draws of one kind.
+/// The outcome of one solver's answers over all draws of one kind.
 struct Fate {
   bool refused = false;
   bool kept = true;

@@ -8,7 +8,7 @@
 
 namespace lcpbench {
 
-/// For people: who breaks under what and whose answers move too far, the gravest few, and at the end how many.
+/// For people: the most serious cases of solvers that break or whose answers move too far, then their number.
 /// kAnswerLines at most, unless names are very long.
 std::string stability_answer(const StabilityResult& result, int width);
 

@@ -39,7 +39,7 @@ struct SlowReference {
   std::vector<std::string> quick_on;
 };
 
-/// So many problems of each set it gets, or all of a smaller one.
+/// A slow reference gets at least this number of problems of each set, or all problems of a smaller set.
 constexpr std::int64_t kFewest = 20;
 
 const std::vector<SlowReference>& slow_references() {

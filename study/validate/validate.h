@@ -13,7 +13,7 @@
 
 namespace lcpbench {
 
-/// What an answer is worth beside another one, by its claim and verdict alone; docs/howto/validate.md has the table.
+/// The value of an answer in a comparison, by its claim and verdict alone; docs/howto/validate.md has the table.
 enum class Standing {
   kRight,   ///< verified as a solution; or said to be unsolvable, which a checked proof confirms
   kWrong,   ///< a false claim
@@ -47,7 +47,7 @@ struct PairCounts {
   bool ours_wrong() const;
 };
 
-/// One problem on which two came out otherwise than agreeing or silent.
+/// One problem on which two solvers neither agree nor are silent.
 struct Disagreement {
   std::size_t set = 0;  ///< of the study
   std::int64_t trial = 0;
