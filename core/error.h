@@ -5,10 +5,10 @@
 
 namespace lcpbench {
 
-/// Input that a user can mend: a file, an option, a name.
+/// An error in the input that a user can correct: a file, an option, a name.
 ///
 /// `what()` is one line that names where (file or option), which field, and the cause. The command line prints it as it
-/// is and exits with code 2. Everything else that is thrown is a defect of ours.
+/// is and exits with code 2. Every other exception is a defect of lcpbench.
 ///
 /// Messages repeat words of the input, which may hold anything: control characters become '?', so that the message
 /// stays one line and sends nothing to a terminal.

@@ -30,7 +30,7 @@ class DisjointSets {
   std::vector<Index>& parent_;
 };
 
-/// Joins all rows that it is told of.
+/// Joins all rows that it visits.
 class Joined {
  public:
   explicit Joined(DisjointSets& sets) : sets_(sets) {}

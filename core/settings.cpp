@@ -56,7 +56,7 @@ bool parse_boolean(std::string_view owner, std::string_view name, std::string_vi
   throw_bad_value(owner, name, text, "true or false");
 }
 
-/// Half open where a bound is infinite, which is no value of a setting itself.
+/// The interval is open at an infinite bound, because infinity is not a value of a setting.
 std::string range_text(RealRange range) {
   constexpr double kLargest = std::numeric_limits<double>::max();
   const std::string low = range.min == -kLargest ? "(-inf" : "[" + format_real(range.min);

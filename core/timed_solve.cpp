@@ -33,7 +33,7 @@ void time_once(Solver& solver, const Problem& problem, const SolveRequest& reque
   solve.stop(1, times.solve_wall_s, times.solve_cpu_s);
 }
 
-/// The CPU time, since a short solve may wait on a busy machine; at least kLeastShare of the wall clock, to bound waits.
+/// The CPU time, since a short solve may wait on a busy machine; at least kLeastShare of the wall clock time.
 double cost_of_repeating(const SolveTimes& times) {
   return std::max(times.setup_cpu_s + times.solve_cpu_s, kLeastShare * (times.setup_wall_s + times.solve_wall_s));
 }

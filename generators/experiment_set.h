@@ -23,7 +23,7 @@ struct ExperimentSet {
   Options (*changed)(std::string_view owner, const Options&) = nullptr;  ///< off their defaults, in declaration order
 };
 
-/// Gives a set the options that Settings visits; Settings::reading is what they are read into.
+/// Gives a set the options that Settings visits. They are read into Settings::reading.
 template <class Settings, class Set>
 void read_options_as(Set& set) {
   set.options = [] { return describe_settings<Settings>(); };

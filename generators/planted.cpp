@@ -15,7 +15,7 @@ constexpr double kValueStep = 0x1p-8;
 constexpr double kProductStep = 0x1p-44;  // of M z
 constexpr int kSlackShift = kMatrixBits + kValueBits - kGridBits;
 /// Rounding M to its grid moves eigenvalues by at most n 2^-37, below 1e-9 at n = 100: for condition numbers up to 1e6
-/// a thousandth of the smallest one. That much is kept free, so that the bound holds for the rounded matrix.
+/// a thousandth of the smallest one. This margin is kept, so that the bound holds for the rounded matrix.
 constexpr double kKeptForRounding = 0.999;
 constexpr std::int64_t kLargestOrder = 100;
 constexpr double kLargestCondition = 1e6;

@@ -76,7 +76,7 @@ class RandomSet final : public ProblemSet {
   std::string name_;
 };
 
-/// A problem by formula: one, the same whatever the seed.
+/// A problem that a formula gives: one problem, the same for every seed.
 class HardProblemSet final : public ProblemSet {
  public:
   HardProblemSet(const HardSet& set, const Options& options)
@@ -106,7 +106,7 @@ bool ends_with(const std::string& text, std::string_view end) {
   return text.size() >= end.size() && std::string_view(text).substr(text.size() - end.size()) == end;
 }
 
-// A folder may hold more than problems; the second file of a Matrix Market pair comes with the first.
+// A folder may hold other files too. The second file of a Matrix Market pair is read with the first.
 bool is_problem_file(const fs::path& path) {
   const std::string name = path.filename().string();
   if (name.empty() || name.front() == '.') return false;
@@ -180,7 +180,7 @@ SetInfo describe(const HardSet& set) {
   return {set.name, set.size, set.source, set.summary + "; hard: " + set.hard + "; " + truth, set.options()};
 }
 
-/// Describing a hard case makes it: done once.
+/// Built once, because describing a hard case makes the case.
 const std::vector<SetInfo>& all_sets() {
   static const std::vector<SetInfo> infos = [] {
     std::vector<SetInfo> described;

@@ -22,7 +22,7 @@ Inertia to_inertia(const PaperSample& sample) {
   return DenseInertia{to_matrix(sample.G)};
 }
 
-// A push along a friction direction is that of a frictionless contact with this direction for its normal.
+// The row of a friction direction is that of a frictionless contact whose normal is this direction.
 SparseMatrix friction_columns(const RigidSample& sample) {
   RigidSample pushes{.bodies = sample.bodies};
   for (const RigidContactSample& contact : sample.contacts) {

@@ -66,7 +66,7 @@ const char* type_name(FieldType type) {
   return "nothing";
 }
 
-/// nlohmann-json's event interface. Throws through the parser, which holds nothing that needs it to return.
+/// nlohmann-json's event interface. It may throw through the parser, because the parser holds no resource then.
 class DocumentHandler {
  public:
   using Json = nlohmann::json;

@@ -62,7 +62,7 @@ class Record {
   std::vector<Value> values_;
 };
 
-/// What the reader of a document is told while it is parsed; either may throw InputError.
+/// Callbacks to the reader of a document while it is parsed. Each may throw InputError.
 struct DocumentEvents {
   /// A kText or kNumber field of the outermost object is complete.
   std::function<void(std::string_view field, const Record::Value& value)> scalar;

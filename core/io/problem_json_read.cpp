@@ -188,7 +188,7 @@ void read_friction(const RecordReader& reader, ContactProblem& problem) {
   Index columns = 0;
   for (std::size_t i = 0; i < problem.edges.size(); ++i) {
     const int edges = problem.edges[i];
-    // Before the sum becomes the expected width of D: a negative number there would only confuse.
+    // Checked before the sum of edges becomes the expected width of D, so that the message names the wrong number.
     if (edges < 0 || edges % 2 != 0) {
       reader.fail("edges",
                   "[" + std::to_string(i) + "] is " + std::to_string(edges) + ", expected an even number >= 0");

@@ -11,7 +11,7 @@
 namespace lcpbench {
 namespace {
 
-/// Builds the text by hand: the layout is for people, and shortest numbers are all that JSON needs of them.
+/// Builds the text by hand, in a layout for people and with the shortest form of each number.
 class ProblemWriter {
  public:
   explicit ProblemWriter(const Problem& problem) {
@@ -33,7 +33,7 @@ class ProblemWriter {
     list(problem.v);
     field("N");
     rows(to_dense(problem.N), "  ");
-    // Without a row in N nothing else would tell the number of contacts.
+    // If N has no rows, only the friction fields tell the number of contacts.
     if (problem.frictional() || (problem.ngc() == 0 && problem.nc() > 0)) friction(problem);
     std::visit([this](const auto& inertia) { this->inertia(inertia); }, problem.inertia);
   }

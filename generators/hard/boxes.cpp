@@ -27,7 +27,7 @@ struct Box {
 
   /// @param v  in the units of a box of length 1
   HardCase fall(Numbers v, HardTruth truth) const;
-  /// z with normal impulses at the four corners alone, those at x = -1 and at x = 1, and friction along -x.
+  /// z with normal impulses at the four corners only (at_rear at x = -1, at_front at x = 1), and friction along -x.
   Numbers corner_impulses(double at_rear, double at_front, double friction_per_normal) const;
 };
 
@@ -81,7 +81,7 @@ HardCase make_falling(const GridDials& dials) {
   return box.fall({0, 0, -1, 0, 0, 0}, with_velocity(truth, constant(6, 0)));
 }
 
-// Turning with 1/2 and 1/4 it stops whole: the corners bear (1 - sx / 4) (1 - sy / 2) / 4 for their signs in x and y.
+// The box turns with 1/2 and 1/4, and stops as a whole. The corner with the signs sx, sy gets the impulse in the loop.
 HardCase make_tilted(const GridDials& dials) {
   const Box box = dials.box();
   Numbers z(box.points());
@@ -96,7 +96,7 @@ HardCase make_tilted(const GridDials& dials) {
   return box.fall({0, 0, -1, 0.5, -0.25, 0}, with_velocity(truth, constant(6, 0)));
 }
 
-// Turning with 2 it lands on the edge y = -1, whose two corners bear 3/4 each; the others leave the ground.
+// The box turns with 2 and lands on the edge y = -1, with the impulse 3/4 at both corners; the others leave the ground.
 HardCase make_on_edge(const GridDials& dials) {
   const Box box = dials.box();
   Numbers z(box.points());
@@ -129,8 +129,8 @@ HardCase make_at_rest(const FrictionGridDials& dials) {
   return box.fall(constant(6, 0), with_velocity(truth, constant(6, 0)));
 }
 
-/// Four times the impulse that stops 3 along x and 4 downward, at the friction angle of mu = 3/4: it stops whole, the
-/// friction at the depth 1 shifting the load to the corners in front.
+/// The velocity is 3 along x and 4 downward, at the friction angle of mu = 3/4. The box stops as a whole, and friction
+/// at depth 1 shifts the load to the corners in front.
 HardCase at_friction_angle(Box box) {
   constexpr double kShare = 0.75;  // of a corner's load that moves from the rear to the front
   constexpr double kSlope = 0.75;

@@ -90,8 +90,8 @@ struct FrictionStackDials {
   }
 };
 
-// Plates with the coordinates x, y each. The stack moves as one: friction at each contact is to its load what it is at
-// the ground, and only the ground slides.
+// Plates with the coordinates x, y each. The stack moves as one body. The ratio of friction to load is the same at all
+// contacts, and only the contact with the ground slides.
 HardCase make_friction_stack(const FrictionStackDials& dials) {
   const Numbers masses = stack_masses(dials.k, dials.ratio, dials.order);
   const std::size_t k = masses.size();
@@ -135,7 +135,7 @@ struct CountDials {
   void visit(auto&& field) { field("k", k, IntegerRange{1, 200}, "bodies"); }
 };
 
-// Everybody moves to the wall on the left and is stopped by it; the wall on the right may press as well.
+// All particles move to the wall on the left, which stops them. The wall on the right may push as well.
 HardCase make_jammed_row(const CountDials& dials) {
   const auto k = static_cast<std::size_t>(dials.k);
   Contacts contacts(identity(k), constant(k, -1));
@@ -157,8 +157,8 @@ struct Direction {
 
 double on_grid(double value) { return std::round(value * 0x1p40) * 0x1p-40; }
 
-/// Directions of the 3 2^doublings edges of a regular polygon, on a grid of 2^-40: those of a triangle, then halfway
-/// between each two, again and again, by sums and square roots, which IEEE rounds correctly.
+/// Directions of the 3 2^doublings edges of a regular polygon, on a grid of 2^-40: first those of a triangle, then
+/// repeatedly the bisectors of neighbours. They need only sums and square roots, which IEEE rounds correctly.
 std::vector<Direction> polygon(std::int64_t doublings) {
   const double height = std::sqrt(0.75);
   std::vector<Direction> edges{{1, 0}, {-0.5, height}, {-0.5, -height}};

@@ -84,7 +84,7 @@ struct ScalingDials {
   }
 };
 
-/// Powers of two from 2^-range to 2^range, far ones beside each other.
+/// Powers of two from 2^-range to 2^range, in an order in which neighbours differ by large factors.
 Numbers scattered_powers(const ScalingDials& dials) {
   constexpr std::int64_t kSteps = 5;  // on either side of 1
   Numbers factors;

@@ -46,7 +46,7 @@ HardCase make_nonnegative_q(const OrderDial<3, 1, 200>& dial) {
              solution(constant(n, 0), HardUnique::kNo, "q >= 0; z = (1, 0, ...) too"));
 }
 
-// The coordinate in the middle takes part in nothing.
+// The row and the column in the middle are zero.
 HardCase make_zero_row(const OrderDial<3, 1, 200>& dial) {
   const auto n = static_cast<std::size_t>(dial.n);
   const std::size_t middle = n / 2;

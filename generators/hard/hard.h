@@ -16,11 +16,11 @@ namespace lcpbench {
 
 enum class HardKnown { kSolvable, kUnsolvable };
 
-/// Of what is compared between solvers: z of a bare LCP, the post-impact velocity of a contact problem.
+/// Whether the compared quantity is unique: z of a bare LCP, the post-impact velocity of a contact problem.
 enum class HardUnique { kYes, kNo, kUnknown };
 
-/// What the formula says of its own problem, for the doubles as they are. Whoever judges answers must not read it: it
-/// is there to check the judge.
+/// The known answer of a problem, from its formula, for the doubles as they are. Code that judges answers must not read
+/// it, because it serves to check that code.
 struct HardTruth {
   HardKnown known = HardKnown::kSolvable;
   HardUnique unique = HardUnique::kUnknown;

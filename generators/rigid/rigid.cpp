@@ -62,8 +62,8 @@ Triple draw_axis_normal(DrawSequence& draws) {
   return normal;
 }
 
-// Uniform in direction across the normal: a point of the unit ball, which has no corners that the plane would see,
-// projected and turned by a right angle.
+// Uniform in direction across the normal: a point of the unit ball, projected and turned by a right angle. Points of a
+// cube would prefer the directions of its corners.
 Triple draw_general_tangent(DrawSequence& draws, const Triple& normal) {
   for (;;) {
     const Triple point = draw_velocity(draws);
@@ -108,7 +108,7 @@ Shape draw_shape(DrawSequence& masses, DrawSequence& arms) {
   return shape;
 }
 
-// Shapes that are all but a line are drawn again: their smallest moment would hide the conditioning asked for.
+// Shapes that are almost a line are drawn again: their moments alone would exceed the requested condition number.
 Shape draw_compact_shape(DrawSequence& masses, DrawSequence& arms) {
   for (;;) {
     Shape shape = draw_shape(masses, arms);
@@ -118,7 +118,7 @@ Shape draw_compact_shape(DrawSequence& masses, DrawSequence& arms) {
   }
 }
 
-// Numbers from 0 to 1, both of them among the numbers.
+// Numbers from 0 to 1. Both 0 and 1 occur.
 std::vector<double> draw_positions(const TrialKey& key, std::size_t count) {
   DrawSequence draws(key, Purpose::kConditioning);
   std::vector<double> positions(count);

@@ -9,9 +9,9 @@
 
 #include "generators/paper/paper.h"
 
-// Random rigid bodies with point contacts, without and with friction: the counterpart, for physics engines, of those
-// experiments of the paper that have one. An engine cannot be given the paper's dense random columns; it can be given
-// these scenes.
+// Random rigid bodies with point contacts, without and with friction. They are the counterparts of Experiments 1, 2, 5
+// and 6 of the paper for physics engines: an engine takes these scenes, but not the dense random columns of the
+// paper.
 
 namespace lcpbench {
 
@@ -82,7 +82,7 @@ RigidSample draw_rigid(const RigidSet& set, const RigidReading& reading, std::ui
 
 /// The first half of the friction directions of a pyramid with this many edges, at angles 2 pi k / edges from the
 /// tangent in the plane across the normal; the other half are their negatives. On the 2^-40 grid: their rows are exact.
-/// The directions of 8 edges are among those of 16. Only for 8 and 16: with 4, the scene says it all.
+/// The directions of 8 edges are among those of 16. Only for 8 and 16: with 4, the scene has them.
 std::vector<Triple> friction_directions(const RigidContactSample& contact, PyramidEdges edges);
 
 }  // namespace lcpbench
