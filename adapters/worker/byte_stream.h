@@ -70,7 +70,7 @@ class ByteWriter {
   std::size_t size_ = 0;
 };
 
-/// Reads forward; the first failure sticks, and everything read after it is zero or empty.
+/// Reads forward. After the first failure, everything that is read is zero or empty.
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::byte> bytes) : bytes_(bytes) {}

@@ -6,7 +6,7 @@
 #include <vector>
 
 /// Limits on a program together with everything that it starts, by a control group (cgroup v2). A limit of the older
-/// kind (setrlimit) holds for each process on its own.
+/// kind (setrlimit) holds for each process separately.
 namespace lcpbench::worker {
 
 /// One file of a group, and what is written to it.

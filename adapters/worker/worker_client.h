@@ -55,9 +55,9 @@ std::unique_ptr<TimedSolver> worker_solver(const std::filesystem::path& executab
 /// line: what it said itself where it said something. Takes a process start; at most limits.start_timeout_s.
 std::string why_no_worker(const std::filesystem::path& executable, const Spec& solver, const WorkerLimits& limits = {});
 
-/// What RegisteredSolver::unavailable says of a solver whose library is the user's own and opened by its worker alone:
-/// `known`, the reason that shows without that, if there is one; else the worker's, started to see. A worker program
-/// that is missing is no reason here: worker_executable tells.
+/// The text of RegisteredSolver::unavailable for a solver whose library belongs to the user and is opened only by its
+/// worker: `known` if it is not empty; otherwise the reason that a started worker gives. A missing worker program is no
+/// reason here: worker_executable reports it.
 std::string why_not_opened(const std::string& known, const std::string& solver, const std::string& worker);
 
 /// The worker executable of a registered solver: beside the running program, or in the folder that the environment

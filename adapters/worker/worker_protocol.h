@@ -18,7 +18,7 @@
 namespace lcpbench::worker {
 
 inline constexpr std::uint64_t kMagic = 0x6c637062656e6368;
-/// Raised with every change of the messages: a worker of another build is refused, not misread.
+/// Increased with every change of the messages, so that a worker of another build is refused, not misread.
 inline constexpr std::uint64_t kVersion = 3;
 /// Descriptor of the worker's end of the socket.
 inline constexpr int kSocketFd = 3;

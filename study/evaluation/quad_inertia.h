@@ -14,7 +14,7 @@ namespace lcpbench {
 ///   where G is also proven positive definite.
 /// - Factors: G = X diag(alpha) X'. As dense where there are at least ngc of them and G is regular. Else, with Q an
 ///   orthonormal basis of the range of X (column-pivoted Gram-Schmidt with a second pass), G* = Q (Q'GQ)^-1 Q'; a
-///   factor belongs to the range of the others when 2^-48 of its length or less stands out of it: far above the
+///   factor belongs to the range of the others if at most 2^-48 of its length is orthogonal to it: far above the
 ///   rounding of the arithmetic (2^-113), far below the angle 2^-26 that the same decision on G in double could still
 ///   see.
 /// - Dense G, or a block of order n, that is not regular: its pivoted LDL' is cut at n 2^-52 max G_ii, the cut of

@@ -68,7 +68,7 @@ double median(std::span<const double> sorted);
 Spread spread(std::span<const double> values);
 
 /// Median with its percentile-bootstrap interval; O(kResamples n). The same values give the same interval. A single
-/// value has none: all resamples of it are equal, and a point would pass for certainty.
+/// value has none: all its resamples are equal, and an interval of length zero would look like certainty.
 /// @param values in any order, no NaN
 Estimate median_estimate(std::span<const double> values);
 
