@@ -54,7 +54,7 @@ class OdeQuickstep final : public Solver, public SelfTimed {
     timed_solve(*this, problem, request, overhead);
     SolveTimes& times = result.times;
     const SolveTimes& step = overhead.times;
-    // Of two measurements of nearly the same, the longer may come out as the shorter one.
+    // The difference may be negative, because both times are measured with noise.
     times.solve_wall_s = std::max(0.0, times.solve_wall_s - step.solve_wall_s);
     times.solve_cpu_s = std::max(0.0, times.solve_cpu_s - step.solve_cpu_s);
     times.setup_wall_s += step.solve_wall_s;

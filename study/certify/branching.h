@@ -48,9 +48,9 @@ struct BranchingOutcome {
 
 struct BranchingLimits {
   const Deadline& deadline;
-  double most_work = 4e9;                ///< entries of dictionaries updated until the search gives up: a second or so
+  double most_work = 4e9;                ///< updates of dictionary entries; then the search gives up, after about 1 s
   double most_work_without_proof = 2e7;  ///< the same, from the first leaf on that is not confirmed
-  int most_refused = 16;                 ///< vertices that are no solution after all, each a few exact solves
+  int most_refused = 16;                 ///< vertices that turn out not to be solutions; each costs a few exact solves
 };
 
 /// Whether a vertex, in floats, that is complementary to rounding leads to a solution.

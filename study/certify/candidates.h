@@ -9,7 +9,7 @@
 
 namespace lcpbench::exact {
 
-/// Float solvers, made when first asked for and kept: where exact arithmetic gets its guesses from.
+/// Float solvers that give exact arithmetic its guesses. Each is made on first use and kept.
 class Candidates {
  public:
   /// The solver's answer, whatever it claims; valid until the same solver is asked again.

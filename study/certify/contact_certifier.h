@@ -8,7 +8,7 @@ namespace lcpbench::exact {
 
 /// Certifies a contact problem.
 ///
-/// Without friction, and M proven semidefinite: complete. A basis from `active_set`, mended by exact exchanges where it
+/// Without friction, and M proven semidefinite: complete. A basis from `active_set`, corrected by exact exchanges if it
 /// is wrong; a contradiction from the nonnegative least squares problem min |L u|^2 + (1 + q'u)^2, which has the
 /// residual 0 exactly when the problem is unsolvable; last, exact Lemke on M with its potentials eliminated.
 ///

@@ -15,7 +15,8 @@ struct Minor {
 };
 
 /// A largest nonsingular minor of A modulo a prime of 63 bits, and so nonsingular over the integers: columns are taken
-/// from the left unless they depend on those before, each with the first free row that serves. O(rows cols rank).
+/// from the left unless they depend on those before, each with the first free row that keeps the minor nonzero.
+/// O(rows cols rank).
 /// With a probability near 2^-63 a column is left out that is independent over the integers.
 /// @throws TimePassed
 Minor independent_minor(const IntegerMatrix& A, const Deadline& deadline);

@@ -39,7 +39,7 @@ class Relaxation {
   /// The entries of M'y that are zero because of the vertex, for y = contradiction().
   std::vector<Index> tight_columns() const;
 
-  /// Another y, with (M'y)_j < 0 in as many of those as can be: there is room for rounding it.
+  /// Another y, with (M'y)_j < 0 in as many of those as possible, so that y can be rounded.
   Vector contradiction_with_room() const;
 
  private:

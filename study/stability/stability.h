@@ -70,8 +70,8 @@ struct StabilityResult {
 /// Solves problems and their transformed copies, and compares the physical answers.
 ///
 /// Each answer is judged on the problem that the solver was given, by the one evaluation. Transformations that perturb
-/// the data are applied where theory proves the problem solvable for all data nearby, so that a solver that no longer
-/// solves it has no excuse. The answer of a frictionless problem with definite inertia is its velocity after the impact
+/// the data are applied only if theory proves the problem solvable for all data nearby, so that a lost answer is always
+/// the solver's fault. The answer of a frictionless problem with definite inertia is its velocity after the impact
 /// (the one returned, else the one that follows from z), and its change is measured in the norm of G relative to v;
 /// that of a bare LCP with definite M is z, in the largest norm relative to z. Conditioning allows the condition times
 /// the larger of eps and the change of the data, at most 1: the condition of M as its data have it and of G, the

@@ -12,7 +12,7 @@ namespace lcpbench {
 /// kAnswerLines at most, unless names are very long.
 std::string stability_answer(const StabilityResult& result, int width);
 
-/// For people: what stays solved, how far answers move, how pivots spread, and who breaks, by name; all of it.
+/// For people, in full: problems still solved, changes of answers, spread of pivots, and the solvers that break.
 std::string stability_text(const StabilityResult& result, int width);
 
 /// For programs: an array with an object for each transformation and solver that was asked; fields in

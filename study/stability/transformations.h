@@ -10,7 +10,7 @@
 
 namespace lcpbench {
 
-/// Changes of a problem whose effect on the physical answer is known exactly, and two by a known small amount.
+/// Changes of a problem whose effect on the physical answer is known: exactly, or (the last two) as a small bound.
 enum class TransformationKind {
   kRowScaling,      ///< bare LCP: rows of M and q by powers of two, 2^-10 to 2^10
   kColumnScaling,   ///< bare LCP: columns of M
@@ -34,7 +34,7 @@ inline constexpr std::array kAllTransformations{TransformationKind::kRowScaling,
 /// "duplicate", "near_duplicate", "one_ulp".
 const char* to_string(TransformationKind kind);
 
-/// False for changes that are none in exact arithmetic (units: but for the rounding of products by 1,000).
+/// False for changes that are exact (changes of units: except for the rounding of products by 1,000).
 bool perturbs(TransformationKind kind);
 
 /// One transformation, drawn for one problem.

@@ -30,7 +30,7 @@ inline constexpr std::array kAllOutcomes{PairOutcome::kAgree, PairOutcome::kNati
 /// "agree", "native_wrong", "reference_wrong", "both_wrong", "undecided".
 const char* to_string(PairOutcome outcome);
 
-/// @param same_velocity  false where both are right, and their velocities, of which there should be one, are two
+/// @param same_velocity  false if both are right and the velocity is unique, but their velocities differ
 PairOutcome compare_standings(Standing native, Standing reference, bool same_velocity);
 
 /// How often one of our solvers and one reference came out each way on the problems of one set that neither refused.
@@ -75,7 +75,7 @@ bool is_ours(const RegisteredSolver& solver);
 /// What a validation runs.
 /// @param asked  solvers that are compared, each on every problem: ours with the references among them, or with all
 ///   references that run unasked where there is none; references alone with all of ours. References that need more than
-///   10 ms for most problems, and were not asked for, run on every so-manieth problem, 20 of each set at least.
+///   10 ms for most problems, and were not asked for, run on every 5th to 50th problem, 20 of each set at least.
 /// @param sets  none: every solver meets every other on `trials` small rigid scenes, most on problems of the paper too
 Plan validation_plan(const std::vector<Spec>& asked, const std::vector<std::string>& sets, std::int64_t trials);
 

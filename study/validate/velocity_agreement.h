@@ -13,8 +13,8 @@ namespace lcpbench {
 ///
 ///     ||v+(z) - v+(y)||_G^2  =  z'w + y'x - z'x - y'w,
 ///
-/// so answers that nearly hold cannot lie further apart than their own residuals add up to: that sum is what they are
-/// allowed, and n eps cond(G) for rounding. The velocity of an answer is the one that its solver returned, where it
+/// so two answers that nearly hold can differ by at most the sum of their residuals. They are allowed this difference,
+/// and n eps cond(G) for rounding. The velocity of an answer is the one that its solver returned, where it
 /// did; else it follows from z.
 class VelocityAgreement {
  public:
