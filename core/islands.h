@@ -15,12 +15,12 @@ struct Island {
 /// The parts of a problem that nothing couples, in the order of their first contacts.
 ///
 /// Two coordinates belong together when G (the given G*, a factor's column) has nonzero entries for both, or a
-/// contact's normal or friction direction has. Only exact zeros of the data separate islands, so that solving them one
-/// by one solves the whole. Contacts without any nonzero entry are in no island.
+/// contact's normal or friction direction has: what is zero between islands is zero in the data, not to rounding, so
+/// that solving them one by one solves the whole. Contacts without any nonzero entry are in no island.
 std::vector<Island> find_islands(const ContactProblem& problem);
 
-/// The same islands as numbers, in memory that only grows, so that a second call with the same sizes does not
-/// allocate.
+/// The same islands as numbers, in memory that only grows: for what must not allocate when it meets the same sizes
+/// again.
 struct IslandNumbers {
   std::vector<Index> of_contact;     ///< nc entries; -1 for contacts without any nonzero entry
   std::vector<Index> of_coordinate;  ///< ngc entries; -1 where no contact's impulse moves the coordinate

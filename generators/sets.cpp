@@ -180,7 +180,7 @@ SetInfo describe(const HardSet& set) {
   return {set.name, set.size, set.source, set.summary + "; hard: " + set.hard + "; " + truth, set.options()};
 }
 
-/// Built once, because describing a hard case makes the case.
+/// Describing a hard case makes it: done once.
 const std::vector<SetInfo>& all_sets() {
   static const std::vector<SetInfo> infos = [] {
     std::vector<SetInfo> described;

@@ -9,7 +9,7 @@
 #include "core/problem.h"
 #include "core/timed_solve.h"
 
-/// The messages between the main program and a worker process.
+/// What the main program and a worker process say to each other.
 ///
 /// A request and its response lie in one shared memory region; short notices on a socket say when each is complete.
 /// Every message is a frame (magic, version, verb, sequence number, payload size) and a payload of 8-byte aligned
@@ -18,7 +18,7 @@
 namespace lcpbench::worker {
 
 inline constexpr std::uint64_t kMagic = 0x6c637062656e6368;
-/// Increased with every change of the messages, so that a worker of another build is refused, not misread.
+/// Raised with every change of the messages: a worker of another build is refused, not misread.
 inline constexpr std::uint64_t kVersion = 3;
 /// Descriptor of the worker's end of the socket.
 inline constexpr int kSocketFd = 3;
@@ -50,7 +50,7 @@ struct Response {
   bool retiring = false;  ///< the worker ends after this answer: an exception left it in doubt
 };
 
-/// The first message of a worker.
+/// What a worker says first.
 struct Greeting {
   std::vector<std::string> solvers;
   std::string failure;  ///< why the solver that it was started for cannot be made; "" when it was made

@@ -11,7 +11,7 @@
 namespace lcpbench {
 namespace {
 
-/// Builds the text by hand, in a layout for people and with the shortest form of each number.
+/// Builds the text by hand: the layout is for people, and shortest numbers are all that JSON needs of them.
 class ProblemWriter {
  public:
   explicit ProblemWriter(const Problem& problem) {
@@ -33,7 +33,7 @@ class ProblemWriter {
     list(problem.v);
     field("N");
     rows(to_dense(problem.N), "  ");
-    // If N has no rows, only the friction fields tell the number of contacts.
+    // Without a row in N nothing else would tell the number of contacts.
     if (problem.frictional() || (problem.ngc() == 0 && problem.nc() > 0)) friction(problem);
     std::visit([this](const auto& inertia) { this->inertia(inertia); }, problem.inertia);
   }
@@ -170,7 +170,7 @@ double dense_numbers(const ContactProblem& problem) {
   return ngc * (columns + 4) + inertia_columns + 2 * static_cast<double>(problem.nc());
 }
 
-/// Refuses to write a problem that the reader would refuse.
+/// What the reader would refuse is not written.
 void check_dense_size(double numbers, const std::string& origin) {
   if (numbers <= static_cast<double>(kMaxNumbers)) return;
   throw input_error(origin, "too large for a problem file with dense matrices: " + format_real(numbers) +

@@ -8,12 +8,12 @@
 
 namespace lcpbench {
 
-/// Decides in exact arithmetic whether a problem has a solution, if a solver claims without proof that it has none.
+/// Settles by exact arithmetic whether a problem has a solution where a solver denies it and shows no proof.
 ///
-/// Use one object for each thread. Its result is the truth for all answers to the problem.
+/// One for each thread. What it finds is the truth for all answers to the problem, whoever asked.
 class Settler {
  public:
-  /// Larger problems are not tried.
+  /// Larger problems are left alone.
   static constexpr Index kLargestOrder = 32;
   /// For each problem.
   static constexpr double kTimeLimitS = 0.25;
@@ -24,7 +24,7 @@ class Settler {
   /// Whether an answer asks for it: it claims unsolvable, and its proof, if there is one, does not hold.
   static bool asked_by(Claim claim, bool farkas_checked) { return claim == Claim::kUnsolvable && !farkas_checked; }
 
-  /// The certificate of the problem; nullopt if nothing is proven within the limits above.
+  /// What is proven of the problem; nullopt where that is nothing within the limits above.
   std::optional<Certificate> settle(const Problem& problem);
   /// The same as a store keeps it.
   std::optional<CertificateRow> settle_row(const Problem& problem);

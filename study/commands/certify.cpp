@@ -347,8 +347,8 @@ Action add_certify_command(CLI::App& command, const std::string& command_line) {
       ->needs(store);
   command
       .add_option("--every", arguments->every,
-                  "of the store's problems with friction only each N-th trial;\nall problems without friction "
-                  "are certified")
+                  "of the store's frictional problems only the trials that this divides;\nfrictionless ones are all "
+                  "certified")
       ->check(CLI::Range(1, 100'000'000))
       ->capture_default_str()
       ->needs(store);
@@ -360,10 +360,9 @@ Action add_certify_command(CLI::App& command, const std::string& command_line) {
                 "look for a second velocity of frictional problems; with FILE always done")
       ->needs(store);
   command.footer(
-      "solution: proven to have a solution. unsolvable: proven to have none. open: neither is proven. Proofs are exact "
-      "for the numbers of the file. A file that cannot be read does not stop the others; the exit code is then 2. With "
-      "--store: exit code 1 when an answer and a certificate contradict each other. See "
-      "docs/explanation/certificates.md.");
+      "solution: one is proven to exist. unsolvable: proven to have none. open: neither. Proofs are exact, on the "
+      "numbers of the file. A file that cannot be read does not stop the others; the exit code is then 2. With "
+      "--store: exit code 1 when an answer and a certificate contradict each other. See docs/explanation/certificates.md.");
   return [arguments] { return certify(*arguments); };
 }
 

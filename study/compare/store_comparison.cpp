@@ -331,7 +331,7 @@ std::string name_text(const CellChange& cell) {
   return text;
 }
 
-/// The change in words; "tie" if there is none.
+/// What changed, in words; "tie" for nothing.
 std::string change_words(const CellChange& cell) {
   std::string words;
   const auto say = [&words](const std::string& word) { words += (words.empty() ? "" : ", ") + word; };
@@ -394,7 +394,7 @@ std::string conclusion_text(const StoreComparison& comparison) {
 
 constexpr std::size_t kLinesOfAnswer = kAnswerLines - 3;  // the names of the stores stand above it
 
-/// The most serious first: new false claims, fewer solved, slower, then improvements.
+/// The gravest first: new false claims, fewer solved, slower, then what got better.
 int gravity(const CellChange& cell) {
   if (cell.false_new > 0) return 0;
   if (cell.solved() == Tendency::kWorse) return 1;

@@ -76,7 +76,7 @@ struct Errors {
   bool criterion = false;  ///< passes the paper's criterion: no test of sign, cone, complementarity (contact only)
 };
 
-/// Whether a problem is known to have a solution. It does not depend on the solver that is judged.
+/// What is known of a problem whoever solved it.
 enum class Truth { kUnknown, kSolvable, kUnsolvable };
 
 /// "unknown", "solvable", "unsolvable".

@@ -19,7 +19,7 @@ std::size_t character_width(std::string_view text) {
   return text.size() - static_cast<std::size_t>(std::count_if(text.begin(), text.end(), continues_character));
 }
 
-/// Number of bytes of the first `characters` characters.
+/// Bytes of the first so many characters.
 std::size_t bytes_of(std::string_view text, std::size_t characters) {
   std::size_t end = 0;
   for (; end < text.size(); ++end) {

@@ -28,10 +28,10 @@ std::string format_count(std::int64_t count);
 /// Three significant digits, "1.23e-10"; "-" for NaN.
 std::string format_error(double value);
 
-/// No limit on the width, for `width` below.
+/// As wide as it comes out, for `width` below.
 inline constexpr int kUnlimited = 0;
 
-/// The first `characters` characters of the text.
+/// The text up to so many characters.
 std::string first_characters(const std::string& text, std::size_t characters);
 
 /// The text with every line that is longer than `width` characters broken at a blank, else behind a comma, brace or
