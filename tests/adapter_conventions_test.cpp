@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/registry.h"
+#include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
 #include "study/run/open_solver.h"
 
@@ -91,6 +92,9 @@ constexpr double kIterative = 1e-6;
 TEST(AdapterConventionsTest, SymmetricProblemsComeBackUnpermuted) {
   const Vector z{{1.0, 0.0, 2.0}};
   expect_solution("ode_dantzig", symmetric_problem(), z, kDirect);
+  expect_solution("dart_dantzig", symmetric_problem(), z, kDirect);
+  expect_solution("dart_lemke", symmetric_problem(), z, kDirect);
+  expect_solution("dart_pgs{max_iterations=200,relative_tolerance=0}", symmetric_problem(), z, kDirect);
   expect_solution("bullet_mlcp_lemke{box=false}", symmetric_problem(), z, kDirect);
   expect_solution("bullet_pgs{iterations=200}", symmetric_problem(), z, kDirect);
   expect_solution("siconos_lemke", symmetric_problem(), z, kDirect);
@@ -107,6 +111,7 @@ TEST(AdapterConventionsTest, SymmetricProblemsComeBackUnpermuted) {
 TEST(AdapterConventionsTest, NonsymmetricMatricesAreNotTransposed) {
   const Vector z{{1.0, 0.0, 2.0}};
   expect_solution("bullet_mlcp_lemke{box=false}", nonsymmetric_problem(), z, kDirect);
+  expect_solution("dart_lemke", nonsymmetric_problem(), z, kDirect);
   expect_solution("siconos_lemke", nonsymmetric_problem(), z, kDirect);
   expect_solution("siconos_avi", nonsymmetric_problem(), z, kDirect);
   expect_solution("siconos_newton_fb", nonsymmetric_problem(), z, kIterative);
@@ -116,7 +121,8 @@ TEST(AdapterConventionsTest, NonsymmetricMatricesAreNotTransposed) {
 }
 
 TEST(AdapterConventionsTest, SolversOfSymmetricProblemsRefuseOthers) {
-  for (const char* solver : {"bullet_dantzig", "ode_dantzig", "bullet_pgs", "siconos_pgs", "ipopt_qp"}) {
+  for (const char* solver :
+       {"bullet_dantzig", "ode_dantzig", "dart_dantzig", "dart_pgs", "bullet_pgs", "siconos_pgs", "ipopt_qp"}) {
     if (missing(solver)) continue;
     EXPECT_EQ(run(solver, nonsymmetric_problem()).answer.claim, Claim::kUnsupported) << solver;
   }
@@ -148,6 +154,36 @@ TEST(AdapterConventionsTest, BulletsGaussSeidelClaimsWhateverItHas) {
   const Answer answer = run("bullet_pgs{iterations=1}", problem).answer;
   EXPECT_EQ(answer.claim, Claim::kSolved);
   EXPECT_FALSE(Evaluator(problem).errors(answer).solved);
+}
+
+// Without friction DART's class calls the function that ode_dantzig calls.
+TEST(AdapterConventionsTest, DartsDantzigIsOdes) {
+  if (missing("dart_dantzig") || missing("ode_dantzig")) return;
+  const auto set = open_set("paper/monotone/exp1");
+  for (std::int64_t trial = 0; trial < 20; ++trial) {
+    const Problem problem = set->generate(20120101, trial);
+    const Answer from_dart = run("dart_dantzig", problem).answer;
+    const Answer from_ode = run("ode_dantzig", problem).answer;
+    EXPECT_EQ(from_dart.claim, from_ode.claim) << problem.name();
+    EXPECT_EQ(from_dart.z, from_ode.z) << problem.name();
+  }
+}
+
+// M = -1, q = -1: z = -(w + 1) has no solution.
+TEST(AdapterConventionsTest, DartsLemkeSaysWhyItEnded) {
+  if (missing("dart_lemke")) return;
+  const Problem ray("ray", Lcp{Matrix{{-1.0}}, Vector{{-1.0}}});
+  const Answer answer = run("dart_lemke", ray).answer;
+  EXPECT_EQ(answer.claim, Claim::kUnsolvable);
+  EXPECT_EQ(answer.detail, "Lemke returned 2: a ray");
+  // Its own test compares w and z with 1e-4, whatever the units: an answer right to sixteen digits fails it.
+  const Problem large("large", Lcp{Matrix{{49.0}}, Vector{{-1e15}}});
+  EXPECT_EQ(run("dart_lemke", large).answer.claim, Claim::kNumericalFailure);
+}
+
+TEST(AdapterConventionsTest, DartsGaussSeidelSaysThatItsSweepsEnded) {
+  if (missing("dart_pgs")) return;
+  EXPECT_EQ(run("dart_pgs{max_iterations=2}", symmetric_problem()).answer.claim, Claim::kIterationLimit);
 }
 
 TEST(AdapterConventionsTest, QuickStepReturnsTheStacksImpulses) {
@@ -219,9 +255,9 @@ TEST(AdapterConventionsTest, RepeatedSolvesStartFromTheSameState) {
 
 TEST(AdapterConventionsTest, EmptyProblemsAreFine) {
   const Problem empty("empty", Lcp{Matrix(0, 0), Vector(0)});
-  for (const char* solver :
-       {"bullet_dantzig", "bullet_lemke", "bullet_pgs", "bullet_mlcp_lemke", "ode_dantzig", "siconos_lemke",
-        "siconos_newton_fb", "siconos_avi", "siconos_pgs", "ipopt_qp", "ipopt_mpcc", "ipopt_scholtes"}) {
+  for (const char* solver : {"bullet_dantzig", "bullet_lemke", "bullet_pgs", "bullet_mlcp_lemke", "ode_dantzig",
+                             "dart_lemke", "dart_dantzig", "dart_pgs", "siconos_lemke", "siconos_newton_fb",
+                             "siconos_avi", "siconos_pgs", "ipopt_qp", "ipopt_mpcc", "ipopt_scholtes"}) {
     if (missing(solver)) continue;
     EXPECT_EQ(run(solver, empty).answer.claim, Claim::kSolved) << solver;
   }

@@ -131,6 +131,9 @@ TEST(AdapterFrictionTest, HandMadeContactsHaveTheirAnswers) {
     expect_solution("contact_lemke", problem, z, 1e-13);
     expect_solution("ode_quickstep{iterations=200}", problem, z, 1e-13);
     expect_solution("ode_step", problem, z, 1e-13);  // one contact a body: its limits are those of the coupled problem
+    expect_solution("dart_lemke", problem, z, 1e-13);
+    expect_solution("dart_pgs{max_iterations=2000,relative_tolerance=0}", problem, z, 1e-13);
+    expect_solution("dart_dantzig", problem, z, 1e-13);  // as ode_step: one contact a body
     expect_solution("siconos_lemke", problem, z, 1e-13);
     expect_solution("siconos_avi", problem, z, 1e-13);
     expect_solution("siconos_newton_fb", problem, z, 1e-6);
@@ -162,6 +165,37 @@ TEST(AdapterFrictionTest, QuickStepSolvesTheProblemOfTheMatrixSolvers) {
     if (Evaluator(problem).errors(answer).velocity_residual_relative <= 1e-11) ++solved;
   }
   EXPECT_GE(solved, 27);  // convergence is not proven
+}
+
+// Directions at random, several contacts on a body: friction's limits follow the normal impulses from sweep to sweep.
+TEST(AdapterFrictionTest, DartsGaussSeidelSolvesThePyramid) {
+  const std::string pgs = "dart_pgs{max_iterations=20000,relative_tolerance=1e-13}";
+  if (missing(pgs)) return;
+  const auto set = open_set("rigid/frictional/exp1{nc_max=4}");
+  int solved = 0;
+  for (std::int64_t trial = 0; trial < 30; ++trial) {
+    const Problem problem = set->generate(20120101, trial);
+    const Answer answer = run(pgs, problem).answer;
+    if (Evaluator(problem).errors(answer).velocity_residual_relative <= 1e-10) ++solved;
+  }
+  EXPECT_GE(solved, 27);  // convergence is not proven
+}
+
+// A contact of two edges has one friction row. (3, -2) kg m/s along its line and its normal; mu = 1/2 slides.
+TEST(AdapterFrictionTest, DartTakesContactsOfTwoEdges) {
+  ContactProblem contact;
+  contact.v = Vector{{3.0, -2.0}};
+  contact.N = Matrix{{0.0}, {1.0}};
+  contact.D = Matrix{{1.0, -1.0}, {0.0, 0.0}};
+  contact.edges = {2};
+  contact.mu = Vector{{0.5}};
+  contact.inertia = DenseInertia{Matrix{{2.0, 0.0}, {0.0, 4.0}}};
+  const Problem problem("two edges", contact);
+  const Vector z{{8.0, 0.0, 4.0, 1.0}};
+  for (const char* solver : {"dart_pgs", "dart_dantzig"}) {
+    if (missing(solver)) continue;
+    EXPECT_LE((run(solver, problem).answer.z - z).lpNorm<Eigen::Infinity>(), 1e-13) << solver;
+  }
 }
 
 // |g_1| + |g_2| <= mu f_N: the square that ODE limits is the pyramid, for every contact at every number of sweeps.
@@ -228,7 +262,7 @@ TEST(AdapterFrictionTest, ConstraintForceMixingActsOnFrictionToo) {
 
 TEST(AdapterFrictionTest, EnginesRefusePyramidsOfMoreEdges) {
   const Problem eight = open_set("rigid/frictional/exp1{edges=8}")->generate(1, 0);
-  for (const char* solver : {"ode_quickstep", "ode_step"}) {
+  for (const char* solver : {"ode_quickstep", "ode_step", "dart_pgs", "dart_dantzig"}) {
     if (missing(solver)) continue;
     EXPECT_EQ(run(solver, eight).answer.claim, Claim::kUnsupported) << solver;
   }
