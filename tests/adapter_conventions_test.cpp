@@ -98,6 +98,7 @@ TEST(AdapterConventionsTest, SymmetricProblemsComeBackUnpermuted) {
   expect_solution("bullet_mlcp_lemke{box=false}", symmetric_problem(), z, kDirect);
   expect_solution("bullet_pgs{iterations=200}", symmetric_problem(), z, kDirect);
   expect_solution("siconos_lemke", symmetric_problem(), z, kDirect);
+  expect_solution("simbody_pgs{tolerance=1e-12}", symmetric_problem(), z, kIterative);
   expect_solution("siconos_avi", symmetric_problem(), z, kDirect);
   expect_solution("siconos_newton_fb", symmetric_problem(), z, kIterative);
   expect_solution("siconos_pgs{tolerance=1e-10}", symmetric_problem(), z, kIterative);
@@ -121,8 +122,8 @@ TEST(AdapterConventionsTest, NonsymmetricMatricesAreNotTransposed) {
 }
 
 TEST(AdapterConventionsTest, SolversOfSymmetricProblemsRefuseOthers) {
-  for (const char* solver :
-       {"bullet_dantzig", "ode_dantzig", "dart_dantzig", "dart_pgs", "bullet_pgs", "siconos_pgs", "ipopt_qp"}) {
+  for (const char* solver : {"bullet_dantzig", "ode_dantzig", "dart_dantzig", "dart_pgs", "bullet_pgs", "siconos_pgs",
+                             "simbody_pgs", "simbody_plus", "ipopt_qp"}) {
     if (missing(solver)) continue;
     EXPECT_EQ(run(solver, nonsymmetric_problem()).answer.claim, Claim::kUnsupported) << solver;
   }
@@ -191,6 +192,22 @@ TEST(AdapterConventionsTest, QuickStepReturnsTheStacksImpulses) {
   expect_solution("ode_quickstep{iterations=2000}", stack_of_two(), Vector{{7.0, 6.0}}, 1e-12);
 }
 
+// Contacts without friction have the same problem for a round cone as for a pyramid.
+TEST(AdapterConventionsTest, SolversOfConesSolveScenesWithoutFriction) {
+  for (const char* solver : {"siconos_fc3d", "siconos_fc3d{method=nsn_ac}", "simbody_pgs{tolerance=1e-10}"}) {
+    expect_solution(solver, stack_of_two(), Vector{{7.0, 6.0}}, 1e-8);
+    expect_solution(solver, falling_box(), run("lemke", falling_box()).answer.z, 1e-8);
+  }
+}
+
+// Its return value is false whatever it found.
+TEST(AdapterConventionsTest, SimbodysPlusNeverSaysThatItSolved) {
+  if (missing("simbody_plus")) return;
+  const Answer answer = run("simbody_plus", stack_of_two()).answer;
+  EXPECT_EQ(answer.claim, Claim::kNumericalFailure);
+  EXPECT_LE((answer.z - Vector{{7.0, 6.0}}).lpNorm<Eigen::Infinity>(), 1e-13);
+}
+
 TEST(AdapterConventionsTest, QuickStepSolvesTheSameProblemAsTheMatrixSolvers) {
   const std::string quickstep = "ode_quickstep{iterations=5000}";
   if (missing(quickstep)) return;
@@ -255,9 +272,10 @@ TEST(AdapterConventionsTest, RepeatedSolvesStartFromTheSameState) {
 
 TEST(AdapterConventionsTest, EmptyProblemsAreFine) {
   const Problem empty("empty", Lcp{Matrix(0, 0), Vector(0)});
-  for (const char* solver : {"bullet_dantzig", "bullet_lemke", "bullet_pgs", "bullet_mlcp_lemke", "ode_dantzig",
-                             "dart_lemke", "dart_dantzig", "dart_pgs", "siconos_lemke", "siconos_newton_fb",
-                             "siconos_avi", "siconos_pgs", "ipopt_qp", "ipopt_mpcc", "ipopt_scholtes"}) {
+  for (const char* solver :
+       {"bullet_dantzig", "bullet_lemke", "bullet_pgs", "bullet_mlcp_lemke", "ode_dantzig", "dart_lemke",
+        "dart_dantzig", "dart_pgs", "siconos_lemke", "siconos_newton_fb", "siconos_avi", "siconos_pgs", "simbody_pgs",
+        "simbody_plus", "ipopt_qp", "ipopt_mpcc", "ipopt_scholtes"}) {
     if (missing(solver)) continue;
     EXPECT_EQ(run(solver, empty).answer.claim, Claim::kSolved) << solver;
   }

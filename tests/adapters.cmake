@@ -14,7 +14,7 @@ add_dependencies(worker_test fault_worker worker_parent)
 function(lcpbench_links_test name target expectation)
   add_test(NAME ${name}
            COMMAND ${CMAKE_COMMAND} -DBINARY=$<TARGET_FILE:${target}> -DEXPECT=${expectation}
-                   "-DLIBRARIES=lib(ode|Bullet|LinearMath|ipopt|siconos|dart|path|cholmod|umfpack|mumps|openblas|blas|lapack|gfortran)"
+                   "-DLIBRARIES=lib(ode|Bullet|LinearMath|ipopt|siconos|dart|SimTK|path|cholmod|umfpack|mumps|openblas|blas|lapack|gfortran)"
                    -P ${CMAKE_CURRENT_SOURCE_DIR}/loaded_libraries.cmake)
 endfunction()
 
@@ -32,6 +32,8 @@ if(BULLET_FOUND)
 endif()
 lcpbench_test(adapter_friction LINK lcpbench_study)
 add_dependencies(adapter_friction_test lcpbench_workers)
+lcpbench_test(adapter_cone LINK lcpbench_study)
+add_dependencies(adapter_cone_test lcpbench_workers)
 add_executable(friction_model_difference EXCLUDE_FROM_ALL friction_model_difference.cpp)  # a measurement, not a test
 target_link_libraries(friction_model_difference PRIVATE lcpbench_study)
 add_executable(matrix_rounding EXCLUDE_FROM_ALL matrix_rounding.cpp)  # a measurement, not a test
