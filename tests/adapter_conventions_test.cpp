@@ -187,9 +187,11 @@ TEST(AdapterConventionsTest, DartsGaussSeidelSaysThatItsSweepsEnded) {
   EXPECT_EQ(run("dart_pgs{max_iterations=2}", symmetric_problem()).answer.claim, Claim::kIterationLimit);
 }
 
-TEST(AdapterConventionsTest, QuickStepReturnsTheStacksImpulses) {
+TEST(AdapterConventionsTest, SolversOfWorldsReturnTheStacksImpulses) {
   // Both bodies come to rest: the upper contact carries 3 * 2 = 6 N s, the ground 1 * 1 + 6 = 7 N s.
   expect_solution("ode_quickstep{iterations=2000}", stack_of_two(), Vector{{7.0, 6.0}}, 1e-12);
+  expect_solution("bullet_si{iterations=2000}", stack_of_two(), Vector{{7.0, 6.0}}, 1e-12);
+  expect_solution("bullet_nncg{iterations=2000}", stack_of_two(), Vector{{7.0, 6.0}}, 1e-11);
 }
 
 // Contacts without friction have the same problem for a round cone as for a pyramid.
@@ -250,6 +252,12 @@ TEST(AdapterConventionsTest, OdesConstraintForceMixingIsAddedToM) {
   expect_solution("ode_quickstep{cfm=0.75,iterations=1000}", drop, Vector{{4.0}}, 1e-12);
 }
 
+TEST(AdapterConventionsTest, BulletsSolversOfWorldsSolveTheSameProblemAsTheMatrixSolvers) {
+  const Vector z = run("lemke", falling_box()).answer.z;
+  expect_solution("bullet_si{iterations=5000}", falling_box(), z, 1e-9);
+  expect_solution("bullet_nncg{iterations=5000}", falling_box(), z, 1e-9);
+}
+
 TEST(AdapterConventionsTest, QuickStepWithFewSweepsStillClaimsSuccess) {
   if (missing("ode_quickstep")) return;
   const Problem stack = stack_of_two();
@@ -259,15 +267,16 @@ TEST(AdapterConventionsTest, QuickStepWithFewSweepsStillClaimsSuccess) {
 }
 
 TEST(AdapterConventionsTest, RepeatedSolvesStartFromTheSameState) {
-  const std::string quickstep = "ode_quickstep{iterations=7}";
-  if (missing(quickstep)) return;
-  const auto solver = open_solver(parse_spec(quickstep));
-  TimedAnswer once;
-  TimedAnswer repeated;
-  solver->run(falling_box(), {}, once);
-  solver->run(falling_box(), {.repeat_until_s = 1e-3, .max_repeats = 10}, repeated);
-  solver->run(falling_box(), {}, repeated);
-  EXPECT_EQ(once.answer.z, repeated.answer.z);
+  for (const char* engine : {"ode_quickstep{iterations=7}", "bullet_si{iterations=7}", "bullet_nncg{iterations=7}"}) {
+    if (missing(engine)) continue;
+    const auto solver = open_solver(parse_spec(engine));
+    TimedAnswer once;
+    TimedAnswer repeated;
+    solver->run(falling_box(), {}, once);
+    solver->run(falling_box(), {.repeat_until_s = 1e-3, .max_repeats = 10}, repeated);
+    solver->run(falling_box(), {}, repeated);
+    EXPECT_EQ(once.answer.z, repeated.answer.z) << engine;
+  }
 }
 
 TEST(AdapterConventionsTest, EmptyProblemsAreFine) {
