@@ -32,6 +32,8 @@ if(BULLET_FOUND)
 endif()
 lcpbench_test(adapter_friction LINK lcpbench_study)
 add_dependencies(adapter_friction_test lcpbench_workers)
+lcpbench_test(adapter_hostile LINK lcpbench_study)
+add_dependencies(adapter_hostile_test lcpbench_workers)
 lcpbench_test(adapter_cone LINK lcpbench_study)
 add_dependencies(adapter_cone_test lcpbench_workers)
 add_executable(friction_model_difference EXCLUDE_FROM_ALL friction_model_difference.cpp)  # a measurement, not a test
