@@ -32,6 +32,19 @@ Problem symmetric_problem() {
   return Problem("symmetric", lcp);
 }
 
+// The same (q, M), of contacts without friction.
+Problem as_contacts(const Problem& problem) {
+  const Lcp& lcp = problem.lcp();
+  ContactProblem contact;
+  contact.v = lcp.q;
+  contact.N = Matrix(Matrix::Identity(lcp.size(), lcp.size()));
+  contact.D = Matrix(lcp.size(), 0);
+  contact.edges.assign(static_cast<std::size_t>(lcp.size()), 0);
+  contact.mu = Vector::Zero(lcp.size());
+  contact.inertia = InverseInertia{lcp.M};
+  return Problem(problem.name(), contact);
+}
+
 // The same answer; M is positive definite but far from symmetric: with its transpose the answer is another.
 Problem nonsymmetric_problem() {
   Lcp lcp;
@@ -92,9 +105,9 @@ constexpr double kIterative = 1e-6;
 TEST(AdapterConventionsTest, SymmetricProblemsComeBackUnpermuted) {
   const Vector z{{1.0, 0.0, 2.0}};
   expect_solution("ode_dantzig", symmetric_problem(), z, kDirect);
-  expect_solution("dart_dantzig", symmetric_problem(), z, kDirect);
+  expect_solution("dart_dantzig", as_contacts(symmetric_problem()), z, kDirect);
   expect_solution("dart_lemke", symmetric_problem(), z, kDirect);
-  expect_solution("dart_pgs{max_iterations=200,relative_tolerance=0}", symmetric_problem(), z, kDirect);
+  expect_solution("dart_pgs{max_iterations=200,relative_tolerance=0}", as_contacts(symmetric_problem()), z, kDirect);
   expect_solution("bullet_mlcp_lemke{box=false}", symmetric_problem(), z, kDirect);
   expect_solution("bullet_pgs{iterations=200}", symmetric_problem(), z, kDirect);
   expect_solution("siconos_lemke", symmetric_problem(), z, kDirect);
@@ -184,7 +197,7 @@ TEST(AdapterConventionsTest, DartsLemkeSaysWhyItEnded) {
 
 TEST(AdapterConventionsTest, DartsGaussSeidelSaysThatItsSweepsEnded) {
   if (missing("dart_pgs")) return;
-  EXPECT_EQ(run("dart_pgs{max_iterations=2}", symmetric_problem()).answer.claim, Claim::kIterationLimit);
+  EXPECT_EQ(run("dart_pgs{max_iterations=2}", as_contacts(symmetric_problem())).answer.claim, Claim::kIterationLimit);
 }
 
 TEST(AdapterConventionsTest, SolversOfWorldsReturnTheStacksImpulses) {
@@ -281,12 +294,15 @@ TEST(AdapterConventionsTest, RepeatedSolvesStartFromTheSameState) {
 
 TEST(AdapterConventionsTest, EmptyProblemsAreFine) {
   const Problem empty("empty", Lcp{Matrix(0, 0), Vector(0)});
-  for (const char* solver :
-       {"bullet_dantzig", "bullet_lemke", "bullet_pgs", "bullet_mlcp_lemke", "ode_dantzig", "dart_lemke",
-        "dart_dantzig", "dart_pgs", "siconos_lemke", "siconos_newton_fb", "siconos_avi", "siconos_pgs", "simbody_pgs",
-        "simbody_plus", "ipopt_qp", "ipopt_mpcc", "ipopt_scholtes"}) {
+  for (const char* solver : {"bullet_dantzig", "bullet_lemke", "bullet_pgs", "bullet_mlcp_lemke", "ode_dantzig",
+                             "dart_lemke", "siconos_lemke", "siconos_newton_fb", "siconos_avi", "siconos_pgs",
+                             "simbody_pgs", "simbody_plus", "ipopt_qp", "ipopt_mpcc", "ipopt_scholtes"}) {
     if (missing(solver)) continue;
     EXPECT_EQ(run(solver, empty).answer.claim, Claim::kSolved) << solver;
+  }
+  for (const char* solver : {"dart_dantzig", "dart_pgs", "siconos_fc3d"}) {
+    if (missing(solver)) continue;
+    EXPECT_EQ(run(solver, as_contacts(empty)).answer.claim, Claim::kSolved) << solver;
   }
 }
 

@@ -45,7 +45,17 @@ Problem squeezed() {
   return Problem("squeezed", scene);
 }
 
-Problem smooth(Matrix M, Vector q, const std::string& name) { return Problem(name, Lcp{std::move(M), std::move(q)}); }
+/// (q, M) of contacts without friction.
+Problem smooth(Matrix M, const Vector& q, const std::string& name) {
+  ContactProblem contact;
+  contact.v = q;
+  contact.N = Matrix(Matrix::Identity(q.size(), q.size()));
+  contact.D = Matrix(q.size(), 0);
+  contact.edges.assign(static_cast<std::size_t>(q.size()), 0);
+  contact.mu = Vector::Zero(q.size());
+  contact.inertia = InverseInertia{std::move(M)};
+  return Problem(name, contact);
+}
 
 std::vector<Problem> hostile_problems() {
   const double tiny = std::numeric_limits<double>::denorm_min();

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/solver.h"
-
 namespace lcpbench {
 namespace {
 
@@ -38,23 +36,19 @@ struct RowBuilder {
 
 }  // namespace
 
-std::string BoxedContacts::load(const Problem& problem) {
-  const ContactProblem* contact = problem.contact();
-  layout_ = contact != nullptr ? contact_layout(*contact) : ContactLayout{.nc = problem.size()};
-  if (contact == nullptr && problem.lcp().M != problem.lcp().M.transpose()) {
-    return "needs a symmetric M, or the contacts that M came from";
-  }
+std::string BoxedContacts::load(const ContactProblem& contact) {
+  layout_ = contact_layout(contact);
   RowBuilder rows;
   for (Index i = 0; i < layout_.nc; ++i) {
     rows.entries.emplace_back(i, rows.add(std::numeric_limits<double>::infinity(), -1), 1.0);
   }
   for (const Index c : layout_.cone_contact) {
     const auto i = static_cast<std::size_t>(c);
-    if (contact->edges[i] > 4) return "a pyramid of more than 4 edges is no box";
-    rows.add_friction(layout_.friction_offset() + layout_.friction_begin[i], contact->edges[i], contact->mu(c),
+    if (contact.edges[i] > 4) return "a pyramid of more than 4 edges is no box";
+    rows.add_friction(layout_.friction_offset() + layout_.friction_begin[i], contact.edges[i], contact.mu(c),
                       static_cast<int>(c));
   }
-  lcp_ = make_lcp(problem);
+  lcp_ = form_lcp(contact);
   const auto m = static_cast<Index>(rows.limit.size());
   rows_.resize(lcp_.size(), m);
   rows_.setFromTriplets(rows.entries.begin(), rows.entries.end());

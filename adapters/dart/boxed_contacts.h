@@ -7,11 +7,11 @@
 
 #include <dart/constraint/BoxedLcpSolver.hpp>
 
-#include "core/problem.h"
+#include "core/contact_problem.h"
 
 namespace lcpbench {
 
-/// A problem in the boxed form of DART: A x = b + w with bounds on x, where a friction row's bounds are proportional to
+/// Contacts in the boxed form of DART: A x = b + w with bounds on x, where a friction row's bounds are proportional to
 /// the unknown of its normal row.
 ///
 /// A pyramid of 4 edges is exactly the square |a| <= mu f_N / 2, |c| <= mu f_N / 2 on the rows t1 + t2 and t1 - t2,
@@ -19,7 +19,7 @@ namespace lcpbench {
 class BoxedContacts {
  public:
   /// @returns why the form does not hold the problem, or "".
-  std::string load(const Problem& problem);
+  std::string load(const ContactProblem& contact);
 
   /// x starts at zero. Writes z: opposite directions carry the two signs of a friction impulse, lambda is the largest
   /// slip along a direction. @returns what the library returned.

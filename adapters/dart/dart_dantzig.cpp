@@ -13,7 +13,8 @@
 namespace lcpbench {
 namespace {
 
-constexpr Capabilities kCapabilities{.guarantees = "symmetric positive definite M (no friction)"};
+constexpr Capabilities kCapabilities{.needs = Needs::kFactored,
+                                     .guarantees = "symmetric positive definite M (no friction)"};
 
 struct DartDantzigSettings {
   bool early_termination = true;
@@ -32,7 +33,7 @@ class DartDantzig final : public Solver {
   const Capabilities& capabilities() const override { return kCapabilities; }
 
  protected:
-  void on_load(const Problem& problem) override { refusal_ = boxed_.load(problem); }
+  void on_load(const Problem& problem) override { refusal_ = boxed_.load(*problem.contact()); }
 
   void on_solve(const SolveRequest&, Answer& answer) override {
     if (!refusal_.empty()) {

@@ -11,6 +11,7 @@ namespace lcpbench {
 namespace {
 
 constexpr Capabilities kCapabilities{
+    .needs = Needs::kFactored,
     .guarantees = "converges for symmetric positive definite M (no friction); with friction none"};
 
 struct DartPgsSettings {
@@ -43,7 +44,7 @@ class DartPgs final : public Solver {
   const Capabilities& capabilities() const override { return kCapabilities; }
 
  protected:
-  void on_load(const Problem& problem) override { refusal_ = boxed_.load(problem); }
+  void on_load(const Problem& problem) override { refusal_ = boxed_.load(*problem.contact()); }
 
   void on_solve(const SolveRequest&, Answer& answer) override {
     if (!refusal_.empty()) {

@@ -22,6 +22,7 @@ namespace {
 enum class Fc3dMethod { kNsgs, kNsnAc };
 
 constexpr Capabilities kCapabilities{
+    .frictionless_only = true,
     .guarantees = "none; without friction, the method nsgs converges for symmetric positive definite M"};
 
 struct SiconosFc3dSettings {
@@ -44,6 +45,9 @@ struct SiconosFc3dSettings {
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
+/// What is refused is left to RoundCones.
+constexpr Capabilities kConeCapabilities{.guarantees = kCapabilities.guarantees};
+
 struct FreeOptions {
   void operator()(SolverOptions* options) const {
     solver_options_delete(options);
@@ -63,7 +67,7 @@ struct FreeView {
 class SiconosFc3d final : public Solver {
  public:
   explicit SiconosFc3d(const SiconosFc3dSettings& settings) : settings_(settings) {}
-  const Capabilities& capabilities() const override { return kCapabilities; }
+  const Capabilities& capabilities() const override { return kConeCapabilities; }
 
  protected:
   void on_load(const Problem& problem) override {

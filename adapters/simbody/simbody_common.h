@@ -24,7 +24,7 @@ template <class Settings>
 class SimbodySolver final : public Solver {
  public:
   explicit SimbodySolver(const Settings& settings) : settings_(settings) {}
-  const Capabilities& capabilities() const override { return Settings::capabilities; }
+  const Capabilities& capabilities() const override { return kConeCapabilities; }
 
  protected:
   void on_load(const Problem& problem) override {
@@ -60,6 +60,9 @@ class SimbodySolver final : public Solver {
   }
 
  private:
+  /// What is refused is left to RoundCones.
+  static constexpr Capabilities kConeCapabilities{.guarantees = Settings::capabilities.guarantees};
+
   Settings settings_;
   std::string refusal_;
   RoundCones cones_;

@@ -5,8 +5,8 @@ namespace lcpbench {
 namespace {
 
 struct SimbodyPgsSettings {
-  static constexpr Capabilities capabilities{.guarantees =
-                                                 "converges for symmetric positive definite M; with friction none"};
+  static constexpr Capabilities capabilities{
+      .frictionless_only = true, .guarantees = "converges for symmetric positive definite M; with friction none"};
   bool cone = false;
   double tolerance = 1e-6;
   std::int64_t max_iterations = 100;

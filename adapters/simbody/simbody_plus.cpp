@@ -5,7 +5,8 @@ namespace lcpbench {
 namespace {
 
 struct SimbodyPlusSettings {
-  static constexpr Capabilities capabilities{.guarantees = "none: the guesses of the active rows may not end"};
+  static constexpr Capabilities capabilities{.frictionless_only = true,
+                                             .guarantees = "none: the guesses of the active rows may not end"};
   bool cone = false;
   double tolerance = 1e-10;
   std::int64_t max_iterations = 20;
