@@ -4,7 +4,6 @@
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 #include <cstdio>
-#include <cstdlib>
 #include <memory>
 
 extern "C" {
@@ -47,22 +46,6 @@ struct SiconosFc3dSettings {
 
 /// What is refused is left to RoundCones.
 constexpr Capabilities kConeCapabilities{.guarantees = kCapabilities.guarantees};
-
-struct FreeOptions {
-  void operator()(SolverOptions* options) const {
-    solver_options_delete(options);
-    std::free(options);
-  }
-};
-
-/// Siconos's view of a matrix that stays ours.
-struct FreeView {
-  void operator()(NumericsMatrix* view) const {
-    view->matrix0 = nullptr;
-    NM_clear(view);
-    std::free(view);
-  }
-};
 
 class SiconosFc3d final : public Solver {
  public:
