@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/registry.h"
+#include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
 #include "study/run/open_solver.h"
 
@@ -29,6 +30,19 @@ Problem symmetric_problem() {
   lcp.M = Matrix{{5.0, 1.0, 2.0}, {1.0, 6.0, -1.0}, {2.0, -1.0, 7.0}};
   lcp.q = Vector{{0.0, 3.0, 0.0}} - lcp.M * Vector{{1.0, 0.0, 2.0}};
   return Problem("symmetric", lcp);
+}
+
+// The same (q, M), of contacts without friction.
+Problem as_contacts(const Problem& problem) {
+  const Lcp& lcp = problem.lcp();
+  ContactProblem contact;
+  contact.v = lcp.q;
+  contact.N = Matrix(Matrix::Identity(lcp.size(), lcp.size()));
+  contact.D = Matrix(lcp.size(), 0);
+  contact.edges.assign(static_cast<std::size_t>(lcp.size()), 0);
+  contact.mu = Vector::Zero(lcp.size());
+  contact.inertia = InverseInertia{lcp.M};
+  return Problem(problem.name(), contact);
 }
 
 // The same answer; M is positive definite but far from symmetric: with its transpose the answer is another.
@@ -91,9 +105,13 @@ constexpr double kIterative = 1e-6;
 TEST(AdapterConventionsTest, SymmetricProblemsComeBackUnpermuted) {
   const Vector z{{1.0, 0.0, 2.0}};
   expect_solution("ode_dantzig", symmetric_problem(), z, kDirect);
+  expect_solution("dart_dantzig", as_contacts(symmetric_problem()), z, kDirect);
+  expect_solution("dart_lemke", symmetric_problem(), z, kDirect);
+  expect_solution("dart_pgs{max_iterations=200,relative_tolerance=0}", as_contacts(symmetric_problem()), z, kDirect);
   expect_solution("bullet_mlcp_lemke{box=false}", symmetric_problem(), z, kDirect);
   expect_solution("bullet_pgs{iterations=200}", symmetric_problem(), z, kDirect);
   expect_solution("siconos_lemke", symmetric_problem(), z, kDirect);
+  expect_solution("simbody_pgs{tolerance=1e-12}", symmetric_problem(), z, kIterative);
   expect_solution("siconos_avi", symmetric_problem(), z, kDirect);
   expect_solution("siconos_newton_fb", symmetric_problem(), z, kIterative);
   expect_solution("siconos_pgs{tolerance=1e-10}", symmetric_problem(), z, kIterative);
@@ -107,6 +125,7 @@ TEST(AdapterConventionsTest, SymmetricProblemsComeBackUnpermuted) {
 TEST(AdapterConventionsTest, NonsymmetricMatricesAreNotTransposed) {
   const Vector z{{1.0, 0.0, 2.0}};
   expect_solution("bullet_mlcp_lemke{box=false}", nonsymmetric_problem(), z, kDirect);
+  expect_solution("dart_lemke", nonsymmetric_problem(), z, kDirect);
   expect_solution("siconos_lemke", nonsymmetric_problem(), z, kDirect);
   expect_solution("siconos_avi", nonsymmetric_problem(), z, kDirect);
   expect_solution("siconos_newton_fb", nonsymmetric_problem(), z, kIterative);
@@ -116,7 +135,8 @@ TEST(AdapterConventionsTest, NonsymmetricMatricesAreNotTransposed) {
 }
 
 TEST(AdapterConventionsTest, SolversOfSymmetricProblemsRefuseOthers) {
-  for (const char* solver : {"bullet_dantzig", "ode_dantzig", "bullet_pgs", "siconos_pgs", "ipopt_qp"}) {
+  for (const char* solver : {"bullet_dantzig", "ode_dantzig", "dart_dantzig", "dart_pgs", "bullet_pgs", "siconos_pgs",
+                             "simbody_pgs", "simbody_plus", "ipopt_qp"}) {
     if (missing(solver)) continue;
     EXPECT_EQ(run(solver, nonsymmetric_problem()).answer.claim, Claim::kUnsupported) << solver;
   }
@@ -150,9 +170,57 @@ TEST(AdapterConventionsTest, BulletsGaussSeidelClaimsWhateverItHas) {
   EXPECT_FALSE(Evaluator(problem).errors(answer).solved);
 }
 
-TEST(AdapterConventionsTest, QuickStepReturnsTheStacksImpulses) {
+// Without friction DART's class calls the function that ode_dantzig calls.
+TEST(AdapterConventionsTest, DartsDantzigIsOdes) {
+  if (missing("dart_dantzig") || missing("ode_dantzig")) return;
+  const auto set = open_set("paper/monotone/exp1");
+  for (std::int64_t trial = 0; trial < 20; ++trial) {
+    const Problem problem = set->generate(20120101, trial);
+    const Answer from_dart = run("dart_dantzig", problem).answer;
+    const Answer from_ode = run("ode_dantzig", problem).answer;
+    EXPECT_EQ(from_dart.claim, from_ode.claim) << problem.name();
+    EXPECT_EQ(from_dart.z, from_ode.z) << problem.name();
+  }
+}
+
+// M = -1, q = -1: z = -(w + 1) has no solution.
+TEST(AdapterConventionsTest, DartsLemkeSaysWhyItEnded) {
+  if (missing("dart_lemke")) return;
+  const Problem ray("ray", Lcp{Matrix{{-1.0}}, Vector{{-1.0}}});
+  const Answer answer = run("dart_lemke", ray).answer;
+  EXPECT_EQ(answer.claim, Claim::kUnsolvable);
+  EXPECT_EQ(answer.detail, "Lemke returned 2: a ray");
+  // Its own test compares w and z with 1e-4, whatever the units: an answer right to sixteen digits fails it.
+  const Problem large("large", Lcp{Matrix{{49.0}}, Vector{{-1e15}}});
+  EXPECT_EQ(run("dart_lemke", large).answer.claim, Claim::kNumericalFailure);
+}
+
+TEST(AdapterConventionsTest, DartsGaussSeidelSaysThatItsSweepsEnded) {
+  if (missing("dart_pgs")) return;
+  EXPECT_EQ(run("dart_pgs{max_iterations=2}", as_contacts(symmetric_problem())).answer.claim, Claim::kIterationLimit);
+}
+
+TEST(AdapterConventionsTest, SolversOfWorldsReturnTheStacksImpulses) {
   // Both bodies come to rest: the upper contact carries 3 * 2 = 6 N s, the ground 1 * 1 + 6 = 7 N s.
   expect_solution("ode_quickstep{iterations=2000}", stack_of_two(), Vector{{7.0, 6.0}}, 1e-12);
+  expect_solution("bullet_si{iterations=2000}", stack_of_two(), Vector{{7.0, 6.0}}, 1e-12);
+  expect_solution("bullet_nncg{iterations=2000}", stack_of_two(), Vector{{7.0, 6.0}}, 1e-11);
+}
+
+// Contacts without friction have the same problem for a round cone as for a pyramid.
+TEST(AdapterConventionsTest, SolversOfConesSolveScenesWithoutFriction) {
+  for (const char* solver : {"siconos_fc3d", "siconos_fc3d{method=nsn_ac}", "simbody_pgs{tolerance=1e-10}"}) {
+    expect_solution(solver, stack_of_two(), Vector{{7.0, 6.0}}, 1e-8);
+    expect_solution(solver, falling_box(), run("lemke", falling_box()).answer.z, 1e-8);
+  }
+}
+
+// Its return value is false whatever it found.
+TEST(AdapterConventionsTest, SimbodysPlusNeverSaysThatItSolved) {
+  if (missing("simbody_plus")) return;
+  const Answer answer = run("simbody_plus", stack_of_two()).answer;
+  EXPECT_EQ(answer.claim, Claim::kNumericalFailure);
+  EXPECT_LE((answer.z - Vector{{7.0, 6.0}}).lpNorm<Eigen::Infinity>(), 1e-13);
 }
 
 TEST(AdapterConventionsTest, QuickStepSolvesTheSameProblemAsTheMatrixSolvers) {
@@ -197,6 +265,12 @@ TEST(AdapterConventionsTest, OdesConstraintForceMixingIsAddedToM) {
   expect_solution("ode_quickstep{cfm=0.75,iterations=1000}", drop, Vector{{4.0}}, 1e-12);
 }
 
+TEST(AdapterConventionsTest, BulletsSolversOfWorldsSolveTheSameProblemAsTheMatrixSolvers) {
+  const Vector z = run("lemke", falling_box()).answer.z;
+  expect_solution("bullet_si{iterations=5000}", falling_box(), z, 1e-9);
+  expect_solution("bullet_nncg{iterations=5000}", falling_box(), z, 1e-9);
+}
+
 TEST(AdapterConventionsTest, QuickStepWithFewSweepsStillClaimsSuccess) {
   if (missing("ode_quickstep")) return;
   const Problem stack = stack_of_two();
@@ -206,24 +280,29 @@ TEST(AdapterConventionsTest, QuickStepWithFewSweepsStillClaimsSuccess) {
 }
 
 TEST(AdapterConventionsTest, RepeatedSolvesStartFromTheSameState) {
-  const std::string quickstep = "ode_quickstep{iterations=7}";
-  if (missing(quickstep)) return;
-  const auto solver = open_solver(parse_spec(quickstep));
-  TimedAnswer once;
-  TimedAnswer repeated;
-  solver->run(falling_box(), {}, once);
-  solver->run(falling_box(), {.repeat_until_s = 1e-3, .max_repeats = 10}, repeated);
-  solver->run(falling_box(), {}, repeated);
-  EXPECT_EQ(once.answer.z, repeated.answer.z);
+  for (const char* engine : {"ode_quickstep{iterations=7}", "bullet_si{iterations=7}", "bullet_nncg{iterations=7}"}) {
+    if (missing(engine)) continue;
+    const auto solver = open_solver(parse_spec(engine));
+    TimedAnswer once;
+    TimedAnswer repeated;
+    solver->run(falling_box(), {}, once);
+    solver->run(falling_box(), {.repeat_until_s = 1e-3, .max_repeats = 10}, repeated);
+    solver->run(falling_box(), {}, repeated);
+    EXPECT_EQ(once.answer.z, repeated.answer.z) << engine;
+  }
 }
 
 TEST(AdapterConventionsTest, EmptyProblemsAreFine) {
   const Problem empty("empty", Lcp{Matrix(0, 0), Vector(0)});
-  for (const char* solver :
-       {"bullet_dantzig", "bullet_lemke", "bullet_pgs", "bullet_mlcp_lemke", "ode_dantzig", "siconos_lemke",
-        "siconos_newton_fb", "siconos_avi", "siconos_pgs", "ipopt_qp", "ipopt_mpcc", "ipopt_scholtes"}) {
+  for (const char* solver : {"bullet_dantzig", "bullet_lemke", "bullet_pgs", "bullet_mlcp_lemke", "ode_dantzig",
+                             "dart_lemke", "siconos_lemke", "siconos_newton_fb", "siconos_avi", "siconos_pgs",
+                             "simbody_pgs", "simbody_plus", "ipopt_qp", "ipopt_mpcc", "ipopt_scholtes"}) {
     if (missing(solver)) continue;
     EXPECT_EQ(run(solver, empty).answer.claim, Claim::kSolved) << solver;
+  }
+  for (const char* solver : {"dart_dantzig", "dart_pgs", "siconos_fc3d"}) {
+    if (missing(solver)) continue;
+    EXPECT_EQ(run(solver, as_contacts(empty)).answer.claim, Claim::kSolved) << solver;
   }
 }
 

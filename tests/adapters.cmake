@@ -14,7 +14,7 @@ add_dependencies(worker_test fault_worker worker_parent)
 function(lcpbench_links_test name target expectation)
   add_test(NAME ${name}
            COMMAND ${CMAKE_COMMAND} -DBINARY=$<TARGET_FILE:${target}> -DEXPECT=${expectation}
-                   "-DLIBRARIES=lib(ode|Bullet|LinearMath|ipopt|siconos|dart|path|cholmod|umfpack|mumps|openblas|blas|lapack|gfortran)"
+                   "-DLIBRARIES=lib(ode|Bullet|LinearMath|ipopt|siconos|dart|SimTK|path|cholmod|umfpack|mumps|openblas|blas|lapack|gfortran)"
                    -P ${CMAKE_CURRENT_SOURCE_DIR}/loaded_libraries.cmake)
 endfunction()
 
@@ -32,6 +32,10 @@ if(BULLET_FOUND)
 endif()
 lcpbench_test(adapter_friction LINK lcpbench_study)
 add_dependencies(adapter_friction_test lcpbench_workers)
+lcpbench_test(adapter_hostile LINK lcpbench_study)
+add_dependencies(adapter_hostile_test lcpbench_workers)
+lcpbench_test(adapter_cone LINK lcpbench_study)
+add_dependencies(adapter_cone_test lcpbench_workers)
 add_executable(friction_model_difference EXCLUDE_FROM_ALL friction_model_difference.cpp)  # a measurement, not a test
 target_link_libraries(friction_model_difference PRIVATE lcpbench_study)
 add_executable(matrix_rounding EXCLUDE_FROM_ALL matrix_rounding.cpp)  # a measurement, not a test
@@ -66,3 +70,14 @@ target_compile_definitions(external_test PRIVATE EXTERNAL_WORKER="$<TARGET_FILE:
   EXTERNAL_FAULTS="${CMAKE_CURRENT_SOURCE_DIR}/external_faults.py"
   LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>" REPOSITORY="${PROJECT_SOURCE_DIR}")
 add_dependencies(external_test lcpbench lcpbench-worker-external)
+
+# The example for Drake's users, with stand-ins for Drake's classes.
+add_executable(drake_example ${PROJECT_SOURCE_DIR}/examples/drake/drake_solver.cpp)
+target_include_directories(drake_example SYSTEM PRIVATE drake_stand_in)
+target_link_libraries(drake_example PRIVATE Eigen3::Eigen nlohmann_json::nlohmann_json)
+foreach(method moby moby_regularized moby_fast unrevised)
+  add_test(NAME drake_example_${method}
+           COMMAND lcpbench run --set planted/definite --trials 10 --seed 11 --fresh --store drake_${method}.db --long
+                   --solver "external{command=$<TARGET_FILE:drake_example> ${method}}")
+  set_tests_properties(drake_example_${method} PROPERTIES PASS_REGULAR_EXPRESSION "  100 %  72\\.2")
+endforeach()

@@ -16,9 +16,11 @@ namespace {
 
 constexpr std::int64_t kProblems = 50;
 
-/// Solvers that stop where their iterations are spent, whatever the answer: docs/reference/solvers/adapters.md, "Easy
-/// problems".
-const std::map<std::string, std::string> kCapped{{"bullet_pgs", "ten sweeps"}};
+/// Solvers that stop where their iterations are spent, whatever the answer, or that guess:
+/// docs/reference/solvers/adapters.md, "Easy problems".
+const std::map<std::string, std::string> kCapped{
+    {"bullet_pgs", "ten sweeps"},  {"bullet_si", "ten sweeps"},   {"bullet_nncg", "ten sweeps"},
+    {"dart_pgs", "thirty sweeps"}, {"simbody_pgs", "100 sweeps"}, {"simbody_plus", "one order of guesses"}};
 
 struct Shares {
   int solved = 0;

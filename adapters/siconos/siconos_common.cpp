@@ -13,28 +13,23 @@ extern "C" {
 namespace lcpbench {
 namespace {
 
-struct FreeOptions {
-  void operator()(SolverOptions* options) const {
-    solver_options_delete(options);
-    std::free(options);
-  }
-};
-
-/// Siconos's view of a matrix that stays ours: columns one after the other, as Eigen has them.
-struct FreeView {
-  void operator()(NumericsMatrix* view) const {
-    view->matrix0 = nullptr;
-    NM_clear(view);
-    std::free(view);
-  }
-};
-
 Claim claim_of(int info, int iterations, std::int64_t max_iterations) {
   if (info == 0) return Claim::kSolved;
   return iterations >= max_iterations ? Claim::kIterationLimit : Claim::kNumericalFailure;
 }
 
 }  // namespace
+
+void FreeOptions::operator()(SolverOptions* options) const {
+  solver_options_delete(options);
+  std::free(options);
+}
+
+void FreeView::operator()(NumericsMatrix* view) const {
+  view->matrix0 = nullptr;
+  NM_clear(view);
+  std::free(view);
+}
 
 void run_siconos(const Lcp& lcp, const SiconosRequest& request, Answer& answer) {
   const int n = static_cast<int>(lcp.size());

@@ -7,9 +7,23 @@
 
 #include "core/registry.h"
 
+#ifndef LCPBENCH_DESCRIBE_ONLY
+struct NumericsMatrix;
+struct SolverOptions;
+#endif
+
 namespace lcpbench {
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
+
+struct FreeOptions {
+  void operator()(SolverOptions* options) const;
+};
+
+/// Of Siconos's view of a matrix that stays ours: columns one after the other, as Eigen has them.
+struct FreeView {
+  void operator()(NumericsMatrix* view) const;
+};
 
 /// The parameters that an adapter passes to Siconos.
 struct SiconosRequest {

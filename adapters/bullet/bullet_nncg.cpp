@@ -1,0 +1,25 @@
+// Bullet's nonsmooth nonlinear conjugate gradients, on a rigid scene.
+#include "adapters/bullet/bullet_world.h"
+
+#ifndef LCPBENCH_DESCRIBE_ONLY
+#include <BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h>
+#endif
+
+namespace lcpbench {
+
+SolverDefinition lcpbench_solver_bullet_nncg() {
+  SolverDefinition definition{
+      .name = "bullet_nncg",
+      .summary =
+          "Bullet's btNNCGConstraintSolver (float64) on the rigid scene: nonsmooth nonlinear conjugate gradients",
+      .source =
+          "Bullet Physics, BulletDynamics/ConstraintSolver; Silcowitz-Hansen, Niebe, Erleben 2010, Vis. Comput. 26",
+      .capabilities = kBulletWorldCapabilities};
+#ifdef LCPBENCH_DESCRIBE_ONLY
+  return with_settings<BulletWorldSettings>(std::move(definition));
+#else
+  return define_solver<BulletWorldSolver<btNNCGConstraintSolver>, BulletWorldSettings>(std::move(definition));
+#endif
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,50 @@
+#pragma once
+
+// Shared by the adapters of libraries whose friction cone is round.
+
+#include <string>
+#include <vector>
+
+#include "core/problem.h"
+
+namespace lcpbench {
+
+/// The contacts of a problem as W r + q = u with the round cone |r_t| <= mu r_N in place of each pyramid.
+///
+/// A contact has three rows, its normal and two tangents. The tangents are the directions 0 and edges / 4 of a pyramid
+/// whose edges are a multiple of 4. If it has more than 4, its directions must be those of a regular polygon.
+/// Without friction the cone is the half-line of the LCP, and the two problems are one.
+class RoundCones {
+ public:
+  /// Rows of a contact without friction: one, or three of which two belong to nothing else, with mu = 0.
+  enum class Frictionless { kOneRow, kThreeRows };
+
+  /// @param take_friction whether a pyramid may be replaced by its cone. @returns why there is no such form, or "".
+  std::string load(const Problem& problem, bool take_friction, Frictionless frictionless);
+
+  bool frictional() const { return layout_.cones > 0; }
+  Index contacts() const { return layout_.nc; }
+  const Matrix& W() const { return W_; }
+  const Vector& q() const { return q_; }
+  double mu(Index contact) const { return mu_[static_cast<std::size_t>(contact)]; }
+  /// The row of a contact's normal; its tangents, if it has any, are the next two.
+  Index normal_row(Index contact) const { return normal_row_[static_cast<std::size_t>(contact)]; }
+  bool has_tangents(Index contact) const;
+
+  /// The impulses in z of the LCP: a friction impulse on the two directions that it lies between, lambda as the largest
+  /// slip along a direction.
+  void write(const Vector& r, Vector& z) const;
+
+ private:
+  std::string add_tangents(const ContactProblem& contact, const Matrix& D, Index i,
+                           std::vector<Eigen::Triplet<double>>& entries, Index row) const;
+
+  Lcp lcp_;
+  ContactLayout layout_;
+  Matrix W_;
+  Vector q_;
+  std::vector<double> mu_;
+  std::vector<Index> normal_row_;
+};
+
+}  // namespace lcpbench

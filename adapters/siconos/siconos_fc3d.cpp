@@ -1,0 +1,125 @@
+// Siconos's solvers of contacts with the round friction cone, fc3d_driver: the reference for the error of the pyramid.
+#include "adapters/round_cone.h"
+#include "adapters/siconos/siconos_common.h"
+
+#ifndef LCPBENCH_DESCRIBE_ONLY
+#include <cstdio>
+#include <memory>
+
+extern "C" {
+#include <FrictionContactProblem.h>
+#include <Friction_cst.h>
+#include <NonSmoothDrivers.h>
+#include <NumericsMatrix.h>
+#include <SolverOptions.h>
+}
+#endif
+
+namespace lcpbench {
+namespace {
+
+enum class Fc3dMethod { kNsgs, kNsnAc };
+
+constexpr Capabilities kCapabilities{
+    .frictionless_only = true,
+    .guarantees = "none; without friction, the method nsgs converges for symmetric positive definite M"};
+
+struct SiconosFc3dSettings {
+  bool cone = false;
+  Fc3dMethod method = Fc3dMethod::kNsgs;
+  double tolerance = 1e-10;
+  std::int64_t max_iterations = 10000;
+
+  void visit(auto&& field) {
+    field("cone", cone,
+          "solve contacts with friction with the round cone, which is another problem; false: refuse them");
+    field("method", method, Choices<Fc3dMethod>{{{"nsgs", Fc3dMethod::kNsgs}, {"nsn_ac", Fc3dMethod::kNsnAc}}},
+          "nonsmooth Gauss-Seidel, or the nonsmooth Newton method on Alart and Curnier's function");
+    field("tolerance", tolerance, RealRange{.min = 0.0, .max = 1.0},
+          "on Siconos's error, relative to |q|; Siconos's defaults: 1e-4 for nsgs, 1e-3 for nsn_ac");
+    field("max_iterations", max_iterations, IntegerRange{.min = 1, .max = 1000000000},
+          "sweeps or Newton steps at most; Siconos's defaults: 1000 and 200");
+  }
+};
+
+#ifndef LCPBENCH_DESCRIBE_ONLY
+
+/// What is refused is left to RoundCones.
+constexpr Capabilities kConeCapabilities{.guarantees = kCapabilities.guarantees};
+
+class SiconosFc3d final : public Solver {
+ public:
+  explicit SiconosFc3d(const SiconosFc3dSettings& settings) : settings_(settings) {}
+  const Capabilities& capabilities() const override { return kConeCapabilities; }
+
+ protected:
+  void on_load(const Problem& problem) override {
+    refusal_ = cones_.load(problem, settings_.cone, RoundCones::Frictionless::kThreeRows);
+  }
+
+  void on_solve(const SolveRequest&, Answer& answer) override {
+    if (!refusal_.empty()) {
+      answer.claim = Claim::kUnsupported;
+      answer.detail = refusal_;
+    } else if (cones_.contacts() == 0) {
+      answer.claim = Claim::kSolved;
+    } else {
+      run(answer);
+    }
+  }
+
+ private:
+  void run(Answer& answer) const {
+    // The interface takes pointers to data that may change.
+    Matrix W = cones_.W();
+    Vector q = cones_.q();
+    Vector mu(cones_.contacts());
+    for (Index i = 0; i < mu.size(); ++i) mu(i) = cones_.mu(i);
+    Vector r = Vector::Zero(q.size());
+    Vector u = Vector::Zero(q.size());
+    const int m = static_cast<int>(q.size());
+    const std::unique_ptr<NumericsMatrix, FreeView> view(NM_create_from_data(NM_DENSE, m, m, W.data()));
+    FrictionContactProblem problem{3, static_cast<int>(cones_.contacts()), view.get(), q.data(), mu.data()};
+    const std::unique_ptr<SolverOptions, FreeOptions> options(solver_options_create(
+        settings_.method == Fc3dMethod::kNsgs ? SICONOS_FRICTION_3D_NSGS : SICONOS_FRICTION_3D_NSN_AC));
+    options->dparam[SICONOS_DPARAM_TOL] = settings_.tolerance;
+    options->iparam[SICONOS_IPARAM_MAX_ITER] = static_cast<int>(settings_.max_iterations);
+    const int info = fc3d_driver(&problem, r.data(), u.data(), options.get());
+    answer.counters.iterations = options->iparam[SICONOS_IPARAM_ITER_DONE];
+    const bool spent = answer.counters.iterations >= settings_.max_iterations;
+    answer.claim = info == 0 ? Claim::kSolved : spent ? Claim::kIterationLimit : Claim::kNumericalFailure;
+    cones_.write(r, answer.z);
+    answer.detail = detail(info, options->dparam[SICONOS_DPARAM_RESIDU]);
+  }
+
+  std::string detail(int info, double error) const {
+    char text[160];
+    std::snprintf(text, sizeof text, "%sSiconos info %d, error %.1e",
+                  cones_.frictional() ? "another problem: the round friction cone; " : "", info, error);
+    return text;
+  }
+
+  SiconosFc3dSettings settings_;
+  std::string refusal_;
+  RoundCones cones_;
+};
+
+#endif
+
+}  // namespace
+
+SolverDefinition lcpbench_solver_siconos_fc3d() {
+  SolverDefinition definition{
+      .name = "siconos_fc3d",
+      .summary = "Siconos's contact solvers (fc3d_driver), with the round friction cone if cone=true",
+      .source =
+          "Siconos, numerics/src/FrictionContact; Acary, Bremond, Huber 2018, Advanced Topics in Nonsmooth Dynamics",
+      .capabilities = kCapabilities};
+#ifdef LCPBENCH_DESCRIBE_ONLY
+  return with_settings<SiconosFc3dSettings>(std::move(definition));
+#else
+  return define_solver<SiconosFc3d, SiconosFc3dSettings>(std::move(definition));
+#endif
+}
+
+}  // namespace lcpbench
