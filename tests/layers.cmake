@@ -13,7 +13,7 @@
 set(allowed_core core)
 set(allowed_generators core generators)
 set(allowed_native core native)
-set(allowed_adapters core adapters)
+set(allowed_adapters core adapters examples/capture)  # the header is for any engine
 set(allowed_study core generators adapters study)
 set(allowed_evaluation core study/evaluation)
 set(capture_program adapters/capture/program.cpp)
