@@ -89,7 +89,7 @@ Scene hand() {
   Scene result = scene("hand", "a hand of three fingers with two hinges each turns a box on its palm", 0.8);
   const int palm = add(result, fixed(box(0.3, 0.3, 0.05), {0, 0, 0.5}));
   // Two fingers stand on one side of the box and push in turn, one stands on the other side.
-  const Vector3d bases[] = {{0.27, 0.15, 0.55}, {0.27, -0.15, 0.55}, {-0.27, 0, 0.55}};
+  const Vector3d bases[] = {{0.27, 0.08, 0.55}, {0.27, -0.08, 0.55}, {-0.27, 0, 0.55}};
   for (int i = 0; i < 3; ++i) {
     const Vector3d base = bases[i];
     const Vector3d knuckle = base + Vector3d(0, 0, 0.25);
@@ -100,7 +100,7 @@ Scene hand() {
     add(result, solid({box(0.025, 0.025, 0.06, {0, 0, 0.08}), sphere(0.035, {0, 0, 0.175})}, 0.3, knuckle),
         driven(hinge(lower, knuckle, closing, -0.2, 1.4), 20, 10, {0.15, 0, 0, 0}));
   }
-  add(result, solid({box(0.1, 0.1, 0.2)}, 1, {0, 0, 0.7505}));
+  add(result, solid({box(0.1, 0.12, 0.2)}, 1, {0, 0, 0.7505}));
   result.step = 0.0025;
   result.steps = 800;
   return result;

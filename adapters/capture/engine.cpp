@@ -9,6 +9,12 @@
 
 namespace lcpbench::capture {
 
+std::string numbered(const char* word, long long number) {
+  std::string result = word;
+  result += std::to_string(number);
+  return result;
+}
+
 Eigen::Matrix3d world_inertia(const Eigen::Matrix3d& R, const Eigen::Vector3d& moments) {
   Eigen::Matrix3d result;
   for (int i = 0; i < 3; ++i) {

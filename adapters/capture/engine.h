@@ -92,6 +92,9 @@ std::unique_ptr<Engine> make_engine(const Scene& scene, const std::string& model
 
 // What the engines share.
 
+/// A name that ends in a number.
+std::string numbered(const char* word, long long number);
+
 /// R diag(moments) R', in a fixed order of operations.
 Eigen::Matrix3d world_inertia(const Eigen::Matrix3d& R, const Eigen::Vector3d& moments);
 
