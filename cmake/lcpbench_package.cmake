@@ -38,7 +38,7 @@ configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/lcpbench-config.cmake.
 # Before 1.0 a minor version may change the interface.
 write_basic_package_version_file(${generated_dir}/lcpbench-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(TARGETS lcpbench_package EXPORT lcpbench-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lcpbench)
+install(FILES ${header} ${PROJECT_SOURCE_DIR}/examples/capture/capture.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lcpbench)
 install(EXPORT lcpbench-targets NAMESPACE lcpbench:: DESTINATION ${package_dir})
 install(FILES ${generated_dir}/lcpbench-config.cmake ${generated_dir}/lcpbench-config-version.cmake
         DESTINATION ${package_dir})

@@ -5,13 +5,15 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/io/problem_io.h"
+#include "core/io/scenes_file.h"
 #include "core/suggestion.h"
 #include "generators/glob.h"
 #include "generators/hard/hard.h"
 #include "generators/paper/paper.h"
 #include "generators/planted.h"
-#include "core/io/problem_io.h"
 #include "generators/rigid/rigid.h"
+#include "generators/scenes/scenes.h"
 #include "generators/to_problem.h"
 
 namespace lcpbench {
@@ -116,6 +118,7 @@ bool is_problem_file(const fs::path& path) {
 std::vector<fs::path> problem_files(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
+  if (scenes_step(path.string())) return {path};
   if (!fs::exists(status)) throw InputError(path.string() + ": no such file or folder");
   if (!fs::is_directory(status)) return {path};
   std::vector<fs::path> files;
@@ -143,6 +146,28 @@ class FileSet final : public ProblemSet {
   std::string name_;
   std::vector<fs::path> files_;
 };
+
+/// Captured steps: trial k is the k-th step of the file.
+class ScenesSet final : public ProblemSet {
+ public:
+  ScenesSet(std::string name, std::shared_ptr<const ScenesFile> scenes)
+      : name_(std::move(name)), scenes_(std::move(scenes)) {}
+
+  std::string name() const override { return name_; }
+  Problem generate(std::uint64_t, std::int64_t trial) const override {
+    return scenes_->read(checked_trial(name_, trial, count())).problem;
+  }
+  std::optional<std::int64_t> count() const override { return static_cast<std::int64_t>(scenes_->count()); }
+
+ private:
+  std::string name_;
+  std::shared_ptr<const ScenesFile> scenes_;
+};
+
+std::unique_ptr<ProblemSet> open_files(const std::string& path) {
+  if (!is_scenes_file(path)) return std::make_unique<FileSet>(path);
+  return std::make_unique<ScenesSet>(std::string(kFilePrefix) + path, std::make_shared<ScenesFile>(path));
+}
 
 bool is_file_set(std::string_view text) { return text.substr(0, kFilePrefix.size()) == kFilePrefix; }
 
@@ -180,6 +205,21 @@ SetInfo describe(const HardSet& set) {
   return {set.name, set.size, set.source, set.summary + "; hard: " + set.hard + "; " + truth, set.options()};
 }
 
+SetInfo describe(const CollectedScene& collected) {
+  const ScenesFile& scenes = *open_collected(collected);
+  const ScenesHeader& header = scenes.header();
+  std::string summary = "captured: " + header.scene;
+  if (header.step_length) summary += ", steps of " + format_real(*header.step_length) + " s";
+  if (!header.loop.empty()) {
+    summary += header.loop == "engine" ? ", moved on by the engine's solver" : ", moved on by " + header.loop;
+  }
+  return {collected.name,
+          std::to_string(scenes.count()) + " captured steps",
+          header.engine + " " + header.engine_version,
+          summary,
+          {}};
+}
+
 /// Describing a hard case makes it: done once.
 const std::vector<SetInfo>& all_sets() {
   static const std::vector<SetInfo> infos = [] {
@@ -188,6 +228,7 @@ const std::vector<SetInfo>& all_sets() {
     for (const RigidSet& set : rigid_sets()) described.push_back(describe(set));
     for (const PlantedSet& set : planted_sets()) described.push_back(describe(set));
     for (const HardSet& set : hard_sets()) described.push_back(describe(set));
+    for (const CollectedScene& scene : collected_scenes()) described.push_back(describe(scene));
     return described;
   }();
   return infos;
@@ -211,7 +252,7 @@ std::string closest_set(const std::string& name) {
 std::vector<SetInfo> list_sets() { return all_sets(); }
 
 std::unique_ptr<ProblemSet> open_set(const std::string& text) {
-  if (is_file_set(text)) return std::make_unique<FileSet>(text.substr(kFilePrefix.size()));
+  if (is_file_set(text)) return open_files(text.substr(kFilePrefix.size()));
   const Spec spec = parse_spec(text);
   if (const PaperSet* set = find_set(paper_sets(), spec.name)) {
     return std::make_unique<RandomSet<PaperSet, PaperReading>>(*set, spec.options);
@@ -224,6 +265,12 @@ std::unique_ptr<ProblemSet> open_set(const std::string& text) {
   }
   if (const HardSet* set = find_set(hard_sets(), spec.name)) {
     return std::make_unique<HardProblemSet>(*set, spec.options);
+  }
+  if (const CollectedScene* scene = find_set(collected_scenes(), spec.name)) {
+    if (!spec.options.empty()) {
+      throw InputError(spec.name + ": unknown option '" + spec.options.front().first + "': the set has none");
+    }
+    return std::make_unique<ScenesSet>(scene->name, open_collected(*scene));
   }
   throw InputError("unknown problem set '" + spec.name + "'" + closest_set(spec.name) + "; `lcpbench sets` lists them");
 }

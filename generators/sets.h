@@ -36,7 +36,8 @@ struct SetInfo {
 /// Every named set, in a fixed order.
 std::vector<SetInfo> list_sets();
 
-/// Opens a set by name and options, or "file:PATH" (a problem file, or a folder of them in name order).
+/// Opens a set by name and options, or "file:PATH" (a problem file, a folder of them in name order, or a scenes file:
+/// its captured steps in order).
 /// @throws InputError for unknown names and bad options.
 std::unique_ptr<ProblemSet> open_set(const std::string& text);
 

@@ -111,7 +111,10 @@ TEST(GoldenHashesTest, TheLibraryGivesThemToo) {
 
 TEST(GoldenHashesTest, EverySetHasOne) {
   const std::map<std::string, std::string> hashes = committed_hashes();
-  for (const SetInfo& set : list_sets()) EXPECT_EQ(hashes.count(set.name), 1u) << set.name;
+  for (const SetInfo& set : list_sets()) {
+    if (set.name.starts_with("scene/")) continue;  // committed bits, not drawn ones
+    EXPECT_EQ(hashes.count(set.name), 1u) << set.name;
+  }
 }
 
 }  // namespace

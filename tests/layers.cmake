@@ -7,13 +7,16 @@
 # that native method with CHOLMOD inside, so that it tests its answers as every native solver does, and CHOLMOD's licence
 # keeps it out of everything but a worker (docs/decisions/005-workers-for-foreign-code.md).
 #
+# Another: the programs that capture scenes include the header that users' own engines include, examples/capture.
+#
 # The evaluation knows core only, so that no verdict can depend on a solver or a generator.
 set(allowed_core core)
 set(allowed_generators core generators)
 set(allowed_native core native)
-set(allowed_adapters core adapters)
+set(allowed_adapters core adapters examples/capture)  # the header is for any engine
 set(allowed_study core generators adapters study)
 set(allowed_evaluation core study/evaluation)
+set(capture_program adapters/capture/program.cpp)
 set(native_method_files adapters/suitesparse/velocity_ipm_cholmod.cpp adapters/suitesparse/cholmod_factorization.h)
 
 set(violations "")
@@ -25,6 +28,9 @@ foreach(layer core generators native adapters study)
     set(allowed ${allowed_${layer}})
     if(file MATCHES "^study/evaluation/")
       set(allowed ${allowed_evaluation})
+    endif()
+    if(file STREQUAL capture_program)
+      list(APPEND allowed examples/capture)
     endif()
     list(FIND native_method_files ${file} position)
     if(position GREATER -1)

@@ -1,6 +1,8 @@
 lcpbench_test(problem_errors LINK lcpbench_generators)
 lcpbench_test(problem_io LINK lcpbench_generators)
 target_compile_definitions(problem_io_test PRIVATE LCPBENCH_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+lcpbench_test(scenes_file LINK lcpbench_generators Threads::Threads)
+target_compile_definitions(scenes_file_test PRIVATE LCPBENCH_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 lcpbench_test(problem_text_formats LINK lcpbench_generators)
 
 # The published schema. Without the Python package jsonschema (python3-jsonschema) the test fails and says so.

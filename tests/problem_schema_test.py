@@ -1,4 +1,4 @@
-"""The published JSON schema accepts every kind of file that is written, and the examples, and refuses bad ones.
+"""The published JSON schemas accept every kind of file that is written, and the examples, and refuse bad ones.
 
 usage: problem_schema_test.py SCHEMA EXAMPLES WRITER     (WRITER FOLDER writes one file of every kind)
 """
@@ -66,6 +66,12 @@ def bad_documents(good):
     yield "negative mu", changed(frictional, [-0.5], "mu")
     yield "G and Ginv", changed(frictional, [[1]], "Ginv")
     yield "G and G_factors", changed(factored, [[1]], "G")
+    yield "G and G_blocks", changed(frictional, [[[1]]], "G_blocks")
+    yield "blocks of numbers", changed(deleted(frictional, "G"), [[1]], "G_blocks")
+    sparse = changed(frictional, {"starts": [0, 1], "rows": [0], "values": [1]}, "N")
+    for field in ("starts", "rows", "values"):
+        yield f"sparse N without {field}", deleted(sparse, "N", field)
+    yield "negative row", changed(sparse, [-1], "N", "rows")
     yield "alpha of zero", changed(factored, [0], "G_factors", "alpha")
     yield "mass of zero", changed(scene, 0, "bodies", 0, "mass")
     yield "inertia 2 x 3", deleted(scene, "bodies", 0, "inertia", 0)
@@ -75,6 +81,40 @@ def bad_documents(good):
     yield "negative mu in a scene", changed(scene, -1, "contacts", 0, "mu")
     yield "tangent without edges", changed(scene, [1, 0, 0], "contacts", 1, "tangent")
     yield "mu without edges", changed(scene, 0.5, "contacts", 1, "mu")
+
+
+def bad_lines(header, step):
+    """Pairs of what is wrong and a line of a scenes file with it."""
+    for field in ("format", "version", "scene"):
+        yield f"header without {field}", deleted(header, field)
+    for field in ("step", "problem"):
+        yield f"step without {field}", deleted(step, field)
+    yield "version 2", changed(header, 2, "version")
+    yield "shape without type", changed(header, [{"body": 0, "size": []}], "shapes")
+    yield "unknown field", changed(step, 1, "extra")
+    yield "negative step", changed(step, -1, "step")
+    yield "bad problem", changed(step, 0, "problem", "version")
+    yield "bare LCP", changed(step, {"format": "lcpbench-problem", "version": 1, "name": "n", "kind": "lcp", "M": [], "q": []}, "problem")
+    yield "pose of two", changed(step, [[1, 2]], "poses")
+    yield "ids of numbers", changed(step, [1], "contact_ids")
+
+
+def lines_validator(schema_file, problem):
+    """Of scenes.schema.json, which refers to the problem's schema, with that in place."""
+    text = pathlib.Path(schema_file).with_name("scenes.schema.json").read_text(encoding="utf-8")
+    text = text.replace('"problem.schema.json#/definitions/', '"#/definitions/')
+    schema = json.loads(text.replace('"problem.schema.json#"', '"#/definitions/problem"'))
+    schema["definitions"] = {**schema["definitions"], **problem["definitions"], "problem": deleted(problem, "definitions")}
+    jsonschema.Draft7Validator.check_schema(schema)
+    return jsonschema.Draft7Validator(schema)
+
+
+def check_scenes(validator, file, failures):
+    lines = [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
+    for number, line in enumerate(lines, 1):
+        failures += [f"{file.name}, line {number}, is refused: {error.message[:200]}" for error in validator.iter_errors(line)]
+    failures += [f"accepted: {what}" for what, line in bad_lines(lines[0], lines[1]) if validator.is_valid(line)]
+    return len(lines)
 
 
 def main(schema_file, examples, writer):
@@ -89,12 +129,13 @@ def main(schema_file, examples, writer):
         for file in files:
             good[file.stem] = json.loads(file.read_text(encoding="utf-8"))
             failures += [f"{file.name} is refused: {error.message[:200]}" for error in validator.iter_errors(good[file.stem])]
+        lines = check_scenes(lines_validator(schema_file, schema), pathlib.Path(folder) / "steps.scenes", failures)
     refused = 0
     for what, document in bad_documents(good):
         if validator.is_valid(document):
             failures.append(f"accepted: {what}")
         refused += 1
-    print(f"{len(good)} good files, {refused} bad documents")
+    print(f"{len(good)} good files, {lines} lines of scenes, {refused} bad documents")
     print("\n".join(failures))
     return 1 if failures or not good else 0
 

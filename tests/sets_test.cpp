@@ -8,8 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "generators/hard/hard.h"
 #include "core/io/problem_io.h"
+#include "generators/hard/hard.h"
+#include "generators/scenes/scenes.h"
 
 namespace lcpbench {
 namespace {
@@ -33,6 +34,7 @@ std::vector<std::string> names() {
 }
 
 bool is_hard(const std::string& name) { return name.rfind("hard/", 0) == 0; }
+bool is_scene(const std::string& name) { return name.rfind("scene/", 0) == 0; }
 
 TEST(ListSetsTest, NamesEveryExperimentOnce) {
   std::vector<std::string> expected;
@@ -50,14 +52,16 @@ TEST(ListSetsTest, NamesEveryExperimentOnce) {
   }
   expected.push_back("planted/definite");
   for (const HardSet& set : hard_sets()) expected.push_back(set.name);
+  for (const CollectedScene& scene : collected_scenes()) expected.push_back(scene.name);
   EXPECT_EQ(names(), expected);
 }
 
 TEST(ListSetsTest, DescribesEverySet) {
   for (const SetInfo& set : list_sets()) {
-    EXPECT_FALSE(set.size.empty() || set.source.empty() || set.summary.empty() || set.options.empty()) << set.name;
+    EXPECT_FALSE(set.size.empty() || set.source.empty() || set.summary.empty()) << set.name;
+    EXPECT_EQ(set.options.empty(), is_scene(set.name)) << set.name;
     EXPECT_EQ(open_set(set.name)->name(), set.name);
-    if (is_hard(set.name)) continue;
+    if (is_hard(set.name) || is_scene(set.name)) continue;
     EXPECT_FALSE(open_set(set.name)->count().has_value());
     EXPECT_NO_THROW(open_set(set.name)->generate(7, 3).size()) << set.name;
   }
@@ -72,6 +76,16 @@ TEST(ListSetsTest, AHardSetIsOneProblemWhateverTheSeed) {
     EXPECT_EQ(problem_hash(set->generate(1, 0)), problem_hash(set->generate(99, 0)));
     EXPECT_EQ(error_of([&] { set->generate(1, 1); }), info.name + ": trial 1: the set has 1");
   }
+}
+
+TEST(ListSetsTest, ASceneIsItsCapturedSteps) {
+  const auto set = open_set("scene/box/ode");
+  ASSERT_TRUE(set->count().has_value());
+  const std::int64_t last = *set->count() - 1;
+  EXPECT_EQ(problem_hash(set->generate(1, last)), problem_hash(set->generate(99, last)));
+  EXPECT_EQ(error_of([&] { set->generate(1, last + 1); }),
+            "scene/box/ode: trial " + std::to_string(last + 1) + ": the set has " + std::to_string(last + 1));
+  EXPECT_EQ(error_of([] { open_set("scene/box/ode{x=1}"); }), "scene/box/ode: unknown option 'x': the set has none");
 }
 
 TEST(ListSetsTest, EveryOptionIsReadAndPrinted) {

@@ -2,9 +2,11 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 #include "core/io/problem_io.h"
+#include "core/io/scenes_file.h"
 #include "generators/sets.h"
 
 namespace lcpbench {
@@ -36,6 +38,36 @@ RigidScene two_bodies() {
   return scene;
 }
 
+/// Large enough to be written sparse.
+ContactProblem sparse_contact() {
+  constexpr Index kBlocks = 300;
+  ContactProblem problem;
+  problem.v = Vector::Constant(kBlocks, -1);
+  SparseMatrix N(kBlocks, kBlocks);
+  N.setIdentity();
+  problem.N = N;
+  problem.D = SparseMatrix(kBlocks, 0);
+  problem.edges.assign(kBlocks, 0);
+  problem.mu = Vector::Zero(kBlocks);
+  problem.inertia = BlockInertia{std::vector<Matrix>(kBlocks, Matrix::Identity(1, 1))};
+  return problem;
+}
+
+/// Plain text: a header, a step with all that it may have, and one with nothing.
+void write_steps(const fs::path& file) {
+  const Problem problem("step", two_bodies());
+  std::ofstream lines(file);
+  lines << R"({"format":"lcpbench-scenes","version":1,"scene":"s","engine":"e","engine_version":"1","loop":"engine",)"
+        << R"("step_length":0.01,"gravity":[0,0,-9.81],"shapes":[{"body":0,"type":"sphere","size":[1]}]})" << '\n';
+  lines << R"({"step":1,"time":0.1,"problem":)" << problem_json_line(problem)
+        << R"(,"gap":[0,1],"contact_ids":["a",""],"poses":[[0,0,0,1,0,0,0],[]],)"
+        << R"("engine":{"impulses":[0,0,0,0,0,0],"velocity":[0,0,0,0,0,0,0,0,0,0,0,0]}})" << '\n';
+  lines << R"({"step":2,"problem":)" << problem_json_line(Problem("sparse", sparse_contact())) << "}\n";
+  lines.close();
+  const ScenesFile scenes(file.string());  // what the schema is shown, the reader accepts
+  for (std::size_t i = 0; i < scenes.count(); ++i) scenes.read(i);
+}
+
 void write_all(const fs::path& folder) {
   const auto write = [&](const std::string& file, auto data) {
     write_problem(Problem(file, std::move(data)), folder / (file + ".json"));
@@ -50,6 +82,8 @@ void write_all(const fs::path& folder) {
   write("blocks", one_contact(BlockInertia{{unit}}, true));
   write("scene", two_bodies());
   write("scene-empty", RigidScene{});
+  write("sparse", sparse_contact());
+  write_steps(folder / "steps.scenes");
   int count = 0;
   for (const SetInfo& set : list_sets()) {
     write_problem(open_set(set.name)->generate(1, 0), folder / ("set-" + std::to_string(count++) + ".json"));

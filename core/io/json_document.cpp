@@ -30,19 +30,24 @@ bool is_boundary(char c) {
   }
 }
 
+/// Where in the text an error is.
+std::string position(std::string_view text, std::size_t offset, bool one_line) {
+  return one_line ? "column " + std::to_string(offset + 1) : line_and_column(text, offset);
+}
+
 /// Refuses what would make the parser hold an unbounded token, and binary files, in one pass over the bytes.
-void check_tokens(std::string_view text, const std::string& origin) {
+void check_tokens(std::string_view text, const std::string& origin, bool one_line) {
   bool in_string = false;
   std::size_t length = 0;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
-    if (c == '\0') throw input_error(origin, line_and_column(text, i) + ": a NUL byte: not a text file");
+    if (c == '\0') throw input_error(origin, position(text, i, one_line) + ": a NUL byte: not a text file");
     if (!in_string && is_boundary(c)) {
       length = 0;
       continue;
     }
     if (++length > kMaxTokenBytes) {
-      throw input_error(origin, line_and_column(text, i) + ": a number or text longer than " +
+      throw input_error(origin, position(text, i, one_line) + ": a number or text longer than " +
                                     std::to_string(kMaxTokenBytes) + " bytes");
     }
     if (c == '"') {
@@ -60,6 +65,8 @@ const char* type_name(FieldType type) {
     case FieldType::kNumber: return "a number";
     case FieldType::kNumbers: return "a list of numbers";
     case FieldType::kRows: return "a list of rows of numbers";
+    case FieldType::kBlocks: return "a list of matrices";
+    case FieldType::kTexts: return "a list of texts";
     case FieldType::kObject: return "an object";
     case FieldType::kObjects: return "a list of objects";
   }
@@ -73,9 +80,11 @@ class DocumentHandler {
 
   DocumentHandler(std::string_view text, const std::string& origin, std::span<const Field> fields,
                   const DocumentEvents& events)
-      : text_(text), origin_(origin), events_(events), top_(fields) {}
+      : text_(text), origin_(origin), events_(events) {
+    frames_.push_back({Record(fields)});
+  }
 
-  Record take() { return std::move(top_); }
+  Record take() { return std::move(frames_.front().record); }
 
   bool null() { wrong_type("null"); }
   bool boolean(bool value) { wrong_type(value ? "true" : "false"); }
@@ -88,7 +97,13 @@ class DocumentHandler {
   bool binary(Json::binary_t&) { wrong_type("binary data"); }
 
   bool string(Json::string_t& text) {
-    if (field_ == nullptr || field_->type != FieldType::kText) wrong_type("a text");
+    const Frame& in = frame();
+    if (in.field != nullptr && in.field->type == FieldType::kTexts && in.depth == 1) {
+      count_towards_limit();
+      value().texts.push_back(std::move(text));
+      return true;
+    }
+    if (in.field == nullptr || in.field->type != FieldType::kText) wrong_type("a text");
     value().text = std::move(text);
     complete_field();
     return true;
@@ -99,85 +114,110 @@ class DocumentHandler {
       started_ = true;
       return true;
     }
-    const bool expected =
-        field_ != nullptr && !inside_ && field_->type == (depth_ == 0 ? FieldType::kObject : FieldType::kObjects);
-    if (!expected) wrong_type("an object");
+    if (!object_expected()) wrong_type("an object");
     count_towards_limit();
-    outer_ = field_;
-    if (item_.fields().data() != outer_->inside.data()) item_ = Record(outer_->inside);
-    item_.clear();
-    inside_ = true;
-    depth_ = 0;
-    field_ = nullptr;
+    const Field& outer = *frame().field;
+    ++level_;
+    if (level_ == frames_.size()) frames_.push_back({});
+    Frame& inner = frame();
+    if (inner.record.fields().data() != outer.inside.data()) inner.record = Record(outer.inside);
+    inner.record.clear();
+    inner.field = nullptr;
+    inner.depth = 0;
     return true;
   }
 
   bool key(Json::string_t& name) {
-    Record& record = current();
-    field_ = record.find(name);
-    if (field_ == nullptr) throw input_error(origin_, item_path(": ") + "unknown field " + in_quotes(name));
+    Frame& in = frame();
+    in.field = in.record.find(name);
+    if (in.field == nullptr) throw input_error(origin_, outer_path(": ") + "unknown field " + in_quotes(name));
     if (value().given) throw input_error(origin_, path() + ": given twice");
     value().given = true;
     return true;
   }
 
   bool end_object() {
-    if (!inside_) return true;
-    inside_ = false;
-    field_ = outer_;
-    depth_ = array_depth(field_->type);
-    if (field_->type == FieldType::kObject) {
-      value().object.push_back(item_);
-      complete_field();
+    if (level_ == 0) return true;
+    const Record& item = frame().record;
+    const std::string place = frames_[level_ - 1].field->type == FieldType::kObjects ? outer_path(".") : "";
+    --level_;
+    if (frame().field->type == FieldType::kObjects) {
+      events_.item(frame().field->name, place, item);
+      ++frame().items;
     } else {
-      events_.item(field_->name, items_, item_);
-      ++items_;
+      value().object.push_back(item);
+      complete_field();
     }
     return true;
   }
 
   bool start_array(std::size_t) {
-    if (field_ == nullptr || depth_ >= array_depth(field_->type)) wrong_type("a list");
-    ++depth_;
+    Frame& in = frame();
+    if (in.field == nullptr || in.depth >= array_depth(in.field->type)) wrong_type("a list");
+    ++in.depth;
     return true;
   }
 
   bool end_array() {
-    --depth_;
-    if (field_->type == FieldType::kRows && depth_ == 1) {
+    Frame& in = frame();
+    --in.depth;
+    const int lists = array_depth(in.field->type);
+    if (lists >= 2 && in.depth == lists - 1) {
       count_towards_limit();
       value().table.row_ends.push_back(value().table.numbers.size());
     }
-    if (depth_ == 0) {
-      items_ = 0;
+    if (lists == 3 && in.depth == 1) {
+      count_towards_limit();
+      value().table.block_ends.push_back(value().table.row_ends.size());
+    }
+    if (in.depth == 0) {
+      in.items = 0;
       complete_field();
     }
     return true;
   }
 
-  bool parse_error(std::size_t position, const std::string& token, const nlohmann::detail::exception& error) {
+  bool parse_error(std::size_t after, const std::string& token, const nlohmann::detail::exception& error) {
     constexpr int kNumberOverflow = 406;
+    const Field* field = frame().field;
     if (error.id == kNumberOverflow) {
-      if (field_ == nullptr) wrong_type("a number");
+      if (field == nullptr) wrong_type("a number");
       throw input_error(origin_, where() + ": " + in_quotes(token) + " is beyond the range of double");
     }
-    const std::string inside = field_ == nullptr ? "" : " (in " + where() + ")";
+    const std::string inside = field == nullptr ? "" : " (in " + where() + ")";
     if (text_.empty()) throw input_error(origin_, "empty file");
-    if (position > text_.size()) {
-      throw input_error(origin_, "truncated: the file ends at " + line_and_column(text_, text_.size()) + inside);
+    if (after > text_.size()) {
+      throw input_error(origin_, std::string("truncated: the ") + (events_.one_line ? "line" : "file") + " ends at " +
+                                     position(text_, text_.size(), events_.one_line) + inside);
     }
-    const std::size_t last = position == 0 ? 0 : position - 1;
-    throw input_error(origin_, line_and_column(text_, last) + ": not valid JSON" + describe(text_[last]) + inside);
+    const std::size_t last = after == 0 ? 0 : after - 1;
+    throw input_error(origin_,
+                      position(text_, last, events_.one_line) + ": not valid JSON" + describe(text_[last]) + inside);
   }
 
  private:
+  /// An object that is being read: the outermost one, or one inside the field of the frame before.
+  struct Frame {
+    Record record;
+    const Field* field = nullptr;  ///< whose value is being read
+    int depth = 0;                 ///< open lists of the field
+    std::size_t items = 0;         ///< complete objects of the kObjects field
+  };
+
   static int array_depth(FieldType type) {
     switch (type) {
       case FieldType::kNumbers:
+      case FieldType::kTexts:
       case FieldType::kObjects: return 1;
       case FieldType::kRows: return 2;
+      case FieldType::kBlocks: return 3;
       default: return 0;
     }
+  }
+
+  static bool holds_numbers(FieldType type) {
+    return type == FieldType::kNumber || type == FieldType::kNumbers || type == FieldType::kRows ||
+           type == FieldType::kBlocks;
   }
 
   static std::string describe(char c) {
@@ -186,22 +226,29 @@ class DocumentHandler {
     return std::string(": unexpected '") + c + "'";
   }
 
+  bool object_expected() const {
+    const Frame& in = frames_[level_];
+    if (in.field == nullptr) return false;
+    if (in.field->type == FieldType::kObjects) return in.depth == 1;
+    return in.depth == 0 && !in.field->inside.empty();
+  }
+
   bool add_number(double number) {
-    const bool expected = field_ != nullptr && depth_ == array_depth(field_->type) &&
-                          field_->type != FieldType::kText && field_->type != FieldType::kObject &&
-                          field_->type != FieldType::kObjects;
+    const Frame& in = frame();
+    const bool expected =
+        in.field != nullptr && in.depth == array_depth(in.field->type) && holds_numbers(in.field->type);
     if (!expected) wrong_type("a number");
     count_towards_limit();
     value().table.numbers.push_back(number);
-    if (depth_ == 0) complete_field();
+    if (in.depth == 0) complete_field();
     return true;
   }
 
   void complete_field() {
-    const Field& field = *field_;
-    field_ = nullptr;
+    const Field& field = *frame().field;
+    frame().field = nullptr;
     const bool scalar = field.type == FieldType::kText || field.type == FieldType::kNumber;
-    if (!inside_ && scalar) events_.scalar(field.name, top_.value_of(field));
+    if (level_ == 0 && scalar && events_.scalar) events_.scalar(field.name, frame().record.value_of(field));
   }
 
   void count_towards_limit() {
@@ -210,55 +257,69 @@ class DocumentHandler {
     }
   }
 
-  Record& current() { return inside_ ? item_ : top_; }
-  Record::Value& value() { return current().value_of(*field_); }
+  Frame& frame() { return frames_[level_]; }
+  Record::Value& value() { return frame().record.value_of(*frame().field); }
 
   /// "bodies[3]" inside an item, "G_factors" inside an object, with `separator` behind; "" outside.
-  std::string item_path(const char* separator) const {
-    if (!inside_) return "";
-    const std::string list(outer_->name);
-    return (outer_->type == FieldType::kObject ? list : list + "[" + std::to_string(items_) + "]") + separator;
+  std::string outer_path(const char* separator) const {
+    std::string result;
+    for (std::size_t level = 0; level < level_; ++level) {
+      const Frame& outer = frames_[level];
+      result += outer.field->name;
+      if (outer.field->type == FieldType::kObjects) result += "[" + std::to_string(outer.items) + "]";
+      result += level + 1 == level_ ? separator : ".";
+    }
+    return result;
   }
 
-  std::string path() const { return item_path(".") + std::string(field_->name); }
+  std::string path() { return outer_path(".") + std::string(frame().field->name); }
 
   /// The path with row and entry: what is being read now.
   std::string where() {
     std::string result = path();
+    const Frame& in = frame();
     const NumberTable& table = value().table;
-    if (field_->type == FieldType::kObjects && depth_ == 1) return result + "[" + std::to_string(items_) + "]";
-    if (field_->type == FieldType::kNumbers && depth_ == 1) {
-      return result + "[" + std::to_string(table.numbers.size()) + "]";
+    const int lists = array_depth(in.field->type);
+    if (in.depth == 0) return result;
+    if (lists == 1) {
+      const std::size_t entry = in.field->type == FieldType::kObjects ? in.items
+                                : in.field->type == FieldType::kTexts ? value().texts.size()
+                                                                      : table.numbers.size();
+      return result + "[" + std::to_string(entry) + "]";
     }
-    if (field_->type != FieldType::kRows || depth_ == 0) return result;
-    result += ": row " + std::to_string(table.row_ends.size());
+    std::size_t first_row = 0;
+    if (lists == 3) {
+      result += "[" + std::to_string(table.block_ends.size()) + "]";
+      first_row = table.block_ends.empty() ? 0 : table.block_ends.back();
+      if (in.depth == 1) return result;
+    }
+    result += ": row " + std::to_string(table.row_ends.size() - first_row);
     const std::size_t row_begin = table.row_ends.empty() ? 0 : table.row_ends.back();
-    return depth_ == 1 ? result : result + ", entry " + std::to_string(table.numbers.size() - row_begin);
+    return in.depth < lists ? result : result + ", entry " + std::to_string(table.numbers.size() - row_begin);
   }
 
-  std::string expected_here() const {
-    if (depth_ == 0) return type_name(field_->type);
-    if (field_->type == FieldType::kObjects) return "an object";
-    if (field_->type == FieldType::kRows && depth_ == 1) return "a list of numbers";
-    return "a finite number";
+  std::string expected_here() {
+    const Field& field = *frame().field;
+    const int left = array_depth(field.type) - frame().depth;
+    if (frame().depth == 0)
+      return type_name(field.type) + std::string(left == 2 && !field.inside.empty() ? " or an object" : "");
+    if (left == 2) return "a list of rows of numbers";
+    if (left == 1) return "a list of numbers";
+    if (field.type == FieldType::kObjects) return "an object";
+    return field.type == FieldType::kTexts ? "a text" : "a finite number";
   }
 
   [[noreturn]] void wrong_type(const std::string& found) {
-    if (field_ == nullptr) throw input_error(origin_, "expected an object, found " + found);
+    if (frame().field == nullptr) throw input_error(origin_, "expected an object, found " + found);
     throw input_error(origin_, where() + ": expected " + expected_here() + ", found " + found);
   }
 
   std::string_view text_;
   const std::string& origin_;
   const DocumentEvents& events_;
-  Record top_;
-  Record item_;                   ///< the object inside the outermost one that is being read
-  const Field* field_ = nullptr;  ///< whose value is being read
-  const Field* outer_ = nullptr;  ///< the field that item_ belongs to
+  std::vector<Frame> frames_;  ///< from the outermost object inward; those behind level_ keep their memory
+  std::size_t level_ = 0;
   bool started_ = false;
-  bool inside_ = false;    ///< item_ is being read
-  int depth_ = 0;          ///< open lists of the field
-  std::size_t items_ = 0;  ///< complete objects of the kObjects field
   std::size_t count_ = 0;  ///< numbers, rows and items of the document
 };
 
@@ -281,6 +342,8 @@ void Record::clear() {
     value.text.clear();
     value.table.numbers.clear();
     value.table.row_ends.clear();
+    value.table.block_ends.clear();
+    value.texts.clear();
     value.object.clear();
   }
 }
@@ -294,7 +357,7 @@ std::string line_and_column(std::string_view text, std::size_t offset) {
 
 Record parse_json_document(std::string_view text, const std::string& origin, std::span<const Field> fields,
                            const DocumentEvents& events) {
-  check_tokens(text, origin);
+  check_tokens(text, origin, events.one_line);
   DocumentHandler handler(text, origin, fields, events);
   nlohmann::json::sax_parse(text.data(), text.data() + text.size(), &handler);
   return handler.take();

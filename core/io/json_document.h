@@ -15,6 +15,8 @@ enum class FieldType {
   kNumber,
   kNumbers,  ///< [1, 2]
   kRows,     ///< [[1, 2], [3]]; equal lengths are the reader's concern
+  kBlocks,   ///< [[[1, 2], [3, 4]], [[5]]]: a list of kRows
+  kTexts,    ///< ["a", "b"]
   kObject,
   kObjects,  ///< [{...}, {...}]
 };
@@ -23,13 +25,14 @@ enum class FieldType {
 struct Field {
   std::string_view name;
   FieldType type = FieldType::kText;
-  std::span<const Field> inside = {};  ///< of kObject and kObjects
+  std::span<const Field> inside = {};  ///< of kObject and kObjects; of kRows, an object that may stand in their place
 };
 
-/// The numbers of a kNumber (one), kNumbers or kRows field, row after row.
+/// The numbers of a kNumber (one), kNumbers, kRows or kBlocks field, row after row.
 struct NumberTable {
   std::vector<double> numbers;
-  std::vector<std::size_t> row_ends;  ///< kRows: where in `numbers` each row ends
+  std::vector<std::size_t> row_ends;    ///< kRows, kBlocks: where in `numbers` each row ends
+  std::vector<std::size_t> block_ends;  ///< kBlocks: where in `row_ends` each block ends
 
   std::size_t row_length(std::size_t row) const { return row_ends[row] - (row == 0 ? 0 : row_ends[row - 1]); }
 };
@@ -44,7 +47,8 @@ class Record {
     bool given = false;
     std::string text;
     NumberTable table;
-    std::vector<Record> object;  ///< kObject: one record
+    std::vector<std::string> texts;  ///< kTexts
+    std::vector<Record> object;      ///< kObject, and kRows given as an object: one record
   };
 
   std::span<const Field> fields() const { return fields_; }
@@ -66,8 +70,9 @@ class Record {
 struct DocumentEvents {
   /// A kText or kNumber field of the outermost object is complete.
   std::function<void(std::string_view field, const Record::Value& value)> scalar;
-  /// Object number `index` of the kObjects field `list` of the outermost object is complete. Items are not kept.
-  std::function<void(std::string_view list, std::size_t index, const Record& item)> item;
+  /// An object of the kObjects field `list` is complete; its place is `path` ("bodies[3]."). Items are not kept.
+  std::function<void(std::string_view list, const std::string& path, const Record& item)> item;
+  bool one_line = false;  ///< the text is one line of a file; the origin names it, and errors name columns
 };
 
 /// Parses a JSON document that is one object with the given fields.

@@ -105,9 +105,9 @@ struct InertiaChecker {
     check_positive_definite(inertia.G, "G", origin);
   }
   void operator()(const BlockInertia& inertia) const {
-    check_size(dimension(inertia), ngc, "G", origin);
+    check_shape(dimension(inertia), dimension(inertia), ngc, ngc, "G_blocks", origin);
     for (std::size_t i = 0; i < inertia.blocks.size(); ++i) {
-      const std::string field = "G block " + std::to_string(i);
+      const std::string field = at("G_blocks", static_cast<Index>(i));
       const Matrix& block = inertia.blocks[i];
       check_shape(block.rows(), block.cols(), block.rows(), block.rows(), field, origin);
       check_finite(block, field, origin);
@@ -171,9 +171,15 @@ Index first_unpaired_row(const Matrix& D, Index column, Index partner) {
 }
 
 Index first_unpaired_row(const SparseMatrix& D, Index column, Index partner) {
-  const Vector difference = Vector(D.col(column)) + Vector(D.col(partner));
-  for (Index row = 0; row < difference.size(); ++row) {
-    if (!(difference(row) == 0)) return row;
+  SparseMatrix::InnerIterator entry(D, column);
+  SparseMatrix::InnerIterator opposite(D, partner);
+  while (entry || opposite) {
+    const Index row = !entry ? opposite.row() : !opposite ? entry.row() : std::min<Index>(entry.row(), opposite.row());
+    const double value = entry && entry.row() == row ? entry.value() : 0.0;
+    const double negative = opposite && opposite.row() == row ? opposite.value() : 0.0;
+    if (!(negative == -value)) return row;
+    if (entry && entry.row() == row) ++entry;
+    if (opposite && opposite.row() == row) ++opposite;
   }
   return -1;
 }

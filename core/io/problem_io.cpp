@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "core/io/problem_checks.h"
+#include "core/io/scenes_file.h"
 
 namespace lcpbench {
 namespace {
@@ -104,6 +105,13 @@ bool write_text(const fs::path& file, std::string_view text) {
 
 Problem read_problem(const std::filesystem::path& file) {
   if (ends_with(file, ".mtx")) return read_matrix_market_pair(file);
+  if (const auto step = scenes_step(file.string())) {
+    const ScenesFile scenes(step->first);
+    return scenes.read(scenes.index_of(step->second)).problem;
+  }
+  if (is_scenes_file(file.string())) {
+    throw input_error(file.string(), "holds steps: name one problem as " + file.filename().string() + "#STEP");
+  }
   const std::string text = read_text(file);
   if (text_format(file, text) == Format::kJson) return parse_problem_json(text, file.string());
   return parse_siconos_lcp(text, file.string());

@@ -8,8 +8,8 @@
 
 namespace lcpbench {
 
-/// Reads a problem file: JSON ("lcpbench-problem", kinds lcp, contact, scene), Siconos dense LCP text, or a Matrix Market
-/// pair (either of X.M.mtx and X.q.mtx names both). The format is told from the name and the first bytes.
+/// Reads a problem file: JSON ("lcpbench-problem", kinds lcp, contact, scene), Siconos dense LCP text, or a Matrix
+/// Market pair (either of X.M.mtx and X.q.mtx names both). The format is told from the name and the first bytes.
 /// Numbers are read correctly rounded; what is read and written again is bit-identical.
 /// @throws InputError, one line: file, field, cause. Sizes are bounded before memory is asked for.
 Problem read_problem(const std::filesystem::path& file);
@@ -20,7 +20,11 @@ Problem parse_siconos_lcp(std::string_view text, const std::string& origin);
 Problem parse_matrix_market(std::string_view M_text, std::string_view q_text, const std::string& origin);
 
 /// The problem file's text: JSON with one matrix row a line, ending in a newline. A function of the problem alone.
+/// A contact problem that is stored sparse is written sparse where dense matrices would take more than 2^16 numbers.
 std::string problem_json(const Problem& problem);
+
+/// The same object in one line without its end, for files that hold many: what is stored sparse is written sparse.
+std::string problem_json_line(const Problem& problem);
 
 /// Writes problem_json to a file, whole or not at all (temporary file, then rename). @throws InputError when it cannot.
 void write_problem(const Problem& problem, const std::filesystem::path& file);

@@ -1,20 +1,23 @@
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
 #include <optional>
 #include <span>
 
-#include "core/settings.h"
 #include "core/io/json_document.h"
 #include "core/io/problem_checks.h"
 #include "core/io/problem_io.h"
+#include "core/io/problem_record.h"
+#include "core/io/record_reader.h"
+#include "core/settings.h"
 
 namespace lcpbench {
 namespace {
 
 constexpr const char* kFormat = "lcpbench-problem";
 constexpr double kVersion = 1;
+
+constexpr std::array<Field, 3> kSparseFields{
+    {{"starts", FieldType::kNumbers}, {"rows", FieldType::kNumbers}, {"values", FieldType::kNumbers}}};
 
 constexpr std::array<Field, 2> kFactorFields{{{"X", FieldType::kRows}, {"alpha", FieldType::kNumbers}}};
 
@@ -32,101 +35,23 @@ constexpr std::array<Field, 7> kRigidContactFields{{{"body_a", FieldType::kNumbe
                                                     {"mu", FieldType::kNumber},
                                                     {"edges", FieldType::kNumber}}};
 
-constexpr std::array<Field, 16> kProblemFields{{{"format", FieldType::kText},
+constexpr std::array<Field, 17> kProblemFields{{{"format", FieldType::kText},
                                                 {"version", FieldType::kNumber},
                                                 {"name", FieldType::kText},
                                                 {"kind", FieldType::kText},
                                                 {"M", FieldType::kRows},
                                                 {"q", FieldType::kNumbers},
                                                 {"v", FieldType::kNumbers},
-                                                {"N", FieldType::kRows},
-                                                {"D", FieldType::kRows},
+                                                {"N", FieldType::kRows, kSparseFields},
+                                                {"D", FieldType::kRows, kSparseFields},
                                                 {"edges", FieldType::kNumbers},
                                                 {"mu", FieldType::kNumbers},
                                                 {"G", FieldType::kRows},
+                                                {"G_blocks", FieldType::kBlocks},
                                                 {"G_factors", FieldType::kObject, kFactorFields},
                                                 {"Ginv", FieldType::kRows},
                                                 {"bodies", FieldType::kObjects, kBodyFields},
                                                 {"contacts", FieldType::kObjects, kRigidContactFields}}};
-
-/// Reads typed values out of one record; `path` ("contacts[2].") and the file go into every error.
-class RecordReader {
- public:
-  RecordReader(const Record& record, const std::string& origin, std::string path = "")
-      : record_(record), origin_(origin), path_(std::move(path)) {}
-
-  bool given(std::string_view field) const { return record_.given(field); }
-
-  [[noreturn]] void fail(std::string_view field, const std::string& message) const {
-    throw input_error(origin_, path_ + std::string(field) + message);
-  }
-
-  const std::string& text(std::string_view field) const { return required(field).text; }
-
-  double number(std::string_view field) const { return required(field).table.numbers.front(); }
-
-  int integer(std::string_view field) const { return to_integer(number(field), std::string(field)); }
-
-  Vector vector(std::string_view field) const {
-    const std::vector<double>& numbers = required(field).table.numbers;
-    return Eigen::Map<const Vector>(numbers.data(), static_cast<Index>(numbers.size()));
-  }
-
-  std::vector<int> integers(std::string_view field) const {
-    const std::vector<double>& numbers = required(field).table.numbers;
-    std::vector<int> result(numbers.size());
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-      result[i] = to_integer(numbers[i], std::string(field) + "[" + std::to_string(i) + "]");
-    }
-    return result;
-  }
-
-  /// Columns of the first row; nullopt when there is no row to tell.
-  std::optional<Index> columns(std::string_view field) const {
-    const NumberTable& table = required(field).table;
-    if (table.row_ends.empty()) return std::nullopt;
-    return static_cast<Index>(table.row_length(0));
-  }
-
-  Matrix matrix(std::string_view field, Index rows, Index cols) const {
-    const NumberTable& table = required(field).table;
-    if (static_cast<Index>(table.row_ends.size()) != rows) {
-      fail(field,
-           ": " + count_of(static_cast<Index>(table.row_ends.size()), "row") + ", expected " + std::to_string(rows));
-    }
-    for (std::size_t row = 0; row < table.row_ends.size(); ++row) {
-      if (static_cast<Index>(table.row_length(row)) == cols) continue;
-      fail(field, ": row " + std::to_string(row) + " has " +
-                      count_of(static_cast<Index>(table.row_length(row)), "entry") + ", expected " +
-                      std::to_string(cols));
-    }
-    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    return Eigen::Map<const RowMajor>(table.numbers.data(), rows, cols);
-  }
-
-  Eigen::Vector3d vector3(std::string_view field) const {
-    const Vector numbers = vector(field);
-    if (numbers.size() != 3) fail(field, ": " + count_of(numbers.size(), "entry") + ", expected 3");
-    return numbers;
-  }
-
- private:
-  const Record::Value& required(std::string_view field) const {
-    const Record::Value& value = record_.value(field);
-    if (!value.given) fail(field, ": missing");
-    return value;
-  }
-
-  int to_integer(double number, const std::string& field) const {
-    const bool fits = number >= std::numeric_limits<int>::min() && number <= std::numeric_limits<int>::max();
-    if (!fits || number != std::floor(number)) fail(field, " is " + format_real(number) + ", expected an integer");
-    return static_cast<int>(number);
-  }
-
-  const Record& record_;
-  const std::string& origin_;
-  std::string path_;
-};
 
 RigidBody read_body(const RecordReader& reader) {
   RigidBody body;
@@ -156,22 +81,99 @@ RigidContact read_rigid_contact(const RecordReader& reader) {
   return contact;
 }
 
-Inertia read_inertia(const RecordReader& reader, const Record& record, const std::string& origin, Index ngc) {
-  if (reader.given("G") && reader.given("G_factors")) reader.fail("G", " and G_factors: only one may be given");
-  if (reader.given("Ginv")) {
-    if (reader.given("G") || reader.given("G_factors")) {
-      reader.fail("Ginv", ": given beside G or G_factors; it may only replace them");
+/// Columns of N or D one after the other: column i has the entries starts[i] to starts[i + 1] of rows and values.
+SparseMatrix read_sparse(const RecordReader& reader, Index rows, Index cols) {
+  const std::vector<int> starts = reader.integers("starts");
+  const std::vector<int> row = reader.integers("rows");
+  const Vector values = reader.vector("values");
+  if (static_cast<Index>(starts.size()) != cols + 1) {
+    reader.fail("starts",
+                ": " + count_of(static_cast<Index>(starts.size()), "entry") + ", expected " + std::to_string(cols + 1));
+  }
+  if (static_cast<Index>(row.size()) != values.size()) {
+    reader.fail("values", ": " + count_of(values.size(), "entry") + ", expected " + std::to_string(row.size()));
+  }
+  if (starts.front() != 0) reader.fail("starts", "[0] is " + std::to_string(starts.front()) + ", expected 0");
+  if (starts.back() != static_cast<int>(row.size())) {
+    reader.fail("starts", ": ends with " + std::to_string(starts.back()) + ", expected " + std::to_string(row.size()) +
+                              ", the number of entries");
+  }
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(row.size());
+  std::vector<Index> column_of_row(static_cast<std::size_t>(rows), -1);
+  for (Index column = 0; column < cols; ++column) {
+    const auto begin = static_cast<std::size_t>(starts[static_cast<std::size_t>(column)]);
+    const auto end = static_cast<std::size_t>(starts[static_cast<std::size_t>(column) + 1]);
+    if (end < begin || end > row.size()) {
+      reader.fail("starts", "[" + std::to_string(column + 1) + "]: the entries do not ascend");
     }
-    return InverseInertia{reader.matrix("Ginv", ngc, ngc)};
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::string entry = "[" + std::to_string(k) + "] is " + std::to_string(row[k]);
+      if (row[k] < 0 || row[k] >= rows) {
+        reader.fail("rows", entry + ", expected 0 to " + std::to_string(rows - 1));
+      }
+      Index& last = column_of_row[static_cast<std::size_t>(row[k])];
+      if (last == column) reader.fail("rows", entry + " for the second time in column " + std::to_string(column));
+      last = column;
+      entries.emplace_back(row[k], column, values(static_cast<Index>(k)));
+    }
   }
-  if (reader.given("G_factors")) {
-    const RecordReader factors(record.value("G_factors").object.front(), origin, "G_factors.");
-    Vector alpha = factors.vector("alpha");
-    Matrix X = factors.matrix("X", ngc, alpha.size());
-    return FactoredInertia{std::move(X), std::move(alpha)};
+  SparseMatrix matrix(rows, cols);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+/// The columns of N or D; nullopt where there is no row to tell.
+std::optional<Index> jacobian_columns(const RecordReader& reader, std::string_view field) {
+  if (!reader.has_object(field)) return reader.columns(field);
+  return static_cast<Index>(std::max<std::size_t>(reader.inside(field).integers("starts").size(), 1)) - 1;
+}
+
+Jacobian read_jacobian(const RecordReader& reader, std::string_view field, Index rows, Index cols) {
+  if (!reader.has_object(field)) return reader.matrix(field, rows, cols);
+  return read_sparse(reader.inside(field), rows, cols);
+}
+
+BlockInertia read_blocks(const RecordReader& reader) {
+  const NumberTable& table = reader.table("G_blocks");
+  BlockInertia inertia;
+  std::size_t row = 0;
+  for (const std::size_t end : table.block_ends) {
+    const std::size_t order = end - row;
+    const std::string block = "[" + std::to_string(inertia.blocks.size()) + "]";
+    if (order == 0) reader.fail("G_blocks", block + ": empty");
+    Matrix G(static_cast<Index>(order), static_cast<Index>(order));
+    for (std::size_t i = 0; i < order; ++i, ++row) {
+      if (table.row_length(row) != order) {
+        reader.fail("G_blocks", block + ": row " + std::to_string(i) + " has " +
+                                    count_of(static_cast<Index>(table.row_length(row)), "entry") + ", expected " +
+                                    std::to_string(order));
+      }
+      const double* numbers = table.numbers.data() + (table.row_ends[row] - order);
+      G.row(static_cast<Index>(i)) = Eigen::Map<const Eigen::RowVectorXd>(numbers, static_cast<Index>(order));
+    }
+    inertia.blocks.push_back(std::move(G));
   }
-  if (!reader.given("G")) reader.fail("G", ": missing (or G_factors, or Ginv)");
-  return DenseInertia{reader.matrix("G", ngc, ngc)};
+  return inertia;
+}
+
+Inertia read_inertia(const RecordReader& reader, Index ngc) {
+  constexpr std::array<std::string_view, 3> kForms{"G", "G_blocks", "G_factors"};
+  std::string_view form;
+  for (const std::string_view field : kForms) {
+    if (!reader.given(field)) continue;
+    if (reader.given("Ginv")) reader.fail("Ginv", ": given beside " + std::string(field) + "; it may only replace it");
+    if (!form.empty()) reader.fail(form, " and " + std::string(field) + ": only one may be given");
+    form = field;
+  }
+  if (reader.given("Ginv")) return InverseInertia{reader.matrix("Ginv", ngc, ngc)};
+  if (form.empty()) reader.fail("G", ": missing (or G_blocks, G_factors or Ginv)");
+  if (form == "G_blocks") return read_blocks(reader);
+  if (form == "G") return DenseInertia{reader.matrix("G", ngc, ngc)};
+  const RecordReader factors = reader.inside("G_factors");
+  Vector alpha = factors.vector("alpha");
+  Matrix X = factors.matrix("X", ngc, alpha.size());
+  return FactoredInertia{std::move(X), std::move(alpha)};
 }
 
 void check_all_or_none(const RecordReader& reader, std::span<const std::string_view> fields) {
@@ -195,7 +197,7 @@ void read_friction(const RecordReader& reader, ContactProblem& problem) {
     }
     columns += edges;
   }
-  problem.D = reader.matrix("D", problem.ngc(), columns);
+  problem.D = read_jacobian(reader, "D", problem.ngc(), columns);
 }
 
 ContactProblem read_contact(const Record& record, const std::string& origin) {
@@ -206,15 +208,15 @@ ContactProblem read_contact(const Record& record, const std::string& origin) {
   problem.v = reader.vector("v");
   if (reader.given("D")) {
     read_friction(reader, problem);
-    problem.N = reader.matrix("N", problem.ngc(), problem.nc());
+    problem.N = read_jacobian(reader, "N", problem.ngc(), problem.nc());
   } else {
-    const Index nc = reader.columns("N").value_or(0);
-    problem.N = reader.matrix("N", problem.ngc(), nc);
+    const Index nc = jacobian_columns(reader, "N").value_or(0);
+    problem.N = read_jacobian(reader, "N", problem.ngc(), nc);
     problem.D = Matrix(problem.ngc(), 0);
     problem.edges.assign(static_cast<std::size_t>(nc), 0);
     problem.mu = Vector::Zero(nc);
   }
-  problem.inertia = read_inertia(reader, record, origin, problem.ngc());
+  problem.inertia = read_inertia(reader, problem.ngc());
   check_contact(problem, origin);
   return problem;
 }
@@ -252,23 +254,22 @@ void check_only(const Record& record, std::span<const std::string_view> allowed,
 
 }  // namespace
 
-Problem parse_problem_json(std::string_view text, const std::string& origin) {
-  RigidScene scene;
-  DocumentEvents events;
-  events.scalar = [&](std::string_view field, const Record::Value& value) { check_header(field, value, origin); };
-  events.item = [&](std::string_view list, std::size_t index, const Record& item) {
-    const RecordReader reader(item, origin, std::string(list) + "[" + std::to_string(index) + "].");
-    if (list == "bodies") {
-      scene.bodies.push_back(read_body(reader));
-    } else {
-      scene.contacts.push_back(read_rigid_contact(reader));
-    }
-  };
-  const Record record = parse_json_document(text, origin, kProblemFields, events);
+std::span<const Field> problem_fields() { return kProblemFields; }
 
+void ProblemParts::add(std::string_view list, const std::string& path, const Record& item, const std::string& origin) {
+  const RecordReader reader(item, origin, path);
+  if (list == "bodies") {
+    scene_.bodies.push_back(read_body(reader));
+  } else {
+    scene_.contacts.push_back(read_rigid_contact(reader));
+  }
+}
+
+Problem ProblemParts::finish(const Record& record, const std::string& origin) {
   const RecordReader reader(record, origin);
   reader.text("format");
   reader.number("version");
+  for (const std::string_view field : {"format", "version"}) check_header(field, record.value(field), origin);
   const std::string& name = reader.text("name");
   const std::string& kind = reader.text("kind");
   check_name(name, origin);
@@ -278,7 +279,8 @@ Problem parse_problem_json(std::string_view text, const std::string& origin) {
     return Problem(name, read_lcp(record, origin));
   }
   if (kind == "contact") {
-    constexpr std::array<std::string_view, 8> kAllowed{"v", "N", "D", "edges", "mu", "G", "G_factors", "Ginv"};
+    constexpr std::array<std::string_view, 9> kAllowed{"v", "N",        "D",         "edges", "mu",
+                                                       "G", "G_blocks", "G_factors", "Ginv"};
     check_only(record, kAllowed, kind, origin);
     return Problem(name, read_contact(record, origin));
   }
@@ -288,10 +290,21 @@ Problem parse_problem_json(std::string_view text, const std::string& origin) {
     for (const std::string_view list : kAllowed) {
       if (!record.given(list)) reader.fail(list, ": missing");
     }
-    check_scene(scene, origin);
-    return Problem(name, std::move(scene));
+    check_scene(scene_, origin);
+    return Problem(name, std::move(scene_));
   }
   throw input_error(origin, "kind: " + in_quotes(kind) + ", expected 'lcp', 'contact' or 'scene'");
+}
+
+Problem parse_problem_json(std::string_view text, const std::string& origin) {
+  ProblemParts parts;
+  DocumentEvents events;
+  events.scalar = [&](std::string_view field, const Record::Value& value) { check_header(field, value, origin); };
+  events.item = [&](std::string_view list, const std::string& path, const Record& item) {
+    parts.add(list, path, item, origin);
+  };
+  const Record record = parse_json_document(text, origin, kProblemFields, events);
+  return parts.finish(record, origin);
 }
 
 }  // namespace lcpbench

@@ -4,9 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/settings.h"
 #include "core/io/problem_checks.h"
 #include "core/io/problem_io.h"
+#include "core/settings.h"
 
 namespace lcpbench {
 namespace {
@@ -14,7 +14,8 @@ namespace {
 /// Builds the text by hand: the layout is for people, and shortest numbers are all that JSON needs of them.
 class ProblemWriter {
  public:
-  explicit ProblemWriter(const Problem& problem) {
+  /// @param sparse  write sparse matrices and blocks as they are stored
+  ProblemWriter(const Problem& problem, bool sparse) : sparse_(sparse) {
     text_ = "{\n  \"format\": \"lcpbench-problem\",\n  \"version\": 1,\n  \"name\": " +
             nlohmann::json(problem.name()).dump() + ",\n  \"kind\": \"" + to_string(problem.kind()) + "\"";
   }
@@ -32,7 +33,7 @@ class ProblemWriter {
     field("v");
     list(problem.v);
     field("N");
-    rows(to_dense(problem.N), "  ");
+    jacobian(problem.N);
     // Without a row in N nothing else would tell the number of contacts.
     if (problem.frictional() || (problem.ngc() == 0 && problem.nc() > 0)) friction(problem);
     std::visit([this](const auto& inertia) { this->inertia(inertia); }, problem.inertia);
@@ -59,9 +60,9 @@ class ProblemWriter {
   template <class Numbers>
   void list(const Numbers& numbers) {
     text_ += '[';
-    for (Index i = 0; i < numbers.size(); ++i) {
+    for (decltype(numbers.size()) i = 0; i < numbers.size(); ++i) {
       if (i > 0) text_ += ", ";
-      number(numbers(i));
+      number(static_cast<double>(numbers[i]));
     }
     text_ += ']';
   }
@@ -75,9 +76,31 @@ class ProblemWriter {
     text_ += matrix.rows() == 0 ? "]" : "\n" + indent + "]";
   }
 
+  void jacobian(const Jacobian& J) {
+    const auto* sparse = std::get_if<SparseMatrix>(&J);
+    if (!sparse_ || sparse == nullptr) return rows(to_dense(J), "  ");
+    std::vector<Index> starts{0};
+    std::vector<Index> row;
+    std::vector<double> values;
+    for (Index column = 0; column < sparse->outerSize(); ++column) {
+      for (SparseMatrix::InnerIterator it(*sparse, column); it; ++it) {
+        row.push_back(it.row());
+        values.push_back(it.value());
+      }
+      starts.push_back(static_cast<Index>(row.size()));
+    }
+    text_ += "{\n    \"starts\": ";
+    list(starts);
+    text_ += ",\n    \"rows\": ";
+    list(row);
+    text_ += ",\n    \"values\": ";
+    list(values);
+    text_ += "\n  }";
+  }
+
   void friction(const ContactProblem& problem) {
     field("D");
-    rows(to_dense(problem.D), "  ");
+    jacobian(problem.D);
     field("edges");
     Vector edges(problem.nc());
     for (Index i = 0; i < problem.nc(); ++i) edges(i) = problem.edges[static_cast<std::size_t>(i)];
@@ -91,8 +114,14 @@ class ProblemWriter {
     rows(inertia.G, "  ");
   }
   void inertia(const BlockInertia& inertia) {
-    field("G");
-    rows(dense_inertia(inertia), "  ");
+    if (!sparse_) return this->inertia(DenseInertia{dense_inertia(inertia)});
+    field("G_blocks");
+    text_ += '[';
+    for (std::size_t i = 0; i < inertia.blocks.size(); ++i) {
+      text_ += i == 0 ? "\n    " : ",\n    ";
+      rows(inertia.blocks[i], "    ");
+    }
+    text_ += "\n  ]";
   }
   void inertia(const FactoredInertia& inertia) {
     text_ += ",\n  \"G_factors\": {\n    \"X\": ";
@@ -154,48 +183,89 @@ class ProblemWriter {
   }
 
   std::string text_;
+  bool sparse_;
 };
 
 /// Numbers and rows that the reader will count, an upper bound; in double because a sparse problem's may overflow.
-double dense_numbers(const Lcp& lcp) {
+double numbers(const Lcp& lcp) {
   const auto n = static_cast<double>(lcp.size());
   return n * n + 2 * n;
 }
 
-double dense_numbers(const ContactProblem& problem) {
-  const auto ngc = static_cast<double>(problem.ngc());
-  const auto* factors = std::get_if<FactoredInertia>(&problem.inertia);
-  const auto inertia_columns = static_cast<double>(factors != nullptr ? factors->X.cols() : problem.ngc());
-  const auto columns = static_cast<double>(cols(problem.N) + cols(problem.D)) + inertia_columns;
-  return ngc * (columns + 4) + inertia_columns + 2 * static_cast<double>(problem.nc());
+double numbers(const Jacobian& J, bool sparse) {
+  const auto* matrix = std::get_if<SparseMatrix>(&J);
+  const auto columns = static_cast<double>(cols(J));
+  if (sparse && matrix != nullptr) return 2 * static_cast<double>(matrix->nonZeros()) + columns + 1;
+  return static_cast<double>(rows(J)) * (columns + 1);
+}
+
+double numbers(const Inertia& inertia, bool sparse) {
+  const auto ngc = static_cast<double>(dimension(inertia));
+  if (const auto* factors = std::get_if<FactoredInertia>(&inertia)) {
+    return (ngc + 1) * static_cast<double>(factors->X.cols()) + ngc;
+  }
+  const auto* separate = std::get_if<BlockInertia>(&inertia);
+  if (!sparse || separate == nullptr) return ngc * (ngc + 1);
+  double total = 0;
+  for (const Matrix& block : separate->blocks) {
+    total += static_cast<double>(block.size()) + static_cast<double>(block.rows()) + 1;
+  }
+  return total;
+}
+
+double numbers(const ContactProblem& problem, bool sparse) {
+  return static_cast<double>(problem.ngc()) + numbers(problem.N, sparse) + numbers(problem.D, sparse) +
+         numbers(problem.inertia, sparse) + 3 * static_cast<double>(problem.nc());
 }
 
 /// What the reader would refuse is not written.
-void check_dense_size(double numbers, const std::string& origin) {
+void check_numbers(double numbers, const std::string& origin) {
   if (numbers <= static_cast<double>(kMaxNumbers)) return;
-  throw input_error(origin, "too large for a problem file with dense matrices: " + format_real(numbers) +
-                                " numbers, at most " + std::to_string(kMaxNumbers) + " are allowed");
+  throw input_error(origin, "too large for a problem file: " + format_real(numbers) + " numbers, at most " +
+                                std::to_string(kMaxNumbers) + " are allowed");
 }
 
-}  // namespace
+/// A file with dense matrices is easier to read, and up to about a megabyte it does not matter that it is larger.
+constexpr double kMaxReadableNumbers = 1 << 16;
 
-std::string problem_json(const Problem& problem) {
+std::string text_of(const Problem& problem, bool compact) {
   const std::string origin = problem.name().empty() ? "unnamed problem" : problem.name();
   check_name(problem.name(), origin);
-  ProblemWriter writer(problem);
+  const ContactProblem* contact = problem.kind() == ProblemKind::kContact ? problem.contact() : nullptr;
+  const bool sparse = contact != nullptr && (compact || numbers(*contact, false) > kMaxReadableNumbers);
+  ProblemWriter writer(problem, sparse);
   if (problem.kind() == ProblemKind::kScene) {
     check_scene(*problem.scene(), origin);
     writer.scene(*problem.scene());
-  } else if (problem.kind() == ProblemKind::kContact) {
-    check_dense_size(dense_numbers(*problem.contact()), origin);
-    check_contact(*problem.contact(), origin);
-    writer.contact(*problem.contact());
+  } else if (contact != nullptr) {
+    check_numbers(numbers(*contact, sparse), origin);
+    check_contact(*contact, origin);
+    writer.contact(*contact);
   } else {
-    check_dense_size(dense_numbers(problem.lcp()), origin);
+    check_numbers(numbers(problem.lcp()), origin);
     check_lcp(problem.lcp(), origin);
     writer.lcp(problem.lcp());
   }
   return writer.finish();
+}
+
+}  // namespace
+
+std::string problem_json(const Problem& problem) { return text_of(problem, false); }
+
+std::string problem_json_line(const Problem& problem) {
+  const std::string text = text_of(problem, true);
+  std::string line;
+  line.reserve(text.size());
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"') in_string = !in_string;
+    if (!in_string && (c == ' ' || c == '\n')) continue;
+    line += c;
+    if (in_string && c == '\\') line += text[++i];
+  }
+  return line;
 }
 
 }  // namespace lcpbench

@@ -7,24 +7,39 @@
 
 #include "core/error.h"
 #include "core/io/problem_io.h"
+#include "core/io/scenes_file.h"
 #include "study/output/terminal.h"
 
 namespace lcpbench {
 
-/// Reads each file and calls visit(problem, file). What is wrong with one (InputError, of `visit` too) is told in a
-/// line on stderr and does not stop the others. A `stop` that is raised ends the walk before the next file.
+/// Reads each file and calls visit(problem, file); of a scenes file every step, as "F.scenes#120". What is wrong with
+/// one (InputError, of `visit` too) is told in a line on stderr and does not stop the others. A `stop` that is raised
+/// ends the walk before the next problem.
 /// @returns whether nothing was wrong with any
 template <class Visit>
 bool for_each_problem_file(const std::vector<std::string>& files, const volatile std::sig_atomic_t* stop, Visit visit) {
   bool complete = true;
-  for (const std::string& file : files) {
-    if (*stop != 0) break;
+  const auto guarded = [&](auto&& act) {
     try {
-      visit(read_problem(file), file);
+      act();
     } catch (const InputError& error) {
       complete = false;
       say(stderr, "lcpbench: {}\n", error.what());
     }
+  };
+  const auto visit_steps = [&](const std::string& file) {
+    const ScenesFile scenes(file);
+    if (!scenes.truncation().empty()) say(stderr, "lcpbench: {}\n", scenes.truncation());
+    for (std::size_t i = 0; i < scenes.count() && *stop == 0; ++i) {
+      guarded([&] { visit(scenes.read(i).problem, file + "#" + std::to_string(scenes.step_number(i))); });
+    }
+  };
+  for (const std::string& file : files) {
+    if (*stop != 0) break;
+    guarded([&] {
+      if (is_scenes_file(file)) return visit_steps(file);
+      visit(read_problem(file), file);
+    });
   }
   return complete;
 }

@@ -1,0 +1,203 @@
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <btBulletDynamicsCommon.h>
+
+#include "adapters/capture/engine.h"
+
+static_assert(sizeof(btScalar) == sizeof(double), "needs Bullet's float64 build");
+
+namespace lcpbench::capture {
+namespace {
+
+Eigen::Vector3d vector(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
+btVector3 vector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+Eigen::Matrix3d matrix(const btMatrix3x3& m) {
+  Eigen::Matrix3d result;
+  for (int i = 0; i < 3; ++i) result.row(i) = vector(m.getRow(i));
+  return result;
+}
+
+Pose pose(const btTransform& transform) {
+  const btQuaternion q = transform.getRotation();
+  return {vector(transform.getOrigin()), {q.w(), q.x(), q.y(), q.z()}};
+}
+
+/// Lets others look at the contacts when they are found and not yet solved.
+class World final : public btDiscreteDynamicsWorld {
+ public:
+  using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
+  std::function<void()> before_solving;
+
+ protected:
+  void solveConstraints(btContactSolverInfo& info) override {
+    before_solving();
+    btDiscreteDynamicsWorld::solveConstraints(info);
+  }
+};
+
+class BulletEngine final : public Engine {
+ public:
+  explicit BulletEngine(const Scene& scene)
+      : scene_(scene), dispatcher_(&configuration_), world_(&dispatcher_, &broadphase_, &solver_, &configuration_) {
+    world_.setGravity(btVector3(0, 0, 0));  // comes with the other forces
+    world_.before_solving = [this] { look(); };
+    for (const Body& body : scene_.bodies) add(body);
+  }
+  ~BulletEngine() override {
+    for (const std::unique_ptr<btRigidBody>& body : bodies_) world_.removeRigidBody(body.get());
+  }
+
+  std::string name() const override { return "Bullet"; }
+  std::string version() const override { return LCPBENCH_ENGINE_VERSION; }
+  double step_length() const override { return scene_.step; }
+  std::vector<Drawn> drawn() const override { return drawn_parts(scene_); }
+
+  void step(long index, Snapshot& snapshot) override {
+    snapshot = {};
+    snapshot_ = &snapshot;
+    points_.clear();
+    apply_forces(index);
+    world_.stepSimulation(scene_.step, 0);
+    keep_impulses();
+  }
+
+ private:
+  void add(const Body& body) {
+    auto compound = std::make_unique<btCompoundShape>();
+    for (const Part& part : body.parts) {
+      std::unique_ptr<btConvexInternalShape> shape;
+      if (part.kind == Part::Kind::kSphere)
+        shape = std::make_unique<btSphereShape>(part.size.x());
+      else
+        shape = std::make_unique<btBoxShape>(vector(part.size));
+      // Bullet's margin of 4 cm is more than some bodies are thick. A sphere's margin is its radius.
+      if (part.kind == Part::Kind::kBox) shape->setMargin(std::min(0.04, 0.1 * part.size.minCoeff()));
+      compound->addChildShape(btTransform(btQuaternion::getIdentity(), vector(part.offset)), shape.get());
+      shapes_.push_back(std::move(shape));
+    }
+    btCollisionShape* shape = compound.get();
+    if (body.parts.size() == 1 && body.parts[0].offset.isZero()) shape = shapes_.back().get();
+    shapes_.push_back(std::move(compound));
+    btRigidBody::btRigidBodyConstructionInfo info(body.mass, nullptr, shape,
+                                                  body.mass > 0 ? vector(body.inertia) : btVector3(0, 0, 0));
+    const Eigen::Quaterniond& q = body.orientation;
+    info.m_startWorldTransform = btTransform(btQuaternion(q.x(), q.y(), q.z(), q.w()), vector(body.position));
+    info.m_friction = scene_.mu;
+    info.m_restitution = scene_.restitution;
+    auto rigid = std::make_unique<btRigidBody>(info);
+    rigid->setFlags(0);  // no gyroscopic torque, which comes with the other forces
+    rigid->setActivationState(DISABLE_DEACTIVATION);
+    rigid->setLinearVelocity(vector(body.linear_velocity));
+    rigid->setAngularVelocity(vector(body.angular_velocity));
+    rigid->setUserIndex(static_cast<int>(bodies_.size()));
+    rigid->setUserIndex2(body.mass > 0 ? moving_++ : kWorld);
+    world_.addRigidBody(rigid.get());
+    bodies_.push_back(std::move(rigid));
+  }
+
+  Eigen::Matrix3d inertia(std::size_t i) const {
+    return world_inertia(matrix(bodies_[i]->getWorldTransform().getBasis()), scene_.bodies[i].inertia);
+  }
+
+  void apply_forces(long index) {
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      btRigidBody& body = *bodies_[i];
+      if (body.getUserIndex2() == kWorld) continue;
+      body.applyCentralForce(vector(force_on(scene_.bodies[i], index)));
+      body.applyTorque(vector(gyroscopic_torque(inertia(i), vector(body.getAngularVelocity()), scene_.step)));
+    }
+  }
+
+  void look() {
+    std::vector<Pose> poses;
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      const btRigidBody& body = *bodies_[i];
+      poses.push_back(pose(body.getWorldTransform()));
+      if (body.getUserIndex2() == kWorld) continue;
+      BodyState state;
+      state.mass = scene_.bodies[i].mass;
+      state.inertia = inertia(i);
+      state.position = poses.back().position;
+      state.linear_velocity =
+          vector(body.getLinearVelocity()) + scene_.step / state.mass * vector(body.getTotalForce());
+      state.angular_velocity =
+          vector(body.getAngularVelocity()) + scene_.step * state.inertia.llt().solve(vector(body.getTotalTorque()));
+      snapshot_->bodies.push_back(state);
+    }
+    snapshot_->poses = part_poses(scene_, poses);
+    for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
+      btPersistentManifold& manifold = *dispatcher_.getManifoldByIndexInternal(i);
+      for (int k = 0; k < manifold.getNumContacts(); ++k) look(manifold, manifold.getContactPoint(k));
+    }
+  }
+
+  void look(const btPersistentManifold& manifold, btManifoldPoint& point) {
+    const btRigidBody& a = *btRigidBody::upcast(manifold.getBody0());
+    const btRigidBody& b = *btRigidBody::upcast(manifold.getBody1());
+    ContactState contact;
+    contact.body_a = a.getUserIndex2();
+    contact.body_b = b.getUserIndex2();
+    if (contact.body_a == kWorld && contact.body_b == kWorld) return;
+    contact.point = vector(0.5 * (point.getPositionWorldOnA() + point.getPositionWorldOnB()));
+    contact.normal = vector(point.m_normalWorldOnB).normalized();
+    contact.tangent = tangent_to(contact.normal);
+    contact.mu = scene_.mu;
+    contact.gap = point.getDistance();
+    const btVector3 at = vector(contact.point);
+    const btVector3 approach = a.getVelocityInLocalPoint(at - a.getCenterOfMassPosition()) -
+                               b.getVelocityInLocalPoint(at - b.getCenterOfMassPosition());
+    contact.offset = contact_offset(contact.gap, scene_.step, scene_.restitution, vector(approach).dot(contact.normal));
+    contact.pair = std::to_string(a.getUserIndex()) + "-" + std::to_string(b.getUserIndex());
+    contact.local = vector(contact.body_a == kWorld ? point.m_localPointB : point.m_localPointA);
+    snapshot_->contacts.push_back(contact);
+    points_.push_back(&point);
+  }
+
+  void keep_impulses() {
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const btManifoldPoint& point = *points_[i];
+      ContactState& contact = snapshot_->contacts[i];
+      const Eigen::Vector3d impulse = point.m_appliedImpulse * vector(point.m_normalWorldOnB) +
+                                      point.m_appliedImpulseLateral1 * vector(point.m_lateralFrictionDir1) +
+                                      point.m_appliedImpulseLateral2 * vector(point.m_lateralFrictionDir2);
+      contact.impulse = {impulse.dot(contact.normal), impulse.dot(contact.tangent),
+                         impulse.dot(contact.normal.cross(contact.tangent))};
+    }
+    snapshot_->has_impulses = true;
+    snapshot_->velocity_after.resize(6 * moving_);
+    for (const std::unique_ptr<btRigidBody>& body : bodies_) {
+      if (body->getUserIndex2() == kWorld) continue;
+      const Eigen::Index at = 6 * body->getUserIndex2();
+      snapshot_->velocity_after.segment<3>(at) = vector(body->getLinearVelocity());
+      snapshot_->velocity_after.segment<3>(at + 3) = vector(body->getAngularVelocity());
+    }
+  }
+
+  Scene scene_;
+  btDefaultCollisionConfiguration configuration_;
+  btCollisionDispatcher dispatcher_;
+  btDbvtBroadphase broadphase_;
+  btSequentialImpulseConstraintSolver solver_;
+  World world_;
+  std::vector<std::unique_ptr<btCollisionShape>> shapes_;
+  std::vector<std::unique_ptr<btRigidBody>> bodies_;
+  int moving_ = 0;
+  std::vector<btManifoldPoint*> points_;  ///< of this step's contacts
+  Snapshot* snapshot_ = nullptr;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_engine(const Scene& scene, const std::string& model) {
+  require_free_bodies(scene, model, "Bullet");
+  return std::make_unique<BulletEngine>(scene);
+}
+
+}  // namespace lcpbench::capture

@@ -1,0 +1,181 @@
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "adapters/capture/scene.h"
+
+namespace lcpbench::capture {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kHalfTurn = 3.141592653589793;
+
+Scene scene(std::string name, std::string summary, double mu) {
+  Scene result;
+  result.name = std::move(name);
+  result.summary = std::move(summary);
+  result.mu = mu;
+  result.bodies.push_back(ground());
+  return result;
+}
+
+Hinge hinge(int parent, const Vector3d& anchor, const Vector3d& axis, double lower, double upper) {
+  Hinge result;
+  result.parent = parent;
+  result.anchor = anchor;
+  result.axis = axis;
+  result.lower = lower;
+  result.upper = upper;
+  return result;
+}
+
+Hinge driven(Hinge joint, double stiffness, double max_torque, const Target& target) {
+  joint.stiffness = stiffness;
+  joint.damping = stiffness / 40;
+  joint.max_torque = max_torque;
+  joint.target = target;
+  return joint;
+}
+
+int add(Scene& scene, Body body) {
+  scene.bodies.push_back(std::move(body));
+  return static_cast<int>(scene.bodies.size()) - 1;
+}
+
+int add(Scene& scene, Body body, const Hinge& joint) {
+  body.hinge = joint;
+  return add(scene, std::move(body));
+}
+
+/// A trunk and four legs of three hinges each, straight at first, its feet at height z.
+/// @param stride  amplitude of the hips [rad]; 0: it stands. Diagonal legs swing together.
+void add_quadruped(Scene& scene, double z, double stride) {
+  const int trunk = add(scene, solid({box(0.30, 0.12, 0.06)}, 12, {0, 0, z + 0.60}));
+  for (int leg = 0; leg < 4; ++leg) {
+    const double x = leg < 2 ? 0.25 : -0.25;
+    const double y = leg % 2 == 0 ? 0.17 : -0.17;
+    const double phase = leg == 0 || leg == 3 ? 0 : kHalfTurn;
+    const int hip = add(scene, solid({box(0.04, 0.04, 0.04)}, 0.8, {x, y, z + 0.58}),
+                        driven(hinge(trunk, {x, y, z + 0.58}, Vector3d::UnitX(), -0.5, 0.5), 80, 40, {}));
+    const int thigh =
+        add(scene, solid({box(0.025, 0.025, 0.13)}, 1.2, {x, y, z + 0.43}),
+            driven(hinge(hip, {x, y, z + 0.58}, Vector3d::UnitY(), -1.2, 1.6), 80, 40, {0.5, stride, 2, phase}));
+    add(scene, solid({box(0.018, 0.018, 0.11, {0, 0, 0.03}), sphere(0.03, {0, 0, -0.11})}, 0.5, {x, y, z + 0.14}),
+        driven(hinge(thigh, {x, y, z + 0.29}, Vector3d::UnitY(), -2.2, 0.1), 80, 40,
+               {-1, stride * 1.2, 2, phase + kHalfTurn / 2}));
+  }
+}
+
+/// Slabs of unequal height, side by side.
+void add_uneven_ground(Scene& scene) {
+  constexpr int kHeights[] = {3, 1, 4, 2, 0, 3, 1, 2, 4, 0, 2, 3};  // cm
+  for (int i = 0; i < 12; ++i) {
+    const double height = 0.02 + 0.005 * kHeights[i];
+    scene.bodies.push_back(fixed(box(0.2, 0.2, height / 2), {-0.6 + 0.4 * (i % 4), -0.4 + 0.4 * (i / 4), height / 2}));
+  }
+}
+
+Scene quadruped(std::string name, std::string summary, double stride) {
+  Scene result = scene(std::move(name), std::move(summary), 0.7);
+  add_uneven_ground(result);
+  add_quadruped(result, 0.05, stride);
+  result.step = 0.0025;
+  result.steps = 600;
+  return result;
+}
+
+Scene hand() {
+  Scene result = scene("hand", "a hand of three fingers with two hinges each turns a box on its palm", 0.8);
+  const int palm = add(result, fixed(box(0.3, 0.3, 0.05), {0, 0, 0.5}));
+  // Two fingers stand on one side of the box and push in turn, one stands on the other side.
+  const Vector3d bases[] = {{0.27, 0.08, 0.55}, {0.27, -0.08, 0.55}, {-0.27, 0, 0.55}};
+  for (int i = 0; i < 3; ++i) {
+    const Vector3d base = bases[i];
+    const Vector3d knuckle = base + Vector3d(0, 0, 0.25);
+    const Vector3d closing = Vector3d::UnitY() * (i < 2 ? -1 : 1);  // a turn about this axis closes the finger
+    const Target curl{0.4, i < 2 ? 0.2 : 0.0, 1.5, i * kHalfTurn};
+    const int lower = add(result, solid({box(0.03, 0.03, 0.1, {0, 0, 0.13})}, 0.5, base),
+                          driven(hinge(palm, base, closing, -0.3, 1.2), 40, 15, curl));
+    add(result, solid({box(0.025, 0.025, 0.06, {0, 0, 0.08}), sphere(0.035, {0, 0, 0.175})}, 0.3, knuckle),
+        driven(hinge(lower, knuckle, closing, -0.2, 1.4), 20, 10, {0.15, 0, 0, 0}));
+  }
+  add(result, solid({box(0.1, 0.12, 0.2)}, 1, {0, 0, 0.7505}));
+  result.step = 0.0025;
+  result.steps = 800;
+  return result;
+}
+
+/// Six links in a ring that drop on the floor on their edge. The last link is held by the loop.
+Scene closed_chain() {
+  Scene result = scene("closed-chain", "a closed chain of six links drops on the floor", 0.6);
+  constexpr double kHalf = 0.25;  // half the length of a link
+  constexpr double kSin60 = 0.8660254037844386;
+  const Vector3d corners[] = {{-kHalf, 0, 0},
+                              {kHalf, 0, 0},
+                              {2 * kHalf, 0, 2 * kHalf * kSin60},
+                              {kHalf, 0, 4 * kHalf * kSin60},
+                              {-kHalf, 0, 4 * kHalf * kSin60},
+                              {-2 * kHalf, 0, 2 * kHalf * kSin60}};
+  const Vector3d lift(0, 0, 0.1);
+  int previous = -1;
+  for (int i = 0; i < 6; ++i) {
+    const Vector3d from = corners[i] + lift;
+    const Vector3d to = corners[(i + 1) % 6] + lift;
+    const Vector3d along = (to - from) / (2 * kHalf);
+    Body link = solid({box(0.2, 0.06, 0.03)}, 1, (from + to) / 2);
+    link.orientation = turned_about_y(along.x(), -along.z());
+    if (along.x() < -0.9) link.orientation = Eigen::Quaterniond(0, 0, 1, 0);  // upside down
+    if (previous >= 0) link.hinge = hinge(previous, from, Vector3d::UnitY(), -1.5, 1.5);
+    previous = add(result, std::move(link));
+  }
+  result.loops.push_back({previous, previous - 5, corners[0] + lift});
+  result.step = 0.0025;
+  result.steps = 500;
+  return result;
+}
+
+/// A scene of the humanoid that comes with MuJoCo.
+Scene humanoid(std::string name, std::string summary) {
+  Scene result;
+  result.name = std::move(name);
+  result.summary = std::move(summary);
+  result.model = "humanoid/humanoid.xml";
+  result.steps = 400;
+  return result;
+}
+
+Scene humanoid_lying() {
+  Scene result = humanoid("humanoid-lying", "MuJoCo's humanoid lies on the floor");
+  result.model_height = -1.05;
+  result.model_tilt = 1.5;
+  return result;
+}
+
+Scene humanoid_pushed() {
+  Scene result = humanoid("humanoid-pushed", "MuJoCo's humanoid stands stiffly and is pushed from the side");
+  result.model_stiffness = 200;
+  result.model_push = {{0, 250, 0}, 60, 90};
+  return result;
+}
+
+Scene many_humanoids() {
+  Scene result = humanoid("humanoids-22", "22 of MuJoCo's humanoids fall");
+  result.model = "humanoid/22_humanoids.xml";
+  return result;
+}
+
+}  // namespace
+
+std::vector<Scene> articulated_scenes() {
+  return {quadruped("quadruped-standing", "a robot with four legs stands on uneven ground", 0),
+          quadruped("quadruped-trotting", "a robot with four legs trots on uneven ground", 0.25),
+          hand(),
+          closed_chain(),
+          humanoid("humanoid-falling", "MuJoCo's humanoid falls"),
+          humanoid_lying(),
+          humanoid_pushed(),
+          many_humanoids()};
+}
+
+}  // namespace lcpbench::capture

@@ -1,0 +1,99 @@
+#include "adapters/capture/engine.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/error.h"
+
+namespace lcpbench::capture {
+
+std::string numbered(const char* word, long long number) {
+  std::string result = word;
+  result += std::to_string(number);
+  return result;
+}
+
+Eigen::Matrix3d world_inertia(const Eigen::Matrix3d& R, const Eigen::Vector3d& moments) {
+  Eigen::Matrix3d result;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      double sum = 0;
+      for (int k = 0; k < 3; ++k) sum += R(i, k) * moments(k) * R(j, k);
+      result(i, j) = result(j, i) = sum;
+    }
+  }
+  return result;
+}
+
+Eigen::Vector3d force_on(const Body& body, long step) {
+  Eigen::Vector3d force(0, 0, -kGravity * body.mass);
+  if (step >= body.push.first && step <= body.push.last) force += body.push.force;
+  return force;
+}
+
+Eigen::Vector3d gyroscopic_torque(const Eigen::Matrix3d& inertia, const Eigen::Vector3d& angular_velocity, double h) {
+  const auto cross = [](const Eigen::Vector3d& v) {
+    Eigen::Matrix3d matrix;
+    matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+    return matrix;
+  };
+  const Eigen::Vector3d momentum = inertia * angular_velocity;
+  const Eigen::Vector3d rest = h * angular_velocity.cross(momentum);
+  const Eigen::Matrix3d slope = inertia + h * (cross(angular_velocity) * inertia - cross(momentum));
+  return inertia * slope.inverse() * -rest / h;
+}
+
+double controller_torque(const Hinge& hinge, double angle, double velocity, double time) {
+  const Target& target = hinge.target;
+  const double wanted =
+      target.centre + target.amplitude * std::sin(2 * std::numbers::pi * target.frequency * time + target.phase);
+  const double torque = hinge.stiffness * (wanted - angle) - hinge.damping * velocity;
+  return std::clamp(torque, -hinge.max_torque, hinge.max_torque);
+}
+
+Eigen::Vector3d tangent_to(const Eigen::Vector3d& normal) {
+  const Eigen::Vector3d axis = std::abs(normal.x()) < 0.7 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
+  return (axis - axis.dot(normal) * normal).normalized();
+}
+
+double contact_offset(double gap, double h, double restitution, double approach) {
+  constexpr double kThreshold = 0.2;  // m/s: slower contacts come to rest
+  if (gap > 0) return gap / h;
+  return restitution > 0 && approach < -kThreshold ? restitution * approach : 0;
+}
+
+std::vector<Drawn> drawn_parts(const Scene& scene) {
+  std::vector<Drawn> result;
+  for (const Body& body : scene.bodies) {
+    for (const Part& part : body.parts) {
+      const Eigen::Vector3d& s = part.size;
+      if (part.kind == Part::Kind::kSphere)
+        result.push_back({"sphere", {s.x()}});
+      else
+        result.push_back({"box", {s.x(), s.y(), s.z()}});
+    }
+  }
+  return result;
+}
+
+std::vector<Pose> part_poses(const Scene& scene, const std::vector<Pose>& poses) {
+  std::vector<Pose> result;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    for (const Part& part : scene.bodies[i].parts) {
+      result.push_back({poses[i].position + poses[i].rotation * part.offset, poses[i].rotation});
+    }
+  }
+  return result;
+}
+
+void require_free_bodies(const Scene& scene, const std::string& model, const char* engine) {
+  if (!model.empty()) throw InputError(std::string("--model: ") + engine + " reads no model files; MuJoCo and DART do");
+  if (scene.articulated()) {
+    throw InputError("scene '" + scene.name + "' has joints, which are captured from MuJoCo and DART, not from " +
+                     engine);
+  }
+}
+
+}  // namespace lcpbench::capture

@@ -1,0 +1,125 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "adapters/capture/scene.h"
+
+namespace lcpbench::capture {
+
+constexpr double kGravity = 9.81;  ///< [m/s^2], down the z axis
+constexpr int kWorld = -1;
+
+/// A free body as a step finds it. The velocities have the forces of the step in them: v + h M^-1 f.
+struct BodyState {
+  double mass = 1;
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Identity();  ///< in world axes
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Vector3d linear_velocity = Eigen::Vector3d::Zero();
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();
+};
+
+/// A robot as a step finds it: its mass matrix, and its velocity with the forces of the step in it.
+struct BlockState {
+  Eigen::MatrixXd mass;
+  Eigen::VectorXd velocity;
+};
+
+/// The rows of a contact over the coordinates of all blocks. A joint's limit has no tangents.
+struct Rows {
+  std::vector<int> coordinates;
+  Eigen::VectorXd normal;
+  Eigen::VectorXd tangent;
+  Eigen::VectorXd second_tangent;
+};
+
+struct ContactState {
+  int body_a = kWorld;  ///< index in Snapshot::bodies
+  int body_b = kWorld;
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< from body_b into body_a
+  Eigen::Vector3d tangent = Eigen::Vector3d::UnitX();
+  std::optional<Rows> rows;  ///< of articulated scenes, in place of the bodies
+  double mu = 0;
+  int edges = 4;
+  double gap = 0;                                     ///< [m], negative: penetration
+  double offset = 0;                                  ///< b: the contact asks that normal velocity + b >= 0 [m/s]
+  std::string pair;                                   ///< who touches whom: contacts keep their names within a pair
+  Eigen::Vector3d local = Eigen::Vector3d::Zero();    ///< the point in the frame of a moving body of the pair
+  std::string id;                                     ///< set by the program, not by the engine
+  Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  ///< the engine's, along normal, tangent, second tangent [N s]
+};
+
+struct Pose {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+};
+
+/// One step: bodies of a scene without joints, or blocks of one with joints.
+struct Snapshot {
+  std::vector<BodyState> bodies;
+  std::vector<BlockState> blocks;
+  std::vector<ContactState> contacts;
+  std::vector<Pose> poses;         ///< of the scene's parts, for pictures
+  Eigen::VectorXd velocity_after;  ///< the engine's own, of all coordinates; empty where it cannot be told
+  bool has_impulses = false;
+};
+
+/// What of a scene is drawn: the shape of one pose.
+struct Drawn {
+  std::string type;
+  std::vector<double> size;
+};
+
+class Engine {
+ public:
+  virtual ~Engine() = default;
+  virtual std::string name() const = 0;
+  virtual std::string version() const = 0;
+  virtual double step_length() const = 0;
+  virtual std::vector<Drawn> drawn() const = 0;
+  /// Finds the contacts, fills the snapshot, solves and moves on by one step.
+  virtual void step(long index, Snapshot& snapshot) = 0;
+};
+
+/// Each engine's capture.cpp defines this. @param model  a model file of the user's, or empty
+/// @throws InputError when the engine cannot run the scene
+std::unique_ptr<Engine> make_engine(const Scene& scene, const std::string& model);
+
+// What the engines share.
+
+/// A name that ends in a number.
+std::string numbered(const char* word, long long number);
+
+/// R diag(moments) R', in a fixed order of operations.
+Eigen::Matrix3d world_inertia(const Eigen::Matrix3d& R, const Eigen::Vector3d& moments);
+
+/// Gravity and the push of the scene on this body.
+Eigen::Vector3d force_on(const Body& body, long step);
+
+/// The torque of the gyroscopic forces, implicit in the angular velocity (one Newton step from the explicit one), so
+/// that a fast spin gains no energy.
+Eigen::Vector3d gyroscopic_torque(const Eigen::Matrix3d& inertia, const Eigen::Vector3d& angular_velocity, double h);
+
+/// The torque of the scene's controller at a hinge.
+double controller_torque(const Hinge& hinge, double angle, double velocity, double time);
+
+/// A direction orthogonal to a unit normal.
+Eigen::Vector3d tangent_to(const Eigen::Vector3d& normal);
+
+/// The offset of a contact: gap / h of a gap that is open; restitution of an approach at more than 0.2 m/s.
+/// Penetration is left as it is. @param approach  normal velocity before the step's forces
+double contact_offset(double gap, double h, double restitution, double approach);
+
+std::vector<Drawn> drawn_parts(const Scene& scene);
+/// @param poses  of the bodies
+std::vector<Pose> part_poses(const Scene& scene, const std::vector<Pose>& poses);
+
+/// For the engines of free bodies. @throws InputError when the scene has joints, or a model is given
+void require_free_bodies(const Scene& scene, const std::string& model, const char* engine);
+
+}  // namespace lcpbench::capture

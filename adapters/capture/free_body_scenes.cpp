@@ -1,0 +1,251 @@
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "adapters/capture/scene.h"
+
+namespace lcpbench::capture {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+// Angles of right triangles with whole sides: 3-4-5 (36.9 degrees) and 7-24-25 (16.3 degrees).
+constexpr double kCos37 = 0.8;
+constexpr double kSin37 = 0.6;
+constexpr double kCos16 = 0.96;
+constexpr double kSin16 = 0.28;
+
+Scene scene(std::string name, std::string summary, double mu) {
+  Scene result;
+  result.name = std::move(name);
+  result.summary = std::move(summary);
+  result.mu = mu;
+  result.bodies.push_back(ground());
+  return result;
+}
+
+/// Numbers between -1 and 1 without a pattern, the same everywhere.
+class Scatter {
+ public:
+  double next() {
+    state_ = state_ * 6364136223846793005U + 1442695040888963407U;
+    return static_cast<double>(state_ >> 44U) / (1U << 19U) - 1;
+  }
+
+ private:
+  std::uint64_t state_ = 18;
+};
+
+Scene stack() {
+  Scene result = scene("stack", "ten boxes on top of each other", 0.5);
+  for (int i = 0; i < 10; ++i) result.bodies.push_back(solid({box(0.5, 0.5, 0.25)}, 10, {0, 0, 0.25 + 0.5 * i}));
+  return result;
+}
+
+/// Cards are built this far apart [m]: detectors differ on edges that just touch.
+constexpr double kSlack = 0.001;
+
+/// Two cards that lean against each other above x, on a floor of height z.
+void lean(Scene& scene, double x, double z) {
+  constexpr double kThickness = 0.04;  // half
+  constexpr double kLength = 0.75;     // half
+  const double height = kLength * kCos16 + kThickness * kSin16;
+  const double distance = kLength * kSin16 + kThickness * kCos16 + kSlack;
+  for (const int side : {-1, 1}) {
+    Body card = solid({box(kThickness, 0.5, kLength)}, 1, {x + side * distance, 0, z + height});
+    card.orientation = turned_about_y(kCos16, -side * kSin16);
+    scene.bodies.push_back(card);
+  }
+}
+
+Scene card_house() {
+  Scene result = scene("card-house", "five cards that hold each other: two storeys", 0.8);
+  constexpr double kStorey = 2 * (0.75 * kCos16 + 0.04 * kSin16) + kSlack;
+  lean(result, -0.5, 0);
+  lean(result, 0.5, 0);
+  result.bodies.push_back(solid({box(1, 0.5, 0.04)}, 1, {0, 0, kStorey + 0.04}));
+  lean(result, 0, kStorey + 0.08 + kSlack);
+  return result;
+}
+
+Scene wall() {
+  Scene result = scene("wall", "a wall of bricks, six rows of five", 0.6);
+  for (int row = 0; row < 6; ++row) {
+    for (int column = 0; column < 5; ++column) {
+      const double x = 1.02 * column + (row % 2 == 0 ? 0 : 0.5);
+      result.bodies.push_back(solid({box(0.5, 0.25, 0.25)}, 5, {x, 0, 0.25 + 0.5 * row}));
+    }
+  }
+  return result;
+}
+
+Scene mass_ratio(std::string name, double ratio) {
+  Scene result = scene(std::move(name), "a heavy box on three light ones", 0.5);
+  result.bodies.push_back(solid({box(0.25, 0.25, 0.25)}, 1, {-0.6, -0.5, 0.25}));
+  result.bodies.push_back(solid({box(0.25, 0.25, 0.25)}, 1, {0.6, -0.5, 0.25}));
+  result.bodies.push_back(solid({box(0.25, 0.25, 0.25)}, 1, {0, 0.5, 0.25}));
+  result.bodies.push_back(solid({box(1, 1, 0.5)}, ratio, {0, 0, 1}));
+  return result;
+}
+
+Scene wedge() {
+  Scene result = scene("wedge", "a box and a ball between steep walls, with a load on top", 0.4);
+  for (const int side : {-1, 1}) {
+    result.bodies.push_back(fixed(box(0.2, 1, 1.5), {side * 0.95, 0, 1.4}, turned_about_y(kCos16, side * kSin16)));
+  }
+  Body jammed = solid({box(0.45, 0.4, 0.15)}, 2, {0, 0, 0.57});
+  jammed.linear_velocity = {0, 0, -1};
+  result.bodies.push_back(jammed);
+  result.bodies.push_back(solid({sphere(0.75)}, 5, {0, 0, 1.55}));
+  Body load = solid({box(0.5, 0.4, 0.25)}, 50, {0.05, 0, 2.57});
+  load.linear_velocity = {0, 0, -1};
+  result.bodies.push_back(load);
+  return result;
+}
+
+/// Four walls about the origin, so that a pile stays a pile.
+void enclose(Scene& scene, double half_width) {
+  const double at = half_width + 0.2;
+  for (const int side : {-1, 1}) {
+    scene.bodies.push_back(fixed(box(0.2, at + 0.2, 1), {side * at, 0, 1}));
+    scene.bodies.push_back(fixed(box(half_width, 0.2, 1), {0, side * at, 1}));
+  }
+}
+
+Scene sphere_pile() {
+  Scene result = scene("sphere-pile", "36 balls of three sizes fall into a bin and bounce", 0.4);
+  result.restitution = 0.3;
+  enclose(result, 0.9);
+  Scatter scatter;
+  for (int i = 0; i < 36; ++i) {
+    const double radius = 0.18 + 0.04 * (i % 3);
+    const Vector3d at((i % 3 - 1) * 0.58 + 0.03 * scatter.next(), (i / 3 % 3 - 1) * 0.58 + 0.03 * scatter.next(),
+                      0.35 + 0.62 * (i / 9));
+    result.bodies.push_back(solid({sphere(radius)}, 8 * radius * radius * radius / 0.008, at));
+  }
+  return result;
+}
+
+Scene box_pile() {
+  Scene result = scene("box-pile", "24 boxes of several shapes fall into a bin", 0.5);
+  enclose(result, 0.9);
+  Scatter scatter;
+  for (int i = 0; i < 24; ++i) {
+    const Vector3d at((i % 2 - 0.5) * 0.85 + 0.05 * scatter.next(), (i / 2 % 2 - 0.5) * 0.85 + 0.05 * scatter.next(),
+                      0.5 + 0.85 * (i / 4));
+    Body body = solid({box(0.2 + 0.03 * (i % 3), 0.25, 0.15 + 0.04 * (i % 2))}, 5 + i % 4, at);
+    const Vector3d turn(scatter.next(), scatter.next(), scatter.next());
+    body.orientation = Quaterniond(2, turn.x(), turn.y(), turn.z()).normalized();
+    result.bodies.push_back(body);
+  }
+  return result;
+}
+
+Scene uneven_table() {
+  Scene result = scene("uneven-table", "a table with a load, its legs on blocks of unequal height", 0.5);
+  std::vector<Part> parts{box(1, 0.6, 0.05, {0, 0, 1.05})};
+  for (const int x : {-1, 1}) {
+    for (const int y : {-1, 1}) parts.push_back(box(0.06, 0.06, 0.5, {0.9 * x, 0.5 * y, 0.5}));
+  }
+  constexpr double kHeights[] = {0.10, 0.11, 0.105, 0.10};
+  for (int i = 0; i < 4; ++i) {
+    const double height = kHeights[i];
+    result.bodies.push_back(
+        fixed(box(0.3, 0.3, height / 2), {i < 2 ? -0.9 : 0.9, i % 2 == 0 ? -0.5 : 0.5, height / 2}));
+  }
+  result.bodies.push_back(solid(parts, 20, {0, 0, 0.112}));
+  result.bodies.push_back(solid({box(0.2, 0.2, 0.2)}, 10, {0.5, 0.2, 1.42}));
+  return result;
+}
+
+Scene gripper() {
+  Scene result = scene("gripper", "two fingers squeeze a box and lift it", 0.6);
+  constexpr double kGravity = 9.81;
+  constexpr double kFinger = 4;  // kg
+  constexpr double kBox = 2;     // kg
+  result.bodies.push_back(solid({box(0.2, 0.2, 0.2)}, kBox, {0, 0, 0.2}));
+  for (const int side : {-1, 1}) {
+    Body finger = solid({box(0.05, 0.15, 0.15)}, kFinger, {side * 0.26, 0, 0.25});
+    finger.push.force = {-side * 60.0, 0, kGravity * (kFinger + kBox / 2) + 2};
+    result.bodies.push_back(finger);
+  }
+  return result;
+}
+
+Scene dominoes() {
+  Scene result = scene("dominoes", "ten dominoes in a row, the first one pushed", 0.4);
+  for (int i = 0; i < 10; ++i) {
+    Body domino = solid({box(0.06, 0.25, 0.5)}, 1, {0.5 * i, 0, 0.5});
+    if (i == 0) {
+      domino.angular_velocity = {0, 1.5, 0};
+      domino.linear_velocity = {0.75, 0, 0};
+    }
+    result.bodies.push_back(domino);
+  }
+  return result;
+}
+
+Scene slope() {
+  Scene result = scene("slope", "three boxes on a slope, friction at, below and above what holds them", 0.75);
+  result.bodies[0].orientation = turned_about_y(kCos37, kSin37);
+  result.bodies[0].position = Vector3d(-kSin37, 0, -kCos37);
+  const Vector3d up(kSin37, 0, kCos37);
+  const Vector3d down(kCos37, 0, -kSin37);
+  for (int i = 0; i < 3; ++i) {
+    Body body = solid({box(0.3, 0.3, 0.2)}, 5, 0.2 * up + Vector3d(0, 1.5 * (i - 1), 0));
+    body.orientation = result.bodies[0].orientation;
+    body.linear_velocity = 0.5 * (i - 1) * down;
+    result.bodies.push_back(body);
+  }
+  Body tall = solid({box(0.15, 0.3, 0.4)}, 5, 0.4 * up + Vector3d(0, 3, 0));
+  tall.orientation = result.bodies[0].orientation;
+  result.bodies.push_back(tall);
+  return result;
+}
+
+Scene spinning_plate() {
+  Scene result = scene("spinning-plate", "a flat plate that spins and slides on the floor, and one on its edge", 0.3);
+  Body flat = solid({box(0.5, 0.5, 0.05)}, 5, {0, 0, 0.05});
+  flat.angular_velocity = {0, 0, 12};
+  flat.linear_velocity = {1, 0, 0};
+  result.bodies.push_back(flat);
+  Body tilted = solid({box(0.5, 0.5, 0.05)}, 5, {3, 0, 0.5 * kSin37 + 0.05 * kCos37});
+  tilted.orientation = turned_about_y(kCos37, kSin37);
+  tilted.angular_velocity = {0, 0, 10};
+  result.bodies.push_back(tilted);
+  return result;
+}
+
+Scene bouncing_balls() {
+  Scene result = scene("bouncing-balls", "balls that bounce on a floor and on each other", 0.3);
+  result.restitution = 0.7;
+  for (int i = 0; i < 6; ++i) {
+    Body ball = solid({sphere(0.25)}, 1 + i, {0.6 * (i % 3), 0.05 * i, 0.4 + 0.75 * (i / 3) + 0.1 * (i % 3)});
+    ball.angular_velocity = {0, 4.0 * (i - 2), 3};
+    result.bodies.push_back(ball);
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<Scene> free_body_scenes() {
+  return {stack(),
+          card_house(),
+          wall(),
+          mass_ratio("mass-ratio-1e4", 1e4),
+          mass_ratio("mass-ratio-1e6", 1e6),
+          wedge(),
+          sphere_pile(),
+          box_pile(),
+          uneven_table(),
+          gripper(),
+          dominoes(),
+          slope(),
+          spinning_plate(),
+          bouncing_balls()};
+}
+
+}  // namespace lcpbench::capture

@@ -1,0 +1,164 @@
+// The program of one engine: lcpbench-capture-<engine> SCENE MODEL EVERY STEPS FILE. The command `lcpbench capture`
+// starts it and checks what it wrote.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "adapters/capture/engine.h"
+#include "core/error.h"
+#include "examples/capture/capture.h"
+
+namespace lcpbench::capture {
+namespace {
+
+/// Names that contacts keep from step to step: within a pair of bodies, each contact takes the name of the nearest
+/// contact of the step before, measured in the frame of a body, when that is near enough to be the same.
+class ContactNames {
+ public:
+  void name(std::vector<ContactState>& contacts) {
+    std::vector<Known> now;
+    for (ContactState& contact : contacts) {
+      Known* nearest = nullptr;
+      double distance = kSamePlace;
+      for (Known& known : before_) {
+        if (known.pair != contact.pair || known.id.empty()) continue;
+        const double d = (known.local - contact.local).norm();
+        if (!(d < distance)) continue;
+        nearest = &known;
+        distance = d;
+      }
+      contact.id = nearest != nullptr ? std::exchange(nearest->id, {})
+                                      : contact.pair + "#" + std::to_string(++count_[contact.pair]);
+      now.push_back({contact.pair, contact.local, contact.id});
+    }
+    before_ = std::move(now);
+  }
+
+ private:
+  static constexpr double kSamePlace = 0.05;  // m
+  struct Known {
+    std::string pair;
+    Eigen::Vector3d local;
+    std::string id;  ///< empty: taken
+  };
+  std::vector<Known> before_;
+  std::map<std::string, int> count_;
+};
+
+struct Arguments {
+  std::string scene;
+  std::string model;
+  long every = 1;
+  long steps = 0;
+  std::string file;
+};
+
+struct Close {
+  void operator()(lcpbench_capture* file) const { lcpbench_capture_close(file); }
+};
+
+void write_bodies(lcpbench_capture* file, const Snapshot& snapshot) {
+  for (const BodyState& body : snapshot.bodies) {
+    lcpbench_capture_body(file, body.mass, body.inertia.data(), body.position.data(), body.linear_velocity.data(),
+                          body.angular_velocity.data());
+  }
+  for (const BlockState& block : snapshot.blocks) {
+    lcpbench_capture_block(file, static_cast<int>(block.velocity.size()), block.mass.data(), block.velocity.data());
+  }
+}
+
+int write_contact(lcpbench_capture* file, const ContactState& contact) {
+  if (!contact.rows) {
+    return lcpbench_capture_contact(file, contact.body_a, contact.body_b, contact.point.data(), contact.normal.data(),
+                                    contact.tangent.data(), contact.mu, contact.edges, contact.offset,
+                                    contact.id.c_str());
+  }
+  const Rows& rows = *contact.rows;
+  const bool friction = contact.edges > 0;
+  return lcpbench_capture_rows(file, static_cast<int>(rows.coordinates.size()), rows.coordinates.data(),
+                               rows.normal.data(), friction ? rows.tangent.data() : nullptr,
+                               friction ? rows.second_tangent.data() : nullptr, contact.mu, contact.edges,
+                               contact.offset, contact.id.c_str());
+}
+
+void write_step(lcpbench_capture* file, long step, double time, const Snapshot& snapshot) {
+  lcpbench_capture_step(file, step, time);
+  write_bodies(file, snapshot);
+  for (const ContactState& contact : snapshot.contacts) {
+    const int index = write_contact(file, contact);
+    lcpbench_capture_gap(file, index, contact.gap);
+    if (snapshot.has_impulses) {
+      lcpbench_capture_impulse(file, index, contact.impulse(0), contact.impulse(1), contact.impulse(2));
+    }
+  }
+  if (snapshot.velocity_after.size() > 0) {
+    lcpbench_capture_velocity(file, static_cast<int>(snapshot.velocity_after.size()), snapshot.velocity_after.data());
+  }
+  for (std::size_t i = 0; i < snapshot.poses.size(); ++i) {
+    const Eigen::Quaterniond& q = snapshot.poses[i].rotation;
+    const double rotation[] = {q.w(), q.x(), q.y(), q.z()};
+    lcpbench_capture_pose(file, static_cast<int>(i), snapshot.poses[i].position.data(), rotation);
+  }
+  lcpbench_capture_end_step(file);
+}
+
+int run(const Arguments& arguments) {
+  Scene scene;
+  if (arguments.model.empty()) {
+    const auto found = std::find_if(scenes().begin(), scenes().end(),
+                                    [&](const Scene& candidate) { return candidate.name == arguments.scene; });
+    if (found == scenes().end()) throw InputError("unknown scene '" + arguments.scene + "'");
+    scene = *found;
+  } else {
+    scene.name = arguments.scene;
+  }
+  const std::unique_ptr<Engine> engine = make_engine(scene, arguments.model);
+  const double h = engine->step_length();
+  std::unique_ptr<lcpbench_capture, Close> file(lcpbench_capture_open(
+      arguments.file.c_str(), scene.name.c_str(), engine->name().c_str(), engine->version().c_str(), h));
+  if (!file) throw InputError("cannot write '" + arguments.file + "'");
+  lcpbench_capture_loop(file.get(), "engine");
+  const double gravity[] = {0, 0, -kGravity};
+  lcpbench_capture_gravity(file.get(), gravity);
+  const std::vector<Drawn> drawn = engine->drawn();
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
+    lcpbench_capture_shape(file.get(), static_cast<int>(i), drawn[i].type.c_str(), drawn[i].size.data(),
+                           static_cast<int>(drawn[i].size.size()));
+  }
+  ContactNames names;
+  Snapshot snapshot;
+  const long steps = arguments.steps > 0 ? arguments.steps : scene.steps;
+  for (long step = 0; step < steps; ++step) {
+    engine->step(step, snapshot);
+    names.name(snapshot.contacts);
+    if (step % arguments.every == 0 && !snapshot.contacts.empty()) {
+      write_step(file.get(), step, static_cast<double>(step) * h, snapshot);
+    }
+  }
+  return lcpbench_capture_close(file.release());
+}
+
+}  // namespace
+}  // namespace lcpbench::capture
+
+int main(int argc, char** argv) {
+  if (argc != 6) {
+    std::fprintf(stderr, "usage: %s SCENE MODEL EVERY STEPS FILE\n", argv[0]);
+    return 2;
+  }
+  try {
+    return lcpbench::capture::run({argv[1], argv[2], std::max(1L, std::atol(argv[3])), std::atol(argv[4]), argv[5]});
+  } catch (const lcpbench::InputError& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,83 @@
+#include "adapters/capture/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace lcpbench::capture {
+namespace {
+
+double volume(const Part& part) {
+  if (part.kind == Part::Kind::kBox) return 8 * part.size.x() * part.size.y() * part.size.z();
+  return 4.0 / 3 * std::numbers::pi * part.size.x() * part.size.x() * part.size.x();
+}
+
+/// Moments of a part of this mass about its own centre.
+Eigen::Vector3d moments(const Part& part, double mass) {
+  const Eigen::Vector3d s = part.size.cwiseAbs2();
+  if (part.kind == Part::Kind::kSphere) return Eigen::Vector3d::Constant(0.4 * mass * s.x());
+  return mass / 3 * Eigen::Vector3d(s.y() + s.z(), s.x() + s.z(), s.x() + s.y());
+}
+
+}  // namespace
+
+bool Scene::articulated() const {
+  return !model.empty() ||
+         std::any_of(bodies.begin(), bodies.end(), [](const Body& body) { return body.hinge.has_value(); });
+}
+
+const std::vector<Scene>& scenes() {
+  static const std::vector<Scene> all = [] {
+    std::vector<Scene> result = free_body_scenes();
+    for (Scene& scene : articulated_scenes()) result.push_back(std::move(scene));
+    return result;
+  }();
+  return all;
+}
+
+Part box(double x, double y, double z, const Eigen::Vector3d& offset) { return {Part::Kind::kBox, {x, y, z}, offset}; }
+
+Part sphere(double radius, const Eigen::Vector3d& offset) {
+  return {Part::Kind::kSphere, {radius, radius, radius}, offset};
+}
+
+Body solid(std::vector<Part> parts, double mass, const Eigen::Vector3d& origin) {
+  double total = 0;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (const Part& part : parts) {
+    total += volume(part);
+    centre += volume(part) * part.offset;
+  }
+  centre /= total;
+  Body body;
+  body.mass = mass;
+  body.inertia.setZero();
+  for (Part& part : parts) {
+    part.offset -= centre;
+    const double share = mass * volume(part) / total;
+    const Eigen::Vector3d r = part.offset.cwiseAbs2();
+    body.inertia += moments(part, share) + share * Eigen::Vector3d(r.y() + r.z(), r.x() + r.z(), r.x() + r.y());
+  }
+  body.parts = std::move(parts);
+  body.position = origin + centre;
+  return body;
+}
+
+Body fixed(Part part, const Eigen::Vector3d& position, const Eigen::Quaterniond& orientation) {
+  Body body;
+  body.parts = {std::move(part)};
+  body.mass = 0;
+  body.position = position;
+  body.orientation = orientation;
+  return body;
+}
+
+Body ground() { return fixed(box(15, 15, 1), {0, 0, -1}); }
+
+Eigen::Quaterniond turned_about_y(double cosine, double sine) {
+  const double half_cosine = std::sqrt((1 + cosine) / 2);
+  return {half_cosine, 0, sine / (2 * half_cosine), 0};
+}
+
+}  // namespace lcpbench::capture

@@ -1,0 +1,326 @@
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <dart/collision/CollisionObject.hpp>
+#include <dart/collision/dart/DARTCollisionDetector.hpp>
+#include <dart/constraint/ConstraintSolver.hpp>
+#include <dart/dynamics/BodyNode.hpp>
+#include <dart/dynamics/BoxShape.hpp>
+#include <dart/dynamics/FreeJoint.hpp>
+#include <dart/dynamics/RevoluteJoint.hpp>
+#include <dart/dynamics/Skeleton.hpp>
+#include <dart/dynamics/SphereShape.hpp>
+#include <dart/dynamics/WeldJoint.hpp>
+#include <dart/simulation/World.hpp>
+
+#include "adapters/capture/engine.h"
+#include "core/error.h"
+
+namespace lcpbench::capture {
+namespace {
+
+using dart::dynamics::BodyNode;
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+Isometry3d frame(const Vector3d& position, const Eigen::Quaterniond& rotation) {
+  Isometry3d result = Isometry3d::Identity();
+  result.translation() = position;
+  result.linear() = rotation.toRotationMatrix();
+  return result;
+}
+
+class DartEngine final : public Engine {
+ public:
+  explicit DartEngine(const Scene& scene) : scene_(scene), world_(dart::simulation::World::create()) {
+    world_->setGravity(Vector3d(0, 0, -kGravity));
+    world_->setTimeStep(scene_.step);
+    // DART's own detector; others may not be packaged.
+    world_->getConstraintSolver()->setCollisionDetector(dart::collision::DARTCollisionDetector::create());
+    for (std::size_t i = 0; i < scene_.bodies.size(); ++i) add(i);
+  }
+
+  std::string name() const override { return "DART"; }
+  std::string version() const override { return LCPBENCH_ENGINE_VERSION; }
+  double step_length() const override { return scene_.step; }
+  std::vector<Drawn> drawn() const override { return drawn_parts(scene_); }
+
+  void step(long index, Snapshot& snapshot) override {
+    snapshot = {};
+    apply_forces(index);
+    look_at_bodies(snapshot);
+    collision_.clear();
+    dart::constraint::ConstraintSolver& solver = *world_->getConstraintSolver();
+    solver.getCollisionGroup()->collide(solver.getCollisionOption(), &collision_);
+    std::vector<std::size_t> taken;  // contacts of DART that are contacts of the snapshot
+    for (std::size_t i = 0; i < collision_.getNumContacts(); ++i) {
+      if (look_at(collision_.getContact(i), snapshot)) taken.push_back(i);
+    }
+    if (scene_.articulated()) look_at_limits(snapshot);
+    world_->step();
+    keep_impulses(taken, snapshot);
+    keep_velocities(snapshot);
+  }
+
+ private:
+  void add(std::size_t index) {
+    const Body& body = scene_.bodies[index];
+    BodyNode* node = body.hinge ? add_link(body) : add_root(index, body);
+    for (const Part& part : body.parts) {
+      dart::dynamics::ShapePtr shape;
+      if (part.kind == Part::Kind::kSphere)
+        shape = std::make_shared<dart::dynamics::SphereShape>(part.size.x());
+      else
+        shape = std::make_shared<dart::dynamics::BoxShape>(2 * part.size);
+      dart::dynamics::ShapeNode* shape_node =
+          node->createShapeNodeWith<dart::dynamics::CollisionAspect, dart::dynamics::DynamicsAspect>(shape);
+      shape_node->setRelativeTranslation(part.offset);
+      shape_node->getDynamicsAspect()->setFrictionCoeff(scene_.mu);
+      shape_node->getDynamicsAspect()->setRestitutionCoeff(scene_.restitution);
+    }
+    if (body.mass > 0) {
+      node->setMass(body.mass);
+      node->setMomentOfInertia(body.inertia.x(), body.inertia.y(), body.inertia.z());
+    }
+    index_of_[node] = static_cast<int>(index);
+    nodes_.push_back(node);
+  }
+
+  /// A free body or a part of the world. Links of a robot join its skeleton later.
+  BodyNode* add_root(std::size_t index, const Body& body) {
+    const dart::dynamics::SkeletonPtr skeleton =
+        dart::dynamics::Skeleton::create(numbered("s", static_cast<long long>(index)));
+    const Isometry3d pose = frame(body.position, body.orientation);
+    BodyNode* node = nullptr;
+    if (body.mass > 0) {
+      auto [joint, created] = skeleton->createJointAndBodyNodePair<dart::dynamics::FreeJoint>();
+      joint->setTransform(pose);
+      joint->setLinearVelocity(body.linear_velocity);
+      joint->setAngularVelocity(body.angular_velocity);
+      node = created;
+      moving_of_[node] = static_cast<int>(moving_.size());
+      moving_.push_back(index);
+    } else {
+      auto [joint, created] = skeleton->createJointAndBodyNodePair<dart::dynamics::WeldJoint>();
+      joint->setTransformFromParentBodyNode(pose);
+      node = created;
+    }
+    skeletons_.push_back(skeleton);
+    world_->addSkeleton(skeleton);
+    return node;
+  }
+
+  BodyNode* add_link(const Body& body) {
+    const Hinge& hinge = *body.hinge;
+    const auto parent = static_cast<std::size_t>(hinge.parent);
+    const Body& above = scene_.bodies[parent];
+    const Isometry3d anchor = frame(hinge.anchor, Eigen::Quaterniond::Identity());
+    const dart::dynamics::SkeletonPtr skeleton = nodes_[parent]->getSkeleton();
+    // Out of the world while it changes, so that the world counts its new coordinates.
+    world_->removeSkeleton(skeleton);
+    dart::dynamics::RevoluteJoint::Properties names;
+    names.mName = numbered("j", static_cast<long long>(nodes_.size()));
+    auto [joint, node] = skeleton->createJointAndBodyNodePair<dart::dynamics::RevoluteJoint>(
+        nodes_[parent], names, BodyNode::AspectProperties(numbered("b", static_cast<long long>(nodes_.size()))));
+    joint->setTransformFromParentBodyNode(frame(above.position, above.orientation).inverse() * anchor);
+    joint->setTransformFromChildBodyNode(frame(body.position, body.orientation).inverse() * anchor);
+    joint->setAxis(hinge.axis);
+    joint->setPositionLowerLimit(0, hinge.lower);
+    joint->setPositionUpperLimit(0, hinge.upper);
+    joint->setLimitEnforcement(true);
+    world_->addSkeleton(skeleton);
+    return node;
+  }
+
+  void apply_forces(long index) {
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      const Body& body = scene_.bodies[i];
+      const Vector3d push = force_on(body, index) + Vector3d(0, 0, kGravity * body.mass);
+      if (body.mass > 0 && !push.isZero(0)) nodes_[i]->addExtForce(push, Vector3d::Zero(), false, true);
+      if (!body.hinge) continue;
+      dart::dynamics::Joint& joint = *nodes_[i]->getParentJoint();
+      joint.setForce(0, controller_torque(*body.hinge, joint.getPosition(0), joint.getVelocity(0),
+                                          static_cast<double>(index) * scene_.step));
+    }
+  }
+
+  void look_at_bodies(Snapshot& snapshot) {
+    std::vector<Pose> poses;
+    for (const BodyNode* node : nodes_) {
+      const Isometry3d pose = node->getWorldTransform();
+      poses.push_back({pose.translation(), Eigen::Quaterniond(pose.linear())});
+    }
+    snapshot.poses = part_poses(scene_, poses);
+    int first = 0;
+    first_.clear();
+    for (const dart::dynamics::SkeletonPtr& skeleton : skeletons_) {
+      const auto size = static_cast<int>(skeleton->getNumDofs());
+      first_[skeleton.get()] = first;
+      first += size;
+      if (size == 0) continue;
+      // DART's own step of the velocities, whose coordinates turn with a free body; undone, because the step does it.
+      const Eigen::VectorXd before = skeleton->getVelocities();
+      skeleton->computeForwardDynamics();
+      skeleton->integrateVelocities(scene_.step);
+      if (scene_.articulated())
+        snapshot.blocks.push_back({skeleton->getMassMatrix(), skeleton->getVelocities()});
+      else
+        snapshot.bodies.push_back(free_body(*skeleton->getBodyNode(0)));
+      skeleton->setVelocities(before);
+    }
+    coordinates_ = first;
+  }
+
+  BodyState free_body(const BodyNode& node) const {
+    const Body& body = scene_.bodies[static_cast<std::size_t>(index_of_.at(&node))];
+    const Isometry3d pose = node.getWorldTransform();
+    BodyState state;
+    state.mass = body.mass;
+    state.inertia = world_inertia(pose.linear(), body.inertia);
+    state.position = pose.translation();
+    state.linear_velocity = node.getLinearVelocity();
+    state.angular_velocity = node.getAngularVelocity();
+    return state;
+  }
+
+  static const BodyNode* node_of(const dart::collision::CollisionObject* object) {
+    return object->getShapeFrame()->asShapeNode()->getBodyNodePtr().get();
+  }
+
+  /// False: not a contact of a body that moves.
+  bool look_at(const dart::collision::Contact& found, Snapshot& snapshot) {
+    if (dart::collision::Contact::isZeroNormal(found.normal)) return false;
+    const BodyNode* a = node_of(found.collisionObject1);
+    const BodyNode* b = node_of(found.collisionObject2);
+    const bool a_moves = a->getNumDependentGenCoords() > 0;
+    if (!a_moves && b->getNumDependentGenCoords() == 0) return false;
+    ContactState contact;
+    contact.point = found.point;
+    contact.normal = found.normal.normalized();
+    contact.tangent = tangent_to(contact.normal);
+    contact.mu = scene_.mu;
+    contact.gap = -found.penetrationDepth;
+    contact.pair = std::to_string(index_of_.at(a)) + "-" + std::to_string(index_of_.at(b));
+    const BodyNode* frame_node = a_moves ? a : b;
+    contact.local = frame_node->getWorldTransform().inverse() * contact.point;
+    const Vector3d approach = velocity(*a, contact.point) - velocity(*b, contact.point);
+    contact.offset = contact_offset(contact.gap, scene_.step, scene_.restitution, approach.dot(contact.normal));
+    if (scene_.articulated()) {
+      contact.rows = rows(*a, *b, contact);
+    } else {
+      contact.body_a = moving(a);
+      contact.body_b = moving(b);
+    }
+    snapshot.contacts.push_back(std::move(contact));
+    return true;
+  }
+
+  int moving(const BodyNode* node) const {
+    const auto found = moving_of_.find(node);
+    return found == moving_of_.end() ? kWorld : found->second;
+  }
+
+  static Vector3d velocity(const BodyNode& node, const Vector3d& point) {
+    return node.getLinearVelocity(node.getWorldTransform().inverse() * point);
+  }
+
+  Rows rows(const BodyNode& a, const BodyNode& b, const ContactState& contact) const {
+    Eigen::MatrixXd J = Eigen::MatrixXd::Zero(3, coordinates_);
+    for (const BodyNode* node : {&a, &b}) {
+      const dart::dynamics::ConstSkeletonPtr skeleton = node->getSkeleton();
+      if (skeleton->getNumDofs() == 0) continue;
+      const Vector3d local = node->getWorldTransform().inverse() * contact.point;
+      const Eigen::MatrixXd part = skeleton->getLinearJacobian(node, local);
+      J.middleCols(first_.at(skeleton.get()), part.cols()) += node == &a ? part : -part;
+    }
+    Rows result;
+    std::vector<int>& used = result.coordinates;
+    for (int k = 0; k < coordinates_; ++k) {
+      if (!J.col(k).isZero(0)) used.push_back(k);
+    }
+    const Eigen::MatrixXd dense = J(Eigen::all, used);
+    result.normal = dense.transpose() * contact.normal;
+    result.tangent = dense.transpose() * contact.tangent;
+    result.second_tangent = dense.transpose() * contact.normal.cross(contact.tangent);
+    return result;
+  }
+
+  /// Joints at their limits, as DART has them: those that have reached it.
+  void look_at_limits(Snapshot& snapshot) {
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      if (!scene_.bodies[i].hinge) continue;
+      const dart::dynamics::Joint& joint = *nodes_[i]->getParentJoint();
+      const int coordinate = first_.at(joint.getSkeleton().get()) + static_cast<int>(joint.getIndexInSkeleton(0));
+      for (const double sign : {1.0, -1.0}) {
+        const double limit = sign > 0 ? joint.getPositionLowerLimit(0) : joint.getPositionUpperLimit(0);
+        ContactState row;
+        row.gap = sign * (joint.getPosition(0) - limit);
+        if (row.gap > 0) continue;
+        row.edges = 0;
+        row.pair = numbered(sign > 0 ? "lower-" : "upper-", static_cast<long long>(i));
+        row.rows.emplace();
+        row.rows->coordinates = {coordinate};
+        row.rows->normal = Eigen::VectorXd::Constant(1, sign);
+        snapshot.contacts.push_back(std::move(row));
+      }
+    }
+  }
+
+  /// DART's own, of contacts; it does not tell those of limits, so that scenes with joints have none.
+  void keep_impulses(const std::vector<std::size_t>& taken, Snapshot& snapshot) const {
+    const auto& solved = world_->getConstraintSolver()->getLastCollisionResult();
+    snapshot.has_impulses = !scene_.articulated() && solved.getNumContacts() == collision_.getNumContacts();
+    if (!snapshot.has_impulses) return;
+    for (std::size_t k = 0; k < taken.size(); ++k) {
+      ContactState& contact = snapshot.contacts[k];
+      const Vector3d impulse = scene_.step * solved.getContact(taken[k]).force;
+      contact.impulse = {impulse.dot(contact.normal), impulse.dot(contact.tangent),
+                         impulse.dot(contact.normal.cross(contact.tangent))};
+    }
+  }
+
+  /// Not of robots: the coordinates of a free root have turned with it.
+  void keep_velocities(Snapshot& snapshot) const {
+    if (scene_.articulated()) return;
+    snapshot.velocity_after.resize(coordinates_);
+    Eigen::Index at = 0;
+    for (const dart::dynamics::SkeletonPtr& skeleton : skeletons_) {
+      if (skeleton->getNumDofs() == 0) continue;
+      snapshot.velocity_after.segment<3>(at) = skeleton->getBodyNode(0)->getLinearVelocity();
+      snapshot.velocity_after.segment<3>(at + 3) = skeleton->getBodyNode(0)->getAngularVelocity();
+      at += 6;
+    }
+  }
+
+  Scene scene_;
+  dart::simulation::WorldPtr world_;
+  std::vector<dart::dynamics::SkeletonPtr> skeletons_;
+  std::vector<BodyNode*> nodes_;  ///< of the scene's bodies
+  std::map<const BodyNode*, int> index_of_;
+  std::map<const BodyNode*, int> moving_of_;
+  std::vector<std::size_t> moving_;   ///< the scene's bodies that move freely
+  std::map<const void*, int> first_;  ///< of a skeleton: its first coordinate
+  int coordinates_ = 0;
+  dart::collision::CollisionResult collision_;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_engine(const Scene& scene, const std::string& model) {
+  if (!model.empty()) {
+    throw InputError(
+        "--model: this build's DART has no reader of model files, which Debian does not package; MuJoCo has");
+  }
+  if (!scene.model.empty()) throw InputError("scene '" + scene.name + "' is a model of MuJoCo's and runs there only");
+  if (!scene.loops.empty()) {
+    throw InputError("scene '" + scene.name + "' has a closed chain, which is captured from MuJoCo, not from DART");
+  }
+  return std::make_unique<DartEngine>(scene);
+}
+
+}  // namespace lcpbench::capture

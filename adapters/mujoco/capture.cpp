@@ -1,0 +1,297 @@
+#include <Eigen/Geometry>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <mujoco/mujoco.h>
+
+#include "adapters/capture/engine.h"
+#include "adapters/mujoco/coordinates.h"
+#include "adapters/mujoco/model_text.h"
+#include "core/error.h"
+
+namespace lcpbench::capture {
+namespace {
+
+using Eigen::Vector3d;
+using RowMatrix3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+Vector3d vector(const mjtNum* values) { return Eigen::Map<const Vector3d>(values); }
+
+[[noreturn]] void fail(const char* message) {
+  std::fprintf(stderr, "MuJoCo: %s\n", message);
+  std::exit(1);
+}
+
+void warn(const char* message) { std::fprintf(stderr, "MuJoCo: %s\n", message); }
+
+struct Free {
+  void operator()(mjModel* model) const { mj_deleteModel(model); }
+  void operator()(mjData* data) const { mj_deleteData(data); }
+};
+using Model = std::unique_ptr<mjModel, Free>;
+
+Model read_model(const std::string& file, const mjVFS* memory, const std::string& name) {
+  char error[500] = "";
+  Model model(mj_loadXML(file.c_str(), memory, error, sizeof error));
+  if (model == nullptr) throw InputError("model '" + name + "': " + std::string(error));
+  return model;
+}
+
+Model model_of(const Scene& scene, const std::string& file) {
+  if (!file.empty()) return read_model(file, nullptr, file);
+  if (!scene.model.empty()) {
+    const std::filesystem::path path = std::filesystem::path(LCPBENCH_MUJOCO_MODELS) / scene.model;
+    if (!std::filesystem::exists(path)) {
+      throw InputError("scene '" + scene.name + "' needs MuJoCo's model " + scene.model +
+                       ": install libmujoco-samples, or hand in a file by --model");
+    }
+    return read_model(path.string(), nullptr, path.string());
+  }
+  const std::string text = model_text(scene);
+  const auto memory = std::make_unique<mjVFS>();
+  mj_defaultVFS(memory.get());
+  const char* name = "scene.xml";
+  mj_makeEmptyFileVFS(memory.get(), name, static_cast<int>(text.size()));
+  text.copy(static_cast<char*>(memory->filedata[mj_findFileVFS(memory.get(), name)]), text.size());
+  Model model = read_model(name, memory.get(), scene.name);
+  mj_deleteVFS(memory.get());
+  return model;
+}
+
+class MujocoEngine final : public Engine {
+ public:
+  MujocoEngine(const Scene& scene, const std::string& file) : scene_(scene) {
+    mju_user_error = fail;
+    mju_user_warning = warn;
+    model_ = model_of(scene, file);
+    model_->opt.jacobian = mjJAC_DENSE;
+    model_->opt.integrator = mjINT_EULER;
+    data_.reset(mj_makeData(model_.get()));
+    free_bodies_ = file.empty() && !scene.articulated();
+    if (scene_.bodies.empty())
+      place_model();
+    else
+      name_bodies();
+  }
+
+  std::string name() const override { return "MuJoCo"; }
+  std::string version() const override { return mj_versionString(); }
+  double step_length() const override { return model_->opt.timestep; }
+
+  std::vector<Drawn> drawn() const override {
+    std::vector<Drawn> result;
+    for (int geom = 0; geom < model_->ngeom; ++geom) {
+      const mjtNum* size = model_->geom_size + 3 * geom;
+      switch (model_->geom_type[geom]) {
+        case mjGEOM_PLANE: result.push_back({"plane", {0, 0, 1, 0}}); break;
+        case mjGEOM_BOX: result.push_back({"box", {size[0], size[1], size[2]}}); break;
+        case mjGEOM_CAPSULE: result.push_back({"capsule", {size[0], size[1]}}); break;
+        case mjGEOM_CYLINDER: result.push_back({"cylinder", {size[0], size[1]}}); break;
+        default: result.push_back({"sphere", {model_->geom_rbound[geom]}});
+      }
+    }
+    return result;
+  }
+
+  void step(long index, Snapshot& snapshot) override {
+    snapshot = {};
+    apply_forces(index);
+    mj_forward(model_.get(), data_.get());
+    const Coordinates coordinates(*model_, *data_);
+    const Eigen::VectorXd velocity = numbers(data_->qvel, model_->nv) +
+                                     step_length() * coordinates.accelerations(numbers(data_->qfrc_smooth, model_->nv));
+    for (int geom = 0; geom < model_->ngeom; ++geom) {
+      snapshot.poses.push_back({vector(data_->geom_xpos + 3 * geom), rotation(data_->geom_xmat + 9 * geom)});
+    }
+    if (free_bodies_) {
+      look_at_bodies(velocity, snapshot);
+      mj_Euler(model_.get(), data_.get());
+      keep_body_velocities(snapshot);
+      return;
+    }
+    snapshot.blocks = coordinates.states(velocity);
+    look_at_contacts(&coordinates, snapshot);
+    look_at_limits(coordinates, snapshot);
+    mj_Euler(model_.get(), data_.get());
+    snapshot.velocity_after = coordinates.reduced(numbers(data_->qvel, model_->nv));
+  }
+
+ private:
+  static Eigen::VectorXd numbers(const mjtNum* values, int count) {
+    return Eigen::Map<const Eigen::VectorXd>(values, count);
+  }
+  static Eigen::Quaterniond rotation(const mjtNum* matrix) {
+    return Eigen::Quaterniond(Eigen::Map<const RowMatrix3>(matrix));
+  }
+
+  void name_bodies() {
+    moving_of_.assign(static_cast<std::size_t>(model_->nbody), kWorld);
+    for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
+      const Body& body = scene_.bodies[i];
+      ids_.push_back(mj_name2id(model_.get(), mjOBJ_BODY, numbered("b", static_cast<long long>(i)).c_str()));
+      if (body.mass == 0 || body.hinge) continue;
+      moving_of_[static_cast<std::size_t>(ids_.back())] = static_cast<int>(moving_.size());
+      moving_.push_back(i);
+      Eigen::Map<Eigen::Vector<double, 6>> velocity(data_->qvel + model_->body_dofadr[ids_.back()]);
+      velocity << body.linear_velocity, body.orientation.conjugate() * body.angular_velocity;
+    }
+  }
+
+  /// The model's root and its joints' damping as the scene wants them.
+  void place_model() {
+    constexpr double kDampingShare = 0.05;  // s: the controller's damping per stiffness
+    for (int dof = 0; dof < model_->nv; ++dof) {
+      if (model_->jnt_type[model_->dof_jntid[dof]] != mjJNT_HINGE) continue;
+      model_->dof_damping[dof] += kDampingShare * scene_.model_stiffness;
+    }
+    if (model_->njnt == 0 || model_->jnt_type[0] != mjJNT_FREE) return;
+    data_->qpos[2] += scene_.model_height;
+    const mjtNum turn[] = {std::cos(scene_.model_tilt / 2), 0, std::sin(scene_.model_tilt / 2), 0};
+    mjtNum turned[4];
+    mju_mulQuat(turned, turn, data_->qpos + 3);
+    mju_copy4(data_->qpos + 3, turned);
+  }
+
+  void apply_forces(long index) {
+    if (scene_.bodies.empty()) {
+      hold_model(index);
+      return;
+    }
+    for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
+      const Body& body = scene_.bodies[i];
+      Eigen::Map<Vector3d>(data_->xfrc_applied + 6 * ids_[i]) =
+          force_on(body, index) + Vector3d(0, 0, kGravity * body.mass);
+      if (!body.hinge) continue;
+      const int joint = mj_name2id(model_.get(), mjOBJ_JOINT, numbered("j", static_cast<long long>(i)).c_str());
+      const int dof = model_->jnt_dofadr[joint];
+      data_->qfrc_applied[dof] = controller_torque(*body.hinge, data_->qpos[model_->jnt_qposadr[joint]],
+                                                   data_->qvel[dof], static_cast<double>(index) * step_length());
+    }
+  }
+
+  void hold_model(long index) {
+    for (int joint = 0; joint < model_->njnt; ++joint) {
+      if (model_->jnt_type[joint] != mjJNT_HINGE) continue;
+      const int dof = model_->jnt_dofadr[joint];
+      const int position = model_->jnt_qposadr[joint];
+      data_->qfrc_applied[dof] = scene_.model_stiffness * (model_->qpos0[position] - data_->qpos[position]);
+    }
+    const bool pushed = index >= scene_.model_push.first && index <= scene_.model_push.last;
+    if (model_->nbody > 1) {
+      Eigen::Map<Vector3d>(data_->xfrc_applied + 6) = pushed ? scene_.model_push.force : Vector3d(Vector3d::Zero());
+    }
+  }
+
+  void look_at_bodies(const Eigen::VectorXd& velocity, Snapshot& snapshot) {
+    for (const std::size_t i : moving_) {
+      const Body& body = scene_.bodies[i];
+      const Eigen::Matrix3d R = Eigen::Map<const RowMatrix3>(data_->xmat + 9 * ids_[i]);
+      const Eigen::Index dof = model_->body_dofadr[ids_[i]];
+      BodyState state;
+      state.mass = body.mass;
+      state.inertia = world_inertia(R, body.inertia);
+      state.position = vector(data_->xpos + 3 * ids_[i]);
+      state.linear_velocity = velocity.segment<3>(dof);
+      state.angular_velocity = R * velocity.segment<3>(dof + 3);
+      snapshot.bodies.push_back(state);
+    }
+    look_at_contacts(nullptr, snapshot);
+  }
+
+  /// In the axes that the bodies had before the step, as the problem has them.
+  void keep_body_velocities(Snapshot& snapshot) {
+    snapshot.velocity_after.resize(static_cast<Eigen::Index>(6 * moving_.size()));
+    for (std::size_t k = 0; k < moving_.size(); ++k) {
+      const int id = ids_[moving_[k]];
+      const mjtNum* velocity = data_->qvel + model_->body_dofadr[id];
+      const Eigen::Matrix3d R = Eigen::Map<const RowMatrix3>(data_->xmat + 9 * id);
+      const auto at = static_cast<Eigen::Index>(6 * k);
+      snapshot.velocity_after.segment<3>(at) = vector(velocity);
+      snapshot.velocity_after.segment<3>(at + 3) = R * vector(velocity + 3);
+    }
+  }
+
+  /// The rows of the relative velocity at a contact: normal and both tangents, over the model's velocities.
+  Eigen::MatrixXd directions(const mjContact& found, int body_a, int body_b) const {
+    RowMatrix a(3, model_->nv);
+    RowMatrix b(3, model_->nv);
+    mj_jac(model_.get(), data_.get(), a.data(), nullptr, found.pos, body_a);
+    mj_jac(model_.get(), data_.get(), b.data(), nullptr, found.pos, body_b);
+    return Eigen::Map<const RowMatrix3>(found.frame) * (a - b);
+  }
+
+  void look_at_contacts(const Coordinates* coordinates, Snapshot& snapshot) {
+    for (int i = 0; i < data_->ncon; ++i) {
+      const mjContact& found = data_->contact[i];
+      if (found.efc_address < 0) continue;
+      // The normal of MuJoCo points from the first geometry to the second.
+      const int a = model_->geom_bodyid[found.geom2];
+      const int b = model_->geom_bodyid[found.geom1];
+      ContactState contact;
+      contact.point = vector(found.pos);
+      contact.normal = vector(found.frame);
+      contact.tangent = vector(found.frame + 3);
+      contact.mu = found.friction[0];
+      contact.edges = found.dim == 1 ? 0 : 4;
+      contact.gap = found.dist;
+      const Eigen::MatrixXd rows = directions(found, a, b);
+      const double approach = rows.row(0).dot(numbers(data_->qvel, model_->nv));
+      contact.offset = contact_offset(contact.gap, step_length(), scene_.restitution, approach);
+      contact.pair = std::to_string(found.geom2) + "-" + std::to_string(found.geom1);
+      const int frame = model_->body_weldid[a] == 0 ? b : a;
+      contact.local = Eigen::Map<const RowMatrix3>(data_->xmat + 9 * frame).transpose() *
+                      (contact.point - vector(data_->xpos + 3 * frame));
+      mjtNum force[6];
+      mj_contactForce(model_.get(), data_.get(), i, force);
+      contact.impulse = step_length() * vector(force);
+      if (coordinates != nullptr) {
+        contact.rows = coordinates->rows(rows);
+      } else {
+        contact.body_a = moving_of_[static_cast<std::size_t>(a)];
+        contact.body_b = moving_of_[static_cast<std::size_t>(b)];
+      }
+      snapshot.contacts.push_back(std::move(contact));
+    }
+    snapshot.has_impulses = true;
+  }
+
+  /// Limits of joints and tendons: rows without friction.
+  void look_at_limits(const Coordinates& coordinates, Snapshot& snapshot) {
+    for (int row = 0; row < data_->nefc; ++row) {
+      const int type = data_->efc_type[row];
+      if (type != mjCNSTR_LIMIT_JOINT && type != mjCNSTR_LIMIT_TENDON) continue;
+      ContactState limit;
+      limit.edges = 0;
+      limit.gap = data_->efc_pos[row];
+      limit.offset = contact_offset(limit.gap, step_length(), 0, 0);
+      limit.pair = numbered(type == mjCNSTR_LIMIT_JOINT ? "joint-" : "tendon-", data_->efc_id[row]);
+      limit.impulse(0) = step_length() * data_->efc_force[row];
+      limit.rows = coordinates.rows(
+          Eigen::Map<const RowMatrix>(data_->efc_J + static_cast<std::ptrdiff_t>(row) * model_->nv, 1, model_->nv));
+      snapshot.contacts.push_back(std::move(limit));
+    }
+  }
+
+  Scene scene_;
+  Model model_;
+  std::unique_ptr<mjData, Free> data_;
+  bool free_bodies_ = false;
+  std::vector<int> ids_;             ///< MuJoCo's, of the scene's bodies
+  std::vector<std::size_t> moving_;  ///< the scene's bodies that move freely
+  std::vector<int> moving_of_;       ///< of MuJoCo's bodies: their index in moving_
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_engine(const Scene& scene, const std::string& model) {
+  return std::make_unique<MujocoEngine>(scene, model);
+}
+
+}  // namespace lcpbench::capture

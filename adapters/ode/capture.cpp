@@ -1,0 +1,212 @@
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <ode/ode.h>
+
+#include "adapters/capture/engine.h"
+
+namespace lcpbench::capture {
+namespace {
+
+constexpr int kMostContacts = 8;  // of a pair of parts
+
+class OdeEngine final : public Engine {
+ public:
+  explicit OdeEngine(const Scene& scene) : scene_(scene) {
+    dInitODE2(0);
+    dAllocateODEDataForThread(static_cast<unsigned>(dAllocateMaskAll));
+    world_ = dWorldCreate();
+    space_ = dSimpleSpaceCreate(nullptr);
+    joints_ = dJointGroupCreate(0);
+    dWorldSetAutoDisableFlag(world_, 0);
+    dWorldSetStepIslandsProcessingMaxThreadCount(world_, 1);
+    dRandSetSeed(1);
+    for (const Body& body : scene_.bodies) add(body);
+  }
+  ~OdeEngine() override {
+    dJointGroupDestroy(joints_);
+    dSpaceDestroy(space_);
+    dWorldDestroy(world_);
+    dCloseODE();
+  }
+
+  std::string name() const override { return "ODE"; }
+  std::string version() const override { return LCPBENCH_ENGINE_VERSION; }
+  double step_length() const override { return scene_.step; }
+  std::vector<Drawn> drawn() const override { return drawn_parts(scene_); }
+
+  void step(long index, Snapshot& snapshot) override {
+    snapshot = {};
+    apply_forces(index, snapshot);
+    snapshot_ = &snapshot;
+    feedback_.clear();
+    dSpaceCollide(space_, this,
+                  [](void* engine, dGeomID a, dGeomID b) { static_cast<OdeEngine*>(engine)->near(a, b); });
+    // ODE keeps pointers to the feedback, so its memory must not move any more.
+    std::vector<dJointFeedback> feedback(feedback_.size());
+    for (std::size_t i = 0; i < feedback.size(); ++i) dJointSetFeedback(feedback_[i], &feedback[i]);
+    dWorldQuickStep(world_, scene_.step);
+    for (std::size_t i = 0; i < feedback.size(); ++i) {
+      const ContactState& contact = snapshot.contacts[i];
+      // The force on the joint's first body, which is body_a unless that is the world.
+      const double sign = contact.body_a == kWorld ? -1 : 1;
+      const Eigen::Vector3d force = sign * Eigen::Map<const Eigen::Vector3d>(feedback[i].f1);
+      const Eigen::Vector3d second = contact.normal.cross(contact.tangent);
+      snapshot.contacts[i].impulse =
+          scene_.step * Eigen::Vector3d(force.dot(contact.normal), force.dot(contact.tangent), force.dot(second));
+    }
+    snapshot.has_impulses = true;
+    dJointGroupEmpty(joints_);
+    keep_velocities(snapshot);
+  }
+
+ private:
+  /// What a geometry belongs to: the body of the scene, and its index among the moving ones.
+  struct Owner {
+    int body = 0;
+    int moving = kWorld;
+  };
+
+  void add(const Body& body) {
+    const int index = static_cast<int>(owners_.size());
+    auto owner = std::make_unique<Owner>(Owner{index, kWorld});
+    dBodyID id = nullptr;
+    const dQuaternion q{body.orientation.w(), body.orientation.x(), body.orientation.y(), body.orientation.z()};
+    if (body.mass > 0) {
+      owner->moving = static_cast<int>(moving_.size());
+      id = dBodyCreate(world_);
+      dMass mass;
+      dMassSetParameters(&mass, body.mass, 0, 0, 0, body.inertia.x(), body.inertia.y(), body.inertia.z(), 0, 0, 0);
+      dBodySetMass(id, &mass);
+      dBodySetPosition(id, body.position.x(), body.position.y(), body.position.z());
+      dBodySetQuaternion(id, q);
+      dBodySetLinearVel(id, body.linear_velocity.x(), body.linear_velocity.y(), body.linear_velocity.z());
+      dBodySetAngularVel(id, body.angular_velocity.x(), body.angular_velocity.y(), body.angular_velocity.z());
+      dBodySetGyroscopicMode(id, 0);  // its torque is applied with the other forces
+      moving_.push_back(id);
+    }
+    for (const Part& part : body.parts) {
+      const dGeomID geom = part.kind == Part::Kind::kSphere
+                               ? dCreateSphere(space_, part.size.x())
+                               : dCreateBox(space_, 2 * part.size.x(), 2 * part.size.y(), 2 * part.size.z());
+      dGeomSetData(geom, owner.get());
+      if (id != nullptr) {
+        dGeomSetBody(geom, id);
+        dGeomSetOffsetPosition(geom, part.offset.x(), part.offset.y(), part.offset.z());
+      } else {
+        const Eigen::Vector3d at = body.position + body.orientation * part.offset;
+        dGeomSetPosition(geom, at.x(), at.y(), at.z());
+        dGeomSetQuaternion(geom, q);
+      }
+    }
+    ids_.push_back(id);
+    owners_.push_back(std::move(owner));
+  }
+
+  static Pose pose(dBodyID id) {
+    const dReal* q = dBodyGetQuaternion(id);
+    return {Eigen::Map<const Eigen::Vector3d>(dBodyGetPosition(id)), {q[0], q[1], q[2], q[3]}};
+  }
+
+  void apply_forces(long index, Snapshot& snapshot) {
+    std::vector<Pose> poses;
+    for (std::size_t i = 0; i < ids_.size(); ++i) {
+      const Body& body = scene_.bodies[i];
+      if (ids_[i] == nullptr) {
+        poses.push_back({body.position, body.orientation});
+        continue;
+      }
+      poses.push_back(pose(ids_[i]));
+      const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> R(dBodyGetRotation(ids_[i]));
+      BodyState state;
+      state.mass = body.mass;
+      state.inertia = world_inertia(R.leftCols<3>(), body.inertia);
+      state.position = poses.back().position;
+      const Eigen::Vector3d linear = Eigen::Map<const Eigen::Vector3d>(dBodyGetLinearVel(ids_[i]));
+      const Eigen::Vector3d angular = Eigen::Map<const Eigen::Vector3d>(dBodyGetAngularVel(ids_[i]));
+      const Eigen::Vector3d force = force_on(body, index);
+      const Eigen::Vector3d torque = gyroscopic_torque(state.inertia, angular, scene_.step);
+      dBodyAddForce(ids_[i], force.x(), force.y(), force.z());
+      dBodyAddTorque(ids_[i], torque.x(), torque.y(), torque.z());
+      state.linear_velocity = linear + scene_.step / body.mass * force;
+      state.angular_velocity = angular + scene_.step * state.inertia.llt().solve(torque);
+      snapshot.bodies.push_back(state);
+    }
+    snapshot.poses = part_poses(scene_, poses);
+  }
+
+  void near(dGeomID first, dGeomID second) {
+    const Owner& a = *static_cast<const Owner*>(dGeomGetData(first));
+    const Owner& b = *static_cast<const Owner*>(dGeomGetData(second));
+    if (a.body == b.body || (a.moving == kWorld && b.moving == kWorld)) return;
+    std::array<dContact, kMostContacts> found{};
+    const int count = dCollide(first, second, kMostContacts, &found[0].geom, sizeof(dContact));
+    for (int i = 0; i < count; ++i) add(found[static_cast<std::size_t>(i)], a, b);
+  }
+
+  void add(dContact& data, const Owner& a, const Owner& b) {
+    ContactState contact;
+    contact.body_a = a.moving;
+    contact.body_b = b.moving;
+    contact.point = Eigen::Map<const Eigen::Vector3d>(data.geom.pos);
+    contact.normal = Eigen::Map<const Eigen::Vector3d>(data.geom.normal).normalized();
+    contact.tangent = tangent_to(contact.normal);
+    contact.mu = scene_.mu;
+    contact.gap = -data.geom.depth;
+    const Eigen::Vector3d approach = velocity(a.moving, contact.point) - velocity(b.moving, contact.point);
+    contact.offset = contact_offset(contact.gap, scene_.step, scene_.restitution, approach.dot(contact.normal));
+    contact.pair = std::to_string(a.body) + "-" + std::to_string(b.body);
+    const Pose frame = pose(moving_[static_cast<std::size_t>(a.moving == kWorld ? b.moving : a.moving)]);
+    contact.local = frame.rotation.conjugate() * (contact.point - frame.position);
+    snapshot_->contacts.push_back(contact);
+
+    data.surface.mode = dContactFDir1 | dContactApprox1 | (scene_.restitution > 0 ? dContactBounce : 0);
+    data.surface.mu = scene_.mu;
+    data.surface.bounce = scene_.restitution;
+    data.surface.bounce_vel = 0.2;
+    for (int k = 0; k < 3; ++k) data.fdir1[k] = contact.tangent(k);
+    const dJointID joint = dJointCreateContact(world_, joints_, &data);
+    dJointAttach(joint, ids_[static_cast<std::size_t>(a.body)], ids_[static_cast<std::size_t>(b.body)]);
+    feedback_.push_back(joint);
+  }
+
+  /// Of a point, without the forces of this step.
+  Eigen::Vector3d velocity(int moving, const Eigen::Vector3d& point) const {
+    if (moving == kWorld) return Eigen::Vector3d::Zero();
+    dVector3 result;
+    dBodyGetPointVel(moving_[static_cast<std::size_t>(moving)], point.x(), point.y(), point.z(), result);
+    return Eigen::Map<const Eigen::Vector3d>(result);
+  }
+
+  void keep_velocities(Snapshot& snapshot) const {
+    snapshot.velocity_after.resize(static_cast<Eigen::Index>(6 * moving_.size()));
+    for (std::size_t i = 0; i < moving_.size(); ++i) {
+      const auto at = static_cast<Eigen::Index>(6 * i);
+      snapshot.velocity_after.segment<3>(at) = Eigen::Map<const Eigen::Vector3d>(dBodyGetLinearVel(moving_[i]));
+      snapshot.velocity_after.segment<3>(at + 3) = Eigen::Map<const Eigen::Vector3d>(dBodyGetAngularVel(moving_[i]));
+    }
+  }
+
+  Scene scene_;
+  dWorldID world_ = nullptr;
+  dSpaceID space_ = nullptr;
+  dJointGroupID joints_ = nullptr;
+  std::vector<dBodyID> ids_;  ///< of the scene's bodies; nullptr for the world's
+  std::vector<dBodyID> moving_;
+  std::vector<std::unique_ptr<Owner>> owners_;
+  std::vector<dJointID> feedback_;  ///< the joints of this step
+  Snapshot* snapshot_ = nullptr;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_engine(const Scene& scene, const std::string& model) {
+  require_free_bodies(scene, model, "ODE");
+  return std::make_unique<OdeEngine>(scene);
+}
+
+}  // namespace lcpbench::capture

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/problem.h"
+
+namespace lcpbench {
+
+/// A body's shape, for pictures: its kind and its measures, in the body's frame.
+struct SceneShape {
+  int body = -1;     ///< -1: the world
+  std::string type;  ///< "box", "sphere", "capsule", "cylinder", "plane", ...
+  std::vector<double> size;
+};
+
+/// What a scenes file says once.
+struct ScenesHeader {
+  std::string scene;
+  std::string engine;
+  std::string engine_version;
+  std::string loop;  ///< whose impulses moved the scene on: "engine", or a solver's name
+  std::optional<double> step_length;
+  std::vector<double> gravity;  ///< three entries, or none where it is not known
+  std::vector<SceneShape> shapes;
+};
+
+/// One captured step. All but the number and the problem may be empty.
+struct SceneStep {
+  std::int64_t step = 0;
+  std::optional<double> time;
+  Problem problem;
+  std::vector<double> gap;                 ///< nc [m], negative: penetration
+  std::vector<std::string> contact_ids;    ///< nc names that contacts keep from step to step
+  std::vector<std::vector<double>> poses;  ///< per body of the pictures: position and quaternion (w, x, y, z), or empty
+  Vector engine_impulses;                  ///< the engine's own answer: f_N, then f_D
+  Vector engine_velocity;                  ///< the engine's own velocity after the impact: ngc
+};
+
+/// The problem's z of the engine's impulses: lambda, which engines do not have, is the least that makes the friction
+/// rows feasible. Empty when the step has no impulses.
+Vector engine_answer(const SceneStep& step);
+
+/// A file of captured steps (docs/reference/scenes-file.md), opened: an index of its steps, each read when asked for.
+/// Memory: the index, and one step. Thread-safe.
+class ScenesFile {
+ public:
+  /// Reads the header and finds the steps, without parsing them. @throws InputError
+  explicit ScenesFile(const std::string& file);
+  /// The same of bytes in memory, which must outlive it; `origin` stands for the file in errors.
+  ScenesFile(std::string_view bytes, const std::string& origin);
+  ~ScenesFile();
+
+  const ScenesHeader& header() const;
+  std::size_t count() const;
+  /// The number that step `index` < count() has in the simulation; ascending.
+  std::int64_t step_number(std::size_t index) const;
+  /// @throws InputError when there is no such step, naming those near it
+  std::size_t index_of(std::int64_t step) const;
+  /// @throws InputError naming file, line and field
+  SceneStep read(std::size_t index) const;
+  /// The line of a step as it stands in the file.
+  std::string line(std::size_t index) const;
+  /// What is missing at the end, in a sentence; empty for a complete file.
+  const std::string& truncation() const;
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+/// Writes a scenes file, compressed; what has been added survives when the program is killed.
+class ScenesWriter {
+ public:
+  /// @throws InputError when the file cannot be created
+  ScenesWriter(const std::string& file, const ScenesHeader& header, int level = 9);
+  ~ScenesWriter();
+  /// @throws InputError for problems that could not be read again, and when it cannot be written
+  void add(const SceneStep& step);
+  /// A line that is a step as the reference has it, without its end. Not checked.
+  void add_line(std::string_view line);
+  /// @throws InputError when not all of it arrived
+  void close();
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+/// "F.scenes#120" in its two parts; nullopt for a name that is not of this form.
+std::optional<std::pair<std::string, std::int64_t>> scenes_step(const std::string& name);
+
+/// Whether a file's name says that it holds captured steps.
+bool is_scenes_file(std::string_view name);
+
+}  // namespace lcpbench

@@ -1,0 +1,115 @@
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <new>
+
+#include <nlohmann/json.hpp>
+#include <zstd.h>
+
+#include "core/io/problem_checks.h"
+#include "core/io/problem_io.h"
+#include "core/io/scenes_file.h"
+#include "core/settings.h"
+
+namespace lcpbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// A frame ends behind so many bytes of text: whoever asks for one step decompresses no more than that.
+constexpr std::size_t kFrameBytes = std::size_t{1} << 22;
+
+std::string header_line(const ScenesHeader& header) {
+  Json json = {{"format", "lcpbench-scenes"}, {"version", 1}, {"scene", header.scene}};
+  if (!header.engine.empty()) json["engine"] = header.engine;
+  if (!header.engine_version.empty()) json["engine_version"] = header.engine_version;
+  if (header.step_length) json["step_length"] = *header.step_length;
+  if (!header.loop.empty()) json["loop"] = header.loop;
+  if (!header.gravity.empty()) json["gravity"] = header.gravity;
+  for (const SceneShape& shape : header.shapes) {
+    json["shapes"].push_back({{"body", shape.body}, {"type", shape.type}, {"size", shape.size}});
+  }
+  return json.dump();
+}
+
+std::vector<double> numbers(const Vector& vector) { return {vector.begin(), vector.end()}; }
+
+std::string step_line(const SceneStep& step) {
+  std::string line = "{\"step\":" + std::to_string(step.step);
+  const auto add = [&](const char* field, const Json& value) {
+    line += std::string(",\"") + field + "\":" + value.dump();
+  };
+  if (step.time) add("time", *step.time);
+  line += ",\"problem\":" + problem_json_line(step.problem);
+  if (!step.gap.empty()) add("gap", step.gap);
+  if (!step.contact_ids.empty()) add("contact_ids", step.contact_ids);
+  if (!step.poses.empty()) add("poses", step.poses);
+  Json engine;
+  if (step.engine_impulses.size() > 0) engine["impulses"] = numbers(step.engine_impulses);
+  if (step.engine_velocity.size() > 0) engine["velocity"] = numbers(step.engine_velocity);
+  if (!engine.is_null()) add("engine", engine);
+  return line + "}";
+}
+
+}  // namespace
+
+struct ScenesWriter::Data {
+  std::string name;
+  std::ofstream file;
+  std::unique_ptr<ZSTD_CCtx, std::size_t (*)(ZSTD_CCtx*)> context{ZSTD_createCCtx(), ZSTD_freeCCtx};
+  std::size_t in_frame = 0;
+
+  void write(std::string_view bytes, ZSTD_EndDirective how) {
+    ZSTD_inBuffer input{bytes.data(), bytes.size(), 0};
+    std::array<char, 1 << 16> buffer;
+    std::size_t left = 1;
+    while (left != 0 || input.pos < input.size) {
+      ZSTD_outBuffer output{buffer.data(), buffer.size(), 0};
+      left = ZSTD_compressStream2(context.get(), &output, &input, how);
+      if (ZSTD_isError(left)) throw input_error(name, std::string("cannot be compressed: ") + ZSTD_getErrorName(left));
+      file.write(buffer.data(), static_cast<std::streamsize>(output.pos));
+      if (how == ZSTD_e_continue) left = 0;
+    }
+    check();
+  }
+
+  void check() {
+    if (file) return;
+    throw input_error(name, std::string("cannot be written: ") + (errno != 0 ? std::strerror(errno) : "unknown cause"));
+  }
+};
+
+ScenesWriter::ScenesWriter(const std::string& file, const ScenesHeader& header, int level)
+    : data_(std::make_unique<Data>()) {
+  data_->name = file;
+  if (!data_->context) throw std::bad_alloc();
+  errno = 0;
+  data_->file.open(file, std::ios::binary | std::ios::trunc);
+  data_->check();
+  ZSTD_CCtx_setParameter(data_->context.get(), ZSTD_c_compressionLevel, level);
+  ZSTD_CCtx_setParameter(data_->context.get(), ZSTD_c_checksumFlag, 1);
+  add_line(header_line(header));
+}
+
+ScenesWriter::~ScenesWriter() = default;
+
+void ScenesWriter::add(const SceneStep& step) { add_line(step_line(step)); }
+
+void ScenesWriter::add_line(std::string_view line) {
+  data_->write(line, ZSTD_e_continue);
+  data_->in_frame += line.size();
+  const bool ends = data_->in_frame > kFrameBytes;
+  data_->write("\n", ends ? ZSTD_e_end : ZSTD_e_flush);
+  if (ends) data_->in_frame = 0;
+  data_->file.flush();
+  data_->check();
+}
+
+void ScenesWriter::close() {
+  if (data_->in_frame > 0) data_->write("", ZSTD_e_end);
+  data_->file.close();
+  data_->check();
+}
+
+}  // namespace lcpbench
