@@ -56,7 +56,11 @@ class SimbodySolver final : public Solver {
       return;
     }
     cones_.write(r_, answer.z);
-    if (cones_.frictional()) answer.detail = "another problem: the round friction cone";
+    if (cones_.frictional()) {
+      answer.detail = "another problem: the round friction cone";
+    } else if (answer.claim != Claim::kSolved) {
+      answer.detail = "solve returned false";
+    }
   }
 
  private:
