@@ -11,7 +11,7 @@ namespace lcpbench {
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
-/// The parameters that an adapter passes to Siconos.
+/// What an adapter tells Siconos.
 struct SiconosRequest {
   int solver = 0;  ///< SICONOS_LCP_...
   double tolerance = 0;
