@@ -9,7 +9,7 @@
 
 namespace lcpbench::exact {
 
-/// Float solvers that give exact arithmetic its guesses. Each is made on first use and kept.
+/// Float solvers, made when first asked for and kept: where exact arithmetic gets its guesses from.
 class Candidates {
  public:
   /// The solver's answer, whatever it claims; valid until the same solver is asked again.
@@ -24,13 +24,13 @@ class Candidates {
   std::map<std::string, Kept> kept_;
 };
 
-/// A guess, from a computed answer, at the complementary cone of a solution.
+/// What an answer says of the complementary cone of a solution.
 struct Guess {
   std::vector<Index> basis;    ///< w_i = 0 and z_i > 0, clearly
   std::vector<Index> unclear;  ///< neither z_i nor w_i is clearly zero while the other is not
 };
 
-/// @param clear  a number counts as zero up to this fraction of the other terms of its row of q + M z
+/// @param clear  what is above this part of the terms that it meets in the rows of q + M z is not zero
 Guess classified(const Problem& problem, const Vector& z, double clear);
 
 /// The i with z_i > 0, the largest first; none where z is not n finite numbers.

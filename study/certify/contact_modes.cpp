@@ -7,7 +7,7 @@ namespace {
 
 using Basis = std::vector<Index>;
 
-// The modes of contact i.
+// What contact i may do.
 std::vector<Basis> modes(const ContactLayout& layout, Index i) {
   const auto at = static_cast<std::size_t>(i);
   const Index begin = layout.friction_offset() + layout.friction_begin[at];

@@ -6,8 +6,8 @@
 
 namespace lcpbench::exact {
 
-/// The same contacts in another order and in other units, each contact in its own. This changes the paths of pivoting
-/// methods, and which of several solutions they find.
+/// The same contacts in another order and in other units, each contact in its own: what changes the paths of pivoting
+/// methods, and which of several solutions they end at.
 struct ContactVariant {
   ContactProblem problem;
   std::vector<Index> from;  ///< entry i of its z is entry from[i] of the original's, divided by unit[i]
