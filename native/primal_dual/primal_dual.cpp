@@ -5,7 +5,6 @@
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
-#include "native/answer_room.h"
 #include "native/answer_test/answer_test.h"
 
 namespace lcpbench {
@@ -136,7 +135,6 @@ class PrimalDual final : public Solver {
   Point point_, trial_, direction_;
   Vector r_dual_, r_pri_;  // n: of the last point evaluated
   Vector work_;            // n
-  AnswerRoom room_;
   AnswerTest test_;
   Matrix newton_, factor_;
   std::vector<Index> support_;  // n
@@ -150,7 +148,6 @@ bool nearly_symmetric(const Matrix& M) {
 }
 
 void PrimalDual::on_load(const Problem& problem) {
-  room_.reserve(0);
   Lcp lcp = make_lcp(problem);
   const Index n = lcp.size();
   resize_workspace(n);
@@ -355,9 +352,8 @@ void PrimalDual::settle(Stop stop, double deadline_s, Answer& answer) {
   }
   if (test_.settle(answer, deadline_s) || answer.claim != Claim::kNumericalFailure) return;
   answer.claim = Claim::kSolved;
-  room_.write_text(stop == Stop::kStalled ? "no step reduces the residual further; finished on its support"
-                                          : "finished on its support",
-                   answer);
+  answer.detail = stop == Stop::kStalled ? "no step reduces the residual further; finished on its support"
+                                         : "finished on its support";
   finish_on_support(answer.z);
   if (!test_.settle(answer, deadline_s)) answer.z = point_.z;
 }
@@ -377,17 +373,16 @@ void PrimalDual::on_solve(const SolveRequest& request, Answer& answer) {
   switch (stop) {
     case Stop::kConverged:
       answer.claim = accepted ? Claim::kSolved : Claim::kNumericalFailure;
-      if (!accepted) room_.write_text("converged to a point that does not solve the LCP", answer);
+      if (!accepted) answer.detail = "converged to a point that does not solve the LCP";
       break;
     case Stop::kStalled:
       answer.claim = accepted ? Claim::kSolved : Claim::kNumericalFailure;
-      room_.write_text(
-          accepted ? "no step reduces the residual further; accepted as it is" : "no step reduces the residual further",
-          answer);
+      answer.detail =
+          accepted ? "no step reduces the residual further; accepted as it is" : "no step reduces the residual further";
       break;
     case Stop::kBreakdown:
       answer.claim = Claim::kNumericalFailure;
-      room_.write_text("the Newton system could not be solved", answer);
+      answer.detail = "the Newton system could not be solved";
       return;
     case Stop::kIterationLimit: answer.claim = Claim::kIterationLimit; return;
     case Stop::kTimeLimit: answer.claim = Claim::kTimeLimit; return;
