@@ -7,7 +7,6 @@
 #include <utility>
 #include <variant>
 
-#include "core/answer_storage.h"
 #include "core/error.h"
 
 namespace lcpbench {
@@ -64,13 +63,6 @@ bool data_are_finite(const Problem& problem) {
   return finite(problem.lcp().M) && finite(problem.lcp().q);
 }
 
-/// Empties a vector; `memory` gets its storage.
-void clear_into(Vector& vector, Vector& memory) {
-  if (vector.size() == 0) return;
-  memory.swap(vector);
-  vector.resize(0);
-}
-
 }  // namespace
 
 const char* to_string(Claim claim) {
@@ -119,13 +111,37 @@ Lcp make_lcp(const Problem& problem) {
   return problem.contact() != nullptr ? form_lcp(*problem.contact()) : problem.lcp();
 }
 
-ClearedVectors& cleared_vectors() {
-  thread_local ClearedVectors vectors;
-  return vectors;
+void AnswerVector::resize(Index size) {
+  if (size == this->size()) return;
+  swap(memory_);  // one of the two is always empty
+  if (size > 0) {
+    Vector::resize(size);
+    memory_.resize(0);
+  }
+}
+
+void AnswerVector::reserve(Index size) {
+  resize(0);
+  memory_.resize(size);
+}
+
+void Answer::reserve(const Problem& problem) {
+  clear();
+  const ContactProblem* contact = problem.contact();
+  z.reserve(problem.size());
+  if (contact != nullptr) velocity.reserve(contact->ngc());
+  farkas.reserve(contact != nullptr ? contact->nc() : problem.size());
+  detail.reserve(kLongestDetail);
+}
+
+void Answer::clear() {
+  claim = Claim::kNumericalFailure;
+  for (AnswerVector* vector : {&z, &velocity, &farkas}) vector->resize(0);
+  counters = Counters{};
+  detail.clear();
 }
 
 void Solver::load(const Problem& problem) {
-  cleared_vectors();  // a thread's first use of them allocates
   problem_ = problem;
   refusal_ = why_not(capabilities(), problem);
   if (refusal_.empty()) on_load(problem);
@@ -146,26 +162,18 @@ void Solver::on_update(const Vector& v) {
 }
 
 void Solver::solve(const SolveRequest& request, Answer& answer) {
-  answer.claim = Claim::kNumericalFailure;
-  answer.counters = Counters{};
-  clear_into(answer.velocity, cleared_vectors().velocity);
-  clear_into(answer.farkas, cleared_vectors().farkas);
-  answer.detail.clear();
+  answer.reserve(problem_);
   if (!refusal_.empty()) {
     answer.claim = Claim::kUnsupported;
-    answer.z.resize(0);
     answer.detail = refusal_;
     return;
   }
-  if (answer.z.size() == 0) answer.z.swap(cleared_vectors().z);
-  answer.z.setZero(problem_.size());
+  answer.z.resize(problem_.size());
+  answer.z.setZero();
   on_solve(request, answer);
   // A solver that refuses only here may leave the zeros it was handed, and zeros solve some problems.
-  if (answer.claim == Claim::kUnsupported) {
-    clear_into(answer.z, cleared_vectors().z);
-    clear_into(answer.velocity, cleared_vectors().velocity);
-    clear_into(answer.farkas, cleared_vectors().farkas);
-  }
+  if (answer.claim != Claim::kUnsupported) return;
+  for (AnswerVector* vector : {&answer.z, &answer.velocity, &answer.farkas}) vector->resize(0);
 }
 
 }  // namespace lcpbench

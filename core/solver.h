@@ -34,13 +34,47 @@ struct Counters {
   std::int64_t factorizations = -1;
 };
 
+/// A vector that an answer may lack: it keeps its memory while it is empty.
+class AnswerVector : public Vector {
+ public:
+  AnswerVector() = default;
+  AnswerVector(const AnswerVector& other) : Vector(other) {}
+  AnswerVector(AnswerVector&& other) = default;
+  AnswerVector& operator=(const AnswerVector& other) { return *this = static_cast<const Vector&>(other); }
+  AnswerVector& operator=(AnswerVector&& other) = default;
+  template <class Values>
+  AnswerVector& operator=(const Eigen::DenseBase<Values>& values) {
+    resize(values.size());
+    Vector::operator=(values.derived());
+    return *this;
+  }
+  ~AnswerVector() = default;
+
+  /// Allocates nothing where the vector had this length before, or it was reserved. The entries are undefined.
+  void resize(Index size);
+  /// Empties the vector and takes memory for `size` entries.
+  void reserve(Index size);
+
+ private:
+  Vector memory_;  // while the vector is empty
+};
+
+/// What a solver returns. It owns all memory that a solve writes to, so that it can be used again without allocating.
 struct Answer {
+  /// No solver of this project writes a longer `detail`.
+  static constexpr std::size_t kLongestDetail = 240;
+
   Claim claim = Claim::kNumericalFailure;
-  Vector z;         ///< size(problem) entries, or empty when the solver has nothing to show
-  Vector velocity;  ///< ngc entries when the solver returns v+ itself, else empty
-  Vector farkas;    ///< a proof of unsolvability (see evaluation), else empty
+  AnswerVector z;         ///< size(problem) entries, or empty when the solver has nothing to show
+  AnswerVector velocity;  ///< ngc entries when the solver returns v+ itself, else empty
+  AnswerVector farkas;    ///< a proof of unsolvability (see evaluation), else empty
   Counters counters;
   std::string detail;  ///< one line, foreign status codes spelled out; may be empty
+
+  /// Empties everything and takes the memory for any answer to a problem of these dimensions. Solver::solve() does so.
+  void reserve(const Problem& problem);
+  /// Empties everything and keeps the memory.
+  void clear();
 };
 
 /// The input that a solver takes. The earlier forms can be derived from each later one.
@@ -58,7 +92,7 @@ struct Capabilities {
   const char* guarantees = "";    ///< class on which an answer is guaranteed in exact arithmetic, in words
   bool warm_start = false;        ///< SolveRequest::start is used
   bool obeys_time_limit = false;  ///< returns kTimeLimit by itself
-  bool allocation_free = false;   ///< solve() allocates nothing after load()
+  bool allocation_free = false;   ///< solve() allocates nothing after load(), given an answer with memory
 };
 
 struct SolveRequest {
@@ -86,7 +120,8 @@ class Solver {
   void update(const Vector& v);
 
   /// Solves what is loaded. Numerical trouble is a claim; exceptions are defects or lack of memory.
-  /// `answer` is overwritten; its storage is reused.
+  /// `answer` is overwritten. Its memory is reused: a solver that is `allocation_free` allocates nothing when the
+  /// answer was reserved for the problem, or served a problem of the same dimensions before.
   void solve(const SolveRequest& request, Answer& answer);
 
   virtual const Capabilities& capabilities() const = 0;

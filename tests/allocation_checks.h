@@ -41,9 +41,7 @@ void expect_loads_without_allocating(Make&& make, const std::vector<Problem>& pr
     Answer fresh;
     own.solve({}, fresh);
     Answer answer;
-    answer.z.resize(problem.size());
-    answer.velocity.resize(problem.contact()->ngc());
-    answer.farkas.resize(problem.contact()->nc());
+    answer.reserve(problem);
     EXPECT_EQ(count_allocations([&] {
                 solver.load(problem);
                 solver.update(problem.contact()->v);

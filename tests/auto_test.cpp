@@ -538,8 +538,7 @@ TEST(AutoTest, AllocatesNothingInASolve) {
     solver->load(problem);
     ASSERT_TRUE(solver->capabilities().allocation_free);
     Answer answer;
-    answer.z.resize(problem.size());
-    answer.velocity.resize(problem.contact()->ngc());
+    answer.reserve(problem);
     EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << problem.name();
     EXPECT_EQ(answer.claim, Claim::kSolved);
   }
@@ -566,8 +565,7 @@ TEST(AutoTest, AllocatesNothingWhereContactsAreBroughtBack) {
     solver->load(problem);
     ASSERT_TRUE(solver->capabilities().allocation_free);
     Answer answer;
-    answer.z.resize(problem.size());
-    answer.velocity.resize(problem.contact()->ngc());
+    answer.reserve(problem);
     EXPECT_EQ(allocations_in_solve(*solver, answer), 0) << problem.name();
     EXPECT_TRUE(contains(answer.detail, "brought back")) << answer.detail;
     for (const double factor : {2.0, -1.0, 1.0}) {
@@ -620,8 +618,7 @@ TEST(AutoTest, AllocatesNothingWhereAMethodGivesUp) {
   for (const GivingUp& test : problems_that_a_method_gives_up_on()) {
     const auto room = [&test] {
       Answer answer;
-      answer.z.resize(test.problem.size());
-      answer.velocity.resize(test.problem.contact()->ngc());
+      answer.reserve(test.problem);
       return answer;
     };
     const auto solver = auto_solver(test.options);

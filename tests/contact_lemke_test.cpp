@@ -489,7 +489,7 @@ TEST(ContactLemkeTest, AllocatesNothingInDouble) {
       const Problem problem = set->generate(51, trial);
       solver->load(problem);
       Answer answer;
-      answer.z.resize(problem.size());
+      answer.reserve(problem);
       EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << name << " " << trial;
     }
   }
@@ -624,8 +624,7 @@ TEST(ContactLemkeTest, AllocatesNothingAtAnyPrecision) {
       const Problem problem = open_set("paper/copositive/exp5-1e10{redundancy=combination}")->generate(52, trial);
       solver->load(problem);
       Answer answer;
-      answer.z.resize(problem.size());
-      answer.velocity.resize(problem.contact()->ngc());
+      answer.reserve(problem);
       EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << precision << " " << trial;
     }
   }

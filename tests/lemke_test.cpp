@@ -408,7 +408,7 @@ TEST(LemkeEnginesTest, AllocateNothingInASolve) {
          {frictional, bare(tridiagonal(150, 4, -1), -ones(150)), bare(tridiagonal(400, 4, -1), nearly_at_rest),
           bare(matrix_of(2, {1, -1, -1, 1}), vector_of({-1, -1}))}) {
       solver.load(problem);
-      answer.z.resize(problem.size());
+      answer.reserve(problem);
       EXPECT_EQ(testing::count_allocations([&] { solver.solve({}, answer); }), 0) << problem.size();
     }
     EXPECT_EQ(answer.claim, Claim::kUnsolvable);

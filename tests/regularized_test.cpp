@@ -232,8 +232,7 @@ TEST_F(RegularizedTest, AllocatesNothingOnAnyRungOfTheLadder) {
       for (const Problem& problem : {none, singular_inertia, regular}) {
         solver->load(problem);
         Answer answer;
-        answer.z.resize(problem.size());
-        answer.farkas.resize(problem.size());
+        answer.reserve(problem);
         for (int repeat = 0; repeat < 2; ++repeat) {
           EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0)
               << inner << " " << test << " " << problem.name() << ": " << answer.detail;

@@ -6,7 +6,6 @@
 #include <stdexcept>
 #include <variant>
 
-#include "core/answer_storage.h"
 #include "core/registry.h"
 #include "core/timed_solve.h"
 #include "native/contacts/dense_data.h"
@@ -61,7 +60,6 @@ bool underflows(const active_set::Input& input) {
   return false;
 }
 
-/// Details are short enough for std::string to hold in place, so that solve() allocates nothing.
 void report(const active_set::Outcome& outcome, Answer& answer) {
   answer.counters.iterations = outcome.steps;
   answer.counters.pivots = outcome.steps;
@@ -195,12 +193,11 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
     return;
   }
   active_set::Rules rules = this->rules(request);
-  Vector& velocity = cleared_vectors().velocity;
-  velocity.resize(input_.ngc);
+  answer.velocity.resize(input_.ngc);
   active_set::Outcome outcome;
   // Other precisions break down there by themselves.
   if (settings_.precision != ActiveSetPrecision::kQuad || !underflows(input_)) {
-    outcome = first_.solve(rules, answer.z, velocity, farkas_);
+    outcome = first_.solve(rules, answer, farkas_);
   }
   if (settings_.precision == ActiveSetPrecision::kFloat && outcome.ending == Ending::kSolved &&
       !second_.accepts(answer.z, settings_.accept_residual)) {
@@ -208,7 +205,7 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
   }
   if (settings_.precision == ActiveSetPrecision::kLadder) {
     if (outcome.ending != Ending::kSolved && !stopped(outcome) && !underflows(input_)) {
-      solve_in_more_bits(rules, outcome, answer, velocity);
+      solve_in_more_bits(rules, outcome, answer);
     }
   }
   const bool has_answer = outcome.ending == Ending::kSolved || outcome.ending == Ending::kRejected;
@@ -217,12 +214,8 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
   } else if (outcome.ending == Ending::kInfeasible && !is_proven_singular()) {
     outcome.ending = Ending::kBreakdown;
   }
-  if (has_answer && outcome.ending != Ending::kInfeasible) answer.velocity.swap(velocity);
-  if (outcome.ending == Ending::kInfeasible && round_to_proof(farkas_.view())) {
-    Vector& farkas = cleared_vectors().farkas;
-    farkas = farkas_.view();
-    answer.farkas.swap(farkas);
-  }
+  if (!has_answer || outcome.ending == Ending::kInfeasible) answer.velocity.resize(0);
+  if (outcome.ending == Ending::kInfeasible && round_to_proof(farkas_.view())) answer.farkas = farkas_.view();
   report(outcome, answer);
 }
 
@@ -244,15 +237,14 @@ void ActiveSet::check_solvability(const SolveRequest& request, const active_set:
 
 /// What an engine refuses may be right: the next one tests it before it solves anew. What has no solution, only the
 /// last rung may say.
-void ActiveSet::solve_in_more_bits(active_set::Rules& rules, active_set::Outcome& outcome, Answer& answer,
-                                   Vector& velocity) {
+void ActiveSet::solve_in_more_bits(active_set::Rules& rules, active_set::Outcome& outcome, Answer& answer) {
   if (outcome.ending != Ending::kInfeasible) {
     second_.load(input_);
     if (outcome.ending == Ending::kRejected && second_.accepts(answer.z, settings_.accept_residual)) {
       outcome.ending = Ending::kSolved;
       return;
     }
-    climb(second_, "dd rung", rules, outcome, answer, velocity);
+    climb(second_, "dd rung", rules, outcome, answer);
     if (outcome.ending == Ending::kSolved || stopped(outcome)) return;
   }
   third_.load(input_);
@@ -260,7 +252,7 @@ void ActiveSet::solve_in_more_bits(active_set::Rules& rules, active_set::Outcome
     outcome.ending = Ending::kSolved;
     return;
   }
-  climb(third_, "quad rung", rules, outcome, answer, velocity);
+  climb(third_, "quad rung", rules, outcome, answer);
 }
 
 /// Whether a limit of the caller's ended it.
@@ -270,11 +262,11 @@ bool ActiveSet::stopped(const active_set::Outcome& outcome) const {
 
 /// One rung up, whose problem is loaded: `outcome` counts the steps of all.
 void ActiveSet::climb(Rung& rung, const char* name, active_set::Rules& rules, active_set::Outcome& outcome,
-                      Answer& answer, Vector& velocity) {
+                      Answer& answer) {
   if (std::isnan(rules.begin_s)) rules.begin_s = wall_clock_s();
   rules.polish = true;
   rules.start = nullptr;  // it may have been what misled the first rung
-  const active_set::Outcome next = rung.solve(rules, answer.z, velocity, farkas_);
+  const active_set::Outcome next = rung.solve(rules, answer, farkas_);
   outcome.ending = next.ending;
   outcome.steps += next.steps;
   outcome.factorizations += next.factorizations;

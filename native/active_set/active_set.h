@@ -80,8 +80,8 @@ class ActiveSet final : public Solver {
     void reserve(const active_set::Input& input) { engine_.reserve(state_, input); }
     void load(const active_set::Input& input) { engine_.load(state_, input); }
     void update(const double* v) { engine_.update(state_, v); }
-    active_set::Outcome solve(const active_set::Rules& rules, Vector& z, Vector& velocity, GrowingVector& u) {
-      return engine_.solve(state_, rules, z.data(), velocity.data(), u.data());
+    active_set::Outcome solve(const active_set::Rules& rules, Answer& answer, GrowingVector& u) {
+      return engine_.solve(state_, rules, answer.z.data(), answer.velocity.data(), u.data());
     }
     bool accepts(const Vector& z, double residual) { return engine_.accepts(state_, z.data(), residual); }
 
@@ -99,9 +99,8 @@ class ActiveSet final : public Solver {
   active_set::Rules rules(const SolveRequest& request) const;
   void check_solvability(const SolveRequest& request, const active_set::Rules& rules, active_set::Outcome& outcome);
   bool stopped(const active_set::Outcome& outcome) const;
-  void solve_in_more_bits(active_set::Rules& rules, active_set::Outcome& outcome, Answer& answer, Vector& velocity);
-  void climb(Rung& rung, const char* name, active_set::Rules& rules, active_set::Outcome& outcome, Answer& answer,
-             Vector& velocity);
+  void solve_in_more_bits(active_set::Rules& rules, active_set::Outcome& outcome, Answer& answer);
+  void climb(Rung& rung, const char* name, active_set::Rules& rules, active_set::Outcome& outcome, Answer& answer);
   bool round_to_proof(Eigen::Ref<Vector> u);
   bool is_proof(const Eigen::Ref<const Vector>& u) const;
   bool is_proven_singular();

@@ -1,6 +1,6 @@
 // The active-set method in 113-bit arithmetic, the same at every instruction-set level.
 #define LCPBENCH_LEVEL portable
-#define LCPBENCH_WITH_QUAD
+#define LCPBENCH_QUAD
 #include "native/active_set/engine.h"
 
 namespace lcpbench::active_set::portable {

@@ -1,65 +1,23 @@
 #pragma once
 
-#include "native/lemke/pack.h"
-
-#if defined(LCPBENCH_WITH_QUAD)
-#include "core/quad.h"
-#elif defined(LCPBENCH_CONTACT_DOUBLE_DOUBLE)
-#include "native/contact_lemke/double_double.h"
-#endif
+#include "native/lemke/scalars.h"
 
 namespace lcpbench::active_set::LCPBENCH_LEVEL {
 
 using lemke::LCPBENCH_LEVEL::Buffer;
+using lemke::LCPBENCH_LEVEL::copy;
 using lemke::LCPBENCH_LEVEL::Count;
 using lemke::LCPBENCH_LEVEL::kInfinity;
+using lemke::LCPBENCH_LEVEL::kUnitRoundoff;
 using lemke::LCPBENCH_LEVEL::magnitude;
-
-/// Registers of a scalar type, and what the method needs to know of its arithmetic.
-template <class Scalar>
-struct Lanes;
-
-template <>
-struct Lanes<double> : lemke::LCPBENCH_LEVEL::Packed<double> {
-  static constexpr double kUnitRoundoff = 0x1p-53;
-  static double square_root(double x) { return __builtin_sqrt(x); }
-};
-
-template <>
-struct Lanes<float> : lemke::LCPBENCH_LEVEL::Packed<float> {
-  static constexpr float kUnitRoundoff = 0x1p-24F;
-  static float square_root(float x) { return __builtin_sqrtf(x); }
-};
-
-/// One number at a time: no processor has registers of more than 53 bits.
-template <class Scalar>
-struct OneLane {
-  using Pack = Scalar;
-  static constexpr Count kWidth = 1;
-  static Pack load(const Scalar* from) { return *from; }
-  static void store(Scalar* to, Pack pack) { *to = pack; }
-  static Pack broadcast(Scalar value) { return value; }
-  static Pack min(Pack a, Pack b) { return a < b ? a : b; }
-  static Pack max(Pack a, Pack b) { return a > b ? a : b; }
-  static Scalar sum(Pack pack) { return pack; }
-  static Scalar max(Pack pack) { return pack; }
-  static Count padded(Count size) { return size; }
-};
-
-#if defined(LCPBENCH_WITH_QUAD)
-template <>
-struct Lanes<Quad> : OneLane<Quad> {
-  static constexpr double kUnitRoundoff = kQuadUnitRoundoff;
-  static Quad square_root(Quad x) { return lcpbench::sqrt(x); }
-};
-#elif defined(LCPBENCH_CONTACT_DOUBLE_DOUBLE)
+using lemke::LCPBENCH_LEVEL::square_root;
+#if defined(LCPBENCH_DOUBLE_DOUBLE)
 using lemke::LCPBENCH_LEVEL::DoubleDouble;
-template <>
-struct Lanes<DoubleDouble> : OneLane<DoubleDouble> {
-  static constexpr double kUnitRoundoff = 0x1p-104;  // of the sums and products of double_double.h
-  static DoubleDouble square_root(DoubleDouble x) { return lemke::LCPBENCH_LEVEL::square_root(x); }
-};
 #endif
+
+/// Registers of a scalar type.
+template <class Scalar>
+using Lanes = lemke::LCPBENCH_LEVEL::Packed<Scalar>;
 
 // Arrays below have a length that is a multiple of the register's width, zero beyond their content.
 
@@ -103,12 +61,6 @@ inline void scale(Scalar* x, Scalar factor, Count size) {
   using L = Lanes<Scalar>;
   const auto broadcast = L::broadcast(factor);
   for (Count i = 0; i < size; i += L::kWidth) L::store(x + i, broadcast * L::load(x + i));
-}
-
-template <class Scalar>
-inline void copy(Scalar* to, const Scalar* from, Count size) {
-  using L = Lanes<Scalar>;
-  for (Count i = 0; i < size; i += L::kWidth) L::store(to + i, L::load(from + i));
 }
 
 template <class Scalar>

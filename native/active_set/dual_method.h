@@ -21,23 +21,23 @@ class DualMethod {
  public:
   void reserve(const Input& input) {
     const Count factors = Whitening<Scalar>::root_factors(input);
-    if (input.ngc <= room_.ngc && input.nc <= room_.nc && factors <= room_.factors) return;
-    room_.ngc = input.ngc > room_.ngc ? input.ngc : room_.ngc;
-    room_.nc = input.nc > room_.nc ? input.nc : room_.nc;
-    room_.factors = factors > room_.factors ? factors : room_.factors;
-    whitening_.reserve(room_.ngc, room_.nc, room_.factors);
-    const Count vectors = L::padded(room_.ngc);
-    const Count contacts = L::padded(room_.nc);
-    const Count most = room_.ngc < room_.nc ? room_.ngc : room_.nc;
+    if (input.ngc <= reserved_.ngc && input.nc <= reserved_.nc && factors <= reserved_.factors) return;
+    reserved_.ngc = input.ngc > reserved_.ngc ? input.ngc : reserved_.ngc;
+    reserved_.nc = input.nc > reserved_.nc ? input.nc : reserved_.nc;
+    reserved_.factors = factors > reserved_.factors ? factors : reserved_.factors;
+    whitening_.reserve(reserved_.ngc, reserved_.nc, reserved_.factors);
+    const Count vectors = L::padded(reserved_.ngc);
+    const Count contacts = L::padded(reserved_.nc);
+    const Count most = reserved_.ngc < reserved_.nc ? reserved_.ngc : reserved_.nc;
     Buffer<Scalar>* const by_coordinate[] = {&v_, &y0_, &change_, &velocity_, &rest_};
     for (Buffer<Scalar>* buffer : by_coordinate) buffer->resize(vectors + 1);
     Buffer<Scalar>* const by_contact[] = {&given_, &slack_, &weight_, &merit_, &impulse_};
     for (Buffer<Scalar>* buffer : by_contact) buffer->resize(contacts + 1);
-    Buffer<Scalar>* const by_active_contact[] = {&pressed_, &share_, &coefficients_, &remaining_};
+    Buffer<Scalar>* const by_active_contact[] = {&active_impulse_, &share_, &coefficients_, &remaining_};
     for (Buffer<Scalar>* buffer : by_active_contact) buffer->resize(most + 2);
-    active_.resize(room_.nc + 1);
+    active_.resize(reserved_.nc + 1);
     basis_.reserve(vectors, most);
-    test_.reserve(room_.ngc, room_.nc);
+    test_.reserve(reserved_.ngc, reserved_.nc);
   }
 
   void load(const Input& input) {
@@ -69,7 +69,7 @@ class DualMethod {
     if (rules.polish) {
       polish(outcome);
     } else {
-      press_active();
+      find_active_impulses();
     }
     if (!write_answer(z, velocity)) {
       outcome.ending = Ending::kBreakdown;
@@ -213,8 +213,8 @@ class DualMethod {
     Count leaving = -1;
     Scalar partial = kInfinity<Scalar>;
     for (Count k = 0; k < basis_.size(); ++k) {
-      if (share_[k] > 0 && (leaving < 0 || pressed_[k] < partial * share_[k])) {
-        partial = pressed_[k] / share_[k];
+      if (share_[k] > 0 && (leaving < 0 || active_impulse_[k] < partial * share_[k])) {
+        partial = active_impulse_[k] / share_[k];
         leaving = k;
       }
     }
@@ -230,7 +230,7 @@ class DualMethod {
     added = !(partial < full);
     const Scalar length = added ? full : partial;
     if (!finite(length)) return Ending::kBreakdown;
-    for (Count k = 0; k < basis_.size(); ++k) pressed_[k] -= length * share_[k];
+    for (Count k = 0; k < basis_.size(); ++k) active_impulse_[k] -= length * share_[k];
     entering_impulse_ += length;
     if (independent) move(length);
     if (added) {
@@ -252,7 +252,7 @@ class DualMethod {
   void add_entering(Scalar left) {
     const Count k = basis_.size();
     active_[k] = entering_contact_;
-    pressed_[k] = entering_impulse_;
+    active_impulse_[k] = entering_impulse_;
     weight_[entering_contact_] = 0;
     basis_.append(coefficients_.data(), rest_.data(), left);
   }
@@ -262,7 +262,7 @@ class DualMethod {
     basis_.remove(k);
     for (Count i = k; i < basis_.size(); ++i) {
       active_[i] = active_[i + 1];
-      pressed_[i] = pressed_[i + 1];
+      active_impulse_[i] = active_impulse_[i + 1];
     }
   }
 
@@ -289,12 +289,12 @@ class DualMethod {
     }
     ++outcome.factorizations;
     for (;;) {
-      press_active();
+      find_active_impulses();
       Count most_pulled = -1;
       Scalar least = 0;
       for (Count k = 0; k < basis_.size(); ++k) {
-        if (!(pressed_[k] < least)) continue;
-        least = pressed_[k];
+        if (!(active_impulse_[k] < least)) continue;
+        least = active_impulse_[k];
         most_pulled = k;
       }
       if (most_pulled < 0) break;
@@ -304,8 +304,9 @@ class DualMethod {
     add_change_to_slack();
   }
 
-  /// change_ = y - y0 with y the projection on the active contacts' boundaries, pressed_ = the impulses that do it.
-  void press_active() {
+  /// change_ = y - y0 with y the projection on the active contacts' boundaries, active_impulse_ = the impulses that do
+  /// it.
+  void find_active_impulses() {
     Scalar* c = coefficients_.data();
     if (whitening_.triangular()) {
       for (Count k = 0; k < basis_.size(); ++k) c[k] = -dot(basis_.q(k), y0_.data(), lanes());
@@ -315,8 +316,8 @@ class DualMethod {
     }
     set_zero(change_.data(), lanes());
     combine_rows(change_.data(), change_.data(), basis_.q(0), lanes(), c, basis_.size(), lanes());
-    for (Count k = 0; k < basis_.size(); ++k) pressed_[k] = c[k];
-    basis_.solve_in_doubles(pressed_.data());
+    for (Count k = 0; k < basis_.size(); ++k) active_impulse_[k] = c[k];
+    basis_.solve_in_doubles(active_impulse_.data());
   }
 
   void add_change_to_slack() {
@@ -326,7 +327,7 @@ class DualMethod {
 
   // --- the end ---
 
-  /// press_active() with the active normals factored afresh: free of what exchanges left in the factors.
+  /// find_active_impulses() with the active normals factored afresh: free of what exchanges left in the factors.
   ///
   /// In double, the normal that stands out most of the earlier ones comes next. In the last precision, the one whose
   /// impulse moves the least: the impulses are then rounded to double one by one so that the last to be rounded, which
@@ -337,7 +338,8 @@ class DualMethod {
     Count count = basis_.size();
     basis_.clear(lanes(), most_active_now());
     for (Count k = 0; k < count; ++k) {
-      remaining_[k] = whitening_.squared_norm(active_[k]) * (kLastPrecision ? pressed_[k] * pressed_[k] : Scalar(1));
+      remaining_[k] =
+          whitening_.squared_norm(active_[k]) * (kLastPrecision ? active_impulse_[k] * active_impulse_[k] : Scalar(1));
     }
     while (basis_.size() < count) {
       const Count k = basis_.size();
@@ -352,10 +354,10 @@ class DualMethod {
       }
       for (Count i = k + 1; i < count; ++i) {
         const Scalar along = dot(basis_.q(k), whitening_.normal(active_[i]), lanes());
-        remaining_[i] -= along * along * (kLastPrecision ? pressed_[i] * pressed_[i] : Scalar(1));
+        remaining_[i] -= along * along * (kLastPrecision ? active_impulse_[i] * active_impulse_[i] : Scalar(1));
       }
     }
-    press_active();
+    find_active_impulses();
   }
 
   template <class T>
@@ -369,16 +371,16 @@ class DualMethod {
     if (i == j) return;
     swap_entries(active_, i, j);
     swap_entries(remaining_, i, j);
-    swap_entries(pressed_, i, j);
+    swap_entries(active_impulse_, i, j);
   }
 
   /// False when it is not finite.
   bool write_answer(double* z, double* velocity) {
     set_zero(impulse_.data(), contact_lanes());
     for (Count k = 0; k < basis_.size(); ++k) {
-      if (!finite(pressed_[k])) return false;
+      if (!finite(active_impulse_[k])) return false;
       // A negative one is rounding, or else the test finds what is missing.
-      impulse_[active_[k]] = pressed_[k] > 0 ? pressed_[k] : Scalar(0);
+      impulse_[active_[k]] = active_impulse_[k] > 0 ? active_impulse_[k] : Scalar(0);
     }
     compute_velocity();
     for (Count j = 0; j < whitening_.nc(); ++j) z[j] = static_cast<double>(impulse_[j]);
@@ -421,13 +423,13 @@ class DualMethod {
   }
 
   /// The largest dimensions so far: problems that are not larger need no memory.
-  struct Room {
+  struct Dimensions {
     Count ngc = -1;
     Count nc = -1;
     Count factors = -1;  ///< of SemidefiniteRoot
   };
 
-  Room room_;
+  Dimensions reserved_;
   Whitening<Scalar> whitening_;
   OrthogonalBasis<Scalar> basis_;  // of the active normals
   bool usable_ = false;
@@ -442,7 +444,7 @@ class DualMethod {
   Buffer<Scalar> weight_;  // 1 / |W_j|^2, 0 for active contacts
 
   Buffer<Count> active_;
-  Buffer<Scalar> pressed_;  // impulses of the active contacts
+  Buffer<Scalar> active_impulse_;  // impulses of the active contacts
   Buffer<Scalar> remaining_;
 
   Count entering_contact_ = 0;

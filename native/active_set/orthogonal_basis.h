@@ -50,7 +50,7 @@ class OrthogonalBasis {
 
   /// Appends the vector that split() took apart. @pre size() < capacity, squared_rest > 0
   void append(const Scalar* coefficients, const Scalar* rest, Scalar squared_rest) {
-    const Scalar norm = L::square_root(squared_rest);
+    const Scalar norm = square_root(squared_rest);
     Scalar* column = r_.data() + size_ * capacity_;
     for (Count k = 0; k < size_; ++k) column[k] = coefficients[k];
     column[size_] = norm;
@@ -109,7 +109,7 @@ class OrthogonalBasis {
   /// Makes R(i + 1, i) zero by turning directions i and i + 1.
   void rotate(Count i) {
     Scalar* pivot = r_.data() + i * capacity_ + i;
-    const Scalar norm = L::square_root(pivot[0] * pivot[0] + pivot[1] * pivot[1]);
+    const Scalar norm = square_root(pivot[0] * pivot[0] + pivot[1] * pivot[1]);
     const Scalar inverse = 1 / norm;
     const Scalar c = pivot[0] * inverse;
     const Scalar s = pivot[1] * inverse;

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "native/active_set/active_set_engine.h"
 #include "native/active_set/arithmetic.h"
 #include "native/active_set/orthogonal_basis.h"
-#include "native/active_set/active_set_engine.h"
 
 namespace lcpbench::active_set::LCPBENCH_LEVEL {
 
@@ -45,7 +45,7 @@ class SemidefiniteRoot {
   [[gnu::noinline]] bool find_of_factors(const Input& input) {
     factor_count_ = input.factors;
     for (Count k = 0; k < factor_count_; ++k) {
-      const Scalar weight = L::square_root(static_cast<Scalar>(input.alpha[k]));
+      const Scalar weight = square_root(static_cast<Scalar>(input.alpha[k]));
       Scalar* column = factors_.data() + k * lanes_;
       for (Count i = 0; i < ngc_; ++i) column[i] = weight * static_cast<Scalar>(input.matrix[k * ngc_ + i]);
       for (Count i = ngc_; i < lanes_; ++i) column[i] = 0;
@@ -121,14 +121,14 @@ class SemidefiniteRoot {
     for (Count i = 0; i < ngc_; ++i) {
       if (!(row(i)[i] >= -share * diagonal_[i])) return false;
     }
-    growth_ = L::square_root(growth);
+    growth_ = square_root(growth);
     return true;
   }
 
   /// The next column of Y, and A less its part.
   void take_factor(Count pivot) {
     Scalar* column = factors_.data() + factor_count_ * lanes_;
-    const Scalar inverse = 1 / L::square_root(row(pivot)[pivot]);
+    const Scalar inverse = 1 / square_root(row(pivot)[pivot]);
     for (Count i = 0; i < ngc_; ++i) column[i] = inverse * row(pivot)[i];
     for (Count i = ngc_; i < lanes_; ++i) column[i] = 0;
     for (Count i = 0; i < ngc_; ++i) {
@@ -159,7 +159,7 @@ class SemidefiniteRoot {
       for (Count j = 0; j < i; ++j) add_multiple(row(i), -rank_basis_.r(j, i), row(j), lanes_);
       scale(row(i), 1 / rank_basis_.r(i, i), lanes_);
     }
-    growth_ = rank_ > 0 ? L::square_root(largest / least) : Scalar(1);
+    growth_ = rank_ > 0 ? square_root(largest / least) : Scalar(1);
     return true;
   }
 

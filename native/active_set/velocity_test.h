@@ -82,7 +82,7 @@ class VelocityTest {
       sizeof(Scalar) < sizeof(double);  ///< by the engine that knows what float rounds
   static constexpr bool kHasMoreBits = sizeof(Scalar) == sizeof(double);
   /// Of two doubles, exactly: what cancels in N z then leaves no rounding.
-  static constexpr bool kHoldsProducts = L::kUnitRoundoff < 0x1p-106;
+  static constexpr bool kHoldsProducts = kUnitRoundoff<Scalar> < 0x1p-106;
   static constexpr double kLongUnitRoundoff = static_cast<double>(__LDBL_EPSILON__) / 2;
 
   /// What an answer is worth, over an island or all.
@@ -100,7 +100,7 @@ class VelocityTest {
   Count contact_lanes() const { return whitening_.contact_lanes(); }
   Scalar size() const { return static_cast<Scalar>(static_cast<double>(whitening_.ngc())); }
   static Scalar roundings(double count) {
-    return static_cast<Scalar>(kRoundings + count) * static_cast<Scalar>(L::kUnitRoundoff);
+    return static_cast<Scalar>(kRoundings + count) * static_cast<Scalar>(kUnitRoundoff<Scalar>);
   }
 
   /// All contacts in one island, max|q| for its scale, and coarse bounds for all rounding.
@@ -126,7 +126,7 @@ class VelocityTest {
     const Scalar moved = L::max(largest) * sum * static_cast<Scalar>(static_cast<double>(pressed_));
     if (!whitening_.triangular()) {
       const Scalar sums = roundings(2 * static_cast<double>(whitening_.ngc()));
-      return (2 * whitening_.noise() + sums) * L::square_root(moved) <= most;
+      return (2 * whitening_.noise() + sums) * square_root(moved) <= most;
     }
     if (covers_rounding(answer, most, L::max(largest), moved)) return true;
     whitening_.sharpen_condition();
@@ -155,7 +155,7 @@ class VelocityTest {
   /// rounding of the velocity itself.
   Scalar of_velocity(const Answer& answer) const {
     const Scalar condition = whitening_.condition();
-    const Scalar roundoff = (size() + 3) * static_cast<Scalar>(L::kUnitRoundoff);
+    const Scalar roundoff = (size() + 3) * static_cast<Scalar>(kUnitRoundoff<Scalar>);
     const auto of_difference = L::broadcast(22 * condition);
     const auto of_rounding = L::broadcast(44 * condition * size() * roundoff * roundoff);
     const auto of_change = L::broadcast(static_cast<Scalar>(1.1));
@@ -244,7 +244,7 @@ class VelocityTest {
     const Scalar squared = whitening_.squared_norm(j);
     if (!finite(squared * answer.impulse[j])) return false;
     island.largest = squared > island.largest ? squared : island.largest;
-    island.terms += L::square_root(squared) * magnitude(answer.impulse[j]);
+    island.terms += square_root(squared) * magnitude(answer.impulse[j]);
     const Scalar given = magnitude(answer.given[j]);
     island.scale = given > island.scale ? given : island.scale;
     return finite(given);
@@ -276,15 +276,15 @@ class VelocityTest {
   Scalar rounding(const Measure& island) const {
     if (kTestedInDouble) return 0;
     if (!(island.terms > 0)) return island.terms == 0 ? Scalar(0) : kInfinity<Scalar>;
-    const Scalar reach = L::square_root(island.largest);
+    const Scalar reach = square_root(island.largest);
     const Scalar sums = roundings(static_cast<double>(whitening_.ngc() + pressed_));
     if (!whitening_.triangular()) return reach * island.terms * (2 * whitening_.noise() + sums);
     if (!condition_is_trusted()) return kInfinity<Scalar>;
     // Sums without a rounding of their own are off by the rounding of the result, and once more by that of the terms.
-    const Scalar terms = kHoldsProducts ? L::square_root(island.whitened_change) + sums * island.terms : island.terms;
-    return reach * L::square_root(whitening_.condition()) *
-           (size() * whitening_.backward_error() * L::square_root(island.squared_change) +
-            sums * L::square_root(size()) * terms);
+    const Scalar terms = kHoldsProducts ? square_root(island.whitened_change) + sums * island.terms : island.terms;
+    return reach * square_root(whitening_.condition()) *
+           (size() * whitening_.backward_error() * square_root(island.squared_change) +
+            sums * square_root(size()) * terms);
   }
 
   /// change_ := N z of impulses that are doubles, each sum with its rounding made up for. [Ogita, Rump, Oishi 2005,
@@ -318,11 +318,11 @@ class VelocityTest {
     // Of r itself, in which N z and G x cancel.
     const double terms = static_cast<double>(whitening_.ngc() + pressed_);
     const Scalar bits = static_cast<Scalar>(kLongUnitRoundoff * (kRoundings + terms));
-    const Scalar of_impulse = L::square_root(size()) * island.terms;
-    const Scalar of_change = size() * L::square_root(island.squared_change);
+    const Scalar of_impulse = square_root(size()) * island.terms;
+    const Scalar of_change = size() * square_root(island.squared_change);
     const Scalar own = is_compensated_ ? bits * (2 * of_change + bits * of_impulse) : bits * (of_change + of_impulse);
-    const Scalar residual = L::square_root(island.squared_residual) + L::square_root(whitening_.condition()) * own;
-    return static_cast<Scalar>(kRoom) * L::square_root(whitening_.squared_norm(j)) * residual +
+    const Scalar residual = square_root(island.squared_residual) + square_root(whitening_.condition()) * own;
+    return static_cast<Scalar>(kRoom) * square_root(whitening_.squared_norm(j)) * residual +
            roundings(static_cast<double>(whitening_.ngc())) * terms_[j];
   }
 

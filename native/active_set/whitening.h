@@ -1,9 +1,9 @@
 #pragma once
 
+#include "native/active_set/active_set_engine.h"
 #include "native/active_set/arithmetic.h"
 #include "native/active_set/inverse_trace.h"
 #include "native/active_set/semidefinite_root.h"
-#include "native/active_set/active_set_engine.h"
 
 namespace lcpbench::active_set::LCPBENCH_LEVEL {
 
@@ -86,7 +86,7 @@ class Whitening {
   const double* inertia_column(Count j) const { return given_inertia_ + j * ngc_; }
   /// C'C differs from G by no more than this times the roots of G_ii G_jj in each entry. @pre triangular()
   Scalar backward_error() const {
-    return static_cast<Scalar>(static_cast<double>(ngc_ + 1)) * static_cast<Scalar>(L::kUnitRoundoff);
+    return static_cast<Scalar>(static_cast<double>(ngc_ + 1)) * static_cast<Scalar>(kUnitRoundoff<Scalar>);
   }
   /// At least the inverse of the least eigenvalue of C'C scaled to unit diagonal, with room for what rounding adds
   /// where G itself keeps nine tenths of that eigenvalue. @pre triangular()
@@ -165,9 +165,9 @@ class Whitening {
 
  private:
   static constexpr bool kLastPrecision = sizeof(Scalar) > sizeof(double);
-  static constexpr Scalar kEpsilon = 2 * L::kUnitRoundoff;
+  static constexpr Scalar kEpsilon = static_cast<Scalar>(2 * kUnitRoundoff<Scalar>);
   static constexpr double kConditionRoom = 1.2;
-#if defined(LCPBENCH_WITH_QUAD)
+#if defined(LCPBENCH_QUAD)
   static constexpr double kLeastPivot = 0;
 #else
   static constexpr double kLeastPivot = sizeof(Scalar) < sizeof(double) ? 0x1p-100 : 0x1p-900;
@@ -324,8 +324,8 @@ class Whitening {
       pivots_[i] = 1;
     }
     // Loops of their own, which compilers turn into roots of whole registers.
-    for (Count i = 0; i < velocity_lanes_; ++i) root_diagonal_[i] = L::square_root(root_diagonal_[i]);
-    for (Count i = 0; i < velocity_lanes_; ++i) inverse_diagonal_[i] = 1 / L::square_root(pivots_[i]);
+    for (Count i = 0; i < velocity_lanes_; ++i) root_diagonal_[i] = square_root(root_diagonal_[i]);
+    for (Count i = 0; i < velocity_lanes_; ++i) inverse_diagonal_[i] = 1 / square_root(pivots_[i]);
     auto growth = L::broadcast(1);
     for (Count i = 0; i < velocity_lanes_; i += L::kWidth) {
       const auto root = L::load(root_diagonal_.data() + i);

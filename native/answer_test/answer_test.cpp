@@ -2,7 +2,6 @@
 
 #include <variant>
 
-#include "core/answer_storage.h"
 #include "core/quad.h"
 #include "core/timed_solve.h"
 
@@ -20,9 +19,6 @@ AnswerTest::AnswerTest() : judge_(contact_lemke_engine(isa_level())), quad_judge
 
 void AnswerTest::load(const Problem& problem, Bodies bodies) {
   completed_.resize(problem.size());
-  const Index farkas_size = problem.contact() == nullptr ? problem.size() : problem.contact()->nc();
-  if (farkas_size != farkas_size_) farkas_.resize(farkas_size);  // else it was taken, or given away
-  farkas_size_ = farkas_size;
   bare_ = problem.contact() == nullptr;
   by_bodies_ =
       bodies == Bodies::kOneByOne && !bare_ && std::holds_alternative<BlockInertia>(problem.contact()->inertia);
@@ -52,7 +48,7 @@ void AnswerTest::set_velocity(const Vector& v) {
 bool AnswerTest::settle(Answer& answer, double deadline_s) {
   if (answer.claim != Claim::kSolved) return false;
   const Outcome outcome = solves(answer.z) ? confirm(deadline_s) : Outcome::kResidual;
-  switch (outcome) {  // details are short enough for std::string to hold in place
+  switch (outcome) {
     case Outcome::kSolved: answer.z = completed_; return true;
     case Outcome::kUnsolvable: report_proof(answer); return false;
     case Outcome::kResidual: answer.detail = "residual"; break;
@@ -82,15 +78,12 @@ void AnswerTest::report_proof(Answer& answer) {
   answer.claim = Claim::kUnsolvable;
   answer.detail = bare_ ? "proven" : "ray to rounding";
   if (bare_ && bare_test_.proof().size() == 0) return;  // by exact enumeration of all supports
-  Vector& farkas = cleared_vectors().farkas;
-  if (farkas.size() != farkas_size_ && farkas_.size() == farkas_size_) farkas.swap(farkas_);
   if (bare_) {
-    farkas = bare_test_.proof();
+    answer.farkas = bare_test_.proof();
   } else {
-    farkas.resize(contacts_.input.nc);
-    solvability_.write_proof(farkas);
+    answer.farkas.resize(contacts_.input.nc);
+    solvability_.write_proof(answer.farkas);
   }
-  answer.farkas.swap(farkas);
 }
 
 bool AnswerTest::solves(const Vector& z) {

@@ -38,8 +38,7 @@ class AnswerTest {
   /// support was tried, contacts to rounding, with `farkas`. Of contact problems the velocity residual with its
   /// estimated rounding has to be within kClaimedResidual of max|q| in double, or within what the verdict allows in 113
   /// bits; of bare LCPs the backward error within kClaimedBackwardError. Positive entries count as in the basis: w has
-  /// to vanish there. O(ngc n); in 113 bits, where double is in doubt, O(ngc^3). Allocates nothing but the Farkas
-  /// vector's memory, once.
+  /// to vanish there. O(ngc n); in 113 bits, where double is in doubt, O(ngc^3). Allocates nothing.
   ///
   /// With singular inertia contacts may miss having a solution by so little that the residual does not tell. Whether
   /// they have one is decided apart (ContactSolvability). Where that leaves it open, with friction, the answer is
@@ -79,12 +78,10 @@ class AnswerTest {
   bool quad_is_loaded_ = false;
   bool may_be_singular_ = false;  // the inertia of contacts
   ContactSolvability solvability_;
-  double residual_ = 0;     // of completed_, contacts
-  Vector velocity_;         // v, where the inertia may be singular
-  Vector path_end_;         // n, where the inertia may be singular
-  Vector completed_;        // n
-  Vector farkas_;           // memory for the proof of the first answer that comes with less
-  Index farkas_size_ = -1;  // for which it was taken
+  double residual_ = 0;  // of completed_, contacts
+  Vector velocity_;      // v, where the inertia may be singular
+  Vector path_end_;      // n, where the inertia may be singular
+  Vector completed_;     // n
 };
 
 /// Contact problems: no friction impulses where the normal one is zero. @param z of lcp_size entries

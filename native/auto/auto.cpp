@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/answer_storage.h"
 #include "core/registry.h"
 #include "core/timed_solve.h"
 #include "native/auto/dense_methods.h"
@@ -60,8 +59,7 @@ class Auto final : public Solver {
   void give_up(Claim claim, const IslandSolver& island, Answer& answer);
   bool whole_rests() const;
   void bound_slips(const ContactLayout& layout, const Vector& u, Vector& z) const;
-  void write_velocity(Answer& answer);
-  std::string& text_of(Answer& answer);
+  void write_velocity(Answer& answer) const;
 
   AutoSettings settings_;
   LcpLadder lcp_;
@@ -76,12 +74,9 @@ class Auto final : public Solver {
   Index idle_ = 0;             // contacts without any nonzero entry: in no island
   std::vector<char> carries_;  // per contact: its lambda is in its island's answer
   Vector u_, v_;
-  Vector velocity_;  // storage for that of the answer
-  std::string text_;
 };
 
 void Auto::on_load(const Problem& problem) {
-  text_.reserve(AutoReport::kLongestText);
   whole_.reset();
   island_count_ = 0;
   const ContactProblem* contact = problem.contact();
@@ -146,7 +141,7 @@ void Auto::on_solve(const SolveRequest& request, Answer& answer) {
   if (problem().contact() == nullptr) {
     const char* text = "";
     lcp_.solve(request, answer, text);
-    text_of(answer).assign(text);
+    answer.detail = text;
   } else if (!(request.time_limit_s > 0)) {
     answer.claim = Claim::kTimeLimit;
   } else if (whole_) {
@@ -154,12 +149,6 @@ void Auto::on_solve(const SolveRequest& request, Answer& answer) {
   } else {
     solve_islands(request, answer);
   }
-}
-
-/// answer.detail, with room for the longest text.
-std::string& Auto::text_of(Answer& answer) {
-  if (answer.detail.capacity() < AutoReport::kLongestText) answer.detail.swap(text_);
-  return answer.detail;
 }
 
 void Auto::solve_whole(const SolveRequest& request, Answer& answer) {
@@ -181,10 +170,10 @@ void Auto::solve_whole(const SolveRequest& request, Answer& answer) {
     answer.claim = Claim::kSolved;
     answer.z.setZero();
     bound_slips(layout_, v_, answer.z);
-    text_of(answer).assign("at rest to rounding");
+    answer.detail = "at rest to rounding";
     return;
   }
-  if (answer.claim == Claim::kSolved) report.write_text(text_of(answer));  // else its own words say why
+  if (answer.claim == Claim::kSolved) report.write_text(answer.detail);  // else its own words say why
 }
 
 /// Whether z = 0 solves the whole problem, where no method does.
@@ -194,10 +183,9 @@ bool Auto::whole_rests() const {
   return test.passes();
 }
 
-/// Of a solve; the next one finds the memory of both.
 void Auto::drop_words_and_velocity(Answer& answer) {
   answer.detail.clear();
-  if (answer.velocity.size() > 0) answer.velocity.swap(cleared_vectors().velocity);
+  answer.velocity.resize(0);
 }
 
 AutoLimits Auto::limits_of(const SolveRequest& request) const {
@@ -214,7 +202,6 @@ void Auto::solve_islands(const SolveRequest& request, Answer& answer) {
   report.contacts = problem().contact()->nc();
   report.left_out = idle_;
   u_ = v_;
-  velocity_.swap(cleared_vectors().velocity);  // the islands' solvers put theirs there
   for (std::size_t k = 0; k < island_count_; ++k) {
     const Claim claim = island(k).solve(start, limits, answer.z, u_, report);
     answer.counters = report.counters();
@@ -224,24 +211,23 @@ void Auto::solve_islands(const SolveRequest& request, Answer& answer) {
   answer.claim = Claim::kSolved;
   bound_slips(cutter_->layout(), u_, answer.z);
   write_velocity(answer);
-  report.write_text(text_of(answer));
+  report.write_text(answer.detail);
 }
 
 void Auto::give_up(Claim claim, const IslandSolver& island, Answer& answer) {
   answer.claim = claim;
   answer.z.setZero();
-  std::string& text = text_of(answer);
-  text.assign("island of ");
+  std::string& text = answer.detail;
+  text = "island of ";
   text += std::to_string(island.contacts().size());
   text += " contacts: ";
   text += claim == Claim::kTimeLimit || claim == Claim::kIterationLimit ? to_string(claim) : island.answer().detail;
   if (island.answer().claim == Claim::kUnsupported) answer.z.resize(0);
   const Vector& proof = island.answer().farkas;
   if (claim != Claim::kUnsolvable || proof.size() == 0) return;
-  Vector& farkas = cleared_vectors().farkas;
-  farkas.setZero(problem().contact()->nc());
-  for (Index k = 0; k < proof.size(); ++k) farkas(island.contacts()[static_cast<std::size_t>(k)]) = proof(k);
-  answer.farkas.swap(farkas);
+  answer.farkas.resize(problem().contact()->nc());
+  answer.farkas.setZero();
+  for (Index k = 0; k < proof.size(); ++k) answer.farkas(island.contacts()[static_cast<std::size_t>(k)]) = proof(k);
 }
 
 /// lambda of the contacts that no answer includes: the slip under no friction.
@@ -260,12 +246,11 @@ void Auto::bound_slips(const ContactLayout& layout, const Vector& u, Vector& z) 
   }
 }
 
-void Auto::write_velocity(Answer& answer) {
+void Auto::write_velocity(Answer& answer) const {
   for (std::size_t k = 0; k < island_count_; ++k) {
     if (!islands_[k]->gave_velocity()) return;
   }
-  velocity_ = u_;
-  answer.velocity.swap(velocity_);
+  answer.velocity = u_;
 }
 
 }  // namespace

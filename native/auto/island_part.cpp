@@ -5,7 +5,6 @@
 #include <optional>
 #include <variant>
 
-#include "core/answer_storage.h"
 #include "core/registry.h"
 
 namespace lcpbench {
@@ -74,8 +73,7 @@ void IslandPart::cut(ProblemCutter& whole, const Island& part, const Vector& v) 
   v_ = problem_.contact()->v;
   u_.resize(v_.size());
   start_.resize(problem_.size());
-  answer_.z.resize(problem_.size());
-  answer_.velocity.resize(v_.size());
+  answer_.reserve(problem_);
   method_ = choose_method(by_bodies);
   is_loaded_ = false;
 }
@@ -165,9 +163,6 @@ Claim IslandPart::solve(const Vector* start, const AutoLimits& limits, AutoRepor
   }
   by_dense_ = next.has_value();
   if (by_dense_) dense_.solve(*next, problem_, v_, request.start, limits, answer_, report);
-  gave_velocity_ = answer_.velocity.size() > 0;
-  // Solver::solve took the memory of the velocity: for the next solve, which may give one.
-  if (!gave_velocity_) answer_.velocity.swap(cleared_vectors().velocity);
   return answer_.claim;
 }
 
@@ -176,7 +171,7 @@ void IslandPart::write_impulses(Vector& z) const {
 }
 
 void IslandPart::write_velocity(Vector& u) {
-  if (gave_velocity_) return write(answer_.velocity, u);
+  if (gave_velocity()) return write(answer_.velocity, u);
   ContactLemke& lemke = by_dense_ ? dense_.contact_lemke() : *contact_lemke_;  // the others give one
   lemke.respond(answer_.z, u_);
   write(u_, u);

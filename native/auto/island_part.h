@@ -47,7 +47,7 @@ class IslandPart {
   // After a solve that ended in kSolved:
 
   /// Whether the solver gave a velocity of its own.
-  bool gave_velocity() const { return gave_velocity_; }
+  bool gave_velocity() const { return answer_.velocity.size() > 0; }
   /// The impulses in z of the whole.
   void write_impulses(Vector& z) const;
   /// The velocity in u of the whole. O(ngc^2) where the solver gave none.
@@ -72,7 +72,6 @@ class IslandPart {
   AutoMethod method_ = AutoMethod::kActiveSet;
   bool is_loaded_ = false;  ///< the method's solver holds the problem
   bool by_dense_ = false;   ///< the last answer is from dense_
-  bool gave_velocity_ = false;
   Vector v_, u_, start_;
   Answer answer_;
 

@@ -17,7 +17,7 @@ namespace {
 /// answer allows, above the rounding of the velocity.
 constexpr double kApproaching = 1e-9;
 
-/// Contacts are left out where they are at least one in so many: the whole island has to be cut out as well.
+/// Leave contacts out only if they are at least 1/8 of the island: the whole island has to be cut out as well.
 constexpr std::size_t kLeastShare = 8;
 
 double dot_column(const Jacobian& J, Index column, const Vector& v) {

@@ -4,14 +4,10 @@
 #include <array>
 #include <cmath>
 
-#include "core/answer_storage.h"
 #include "core/timed_solve.h"
 
 namespace lcpbench {
 namespace {
-
-/// The longest `detail` of the methods here, so that none allocates.
-constexpr std::size_t kLongestDetail = 80;
 
 /// Tolerances near rounding.
 constexpr double kTightPivot = 1e-13;
@@ -40,13 +36,6 @@ constexpr std::array<const char*, 7> kNames{"lemke",
                                             "lemke",
                                             "all supports"};
 
-/// What Solver::solve does before a solver runs.
-void clear_vectors(Answer& answer) {
-  if (answer.farkas.size() > 0) cleared_vectors().farkas.swap(answer.farkas);
-  answer.farkas.resize(0);
-  answer.detail.clear();
-}
-
 LemkeSettings tested() {
   LemkeSettings settings;
   settings.test = LemkeAnswerTest::kResidual;
@@ -62,9 +51,7 @@ void LcpLadder::load(const Problem& problem) {
   lemke_.load(problem_);
   if (!takes()) return;
   covering_.load(problem_.lcp());
-  attempt_.z.resize(problem_.size());
-  attempt_.farkas.resize(problem_.size());
-  attempt_.detail.reserve(kLongestDetail);
+  attempt_.reserve(problem_);
   if (has(Rung::kExact)) exact_.reserve(problem_.size());
 }
 
@@ -155,12 +142,12 @@ void LcpLadder::run_covering(Rung rung) {
   if (max_pivots_ > 0) limits.pivots = std::min(limits.pivots, max_pivots_ - pivots_);
   if (rung != Rung::kCovering) limits.pivots = std::min(limits.pivots, quad_pivots());
   const Cover cover = rung == Rung::kCoveringQuadNegative ? Cover::kNegative : Cover::kAll;
-  clear_vectors(attempt_);
+  attempt_.clear();
+  attempt_.z.resize(n);
   const CoveringLemke::End end = rung == Rung::kCovering ? covering_.run<double>(cover, limits, attempt_.z)
                                                          : covering_.run<Quad>(cover, limits, attempt_.z);
   if (rung == Rung::kCovering) covering_pivots_ = covering_.pivots();
   attempt_.counters = {.iterations = covering_.pivots(), .pivots = covering_.pivots(), .factorizations = 0};
-  attempt_.claim = Claim::kNumericalFailure;
   if (end == CoveringLemke::End::kSolved) {
     attempt_.claim = Claim::kSolved;
     lemke_.answer_test().settle(attempt_, deadline_s_);
@@ -172,13 +159,12 @@ void LcpLadder::run_covering(Rung rung) {
 void LcpLadder::run_exact() {
   using End = enumeration::ExactSearch::End;
   exact_.load(problem_.lcp());
-  clear_vectors(attempt_);
-  attempt_.counters = {};
-  attempt_.claim = Claim::kNumericalFailure;
+  attempt_.clear();
   const End end = exact_.run(deadline_s_, kMostSystems);
   if (end == End::kNone) attempt_.claim = Claim::kUnsolvable;
   if (end == End::kTimeLimit) attempt_.claim = Claim::kTimeLimit;
   if (end != End::kFound) return;
+  attempt_.z.resize(problem_.size());
   attempt_.z.setZero();
   for (std::size_t k = 0; k < exact_.support().size(); ++k) attempt_.z(exact_.support()[k]) = exact_.nearest(k);
   attempt_.claim = Claim::kSolved;
@@ -189,7 +175,7 @@ void LcpLadder::run_exact() {
 bool LcpLadder::is_final(Rung rung, Answer& answer, const char*& text) {
   if (attempt_.claim == Claim::kSolved) {
     answer.claim = Claim::kSolved;
-    answer.z.swap(attempt_.z);
+    answer.z = attempt_.z;
     text = kNames[static_cast<std::size_t>(rung)];
     return true;
   }
@@ -197,7 +183,7 @@ bool LcpLadder::is_final(Rung rung, Answer& answer, const char*& text) {
     answer.claim = Claim::kUnsolvable;
     text = "proven: every support of z is ruled out";
     if (attempt_.farkas.size() == 0) return true;
-    answer.farkas.swap(attempt_.farkas);
+    answer.farkas = attempt_.farkas;
     text = "proven by u >= 0 with M'u <= 0, q'u < 0";
     return true;
   }

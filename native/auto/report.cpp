@@ -32,7 +32,7 @@ class Line {
   std::string_view text() const { return {buffer_.data(), size_}; }
 
  private:
-  std::array<char, AutoReport::kLongestText> buffer_{};
+  std::array<char, Answer::kLongestDetail> buffer_{};
   std::size_t size_ = 0;
 };
 

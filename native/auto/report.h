@@ -10,9 +10,6 @@ namespace lcpbench {
 /// What was done for one answer, over all islands. Its text is written without allocating where the string has room.
 class AutoReport {
  public:
-  /// Room that text() never exceeds.
-  static constexpr std::size_t kLongestText = 240;
-
   Index islands = 0;
   Index at_rest = 0;  ///< islands of which no contact approaches: not solved
   Index contacts = 0;

@@ -1,56 +1,15 @@
 #pragma once
 
-#include "native/lemke/pack.h"
-
-#if defined(LCPBENCH_CONTACT_QUAD)
-#include "core/quad.h"
-#elif defined(LCPBENCH_CONTACT_DOUBLE_DOUBLE)
-#include "native/contact_lemke/double_double.h"
-#endif
+#include "native/lemke/scalars.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
-
-/// One number at a time: no processor has packs of more than 53 bits.
-template <class Scalar>
-struct Single {
-  using Pack = Scalar;
-  static constexpr Count kWidth = 1;
-
-  static Pack load(const Scalar* from) { return *from; }
-  static void store(Scalar* to, Pack pack) { *to = pack; }
-  static Pack broadcast(Scalar value) { return value; }
-  static Pack min(Pack a, Pack b) { return a < b ? a : b; }
-  static Pack max(Pack a, Pack b) { return a > b ? a : b; }
-  static Scalar min(Pack pack) { return pack; }
-  static Scalar max(Pack pack) { return pack; }
-  static Scalar sum(Pack pack) { return pack; }
-  static Count padded(Count size) { return size; }
-};
-
-#if defined(LCPBENCH_CONTACT_QUAD)
-template <>
-struct Packed<Quad> : Single<Quad> {};
-inline Quad square_root(Quad x) { return sqrt(x); }
-template <class Scalar>
-constexpr double kUnitRoundoff = kQuadUnitRoundoff;
-#elif defined(LCPBENCH_CONTACT_DOUBLE_DOUBLE)
-template <>
-struct Packed<DoubleDouble> : Single<DoubleDouble> {};
-template <class Scalar>
-constexpr double kUnitRoundoff = 0x1p-104;  // of the sums and products of double_double.h
-#else
-template <class Scalar>
-constexpr double kUnitRoundoff = sizeof(Scalar) == sizeof(float) ? 0x1p-24 : 0x1p-53;
-inline double square_root(double x) { return __builtin_sqrt(x); }
-inline float square_root(float x) { return __builtin_sqrtf(x); }
-#endif
 
 /// Sums of products above this have lost nothing that counts to underflow.
 template <class Scalar>
 constexpr double kSmallestSafe =
-#if defined(LCPBENCH_CONTACT_QUAD)
+#if defined(LCPBENCH_QUAD)
     0;
-#elif defined(LCPBENCH_CONTACT_DOUBLE_DOUBLE)
+#elif defined(LCPBENCH_DOUBLE_DOUBLE)
     1e-250;
 #else
     sizeof(Scalar) == sizeof(float) ? 1e-25 : 1e-280;
@@ -153,12 +112,6 @@ template <class Scalar>
 inline void scale(Scalar* y, Scalar a, Count length) {
   using P = Packed<Scalar>;
   for (Count i = 0; i < length; i += P::kWidth) P::store(y + i, P::load(y + i) * a);
-}
-
-template <class Scalar>
-inline void copy(Scalar* to, const Scalar* from, Count length) {
-  using P = Packed<Scalar>;
-  for (Count i = 0; i < length; i += P::kWidth) P::store(to + i, P::load(from + i));
 }
 
 /// Sum over whole packs: what fills the last one must be zero in x or in y.

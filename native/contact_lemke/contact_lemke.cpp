@@ -8,7 +8,6 @@
 #include <stdexcept>
 #include <vector>
 
-#include "core/answer_storage.h"
 #include "core/quad.h"
 #include "core/registry.h"
 #include "core/timed_solve.h"
@@ -333,21 +332,15 @@ void ContactLemke::report(const Progress& progress, Answer& answer) {
   if (progress.best <= kClaimedResidual) {
     answer.claim = Claim::kSolved;
     answer.z = best_.view();
-    if (best_has_velocity_) {
-      Vector& velocity = cleared_vectors().velocity;
-      velocity = best_velocity_.view();
-      answer.velocity.swap(velocity);
-    }
+    if (best_has_velocity_) answer.velocity = best_velocity_.view();
     answer.detail = progress.rung;
     return;
   }
   answer.z.setZero();
   if (progress.finding == Finding::kUnsolvable) {
     answer.claim = Claim::kUnsolvable;
-    Vector& farkas = cleared_vectors().farkas;
-    farkas.resize(data_.input.nc);
-    solvability_.write_proof(farkas);
-    answer.farkas.swap(farkas);
+    answer.farkas.resize(data_.input.nc);
+    solvability_.write_proof(answer.farkas);
     answer.detail = "ray to rounding";
   } else if (progress.ending == Ending::kTimeLimit) {
     answer.claim = Claim::kTimeLimit;

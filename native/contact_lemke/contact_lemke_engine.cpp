@@ -1,5 +1,5 @@
 // Lemke's method on contacts. Compiled once per instruction-set level into the namespace LCPBENCH_LEVEL, once in
-// 113-bit arithmetic (LCPBENCH_CONTACT_QUAD), and in sums of two doubles (LCPBENCH_CONTACT_DOUBLE_DOUBLE) with and
+// 113-bit arithmetic (LCPBENCH_QUAD), and in sums of two doubles (LCPBENCH_DOUBLE_DOUBLE) with and
 // without the processor's fused multiply-add; see contact_lemke/engine.h for what may cross the border.
 #include <new>
 
@@ -61,9 +61,9 @@ constexpr contact_lemke::Engine contact_engine() {
 
 }  // namespace
 
-#if defined(LCPBENCH_CONTACT_QUAD)
+#if defined(LCPBENCH_QUAD)
 const contact_lemke::Engine kContactEngine = contact_engine<Quad>();
-#elif defined(LCPBENCH_CONTACT_DOUBLE_DOUBLE)
+#elif defined(LCPBENCH_DOUBLE_DOUBLE)
 const contact_lemke::Engine kContactEngine = contact_engine<DoubleDouble>();
 #else
 const contact_lemke::Engine kContactEngine = contact_engine<double>();

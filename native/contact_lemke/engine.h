@@ -1,6 +1,6 @@
 #pragma once
 
-#include <cstddef>
+#include "native/lemke/lemke_engine.h"
 
 // The border between the solver `contact_lemke` and its engine, which is compiled once per instruction-set level and
 // once in 113-bit arithmetic. Only plain structs and pointers cross it, for the reason given in native/lemke/lemke_engine.h.
@@ -53,7 +53,7 @@ struct Rules {
   double (*clock_s)() = nullptr;  ///< monotonic; read every 16 pivots
 };
 
-enum class Ending { kSolved, kRay, kPivotLimit, kTimeLimit, kBreakdown };
+using lemke::Ending;
 
 struct Outcome {
   Ending ending = Ending::kBreakdown;

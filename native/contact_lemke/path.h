@@ -1,8 +1,11 @@
 #pragma once
 
 #include "native/contact_lemke/contacts.h"
+#include "native/contact_lemke/covering_vector.h"
+#include "native/contact_lemke/friction_state.h"
 #include "native/contact_lemke/kernel.h"
 #include "native/contact_lemke/polish.h"
+#include "native/contact_lemke/ratio_test.h"
 #include "native/contact_lemke/response.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
@@ -26,22 +29,17 @@ class Path {
     response_.reserve(input);
     kernel_.reserve(contacts_.ngc(), most_rows());
     polish_.reserve(contacts_.ngc());
-    slot_at_.resize(contacts_.nc());
-    place_slots();
-    Buffer<Scalar>* const by_slot[] = {&value_, &rate_, &allowed_};
-    for (Buffer<Scalar>* buffer : by_slot) buffer->resize(slots_);
+    friction_.reserve(contacts_.nc());
+    ratio_test_.reserve();
     Buffer<Scalar>* const by_coordinate[] = {&u_,    &du_, &entering_response_, &column_, &row_, &basis_velocity_,
                                              &drift_};
     for (Buffer<Scalar>* buffer : by_coordinate) buffer->resize(contacts_.padded_ngc());
     Buffer<Scalar>* const by_row[] = {&x_, &dx_, &residual_, &coefficients_};
     for (Buffer<Scalar>* buffer : by_row) buffer->resize(kernel_.stride());
-    Buffer<Scalar>* const by_contact[] = {&base_value_, &base_rate_, &impulse_norm_, &cone_cover_};
+    Buffer<Scalar>* const by_contact[] = {&base_value_, &base_rate_, &impulse_norm_};
     for (Buffer<Scalar>* buffer : by_contact) buffer->resize(contacts_.nc());
-    covers_.resize(contacts_.padded_nc());
+    covering_.reserve();
     slip_.resize(2 * contacts_.most_padded_half());
-    alive_.resize(contacts_.nc());
-    Buffer<Count>* const counts[] = {&base_, &living_, &support_};
-    for (Buffer<Count>* buffer : counts) buffer->resize(contacts_.nc());
   }
 
   void load(const contact_lemke::Input& input) {
@@ -49,10 +47,10 @@ class Path {
     contacts_.load(input);
     response_.load(input);
     kernel_.load(contacts_.ngc(), most_rows());
-    fill_with_zeros(slots_, value_, rate_, allowed_);
+    ratio_test_.load();
     fill_with_zeros(contacts_.padded_ngc(), u_, du_, entering_response_, column_, row_);
     fill_with_zeros(kernel_.stride(), x_, dx_, residual_, coefficients_);
-    alive_.fill(contacts_.nc(), false);
+    friction_.clear(contacts_.nc());
     has_basis_ = false;
     polish_.load(contacts_.ngc());
     slip_.fill(2 * contacts_.most_padded_half(), Scalar(0));
@@ -85,20 +83,12 @@ class Path {
   using P = Packed<Scalar>;
   using Pack = typename P::Pack;
   using Ending = contact_lemke::Ending;
+  using Kind = Leaving::Kind;
 
   struct Entering {
     bool is_velocity = false;  ///< a velocity of the kernel's rows, else an impulse
     Label label;
   };
-
-  enum class Kind { kNone, kColumn, kBase, kVelocity, kBroken };
-  struct Leaving {
-    Kind kind = Kind::kNone;
-    Count column = -1;  ///< kColumn
-    Label label;        ///< kBase: the contact; kVelocity: whose
-  };
-
-  // --- candidates of the ratio test, all in m/s: velocities as they are, impulses times |c| |N| ---
 
   /// Of the kernel, with room for one more.
   Count most_rows() const {
@@ -106,27 +96,6 @@ class Path {
     for (Count c = 0; c < contacts_.nc(); ++c) rows += 1 + (contacts_.has_friction(c) ? contacts_.edges(c) : 0);
     return (rows < contacts_.ngc() ? rows : contacts_.ngc()) + 2;
   }
-
-  /// normals | kernel columns | per contact: first half of the directions, second half, {zero direction, base}
-  void place_slots() {
-    column_slots_ = contacts_.padded_nc();
-    slots_ = column_slots_ + kernel_.stride();
-    for (Count c = 0; c < contacts_.nc(); ++c) {
-      slot_at_[c] = slots_;
-      if (contacts_.has_friction(c)) slots_ += slots_of(c);
-    }
-  }
-  Count slots_of(Count contact) const { return 2 * contacts_.padded_half(contact) + P::padded(2); }
-
-  Count slot(Label label) const {
-    if (label.is_normal()) return label.contact;
-    const Count half = contacts_.half(label.contact);
-    const Count width = contacts_.padded_half(label.contact);
-    const Count at = slot_at_[label.contact];
-    if (label.direction == 2 * half) return at + 2 * width;
-    return label.direction < half ? at + label.direction : at + width + label.direction - half;
-  }
-  Count base_slot(Count contact) const { return slot_at_[contact] + 2 * contacts_.padded_half(contact) + 1; }
 
   // --- the path ---
 
@@ -147,7 +116,8 @@ class Path {
       if (!(z0 > static_cast<Scalar>(rules_.tie_tolerance) * value_scale_)) return finish(z);
       if (outcome_.pivots >= rules_.max_pivots) return Ending::kPivotLimit;
       if (outcome_.pivots % 16 == 15 && expired()) return Ending::kTimeLimit;
-      if (!entering.is_velocity && entering.label.is_normal() && !rules_.classic) press(entering.label.contact);
+      if (!entering.is_velocity && entering.label.is_normal() && !rules_.classic)
+        activate_friction(entering.label.contact);
       compute_rates(entering);
       compute_candidates(entering);
       const Leaving leaving = choose_leaving();
@@ -182,47 +152,17 @@ class Path {
   void begin() {
     kernel_.clear();
     resumed_ = false;
-    living_count_ = 0;
-    for (Count c = 0; c < contacts_.nc(); ++c) alive_[c] = false;
-    for (Count c = 0; c < contacts_.padded_nc(); ++c) {
-      allowed_[c] = c < contacts_.nc() ? Scalar(1) : Scalar(0);
-      covers_[c] = c < contacts_.nc() ? cover_of_normal(c) : Scalar(0);
-    }
+    friction_.clear(contacts_.nc());
+    ratio_test_.allow_normals();
+    covering_.choose(rules_.classic, rules_.variant);
     speed_scale_ = contacts_.reach() * contacts_.speed();
     copy(u_.data(), contacts_.velocity(), contacts_.padded_ngc());
     artificial_ = -1;
     if (rules_.classic) {
       for (Count c = 0; c < contacts_.nc(); ++c) {
-        if (contacts_.has_friction(c)) bring_alive(c, contacts_.edges(c));
+        if (contacts_.has_friction(c)) activate_friction(c, contacts_.edges(c));
       }
     }
-  }
-
-  /// Between 1 and 2 and different for different k: what lies in general position has no ties.
-  static Scalar spread(Count k) {
-    const double golden = 0.6180339887498949;
-    const double turns = golden * static_cast<double>(k + 1);
-    return static_cast<Scalar>(1 + (turns - static_cast<double>(static_cast<Count>(turns))));
-  }
-
-  Scalar cover_of_normal(Count contact) const {
-    if (rules_.classic) return spread(contact);
-    return rules_.variant > 0 ? spread(contact + (rules_.variant - 1) * contacts_.nc()) : Scalar(1);
-  }
-  Scalar cover_of_directions(Count contact) const {
-    return rules_.classic ? spread(contact + contacts_.nc()) : Scalar(0);
-  }
-  /// Of the cone row, an impulse: what brings as much velocity as the others.
-  Scalar cover_of_cone(Count contact) const { return rules_.classic ? cone_cover_[contact] : Scalar(0); }
-
-  /// Cover of the velocity (d_s - d_base)'u, where the zero direction stands for lambda, which is not covered.
-  Scalar cover_of(Label label) const {
-    if (label.is_normal()) return covers_[label.contact];
-    const Count zero = contacts_.edges(label.contact);
-    const Scalar directions = cover_of_directions(label.contact);
-    const Scalar own = label.direction == zero ? Scalar(0) : directions;
-    const Scalar base = base_[label.contact] == zero ? Scalar(0) : directions;
-    return own - base;
   }
 
   /// z0 enters for the velocity that needs it most. False when z = 0 solves the problem.
@@ -231,9 +171,9 @@ class Path {
     compute_normal_velocities<1>();
     Label worst;
     Scalar most = 0;
-    for (Count c = 0; c < contacts_.nc(); ++c) offer(Label{c, kNormal}, value_[c], most, worst);
-    for (Count k = 0; k < living_count_; ++k) {
-      const Count c = living_[k];
+    for (Count c = 0; c < contacts_.nc(); ++c) offer(Label{c, kNormal}, ratio_test_.values()[c], most, worst);
+    for (Count k = 0; k < friction_.count(); ++k) {
+      const Count c = friction_.contact(k);
       contacts_.slip(c, u_.data(), slip_.data());
       const Count half = contacts_.half(c);
       for (Count t = 0; t < half; ++t) {
@@ -248,7 +188,7 @@ class Path {
   }
 
   void offer(Label label, Scalar velocity, Scalar& most, Label& worst) const {
-    const Scalar need = -velocity / cover_of(label);
+    const Scalar need = -velocity / covering_.of(label);
     if (need > most) {
       most = need;
       worst = label;
@@ -258,12 +198,12 @@ class Path {
   void start_kernel(Label row) {
     load_row(row);
     for (Count i = 0; i < contacts_.padded_ngc(); ++i) column_[i] = 0;
-    kernel_.put_row(0, row, row_.data(), cover_of(row),
+    kernel_.put_row(0, row, row_.data(), covering_.of(row),
                     -dot(row_.data(), contacts_.velocity(), contacts_.padded_ngc()));
     kernel_.put_column(0, Label{}, column_.data(), Scalar(1));
-    kernel_.start(Scalar(1) / cover_of(row));
+    kernel_.start(Scalar(1) / covering_.of(row));
     artificial_ = 0;
-    allowed_[slot(row)] = 0;
+    ratio_test_.forbid(row);
   }
 
   // --- vectors of a label ---
@@ -280,14 +220,15 @@ class Path {
   void load_column(Label label) {
     if (!label.is_normal()) return load_difference(label, column_.data());
     contacts_.get_normal(label.contact, column_.data());
-    if (alive_[label.contact]) {
-      contacts_.add_direction(label.contact, base_[label.contact], contacts_.mu(label.contact), column_.data());
+    if (friction_.is_active(label.contact)) {
+      contacts_.add_direction(label.contact, friction_.base(label.contact), contacts_.mu(label.contact),
+                              column_.data());
     }
   }
   void load_difference(Label label, Scalar* to) {
     for (Count i = 0; i < contacts_.padded_ngc(); ++i) to[i] = 0;
     contacts_.add_direction(label.contact, label.direction, Scalar(1), to);
-    contacts_.add_direction(label.contact, base_[label.contact], Scalar(-1), to);
+    contacts_.add_direction(label.contact, friction_.base(label.contact), Scalar(-1), to);
   }
   Scalar norm_of(const Scalar* response) const {
     return contacts_.reach() * square_root(dot(response, response, contacts_.padded_ngc()));
@@ -296,8 +237,8 @@ class Path {
   // --- friction comes and goes ---
 
   /// A contact begins to press: its friction starts in the direction against its slip.
-  void press(Count contact) {
-    if (!contacts_.has_friction(contact) || alive_[contact]) return;
+  void activate_friction(Count contact) {
+    if (!contacts_.has_friction(contact) || friction_.is_active(contact)) return;
     contacts_.slip(contact, u_.data(), slip_.data());
     const Count half = contacts_.half(contact);
     Count base = 2 * half;
@@ -308,34 +249,18 @@ class Path {
         base = slip_[t] < 0 ? t : t + half;
       }
     }
-    bring_alive(contact, base);
+    activate_friction(contact, base);
   }
 
-  void bring_alive(Count contact, Count base) {
-    alive_[contact] = true;
-    living_[living_count_++] = contact;
-    base_[contact] = base;
-    support_[contact] = 0;
-    const Count width = contacts_.padded_half(contact);
-    const Count half = contacts_.half(contact);
-    Scalar* const allowed = allowed_.data() + slot_at_[contact];
-    for (Count t = 0; t < slots_of(contact); ++t) allowed[t] = 0;
-    for (Count t = 0; t < half; ++t) allowed[t] = allowed[width + t] = 1;
-    allowed[2 * width] = 1;
-    allowed_[slot(Label{contact, base})] = 0;
+  void activate_friction(Count contact, Count base) {
+    friction_.activate(contact, base);
+    ratio_test_.allow_friction(contact);
     if (rules_.classic) {
       contacts_.get_normal(contact, column_.data());
       response_.apply(column_.data(), row_.data());
       impulse_norm_[contact] = norm_of(row_.data());
-      cone_cover_[contact] = impulse_norm_[contact] > 0 ? Scalar(1) / impulse_norm_[contact] : Scalar(1);
+      covering_.cover_cone(contact, impulse_norm_[contact]);
     }
-  }
-
-  void let_die(Count contact) {
-    alive_[contact] = false;
-    Count k = 0;
-    while (living_[k] != contact) ++k;
-    living_[k] = living_[--living_count_];
   }
 
   // --- values and rates: path_values.h ---
@@ -372,22 +297,13 @@ class Path {
   static constexpr double kStickingFirst = 4;
   static bool enters_friction_of(const Entering& entering, Count contact);
 
-  // --- ratio test: path_ratio_test.h ---
-
-  template <class Visit>
-  void for_each_segment(Visit visit) const;
   /// Column of z0 where it is no basic variable and has come to its end.
   static constexpr Count kPastEnd = -2;
   Leaving choose_leaving() const;
-  Scalar least_ratio(Scalar least_rate, Scalar slack) const;
-  static Scalar lane_min(Pack pack);
-  Count fastest_of_tied(Scalar least_rate, Scalar theta) const;
-  Leaving decode(Count slot) const;
 
   // --- exchanges: path_exchanges.h ---
 
   bool exchange(Entering& entering, Leaving leaving);
-  void count_support(Label label, Count change);
   void drop_column(const Entering& entering, Count column);
   bool bring_row(Entering& entering, Label leaving);
   Count change_base(Count contact, const Entering& entering);
@@ -454,14 +370,10 @@ class Path {
   Scalar entering_norm_ = 0, rate_noise_ = 0;
   Scalar speed_scale_ = 0, value_scale_ = 0, rate_scale_ = 0;
 
-  Buffer<bool> alive_;
-  Buffer<Count> living_, base_, support_;  ///< support: basic friction impulses besides the base
-  Count living_count_ = 0;
-  Buffer<Scalar> base_value_, base_rate_, impulse_norm_, cone_cover_, covers_, slip_;
-
-  Count column_slots_ = 0, slots_ = 0;
-  Buffer<Count> slot_at_;
-  Buffer<Scalar> value_, rate_, allowed_;
+  FrictionState friction_;
+  CoveringVector<Scalar> covering_{contacts_, friction_};
+  Buffer<Scalar> base_value_, base_rate_, impulse_norm_, slip_;
+  RatioTest<Scalar> ratio_test_{contacts_, kernel_, friction_};
 };
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL
@@ -470,5 +382,4 @@ class Path {
 #include "native/contact_lemke/path_ends.h"
 #include "native/contact_lemke/path_exchanges.h"
 #include "native/contact_lemke/path_proof.h"
-#include "native/contact_lemke/path_ratio_test.h"
 #include "native/contact_lemke/path_values.h"

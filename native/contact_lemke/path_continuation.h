@@ -35,7 +35,7 @@ inline auto Path<Scalar>::resume(double* z) -> Ending {
 template <class Scalar>
 inline bool Path<Scalar>::release_artificial() {
   if (artificial_ < 0) return true;
-  if (!last_.is_velocity && last_.label.is_normal()) press(last_.label.contact);
+  if (!last_.is_velocity && last_.label.is_normal()) activate_friction(last_.label.contact);
   compute_rates(last_);
   if (!(magnitude(dx_[artificial_]) > 0)) return false;
   const Count column = artificial_;
@@ -48,7 +48,7 @@ inline void Path<Scalar>::turn_to_drift() {
   resumed_ = true;
   const Scalar* const velocity = contacts_.velocity();
   for (Count i = 0; i < contacts_.padded_ngc(); ++i) drift_[i] = basis_velocity_[i] - velocity[i];
-  for (Count c = 0; c < contacts_.padded_nc(); ++c) covers_[c] = 0;
+  covering_.clear();
   kernel_.measure(velocity, residual_.data());
   for (Count r = 0; r < kernel_.order(); ++r) {
     kernel_.set_cover(r, Scalar(0));
@@ -83,8 +83,8 @@ inline bool Path<Scalar>::turn_friction() {
   kernel_.solve_target(dx_.data());
   compute_base_values(nothing);
   const std::ptrdiff_t before = outcome_.pivots;
-  for (Count k = 0; k < living_count_; ++k) {
-    const Count contact = living_[k];
+  for (Count k = 0; k < friction_.count(); ++k) {
+    const Count contact = friction_.contact(k);
     if (!asks_for_turning(contact) || !leave_unused_share_as_base(contact, nothing)) continue;
     for (Count j = 0; j < kernel_.order(); ++j) {
       if (is_friction_of(contact, j) && dx_[j] < 0 && outcome_.pivots < rules_.max_pivots) turn(j);
@@ -103,7 +103,7 @@ inline bool Path<Scalar>::is_friction_of(Count contact, Count column) const {
 template <class Scalar>
 inline bool Path<Scalar>::asks_for_turning(Count contact) const {
   const Count zero = contacts_.edges(contact);
-  if (base_[contact] != zero && base_rate_[contact] < 0) return true;
+  if (friction_.base(contact) != zero && base_rate_[contact] < 0) return true;
   for (Count j = 0; j < kernel_.order(); ++j) {
     if (is_friction_of(contact, j) && kernel_.column_label(j).direction != zero && dx_[j] < 0) return true;
   }
@@ -114,7 +114,7 @@ inline bool Path<Scalar>::asks_for_turning(Count contact) const {
 template <class Scalar>
 inline bool Path<Scalar>::leave_unused_share_as_base(Count contact, const Entering& entering) {
   const Label unused{contact, contacts_.edges(contact)};
-  if (base_[contact] == unused.direction) return true;
+  if (friction_.base(contact) == unused.direction) return true;
   const Count place = kernel_.find_column(unused);
   if (place < 0 || !(dx_[place] > 0) || kernel_.find_row(unused) < 0) return false;
   make_base(contact, place, entering);
@@ -133,8 +133,8 @@ inline void Path<Scalar>::turn(Count j) {
   kernel_.negate_unknown(j);
   kernel_.relabel_row(row, opposite);
   kernel_.relabel_column(j, opposite);
-  allowed_[slot(label)] = 1;
-  allowed_[slot(opposite)] = 0;
+  ratio_test_.allow(label);
+  ratio_test_.forbid(opposite);
   x_[j] = dx_[j] = -dx_[j];
   ++outcome_.pivots;
 }
@@ -144,8 +144,8 @@ inline void Path<Scalar>::turn(Count j) {
 template <class Scalar>
 inline void Path<Scalar>::begin_where_friction_has_turned() {
   compute_base_values({true, Label{}});
-  for (Count k = 0; k < living_count_; ++k) {
-    const Count contact = living_[k];
+  for (Count k = 0; k < friction_.count(); ++k) {
+    const Count contact = friction_.contact(k);
     const Count normal = kernel_.find_column(Label{contact, kNormal});
     if (!(base_value_[contact] < 0) || normal < 0) continue;
     x_[normal] += (magnitude(base_rate_[contact]) - base_value_[contact]) / contacts_.mu(contact);
@@ -174,7 +174,7 @@ template <class Scalar>
 inline void Path<Scalar>::enter_artificial_backwards() {
   copy(entering_response_.data(), drift_.data(), contacts_.padded_ngc());
   scale(dx_.data(), Scalar(-1), kernel_.order());
-  for (Count k = 0; k < living_count_; ++k) base_rate_[living_[k]] = -base_rate_[living_[k]];
+  for (Count k = 0; k < friction_.count(); ++k) base_rate_[friction_.contact(k)] = -base_rate_[friction_.contact(k)];
 }
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

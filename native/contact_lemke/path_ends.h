@@ -56,8 +56,9 @@ inline double Path<Scalar>::missed_at_end() {
   const Scalar left = artificial_ >= 0 ? magnitude(x_[artificial_]) * kernel_.norm(artificial_) : Scalar(0);
   Scalar missed = left + largest_residual();
   compute_candidates(last_);
-  for_each_segment([&](Count first, Count last) {
-    for (Count i = first; i < last; ++i) missed = value_[i] >= -missed ? missed : number_or_infinity(-value_[i]);
+  const Scalar* const values = ratio_test_.values();
+  ratio_test_.for_each_segment([&](Count first, Count last) {
+    for (Count i = first; i < last; ++i) missed = values[i] >= -missed ? missed : number_or_infinity(-values[i]);
   });
   missed += static_cast<Scalar>(kRoundingsAtEnd * kUnitRoundoff<Scalar>) * value_scale_;
   const Scalar speed = contacts_.reach() * contacts_.least_speed();
@@ -73,14 +74,14 @@ inline void Path<Scalar>::write_impulses(const Scalar* impulses, double* z) cons
     if (label.is_normal()) z[label.contact] = static_cast<double>(value);
     if (!label.is_normal()) write_friction(label, value, z);
   }
-  for (Count k = 0; k < living_count_; ++k) {
-    const Count c = living_[k];
+  for (Count k = 0; k < friction_.count(); ++k) {
+    const Count c = friction_.contact(k);
     Scalar rest = 0;
     for (Count j = 0; j < kernel_.order(); ++j) {
       const Label label = kernel_.column_label(j);
       if (label.contact == c && impulses[j] > 0) rest += simplex_weight(label) * impulses[j];
     }
-    write_friction(Label{c, base_[c]}, rest > 0 ? rest : Scalar(0), z);
+    write_friction(Label{c, friction_.base(c)}, rest > 0 ? rest : Scalar(0), z);
   }
 }
 

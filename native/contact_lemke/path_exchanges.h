@@ -11,36 +11,31 @@ template <class Scalar>
 inline bool Path<Scalar>::exchange(Entering& entering, Leaving leaving) {
   if (leaving.kind == Kind::kBase) {
     const Count contact = leaving.label.contact;
-    if (support_[contact] == 0) return replace_base_by_entering(entering);
+    if (friction_.support(contact) == 0) return replace_base_by_entering(entering);
     leaving.column = change_base(contact, entering);
     leaving.kind = Kind::kColumn;
   }
   if (leaving.kind == Kind::kVelocity) return bring_row(entering, leaving.label);
-  const bool contact_opens = leaving.label.is_normal() && !rules_.classic && alive_[leaving.label.contact];
+  const bool contact_opens = leaving.label.is_normal() && !rules_.classic && friction_.is_active(leaving.label.contact);
   if (contact_opens && has_friction_labels(leaving.label.contact, entering)) {
     return open_sticking(entering, leaving.label.contact);
   }
   drop_column(entering, leaving.column);
-  if (contact_opens) let_die(leaving.label.contact);
+  if (contact_opens) friction_.deactivate(leaving.label.contact);
   entering = {true, leaving.label};
   return true;
 }
 
 template <class Scalar>
-inline void Path<Scalar>::count_support(Label label, Count change) {
-  if (label.contact != kArtificial && !label.is_normal()) support_[label.contact] += change;
-}
-
-template <class Scalar>
 inline void Path<Scalar>::drop_column(const Entering& entering, Count column) {
-  count_support(kernel_.column_label(column), -1);
+  friction_.count_unknown(kernel_.column_label(column), -1);
   if (entering.is_velocity) {
-    allowed_[slot(entering.label)] = 1;
+    ratio_test_.allow(entering.label);
     kernel_.remove(kernel_.find_row(entering.label), column);
   } else {
     kernel_.replace_column(column, dx_.data());
     kernel_.put_column(column, entering.label, entering_response_.data(), entering_norm_);
-    count_support(entering.label, 1);
+    friction_.count_unknown(entering.label, 1);
   }
   artificial_ = kernel_.find_column(Label{});
 }
@@ -48,14 +43,14 @@ inline void Path<Scalar>::drop_column(const Entering& entering, Count column) {
 template <class Scalar>
 inline bool Path<Scalar>::bring_row(Entering& entering, Label leaving) {
   load_row(leaving);
-  const Scalar cover = cover_of(leaving);
+  const Scalar cover = covering_.of(leaving);
   const Scalar target = -dot(row_.data(), contacts_.velocity(), contacts_.padded_ngc());
-  allowed_[slot(leaving)] = 0;
+  ratio_test_.forbid(leaving);
   if (entering.is_velocity) {
     const Count r = kernel_.find_row(entering.label);
     if (!kernel_.replace_row(r, row_.data(), cover, artificial_)) return false;
     kernel_.put_row(r, leaving, row_.data(), cover, target);
-    allowed_[slot(entering.label)] = 1;
+    ratio_test_.allow(entering.label);
   } else {
     if (kernel_.full()) return false;
     if (!kernel_.append(row_.data(), cover, artificial_, entering_response_.data(), dx_.data())) return false;
@@ -63,7 +58,7 @@ inline bool Path<Scalar>::bring_row(Entering& entering, Label leaving) {
     kernel_.put_row(last, leaving, row_.data(), cover, target);
     kernel_.put_column(last, entering.label, entering_response_.data(), entering_norm_);
     kernel_.grow();
-    count_support(entering.label, 1);
+    friction_.count_unknown(entering.label, 1);
   }
   entering = {false, leaving};
   return true;
@@ -81,12 +76,12 @@ inline Count Path<Scalar>::change_base(Count contact, const Entering& entering) 
 /// The friction impulse in the column `place` becomes the base, the old base the unknown there.
 template <class Scalar>
 inline void Path<Scalar>::make_base(Count contact, Count place, const Entering& entering) {
-  const Count old_base = base_[contact];
+  const Count old_base = friction_.base(contact);
   const Label new_base = kernel_.column_label(place);
   const Count row = kernel_.find_row(new_base);
   move_rows(contact, row);
   move_columns(contact, place, entering);
-  base_[contact] = new_base.direction;
+  friction_.set_base(contact, new_base.direction);
   kernel_.relabel_row(row, Label{contact, old_base});
   kernel_.relabel_column(place, Label{contact, old_base});
   x_[place] = base_value_[contact];
@@ -122,7 +117,7 @@ inline void Path<Scalar>::move_columns(Count contact, Count place, const Enterin
   for (Count j = 0; j < order; ++j) {
     const Label label = kernel_.column_label(j);
     if (j == artificial_) {
-      coefficients_[j] = cover_of_cone(contact);
+      coefficients_[j] = covering_.of_cone(contact);
     } else if (label.contact == contact) {
       coefficients_[j] = simplex_weight(label);
     } else {
@@ -145,7 +140,7 @@ inline bool Path<Scalar>::replace_base_by_entering(Entering& entering) {
   const Count contact = entering.label.contact;
   const Count normal = kernel_.find_column(Label{contact, kNormal});
   const Scalar mu = contacts_.mu(contact);
-  const Scalar cone = cover_of_cone(contact);
+  const Scalar cone = covering_.of_cone(contact);
   const Count z0 = cone != 0 ? artificial_ : -1;
   if (!kernel_.add_outer(normal, mu, z0, cone, dx_.data())) return false;
   if (normal >= 0) {
@@ -155,16 +150,16 @@ inline bool Path<Scalar>::replace_base_by_entering(Entering& entering) {
   if (z0 >= 0) add_multiple(kernel_.column(z0), cone, entering_response_.data(), contacts_.padded_ngc());
   const Count row = kernel_.find_row(entering.label);
   kernel_.negate_row(row);
-  const Label old_base{contact, base_[contact]};
+  const Label old_base{contact, friction_.base(contact)};
   kernel_.relabel_row(row, old_base);
-  base_[contact] = entering.label.direction;
+  friction_.set_base(contact, entering.label.direction);
   entering = {true, old_base};
   return true;
 }
 
 template <class Scalar>
 inline bool Path<Scalar>::has_friction_labels(Count contact, const Entering& entering) const {
-  if (support_[contact] > 0) return true;
+  if (friction_.support(contact) > 0) return true;
   return entering.label.contact == contact && !entering.label.is_normal();
 }
 
@@ -184,13 +179,13 @@ inline bool Path<Scalar>::open_sticking(Entering& entering, Count contact) {
     for (Count r = 0; r < kernel_.rows_left(); ++r) {
       if (kernel_.row_label(r) == entering.label) kernel_.drop_row_label(r);
     }
-    allowed_[slot(entering.label)] = 1;
+    ratio_test_.allow(entering.label);
   }
   if (!of_contact && !entering.is_velocity) {
     kernel_.add_column_label(entering.label);
-    count_support(entering.label, 1);
+    friction_.count_unknown(entering.label, 1);
   }
-  let_die(contact);
+  friction_.deactivate(contact);
   entering = {true, Label{contact, kNormal}};
   return kernel_.end_labels() && rebuild();
 }
@@ -202,7 +197,7 @@ inline bool Path<Scalar>::rebuild() {
   for (Count r = 0; r < kernel_.order(); ++r) {
     const Label label = kernel_.row_label(r);
     load_row(label);
-    kernel_.put_row(r, label, row_.data(), cover_of(label),
+    kernel_.put_row(r, label, row_.data(), covering_.of(label),
                     -dot(row_.data(), contacts_.velocity(), contacts_.padded_ngc()));
   }
   for (Count j = 0; j < kernel_.order(); ++j) {
@@ -224,8 +219,9 @@ inline void Path<Scalar>::load_any_column(Label label) {
   if (label.contact != kArtificial) return load_column(label);
   for (Count i = 0; i < contacts_.padded_ngc(); ++i) column_[i] = 0;
   if (!rules_.classic) return;
-  for (Count k = 0; k < living_count_; ++k) {
-    contacts_.add_direction(living_[k], base_[living_[k]], cover_of_cone(living_[k]), column_.data());
+  for (Count k = 0; k < friction_.count(); ++k) {
+    contacts_.add_direction(friction_.contact(k), friction_.base(friction_.contact(k)),
+                            covering_.of_cone(friction_.contact(k)), column_.data());
   }
 }
 

@@ -77,10 +77,10 @@ inline bool Path<Scalar>::is_complementary() const {
   for (Count j = 0; j < kernel_.order(); ++j) {
     const Label label = kernel_.column_label(j);
     if (kernel_.find_row(label) < 0) return false;
-    if (alive_[label.contact] != contacts_.has_friction(label.contact)) return false;
+    if (friction_.is_active(label.contact) != contacts_.has_friction(label.contact)) return false;
   }
-  for (Count k = 0; k < living_count_; ++k) {
-    if (kernel_.find_column(Label{living_[k], kNormal}) < 0) return false;
+  for (Count k = 0; k < friction_.count(); ++k) {
+    if (kernel_.find_column(Label{friction_.contact(k), kNormal}) < 0) return false;
   }
   return true;
 }
@@ -104,7 +104,7 @@ inline bool Path<Scalar>::bound_values(Doubt& doubt) {
   const Scalar roundoff = static_cast<Scalar>(kUnitRoundoff<Scalar>);
   const Scalar rows = static_cast<Scalar>(static_cast<double>(order));
   const Scalar length = static_cast<Scalar>(static_cast<double>(contacts_.ngc()));
-  const Scalar of_direction = living_count_ > 0 ? contacts_.direction_reach() : Scalar(0);
+  const Scalar of_direction = friction_.count() > 0 ? contacts_.direction_reach() : Scalar(0);
   const auto is_safe = [](Scalar x) { return static_cast<double>(x) > 1e-100 && static_cast<double>(x) < 1e100; };
 
   doubt.reach = slack * (contacts_.reach() > 2 * of_direction ? contacts_.reach() : 2 * of_direction);
@@ -115,7 +115,7 @@ inline bool Path<Scalar>::bound_values(Doubt& doubt) {
     Scalar terms = 2 * of_direction;
     if (label.is_normal()) {
       terms = contacts_.reach();
-      if (alive_[label.contact]) terms += contacts_.mu(label.contact) * of_direction;
+      if (friction_.is_active(label.contact)) terms += contacts_.mu(label.contact) * of_direction;
     }
     if (!is_safe(speed) || !is_safe(terms)) return false;
     doubt.speed += magnitude(x_[j]) * speed;
@@ -143,8 +143,8 @@ inline bool Path<Scalar>::bound_inverse(Doubt& doubt) {
   const Scalar roundoff = static_cast<Scalar>(kUnitRoundoff<Scalar>);
   const Scalar rows = static_cast<Scalar>(static_cast<double>(order));
   const Scalar length = static_cast<Scalar>(static_cast<double>(contacts_.ngc()));
-  Scalar* const sizes = rate_.data() + column_slots_;  // of the rows of R
-  Scalar* const off = dx_.data();                      // of the rows of I - R K
+  Scalar* const sizes = ratio_test_.rates() + ratio_test_.first_column();  // of the rows of R
+  Scalar* const off = dx_.data();                                          // of the rows of I - R K
   for (Count i = 0; i < order; ++i) sizes[i] = off[i] = 0;
   Scalar slowness = 0;
   for (Count j = 0; j < order; ++j) {
@@ -178,11 +178,11 @@ inline bool Path<Scalar>::is_positive(const Doubt& doubt) {
     if (!(x_[j] * speed_of(j) > doubt.impulse)) return false;
   }
   const Scalar roundings = static_cast<Scalar>(2 * kUnitRoundoff<Scalar> * static_cast<double>(order + 2));
-  for (Count k = 0; k < living_count_; ++k) {
+  for (Count k = 0; k < friction_.count(); ++k) {
     Scalar base = 0, terms = 0, off = 0;
     for (Count j = 0; j < order; ++j) {
       const Label label = kernel_.column_label(j);
-      if (label.contact != living_[k]) continue;
+      if (label.contact != friction_.contact(k)) continue;
       const Scalar weight = simplex_weight(label);
       base += weight * x_[j];
       terms += magnitude(weight * x_[j]);
@@ -198,10 +198,10 @@ template <class Scalar>
 inline bool Path<Scalar>::separates(const Doubt& doubt) {
   compute_normal_velocities<1>();
   for (Count c = 0; c < contacts_.nc(); ++c) {
-    if (!is_clear(Label{c, kNormal}, value_[c], doubt) && !depends_on_rows(c)) return false;
+    if (!is_clear(Label{c, kNormal}, ratio_test_.values()[c], doubt) && !depends_on_rows(c)) return false;
   }
-  for (Count k = 0; k < living_count_; ++k) {
-    if (!slips_away(living_[k], doubt)) return false;
+  for (Count k = 0; k < friction_.count(); ++k) {
+    if (!slips_away(friction_.contact(k), doubt)) return false;
   }
   return true;
 }
@@ -249,7 +249,7 @@ template <class Scalar>
 inline bool Path<Scalar>::slips_away(Count contact, const Doubt& doubt) {
   contacts_.slip(contact, u_.data(), slip_.data());
   const Count half = contacts_.half(contact);
-  const Count base = base_[contact];
+  const Count base = friction_.base(contact);
   const Count zero = 2 * half;
   Scalar own = 0;
   if (base != zero) own = base < half ? slip_[base] : -slip_[base - half];
@@ -293,7 +293,7 @@ inline bool Path<Scalar>::is_sum_of_rows(Count contact, Count times) const {
         continue;
       }
       const Count first = contacts_.nc() + contacts_.first_direction(label.contact);
-      const Count directions[] = {label.direction, base_[label.contact]};
+      const Count directions[] = {label.direction, friction_.base(label.contact)};
       for (const Count direction : directions) {
         if (direction == contacts_.edges(label.contact)) continue;
         const double entry = contacts_.impulse_column(first + direction)[i];

@@ -156,10 +156,10 @@ template <Count kSides>
 inline void Path<Scalar>::compute_normal_velocities() {
   const Count length = contacts_.padded_nc();
   if constexpr (kSides == 1) {
-    combine(contacts_.normals(), length, contacts_.ngc(), u_.data(), value_.data(), length);
+    combine(contacts_.normals(), length, contacts_.ngc(), u_.data(), ratio_test_.values(), length);
   } else {
     combine(contacts_.normals(), length, contacts_.ngc(),
-            Combination<Scalar, 2>{{u_.data(), du_.data()}, {value_.data(), rate_.data()}}, length);
+            Combination<Scalar, 2>{{u_.data(), du_.data()}, {ratio_test_.values(), ratio_test_.rates()}}, length);
   }
 }
 
@@ -168,14 +168,18 @@ inline void Path<Scalar>::compute_candidates(const Entering& entering) {
   compute_normal_velocities<2>();
   const Scalar z0 = artificial_value();
   const Scalar dz0 = artificial_rate();
+  Scalar* const value = ratio_test_.values();
+  Scalar* const rate = ratio_test_.rates();
+  const Scalar* const allowed = ratio_test_.allowed();
+  const Scalar* const cover_of_normals = covering_.of_normals();
   for (Count i = 0; i < contacts_.padded_nc(); i += P::kWidth) {
-    const Pack cover = P::load(covers_.data() + i);
-    P::store(value_.data() + i, P::load(value_.data() + i) + cover * z0);
-    P::store(rate_.data() + i, (P::load(rate_.data() + i) + cover * dz0) * P::load(allowed_.data() + i));
+    const Pack cover = P::load(cover_of_normals + i);
+    P::store(value + i, P::load(value + i) + cover * z0);
+    P::store(rate + i, (P::load(rate + i) + cover * dz0) * P::load(allowed + i));
   }
   compute_column_candidates();
   compute_base_values(entering);
-  for (Count k = 0; k < living_count_; ++k) compute_contact_candidates(living_[k], z0, dz0, entering);
+  for (Count k = 0; k < friction_.count(); ++k) compute_contact_candidates(friction_.contact(k), z0, dz0, entering);
 }
 
 template <class Scalar>
@@ -183,12 +187,14 @@ inline void Path<Scalar>::compute_column_candidates() {
   const Count order = kernel_.order();
   for (Count j = order; j < P::padded(order); ++j) x_[j] = dx_[j] = 0;
   const Scalar* const norms = kernel_.norms();
+  Scalar* const values = ratio_test_.values() + ratio_test_.first_column();
+  Scalar* const rates = ratio_test_.rates() + ratio_test_.first_column();
   rate_scale_ = entering_norm_;
   for (Count j = 0; j < P::padded(order); ++j) {
     const Scalar value = x_[j] * norms[j];
     const Scalar rate = dx_[j] * norms[j];
-    value_[column_slots_ + j] = value;
-    rate_[column_slots_ + j] = rate;
+    values[j] = value;
+    rates[j] = rate;
     rate_scale_ = magnitude(rate) > rate_scale_ ? magnitude(rate) : rate_scale_;
   }
 }
@@ -196,21 +202,21 @@ inline void Path<Scalar>::compute_column_candidates() {
 /// f_t = mu f_N + cover z0 - (the contact's other friction impulses)
 template <class Scalar>
 inline void Path<Scalar>::compute_base_values(const Entering& entering) {
-  for (Count k = 0; k < living_count_; ++k) {
-    const Count c = living_[k];
-    const Scalar cover = cover_of_cone(c);
+  for (Count k = 0; k < friction_.count(); ++k) {
+    const Count c = friction_.contact(k);
+    const Scalar cover = covering_.of_cone(c);
     base_value_[c] = cover * artificial_value();
     base_rate_[c] = cover * artificial_rate();
   }
   for (Count j = 0; j < kernel_.order(); ++j) {
     const Label label = kernel_.column_label(j);
-    if (label.contact == kArtificial || !alive_[label.contact]) continue;
+    if (label.contact == kArtificial || !friction_.is_active(label.contact)) continue;
     const Scalar weight = simplex_weight(label);
     base_value_[label.contact] += weight * x_[j];
     base_rate_[label.contact] += weight * dx_[j];
     if (label.is_normal()) impulse_norm_[label.contact] = kernel_.norm(j);
   }
-  if (!entering.is_velocity && entering.label.contact != kArtificial && alive_[entering.label.contact]) {
+  if (!entering.is_velocity && entering.label.contact != kArtificial && friction_.is_active(entering.label.contact)) {
     base_rate_[entering.label.contact] += simplex_weight(entering.label);
     if (entering.label.is_normal()) impulse_norm_[entering.label.contact] = entering_norm_;
   }
@@ -225,18 +231,19 @@ inline void Path<Scalar>::compute_contact_candidates(Count contact, Scalar z0, S
   combine(contacts_.block(contact), width, contacts_.ngc(),
           Combination<Scalar, 2>{{u_.data(), du_.data()}, {slip, slip_rate}}, width);
 
-  const Count base = base_[contact];
+  const Count base = friction_.base(contact);
   const bool zero_base = base == 2 * half;
   const Count twin = base < half ? base : base - half;
   const Scalar sign = base < half ? Scalar(1) : Scalar(-1);
-  const Scalar cover = cover_of_directions(contact);
+  const Scalar cover = covering_.of_directions(contact);
   // What is added to +-slip, of the first and second half alike: -d_t'u, or the cover where the base is zero.
   const Scalar shift = zero_base ? cover * z0 : -sign * slip[twin];
   const Scalar shift_rate = zero_base ? cover * dz0 : -sign * slip_rate[twin];
 
-  Scalar* const value = value_.data() + slot_at_[contact];
-  Scalar* const rate = rate_.data() + slot_at_[contact];
-  const Scalar* const allowed = allowed_.data() + slot_at_[contact];
+  const Count first = ratio_test_.first_slot(contact);
+  Scalar* const value = ratio_test_.values() + first;
+  Scalar* const rate = ratio_test_.rates() + first;
+  const Scalar* const allowed = ratio_test_.allowed() + first;
   for (Count t = 0; t < width; t += P::kWidth) {
     const Pack s = P::load(slip + t);
     const Pack ds = P::load(slip_rate + t);
@@ -248,7 +255,7 @@ inline void Path<Scalar>::compute_contact_candidates(Count contact, Scalar z0, S
   const Scalar preferred = static_cast<Scalar>(kStickingFirst);
   value[2 * width] = preferred * (shift - (zero_base ? Scalar(0) : cover * z0));
   rate[2 * width] = preferred * allowed[2 * width] * (shift_rate - (zero_base ? Scalar(0) : cover * dz0));
-  const bool watched = support_[contact] > 0 || enters_friction_of(entering, contact);
+  const bool watched = friction_.support(contact) > 0 || enters_friction_of(entering, contact);
   value[2 * width + 1] = base_value_[contact] * impulse_norm_[contact];
   rate[2 * width + 1] = watched ? base_rate_[contact] * impulse_norm_[contact] : Scalar(0);
 }
@@ -256,6 +263,27 @@ inline void Path<Scalar>::compute_contact_candidates(Count contact, Scalar z0, S
 template <class Scalar>
 inline bool Path<Scalar>::enters_friction_of(const Entering& entering, Count contact) {
   return !entering.is_velocity && entering.label.contact == contact && !entering.label.is_normal();
+}
+
+/// Harris's test: the least ratio with values moved up by the tie tolerance; of all that are then not above it the
+/// one with the fastest rate leaves, z0 before all.
+template <class Scalar>
+inline Leaving Path<Scalar>::choose_leaving() const {
+  Scalar least_rate = static_cast<Scalar>(rules_.pivot_tolerance) * rate_scale_;
+  if (static_cast<Scalar>(kSafeNoises) * rate_noise_ > least_rate) {
+    least_rate = static_cast<Scalar>(kSafeNoises) * rate_noise_;
+  }
+  const Scalar slack = static_cast<Scalar>(rules_.tie_tolerance) * value_scale_;
+  Scalar theta = ratio_test_.least_ratio(least_rate, slack);
+  if (!(theta >= 0)) return {Kind::kBroken, -1, {}};
+  if (!(theta < kInfinity<Scalar>)) return {};
+  theta *= static_cast<Scalar>(1 + 8 * kUnitRoundoff<Scalar>);  // the least ratio's own row is to stay among the tied
+  if (artificial_ < 0) {
+    if (theta >= 1) return {Kind::kColumn, kPastEnd, Label{}};
+  } else if (dx_[artificial_] < 0 && x_[artificial_] <= theta * -dx_[artificial_]) {
+    return {Kind::kColumn, artificial_, Label{}};
+  }
+  return ratio_test_.decode(ratio_test_.fastest_of_tied(least_rate, theta));
 }
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

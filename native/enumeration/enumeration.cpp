@@ -15,9 +15,6 @@ namespace {
 
 using enumeration::ExactSearch;
 
-/// Longer than any detail.
-constexpr std::size_t kLongestDetail = 160;
-
 struct EnumerationSettings {
   void visit(auto&&) {}
 };
@@ -50,14 +47,12 @@ class Enumeration final : public Solver {
 
   ExactSearch search_;
   AnswerTest test_;
-  std::string detail_;  // memory for the first answer that comes with less
   double deadline_s_ = 0;
 };
 
 void Enumeration::on_load(const Problem& problem) {
   search_.load(make_lcp(problem));
   test_.load(problem);
-  detail_.reserve(kLongestDetail);
 }
 
 void Enumeration::describe(Answer& answer, std::string_view remark) const {
@@ -91,8 +86,6 @@ void Enumeration::report_none(Answer& answer) const {
 }
 
 void Enumeration::on_solve(const SolveRequest& request, Answer& answer) {
-  if (answer.detail.capacity() < kLongestDetail) answer.detail.swap(detail_);
-  answer.detail.clear();
   deadline_s_ = wall_clock_s() + request.time_limit_s;
   const ExactSearch::End end = search_.run(deadline_s_, std::numeric_limits<std::int64_t>::max());
   switch (end) {

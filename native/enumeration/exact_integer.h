@@ -32,8 +32,8 @@ void add_product(Integer sum, ConstInteger a, ConstInteger b);
 /// sum -= a b modulo 2^(64 sum.size()). @pre no overlap
 void subtract_product(Integer sum, ConstInteger a, ConstInteger b);
 
-/// Divides where nothing remains, from the least significant limb on: what the quotient has not, neither dividend nor
-/// products need. [Jebelean, An algorithm for exact division, 1993]
+/// Exact division, from the least significant limb on. It reads only the limbs that determine the quotient.
+/// [Jebelean, An algorithm for exact division, 1993]
 class ExactDivisor {
  public:
   /// Room for divisors of so many limbs. Allocates.

@@ -7,7 +7,6 @@
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
-#include "native/answer_room.h"
 #include "native/answer_test/answer_test.h"
 #include "native/contacts/contact_impulses.h"
 #include "native/velocity_ipm/interior_point.h"
@@ -131,7 +130,6 @@ class FrictionIpm final : public Solver {
   ContactImpulses state_;
   ConeColumns cone_;
   AnswerTest test_;
-  AnswerRoom room_;
   Vector friction_impulses_;  // f_D
   Vector slip_bounds_;        // nc, mu lambda
   Vector offset_;             // per cone column
@@ -140,7 +138,6 @@ class FrictionIpm final : public Solver {
 
 void FrictionIpm::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
-  room_.reserve(contact.ngc());
   cone_ = cone_columns(contact);
   const ContactProblem convex = convex_problem(contact, cone_);
   const bool sparse = wants_sparse(settings_.algebra, convex);
@@ -217,23 +214,23 @@ Claim FrictionIpm::run(double deadline_s, Answer& answer, int& rounds) {
 void FrictionIpm::report(Claim claim, int rounds, Answer& answer) {
   answer.claim = claim;
   state_.write_answer(answer.z);
-  room_.write_velocity(state_.u, answer);
+  answer.velocity = state_.u;
   state_.units.restore(answer.velocity);
   std::array<char, 40> text{};
   const int length = std::snprintf(text.data(), text.size(), "%d convex problem%s", rounds, rounds == 1 ? "" : "s");
-  room_.write_text({text.data(), static_cast<std::size_t>(length)}, answer);
+  answer.detail.assign(text.data(), static_cast<std::size_t>(length));
 }
 
 void FrictionIpm::on_solve(const SolveRequest& request, Answer& answer) {
   answer.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
   if (!method_.loaded()) {
     answer.claim = Claim::kUnsupported;
-    room_.write_text("algebra=sparse needs an inertia of positive definite blocks", answer);
+    answer.detail = "algebra=sparse needs an inertia of positive definite blocks";
     return;
   }
   if (state_.q_max == 0) {  // z = 0 solves it, and max|q| gives no scale to judge another answer by
     answer.claim = Claim::kSolved;
-    room_.write_velocity(state_.u0, answer);
+    answer.velocity = state_.u0;
     test_.settle(answer, wall_clock_s() + request.time_limit_s);  // q may have been rounded to zero
     return;
   }

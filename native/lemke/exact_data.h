@@ -2,7 +2,7 @@
 
 #include "native/lemke/pack.h"
 
-#if defined(LCPBENCH_CONTACT_QUAD)
+#if defined(LCPBENCH_QUAD)
 #include "native/contact_lemke/response.h"
 #endif
 
@@ -14,7 +14,7 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 template <class Scalar>
 void load_inverse_inertia(const Input& input, Buffer<Scalar>& Ginv) {
   Ginv.resize(input.ngc * input.ngc);
-#if defined(LCPBENCH_CONTACT_QUAD)
+#if defined(LCPBENCH_QUAD)
   if (input.contacts != nullptr) {
     Response<Scalar> response;
     response.load(*input.contacts);
@@ -36,7 +36,7 @@ template <class Scalar>
 void load_constants(const Input& input, Buffer<Scalar>& q) {
   q.resize(input.n);
   for (Count i = 0; i < input.n; ++i) q[i] = static_cast<Scalar>(input.q[i]);
-#if defined(LCPBENCH_CONTACT_QUAD)
+#if defined(LCPBENCH_QUAD)
   for (Count i = 0; input.contacts != nullptr && i < input.dense; ++i) {
     q[i] = 0;
     for (Count g = 0; g < input.ngc; ++g) {

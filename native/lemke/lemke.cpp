@@ -70,7 +70,7 @@ std::unique_ptr<LemkeFinish> finish_of(LemkePrecision precision, IsaLevel level)
                                        precision != LemkePrecision::kFloat);
 }
 
-/// Whoever sets tolerances of his own studies the method as it was published, which tests nothing.
+/// With non-default tolerances the published method runs; it has no final test.
 bool tests_answers(const LemkeSettings& settings) {
   if (settings.test != LemkeAnswerTest::kAuto) return settings.test == LemkeAnswerTest::kResidual;
   const LemkeSettings defaults;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/answer_storage.h"
 #include "native/answer_test/answer_test.h"
 
 namespace lcpbench {
@@ -67,24 +66,20 @@ double LemkeFinish::finish_contacts(Answer& answer) {
     plain_ = answer.z;
     if (polish_contacts(answer)) {
       const double residual = judge_.complete(answer.z.data()).certain;
-      if (residual <= kClaimedResidual) {
-        answer.velocity.swap(cleared_vectors().velocity);
-        return residual;
-      }
+      if (residual <= kClaimedResidual) return residual;
     }
     answer.z = plain_;
+    answer.velocity.resize(0);
   }
   return judge_.complete(answer.z.data()).certain;
 }
 
-/// The velocity goes to the memory of cleared vectors.
 bool LemkeFinish::polish_contacts(Answer& answer) {
-  Vector& velocity = cleared_vectors().velocity;
-  velocity.resize(contacts_.input.ngc);
-  if (!judge_.polish_answer(basic_.data(), velocity.data(), answer.z.data())) return false;
+  answer.velocity.resize(contacts_.input.ngc);
+  if (!judge_.polish_answer(basic_.data(), answer.velocity.data(), answer.z.data())) return false;
   clip(answer.z);
   release_friction(contacts_.input, answer.z);
-  return velocity.allFinite();
+  return answer.velocity.allFinite();
 }
 
 double LemkeFinish::finish_matrix(lemke::LoadedEngine& engine, Answer& answer) {

@@ -25,7 +25,7 @@ class LemkeFinish {
   char* begin_basis();
 
   /// Turns a claim of solved that does not pass the test, and a ray, into kNumericalFailure. `answer` is what `engine`
-  /// gave last. Allocates nothing but the velocity's memory, once.
+  /// gave last. Allocates nothing.
   void run(lemke::LoadedEngine& engine, Answer& answer);
 
  private:

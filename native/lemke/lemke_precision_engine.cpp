@@ -1,6 +1,6 @@
 // Lemke's pivoting in other arithmetic than double: once per instruction-set level in 24 bits, and once in 113 bits
-// (LCPBENCH_CONTACT_QUAD). Apart from lemke_engine.cpp, so that nothing here can change the code of that.
-#if defined(LCPBENCH_CONTACT_QUAD)
+// (LCPBENCH_QUAD). Apart from lemke_engine.cpp, so that nothing here can change the code of that.
+#if defined(LCPBENCH_QUAD)
 #include "native/contact_lemke/arithmetic.h"
 #endif
 #include "native/lemke/interface.h"
@@ -8,7 +8,7 @@
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
-#if defined(LCPBENCH_CONTACT_QUAD)
+#if defined(LCPBENCH_QUAD)
 const Engine kKernelEngine = engine_over<Quad, Held<KernelBasis<Quad>>>(nullptr, nullptr);
 #else
 const Engine kFloatKernelEngine = engine_over<float, Held<KernelBasis<float>>>(nullptr, nullptr);

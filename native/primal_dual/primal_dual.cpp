@@ -5,7 +5,6 @@
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
-#include "native/answer_room.h"
 #include "native/answer_test/answer_test.h"
 
 namespace lcpbench {
@@ -15,11 +14,11 @@ enum class Objective { kWork, kComplementarity };
 enum class FinalTest { kNone, kResidual };
 
 struct PrimalDualSettings {
-  double eps = 1e-14;
-  double eps_feas = 1e-8;
-  double mu = 10.0;
-  double alpha = 0.01;
-  double beta = 0.5;
+  double gap_tolerance = 1e-14;
+  double residual_tolerance = 1e-8;
+  double barrier_factor = 10.0;
+  double decrease = 0.01;
+  double backtracking = 0.5;
   std::int64_t max_iterations = 1000;
   double diagonal_shift = 0.0;
   double accept_residual = 1e-4;
@@ -27,12 +26,13 @@ struct PrimalDualSettings {
   FinalTest test = FinalTest::kResidual;
 
   void visit(auto&& field) {
-    field("eps", eps, RealRange{.min = 0}, "stop when the surrogate duality gap is at most this (absolute)");
-    field("eps_feas", eps_feas, RealRange{.min = 0},
+    field("eps", gap_tolerance, RealRange{.min = 0}, "stop when the surrogate duality gap is at most this (absolute)");
+    field("eps_feas", residual_tolerance, RealRange{.min = 0},
           "... and the norms of the primal and the dual residual are at most this (absolute)");
-    field("mu", mu, RealRange{.min = 1.001, .max = 1e6}, "the barrier aims at a gap smaller by this factor, each step");
-    field("alpha", alpha, RealRange{.min = 0, .max = 0.5}, "share of the predicted residual decrease asked for");
-    field("beta", beta, RealRange{.min = 0.01, .max = 0.99}, "factor on the step in backtracking");
+    field("mu", barrier_factor, RealRange{.min = 1.001, .max = 1e6},
+          "the barrier aims at a gap smaller by this factor, each step");
+    field("alpha", decrease, RealRange{.min = 0, .max = 0.5}, "share of the predicted residual decrease asked for");
+    field("beta", backtracking, RealRange{.min = 0.01, .max = 0.99}, "factor on the step in backtracking");
     field("max_iterations", max_iterations, IntegerRange{.min = 0}, "Newton steps");
     field("diagonal_shift", diagonal_shift, RealRange{.min = 0, .max = 1},
           "solve for M + diagonal_shift * max|M_ii| * I instead of M");
@@ -136,7 +136,6 @@ class PrimalDual final : public Solver {
   Point point_, trial_, direction_;
   Vector r_dual_, r_pri_;  // n: of the last point evaluated
   Vector work_;            // n
-  AnswerRoom room_;
   AnswerTest test_;
   Matrix newton_, factor_;
   std::vector<Index> support_;  // n
@@ -150,7 +149,6 @@ bool nearly_symmetric(const Matrix& M) {
 }
 
 void PrimalDual::on_load(const Problem& problem) {
-  room_.reserve(0);
   Lcp lcp = make_lcp(problem);
   const Index n = lcp.size();
   resize_workspace(n);
@@ -198,8 +196,8 @@ double PrimalDual::residual_norm(const Point& point, double t) const {
 }
 
 bool PrimalDual::converged() const {
-  return r_pri_.norm() <= settings_.eps_feas && r_dual_.norm() <= settings_.eps_feas &&
-         point_.surrogate_gap() <= settings_.eps;
+  return r_pri_.norm() <= settings_.residual_tolerance && r_dual_.norm() <= settings_.residual_tolerance &&
+         point_.surrogate_gap() <= settings_.gap_tolerance;
 }
 
 /// newton_ (lower triangle) = H + diag(lambda / z) + M' diag(kappa / y) M.
@@ -266,12 +264,12 @@ void PrimalDual::step_to_trial(double s) {
 /// new ones.
 bool PrimalDual::line_search(double t) {
   const double norm = residual_norm(point_, t);
-  for (double s = kBoundaryFraction * longest_step(); s >= kShortestStep; s *= settings_.beta) {
+  for (double s = kBoundaryFraction * longest_step(); s >= kShortestStep; s *= settings_.backtracking) {
     step_to_trial(s);
     if (!(trial_.z.minCoeff() > 0 && trial_.y.minCoeff() > 0)) continue;
     if (!(trial_.lambda.minCoeff() > 0 && trial_.kappa.minCoeff() > 0)) continue;  // rounding at the boundary
     evaluate_residuals(trial_);
-    if (residual_norm(trial_, t) <= (1 - settings_.alpha * s) * norm) {
+    if (residual_norm(trial_, t) <= (1 - settings_.decrease * s) * norm) {
       std::swap(point_, trial_);
       return true;
     }
@@ -286,7 +284,7 @@ Stop PrimalDual::iterate(double deadline_s, Counters& counters) {
     if (converged()) return Stop::kConverged;
     if (counters.iterations >= settings_.max_iterations) return Stop::kIterationLimit;
     if (!(wall_clock_s() < deadline_s)) return Stop::kTimeLimit;
-    const double t = settings_.mu * constraints / point_.surrogate_gap();
+    const double t = settings_.barrier_factor * constraints / point_.surrogate_gap();
     if (!std::isfinite(t) || !find_direction(t, counters)) return Stop::kBreakdown;
     if (!line_search(t)) return Stop::kStalled;
   }
@@ -355,9 +353,8 @@ void PrimalDual::settle(Stop stop, double deadline_s, Answer& answer) {
   }
   if (test_.settle(answer, deadline_s) || answer.claim != Claim::kNumericalFailure) return;
   answer.claim = Claim::kSolved;
-  room_.write_text(stop == Stop::kStalled ? "no step reduces the residual further; finished on its support"
-                                          : "finished on its support",
-                   answer);
+  answer.detail = stop == Stop::kStalled ? "no step reduces the residual further; finished on its support"
+                                         : "finished on its support";
   finish_on_support(answer.z);
   if (!test_.settle(answer, deadline_s)) answer.z = point_.z;
 }
@@ -377,17 +374,16 @@ void PrimalDual::on_solve(const SolveRequest& request, Answer& answer) {
   switch (stop) {
     case Stop::kConverged:
       answer.claim = accepted ? Claim::kSolved : Claim::kNumericalFailure;
-      if (!accepted) room_.write_text("converged to a point that does not solve the LCP", answer);
+      if (!accepted) answer.detail = "converged to a point that does not solve the LCP";
       break;
     case Stop::kStalled:
       answer.claim = accepted ? Claim::kSolved : Claim::kNumericalFailure;
-      room_.write_text(
-          accepted ? "no step reduces the residual further; accepted as it is" : "no step reduces the residual further",
-          answer);
+      answer.detail =
+          accepted ? "no step reduces the residual further; accepted as it is" : "no step reduces the residual further";
       break;
     case Stop::kBreakdown:
       answer.claim = Claim::kNumericalFailure;
-      room_.write_text("the Newton system could not be solved", answer);
+      answer.detail = "the Newton system could not be solved";
       return;
     case Stop::kIterationLimit: answer.claim = Claim::kIterationLimit; return;
     case Stop::kTimeLimit: answer.claim = Claim::kTimeLimit; return;

@@ -2,7 +2,6 @@
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
-#include "native/answer_room.h"
 #include "native/answer_test/answer_test.h"
 #include "native/principal_pivoting/principal_tableau.h"
 
@@ -48,13 +47,11 @@ class Murty final : public Solver {
 
   MurtySettings settings_;
   PrincipalTableau tableau_;
-  AnswerRoom room_;
   AnswerTest test_;
   Vector bounds_;  // n
 };
 
 void Murty::on_load(const Problem& problem) {
-  room_.reserve(0);
   tableau_.load(make_lcp(problem));
   test_.load(problem);
   bounds_.resize(tableau_.size());
@@ -114,11 +111,11 @@ void Murty::on_solve(const SolveRequest& request, Answer& answer) {
         answer.claim = Claim::kSolved;
         test_.settle(answer, deadline_s);
       } else {
-        room_.write_text("the final basis is too ill-conditioned for the accuracy asked for", answer);
+        answer.detail = "the final basis is too ill-conditioned for the accuracy asked for";
       }
       return;
-    case End::kZeroPivot: room_.write_text("zero pivot: M is no P-matrix to working precision", answer); return;
-    case End::kSingularBasis: room_.write_text("the basis is singular to working precision", answer); return;
+    case End::kZeroPivot: answer.detail = "zero pivot: M is no P-matrix to working precision"; return;
+    case End::kSingularBasis: answer.detail = "the basis is singular to working precision"; return;
     case End::kPivotLimit: answer.claim = Claim::kIterationLimit; return;
     case End::kTimeLimit: answer.claim = Claim::kTimeLimit; return;
   }

@@ -5,7 +5,6 @@
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
-#include "native/answer_room.h"
 #include "native/answer_test/answer_test.h"
 #include "native/principal_pivoting/principal_tableau.h"
 
@@ -84,7 +83,6 @@ class PrincipalPivoting final : public Solver {
 
   PrincipalPivotingSettings settings_;
   PrincipalTableau tableau_;
-  AnswerRoom room_;
   AnswerTest test_;
   Vector nonbasic_;              // n: values of the nonbasic variables
   Vector basic_;                 // n: values of the basic ones
@@ -97,7 +95,6 @@ class PrincipalPivoting final : public Solver {
 };
 
 void PrincipalPivoting::on_load(const Problem& problem) {
-  room_.reserve(0);
   tableau_.load(make_lcp(problem));
   test_.load(problem);
   const Index n = tableau_.size();
@@ -295,14 +292,12 @@ void PrincipalPivoting::on_solve(const SolveRequest& request, Answer& answer) {
         answer.claim = Claim::kSolved;
         test_.settle(answer, deadline_s);
       } else {
-        room_.write_text("the final basis is too ill-conditioned for the accuracy asked for", answer);
+        answer.detail = "the final basis is too ill-conditioned for the accuracy asked for";
       }
       return;
     case End::kUnblocked: test_.settle_ray(answer, deadline_s, &farkas_); return;
-    case End::kNoPivot:
-      room_.write_text("no usable pivot: M is not positive semidefinite to working precision", answer);
-      return;
-    case End::kSingularBasis: room_.write_text("the basis is singular to working precision", answer); return;
+    case End::kNoPivot: answer.detail = "no usable pivot: M is not positive semidefinite to working precision"; return;
+    case End::kSingularBasis: answer.detail = "the basis is singular to working precision"; return;
     case End::kPivotLimit: answer.claim = Claim::kIterationLimit; return;
     case End::kTimeLimit: answer.claim = Claim::kTimeLimit; return;
   }

@@ -6,7 +6,6 @@
 #include <string_view>
 #include <utility>
 
-#include "core/answer_storage.h"
 #include "core/error.h"
 #include "core/timed_solve.h"
 
@@ -24,15 +23,6 @@ Options with_canonical_inner_solver(Options options) {
 }
 
 constexpr std::string_view kFailureReport = "no try passed the test; the first: ";
-
-/// Of a report on a pass, and of one on a failure whose inner solver used 60 characters.
-constexpr std::size_t kLongestReport = kFailureReport.size() + 60;
-
-/// `answer` = `last` but for the detail, whose memory it keeps.
-void take(Answer& last, Answer& answer) {
-  answer.detail.swap(last.detail);
-  std::swap(answer, last);
-}
 
 /// Appends the shortest text that reads back to the same number.
 template <class Number>
@@ -61,11 +51,13 @@ class Regularized final : public Solver {
  private:
   void hold(double eps);
   TryOutcome attempt(double eps, const SolveRequest& request, double deadline_s, Answer& answer);
+  void take(const Answer& found, Answer& answer) const;
 
   Regularization regularization_;
   std::unique_ptr<Solver> solver_;
   double held_eps_ = 0;  // solver_ holds M + held_eps_ I
   Capabilities capabilities_;
+  Answer inner_;    // of solver_, to (q, M + eps I)
   Answer attempt_;  // the last one with eps > 0
   Counters total_;
 };
@@ -81,8 +73,8 @@ void Regularized::on_load(const Problem& problem) {
   regularization_.load(problem);
   solver_->load(regularization_.tried(0));
   held_eps_ = 0;
-  attempt_.z.resize(problem.size());
-  attempt_.detail.reserve(kLongestReport);
+  inner_.reserve(regularization_.tried(0));
+  attempt_.reserve(problem);
 }
 
 void Regularized::hold(double eps) {
@@ -95,15 +87,24 @@ TryOutcome Regularized::attempt(double eps, const SolveRequest& request, double 
   SolveRequest inner_request = request;
   inner_request.time_limit_s = deadline_s - wall_clock_s();
   if (!(inner_request.time_limit_s > 0)) return TryOutcome::kOutOfTime;
-  solver_->solve(inner_request, answer);
-  add_counters(total_, answer.counters);
+  solver_->solve(inner_request, inner_);
+  add_counters(total_, inner_.counters);
+  take(inner_, answer);
   return regularization_.judge(answer, eps, deadline_s);
+}
+
+/// `answer` = `found`. A proof about M is none about the contacts that it was formed from.
+void Regularized::take(const Answer& found, Answer& answer) const {
+  answer.claim = found.claim;
+  answer.z = found.z;
+  answer.farkas.resize(0);
+  if (problem().contact() == nullptr) answer.farkas = found.farkas;
+  answer.detail = found.detail;
 }
 
 void Regularized::on_solve(const SolveRequest& request, Answer& answer) {
   const double deadline_s = wall_clock_s() + request.time_limit_s;
   total_ = {.iterations = 0, .pivots = 0, .factorizations = 0};
-  if (answer.detail.capacity() < kLongestReport) answer.detail.swap(attempt_.detail);
 
   TryOutcome outcome = attempt(0.0, request, deadline_s, answer);
   int tries = 1;
@@ -221,7 +222,6 @@ void Regularization::report_failure(TryOutcome last, Answer& answer, double dead
   // What an inner solver says of a ray, or of M as rounded, is its word; here it has to be proven.
   const bool proves = tests_residual() && last != TryOutcome::kOutOfTime && answer.claim == Claim::kUnsolvable;
   if (proves) {
-    if (answer.farkas.size() > 0) cleared_vectors().farkas.swap(answer.farkas);
     answer.farkas.resize(0);
     answer_test_.settle_ray(answer, deadline_s);
   }
@@ -233,9 +233,7 @@ void Regularization::report_failure(TryOutcome last, Answer& answer, double dead
     answer.claim = Claim::kNumericalFailure;
   }
   // A proof of the inner solver speaks of (q, M), which for contacts is rounded.
-  if (proves || !contact_ || answer.farkas.size() == 0) return;
-  cleared_vectors().farkas.swap(answer.farkas);
-  answer.farkas.resize(0);
+  if (!proves && contact_) answer.farkas.resize(0);
 }
 
 SolverDefinition lcpbench_solver_regularized() {

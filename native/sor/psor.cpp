@@ -7,7 +7,6 @@
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
-#include "native/answer_room.h"
 #include "native/answer_test/answer_test.h"
 #include "native/contacts/contact_impulses.h"
 
@@ -97,12 +96,10 @@ class Psor final : public Solver {
   ContactImpulses state_;
   std::vector<double> curvature_;  // per friction: largest eigenvalue of its own block of M; 0: it moves nothing
   Vector step_;                    // the most directions that a contact has
-  AnswerRoom room_;
   AnswerTest test_;
 };
 
 void Psor::on_load(const Problem& problem) {
-  room_.reserve(0);
   state_.load(problem);
   curvature_.clear();
   Index most_directions = 0;
@@ -247,8 +244,7 @@ void Psor::on_solve(const SolveRequest& request, Answer& answer) {
   if (answer.claim == Claim::kSolved) return;
   state_.recompute_velocity();
   state_.write_answer(answer.z);
-  if (answer.claim == Claim::kNumericalFailure)
-    room_.write_text("the iterates grew out of the range of double", answer);
+  if (answer.claim == Claim::kNumericalFailure) answer.detail = "the iterates grew out of the range of double";
 }
 
 constexpr Capabilities kCapabilities{

@@ -7,7 +7,6 @@
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
-#include "native/answer_room.h"
 #include "native/answer_test/answer_test.h"
 #include "native/contacts/contact_impulses.h"
 #include "native/sor/ode_order.h"
@@ -93,12 +92,10 @@ class QuickstepSor final : public Solver {
   Vector x_;
   std::vector<std::vector<Index>> order_;
 
-  AnswerRoom room_;
   AnswerTest test_;
 };
 
 void QuickstepSor::on_load(const Problem& problem) {
-  room_.reserve(0);
   state_.load(problem);
   ContactProblem rows = *problem.contact();
   const SparseMatrix directions = friction_directions(cols(rows.D));
@@ -268,7 +265,7 @@ void QuickstepSor::on_solve(const SolveRequest& request, Answer& answer) {
   const double residual = state_.residual();
   if (!(residual < std::numeric_limits<double>::infinity())) {
     answer.claim = Claim::kNumericalFailure;
-    room_.write_text("the iterates grew out of the range of double", answer);
+    answer.detail = "the iterates grew out of the range of double";
   } else if (residual <= settings_.tolerance * state_.q_max) {
     settle(deadline_s, answer);
   }

@@ -31,7 +31,6 @@ void InteriorPoint::load(std::unique_ptr<WhitenedNormals> normals, const Contact
   for (Vector* vector : {&primal_residual_, &target_, &contacts_, &q_}) vector->resize(contact.nc());
   for (Vector* vector : {&dual_residual_, &coordinates_}) vector->resize(normals_->coordinates());
   velocity_.resize(contact.ngc());
-  room_.reserve(contact.ngc());
   set_velocity(contact.v);
 }
 
@@ -226,7 +225,7 @@ bool InteriorPoint::iterate(const SolveRequest& request, Answer& answer) {
   answer.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
   if (q_max_ == 0) {  // z = 0 solves it
     answer.claim = Claim::kSolved;
-    room_.write_velocity(v_, answer);
+    answer.velocity = v_;
     return false;
   }
   stop_ = iterate(wall_clock_s() + request.time_limit_s, settings_.max_iterations, answer.counters);
@@ -242,9 +241,9 @@ void InteriorPoint::conclude(Answer& answer) {
   answer.claim = residual <= settings_.accept_residual ? Claim::kSolved : Claim::kNumericalFailure;
   normals_->velocity(v_, coordinates_, velocity_);
   units_.restore(velocity_);
-  room_.write_velocity(velocity_, answer);
-  if (stop_ == Stop::kStalled) room_.write_text("no step goes further", answer);
-  if (stop_ == Stop::kBreakdown) room_.write_text("the Newton system could not be solved", answer);
+  answer.velocity = velocity_;
+  if (stop_ == Stop::kStalled) answer.detail = "no step goes further";
+  if (stop_ == Stop::kBreakdown) answer.detail = "the Newton system could not be solved";
 }
 
 }  // namespace lcpbench

@@ -4,7 +4,6 @@
 
 #include "core/contact_problem.h"
 #include "core/solver.h"
-#include "native/answer_room.h"
 #include "native/contacts/island_units.h"
 #include "native/velocity_ipm/settings.h"
 #include "native/velocity_ipm/whitened_normals.h"
@@ -24,7 +23,7 @@ namespace lcpbench {
 /// each island.
 ///
 /// Life: load(), then for each velocity set_velocity(), iterate(), perhaps finish(), impulses() or conclude(). Only
-/// load() allocates, as far as this depends on the WhitenedNormals, and what the answer had no room for.
+/// load() allocates, as far as this depends on the WhitenedNormals.
 class InteriorPoint {
  public:
   explicit InteriorPoint(const InteriorPointSettings& settings) : settings_(settings) {}
@@ -108,7 +107,6 @@ class InteriorPoint {
   Vector contacts_;         // scratch, nc
   Vector coordinates_;      // scratch
   Vector velocity_;         // v + the change that the impulses make
-  AnswerRoom room_;
 };
 
 }  // namespace lcpbench

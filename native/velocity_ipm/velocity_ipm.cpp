@@ -1,10 +1,8 @@
 #include <limits>
 #include <memory>
 
-#include "core/answer_storage.h"
 #include "core/registry.h"
 #include "native/active_set/active_set.h"
-#include "native/answer_room.h"
 #include "native/answer_test/answer_test.h"
 #include "native/velocity_ipm/interior_point.h"
 #include "native/velocity_ipm/multifrontal_cholesky.h"
@@ -51,12 +49,10 @@ class VelocityIpm final : public Solver {
   AnswerTest test_;  // of what the active set does not test
   bool is_sparse_ = false;
   Vector pressed_;  // nc
-  AnswerRoom room_;
 };
 
 void VelocityIpm::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
-  room_.reserve(0);
   is_sparse_ = wants_sparse(settings_.algebra, contact);
   method_.load(is_sparse_ ? sparse_whitened_normals(contact, multifrontal_cholesky()) : dense_whitened_normals(contact),
                contact);
@@ -89,7 +85,7 @@ bool VelocityIpm::finish_dense(const SolveRequest& request, Answer& answer) {
   answer.counters.pivots = steps;
   answer.counters.factorizations += factorizations;
   if (answer.claim == Claim::kSolved || answer.claim == Claim::kUnsolvable) return true;
-  if (answer.velocity.size() > 0) answer.velocity.swap(cleared_vectors().velocity);  // empty, and keeps the memory
+  answer.velocity.resize(0);
   return false;
 }
 
@@ -107,7 +103,7 @@ void VelocityIpm::on_solve(const SolveRequest& request, Answer& answer) {
   if (!method_.loaded()) {
     answer.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
     answer.claim = Claim::kUnsupported;
-    room_.write_text("algebra=sparse needs an inertia of positive definite blocks", answer);
+    answer.detail = "algebra=sparse needs an inertia of positive definite blocks";
     return;
   }
   if (!method_.iterate(request, answer)) {
