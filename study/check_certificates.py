@@ -3,7 +3,8 @@
 
     check_certificates.py FILE...        stores of `lcpbench certify --store`, or files of `--proofs`
 
-Needs Python 3.9 or later and nothing else; shares no code with lcpbench. Every double is read as the rational number
+Needs Python 3.9 or later and nothing else; shares no code with lcpbench. It is one file, so that a reader who wants to
+check it has it all in one place, and can copy it to another machine. Every double is read as the rational number
 that it is, every test is an identity or an inequality between integers: there is no tolerance.
 docs/explanation/certificates.md says why each test proves what it proves.
 

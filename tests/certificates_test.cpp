@@ -260,7 +260,7 @@ TEST_F(CertifyStoreTest, ForwardErrorsOfStoredAnswersFollowTheCertifiedVelocity)
   Evaluator evaluator(problem);
   evaluator.set_certified_velocity(problem.contact()->v);
   sqlite::Statement stored(store.database(), "SELECT forward_velocity FROM verdicts WHERE problem_id = ?");
-  stored.bind(1, id);
+  stored.bind_all(id);
   ASSERT_TRUE(stored.step());
   EXPECT_EQ(stored.real(0), evaluator.errors(store.answer(id, solver).value()).forward_velocity);
 }

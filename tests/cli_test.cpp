@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "study/run/answer_note.h"
+#include "study/output/explanation.h"
 #include "study/store/store.h"
 #include "tests/program_run.h"
 #include "tests/study_support.h"
@@ -320,6 +320,8 @@ TEST_F(CommandLineTest, SolveJson) {
                                   {"work_gain_j", "n?"},
                                   {"complementarity_j", "n?"},
                                   {"cone_violation", "n?"},
+                                  {"min_z", "n?"},
+                                  {"velocity_mismatch", "n?"},
                                   {"worst_row", "n?"}});
     expect_fields(row["time"], {{"setup_s", "n"}, {"solve_s", "n"}, {"verify_s", "n"}});
     expect_fields(row["counters"], {{"iterations", "n?"}, {"pivots", "n?"}, {"factorizations", "n?"}});

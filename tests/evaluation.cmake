@@ -3,8 +3,9 @@ lcpbench_test(evaluation LINK lcpbench_evaluation)
 lcpbench_test(island_evaluation LINK lcpbench_evaluation)
 lcpbench_test(backward_error LINK lcpbench_evaluation)
 lcpbench_test(truth LINK lcpbench_evaluation)
-lcpbench_test(verdict LINK lcpbench_evaluation SQLite::SQLite3)
+lcpbench_test(verdict LINK lcpbench_study SQLite::SQLite3)
 target_compile_definitions(verdict_test PRIVATE
+  LCPBENCH_VERDICTS_PAGE="${PROJECT_SOURCE_DIR}/docs/explanation/verdicts.md"
   LCPBENCH_VERDICTS_TABLE="${PROJECT_SOURCE_DIR}/tests/golden/verdicts.md")
 lcpbench_test(inspect LINK lcpbench_inspect lcpbench_generators nlohmann_json::nlohmann_json lcpbench_study)
 target_compile_definitions(inspect_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>"

@@ -26,7 +26,6 @@ TEST(EvaluationTest, ExactAnswersHaveNoError) {
 TEST(EvaluationTest, SlidingParticleLosesTheWorkWorkedOutByHand) {
   const Errors errors = evaluate(sliding_particle(), sliding_answer());
   EXPECT_EQ(errors.work_gain_j, -1.375);  // from 1/2 (4 + 1) to 1/2 (1.5^2)
-  EXPECT_EQ(errors.work_gain_relative, -0.55);
   EXPECT_EQ(errors.min_z, 0);
   EXPECT_TRUE(errors.criterion);
 }
@@ -51,9 +50,7 @@ TEST(EvaluationTest, ASmallErrorIsMeasuredExactly) {
     EXPECT_EQ(errors.velocity_residual_relative, std::abs(d) / 2);
     EXPECT_EQ(errors.solved, std::abs(d) / 2 <= kSolvedVelocityResidual);
     EXPECT_EQ(errors.violation_m_per_s, std::max(0.0, -d));
-    EXPECT_EQ(errors.violation_relative, std::max(0.0, -d) / 2);
     EXPECT_EQ(errors.complementarity_j, (2 + d) * d);
-    EXPECT_EQ(errors.complementarity_relative, d > 0 ? 1 : -1);
   }
 }
 
@@ -69,7 +66,6 @@ TEST(EvaluationTest, TheResidualComparesVelocitiesWithVelocities) {
   EXPECT_EQ(errors.velocity_residual_m_per_s, 0.125);
   EXPECT_EQ(errors.natural_residual, 0.5);
   EXPECT_EQ(errors.cone_violation, 0.5);
-  EXPECT_EQ(errors.cone_violation_relative, 0.125);
 }
 
 TEST(EvaluationTest, FrictionIgnoredPassesThePapersCriterionAndIsNotSolved) {
@@ -203,7 +199,6 @@ TEST(EvaluationTest, WorkIsTakenWithTheInertiaItselfAlsoWhereItIsSingular) {
   const Errors from_inverse = evaluate(Problem("inverse", frictionless(v, N, InverseInertia{Ginv})), vec({3}));
   EXPECT_TRUE(from_inverse.solved);
   EXPECT_EQ(from_inverse.work_gain_j, -4.5);  // z'q + 1/2 z'M z: all that G* alone tells
-  EXPECT_TRUE(std::isnan(from_inverse.work_gain_relative));
 }
 
 TEST(EvaluationTest, EveryFormOfTheInertiaGivesTheSameErrors) {
@@ -387,7 +382,7 @@ TEST(ReturnedVelocityTest, MustStayInTheRangeOfASingularInertia) {
   EXPECT_EQ(Evaluator(problem).errors(given).velocity_mismatch, 0.25);
 }
 
-TEST(ForwardErrorTest, IsTakenOfBothVelocities) {
+TEST(ForwardErrorTest, IsTakenOfTheVelocityThatZImplies) {
   Matrix G = Matrix::Identity(2, 2);
   G(0, 0) = 4;
   const Problem problem("particle", frictionless(vec({0, -2}), Matrix(vec({0, 1})), DenseInertia{G}));
@@ -396,11 +391,7 @@ TEST(ForwardErrorTest, IsTakenOfBothVelocities) {
   given.velocity = vec({0.25, 0});
   EXPECT_TRUE(std::isnan(evaluator.errors(given).forward_velocity));
   evaluator.set_certified_velocity(vec({0, 0}));
-  const Errors errors = evaluator.errors(given);
-  EXPECT_EQ(errors.forward_velocity, 0.25);
-  EXPECT_EQ(errors.forward_normal, 0.25);
-  EXPECT_EQ(errors.forward_velocity_returned, 0.25);  // sqrt(4) 1/4 over 2
-  EXPECT_EQ(errors.forward_normal_returned, 0);       // the normal direction does not see it
+  EXPECT_EQ(evaluator.errors(given).forward_velocity, 0.25);
   EXPECT_THROW(evaluator.set_certified_velocity(vec({0})), std::invalid_argument);
   EXPECT_THROW(evaluator.set_certified_velocity(vec({0, kNan})), std::invalid_argument);
   EXPECT_THROW(Evaluator(Problem("bare", Lcp{Matrix::Identity(2, 2), vec({1, 1})})).set_certified_velocity(vec({0, 0})),

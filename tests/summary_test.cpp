@@ -370,11 +370,7 @@ TEST(SummaryTest, ExpandedRowsOfTheStoreGiveTheCountsOfTheSummary) {
             made.store().database(),
             "SELECT COUNT(*) FROM judged_cells j JOIN solvers v ON v.id = j.solver_id "
             "WHERE v.name = ? AND v.sweep = ? AND j.settings = ? AND j.claim = ? AND j.verdict = ?");
-        query.bind(1, solver.name);
-        query.bind(2, solver.sweep);
-        query.bind(3, solver.settings);
-        query.bind(4, std::string_view(to_string(claim)));
-        query.bind(5, std::string_view(to_string(verdict)));
+        query.bind_all(solver.name, solver.sweep, solver.settings, to_string(claim), to_string(verdict));
         ASSERT_TRUE(query.step());
         EXPECT_EQ(query.integer(0), cell.count(claim, verdict)) << solver.text();
       }

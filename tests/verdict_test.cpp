@@ -106,6 +106,15 @@ TEST(VerdictTest, TheCodeFollowsTheTable) {
   }
 }
 
+TEST(VerdictTest, EveryMeasureIsDocumented) {
+  std::ifstream file(LCPBENCH_VERDICTS_PAGE);
+  std::ostringstream page;
+  page << file.rdbuf();
+  for (const Metric& metric : kMetrics) {
+    EXPECT_NE(page.str().find("| `" + std::string(metric.name) + "` | "), std::string::npos) << metric.name;
+  }
+}
+
 TEST(VerdictTest, PassingThePapersCriterionChangesNoVerdict) {
   for (const Claim claim : kClaims) {
     for (const Truth truth : {Truth::kUnknown, Truth::kSolvable, Truth::kUnsolvable}) {
@@ -123,7 +132,7 @@ class Database {
  public:
   Database() {
     EXPECT_EQ(sqlite3_open(":memory:", &handle_), SQLITE_OK);
-    run(kStoreSchema);
+    run(store_schema());
   }
   ~Database() { sqlite3_close(handle_); }
   Database(const Database&) = delete;

@@ -34,18 +34,13 @@ bool still_to_certify(const Statement& row, int column, const CertifyScope& scop
   return row.text(column) == "open" && row.real(column + 1) < scope.time_limit_s;
 }
 
-void bind_vector(Statement& insert, int parameter, Store& store, const Vector& vector) {
-  if (vector.size() == 0) {
-    insert.bind_null(parameter);
-    return;
-  }
+/// Adds a vector. @returns its id; none for one without entries
+std::optional<std::int64_t> keep(Store& store, const Vector& vector) {
+  if (vector.size() == 0) return std::nullopt;
   const std::string bytes = encode_vector(vector);
   const std::int64_t id = content_id(bytes);
-  Statement keep(store.database(), "INSERT OR IGNORE INTO vectors (id, data) VALUES (?, ?)");
-  keep.bind(1, id);
-  keep.bind_blob(2, bytes);
-  keep.run();
-  insert.bind(parameter, id);
+  Statement(store.database(), "INSERT OR IGNORE INTO vectors (id, data) VALUES (?, ?)").run(id, sqlite::Blob{bytes});
+  return id;
 }
 
 std::string insert_or_replace(const char* table, const char* columns) {
@@ -69,8 +64,7 @@ std::vector<CertifyTask> CertificateTable::pending(const CertifyScope& scope) {
                               "WHERE {} AND (NOT {} OR p.trial % ?2 = 0) ORDER BY p.trial, s.name, p.seed",
                               forward_errors_missing("p.id"), kInSets, kFrictional));
   const std::string sets = sets_parameter(scope);
-  query.bind(1, sets);
-  query.bind(2, scope.every);
+  query.bind_all(sets, scope.every);
   std::vector<CertifyTask> tasks;
   while (query.step()) {
     const bool certify = still_to_certify(query, 5, scope);
@@ -83,38 +77,21 @@ std::vector<CertifyTask> CertificateTable::pending(const CertifyScope& scope) {
 
 bool CertificateTable::has_proof(std::int64_t problem_id) {
   Statement query(store_.database(), "SELECT 1 FROM certificates WHERE problem_id = ? AND certificate <> 'open'");
-  query.bind(1, problem_id);
+  query.bind_all(problem_id);
   return query.step();
 }
 
 void CertificateTable::add(std::int64_t problem_id, const CertificateRow& row) {
-  Statement certificate(store_.database(), insert_or_replace("certificates",
-                                                             "problem_id, certificate, proof, velocity, "
-                                                             "velocity_unique, least_violation_m_per_s, detail"));
-  certificate.bind(1, problem_id);
-  certificate.bind(2, std::string_view(to_string(row.kind)));
-  certificate.bind(3, std::string_view(to_string(row.proof)));
-  bind_vector(certificate, 4, store_, row.velocity);
-  if (row.velocity_unique) {
-    certificate.bind(5, static_cast<std::int64_t>(*row.velocity_unique ? 1 : 0));
-  } else {
-    certificate.bind_null(5);
-  }
-  certificate.bind(6, row.least_violation_m_per_s);
-  certificate.bind(7, row.detail);
-  certificate.run();
-
-  Statement timing(store_.database(), insert_or_replace("certificate_timings", "problem_id, seconds, time_limit_s"));
-  timing.bind(1, problem_id);
-  timing.bind(2, row.seconds);
-  timing.bind(3, row.time_limit_s);
-  timing.run();
-
+  sqlite::Database& store = store_.database();
+  Statement(store, insert_or_replace("certificates",
+                                     "problem_id, certificate, proof, velocity, velocity_unique, "
+                                     "least_violation_m_per_s, detail"))
+      .run(problem_id, to_string(row.kind), to_string(row.proof), keep(store_, row.velocity), row.velocity_unique,
+           row.least_violation_m_per_s, row.detail);
+  Statement(store, insert_or_replace("certificate_timings", "problem_id, seconds, time_limit_s"))
+      .run(problem_id, row.seconds, row.time_limit_s);
   if (row.document.empty()) return;
-  Statement proof(store_.database(), insert_or_replace("proofs", "problem_id, document"));
-  proof.bind(1, problem_id);
-  proof.bind_blob(2, row.document);
-  proof.run();
+  Statement(store, insert_or_replace("proofs", "problem_id, document")).run(problem_id, sqlite::Blob{row.document});
 }
 
 void CertificateTable::add(std::int64_t problem_id, const std::vector<ForwardError>& errors) {
@@ -124,11 +101,7 @@ void CertificateTable::add(std::int64_t problem_id, const std::vector<ForwardErr
                                "WHERE problem_id = ?2 AND solver_id = ?3 AND part = ?4",
                                sqlite::row_checksum_of(store_.database(), "verdicts", "forward_velocity", "?1")));
   for (const ForwardError& error : errors) {
-    update.bind(1, error.forward_velocity);
-    update.bind(2, problem_id);
-    update.bind(3, error.solver_id);
-    update.bind(4, error.part);
-    update.run();
+    update.run(error.forward_velocity, problem_id, error.solver_id, error.part);
   }
 }
 
@@ -136,7 +109,7 @@ std::optional<Vector> CertificateTable::unique_velocity(std::int64_t problem_id)
   Statement query(store_.database(),
                   "SELECT v.data FROM certificates c JOIN vectors v ON v.id = c.velocity "
                   "WHERE c.problem_id = ? AND c.velocity_unique = 1");
-  query.bind(1, problem_id);
+  query.bind_all(problem_id);
   if (!query.step()) return std::nullopt;
   return decode_vector(query.blob(0));
 }
@@ -145,7 +118,7 @@ std::vector<ForwardError> CertificateTable::answers_without_forward_error(std::i
   Statement query(store_.database(),
                   "SELECT solver_id, part FROM verdicts WHERE problem_id = ? AND usable = 1 "
                   "AND forward_velocity IS NULL ORDER BY solver_id, part");
-  query.bind(1, problem_id);
+  query.bind_all(problem_id);
   std::vector<ForwardError> answers;
   while (query.step()) answers.push_back({query.integer(0), query.integer(1), kNone});
   return answers;
@@ -158,7 +131,7 @@ void CertificateTable::for_each_proof(const CertifyScope& scope,
                               "JOIN sets s ON s.id = p.set_id WHERE {} ORDER BY s.name, p.seed, p.trial",
                               kInSets));
   const std::string sets = sets_parameter(scope);
-  query.bind(1, sets);
+  query.bind_all(sets);
   while (query.step()) {
     std::string document;
     try {
@@ -186,22 +159,12 @@ std::vector<CertifiedSet> CertificateTable::counts(const CertifyScope& scope) {
                   "WHERE {} GROUP BY s.name ORDER BY s.name",
                   kFrictional, kInSets));
   const std::string sets = sets_parameter(scope);
-  query.bind(1, sets);
+  query.bind_all(sets);
   std::vector<CertifiedSet> counts;
   while (query.step()) {
     CertifiedSet set;
-    set.set = query.text(0);
-    set.frictional = query.integer(1) != 0;
-    std::int64_t CertifiedSet::*const fields[] = {&CertifiedSet::problems, &CertifiedSet::solution,
-                                                  &CertifiedSet::unsolvable, &CertifiedSet::open};
-    int column = 2;
-    for (const auto field : fields) set.*field = query.integer(column++);
-    set.seconds_mean = query.real(column++);
-    set.seconds_max = query.real(column++);
-    set.other_velocity = query.integer(column++);
-    set.answers = query.integer(column++);
-    set.verified = query.integer(column++);
-    set.forward = query.integer(column);
+    query.read(0, set.set, set.frictional, set.problems, set.solution, set.unsolvable, set.open, set.seconds_mean,
+               set.seconds_max, set.other_velocity, set.answers, set.verified, set.forward);
     counts.push_back(std::move(set));
   }
   return counts;
@@ -227,7 +190,7 @@ std::vector<std::string> CertificateTable::contradictions(const CertifyScope& sc
           "WHERE {1} AND c.certificate = 'unsolvable' AND p.theory = 'solvable' LIMIT {2}",
           kAnswerInWords, kInSets, kContradictionsShown));
   const std::string sets = sets_parameter(scope);
-  query.bind(1, sets);
+  query.bind_all(sets);
   std::vector<std::string> lines;
   while (query.step()) {
     lines.push_back(fmt::format("{} seed {} trial {}: {}", query.text(0), static_cast<std::uint64_t>(query.integer(1)),

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <exception>
 #include <limits>
 #include <map>
@@ -21,7 +20,6 @@
 namespace lcpbench {
 namespace {
 
-constexpr auto kProgressEvery = std::chrono::milliseconds(100);
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 using Sets = std::map<std::string, std::unique_ptr<const ProblemSet>>;
@@ -98,23 +96,6 @@ class Worker {
   std::vector<std::pair<Vector, double>> known_;  // answers to the problem at hand and their errors: many are equal
 };
 
-class Writer {
- public:
-  explicit Writer(Store& store) : transactions_(store), table_(store) {}
-
-  void add(const Result& result) {
-    transactions_.begin();
-    if (result.certificate) table_.add(result.problem_id, *result.certificate);
-    table_.add(result.problem_id, result.forward);
-  }
-  void commit_when_due() { transactions_.commit_when_due(); }
-  void commit() { transactions_.commit(); }
-
- private:
-  PacedTransactions transactions_;
-  CertificateTable table_;
-};
-
 Sets open_sets(const std::vector<CertifyTask>& tasks) {
   Sets sets;
   for (const CertifyTask& task : tasks) {
@@ -166,32 +147,30 @@ CertifyOutcome certify_store(Store& store, const CertifyRun& run) {
   outcome.total = static_cast<std::int64_t>(tasks.size());
 
   const int jobs = static_cast<int>(std::min(static_cast<std::size_t>(run.jobs), tasks.size()));
-  ResultExchange<Result> exchange(jobs);
+  ParallelWork<Result> work(store, jobs);
   std::atomic<std::size_t> next{0};
-  Writer writer(store);
-  ProducerThreads<Result> threads(exchange);
   for (int i = 0; i < jobs; ++i) {
-    threads.start([&] {
+    work.start([&] {
       Worker worker(run, store.file(), sets);
-      while (!exchange.stopped()) {
+      while (!work.exchange().stopped()) {
         const std::size_t task = next.fetch_add(1);
         if (task >= tasks.size()) break;
-        exchange.push(worker.work(tasks[task]));
+        work.exchange().push(worker.work(tasks[task]));
       }
     });
   }
-  while (!exchange.drained()) {
-    for (const Result& result : exchange.take(kProgressEvery)) {
-      writer.add(result);
-      ++outcome.done;
-    }
-    writer.commit_when_due();
+  CertificateTable table(store);
+  const auto write = [&](const Result& result) {
+    if (result.certificate) table.add(result.problem_id, *result.certificate);
+    table.add(result.problem_id, result.forward);
+    ++outcome.done;
+  };
+  const auto tell = [&] {
     if (run.on_progress) run.on_progress(outcome.done, outcome.total);
-    if (run.stop != nullptr && *run.stop != 0) exchange.stop();
-  }
-  threads.join();
-  writer.commit();
-  if (const std::exception_ptr error = exchange.error()) std::rethrow_exception(error);
+    return false;
+  };
+  work.run(run.stop, write, tell);
+  if (const std::exception_ptr error = work.exchange().error()) std::rethrow_exception(error);
   return outcome;
 }
 

@@ -1,5 +1,3 @@
-#include "study/certify/bare_certifier.h"
-
 #include <algorithm>
 #include <optional>
 #include <string>
@@ -8,6 +6,7 @@
 
 #include "study/certify/basis.h"
 #include "study/certify/branching.h"
+#include "study/certify/certifiers.h"
 #include "study/certify/enumerate.h"
 #include "study/certify/exact_checks.h"
 #include "study/certify/exact_lemke.h"

@@ -6,10 +6,9 @@
 #include <flint/flint.h>
 
 #include "core/error.h"
-#include "study/certify/bare_certifier.h"
 #include "study/certify/candidates.h"
 #include "study/certify/certificate.h"
-#include "study/certify/contact_certifier.h"
+#include "study/certify/certifiers.h"
 #include "study/certify/deadline.h"
 
 namespace lcpbench {
@@ -83,5 +82,26 @@ Certifier::Certifier(CertifyOptions options) : engine_(std::make_unique<Engine>(
 Certifier::~Certifier() = default;
 
 Certificate Certifier::certify(const Problem& problem) { return engine_->certify(problem); }
+
+const char* to_string(CertificateKind kind) {
+  switch (kind) {
+    case CertificateKind::kSolution: return "solution";
+    case CertificateKind::kUnsolvable: return "unsolvable";
+    case CertificateKind::kOpen: return "open";
+  }
+  return "";
+}
+
+const char* to_string(ProofKind proof) {
+  switch (proof) {
+    case ProofKind::kNone: return "none";
+    case ProofKind::kExactBasis: return "exact_basis";
+    case ProofKind::kFarkas: return "farkas";
+    case ProofKind::kLp: return "lp";
+    case ProofKind::kEnumeration: return "enumeration";
+    case ProofKind::kBranching: return "branching";
+  }
+  return "";
+}
 
 }  // namespace lcpbench

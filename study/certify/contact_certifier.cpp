@@ -1,5 +1,3 @@
-#include "study/certify/contact_certifier.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -7,9 +5,9 @@
 
 #include "study/certify/basis.h"
 #include "study/certify/branching.h"
-#include "study/certify/contact_modes.h"
+#include "study/certify/certifiers.h"
+#include "study/certify/contact_guesses.h"
 #include "study/certify/contact_truth.h"
-#include "study/certify/contact_variant.h"
 #include "study/certify/enumerate.h"
 #include "study/certify/exact_checks.h"
 #include "study/certify/exact_lemke.h"

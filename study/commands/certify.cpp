@@ -18,9 +18,8 @@
 #include "study/certificates/certify_store.h"
 #include "study/certificates/proof_document.h"
 #include "study/commands/commands.h"
-#include "study/commands/files.h"
 #include "study/commands/options.h"
-#include "study/commands/problem_text.h"
+#include "study/commands/problem_files.h"
 #include "study/commands/stores.h"
 #include "study/run/interrupt.h"
 #include "study/output/json_output.h"
@@ -362,7 +361,8 @@ Action add_certify_command(CLI::App& command, const std::string& command_line) {
   command.footer(
       "solution: one is proven to exist. unsolvable: proven to have none. open: neither. Proofs are exact, on the "
       "numbers of the file. A file that cannot be read does not stop the others; the exit code is then 2. With "
-      "--store: exit code 1 when an answer and a certificate contradict each other. See docs/explanation/certificates.md.");
+      "--store: exit code 1 when an answer and a certificate contradict each other. See "
+      "docs/explanation/certificates.md.");
   return [arguments] { return certify(*arguments); };
 }
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "study/commands/commands.h"
-#include "study/commands/files.h"
 #include "study/commands/options.h"
+#include "study/commands/problem_files.h"
 #include "study/inspect/inspection.h"
 #include "study/inspect/inspection_output.h"
 #include "study/run/interrupt.h"

@@ -75,10 +75,7 @@ std::vector<PlannedSolver> every_solver() {
   std::vector<PlannedSolver> solvers;
   for (const RegisteredSolver& solver : registered_solvers()) {
     if (needs_to_be_told(solver)) continue;
-    PlannedSolver planned;
-    planned.spec.name = solver.definition.name;
-    planned.optional = true;
-    solvers.push_back(std::move(planned));
+    solvers.push_back({.spec = {solver.definition.name, {}}, .optional = true});
   }
   return solvers;
 }
@@ -114,9 +111,7 @@ Plan make_plan(const Arguments& arguments) {
   if (!arguments.solvers.empty()) {
     plan.solvers.clear();
     for (const std::string& text : arguments.solvers) {
-      PlannedSolver solver;
-      solver.spec = canonical_solver_spec(parse_spec(text));
-      plan.solvers.push_back(std::move(solver));
+      plan.solvers.push_back({.spec = canonical_solver_spec(parse_spec(text))});
     }
   }
   if (!arguments.sweep.empty()) apply_sweep(arguments, plan);

@@ -10,12 +10,10 @@
 #include <fmt/format.h>
 
 #include "adapters/worker/worker_client.h"
-#include "study/run/answer_note.h"
-#include "study/certificates/settle.h"
+#include "study/certificates/judge.h"
 #include "study/commands/commands.h"
-#include "study/commands/files.h"
 #include "study/commands/options.h"
-#include "study/commands/problem_text.h"
+#include "study/commands/problem_files.h"
 #include "study/evaluation/evaluation.h"
 #include "study/output/explanation.h"
 #include "study/run/interrupt.h"
@@ -45,12 +43,10 @@ struct Arguments {
 struct Attempt {
   SolverRow solver;
   TimedAnswer timed;
-  Errors errors;
+  Judgement judgement;
   Truth truth = Truth::kUnknown;  ///< of the problem
   Verdict verdict = Verdict::kOpen;
-  bool proved_unsolvable = false;
   Vector velocity;
-  double verify_s = 0;
   std::string note;  ///< why there are no errors; "" when there are
   std::string why;   ///< why the verdict is not solved; "" when it is
 
@@ -90,8 +86,7 @@ class Solvers {
   std::map<std::string, std::unique_ptr<TimedSolver>> opened_;
 };
 
-Attempt attempt(const Problem& problem, const Spec& spec, TimedSolver& solver, Evaluator& evaluator,
-                double time_limit_s) {
+Attempt attempt(const Problem& problem, const Spec& spec, TimedSolver& solver, Judge& judge, double time_limit_s) {
   Attempt result;
   result.solver = solver_row(spec);
   TimedRequest request;
@@ -103,40 +98,31 @@ Attempt attempt(const Problem& problem, const Spec& spec, TimedSolver& solver, E
     solver.run(problem, request, result.timed);
   }
   const Answer& answer = result.timed.answer;
-  const double start = thread_cpu_clock_s();
-  result.errors = evaluator.errors(answer);
-  result.proved_unsolvable = answer.farkas.size() > 0 && evaluator.check_farkas(answer.farkas);
-  result.verify_s = thread_cpu_clock_s() - start;
+  result.judgement = judge.judgement(judge.judge(answer));
   result.note = why_without_errors(answer, problem.size());
   result.velocity = answer.velocity;
-  if (result.velocity.size() == 0 && problem.contact() != nullptr && result.errors.usable) {
+  if (result.velocity.size() == 0 && problem.contact() != nullptr && result.judgement.errors.usable) {
     result.velocity = post_impact_velocity(*problem.contact(), answer.z);
   }
   return result;
 }
 
-/// What is known of a problem, and how.
-struct Known {
-  Truth truth = Truth::kUnknown;
-  std::string because;  ///< "" where nothing is known
-};
-
-/// What theory, exact arithmetic and all answers together tell of the problem.
-Known known_of(const Problem& problem, const Evaluator& evaluator, const std::vector<Attempt>& attempts) {
+/// How the truth of the problem is known, in words; "" where it is not.
+std::string because(const Judge& judge, const std::vector<Attempt>& attempts) {
   const auto first = [&](auto holds) { return std::find_if(attempts.begin(), attempts.end(), holds); };
-  const auto proves = first([](const Attempt& a) { return a.proved_unsolvable; });
-  if (proves != attempts.end()) return {Truth::kUnsolvable, "the proof of " + proves->solver.text() + " is valid"};
-  if (evaluator.truth() == Truth::kSolvable) return {Truth::kSolvable, "by theory"};
-  const auto denies = first([](const Attempt& a) { return Settler::asked_by(a.timed.answer.claim, false); });
-  if (denies != attempts.end()) {
-    if (const auto certificate = Settler().settle(problem)) {
-      return {certificate->kind == CertificateKind::kUnsolvable ? Truth::kUnsolvable : Truth::kSolvable,
-              fmt::format("exact proof: {}", to_string(certificate->proof))};
+  const auto exact = [&] { return fmt::format("exact proof: {}", to_string(judge.certificate()->proof)); };
+  switch (judge.findings().truth()) {
+    case Truth::kUnknown: break;
+    case Truth::kUnsolvable: {
+      const auto proves = first([](const Attempt& a) { return a.judgement.proof_holds; });
+      return proves != attempts.end() ? "the proof of " + proves->solver.text() + " is valid" : exact();
     }
+    case Truth::kSolvable:
+      if (judge.findings().has(Evidence::kTheory)) return "by theory";
+      if (judge.certificate()) return exact();
+      return first([](const Attempt& a) { return a.judgement.errors.solved; })->solver.text() + " solved it";
   }
-  const auto solves = first([](const Attempt& a) { return a.errors.solved; });
-  if (solves != attempts.end()) return {Truth::kSolvable, solves->solver.text() + " solved it"};
-  return {};
+  return "";
 }
 
 /// Right answers first, then honest failures, then false claims, then refusals.
@@ -155,28 +141,28 @@ int rank(const Attempt& attempt) {
 
 /// A solver whose worker does not start has no row: stderr says why, and `all_started` becomes false. A `stop` that is
 /// raised leaves out the solvers that come later.
-std::vector<Attempt> attempts_on(const Problem& problem, Solvers& solvers, double time_limit_s,
+std::vector<Attempt> attempts_on(const Problem& problem, Solvers& solvers, Settler& settler, double time_limit_s,
                                  const volatile std::sig_atomic_t* stop, ProgressLine& progress, bool& all_started) {
-  Evaluator evaluator(problem);
+  Judge judge(problem, settler);
   std::vector<Attempt> attempts;
   for (const Spec& spec : solvers.choose(problem)) {
     if (*stop != 0) break;
     if (progress.is_on_terminal()) progress.show("solving with " + spec.text());
     try {
-      attempts.push_back(attempt(problem, spec, solvers.opened(spec), evaluator, time_limit_s));
+      attempts.push_back(attempt(problem, spec, solvers.opened(spec), judge, time_limit_s));
     } catch (const WorkerError& error) {
       all_started = false;
       say(stderr, "lcpbench: {}\n", error.what());
     }
   }
   progress.clear();
-  const Known known = known_of(problem, evaluator, attempts);
+  const std::string known_by = because(judge, attempts);
   for (Attempt& each : attempts) {
     const Answer& answer = each.timed.answer;
-    each.truth = known.truth;
-    each.verdict = verdict(answer.claim, each.errors, known.truth);
-    each.why =
-        why_not_solved(problem, {answer.claim, each.verdict, each.errors, answer.detail, each.note, known.because});
+    const Errors& errors = each.judgement.errors;
+    each.truth = judge.findings().truth();
+    each.verdict = verdict(answer.claim, errors, each.truth);
+    each.why = why_not_solved(problem, {answer.claim, each.verdict, errors, answer.detail, each.note, known_by});
   }
   std::stable_sort(attempts.begin(), attempts.end(), [](const Attempt& a, const Attempt& b) {
     return rank(a) != rank(b) ? rank(a) < rank(b) : a.time_s() < b.time_s();
@@ -184,9 +170,15 @@ std::vector<Attempt> attempts_on(const Problem& problem, Solvers& solvers, doubl
   return attempts;
 }
 
+Json errors_json(const Errors& errors) {
+  Json json = Json::object();
+  for (const Metric& metric : kMetrics) json[metric.name] = json_number(errors.*metric.value);
+  json["worst_row"] = errors.worst.row < 0 ? Json() : Json(errors.worst.row);
+  return json;
+}
+
 Json attempt_json(const Json& problem, const Attempt& attempt) {
   const Answer& answer = attempt.timed.answer;
-  const Errors& errors = attempt.errors;
   return {{"problem", problem},
           {"solver", attempt.solver.name},
           {"settings", attempt.solver.settings},
@@ -196,22 +188,11 @@ Json attempt_json(const Json& problem, const Attempt& attempt) {
           {"why", attempt.why},
           {"z", json_vector(answer.z)},
           {"velocity", json_vector(attempt.velocity)},
-          {"errors",
-           {{"velocity_residual_m_per_s", json_number(errors.velocity_residual_m_per_s)},
-            {"velocity_residual_relative", json_number(errors.velocity_residual_relative)},
-            {"natural_residual", json_number(errors.natural_residual)},
-            {"backward_componentwise", json_number(errors.backward_componentwise)},
-            {"backward_row_norm", json_number(errors.backward_row_norm)},
-            {"forward_velocity", json_number(errors.forward_velocity)},
-            {"violation_m_per_s", json_number(errors.violation_m_per_s)},
-            {"work_gain_j", json_number(errors.work_gain_j)},
-            {"complementarity_j", json_number(errors.complementarity_j)},
-            {"cone_violation", json_number(errors.cone_violation)},
-            {"worst_row", errors.worst.row < 0 ? Json() : Json(errors.worst.row)}}},
+          {"errors", errors_json(attempt.judgement.errors)},
           {"time",
            {{"setup_s", json_number(attempt.timed.times.setup_cpu_s)},
             {"solve_s", json_number(attempt.timed.times.solve_cpu_s)},
-            {"verify_s", json_number(attempt.verify_s)}}},
+            {"verify_s", json_number(attempt.judgement.verify_s)}}},
           {"counters",
            {{"iterations", json_count(answer.counters.iterations)},
             {"pivots", json_count(answer.counters.pivots)},
@@ -281,12 +262,12 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
                    {"detail", Align::kLeft, 5, 30}});
   for (const Attempt& each : attempts) {
     const SolveTimes& times = each.timed.times;
-    const Errors& errors = each.errors;
+    const Errors& errors = each.judgement.errors;
     table.add_row({each.solver.text(), to_string(each.timed.answer.claim), to_string(each.verdict),
                    format_error(contact ? errors.velocity_residual_relative : errors.backward_row_norm),
                    format_error(contact ? errors.violation_m_per_s : errors.natural_residual),
-                   format_seconds(times.setup_cpu_s), format_seconds(times.solve_cpu_s), format_seconds(each.verify_s),
-                   detail_of(each)});
+                   format_seconds(times.setup_cpu_s), format_seconds(times.solve_cpu_s),
+                   format_seconds(each.judgement.verify_s), detail_of(each)});
   }
   say(stdout, "{}", table.text(width));
   print_reasons(attempts, width);
@@ -299,11 +280,12 @@ int solve(const Arguments& arguments) {
   const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
   ProgressLine progress;
   Solvers solvers(arguments.solvers);
+  Settler settler;
   Json rows = Json::array();
   bool all_started = true;
   const auto visit = [&](const Problem& problem, const std::string& file) {
     bool started = true;
-    const auto attempts = attempts_on(problem, solvers, arguments.time_limit_s, stop, progress, started);
+    const auto attempts = attempts_on(problem, solvers, settler, arguments.time_limit_s, stop, progress, started);
     all_started = all_started && started;
     if (arguments.format == "json") {
       const Json described_problem = problem_summary_json(problem, file);

@@ -57,11 +57,7 @@ Plan make_plan(const Arguments& arguments) {
       if (runs_unasked(solver)) specs.push_back({solver.definition.name, {}});
     }
   }
-  for (const Spec& spec : specs) {
-    PlannedSolver planned;
-    planned.spec = canonical_solver_spec(spec);
-    plan.solvers.push_back(std::move(planned));
-  }
+  for (const Spec& spec : specs) plan.solvers.push_back({.spec = canonical_solver_spec(spec)});
   return plan;
 }
 

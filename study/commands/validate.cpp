@@ -78,28 +78,22 @@ std::filesystem::path make_own_folder(const char* name) {
   return pattern;
 }
 
-/// A new folder, deleted with all that it holds.
-class ScratchFolder {
- public:
-  ScratchFolder() : path_(make_own_folder("validate")) {}
-  ~ScratchFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
 /// A store for the answers of this run alone. Its files lose their names as soon as they are open, so that nothing is
 /// left behind however the program ends.
 Store nameless_store() {
-  const ScratchFolder folder;
-  return Store::open_for_writing(folder.path() / "answers.db");
+  const std::filesystem::path folder = make_own_folder("validate");
+  const auto remove = [&folder] {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder, ignored);
+  };
+  try {
+    Store store = Store::open_for_writing(folder / "answers.db");
+    remove();
+    return store;
+  } catch (...) {
+    remove();
+    throw;
+  }
 }
 
 void warn_without_references(const Study& study) {
@@ -150,17 +144,11 @@ std::vector<std::string> count_cells(const PairCounts& pair) {
 
 /// Each of ours against all of its references together.
 std::vector<PairCounts> over_all_references(const std::vector<PairCounts>& pairs) {
-  std::vector<PairCounts> sums;
   std::map<std::string, std::size_t> references;
-  for (const PairCounts& pair : pairs) {
-    auto known =
-        std::find_if(sums.begin(), sums.end(), [&](const PairCounts& sum) { return sum.native == pair.native; });
-    if (known == sums.end()) {
-      known = sums.insert(sums.end(), PairCounts{.set = "", .native = pair.native, .reference = ""});
-    }
-    for (std::size_t i = 0; i < pair.counts.size(); ++i) known->counts[i] += pair.counts[i];
-    known->reference = counted_noun(++references[pair.native], "reference");
-  }
+  for (const PairCounts& pair : pairs) ++references[pair.native];
+  std::vector<PairCounts> sums =
+      summed(pairs, [](const PairCounts& a, const PairCounts& b) { return a.native == b.native; });
+  for (PairCounts& sum : sums) sum.reference = counted_noun(references[sum.native], "reference");
   return sums;
 }
 

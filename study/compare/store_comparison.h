@@ -15,6 +15,9 @@ namespace lcpbench {
 enum class Tendency { kTie, kBetter, kWorse, kUnknown };
 const char* to_string(Tendency tendency);
 
+/// "lemke{engine=kernel}", "lemke (sweep paper)".
+std::string solver_text(const SolverRow& row);
+
 /// One solver parameterisation on one set in two stores, on the problems that it met in both with the same data.
 struct CellChange {
   std::string set;
@@ -67,6 +70,8 @@ struct StoreComparison {
   std::vector<std::string> missing;  ///< "set: solver" that only A has
   std::vector<std::string> added;    ///< that only B has
 
+  /// A count over all cells.
+  std::int64_t sum(std::int64_t CellChange::*count) const;
   bool regressed() const;
   bool slower() const;
 };

@@ -1,11 +1,29 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <span>
+#include <vector>
 
-#include "study/evaluation/island_rows.h"
+#include "core/islands.h"
 #include "study/evaluation/quad_lcp.h"
 
 namespace lcpbench {
+
+/// The rows of each island, ascending: RowIslands the other way round.
+class IslandRows {
+ public:
+  explicit IslandRows(const RowIslands& islands);
+
+  std::size_t count() const { return begin_.size() - 1; }
+  std::span<const std::size_t> rows(std::size_t island) const {
+    return std::span(rows_).subspan(begin_[island], begin_[island + 1] - begin_[island]);
+  }
+
+ private:
+  std::vector<std::size_t> begin_;
+  std::vector<std::size_t> rows_;
+};
 
 /// How a row's violation is measured against its data.
 enum class BackwardScale {

@@ -5,9 +5,9 @@
 #include <optional>
 #include <stdexcept>
 
+#include "core/timed_solve.h"
 #include "study/evaluation/backward_error.h"
 #include "study/evaluation/farkas.h"
-#include "study/evaluation/island_rows.h"
 
 namespace lcpbench {
 namespace {
@@ -75,7 +75,7 @@ struct ContactEvaluation {
   }
 
   void measure(const QuadVector& z, const QuadVector& v_plus, const QuadVector& w, Errors& errors);
-  void measure_returned(const Vector& velocity, const QuadVector& z, const QuadVector& v_plus, Errors& errors) const;
+  double velocity_mismatch(const Vector& velocity, const QuadVector& z, const QuadVector& v_plus) const;
   double forward_velocity(const QuadVector& velocity) const;
 
   const ContactProblem& problem;
@@ -89,11 +89,6 @@ struct ContactEvaluation {
   Quad island_scale(std::size_t island) const;
   Quad row_residual(std::size_t row, const QuadVector& z, const QuadVector& w);
   void measure_residual(const QuadVector& z, const QuadVector& w, Errors& errors);
-  Quad largest_normal_velocity(const QuadVector& velocity) const;
-  Quad mismatch(const QuadVector& velocity, const QuadVector& z, const QuadVector& v_plus) const;
-  void measure_work(const QuadVector& z, const QuadVector& v_plus, Errors& errors) const;
-  void measure_cone(const QuadVector& z, const QuadVector& w, Errors& errors) const;
-  double forward_normal(const QuadVector& velocity) const;
 };
 
 Quad ContactEvaluation::island_scale(std::size_t island) const {
@@ -138,68 +133,40 @@ void ContactEvaluation::measure_residual(const QuadVector& z, const QuadVector& 
   errors.velocity_residual_relative = to_double(rho);
 }
 
-Quad ContactEvaluation::largest_normal_velocity(const QuadVector& velocity) const {
-  Quad largest = 0;
-  for (std::size_t i = 0; i < lcp->contacts(); ++i) largest = std::max(largest, abs(lcp->project(i, velocity)));
-  return largest;
-}
-
-void ContactEvaluation::measure_work(const QuadVector& z, const QuadVector& v_plus, Errors& errors) const {
-  const QuadVector& v = lcp->velocity_before();
-  const QuadVector momentum =
-      inertia.has_inertia() ? inertia.apply(difference(v_plus, v)) : lcp->generalized_impulse(z);
-  const Quad work = dot(momentum, sum(v_plus, v)) / 2;
-  errors.work_gain_j = to_double(work);
-  if (inertia.has_inertia()) errors.work_gain_relative = to_double(quotient(work, dot(v, inertia.apply(v)) / 2));
-}
-
-void ContactEvaluation::measure_cone(const QuadVector& z, const QuadVector& w, Errors& errors) const {
-  Quad violation = 0;
-  for (std::size_t i = lcp->impulses(); i < lcp->size(); ++i) violation = std::max(violation, -w[i]);
-  Quad largest_impulse = 0;
-  for (std::size_t i = 0; i < lcp->impulses(); ++i) largest_impulse = std::max(largest_impulse, abs(z[i]));
-  errors.cone_violation = to_double(violation);
-  errors.cone_violation_relative = to_double(quotient(violation, largest_impulse));
-}
-
 void ContactEvaluation::measure(const QuadVector& z, const QuadVector& v_plus, const QuadVector& w, Errors& errors) {
   measure_residual(z, w, errors);
   Quad violation = 0;
   for (std::size_t i = 0; i < lcp->contacts(); ++i) violation = std::max(violation, -w[i]);
   errors.violation_m_per_s = to_double(violation);
-  errors.violation_relative = to_double(quotient(violation, largest_normal_velocity(lcp->velocity_before())));
-  measure_work(z, v_plus, errors);
-  measure_cone(z, w, errors);
+  Quad cone_violation = 0;
+  for (std::size_t i = lcp->impulses(); i < lcp->size(); ++i) cone_violation = std::max(cone_violation, -w[i]);
+  errors.cone_violation = to_double(cone_violation);
+  const QuadVector& v = lcp->velocity_before();
+  const QuadVector momentum =
+      inertia.has_inertia() ? inertia.apply(difference(v_plus, v)) : lcp->generalized_impulse(z);
+  errors.work_gain_j = to_double(dot(momentum, sum(v_plus, v)) / 2);
   errors.forward_velocity = forward_velocity(v_plus);
-  errors.forward_normal = forward_normal(v_plus);
 
   errors.solved =
       errors.velocity_residual_relative <= kSolvedVelocityResidual && std::isfinite(errors.velocity_residual_m_per_s);
   errors.criterion = errors.work_gain_j < kCriterionWork && errors.violation_m_per_s < kCriterionViolation;
 }
 
-Quad ContactEvaluation::mismatch(const QuadVector& velocity, const QuadVector& z, const QuadVector& v_plus) const {
+double ContactEvaluation::velocity_mismatch(const Vector& returned, const QuadVector& z,
+                                            const QuadVector& v_plus) const {
+  if (returned.size() == 0) return Errors::kNone;
+  if (returned.size() != problem.ngc() || !returned.allFinite()) return std::numeric_limits<double>::infinity();
+  const QuadVector velocity = quad(returned);
   const QuadVector& v = lcp->velocity_before();
   const QuadVector speeds = sum(magnitudes(velocity), magnitudes(v));
   const QuadVector impulse_scale = lcp->generalized_impulse_scale(z);
   const QuadVector apart = difference(velocity, v_plus);
-  if (!inertia.has_inertia()) return largest_quotient(apart, sum(speeds, inertia.scale(impulse_scale)));
+  if (!inertia.has_inertia()) {
+    return to_double(largest_quotient(apart, sum(speeds, inertia.scale(impulse_scale))));
+  }
   const Quad in_range = largest_quotient(inertia.apply(apart), sum(inertia.scale(speeds), impulse_scale));
   const Quad outside = max_abs(inertia.outside_range(difference(velocity, v)));
-  return std::max(in_range, quotient(outside, max_abs(velocity) + max_abs(v)));
-}
-
-void ContactEvaluation::measure_returned(const Vector& velocity, const QuadVector& z, const QuadVector& v_plus,
-                                         Errors& errors) const {
-  if (velocity.size() == 0) return;
-  if (velocity.size() != problem.ngc() || !velocity.allFinite()) {
-    errors.velocity_mismatch = std::numeric_limits<double>::infinity();
-    return;
-  }
-  const QuadVector returned = quad(velocity);
-  errors.velocity_mismatch = to_double(mismatch(returned, z, v_plus));
-  errors.forward_velocity_returned = forward_velocity(returned);
-  errors.forward_normal_returned = forward_normal(returned);
+  return to_double(std::max(in_range, quotient(outside, max_abs(velocity) + max_abs(v))));
 }
 
 double ContactEvaluation::forward_velocity(const QuadVector& velocity) const {
@@ -207,12 +174,6 @@ double ContactEvaluation::forward_velocity(const QuadVector& velocity) const {
   const QuadVector apart = difference(velocity, *v_star);
   const QuadVector& v = lcp->velocity_before();
   return to_double(quotient(sqrt(dot(apart, inertia.apply(apart))), sqrt(dot(v, inertia.apply(v)))));
-}
-
-double ContactEvaluation::forward_normal(const QuadVector& velocity) const {
-  if (!v_star) return Errors::kNone;
-  return to_double(quotient(largest_normal_velocity(difference(velocity, *v_star)),
-                            largest_normal_velocity(lcp->velocity_before())));
 }
 
 struct Evaluator::Data {
@@ -254,14 +215,9 @@ Errors Evaluator::errors(const Answer& answer) {
   if (!all_finite(w) || !all_finite(u)) return errors;
 
   Quad natural = 0;
-  Quad magnitude = 0;
-  for (std::size_t i = 0; i < z.size(); ++i) {
-    natural = std::max(natural, abs(std::min(z[i], w[i])));
-    magnitude += abs(z[i] * w[i]);
-  }
+  for (std::size_t i = 0; i < z.size(); ++i) natural = std::max(natural, abs(std::min(z[i], w[i])));
   errors.natural_residual = to_double(natural);
   errors.complementarity_j = to_double(dot(z, w));
-  errors.complementarity_relative = to_double(quotient(dot(z, w), magnitude));
   errors.min_z = z.empty() ? 0 : answer.z.minCoeff();
   const IslandRows& islands = data_->islands();
   const BackwardError row_norm = mixed_backward_error(*lcp, z, BackwardScale::kRowNorm, islands);
@@ -270,7 +226,7 @@ Errors Evaluator::errors(const Answer& answer) {
   errors.backward_row_norm = to_double(row_norm.error);
   if (data_->contact) {
     data_->contact->measure(z, u, w, errors);
-    data_->contact->measure_returned(answer.velocity, z, u, errors);
+    errors.velocity_mismatch = data_->contact->velocity_mismatch(answer.velocity, z, u);
   } else {
     errors.solved = errors.backward_row_norm <= kSolvedBackwardError;
     if (row_norm.row) {
@@ -280,6 +236,15 @@ Errors Evaluator::errors(const Answer& answer) {
     }
   }
   return errors;
+}
+
+Judgement Evaluator::judge(const Answer& answer) {
+  Judgement judgement;
+  const double start = thread_cpu_clock_s();
+  judgement.errors = errors(answer);
+  judgement.proof_holds = answer.farkas.size() > 0 && check_farkas(answer.farkas);
+  judgement.verify_s = thread_cpu_clock_s() - start;
+  return judgement;
 }
 
 double Evaluator::forward_velocity(const Answer& answer) {

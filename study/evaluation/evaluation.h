@@ -1,8 +1,10 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string_view>
 
 #include "core/solver.h"
@@ -46,34 +48,58 @@ struct Errors {
   /// the largest error of forming a q_i in double, (k_i + 1) (2^-53 |J_i|'|v| + 2^-1074) with k_i nonzero entries in
   /// J_i.
   double velocity_residual_relative = kNone;
-  double natural_residual = kNone;           ///< max |min(z_i, w_i)|: mixes units; for comparison with other studies
-  double backward_componentwise = kNone;     ///< eta_mix, componentwise scale, of the worst island
-  double backward_row_norm = kNone;          ///< eta_mix, row-norm scale, of the worst island
-  double forward_velocity = kNone;           ///< ||v+ - v*||_G / ||v||_G; NaN where no v*, or no G, is known
-  double forward_normal = kNone;             ///< max|N'(v+ - v*)| / max|N'v|
-  double forward_velocity_returned = kNone;  ///< as forward_velocity, of the velocity that the solver returned
-  double forward_normal_returned = kNone;    ///< as forward_normal, of the velocity that the solver returned
+  double natural_residual = kNone;        ///< max |min(z_i, w_i)|: mixes units; for comparison with other studies
+  double backward_componentwise = kNone;  ///< eta_mix, componentwise scale, of the worst island
+  double backward_row_norm = kNone;       ///< eta_mix, row-norm scale, of the worst island
+  double forward_velocity = kNone;        ///< ||v+ - v*||_G / ||v||_G; NaN where no v*, or no G, is known
   /// How far the returned velocity u is from what z implies: the largest |G (u - v) - J f|_i relative to
   /// (|G| (|u| + |v|) + |J| f)_i, the scale of rounding in it. 1e-16 is rounding; above 1e-9 u and z are two answers.
   /// Singular G: G (v+ - v) stands for J f, and the part of u - v outside the range of G, relative to max|u| + max|v|,
   /// counts too. Only G* known: |u - v - G* J f|_i relative to (|u| + |v| + |G*| |J| f)_i.
   /// NaN where no velocity came back; infinity for a velocity of another length or not finite.
   double velocity_mismatch = kNone;
-  double violation_m_per_s = kNone;   ///< max(0, -min N'v+)
-  double violation_relative = kNone;  ///< violation / max|N'v|
+  double violation_m_per_s = kNone;  ///< max(0, -min N'v+)
   /// 1/2 (v+ - v)'G (v+ + v), with G itself: for a singular G this is not z'q + 1/2 z'M z.
   /// Where only G* is known, G (v+ - v) is replaced by J f, which is the same unless G* is singular.
   double work_gain_j = kNone;
-  double work_gain_relative = kNone;        ///< work gain / kinetic energy 1/2 v'G v; NaN where only G* is known
-  double complementarity_j = kNone;         ///< z'w
-  double complementarity_relative = kNone;  ///< z'w / sum |z_i w_i|, within [-1, 1]
-  double cone_violation = kNone;            ///< max over contacts of max(0, sum f_D - mu f_N) [N s]
-  double cone_violation_relative = kNone;   ///< cone violation / largest |impulse|
-  double min_z = kNone;                     ///< 0 for n = 0
-  WorstRow worst;                           ///< of rho; of the row-norm backward error for bare LCPs
-  bool usable = false;                      ///< z is finite and of the right length
-  bool solved = false;     ///< rho <= 1e-4 (bare LCP: backward_row_norm <= 1e-9), and r (eta) is no overflow
+  double complementarity_j = kNone;  ///< z'w
+  double cone_violation = kNone;     ///< max over contacts of max(0, sum f_D - mu f_N) [N s]
+  double min_z = kNone;              ///< 0 for n = 0
+  WorstRow worst;                    ///< of rho; of the row-norm backward error for bare LCPs
+  bool usable = false;               ///< z is finite and of the right length
+  bool solved = false;               ///< rho <= 1e-4 (bare LCP: backward_row_norm <= 1e-9), and r (eta) is no overflow
   bool criterion = false;  ///< passes the paper's criterion: no test of sign, cone, complementarity (contact only)
+};
+
+/// One measure of an answer.
+struct Metric {
+  const char* name;  ///< key of `errors` in `solve --format json`, and column of `verdicts`
+  double Errors::*value;
+  bool stored = true;  ///< it has a column
+};
+
+/// Every measure, in the order of the columns; the member says what it is. Whatever writes, reads, merges or prints all
+/// of them goes through this table. One more that is stored is another format of the store.
+inline constexpr std::array kMetrics{
+    Metric{"velocity_residual_m_per_s", &Errors::velocity_residual_m_per_s},
+    Metric{"velocity_residual_relative", &Errors::velocity_residual_relative},
+    Metric{"natural_residual", &Errors::natural_residual},
+    Metric{"backward_componentwise", &Errors::backward_componentwise},
+    Metric{"backward_row_norm", &Errors::backward_row_norm},
+    Metric{"forward_velocity", &Errors::forward_velocity},
+    Metric{"violation_m_per_s", &Errors::violation_m_per_s},
+    Metric{"work_gain_j", &Errors::work_gain_j},
+    Metric{"complementarity_j", &Errors::complementarity_j},
+    Metric{"cone_violation", &Errors::cone_violation},
+    Metric{"min_z", &Errors::min_z},
+    Metric{"velocity_mismatch", &Errors::velocity_mismatch, false},
+};
+
+/// What one answer shows by itself.
+struct Judgement {
+  Errors errors;
+  bool proof_holds = false;  ///< it came with a proof that the problem has no solution, and the proof is valid
+  double verify_s = 0;       ///< thread CPU time that finding this out took
 };
 
 /// What is known of a problem whoever solved it.
@@ -82,7 +108,41 @@ enum class Truth { kUnknown, kSolvable, kUnsolvable };
 /// "unknown", "solvable", "unsolvable".
 const char* to_string(Truth truth);
 
-/// What an answer is. The order of the enum is the order in which verdict() asks.
+/// What a problem's truth can be known by.
+enum class Evidence {
+  kCertifiedUnsolvable,
+  kValidProof,  ///< that came with an answer
+  kTheory,      ///< see Evaluator::truth
+  kCertifiedSolution,
+  kSolvedAnswer,
+};
+
+/// The rule of truth: the first line that there is evidence of decides. The view `truths` of a store is made of it.
+struct TruthRule {
+  Evidence evidence;
+  Truth truth;
+};
+
+inline constexpr std::array kTruthRules{
+    TruthRule{Evidence::kCertifiedUnsolvable, Truth::kUnsolvable}, TruthRule{Evidence::kValidProof, Truth::kUnsolvable},
+    TruthRule{Evidence::kTheory, Truth::kSolvable}, TruthRule{Evidence::kCertifiedSolution, Truth::kSolvable},
+    TruthRule{Evidence::kSolvedAnswer, Truth::kSolvable}};
+
+/// The evidence about one problem.
+class Findings {
+ public:
+  void add(Evidence evidence) { found_.set(static_cast<std::size_t>(evidence)); }
+  /// What the answer adds.
+  void add(const Judgement& judgement);
+  bool has(Evidence evidence) const { return found_.test(static_cast<std::size_t>(evidence)); }
+  /// By the rule.
+  Truth truth() const;
+
+ private:
+  std::bitset<kTruthRules.size()> found_;
+};
+
+/// What an answer is.
 enum class Verdict {
   kSolved,      ///< passes, and no proof says that the problem has no solution
   kWrong,       ///< claimed solved and is not: a false claim
@@ -91,6 +151,24 @@ enum class Verdict {
   kMissed,      ///< no answer, and the problem is known to have a solution
   kOpen,        ///< no answer, and nobody knows whether there is one
 };
+
+/// The rule of verdicts: the first line whose conditions all hold decides. docs/explanation/verdicts.md spells out
+/// every combination of claim, truth and errors; the view `judged` of a store is made of these lines.
+struct VerdictRule {
+  Verdict verdict;
+  bool passes = false;  ///< asks for Errors::solved
+  std::optional<Claim> claim = std::nullopt;
+  std::optional<Truth> truth = std::nullopt;
+  std::optional<Truth> truth_is_not = std::nullopt;
+};
+
+inline constexpr std::array kVerdictRules{
+    VerdictRule{.verdict = Verdict::kSolved, .passes = true, .truth_is_not = Truth::kUnsolvable},
+    VerdictRule{.verdict = Verdict::kWrong, .claim = Claim::kSolved},
+    VerdictRule{.verdict = Verdict::kUnsolvable, .truth = Truth::kUnsolvable},
+    VerdictRule{.verdict = Verdict::kRefused, .claim = Claim::kUnsupported},
+    VerdictRule{.verdict = Verdict::kMissed, .truth = Truth::kSolvable},
+    VerdictRule{.verdict = Verdict::kOpen}};
 
 inline constexpr std::size_t kVerdicts = 6;
 
@@ -104,8 +182,7 @@ const char* to_string(Verdict verdict);
 /// The inverse of to_string. @throws InputError for any other word.
 Verdict parse_verdict(std::string_view text);
 
-/// The verdict on an answer. Every combination of claim, truth and errors is fixed by the table in
-/// docs/explanation/verdicts.md.
+/// The verdict on an answer, by the rule.
 /// @param truth  kSolvable also when another solver's answer was found solved.
 Verdict verdict(Claim claim, const Errors& errors, Truth truth);
 
@@ -118,6 +195,8 @@ class Evaluator {
 
   /// Every measure of the answer's z and of its velocity.
   Errors errors(const Answer& answer);
+  /// The measures, the check of the answer's proof, and how long that took.
+  Judgement judge(const Answer& answer);
 
   /// Makes known the certified post-impact velocity v* (ngc): errors() then gives the forward errors too. It is for the
   /// caller to know that v* is the only one (frictionless, positive definite G).

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <string>
 
 #include "core/error.h"
@@ -33,12 +34,24 @@ Verdict parse_verdict(std::string_view text) {
   throw InputError("unknown verdict '" + std::string(text) + "'");
 }
 
+void Findings::add(const Judgement& judgement) {
+  if (judgement.proof_holds) add(Evidence::kValidProof);
+  if (judgement.errors.solved) add(Evidence::kSolvedAnswer);
+}
+
+Truth Findings::truth() const {
+  for (const TruthRule& rule : kTruthRules) {
+    if (has(rule.evidence)) return rule.truth;
+  }
+  return Truth::kUnknown;
+}
+
 Verdict verdict(Claim claim, const Errors& errors, Truth truth) {
-  if (errors.solved && truth != Truth::kUnsolvable) return Verdict::kSolved;
-  if (claim == Claim::kSolved) return Verdict::kWrong;
-  if (truth == Truth::kUnsolvable) return Verdict::kUnsolvable;
-  if (claim == Claim::kUnsupported) return Verdict::kRefused;
-  return truth == Truth::kSolvable ? Verdict::kMissed : Verdict::kOpen;
+  const auto fits = [&](const VerdictRule& rule) {
+    return (errors.solved || !rule.passes) && claim == rule.claim.value_or(claim) &&
+           truth == rule.truth.value_or(truth) && truth != rule.truth_is_not;
+  };
+  return std::find_if(kVerdictRules.begin(), kVerdictRules.end(), fits)->verdict;  // the last line fits all
 }
 
 }  // namespace lcpbench

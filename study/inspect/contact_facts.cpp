@@ -238,34 +238,6 @@ void add_dense(const ContactProblem& problem, ContactFacts& facts) {
   add_columns(N, inertia, facts);
 }
 
-/// Joins the rows of each column's nonzero entries.
-void join_rows(const Matrix& A, Index offset, Components& joined) {
-  for (Index j = 0; j < A.cols(); ++j) {
-    Index first = -1;
-    for (Index i = 0; i < A.rows(); ++i) {
-      if (A(i, j) == 0) continue;
-      if (first >= 0) joined.join(offset + first, offset + i);
-      first = i;
-    }
-  }
-}
-
-void join_inertia(const Inertia& inertia, Components& joined) {
-  if (const auto* blocks = std::get_if<BlockInertia>(&inertia)) {
-    Index at = 0;
-    for (const Matrix& block : blocks->blocks) {
-      join_rows(block, at, joined);
-      at += block.rows();
-    }
-  } else if (const auto* dense = std::get_if<DenseInertia>(&inertia)) {
-    join_rows(dense->G, 0, joined);
-  } else if (const auto* factors = std::get_if<FactoredInertia>(&inertia)) {
-    join_rows(factors->X, 0, joined);
-  } else {
-    join_rows(std::get<InverseInertia>(inertia).Ginv, 0, joined);
-  }
-}
-
 }  // namespace
 
 std::vector<Index> independent_rows(const ContactProblem& problem) {
@@ -279,34 +251,12 @@ std::vector<Index> independent_rows(const ContactProblem& problem) {
   return rows;
 }
 
-std::pair<Index, Index> contact_islands(const ContactProblem& problem) {
-  const Index ngc = problem.ngc();
-  Components joined(ngc + problem.nc());
-  join_inertia(problem.inertia, joined);
-  const auto join_columns = [&](const Jacobian& J, const auto& contact_of) {
-    const SparseMatrix sparse = to_sparse(J);
-    for (Index j = 0; j < sparse.cols(); ++j) {
-      for (SparseMatrix::InnerIterator entry(sparse, j); entry; ++entry) joined.join(ngc + contact_of(j), entry.row());
-    }
-  };
-  const ContactLayout layout = contact_layout(problem);
-  join_columns(problem.N, [](Index j) { return j; });
-  join_columns(problem.D, [&](Index j) {
-    const auto next = std::upper_bound(layout.friction_begin.begin(), layout.friction_begin.end(), j);
-    return static_cast<Index>(next - layout.friction_begin.begin()) - 1;
-  });
-  std::vector<Index> contacts(static_cast<std::size_t>(ngc + problem.nc()), 0);
-  for (Index i = 0; i < problem.nc(); ++i) ++contacts[static_cast<std::size_t>(joined.root(ngc + i))];
-  const Index islands = static_cast<Index>(contacts.size()) - std::count(contacts.begin(), contacts.end(), Index{0});
-  return {islands, contacts.empty() ? 0 : *std::max_element(contacts.begin(), contacts.end())};
-}
-
 ContactFacts contact_facts(const ContactProblem& problem) {
   ContactFacts facts;
   facts.inertia = kind_of(problem.inertia);
   add_friction(problem, facts);
   add_bodies(problem, facts);
-  std::tie(facts.islands, facts.largest_island) = contact_islands(problem);
+  std::tie(facts.islands, facts.largest_island) = island_sizes(row_islands(problem), problem.nc());
   if (problem.ngc() <= kLargestDense && lcp_size(problem) <= kLargestDense) add_dense(problem, facts);
   return facts;
 }

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <numeric>
+#include <tuple>
+#include <vector>
 
 namespace lcpbench {
 namespace {
@@ -60,17 +60,6 @@ void add_sizes(const Matrix& M, MatrixFacts& facts) {
   }
 }
 
-void add_islands(const Matrix& M, MatrixFacts& facts) {
-  Components blocks(M.rows());
-  for (Index j = 0; j < M.cols(); ++j) {
-    for (Index i = 0; i < M.rows(); ++i) {
-      if (M(i, j) != 0) blocks.join(i, j);
-    }
-  }
-  facts.islands = blocks.count();
-  facts.largest_island = blocks.largest();
-}
-
 /// Semidefinite or without a negative entry: copositive. A negative value on one or two coordinates: not.
 void add_classes(const Matrix& M, MatrixFacts& facts) {
   facts.z_matrix = is_z_matrix(M);
@@ -90,36 +79,12 @@ Matrix symmetric_part(const Matrix& M, const std::vector<Index>& rows) {
 
 }  // namespace
 
-Components::Components(Index count) : parent_(static_cast<std::size_t>(count)) {
-  std::iota(parent_.begin(), parent_.end(), Index{0});
-}
-
-Index Components::root(Index a) const {
-  while (parent_[static_cast<std::size_t>(a)] != a) a = parent_[static_cast<std::size_t>(a)];
-  return a;
-}
-
-void Components::join(Index a, Index b) {
-  const Index low = std::min(root(a), root(b));
-  const Index high = std::max(root(a), root(b));
-  parent_[static_cast<std::size_t>(high)] = low;
-  parent_[static_cast<std::size_t>(a)] = low;  // short paths: the next search from here is one step
-  parent_[static_cast<std::size_t>(b)] = low;
-}
-
-Index Components::count() const {
-  Index count = 0;
-  for (std::size_t i = 0; i < parent_.size(); ++i) count += parent_[i] == static_cast<Index>(i) ? 1 : 0;
-  return count;
-}
-
-Index Components::largest() const {
-  std::map<Index, Index> sizes;
-  Index largest = 0;
-  for (std::size_t i = 0; i < parent_.size(); ++i) {
-    largest = std::max(largest, ++sizes[root(static_cast<Index>(i))]);
+std::pair<Index, Index> island_sizes(const RowIslands& islands, Index rows) {
+  std::vector<Index> sizes(static_cast<std::size_t>(islands.count), 0);
+  for (Index row = 0; row < rows; ++row) {
+    ++sizes[static_cast<std::size_t>(islands.of_row[static_cast<std::size_t>(row)])];
   }
-  return largest;
+  return {islands.count, sizes.empty() ? 0 : *std::max_element(sizes.begin(), sizes.end())};
 }
 
 MatrixFacts matrix_facts(const Lcp& lcp, const std::vector<Index>& independent) {
@@ -137,7 +102,7 @@ MatrixFacts matrix_facts(const Lcp& lcp, const std::vector<Index>& independent) 
   facts.impossible_rows_negated = impossible_rows(-lcp.M, lcp.q);
   facts.cone_rows = count_cones(lcp.M);
   facts.cone_rows_transposed = count_cones(lcp.M.transpose());
-  add_islands(lcp.M, facts);
+  std::tie(facts.islands, facts.largest_island) = island_sizes(row_islands(lcp.M), lcp.M.rows());
   return facts;
 }
 

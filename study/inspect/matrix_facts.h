@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/islands.h"
 #include "study/inspect/inspection.h"
 
 namespace lcpbench {
@@ -11,17 +12,7 @@ MatrixFacts matrix_facts(const Lcp& lcp, const std::vector<Index>& independent);
 /// Facts of q, or of its first `rows` entries. @param M  empty where it is not formed
 VelocityFacts velocity_facts(const Vector& q, Index rows, const Matrix& M);
 
-/// Groups of indices that are joined: the number of groups and the size of the largest.
-class Components {
- public:
-  explicit Components(Index count);
-  void join(Index a, Index b);
-  Index count() const;
-  Index largest() const;
-  Index root(Index a) const;
-
- private:
-  std::vector<Index> parent_;
-};
+/// The number of islands, and how many of the first `rows` rows are in the one that has most of these.
+std::pair<Index, Index> island_sizes(const RowIslands& islands, Index rows);
 
 }  // namespace lcpbench

@@ -88,6 +88,16 @@ std::string missed_or_open(const Problem& problem, const JudgedAnswer& answer) {
 
 }  // namespace
 
+std::string why_without_errors(const Answer& answer, Index n) {
+  if (answer.z.size() == 0 && n > 0) {
+    return answer.claim == Claim::kSolved || answer.detail.empty() ? "no z returned" : "";
+  }
+  if (answer.z.size() != n) {
+    return "z has " + std::to_string(answer.z.size()) + " entries, expected " + std::to_string(n);
+  }
+  return answer.z.allFinite() ? "" : "z is not finite";
+}
+
 std::string why_not_solved(const Problem& problem, const JudgedAnswer& answer) {
   switch (answer.verdict) {
     case Verdict::kSolved: return "";

@@ -7,6 +7,10 @@
 
 namespace lcpbench {
 
+/// Why an answer to a problem of n unknowns has no errors, in one clause; "" when its z is finite and has n entries. An
+/// answer without z is worth a word only where the solver claims to have solved, or says nothing else.
+std::string why_without_errors(const Answer& answer, Index n);
+
 /// One answer, its verdict, and what the verdict rests on.
 struct JudgedAnswer {
   Claim claim = Claim::kNumericalFailure;

@@ -4,13 +4,11 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
 #include <numeric>
 #include <span>
-#include <unordered_map>
 #include <unordered_set>
 #include <utility>
-
-#include "core/error.h"
 
 namespace lcpbench {
 
@@ -31,7 +29,7 @@ struct Row {
   std::int64_t problem = 0;
   std::int64_t seed = 0;
   std::int64_t trial = 0;
-  const std::vector<std::uint32_t>* cells = nullptr;  ///< parameterisations that gave it
+  std::shared_ptr<const std::vector<std::uint32_t>> cells;  ///< parameterisations that gave it
   Claim claim = Claim::kNumericalFailure;
   Verdict verdict = Verdict::kOpen;
   bool criterion = false;
@@ -47,9 +45,6 @@ struct Row {
   double time_s() const { return times.setup_cpu + times.solve_cpu; }
   std::size_t half() const { return static_cast<std::size_t>(trial & 1); }
 };
-
-/// The cells of each group, by the group's id.
-using CellGroups = std::unordered_map<std::int64_t, std::vector<std::uint32_t>>;
 
 bool asks_for_ill_conditioning(const std::string& set) {
   return set.find("exp5-") != std::string::npos || set.find("exp6-") != std::string::npos ||
@@ -98,67 +93,39 @@ std::unordered_set<std::int64_t> read_unique_velocities(sqlite::Database& store,
   sqlite::Statement query(store,
                           "SELECT c.problem_id FROM certificates c JOIN problems p ON p.id = c.problem_id"
                           " WHERE p.set_id = ? AND c.velocity_unique = 1 AND c.velocity IS NOT NULL");
-  query.bind(1, set_id);
+  query.bind_all(set_id);
   while (query.step()) problems.insert(query.integer(0));
   return problems;
 }
 
-CellGroups read_groups(sqlite::Database& store) {
-  sqlite::Statement query(store, "SELECT group_id, cell FROM cell_groups ORDER BY group_id, cell");
-  CellGroups groups;
-  while (query.step()) groups[query.integer(0)].push_back(static_cast<std::uint32_t>(query.integer(1)));
-  return groups;
-}
-
-/// @throws InputError when the answer's group is not one of this solver's cells.
-const std::vector<std::uint32_t>& cells_of(const CellGroups& groups, std::int64_t group, std::size_t solver_cells,
-                                           const sqlite::Database& store) {
-  const auto found = groups.find(group);
-  if (found == groups.end() || found->second.back() >= solver_cells) {
-    throw InputError(store.file().string() + ": the store is damaged: an answer belongs to no cells of its solver");
-  }
-  return found->second;
-}
-
 /// The answers to one set, by solver (store id), each list by problem and part.
-std::map<std::int64_t, std::vector<Row>> read_answers(sqlite::Database& store, std::int64_t set_id,
-                                                      const CellGroups& groups,
-                                                      const std::map<std::int64_t, std::size_t>& solver_cells,
+std::map<std::int64_t, std::vector<Row>> read_answers(Store& store, std::int64_t set_id,
                                                       const std::unordered_set<std::int64_t>& unique_velocities) {
-  sqlite::Statement query(store,
-                          "SELECT j.solver_id, j.problem_id, j.trial, j.claim, j.verdict, v.criterion,"
-                          " v.velocity_residual_relative, v.backward_row_norm, v.violation_m_per_s,"
-                          " t.setup_wall_s, t.setup_cpu_s, t.solve_wall_s, t.solve_cpu_s, t.transport_s, t.verify_s, "
-                          "CASE j.claim WHEN 'unsupported' THEN a.detail ELSE '' END, a.pivots, j.group_id, j.seed,"
-                          " v.usable, v.forward_velocity, j.truth = 'unsolvable'"
-                          " FROM judged j JOIN answers a USING (problem_id, solver_id, part)"
-                          " JOIN verdicts v USING (problem_id, solver_id, part)"
-                          " LEFT JOIN timings t USING (problem_id, solver_id, part)"
-                          " WHERE j.set_id = ? ORDER BY j.problem_id, j.solver_id, j.part");
-  query.bind(1, set_id);
   std::map<std::int64_t, std::vector<Row>> answers;
-  while (query.step()) {
-    const std::int64_t solver = query.integer(0);
-    Row row;
-    row.problem = query.integer(1);
-    row.trial = query.integer(2);
-    row.claim = stored_claim(store, query.text(3));
-    row.verdict = stored_verdict(store, query.text(4));
-    row.criterion = query.integer(5) != 0;
-    row.velocity_residual = query.real(6);
-    row.backward_error = query.real(7);
-    row.violation_m_per_s = query.real(8);
-    row.times = {query.real(9), query.real(10), query.real(11), query.real(12), query.real(13), query.real(14)};
-    row.detail = query.text(15);
-    row.pivots = query.integer(16);
-    row.seed = query.integer(18);
+  const auto add = [&](const StoredAnswer& answer) {
+    const Errors& errors = answer.errors;
+    const SolveTimes& times = answer.times;
+    Row& row = answers[answer.solver_id].emplace_back();
+    row.problem = answer.problem_id;
+    row.seed = static_cast<std::int64_t>(answer.seed);
+    row.trial = answer.trial;
+    row.cells = answer.cells;
+    row.claim = answer.claim;
+    row.verdict = answer.verdict;
+    row.criterion = errors.criterion;
+    row.unsolvable = answer.truth == Truth::kUnsolvable;
+    row.velocity_residual = errors.velocity_residual_relative;
+    row.backward_error = errors.backward_row_norm;
+    row.violation_m_per_s = errors.violation_m_per_s;
     if (unique_velocities.contains(row.problem)) {
-      row.forward_error = query.integer(19) != 0 ? query.real(20) : kInfinity;
+      row.forward_error = errors.usable ? errors.forward_velocity : kInfinity;
     }
-    row.unsolvable = query.integer(21) != 0;
-    row.cells = &cells_of(groups, query.integer(17), solver_cells.at(solver), store);
-    answers[solver].push_back(std::move(row));
-  }
+    row.pivots = answer.counters.pivots;
+    row.times = {times.setup_wall_s, times.setup_cpu_s, times.solve_wall_s,
+                 times.solve_cpu_s,  times.transport_s, answer.verify_s};
+    if (answer.claim == Claim::kUnsupported) row.detail = answer.detail;
+  };
+  store.for_each_answer(add, set_id);
   return answers;
 }
 
@@ -480,16 +447,12 @@ Summary summarize(Store& store) {
   summary.runs = read_runs(database);
   summary.coverage = coverage_of(database);
   const std::vector<Source> sources = read_solvers(store, summary);
-  std::map<std::int64_t, std::size_t> solver_cells;
-  for (const Source& source : sources) solver_cells.emplace(source.id, source.solvers.size());
-
-  const CellGroups groups = read_groups(database);
   const auto sets = read_sets(database);
   for (const auto& [id, set] : sets) summary.sets.push_back(set);
   for (std::size_t set = 0; set < sets.size(); ++set) {
     const auto unique_velocities = read_unique_velocities(database, sets[set].first);
     summary.sets[set].unique_velocities = static_cast<std::int64_t>(unique_velocities.size());
-    const auto answers = read_answers(database, sets[set].first, groups, solver_cells, unique_velocities);
+    const auto answers = read_answers(store, sets[set].first, unique_velocities);
     const auto first = static_cast<std::ptrdiff_t>(summary.cells.size());
     for (const Source& source : sources) {
       const auto rows = answers.find(source.id);

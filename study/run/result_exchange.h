@@ -3,6 +3,7 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <csignal>
 #include <cstddef>
 #include <exception>
 #include <mutex>
@@ -122,13 +123,12 @@ class PacedTransactions {
  public:
   explicit PacedTransactions(Store& store) : store_(store) {}
 
-  /// Begins a transaction unless one is open. @returns whether it did
-  bool begin() {
-    if (open_) return false;
+  /// Begins a transaction unless one is open.
+  void begin() {
+    if (open_) return;
     store_.begin();
     open_ = true;
     began_ = Clock::now();
-    return true;
   }
   void commit_when_due() {
     if (open_ && Clock::now() - began_ >= kCommitAfter) commit();
@@ -146,6 +146,52 @@ class PacedTransactions {
   Store& store_;
   bool open_ = false;
   Clock::time_point began_{};
+};
+
+/// Threads that produce results, and the calling thread, which alone writes them.
+template <class Result>
+class ParallelWork {
+ public:
+  ParallelWork(Store& store, int producers) : transactions_(store), exchange_(producers), threads_(exchange_) {}
+
+  template <class Produce>
+  void start(Produce produce) {
+    threads_.start(produce);
+  }
+  ResultExchange<Result>& exchange() { return exchange_; }
+
+  /// Writes what arrives until every producer has ended, and commits it. What ended a producer is not thrown:
+  /// exchange().error() has it.
+  /// @param stop  set to non-zero from outside to end in good order; may be nullptr
+  /// @param write  called with each result, inside a transaction
+  /// @param look_around  called some ten times a second, or again at once while it returns true
+  /// @returns whether `stop` ended it
+  template <class Write, class LookAround>
+  bool run(const volatile std::sig_atomic_t* stop, Write write, LookAround look_around) {
+    bool stopped = false;
+    bool again = true;
+    while (!exchange_.drained()) {
+      for (const Result& result : exchange_.take(std::chrono::milliseconds(again ? 0 : 100))) {
+        transactions_.begin();
+        write(result);
+      }
+      transactions_.commit_when_due();
+      if (stop != nullptr && *stop != 0 && !exchange_.stopped()) {
+        exchange_.stop();
+        stopped = true;
+      }
+      again = look_around();
+    }
+    threads_.join();
+    commit();
+    return stopped;
+  }
+  void commit() { transactions_.commit(); }
+
+ private:
+  PacedTransactions transactions_;
+  ResultExchange<Result> exchange_;
+  ProducerThreads<Result> threads_;
 };
 
 }  // namespace lcpbench

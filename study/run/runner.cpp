@@ -1,8 +1,8 @@
 #include "study/run/runner.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
-#include <deque>
 #include <exception>
 #include <limits>
 #include <numeric>
@@ -15,8 +15,8 @@
 #include "adapters/worker/worker_client.h"
 #include "core/error.h"
 #include "core/io/problem_io.h"
-#include "study/certificates/settle.h"
-#include "study/run/one_by_one.h"
+#include "study/certificates/certify_store.h"
+#include "study/certificates/judge.h"
 #include "study/run/result_exchange.h"
 #include "study/store/vector_codec.h"
 #include "study/run/work_queue.h"
@@ -28,7 +28,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr auto kHandOverAfter =
     std::chrono::milliseconds(500);  // what a kill can lose, but for the solve or sweep in flight
-constexpr auto kProgressEvery = std::chrono::milliseconds(100);
 constexpr std::size_t kCommitAnswers = 20'000;
 /// The queue is filled up to this when it holds less than half: more than the threads take while the writer is busy, as
 /// they wait for it after 256 results.
@@ -48,93 +47,58 @@ struct Batch {
 
 using Exchange = ResultExchange<Batch>;
 
-/// Verifies the answers to one problem, equal ones once, and settles what one of them denies without a proof.
-class ProblemJudge {
+/// Makes rows of the answers to one problem, with their vectors, and of the certificate that one of them led to.
+class RowMaker {
  public:
-  ProblemJudge(const Problem& problem, Batch& batch, Settler& settler)
-      : problem_(problem),
-        evaluator_(problem),
-        theory_(evaluator_.truth()),
-        result_(batch.result),
-        certificate_(batch.certificate),
-        settler_(settler) {}
+  RowMaker(const Problem& problem, Settler& settler, Batch& batch)
+      : problem_(problem), judge_(problem, settler), batch_(batch) {}
 
-  Truth theory() const { return theory_; }
+  bool solvable_by_theory() const { return judge_.findings().has(Evidence::kTheory); }
 
-  AnswerRow judge(std::int64_t solver_id, const TimedAnswer& timed) {
+  AnswerRow row(std::int64_t solver_id, const TimedAnswer& timed) {
     const Answer& answer = timed.answer;
-    AnswerRow row;
-    row.solver_id = solver_id;
-    row.claim = answer.claim;
-    row.counters = answer.counters;
-    row.detail = answer.detail;
-    row.times = timed.times;
-    const Judged& judged = judged_like(answer);
-    row.z = judged.z;
-    row.velocity = judged.velocity;
-    row.farkas = judged.farkas;
-    row.errors = judged.errors;
-    row.farkas_checked = judged.farkas_checked;
-    row.verify_s = judged.verify_s;
-    if (theory_ == Truth::kUnknown && Settler::asked_by(row.claim, row.farkas_checked)) settle();
-    return row;
+    const std::size_t number = judge_.judge(answer);
+    const Judgement& judgement = judge_.judgement(number);
+    if (number == kept_.size()) kept_.push_back({keep(answer.z), keep(answer.velocity), keep(answer.farkas)});
+    if (!certificate_kept_ && judge_.certificate()) keep_certificate();
+    const auto& [z, velocity, farkas] = kept_[number];
+    return {.solver_id = solver_id,
+            .claim = answer.claim,
+            .z = z,
+            .velocity = velocity,
+            .farkas = farkas,
+            .counters = answer.counters,
+            .detail = answer.detail,
+            .errors = judgement.errors,
+            .farkas_checked = judgement.proof_holds,
+            .times = timed.times,
+            .verify_s = judgement.verify_s};
   }
 
  private:
-  struct Judged {
-    Vector z_bits, velocity_bits, farkas_bits;
-    std::optional<std::int64_t> z, velocity, farkas;
-    Errors errors;
-    bool farkas_checked = false;
-    double verify_s = 0;
-  };
-
-  void settle() {
-    if (!settled_) certificate_ = settler_.settle_row(problem_);
-    settled_ = true;
-  }
-
-  const Judged& judged_like(const Answer& answer) {
-    for (const Judged& known : judged_) {
-      if (same_bits(known.z_bits, answer.z) && same_bits(known.velocity_bits, answer.velocity) &&
-          same_bits(known.farkas_bits, answer.farkas)) {
-        return known;
-      }
-    }
-    Judged& judged = judged_.emplace_back();
-    judged.z_bits = answer.z;
-    judged.velocity_bits = answer.velocity;
-    judged.farkas_bits = answer.farkas;
-    judged.z = keep(answer.z);
-    judged.velocity = keep(answer.velocity);
-    judged.farkas = keep(answer.farkas);
-    const double start = thread_cpu_clock_s();
-    judged.errors = evaluator_.errors(answer);
-    judged.farkas_checked = answer.farkas.size() > 0 && evaluator_.check_farkas(answer.farkas);
-    judged.verify_s = thread_cpu_clock_s() - start;
-    return judged;
-  }
-
   std::optional<std::int64_t> keep(const Vector& vector) {
     if (vector.size() == 0) return std::nullopt;
     std::string bytes = encode_vector(vector);
     const std::int64_t id = content_id(bytes);
-    result_.vectors.emplace_back(id, std::move(bytes));
+    batch_.result.vectors.emplace_back(id, std::move(bytes));
     return id;
   }
 
+  void keep_certificate() {
+    certificate_kept_ = true;
+    CertificateRow row = certificate_row(problem_, *judge_.certificate(), Settler::kTimeLimitS);
+    if (row.kind != CertificateKind::kOpen) batch_.certificate = std::move(row);
+  }
+
   const Problem& problem_;
-  Evaluator evaluator_;
-  Truth theory_;
-  ProblemResult& result_;
-  std::optional<CertificateRow>& certificate_;
-  Settler& settler_;
-  bool settled_ = false;
-  std::deque<Judged> judged_;
+  Judge judge_;
+  Batch& batch_;
+  std::vector<std::array<std::optional<std::int64_t>, 3>> kept_;  ///< ids of z, velocity, proof of each distinct answer
+  bool certificate_kept_ = false;
 };
 
 ProblemRow problem_row(const std::string& set_name, std::uint64_t seed, std::int64_t trial, const Problem& problem,
-                       Truth theory) {
+                       bool solvable_by_theory) {
   ProblemRow row;
   row.id = problem_id(set_name, seed, trial);
   row.set_id = set_id(set_name);
@@ -147,7 +111,7 @@ ProblemRow problem_row(const std::string& set_name, std::uint64_t seed, std::int
     row.nc = contact->nc();
   }
   row.hash = problem_hash(problem);
-  row.theory = theory == Truth::kSolvable ? "solvable" : "";
+  row.theory = solvable_by_theory ? "solvable" : "";
   return row;
 }
 
@@ -192,12 +156,12 @@ class Worker {
     const ProblemSet& set = *study_.sets[task.set].set;
     const Problem problem = set.generate(study_.seed, task.trial);
     Batch batch{task.set, {}, {}};
-    ProblemJudge judge(problem, batch, settler_);
-    batch.result.problem = problem_row(set.name(), study_.seed, task.trial, problem, judge.theory());
+    RowMaker rows(problem, settler_, batch);
+    batch.result.problem = problem_row(set.name(), study_.seed, task.trial, problem, rows.solvable_by_theory());
     Clock::time_point handed_over = Clock::now();
     for (const std::size_t solver : order(task)) {
       if (exchange_.stopped()) break;
-      solve(problem, solver, judge, batch.result.answers);
+      solve(problem, solver, rows, batch.result.answers);
       if (Clock::now() - handed_over < kHandOverAfter) continue;
       exchange_.push(batch);
       batch.result.vectors.clear();
@@ -221,7 +185,7 @@ class Worker {
   }
 
   /// Runs one solver, or one whole sweep, and appends what it answered.
-  void solve(const Problem& problem, std::size_t solver, ProblemJudge& judge, std::vector<AnswerRow>& rows) {
+  void solve(const Problem& problem, std::size_t solver, RowMaker& rows, std::vector<AnswerRow>& answers) {
     const StudySolver& planned = study_.solvers[solver];
     TimedRequest request;
     request.time_limit_s = study_.time_limit_s;
@@ -230,15 +194,15 @@ class Worker {
       sweeps_[solver]->run(problem, request, swept_);
       check_complete(swept_, planned);
       for (SweptAnswer& answer : swept_) {
-        rows.push_back(judge.judge(ids_[solver], answer.timed));
-        rows.back().cells = std::move(answer.cells);
+        answers.push_back(rows.row(ids_[solver], answer.timed));
+        answers.back().cells = std::move(answer.cells);
       }
       return;
     }
     request.repeat_until_s = study_.repeat_until_s;
     if (solvers_[solver] == nullptr) solvers_[solver] = planned.open();
     solvers_[solver]->run(problem, request, timed_);
-    rows.push_back(judge.judge(ids_[solver], timed_));
+    answers.push_back(rows.row(ids_[solver], timed_));
   }
 
   const Study& study_;
@@ -250,29 +214,6 @@ class Worker {
   Settler settler_;
   TimedAnswer timed_;
   std::vector<SweptAnswer> swept_;
-};
-
-/// Groups what arrives into transactions.
-class BatchWriter {
- public:
-  explicit BatchWriter(Store& store) : store_(store), certificates_(store), transactions_(store) {}
-
-  void add(const Batch& batch) {
-    if (transactions_.begin()) answers_ = 0;
-    store_.add(batch.result);
-    const std::int64_t problem = batch.result.problem.id;
-    if (batch.certificate && !certificates_.has_proof(problem)) certificates_.add(problem, *batch.certificate);
-    answers_ += batch.result.answers.size();
-    if (answers_ >= kCommitAnswers) commit();
-  }
-  void commit_when_due() { transactions_.commit_when_due(); }
-  void commit() { transactions_.commit(); }
-
- private:
-  Store& store_;
-  CertificateTable certificates_;
-  PacedTransactions transactions_;
-  std::size_t answers_ = 0;
 };
 
 void add_names(const Study& study, Store& store) {
@@ -319,7 +260,7 @@ RunOutcome run_study(const Study& study, Store& store, const RunOptions& options
   const Clock::time_point start = Clock::now();
   PlanWalk walk(study, store, options.shard, options.shards);
   TaskQueue tasks;
-  bool searching = fill(tasks, walk);
+  fill(tasks, walk);
   RunOutcome outcome;
   const auto count = [&] {
     outcome.already_done = walk.already_done();
@@ -328,44 +269,45 @@ RunOutcome run_study(const Study& study, Store& store, const RunOptions& options
   };
   count();
 
-  const std::size_t most_jobs = walk.ended() ? tasks.size() : std::numeric_limits<std::size_t>::max();
-  const int jobs = static_cast<int>(std::min(static_cast<std::size_t>(options.jobs), most_jobs));
-  Exchange exchange(jobs);
-  BatchWriter writer(store);
-  ProducerThreads<Batch> threads(exchange);
-  const ClosedAtTheEnd closed(tasks);
   std::vector<std::string> set_names;
   for (const StudySet& set : study.sets) set_names.push_back(set.set->name());
-
+  const std::size_t most_jobs = walk.ended() ? tasks.size() : std::numeric_limits<std::size_t>::max();
+  const int jobs = static_cast<int>(std::min(static_cast<std::size_t>(options.jobs), most_jobs));
+  ParallelWork<Batch> work(store, jobs);
+  Exchange& exchange = work.exchange();
+  const ClosedAtTheEnd closed(tasks);
   for (int i = 0; i < jobs; ++i) {
-    threads.start([&] { Worker(study, tasks, exchange).run(); });
+    work.start([&] { Worker(study, tasks, exchange).run(); });
   }
+  CertificateTable certificates(store);
+  std::size_t uncommitted = 0;
+  const auto write = [&](const Batch& batch) {
+    store.add(batch.result);
+    const std::int64_t problem = batch.result.problem.id;
+    if (batch.certificate && !certificates.has_proof(problem)) certificates.add(problem, *batch.certificate);
+    outcome.progress.done += batch.result.cells();
+    outcome.progress.set = &set_names[batch.set];
+    uncommitted += batch.result.answers.size();
+    if (uncommitted < kCommitAnswers) return;
+    work.commit();
+    uncommitted = 0;
+  };
   double next_partial_s = kFirstPartialS;
-  while (!exchange.drained()) {
-    for (const Batch& batch : exchange.take(searching ? std::chrono::milliseconds(0) : kProgressEvery)) {
-      writer.add(batch);
-      outcome.progress.done += batch.result.cells();
-      outcome.progress.set = &set_names[batch.set];
-    }
-    writer.commit_when_due();
-    searching = !exchange.queue_closed() && fill(tasks, walk);
+  const auto look_around = [&] {
+    const bool searching = !exchange.queue_closed() && fill(tasks, walk);
     count();
     outcome.progress.elapsed_s = seconds_since(start);
     if (options.on_progress) options.on_progress(outcome.progress);
     if (options.on_partial_results && outcome.progress.elapsed_s >= next_partial_s && outcome.progress.done > 0) {
-      writer.commit();
+      work.commit();
       options.on_partial_results(store);
       next_partial_s = kPartialGrowth * seconds_since(start);
     }
-    if (options.stop != nullptr && *options.stop != 0 && !exchange.stopped()) {
-      exchange.stop();
-      outcome.end = RunEnd::kStopped;
-    }
     if (study.budget_s && outcome.progress.elapsed_s >= *study.budget_s) exchange.close_queue();
     if (exchange.queue_closed()) tasks.close();
-  }
-  threads.join();
-  writer.commit();
+    return searching;
+  };
+  if (work.run(options.stop, write, look_around)) outcome.end = RunEnd::kStopped;
   outcome.progress.elapsed_s = seconds_since(start);
   outcome.progress.set = nullptr;
   if (const std::exception_ptr error = exchange.error()) rethrow(error, store, options.store_is_kept);

@@ -50,7 +50,7 @@ struct RunOutcome {
 ///
 /// A sweep on a problem is one unit of work: written with all its cells or not at all. Equal answers to one problem
 /// (bit for bit, whoever gave them) are verified once. A problem that a solver denies without a proof is settled by
-/// exact arithmetic where that is cheap (study/certificates/settle.h), and the store keeps the proof. Whatever a solver
+/// exact arithmetic where that is cheap (study/certificates/judge.h), and the store keeps the proof. Whatever a solver
 /// does, it leaves a row. The work is found as it goes (study/run/work_queue.h): neither the memory nor the time to the
 /// first problem grow with the number of trials.
 /// @throws what generating, opening a solver or the store throws, after committing what was done.

@@ -19,17 +19,13 @@ double contact_condition(const ContactProblem& contact) {
 
 }  // namespace
 
-Judge::Judge(const Problem& problem) : problem_(problem), evaluator_(problem) {
+PhysicalAnswers::PhysicalAnswers(const Problem& problem) : problem_(problem) {
   if (problem.contact() == nullptr) return;
   inertia_ = std::make_unique<QuadInertia>(problem.contact()->inertia);
   if (inertia_->well_defined()) lcp_ = std::make_unique<ContactQuadLcp>(*problem_.contact(), *inertia_);
 }
 
-bool Judge::proves_unsolvable(const Answer& answer) const {
-  return answer.farkas.size() > 0 && evaluator_.check_farkas(answer.farkas);
-}
-
-Vector Judge::physical_answer(const Answer& answer) {
+Vector PhysicalAnswers::of(const Answer& answer) {
   if (problem_.contact() == nullptr) return answer.z;
   if (answer.velocity.size() == problem_.contact()->ngc()) return answer.velocity;
   const QuadVector velocity = lcp_->response(QuadVector(answer.z.begin(), answer.z.end()));

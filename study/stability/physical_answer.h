@@ -4,28 +4,22 @@
 #include <optional>
 
 #include "core/solver.h"
-#include "study/evaluation/evaluation.h"
 #include "study/evaluation/quad_inertia.h"
 #include "study/evaluation/quad_lcp.h"
 #include "study/stability/transformations.h"
 
 namespace lcpbench {
 
-/// Judges answers to one problem and takes the physical answer from them.
-class Judge {
+/// Takes the physical answers from answers to one problem.
+class PhysicalAnswers {
  public:
-  explicit Judge(const Problem& problem);
-
-  Errors errors(const Answer& answer) { return evaluator_.errors(answer); }
-  Truth truth() const { return evaluator_.truth(); }
-  bool proves_unsolvable(const Answer& answer) const;
+  explicit PhysicalAnswers(const Problem& problem);
 
   /// Contact problem: the velocity returned, else v + G* J f, of z in 113 bits. Bare LCP: z. @pre z is usable
-  Vector physical_answer(const Answer& answer);
+  Vector of(const Answer& answer);
 
  private:
   Problem problem_;
-  Evaluator evaluator_;
   std::unique_ptr<QuadInertia> inertia_;
   std::unique_ptr<ContactQuadLcp> lcp_;
 };

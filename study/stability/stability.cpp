@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "study/evaluation/evaluation.h"
 #include "study/stability/physical_answer.h"
 
 namespace lcpbench {
@@ -29,12 +30,11 @@ class Bench {
   Bench(std::vector<std::unique_ptr<TimedSolver>>& solvers, const StabilityOptions& options)
       : solvers_(solvers), options_(options) {}
 
-  /// @param truth  of the problem, where it is known
+  /// @param known  of the problem already
   /// @returns a row for each solver; none where `stop` was raised
-  std::vector<Judged> run(const Problem& problem, Truth truth) {
-    Judge judge(problem);
+  std::vector<Judged> run(const Problem& problem, Findings known) {
+    Evaluator evaluator(problem);
     std::vector<Answer> answers;
-    std::vector<Judged> rows;
     std::vector<Errors> errors;
     for (const std::unique_ptr<TimedSolver>& solver : solvers_) {
       if (stopped(options_)) return {};
@@ -42,17 +42,21 @@ class Bench {
       request.time_limit_s = options_.time_limit_s;
       TimedAnswer timed;
       solver->run(problem, request, timed);
-      errors.push_back(judge.errors(timed.answer));
-      if (judge.proves_unsolvable(timed.answer)) truth = Truth::kUnsolvable;
-      if (errors.back().solved && truth == Truth::kUnknown) truth = Truth::kSolvable;
+      const Judgement judgement = evaluator.judge(timed.answer);
+      known.add(judgement);
+      errors.push_back(judgement.errors);
       answers.push_back(std::move(timed.answer));
     }
-    for (std::size_t s = 0; s < answers.size(); ++s) rows.push_back(judged(judge, answers[s], errors[s], truth));
+    PhysicalAnswers physical(problem);
+    std::vector<Judged> rows;
+    for (std::size_t s = 0; s < answers.size(); ++s) {
+      rows.push_back(judged(physical, answers[s], errors[s], known.truth()));
+    }
     return rows;
   }
 
  private:
-  static Judged judged(Judge& judge, const Answer& answer, const Errors& errors, Truth truth) {
+  static Judged judged(PhysicalAnswers& physical, const Answer& answer, const Errors& errors, Truth truth) {
     Judged row;
     const Verdict given = verdict(answer.claim, errors, truth);
     row.claim = answer.claim;
@@ -61,7 +65,7 @@ class Bench {
     row.residual =
         std::isnan(errors.velocity_residual_relative) ? errors.backward_row_norm : errors.velocity_residual_relative;
     row.pivots = answer.counters.pivots;
-    if (row.solved) row.physical = judge.physical_answer(answer);
+    if (row.solved) row.physical = physical.of(answer);
     return row;
   }
 
@@ -131,23 +135,24 @@ class Experiment {
 
   void run(const Problem& problem, const std::string& set, std::uint64_t trial) {
     problem_ = set + " trial " + std::to_string(trial);
-    Truth truth = Judge(problem).truth();
+    const bool solvable_nearby = Evaluator(problem).truth() == Truth::kSolvable;
+    Findings known;
+    if (solvable_nearby) known.add(Evidence::kTheory);
     const bool frictional = problem.contact() != nullptr && problem.contact()->frictional();
-    const Distance distance(problem, truth == Truth::kSolvable && !frictional);
-    const bool solvable_nearby = truth == Truth::kSolvable;
-    const std::vector<Judged> before = Bench(solvers_, options_).run(problem, truth);
+    const Distance distance(problem, solvable_nearby && !frictional);
+    const std::vector<Judged> before = Bench(solvers_, options_).run(problem, known);
     if (before.empty()) return;
     const auto any_solved = std::any_of(before.begin(), before.end(), [](const Judged& row) { return row.solved; });
-    if (truth == Truth::kUnknown && any_solved) truth = Truth::kSolvable;
+    if (any_solved) known.add(Evidence::kSolvedAnswer);
     for (const TransformationKind kind : kAllTransformations) {
       if (perturbs(kind) && !solvable_nearby) continue;
       const TrialKey key{stream_id(std::string("stability/") + to_string(kind) + "/" + set), options_.seed, trial};
-      run(problem, kind, key, truth, distance, before);
+      run(problem, kind, key, known, distance, before);
     }
   }
 
-  void run(const Problem& problem, TransformationKind kind, const TrialKey& key, Truth truth, const Distance& distance,
-           const std::vector<Judged>& before) {
+  void run(const Problem& problem, TransformationKind kind, const TrialKey& key, const Findings& known,
+           const Distance& distance, const std::vector<Judged>& before) {
     std::vector<Fate> fates(before.size());
     for (std::size_t s = 0; s < before.size(); ++s) fates[s].add_pivots(before[s].pivots);
     const int draws = kind == TransformationKind::kPermutation ? options_.permutations : 1;
@@ -155,7 +160,7 @@ class Experiment {
       const std::optional<Transformation> transformation =
           draw_transformation(kind, problem, key, static_cast<std::uint64_t>(draw));
       if (!transformation) return;
-      const std::vector<Judged> after = Bench(solvers_, options_).run(transformation->apply(problem), truth);
+      const std::vector<Judged> after = Bench(solvers_, options_).run(transformation->apply(problem), known);
       if (after.empty()) return;
       for (std::size_t s = 0; s < before.size(); ++s) {
         compare(before[s], after[s], *transformation, problem.contact() == nullptr, distance, fates[s]);

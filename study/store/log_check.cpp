@@ -1,5 +1,3 @@
-#include "study/store/log_check.h"
-
 #include <array>
 #include <cstdint>
 #include <fstream>

@@ -35,6 +35,14 @@ constexpr const char* kCellInWords =
     "END FROM solvers "
     "WHERE id = m.solver_id) || CASE m.part WHEN 0 THEN '' ELSE ' part ' || m.part END";
 
+std::vector<const char*> verdict_content() {
+  std::vector<const char*> columns{"usable", "solved", "criterion", "farkas_checked", "worst_row"};
+  for (const Metric& metric : kMetrics) {
+    if (metric.stored && metric.value != &Errors::forward_velocity) columns.push_back(metric.name);
+  }
+  return columns;
+}
+
 /// Two stores that group the cells of a sweep on a problem differently differ in a row of `answers` that both have:
 /// both have the part 0; where its groups agree, the lowest cell outside it is a part of both, and so on.
 const std::vector<Table>& tables() {
@@ -61,9 +69,7 @@ const std::vector<Table>& tables() {
        kCellInWords},
       {"verdicts",
        {"problem_id", "solver_id", "part"},
-       {"usable", "solved", "criterion", "farkas_checked", "worst_row", "velocity_residual_m_per_s",
-        "velocity_residual_relative", "natural_residual", "backward_componentwise", "backward_row_norm",
-        "violation_m_per_s", "work_gain_j", "complementarity_j", "cone_violation", "min_z"},
+       verdict_content(),
        kCellInWords,
        "m.forward_velocity <> i.forward_velocity"},  // NULL where the problem was not certified
       {"timings", {"problem_id", "solver_id", "part"}, {}, "''"},

@@ -167,15 +167,19 @@ void Statement::check(int code) const {
   if (code != SQLITE_OK) database_.fail(code);
 }
 
-void Statement::bind(int parameter, std::int64_t value) { check(sqlite3_bind_int64(statement_, parameter, value)); }
+void Statement::bind_integer(int parameter, std::int64_t value) {
+  check(sqlite3_bind_int64(statement_, parameter, value));
+}
+
 void Statement::bind(int parameter, double value) { check(sqlite3_bind_double(statement_, parameter, value)); }
 
 void Statement::bind(int parameter, std::string_view text) {
   check(sqlite3_bind_text(statement_, parameter, text.data(), static_cast<int>(text.size()), SQLITE_STATIC));
 }
 
-void Statement::bind_blob(int parameter, std::string_view bytes) {
-  check(sqlite3_bind_blob(statement_, parameter, bytes.data(), static_cast<int>(bytes.size()), SQLITE_STATIC));
+void Statement::bind(int parameter, Blob blob) {
+  check(
+      sqlite3_bind_blob(statement_, parameter, blob.bytes.data(), static_cast<int>(blob.bytes.size()), SQLITE_STATIC));
 }
 
 void Statement::bind_null(int parameter) { check(sqlite3_bind_null(statement_, parameter)); }
@@ -188,11 +192,6 @@ bool Statement::step() {
 }
 
 void Statement::reset() { sqlite3_reset(statement_); }
-
-void Statement::run() {
-  step();
-  reset();
-}
 
 bool Statement::is_null(int column) const { return sqlite3_column_type(statement_, column) == SQLITE_NULL; }
 std::int64_t Statement::integer(int column) const { return sqlite3_column_int64(statement_, column); }

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <chrono>
+#include <concepts>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -76,6 +78,11 @@ class SlownessNotice {
   std::function<void()> tell_;
 };
 
+/// Bytes, as against text.
+struct Blob {
+  std::string_view bytes;
+};
+
 /// One prepared statement: bind, step, reset, again. Parameters and columns count from 1 and 0, as in SQLite.
 class Statement {
  public:
@@ -84,20 +91,44 @@ class Statement {
   Statement(const Statement&) = delete;
   Statement& operator=(const Statement&) = delete;
 
-  void bind(int parameter, std::int64_t value);
+  template <std::integral Integer>
+  void bind(int parameter, Integer value) {
+    bind_integer(parameter, static_cast<std::int64_t>(value));
+  }
   /// NaN becomes NULL.
   void bind(int parameter, double value);
   /// The text must live until the next reset.
   void bind(int parameter, std::string_view text);
-  void bind_blob(int parameter, std::string_view bytes);
-  void bind_null(int parameter);
+  void bind(int parameter, Blob blob);
+  /// nullopt becomes NULL.
+  template <class Value>
+  void bind(int parameter, const std::optional<Value>& value) {
+    value ? bind(parameter, *value) : bind_null(parameter);
+  }
+  /// The parameters from the first on.
+  template <class... Values>
+  void bind_all(const Values&... values) {
+    int parameter = 0;
+    (bind(++parameter, values), ...);
+  }
 
   /// True when there is a row.
   bool step();
   void reset();
-  /// step() of a statement without rows, then reset().
-  void run();
+  /// Runs a statement without rows, with these parameters, or those that are bound.
+  template <class... Values>
+  void run(const Values&... values) {
+    bind_all(values...);
+    step();
+    reset();
+  }
 
+  /// Reads columns in their order: numbers, bool, std::string. @returns the column after them
+  template <class... Targets>
+  int read(int first_column, Targets&... targets) const {
+    (get(first_column++, targets), ...);
+    return first_column;
+  }
   bool is_null(int column) const;
   std::int64_t integer(int column) const;
   /// NULL becomes NaN.
@@ -108,6 +139,16 @@ class Statement {
 
  private:
   void check(int code) const;
+  void bind_integer(int parameter, std::int64_t value);
+  void bind_null(int parameter);
+  template <std::integral Integer>
+  void get(int column, Integer& value) const {
+    value = static_cast<Integer>(integer(column));
+  }
+  void get(int column, bool& value) const { value = integer(column) != 0; }
+  void get(int column, double& value) const { value = real(column); }
+  void get(int column, std::string& value) const { value = text(column); }
+
   Database& database_;
   sqlite3_stmt* statement_ = nullptr;
 };

@@ -1,10 +1,9 @@
 #include "study/store/store.h"
 
-#include <algorithm>
-#include <array>
 #include <chrono>
 #include <system_error>
 #include <thread>
+#include <unordered_map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,12 +11,11 @@
 
 #include "core/error.h"
 #include "study/store/file_lock.h"
-#include "study/store/log_check.h"
-#include "study/run/problem_writer.h"
 #include "study/run/provenance.h"
+#include "study/store/problem_writer.h"
 #include "study/store/row_checksum.h"
+#include "study/store/schema.h"
 #include "study/store/store_check.h"
-#include "study/store/store_columns.h"
 #include "study/store/store_files.h"
 #include "study/store/vector_codec.h"
 
@@ -35,19 +33,48 @@ Truth parse_truth(std::string_view text) {
   return text == "unsolvable" ? Truth::kUnsolvable : Truth::kUnknown;
 }
 
-constexpr std::array kSolverColumns{&SolverRow::name,    &SolverRow::settings, &SolverRow::all_settings,
-                                    &SolverRow::library, &SolverRow::version,  &SolverRow::isa,
-                                    &SolverRow::sweep};
-
 constexpr const char* kSolverColumnNames = "name, settings, all_settings, library, version, isa, sweep";
 
-constexpr std::array kCellColumns{&Parameterisation::settings, &Parameterisation::all_settings};
-
-SolverRow read_solver(const Statement& row, int column) {
-  SolverRow solver;
-  for (const auto field : kSolverColumns) solver.*field = row.text(column++);
-  return solver;
+/// @returns the column after them
+int read_solver(const Statement& row, int column, SolverRow& solver) {
+  return row.read(column, solver.name, solver.settings, solver.all_settings, solver.library, solver.version, solver.isa,
+                  solver.sweep);
 }
+
+/// The cells of groups, each looked up once.
+class CellGroups {
+ public:
+  explicit CellGroups(Database& database)
+      : database_(database), query_(database, "SELECT cell FROM cell_groups WHERE group_id = ? ORDER BY cell") {
+    Statement solvers(database, "SELECT id, cells FROM solvers");
+    while (solvers.step()) cells_of_solver_[solvers.integer(0)] = solvers.integer(1);
+  }
+
+  /// @throws InputError when they are not cells of this solver.
+  const std::shared_ptr<const std::vector<std::uint32_t>>& cells(std::int64_t group, std::int64_t solver) {
+    auto& cells = groups_[group];
+    if (cells == nullptr) cells = look_up(group);
+    const auto count = cells_of_solver_.find(solver);
+    if (cells->empty() || count == cells_of_solver_.end() || cells->back() >= count->second) {
+      throw InputError(describe(database_.file(), "the store is damaged: an answer belongs to no cells of its solver"));
+    }
+    return cells;
+  }
+
+ private:
+  std::shared_ptr<const std::vector<std::uint32_t>> look_up(std::int64_t group) {
+    auto cells = std::make_shared<std::vector<std::uint32_t>>();
+    query_.bind_all(group);
+    while (query_.step()) cells->push_back(static_cast<std::uint32_t>(query_.integer(0)));
+    query_.reset();
+    return cells;
+  }
+
+  const Database& database_;
+  Statement query_;
+  std::unordered_map<std::int64_t, std::int64_t> cells_of_solver_;
+  std::unordered_map<std::int64_t, std::shared_ptr<const std::vector<std::uint32_t>>> groups_;
+};
 
 std::string insert_new(const char* table, const std::string& columns) {
   return sqlite::insert_row("INSERT OR IGNORE", table, columns);
@@ -55,7 +82,7 @@ std::string insert_new(const char* table, const std::string& columns) {
 
 std::vector<Parameterisation> read_cells(Database& database, std::int64_t solver_id) {
   Statement query(database, "SELECT settings, all_settings FROM parameterisations WHERE solver_id = ? ORDER BY cell");
-  query.bind(1, solver_id);
+  query.bind_all(solver_id);
   std::vector<Parameterisation> cells;
   while (query.step()) cells.push_back({std::string(query.text(0)), std::string(query.text(1))});
   return cells;
@@ -64,13 +91,14 @@ std::vector<Parameterisation> read_cells(Database& database, std::int64_t solver
 /// Answers of two solvers, or over two grids, under one id would be taken for answers of one.
 void check_same_solver(Database& database, const SolverRow& solver, const std::vector<Parameterisation>& cells) {
   Statement stored(database, fmt::format("SELECT {}, cells FROM solvers WHERE id = ?", kSolverColumnNames));
-  stored.bind(1, solver.id());
+  stored.bind_all(solver.id());
   stored.step();
+  SolverRow known;
+  const int next_column = read_solver(stored, 0, known);
   const char* difference = nullptr;
-  if (read_solver(stored, 0) != solver) {
+  if (known != solver) {
     difference = "defaults";
-  } else if (stored.integer(static_cast<int>(kSolverColumns.size())) != static_cast<std::int64_t>(cells.size()) ||
-             read_cells(database, solver.id()) != cells) {
+  } else if (stored.integer(next_column) != std::ssize(cells) || read_cells(database, solver.id()) != cells) {
     difference = solver.sweep.empty() ? "defaults" : "grid values";
   }
   if (difference == nullptr) return;
@@ -181,10 +209,7 @@ void begin_log(Database& database, const Waiting& waiting) {
 }
 
 void mark_as_being_written(Database& database) {
-  Statement mark(database, "INSERT OR REPLACE INTO writing (id, since) VALUES (1, ?)");
-  const std::string now = utc_now();
-  mark.bind(1, std::string_view(now));
-  mark.run();
+  Statement(database, "INSERT OR REPLACE INTO writing (id, since) VALUES (1, ?)").run(utc_now());
 }
 
 }  // namespace
@@ -284,19 +309,12 @@ void Store::commit() { data_->database.execute("COMMIT"); }
 
 void Store::add_run(const std::string& started, const std::string& provenance) {
   data_->run = key_id({"run", started, provenance});
-  Statement insert(data_->database, insert_new("runs", "id, started, provenance"));
-  insert.bind(1, data_->run);
-  insert.bind(2, started);
-  insert.bind(3, provenance);
-  insert.run();
+  Statement(data_->database, insert_new("runs", "id, started, provenance")).run(data_->run, started, provenance);
 }
 
 std::int64_t Store::add_set(const std::string& name) {
   const std::int64_t id = set_id(name);
-  Statement insert(data_->database, insert_new("sets", "id, name"));
-  insert.bind(1, id);
-  insert.bind(2, name);
-  insert.run();
+  Statement(data_->database, insert_new("sets", "id, name")).run(id, name);
   return id;
 }
 
@@ -305,18 +323,11 @@ std::int64_t Store::add_solver(const SolverRow& solver, const std::vector<Parame
   const std::vector<Parameterisation> cells =
       sweep.empty() ? std::vector<Parameterisation>{{solver.settings, solver.all_settings}} : sweep;
   Statement insert(data_->database, insert_new("solvers", std::string("id, ") + kSolverColumnNames + ", cells"));
-  insert.bind(1, id);
-  int parameter = 2;
-  for (const auto column : kSolverColumns) insert.bind(parameter++, solver.*column);
-  insert.bind(parameter, static_cast<std::int64_t>(cells.size()));
-  insert.run();
+  insert.run(id, solver.name, solver.settings, solver.all_settings, solver.library, solver.version, solver.isa,
+             solver.sweep, cells.size());
   Statement insert_cell(data_->database, insert_new("parameterisations", "solver_id, cell, settings, all_settings"));
   for (std::size_t cell = 0; cell < cells.size(); ++cell) {
-    insert_cell.bind(1, id);
-    insert_cell.bind(2, static_cast<std::int64_t>(cell));
-    parameter = 3;
-    for (const auto column : kCellColumns) insert_cell.bind(parameter++, cells[cell].*column);
-    insert_cell.run();
+    insert_cell.run(id, cell, cells[cell].settings, cells[cell].all_settings);
   }
   check_same_solver(data_->database, solver, cells);
   return id;
@@ -329,7 +340,7 @@ std::vector<std::int64_t> Store::done(std::int64_t problem_id) {
     data_->done = std::make_unique<Statement>(
         data_->database, "SELECT solver_id FROM answers WHERE problem_id = ? AND part = 0 ORDER BY 1");
   }
-  data_->done->bind(1, problem_id);
+  data_->done->bind_all(problem_id);
   std::vector<std::int64_t> solvers;
   while (data_->done->step()) solvers.push_back(data_->done->integer(0));
   data_->done->reset();
@@ -352,8 +363,10 @@ std::vector<StoredSolver> Store::solvers() {
   Statement query(data_->database, fmt::format("SELECT id, {0} FROM solvers ORDER BY {0}, id", kSolverColumnNames));
   std::vector<StoredSolver> rows;
   while (query.step()) {
-    const std::int64_t id = query.integer(0);
-    rows.push_back({id, read_solver(query, 1), read_cells(data_->database, id)});
+    StoredSolver& solver = rows.emplace_back();
+    solver.id = query.integer(0);
+    read_solver(query, 1, solver.row);
+    solver.cells = read_cells(data_->database, solver.id);
   }
   return rows;
 }
@@ -371,51 +384,46 @@ void Store::for_each_problem(const std::function<void(const ProblemRow&)>& visit
       "SELECT id, set_id, seed, trial, kind, n, ngc, nc, hash, theory FROM problems ORDER BY set_id, seed, trial");
   ProblemRow row;
   while (query.step()) {
-    row.id = query.integer(0);
-    row.set_id = query.integer(1);
-    row.seed = static_cast<std::uint64_t>(query.integer(2));
-    row.trial = query.integer(3);
-    row.kind = query.text(4);
-    row.n = query.integer(5);
-    row.ngc = query.integer(6);
-    row.nc = query.integer(7);
-    row.hash = query.text(8);
-    row.theory = query.text(9);
+    query.read(0, row.id, row.set_id, row.seed, row.trial, row.kind, row.n, row.ngc, row.nc, row.hash, row.theory);
     visit(row);
   }
 }
 
-void Store::for_each_answer(const std::function<void(const StoredAnswer&)>& visit) {
+void Store::for_each_answer(const std::function<void(const StoredAnswer&)>& visit,
+                            const std::optional<std::int64_t>& set_id) {
+  Database& database = data_->database;
+  const sqlite::ReadSnapshot snapshot(database);  // another process may be writing
+  CellGroups groups(database);
   Statement query(
-      data_->database,
+      database,
       fmt::format(
-          "SELECT j.problem_id, j.solver_id, j.part, j.cells, j.set_id, j.seed, j.trial, j.n, j.claim, j.truth, "
-          "j.verdict, v.usable, v.solved, v.criterion, v.worst_row, {}, {} FROM judged j "
-          "JOIN verdicts v USING (problem_id, solver_id, part) "
-          "JOIN timings t USING (problem_id, solver_id, part) ORDER BY j.problem_id, j.solver_id, j.part",
-          kErrorColumnNames, kTimeColumnNames));
+          "SELECT j.problem_id, j.solver_id, j.part, j.group_id, j.set_id, j.seed, j.trial, j.n, p.hash, j.claim, "
+          "j.truth, j.verdict, v.worst_row, a.iterations, a.pivots, a.factorizations, a.detail, v.usable, v.solved, "
+          "v.criterion, t.setup_wall_s, t.setup_cpu_s, t.solve_wall_s, t.solve_cpu_s, t.transport_s, t.verify_s, "
+          "t.repeats, {} FROM judged j JOIN answers a USING (problem_id, solver_id, part) "
+          "JOIN verdicts v USING (problem_id, solver_id, part) JOIN problems p ON p.id = j.problem_id "
+          "LEFT JOIN timings t USING (problem_id, solver_id, part) "
+          "{} ORDER BY j.problem_id, j.solver_id, j.part",
+          metric_columns(), set_id ? "WHERE j.set_id = ?" : ""));
+  if (set_id) query.bind_all(*set_id);
   StoredAnswer row;
+  Counters& counters = row.counters;
+  Errors& errors = row.errors;
+  SolveTimes& times = row.times;
   while (query.step()) {
-    row.problem_id = query.integer(0);
-    row.solver_id = query.integer(1);
-    row.part = query.integer(2);
-    row.cells = query.integer(3);
-    row.set_id = query.integer(4);
-    row.seed = static_cast<std::uint64_t>(query.integer(5));
-    row.trial = query.integer(6);
-    row.n = query.integer(7);
-    row.claim = stored_claim(data_->database, query.text(8));
-    row.truth = parse_truth(query.text(9));
-    row.verdict = stored_verdict(data_->database, query.text(10));
-    row.errors.usable = query.integer(11) != 0;
-    row.errors.solved = query.integer(12) != 0;
-    row.errors.criterion = query.integer(13) != 0;
-    row.errors.worst = {.row = query.is_null(14) ? -1 : query.integer(14)};
-    int column = 15;
-    for (const auto error : kErrorColumns) row.errors.*error = query.real(column++);
-    for (const auto time : kTimeColumns) row.times.*time = query.real(column++);
-    row.verify_s = query.real(column++);
-    row.times.repeats = static_cast<int>(query.integer(column));
+    std::int64_t group = 0;
+    query.read(0, row.problem_id, row.solver_id, row.part, group, row.set_id, row.seed, row.trial, row.n, row.hash);
+    row.cells = groups.cells(group, row.solver_id);
+    row.claim = stored_claim(database, query.text(9));
+    row.truth = parse_truth(query.text(10));
+    row.verdict = stored_verdict(database, query.text(11));
+    errors.worst = {.row = query.is_null(12) ? -1 : query.integer(12)};
+    int column = query.read(13, counters.iterations, counters.pivots, counters.factorizations, row.detail,
+                            errors.usable, errors.solved, errors.criterion, times.setup_wall_s, times.setup_cpu_s,
+                            times.solve_wall_s, times.solve_cpu_s, times.transport_s, row.verify_s, times.repeats);
+    for (const Metric& metric : kMetrics) {
+      if (metric.stored) errors.*metric.value = query.real(column++);
+    }
     visit(row);
   }
 }
@@ -426,9 +434,7 @@ std::optional<Answer> Store::answer(std::int64_t problem_id, std::int64_t solver
                   "FROM answers a JOIN cell_groups g ON g.group_id = a.group_id AND g.cell = ? "
                   "LEFT JOIN vectors z ON z.id = a.z LEFT JOIN vectors velocity ON velocity.id = a.velocity "
                   "LEFT JOIN vectors farkas ON farkas.id = a.farkas WHERE problem_id = ? AND solver_id = ?");
-  query.bind(1, static_cast<std::int64_t>(cell));
-  query.bind(2, problem_id);
-  query.bind(3, solver_id);
+  query.bind_all(cell, problem_id, solver_id);
   if (!query.step()) return std::nullopt;
   Answer answer;
   answer.claim = stored_claim(data_->database, query.text(0));

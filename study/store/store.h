@@ -100,13 +100,16 @@ struct StoredSolver {
 struct StoredAnswer {
   std::int64_t problem_id = 0;
   std::int64_t solver_id = 0;
-  std::int64_t part = 0;   ///< lowest of its cells
-  std::int64_t cells = 0;  ///< how many parameterisations gave it
+  std::int64_t part = 0;                                    ///< lowest of its cells
+  std::shared_ptr<const std::vector<std::uint32_t>> cells;  ///< parameterisations that gave it, ascending
   std::int64_t set_id = 0;
   std::uint64_t seed = 0;
   std::int64_t trial = 0;
   std::int64_t n = 0;
+  std::string hash;  ///< of the problem's data
   Claim claim = Claim::kNumericalFailure;
+  Counters counters;
+  std::string detail;
   Truth truth = Truth::kUnknown;
   Verdict verdict = Verdict::kOpen;
   Errors errors;
@@ -170,8 +173,10 @@ class Store {
   /// Provenance of every run, JSON texts, oldest first.
   std::vector<std::string> runs();
   void for_each_problem(const std::function<void(const ProblemRow&)>& visit);
-  /// Every distinct answer in order of problem, solver, part.
-  void for_each_answer(const std::function<void(const StoredAnswer&)>& visit);
+  /// Every distinct answer, or every one to the problems of a set, in order of problem, solver, part. Whatever another
+  /// process adds meanwhile is not seen. Times that the store lacks are NaN.
+  void for_each_answer(const std::function<void(const StoredAnswer&)>& visit,
+                       const std::optional<std::int64_t>& set_id = std::nullopt);
   /// The answer of one parameterisation as the solver gave it, bit for bit; nullopt when there is none.
   std::optional<Answer> answer(std::int64_t problem_id, std::int64_t solver_id, std::uint32_t cell = 0);
 

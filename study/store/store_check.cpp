@@ -42,7 +42,7 @@ Objects objects_of(Database& database) {
 const Objects& objects_of_a_store() {
   static const Objects objects = [] {
     Database made("", sqlite::Mode::kInMemory);
-    made.execute(kStoreSchema);
+    made.execute(store_schema());
     return objects_of(made);
   }();
   return objects;
@@ -159,7 +159,7 @@ bool is_blank(Database& database) { return database.integer("SELECT COUNT(*) FRO
 
 void initialise(Database& database) {
   database.execute("BEGIN IMMEDIATE");
-  database.execute(kStoreSchema);
+  database.execute(store_schema());
   database.execute(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}", kApplicationId, kFormatVersion));
   database.execute("COMMIT");
 }

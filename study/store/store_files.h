@@ -25,6 +25,13 @@ void roll_back_journal(const std::filesystem::path& store);
 /// True when committed rows may stand in a write-ahead log beside the store.
 bool has_log(const std::filesystem::path& store);
 
+/// SQLite takes the write-ahead log of a killed writer up to the first transaction that has a frame which is not what
+/// was written, since a kill or a power cut can leave the last one incomplete. This tells damage from that: committed
+/// transactions stand behind a damaged one, and would be lost without a word. Damage in the last transaction is not
+/// told from a power cut: SQLite drops that transaction whole. Does nothing where there is no log.
+/// @pre no process is writing the store. @throws InputError when the log is damaged.
+void check_log(const std::filesystem::path& store);
+
 /// Deletes the files beside a store. @throws std::filesystem::filesystem_error
 void remove_side_files(const std::filesystem::path& store);
 

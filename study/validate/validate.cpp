@@ -55,14 +55,8 @@ const std::vector<SlowReference>& slow_references() {
   return slow;
 }
 
-PlannedSolver planned(const Spec& spec) {
-  PlannedSolver solver;
-  solver.spec = spec;
-  return solver;
-}
-
 void add_unasked(const std::string& name, std::int64_t trials, std::vector<PlannedSolver>& solvers) {
-  PlannedSolver solver = planned({name, {}});
+  PlannedSolver solver{.spec = {name, {}}};
   for (const SlowReference& slow : slow_references()) {
     if (name != slow.name) continue;
     PlannedSolver sampled = solver;
@@ -78,7 +72,7 @@ std::vector<PlannedSolver> validation_solvers(const std::vector<Spec>& asked, st
   bool ours_asked = false;
   bool reference_asked = false;
   for (const Spec& spec : asked) {
-    solvers.push_back(planned(canonical_solver_spec(spec)));
+    solvers.push_back({.spec = canonical_solver_spec(spec)});
     (is_ours(find_solver(spec.name)) ? ours_asked : reference_asked) = true;
   }
   for (const RegisteredSolver& solver : registered_solvers()) {
@@ -296,18 +290,23 @@ bool Validation::ours_wrong() const {
   return std::any_of(pairs.begin(), pairs.end(), [](const PairCounts& pair) { return pair.ours_wrong(); });
 }
 
-std::vector<PairCounts> over_all_sets(const std::vector<PairCounts>& pairs) {
+std::vector<PairCounts> summed(const std::vector<PairCounts>& pairs,
+                               const std::function<bool(const PairCounts&, const PairCounts&)>& same) {
   std::vector<PairCounts> sums;
   for (const PairCounts& pair : pairs) {
-    auto known = std::find_if(sums.begin(), sums.end(), [&](const PairCounts& sum) {
-      return sum.native == pair.native && sum.reference == pair.reference;
-    });
+    auto known = std::find_if(sums.begin(), sums.end(), [&](const PairCounts& sum) { return same(sum, pair); });
     if (known == sums.end()) {
       known = sums.insert(sums.end(), PairCounts{.set = "", .native = pair.native, .reference = pair.reference});
     }
     for (std::size_t i = 0; i < pair.counts.size(); ++i) known->counts[i] += pair.counts[i];
   }
   return sums;
+}
+
+std::vector<PairCounts> over_all_sets(const std::vector<PairCounts>& pairs) {
+  return summed(pairs, [](const PairCounts& a, const PairCounts& b) {
+    return a.native == b.native && a.reference == b.reference;
+  });
 }
 
 bool is_ours(const RegisteredSolver& solver) { return solver.native() || solver.definition.name == kOursInAWorker; }

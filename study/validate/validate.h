@@ -63,6 +63,10 @@ struct Validation {
   bool ours_wrong() const;
 };
 
+/// Adds up the pairs that are the same, under the names of the first of them; `set` is empty.
+std::vector<PairCounts> summed(const std::vector<PairCounts>& pairs,
+                               const std::function<bool(const PairCounts&, const PairCounts&)>& same);
+
 /// The pairs over all sets: `set` is empty.
 std::vector<PairCounts> over_all_sets(const std::vector<PairCounts>& pairs);
 

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "core/error.h"
 #include "core/io/problem_io.h"
 #include "core/io/scenes_file.h"
@@ -43,5 +45,12 @@ bool for_each_problem_file(const std::vector<std::string>& files, const volatile
   }
   return complete;
 }
+
+/// {"name", "kind", "n", "ngc", "nc", "edges"}, as every document about single problems has it: the last three null for
+/// a bare LCP. A problem without a name is called after its file.
+nlohmann::ordered_json problem_summary_json(const Problem& problem, const std::string& file);
+
+/// "box.json: contact, n 5, 6 coordinates, 5 contacts, 0 friction edges".
+std::string problem_summary_text(const Problem& problem, const std::string& file);
 
 }  // namespace lcpbench

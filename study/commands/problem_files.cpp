@@ -1,4 +1,4 @@
-#include "study/commands/problem_text.h"
+#include "study/commands/problem_files.h"
 
 #include <fmt/format.h>
 

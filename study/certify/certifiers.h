@@ -6,6 +6,11 @@
 
 namespace lcpbench::exact {
 
+/// Certifies a bare LCP: bases from `lemke` in double and quad, exact Lemke, the contradiction of its inequalities, and
+/// the enumeration of all cones, each of the last three up to an order that it can be afforded for.
+/// @pre finite data
+Certificate certify_bare(const Problem& problem, const Deadline& deadline, Candidates& candidates);
+
 /// Certifies a contact problem.
 ///
 /// Without friction, and M proven semidefinite: complete. A basis from `active_set`, corrected by exact exchanges if it

@@ -1,7 +1,6 @@
-#include "study/run/problem_writer.h"
+#include "study/store/problem_writer.h"
 
 #include <algorithm>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,8 +8,8 @@
 
 #include "core/error.h"
 #include "study/store/row_checksum.h"
+#include "study/store/schema.h"
 #include "study/store/store_check.h"
-#include "study/store/store_columns.h"
 
 namespace lcpbench {
 namespace {
@@ -28,17 +27,9 @@ std::string insert_into(const char* table, const std::string& columns) {
   return sqlite::insert_row("INSERT", table, columns);
 }
 
-void bind_id(Statement& statement, int parameter, const std::optional<std::int64_t>& id) {
-  if (id) {
-    statement.bind(parameter, *id);
-  } else {
-    statement.bind_null(parameter);
-  }
-}
-
 /// Answers to two problems under one id would be judged as answers to one: what is stored must be what was solved.
 void check_same_problem(Statement& stored, const ProblemRow& problem, const std::filesystem::path& file) {
-  stored.bind(1, problem.id);
+  stored.bind_all(problem.id);
   if (stored.step() && stored.text(0) != problem.hash) {
     throw InputError(
         fmt::format("{}: trial {} of seed {} of set '{}' is another problem than when the store was begun: the set has "
@@ -49,11 +40,8 @@ void check_same_problem(Statement& stored, const ProblemRow& problem, const std:
   stored.reset();
 }
 
-std::int64_t as_integer(bool value) { return value ? 1 : 0; }
-
 bool is_present(Statement& query, std::int64_t first_key, std::int64_t second_key) {
-  query.bind(1, first_key);
-  query.bind(2, second_key);
+  query.bind_all(first_key, second_key);
   const bool present = query.step();
   query.reset();
   return present;
@@ -63,18 +51,8 @@ bool is_present(Statement& query, std::int64_t first_key, std::int64_t second_ke
 std::int64_t add_group(Statement& stored, Statement& insert, const std::vector<std::uint32_t>& cells) {
   const std::int64_t id = cell_group_id(cells);
   if (is_present(stored, id, static_cast<std::int64_t>(cells.front()))) return id;
-  for (const std::uint32_t cell : cells) {
-    insert.bind(1, id);
-    insert.bind(2, static_cast<std::int64_t>(cell));
-    insert.run();
-  }
+  for (const std::uint32_t cell : cells) insert.run(id, cell);
   return id;
-}
-
-void bind_key(Statement& statement, std::int64_t problem_id, const AnswerRow& row) {
-  statement.bind(1, problem_id);
-  statement.bind(2, row.solver_id);
-  statement.bind(3, static_cast<std::int64_t>(row.cells.front()));
 }
 
 }  // namespace
@@ -92,11 +70,11 @@ struct ProblemWriter::Statements {
                                      "pivots, factorizations, detail")),
         verdict(database,
                 insert_into("verdicts",
-                            std::string("problem_id, solver_id, part, usable, solved, criterion, farkas_checked, "
-                                        "worst_row, ") +
-                                kErrorColumnNames)),
-        timing(database,
-               insert_into("timings", std::string("problem_id, solver_id, part, run_id, ") + kTimeColumnNames)) {}
+                            "problem_id, solver_id, part, usable, solved, criterion, farkas_checked, worst_row, " +
+                                metric_columns())),
+        timing(database, insert_into("timings",
+                                     "problem_id, solver_id, part, run_id, setup_wall_s, setup_cpu_s, "
+                                     "solve_wall_s, solve_cpu_s, transport_s, verify_s, repeats")) {}
 
   void add_answer(std::int64_t problem_id, std::int64_t run_id, const AnswerRow& row);
 
@@ -112,35 +90,24 @@ struct ProblemWriter::Statements {
 };
 
 void ProblemWriter::Statements::add_answer(std::int64_t problem_id, std::int64_t run_id, const AnswerRow& row) {
-  bind_key(answer, problem_id, row);
-  answer.bind(4, add_group(stored_group, group, row.cells));
-  answer.bind(5, std::string_view(to_string(row.claim)));
-  bind_id(answer, 6, row.z);
-  bind_id(answer, 7, row.velocity);
-  bind_id(answer, 8, row.farkas);
-  answer.bind(9, row.counters.iterations);
-  answer.bind(10, row.counters.pivots);
-  answer.bind(11, row.counters.factorizations);
-  answer.bind(12, row.detail);
-  answer.run();
+  const std::uint32_t part = row.cells.front();
+  const Counters& counters = row.counters;
+  answer.run(problem_id, row.solver_id, part, add_group(stored_group, group, row.cells), to_string(row.claim), row.z,
+             row.velocity, row.farkas, counters.iterations, counters.pivots, counters.factorizations, row.detail);
 
-  bind_key(verdict, problem_id, row);
-  verdict.bind(4, as_integer(row.errors.usable));
-  verdict.bind(5, as_integer(row.errors.solved));
-  verdict.bind(6, as_integer(row.errors.criterion));
-  verdict.bind(7, as_integer(row.farkas_checked));
-  bind_id(verdict, 8, row.errors.worst.row < 0 ? std::nullopt : std::optional<std::int64_t>(row.errors.worst.row));
+  const Errors& errors = row.errors;
+  const auto worst_row = errors.worst.row < 0 ? std::nullopt : std::optional(errors.worst.row);
+  verdict.bind_all(problem_id, row.solver_id, part, errors.usable, errors.solved, errors.criterion, row.farkas_checked,
+                   worst_row);
   int parameter = 9;
-  for (const auto column : kErrorColumns) verdict.bind(parameter++, row.errors.*column);
+  for (const Metric& metric : kMetrics) {
+    if (metric.stored) verdict.bind(parameter++, errors.*metric.value);
+  }
   verdict.run();
 
-  bind_key(timing, problem_id, row);
-  timing.bind(4, run_id);
-  parameter = 5;
-  for (const auto column : kTimeColumns) timing.bind(parameter++, row.times.*column);
-  timing.bind(parameter++, row.verify_s);
-  timing.bind(parameter, static_cast<std::int64_t>(row.times.repeats));
-  timing.run();
+  const SolveTimes& times = row.times;
+  timing.run(problem_id, row.solver_id, part, run_id, times.setup_wall_s, times.setup_cpu_s, times.solve_wall_s,
+             times.solve_cpu_s, times.transport_s, row.verify_s, times.repeats);
 }
 
 ProblemWriter::ProblemWriter(Database& database)
@@ -150,24 +117,11 @@ ProblemWriter::~ProblemWriter() = default;
 void ProblemWriter::add(const ProblemResult& result, std::int64_t run_id) {
   Statements& to = *statements_;
   const ProblemRow& problem = result.problem;
-  to.problem.bind(1, problem.id);
-  to.problem.bind(2, problem.set_id);
-  to.problem.bind(3, static_cast<std::int64_t>(problem.seed));
-  to.problem.bind(4, problem.trial);
-  to.problem.bind(5, problem.kind);
-  to.problem.bind(6, problem.n);
-  to.problem.bind(7, problem.ngc);
-  to.problem.bind(8, problem.nc);
-  to.problem.bind(9, problem.hash);
-  to.problem.bind(10, problem.theory);
-  to.problem.run();
+  to.problem.run(problem.id, problem.set_id, problem.seed, problem.trial, problem.kind, problem.n, problem.ngc,
+                 problem.nc, problem.hash, problem.theory);
   check_same_problem(to.stored_problem, problem, database_.file());
 
-  for (const auto& [id, bytes] : result.vectors) {
-    to.vector.bind(1, id);
-    to.vector.bind_blob(2, bytes);
-    to.vector.run();
-  }
+  for (const auto& [id, bytes] : result.vectors) to.vector.run(id, sqlite::Blob{bytes});
 
   // All answers of a solver to a problem come from one sitting: parts of two could overlap.
   std::vector<std::int64_t> present;

@@ -1,10 +1,18 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "core/contact_problem.h"
 
 namespace lcpbench::exact {
+
+// What float solvers and enumeration are given of a contact problem, to guess the basis of a solution from.
+
+/// The bases of all combinations of what each contact may do: part (with and without a slip bound at work), slide along
+/// one friction column, or stick between two neighbouring ones (one, where there are but two). None when there would be
+/// more than `limit`.
+std::vector<std::vector<Index>> contact_modes(const ContactProblem& problem, std::size_t limit);
 
 /// The same contacts in another order and in other units, each contact in its own: what changes the paths of pivoting
 /// methods, and which of several solutions they end at.

@@ -1,0 +1,53 @@
+#include "study/certificates/judge.h"
+
+#include <exception>
+
+#include "study/run/one_by_one.h"
+
+namespace lcpbench {
+
+std::optional<Certificate> Settler::settle(const Problem& problem) {
+  if (problem.size() > kLargestOrder) return std::nullopt;
+  if (certifier_ == nullptr) certifier_ = std::make_unique<Certifier>(CertifyOptions{.time_limit_s = kTimeLimitS});
+  try {
+    Certificate certificate = certifier_->certify(problem);
+    if (certificate.kind != CertificateKind::kOpen) return certificate;
+  } catch (const std::exception&) {  // data that are not finite, memory: nothing is proven
+  }
+  return std::nullopt;
+}
+
+Judge::Judge(const Problem& problem, Settler& settler) : problem_(problem), settler_(settler), evaluator_(problem) {
+  if (evaluator_.truth() == Truth::kSolvable) findings_.add(Evidence::kTheory);
+}
+
+std::size_t Judge::judge(const Answer& answer) {
+  const std::size_t number = find_or_judge(answer);
+  const bool denies = answer.claim == Claim::kUnsolvable && !judgement(number).proof_holds;
+  if (denies && !findings_.has(Evidence::kTheory)) settle();
+  return number;
+}
+
+std::size_t Judge::find_or_judge(const Answer& answer) {
+  for (std::size_t number = 0; number < distinct_.size(); ++number) {
+    const Distinct& known = distinct_[number];
+    if (same_bits(known.z, answer.z) && same_bits(known.velocity, answer.velocity) &&
+        same_bits(known.farkas, answer.farkas)) {
+      return number;
+    }
+  }
+  distinct_.push_back({answer.z, answer.velocity, answer.farkas, evaluator_.judge(answer)});
+  findings_.add(distinct_.back().judgement);
+  return distinct_.size() - 1;
+}
+
+void Judge::settle() {
+  if (settled_) return;
+  settled_ = true;
+  certificate_ = settler_.settle(problem_);
+  if (!certificate_) return;
+  findings_.add(certificate_->kind == CertificateKind::kUnsolvable ? Evidence::kCertifiedUnsolvable
+                                                                   : Evidence::kCertifiedSolution);
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <memory>
+#include <optional>
+
+#include "study/certify/certificate.h"
+#include "study/evaluation/evaluation.h"
+
+namespace lcpbench {
+
+/// Settles by exact arithmetic whether a problem has a solution. One for each thread.
+class Settler {
+ public:
+  /// Larger problems are left alone.
+  static constexpr Index kLargestOrder = 32;
+  /// For each problem.
+  static constexpr double kTimeLimitS = 0.25;
+
+  /// What is proven of the problem; nullopt where that is nothing within the limits above.
+  std::optional<Certificate> settle(const Problem& problem);
+
+ private:
+  std::unique_ptr<Certifier> certifier_;
+};
+
+/// Judges the answers to one problem, equal ones once, and collects what they and exact arithmetic tell of it. Where
+/// theory does not decide the problem, an answer that denies a solution without a valid proof has it settled; what is
+/// found is the truth for all answers.
+class Judge {
+ public:
+  Judge(const Problem& problem, Settler& settler);
+
+  /// @returns the number of the answer among those that differ in a bit of a vector: 0 for the first, 1 for the next
+  std::size_t judge(const Answer& answer);
+  const Judgement& judgement(std::size_t number) const { return distinct_[number].judgement; }
+
+  /// All that is known of the problem by now.
+  const Findings& findings() const { return findings_; }
+  /// What settling it has proven; nullopt where it was not tried, or proved nothing.
+  const std::optional<Certificate>& certificate() const { return certificate_; }
+
+ private:
+  struct Distinct {
+    Vector z, velocity, farkas;
+    Judgement judgement;
+  };
+
+  std::size_t find_or_judge(const Answer& answer);
+  void settle();
+
+  const Problem& problem_;
+  Settler& settler_;
+  Evaluator evaluator_;
+  Findings findings_;
+  std::deque<Distinct> distinct_;
+  bool settled_ = false;
+  std::optional<Certificate> certificate_;
+};
+
+}  // namespace lcpbench
