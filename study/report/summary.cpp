@@ -19,13 +19,6 @@ namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-constexpr std::array kTimeParts{&TimeParts::setup_wall, &TimeParts::setup_cpu, &TimeParts::solve_wall,
-                                &TimeParts::solve_cpu,  &TimeParts::transport, &TimeParts::verify};
-
-double share(std::int64_t part, std::int64_t whole) {
-  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : kNone;
-}
-
 /// One distinct answer as the store holds it.
 struct Row {
   std::int64_t problem = 0;
@@ -58,10 +51,9 @@ bool asks_for_ill_conditioning(const std::string& set) {
 
 std::vector<std::pair<std::int64_t, SetSummary>> read_sets(sqlite::Database& store) {
   sqlite::Statement query(store,
-                          "SELECT s.id, s.name, COUNT(*), SUM(p.kind <> 'lcp'), SUM(p.nc > 0 AND p.n > p.nc),"
-                          " SUM(t.truth = 'solvable'), MIN(p.n), MAX(p.n)"
-                          " FROM sets s JOIN problems p ON p.set_id = s.id JOIN truths t ON t.problem_id = p.id"
-                          " GROUP BY s.id");
+                          "SELECT s.id, s.name, COUNT(*), SUM(p.kind <> 'lcp'), SUM(p.nc > 0 AND p.n > p.nc), "
+                          "SUM(t.truth = 'solvable'), MIN(p.n), MAX(p.n) FROM sets s JOIN problems p ON p.set_id = "
+                          "s.id JOIN truths t ON t.problem_id = p.id GROUP BY s.id");
   std::vector<std::pair<std::int64_t, SetSummary>> sets;
   while (query.step()) {
     SetSummary set;
@@ -126,15 +118,14 @@ std::map<std::int64_t, std::vector<Row>> read_answers(sqlite::Database& store, s
                                                       const std::map<std::int64_t, std::size_t>& solver_cells,
                                                       const std::unordered_set<std::int64_t>& unique_velocities) {
   sqlite::Statement query(store,
-                          "SELECT j.solver_id, j.problem_id, j.trial, j.claim, j.verdict, v.criterion,"
-                          " v.velocity_residual_relative, v.backward_row_norm, v.violation_m_per_s,"
-                          " t.setup_wall_s, t.setup_cpu_s, t.solve_wall_s, t.solve_cpu_s, t.transport_s, t.verify_s, "
-                          "CASE j.claim WHEN 'unsupported' THEN a.detail ELSE '' END, a.pivots, j.group_id, j.seed,"
-                          " v.usable, v.forward_velocity, j.truth = 'unsolvable'"
-                          " FROM judged j JOIN answers a USING (problem_id, solver_id, part)"
-                          " JOIN verdicts v USING (problem_id, solver_id, part)"
-                          " LEFT JOIN timings t USING (problem_id, solver_id, part)"
-                          " WHERE j.set_id = ? ORDER BY j.problem_id, j.solver_id, j.part");
+                          "SELECT j.solver_id, j.problem_id, j.trial, j.claim, j.verdict, v.criterion, "
+                          "v.velocity_residual_relative, v.backward_row_norm, v.violation_m_per_s, t.setup_wall_s, "
+                          "t.setup_cpu_s, t.solve_wall_s, t.solve_cpu_s, t.transport_s, t.verify_s, CASE j.claim WHEN "
+                          "'unsupported' THEN a.detail ELSE '' END, a.pivots, j.group_id, j.seed, v.usable, "
+                          "v.forward_velocity, j.truth = 'unsolvable' FROM judged j JOIN answers a USING (problem_id, "
+                          "solver_id, part) JOIN verdicts v USING (problem_id, solver_id, part) LEFT JOIN timings t "
+                          "USING (problem_id, solver_id, part) WHERE j.set_id = ? ORDER BY j.problem_id, j.solver_id, "
+                          "j.part");
   query.bind(1, set_id);
   std::map<std::int64_t, std::vector<Row>> answers;
   while (query.step()) {
@@ -448,30 +439,6 @@ std::vector<Source> read_solvers(Store& store, Summary& summary) {
 }
 
 }  // namespace
-
-std::int64_t Cell::count(Verdict verdict) const {
-  std::int64_t total = 0;
-  for (const Claim claim : kAllClaims) total += count(claim, verdict);
-  return total;
-}
-
-std::int64_t Cell::count(Claim claim) const {
-  const auto& verdicts = counts[static_cast<std::size_t>(claim)];
-  return std::accumulate(verdicts.begin(), verdicts.end(), std::int64_t{0});
-}
-
-std::int64_t Cell::count(Claim claim, Verdict verdict) const {
-  return counts[static_cast<std::size_t>(claim)][static_cast<std::size_t>(verdict)];
-}
-
-std::int64_t Cell::gave_up() const {
-  return count(Verdict::kRefused) + count(Verdict::kMissed) + count(Verdict::kOpen);
-}
-
-double Cell::rate() const { return share(count(Verdict::kSolved), solvable()); }
-double Cell::criterion_rate() const { return share(criterion, trials); }
-double Cell::Half::rate() const { return share(solved, trials - unsolvable_problems); }
-double Cell::Half::criterion_rate() const { return share(criterion, trials); }
 
 Summary summarize(Store& store) {
   Summary summary;
