@@ -10,8 +10,6 @@
 #include "study/paper/grids.h"
 #include "study/paper/published.h"
 
-/// What the tables of shares and those of times and violations have in common.
-
 namespace lcpbench::paper {
 
 /// Text between backticks, which pages show as code; backticks and line ends inside are replaced.
@@ -67,6 +65,8 @@ std::string number(double value);
 std::string spread_text(double mean, double sigma, double max);
 
 nlohmann::ordered_json share_json(const Proportion& share);
+
+// What the tables of shares and those of times and violations have in common.
 
 /// Stands where there is no number.
 inline constexpr const char* kAbsent = "–";

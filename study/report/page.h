@@ -38,7 +38,8 @@ std::string html_page(const Report& report);
 std::string figure_html(const std::map<std::size_t, Figure>& figures, std::size_t index);
 
 // The sections behind the first screen, in their order on the page: each an HTML element with its anchor, its details
-// folded; "" where the store has nothing for it. A new one is a function here and a row of kSections (page.cpp).
+// folded; "" where the store has nothing for it. To add a section, declare its function here, define it in a source
+// file, and add its row to kSections in page.cpp.
 
 std::string speed_error_section(const Report& report);
 std::string comparison_section(const Report& report);
@@ -54,9 +55,8 @@ std::string recorded_value(const RunSummary& run, const char* name);
 /// The distinct ones of all runs, in the order of their first use.
 std::vector<std::string> recorded_values(const Summary& summary, const char* name);
 
-// The solver that factors are over: the paper's dense one, unless the reader chooses another one in the page.
-
-/// Where the page's script finds the factor of a solver on a set: the value of data-factor or data-speed.
+/// Where the page's script finds the factor of a solver on a set, when the reader chooses another reference: the value
+/// of data-factor.
 std::string factor_key(std::size_t set, std::size_t solver);
 
 }  // namespace lcpbench::report

@@ -7,8 +7,6 @@
 #include "study/report/summary.h"
 #include "study/store/store.h"
 
-// What a store says, in text for the terminal.
-
 namespace lcpbench {
 
 /// Writes `report.html` (one file; links lead to the others), `summary.json`, `tables/*.csv` and `figures/*.svg` into a
@@ -16,6 +14,8 @@ namespace lcpbench {
 /// solved again.
 /// @throws InputError when the store cannot be read or a file cannot be written.
 void write_report(Store& store, const std::filesystem::path& folder);
+
+// What a store says, in text for the terminal.
 
 /// The answer: for each kind of contacts the solver to use, the more accurate ones that cost more, the best of Bullet
 /// and of ODE beside them with the factors in time, and at the end who said solved and was wrong. At most so many
