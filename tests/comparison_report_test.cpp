@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "study/report/report.h"
-#include "study/report/comparison_tables.h"
+#include "study/report/tables.h"
 #include "study/report/decision.h"
 #include "tests/program_run.h"
 #include "tests/synthetic_store.h"

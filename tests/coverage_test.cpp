@@ -9,7 +9,6 @@
 
 #include "study/store/merge.h"
 #include "study/report/report.h"
-#include "study/report/coverage_notice.h"
 #include "study/run/runner.h"
 #include "tests/program_run.h"
 #include "tests/synthetic_store.h"

@@ -8,8 +8,7 @@
 
 #include "study/report/report.h"
 #include "study/report/hard.h"
-#include "study/report/hard_section.h"
-#include "study/report/terminal_report.h"
+#include "study/report/page.h"
 #include "tests/synthetic_store.h"
 
 namespace lcpbench {
@@ -147,10 +146,8 @@ TEST_F(HardReportTest, TheTerminalNamesEveryFalseClaim) {
 }
 
 TEST(HardReportEmptyTest, AStoreWithoutHardCasesHasNoSection) {
-  const Summary summary;
-  EXPECT_EQ(report::hard_section(summary), "");
-  EXPECT_EQ(report::hard_navigation(summary), "");
-  EXPECT_EQ(report::hard_text(summary, 100), "");
+  EXPECT_EQ(report::hard_section(report::Report{}), "");
+  EXPECT_EQ(report::hard_text(Summary{}, 100), "");
 }
 
 }  // namespace

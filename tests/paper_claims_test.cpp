@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "study/paper/claims.h"
-#include "study/paper/solvability.h"
+#include "study/paper/published.h"
 #include "tests/paper_support.h"
 
 namespace lcpbench {

@@ -9,11 +9,9 @@
 #include <libxml/parser.h>
 
 #include "study/paper/intervals.h"
-#include "study/paper/queries.h"
-#include "study/paper/readings.h"
-#include "study/paper/solvability.h"
 #include "study/paper/tables.h"
-#include "study/paper/tolerance_map.h"
+#include "study/paper/readings.h"
+#include "study/paper/published.h"
 #include "study/report/report.h"
 #include "study/report/paper.h"
 #include "tests/paper_support.h"

@@ -10,8 +10,7 @@
 
 #include "study/report/report.h"
 #include "study/report/canvas.h"
-#include "study/report/curves.h"
-#include "study/report/labels.h"
+#include "study/report/axes.h"
 #include "study/report/speed_error.h"
 #include "tests/synthetic_store.h"
 

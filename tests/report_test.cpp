@@ -12,11 +12,9 @@
 #include <libxml/parser.h>
 
 #include "study/report/canvas.h"
-#include "study/report/csv.h"
+#include "study/report/tables.h"
 #include "study/report/decision.h"
-#include "study/report/labels.h"
 #include "study/report/text.h"
-#include "study/report/terminal_report.h"
 #include "tests/synthetic_store.h"
 
 namespace lcpbench {
@@ -452,7 +450,7 @@ TEST_F(ReportTest, TerminalTableFitsAndNamesEverySolver) {
   fill(made);
   const std::string out = table_text(summarize(made.store()), 100);
   std::istringstream lines(out);
-  for (std::string line; std::getline(lines, line);) EXPECT_LE(report::character_count(line), 100U) << line;
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(character_count(line), 100U) << line;
   for (const char* expected : {"good{engine=kernel}", "liar", "33.3 %", "does not take these", "130 µs"}) {
     EXPECT_NE(out.find(expected), std::string::npos) << expected;
   }

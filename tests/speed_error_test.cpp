@@ -10,7 +10,6 @@
 #include <gtest/gtest.h>
 
 #include "study/report/report.h"
-#include "study/report/conditioning.h"
 #include "tests/synthetic_store.h"
 
 namespace lcpbench {

@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "study/report/canvas.h"
-#include "study/report/terminal_report.h"
+#include "study/report/report.h"
 #include "study/output/text_table.h"
 #include "tests/program_run.h"
 #include "tests/synthetic_store.h"
@@ -32,7 +32,7 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 void expect_fits(const std::string& text, std::size_t width, const std::string& what) {
   for (const std::string& line : lines_of(text))
-    EXPECT_LE(report::character_count(line), width) << what << ": " << line;
+    EXPECT_LE(character_count(line), width) << what << ": " << line;
 }
 
 TEST(FoldedTest, BreaksAtBlanksElseBehindJointsElseAnywhere) {

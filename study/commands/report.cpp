@@ -8,7 +8,6 @@
 #include "study/commands/commands.h"
 #include "study/commands/stores.h"
 #include "study/report/coverage.h"
-#include "study/report/coverage_notice.h"
 #include "study/output/terminal.h"
 
 namespace lcpbench {

@@ -22,10 +22,9 @@
 #include "study/run/open_solver.h"
 #include "study/run/plan.h"
 #include "study/run/provenance.h"
-#include "study/report/coverage_notice.h"
 #include "study/run/runner.h"
 #include "study/output/terminal.h"
-#include "study/report/terminal_report.h"
+#include "study/report/report.h"
 #include "study/output/text_table.h"
 
 namespace lcpbench {

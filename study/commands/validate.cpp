@@ -31,7 +31,7 @@
 #include "study/output/json_output.h"
 #include "study/run/plan.h"
 #include "study/run/provenance.h"
-#include "study/report/csv.h"
+#include "study/report/tables.h"
 #include "study/run/runner.h"
 #include "study/output/terminal.h"
 #include "study/output/text_table.h"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <string_view>
 
@@ -13,11 +14,6 @@ namespace lcpbench {
 namespace {
 
 bool continues_character(char c) { return (static_cast<unsigned char>(c) & 0xc0U) == 0x80U; }
-
-/// Number of characters: UTF-8 continuation bytes take no column.
-std::size_t character_width(std::string_view text) {
-  return text.size() - static_cast<std::size_t>(std::count_if(text.begin(), text.end(), continues_character));
-}
 
 /// Bytes of the first so many characters.
 std::size_t bytes_of(std::string_view text, std::size_t characters) {
@@ -40,7 +36,7 @@ std::size_t room_behind(int width, std::size_t indent) {
 /// The text in pieces of at most `first` characters, then of at most `rest`. @pre both are positive
 std::vector<std::string> broken(std::string_view text, std::size_t first, std::size_t rest) {
   std::vector<std::string> pieces;
-  for (std::size_t room = first; character_width(text) > room; room = rest) {
+  for (std::size_t room = first; character_count(text) > room; room = rest) {
     const std::size_t end = bytes_of(text, room);
     const std::size_t blank = text.rfind(' ', end);
     const std::size_t joint = text.find_last_of(",{}/", end - 1);
@@ -55,6 +51,16 @@ std::vector<std::string> broken(std::string_view text, std::size_t first, std::s
   }
   pieces.emplace_back(text);
   return pieces;
+}
+
+bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
+
+/// The run of digits at `at`, leading zeros skipped; `at` moves behind it.
+std::string_view take_number(const std::string& text, std::size_t& at) {
+  while (at < text.size() && text[at] == '0') ++at;
+  const std::size_t begin = at;
+  while (at < text.size() && is_digit(text[at])) ++at;
+  return std::string_view(text).substr(begin, at - begin);
 }
 
 }  // namespace
@@ -89,6 +95,10 @@ std::string format_count(std::int64_t count) {
 }
 
 std::string format_error(double value) { return std::isnan(value) ? "-" : fmt::format("{:.2e}", value); }
+
+std::size_t character_count(std::string_view text) {
+  return text.size() - static_cast<std::size_t>(std::count_if(text.begin(), text.end(), continues_character));
+}
 
 std::string first_characters(const std::string& text, std::size_t characters) {
   return text.substr(0, bytes_of(text, characters));
@@ -126,9 +136,9 @@ void TextTable::add_row(std::vector<std::string> cells) {
 void TextTable::add_line(std::string text) { rows_.push_back({{}, printable(text)}); }
 
 std::size_t TextTable::natural_width(std::size_t column) const {
-  std::size_t widest = character_width(columns_[column].title);
+  std::size_t widest = character_count(columns_[column].title);
   for (const Row& row : rows_) {
-    if (!row.cells.empty()) widest = std::max(widest, character_width(row.cells[column]));
+    if (!row.cells.empty()) widest = std::max(widest, character_count(row.cells[column]));
   }
   return widest;
 }
@@ -180,7 +190,7 @@ std::string TextTable::row_text(const std::vector<Shown>& shown, const std::vect
     std::string line;
     for (std::size_t i = 0; i < shown.size(); ++i) {
       const std::string piece = row < pieces[i].size() ? pieces[i][row] : "";
-      const std::string padding(shown[i].width - character_width(piece), ' ');
+      const std::string padding(shown[i].width - character_count(piece), ' ');
       if (i > 0) line += "  ";
       line += columns_[shown[i].column].align == Align::kLeft ? piece + padding : padding + piece;
     }
@@ -205,6 +215,25 @@ std::string TextTable::text(int width) const {
   if (left_out > 0)
     text += counted_noun(left_out, "column") + " left out: --wide shows " + (left_out == 1 ? "it\n" : "them\n");
   return text;
+}
+
+bool natural_less(const std::string& a, const std::string& b) {
+  std::size_t i = 0;
+  std::size_t j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (is_digit(a[i]) && is_digit(b[j])) {
+      const std::string_view left = take_number(a, i);
+      const std::string_view right = take_number(b, j);
+      if (left.size() != right.size()) return left.size() < right.size();
+      if (left != right) return left < right;
+    } else {
+      if (a[i] != b[j]) return a[i] < b[j];
+      ++i;
+      ++j;
+    }
+  }
+  if (i < a.size() || j < b.size()) return j < b.size();
+  return a < b;
 }
 
 }  // namespace lcpbench

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace lcpbench {
@@ -31,6 +32,9 @@ std::string format_error(double value);
 /// As wide as it comes out, for `width` below.
 inline constexpr int kUnlimited = 0;
 
+/// Characters of UTF-8 text: continuation bytes take no column.
+std::size_t character_count(std::string_view text);
+
 /// The text up to so many characters.
 std::string first_characters(const std::string& text, std::size_t characters);
 
@@ -49,6 +53,9 @@ std::string fitting_text(std::size_t rows, std::size_t lines, Make make) {
 
 /// "5 lines", "1 line": a count with its noun.
 std::string counted_noun(std::size_t count, const char* noun);
+
+/// Less, where runs of digits compare as numbers: exp5-1e5 before exp5-1e10.
+bool natural_less(const std::string& a, const std::string& b);
 
 /// A table for people: columns padded to their widest cell, two blanks between them; control characters become '?'.
 /// One that is too wide for the terminal has its left-aligned columns broken into several lines; where that is not

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "study/paper/claim_tests.h"
-
 namespace lcpbench::paper {
 
 namespace {
@@ -62,6 +60,33 @@ Word word_of(const Claim& claim) {
   return is_explained(claim) ? Word::kExplained : Word::kConfirmed;
 }
 
+/// @param comparison  nullptr for a claim without any
+Json record(const Claim& claim, const char* part, const Comparison* comparison) {
+  const double none = Proportion{}.value();
+  const bool tested = comparison != nullptr && is_tested(*comparison);
+  const Interval interval = tested ? comparison->interval(kZ95) : Interval{none, none};
+  Comparison absent{.what = "needs " + claim.needs, .value = none, .bound = none};
+  const Comparison& shown = comparison == nullptr ? absent : *comparison;
+  return {{"claim", claim.id},
+          {"word", name_of(claim.word)},
+          {"part", part},
+          {"quantity", shown.what},
+          {"scope", shown.scope},
+          {"value", shown.value},
+          {"low", interval.low},
+          {"high", interval.high},
+          {"claimed", comparison == nullptr ? ""
+                      : shown.within        ? "between"
+                      : shown.above         ? "above"
+                                            : "below"},
+          {"bound", shown.bound},
+          {"upper_bound", shown.within.value_or(none)},
+          {"stance", comparison == nullptr ? "" : name_of(shown.stance)},
+          {"detail", shown.detail}};
+}
+
+}  // namespace
+
 const char* name_of(Stance stance) {
   switch (stance) {
     case Stance::kSupports: return "supports";
@@ -71,30 +96,6 @@ const char* name_of(Stance stance) {
   }
   return "";
 }
-
-Json record(const Claim& claim, const char* part, const Comparison* comparison) {
-  const double none = Proportion{}.value();
-  const bool tested = comparison != nullptr && is_tested(*comparison);
-  const Interval interval = tested ? comparison->interval(kZ95) : Interval{none, none};
-  return {{"claim", claim.id},
-          {"word", name_of(claim.word)},
-          {"part", part},
-          {"quantity", comparison == nullptr ? "needs " + claim.needs : comparison->what},
-          {"scope", comparison == nullptr ? "" : comparison->scope},
-          {"value", number_json(comparison == nullptr ? none : comparison->value)},
-          {"low", number_json(interval.low)},
-          {"high", number_json(interval.high)},
-          {"claimed", comparison == nullptr ? ""
-                      : comparison->within  ? "between"
-                      : comparison->above   ? "above"
-                                            : "below"},
-          {"bound", number_json(comparison == nullptr ? none : comparison->bound)},
-          {"upper_bound", number_json(comparison == nullptr ? none : comparison->within.value_or(none))},
-          {"stance", comparison == nullptr ? "" : name_of(comparison->stance)},
-          {"detail", comparison == nullptr ? "" : comparison->detail}};
-}
-
-}  // namespace
 
 const char* name_of(Word word) {
   switch (word) {
@@ -121,23 +122,7 @@ std::vector<Claim> test_claims(const Summary& summary, const std::vector<Grid>& 
   std::vector<std::int64_t> most(summary.sets.size(), 0);
   for (const Grid& grid : whole) most[grid.set] = std::max(most[grid.set], grid.trials());
   std::erase_if(whole, [&most](const Grid& grid) { return 2 * grid.trials() < most[grid.set]; });
-  const claim_tests::Study study{summary, whole};
-  std::vector<Claim> claims{claim_tests::monotone_is_easier(study),
-                            claim_tests::regularization_gains(study),
-                            claim_tests::regularization_closes_the_gap(study),
-                            claim_tests::regularization_costs_time(study),
-                            claim_tests::regularization_stays_honest(study),
-                            claim_tests::redundancy_lowers_a_little(study),
-                            claim_tests::rank_lowers_far_more(study),
-                            claim_tests::four_above_three(study),
-                            claim_tests::lemke_is_best(study),
-                            claim_tests::path_is_wider(study),
-                            claim_tests::lemke_speed_depends_on_kind(study),
-                            claim_tests::interior_point_is_robust(study),
-                            claim_tests::interior_point_is_not_recommended(study),
-                            claim_tests::violations_are_comparable(study),
-                            claim_tests::ceilings_matter_little(study),
-                            claim_tests::splitting_methods_fail(study)};
+  std::vector<Claim> claims = paper_claims(summary, whole);
   for (Claim& claim : claims) judge(claim);
   return claims;
 }
@@ -152,7 +137,5 @@ Json claims_json(const std::vector<Claim>& claims) {
   }
   return records;
 }
-
-Json claims_example() { return record({}, "", nullptr); }
 
 }  // namespace lcpbench::paper

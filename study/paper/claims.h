@@ -18,6 +18,7 @@ enum class Stance {
   kUndecided,
   kShown  ///< no test: a number without an interval, shown as evidence beside those that are tested
 };
+const char* name_of(Stance stance);
 
 /// One quantity against one bound, or against two that it should lie between.
 struct Comparison {
@@ -63,6 +64,9 @@ struct Claim {
 /// exact p-values of 5 %/m (Bonferroni), so that a stance is due to chance in at most 5 % of studies.
 void judge(Claim& claim);
 
+/// The claims with their comparisons, not judged yet.
+std::vector<Claim> paper_claims(const Summary& summary, const std::vector<Grid>& grids);
+
 /// Every claim of the paper, and what this project adds to them, tested on the summary's data. Grids with refusals take
 /// no part, nor do those that met less than half as many problems as the largest sweep of their set: beside it they
 /// decide nothing, and their comparisons would cost the others power.
@@ -70,6 +74,5 @@ std::vector<Claim> test_claims(const Summary& summary, const std::vector<Grid>& 
 
 /// One record per comparison, for claims-paper.csv; a claim without any has one that says what is needed.
 nlohmann::ordered_json claims_json(const std::vector<Claim>& claims);
-nlohmann::ordered_json claims_example();
 
 }  // namespace lcpbench::paper

@@ -44,24 +44,16 @@ std::pair<std::string, std::string> solver_and_sweep(const SolverRow& solver) {
   return {label.text(), std::move(sweep)};
 }
 
-const Spread& spread_of(const Cell::Half& half, Quantity quantity, Measure measure) {
+/// @param part  a cell or one of its halves
+template <class Part>
+const Spread& spread_of(const Part& part, Quantity quantity, Measure measure) {
   const bool criterion = measure == Measure::kCriterion;
   switch (quantity) {
-    case Quantity::kTimeAll: return half.all_time;
-    case Quantity::kTimeSolved: return criterion ? half.criterion_time : half.solved_time;
+    case Quantity::kTimeAll: return part.all_time;
+    case Quantity::kTimeSolved: return criterion ? part.criterion_time : part.solved_time;
     case Quantity::kViolation: break;
   }
-  return criterion ? half.criterion_violation : half.violation;
-}
-
-const Spread& spread_of(const Cell& cell, Quantity quantity, Measure measure) {
-  const bool criterion = measure == Measure::kCriterion;
-  switch (quantity) {
-    case Quantity::kTimeAll: return cell.all_time;
-    case Quantity::kTimeSolved: return criterion ? cell.criterion_time : cell.solved_time;
-    case Quantity::kViolation: break;
-  }
-  return criterion ? cell.criterion_violation : cell.violation;
+  return criterion ? part.criterion_violation : part.violation;
 }
 
 double sample_sigma(const std::vector<double>& values) {

@@ -101,11 +101,11 @@ PooledMean pooled_mean(const std::vector<Spread>& parts) {
   return {values, holding > 0 ? static_cast<double>(values.count) / static_cast<double>(holding) : 0};
 }
 
-double PairedCounts::difference() const {
+double PairedShares::value() const {
   return problems() > 0 ? static_cast<double>(first_only - second_only) / static_cast<double>(problems()) : kNone;
 }
 
-Interval PairedCounts::interval(double z) const {
+Interval PairedShares::interval(double z) const {
   if (problems() == 0) return {kNone, kNone};
   const double n = static_cast<double>(problems()) + 2;
   const double first = static_cast<double>(first_only) + 0.5;

@@ -74,7 +74,7 @@ Spread pooled(const std::vector<Spread>& parts);
 PooledMean pooled_mean(const std::vector<Spread>& parts);
 
 /// Two solvers, or one on two sets with the same problems, paired by problem.
-struct PairedCounts {
+struct PairedShares {
   std::int64_t both = 0;
   std::int64_t first_only = 0;
   std::int64_t second_only = 0;
@@ -82,7 +82,7 @@ struct PairedCounts {
 
   std::int64_t problems() const { return both + first_only + second_only + neither; }
   /// Share of the first less that of the second.
-  double difference() const;
+  double value() const;
   /// Of the difference: Wald's with half a problem added to each count (Agresti and Min 2005).
   Interval interval(double z = kZ95) const;
   /// McNemar's exact test.

@@ -3,8 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "study/paper/contestants.h"
-#include "study/paper/queries.h"
+#include "study/paper/tables.h"
 
 namespace lcpbench::paper {
 namespace {
@@ -15,6 +14,13 @@ struct Span {
   PooledMean best{};
   PooledMean all{};
 };
+
+/// The two numbers of an experiment: at the best parameters, and over all of them.
+struct Part {
+  PooledMean Span::*ours;
+  PublishedSpread PublishedMeasurement::*published;
+};
+constexpr Part kParts[] = {{&Span::best, &PublishedMeasurement::best}, {&Span::all, &PublishedMeasurement::all}};
 
 Span span_of(const Grid& grid, Quantity quantity, Measure measure) {
   return {at_best(grid, quantity, measure), over_all(grid, quantity, measure)};
@@ -55,32 +61,19 @@ std::string printed(const PublishedSpread& spread) {
   return fmt::format("{:.6g} ({:.6g}) {:.6g}", spread.mean, spread.sigma, spread.max);
 }
 
-std::vector<Entry> published_row(Kind kind, Family family, Quantity quantity) {
-  std::vector<Entry> row{{name_of(family), ""}, {"published", ""}, {rows_words(quantity), ""}};
+/// Adds a row: whose numbers, where they come from, and entry_of(experiment, part) for each condition.
+template <class EntryOf>
+void add_row(Layout& layout, const std::string& name, const std::string& source, Quantity quantity, EntryOf entry_of) {
+  std::vector<Entry> row{{name, ""}, {source, ""}, {rows_words(quantity), ""}};
   for (const Experiment* experiment : experiment_six()) {
-    const auto published = published_span(kind, *experiment, family, quantity);
-    row.push_back({published ? printed(published->best) : kAbsent, ""});
-    row.push_back({published ? printed(published->all) : kAbsent, ""});
+    for (const Part& part : kParts) row.push_back(entry_of(*experiment, part));
   }
-  return row;
+  layout.rows.push_back(std::move(row));
 }
 
-std::vector<Entry> our_row(const std::vector<Grid>& grids, Kind kind, const std::string& label,
-                           const std::string& reading, Quantity quantity, Measure measure) {
-  const std::string source = quantity == Quantity::kTimeAll ? reading : reading + ", " + words_for(measure);
-  std::vector<Entry> row{{code(label), ""}, {source, ""}, {rows_words(quantity), ""}};
-  for (const Experiment* experiment : experiment_six()) {
-    const Grid* grid = find_grid(grids, kind, *experiment, reading, label);
-    const Span span = grid == nullptr ? Span{} : span_of(*grid, quantity, measure);
-    for (const Spread& part : {span.best.values, span.all.values}) {
-      if (grid == nullptr) {
-        row.push_back({"not run", ""});
-      } else {
-        row.push_back(grid->refused() > 0 ? refused_entry(*grid) : spread_entry(part));
-      }
-    }
-  }
-  return row;
+/// "multiple, our verdict"; times of all problems depend on the reading alone.
+std::string source_words(const std::string& reading, Quantity quantity, Measure measure) {
+  return quantity == Quantity::kTimeAll ? reading : reading + ", " + words_for(measure);
 }
 
 bool has_reading(const std::vector<Grid>& grids, Kind kind, const std::string& label, const std::string& reading) {
@@ -100,9 +93,12 @@ Layout spreads_layout(const Summary& summary, const std::vector<Grid>& grids, Ki
     if (contestant.family && contestant.family != last) {
       last = contestant.family;
       for (const Quantity quantity : quantities) {
-        if (published_span(kind, *experiment_six().front(), last, quantity)) {
-          layout.rows.push_back(published_row(kind, *last, quantity));
-        }
+        if (!published_span(kind, *experiment_six().front(), last, quantity)) continue;
+        add_row(layout, name_of(*last), "published", quantity,
+                [&](const Experiment& experiment, const Part& part) -> Entry {
+                  const auto published = published_span(kind, experiment, last, quantity);
+                  return {published ? printed((*published).*part.published) : kAbsent, ""};
+                });
       }
     }
     if (contestant.label.empty()) {
@@ -118,7 +114,13 @@ Layout spreads_layout(const Summary& summary, const std::vector<Grid>& grids, Ki
           // "Best" depends on the measure also for the times of all problems: the row by verdict would differ there
           // alone, and stands in the file of all measurements.
           if (quantity == Quantity::kTimeAll && measure == Measure::kVerdict) continue;
-          layout.rows.push_back(our_row(grids, kind, contestant.label, reading, quantity, measure));
+          add_row(layout, code(contestant.label), source_words(reading, quantity, measure), quantity,
+                  [&](const Experiment& experiment, const Part& part) -> Entry {
+                    const Grid* grid = find_grid(grids, kind, experiment, reading, contestant.label);
+                    if (grid == nullptr) return {"not run", ""};
+                    if (grid->refused() > 0) return refused_entry(*grid);
+                    return spread_entry((span_of(*grid, quantity, measure).*part.ours).values);
+                  });
         }
       }
     }
@@ -155,23 +157,22 @@ std::vector<RatioPair> ratio_pairs(const std::vector<Grid>& grids, Kind kind) {
   return pairs;
 }
 
-Entry published_ratio(const RatioPair& pair, const Experiment& experiment, Quantity quantity,
-                      PublishedSpread PublishedMeasurement::*part) {
+Entry published_ratio(const RatioPair& pair, const Experiment& experiment, Quantity quantity, const Part& part) {
   const auto top = published_span(pair.numerator_kind, experiment, pair.numerator.family, quantity);
   const auto bottom = published_span(pair.denominator_kind, experiment, pair.denominator.family, quantity);
   if (!top || !bottom) return {kAbsent, ""};
-  return {number(((*top).*part).mean / ((*bottom).*part).mean), ""};
+  return {number(((*top).*part.published).mean / ((*bottom).*part.published).mean), ""};
 }
 
 Entry our_ratio(const std::vector<Grid>& grids, const RatioPair& pair, const Experiment& experiment,
-                const std::string& reading, Quantity quantity, Measure measure, PooledMean Span::*part) {
+                const std::string& reading, Quantity quantity, Measure measure, const Part& part) {
   const Grid* top = find_grid(grids, pair.numerator_kind, experiment, reading, pair.numerator.label);
   const Grid* bottom = find_grid(grids, pair.denominator_kind, experiment, reading, pair.denominator.label);
   if (top == nullptr || bottom == nullptr) return {"not run", ""};
   for (const Grid* side : {top, bottom}) {
     if (side->refused() > 0) return refused_entry(*side);
   }
-  const RatioOfMeans ratio{span_of(*top, quantity, measure).*part, span_of(*bottom, quantity, measure).*part};
+  const RatioOfMeans ratio{span_of(*top, quantity, measure).*part.ours, span_of(*bottom, quantity, measure).*part.ours};
   if (std::isnan(ratio.value())) return {kAbsent, ""};
   return {number(ratio.value()), number(ratio.interval().low) + "–" + number(ratio.interval().high)};
 }
@@ -181,26 +182,21 @@ void add_ratio_rows(const std::vector<Grid>& grids, const RatioPair& pair, Layou
   const std::string name = name_of_side(pair.numerator_kind, pair.numerator, across) + " / " +
                            name_of_side(pair.denominator_kind, pair.denominator, across);
   for (const Quantity quantity : {Quantity::kTimeSolved, Quantity::kTimeAll}) {
-    std::vector<Entry> published{{name, ""}, {"published", ""}, {rows_words(quantity), ""}};
-    for (const Experiment* experiment : experiment_six()) {
-      published.push_back(published_ratio(pair, *experiment, quantity, &PublishedMeasurement::best));
-      published.push_back(published_ratio(pair, *experiment, quantity, &PublishedMeasurement::all));
+    if (pair.numerator.family && pair.denominator.family) {
+      add_row(layout, name, "published", quantity, [&](const Experiment& experiment, const Part& part) {
+        return published_ratio(pair, experiment, quantity, part);
+      });
     }
-    if (pair.numerator.family && pair.denominator.family) layout.rows.push_back(std::move(published));
     for (const char* reading : kReadings) {
       const bool run = has_reading(grids, pair.numerator_kind, pair.numerator.label, reading) &&
                        has_reading(grids, pair.denominator_kind, pair.denominator.label, reading);
       if (!run) continue;
       for (const Measure measure : kMeasures) {
         if (quantity == Quantity::kTimeAll && measure == Measure::kVerdict) continue;
-        const std::string source =
-            quantity == Quantity::kTimeAll ? reading : std::string(reading) + ", " + words_for(measure);
-        std::vector<Entry> row{{name, ""}, {source, ""}, {rows_words(quantity), ""}};
-        for (const Experiment* experiment : experiment_six()) {
-          row.push_back(our_ratio(grids, pair, *experiment, reading, quantity, measure, &Span::best));
-          row.push_back(our_ratio(grids, pair, *experiment, reading, quantity, measure, &Span::all));
-        }
-        layout.rows.push_back(std::move(row));
+        add_row(layout, name, source_words(reading, quantity, measure), quantity,
+                [&](const Experiment& experiment, const Part& part) {
+                  return our_ratio(grids, pair, experiment, reading, quantity, measure, part);
+                });
       }
     }
   }
@@ -214,16 +210,13 @@ Layout ratios_layout(const std::vector<Grid>& grids, Kind kind) {
 }
 
 Json spread_json(const Spread& spread) {
-  return {{"count", spread.count},
-          {"mean", number_json(spread.mean)},
-          {"sigma", number_json(spread.sigma)},
-          {"max", number_json(spread.max)}};
+  return {{"count", spread.count}, {"mean", spread.mean}, {"sigma", spread.sigma}, {"max", spread.max}};
 }
 
 Json published_json(const std::optional<PublishedMeasurement>& published, PublishedSpread PublishedMeasurement::*part) {
   const double none = Proportion{}.value();
   const PublishedSpread spread = published ? (*published).*part : PublishedSpread{none, none, none};
-  return {{"mean", number_json(spread.mean)}, {"sigma", number_json(spread.sigma)}, {"max", number_json(spread.max)}};
+  return {{"mean", spread.mean}, {"sigma", spread.sigma}, {"max", spread.max}};
 }
 
 const char* quantity_name(Quantity quantity) {
@@ -287,8 +280,7 @@ Json measurement_example(const Summary& summary) {
 
 constexpr const char* kBestNote =
     "Best: the parameterisation that solves the most even trials (the first of equals, in the order of settings), "
-    "measured "
-    "on the odd trials. All parameters: every trial of every parameterisation pooled.";
+    "measured on the odd trials. All parameters: every trial of every parameterisation pooled.";
 
 }  // namespace
 
@@ -301,14 +293,11 @@ Table times_table(const Summary& summary, const std::vector<Grid>& grids, Kind k
                    spreads_layout(summary, grids, kind, quantities, "Mean (sigma) maximum, in the paper’s layout")};
   table.notes = {kSolvedNote, kBestNote,
                  "Seconds of 2012 and of this machine stand in the same layout and are not compared: only the ratios "
-                 "between solvers "
-                 "are. Interval of a ratio: 95 %, delta method on its logarithm, the two means taken as independent, "
-                 "each known as "
-                 "well as its problems allow, however many parameterisations met them.",
+                 "between solvers are. Interval of a ratio: 95 %, delta method on its logarithm, the two means taken "
+                 "as independent, each known as well as its problems allow, however many parameterisations met them.",
                  "The paper’s Lemke is `regularized{test=tried}`: its test is the published one. `regularized` tests "
-                 "on the problem "
-                 "itself. Times are set-up plus solve, CPU. Parameterisations that answer a problem alike share a "
-                 "time, the mean of theirs."};
+                 "on the problem itself. Times are set-up plus solve, CPU. Parameterisations that answer a problem "
+                 "alike share a time, the mean of theirs."};
   table.query = measurements_query();
   table.records = measurement_records(summary, grids, table.id, kind, is_experiment_six, quantities);
   table.example = measurement_example(summary);

@@ -1,12 +1,17 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
-#include "study/paper/contestants.h"
-#include "study/paper/queries.h"
+#include "core/error.h"
+#include "core/registry.h"
+#include "study/paper/tables.h"
 
 namespace lcpbench::paper {
+
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -75,15 +80,10 @@ class RatesLayout {
   void add_experiment(const Experiment& experiment) {
     bool first = true;
     for (const std::string& reading : readings_of(experiment)) {
-      if (!was_run(experiment, reading)) {
-        add_row(experiment, reading, std::nullopt, first);
-        first = false;
-        continue;
-      }
-      for (const Measure measure : kMeasures) {
-        add_row(experiment, reading, measure, first);
-        first = false;
-      }
+      std::vector<std::optional<Measure>> measures{kMeasures.begin(), kMeasures.end()};
+      if (!was_run(experiment, reading)) measures = {std::nullopt};
+      for (const std::optional<Measure> measure : measures)
+        add_row(experiment, reading, measure, std::exchange(first, false));
     }
   }
 
@@ -131,61 +131,66 @@ Layout rates_layout(const Summary& summary, const std::vector<Grid>& grids, Kind
   return RatesLayout(summary, grids, kind, picks).build(caption, picks);
 }
 
-/// The parameterisation that the even trials choose, and what it does on the odd ones.
-Layout chosen_layout(const Summary& summary, const std::vector<Grid>& grids, Kind kind) {
-  Layout layout{"Best parameterisation: chosen on the even trials, its rate on the odd ones",
-                {"Experiment", "Redundancy", "Solver", "Solved by", "Parameterisation", "Even trials", "Odd trials"},
-                5,
-                {}};
+/// A row for each grid and measure: what it is, then entries_of(grid, range); none where that gives none.
+template <class EntriesOf>
+Layout grids_layout(const std::vector<Grid>& grids, Kind kind, Layout layout, EntriesOf entries_of) {
   for (const Grid& grid : grids) {
     if (!compared_with_paper(grid, kind) || grid.refused() > 0) continue;
+    const Experiment& experiment = *grid.problems.experiment;
     for (const Measure measure : kMeasures) {
-      const GridRange range = range_of(grid, measure);
-      if (range.chosen == nullptr) continue;
-      layout.rows.push_back({{std::string(grid.problems.experiment->title), ""},
-                             {reading_words(*grid.problems.experiment, grid.problems.redundancy()), ""},
+      std::vector<Entry> row{{std::string(experiment.title), ""},
+                             {reading_words(experiment, grid.problems.redundancy()), ""},
                              {code(grid.label), ""},
-                             {words_for(measure), ""},
-                             {code(settings_of(summary, range.chosen)), ""},
-                             {points(range.chosen_even.value()), ""},
-                             {points(range.held_out.value()), points(range.held_out.interval())}});
+                             {words_for(measure), ""}};
+      const std::vector<Entry> entries = entries_of(grid, range_of(grid, measure));
+      row.insert(row.end(), entries.begin(), entries.end());
+      if (!entries.empty()) layout.rows.push_back(std::move(row));
     }
   }
   return layout;
+}
+
+/// The parameterisation that the even trials choose, and what it does on the odd ones.
+Layout chosen_layout(const Summary& summary, const std::vector<Grid>& grids, Kind kind) {
+  return grids_layout(
+      grids, kind,
+      {"Best parameterisation: chosen on the even trials, its rate on the odd ones",
+       {"Experiment", "Redundancy", "Solver", "Solved by", "Parameterisation", "Even trials", "Odd trials"},
+       5,
+       {}},
+      [&summary](const Grid&, const GridRange& range) -> std::vector<Entry> {
+        if (range.chosen == nullptr) return {};
+        return {{code(settings_of(summary, range.chosen)), ""},
+                {points(range.chosen_even.value()), ""},
+                {points(range.held_out.value()), points(range.held_out.interval())}};
+      });
 }
 
 /// How far a solver's rate depends on its parameters.
 Layout robustness_layout(const std::vector<Grid>& grids, Kind kind) {
-  Layout layout{"Dependence on the parameters: range (best − worst) and standard deviation of the rates [points]",
-                {"Experiment", "Redundancy", "Solver", "Solved by", "Parameterisations", "Range", "Sigma"},
-                4,
-                {}};
-  for (const Grid& grid : grids) {
-    if (!compared_with_paper(grid, kind) || grid.refused() > 0) continue;
-    for (const Measure measure : kMeasures) {
-      const GridRange range = range_of(grid, measure);
-      if (range.best_cell == nullptr) continue;
-      layout.rows.push_back({{std::string(grid.problems.experiment->title), ""},
-                             {reading_words(*grid.problems.experiment, grid.problems.redundancy()), ""},
-                             {code(grid.label), ""},
-                             {words_for(measure), ""},
-                             {std::to_string(grid.cells.size()), ""},
-                             {points(range.best.value() - range.worst.value()), ""},
-                             {points(range.sigma), ""}});
-    }
-  }
-  return layout;
+  return grids_layout(
+      grids, kind,
+      {"Dependence on the parameters: range (best − worst) and standard deviation of the rates [points]",
+       {"Experiment", "Redundancy", "Solver", "Solved by", "Parameterisations", "Range", "Sigma"},
+       4,
+       {}},
+      [](const Grid& grid, const GridRange& range) -> std::vector<Entry> {
+        if (range.best_cell == nullptr) return {};
+        return {{std::to_string(grid.cells.size()), ""},
+                {points(range.best.value() - range.worst.value()), ""},
+                {points(range.sigma), ""}};
+      });
 }
 
 Json range_json(const Summary& summary, const GridRange& range) {
   return {{"worst", share_json(range.worst)},
-          {"average", number_json(range.average.value())},
+          {"average", range.average.value()},
           {"best", share_json(range.best)},
-          {"sigma", number_json(range.sigma)},
+          {"sigma", range.sigma},
           {"worst_settings", settings_of(summary, range.worst_cell)},
           {"best_settings", settings_of(summary, range.best_cell)},
           {"chosen_on_even", settings_of(summary, range.chosen)},
-          {"even", number_json(range.chosen_even.value())},
+          {"even", range.chosen_even.value()},
           {"held_out", share_json(range.held_out)}};
 }
 
@@ -203,14 +208,94 @@ Json rates_record(const Summary& summary, const std::string& table, Kind kind, c
               {"set", grid == nullptr ? "" : summary.sets[grid->set].name},
               {"not_run", why_no_numbers(summary, contestant, grid)},
               {"parameterisations", grid == nullptr ? 0 : grid->cells.size()}};
-  record["trials"] = number_json(grid == nullptr ? none : range_of(*grid, Measure::kCriterion).average.trials);
-  record["published"] = {{"worst", number_json(published ? published->worst : none)},
-                         {"average", number_json(published ? published->average : none)},
-                         {"best", number_json(published ? published->best : none)}};
+  record["trials"] = grid == nullptr ? none : range_of(*grid, Measure::kCriterion).average.trials;
+  record["published"] = {{"worst", published ? published->worst : none},
+                         {"average", published ? published->average : none},
+                         {"best", published ? published->best : none}};
   for (const Measure measure : kMeasures) {
     record[name_of(measure)] = range_json(summary, grid == nullptr ? GridRange{} : range_of(*grid, measure));
   }
   return record;
+}
+
+struct Tolerances {
+  double pivot = 0;
+  double zero = 0;
+};
+
+/// The settings of a wrapped solver, those at their defaults too: a store leaves them out of a spec inside a setting.
+Options settings_inside(const std::string& text) {
+  const Spec spec = parse_spec(text);
+  try {
+    return find_solver(spec.name).definition.all_settings(spec.options);
+  } catch (const InputError&) {  // a solver or setting of another version
+    return spec.options;
+  }
+}
+
+/// The number of a setting, in the options or in a spec that one of them holds. nullopt: there is none.
+std::optional<double> find_number(const Options& options, std::string_view setting) {
+  for (const auto& [key, value] : options) {
+    if (key == setting) {
+      char* end = nullptr;
+      const double number = std::strtod(value.c_str(), &end);
+      if (end != value.c_str() && *end == '\0' && std::isfinite(number)) return number;
+    }
+    if (key != "solver") continue;
+    const std::optional<double> inside = find_number(settings_inside(value), setting);
+    if (inside) return inside;
+  }
+  return std::nullopt;
+}
+
+std::optional<Tolerances> tolerances_of(const SolverRow& solver) {
+  if (solver.all_settings.empty()) return std::nullopt;
+  try {
+    const Options options = parse_spec(solver.name + "{" + solver.all_settings + "}").options;
+    const std::optional<double> pivot = find_number(options, "pivot_tolerance");
+    const std::optional<double> zero = find_number(options, "zero_tolerance");
+    if (pivot && zero) return Tolerances{*pivot, *zero};
+  } catch (const InputError&) {  // a store of other hands may spell settings otherwise: it has no map
+  }
+  return std::nullopt;
+}
+
+void insert_sorted(std::vector<double>& values, double value) {
+  const auto at = std::lower_bound(values.begin(), values.end(), value);
+  if (at == values.end() || *at != value) values.insert(at, value);
+}
+
+std::size_t index_of(const std::vector<double>& values, double value) {
+  return static_cast<std::size_t>(std::lower_bound(values.begin(), values.end(), value) - values.begin());
+}
+
+std::optional<ToleranceMap> map_of(const Summary& summary, const Grid& grid) {
+  ToleranceMap map{&grid, {}, {}, {}};
+  std::vector<Tolerances> tolerances;
+  for (const Cell* cell : grid.cells) {
+    const std::optional<Tolerances> found = tolerances_of(summary.solvers[cell->solver]);
+    if (!found) return std::nullopt;
+    tolerances.push_back(*found);
+    insert_sorted(map.pivot_tolerances, found->pivot);
+    insert_sorted(map.zero_tolerances, found->zero);
+  }
+  if (map.pivot_tolerances.size() < 2 || map.zero_tolerances.size() < 2) return std::nullopt;
+  map.cells.assign(map.pivot_tolerances.size() * map.zero_tolerances.size(), nullptr);
+  for (std::size_t i = 0; i < tolerances.size(); ++i) {
+    const Cell*& place = map.cells[index_of(map.zero_tolerances, tolerances[i].zero) * map.pivot_tolerances.size() +
+                                   index_of(map.pivot_tolerances, tolerances[i].pivot)];
+    if (place == nullptr) place = grid.cells[i];
+  }
+  return map;
+}
+
+Json record(const std::string& set, const std::string& solver, double pivot, double zero, const Cell* cell) {
+  Json json{{"set", set}, {"solver", solver}, {"pivot_tolerance", pivot}, {"zero_tolerance", zero}};
+  json["trials"] = cell == nullptr ? Json() : Json(cell->trials);
+  for (const Measure measure : kMeasures) {
+    json[name_of(measure)] = share_json(cell == nullptr ? Proportion{} : solved_share(*cell, measure));
+  }
+  return json;
 }
 
 }  // namespace
@@ -228,14 +313,12 @@ Table rates_table(const Summary& summary, const std::vector<Grid>& grids, Kind k
   table.notes = {
       kSolvedNote,
       "Small numbers: Wilson 95 % intervals of the shares of the worst and of the best cell, and the trials of each "
-      "cell. "
-      "They hold for a cell named beforehand. The best of many cells flatters and the worst belittles, so the third "
-      "table "
-      "chooses the best on the even trials and gives its interval on the odd ones, where no choice was made.",
+      "cell. They hold for a cell named beforehand. The best of many cells flatters and the worst belittles, so the "
+      "third table chooses the best on the even trials and gives its interval on the odd ones, where no choice was "
+      "made.",
       "In Experiment 6 the paper’s Lemke is `regularized{test=tried}`, whose test of an answer is the published one; "
       "`regularized` tests the answer on the problem itself. Redundancy: `multiple`, a redundant contact is a multiple "
-      "of "
-      "one other; `combination`, of all independent ones (`docs/reference/generators.md`)."};
+      "of one other; `combination`, of all independent ones (`docs/reference/generators.md`)."};
   table.query = rates_query(kind);
   table.records = Json::array();
   for (const Experiment& experiment : experiments()) {
@@ -252,5 +335,29 @@ Table rates_table(const Summary& summary, const std::vector<Grid>& grids, Kind k
   table.example = rates_record(summary, "", kind, experiments().front(), "", {Family::kLemke, ""}, nullptr);
   return table;
 }
+
+std::vector<ToleranceMap> tolerance_maps(const Summary& summary, const std::vector<Grid>& grids) {
+  std::vector<ToleranceMap> maps;
+  for (const Grid& grid : grids) {
+    std::optional<ToleranceMap> map = map_of(summary, grid);
+    if (map) maps.push_back(std::move(*map));
+  }
+  return maps;
+}
+
+Json tolerance_maps_json(const Summary& summary, const std::vector<ToleranceMap>& maps) {
+  Json records = Json::array();
+  for (const ToleranceMap& map : maps) {
+    for (std::size_t zero = 0; zero < map.zero_tolerances.size(); ++zero) {
+      for (std::size_t pivot = 0; pivot < map.pivot_tolerances.size(); ++pivot) {
+        records.push_back(record(summary.sets[map.grid->set].name, map.grid->label, map.pivot_tolerances[pivot],
+                                 map.zero_tolerances[zero], map.at(pivot, zero)));
+      }
+    }
+  }
+  return records;
+}
+
+Json tolerance_maps_example() { return record("", "", 0, 0, nullptr); }
 
 }  // namespace lcpbench::paper

@@ -54,11 +54,11 @@ Reproduction reproduction(const Grid& grid, Family family, const char* statistic
 
 Json difference_json(const Proportion& with, const Proportion& without) {
   const LinearCombination change = difference(with, without);
-  return {{"default", number_json(without.value())},
-          {"reading", number_json(with.value())},
-          {"difference", number_json(change.value())},
-          {"low", number_json(change.interval().low)},
-          {"high", number_json(change.interval().high)}};
+  return {{"default", without.value()},
+          {"reading", with.value()},
+          {"difference", change.value()},
+          {"low", change.interval().low},
+          {"high", change.interval().high}};
 }
 
 Json effect_record(const std::string& set, const std::string& solver, const ReadingEffect& effect) {
@@ -76,10 +76,10 @@ Json reproduction_record(const std::string& set, const std::string& solver, cons
           {"paper_solver", name_of(row.family)},
           {"solver", solver},
           {"statistic", row.statistic},
-          {"published", number_json(row.published)},
-          {"ours", number_json(row.ours)},
-          {"low", number_json(row.difference.low)},
-          {"high", number_json(row.difference.high)},
+          {"published", row.published},
+          {"ours", row.ours},
+          {"low", row.difference.low},
+          {"high", row.difference.high},
           {"result", name_of(row.agreement)},
           {"explanation", row.explanation}};
 }

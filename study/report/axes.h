@@ -1,6 +1,8 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "study/report/canvas.h"
@@ -54,12 +56,44 @@ void draw_frame(Canvas& canvas, const Box& area, const std::vector<Tic>& x_tics,
 void draw_heading(Canvas& canvas, const SetSummary& set);
 
 /// A solver's name as pictures write it, with its trials where it has fewer than the set has problems.
-std::string label_of(const Summary& summary, const Cell& cell);
+std::string sized_label(const std::string& label, std::int64_t trials, std::int64_t problems);
 
 /// The same with the rung of a precision ladder as a word: "lemke quad (20 of 100)".
 std::string rung_label(const Summary& summary, const Cell& cell);
 
 /// The relative error up to which an answer of the set counts as solved.
 double verdict_bound(const SetSummary& set);
+
+/// A share of problems that rises in steps over an axis.
+struct Curve {
+  std::string label;
+  std::size_t color = 0;  ///< position among the set's solvers: one solver has one style in all pictures of a set
+  std::vector<std::pair<double, double>> steps;  ///< (x, share from there on), ascending; x positive and finite
+
+  double end() const { return steps.empty() ? 0 : steps.back().second; }
+};
+
+/// The colour of a curve by its number, of a cycle of ten.
+const char* curve_color(std::size_t number);
+
+/// The line of a curve by its number: colour and dashes together are different for all numbers.
+Stroke curve_stroke(std::size_t number, double width);
+
+/// " NAME: 98 % in the end." of each curve, for those who do not see the picture.
+std::string ends_in_words(const std::vector<Curve>& curves);
+
+/// What a picture of shares says around its curves.
+struct ShareAxes {
+  std::string title;        ///< the picture's name
+  std::string alternative;  ///< for those who do not see the picture
+  std::string heading;      ///< what the shares are
+  std::string x_label;
+  std::string (*tic)(int) = nullptr;  ///< name of a power of ten
+  std::optional<double> bound;        ///< where the verdict turns
+};
+
+/// Curves over a logarithmic axis, each named at its end. @pre there is a step.
+/// @returns the SVG.
+std::string draw_shares(const SetSummary& set, const ShareAxes& axes, const std::vector<Curve>& curves);
 
 }  // namespace lcpbench::report

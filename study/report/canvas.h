@@ -1,13 +1,54 @@
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "study/report/labels.h"
+#include "study/output/text_table.h"
 
 namespace lcpbench::report {
+
+/// A rectangle in pixels; y grows downward.
+struct Box {
+  double left = 0;
+  double top = 0;
+  double right = 0;
+  double bottom = 0;
+
+  bool contains(const Box& other) const;
+  /// Shared area; 0 when they only touch.
+  double overlap(const Box& other) const;
+};
+
+/// A point that wants a label of a given width beside it.
+struct LabelledPoint {
+  double x = 0;
+  double y = 0;
+  double width = 0;  ///< of the text
+};
+
+struct PlacedLabel {
+  Box box;
+  bool leader = false;  ///< too far from its point to be read as its label without a line
+};
+
+/// Places one label per point inside `area`, near its point and free of other labels, points and obstacles as far as
+/// there is room: each label in turn takes its cheapest candidate position, until none moves. Deterministic;
+/// O(points^2).
+/// @param height of one line of text
+std::vector<PlacedLabel> place_labels(std::span<const LabelledPoint> points, std::span<const Box> obstacles,
+                                      const Box& area, double height);
+
+/// The labels that overlap another one, or whose leader crosses a label or another leader: where there is no room for
+/// all, these are too long. Ascending. O(points^2)
+std::vector<std::size_t> crowded_labels(std::span<const LabelledPoint> points, std::span<const PlacedLabel> placed);
+
+/// Heights for labels of one line each in a column, every one as near to what it wishes as order and room allow: where
+/// they crowd they are pushed down, then up again from the bottom, until no two overlap. @returns in the order given.
+std::vector<double> stack_labels(std::span<const double> wishes, double top, double bottom, double height);
 
 /// Widths of monospaced and proportional text as browsers set it, per character and pixel of font size. The latter is
 /// an upper estimate for Latin text in Helvetica, Arial and DejaVu Sans.
@@ -28,7 +69,8 @@ inline constexpr const char* kGrey = "c-grey";
 inline constexpr const char* kFaint = "c-faint";
 
 /// The style sheet of every picture. A page that holds pictures has it once; a picture in a file has its own.
-inline constexpr const char* kFigureStyle = R"css(svg text { font-family: Helvetica, Arial, sans-serif; white-space: pre; }
+inline constexpr const char* kFigureStyle =
+    R"css(svg text { font-family: Helvetica, Arial, sans-serif; white-space: pre; }
 svg .m { font-family: ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace; }
 svg .l { fill: none; stroke: currentColor; }
 svg .h { fill: #ffffff; stroke: currentColor; stroke-width: 1.6; }
@@ -50,10 +92,8 @@ svg .c4 { color: #e6e7e8; } svg .c5 { color: #e0b040; } svg .c6 { color: #2f86c8
 svg .c8 { color: #a5d65a; } svg .c9 { color: #8f949a; } }
 )css";
 
-/// Characters of UTF-8 text.
-std::size_t character_count(std::string_view text);
 /// At most `limit` characters, the last an ellipsis when something is left out.
-std::string shorten(std::string_view text, std::size_t limit);
+std::string shorten(const std::string& text, std::size_t limit);
 
 /// Before or behind everything else.
 enum class Layer { kFront, kBack };

@@ -1,12 +1,10 @@
-#include "study/report/comparison_section.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "study/report/comparison_tables.h"
-#include "study/report/html_table.h"
+#include "study/report/page.h"
+#include "study/report/tables.h"
 #include "study/report/text.h"
 
 namespace lcpbench::report {
@@ -63,11 +61,15 @@ std::string seconds_cell(const Estimate& estimate) {
 }
 
 std::string solvers_table(const Summary& summary, const SetComparison& comparison) {
-  constexpr Column kColumns[] = {{"Solver", false},         {"Solved", true},
-                                 {"Solves more than", true}, {"Solves fewer than", true},
-                                 {"Not told apart from", true}, {"Solved by it alone", true},
-                                 {"Fastest to solve", true}, {"Shifted geometric mean", true},
-                                 {"PAR‑10", true}};
+  const std::vector<Column> columns{{"Solver"},
+                                    {"Solved", true},
+                                    {"Solves more than", true},
+                                    {"Solves fewer than", true},
+                                    {"Not told apart from", true},
+                                    {"Solved by it alone", true},
+                                    {"Fastest to solve", true},
+                                    {"Shifted geometric mean", true},
+                                    {"PAR‑10", true}};
   std::string rows;
   for (const SolverTimes& times : comparison.times) {
     const Tests tests = tests_of(comparison, times.solver);
@@ -80,7 +82,7 @@ std::string solvers_table(const Summary& summary, const SetComparison& compariso
     }
     rows += seconds_cell(times.geometric_mean) + number_cell(times.par10, duration(times.par10)) + "</tr>\n";
   }
-  return table_head("cells", kColumns) + rows + kTableEnd;
+  return table_head("cells", columns) + rows + kTableEnd;
 }
 
 // --- portfolio ---
@@ -152,8 +154,8 @@ std::string introduction(const Summary& summary) {
       "unsolved one counts as ten time limits ({}).</li>\n"
       "<li><strong>Curves.</strong> Shares of the problems not proven unsolvable. A failure is in the whole and never "
       "in the share, so that a curve ends at what the solver solved.</li>\n"
-      "<li><strong>Profiles</strong> compare two solvers alone: in profiles of many, leaving one out can turn the order "
-      "of the others.</li>\n"
+      "<li><strong>Profiles</strong> compare two solvers alone: in profiles of many, leaving one out can turn the "
+      "order of the others.</li>\n"
       "<li><strong>Virtual best solver.</strong> The fastest that solved each problem, known only afterwards. "
       "“Solved by it alone” and “fastest to solve” count its problems; solvers that met only a part of the set have no "
       "such count. <strong>Fallback chain.</strong> Solvers tried one after the other until an answer passes "
@@ -189,11 +191,11 @@ std::string queries() {
 
 }  // namespace
 
-std::string comparison_section(const Summary& summary, const std::vector<SetComparison>& comparisons,
-                               const Figures& figures) {
+std::string comparison_section(const Report& report) {
+  const auto& [summary, situations, comparisons, speed_error, figures, paper] = report;
   if (comparisons.empty()) return "";
-  std::string section = "<section id=\"comparison\"><h2>Comparing solvers</h2>\n" + introduction(summary) + queries() +
-                        "</details>\n";
+  std::string section =
+      "<section id=\"comparison\"><h2>Comparing solvers</h2>\n" + introduction(summary) + queries() + "</details>\n";
   for (const SetComparison& comparison : comparisons) {
     section += "<details><summary>" + set_line(summary, comparison) + "</summary>\n";
     section += solvers_table(summary, comparison);

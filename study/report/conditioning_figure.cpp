@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "study/report/axes.h"
-#include "study/report/curves.h"
 #include "study/report/figures.h"
 #include "study/report/text.h"
 
@@ -32,7 +31,7 @@ struct Line {
     bool failed = false;  ///< has no error of its own
   };
   std::string label;
-  std::size_t number = 0;  ///< gives colour and shape
+  std::size_t number = 0;     ///< gives colour and shape
   std::vector<Point> points;  ///< ascending by condition
   bool reaches_the_end = false;
 };
@@ -137,8 +136,8 @@ std::string alternative_text(const Summary& summary, const Conditioning& family)
   for (const Line& line : lines_of(summary, family, drawn_error)) {
     text += " " + line.label + ":";
     for (const Line::Point& point : line.points) {
-      text += fmt::format(" {} at {},", point.failed ? "failed" : scientific(point.value),
-                          condition_text(point.condition));
+      text +=
+          fmt::format(" {} at {},", point.failed ? "failed" : scientific(point.value), condition_text(point.condition));
     }
     text.back() = '.';
   }

@@ -8,11 +8,10 @@
 
 #include <fmt/format.h>
 
-#include "study/report/conditioning.h"
-#include "study/report/coverage_notice.h"
+#include "study/report/coverage.h"
 #include "study/report/figures.h"
 #include "study/report/hard.h"
-#include "study/report/references.h"
+#include "study/report/speed_error.h"
 #include "study/report/text.h"
 
 namespace lcpbench::report {
@@ -349,6 +348,24 @@ std::string speed_beside_reference(const Summary& summary, const Contender& best
   const bool is_reference = summary.solvers[best.solver].text() == summary.reference;
   if (is_reference || !std::isfinite(best.speedup.value)) return "";
   return speed_against(1 / best.speedup.value) + " the dense reference";
+}
+
+std::vector<std::pair<std::size_t, Share>> caught_solvers(const Summary& summary) {
+  std::map<std::size_t, Share> false_claims;
+  for (const Cell& cell : summary.cells) {
+    if (!summary.solvers[cell.solver].sweep.empty()) continue;
+    false_claims[cell.solver].part += cell.false_claims();
+    false_claims[cell.solver].whole += cell.trials - cell.count(Claim::kUnsupported);
+  }
+  std::erase_if(false_claims, [](const auto& entry) { return entry.second.part == 0; });
+  std::vector<std::pair<std::size_t, Share>> caught(false_claims.begin(), false_claims.end());
+  std::stable_sort(caught.begin(), caught.end(),
+                   [](const auto& a, const auto& b) { return a.second.interval().low > b.second.interval().low; });
+  return caught;
+}
+
+std::string situation_key(std::size_t situation, std::size_t solver) {
+  return fmt::format("s{}:{}", situation, solver);
 }
 
 std::string one_line_answer(const Summary& summary, const std::vector<Situation>& situations) {

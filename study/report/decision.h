@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "study/report/reliability.h"
@@ -64,6 +65,13 @@ bool only_special_sets(const Summary& summary, const std::vector<Situation>& sit
 /// The recommended solver's speed beside the reference's: "40.1× faster than the dense reference"; "" where there is
 /// none to compare with.
 std::string speed_beside_reference(const Summary& summary, const Contender& best);
+
+/// Every solver at single settings that said solved and was wrong, on whatever set, with the share of the problems that
+/// it took; those of whom it is surest first.
+std::vector<std::pair<std::size_t, Share>> caught_solvers(const Summary& summary);
+
+/// Where the page's script finds the factor of the solver that a situation recommends: the value of data-speed.
+std::string situation_key(std::size_t situation, std::size_t solver);
 
 /// The answer to the report's question, in a sentence of HTML.
 std::string one_line_answer(const Summary& summary, const std::vector<Situation>& situations);

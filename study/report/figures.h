@@ -4,7 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "study/report/conditioning.h"
+#include "study/paper/tables.h"
+#include "study/report/solver_comparison.h"
 #include "study/report/speed_error.h"
 #include "study/report/summary.h"
 
@@ -32,5 +33,18 @@ std::optional<Figure> conditioning_figure(const Summary& summary, const Conditio
 /// The share of a set's problems that each solver answered within an error, over the error: the whole distribution.
 /// @returns nullopt when no solver of the set can be drawn.
 std::optional<Figure> error_distribution_figure(const Summary& summary, std::size_t set);
+
+/// Share of a set's problems, those proven unsolvable left out, that each solver solved within a time.
+/// @returns nullopt when no solver solved any.
+std::optional<Figure> time_ecdf_figure(const Summary& summary, const SetComparison& comparison);
+
+/// The same share answered within an error, whatever the solvers claimed.
+/// @returns nullopt when there is no answer.
+std::optional<Figure> error_ecdf_figure(const Summary& summary, const SetComparison& comparison);
+
+/// Two heat maps side by side, by our verdict and by the paper's criterion: the share solved at each pair of
+/// tolerances, its number in each field, on a scale that is fixed from 0 to 100 % and is told apart with any colour
+/// vision.
+Figure tolerance_figure(const Summary& summary, const paper::ToleranceMap& map);
 
 }  // namespace lcpbench::report

@@ -84,4 +84,8 @@ HardStudy hard_study(const Summary& summary);
 /// the worst of these).
 nlohmann::ordered_json hard_tables(const Summary& summary, const HardStudy& study);
 
+/// The hard cases as text, in lines of `width` characters: for each solver what became of them, and every false claim
+/// by name. "" without any.
+std::string hard_text(const Summary& summary, int width);
+
 }  // namespace lcpbench::report

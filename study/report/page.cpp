@@ -3,39 +3,23 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "study/report/canvas.h"
-#include "study/report/comparison_section.h"
-#include "study/report/coverage_notice.h"
+#include "study/report/coverage.h"
+#include "study/report/figures.h"
 #include "study/report/hard.h"
-#include "study/report/hard_section.h"
-#include "study/report/provenance_section.h"
-#include "study/report/references.h"
-#include "study/report/sections.h"
-#include "study/report/speed_error_section.h"
+#include "study/report/solver_comparison.h"
 #include "study/report/style.h"
 #include "study/report/text.h"
 
 namespace lcpbench::report {
 
 namespace {
-
-/// A link to a section, where the page has it.
-std::string section_link(const std::string& sections, const std::string& id, const char* title) {
-  const bool present = sections.find("<section id=\"" + id + "\"") != std::string::npos;
-  return present ? "<a href=\"#" + id + "\">" + title + "</a>" : "";
-}
-
-std::string navigation(const Summary& summary, const PaperStudy& paper, const std::string& sections) {
-  const auto link = [&sections](const char* id, const char* title) { return section_link(sections, id, title); };
-  return "<nav aria-label=\"Contents\"><a href=\"#answer\">Answer</a>" + link("speed-error", "Every set") +
-         link("comparison", "Comparing solvers") + hard_navigation(summary) +
-         link("claims", "Claim against verdict") + paper_navigation(paper) + link("times", "What each time contains") +
-         link("provenance", "Provenance") + link("definitions", "Definitions") + link("limits", "Limits") + "</nav>\n";
-}
 
 std::string share_line(const Share& share) {
   const char* cls = share.part > 0 ? "bad" : "zero";
@@ -125,20 +109,13 @@ std::string decision_row(const Summary& summary, const Situation& situation, std
   return row + reasons_column(summary, situation) + "</tr>\n";
 }
 
-/// Every solver at single settings that said solved and was wrong, on whatever set, those of whom it is surest first.
 std::string false_claims_line(const Summary& summary) {
-  std::map<std::size_t, Share> false_claims;
-  for (const Cell& cell : summary.cells) {
-    if (!summary.solvers[cell.solver].sweep.empty()) continue;
-    false_claims[cell.solver].part += cell.false_claims();
-    false_claims[cell.solver].whole += cell.trials - cell.count(Claim::kUnsupported);
+  const std::vector<std::pair<std::size_t, Share>> caught = caught_solvers(summary);
+  if (caught.empty()) {
+    const bool any = std::any_of(summary.cells.begin(), summary.cells.end(),
+                                 [&](const Cell& cell) { return summary.solvers[cell.solver].sweep.empty(); });
+    return any ? "<p>No solver here said solved and was wrong.</p>\n" : "";
   }
-  if (false_claims.empty()) return "";
-  std::erase_if(false_claims, [](const auto& entry) { return entry.second.part == 0; });
-  if (false_claims.empty()) return "<p>No solver here said solved and was wrong.</p>\n";
-  std::vector<std::pair<std::size_t, Share>> caught(false_claims.begin(), false_claims.end());
-  std::stable_sort(caught.begin(), caught.end(),
-                   [](const auto& a, const auto& b) { return a.second.interval().low > b.second.interval().low; });
   std::string names;
   for (const auto& [solver, share] : caught) {
     names += fmt::format("{}{} on {} of {}", names.empty() ? "" : "; ", code(solver_label(summary, solver)), share.part,
@@ -150,12 +127,10 @@ std::string false_claims_line(const Summary& summary) {
 /// "" where the store has nothing that a solver could be recommended for.
 std::string decision_table(const Summary& summary, const std::vector<Situation>& situations) {
   if (only_special_sets(summary, situations)) return "";
-  std::string table =
-      "<div class=\"scroll\" tabindex=\"0\"><table class=\"decision\"><thead><tr><th scope=\"col\">Contacts</th>"
-      "<th scope=\"col\">Use</th><th scope=\"col\">Time per problem</th><th scope=\"col\">What it gets wrong</th>"
-      "<th scope=\"col\">Why not the others</th></tr></thead><tbody>\n";
+  std::string table = table_head(
+      "decision", {{"Contacts"}, {"Use"}, {"Time per problem"}, {"What it gets wrong"}, {"Why not the others"}});
   for (std::size_t i = 0; i < situations.size(); ++i) table += decision_row(summary, situations[i], i);
-  return table + "</tbody></table></div>\n";
+  return table + kTableEnd;
 }
 
 std::string headline_figure(const Summary& summary, const Figures& figures) {
@@ -202,7 +177,137 @@ std::string three_limits(const Summary& summary, const std::vector<Situation>& s
          "do.</li>\n</ol>\n";
 }
 
+using Json = nlohmann::ordered_json;
+
+/// Time of `a` over time of `b` on the problems that both solved; NaN where there are none.
+double time_factor(const Cell& a, const Cell& b) {
+  double own = 0;
+  double others = 0;
+  auto other = b.outcomes.begin();
+  for (const Outcome& outcome : a.outcomes) {
+    while (other != b.outcomes.end() && other->problem < outcome.problem) ++other;
+    if (other == b.outcomes.end()) break;
+    if (other->problem != outcome.problem || !outcome.solved || !other->solved) continue;
+    if (std::isnan(outcome.time_s) || std::isnan(other->time_s)) continue;
+    own += outcome.time_s;
+    others += other->time_s;
+  }
+  return own / others;
+}
+
+double three_digits_or_none(double value) {
+  return std::isfinite(value) && value > 0 ? std::stod(fmt::format("{:.3g}", value)) : 0;
+}
+
+Json set_factors(const std::vector<const Cell*>& cells) {
+  Json of = Json::array();
+  Json rows = Json::array();
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    of.push_back(cells[i]->solver);
+    Json row = Json::array();
+    for (std::size_t j = i + 1; j < cells.size(); ++j) {
+      row.push_back(three_digits_or_none(time_factor(*cells[i], *cells[j])));
+    }
+    rows.push_back(std::move(row));
+  }
+  return {{"of", std::move(of)}, {"factors", std::move(rows)}};
+}
+
+/// The recommended solver stands first.
+Json situation_factors(const Situation& situation) {
+  Json of = Json::array();
+  Json row = Json::array();
+  for (std::size_t i = 0; i < situation.contenders.size(); ++i) {
+    of.push_back(situation.contenders[i].solver);
+    if (i > 0) row.push_back(three_digits_or_none(situation.contenders[i].recommended_factor));
+  }
+  return {{"of", std::move(of)}, {"factors", Json::array({std::move(row)})}};
+}
+
+/// Solvers that a set of the page has factors of.
+std::set<std::size_t> compared_solvers(const Summary& summary) {
+  std::set<std::size_t> solvers;
+  for (std::size_t set = 0; set < summary.sets.size(); ++set) {
+    if (is_hard_set(summary.sets[set].name)) continue;
+    for (const Cell* cell : drawn_cells(summary, set)) solvers.insert(cell->solver);
+  }
+  return solvers;
+}
+
+std::string group(const Summary& summary, const std::set<std::size_t>& solvers, bool native, const char* title) {
+  std::string options;
+  for (const std::size_t solver : solvers) {
+    if ((summary.solvers[solver].library == "native") != native) continue;
+    options += fmt::format("<option value=\"{}\">{}</option>", solver, escape(solver_label(summary, solver)));
+  }
+  return options.empty() ? "" : fmt::format("<optgroup label=\"{}\">{}</optgroup>", title, options);
+}
+
+/// The choice of the reference solver, hidden until the page's script shows it; "" without two solvers to choose from.
+std::string reference_choice(const Summary& summary) {
+  const std::set<std::size_t> solvers = compared_solvers(summary);
+  if (solvers.size() < 2) return "";
+  const std::string standard = summary.reference.empty() ? "none" : escape(summary.reference);
+  return "<p id=\"reference\" hidden><label>Show factors over <select><option value=\"\">" + standard +
+         " (as printed)</option>" + group(summary, solvers, false, "Libraries") +
+         group(summary, solvers, true, "Solvers of lcpbench") +
+         "</select></label> <small>The table, its sentence and the tables of the sets follow; figures and intervals "
+         "keep the printed reference.</small></p>\n";
+}
+
+/// The factors between all pairs of solvers as JSON in a script element: summed times on the problems that both solved,
+/// to three digits, 0 where there are none. Per set the solvers `of`, and for each the factors over the later ones.
+/// O(sets x solvers^2 x problems)
+std::string reference_data(const Summary& summary, const std::vector<Situation>& situations) {
+  Json names = Json::object();
+  for (const std::size_t solver : compared_solvers(summary)) {
+    names[std::to_string(solver)] = mended(solver_label(summary, solver));
+  }
+  Json sets = Json::object();
+  for (std::size_t set = 0; set < summary.sets.size(); ++set) {
+    if (is_hard_set(summary.sets[set].name)) continue;
+    const std::vector<const Cell*> cells = drawn_cells(summary, set);
+    if (cells.size() > 1) sets[std::to_string(set)] = set_factors(cells);
+  }
+  for (std::size_t i = 0; i < situations.size(); ++i) {
+    if (situations[i].recommended) sets["s" + std::to_string(i)] = situation_factors(situations[i]);
+  }
+  // In a script element nothing may look like markup.
+  std::string text;
+  for (const char c : Json{{"solvers", std::move(names)}, {"by_set", std::move(sets)}}.dump()) {
+    text += c == '<' ? std::string("\\u003c") : std::string(1, c);
+  }
+  return "<script type=\"application/json\" id=\"factors\">" + text + "</script>\n";
+}
+
+// --- the whole ---
+
+/// A part of the page with its links in the navigation, which are left out where the page has no such anchor.
+struct Section {
+  struct Link {
+    const char* anchor;
+    const char* title;
+  };
+  std::vector<Link> links;
+  std::string (*html)(const Report&);
+};
+
+const std::vector<Section> kSections{{{{"speed-error", "Every set"}}, speed_error_section},
+                                     {{{"comparison", "Comparing solvers"}}, comparison_section},
+                                     {{{"hard", "Hard cases"}}, hard_section},
+                                     {{{"claims", "Claim against verdict"}}, claims_section},
+                                     {{{"paper-tables", "The paper’s tables"},
+                                       {"paper-claims", "The paper’s claims"},
+                                       {"tolerance-maps", "Tolerance maps"}},
+                                      [](const Report& report) { return paper_sections(report.summary, report.paper); }},
+                                     {{{"times", "What each time contains"}}, times_section},
+                                     {{{"provenance", "Provenance"}}, provenance_section},
+                                     {{{"definitions", "Definitions"}}, definitions_section},
+                                     {{{"limits", "Limits"}}, limits_section}};
+
 }  // namespace
+
+std::string factor_key(std::size_t set, std::size_t solver) { return fmt::format("{}:{}", set, solver); }
 
 std::string figure_html(const std::map<std::size_t, Figure>& figures, std::size_t index) {
   const auto figure = figures.find(index);
@@ -210,9 +315,18 @@ std::string figure_html(const std::map<std::size_t, Figure>& figures, std::size_
   return "<figure><div class=\"scroll\" tabindex=\"0\">" + inline_svg(figure->second.svg) + "</div></figure>\n";
 }
 
-std::string html_page(const Summary& summary, const std::vector<Situation>& situations,
-                      const std::vector<SetComparison>& comparisons, const SpeedErrorStudy& speed_error,
-                      const Figures& figures, const PaperStudy& paper) {
+std::string html_page(const Report& report) {
+  const Summary& summary = report.summary;
+  std::string sections;
+  std::string navigation = "<nav aria-label=\"Contents\"><a href=\"#answer\">Answer</a>";
+  for (const Section& section : kSections) {
+    const std::string html = section.html(report);
+    for (const auto& [anchor, title] : section.links) {
+      const bool present = html.find(fmt::format(" id=\"{}\">", anchor)) != std::string::npos;
+      if (present) navigation += fmt::format("<a href=\"#{}\">{}</a>", anchor, title);
+    }
+    sections += html;
+  }
   std::string page =
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
@@ -222,21 +336,13 @@ std::string html_page(const Summary& summary, const std::vector<Situation>& situ
   page += "</style></head>\n<body>\n<header id=\"answer\">\n";
   page += "<h1>Which solver should turn contacts into impulses, and what does it cost in speed and error?</h1>\n";
   page += coverage_html(summary.coverage);
-  page += "<p class=\"answer\">" + one_line_answer(summary, situations) + "</p>\n";
-  page += false_claims_line(summary) + "</header>\n";
-  const std::string sections = speed_error_section(summary, speed_error, figures) +
-                               comparison_section(summary, comparisons, figures) + hard_section(summary) +
-                               claims_section(summary) + paper_sections(summary, paper) + times_section(summary) +
-                               provenance_section(summary) + "<details><summary>Definitions: what the words of this page mean</summary>\n" +
-                               definitions_section() + "</details>\n" + limits_section(summary);
-  page += navigation(summary, paper, sections) + "<main>\n";
-  const std::string table = decision_table(summary, situations);
+  page += "<p class=\"answer\">" + one_line_answer(summary, report.situations) + "</p>\n";
+  page += false_claims_line(summary) + "</header>\n" + navigation + "</nav>\n<main>\n";
+  const std::string table = decision_table(summary, report.situations);
   if (!table.empty()) page += reference_choice(summary);
-  page += table;
-  page += headline_figure(summary, figures);
-  page += "<h3>Three limits</h3>\n" + three_limits(summary, situations);
-  page += sections;
-  page += "</main>\n" + reference_data(summary, situations) + "<script>";
+  page += table + headline_figure(summary, report.figures);
+  page += "<h3>Three limits</h3>\n" + three_limits(summary, report.situations) + sections;
+  page += "</main>\n" + reference_data(summary, report.situations) + "<script>";
   page += kScript;
   return page + "</script>\n</body></html>\n";
 }

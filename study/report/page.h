@@ -1,14 +1,13 @@
 #pragma once
 
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "study/report/solver_comparison.h"
 #include "study/report/decision.h"
 #include "study/report/figures.h"
 #include "study/report/paper.h"
+#include "study/report/solver_comparison.h"
 #include "study/report/summary.h"
 
 namespace lcpbench::report {
@@ -22,12 +21,42 @@ struct Figures {
   std::map<std::size_t, Figure> error_ecdf;
 };
 
+/// All that a report says of a store. Its parts point into its summary.
+struct Report {
+  Summary summary;
+  std::vector<Situation> situations;
+  std::vector<SetComparison> comparisons;
+  SpeedErrorStudy speed_error;
+  Figures figures;
+  PaperStudy paper;
+};
+
+/// The whole of report.html: self-contained, readable without scripts, every text of the store escaped.
+std::string html_page(const Report& report);
+
 /// A picture in a box that scrolls; "" where there is none.
 std::string figure_html(const std::map<std::size_t, Figure>& figures, std::size_t index);
 
-/// The whole of report.html: self-contained, readable without scripts, every text of the store escaped.
-std::string html_page(const Summary& summary, const std::vector<Situation>& situations,
-                      const std::vector<SetComparison>& comparisons, const SpeedErrorStudy& speed_error,
-                      const Figures& figures, const PaperStudy& paper);
+// The sections behind the first screen, in their order on the page: each an HTML element with its anchor, its details
+// folded; "" where the store has nothing for it. To add a section, declare its function here, define it in a source
+// file, and add its row to kSections in page.cpp.
+
+std::string speed_error_section(const Report& report);
+std::string comparison_section(const Report& report);
+std::string hard_section(const Report& report);
+std::string claims_section(const Report& report);
+std::string times_section(const Report& report);
+std::string provenance_section(const Report& report);
+std::string definitions_section(const Report& report);
+std::string limits_section(const Report& report);
+
+/// What a run recorded under a name, as text; "not recorded" where it did not.
+std::string recorded_value(const RunSummary& run, const char* name);
+/// The distinct ones of all runs, in the order of their first use.
+std::vector<std::string> recorded_values(const Summary& summary, const char* name);
+
+/// Where the page's script finds the factor of a solver on a set, when the reader chooses another reference: the value
+/// of data-factor.
+std::string factor_key(std::size_t set, std::size_t solver);
 
 }  // namespace lcpbench::report

@@ -6,11 +6,11 @@
 
 #include <fmt/format.h>
 
-#include "study/paper/queries.h"
-#include "study/report/csv.h"
-#include "study/report/paper_figures.h"
+#include "study/paper/tables.h"
+#include "study/report/figures.h"
+#include "study/report/page.h"
 #include "study/report/paper_writer.h"
-#include "study/report/provenance_section.h"
+#include "study/report/tables.h"
 #include "study/report/text.h"
 
 namespace lcpbench::report {
@@ -27,8 +27,7 @@ using paper::Stance;
 
 constexpr const char* kSource =
     "Published figures: E. Drumwright and D. A. Shell, “Extensive analysis of linear complementarity problem (LCP) "
-    "solver "
-    "performance on randomly generated rigid body contact problems”, IROS 2012.";
+    "solver performance on randomly generated rigid body contact problems”, IROS 2012.";
 
 /// A member's distinct values over all runs, in the order of their first use.
 std::string distinct_members(const Summary& summary, const char* name) {
@@ -89,16 +88,6 @@ std::string bound_text(const Comparison& comparison) {
   return std::string(comparison.above ? "above " : "below ") + quantity_text(comparison, comparison.bound);
 }
 
-const char* stance_text(Stance stance) {
-  switch (stance) {
-    case Stance::kSupports: return "supports";
-    case Stance::kOpposes: return "opposes";
-    case Stance::kUndecided: return "undecided";
-    case Stance::kShown: return "not tested";
-  }
-  return "";
-}
-
 Layout comparisons_layout(const std::string& caption, const std::vector<Comparison>& comparisons) {
   Layout layout{caption, {"Compared", "Of", "Value", "Claimed", "Says"}, 2, {}};
   for (const Comparison& comparison : comparisons) {
@@ -106,7 +95,7 @@ Layout comparisons_layout(const std::string& caption, const std::vector<Comparis
                            {comparison.scope, ""},
                            {quantity_text(comparison, comparison.value), interval_text(comparison)},
                            {bound_text(comparison), ""},
-                           {stance_text(comparison.stance), ""}});
+                           {name_of(comparison.stance), ""}});
   }
   return layout;
 }
@@ -159,20 +148,18 @@ void write_claims(PaperWriter& writer, const Summary& summary, const PaperStudy&
   writer.heading(1, "paper-claims", "The paper’s claims");
   writer.paragraph(
       "Each claim is tested by the rule that stands with it, on this store. A comparison supports or opposes its claim "
-      "when "
-      "its whole interval lies on one side of the bound (inside or outside of two bounds), at a level that keeps the "
-      "chance of any wrong one within a claim below 5 % (Bonferroni). `confirmed`: some support, none opposes; "
+      "when its whole interval lies on one side of the bound (inside or outside of two bounds), at a level that keeps "
+      "the chance of any wrong one within a claim below 5 % (Bonferroni). `confirmed`: some support, none opposes; "
       "`confirmed in part`: both; `contradicted`: some oppose, none supports; `explained`: confirmed as the paper "
       "measured, and every test of a named cause supports it; `undecided`: too few trials to tell. A claim whose rule "
       "says on every set is `confirmed` only when all comparisons support it; when none opposes, it is `confirmed in "
       "part` as long as at least half support it, else `undecided`.");
   writer.paragraph(
       "Values are shares and their differences in per cent, times and violations as ratios; in small print 95 % "
-      "intervals. "
-      "Parameterisations met the same problems, so a mean over them is taken to be known only as well as one value per "
-      "problem allows. The terms of a difference are compared as independent samples although they mostly met the same "
-      "problems: that makes intervals of differences wider than need be. It can make those of sums of like terms too "
-      "narrow, which “far more” and the closed gap contain. Numbers: `tables/claims-paper.csv`.");
+      "intervals. Parameterisations met the same problems, so a mean over them is taken to be known only as well as "
+      "one value per problem allows. The terms of a difference are compared as independent samples although they "
+      "mostly met the same problems: that makes intervals of differences wider than need be. It can make those of sums "
+      "of like terms too narrow, which “far more” and the closed gap contain. Numbers: `tables/claims-paper.csv`.");
   for (const paper::Grid& grid : study.grids) {
     if (grid.refused() > 0) {
       writer.paragraph("Left out of every claim, because a refusal is no failure to solve: " + code(grid.label) +
@@ -251,9 +238,7 @@ void write_readings(PaperWriter& writer, const Summary& summary, const PaperStud
   writer.heading(1, "paper-readings", "Open readings, and what is not reproduced");
   writer.paragraph(
       "The paper leaves details of its generators open. Each reading is an option of a set "
-      "(`docs/reference/generators.md`); "
-      "here is "
-      "what it changes. Numbers: `tables/readings.csv`.");
+      "(`docs/reference/generators.md`); here is what it changes. Numbers: `tables/readings.csv`.");
   if (study.readings.empty()) writer.paragraph("No sweep on a set with an option off its default is in this store.");
   if (!study.readings.empty()) writer.table(readings_layout(summary, study));
   for (const paper::Family family : paper::kFamilies) {
@@ -320,8 +305,7 @@ void write_maps(PaperWriter& writer, const Summary& summary, const PaperStudy& s
   writer.heading(1, "tolerance-maps", "Tolerance maps");
   writer.paragraph(
       "The share solved over the two tolerances of Lemke’s algorithm, a field for each of the paper’s "
-      "parameterisations. "
-      "Numbers with intervals: `tables/tolerance-map.csv`.");
+      "parameterisations. Numbers with intervals: `tables/tolerance-map.csv`.");
   for (const DrawnMap& drawn : study.maps) {
     writer.open(code(summary.sets[drawn.map.grid->set].name) + ", " + code(drawn.map.grid->label));
     writer.figure(drawn.file, drawn.figure);
@@ -337,22 +321,13 @@ void write_study(PaperWriter& writer, const Summary& summary, const PaperStudy& 
   write_maps(writer, summary, study);
 }
 
-/// Two grids of a store may have the same name for files.
-std::string unique_file(const std::string& stem, std::set<std::string>& taken) {
-  std::string file = "figures/tolerance-" + stem + ".svg";
-  for (int suffix = 2; !taken.insert(file).second; ++suffix) {
-    file = fmt::format("figures/tolerance-{}-{}.svg", stem, suffix);
-  }
-  return file;
-}
-
 std::vector<DrawnMap> draw_maps(const Summary& summary, const std::vector<paper::Grid>& grids) {
   std::vector<DrawnMap> drawn;
   std::set<std::string> taken;
   for (paper::ToleranceMap& map : paper::tolerance_maps(summary, grids)) {
     const std::string stem = file_stem(summary.sets[map.grid->set].name + " " + map.grid->label);
     Figure figure = tolerance_figure(summary, map);
-    drawn.push_back({std::move(map), unique_file(stem, taken), std::move(figure)});
+    drawn.push_back({std::move(map), figure_file("tolerance-" + stem, ".svg", taken), std::move(figure)});
   }
   return drawn;
 }
@@ -376,16 +351,9 @@ PaperStudy paper_study(const Summary& summary) {
 
 std::string paper_sections(const Summary& summary, const PaperStudy& study) {
   if (study.empty()) return "";
-  HtmlPaperWriter writer;
+  PaperWriter writer(PaperWriter::Format::kHtml);
   write_study(writer, summary, study);
   return "<section id=\"paper\">\n" + writer.text() + "</details>\n</section>\n";
-}
-
-std::string paper_navigation(const PaperStudy& study) {
-  if (study.empty()) return "";
-  return std::string(
-             "<a href=\"#paper-tables\">The paper’s tables</a><a href=\"#paper-claims\">The paper’s claims</a>") +
-         (study.maps.empty() ? "" : "<a href=\"#tolerance-maps\">Tolerance maps</a>");
 }
 
 std::map<std::string, std::string> paper_files(const Summary& summary, const PaperStudy& study) {
@@ -394,7 +362,7 @@ std::map<std::string, std::string> paper_files(const Summary& summary, const Pap
   for (const paper::Table& table : study.tables) {
     files["tables/paper-" + table.id + ".csv"] = csv_table(table.example, table.records);
   }
-  files["tables/claims-paper.csv"] = csv_table(paper::claims_example(), paper::claims_json(study.claims));
+  files["tables/claims-paper.csv"] = csv_table(paper::claims_json({Claim{}}).at(0), paper::claims_json(study.claims));
   files["tables/readings.csv"] = csv_table(paper::readings_example(), paper::readings_json(summary, study.readings));
   files["tables/reproduction.csv"] =
       csv_table(paper::reproductions_example(), paper::reproductions_json(summary, study.reproductions));
@@ -405,7 +373,7 @@ std::map<std::string, std::string> paper_files(const Summary& summary, const Pap
   }
   files["tables/tolerance-map.csv"] =
       csv_table(paper::tolerance_maps_example(), paper::tolerance_maps_json(summary, maps));
-  MarkdownPaperWriter writer;
+  PaperWriter writer(PaperWriter::Format::kMarkdown);
   writer.heading(0, "", "The study of Drumwright and Shell (2012), repeated");
   writer.paragraph(provenance_line(summary));
   write_study(writer, summary, study);

@@ -7,7 +7,6 @@
 #include "study/paper/claims.h"
 #include "study/paper/readings.h"
 #include "study/paper/tables.h"
-#include "study/paper/tolerance_map.h"
 #include "study/report/figures.h"
 
 namespace lcpbench::report {
@@ -35,12 +34,8 @@ struct PaperStudy {
 /// Computes the study and draws its maps. @param summary outlives the result.
 PaperStudy paper_study(const Summary& summary);
 
-/// The sections #paper-tables, #paper-claims, #paper-readings and #tolerance-maps of report.html; "" for an empty
-/// study.
+/// The sections #paper-tables, #paper-claims, #paper-readings and #tolerance-maps of report.html; "" for an empty study.
 std::string paper_sections(const Summary& summary, const PaperStudy& study);
-
-/// Links to those sections for the page's navigation; "" for an empty study.
-std::string paper_navigation(const PaperStudy& study);
 
 /// The study's own files by their names below the report's folder: paper.md, tables/*.csv, figures/*.svg. None for an
 /// empty study. Byte for byte the same for equal rows in the store.

@@ -1,5 +1,3 @@
-#include "study/report/paper_figures.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +7,7 @@
 #include "study/paper/tables.h"
 #include "study/report/axes.h"
 #include "study/report/canvas.h"
+#include "study/report/figures.h"
 #include "study/report/text.h"
 
 namespace lcpbench::report {
@@ -82,7 +81,7 @@ void draw_panel(Canvas& canvas, const ToleranceMap& map, Measure measure, const 
   for (std::size_t zero = 0; zero < rows; ++zero) {
     const double top = kPanelTop + static_cast<double>(rows - 1 - zero) * kRowHeight;
     canvas.text(left - 6, top + kRowHeight / 2, tolerance_text(map.zero_tolerances[zero]),
-                 {.size = kFieldSize, .color = kSoft, .align = Align::kRight});
+                {.size = kFieldSize, .color = kSoft, .align = Align::kRight});
     for (std::size_t pivot = 0; pivot < columns; ++pivot) {
       draw_field(canvas, {column_left(pivot), top, column_left(pivot + 1), top + kRowHeight}, map.at(pivot, zero),
                  measure);
@@ -104,7 +103,7 @@ void draw_scale(Canvas& canvas, double top) {
   }
   canvas.text(kLeft - 6, top + 5, "0 %", {.size = kFieldSize, .color = kSoft, .align = Align::kRight});
   canvas.text(kLeft + kSteps * kStep + 6, top + 5, "100 % solved; rows: zero tolerance",
-               {.size = kFieldSize, .color = kSoft});
+              {.size = kFieldSize, .color = kSoft});
 }
 
 }  // namespace

@@ -75,9 +75,41 @@ std::string markdown_entry(const paper::Entry& entry) {
   return markdown(entry.text) + (entry.detail.empty() ? "" : "<br><sub>" + markdown(entry.detail) + "</sub>");
 }
 
+std::string html_table(const paper::Layout& layout) {
+  std::vector<Column> columns;
+  for (std::size_t i = 0; i < layout.columns.size(); ++i) {
+    columns.push_back({html(layout.columns[i]), is_number_column(layout, i)});
+  }
+  std::string table = table_head("paper", columns, html(layout.caption));
+  for (const auto& row : layout.rows) {
+    table += "<tr>";
+    for (std::size_t i = 0; i < row.size(); ++i) table += html_entry(row[i], i < layout.labels);
+    table += "</tr>\n";
+  }
+  return table + kTableEnd;
+}
+
+std::string markdown_table(const paper::Layout& layout) {
+  std::string table = "**" + markdown(layout.caption) + "**\n\n|";
+  for (const std::string& column : layout.columns) table += " " + markdown(column) + " |";
+  table += "\n|";
+  for (std::size_t i = 0; i < layout.columns.size(); ++i) table += is_number_column(layout, i) ? " ---: |" : " --- |";
+  table += "\n";
+  for (const auto& row : layout.rows) {
+    table += "|";
+    for (const paper::Entry& entry : row) table += " " + markdown_entry(entry) + " |";
+    table += "\n";
+  }
+  return table + "\n";
+}
+
 }  // namespace
 
-void HtmlPaperWriter::heading(int level, const std::string& anchor, const std::string& text) {
+void PaperWriter::heading(int level, const std::string& anchor, const std::string& text) {
+  if (!html_) {
+    text_ += std::string(static_cast<std::size_t>(level) + 1, '#') + " " + markdown(text) + "\n\n";
+    return;
+  }
   const int rank = level + 1;
   const bool part = level == 1;
   if (part && !text_.empty()) text_ += "</details>\n";
@@ -85,73 +117,27 @@ void HtmlPaperWriter::heading(int level, const std::string& anchor, const std::s
   if (part) text_ += "<details><summary>Show this part</summary>\n";
 }
 
-void HtmlPaperWriter::paragraph(const std::string& text) { text_ += "<p>" + html(text) + "</p>\n"; }
-
-void HtmlPaperWriter::table(const paper::Layout& layout) {
-  text_ += "<div class=\"scroll\" tabindex=\"0\"><table class=\"paper\"><caption>" + html(layout.caption) +
-           "</caption><thead><tr>";
-  for (std::size_t i = 0; i < layout.columns.size(); ++i) {
-    const char* attribute = is_number_column(layout, i) ? " class=\"number\"" : "";
-    text_ += fmt::format("<th scope=\"col\"{}>{}</th>", attribute, html(layout.columns[i]));
-  }
-  text_ += "</tr></thead><tbody>\n";
-  for (const auto& row : layout.rows) {
-    text_ += "<tr>";
-    for (std::size_t i = 0; i < row.size(); ++i) text_ += html_entry(row[i], i < layout.labels);
-    text_ += "</tr>\n";
-  }
-  text_ += "</tbody></table></div>\n";
+void PaperWriter::paragraph(const std::string& text) {
+  text_ += html_ ? "<p>" + html(text) + "</p>\n" : markdown(text) + "\n\n";
 }
 
-void HtmlPaperWriter::query(const std::string& sql) {
-  text_ +=
-      "<details><summary>SQL that repeats the counts on the store</summary><div class=\"scroll\" tabindex=\"0\"><pre>" +
-      report::code(sql) + "</pre></div></details>\n";
+void PaperWriter::table(const paper::Layout& layout) { text_ += html_ ? html_table(layout) : markdown_table(layout); }
+
+void PaperWriter::query(const std::string& sql) {
+  const std::string block = html_ ? "<div class=\"scroll\" tabindex=\"0\"><pre>" + report::code(sql) + "</pre></div>"
+                                  : "\n\n```sql\n" + sql + "\n```\n\n";
+  text_ += "<details><summary>SQL that repeats the counts on the store</summary>" + block + "</details>" + gap();
 }
 
-void HtmlPaperWriter::figure(const std::string& file, const Figure& figure) {
-  text_ += "<p><a href=\"" + escape(file) + "\">" + escape(figure.alternative) + "</a></p>\n";
+void PaperWriter::figure(const std::string& file, const Figure& figure) {
+  text_ += html_ ? "<p><a href=\"" + escape(file) + "\">" + escape(figure.alternative) + "</a></p>\n"
+                 : "![" + markdown(figure.alternative) + "](" + file + ")\n\n";
 }
 
-void HtmlPaperWriter::open(const std::string& summary) {
-  text_ += "<details><summary>" + html(summary) + "</summary>\n";
+void PaperWriter::open(const std::string& summary) {
+  text_ += "<details><summary>" + html(summary) + "</summary>" + gap();
 }
 
-void HtmlPaperWriter::close() { text_ += "</details>\n"; }
-
-void MarkdownPaperWriter::heading(int level, const std::string&, const std::string& text) {
-  text_ += std::string(static_cast<std::size_t>(level) + 1, '#') + " " + markdown(text) + "\n\n";
-}
-
-void MarkdownPaperWriter::paragraph(const std::string& text) { text_ += markdown(text) + "\n\n"; }
-
-void MarkdownPaperWriter::table(const paper::Layout& layout) {
-  text_ += "**" + markdown(layout.caption) + "**\n\n|";
-  for (const std::string& column : layout.columns) text_ += " " + markdown(column) + " |";
-  text_ += "\n|";
-  for (std::size_t i = 0; i < layout.columns.size(); ++i) text_ += is_number_column(layout, i) ? " ---: |" : " --- |";
-  text_ += "\n";
-  for (const auto& row : layout.rows) {
-    text_ += "|";
-    for (const paper::Entry& entry : row) text_ += " " + markdown_entry(entry) + " |";
-    text_ += "\n";
-  }
-  text_ += "\n";
-}
-
-void MarkdownPaperWriter::query(const std::string& sql) {
-  text_ += "<details><summary>SQL that repeats the counts on the store</summary>\n\n```sql\n" + sql +
-           "\n```\n\n</details>\n\n";
-}
-
-void MarkdownPaperWriter::figure(const std::string& file, const Figure& figure) {
-  text_ += "![" + markdown(figure.alternative) + "](" + file + ")\n\n";
-}
-
-void MarkdownPaperWriter::open(const std::string& summary) {
-  text_ += "<details><summary>" + html(summary) + "</summary>\n\n";
-}
-
-void MarkdownPaperWriter::close() { text_ += "</details>\n\n"; }
+void PaperWriter::close() { text_ += std::string("</details>") + gap(); }
 
 }  // namespace lcpbench::report

@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "study/report/solver_comparison.h"
-#include "study/report/coverage_notice.h"
+#include "study/report/coverage.h"
 #include "study/report/figures.h"
+#include "study/report/solver_comparison.h"
 #include "study/report/text.h"
 
 namespace lcpbench::report {

@@ -8,8 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "study/statistics/statistics.h"
 #include "study/report/summary.h"
+#include "study/statistics/statistics.h"
 
 // Who may be called reliable: one rule for every section, table and picture.
 

@@ -12,17 +12,15 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "study/report/solver_comparison.h"
 #include "study/report/canvas.h"
-#include "study/report/comparison_tables.h"
-#include "study/report/conditioning.h"
-#include "study/report/csv.h"
 #include "study/report/decision.h"
-#include "study/report/ecdf_figures.h"
 #include "study/report/figures.h"
 #include "study/report/hard.h"
 #include "study/report/page.h"
 #include "study/report/paper.h"
+#include "study/report/solver_comparison.h"
+#include "study/report/speed_error.h"
+#include "study/report/tables.h"
 #include "study/report/text.h"
 
 namespace lcpbench {
@@ -30,6 +28,7 @@ namespace lcpbench {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using report::Report;
 
 void make_folder(const std::filesystem::path& folder) {
   std::error_code error;
@@ -102,64 +101,6 @@ Json claims_json(const Json& cells) {
   return records;
 }
 
-/// A summary with one of everything: its records have the names of every table's columns.
-Summary example_summary() {
-  Summary example;
-  example.sets.resize(1);
-  example.solvers.resize(1);
-  example.cells.resize(1);
-  example.sweeps.resize(1);
-  return example;
-}
-
-void write_tables(const Summary& summary, const Json& document, const std::vector<report::Situation>& situations,
-                  const std::filesystem::path& folder) {
-  make_folder(folder);
-  const Summary example = example_summary();
-  const Json examples = summary_json(example);
-  report::Situation situation;
-  situation.contenders.resize(1);
-  const auto write = [&folder](const char* name, const Json& example_records, const Json& records) {
-    write_file(folder / name, report::csv_table(example_records.at(0), records));
-  };
-  write("cells.csv", examples["cells"], document["cells"]);
-  write("sweeps.csv", examples["sweeps"], document["sweeps"]);
-  write("claims.csv", claims_json(examples["cells"]), claims_json(document["cells"]));
-  write("decision.csv", decision_json(example, {situation}), decision_json(summary, situations));
-}
-
-/// hard_matrix.csv, hard_cases.csv and, where a dial has more than one value, hard_dials.csv.
-void write_hard_tables(const Summary& summary, const std::filesystem::path& folder) {
-  const Json tables = report::hard_tables(summary, report::hard_study(summary));
-  for (const auto& [name, records] : tables.items()) {
-    if (!records.empty()) write_file(folder / (name + ".csv"), report::csv_table(records.at(0), records));
-  }
-}
-
-/// mcnemar.csv, solver_times.csv, ecdf.csv, profiles.csv, vbs.csv, chains.csv.
-void write_comparison_tables(const Summary& summary, const std::vector<SetComparison>& comparisons,
-                             const std::filesystem::path& folder) {
-  make_folder(folder);
-  const Json examples = report::comparison_tables(example_summary(), {report::example_comparison()});
-  const Json tables = report::comparison_tables(summary, comparisons);
-  for (const auto& [name, records] : tables.items()) {
-    write_file(folder / (name + ".csv"), report::csv_table(examples[name].at(0), records));
-  }
-}
-
-/// speed_error.csv, cheapest.csv and, where the store has sets along a dial, conditioning.csv.
-void write_speed_error_tables(const Json& tables, const std::filesystem::path& folder) {
-  for (const auto& [name, records] : tables.items()) {
-    if (!records.empty()) write_file(folder / (name + ".csv"), report::csv_table(records.at(0), records));
-  }
-}
-
-Json speed_error_tables(const Summary& summary, const report::SpeedErrorStudy& study) {
-  return {{"speed_error", report::speed_error_json(summary, study.sets)},
-          {"cheapest", report::cheapest_json(summary, study.sets)},
-          {"conditioning", report::conditioning_json(summary, study.families)}};
-}
-
 report::Figures draw_figures(const Summary& summary, const std::vector<SetComparison>& comparisons,
                              const report::SpeedErrorStudy& study) {
   report::Figures figures;
@@ -183,28 +124,14 @@ report::Figures draw_figures(const Summary& summary, const std::vector<SetCompar
   return figures;
 }
 
-/// File names of sets, made unique: different names may differ only in characters that file names do without.
-class FileNames {
- public:
-  std::string unique(const std::string& set, const std::string& ending) {
-    const std::string stem = report::file_stem(set);
-    std::string name = stem + ending;
-    for (int suffix = 2; !taken_.insert(name).second; ++suffix) name = fmt::format("{}-{}{}", stem, suffix, ending);
-    return "figures/" + name;
-  }
-
- private:
-  std::set<std::string> taken_;
-};
-
 /// Gives every figure its place, and writes it there.
 void write_figures(const Summary& summary, const report::SpeedErrorStudy& study, report::Figures& figures,
                    const std::filesystem::path& folder) {
   make_folder(folder / "figures");
-  FileNames names;
+  std::set<std::string> names;
   const auto write = [&](std::map<std::size_t, report::Figure>& kind, const char* ending, const auto& name) {
     for (auto& [index, figure] : kind) {
-      figure.file = names.unique(name(index), ending);
+      figure.file = report::figure_file(report::file_stem(name(index)), ending, names);
       write_file(folder / figure.file, figure.svg);
     }
   };
@@ -217,7 +144,9 @@ void write_figures(const Summary& summary, const report::SpeedErrorStudy& study,
   write(figures.error_ecdf, ".ecdf-error.svg", set_name);
   const std::optional<std::size_t> headline = report::headline_set(summary);
   const auto figure = headline ? figures.speed_error.find(*headline) : figures.speed_error.end();
-  if (figure != figures.speed_error.end()) write_file(folder / names.unique("headline", ".svg"), figure->second.svg);
+  if (figure != figures.speed_error.end()) {
+    write_file(folder / report::figure_file("headline", ".svg", names), figure->second.svg);
+  }
 }
 
 /// One row per set and solver at single settings, the columns that most readers want, each named with its unit.
@@ -256,36 +185,79 @@ Json results_json(const Summary& summary, const report::SpeedErrorStudy& study) 
   return records;
 }
 
+/// The content of summary.json.
+Json report_json(const Report& report) {
+  Json json = summary_json(report.summary);
+  json["reliability_rule"] = report::reliability_rule_json();
+  json["decision"] = decision_json(report.summary, report.situations);
+  json["comparison"] = report::comparison_json(report.summary, report.comparisons);
+  json["speed_against_error"] = {
+      {"speed_error", report::speed_error_json(report.summary, report.speed_error.sets)},
+      {"cheapest", report::cheapest_json(report.summary, report.speed_error.sets)},
+      {"conditioning", report::conditioning_json(report.summary, report.speed_error.families)}};
+  return json;
+}
+
+/// The records of every table by the name of its file. @param json  of report_json()
+Json table_records(const Report& report, const Json& json) {
+  Json tables = report::comparison_tables(report.summary, report.comparisons);
+  tables.update(report::hard_tables(report.summary, report::hard_study(report.summary)));
+  tables.update(json["speed_against_error"]);
+  for (const char* name : {"cells", "sweeps", "decision"}) tables[name] = json[name];
+  tables["claims"] = claims_json(json["cells"]);
+  tables["results"] = results_json(report.summary, report.speed_error);
+  return tables;
+}
+
+/// The tables of hard cases and of speed against error are left out where the store has nothing for them; the others
+/// have their headings even then.
+void write_tables(const Report& report, const Json& json, const std::filesystem::path& folder) {
+  Report one_of_everything;
+  one_of_everything.summary.sets.resize(1);
+  one_of_everything.summary.solvers.resize(1);
+  one_of_everything.summary.cells.resize(1);
+  one_of_everything.summary.sweeps.resize(1);
+  one_of_everything.situations.resize(1);
+  one_of_everything.situations[0].contenders.resize(1);
+  one_of_everything.comparisons = {report::example_comparison()};
+  const Json examples = table_records(one_of_everything, report_json(one_of_everything));
+  const Json tables = table_records(report, json);
+  make_folder(folder);
+  for (const auto& [name, records] : tables.items()) {
+    const Json& columns = examples[name].empty() ? records : examples[name];
+    if (!columns.empty()) write_file(folder / (name + ".csv"), report::csv_table(columns.at(0), records));
+  }
+}
+
+Report make_report(Store& store) {
+  Report report;
+  report.summary = summarize(store);
+  const Summary& summary = report.summary;
+  report.situations = report::decide(summary);
+  report.comparisons = compare_solvers(summary, report::recommended_by_set(report.situations));
+  // One problem each: there is nothing to test or to draw.
+  std::erase_if(report.comparisons, [&summary](const SetComparison& comparison) {
+    return report::is_hard_set(summary.sets[comparison.set].name);
+  });
+  report.speed_error = report::speed_error_study(summary);
+  report.figures = draw_figures(summary, report.comparisons, report.speed_error);
+  report.paper = report::paper_study(summary);
+  return report;
+}
+
 }  // namespace
 
 void write_report(Store& store, const std::filesystem::path& folder) {
-  const Summary summary = summarize(store);
-  const std::vector<report::Situation> situations = report::decide(summary);
-  std::vector<SetComparison> comparisons = compare_solvers(summary, report::recommended_by_set(situations));
-  // One problem each: there is nothing to test or to draw.
-  std::erase_if(comparisons, [&summary](const SetComparison& comparison) {
-    return report::is_hard_set(summary.sets[comparison.set].name);
-  });
-  const report::SpeedErrorStudy speed_error = report::speed_error_study(summary);
-  report::Figures figures = draw_figures(summary, comparisons, speed_error);
-  Json document = summary_json(summary);
-  document["reliability_rule"] = report::reliability_rule_json();
-  document["decision"] = decision_json(summary, situations);
-  document["comparison"] = report::comparison_json(summary, comparisons);
-  const Json speed_error_records = speed_error_tables(summary, speed_error);
-  document["speed_against_error"] = speed_error_records;
+  Report report = make_report(store);
+  const Json json = report_json(report);
   make_folder(folder);
-  write_tables(summary, document, situations, folder / "tables");
-  write_comparison_tables(summary, comparisons, folder / "tables");
-  write_hard_tables(summary, folder / "tables");
-  write_speed_error_tables(speed_error_records, folder / "tables");
-  write_file(folder / "tables" / "results.csv",
-             report::csv_table(results_json(example_summary(), {}).at(0), results_json(summary, speed_error)));
-  write_figures(summary, speed_error, figures, folder);
-  write_file(folder / "summary.json", json_document(document));
-  const report::PaperStudy paper = report::paper_study(summary);
-  for (const auto& [name, content] : report::paper_files(summary, paper)) write_file(folder / name, content);
-  write_file(folder / "report.html", report::html_page(summary, situations, comparisons, speed_error, figures, paper));
+  write_tables(report, json, folder / "tables");
+  write_figures(report.summary, report.speed_error, report.figures, folder);
+  write_file(folder / "summary.json", json_document(json));
+  for (const auto& [name, content] : report::paper_files(report.summary, report.paper)) {
+    write_file(folder / name, content);
+  }
+  write_file(folder / "report.html", report::html_page(report));
 }
 
 }  // namespace lcpbench

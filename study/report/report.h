@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 
+#include "study/report/summary.h"
 #include "study/store/store.h"
 
 namespace lcpbench {
@@ -12,5 +14,17 @@ namespace lcpbench {
 /// solved again.
 /// @throws InputError when the store cannot be read or a file cannot be written.
 void write_report(Store& store, const std::filesystem::path& folder);
+
+// What a store says, in text for the terminal.
+
+/// The answer: for each kind of contacts the solver to use, the more accurate ones that cost more, the best of Bullet
+/// and of ODE beside them with the factors in time, and at the end who said solved and was wrong. At most so many
+/// lines, unless a sentence takes more. Serves half-filled stores.
+std::string answer_text(const Summary& summary, int width, std::size_t lines);
+
+/// All results: per set one row for each solver with the share solved and its 95 % interval, false claims, giving up,
+/// median time, time ratio to the reference, and the 99th percentile of the error; sweeps as worst, average and best.
+/// Serves half-filled stores.
+std::string table_text(const Summary& summary, int width);
 
 }  // namespace lcpbench

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "study/statistics/statistics.h"
 #include "study/report/summary.h"
+#include "study/statistics/statistics.h"
 
 namespace lcpbench {
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -7,13 +8,18 @@
 #include <fmt/format.h>
 
 #include "study/report/axes.h"
-#include "study/report/failure_strip.h"
 #include "study/report/figures.h"
+#include "study/report/speed_error.h"
 #include "study/report/text.h"
 
 namespace lcpbench::report {
 
 namespace {
+
+constexpr double kRowHeight = 19;
+constexpr double kHeadingHeight = 30;
+constexpr double kLineHeight = 16;
+constexpr std::size_t kLineLimit = 128;
 
 constexpr double kErrorCeiling = 100;  // larger errors are drawn here, their value in the label
 constexpr double kPlotHeight = 360;
@@ -189,39 +195,27 @@ void draw_band(Canvas& canvas, const Box& area) {
   canvas.text(area.left - 6, area.top - kBandHeight / 2, "failed", {.color = kWrong, .align = Align::kRight});
 }
 
-/// The names of the points that have numbers, in columns.
-class NumberedNames {
- public:
-  explicit NumberedNames(const std::vector<DrawnPoint>& points) {
-    std::size_t longest = 0;
-    for (const DrawnPoint& point : points) {
-      if (point.label == point.name) continue;
-      entries_.push_back({fmt::format("{:>2}  {}", point.label, point.name), rank_of(*point.point).color});
-      longest = std::max(longest, character_count(entries_.back().first));
-    }
-    const double wanted = static_cast<double>(longest) * kLabelSize * kMonospaceWidth + 14;
-    columns_ = std::max(1, static_cast<int>((kWidth - 2 * kMargin) / wanted));
-    width_ = (kWidth - 2 * kMargin) / columns_;
-    rows_ = (static_cast<int>(entries_.size()) + columns_ - 1) / columns_;
+/// The names of the points that have numbers, in columns. @returns the height that they took.
+double draw_numbered_names(Canvas& canvas, const std::vector<DrawnPoint>& points, double top) {
+  std::vector<std::pair<std::string, const char*>> entries;
+  std::size_t longest = 0;
+  for (const DrawnPoint& point : points) {
+    if (point.label == point.name) continue;
+    entries.emplace_back(fmt::format("{:>2}  {}", point.label, point.name), rank_of(*point.point).color);
+    longest = std::max(longest, character_count(entries.back().first));
   }
-
-  double height() const { return rows_ == 0 ? 0 : kLabelHeight * rows_ + 8; }
-
-  void draw(Canvas& canvas, double top) const {
-    for (std::size_t i = 0; i < entries_.size(); ++i) {
-      const auto column = static_cast<double>(i / static_cast<std::size_t>(rows_));
-      const auto row = static_cast<double>(i % static_cast<std::size_t>(rows_));
-      canvas.text(kMargin + column * width_, top + kLabelHeight * (row + 0.5), entries_[i].first,
-                  {.size = kLabelSize, .color = entries_[i].second, .monospace = true});
-    }
+  if (entries.empty()) return 0;
+  const double wanted = static_cast<double>(longest) * kLabelSize * kMonospaceWidth + 14;
+  const auto columns = static_cast<std::size_t>(std::max(1.0, std::floor((kWidth - 2 * kMargin) / wanted)));
+  const double width = (kWidth - 2 * kMargin) / static_cast<double>(columns);
+  const std::size_t rows = (entries.size() + columns - 1) / columns;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    canvas.text(kMargin + static_cast<double>(i / rows) * width,
+                top + kLabelHeight * (static_cast<double>(i % rows) + 0.5), entries[i].first,
+                {.size = kLabelSize, .color = entries[i].second, .monospace = true});
   }
-
- private:
-  std::vector<std::pair<std::string, const char*>> entries_;
-  int columns_ = 1;
-  int rows_ = 0;
-  double width_ = 0;
-};
+  return kLabelHeight * static_cast<double>(rows) + 8;
+}
 
 /// @returns the height that it took.
 double draw_legend(Canvas& canvas, const std::vector<DrawnPoint>& points, double y) {
@@ -329,13 +323,104 @@ LogAxis error_axis(const SetSummary& set, const SpeedError& speed_error, const s
   return LogAxis(errors, area.bottom, area.top);
 }
 
+// --- below the points: who failed ---
+
+void draw_bar(Canvas& canvas, double left, double y, double full_width, double share, const char* color) {
+  const double width = std::max(share > 0 ? 1.5 : 0.0, share * full_width);
+  canvas.line(left, y - 7, left, y + 7, kAxis, 1);
+  if (width > 0) canvas.rectangle({left, y - 6, left + width, y + 6}, color);
+  canvas.text(left + width + 5, y, percent(share),
+              {.size = kLabelSize, .color = share > 0 ? kInk : kSoft, .bold = share > 0});
+}
+
+/// Breaks a list of words at commas into lines of at most `limit` characters each.
+std::vector<std::string> lines_of(const std::string& text, std::size_t limit) {
+  std::vector<std::string> lines{""};
+  std::size_t begin = 0;
+  while (begin < text.size()) {
+    const std::size_t comma = text.find(", ", begin);
+    const std::size_t end = comma == std::string::npos ? text.size() : comma + 2;
+    const std::string word = text.substr(begin, end - begin);
+    const bool full = character_count(lines.back()) + character_count(word) > limit;
+    if (full && !lines.back().empty()) lines.emplace_back();
+    lines.back() += word;
+    begin = end;
+  }
+  return lines;
+}
+
+/// The shares of its problems that a solver answered wrongly while saying solved, and gave up on.
+struct Failures {
+  std::string label;
+  double wrong = 0;
+  double gave_up = 0;
+};
+
+/// Of the solvers that failed on some problem, the least failures first, wrong answers before all; the others are
+/// named in `faultless`.
+std::vector<Failures> failures_of(const Summary& summary, const std::vector<const Cell*>& cells,
+                                  std::string& faultless) {
+  std::vector<Failures> failures;
+  for (const Cell* cell : cells) {
+    Failures row{rung_label(summary, *cell), Share{cell->false_claims(), cell->trials}.value(),
+                 Share{cell->gave_up(), cell->trials}.value()};
+    if (row.wrong + row.gave_up > 0) {
+      failures.push_back(std::move(row));
+    } else {
+      faultless += (faultless.empty() ? "" : ", ") + row.label;
+    }
+  }
+  std::stable_sort(failures.begin(), failures.end(), [](const Failures& a, const Failures& b) {
+    return std::pair(a.wrong, a.gave_up) < std::pair(b.wrong, b.gave_up);
+  });
+  return failures;
+}
+
+/// A sentence on who never failed, then a row of bars for each of the others. @returns the height that it took.
+double draw_failures(Canvas& canvas, const Summary& summary, const std::vector<const Cell*>& cells, double top) {
+  std::string faultless;
+  const std::vector<Failures> rows = failures_of(summary, cells, faultless);
+  double y = top + kLineHeight / 2;
+  if (!faultless.empty()) {
+    for (const std::string& line : lines_of("No failure seen: " + faultless, kLineLimit)) {
+      canvas.text(kMargin, y, line, {.size = 11.5, .color = kSoft});
+      y += kLineHeight;
+    }
+  }
+  if (rows.empty()) return y - kLineHeight / 2 - top;
+  struct Column {
+    const char* heading;
+    const char* color;
+    double Failures::*share;
+  };
+  constexpr std::array<Column, 2> columns{
+      {{"said solved, was wrong", kWrong, &Failures::wrong}, {"gave up", kGrey, &Failures::gave_up}}};
+
+  std::size_t longest = 0;
+  for (const Failures& row : rows) longest = std::max(longest, character_count(row.label));
+  const double names_end = kMargin + static_cast<double>(longest) * kLabelSize * kMonospaceWidth + 4;
+  const double column_width = (kWidth - names_end - kMargin) / static_cast<double>(columns.size());
+  const double first_row = y + kHeadingHeight - kLineHeight / 2;
+  const auto row_y = [first_row](std::size_t i) { return first_row + kRowHeight * static_cast<double>(i); };
+  for (std::size_t column = 0; column < columns.size(); ++column) {
+    const double left = names_end + 10 + static_cast<double>(column) * column_width;
+    canvas.text(left, y + 4, columns[column].heading, {.color = columns[column].color, .bold = true});
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      draw_bar(canvas, left, row_y(i), column_width - 75, rows[i].*columns[column].share, columns[column].color);
+    }
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    canvas.text(names_end, row_y(i), rows[i].label, {.align = Align::kRight, .monospace = true});
+  }
+  return y - kLineHeight / 2 + kHeadingHeight + kRowHeight * static_cast<double>(rows.size()) - top;
+}
+
 }  // namespace
 
 std::optional<Figure> speed_error_figure(const Summary& summary, const SpeedError& speed_error) {
   const SetSummary& set = summary.sets[speed_error.set];
   std::vector<DrawnPoint> points = points_of(summary, speed_error);
   if (points.empty()) return std::nullopt;
-  const FailureStrip strip(summary, drawn_cells(summary, speed_error.set));
   const std::string note = undrawn_note(summary, speed_error);
   const bool any_failed =
       std::any_of(points.begin(), points.end(), [](const DrawnPoint& point) { return point.point->failed(); });
@@ -350,8 +435,7 @@ std::optional<Figure> speed_error_figure(const Summary& summary, const SpeedErro
 
   Canvas canvas(kWidth);
   draw_heading(canvas, set);
-  draw_frame(canvas, area, x.tics(9, speed_error.relative ? ratio_of_decade : time_of_decade),
-             y.tics(9, power_of_ten));
+  draw_frame(canvas, area, x.tics(9, speed_error.relative ? ratio_of_decade : time_of_decade), y.tics(9, power_of_ten));
   if (any_failed) draw_band(canvas, area);
   canvas.text(kMargin, 72,
               "↑ worse: " + measure_words(speed_error.measure) +
@@ -361,20 +445,19 @@ std::optional<Figure> speed_error_figure(const Summary& summary, const SpeedErro
   canvas.text((area.left + area.right) / 2, area.bottom + 38, cost_words(summary, speed_error),
               {.color = kSoft, .align = Align::kCenter});
   std::vector<Box> obstacles = draw_frontier(canvas, points, x, y);
-  for (const Box& box : draw_bound(canvas, set, speed_error, area, y, boxes_of(points, place))) obstacles.push_back(box);
+  for (const Box& box : draw_bound(canvas, set, speed_error, area, y, boxes_of(points, place)))
+    obstacles.push_back(box);
   draw_points(canvas, points, place, obstacles);
 
   double below = area.bottom + 62;
   below += draw_legend(canvas, points, below) - 8;
-  const NumberedNames names(points);
-  names.draw(canvas, below);
-  below += names.height();
+  below += draw_numbered_names(canvas, points, below);
   if (!note.empty()) {
     canvas.text(kMargin, below + 9, note, {.size = 11, .color = kSoft});
     below += 18;
   }
-  strip.draw(canvas, below);
-  canvas.set_height(below + strip.height() + 8);
+  below += draw_failures(canvas, summary, drawn_cells(summary, speed_error.set), below);
+  canvas.set_height(below + 8);
   const std::string alternative = alternative_text(summary, speed_error);
   return Figure{canvas.draw(describe(set) + ": speed against error", alternative), alternative, ""};
 }

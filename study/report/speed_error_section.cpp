@@ -1,5 +1,3 @@
-#include "study/report/speed_error_section.h"
-
 #include <algorithm>
 #include <cmath>
 #include <tuple>
@@ -8,10 +6,9 @@
 #include <fmt/format.h>
 
 #include "study/report/axes.h"
-#include "study/report/coverage_notice.h"
+#include "study/report/coverage.h"
 #include "study/report/hard.h"
-#include "study/report/html_table.h"
-#include "study/report/references.h"
+#include "study/report/page.h"
 #include "study/report/text.h"
 
 namespace lcpbench::report {
@@ -23,10 +20,10 @@ constexpr const char* kIntroduction =
     "<p>One row per set; open a set below for its picture and for all solvers.</p>\n"
     "<details><summary>How to read the sets</summary>\n"
     "<p>Pictures have one point per solver and setting; the rungs of a precision ladder are settings. Errors are those "
-    "of the answers said to be solved: median, and the 99th percentile, which decides. <strong>True error</strong>: the "
-    "distance of the post-impact velocity from the certified one, ‖v⁺ − v*‖ / ‖v‖ in the norm of the inertia, on sets "
-    "where at least half of the problems have a certified, unique v*; elsewhere the error ρ that verdicts are taken on, "
-    "or the backward error of bare problems. One set has one measure.</p>\n"
+    "of the answers said to be solved: median, and the 99th percentile, which decides. <strong>True error</strong>: "
+    "the distance of the post-impact velocity from the certified one, ‖v⁺ − v*‖ / ‖v‖ in the norm of the inertia, on "
+    "sets where at least half of the problems have a certified, unique v*; elsewhere the error ρ that verdicts are "
+    "taken on, or the backward error of bare problems. One set has one measure.</p>\n"
     "<p><strong class=\"good\">Frontier</strong>: reliable, and no reliable solver is at least as cheap and as "
     "accurate and better in one. Frontier and cheapest solver go by the estimates, not by their intervals.</p>\n"
     "<p><strong class=\"bad\">Failed</strong>: solved less than 90 % of the problems. The error of the few that it "
@@ -49,8 +46,7 @@ std::string cost_range(const Estimate& ratio) {
 std::string count_cell(std::int64_t count, std::int64_t trials, bool bad, const std::string& note = {}) {
   const Share share{count, trials};
   const char* cls = count == 0 ? "zero" : bad ? "bad" : "";
-  const std::string interval =
-      count == 0 ? "≤ " + percent(share.interval().high) : percent_range(share.interval());
+  const std::string interval = count == 0 ? "≤ " + percent(share.interval().high) : percent_range(share.interval());
   return number_cell(share.value(), fmt::format("<span class=\"{}\">{}</span>", cls, percent(share.value())),
                      note.empty() ? interval : interval + "; " + note);
 }
@@ -119,17 +115,22 @@ std::vector<Row> rows_of(const Summary& summary, std::size_t set, const SpeedErr
   return rows;
 }
 
-constexpr Column kColumns[] = {{"Solver", false},       {"Standing", false},
-                               {"Problems", true},      {"Solved", true},
-                               {"Said solved, was wrong", true}, {"Gave up", true},
-                               {"Time / reference", true}, {"Median time", true},
-                               {"Error, median", true}, {"Error, 99 %", true}};
+const std::vector<Column> kColumns{{"Solver"},
+                                   {"Standing"},
+                                   {"Problems", true},
+                                   {"Solved", true},
+                                   {"Said solved, was wrong", true},
+                                   {"Gave up", true},
+                                   {"Time / reference", true},
+                                   {"Median time", true},
+                                   {"Error, median", true},
+                                   {"Error, 99 %", true}};
 
 std::string refused_row(const std::string& heading, const Cell& cell) {
   return fmt::format(
-      "<tr>{}<td></td><td data-value=\"\">0<small>of {}</small></td>"
-      "<td colspan=\"{}\">does not take these problems: {}</td></tr>\n",
-      heading, cell.trials, std::size(kColumns) - 3, escape(cell.refusal));
+      "<tr>{}<td></td><td data-value=\"\">0<small>of {}</small></td><td colspan=\"{}\">does not take these problems: "
+      "{}</td></tr>\n",
+      heading, cell.trials, kColumns.size() - 3, escape(cell.refusal));
 }
 
 std::string factor_cell(const Summary& summary, const Cell& cell) {
@@ -176,10 +177,10 @@ std::string range_cells(const SweepSummary::Range& range) {
 }
 
 std::string sweep_table(const Summary& summary, std::size_t set) {
-  constexpr Column kSweepColumns[] = {
-      {"Solver, sweep", false}, {"Cells", true}, {"Problems", true},       {"Verdict: worst", true},
-      {"average", true},        {"best", true},  {"best, held out", true}, {"Criterion: worst", true},
-      {"average", true},        {"best", true}};
+  const std::vector<Column> columns{
+      {"Solver, sweep"}, {"Cells", true}, {"Problems", true},       {"Verdict: worst", true},
+      {"average", true}, {"best", true},  {"best, held out", true}, {"Criterion: worst", true},
+      {"average", true}, {"best", true}};
   std::string rows;
   for (const SweepSummary& sweep : summary.sweeps) {
     if (sweep.set != set) continue;
@@ -193,7 +194,7 @@ std::string sweep_table(const Summary& summary, std::size_t set) {
   if (rows.empty()) return "";
   return "<p class=\"note\">Sweeps: shares solved over all parameterisations of a grid, by our verdict and by the "
          "paper’s criterion. “Held out”: chosen on the even trials, reported on the odd ones.</p>\n" +
-         table_head("cells", kSweepColumns) + rows + kTableEnd;
+         table_head("cells", columns) + rows + kTableEnd;
 }
 
 /// "contact_lemke, 0.0089", and how well it meets the target.
@@ -220,10 +221,8 @@ std::string too_few_line(const SpeedError& set) {
 
 std::string cheapest_table(const Summary& summary, const SpeedError& set) {
   if (set.too_few()) return too_few_line(set);
-  std::string table =
-      "<div class=\"scroll\" tabindex=\"0\"><table><caption>The cheapest reliable solver that meets an "
-      "error</caption><thead><tr><th scope=\"col\">Error at most</th><th scope=\"col\">in 99 % of its answers</th>"
-      "<th scope=\"col\">in the median</th></tr></thead><tbody>\n";
+  std::string table = table_head("", {{"Error at most"}, {"in 99 % of its answers"}, {"in the median"}},
+                                 "The cheapest reliable solver that meets an error");
   for (const Cheapest& cheapest : set.cheapest) {
     table += target_heading(cheapest.target) + chosen_cell(summary, set, cheapest.by_p99, &SpeedErrorPoint::p99) +
              chosen_cell(summary, set, cheapest.by_median, &SpeedErrorPoint::median) + "</tr>\n";
@@ -323,12 +322,10 @@ std::string overview_row(const Summary& summary, std::size_t set, const SpeedErr
 
 // --- conditioning ---
 
-std::string condition_headings(const Conditioning& family) {
-  std::string headings;
-  for (const double condition : family.conditions) {
-    headings += "<th scope=\"col\" class=\"number\">" + condition_text(condition) + "</th>";
-  }
-  return headings + "</tr></thead><tbody>\n";
+std::vector<Column> condition_columns(const char* first, const Conditioning& family) {
+  std::vector<Column> columns{{first}};
+  for (const double condition : family.conditions) columns.push_back({condition_text(condition), true});
+  return columns;
 }
 
 std::string condition_cell(const SpeedError& step, std::size_t solver) {
@@ -343,11 +340,10 @@ std::string condition_cell(const SpeedError& step, std::size_t solver) {
 }
 
 std::string conditioning_table(const Summary& summary, const Conditioning& family) {
-  std::string table =
-      "<div class=\"scroll\" tabindex=\"0\"><table class=\"cells\"><caption>By condition number: the error’s 99th "
-      "percentile; below it its median, and the time as above. Green: frontier. Grey: not reliable "
-      "there, or too few problems to say.</caption><thead><tr><th scope=\"col\">Solver</th>" +
-      condition_headings(family);
+  std::string table = table_head(
+      "cells", condition_columns("Solver", family),
+      "By condition number: the error’s 99th percentile; below it its median, and the time as above. Green: frontier. "
+      "Grey: not reliable there, or too few problems to say.");
   for (const std::size_t solver : family.solvers) {
     table += "<tr><th scope=\"row\">" + code(summary.solvers[solver].text()) + "</th>";
     for (const SpeedError& step : family.steps) table += condition_cell(step, solver);
@@ -357,11 +353,8 @@ std::string conditioning_table(const Summary& summary, const Conditioning& famil
 }
 
 std::string cheapest_by_condition(const Summary& summary, const Conditioning& family) {
-  std::string table =
-      "<div class=\"scroll\" tabindex=\"0\"><table><caption>The cheapest reliable solver whose error is at most this "
-      "in "
-      "99 % of its answers</caption><thead><tr><th scope=\"col\">Error at most</th>" +
-      condition_headings(family);
+  std::string table = table_head("", condition_columns("Error at most", family),
+                                 "The cheapest reliable solver whose error is at most this in 99 % of its answers");
   for (std::size_t i = 0; i < kErrorTargets.size(); ++i) {
     table += target_heading(kErrorTargets[i]);
     for (const SpeedError& step : family.steps) {
@@ -391,12 +384,8 @@ std::string family_part(const Summary& summary, const SpeedErrorStudy& study, st
 
 }  // namespace
 
-std::string speed_error_section(const Summary& summary, const SpeedErrorStudy& study, const Figures& figures) {
-  constexpr Column kOverview[] = {{"Set", false},
-                                  {"Fastest reliable solver", false},
-                                  {"Its median time", true},
-                                  {"Its error, 99 %", true},
-                                  {"Solvers that said solved and were wrong", true}};
+std::string speed_error_section(const Report& report) {
+  const auto& [summary, situations, comparisons, study, figures, paper] = report;
   if (has_only_hard_sets(summary)) return "";
   std::string rows;
   std::string parts;
@@ -413,7 +402,12 @@ std::string speed_error_section(const Summary& summary, const SpeedErrorStudy& s
   }
   section += "</details>\n";
   if (rows.empty()) return section + "<p>The store holds no problems.</p>\n</section>\n";
-  section += table_head("cells overview", kOverview) + rows + kTableEnd + parts;
+  section += table_head("cells overview", {{"Set"},
+                                           {"Fastest reliable solver"},
+                                           {"Its median time", true},
+                                           {"Its error, 99 %", true},
+                                           {"Solvers that said solved and were wrong", true}}) +
+             rows + kTableEnd + parts;
   if (!study.families.empty()) {
     section +=
         "<h3 id=\"conditioning\">How it moves with conditioning</h3>\n<p>Sets that differ in the inertia’s condition "

@@ -2,8 +2,8 @@
 
 namespace lcpbench::report {
 
-/// The report's style sheet. Light and dark follow the reader's system, kFigureStyle does the same for pictures. What is
-/// folded stays folded in print.
+/// The report's style sheet. Light and dark follow the reader's system, kFigureStyle does the same for pictures. What
+/// is folded stays folded in print.
 inline constexpr const char* kStyle = R"css(
 :root { color-scheme: light dark; --ink: #1d1f21; --soft: #5b6066; --ground: #ffffff; --panel: #f5f6f7;
   --line: #d9dcdf; --link: #1f5a99; --bad: #b3261e; --good: #1b6e3c; }

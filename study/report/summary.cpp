@@ -17,13 +17,6 @@ namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-constexpr std::array kTimeParts{&TimeParts::setup_wall, &TimeParts::setup_cpu, &TimeParts::solve_wall,
-                                &TimeParts::solve_cpu,  &TimeParts::transport, &TimeParts::verify};
-
-double share(std::int64_t part, std::int64_t whole) {
-  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : kNone;
-}
-
 /// One distinct answer as the store holds it.
 struct Row {
   std::int64_t problem = 0;
@@ -53,10 +46,9 @@ bool asks_for_ill_conditioning(const std::string& set) {
 
 std::vector<std::pair<std::int64_t, SetSummary>> read_sets(sqlite::Database& store) {
   sqlite::Statement query(store,
-                          "SELECT s.id, s.name, COUNT(*), SUM(p.kind <> 'lcp'), SUM(p.nc > 0 AND p.n > p.nc),"
-                          " SUM(t.truth = 'solvable'), MIN(p.n), MAX(p.n)"
-                          " FROM sets s JOIN problems p ON p.set_id = s.id JOIN truths t ON t.problem_id = p.id"
-                          " GROUP BY s.id");
+                          "SELECT s.id, s.name, COUNT(*), SUM(p.kind <> 'lcp'), SUM(p.nc > 0 AND p.n > p.nc), "
+                          "SUM(t.truth = 'solvable'), MIN(p.n), MAX(p.n) FROM sets s JOIN problems p ON p.set_id = "
+                          "s.id JOIN truths t ON t.problem_id = p.id GROUP BY s.id");
   std::vector<std::pair<std::int64_t, SetSummary>> sets;
   while (query.step()) {
     SetSummary set;
@@ -415,30 +407,6 @@ std::vector<Source> read_solvers(Store& store, Summary& summary) {
 }
 
 }  // namespace
-
-std::int64_t Cell::count(Verdict verdict) const {
-  std::int64_t total = 0;
-  for (const Claim claim : kAllClaims) total += count(claim, verdict);
-  return total;
-}
-
-std::int64_t Cell::count(Claim claim) const {
-  const auto& verdicts = counts[static_cast<std::size_t>(claim)];
-  return std::accumulate(verdicts.begin(), verdicts.end(), std::int64_t{0});
-}
-
-std::int64_t Cell::count(Claim claim, Verdict verdict) const {
-  return counts[static_cast<std::size_t>(claim)][static_cast<std::size_t>(verdict)];
-}
-
-std::int64_t Cell::gave_up() const {
-  return count(Verdict::kRefused) + count(Verdict::kMissed) + count(Verdict::kOpen);
-}
-
-double Cell::rate() const { return share(count(Verdict::kSolved), solvable()); }
-double Cell::criterion_rate() const { return share(criterion, trials); }
-double Cell::Half::rate() const { return share(solved, trials - unsolvable_problems); }
-double Cell::Half::criterion_rate() const { return share(criterion, trials); }
 
 Summary summarize(Store& store) {
   Summary summary;

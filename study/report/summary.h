@@ -7,8 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "study/output/text_table.h"
 #include "study/report/coverage.h"
-#include "study/report/natural_order.h"
 #include "study/statistics/statistics.h"
 #include "study/store/store.h"
 
@@ -61,6 +61,8 @@ struct TimeParts {
   double transport = 0;
   double verify = 0;
 };
+inline constexpr std::array kTimeParts{&TimeParts::setup_wall, &TimeParts::setup_cpu, &TimeParts::solve_wall,
+                                       &TimeParts::solve_cpu,  &TimeParts::transport, &TimeParts::verify};
 
 /// One solver parameterisation on one set. The verdicts are a partition of the trials:
 /// solved + wrong + unsolvable + refused + missed + open = trials. Every other count overlaps with them.

@@ -1,4 +1,4 @@
-#include "study/report/coverage_notice.h"
+#include "study/report/coverage.h"
 #include "study/report/summary.h"
 
 namespace lcpbench {

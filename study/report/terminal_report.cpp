@@ -1,5 +1,3 @@
-#include "study/report/terminal_report.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -9,13 +7,13 @@
 
 #include <fmt/format.h>
 
-#include "study/report/solver_comparison.h"
+#include "study/output/text_table.h"
 #include "study/report/decision.h"
 #include "study/report/hard.h"
-#include "study/report/hard_section.h"
 #include "study/report/reliability.h"
+#include "study/report/report.h"
+#include "study/report/solver_comparison.h"
 #include "study/report/text.h"
-#include "study/output/text_table.h"
 
 namespace lcpbench {
 namespace {
@@ -195,19 +193,9 @@ std::string hard_table(const Summary& summary, std::size_t rows, int width) {
   return table.text(width) + more;
 }
 
-/// Every solver at single settings that said solved and was wrong, on whatever set; those of whom it is surest first.
 std::string caught_text(const Summary& summary, int width) {
-  std::map<std::size_t, report::Share> claims;
-  for (const Cell& cell : summary.cells) {
-    if (!summary.solvers[cell.solver].sweep.empty()) continue;
-    claims[cell.solver].part += cell.false_claims();
-    claims[cell.solver].whole += cell.trials - cell.count(Claim::kUnsupported);
-  }
-  std::erase_if(claims, [](const auto& entry) { return entry.second.part == 0; });
-  if (claims.empty()) return "said solved, and was wrong: nobody\n";
-  std::vector<std::pair<std::size_t, report::Share>> caught(claims.begin(), claims.end());
-  std::stable_sort(caught.begin(), caught.end(),
-                   [](const auto& a, const auto& b) { return a.second.interval().low > b.second.interval().low; });
+  const auto caught = report::caught_solvers(summary);
+  if (caught.empty()) return "said solved, and was wrong: nobody\n";
   std::string text = "said solved, and was wrong:";
   for (std::size_t i = 0; i < std::min(caught.size(), kCaughtByName); ++i) {
     const auto& [solver, share] = caught[i];
@@ -302,8 +290,7 @@ std::string table_text(const Summary& summary, int width) {
   std::string words =
       "solved: verified here. wrong: said solved, was not. refused: of those given up, outside what the solver takes. "
       "median: set-up and solve, CPU. err 99%: of the answers said to be solved; none: too many of them are not "
-      "finite, "
-      "or not of the right length.\n";
+      "finite, or not of the right length.\n";
   if (!summary.reference.empty()) {
     words += "ratio: time over that of " + summary.reference + ", on problems both solved.\n";
   }

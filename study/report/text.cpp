@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "core/utf8.h"
-#include "study/report/conditioning.h"
 #include "study/output/text_table.h"
+#include "study/report/speed_error.h"
 
 namespace lcpbench::report {
 
@@ -124,6 +124,31 @@ std::string file_stem(std::string_view name) {
   while (!stem.empty() && (stem.front() == '.' || stem.front() == '-')) stem.erase(0, 1);
   while (!stem.empty() && stem.back() == '_') stem.pop_back();
   return stem.empty() ? "set" : stem.substr(0, 100);
+}
+
+std::string figure_file(const std::string& stem, const std::string& ending, std::set<std::string>& taken) {
+  std::string name = stem + ending;
+  for (int suffix = 2; !taken.insert(name).second; ++suffix) name = fmt::format("{}-{}{}", stem, suffix, ending);
+  return "figures/" + name;
+}
+
+std::string table_head(const std::string& cls, const std::vector<Column>& columns, const std::string& caption) {
+  std::string head =
+      "<div class=\"scroll\" tabindex=\"0\"><table" + (cls.empty() ? "" : " class=\"" + cls + "\"") + ">";
+  if (!caption.empty()) head += "<caption>" + caption + "</caption>";
+  if (columns.empty()) return head + "<tbody>\n";
+  head += "<thead><tr>";
+  for (const Column& column : columns) {
+    head += fmt::format("<th scope=\"col\"{}>{}</th>", column.number ? " class=\"number\"" : "", column.heading);
+  }
+  return head + "</tr></thead><tbody>\n";
+}
+
+std::string number_cell(double value, const std::string& text, const std::string& detail,
+                        const std::string& attributes) {
+  const std::string key = std::isfinite(value) ? fmt::format("{:.5g}", value) : "";
+  return fmt::format("<td data-value=\"{}\"{}>{}{}</td>", key, attributes, text,
+                     detail.empty() ? "" : "<small>" + detail + "</small>");
 }
 
 }  // namespace lcpbench::report

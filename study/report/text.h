@@ -1,10 +1,12 @@
 #pragma once
 
+#include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
-#include "study/statistics/statistics.h"
 #include "study/report/summary.h"
+#include "study/statistics/statistics.h"
 
 namespace lcpbench::report {
 
@@ -40,5 +42,27 @@ std::string code(std::string_view text);
 std::string describe(const SetSummary& set);
 /// A file name made from any set name: letters, digits, '.', '-', '_' only.
 std::string file_stem(std::string_view name);
+
+/// Where a picture stands below the report's folder, made unique: different names may differ only in characters that
+/// file_stem() leaves out.
+std::string figure_file(const std::string& stem, const std::string& ending, std::set<std::string>& taken);
+
+/// One column of a table; `number` columns are set to the right.
+struct Column {
+  std::string heading;  ///< HTML
+  bool number = false;
+};
+
+/// Opens a table in a box that scrolls. Tables of class "cells" sort by their headings. kTableEnd closes it.
+/// @param cls  "" for none
+/// @param columns  none: a table without headings
+/// @param caption  HTML
+std::string table_head(const std::string& cls, const std::vector<Column>& columns, const std::string& caption = {});
+inline constexpr const char* kTableEnd = "</tbody></table></div>\n";
+
+/// A numeric cell that sorts by `value`; `detail` is a second, smaller line, already HTML; `attributes` of the cell,
+/// each after a blank.
+std::string number_cell(double value, const std::string& text, const std::string& detail = {},
+                        const std::string& attributes = {});
 
 }  // namespace lcpbench::report

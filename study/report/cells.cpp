@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -12,6 +13,10 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+double share(std::int64_t part, std::int64_t whole) {
+  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : kNone;
+}
 
 /// A rate of every cell of a sweep; NaN rates (all problems unsolvable) leave the range NaN.
 template <class Rate>
@@ -45,6 +50,30 @@ double best_held_out(const std::vector<const Cell*>& cells) {
 }
 
 }  // namespace
+
+std::int64_t Cell::count(Verdict verdict) const {
+  std::int64_t total = 0;
+  for (const Claim claim : kAllClaims) total += count(claim, verdict);
+  return total;
+}
+
+std::int64_t Cell::count(Claim claim) const {
+  const auto& verdicts = counts[static_cast<std::size_t>(claim)];
+  return std::accumulate(verdicts.begin(), verdicts.end(), std::int64_t{0});
+}
+
+std::int64_t Cell::count(Claim claim, Verdict verdict) const {
+  return counts[static_cast<std::size_t>(claim)][static_cast<std::size_t>(verdict)];
+}
+
+std::int64_t Cell::gave_up() const {
+  return count(Verdict::kRefused) + count(Verdict::kMissed) + count(Verdict::kOpen);
+}
+
+double Cell::rate() const { return share(count(Verdict::kSolved), solvable()); }
+double Cell::criterion_rate() const { return share(criterion, trials); }
+double Cell::Half::rate() const { return share(solved, trials - unsolvable_problems); }
+double Cell::Half::criterion_rate() const { return share(criterion, trials); }
 
 std::vector<SweepSummary> summarize_sweeps(const Summary& summary) {
   struct Key {

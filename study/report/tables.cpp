@@ -1,14 +1,63 @@
-#include "study/report/comparison_tables.h"
+#include "study/report/tables.h"
 
+#include <charconv>
+#include <cmath>
 #include <limits>
+#include <map>
+#include <system_error>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
+
+#include "core/utf8.h"
 
 namespace lcpbench::report {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+/// Name and cell of each column.
+using Fields = std::vector<std::pair<std::string, std::string>>;
+
+std::string enclosed(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"') out += '"';
+    out += c;
+  }
+  return out + "\"";
+}
+
+bool is_number(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double ignored = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), ignored);
+  return error == std::errc() && end == text.data() + text.size() && std::isfinite(ignored);
+}
+
+std::string cell_of(const Json& value) {
+  if (value.is_null() || (value.is_number_float() && !std::isfinite(value.get<double>()))) return "";
+  return value.is_string() ? csv_text(value.get<std::string>()) : enclosed(value.dump());
+}
+
+void flatten(const std::string& name, const Json& value, Fields& fields) {
+  if (!value.is_object()) {
+    fields.emplace_back(csv_text(name), cell_of(value));
+    return;
+  }
+  for (const auto& [key, member] : value.items()) flatten(name.empty() ? key : name + "." + key, member, fields);
+}
+
+template <class Pick>
+std::string line_of(const Fields& fields, Pick pick) {
+  std::string line;
+  for (const auto& field : fields) line += pick(field) + ",";
+  if (!line.empty()) line.pop_back();
+  return line + "\n";
+}
 
 Json estimate_json(const Estimate& estimate) {
   return {{"value", estimate.value}, {"low", estimate.low}, {"high", estimate.high}};
@@ -23,8 +72,7 @@ class Records {
  public:
   explicit Records(const Summary& summary) : summary_(summary) {}
 
-  Json pairs(const SetComparison& comparison) const {
-    Json records = Json::array();
+  void pairs(const SetComparison& comparison, Json& records) const {
     for (const PairedCounts& pair : comparison.pairs) {
       Json record{{"set", set(comparison)},
                   {"first", label(pair.first)},
@@ -39,11 +87,9 @@ class Records {
       record["better"] = pair.better() ? Json(label(*pair.better())) : Json();
       records.push_back(std::move(record));
     }
-    return records;
   }
 
-  Json times(const SetComparison& comparison) const {
-    Json records = Json::array();
+  void times(const SetComparison& comparison, Json& records) const {
     for (const SolverTimes& times : comparison.times) {
       records.push_back({{"set", set(comparison)},
                          {"solver", label(times.solver)},
@@ -55,22 +101,18 @@ class Records {
                          {"shifted_geometric_mean_s", estimate_json(times.geometric_mean)},
                          {"par10_s", times.par10}});
     }
-    return records;
   }
 
-  Json distributions(const SetComparison& comparison) const {
-    Json records = Json::array();
+  void distributions(const SetComparison& comparison, Json& records) const {
     for (const Distribution& distribution : comparison.distributions) {
       const std::vector<double> times = decade_grid(-6, 1, 5);
       const std::vector<double> errors = decade_grid(-16, 0, 2);
       add(comparison, distribution, "solved within a time [s]", times, distribution.solved_within(times), records);
       add(comparison, distribution, "answered within an error", errors, distribution.answered_within(errors), records);
     }
-    return records;
   }
 
-  Json profiles(const SetComparison& comparison) const {
-    Json records = Json::array();
+  void profiles(const SetComparison& comparison, Json& records) const {
     for (const PairProfile& profile : comparison.profiles) {
       for (std::size_t i = 0; i < kProfileFactors.size(); ++i) {
         records.push_back({{"set", set(comparison)},
@@ -82,11 +124,9 @@ class Records {
                            {"against_share", profile.against_shares[i]}});
       }
     }
-    return records;
   }
 
-  Json portfolios(const SetComparison& comparison) const {
-    Json records = Json::array();
+  void portfolios(const SetComparison& comparison, Json& records) const {
     for (const VirtualBest& best : comparison.virtual_bests) {
       for (const Contribution& part : best.contributions) {
         records.push_back({{"set", set(comparison)},
@@ -101,11 +141,9 @@ class Records {
                            {"fastest", part.fastest}});
       }
     }
-    return records;
   }
 
-  Json chains(const SetComparison& comparison) const {
-    Json records = Json::array();
+  void chains(const SetComparison& comparison, Json& records) const {
     for (const VirtualBest& best : comparison.virtual_bests) {
       if (!best.chain) continue;
       for (std::size_t i = 0; i < best.chain->steps.size(); ++i) {
@@ -122,7 +160,6 @@ class Records {
                            {"chain_mean_verification_s", best.chain->mean_verification_s}});
       }
     }
-    return records;
   }
 
  private:
@@ -155,21 +192,42 @@ std::string sql_quoted(const std::string& text) {
 
 }  // namespace
 
+std::string csv_text(std::string_view text) {
+  std::string shown = printable(text);
+  const bool formula = !shown.empty() && std::string_view("=+-@").find(shown.front()) != std::string_view::npos;
+  if (formula && !is_number(shown)) shown.insert(0, 1, '\'');
+  return enclosed(shown);
+}
+
+std::string csv_table(const Json& example, const Json& records) {
+  Fields columns;
+  flatten("", example, columns);
+  std::string table = line_of(columns, [](const auto& field) { return field.first; });
+  for (const Json& record : records) {
+    Fields fields;
+    flatten("", record, fields);
+    const std::map<std::string, std::string> values(fields.begin(), fields.end());
+    table += line_of(columns, [&values](const auto& column) {
+      const auto value = values.find(column.first);
+      return value == values.end() ? std::string() : value->second;
+    });
+  }
+  return table;
+}
+
 Json comparison_tables(const Summary& summary, const std::vector<SetComparison>& comparisons) {
   const Records records(summary);
   Json tables;
-  for (const char* name : {"mcnemar", "solver_times", "ecdf", "profiles", "vbs", "chains"})
+  for (const char* name : {"mcnemar", "solver_times", "ecdf", "profiles", "vbs", "chains"}) {
     tables[name] = Json::array();
-  const auto append = [&tables](const char* name, Json rows) {
-    for (Json& row : rows) tables[name].push_back(std::move(row));
-  };
+  }
   for (const SetComparison& comparison : comparisons) {
-    append("mcnemar", records.pairs(comparison));
-    append("solver_times", records.times(comparison));
-    append("ecdf", records.distributions(comparison));
-    append("profiles", records.profiles(comparison));
-    append("vbs", records.portfolios(comparison));
-    append("chains", records.chains(comparison));
+    records.pairs(comparison, tables["mcnemar"]);
+    records.times(comparison, tables["solver_times"]);
+    records.distributions(comparison, tables["ecdf"]);
+    records.profiles(comparison, tables["profiles"]);
+    records.portfolios(comparison, tables["vbs"]);
+    records.chains(comparison, tables["chains"]);
   }
   return tables;
 }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -9,6 +10,16 @@
 #include "study/report/solver_comparison.h"
 
 namespace lcpbench::report {
+
+/// A text as a cell of a CSV table, quoted where it must be. Control characters become '?'. A text that a spreadsheet
+/// would take for a formula, since it begins with = + - or @, gets an apostrophe in front, unless it is a number.
+std::string csv_text(std::string_view text);
+
+/// A CSV table (RFC 4180, LF) of JSON records, one row each. Nested members become columns "outer.inner"; numbers are
+/// written as in the JSON, so both read back to the same doubles; null is empty; texts are cells of csv_text().
+/// @param example  a record with the members that all have: its names are the header, which stands also over no rows;
+/// what a record lacks is empty
+std::string csv_table(const nlohmann::ordered_json& example, const nlohmann::ordered_json& records);
 
 /// The comparison tables as arrays of records, by name: "mcnemar", "solver_times", "ecdf", "profiles", "vbs", "chains".
 /// Numbers that are none are NaN, which JSON writes as null.
