@@ -35,6 +35,10 @@ class ProblemWriter {
     rows(to_dense(problem.N), "  ");
     // Without a row in N nothing else would tell the number of contacts.
     if (problem.frictional() || (problem.ngc() == 0 && problem.nc() > 0)) friction(problem);
+    if (!problem.b.isZero(0)) {
+      field("b");
+      list(problem.b);
+    }
     std::visit([this](const auto& inertia) { this->inertia(inertia); }, problem.inertia);
   }
 
@@ -145,12 +149,16 @@ class ProblemWriter {
     item("body_b", contact.body_b);
     item("point", contact.point);
     item("normal", contact.normal);
-    if (contact.edges == 0) return;
-    item("tangent", contact.tangent);
+    if (contact.edges != 0) {
+      item("tangent", contact.tangent);
+      text_ += ", ";
+      item("mu", contact.mu);
+      text_ += ", ";
+      item("edges", contact.edges);
+    }
+    if (contact.b == 0) return;
     text_ += ", ";
-    item("mu", contact.mu);
-    text_ += ", ";
-    item("edges", contact.edges);
+    item("b", contact.b);
   }
 
   std::string text_;
@@ -167,7 +175,7 @@ double dense_numbers(const ContactProblem& problem) {
   const auto* factors = std::get_if<FactoredInertia>(&problem.inertia);
   const auto inertia_columns = static_cast<double>(factors != nullptr ? factors->X.cols() : problem.ngc());
   const auto columns = static_cast<double>(cols(problem.N) + cols(problem.D)) + inertia_columns;
-  return ngc * (columns + 4) + inertia_columns + 2 * static_cast<double>(problem.nc());
+  return ngc * (columns + 4) + inertia_columns + 3 * static_cast<double>(problem.nc());
 }
 
 /// What the reader would refuse is not written.
