@@ -89,6 +89,7 @@ struct ContactEvaluation {
   Quad island_scale(std::size_t island) const;
   Quad row_residual(std::size_t row, const QuadVector& z, const QuadVector& w);
   void measure_residual(const QuadVector& z, const QuadVector& w, Errors& errors);
+  Quad work_of_offset(const QuadVector& z) const;
 };
 
 Quad ContactEvaluation::island_scale(std::size_t island) const {
@@ -133,6 +134,13 @@ void ContactEvaluation::measure_residual(const QuadVector& z, const QuadVector& 
   errors.velocity_residual_relative = to_double(rho);
 }
 
+/// -b'f_N: what a solution may gain by the offset. Of a solution f_N'(N'v+ + b) = 0.
+Quad ContactEvaluation::work_of_offset(const QuadVector& z) const {
+  Quad work = 0;
+  for (Index i = 0; i < problem.b.size(); ++i) work -= problem.b(i) * z[static_cast<std::size_t>(i)];
+  return work;
+}
+
 void ContactEvaluation::measure(const QuadVector& z, const QuadVector& v_plus, const QuadVector& w, Errors& errors) {
   measure_residual(z, w, errors);
   Quad violation = 0;
@@ -149,7 +157,8 @@ void ContactEvaluation::measure(const QuadVector& z, const QuadVector& v_plus, c
 
   errors.solved =
       errors.velocity_residual_relative <= kSolvedVelocityResidual && std::isfinite(errors.velocity_residual_m_per_s);
-  errors.criterion = errors.work_gain_j < kCriterionWork && errors.violation_m_per_s < kCriterionViolation;
+  errors.criterion = errors.work_gain_j - to_double(work_of_offset(z)) < kCriterionWork &&
+                     errors.violation_m_per_s < kCriterionViolation;
 }
 
 double ContactEvaluation::velocity_mismatch(const Vector& returned, const QuadVector& z,
@@ -265,7 +274,8 @@ Truth Evaluator::truth() const {
   if (!data_->contact) return bare_truth(data_->problem.lcp());
   const ContactProblem& problem = data_->contact->problem;
   const bool proven =
-      problem.v.allFinite() && (problem.mu.array() >= 0).all() && data_->contact->inertia.proven_positive_definite();
+      problem.v.allFinite() && (problem.mu.array() >= 0).all() && (problem.b.array() >= 0).all() &&
+      problem.b.allFinite() && data_->contact->inertia.proven_positive_definite();
   return proven ? Truth::kSolvable : Truth::kUnknown;
 }
 
