@@ -113,7 +113,7 @@ Lcp make_lcp(const Problem& problem) {
 
 void AnswerVector::resize(Index size) {
   if (size == this->size()) return;
-  swap(memory_);  // one of the two is always empty
+  Vector::swap(memory_);  // one of the two is always empty
   if (size > 0) {
     Vector::resize(size);
     memory_.resize(0);

@@ -55,6 +55,8 @@ class AnswerVector : public Vector {
   /// Empties the vector and takes memory for `size` entries.
   void reserve(Index size);
 
+  void swap(Vector& other) = delete;  // would leave memory_ behind
+
  private:
   Vector memory_;  // while the vector is empty
 };
