@@ -24,54 +24,18 @@ struct Judged {
 
 bool stopped(const StabilityOptions& options) { return options.stop != nullptr && *options.stop != 0; }
 
-/// A problem, or one of its copies, before all solvers.
-class Bench {
- public:
-  Bench(std::vector<std::unique_ptr<TimedSolver>>& solvers, const StabilityOptions& options)
-      : solvers_(solvers), options_(options) {}
-
-  /// @param known  of the problem already
-  /// @returns a row for each solver; none where `stop` was raised
-  std::vector<Judged> run(const Problem& problem, Findings known) {
-    Evaluator evaluator(problem);
-    std::vector<Answer> answers;
-    std::vector<Errors> errors;
-    for (const std::unique_ptr<TimedSolver>& solver : solvers_) {
-      if (stopped(options_)) return {};
-      TimedRequest request;
-      request.time_limit_s = options_.time_limit_s;
-      TimedAnswer timed;
-      solver->run(problem, request, timed);
-      const Judgement judgement = evaluator.judge(timed.answer);
-      known.add(judgement);
-      errors.push_back(judgement.errors);
-      answers.push_back(std::move(timed.answer));
-    }
-    PhysicalAnswers physical(problem);
-    std::vector<Judged> rows;
-    for (std::size_t s = 0; s < answers.size(); ++s) {
-      rows.push_back(judged(physical, answers[s], errors[s], known.truth()));
-    }
-    return rows;
-  }
-
- private:
-  static Judged judged(PhysicalAnswers& physical, const Answer& answer, const Errors& errors, Truth truth) {
-    Judged row;
-    const Verdict given = verdict(answer.claim, errors, truth);
-    row.claim = answer.claim;
-    row.solved = given == Verdict::kSolved;
-    row.false_claim = given == Verdict::kWrong;
-    row.residual =
-        std::isnan(errors.velocity_residual_relative) ? errors.backward_row_norm : errors.velocity_residual_relative;
-    row.pivots = answer.counters.pivots;
-    if (row.solved) row.physical = physical.of(answer);
-    return row;
-  }
-
-  std::vector<std::unique_ptr<TimedSolver>>& solvers_;
-  const StabilityOptions& options_;
-};
+Judged judged(PhysicalAnswers& physical, const Answer& answer, const Errors& errors, Truth truth) {
+  Judged row;
+  const Verdict given = verdict(answer.claim, errors, truth);
+  row.claim = answer.claim;
+  row.solved = given == Verdict::kSolved;
+  row.false_claim = given == Verdict::kWrong;
+  row.residual =
+      std::isnan(errors.velocity_residual_relative) ? errors.backward_row_norm : errors.velocity_residual_relative;
+  row.pivots = answer.counters.pivots;
+  if (row.solved) row.physical = physical.of(answer);
+  return row;
+}
 
 /// The outcome of one solver's answers over all draws of one kind.
 struct Fate {
@@ -133,6 +97,32 @@ class Experiment {
     return result_.cells[k * solvers_.size() + solver];
   }
 
+  /// Asks all solvers for a problem, or one of its copies.
+  /// @param known  of the problem already
+  /// @returns a row for each solver; none where `stop` was raised
+  std::vector<Judged> answers_to(const Problem& problem, Findings known) {
+    Evaluator evaluator(problem);
+    std::vector<Answer> answers;
+    std::vector<Errors> errors;
+    for (const std::unique_ptr<TimedSolver>& solver : solvers_) {
+      if (stopped(options_)) return {};
+      TimedRequest request;
+      request.time_limit_s = options_.time_limit_s;
+      TimedAnswer timed;
+      solver->run(problem, request, timed);
+      const Judgement judgement = evaluator.judge(timed.answer);
+      known.add(judgement);
+      errors.push_back(judgement.errors);
+      answers.push_back(std::move(timed.answer));
+    }
+    PhysicalAnswers physical(problem);
+    std::vector<Judged> rows;
+    for (std::size_t s = 0; s < answers.size(); ++s) {
+      rows.push_back(judged(physical, answers[s], errors[s], known.truth()));
+    }
+    return rows;
+  }
+
   void run(const Problem& problem, const std::string& set, std::uint64_t trial) {
     problem_ = set + " trial " + std::to_string(trial);
     const bool solvable_nearby = Evaluator(problem).truth() == Truth::kSolvable;
@@ -140,7 +130,7 @@ class Experiment {
     if (solvable_nearby) known.add(Evidence::kTheory);
     const bool frictional = problem.contact() != nullptr && problem.contact()->frictional();
     const Distance distance(problem, solvable_nearby && !frictional);
-    const std::vector<Judged> before = Bench(solvers_, options_).run(problem, known);
+    const std::vector<Judged> before = answers_to(problem, known);
     if (before.empty()) return;
     const auto any_solved = std::any_of(before.begin(), before.end(), [](const Judged& row) { return row.solved; });
     if (any_solved) known.add(Evidence::kSolvedAnswer);
@@ -160,7 +150,7 @@ class Experiment {
       const std::optional<Transformation> transformation =
           draw_transformation(kind, problem, key, static_cast<std::uint64_t>(draw));
       if (!transformation) return;
-      const std::vector<Judged> after = Bench(solvers_, options_).run(transformation->apply(problem), known);
+      const std::vector<Judged> after = answers_to(transformation->apply(problem), known);
       if (after.empty()) return;
       for (std::size_t s = 0; s < before.size(); ++s) {
         compare(before[s], after[s], *transformation, problem.contact() == nullptr, distance, fates[s]);

@@ -57,80 +57,62 @@ std::int64_t add_group(Statement& stored, Statement& insert, const std::vector<s
 
 }  // namespace
 
-struct ProblemWriter::Statements {
-  explicit Statements(Database& database)
-      : problem(database, insert_new("problems", "id, set_id, seed, trial, kind, n, ngc, nc, hash, theory")),
-        stored_problem(database, "SELECT p.hash, s.name FROM problems p JOIN sets s ON s.id = p.set_id WHERE p.id = ?"),
-        vector(database, "INSERT OR IGNORE INTO vectors (id, data) VALUES (?, ?)"),
-        group(database, "INSERT OR IGNORE INTO cell_groups (group_id, cell) VALUES (?, ?)"),
-        stored_group(database, "SELECT 1 FROM cell_groups WHERE group_id = ? AND cell = ?"),
-        stored_answers(database, "SELECT 1 FROM answers WHERE problem_id = ? AND solver_id = ? AND part = 0"),
-        answer(database, insert_into("answers",
-                                     "problem_id, solver_id, part, group_id, claim, z, velocity, farkas, iterations, "
-                                     "pivots, factorizations, detail")),
-        verdict(database,
-                insert_into("verdicts",
-                            "problem_id, solver_id, part, usable, solved, criterion, farkas_checked, worst_row, " +
-                                metric_columns())),
-        timing(database, insert_into("timings",
-                                     "problem_id, solver_id, part, run_id, setup_wall_s, setup_cpu_s, "
-                                     "solve_wall_s, solve_cpu_s, transport_s, verify_s, repeats")) {}
+ProblemWriter::ProblemWriter(Database& database)
+    : database_(database),
+      problem_(database, insert_new("problems", "id, set_id, seed, trial, kind, n, ngc, nc, hash, theory")),
+      stored_problem_(database, "SELECT p.hash, s.name FROM problems p JOIN sets s ON s.id = p.set_id WHERE p.id = ?"),
+      vector_(database, "INSERT OR IGNORE INTO vectors (id, data) VALUES (?, ?)"),
+      group_(database, "INSERT OR IGNORE INTO cell_groups (group_id, cell) VALUES (?, ?)"),
+      stored_group_(database, "SELECT 1 FROM cell_groups WHERE group_id = ? AND cell = ?"),
+      stored_answers_(database, "SELECT 1 FROM answers WHERE problem_id = ? AND solver_id = ? AND part = 0"),
+      answer_(database, insert_into("answers",
+                                    "problem_id, solver_id, part, group_id, claim, z, velocity, farkas, iterations, "
+                                    "pivots, factorizations, detail")),
+      verdict_(database,
+               insert_into("verdicts",
+                           "problem_id, solver_id, part, usable, solved, criterion, farkas_checked, worst_row, " +
+                               metric_columns())),
+      timing_(database, insert_into("timings",
+                                    "problem_id, solver_id, part, run_id, setup_wall_s, setup_cpu_s, "
+                                    "solve_wall_s, solve_cpu_s, transport_s, verify_s, repeats")) {}
 
-  void add_answer(std::int64_t problem_id, std::int64_t run_id, const AnswerRow& row);
-
-  Statement problem;
-  Statement stored_problem;
-  Statement vector;
-  Statement group;
-  Statement stored_group;
-  Statement stored_answers;
-  Statement answer;
-  Statement verdict;
-  Statement timing;
-};
-
-void ProblemWriter::Statements::add_answer(std::int64_t problem_id, std::int64_t run_id, const AnswerRow& row) {
+void ProblemWriter::add_answer(std::int64_t problem_id, std::int64_t run_id, const AnswerRow& row) {
   const std::uint32_t part = row.cells.front();
   const Counters& counters = row.counters;
-  answer.run(problem_id, row.solver_id, part, add_group(stored_group, group, row.cells), to_string(row.claim), row.z,
-             row.velocity, row.farkas, counters.iterations, counters.pivots, counters.factorizations, row.detail);
+  answer_.run(problem_id, row.solver_id, part, add_group(stored_group_, group_, row.cells), to_string(row.claim), row.z,
+              row.velocity, row.farkas, counters.iterations, counters.pivots, counters.factorizations, row.detail);
 
   const Errors& errors = row.errors;
   const auto worst_row = errors.worst.row < 0 ? std::nullopt : std::optional(errors.worst.row);
-  verdict.bind_all(problem_id, row.solver_id, part, errors.usable, errors.solved, errors.criterion, row.farkas_checked,
-                   worst_row);
+  verdict_.bind_all(problem_id, row.solver_id, part, errors.usable, errors.solved, errors.criterion, row.farkas_checked,
+                    worst_row);
   int parameter = 9;
   for (const Metric& metric : kMetrics) {
-    if (metric.stored) verdict.bind(parameter++, errors.*metric.value);
+    if (metric.stored) verdict_.bind(parameter++, errors.*metric.value);
   }
-  verdict.run();
+  verdict_.run();
 
   const SolveTimes& times = row.times;
-  timing.run(problem_id, row.solver_id, part, run_id, times.setup_wall_s, times.setup_cpu_s, times.solve_wall_s,
-             times.solve_cpu_s, times.transport_s, row.verify_s, times.repeats);
+  timing_.run(problem_id, row.solver_id, part, run_id, times.setup_wall_s, times.setup_cpu_s, times.solve_wall_s,
+              times.solve_cpu_s, times.transport_s, row.verify_s, times.repeats);
 }
 
-ProblemWriter::ProblemWriter(Database& database)
-    : database_(database), statements_(std::make_unique<Statements>(database)) {}
-ProblemWriter::~ProblemWriter() = default;
-
 void ProblemWriter::add(const ProblemResult& result, std::int64_t run_id) {
-  Statements& to = *statements_;
   const ProblemRow& problem = result.problem;
-  to.problem.run(problem.id, problem.set_id, problem.seed, problem.trial, problem.kind, problem.n, problem.ngc,
-                 problem.nc, problem.hash, problem.theory);
-  check_same_problem(to.stored_problem, problem, database_.file());
+  problem_.run(problem.id, problem.set_id, problem.seed, problem.trial, problem.kind, problem.n, problem.ngc,
+               problem.nc, problem.hash, problem.theory);
+  check_same_problem(stored_problem_, problem, database_.file());
 
-  for (const auto& [id, bytes] : result.vectors) to.vector.run(id, sqlite::Blob{bytes});
+  for (const auto& [id, bytes] : result.vectors) vector_.run(id, sqlite::Blob{bytes});
 
   // All answers of a solver to a problem come from one sitting: parts of two could overlap.
   std::vector<std::int64_t> present;
   for (const AnswerRow& row : result.answers) {
-    if (is_present(to.stored_answers, problem.id, row.solver_id)) present.push_back(row.solver_id);
+    if (is_present(stored_answers_, problem.id, row.solver_id)) present.push_back(row.solver_id);
   }
   for (const AnswerRow& row : result.answers) {
     if (std::find(present.begin(), present.end(), row.solver_id) == present.end()) {
-      to.add_answer(problem.id, run_id, row);
+      add_answer(problem.id, run_id, row);
     }
   }
 }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 
 #include "study/store/store.h"
 
@@ -11,17 +10,23 @@ namespace lcpbench {
 class ProblemWriter {
  public:
   explicit ProblemWriter(sqlite::Database& database);
-  ~ProblemWriter();
-  ProblemWriter(const ProblemWriter&) = delete;
-  ProblemWriter& operator=(const ProblemWriter&) = delete;
 
   /// Store::add. @param run_id  the run that the timings belong to
   void add(const ProblemResult& result, std::int64_t run_id);
 
  private:
-  struct Statements;
+  void add_answer(std::int64_t problem_id, std::int64_t run_id, const AnswerRow& row);
+
   sqlite::Database& database_;
-  std::unique_ptr<Statements> statements_;
+  sqlite::Statement problem_;
+  sqlite::Statement stored_problem_;
+  sqlite::Statement vector_;
+  sqlite::Statement group_;
+  sqlite::Statement stored_group_;
+  sqlite::Statement stored_answers_;
+  sqlite::Statement answer_;
+  sqlite::Statement verdict_;
+  sqlite::Statement timing_;
 };
 
 }  // namespace lcpbench
