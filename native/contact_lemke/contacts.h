@@ -47,7 +47,8 @@ class Contacts {
   }
 
   Count ngc() const { return input_.ngc; }
-  Count moving() const { return input_.moving(); }
+  /// The coordinates that impulses may move: all but that of an offset.
+  Count moving() const { return has_offset() ? ngc() - 1 : ngc(); }
   bool has_offset() const { return input_.has_offset; }
   Count nc() const { return input_.nc; }
   Count padded_ngc() const { return padded_ngc_; }

@@ -20,7 +20,7 @@ class Response {
 
   /// Takes all memory that load() needs; touches none of it.
   void reserve(const contact_lemke::Input& input) {
-    ngc_ = input.moving();
+    ngc_ = input.has_offset ? input.ngc - 1 : input.ngc;
     padded_ = P::padded(input.ngc);
     given_ = input.inertia.Ginv != nullptr;
     by_factors_ = input.inertia.factors >= 0;

@@ -120,7 +120,7 @@ void ContactInput::load_inertia(const Inertia& inertia) {
 
 /// S G S as one block. @pre mixes_units(inertia)
 void ContactInput::load_inertia_in_units(const Inertia& inertia) {
-  const Index ngc = input.moving();
+  const Index ngc = moving();
   G.resize(ngc * ngc);
   Eigen::Map<Matrix> all = G.as_matrix(ngc, ngc);
   if (const auto* bodies = std::get_if<BlockInertia>(&inertia)) {

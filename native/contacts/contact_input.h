@@ -25,6 +25,9 @@ struct ContactInput {
   /// The coordinates of the engines: one more than the problem's where that has an offset.
   static Index coordinates(const ContactProblem& contact) { return contact.ngc() + (contact.has_offset() ? 1 : 0); }
 
+  /// Those of the problem that is loaded.
+  Index moving() const { return input.has_offset ? input.ngc - 1 : input.ngc; }
+
   /// Takes all memory that loading a problem of up to these dimensions needs, and touches none of it.
   void reserve(Index ngc, Index nc, Index directions);
   /// @param contact must outlive what is made of `input`

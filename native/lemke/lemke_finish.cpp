@@ -75,7 +75,7 @@ double LemkeFinish::finish_contacts(Answer& answer) {
 }
 
 bool LemkeFinish::polish_contacts(Answer& answer) {
-  answer.velocity.resize(contacts_.input.moving());
+  answer.velocity.resize(contacts_.moving());
   if (!judge_.polish_answer(basic_.data(), answer.velocity.data(), answer.z.data())) return false;
   clip(answer.z);
   release_friction(contacts_.input, answer.z);
