@@ -66,3 +66,8 @@ target_compile_definitions(external_test PRIVATE EXTERNAL_WORKER="$<TARGET_FILE:
   EXTERNAL_FAULTS="${CMAKE_CURRENT_SOURCE_DIR}/external_faults.py"
   LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>" REPOSITORY="${PROJECT_SOURCE_DIR}")
 add_dependencies(external_test lcpbench lcpbench-worker-external)
+
+# Engines that capture scenes.
+lcpbench_test(capture LINK lcpbench_io)
+target_compile_definitions(capture_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
+add_dependencies(capture_test lcpbench lcpbench_engines)
