@@ -158,6 +158,7 @@ class ScenesSet final : public ProblemSet {
     return scenes_->read(checked_trial(name_, trial, count())).problem;
   }
   std::optional<std::int64_t> count() const override { return static_cast<std::int64_t>(scenes_->count()); }
+  std::string note() const override { return scenes_->truncation(); }
 
  private:
   std::string name_;

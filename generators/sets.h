@@ -23,6 +23,8 @@ class ProblemSet {
   virtual Problem generate(std::uint64_t seed, std::int64_t trial) const = 0;
   /// How many problems there are, where that is finite (files); nullopt for random sets.
   virtual std::optional<std::int64_t> count() const { return std::nullopt; }
+  /// What is wrong with its files although they can be read, in a sentence; "" as a rule.
+  virtual std::string note() const { return {}; }
 };
 
 struct SetInfo {

@@ -93,6 +93,7 @@ class CommandLine {
     add("sets", "List every problem set", add_sets_command);
     add("generate", "Write problems of a set as files", add_generate_command);
     add("capture", "Run a physics engine on a scene and write the contact problems of its steps", add_capture_command);
+    add("import", "Turn files of other programs into a scenes file", add_import_command);
     add("inspect", "Say what problem files are, and what looks wrong or hard in them", add_inspect_command);
     add("solve", "Solve problem files and verify the answers", add_solve_command);
     add("certify", "Prove what is true of problem files, or of a study's problems",

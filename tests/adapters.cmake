@@ -68,6 +68,6 @@ target_compile_definitions(external_test PRIVATE EXTERNAL_WORKER="$<TARGET_FILE:
 add_dependencies(external_test lcpbench lcpbench-worker-external)
 
 # Engines that capture scenes.
-lcpbench_test(capture LINK lcpbench_io)
-target_compile_definitions(capture_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
-add_dependencies(capture_test lcpbench lcpbench_engines)
+lcpbench_test(capture_command LINK lcpbench_io)
+target_compile_definitions(capture_command_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
+add_dependencies(capture_command_test lcpbench lcpbench_engines)

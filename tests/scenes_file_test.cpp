@@ -187,6 +187,7 @@ TEST_F(ScenesFileTest, ACutOffFileGivesItsCompleteSteps) {
   EXPECT_EQ(ScenesFile(write(text)).count(), 2u) << "a last line without its end";
   EXPECT_EQ(ScenesFile(path()).truncation(), "");
   EXPECT_EQ(ScenesFile(write(text.substr(0, text.size() - 1))).count(), 1u);
+  EXPECT_EQ(open_set("file:" + path())->note(), ScenesFile(path()).truncation());
   EXPECT_EQ(ScenesFile(path()).truncation(),
             path() +
                 ": truncated, as a capture that was stopped leaves it: the line of the next step is incomplete; 1 "

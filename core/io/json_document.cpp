@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <stdexcept>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -138,14 +139,15 @@ class DocumentHandler {
 
   bool end_object() {
     if (level_ == 0) return true;
-    const Record& item = frame().record;
-    const std::string place = frames_[level_ - 1].field->type == FieldType::kObjects ? outer_path(".") : "";
-    --level_;
-    if (frame().field->type == FieldType::kObjects) {
-      events_.item(frame().field->name, place, item);
-      ++frame().items;
+    Record& item = frame().record;
+    Frame& outer = frames_[level_ - 1];
+    if (outer.field->type == FieldType::kObjects) {
+      events_.item(outer.field->name, outer_path("."), item);
+      --level_;
+      ++outer.items;
     } else {
-      value().object.push_back(item);
+      --level_;
+      value().object.push_back(std::exchange(item, Record()));
       complete_field();
     }
     return true;

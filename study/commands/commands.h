@@ -21,6 +21,7 @@ Action add_solvers_command(CLI::App& command);
 Action add_sets_command(CLI::App& command);
 Action add_generate_command(CLI::App& command);
 Action add_capture_command(CLI::App& command);
+Action add_import_command(CLI::App& command);
 Action add_inspect_command(CLI::App& command);
 Action add_solve_command(CLI::App& command);
 /// @param command_line as typed: for the provenance

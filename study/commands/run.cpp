@@ -225,6 +225,9 @@ int run(const Arguments& arguments) {
   const Study study = resolve(plan);
   line.clear();
   for (const std::string& solver : study.skipped) say(stderr, "skipped: {}\n", solver);
+  for (const StudySet& set : study.sets) {
+    if (const std::string note = set.set->note(); !note.empty()) say(stderr, "{}\n", note);
+  }
   if (study.solvers.empty()) throw InputError("plan " + plan.name + ": none of its solvers is available");
 
   const std::filesystem::path file = arguments.store.empty() ? plan.name + ".db" : arguments.store;

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <hdf5.h>
+
+namespace lcpbench {
+
+/// An HDF5 file, open for reading. Errors (InputError) name the file and the dataset.
+class Hdf5File {
+ public:
+  explicit Hdf5File(const std::string& file);
+  ~Hdf5File();
+  Hdf5File(const Hdf5File&) = delete;
+  Hdf5File& operator=(const Hdf5File&) = delete;
+
+  bool has(const std::string& path) const;
+  /// All numbers of a dataset.
+  std::vector<int> integers(const std::string& path) const;
+  std::vector<double> reals(const std::string& path) const;
+  /// Of a dataset of one number.
+  int integer(const std::string& path) const;
+
+  [[noreturn]] void fail(const std::string& path, const std::string& message) const;
+
+ private:
+  template <class Number>
+  std::vector<Number> read(const std::string& path, hid_t type) const;
+
+  std::string name_;
+  hid_t file_;
+};
+
+}  // namespace lcpbench

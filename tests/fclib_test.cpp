@@ -1,0 +1,232 @@
+// FCLIB files, written here by fclib itself, and what is refused of them.
+
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <hdf5.h>
+#include <unistd.h>
+
+extern "C" {  // the header does not say so itself
+#include <fclib.h>
+}
+
+#include "adapters/fclib/fclib_problem.h"
+#include "core/error.h"
+#include "core/io/problem_io.h"
+#include "core/io/scenes_file.h"
+
+namespace lcpbench {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A matrix in one of fclib's ways of storing it, with the memory for it.
+struct Stored {
+  std::vector<int> p, i;
+  std::vector<double> x;
+  fclib_matrix matrix{};
+
+  Stored(const Matrix& dense, int kind, bool as_in_the_header = false) {
+    const int rows = static_cast<int>(dense.rows());
+    const int cols = static_cast<int>(dense.cols());
+    const bool by_rows = kind == -2;
+    if (kind < 0) p.push_back(0);
+    for (int line = 0; line < (by_rows ? rows : cols); ++line) {
+      for (int k = 0; k < (by_rows ? cols : rows); ++k) {
+        const double value = by_rows ? dense(line, k) : dense(k, line);
+        if (value == 0) continue;
+        i.push_back(k);
+        x.push_back(value);
+        if (kind >= 0) p.push_back(line);
+      }
+      if (kind < 0) p.push_back(static_cast<int>(x.size()));
+    }
+    if (as_in_the_header) std::swap(p, i);
+    const int entries = static_cast<int>(x.size());
+    matrix = {entries, rows, cols, p.data(), i.data(), x.data(), kind < 0 ? kind : entries, nullptr};
+  }
+};
+
+constexpr int kTriplets = 0;
+constexpr int kColumns = -1;
+constexpr int kRows = -2;
+
+/// Two contacts on two blocks of inertia, 2 x 2 and 1 x 1.
+const Matrix kM{{2, 0.5, 0}, {0.5, 1, 0}, {0, 0, 4}};
+const Matrix kH{{1, 0, 0.5, 0, 0, 0.25}, {0, 1, 0, 0, 0, 0}, {0, 0, 0, 1, 2, 3}};
+
+class FclibTest : public ::testing::Test {
+ protected:
+  FclibTest() : folder_(fs::temp_directory_path() / ("lcpbench-fclib-" + std::to_string(::getpid()))) {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  ~FclibTest() override { fs::remove_all(folder_); }
+
+  std::string path(const std::string& name = "problem.hdf5") const { return (folder_ / name).string(); }
+
+  std::string global(Stored M, Stored H, std::vector<double> w, Stored* G = nullptr, int dimension = 3) const {
+    std::vector<double> mu{0.5, 0.25, 0.75}, f{1, -2, 0.1}, b{0};
+    fclib_global problem{};
+    problem.M = &M.matrix;
+    problem.H = &H.matrix;
+    problem.G = G != nullptr ? &G->matrix : nullptr;
+    problem.mu = mu.data();
+    problem.f = f.data();
+    problem.b = G != nullptr ? b.data() : nullptr;
+    problem.w = w.data();
+    problem.spacedim = dimension;
+    fs::remove(path());
+    EXPECT_EQ(fclib_write_global(&problem, path().c_str()), 1);
+    return path();
+  }
+
+  std::string local(Stored W) const {
+    std::vector<double> mu{0.5}, q{-1, 0.25, 0.125};
+    fclib_local problem{};
+    problem.W = &W.matrix;
+    problem.mu = mu.data();
+    problem.q = q.data();
+    problem.spacedim = 3;
+    fs::remove(path());
+    EXPECT_EQ(fclib_write_local(&problem, path().c_str()), 1);
+    return path();
+  }
+
+  /// The error, without the file's name.
+  std::string error_of(const std::string& file) const {
+    try {
+      read_fclib(file, false);
+    } catch (const InputError& error) {
+      return std::string(error.what()).substr(file.size() + 2);
+    }
+    return "no error";
+  }
+
+  fs::path folder_;
+};
+
+const std::vector<double> kNoW(6, 0.0);
+
+TEST_F(FclibTest, GlobalProblemsOfEveryStorage) {
+  ContactProblem expected;
+  expected.v = kM.llt().solve(Vector{{1, -2, 0.1}});
+  expected.N = Matrix{{1, 0}, {0, 0}, {0, 1}};
+  expected.D = Matrix{{0, 0.5, 0, -0.5, 0, 0.25, 0, -0.25}, {1, 0, -1, 0, 0, 0, 0, 0}, {0, 0, 0, 0, 2, 3, -2, -3}};
+  expected.edges = {4, 4};
+  for (const int M : {kTriplets, kColumns, kRows}) {
+    for (const int H : {kTriplets, kColumns, kRows}) {
+      const Problem problem = read_fclib(global(Stored(kM, M), Stored(kH, H), kNoW), false);
+      const ContactProblem& read = *problem.contact();
+      EXPECT_EQ(problem.name(), "problem.hdf5");
+      EXPECT_EQ(dense_inertia(read.inertia), kM);
+      EXPECT_EQ(std::get<BlockInertia>(read.inertia).blocks.size(), 2u);
+      EXPECT_TRUE(read.v.isApprox(expected.v, 1e-15));
+      EXPECT_EQ(to_dense(read.N), to_dense(expected.N));
+      EXPECT_EQ(to_dense(read.D), to_dense(expected.D));
+      EXPECT_EQ(read.edges, expected.edges);
+      EXPECT_EQ(read.mu, (Vector{{0.5, 0.25}}));
+    }
+  }
+}
+
+// fclib.h says rows in p, Siconos writes columns there: H is not square, so its sizes tell.
+TEST_F(FclibTest, TripletsOfTheHeadersOrderAreKnownByTheSizes) {
+  const Problem problem = read_fclib(global(Stored(kM, kColumns), Stored(kH, kTriplets, true), kNoW), false);
+  EXPECT_EQ(to_dense(problem.contact()->N), (Matrix{{1, 0}, {0, 0}, {0, 1}}));
+}
+
+TEST_F(FclibTest, TheVelocityOfTheSurroundingsIsOutside) {
+  EXPECT_EQ(error_of(global(Stored(kM, kColumns), Stored(kH, kColumns), {0, 0, 0, 0, 1, 0})),
+            "/fclib_global/vectors/w[4] is 1: a velocity of the surroundings is outside of the model");
+}
+
+TEST_F(FclibTest, ThePlaneHasTwoDirections) {
+  const Problem problem = read_fclib(global(Stored(kM, kColumns), Stored(kH, kColumns), kNoW, nullptr, 2), false);
+  EXPECT_EQ(problem.contact()->edges, (std::vector<int>{2, 2, 2}));
+  EXPECT_EQ(to_dense(problem.contact()->N), (Matrix{{1, 0.5, 0}, {0, 0, 0}, {0, 0, 2}}));
+}
+
+TEST_F(FclibTest, LocalProblems) {
+  const Matrix W{{2, 0.5, 0}, {0.5, 1, 0}, {0, 0, 1}};
+  const Problem problem = read_fclib(local(Stored(W, kRows)), false);
+  const ContactProblem& read = *problem.contact();
+  EXPECT_EQ(std::get<InverseInertia>(read.inertia).Ginv, W);
+  EXPECT_EQ(read.v, (Vector{{-1, 0.25, 0.125}}));
+  EXPECT_EQ(to_dense(read.N), (Matrix{{1}, {0}, {0}}));
+  EXPECT_EQ(to_dense(read.D), (Matrix{{0, 0, 0, 0}, {1, 0, -1, 0}, {0, 1, 0, -1}}));
+}
+
+TEST_F(FclibTest, StoredSolutionsAreNotRead) {
+  const std::string file = local(Stored(Matrix::Identity(3, 3), kRows));
+  const std::string before = problem_hash(read_fclib(file, false));
+  std::vector<double> zeros(3, 0.0);
+  fclib_solution solution{nullptr, zeros.data(), zeros.data(), nullptr};
+  ASSERT_EQ(fclib_write_solution(&solution, file.c_str()), 1);
+  EXPECT_EQ(problem_hash(read_fclib(file, false)), before);
+}
+
+TEST_F(FclibTest, AsymmetryIsNamedAndMayBeTakenOut) {
+  const Matrix W{{2, 0.5, 0}, {0.502, 1, 0}, {0, 0, 1}};
+  const std::string file = local(Stored(W, kRows));
+  EXPECT_EQ(error_of(file),
+            "/fclib_local/W: not symmetric: its triangles differ by 0.0020000000000000018, its largest entry is 2; "
+            "--symmetrize takes their mean");
+  const Problem problem = read_fclib(file, true);
+  EXPECT_EQ(std::get<InverseInertia>(problem.contact()->inertia).Ginv(0, 1), 0.501);
+  EXPECT_EQ(error_of(local(Stored(Matrix{{2, 0.5, 0}, {0.5 + 1e-14, 1, 0}, {0, 0, 1}}, kRows))), "no error");
+}
+
+TEST_F(FclibTest, WhatIsOutsideOfTheModelIsNamed) {
+  Stored G(Matrix{{1}, {0}, {0}}, kColumns);
+  EXPECT_EQ(error_of(global(Stored(kM, kColumns), Stored(kH, kColumns), kNoW, &G)),
+            "/fclib_global/G: equality constraints are outside of the model");
+  EXPECT_EQ(error_of(global(Stored(Matrix::Ones(3, 3), kColumns), Stored(kH, kColumns), kNoW)),
+            "/fclib_global/M: not positive definite");
+  const auto with_group = [&](const std::string& name, const std::function<void(hid_t)>& fill) {
+    const hid_t file = H5Fcreate(path("made.hdf5").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+    const hid_t group = H5Gcreate2(file, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    fill(group);
+    H5Gclose(group);
+    H5Fclose(file);
+    return path("made.hdf5");
+  };
+  const auto dimension = [](int value) {
+    return [value](hid_t group) {
+      const hid_t space = H5Screate(H5S_SCALAR);
+      const hid_t set = H5Dcreate2(group, "spacedim", H5T_NATIVE_INT, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+      H5Dwrite(set, H5T_NATIVE_INT, H5S_ALL, H5S_ALL, H5P_DEFAULT, &value);
+      H5Dclose(set);
+      H5Sclose(space);
+    };
+  };
+  EXPECT_EQ(error_of(with_group("/fclib_global_rolling", [](hid_t) {})),
+            "/fclib_global_rolling: rolling friction is outside of the model");
+  EXPECT_EQ(error_of(with_group("/fclib_local", dimension(5))),
+            "/fclib_local: rolling friction (spacedim 5) is outside of the model");
+  EXPECT_EQ(error_of(with_group("/fclib_local", dimension(4))), "/fclib_local/spacedim is 4, expected 2 or 3");
+  EXPECT_EQ(error_of(with_group("/fclib_local", dimension(3))), "/fclib_local/W/m: missing");
+  EXPECT_EQ(error_of(with_group("/other", [](hid_t) {})), "has neither /fclib_global nor /fclib_local");
+  EXPECT_EQ(error_of("/etc/passwd"), "cannot be opened as an HDF5 file");
+}
+
+TEST_F(FclibTest, TheProgramWritesAScenesFile) {
+  const std::string first = local(Stored(Matrix::Identity(3, 3), kRows));
+  fs::copy(first, path("second.hdf5"));
+  const std::string out = path("out.scenes");
+  const std::string program = IMPORT_PROGRAM " " + out + " ";
+  ASSERT_EQ(std::system((program + first + " " + path("second.hdf5") + " > /dev/null").c_str()), 0);
+  const ScenesFile scenes(out);
+  ASSERT_EQ(scenes.count(), 2u);
+  EXPECT_EQ(problem_hash(scenes.read(1).problem), problem_hash(read_fclib(first, false)));
+  EXPECT_EQ(scenes.read(1).problem.name(), "second.hdf5");
+  EXPECT_EQ(WEXITSTATUS(std::system((program + "/etc/passwd 2> /dev/null").c_str())), 2);
+  EXPECT_FALSE(fs::exists(out));
+}
+
+}  // namespace
+}  // namespace lcpbench
