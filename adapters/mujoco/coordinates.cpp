@@ -59,7 +59,7 @@ Coordinates::Coordinates(const mjModel& model, const mjData& data) {
     if (const auto rows = ties.find(name); rows != ties.end()) {
       const Eigen::MatrixXd E = J(rows->second, block.dofs);
       Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(E.transpose());
-      qr.setThreshold(1e-10);  // rows that say the same differ by rounding
+      qr.setThreshold(1e-2);  // MuJoCo lets a chain come apart a little: rows that say the same then differ a little
       const Eigen::MatrixXd Q = qr.householderQ();
       block.Z = Q.rightCols(size - qr.rank());
       size = block.Z.cols();
