@@ -118,7 +118,10 @@ bool is_problem_file(const fs::path& path) {
 std::vector<fs::path> problem_files(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
-  if (scenes_step(path.string())) return {path};
+  if (const auto step = scenes_step(path.string())) {
+    ScenesFile(step->first).index_of(step->second);  // throws where there is none
+    return {path};
+  }
   if (!fs::exists(status)) throw InputError(path.string() + ": no such file or folder");
   if (!fs::is_directory(status)) return {path};
   std::vector<fs::path> files;

@@ -81,3 +81,8 @@ foreach(method moby moby_regularized moby_fast unrevised)
                    --solver "external{command=$<TARGET_FILE:drake_example> ${method}}")
   set_tests_properties(drake_example_${method} PROPERTIES PASS_REGULAR_EXPRESSION "  100 %  72\\.2")
 endforeach()
+
+# Engines that capture scenes.
+lcpbench_test(capture_command LINK lcpbench_io)
+target_compile_definitions(capture_command_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
+add_dependencies(capture_command_test lcpbench lcpbench_engines)

@@ -70,6 +70,12 @@ TEST_F(CommandLineTest, MistakesOfUseExitWith2AndOneLine) {
                                 "run --sweep paper --solver enumeration",
                                 "solve",
                                 "solve nosuch.json",
+                                "solve nosuch.scenes",
+                                "solve nosuch.scenes#1",
+                                "solve x.scenes#y",
+                                "import fclib",
+                                "import other x --out y.scenes",
+                                "import fclib nosuch --out y.scenes",
                                 "solve --format xml x.json",
                                 "generate",
                                 "generate nope --seed 1 --count 1 --out d",
@@ -78,6 +84,8 @@ TEST_F(CommandLineTest, MistakesOfUseExitWith2AndOneLine) {
                                 "merge out.db nosuch.db",
                                 "sets nope",
                                 "sets file:nosuch",
+                                "sets file:nosuch.scenes",
+                                "sets file:nosuch.scenes#3",
                                 "sets 'paper/monotone/exp2{redundancy=nope}'",
                                 "sets 'paper/monotone/exp2{nope=1}'",
                                 "report nosuch.db --out ''",
@@ -124,6 +132,7 @@ TEST_F(CommandLineTest, HelpIsCompleteAndNoError) {
       {"solvers", {"--format"}},
       {"sets", {"PATTERN", "--format"}},
       {"generate", {"SET", "--seed", "--count", "--first", "--out"}},
+      {"import", {"FORMAT", "FILE", "--out", "--symmetrize"}},
       {"solve", {"FILE", "--solver", "--time-limit", "--format"}},
       {"certify",
        {"FILE", "--exact", "--time-limit", "--proofs", "--format", "--store", "--set", "--every", "--jobs",
@@ -421,6 +430,29 @@ TEST_F(CommandLineTest, ProvenanceSaysWhereResultsComeFrom) {
   EXPECT_EQ(provenance["plan"]["trials"], 12);
   EXPECT_EQ(provenance["seed"], 3);
   EXPECT_NE(provenance["command"].get<std::string>().find("--trials 12"), std::string::npos);
+}
+
+TEST_F(CommandLineTest, AScenesFileIsProblemsAndASet) {
+  const std::string problem =
+      R"("problem":{"format":"lcpbench-problem","version":1,"name":"p","kind":"contact","v":[-1],)"
+      R"("N":{"starts":[0,1],"rows":[0],"values":[1]},"G_blocks":[[[2]]]}})";
+  std::ofstream(folder_ / "two.scenes") << R"({"format":"lcpbench-scenes","version":1,"scene":"s"})"
+                                        << "\n"
+                                        << R"({"step":3,)" << problem << "\n"
+                                        << R"({"step":7,)" << problem << "\n{\"step\":8,";
+  const ProgramRun all = run("solve two.scenes --solver lemke");
+  EXPECT_EQ(all.exit_code, 0) << all.err;
+  EXPECT_NE(all.out.find("two.scenes#3: contact"), std::string::npos) << all.out;
+  EXPECT_NE(all.out.find("two.scenes#7: contact"), std::string::npos) << all.out;
+  EXPECT_NE(all.err.find("2 complete steps can be read"), std::string::npos) << all.err;
+  const ProgramRun one = run("solve two.scenes#7 --solver lemke");
+  EXPECT_EQ(one.exit_code, 0) << one.err;
+  EXPECT_EQ(one.out.find("#3"), std::string::npos);
+  EXPECT_EQ(run("solve two.scenes#8").exit_code, 2);
+  const ProgramRun study = run("run --set file:two.scenes --solver lemke --store scenes.db");
+  EXPECT_EQ(study.exit_code, 0) << study.err;
+  EXPECT_NE(study.err.find("2 complete steps can be read"), std::string::npos) << study.err;
+  EXPECT_EQ(run("generate file:two.scenes --seed 1 --count 2 --out d").exit_code, 0);
 }
 
 TEST_F(CommandLineTest, BenchJson) {

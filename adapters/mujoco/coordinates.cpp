@@ -58,7 +58,8 @@ Coordinates::Coordinates(const mjModel& model, const mjData& data) {
     auto size = static_cast<Eigen::Index>(block.dofs.size());
     if (const auto rows = ties.find(name); rows != ties.end()) {
       const Eigen::MatrixXd E = J(rows->second, block.dofs);
-      const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(E.transpose());
+      Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(E.transpose());
+      qr.setThreshold(1e-2);  // MuJoCo lets a chain come apart a little: rows that say the same then differ a little
       const Eigen::MatrixXd Q = qr.householderQ();
       block.Z = Q.rightCols(size - qr.rank());
       size = block.Z.cols();

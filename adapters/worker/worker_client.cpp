@@ -194,14 +194,14 @@ class WorkerSolver final : public TimedSolver {
   std::optional<WorkerProcess> process_;
 };
 
+}  // namespace
+
 std::filesystem::path worker_directory() {
   if (const char* directory = std::getenv("LCPBENCH_WORKER_DIR"); directory != nullptr && *directory != '\0') {
     return directory;
   }
   return std::filesystem::read_symlink("/proc/self/exe").parent_path();
 }
-
-}  // namespace
 
 std::unique_ptr<TimedSolver> worker_solver(const std::filesystem::path& executable, const Spec& solver,
                                            const WorkerLimits& limits) {

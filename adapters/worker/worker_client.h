@@ -60,8 +60,12 @@ std::string why_no_worker(const std::filesystem::path& executable, const Spec& s
 /// reason here: worker_executable reports it.
 std::string why_not_opened(const std::string& known, const std::string& solver, const std::string& worker);
 
-/// The worker executable of a registered solver: beside the running program, or in the folder that the environment
-/// variable LCPBENCH_WORKER_DIR names. @throws InputError when unavailable, native, or not there.
+/// Where the programs of foreign libraries are: beside the running program, or in the folder that the environment variable
+/// LCPBENCH_WORKER_DIR names.
+std::filesystem::path worker_directory();
+
+/// The worker executable of a registered solver, in worker_directory(). @throws InputError when unavailable, native, or
+/// not there.
 std::filesystem::path worker_executable(const RegisteredSolver& solver);
 
 }  // namespace lcpbench

@@ -36,7 +36,7 @@ constexpr std::array<Field, 8> kRigidContactFields{{{"body_a", FieldType::kNumbe
                                                     {"edges", FieldType::kNumber},
                                                     {"b", FieldType::kNumber}}};
 
-constexpr std::array<Field, 17> kProblemFields{{{"format", FieldType::kText},
+constexpr std::array<Field, 18> kProblemFields{{{"format", FieldType::kText},
                                                 {"version", FieldType::kNumber},
                                                 {"name", FieldType::kText},
                                                 {"kind", FieldType::kText},

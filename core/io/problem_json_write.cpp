@@ -223,7 +223,7 @@ double numbers(const Inertia& inertia, bool sparse) {
 
 double numbers(const ContactProblem& problem, bool sparse) {
   return static_cast<double>(problem.ngc()) + numbers(problem.N, sparse) + numbers(problem.D, sparse) +
-         numbers(problem.inertia, sparse) + 3 * static_cast<double>(problem.nc());
+         numbers(problem.inertia, sparse) + 4 * static_cast<double>(problem.nc());
 }
 
 /// What the reader would refuse is not written.

@@ -20,6 +20,7 @@ using Action = std::function<int()>;
 Action add_solvers_command(CLI::App& command);
 Action add_sets_command(CLI::App& command);
 Action add_generate_command(CLI::App& command);
+Action add_capture_command(CLI::App& command);
 Action add_import_command(CLI::App& command);
 Action add_inspect_command(CLI::App& command);
 Action add_solve_command(CLI::App& command);

@@ -1,0 +1,43 @@
+#!/bin/sh
+# Makes the collection of captured steps, generators/scenes/FAMILY/ENGINE.scenes, from all engines that are installed:
+#   generators/scenes/collect.sh build/release/lcpbench
+# Few steps of each scene, spread over its course, and fewer of the large scenes: the collection stays below 2 MB.
+# Another version of an engine makes other steps; the files in the repository are those of Debian 12.
+set -eu
+lcpbench=$1
+folder=$(dirname "$0")
+
+# collect SCENE EVERY STEPS ENGINE...
+collect() {
+  scene=$1 every=$2 steps=$3
+  shift 3
+  for engine in "$@"; do
+    [ -x "$(dirname "$lcpbench")/lcpbench-capture-$engine" ] || { echo "$engine is not installed" >&2; continue; }
+    mkdir -p "$folder/$scene"
+    "$lcpbench" capture "$scene" --engine "$engine" --every "$every" --steps "$steps" --out "$folder/$scene/$engine.scenes"
+  done
+}
+
+all="ode bullet mujoco dart"
+collect stack 40 300 $all
+collect card-house 25 200 $all
+collect wall 60 180 $all
+collect mass-ratio-1e4 30 240 $all
+collect mass-ratio-1e6 30 240 $all
+collect wedge 20 180 $all
+collect sphere-pile 60 300 $all
+collect box-pile 60 300 $all
+collect uneven-table 25 200 $all
+collect gripper 25 200 $all
+collect dominoes 35 280 $all
+collect slope 25 200 $all
+collect spinning-plate 25 200 $all
+collect bouncing-balls 20 240 $all
+collect quadruped-standing 50 500 mujoco dart
+collect quadruped-trotting 25 600 mujoco dart
+collect hand 50 800 mujoco dart
+collect closed-chain 30 500 mujoco
+collect humanoid-falling 35 400 mujoco
+collect humanoid-lying 35 400 mujoco
+collect humanoid-pushed 25 400 mujoco
+collect humanoids-22 120 360 mujoco

@@ -1,0 +1,127 @@
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "adapters/capture/launch.h"
+#include "adapters/capture/scene.h"
+#include "core/error.h"
+#include "core/io/scenes_file.h"
+#include "core/suggestion.h"
+#include "study/commands/commands.h"
+#include "study/output/terminal.h"
+
+namespace lcpbench {
+namespace {
+
+struct Arguments {
+  std::string scene;
+  std::string engine;
+  std::string model;
+  std::int64_t every = 10;
+  std::int64_t steps = 0;
+  std::string out;
+};
+
+/// Completes what was not given. @throws InputError on an unknown scene
+void complete(Arguments& arguments) {
+  std::vector<std::string> names;
+  bool articulated = true;
+  bool known = false;
+  for (const capture::Scene& scene : capture::scenes()) {
+    names.push_back(scene.name);
+    if (scene.name != arguments.scene) continue;
+    known = true;
+    articulated = scene.articulated();
+  }
+  if (!known && arguments.model.empty()) {
+    throw InputError(fmt::format("unknown scene '{}'{}; `lcpbench capture --help` lists them", arguments.scene,
+                                 did_you_mean(arguments.scene, names)));
+  }
+  if (!arguments.model.empty() && !std::filesystem::is_regular_file(arguments.model)) {
+    throw InputError(fmt::format("--model '{}': no such file", arguments.model));
+  }
+  if (arguments.engine.empty()) arguments.engine = articulated ? "mujoco" : "ode";
+  if (arguments.out.empty()) arguments.out = fmt::format("{}-{}.scenes", arguments.scene, arguments.engine);
+}
+
+/// The uncompressed file that the engine writes, removed at the end.
+struct RawFile {
+  std::string name;
+  ~RawFile() {
+    std::error_code ignored;
+    std::filesystem::remove(name, ignored);
+  }
+};
+
+/// Reads every step, as `solve` will, and then writes the file. @returns how many steps
+std::size_t check_and_compress(const std::string& raw, const std::string& out) {
+  const ScenesFile captured(raw);
+  if (captured.count() == 0) return 0;
+  for (std::size_t i = 0; i < captured.count(); ++i) captured.read(i);
+  ScenesWriter writer(out, captured.header());
+  for (std::size_t i = 0; i < captured.count(); ++i) writer.add(captured.read(i));
+  writer.close();
+  return captured.count();
+}
+
+int run_capture(Arguments arguments) {
+  complete(arguments);
+  const RawFile raw{arguments.out + ".part"};
+  const capture::EngineRun run = capture::run_engine(
+      arguments.engine,
+      {arguments.scene, arguments.model, std::to_string(arguments.every), std::to_string(arguments.steps), raw.name});
+  if (run.ending == "exited with code 2") throw InputError(run.message);
+  const bool crashed = run.ending != "exited with code 0";
+  if (crashed) {
+    say(stderr, "lcpbench: {} {}{}\n", arguments.engine, run.ending, run.message.empty() ? "" : ": " + run.message);
+  } else if (!run.message.empty()) {
+    say(stderr, "lcpbench: {} said: {}\n", arguments.engine, run.message);
+  }
+  std::error_code absent;
+  const bool empty = std::filesystem::file_size(raw.name, absent) == 0 || absent;
+  const std::size_t steps = empty ? 0 : check_and_compress(raw.name, arguments.out);
+  if (steps == 0) {
+    say(stderr, "lcpbench: no step of '{}' was captured\n", arguments.scene);
+    return kExitCheckFailed;
+  }
+  say(stdout, "{} steps of {} by {} in {} ({} bytes)\n", steps, arguments.scene, arguments.engine, arguments.out,
+      std::filesystem::file_size(arguments.out));
+  const ScenesFile written(arguments.out);
+  say(stdout, "one of them: lcpbench solve '{}#{}'\n", arguments.out, written.step_number(written.count() / 2));
+  return crashed ? kExitCheckFailed : kExitDone;
+}
+
+std::string list_of_scenes() {
+  std::string text =
+      "Scenes of free bodies run in ode (the default), bullet, mujoco and dart; scenes with joints in mujoco (the "
+      "default) and dart. See docs/howto/capture-a-scene.md.\n\nScenes:";
+  for (const capture::Scene& scene : capture::scenes()) text += fmt::format("\n  {:<20} {}", scene.name, scene.summary);
+  return text;
+}
+
+}  // namespace
+
+Action add_capture_command(CLI::App& command) {
+  const auto arguments = std::make_shared<Arguments>();
+  command.add_option("SCENE", arguments->scene, "scene; with --model, a name for what is captured")->required();
+  command.add_option("--engine", arguments->engine, "physics engine: ode, bullet, mujoco or dart")
+      ->check(CLI::IsMember({"ode", "bullet", "mujoco", "dart"}));
+  command.add_option("--model", arguments->model, "model file of your own, in place of a scene: MJCF or URDF, MuJoCo");
+  command.add_option("--every", arguments->every, "capture every so many steps")
+      ->check(CLI::Range(INT64_C(1), INT64_C(1'000'000)))
+      ->capture_default_str();
+  command.add_option("--steps", arguments->steps, "steps that the engine runs (default: the scene's own)")
+      ->check(CLI::Range(INT64_C(1), INT64_C(10'000'000)));
+  command.add_option("--out", arguments->out, "file of captured steps (default: SCENE-ENGINE.scenes)");
+  command.footer(list_of_scenes());
+  return [arguments] { return run_capture(*arguments); };
+}
+
+}  // namespace lcpbench
