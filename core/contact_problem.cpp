@@ -142,6 +142,7 @@ Lcp form_lcp(const ContactProblem& problem) {
   lcp.q = Vector::Zero(layout.size());
   lcp.M.topLeftCorner(impulses, impulses) = J.transpose() * (inverse_inertia(problem.inertia) * J);
   lcp.q.head(impulses) = J.transpose() * problem.v;
+  if (problem.has_offset()) lcp.q.head(layout.nc) += problem.b;
   for (Index c = 0; c < layout.cones; ++c) {
     const Index contact = layout.cone_contact[static_cast<std::size_t>(c)];
     const Index lambda = layout.lambda_offset() + c;

@@ -46,11 +46,12 @@ bool all_finite(const Jacobian& J);
 ///
 /// Find impulses f_N, f_D >= 0 and slip bounds lambda >= 0 that complete LCP(q, M) with J = [N D],
 ///
-///     M = [ N'G*N  N'G*D  0 ]      q = [ N'v ]      z = [ f_N    ]  nc          [N s]
-///         [ D'G*N  D'G*D  E ]          [ D'v ]          [ f_D    ]  sum(edges)  [N s]
-///         [ diag(mu) -E'  0 ]          [ 0   ]          [ lambda ]  contacts with edges > 0  [m/s]
+///     M = [ N'G*N  N'G*D  0 ]      q = [ N'v + b ]      z = [ f_N    ]  nc          [N s]
+///         [ D'G*N  D'G*D  E ]          [ D'v     ]          [ f_D    ]  sum(edges)  [N s]
+///         [ diag(mu) -E'  0 ]          [ 0       ]          [ lambda ]  contacts with edges > 0  [m/s]
 ///
-/// w = [normal velocities m/s; slip velocities + lambda m/s; friction slack N s]. M is not formed here: see form_lcp.
+/// w = [normal velocities + b m/s; slip velocities + lambda m/s; friction slack N s]. M is not formed: see form_lcp.
+/// The offset b holds what is known of a contact besides velocities: restitution, gap / h, a correction of positions.
 /// D is grouped by contact; inside contact i, column t + edges[i]/2 is the negative of column t. A contact with
 /// edges[i] == 0 is frictionless and has neither D columns nor a lambda. [Anitescu, Potra 1997]
 struct ContactProblem {
@@ -60,10 +61,13 @@ struct ContactProblem {
   std::vector<int> edges;  ///< nc entries, each even and >= 0
   Vector mu;               ///< nc friction coefficients >= 0 (0 where edges is 0)
   Inertia inertia;
+  Vector b{};  ///< offset of the normal rows, w_N = N'v+ + b [m/s]: nc entries, or none where all are zero
 
   Index ngc() const { return v.size(); }
   Index nc() const { return static_cast<Index>(edges.size()); }
   bool frictional() const { return cols(D) > 0; }
+  bool has_offset() const { return b.size() > 0; }
+  double offset(Index contact) const { return has_offset() ? b(contact) : 0.0; }
 };
 
 /// Where each unknown of a contact problem stands in z.

@@ -16,7 +16,8 @@ struct Island {
 ///
 /// Two coordinates belong together when G (the given G*, a factor's column) has nonzero entries for both, or a
 /// contact's normal or friction direction has: what is zero between islands is zero in the data, not to rounding, so
-/// that solving them one by one solves the whole. Contacts without any nonzero entry are in no island.
+/// that solving them one by one solves the whole. Contacts without any nonzero entry are in no island, whatever
+/// their offset.
 std::vector<Island> find_islands(const ContactProblem& problem);
 
 /// The same islands as numbers, in memory that only grows: for what must not allocate when it meets the same sizes

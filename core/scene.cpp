@@ -54,6 +54,8 @@ ContactProblem contact_problem(const RigidScene& scene) {
     add_wrench(scene, contact, contact.normal, static_cast<Index>(c), normals);
     problem.mu(static_cast<Index>(c)) = contact.mu;
     problem.edges.push_back(contact.edges);
+    if (contact.b != 0 && !problem.has_offset()) problem.b.setZero(problem.mu.size());
+    if (contact.b != 0) problem.b(static_cast<Index>(c)) = contact.b;
     if (contact.edges == 0) continue;
     const Eigen::Vector3d second = contact.normal.cross(contact.tangent);
     const std::array<Eigen::Vector3d, 4> directions{contact.tangent, second, -contact.tangent, -second};

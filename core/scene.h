@@ -27,6 +27,7 @@ struct RigidContact {
   Eigen::Vector3d tangent = Eigen::Vector3d::UnitX();  ///< first friction direction; the second is normal x tangent
   double mu = 0.0;                                     ///< friction coefficient >= 0
   int edges = 0;                                       ///< 0 (frictionless) or 4: directions t1, t2, -t1, -t2
+  double b = 0.0;  ///< offset of the contact's normal row [m/s]: restitution, gap / h, a correction of positions
 };
 
 /// Rigid bodies and their contacts: plain data, all that an engine adapter needs.
@@ -36,8 +37,8 @@ struct RigidScene {
 };
 
 /// The contact problem of a scene: ngc = 6 per body (linear, then angular velocity), block inertia diag(m I, inertia),
-/// sparse N and D. A contact row on body b is [n; r x n] with r = point - position, negated on body_b.
-/// Exact in double when the scene's data are dyadic with few enough bits. O(contacts).
+/// sparse N and D, b where a contact has an offset. A contact row on body b is [n; r x n] with r = point - position,
+/// negated on body_b. Exact in double when the scene's data are dyadic with few enough bits. O(contacts).
 ContactProblem contact_problem(const RigidScene& scene);
 
 }  // namespace lcpbench

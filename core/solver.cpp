@@ -59,7 +59,7 @@ struct InertiaIsFinite {
 bool data_are_finite(const Problem& problem) {
   if (const ContactProblem* contact = problem.contact()) {
     return finite(contact->v) && finite(contact->mu) && finite(contact->N) && finite(contact->D) &&
-           std::visit(InertiaIsFinite{}, contact->inertia);
+           finite(contact->b) && std::visit(InertiaIsFinite{}, contact->inertia);
   }
   return finite(problem.lcp().M) && finite(problem.lcp().q);
 }

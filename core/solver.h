@@ -80,7 +80,7 @@ class Solver {
   /// set-up. A problem that is refused (see why_not) is remembered: solve() then answers kUnsupported.
   void load(const Problem& problem);
 
-  /// Same contacts and inertia, another velocity v (ngc).
+  /// Same contacts, offsets and inertia, another velocity v (ngc).
   /// The default reloads the whole problem; solvers that can do better override on_update.
   /// @pre a contact problem is loaded. @throws std::invalid_argument otherwise, or when v has another length.
   void update(const Vector& v);

@@ -42,8 +42,8 @@ struct EigenLayout {
 ///
 /// Given the velocity v that the bodies would have without contacts, finds impulses under which no contact approaches,
 /// none pulls, separating contacts do not push, and friction stays in its pyramid and opposes slip [Anitescu, Potra
-/// 1997]: the problem of ContactProblem. Impacts are inelastic; penetration is not corrected: whoever wants restitution
-/// or stabilisation puts it into v.
+/// 1997]: the problem of ContactProblem. Restitution, gaps and the correction of penetration are what the contacts'
+/// offset b asks for; without it impacts are inelastic.
 ///
 ///     ContactSolver solver("auto");
 ///     solver.load(scene);                    // whenever contacts or inertia change
@@ -75,14 +75,14 @@ class ContactSolver {
   ///     orthogonal unit vectors.
   void load(const RigidScene& scene);
 
-  /// The same for generalized coordinates: v, N, D, mu, G as ContactProblem has them. Copied.
+  /// The same for generalized coordinates: v, N, D, mu, G, b as ContactProblem has them. Copied.
   /// @throws InputError when sizes do not fit together, edges are odd or negative, mu < 0, a number is NaN or
   ///     infinite, or the solver does not take it. That G is symmetric and positive definite and that D comes in +-
   ///     pairs is the caller's promise: testing it would cost more than a solve (`lcpbench solve` tests it).
   void load(const ContactProblem& contacts);
 
-  /// Another velocity for the same contacts and inertia; what depends on these alone is kept. There is no answer until
-  /// the next solve.
+  /// Another velocity for the same contacts, offsets and inertia; what depends on these alone is kept. There is no
+  /// answer until the next solve.
   /// Six entries per body for scenes, linear then angular. Allocates nothing with the solvers that say so.
   /// @throws InputError for another number of entries, NaN or infinity; std::logic_error before load()
   void set_velocity(const Vector& v);
@@ -92,8 +92,8 @@ class ContactSolver {
   /// Allocates nothing with solvers whose capabilities say so, on every call but the first after load().
   /// @param time_limit_s wall clock; obeyed to within a few pivots by solvers whose capabilities say so
   /// @returns kSolved: every condition holds to the solver's tolerance; kUnsolvable: no impulses exist (only with
-  ///     singular inertia); kIterationLimit, kTimeLimit, kNumericalFailure, kUnsupported: no answer. A claim is the
-  ///     solver's own: docs/ tells for each how it is tested.
+  ///     singular inertia or a negative offset); kIterationLimit, kTimeLimit, kNumericalFailure, kUnsupported: no
+  ///     answer. A claim is the solver's own: docs/ tells for each how it is tested.
   /// @throws std::logic_error before load()
   Claim solve(double time_limit_s = std::numeric_limits<double>::infinity());
 

@@ -72,6 +72,7 @@ void check_contact(const RigidScene& scene, std::size_t i) {
   check_finite(contact.normal, "contacts", i, "normal");
   check_finite(contact.tangent, "contacts", i, "tangent");
   check_friction(contact.mu, contact.edges, at("contacts", i, "mu"));
+  if (!std::isfinite(contact.b)) refuse(at("contacts", i, "b"), format_real(contact.b), "a finite number");
 }
 
 void check_shape(Index rows, Index cols, Index expected_rows, Index expected_cols, const std::string& field) {
@@ -123,6 +124,9 @@ void check_usable(const ContactProblem& contacts) {
   }
   check_shape(rows(contacts.N), cols(contacts.N), contacts.ngc(), nc, "N");
   check_shape(rows(contacts.D), cols(contacts.D), contacts.ngc(), friction, "D");
+  if (contacts.has_offset() && contacts.b.size() != nc) {
+    refuse("b", std::to_string(contacts.b.size()) + " entries", std::to_string(nc) + ", or none");
+  }
   std::visit(InertiaShape{contacts.ngc()}, contacts.inertia);
 }
 

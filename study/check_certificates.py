@@ -177,6 +177,8 @@ class Contact:
         self.N = matrix_of(document, "N", self.ngc, self.nc)
         self.D = matrix_of(document, "D", self.ngc, self.friction) if self.friction else zeros_matrix(self.ngc)
         self.mu = from_doubles(document["mu"]) if "mu" in document else zeros(self.nc)
+        self.b = from_doubles(document["b"]) if "b" in document else zeros(self.nc)
+        require(len(self.b) == self.nc, "b is not one number for each contact")
         require(len(self.mu) == self.nc and is_nonnegative(self.mu), "mu is not one number >= 0 for each contact")
         self.first = [sum(self.edges[:i]) for i in range(self.nc)]
         self.cones = [i for i in range(self.nc) if self.edges[i] > 0]
@@ -227,6 +229,10 @@ class Contact:
         """C'u."""
         return joined(transposed_times(self.N, u, self.nc), transposed_times(self.D, u, self.friction))
 
+    def velocities(self, u):
+        """C'u + [b; 0]: what the dense rows have for w without friction's bounds; q for the velocity before."""
+        return plus(self.on_contacts(u), joined(self.b, zeros(self.friction)))
+
     def reduced(self, impulse):
         """B f from C f: X'C f for factors, else C f."""
         return transposed_times(self.X, impulse, self.potentials) if self.form == "G_factors" else impulse
@@ -256,7 +262,11 @@ class Contact:
 
     def complement(self, z, velocity):
         """w of the dense rows and of the cone rows, from the velocity after the impact."""
-        w = self.on_contacts(velocity).fractions()
+        return self.rows(z, self.velocities(velocity))
+
+    def rows(self, z, velocities):
+        """The same from what the dense rows have without the bounds of friction in z."""
+        w = velocities.fractions()
         entries = z.fractions()
         slack = []
         for lam, i in enumerate(self.cones):
@@ -355,7 +365,7 @@ def check_farkas(document, problem):
     require(is_zero(u.part(problem.nc, len(u))), "u has a friction part")
     impulse = problem.impulse(u)
     require(problem.in_null_space(impulse), "N u is not in the null space of G")
-    require(dot(problem.v, impulse) < 0, "v'N u is not negative")
+    require(dot(problem.velocities(problem.v), u) < 0, "(N'v + b)'u is not negative")
 
 
 def check_lp(document, problem):
@@ -363,7 +373,7 @@ def check_lp(document, problem):
     require(problem.has_inertia, "the inertia is not positive semidefinite")
     d = exact_vector(document, "exact_farkas", problem.potentials)
     shift = times(problem.G, d) if problem.form == "Ginv" else problem.moved_by(d)
-    w = problem.on_contacts(plus(problem.v, shift)).fractions()
+    w = problem.velocities(plus(problem.v, shift)).fractions()
     for i in range(problem.nc):
         begin = problem.nc + problem.first[i]
         slip = max((-w[t] for t in range(begin, begin + problem.edges[i])), default=0)
@@ -391,7 +401,7 @@ class Transposed:
         self.lambda_of = [lam for lam, i in enumerate(problem.cones) for _ in range(problem.edges[i])]
 
     def gain(self, y):
-        q = self.problem.q if isinstance(self.problem, BareLcp) else self.problem.on_contacts(self.problem.v)
+        q = self.problem.q if isinstance(self.problem, BareLcp) else self.problem.velocities(self.problem.v)
         return sum(q.numerators[i] * value for i, value in y if i < len(q))
 
     def columns(self, y):
@@ -469,7 +479,8 @@ def dense_lcp(problem):
     n, dense = problem.size, problem.nc + problem.friction
     units = [Rationals([int(i == j) for i in range(n)], 1) for j in range(n)]
     impulses = [problem.impulse(unit.part(0, dense)) for unit in units]
-    columns = [problem.complement(unit, problem.moved_by(p)) for unit, p in zip(units, potentials(problem, impulses))]
+    moved = [problem.on_contacts(problem.moved_by(p)) for p in potentials(problem, impulses)]
+    columns = [problem.rows(unit, velocities) for unit, velocities in zip(units, moved)]
     q = problem.complement(zeros(n), problem.v)
     return [[columns[j][i] for j in range(n)] for i in range(n)], q
 

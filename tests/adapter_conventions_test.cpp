@@ -176,6 +176,23 @@ TEST(AdapterConventionsTest, StepSolvesTheScene) {
   expect_solution("ode_step", box, run("lemke", box).answer.z, 1e-12);
 }
 
+TEST(AdapterConventionsTest, OffsetsOfASceneReachTheLibraries) {
+  RigidScene scene = *falling_box().scene();
+  scene.contacts[0].b = 0.5;
+  scene.contacts[1].b = -0.25;
+  scene.contacts[2].b = 0.125;
+  const Problem box("box with offsets", scene);
+  if (missing("lemke")) return;
+  const Vector z = run("lemke", box).answer.z;
+  EXPECT_GT((z - run("lemke", falling_box()).answer.z).lpNorm<Eigen::Infinity>(), 0.1);
+  EXPECT_TRUE(Evaluator(box).errors(run("lemke", box).answer).solved);
+  expect_solution("ode_quickstep{iterations=5000}", box, z, 1e-9);
+  expect_solution("ode_step", box, z, 1e-12);
+  expect_solution("velocity_ipm_cholmod", box, z, 1e-12);
+  expect_solution("bullet_dantzig", box, z, kIterative);
+  expect_solution("ode_dantzig", box, z, 1e-12);
+}
+
 TEST(AdapterConventionsTest, CholmodBehindTheInteriorPointSolvesTheScene) {
   for (const char* solver : {"velocity_ipm_cholmod{factor=simplicial}", "velocity_ipm_cholmod{factor=supernodal}"}) {
     expect_solution(solver, stack_of_two(), Vector{{7.0, 6.0}}, 1e-12);

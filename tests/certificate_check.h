@@ -71,6 +71,13 @@ struct DenseContact {
   bool factored() const { return std::holds_alternative<FactoredInertia>(problem.inertia); }
   bool inverse() const { return std::holds_alternative<InverseInertia>(problem.inertia); }
 
+  /// C'u + [b; 0]
+  RationalVector velocities(const RationalVector& u) const {
+    RationalVector result = transposed_times(C, u);
+    for (Index i = 0; i < problem.b.size(); ++i) result[static_cast<std::size_t>(i)] += Rational(problem.b(i));
+    return result;
+  }
+
   RationalVector change_of_velocity(const RationalVector& p) const { return factored() ? times(X, p) : p; }
 
   /// K p
@@ -110,7 +117,7 @@ inline void expect_contact_solution(const DenseContact& contact, const RationalV
   const auto impulses = z.begin() + layout.lambda_offset();
   const RationalVector f(z.begin(), impulses);
   EXPECT_EQ(contact.inertia_times(p), contact.forced(f));
-  RationalVector w = transposed_times(contact.C, plus(rationals(contact.problem.v), contact.change_of_velocity(p)));
+  RationalVector w = contact.velocities(plus(rationals(contact.problem.v), contact.change_of_velocity(p)));
   for (Index c = 0; c < layout.cones; ++c) {
     const auto i = static_cast<std::size_t>(layout.cone_contact[static_cast<std::size_t>(c)]);
     Rational slack = Rational(contact.problem.mu(static_cast<Index>(i))) * f[i];
@@ -132,15 +139,13 @@ inline void expect_contact_contradiction(const DenseContact& contact, const Rati
   }
   EXPECT_TRUE(all_zero(contact.forced(u)));
   Rational work = 0;
-  const RationalVector impulse = times(contact.C, u);
-  for (std::size_t i = 0; i < impulse.size(); ++i)
-    work += impulse[i] * Rational(contact.problem.v(static_cast<Index>(i)));
+  const RationalVector q = contact.velocities(rationals(contact.problem.v));
+  for (std::size_t i = 0; i < u.size(); ++i) work += u[i] * q[i];
   EXPECT_LT(work, 0);
 }
 
 inline void expect_solvability_proof(const DenseContact& contact, const RationalVector& d) {
-  const RationalVector w =
-      transposed_times(contact.C, plus(rationals(contact.problem.v), contact.change_of_velocity(d)));
+  const RationalVector w = contact.velocities(plus(rationals(contact.problem.v), contact.change_of_velocity(d)));
   for (std::size_t i = 0; i < contact.problem.edges.size(); ++i) {
     EXPECT_GE(w[i], 0);
     for (Index t = contact.layout.friction_begin[i]; t < contact.layout.friction_begin[i + 1]; ++t) {

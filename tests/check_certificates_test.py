@@ -204,6 +204,30 @@ def test_searches(checker):
     expect(reason(small_lcp([[-1.0]], [-1.0], "unsolvable", "farkas", [0])) != "", "y = 0 proves nothing")
 
 
+def test_offsets(checker):
+    """A box between two walls, whose offsets ask it to leave both: each proof holds for b = (-1, 1/2) or (-1/2, 1/2)."""
+    def reason(b, kind, proof, **vectors):
+        document = {**small_lcp([], [], kind, proof), **vectors}
+        document["problem"] = {"format": "lcpbench-problem", "version": 1, "name": "walls", "kind": "contact",
+                               "v": [0, 0], "N": [[1, -1], [0, 0]], "b": b, "G": [[1, 0], [0, 1]]}
+        return checker.verdict(checker.Item("test", json.dumps(document), None), MOST_NODES)[1]
+
+    def halves(*numerators):
+        return {"denominator": "2", "numerators": [str(number) for number in numerators]}
+
+    moved = {"exact_z": halves(1, 0), "exact_potential": halves(1, 0), "exact_velocity": halves(1, 0),
+             "z": [0.5, 0.0], "velocity": [0.5, 0.0], "velocity_unique": True}
+    proofs = {("unsolvable", "farkas"): {"exact_farkas": halves(2, 2)},
+              ("unsolvable", "branching"): {"branches": [[0, "1", 1, "1"]]}, ("unsolvable", "enumeration"): {},
+              ("solution", "lp"): {"exact_farkas": halves(1, 0)}, ("solution", "exact_basis"): moved}
+    for (kind, proof), vectors in proofs.items():
+        of_walls, of_corridor = reason([-1, 0.5], kind, proof, **vectors), reason([-0.5, 0.5], kind, proof, **vectors)
+        right, wrong = (of_walls, of_corridor) if kind == "unsolvable" else (of_corridor, of_walls)
+        expect(right == "", f"offset, {proof}: {right}")
+        expect(wrong != "" and "malformed" not in wrong, f"offset, {proof}: accepted for another b ({wrong})")
+    expect("for each contact" in reason([1], "unsolvable", "farkas", exact_farkas=halves(2, 2)), "b of another length")
+
+
 # ------------------------------------------------------------------------------------------------ changed stores
 
 
@@ -253,6 +277,7 @@ def main():
         store, documents = make_store(lcpbench, folder)
         test_documents(checker, documents)
         test_searches(checker)
+        test_offsets(checker)
         test_stores(checker, path, store, documents)
     for failure in failures[:50]:
         print("FAILED:", failure)

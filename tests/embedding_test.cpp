@@ -233,6 +233,7 @@ TEST(EmbeddingTest, BadInputIsNamedAndLeavesTheSolverAsItWas) {
   EXPECT_EQ(of_scene([&](RigidScene& s) { s.contacts[0].mu = nan; }), "contacts[0].mu is nan, expected >= 0");
   EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[3].edges = 0; }),
             "contacts[3].mu would be ignored: the contact has no edges");
+  EXPECT_EQ(of_scene([&](RigidScene& s) { s.contacts[2].b = nan; }), "contacts[2].b is nan, expected a finite number");
   EXPECT_EQ(of_scene([](RigidScene& s) { s.bodies[0].mass = 0; }), "bodies[0].mass is 0, expected a finite number > 0");
   EXPECT_EQ(of_scene([&](RigidScene& s) { s.bodies[0].inertia(1, 1) = nan; }),
             "bodies[0].inertia holds NaN or infinity");

@@ -131,6 +131,8 @@ TEST(ProblemErrorsTest, Shapes) {
       {replaced(kContact, "[1, -2]", "[1, -2, 3]"), "D: 2 rows, expected 3"},
       {replaced(kContact, "[0, 4]", "[0, 6]"), "D: row 0 has 4 entries, expected 6"},
       {replaced(kContact, "[0, 0.5]", "[0]"), "mu: 1 entry, expected 2"},
+      {replaced(kContact, R"("edges")", R"("b": [1], "edges")"), "b: 1 entry, expected 2"},
+      {replaced(kScene, R"("edges": 4)", R"("edges": 4, "b": [1])"), "contacts[0].b: expected a number, found a list"},
       {replaced(kContact, "[2, 0.5]", "[2]"), "G: row 0 has 1 entry, expected 2"},
       {replaced(kContact, R"( "edges": [0, 4],)", ""), "edges: missing; it belongs to D"},
       {replaced(kContact, R"(, "G": [[2, 0.5], [0.5, 1]])", ""), "G: missing (or G_blocks, G_factors or Ginv)"},

@@ -138,6 +138,13 @@ std::vector<Problem> problems_of_every_kind() {
   inverse.inertia = InverseInertia{Matrix{{1, 1, 0}, {1, 1, 0}, {0, 0, 2}}};
   problems.emplace_back("inverse", inverse);
   problems.emplace_back("scene", scene());
+  ContactProblem offset = frictional_problem();
+  offset.b = Vector{{0.1, -0.0}};
+  problems.emplace_back("offset", offset);
+  RigidScene gap = scene();
+  gap.contacts[0].b = 0.25;
+  gap.contacts[1].b = -1e-300;
+  problems.emplace_back("scene with offsets", gap);
   return problems;
 }
 
@@ -155,6 +162,27 @@ TEST_F(ProblemIoTest, EveryGeneratedProblemComesBackEqual) {
     const std::int64_t trials = std::min<std::int64_t>(3, problems->count().value_or(3));
     for (std::int64_t trial = 0; trial < trials; ++trial) expect_round_trip(problems->generate(1, trial));
   }
+}
+
+TEST_F(ProblemIoTest, AnOffsetOfZeroIsNone) {
+  ContactProblem contact = frictional_problem();
+  const Problem without("contact", contact);
+  contact.b = Vector{{0.0, -0.0}};
+  EXPECT_EQ(problem_json(Problem("contact", contact)), problem_json(without));
+  EXPECT_EQ(problem_hash(Problem("contact", contact)), problem_hash(without));
+  contact.b(1) = 1e-300;
+  EXPECT_NE(problem_hash(Problem("contact", contact)), problem_hash(without));
+  std::string text = problem_json(without);
+  text.insert(text.rfind("\n}"), ",\n  \"b\": [0, 0]");
+  EXPECT_FALSE(parse_problem_json(text, "zero.json").contact()->has_offset());
+
+  RigidScene bodies = scene();
+  const Problem touching("scene", bodies);
+  EXPECT_FALSE(touching.contact()->has_offset());
+  bodies.contacts[1].b = 0.5;
+  const Problem apart("scene", bodies);
+  EXPECT_EQ(apart.contact()->b, (Vector{{0, 0.5}}));
+  EXPECT_NE(problem_hash(apart), problem_hash(touching));
 }
 
 TEST_F(ProblemIoTest, InertiaKeepsItsForm) {

@@ -52,6 +52,11 @@ def known_cases():
     yield sliders, [1000, 2, 0, 500, 0, 1, 500, 0]
     yield sliders, [1000, 2, 0, 500, 0, 0, 500, 0]
     yield sliders, [1000, 2, 0, 500, 0, 1, 400, 0]
+    yield contact([0, 0], identity(2), identity(2), b=[-1, 2]), [1, 0]
+    yield contact([0, -3], identity(2), identity(2), b=[-1e-9, 2]), [0, 1]
+    cancelled = contact([0.1, 0.3], [[-3], [1]], identity(2), b=[5e-17])
+    for impulse in (0, 1e-18, 1e-13):
+        yield cancelled, [impulse]
     yield contact([0, 0], identity(2), identity(2)), [0, 0]
     yield contact([0, 0], identity(2), identity(2)), [0, 1e-20]
     yield lcp(identity(2), [1, 1]), [0, 1e-300]
@@ -90,6 +95,8 @@ def random_cases(draw):
                     columns += [d, [-entry for entry in d]]
             friction = {"mu": [draw.randint(0, 8) / 8 if edges[c] else 0 for c in range(nc)], "edges": edges,
                         "D": [list(row) for row in zip(*columns)]}
+        if draw.random() < 0.5:
+            friction["b"] = [number() * scale[c // 2] for c in range(nc)]
         n = nc + sum(edges) + sum(1 for count in edges if count)
         yield contact(v, N, G, **friction), [dust(abs(number())) if draw.random() < 0.5 else dust(0) for _ in range(n)]
     for _ in range(30):

@@ -44,7 +44,8 @@ ContactProblem contact(Jacobian N, Jacobian D, Inertia inertia) {
           .D = std::move(D),
           .edges = {4, 0, 2},
           .mu = Eigen::Vector3d(0.5, 0.0, 0.25),
-          .inertia = std::move(inertia)};
+          .inertia = std::move(inertia),
+          .b = Eigen::Vector3d(0.125, 0.0, -2.0)};
 }
 
 RigidScene scene() {
@@ -53,7 +54,7 @@ RigidScene scene() {
   result.bodies[1].mass = 0.1;
   result.bodies[1].angular_velocity = {1, 2, 3};
   result.contacts.resize(2);
-  result.contacts[0] = {.body_a = 1, .body_b = 0, .point = {0.1, 0.2, 0.3}, .mu = 0.7, .edges = 4};
+  result.contacts[0] = {.body_a = 1, .body_b = 0, .point = {0.1, 0.2, 0.3}, .mu = 0.7, .edges = 4, .b = -0.25};
   return result;
 }
 
@@ -123,6 +124,7 @@ TEST(WorkerProtocolTest, FieldsOfAContactProblemKeepTheirPlaces) {
   const ContactProblem& received = *parsed.value.problem.contact();
   EXPECT_EQ(received.v, sent.v);
   EXPECT_EQ(received.mu, sent.mu);
+  EXPECT_EQ(received.b, sent.b);
   EXPECT_EQ(received.edges, sent.edges);
   EXPECT_TRUE(std::holds_alternative<SparseMatrix>(received.N));
   EXPECT_EQ(to_dense(received.N), to_dense(sent.N));
@@ -142,6 +144,8 @@ TEST(WorkerProtocolTest, FieldsOfASceneKeepTheirPlaces) {
   EXPECT_EQ(received.contacts[0].point, Eigen::Vector3d(0.1, 0.2, 0.3));
   EXPECT_EQ(received.contacts[0].mu, 0.7);
   EXPECT_EQ(received.contacts[0].edges, 4);
+  EXPECT_EQ(received.contacts[0].b, -0.25);
+  EXPECT_EQ(received.contacts[1].b, 0);
   EXPECT_EQ(received.contacts[1].edges, 0);
   EXPECT_EQ(received.contacts[1].body_b, RigidContact::kWorld);
 }

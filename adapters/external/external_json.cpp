@@ -55,6 +55,7 @@ void add_contact(const ContactProblem& contact, double of_vector, Json& json) {
     json["edges"] = contact.edges;
     json["mu"] = list(contact.mu);
   }
+  if (!contact.b.isZero(0)) json["b"] = list(of_vector * contact.b);
   std::visit(AddInertia{json}, contact.inertia);
 }
 
@@ -66,7 +67,7 @@ Json body_json(const RigidBody& body, double of_vector) {
           {"angular_velocity", list(of_vector * body.angular_velocity)}};
 }
 
-Json contact_json(const RigidContact& contact) {
+Json contact_json(const RigidContact& contact, double of_vector) {
   Json json = {{"body_a", contact.body_a},
                {"body_b", contact.body_b},
                {"point", list(contact.point)},
@@ -76,6 +77,7 @@ Json contact_json(const RigidContact& contact) {
     json["mu"] = contact.mu;
     json["edges"] = contact.edges;
   }
+  if (contact.b != 0) json["b"] = of_vector * contact.b;
   return json;
 }
 
@@ -83,7 +85,9 @@ void add_scene(const RigidScene& scene, double of_vector, Json& json) {
   json["bodies"] = Json::array();
   for (const RigidBody& body : scene.bodies) json["bodies"].push_back(body_json(body, of_vector));
   json["contacts"] = Json::array();
-  for (const RigidContact& contact : scene.contacts) json["contacts"].push_back(contact_json(contact));
+  for (const RigidContact& contact : scene.contacts) {
+    json["contacts"].push_back(contact_json(contact, of_vector));
+  }
 }
 
 Json parse_object(const std::string& text) {

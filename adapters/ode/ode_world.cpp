@@ -84,6 +84,10 @@ void OdeWorld::add(const RigidContact& contact) {
     const Eigen::Vector3d first = turned_tangent(contact);
     for (int k = 0; k < 3; ++k) data.fdir1[k] = first(k);
   }
+  if (contact.b != 0) {
+    data.surface.mode |= dContactMotionN;
+    data.surface.motionN = -contact.b;
+  }
   const dJointID joint = dJointCreateContact(id_, joints_, &data);
   const dBodyID second =
       contact.body_b == RigidContact::kWorld ? nullptr : bodies_[static_cast<std::size_t>(contact.body_b)];

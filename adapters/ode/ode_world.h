@@ -27,6 +27,8 @@ std::string take_ode_message();
 /// scene, |g_1| + |g_2| <= mu f_N along t and n x t, is that square turned by 45 degrees: ODE is given (t + n x t) /
 /// sqrt(2) for its first direction, takes n x that for the second, and mu / sqrt(2). A contact with mu = 0 has no
 /// friction rows.
+///
+/// An offset b is a surface that moves along the normal (dContactMotionN): a contact's velocity is to be -b at least.
 /// @pre start_ode() was called.
 class OdeWorld {
  public:

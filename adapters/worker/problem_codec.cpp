@@ -139,6 +139,7 @@ void write_contact(const ContactProblem& contact, ByteWriter& writer) {
   write_jacobian(contact.N, writer);
   write_jacobian(contact.D, writer);
   write_inertia(contact.inertia, writer);
+  writer.vector(contact.b);
 }
 
 ContactProblem read_contact(ByteReader& reader) {
@@ -157,11 +158,13 @@ ContactProblem read_contact(ByteReader& reader) {
   contact.N = read_jacobian(contact.ngc(), contact.nc(), reader, "N");
   contact.D = read_jacobian(contact.ngc(), friction, reader, "D");
   contact.inertia = read_inertia(contact.ngc(), reader);
+  contact.b = reader.vector("b");
+  reader.require(contact.b.size() == 0 || contact.b.size() == contact.nc(), "b: not one entry per contact");
   return contact;
 }
 
 constexpr std::size_t kBodyBytes = 19 * sizeof(double);
-constexpr std::size_t kContactBytes = 3 * sizeof(std::int64_t) + 10 * sizeof(double);
+constexpr std::size_t kContactBytes = 3 * sizeof(std::int64_t) + 11 * sizeof(double);
 
 void write_scene(const RigidScene& scene, ByteWriter& writer) {
   writer.word(scene.bodies.size());
@@ -176,6 +179,7 @@ void write_scene(const RigidScene& scene, ByteWriter& writer) {
   for (const RigidContact& contact : scene.contacts) {
     for (const int field : {contact.body_a, contact.body_b, contact.edges}) writer.integer(field);
     writer.real(contact.mu);
+    writer.real(contact.b);
     for (const auto* field : {&contact.point, &contact.normal, &contact.tangent}) writer.elements(field->data(), 3);
   }
 }
@@ -202,6 +206,7 @@ RigidScene read_scene(ByteReader& reader) {
     reader.require(edges == 0 || edges == 4, "contacts: edges is neither 0 nor 4");
     contact.edges = edges == 4 ? 4 : 0;
     contact.mu = reader.real();
+    contact.b = reader.real();
     for (auto* field : {&contact.point, &contact.normal, &contact.tangent}) reader.elements(field->data(), 3);
   }
   return reader.ok() ? scene : RigidScene{};

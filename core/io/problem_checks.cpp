@@ -256,6 +256,7 @@ void check_rigid_contact(const RigidScene& scene, const RigidContact& contact, c
   }
   check_directions(contact, path, origin);
   check_friction_coefficient(contact.mu, contact.edges, path + ".mu", origin);
+  if (!std::isfinite(contact.b)) throw input_error(origin, path + ".b is " + not_finite(contact.b));
   check_lever_arm(scene, contact, contact.body_a, path, origin);
   check_lever_arm(scene, contact, contact.body_b, path, origin);
 }
@@ -337,6 +338,8 @@ void check_contact(const ContactProblem& problem, const std::string& origin) {
     check_friction_coefficient(problem.mu(i), problem.edges[static_cast<std::size_t>(i)], at("mu", i), origin);
   }
   check_finite(problem.v, "v", origin);
+  if (problem.b.size() > 0) check_size(problem.b.size(), problem.nc(), "b", origin);
+  check_finite(problem.b, "b", origin);
   check_jacobian(problem.N, problem.ngc(), problem.nc(), "N", origin);
   check_jacobian(problem.D, problem.ngc(), contact_layout(problem).friction, "D", origin);
   check_pairs(problem, origin);

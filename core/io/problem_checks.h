@@ -47,8 +47,8 @@ std::string problem_name_of_file(const std::string& file);
 void check_lcp(const Lcp& lcp, const std::string& origin);
 
 /// Sizes agree; every number finite; edges even and >= 0; mu >= 0, and 0 without edges; the columns of D in exact +-
-/// pairs; G exactly symmetric and positive definite (Cholesky), Ginv exactly symmetric and positive semidefinite, alpha
-/// > 0. O(ngc^3).
+/// pairs; b empty or with an entry for each contact; G exactly symmetric and positive definite (Cholesky), Ginv exactly
+/// symmetric and positive semidefinite, alpha > 0. O(ngc^3).
 void check_contact(const ContactProblem& problem, const std::string& origin);
 
 /// Masses > 0; inertias exactly symmetric and positive definite; existing, distinct bodies; unit normals and, where

@@ -10,7 +10,8 @@
 // What is hashed is a stream of 64-bit words, least significant byte first. Every object begins with a tag, every list
 // and matrix with its sizes, so that no two problems share a stream. Matrices go column by column as (row, value) of
 // the entries that are not +0.0: dense and sparse storage of the same numbers hash alike, as do inertia blocks and the
-// block diagonal matrix, because a problem file does not tell them apart either.
+// block diagonal matrix, because a problem file does not tell them apart either. Offsets come last, and only where one
+// is not zero.
 
 namespace lcpbench {
 namespace {
@@ -22,6 +23,7 @@ enum class Tag : std::uint64_t {
   kInertia = 4,
   kFactors = 5,
   kInverse = 6,
+  kOffset = 7,
 };
 
 class WordHash {
@@ -134,6 +136,15 @@ struct InertiaHasher {
   }
 };
 
+template <class OffsetOf>
+void add_offsets(WordHash& hash, Index contacts, OffsetOf&& offset_of) {
+  bool any = false;
+  for (Index i = 0; i < contacts; ++i) any = any || offset_of(i) != 0;
+  if (!any) return;
+  hash.tag(Tag::kOffset);
+  for (Index i = 0; i < contacts; ++i) hash.real(offset_of(i) + 0.0);  // a negative zero is zero
+}
+
 void add(WordHash& hash, const ContactProblem& problem) {
   hash.tag(Tag::kContact);
   add(hash, problem.v);
@@ -146,6 +157,7 @@ void add(WordHash& hash, const ContactProblem& problem) {
     if (edges > 0) hash.real(problem.mu(i));  // without friction mu is no data
   }
   std::visit(InertiaHasher{hash}, problem.inertia);
+  add_offsets(hash, problem.nc(), [&](Index i) { return problem.offset(i); });
 }
 
 void add(WordHash& hash, const RigidScene& scene) {
@@ -169,6 +181,8 @@ void add(WordHash& hash, const RigidScene& scene) {
     add(hash, contact.tangent);
     hash.real(contact.mu);
   }
+  add_offsets(hash, static_cast<Index>(scene.contacts.size()),
+              [&](Index i) { return scene.contacts[static_cast<std::size_t>(i)].b; });
 }
 
 void add(WordHash& hash, const Lcp& lcp) {

@@ -27,15 +27,16 @@ constexpr std::array<Field, 5> kBodyFields{{{"mass", FieldType::kNumber},
                                             {"linear_velocity", FieldType::kNumbers},
                                             {"angular_velocity", FieldType::kNumbers}}};
 
-constexpr std::array<Field, 7> kRigidContactFields{{{"body_a", FieldType::kNumber},
+constexpr std::array<Field, 8> kRigidContactFields{{{"body_a", FieldType::kNumber},
                                                     {"body_b", FieldType::kNumber},
                                                     {"point", FieldType::kNumbers},
                                                     {"normal", FieldType::kNumbers},
                                                     {"tangent", FieldType::kNumbers},
                                                     {"mu", FieldType::kNumber},
-                                                    {"edges", FieldType::kNumber}}};
+                                                    {"edges", FieldType::kNumber},
+                                                    {"b", FieldType::kNumber}}};
 
-constexpr std::array<Field, 17> kProblemFields{{{"format", FieldType::kText},
+constexpr std::array<Field, 18> kProblemFields{{{"format", FieldType::kText},
                                                 {"version", FieldType::kNumber},
                                                 {"name", FieldType::kText},
                                                 {"kind", FieldType::kText},
@@ -46,6 +47,7 @@ constexpr std::array<Field, 17> kProblemFields{{{"format", FieldType::kText},
                                                 {"D", FieldType::kRows, kSparseFields},
                                                 {"edges", FieldType::kNumbers},
                                                 {"mu", FieldType::kNumbers},
+                                                {"b", FieldType::kNumbers},
                                                 {"G", FieldType::kRows},
                                                 {"G_blocks", FieldType::kBlocks},
                                                 {"G_factors", FieldType::kObject, kFactorFields},
@@ -72,6 +74,7 @@ RigidContact read_rigid_contact(const RecordReader& reader) {
   contact.normal = reader.vector3("normal");
   if (reader.given("edges")) contact.edges = reader.integer("edges");
   if (reader.given("mu")) contact.mu = reader.number("mu");
+  if (reader.given("b")) contact.b = reader.number("b");
   if (contact.edges != 0) {
     contact.mu = reader.number("mu");
     contact.tangent = reader.vector3("tangent");
@@ -217,7 +220,9 @@ ContactProblem read_contact(const Record& record, const std::string& origin) {
     problem.mu = Vector::Zero(nc);
   }
   problem.inertia = read_inertia(reader, problem.ngc());
+  if (reader.given("b")) problem.b = reader.vector("b");
   check_contact(problem, origin);
+  if (problem.b.isZero(0)) problem.b.resize(0);
   return problem;
 }
 
@@ -279,8 +284,8 @@ Problem ProblemParts::finish(const Record& record, const std::string& origin) {
     return Problem(name, read_lcp(record, origin));
   }
   if (kind == "contact") {
-    constexpr std::array<std::string_view, 9> kAllowed{"v", "N",        "D",         "edges", "mu",
-                                                       "G", "G_blocks", "G_factors", "Ginv"};
+    constexpr std::array<std::string_view, 10> kAllowed{"v", "N", "D",        "edges",     "mu",
+                                                        "b", "G", "G_blocks", "G_factors", "Ginv"};
     check_only(record, kAllowed, kind, origin);
     return Problem(name, read_contact(record, origin));
   }

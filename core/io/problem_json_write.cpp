@@ -36,6 +36,10 @@ class ProblemWriter {
     jacobian(problem.N);
     // Without a row in N nothing else would tell the number of contacts.
     if (problem.frictional() || (problem.ngc() == 0 && problem.nc() > 0)) friction(problem);
+    if (!problem.b.isZero(0)) {
+      field("b");
+      list(problem.b);
+    }
     std::visit([this](const auto& inertia) { this->inertia(inertia); }, problem.inertia);
   }
 
@@ -174,12 +178,16 @@ class ProblemWriter {
     item("body_b", contact.body_b);
     item("point", contact.point);
     item("normal", contact.normal);
-    if (contact.edges == 0) return;
-    item("tangent", contact.tangent);
+    if (contact.edges != 0) {
+      item("tangent", contact.tangent);
+      text_ += ", ";
+      item("mu", contact.mu);
+      text_ += ", ";
+      item("edges", contact.edges);
+    }
+    if (contact.b == 0) return;
     text_ += ", ";
-    item("mu", contact.mu);
-    text_ += ", ";
-    item("edges", contact.edges);
+    item("b", contact.b);
   }
 
   std::string text_;

@@ -145,6 +145,7 @@ void ActiveSet::describe(const ContactProblem& contact) {
   v_ = contact.v;
   input_.v = v_.data();
   input_.N = dense_data(contact.N, dense_normals_);
+  if (contact.has_offset()) input_.b = contact.b.data();
   if (const auto* dense = std::get_if<DenseInertia>(&contact.inertia)) {
     input_.matrix = dense->G.data();
   } else if (const auto* factors = std::get_if<FactoredInertia>(&contact.inertia)) {
@@ -284,6 +285,7 @@ void ActiveSet::climb(Rung& rung, const char* name, active_set::Rules& rules, ac
 /// Whether contacts on a given G, which the last precision takes for singular, have no solution with the normals of
 /// farkas_.
 bool ActiveSet::is_proven_singular() {
+  if (input_.b != nullptr) return false;  // the proof knows nothing of it
   constexpr double kNoShare = 0x1p-80;  // of the largest: rounding
   const double largest = farkas_.view().maxCoeff();
   support_.clear();
@@ -311,23 +313,24 @@ bool ActiveSet::round_to_proof(Eigen::Ref<Vector> u) {
   return false;
 }
 
-/// Whether X'N u (G N u, G* N u) = 0 and v'N u < 0, without any rounding. @param u small integers, at least 0
+/// Whether X'N u (G N u, G* N u) = 0 and (N'v + b)'u < 0, without any rounding. @param u small integers, at least 0
 bool ActiveSet::is_proof(const Eigen::Ref<const Vector>& u) const {
   ExactSum sum;
-  const auto sign = [&](const double* row) {
+  const auto sign = [&](const double* row, const double* offset) {
     sum.clear();
     for (Index j = 0; j < input_.nc; ++j) {
       for (Index i = 0; i < input_.ngc && u(j) != 0; ++i) sum.add(row[i], input_.N[j * input_.ngc + i], u(j));
+      if (offset != nullptr) sum.add(offset[j], 1.0, u(j));
     }
     return sum.sign();
   };
   for (const double entry : Eigen::Map<const Vector>(input_.N, input_.ngc * input_.nc)) {
     if (!(std::abs(entry) <= std::numeric_limits<double>::max() / u.maxCoeff())) return false;
   }
-  if (sign(v_.data()) >= 0) return false;
+  if (sign(v_.data(), input_.b) >= 0) return false;
   const Index columns = input_.form == InertiaForm::kFactors ? input_.factors : input_.ngc;
   for (Index k = 0; k < columns; ++k) {
-    if (sign(input_.matrix + k * input_.ngc) != 0) return false;
+    if (sign(input_.matrix + k * input_.ngc, nullptr) != 0) return false;
   }
   return true;
 }

@@ -10,12 +10,13 @@ namespace lcpbench::active_set {
 
 enum class InertiaForm { kDense, kFactors, kInverse };
 
-/// A frictionless contact problem. Matrices by columns; not owned. N must stay valid until the next load().
+/// A frictionless contact problem. Matrices by columns; not owned. N and b must stay valid until the next load().
 struct Input {
   std::ptrdiff_t ngc = 0;
   std::ptrdiff_t nc = 0;
   const double* v = nullptr;  ///< ngc
   const double* N = nullptr;  ///< ngc x nc
+  const double* b = nullptr;  ///< nc, the offset: N'u + b >= 0; nullptr: zero
   InertiaForm form = InertiaForm::kDense;
   const double* matrix = nullptr;  ///< kDense: G; kInverse: G*, both ngc x ngc; kFactors: X, ngc x factors
   std::ptrdiff_t factors = 0;
@@ -54,7 +55,7 @@ struct Outcome {
 /// One engine. `create` gives an object that `destroy` ends. `reserve` allocates all that `load` needs for a problem of
 /// these dimensions, `load` allocates what was not reserved; `update` and `solve` allocate nothing.
 /// `solve` writes z (nc) and velocity (ngc) when the ending is kSolved or kRejected, u (nc) when it is kInfeasible:
-/// u >= 0 with N u in null(G) and v'N u < 0, to the precision of the engine.
+/// u >= 0 with N u in null(G) and (N'v + b)'u < 0, to the precision of the engine.
 /// `accepts` is the test that `solve` makes of its own answer, for any z (nc).
 struct Engine {
   void* (*create)();

@@ -5,15 +5,15 @@
 
 namespace lcpbench::active_set::LCPBENCH_LEVEL {
 
-/// The projection of v onto {u : N'u >= 0} in the metric of the inertia, by the dual active-set method of Goldfarb and
-/// Idnani (1983) in whitened coordinates: min 1/2 |y - y0|^2 subject to W'y >= b.
+/// The projection of v onto {u : N'u + b >= 0} in the metric of the inertia, by the dual active-set method of Goldfarb
+/// and Idnani (1983) in whitened coordinates: min 1/2 |y - y0|^2 subject to W'y + b >= 0.
 ///
 /// The iterate is optimal for the contacts of the active set alone, which presses none of them negatively. A step takes
 /// the most violated contact in, distance measured in the metric, and lets go of contacts whose impulse comes to zero
 /// on the way; the objective increases with each full step, so that no active set recurs. Contacts whose normals depend
 /// on the active ones are exchanged for one of them, or show that nothing is feasible.
 ///
-/// s (nc) is carried along instead of y: the normal velocities N'u. Per step O(ngc (nc + active)).
+/// s (nc) is carried along instead of y: the normal velocities N'u + b. Per step O(ngc (nc + active)).
 template <class Scalar>
 class DualMethod {
   using L = Lanes<Scalar>;
@@ -42,6 +42,7 @@ class DualMethod {
 
   void load(const Input& input) {
     reserve(input);
+    b_ = input.b;
     usable_ = whitening_.load(input);
     if (usable_) test_.load(input);
     update(input.v);
@@ -54,6 +55,7 @@ class DualMethod {
     set_zero(given_.data(), whitening_.contact_lanes());
     combine_rows(given_.data(), given_.data(), whitening_.normals(0), whitening_.contact_lanes(), v_.data(), ngc,
                  whitening_.contact_lanes());
+    for (Count j = 0; b_ != nullptr && j < whitening_.nc(); ++j) given_[j] += static_cast<Scalar>(b_[j]);
     if (whitening_.triangular()) whitening_.whiten_velocity(v_.data(), y0_.data());
   }
 
@@ -109,12 +111,12 @@ class DualMethod {
 
   Count most_active_now() const { return whitening_.ngc() < whitening_.nc() ? whitening_.ngc() : whitening_.nc(); }
 
-  /// Of the square of a distance to a contact's half-space: |v|_G, or, where v is not known in the metric, the largest
-  /// such distance.
+  /// Of the square of a distance to a contact's half-space: |v|_G, and, where v is not known in the metric or is not
+  /// all that counts, no less than the largest such distance.
   Scalar squared_scale() {
-    if (whitening_.triangular()) return dot(y0_.data(), y0_.data(), lanes());
+    Scalar largest = whitening_.triangular() ? dot(y0_.data(), y0_.data(), lanes()) : Scalar(0);
+    if (whitening_.triangular() && b_ == nullptr) return largest;
     measure_merits();
-    Scalar largest = 0;
     for (Count j = 0; j < whitening_.nc(); ++j) largest = merit_[j] > largest ? merit_[j] : largest;
     return largest;
   }
@@ -169,7 +171,7 @@ class DualMethod {
 
   /// Contacts that no impulse moves: violated ones stay so.
   bool immovable_contact_is_violated() {
-    if (whitening_.triangular()) return false;  // their normals are zero, and so is their velocity
+    if (whitening_.triangular() && b_ == nullptr) return false;  // their normals are zero, and so is their velocity
     for (Count j = 0; j < whitening_.nc(); ++j) {
       if (whitening_.squared_norm(j) > 0) continue;
       if (given_[j] >= -whitening_.noise() * velocity_terms(j)) continue;
@@ -179,15 +181,15 @@ class DualMethod {
     return false;
   }
 
-  /// Sum of the magnitudes of what the normal velocity N_j'v adds up.
+  /// Sum of the magnitudes of what N_j'v + b_j adds up.
   Scalar velocity_terms(Count j) const {
-    Scalar terms = 0;
+    Scalar terms = b_ != nullptr ? magnitude(static_cast<Scalar>(b_[j])) : Scalar(0);
     for (Count i = 0; i < whitening_.ngc(); ++i) terms += magnitude(whitening_.normals(i)[j] * v_[i]);
     return terms;
   }
 
   /// Whether the entering contact and the active ones that its normal depends on, u >= 0 with N u in null(G), have
-  /// v'N u < 0 by more than rounding. Where it is rounding, most often at v+ = 0, where all contacts rest, the
+  /// (N'v + b)'u < 0 by more than rounding. Where it is rounding, most often at v+ = 0, where all contacts rest, the
   /// violation is rounding too.
   bool proves_infeasible() {
     constexpr double kRoundings = kLastPrecision ? 0x1p20 : 1;  // the last precision has digits to spare
@@ -219,9 +221,9 @@ class DualMethod {
       }
     }
     if (!independent && leaving < 0) {
-      // A positive definite inertia leaves nothing infeasible. If the violation is no rounding, the test at the end
-      // finds it.
-      if (!whitening_.triangular() && proves_infeasible()) return Ending::kInfeasible;
+      // A positive definite inertia leaves nothing infeasible without an offset. If the violation is no rounding, the
+      // test at the end finds it.
+      if ((!whitening_.triangular() || b_ != nullptr) && proves_infeasible()) return Ending::kInfeasible;
       weight_[entering_contact_] = 0;
       added = true;
       return Ending::kSolved;
@@ -307,7 +309,7 @@ class DualMethod {
   /// change_ = y - y0 with y the projection on the active contacts' boundaries, pressed_ = the impulses that do it.
   void press_active() {
     Scalar* c = coefficients_.data();
-    if (whitening_.triangular()) {
+    if (whitening_.triangular() && b_ == nullptr) {
       for (Count k = 0; k < basis_.size(); ++k) c[k] = -dot(basis_.q(k), y0_.data(), lanes());
     } else {
       for (Count k = 0; k < basis_.size(); ++k) c[k] = -given_[active_[k]];
@@ -405,6 +407,7 @@ class DualMethod {
   /// Of impulse_, not zero for the first `pressed` contacts of active_ at most.
   bool passes(Count pressed, double limit, const Scalar* velocity, const Scalar* whitened_change) {
     return test_.passes({.v = v_.data(),
+                         .b = b_,
                          .given = given_.data(),
                          .impulse = impulse_.data(),
                          .slack = slack_.data(),
@@ -431,11 +434,12 @@ class DualMethod {
   Whitening<Scalar> whitening_;
   OrthogonalBasis<Scalar> basis_;  // of the active normals
   bool usable_ = false;
+  const double* b_ = nullptr;  // nullptr: zero
   double begin_s_ = 0;  // of the solve, on its clock; NaN until that is read
   Scalar violation_threshold_ = 0;
 
   Buffer<Scalar> v_;      // ngc
-  Buffer<Scalar> given_;  // N'v
+  Buffer<Scalar> given_;  // N'v + b
   Buffer<Scalar> y0_;     // C v
   Buffer<Scalar> slack_;
   Buffer<Scalar> merit_;

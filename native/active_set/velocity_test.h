@@ -4,7 +4,7 @@
 
 namespace lcpbench::active_set::LCPBENCH_LEVEL {
 
-/// Whether impulses solve the problem, judged by w = N'(v + G* N z) with a bound on what rounding does to it, each
+/// Whether impulses solve the problem, judged by w = N'(v + G* N z) + b with a bound on what rounding does to it, each
 /// island by its own scale. Float is not bounded: the engine that tests its answers in double does that.
 ///
 /// Three bounds, each sharper and dearer than the one before, and asked for only where those before do not decide. For
@@ -20,7 +20,8 @@ class VelocityTest {
   /// By contact but for v. `slack` is memory for w.
   struct Answer {
     const Scalar* v;
-    const Scalar* given;  ///< N'v
+    const double* b;      ///< offset as given; nullptr: zero
+    const Scalar* given;  ///< N'v + b
     const Scalar* impulse;
     Scalar* slack;
     const Scalar* velocity = nullptr;         ///< about v + G* N z
@@ -260,10 +261,12 @@ class VelocityTest {
     return true;
   }
 
-  /// One more than the nonzero entries of the normal, times the sum of the magnitudes of what N_j'v adds up.
+  /// One more than the nonzero entries of the normal and the offset, times the sum of the magnitudes of what
+  /// N_j'v + b_j adds up.
   Scalar floor_terms(const Answer& answer, Count j) const {
-    Count entries = 1;
-    Scalar terms = 0;
+    const Scalar offset = answer.b != nullptr ? static_cast<Scalar>(answer.b[j]) : Scalar(0);
+    Count entries = offset != 0 ? 2 : 1;
+    Scalar terms = magnitude(offset);
     for (Count i = 0; i < whitening_.ngc(); ++i) {
       const double entry = whitening_.given_normal(j)[i];
       entries += entry != 0 ? 1 : 0;

@@ -11,6 +11,10 @@ namespace {
 
 using contact_lemke::Ending;
 
+/// With an offset that may ask for too much, problems of more coordinates are not asked whether they have a solution
+/// where nothing else needs their dense matrices.
+constexpr Index kLargestAsked = 600;
+
 /// Of the verdict's 1e-4, relative to max|q|: in 113 bits nothing is lost to rounding but that of the returned lambdas.
 constexpr double kClaimedQuadResidual = 0.999e-4;
 
@@ -25,7 +29,8 @@ void AnswerTest::load(const Problem& problem, Bodies bodies) {
   farkas_size_ = farkas_size;
   bare_ = problem.contact() == nullptr;
   by_bodies_ =
-      bodies == Bodies::kOneByOne && !bare_ && std::holds_alternative<BlockInertia>(problem.contact()->inertia);
+      bodies == Bodies::kOneByOne && !bare_ && std::holds_alternative<BlockInertia>(problem.contact()->inertia) &&
+      !(ContactSolvability::is_asked(*problem.contact()) && problem.contact()->ngc() <= kLargestAsked);
   may_be_singular_ = false;
   if (by_bodies_) return bodies_test_.load(*problem.contact());
   if (bare_) return bare_test_.load(problem.lcp());
@@ -112,13 +117,22 @@ bool AnswerTest::solves_bodies() {
   return bodies_test_.complete_in_quad(completed_).certain <= kClaimedQuadResidual;
 }
 
+/// Whether the offset of a contact of the island is not zero.
+bool AnswerTest::presses_at_rest(std::ptrdiff_t island) const {
+  const contact_lemke::Input& input = contacts_.input;
+  for (std::ptrdiff_t c = 0; c < input.nc; ++c) {
+    if (input.island_of_contact[c] == island && input.N[c * input.ngc + input.ngc - 1] != 0) return true;
+  }
+  return false;
+}
+
 /// What nothing moves stays so: methods that end inside leave impulses there.
 void AnswerTest::release_islands_at_rest() {
   const contact_lemke::Input& input = contacts_.input;
   if (input.island_of_contact == nullptr) return;
   for (std::ptrdiff_t c = 0; c < input.nc; ++c) {
     const std::ptrdiff_t island = input.island_of_contact[c];
-    bool moves = false;
+    bool moves = input.has_offset && presses_at_rest(island);
     for (std::ptrdiff_t i = 0; i < input.ngc && island >= 0 && completed_(c) > 0; ++i) {
       moves = moves || (input.island_of_coordinate[i] == island && input.v[i] != 0);
     }

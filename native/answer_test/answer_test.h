@@ -64,6 +64,7 @@ class AnswerTest {
   bool solves_bare();
   bool solves_contacts();
   bool solves_bodies();
+  bool presses_at_rest(std::ptrdiff_t island) const;
   void release_islands_at_rest();
   Outcome confirm(double deadline_s);
   contact_lemke::Ending follow_path(bool classic, double deadline_s);
@@ -77,7 +78,7 @@ class AnswerTest {
   bool by_bodies_ = false;
   bool bare_ = true;
   bool quad_is_loaded_ = false;
-  bool may_be_singular_ = false;  // the inertia of contacts
+  bool may_be_singular_ = false;  // the inertia of contacts, or their offset may ask for too much
   ContactSolvability solvability_;
   double residual_ = 0;     // of completed_, contacts
   Vector velocity_;         // v, where the inertia may be singular

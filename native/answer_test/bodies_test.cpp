@@ -51,6 +51,9 @@ Row<Scalar> row_of(const ContactProblem& contact, Index j, const Room& room) {
     row.rounding += size * room.bound[at];
     row.reach += size * room.reach[at];
   });
+  if (j >= contact.nc() || !contact.has_offset()) return row;
+  row.w += static_cast<Scalar>(contact.b(j));
+  row.rounding += static_cast<Scalar>(4 * room.roundoff * std::abs(contact.b(j)));
   return row;
 }
 
@@ -103,6 +106,10 @@ void BodiesTest::release(Vector& z) {
   for (Index i = 0; i < v_.size(); ++i) {
     const Index island = numbers_.of_coordinate[static_cast<std::size_t>(i)];
     if (island >= 0 && v_(i) != 0) moves_[static_cast<std::size_t>(island)] = 1;
+  }
+  for (Index c = 0; c < contact_->b.size(); ++c) {
+    const Index island = numbers_.of_contact[static_cast<std::size_t>(c)];
+    if (island >= 0 && contact_->b(c) != 0) moves_[static_cast<std::size_t>(island)] = 1;
   }
   for (Index c = 0; c < contact_->nc(); ++c) {
     const Index first = layout_.friction_begin[static_cast<std::size_t>(c)];
@@ -240,11 +247,13 @@ contact_lemke::Residual BodiesTest::complete(Vector& z, Room<Scalar>& room) {
     first += block.rows();
   }
   bound_rounding((z.array() != 0).count(), room);
+  contact_lemke::Residual residual;
   for (Index c = 0; c < contact_->nc(); ++c) {
     const auto contact = static_cast<std::size_t>(c);
     const Index lambda = layout_.lambda[contact];
     if (numbers_.of_contact[contact] < 0) {
       if (lambda >= 0) z(layout_.lambda_offset() + lambda) = 0;
+      if (contact_->offset(c) < 0) residual = {kInfinity, kInfinity};  // nothing moves it
       continue;
     }
     Island<Scalar>& island = room.islands[static_cast<std::size_t>(numbers_.of_contact[contact])];
@@ -253,8 +262,9 @@ contact_lemke::Residual BodiesTest::complete(Vector& z, Room<Scalar>& room) {
     if (lambda >= 0) measure_friction(c, z, room);
     const Index half = (layout_.friction_begin[contact + 1] - layout_.friction_begin[contact]) / 2;
     for (Index t = -1; t < half; ++t) {
-      Scalar q = 0, terms = 0;
-      double entries = 1;
+      const double offset = t < 0 ? contact_->offset(c) : 0.0;
+      Scalar q = static_cast<Scalar>(offset), terms = static_cast<Scalar>(std::abs(offset));
+      double entries = offset == 0 ? 1 : 2;
       visit_column(*contact_, t < 0 ? c : layout_.friction_offset() + layout_.friction_begin[contact] + t,
                    [&](Index i, double value) {
                      const Scalar part = static_cast<Scalar>(value) * static_cast<Scalar>(v_(i));
@@ -268,7 +278,6 @@ contact_lemke::Residual BodiesTest::complete(Vector& z, Room<Scalar>& room) {
       raise(island.scale, own == 0 ? terms : own);
     }
   }
-  contact_lemke::Residual residual;
   for (const Island<Scalar>& island : room.islands) {
     const bool is_certain = island.is_known || !island.presses;
     residual.velocity = std::max(residual.velocity, relative(island.worst, island.scale));

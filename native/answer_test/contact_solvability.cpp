@@ -18,20 +18,50 @@ constexpr Quad kRounding = 0x1p-100;
 constexpr Quad kLargestRounding = 0x1p-75;
 constexpr Quad kNoNoise = 0x1p10;
 
-const Matrix& reach_of(const Inertia& inertia) {
-  const auto* factored = std::get_if<FactoredInertia>(&inertia);
-  return factored != nullptr ? factored->X : std::get<InverseInertia>(inertia).Ginv;
+/// Null where G is given by its entries.
+const Matrix* reach_of(const Inertia& inertia) {
+  if (const auto* factored = std::get_if<FactoredInertia>(&inertia)) return &factored->X;
+  const auto* inverse = std::get_if<InverseInertia>(&inertia);
+  return inverse != nullptr ? &inverse->Ginv : nullptr;
+}
+
+Index factors_of(const ContactProblem& contact) {
+  const Matrix* reach = reach_of(contact.inertia);
+  return reach != nullptr ? reach->cols() : contact.ngc();
+}
+
+/// J with one row more.
+Jacobian with_row(const Jacobian& J, const Eigen::RowVectorXd& last) {
+  const Index ngc = rows(J);
+  if (const auto* dense = std::get_if<Matrix>(&J)) {
+    Matrix longer(ngc + 1, dense->cols());
+    longer.topRows(ngc) = *dense;
+    longer.row(ngc) = last;
+    return longer;
+  }
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Index j = 0; j < cols(J); ++j) {
+    const auto add = [&](Index i, double entry) {
+      entries.emplace_back(static_cast<int>(i), static_cast<int>(j), entry);
+    };
+    for_each_entry(J, j, add);
+    if (last(j) != 0) add(ngc, last(j));
+  }
+  SparseMatrix longer(ngc + 1, cols(J));
+  longer.setFromTriplets(entries.begin(), entries.end());
+  return longer;
 }
 
 }  // namespace
 
 bool ContactSolvability::is_asked(const ContactProblem& contact) {
   return std::holds_alternative<FactoredInertia>(contact.inertia) ||
-         std::holds_alternative<InverseInertia>(contact.inertia);
+         std::holds_alternative<InverseInertia>(contact.inertia) || !(contact.b.array() >= 0).all();
 }
 
 void ContactSolvability::reserve(const ContactProblem& contact) {
-  const auto rows = static_cast<std::size_t>(reach_of(contact.inertia).cols()) + 1;
+  const Index ngc = contact.ngc() + (contact.has_offset() ? 1 : 0);
+  const auto rows = static_cast<std::size_t>(factors_of(contact)) + 1;
   const auto edges = static_cast<std::size_t>(contact.nc() + cols(contact.D));
   edges_.reserve(edges);
   column_exponent_.reserve(edges);
@@ -40,22 +70,22 @@ void ContactSolvability::reserve(const ContactProblem& contact) {
   row_exponent_.reserve(rows);
   row_scale_.reserve(rows);
   basis_.reserve(rows);
-  unit_.reserve(static_cast<std::size_t>(contact.ngc()));
-  unreached_v_.reserve(static_cast<std::size_t>(contact.ngc()));
+  unit_.reserve(static_cast<std::size_t>(ngc));
+  unreached_v_.reserve(static_cast<std::size_t>(ngc));
   pivot_rows_.reserve(rows);
-  range_.reserve(static_cast<std::size_t>(contact.ngc()) * (rows - 1));
+  range_.reserve(static_cast<std::size_t>(ngc) * (rows - 1));
   if (proof_.size() < contact.nc()) proof_.resize(contact.nc());
   support_.reserve(rows);
-  farkas_support_.reserve(contact.ngc(), reach_of(contact.inertia).cols(), contact.nc());
+  farkas_support_.reserve(ngc, factors_of(contact), contact.nc());
   if (basis_columns_.rows() < static_cast<Index>(rows)) {
     basis_columns_.resize(static_cast<Index>(rows), static_cast<Index>(rows));
     basis_terms_.resize(static_cast<Index>(rows), static_cast<Index>(rows));
     basis_costs_.resize(static_cast<Index>(rows));
     basis_cost_terms_.resize(static_cast<Index>(rows));
   }
-  if (lift_.size() < contact.ngc()) lift_.resize(contact.ngc());
-  if (lift_terms_.size() < contact.ngc()) lift_terms_.resize(contact.ngc());
-  if (coordinate_size_.size() < contact.ngc()) coordinate_size_.resize(contact.ngc());
+  if (lift_.size() < ngc) lift_.resize(ngc);
+  if (lift_terms_.size() < ngc) lift_terms_.resize(ngc);
+  if (coordinate_size_.size() < ngc) coordinate_size_.resize(ngc);
   const std::size_t room = (rows + 1) * (rows + edges + 1);
   if (room <= room_) return;
   room_ = room;
@@ -66,9 +96,27 @@ void ContactSolvability::reserve(const ContactProblem& contact) {
 void ContactSolvability::load(const ContactProblem& contact) {
   reserve(contact);
   contact_ = &contact;
-  X_ = &reach_of(contact.inertia);
+  X_ = reach_of(contact.inertia);
+  if (contact.has_offset()) add_coordinate(contact);
   always_solvable_ = false;
   has_range_ = false;
+}
+
+void ContactSolvability::add_coordinate(const ContactProblem& contact) {
+  const Index ngc = contact.ngc();
+  with_offset_.N = with_row(contact.N, contact.b.transpose());
+  with_offset_.D = with_row(contact.D, Eigen::RowVectorXd::Zero(cols(contact.D)));
+  with_offset_.edges = contact.edges;
+  with_offset_.mu = contact.mu;
+  v_with_offset_.resize(ngc + 1);
+  X_with_offset_.setZero(ngc + 1, factors_of(contact));
+  if (X_ != nullptr) {
+    X_with_offset_.topRows(ngc) = *X_;
+  } else {
+    X_with_offset_.topRows(ngc).setIdentity();
+  }
+  contact_ = &with_offset_;
+  X_ = &X_with_offset_;
 }
 
 /// Powers of two for the columns, so that the largest term of each has about the size of one.
@@ -371,6 +419,10 @@ ContactSolvability::Finding ContactSolvability::decide(const double* v, double d
   if (always_solvable_) return Finding::kSolvable;
   if (deadline_s < std::numeric_limits<double>::infinity() && !(wall_clock_s() < deadline_s)) return Finding::kUnknown;
   v_ = v;
+  if (contact_ == &with_offset_) {
+    v_with_offset_ << Eigen::Map<const Vector>(v, X_->rows() - 1), 1.0;
+    v_ = v_with_offset_.data();
+  }
   find_edges();
   if (edges_.empty()) return Finding::kSolvable;
   if (!has_friction_) return finding_of_normals(deadline_s);

@@ -10,7 +10,7 @@
 
 namespace lcpbench {
 
-/// Whether contacts with possibly singular inertia have a solution at all.
+/// Whether contacts with possibly singular inertia, or with an offset b, have a solution at all.
 ///
 /// No impulse moves what X' (of G = X diag(alpha) X'; G* where that is given) maps to zero. With K the edges of all
 /// friction cones, N_c + mu_c D_ct, or the normals alone where there is no friction:
@@ -24,20 +24,23 @@ namespace lcpbench {
 /// That there is no solution has to be proven there too, for the data as they are (FarkasSupport). For a solution a
 /// value of the size of rounding counts as zero, unless small pivots enlarge the rounding: then nothing is decided. X
 /// of full row rank reaches all: there is a solution.
+///
+/// An offset is the speed 1 of one more coordinate, which nothing reaches, and b its row of N. X is then I where G is
+/// given, which is regular.
 class ContactSolvability {
  public:
   enum class Finding { kSolvable, kUnsolvable, kUnknown };
   /// What the caller has seen: an answer, or a ray. It decides what is looked for first.
   enum class Expected { kSolvable, kUnsolvable };
 
-  /// Whether the inertia is given in a form that may be singular: else there always is a solution, and nothing else may
-  /// be called.
+  /// Whether the inertia is given in a form that may be singular, or an offset is negative: else there always is a
+  /// solution, and nothing else may be called.
   static bool is_asked(const ContactProblem& contact);
 
   /// Room for this problem and all that are not larger. Allocates.
   void reserve(const ContactProblem& contact);
 
-  /// @param contact must stay as it is until the next load, v apart. Allocates where there is no room.
+  /// @param contact must stay as it is until the next load, v apart. Allocates where there is no room, or an offset.
   void load(const ContactProblem& contact);
 
   /// Allocates nothing. O(factors (factors + edges)) per step of the simplex method, and as many steps.
@@ -73,6 +76,7 @@ class ContactSolvability {
   Index reach_size(double) const { return X_->cols(); }
   Index reach_size(Quad) const { return rank_; }
 
+  void add_coordinate(const ContactProblem& contact);
   void find_range();
   void find_unreached_velocity();
   bool is_reached(const Edge& edge) const;
@@ -117,6 +121,9 @@ class ContactSolvability {
   const ContactProblem* contact_ = nullptr;
   const double* v_ = nullptr;
   const Matrix* X_ = nullptr;     // or G*
+  ContactProblem with_offset_;    // what contact_, v_ and X_ are where there is an offset
+  Vector v_with_offset_;
+  Matrix X_with_offset_;
   bool always_solvable_ = false;  // whatever v
   bool has_friction_ = false;
   bool of_normals_ = false;           // edges_ are normals

@@ -53,6 +53,7 @@ class Auto final : public Solver {
   static std::optional<AutoMethod> method_of_whole(const ContactProblem& contact);
   void load_whole(const Problem& problem);
   void load_islands(const ContactProblem& contact);
+  void find_falling(const ContactProblem& contact, const std::vector<Island>& islands);
   IslandSolver& island(std::size_t k) { return *islands_[k]; }
   AutoLimits limits_of(const SolveRequest& request) const;
   void solve_whole(const SolveRequest& request, Answer& answer);
@@ -74,6 +75,7 @@ class Auto final : public Solver {
   std::vector<std::unique_ptr<IslandSolver>> islands_;  // kept for the next problem
   std::size_t island_count_ = 0;
   Index idle_ = 0;             // contacts without any nonzero entry: in no island
+  Index falling_ = -1;         // one of them whose offset is negative: no impulse helps it
   std::vector<char> carries_;  // per contact: its lambda is in its island's answer
   Vector u_, v_;
   Vector velocity_;  // storage for that of the answer
@@ -128,8 +130,21 @@ void Auto::load_islands(const ContactProblem& contact) {
   island_count_ = found.size();
   idle_ = contact.nc();
   for (const Island& part : found) idle_ -= static_cast<Index>(part.contacts.size());
+  find_falling(contact, found);
   while (islands_.size() < island_count_) islands_.push_back(std::make_unique<IslandSolver>(settings_, dense_));
   for (std::size_t k = 0; k < island_count_; ++k) island(k).load(*cutter_, std::move(found[k]), v_, carries_);
+}
+
+void Auto::find_falling(const ContactProblem& contact, const std::vector<Island>& islands) {
+  falling_ = -1;
+  if (!contact.has_offset() || idle_ == 0) return;
+  std::vector<char> is_idle(contact.edges.size(), 1);
+  for (const Island& part : islands) {
+    for (const Index c : part.contacts) is_idle[static_cast<std::size_t>(c)] = 0;
+  }
+  for (Index c = 0; c < contact.nc(); ++c) {
+    if (is_idle[static_cast<std::size_t>(c)] != 0 && contact.b(c) < 0) falling_ = c;
+  }
 }
 
 void Auto::on_update(const Vector& v) {
@@ -151,6 +166,13 @@ void Auto::on_solve(const SolveRequest& request, Answer& answer) {
     answer.claim = Claim::kTimeLimit;
   } else if (whole_) {
     solve_whole(request, answer);
+  } else if (falling_ >= 0) {
+    answer.claim = Claim::kUnsolvable;
+    text_of(answer).assign("a contact that nothing moves has a negative offset");
+    Vector& farkas = cleared_vectors().farkas;
+    farkas.setZero(problem().contact()->nc());
+    farkas(falling_) = 1;
+    answer.farkas.swap(farkas);
   } else {
     solve_islands(request, answer);
   }

@@ -24,11 +24,18 @@ double dot_column(const Jacobian& J, Index column, const Vector& v) {
   return std::visit([&](const auto& matrix) { return matrix.col(column).dot(v); }, J);
 }
 
-/// More than dot_column() rounds; 0 only where there is nothing to round.
-double rounding_of_column(const Jacobian& J, Index column, const Vector& v) {
+/// w of the contact's normal row at u.
+double normal_row(const ContactProblem& problem, Index contact, const Vector& u) {
+  const double velocity = dot_column(problem.N, contact, u);
+  return problem.has_offset() ? velocity + problem.b(contact) : velocity;
+}
+
+/// More than normal_row() rounds; 0 only where there is nothing to round.
+double rounding_of_row(const ContactProblem& problem, Index contact, const Vector& v) {
   constexpr double kTwoRoundings = 0x1p-52;
   const double terms =
-      std::visit([&](const auto& matrix) { return matrix.col(column).cwiseAbs().dot(v.cwiseAbs()); }, J);
+      std::abs(problem.offset(contact)) +
+      std::visit([&](const auto& N) { return N.col(contact).cwiseAbs().dot(v.cwiseAbs()); }, problem.N);
   if (terms == 0) return 0;
   return kTwoRoundings * static_cast<double>(v.size() + 1) * terms + std::numeric_limits<double>::denorm_min();
 }
@@ -58,15 +65,17 @@ void IslandSolver::update(const Vector& v) {
 }
 
 void IslandSolver::measure_approach(const Vector& v) {
-  const Jacobian& N = cutter_->whole().N;
-  const bool may_be_singular = ContactSolvability::is_asked(cutter_->whole());
+  const ContactProblem& whole = cutter_->whole();
+  const bool may_be_singular = ContactSolvability::is_asked(whole);
   fastest_ = scale_ = 0;
   for (std::size_t k = 0; k < island_.contacts.size(); ++k) {
-    const double velocity = dot_column(N, island_.contacts[k], v);
+    const double velocity = normal_row(whole, island_.contacts[k], v);
     approach_(static_cast<Index>(k)) = velocity;
     // What no impulse moves has no solution where it approaches, be it by less than the rounding of its velocity.
     fastest_ = max_or_infinity(fastest_, -velocity);
-    if (may_be_singular) fastest_ = max_or_infinity(fastest_, rounding_of_column(N, island_.contacts[k], v) - velocity);
+    if (may_be_singular) {
+      fastest_ = max_or_infinity(fastest_, rounding_of_row(whole, island_.contacts[k], v) - velocity);
+    }
     scale_ = std::max(scale_, std::abs(velocity));
   }
 }
@@ -175,7 +184,7 @@ Claim IslandSolver::remain_at_rest(AutoReport& report) {
 /// Contacts left out that approach in u.
 Index IslandSolver::count_approaching(const Vector& u) const {
   return std::count_if(left_out_.begin(), left_out_.end(), [&](std::size_t k) {
-    return !(dot_column(cutter_->whole().N, island_.contacts[k], u) >= -kApproaching * scale_);
+    return !(normal_row(cutter_->whole(), island_.contacts[k], u) >= -kApproaching * scale_);
   });
 }
 

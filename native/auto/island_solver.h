@@ -59,9 +59,9 @@ class IslandSolver {
   ProblemCutter* cutter_ = nullptr;
   std::vector<char>* carries_ = nullptr;
   Island island_;
-  Vector approach_;     ///< N'v by position in island_.contacts
-  double fastest_ = 0;  ///< the largest of -N'v; infinity for what overflows to NaN
-  double scale_ = 0;    ///< max|N'v|
+  Vector approach_;     ///< N'v + b by position in island_.contacts
+  double fastest_ = 0;  ///< the largest of -(N'v + b); infinity for what overflows to NaN
+  double scale_ = 0;    ///< max|N'v + b|
 
   IslandPart all_, some_;
   IslandPart* now_ = nullptr;      ///< what is to be solved; nullptr: the island is at rest

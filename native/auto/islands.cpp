@@ -94,6 +94,10 @@ ContactProblem ProblemCutter::cut(std::span<const Index> contacts, std::span<con
   part.v.resize(static_cast<Index>(coordinates.size()));
   for (std::size_t i = 0; i < coordinates.size(); ++i) part.v(static_cast<Index>(i)) = v(coordinates[i]);
   part.mu = Vector::Zero(static_cast<Index>(contacts.size()));
+  if (std::any_of(contacts.begin(), contacts.end(), [this](Index c) { return whole_->offset(c) != 0; })) {
+    part.b.resize(part.mu.size());
+    for (std::size_t k = 0; k < contacts.size(); ++k) part.b(static_cast<Index>(k)) = whole_->offset(contacts[k]);
+  }
   std::vector<Index> directions;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const auto c = static_cast<std::size_t>(contacts[k]);

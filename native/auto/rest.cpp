@@ -13,16 +13,18 @@ namespace {
 /// Of the verdict's 1e-4: less by what the lambdas are rounded.
 constexpr Quad kLargestResidual = 0.999e-4;
 
-/// q of a row, and the scale that it gives: |q|, or 1e4 times the error of forming it in double where that is more.
+/// q of a row, offset included, and the scale that it gives: |q|, or 1e4 times the error of forming it in double where
+/// that is more.
 struct Row {
   Quad q = 0;
   Quad scale = 0;
 };
 
-Row row_at(const Jacobian& J, Index column, const Vector& v) {
+Row row_at(const Jacobian& J, Index column, const Vector& v, double offset) {
   Row row;
-  Quad terms = 0;
-  Index entries = 0;
+  row.q = static_cast<Quad>(offset);
+  Quad terms = magnitude(row.q);
+  Index entries = offset == 0 ? 0 : 1;
   const auto add = [&](Index i, double entry) {
     if (entry == 0) return;
     const Quad term = static_cast<Quad>(entry) * static_cast<Quad>(v(i));
@@ -45,12 +47,12 @@ Row row_at(const Jacobian& J, Index column, const Vector& v) {
 }  // namespace
 
 void RestTest::add(Index contact) {
-  const Row normal = row_at(problem_.N, contact, v_);
+  const Row normal = row_at(problem_.N, contact, v_, problem_.offset(contact));
   approach_ = std::max(approach_, -normal.q);
   scale_ = std::max(scale_, normal.scale);
   const auto index = static_cast<std::size_t>(contact);
   for (Index t = 0; t < problem_.edges[index] / 2; ++t) {
-    scale_ = std::max(scale_, row_at(problem_.D, layout_.friction_begin[index] + t, v_).scale);
+    scale_ = std::max(scale_, row_at(problem_.D, layout_.friction_begin[index] + t, v_, 0).scale);
   }
 }
 

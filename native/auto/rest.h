@@ -6,10 +6,10 @@
 namespace lcpbench {
 
 /// Whether z = 0, with the slips at v as lambdas, solves an island as the verdict has it although contacts approach:
-/// where the approach is the rounding of N'v, or far slower than the rest. For islands that no method solved.
+/// where the approach is the rounding of N'v + b, or far slower than the rest. For islands that no method solved.
 ///
-/// The sums are taken in 113 bits. Never with inertia that may be singular: there need be no solution. Allocates
-/// nothing.
+/// The sums are taken in 113 bits. Never with inertia that may be singular, or an offset below zero: there need be no
+/// solution. Allocates nothing.
 class RestTest {
  public:
   /// @param layout of the problem @param v the velocity now

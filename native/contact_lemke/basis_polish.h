@@ -22,8 +22,8 @@ class BasisPolish {
     parts_.resize(contacts_.ngc());
   }
 
-  /// On success z has the impulses, and velocity (ngc) what they lead to; else both are left alone. Lambdas are not
-  /// touched. False where G is singular, or so is the basis.
+  /// On success z has the impulses, and velocity (moving()) what they lead to; else both are left alone. Lambdas are
+  /// not touched. False where G is singular, or so is the basis.
   bool run(const char* basic, double* velocity, double* z) {
     if (!response_.full_rank()) return false;
     polish_.clear();
@@ -38,7 +38,7 @@ class BasisPolish {
     } else if (!polish_.run(contacts_, response_, u_.data())) {
       return false;
     }
-    for (Count i = 0; i < contacts_.ngc(); ++i) velocity[i] = static_cast<double>(u_[i]);
+    for (Count i = 0; i < contacts_.moving(); ++i) velocity[i] = static_cast<double>(u_[i]);
     write_impulses(z);
     return true;
   }
@@ -88,7 +88,7 @@ class BasisPolish {
   /// Of the column a_ and the row b_.
   bool add_part(Part part) {
     Scalar* const column = polish_.next_column();
-    Scalar* const row = polish_.next_row();
+    Scalar* const row = polish_.next_row(contacts_.offset_in(b_.data()));
     if (column == nullptr || row == nullptr) return false;
     response_.whiten(a_.data(), column);
     response_.whiten(b_.data(), row);

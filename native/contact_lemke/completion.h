@@ -58,11 +58,11 @@ class Completion {
     return residual;
   }
 
-  /// velocity (ngc) := v + G* [N D] z
+  /// velocity (moving()) := v + G* [N D] z
   void respond(const double* z, double* velocity) {
     add_impulses(z, contacts_.nc() + contacts_.first_direction(contacts_.nc()));
     response_.apply(impulse_.data(), change_.data());
-    for (Count i = 0; i < contacts_.ngc(); ++i) {
+    for (Count i = 0; i < contacts_.moving(); ++i) {
       velocity[i] = static_cast<double>(contacts_.velocity()[i] + change_[i]);
     }
   }
@@ -135,7 +135,7 @@ class Completion {
     }
     response_.subtract_inertia(change_.data(), exact_.data());
     for (Count i = 0; i < contacts_.padded_ngc(); ++i) {
-      residual_[i] = i < ngc ? static_cast<Scalar>(exact_[i]) : Scalar(0);
+      residual_[i] = i < contacts_.moving() ? static_cast<Scalar>(exact_[i]) : Scalar(0);
       bound_[i] = magnitude(change_[i]);
     }
     const Scalar* const reach = response_.reach();

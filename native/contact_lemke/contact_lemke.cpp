@@ -131,11 +131,12 @@ const Capabilities& ContactLemke::capabilities() const { return capabilities_; }
 void ContactLemke::reserve(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   if (ContactSolvability::is_asked(contact)) solvability_.reserve(contact);
-  if (!contact.frictional()) return reserve(contact.ngc(), contact.nc());
-  data_.reserve(contact.ngc(), contact.nc(), cols(contact.D));
+  const Index ngc = ContactInput::coordinates(contact);
+  if (!contact.frictional()) return reserve(ngc, contact.nc());
+  data_.reserve(ngc, contact.nc(), cols(contact.D));
   best_.reserve(problem.size());
-  for (GrowingVector* of_coordinates : {&velocity_, &best_velocity_, &resumable_v_}) {
-    of_coordinates->reserve(contact.ngc());
+  for (GrowingVector* of_coordinates : {&velocity_, &best_velocity_, &resumable_v_, &given_v_}) {
+    of_coordinates->reserve(ngc);
   }
   data_.load_layout(contact);
   reserve_engines(data_.input);
@@ -148,7 +149,7 @@ void ContactLemke::reserve(Index ngc, Index nc) {
   reserved_nc_ = std::max(nc, reserved_nc_);
   data_.reserve(reserved_ngc_, reserved_nc_, 0);
   best_.reserve(reserved_nc_);
-  for (GrowingVector* of_coordinates : {&velocity_, &best_velocity_, &resumable_v_}) {
+  for (GrowingVector* of_coordinates : {&velocity_, &best_velocity_, &resumable_v_, &given_v_}) {
     of_coordinates->reserve(reserved_ngc_);
   }
   const std::vector<std::ptrdiff_t> no_friction(static_cast<std::size_t>(reserved_nc_) + 1, 0);
@@ -174,17 +175,18 @@ void ContactLemke::reserve_later_rungs(const contact_lemke::Input& input) {
 
 void ContactLemke::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
-  if (!contact.frictional()) reserve(contact.ngc(), contact.nc());
+  if (!contact.frictional()) reserve(ContactInput::coordinates(contact), contact.nc());
   data_.load_in_units(contact);
   may_be_singular_ = ContactSolvability::is_asked(contact);
   if (may_be_singular_) solvability_.load(contact);
+  if (may_be_singular_) given_v_ = contact.v;
   double_.load(data_.input);
   if (in_float()) float_.load(data_.input);
   double_double_is_loaded_ = quad_is_loaded_ = false;
   if (contact.frictional()) reserve_later_rungs(data_.input);
   best_.resize(problem.size());
   resumable_ = false;
-  resumable_v_.resize(contact.ngc());
+  resumable_v_.resize(data_.input.ngc);
   velocity_.resize(contact.ngc());
   velocity_.view().setZero();
   best_velocity_.resize(contact.ngc());
@@ -193,6 +195,7 @@ void ContactLemke::on_load(const Problem& problem) {
 void ContactLemke::on_update(const Vector& v) {
   if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
   data_.set_velocity(v);
+  if (may_be_singular_) given_v_ = v;
   double_.set_velocity(data_.v.data());
   if (in_float()) float_.set_velocity(data_.v.data());
   if (double_double_is_loaded_) double_double_.set_velocity(data_.v.data());
@@ -324,7 +327,7 @@ Ending ContactLemke::run(LoadedContacts& engine, Rules rules, Progress& progress
 ContactSolvability::Finding ContactLemke::solvability(Progress& progress, ContactSolvability::Expected expected) {
   if (!may_be_singular_ || progress.is_singular_checked) return progress.finding;
   progress.is_singular_checked = true;
-  return progress.finding = solvability_.decide(data_.v.data(), progress.deadline_s, expected);
+  return progress.finding = solvability_.decide(given_v_.data(), progress.deadline_s, expected);
 }
 
 void ContactLemke::report(const Progress& progress, Answer& answer) {

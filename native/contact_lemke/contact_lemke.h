@@ -163,7 +163,8 @@ class ContactLemke final : public Solver {
   LoadedContacts double_double_, quad_, float_;
   bool double_double_is_loaded_ = false, quad_is_loaded_ = false;
   ContactSolvability solvability_;
-  bool may_be_singular_ = false;  ///< the inertia
+  bool may_be_singular_ = false;  ///< the inertia, or an offset may ask for too much
+  GrowingVector given_v_;         ///< where that is so, the velocity in the units of the problem
   GrowingVector velocity_;        ///< of the last rung
   GrowingVector best_, best_velocity_;
   bool best_has_velocity_ = false;

@@ -47,10 +47,16 @@ class Contacts {
   }
 
   Count ngc() const { return input_.ngc; }
+  Count moving() const { return input_.moving(); }
+  bool has_offset() const { return input_.has_offset; }
   Count nc() const { return input_.nc; }
   Count padded_ngc() const { return padded_ngc_; }
   Count padded_nc() const { return padded_nc_; }
   const Scalar* velocity() const { return velocity_.data(); }
+  /// What a row has of the offset. @param row  ngc() entries
+  Scalar offset_in(const Scalar* row) const {
+    return has_offset() ? row[ngc() - 1] * velocity_[ngc() - 1] : Scalar(0);
+  }
   Scalar speed() const { return speed_; }
   /// The speed of the slowest island that moves, by its fastest coordinate. O(islands ngc)
   Scalar least_speed() const {

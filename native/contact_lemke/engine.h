@@ -19,8 +19,12 @@ struct InertiaInput {
 };
 
 /// A contact problem. v, N, D, friction_begin and mu must stay valid until the next load().
+///
+/// An offset b of the normal rows comes as one coordinate more, the last: no impulse moves it, so that the inertia has
+/// no row for it. With its speed s in v and b / s in N, velocities that N'v gives have b in them.
 struct Input {
   std::ptrdiff_t ngc = 0;
+  bool has_offset = false;
   std::ptrdiff_t nc = 0;
   const double* v = nullptr;                       ///< ngc
   const double* N = nullptr;                       ///< ngc x nc by columns
@@ -33,6 +37,9 @@ struct Input {
   const std::ptrdiff_t* island_of_contact = nullptr;     ///< nc
   const std::ptrdiff_t* island_of_coordinate = nullptr;  ///< ngc
   InertiaInput inertia;
+
+  /// Coordinates that impulses may move: the order of the inertia, and of velocities that are returned.
+  std::ptrdiff_t moving() const { return has_offset ? ngc - 1 : ngc; }
 };
 
 /// How one path is to be followed.
@@ -84,9 +91,9 @@ struct Engine {
   Outcome (*solve)(void* engine, const Rules& rules, double* z);
   /// Sets the lambdas of z to the least that its impulses allow and evaluates the answer.
   Residual (*complete)(void* engine, double* z);
-  /// The velocity (ngc) that the impulses of z lead to: v + G* [N D] z.
+  /// The velocity (moving()) that the impulses of z lead to: v + G* [N D] z.
   void (*respond)(void* engine, const double* z, double* velocity);
-  /// After a solve that ended in kSolved: the velocity (ngc) of its basis, by orthogonal columns in whitened
+  /// After a solve that ended in kSolved: the velocity (moving()) of its basis, by orthogonal columns in whitened
   /// coordinates. False where that cannot be had.
   bool (*polish)(void* engine, double* velocity, double* z);
   /// The same for the answer z of another method that ends in a basis. `basic`: n entries, 1 where z is basic. No solve

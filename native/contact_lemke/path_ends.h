@@ -94,15 +94,15 @@ template <class Scalar>
 inline bool Path<Scalar>::polish(double* velocity, double* z) {
   if (!response_.full_rank()) return false;
   if (kernel_.order() == 0) {
-    for (Count i = 0; i < contacts_.ngc(); ++i) velocity[i] = static_cast<double>(contacts_.velocity()[i]);
+    for (Count i = 0; i < contacts_.moving(); ++i) velocity[i] = static_cast<double>(contacts_.velocity()[i]);
     return true;
   }
   polish_.clear();
   for (Count r = 0; r < kernel_.order(); ++r) {
     if (artificial_ >= 0 && kernel_.row_label(r) == last_.label) continue;  // z0's row, zero by itself
-    Scalar* const to = polish_.next_row();
-    if (to == nullptr) return false;
     load_row(kernel_.row_label(r));
+    Scalar* const to = polish_.next_row(contacts_.offset_in(row_.data()));
+    if (to == nullptr) return false;
     response_.whiten(row_.data(), to);
   }
   for (Count j = 0; j < kernel_.order(); ++j) {
@@ -113,7 +113,7 @@ inline bool Path<Scalar>::polish(double* velocity, double* z) {
     response_.whiten(column_.data(), to);
   }
   if (!polish_.run(contacts_, response_, u_.data())) return false;
-  for (Count i = 0; i < contacts_.ngc(); ++i) velocity[i] = static_cast<double>(u_[i]);
+  for (Count i = 0; i < contacts_.moving(); ++i) velocity[i] = static_cast<double>(u_[i]);
   Count column = 0;
   for (Count j = 0; j < kernel_.order(); ++j) x_[j] = j == artificial_ ? Scalar(0) : polish_.impulse(column++);
   write_impulses(x_.data(), z);

@@ -8,8 +8,9 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 /// The post-impact velocity of a basis, without the detour by impulses, which are as large as G is ill-conditioned.
 ///
 /// In whitened coordinates, u~ = L'u with G = L L', the velocity is the projection of v~ along the columns A~ = L^-1 A
-/// of the basic impulses onto the velocities with B~'u~ = 0: u~ = v~ - Q (B~'Q)^-1 B~'v~ with A~ = Q R. Without
-/// friction A~ = B~ and the projection is orthogonal. Q is made by Gram-Schmidt with column pivoting and a second pass.
+/// of the basic impulses onto the velocities with B~'u~ + o = 0, o what the rows have of the offset: u~ = v~ - Q
+/// (B~'Q)^-1 (B~'v~ + o) with A~ = Q R. Without friction A~ = B~ and the projection is orthogonal. Q is made by
+/// Gram-Schmidt with column pivoting and a second pass.
 template <class Scalar>
 class Polish {
  public:
@@ -26,6 +27,7 @@ class Polish {
     R_.resize(most_ * most_);
     order_.resize(most_);
     moved_.resize(most_);
+    offset_.resize(most_);
   }
 
   void load(Count ngc) {
@@ -38,7 +40,11 @@ class Polish {
   void clear() { columns_ = rows_ = 0; }
   /// The whitened vector to be written; nullptr when there are more than ngc.
   Scalar* next_column() { return columns_ < most_ ? A_.data() + padded_ * columns_++ : nullptr; }
-  Scalar* next_row() { return rows_ < most_ ? B_.data() + padded_ * rows_++ : nullptr; }
+  Scalar* next_row(Scalar offset) {
+    if (rows_ >= most_) return nullptr;
+    offset_[rows_] = offset;
+    return B_.data() + padded_ * rows_++;
+  }
 
   /// u, ngc entries padded. False when the columns are dependent or the projection breaks down.
   bool run(const Contacts<Scalar>& contacts, const Response<Scalar>& response, Scalar* u) {
@@ -49,6 +55,7 @@ class Polish {
       if (!project()) return false;
     }
     response.unwhiten(white_.data(), u);
+    for (Count i = contacts.moving(); i < contacts.ngc(); ++i) u[i] = contacts.velocity()[i];
     solve_for_impulses();
     return true;
   }
@@ -138,13 +145,14 @@ class Polish {
     }
   }
 
-  /// white_ -= Q (B'Q)^-1 B' white_
+  /// white_ -= Q (B'Q)^-1 (B' white_ + offset_)
   bool project() {
     const Count width = columns_ + 1;
     for (Count r = 0; r < rows_; ++r) {
       const Scalar* const b = B_.data() + r * padded_;
       for (Count j = 0; j < columns_; ++j) system_[r * width + j] = dot(b, column(j), padded_);
       system_[r * width + columns_] = dot(b, white_.data(), padded_);
+      if (offset_[r] != 0) system_[r * width + columns_] += offset_[r];
     }
     if (!solve_system(width)) return false;
     for (Count k = 0; k < columns_; ++k) moved_[k] += right_[k];
@@ -178,7 +186,7 @@ class Polish {
 
   Count padded_ = 0, most_ = 0, columns_ = 0, rows_ = 0;
   Buffer<Scalar> A_, B_, white_, step_, right_, system_;
-  Buffer<Scalar> R_, moved_;
+  Buffer<Scalar> R_, moved_, offset_;
   Buffer<Count> order_;  ///< where the columns came from
 };
 

@@ -20,8 +20,8 @@ class Response {
 
   /// Takes all memory that load() needs; touches none of it.
   void reserve(const contact_lemke::Input& input) {
-    ngc_ = input.ngc;
-    padded_ = P::padded(ngc_);
+    ngc_ = input.moving();
+    padded_ = P::padded(input.ngc);
     given_ = input.inertia.Ginv != nullptr;
     by_factors_ = input.inertia.factors >= 0;
     columns_.resize(ngc_ * padded_);
@@ -462,7 +462,8 @@ class Response {
     }
   }
 
-  Count ngc_ = 0, padded_ = 0, rank_ = 0, rank_padded_ = 0;
+  Count ngc_ = 0, rank_ = 0, rank_padded_ = 0;
+  Count padded_ = 0;  ///< the coordinate of an offset included, where all is zero
   static constexpr double kCleanCut = 0x1p-52;  ///< relative to the largest entry: the cut of inverse_inertia()
   static constexpr double kSlack = 1.2;         ///< for what bounds themselves round, and for products of roundings
   bool given_ = false, by_factors_ = false;

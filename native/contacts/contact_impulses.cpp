@@ -15,6 +15,7 @@ double max_or_infinity(double worst, double value) {
 
 void ContactImpulses::load(const Problem& problem) {
   columns = {};
+  b_.resize(0);
   frictions.clear();
   if (problem.contact() != nullptr) {
     load_contacts(*problem.contact());
@@ -46,6 +47,7 @@ void ContactImpulses::load_contacts(const ContactProblem& problem) {
   columns = contact_columns(problem);
   units.load(problem);
   mu = problem.mu;
+  b_ = problem.b;
   friction_of.assign(static_cast<std::size_t>(contacts), -1);
   for (Index contact = 0; contact < contacts; ++contact) {
     const auto c = static_cast<std::size_t>(contact);
@@ -61,14 +63,19 @@ void ContactImpulses::load_contacts(const ContactProblem& problem) {
 
 void ContactImpulses::set_velocity(const Vector& v) {
   u0 = v;
+  offset = b_;
   q_max = 0;  // the q of cone rows is 0
-  for (Index i = 0; i < columns.diagonal.size(); ++i) q_max = max_or_infinity(q_max, std::abs(columns.J.dot(i, u0)));
+  for (Index i = 0; i < columns.diagonal.size(); ++i) {
+    q_max = max_or_infinity(q_max, std::abs(with_offset(i, columns.J.dot(i, u0))));
+  }
   if (units.several()) scale_islands();
 }
 
 void ContactImpulses::scale_islands() {
   const auto add_row = [&](Index contact, Index column) {
-    units.add_row(contact, columns.J.dot(column, u0), columns.J.dot_magnitudes(column, u0));
+    const double magnitude = offset.size() > 0 && column < contacts ? std::abs(offset(column)) : 0.0;
+    units.add_row(contact, with_offset(column, columns.J.dot(column, u0)),
+                  columns.J.dot_magnitudes(column, u0) + magnitude);
   };
   units.clear();
   for (Index i = 0; i < contacts; ++i) add_row(i, i);
@@ -77,6 +84,7 @@ void ContactImpulses::scale_islands() {
   }
   units.choose(u0);
   units.scale(u0);
+  for (Index i = 0; i < offset.size(); ++i) offset(i) *= units.of_contact(i);
 }
 
 void ContactImpulses::scale_impulses() {
@@ -125,7 +133,7 @@ double ContactImpulses::friction_residual(const SignedFriction& friction) const 
 double ContactImpulses::residual() const {
   double worst = 0;
   for (Index i = 0; i < contacts; ++i) {
-    const double w = columns.J.dot(i, u);
+    const double w = normal_velocity(i);
     worst = max_or_infinity(worst, std::abs(std::min(w, std::max(columns.diagonal(i), 0.0) * impulse(i))));
   }
   for (const SignedFriction& friction : frictions) worst = max_or_infinity(worst, friction_residual(friction));
@@ -134,7 +142,7 @@ double ContactImpulses::residual() const {
 
 void ContactImpulses::drop_what_counts_as_zero() {
   for (Index i = 0; i < contacts; ++i) {
-    if (columns.diagonal(i) * impulse(i) < columns.J.dot(i, u)) impulse(i) = 0;
+    if (columns.diagonal(i) * impulse(i) < normal_velocity(i)) impulse(i) = 0;
   }
   for (const SignedFriction& friction : frictions) {
     const double lambda = slip_bound(friction);

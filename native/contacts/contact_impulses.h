@@ -41,6 +41,9 @@ struct ContactImpulses {
   /// inside have no zeros of their own.
   void drop_what_counts_as_zero();
 
+  /// w of a contact's normal row at u: its velocity and its offset; w of a row of a bare LCP.
+  double normal_velocity(Index contact) const { return with_offset(contact, columns.J.dot(contact, u)); }
+
   /// Largest |d_t'u|: the slip that lambda has to bound.
   double slip_bound(const SignedFriction& friction) const;
 
@@ -55,6 +58,7 @@ struct ContactImpulses {
   std::vector<Index> friction_of;  ///< nc: index in frictions, -1 without
   Index contacts = 0;              ///< nc; n of a bare LCP
   Vector u0;                       ///< velocity before the impact; q of a bare LCP
+  Vector offset;                   ///< nc, in the units of the islands; empty: zero
   double q_max = 0;                ///< max|q|
   IslandUnits units;
 
@@ -62,8 +66,13 @@ struct ContactImpulses {
   Vector impulse;  ///< per column of [N D]: f_N, then g at the first directions of each contact (the rest is not used)
 
  private:
+  Vector b_;  // as given
+
   void load_lcp(const Lcp& lcp);
   void load_contacts(const ContactProblem& problem);
+  double with_offset(Index contact, double velocity) const {
+    return offset.size() > 0 && contact < contacts ? velocity + offset(contact) : velocity;
+  }
   void scale_islands();
   double friction_residual(const SignedFriction& friction) const;
 };

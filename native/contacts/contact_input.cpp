@@ -1,5 +1,6 @@
 #include "native/contacts/contact_input.h"
 
+#include <cmath>
 #include <variant>
 
 #include "native/contacts/contact_units.h"
@@ -8,10 +9,22 @@
 namespace lcpbench {
 namespace {
 
-const double* data_in_units(const Jacobian& J, const GrowingVector& units, GrowingVector& copy) {
-  copy_dense(J, copy);
-  copy.as_matrix(rows(J), cols(J)).array().colwise() *= units.view().array();
+/// J by columns, in `units` where there are any, with one row of zeros more where has_offset.
+const double* changed_data(const Jacobian& J, const GrowingVector& units, bool has_offset, GrowingVector& copy) {
+  const Index ngc = rows(J);
+  const Index all = ngc + (has_offset ? 1 : 0);
+  copy.resize(all * cols(J));
+  Eigen::Map<Matrix> to = copy.as_matrix(all, cols(J));
+  std::visit([&](const auto& matrix) { to.topRows(ngc) = matrix; }, J);
+  if (units.size() > 0) to.topRows(ngc).array().colwise() *= units.view().array();
+  if (has_offset) to.row(ngc).setZero();
   return copy.data();
+}
+
+/// A power of two of the size of the largest entry, or 1.
+double speed_of_offset(const Vector& b) {
+  const double largest = b.cwiseAbs().maxCoeff();
+  return std::isnormal(largest) ? std::ldexp(1.0, std::ilogb(largest)) : 1.0;
 }
 
 }  // namespace
@@ -32,10 +45,8 @@ void ContactInput::reserve(Index ngc, Index nc, Index directions) {
 void ContactInput::load(const ContactProblem& contact) {
   load_layout(contact);
   units.resize(0);
-  v = contact.v;
-  input.v = v.data();
-  input.N = dense_data(contact.N, N);
-  input.D = dense_data(contact.D, D);
+  set_velocity(contact.v);
+  load_jacobians(contact);
   load_inertia(contact.inertia);
 }
 
@@ -45,15 +56,27 @@ void ContactInput::load_in_units(const ContactProblem& contact) {
   units.resize(contact.ngc());
   write_coordinate_units(contact.inertia, units.view());
   set_velocity(contact.v);
-  input.v = v.data();
-  input.N = data_in_units(contact.N, units, N);
-  input.D = data_in_units(contact.D, units, D);
+  load_jacobians(contact);
   load_inertia_in_units(contact.inertia);
 }
 
 void ContactInput::set_velocity(const Vector& velocity) {
-  v = velocity;
-  if (units.size() > 0) v.array() /= units.view().array();
+  v.resize(input.ngc);
+  v.view().head(velocity.size()) = velocity;
+  if (units.size() > 0) v.view().head(velocity.size()).array() /= units.view().array();
+  if (input.has_offset) v.view()(velocity.size()) = offset_speed;
+  input.v = v.data();
+}
+
+void ContactInput::load_jacobians(const ContactProblem& contact) {
+  if (units.size() == 0 && !input.has_offset) {
+    input.N = dense_data(contact.N, N);
+    input.D = dense_data(contact.D, D);
+    return;
+  }
+  input.N = changed_data(contact.N, units, input.has_offset, N);
+  input.D = changed_data(contact.D, units, input.has_offset, D);
+  if (input.has_offset) N.as_matrix(input.ngc, input.nc).row(contact.ngc()) = contact.b.transpose() / offset_speed;
 }
 
 void ContactInput::load_layout(const ContactProblem& contact) {
@@ -61,12 +84,15 @@ void ContactInput::load_layout(const ContactProblem& contact) {
   friction_begin.assign(1, 0);
   for (const int edges : contact.edges) friction_begin.push_back(friction_begin.back() + edges);
   input = {};
-  input.ngc = contact.ngc();
+  input.ngc = coordinates(contact);
+  input.has_offset = contact.has_offset();
+  if (input.has_offset) offset_speed = speed_of_offset(contact.b);
   input.nc = contact.nc();
   input.friction_begin = friction_begin.data();
   input.mu = mu.data();
   if (couples_all(contact.inertia)) return;
   islands.find(contact);
+  if (input.has_offset) islands.of_coordinate.push_back(-1);
   input.islands = islands.count;
   input.island_of_contact = islands.of_contact.data();
   input.island_of_coordinate = islands.of_coordinate.data();
@@ -94,10 +120,11 @@ void ContactInput::load_inertia(const Inertia& inertia) {
 
 /// S G S as one block. @pre mixes_units(inertia)
 void ContactInput::load_inertia_in_units(const Inertia& inertia) {
-  G.resize(input.ngc * input.ngc);
-  Eigen::Map<Matrix> all = G.as_matrix(input.ngc, input.ngc);
+  const Index ngc = input.moving();
+  G.resize(ngc * ngc);
+  Eigen::Map<Matrix> all = G.as_matrix(ngc, ngc);
   if (const auto* bodies = std::get_if<BlockInertia>(&inertia)) {
-    copy_dense(*bodies, input.ngc, G);
+    copy_dense(*bodies, ngc, G);
   } else {
     all = std::get<DenseInertia>(inertia).G;
   }
@@ -105,7 +132,7 @@ void ContactInput::load_inertia_in_units(const Inertia& inertia) {
   all.array().rowwise() *= units.view().transpose().array();
   offsets.assign(1, 0);
   blocks.clear();
-  add_block(G.data(), input.ngc);
+  add_block(G.data(), ngc);
   input.inertia.blocks = 1;
   input.inertia.offsets = offsets.data();
   input.inertia.G = blocks.data();

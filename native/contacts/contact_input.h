@@ -20,6 +20,10 @@ struct ContactInput {
   std::vector<std::ptrdiff_t> friction_begin, offsets;
   std::vector<const double*> blocks;
   IslandNumbers islands;  ///< found only where the inertia does not couple all
+  double offset_speed = 0;  ///< of the coordinate that carries the offset
+
+  /// The coordinates of the engines: one more than the problem's where that has an offset.
+  static Index coordinates(const ContactProblem& contact) { return contact.ngc() + (contact.has_offset() ? 1 : 0); }
 
   /// Takes all memory that loading a problem of up to these dimensions needs, and touches none of it.
   void reserve(Index ngc, Index nc, Index directions);
@@ -33,6 +37,7 @@ struct ContactInput {
   void set_velocity(const Vector& velocity);
 
  private:
+  void load_jacobians(const ContactProblem& contact);
   void load_inertia(const Inertia& inertia);
   void load_inertia_in_units(const Inertia& inertia);
   void add_block(const double* entries, Index size);

@@ -49,7 +49,9 @@ double IslandUnits::choose(const Island& island, double largest_q) {
   if (!(island.q > 0 && own < largest_q && largest_q <= std::numeric_limits<double>::max())) return 1;
   int exponent = std::ilogb(largest_q) - std::ilogb(own);
   if (std::ldexp(own, exponent) < largest_q) ++exponent;
-  const int most = std::min(kLargestExponent, kLargestExponent - std::ilogb(island.speed));
+  // Only an offset makes something of no speed at all.
+  const int most =
+      island.speed > 0 ? std::min(kLargestExponent, kLargestExponent - std::ilogb(island.speed)) : kLargestExponent;
   return std::ldexp(1.0, std::clamp(most, 0, exponent));
 }
 

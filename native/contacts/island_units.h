@@ -26,7 +26,7 @@ class IslandUnits {
 
   /// Three steps that choose the units for a velocity: clear(), add_row() for the rows of [N D] (one of two opposite
   /// ones suffices), choose(). Until then they are 1. Allocates nothing.
-  /// @param q its J_i'v; `magnitudes` the sum |J_i|'|v|
+  /// @param q its J_i'v + b_i; `magnitudes` the sum |J_i|'|v| + |b_i|
   void clear();
   void add_row(Index contact, double q, double magnitudes);
   /// @param v of all coordinates (q of a bare LCP)

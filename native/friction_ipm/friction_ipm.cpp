@@ -74,7 +74,7 @@ ConeColumns cone_columns(const ContactProblem& contact) {
   return cone;
 }
 
-/// The contact problem that has these columns for its normals and no friction.
+/// The contact problem that has these columns for its normals and no friction, and no offset: each round has its own.
 ContactProblem convex_problem(const ContactProblem& contact, const ConeColumns& cone) {
   ContactProblem convex;
   convex.v = contact.v;
@@ -98,7 +98,7 @@ ContactProblem convex_problem(const ContactProblem& contact, const ConeColumns& 
 ///
 /// For slip bounds lambda that are held, the Anitescu-Potra problem becomes a projection in the inertia metric,
 ///
-///     minimize 1/2 (u - v)'G (u - v) subject to (N_i + mu_i d)'u + mu_i lambda_i >= 0,
+///     minimize 1/2 (u - v)'G (u - v) subject to (N_i + mu_i d)'u + b_i + mu_i lambda_i >= 0,
 ///
 /// one constraint for each direction d of each contact i, whose multipliers g give f_N = sum g_d and f_D = mu g. Where
 /// lambda_i = max -d'u of its own solution, that solution solves the whole problem, and conversely. From lambda = 0
@@ -124,7 +124,7 @@ class FrictionIpm final : public Solver {
   Claim run(double deadline_s, Answer& answer, int& rounds);
   void take_impulses();
   void report(Claim claim, int rounds, Answer& answer);
-  void find_offsets();
+  void find_offsets(bool at_rest);
 
   FrictionIpmSettings settings_;
   InteriorPoint method_;
@@ -133,7 +133,7 @@ class FrictionIpm final : public Solver {
   AnswerTest test_;
   AnswerRoom room_;
   Vector friction_impulses_;  // f_D
-  Vector slip_bounds_;        // nc, mu lambda
+  Vector slip_bounds_;        // nc, mu lambda + b
   Vector offset_;             // per cone column
   Vector best_impulse_;
 };
@@ -174,12 +174,13 @@ void FrictionIpm::take_impulses() {
   state_.recompute_velocity();
 }
 
-/// mu lambda of each cone column into offset_, at the velocity reached.
-void FrictionIpm::find_offsets() {
+/// b + mu lambda of each cone column into offset_, at the velocity reached; `at_rest`: with lambda = 0.
+void FrictionIpm::find_offsets(bool at_rest) {
   slip_bounds_.setZero();
   for (const SignedFriction& friction : state_.frictions) {
-    slip_bounds_(friction.contact) = state_.mu(friction.contact) * state_.slip_bound(friction);
+    if (!at_rest) slip_bounds_(friction.contact) = state_.mu(friction.contact) * state_.slip_bound(friction);
   }
+  if (state_.offset.size() > 0) slip_bounds_ += state_.offset;
   offset_.noalias() = cone_.normal.transpose() * slip_bounds_;
 }
 
@@ -190,7 +191,7 @@ Claim FrictionIpm::run(double deadline_s, Answer& answer, int& rounds) {
   best_impulse_ = state_.impulse;
   double best = kInfinity;
   int idle_rounds = 0;
-  offset_.setZero();
+  find_offsets(true);
   for (rounds = 1;; ++rounds) {
     method_.set_velocity(state_.u0, offset_);
     const Stop stop = method_.iterate(deadline_s, settings_.max_iterations, answer.counters);
@@ -207,7 +208,7 @@ Claim FrictionIpm::run(double deadline_s, Answer& answer, int& rounds) {
     }
     if (best <= settings_.tolerance || idle_rounds > kMostIdleRounds || !(residual < kInfinity)) break;
     if (cone_.friction.nonZeros() == 0) break;  // the next problem would be the same
-    find_offsets();
+    find_offsets(false);
   }
   state_.impulse = best_impulse_;
   state_.recompute_velocity();

@@ -13,7 +13,7 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 /// G* by columns, ngc x ngc.
 template <class Scalar>
 void load_inverse_inertia(const Input& input, Buffer<Scalar>& Ginv) {
-  Ginv.resize(input.ngc * input.ngc);
+  Ginv.resize(input.ngc * input.ngc + 1);  // of an offset the response writes one entry more
 #if defined(LCPBENCH_CONTACT_QUAD)
   if (input.contacts != nullptr) {
     Response<Scalar> response;
@@ -41,6 +41,9 @@ void load_constants(const Input& input, Buffer<Scalar>& q) {
     q[i] = 0;
     for (Count g = 0; g < input.ngc; ++g) {
       q[i] += static_cast<Scalar>(input.J[g * input.dense + i]) * static_cast<Scalar>(input.contacts->v[g]);
+    }
+    for (Count g = input.ngc; i < input.contacts->nc && g < input.contacts->ngc; ++g) {
+      q[i] += static_cast<Scalar>(input.contacts->N[i * (g + 1) + g]) * static_cast<Scalar>(input.contacts->v[g]);
     }
   }
 #endif

@@ -80,7 +80,7 @@ double LemkeFinish::finish_contacts(Answer& answer) {
 /// The velocity goes to the memory of cleared vectors.
 bool LemkeFinish::polish_contacts(Answer& answer) {
   Vector& velocity = cleared_vectors().velocity;
-  velocity.resize(contacts_.input.ngc);
+  velocity.resize(contacts_.input.moving());
   if (!judge_.polish_answer(basic_.data(), velocity.data(), answer.z.data())) return false;
   clip(answer.z);
   release_friction(contacts_.input, answer.z);

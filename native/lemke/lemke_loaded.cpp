@@ -80,6 +80,7 @@ void LoadedEngine::load_contact(const ContactProblem& contact) {
   std::visit([&](const auto& D) { J.rightCols(layout.friction) = D; }, contact.D);
   Vector q = Vector::Zero(layout.size());
   q.head(impulses).noalias() = J.transpose() * contact.v;
+  if (contact.has_offset()) q.head(layout.nc) += contact.b;
   const Matrix Ginv = from_data_ ? Matrix() : inverse_inertia(contact.inertia);
   ContactInput contacts;
   if (from_data_) contacts.load(contact);

@@ -157,7 +157,7 @@ void Psor::set_start(const Vector* start) {
 /// @returns how much the row was off, in the units of w: |min(M_ii z_i, w_i)|.
 double Psor::update_row(Index row) {
   const double diagonal = state_.columns.diagonal(row);
-  const double w = state_.columns.J.dot(row, state_.u);
+  const double w = state_.normal_velocity(row);
   if (!(diagonal > 0)) return w >= 0 ? 0.0 : max_or_infinity(0, -w);
   const double before = state_.impulse(row);
   const double off = std::abs(std::min(diagonal * before, w));

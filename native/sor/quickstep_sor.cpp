@@ -189,7 +189,8 @@ double QuickstepSor::limit(Index row) const {
 void QuickstepSor::update(Index row) {
   if (step_(row) == 0) return;
   const double before = x_(row);
-  double next = before - step_(row) * (rows_.J.dot(row, state_.u) + settings_.cfm * before);
+  const double w = row < state_.contacts ? state_.normal_velocity(row) : rows_.J.dot(row, state_.u);
+  double next = before - step_(row) * (w + settings_.cfm * before);
   if (row < state_.contacts) {
     next = std::max(next, 0.0);
   } else {

@@ -24,6 +24,7 @@ void InteriorPoint::load(std::unique_ptr<WhitenedNormals> normals, const Contact
   normals_ = std::move(normals);
   if (!loaded()) return;
   N_ = contact.N;
+  b_ = contact.b;
   units_.load(contact);
   diagonal_ = normals_->squared_norms();
   shift_ = contact.nc() > 0 ? settings_.shift * diagonal_.maxCoeff() : 0;
@@ -48,16 +49,17 @@ void InteriorPoint::set_velocity(const Vector& v, const Vector& offset) {
   measure_q();
 }
 
-/// v_ = v, q_ = N'v.
+/// v_ = v, q_ = N'v + b.
 void InteriorPoint::project_velocity(const Vector& v) {
   v_ = v;
   std::visit([&](const auto& N) { q_.noalias() = N.transpose() * v; }, N_);
+  if (b_.size() > 0) q_ += b_;
 }
 
 void InteriorPoint::scale_islands() {
   units_.clear();
   for (Index j = 0; j < q_.size(); ++j) {
-    double magnitudes = 0;
+    double magnitudes = b_.size() > 0 ? std::abs(b_(j)) : 0.0;
     for_each_entry(N_, j, [&](Index i, double entry) { magnitudes += std::abs(entry * v_(i)); });
     units_.add_row(j, q_(j), magnitudes);
   }

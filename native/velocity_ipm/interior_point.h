@@ -13,7 +13,7 @@ namespace lcpbench {
 
 /// Mehrotra's predictor-corrector method in velocity space for frictionless contact problems,
 ///
-///     minimize 1/2 (u - v)'G (u - v) subject to N'u >= 0,
+///     minimize 1/2 (u - v)'G (u - v) subject to N'u + b >= 0,
 ///
 /// the multipliers being the impulses. Each step factors one matrix of the order of the velocity (ngc), not of the
 /// contacts, whatever their number and redundancy: I + W diag(f / (s + shift f)) W' in coordinates where G = I. What
@@ -33,7 +33,7 @@ class InteriorPoint {
   void load(std::unique_ptr<WhitenedNormals> normals, const ContactProblem& contact);
   bool loaded() const { return normals_ != nullptr; }
   void set_velocity(const Vector& v);
-  /// With the constraints N'u + offset >= 0 (nc) instead, in the units that they are given in.
+  /// With the constraints N'u + offset >= 0 (nc) instead, in the units that they are given in. @pre b is zero
   void set_velocity(const Vector& v, const Vector& offset);
 
   /// How an iteration ended: the tolerance is met; no step goes further; the Newton system could not be solved; a
@@ -93,6 +93,7 @@ class InteriorPoint {
   InteriorPointSettings settings_;
   std::unique_ptr<WhitenedNormals> normals_;
   Jacobian N_;
+  Vector b_;  // empty: zero
   IslandUnits units_;
   Vector v_;
   Vector q_;

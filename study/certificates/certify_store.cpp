@@ -134,8 +134,12 @@ double least_violation(const Problem& problem, const Certificate& certificate) {
   constexpr double kRounding = 1e-13;
   const Matrix N = to_dense(contact->N);
   const Vector u = certificate.farkas.head(contact->nc());
-  const double gain = contact->v.dot(N * u);
-  const double magnitude = contact->v.cwiseAbs().dot(N.cwiseAbs() * u);
+  double gain = contact->v.dot(N * u);
+  double magnitude = contact->v.cwiseAbs().dot(N.cwiseAbs() * u);
+  if (contact->has_offset()) {
+    gain += contact->b.dot(u);
+    magnitude += contact->b.cwiseAbs().dot(u);
+  }
   return std::max(0.0, (-gain - kRounding * magnitude) / u.sum());
 }
 

@@ -54,8 +54,8 @@ struct ProofNode {
 
 /// The certified truth of one problem. All exact vectors are in the units of the problem (N s, m/s).
 ///
-/// What is proven, with C = [N D], f = [f_N; f_D] the impulses in z, q = C'v, and "potential" p the change of velocity
-/// up to the choice of coordinates:
+/// What is proven, with C = [N D], f = [f_N; f_D] the impulses in z, q = C'v + [b; 0], and "potential" p the change of
+/// velocity up to the choice of coordinates:
 ///  - K p = B f, w = q + B'p on the dense rows, where
 ///      G given:        K = G,               B = C,    v+ = v + p      (p has ngc entries)
 ///      factors given:  K = (X'X) A (X'X),   B = X'C,  v+ = v + X p    (G = X A X', A = diag(alpha), factors of alpha
@@ -66,9 +66,9 @@ struct ProofNode {
 ///  - Farkas, contact problem: u = exact_farkas has the length of f; u >= 0, B u = 0 (Ginv given: Ginv C u = 0), every
 ///    contact's friction parts are 0, and q'u < 0.
 ///  - Farkas, bare LCP: y = exact_farkas has n entries: y >= 0, M'y <= 0, q'y < 0.
-///  - lp: d = exact_farkas has the length of p, and w = C'(v + R d), R = X where factors are given, else I, satisfies
+///  - lp: d = exact_farkas has the length of p, and w = q + C'R d, R = X where factors are given, else I, satisfies
 ///    for every contact i w_N,i >= mu_i * max(0, max over its friction rows of -w_D): no f in the friction cones with
-///    B f = 0 has v'C f < 0. G is positive semidefinite (Ginv definite) and mu >= 0, so that a solution exists.
+///    B f = 0 has q'f < 0. G is positive semidefinite (Ginv definite) and mu >= 0, so that a solution exists.
 ///  - branching:  in every leaf, with y its multipliers and w = q + M z in the units of the problem: y_i >= 0 unless
 ///    w_i = 0 is imposed on the way to it, (M'y)_j <= 0 unless z_j = 0 is, and q'y < 0.
 struct Certificate {

@@ -30,7 +30,7 @@ bool finite(const Inertia& inertia) {
 bool finite(const Problem& problem) {
   if (const ContactProblem* contact = problem.contact()) {
     return contact->v.allFinite() && all_finite(contact->N) && all_finite(contact->D) && contact->mu.allFinite() &&
-           finite(contact->inertia);
+           contact->b.allFinite() && finite(contact->inertia);
   }
   return problem.lcp().M.allFinite() && problem.lcp().q.allFinite();
 }

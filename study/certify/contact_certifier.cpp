@@ -72,7 +72,8 @@ Problem contradiction_problem(const ContactProblem& contact) {
   Matrix B = N;
   if (const auto* factors = std::get_if<FactoredInertia>(&contact.inertia)) B = factors->X.transpose() * N;
   if (const auto* inverse = std::get_if<InverseInertia>(&contact.inertia)) B = inverse->Ginv * N;
-  const Vector q = N.transpose() * contact.v;
+  Vector q = N.transpose() * contact.v;
+  if (contact.has_offset()) q += contact.b;
   const auto unit = [](const Matrix& a) {
     const double largest = a.size() > 0 ? a.cwiseAbs().maxCoeff() : 0.0;
     return largest > 0 ? largest : 1.0;
@@ -116,13 +117,13 @@ class ContactCertifier {
  private:
   bool decide_monotone() {
     if (solved_by(kFrictionless[0])) return true;
-    if (!truth_.inertia().full_rank && contradicted()) return true;
+    if (may_be_contradicted() && contradicted()) return true;
     return solved_by(kFrictionless[1]) || settled_by_exact_lemke();
   }
 
   bool decide_frictional() {
     if (solved_by(kFrictional[0])) return true;
-    if (!truth_.inertia().full_rank && contradicted()) return true;
+    if (may_be_contradicted() && contradicted()) return true;
     if (solved_by(kFrictional[1]) || solved_by(kFrictional[2])) return true;
     if (truth_.system().size() <= kLargestQuad && solved_by(kSmallFrictional)) return true;
     return solvable_by_velocity() || branched() || solved_in_a_variant(kFrictional[1]) ||
@@ -178,6 +179,10 @@ class ContactCertifier {
     take_solution(truth_.stated(std::move(point)), detail);
     return true;
   }
+
+  // Impulses that move nothing need not be able to bring contacts to rest: neither can those that move all where
+  // contacts ask for more than rest.
+  bool may_be_contradicted() const { return !truth_.inertia().full_rank || contact_.has_offset(); }
 
   bool contradicted() {
     if (deadline_.passed() || contact_.nc() == 0) return false;
@@ -241,12 +246,12 @@ class ContactCertifier {
     return true;
   }
 
-  // Where contacts can bring everything to rest, v + Y p = 0 will do; else v + Y p is the post-impact velocity of the
-  // frictionless problem whose contacts are the cones' edges.
+  // Where contacts can bring everything to rest and ask for no more, v + Y p = 0 will do; else v + Y p is the
+  // post-impact velocity of the frictionless problem whose contacts are the cones' edges.
   bool solvable_by_velocity() {
     if (!truth_.inertia().semidefinite || deadline_.passed()) return false;
-    std::optional<ExactPoint> point =
-        truth_.inertia().full_rank ? point_at_rest(truth_, deadline_) : point_within_cones();
+    const bool rests = truth_.inertia().full_rank && (contact_.b.array() >= 0).all();
+    std::optional<ExactPoint> point = rests ? point_at_rest(truth_, deadline_) : point_within_cones();
     if (!point) return false;
     *point = truth_.stated(std::move(*point));
     if (!is_solvability_proof(truth_.stated(), contact_, *point, deadline_)) return false;
@@ -261,9 +266,12 @@ class ContactCertifier {
 
   std::optional<ExactPoint> point_within_cones() {
     const Dyadic edges = cone_edges(contact_);
-    const ExactSystem cones = frictionless_system(truth_.inertia(), edges, truth_.velocity(), deadline_);
+    const Vector offsets = offsets_of_edges(contact_);
+    const Dyadic q = velocities_before(edges, truth_.velocity(), offsets, deadline_);
+    const ExactSystem cones = frictionless_system(truth_.inertia(), edges, q, deadline_);
     ContactProblem frictionless = contact_;
     frictionless.N = to_doubles(edges);
+    frictionless.b = offsets;
     frictionless.D = Matrix(contact_.ngc(), 0);
     frictionless.edges.assign(static_cast<std::size_t>(edges.m.cols()), 0);
     frictionless.mu = Vector::Zero(edges.m.cols());

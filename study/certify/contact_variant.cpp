@@ -62,6 +62,7 @@ ContactVariant contact_variant(const ContactProblem& problem, Index number) {
     variant.problem.edges[static_cast<std::size_t>(i)] = problem.edges[at];
     variant.problem.mu(i) = problem.mu(contact) * (unit.normal / unit.friction);
     new_N.col(i) = unit.normal * N.col(contact);
+    if (problem.has_offset()) variant.problem.b(i) = unit.normal * problem.b(contact);
     place(i, contact, unit.normal);
     for (Index t = layout.friction_begin[at]; t < layout.friction_begin[at + 1]; ++t) {
       new_D.col(next_friction) = unit.friction * D.col(t);

@@ -18,8 +18,9 @@ bool is_contradiction(const ExactSystem& system, const IntegerVector& u, const D
 /// y >= 0, S'y <= 0, q'y < 0: contradicts q + S z >= 0 for z >= 0. @pre no potentials
 bool is_bare_contradiction(const ExactSystem& system, const IntegerVector& y, const Deadline& deadline);
 
-/// Whether the velocity v + Y p has N_i'(v + Y p) >= mu_i max_t(-D_t'(v + Y p), 0) at every contact i: then no f in the
-/// friction cones with C f in null(G) has v'C f < 0, and, G being semidefinite and mu >= 0, the problem is solvable.
+/// Whether the velocity v + Y p has N_i'(v + Y p) + b_i >= mu_i max_t(-D_t'(v + Y p), 0) at every contact i: then no f
+/// in the friction cones with C f in null(G) has q'f < 0, and, G being semidefinite and mu >= 0, the problem is
+/// solvable.
 /// [Cottle, Pang, Stone 1992, Thm 3.8.6: M is copositive, and q is nonnegative on the solutions of LCP(0, M)]
 bool is_solvability_proof(const ExactSystem& contact, const ContactProblem& problem, const ExactPoint& point,
                           const Deadline& deadline);

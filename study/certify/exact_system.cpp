@@ -164,12 +164,26 @@ Dyadic contact_columns(const ContactProblem& problem) {
   return to_dyadic(C);
 }
 
-ExactSystem frictionless_system(const ExactInertia& inertia, const Dyadic& C, const Dyadic& v,
+Dyadic velocities_before(const Dyadic& C, const Dyadic& v, const Vector& b, const Deadline& deadline) {
+  Dyadic q = product(transposed(C), v, deadline);
+  if (b.size() == 0) return q;
+  const Dyadic offset = to_dyadic(b);
+  const slong unit = std::min(q.exponent, offset.exponent);
+  fmpz_mat_scalar_mul_2exp(q.m.get(), q.m.get(), static_cast<ulong>(q.exponent - unit));
+  q.exponent = unit;
+  Integer own;
+  for (Index i = 0; i < b.size(); ++i) {
+    fmpz_mul_2exp(own.get(), offset.m(i, 0), static_cast<ulong>(offset.exponent - unit));
+    fmpz_add(q.m(i, 0), q.m(i, 0), own.get());
+  }
+  return q;
+}
+
+ExactSystem frictionless_system(const ExactInertia& inertia, const Dyadic& C, const Dyadic& q,
                                 const Deadline& deadline) {
   ExactSystem system;
   const Dyadic left = applied(inertia.left, C, deadline);
   const Dyadic right = applied(inertia.right, C, deadline);
-  const Dyadic q = product(transposed(C), v, deadline);
   const Index n = C.m.cols();
   system.K = inertia.K.m;
   system.L = left.m;
@@ -187,9 +201,9 @@ ExactSystem frictionless_system(const ExactInertia& inertia, const Dyadic& C, co
 ExactSystem contact_system(const ContactProblem& problem, const ExactInertia& inertia, const Deadline& deadline) {
   const ContactLayout layout = contact_layout(problem);
   const Dyadic C = contact_columns(problem);
-  const Dyadic v = to_dyadic(problem.v);
-  ExactSystem system = frictionless_system(inertia, C, v, deadline);
-  std::fill(system.z_exponent.begin() + layout.lambda_offset(), system.z_exponent.end(), C.exponent + v.exponent);
+  const Dyadic q = velocities_before(C, to_dyadic(problem.v), problem.b, deadline);
+  ExactSystem system = frictionless_system(inertia, C, q, deadline);
+  std::fill(system.z_exponent.begin() + layout.lambda_offset(), system.z_exponent.end(), q.exponent);
   add_friction_rows(problem, layout, system);
   return system;
 }
@@ -213,6 +227,19 @@ Dyadic cone_edges(const ContactProblem& problem) {
     }
   }
   return edges;
+}
+
+Vector offsets_of_edges(const ContactProblem& problem) {
+  if (!problem.has_offset()) return {};
+  const ContactLayout layout = contact_layout(problem);
+  Vector offsets(layout.lambda_offset());
+  offsets.head(layout.nc) = problem.b;
+  for (Index i = 0; i < layout.nc; ++i) {
+    const Index first = layout.friction_begin[static_cast<std::size_t>(i)];
+    const Index end = layout.friction_begin[static_cast<std::size_t>(i) + 1];
+    offsets.segment(layout.friction_offset() + first, end - first).setConstant(problem.b(i));
+  }
+  return offsets;
 }
 
 ExactSystem bare_system(const Lcp& lcp) {

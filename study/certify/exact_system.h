@@ -71,8 +71,11 @@ ExactInertia exact_inertia(const Inertia& inertia, const std::vector<Index>& fac
 /// C = [N D 0] (ngc x n: a column of zeros for each lambda).
 Dyadic contact_columns(const ContactProblem& problem);
 
-/// The frictionless system of the columns of C: q = C'v, S = 0.
-ExactSystem frictionless_system(const ExactInertia& inertia, const Dyadic& C, const Dyadic& v,
+/// C'v, plus b in its first rows where it is not empty. @param b  entries, no more than C has columns
+Dyadic velocities_before(const Dyadic& C, const Dyadic& v, const Vector& b, const Deadline& deadline);
+
+/// The frictionless system of the columns of C and of q, one entry for each: S = 0.
+ExactSystem frictionless_system(const ExactInertia& inertia, const Dyadic& C, const Dyadic& q,
                                 const Deadline& deadline);
 
 /// The whole system of a contact problem, cone rows included.
@@ -80,6 +83,8 @@ ExactSystem contact_system(const ContactProblem& problem, const ExactInertia& in
 
 /// The edges of all friction cones as columns: N_i of every contact, then N_i + mu_i D_t of every friction column t.
 Dyadic cone_edges(const ContactProblem& problem);
+/// The offset b_i of each edge's contact; empty where the problem has none.
+Vector offsets_of_edges(const ContactProblem& problem);
 
 ExactSystem bare_system(const Lcp& lcp);
 

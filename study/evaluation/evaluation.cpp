@@ -90,6 +90,8 @@ struct ContactEvaluation {
   Quad row_residual(std::size_t row, const QuadVector& z, const QuadVector& w);
   void measure_residual(const QuadVector& z, const QuadVector& w, Errors& errors);
   Quad largest_normal_velocity(const QuadVector& velocity) const;
+  Quad largest_normal_q() const;
+  Quad work_of_offset(const QuadVector& z) const;
   Quad mismatch(const QuadVector& velocity, const QuadVector& z, const QuadVector& v_plus) const;
   void measure_work(const QuadVector& z, const QuadVector& v_plus, Errors& errors) const;
   void measure_cone(const QuadVector& z, const QuadVector& w, Errors& errors) const;
@@ -144,6 +146,12 @@ Quad ContactEvaluation::largest_normal_velocity(const QuadVector& velocity) cons
   return largest;
 }
 
+Quad ContactEvaluation::largest_normal_q() const {
+  Quad largest = 0;
+  for (std::size_t i = 0; i < lcp->contacts(); ++i) largest = std::max(largest, abs(lcp->q(i)));
+  return largest;
+}
+
 void ContactEvaluation::measure_work(const QuadVector& z, const QuadVector& v_plus, Errors& errors) const {
   const QuadVector& v = lcp->velocity_before();
   const QuadVector momentum =
@@ -151,6 +159,13 @@ void ContactEvaluation::measure_work(const QuadVector& z, const QuadVector& v_pl
   const Quad work = dot(momentum, sum(v_plus, v)) / 2;
   errors.work_gain_j = to_double(work);
   if (inertia.has_inertia()) errors.work_gain_relative = to_double(quotient(work, dot(v, inertia.apply(v)) / 2));
+}
+
+/// -b'f_N: what a solution may gain by the offset. Of a solution f_N'(N'v+ + b) = 0.
+Quad ContactEvaluation::work_of_offset(const QuadVector& z) const {
+  Quad work = 0;
+  for (Index i = 0; i < problem.b.size(); ++i) work -= problem.b(i) * z[static_cast<std::size_t>(i)];
+  return work;
 }
 
 void ContactEvaluation::measure_cone(const QuadVector& z, const QuadVector& w, Errors& errors) const {
@@ -167,7 +182,7 @@ void ContactEvaluation::measure(const QuadVector& z, const QuadVector& v_plus, c
   Quad violation = 0;
   for (std::size_t i = 0; i < lcp->contacts(); ++i) violation = std::max(violation, -w[i]);
   errors.violation_m_per_s = to_double(violation);
-  errors.violation_relative = to_double(quotient(violation, largest_normal_velocity(lcp->velocity_before())));
+  errors.violation_relative = to_double(quotient(violation, largest_normal_q()));
   measure_work(z, v_plus, errors);
   measure_cone(z, w, errors);
   errors.forward_velocity = forward_velocity(v_plus);
@@ -175,7 +190,8 @@ void ContactEvaluation::measure(const QuadVector& z, const QuadVector& v_plus, c
 
   errors.solved =
       errors.velocity_residual_relative <= kSolvedVelocityResidual && std::isfinite(errors.velocity_residual_m_per_s);
-  errors.criterion = errors.work_gain_j < kCriterionWork && errors.violation_m_per_s < kCriterionViolation;
+  errors.criterion = errors.work_gain_j - to_double(work_of_offset(z)) < kCriterionWork &&
+                     errors.violation_m_per_s < kCriterionViolation;
 }
 
 Quad ContactEvaluation::mismatch(const QuadVector& velocity, const QuadVector& z, const QuadVector& v_plus) const {
@@ -211,8 +227,7 @@ double ContactEvaluation::forward_velocity(const QuadVector& velocity) const {
 
 double ContactEvaluation::forward_normal(const QuadVector& velocity) const {
   if (!v_star) return Errors::kNone;
-  return to_double(quotient(largest_normal_velocity(difference(velocity, *v_star)),
-                            largest_normal_velocity(lcp->velocity_before())));
+  return to_double(quotient(largest_normal_velocity(difference(velocity, *v_star)), largest_normal_q()));
 }
 
 struct Evaluator::Data {
@@ -300,7 +315,8 @@ Truth Evaluator::truth() const {
   if (!data_->contact) return bare_truth(data_->problem.lcp());
   const ContactProblem& problem = data_->contact->problem;
   const bool proven =
-      problem.v.allFinite() && (problem.mu.array() >= 0).all() && data_->contact->inertia.proven_positive_definite();
+      problem.v.allFinite() && (problem.mu.array() >= 0).all() && (problem.b.array() >= 0).all() &&
+      problem.b.allFinite() && data_->contact->inertia.proven_positive_definite();
   return proven ? Truth::kSolvable : Truth::kUnknown;
 }
 

@@ -30,7 +30,7 @@ struct WorstRow {
 
 /// The error measures of one answer, all from the raw data in 113-bit arithmetic, by code that knows no solver.
 ///
-/// v+ = v + G* (N f_N + D f_D) is recomputed from z. w is the complement of z: N'v+ [m/s], D'v+ + lambda [m/s], and
+/// v+ = v + G* (N f_N + D f_D) is recomputed from z. w is the complement of z: N'v+ + b [m/s], D'v+ + lambda [m/s], and
 /// mu f_N less the sum of the contact's f_D [N s]. Quotients follow 0/0 = 0 and x/0 = infinity.
 /// NaN: the measure does not apply (no contact data), or z is no answer (empty, wrong length, not finite), or the
 /// problem's data are not finite. Infinity: the measure exceeds the largest double.
@@ -43,14 +43,14 @@ struct Errors {
   double velocity_residual_m_per_s = kNone;
   /// rho, the verdict's measure of contact problems: the largest of the islands' quotients r_I / scale_I. r_I is the
   /// largest entry of r among the island's rows; scale_I = max(max|q_i|, floor / 1e-4) over the same rows, floor being
-  /// the largest error of forming a q_i in double, (k_i + 1) (2^-53 |J_i|'|v| + 2^-1074) with k_i nonzero entries in
-  /// J_i.
+  /// the largest error of forming a q_i in double, (k_i + 1) (2^-53 (|J_i|'|v| + |b_i|) + 2^-1074) with k_i nonzero
+  /// entries in J_i and b_i.
   double velocity_residual_relative = kNone;
   double natural_residual = kNone;           ///< max |min(z_i, w_i)|: mixes units; for comparison with other studies
   double backward_componentwise = kNone;     ///< eta_mix, componentwise scale, of the worst island
   double backward_row_norm = kNone;          ///< eta_mix, row-norm scale, of the worst island
   double forward_velocity = kNone;           ///< ||v+ - v*||_G / ||v||_G; NaN where no v*, or no G, is known
-  double forward_normal = kNone;             ///< max|N'(v+ - v*)| / max|N'v|
+  double forward_normal = kNone;             ///< max|N'(v+ - v*)| / max|N'v + b|
   double forward_velocity_returned = kNone;  ///< as forward_velocity, of the velocity that the solver returned
   double forward_normal_returned = kNone;    ///< as forward_normal, of the velocity that the solver returned
   /// How far the returned velocity u is from what z implies: the largest |G (u - v) - J f|_i relative to
@@ -59,8 +59,8 @@ struct Errors {
   /// counts too. Only G* known: |u - v - G* J f|_i relative to (|u| + |v| + |G*| |J| f)_i.
   /// NaN where no velocity came back; infinity for a velocity of another length or not finite.
   double velocity_mismatch = kNone;
-  double violation_m_per_s = kNone;   ///< max(0, -min N'v+)
-  double violation_relative = kNone;  ///< violation / max|N'v|
+  double violation_m_per_s = kNone;   ///< max(0, -min(N'v+ + b))
+  double violation_relative = kNone;  ///< violation / max|N'v + b|
   /// 1/2 (v+ - v)'G (v+ + v), with G itself: for a singular G this is not z'q + 1/2 z'M z.
   /// Where only G* is known, G (v+ - v) is replaced by J f, which is the same unless G* is singular.
   double work_gain_j = kNone;
@@ -73,7 +73,9 @@ struct Errors {
   WorstRow worst;                           ///< of rho; of the row-norm backward error for bare LCPs
   bool usable = false;                      ///< z is finite and of the right length
   bool solved = false;     ///< rho <= 1e-4 (bare LCP: backward_row_norm <= 1e-9), and r (eta) is no overflow
-  bool criterion = false;  ///< passes the paper's criterion: no test of sign, cone, complementarity (contact only)
+  /// Passes the paper's criterion: no test of sign, cone, complementarity (contact only). Of an offset the work that a
+  /// solution may gain by it, -b'f_N, is allowed.
+  bool criterion = false;
 };
 
 /// What is known of a problem whoever solved it.
@@ -129,15 +131,16 @@ class Evaluator {
 
   /// kSolvable when theory proves it from the data, else kUnknown; kUnsolvable needs a proof, see check_farkas.
   ///
-  /// Contact problem with mu >= 0 and G (or the given G*) proven positive definite here in 113 bits: solvable for any
-  /// rank of N and D. M is copositive, z'M z = 0 forces J f = 0 and so q'z = v'J f = 0, and a copositive LCP whose q is
-  /// nonnegative on the solutions of LCP(0, M) is solvable. [Anitescu, Potra 1997; Cottle, Pang, Stone 1992, Thm 3.8.6]
+  /// Contact problem with mu >= 0, b >= 0 and G (or the given G*) proven positive definite here in 113 bits: solvable
+  /// for any rank of N and D. M is copositive, z'M z = 0 forces J f = 0 and so q'z = b'f_N >= 0, and a copositive LCP
+  /// whose q is nonnegative on the solutions of LCP(0, M) is solvable. [Anitescu, Potra 1997; Cottle, Pang, Stone 1992,
+  /// Thm 3.8.6]
   /// Bare LCP of at most 64 rows: M + M' proven positive definite in the same way. [ibid., Thm 3.1.6]
   Truth truth() const;
 
   /// True when u (nc entries, >= 0) proves in exact dyadic arithmetic that the contact problem has no solution:
-  /// N u in null(G) and v'N u < 0; for a bare LCP: u >= 0, M'u <= 0, q'u < 0. See study/evaluation/farkas.h. A u that
-  /// holds only to rounding, as floating-point solvers return it for real data, is no proof: false.
+  /// N u in null(G) and (N'v + b)'u < 0; for a bare LCP: u >= 0, M'u <= 0, q'u < 0. See study/evaluation/farkas.h. A u
+  /// that holds only to rounding, as floating-point solvers return it for real data, is no proof: false.
   bool check_farkas(const Vector& u) const;
 
  private:

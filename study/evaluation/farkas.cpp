@@ -128,8 +128,12 @@ bool nonnegative(const Vector& u) {
 
 bool proves_unsolvable(const ContactProblem& problem, const Vector& u) {
   if (u.size() != problem.nc() || !nonnegative(u) || !all_finite(problem.N) || !problem.v.allFinite()) return false;
-  const DyadicVector p = times(problem.N, exact(u));
-  return dot(problem.v, p).sign() < 0 && std::visit(NullSpaceTest{p}, problem.inertia);
+  if (!problem.b.allFinite()) return false;
+  const DyadicVector exact_u = exact(u);
+  const DyadicVector p = times(problem.N, exact_u);
+  Dyadic falls = dot(problem.v, p);
+  falls += dot(problem.b, exact_u);
+  return falls.sign() < 0 && std::visit(NullSpaceTest{p}, problem.inertia);
 }
 
 bool proves_unsolvable(const Lcp& lcp, const Vector& u) {

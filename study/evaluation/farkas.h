@@ -7,9 +7,9 @@ namespace lcpbench {
 
 /// Whether u proves, in exact dyadic arithmetic on the doubles given, that no solution exists.
 ///
-/// Contact problem: u (nc) >= 0, N u in null(G) and v'N u < 0. No impulse can then change u'N'v+ = v'N u < 0, so some
-/// normal velocity stays negative. null(G): X'N u = 0 for factors (those of alpha = 0 left out), G N u = 0 for a given
-/// G, G* N u = 0 where only G* is known (G symmetric).
+/// Contact problem: u (nc) >= 0, N u in null(G) and (N'v + b)'u < 0. No impulse can then change u'(N'v+ + b) =
+/// u'(N'v + b) < 0, so some w_N stays negative. null(G): X'N u = 0 for factors (those of alpha = 0 left out), G N u = 0
+/// for a given G, G* N u = 0 where only G* is known (G symmetric).
 /// Every number is a double, so sums and products are exact integers times a power of two; a u whose equalities hold
 /// only to rounding proves nothing. False for a u of another length or with NaN, infinite or
 /// negative entries, and for data that are not finite.

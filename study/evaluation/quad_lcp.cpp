@@ -81,7 +81,10 @@ void BareQuadLcp::fill(MagnitudeEstimate& estimate) {
 }
 
 ContactQuadLcp::ContactQuadLcp(const ContactProblem& problem, const QuadInertia& inertia)
-    : inertia_(inertia), v_(problem.v.begin(), problem.v.end()), contacts_(static_cast<std::size_t>(problem.nc())) {
+    : inertia_(inertia),
+      v_(problem.v.begin(), problem.v.end()),
+      b_(problem.b.begin(), problem.b.end()),
+      contacts_(static_cast<std::size_t>(problem.nc())) {
   const ContactLayout layout = contact_layout(problem);
   add_columns(problem.N);
   add_columns(problem.D);
@@ -90,7 +93,7 @@ ContactQuadLcp::ContactQuadLcp(const ContactProblem& problem, const QuadInertia&
   list_columns_of_rows();
 
   q_.assign(impulses() + normal_of_cone_.size(), 0);
-  for (std::size_t i = 0; i < impulses(); ++i) q_[i] = project(i, v_);
+  for (std::size_t i = 0; i < impulses(); ++i) q_[i] = project(i, v_) + offset(i);
   responses_.resize(impulses());
   abs_row_sum_.resize(impulses());
   abs_row_sum_known_.resize(impulses(), false);
@@ -178,7 +181,8 @@ Quad ContactQuadLcp::formation_error(std::size_t i) const {
   if (i >= impulses()) return 0;
   Quad magnitude = 0;
   for (std::size_t e = begin_[i]; e < begin_[i + 1]; ++e) magnitude += abs(values_[e] * v_[rows_[e]]);
-  return static_cast<double>(begin_[i + 1] - begin_[i] + 1) * (0x1p-53 * magnitude + 0x1p-1074);
+  const std::size_t terms = begin_[i + 1] - begin_[i] + (offset(i) == 0 ? 0 : 1);
+  return static_cast<double>(terms + 1) * (0x1p-53 * (magnitude + abs(offset(i))) + 0x1p-1074);
 }
 
 QuadVector ContactQuadLcp::generalized_impulse(const QuadVector& z) const {
@@ -222,7 +226,7 @@ Quad ContactQuadLcp::cone_row(std::size_t cone, const QuadVector& z) const {
 Quad ContactQuadLcp::row(std::size_t i, const QuadVector& z, const QuadVector& u) const {
   if (i >= impulses()) return cone_row(i - impulses(), z);
   const Quad velocity = project(i, u);
-  return i < contacts_ ? velocity : velocity + z[lambda_of_[i]];
+  return i < contacts_ ? velocity + offset(i) : velocity + z[lambda_of_[i]];
 }
 
 void ContactQuadLcp::fill_rows(std::span<const std::size_t> rows, const QuadVector& z, const QuadVector& u,
@@ -231,7 +235,7 @@ void ContactQuadLcp::fill_rows(std::span<const std::size_t> rows, const QuadVect
     if (i >= impulses()) {
       w[i] = cone_row(i - impulses(), z);
     } else {
-      w[i] = twin_[i] == i ? project(i, u) : -w[twin_[i]];
+      w[i] = twin_[i] == i ? project(i, u) + offset(i) : -w[twin_[i]];
     }
   }
   for (const std::size_t i : rows) {
@@ -328,7 +332,7 @@ std::vector<double> ContactQuadLcp::estimate_w(const QuadVector& z, const QuadVe
   std::vector<double> w(size(), 0.0);
   for (const std::size_t i : rows) {
     w[i] = i >= impulses() ? to_double(cone_row(i - impulses(), z))
-                           : project(i, velocity) + (i < contacts_ ? 0.0 : to_double(z[lambda_of_[i]]));
+                           : project(i, velocity) + to_double(i < contacts_ ? offset(i) : z[lambda_of_[i]]);
   }
   return w;
 }

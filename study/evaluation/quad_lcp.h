@@ -132,8 +132,8 @@ class ContactQuadLcp final : public QuadLcp {
   QuadVector generalized_impulse_scale(const QuadVector& z) const;
   /// J_i' x.
   Quad project(std::size_t i, const QuadVector& x) const;
-  /// What forming q_i = J_i'v in double may lose to rounding: (k + 1) 2^-53 |J_i|'|v|, k the nonzero entries of J_i. 0
-  /// for cone rows, whose q_i is zero in the data.
+  /// What forming q_i = J_i'v + b_i in double may lose to rounding: (k + 1) 2^-53 (|J_i|'|v| + |b_i|), k the terms that
+  /// are not zero in the data. 0 for cone rows, whose q_i is zero in the data.
   Quad formation_error(std::size_t i) const;
 
  private:
@@ -144,6 +144,8 @@ class ContactQuadLcp final : public QuadLcp {
     QuadVector values;
   };
 
+  /// b_i of a normal row, 0 of any other.
+  Quad offset(std::size_t i) const { return i < b_.size() ? b_[i] : Quad{0}; }
   void add_columns(const Jacobian& J);
   void add_column(const Jacobian& J, Index column);
   void list_cones(const ContactProblem& problem, const ContactLayout& layout);
@@ -162,6 +164,7 @@ class ContactQuadLcp final : public QuadLcp {
 
   const QuadInertia& inertia_;
   QuadVector v_;
+  QuadVector b_;  ///< of the normal rows; empty: zero
   std::size_t contacts_ = 0;
   std::vector<std::size_t> begin_{0};  ///< of each column of J = [N D], by columns
   std::vector<std::size_t> rows_;

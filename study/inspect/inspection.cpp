@@ -17,7 +17,9 @@ std::vector<Index> all_rows(Index n) {
 }
 
 Vector approach_velocities(const ContactProblem& problem) {
-  return std::visit([&](const auto& N) { return Vector(N.transpose() * problem.v); }, problem.N);
+  Vector velocities = std::visit([&](const auto& N) { return Vector(N.transpose() * problem.v); }, problem.N);
+  if (problem.has_offset()) velocities += problem.b;
+  return velocities;
 }
 
 /// What theory says of a contact problem's M, rather than what its rounding says. [Anitescu, Potra 1997]

@@ -59,7 +59,7 @@ struct MatrixFacts {
   Index largest_island = 0;        ///< unknowns of the largest block
 };
 
-/// What q says. For a contact problem of its normal rows N'v, the speeds at which contacts approach (< 0).
+/// What q says. For a contact problem of its normal rows N'v + b, the speeds at which contacts approach (< 0).
 struct VelocityFacts {
   Index negative = 0;
   Index zero = 0;

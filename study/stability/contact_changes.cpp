@@ -62,6 +62,7 @@ void change_length_of_bodies(ContactProblem& contact, const EntryChange& multipl
   for (Index i = 0; i < contact.v.size(); ++i) {
     if (!is_angular(i)) contact.v(i) = multiply(contact.v(i));
   }
+  contact.b = contact.b.unaryExpr(multiply).eval();
   const auto moments = [](Matrix& G, const EntryChange& entry) {
     for (Index j = 0; j < G.cols(); ++j) {
       for (Index i = 0; i < G.rows(); ++i) {
@@ -80,6 +81,7 @@ void change_length_of_bodies(ContactProblem& contact, const EntryChange& multipl
 
 void scale_contacts(ContactProblem& contact, const Vector& factors) {
   change(contact.N, [&](const Matrix& N) { return Matrix(N * factors.asDiagonal()); });
+  if (contact.has_offset()) contact.b = Vector(contact.b.cwiseProduct(factors));
   change(contact.D, [&](const Matrix& D) { return Matrix(D * of_columns(contact.edges, factors).asDiagonal()); });
 }
 
@@ -95,6 +97,7 @@ void select_contacts(ContactProblem& contact, const std::vector<Index>& order) {
   change(contact.N, [&](const Matrix& N) { return Matrix(N(Eigen::all, order)); });
   change(contact.D, [&](const Matrix& D) { return Matrix(D(Eigen::all, columns)); });
   contact.mu = Vector(contact.mu(order));
+  if (contact.has_offset()) contact.b = Vector(contact.b(order));
   contact.edges = std::move(edges);
 }
 
@@ -195,6 +198,7 @@ void Nudge::contact(ContactProblem& contact) {
   directions(contact);
   vector(contact.mu);
   inertia(contact.inertia);
+  vector(contact.b);
 }
 
 }  // namespace lcpbench

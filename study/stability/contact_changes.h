@@ -22,11 +22,11 @@ void change_inertia(Inertia& inertia, const EntryChange& multiply, const EntryCh
 /// Whether a coordinate of rigid bodies, six each, is an angular velocity.
 inline bool is_angular(Index coordinate) { return coordinate % 6 >= 3; }
 
-/// Another unit of length for rigid bodies: linear velocities and lever arms once, moments of inertia twice.
+/// Another unit of length for rigid bodies: linear velocities, offsets and lever arms once, moments of inertia twice.
 /// @pre the inertia is that of rigid bodies
 void change_length_of_bodies(ContactProblem& contact, const EntryChange& multiply, const EntryChange& divide);
 
-/// Multiplies the columns of N by one factor for each contact, and its columns of D by the same.
+/// Multiplies the columns of N by one factor for each contact, its columns of D and its offset by the same.
 void scale_contacts(ContactProblem& contact, const Vector& factors);
 
 /// The contacts in the order given, each with its friction columns; may leave some out or repeat some.
@@ -51,7 +51,7 @@ class Nudge {
   void vector(Vector& x);
   void matrix(Matrix& A);
   void symmetric(Matrix& A);
-  /// v, N, D with its columns in opposite pairs, mu, and the inertia as it is given.
+  /// v, N, D with its columns in opposite pairs, mu, the inertia as it is given, and b.
   void contact(ContactProblem& contact);
 
   /// The largest relative change so far: 2^-52 at most, but for denormal numbers.

@@ -49,7 +49,10 @@ Transformation length_unit() {
       each_entry(body.position, change);
       each_entry(body.linear_velocity, change);
     }
-    for (RigidContact& contact : scene.contacts) each_entry(contact.point, change);
+    for (RigidContact& contact : scene.contacts) {
+      each_entry(contact.point, change);
+      contact.b = change(contact.b);
+    }
   };
   Transformation result = of_changes([=](RigidScene& scene) { scale(scene, times(kUnit)); },
                                      [=](RigidScene& scene) { scale(scene, over(kUnit)); });
@@ -100,6 +103,7 @@ void nudge_scene(RigidScene& scene, Nudge& nudge) {
   for (RigidContact& contact : scene.contacts) {
     nudge_triple(contact.point, nudge);
     nudge(contact.mu);
+    nudge(contact.b);
   }
 }
 

@@ -98,6 +98,7 @@ std::optional<Transformation> length_unit(const Problem& problem) {
         change_length_of_bodies(contact, multiply, divide);
       } else {
         contact.v = contact.v.unaryExpr(multiply).eval();
+        contact.b = contact.b.unaryExpr(multiply).eval();
       }
     });
   };

@@ -47,7 +47,9 @@ VelocityAgreement::Side VelocityAgreement::side(const Answer& answer, const Erro
   Side side;
   side.velocity = whiten(answer.velocity.size() == contact.ngc() ? answer.velocity : implied);
   side.impulses = answer.z.cwiseAbs().sum();
-  side.slacks = (to_dense(contact.N).transpose() * implied).cwiseAbs().sum();
+  Vector slacks = to_dense(contact.N).transpose() * implied;
+  if (contact.has_offset()) slacks += contact.b;
+  side.slacks = slacks.cwiseAbs().sum();
   side.complementarity = std::fabs(errors.complementarity_j);
   side.violation = errors.violation_m_per_s;
   side.negativity = std::max(0.0, -errors.min_z);
