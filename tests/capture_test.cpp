@@ -159,6 +159,24 @@ TEST_F(CaptureTest, RowsBecomePyramids) {
   }
 }
 
+TEST_F(CaptureTest, OffsetsArePartOfTheRows) {
+  const double G[1] = {2}, v[1] = {-1}, n[1] = {1}, point[3] = {0.1, 0.2, 0}, up[3] = {0, 0, 1};
+  const int first[1] = {0};
+  lcpbench_capture* capture = lcpbench_capture_open(file_.c_str(), "gaps", "engine", "1", 0.01);
+  lcpbench_capture_step(capture, 0, 0);
+  lcpbench_capture_block(capture, 1, G, v);
+  lcpbench_capture_rows(capture, 1, first, n, nullptr, nullptr, 0, 0, 0.25, nullptr);
+  lcpbench_capture_end_step(capture);
+  lcpbench_capture_step(capture, 1, 0.01);
+  add(capture, body());
+  lcpbench_capture_contact(capture, -1, 0, point, up, nullptr, 0, 0, 0.5, nullptr);
+  lcpbench_capture_end_step(capture);
+  EXPECT_EQ(lcpbench_capture_close(capture), 0);
+  const ScenesFile scenes(file_.string());
+  EXPECT_EQ(scenes.read(0).problem.contact()->b, Vector::Constant(1, 0.25));
+  EXPECT_EQ(scenes.read(1).problem.contact()->b, Vector::Constant(1, 0.5));
+}
+
 // What is wrong in one step leaves that step out and is told at the end; the others are kept.
 TEST_F(CaptureTest, MistakesAreToldAndDoNotSpoilTheFile) {
   const double point[3] = {0, 0, 0}, up[3] = {0, 0, 1};

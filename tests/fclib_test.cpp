@@ -140,9 +140,12 @@ TEST_F(FclibTest, TripletsOfTheHeadersOrderAreKnownByTheSizes) {
   EXPECT_EQ(to_dense(problem.contact()->N), (Matrix{{1, 0}, {0, 0}, {0, 1}}));
 }
 
-TEST_F(FclibTest, TheVelocityOfTheSurroundingsIsOutside) {
+TEST_F(FclibTest, TheNormalVelocityOfTheSurroundingsIsAnOffset) {
+  const Problem problem =
+      read_fclib(global(Stored(kM, kColumns), Stored(kH, kColumns), {0.5, 0, 0, -0.25, 0, 0}), false);
+  EXPECT_EQ(problem.contact()->b, (Vector{{0.5, -0.25}}));
   EXPECT_EQ(error_of(global(Stored(kM, kColumns), Stored(kH, kColumns), {0, 0, 0, 0, 1, 0})),
-            "/fclib_global/vectors/w[4] is 1: a velocity of the surroundings is outside of the model");
+            "/fclib_global/vectors/w[4] is 1: a tangential velocity of the surroundings is outside of the model");
 }
 
 TEST_F(FclibTest, ThePlaneHasTwoDirections) {

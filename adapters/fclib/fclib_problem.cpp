@@ -204,10 +204,14 @@ ContactProblem read_global(const Hdf5File& file, bool symmetrize) {
   problem.inertia = std::move(inertia);
   set_friction(file, group, H.cols(), problem, H, dimension);
   const Vector w = read_vector(file, group + "/vectors/w", H.cols());
+  problem.b.resize(problem.nc());
   for (Index i = 0; i < w.size(); ++i) {
-    if (w(i) == 0) continue;
-    file.fail(group + "/vectors/w", "[" + std::to_string(i) + "] is " + format_real(w(i)) +
-                                        ": a velocity of the surroundings is outside of the model");
+    if (i % dimension == 0) {
+      problem.b(i / dimension) = w(i);
+    } else if (!(w(i) == 0)) {
+      file.fail(group + "/vectors/w", "[" + std::to_string(i) + "] is " + format_real(w(i)) +
+                                          ": a tangential velocity of the surroundings is outside of the model");
+    }
   }
   return problem;
 }
