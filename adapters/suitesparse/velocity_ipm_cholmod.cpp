@@ -1,5 +1,5 @@
 // The native interior point in velocity space with CHOLMOD factoring its systems. One of two files that may include
-// native code (tests/layers.cmake): it is that method, and stands here because CHOLMOD is linked into workers only.
+// native code (tests/core/layers.cmake): it is that method, and stands here because CHOLMOD is linked into workers only.
 #include "adapters/suitesparse/cholmod_factorization.h"
 #include "core/registry.h"
 #include "native/velocity_ipm/settings.h"

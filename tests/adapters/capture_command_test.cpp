@@ -1,0 +1,214 @@
+// Engines that capture scenes, run as users run them. A test of an engine that is not installed is skipped.
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <variant>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "core/io/scenes_file.h"
+#include "tests/support/program_run.h"
+
+namespace lcpbench {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Capture : public ::testing::Test {
+ protected:
+  Capture() : folder_(fs::temp_directory_path() / ("lcpbench-capture-" + std::to_string(getpid()))) {
+    fs::create_directories(folder_);
+  }
+  ~Capture() override { fs::remove_all(folder_); }
+
+  static bool installed(const std::string& engine) {
+    return fs::exists(fs::path(LCPBENCH_PROGRAM).parent_path() / ("lcpbench-capture-" + engine));
+  }
+
+  ProgramRun capture(const std::string& arguments) const { return run_program(folder_, "capture " + arguments); }
+
+  ScenesFile captured(const std::string& scene, const std::string& engine, const std::string& options) const {
+    const std::string file = (folder_ / (scene + ".scenes")).string();
+    const ProgramRun run = capture(scene + " --engine " + engine + " --out '" + file + "' " + options);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return ScenesFile(file);
+  }
+
+  fs::path folder_;
+};
+
+class CaptureEngine : public Capture, public ::testing::WithParamInterface<const char*> {
+ protected:
+  void SetUp() override {
+    if (!installed(GetParam())) GTEST_SKIP() << GetParam() << " is not installed";
+  }
+};
+
+/// How far G (v+ - v) and N f_N + D f_D are apart, relative to the larger: the engine's impulses must explain the
+/// velocity that the engine found, which fails for any wrong sign, arm, inertia or force.
+double momentum_error(const SceneStep& step) {
+  const ContactProblem& problem = *step.problem.contact();
+  const auto times = [](const Jacobian& J, const Vector& f) {
+    return std::visit([&](const auto& matrix) { return Vector(matrix * f); }, J);
+  };
+  const Vector impulse = times(problem.N, step.engine_impulses.head(problem.nc())) +
+                         times(problem.D, step.engine_impulses.tail(cols(problem.D)));
+  const Vector momentum = dense_inertia(problem.inertia) * (step.engine_velocity - problem.v);
+  return (impulse - momentum).norm() / std::max(impulse.norm(), momentum.norm());
+}
+
+void expect_sane(const SceneStep& step) {
+  const RigidScene& scene = *step.problem.scene();
+  ASSERT_EQ(step.gap.size(), scene.contacts.size());
+  ASSERT_EQ(step.contact_ids.size(), scene.contacts.size());
+  for (const RigidBody& body : scene.bodies) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(body.inertia, Eigen::EigenvaluesOnly);
+    EXPECT_GT(eigen.eigenvalues()(0), 0);
+  }
+  for (const RigidContact& contact : scene.contacts) {
+    EXPECT_NEAR(contact.normal.norm(), 1, 1e-12);
+    EXPECT_NEAR(contact.tangent.norm(), 1, 1e-12);
+    EXPECT_NEAR(contact.normal.dot(contact.tangent), 0, 1e-12);
+    EXPECT_EQ(contact.edges, 4);
+  }
+}
+
+TEST_P(CaptureEngine, RepeatsItsBytes) {
+  captured("box-pile", GetParam(), "--steps 200 --every 40");
+  const std::string first = read_file(folder_ / "box-pile.scenes");
+  captured("box-pile", GetParam(), "--steps 200 --every 40");
+  EXPECT_FALSE(first.empty());
+  EXPECT_EQ(first, read_file(folder_ / "box-pile.scenes"));
+}
+
+TEST_P(CaptureEngine, ARestingStackFallsByTheGravityOfOneStep) {
+  const ScenesFile file = captured("stack", GetParam(), "--steps 100 --every 30");
+  ASSERT_GE(file.count(), 3U);
+  const double h = file.header().step_length.value();
+  const SceneStep step = file.read(file.count() - 1);
+  expect_sane(step);
+  double sum = 0;
+  int count = 0;
+  const RigidScene& scene = *step.problem.scene();
+  for (const RigidContact& contact : scene.contacts) {
+    if (contact.body_b != RigidContact::kWorld) continue;
+    const RigidBody& body = scene.bodies[static_cast<std::size_t>(contact.body_a)];
+    sum += contact.normal.dot(body.linear_velocity + body.angular_velocity.cross(contact.point - body.position));
+    ++count;
+  }
+  ASSERT_GE(count, 4);
+  EXPECT_NEAR(sum / count, -9.81 * h, 0.3 * 9.81 * h);
+}
+
+TEST_P(CaptureEngine, ImpulsesExplainTheVelocityThatTheEngineFound) {
+  // Bullet applies friction to both bodies, each at its own end of the gap, and a problem's contact has one point.
+  const double bound = std::string(GetParam()) == "bullet" ? 1e-2 : 1e-9;
+  for (const char* scene : {"card-house", "box-pile", "spinning-plate", "uneven-table"}) {
+    const ScenesFile file = captured(scene, GetParam(), "--steps 150 --every 25");
+    ASSERT_GE(file.count(), 3U) << scene;
+    for (std::size_t i = 0; i < file.count(); ++i) {
+      const SceneStep step = file.read(i);
+      ASSERT_EQ(step.engine_velocity.size(), step.problem.contact()->ngc());
+      EXPECT_LT(momentum_error(step), bound) << scene << " step " << step.step;
+    }
+  }
+}
+
+TEST_P(CaptureEngine, ContactsKeepTheirNames) {
+  const ScenesFile file = captured("gripper", GetParam(), "--steps 100 --every 1");
+  const auto names = [&](std::size_t i) { return file.read(i).contact_ids; };
+  const std::vector<std::string> before = names(file.count() - 2);
+  const std::vector<std::string> after = names(file.count() - 1);
+  const auto kept = std::count_if(after.begin(), after.end(), [&](const std::string& id) {
+    return std::find(before.begin(), before.end(), id) != before.end();
+  });
+  EXPECT_GE(2 * kept, static_cast<std::ptrdiff_t>(after.size()));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, CaptureEngine, ::testing::Values("ode", "bullet", "mujoco", "dart"),
+                         [](const auto& parameter) { return std::string(parameter.param); });
+
+TEST_F(Capture, MuJoCosRobotsMoveAsTheirBlocksSay) {
+  if (!installed("mujoco")) GTEST_SKIP() << "mujoco is not installed";
+  // Joints with limits, a closed chain in coordinates of its null space, and a hand with an object.
+  for (const char* scene : {"quadruped-trotting", "closed-chain", "hand"}) {
+    const ScenesFile file = captured(scene, "mujoco", "--steps 200 --every 40");
+    ASSERT_GE(file.count(), 2U) << scene;
+    // MuJoCo's constraints give way a little, so that a chain's forces leave a trace in its null space.
+    const double bound = std::string(scene) == "closed-chain" ? 1e-2 : 1e-9;
+    for (std::size_t i = 0; i < file.count(); ++i) EXPECT_LT(momentum_error(file.read(i)), bound) << scene;
+  }
+  // Six links with a free base have 11 coordinates; the loop in space takes away two in its plane.
+  EXPECT_EQ(captured("closed-chain", "mujoco", "--steps 200").read(0).problem.contact()->ngc(), 9);
+}
+
+TEST_F(Capture, DartStandsARobotOnItsFeet) {
+  if (!installed("dart")) GTEST_SKIP() << "dart is not installed";
+  const ScenesFile file = captured("quadruped-standing", "dart", "--steps 400 --every 50");
+  ASSERT_GE(file.count(), 3U);
+  const SceneStep step = file.read(file.count() - 1);
+  EXPECT_EQ(step.problem.contact()->ngc(), 18);
+  EXPECT_GE(step.problem.contact()->nc(), 2);
+}
+
+TEST_F(Capture, TakesAModelOfTheUsers) {
+  if (!installed("mujoco")) GTEST_SKIP() << "mujoco is not installed";
+  std::ofstream(folder_ / "ball.xml") << R"(<mujoco><worldbody><geom type="plane" size="1 1 1"/>
+    <body pos="0 0 0.1"><freejoint/><geom type="sphere" size="0.1"/></body></worldbody></mujoco>)";
+  const ScenesFile file = captured("ball", "mujoco", "--model ball.xml --steps 50 --every 10");
+  ASSERT_GE(file.count(), 1U);
+  EXPECT_EQ(file.read(0).problem.contact()->ngc(), 6);
+  const ProgramRun wrong = capture("ball --model out");  // the file of the standard output: not a model
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_NE(wrong.err.find("model 'out'"), std::string::npos) << wrong.err;
+}
+
+TEST_F(Capture, NamesWhatIsWrong) {
+  const auto refused = [&](const std::string& arguments, const std::string& words) {
+    const ProgramRun run = capture(arguments);
+    EXPECT_EQ(run.exit_code, 2) << arguments;
+    EXPECT_NE(run.err.find(words), std::string::npos) << run.err;
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+  };
+  refused("stak", "did you mean 'stack'?");
+  refused("stack --engine havok", "--engine");
+  refused("stack --every 0", "--every");
+  refused("robot --model missing.xml", "--model 'missing.xml': no such file");
+  if (installed("ode")) {
+    refused("hand --engine ode", "scene 'hand' has joints");
+    refused("stack --out nowhere/stack.scenes", "nowhere/stack.scenes");
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "stack-ode.scenes"));
+}
+
+/// An engine that crashes ends itself alone, and the steps it wrote are kept.
+TEST_F(Capture, KeepsTheStepsOfAnEngineThatCrashes) {
+  const fs::path program = folder_ / "lcpbench-capture-ode";
+  std::ofstream(program) << R"sh(#!/bin/sh
+cat > "$5" <<'END'
+{"format":"lcpbench-scenes","version":1,"scene":"stack","engine":"stand-in"}
+{"step":3,"problem":{"format":"lcpbench-problem","version":1,"name":"stack step 3","kind":"scene","bodies":[{"mass":1,"inertia":[[1,0,0],[0,1,0],[0,0,1]],"position":[0,0,1],"linear_velocity":[0,0,-1],"angular_velocity":[0,0,0]}],"contacts":[{"body_a":0,"body_b":-1,"point":[0,0,0],"normal":[0,0,1]}]}}
+END
+printf '{"step":4,"prob' >> "$5"
+echo 'out of luck' >&2
+kill -SEGV $$
+)sh";
+  fs::permissions(program, fs::perms::owner_all);
+  const std::string environment = "LCPBENCH_WORKER_DIR='" + folder_.string() + "' ";
+  const std::string command = "cd '" + folder_.string() + "' && " + environment +
+                              "'" LCPBENCH_PROGRAM "' capture stack --out crash.scenes >out 2>err";
+  const int status = std::system(command.c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+  EXPECT_NE(read_file(folder_ / "err").find("killed by signal 11 (SIGSEGV): out of luck"), std::string::npos);
+  const ScenesFile file((folder_ / "crash.scenes").string());
+  ASSERT_EQ(file.count(), 1U);
+  EXPECT_EQ(file.step_number(0), 3);
+  EXPECT_FALSE(fs::exists(folder_ / "crash.scenes.part"));
+}
+
+}  // namespace
+}  // namespace lcpbench

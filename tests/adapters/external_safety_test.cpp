@@ -1,0 +1,253 @@
+// No process of a user's program outlives the solver, or lcpbench, however that ends; and what
+// docs/reference/external.md promises.
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include "adapters/worker/child_processes.h"
+#include "adapters/worker/worker_process.h"
+#include "core/io/problem_io.h"
+#include "tests/adapters/external_client.h"
+
+namespace {
+bool g_nothing_dies = false;
+}
+
+/// In the place of the C library's.
+extern "C" int kill(pid_t process, int signal_number) noexcept {
+  return g_nothing_dies ? 0 : static_cast<int>(syscall(SYS_kill, process, signal_number));
+}
+
+/// As on a machine where a look at all processes takes long.
+extern "C" int nanosleep(const timespec* pause, timespec* left) {
+  timespec longer = *pause;
+  if (g_nothing_dies) longer.tv_nsec = 20'000'000;
+  return static_cast<int>(syscall(SYS_nanosleep, &longer, left));
+}
+
+namespace lcpbench {
+namespace {
+
+TEST(ExternalSafetyTest, NothingOutlivesTheSolver) {
+  prctl(PR_SET_CHILD_SUBREAPER, 1);  // an orphan becomes ours, and can be waited for
+  {
+    const auto solver = client();
+    EXPECT_STREQ(to_string(run(*solver, "fork").claim), "solved");
+    run(*solver, "sleep", kImpatient);
+    EXPECT_STREQ(to_string(run(*solver, "fork").claim), "solved");
+    const auto behind_a_shell = client("sh -c '" EXTERNAL_FAULTS "; true'");
+    expect_right(*behind_a_shell);
+  }
+  EXPECT_TRUE(all_children_end_within(5.0));
+  prctl(PR_SET_CHILD_SUBREAPER, 0);
+}
+
+bool has_ended(pid_t process) { return state_of(process) == '?' || state_of(process) == 'Z'; }
+
+bool ends_within(double seconds, pid_t process) {
+  const double deadline_s = wall_clock_s() + seconds;
+  while (!has_ended(process) && wall_clock_s() < deadline_s) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  if (has_ended(process)) return true;
+  kill(process, SIGKILL);
+  return false;
+}
+
+TEST(ExternalSafetyTest, DaemonsEndWithTheSolver) {
+  pid_t daemon = 0;
+  {
+    const auto solver = client();
+    daemon = static_cast<pid_t>(run(*solver, "daemon").counters.iterations);
+    ASSERT_GT(daemon, 0);
+    expect_right(*solver);
+    EXPECT_FALSE(has_ended(daemon)) << "it may live while its program does";
+  }
+  EXPECT_TRUE(ends_within(5.0, daemon));
+}
+
+TEST(ExternalSafetyTest, OrphansThatEndedLeaveNoZombies) {
+  const auto solver = client();
+  for (int i = 0; i < 5; ++i) run(*solver, "orphan");
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  expect_right(*solver);
+  const std::vector<pid_t> workers = children_of(getpid());
+  ASSERT_EQ(workers.size(), 1U);
+  EXPECT_EQ(children_of(workers[0]).size(), 1U) << "the program alone";
+}
+
+TEST(ExternalSafetyTest, DaemonsEndWithAProgramThatFails) {
+  const auto solver = client();
+  const Answer answer = run(*solver, "daemon and exit");
+  EXPECT_STREQ(to_string(answer.claim), "crashed");
+  const std::size_t name = answer.detail.find("stderr: daemon ");
+  ASSERT_NE(name, std::string::npos) << answer.detail;
+  EXPECT_TRUE(ends_within(5.0, std::stoi(answer.detail.substr(name + 15))));
+  expect_right(*solver);
+}
+
+/// A worker whose program started a daemon at once.
+class WorkerWithDaemonTest : public testing::Test {
+ protected:
+  WorkerWithDaemonTest() {
+    const std::vector<pid_t> workers = children_of(getpid());
+    if (workers.size() == 1) worker_ = workers[0];
+    for (const pid_t program : children_of(worker_)) {
+      for (const pid_t child : children_of(program)) daemon_ = child;
+    }
+  }
+  void SetUp() override {
+    ASSERT_GT(daemon_, 0);
+    ASSERT_FALSE(has_ended(daemon_));
+  }
+
+  worker::WorkerProcess process_{
+      EXTERNAL_WORKER, "external{command=sh -c 'setsid sleep 1000 & exec " EXTERNAL_FAULTS "'}", {}};
+  pid_t worker_ = 0;
+  pid_t daemon_ = 0;
+};
+
+TEST_F(WorkerWithDaemonTest, DaemonEndsWithAWorkerThatGivesUp) {
+  const std::string junk = "junk";
+  ASSERT_TRUE(process_.send(std::as_bytes(std::span(junk)), -1));
+  EXPECT_TRUE(ends_within(5.0, daemon_));
+  EXPECT_TRUE(process_.dies_by_itself());
+  EXPECT_EQ(process_.end(), "exited with code 70");
+}
+
+TEST_F(WorkerWithDaemonTest, DaemonEndsWithAWorkerThatCrashes) {
+  ASSERT_EQ(kill(worker_, SIGABRT), 0);
+  EXPECT_TRUE(ends_within(5.0, daemon_));
+  EXPECT_TRUE(process_.dies_by_itself());
+  EXPECT_EQ(process_.end(), "killed by signal 6 (SIGABRT)");
+}
+
+TEST(ChildProcessesTest, ChildrenThatCannotBeEndedAreWaitedForByTheClock) {
+  const pid_t child = fork();
+  if (child == 0) {
+    for (;;) pause();
+  }
+  g_nothing_dies = true;
+  const double begin_s = wall_clock_s();
+  worker::end_children();
+  const double took_s = wall_clock_s() - begin_s;
+  g_nothing_dies = false;
+  worker::end_children();
+  EXPECT_TRUE(has_ended(child));
+  EXPECT_GE(took_s, 0.3);
+  EXPECT_LT(took_s, 2.0);
+}
+
+pid_t start_lcpbench_solve(const std::string& problem, const std::string& solver) {
+  const pid_t program = fork();
+  if (program != 0) return program;
+  execl(LCPBENCH_PROGRAM, LCPBENCH_PROGRAM, "solve", problem.c_str(), "--time-limit", "1000", "--solver",
+        solver.c_str(), nullptr);
+  _exit(127);
+}
+
+bool has_great_grandchild(pid_t program) {
+  for (const pid_t worker : children_of(program)) {
+    for (const pid_t shell : children_of(worker)) {
+      if (!children_of(shell).empty()) return true;
+    }
+  }
+  return false;
+}
+
+TEST(ExternalSafetyTest, KillOfLcpbenchEndsProgramAndChildren) {
+  const Scratch scratch;
+  write_problem(named("sleep"), scratch.file("sleep.json"));
+  prctl(PR_SET_CHILD_SUBREAPER, 1);
+  const pid_t program =
+      start_lcpbench_solve(scratch.file("sleep.json"), "external{command=sh -c '" EXTERNAL_FAULTS "; true'}");
+  for (int i = 0; i < 1000 && !has_great_grandchild(program); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_TRUE(has_great_grandchild(program));
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // it is in its sleep by now
+  kill(program, SIGKILL);
+  EXPECT_TRUE(all_children_end_within(5.0));
+  prctl(PR_SET_CHILD_SUBREAPER, 0);
+}
+
+TEST(ExternalSafetyTest, KillOfLcpbenchEndsDaemons) {
+  const Scratch scratch;
+  write_problem(named("daemon and sleep"), scratch.file("daemon.json"));
+  prctl(PR_SET_CHILD_SUBREAPER, 1);
+  const pid_t program = start_lcpbench_solve(scratch.file("daemon.json"), "external{command=" EXTERNAL_FAULTS "}");
+  const auto has_daemon = [&] {  // beside the program, since the worker adopted it
+    for (const pid_t worker : children_of(program)) {
+      if (children_of(worker).size() == 2) return true;
+    }
+    return false;
+  };
+  for (int i = 0; i < 1000 && !has_daemon(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_TRUE(has_daemon());
+  kill(program, SIGKILL);
+  EXPECT_TRUE(all_children_end_within(5.0));
+  prctl(PR_SET_CHILD_SUBREAPER, 0);
+}
+
+/// Standard output of `lcpbench <arguments>`, run in the repository's top folder; "" when it fails.
+std::string lcpbench(const std::string& arguments) {
+  std::FILE* output = popen(("cd '" REPOSITORY "' && '" LCPBENCH_PROGRAM "' " + arguments).c_str(), "r");
+  if (output == nullptr) return {};
+  std::string text;
+  for (int c = std::fgetc(output); c != EOF; c = std::fgetc(output)) text += static_cast<char>(c);
+  return pclose(output) == 0 ? text : "";
+}
+
+// What docs/reference/external.md promises, word for word.
+constexpr const char* kExample = "--solver 'external{command=examples/external_solver.py}' ";
+
+TEST(ExternalExampleTest, SolvesTheBoxOnTheSlope) {
+  const std::string text = lcpbench(std::string("solve examples/box_on_slope.json --format json ") + kExample);
+  ASSERT_NE(text, "");
+  const nlohmann::json answer = nlohmann::json::parse(text).at(0);
+  EXPECT_EQ(answer["claim"], "solved") << answer["detail"];
+  EXPECT_EQ(answer["verdict"], "solved");
+  EXPECT_EQ(answer["settings"], "command=examples/external_solver.py");
+  EXPECT_GT(answer["time"]["solve_s"], 0);
+  EXPECT_GT(answer["counters"]["pivots"], 0);
+}
+
+TEST(ExternalExampleTest, DoesNotRunWhereNobodyAskedForIt) {
+  const Scratch scratch;
+  const std::string solved = lcpbench("solve examples/box_on_slope.json");
+  EXPECT_NE(solved.find("lemke"), std::string::npos);
+  EXPECT_EQ(solved.find("external"), std::string::npos);
+  EXPECT_NE(lcpbench("run --set paper/monotone/exp1 --trials 1 --jobs 1 --store " + scratch.file("all.db")), "");
+}
+
+TEST(ExternalExampleTest, RunsInAStudy) {
+  const Scratch scratch;
+  const std::string store = scratch.file("mine.db");
+  ASSERT_NE(lcpbench(std::string("run --set paper/monotone/exp1 --set rigid/exp1 --trials 3 --jobs 1 ") + kExample +
+                     "--solver lemke --store " + store),
+            "");
+  ASSERT_NE(lcpbench("report " + store + " --out " + scratch.file("report")), "");
+  const nlohmann::json summary = nlohmann::json::parse(std::ifstream(scratch.file("report/summary.json")));
+  int cells = 0;
+  for (const nlohmann::json& cell : summary["cells"]) {
+    if (cell["solver"] != "external") continue;
+    ++cells;
+    EXPECT_EQ(cell["trials"], 3);
+    EXPECT_EQ(cell["solved"], 3) << cell;
+    EXPECT_EQ(cell["crashed"], 0);
+  }
+  EXPECT_EQ(cells, 2);
+}
+
+}  // namespace
+}  // namespace lcpbench

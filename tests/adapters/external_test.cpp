@@ -1,0 +1,434 @@
+// What a user's own program may do, and what is made of it. The programs are Python scripts, so that the tests also
+// show that no header, library or build of ours is needed.
+
+#include <chrono>
+#include <filesystem>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "adapters/external/external_json.h"
+#include "adapters/external/external_program.h"
+#include "adapters/external/start_directory.h"
+#include "adapters/worker/worker_client.h"
+#include "core/error.h"
+#include "core/io/problem_io.h"
+#include "generators/sets.h"
+#include "study/run/open_solver.h"
+#include "tests/adapters/external_client.h"
+#include "tests/adapters/worker_empty_poll.h"
+
+namespace lcpbench {
+
+/// Where programs run that this test starts without a worker: none.
+const std::filesystem::path& start_directory() {
+  static const std::filesystem::path none;
+  return none;
+}
+
+namespace {
+
+struct Fault {
+  const char* behaviour;
+  Claim claim;
+  const char* detail;  ///< part of it
+  TimedRequest request = kPatient;
+};
+
+void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.behaviour; }
+
+class ExternalFaultTest : public testing::TestWithParam<Fault> {};
+
+TEST_P(ExternalFaultTest, IsReportedAndTheNextRunWorks) {
+  const Fault& fault = GetParam();
+  const auto solver = client();
+  const Answer answer = run(*solver, fault.behaviour, fault.request);
+  EXPECT_STREQ(to_string(answer.claim), to_string(fault.claim)) << answer.detail;
+  EXPECT_NE(answer.detail.find(fault.detail), std::string::npos) << answer.detail;
+  EXPECT_EQ(answer.z.size(), 0);
+  expect_right(*solver);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Faults, ExternalFaultTest,
+    testing::Values(
+        Fault{"exception", Claim::kCrashed, "exited with code 1 without an answer; stderr: KeyError: 'no such"},
+        Fault{"segfault", Claim::kCrashed, "solve: killed by signal 11 (SIGSEGV) without an answer"},
+        Fault{"exit 0", Claim::kCrashed, "solve: exited with code 0 without an answer"},
+        Fault{"close the output", Claim::kCrashed, "closed its output without an answer"},
+        Fault{"sleep", Claim::kTimeLimit, "no answer within", kImpatient},
+        Fault{"no line end", Claim::kTimeLimit, "no answer within", kImpatient},
+        Fault{"stop", Claim::kTimeLimit, "no answer within", kImpatient},
+        Fault{"stop reading", Claim::kTimeLimit, "no answer within", kImpatient},
+        Fault{"huge", Claim::kCrashed, "an answer of more than"},
+        Fault{"twice", Claim::kCrashed, "said more than was asked"},
+        Fault{"garbage", Claim::kCrashed, "returned no answer: not JSON"},
+        Fault{"not utf-8", Claim::kCrashed, "returned no answer: not JSON"},
+        Fault{"an array", Claim::kCrashed, "expected an object, found array"},
+        Fault{"nan", Claim::kCrashed, "not JSON (NaN"}, Fault{"null", Claim::kCrashed, "z[0]: not a number"},
+        Fault{"overflow", Claim::kCrashed, "returned no answer"},
+        Fault{"short", Claim::kCrashed, "z: has 1 entries, expected 5"},
+        Fault{"long", Claim::kCrashed, "z: has 2000 entries, expected 5"},
+        Fault{"z is a text", Claim::kCrashed, "z: expected a list, found string"},
+        Fault{"velocity", Claim::kCrashed, "velocity: has 1 entries, expected 0"},
+        Fault{"solved without z", Claim::kCrashed, "z is missing"},
+        Fault{"no claim", Claim::kCrashed, "claim is missing"},
+        Fault{"claims a crash", Claim::kCrashed, "claim: unknown: crashed"},
+        Fault{"unknown claim", Claim::kCrashed, "claim: unknown: optimal"},
+        Fault{"unknown field", Claim::kCrashed, "unknown field: zeta"},
+        Fault{"negative counter", Claim::kCrashed, "iterations: expected an integer"},
+        Fault{"key twice", Claim::kCrashed, "returned no answer: z: given twice"},
+        Fault{"wrong number", Claim::kCrashed, "sequence is 1, but the question has 4: a line that came late or twice"},
+        Fault{"no number", Claim::kCrashed, "sequence is missing"}, Fault{"no z", Claim::kIterationLimit, ""},
+        Fault{"unsupported", Claim::kUnsupported, "no such problems"}),
+    [](const auto& test) {
+      std::string name = test.param.behaviour;
+      for (char& c : name) {
+        if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
+      }
+      return name;
+    });
+
+TEST(ExternalTest, OneProcessServesAllProblemsAndANewOneFollowsACrash) {
+  const auto solver = client();
+  const auto process = run(*solver, "process").counters.iterations;
+  EXPECT_GT(process, 0);
+  expect_right(*solver);
+  EXPECT_EQ(run(*solver, "process").counters.iterations, process);
+  run(*solver, "segfault");
+  EXPECT_NE(run(*solver, "process").counters.iterations, process);
+}
+
+void end_between_problems(TimedSolver& solver) {
+  const auto process = static_cast<pid_t>(run(solver, "process").counters.iterations);
+  ASSERT_GT(process, 0);
+  ASSERT_EQ(kill(process, SIGKILL), 0);
+  while (state_of(process) != 'Z') std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+TEST(ExternalTest, ProgramThatEndedBetweenProblemsIsStartedAnew) {
+  const auto solver = client();
+  end_between_problems(*solver);
+  expect_right(*solver);
+}
+
+TEST(ExternalTest, ProblemAfterANewStartHasTheTimeLimitOfAnyOther) {
+  const auto solver = client();
+  end_between_problems(*solver);
+  const Answer answer = run(*solver, "sleep", kImpatient);
+  EXPECT_STREQ(to_string(answer.claim), "time_limit");
+  EXPECT_NE(answer.detail.find("no answer within"), std::string::npos) << answer.detail;
+}
+
+TEST(ExternalTest, CountersAndDetailArrive) {
+  const Answer answer = run(*client(), "counters");
+  EXPECT_STREQ(to_string(answer.claim), "solved");
+  EXPECT_EQ(answer.counters.iterations, 3);
+  EXPECT_EQ(answer.counters.pivots, 5);
+  EXPECT_EQ(answer.counters.factorizations, 7);
+  EXPECT_EQ(answer.detail, "three lines [31m");
+}
+
+TEST(ExternalTest, OutputGoesNowhereAndMegabytesOfItAreNoTrouble) {
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  const Answer answer = run(*client(), "chatter");
+  const std::string printed = testing::internal::GetCapturedStdout() + testing::internal::GetCapturedStderr();
+  EXPECT_STREQ(to_string(answer.claim), "solved") << answer.detail;
+  EXPECT_EQ(printed, "");
+}
+
+TEST(ExternalTest, CommandsHaveArguments) {
+  EXPECT_EQ(run(*client(EXTERNAL_FAULTS " one --two=2 'three and' \"a half\""), "words").detail,
+            "one|--two=2|three and|a half");
+  EXPECT_EQ(run(*client("python3 " EXTERNAL_FAULTS " x"), "words").detail, "x");
+}
+
+TEST(ExternalTest, ProgramRunsWhereLcpbenchWasStarted) {
+  const std::filesystem::path before = std::filesystem::current_path();
+  const std::filesystem::path script = EXTERNAL_FAULTS;
+  std::filesystem::current_path(script.parent_path());
+  const Answer answer = run(*client("./" + script.filename().string()), "where");
+  std::filesystem::current_path(before);
+  EXPECT_EQ(answer.detail, std::filesystem::canonical(script.parent_path()).string());
+}
+
+TEST(ExternalTest, ProgramThatDoesNotStartIsReportedAndBlamesNoProblem) {
+  EXPECT_NE(start_error("./no_such_program").find("cannot run ./no_such_program: No such file"), std::string::npos);
+  EXPECT_NE(start_error("/etc/passwd").find("Permission denied"), std::string::npos);
+  EXPECT_NE(start_error("false").find("exited with code 1 without an answer"), std::string::npos);
+  EXPECT_NE(start_error("cat").find("printed another line: expected {}"), std::string::npos);
+  EXPECT_NE(start_error("sh -c 'echo missing licence >&2; exit 3'").find("stderr: missing licence"), std::string::npos);
+  EXPECT_NE(start_error("").find("command"), std::string::npos);
+  EXPECT_NE(start_error("'open").find("an open quote"), std::string::npos);
+}
+
+TEST(ExternalTest, ProgramThatDoesNotStartAgainIsReportedAndBlamesNoProblem) {
+  const Scratch scratch;
+  const std::string mark = scratch.file("started");
+  const auto solver = client("sh -c 'test -e " + mark + " && exit 3; : > " + mark + "; exec " EXTERNAL_FAULTS "'");
+  end_between_problems(*solver);
+  try {
+    ADD_FAILURE() << to_string(run(*solver, "right").claim);
+  } catch (const WorkerError& error) {
+    EXPECT_NE(std::string(error.what()).find("flush it: exited with code 3"), std::string::npos) << error.what();
+  }
+  std::filesystem::remove(mark);
+  expect_right(*solver);
+}
+
+// "On one line, without our own words for processes": the program, what happened, what to do.
+TEST(ExternalTest, ProgramThatDoesNotStartIsNamedWithWhatToDo) {
+  EXPECT_EQ(
+      start_error("sh -c 'echo no licence >&2; exit 3'"),
+      "solver 'external' does not start: the program 'sh -c 'echo no licence >&2; exit 3'' did not print "
+      "{\"sequence\": 1} as its first line, and flush it: exited with code 3 without an answer; stderr: no licence; "
+      "run it in a terminal to see why (docs/reference/external.md)");
+}
+
+/// Seconds until a silent program is given up.
+double wait_for_silence(const TimedRequest& request) {
+  const double begin_s = wall_clock_s();
+  const auto solver = client("sleep 100", "lcp", {.program_start_allowance_s = 0.4, .program_start_s = 1.6});
+  TimedAnswer result;
+  try {
+    solver->run(named("right"), request, result);
+    ADD_FAILURE() << "it starts";
+  } catch (const WorkerError& error) {
+    const std::string text = error.what();
+    EXPECT_EQ(text.find("solver 'external' does not start: the program 'sleep 100' did not print "
+                        "{\"sequence\": 1} as its first line, and flush it: gave no answer within "),
+              0U)
+        << text;
+    EXPECT_NE(text.find(" ms; if it starts slowly, raise --time-limit (docs/reference/external.md)"), std::string::npos) << text;
+  }
+  return wall_clock_s() - begin_s;
+}
+
+TEST(ExternalTest, WaitForAProgramToStartFollowsFromTheTimeLimit) {
+  const double allowance_s = wait_for_silence({.time_limit_s = 0.1});
+  EXPECT_GE(allowance_s, 0.4);
+  EXPECT_LT(allowance_s, 0.8);
+  const double limit_s = wait_for_silence({.time_limit_s = 0.8});
+  EXPECT_GE(limit_s, 0.8);
+  EXPECT_LT(limit_s, 1.6);
+  EXPECT_GE(wait_for_silence({.time_limit_s = 1000}), 1.6);
+}
+
+// The line that the program sends late is its answer to the problem before.
+TEST(ExternalTest, LateSecondLineIsNotTakenAsTheNextAnswer) {
+  const auto solver = client();
+  expect_right(*solver);
+  TimedAnswer result;
+  solver->run(named("late line", -3.0), kPatient, result);
+  EXPECT_STREQ(to_string(result.answer.claim), "crashed");
+  EXPECT_NE(result.answer.detail.find("a line that came late or twice"), std::string::npos) << result.answer.detail;
+  EXPECT_EQ(result.answer.z.size(), 0);
+  expect_right(*solver);
+}
+
+TEST(ExternalTest, ProgramsOfVersion1RunWithANote) {
+  for (const char* version : {" --version-1", " --only-version-1"}) {
+    const auto solver = client(EXTERNAL_FAULTS + std::string(version));
+    expect_right(*solver);
+    EXPECT_EQ(run(*solver, "right").detail, "protocol version 1: a late second answer cannot be told apart");
+    EXPECT_EQ(run(*solver, "unsupported").detail, "no such problems") << "a reason that reports count";
+  }
+}
+
+TEST(ExternalTest, KeptAnswersAreNotTimed) {
+  const auto solver = client();
+  for (int round = 0; round < 5; ++round) {
+    TimedAnswer result;
+    solver->run(named("cache"), {.time_limit_s = 20, .repeat_until_s = 0.3}, result);
+    EXPECT_STREQ(to_string(result.answer.claim), "solved") << result.answer.detail;
+    EXPECT_EQ(result.answer.detail, "");
+    EXPECT_GE(result.times.solve_wall_s, 0.05) << "round " << round;
+  }
+}
+
+TEST(ExternalTest, TimeOfKeptAnswersThatDoNotFitIsThatOfTheFirstSolve) {
+  const auto solver = client();
+  TimedAnswer result;
+  solver->run(named("stale"), {.time_limit_s = 20, .repeat_until_s = 0.3}, result);
+  EXPECT_STREQ(to_string(result.answer.claim), "solved");
+  EXPECT_EQ(result.answer.detail,
+            "the time is that of one solve, since the repeats on scaled copies failed: z is not the scaled z of the "
+            "first answer");
+  EXPECT_GE(result.times.solve_wall_s, 0.05);
+  EXPECT_EQ(result.times.repeats, 1);
+}
+
+// A number that a half would round is doubled all the same.
+TEST(ExternalTest, CopiesThatAreNotExactAreLeftOutAndTheOthersAsked) {
+  Lcp lcp{2.0 * Matrix::Identity(kSize, kSize), Vector::Constant(kSize, -1.0)};
+  lcp.q(1) = 5e-324;
+  TimedAnswer result;
+  client()->run(Problem("right", lcp), {.time_limit_s = 20, .repeat_until_s = 0.3}, result);
+  EXPECT_STREQ(to_string(result.answer.claim), "solved");
+  EXPECT_EQ(result.answer.detail, "");
+  EXPECT_EQ(result.times.repeats, external::kMultiples / 2 - 1);
+}
+
+// Whether a solve is repeated depends on the clock; what is said of its answer must not.
+TEST(ExternalTest, FailureOfARepeatLeavesTheAnswer) {
+  const auto solver = client();
+  TimedAnswer result;
+  solver->run(named("crash when scaled"), {.time_limit_s = 20, .repeat_until_s = 0.3}, result);
+  EXPECT_STREQ(to_string(result.answer.claim), "solved");
+  EXPECT_EQ(result.answer.z.size(), kSize);
+  EXPECT_NE(result.answer.detail.find("exited with code 9"), std::string::npos) << result.answer.detail;
+  expect_right(*solver);
+}
+
+TEST(ExternalProgramTest, AnswerOfAProgramThatEndsBehindOurBackIsRead) {
+  external::ExternalProgram program(external::command_words("sh -c 'read line; kill -STOP $$; echo {}'"));
+  const std::vector<pid_t> children = children_of(getpid());
+  ASSERT_EQ(children.size(), 1U);
+  end_stopped_child_in_next_empty_poll(children[0]);
+  EXPECT_EQ(program.ask("{}", 100, wall_clock_s() + 20.0), "{}");
+  EXPECT_TRUE(child_has_ended_in_empty_poll());
+  EXPECT_TRUE(program.dead());
+}
+
+/// A sweep over programs that differ in an argument.
+std::unique_ptr<SweptSolver> sweep_of(int cells) {
+  std::vector<Spec> specs;
+  for (int cell = 0; cell < cells; ++cell) {
+    specs.push_back({"external", {{"command", EXTERNAL_FAULTS " " + std::to_string(cell)}}});
+  }
+  return open_swept_solver(specs);
+}
+
+/// The processes that answer the cells.
+std::set<std::int64_t> processes(SweptSolver& sweep) {
+  std::vector<SweptAnswer> answers;
+  sweep.run(named("process"), kPatient, answers);
+  std::set<std::int64_t> result;
+  for (const SweptAnswer& answer : answers) result.insert(answer.timed.answer.counters.iterations);
+  return result;
+}
+
+TEST(ExternalSweepTest, ProcessesOfAFewCellsServeAllProblems) {
+  const auto sweep = sweep_of(3);
+  const std::set<std::int64_t> first = processes(*sweep);
+  EXPECT_EQ(first.size(), 3U);
+  EXPECT_EQ(processes(*sweep), first);
+}
+
+TEST(ExternalSweepTest, ManyCellsDoNotAddUpToManyProcesses) {
+  const auto sweep = sweep_of(17);
+  EXPECT_EQ(processes(*sweep).size(), 17U);
+  EXPECT_TRUE(children_of(getpid()).empty());
+}
+
+// What the program does in "problem" is transport: 0.2 s there and 0.1 s in "setup" are told apart from 0.05 s in
+// "solve".
+TEST(ExternalTest, TimesAreTakenApartByTheWallClock) {
+  const auto solver = client();
+  TimedAnswer result;
+  solver->run(named("delays"), {.time_limit_s = 20, .repeat_until_s = 0.4}, result);
+  const SolveTimes& times = result.times;
+  ASSERT_STREQ(to_string(result.answer.claim), "solved") << result.answer.detail;
+  EXPECT_GE(times.setup_wall_s, 0.1);
+  EXPECT_GE(times.solve_wall_s, 0.05);
+  EXPECT_EQ(times.setup_cpu_s, times.setup_wall_s);
+  EXPECT_EQ(times.solve_cpu_s, times.solve_wall_s);
+  EXPECT_GE(times.transport_s, 0.2);
+  EXPECT_GT(times.repeats, 1);
+  EXPECT_LT(times.solve_wall_s, times.setup_wall_s);
+  EXPECT_LT(times.setup_wall_s, times.transport_s);
+}
+
+TEST(ExternalTest, TimeLimitIsKept) {
+  const auto solver = client();
+  expect_right(*solver);  // starting takes its time
+  const double begin_s = wall_clock_s();
+  TimedAnswer result;
+  solver->run(named("sleep"), kImpatient, result);
+  EXPECT_STREQ(to_string(result.answer.claim), "time_limit");
+  EXPECT_LT(wall_clock_s() - begin_s, 1.0);  // the program is ended at 0.3 s, not the worker at 1.3 s
+  EXPECT_NE(result.answer.detail.find("no answer within"), std::string::npos) << result.answer.detail;
+  EXPECT_GE(result.times.solve_wall_s, 0.3);
+}
+
+TEST(ExternalTest, ProblemsOfTheOtherFormsAreRefusedOrGiven) {
+  const auto contact = client(EXTERNAL_FAULTS, "contact");
+  const Answer refused = run(*contact, "right");
+  EXPECT_STREQ(to_string(refused.claim), "unsupported");
+  EXPECT_NE(refused.detail.find("needs the contact problem"), std::string::npos) << refused.detail;
+}
+
+// A message holds what the problem file of the same problem holds, number for number, on one line.
+void expect_message_is_the_file(const Problem& problem, const Problem& as_file) {
+  const std::string message = external::problem_message(problem, as_file.kind(), problem.lcp());
+  EXPECT_EQ(message.find('\n'), std::string::npos);
+  const nlohmann::json json = nlohmann::json::parse(message);
+  EXPECT_EQ(json.at("verb"), "problem");
+  EXPECT_EQ(json.at("problem"), nlohmann::json::parse(problem_json(as_file)));
+  EXPECT_EQ(problem_hash(parse_problem_json(json.at("problem").dump(), "message")), problem_hash(as_file));
+}
+
+TEST(ExternalMessageTest, ProblemsAreGivenAsInTheProblemFile) {
+  for (const char* set : {"paper/monotone/exp1", "paper/monotone/exp2", "paper/copositive/exp1", "rigid/exp1"}) {
+    const Problem problem = open_set(set)->generate(7, 3);
+    expect_message_is_the_file(problem, Problem(problem.name(), problem.lcp()));
+    expect_message_is_the_file(problem, Problem(problem.name(), *problem.contact()));
+    if (problem.scene() != nullptr) expect_message_is_the_file(problem, problem);
+  }
+  const Problem odd("a \"name\"\nof two lines", Lcp{Matrix{{-0.0, 4.9e-324}, {1e308, 0.1}}, Vector{{3.0, -1.0 / 3.0}}});
+  const nlohmann::json json = nlohmann::json::parse(external::problem_message(odd, ProblemKind::kLcp, odd.lcp()));
+  EXPECT_TRUE(std::signbit(json["problem"]["M"][0][0].get<double>()));
+  EXPECT_EQ(json["problem"]["M"][0][1].get<double>(), 4.9e-324);
+  EXPECT_EQ(json["problem"]["q"][1].get<double>(), -1.0 / 3.0);
+}
+
+// What a multiple asks for is solved by the multiple of the answer, to the last bit.
+TEST(ExternalMessageTest, MultiplesScaleProblemAndAnswerExactly) {
+  const Problem problem = open_set("paper/monotone/exp1")->generate(7, 3);
+  const Lcp lcp = problem.lcp();
+  std::set<std::string> seen;
+  const auto scaled = [&](ProblemKind kind, const external::Multiple& multiple) {
+    EXPECT_TRUE(external::is_exact(multiple, problem, kind, lcp));
+    const std::string text = external::problem_message(problem, kind, lcp, multiple);
+    EXPECT_TRUE(seen.insert(text).second) << "asked before";
+    return nlohmann::json::parse(text).at("problem");
+  };
+  const double M00 = scaled(ProblemKind::kLcp, {})["M"][0][0];
+  const double q0 = lcp.q(0);
+  const double v0 = scaled(ProblemKind::kContact, {})["v"][0];
+  double last = 1.0;
+  for (int i = 0; i < external::kMultiples; ++i) {
+    const external::Multiple multiple = external::multiple_for(ProblemKind::kLcp, i);
+    const nlohmann::json json = scaled(ProblemKind::kLcp, multiple);
+    EXPECT_EQ(json["M"][0][0].get<double>(), M00 * multiple.of_matrix());
+    EXPECT_EQ(json["q"][0].get<double>(), q0 * multiple.of_vector());
+    EXPECT_EQ(multiple.of_z() * multiple.of_matrix(), multiple.of_vector());
+    EXPECT_NE(multiple.of_z(), 1.0);
+    EXPECT_NE(multiple.of_z(), last);
+    last = multiple.of_z();
+    const external::Multiple velocities = external::multiple_for(ProblemKind::kContact, i);
+    EXPECT_EQ(scaled(ProblemKind::kContact, velocities)["v"][0].get<double>(), v0 * velocities.of_z());
+    EXPECT_EQ(velocities.of_z(), velocities.of_vector());
+  }
+  const Lcp tiny{Matrix::Identity(1, 1), Vector::Constant(1, -5e-324)};
+  EXPECT_FALSE(external::is_exact({.matrix = -1, .vector = -2}, Problem("tiny", tiny), ProblemKind::kLcp, tiny));
+  const Lcp huge{Matrix::Identity(1, 1), Vector::Constant(1, -1e308)};
+  EXPECT_FALSE(external::is_exact({.matrix = 1, .vector = 2}, Problem("huge", huge), ProblemKind::kLcp, huge));
+}
+
+TEST(ExternalMessageTest, CommandsAreSplitAtSpacesOutsideQuotes) {
+  using Words = std::vector<std::string>;
+  EXPECT_EQ(external::command_words("a"), Words{"a"});
+  EXPECT_EQ(external::command_words("  a  b\t "), (Words{"a", "b\t"}));
+  EXPECT_EQ(external::command_words("a 'b \"c' \"d 'e\"f ''"), (Words{"a", "b \"c", "d 'ef", ""}));
+  for (const char* wrong : {"", "  ", "''", "a 'b", "a \"b'"}) EXPECT_THROW(external::command_words(wrong), InputError);
+}
+
+}  // namespace
+}  // namespace lcpbench

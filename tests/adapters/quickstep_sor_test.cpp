@@ -1,0 +1,226 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include <gtest/gtest.h>
+
+#include "core/registry.h"
+#include "generators/sets.h"
+#include "native/sor/ode_order.h"
+#include "study/evaluation/evaluation.h"
+#include "study/run/open_solver.h"
+#include "tests/support/allocation_counter.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr std::uint64_t kSeed = 20120101;
+
+Answer solve(const std::string& solver, const Problem& problem) {
+  const Spec spec = parse_spec(solver);
+  const auto made = find_solver(spec.name).definition.make(spec.options);
+  made->load(problem);
+  Answer answer;
+  made->solve({}, answer);
+  return answer;
+}
+
+Answer run_in_worker(TimedSolver& solver, const Problem& problem) {
+  TimedAnswer result;
+  solver.run(problem, {}, result);
+  return result.answer;
+}
+
+// ODE takes normal x (normal x tangent) for minus the tangent. On the sets' grid of 2^-40 that holds to 2e-12, in these
+// scenes to rounding.
+Problem with_orthonormal_frames(const Problem& problem) {
+  RigidScene scene = *problem.scene();
+  for (RigidContact& contact : scene.contacts) {
+    contact.normal.normalize();
+    contact.tangent -= contact.normal.dot(contact.tangent) * contact.normal;
+    contact.tangent.normalize();
+  }
+  return Problem(problem.name(), scene);
+}
+
+// Largest difference between the iterates of QuickStep and of quickstep_sor, relative to the largest entry of z.
+double largest_difference(const std::string& settings, const std::vector<Problem>& problems) {
+  const auto quickstep = open_solver(parse_spec("ode_quickstep{" + settings + "}"));
+  double largest = 0;
+  for (const Problem& problem : problems) {
+    const Answer ode = run_in_worker(*quickstep, problem);
+    const Answer mirror = solve("quickstep_sor{" + settings + "}", problem);
+    if (ode.z.size() != problem.size() || mirror.z.size() != problem.size()) return INFINITY;
+    const double scale = ode.z.lpNorm<Eigen::Infinity>();
+    const double difference = (ode.z - mirror.z).lpNorm<Eigen::Infinity>();
+    if (!(difference <= largest * scale)) largest = difference / scale;
+  }
+  return largest;
+}
+
+std::vector<Problem> problems_of(const std::string& name, std::int64_t count, bool orthonormal) {
+  const auto set = open_set(name);
+  std::vector<Problem> problems;
+  for (std::int64_t trial = 0; trial < count; ++trial) {
+    const Problem problem = set->generate(kSeed, trial);
+    problems.push_back(orthonormal ? with_orthonormal_frames(problem) : problem);
+  }
+  return problems;
+}
+
+class AgreementTest : public ::testing::TestWithParam<std::string> {
+ protected:
+  void SetUp() override {
+    const std::string& why = find_solver("ode_quickstep").unavailable;
+    if (!why.empty()) GTEST_SKIP() << "ode_quickstep is not built: " << why;
+  }
+};
+
+// One island and several, shuffles at 8, 16, ...: every iterate is that of the library itself.
+TEST_P(AgreementTest, EveryIterateIsQuickSteps) {
+  const std::vector<Problem> problems = problems_of(GetParam(), 12, true);
+  for (int iterations = 1; iterations <= 40; ++iterations) {
+    EXPECT_LE(largest_difference("iterations=" + std::to_string(iterations), problems), 1e-12) << iterations;
+  }
+}
+
+TEST_P(AgreementTest, WithOtherSettingsToo) {
+  const std::vector<Problem> problems = problems_of(GetParam(), 12, true);
+  for (const char* settings :
+       {"iterations=0", "iterations=30,w=0.75", "iterations=30,cfm=0.01,w=1", "iterations=30,seed=4294967295"}) {
+    EXPECT_LE(largest_difference(settings, problems), 1e-12) << settings;
+  }
+  // Each sweep adds its roundings, which differ between the two.
+  EXPECT_LE(largest_difference("iterations=200,w=1", problems), 1e-9);
+}
+
+INSTANTIATE_TEST_SUITE_P(Sets, AgreementTest,
+                         ::testing::Values("rigid/exp1", "rigid/exp2{redundancy=combination}", "rigid/exp5-1e5",
+                                           "rigid/exp1{bodies_max=12,nc_max=60}", "rigid/frictional/exp1",
+                                           "rigid/frictional/exp2{redundancy=combination}",
+                                           "rigid/frictional/exp1{normals=axis}",
+                                           "rigid/frictional/exp1{bodies_max=12,nc_max=60}"),
+                         [](const auto& test) {
+                           std::string name = test.param;
+                           std::replace_if(
+                               name.begin(), name.end(), [](char c) { return std::isalnum(c) == 0; }, '_');
+                           return name;
+                         });
+
+// On the problems as they are drawn, the turned rows differ by as much as the frames are not orthonormal.
+TEST(QuickstepSorTest, OnTheDrawnFramesItAgreesAsFarAsTheyAreOrthonormal) {
+  const std::string& why = find_solver("ode_quickstep").unavailable;
+  if (!why.empty()) GTEST_SKIP() << why;
+  EXPECT_LE(largest_difference("iterations=20", problems_of("rigid/frictional/exp1", 50, false)), 1e-9);
+  EXPECT_LE(largest_difference("iterations=20", problems_of("rigid/frictional/exp1{normals=axis}", 50, false)), 1e-12);
+}
+
+TEST(QuickstepSorTest, ClaimsOnlyWhatTheEvaluationConfirms) {
+  int claimed = 0;
+  for (const char* name : {"rigid/exp1", "rigid/frictional/exp1", "rigid/frictional/exp1{edges=8}",
+                           "paper/monotone/exp1", "paper/monotone/exp3", "paper/copositive/exp1"}) {
+    const auto set = open_set(name);
+    for (std::int64_t trial = 0; trial < 20; ++trial) {
+      const Problem problem = set->generate(kSeed, trial);
+      const Answer answer = solve("quickstep_sor{iterations=3000,w=1}", problem);
+      EXPECT_TRUE(answer.claim == Claim::kSolved || answer.claim == Claim::kIterationLimit) << answer.detail;
+      EXPECT_EQ(answer.counters.iterations, 3000);
+      if (answer.claim != Claim::kSolved) continue;
+      ++claimed;
+      EXPECT_LE(Evaluator(problem).errors(answer).velocity_residual_relative, 2e-8) << problem.name();
+    }
+  }
+  EXPECT_GT(claimed, 20);
+}
+
+// Two directions with a limit of each its own, which is QuickStep's square, would leave the pyramid.
+// Sweeps leave friction impulses of 1e-17 where there are none.
+TEST(QuickstepSorTest, ClaimsAnswersWhoseZerosAreZeroToRounding) {
+  const auto set = open_set("paper/copositive/exp4");
+  for (const std::int64_t trial : {114, 205, 206}) {
+    EXPECT_EQ(solve("quickstep_sor", set->generate(20261203, trial)).claim, Claim::kSolved) << trial;
+  }
+}
+
+TEST(QuickstepSorTest, ImpulsesStayInThePyramidOfAnyNumberOfEdges) {
+  for (const char* name : {"rigid/frictional/exp1", "rigid/frictional/exp1{edges=16}", "paper/copositive/exp2"}) {
+    const auto set = open_set(name);
+    int sliding = 0;
+    for (std::int64_t trial = 0; trial < 10; ++trial) {
+      const Problem problem = set->generate(kSeed, trial);
+      const ContactProblem& contact = *problem.contact();
+      const ContactLayout layout = contact_layout(contact);
+      const Answer answer = solve("quickstep_sor{iterations=5000,w=1}", problem);
+      if (answer.claim != Claim::kSolved) continue;
+      for (Index c = 0; c < layout.nc; ++c) {
+        const auto at = static_cast<std::size_t>(c);
+        const double used =
+            answer.z.segment(layout.friction_offset() + layout.friction_begin[at], contact.edges[at]).sum();
+        const double allowed = contact.mu(c) * answer.z(c);
+        EXPECT_LE(used, allowed + 1e-6 * (1 + allowed)) << problem.name();
+        if (allowed > 1e-3 && used > (1 - 1e-6) * allowed) ++sliding;
+      }
+    }
+    EXPECT_GT(sliding, 0) << name;
+  }
+}
+
+TEST(QuickstepSorTest, TheSeedMattersFromTheFirstShuffleOn) {
+  const Problem problem = open_set("rigid/frictional/exp1")->generate(kSeed, 1);
+  const auto iterate = [&](int iterations, int seed) {
+    return solve("quickstep_sor{iterations=" + std::to_string(iterations) + ",seed=" + std::to_string(seed) + "}",
+                 problem)
+        .z;
+  };
+  EXPECT_EQ(iterate(8, 0), iterate(8, 1));
+  EXPECT_NE(iterate(9, 0), iterate(9, 1));
+}
+
+TEST(QuickstepSorTest, TheNextTimeStepNeedsNoNewMatrix) {
+  const Problem problem = open_set("rigid/frictional/exp1")->generate(kSeed, 1);
+  const auto solver = find_solver("quickstep_sor").definition.make({});
+  solver->load(problem);
+  Answer first;
+  solver->solve({}, first);
+  solver->update(-0.5 * problem.contact()->v);
+  Answer second;
+  solver->solve({}, second);
+  EXPECT_NE(first.z, second.z);
+  RigidScene next = *problem.scene();
+  for (RigidBody& body : next.bodies) {
+    body.linear_velocity *= -0.5;
+    body.angular_velocity *= -0.5;
+  }
+  EXPECT_EQ(second.z, solve("quickstep_sor", Problem("next", next)).z);
+}
+
+TEST(QuickstepSorTest, AllocatesNothingWithFriction) {
+  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  for (const char* name : {"rigid/frictional/exp1", "paper/copositive/exp1"}) {
+    const Problem problem = open_set(name)->generate(kSeed, 3);
+    const auto solver = find_solver("quickstep_sor").definition.make({});
+    solver->load(problem);
+    Answer answer;
+    solver->solve({}, answer);
+    EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << name;
+  }
+}
+
+// Bodies 0, 2 and 3 are one island, body 1 another, body 4 none. The walk begins at the last body that touches anything
+// and takes each body's contacts from the last to the first.
+TEST(OdeOrderTest, IslandsAreWalkedFromTheLastBodyAndContact) {
+  RigidScene scene;
+  scene.bodies.resize(5);
+  const auto touch = [&](int a, int b) { scene.contacts.push_back({.body_a = a, .body_b = b}); };
+  touch(0, 2);                     // 0
+  touch(1, RigidContact::kWorld);  // 1
+  touch(3, RigidContact::kWorld);  // 2
+  touch(2, 3);                     // 3
+  touch(0, RigidContact::kWorld);  // 4
+  touch(1, RigidContact::kWorld);  // 5
+  touch(3, 0);                     // 6
+  EXPECT_EQ(ode_islands(scene), (std::vector<std::vector<Index>>{{6, 3, 2, 0, 4}, {5, 1}}));
+}
+
+}  // namespace
+}  // namespace lcpbench

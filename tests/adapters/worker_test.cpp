@@ -1,0 +1,448 @@
+// What a study relies on: whatever a foreign library does, its run gets a row that says so, and the next run works.
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "adapters/worker/worker_client.h"
+#include "adapters/worker/worker_protocol.h"
+#include "core/error.h"
+#include "tests/adapters/worker_empty_poll.h"
+
+namespace lcpbench {
+
+const std::vector<RegisteredSolver>& registered_solvers() {
+  static const std::vector<RegisteredSolver> none;
+  return none;
+}
+
+namespace {
+
+using testing::internal::CaptureStderr;
+using testing::internal::CaptureStdout;
+using testing::internal::GetCapturedStderr;
+using testing::internal::GetCapturedStdout;
+
+constexpr Index kSize = 5;
+constexpr TimedRequest kPatient{.time_limit_s = 20.0};
+constexpr TimedRequest kImpatient{.time_limit_s = 0.1};
+
+Problem problem(const std::string& behaviour, double q = -1.0) {
+  return {behaviour, Lcp{2.0 * Matrix::Identity(kSize, kSize), Vector::Constant(kSize, q)}};
+}
+
+std::unique_ptr<TimedSolver> client(WorkerLimits limits = {}) {
+  limits.grace_s = 0.2;
+  return worker_solver(FAULT_WORKER, Spec{"fault", {}}, limits);
+}
+
+TimedAnswer run(TimedSolver& solver, const std::string& behaviour, const TimedRequest& request = kPatient) {
+  TimedAnswer answer;
+  solver.run(problem(behaviour), request, answer);
+  return answer;
+}
+
+/// Every entry is `value`, and there are `size` of them: Eigen's == takes equal sizes for granted.
+bool all_are(double value, const Vector& z, Index size = kSize) {
+  return z.size() == size && (z.array() == value).all();
+}
+
+void expect_right(TimedSolver& solver) {
+  const Answer answer = run(solver, "right").answer;
+  EXPECT_STREQ(to_string(answer.claim), "solved") << answer.detail;
+  EXPECT_TRUE(all_are(0.5, answer.z)) << answer.z.transpose();
+}
+
+/// First entry of the answer.
+double ask(TimedSolver& solver, const std::string& question) {
+  const Answer answer = run(solver, question).answer;
+  return answer.z.size() > 0 ? answer.z(0) : std::numeric_limits<double>::quiet_NaN();
+}
+
+bool has_children() { return waitpid(-1, nullptr, WNOHANG) != -1 || errno != ECHILD; }
+
+std::size_t open_descriptors() {
+  const std::filesystem::directory_iterator descriptors("/proc/self/fd");
+  return static_cast<std::size_t>(std::distance(begin(descriptors), end(descriptors)));
+}
+
+std::vector<pid_t> children_of(pid_t parent) {
+  std::vector<pid_t> children;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+    std::ifstream file(entry.path() / "stat");
+    std::string text;
+    if (!std::getline(file, text)) continue;
+    std::istringstream fields(text.substr(text.rfind(')') + 1));
+    std::string state;
+    pid_t its_parent = 0;
+    if (fields >> state >> its_parent && its_parent == parent) children.push_back(std::stoi(text));
+  }
+  return children;
+}
+
+/// Reaps the process, by force when the deadline passes.
+bool ends_before(double deadline_s, pid_t process) {
+  while (wall_clock_s() < deadline_s) {
+    if (waitpid(process, nullptr, WNOHANG) == process) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  kill(process, SIGKILL);
+  waitpid(process, nullptr, 0);
+  return false;
+}
+
+struct Fault {
+  const char* behaviour;
+  Claim claim;
+  const char* detail;  ///< part of it
+  TimedRequest request = kPatient;
+};
+
+void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.behaviour; }
+
+class WorkerFaultTest : public testing::TestWithParam<Fault> {};
+
+TEST_P(WorkerFaultTest, IsReportedAndTheNextRunWorks) {
+  const Fault& fault = GetParam();
+  const auto solver = client();
+  expect_right(*solver);
+  for (int i = 0; i < 2; ++i) {
+    const TimedAnswer answer = run(*solver, fault.behaviour, fault.request);
+    EXPECT_STREQ(to_string(answer.answer.claim), to_string(fault.claim)) << answer.answer.detail;
+    EXPECT_NE(answer.answer.detail.find(fault.detail), std::string::npos) << answer.answer.detail;
+    EXPECT_EQ(answer.answer.z.size(), 0);
+    expect_right(*solver);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Faults, WorkerFaultTest,
+    testing::Values(Fault{"segfault", Claim::kCrashed, "killed by signal 11 (SIGSEGV)"},
+                    Fault{"abort", Claim::kCrashed,
+                          "killed by signal 6 (SIGABRT) without an answer; stderr: assertion 'x > 0'  failed"},
+                    Fault{"exit(0)", Claim::kCrashed, "exited with code 0 without an answer"},
+                    Fault{"_exit(0)", Claim::kCrashed, "exited with code 0 without an answer"},
+                    Fault{"fork and exit", Claim::kCrashed, "exited with code 0 without an answer"},
+                    Fault{"loop for ever", Claim::kTimeLimit, "ended from outside after 0.3", kImpatient},
+                    Fault{"sleep for ever", Claim::kTimeLimit, "ended from outside after 0.3", kImpatient},
+                    Fault{"stop", Claim::kTimeLimit, "ended from outside after 0.3", kImpatient},
+                    Fault{"scribble and announce", Claim::kCrashed, "sent what is no answer: no message"},
+                    Fault{"wrong magic", Claim::kCrashed, "sent what is no answer: no message: wrong magic number"},
+                    Fault{"wrong version", Claim::kCrashed, "sent what is no answer: protocol version"},
+                    Fault{"wrong sequence", Claim::kCrashed, "sent what is no answer: sequence number"},
+                    Fault{"huge payload", Claim::kCrashed, "sent what is no answer: payload: more entries"},
+                    Fault{"no such claim", Claim::kCrashed, "sent what is no answer: claim: unknown"},
+                    Fault{"huge z", Claim::kCrashed, "sent what is no answer: z: more entries"},
+                    Fault{"close the socket", Claim::kCrashed, "closed its connection"},
+                    Fault{"write to the socket", Claim::kCrashed, "sent what is no notice of an answer"},
+                    Fault{"throw", Claim::kNumericalFailure, "exception: boom"},
+                    Fault{"throw int", Claim::kNumericalFailure, "exception of an unknown type"},
+                    Fault{"too many entries", Claim::kCrashed, "z has 100000 entries, expected 5 or none"},
+                    Fault{"velocity of an LCP", Claim::kCrashed, "velocity has 1 entries, expected none"}),
+    [](const auto& test) {
+      std::string name = test.param.behaviour;
+      for (char& c : name) {
+        if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
+      }
+      return name + std::to_string(test.index);
+    });
+
+TEST(WorkerTest, MemoryIsLimited) {
+  if (!worker::kMemoryIsLimited) GTEST_SKIP() << "AddressSanitizer excludes a limit on address space";
+  const auto solver = client({.memory_bytes = std::uint64_t{512} << 20});
+  const Answer thrown = run(*solver, "fill memory").answer;
+  EXPECT_EQ(thrown.claim, Claim::kNumericalFailure);
+  EXPECT_EQ(thrown.detail, "out of memory");
+  expect_right(*solver);
+  const Answer fatal = run(*solver, "fill memory noexcept").answer;
+  EXPECT_EQ(fatal.claim, Claim::kCrashed);
+  EXPECT_NE(fatal.detail.find("SIGABRT"), std::string::npos) << fatal.detail;
+  expect_right(*solver);
+}
+
+TEST(WorkerTest, LiesArriveUnchanged) {
+  const auto solver = client();
+  EXPECT_TRUE(all_are(0.0, run(*solver, "zeros").answer.z));
+  const Answer nan = run(*solver, "nan").answer;
+  EXPECT_EQ(nan.claim, Claim::kSolved);
+  ASSERT_EQ(nan.z.size(), kSize);
+  EXPECT_TRUE(nan.z.array().isNaN().all());
+  expect_right(*solver);
+  TimedAnswer last;
+  solver->run(problem("last answer", -4.0), kPatient, last);
+  EXPECT_TRUE(all_are(0.5, last.answer.z));
+}
+
+TEST(WorkerTest, ProblemDataSurviveAWorkerThatScribbles) {
+  const auto solver = client();
+  const Problem scribbled = problem("scribble");
+  TimedAnswer answer;
+  solver->run(scribbled, kPatient, answer);
+  EXPECT_EQ(answer.answer.claim, Claim::kSolved);
+  EXPECT_EQ(scribbled.lcp().M, 2.0 * Matrix::Identity(kSize, kSize));
+  EXPECT_EQ(scribbled.lcp().q, Vector::Constant(kSize, -1.0));
+  expect_right(*solver);
+}
+
+TEST(WorkerTest, SharedMemoryCannotBeShrunk) {
+  const auto solver = client();
+  EXPECT_EQ(run(*solver, "shrink the memory").answer.claim, Claim::kSolved);
+  expect_right(*solver);
+}
+
+TEST(WorkerTest, OutputOfAWorkerGoesNowhere) {
+  CaptureStdout();
+  CaptureStderr();
+  const auto solver = client();
+  const Answer answer = run(*solver, "print").answer;
+  const std::string printed = GetCapturedStdout() + GetCapturedStderr();
+  EXPECT_EQ(answer.claim, Claim::kSolved);
+  EXPECT_EQ(printed, "");
+}
+
+TEST(WorkerTest, LongDetailIsCutAndPrintable) {
+  const auto solver = client();
+  EXPECT_EQ(run(*solver, "long detail").answer.detail, std::string(1000, ' '));
+}
+
+TEST(WorkerTest, LeavesNoFilesBehind) {
+  const auto solver = client();
+  EXPECT_EQ(ask(*solver, "make a file"), 0.0);
+}
+
+TEST(WorkerTest, NumericalLibrariesAreHeldToOneThread) {
+  const auto solver = client();
+  EXPECT_EQ(ask(*solver, "blas threads"), 1.0);
+}
+
+TEST(WorkerTest, InheritsNoDescriptors) {
+  const int passed_on = dup(STDIN_FILENO);  // not close-on-exec
+  const auto first = client();
+  const double alone = ask(*first, "open descriptors");
+  const auto second = client();
+  EXPECT_EQ(ask(*second, "open descriptors"), alone);
+  EXPECT_EQ(alone, 6.0);  // standard three, the socket, the shared memory, and the folder being listed
+  close(passed_on);
+}
+
+TEST(WorkerTest, ProcessServesManyRunsAndOutlivesTheThreadThatStartedIt) {
+  const auto solver = client();
+  double started = 0;
+  std::thread([&] { started = ask(*solver, "pid"); }).join();
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_GT(started, 0);
+  EXPECT_EQ(ask(*solver, "pid"), started);
+}
+
+TEST(WorkerTest, WorkerThatDiedBetweenRunsIsReplaced) {
+  const auto solver = client();
+  const auto process = static_cast<pid_t>(ask(*solver, "pid"));
+  ASSERT_GT(process, 0);
+  ASSERT_EQ(kill(process, SIGKILL), 0);
+  siginfo_t info{};
+  ASSERT_EQ(waitid(P_PID, static_cast<id_t>(process), &info, WEXITED | WNOWAIT), 0);
+  expect_right(*solver);
+}
+
+// After "throw" a worker answers and ends.
+TEST(WorkerTest, AnswerOfAWorkerThatEndsBehindOurBackIsRead) {
+  const auto solver = client();
+  const auto process = static_cast<pid_t>(ask(*solver, "pid"));
+  ASSERT_GT(process, 0);
+  end_stopped_child_in_next_empty_poll(process);
+  const Answer answer = run(*solver, "stop, then throw").answer;
+  EXPECT_TRUE(child_has_ended_in_empty_poll());
+  EXPECT_STREQ(to_string(answer.claim), "numerical_failure");
+  EXPECT_EQ(answer.detail, "exception: boom");
+  expect_right(*solver);
+}
+
+TEST(WorkerTest, ProblemsGrowBeyondTheFirstSharedMemory) {
+  const auto solver = client();
+  for (const Index n : {Index{3}, Index{400}, Index{7}, Index{700}, Index{0}}) {
+    const Problem big("right", Lcp{4.0 * Matrix::Identity(n, n), Vector::Constant(n, -1.0)});
+    TimedAnswer answer;
+    solver->run(big, kPatient, answer);
+    EXPECT_EQ(answer.answer.claim, Claim::kSolved) << answer.answer.detail;
+    EXPECT_TRUE(all_are(0.25, answer.answer.z, n));
+  }
+}
+
+TEST(WorkerTest, TimesAreTakenApart) {
+  const auto solver = client();
+  const SolveTimes times = run(*solver, "right", {.repeat_until_s = 0.02}).times;
+  EXPECT_GT(times.solve_wall_s, 0);
+  EXPECT_GT(times.repeats, 1);
+  EXPECT_GT(times.transport_s, 0);
+  EXPECT_EQ(run(*solver, "right").times.repeats, 1);
+}
+
+TEST(WorkerTest, TimeOfAKilledRunIsKnown) {
+  const auto solver = client();
+  const SolveTimes times = run(*solver, "loop for ever", kImpatient).times;
+  EXPECT_GE(times.solve_wall_s, 0.3);
+  EXPECT_GT(times.solve_cpu_s, 0.0);
+  EXPECT_LE(times.solve_cpu_s, times.solve_wall_s * 1.01);
+}
+
+/// Why there is no worker to ask; "" when there is one.
+std::string worker_error(TimedSolver& solver) {
+  try {
+    run(solver, "right");
+  } catch (const WorkerError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(WorkerTest, FailureToStartIsReported) {
+  const auto detail = [](const char* executable, const char* solver = "fault") {
+    return worker_error(*worker_solver(executable, Spec{solver, {}}, {.start_timeout_s = 0.3}));
+  };
+  EXPECT_NE(detail("/nonexistent/worker").find("No such file"), std::string::npos);
+  EXPECT_NE(detail("/bin/true").find("its worker program exited with code 0 before it was ready"), std::string::npos);
+  EXPECT_NE(detail("/bin/ls").find("stderr: "), std::string::npos);
+  EXPECT_NE(detail("/bin/sleep", "1").find("was not ready in time"), std::string::npos);  // sleeps for a second
+  EXPECT_NE(worker_error(*worker_solver(FAULT_WORKER, Spec{"other", {}})).find("no solver 'other'"), std::string::npos);
+  const auto misspelt = worker_solver(FAULT_WORKER, Spec{"fault", {{"tolerence", "1"}}});
+  EXPECT_NE(worker_error(*misspelt).find("tolerence"), std::string::npos);
+  EXPECT_FALSE(has_children());
+}
+
+/// A machine without free descriptors is no crash of a solver, and its solvers work again once there are some.
+TEST(WorkerTest, LackOfDescriptorsIsNoAnswer) {
+  if (!worker::kMemoryIsLimited) GTEST_SKIP() << "the sanitizers need free descriptors for checks of their own";
+  const auto solver = client();
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  rlimit none = before;
+  none.rlim_cur = 3;
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &none), 0);
+  const std::string error = worker_error(*solver);
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
+  EXPECT_NE(error.find("Too many open files"), std::string::npos) << error;
+  expect_right(*solver);
+}
+
+TEST(WorkerTest, NeitherZombiesNorDescriptorsAreLeft) {
+  expect_right(*client());
+  const std::size_t before = open_descriptors();
+  {
+    const auto solver = client();
+    const auto idle = client();
+    expect_right(*idle);
+    for (int i = 0; i < 10; ++i) {
+      run(*solver, i % 2 == 0 ? "segfault" : "scribble and announce");
+      expect_right(*solver);
+    }
+  }
+  EXPECT_EQ(open_descriptors(), before);
+  EXPECT_FALSE(has_children());
+}
+
+TEST(WorkerTest, ChildrenOfAWorkerEndWithIt) {
+  prctl(PR_SET_CHILD_SUBREAPER, 1);  // an orphan becomes ours, and can be waited for
+  {
+    const auto solver = client();
+    run(*solver, "fork and exit");
+  }
+  const std::vector<pid_t> orphans = children_of(getpid());
+  ASSERT_EQ(orphans.size(), 1U);
+  EXPECT_TRUE(ends_before(wall_clock_s() + 5.0, orphans[0])) << "the worker's child lives on";
+  prctl(PR_SET_CHILD_SUBREAPER, 0);
+}
+
+TEST(WorkerTest, ManyClientsInTwoThreads) {
+  const auto work = [] {
+    std::vector<std::unique_ptr<TimedSolver>> solvers;
+    for (int i = 0; i < 4; ++i) solvers.push_back(client());
+    for (int round = 0; round < 10; ++round) {
+      for (const auto& solver : solvers) {
+        expect_right(*solver);
+        if (round % 3 != 0) continue;
+        EXPECT_EQ(run(*solver, "segfault").answer.claim, Claim::kCrashed);
+      }
+    }
+  };
+  std::thread one(work);
+  std::thread two(work);
+  one.join();
+  two.join();
+  EXPECT_FALSE(has_children());
+}
+
+TEST(WorkerTest, KillOfTheProgramEndsIdleAndBusyWorkers) {
+  prctl(PR_SET_CHILD_SUBREAPER, 1);
+  std::array<int, 2> ends{};
+  ASSERT_EQ(pipe2(ends.data(), O_CLOEXEC), 0);
+  const pid_t program = fork();
+  if (program == 0) {
+    dup2(ends[1], STDOUT_FILENO);
+    execl(WORKER_PARENT, WORKER_PARENT, FAULT_WORKER, nullptr);
+    _exit(127);
+  }
+  close(ends[1]);
+  std::array<char, 6> ready{};
+  ASSERT_EQ(read(ends[0], ready.data(), ready.size()), 6);
+  std::vector<pid_t> workers;
+  for (int i = 0; i < 500 && workers.size() < 2; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    workers = children_of(program);
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // the second is in its loop by now
+  ASSERT_EQ(workers.size(), 2U);
+
+  const double begin = wall_clock_s();
+  kill(program, SIGKILL);
+  waitpid(program, nullptr, 0);
+  for (const pid_t worker : workers) EXPECT_TRUE(ends_before(begin + 5.0, worker)) << "a worker lives on";
+  close(ends[0]);
+  prctl(PR_SET_CHILD_SUBREAPER, 0);
+}
+
+RegisteredSolver registered(const char* worker, const char* unavailable) {
+  RegisteredSolver solver;
+  solver.definition.name = "some";
+  solver.worker = worker;
+  solver.unavailable = unavailable;
+  return solver;
+}
+
+std::string executable_error(const RegisteredSolver& solver) {
+  try {
+    return "found " + worker_executable(solver).string();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+}
+
+TEST(WorkerExecutableTest, IsLookedForBesideTheProgram) {
+  const std::filesystem::path fault_worker = std::filesystem::canonical(FAULT_WORKER);
+  const std::string name = fault_worker.filename().string();
+  EXPECT_EQ(worker_executable(registered(name.c_str(), "")), fault_worker);
+  EXPECT_NE(executable_error(registered("no-such-worker", "")).find("missing"), std::string::npos);
+  EXPECT_NE(executable_error(registered(name.c_str(), "not installed")).find("not installed"), std::string::npos);
+  EXPECT_NE(executable_error(registered("", "")).find("native"), std::string::npos);
+  setenv("LCPBENCH_WORKER_DIR", "/nonexistent", 1);
+  EXPECT_NE(executable_error(registered(name.c_str(), "")).find("/nonexistent/"), std::string::npos);
+  unsetenv("LCPBENCH_WORKER_DIR");
+}
+
+}  // namespace
+}  // namespace lcpbench

@@ -1,0 +1,447 @@
+#include <cmath>
+#include <initializer_list>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "study/certify/certificate.h"
+#include "study/certify/exact_checks.h"
+#include "study/certify/integers.h"
+#include "study/certify/lifting.h"
+#include "study/certify/reduction.h"
+#include "tests/certify/certificate_check.h"
+#include "tests/support/evaluation_cases.h"
+
+namespace lcpbench {
+namespace {
+
+using testing::expect_proof;
+using testing::Rational;
+using testing::rationals;
+
+Certificate certify(const Problem& problem, CertifyOptions options = {}) {
+  Certificate certificate = Certifier(options).certify(problem);
+  expect_proof(problem, certificate);
+  return certificate;
+}
+
+Problem bare(std::initializer_list<double> row_major, std::initializer_list<double> q) {
+  const auto n = static_cast<Index>(q.size());
+  return Problem("bare", Lcp{Matrix(vec(row_major).reshaped(n, n).transpose()), vec(q)});
+}
+
+void expect_solution(const Certificate& certificate, const Vector& z) {
+  EXPECT_EQ(certificate.kind, CertificateKind::kSolution) << certificate.detail;
+  EXPECT_EQ(certificate.proof, ProofKind::kExactBasis);
+  EXPECT_EQ(certificate.z, z);
+}
+
+TEST(CertifyTest, OneContactHasItsImpulseAndItsOnlyVelocity) {
+  const Problem problem(
+      "falling", frictionless(vec({2, -1}), Matrix(vec({0, 1})), DenseInertia{Matrix(vec({3, 4}).asDiagonal())}));
+  const Certificate certificate = certify(problem);
+  expect_solution(certificate, vec({4}));
+  EXPECT_EQ(certificate.velocity, vec({2, 0}));
+  EXPECT_EQ(certificate.velocity_unique, true);
+  EXPECT_EQ(rationals(certificate.exact_z), (testing::RationalVector{4}));
+}
+
+TEST(CertifyTest, AFrictionalContactSlidesAsWorkedOutByHand) {
+  const Certificate certificate = certify(sliding_particle());
+  expect_solution(certificate, sliding_answer());
+  EXPECT_EQ(certificate.velocity, vec({1.5, 0}));
+  EXPECT_FALSE(certificate.velocity_unique.has_value());
+}
+
+TEST(CertifyTest, AFractionIsExactAndItsDoubleIsTheNearest) {
+  const Certificate certificate = certify(bare({3}, {-1}));
+  expect_solution(certificate, vec({1.0 / 3}));
+  EXPECT_EQ(rationals(certificate.exact_z), (testing::RationalVector{Rational(1, 3)}));
+}
+
+// Four corners of a box: one of their normals depends on the others, so that the impulses are not determined.
+TEST(CertifyTest, RedundantCornersOfABoxHaveOneVelocity) {
+  Matrix N(3, 4);  // vertical velocity and two rotations
+  N << 1, 1, 1, 1, -1, 1, -1, 1, -1, -1, 1, 1;
+  const Vector v = vec({-1, 0, 0});
+  const Matrix G = Matrix(vec({2, 3, 5}).asDiagonal());
+  Matrix X(3, 3);
+  X << 1, 1, 0, 0, 1, 1, 0, 0, 1;
+  for (const Inertia& inertia :
+       {Inertia(DenseInertia{G}), Inertia(BlockInertia{{G.topLeftCorner(1, 1), G.bottomRightCorner(2, 2)}}),
+        Inertia(FactoredInertia{X, vec({1, 2, 3})}), Inertia(InverseInertia{G})}) {
+    const Certificate certificate = certify(Problem("box", frictionless(v, N, inertia)));
+    EXPECT_EQ(certificate.kind, CertificateKind::kSolution) << certificate.detail;
+    EXPECT_EQ(certificate.velocity, vec({0, 0, 0}));
+    EXPECT_EQ(certificate.velocity_unique, true);
+  }
+}
+
+TEST(CertifyTest, APlateOnFourFrictionalCornersIsCertifiedFromItsScene) {
+  const Problem problem("plate", plate());
+  const Certificate certificate = certify(problem);
+  EXPECT_EQ(certificate.kind, CertificateKind::kSolution) << certificate.detail;
+  ASSERT_EQ(certificate.velocity.size(), 6);
+  EXPECT_NEAR(certificate.velocity.cwiseAbs().maxCoeff(), 1.5, 1e-12);
+}
+
+// Two contacts push along x against each other and up together; nothing has inertia along y.
+Problem squeezed(double vx, double vy, double right = -1) {
+  Matrix N(2, 2);
+  N << 1, right, 1, 1;
+  return Problem("squeezed", frictionless(vec({vx, vy}), N, FactoredInertia{Matrix(vec({1, 0})), vec({2})}));
+}
+
+TEST(CertifyTest, AReducedRankProblemIsSolvedOrContradicted) {
+  const Certificate unsolvable = certify(squeezed(0.25, -1));
+  EXPECT_EQ(unsolvable.kind, CertificateKind::kUnsolvable) << unsolvable.detail;
+  EXPECT_EQ(unsolvable.proof, ProofKind::kFarkas);
+  EXPECT_EQ(unsolvable.farkas, vec({1, 1}));
+  const Certificate uneven = certify(squeezed(0.25, -1, -0.3));
+  EXPECT_EQ(uneven.kind, CertificateKind::kUnsolvable) << uneven.detail;
+  EXPECT_EQ(uneven.farkas, vec({0.3, 1}));
+  const Certificate barely = certify(squeezed(0, -0x1p-1000));
+  EXPECT_EQ(barely.kind, CertificateKind::kUnsolvable) << barely.detail;
+  const Certificate solvable = certify(squeezed(0.25, 0));
+  EXPECT_EQ(solvable.kind, CertificateKind::kSolution) << solvable.detail;
+  EXPECT_EQ(solvable.velocity_unique, true);
+}
+
+TEST(CertifyTest, FactorsThatDependOnEachOtherOrWeighNothingAreNoHindrance) {
+  Matrix X(3, 4);
+  X << 1, 2, 0, 1, 0, 0, 1, 1, 0, 0, 0, 1;
+  const Vector alpha = vec({1, 3, 2, 0});
+  Matrix N(3, 3);
+  N << 1, 0, 1, 0, 1, 1, 0, 0, 0.5;
+  const Certificate solvable =
+      certify(Problem("dependent", frictionless(vec({-1, -1, 5}), N, FactoredInertia{X, alpha})));
+  EXPECT_EQ(solvable.kind, CertificateKind::kSolution) << solvable.detail;
+  EXPECT_EQ(solvable.velocity, vec({0, 0, 5}));
+  N << 1, -1, 1, 0, 0, 1, 1, 1, 0.5;
+  const Certificate unsolvable =
+      certify(Problem("dependent", frictionless(vec({0, 0, -1}), N, FactoredInertia{X, alpha})));
+  EXPECT_EQ(unsolvable.kind, CertificateKind::kUnsolvable) << unsolvable.detail;
+}
+
+TEST(CertifyTest, AnUnsolvableFrictionalProblemIsContradictedByItsNormals) {
+  ContactProblem problem = *squeezed(0.25, -1).contact();
+  Matrix D(2, 4);
+  D << 0, 0, 1, -1, 1, -1, 0, 0;
+  problem.D = D;
+  problem.edges = {2, 2};
+  problem.mu = vec({0.5, 0.25});
+  const Certificate certificate = certify(Problem("gripped", problem));
+  EXPECT_EQ(certificate.kind, CertificateKind::kUnsolvable) << certificate.detail;
+  EXPECT_EQ(certificate.farkas, vec({1, 1, 0, 0, 0, 0}));
+}
+
+TEST(CertifyTest, InertiaThatIsNoInertiaProvesNothing) {
+  Matrix G(2, 2);
+  G << 1, 2, 2, 1;
+  EXPECT_EQ(certify(Problem("indefinite", frictionless(vec({0, -1}), Matrix(vec({0, 1})), DenseInertia{G}))).kind,
+            CertificateKind::kOpen);
+  EXPECT_EQ(certify(Problem("negative", frictionless(vec({0, -1}), Matrix(vec({0, 1})),
+                                                     FactoredInertia{Matrix::Identity(2, 2), vec({1, -1})})))
+                .kind,
+            CertificateKind::kOpen);
+}
+
+TEST(CertifyTest, SolutionsBeyondLemkesRaysAreFound) {
+  expect_solution(certify(bare({0, 1, 1, 0}, {-2, -2})), vec({2, 2}));
+}
+
+TEST(CertifyTest, AFeasibleProblemWithoutSolutionIsContradictedConeByCone) {
+  const Certificate certificate = certify(bare({2, 0, 1, 0}, {-2, -2}));
+  EXPECT_EQ(certificate.kind, CertificateKind::kUnsolvable) << certificate.detail;
+  EXPECT_EQ(certificate.proof, ProofKind::kBranching);
+  EXPECT_GE(certificate.branches.size(), 3U);
+}
+
+TEST(CertifyTest, AnInfeasibleProblemIsContradicted) {
+  const Certificate monotone = certify(bare({1, -1, -1, 1}, {-1, -1}));
+  EXPECT_EQ(monotone.proof, ProofKind::kFarkas) << monotone.detail;
+  EXPECT_EQ(monotone.farkas, vec({1, 1}));
+  const Certificate negative = certify(bare({-1, 0, 0, 1}, {-1, -1}));  // w_1 = -1 - z_1, and M is not semidefinite
+  EXPECT_EQ(negative.proof, ProofKind::kFarkas) << negative.detail;
+}
+
+TEST(CertifyTest, EmptyProblemsAreSolved) {
+  EXPECT_EQ(certify(Problem("nothing", Lcp{Matrix(0, 0), Vector(0)})).kind, CertificateKind::kSolution);
+  const Certificate free =
+      certify(Problem("free", frictionless(vec({1, 2}), Matrix(2, 0), DenseInertia{Matrix::Identity(2, 2)})));
+  EXPECT_EQ(free.kind, CertificateKind::kSolution) << free.detail;
+  EXPECT_EQ(free.velocity, vec({1, 2}));
+}
+
+TEST(CertifyTest, TinyAndHugeDataAreExact) {
+  const auto scaled = [](double inertia, double velocity) {
+    Matrix N(2, 2);
+    N << 1, 0.5, 0, 1;
+    return Problem("scaled", frictionless(velocity * vec({-1, -1}), N, DenseInertia{inertia * Matrix::Identity(2, 2)}));
+  };
+  const Vector z = certify(scaled(1, 1)).z;
+  EXPECT_EQ(certify(scaled(0x1p1000, 0x1p-1000)).z, z);
+  EXPECT_EQ(certify(scaled(0x1p-1000, 0x1p1000)).z, z);
+  for (const double inertia : {1e-300, 1e300}) {
+    for (const double velocity : {1e-300, 1e-5, 1e300}) {
+      EXPECT_EQ(certify(scaled(inertia, velocity)).kind, CertificateKind::kSolution) << inertia << " " << velocity;
+    }
+  }
+  expect_solution(certify(bare({1e-300, 0, 0, 1e300}, {-1e-300, -1e300})), vec({1, 1}));
+}
+
+TEST(CertifyTest, DataThatAreNoNumbersAreRefused) {
+  EXPECT_THROW(certify(bare({kNan}, {1})), InputError);
+  EXPECT_THROW(certify(bare({1}, {kInf})), InputError);
+  EXPECT_THROW(certify(Problem("nan", frictionless(vec({kNan}), Matrix::Ones(1, 1), DenseInertia{Matrix::Ones(1, 1)}))),
+               InputError);
+}
+
+TEST(CertifyTest, TheTimeLimitIsObeyed) {
+  const Certificate none = certify(sliding_particle(), {.time_limit_s = 0});
+  EXPECT_EQ(none.kind, CertificateKind::kOpen);
+  EXPECT_EQ(none.detail, "the time limit passed");
+  Draw draw(3);
+  const Problem hard("hard", Lcp{draw.matrix(60, 60), -draw.vector(60).cwiseAbs() - Vector::Ones(60)});
+  const Certificate limited = certify(hard, {.time_limit_s = 0.05});
+  EXPECT_LT(limited.seconds, 2);  // the longest step, with room for a loaded machine and sanitizers
+}
+
+// Painleve's paradox: mu couples so much that a pressed contact draws itself in. Free flight at (5, 1) and sliding at
+// (2, 0) under f_n = 1, f_t = -2 are both solutions: M_dense = [1 1; 1 2], q = (1, 5), mu = 2.
+TEST(CertifyTest, TwoVelocitiesOfPainlevesParadoxAreBothCertified) {
+  ContactProblem problem;
+  problem.v = vec({1, 5});
+  problem.N = Matrix(vec({1, 0}));
+  Matrix D(2, 2);
+  D << 0, 0, 1, -1;
+  problem.D = D;
+  problem.edges = {2};
+  problem.mu = vec({2});
+  Matrix G(2, 2);
+  G << 2, -1, -1, 1;  // the inverse of [1 1; 1 2]
+  problem.inertia = DenseInertia{G};
+  const Certificate certificate = certify(Problem("paradox", problem), {.seek_other_velocity = true});
+  EXPECT_EQ(certificate.kind, CertificateKind::kSolution);
+  EXPECT_EQ(certificate.velocity_unique, false);
+  const bool free_first = certificate.velocity(0) == 1;
+  EXPECT_EQ(certificate.velocity, free_first ? vec({1, 5}) : vec({0, 2}));
+  const testing::RationalVector other = rationals(certificate.exact_other_potential);
+  EXPECT_EQ(other, free_first ? (testing::RationalVector{-1, -3}) : (testing::RationalVector{0, 0}));
+  EXPECT_FALSE(certify(Problem("paradox", problem)).velocity_unique.has_value());
+}
+
+TEST(CertifyTest, TheSameProblemHasTheSameCertificateWhateverCameBefore) {
+  Draw draw(5);
+  const Problem problem("frictional", random_frictional(draw, 4, 4, 4));
+  const Problem other("other", random_frictional(draw, 5, 3, 4));
+  Certifier certifier({});
+  const Certificate first = certifier.certify(problem);
+  certifier.certify(other);
+  const Certificate again = certifier.certify(problem);
+  EXPECT_EQ(first.exact_z.numerators, again.exact_z.numerators);
+  EXPECT_EQ(first.exact_z.denominator, again.exact_z.denominator);
+  EXPECT_EQ(first.detail, again.detail);
+}
+
+// Random problems of few unknowns, most of them neither monotone nor copositive: exact Lemke, branch and bound and
+// floats must find the same answer as the certificate proves, and none may be left open.
+TEST(CertifyTest, SmallBareProblemsAreAllDecided) {
+  Draw draw(23);
+  int solvable = 0;
+  int branched = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    const Index n = 1 + trial % 5;
+    const Problem problem("small", Lcp{draw.matrix(n, n), draw.vector(n)});
+    const Certificate certificate = certify(problem);
+    EXPECT_NE(certificate.kind, CertificateKind::kOpen) << trial;
+    solvable += certificate.kind == CertificateKind::kSolution ? 1 : 0;
+    branched += certificate.proof == ProofKind::kBranching ? 1 : 0;
+  }
+  EXPECT_GT(solvable, 100);
+  EXPECT_GT(branched, 5);
+}
+
+// Huge or nearly equal entries leave both entries of a pair above zero, to rounding, even where one was imposed to be
+// zero. A search that splits such a pair again never ends. Each problem is unsolvable, by its four cones:
+// with z_2 = 0 the second row asks for z_1 >= 1, whose w_1 > 0; with z_2 > 0 it asks for z_1 = 1, and w_1 > 0 again.
+TEST(CertifyTest, PairsThatRoundingLeavesOpenAreNotSplitTwice) {
+  EXPECT_EQ(certify(bare({1, 1e20, 1, 0}, {0, -1})).kind, CertificateKind::kUnsolvable);
+  // z_2 = 1 from the first row leaves w_2 = 1e-10; a greater z_2 leaves w_1 > 0 too.
+  EXPECT_EQ(certify(bare({0, 3, 0, 1}, {-3, -0.9999999999})).kind, CertificateKind::kUnsolvable);
+}
+
+/// Whether q + M z has a complementary solution, by Gauss and Jordan on every choice of a column for each row,
+/// dependent choices included: a row may go without any column, so that independent choices suffice. [Caratheodory]
+bool solvable_by_brute_force(const Lcp& lcp) {
+  const auto n = static_cast<std::size_t>(lcp.size());
+  std::size_t choices = 1;
+  for (std::size_t i = 0; i < n; ++i) choices *= 3;
+  for (std::size_t choice = 0; choice < choices; ++choice) {
+    std::vector<testing::RationalVector> columns;  // of w - M z = q, then q
+    for (std::size_t i = 0, digits = choice; i < n; ++i, digits /= 3) {
+      if (digits % 3 == 2) continue;
+      testing::RationalVector column(n);
+      for (std::size_t r = 0; r < n; ++r) {
+        const double entry = lcp.M(static_cast<Index>(r), static_cast<Index>(i));
+        column[r] = digits % 3 == 1 ? Rational(-entry) : Rational(r == i ? 1 : 0);
+      }
+      columns.push_back(std::move(column));
+    }
+    columns.push_back(rationals(lcp.q));
+    std::size_t rank = 0;
+    bool independent = true;
+    for (std::size_t c = 0; c + 1 < columns.size() && independent; ++c) {
+      std::size_t pivot = rank;
+      while (pivot < n && columns[c][pivot].is_zero()) ++pivot;
+      independent = pivot < n;
+      if (!independent) break;
+      for (auto& column : columns) std::swap(column[pivot], column[rank]);
+      for (std::size_t r = 0; r < n; ++r) {
+        if (r == rank || columns[c][r].is_zero()) continue;
+        const Rational ratio = columns[c][r] / columns[c][rank];
+        for (std::size_t d = c; d < columns.size(); ++d) columns[d][r] -= ratio * columns[d][rank];
+      }
+      ++rank;
+    }
+    bool solves = independent;
+    for (std::size_t r = 0; r < n && solves; ++r) {
+      const Rational& right = columns.back()[r];
+      solves = r < rank ? right.is_zero() || (right > 0) == (columns[r][r] > 0) : right.is_zero();
+    }
+    if (solves) return true;
+  }
+  return false;
+}
+
+/// Entries that tie, differ by an ulp or in the 10th digit, or lie hundreds of orders of magnitude apart.
+double nasty_entry(Draw& draw, int style) {
+  const double base = std::round(3 * draw.vector(1)(0));
+  switch (style) {
+    case 0: return base;
+    case 1: return std::nextafter(base, draw.vector(1)(0) > 0 ? 10.0 : -10.0);
+    case 2: return base * (1 + 1e-10 * std::round(draw.vector(1)(0)));
+    case 3: return base * std::exp2(std::round(900 * draw.vector(1)(0)));
+    default: return base == 0 ? std::numeric_limits<double>::denorm_min() : base;
+  }
+}
+
+TEST(CertifyTest, NastySmallProblemsAreDecidedAsByBruteForce) {
+  Draw draw(20260721);
+  int solvable = 0;
+  int unsolvable = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    const Index n = 1 + trial % 4;
+    Lcp lcp{Matrix(n, n), Vector(n)};
+    for (double& entry : lcp.M.reshaped()) entry = nasty_entry(draw, trial % 5);
+    for (double& entry : lcp.q) entry = nasty_entry(draw, trial % 5);
+    if (trial % 3 == 0 && n > 1) lcp.M.row(0) = 2 * lcp.M.row(n - 1);
+    if (trial % 7 == 0) lcp.M = Matrix(lcp.M - lcp.M.transpose());
+    const Certificate certificate = certify(Problem("nasty", lcp));
+    const bool truth = solvable_by_brute_force(lcp);
+    ASSERT_EQ(certificate.kind, truth ? CertificateKind::kSolution : CertificateKind::kUnsolvable)
+        << trial << ": " << certificate.detail;
+    (truth ? solvable : unsolvable) += 1;
+  }
+  EXPECT_GT(solvable, 100);
+  EXPECT_GT(unsolvable, 50);
+}
+
+// Two equal columns and entries that are zero to rounding: the support of a float answer is no basis.
+TEST(CertifyTest, RowsThatAFloatAnswerLeavesUnclearAreSettledExactly) {
+  const double tiny = 0x1p-60;
+  Matrix M(3, 3);
+  M << 2, 2, 0, 2, 2 + tiny, 1, 0, 1, tiny;
+  const Problem problem("unclear", Lcp{M, vec({-2, -2, -tiny})});
+  const exact::ExactSystem system = exact::bare_system(problem.lcp());
+  const exact::Deadline deadline(60);
+  const exact::Guess guess = exact::classified(problem, vec({1, 0, 0}), 1e-9);
+  EXPECT_EQ(guess.basis, std::vector<Index>{0});
+  EXPECT_EQ(guess.unclear.size(), 2U);
+  const auto accepts = [&](const exact::ExactPoint& point) { return is_solution(system, point, deadline); };
+  EXPECT_EQ(exact::settled_near(system, guess, deadline, accepts).has_value(), solvable_by_brute_force(problem.lcp()));
+}
+
+// Exact arithmetic on entries of 2000 bits: one step takes longer than the limit.
+TEST(CertifyTest, TheTimeLimitHoldsWithinAStep) {
+  Draw draw(9);
+  Matrix M = draw.matrix(90, 90);
+  for (double& entry : M.reshaped()) entry *= std::exp2(std::round(900 * draw.vector(1)(0)));
+  const Certificate wide = certify(Problem("wide", Lcp{M, draw.vector(90)}), {.time_limit_s = 0.2});
+  EXPECT_LT(wide.seconds, 2);  // with room for a loaded machine and sanitizers
+  ContactProblem contact = random_frictional(draw, 60, 60, 4);
+  const Certificate large = certify(Problem("large", contact), {.time_limit_s = 0.2});
+  EXPECT_LT(large.seconds, 2);
+}
+
+TEST(LiftingTest, SolutionsAndDeterminantsAreExact) {
+  Draw draw(11);
+  const exact::Deadline deadline(60);
+  for (Index n = 1; n <= 12; ++n) {
+    const exact::Dyadic A = exact::to_dyadic(draw.matrix(n, n));
+    const exact::Dyadic b = exact::to_dyadic(Matrix(draw.vector(n)));
+    const exact::Lifting lifting(A.m, deadline);
+    exact::IntegerMatrix x;
+    exact::Integer denominator;
+    ASSERT_TRUE(lifting.solve(b.m, x, denominator));
+    const exact::IntegerMatrix left = product(A.m, x, deadline);
+    exact::Integer right;
+    for (Index i = 0; i < n; ++i) {
+      fmpz_mul(right.get(), b.m(i, 0), denominator.get());
+      EXPECT_NE(fmpz_equal(left(i, 0), right.get()), 0) << n;
+    }
+    exact::Integer determinant;
+    fmpz_mat_det(determinant.get(), A.m.get());
+    fmpz_abs(determinant.get(), determinant.get());
+    const exact::Integer cofactor = lifting.determinant_over(denominator);
+    fmpz_mul(right.get(), cofactor.get(), denominator.get());
+    EXPECT_NE(fmpz_equal(right.get(), determinant.get()), 0) << n;
+  }
+}
+
+TEST(LiftingTest, SingularSystemsAreRefusedAndATimeThatIsUpEndsThem) {
+  const exact::Deadline deadline(60);
+  const exact::Dyadic A = exact::to_dyadic(Matrix::Ones(2, 2));
+  EXPECT_FALSE(exact::Lifting(A.m, deadline).possible());
+  const exact::Deadline passed(0);
+  EXPECT_THROW(exact::Lifting(exact::identity(3), passed), exact::TimePassed);
+}
+
+TEST(RoundingTest, QuotientsRoundAsTheProcessorDividesThem) {
+  Draw draw(29);
+  for (int trial = 0; trial < 20000; ++trial) {
+    const auto mantissa = [&] { return static_cast<slong>(draw.bits() >> 11) + 1; };
+    const slong a = mantissa();
+    const slong b = mantissa();
+    const int shift = static_cast<int>(draw.bits() % 2200) - 1100;
+    // a 2^shift / b: scaled in two exact steps where b is a power of two only, so both operands stay normal
+    const double left = std::ldexp(static_cast<double>(a), std::max(shift, -1000));
+    const double right = std::ldexp(static_cast<double>(b), std::max(0, -1000 - shift));
+    if (!std::isfinite(left)) continue;
+    EXPECT_EQ(exact::rounded(exact::Integer(a), shift, exact::Integer(b)), left / right)
+        << a << " " << shift << " " << b;
+  }
+}
+
+TEST(RoundingTest, TiesGoToEvenAndTheEndsOfTheRangeAreKept) {
+  using exact::Integer;
+  using exact::rounded;
+  const slong big = slong{1} << 53;
+  EXPECT_EQ(rounded(Integer(big + 1), 0, Integer(1)), static_cast<double>(big));
+  EXPECT_EQ(rounded(Integer(-big - 3), 0, Integer(1)), -static_cast<double>(big + 4));
+  EXPECT_EQ(rounded(Integer(1), -1074, Integer(1)), 0x1p-1074);
+  EXPECT_EQ(rounded(Integer(1), -1075, Integer(1)), 0);
+  EXPECT_EQ(rounded(Integer(3), -1076, Integer(1)), 0x1p-1074);
+  EXPECT_EQ(rounded(Integer(1), -100000, Integer(1)), 0);
+  EXPECT_EQ(rounded(Integer(big - 1), 971, Integer(1)), std::numeric_limits<double>::max());
+  EXPECT_EQ(rounded(Integer(2 * big - 1), 970, Integer(1)), kInf);
+  EXPECT_EQ(rounded(Integer(-1), 100000, Integer(1)), -kInf);
+  EXPECT_EQ(rounded(Integer(0), 100000, Integer(1)), 0);
+}
+
+}  // namespace
+}  // namespace lcpbench

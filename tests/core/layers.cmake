@@ -1,0 +1,85 @@
+# Fails on an include that points upward, or that is not spelled from the root. Run as: cmake -DROOT=<source> -P tests/core/layers.cmake
+#
+#   core  <-  generators, native, adapters  <-  study        tests may include everything
+#   core  <-  study/evaluation  <-  study
+#   study/measure, programs that are no part of the tool, may include native/ too
+#
+# One exception: two files of adapters/ may include native/velocity_ipm and native/answer_test. SuiteSparse's worker is
+# that native method with CHOLMOD inside, so that it tests its answers as every native solver does, and CHOLMOD's licence
+# keeps it out of everything but a worker (docs/decisions/005-workers-for-foreign-code.md).
+#
+# Another: the programs that capture scenes include the header that users' own engines include, examples/capture.
+#
+# The evaluation knows core only, so that no verdict can depend on a solver or a generator.
+set(allowed_core core)
+set(allowed_generators core generators)
+set(allowed_native core native)
+set(allowed_adapters core adapters examples/capture)  # the header is for any engine
+set(allowed_study core generators adapters study)
+set(allowed_evaluation core study/evaluation)
+set(capture_program adapters/capture/program.cpp)
+set(native_method_files adapters/suitesparse/velocity_ipm_cholmod.cpp adapters/suitesparse/cholmod_factorization.h)
+
+set(violations "")
+set(seen 0)
+foreach(layer core generators native adapters study)
+  file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/${layer}/*.h ${ROOT}/${layer}/*.cpp ${ROOT}/${layer}/*.inc)
+  foreach(file IN LISTS files)
+    math(EXPR seen "${seen} + 1")
+    set(allowed ${allowed_${layer}})
+    if(file MATCHES "^study/measure/")
+      list(APPEND allowed native)
+    endif()
+    if(file MATCHES "^study/evaluation/")
+      set(allowed ${allowed_evaluation})
+    endif()
+    if(file STREQUAL capture_program)
+      list(APPEND allowed examples/capture)
+    endif()
+    list(FIND native_method_files ${file} position)
+    if(position GREATER -1)
+      list(APPEND allowed native/velocity_ipm native/answer_test)
+    endif()
+    file(STRINGS ${ROOT}/${file} includes REGEX "^[ \t]*#[ \t]*include[ \t]+\"")
+    foreach(include IN LISTS includes)
+      string(REGEX REPLACE "^[^\"]*\"([^\"]*)\".*$" "\\1" target "${include}")
+      set(fits FALSE)
+      foreach(prefix IN LISTS allowed)
+        if(target MATCHES "^${prefix}[/._]")
+          set(fits TRUE)
+        endif()
+      endforeach()
+      if(NOT fits)
+        string(APPEND violations "  ${file} includes \"${target}\"; ${layer} may include: ${allowed}\n")
+      endif()
+    endforeach()
+  endforeach()
+endforeach()
+
+# A name without its folder means another file to each reader and each compiler.
+file(GLOB_RECURSE test_files RELATIVE ${ROOT} ${ROOT}/tests/*.h ${ROOT}/tests/*.cpp)
+foreach(file IN LISTS test_files)
+  file(STRINGS ${ROOT}/${file} includes REGEX "^[ \t]*#[ \t]*include[ \t]+\"[^/\"]+\"")
+  foreach(include IN LISTS includes)
+    string(APPEND violations "  ${file}: ${include}: includes are spelled from the root\n")
+  endforeach()
+endforeach()
+
+# core and the public part of every layer stay free of foreign libraries: core knows Eigen and the standard library.
+file(GLOB core_files RELATIVE ${ROOT} ${ROOT}/core/*.h ${ROOT}/core/*.cpp)
+foreach(file IN LISTS core_files)
+  file(STRINGS ${ROOT}/${file} includes REGEX "^[ \t]*#[ \t]*include[ \t]+<[A-Za-z0-9_]+/")
+  foreach(include IN LISTS includes)
+    if(NOT include MATCHES "<(Eigen|sys)/")
+      string(APPEND violations "  ${file}: ${include}: core knows Eigen and the standard library only\n")
+    endif()
+  endforeach()
+endforeach()
+
+if(seen LESS 20)
+  message(FATAL_ERROR "looked at only ${seen} files under '${ROOT}': wrong ROOT?")
+endif()
+if(violations)
+  message(FATAL_ERROR "includes that break the layers:\n${violations}")
+endif()
+message(STATUS "layers hold in ${seen} files")

@@ -1,0 +1,223 @@
+#!/usr/bin/env python3
+"""Checks the documents against the project.
+
+    docs_test.py links                     every relative link and every docs/ path in the sources leads somewhere
+    docs_test.py tables LCPBENCH [--write] tables that are made from the program or from results/ are up to date; --write brings them up to date
+    docs_test.py tutorial PAGE LCPBENCH    the commands of a tutorial run
+
+In a tutorial a fence ```sh is run, and a fence with a file name, as in ```python mine.py, is written to that file.
+Exit codes: 0 done, 1 a check failed.
+"""
+import csv
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+SOURCES = ("adapters", "cmake", "core", "examples", "generators", "native", "study", "tests")
+# The text of the store's tables is part of its format, comments included: it keeps the path that the page had.
+OLD_PATHS = {("study/store/schema.cpp", "docs/certificates.md")}
+
+
+def documents():
+    """All pages, the generated page of the paper's study included."""
+    yield from sorted(ROOT.glob("*.md"))
+    for folder in ("docs", "examples", "results", "tests"):
+        yield from sorted((ROOT / folder).rglob("*.md"))
+
+
+def without_code(text):
+    return re.sub(r"`[^`\n]*`", "", re.sub(r"^```.*?^```", "", text, flags=re.S | re.M))
+
+
+def anchors(page):
+    """The anchors that GitHub gives to the headings of a page."""
+    text = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.S | re.M)
+    headings = re.findall(r"^#+ (.*)$", text, flags=re.M)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).strip().replace(" ", "-") for heading in headings}
+
+
+def broken_links():
+    for page in documents():
+        for link in re.findall(r"\]\(([^)\s]+)\)", without_code(page.read_text())):
+            if "://" in link or link.startswith("mailto:"):
+                continue
+            path, _, anchor = link.partition("#")
+            target = (page.parent / path).resolve() if path else page
+            if not target.exists():
+                yield f"{page.relative_to(ROOT)}: ({link}) leads nowhere"
+            elif anchor and anchor not in anchors(target):
+                yield f"{page.relative_to(ROOT)}: ({link}): no such heading"
+
+
+def broken_paths():
+    files = [file for folder in SOURCES for file in sorted((ROOT / folder).rglob("*"))]
+    files += [file for file in sorted((ROOT / "results").rglob("*.sh"))] + list(ROOT.glob("run-*"))
+    for file in files + list(documents()):
+        name = str(file.relative_to(ROOT))
+        if not file.is_file() or name.startswith("results/paper/") or file == pathlib.Path(__file__).resolve():
+            continue
+        try:
+            text = file.read_text()
+        except UnicodeDecodeError:
+            continue
+        for path in re.findall(r"(?<![\w./-])docs/[\w./-]*\w", text):
+            if not (ROOT / path).exists() and (name, path) not in OLD_PATHS:
+                yield f"{name}: {path} does not exist"
+
+
+def unlisted_pages():
+    index = (ROOT / "docs/index.md").read_text()
+    listed = {(ROOT / "docs" / link).resolve() for link in re.findall(r"\]\(([^)#\s]+)", index)}
+    for page in sorted((ROOT / "docs").rglob("*.md")):
+        if page.name != "index.md" and page.resolve() not in listed and page.parent.resolve() not in listed:
+            yield f"docs/index.md does not list {page.relative_to(ROOT)}"
+
+
+def check_links():
+    faults = [*broken_links(), *broken_paths(), *unlisted_pages()]
+    print("\n".join(faults) or "all links lead somewhere")
+    return 1 if faults else 0
+
+
+def cell(text):
+    """As a cell of a table. Bars are escaped, and limits that only say "any number" are left out."""
+    text = re.sub(r", (1099511627776|1000000000)\]", ", ...)", text)
+    return re.sub(r"([|<*_])", r"\\\1", text)
+
+
+def settings_table(solver):
+    if not solver["settings"]:
+        return "It has no settings.\n"
+    lines = ["| setting | default | range | meaning |", "| --- | --- | --- | --- |"]
+    for setting in solver["settings"]:
+        default = f"`{setting['default']}`" if setting["default"] else ""
+        help_text = cell(setting["help"])
+        lines.append(f"| `{setting['name']}` | {default} | {cell(setting['range'])} | {help_text} |")
+    return "\n".join(lines) + "\n"
+
+
+def case_table(sets, family):
+    lines = ["| case | size | definition |", "| --- | --- | --- |"]
+    for each in sets:
+        name = each["name"].removeprefix("hard/")
+        if name.startswith(family + "/"):
+            lines.append(f"| `{name}` | {cell(each['size'])} | {cell(each['summary'].split('; hard: ')[0])} |")
+    return "\n".join(lines) + "\n"
+
+
+def percent(share):
+    return f"{100 * float(share):.1f}".removesuffix(".0")
+
+
+def seconds(text):
+    value = float(text)
+    unit, factor = next((u, f) for u, f in (("s", 1), ("ms", 1e-3), ("µs", 1e-6), ("ns", 1e-9)) if value >= f)
+    return f"{value / factor:.3g} {unit}" if value / factor < 100 else f"{value / factor:.0f} {unit}"
+
+
+def speed(text):
+    if not text:
+        return "-"
+    ratio = float(text)
+    if 0.95 < ratio < 1.05:
+        return "the same"
+    factor = max(ratio, 1 / ratio)
+    shown = f"{factor:.1f}" if factor < 10 else f"{factor:.0f}" if factor < 1000 else f"{round(factor, -1):.0f}"
+    return f"{shown}x {'faster' if ratio > 1 else 'slower'}"
+
+
+def study_table(name):
+    """Rows of the decision table of the committed run, for the README."""
+    with open(ROOT / "results/quick/decision.csv", newline="") as file:
+        rows = {(row["contacts"], row["solver"]): row for row in csv.DictReader(file)}
+    if name == "short":
+        lines = ["| solver | solved | said solved, was wrong | median time |", "| --- | --- | --- | --- |"]
+        for solver in ("contact_lemke", "lemke", "siconos_newton_fb", "ode_quickstep", "bullet_lemke"):
+            row = rows["Frictional", solver]
+            lines.append(f"| `{solver}` | {percent(row['solved.share'])} % of {row['solved.of']} | "
+                         f"{percent(row['false_claims.share'])} % | {seconds(row['median_time_s.value'])} |")
+        return "\n".join(lines) + "\n"
+    lines = ["| contacts | solver | of | solved (95 %) | wrong | time | speed |",
+             "| --- | --- | --- | --- | --- | --- | --- |"]
+    groups = {"Frictionless": "no friction", "Frictional": "friction",
+              "Ill-conditioned, frictional": "friction, 1e8"}
+    chosen = {"Frictionless": ("active_set", "lemke", "bullet_dantzig{diagonal=1e-12}", "bullet_dantzig",
+                               "ode_quickstep", "ipopt_qp"),
+              "Frictional": ("contact_lemke", "lemke", "siconos_lemke", "bullet_lemke"),
+              "Ill-conditioned, frictional": ("contact_lemke", "lemke", "ipopt_mpcc")}
+    for contacts, solvers in chosen.items():
+        for solver in solvers:
+            row = rows[contacts, solver]
+            share = f"{percent(row['solved.share'])} % ({percent(row['solved.low'])}-{percent(row['solved.high'])})"
+            lines.append(f"| {groups[contacts] if solver == solvers[0] else ''} | `{solver}` | {row['solved.of']} | "
+                         f"{share} | {percent(row['false_claims.share'])} % | "
+                         f"{seconds(row['median_time_s.value'])} | {speed(row['speedup.value'])} |")
+    return "\n".join(lines) + "\n"
+
+
+def with_tables(text, solvers, sets):
+    makers = {"settings": lambda name: settings_table(solvers[name]), "cases": lambda name: case_table(sets, name),
+              "study": study_table}
+    pattern = r"(<!-- (settings|cases|study): ([\w-]+) -->\n).*?(<!-- end -->)"
+    return re.sub(pattern, lambda match: match[1] + makers[match[2]](match[3]) + match[4], text, flags=re.S)
+
+
+def check_tables(lcpbench, write):
+    def listed(*arguments):
+        output = subprocess.run([lcpbench, *arguments, "--format", "json"], capture_output=True, text=True, check=True)
+        return json.loads(output.stdout)
+
+    solvers = {solver["name"]: solver for solver in listed("solvers")}
+    sets = listed("sets", "hard/*")
+    stale, tables = [], 0
+    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]:
+        text = page.read_text()
+        tables += text.count("<!-- end -->")
+        wanted = with_tables(text, solvers, sets)
+        if wanted != text:
+            stale.append(str(page.relative_to(ROOT)))
+            if write:
+                page.write_text(wanted)
+    if stale and not write:
+        print("stale tables in " + ", ".join(stale) + f"\nrun: tests/docs/docs_test.py tables {lcpbench} --write")
+        return 1
+    print(f"{tables} tables are up to date")
+    return 0 if tables > 0 else 1
+
+
+def run_tutorial(page, lcpbench):
+    """Runs the page as a reader does, from a folder that holds the examples."""
+    program = pathlib.Path(lcpbench).resolve()
+    environment = dict(os.environ, PATH=f"{program.parent}:{os.environ['PATH']}")
+    fences = re.findall(r"^```(\w*) ?(\S*)\n(.*?)^```$", pathlib.Path(page).read_text(), flags=re.S | re.M)
+    commands = 0
+    with tempfile.TemporaryDirectory() as folder:
+        os.symlink(ROOT / "examples", os.path.join(folder, "examples"))
+        for language, file, content in fences:
+            if file:
+                (pathlib.Path(folder) / file).write_text(content)
+            elif language == "sh":
+                commands += 1
+                ended = subprocess.run(["bash", "-euo", "pipefail", "-c", content], cwd=folder, env=environment,
+                                       stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+                print(content + ended.stdout, end="")
+                if ended.returncode != 0:
+                    print(f"\n{page}: exit code {ended.returncode} of\n{content}")
+                    return 1
+    return 0 if commands > 0 else 1
+
+
+if __name__ == "__main__":
+    task, *arguments = sys.argv[1:] or [""]
+    if task == "links":
+        sys.exit(check_links())
+    if task == "tables":
+        sys.exit(check_tables(arguments[0], "--write" in arguments))
+    if task == "tutorial":
+        sys.exit(run_tutorial(*arguments))
+    sys.exit(__doc__)

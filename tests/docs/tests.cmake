@@ -1,0 +1,22 @@
+# The documents: links, generated tables, tutorials, and the solver that one page has its reader write.
+find_package(Python3 REQUIRED COMPONENTS Interpreter)
+set(docs_test ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/docs/docs_test.py)
+add_test(NAME docs_links COMMAND ${docs_test} links)
+add_test(NAME docs_tables COMMAND ${docs_test} tables $<TARGET_FILE:lcpbench>)
+foreach(tutorial first-study bring-your-problem bring-your-solver)
+  add_test(NAME docs_${tutorial}
+           COMMAND ${docs_test} tutorial ${PROJECT_SOURCE_DIR}/docs/tutorial/${tutorial}.md $<TARGET_FILE:lcpbench>)
+endforeach()
+
+# The first C++ block of the page is compiled as it stands there.
+set(page ${PROJECT_SOURCE_DIR}/docs/howto/adding-a-solver.md)
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${page})
+file(READ ${page} text)
+string(FIND "${text}" "```cpp\n" begin)
+string(SUBSTRING "${text}" ${begin} -1 text)
+string(FIND "${text}" "\n```\n" end)
+math(EXPR length "${end} - 7")
+string(SUBSTRING "${text}" 7 ${length} code)
+file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/added_solver.cpp CONTENT "${code}" @ONLY)
+lcpbench_test(added_solver LINK lcpbench_core)
+target_sources(added_solver_test PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/added_solver.cpp)

@@ -1,0 +1,186 @@
+#include "study/evaluation/backward_error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/evaluation_cases.h"
+
+namespace lcpbench {
+namespace {
+
+Quad plain_quotient(Quad value, Quad scale) {
+  if (value == 0) return 0;
+  return scale == 0 ? Quad{kInf} : value / scale;
+}
+
+// eta(z_tau) as the definition spells it, from the whole of M.
+Quad plain_eta(const Lcp& lcp, const Vector& z, Index lambda_offset, Quad tau, BackwardScale kind) {
+  const Index n = lcp.size();
+  const auto largest = [&](Index begin, Index count) {
+    return count == 0 ? 0 : z.segment(begin, count).cwiseAbs().maxCoeff();
+  };
+  const double impulse = largest(0, lambda_offset);
+  const double lambda = largest(lambda_offset, n - lambda_offset);
+  std::vector<Quad> kept;
+  Quad norm = 0;
+  for (Index i = 0; i < n; ++i) {
+    const Quad ratio = z(i) == 0 ? Quad{0} : abs(Quad{z(i)}) / (i < lambda_offset ? impulse : lambda);
+    kept.push_back(ratio <= tau ? 0 : z(i));
+    if (kept.back() < 0) return Quad{kInf};
+    norm = std::max(norm, kept.back());
+  }
+  Quad eta = 0;
+  for (Index i = 0; i < n; ++i) {
+    Quad w = lcp.q(i);
+    Quad scale = abs(Quad{lcp.q(i)});
+    for (Index j = 0; j < n; ++j) {
+      const Quad entry = lcp.M(i, j);
+      const Quad z_j = kept[static_cast<std::size_t>(j)];
+      w += entry * z_j;
+      scale += abs(entry) * (kind == BackwardScale::kComponentwise ? z_j : norm);
+    }
+    const Quad violation = kept[static_cast<std::size_t>(i)] > 0 ? abs(w) : std::max(Quad{0}, -w);
+    eta = std::max(eta, plain_quotient(violation, scale));
+  }
+  return eta;
+}
+
+enum class Taus { kRatios, kRatiosAndGrid };
+
+Quad plain_mixed_error(const Lcp& lcp, const Vector& z, Index lambda_offset, BackwardScale kind,
+                       Taus taus = Taus::kRatiosAndGrid) {
+  Quad best = kInf;
+  const auto offer = [&](Quad tau) {
+    best = std::min(best, std::max(tau, plain_eta(lcp, z, lambda_offset, tau, kind)));
+  };
+  offer(0);
+  for (int step = taus == Taus::kRatios ? 5 : -240; step <= 4; ++step) offer(std::exp2(step / 4.0));
+  for (Index i = 0; i < z.size(); ++i) {
+    const bool is_impulse = i < lambda_offset;
+    const auto block = is_impulse ? z.head(lambda_offset) : z.tail(z.size() - lambda_offset);
+    if (z(i) != 0) offer(abs(Quad{z(i)}) / block.cwiseAbs().maxCoeff());
+  }
+  return best;
+}
+
+void expect_close(double found, Quad expected, const std::string& what) {
+  const double reference = to_double(expected);
+  if (std::isinf(reference)) {
+    EXPECT_EQ(found, reference) << what;
+  } else {
+    EXPECT_NEAR(found, reference, 1e-15 * reference + 1e-30) << what;
+  }
+}
+
+TEST(BackwardErrorTest, IsTheMinimumOverAFineGridOfTau) {
+  Draw draw(7);
+  for (int trial = 0; trial < 60; ++trial) {
+    const ContactProblem contact = random_frictional(draw, 3, 1 + trial % 3, 4);
+    const Problem problem("contact", contact);
+    const Lcp lcp = form_lcp(contact);
+    const Index impulses = 5 * contact.nc();
+    Vector z = random_answer(draw, lcp.size());
+    if (trial % 3 == 0) z.head(impulses) = z.head(impulses).cwiseAbs();
+    const Errors by_contact = evaluate(problem, z);
+    const Errors by_matrix = evaluate(Problem("matrix", lcp), z);
+    for (const BackwardScale kind : {BackwardScale::kComponentwise, BackwardScale::kRowNorm}) {
+      const bool componentwise = kind == BackwardScale::kComponentwise;
+      const std::string what = "trial " + std::to_string(trial) + (componentwise ? " componentwise" : " row norm");
+      expect_close(componentwise ? by_contact.backward_componentwise : by_contact.backward_row_norm,
+                   plain_mixed_error(lcp, z, impulses, kind), what + " contact");
+      expect_close(componentwise ? by_matrix.backward_componentwise : by_matrix.backward_row_norm,
+                   plain_mixed_error(lcp, z, lcp.size(), kind), what + " matrix");
+    }
+    EXPECT_NEAR(by_contact.natural_residual, by_matrix.natural_residual, 1e-15 * by_matrix.natural_residual);
+    EXPECT_NEAR(by_contact.complementarity_j, by_matrix.complementarity_j,
+                1e-15 * by_matrix.natural_residual * z.lpNorm<1>() + 1e-15 * std::abs(by_matrix.complementarity_j));
+  }
+}
+
+TEST(BackwardErrorTest, IsTheMinimumOverAllRatiosWhereRowsAreChosenByEstimate) {
+  Draw draw(12);
+  for (int trial = 0; trial < 3; ++trial) {
+    const ContactProblem contact = random_frictional(draw, 5, 10, 8);
+    const Lcp lcp = form_lcp(contact);
+    const Vector z = random_answer(draw, lcp.size()).cwiseAbs() + Vector::Constant(lcp.size(), 0x1p-60);
+    const Errors by_contact = evaluate(Problem("contact", contact), z);
+    const Errors by_matrix = evaluate(Problem("matrix", lcp), z);
+    const auto expected = [&](Index lambda_offset, BackwardScale kind) {
+      return plain_mixed_error(lcp, z, lambda_offset, kind, Taus::kRatios);
+    };
+    const std::string what = "trial " + std::to_string(trial);
+    expect_close(by_contact.backward_componentwise, expected(90, BackwardScale::kComponentwise), what);
+    expect_close(by_contact.backward_row_norm, expected(90, BackwardScale::kRowNorm), what);
+    expect_close(by_matrix.backward_componentwise, expected(100, BackwardScale::kComponentwise), what);
+    expect_close(by_matrix.backward_row_norm, expected(100, BackwardScale::kRowNorm), what);
+  }
+}
+
+TEST(QuadLcpTest, EveryWayToARowGivesTheSameRow) {
+  Draw draw(13);
+  const ContactProblem contact = random_frictional(draw, 5, 4, 6);
+  const Lcp dense = form_lcp(contact);
+  const QuadInertia inertia(contact.inertia);
+  ContactQuadLcp lcp(contact, inertia);
+  BareQuadLcp bare(dense);
+  const Vector answer_z = random_answer(draw, dense.size());
+  const QuadVector z(answer_z.begin(), answer_z.end());
+  QuadVector u = lcp.response(z);
+  const QuadVector w = lcp.all_rows(z, u);
+  const QuadVector expected = bare.response(z);
+  std::vector<std::size_t> rows(lcp.size());
+  std::iota(rows.begin(), rows.end(), std::size_t{0});
+  const std::vector<double> estimated = lcp.estimate_w(z, u, rows);
+  const MagnitudeEstimate* estimate = lcp.estimate();
+  ASSERT_NE(estimate, nullptr);
+  for (std::size_t i = 0; i < lcp.size(); ++i) {
+    EXPECT_TRUE(lcp.row(i, z, u) == w[i]);
+    EXPECT_LT(std::abs(to_double(w[i] - expected[i])), 1e-30);
+    EXPECT_NEAR(estimated[i], to_double(w[i]), 1e-13);
+    EXPECT_LT(std::abs(to_double(lcp.diagonal(i) - bare.diagonal(i))), 1e-30);
+    EXPECT_LT(std::abs(to_double(lcp.abs_row_sum(i) - bare.abs_row_sum(i))), 1e-28);
+    Vector row = Vector::Zero(dense.size());
+    for (std::size_t e = estimate->begin[i]; e < estimate->begin[i + 1]; ++e) {
+      row(static_cast<Index>(estimate->columns[e])) = estimate->entries[e];
+    }
+    for (Index j = 0; j < dense.size(); ++j) {
+      EXPECT_LE(std::abs(row(j) - std::abs(dense.M(static_cast<Index>(i), j))),
+                estimate->row_error[i] * estimate->column_scale[static_cast<std::size_t>(j)]);
+    }
+  }
+  lcp.remove(7, z[7], u);
+  QuadVector without = z;
+  without[7] = 0;
+  const QuadVector again = lcp.response(without);
+  for (std::size_t r = 0; r < u.size(); ++r) EXPECT_LT(std::abs(to_double(u[r] - again[r])), 1e-30);
+}
+
+TEST(BackwardErrorTest, ForgivesDustAtThePriceOfItsSize) {
+  Lcp lcp{Matrix::Identity(2, 2), vec({-1, 1})};
+  lcp.M(0, 1) = lcp.M(1, 0) = 0.5;
+  const Errors errors = evaluate(Problem("dust", lcp), vec({1, 1e-12}));  // w_2 = 1.5: not complementary
+  EXPECT_EQ(errors.backward_componentwise, 1e-12);
+  EXPECT_EQ(errors.backward_row_norm, 1e-12);
+  EXPECT_TRUE(errors.solved);
+  EXPECT_FALSE(evaluate(Problem("dust", lcp), vec({1, 1e-8})).solved);
+  EXPECT_TRUE(evaluate(Problem("dust", lcp), vec({1, -1e-12})).solved);
+  // Alone in its block it is the largest entry, and no dust.
+  EXPECT_EQ(evaluate(Problem("alone", Lcp{Matrix::Identity(2, 2), vec({-1, 1})}), vec({1, 1e-12})).backward_row_norm,
+            1);
+}
+
+TEST(BackwardErrorTest, ARowWithoutDataForgivesNothing) {
+  const Lcp lcp{Matrix::Zero(1, 1), vec({0})};
+  EXPECT_EQ(evaluate(Problem("0/0", lcp), vec({3})).backward_componentwise, 0);
+  Lcp coupled{Matrix::Zero(2, 2), vec({0, 1})};
+  coupled.M(0, 1) = -1;  // z = (0, t): w_0 = -t with s_0 = t
+  EXPECT_EQ(evaluate(Problem("-t", coupled), vec({0, 0.5})).backward_componentwise, 1);
+}
+
+}  // namespace
+}  // namespace lcpbench

@@ -1,0 +1,441 @@
+// What `inspect` says before a solver is blamed: every warning on a problem made for it, with the number behind it, and
+// none about the data on problems that are what they should be.
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/io/problem_io.h"
+#include "generators/sets.h"
+#include "study/inspect/inspection.h"
+#include "study/inspect/inspection_output.h"
+#include "tests/support/program_run.h"
+#include "tests/support/study_support.h"
+
+namespace lcpbench {
+namespace {
+
+Problem bare(const Matrix& M, const Vector& q) { return Problem("bare", Lcp{M, q}); }
+
+Matrix matrix(std::initializer_list<std::initializer_list<double>> rows) { return Matrix(rows); }
+
+Vector vector(std::initializer_list<double> entries) {
+  Vector v(static_cast<Index>(entries.size()));
+  std::copy(entries.begin(), entries.end(), v.begin());
+  return v;
+}
+
+ContactProblem contact(const Vector& v, const Matrix& N, Inertia inertia) {
+  ContactProblem problem;
+  problem.v = v;
+  problem.N = N;
+  problem.D = Matrix(v.size(), 0);
+  problem.edges.assign(static_cast<std::size_t>(N.cols()), 0);
+  problem.mu = Vector::Zero(N.cols());
+  problem.inertia = std::move(inertia);
+  return problem;
+}
+
+/// A particle of 2 kg that meets two walls and the floor, at three speeds.
+ContactProblem corner() {
+  return contact(vector({-1, -0.5, -0.25}), Matrix::Identity(3, 3), DenseInertia{2 * Matrix::Identity(3, 3)});
+}
+
+/// The same on the floor only, with a pyramid of four edges.
+ContactProblem sliding_particle(double mu) {
+  ContactProblem problem = contact(vector({3, 1, -4}), matrix({{0}, {0}, {1}}), DenseInertia{Matrix::Identity(3, 3)});
+  problem.D = matrix({{1, 0, -1, 0}, {0, 1, 0, -1}, {0, 0, 0, 0}});
+  problem.edges = {4};
+  problem.mu = vector({mu});
+  return problem;
+}
+
+Problem of(ContactProblem problem) { return Problem("contact", std::move(problem)); }
+
+const Warning* find(const Inspection& inspection, const std::string& code) {
+  const auto found = std::find_if(inspection.warnings.begin(), inspection.warnings.end(),
+                                  [&](const Warning& warning) { return warning.code == code; });
+  return found == inspection.warnings.end() ? nullptr : &*found;
+}
+
+std::string all_codes(const Inspection& inspection) {
+  std::string codes;
+  for (const Warning& warning : inspection.warnings) codes += warning.code + " ";
+  return codes;
+}
+
+void expect_warning(const Problem& problem, const std::string& code, Concern concern, double value, double within) {
+  const Inspection inspection = inspect(problem);
+  const Warning* warning = find(inspection, code);
+  ASSERT_NE(warning, nullptr) << code << " is not among: " << all_codes(inspection);
+  EXPECT_EQ(warning->concern, concern) << code;
+  EXPECT_NEAR(warning->value, value, within) << code;
+  EXPECT_GT(warning->text.size(), 20U) << code;
+  EXPECT_EQ(warning->text.find('\n'), std::string::npos) << code;
+}
+
+void expect_data(const Problem& problem, const std::string& code, double value, double within = 0) {
+  expect_warning(problem, code, Concern::kData, value, within);
+}
+
+void expect_difficulty(const Problem& problem, const std::string& code, double value, double within = 0) {
+  expect_warning(problem, code, Concern::kDifficulty, value, within);
+}
+
+void expect_absent(const Problem& problem, const std::string& code) {
+  const Inspection inspection = inspect(problem);
+  EXPECT_EQ(find(inspection, code), nullptr) << all_codes(inspection);
+}
+
+void expect_silent(const Problem& problem) {
+  const Inspection inspection = inspect(problem);
+  EXPECT_TRUE(inspection.warnings.empty()) << problem.name() << ": " << all_codes(inspection);
+}
+
+TEST(InspectTest, CleanProblemsGiveNoWarning) {
+  expect_silent(bare(matrix({{2, -1}, {-1, 2}}), vector({-1, 0.5})));
+  expect_silent(bare(matrix({{2, 1}, {-1, 2}}), vector({-1, -0.5})));
+  expect_silent(of(corner()));
+  expect_silent(of(sliding_particle(0.5)));
+}
+
+TEST(InspectTest, AnEmptyProblemGivesNoWarning) {
+  expect_silent(bare(Matrix(0, 0), Vector(0)));
+  expect_silent(of(contact(Vector(0), Matrix(0, 0), DenseInertia{Matrix(0, 0)})));
+}
+
+TEST(InspectTest, AMatrixOfTheWrongSignIsNamed) {
+  const Problem negated = bare(matrix({{-2, 1}, {1, -2}}), vector({-1, 3}));
+  expect_data(negated, "negative_semidefinite", -1, 1e-15);
+  expect_absent(negated, "negative_diagonal");                                               // one slip, one warning
+  expect_absent(bare(matrix({{0, 1}, {-1, 0}}), vector({-1, 1})), "negative_semidefinite");  // skew: no sign at all
+}
+
+TEST(InspectTest, ANegativeDiagonalIsNamed) {
+  expect_data(bare(matrix({{2, 1}, {1, -3}}), vector({-1, 1})), "negative_diagonal", -3);
+}
+
+TEST(InspectTest, AQThatMakesTheProblemTrivialIsNamed) {
+  expect_data(bare(matrix({{2, 0}, {0, 2}}), vector({0.25, 1})), "trivial", 0.25);
+  expect_absent(bare(matrix({{2, 0}, {0, 2}}), vector({-1e-300, 1})), "trivial");
+  ContactProblem separating = corner();
+  separating.v = -separating.v;
+  expect_data(of(separating), "trivial", 0.25);
+}
+
+TEST(InspectTest, ATransposedFrictionProblemIsNamed) {
+  const Lcp lcp = form_lcp(sliding_particle(0.5));
+  expect_absent(bare(lcp.M, lcp.q), "transposed");
+  expect_data(bare(lcp.M.transpose(), lcp.q), "transposed", 1);
+}
+
+TEST(InspectTest, ATransposedMatrixIsNamedWhereItMakesARowImpossible) {
+  // Pang's isolated solution, as a public copy prints it: read by rows what was stored by columns.
+  const Matrix printed = matrix({{0, 1, -1}, {-1, 0, 0}, {-1, 0, 0}});
+  const Vector q = vector({0, -1, 1});
+  expect_data(bare(printed, q), "transposed", 1);
+  expect_data(bare(printed, q), "impossible_rows", 1);
+  expect_absent(bare(printed.transpose(), q), "transposed");
+}
+
+TEST(InspectTest, ARowThatNothingCanSatisfyIsNamed) {
+  expect_data(bare(matrix({{0}}), vector({-1})), "impossible_rows", 1);
+  expect_data(bare(matrix({{-1, -2}, {0, 1}}), vector({-1, -1})), "impossible_rows", 1);
+  expect_absent(bare(matrix({{0}}), vector({0})), "impossible_rows");
+}
+
+TEST(InspectTest, LostSymmetryIsToldFromAnotherMatrix) {
+  expect_data(bare(matrix({{2, 1 + 0x1p-40}, {1, 2}}), vector({-1, 1})), "nearly_symmetric", 0x1p-41);
+  expect_absent(bare(matrix({{2, 1}, {-1, 2}}), vector({-1, 1})), "nearly_symmetric");
+}
+
+TEST(InspectTest, ABareMatrixThatRoundingMadeIndefiniteIsNamed) {
+  const double above = 1 + 0x1p-52;
+  expect_difficulty(bare(matrix({{1, above}, {above, 1}}), vector({-1, -2})), "rounded_indefinite", -0x1p-52, 1e-24);
+  expect_absent(bare(matrix({{1, 2}, {2, 1}}), vector({-1, -2})), "rounded_indefinite");  // truly indefinite
+}
+
+TEST(InspectTest, TheMatrixFormedFromSoundDataMayBeIndefinite) {
+  // Ginv = fl(1/3), N = [1 3]: M rounds to [fl(1/3) 1; 1 3], whose determinant is 3 fl(1/3) - 1 = -2^-54.
+  const Problem problem = of(contact(vector({-1}), matrix({{1, 3}}), InverseInertia{matrix({{1.0 / 3}})}));
+  expect_difficulty(problem, "rounded_indefinite", -0x1p-54 / (10.0 / 3), 1e-22);
+  const Inspection inspection = inspect(problem);
+  EXPECT_TRUE(inspection.contact->truth.may_be_semidefinite());
+  EXPECT_EQ(inspection.contact->truth.rank, 1);
+  EXPECT_TRUE(inspection.matrix.symmetric.has_negative());
+}
+
+TEST(InspectTest, AMatrixThatIsNotCopositiveIsNamed) {
+  expect_difficulty(bare(matrix({{1, -2}, {-2, 1}}), vector({-1, -1})), "not_copositive", 1);
+  expect_absent(bare(matrix({{1, -1}, {-1, 1}}), vector({-1, 2})), "not_copositive");
+}
+
+TEST(InspectTest, ZeroRowsTiesAndZeroQAreCounted) {
+  expect_difficulty(bare(matrix({{1, 0}, {0, 0}}), vector({-1, 0})), "zero_rows", 1);
+  const Problem tied = bare(2 * Matrix::Identity(4, 4), vector({-1, -1, 0, 2}));
+  expect_difficulty(tied, "tied_q", 2);
+  expect_difficulty(tied, "zero_q", 1);
+  expect_absent(bare(2 * Matrix::Identity(2, 2), vector({-1, -2})), "tied_q");
+}
+
+TEST(InspectTest, ScalingAndMagnitudeAreMeasured) {
+  expect_difficulty(bare(matrix({{1, 0}, {0, 0x1p-40}}), vector({-1, -1})), "scaling_spread", 0x1p40);
+  expect_absent(bare(matrix({{1, 0}, {0, 0x1p-20}}), vector({-1, -2})), "scaling_spread");
+  expect_difficulty(bare(matrix({{0x1p-1000}}), vector({-1})), "extreme_magnitude", 0x1p-1000);
+  expect_difficulty(bare(matrix({{0x1p1000}}), vector({-1})), "extreme_magnitude", 0x1p1000);
+}
+
+TEST(InspectTest, ConditioningIsThatOfTheMatrixWithUnitDiagonal) {
+  const double off = 1 - 0x1p-30;
+  expect_difficulty(bare(matrix({{1, off}, {off, 1}}), vector({-1, -2})), "ill_conditioned_matrix", (1 + off) / 0x1p-30,
+                    1);
+  expect_absent(bare(matrix({{0x1p60, 0}, {0, 1}}), vector({-1, -2})), "ill_conditioned_matrix");  // only units
+}
+
+TEST(InspectTest, SpeedsThatNoImpactHasAreNamed) {
+  ContactProblem fast = corner();
+  fast.v *= 2048;
+  expect_data(of(fast), "fast_impact", 2048);
+  ContactProblem slow = corner();
+  slow.v *= 0x1p-12;
+  expect_difficulty(of(slow), "slow_impact", 0x1p-12);
+}
+
+/// A rod of 1 kg and 2 m along x, one end on the floor.
+ContactProblem rod(bool inverted) {
+  Vector diagonal = vector({1, 1, 1, 0x1p-10, 0.33, 0.33});
+  if (inverted) diagonal = diagonal.cwiseInverse();
+  const Matrix N = matrix({{0}, {0}, {1}, {0}, {-1}, {0}});
+  return contact(vector({0, 0, -1, 0, 0, 0}), N, BlockInertia{{Matrix(diagonal.asDiagonal())}});
+}
+
+TEST(InspectTest, AnInverseGivenAsTheInertiaIsNamedByItsMoments) {
+  expect_silent(of(rod(false)));
+  expect_data(of(rod(true)), "inertia_inverted", 1);
+  ContactProblem inverse = rod(true);
+  inverse.inertia = InverseInertia{std::get<BlockInertia>(inverse.inertia).blocks[0]};
+  expect_absent(of(inverse), "inertia_inverted");
+  inverse.inertia = InverseInertia{std::get<BlockInertia>(rod(false).inertia).blocks[0]};
+  expect_data(of(inverse), "inertia_inverted", 1);
+}
+
+TEST(InspectTest, AnInverseGivenAsTheInertiaIsNamedByItsLeverArms) {
+  // A cube of 8 kg and edge 2 cm: moments m a^2 / 6 each, in either reading a mass distribution that exists.
+  const double moment = 8 * 0.02 * 0.02 / 6;
+  const Vector diagonal = vector({8, 8, 8, moment, moment, moment});
+  const Matrix N = matrix({{0}, {0}, {1}, {0.01}, {-0.01}, {0}});
+  const Vector v = vector({0, 0, -1, 0, 0, 0});
+  expect_silent(of(contact(v, N, BlockInertia{{Matrix(diagonal.asDiagonal())}})));
+  expect_data(of(contact(v, N, BlockInertia{{Matrix(diagonal.cwiseInverse().asDiagonal())}})), "inertia_inverted", 1);
+}
+
+TEST(InspectTest, ASingularInertiaAndWhatItCannotMoveAreNamed) {
+  const FactoredInertia flat{matrix({{1, 0}, {0, 1}, {0, 0}}), vector({2, 3})};
+  const Problem problem = of(contact(vector({-1, -0.5, -0.25}), Matrix::Identity(3, 3), flat));
+  expect_difficulty(problem, "singular_inertia", 2);
+  expect_difficulty(problem, "immovable_contacts", 1);
+  expect_absent(of(corner()), "singular_inertia");
+}
+
+TEST(InspectTest, AnIllConditionedInertiaIsNamedUnlessItIsOnlyUnits) {
+  const double off = 1 - 0x1p-30;
+  expect_difficulty(of(contact(vector({-1, -2}), Matrix::Identity(2, 2), DenseInertia{matrix({{1, off}, {off, 1}})})),
+                    "ill_conditioned_inertia", (1 + off) / 0x1p-30, 0x1p10);  // eigenvalues in double: eps / 2^-30
+  expect_absent(
+      of(contact(vector({-1, -2}), Matrix::Identity(2, 2), DenseInertia{matrix({{0x1p20, 0}, {0, 0x1p-20}})})),
+      "ill_conditioned_inertia");
+}
+
+TEST(InspectTest, TheSpreadOfMassesIsThatOfTheBodies) {
+  const auto body = [](double mass) { return Matrix(vector({mass, mass, mass, mass, mass, mass}).asDiagonal()); };
+  Matrix N = Matrix::Zero(12, 1);
+  N(2, 0) = 1;
+  N(8, 0) = -1;
+  N(3, 0) = 1;
+  N(9, 0) = -1;
+  Vector v = Vector::Zero(12);
+  v(2) = -1;
+  expect_difficulty(of(contact(v, N, BlockInertia{{body(0x1p21), body(1)}})), "mass_ratio", 0x1p21);
+  expect_silent(of(contact(v, N, BlockInertia{{body(1000), body(1)}})));
+}
+
+TEST(InspectTest, RedundantContactsAreCounted) {
+  // A box on its four corners: normal, roll, pitch.
+  const Matrix N = matrix({{1, 1, 1, 1}, {1, 1, -1, -1}, {1, -1, 1, -1}});
+  const Problem box = of(contact(vector({-1, 0.25, 0.5}), N, DenseInertia{Matrix::Identity(3, 3)}));
+  expect_difficulty(box, "redundant_contacts", 1);
+  expect_absent(box, "nearly_redundant_contacts");
+  expect_absent(of(corner()), "redundant_contacts");
+}
+
+TEST(InspectTest, NearAndExactDuplicatesAndOpposedContactsAreToldApart) {
+  const DenseInertia unit{Matrix::Identity(2, 2)};
+  const Vector v = vector({-1, -0.5});
+  const Problem near = of(contact(v, matrix({{1, 1}, {0, 0x1p-30}}), unit));
+  expect_difficulty(near, "near_duplicate_contacts", 0x1p-30, 1e-16);
+  expect_difficulty(near, "nearly_redundant_contacts", 1);
+  expect_absent(near, "duplicate_contacts");
+  expect_absent(near, "redundant_contacts");
+
+  const Problem twice = of(contact(v, matrix({{1, 3}, {0.1, 3 * 0.125}}), unit));
+  expect_absent(twice, "duplicate_contacts");
+  const Problem exact = of(contact(v, matrix({{1, 3}, {0.125, 0.375}}), unit));
+  expect_difficulty(exact, "duplicate_contacts", 1);
+  expect_absent(exact, "near_duplicate_contacts");
+
+  const Problem opposed = of(contact(v, matrix({{1, -1}, {0, 0}}), unit));
+  expect_difficulty(opposed, "opposed_contacts", 1);
+  expect_absent(opposed, "duplicate_contacts");
+}
+
+TEST(InspectTest, ASquareNStoredByRowsIsNamed) {
+  // A cube on six contacts: N is 6 x 6, and no reader can tell it from its transpose by its shape.
+  Matrix N = Matrix::Zero(6, 6);
+  for (Index j = 0; j < 6; ++j) {
+    N(j % 3, j) = 1;
+    N(3 + (j + 1) % 3, j) = j < 3 ? 0.5 : -0.75;
+  }
+  const Vector v = vector({-1, -0.5, -0.25, 0, 0, 0});
+  const Inertia unit = BlockInertia{{Matrix::Identity(6, 6)}};
+  expect_absent(of(contact(v, N, unit)), "normals_by_rows");
+  expect_data(of(contact(v, N.transpose(), unit)), "normals_by_rows", 1);
+}
+
+TEST(InspectTest, ContactsThatPushNothingAreNamed) {
+  ContactProblem problem = corner();
+  std::get<Matrix>(problem.N).col(1).setZero();
+  expect_data(of(problem), "zero_normals", 1);
+}
+
+TEST(InspectTest, OddFrictionIsNamed) {
+  expect_difficulty(of(sliding_particle(0)), "frictionless_edges", 1);
+  expect_data(of(sliding_particle(30)), "huge_friction", 30);
+  ContactProblem lame = sliding_particle(0.5);
+  lame.D = matrix({{1, 0, -1, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}});
+  expect_data(of(lame), "zero_directions", 2);
+  ContactProblem upright = sliding_particle(0.5);
+  upright.D = matrix({{1, 0, -1, 0}, {0, 0, 0, 0}, {0, 1, 0, -1}});
+  expect_data(of(upright), "directions_along_normal", 2);
+}
+
+TEST(InspectTest, FactsOfASmallProblemAreThoseOfTheTextbook) {
+  // The two contacts of corner() in x and y alone do not know of each other, and the third separates.
+  ContactProblem problem = corner();
+  problem.v = vector({-1, 0, 0.25});
+  const Inspection inspection = inspect(of(problem));
+  EXPECT_EQ(inspection.n, 3);
+  EXPECT_EQ(inspection.contact->islands, 3);
+  EXPECT_EQ(inspection.contact->normals.exact, 3);
+  EXPECT_DOUBLE_EQ(inspection.contact->truth.smallest, 0.5);
+  EXPECT_DOUBLE_EQ(inspection.contact->condition, 1);
+  EXPECT_EQ(inspection.velocity.negative, 1);
+  EXPECT_EQ(inspection.velocity.zero, 1);
+  EXPECT_EQ(inspection.velocity.not_pressed, 1);
+  EXPECT_EQ(inspection.matrix.p_matrix, Tri::kYes);
+  EXPECT_TRUE(inspection.matrix.z_matrix);
+  EXPECT_EQ(inspection.matrix.copositive, Tri::kYes);
+}
+
+TEST(InspectTest, MatrixClassesOfTextbookMatrices) {
+  const auto facts = [](const Matrix& M) { return inspect(bare(M, -Vector::Ones(M.rows()))).matrix; };
+  // Murty's: P and not symmetric. The Horn matrix: copositive, which no row pair can show. A game: neither P nor Z.
+  EXPECT_EQ(facts(matrix({{1, 0, 0}, {2, 1, 0}, {2, 2, 1}})).p_matrix, Tri::kYes);
+  EXPECT_EQ(facts(matrix({{1, 2}, {2, 1}})).p_matrix, Tri::kNo);
+  EXPECT_EQ(facts(matrix({{1, 2}, {2, 1}})).copositive, Tri::kYes);
+  const Matrix horn =
+      matrix({{1, -1, 1, 1, -1}, {-1, 1, -1, 1, 1}, {1, -1, 1, -1, 1}, {1, 1, -1, 1, -1}, {-1, 1, 1, -1, 1}});
+  EXPECT_EQ(facts(horn).copositive, Tri::kUnknown);
+  EXPECT_EQ(facts(matrix({{1, -2}, {-2, 1}})).copositive, Tri::kNo);
+  EXPECT_EQ(facts(2 * Matrix::Identity(13, 13)).p_matrix, Tri::kUnknown);
+}
+
+TEST(InspectTest, EigenvaluesIn113BitsAreThoseOfTheFormula) {
+  // tridiag(-1, 2, -1): 2 - 2 cos(k pi / (n + 1)).
+  const Index n = 12;
+  QuadMatrix A(n, n);
+  for (std::size_t i = 0; i < 12; ++i) {
+    A(i, i) = 2;
+    if (i > 0) A(i, i - 1) = A(i - 1, i) = -1;
+  }
+  const QuadVector values = eigenvalues(A);
+  for (Index k = 1; k <= n; ++k) {
+    const double expected = 2 - 2 * std::cos(static_cast<double>(k) * 3.14159265358979323846 / 13);
+    EXPECT_NEAR(to_double(values[static_cast<std::size_t>(k - 1)]), expected, 1e-15);
+  }
+}
+
+TEST(InspectTest, RankIsThatOfTheDoublesWhateverTheirExponents) {
+  EXPECT_EQ(rank_of_doubles(matrix({{0.1, 0.2}, {0.2, 0.4}})), 1);
+  EXPECT_EQ(rank_of_doubles(matrix({{0.1, 0.3}, {0.2, 0.6}})), 1);
+  EXPECT_EQ(rank_of_doubles(matrix({{0.1, 0.2}, {0.2, 0.4 + 0x1p-54}})), 2);
+  EXPECT_EQ(rank_of_doubles(matrix({{0x1p-1074, 1}, {0, 0x1p1000}})), 2);
+  EXPECT_EQ(rank_of_doubles(matrix({{1, -1}, {-1, 1}})), 1);
+  EXPECT_EQ(rank_of_doubles(Matrix::Zero(3, 2)), 0);
+}
+
+/// Random problems are what they should be: about their data there is nothing to say but that some are trivial.
+TEST(InspectTest, RandomSetsRaiseNoDoubtAboutTheirData) {
+  for (const char* name :
+       {"paper/monotone/exp1", "paper/monotone/exp2", "paper/monotone/exp3", "paper/monotone/exp5-1e10",
+        "paper/copositive/exp1", "rigid/exp1", "rigid/exp5-1e8", "rigid/frictional/exp1"}) {
+    const std::unique_ptr<ProblemSet> set = open_set(name);
+    for (std::int64_t trial = 0; trial < 12; ++trial) {
+      const Problem problem = set->generate(1, trial);
+      const Inspection inspection = inspect(problem);
+      for (const Warning& warning : inspection.warnings) {
+        if (warning.code == "trivial" && inspection.velocity.negative == 0) continue;
+        EXPECT_EQ(warning.concern, Concern::kDifficulty) << name << " trial " << trial << ": " << warning.text;
+      }
+    }
+  }
+}
+
+class InspectCommandTest : public testing::Test {
+ protected:
+  int run(const std::string& arguments) { return run_program(folder_ / "", "inspect " + arguments).exit_code; }
+  std::string text(const std::string& name) { return read_file(folder_ / name); }
+  ScratchFolder folder_;
+};
+
+TEST_F(InspectCommandTest, PrintsAllFilesAndExitsWithTwoWhenOneCannotBeRead) {
+  write_problem(bare(matrix({{-1}}), vector({1})), folder_ / "sign.json");
+  const std::string sign = (folder_ / "sign.json").string();
+  EXPECT_EQ(run("'" + sign + "'"), 0);
+  EXPECT_NE(text("out").find("[negative_semidefinite]"), std::string::npos) << text("out");
+  EXPECT_EQ(run("/nonexistent '" + sign + "' --format json"), 2);
+  EXPECT_NE(text("err").find("/nonexistent"), std::string::npos);
+  const nlohmann::json rows = nlohmann::json::parse(text("out"));
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_EQ(rows[0]["problem"]["n"], 1);
+  EXPECT_EQ(rows[0]["warnings"][0]["code"], "negative_semidefinite");
+  EXPECT_EQ(rows[0]["warnings"][0]["concern"], "data");
+  EXPECT_EQ(rows[0]["matrix"]["spectrum"]["smallest"], -1);
+}
+
+TEST_F(InspectCommandTest, EveryWarningIsDocumented) {
+  std::ifstream page(LCPBENCH_INSPECT_PAGE);
+  const std::string documented{std::istreambuf_iterator<char>(page), {}};
+  std::ifstream source(LCPBENCH_WARNINGS_SOURCE);
+  const std::string code{std::istreambuf_iterator<char>(source), {}};
+  std::size_t found = 0;
+  for (std::size_t at = code.find('"'); at != std::string::npos; at = code.find('"', at + 1)) {
+    const std::size_t end = code.find('"', at + 1);
+    if (end == std::string::npos) break;
+    const std::string word = code.substr(at + 1, end - at - 1);
+    at = end;
+    const bool is_code = word.find('_') != std::string::npos &&
+                         word.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") == std::string::npos;
+    if (!is_code) continue;
+    ++found;
+    EXPECT_NE(documented.find("`" + word + "`"), std::string::npos) << word;
+  }
+  EXPECT_GE(found, 25U);
+}
+
+}  // namespace
+}  // namespace lcpbench

@@ -1,0 +1,123 @@
+// What a user relies on: the answer that was planted is the answer, exactly, and the problems are as easy as they are
+// said to be.
+
+#include <cmath>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "generators/planted.h"
+#include "generators/sets.h"
+#include "tests/generators/generator_checks.h"
+#include "tests/generators/opened_set.h"
+
+namespace lcpbench {
+namespace {
+
+using Opened = testing::OpenedSet<PlantedSet, draw_planted>;
+
+Opened open(const std::string& text) { return testing::opened_set<draw_planted>(planted_sets(), text); }
+
+const std::vector<std::string> kReadings = {"planted/definite", "planted/definite{n_max=1}",
+                                            "planted/definite{n_max=100,condition=1e6}",
+                                            "planted/definite{condition=1}"};
+
+/// (M z + q)_i in steps of 2^-44, in integers; `exact` fails when a number is not on its grid.
+std::int64_t slack_steps(const PlantedSample& sample, std::size_t i, bool& exact) {
+  std::int64_t slack = checks::in_steps(sample.q[i], 0x1p-44, exact);
+  for (std::size_t j = 0; j < sample.z.size(); ++j) {
+    slack += checks::in_steps(sample.M(i, j), 0x1p-36, exact) * checks::in_steps(sample.z[j], 0x1p-8, exact);
+  }
+  return slack;
+}
+
+TEST(PlantedGeneratorTest, ThePlantedAnswerHoldsExactly) {
+  for (const std::string& name : kReadings) {
+    SCOPED_TRACE(name);
+    const Opened set = open(name);
+    for (std::uint64_t trial = 0; trial < 40; ++trial) {
+      const PlantedSample sample = set.draw(trial);
+      bool exact = true;
+      for (std::size_t i = 0; i < sample.z.size(); ++i) {
+        ASSERT_EQ(slack_steps(sample, i, exact), checks::in_steps(sample.w[i], 0x1p-44, exact)) << trial;
+        ASSERT_TRUE(sample.z[i] >= 0x1p-8 && sample.z[i] <= 1
+                        ? sample.w[i] == 0
+                        : sample.z[i] == 0 && sample.w[i] > 0 && sample.w[i] <= 1);
+      }
+      ASSERT_TRUE(exact) << trial;
+    }
+  }
+}
+
+// Definite, so the planted answer is the only one; conditioned as said, in 113-bit arithmetic.
+TEST(PlantedGeneratorTest, MatricesAreDefiniteAndConditionedAsSaid) {
+  for (const std::string& name : kReadings) {
+    SCOPED_TRACE(name);
+    const Opened set = open(name);
+    for (std::uint64_t trial = 0; trial < 40; ++trial) {
+      const PlantedSample sample = set.draw(trial);
+      ASSERT_LE(sample.q.size(), static_cast<std::size_t>(set.reading.n_max));
+      ASSERT_TRUE(checks::symmetric(sample.M));
+      const Quad rounding = 1e-8;
+      const Quad smallest = (1 + rounding) / static_cast<Quad>(set.reading.condition);
+      if (set.reading.condition > 1) {
+        ASSERT_TRUE(checks::definite_after_shift(sample.M, smallest, 1)) << trial;
+      }
+      ASSERT_TRUE(checks::definite_after_shift(sample.M, 1 + rounding / 10, -1)) << trial;
+    }
+  }
+}
+
+TEST(PlantedGeneratorTest, DrawsAreUniform) {
+  const Opened set = open("planted/definite");
+  std::vector<int> orders(20);
+  std::vector<int> support(2);
+  std::vector<int> impulses(8);
+  std::vector<int> slacks(8);
+  std::vector<int> halves(2);
+  for (std::uint64_t trial = 0; trial < 2000; ++trial) {
+    const PlantedSample sample = set.draw(trial);
+    ++orders[sample.q.size() - 1];
+    for (std::size_t i = 0; i < sample.z.size(); ++i) {
+      const bool active = sample.z[i] > 0;
+      ++support[active ? 1 : 0];
+      // From (0, 1] into eight equal parts.
+      ++(active ? impulses : slacks)[static_cast<std::size_t>(std::ceil((active ? sample.z : sample.w)[i] * 8)) - 1];
+    }
+    // The logarithm of the condition number is uniform: half of them lie below its middle, sqrt(0.999 1e4).
+    if (sample.q.size() > 1) ++halves[checks::definite_after_shift(sample.M, 1 / std::sqrt(9990.0), 1) ? 1 : 0];
+  }
+  for (const std::vector<int>* counts : {&orders, &support, &impulses, &slacks, &halves}) {
+    checks::ChiSquare uniform;
+    uniform.add_uniform(*counts);
+    EXPECT_TRUE(uniform.plausible()) << uniform.statistic() << " of " << uniform.degrees();
+  }
+}
+
+TEST(PlantedGeneratorTest, BothFormsAreTheSameLcp) {
+  for (std::int64_t trial = 0; trial < 20; ++trial) {
+    const Problem contact = open_set("planted/definite")->generate(testing::kDrawSeed, trial);
+    const Problem bare = open_set("planted/definite{form=lcp}")->generate(testing::kDrawSeed, trial);
+    ASSERT_NE(contact.contact(), nullptr);
+    ASSERT_EQ(bare.contact(), nullptr);
+    ASSERT_EQ(contact.lcp().M, bare.lcp().M);
+    ASSERT_EQ(contact.lcp().q, bare.lcp().q);
+  }
+}
+
+TEST(PlantedGeneratorTest, EveryTrialIsAnotherProblem) {
+  const Opened set = open("planted/definite");
+  std::set<std::vector<double>> seen;
+  for (std::uint64_t trial = 0; trial < 500; ++trial) seen.insert(set.draw(trial).q);
+  EXPECT_EQ(seen.size(), 500U);
+}
+
+TEST(PlantedGeneratorTest, OptionsOutOfRangeAreRefused) {
+  for (const char* options : {"{n_max=0}", "{n_max=101}", "{condition=0.5}", "{condition=1e7}", "{condition=nan}"}) {
+    EXPECT_ANY_THROW(open_set(std::string("planted/definite") + options)) << options;
+  }
+  EXPECT_EQ(open_set("planted/definite{condition=10000,n_max=20}")->name(), "planted/definite");
+}
+
+}  // namespace
+}  // namespace lcpbench

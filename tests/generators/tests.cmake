@@ -1,0 +1,71 @@
+# The same bits everywhere: the generators' own sources, built apart from the library by each compiler at hand, without
+# and with optimisation, and for this processor; each program must print the hashes that are committed.
+set(golden_sources
+  tests/generators/golden_hashes.cpp generators/paper/paper.cpp generators/planted.cpp generators/random.cpp generators/rigid/rigid.cpp
+  generators/rigid/rigid_sets.cpp generators/paper/spectrum.cpp core/settings.cpp core/spec.cpp core/suggestion.cpp
+  generators/hard/applications.cpp generators/hard/boxes.cpp generators/hard/build.cpp generators/hard/chains.cpp
+  generators/hard/classes.cpp generators/hard/conditioning.cpp generators/hard/edge.cpp generators/hard/hard.cpp
+  generators/hard/particles.cpp generators/hard/pivoting.cpp)
+
+function(lcpbench_golden variant compiler)
+  set(directory ${CMAKE_CURRENT_BINARY_DIR}/golden/${variant})
+  file(MAKE_DIRECTORY ${directory})
+  set(objects "")
+  foreach(source IN LISTS golden_sources)
+    get_filename_component(stem ${source} NAME_WE)
+    set(object ${directory}/${stem}.o)
+    add_custom_command(
+      OUTPUT ${object}
+      COMMAND ${CMAKE_CXX_COMPILER_LAUNCHER} ${compiler} -std=c++20 ${ARGN} -ffp-contract=off -I${PROJECT_SOURCE_DIR}
+              -idirafter ${RANDOM123_INCLUDE_DIR} -MD -MF ${object}.d -MT ${object} -c ${PROJECT_SOURCE_DIR}/${source} -o ${object}
+      DEPENDS ${PROJECT_SOURCE_DIR}/${source}
+      DEPFILE ${object}.d
+      COMMENT "Golden hashes, ${variant}: ${source}"
+      VERBATIM)
+    list(APPEND objects ${object})
+  endforeach()
+  add_custom_command(
+    OUTPUT ${directory}/golden_hashes
+    COMMAND ${compiler} ${objects} -o ${directory}/golden_hashes
+    DEPENDS ${objects}
+    COMMENT "Golden hashes, ${variant}: linking"
+    VERBATIM)
+  add_custom_target(golden_hashes_${variant} ALL DEPENDS ${directory}/golden_hashes)
+  add_test(NAME golden_hashes_${variant}
+           COMMAND ${directory}/golden_hashes ${CMAKE_CURRENT_SOURCE_DIR}/golden/hashes.txt)
+endfunction()
+
+# The sanitizers have nothing to add to programs that are built with flags of their own. When cross-compiling, the compilers
+# at hand build for this machine, not for the target; the test golden_library compares the hashes there.
+if(NOT LCPBENCH_SANITIZE AND NOT CMAKE_CROSSCOMPILING)
+  find_program(GOLDEN_GXX g++)
+  find_program(GOLDEN_CLANGXX clang++)
+  foreach(family GXX CLANGXX)
+    string(TOLOWER ${family} name)
+    if(GOLDEN_${family})
+      lcpbench_golden(${name}_O0 ${GOLDEN_${family}} -O0)
+      lcpbench_golden(${name}_O3 ${GOLDEN_${family}} -O3)
+    else()
+      string(REPLACE "xx" "++" program ${name})
+      message(WARNING "golden hashes: ${program} not found; its two builds are not tested")
+    endif()
+  endforeach()
+  if(GOLDEN_GXX)
+    lcpbench_golden(gxx_native ${GOLDEN_GXX} -O3 -march=native)
+  endif()
+endif()
+
+lcpbench_test(random LINK lcpbench_generators)
+lcpbench_test(spectrum LINK lcpbench_generators)
+lcpbench_test(paper_generator LINK lcpbench_generators Threads::Threads)
+lcpbench_test(rigid_generator LINK lcpbench_generators Threads::Threads)
+lcpbench_test(rigid_friction LINK lcpbench_generators)
+lcpbench_test(planted_generator LINK lcpbench_generators)
+lcpbench_test(sets LINK lcpbench_generators)
+lcpbench_test(golden_library LINK lcpbench_generators)
+target_compile_definitions(golden_library_test
+                           PRIVATE GOLDEN_HASHES="${CMAKE_CURRENT_SOURCE_DIR}/golden/hashes.txt")
+
+# Against the judge, which lives in study/.
+lcpbench_test(hard LINK lcpbench_evaluation lcpbench_generators lcpbench_study lcpbench_solver_list)
+target_compile_definitions(hard_test PRIVATE HARD_CASES_PAGE="${PROJECT_SOURCE_DIR}/docs/reference/hard-cases.md")

@@ -1,0 +1,462 @@
+#include "native/active_set/active_set.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/registry.h"
+#include "core/scene.h"
+#include "generators/sets.h"
+#include "study/evaluation/evaluation.h"
+#include "tests/native/allocation_checks.h"
+#include "tests/support/allocation_counter.h"
+#include "study/measure/exact_velocity.h"
+#include "tests/support/textbook_lcps.h"
+
+namespace lcpbench {
+SolverDefinition lcpbench_solver_active_set();
+
+namespace {
+
+using testing::exact_velocity;
+using testing::velocity_error;
+
+std::unique_ptr<Solver> active_set(const Options& options = {}) { return lcpbench_solver_active_set().make(options); }
+
+Answer solve(Solver& solver, const SolveRequest& request = {}) {
+  Answer answer;
+  solver.solve(request, answer);
+  return answer;
+}
+
+Answer solve(const Problem& problem, const Options& options = {}, const SolveRequest& request = {}) {
+  const auto solver = active_set(options);
+  solver->load(problem);
+  return solve(*solver, request);
+}
+
+ContactProblem frictionless(Vector v, Matrix N, Inertia inertia) {
+  ContactProblem contact;
+  contact.v = std::move(v);
+  contact.D = Matrix(N.rows(), 0);
+  contact.edges.assign(static_cast<std::size_t>(N.cols()), 0);
+  contact.mu = Vector::Zero(N.cols());
+  contact.N = std::move(N);
+  contact.inertia = std::move(inertia);
+  return contact;
+}
+
+/// Cubes of unit mass and edge on each other, four contacts at each face.
+RigidScene stack(int cubes, const Eigen::Vector3d& velocity) {
+  RigidScene scene;
+  for (int b = 0; b < cubes; ++b) {
+    RigidBody body;
+    body.inertia = Eigen::Matrix3d::Identity() / 6;
+    body.position = {0, 0, b + 0.5};
+    body.linear_velocity = velocity;
+    scene.bodies.push_back(body);
+    for (const double x : {-0.5, 0.5}) {
+      for (const double y : {-0.5, 0.5}) {
+        RigidContact contact;
+        contact.body_a = b;
+        contact.body_b = b == 0 ? RigidContact::kWorld : b - 1;
+        contact.point = {x, y, static_cast<double>(b)};
+        scene.contacts.push_back(contact);
+      }
+    }
+  }
+  return scene;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// --- what the answer is ---
+
+TEST(ActiveSetTest, TheClosedFormOfABallOnTheGround) {
+  const Problem ball("ball", frictionless(testing::vector_of({3, -4}), Matrix(testing::vector_of({0, 1})),
+                                          DenseInertia{2 * Matrix::Identity(2, 2)}));
+  const Answer answer = solve(ball);
+  EXPECT_EQ(answer.claim, Claim::kSolved);
+  EXPECT_DOUBLE_EQ(answer.z(0), 8);  // m v_n
+  EXPECT_DOUBLE_EQ(answer.velocity(0), 3);
+  EXPECT_NEAR(answer.velocity(1), 0, 1e-15);
+  EXPECT_EQ(answer.counters.pivots, 1);
+}
+
+TEST(ActiveSetTest, WhatPartsByItselfIsLeftAlone) {
+  const Vector v = testing::vector_of({0.1, 0.7});
+  const Answer answer =
+      solve(Problem("parting", frictionless(v, Matrix::Identity(2, 2), DenseInertia{3 * Matrix::Identity(2, 2)})));
+  EXPECT_EQ(answer.claim, Claim::kSolved);
+  EXPECT_EQ(answer.z, Vector::Zero(2));
+  EXPECT_EQ(answer.velocity, v);
+}
+
+/// Symmetric and diagonally dominant: few entries off the diagonal, none in the last columns of most rows.
+Matrix sparse_inertia(Index order, testing::Uniform& uniform) {
+  Matrix G = order * Matrix::Identity(order, order);
+  for (Index k = 0; k < order; ++k) {
+    const Index i = uniform.integer(0, order - 1);
+    const Index j = uniform.integer(0, order - 1);
+    if (i != j) G(i, j) = G(j, i) = uniform();
+  }
+  return G;
+}
+
+// Elimination passes over the rows that a row cannot reach, not over those that fill reaches.
+TEST(ActiveSetTest, TheZerosOfASparseInertiaChangeNothing) {
+  testing::Uniform uniform(77);
+  for (const Index order : {1, 2, 7, 8, 9, 30, 61}) {
+    for (int trial = 0; trial < 10; ++trial) {
+      const Matrix G = sparse_inertia(order, uniform);
+      const Matrix N = uniform.matrix(order, order);
+      const Vector v = uniform.vector(order);
+      const Problem given("G", frictionless(v, N, DenseInertia{G}));
+      const Answer answer = solve(given);
+      const Answer inverse = solve(Problem("G*", frictionless(v, N, InverseInertia{G.inverse()})));
+      ASSERT_EQ(answer.claim, Claim::kSolved) << order << ", trial " << trial << ": " << answer.detail;
+      EXPECT_TRUE(answer.detail.empty()) << order << ", trial " << trial << ": " << answer.detail;
+      EXPECT_LE((answer.velocity - inverse.velocity).lpNorm<Eigen::Infinity>(), 1e-13) << order << ", trial " << trial;
+    }
+  }
+}
+
+TEST(ActiveSetTest, CopiesOfAContactChangeNothing) {
+  Matrix N(2, 6);
+  N << 0, 0, 0, 0, 1, 1, 1, 3, 1, 0.25, 1, 1;  // four times the ground, twice an edge
+  const Vector v = testing::vector_of({-0.5, -2});
+  const Answer answer = solve(Problem("copies", frictionless(v, N, DenseInertia{Matrix::Identity(2, 2)})));
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_NEAR(answer.velocity(0), 0, 1e-15);
+  EXPECT_NEAR(answer.velocity(1), 0, 1e-15);
+  EXPECT_LE((N * answer.z + v).norm(), 1e-14);
+}
+
+class ActiveSetOnPaperSets : public ::testing::TestWithParam<std::pair<const char*, double>> {};
+
+// The bound on the median is what the study states for a polished direct method; 1e-15 times the square root of the
+// condition number is what a backward stable factorisation gives.
+TEST_P(ActiveSetOnPaperSets, SolvesEveryProblemAndReturnsTheVelocityToItsFloor) {
+  const auto [name, bound] = GetParam();
+  for (const char* reading : {"{redundancy=multiple}", "{redundancy=combination}"}) {
+    const bool redundant = std::string(name) != "paper/monotone/exp1";
+    const auto set = open_set(std::string(name) + (redundant ? reading : ""));
+    const auto solver = active_set();
+    std::vector<double> errors;
+    for (int trial = 0; trial < 150; ++trial) {
+      const Problem problem = set->generate(20261, trial);
+      solver->load(problem);
+      const Answer answer = solve(*solver);
+      ASSERT_EQ(answer.claim, Claim::kSolved) << "trial " << trial << ": " << answer.detail;
+      Evaluator evaluator(problem);
+      const Errors measured = evaluator.errors(answer);
+      ASSERT_TRUE(measured.solved) << "trial " << trial << ": rho = " << measured.velocity_residual_relative;
+      ASSERT_LE(measured.velocity_mismatch, 1e-12) << "trial " << trial;
+      QuadVector exact;
+      ASSERT_TRUE(exact_velocity(*problem.contact(), answer.z, exact)) << "trial " << trial;
+      errors.push_back(velocity_error(*problem.contact(), answer.velocity, exact));
+    }
+    EXPECT_LE(median(errors), bound) << set->name();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(FullRank, ActiveSetOnPaperSets,
+                         ::testing::Values(std::pair{"paper/monotone/exp1", 3e-15},
+                                           std::pair{"paper/monotone/exp2", 3e-15},
+                                           std::pair{"paper/monotone/exp5-1e5", 3e-14},
+                                           std::pair{"paper/monotone/exp5-1e8", 1e-12},
+                                           std::pair{"paper/monotone/exp5-1e10", 1e-11}));
+
+// Six normals that span six coordinates within 3e-9 of dependence: impulses of 1e13 N s leave v+ = 0.
+TEST(ActiveSetTest, TheLastRungSolvesWhatDoubleAndCarelessRoundingCannot) {
+  const Problem problem = open_set("paper/monotone/exp5-1e10")->generate(77, 139);
+  Evaluator evaluator(problem);
+  for (const char* precision : {"double", "polished"}) {
+    EXPECT_EQ(solve(problem, {{"precision", precision}}).claim, Claim::kNumericalFailure) << precision;
+  }
+  const Answer answer = solve(problem);
+  EXPECT_EQ(answer.claim, Claim::kSolved);
+  EXPECT_EQ(answer.detail, "dd rung");
+  EXPECT_LE(evaluator.errors(answer).velocity_residual_relative, 1e-5);
+}
+
+// As many active contacts as coordinates leave v+ = 0, where the others rest too; rounding says that one of them is
+// violated.
+TEST(ActiveSetTest, RestingContactsAreNotTakenForViolatedOnes) {
+  for (const auto& [name, trial] : {std::pair{"paper/monotone/exp1", 375}, std::pair{"paper/monotone/exp1", 5367},
+                                    std::pair{"paper/monotone/exp2", 1394}, std::pair{"paper/monotone/exp2", 5534}}) {
+    const Problem problem = open_set(name)->generate(20261120, trial);
+    const Answer answer = solve(problem);
+    EXPECT_EQ(answer.claim, Claim::kSolved) << name << ", trial " << trial;
+    EXPECT_EQ(answer.detail, "") << name << ", trial " << trial;  // more bits were asked to test it at most
+    EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << name << ", trial " << trial;
+  }
+}
+
+TEST(ActiveSetTest, ErrorsFallFromRungToRung) {
+  const auto set = open_set("paper/monotone/exp1");
+  std::vector<double> medians;
+  for (const char* precision : {"float", "double", "polished", "quad"}) {
+    const auto solver = active_set({{"precision", precision}});
+    std::vector<double> errors;
+    for (int trial = 0; trial < 60; ++trial) {
+      const Problem problem = set->generate(3, trial);
+      solver->load(problem);
+      const Answer answer = solve(*solver);
+      if (answer.claim != Claim::kSolved) continue;
+      Evaluator evaluator(problem);
+      EXPECT_TRUE(evaluator.errors(answer).solved) << precision << ", trial " << trial;
+      QuadVector exact;
+      if (!exact_velocity(*problem.contact(), answer.z, exact)) continue;
+      errors.push_back(velocity_error(*problem.contact(), answer.velocity, exact));
+    }
+    ASSERT_GE(errors.size(), 30U) << precision;
+    medians.push_back(median(errors));
+  }
+  EXPECT_GE(medians[0], 1e5 * medians[1]);
+  EXPECT_LE(medians[2], 2 * medians[1]);
+  EXPECT_LE(medians[3], 2e-16);  // v* itself, rounded to double
+}
+
+// --- no solution ---
+
+TEST(ActiveSetTest, ProvesThatACrushedBallHasNoSolution) {
+  Matrix N(2, 3);
+  N << 1, -2, 1, 1, 1, 0;  // u = (2, 1, 0): N u = (0, 3), which nothing can move
+  Matrix Ginv = Matrix::Identity(2, 2);
+  Ginv(1, 1) = 0;
+  const Problem crushed("crushed", frictionless(testing::vector_of({0.3, -1}), N, InverseInertia{Ginv}));
+  const Answer answer = solve(crushed);
+  EXPECT_EQ(answer.claim, Claim::kUnsolvable);
+  EXPECT_EQ(answer.farkas, testing::vector_of({2, 1, 0}));
+  EXPECT_TRUE(Evaluator(crushed).check_farkas(answer.farkas));
+}
+
+TEST(ActiveSetTest, AContactThatNothingMovesMustPartByItself) {
+  const Matrix N = Matrix::Identity(2, 2);
+  Matrix Ginv = Matrix::Identity(2, 2);
+  Ginv(1, 1) = 0;
+  const auto problem = [&](double speed) {
+    return Problem("immovable", frictionless(testing::vector_of({-1, speed}), N, InverseInertia{Ginv}));
+  };
+  EXPECT_EQ(solve(problem(0.5)).claim, Claim::kSolved);
+  EXPECT_EQ(solve(problem(0)).claim, Claim::kSolved);
+  const Answer answer = solve(problem(-0.5));
+  EXPECT_EQ(answer.claim, Claim::kUnsolvable);
+  EXPECT_TRUE(Evaluator(problem(-0.5)).check_farkas(answer.farkas));
+}
+
+// The same with an inertia given by factors, which may be singular: that rounding is no proof in any precision.
+TEST(ActiveSetTest, RoundingAtRestIsNotTakenForAProof) {
+  const Problem problem = open_set("paper/monotone/exp3")->generate(20261203, 8128);
+  for (const char* precision : {"double", "polished", "quad", "ladder"}) {
+    const Answer answer = solve(problem, {{"precision", precision}});
+    EXPECT_EQ(answer.claim, Claim::kSolved) << precision << ": " << answer.detail;
+    EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << precision;
+  }
+}
+
+// 84.92 % of Experiment 3 are solvable, by the closed form of the paper's generator: 255 of 300 +- 6.2.
+TEST(ActiveSetTest, TellsSolvableFromUnsolvableInertiaOfLowRank) {
+  const auto set = open_set("paper/monotone/exp3");
+  const auto solver = active_set();
+  int solvable = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    const Problem problem = set->generate(8, trial);
+    solver->load(problem);
+    const Answer answer = solve(*solver);
+    if (answer.claim == Claim::kUnsolvable) continue;
+    ASSERT_EQ(answer.claim, Claim::kSolved) << "trial " << trial << ": " << answer.detail;
+    ASSERT_TRUE(Evaluator(problem).errors(answer).solved) << "trial " << trial;
+    ++solvable;
+  }
+  EXPECT_GE(solvable, 230);
+  EXPECT_LE(solvable, 279);
+}
+
+TEST(ActiveSetTest, DoesNotSolveWithAnIndefiniteInertia) {
+  Matrix G = Matrix::Identity(2, 2);
+  G(1, 1) = -1;
+  const Matrix N = Matrix::Identity(2, 2);
+  const Vector v = -testing::ones(2);
+  EXPECT_EQ(solve(Problem("indefinite", frictionless(v, N, DenseInertia{G}))).claim, Claim::kNumericalFailure);
+  EXPECT_EQ(solve(Problem("indefinite", frictionless(v, N, InverseInertia{G}))).claim, Claim::kNumericalFailure);
+}
+
+// --- the forms of the data ---
+
+TEST(ActiveSetTest, TakesBlocksAndSparseNormalsAsItTakesDenseOnes) {
+  const ContactProblem blocks = contact_problem(stack(3, {0.25, 0, -1}));
+  const Answer of_blocks = solve(Problem("blocks", blocks));
+  const Answer of_dense =
+      solve(Problem("dense", frictionless(blocks.v, to_dense(blocks.N), DenseInertia{dense_inertia(blocks.inertia)})));
+  ASSERT_EQ(of_blocks.claim, Claim::kSolved) << of_blocks.detail;
+  EXPECT_EQ(of_blocks.z, of_dense.z);
+  EXPECT_EQ(of_blocks.velocity, of_dense.velocity);
+  EXPECT_NEAR(of_blocks.velocity(2), 0, 1e-14);
+  EXPECT_NEAR(of_blocks.velocity(0), 0.25, 1e-14);
+}
+
+TEST(ActiveSetTest, FactorsAndInverseOfAFullRankInertiaGiveTheSameVelocity) {
+  testing::Uniform uniform(4);
+  const Matrix X = uniform.matrix(7, 7);
+  const Vector alpha = uniform.vector(7).cwiseAbs().array() + 0.5;
+  const Matrix N = uniform.matrix(7, 9);
+  const Vector v = uniform.vector(7);
+  const Matrix G = X * alpha.asDiagonal() * X.transpose();
+  const Answer of_factors = solve(Problem("factors", frictionless(v, N, FactoredInertia{X, alpha})));
+  const Answer of_dense = solve(Problem("dense", frictionless(v, N, DenseInertia{G})));
+  const Answer of_inverse = solve(Problem("inverse", frictionless(v, N, InverseInertia{G.inverse()})));
+  ASSERT_EQ(of_factors.claim, Claim::kSolved);
+  ASSERT_EQ(of_dense.claim, Claim::kSolved);
+  ASSERT_EQ(of_inverse.claim, Claim::kSolved);
+  EXPECT_LE((of_factors.velocity - of_dense.velocity).norm(), 1e-10);
+  EXPECT_LE((of_inverse.velocity - of_dense.velocity).norm(), 1e-10);
+}
+
+TEST(ActiveSetTest, RefusesMatricesAndFriction) {
+  EXPECT_EQ(solve(Problem("bare", Lcp{Matrix::Identity(2, 2), -testing::ones(2)})).claim, Claim::kUnsupported);
+  ContactProblem rubbing = frictionless(testing::vector_of({1, -1}), Matrix(testing::vector_of({0, 1})),
+                                        DenseInertia{Matrix::Identity(2, 2)});
+  rubbing.D = Matrix(testing::matrix_of(2, {1, -1, 0, 0}));
+  rubbing.edges = {2};
+  EXPECT_EQ(solve(Problem("rubbing", rubbing)).claim, Claim::kUnsupported);
+}
+
+TEST(ActiveSetTest, EveryInstructionSetLevelFindsTheSameContacts) {
+  const auto set = open_set("paper/monotone/exp2");
+  for (const ActiveSetPrecision precision : {ActiveSetPrecision::kFloat, ActiveSetPrecision::kDouble}) {
+    for (const IsaLevel level : {IsaLevel::kAvx2, IsaLevel::kAvx512}) {
+      if (level > best_isa_level()) GTEST_SKIP() << "this processor has no " << to_string(level);
+      ActiveSet baseline({.precision = precision}, IsaLevel::kBaseline);
+      ActiveSet vectorised({.precision = precision}, level);
+      for (int trial = 0; trial < 40; ++trial) {
+        const Problem problem = set->generate(6, trial);
+        baseline.load(problem);
+        vectorised.load(problem);
+        const Answer expected = solve(baseline);
+        const Answer answer = solve(vectorised);
+        if (precision == ActiveSetPrecision::kFloat && answer.claim != expected.claim) continue;
+        ASSERT_EQ(answer.claim, expected.claim);
+        const double tolerance = precision == ActiveSetPrecision::kFloat ? 1e-2 : 1e-9;
+        if (answer.claim == Claim::kSolved) {
+          ASSERT_LE((answer.velocity - expected.velocity).norm(), tolerance * problem.contact()->v.norm());
+        }
+      }
+    }
+  }
+}
+
+// --- time steps ---
+
+TEST(ActiveSetTest, UpdateGivesBitForBitWhatLoadGives) {
+  const auto set = open_set("paper/monotone/exp1");
+  const Problem first = set->generate(1, 1);
+  testing::Uniform uniform(2);
+  const auto solver = active_set();
+  solver->load(first);
+  for (int step = 0; step < 20; ++step) {
+    ContactProblem next = *first.contact();
+    next.v = uniform.vector(next.ngc());
+    solver->update(next.v);
+    const Answer updated = solve(*solver);
+    const Answer loaded = solve(Problem("next", next));
+    ASSERT_EQ(updated.claim, loaded.claim);
+    ASSERT_EQ(updated.z, loaded.z);
+    ASSERT_EQ(updated.velocity, loaded.velocity);
+  }
+}
+
+TEST(ActiveSetTest, WarmStartAtLeastHalvesTheStepsOfARestingStack) {
+  const Problem resting("stack", contact_problem(stack(5, {0, 0, -0.01})));
+  const auto solver = active_set();
+  solver->load(resting);
+  testing::Uniform uniform(12);
+  Vector last = Vector::Zero(resting.size());
+  std::int64_t cold_steps = 0;
+  std::int64_t warm_steps = 0;
+  for (int step = 0; step < 50; ++step) {
+    const Vector disturbed = resting.contact()->v + 2e-4 * uniform.vector(resting.contact()->ngc());
+    solver->update(disturbed);
+    const Answer cold = solve(*solver);
+    const Answer warm = solve(*solver, {.start = &last});
+    ASSERT_EQ(cold.claim, Claim::kSolved) << cold.detail;
+    ASSERT_EQ(warm.claim, Claim::kSolved) << warm.detail;
+    ASSERT_LE((warm.velocity - cold.velocity).norm(), 1e-12 * disturbed.norm());
+    if (step > 0) {
+      cold_steps += cold.counters.pivots;
+      warm_steps += warm.counters.pivots;
+    }
+    last = warm.z;
+  }
+  EXPECT_GT(cold_steps, 0);
+  EXPECT_LE(2 * warm_steps, cold_steps);
+}
+
+TEST(ActiveSetTest, AMisleadingStartCostsStepsNotTheAnswer) {
+  const auto set = open_set("paper/monotone/exp2");
+  testing::Uniform uniform(5);
+  for (int trial = 0; trial < 100; ++trial) {
+    const Problem problem = set->generate(9, trial);
+    const Vector start = uniform.vector(problem.size());
+    const auto solver = active_set();
+    solver->load(problem);
+    const Answer misled = solve(*solver, {.start = &start});
+    const Answer cold = solve(*solver);
+    ASSERT_EQ(misled.claim, Claim::kSolved) << "trial " << trial;
+    ASSERT_LE((misled.velocity - cold.velocity).norm(), 1e-11 * problem.contact()->v.norm()) << "trial " << trial;
+  }
+}
+
+// --- limits ---
+
+TEST(ActiveSetTest, StopsAtItsLimits) {
+  const Problem problem("stack", contact_problem(stack(12, {0, 0, -1})));
+  const Answer steps = solve(problem, {{"max_iterations", "5"}});
+  EXPECT_EQ(steps.claim, Claim::kIterationLimit);
+  EXPECT_EQ(steps.counters.pivots, 5);
+  EXPECT_EQ(solve(problem, {}, {.time_limit_s = 0}).claim, Claim::kTimeLimit);
+  EXPECT_EQ(solve(problem, {}, {.time_limit_s = 1e-9}).claim, Claim::kTimeLimit);
+}
+
+TEST(ActiveSetTest, ClaimsNothingThatItsOwnTestDoesNotBear) {
+  const Problem problem = open_set("paper/monotone/exp5-1e8")->generate(1, 3);
+  const Answer answer = solve(problem, {{"accept_residual", "1e-300"}, {"precision", "double"}});
+  EXPECT_EQ(answer.claim, Claim::kNumericalFailure);
+  EXPECT_EQ(answer.detail, "own test failed");
+}
+
+TEST(ActiveSetTest, SolvingAllocatesNothing) {
+  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  for (const char* precision : {"float", "double", "polished", "ladder"}) {
+    const auto set = open_set("paper/monotone/exp4");
+    const auto solver = active_set({{"precision", precision}});
+    Answer answer;
+    for (int trial = 0; trial < 40; ++trial) {
+      solver->load(set->generate(2, trial));
+      solver->solve({}, answer);  // its storage is reused below
+      EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << precision << ", trial " << trial;
+    }
+  }
+}
+
+TEST(ActiveSetTest, LoadsWithoutAllocatingWhatWasReserved) {
+  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  std::vector<Problem> problems;
+  for (const int bodies : {3, 1, 2}) problems.push_back(Problem("stack", stack(bodies, {0.25, 0, -0.5})));
+  for (const char* name : {"paper/monotone/exp2", "paper/monotone/exp4"}) {
+    for (std::int64_t trial = 0; trial < 8; ++trial) problems.push_back(open_set(name)->generate(55, trial));
+  }
+  // And one that climbs to the last rung.
+  problems.push_back(open_set("paper/monotone/exp5-1e10{redundancy=combination}")->generate(555001, 7544));
+  testing::expect_loads_without_allocating([] { return ActiveSet(ActiveSetSettings{}); }, problems);
+}
+
+}  // namespace
+}  // namespace lcpbench

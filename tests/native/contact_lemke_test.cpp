@@ -1,0 +1,662 @@
+#include "native/contact_lemke/contact_lemke.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/registry.h"
+#include "core/scene.h"
+#include "generators/sets.h"
+#include "study/evaluation/evaluation.h"
+#include "tests/native/allocation_checks.h"
+#include "tests/support/allocation_counter.h"
+#include "tests/support/textbook_lcps.h"
+
+namespace lcpbench {
+SolverDefinition lcpbench_solver_contact_lemke();
+
+namespace {
+
+std::unique_ptr<Solver> contact_lemke(const Options& options = {}) {
+  return lcpbench_solver_contact_lemke().make(options);
+}
+
+Answer solve(Solver& solver, const SolveRequest& request = {}) {
+  Answer answer;
+  solver.solve(request, answer);
+  return answer;
+}
+
+Answer solve(const Problem& problem, const Options& options = {}, const SolveRequest& request = {}) {
+  const auto solver = contact_lemke(options);
+  solver->load(problem);
+  return solve(*solver, request);
+}
+
+Errors errors_of(const Problem& problem, const Answer& answer) { return Evaluator(problem).errors(answer); }
+
+/// A point of mass 2 that meets the floor z = 0 with velocity (3, 0, -1); friction along x and y.
+ContactProblem point_on_floor(double mu) {
+  ContactProblem contact;
+  contact.v = testing::vector_of({3, 0, -1});
+  contact.N = Matrix{{0.0}, {0.0}, {1.0}};
+  contact.D = Matrix{{1.0, 0.0, -1.0, 0.0}, {0.0, 1.0, 0.0, -1.0}, {0.0, 0.0, 0.0, 0.0}};
+  contact.edges = {4};
+  contact.mu = testing::vector_of({mu});
+  contact.inertia = DenseInertia{2 * Matrix::Identity(3, 3)};
+  return contact;
+}
+
+/// Cubes of unit mass and edge on each other, moved down by `fall` and along x by `slide`.
+Problem stack(int bodies, int edges, double fall, double slide) {
+  RigidScene scene;
+  for (int b = 0; b < bodies; ++b) {
+    RigidBody body;
+    body.inertia = Eigen::Matrix3d::Identity() / 6;
+    body.position = {0, 0, b + 0.5};
+    body.linear_velocity = {slide, 0.0, -fall};
+    scene.bodies.push_back(body);
+    for (const double x : {-0.5, 0.5}) {
+      for (const double y : {-0.5, 0.5}) {
+        RigidContact contact;
+        contact.body_a = b;
+        contact.body_b = b == 0 ? RigidContact::kWorld : b - 1;
+        contact.point = {x, y, static_cast<double>(b)};
+        contact.mu = edges > 0 ? 0.5 : 0.0;
+        contact.edges = edges;
+        scene.contacts.push_back(contact);
+      }
+    }
+  }
+  return Problem("stack", scene);
+}
+
+std::vector<std::string> full_rank_sets() {
+  std::vector<std::string> names{"paper/monotone/exp1", "paper/copositive/exp1"};
+  for (const char* kind : {"monotone", "copositive"}) {
+    for (const char* experiment : {"exp2", "exp5-1e5", "exp5-1e8", "exp5-1e10"}) {
+      for (const char* redundancy : {"multiple", "combination"}) {
+        names.push_back(std::string("paper/") + kind + "/" + experiment + "{redundancy=" + redundancy + "}");
+      }
+    }
+  }
+  return names;
+}
+
+// --- small problems with known answers ---
+
+TEST(ContactLemkeTest, ASlidingPointIsBrakedByTheFullConeAndAStickingOneStops) {
+  for (const char* precision : {"double", "polished", "quad", "cascade"}) {
+    for (const char* covering : {"both", "normals", "classic"}) {
+      const Options options{{"precision", precision}, {"covering", covering}};
+      // f_N = 2, friction 0.5 * 2 = 1 against x: v+ = (2.5, 0, 0), lambda bounds the slip of 2.5.
+      const Answer sliding = solve(Problem("sliding", point_on_floor(0.5)), options);
+      ASSERT_EQ(sliding.claim, Claim::kSolved) << sliding.detail;
+      EXPECT_LE((sliding.z - testing::vector_of({2, 0, 0, 1, 0, 2.5})).lpNorm<Eigen::Infinity>(), 1e-14);
+      // Friction up to 8: the 6 that stop the point are inside the cone, nothing slips.
+      const Answer sticking = solve(Problem("sticking", point_on_floor(4)), options);
+      ASSERT_EQ(sticking.claim, Claim::kSolved) << sticking.detail;
+      EXPECT_LE((sticking.z - testing::vector_of({2, 0, 0, 6, 0, 0})).lpNorm<Eigen::Infinity>(), 1e-14);
+    }
+  }
+}
+
+// Neither has friction rows in the kernel; with mu = 0 they are still rows of the problem, and lambda bounds the slip.
+TEST(ContactLemkeTest, FillsInLambdaWhereThereIsNoFriction) {
+  const Answer smooth = solve(Problem("smooth", point_on_floor(0)));
+  ASSERT_EQ(smooth.claim, Claim::kSolved) << smooth.detail;
+  EXPECT_LE((smooth.z - testing::vector_of({2, 0, 0, 0, 0, 3})).lpNorm<Eigen::Infinity>(), 1e-14);
+  ContactProblem parting = point_on_floor(0.5);
+  parting.v(2) = 1;
+  EXPECT_EQ(solve(Problem("parting", parting)).z, testing::vector_of({0, 0, 0, 0, 0, 3}));
+}
+
+TEST(ContactLemkeTest, TakesContactsWithAndWithoutFrictionTogether) {
+  const auto set = open_set("paper/copositive/exp2");
+  for (std::int64_t trial = 0; trial < 30; ++trial) {
+    ContactProblem contact = *set->generate(77, trial).contact();
+    for (Index i = 0; i < contact.nc(); i += 2) contact.mu(i) = 0;
+    const Problem smooth_rows("mu = 0", contact);
+    const Answer with_rows = solve(smooth_rows);
+    ASSERT_EQ(with_rows.claim, Claim::kSolved) << trial;
+    EXPECT_TRUE(errors_of(smooth_rows, with_rows).solved) << trial;
+
+    ContactProblem without = contact;
+    without.edges.clear();
+    Matrix D(contact.ngc(), 0);
+    Index first = 0;
+    for (Index i = 0; i < contact.nc(); ++i) {
+      const int edges = contact.edges[static_cast<std::size_t>(i)];
+      without.edges.push_back(i % 2 == 0 ? 0 : edges);
+      if (i % 2 == 1) {
+        D.conservativeResize(Eigen::NoChange, D.cols() + edges);
+        D.rightCols(edges) = std::get<Matrix>(contact.D).middleCols(first, edges);
+      }
+      first += edges;
+    }
+    without.D = D;
+    const Answer short_answer = solve(Problem("edges = 0", without));
+    ASSERT_EQ(short_answer.claim, Claim::kSolved) << trial;
+    EXPECT_EQ(short_answer.z.head(contact.nc()), with_rows.z.head(contact.nc())) << trial;
+  }
+}
+
+// No slip at all: every direction of friction ties with every other and with sticking.
+TEST(ContactLemkeTest, SolvesStacksFullOfTies) {
+  for (const int bodies : {1, 2, 5, 8}) {
+    for (const double slide : {0.0, 0.25, 2.0}) {
+      for (const char* precision : {"double", "cascade"}) {
+        const Problem problem = stack(bodies, 4, 1.0, slide);
+        const Answer answer = solve(problem, {{"precision", precision}});
+        ASSERT_EQ(answer.claim, Claim::kSolved) << bodies << " bodies, slide " << slide << ": " << answer.detail;
+        EXPECT_LE(errors_of(problem, answer).velocity_residual_relative, 1e-9);
+      }
+    }
+  }
+}
+
+// --- the study's problems ---
+
+class ContactLemkeOnSets : public ::testing::TestWithParam<std::string> {};
+
+INSTANTIATE_TEST_SUITE_P(FullRank, ContactLemkeOnSets, ::testing::ValuesIn(full_rank_sets()), [](const auto& test) {
+  std::string name = test.param.substr(6);
+  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
+  return name;
+});
+
+TEST_P(ContactLemkeOnSets, SolvesEveryProblem) {
+  const auto set = open_set(GetParam());
+  const auto solver = contact_lemke();
+  for (std::int64_t trial = 0; trial < 100; ++trial) {
+    const Problem problem = set->generate(4711, trial);
+    solver->load(problem);
+    const Answer answer = solve(*solver);
+    ASSERT_EQ(answer.claim, Claim::kSolved) << "trial " << trial << ": " << answer.detail;
+    EXPECT_TRUE(errors_of(problem, answer).solved) << "trial " << trial << ", " << answer.detail;
+  }
+}
+
+// In double alone, and by every way through the cascade: what is claimed holds, and little is left out.
+TEST_P(ContactLemkeOnSets, DoubleClaimsWhatHolds) {
+  const auto set = open_set(GetParam());
+  const bool hardest = GetParam().find("1e10") != std::string::npos;
+  for (const char* covering : {"both", "classic"}) {
+    const auto solver = contact_lemke({{"precision", "double"}, {"covering", covering}});
+    int solved = 0;
+    for (std::int64_t trial = 0; trial < 30; ++trial) {
+      const Problem problem = set->generate(4712, trial);
+      solver->load(problem);
+      const Answer answer = solve(*solver);
+      if (answer.claim != Claim::kSolved) continue;
+      ++solved;
+      EXPECT_TRUE(errors_of(problem, answer).solved) << covering << ", trial " << trial << ", " << answer.detail;
+    }
+    EXPECT_GE(solved, hardest ? 24 : 30) << covering;
+  }
+}
+
+TEST(ContactLemkeTest, QuadAloneSolvesAndIsAsExactAsDoublesCanTell) {
+  const auto set = open_set("paper/copositive/exp5-1e8{redundancy=combination}");
+  for (std::int64_t trial = 0; trial < 6; ++trial) {
+    for (const char* covering : {"normals", "classic"}) {
+      const Problem problem = set->generate(5, trial);
+      const Answer answer = solve(problem, {{"precision", "quad"}, {"covering", covering}});
+      ASSERT_EQ(answer.claim, Claim::kSolved) << trial << answer.detail;
+      EXPECT_LE(errors_of(problem, answer).velocity_residual_relative, 1e-6) << trial;
+    }
+  }
+}
+
+double inertial_norm(const ContactProblem& problem, const Vector& velocity) {
+  return std::sqrt(velocity.dot(dense_inertia(problem.inertia) * velocity));
+}
+
+/// Medians over 40 problems of ||v+ - v*||_G / ||v||_G, of the velocity that z implies and of the one returned; v* is
+/// the velocity of the run in 113 bits.
+std::pair<double, double> median_forward_errors(const std::string& set_name) {
+  const auto set = open_set(set_name);
+  std::vector<double> implied, returned;
+  for (std::int64_t trial = 0; trial < 40; ++trial) {
+    const Problem problem = set->generate(14, trial);
+    const Answer polished = solve(problem, {{"precision", "polished"}});
+    const Answer exact = solve(problem, {{"precision", "quad"}});
+    if (polished.claim != Claim::kSolved || exact.claim != Claim::kSolved) continue;
+    Evaluator evaluator(problem);
+    evaluator.set_certified_velocity(exact.velocity);
+    const Errors errors = evaluator.errors(polished);
+    EXPECT_LE(errors.velocity_mismatch, 1e-9) << set_name << " " << trial;
+    implied.push_back(errors.forward_velocity);
+    returned.push_back(inertial_norm(*problem.contact(), polished.velocity - exact.velocity) /
+                       inertial_norm(*problem.contact(), problem.contact()->v));
+  }
+  EXPECT_GE(implied.size(), 36u);
+  std::sort(implied.begin(), implied.end());
+  std::sort(returned.begin(), returned.end());
+  return {implied[implied.size() / 2], returned[returned.size() / 2]};
+}
+
+// The bounds are those of the method in double: about the roundoff times the root of the condition number.
+TEST(ContactLemkeTest, ThePolishedVelocityIsMoreExactThanItsImpulses) {
+  struct Case {
+    const char* set;
+    double bound;
+  };
+  for (const Case& c : {Case{"paper/monotone/exp1", 3e-15}, Case{"paper/monotone/exp5-1e5", 3e-14},
+                        Case{"paper/monotone/exp5-1e8", 1e-12}, Case{"paper/monotone/exp5-1e10", 1e-11}}) {
+    const auto [implied, returned] = median_forward_errors(c.set);
+    RecordProperty(c.set, std::to_string(returned * 1e15) + "e-15");
+    EXPECT_LE(returned, c.bound) << c.set;
+    EXPECT_LT(returned, implied) << c.set;
+  }
+}
+
+TEST(ContactLemkeTest, FloatClaimsOnlyWhatHoldsInDouble) {
+  int solved = 0;
+  for (const char* name : {"paper/monotone/exp1", "paper/copositive/exp1", "paper/monotone/exp5-1e10"}) {
+    const auto set = open_set(name);
+    for (std::int64_t trial = 0; trial < 40; ++trial) {
+      const Problem problem = set->generate(15, trial);
+      const Answer answer = solve(problem, {{"precision", "float"}});
+      EXPECT_NE(answer.claim, Claim::kUnsolvable) << name << " " << trial;
+      if (answer.claim != Claim::kSolved) continue;
+      ++solved;
+      EXPECT_TRUE(errors_of(problem, answer).solved) << name << " " << trial;
+    }
+  }
+  EXPECT_GE(solved, 40);
+}
+
+// The reason for its speed, counted: M is of order 200 and more, its pivots are tens.
+TEST(ContactLemkeTest, TakesFewPivots) {
+  const auto set = open_set("paper/copositive/exp1");
+  std::int64_t pivots = 0, classic_pivots = 0;
+  Index n = 0;
+  for (std::int64_t trial = 0; trial < 50; ++trial) {
+    const Problem problem = set->generate(3, trial);
+    n += problem.size();
+    pivots += solve(problem).counters.pivots;
+    classic_pivots += solve(problem, {{"covering", "classic"}}).counters.pivots;
+  }
+  EXPECT_LT(8 * pivots, n);
+  EXPECT_LT(2 * pivots, classic_pivots);
+}
+
+// --- what the data may look like ---
+
+TEST(ContactLemkeTest, TakesTheInertiaInEveryForm) {
+  const auto set = open_set("paper/copositive/exp1");
+  for (std::int64_t trial = 0; trial < 20; ++trial) {
+    const ContactProblem contact = *set->generate(8, trial).contact();
+    const Matrix G = dense_inertia(contact.inertia);
+    const Eigen::LLT<Matrix> llt(G);
+    const Matrix L = llt.matrixL();
+    ContactProblem factored = contact, inverse = contact, sparse = contact;
+    factored.inertia = FactoredInertia{L, Vector::Ones(G.rows())};
+    inverse.inertia = InverseInertia{inverse_inertia(contact.inertia)};
+    sparse.N = SparseMatrix(std::get<Matrix>(contact.N).sparseView());
+    sparse.D = SparseMatrix(std::get<Matrix>(contact.D).sparseView());
+    const Answer reference = solve(Problem("dense", contact));
+    ASSERT_EQ(reference.claim, Claim::kSolved);
+    for (const ContactProblem& other : {factored, inverse, sparse}) {
+      const Answer answer = solve(Problem("other", other));
+      ASSERT_EQ(answer.claim, Claim::kSolved) << trial << answer.detail;
+      EXPECT_TRUE(errors_of(Problem("dense", contact), answer).solved) << trial;
+    }
+  }
+}
+
+TEST(ContactLemkeTest, TakesSeparateBodies) {
+  const Problem problem = stack(4, 4, 1.0, 0.5);
+  ContactProblem whole = *problem.contact();
+  ASSERT_TRUE(std::holds_alternative<BlockInertia>(whole.inertia));
+  whole.inertia = DenseInertia{dense_inertia(whole.inertia)};
+  EXPECT_EQ(solve(problem).z, solve(Problem("whole", whole)).z);
+}
+
+// Powers of two change no rounding: impulses scale with the mass, velocities with the velocity.
+TEST(ContactLemkeTest, DoesNotDependOnUnits) {
+  const auto set = open_set("paper/copositive/exp5-1e5");
+  for (std::int64_t trial = 0; trial < 10; ++trial) {
+    const ContactProblem contact = *set->generate(9, trial).contact();
+    const Answer answer = solve(Problem("as it is", contact));
+    ContactProblem scaled = contact;
+    scaled.v *= 0x1p-40;
+    scaled.inertia = DenseInertia{0x1p60 * dense_inertia(contact.inertia)};
+    const Answer other = solve(Problem("scaled", scaled));
+    ASSERT_EQ(other.claim, Claim::kSolved) << other.detail;
+    const ContactLayout layout = contact_layout(contact);
+    EXPECT_EQ(other.z.head(layout.lambda_offset()), 0x1p20 * answer.z.head(layout.lambda_offset())) << trial;
+    EXPECT_EQ(other.z.tail(layout.cones), 0x1p-40 * answer.z.tail(layout.cones)) << trial;
+  }
+}
+
+TEST(ContactLemkeTest, SurvivesDataAtTheEndsOfTheRange) {
+  const ContactProblem contact = *open_set("paper/copositive/exp2")->generate(16, 4).contact();
+  for (const char* precision : {"double", "float", "cascade"}) {
+    const auto solver = contact_lemke({{"precision", precision}});
+    for (const double speed : {0.0, 0x1p-1070, 1e-150, 1.0, 1e150, 1e300}) {
+      for (const double mass : {0x1p-1070, 1e-150, 1.0, 1e150, 1e300}) {
+        for (const double reach : {1e-150, 1.0, 1e150}) {
+          ContactProblem scaled = contact;
+          scaled.v *= speed;
+          scaled.inertia = DenseInertia{mass * dense_inertia(contact.inertia)};
+          scaled.N = Matrix(reach * std::get<Matrix>(contact.N));
+          const Problem problem("extreme", scaled);
+          solver->load(problem);
+          const Answer answer = solve(*solver, {.time_limit_s = 5});
+          EXPECT_EQ(answer.z.size(), problem.size());
+          const bool in_the_middle = speed == 1 && mass == 1 && reach == 1 && precision != std::string_view("float");
+          EXPECT_TRUE(answer.claim == Claim::kSolved || !in_the_middle) << precision;
+          if (answer.claim != Claim::kSolved) continue;
+          EXPECT_TRUE(answer.z.allFinite()) << speed << " " << mass << " " << reach;
+          EXPECT_TRUE(errors_of(problem, answer).solved) << precision << " " << speed << " " << mass << " " << reach;
+        }
+      }
+    }
+  }
+}
+
+TEST(ContactLemkeTest, RefusesBareLcps) {
+  const Answer answer = solve(Problem("bare", Lcp{Matrix::Identity(2, 2), -testing::ones(2)}));
+  EXPECT_EQ(answer.claim, Claim::kUnsupported);
+  EXPECT_NE(answer.detail.find("contact problem"), std::string::npos) << answer.detail;
+}
+
+// --- problems without a solution ---
+
+/// Two contacts push a body that cannot move along x against each other.
+ContactProblem jammed(int edges) {
+  ContactProblem contact;
+  contact.v = testing::vector_of({-1, 0.5});
+  contact.N = Matrix{{1.0, 1.0}, {1.0, -1.0}};
+  contact.edges.assign(2, edges);
+  contact.mu = Vector::Constant(2, edges > 0 ? 0.5 : 0.0);
+  Matrix D(2, 2 * edges);
+  for (Index j = 0; j < D.cols(); ++j) D.col(j) = (j % edges < edges / 2 ? 1 : -1) * testing::vector_of({0, 1});
+  contact.D = D;
+  contact.inertia = FactoredInertia{Matrix{{0.0}, {1.0}}, testing::vector_of({3})};
+  return contact;
+}
+
+TEST(ContactLemkeTest, SaysUnsolvableOnlyWithAProofThatHolds) {
+  for (const int edges : {0, 2, 4}) {
+    const Problem problem("jammed", jammed(edges));
+    const Answer answer = solve(problem);
+    ASSERT_EQ(answer.claim, Claim::kUnsolvable) << answer.detail;
+    EXPECT_TRUE(Evaluator(problem).check_farkas(answer.farkas)) << answer.farkas.transpose();
+  }
+}
+
+TEST(ContactLemkeTest, ClaimsNothingUntrueOnReducedRank) {
+  int solved = 0, unsolvable = 0;
+  for (const char* name : {"paper/monotone/exp3", "paper/monotone/exp4", "paper/copositive/exp3",
+                           "paper/copositive/exp4{redundancy=combination}"}) {
+    const auto set = open_set(name);
+    for (std::int64_t trial = 0; trial < 40; ++trial) {
+      const Problem problem = set->generate(31, trial);
+      const Answer answer = solve(problem, {{"precision", "double"}});
+      EXPECT_TRUE(answer.claim != Claim::kUnsolvable || answer.farkas.size() == problem.contact()->nc());
+      EXPECT_TRUE(answer.claim != Claim::kSolved || errors_of(problem, answer).solved) << name << " " << trial;
+      solved += answer.claim == Claim::kSolved ? 1 : 0;
+      unsolvable += answer.claim == Claim::kUnsolvable ? 1 : 0;
+    }
+  }
+  EXPECT_GE(solved, 100);
+  EXPECT_GE(unsolvable, 5);
+}
+
+// The factors' range is what the smallest pivots of a rounded G = X A X' would lose: here four digits were left of it.
+TEST(ContactLemkeTest, KnowsTheRangeOfAnInertiaFromItsFactors) {
+  const Problem problem = open_set("paper/monotone/exp4")->generate(1, 11036);
+  const Answer answer = solve(problem);
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_LE(errors_of(problem, answer).velocity_residual_relative, 1e-6);
+}
+
+TEST(ContactLemkeTest, TakesDependentFactorsAndThoseOfNoWeight) {
+  ContactProblem contact;
+  contact.v = testing::vector_of({1, -1, 0});
+  contact.D = Matrix(3, 0);
+  contact.edges = {0};
+  contact.mu = Vector::Zero(1);
+  Matrix X(3, 2);
+  X << 0, 0, 2, 4, 0, 0;  // twice the same direction: G = diag(0, 20, 0)
+  contact.N = Matrix(testing::vector_of({0, 1, 0}));
+  for (const Vector& alpha : {testing::vector_of({1, 1}), testing::vector_of({1, 0})}) {
+    contact.inertia = FactoredInertia{X, alpha};
+    const Problem problem("dependent", contact);
+    const Answer answer = solve(problem);
+    ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+    EXPECT_NEAR(answer.z(0), 4 * alpha(0) + 16 * alpha(1), 1e-12);  // G_22 times the approach of 1 m/s
+  }
+}
+
+// Masses from 6e-10 to 6e5: impulses that are each rounded for itself do not pass the test of the answer.
+TEST(ContactLemkeTest, RoundsImpulsesSoThatTheOthersMakeUpForIt) {
+  ContactProblem contact;
+  contact.v = testing::vector_of({0.8953988049357573, -0.92976188101738755, -0.15852534892729597, -0.8022851304373112});
+  Matrix N(3, 4);
+  N << -0.010453581242417576, 0.75132911862768403, -0.99820166362507001, -0.79380258023109662,  //
+      0.35022653242432944, 0.96056514444125618, 0.62560871763316372, 0.80638174960455111,       //
+      -0.43842584502671456, 0.68214078290860614, 0.056496385334256383, -0.19504328859792963;
+  contact.N = Matrix(N.transpose());
+  contact.D = Matrix(4, 0);
+  contact.edges = {0, 0, 0};
+  contact.mu = Vector::Zero(3);
+  const Vector masses =
+      testing::vector_of({6.3918759244041365e-10, 584595.46672820835, 22373.465247762011, 272.95791206900918});
+  contact.inertia = DenseInertia{masses.asDiagonal().toDenseMatrix()};
+  const Problem problem("masses", contact);
+  const Answer answer = solve(problem);
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_TRUE(errors_of(problem, answer).solved);
+}
+
+// --- the life of a solver ---
+
+TEST(ContactLemkeTest, UpdateIsAsGoodAsLoading) {
+  const auto set = open_set("paper/copositive/exp5-1e8");
+  for (std::int64_t trial = 0; trial < 10; ++trial) {
+    ContactProblem contact = *set->generate(41, trial).contact();
+    const auto solver = contact_lemke();
+    solver->load(Problem("first", contact));
+    solve(*solver);
+    contact.v = -0.5 * contact.v;
+    contact.v(0) += 0.25;
+    solver->update(contact.v);
+    const Answer updated = solve(*solver);
+    const Answer fresh = solve(Problem("second", contact));
+    EXPECT_EQ(updated.claim, fresh.claim);
+    EXPECT_EQ(updated.z, fresh.z);
+    EXPECT_EQ(updated.counters.pivots, fresh.counters.pivots);
+  }
+}
+
+TEST(ContactLemkeTest, AnUpdateThatIsNoNumberIsRefused) {
+  const auto solver = contact_lemke();
+  solver->load(Problem("point", point_on_floor(0.5)));
+  solver->update(testing::vector_of({0, std::nan(""), 0}));
+  EXPECT_EQ(solve(*solver).claim, Claim::kUnsupported);
+}
+
+TEST(ContactLemkeTest, AllocatesNothingInDouble) {
+  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  const auto solver = contact_lemke({{"precision", "double"}});
+  for (const char* name : {"paper/copositive/exp2{redundancy=combination}", "paper/copositive/exp5-1e10"}) {
+    const auto set = open_set(name);
+    for (std::int64_t trial = 0; trial < 20; ++trial) {
+      const Problem problem = set->generate(51, trial);
+      solver->load(problem);
+      Answer answer;
+      answer.reserve(problem);
+      EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << name << " " << trial;
+    }
+  }
+}
+
+/// The stack with its second body 2^60 times as heavy: coordinates in other units for the engines.
+Problem stack_in_two_units(int edges) {
+  ContactProblem contact = *stack(2, edges, 0.25, 0.5).contact();
+  std::get<BlockInertia>(contact.inertia).blocks[1] *= 0x1p60;
+  return Problem("two units", contact);
+}
+
+TEST(ContactLemkeTest, LoadsWithoutAllocatingWhatWasReserved) {
+  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  std::vector<Problem> problems;
+  for (const int edges : {0, 4}) {
+    for (const int bodies : {3, 1}) problems.push_back(stack(bodies, edges, 0.25, 0.5));
+    problems.push_back(stack_in_two_units(edges));
+  }
+  for (const char* name : {"monotone/exp2", "monotone/exp4", "copositive/exp2", "copositive/exp3"}) {
+    const auto set = open_set(std::string("paper/") + name);
+    for (std::int64_t trial = 0; trial < 6; ++trial) problems.push_back(set->generate(53, trial));
+  }
+  testing::expect_loads_without_allocating([] { return ContactLemke(ContactLemkeSettings{}); }, problems);
+}
+
+TEST(ContactLemkeTest, RespondsWithTheVelocityOfItsAnswer) {
+  for (const Problem& problem :
+       {stack(3, 4, 0.25, 0.5), stack_in_two_units(4), open_set("paper/copositive/exp2")->generate(54, 1)}) {
+    ContactLemke solver{ContactLemkeSettings{}};
+    solver.load(problem);
+    const Answer answer = solve(solver);
+    ASSERT_EQ(answer.claim, Claim::kSolved) << problem.name();
+    const Vector expected = post_impact_velocity(*problem.contact(), answer.z);
+    Vector velocity(expected.size());
+    solver.respond(answer.z, velocity);
+    // Both are double arithmetic on a well-conditioned inertia, or one whose conditioning is that of its units.
+    EXPECT_LE((velocity - expected).lpNorm<Eigen::Infinity>(), 1e-12 * problem.contact()->v.norm()) << problem.name();
+  }
+}
+
+TEST(ContactLemkeTest, ObeysItsLimits) {
+  const Problem problem = open_set("paper/copositive/exp1")->generate(61, 3);
+  const Answer whole = solve(problem);
+  ASSERT_EQ(whole.claim, Claim::kSolved);
+  ASSERT_GT(whole.counters.pivots, 3);
+  const Answer cut = solve(problem, {{"max_pivots", "3"}});
+  EXPECT_EQ(cut.claim, Claim::kIterationLimit);
+  EXPECT_EQ(cut.counters.pivots, 3);
+  SolveRequest request;
+  request.time_limit_s = 0;
+  EXPECT_EQ(solve(problem, {}, request).claim, Claim::kTimeLimit);
+}
+
+// --- from the last answer ---
+
+/// v, moved by `part` of its size in a direction that depends on the step.
+Vector moved(const Vector& v, double part, int step) {
+  testing::Uniform uniform(static_cast<std::uint64_t>(step) + 1);
+  return v + part * uniform.vector(v.size()).cwiseProduct(v);
+}
+
+TEST(ContactLemkeTest, TakesNoPivotFromItsOwnAnswer) {
+  for (const char* name : {"paper/copositive/exp1", "paper/copositive/exp5-1e8{redundancy=combination}"}) {
+    const auto set = open_set(name);
+    for (std::int64_t trial = 0; trial < 20; ++trial) {
+      const Problem problem = set->generate(71, trial);
+      const auto solver = contact_lemke({{"precision", "double"}});
+      solver->load(problem);
+      const Answer first = solve(*solver);
+      ASSERT_EQ(first.claim, Claim::kSolved);
+      const Answer again = solve(*solver, {.start = &first.z});
+      ASSERT_EQ(again.claim, Claim::kSolved);
+      EXPECT_TRUE(errors_of(problem, again).solved) << name << " " << trial;
+      if (first.detail.empty()) {
+        EXPECT_EQ(again.counters.pivots, 0) << name << " " << trial;
+      }
+    }
+  }
+}
+
+TEST(ContactLemkeTest, FollowsSmallChangesInFewPivots) {
+  for (const char* name : {"paper/copositive/exp1", "paper/copositive/exp2{redundancy=combination}",
+                           "paper/copositive/exp5-1e8", "paper/monotone/exp1"}) {
+    const auto set = open_set(name);
+    std::int64_t warm_pivots = 0, cold_pivots = 0;
+    for (std::int64_t trial = 0; trial < 15; ++trial) {
+      const Problem problem = set->generate(72, trial);
+      const auto warm = contact_lemke();
+      warm->load(problem);
+      Answer last = solve(*warm);
+      for (int step = 0; step < 6; ++step) {
+        ContactProblem contact = *problem.contact();
+        contact.v = moved(contact.v, 0.05, step);
+        const Problem now("step", contact);
+        warm->update(contact.v);
+        const Vector start = last.z;
+        last = solve(*warm, {.start = &start});
+        ASSERT_EQ(last.claim, Claim::kSolved) << name << " " << trial << " " << step << ": " << last.detail;
+        EXPECT_TRUE(errors_of(now, last).solved) << name << " " << trial << " " << step << ": " << last.detail;
+        warm_pivots += last.counters.pivots;
+        cold_pivots += solve(now).counters.pivots;
+      }
+    }
+    EXPECT_LE(2 * warm_pivots, cold_pivots) << name;
+  }
+}
+
+TEST(ContactLemkeTest, IgnoresAStartThatIsNotItsLastAnswer) {
+  const Problem problem = open_set("paper/copositive/exp1")->generate(73, 1);
+  const Answer cold = solve(problem);
+  const auto solver = contact_lemke();
+  solver->load(problem);
+  const Answer first = solve(*solver);
+  Vector other = first.z;
+  other(0) += 1;
+  const Vector short_one = first.z.head(3);
+  for (const Vector& start : {other, short_one}) {
+    const Answer answer = solve(*solver, {.start = &start});
+    EXPECT_EQ(answer.z, cold.z);
+    EXPECT_EQ(answer.counters.pivots, cold.counters.pivots);
+  }
+  solver->load(problem);  // what came before is gone
+  EXPECT_EQ(solve(*solver, {.start = &first.z}).counters.pivots, cold.counters.pivots);
+}
+
+TEST(ContactLemkeTest, AllocatesNothingAtAnyPrecision) {
+  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  for (const char* precision : {"float", "polished", "quad", "cascade"}) {
+    const auto solver = contact_lemke({{"precision", precision}});
+    for (std::int64_t trial = 0; trial < 20; ++trial) {
+      const Problem problem = open_set("paper/copositive/exp5-1e10{redundancy=combination}")->generate(52, trial);
+      solver->load(problem);
+      Answer answer;
+      answer.reserve(problem);
+      EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << precision << " " << trial;
+    }
+  }
+}
+
+// --- large kernels ---
+
+// Kernels of 80 rows whose dependent rows an inverse in double, or in 113 bits without a measure of its noise, cannot
+// tell from others; the time limit is the study's.
+TEST(ContactLemkeTest, SolvesLargeIllConditionedProblemsInTime) {
+  const Problem problem = open_set("paper/copositive/extra100{redundancy=combination}")->generate(555777, 0);
+  const Answer answer = solve(problem, {}, {.time_limit_s = 10});
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_TRUE(errors_of(problem, answer).solved) << answer.detail;
+  EXPECT_EQ(answer.detail, "dd");
+}
+
+// With a bound that no rounding meets it climbs every rung that it has, and takes the best answer that still counts.
+TEST(ContactLemkeTest, ClimbsOnUntilItsBoundIsMet) {
+  const Problem problem = open_set("paper/copositive/exp5-1e8")->generate(62, 5);
+  const Answer usual = solve(problem);
+  ASSERT_GT(usual.counters.pivots, 0);
+  const Answer strict = solve(problem, {{"accept_residual", "0"}, {"precision", "double"}});
+  ASSERT_EQ(strict.claim, Claim::kSolved);
+  EXPECT_GT(strict.counters.pivots, 2 * usual.counters.pivots);
+  EXPECT_TRUE(errors_of(problem, strict).solved);
+}
+
+}  // namespace
+}  // namespace lcpbench

@@ -1,0 +1,214 @@
+#include "native/velocity_ipm/multifrontal_cholesky.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "native/velocity_ipm/assembly_tree.h"
+#include "tests/support/allocation_counter.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+
+using Edges = std::vector<std::pair<int, int>>;  // of a graph, larger vertex first
+
+struct Pattern {
+  std::string name;
+  int n = 0;
+  Edges edges;
+};
+
+Edges complete(int first, int end) {
+  Edges edges;
+  for (int j = first; j < end; ++j) {
+    for (int i = j + 1; i < end; ++i) edges.emplace_back(i, j);
+  }
+  return edges;
+}
+
+Edges grid(int side) {
+  Edges edges;
+  for (int point = 0; point < side * side; ++point) {
+    if ((point + 1) % side != 0) edges.emplace_back(point + 1, point);
+    if (point + side < side * side) edges.emplace_back(point + side, point);
+  }
+  return edges;
+}
+
+Edges sparse(int n, double density, unsigned seed) {
+  std::mt19937 random(seed);
+  std::bernoulli_distribution present(density);
+  Edges edges;
+  for (const auto& edge : complete(0, n)) {
+    if (present(random)) edges.push_back(edge);
+  }
+  return edges;
+}
+
+/// Sizes on both sides of what kernels deal with at once (4 rows, 64 columns), and graphs of every kind.
+std::vector<Pattern> patterns() {
+  std::vector<Pattern> all{{"empty", 0, {}}, {"diagonal", 9, {}}, {"two apart", 12, {}}};
+  all.back().edges = complete(0, 5);
+  const Edges second = complete(5, 12);
+  all.back().edges.insert(all.back().edges.end(), second.begin(), second.end());
+  for (const int n : {1, 2, 3, 4, 5, 7, 8, 13, 63, 64, 65, 66, 131, 200}) {
+    all.push_back({"dense " + std::to_string(n), n, complete(0, n)});
+  }
+  Pattern forward{"arrow", 40, {}}, backward{"arrow that fills", 40, {}}, chain{"chain", 50, {}};
+  for (int i = 0; i < 39; ++i) forward.edges.emplace_back(39, i);
+  for (int i = 1; i < 40; ++i) backward.edges.emplace_back(i, 0);
+  for (int i = 1; i < 50; ++i) chain.edges.emplace_back(i, i - 1);
+  all.insert(all.end(), {forward, backward, chain, {"grid", 400, grid(20)}});
+  for (unsigned seed = 0; seed < 30; ++seed) {
+    const int n = 10 + 7 * static_cast<int>(seed);
+    all.push_back({"random " + std::to_string(seed), n, sparse(n, 0.5 / (seed + 1.0), seed)});
+  }
+  return all;
+}
+
+/// The lower triangle of a symmetric matrix with this pattern, its diagonal entries above the sum of the rest of their
+/// rows by a part of it: positive definite, of condition <= 40 whatever the size.
+SparseMatrix dominant_matrix(const Pattern& pattern, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> value(-1, 1);
+  std::vector<double> diagonal(static_cast<std::size_t>(pattern.n), 0.1);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const auto& [i, j] : pattern.edges) {
+    entries.emplace_back(i, j, value(random));
+    for (const int k : {i, j}) diagonal[static_cast<std::size_t>(k)] += 1.1 * std::abs(entries.back().value());
+  }
+  for (int i = 0; i < pattern.n; ++i) entries.emplace_back(i, i, diagonal[static_cast<std::size_t>(i)]);
+  SparseMatrix lower(pattern.n, pattern.n);
+  lower.setFromTriplets(entries.begin(), entries.end());
+  return lower;
+}
+
+Vector random_vector(Index n, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> value(-1, 1);
+  return Vector::NullaryExpr(n, [&] { return value(random); });
+}
+
+Matrix dense(const SparseMatrix& lower) { return Matrix(lower).selfadjointView<Eigen::Lower>(); }
+
+std::vector<IsaLevel> levels() {
+  std::vector<IsaLevel> all;
+  for (const IsaLevel level : {IsaLevel::kBaseline, IsaLevel::kAvx2, IsaLevel::kAvx512}) {
+    if (level <= best_isa_level()) all.push_back(level);
+  }
+  return all;
+}
+
+TEST(AssemblyTreeTest, HoldsEveryEntryOfTheFactorAndHandsOnWhatIsBelow) {
+  for (const Pattern& pattern : patterns()) {
+    const SparseMatrix lower = dominant_matrix(pattern, 1);
+    const AssemblyTree tree = assembly_tree(lower);
+    // The factor's pattern, by elimination on a dense matrix of booleans in the order of the tree.
+    Eigen::MatrixXi filled = Eigen::MatrixXi::Zero(pattern.n, pattern.n);
+    const auto position = [&](int i) { return tree.position[static_cast<std::size_t>(i)]; };
+    for (const auto& [i, j] : pattern.edges) filled(position(i), position(j)) = filled(position(j), position(i)) = 1;
+    for (int k = 0; k < pattern.n; ++k) {
+      for (int j = k + 1; j < pattern.n; ++j) {
+        for (int i = k + 1; i < pattern.n; ++i) filled(i, j) |= filled(i, k) & filled(k, j);
+      }
+    }
+    std::vector<int> sorted = tree.position;
+    std::sort(sorted.begin(), sorted.end());
+    for (int i = 0; i < pattern.n; ++i) ASSERT_EQ(sorted[static_cast<std::size_t>(i)], i) << pattern.name;
+    int next_column = 0;
+    for (const AssemblyTree::Node& node : tree.nodes) {
+      ASSERT_EQ(node.first_column, next_column) << pattern.name;
+      next_column += node.columns;
+      const auto below = tree.below.begin() + static_cast<std::ptrdiff_t>(node.below);
+      for (int column = node.first_column; column < next_column; ++column) {
+        for (int row = next_column; row < pattern.n; ++row) {
+          if (filled(row, column) == 0) continue;
+          ASSERT_TRUE(std::binary_search(below, below + node.rows_below(), row)) << pattern.name;
+        }
+      }
+      for (int r = 0; r < node.rows_below(); ++r) {
+        const AssemblyTree::Node& parent = tree.nodes[static_cast<std::size_t>(node.parent)];
+        const int target = tree.target[node.below + static_cast<std::size_t>(r)];
+        const int row = target < parent.columns
+                            ? parent.first_column + target
+                            : tree.below[parent.below + static_cast<std::size_t>(target - parent.columns)];
+        ASSERT_EQ(row, below[r]) << pattern.name;
+      }
+    }
+    ASSERT_EQ(next_column, pattern.n) << pattern.name;
+  }
+}
+
+// Both factorizations are backward stable: they solve A + dA with |dA| <= (3 n + 1) eps |L| |L'|, and |L| |L'| <= n |A|
+// in the norm; for dominant matrices it is below 2 |A| [Higham 2002, 10.1]. With condition 40 the solutions are within
+// 2 * 40 * 2 (3 n + 1) eps of each other, relative to their size.
+TEST(MultifrontalCholeskyTest, SolvesAsDenseCholeskyDoesWhateverThePattern) {
+  for (const IsaLevel level : levels()) {
+    for (const Pattern& pattern : patterns()) {
+      const auto factorization = multifrontal_cholesky(level);
+      factorization->analyze(dominant_matrix(pattern, 0));
+      for (unsigned values = 1; values <= 3; ++values) {  // the same pattern with other values
+        const SparseMatrix lower = dominant_matrix(pattern, values);
+        ASSERT_TRUE(factorization->factor(lower)) << pattern.name;
+        for (unsigned right_hand_side = 0; right_hand_side < 2; ++right_hand_side) {
+          Vector x = random_vector(pattern.n, right_hand_side);
+          const Vector reference = dense(lower).llt().solve(x);
+          factorization->solve(x);
+          ASSERT_LE((x - reference).norm(), 160 * (3 * pattern.n + 1) * kEpsilon * reference.norm())
+              << pattern.name << ", level " << to_string(level);
+        }
+      }
+    }
+  }
+}
+
+TEST(MultifrontalCholeskyTest, BreaksDownOnPivotsThatAreNotPositiveNumbersAndRecovers) {
+  for (const IsaLevel level : levels()) {
+    for (const Pattern& pattern : patterns()) {
+      if (pattern.n == 0) continue;
+      const auto factorization = multifrontal_cholesky(level);
+      const SparseMatrix good = dominant_matrix(pattern, 1);
+      factorization->analyze(good);
+      for (const int row : {0, pattern.n / 2, pattern.n - 1}) {
+        for (const double bad :
+             {-1.0, 0.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), -1e300}) {
+          SparseMatrix lower = good;
+          lower.coeffRef(row, row) = bad;
+          EXPECT_FALSE(factorization->factor(lower)) << pattern.name << ", row " << row << ": " << bad;
+        }
+      }
+      const Vector b = random_vector(pattern.n, 1);
+      Vector x = b;
+      ASSERT_TRUE(factorization->factor(good)) << pattern.name;
+      factorization->solve(x);
+      EXPECT_LE((dense(good) * x - b).norm(), 160 * (3 * pattern.n + 1) * kEpsilon * b.norm()) << pattern.name;
+    }
+  }
+}
+
+TEST(MultifrontalCholeskyTest, FactoringAndSolvingAllocateNothing) {
+  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  for (const Pattern& pattern : patterns()) {
+    const SparseMatrix lower = dominant_matrix(pattern, 1);
+    const auto factorization = multifrontal_cholesky();
+    factorization->analyze(lower);
+    Vector x = random_vector(pattern.n, 1);
+    EXPECT_EQ(testing::count_allocations([&] {
+                factorization->factor(lower);
+                factorization->solve(x);
+              }),
+              0)
+        << pattern.name;
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench

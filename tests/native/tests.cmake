@@ -1,0 +1,81 @@
+# The conformance suite meets whatever is registered.
+lcpbench_test(conformance LINK lcpbench_solver_list)
+target_sources(conformance_test PRIVATE support/allocation_counter.cpp)
+
+lcpbench_test(active_set LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
+target_sources(active_set_test PRIVATE support/allocation_counter.cpp)
+lcpbench_test(active_set_bounds LINK lcpbench_native)
+lcpbench_test(auto LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
+target_sources(auto_test PRIVATE support/allocation_counter.cpp)
+lcpbench_test(claims LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
+target_sources(claims_test PRIVATE support/allocation_counter.cpp)
+lcpbench_test(bare_claims LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
+lcpbench_test(contact_claims LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
+target_sources(contact_claims_test PRIVATE support/allocation_counter.cpp)
+lcpbench_test(contact_response LINK lcpbench_native)
+lcpbench_test(contact_solvability LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
+lcpbench_test(double_double LINK lcpbench_native)
+lcpbench_test(contact_lemke LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
+target_sources(contact_lemke_test PRIVATE support/allocation_counter.cpp)
+lcpbench_test(enumeration LINK lcpbench_generators lcpbench_native)
+target_sources(enumeration_test PRIVATE support/allocation_counter.cpp)
+find_package(Boost REQUIRED)  # headers only: integers to compare with
+lcpbench_test(exact_integer LINK lcpbench_native Boost::headers)
+lcpbench_test(island_units LINK lcpbench_native)
+lcpbench_test(primal_dual LINK lcpbench_native)
+lcpbench_test(multifrontal_cholesky LINK lcpbench_native)
+target_sources(multifrontal_cholesky_test PRIVATE support/allocation_counter.cpp)
+lcpbench_test(velocity_ipm LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
+target_sources(velocity_ipm_test PRIVATE support/allocation_counter.cpp)
+lcpbench_test(friction_ipm LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
+target_sources(friction_ipm_test PRIVATE support/allocation_counter.cpp)
+lcpbench_test(regularized LINK lcpbench_native lcpbench_generators)
+target_sources(regularized_test PRIVATE support/allocation_counter.cpp)
+lcpbench_test(principal_pivoting LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
+lcpbench_test(psor LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
+target_sources(psor_test PRIVATE support/allocation_counter.cpp)
+lcpbench_test(packed_lu LINK lcpbench_native)
+target_sources(packed_lu_test PRIVATE support/allocation_counter.cpp)
+
+# Once at the level in use, and once at each level; those that this processor lacks are skipped.
+lcpbench_test(lemke LINK lcpbench_native lcpbench_generators)
+target_sources(lemke_test PRIVATE support/allocation_counter.cpp)
+lcpbench_test(lemke_sweep LINK lcpbench_native lcpbench_generators)
+target_sources(lemke_sweep_test PRIVATE support/allocation_counter.cpp)
+get_property(levels GLOBAL PROPERTY LCPBENCH_LEMKE_LEVELS)
+foreach(level IN LISTS levels)
+  add_test(NAME lemke_${level} COMMAND lemke_test)
+  add_test(NAME contact_lemke_${level} COMMAND contact_lemke_test)
+  set_tests_properties(lemke_${level} contact_lemke_${level} PROPERTIES ENVIRONMENT "LCPBENCH_ISA=${level}"
+                                                 SKIP_REGULAR_EXPRESSION "this processor has no more than")
+  if(NOT LCPBENCH_SANITIZE)  # sanitizers add symbols of their own
+    add_test(NAME lemke_symbols_${level}
+             COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DLEVEL=${level} -DOBJECT=$<TARGET_OBJECTS:lcpbench_lemke_${level}>
+                     -P ${CMAKE_CURRENT_SOURCE_DIR}/native/lemke_symbols.cmake)
+    add_test(NAME active_set_symbols_${level}
+             COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DLEVEL=${level}
+                     -DOBJECT=$<TARGET_OBJECTS:lcpbench_active_set_${level}>
+                     -P ${CMAKE_CURRENT_SOURCE_DIR}/native/lemke_symbols.cmake)
+    add_test(NAME cholesky_symbols_${level}
+             COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DLEVEL=${level}
+                     -DOBJECT=$<TARGET_OBJECTS:lcpbench_cholesky_${level}>
+                     -P ${CMAKE_CURRENT_SOURCE_DIR}/native/lemke_symbols.cmake)
+    add_test(NAME contact_lemke_symbols_${level}
+             COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DLEVEL=${level}
+                     -DOBJECT=$<TARGET_OBJECTS:lcpbench_contact_lemke_${level}>
+                     -P ${CMAKE_CURRENT_SOURCE_DIR}/native/lemke_symbols.cmake)
+  endif()
+endforeach()
+
+# Lemke in other precisions than double.
+lcpbench_test(lemke_precision LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
+target_sources(lemke_precision_test PRIVATE support/allocation_counter.cpp)
+if(NOT LCPBENCH_SANITIZE)
+  get_property(levels GLOBAL PROPERTY LCPBENCH_LEMKE_LEVELS)
+  foreach(level IN LISTS levels)
+    add_test(NAME lemke_precision_symbols_${level}
+             COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DLEVEL=${level}
+                     -DOBJECT=$<TARGET_OBJECTS:lcpbench_lemke_precision_${level}>
+                     -P ${CMAKE_CURRENT_SOURCE_DIR}/native/lemke_symbols.cmake)
+  endforeach()
+endif()

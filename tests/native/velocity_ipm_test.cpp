@@ -1,0 +1,307 @@
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/registry.h"
+#include "generators/sets.h"
+#include "native/velocity_ipm/nested_dissection.h"
+#include "study/evaluation/evaluation.h"
+#include "tests/native/allocation_checks.h"
+#include "tests/support/allocation_counter.h"
+#include "study/measure/brick_wall.h"
+#include "study/measure/exact_velocity.h"
+#include "tests/support/textbook_lcps.h"
+
+namespace lcpbench {
+SolverDefinition lcpbench_solver_velocity_ipm();
+
+namespace {
+
+constexpr int kMostSteps = 25;
+
+Answer solve(const Problem& problem, const Options& options = {}, const SolveRequest& request = {}) {
+  const auto solver = lcpbench_solver_velocity_ipm().make(options);
+  solver->load(problem);
+  Answer answer;
+  solver->solve(request, answer);
+  return answer;
+}
+
+ContactProblem frictionless(Vector v, Matrix N, Inertia inertia) {
+  ContactProblem contact;
+  contact.v = std::move(v);
+  contact.D = Matrix(N.rows(), 0);
+  contact.edges.assign(static_cast<std::size_t>(N.cols()), 0);
+  contact.mu = Vector::Zero(N.cols());
+  contact.N = std::move(N);
+  contact.inertia = std::move(inertia);
+  return contact;
+}
+
+/// The same problem without its sparsity.
+ContactProblem dense(const ContactProblem& sparse) {
+  return frictionless(sparse.v, to_dense(sparse.N), DenseInertia{dense_inertia(sparse.inertia)});
+}
+
+TEST(VelocityIpmTest, FinishesThePaperSetsToFullAccuracy) {
+  for (const char* name : {"paper/monotone/exp1", "paper/monotone/exp2{redundancy=combination}",
+                           "paper/monotone/exp5-1e5", "paper/monotone/exp5-1e8", "paper/monotone/exp5-1e10"}) {
+    const auto set = open_set(name);
+    const double bound = std::string(name).find("exp5") == std::string::npos ? 1e-12 : 1e-9;
+    for (int trial = 0; trial < 60; ++trial) {
+      const Problem problem = set->generate(31, trial);
+      const Answer answer = solve(problem);
+      ASSERT_EQ(answer.claim, Claim::kSolved) << name << ", trial " << trial << ": " << answer.detail;
+      ASSERT_TRUE(Evaluator(problem).errors(answer).solved) << name << ", trial " << trial;
+      QuadVector exact;
+      ASSERT_TRUE(testing::exact_velocity(*problem.contact(), answer.z, exact)) << name << ", trial " << trial;
+      ASSERT_LE(testing::velocity_error(*problem.contact(), answer.velocity, exact), bound) << name << ", " << trial;
+    }
+  }
+}
+
+// Through 1e5 the iteration alone gets there; what it claims is true beyond, too.
+TEST(VelocityIpmTest, ConvergesInAFewStepsAndClaimsOnlyWhatIsTrue) {
+  for (const char* name : {"paper/monotone/exp1", "paper/monotone/exp2", "paper/monotone/exp5-1e5",
+                           "paper/monotone/exp5-1e10{redundancy=combination}"}) {
+    const auto set = open_set(name);
+    const bool easy = std::string(name).find("1e10") == std::string::npos;
+    for (int trial = 0; trial < 60; ++trial) {
+      const Problem problem = set->generate(32, trial);
+      const Answer answer = solve(problem, {{"finish", "false"}});
+      if (easy) {
+        ASSERT_EQ(answer.claim, Claim::kSolved) << name << ", trial " << trial << ": " << answer.detail;
+        EXPECT_LE(answer.counters.iterations, 40) << name << ", trial " << trial;
+      }
+      if (answer.claim == Claim::kSolved) {
+        EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << name << ", trial " << trial;
+      }
+    }
+  }
+}
+
+// At a tolerance of its own above that of the verdict, what it accepts is no solution yet.
+TEST(VelocityIpmTest, IsTestedWithoutTheFinishToo) {
+  int claimed = 0;
+  for (const char* name : {"paper/monotone/exp5-1e10", "paper/monotone/exp5-1e10{redundancy=combination}",
+                           "paper/monotone/exp2{condition=1e12,redundancy=combination}"}) {
+    const auto set = open_set(name);
+    for (int trial = 0; trial < 200; ++trial) {
+      const Problem problem = set->generate(91, trial);
+      const Answer answer = solve(problem, {{"algebra", "dense"}, {"finish", "false"}, {"accept_residual", "1e-3"}});
+      if (answer.claim != Claim::kSolved) continue;
+      ++claimed;
+      EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << name << ", trial " << trial;
+    }
+  }
+  EXPECT_GT(claimed, 100);
+}
+
+// A ball between plates, and normals whose positive combinations span the plane: no velocity parts from all of them.
+TEST(VelocityIpmTest, NeedsNoCentralPath) {
+  const Matrix plates = testing::matrix_of(2, {1, -1, 0, 0});
+  Matrix star(2, 3);
+  star << 1, -1, 0, 0.5, 0.5, -1;
+  for (const Matrix& N : {plates, star}) {
+    const Problem problem("caught",
+                          frictionless(testing::vector_of({-0.75, 0.5}), N, DenseInertia{2 * Matrix::Identity(2, 2)}));
+    const Answer answer = solve(problem, {{"finish", "false"}});
+    ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+    EXPECT_LE(answer.counters.iterations, kMostSteps);
+    EXPECT_LE(Evaluator(problem).errors(answer).velocity_residual_relative, 1e-8);
+  }
+}
+
+TEST(VelocityIpmTest, SparseAndDenseAlgebraGiveTheSameVelocity) {
+  const ContactProblem wall = contact_problem(testing::brick_wall(4, 5));
+  const Answer sparse = solve(Problem("sparse", wall));
+  const Answer full = solve(Problem("dense", dense(wall)));
+  ASSERT_EQ(sparse.claim, Claim::kSolved) << sparse.detail;
+  ASSERT_EQ(full.claim, Claim::kSolved) << full.detail;
+  EXPECT_LE((sparse.velocity - full.velocity).lpNorm<Eigen::Infinity>(), 1e-12 * wall.v.norm());
+  EXPECT_EQ(sparse.counters.pivots, 0);  // the sparse finish has no active set to change
+}
+
+// Bodies of any number of coordinates, some of which no contact touches, and contacts that touch none; up to
+// what the regularised finish of the sparse algebra leaves.
+TEST(VelocityIpmTest, SparseAlgebraTakesBodiesOfAnySize) {
+  const auto set = open_set("paper/monotone/exp1");
+  for (int trial = 0; trial < 40; trial += 4) {
+    Matrix N = Matrix::Zero(5, 1);
+    Matrix G = Matrix::Identity(0, 0);
+    Vector v = Vector::Constant(5, 0.25);
+    for (int part = 0; part < 4; ++part) {  // several problems as the contacts of one body
+      const Problem problem = set->generate(37, trial + part);
+      const ContactProblem& contact = *problem.contact();
+      const Index ngc = contact.ngc();
+      N.conservativeResizeLike(Matrix::Zero(N.rows() + ngc, N.cols() + contact.nc()));
+      N.bottomRightCorner(ngc, contact.nc()) = to_dense(contact.N);
+      G.conservativeResizeLike(Matrix::Zero(G.rows() + ngc, G.rows() + ngc));
+      G.bottomRightCorner(ngc, ngc) = dense_inertia(contact.inertia);
+      v.conservativeResize(v.size() + ngc);
+      v.tail(ngc) = contact.v;
+    }
+    const ContactProblem bodies =
+        frictionless(v, N, BlockInertia{{2 * Matrix::Identity(2, 2), Matrix::Identity(3, 3), G}});
+    ASSERT_GT(G.rows(), 16) << "no longer than what is summed at once";
+    const Answer sparse = solve(Problem("sparse", bodies), {{"algebra", "sparse"}});
+    const Answer full = solve(Problem("dense", dense(bodies)));
+    ASSERT_EQ(sparse.claim, Claim::kSolved) << "trial " << trial << ": " << sparse.detail;
+    ASSERT_EQ(full.claim, Claim::kSolved) << "trial " << trial << ": " << full.detail;
+    EXPECT_LE((sparse.velocity - full.velocity).norm(), 1e-10 * v.norm()) << "trial " << trial;
+  }
+}
+
+TEST(VelocityIpmTest, SolvesAWallOf2400ContactsToFullAccuracy) {
+  const Problem wall("wall", testing::brick_wall(15, 21));
+  EXPECT_GE(wall.size(), 2300);
+  const Answer answer = solve(wall);
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_LE(answer.counters.iterations, kMostSteps);
+  const Errors errors = Evaluator(wall).errors(answer);
+  EXPECT_TRUE(errors.solved);
+  EXPECT_LE(errors.velocity_residual_relative, 1e-12);
+  EXPECT_LE(errors.velocity_mismatch, 1e-14);
+  EXPECT_GE(errors.min_z, 0);
+  // The iteration alone stops at its tolerance.
+  const Answer unfinished = solve(wall, {{"finish", "false"}});
+  EXPECT_EQ(unfinished.claim, Claim::kSolved);
+  EXPECT_GE(Evaluator(wall).errors(unfinished).velocity_residual_relative, 1e-12);
+}
+
+TEST(VelocityIpmTest, SolvesAWallOf10000Contacts) {
+  const Problem wall("wall", testing::brick_wall(32, 40));
+  EXPECT_GE(wall.size(), 9900);
+  const Answer answer = solve(wall);
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_LE(answer.counters.iterations, kMostSteps);
+  EXPECT_LE(Evaluator(wall).errors(answer).velocity_residual_relative, 1e-11);
+}
+
+/// The lower triangle of the matrix of a grid of side x side points, each tied to its four neighbours, and of as many
+/// points that are tied to nothing.
+SparseMatrix grid_matrix(int side) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < 2 * side * side; ++i) entries.emplace_back(i, i, 5.0);
+  for (int row = 0; row < side; ++row) {
+    for (int column = 0; column < side; ++column) {
+      const int point = row * side + column;
+      if (column + 1 < side) entries.emplace_back(point + 1, point, -1.0);
+      if (row + 1 < side) entries.emplace_back(point + side, point, -1.0);
+    }
+  }
+  SparseMatrix matrix(2 * side * side, 2 * side * side);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+TEST(NestedDissectionTest, OrdersEveryRowOnceAndFillsAGridLessThanItsBand) {
+  const SparseMatrix grid = grid_matrix(60);
+  const std::vector<int> order = nested_dissection(grid);
+  std::vector<int> sorted = order;
+  std::sort(sorted.begin(), sorted.end());
+  for (int i = 0; i < static_cast<int>(sorted.size()); ++i) ASSERT_EQ(sorted[static_cast<std::size_t>(i)], i);
+
+  Eigen::PermutationMatrix<Eigen::Dynamic> position(grid.rows());
+  for (int k = 0; k < static_cast<int>(order.size()); ++k) position.indices()(order[static_cast<std::size_t>(k)]) = k;
+  SparseMatrix ordered;
+  ordered.selfadjointView<Eigen::Lower>() = grid.selfadjointView<Eigen::Lower>().twistedBy(position);
+  using Cholesky = Eigen::SimplicialLLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>>;
+  const Cholesky dissected(ordered);
+  const Cholesky banded(grid);
+  const SparseMatrix dissected_factor = dissected.matrixL();
+  const SparseMatrix banded_factor = banded.matrixL();
+  EXPECT_LE(3 * dissected_factor.nonZeros(), banded_factor.nonZeros());  // 60 entries in each column of the band
+  EXPECT_TRUE(nested_dissection(SparseMatrix(0, 0)).empty());
+}
+
+TEST(VelocityIpmTest, UpdateGivesBitForBitWhatLoadGives) {
+  ContactProblem wall = contact_problem(testing::brick_wall(3, 4));
+  for (const bool sparse : {true, false}) {
+    ContactProblem contact = sparse ? wall : dense(wall);
+    const auto solver = lcpbench_solver_velocity_ipm().make({});
+    solver->load(Problem("first", contact));
+    contact.v *= 0.5;
+    contact.v(2) -= 0.125;
+    solver->update(contact.v);
+    Answer updated;
+    solver->solve({}, updated);
+    const Answer loaded = solve(Problem("second", contact));
+    ASSERT_EQ(updated.claim, Claim::kSolved);
+    EXPECT_EQ(updated.z, loaded.z);
+    EXPECT_EQ(updated.velocity, loaded.velocity);
+  }
+}
+
+// Whatever the algebra, the size and the way a solve ends; the second time, when the answer has its storage.
+TEST(VelocityIpmTest, SolvingAllocatesNothing) {
+  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  ASSERT_TRUE(lcpbench_solver_velocity_ipm().capabilities.allocation_free);
+  const ContactProblem small = contact_problem(testing::brick_wall(4, 5));
+  const std::vector<Problem> problems{
+      Problem("small", small),
+      Problem("dense", dense(small)),
+      Problem("large", testing::brick_wall(32, 40)),
+      Problem("dense, more than the stack holds", dense(contact_problem(testing::brick_wall(6, 7)))),
+      open_set("paper/monotone/exp5-1e10")->generate(31, 0),
+      open_set("paper/monotone/exp2")->generate(31, 0)};
+  const std::vector<Options> ways{{},
+                                  {{"finish", "false"}},
+                                  {{"max_iterations", "3"}},
+                                  {{"tolerance", "0"}},
+                                  {{"tolerance", "0"}, {"finish", "false"}, {"accept_residual", "0"}},
+                                  {{"algebra", "dense"}, {"finish", "false"}},
+                                  {{"algebra", "sparse"}}};
+  for (const Problem& problem : problems) {
+    for (const Options& options : ways) {
+      if (problem.size() > 1000 && !options.empty() && options.front().first == "algebra") continue;
+      testing::expect_solves_without_allocating(*lcpbench_solver_velocity_ipm().make(options), problem);
+    }
+  }
+}
+
+TEST(VelocityIpmTest, TheFirstTextAndVelocityTakeNoMemoryEither) {
+  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  const auto solver = lcpbench_solver_velocity_ipm().make({{"tolerance", "0"}});
+  const Problem wall("wall", testing::brick_wall(4, 5));
+  solver->load(wall);
+  Answer answer;
+  answer.reserve(wall);
+  EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0);
+  EXPECT_EQ(answer.detail, "no step goes further");
+  EXPECT_EQ(answer.velocity.size(), wall.contact()->ngc());
+}
+
+TEST(VelocityIpmTest, SaysUnsolvableOnlyWithTheFinishAndSolvedNever) {
+  Matrix N(2, 2);
+  N << 1, -1, 1, 1;
+  Matrix Ginv = Matrix::Identity(2, 2);
+  Ginv(1, 1) = 0;
+  const Problem crushed("crushed", frictionless(testing::vector_of({0, -1}), N, InverseInertia{Ginv}));
+  const Answer answer = solve(crushed);
+  EXPECT_EQ(answer.claim, Claim::kUnsolvable) << answer.detail;
+  EXPECT_TRUE(Evaluator(crushed).check_farkas(answer.farkas));
+  EXPECT_NE(solve(crushed, {{"finish", "false"}}).claim, Claim::kSolved);
+}
+
+TEST(VelocityIpmTest, StopsAtItsLimits) {
+  const Problem wall("wall", testing::brick_wall(4, 4));
+  const Answer three = solve(wall, {{"max_iterations", "3"}});
+  EXPECT_EQ(three.claim, Claim::kIterationLimit);
+  EXPECT_EQ(three.counters.iterations, 3);
+  EXPECT_EQ(solve(wall, {}, {.time_limit_s = 0}).claim, Claim::kTimeLimit);
+}
+
+TEST(VelocityIpmTest, RefusesWhatItsAlgebraCannotTake) {
+  const ContactProblem wall = contact_problem(testing::brick_wall(2, 2));
+  const Answer answer = solve(Problem("dense", dense(wall)), {{"algebra", "sparse"}});
+  EXPECT_EQ(answer.claim, Claim::kUnsupported);
+  EXPECT_NE(answer.detail.find("blocks"), std::string::npos);
+  EXPECT_EQ(solve(Problem("bare", Lcp{Matrix::Identity(2, 2), -testing::ones(2)})).claim, Claim::kUnsupported);
+}
+
+}  // namespace
+}  // namespace lcpbench

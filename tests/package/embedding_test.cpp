@@ -1,0 +1,303 @@
+// What a simulator relies on: the package's header and library, and nothing else of this project.
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <lcpbench/lcpbench.h>
+
+#include "tests/support/allocation_counter.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kGravity = 9.81;
+constexpr double kStep = 0.01;
+
+/// A box of 1.2 kg on its four lower corners; z is up.
+RigidScene box_on_ground(double mu) {
+  RigidScene scene;
+  scene.bodies.resize(1);
+  scene.bodies[0].mass = 1.2;
+  scene.bodies[0].inertia = Eigen::Vector3d(0.02, 0.02, 0.032).asDiagonal();
+  scene.bodies[0].position = {0, 0, 0.1};
+  for (const double x : {-0.2, 0.2}) {
+    for (const double y : {-0.2, 0.2}) {
+      scene.contacts.push_back({.point = {x, y, 0}, .mu = mu, .edges = mu > 0 ? 4 : 0});
+    }
+  }
+  return scene;
+}
+
+Vector falling(double along = 0) {
+  Vector v = Vector::Zero(6);
+  v(0) = along;
+  v(2) = -kGravity * kStep;
+  return v;
+}
+
+std::string refusal(auto&& call) {
+  try {
+    call();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "nothing was refused";
+}
+
+TEST(EmbeddingTest, AFallingBoxIsStoppedByItsWeight) {
+  ContactSolver solver("contact_lemke");
+  solver.load(box_on_ground(0.5));
+  solver.set_velocity(falling());
+  ASSERT_EQ(solver.solve(), Claim::kSolved) << solver.answer().detail;
+  EXPECT_LE(solver.velocity().cwiseAbs().maxCoeff(), 1e-15);
+  double sum = 0;
+  for (Index contact = 0; contact < 4; ++contact) sum += solver.normal_impulse(contact);
+  EXPECT_NEAR(sum, 1.2 * kGravity * kStep, 1e-15);
+}
+
+TEST(EmbeddingTest, ImpulsesInWorldAxesAreWhatTheVelocitySays) {
+  // Sliding along x: friction mu times the weight, against the motion.
+  const RigidScene scene = box_on_ground(0.25);
+  ContactSolver solver("contact_lemke");
+  solver.load(scene);
+  solver.set_velocity(falling(2.0));
+  ASSERT_EQ(solver.solve(), Claim::kSolved) << solver.answer().detail;
+  Eigen::Vector3d total = Eigen::Vector3d::Zero();
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+  for (Index contact = 0; contact < 4; ++contact) {
+    const Eigen::Vector3d impulse = solver.impulse(contact);
+    total += impulse;
+    moment += (scene.contacts[static_cast<std::size_t>(contact)].point - scene.bodies[0].position).cross(impulse);
+    EXPECT_NEAR(solver.friction_impulse(contact, 0), -0.25 * solver.normal_impulse(contact), 1e-15);
+    EXPECT_NEAR(solver.friction_impulse(contact, 1), 0, 1e-15);
+    EXPECT_NEAR(impulse.z(), solver.normal_impulse(contact), 1e-15);
+  }
+  EXPECT_NEAR(total.x(), -0.25 * 1.2 * kGravity * kStep, 1e-15);
+  EXPECT_LE((falling(2.0).head<3>() + total / 1.2 - solver.velocity().head<3>()).norm(), 1e-15);
+  EXPECT_LE((moment.array() / Eigen::Array3d(0.02, 0.02, 0.032) - solver.velocity().tail<3>().array()).matrix().norm(),
+            1e-14);
+}
+
+TEST(EmbeddingTest, EveryNativeSolverStopsTheBox) {
+  const std::vector<NativeSolver> solvers = native_solvers();
+  ASSERT_GE(solvers.size(), 9U);
+  for (const NativeSolver& each : solvers) {
+    SCOPED_TRACE(each.name);
+    ContactSolver solver(each.name);
+    solver.load(box_on_ground(0));
+    for (int step = 0; step < 3; ++step) {
+      solver.set_velocity(falling());
+      ASSERT_EQ(solver.solve(), Claim::kSolved) << solver.answer().detail;
+      // Interior points and relaxation stop short of rounding; a verdict would allow 1e-4.
+      EXPECT_LE(solver.velocity().cwiseAbs().maxCoeff(), 1e-5 * kGravity * kStep);
+    }
+    RigidScene one_corner = box_on_ground(0.5);  // n = 6: small enough for enumeration
+    one_corner.contacts.resize(1);
+    EXPECT_EQ(refusal([&] { solver.load(one_corner); }) == "nothing was refused", each.friction);
+  }
+}
+
+TEST(EmbeddingTest, DenseInertiaAndItsBlocksGiveTheSameVelocity) {
+  const ContactProblem blocks = contact_problem(box_on_ground(0.5));
+  ContactProblem dense = blocks;
+  dense.inertia = DenseInertia{dense_inertia(blocks.inertia)};
+  dense.N = to_dense(blocks.N);
+  dense.D = to_dense(blocks.D);
+  ContactSolver of_blocks("contact_lemke"), of_dense("contact_lemke");
+  of_blocks.load(blocks);
+  of_dense.load(dense);
+  for (ContactSolver* solver : {&of_blocks, &of_dense}) {
+    solver->set_velocity(falling(0.02));
+    ASSERT_EQ(solver->solve(), Claim::kSolved);
+    EXPECT_LE(solver->velocity().norm(), 1e-15);
+    EXPECT_THROW(solver->impulse(0), std::logic_error);  // no scene: no world axes
+  }
+}
+
+TEST(EmbeddingTest, ReturnsTheVelocityOfTheSolverWhereItHasOne) {
+  ContactSolver solver("active_set{precision=polished}");
+  solver.load(box_on_ground(0));
+  solver.set_velocity(falling());
+  ASSERT_EQ(solver.solve(), Claim::kSolved);
+  ASSERT_EQ(solver.answer().velocity.size(), 6);
+  EXPECT_EQ(solver.velocity(), solver.answer().velocity);
+}
+
+TEST(EmbeddingTest, StepsStartFromTheLastImpulsesWhereTheSolverCan) {
+  ContactSolver solver("active_set");
+  ASSERT_TRUE(solver.capabilities().warm_start);
+  solver.load(box_on_ground(0));
+  const auto first_steps = [&] {
+    solver.set_velocity(falling());
+    EXPECT_EQ(solver.solve(), Claim::kSolved);
+    return solver.velocity();
+  };
+  const Vector cold = first_steps();
+  EXPECT_LE((first_steps() - cold).norm(), 1e-15);
+  solver.load(box_on_ground(0));
+  EXPECT_EQ(first_steps(), cold) << "a new load must not start from what was before";
+}
+
+TEST(EmbeddingTest, AStepAllocatesNothing) {
+  if (!testing::allocations_are_counted()) GTEST_SKIP() << "the allocator of this build cannot be replaced";
+  for (const char* spec : {"contact_lemke{precision=double}", "active_set", "lemke"}) {
+    SCOPED_TRACE(spec);
+    ContactSolver solver(spec);
+    ASSERT_TRUE(solver.capabilities().allocation_free);
+    solver.load(box_on_ground(std::string(spec) == "active_set" ? 0 : 0.5));
+    solver.solve();
+    const Vector v = falling(0.03);
+    Vector next(6);
+    const bool reloads = std::string(spec) == "lemke";  // takes another v by loading all of the problem
+    if (!reloads) solver.set_velocity(v);
+    EXPECT_EQ(testing::count_allocations([&] {
+                if (!reloads) solver.set_velocity(v);
+                solver.solve();
+                next = solver.velocity();
+              }),
+              0);
+    ASSERT_EQ(solver.answer().claim, Claim::kSolved);
+  }
+}
+
+TEST(EmbeddingTest, WithoutAnAnswerTheVelocityIsTheGivenOne) {
+  ContactSolver solver("contact_lemke");
+  solver.load(box_on_ground(0.5));
+  solver.set_velocity(falling());
+  EXPECT_EQ(solver.solve(0.0), Claim::kTimeLimit);
+  EXPECT_EQ(solver.velocity(), falling());
+  EXPECT_EQ(solver.normal_impulse(3), 0);
+  ASSERT_EQ(solver.solve(), Claim::kSolved);
+  EXPECT_NE(solver.velocity(), falling());
+  solver.set_velocity(falling(1));
+  EXPECT_EQ(solver.velocity(), falling(1)) << "not solved yet";
+  EXPECT_EQ(solver.normal_impulse(3), 0) << "not solved yet";
+  EXPECT_NE(solver.answer().claim, Claim::kSolved) << "not solved yet";
+}
+
+TEST(EmbeddingTest, WhoeverIsCutShortHandsOutNoIterate) {
+  for (const NativeSolver& each : native_solvers()) {
+    SCOPED_TRACE(each.name);
+    ContactSolver solver(each.name);
+    solver.load(box_on_ground(0));
+    solver.set_velocity(falling());
+    if (solver.solve(0.0) == Claim::kSolved) continue;
+    EXPECT_EQ(solver.velocity(), falling());
+    for (Index contact = 0; contact < 4; ++contact) EXPECT_EQ(solver.impulse(contact), Eigen::Vector3d::Zero());
+  }
+  ContactSolver relaxation("psor{max_iterations=1}");
+  relaxation.load(box_on_ground(0.5));
+  relaxation.set_velocity(falling(1));
+  ASSERT_EQ(relaxation.solve(), Claim::kIterationLimit);
+  EXPECT_GT(relaxation.answer().z.norm(), 0) << "an iterate";
+  EXPECT_EQ(relaxation.velocity(), falling(1));
+  EXPECT_EQ(relaxation.normal_impulse(0), 0);
+}
+
+/// In a loop of few iterations per step, each step goes on from the last.
+TEST(EmbeddingTest, StepsThatAreCutShortGetThere) {
+  ContactSolver relaxation("psor{max_iterations=2}");
+  relaxation.load(box_on_ground(0));
+  int steps = 1;
+  for (; steps < 10000; ++steps) {
+    relaxation.set_velocity(falling());
+    if (relaxation.solve() == Claim::kSolved) break;
+  }
+  EXPECT_GT(steps, 1);
+  EXPECT_LT(steps, 10000);
+}
+
+TEST(EmbeddingTest, BadInputIsNamedAndLeavesTheSolverAsItWas) {
+  ContactSolver solver("contact_lemke");
+  solver.load(box_on_ground(0.5));
+  solver.set_velocity(falling());
+  const auto with = [](auto&& change) {
+    RigidScene scene = box_on_ground(0.5);
+    change(scene);
+    return scene;
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto of_scene = [&](auto&& change) { return refusal([&] { solver.load(with(change)); }); };
+  EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[1].body_a = 1; }),
+            "contacts[1].body_a is 1, expected one of 1 bodies, counted from 0");
+  EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[1].body_a = -1; }),
+            "contacts[1].body_a is -1, expected one of 1 bodies, counted from 0");
+  EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[2].body_b = -2; }),
+            "contacts[2].body_b is -2, expected -1 (world) or one of 1 bodies, counted from 0");
+  EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[2].body_b = 0; }), "contacts[2].body_b is body_a");
+  EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[0].edges = 8; }), "contacts[0].edges is 8, expected 0 or 4");
+  EXPECT_EQ(of_scene([&](RigidScene& s) { s.contacts[0].mu = nan; }), "contacts[0].mu is nan, expected >= 0");
+  EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[3].edges = 0; }),
+            "contacts[3].mu would be ignored: the contact has no edges");
+  EXPECT_EQ(of_scene([&](RigidScene& s) { s.contacts[2].b = nan; }), "contacts[2].b is nan, expected a finite number");
+  EXPECT_EQ(of_scene([](RigidScene& s) { s.bodies[0].mass = 0; }), "bodies[0].mass is 0, expected a finite number > 0");
+  EXPECT_EQ(of_scene([&](RigidScene& s) { s.bodies[0].inertia(1, 1) = nan; }),
+            "bodies[0].inertia holds NaN or infinity");
+  EXPECT_EQ(of_scene([&](RigidScene& s) { s.bodies[0].inertia(0, 1) = nan; }),
+            "bodies[0].inertia holds NaN or infinity");
+  EXPECT_EQ(of_scene([](RigidScene& s) { s.bodies[0].inertia(0, 1) = 1e-3; }), "bodies[0].inertia is not symmetric");
+  EXPECT_EQ(of_scene([](RigidScene& s) { s.bodies[0].inertia(2, 0) = 1e-3; }), "bodies[0].inertia is not symmetric");
+  EXPECT_EQ(of_scene([](RigidScene& s) { s.bodies[0].inertia(2, 2) = -1; }),
+            "bodies[0].inertia is not positive definite");
+  EXPECT_EQ(of_scene([&](RigidScene& s) { s.contacts[0].point.x() = nan; }), "contacts[0].point holds NaN or infinity");
+  EXPECT_EQ(of_scene([&](RigidScene& s) { s.bodies[0].angular_velocity.y() = nan; }),
+            "bodies[0].angular_velocity holds NaN or infinity");
+
+  const auto of_contacts = [&](auto&& change) {
+    ContactProblem contacts = contact_problem(box_on_ground(0.5));
+    change(contacts);
+    return refusal([&] { solver.load(contacts); });
+  };
+  EXPECT_EQ(of_contacts([](ContactProblem& c) { c.v.resize(5); }), "N is 6 x 4, expected 5 x 4");
+  EXPECT_EQ(of_contacts([](ContactProblem& c) { c.edges[1] = 3; }), "edges[1] is 3, expected an even number >= 0");
+  EXPECT_EQ(of_contacts([](ContactProblem& c) { c.edges[1] = 2; }), "D is 6 x 16, expected 6 x 14");
+  EXPECT_EQ(of_contacts([](ContactProblem& c) { c.mu.resize(3); }), "mu is 3 entries, expected 4");
+  EXPECT_EQ(of_contacts([](ContactProblem& c) { c.inertia = DenseInertia{Matrix::Identity(5, 5)}; }),
+            "inertia.G is 5 x 5, expected 6 x 6");
+  EXPECT_EQ(of_contacts([](ContactProblem& c) { c.inertia = BlockInertia{{Matrix::Identity(3, 3)}}; }),
+            "inertia.blocks together is 3 x 3, expected 6 x 6");
+
+  EXPECT_EQ(refusal([&] { solver.set_velocity(Vector::Zero(7)); }), "v has 7 entries, expected 6");
+  EXPECT_EQ(refusal([&] { solver.set_velocity(Vector::Constant(6, nan)); }), "v holds NaN or infinity");
+  EXPECT_THROW(solver.normal_impulse(4), std::out_of_range);
+  EXPECT_THROW(solver.friction_impulse(0, 2), std::out_of_range);
+
+  ASSERT_EQ(solver.solve(), Claim::kSolved) << "after all this";
+  EXPECT_LE(solver.velocity().norm(), 1e-15);
+}
+
+TEST(EmbeddingTest, ConstructionRefusesWhatItDoesNotKnow) {
+  EXPECT_NE(refusal([] { ContactSolver("simplex"); }).find("unknown solver 'simplex'"), std::string::npos);
+  EXPECT_NE(refusal([] { ContactSolver("contact_lemke{precision=half}"); }).find("precision"), std::string::npos);
+  EigenLayout wider;
+  wider.alignment *= 2;
+  EXPECT_NE(refusal([&] { ContactSolver("contact_lemke", wider); }).find("same -m options"), std::string::npos);
+  EigenLayout sanitized;
+  sanitized.plain_malloc = !sanitized.plain_malloc;
+  EXPECT_NE(refusal([&] { ContactSolver("contact_lemke", sanitized); }).find("-fsanitize"), std::string::npos);
+  EigenLayout rows;
+  rows.row_major = !rows.row_major;
+  EXPECT_NE(refusal([&] { ContactSolver("contact_lemke", rows); }).find("row-major"), std::string::npos);
+  ContactSolver empty("contact_lemke");
+  EXPECT_THROW(empty.solve(), std::logic_error);
+  EXPECT_THROW(empty.set_velocity(Vector::Zero(6)), std::logic_error);
+}
+
+TEST(EmbeddingTest, NoBodiesAndNoContactsAreFine) {
+  ContactSolver solver("contact_lemke");
+  solver.load(RigidScene{});
+  EXPECT_EQ(solver.solve(), Claim::kSolved);
+  RigidScene free = box_on_ground(0.5);
+  free.contacts.clear();
+  solver.load(free);
+  solver.set_velocity(falling(1));
+  EXPECT_EQ(solver.solve(), Claim::kSolved);
+  EXPECT_EQ(solver.velocity(), falling(1));
+}
+
+}  // namespace
+}  // namespace lcpbench

@@ -1,0 +1,30 @@
+# The package for simulators.
+lcpbench_test(embedding LINK lcpbench::native)
+target_include_directories(embedding_test PRIVATE ${PROJECT_SOURCE_DIR})
+target_sources(embedding_test PRIVATE support/allocation_counter.cpp)
+
+# The example as it stands in the documents, in this build ...
+add_executable(embedding_example ${PROJECT_SOURCE_DIR}/examples/embed/main.cpp)
+target_link_libraries(embedding_example PRIVATE lcpbench::native)
+add_test(NAME embedding_example COMMAND embedding_example)
+set_tests_properties(embedding_example PROPERTIES
+  PASS_REGULAR_EXPRESSION "speed 0\\.589702 m/s, g \\(sin - mu cos\\) = 0\\.589702 m/s"
+  FAIL_REGULAR_EXPRESSION "ERROR: |runtime error")
+
+# ... and as a project of its own that finds the installed package. Sanitizers would need their flags there too.
+add_test(NAME embedding_install
+         COMMAND ${CMAKE_COMMAND} -DBUILD=${PROJECT_BINARY_DIR} -DEXAMPLE=${PROJECT_SOURCE_DIR}/examples/embed
+                 -DWORK=${CMAKE_CURRENT_BINARY_DIR}/embedding_install -DCOMPILER=${CMAKE_CXX_COMPILER}
+                 -DGENERATOR=${CMAKE_GENERATOR} -DREADELF=${CMAKE_READELF}
+                 -P ${CMAKE_CURRENT_SOURCE_DIR}/package/embedding_install.cmake)
+set_tests_properties(embedding_install PROPERTIES LABELS "slow;release-only")
+
+# The package alone: no library of the study is looked for.
+add_test(NAME embedding_native_only
+         COMMAND ${CMAKE_COMMAND} -S ${PROJECT_SOURCE_DIR} -B ${CMAKE_CURRENT_BINARY_DIR}/embedding_native_only
+                 -G ${CMAKE_GENERATOR} -DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER} -DLCPBENCH_NATIVE_ONLY=ON
+                 -DCMAKE_DISABLE_FIND_PACKAGE_fmt=ON -DCMAKE_DISABLE_FIND_PACKAGE_nlohmann_json=ON
+                 -DCMAKE_DISABLE_FIND_PACKAGE_SQLite3=ON -DCMAKE_DISABLE_FIND_PACKAGE_CLI11=ON
+                 -DCMAKE_DISABLE_FIND_PACKAGE_PkgConfig=ON)
+add_test(NAME embedding_docs
+         COMMAND ${CMAKE_COMMAND} -DROOT=${PROJECT_SOURCE_DIR} -P ${CMAKE_CURRENT_SOURCE_DIR}/package/embedding_docs.cmake)

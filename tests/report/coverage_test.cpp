@@ -1,0 +1,257 @@
+// A study that ended before its plan was done must look like one: in the report, on the terminal, in summary.json.
+
+#include "study/report/coverage.h"
+
+#include <cmath>
+#include <csignal>
+
+#include <gtest/gtest.h>
+
+#include "study/store/merge.h"
+#include "study/report/report.h"
+#include "study/run/runner.h"
+#include "tests/support/program_run.h"
+#include "tests/support/synthetic_store.h"
+
+namespace lcpbench {
+namespace {
+
+Study small_study(std::int64_t trials = 8) {
+  Plan plan;
+  plan.name = "small";
+  plan.trials = trials;
+  plan.repeat_until_s = 0;
+  plan.sets = {{.pattern = "paper/monotone/exp1"},
+               {.pattern = "paper/monotone/exp3"},
+               {.pattern = "paper/copositive/exp1{nc_max=3}", .trials = 4}};
+  plan.solvers.push_back({.spec = parse_spec("lemke")});
+  plan.solvers.push_back({.spec = parse_spec("enumeration"), .every = 3});
+  plan.solvers.push_back({.spec = parse_spec("lemke"), .sweep = builtin_sweep("paper", parse_spec("lemke"))});
+  return resolve(plan);
+}
+/// Lemke alone and its 81 cells on every trial, enumeration on each third.
+constexpr std::int64_t kSmallCells = 2 * (8 * 82 + 3) + 4 * 82 + 2;
+
+/// Runs a study as `lcpbench run` does: what it plans is recorded first.
+void run(const Study& study, const std::filesystem::path& file, RunOptions options = {}, const char* started = "1") {
+  Store store = Store::open_for_writing(file);
+  store.begin();
+  store.add_run(started, nlohmann::ordered_json{{"planned", planned_cells(study)}, {"shard", options.shard}}.dump());
+  store.commit();
+  run_study(study, store, options);
+}
+
+/// Ends after some cells, as a signal would.
+void run_part(const Study& study, const std::filesystem::path& file, std::int64_t cells) {
+  volatile std::sig_atomic_t stop = 0;
+  RunOptions options;
+  options.stop = &stop;
+  options.on_progress = [&](const Progress& progress) { stop = progress.done >= cells ? 1 : 0; };
+  run(study, file, options);
+}
+
+Coverage coverage(const std::filesystem::path& file) {
+  Store store = Store::open_for_reading(file);
+  return coverage_of(store.database());
+}
+
+TEST(CoverageTest, AWholeRunHasNothingToTell) {
+  const ScratchFolder folder;
+  run(small_study(), folder / "s.db");
+  const Coverage whole = coverage(folder / "s.db");
+  EXPECT_TRUE(whole.known);
+  EXPECT_FALSE(whole.incomplete());
+  EXPECT_EQ(whole.planned, kSmallCells);
+  EXPECT_EQ(whole.done, kSmallCells);
+  EXPECT_EQ(planned_cells(small_study())["cells"], kSmallCells);
+  EXPECT_EQ(report::coverage_html(whole), "");
+  EXPECT_EQ(report::coverage_text(whole), "");
+}
+
+TEST(CoverageTest, ATruncatedRunKnowsWhatIsMissingUntilItIsResumed) {
+  const ScratchFolder folder;
+  run_part(small_study(), folder / "s.db", 1);
+  const Coverage part = coverage(folder / "s.db");
+  EXPECT_TRUE(part.incomplete());
+  EXPECT_EQ(part.planned, kSmallCells);
+  EXPECT_LT(part.done, kSmallCells);
+  run(small_study(), folder / "s.db", {}, "2");
+  EXPECT_EQ(coverage(folder / "s.db").done, kSmallCells);
+  EXPECT_FALSE(coverage(folder / "s.db").incomplete());
+}
+
+TEST(CoverageTest, MoreTrialsAreMorePlanAndARepetitionIsNot) {
+  const ScratchFolder folder;
+  run(small_study(8), folder / "s.db");
+  run(small_study(8), folder / "s.db", {}, "2");
+  EXPECT_EQ(coverage(folder / "s.db").planned, kSmallCells);
+  run_part(small_study(80), folder / "s.db", 0);
+  EXPECT_GT(coverage(folder / "s.db").planned, 9 * kSmallCells / 2);
+  EXPECT_TRUE(coverage(folder / "s.db").incomplete());
+}
+
+/// Runs of other lengths and subsamples: a trial that several plan is planned once.
+TEST(CoverageTest, OverlappingPlansCountEachTrialOnce) {
+  const ScratchFolder folder;
+  Store store = Store::open_for_writing(folder / "s.db");
+  for (const auto& [trials, every] : std::vector<std::pair<std::int64_t, std::int64_t>>{{10, 1}, {100, 2}, {1000, 3}}) {
+    Plan plan;
+    plan.name = "part";
+    plan.trials = trials;
+    plan.sets = {{.pattern = "paper/monotone/exp1"}};
+    plan.solvers = {{.spec = parse_spec("lemke"), .every = every}};
+    store.begin();
+    store.add_run(std::to_string(trials), nlohmann::ordered_json{{"planned", planned_cells(resolve(plan))}}.dump());
+    store.commit();
+  }
+  // 0..9; of 10..99 the 45 even ones and the 15 odd ones that 3 divides; of 100..999 the 300 that 3 divides.
+  EXPECT_EQ(coverage_of(store.database()).planned, 10 + 60 + 300);
+}
+
+TEST(CoverageTest, AShardIsPartOfThePlanAndAllOfThemAreTheWhole) {
+  const ScratchFolder folder;
+  run(small_study(), folder / "1.db", {.shard = 0, .shards = 2});
+  run(small_study(), folder / "2.db", {.shard = 1, .shards = 2});
+  EXPECT_TRUE(coverage(folder / "1.db").incomplete());
+  EXPECT_EQ(coverage(folder / "1.db").planned, kSmallCells);
+  merge_stores(folder / "one.db", {folder / "1.db"});
+  EXPECT_TRUE(coverage(folder / "one.db").incomplete());
+  merge_stores(folder / "both.db", {folder / "1.db", folder / "2.db"});
+  EXPECT_EQ(coverage(folder / "both.db").done, kSmallCells);
+  EXPECT_FALSE(coverage(folder / "both.db").incomplete());
+}
+
+/// What `planned_cells` records: one solver on every problem of two sets, 200 and 100.
+constexpr const char* kPlan =
+    R"({"cells": 300, "seed": 1, "sets": [{"set": "paper/monotone/exp1", "trials": 200},)"
+    R"( {"set": "paper/monotone/exp2", "trials": 100}], "solvers": [{"solver": "lemke", "sweep": "", "cells": 1,)"
+    R"( "on": [{"every": [1], "sets": [0, 1]}]}]})";
+
+class TruncatedStoreTest : public testing::Test {
+ protected:
+  void fill(std::int64_t first_set, std::int64_t second_set, const std::string& plan = kPlan) {
+    SyntheticStore made(folder_ / "s.db", plan);
+    const auto solver = made.solver("lemke");
+    for (std::int64_t trial = 0; trial < first_set; ++trial) made.problem("paper/monotone/exp1", trial, {{solver, {}}});
+    for (std::int64_t trial = 0; trial < second_set; ++trial)
+      made.problem("paper/monotone/exp2", trial, {{solver, {}}});
+    coverage_ = coverage_of(made.store().database());
+    write_report(made.store(), folder_ / "out");
+    page_ = read_file(folder_ / "out/report.html");
+    document_ = nlohmann::json::parse(read_file(folder_ / "out/summary.json"));
+  }
+
+  ScratchFolder folder_;
+  Coverage coverage_;
+  std::string page_;
+  nlohmann::json document_;
+};
+
+TEST_F(TruncatedStoreTest, IsSaidToBeTruncatedAtTheTopAndInTheSummary) {
+  fill(22, 11);
+  const std::string header = page_.substr(0, page_.find("class=\"answer\""));
+  EXPECT_NE(header.find("<strong>11 % of the plan.</strong> This store holds 33 of 300 cells"), std::string::npos);
+  EXPECT_NE(header.find("All 2 sets are thin (less than 90 % of the planned cells are done): "
+                        "<code>paper/monotone/exp1</code> 11 %, <code>paper/monotone/exp2</code> 11 %"),
+            std::string::npos);
+  EXPECT_NE(page_.find("Only 11 % of its planned cells are done."), std::string::npos);
+  EXPECT_NE(page_.find("33 problems, 11 % of the planned cells:"), std::string::npos);
+  const auto& coverage = document_["coverage"];
+  EXPECT_EQ(coverage["planned"], 300);
+  EXPECT_EQ(coverage["done"], 33);
+  EXPECT_DOUBLE_EQ(coverage["share"], 0.11);
+  EXPECT_EQ(coverage["sets"][1]["set"], "paper/monotone/exp2");
+  EXPECT_EQ(coverage["sets"][1]["done"], 11);
+  EXPECT_EQ(coverage["sets"][1]["thin"], true);
+  EXPECT_EQ(report::coverage_text(coverage_),
+            "INCOMPLETE: 11 % of the plan (33 of 300 cells); all 2 sets are thin:\n"
+            "   11 %  paper/monotone/exp1\n   11 %  paper/monotone/exp2\n"
+            "To complete it, run the same command again; merge the stores of all shards.\n");
+}
+
+/// Enough problems for the interval, not for what the plan was to tell.
+TEST_F(TruncatedStoreTest, TheTableWithholdsWhatAThinPlanCannotCarry) {
+  fill(60, 30);
+  EXPECT_NE(page_.find("no solver is recommended: too few to say: 90 problems, 30 % of the plan; the report needs 50 % "
+                       "of it, or 381 problems"),
+            std::string::npos);
+  EXPECT_EQ(document_["decision"][0]["recommended"], false);
+  EXPECT_TRUE(document_["decision"][0]["reliable"].is_null());
+  EXPECT_EQ(document_["decision"][0]["reliability"], "short_of_plan");
+}
+
+TEST_F(TruncatedStoreTest, ASetThatWasNotBegunIsNamedToo) {
+  fill(200, 0);
+  EXPECT_NE(page_.find("<strong>66 % of the plan.</strong>"), std::string::npos);
+  EXPECT_NE(page_.find("This set is thin (less than 90 % of the planned cells are done): "
+                       "<code>paper/monotone/exp2</code> 0 %"),
+            std::string::npos);
+}
+
+TEST_F(TruncatedStoreTest, AlmostWholeIsNotWholeAndNoSetIsThin) {
+  fill(200, 99);
+  EXPECT_NE(page_.find("<strong>99 % of the plan.</strong>"), std::string::npos);
+  EXPECT_EQ(page_.find("thin ("), std::string::npos);
+}
+
+TEST_F(TruncatedStoreTest, AWholeStoreSaysNothing) {
+  fill(200, 100);
+  for (const char* words : {"of the plan.", "planned cells", "class=\"alarm\""}) {
+    EXPECT_EQ(page_.find(words), std::string::npos) << words;
+  }
+  EXPECT_EQ(document_["coverage"]["share"], 1);
+  EXPECT_EQ(document_["coverage"]["sets"][0]["thin"], false);
+}
+
+TEST_F(TruncatedStoreTest, AStoreWithoutAPlanSaysThatNobodyKnows) {
+  for (const char* plan : {"", "{}", "7", R"({"seed": 1, "sets": [], "solvers": [{"on": 3}]})"}) {
+    std::filesystem::remove(folder_ / "s.db");
+    fill(5, 0, plan);
+    EXPECT_FALSE(coverage_.known) << plan;
+    EXPECT_NE(page_.find("How much of its plan this store covers is not known"), std::string::npos) << plan;
+    EXPECT_TRUE(document_["coverage"]["share"].is_null()) << plan;
+  }
+}
+
+/// The same solver at two instruction-set levels, on different machines: the plan asks for one of them.
+TEST_F(TruncatedStoreTest, ALevelOrVersionIsNoWorkOfItsOwn) {
+  SyntheticStore made(folder_ / "levels.db", kPlan);
+  const auto baseline = made.solver("lemke");
+  made.store().begin();
+  const auto other = made.store().add_solver({"lemke", "", "engine=dense", "native", "1.0", "avx2", ""});
+  made.store().commit();
+  for (std::int64_t trial = 0; trial < 100; ++trial) {
+    made.problem("paper/monotone/exp2", trial, {{trial % 2 == 0 ? baseline : other, {}}});
+  }
+  made.problem("paper/monotone/exp1", 0, {{baseline, {}}, {other, {}}});
+  const Coverage coverage = coverage_of(made.store().database());
+  EXPECT_EQ(coverage.sets[1].done, 100);
+  EXPECT_EQ(coverage.sets[0].done, 1);
+}
+
+/// The program itself: what a budget cut off is said in the last lines of `run` and `report`, with exit code 0.
+TEST(TruncatedRunTest, NobodyCanMissItOnTheTerminal) {
+  const ScratchFolder folder;
+  const std::string study = "--set paper/monotone/exp1 --set paper/monotone/exp2 --solver lemke --store s.db ";
+  const ProgramRun cut = run_program(folder / "", "run " + study + "--trials 100000000 --budget 0.2");
+  EXPECT_EQ(cut.exit_code, 0) << cut.err;
+  const std::size_t notice = cut.out.find("INCOMPLETE: ");
+  ASSERT_NE(notice, std::string::npos) << cut.out;
+  EXPECT_EQ(cut.out.find("%  paper/monotone/exp3", notice), std::string::npos);
+  EXPECT_NE(cut.out.find("%  paper/monotone/exp1", notice), std::string::npos);
+  EXPECT_NE(cut.out.find(" of 200,000,000 cells in "), std::string::npos) << cut.out;
+  EXPECT_NE(cut.out.find("time budget of 0.2 s is used up", notice), std::string::npos);
+  const ProgramRun report = run_program(folder / "", "report s.db --out made");
+  EXPECT_EQ(report.exit_code, 0);
+  EXPECT_EQ(report.out, "made/report.html\n");
+  EXPECT_NE(report.err.find("INCOMPLETE: "), std::string::npos) << report.err;
+
+  const ProgramRun whole = run_program(folder / "", "run " + study + "--trials 5 --fresh");
+  EXPECT_EQ(whole.exit_code, 0);
+  EXPECT_EQ(whole.out.find("INCOMPLETE"), std::string::npos) << whole.out;
+  EXPECT_EQ(run_program(folder / "", "report s.db --out whole").err, "");
+  EXPECT_EQ(read_file(folder / "whole/report.html").find("class=\"alarm\""), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lcpbench

@@ -1,0 +1,435 @@
+#include "study/report/summary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "study/report/report.h"
+#include "tests/support/synthetic_store.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr const char* kSet = "paper/copositive/exp1";
+
+const Cell& only_cell(const Summary& summary) {
+  EXPECT_EQ(summary.cells.size(), 1U);
+  return summary.cells.front();
+}
+
+std::int64_t sum_of_verdicts(const nlohmann::ordered_json& cell) {
+  std::int64_t total = 0;
+  for (const char* verdict : {"solved", "wrong", "unsolvable", "refused", "missed", "open"}) {
+    total += cell.at(verdict).get<std::int64_t>();
+  }
+  return total;
+}
+
+/// Every combination that a verdict has, once, on problems of which nothing else is known.
+TEST(SummaryTest, VerdictsAddUpToTrialsAndTheOtherCountsOverlap) {
+  const ScratchFolder folder;
+  SyntheticStore made(folder / "s.db");
+  const auto solver = made.solver("lemke");
+  std::int64_t trial = 0;
+  const auto add = [&](const MadeAnswer& answer, const std::string& theory) {
+    made.problem(kSet, trial++, {{solver, answer}}, 10, theory);
+  };
+  add({.error = 1e-12}, "solvable");
+  add({.error = 1e-7}, "");
+  add({.error = 1e-5}, "");
+  add({.claim = Claim::kIterationLimit, .error = 1e-12}, "");  // solved, and did not say so
+  add({.error = 1e-2, .criterion = true}, "");                 // wrong: the paper's criterion excuses nothing
+  add({.error = 1e-2, .criterion = false}, "");                // wrong
+  add({.error = kNone}, "");                                   // wrong: NaN
+  add({.claim = Claim::kUnsolvable, .error = kNone, .proves_unsolvable = true}, "");
+  add({.claim = Claim::kNumericalFailure, .error = kNone}, "solvable");     // missed
+  add({.claim = Claim::kCrashed, .error = kNone}, "");                      // open
+  add({.claim = Claim::kTimeLimit, .error = 1e-2, .criterion = true}, "");  // open
+  add({.claim = Claim::kUnsupported, .error = kNone}, "solvable");          // refused
+
+  const Summary summary = summarize(made.store());
+  const auto cell = summary_json(summary)["cells"][0];
+  EXPECT_EQ(cell["trials"], 12);
+  EXPECT_EQ(sum_of_verdicts(cell), 12);
+  EXPECT_EQ(cell["solved"], 4);
+  EXPECT_EQ(cell["solved_1e6"], 3);
+  EXPECT_EQ(cell["solved_1e9"], 2);
+  EXPECT_EQ(cell["wrong"], 3);
+  EXPECT_EQ(cell["unsolvable"], 1);
+  EXPECT_EQ(cell["refused"], 1);
+  EXPECT_EQ(cell["missed"], 1);
+  EXPECT_EQ(cell["open"], 2);
+  EXPECT_EQ(cell["unsolvable_problems"], 1);
+  EXPECT_EQ(cell["claimed"], 6);
+  EXPECT_EQ(cell["criterion"], 4);  // of those who claimed
+  EXPECT_EQ(cell["criterion_any"], 6);
+  EXPECT_EQ(cell["false_claims"], 3);
+  EXPECT_EQ(cell["gave_up"], 4);
+  EXPECT_EQ(cell["crashed"], 1);
+  EXPECT_EQ(cell["time_limit"], 1);
+  EXPECT_DOUBLE_EQ(cell["rate"].get<double>(), 4.0 / 11);
+  EXPECT_DOUBLE_EQ(cell["rate_low"].get<double>(), wilson(4, 11).low);
+  EXPECT_EQ(cell["claims"]["solved"]["wrong"], 3);
+  EXPECT_EQ(cell["claims"]["iteration_limit"]["solved"], 1);
+}
+
+TEST(SummaryTest, OnesSolutionMakesAnothersFailureMissed) {
+  const ScratchFolder folder;
+  SyntheticStore made(folder / "s.db");
+  const auto good = made.solver("a_good");
+  const auto bad = made.solver("b_bad");
+  made.problem(kSet, 0, {{good, {}}, {bad, {.claim = Claim::kIterationLimit, .error = kNone}}}, 10, "");
+  const Summary summary = summarize(made.store());
+  ASSERT_EQ(summary.cells.size(), 2U);
+  EXPECT_EQ(summary.cells[1].count(Verdict::kMissed), 1);
+  EXPECT_EQ(summary.cells[1].count(Verdict::kOpen), 0);
+}
+
+/// A solver that claims to have solved what another proved unsolvable makes a false claim, small residual or not.
+TEST(SummaryTest, ClaimOnAnUnsolvableProblemIsFalse) {
+  const ScratchFolder folder;
+  SyntheticStore made(folder / "s.db");
+  const auto honest = made.solver("a_honest");
+  const auto liar = made.solver("b_liar");
+  made.problem(kSet, 0,
+               {{honest, {.claim = Claim::kUnsolvable, .error = kNone, .proves_unsolvable = true}}, {liar, {}}}, 10,
+               "");
+  const Summary summary = summarize(made.store());
+  EXPECT_EQ(summary.cells[0].false_claims(), 0);
+  EXPECT_EQ(summary.cells[0].gave_up(), 0);
+  EXPECT_EQ(summary.cells[1].false_claims(), 1);
+  EXPECT_EQ(summary.cells[1].count(Verdict::kWrong), 1);
+  EXPECT_EQ(summary.cells[1].count(Verdict::kUnsolvable), 0);
+  EXPECT_EQ(summary.cells[1].unsolvable_problems, 1);
+  EXPECT_EQ(summary.cells[1].solvable(), 0);
+  const auto cell = summary_json(summary)["cells"][1];
+  EXPECT_TRUE(std::isnan(cell["rate"].get<double>()));
+  EXPECT_NE(cell.dump().find("\"rate\":null"), std::string::npos);
+}
+
+TEST(SummaryTest, EmptyStoreGivesAnEmptySummary) {
+  const ScratchFolder folder;
+  SyntheticStore made(folder / "s.db");
+  const Summary summary = summarize(made.store());
+  EXPECT_TRUE(summary.cells.empty());
+  EXPECT_TRUE(summary.sets.empty());
+  EXPECT_EQ(summary.reference, "");
+  EXPECT_TRUE(summary_json(summary)["cells"].empty());
+}
+
+TEST(SummaryTest, TimesAreSetUpPlusSolveAndLeaveOutRefusals) {
+  const ScratchFolder folder;
+  SyntheticStore made(folder / "s.db");
+  const auto solver = made.solver("lemke");
+  made.problem(kSet, 0, {{solver, {.time_s = 1}}});
+  made.problem(kSet, 1, {{solver, {.time_s = 2}}});
+  made.problem(kSet, 2, {{solver, {.claim = Claim::kIterationLimit, .error = kNone, .time_s = 9}}});
+  made.problem(kSet, 3, {{solver, {.claim = Claim::kUnsupported, .error = kNone, .time_s = 0, .detail = "too large"}}});
+  const Summary summary = summarize(made.store());
+  const Cell& cell = only_cell(summary);
+  EXPECT_DOUBLE_EQ(cell.solved_time.mean, 1.5);
+  EXPECT_DOUBLE_EQ(cell.solved_time.max, 2);
+  EXPECT_DOUBLE_EQ(cell.all_time.mean, 4);
+  EXPECT_DOUBLE_EQ(cell.all_time.median, 2);
+  EXPECT_DOUBLE_EQ(cell.time_parts.setup_cpu, 1);
+  EXPECT_EQ(cell.refusal, "too large");
+  EXPECT_FALSE(cell.refused());
+}
+
+/// Ratios are taken where both are right: neither a fast wrong answer nor the reference's failure counts.
+TEST(SummaryTest, TimeRatioUsesTheProblemsThatBothSolved) {
+  const ScratchFolder folder;
+  SyntheticStore made(folder / "s.db");
+  const auto reference = made.solver("lemke");
+  const auto solver = made.solver("quick");
+  made.problem(kSet, 0, {{reference, {.time_s = 4}}, {solver, {.time_s = 1}}});
+  made.problem(kSet, 1, {{reference, {.time_s = 8}}, {solver, {.time_s = 2}}});
+  made.problem(kSet, 2, {{reference, {.time_s = 8}}, {solver, {.error = 1, .criterion = false, .time_s = 0.001}}});
+  made.problem(kSet, 3, {{reference, {.error = 1, .criterion = false, .time_s = 0.001}}, {solver, {.time_s = 5}}});
+  made.problem(kSet, 4, {{solver, {.time_s = 7}}});
+  const Summary summary = summarize(made.store());
+  EXPECT_EQ(summary.reference, "lemke");
+  ASSERT_EQ(summary.cells.size(), 2U);
+  EXPECT_EQ(summary.cells[1].paired, 2);
+  EXPECT_DOUBLE_EQ(summary.cells[1].time_ratio.value, 0.25);
+  EXPECT_DOUBLE_EQ(summary.cells[1].time_ratio.low, 0.25);
+  EXPECT_DOUBLE_EQ(summary.cells[0].time_ratio.value, 1);
+}
+
+TEST(SummaryTest, WithoutTheReferenceThereIsNoRatio) {
+  const ScratchFolder folder;
+  SyntheticStore made(folder / "s.db");
+  const auto other = made.solver("lemke", "engine=kernel");
+  made.problem(kSet, 0, {{other, {}}});
+  const Summary summary = summarize(made.store());
+  EXPECT_EQ(summary.reference, "");
+  EXPECT_TRUE(std::isnan(only_cell(summary).time_ratio.value));
+}
+
+/// Errors describe what the user was handed as solved; an answer that is no number is beyond every bound.
+TEST(SummaryTest, ErrorsAreThoseOfClaimedAnswersAndNaNIsInfinite) {
+  const ScratchFolder folder;
+  SyntheticStore made(folder / "s.db");
+  const auto solver = made.solver("lemke");
+  made.problem(kSet, 0, {{solver, {.error = 1e-10}}});
+  made.problem(kSet, 1, {{solver, {.error = 1e-8}}});
+  made.problem(kSet, 2, {{solver, {.error = kNone}}});
+  made.problem(kSet, 3, {{solver, {.claim = Claim::kIterationLimit, .error = 0.5}}});
+  const Summary summary = summarize(made.store());
+  const Cell& cell = only_cell(summary);
+  EXPECT_EQ(cell.error_count, 3);
+  EXPECT_EQ(cell.error_median, 1e-8);
+  EXPECT_TRUE(std::isinf(cell.error_p99));
+  EXPECT_STREQ(cell.error_measure, "velocity_residual_relative");
+  EXPECT_NE(summary_json(summary).dump().find("\"p99\":null"), std::string::npos);
+}
+
+TEST(SummaryTest, BareProblemsAreMeasuredByTheirBackwardError) {
+  const ScratchFolder folder;
+  SyntheticStore made(folder / "s.db");
+  const auto solver = made.solver("lemke");
+  made.problem("file:bare.json", 0, {{solver, {.error = 1e-11}}}, 0, "", "lcp");
+  const Summary summary = summarize(made.store());
+  EXPECT_STREQ(only_cell(summary).error_measure, "backward_row_norm");
+  EXPECT_EQ(only_cell(summary).error_median, 1e-11);
+  EXPECT_TRUE(std::isnan(only_cell(summary).violation.mean));
+}
+
+TEST(SummaryTest, SetsSayWhatTheirProblemsAre) {
+  const ScratchFolder folder;
+  SyntheticStore made(folder / "s.db");
+  const auto solver = made.solver("lemke");
+  made.problem("paper/monotone/exp5-1e10", 0, {{solver, {}}});
+  made.problem("paper/monotone/exp5-1e8", 0, {{solver, {}}});
+  made.problem(kSet, 0, {{solver, {}}}, 12, "");
+  const Summary summary = summarize(made.store());
+  ASSERT_EQ(summary.sets.size(), 3U);
+  EXPECT_EQ(summary.sets[0].name, kSet);
+  EXPECT_TRUE(summary.sets[0].frictional);
+  EXPECT_FALSE(summary.sets[0].ill_conditioned);
+  EXPECT_TRUE(summary.sets[0].all_solvable);  // somebody's verified answer proves it
+  EXPECT_EQ(summary.sets[1].name, "paper/monotone/exp5-1e8");
+  EXPECT_FALSE(summary.sets[1].frictional);
+  EXPECT_TRUE(summary.sets[1].ill_conditioned);
+  EXPECT_EQ(summary.sets[2].name, "paper/monotone/exp5-1e10");
+}
+
+/// Four parameterisations, eight trials. The best on the even trials is not the best on the odd ones: what is reported
+/// as held out must be the even trials' choice, judged on the odd trials.
+TEST(SummaryTest, SweepGivesWorstAverageBestAndAnHonestBest) {
+  const ScratchFolder folder;
+  SyntheticStore made(folder / "s.db");
+  const auto a = made.solver("lemke", "zero_tolerance=1e-4", "paper");
+  const auto b = made.solver("lemke", "zero_tolerance=1e-8", "paper");
+  const MadeAnswer right;
+  const MadeAnswer wrong{.error = 1, .criterion = true};
+  for (std::int64_t trial = 0; trial < 8; ++trial) {
+    const bool even = trial % 2 == 0;
+    made.problem(kSet, trial, {{a, even || trial == 1 ? right : wrong}, {b, trial == 0 ? wrong : right}});
+  }
+  const Summary summary = summarize(made.store());
+  ASSERT_EQ(summary.sweeps.size(), 1U);
+  const SweepSummary& sweep = summary.sweeps[0];
+  EXPECT_EQ(sweep.parameterisations, 2);
+  EXPECT_EQ(sweep.trials, 8);
+  EXPECT_DOUBLE_EQ(sweep.verdict.worst, 5.0 / 8);
+  EXPECT_DOUBLE_EQ(sweep.verdict.best, 7.0 / 8);
+  EXPECT_DOUBLE_EQ(sweep.verdict.average, 6.0 / 8);
+  EXPECT_EQ(sweep.verdict.best_settings, "zero_tolerance=1e-8");
+  EXPECT_DOUBLE_EQ(sweep.criterion.worst, 1);
+  EXPECT_DOUBLE_EQ(sweep.best_held_out, 1.0 / 4);
+  const auto json = summary_json(summary)["sweeps"][0];
+  EXPECT_DOUBLE_EQ(json["best"].get<double>(), 7.0 / 8);
+  EXPECT_EQ(json["cells"], 2);
+}
+
+/// Thousands of parameterisations: their cells hold what stands in the contract and add up, nothing more.
+TEST(SummaryTest, CellsOfSweepsAreShort) {
+  const ScratchFolder folder;
+  SyntheticStore made(folder / "s.db");
+  const auto swept = made.solver("lemke", "zero_tolerance=1e-4", "paper");
+  const auto single = made.solver("lemke", "zero_tolerance=1e-8");
+  made.problem(kSet, 0, {{swept, {}}, {single, {}}});
+  const Summary summary = summarize(made.store());
+  const nlohmann::ordered_json document = summary_json(summary);
+  for (const auto& cell : document["cells"]) {
+    const bool is_single = cell["sweep"] == "";
+    for (const char* key : {"claims", "even_trials", "odd_trials"}) EXPECT_EQ(cell.contains(key), is_single) << key;
+    EXPECT_EQ(cell["time"].contains("parts_mean"), is_single);
+    EXPECT_EQ(cell["criterion"], 1);
+    EXPECT_DOUBLE_EQ(cell["criterion_rate"].get<double>(), 1);
+    EXPECT_TRUE(cell["time"]["all"].contains("median"));
+    EXPECT_TRUE(cell["error"].contains("p99"));
+  }
+  EXPECT_EQ(document["sweeps"][0]["version"], summary.sweeps.at(0).version);
+  write_report(made.store(), folder / "out");
+  std::ifstream table(folder / "out" / "tables" / "cells.csv");
+  std::ifstream claims(folder / "out" / "tables" / "claims.csv");
+  std::vector<std::ptrdiff_t> commas;
+  for (std::string line; std::getline(table, line);) commas.push_back(std::count(line.begin(), line.end(), ','));
+  ASSERT_EQ(commas.size(), 3U);
+  EXPECT_EQ(commas[0], commas[1]);
+  EXPECT_EQ(commas[0], commas[2]);
+  int rows = 0;
+  for (std::string line; std::getline(claims, line);) ++rows;
+  EXPECT_EQ(rows, 1 + static_cast<int>(kClaims));
+}
+
+/// A sweep of three cells on four trials, whose cells agree in another way on each; beside it the reference.
+class SweptStore {
+ public:
+  explicit SweptStore(const std::filesystem::path& file) : made_(file) {
+    SolverRow row{"lemke", "cap=3n", "engine=kernel,cap=3n", "native", "1.0", "baseline", "grid{cap=3n}"};
+    Store& store = made_.store();
+    store.begin();
+    sweep_ = store.add_solver(row, {{"cap=3n,t=10", ""}, {"cap=3n,t=9", ""}, {"cap=3n,t=8", ""}});
+    store.commit();
+    reference_ = made_.solver("lemke");
+    add(0, {{{0, 1, 2}, {.time_s = 2, .violation_m_per_s = 1e-6}}});
+    add(1, {{{0}, {.time_s = 4}}, {{1, 2}, {.error = 1, .criterion = true, .time_s = 6, .violation_m_per_s = 2e-6}}});
+    add(2, {{{0, 2}, {.claim = Claim::kIterationLimit, .error = kNone, .time_s = 8}}, {{1}, {.time_s = 1}}});
+    add(3, {{{0}, {.error = 1, .criterion = false, .time_s = 3}}, {{1}, {.time_s = 5}}, {{2}, {.time_s = 7}}});
+  }
+
+  Store& store() { return made_.store(); }
+
+ private:
+  using Part = std::pair<std::vector<std::uint32_t>, MadeAnswer>;
+
+  void add(std::int64_t trial, const std::vector<Part>& parts) {
+    std::vector<std::pair<std::int64_t, MadeAnswer>> answers{{reference_, {.time_s = 1}}};
+    for (const Part& part : parts) answers.emplace_back(sweep_, part.second);
+    ProblemResult result = made_.result(kSet, trial, answers, 10, "solvable", "contact");
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      result.answers[i + 1].cells = parts[i].first;
+      result.answers[i + 1].counters.pivots = 10 * trial;
+    }
+    store().begin();
+    store().add(result);
+    store().commit();
+  }
+
+  SyntheticStore made_;
+  std::int64_t sweep_ = 0;
+  std::int64_t reference_ = 0;
+};
+
+TEST(SummaryTest, SharedAnswersCountForEachOfTheirCells) {
+  const ScratchFolder folder;
+  SweptStore made(folder / "s.db");
+  const Summary summary = summarize(made.store());
+  ASSERT_EQ(summary.cells.size(), 4U);
+  ASSERT_EQ(summary.solvers[3].settings, "cap=3n,t=10") << "natural order";
+  const Cell& third = summary.cells[1];
+  const Cell& second = summary.cells[2];
+  const Cell& first = summary.cells[3];
+  for (const Cell* cell : {&first, &second, &third}) EXPECT_EQ(cell->trials, 4);
+  EXPECT_EQ(first.count(Verdict::kSolved), 2);
+  EXPECT_EQ(second.count(Verdict::kSolved), 3);
+  EXPECT_EQ(third.count(Verdict::kSolved), 2);
+  EXPECT_EQ(first.false_claims(), 1);
+  EXPECT_EQ(second.criterion, 4);
+  EXPECT_EQ(third.criterion, 3);
+  EXPECT_DOUBLE_EQ(second.all_time.mean, (2.0 + 6 + 1 + 5) / 4);
+  EXPECT_DOUBLE_EQ(second.solved_time.mean, (2.0 + 1 + 5) / 3);
+  EXPECT_DOUBLE_EQ(second.solved_time.max, 5);
+  EXPECT_EQ(second.criterion_time.count, 4);
+  EXPECT_DOUBLE_EQ(second.criterion_violation.max, 2e-6);
+  EXPECT_DOUBLE_EQ(second.violation.max, 1e-6);
+  EXPECT_DOUBLE_EQ(third.pivots.mean, (0.0 + 10 + 20 + 30) / 4);
+  EXPECT_DOUBLE_EQ(second.time_parts.setup_cpu, 14.0 / 4 / 4);
+  EXPECT_EQ(first.halves[0].trials, 2);
+  EXPECT_EQ(first.halves[0].solved, 1);
+  EXPECT_EQ(first.halves[1].solved, 1);
+  EXPECT_DOUBLE_EQ(second.halves[1].criterion_rate(), 1);
+  EXPECT_DOUBLE_EQ(second.halves[1].all_time.mean, 5.5);
+  EXPECT_DOUBLE_EQ(second.halves[0].criterion_time.max, 2);
+  EXPECT_EQ(first.paired, 2);
+  EXPECT_DOUBLE_EQ(first.time_ratio.value, 3);
+  EXPECT_DOUBLE_EQ(second.time_ratio.value, 8.0 / 3);
+  ASSERT_EQ(summary.sweeps.size(), 1U);
+  EXPECT_EQ(summary.sweeps[0].parameterisations, 3);
+  EXPECT_EQ(summary.sweeps[0].verdict.best_settings, "cap=3n,t=9");
+}
+
+/// The reader's own query must find the report's numbers.
+TEST(SummaryTest, ExpandedRowsOfTheStoreGiveTheCountsOfTheSummary) {
+  const ScratchFolder folder;
+  SweptStore made(folder / "s.db");
+  const Summary summary = summarize(made.store());
+  for (const Cell& cell : summary.cells) {
+    const SolverRow& solver = summary.solvers[cell.solver];
+    for (const Claim claim : kAllClaims) {
+      for (const Verdict verdict : kAllVerdicts) {
+        sqlite::Statement query(
+            made.store().database(),
+            "SELECT COUNT(*) FROM judged_cells j JOIN solvers v ON v.id = j.solver_id "
+            "WHERE v.name = ? AND v.sweep = ? AND j.settings = ? AND j.claim = ? AND j.verdict = ?");
+        query.bind_all(solver.name, solver.sweep, solver.settings, to_string(claim), to_string(verdict));
+        ASSERT_TRUE(query.step());
+        EXPECT_EQ(query.integer(0), cell.count(claim, verdict)) << solver.text();
+      }
+    }
+  }
+}
+
+TEST(SummaryTest, AnswerThatBelongsToNoCellOfItsSolverIsDamage) {
+  const ScratchFolder folder;
+  SweptStore made(folder / "s.db");
+  made.store().database().execute("UPDATE cell_groups SET cell = 7 WHERE cell = 2");
+  EXPECT_THROW(summarize(made.store()), InputError);
+}
+
+/// Thirds and tenths of them round up or down: the sum must not lead out of the range.
+TEST(SummaryTest, AverageOfEqualRatesIsThatRate) {
+  for (int solved = 0; solved <= 10; ++solved) {
+    const ScratchFolder folder;
+    SyntheticStore made(folder / "s.db");
+    std::vector<std::pair<std::int64_t, MadeAnswer>> none;
+    std::vector<std::int64_t> cells;
+    for (int i = 0; i < 9; ++i)
+      cells.push_back(made.solver("lemke", "zero_tolerance=1e-" + std::to_string(i), "paper"));
+    for (std::int64_t trial = 0; trial < 10; ++trial) {
+      auto answers = none;
+      const MadeAnswer wrong{.error = 1};
+      for (const std::int64_t cell : cells) answers.emplace_back(cell, trial < solved ? MadeAnswer{} : wrong);
+      made.problem(kSet, trial, answers);
+    }
+    const SweepSummary sweep = summarize(made.store()).sweeps.at(0);
+    for (const SweepSummary::Range& range : {sweep.verdict, sweep.criterion}) {
+      EXPECT_LE(range.worst, range.average) << solved;
+      EXPECT_LE(range.average, range.best) << solved;
+    }
+  }
+}
+
+TEST(SummaryTest, EqualStoresGiveEqualBytes) {
+  const ScratchFolder folder;
+  const auto fill = [&folder](const std::string& name) {
+    SyntheticStore made(folder / name);
+    const auto a = made.solver("lemke");
+    const auto b = made.solver("other");
+    for (std::int64_t trial = 0; trial < 20; ++trial) {
+      made.problem(kSet, trial, {{a, {.time_s = 1.0 + static_cast<double>(trial)}}, {b, {.time_s = 0.5}}});
+    }
+    return summary_json(summarize(made.store())).dump();
+  };
+  EXPECT_EQ(fill("a.db"), fill("b.db"));
+}
+
+TEST(SummaryTest, NaturalOrderReadsNumbers) {
+  EXPECT_TRUE(natural_less("exp5-1e8", "exp5-1e10"));
+  EXPECT_FALSE(natural_less("exp5-1e10", "exp5-1e8"));
+  EXPECT_TRUE(natural_less("exp2", "exp10"));
+  EXPECT_TRUE(natural_less("a", "ab"));
+  EXPECT_FALSE(natural_less("a1", "a1"));
+  EXPECT_NE(natural_less("a01", "a1"), natural_less("a1", "a01"));
+}
+
+}  // namespace
+}  // namespace lcpbench

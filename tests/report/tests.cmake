@@ -1,0 +1,29 @@
+find_package(LibXml2 REQUIRED)  # an independent reader of the pages and pictures
+lcpbench_test(statistics LINK lcpbench_statistics)
+lcpbench_test(statistics_coverage LINK lcpbench_statistics)
+lcpbench_test(comparison LINK lcpbench_report)
+lcpbench_test(comparison_report LINK lcpbench_report)
+lcpbench_test(compare LINK lcpbench_report)
+target_compile_definitions(compare_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
+add_dependencies(compare_test lcpbench)
+lcpbench_test(summary LINK lcpbench_report)
+lcpbench_test(report LINK lcpbench_report LibXml2::LibXml2)
+lcpbench_test(report_page LINK lcpbench_report)
+lcpbench_test(paper_claims LINK lcpbench_report)
+lcpbench_test(hard_report LINK lcpbench_report)
+lcpbench_test(speed_error LINK lcpbench_report)
+lcpbench_test(reliability LINK lcpbench_report)
+lcpbench_test(coverage LINK lcpbench_runner lcpbench_report lcpbench_study lcpbench_solver_list)
+target_compile_definitions(coverage_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
+add_dependencies(coverage_test lcpbench)
+lcpbench_test(hard_study SLOW LINK lcpbench_study)
+target_compile_definitions(hard_study_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
+add_dependencies(hard_study_test lcpbench)
+lcpbench_test(paper_tables LINK lcpbench_report LibXml2::LibXml2)
+target_compile_definitions(paper_tables_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
+add_dependencies(paper_tables_test lcpbench)
+
+# The programs of docs/howto/read-the-tables.md, run on a report made for them.
+add_test(NAME tables_page
+         COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/report/tables_page_test.py $<TARGET_FILE:lcpbench>
+                 ${CMAKE_SOURCE_DIR}/docs/howto/read-the-tables.md)

@@ -1,0 +1,489 @@
+// The interface that users' scripts rely on: exit codes, one-line errors, and the fields of every JSON document.
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "study/output/explanation.h"
+#include "study/store/store.h"
+#include "tests/support/program_run.h"
+#include "tests/support/study_support.h"
+
+namespace lcpbench {
+namespace {
+
+using nlohmann::json;
+
+class CommandLineTest : public testing::Test {
+ protected:
+  ProgramRun run(const std::string& arguments) { return run_program(folder_ / "", arguments); }
+  json run_json(const std::string& arguments) {
+    const ProgramRun output = run(arguments + " --format json");
+    EXPECT_EQ(output.exit_code, 0) << output.err;
+    return json::parse(output.out);
+  }
+  ScratchFolder folder_;
+};
+
+/// Checks that an object has exactly these fields: "s" text, "n" number, "n?" number or null, "a?" array or null,
+/// "b" boolean, "o" object, "a" array.
+void expect_fields(const json& object, const std::vector<std::pair<std::string, std::string>>& fields) {
+  ASSERT_TRUE(object.is_object());
+  for (const auto& [name, type] : fields) {
+    ASSERT_TRUE(object.contains(name)) << name << " is missing in " << object.dump();
+    const json& value = object.at(name);
+    const bool null_allowed = type.size() == 2;
+    const bool right = (type[0] == 's' && value.is_string()) || (type[0] == 'n' && value.is_number()) ||
+                       (type[0] == 'b' && value.is_boolean()) || (type[0] == 'o' && value.is_object()) ||
+                       (type[0] == 'a' && value.is_array()) || (null_allowed && value.is_null());
+    EXPECT_TRUE(right) << name << " = " << value.dump();
+  }
+  EXPECT_EQ(object.size(), fields.size()) << object.dump();
+}
+
+TEST_F(CommandLineTest, MistakesOfUseExitWith2AndOneLine) {
+  for (const char* arguments : {"",
+                                "frobnicate",
+                                "run nosuch",
+                                "run --shard 0/3",
+                                "run --shard 4/3",
+                                "run --shard 1/3x",
+                                "run --trials 0",
+                                "run --seed -4",
+                                "run --seed 18446744073709551616",
+                                "run --seed 1.5",
+                                "run --budget nan",
+                                "bench --problems 1 --time-limit nan",
+                                "frobnicate --help",
+                                "run --jobs 0",
+                                "run smoke --solver nope",
+                                "run smoke --solver 'lemke{foo=1}'",
+                                "run smoke --set nope",
+                                "run --sweep nope",
+                                "run --sweep paper --solver enumeration",
+                                "solve",
+                                "solve nosuch.json",
+                                "solve nosuch.scenes",
+                                "solve nosuch.scenes#1",
+                                "solve x.scenes#y",
+                                "import fclib",
+                                "import other x --out y.scenes",
+                                "import fclib nosuch --out y.scenes",
+                                "solve --format xml x.json",
+                                "generate",
+                                "generate nope --seed 1 --count 1 --out d",
+                                "generate paper/monotone/exp1 --seed 1 --count 0 --out d",
+                                "merge",
+                                "merge out.db nosuch.db",
+                                "sets nope",
+                                "sets file:nosuch",
+                                "sets file:nosuch.scenes",
+                                "sets file:nosuch.scenes#3",
+                                "sets 'paper/monotone/exp2{redundancy=nope}'",
+                                "sets 'paper/monotone/exp2{nope=1}'",
+                                "report nosuch.db --out ''",
+                                "generate paper/monotone/exp1 --seed 1 --count 1 --out ''",
+                                "run smoke --set paper/monotone/exp1 --store .",
+                                "bench --solver nope",
+                                "bench --problems 0",
+                                "run smoke --store /nosuchfolder/x.db"}) {
+    const ProgramRun output = run(arguments);
+    EXPECT_EQ(output.exit_code, 2) << arguments;
+    EXPECT_EQ(output.err.rfind("lcpbench: ", 0), 0U) << arguments << ": " << output.err;
+    EXPECT_EQ(std::count(output.err.begin(), output.err.end(), '\n'), 1) << arguments << ": " << output.err;
+    EXPECT_EQ(output.out, "") << arguments;
+  }
+  EXPECT_NE(run("solve").err.find("(lcpbench solve --help)"), std::string::npos);
+  EXPECT_NE(run("--frobnicate").err.find("(lcpbench --help)"), std::string::npos);
+}
+
+TEST_F(CommandLineTest, OutputThatDoesNotArriveIsAnError) {
+  for (const char* command :
+       {"solvers", "sets --format json", "generate paper/monotone/exp1 --seed 1 --count 1 --out d",
+        "run --set paper/monotone/exp1 --solver lemke --trials 1", "--help"}) {
+    const ProgramRun output = run(std::string(command) + " >/dev/full");
+    EXPECT_EQ(output.exit_code, 2) << command;
+    EXPECT_NE(output.err.find("No space left on device"), std::string::npos) << command << ": " << output.err;
+  }
+}
+
+TEST_F(CommandLineTest, ClosedOutputEndsUpInNoFileAndIsAnError) {
+  EXPECT_EQ(run("generate paper/monotone/exp1 --seed 1 --count 2 --out open").exit_code, 0);
+  EXPECT_EQ(run("generate paper/monotone/exp1 --seed 1 --count 2 --out closed <&- >&- 2>&-").exit_code, 2);
+  for (const char* command : {"sets >&-", "sets 'paper/*/exp1' >&-"}) {
+    const ProgramRun listed = run(command);
+    EXPECT_EQ(listed.exit_code, 2) << command;
+    EXPECT_NE(listed.err.find("Bad file descriptor"), std::string::npos) << listed.err;
+  }
+  for (const char* name : {"000000.json", "000001.json"}) {
+    EXPECT_EQ(read_file(folder_ / "closed" / name), read_file(folder_ / "open" / name)) << name;
+  }
+}
+
+TEST_F(CommandLineTest, HelpIsCompleteAndNoError) {
+  const std::vector<std::pair<std::string, std::vector<const char*>>> options{
+      {"solvers", {"--format"}},
+      {"sets", {"PATTERN", "--format"}},
+      {"generate", {"SET", "--seed", "--count", "--first", "--out"}},
+      {"import", {"FORMAT", "FILE", "--out", "--symmetrize"}},
+      {"solve", {"FILE", "--solver", "--time-limit", "--format"}},
+      {"certify",
+       {"FILE", "--exact", "--time-limit", "--proofs", "--format", "--store", "--set", "--every", "--jobs",
+        "--other-velocity"}},
+      {"run",
+       {"PLAN", "--set", "--solver", "--sweep", "--trials", "--seed", "--jobs", "--store", "--shard", "--fresh"}},
+      {"merge", {"OUT", "IN"}},
+      {"report", {"STORE", "--out"}},
+      {"bench", {"--set", "--solver", "--problems", "--seed", "--format"}}};
+  const ProgramRun overview = run("--help");
+  EXPECT_EQ(overview.exit_code, 0);
+  for (const auto& [command, names] : options) {
+    EXPECT_NE(overview.out.find("\n  " + command + " "), std::string::npos) << command;
+    const ProgramRun help = run(command + " --help");
+    EXPECT_EQ(help.exit_code, 0);
+    for (const char* name : names) EXPECT_NE(help.out.find(name), std::string::npos) << command << " " << name;
+  }
+}
+
+TEST_F(CommandLineTest, AMissingWorkerProgramMakesItsSolversUnavailable) {
+  setenv("LCPBENCH_WORKER_DIR", (folder_ / "").c_str(), 1);
+  const json solvers = run_json("solvers");
+  const ProgramRun study = run("run smoke --trials 1 --store alone.db");
+  unsetenv("LCPBENCH_WORKER_DIR");
+  for (const json& solver : solvers) {
+    EXPECT_EQ(solver["available"], solver["origin"] == "native") << solver["name"];
+    EXPECT_EQ(solver["reason"].get<std::string>().empty(), solver["available"].get<bool>()) << solver["name"];
+  }
+  EXPECT_EQ(study.exit_code, 0) << study.err;
+  EXPECT_NE(study.err.find("skipped: bullet_dantzig: "), std::string::npos) << study.err;
+}
+
+// Not there, no library, no PATH: in each case the study goes on without it, and the reason names no folder.
+TEST_F(CommandLineTest, ALibraryOfTheUsersThatIsNoneMakesItsSolverUnavailable) {
+  std::ofstream(folder_ / "notes.txt") << "no library";
+  std::ofstream(folder_ / "good.json")
+      << R"({"format": "lcpbench-problem", "version": 1, "name": "one", "kind": "lcp", "M": [[1]], "q": [-1]})";
+  std::ofstream(folder_ / "plan.json")
+      << R"({"format": "lcpbench-plan", "version": 1, "name": "two", "trials": 1, "sets": ["planted/definite"],)"
+      << R"("solvers": ["lemke", {"solver": "path", "optional": true}]})";
+  for (const auto& [library, cause] :
+       std::vector<std::pair<std::string, std::string>>{{folder_ / "nowhere.so", "nowhere.so"},
+                                                        {folder_ / "notes.txt", "notes.txt"},
+                                                        {"libm.so.6", "Path_Version"}}) {
+    setenv("PATH_LIBRARY", library.c_str(), 1);
+    const json solvers = run_json("solvers");
+    const ProgramRun solve = run("solve good.json");
+    const ProgramRun asked = run("solve good.json --solver path");
+    const ProgramRun study = run("run plan.json --fresh --store two.db");
+    const ProgramRun validation =
+        run("validate --solver lemke --solver siconos_lemke --set planted/definite --trials 2");
+    unsetenv("PATH_LIBRARY");
+    const auto path =
+        std::find_if(solvers.begin(), solvers.end(), [](const json& solver) { return solver["name"] == "path"; });
+    ASSERT_NE(path, solvers.end());
+    const std::string reason = (*path)["reason"];
+    EXPECT_FALSE((*path)["available"].get<bool>()) << library;
+    EXPECT_NE(reason.find(cause), std::string::npos) << reason;
+    EXPECT_EQ(reason.find('/'), std::string::npos) << reason;
+    EXPECT_EQ(solve.exit_code, 0) << solve.err;
+    EXPECT_EQ(asked.exit_code, 2);
+    EXPECT_NE(asked.err.find(reason), std::string::npos) << asked.err;
+    EXPECT_EQ(study.exit_code, 0) << study.err;
+    EXPECT_NE(study.err.find("skipped: path: " + reason), std::string::npos) << study.err;
+    EXPECT_EQ(validation.exit_code, 0) << validation.err;
+  }
+}
+
+TEST_F(CommandLineTest, AProgramThatDoesNotStartIsOneLine) {
+  std::ofstream(folder_ / "good.json")
+      << R"({"format": "lcpbench-problem", "version": 1, "name": "one", "kind": "lcp", "M": [[1]], "q": [-1]})";
+  const ProgramRun alone = run("solve good.json --solver 'external{command=./nowhere}'");
+  EXPECT_EQ(alone.exit_code, 2);
+  EXPECT_EQ(alone.out, "");
+  EXPECT_EQ(std::count(alone.err.begin(), alone.err.end(), '\n'), 1) << alone.err;
+  EXPECT_NE(alone.err.find("./nowhere"), std::string::npos) << alone.err;
+  const ProgramRun beside = run("solve good.json --solver 'external{command=./nowhere}' --solver lemke");
+  EXPECT_EQ(beside.exit_code, 2);
+  EXPECT_NE(beside.out.find("lemke"), std::string::npos) << beside.out;
+}
+
+TEST_F(CommandLineTest, SolversJson) {
+  const json solvers = run_json("solvers");
+  std::vector<std::string> names;
+  for (const json& solver : solvers) {
+    expect_fields(solver, {{"name", "s"},
+                           {"summary", "s"},
+                           {"source", "s"},
+                           {"origin", "s"},
+                           {"library", "s"},
+                           {"version", "s"},
+                           {"available", "b"},
+                           {"reason", "s"},
+                           {"needs", "s"},
+                           {"frictionless_only", "b"},
+                           {"max_size", "n?"},
+                           {"guarantees", "s"},
+                           {"settings", "a"}});
+    EXPECT_EQ(solver["available"].get<bool>(), solver["reason"].get<std::string>().empty());
+    for (const json& setting : solver["settings"]) {
+      expect_fields(setting, {{"name", "s"}, {"type", "s"}, {"default", "s"}, {"range", "s"}, {"help", "s"}});
+    }
+    names.push_back(solver["name"]);
+  }
+  for (const char* name : {"lemke", "primal_dual", "regularized", "enumeration", "bullet_dantzig", "bullet_lemke",
+                           "ipopt_qp", "ipopt_mpcc", "ode_quickstep"}) {
+    EXPECT_NE(std::find(names.begin(), names.end(), name), names.end()) << name;
+  }
+}
+
+TEST_F(CommandLineTest, SetsJson) {
+  const json sets = run_json("sets 'paper/*/exp1'");
+  ASSERT_EQ(sets.size(), 2U);
+  for (const json& set : sets) {
+    expect_fields(set, {{"name", "s"}, {"size", "s"}, {"source", "s"}, {"summary", "s"}, {"options", "a"}});
+  }
+}
+
+TEST_F(CommandLineTest, SetsShowsFilesAndCanonicalNames) {
+  ASSERT_EQ(run("generate paper/monotone/exp1 --seed 1 --count 3 --out three").exit_code, 0);
+  const json files = run_json("sets file:three");
+  ASSERT_EQ(files.size(), 1U);
+  EXPECT_EQ(files[0]["name"], "file:three");
+  EXPECT_EQ(files[0]["size"], "3 problems");
+  EXPECT_NE(run("sets file:three/000000.json").out.find("1 problem "), std::string::npos);
+
+  const json options = run_json("sets paper/monotone/exp2")[0]["options"];
+  ASSERT_FALSE(options.empty());
+  const json as_default = run_json("sets 'paper/monotone/exp2{" + options[0]["name"].get<std::string>() + "=" +
+                                   options[0]["default"].get<std::string>() + "}'");
+  EXPECT_EQ(as_default[0]["name"], "paper/monotone/exp2");
+  const json changed = run_json("sets 'paper/*/exp2{redundancy=combination}'");
+  ASSERT_EQ(changed.size(), 2U);
+  EXPECT_EQ(changed[0]["name"], "paper/monotone/exp2{redundancy=combination}");
+}
+
+TEST(AnswerNoteTest, SaysWhyAnAnswerHasNoErrors) {
+  Answer answer;
+  answer.claim = Claim::kSolved;
+  EXPECT_EQ(why_without_errors(answer, 24), "no z returned");
+  answer.z = Vector::Zero(3);
+  EXPECT_EQ(why_without_errors(answer, 24), "z has 3 entries, expected 24");
+  EXPECT_EQ(why_without_errors(answer, 3), "");
+  answer.z(1) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(why_without_errors(answer, 3), "z is not finite");
+  answer = Answer{};
+  answer.claim = Claim::kUnsolvable;
+  EXPECT_EQ(why_without_errors(answer, 3), "no z returned");
+  answer.detail = "secondary ray";
+  EXPECT_EQ(why_without_errors(answer, 3), "");
+}
+
+TEST_F(CommandLineTest, TrialAloneIsByteIdenticalToTheTrialInABatch) {
+  ASSERT_EQ(run("generate 'paper/copositive/exp2{redundancy=combination}' --seed 5 --count 4 --out batch").exit_code,
+            0);
+  ASSERT_EQ(run("generate 'paper/copositive/exp2{redundancy=combination}' --seed 5 --count 1 --first 3 --out alone")
+                .exit_code,
+            0);
+  const std::string alone = read_file(folder_ / "alone/000003.json");
+  EXPECT_GT(alone.size(), 100U);
+  EXPECT_EQ(alone, read_file(folder_ / "batch/000003.json"));
+  EXPECT_NE(alone, read_file(folder_ / "batch/000002.json"));
+}
+
+TEST_F(CommandLineTest, SolveJson) {
+  ASSERT_EQ(run("generate paper/monotone/exp1 --seed 1 --count 1 --out m").exit_code, 0);
+  std::ofstream(folder_ / "lcp.json")
+      << R"({"format": "lcpbench-problem", "version": 1, "name": "two", "kind": "lcp", "M": [[2, 1], [1, 2]], "q": [-5, -6]})";
+  const json rows = run_json("solve m/000000.json lcp.json --solver lemke --solver 'lemke{engine=dense}'");
+  ASSERT_EQ(rows.size(), 4U);
+  for (const json& row : rows) {
+    expect_fields(row, {{"problem", "o"},
+                        {"solver", "s"},
+                        {"settings", "s"},
+                        {"claim", "s"},
+                        {"verdict", "s"},
+                        {"truth", "s"},
+                        {"why", "s"},
+                        {"z", "a?"},
+                        {"velocity", "a?"},
+                        {"errors", "o"},
+                        {"time", "o"},
+                        {"counters", "o"},
+                        {"detail", "s"}});
+    expect_fields(row["problem"],
+                  {{"name", "s"}, {"kind", "s"}, {"n", "n"}, {"ngc", "n?"}, {"nc", "n?"}, {"edges", "a?"}});
+    expect_fields(row["errors"], {{"velocity_residual_m_per_s", "n?"},
+                                  {"velocity_residual_relative", "n?"},
+                                  {"natural_residual", "n?"},
+                                  {"backward_componentwise", "n?"},
+                                  {"backward_row_norm", "n?"},
+                                  {"forward_velocity", "n?"},
+                                  {"violation_m_per_s", "n?"},
+                                  {"work_gain_j", "n?"},
+                                  {"complementarity_j", "n?"},
+                                  {"cone_violation", "n?"},
+                                  {"min_z", "n?"},
+                                  {"velocity_mismatch", "n?"},
+                                  {"worst_row", "n?"}});
+    expect_fields(row["time"], {{"setup_s", "n"}, {"solve_s", "n"}, {"verify_s", "n"}});
+    expect_fields(row["counters"], {{"iterations", "n?"}, {"pivots", "n?"}, {"factorizations", "n?"}});
+    for (const json& count : row["counters"]) EXPECT_TRUE(count.is_null() || count.get<std::int64_t>() >= 0) << count;
+    EXPECT_EQ(row["verdict"], "solved");
+  }
+  const json& lcp = rows[2];
+  EXPECT_EQ(lcp["problem"]["name"], "two");
+  EXPECT_TRUE(lcp["velocity"].is_null());
+  ASSERT_EQ(lcp["z"].size(), 2U);
+  EXPECT_NEAR(lcp["z"][0].get<double>(), 4.0 / 3.0, 1e-14);  // the 2 x 2 system by hand
+  EXPECT_NEAR(lcp["z"][1].get<double>(), 7.0 / 3.0, 1e-14);
+  EXPECT_EQ(rows[0]["velocity"].size(), rows[0]["problem"]["ngc"].get<std::size_t>());
+}
+
+TEST_F(CommandLineTest, OneBadFileDoesNotStopTheOthers) {
+  std::ofstream(folder_ / "bad.json") << "{}";
+  std::ofstream(folder_ / "good.json")
+      << R"({"format": "lcpbench-problem", "version": 1, "name": "one", "kind": "lcp", "M": [[1]], "q": [-1]})";
+  const ProgramRun output = run("solve bad.json good.json --solver lemke --format json");
+  EXPECT_EQ(output.exit_code, 2);
+  EXPECT_EQ(output.err.rfind("lcpbench: bad.json: ", 0), 0U) << output.err;
+  EXPECT_EQ(json::parse(output.out).size(), 1U);
+}
+
+TEST_F(CommandLineTest, SolveRunsAllThatFitWhenNoneIsNamed) {
+  std::ofstream(folder_ / "good.json")
+      << R"({"format": "lcpbench-problem", "version": 1, "name": "one", "kind": "lcp", "M": [[1, -1], [2, 1]], "q": [-1, -1]})";
+  std::vector<std::string> names;
+  for (const json& row : run_json("solve good.json")) {
+    names.push_back(row["solver"]);
+    EXPECT_NE(row["claim"], "unsupported");
+  }
+  for (const char* name : {"lemke", "enumeration"}) EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
+  EXPECT_EQ(std::count(names.begin(), names.end(), "ode_quickstep"), 0);
+}
+
+constexpr const char* kStudy =
+    "run --set paper/monotone/exp1 --set paper/monotone/exp2 --solver lemke --solver primal_dual --trials 12 --seed 3 ";
+
+TEST_F(CommandLineTest, RunResumesAndFreshStartsAnew) {
+  const ProgramRun first = run(std::string(kStudy) + "--store a.db");
+  EXPECT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_NE(first.out.find("48 of 48 cells"), std::string::npos) << first.out;
+  const std::string rows = dump(folder_ / "a.db");
+  EXPECT_EQ(run(std::string(kStudy) + "--store a.db --jobs 2").exit_code, 0);
+  EXPECT_EQ(dump(folder_ / "a.db"), rows);
+  EXPECT_EQ(run("run --set paper/monotone/exp1 --solver lemke --trials 2 --store a.db --fresh").exit_code, 0);
+  EXPECT_EQ(Store::open_for_reading(folder_ / "a.db").cell_count(), 2);
+}
+
+TEST_F(CommandLineTest, ShardsMergeToTheUnshardedRun) {
+  ASSERT_EQ(run(std::string(kStudy) + "--store whole.db").exit_code, 0);
+  for (const char* shard : {"1/2", "2/2"}) {
+    ASSERT_EQ(run(std::string(kStudy) + "--shard " + shard + " --store " + shard[0] + ".db").exit_code, 0);
+  }
+  EXPECT_EQ(run("merge out.db 1.db 2.db").exit_code, 0);
+  EXPECT_EQ(dump(folder_ / "out.db"), dump(folder_ / "whole.db"));
+}
+
+TEST_F(CommandLineTest, MergeOfContradictionsExitsWith1) {
+  ASSERT_EQ(run(std::string(kStudy) + "--store a.db").exit_code, 0);
+  std::filesystem::copy_file(folder_ / "a.db", folder_ / "b.db");
+  change_rows(folder_ / "b.db", "UPDATE answers SET pivots = pivots + 1");
+  const ProgramRun output = run("merge out.db a.db b.db");
+  EXPECT_EQ(output.exit_code, 1);
+  EXPECT_NE(output.err.find("conflict: b.db: answers: paper/monotone/exp"), std::string::npos) << output.err;
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out.db"));
+}
+
+TEST_F(CommandLineTest, ProvenanceSaysWhereResultsComeFrom) {
+  ASSERT_EQ(run(std::string(kStudy) + "--store a.db").exit_code, 0);
+  Store store = Store::open_for_reading(folder_ / "a.db");
+  const json provenance = json::parse(store.runs().at(0));
+  expect_fields(provenance, {{"lcpbench", "s"},
+                             {"commit", "s"},
+                             {"compiler", "s"},
+                             {"flags", "s"},
+                             {"build_type", "s"},
+                             {"processor", "s"},
+                             {"isa", "s"},
+                             {"cores", "n"},
+                             {"os", "s"},
+                             {"kernel", "s"},
+                             {"sqlite", "s"},
+                             {"libraries", "o"},
+                             {"solvers", "o"},
+                             {"external_limits", "s"},
+                             {"command", "s"},
+                             {"started", "s"},
+                             {"plan", "o"},
+                             {"planned", "o"},
+                             {"seed", "n"},
+                             {"jobs", "n"},
+                             {"shard", "s"},
+                             {"skipped", "a"}});
+  EXPECT_EQ(provenance["plan"]["trials"], 12);
+  EXPECT_EQ(provenance["seed"], 3);
+  EXPECT_NE(provenance["command"].get<std::string>().find("--trials 12"), std::string::npos);
+}
+
+TEST_F(CommandLineTest, AScenesFileIsProblemsAndASet) {
+  const std::string problem =
+      R"("problem":{"format":"lcpbench-problem","version":1,"name":"p","kind":"contact","v":[-1],)"
+      R"("N":{"starts":[0,1],"rows":[0],"values":[1]},"G_blocks":[[[2]]]}})";
+  std::ofstream(folder_ / "two.scenes") << R"({"format":"lcpbench-scenes","version":1,"scene":"s"})"
+                                        << "\n"
+                                        << R"({"step":3,)" << problem << "\n"
+                                        << R"({"step":7,)" << problem << "\n{\"step\":8,";
+  const ProgramRun all = run("solve two.scenes --solver lemke");
+  EXPECT_EQ(all.exit_code, 0) << all.err;
+  EXPECT_NE(all.out.find("two.scenes#3: contact"), std::string::npos) << all.out;
+  EXPECT_NE(all.out.find("two.scenes#7: contact"), std::string::npos) << all.out;
+  EXPECT_NE(all.err.find("2 complete steps can be read"), std::string::npos) << all.err;
+  const ProgramRun one = run("solve two.scenes#7 --solver lemke");
+  EXPECT_EQ(one.exit_code, 0) << one.err;
+  EXPECT_EQ(one.out.find("#3"), std::string::npos);
+  EXPECT_EQ(run("solve two.scenes#8").exit_code, 2);
+  const ProgramRun study = run("run --set file:two.scenes --solver lemke --store scenes.db");
+  EXPECT_EQ(study.exit_code, 0) << study.err;
+  EXPECT_NE(study.err.find("2 complete steps can be read"), std::string::npos) << study.err;
+  EXPECT_EQ(run("generate file:two.scenes --seed 1 --count 2 --out d").exit_code, 0);
+}
+
+TEST_F(CommandLineTest, BenchJson) {
+  const json bench = run_json("bench --set paper/monotone/exp1 --solver lemke --problems 5");
+  expect_fields(bench, {{"provenance", "o"}, {"reference", "s"}, {"isa", "s"}, {"cells", "a"}});
+  EXPECT_EQ(bench["reference"], "lemke{engine=dense}");
+  ASSERT_EQ(bench["cells"].size(), 1U);
+  const json& cell = bench["cells"][0];
+  expect_fields(cell, {{"set", "s"},
+                       {"solver", "s"},
+                       {"settings", "s"},
+                       {"problems", "n"},
+                       {"timed", "n"},
+                       {"speedup_mean", "n?"},
+                       {"speedup_geomean", "n?"},
+                       {"speedup_low", "n?"},
+                       {"speedup_high", "n?"},
+                       {"reference_mean_s", "n?"},
+                       {"solver_mean_s", "n?"}});
+  EXPECT_EQ(cell["timed"], 5);
+  EXPECT_NEAR(cell["speedup_mean"].get<double>(),
+              cell["reference_mean_s"].get<double>() / cell["solver_mean_s"].get<double>(), 1e-6);
+  EXPECT_LE(cell["speedup_low"].get<double>(), cell["speedup_mean"].get<double>());
+}
+
+TEST_F(CommandLineTest, BenchTimesOnlyWhatBothSolved) {
+  const json bench = run_json("bench --set paper/monotone/exp1 --solver 'lemke{max_pivots=1}' --problems 12");
+  const json& cell = bench["cells"][0];
+  EXPECT_EQ(cell["problems"], 12);
+  EXPECT_LT(cell["timed"].get<int>(), 12);
+}
+
+}  // namespace
+}  // namespace lcpbench

@@ -1,0 +1,235 @@
+// What a user relies on: a study that is killed at any moment, again and again, loses nothing that was done and ends
+// with the rows of an unbroken run; no worker process outlives it; Ctrl-C ends it in good order.
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "study/store/store.h"
+#include "tests/support/study_support.h"
+
+namespace lcpbench {
+namespace {
+
+using std::chrono::milliseconds;
+
+class Process {
+ public:
+  Process(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), LCPBENCH_PROGRAM);
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    pid_ = fork();
+    if (pid_ != 0) return;
+    const int nowhere = open("/dev/null", O_RDWR);
+    for (const int stream : {0, 1, 2}) dup2(nowhere, stream);
+    execv(argv[0], argv.data());
+    _exit(127);
+  }
+  ~Process() {
+    if (pid_ > 0) {
+      kill(pid_, SIGKILL);
+      wait();
+    }
+  }
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  pid_t pid() const { return pid_; }
+  void send(int signal) const { kill(pid_, signal); }
+  /// Exit code; -1 when a signal ended it.
+  int wait() {
+    int status = 0;
+    wait4(pid_, &status, 0, &usage_);
+    pid_ = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+  /// Largest resident memory in MB. @pre wait() has returned
+  long peak_mb() const { return usage_.ru_maxrss / 1024; }
+
+ private:
+  pid_t pid_ = -1;
+  struct rusage usage_ {};
+};
+
+/// A process is its number and its start time: numbers come again.
+struct Identity {
+  pid_t pid = 0;
+  std::string start;
+};
+
+std::vector<std::string> stat_fields(const std::filesystem::path& process) {
+  std::ifstream file(process / "stat");
+  std::string text;
+  std::getline(file, text);
+  const auto name_end = text.rfind(')');
+  std::istringstream rest(name_end == std::string::npos ? "" : text.substr(name_end + 1));
+  std::vector<std::string> fields;
+  for (std::string field; rest >> field;) fields.push_back(field);
+  return fields;
+}
+
+constexpr std::size_t kParentField = 1;
+constexpr std::size_t kStartField = 19;
+
+std::vector<Identity> children_of(pid_t parent) {
+  std::vector<Identity> children;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+    const std::string name = entry.path().filename();
+    if (name.find_first_not_of("0123456789") != std::string::npos) continue;
+    const std::vector<std::string> fields = stat_fields(entry.path());
+    if (fields.size() > kStartField && fields[kParentField] == std::to_string(parent)) {
+      children.push_back({std::stoi(name), fields[kStartField]});
+    }
+  }
+  return children;
+}
+
+bool is_running(const Identity& process) {
+  const std::vector<std::string> fields = stat_fields("/proc/" + std::to_string(process.pid));
+  return fields.size() > kStartField && fields[kStartField] == process.start && fields[0] != "Z";
+}
+
+bool ends_soon(const Identity& process) {
+  for (int i = 0; i < 1000; ++i) {
+    if (!is_running(process)) return true;
+    std::this_thread::sleep_for(milliseconds(10));
+  }
+  return false;
+}
+
+/// Deterministic solvers far from the time limit, native and (where they are) foreign.
+std::filesystem::path write_plan(const std::filesystem::path& file) {
+  std::ofstream(file) << R"({
+    "format": "lcpbench-plan", "version": 1, "name": "killed", "trials": 1200, "time_limit_s": 60, "repeat_until_s": 0.0002,
+    "sets": ["paper/monotone/exp1", "paper/monotone/exp2", {"set": "paper/copositive/exp1{nc_max=6}", "trials": 300}],
+    "solvers": ["lemke", "lemke{engine=dense}", "regularized", {"solver": "lemke{cap=3n}", "sweep": "paper"},
+                {"solver": "primal_dual", "sweep": "paper", "sets": ["paper/monotone/*"], "every": 3},
+                {"solver": "bullet_dantzig", "optional": true}, {"solver": "bullet_lemke", "optional": true, "every": 4}]})";
+  return file;
+}
+
+class KillTest : public testing::Test {
+ protected:
+  std::vector<std::string> command(const std::string& store) const {
+    return {"run", plan_.string(), "--jobs", "2", "--store", (folder_ / store).string()};
+  }
+  ScratchFolder folder_;
+  std::filesystem::path plan_ = write_plan(folder_ / "plan.json");
+};
+
+TEST_F(KillTest, FiftyKillsLoseNothing) {
+  ASSERT_EQ(Process(command("whole.db")).wait(), 0);
+  const std::string whole = dump(folder_ / "whole.db");
+
+  constexpr int kKills = 50;
+  std::minstd_rand random(20121007);
+  std::int64_t cells = 0;
+  int killed = 0;
+  int with_workers = 0;
+  while (killed < kKills) {
+    Process process(command("killed.db"));
+    std::this_thread::sleep_for(milliseconds(20 + random() % 500));
+    const std::vector<Identity> workers = children_of(process.pid());
+    with_workers += workers.empty() ? 0 : 1;
+    process.send(SIGKILL);
+    const int code = process.wait();
+    if (code == 0) {
+      // Done before the kill: begin a new one, the kills must hit a running study.
+      EXPECT_EQ(dump(folder_ / "killed.db"), whole);
+      Store::remove(folder_ / "killed.db");
+      cells = 0;
+      continue;
+    }
+    ASSERT_EQ(code, -1) << "not killed, but ended by itself";
+    ++killed;
+    for (const Identity& worker : workers) EXPECT_TRUE(ends_soon(worker)) << "worker " << worker.pid << " lives on";
+    if (!std::filesystem::exists(folder_ / "killed.db")) continue;
+    const std::int64_t now = Store::open_for_writing(folder_ / "killed.db").cell_count();
+    EXPECT_GE(now, cells) << "kill " << killed;
+    cells = now;
+  }
+  ASSERT_EQ(Process(command("killed.db")).wait(), 0);
+  EXPECT_EQ(dump(folder_ / "killed.db"), whole);
+  const bool has_workers = whole.find("Bullet") != std::string::npos;
+  EXPECT_TRUE(!has_workers || with_workers > 0);
+}
+
+TEST_F(KillTest, InterruptEndsInGoodOrderAndResumes) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    Store::remove(folder_ / "s.db");
+    Process process(command("s.db"));
+    while (!std::filesystem::exists(folder_ / "s.db-wal")) std::this_thread::sleep_for(milliseconds(10));
+    std::this_thread::sleep_for(milliseconds(300));
+    const std::vector<Identity> workers = children_of(process.pid());
+    process.send(signal);
+    EXPECT_EQ(process.wait(), 3);
+    for (const Identity& worker : workers) EXPECT_TRUE(ends_soon(worker));
+    EXPECT_GT(Store::open_for_reading(folder_ / "s.db").cell_count(), 0);
+  }
+}
+
+/// What listing the work before the first cell would cost: 4 GB and half a minute, deaf to signals.
+TEST_F(KillTest, TenToTheEightTrialsBeginAtOnceAndEndInGoodOrder) {
+  const std::string store = (folder_ / "s.db").string();
+  Process process(
+      {"run", "--set", "paper/monotone/exp1", "--trials", "100000000", "--solver", "lemke", "--store", store});
+  const auto first_cell = [&store] {
+    try {
+      return Store::open_for_reading(store).cell_count() > 0;
+    } catch (const std::exception&) {
+      return false;  // the store is still being made
+    }
+  };
+  bool begun = false;
+  for (int i = 0; i < 100 && !begun; ++i) {
+    std::this_thread::sleep_for(milliseconds(100));
+    begun = first_cell();
+  }
+  EXPECT_TRUE(begun);
+  const auto sent = std::chrono::steady_clock::now();
+  process.send(SIGTERM);
+  EXPECT_EQ(process.wait(), 3);
+  EXPECT_LT(std::chrono::steady_clock::now() - sent, std::chrono::seconds(10));
+  EXPECT_LT(process.peak_mb(), 1000) << "sanitizers take some hundreds";
+}
+
+TEST_F(KillTest, SecondInterruptEndsAtOnce) {
+  // One problem of order 1358, which keeps the interior point busy for far longer than this test waits.
+  const std::string store = (folder_ / "s.db").string();
+  Process process({"run", "--set", "paper/copositive/extra100", "--seed", "3", "--trials", "1", "--solver",
+                   "primal_dual", "--store", store});
+  while (!std::filesystem::exists(store + "-wal")) std::this_thread::sleep_for(milliseconds(10));
+  std::this_thread::sleep_for(milliseconds(500));
+  const Identity program{process.pid(), stat_fields("/proc/" + std::to_string(process.pid())).at(kStartField)};
+  process.send(SIGINT);
+  std::this_thread::sleep_for(milliseconds(500));
+  EXPECT_TRUE(is_running(program)) << "the first one lets the solve in flight end";
+  process.send(SIGINT);
+  EXPECT_TRUE(ends_soon(program));
+  EXPECT_EQ(process.wait(), 3);
+}
+
+TEST_F(KillTest, SecondProgramIsRefusedWhileTheFirstRuns) {
+  Process first(command("s.db"));
+  while (!std::filesystem::exists(folder_ / "s.db-wal")) std::this_thread::sleep_for(milliseconds(10));
+  EXPECT_EQ(Process(command("s.db")).wait(), 2);
+}
+
+}  // namespace
+}  // namespace lcpbench

@@ -1,0 +1,352 @@
+// What a user relies on: a store survives the death of its writer at any moment, and a store that was damaged is
+// refused before it tells a wrong number.
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <fstream>
+#include <new>
+#include <random>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "study/store/merge.h"
+#include "tests/study/filled_store.h"
+
+namespace lcpbench {
+namespace {
+
+namespace fs = std::filesystem;
+
+using StoreFaultsTest = FilledStoreTest;
+
+// ------------------------------------------------------------------------------------------------- killed writers
+
+/// Leaves `file` and its journal as a writer does that is killed in the middle of a transaction in this mode.
+void kill_in_transaction(const fs::path& file, const fs::path& killed) {
+  sqlite::Database writer(file, sqlite::Mode::kReadWrite);
+  writer.execute(
+      "PRAGMA cache_size = 1; BEGIN; UPDATE answers SET claim = 'crashed'; DELETE FROM timings; "
+      "WITH RECURSIVE n(x) AS (VALUES (1) UNION ALL SELECT x + 1 FROM n LIMIT 500) "
+      "INSERT INTO vectors SELECT x, zeroblob(3000) FROM n");  // more than the cache holds: pages reach the file
+  fs::copy_file(file, killed, fs::copy_options::overwrite_existing);
+  fs::copy_file(file.string() + "-journal", killed.string() + "-journal", fs::copy_options::overwrite_existing);
+  writer.execute("ROLLBACK");
+}
+
+class HotJournalTest : public StoreFaultsTest {
+ protected:
+  void SetUp() override {
+    StoreFaultsTest::SetUp();
+    kill_in_transaction(file_, killed_);
+    ASSERT_GT(fs::file_size(killed_), fs::file_size(file_));
+  }
+  fs::path killed_ = folder_ / "killed.db";
+};
+
+TEST_F(HotJournalTest, IsRolledBackForReaders) {
+  EXPECT_EQ(checked_rows(killed_), before_);
+  EXPECT_FALSE(fs::exists(killed_.string() + "-journal"));
+}
+
+TEST_F(HotJournalTest, IsRolledBackForWriters) {
+  { const Store store = Store::open_for_writing(killed_); }
+  EXPECT_EQ(checked_rows(killed_), before_);
+}
+
+TEST_F(HotJournalTest, DoesNotKeepAStoreFromBeingThrownAway) {
+  Store::remove(killed_);
+  EXPECT_FALSE(fs::exists(killed_));
+  EXPECT_FALSE(fs::exists(killed_.string() + "-journal"));
+}
+
+TEST_F(HotJournalTest, IsRolledBackInInputsAndInTheOutputOfAMerge) {
+  merge_stores(folder_ / "out.db", {killed_});
+  EXPECT_EQ(checked_rows(folder_ / "out.db"), before_);
+  fill(folder_ / "more.db", 15);
+  kill_in_transaction(file_, killed_);
+  merge_stores(killed_, {folder_ / "more.db"});
+  EXPECT_EQ(Store::open_for_reading(killed_).cell_count(), 120);
+}
+
+TEST_F(HotJournalTest, OfAKilledMergeIsThrownAwayWithItsDraft) {
+  fs::rename(killed_, folder_ / "out.db.merging");
+  fs::rename(killed_.string() + "-journal", folder_ / "out.db.merging-journal");
+  merge_stores(folder_ / "out.db", {file_});
+  EXPECT_EQ(checked_rows(folder_ / "out.db"), before_);
+}
+
+TEST_F(HotJournalTest, OfAStoreThatIsGoneIsNotTakenForTheMergedOnes) {
+  fs::rename(killed_.string() + "-journal", folder_ / "out.db-journal");
+  merge_stores(folder_ / "out.db", {file_});
+  EXPECT_EQ(checked_rows(folder_ / "out.db"), before_);
+}
+
+TEST_F(HotJournalTest, IsNamedWhereItCannotBeRolledBack) {
+  sqlite::Database reader(killed_, sqlite::Mode::kReadOnly);
+  const std::string cause = input_error([&] { reader.integer("SELECT COUNT(*) FROM answers"); });
+  EXPECT_TRUE(contains(cause, "killed.db-journal, which has to be rolled back first")) << cause;
+}
+
+TEST(StoreFaultTest, FileOfAWriterThatWasKilledBeforeItsFirstCommitIsCalledEmpty) {
+  const ScratchFolder folder;
+  std::ofstream(folder / "s.db").close();
+  EXPECT_TRUE(contains(input_error([&] { Store::open_for_reading(folder / "s.db"); }), "s.db: is empty"));
+}
+
+TEST_F(StoreFaultsTest, CopyWithoutTheLogOfAKilledWriterSaysSo) {
+  const fs::path copy = folder_ / "copy.db";
+  {
+    SyntheticStore writer(file_);
+    writer.problem("paper/monotone/exp1", 99, {{writer.solver("lemke"), {}}});
+    EXPECT_EQ(Store::open_for_reading(file_).notice(), "") << "the writer lives";
+    fs::copy_file(file_, copy);
+    fs::copy_file(file_, folder_ / "whole.db");
+    fs::copy_file(file_.string() + "-wal", folder_ / "whole.db-wal");
+  }
+  EXPECT_EQ(Store::open_for_reading(folder_ / "whole.db").notice(), "");
+  EXPECT_EQ(Store::open_for_reading(folder_ / "whole.db").cell_count(), 61);
+  for (int time = 0; time < 2; ++time) {
+    const std::string notice = Store::open_for_reading(copy).notice();
+    EXPECT_TRUE(contains(notice, "copy.db-wal is not beside the store: its last rows may be missing")) << notice;
+  }
+  EXPECT_EQ(merge_stores(folder_ / "out.db", {copy}).notices.size(), 1U);
+  EXPECT_NE(Store::open_for_writing(copy).notice(), "");
+  EXPECT_EQ(Store::open_for_writing(copy).notice(), "") << "its end was a good one";
+  EXPECT_EQ(Store::open_for_reading(file_).notice(), "");
+}
+
+/// Opens, writes, closes and merges a store again and again, until it is killed.
+[[noreturn]] void write_until_killed(const fs::path& file, const fs::path& merged, std::atomic<std::int64_t>& kept) {
+  try {
+    while (true) {
+      {
+        SyntheticStore writer(file);
+        const std::int64_t lemke = writer.solver("lemke");
+        for (int i = 0; i < 3; ++i) {
+          writer.problem("paper/monotone/exp1", kept, {{lemke, {}}});
+          ++kept;
+        }
+      }
+      merge_stores(merged, {file});
+    }
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    _exit(1);
+  }
+}
+
+TEST(StoreFaultTest, RandomKillsLoseNothingAndBlockNobody) {
+  const ScratchFolder folder;
+  const fs::path file = folder / "s.db";
+  using Count = std::atomic<std::int64_t>;
+  void* const shared = mmap(nullptr, sizeof(Count), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  ASSERT_NE(shared, MAP_FAILED);
+  Count& kept = *new (shared) Count(0);
+  std::minstd_rand random(7);
+  for (int kill_number = 0; kill_number < 60; ++kill_number) {
+    const pid_t child = fork();
+    if (child == 0) write_until_killed(file, folder / "merged.db", kept);
+    std::this_thread::sleep_for(std::chrono::microseconds(random() % 40'000));
+    kill(child, SIGKILL);
+    int status = 0;
+    waitpid(child, &status, 0);
+    ASSERT_TRUE(WIFSIGNALED(status)) << "it ended by itself";
+    if (kept == 0) continue;
+    for (const char* name : {"s.db", "merged.db"}) {
+      if (!fs::exists(folder / name)) continue;
+      Store store = Store::open_for_reading(folder / name);
+      EXPECT_EQ(store.notice(), "");
+      store.check();
+      const std::int64_t rows = store.cell_count();
+      if (file != folder / name) continue;
+      EXPECT_GE(rows, kept);
+      kept = rows;  // one may have been kept and not counted
+    }
+  }
+  EXPECT_GT(kept, 0);
+  merge_stores(folder / "merged.db", {file});
+  EXPECT_EQ(checked_rows(folder / "merged.db"), checked_rows(file));
+  munmap(shared, sizeof(Count));
+}
+
+// --------------------------------------------------------------------------------------------------------- damage
+
+std::string read_bytes(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+TEST_F(StoreFaultsTest, OneFlippedBitIsRefusedOrChangesNothing) {
+  const std::string bytes = read_bytes(file_);
+  const fs::path flipped = folder_ / "flipped.db";
+  std::mt19937_64 random(20261121);
+  int refused = 0;
+  constexpr int kFlips = 700;
+  for (int i = 0; i < kFlips; ++i) {
+    // Every second one into the pages of the small tables and of the schema.
+    const std::uint64_t bit = random() % (8 * (i % 2 == 0 ? bytes.size() : bytes.size() / 3));
+    std::string damaged = bytes;
+    damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << (bit % 8)));
+    std::ofstream(flipped, std::ios::binary) << damaged;
+    std::string after;
+    const std::string cause = input_error([&] { after = checked_rows(flipped); });
+    if (cause == "no InputError") {
+      ASSERT_EQ(after, before_) << "bit " << bit;
+    } else {
+      ++refused;
+      EXPECT_EQ(cause.rfind(flipped.string() + ": ", 0), 0U) << cause;
+      EXPECT_EQ(cause.find('\n'), std::string::npos) << cause;
+    }
+    for (const char* suffix : {"-wal", "-shm", "-journal"}) fs::remove(flipped.string() + suffix);
+  }
+  EXPECT_GT(refused, kFlips / 10);
+}
+
+TEST_F(StoreFaultsTest, ChangedRowIsNamedWithItsTable) {
+  const std::pair<const char*, const char*> changes[] = {
+      {"UPDATE timings SET solve_cpu_s = 2 * solve_cpu_s", "table timings, row problem_id="},
+      {"UPDATE answers SET claim = 'solved' WHERE claim <> 'solved'", "table answers, row problem_id="},
+      {"UPDATE verdicts SET criterion = 1 - criterion", "table verdicts, row problem_id="},
+      {"UPDATE problems SET n = n + 1", "table problems, row id="},
+      {"UPDATE runs SET provenance = '{}'", "table runs, row id="},
+      {"UPDATE cell_groups SET cell = cell + 1", "table cell_groups, row group_id="},
+      {"UPDATE cell_groups SET cell = cell + 4294967296", "table cell_groups, row group_id="},
+      {"INSERT INTO vectors VALUES (7, x'00')", "table vectors, row id=7"}};
+  const std::string bytes = read_bytes(file_);
+  for (const auto& [sql, row] : changes) {
+    std::ofstream(file_, std::ios::binary) << bytes;
+    execute(sql);
+    const auto refusals = {input_error([&] { Store::open_for_reading(file_).check(); }),
+                           input_error([&] { Store::open_for_writing(file_); }),
+                           input_error([&] { merge_stores(folder_ / "out.db", {file_}); }),
+                           input_error([&] { merge_stores(file_, {file_}); })};
+    for (const std::string& refusal : refusals) {
+      EXPECT_TRUE(contains(refusal, file_.string() + ": the store is damaged: " + row)) << refusal;
+      EXPECT_TRUE(contains(refusal, "not what was written")) << refusal;
+    }
+  }
+}
+
+TEST_F(StoreFaultsTest, ValuesOfAnotherTypeAreRefusedByTheTables) {
+  EXPECT_THROW(execute("UPDATE answers SET pivots = 'many'"), std::exception);
+  EXPECT_THROW(execute("UPDATE verdicts SET min_z = 'none'"), std::exception);
+}
+
+TEST_F(StoreFaultsTest, ForeignTriggersViewsAndTablesAreRefused) {
+  const std::string bytes = read_bytes(file_);
+  const std::pair<const char*, const char*> additions[] = {
+      {"CREATE TRIGGER more AFTER INSERT ON answers BEGIN DELETE FROM timings; END", "has the trigger 'more'"},
+      {"CREATE VIEW more AS SELECT 1", "has the view 'more'"},
+      {"CREATE TABLE more (x)", "has the table 'more'"},
+      {"CREATE INDEX more ON answers(claim)", "has the index 'more'"},
+      {"DROP VIEW judged; CREATE VIEW judged AS SELECT * FROM answers", "view judged is missing or altered"}};
+  for (const auto& [sql, cause] : additions) {
+    std::ofstream(file_, std::ios::binary) << bytes;
+    execute(sql);
+    EXPECT_TRUE(contains(input_error([&] { Store::open_for_reading(file_); }), cause)) << sql;
+    EXPECT_TRUE(contains(input_error([&] { Store::open_for_writing(file_); }), cause)) << sql;
+  }
+}
+
+/// A killed writer's last rows stand in its log only.
+class LogOfAKilledWriterTest : public StoreFaultsTest {
+ protected:
+  void SetUp() override {
+    StoreFaultsTest::SetUp();
+    {
+      SyntheticStore writer(file_);
+      for (std::int64_t trial = 0; trial < 4; ++trial) {
+        writer.problem("paper/monotone/exp4", trial, {{writer.solver("lemke"), {}}});
+        states_.push_back(rows(file_));
+      }
+      fs::copy_file(file_, killed_);
+      fs::copy_file(file_.string() + "-wal", killed_.string() + "-wal");
+    }
+    main_ = read_bytes(killed_);
+    log_ = read_bytes(killed_.string() + "-wal");
+    ASSERT_EQ(checked_rows(killed_), states_.back());
+  }
+
+  /// What a command says of the store with one bit of its log flipped. @param after  becomes the rows, if it is read
+  std::string cause_after_flip(std::uint64_t bit, std::string& after) const {
+    std::string damaged = log_;
+    damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << (bit % 8)));
+    std::ofstream(killed_, std::ios::binary) << main_;
+    std::ofstream(killed_.string() + "-wal", std::ios::binary) << damaged;
+    fs::remove(killed_.string() + "-shm");
+    return input_error([&] { after = checked_rows(killed_); });
+  }
+
+  std::uint32_t number_at(std::size_t at) const {
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < 4; ++i) value = (value << 8U) | static_cast<unsigned char>(log_[at + i]);
+    return value;
+  }
+
+  fs::path killed_ = folder_ / "killed.db";
+  std::vector<std::string> states_;  ///< after each transaction
+  std::string main_;
+  std::string log_;
+};
+
+TEST_F(LogOfAKilledWriterTest, OneFlippedBitIsRefusedUnlessTheLastTransactionIsCut) {
+  std::mt19937_64 random(16);
+  int refused = 0;
+  constexpr int kFlips = 300;
+  for (int i = 0; i < kFlips; ++i) {
+    const std::uint64_t bit = random() % (8 * log_.size());
+    std::string after;
+    const std::string cause = cause_after_flip(bit, after);
+    if (cause != "no InputError") {
+      ++refused;
+      EXPECT_TRUE(contains(cause, "killed.db-wal is not what was written")) << cause;
+    } else {
+      EXPECT_TRUE(after == states_.back() || after == states_.end()[-2]) << "bit " << bit;
+    }
+  }
+  EXPECT_GT(refused, kFlips / 2);
+}
+
+/// A power cut can leave out any frame of the last transaction.
+TEST_F(LogOfAKilledWriterTest, DamageOfAnyFrameDropsTheLastTransactionAndRefusesTheOthers) {
+  constexpr std::size_t kHeader = 32;
+  constexpr std::size_t kFrameHeader = 24;
+  const std::size_t frame_bytes = kFrameHeader + number_at(8);
+  std::vector<std::size_t> frames;
+  std::size_t last_begins = 0;  // the transaction
+  std::size_t next_begins = 0;
+  for (std::size_t at = kHeader; at + frame_bytes <= log_.size(); at += frame_bytes) {
+    if (number_at(at + 8) != number_at(16) || number_at(at + 12) != number_at(20)) break;  // of an older log
+    frames.push_back(at);
+    if (number_at(at + 4) == 0) continue;
+    last_begins = next_begins;
+    next_begins = frames.size();
+  }
+  ASSERT_EQ(next_begins, frames.size());
+  ASSERT_GT(frames.size() - last_begins, 2U) << "the last transaction has several frames";
+  ASSERT_GT(last_begins, 2U);
+  for (std::size_t frame = 0; frame < frames.size(); ++frame) {
+    std::string after;
+    const std::string cause = cause_after_flip(8 * (frames[frame] + kFrameHeader + 100), after);
+    if (frame >= last_begins) {
+      EXPECT_EQ(cause, "no InputError") << "frame " << frame + 1;
+      EXPECT_TRUE(after == states_.end()[-2]) << "frame " << frame + 1;
+    } else {
+      EXPECT_TRUE(contains(cause, "frame " + std::to_string(frame + 1) + " of its write-ahead log")) << cause;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench

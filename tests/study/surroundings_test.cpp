@@ -1,0 +1,123 @@
+// What the surroundings of the program must not bring about: names that command a terminal or a spreadsheet, ends
+// without a word, half-made files.
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/program_run.h"
+#include "tests/support/study_support.h"
+
+namespace lcpbench {
+namespace {
+
+class SurroundingsTest : public testing::Test {
+ protected:
+  ProgramRun run(const std::string& arguments) { return run_program(folder_ / "", arguments); }
+  /// Runs a script in the folder; the program's outputs go to its files `out` and `err`.
+  ProgramRun shell(const std::string& script) {
+    const int status = std::system(("cd '" + (folder_ / "").string() + "' || exit 99; " + script).c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_file(folder_ / "out"), read_file(folder_ / "err")};
+  }
+  /// Runs the program in the background of a shell and sends it a signal after half a second.
+  ProgramRun run_and_send(const std::string& signal, const std::string& arguments) {
+    return shell("'" LCPBENCH_PROGRAM "' " + arguments + " >out 2>err & sleep 0.5; kill -" + signal + " $!; wait $!");
+  }
+  ScratchFolder folder_;
+};
+
+constexpr const char* kOneProblem =
+    R"({"format": "lcpbench-problem", "version": 1, "name": "one", "kind": "lcp", "M": [[1]], "q": [-1]})";
+
+TEST_F(SurroundingsTest, ArgumentsThatAreNoUtf8AreRefusedBeforeAnythingIsMade) {
+  std::filesystem::create_directory(folder_ / "d\xff");
+  std::ofstream(folder_ / "d\xff/one.json") << kOneProblem;
+  for (const char* arguments :
+       {"run --set 'file:d\xff' --solver lemke --trials 1 --store s.db",
+        "run --set planted/definite --solver lemke --trials 1 --store 's\xff.db'", "solve 'd\xff/one.json'"}) {
+    const ProgramRun output = run(arguments);
+    EXPECT_EQ(output.exit_code, 2) << arguments;
+    EXPECT_EQ(std::count(output.err.begin(), output.err.end(), '\n'), 1) << output.err;
+    EXPECT_EQ(output.err.rfind("lcpbench: argument ", 0), 0U) << output.err;
+    EXPECT_NE(output.err.find("?"), std::string::npos) << output.err;
+    EXPECT_NE(output.err.find("is not UTF-8"), std::string::npos) << output.err;
+  }
+  std::size_t entries = 0;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder_ / "")) ++entries;
+  EXPECT_EQ(entries, 3U) << "out, err and the folder";
+}
+
+/// Clears a terminal and rings its bell, in both spellings of the escape.
+TEST_F(SurroundingsTest, NamesCommandNoTerminalAndNoSpreadsheet) {
+  const std::string name = "=d\x1b[2J\u009b2J\a";
+  std::filesystem::create_directory(folder_ / name);
+  std::ofstream(folder_ / (name + "/one.json")) << kOneProblem;
+  const std::string set = "'file:" + name + "'";
+  for (const std::string& arguments :
+       {"run --set " + set + " --solver lemke --trials 1 --store s.db", "sets " + set, "sets " + set + " --format json",
+        "inspect '" + name + "/one.json'", "solve '" + name + "/one.json' --solver lemke",
+        "bench --set " + set + " --solver lemke --problems 1", "solve '" + name + "/none.json'",
+        std::string("report s.db --out report")}) {
+    const ProgramRun output = run(arguments);
+    for (const char* raw : {"\x1b", "\u009b", "\a"}) {
+      EXPECT_EQ((output.out + output.err).find(raw), std::string::npos) << arguments;
+    }
+  }
+  EXPECT_NE(read_file(folder_ / "report/tables/cells.csv").find("file:=d?[2J?2J?,"), std::string::npos);
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "report/tables")) {
+    EXPECT_EQ(read_file(entry.path()).find('\x1b'), std::string::npos) << entry.path();
+  }
+}
+
+/// One line at once, what is done is printed, exit code 3.
+TEST_F(SurroundingsTest, InterruptedCommandsPrintWhatIsDone) {
+  ASSERT_EQ(run("generate paper/copositive/exp1 --seed 1 --count 1 --out p").exit_code, 0);
+  const std::string many = "$(yes p/000000.json | head -20000)";
+  const std::string endless = " --set paper/monotone/exp1 --solver lemke";
+  for (const auto& [arguments, words] : std::vector<std::pair<std::string, std::string>>{
+           {"bench --problems 10000000" + endless, "geometric mean"},
+           {"stability --trials 1000000" + endless, " of 1 set: 0 of 1 solver break"},
+           {"solve " + many + " --solver lemke", "solved by 1 of 1 solver"}}) {
+    for (const char* signal : {"HUP", "TERM"}) {
+      const ProgramRun output = run_and_send(signal, arguments);
+      EXPECT_EQ(output.exit_code, 3) << arguments.substr(0, 20) << signal;
+      EXPECT_NE(output.err.find("lcpbench: interrupted; "), std::string::npos) << output.err;
+      EXPECT_NE(output.out.find(words), std::string::npos) << arguments.substr(0, 20) << output.out.substr(0, 2000);
+    }
+  }
+}
+
+TEST_F(SurroundingsTest, InterruptedCommandsEndTheirJson) {
+  const std::string problems = " --set paper/monotone/exp1 --solver lemke --format json";
+  for (const std::string& command : {"bench --problems 10000000", "stability --trials 1000000"}) {
+    const ProgramRun output = run_and_send("TERM", command + problems);
+    EXPECT_EQ(output.exit_code, 3) << command;
+    EXPECT_NE(output.out.find("\"cells\": ["), std::string::npos) << output.out.substr(0, 2000);
+    EXPECT_TRUE(output.out.ends_with("}\n")) << command;
+  }
+}
+
+/// A shell without job control ignores SIGINT for what runs in its background; `nohup` does so with SIGHUP.
+TEST_F(SurroundingsTest, SignalsThatTheParentIgnoresStayIgnored) {
+  const ProgramRun output =
+      run_and_send("INT", "run --set paper/monotone/exp1 --solver lemke --trials 10000000 --budget 1.5 --store s.db");
+  EXPECT_EQ(output.exit_code, 0) << output.err;
+  EXPECT_NE(output.out.find("time budget of 1.5 s is used up"), std::string::npos) << output.out;
+}
+
+TEST_F(SurroundingsTest, AFileThatOutgrowsItsLimitIsAnErrorWithWords) {
+  const ProgramRun output = shell("ulimit -f 400; '" LCPBENCH_PROGRAM
+                                  "' run --set paper/monotone/exp1 --solver lemke "
+                                  "--trials 100000 --store s.db >out 2>err");
+  EXPECT_EQ(output.exit_code, 2);
+  EXPECT_NE(output.err.find("lcpbench: s.db: "), std::string::npos) << output.err;
+}
+
+}  // namespace
+}  // namespace lcpbench

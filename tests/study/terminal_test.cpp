@@ -1,0 +1,231 @@
+// What the commands print for people: it fits the terminal, the answer comes last and is short, a misspelt name is
+// recognised.
+
+#include "study/output/terminal.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "study/report/canvas.h"
+#include "study/report/report.h"
+#include "study/output/text_table.h"
+#include "tests/support/program_run.h"
+#include "tests/support/synthetic_store.h"
+
+namespace lcpbench {
+namespace {
+
+using Align = TextTable::Align;
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+void expect_fits(const std::string& text, std::size_t width, const std::string& what) {
+  for (const std::string& line : lines_of(text))
+    EXPECT_LE(character_count(line), width) << what << ": " << line;
+}
+
+TEST(FoldedTest, BreaksAtBlanksElseBehindJointsElseAnywhere) {
+  EXPECT_EQ(folded("one two three\n", 8, 2), "one two\n  three\n");
+  EXPECT_EQ(folded("  abc{longer=1,other=2}", 16, 2), "  abc{longer=1,\n    other=2}");
+  EXPECT_EQ(folded("abcdefghijklmnop", 10, 0), "abcdefghij\nklmnop");
+  EXPECT_EQ(folded("µµµµ µµµµµ", 10, 0), "µµµµ µµµµµ") << "characters, not bytes";
+  EXPECT_EQ(folded("as long as it comes out\n\n", kUnlimited), "as long as it comes out\n\n");
+  EXPECT_EQ(folded("a\n\nb", 10), "a\n\nb");
+}
+
+TextTable sample() {
+  TextTable table({{"name", Align::kLeft}, {"first"}, {"second", Align::kRight, 1}, {"third", Align::kRight, 2}});
+  table.add_row({"contact_lemke{precision=polished,engine=kernel}", "1", "22", "333"});
+  return table;
+}
+
+TEST(TextTableTest, IsAsWideAsItComesOutWithoutALimit) {
+  EXPECT_EQ(sample().text(),
+            "name                                             first  second  third\n"
+            "-----------------------------------------------  -----  ------  -----\n"
+            "contact_lemke{precision=polished,engine=kernel}      1      22    333\n");
+}
+
+TEST(TextTableTest, BreaksNamesBeforeItLeavesOutColumns) {
+  EXPECT_EQ(sample().text(44),
+            "name                    first  second  third\n"
+            "----------------------  -----  ------  -----\n"
+            "contact_lemke{              1      22    333\n"
+            "precision=polished,\n"
+            "engine=kernel}\n");
+}
+
+TEST(TextTableTest, LeavesOutTheColumnsOfTheLargestRankAndSaysSo) {
+  const std::string text = sample().text(26);
+  EXPECT_EQ(text.substr(0, text.find('\n')), "name                 first");
+  EXPECT_NE(text.find("2 columns left out: --wide shows them\n"), std::string::npos) << text;
+  EXPECT_NE(sample().text(32).find("1 column left out: --wide shows it\n"), std::string::npos);
+}
+
+TEST(FittingTextTest, TakesTheMostRowsThatLeaveRoom) {
+  const auto rows = [](std::size_t count) { return std::string(count, '\n') + "end\n"; };
+  EXPECT_EQ(fitting_text(9, 4, rows), "\n\n\nend\n");
+  EXPECT_EQ(fitting_text(2, 4, rows), "\n\nend\n");
+  EXPECT_EQ(fitting_text(9, 0, rows), "end\n");
+}
+
+/// A solver for each part: reliable and fast, reliable and more accurate, two libraries that are often wrong.
+class AnswerTest : public testing::Test {
+ protected:
+  AnswerTest() : made_(folder_ / "s.db") {
+    const auto fast = made_.solver("active_set");
+    const auto fine = made_.solver("contact_lemke", "precision=polished");
+    const auto bullet = made_.solver("bullet_dantzig", "", "", "Bullet");
+    const auto ode = made_.solver("ode_dantzig", "", "", "ODE");
+    for (std::int64_t trial = 0; trial < 60; ++trial) {
+      const bool fails = trial % 3 == 0;
+      made_.problem("paper/monotone/exp1", trial,
+                    {{fast, {.error = 1e-9, .time_s = 1e-5}},
+                     {fine, {.error = 1e-14, .time_s = 3e-5}},
+                     {bullet, {.error = fails ? 1e-2 : 1e-9, .time_s = 4e-5}},
+                     {ode, {.error = 1e-9, .time_s = 1e-4}}});
+    }
+  }
+  ScratchFolder folder_;
+  SyntheticStore made_;
+};
+
+TEST_F(AnswerTest, NamesTheSolverToUseTheFrontierAndTheFactorsOverTheLibraries) {
+  const std::string text = answer_text(summarize(made_.store()), 120, kAnswerLines);
+  expect_fits(text, 120, "answer");
+  EXPECT_LE(lines_of(text).size(), kAnswerLines);
+  const auto line_with = [&text](const std::string& words) {
+    for (const std::string& line : lines_of(text)) {
+      if (line.find(words) != std::string::npos) return line;
+    }
+    return "no '" + words + "' in\n" + text;
+  };
+  const std::string use = line_with("use");
+  EXPECT_NE(use.find("Frictionless"), std::string::npos) << use;
+  EXPECT_NE(use.find("active_set"), std::string::npos) << use;
+  EXPECT_NE(use.find("100 %"), std::string::npos) << use;
+  EXPECT_NE(use.find(" 4.0"), std::string::npos) << "over Bullet: " << use;
+  EXPECT_NE(use.find(" 10.0"), std::string::npos) << "over ODE: " << use;
+  EXPECT_NE(line_with("accurate").find("contact_lemke{"), std::string::npos) << text;
+  EXPECT_NE(text.find("Bullet    bullet_dantzig"), std::string::npos) << text;
+  EXPECT_NE(text.find("said solved, and was wrong: bullet_dantzig on 20 of 60\n"), std::string::npos) << text;
+}
+
+TEST_F(AnswerTest, FitsNarrowTerminalsAndFewLines) {
+  const Summary summary = summarize(made_.store());
+  for (const int width : {80, 100}) expect_fits(answer_text(summary, width, kAnswerLines), width, "answer");
+  EXPECT_LT(lines_of(answer_text(summary, 100, 8)).size(), lines_of(answer_text(summary, 100, kAnswerLines)).size());
+  EXPECT_NE(answer_text(summary, 100, 8).find("active_set"), std::string::npos);
+}
+
+// ------------------------------------------------------------------------------------------------- the commands
+
+class TerminalTest : public testing::Test {
+ protected:
+  ProgramRun run(const std::string& arguments) { return run_program(folder_ / "", arguments); }
+  void TearDown() override { unsetenv("COLUMNS"); }
+  ScratchFolder folder_;
+};
+
+/// So many sets and solvers that their table has more lines than the answer.
+constexpr const char* kStudy =
+    "run --set 'paper/monotone/exp?' --set 'rigid/exp?' --solver lemke --solver psor --solver contact_lemke "
+    "--solver active_set --trials 2 --store a.db";
+const std::string kLongStudy = std::string(kStudy) + " --long";
+
+TEST_F(TerminalTest, WhatIsPrintedFitsTheTerminal) {
+  ASSERT_EQ(run("generate paper/copositive/exp1 --seed 1 --count 2 --out p").exit_code, 0);
+  for (const char* columns : {"80", ""}) {
+    if (*columns == '\0') unsetenv("COLUMNS");
+    if (*columns != '\0') setenv("COLUMNS", columns, 1);
+    const std::size_t width = *columns == '\0' ? 100 : std::stoul(columns);
+    for (const std::string& arguments :
+         std::vector<std::string>{"--help",
+                                  "run --help",
+                                  "validate --help",
+                                  "certify --help",
+                                  "solvers",
+                                  "solvers --long",
+                                  "solvers lemke",
+                                  "sets",
+                                  "sets --long",
+                                  "sets 'hard/*'",
+                                  "solve p/000000.json p/000001.json --solver lemke --solver principal_pivoting",
+                                  "inspect p/000000.json",
+                                  "certify p/000000.json",
+                                  "bench --set 'paper/monotone/exp2{redundancy=combination}' --problems 2",
+                                  "stability --set 'hard/contact/*' --solver lemke --solver psor --trials 1",
+                                  "stability --set 'hard/contact/*' --solver lemke --solver psor --trials 1 --long",
+                                  "validate --solver lemke --set planted/definite --trials 2",
+                                  kStudy,
+                                  kLongStudy,
+                                  "run --set 'hard/ray/*' --solver lemke --solver psor --store hard.db",
+                                  "compare a.db a.db",
+                                  "compare a.db a.db --long",
+                                  "certify --store a.db"}) {
+      const ProgramRun output = run(arguments);
+      EXPECT_EQ(output.exit_code, 0) << arguments << ": " << output.err;
+      EXPECT_NE(output.out, "") << arguments;
+      expect_fits(output.out, width, arguments);
+    }
+  }
+}
+
+TEST_F(TerminalTest, WideShowsWhatDidNotFit) {
+  ASSERT_EQ(run("generate paper/copositive/exp1 --seed 1 --count 1 --out p").exit_code, 0);
+  setenv("COLUMNS", "80", 1);
+  EXPECT_NE(run("solve p/000000.json --solver lemke").out.find("left out: --wide shows "), std::string::npos);
+  const std::string wide = run("solve p/000000.json --solver lemke --wide").out;
+  EXPECT_EQ(wide.find("left out"), std::string::npos);
+  EXPECT_NE(wide.find("detail"), std::string::npos);
+}
+
+TEST_F(TerminalTest, TheAnswerIsShortAndComesLastAndOnce) {
+  const ProgramRun study = run(kStudy);
+  ASSERT_EQ(study.exit_code, 0) << study.err;
+  EXPECT_LE(lines_of(study.out).size(), kAnswerLines) << study.out;
+  EXPECT_EQ(study.out.find("so far"), std::string::npos);
+  EXPECT_NE(lines_of(study.out).back().find("lcpbench report a.db"), std::string::npos) << study.out;
+  const ProgramRun all = run(kLongStudy);
+  EXPECT_GT(lines_of(all.out).size(), kAnswerLines);
+  EXPECT_EQ(lines_of(all.out).back(), lines_of(study.out).back());
+  for (const char* arguments : {"sets", "solvers", "compare a.db a.db"}) {
+    EXPECT_LE(lines_of(run(arguments).out).size(), kAnswerLines) << arguments;
+  }
+  EXPECT_EQ(lines_of(run("compare a.db a.db").out).back(), "B is a tie with A.");
+}
+
+TEST_F(TerminalTest, MisspeltNamesAreRecognised) {
+  std::ofstream(folder_ / "one.json")
+      << R"({"format": "lcpbench-problem", "version": 1, "name": "one", "kind": "lcp", "M": [[1]], "q": [-1]})";
+  for (const auto& [arguments, name] : std::vector<std::pair<std::string, std::string>>{
+           {"slove one.json", "solve"},
+           {"solve one.json --sovler lemke", "--solver"},
+           {"solve one.json --solver lmke", "lemke"},
+           {"solve one.json --solver 'lemke{engin=dense}'", "engine"},
+           {"solvers contact_lemk", "contact_lemke"},
+           {"run qick", "quick"},
+           {"run --set paper/monotone/epx1", "paper/monotone/exp1"},
+           {"generate paper/monoton/exp1 --seed 1 --count 1 --out d", "paper/monotone/exp1"},
+           {"sets 'paper/monotone/exp2{redundncy=multiple}'", "redundancy"}}) {
+    const ProgramRun output = run(arguments);
+    EXPECT_EQ(output.exit_code, 2) << arguments;
+    EXPECT_NE(output.err.find("(did you mean '" + name + "'?)"), std::string::npos) << arguments << ": " << output.err;
+    EXPECT_EQ(lines_of(output.err).size(), 1U) << arguments << ": " << output.err;
+  }
+  EXPECT_EQ(run("solve one.json --xyzzy").err.find("did you mean"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lcpbench

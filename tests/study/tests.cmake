@@ -1,0 +1,49 @@
+lcpbench_test(store LINK lcpbench_study)
+lcpbench_test(store_faults LINK lcpbench_study)
+lcpbench_test(store_sharing LINK lcpbench_study)
+lcpbench_test(merge LINK lcpbench_study)
+lcpbench_test(plan LINK lcpbench_study lcpbench_solver_list)
+lcpbench_test(runner LINK lcpbench_runner lcpbench_study lcpbench_solver_list lcpbench_adapters)
+target_compile_definitions(runner_test PRIVATE FAULT_WORKER="$<TARGET_FILE:fault_worker>")
+add_dependencies(runner_test fault_worker)
+
+lcpbench_test(work_queue LINK lcpbench_runner lcpbench_study lcpbench_solver_list)
+
+find_package(Python3 REQUIRED COMPONENTS Interpreter)
+# The short share. The long form is one command: tests/study/store_attack.py PROGRAM.
+add_test(NAME store_attack
+         COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/study/store_attack.py $<TARGET_FILE:lcpbench>
+                 --kills 16 --flips 51)
+set_tests_properties(store_attack PROPERTIES LABELS slow)
+
+# These run the program itself.
+lcpbench_test(cli LINK lcpbench_study nlohmann_json::nlohmann_json)
+lcpbench_test(surroundings LINK lcpbench_study)
+lcpbench_test(terminal LINK lcpbench_report lcpbench_study)
+lcpbench_test(kill SLOW LINK lcpbench_study)
+foreach(name cli surroundings terminal kill)
+  target_compile_definitions(${name}_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
+  add_dependencies(${name}_test lcpbench lcpbench_workers)
+endforeach()
+
+# Counts of a fixed study. Not under sanitizers: it is long there and would say the same.
+lcpbench_test(regression LINK lcpbench_study nlohmann_json::nlohmann_json)
+target_compile_definitions(regression_test PRIVATE
+  LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>"
+  LCPBENCH_PLAN="${CMAKE_CURRENT_SOURCE_DIR}/study/regression_plan.json"
+  LCPBENCH_COUNTS="${CMAKE_CURRENT_SOURCE_DIR}/golden/regression.json")
+add_dependencies(regression_test lcpbench)
+set_tests_properties(regression PROPERTIES LABELS release-only)
+
+# Our solvers against the reference libraries.
+lcpbench_test(velocity_agreement LINK lcpbench_study lcpbench_solver_list)
+lcpbench_test(validate LINK lcpbench_runner lcpbench_study lcpbench_solver_list nlohmann_json::nlohmann_json)
+target_compile_definitions(validate_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
+add_dependencies(validate_test lcpbench lcpbench_workers)
+
+# Every solver on problems with a planted answer; every adapter beside workers that misbehave.
+lcpbench_test(definite LINK lcpbench_runner lcpbench_study lcpbench_solver_list)
+add_dependencies(definite_test lcpbench_workers)
+lcpbench_test(adapter_faults SLOW LINK lcpbench_runner lcpbench_study lcpbench_solver_list lcpbench_adapters)
+target_compile_definitions(adapter_faults_test PRIVATE FAULT_WORKER="$<TARGET_FILE:fault_worker>")
+add_dependencies(adapter_faults_test fault_worker lcpbench_workers)

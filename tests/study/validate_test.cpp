@@ -1,0 +1,401 @@
+// What a user relies on: `lcpbench validate` says that ours is wrong exactly when it is, whoever else is, and by the
+// verdicts of the one evaluation.
+
+#include "study/validate/validate.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "study/run/open_solver.h"
+#include "study/run/runner.h"
+#include "tests/support/program_run.h"
+#include "tests/support/study_support.h"
+
+namespace lcpbench {
+namespace {
+
+using nlohmann::json;
+
+TEST(StandingTest, FollowsClaimAndVerdict) {
+  EXPECT_EQ(standing(Claim::kSolved, Verdict::kSolved), Standing::kRight);
+  EXPECT_EQ(standing(Claim::kIterationLimit, Verdict::kSolved), Standing::kRight);
+  EXPECT_EQ(standing(Claim::kUnsolvable, Verdict::kUnsolvable), Standing::kRight);
+  EXPECT_EQ(standing(Claim::kSolved, Verdict::kWrong), Standing::kWrong);
+  for (const Claim claim :
+       {Claim::kUnsolvable, Claim::kIterationLimit, Claim::kTimeLimit, Claim::kNumericalFailure, Claim::kCrashed}) {
+    EXPECT_EQ(standing(claim, Verdict::kMissed), Standing::kSilent) << to_string(claim);
+    EXPECT_EQ(standing(claim, Verdict::kOpen), Standing::kSilent) << to_string(claim);
+    EXPECT_EQ(standing(claim, Verdict::kRefused), Standing::kSilent) << to_string(claim);
+  }
+  EXPECT_EQ(standing(Claim::kIterationLimit, Verdict::kUnsolvable), Standing::kSilent);
+}
+
+TEST(CompareStandingsTest, IsTheTableOfTheDocument) {
+  constexpr Standing r = Standing::kRight;
+  constexpr Standing w = Standing::kWrong;
+  constexpr Standing s = Standing::kSilent;
+  EXPECT_EQ(compare_standings(r, r, true), PairOutcome::kAgree);
+  EXPECT_EQ(compare_standings(r, r, false), PairOutcome::kUndecided);
+  EXPECT_EQ(compare_standings(r, w, true), PairOutcome::kReferenceWrong);
+  EXPECT_EQ(compare_standings(r, s, true), PairOutcome::kUndecided);
+  EXPECT_EQ(compare_standings(w, r, true), PairOutcome::kNativeWrong);
+  EXPECT_EQ(compare_standings(w, w, true), PairOutcome::kBothWrong);
+  EXPECT_EQ(compare_standings(w, s, true), PairOutcome::kNativeWrong);
+  EXPECT_EQ(compare_standings(s, r, true), PairOutcome::kUndecided);
+  EXPECT_EQ(compare_standings(s, w, true), PairOutcome::kReferenceWrong);
+  EXPECT_EQ(compare_standings(s, s, true), PairOutcome::kUndecided);
+}
+
+PairCounts counts(const std::string& set, const std::string& native, std::array<std::int64_t, 5> numbers) {
+  return {.set = set, .native = native, .reference = "ref", .counts = numbers};
+}
+
+TEST(PairCountsTest, AddUpOverSets) {
+  const std::vector<PairCounts> sums = over_all_sets(
+      {counts("a", "x", {1, 2, 3, 4, 5}), counts("a", "y", {1, 0, 0, 0, 0}), counts("b", "x", {10, 20, 30, 40, 50})});
+  ASSERT_EQ(sums.size(), 2U);
+  EXPECT_EQ(sums[0].native, "x");
+  EXPECT_EQ(sums[0].counts, (std::array<std::int64_t, 5>{11, 22, 33, 44, 55}));
+  EXPECT_EQ(sums[0].compared(), 165);
+  EXPECT_EQ(sums[1].compared(), 1);
+}
+
+TEST(PairCountsTest, OursIsWrongByItselfOrWithTheOther) {
+  EXPECT_FALSE(counts("a", "x", {9, 0, 5, 0, 7}).ours_wrong());
+  EXPECT_TRUE(counts("a", "x", {9, 1, 0, 0, 0}).ours_wrong());
+  EXPECT_TRUE(counts("a", "x", {9, 0, 0, 1, 0}).ours_wrong());
+  EXPECT_FALSE(Validation{}.ours_wrong());
+}
+
+// ---- a study whose answers are made up ----
+
+/// One body of mass 1 falling at 1 m/s on one contact. The answer is z = 1, v+ = 0.
+Problem falling_body(const std::string& name) {
+  ContactProblem contact;
+  contact.v = Vector::Constant(1, -1.0);
+  contact.N = Matrix(Matrix::Ones(1, 1));
+  contact.D = Matrix(1, 0);
+  contact.edges = {0};
+  contact.mu = Vector::Zero(1);
+  contact.inertia = DenseInertia{Matrix::Identity(1, 1)};
+  return {name, contact};
+}
+
+Answer made_up(Claim claim, double z, std::optional<double> velocity = std::nullopt) {
+  Answer answer;
+  answer.claim = claim;
+  answer.z = Vector::Constant(1, z);
+  if (velocity) answer.velocity = Vector::Constant(1, *velocity);
+  return answer;
+}
+
+const Answer kRightAnswer = made_up(Claim::kSolved, 1.0);
+const Answer kWrongAnswer = made_up(Claim::kSolved, 0.0);
+const Answer kGaveUp = made_up(Claim::kNumericalFailure, 0.0);
+const Answer kRefused = made_up(Claim::kUnsupported, 0.0);
+const Answer kOtherVelocity = made_up(Claim::kSolved, 1.0, 0.5);
+
+class Player final : public TimedSolver {
+ public:
+  explicit Player(const std::vector<Answer>& answers) : answers_(answers) {}
+  void run(const Problem& problem, const TimedRequest&, TimedAnswer& result) override {
+    result = {};
+    result.answer = answers_.at(std::stoul(problem.name()));
+  }
+
+ private:
+  const std::vector<Answer>& answers_;
+};
+
+/// The answers of a native solver and of a reference to the same problem, one pair after the other.
+class PlayedStudy {
+ public:
+  explicit PlayedStudy(const std::vector<std::pair<Answer, Answer>>& answers) {
+    std::vector<Problem> problems;
+    for (std::size_t i = 0; i < answers.size(); ++i) {
+      problems.push_back(falling_body(std::to_string(i)));
+      native_.push_back(answers[i].first);
+      reference_.push_back(answers[i].second);
+    }
+    const auto count = static_cast<std::int64_t>(problems.size());
+    study_.sets = {{std::make_shared<GivenProblems>("given", std::move(problems)), count}};
+    study_.solvers.push_back(given_solver("lemke", [this] { return std::make_unique<Player>(native_); }));
+    study_.solvers.push_back(given_solver("siconos_lemke", [this] { return std::make_unique<Player>(reference_); }));
+  }
+
+  Validation validate() const {
+    const ScratchFolder folder;
+    Store store = Store::open_for_writing(folder / "s.db");
+    run_study(study_, store, {});
+    return lcpbench::validate(study_, store);
+  }
+
+ private:
+  std::vector<Answer> native_;
+  std::vector<Answer> reference_;
+  Study study_;
+};
+
+PairCounts pair_with(const Validation& validation, const std::string& reference) {
+  for (const PairCounts& pair : validation.pairs) {
+    if (pair.reference == reference) return pair;
+  }
+  return {};
+}
+
+TEST(ValidateTest, CountsEveryOutcomeOnce) {
+  const Validation validation = PlayedStudy({{kRightAnswer, kRightAnswer},
+                                             {kRightAnswer, kWrongAnswer},
+                                             {kWrongAnswer, kRightAnswer},
+                                             {kWrongAnswer, kWrongAnswer},
+                                             {kGaveUp, kRightAnswer},
+                                             {kGaveUp, kWrongAnswer},
+                                             {kRightAnswer, kRefused},
+                                             {kRefused, kRightAnswer}})
+                                    .validate();
+  const PairCounts pair = pair_with(validation, "siconos_lemke");
+  EXPECT_EQ(pair.set, "given");
+  EXPECT_EQ(pair.native, "lemke");
+  EXPECT_EQ(pair.compared(), 6);  // what was refused is not compared
+  EXPECT_EQ(pair.count(PairOutcome::kAgree), 1);
+  EXPECT_EQ(pair.count(PairOutcome::kReferenceWrong), 2);
+  EXPECT_EQ(pair.count(PairOutcome::kNativeWrong), 1);
+  EXPECT_EQ(pair.count(PairOutcome::kBothWrong), 1);
+  EXPECT_EQ(pair.count(PairOutcome::kUndecided), 1);
+  EXPECT_TRUE(validation.ours_wrong());
+}
+
+TEST(ValidateTest, TruthIsAReferenceOfItsOwn) {
+  const PairCounts truth = pair_with(
+      PlayedStudy({{kRightAnswer, kRefused}, {kWrongAnswer, kRefused}, {kGaveUp, kRefused}}).validate(), "truth");
+  EXPECT_EQ(truth.compared(), 3);
+  EXPECT_EQ(truth.count(PairOutcome::kAgree), 1);
+  EXPECT_EQ(truth.count(PairOutcome::kNativeWrong), 1);
+  EXPECT_EQ(truth.count(PairOutcome::kUndecided), 1);
+}
+
+TEST(ValidateTest, TheReferencesMistakesAreNotOurs) {
+  const Validation validation = PlayedStudy({{kRightAnswer, kWrongAnswer}, {kGaveUp, kWrongAnswer}}).validate();
+  EXPECT_FALSE(validation.ours_wrong());
+  EXPECT_EQ(validation.disagreements.size(), 2U);
+}
+
+TEST(ValidateTest, TwoVelocitiesWhereThereIsOneAreUndecidedAndReported) {
+  const Validation validation = PlayedStudy({{kRightAnswer, kRightAnswer}, {kRightAnswer, kOtherVelocity}}).validate();
+  const PairCounts pair = pair_with(validation, "siconos_lemke");
+  EXPECT_EQ(pair.count(PairOutcome::kAgree), 1);
+  EXPECT_EQ(pair.count(PairOutcome::kUndecided), 1);
+  ASSERT_EQ(validation.disagreements.size(), 1U);
+  EXPECT_EQ(validation.disagreements[0].trial, 1);
+  EXPECT_EQ(validation.disagreements[0].outcome, PairOutcome::kUndecided);
+}
+
+// ---- real solvers ----
+
+/// Lemke, untested, with tolerances that badly conditioned problems do not bear. Mostly it gives up; on 3 of the first
+/// 1,000 problems of the set it claims an answer that is none, on trial 577 for one.
+constexpr const char* kBadSetting = "lemke{pivot_tolerance=1e-4,zero_tolerance=1e-4}";
+constexpr const char* kHardSet = "paper/copositive/exp5-1e10";
+constexpr std::int64_t kFalselyClaimed = 577;
+
+TEST(ValidateTest, ABadSettingIsCaughtByTheoryAlone) {
+  Plan plan;
+  plan.name = "bad";
+  plan.repeat_until_s = 0;
+  plan.sets = {{.pattern = kHardSet}};
+  plan.solvers = {{.spec = parse_spec(kBadSetting)}, {.spec = parse_spec("contact_lemke")}};
+  Study study = resolve(plan);
+  std::vector<Problem> problems;
+  for (std::int64_t trial = kFalselyClaimed - 4; trial <= kFalselyClaimed; ++trial) {
+    problems.push_back(open_set(kHardSet)->generate(1, trial));
+  }
+  study.sets = {{std::make_shared<GivenProblems>("given", problems), 5}};
+  const ScratchFolder folder;
+  Store store = Store::open_for_writing(folder / "s.db");
+  run_study(study, store, {});
+  const Validation validation = validate(study, store);
+  std::map<std::string, PairCounts> with_truth;
+  for (const PairCounts& pair : validation.pairs) with_truth[pair.native] = pair;
+  const PairCounts& bad = with_truth.at(study.solvers[0].row.text());
+  EXPECT_EQ(bad.compared(), 5);
+  EXPECT_GE(bad.count(PairOutcome::kNativeWrong), 1);
+  EXPECT_FALSE(with_truth.at("contact_lemke").ours_wrong());
+}
+
+std::vector<std::string> names(const Plan& plan) {
+  std::vector<std::string> names;
+  for (const PlannedSolver& solver : plan.solvers) {
+    if (names.empty() || names.back() != solver.spec.text()) names.push_back(solver.spec.text());
+  }
+  return names;
+}
+
+TEST(ValidationPlanTest, AsksForBothSides) {
+  const std::vector<std::string> all = names(validation_plan({}, {}, 1000));
+  EXPECT_EQ(std::count(all.begin(), all.end(), "lemke"), 1);
+  EXPECT_EQ(std::count(all.begin(), all.end(), "external"), 0);  // has to be told its command
+  for (const std::string& name : all) EXPECT_TRUE(runs_unasked(find_solver(name))) << name;
+
+  const std::vector<std::string> one = names(validation_plan({parse_spec("lemke{engine=dense}")}, {}, 1000));
+  EXPECT_EQ(one.front(), "lemke{engine=dense}");
+  for (std::size_t i = 1; i < one.size(); ++i) EXPECT_FALSE(is_ours(find_solver(one[i]))) << one[i];
+
+  const std::vector<std::string> both =
+      names(validation_plan({parse_spec("lemke"), parse_spec("external{command=./mine}")}, {}, 1000));
+  EXPECT_EQ(both, (std::vector<std::string>{"lemke", "external{command=./mine}"}));
+}
+
+TEST(ValidationPlanTest, ResolvesAndGivesEveryPairItsThousand) {
+  const Study study = resolve(validation_plan({}, {}, 1000));
+  const std::string common = study.sets.at(0).set->name();
+  EXPECT_EQ(common, "rigid/exp1{nc_max=8}");
+  EXPECT_EQ(study.sets.at(0).trials, 1000);
+  for (const StudySolver& solver : study.solvers) {
+    std::int64_t taken = 0;
+    for (std::int64_t trial = 0; trial < 1000; ++trial) taken += solver.takes(0, trial) ? 1 : 0;
+    EXPECT_EQ(taken, 1000) << solver.row.text();
+  }
+}
+
+std::int64_t problems_of(const Study& study, const std::string& solver) {
+  for (const StudySolver& planned : study.solvers) {
+    if (planned.row.name != solver) continue;
+    std::int64_t taken = 0;
+    for (std::int64_t trial = 0; trial < study.sets[0].trials; ++trial) taken += planned.takes(0, trial) ? 1 : 0;
+    return taken;
+  }
+  return -1;
+}
+
+TEST(ValidationPlanTest, SlowReferencesLeaveOutProblemsUnlessTheyAreAskedFor) {
+  const std::vector<std::string> set{"paper/copositive/exp1"};
+  const std::string slow = "siconos_lemke";
+  if (!runs_unasked(find_solver(slow))) GTEST_SKIP() << slow << " is not available here";
+  EXPECT_EQ(problems_of(resolve(validation_plan({}, set, 1000)), slow), 200);
+  EXPECT_EQ(problems_of(resolve(validation_plan({}, set, 1000)), "lemke"), 1000);
+  EXPECT_EQ(problems_of(resolve(validation_plan({}, set, 20)), slow), 20);
+  EXPECT_EQ(problems_of(resolve(validation_plan({parse_spec(slow)}, set, 1000)), slow), 1000);
+}
+
+// ---- the command ----
+
+class ValidateCommandTest : public testing::Test {
+ protected:
+  ProgramRun run(const std::string& arguments) { return run_program(folder_ / "", arguments); }
+  ScratchFolder folder_;
+};
+
+/// A reference that answers fast, where there is one.
+constexpr const char* kReference = "siconos_lemke";
+
+TEST_F(ValidateCommandTest, PrintsTheFieldsOfTheInterface) {
+  if (!runs_unasked(find_solver(kReference))) GTEST_SKIP() << kReference << " is not available here";
+  const ProgramRun output = run(
+      "validate --solver lemke --solver siconos_lemke --set paper/monotone/exp1 --set paper/monotone/exp2 --trials 20 "
+      "--format json");
+  EXPECT_EQ(output.exit_code, 0) << output.err;
+  const json document = json::parse(output.out);
+  ASSERT_EQ(document.size(), 3U);
+  EXPECT_TRUE(document.at("provenance").is_object());
+  EXPECT_EQ(document.at("ok"), true);
+  ASSERT_EQ(document.at("pairs").size(), 4U);  // two sets, each with the library and with the truth
+  for (const json& pair : document.at("pairs")) {
+    ASSERT_EQ(pair.size(), 9U) << pair.dump();
+    std::int64_t sum = 0;
+    for (const char* field : {"agree", "native_wrong", "reference_wrong", "both_wrong", "undecided"}) {
+      sum += pair.at(field).get<std::int64_t>();
+    }
+    EXPECT_EQ(pair.at("compared"), sum);
+    EXPECT_EQ(sum, 20);
+    EXPECT_EQ(pair.at("native"), "lemke");
+  }
+  EXPECT_EQ(document.at("pairs")[0].at("set"), "paper/monotone/exp1");
+  EXPECT_EQ(document.at("pairs")[0].at("reference"), kReference);
+}
+
+TEST_F(ValidateCommandTest, ABadSettingExitsWith1AndSavesWhatItGotWrong) {
+  if (!runs_unasked(find_solver(kReference))) GTEST_SKIP() << kReference << " is not available here";
+  const std::string bad = std::string("--solver '") + kBadSetting + "'";
+  ASSERT_EQ(run("generate " + std::string(kHardSet) + " --seed 1 --count 1 --first " + std::to_string(kFalselyClaimed) +
+                " --out hard")
+                .exit_code,
+            0);
+  const std::string command = "validate " + bad + " --solver siconos_lemke --set file:hard";
+  const ProgramRun output = run(command + " --out disagreements");
+  EXPECT_EQ(output.exit_code, 1) << output.err;
+  EXPECT_NE(output.out.find("OURS IS WRONG"), std::string::npos) << output.out;
+  const std::string index = read_file(folder_ / "disagreements/disagreements.csv");
+  EXPECT_NE(index.find("native_wrong"), std::string::npos) << index;
+  const std::string file = index.substr(index.find('\n') + 1, index.find(',', index.find('\n')) - index.find('\n') - 1);
+  const ProgramRun replay = run("solve --format json disagreements/" + file + " " + bad);
+  EXPECT_EQ(replay.exit_code, 0) << replay.err;
+  EXPECT_EQ(json::parse(replay.out).at(0).at("verdict"), "wrong") << file;
+
+  // Unasked, the current folder gets no file: a new one among the temporary files does, and is named.
+  std::filesystem::rename(folder_ / "disagreements", folder_ / "asked");
+  std::filesystem::create_directory(folder_ / "temporary");
+  setenv("TMPDIR", (folder_ / "temporary").c_str(), 1);
+  const ProgramRun unasked = run(command);
+  const ProgramRun none = run(command + " --out ''");
+  unsetenv("TMPDIR");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "disagreements"));
+  std::vector<std::string> folders;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "temporary")) folders.push_back(entry.path());
+  ASSERT_EQ(folders.size(), 1U) << unasked.err;
+  EXPECT_EQ(read_file(folders[0] + "/disagreements.csv"), index);
+  EXPECT_NE(unasked.err.find(" are in " + folders[0] + "; "), std::string::npos) << unasked.err;
+  EXPECT_EQ(none.err.find(" are in "), std::string::npos) << none.err;
+}
+
+TEST_F(ValidateCommandTest, LeavesNothingBehindWhenAllAgree) {
+  if (!runs_unasked(find_solver(kReference))) GTEST_SKIP() << kReference << " is not available here";
+  EXPECT_EQ(run("validate --solver lemke --solver siconos_lemke --set planted/definite --trials 20").exit_code, 0);
+  std::vector<std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "")) files.push_back(entry.path().filename());
+  std::sort(files.begin(), files.end());
+  EXPECT_EQ(files, (std::vector<std::string>{"err", "out"}));
+}
+
+// The temporary folder holds nothing while the answers are being made: no end of the program can leave it behind.
+TEST_F(ValidateCommandTest, WithoutAStoreThereIsNoFileToLeaveBehind) {
+  std::filesystem::create_directory(folder_ / "temporary");
+  setenv("TMPDIR", (folder_ / "temporary").c_str(), 1);
+  const ProgramRun output =
+      run("validate --set planted/definite --trials 1 --solver lemke "
+          "--solver 'external{command=sh -c \"ls -A temporary >seen; exit 1\"}'");
+  unsetenv("TMPDIR");
+  EXPECT_EQ(output.exit_code, 2);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "seen"));
+  EXPECT_EQ(read_file(folder_ / "seen"), "");
+  EXPECT_EQ(output.err.find("what was done is kept"), std::string::npos) << output.err;
+  EXPECT_EQ(std::count(output.err.begin(), output.err.end(), '\n'), 1) << output.err;
+}
+
+TEST_F(ValidateCommandTest, WhatWasDoneIsKeptInAStoreThatWasAskedFor) {
+  const ProgramRun output =
+      run("validate --store s.db --set planted/definite --trials 1 --solver lemke --solver 'external{command=false}'");
+  EXPECT_EQ(output.exit_code, 2);
+  EXPECT_NE(output.err.find("kept in s.db"), std::string::npos) << output.err;
+}
+
+TEST_F(ValidateCommandTest, MistakesOfUseExitWith2AndOneLine) {
+  for (const char* arguments :
+       {"validate --solver nosuch", "validate --set nosuch", "validate --trials 0", "validate --seed -1",
+        "validate --solver 'lemke{zero_tolerance=x}'", "validate --format xml", "validate --time-limit nan",
+        "validate --store /nonexistent/folder/s.db --trials 1 --solver lemke --set planted/definite",
+        "validate --out /dev/null --trials 1 --solver lemke --set planted/definite",
+        "validate --out /dev/null/folder --trials 1 --solver lemke --set planted/definite"}) {
+    const ProgramRun output = run(arguments);
+    EXPECT_EQ(output.exit_code, 2) << arguments << output.err;
+    EXPECT_EQ(std::count(output.err.begin(), output.err.end(), '\n'), 1) << arguments << ": " << output.err;
+    EXPECT_EQ(output.out, "") << arguments;
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench
