@@ -83,7 +83,7 @@ class Path {
   using P = Packed<Scalar>;
   using Pack = typename P::Pack;
   using Ending = contact_lemke::Ending;
-  using Kind = Leaving::Kind;
+  using Kind = LeavingVariable::Kind;
 
   struct Entering {
     bool is_velocity = false;  ///< a velocity of the kernel's rows, else an impulse
@@ -120,7 +120,7 @@ class Path {
         activate_friction(entering.label.contact);
       compute_rates(entering);
       compute_candidates(entering);
-      const Leaving leaving = choose_leaving();
+      const LeavingVariable leaving = choose_leaving();
       if (leaving.kind == Kind::kBroken) return Ending::kBreakdown;
       if (leaving.kind == Kind::kNone) return Ending::kRay;
       ++outcome_.pivots;
@@ -299,11 +299,11 @@ class Path {
 
   /// Column of z0 where it is no basic variable and has come to its end.
   static constexpr Count kPastEnd = -2;
-  Leaving choose_leaving() const;
+  LeavingVariable choose_leaving() const;
 
   // --- exchanges: path_exchanges.h ---
 
-  bool exchange(Entering& entering, Leaving leaving);
+  bool exchange(Entering& entering, LeavingVariable leaving);
   void drop_column(const Entering& entering, Count column);
   bool bring_row(Entering& entering, Label leaving);
   Count change_base(Count contact, const Entering& entering);

@@ -19,7 +19,7 @@ inline auto Path<Scalar>::resume(double* z) -> Ending {
   const Entering time{false, Label{}};
   compute_rates_of_drift();
   compute_candidates(time);
-  const Leaving leaving = choose_leaving();
+  const LeavingVariable leaving = choose_leaving();
   if (leaving.kind == Kind::kBroken) return Ending::kBreakdown;
   if (leaving.kind == Kind::kNone || leaving.column == kPastEnd) return finish(z);
   if (outcome_.pivots >= rules_.max_pivots) return Ending::kPivotLimit;

@@ -8,7 +8,7 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
 /// The basis changes; `entering` becomes the complement of what left.
 template <class Scalar>
-inline bool Path<Scalar>::exchange(Entering& entering, Leaving leaving) {
+inline bool Path<Scalar>::exchange(Entering& entering, LeavingVariable leaving) {
   if (leaving.kind == Kind::kBase) {
     const Count contact = leaving.label.contact;
     if (friction_.support(contact) == 0) return replace_base_by_entering(entering);

@@ -268,7 +268,7 @@ inline bool Path<Scalar>::enters_friction_of(const Entering& entering, Count con
 /// Harris's test: the least ratio with values moved up by the tie tolerance; of all that are then not above it the
 /// one with the fastest rate leaves, z0 before all.
 template <class Scalar>
-inline Leaving Path<Scalar>::choose_leaving() const {
+inline LeavingVariable Path<Scalar>::choose_leaving() const {
   Scalar least_rate = static_cast<Scalar>(rules_.pivot_tolerance) * rate_scale_;
   if (static_cast<Scalar>(kSafeNoises) * rate_noise_ > least_rate) {
     least_rate = static_cast<Scalar>(kSafeNoises) * rate_noise_;

@@ -6,7 +6,7 @@
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
 /// What leaves the basis.
-struct Leaving {
+struct LeavingVariable {
   enum class Kind { kNone, kColumn, kBase, kVelocity, kBroken };
   Kind kind = Kind::kNone;
   Count column = -1;  ///< kColumn
@@ -130,7 +130,7 @@ class RatioTest {
   }
 
   /// What stands in a slot.
-  Leaving decode(Count slot) const {
+  LeavingVariable decode(Count slot) const {
     if (slot < 0) return {Kind::kBroken, -1, {}};
     if (slot < contacts_.padded_nc()) return {Kind::kVelocity, -1, Label{slot, kNormal}};
     if (slot < first_column_ + kernel_.stride()) {
@@ -153,7 +153,7 @@ class RatioTest {
  private:
   using P = Packed<Scalar>;
   using Pack = typename P::Pack;
-  using Kind = Leaving::Kind;
+  using Kind = LeavingVariable::Kind;
 
   Count slots_of(Count contact) const { return 2 * contacts_.padded_half(contact) + P::padded(2); }
 

@@ -15,9 +15,9 @@
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
 #include "study/output/json_output.h"
-#include "study/run/open_solver.h"
 #include "study/output/terminal.h"
 #include "study/output/text_table.h"
+#include "study/run/open_solver.h"
 
 namespace lcpbench {
 namespace {
@@ -173,8 +173,13 @@ std::vector<SetInfo> matching_sets(const std::string& pattern) {
   return found;
 }
 
-/// Sets of one problem each: too many to be named in a list that is to be taken in at a glance.
-constexpr std::string_view kHardCases = "hard/";
+/// Of the hard cases and of the captured scenes the list names the families only, so that it stays short.
+std::string_view families_folder(const std::string& set) {
+  for (const std::string_view folder : {"hard/", "scene/"}) {
+    if (set.starts_with(folder)) return folder;
+  }
+  return "";
+}
 
 void print_set_names(const std::vector<SetInfo>& sets, int width) {
   GroupedNames names;
@@ -182,10 +187,11 @@ void print_set_names(const std::vector<SetInfo>& sets, int width) {
   for (const SetInfo& info : sets) {
     const std::size_t slash = info.name.rfind('/') + 1;
     const std::string folder = info.name.substr(0, slash);
-    if (!folder.starts_with(kHardCases)) {
+    const std::string_view families = families_folder(info.name);
+    if (families.empty()) {
       names.add(folder, info.name.substr(slash));
     } else if (family != folder) {
-      names.add(std::string(kHardCases), folder.substr(kHardCases.size()) + "*");
+      names.add(std::string(families), folder.substr(families.size()) + "*");
       family = folder;
     }
   }

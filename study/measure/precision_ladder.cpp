@@ -76,7 +76,7 @@ void add(const Problem& problem, std::vector<Rung>& rungs) {
     const Answer& answer = rung.result.answer;
     if (!proven || answer.claim != Claim::kSolved) continue;
     const Vector velocity =
-        answer.velocity.size() > 0 ? answer.velocity : post_impact_velocity(*problem.contact(), answer.z);
+        answer.velocity.size() > 0 ? Vector(answer.velocity) : post_impact_velocity(*problem.contact(), answer.z);
     rung.errors.push_back(testing::velocity_error(*problem.contact(), velocity, exact));
   }
 }

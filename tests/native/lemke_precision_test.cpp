@@ -68,7 +68,7 @@ struct Ladder {
       if (answer.claim != Claim::kSolved) continue;
       EXPECT_TRUE(evaluator.errors(answer).solved) << name_of(kRungs[rung]) << ", " << problem.name();
       const Vector velocity =
-          answer.velocity.size() > 0 ? answer.velocity : post_impact_velocity(*problem.contact(), answer.z);
+          answer.velocity.size() > 0 ? Vector(answer.velocity) : post_impact_velocity(*problem.contact(), answer.z);
       errors[rung].push_back(testing::velocity_error(*problem.contact(), velocity, exact));
     }
   }
