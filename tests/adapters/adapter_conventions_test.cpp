@@ -258,6 +258,8 @@ TEST(AdapterConventionsTest, OffsetsOfASceneReachTheLibraries) {
   expect_solution("ode_step", box, z, 1e-12);
   expect_solution("velocity_ipm_cholmod", box, z, 1e-12);
   expect_solution("bullet_dantzig", box, z, kIterative);
+  expect_solution("bullet_si{iterations=5000}", box, z, 1e-9);
+  expect_solution("bullet_nncg{iterations=5000}", box, z, 1e-9);
   expect_solution("ode_dantzig", box, z, 1e-12);
 }
 
