@@ -99,13 +99,13 @@ void IslandNumbers::reserve(Index ngc, Index nc) {
 void IslandNumbers::find(const ContactProblem& problem) {
   DisjointSets sets(problem.ngc(), parent_);
   std::visit(JoinByInertia{sets}, problem.inertia);
-  of_contact.resize(problem.edges.size());  // at first one coordinate of each contact
+  of_contact.resize(problem.edges.size());  // at first a coordinate that the contact moves; its island's number below
   Index direction = 0;
   for (Index c = 0; c < problem.nc(); ++c) {
     const int edges = problem.edges[static_cast<std::size_t>(c)];
     Joined joined(sets);
     std::visit([&](const auto& N) { for_each_nonzero(N, c, joined); }, problem.N);
-    for (Index t = 0; t < edges / 2; ++t) {  // the others are the negatives of these
+    for (Index t = 0; t < edges / 2; ++t) {  // the second half of the directions are the negatives of the first
       std::visit([&](const auto& D) { for_each_nonzero(D, direction + t, joined); }, problem.D);
     }
     direction += edges;

@@ -14,14 +14,13 @@ struct Island {
 
 /// The parts of a problem that nothing couples, in the order of their first contacts.
 ///
-/// Two coordinates belong together when G (the given G*, a factor's column) has nonzero entries for both, or a
-/// contact's normal or friction direction has: what is zero between islands is zero in the data, not to rounding, so
-/// that solving them one by one solves the whole. Contacts without any nonzero entry are in no island, whatever
-/// their offset.
+/// Two coordinates belong together when a column of G (or of the given G*, or of the factors) has nonzero entries for
+/// both, or when the normal and the friction directions of one contact, taken together, have. Only entries that are
+/// exactly zero count as zero, so that solving the islands one by one solves the whole problem. Contacts without
+/// any nonzero entry are in no island, whatever their offset.
 std::vector<Island> find_islands(const ContactProblem& problem);
 
-/// The same islands as numbers, in memory that only grows: for what must not allocate when it meets the same sizes
-/// again.
+/// The same islands as numbers. The memory only grows, so that find() allocates nothing for sizes that it has met.
 struct IslandNumbers {
   std::vector<Index> of_contact;     ///< nc entries; -1 for contacts without any nonzero entry
   std::vector<Index> of_coordinate;  ///< ngc entries; -1 where no contact's impulse moves the coordinate

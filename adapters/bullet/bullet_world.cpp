@@ -42,8 +42,8 @@ btContactSolverInfo solver_info(const BulletWorldSettings& settings) {
   info.m_numIterations = static_cast<int>(settings.iterations);
   info.m_sor = settings.sor;
   info.m_timeStep = 1;
+  info.m_erp = info.m_erp2 = 1;  // so that a negative distance counts in full, as a positive one does
   info.m_splitImpulse = 0;
-  info.m_erp2 = 1;  // a contact's distance b asks for a velocity of -b at least, also where it is a penetration
   // The directions are those given with the points. Impulses are written back only if they may start the next step.
   info.m_solverMode =
       SOLVER_USE_WARMSTARTING | SOLVER_USE_2_FRICTION_DIRECTIONS | SOLVER_ENABLE_FRICTION_DIRECTION_CACHING;
@@ -64,6 +64,7 @@ void BulletWorld::add(const RigidContact& contact) {
   constexpr double kNoThreshold = 1e30;
   manifolds_.push_back(std::make_unique<btPersistentManifold>(bodies_[static_cast<std::size_t>(contact.body_a)].get(),
                                                               second, 0, kNoThreshold, kNoThreshold));
+  // In a step of one second a distance is the offset b of the row.
   btManifoldPoint point(btVector3(0, 0, 0), btVector3(0, 0, 0), to_bullet(contact.normal), contact.b);
   point.m_positionWorldOnA = point.m_positionWorldOnB = to_bullet(contact.point);
   point.m_combinedFriction = contact.edges > 0 ? contact.mu * kHalfRoot : 0;

@@ -104,9 +104,10 @@ void ContactSolvability::load_basis(const Program<double>& program) {
   }
 }
 
-/// Whether the exact system B u = e of the last basis, e the last unit vector, has a solution u > 0 with v'K u < 0. The
-/// artificial variables' columns of the tableau are an inverse R of B but for rounding: where |I - R B| < 1, B is
-/// regular, and u is off the computed u~ by at most |R| |B u~ - e| / (1 - |I - R B|). [Rump 1983]
+/// Whether B u = e certainly has a solution u > 0 with v'K u < 0. B holds the exact columns of the last basis, e is the
+/// last unit vector, and u~ is the computed u. The artificial variables' columns of the tableau are R, the inverse of B
+/// up to rounding. If |I - R B| < 1, B is regular, and u differs from u~ by at most |R| |B u~ - e| / (1 - |I - R B|).
+/// [Rump 1983]
 bool ContactSolvability::proves_unsolvable(const Program<double>& program) {
   const Index rows = program.rows;
   if (std::any_of(basis_.begin(), basis_.end(), [&](Index j) { return j >= program.edges; })) return false;

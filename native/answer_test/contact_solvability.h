@@ -70,7 +70,7 @@ class ContactSolvability {
   /// Entry (i, k) of X, or of a basis of its range with ones in some rows.
   double reach(Index i, Index k, double) const { return (*X_)(i, k); }
   Quad reach(Index i, Index k, Quad) const { return range_[static_cast<std::size_t>(i * rank_ + k)]; }
-  /// v, in 113 bits less what the range of X reaches: zero in the rows of the pivots.
+  /// v; in 113 bits v minus the combination of the vectors of that basis that equals v in the rows of the pivots.
   double speed(Index i, double) const { return v_[i]; }
   Quad speed(Index i, Quad) const { return unreached_v_[static_cast<std::size_t>(i)]; }
   Index reach_size(double) const { return X_->cols(); }
@@ -149,7 +149,7 @@ class ContactSolvability {
   Quad least_pivot_ = 1;           // of its elimination and of the last program, relative to the largest entries
   Quad least_range_pivot_ = 1;     // of its elimination
   std::vector<Quad> range_;        // ngc x rank_ by rows
-  std::vector<Index> pivot_rows_;  // rank_: the coordinates where one of its vectors alone is not zero
+  std::vector<Index> pivot_rows_;  // rank_: coordinates in which exactly one of its vectors is not zero
   std::vector<Quad> unreached_v_;  // ngc
   std::vector<int> unit_;          // ngc: powers of two that bring the rows of X to about one
   std::size_t room_ = 0;

@@ -24,7 +24,7 @@ constexpr Scalar kNoise = Scalar(sizeof(Scalar) == sizeof(double) ? 1e-11 : 0x1p
 template <class Scalar>
 constexpr Scalar kDoubt = Scalar(sizeof(Scalar) == sizeof(double) ? 1e-8 : 0x1p-96);
 
-/// Below this ratio of entries after scaling, double does not tell rounding from data.
+/// Scaled entries below 2^-kWidestExponents may be data, but double does not tell them from rounding.
 constexpr int kWidestExponents = 24;
 
 /// Above these numbers of rows 113 bits do not try again what double has found but could not round.
@@ -177,8 +177,8 @@ void FarkasSearch::drop_rows_without_part() {
   }
 }
 
-/// Rows and columns of the tableau, and powers of two that bring the largest entry of each to about one.
-/// @returns whether there is anything to search: rows, one of them with q_i < 0
+/// Chooses the rows and columns of the tableau, and powers of two that scale the largest entry of each to about one.
+/// @returns whether a search can find anything: there are rows, and one of them has q_i < 0
 bool FarkasSearch::scale_rows_and_columns() {
   const Index n = lcp_->size();
   rows_.clear();

@@ -69,7 +69,7 @@ class FarkasSearch {
   std::vector<Index> columns_;                       // those of M that are not zero on rows_, n reserved
   std::vector<int> row_exponent_, column_exponent_;  // n: of the scaling by powers of two
   int cost_exponent_ = 0;                            // of that of q
-  bool wide_ = false;                                // scaled entries differ by more than double is good for
+  bool wide_ = false;                                // scaled entries differ too much in size for double
   std::unique_ptr<double[]> double_;                 // the tableaus, for so many rows
   std::unique_ptr<Quad[]> quad_;
   Index room_ = -1;

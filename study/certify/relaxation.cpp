@@ -10,12 +10,12 @@ namespace {
 
 /// Rounds of evening out the rows and columns of M.
 constexpr int kScalings = 4;
-/// Relative to entries of size 1: what rounding may leave of a pivot, and of a variable, that is zero.
+/// The entries have about size 1. A pivot up to kZero, or a variable up to kInfeasible, may be nothing but rounding.
 constexpr double kZero = 1e-9;
 constexpr double kInfeasible = 1e-7;
 /// Ratios that differ by less tie; the largest pivot wins.
 constexpr double kTie = 1e-12;
-/// A dual simplex method that takes longer cycles.
+/// After more pivots than this for each row the dual simplex method is taken to cycle.
 constexpr int kPivotsPerRow = 20;
 /// Of the room that a contradiction has, how much is used, and the most of it.
 constexpr double kRoomUsed = 0.5;

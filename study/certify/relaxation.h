@@ -8,8 +8,9 @@
 
 namespace lcpbench::exact {
 
-/// The linear inequalities of an LCP, w = q + M z >= 0 and z >= 0, with some entries imposed to be zero: in floats, by
-/// the dual simplex method on a dense dictionary. What it says is a guess. O(n^2) a pivot; an object is O(n^2) to copy.
+/// The linear inequalities of an LCP, w = q + M z >= 0 and z >= 0, with some entries imposed to be zero. They
+/// are solved in double, by the dual simplex method on a dense dictionary. The result is a guess and no proof. O(n^2) a
+/// pivot; an object is O(n^2) to copy.
 ///
 /// Variables: w_i is i, z_i is n + i.
 class Relaxation {
@@ -23,8 +24,9 @@ class Relaxation {
   /// From now on the variable is zero.
   void impose(Index variable) { imposed_[static_cast<std::size_t>(variable)] = true; }
 
-  /// A vertex of least sum of z (in units that even out the entries of M), or a row that contradicts the inequalities.
-  /// kStuck when the deadline passed too.
+  /// Looks for a vertex with the least sum of z (in units that even out the entries of M).
+  /// @returns kFeasible: found. kInfeasible: a row contradicts the inequalities. kStuck: too many pivots, or the
+  /// deadline passed.
   /// @param work  grows by the entries updated
   Ending solve(double& work, const Deadline& deadline);
 

@@ -256,10 +256,11 @@ TEST(AdapterConventionsTest, OffsetsOfASceneReachTheLibraries) {
   EXPECT_TRUE(Evaluator(box).errors(run("lemke", box).answer).solved);
   expect_solution("ode_quickstep{iterations=5000}", box, z, 1e-9);
   expect_solution("ode_step", box, z, 1e-12);
-  expect_solution("velocity_ipm_cholmod", box, z, 1e-12);
-  expect_solution("bullet_dantzig", box, z, kIterative);
   expect_solution("bullet_si{iterations=5000}", box, z, 1e-9);
   expect_solution("bullet_nncg{iterations=5000}", box, z, 1e-9);
+  expect_solution("dart_lemke", box, z, 1e-12);
+  expect_solution("velocity_ipm_cholmod", box, z, 1e-12);
+  expect_solution("bullet_dantzig", box, z, kIterative);
   expect_solution("ode_dantzig", box, z, 1e-12);
 }
 
