@@ -35,8 +35,8 @@ inline constexpr Capabilities kBulletWorldCapabilities{
 /// A scene as rigid bodies and contact manifolds, without a world: all that btConstraintSolver::solveGroup takes.
 ///
 /// The offset b of a contact is the distance of its point, in a step of one second. Restitution, gyroscopic terms, split
-/// impulses and earlier impulses are off, so that the rows are those of the scene's LCP. Bullet limits friction along each of two directions by itself: the pyramid of 4 edges
-/// is that square turned by 45 degrees, with mu / sqrt(2).
+/// impulses and earlier impulses are off, so that the rows are those of the scene's LCP. Bullet limits friction along
+/// each of two directions by itself: the pyramid of 4 edges is that square turned by 45 degrees, with mu / sqrt(2).
 class BulletWorld {
  public:
   explicit BulletWorld(const RigidScene& scene);

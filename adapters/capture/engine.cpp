@@ -89,7 +89,7 @@ std::vector<Pose> part_poses(const Scene& scene, const std::vector<Pose>& poses)
 }
 
 void require_free_bodies(const Scene& scene, const std::string& model, const char* engine) {
-  if (!model.empty()) throw InputError(std::string("--model: ") + engine + " reads no model files; MuJoCo and DART do");
+  if (!model.empty()) throw InputError(std::string("--model: ") + engine + " reads no model files; MuJoCo does");
   if (scene.articulated()) {
     throw InputError("scene '" + scene.name + "' has joints, which are captured from MuJoCo and DART, not from " +
                      engine);

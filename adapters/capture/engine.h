@@ -81,6 +81,7 @@ class Engine {
   virtual std::string name() const = 0;
   virtual std::string version() const = 0;
   virtual double step_length() const = 0;
+  virtual Eigen::Vector3d gravity() const { return {0, 0, -kGravity}; }
   virtual std::vector<Drawn> drawn() const = 0;
   /// Finds the contacts, fills the snapshot, solves and moves on by one step.
   virtual void step(long index, Snapshot& snapshot) = 0;

@@ -124,8 +124,7 @@ int run(const Arguments& arguments) {
       arguments.file.c_str(), scene.name.c_str(), engine->name().c_str(), engine->version().c_str(), h));
   if (!file) throw InputError("cannot write '" + arguments.file + "'");
   lcpbench_capture_loop(file.get(), "engine");
-  const double gravity[] = {0, 0, -kGravity};
-  lcpbench_capture_gravity(file.get(), gravity);
+  lcpbench_capture_gravity(file.get(), engine->gravity().data());
   const std::vector<Drawn> drawn = engine->drawn();
   for (std::size_t i = 0; i < drawn.size(); ++i) {
     lcpbench_capture_shape(file.get(), static_cast<int>(i), drawn[i].type.c_str(), drawn[i].size.data(),

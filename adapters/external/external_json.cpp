@@ -208,7 +208,9 @@ bool is_exact(const Multiple& multiple, const Problem& problem, ProblemKind kind
     case ProblemKind::kScene: {
       // Where nothing moves, every multiple is the question that was asked before.
       const Vector& v = problem.contact()->v;
-      return (v.array() != 0).any() && all_scale_exactly(v, multiple.of_vector());
+      const Vector& b = problem.contact()->b;
+      const bool moves = (v.array() != 0).any() || (b.array() != 0).any();
+      return moves && all_scale_exactly(v, multiple.of_vector()) && all_scale_exactly(b, multiple.of_vector());
     }
   }
   return false;

@@ -33,6 +33,9 @@ Stored read_stored(const Hdf5File& file, const std::string& path) {
   Stored stored{file.integer(path + "/m"),  file.integer(path + "/n"),  file.integer(path + "/nz"),
                 file.integers(path + "/p"), file.integers(path + "/i"), file.reals(path + "/x")};
   if (stored.rows < 0 || stored.cols < 0 || stored.kind < -2) file.fail(path, ": negative sizes");
+  if (static_cast<std::size_t>(std::max(stored.rows, stored.cols)) > kMaxNumbers) {
+    file.fail(path, ": more than " + std::to_string(kMaxNumbers) + " rows or columns");
+  }
   const std::size_t pointers = stored.kind >= 0    ? static_cast<std::size_t>(stored.kind)
                                : stored.kind == -1 ? static_cast<std::size_t>(stored.cols) + 1
                                                    : static_cast<std::size_t>(stored.rows) + 1;
@@ -77,7 +80,7 @@ SparseMatrix read_matrix(const Hdf5File& file, const std::string& path) {
     for (int line = 0; line < lines; ++line) {
       const int begin = stored.p[static_cast<std::size_t>(line)];
       const int end = stored.p[static_cast<std::size_t>(line) + 1];
-      if (begin < 0 || end < begin || static_cast<std::size_t>(end) > stored.i.size()) {
+      if (begin < 0 || end < begin || static_cast<std::size_t>(end) > std::min(stored.i.size(), stored.x.size())) {
         file.fail(path + "/p", ": entry " + std::to_string(line + 1) + " does not ascend");
       }
       for (int k = begin; k < end; ++k) {
@@ -213,6 +216,7 @@ ContactProblem read_global(const Hdf5File& file, bool symmetrize) {
                                           ": a tangential velocity of the surroundings is outside of the model");
     }
   }
+  if (problem.b.isZero(0)) problem.b.resize(0);
   return problem;
 }
 
@@ -223,6 +227,9 @@ ContactProblem read_local(const Hdf5File& file, bool symmetrize) {
     file.fail(group + "/V", ": equality constraints are outside of the model");
   }
   const SparseMatrix W = symmetric(file, group + "/W", read_matrix(file, group + "/W"), symmetrize);
+  if (static_cast<std::size_t>(W.rows()) * static_cast<std::size_t>(W.rows()) > kMaxNumbers) {
+    file.fail(group + "/W", ": " + std::to_string(W.rows()) + " rows are too many for a dense matrix");
+  }
   ContactProblem problem;
   problem.v = read_vector(file, group + "/vectors/q", W.rows());
   problem.inertia = InverseInertia{Matrix(W)};

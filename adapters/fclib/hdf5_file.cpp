@@ -33,16 +33,17 @@ std::vector<Number> Hdf5File::read(const std::string& path, hid_t type) const {
   const hid_t space = H5Dget_space(dataset);
   const hssize_t size = space < 0 ? -1 : H5Sget_simple_extent_npoints(space);
   std::vector<Number> numbers;
-  bool complete = size >= 0;
-  if (complete && static_cast<std::size_t>(size) > kMaxNumbers) {
-    fail(path, ": " + std::to_string(size) + " numbers, at most " + std::to_string(kMaxNumbers) + " are read");
-  }
+  const bool too_large = size >= 0 && static_cast<std::size_t>(size) > kMaxNumbers;
+  bool complete = size >= 0 && !too_large;
   if (complete) {
     numbers.resize(static_cast<std::size_t>(size));
     complete = numbers.empty() || H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers.data()) >= 0;
   }
   if (space >= 0) H5Sclose(space);
   H5Dclose(dataset);
+  if (too_large) {
+    fail(path, ": " + std::to_string(size) + " numbers, at most " + std::to_string(kMaxNumbers) + " are read");
+  }
   if (!complete) fail(path, ": cannot be read");
   return numbers;
 }

@@ -3,7 +3,9 @@
 
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "adapters/fclib/fclib_problem.h"
@@ -28,6 +30,12 @@ void import_files(const std::string& out, const std::vector<std::string>& files,
   writer.close();
 }
 
+/// What was written of a file that is not complete. Never a device, which --out may name too.
+void discard(const std::string& out) {
+  std::error_code error;
+  if (std::filesystem::is_regular_file(out, error)) std::filesystem::remove(out, error);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -41,11 +49,11 @@ int main(int argc, char** argv) {
     return 0;
   } catch (const InputError& error) {
     std::fprintf(stderr, "lcpbench: %s\n", error.what());
-    std::remove(out.c_str());
+    discard(out);
     return 2;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "lcpbench: %s: %s\n", out.c_str(), error.what());
-    std::remove(out.c_str());
+    discard(out);
     return 2;
   }
 }

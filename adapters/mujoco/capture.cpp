@@ -84,6 +84,7 @@ class MujocoEngine final : public Engine {
   std::string name() const override { return "MuJoCo"; }
   std::string version() const override { return mj_versionString(); }
   double step_length() const override { return model_->opt.timestep; }
+  Vector3d gravity() const override { return vector(model_->opt.gravity); }
 
   std::vector<Drawn> drawn() const override {
     std::vector<Drawn> result;

@@ -58,7 +58,7 @@ static inline void lcpbench_capture_gravity(lcpbench_capture* c, const double gr
  * with its radius, "capsule" and "cylinder" with radius and half length (along z), "plane" with normal and offset. */
 static inline void lcpbench_capture_shape(lcpbench_capture* c, int body, const char* type, const double* size, int n);
 
-/* Begins a step. Steps must ascend. */
+/* Begins a step. Steps are not negative and must ascend. */
 static inline void lcpbench_capture_step(lcpbench_capture* c, long step, double time);
 
 /* A free rigid body; returns its index. The inertia is about the centre of mass, in world axes, row after row. */
@@ -184,7 +184,7 @@ static inline void lcpbench_bytes_(lcpbench_capture* c, lcpbench_text_* text, co
   void* data = text->data;
   if (!lcpbench_grow_(c, &data, &text->capacity, text->size + count + 1, 1)) return;
   text->data = (char*)data;
-  memcpy(text->data + text->size, bytes, count);
+  if (count > 0) memcpy(text->data + text->size, bytes, count);
   text->size += count;
   text->data[text->size] = '\0';
 }
@@ -262,9 +262,18 @@ static inline void lcpbench_field_(lcpbench_capture* c, const char* name, const 
   fprintf(c->file, ",\"%s\":[%s]", name, list->size > 0 ? list->data : "");
 }
 
+/* Leaves out what was added to the header since it had this size, if a number of it was none. */
+static inline void lcpbench_check_header_(lcpbench_capture* c, lcpbench_text_* text, size_t size) {
+  if (!c->step_failed) return;
+  c->step_failed = 0;
+  text->size = size;
+  if (text->data != NULL) text->data[size] = '\0';
+}
+
 static inline lcpbench_capture* lcpbench_capture_open(const char* file, const char* scene, const char* engine,
                                                       const char* engine_version, double step_length) {
   lcpbench_text_* header;
+  size_t size;
   lcpbench_capture* c = (lcpbench_capture*)calloc(1, sizeof(lcpbench_capture));
   if (c == NULL) return NULL;
   c->file = fopen(file, "wb");
@@ -278,8 +287,10 @@ static inline lcpbench_capture* lcpbench_capture_open(const char* file, const ch
   lcpbench_words_(c, header, engine);
   lcpbench_add_(c, header, ",\"engine_version\":");
   lcpbench_words_(c, header, engine_version);
+  size = header->size;
   lcpbench_add_(c, header, ",\"step_length\":");
   lcpbench_number_(c, header, step_length);
+  lcpbench_check_header_(c, header, size);
   return c;
 }
 
@@ -297,15 +308,22 @@ static inline void lcpbench_capture_loop(lcpbench_capture* c, const char* loop) 
 }
 
 static inline void lcpbench_capture_gravity(lcpbench_capture* c, const double gravity[3]) {
+  lcpbench_text_* header;
+  size_t size;
   if (!lcpbench_in_header_(c)) return;
-  lcpbench_add_(c, &c->text[LCPBENCH_HEADER_], ",\"gravity\":");
-  lcpbench_numbers_(c, &c->text[LCPBENCH_HEADER_], gravity, 3);
+  header = &c->text[LCPBENCH_HEADER_];
+  size = header->size;
+  lcpbench_add_(c, header, ",\"gravity\":");
+  lcpbench_numbers_(c, header, gravity, 3);
+  lcpbench_check_header_(c, header, size);
 }
 
 static inline void lcpbench_capture_shape(lcpbench_capture* c, int body, const char* type, const double* size, int n) {
   lcpbench_text_* shapes;
+  size_t before;
   if (!lcpbench_in_header_(c)) return;
   shapes = &c->text[LCPBENCH_SHAPES_];
+  before = shapes->size;
   lcpbench_next_(c, shapes);
   lcpbench_add_(c, shapes, "{\"body\":");
   lcpbench_integer_(c, shapes, body);
@@ -314,6 +332,7 @@ static inline void lcpbench_capture_shape(lcpbench_capture* c, int body, const c
   lcpbench_add_(c, shapes, ",\"size\":");
   lcpbench_numbers_(c, shapes, size, n);
   lcpbench_add_(c, shapes, "}");
+  lcpbench_check_header_(c, shapes, before);
 }
 
 static inline void lcpbench_header_(lcpbench_capture* c) {
@@ -329,11 +348,17 @@ static inline void lcpbench_capture_step(lcpbench_capture* c, long step, double 
   int i;
   if (c == NULL) return;
   lcpbench_header_(c);
+  if (c->in_step) lcpbench_fail_(c, "no end of this step before the next one");
   c->step_failed = 0;
-  if (c->any_step && step <= c->step) lcpbench_fail_(c, "the steps do not ascend");
-  c->any_step = 1;
+  if (step < 0) {
+    lcpbench_fail_(c, "behind it comes a negative step");
+  } else if (c->any_step && step <= c->step) {
+    lcpbench_fail_(c, "the next one does not ascend");
+  } else {
+    c->any_step = 1;
+    c->step = step;
+  }
   c->in_step = 1;
-  c->step = step;
   c->time = time;
   for (i = LCPBENCH_BODIES_; i < LCPBENCH_TEXTS_; ++i) c->text[i].size = 0;
   c->bodies = c->blocks = c->coordinates = c->n_entries = c->d_entries = 0;

@@ -158,7 +158,8 @@ void ActiveSet::describe(const ContactProblem& contact) {
     copy_dense(std::get<BlockInertia>(contact.inertia), input_.ngc, dense_inertia_);
     input_.matrix = dense_inertia_.data();
   }
-  if (couples_all(contact.inertia)) return;
+  // With an offset, a contact that nothing moves has a w of its own: it may not be counted to the island of the others.
+  if (couples_all(contact.inertia) && !contact.has_offset()) return;
   islands_.find(contact);
   input_.islands = islands_.count;
   input_.island_of_contact = islands_.of_contact.data();

@@ -43,6 +43,8 @@ class VelocityTest {
     islands_ = input.island_of_contact == nullptr ? 1 : input.islands;
     island_of_contact_ = input.island_of_contact;
     island_of_coordinate_ = input.island_of_coordinate;
+    is_whole_ = islands_ == 1;
+    for (Count j = 0; j < input.nc && input.b != nullptr && is_whole_; ++j) is_whole_ = island_of_contact(j) >= 0;
   }
 
   /// Whether each island's residual with its rounding is within `limit` of its scale. Only the first `pressed` contacts
@@ -68,7 +70,7 @@ class VelocityTest {
     }
     combine_rows(answer.slack, answer.given, whitening_.row(0), whitening_.row_stride(), change_.data(),
                  whitening_.rank(), contact_lanes());
-    if (islands_ == 1 && passes_as_a_whole(answer, limit)) return true;
+    if (is_whole_ && passes_as_a_whole(answer, limit)) return true;
     if (whitening_.triangular()) whitening_.solve(change_.data());  // u - v
     return passes_by_islands(answer, limit);
   }
@@ -190,7 +192,7 @@ class VelocityTest {
     }
     bool measured = false;
     // Of one island and its velocity, passes_as_a_whole() has found what these bounds find.
-    const bool repeats = kHasMoreBits && whitening_.triangular() && islands_ == 1 && answer.velocity != nullptr;
+    const bool repeats = kHasMoreBits && whitening_.triangular() && is_whole_ && answer.velocity != nullptr;
     if (!repeats) {
       measured = measure_worst(answer);
       if (measured && islands_pass(limit)) return true;
@@ -413,6 +415,7 @@ class VelocityTest {
   Buffer<Scalar> residual_;      // of u - v
   Buffer<Scalar> terms_;         // by contact
   Count islands_ = 1;
+  bool is_whole_ = true;                      // one island has all contacts that may have a w
   const Count* island_of_contact_ = nullptr;  // nullptr: all are in one
   const Count* island_of_coordinate_ = nullptr;
   Buffer<Measure> measures_;  // by island

@@ -281,6 +281,9 @@ class Completion {
     }
     const Count length = contacts_.padded_nc();
     combine(contacts_.normals(), length, contacts_.ngc(), contacts_.velocity(), slack_.data(), length);
+    for (Count c = 0; contacts_.has_offset() && c < contacts_.nc(); ++c) {
+      if (contacts_.island_of_contact(c) < 0) slack_[c] = 0;  // its offset alone, which is no scale of the others
+    }
     const Scalar scale = largest_magnitude(slack_.data(), contacts_.nc());
     if (!(scale > 0 && worst_[0] <= static_cast<Scalar>(kNoDoubt) * scale)) return false;
     const Scalar at_rest = worst_[0] > certain_[0] ? worst_[0] : certain_[0];

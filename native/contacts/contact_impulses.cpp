@@ -16,6 +16,7 @@ double max_or_infinity(double worst, double value) {
 void ContactImpulses::load(const Problem& problem) {
   columns = {};
   b_.resize(0);
+  idle_.clear();
   frictions.clear();
   if (problem.contact() != nullptr) {
     load_contacts(*problem.contact());
@@ -48,6 +49,11 @@ void ContactImpulses::load_contacts(const ContactProblem& problem) {
   units.load(problem);
   mu = problem.mu;
   b_ = problem.b;
+  idle_.clear();
+  const Vector ones = Vector::Ones(problem.ngc());
+  for (Index i = 0; i < b_.size(); ++i) {
+    if (columns.J.dot_magnitudes(i, ones) == 0) idle_.push_back(i);
+  }
   friction_of.assign(static_cast<std::size_t>(contacts), -1);
   for (Index contact = 0; contact < contacts; ++contact) {
     const auto c = static_cast<std::size_t>(contact);
@@ -64,10 +70,12 @@ void ContactImpulses::load_contacts(const ContactProblem& problem) {
 void ContactImpulses::set_velocity(const Vector& v) {
   u0 = v;
   offset = b_;
+  for (const Index i : idle_) offset(i) = std::min(b_(i), 0.0);
   q_max = 0;  // the q of cone rows is 0
   for (Index i = 0; i < columns.diagonal.size(); ++i) {
     q_max = max_or_infinity(q_max, std::abs(with_offset(i, columns.J.dot(i, u0))));
   }
+  for (const Index i : idle_) offset(i) = std::min(b_(i), q_max);
   if (units.several()) scale_islands();
 }
 

@@ -66,7 +66,8 @@ struct ContactImpulses {
   Vector impulse;  ///< per column of [N D]: f_N, then g at the first directions of each contact (the rest is not used)
 
  private:
-  Vector b_;  // as given
+  Vector b_;                 // as given
+  std::vector<Index> idle_;  // contacts that nothing moves: their w is b, and no scale of the others
 
   void load_lcp(const Lcp& lcp);
   void load_contacts(const ContactProblem& problem);

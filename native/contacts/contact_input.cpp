@@ -90,7 +90,8 @@ void ContactInput::load_layout(const ContactProblem& contact) {
   input.nc = contact.nc();
   input.friction_begin = friction_begin.data();
   input.mu = mu.data();
-  if (couples_all(contact.inertia)) return;
+  // With an offset, a contact that nothing moves has a w of its own: it may not be counted to the island of the others.
+  if (couples_all(contact.inertia) && !input.has_offset) return;
   islands.find(contact);
   if (input.has_offset) islands.of_coordinate.push_back(-1);
   input.islands = islands.count;

@@ -73,11 +73,18 @@ void InteriorPoint::write_impulses(Answer& answer) const {
   for (Index j = 0; j < q_.size(); ++j) answer.z(j) /= units_.of_contact(j);
 }
 
-/// max|q|; infinity also for NaN, which must not pass for zero.
+/// max|q|; infinity also for NaN, which must not pass for zero. The offset of a contact that nothing moves is no scale
+/// of the others, and may as well be no larger.
 void InteriorPoint::measure_q() {
   q_max_ = 0;
-  for (const double q : q_) {
+  const auto is_idle = [this](Index i) { return b_.size() > 0 && diagonal_(i) == 0 && q_(i) > 0; };
+  for (Index i = 0; i < q_.size(); ++i) {
+    const double q = q_(i);
+    if (is_idle(i)) continue;
     if (!(std::abs(q) <= q_max_)) q_max_ = std::isnan(q) ? std::numeric_limits<double>::infinity() : std::abs(q);
+  }
+  for (Index i = 0; i < q_.size(); ++i) {
+    if (is_idle(i)) q_(i) = std::min(q_(i), q_max_);
   }
 }
 

@@ -49,6 +49,9 @@ void complete(Arguments& arguments) {
   }
   if (arguments.engine.empty()) arguments.engine = articulated ? "mujoco" : "ode";
   if (arguments.out.empty()) arguments.out = fmt::format("{}-{}.scenes", arguments.scene, arguments.engine);
+  if (!is_scenes_file(arguments.out)) {
+    throw InputError(fmt::format("--out '{}': a scenes file's name ends in .scenes", arguments.out));
+  }
 }
 
 /// The uncompressed file that the engine writes, removed at the end.

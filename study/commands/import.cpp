@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "core/error.h"
+#include "core/io/scenes_file.h"
 #include "study/commands/commands.h"
 
 namespace lcpbench {
@@ -45,6 +46,9 @@ int run_beside(const std::string& name, std::vector<std::string> arguments, cons
 }
 
 int import_files(const Arguments& arguments) {
+  if (!is_scenes_file(arguments.out)) {
+    throw InputError("--out '" + arguments.out + "': a scenes file's name ends in .scenes");
+  }
   for (const std::string& file : arguments.files) {
     std::error_code ignored;
     if (std::filesystem::equivalent(arguments.out, file, ignored)) {

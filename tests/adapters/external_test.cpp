@@ -420,6 +420,12 @@ TEST(ExternalMessageTest, MultiplesScaleProblemAndAnswerExactly) {
   EXPECT_FALSE(external::is_exact({.matrix = -1, .vector = -2}, Problem("tiny", tiny), ProblemKind::kLcp, tiny));
   const Lcp huge{Matrix::Identity(1, 1), Vector::Constant(1, -1e308)};
   EXPECT_FALSE(external::is_exact({.matrix = 1, .vector = 2}, Problem("huge", huge), ProblemKind::kLcp, huge));
+  ContactProblem gap = *problem.contact();
+  gap.v.setZero();
+  gap.b = Vector::Constant(gap.nc(), -1.0);
+  EXPECT_TRUE(external::is_exact({.vector = -1}, Problem("gap", gap), ProblemKind::kContact, lcp));
+  gap.b(0) = 5e-324;
+  EXPECT_FALSE(external::is_exact({.vector = -1}, Problem("gap", gap), ProblemKind::kContact, lcp));
 }
 
 TEST(ExternalMessageTest, CommandsAreSplitAtSpacesOutsideQuotes) {

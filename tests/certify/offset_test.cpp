@@ -313,6 +313,27 @@ TEST(OffsetTest, AContactThatNothingMovesNeedsAnOffsetOfZeroOrMore) {
   }
 }
 
+// Its w is its offset whatever happens, so that it may not pass for the scale of what the others are off by.
+TEST(OffsetTest, TheLargeOffsetOfAContactThatNothingMovesExcusesNothing) {
+  Matrix N = Matrix::Zero(2, 3);
+  N.row(0) = Eigen::RowVector3d(2, 0, -1);
+  for (const double coupling : {0.0, 0.25}) {
+    const Matrix G{{1, coupling}, {coupling, 1}};
+    for (const Inertia& inertia : {Inertia(DenseInertia{G}), Inertia(BlockInertia{{G}})}) {
+      ContactProblem contact = frictionless(vec({-0.5, 2}), N, inertia);
+      contact.b = vec({1e-3, 1e12, 2e-3});
+      const Problem problem("immovable", contact);
+      for (const std::string& solver : native_names()) {
+        if (find_solver(solver).definition.capabilities.needs == Needs::kScene) continue;
+        const Answer answer = solve(solver, problem);
+        if (answer.claim != Claim::kSolved) continue;
+        EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << solver << ", coupling " << coupling;
+      }
+      for (const std::string& solver : kDirect) EXPECT_EQ(solve(solver, problem).claim, Claim::kSolved) << solver;
+    }
+  }
+}
+
 TEST(OffsetTest, VerdictsMeasureTheRowWithItsOffset) {
   const Problem problem = falling(3, 2);
   EXPECT_TRUE(evaluate(problem, vec({2})).solved);

@@ -198,6 +198,38 @@ TEST_F(CaptureTest, MistakesAreToldAndDoNotSpoilTheFile) {
   EXPECT_NE(lcpbench_capture_close(nullptr), 0);
 }
 
+// A file of steps that descend could not be opened at all, nor one whose header has a number missing.
+TEST_F(CaptureTest, MistakesInTheOrderOfStepsAndInTheHeaderDoNotSpoilTheFile) {
+  const double broken[3] = {0, 0, std::nan("")}, half[3] = {1, 1, 1};
+  lcpbench_capture* capture = lcpbench_capture_open(file_.c_str(), "mistakes", "engine", "1", HUGE_VAL);
+  lcpbench_capture_gravity(capture, broken);
+  lcpbench_capture_shape(capture, 0, "plane", broken, 3);
+  lcpbench_capture_shape(capture, 1, "box", half, 3);
+  for (const long step : {-1L, 5L, 3L, 4L, 6L}) {
+    lcpbench_capture_step(capture, step, 0);
+    add(capture, body());
+    lcpbench_capture_end_step(capture);
+  }
+  EXPECT_NE(lcpbench_capture_close(capture), 0);
+  const ScenesFile scenes(file_.string());
+  EXPECT_EQ(scenes.header().step_length, std::nullopt);
+  EXPECT_TRUE(scenes.header().gravity.empty());
+  ASSERT_EQ(scenes.header().shapes.size(), 1u);
+  EXPECT_EQ(scenes.header().shapes[0].body, 1);
+  ASSERT_EQ(scenes.count(), 2u);
+  EXPECT_EQ(scenes.step_number(0), 5);
+  EXPECT_EQ(scenes.step_number(1), 6);
+}
+
+TEST_F(CaptureTest, AStepWithoutItsEndIsTold) {
+  lcpbench_capture* capture = lcpbench_capture_open(file_.c_str(), "mistakes", "engine", "1", 0.01);
+  lcpbench_capture_step(capture, 0, 0);
+  lcpbench_capture_step(capture, 1, 0);
+  lcpbench_capture_end_step(capture);
+  EXPECT_NE(lcpbench_capture_close(capture), 0);
+  EXPECT_EQ(ScenesFile(file_.string()).count(), 1u);
+}
+
 TEST_F(CaptureTest, TheExamplesRun) {
   std::istringstream programs(CAPTURE_EXAMPLES);
   for (std::string program; std::getline(programs, program, ':');) {

@@ -130,6 +130,7 @@ TEST_F(FclibTest, GlobalProblemsOfEveryStorage) {
       EXPECT_EQ(to_dense(read.D), to_dense(expected.D));
       EXPECT_EQ(read.edges, expected.edges);
       EXPECT_EQ(read.mu, (Vector{{0.5, 0.25}}));
+      EXPECT_FALSE(read.has_offset());
     }
   }
 }
@@ -215,6 +216,26 @@ TEST_F(FclibTest, WhatIsOutsideOfTheModelIsNamed) {
   EXPECT_EQ(error_of(with_group("/fclib_local", dimension(3))), "/fclib_local/W/m: missing");
   EXPECT_EQ(error_of(with_group("/other", [](hid_t) {})), "has neither /fclib_global nor /fclib_local");
   EXPECT_EQ(error_of("/etc/passwd"), "cannot be opened as an HDF5 file");
+}
+
+// Pointers that go back may not lead beyond the end of x on their way.
+TEST_F(FclibTest, PointersThatDescendAreNamed) {
+  const std::string file = global(Stored(kM, kColumns), Stored(kH, kColumns), kNoW);
+  const hid_t opened = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  const auto replace = [&](const char* name, hid_t type, const void* numbers, hsize_t count) {
+    H5Ldelete(opened, name, H5P_DEFAULT);
+    const hid_t space = H5Screate_simple(1, &count, nullptr);
+    const hid_t set = H5Dcreate2(opened, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers);
+    H5Dclose(set);
+    H5Sclose(space);
+  };
+  const std::vector<int> pointers{0, 5, 2, 2};
+  const std::vector<double> values{2, 0.5};
+  replace("/fclib_global/M/p", H5T_NATIVE_INT, pointers.data(), pointers.size());
+  replace("/fclib_global/M/x", H5T_NATIVE_DOUBLE, values.data(), values.size());
+  H5Fclose(opened);
+  EXPECT_EQ(error_of(file), "/fclib_global/M/p: entry 1 does not ascend");
 }
 
 TEST_F(FclibTest, TheProgramWritesAScenesFile) {

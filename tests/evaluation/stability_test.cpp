@@ -94,7 +94,9 @@ TEST(TransformationTest, UndoneItIsTheSameProblemBitForBit) {
 }
 
 TEST(TransformationTest, ASceneStaysOneWhereTheChangeIsOneOfScenes) {
-  const Problem scene = open_set("rigid/frictional/exp1")->generate(3, 1);
+  RigidScene with_offsets = *open_set("rigid/frictional/exp1")->generate(3, 1).scene();
+  for (RigidContact& contact : with_offsets.contacts) contact.b = contact.point.x();
+  const Problem scene("scene", with_offsets);
   int checked = 0;
   for (const Kind kind : kAllTransformations) {
     const auto transformation = draw_transformation(kind, scene, key(), 0);
@@ -138,6 +140,30 @@ TEST(TransformationTest, UnitsChangeVelocitiesAndResponsesAsTheyMust) {
   EXPECT_TRUE((millimetres.q - 1000 * lcp.q).cwiseAbs().maxCoeff() < 1e-12);
   EXPECT_TRUE((millimetres.M - lcp.M).cwiseAbs().maxCoeff() < 1e-15);
   EXPECT_TRUE(length->velocity_back(length->apply(problem).contact()->v) == problem.contact()->v);
+}
+
+// Offsets that are a row of N: they stay that row, whatever becomes of it.
+TEST(TransformationTest, AnOffsetIsChangedWithItsRow) {
+  ContactProblem with_offset = body();
+  with_offset.b = to_dense(with_offset.N).row(3).transpose();
+  const Problem problem("body", with_offset);
+  int checked = 0;
+  for (const Kind kind : kAllTransformations) {
+    const auto transformation = draw_transformation(kind, problem, key(), 1);
+    if (!transformation) continue;
+    ++checked;
+    SCOPED_TRACE(to_string(kind));
+    const Problem changed = transformation->apply(problem);
+    const ContactProblem& contact = *changed.contact();
+    ASSERT_EQ(contact.b.size(), contact.nc());
+    const Vector row = to_dense(contact.N).row(3).transpose();
+    EXPECT_TRUE(contact.b.isApprox(row, 0x1p-29)) << contact.b.transpose() << " for " << row.transpose();
+    if (kind == Kind::kOneUlp) {
+      EXPECT_TRUE((contact.b.array() != with_offset.b.array()).all());
+    }
+    EXPECT_EQ(problem_hash(transformation->undo(changed)), problem_hash(problem));
+  }
+  EXPECT_EQ(checked, 8);
 }
 
 TEST(TransformationTest, RowsAndColumnsOfABareProblemScaleByPowersOfTwo) {

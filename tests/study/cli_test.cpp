@@ -76,6 +76,8 @@ TEST_F(CommandLineTest, MistakesOfUseExitWith2AndOneLine) {
                                 "import fclib",
                                 "import other x --out y.scenes",
                                 "import fclib nosuch --out y.scenes",
+                                "import fclib nosuch --out y.json",
+                                "capture stack --out y.json",
                                 "solve --format xml x.json",
                                 "generate",
                                 "generate nope --seed 1 --count 1 --out d",
