@@ -2,9 +2,6 @@
 #include "core/registry.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
-#include <cstdlib>
-#include <new>
-
 #include <dart/lcpsolver/Lemke.hpp>
 #endif
 
@@ -23,21 +20,6 @@ struct DartLemkeSettings {
 /// The function's return values, which its header does not name.
 enum DartCode { kDartSolved = 0, kDartIterations = 1, kDartRay = 2, kDartNotValidated = 3, kDartNoRatio = 4 };
 
-/// A vector whose memory the library takes and resizes. The library was built apart, so that its Eigen calls malloc and
-/// free; ours does something else under AddressSanitizer. The destructor therefore frees the memory as the library does.
-class LibraryVector {
- public:
-  LibraryVector() : vector_(new (storage_) Vector) {}
-  LibraryVector(const LibraryVector&) = delete;
-  LibraryVector& operator=(const LibraryVector&) = delete;
-  ~LibraryVector() { std::free(vector_->data()); }
-  Vector* get() { return vector_; }
-
- private:
-  alignas(Vector) unsigned char storage_[sizeof(Vector)];
-  Vector* vector_;
-};
-
 class DartLemke final : public Solver {
  public:
   explicit DartLemke(const DartLemkeSettings&) {}
@@ -51,9 +33,7 @@ class DartLemke final : public Solver {
       answer.claim = Claim::kSolved;
       return;
     }
-    LibraryVector z;
-    const int code = dart::lcpsolver::Lemke(lcp_.M, lcp_.q, z.get());
-    if (z.get()->size() == lcp_.size()) answer.z = *z.get();
+    const int code = dart::lcpsolver::Lemke(lcp_.M, lcp_.q, &answer.z);
     switch (code) {
       case kDartSolved: answer.claim = Claim::kSolved; return;
       case kDartIterations:
