@@ -1,5 +1,8 @@
 #include "study/store/schema.h"
 
+#include <string_view>
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "study/evaluation/evaluation.h"
