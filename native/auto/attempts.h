@@ -1,47 +1,76 @@
 #pragma once
 
-#include <optional>
+#include <array>
+#include <memory>
 
 #include "core/problem.h"
-#include "native/active_set/active_set.h"
 #include "native/auto/methods.h"
-#include "native/contact_lemke/contact_lemke.h"
+#include "native/auto/plan.h"
+#include "native/auto/settings.h"
 
 namespace lcpbench {
 
-/// The dense methods, for whole problems and for whatever another method gave up on.
-///
-/// What solve() needs is loaded there, one problem after the other, with memory that was taken before: that of the
-/// largest problem so far, most of which is never touched.
-class DenseMethods {
+/// One solver of each method, with the memory of the largest problem so far, most of which is never touched. For
+/// whatever the first method of an island gave up on.
+class SharedMethods {
  public:
-  DenseMethods() : active_set_(ActiveSetSettings{}), contact_lemke_(ContactLemkeSettings{}) {}
-
-  /// What follows `method` on this problem: contact_lemke after active_set and friction_ipm, active_set after
-  /// velocity_ipm, up to what take() says.
-  std::optional<AutoMethod> after(AutoMethod method, const Problem& problem) const;
-
-  /// Whether solve(method, problem, ...) is possible: the method is dense, and the problem not too large.
-  bool take(AutoMethod method, const Problem& problem) const;
-
-  /// Takes the memory for solve(method, problem, ...).
+  Solver& of(AutoMethod method);
+  /// Takes the memory for load() of a dense method. @pre fits_in_advance(method, problem)
   void reserve(AutoMethod method, const Problem& problem);
 
-  /// Solves by `method`, and where that gives up by what follows it. Allocates nothing.
-  /// @param v of the problem now @param start SolveRequest::start @pre reserve(method, problem)
-  void solve(AutoMethod method, const Problem& problem, const Vector& v, const Vector* start, const AutoLimits& limits,
-             Answer& answer, AutoReport& report);
+ private:
+  std::array<std::unique_ptr<Solver>, kAutoMethods> solvers_;
+};
 
-  /// With the problem of the last solve() that tried it, or with what the caller loads. @pre the method is dense
-  Solver& solver(AutoMethod method);
-  ContactLemke& contact_lemke() { return contact_lemke_; }
+/// A contact problem with its plan: tries one method after the other until one does not give up.
+///
+/// The first method is loaded by load(). Dense ones that follow are loaded in solve(), with memory that was taken
+/// before; any other that follows is loaded in the first solve() that needs it, which allocates.
+class Attempts {
+ public:
+  Attempts(const AutoSettings& settings, SharedMethods& shared) : settings_(settings), shared_(shared) {}
+
+  /// @param problem must outlive the next load @param v the velocity now
+  void load(const Problem& problem, const Vector& v);
+  /// The same, but the first method is loaded by the next update(); a solve() before that leaves it out.
+  /// @returns false where there is no other, and nothing was put off
+  bool load_when_needed(const Problem& problem, const Vector& v);
+
+  /// Whether what is put off until a solve is then done by a method that may take a hundred times as long.
+  bool has_stand_in() const { return plan_.front().method == AutoMethod::kVelocityIpm; }
+
+  /// Another velocity. Loads the first method where that was put off, or is another one now.
+  void update(const Vector& v);
+  /// The same, but what was put off stays so, and the plan too. Allocates nothing.
+  void set_velocity(const Vector& v);
+
+  /// @param request its time limit is not used: limits has it
+  void solve(const SolveRequest& request, const AutoLimits& limits, Answer& answer, AutoReport& report);
+
+  /// The velocity of an answer that came without. O(ngc^2)
+  void respond(const Answer& answer, Vector& u);
 
  private:
-  /// ngc (ngc + nc) of a problem up to which memory is taken in advance: half a gigabyte of addresses.
-  static constexpr Index kMostEntries = 1'000'000;
+  bool is_loaded(AutoMethod method) const { return loaded_[static_cast<std::size_t>(method)]; }
+  Solver& own(AutoMethod method) { return *own_[static_cast<std::size_t>(method)]; }
+  void load_own(AutoMethod method);
+  void reserve_what_follows();
+  bool is_left_out(const AutoTry& now) const;
+  Solver& ready(AutoMethod method);
+  bool tried(const AutoTry& now, const SolveRequest& request, bool is_last, const AutoLimits& limits, Answer& answer,
+             AutoReport& report);
 
-  ActiveSet active_set_;
-  ContactLemke contact_lemke_;
+  const AutoSettings& settings_;
+  SharedMethods& shared_;
+  const Problem* problem_ = nullptr;
+  Vector v_;
+  AutoPlan plan_;
+  std::array<std::unique_ptr<Solver>, kAutoMethods> own_;
+  std::array<bool, kAutoMethods> loaded_{};  ///< whether the own solver holds the problem
+  bool is_put_off_ = false;
+  bool is_warm_worthwhile_ = true;  ///< contact_lemke has not given up since the load
+  Solver* answered_ = nullptr;      ///< what gave the last answer
+  AutoMethod answered_by_ = AutoMethod::kActiveSet;
 };
 
 }  // namespace lcpbench
