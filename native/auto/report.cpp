@@ -23,9 +23,9 @@ int rung_of(std::string_view detail) {
 class Line {
  public:
   Line& operator<<(std::string_view text) {
-    const std::size_t length = std::min(text.size(), buffer_.size() - size_);
-    std::copy_n(text.data(), length, buffer_.data() + size_);
-    size_ += length;
+    for (const char c : text) {
+      if (size_ < buffer_.size()) buffer_[size_++] = c;
+    }
     return *this;
   }
   Line& operator<<(Index number) {
