@@ -92,7 +92,7 @@ bool wanted(const ContactRung& rung, const ContactLemkeSettings& settings, std::
   if (rung.arithmetic == ContactArithmetic::kQuad && !cascade && settings.precision != Precision::kQuad) return false;
   if (rung.arithmetic == ContactArithmetic::kDoubleDouble && !cascade) return false;
   if (rung.arithmetic == ContactArithmetic::kDouble && settings.precision == Precision::kQuad) return false;
-  if (rung.reinvert && cascade && ngc > kSmallKernel) return false;
+  if (rung.reinvert && cascade && ngc > kSmallKernel && (rung.classic || rung.variant == 0)) return false;
   if (rung.classic && settings.covering == ContactLemkeCovering::kNormals) return false;
   if (!rung.classic && settings.covering == ContactLemkeCovering::kClassic) return false;
   return true;
@@ -252,7 +252,11 @@ void ContactLemke::on_solve(const SolveRequest& request, Answer& answer) {
     Rules rules;
     rules.classic = rung.classic;
     rules.variant = rung.variant;
-    rules.reinvert = rung.reinvert && (!rung.classic || data_.input.ngc <= kSmallKernel);
+    if (progress.cycles && !rung.classic && rung.variant == 0) {  // in any arithmetic
+      if (rung.arithmetic == ContactArithmetic::kDouble) continue;
+      rules.variant = 1;
+    }
+    rules.reinvert = rung.reinvert && !progress.cycles && data_.input.ngc <= kSmallKernel;
     if (climb(rung, rules, progress, answer)) break;
   }
   report(progress, answer);
@@ -318,6 +322,7 @@ Ending ContactLemke::run(LoadedContacts& engine, Rules rules, Progress& progress
   progress.pivots += outcome.pivots;
   progress.factorizations += outcome.factorizations;
   progress.ending = outcome.ending;
+  progress.cycles = progress.cycles || outcome.cycles;
   progress.missed = outcome.missed;
   return outcome.ending;
 }

@@ -125,6 +125,7 @@ class ContactLemke final : public Solver {
     double deadline_s = 0;
     double best = std::numeric_limits<double>::infinity();  ///< residual and its rounding, relative to max|q|
     contact_lemke::Ending ending = contact_lemke::Ending::kBreakdown;
+    bool cycles = false;  ///< a path came back to one of its bases
     const char* rung = "";
     std::ptrdiff_t pivots = 0;
     std::ptrdiff_t factorizations = 0;
