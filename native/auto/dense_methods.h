@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "core/problem.h"
@@ -15,7 +16,10 @@ namespace lcpbench {
 /// largest problem so far, most of which is never touched.
 class DenseMethods {
  public:
-  DenseMethods() : active_set_(ActiveSetSettings{}), contact_lemke_(ContactLemkeSettings{}) {}
+  DenseMethods()
+      : later_(std::make_shared<LaterEngines>()),
+        active_set_(ActiveSetSettings{}),
+        contact_lemke_(ContactLemkeSettings{}, later_) {}
 
   /// What follows `method` on this problem: contact_lemke after active_set and friction_ipm, active_set after
   /// velocity_ipm, up to what take() says.
@@ -35,11 +39,14 @@ class DenseMethods {
   /// With the problem of the last solve() that tried it, or with what the caller loads. @pre the method is dense
   Solver& solver(AutoMethod method);
   ContactLemke& contact_lemke() { return contact_lemke_; }
+  /// What the rungs beyond double run on, for all islands: they take turns.
+  const std::shared_ptr<LaterEngines>& later_engines() const { return later_; }
 
  private:
   /// ngc (ngc + nc) of a problem up to which memory is taken in advance: half a gigabyte of addresses.
   static constexpr Index kMostEntries = 1'000'000;
 
+  std::shared_ptr<LaterEngines> later_;
   ActiveSet active_set_;
   ContactLemke contact_lemke_;
 };

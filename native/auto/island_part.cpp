@@ -99,7 +99,9 @@ void IslandPart::load_method() {
       if (active_set_ == nullptr) active_set_ = std::make_unique<ActiveSet>(ActiveSetSettings{});
       break;
     case AutoMethod::kContactLemke:
-      if (contact_lemke_ == nullptr) contact_lemke_ = std::make_unique<ContactLemke>(ContactLemkeSettings{});
+      if (contact_lemke_ == nullptr) {
+        contact_lemke_ = std::make_unique<ContactLemke>(ContactLemkeSettings{}, dense_.later_engines());
+      }
       break;
     case AutoMethod::kVelocityIpm:
       if (velocity_ipm_ == nullptr) velocity_ipm_ = lcpbench_solver_velocity_ipm().make({});
