@@ -2,7 +2,6 @@
 
 #include "core/timed_solve.h"
 #include "native/active_set/active_set.h"
-#include "native/contact_lemke/contact_lemke.h"
 
 namespace lcpbench {
 namespace {
@@ -17,7 +16,7 @@ bool takes(const Solver& solver, const Problem& problem) { return problem.size()
 
 Solver& SharedMethods::of(AutoMethod method) {
   std::unique_ptr<Solver>& solver = solvers_[static_cast<std::size_t>(method)];
-  if (solver == nullptr) solver = make_method(method);
+  if (solver == nullptr) solver = make(method);
   return *solver;
 }
 
@@ -69,7 +68,7 @@ bool Attempts::is_left_out(const AutoTry& now) const {
 
 void Attempts::load_own(AutoMethod method) {
   const auto index = static_cast<std::size_t>(method);
-  if (own_[index] == nullptr) own_[index] = make_method(method);
+  if (own_[index] == nullptr) own_[index] = shared_.make(method);
   own_[index]->load(*problem_);
   loaded_[index] = true;
   if (v_ != problem_->contact()->v && takes(*own_[index], *problem_)) own_[index]->update(v_);

@@ -7,6 +7,7 @@
 #include "native/auto/methods.h"
 #include "native/auto/plan.h"
 #include "native/auto/settings.h"
+#include "native/contact_lemke/contact_lemke.h"
 
 namespace lcpbench {
 
@@ -15,10 +16,13 @@ namespace lcpbench {
 class SharedMethods {
  public:
   Solver& of(AutoMethod method);
+  /// Another one, which takes turns with these.
+  std::unique_ptr<Solver> make(AutoMethod method) const { return make_method(method, later_); }
   /// Takes the memory for load() of a dense method. @pre fits_in_advance(method, problem)
   void reserve(AutoMethod method, const Problem& problem);
 
  private:
+  std::shared_ptr<LaterEngines> later_ = std::make_shared<LaterEngines>();
   std::array<std::unique_ptr<Solver>, kAutoMethods> solvers_;
 };
 

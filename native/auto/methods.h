@@ -32,8 +32,10 @@ struct AutoLimits {
   bool exhausted(const Counters& done) const { return max_pivots > 0 && pivots(done) <= 0; }
 };
 
-/// At its defaults.
-std::unique_ptr<Solver> make_method(AutoMethod method);
+struct LaterEngines;
+
+/// At its defaults. @param later for contact_lemke; shared by solvers that take turns
+std::unique_ptr<Solver> make_method(AutoMethod method, const std::shared_ptr<LaterEngines>& later);
 
 /// Solves what `solver`, which is of this method, has loaded, and counts it in. Where the limits leave nothing the
 /// claim says so, and z is zero. @param request with what is left of limits.time()
