@@ -407,6 +407,9 @@ TEST(StoreTest, WordThatIsNoClaimNamesTheStore) {
   Store store = Store::open_for_reading(file);
   EXPECT_EQ(input_error([&] { store.for_each_answer([](const StoredAnswer&) {}); }),
             file.string() + ": unknown claim 'sure'");
+  const std::string long_word(1'000'000, 'x');
+  EXPECT_EQ(input_error([&] { stored_claim(store.database(), long_word); }),
+            file.string() + ": " + ("unknown claim '" + long_word).substr(0, 200) + "...");
 }
 
 TEST(StoreTest, NamesThatSqliteReadsOtherwiseAreFiles) {
