@@ -115,6 +115,14 @@ std::int64_t id_of_problem(const Statement& row) {
   return problem_id(std::string(row.text(1)), static_cast<std::uint64_t>(row.integer(2)), row.integer(3));
 }
 
+/// The first solver whose parameterisations are not its cells 0, 1, ....
+std::string solver_without_cells(Database& database) {
+  Statement query(database,
+                  "SELECT s.id FROM solvers s LEFT JOIN parameterisations p ON p.solver_id = s.id GROUP BY s.id "
+                  "HAVING s.cells < 1 OR COUNT(p.cell) <> s.cells OR MIN(p.cell) <> 0 OR MAX(p.cell) <> s.cells - 1");
+  return query.step() ? fmt::format("id={}", query.integer(0)) : "";
+}
+
 std::string changed_vector(Database& database) {
   Statement query(database, "SELECT id, data FROM vectors");
   while (query.step()) {
@@ -221,6 +229,7 @@ void check_content(Database& database) {
   check_ids("solvers", "SELECT id, name, settings, library, version, isa, sweep FROM solvers", id_of_solver);
   check_ids("problems", "SELECT p.id, s.name, p.seed, p.trial FROM problems p LEFT JOIN sets s ON s.id = p.set_id",
             id_of_problem);
+  check_table(database, "solvers", [&] { return solver_without_cells(database); });
   check_table(database, "vectors", [&] { return changed_vector(database); });
   check_table(database, "cell_groups", [&] { return changed_group(database); });
   check_structure(database);

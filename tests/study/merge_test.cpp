@@ -46,8 +46,7 @@ TEST(MergeTest, RowUnderTheIdOfAnotherIsRefusedWithItsStoreAndTable) {
   for (const std::string table : {"runs", "sets", "solvers", "problems"}) {
     fs::copy_file(folder / "a.db", folder / "b.db", fs::copy_options::overwrite_existing);
     change_rows(folder / "b.db", "UPDATE " + table + " SET id = id - 1");
-    const std::string error =
-        input_error([&] { merge_stores(folder / "out.db", {folder / "a.db", folder / "b.db"}); });
+    const std::string error = input_error([&] { merge_stores(folder / "out.db", {folder / "a.db", folder / "b.db"}); });
     EXPECT_TRUE(error.starts_with((folder / "b.db").string() + ": the store is damaged: table " + table + ", row id="))
         << error;
     EXPECT_FALSE(fs::exists(folder / "out.db"));
