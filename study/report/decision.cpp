@@ -338,14 +338,11 @@ std::string answer_without_situations(const Summary& summary) {
 }  // namespace
 
 Estimate time_ratio(const Record& a, const Record& b) {
-  std::vector<double> own;
-  std::vector<double> others;
+  PairedTimes times;
   for_each_pair(a, b, [&](const Outcome& left, const Outcome& right) {
-    if (!left.solved || !right.solved || std::isnan(left.time_s) || std::isnan(right.time_s)) return;
-    own.push_back(left.time_s);
-    others.push_back(right.time_s);
+    if (left.solved && right.solved) times.add(left.time_s, right.time_s);
   });
-  return ratio_of_sums(own, others);
+  return ratio_of_sums(times.first, times.second);
 }
 
 std::vector<Situation> decide(const Summary& summary) {

@@ -194,15 +194,11 @@ using Json = nlohmann::ordered_json;
 double time_factor(const Cell& a, const Cell& b) {
   double own = 0;
   double others = 0;
-  auto other = b.outcomes.begin();
-  for (const Outcome& outcome : a.outcomes) {
-    while (other != b.outcomes.end() && other->problem < outcome.problem) ++other;
-    if (other == b.outcomes.end()) break;
-    if (other->problem != outcome.problem || !outcome.solved || !other->solved) continue;
-    if (std::isnan(outcome.time_s) || std::isnan(other->time_s)) continue;
-    own += outcome.time_s;
-    others += other->time_s;
-  }
+  lcpbench::for_each_pair(a.outcomes, b.outcomes, &Outcome::problem, [&](const Outcome& left, const Outcome& right) {
+    if (!left.solved || !right.solved || std::isnan(left.time_s) || std::isnan(right.time_s)) return;
+    own += left.time_s;
+    others += right.time_s;
+  });
   return own / others;
 }
 

@@ -64,14 +64,11 @@ const Record* best_of(const std::vector<Record>& records) {
 
 /// Does `a` show `property` on significantly more than `b` of the problems that both took?
 bool significantly_more(const Record& a, const Record& b, bool Outcome::*property) {
-  std::int64_t only_a = 0;
-  std::int64_t only_b = 0;
+  PairedCounts counts;
   for_each_pair(a, b, [&](const Outcome& left, const Outcome& right) {
-    if (left.refused || right.refused) return;
-    if (left.*property && !(right.*property)) ++only_a;
-    if (right.*property && !(left.*property)) ++only_b;
+    if (!left.refused && !right.refused) counts.add(left.*property, right.*property);
   });
-  return only_a > only_b && sign_test(only_a, only_b) < kSignificance;
+  return counts.only_first > counts.only_second && counts.p_value() < kSignificance;
 }
 
 /// A bound of the rule: "90 %".

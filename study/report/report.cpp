@@ -54,10 +54,6 @@ Json share_json(const report::Share& share) {
           {"high", share.interval().high}};
 }
 
-Json estimate_json(const Estimate& estimate) {
-  return {{"value", estimate.value}, {"low", estimate.low}, {"high", estimate.high}};
-}
-
 /// The decision table as records, one per situation and solver.
 Json decision_json(const Summary& summary, const std::vector<report::Situation>& situations) {
   Json records = Json::array();
@@ -77,8 +73,8 @@ Json decision_json(const Summary& summary, const std::vector<report::Situation>&
                          {"refused", share_json(contender.refused)},
                          {"error_median", contender.median_error},
                          {"error_p99", contender.p99_error},
-                         {"median_time_s", estimate_json(contender.time)},
-                         {"speedup", estimate_json(contender.speedup)}});
+                         {"median_time_s", report::estimate_json(contender.time)},
+                         {"speedup", report::estimate_json(contender.speedup)}});
     }
   }
   return records;

@@ -10,6 +10,8 @@
 #include <unordered_set>
 #include <utility>
 
+#include "study/statistics/pairs.h"
+
 namespace lcpbench {
 
 namespace {
@@ -300,32 +302,20 @@ bool is_reference(const SolverRow& solver) {
   return solver.settings.empty() && solver.all_settings.find("engine=dense") != std::string::npos;
 }
 
-/// Times of a solver's cell and of the reference on the problems that both solved.
-struct PairedTimes {
-  std::vector<double> times;
-  std::vector<double> reference;
-};
-
+/// Times of a solver's cells, each paired with the reference's.
 std::vector<PairedTimes> pair_times(const std::vector<Row>& rows, std::size_t cells,
                                     const std::vector<Row>& reference) {
   std::vector<PairedTimes> paired(cells);
-  auto other = reference.begin();
-  for (const Row& row : rows) {
-    while (other != reference.end() && other->problem < row.problem) ++other;
-    if (other == reference.end()) break;
-    if (other->problem != row.problem || !solved(row) || !solved(*other)) continue;
-    if (std::isnan(row.time_s()) || std::isnan(other->time_s())) continue;
-    for (const std::uint32_t number : *row.cells) {
-      paired[number].times.push_back(row.time_s());
-      paired[number].reference.push_back(other->time_s());
-    }
-  }
+  for_each_pair(rows, reference, &Row::problem, [&](const Row& row, const Row& other) {
+    if (!solved(row) || !solved(other)) return;
+    for (const std::uint32_t number : *row.cells) paired[number].add(row.time_s(), other.time_s());
+  });
   return paired;
 }
 
 Estimate plain_ratio(const PairedTimes& paired) {
-  const double total = std::accumulate(paired.times.begin(), paired.times.end(), 0.0);
-  const double reference = std::accumulate(paired.reference.begin(), paired.reference.end(), 0.0);
+  const double total = std::accumulate(paired.first.begin(), paired.first.end(), 0.0);
+  const double reference = std::accumulate(paired.second.begin(), paired.second.end(), 0.0);
   return {reference > 0 ? total / reference : kNone, kNone, kNone};
 }
 
@@ -358,8 +348,8 @@ void add_time_ratios(const std::vector<Row>& rows, const std::vector<Row>* refer
   const std::vector<PairedTimes> paired = pair_times(rows, cells.size(), *reference);
   for (std::size_t number = 0; number < cells.size(); ++number) {
     const PairedTimes& times = paired[number];
-    cells[number].paired = static_cast<std::int64_t>(times.times.size());
-    cells[number].time_ratio = swept ? plain_ratio(times) : ratio_of_sums(times.times, times.reference);
+    cells[number].paired = static_cast<std::int64_t>(times.first.size());
+    cells[number].time_ratio = swept ? plain_ratio(times) : ratio_of_sums(times.first, times.second);
   }
 }
 
