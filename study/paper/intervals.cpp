@@ -2,13 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace lcpbench::paper {
 
 namespace {
-
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 bool holds_values(const PooledMean& mean) {
   return mean.problems > 1 && mean.values.mean > 0 && std::isfinite(mean.values.sigma);

@@ -19,7 +19,6 @@ namespace lcpbench::report {
 
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 /// Without the sets that less than half as many solvers met as met the most popular one: those of a sweep or of a
 /// special question, which would leave no solver that met all.
 std::vector<std::size_t> widely_met(const Summary& summary, std::vector<std::size_t> sets) {

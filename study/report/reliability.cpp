@@ -23,7 +23,7 @@ std::vector<Record> records_of(const Summary& summary, const std::vector<std::si
     for (const Cell* cell : drawn_cells(summary, set)) {
       Record& record = by_solver[cell->solver];
       record.solver = cell->solver;
-      record.crashed += cell->count(Claim::kCrashed);
+      record.crashed += cell->count(lcpbench::Claim::kCrashed);
       ++sets_met[cell->solver];
       for (const Outcome& outcome : cell->outcomes) record.outcomes.emplace_back(set, &outcome);
     }

@@ -3,15 +3,11 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <set>
 
 namespace lcpbench {
 
 namespace {
-
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The outcomes of a set's solvers side by side: null where a solver did not meet a problem.
 struct OutcomeTable {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
 #include <map>
 #include <regex>
 #include <string>
@@ -22,8 +21,6 @@ namespace lcpbench::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// NaN: not known. Infinity: the answer is no number.
 double error_of(const Outcome& outcome, ErrorMeasure measure) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <numeric>
 #include <stdexcept>
 #include <vector>
@@ -12,7 +11,6 @@ namespace lcpbench {
 
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr std::uint64_t kBootstrapSeed = 0x6c637062656e6368;
 
 double sum(std::span<const double> values) { return std::accumulate(values.begin(), values.end(), 0.0); }

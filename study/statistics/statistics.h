@@ -1,11 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <random>
 #include <span>
 #include <vector>
 
 namespace lcpbench {
+
+inline constexpr double kNone = std::numeric_limits<double>::quiet_NaN();  // where the data give no number
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A closed range; both ends NaN where none can be given.
 struct Interval {
