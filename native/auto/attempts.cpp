@@ -15,9 +15,11 @@ bool takes(const Solver& solver, const Problem& problem) { return problem.size()
 
 }  // namespace
 
+SharedMethods::SharedMethods() : later_(std::make_shared<LaterEngines>()) {}
+
 Solver& SharedMethods::of(AutoMethod method) {
   std::unique_ptr<Solver>& solver = solvers_[static_cast<std::size_t>(method)];
-  if (solver == nullptr) solver = make_method(method);
+  if (solver == nullptr) solver = make_method(method, later_);
   return *solver;
 }
 
@@ -69,7 +71,7 @@ bool Attempts::is_left_out(const AutoTry& now) const {
 
 void Attempts::load_own(AutoMethod method) {
   const auto index = static_cast<std::size_t>(method);
-  if (own_[index] == nullptr) own_[index] = make_method(method);
+  if (own_[index] == nullptr) own_[index] = make_method(method, shared_.later_engines());
   own_[index]->load(*problem_);
   loaded_[index] = true;
   if (v_ != problem_->contact()->v && takes(*own_[index], *problem_)) own_[index]->update(v_);

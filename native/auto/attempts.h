@@ -14,11 +14,16 @@ namespace lcpbench {
 /// whatever the first method of an island gave up on.
 class SharedMethods {
  public:
+  SharedMethods();
+
   Solver& of(AutoMethod method);
   /// Takes the memory for load() of a dense method. @pre fits_in_advance(method, problem)
   void reserve(AutoMethod method, const Problem& problem);
+  /// What the rungs of contact_lemke beyond double run on, for all islands: they take turns.
+  const std::shared_ptr<LaterEngines>& later_engines() const { return later_; }
 
  private:
+  std::shared_ptr<LaterEngines> later_;
   std::array<std::unique_ptr<Solver>, kAutoMethods> solvers_;
 };
 

@@ -41,9 +41,9 @@ void limit_lemke(ContactLemke& lemke, const AutoTry& now, const Problem& problem
 
 double AutoLimits::time() const { return std::isinf(deadline_s) ? deadline_s : deadline_s - wall_clock_s(); }
 
-std::unique_ptr<Solver> make_method(AutoMethod method) {
+std::unique_ptr<Solver> make_method(AutoMethod method, const std::shared_ptr<LaterEngines>& later) {
   switch (method) {
-    case AutoMethod::kContactLemke: return std::make_unique<ContactLemke>(ContactLemkeSettings{});
+    case AutoMethod::kContactLemke: return std::make_unique<ContactLemke>(ContactLemkeSettings{}, later);
     case AutoMethod::kVelocityIpm: return lcpbench_solver_velocity_ipm().make({});
     case AutoMethod::kFrictionIpm: return make_friction_ipm();
     case AutoMethod::kPsor: return lcpbench_solver_psor().make({});
