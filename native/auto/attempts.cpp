@@ -2,6 +2,7 @@
 
 #include "core/timed_solve.h"
 #include "native/active_set/active_set.h"
+#include "native/contact_lemke/contact_lemke.h"
 
 namespace lcpbench {
 namespace {
@@ -14,9 +15,11 @@ bool takes(const Solver& solver, const Problem& problem) { return problem.size()
 
 }  // namespace
 
+SharedMethods::SharedMethods() : later_(std::make_shared<LaterEngines>()) {}
+
 Solver& SharedMethods::of(AutoMethod method) {
   std::unique_ptr<Solver>& solver = solvers_[static_cast<std::size_t>(method)];
-  if (solver == nullptr) solver = make(method);
+  if (solver == nullptr) solver = make_method(method, later_);
   return *solver;
 }
 
@@ -33,7 +36,6 @@ void Attempts::load(const Problem& problem, const Vector& v) {
   v_ = v;
   loaded_.fill(false);
   is_put_off_ = false;
-  is_warm_worthwhile_ = true;
   plan_ = plan_for(settings_, problem, v);
   load_own(plan_.front().method);
   reserve_what_follows();
@@ -43,7 +45,6 @@ bool Attempts::load_when_needed(const Problem& problem, const Vector& v) {
   problem_ = &problem;
   v_ = v;
   loaded_.fill(false);
-  is_warm_worthwhile_ = true;
   plan_ = plan_for(settings_, problem, v);
   is_put_off_ = true;
   bool can_wait = false;
@@ -68,7 +69,7 @@ bool Attempts::is_left_out(const AutoTry& now) const {
 
 void Attempts::load_own(AutoMethod method) {
   const auto index = static_cast<std::size_t>(method);
-  if (own_[index] == nullptr) own_[index] = shared_.make(method);
+  if (own_[index] == nullptr) own_[index] = make_method(method, shared_.later_engines());
   own_[index]->load(*problem_);
   loaded_[index] = true;
   if (v_ != problem_->contact()->v && takes(*own_[index], *problem_)) own_[index]->update(v_);
@@ -89,10 +90,6 @@ void Attempts::update(const Vector& v) {
   set_velocity(v);
   const AutoMethod first = plan_.front().method;
   if (!is_loaded(first)) load_own(first);
-  // Steps follow each other: contact_lemke may go on from the last answer.
-  if (plan_.front().brief && is_warm_worthwhile_ && !is_loaded(AutoMethod::kContactLemke)) {
-    load_own(AutoMethod::kContactLemke);
-  }
   reserve_what_follows();
 }
 
@@ -128,19 +125,10 @@ bool Attempts::tried(const AutoTry& now, const SolveRequest& request, bool is_la
 
 void Attempts::solve(const SolveRequest& request, const AutoLimits& limits, Answer& answer, AutoReport& report) {
   SolveRequest now_request = request;
-  bool is_warm = false;
-  if (request.start != nullptr && plan_.front().method == AutoMethod::kFrictionIpm && is_warm_worthwhile_ &&
-      is_loaded(AutoMethod::kContactLemke)) {
-    is_warm = true;
-    if (tried({.method = AutoMethod::kContactLemke, .brief = true}, request, false, limits, answer, report)) return;
-    is_warm_worthwhile_ = false;
-    now_request.start = nullptr;  // it may have been what misled the method
-  }
   for (const AutoTry& next : plan_) {
-    const bool is_done = is_warm && next.method == AutoMethod::kContactLemke && next.brief;
-    if (is_done || is_left_out(next)) continue;
+    if (is_left_out(next)) continue;
     if (tried(next, now_request, &next + 1 == plan_.end(), limits, answer, report)) return;
-    now_request.start = nullptr;
+    now_request.start = nullptr;  // it may have been what misled the method
   }
   if (answer.z.size() > 0) answer.z.setZero();
 }

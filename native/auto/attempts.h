@@ -7,7 +7,6 @@
 #include "native/auto/methods.h"
 #include "native/auto/plan.h"
 #include "native/auto/settings.h"
-#include "native/contact_lemke/contact_lemke.h"
 
 namespace lcpbench {
 
@@ -15,14 +14,16 @@ namespace lcpbench {
 /// whatever the first method of an island gave up on.
 class SharedMethods {
  public:
+  SharedMethods();
+
   Solver& of(AutoMethod method);
-  /// Another one, which takes turns with these.
-  std::unique_ptr<Solver> make(AutoMethod method) const { return make_method(method, later_); }
   /// Takes the memory for load() of a dense method. @pre fits_in_advance(method, problem)
   void reserve(AutoMethod method, const Problem& problem);
+  /// What the rungs of contact_lemke beyond double run on, for all islands: they take turns.
+  const std::shared_ptr<LaterEngines>& later_engines() const { return later_; }
 
  private:
-  std::shared_ptr<LaterEngines> later_ = std::make_shared<LaterEngines>();
+  std::shared_ptr<LaterEngines> later_;
   std::array<std::unique_ptr<Solver>, kAutoMethods> solvers_;
 };
 
@@ -72,8 +73,7 @@ class Attempts {
   std::array<std::unique_ptr<Solver>, kAutoMethods> own_;
   std::array<bool, kAutoMethods> loaded_{};  ///< whether the own solver holds the problem
   bool is_put_off_ = false;
-  bool is_warm_worthwhile_ = true;  ///< contact_lemke has not given up since the load
-  Solver* answered_ = nullptr;      ///< what gave the last answer
+  Solver* answered_ = nullptr;  ///< what gave the last answer
   AutoMethod answered_by_ = AutoMethod::kActiveSet;
 };
 

@@ -8,6 +8,8 @@
 
 namespace lcpbench {
 
+struct LaterEngines;
+
 /// Whether it has dense matrices only, for which memory can be taken before the problem is known.
 inline bool is_dense(AutoMethod method) {
   return method == AutoMethod::kActiveSet || method == AutoMethod::kContactLemke;
@@ -32,9 +34,7 @@ struct AutoLimits {
   bool exhausted(const Counters& done) const { return max_pivots > 0 && pivots(done) <= 0; }
 };
 
-struct LaterEngines;
-
-/// At its defaults. @param later for contact_lemke; shared by solvers that take turns
+/// At its defaults. @param later what the rungs of contact_lemke beyond double run on
 std::unique_ptr<Solver> make_method(AutoMethod method, const std::shared_ptr<LaterEngines>& later);
 
 /// Solves what `solver`, which is of this method, has loaded, and counts it in. Where the limits leave nothing the
