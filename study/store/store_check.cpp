@@ -82,11 +82,28 @@ std::string key_in_words(Database& database, const std::string& table) {
   return words;
 }
 
+/// What the integers of a table can be, as SQL. Sums of other numbers may exceed 64 bits.
+std::string range_of(const std::string& table) {
+  constexpr std::int64_t kLargest = std::int64_t{1} << 53;  // that an external program may count
+  std::string ranges;
+  const auto add = [&ranges](std::int64_t low, std::int64_t high, std::initializer_list<const char*> columns) {
+    for (const char* column : columns) {
+      ranges += fmt::format("{}{} BETWEEN {} AND {}", ranges.empty() ? "" : " AND ", column, low, high);
+    }
+  };
+  if (table == "problems") add(0, kLargest, {"trial", "n", "ngc", "nc"});
+  if (table == "answers") add(-1, kLargest, {"iterations", "pivots", "factorizations"});
+  if (table == "verdicts") add(0, 1, {"usable", "solved", "criterion", "farkas_checked"});
+  if (table == "verdicts") add(0, kLargest, {"IFNULL(worst_row, 0)"});
+  if (table == "timings") add(0, kLargest, {"repeats"});
+  return ranges.empty() ? "1" : ranges;
+}
+
 /// The first row that is not what was written, in words; "" for none.
 std::string changed_row(Database& database, const std::string& table) {
-  Statement query(
-      database, fmt::format("SELECT {} FROM {} WHERE checksum IS NOT {} LIMIT 1", key_in_words(database, table), table,
-                            sqlite::row_checksum_of(database, table)));
+  Statement query(database, fmt::format("SELECT {} FROM {} WHERE checksum IS NOT {} OR NOT ({}) LIMIT 1",
+                                        key_in_words(database, table), table, sqlite::row_checksum_of(database, table),
+                                        range_of(table)));
   return query.step() ? std::string(query.text(0)) : "";
 }
 

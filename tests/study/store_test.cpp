@@ -414,6 +414,25 @@ TEST(StoreTest, SolverWithoutItsCellsIsDamage) {
   }
 }
 
+/// Sums over such rows would exceed 64 bits.
+TEST(StoreTest, IntegersOutOfTheirRangeAreDamage) {
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder / "s.db";
+  const std::pair<const char*, const char*> damages[] = {
+      {"problems", "n = -1"},         {"answers", "pivots = 9223372036854775807"},
+      {"answers", "iterations = -2"}, {"verdicts", "solved = 2"},
+      {"verdicts", "worst_row = -1"}, {"timings", "repeats = -1"}};
+  for (const auto& [table, change] : damages) {
+    std::filesystem::remove(file);
+    fill(file, Vector::Ones(2));
+    change_rows(file, fmt::format("UPDATE {} SET {}", table, change));
+    Store store = Store::open_for_reading(file);
+    const std::string error = input_error([&] { store.check(); });
+    EXPECT_TRUE(error.starts_with(fmt::format("{}: the store is damaged: table {}, row ", file.string(), table)))
+        << error;
+  }
+}
+
 TEST(StoreTest, WordThatIsNoClaimNamesTheStore) {
   const ScratchFolder folder;
   const std::filesystem::path file = folder / "s.db";
