@@ -107,7 +107,10 @@ void IslandPart::load_method() {
       if (velocity_ipm_ == nullptr) velocity_ipm_ = lcpbench_solver_velocity_ipm().make({});
       break;
     case AutoMethod::kFrictionIpm:
-      if (friction_ipm_ == nullptr) friction_ipm_ = lcpbench_solver_friction_ipm().make({});
+      if (friction_ipm_ == nullptr) {
+        // Where it comes no nearer, contact_lemke follows, which does.
+        friction_ipm_ = lcpbench_solver_friction_ipm().make({{"accept_residual", "3e-5"}});
+      }
       break;
   }
   solver().load(problem_);

@@ -18,7 +18,7 @@ namespace {
 struct FrictionIpmSettings {
   Algebra algebra = Algebra::kAuto;
   double tolerance = 1e-9;
-  double accept_residual = 3e-5;
+  double accept_residual = 1e-4;
   double shift = 1e-12;
   std::int64_t max_iterations = 10000;
 
