@@ -260,8 +260,10 @@ void ContactLemke::on_solve(const SolveRequest& request, Answer& answer) {
     if (climb(kWarmRung, rules, progress, answer)) return report(progress, answer);
   }
   resumable_ = false;
+  std::int64_t rungs = 0;
   for (const ContactRung& rung : kRungs) {
     if (!wanted(rung, settings_, data_.input.ngc)) continue;
+    if (max_rungs_ > 0 && rungs++ == max_rungs_) break;
     if (rung.arithmetic != ContactArithmetic::kDouble && progress.best <= kClaimedResidual) break;
     Rules rules;
     rules.classic = rung.classic;

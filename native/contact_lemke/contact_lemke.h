@@ -130,6 +130,9 @@ class ContactLemke final : public Solver {
   /// ContactLemkeSettings::max_pivots from now on.
   void limit_pivots(std::int64_t max_pivots) { settings_.max_pivots = max_pivots; }
 
+  /// From now on at most so many rungs of the cascade, the warm one not counted; 0: all.
+  void limit_rungs(std::int64_t max_rungs) { max_rungs_ = max_rungs; }
+
   /// velocity := v + G* [N D] z, for z (n) and velocity (ngc) of the loaded problem, in the highest precision that its
   /// solves came to. O(ngc^2)
   void respond(const Vector& z, Vector& velocity);
@@ -174,6 +177,7 @@ class ContactLemke final : public Solver {
   void report(const Progress& progress, Answer& answer);
 
   ContactLemkeSettings settings_;
+  std::int64_t max_rungs_ = 0;
   Capabilities capabilities_;
   ContactInput data_;
   Index reserved_ngc_ = 0, reserved_nc_ = 0;  ///< up to which frictionless problems find memory
