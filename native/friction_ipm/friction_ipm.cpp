@@ -20,7 +20,7 @@ namespace {
 struct FrictionIpmSettings {
   Algebra algebra = Algebra::kAuto;
   double tolerance = 1e-9;
-  double accept_residual = 3e-5;
+  double accept_residual = 1e-4;
   double shift = 1e-12;
   std::int64_t max_iterations = 10000;
 
@@ -275,7 +275,9 @@ const Capabilities& FrictionIpm::capabilities() const { return kCapabilities; }
 
 }  // namespace
 
-std::unique_ptr<LimitedFrictionIpm> make_friction_ipm() { return std::make_unique<FrictionIpm>(FrictionIpmSettings{}); }
+std::unique_ptr<LimitedFrictionIpm> make_friction_ipm() {
+  return std::make_unique<FrictionIpm>(FrictionIpmSettings{.accept_residual = 3e-5});
+}
 
 SolverDefinition lcpbench_solver_friction_ipm() {
   return define_solver<FrictionIpm, FrictionIpmSettings>(
