@@ -114,7 +114,7 @@ void Auto::load_islands(const ContactProblem& contact) {
     std::sort(all.coordinates.begin(), all.coordinates.end());
     found.assign(1, std::move(all));
   }
-  cutter_ = std::make_unique<ProblemCutter>(contact);
+  cutter_ = std::make_unique<ProblemCutter>(problem());
   carries_.assign(contact.edges.size(), 0);
   u_.resize(v_.size());
   island_count_ = found.size();

@@ -73,9 +73,12 @@ Jacobian restrict_columns(const Jacobian& J, std::span<const Index> columns, std
   return restrict_sparse(std::get<SparseMatrix>(J), columns, static_cast<Index>(rows.size()), local);
 }
 
-ProblemCutter::ProblemCutter(const ContactProblem& whole)
-    : whole_(&whole), layout_(contact_layout(whole)), local_(static_cast<std::size_t>(whole.ngc()), -1) {
-  const auto* blocks = std::get_if<BlockInertia>(&whole.inertia);
+ProblemCutter::ProblemCutter(const Problem& whole)
+    : problem_(whole),
+      whole_(problem_.contact()),
+      layout_(contact_layout(*whole_)),
+      local_(static_cast<std::size_t>(whole_->ngc()), -1) {
+  const auto* blocks = std::get_if<BlockInertia>(&whole_->inertia);
   if (blocks == nullptr) return;
   block_begin_.push_back(0);
   block_of_.reserve(local_.size());
