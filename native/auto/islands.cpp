@@ -49,19 +49,21 @@ Matrix restrict_dense(const Matrix& J, std::span<const Index> columns, std::span
   return part;
 }
 
+/// The rows keep their order.
 SparseMatrix restrict_sparse(const SparseMatrix& J, std::span<const Index> columns, Index rows,
                              const std::vector<Index>& local) {
-  std::vector<Eigen::Triplet<double>> entries;
+  SparseMatrix part(rows, static_cast<Index>(columns.size()));
+  Index entries = 0;
+  for (const Index column : columns) entries += J.col(column).nonZeros();
+  part.reserve(entries);
   for (std::size_t j = 0; j < columns.size(); ++j) {
+    part.startVec(static_cast<Index>(j));
     for (SparseMatrix::InnerIterator entry(J, columns[j]); entry; ++entry) {
       const Index row = local[static_cast<std::size_t>(entry.row())];
-      if (row >= 0 && entry.value() != 0) {
-        entries.emplace_back(static_cast<int>(row), static_cast<int>(j), entry.value());
-      }
+      if (row >= 0 && entry.value() != 0) part.insertBack(row, static_cast<Index>(j)) = entry.value();
     }
   }
-  SparseMatrix part(rows, static_cast<Index>(columns.size()));
-  part.setFromTriplets(entries.begin(), entries.end());
+  part.finalize();
   return part;
 }
 
