@@ -28,15 +28,17 @@ constexpr Capabilities kCapabilities{
 /// was tested. See docs/reference/solvers/auto.md.
 ///
 /// Contacts: islands one by one, each without the contacts that cannot be pressed; without friction by `active_set`, or
-/// `velocity_ipm` where it is a large scene; with friction by `contact_lemke`. Bare LCPs: LcpLadder. Each of these
-/// climbs from double to 113 bits as far as the test of its answer, made from the data, asks for.
+/// `velocity_ipm` where it is a large scene; with friction by `contact_lemke` and `friction_ipm`, each followed by
+/// another method where it gives up (plan_for). Bare LCPs: LcpLadder. Dense methods climb from double to 113 bits as
+/// far as the test of their answer, made from the data, asks for.
 ///
 /// kSolved: every part passed; kUnsolvable: some part was proven to have no solution (`farkas` is then a proof for the
 /// whole where there is one for the part); else the claim of the first part that failed, and z = 0. `detail` says what
 /// was left out, which methods ran and the highest rung. Returns the velocity where all methods gave one.
 /// SolveRequest::start: as the methods use it, the last answer being of use to all.
 ///
-/// Nothing is allocated in solve(): what is tried where a method gives up has its memory from load().
+/// Nothing is allocated in solve() while the first method and the dense ones after it solve every island; friction_ipm
+/// and psor are loaded there where another one gave up.
 class Auto final : public Solver {
  public:
   explicit Auto(const AutoSettings& settings) : settings_(settings), lcp_(settings.max_pivots) {}
@@ -112,7 +114,7 @@ void Auto::load_islands(const ContactProblem& contact) {
     std::sort(all.coordinates.begin(), all.coordinates.end());
     found.assign(1, std::move(all));
   }
-  cutter_ = std::make_unique<ProblemCutter>(contact);
+  cutter_ = std::make_unique<ProblemCutter>(problem());
   carries_.assign(contact.edges.size(), 0);
   u_.resize(v_.size());
   island_count_ = found.size();

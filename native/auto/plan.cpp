@@ -66,7 +66,7 @@ AutoPlan frictional_plan(const ContactProblem& contact, const Vector& v) {
   AutoPlan plan;
   const Index size = contact.nc() * contact.ngc();
   const bool is_scene = std::holds_alternative<BlockInertia>(contact.inertia);
-  if (may_be_singular(contact)) {  // only contact_lemke tells what has a solution from what has none
+  if (size < kLarge && may_be_singular(contact)) {  // only contact_lemke tells what has a solution from what has none
     plan.add(kContactLemke);
   } else if (size < (is_scene ? kTiny : kLarge)) {
     plan.add(kContactLemke);
