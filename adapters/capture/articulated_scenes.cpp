@@ -11,15 +11,6 @@ using Eigen::Vector3d;
 
 constexpr double kHalfTurn = 3.141592653589793;
 
-Scene scene(std::string name, std::string summary, double mu) {
-  Scene result;
-  result.name = std::move(name);
-  result.summary = std::move(summary);
-  result.mu = mu;
-  result.bodies.push_back(ground());
-  return result;
-}
-
 Hinge hinge(int parent, const Vector3d& anchor, const Vector3d& axis, double lower, double upper) {
   Hinge result;
   result.parent = parent;

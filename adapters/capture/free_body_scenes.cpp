@@ -17,15 +17,6 @@ constexpr double kSin37 = 0.6;
 constexpr double kCos16 = 0.96;
 constexpr double kSin16 = 0.28;
 
-Scene scene(std::string name, std::string summary, double mu) {
-  Scene result;
-  result.name = std::move(name);
-  result.summary = std::move(summary);
-  result.mu = mu;
-  result.bodies.push_back(ground());
-  return result;
-}
-
 /// Numbers between -1 and 1 without a pattern, the same everywhere.
 class Scatter {
  public:

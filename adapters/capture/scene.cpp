@@ -75,6 +75,15 @@ Body fixed(Part part, const Eigen::Vector3d& position, const Eigen::Quaterniond&
 
 Body ground() { return fixed(box(15, 15, 1), {0, 0, -1}); }
 
+Scene scene(std::string name, std::string summary, double mu) {
+  Scene result;
+  result.name = std::move(name);
+  result.summary = std::move(summary);
+  result.mu = mu;
+  result.bodies.push_back(ground());
+  return result;
+}
+
 Eigen::Quaterniond turned_about_y(double cosine, double sine) {
   const double half_cosine = std::sqrt((1 + cosine) / 2);
   return {half_cosine, 0, sine / (2 * half_cosine), 0};

@@ -106,6 +106,8 @@ Body fixed(Part part, const Eigen::Vector3d& position,
            const Eigen::Quaterniond& orientation = Eigen::Quaterniond::Identity());
 /// A level floor at height 0.
 Body ground();
+/// A scene of the ground alone, to which others are added.
+Scene scene(std::string name, std::string summary, double mu);
 /// A turn about the y axis by an angle of this cosine and sine: z goes to (sine, 0, cosine). Without trigonometric
 /// functions, whose last bit is not the same everywhere.
 Eigen::Quaterniond turned_about_y(double cosine, double sine);

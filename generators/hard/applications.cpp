@@ -90,12 +90,12 @@ HardCase make_string(const OddOrderDial<15, 99>& dial) {
   return obstacle_problem(tridiagonal(n, -1, 2, -1), obstacle, "M is positive definite");
 }
 
-struct GridDials {
+struct MembraneDials {
   std::int64_t m = 10;
   void visit(auto&& field) { field("m", m, IntegerRange{2, 20}, "points along a side; n = m^2"); }
 };
 
-HardCase make_membrane(const GridDials& dials) {
+HardCase make_membrane(const MembraneDials& dials) {
   const auto m = static_cast<std::size_t>(dials.m);
   Square M(m * m, m * m);
   Numbers obstacle(m * m);
@@ -174,7 +174,7 @@ void add_pde(std::vector<HardSet>& sets) {
       {"pde/string", "n = 3..199, odd", "a string over a parabola: tridiag(-1, 2, -1), q = M obstacle",
        "the condition number grows like n^2, and so do iterations of splittings",
        "Cottle, Pang and Stone 1992, The linear complementarity problem, sec. 1.2"}));
-  sets.push_back(hard_set<GridDials, make_membrane>(
+  sets.push_back(hard_set<MembraneDials, make_membrane>(
       {"pde/membrane", "n = 4..400", "a membrane over a paraboloid, five-point Laplacian, q = M obstacle",
        "symmetry makes whole orbits of ratios tie; large for dense methods",
        "Cottle, Pang and Stone 1992, The linear complementarity problem, sec. 1.2"}));

@@ -26,7 +26,7 @@ collect mass-ratio-1e4 30 240 $all
 collect mass-ratio-1e6 30 240 $all
 collect wedge 20 180 $all
 collect sphere-pile 60 300 $all
-collect box-pile 60 300 $all
+collect box-pile 60 360 $all
 collect uneven-table 25 200 $all
 collect gripper 25 200 $all
 collect dominoes 35 280 $all

@@ -36,7 +36,6 @@ void Attempts::load(const Problem& problem, const Vector& v) {
   v_ = v;
   loaded_.fill(false);
   is_put_off_ = false;
-  is_warm_worthwhile_ = true;
   plan_ = plan_for(settings_, problem, v);
   load_own(plan_.front().method);
   reserve_what_follows();
@@ -46,7 +45,6 @@ bool Attempts::load_when_needed(const Problem& problem, const Vector& v) {
   problem_ = &problem;
   v_ = v;
   loaded_.fill(false);
-  is_warm_worthwhile_ = true;
   plan_ = plan_for(settings_, problem, v);
   is_put_off_ = true;
   bool can_wait = false;
@@ -92,10 +90,6 @@ void Attempts::update(const Vector& v) {
   set_velocity(v);
   const AutoMethod first = plan_.front().method;
   if (!is_loaded(first)) load_own(first);
-  // Steps follow each other: contact_lemke may go on from the last answer.
-  if (plan_.front().brief && is_warm_worthwhile_ && !is_loaded(AutoMethod::kContactLemke)) {
-    load_own(AutoMethod::kContactLemke);
-  }
   reserve_what_follows();
 }
 
@@ -131,19 +125,10 @@ bool Attempts::tried(const AutoTry& now, const SolveRequest& request, bool is_la
 
 void Attempts::solve(const SolveRequest& request, const AutoLimits& limits, Answer& answer, AutoReport& report) {
   SolveRequest now_request = request;
-  bool is_warm = false;
-  if (request.start != nullptr && plan_.front().method == AutoMethod::kFrictionIpm && is_warm_worthwhile_ &&
-      is_loaded(AutoMethod::kContactLemke)) {
-    is_warm = true;
-    if (tried({.method = AutoMethod::kContactLemke, .brief = true}, request, false, limits, answer, report)) return;
-    is_warm_worthwhile_ = false;
-    now_request.start = nullptr;  // it may have been what misled the method
-  }
   for (const AutoTry& next : plan_) {
-    const bool is_done = is_warm && next.method == AutoMethod::kContactLemke && next.brief;
-    if (is_done || is_left_out(next)) continue;
+    if (is_left_out(next)) continue;
     if (tried(next, now_request, &next + 1 == plan_.end(), limits, answer, report)) return;
-    now_request.start = nullptr;
+    now_request.start = nullptr;  // it may have been what misled the method
   }
   if (answer.z.size() > 0) answer.z.setZero();
 }

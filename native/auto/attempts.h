@@ -73,8 +73,7 @@ class Attempts {
   std::array<std::unique_ptr<Solver>, kAutoMethods> own_;
   std::array<bool, kAutoMethods> loaded_{};  ///< whether the own solver holds the problem
   bool is_put_off_ = false;
-  bool is_warm_worthwhile_ = true;  ///< contact_lemke has not given up since the load
-  Solver* answered_ = nullptr;      ///< what gave the last answer
+  Solver* answered_ = nullptr;  ///< what gave the last answer
   AutoMethod answered_by_ = AutoMethod::kActiveSet;
 };
 

@@ -15,7 +15,6 @@ namespace {
 
 using sqlite::Statement;
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr int kContradictionsShown = 100;
 
 /// Problems p of the sets s that ?1 names (a JSON array; empty: every set).
@@ -120,7 +119,8 @@ std::vector<ForwardError> CertificateTable::answers_without_forward_error(std::i
                   "AND forward_velocity IS NULL ORDER BY solver_id, part");
   query.bind_all(problem_id);
   std::vector<ForwardError> answers;
-  while (query.step()) answers.push_back({query.integer(0), query.integer(1), kNone});
+  while (query.step())
+    answers.push_back({query.integer(0), query.integer(1), std::numeric_limits<double>::quiet_NaN()});
   return answers;
 }
 

@@ -19,11 +19,11 @@ namespace lcpbench::exact {
 namespace {
 
 /// Rounds of exact exchanges after a float basis that was no solution.
-constexpr int kExchanges = 8;
+constexpr int kContactExchanges = 8;
 /// Largest orders for exact Lemke: on monotone problems, which it settles, on others, and for the enumeration of cones.
 constexpr Index kLargestMonotoneLemke = 128;
-constexpr Index kLargestLemke = 40;
-constexpr Index kLargestEnumeration = 16;
+constexpr Index kLargestContactLemke = 40;
+constexpr Index kLargestContactEnumeration = 16;
 /// Largest order for floats of 113 bits on a dense M.
 constexpr Index kLargestQuad = 60;
 /// How many variants of a problem are tried in search of a solution, or of another velocity.
@@ -49,7 +49,7 @@ template <class Rows, class Settled, class Accepts>
 std::optional<ExactPoint> certified_near(const ExactSystem& system, const Vector& z, const Deadline& deadline,
                                          Rows&& more_rows, Settled&& settled, Accepts&& accepts) {
   std::vector<Index> basis = support(z, system.size());
-  for (int round = 0; round <= kExchanges; ++round) {
+  for (int round = 0; round <= kContactExchanges; ++round) {
     std::optional<ExactPoint> point = basis_point(system, basis, deadline);
     if (!point) point = purified_point(system, basis, round == 0 ? more_rows() : std::vector<Index>{}, deadline);
     if (!point) return std::nullopt;
@@ -206,7 +206,7 @@ class ContactCertifier {
   // On monotone problems Lemke ends at a solution or at a proof that there is none. On others it need not do either.
   bool settled_by_exact_lemke() {
     const Index order = std::max(truth_.system().size(), truth_.system().potentials());
-    if (order > (truth_.monotone() ? kLargestMonotoneLemke : kLargestLemke) || deadline_.passed()) return false;
+    if (order > (truth_.monotone() ? kLargestMonotoneLemke : kLargestContactLemke) || deadline_.passed()) return false;
     const std::optional<ReducedSystem> eliminated = without_potentials(truth_.system(), deadline_);
     if (!eliminated) return false;
     const LemkeOutcome outcome = exact_lemke(eliminated->lcp, deadline_);
@@ -218,7 +218,7 @@ class ContactCertifier {
   }
 
   bool enumerated() {
-    if (truth_.system().size() > kLargestEnumeration || deadline_.passed()) return false;
+    if (truth_.system().size() > kLargestContactEnumeration || deadline_.passed()) return false;
     const std::optional<ReducedSystem> eliminated = without_potentials(truth_.system(), deadline_);
     if (!eliminated) return false;
     const EnumerationOutcome outcome = enumerate_cones(eliminated->lcp, deadline_);

@@ -5,8 +5,6 @@
 namespace lcpbench::exact {
 namespace {
 
-void shift_left(Integer& value, slong by) { fmpz_mul_2exp(value.get(), value.get(), static_cast<ulong>(by)); }
-
 slong smallest_exponent(const ScaledVector& x) {
   return x.exponents.empty() ? 0 : *std::min_element(x.exponents.begin(), x.exponents.end());
 }

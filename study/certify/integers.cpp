@@ -15,10 +15,6 @@ constexpr int kDoubleBits = 53;
 constexpr Index kRowsAtOnce = 32;
 constexpr slong kSmallestExponent = -1074;  // of the smallest positive double
 
-void shift_left(Integer& value, slong by) {
-  if (by > 0) fmpz_mul_2exp(value.get(), value.get(), static_cast<ulong>(by));
-}
-
 // The largest e with 2^e <= a / b, for a, b > 0.
 slong floor_log2(const Integer& a, const Integer& b) {
   const slong guess = static_cast<slong>(fmpz_bits(a.get())) - static_cast<slong>(fmpz_bits(b.get()));

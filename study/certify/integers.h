@@ -42,6 +42,11 @@ class Integer {
 
 using IntegerVector = std::vector<Integer>;
 
+/// Multiplies by 2^by, for by >= 0; otherwise leaves the value.
+inline void shift_left(Integer& value, slong by) {
+  if (by > 0) fmpz_mul_2exp(value.get(), value.get(), static_cast<ulong>(by));
+}
+
 /// A dense matrix of integers, zero at first: FLINT's fmpz_mat with an owner.
 class IntegerMatrix {
  public:

@@ -30,7 +30,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Arguments {
+struct BenchArguments {
   std::vector<std::string> sets{"paper/monotone/exp1", "paper/copositive/exp1"};
   std::vector<std::string> solvers{"lemke{engine=kernel}"};
   std::string reference = "lemke{engine=dense}";
@@ -229,7 +229,7 @@ void print_cells(const std::vector<BenchCell>& cells, const Spec& reference, int
              width));
 }
 
-int bench(const Arguments& arguments) {
+int bench(const BenchArguments& arguments) {
   const Json origin = provenance(arguments.command_line, utc_now());
   BenchPlan plan;
   plan.sets = arguments.sets;
@@ -257,7 +257,7 @@ int bench(const Arguments& arguments) {
 }  // namespace
 
 Action add_bench_command(CLI::App& command, const std::string& command_line) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<BenchArguments>();
   arguments->command_line = command_line;
   command.add_option("--set", arguments->sets, "problem set or glob; may be repeated")
       ->allow_extra_args(false)

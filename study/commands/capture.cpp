@@ -20,7 +20,7 @@
 namespace lcpbench {
 namespace {
 
-struct Arguments {
+struct CaptureArguments {
   std::string scene;
   std::string engine;
   std::string model;
@@ -30,7 +30,7 @@ struct Arguments {
 };
 
 /// Completes what was not given. @throws InputError on an unknown scene
-void complete(Arguments& arguments) {
+void complete(CaptureArguments& arguments) {
   std::vector<std::string> names;
   bool articulated = true;
   bool known = false;
@@ -74,7 +74,7 @@ std::size_t check_and_compress(const std::string& raw, const std::string& out) {
   return captured.count();
 }
 
-int run_capture(Arguments arguments) {
+int run_capture(CaptureArguments arguments) {
   complete(arguments);
   const RawFile raw{arguments.out + ".part"};
   const capture::EngineRun run = capture::run_engine(
@@ -112,7 +112,7 @@ std::string list_of_scenes() {
 }  // namespace
 
 Action add_capture_command(CLI::App& command) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CaptureArguments>();
   command.add_option("SCENE", arguments->scene, "scene; with --model, a name for what is captured")->required();
   command.add_option("--engine", arguments->engine, "physics engine: ode, bullet, mujoco or dart")
       ->check(CLI::IsMember({"ode", "bullet", "mujoco", "dart"}));

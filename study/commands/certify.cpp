@@ -35,7 +35,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr Index kVelocityShown = 12;
 
-struct Arguments {
+struct CertifyArguments {
   std::vector<std::string> files;
   bool exact = false;
   double time_limit_s = 10.0;
@@ -138,7 +138,7 @@ void print_vector(const char* title, const ExactVector& vector) {
 }
 
 void print_certificate(const Problem& problem, const std::string& file, const Certificate& certificate,
-                       const Arguments& arguments) {
+                       const CertifyArguments& arguments) {
   std::string text =
       fmt::format("{}\n  {}: {} ({})\n", problem_summary_text(problem, file), to_string(certificate.kind),
                   finding(problem, certificate), format_seconds(certificate.seconds));
@@ -160,7 +160,7 @@ void print_certificate(const Problem& problem, const std::string& file, const Ce
   say(stdout, "\n");
 }
 
-int certify_files(const Arguments& arguments) {
+int certify_files(const CertifyArguments& arguments) {
   ProofFile proofs(arguments.proofs, arguments.files);
   // A single problem is somebody's question: whether its answer is the only one belongs to it.
   const CertifyOptions options{.time_limit_s = arguments.time_limit_s, .seek_other_velocity = true};
@@ -261,7 +261,7 @@ Store open_existing(const std::string& file) {
   return Store::open_for_writing(file, told_on_stderr());
 }
 
-CertifyOutcome certify_all(const Arguments& arguments, Store& store, const CertifyScope& scope,
+CertifyOutcome certify_all(const CertifyArguments& arguments, Store& store, const CertifyScope& scope,
                            const volatile std::sig_atomic_t* stop) {
   CertifyRun run;
   run.scope = scope;
@@ -280,7 +280,7 @@ CertifyOutcome certify_all(const Arguments& arguments, Store& store, const Certi
   return certify_store(store, run);
 }
 
-void print_findings(const Arguments& arguments, const std::vector<CertifiedSet>& sets,
+void print_findings(const CertifyArguments& arguments, const std::vector<CertifiedSet>& sets,
                     const std::vector<std::string>& contradictions) {
   if (arguments.format == "json") {
     Json rows = Json::array();
@@ -297,7 +297,7 @@ void print_findings(const Arguments& arguments, const std::vector<CertifiedSet>&
   if (contradictions.empty()) say(stdout, "\nno answer and no certificate contradict each other\n");
 }
 
-int certify_stored(const Arguments& arguments) {
+int certify_stored(const CertifyArguments& arguments) {
   const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
   Store store = open_existing(arguments.store);
   const CertifyScope scope{sets_of_store(store, arguments.sets), arguments.every, arguments.time_limit_s};
@@ -318,7 +318,7 @@ int certify_stored(const Arguments& arguments) {
   return contradictions.empty() ? kExitDone : kExitCheckFailed;
 }
 
-int certify(const Arguments& arguments) {
+int certify(const CertifyArguments& arguments) {
   if (arguments.files.empty() == arguments.store.empty()) {
     throw InputError("certify: give problem files, or --store STORE (lcpbench certify --help)");
   }
@@ -328,7 +328,7 @@ int certify(const Arguments& arguments) {
 }  // namespace
 
 Action add_certify_command(CLI::App& command, const std::string& command_line) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CertifyArguments>();
   arguments->command_line = command_line;
   command.add_option("FILE", arguments->files, "problem files");
   command.add_option("--time-limit", arguments->time_limit_s, "seconds for each problem")

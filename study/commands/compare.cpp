@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Arguments {
+struct CompareArguments {
   std::filesystem::path a;
   std::filesystem::path b;
   CompareOptions options;
@@ -50,7 +50,7 @@ void warn_of_differences(const Json& a, const Json& b) {
   }
 }
 
-int compare(const Arguments& arguments) {
+int compare(const CompareArguments& arguments) {
   Store a = open_checked(arguments.a);
   Store b = open_checked(arguments.b);
   const StoreComparison comparison = compare_stores(a, b, arguments.options);
@@ -75,7 +75,7 @@ int compare(const Arguments& arguments) {
 }  // namespace
 
 Action add_compare_command(CLI::App& command) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CompareArguments>();
   command.add_option("A", arguments->a, "store to compare with: the older one")->required();
   command.add_option("B", arguments->b, "store to judge: the newer one; may be A with --solver-b")->required();
   command.add_option("--set", arguments->options.sets, "set name or glob; may be repeated; default all")

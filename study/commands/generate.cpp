@@ -16,7 +16,7 @@
 namespace lcpbench {
 namespace {
 
-struct Arguments {
+struct GenerateArguments {
   std::string set;
   std::string out;
   std::uint64_t seed = 1;
@@ -24,7 +24,7 @@ struct Arguments {
   std::int64_t first = 0;
 };
 
-int generate(const Arguments& arguments) {
+int generate(const GenerateArguments& arguments) {
   const std::unique_ptr<ProblemSet> set = open_set(arguments.set);
   const std::filesystem::path folder = arguments.out;
   std::error_code error;
@@ -41,7 +41,7 @@ int generate(const Arguments& arguments) {
 }  // namespace
 
 Action add_generate_command(CLI::App& command) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<GenerateArguments>();
   command.add_option("SET", arguments->set, "problem set, with its options in braces")->required();
   command.add_option("--seed", arguments->seed, "stream of random problems")->check(seed_check())->required();
   command.add_option("--count", arguments->count, "how many problems")

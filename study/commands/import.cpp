@@ -16,7 +16,7 @@
 namespace lcpbench {
 namespace {
 
-struct Arguments {
+struct ImportArguments {
   std::string format;
   std::vector<std::string> files;
   std::string out;
@@ -45,7 +45,7 @@ int run_beside(const std::string& name, std::vector<std::string> arguments, cons
   return WEXITSTATUS(status);
 }
 
-int import_files(const Arguments& arguments) {
+int import_files(const ImportArguments& arguments) {
   if (!is_scenes_file(arguments.out)) {
     throw InputError("--out '" + arguments.out + "': a scenes file's name ends in .scenes");
   }
@@ -65,7 +65,7 @@ int import_files(const Arguments& arguments) {
 }  // namespace
 
 Action add_import_command(CLI::App& command) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ImportArguments>();
   command.add_option("FORMAT", arguments->format, "fclib: frictional contact problems of Siconos (HDF5)")
       ->required()
       ->check(CLI::IsMember({"fclib"}));

@@ -15,13 +15,13 @@
 namespace lcpbench {
 namespace {
 
-struct Arguments {
+struct InspectArguments {
   std::vector<std::string> files;
   std::string format = "text";
   Extent extent;
 };
 
-int inspect_files(const Arguments& arguments) {
+int inspect_files(const InspectArguments& arguments) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
   const auto visit = [&](const Problem& problem, const std::string& file) {
@@ -42,7 +42,7 @@ int inspect_files(const Arguments& arguments) {
 }  // namespace
 
 Action add_inspect_command(CLI::App& command) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<InspectArguments>();
   command.add_option("FILE", arguments->files, "problem files")->required();
   add_wide_option(command, arguments->extent);
   add_format_option(command, arguments->format);

@@ -75,11 +75,11 @@ void print_setting(const SettingInfo& setting, int width) {
              width));
 }
 
-using Solvers = std::vector<const RegisteredSolver*>;
+using SolverList = std::vector<const RegisteredSolver*>;
 
 /// @throws InputError for a pattern that matches none
-Solvers matching_solvers(const std::string& pattern) {
-  Solvers solvers;
+SolverList matching_solvers(const std::string& pattern) {
+  SolverList solvers;
   for (const RegisteredSolver& solver : registered_solvers()) {
     if (pattern.empty() || glob_matches(pattern, solver.definition.name)) solvers.push_back(&solver);
   }
@@ -105,7 +105,7 @@ class GroupedNames {
   std::vector<std::pair<std::string, std::string>> groups_;  // in the order in which they came
 };
 
-void print_solver_names(const Solvers& solvers, int width) {
+void print_solver_names(const SolverList& solvers, int width) {
   GroupedNames names;
   for (const bool available : {true, false}) {
     for (const RegisteredSolver* solver : solvers) {
@@ -120,7 +120,7 @@ void print_solver_names(const Solvers& solvers, int width) {
              width));
 }
 
-void print_solvers(const Solvers& solvers, int width) {
+void print_solvers(const SolverList& solvers, int width) {
   using Align = TextTable::Align;
   TextTable table({{"solver", Align::kLeft},
                    {"origin", Align::kLeft, 1},
@@ -223,7 +223,7 @@ Json sets_json(const std::vector<SetInfo>& sets) {
   return array;
 }
 
-struct Arguments {
+struct ListArguments {
   std::string pattern;
   std::string format = "text";
   Extent extent;
@@ -232,8 +232,8 @@ struct Arguments {
   bool brief() const { return pattern.empty() && !extent.all && !extent.wide; }
 };
 
-std::shared_ptr<Arguments> add_arguments(CLI::App& command, const char* pattern, const std::string& help) {
-  const auto arguments = std::make_shared<Arguments>();
+std::shared_ptr<ListArguments> add_arguments(CLI::App& command, const char* pattern, const std::string& help) {
+  const auto arguments = std::make_shared<ListArguments>();
   command.add_option(pattern, arguments->pattern, help);
   add_long_option(command, arguments->extent, "show all there is to know, not the names alone");
   add_wide_option(command, arguments->extent);
@@ -241,8 +241,8 @@ std::shared_ptr<Arguments> add_arguments(CLI::App& command, const char* pattern,
   return arguments;
 }
 
-int list_solvers(const Arguments& arguments) {
-  const Solvers solvers = matching_solvers(arguments.pattern);
+int list_solvers(const ListArguments& arguments) {
+  const SolverList solvers = matching_solvers(arguments.pattern);
   if (arguments.format == "json") {
     Json array = Json::array();
     for (const RegisteredSolver* solver : solvers) array.push_back(solver_json(*solver));
@@ -255,7 +255,7 @@ int list_solvers(const Arguments& arguments) {
   return kExitDone;
 }
 
-int list_problem_sets(const Arguments& arguments) {
+int list_problem_sets(const ListArguments& arguments) {
   const std::vector<SetInfo> sets = matching_sets(arguments.pattern);
   if (arguments.format == "json") {
     print_json(sets_json(sets));

@@ -12,12 +12,12 @@
 namespace lcpbench {
 namespace {
 
-struct Arguments {
+struct MergeArguments {
   std::filesystem::path out;
   std::vector<std::filesystem::path> inputs;
 };
 
-int merge(const Arguments& arguments) {
+int merge(const MergeArguments& arguments) {
   const MergeOutcome outcome = merge_stores(arguments.out, arguments.inputs, told_on_stderr());
   for (const std::string& notice : outcome.notices) say(stderr, "lcpbench: {}\n", notice);
   if (outcome.conflicts.empty()) {
@@ -32,7 +32,7 @@ int merge(const Arguments& arguments) {
 }  // namespace
 
 Action add_merge_command(CLI::App& command) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<MergeArguments>();
   command.add_option("OUT", arguments->out, "store to write; if it exists, it is joined with the others")->required();
   command.add_option("IN", arguments->inputs, "stores to join")->required();
   command.footer(

@@ -13,12 +13,12 @@
 namespace lcpbench {
 namespace {
 
-struct Arguments {
+struct ReportArguments {
   std::filesystem::path store;
   std::filesystem::path out = "lcpbench-report";
 };
 
-int run_report(const Arguments& arguments) {
+int run_report(const ReportArguments& arguments) {
   if (arguments.out.empty()) throw InputError("--out '': names no folder");
   Store store = open_checked(arguments.store);
   write_report(store, arguments.out);
@@ -31,7 +31,7 @@ int run_report(const Arguments& arguments) {
 }  // namespace
 
 Action add_report_command(CLI::App& command) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ReportArguments>();
   command.add_option("STORE", arguments->store, "store that `lcpbench run` wrote")->required();
   command.add_option("--out", arguments->out, "folder for report.html, summary.json, tables and figures")
       ->capture_default_str();

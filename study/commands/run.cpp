@@ -33,7 +33,7 @@ namespace {
 constexpr const char* kDefaultPlan = "quick";
 constexpr const char* kAdHocPlan = "custom";
 
-struct Arguments {
+struct RunArguments {
   std::string plan;
   std::vector<std::string> sets;
   std::vector<std::string> solvers;
@@ -79,7 +79,7 @@ std::vector<PlannedSolver> every_solver() {
   return solvers;
 }
 
-Plan base_plan(const Arguments& arguments) {
+Plan base_plan(const RunArguments& arguments) {
   if (!arguments.plan.empty()) return load_plan(arguments.plan);
   if (arguments.sets.empty()) return load_plan(kDefaultPlan);
   Plan plan;
@@ -89,7 +89,7 @@ Plan base_plan(const Arguments& arguments) {
 }
 
 /// Lays the sweep over the solvers. Those that were not asked for by name and have no such grid are left out.
-void apply_sweep(const Arguments& arguments, Plan& plan) {
+void apply_sweep(const RunArguments& arguments, Plan& plan) {
   if (arguments.solvers.empty()) {
     std::erase_if(plan.solvers, [&](const PlannedSolver& solver) {
       return solver.sweep || !has_builtin_sweep(arguments.sweep, solver.spec);
@@ -100,7 +100,7 @@ void apply_sweep(const Arguments& arguments, Plan& plan) {
 }
 
 /// The plan with what the command line says instead.
-Plan make_plan(const Arguments& arguments) {
+Plan make_plan(const RunArguments& arguments) {
   Plan plan = base_plan(arguments);
   if (!arguments.sets.empty()) {
     plan.sets.clear();
@@ -156,7 +156,7 @@ void warn_of_other_build(Store& store) {
       store.file().string(), commit, kBuildInfo.commit);
 }
 
-void add_run(Store& store, const Arguments& arguments, const Plan& plan, const Study& study,
+void add_run(Store& store, const RunArguments& arguments, const Plan& plan, const Study& study,
              const RunOptions& options) {
   const std::string started = utc_now();
   nlohmann::ordered_json origin = provenance(arguments.command_line, started);
@@ -172,7 +172,7 @@ void add_run(Store& store, const Arguments& arguments, const Plan& plan, const S
 }
 
 /// What is there, what it says, and where to go on: kAnswerLines at most, and all tables before it where asked for.
-std::string end_text(const Arguments& arguments, const Summary& summary, const std::string& head,
+std::string end_text(const RunArguments& arguments, const Summary& summary, const std::string& head,
                      const std::string& file) {
   const int width = arguments.extent.width();
   const std::string first = folded(head, width);
@@ -188,7 +188,7 @@ std::string end_text(const Arguments& arguments, const Summary& summary, const s
   return (arguments.extent.all || fits ? whole : "") + first + answer + report;
 }
 
-int report_end(const Arguments& arguments, const RunOutcome& outcome, const Plan& plan, Store& store,
+int report_end(const RunArguments& arguments, const RunOutcome& outcome, const Plan& plan, Store& store,
                ProgressLine& line) {
   const std::string file = store.file().string();
   const std::string done = fmt::format("{}{} of {} cells", outcome.counted ? "" : "at least ",
@@ -211,7 +211,7 @@ int report_end(const Arguments& arguments, const RunOutcome& outcome, const Plan
   return kExitDone;
 }
 
-int run(const Arguments& arguments) {
+int run(const RunArguments& arguments) {
   const Plan plan = make_plan(arguments);
   const Shard shard = parse_shard(arguments.shard);
   ProgressLine line;
@@ -257,7 +257,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 Action add_run_command(CLI::App& command, const std::string& command_line) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<RunArguments>();
   arguments->command_line = command_line;
   command.add_option("PLAN", arguments->plan,
                      fmt::format("built-in plan ({}) or plan file; default {} (with --set: none)",

@@ -32,7 +32,7 @@ constexpr double kShortSolveS = 0.01;
 constexpr double kRepeatUntilS = 2e-4;
 constexpr Index kVelocityShown = 12;
 
-struct Arguments {
+struct SolveArguments {
   std::vector<std::string> files;
   std::vector<std::string> solvers;
   double time_limit_s = 10.0;
@@ -276,7 +276,7 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
   say(stdout, "\n");
 }
 
-int solve(const Arguments& arguments) {
+int solve(const SolveArguments& arguments) {
   const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
   ProgressLine progress;
   Solvers solvers(arguments.solvers);
@@ -303,7 +303,7 @@ int solve(const Arguments& arguments) {
 }  // namespace
 
 Action add_solve_command(CLI::App& command) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<SolveArguments>();
   command.add_option("FILE", arguments->files, "problem files")->required();
   command.add_option("--solver", arguments->solvers, "name{key=value,...}; may be repeated (default: all that fit)")
       ->allow_extra_args(false);

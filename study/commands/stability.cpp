@@ -24,7 +24,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Arguments {
+struct StabilityArguments {
   std::vector<std::string> sets{"hard/*",
                                 "paper/monotone/exp1",
                                 "paper/monotone/exp2",
@@ -43,7 +43,7 @@ struct Arguments {
   std::string command_line;
 };
 
-Plan make_plan(const Arguments& arguments) {
+Plan make_plan(const StabilityArguments& arguments) {
   Plan plan;
   plan.name = "stability";
   plan.trials = arguments.trials;
@@ -61,7 +61,7 @@ Plan make_plan(const Arguments& arguments) {
   return plan;
 }
 
-int run_stability(const Arguments& arguments) {
+int run_stability(const StabilityArguments& arguments) {
   const Json origin = provenance(arguments.command_line, utc_now());
   const Study study = resolve(make_plan(arguments));
   StabilityOptions options;
@@ -90,7 +90,7 @@ int run_stability(const Arguments& arguments) {
 }  // namespace
 
 Action add_stability_command(CLI::App& command, const std::string& command_line) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<StabilityArguments>();
   arguments->command_line = command_line;
   command.add_option("--set", arguments->sets, "problem set or glob; may be repeated")
       ->allow_extra_args(false)

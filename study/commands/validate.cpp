@@ -44,7 +44,7 @@ using Json = nlohmann::ordered_json;
 /// Of each set, pair and outcome so many problems are saved: enough to look at, whatever the number of trials.
 constexpr int kSavedOfAKind = 3;
 
-struct Arguments {
+struct ValidateArguments {
   std::vector<std::string> sets;
   std::vector<std::string> solvers;
   std::int64_t trials = 1000;
@@ -59,7 +59,7 @@ struct Arguments {
   std::string command_line;
 };
 
-Plan make_plan(const Arguments& arguments) {
+Plan make_plan(const ValidateArguments& arguments) {
   std::vector<Spec> asked;
   for (const std::string& solver : arguments.solvers) asked.push_back(parse_spec(solver));
   Plan plan = validation_plan(asked, arguments.sets, arguments.trials);
@@ -219,7 +219,7 @@ std::size_t save(const Study& study, const std::vector<Disagreement>& disagreeme
 }
 
 /// The folder that --out names, made if need be; without --out a new one.
-std::filesystem::path folder_of_disagreements(const Arguments& arguments) {
+std::filesystem::path folder_of_disagreements(const ValidateArguments& arguments) {
   if (!arguments.out_given) return make_own_folder("disagreements");
   std::error_code error;
   std::filesystem::create_directories(arguments.out, error);
@@ -246,7 +246,7 @@ void print_verdict(const Validation& validation) {
   }
 }
 
-int run_validation(const Arguments& arguments) {
+int run_validation(const ValidateArguments& arguments) {
   const Plan plan = make_plan(arguments);
   const Study study = resolve(plan);
   if (!arguments.out.empty()) check_folder(arguments.out);
@@ -287,7 +287,7 @@ int run_validation(const Arguments& arguments) {
 }  // namespace
 
 Action add_validate_command(CLI::App& command, const std::string& command_line) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ValidateArguments>();
   arguments->command_line = command_line;
   command
       .add_option("--set", arguments->sets,

@@ -13,8 +13,6 @@ namespace lcpbench::paper {
 
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::string_view kPaperSweep = "paper";
 constexpr std::string_view kRedundancy = "redundancy";
 constexpr std::string_view kRegularized = "regularized";
@@ -127,15 +125,16 @@ const char* solver_of(Family family) {
 
 std::int64_t Grid::refused() const {
   std::int64_t most = 0;
-  for (const Cell* cell : cells) most = std::max(most, cell->count(Claim::kUnsupported));
+  for (const Cell* cell : cells) most = std::max(most, cell->count(lcpbench::Claim::kUnsupported));
   return most;
 }
 
 std::string Grid::refusal() const {
   const std::int64_t most = refused();
   if (most == 0) return "";
-  const Cell* cell = *std::find_if(cells.begin(), cells.end(),
-                                   [most](const Cell* each) { return each->count(Claim::kUnsupported) == most; });
+  const Cell* cell = *std::find_if(cells.begin(), cells.end(), [most](const Cell* each) {
+    return each->count(lcpbench::Claim::kUnsupported) == most;
+  });
   return "refused " + std::to_string(most) + " of " + std::to_string(cell->trials) +
          (cell->refusal.empty() ? "" : ": " + cell->refusal);
 }

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "study/statistics/statistics.h"
 
 namespace lcpbench::paper {
 
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr PublishedSpread kNotPrinted{kNone, kNone, kNone};
 
 constexpr Kind kMono = Kind::kMonotone;

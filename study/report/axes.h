@@ -17,6 +17,7 @@ inline constexpr double kMargin = 16;
 inline constexpr double kLabelSize = 12;
 inline constexpr double kLabelHeight = 15;
 inline constexpr double kErrorFloor = 1e-17;  ///< smaller errors, exact answers among them, are drawn here
+inline constexpr double kErrorCeiling = 100;  ///< larger errors are drawn here
 
 /// "10⁻⁴"
 std::string power_of_ten(int exponent);

@@ -14,7 +14,6 @@ namespace lcpbench::report {
 
 namespace {
 
-constexpr double kErrorCeiling = 1e2;  // larger errors are drawn here
 constexpr double kPanelHeight = 250;
 constexpr double kGap = 92;
 constexpr double kBandHeight = 34;

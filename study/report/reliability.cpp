@@ -23,7 +23,7 @@ std::vector<Record> records_of(const Summary& summary, const std::vector<std::si
     for (const Cell* cell : drawn_cells(summary, set)) {
       Record& record = by_solver[cell->solver];
       record.solver = cell->solver;
-      record.crashed += cell->count(Claim::kCrashed);
+      record.crashed += cell->count(lcpbench::Claim::kCrashed);
       ++sets_met[cell->solver];
       for (const Outcome& outcome : cell->outcomes) record.outcomes.emplace_back(set, &outcome);
     }
@@ -64,14 +64,11 @@ const Record* best_of(const std::vector<Record>& records) {
 
 /// Does `a` show `property` on significantly more than `b` of the problems that both took?
 bool significantly_more(const Record& a, const Record& b, bool Outcome::*property) {
-  std::int64_t only_a = 0;
-  std::int64_t only_b = 0;
+  PairedCounts counts;
   for_each_pair(a, b, [&](const Outcome& left, const Outcome& right) {
-    if (left.refused || right.refused) return;
-    if (left.*property && !(right.*property)) ++only_a;
-    if (right.*property && !(left.*property)) ++only_b;
+    if (!left.refused && !right.refused) counts.add(left.*property, right.*property);
   });
-  return only_a > only_b && sign_test(only_a, only_b) < kSignificance;
+  return counts.only_first > counts.only_second && counts.p_value() < kSignificance;
 }
 
 /// A bound of the rule: "90 %".

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "study/report/summary.h"
-#include "study/statistics/statistics.h"
+#include "study/statistics/pairs.h"
 
 // Who may be called reliable: one rule for every section, table and picture.
 
@@ -110,12 +110,8 @@ std::vector<Record> judged_records(const Summary& summary, const std::vector<std
 template <class Visit>
 void for_each_pair(const Record& a, const Record& b, Visit visit) {
   const auto key = [](const auto& outcome) { return std::pair(outcome.first, outcome.second->problem); };
-  auto other = b.outcomes.begin();
-  for (const auto& outcome : a.outcomes) {
-    while (other != b.outcomes.end() && key(*other) < key(outcome)) ++other;
-    if (other == b.outcomes.end()) return;
-    if (key(*other) == key(outcome)) visit(*outcome.second, *other->second);
-  }
+  lcpbench::for_each_pair(a.outcomes, b.outcomes, key,
+                          [&](const auto& left, const auto& right) { visit(*left.second, *right.second); });
 }
 
 /// true, false, or null where the problems are too few or the solver met a part of them.

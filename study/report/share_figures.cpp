@@ -13,7 +13,6 @@ namespace lcpbench::report {
 namespace {
 
 constexpr int kPointsPerDecade = 20;    // finer than what can be told apart in the picture
-constexpr double kErrorCeiling = 1e2;   // answers with larger errors have no step
 constexpr double kShortestTime = 1e-8;  // [s] about what a clock resolves; quicker solves are drawn here
 
 /// The values that a logarithmic axis can show, those below `floor` raised to it.

@@ -21,7 +21,6 @@ constexpr double kHeadingHeight = 30;
 constexpr double kLineHeight = 16;
 constexpr std::size_t kLineLimit = 128;
 
-constexpr double kErrorCeiling = 100;  // larger errors are drawn here, their value in the label
 constexpr double kPlotHeight = 360;
 constexpr double kBandHeight = 64;
 constexpr double kLegendHeight = 26;

@@ -17,10 +17,6 @@ namespace {
 using sqlite::Database;
 using sqlite::Statement;
 
-std::string insert_new(const char* table, const std::string& columns) {
-  return sqlite::insert_row("INSERT OR IGNORE", table, columns);
-}
-
 /// For rows that are not there yet. IGNORE would also drop a row that breaks a rule of its table, such as a time that
 /// is not a number.
 std::string insert_into(const char* table, const std::string& columns) {
@@ -59,7 +55,7 @@ std::int64_t add_group(Statement& stored, Statement& insert, const std::vector<s
 
 ProblemWriter::ProblemWriter(Database& database)
     : database_(database),
-      problem_(database, insert_new("problems", "id, set_id, seed, trial, kind, n, ngc, nc, hash, theory")),
+      problem_(database, sqlite::insert_new("problems", "id, set_id, seed, trial, kind, n, ngc, nc, hash, theory")),
       stored_problem_(database, "SELECT p.hash, s.name FROM problems p JOIN sets s ON s.id = p.set_id WHERE p.id = ?"),
       vector_(database, "INSERT OR IGNORE INTO vectors (id, data) VALUES (?, ?)"),
       group_(database, "INSERT OR IGNORE INTO cell_groups (group_id, cell) VALUES (?, ?)"),

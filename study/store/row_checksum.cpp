@@ -70,6 +70,10 @@ std::string insert_row(std::string_view verb, std::string_view table, std::strin
   return fmt::format("{} INTO {} ({}, checksum) VALUES ({}, row_checksum({}))", verb, table, columns, marks, marks);
 }
 
+std::string insert_new(std::string_view table, std::string_view columns) {
+  return insert_row("INSERT OR IGNORE", table, columns);
+}
+
 std::string row_checksum_of(Database& database, std::string_view table, std::string_view changed,
                             std::string_view value) {
   Statement columns(database, fmt::format("SELECT name FROM pragma_table_info('{}')", table));

@@ -20,6 +20,8 @@ void add_row_checksum(sqlite3* connection);
 /// @param verb  "INSERT OR IGNORE", "INSERT OR REPLACE"
 /// @param columns  all columns of the table but `checksum`, in the table's order, with commas between them
 std::string insert_row(std::string_view verb, std::string_view table, std::string_view columns);
+/// The same for a row that may be there already, and then stays.
+std::string insert_new(std::string_view table, std::string_view columns);
 
 /// "row_checksum(a, b, ...)" over the columns of a table, with `value` in the place of the column `changed`.
 std::string row_checksum_of(Database& database, std::string_view table, std::string_view changed = "",

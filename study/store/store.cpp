@@ -76,10 +76,6 @@ class CellGroups {
   std::unordered_map<std::int64_t, std::shared_ptr<const std::vector<std::uint32_t>>> groups_;
 };
 
-std::string insert_new(const char* table, const std::string& columns) {
-  return sqlite::insert_row("INSERT OR IGNORE", table, columns);
-}
-
 std::vector<Parameterisation> read_cells(Database& database, std::int64_t solver_id) {
   Statement query(database, "SELECT settings, all_settings FROM parameterisations WHERE solver_id = ? ORDER BY cell");
   query.bind_all(solver_id);
@@ -107,13 +103,17 @@ void check_same_solver(Database& database, const SolverRow& solver, const std::v
                                solver.text(), difference));
 }
 
-/// What `read` makes of the store's content; its complaints get the store's name.
+/// What `read` makes of the store's content; its complaints get the store's name. They quote the content, which in a
+/// damaged store may have any length.
 template <class Read>
 auto from_store(const Database& store, Read read) {
   try {
     return read();
   } catch (const InputError& error) {
-    throw InputError(describe(store.file(), error.what()));
+    constexpr std::size_t kShown = 200;
+    const std::string complaint = error.what();
+    throw InputError(store.file().string() + ": " + complaint.substr(0, kShown) +
+                     (complaint.size() > kShown ? "..." : ""));
   }
 }
 
@@ -309,12 +309,13 @@ void Store::commit() { data_->database.execute("COMMIT"); }
 
 void Store::add_run(const std::string& started, const std::string& provenance) {
   data_->run = key_id({"run", started, provenance});
-  Statement(data_->database, insert_new("runs", "id, started, provenance")).run(data_->run, started, provenance);
+  Statement(data_->database, sqlite::insert_new("runs", "id, started, provenance"))
+      .run(data_->run, started, provenance);
 }
 
 std::int64_t Store::add_set(const std::string& name) {
   const std::int64_t id = set_id(name);
-  Statement(data_->database, insert_new("sets", "id, name")).run(id, name);
+  Statement(data_->database, sqlite::insert_new("sets", "id, name")).run(id, name);
   return id;
 }
 
@@ -322,10 +323,12 @@ std::int64_t Store::add_solver(const SolverRow& solver, const std::vector<Parame
   const std::int64_t id = solver.id();
   const std::vector<Parameterisation> cells =
       sweep.empty() ? std::vector<Parameterisation>{{solver.settings, solver.all_settings}} : sweep;
-  Statement insert(data_->database, insert_new("solvers", std::string("id, ") + kSolverColumnNames + ", cells"));
+  Statement insert(data_->database,
+                   sqlite::insert_new("solvers", std::string("id, ") + kSolverColumnNames + ", cells"));
   insert.run(id, solver.name, solver.settings, solver.all_settings, solver.library, solver.version, solver.isa,
              solver.sweep, cells.size());
-  Statement insert_cell(data_->database, insert_new("parameterisations", "solver_id, cell, settings, all_settings"));
+  Statement insert_cell(data_->database,
+                        sqlite::insert_new("parameterisations", "solver_id, cell, settings, all_settings"));
   for (std::size_t cell = 0; cell < cells.size(); ++cell) {
     insert_cell.run(id, cell, cells[cell].settings, cells[cell].all_settings);
   }

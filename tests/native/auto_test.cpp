@@ -291,10 +291,9 @@ TEST(AutoTest, BringsBackWhatAnImpulsePressesDown) {
     const Answer updated = solve(*solver);
     expect_verified(now, updated, "next");
     EXPECT_FALSE(contains(updated.detail, "brought back")) << updated.detail;
-    // And goes on from its own last answer, once that is contact_lemke's.
+    // And goes on from its own last answer.
     if (problem.contact()->frictional()) {
-      const Answer started = solve(*solver, {.start = &updated.z});
-      EXPECT_EQ(solve(*solver, {.start = &started.z}).counters.pivots, 0);
+      EXPECT_EQ(solve(*solver, {.start = &updated.z}).counters.pivots, 0);
     }
     EXPECT_LE(velocity_difference(now, updated, solve(now, {{"leave_out", "false"}})), tolerance) << problem.name();
   }
@@ -496,13 +495,12 @@ TEST(AutoTest, FromTheLastAnswerARestingStepTakesLessThanHalfThePivots) {
   }
 }
 
-// friction_ipm is faster from nothing, contact_lemke from the last answer.
-TEST(AutoTest, LargeRestingIslandsGoOnByContactLemke) {
+// A path of contact_lemke may end in another solution, in which the stack moves.
+TEST(AutoTest, LargeIslandsThatFrictionMayHoldRest) {
   const BoxStacks shape{.stacks = 1, .height = 10, .edges = 4, .fresh = 0.2};
   const auto solver = auto_solver();
   solver->load(Problem("resting", box_stacks(shape)));
   Answer last = solve(*solver);
-  EXPECT_EQ(last.detail, "friction_ipm, double");
   for (int step = 1; step <= 5; ++step) {
     ContactProblem contact = *Problem("resting", box_stacks(shape)).contact();
     contact.v = falling_velocity(shape, step);
@@ -510,10 +508,8 @@ TEST(AutoTest, LargeRestingIslandsGoOnByContactLemke) {
     const Vector start = last.z;
     last = solve(*solver, {.start = &start});
     expect_verified(Problem("step", contact), last, "step " + std::to_string(step));
-    EXPECT_EQ(last.detail, "contact_lemke, double");
-    if (step > 1) {
-      EXPECT_LT(last.counters.pivots, 40) << step;
-    }
+    EXPECT_EQ(last.detail, "friction_ipm, double");
+    EXPECT_LE(last.velocity.lpNorm<Eigen::Infinity>(), 1e-9 * contact.v.lpNorm<Eigen::Infinity>());
   }
 }
 
