@@ -263,17 +263,19 @@ void ContactLemke::on_solve(const SolveRequest& request, Answer& answer) {
   std::int64_t rungs = 0;
   for (const ContactRung& rung : kRungs) {
     if (!wanted(rung, settings_, data_.input.ngc)) continue;
-    if (max_rungs_ > 0 && rungs++ == max_rungs_) break;
+    if (max_rungs_ > 0 && rungs == max_rungs_) break;
     if (rung.arithmetic != ContactArithmetic::kDouble && progress.best <= kClaimedResidual) break;
     Rules rules;
     rules.classic = rung.classic;
     rules.variant = rung.variant;
-    if (progress.cycles && !rung.classic && rung.variant == 0) {  // in any arithmetic
+    if (progress.cycles > 0 && !rung.classic && rung.variant == 0) {  // in any arithmetic
       if (rung.arithmetic == ContactArithmetic::kDouble) continue;
       rules.variant = 1;
     }
-    rules.reinvert = rung.reinvert && !progress.cycles && data_.input.ngc <= kSmallKernel;
+    rules.reinvert = rung.reinvert && progress.cycles == 0 && data_.input.ngc <= kSmallKernel;
+    const int cycles = progress.cycles;
     if (climb(rung, rules, progress, answer)) break;
+    if (progress.cycles == cycles) ++rungs;
   }
   report(progress, answer);
 }
@@ -338,7 +340,7 @@ Ending ContactLemke::run(LoadedContacts& engine, Rules rules, Progress& progress
   progress.pivots += outcome.pivots;
   progress.factorizations += outcome.factorizations;
   progress.ending = outcome.ending;
-  progress.cycles = progress.cycles || outcome.cycles;
+  progress.cycles += outcome.cycles ? 1 : 0;
   progress.missed = outcome.missed;
   return outcome.ending;
 }

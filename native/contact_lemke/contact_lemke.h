@@ -130,7 +130,8 @@ class ContactLemke final : public Solver {
   /// ContactLemkeSettings::max_pivots from now on.
   void limit_pivots(std::int64_t max_pivots) { settings_.max_pivots = max_pivots; }
 
-  /// From now on at most so many rungs of the cascade, the warm one not counted; 0: all.
+  /// From now on at most so many rungs of the cascade, not counted the warm one and those whose path goes round; 0:
+  /// all.
   void limit_rungs(std::int64_t max_rungs) { max_rungs_ = max_rungs; }
 
   /// velocity := v + G* [N D] z, for z (n) and velocity (ngc) of the loaded problem, in the highest precision that its
@@ -143,7 +144,7 @@ class ContactLemke final : public Solver {
     double deadline_s = 0;
     double best = std::numeric_limits<double>::infinity();  ///< residual and its rounding, relative to max|q|
     contact_lemke::Ending ending = contact_lemke::Ending::kBreakdown;
-    bool cycles = false;  ///< a path came back to one of its bases
+    int cycles = 0;  ///< paths that came back to one of their bases
     const char* rung = "";
     std::ptrdiff_t pivots = 0;
     std::ptrdiff_t factorizations = 0;

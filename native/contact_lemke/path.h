@@ -111,6 +111,7 @@ class Path {
   Ending walk(double* z) {
     Entering& entering = last_;
     visited_.clear();
+    is_strained_ = false;
     for (;;) {
       if (rules_.reinvert && !invert()) return Ending::kBreakdown;
       if (!compute_values()) return Ending::kBreakdown;
@@ -133,10 +134,12 @@ class Path {
     }
   }
 
-  /// Whether the path was here before. Rounds in which no contact begins to press are rare, and looked for late.
+  /// Whether the path was here before. Not asked where rounding may have misled it, which other pivots may mend. Rounds
+  /// in which no contact begins to press are rare, and looked for late.
   bool comes_back(const Entering& entering) {
     const bool presses = !entering.is_velocity && entering.label.is_normal();
-    if (!presses && outcome_.pivots < VisitedBases::kMost) return false;
+    is_strained_ = is_strained_ || refines_rates_;
+    if (is_strained_ || (!presses && outcome_.pivots < VisitedBases::kMost)) return false;
     return visited_.note(VisitedBases::fingerprint(kernel_, friction_, entering.label, entering.is_velocity));
   }
 
@@ -378,6 +381,7 @@ class Path {
   static constexpr Count kRateRefinements = 3;
   static constexpr double kSafeNoises = 100;  ///< a rate of less than so many times the measured noise is none
   bool refines_rates_ = false;
+  bool is_strained_ = false;  ///< values had to be refined on the path
   Scalar entering_norm_ = 0, rate_noise_ = 0;
   Scalar speed_scale_ = 0, value_scale_ = 0, rate_scale_ = 0;
 

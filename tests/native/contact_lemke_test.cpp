@@ -655,6 +655,11 @@ TEST(ContactLemkeTest, LeavesAPathThatGoesRound) {
   EXPECT_TRUE(errors_of(problem, answer).solved);
   EXPECT_EQ(answer.detail, "second path");
   EXPECT_LT(answer.counters.pivots, 200);
+
+  ContactLemke brief{ContactLemkeSettings{}};
+  brief.limit_rungs(1);  // of paths that end
+  brief.load(problem);
+  EXPECT_EQ(solve(brief).claim, Claim::kSolved);
 }
 
 // Sums of two doubles take ten times as long as another path in double, which is enough here.
