@@ -167,6 +167,7 @@ void BoundedInertia::add(const Matrix& matrix, std::vector<std::size_t> coordina
 bool BoundedInertia::invert(Block& block) {
   const auto n = block.size();
   Matrix& G = block.matrix;
+  if (n == 1) return G(0, 0) > 0x1p-600 && G(0, 0) < 0x1p600;
   const Vector diagonal = G.diagonal();
   Vector units(n);
   for (Index i = 0; i < n; ++i) {
@@ -192,6 +193,11 @@ bool BoundedInertia::invert(Block& block) {
 
 void BoundedInertia::solve(const Block& block, BoundedVector& x) {
   const std::size_t n = block.coordinates.size();
+  if (n == 1) {
+    Bounded& only = x[block.coordinates.front()];
+    if (only.high != 0 || only.error != 0) only = only / Bounded(block.matrix(0, 0));
+    return;
+  }
   BoundedVector b(n);
   bool zero = true;
   double data_error = 0;

@@ -41,7 +41,7 @@ class BoundedInertia {
     std::vector<std::size_t> coordinates;
     std::vector<double> units;  ///< a coordinate is its unit times the scaled one
     Matrix matrix;              ///< the scaled G; the given G*
-    Matrix approximate;         ///< R; empty for a given G*
+    Matrix approximate;         ///< R; empty for a given G* and for one coordinate
     double contraction = 0;
     double inverse_norm = 0;  ///< of R, in the maximum norm
 
