@@ -199,14 +199,19 @@ void BoundedInertia::solve(const Block& block, BoundedVector& x) {
     return;
   }
   BoundedVector b(n);
-  bool zero = true;
+  bool zero = true, finite = true;
   double data_error = 0;
   for (std::size_t i = 0; i < n; ++i) {
     b[i] = times_unit(x[block.coordinates[i]], block.units[i]);
     zero = zero && b[i].high == 0 && b[i].error == 0;
+    finite = finite && is_finite(b[i]);
     data_error = std::max(data_error, b[i].error);
   }
   if (zero) return;
+  if (!finite) {
+    for (const std::size_t i : block.coordinates) x[i] = bounded::unknown();
+    return;
+  }
   Refinement y(n);
   for (std::size_t i = 0; i < n; ++i) y.residual[i] = b[i].high;
   multiply_by(block.approximate, y.residual, y.high);

@@ -93,6 +93,21 @@ TEST(BoundedTest, LeaveInertiaInDoubtToQuad) {
   EXPECT_FALSE(BoundedInertia(FactoredInertia{Matrix::Identity(2, 2), Vector::Ones(2)}).well_defined());
 }
 
+TEST(BoundedTest, MeasuresBeyondTheRangeOfADoubleAreThoseOf113Bits) {
+  const ContactProblem light{vec({-1, 1}),    (Matrix(2, 2) << 1, 1, 0, 1).finished(),        Matrix(2, 0), {0, 0},
+                             Vector::Zero(2), DenseInertia{Matrix::Identity(2, 2) * 0x1p-590}};
+  for (const double factor : {0x1p-590, 0x1p450, 0x1p1000}) {
+    const Vector z = vec({factor, 0x1p-1060 * factor});
+    const Errors found = Evaluator(Problem("light", light)).errors(answer(z));
+    const Errors in_quad = Evaluator(Problem("light", light), Precision::kQuad).errors(answer(z));
+    for (const Metric& metric : kMetrics) {
+      const double a = found.*metric.value, b = in_quad.*metric.value;
+      EXPECT_TRUE(a == b || (std::isnan(a) && std::isnan(b)) || std::abs(a - b) <= 1e-15 * std::abs(b))
+          << metric.name << ' ' << factor << ": " << a << ", " << b;
+    }
+  }
+}
+
 // rho is 1e-4, half a unit in its last place, and 2^-124 more or less: rounded to double it is 1e-4 or the number after
 // it, which only a hundred and ten bits tell apart.
 TEST(BoundedTest, WhatTheBoundLeavesOpenIsDecidedIn113Bits) {
