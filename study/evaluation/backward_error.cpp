@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <type_traits>
 
 namespace lcpbench {
 namespace {
@@ -161,7 +162,7 @@ class ThinningPoint {
 
   // Whether estimates of s_i are at hand: while few entries are left, s_i itself costs less than the estimate of M.
   bool estimated() {
-    constexpr std::size_t kFew = 64;
+    constexpr std::size_t kFew = std::is_same_v<Real, Quad> ? 64 : 16;
     if (estimate_ == nullptr && support().size() > kFew) estimate_ = lcp_.estimate();
     return estimate_ != nullptr;
   }

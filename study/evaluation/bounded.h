@@ -154,7 +154,7 @@ inline Bounded abs(const Bounded& x) { return x.high < 0 ? -x : x; }
 inline Bounded larger(const Bounded& a, const Bounded& b) {
   if (surely_less(a, b)) return b;
   if (surely_less(b, a)) return a;
-  if (std::isnan(a.high) || std::isnan(b.high)) return bounded::unknown();
+  if (std::isnan(a.high + b.high + a.error + b.error)) return bounded::unknown();
   const bool second = a.high < b.high || (a.high == b.high && a.low < b.low);
   const Bounded& chosen = second ? b : a;
   return {chosen.high, chosen.low, std::max(a.error, b.error)};

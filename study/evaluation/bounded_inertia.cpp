@@ -129,43 +129,51 @@ BoundedInertia::BoundedInertia(const Inertia& inertia) {
 void BoundedInertia::add_inertia(const Matrix& G, std::size_t offset) {
   well_defined_ = well_defined_ && G.allFinite() && (G.diagonal().array() > 0).all() && G == G.transpose();
   if (!well_defined_) return;
+  if (G.isDiagonal(0)) {
+    for (Index i = 0; i < G.rows(); ++i) add_single(G(i, i), offset + static_cast<std::size_t>(i));
+    return;
+  }
   const RowIslands parts = row_islands(G);
   std::vector<std::vector<std::size_t>> members(static_cast<std::size_t>(parts.count));
   for (std::size_t i = 0; i < parts.of_row.size(); ++i) {
-    members[static_cast<std::size_t>(parts.of_row[i])].push_back(offset + i);
+    members[static_cast<std::size_t>(parts.of_row[i])].push_back(i);
   }
   for (std::vector<std::size_t>& part : members) {
-    if (members.size() == 1) return add(G, std::move(part));
-    Matrix matrix(static_cast<Index>(part.size()), static_cast<Index>(part.size()));
-    for (std::size_t j = 0; j < part.size(); ++j) {
-      for (std::size_t i = 0; i < part.size(); ++i) {
-        matrix(static_cast<Index>(i), static_cast<Index>(j)) =
-            G(static_cast<Index>(part[i] - offset), static_cast<Index>(part[j] - offset));
-      }
+    if (part.size() == 1) {
+      add_single(G(static_cast<Index>(part[0]), static_cast<Index>(part[0])), offset + part[0]);
+      continue;
     }
-    add(matrix, std::move(part));
+    Matrix matrix = G(part, part);
+    for (std::size_t& row : part) row += offset;
+    add(std::move(matrix), std::move(part));
     if (!well_defined_) return;
   }
 }
 
-void BoundedInertia::add(const Matrix& matrix, std::vector<std::size_t> coordinates) {
+void BoundedInertia::add_single(double inertia, std::size_t row) {
+  well_defined_ = well_defined_ && inertia > 0x1p-600 && inertia < 0x1p600;
+  if (row >= singles_.size()) singles_.resize(row + 1, 0);
+  singles_[row] = inertia;
+}
+
+void BoundedInertia::add(Matrix matrix, std::vector<std::size_t> coordinates) {
   Block block;
-  block.matrix = matrix;
+  block.matrix = std::move(matrix);
   block.coordinates = std::move(coordinates);
   block.units.assign(block.coordinates.size(), 1);
-  block_of_row_.resize(block_of_row_.size() + block.coordinates.size());
   for (const std::size_t row : block.coordinates) {
     if (row >= block_of_row_.size()) block_of_row_.resize(row + 1);
     block_of_row_[row] = blocks_.size();
+    if (row >= singles_.size()) singles_.resize(row + 1, 0);
   }
-  well_defined_ = has_inertia_ ? invert(block) : matrix.allFinite();
+  well_defined_ = well_defined_ && (has_inertia_ ? scale_and_prove(block) : block.matrix.allFinite());
   blocks_.push_back(std::move(block));
 }
 
-/// Scales the block, and finds R and the numbers that bound what it leaves. False unless the block is proven positive
-/// definite: L L' is G up to (n + 1) n roundings of 4, and the least magnitude of an eigenvalue exceeds that.
-bool BoundedInertia::invert(Block& block) {
-  const auto n = block.size();
+/// Scales the block. False unless it is then proven to have no eigenvalue below kLeastEigenvalue: L L' is the matrix
+/// that is factored up to (n + 1) n roundings of 4, and half of what was subtracted exceeds that.
+bool BoundedInertia::scale_and_prove(Block& block) {
+  const Index n = block.size();
   Matrix& G = block.matrix;
   const Vector diagonal = G.diagonal();
   Vector units(n);
@@ -173,34 +181,44 @@ bool BoundedInertia::invert(Block& block) {
     if (!(diagonal(i) > 0x1p-600 && diagonal(i) < 0x1p600)) return false;
     units(i) = block.units[static_cast<std::size_t>(i)] = unit_of(diagonal(i));
   }
-  const Matrix given = G;
-  G = units.asDiagonal() * given * units.asDiagonal();
+  Matrix work = units.asDiagonal() * G * units.asDiagonal();
   const Vector back = units.cwiseInverse();
-  if (!(Matrix(back.asDiagonal() * G * back.asDiagonal()) == given)) return false;
-  const Eigen::LLT<Matrix> factor(G);
-  if (factor.info() != Eigen::Success) return false;
-  block.approximate = factor.solve(Matrix::Identity(n, n));
-  const Matrix rest = Matrix::Identity(n, n) - block.approximate * G;
+  if (!(Matrix(back.asDiagonal() * work * back.asDiagonal()) == G)) return false;
+  G = work;
   const auto order = static_cast<double>(n);
-  block.inverse_norm = max_norm(block.approximate) * (1 + 0x1p-20);
-  block.contraction =
-      (max_norm(rest) + (order + 4) * kUnitRoundoff * (block.inverse_norm * max_norm(G) + 1)) * (1 + 0x1p-20);
-  const double least = (1 - block.contraction) / block.inverse_norm;
-  return block.contraction < kLargestContraction && least > kLeastEigenvalue &&
-         least > 8 * order * (order + 4) * kUnitRoundoff;
+  work.diagonal().array() -= std::max(2 * kLeastEigenvalue, 16 * order * (order + 4) * kUnitRoundoff);
+  return Eigen::LLT<Matrix>(work).info() == Eigen::Success;
 }
 
-void BoundedInertia::solve(const Block& block, BoundedVector& x) {
+/// Finds R and the numbers that bound what it leaves: NaN where it is no inverse.
+void BoundedInertia::invert(Block& block) {
+  const Index n = block.size();
+  block.approximate = Eigen::LLT<Matrix>(block.matrix).solve(Matrix::Identity(n, n));
+  const Matrix rest = Matrix::Identity(n, n) - block.approximate * block.matrix;
+  block.inverse_norm = max_norm(block.approximate) * (1 + 0x1p-20);
+  const double rounding =
+      (static_cast<double>(n) + 4) * kUnitRoundoff * (block.inverse_norm * max_norm(block.matrix) + 1);
+  block.contraction = (max_norm(rest) + rounding) * (1 + 0x1p-20);
+  if (!(block.contraction < kLargestContraction)) block.contraction = std::numeric_limits<double>::quiet_NaN();
+}
+
+void BoundedInertia::solve(Block& block, BoundedVector& x) {
   const std::size_t n = block.coordinates.size();
   BoundedVector b(n);
-  bool zero = true;
+  bool zero = true, finite = true;
   double data_error = 0;
   for (std::size_t i = 0; i < n; ++i) {
     b[i] = times_unit(x[block.coordinates[i]], block.units[i]);
     zero = zero && b[i].high == 0 && b[i].error == 0;
+    finite = finite && is_finite(b[i]);
     data_error = std::max(data_error, b[i].error);
   }
   if (zero) return;
+  if (!finite) {
+    for (const std::size_t i : block.coordinates) x[i] = bounded::unknown();
+    return;
+  }
+  if (block.approximate.size() == 0) invert(block);
   Refinement y(n);
   for (std::size_t i = 0; i < n; ++i) y.residual[i] = b[i].high;
   multiply_by(block.approximate, y.residual, y.high);
@@ -244,35 +262,52 @@ void BoundedInertia::multiply(const Block& block, const Matrix& matrix, const Bo
   for (std::size_t i = 0; i < n; ++i) y[block.coordinates[i]] = times_unit(sums[i].value(), 1 / block.units[i]);
 }
 
+/// A coordinate by itself.
+void BoundedInertia::divide(std::size_t row, BoundedVector& x) const {
+  if (x[row].high != 0 || x[row].error != 0) x[row] = x[row] / Bounded(singles_[row]);
+}
+
 void BoundedInertia::solve(BoundedVector& x) const {
   if (!has_inertia_) {
     x = apply(x);
     return;
   }
-  for (const Block& block : blocks_) solve(block, x);
+  for (std::size_t row = 0; row < singles_.size(); ++row) {
+    if (singles_[row] != 0) divide(row, x);
+  }
+  for (Block& block : blocks_) solve(block, x);
 }
 
 void BoundedInertia::solve(BoundedVector& x, std::vector<std::size_t>& pattern) const {
-  std::vector<std::size_t> touched;
-  for (const std::size_t row : pattern) touched.push_back(block_of_row_[row]);
+  std::vector<std::size_t> touched, result;
+  for (const std::size_t row : pattern) {
+    if (singles_[row] == 0) {
+      touched.push_back(block_of_row_[row]);
+    } else {
+      divide(row, x);
+      result.push_back(row);
+    }
+  }
   std::sort(touched.begin(), touched.end());
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
-  pattern.clear();
   for (const std::size_t b : touched) {
-    pattern.insert(pattern.end(), blocks_[b].coordinates.begin(), blocks_[b].coordinates.end());
+    result.insert(result.end(), blocks_[b].coordinates.begin(), blocks_[b].coordinates.end());
     if (has_inertia_) solve(blocks_[b], x);
   }
   if (!has_inertia_ && !touched.empty()) x = apply(x);
+  pattern = std::move(result);
 }
 
 BoundedVector BoundedInertia::apply(const BoundedVector& x) const {
   BoundedVector y(x.size());
+  for (std::size_t row = 0; row < singles_.size(); ++row) y[row] = x[row] * Bounded(singles_[row]);
   for (const Block& block : blocks_) multiply(block, block.matrix, x, y);
   return y;
 }
 
 BoundedVector BoundedInertia::scale(const BoundedVector& x) const {
   BoundedVector y(x.size());
+  for (std::size_t row = 0; row < singles_.size(); ++row) y[row] = x[row] * Bounded(singles_[row]);
   for (const Block& block : blocks_) multiply(block, block.matrix.cwiseAbs(), x, y);
   return y;
 }

@@ -41,19 +41,23 @@ class BoundedInertia {
     std::vector<std::size_t> coordinates;
     std::vector<double> units;  ///< a coordinate is its unit times the scaled one
     Matrix matrix;              ///< the scaled G; the given G*
-    Matrix approximate;         ///< R; empty for a given G*
+    Matrix approximate;         ///< R; empty until it is needed
     double contraction = 0;
     double inverse_norm = 0;  ///< of R, in the maximum norm
 
     Index size() const { return matrix.rows(); }
   };
   void add_inertia(const Matrix& G, std::size_t offset);
-  void add(const Matrix& matrix, std::vector<std::size_t> coordinates);
-  static bool invert(Block& block);
-  static void solve(const Block& block, BoundedVector& x);
+  void add_single(double inertia, std::size_t row);
+  void add(Matrix matrix, std::vector<std::size_t> coordinates);
+  static bool scale_and_prove(Block& block);
+  static void invert(Block& block);
+  static void solve(Block& block, BoundedVector& x);
   static void multiply(const Block& block, const Matrix& matrix, const BoundedVector& x, BoundedVector& y);
+  void divide(std::size_t row, BoundedVector& x) const;
 
-  std::vector<Block> blocks_;
+  std::vector<double> singles_;        ///< per coordinate: its inertia where it is coupled to no other, else 0
+  mutable std::vector<Block> blocks_;  ///< of the others
   std::vector<std::size_t> block_of_row_;
   bool well_defined_ = true;
   bool has_inertia_ = true;

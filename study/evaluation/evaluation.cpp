@@ -154,6 +154,7 @@ Real ContactEvaluation<Real>::row_residual(std::size_t row, const RealVector& z,
   };
   const Real residual = row < lcp->impulses() ? abs(smaller(scaled(row, z[row]), w[row]))
                                               : abs(smaller(z[row], scaled(lcp->normal_of_cone(row), w[row])));
+  if (std::is_same_v<Real, Bounded> && !is_finite(residual)) throw Doubt();
   return is_finite(residual) ? residual : Real{std::numeric_limits<double>::infinity()};
 }
 

@@ -15,7 +15,8 @@ void check_accuracy(const BoundedVector& response) {
     largest = std::max(largest, std::abs(value.high));
     error = std::max(error, value.error);
   }
-  if (!(error <= 0x1p-60 * largest)) throw Doubt();
+  const bool finite = std::all_of(response.begin(), response.end(), [](const Bounded& x) { return is_finite(x); });
+  if (!finite || !(error <= 0x1p-60 * largest)) throw Doubt();
 }
 void check_accuracy(const QuadVector&) {}
 

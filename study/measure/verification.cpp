@@ -24,7 +24,7 @@
 namespace lcpbench {
 namespace {
 
-constexpr double kSolverLimit_s = 5;
+constexpr double kSolverLimit_s = 1;
 constexpr int kRepeats = 3;
 
 struct Row {

@@ -1,4 +1,5 @@
 lcpbench_test(quad LINK lcpbench_evaluation)
+lcpbench_test(bounded LINK lcpbench_evaluation)
 lcpbench_test(evaluation LINK lcpbench_evaluation)
 lcpbench_test(island_evaluation LINK lcpbench_evaluation)
 lcpbench_test(backward_error LINK lcpbench_evaluation)
