@@ -58,7 +58,8 @@ const Record* best_of(const std::vector<Record>& records) {
   const Record* best = nullptr;
   for (const Record& record : records) {
     const Evidence& evidence = record.evidence;
-    if (evidence.other_model || !evidence.met_all_sets || !has_half_of_most(evidence) || evidence.solved.part == 0) continue;
+    if (evidence.other_model || !evidence.met_all_sets || !has_half_of_most(evidence) || evidence.solved.part == 0)
+      continue;
     if (best == nullptr || evidence.solved.interval().low > best->evidence.solved.interval().low) best = &record;
   }
   return best;

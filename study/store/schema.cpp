@@ -165,7 +165,8 @@ std::string condition_of(Evidence evidence) {
       return "EXISTS (SELECT 1 FROM certificates c WHERE c.problem_id = p.id AND c.certificate = 'solution')";
     case Evidence::kSolvedAnswer:
       return fmt::format(
-          "EXISTS (SELECT 1 FROM verdicts v LEFT JOIN parameterisations c ON c.solver_id = v.solver_id AND c.cell = v.part "
+          "EXISTS (SELECT 1 FROM verdicts v LEFT JOIN parameterisations c ON c.solver_id = v.solver_id AND c.cell = "
+          "v.part "
           "WHERE v.problem_id = p.id AND v.solved = 1 AND {} = 'pyramid')",
           kModel);
   }
