@@ -16,12 +16,12 @@
 #include "study/commands/problem_files.h"
 #include "study/evaluation/evaluation.h"
 #include "study/output/explanation.h"
-#include "study/run/interrupt.h"
 #include "study/output/json_output.h"
-#include "study/run/open_solver.h"
-#include "study/run/study.h"
 #include "study/output/terminal.h"
 #include "study/output/text_table.h"
+#include "study/run/interrupt.h"
+#include "study/run/open_solver.h"
+#include "study/run/study.h"
 
 namespace lcpbench {
 namespace {
@@ -42,6 +42,7 @@ struct SolveArguments {
 
 struct Attempt {
   SolverRow solver;
+  FrictionModel model = FrictionModel::kPyramid;  ///< that the answer is measured by
   TimedAnswer timed;
   Judgement judgement;
   Truth truth = Truth::kUnknown;  ///< of the problem
@@ -98,7 +99,8 @@ Attempt attempt(const Problem& problem, const Spec& spec, TimedSolver& solver, J
     solver.run(problem, request, result.timed);
   }
   const Answer& answer = result.timed.answer;
-  result.judgement = judge.judgement(judge.judge(answer));
+  result.model = friction_model(result.solver.all_settings);
+  result.judgement = judge.judgement(judge.judge(answer, result.model));
   result.note = why_without_errors(answer, problem.size());
   result.velocity = answer.velocity;
   if (result.velocity.size() == 0 && problem.contact() != nullptr && result.judgement.errors.usable) {
@@ -117,10 +119,14 @@ std::string because(const Judge& judge, const std::vector<Attempt>& attempts) {
       const auto proves = first([](const Attempt& a) { return a.judgement.proof_holds; });
       return proves != attempts.end() ? "the proof of " + proves->solver.text() + " is valid" : exact();
     }
-    case Truth::kSolvable:
+    case Truth::kSolvable: {
       if (judge.findings().has(Evidence::kTheory)) return "by theory";
       if (judge.certificate()) return exact();
-      return first([](const Attempt& a) { return a.judgement.errors.solved; })->solver.text() + " solved it";
+      const auto solves = [](const Attempt& a) {
+        return a.model == FrictionModel::kPyramid && a.judgement.errors.solved;
+      };
+      return first(solves)->solver.text() + " solved it";
+    }
   }
   return "";
 }
@@ -182,6 +188,7 @@ Json attempt_json(const Json& problem, const Attempt& attempt) {
   return {{"problem", problem},
           {"solver", attempt.solver.name},
           {"settings", attempt.solver.settings},
+          {"model", to_string(attempt.model)},
           {"claim", to_string(answer.claim)},
           {"verdict", to_string(attempt.verdict)},
           {"truth", to_string(attempt.truth)},
@@ -251,23 +258,33 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
   }
   const bool contact = problem.contact() != nullptr;
   using Align = TextTable::Align;
-  TextTable table({{"solver", Align::kLeft, 0, 20},
-                   {"claim", Align::kLeft, 0, 20},
-                   {"verdict", Align::kLeft},
-                   {contact ? "residual rho" : "backward error"},
-                   {contact ? "violation m/s" : "natural residual", Align::kRight, 2},
-                   {"set-up", Align::kRight, 3},
-                   {"solve"},
-                   {"verify", Align::kRight, 4},
-                   {"detail", Align::kLeft, 5, 30}});
+  const bool models = std::any_of(attempts.begin(), attempts.end(),
+                                  [](const Attempt& each) { return each.model != FrictionModel::kPyramid; });
+  std::vector<TextTable::Column> columns{{"solver", Align::kLeft, 0, 20},
+                                         {"claim", Align::kLeft, 0, 20},
+                                         {"verdict", Align::kLeft},
+                                         {contact ? "residual rho" : "backward error"},
+                                         {contact ? "violation m/s" : "natural residual", Align::kRight, 2},
+                                         {"set-up", Align::kRight, 3},
+                                         {"solve"},
+                                         {"verify", Align::kRight, 4},
+                                         {"detail", Align::kLeft, 5, 30}};
+  if (models) columns.insert(columns.begin() + 3, {"model", Align::kLeft});
+  TextTable table(columns);
   for (const Attempt& each : attempts) {
     const SolveTimes& times = each.timed.times;
     const Errors& errors = each.judgement.errors;
-    table.add_row({each.solver.text(), to_string(each.timed.answer.claim), to_string(each.verdict),
-                   format_error(contact ? errors.velocity_residual_relative : errors.backward_row_norm),
-                   format_error(contact ? errors.violation_m_per_s : errors.natural_residual),
-                   format_seconds(times.setup_cpu_s), format_seconds(times.solve_cpu_s),
-                   format_seconds(each.judgement.verify_s), detail_of(each)});
+    std::vector<std::string> row{each.solver.text(),
+                                 to_string(each.timed.answer.claim),
+                                 to_string(each.verdict),
+                                 format_error(contact ? errors.velocity_residual_relative : errors.backward_row_norm),
+                                 format_error(contact ? errors.violation_m_per_s : errors.natural_residual),
+                                 format_seconds(times.setup_cpu_s),
+                                 format_seconds(times.solve_cpu_s),
+                                 format_seconds(each.judgement.verify_s),
+                                 detail_of(each)};
+    if (models) row.insert(row.begin() + 3, to_string(each.model));
+    table.add_row(row);
   }
   say(stdout, "{}", table.text(width));
   print_reasons(attempts, width);

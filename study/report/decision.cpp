@@ -46,7 +46,7 @@ std::vector<std::size_t> sets_where(const Summary& summary, bool (*wanted)(const
   return widely_met(summary, solvable.empty() ? all : solvable);
 }
 
-/// All sets of captured steps of a kind: there is one share for each problem that is not proven unsolvable.
+/// The sets of captured steps of a kind, those too that are not all proven solvable.
 std::vector<std::size_t> scene_sets(const Summary& summary, SceneKind kind) {
   std::vector<std::size_t> sets;
   for (std::size_t i = 0; i < summary.sets.size(); ++i) {
@@ -158,6 +158,7 @@ std::string gravest(const Candidate& candidate, const Candidate* chosen) {
     case Ground::kFalseClaims: return "";
     case Ground::kUnsolved:
     case Ground::kBehindTheBest: return unsolved_words(candidate);
+    case Ground::kOtherModel: return "solves the round cone, another problem; of that " + solved;
     case Ground::kSomeSets: return "met only some of these sets; there " + solved;
     case Ground::kRefuses: return "refused " + percent(contender.refused.value()) + "; " + solved + " of the rest";
     case Ground::kFewProblems:
@@ -317,7 +318,13 @@ std::string scenes_answer(const Summary& summary, const std::vector<Situation>& 
     const Situation& situation = situations[i];
     if (situation.contenders.empty()) continue;
     answer += (answer.empty() ? "For captured scenes: " : "; ") + in_a_sentence(situation.title) + ": ";
-    answer += situation.recommended ? recommendation(summary, situation) : "no solver is recommended";
+    if (!situation.recommended) {
+      answer += "no solver is recommended";
+      continue;
+    }
+    answer += recommendation(summary, situation);
+    const Contender& best = situation.contenders[*situation.recommended];
+    if (best.false_claims.part > 0) answer += " (it " + misled_words(best) + ")";
   }
   return answer.empty() ? "" : answer + ".";
 }

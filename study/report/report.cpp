@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "study/evaluation/friction_model.h"
 #include "study/report/canvas.h"
 #include "study/report/decision.h"
 #include "study/report/figures.h"
@@ -186,7 +187,8 @@ Json results_json(const Summary& summary, const report::SpeedErrorStudy& study) 
                        {"time_ratio_high", cell.time_ratio.high},
                        {"error_median", cell.error_median},
                        {"error_p99", cell.error_p99},
-                       {"reliability", standing[&cell]}});
+                       {"reliability", standing[&cell]},
+                       {"model", to_string(friction_model(solver.all_settings))}});
   }
   return records;
 }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <set>
 
+#include "study/evaluation/friction_model.h"
+
 namespace lcpbench {
 
 namespace {
@@ -20,7 +22,9 @@ OutcomeTable outcome_table(const Summary& summary, std::size_t set) {
   OutcomeTable table;
   std::set<std::int64_t> problems;
   for (const Cell& cell : summary.cells) {
-    if (cell.set != set || !summary.solvers[cell.solver].sweep.empty() || cell.refused()) continue;
+    const SolverRow& solver = summary.solvers[cell.solver];
+    if (cell.set != set || !solver.sweep.empty() || cell.refused()) continue;
+    if (friction_model(solver.all_settings) != FrictionModel::kPyramid) continue;  // its problems are others
     table.cells.push_back(&cell);
     for (const Outcome& outcome : cell.outcomes) problems.insert(outcome.problem);
   }

@@ -94,6 +94,15 @@ TEST_F(ScenesReportTest, TheFirstSentenceNamesTheSolverForScenesWithSharesAndTim
             std::string::npos)
       << text.substr(text.find("class=\"answer\""), 500);
   EXPECT_NE(text.find("Captured problems."), std::string::npos);
+  EXPECT_EQ(text.find("no such problems in this study"), std::string::npos);
+}
+
+/// A false claim is named wherever a solver is recommended.
+TEST_F(ScenesReportTest, TheFirstSentenceNamesTheFalseClaimsOfWhatItRecommends) {
+  for (int step = 0; step < 600; ++step) {
+    made_.problem("scene/stack/ode", step, {{good_, {.error = step == 0 ? 0.5 : 1e-12}}}, 20, "solvable", "scene");
+  }
+  EXPECT_NE(page().find("in a median of 1.00 ms (it said solved and was wrong on 0.17 %).</p>"), std::string::npos);
 }
 
 TEST_F(ScenesReportTest, EveryFamilyHasItsPictureAndATableOfItsEngines) {

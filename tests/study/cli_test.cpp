@@ -309,6 +309,7 @@ TEST_F(CommandLineTest, SolveJson) {
     expect_fields(row, {{"problem", "o"},
                         {"solver", "s"},
                         {"settings", "s"},
+                        {"model", "s"},
                         {"claim", "s"},
                         {"verdict", "s"},
                         {"truth", "s"},
