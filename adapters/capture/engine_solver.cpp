@@ -3,8 +3,7 @@
 namespace lcpbench {
 namespace {
 
-constexpr Capabilities kCapabilities{
-    .needs = Needs::kFactored, .captured_only = true, .guarantees = "none: what the engine found"};
+constexpr Capabilities kCapabilities{.needs = Needs::kFactored, .captured_only = true};
 
 struct EngineSettings {
   void visit(auto&&) {}

@@ -52,9 +52,13 @@ collect humanoids-22 120 360 mujoco
 # A few of the same scenes with a good solver in the loop.
 if [ $# -eq 1 ]; then
   loop=auto
-  collect stack 75 300 ode
-  collect mass-ratio-1e6 60 240 bullet
-  collect wedge 60 180 ode bullet mujoco dart
-  collect gripper 50 200 dart
+  collect stack 40 300 ode
+  collect card-house 50 200 ode
+  collect mass-ratio-1e4 30 240 mujoco
+  collect mass-ratio-1e6 30 240 bullet
+  collect wedge 20 180 $all
+  collect uneven-table 50 200 dart
+  collect gripper 25 200 dart
+  collect dominoes 70 280 bullet
   collect quadruped-standing 100 500 mujoco
 fi

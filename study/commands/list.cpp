@@ -67,6 +67,7 @@ Json solver_json(const RegisteredSolver& solver) {
 std::string limits(const Capabilities& capabilities) {
   std::string text = to_string(capabilities.needs);
   if (capabilities.frictionless_only) text += ", frictionless";
+  if (capabilities.captured_only) text += ", captured steps";
   if (capabilities.max_size != Capabilities{}.max_size) text += fmt::format(", n <= {}", capabilities.max_size);
   return text;
 }
