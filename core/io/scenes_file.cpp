@@ -197,7 +197,7 @@ struct ScenesFile::Data {
     header = parse_header(stream.text(), line_of(origin, 1));
     std::size_t blank = 0;  // lines at the end, as editors leave them
     while (stream.next(line, kNumberBytes)) {
-      if (stream.text().find_first_not_of(" \t\r") == std::string::npos) {
+      if (line.size <= kNumberBytes && stream.text().find_first_not_of(" \t\r") == std::string::npos) {
         ++blank;
         continue;
       }

@@ -269,8 +269,9 @@ TEST_F(ScenesFileTest, BlankLinesMayEndAFile) {
     EXPECT_EQ(file.truncation(), "");
     EXPECT_EQ(file.line(0), line);
   }
-  const std::string file = write(kHeader + "\n" + line + "\n\n" + scenes_line(step_of(1)) + "\n");
-  EXPECT_EQ(error_of([&] { ScenesFile scenes(file); }), file + ": line 3: blank, and behind it comes another line");
+  EXPECT_EQ(error_of_line(std::string(100, ' ') + line), "line 2: does not begin with {\"step\": NUMBER");
+  EXPECT_EQ(error_of([&] { ScenesFile scenes(write(kHeader + "\n" + line + "\n\n" + line + "\n")); }),
+            path() + ": line 3: blank, and behind it comes another line");
 }
 
 TEST_F(ScenesFileTest, TheEnginesAnswerGetsItsSlip) {
