@@ -77,7 +77,8 @@ class SolverLoop {
     solver_->load(problem);
     solver_->solve({.time_limit_s = 60}, answer_);
     if (answer_.claim != Claim::kSolved) {
-      failure = name_ + " did not solve it (" + to_string(answer_.claim) + "): " + answer_.detail;
+      failure = name_ + " did not solve it: " + to_string(answer_.claim);
+      if (!answer_.detail.empty()) failure += ", " + answer_.detail;
       return contact.v;
     }
     return answer_.velocity.size() > 0 ? Vector(answer_.velocity) : post_impact_velocity(contact, answer_.z);

@@ -333,10 +333,7 @@ class DartEngine final : public Engine {
 }  // namespace
 
 std::unique_ptr<Engine> make_engine(const Scene& scene, const std::string& model) {
-  if (!model.empty()) {
-    throw InputError(
-        "--model: this build's DART has no reader of model files, which Debian does not package; MuJoCo has");
-  }
+  if (!model.empty()) throw InputError("--model: lcpbench reads no model files with DART, but with MuJoCo");
   if (!scene.model.empty()) throw InputError("scene '" + scene.name + "' is a model of MuJoCo's and runs there only");
   if (!scene.loops.empty()) {
     throw InputError("scene '" + scene.name + "' has a closed chain, which is captured from MuJoCo, not from DART");

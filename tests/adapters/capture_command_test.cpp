@@ -279,6 +279,16 @@ constexpr const char* kUrdf = R"(<robot name="hopper">
     ixz="0" iyz="0"/></inertial></link>
 </robot>)";
 
+/// The step that the solver of the loop fails on is kept: it is the one to look at.
+TEST_F(Capture, ASolverThatFailsEndsTheCapture) {
+  if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
+  const ProgramRun run = capture("card-house --engine ode --loop 'psor{max_iterations=3}' --out failed.scenes");
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(run.err.find("step 0: psor{max_iterations=3} did not solve it: iteration_limit"), std::string::npos)
+      << run.err;
+  EXPECT_EQ(ScenesFile((folder_ / "failed.scenes").string()).count(), 1U);
+}
+
 TEST_F(Capture, MuJoCoReadsARobotInUrdf) {
   if (!installed("mujoco")) GTEST_SKIP() << "mujoco is not installed";
   std::ofstream(folder_ / "robot.urdf") << kUrdf;
