@@ -70,7 +70,8 @@ class Solvers {
     if (!asked_for_.empty()) return asked_for_;
     std::vector<Spec> fitting;
     for (const RegisteredSolver& solver : registered_solvers()) {
-      if (!runs_unasked(solver) || !why_not(solver.definition.capabilities, problem).empty()) continue;
+      const Capabilities& capabilities = solver.definition.capabilities;
+      if (!(runs_unasked(solver) || capabilities.captured_only) || !why_not(capabilities, problem).empty()) continue;
       fitting.push_back({solver.definition.name, {}});
     }
     return fitting;
