@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -51,8 +53,11 @@ struct Attempt {
   std::string note;  ///< why there are no errors; "" when there are
   std::string why;   ///< why the verdict is not solved; "" when it is
 
-  /// Thread CPU time: what other programs do at the moment is not the solver's.
-  double time_s() const { return timed.times.setup_cpu_s + timed.times.solve_cpu_s; }
+  /// Thread CPU time: what other programs do at the moment is not the solver's. Infinite where no time is known.
+  double time_s() const {
+    const double time = timed.times.setup_cpu_s + timed.times.solve_cpu_s;
+    return std::isnan(time) ? std::numeric_limits<double>::infinity() : time;
+  }
 };
 
 /// Which solvers run, each opened once for all files.
@@ -98,6 +103,9 @@ Attempt attempt(const Problem& problem, const Spec& spec, TimedSolver& solver, J
   // The first solve of a process pays for loading code too; a short one is measured again, without that.
   if (result.timed.times.setup_wall_s + result.timed.times.solve_wall_s < kShortSolveS) {
     solver.run(problem, request, result.timed);
+  }
+  if (find_solver(spec.name).definition.capabilities.captured_only) {  // nobody measured the engine
+    result.timed.times.setup_cpu_s = result.timed.times.solve_cpu_s = std::numeric_limits<double>::quiet_NaN();
   }
   const Answer& answer = result.timed.answer;
   result.model = friction_model(result.solver.all_settings);
@@ -237,7 +245,9 @@ void print_conclusion(const std::vector<Attempt>& attempts, int width) {
       std::count_if(attempts.begin(), attempts.end(), [](const Attempt& a) { return a.verdict == Verdict::kSolved; });
   std::string text = fmt::format("solved by {} of {}", solved, counted_noun(attempts.size(), "solver"));
   const Attempt& best = attempts.front();
-  if (solved > 0) text += fmt::format("; the fastest is {}: {}", best.solver.text(), format_seconds(best.time_s()));
+  if (solved > 0 && std::isfinite(best.time_s())) {
+    text += fmt::format("; the fastest is {}: {}", best.solver.text(), format_seconds(best.time_s()));
+  }
   std::string wrong;
   for (const Attempt& each : attempts) {
     if (each.verdict == Verdict::kWrong) wrong += (wrong.empty() ? "" : ", ") + each.solver.text();

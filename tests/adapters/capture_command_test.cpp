@@ -279,6 +279,20 @@ constexpr const char* kUrdf = R"(<robot name="hopper">
     ixz="0" iyz="0"/></inertial></link>
 </robot>)";
 
+TEST_F(Capture, TheEnginesAnswerIsOneOfTheSolvers) {
+  if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
+  const SceneStep step = captured("wedge", "ode", "--steps 41 --every 40").read(0);
+  const ProgramRun run = run_program(folder_, "solve 'wedge.scenes#" + std::to_string(step.step) + "' --format json");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto attempts = nlohmann::json::parse(run.out);
+  const auto engine =
+      std::find_if(attempts.begin(), attempts.end(), [](const auto& each) { return each["solver"] == "engine"; });
+  ASSERT_NE(engine, attempts.end());
+  EXPECT_EQ(engine->at("claim"), "solved");
+  EXPECT_EQ(engine->at("z").at(0).get<double>(), step.engine_impulses(0));
+  EXPECT_TRUE(engine->at("time").at("solve_s").is_null()) << "nobody measured the engine";
+}
+
 /// The step that the solver of the loop fails on is kept: it is the one to look at.
 TEST_F(Capture, ASolverThatFailsEndsTheCapture) {
   if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
