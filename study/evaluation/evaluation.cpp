@@ -371,7 +371,9 @@ double Evaluator::forward_velocity(const Answer& answer) {
   return data_->measured([&]<class Real>(ContactEvaluation<Real>& contact) {
     if (!contact.lcp) return Errors::kNone;
     const std::vector<Real> v_plus = contact.lcp->response(numbers<Real>(answer.z));
-    return all_finite(v_plus) ? contact.forward_velocity(v_plus) : Errors::kNone;
+    if (all_finite(v_plus)) return contact.forward_velocity(v_plus);
+    if (std::is_same_v<Real, Bounded>) throw Doubt();
+    return Errors::kNone;
   });
 }
 
