@@ -4,8 +4,9 @@
 #   lcpbench_use_precompiled(target NAME)
 #
 # A target that uses NAME must be compiled with the same options and definitions, warnings apart, or g++ warns and reads the
-# headers anew. Only headers that are not ours stand here, and every file includes what it uses all the same: clang and the
-# preset `debug` compile without (CMAKE_DISABLE_PRECOMPILE_HEADERS).
+# headers anew. Where only the level of optimisation differs, g++ says nothing and compiles the target at NAME's level.
+# Only headers that are not ours stand here, and every file includes what it uses all the same: clang and the preset
+# `debug` compile without (CMAKE_DISABLE_PRECOMPILE_HEADERS).
 if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
 endif()

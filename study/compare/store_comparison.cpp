@@ -46,7 +46,7 @@ Answers answers_to(Store& store, const SetIds& sets, const std::string& set) {
                                                  .solved = answer.verdict == Verdict::kSolved,
                                                  .false_claim = answer.verdict == Verdict::kWrong,
                                                  .pivots = answer.counters.pivots,
-                                                 .time_s = answer.claim == Claim::kUnsupported ? kNone : time_s});
+                                                 .time_s = answer.claim == Claim::kUnsupported ? kNoNumber : time_s});
     }
   };
   store.for_each_answer(add, id->second);
@@ -79,7 +79,7 @@ void compare_times(const PairedTimes& times, bool with_interval, CellChange& cha
     change.time_ratio = ratio_of_sums(times.second, times.first);
     return;
   }
-  change.time_ratio = {spread(times.second).mean / spread(times.first).mean, kNone, kNone};
+  change.time_ratio = {spread(times.second).mean / spread(times.first).mean, kNoNumber, kNoNumber};
 }
 
 /// Pairs the answers to problems with the same data.

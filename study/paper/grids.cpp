@@ -55,7 +55,7 @@ const Spread& spread_of(const Part& part, Quantity quantity, Measure measure) {
 }
 
 double sample_sigma(const std::vector<double>& values) {
-  if (values.size() < 2) return kNone;
+  if (values.size() < 2) return kNoNumber;
   double mean = 0;
   for (const double value : values) mean += value / static_cast<double>(values.size());
   double squares = 0;

@@ -29,10 +29,10 @@ double normal_quantile(double alpha) {
   return low;
 }
 
-double Proportion::value() const { return trials > 0 ? successes / trials : kNone; }
+double Proportion::value() const { return trials > 0 ? successes / trials : kNoNumber; }
 
 Interval Proportion::interval(double z) const {
-  if (!(trials > 0)) return {kNone, kNone};
+  if (!(trials > 0)) return {kNoNumber, kNoNumber};
   const double p = value();
   const double z2 = z * z;
   const double centre = (successes + z2 / 2) / (trials + z2);
@@ -62,7 +62,8 @@ Interval LinearCombination::interval(double z) const {
 LinearCombination difference(const Proportion& first, const Proportion& second) { return {{{1, first}, {-1, second}}}; }
 
 double RatioOfMeans::value() const {
-  return holds_values(numerator) && holds_values(denominator) ? numerator.values.mean / denominator.values.mean : kNone;
+  return holds_values(numerator) && holds_values(denominator) ? numerator.values.mean / denominator.values.mean
+                                                              : kNoNumber;
 }
 
 Interval RatioOfMeans::interval(double z) const {
@@ -71,7 +72,7 @@ Interval RatioOfMeans::interval(double z) const {
 }
 
 Spread pooled(const std::vector<Spread>& parts) {
-  Spread whole{0, kNone, kNone, kNone, kNone};
+  Spread whole{0, kNoNumber, kNoNumber, kNoNumber, kNoNumber};
   double sum = 0;
   for (const Spread& part : parts) {
     if (part.count == 0) continue;
@@ -99,11 +100,11 @@ PooledMean pooled_mean(const std::vector<Spread>& parts) {
 }
 
 double PairedShares::value() const {
-  return problems() > 0 ? static_cast<double>(only_first - only_second) / static_cast<double>(problems()) : kNone;
+  return problems() > 0 ? static_cast<double>(only_first - only_second) / static_cast<double>(problems()) : kNoNumber;
 }
 
 Interval PairedShares::interval(double z) const {
-  if (problems() == 0) return {kNone, kNone};
+  if (problems() == 0) return {kNoNumber, kNoNumber};
   const double n = static_cast<double>(problems()) + 2;
   const double first = static_cast<double>(only_first) + 0.5;
   const double second = static_cast<double>(only_second) + 0.5;

@@ -11,7 +11,7 @@ namespace lcpbench {
 namespace {
 
 double share(std::int64_t part, std::int64_t whole) {
-  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : kNone;
+  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : kNoNumber;
 }
 
 /// A rate of every cell of a sweep; NaN rates (all problems unsolvable) leave the range NaN.
@@ -20,7 +20,7 @@ SweepSummary::Range range_over(const Summary& summary, const std::vector<const C
   SweepSummary::Range range{kInfinity, 0, -kInfinity, "", ""};
   for (const Cell* cell : cells) {
     const double value = rate(*cell);
-    if (std::isnan(value)) return {kNone, kNone, kNone, "", ""};
+    if (std::isnan(value)) return {kNoNumber, kNoNumber, kNoNumber, "", ""};
     const std::string& settings = summary.solvers[cell->solver].settings;
     range.average += value / static_cast<double>(cells.size());
     if (value < range.worst) {
@@ -42,7 +42,7 @@ double best_held_out(const std::vector<const Cell*>& cells) {
     if (std::isnan(cell->halves[0].rate())) continue;
     if (best == nullptr || cell->halves[0].rate() > best->halves[0].rate()) best = cell;
   }
-  return best == nullptr ? kNone : best->halves[1].rate();
+  return best == nullptr ? kNoNumber : best->halves[1].rate();
 }
 
 }  // namespace

@@ -91,7 +91,7 @@ void measure_times(const Record* reference, const Record& record, Contender& con
     if (!std::isnan(outcome->time_s)) times.push_back(outcome->time_s);
   }
   contender.time = median_estimate(times);
-  contender.speedup = reference == nullptr ? Estimate{kNone, kNone, kNone} : time_ratio(*reference, record);
+  contender.speedup = reference == nullptr ? Estimate{kNoNumber, kNoNumber, kNoNumber} : time_ratio(*reference, record);
 }
 
 /// A solver with what the table says of it.
@@ -240,7 +240,7 @@ Situation judge_situation(const Summary& summary, std::string title, std::vector
   const Candidate* chosen = choose(candidates);
   for (Candidate& candidate : candidates) {
     candidate.contender.recommended_factor =
-        chosen == nullptr ? kNone : time_ratio(*chosen->record, *candidate.record).value;
+        chosen == nullptr ? kNoNumber : time_ratio(*chosen->record, *candidate.record).value;
     if (&candidate == chosen) continue;
     candidate.contender.tie = chosen != nullptr && is_tie(candidate, *chosen);
     candidate.contender.verdict = why_not(candidate, chosen);

@@ -75,14 +75,14 @@ std::string wrong_column(const Contender& best) {
 
 /// The table is to be seen at a glance, with the picture below it: the best few, and the others on request.
 std::string reasons_column(const Summary& summary, const Situation& situation) {
-  constexpr std::size_t kShown = 4;
+  constexpr std::size_t kReasonsShown = 4;
   std::vector<std::string> reasons;
   for (const Contender& contender : situation.contenders) {
     if (contender.verdict.empty()) continue;
     reasons.push_back((contender.false_claims.part > 0 ? "<li class=\"bad\">" : "<li>") +
                       code(summary.solvers[contender.solver].text()) + ": " + escape(contender.verdict) + "</li>");
   }
-  const std::size_t shown = reasons.size() > kShown + 1 ? kShown : reasons.size();
+  const std::size_t shown = reasons.size() > kReasonsShown + 1 ? kReasonsShown : reasons.size();
   const auto list = [&reasons](std::size_t begin, std::size_t end) {
     std::string items;
     for (std::size_t i = begin; i < end; ++i) items += reasons[i];

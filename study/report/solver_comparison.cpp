@@ -328,7 +328,7 @@ FallbackChain chain_of(const OutcomeTable& table, const Scope& scope, const std:
     chain.steps.push_back(step);
   }
   for (const Group& group : groups) chain.timed += group.timed;
-  const auto timed = chain.timed > 0 ? static_cast<double>(chain.timed) : kNone;
+  const auto timed = chain.timed > 0 ? static_cast<double>(chain.timed) : kNoNumber;
   chain.mean_time_s /= timed;
   chain.mean_verification_s /= timed;
   return chain;
@@ -444,7 +444,7 @@ std::vector<SetComparison> compare_solvers(const Summary& summary, const Recomme
 }
 
 double recorded_time_limit(const Summary& summary) {
-  double longest = kNone;
+  double longest = kNoNumber;
   for (const RunSummary& run : summary.runs) {
     const nlohmann::ordered_json::json_pointer path("/plan/time_limit_s");
     if (!run.provenance.contains(path) || !run.provenance.at(path).is_number()) continue;

@@ -27,7 +27,7 @@ struct Row {
   bool unsolvable = false;  ///< the problem: proven
   double velocity_residual = 0;
   double backward_error = 0;
-  double forward_error = kNone;
+  double forward_error = kNoNumber;
   double violation_m_per_s = 0;
   std::int64_t pivots = -1;
   TimeParts times;
@@ -228,7 +228,7 @@ void measure_answers(const std::vector<Row>& rows, std::span<Cell> cells) {
   const auto time = [](const Row& row) { return row.time_s(); };
   const auto violation = [](const Row& row) { return row.violation_m_per_s; };
   const auto where = [](auto condition, auto value) {
-    return [=](const Row& row) { return condition(row) ? value(row) : kNone; };
+    return [=](const Row& row) { return condition(row) ? value(row) : kNoNumber; };
   };
   measure(rows, cells, &Cell::all_time, &Cell::Half::all_time,
           where([](const Row& row) { return !refused(row); }, time));
@@ -238,7 +238,7 @@ void measure_answers(const std::vector<Row>& rows, std::span<Cell> cells) {
   measure(rows, cells, &Cell::criterion_violation, &Cell::Half::criterion_violation,
           where(passes_criterion, violation));
   const std::vector<Sample> pivots = distribute(
-      rows, cells.size(), [](const Row& row) { return row.pivots < 0 ? kNone : static_cast<double>(row.pivots); });
+      rows, cells.size(), [](const Row& row) { return row.pivots < 0 ? kNoNumber : static_cast<double>(row.pivots); });
   for (std::size_t number = 0; number < cells.size(); ++number) cells[number].pivots = spread(pivots[number].all);
 }
 
@@ -246,7 +246,7 @@ void measure_answers(const std::vector<Row>& rows, std::span<Cell> cells) {
 void measure_errors(const std::vector<Row>& rows, const SetSummary& set, bool swept, std::span<Cell> cells) {
   const char* measure = error_measure(set);
   std::vector<Sample> errors = distribute(rows, cells.size(), [measure](const Row& row) {
-    if (!claimed_solved(row) || *measure == '\0') return kNone;
+    if (!claimed_solved(row) || *measure == '\0') return kNoNumber;
     const double error = error_of(row);
     return std::isnan(error) ? kInfinity : error;
   });
@@ -257,7 +257,7 @@ void measure_errors(const std::vector<Row>& rows, const SetSummary& set, bool sw
     cell.error_count = static_cast<std::int64_t>(sorted.size());
     cell.error_median = median(sorted);
     cell.error_p99 = quantile(sorted, 0.99);
-    cell.error_max = sorted.empty() ? kNone : sorted.back();
+    cell.error_max = sorted.empty() ? kNoNumber : sorted.back();
     if (!swept) cell.errors = std::move(sorted);
   }
 }
@@ -275,7 +275,7 @@ std::vector<Outcome> outcomes_of(const std::vector<Row>& rows) {
                         .false_claim = row.verdict == Verdict::kWrong,
                         .unsolvable = row.unsolvable,
                         .refused = refused(row),
-                        .time_s = refused(row) ? kNone : row.time_s(),
+                        .time_s = refused(row) ? kNoNumber : row.time_s(),
                         .error = error_of(row),
                         .forward_error = row.forward_error});
   }
@@ -312,7 +312,7 @@ std::vector<PairedTimes> pair_times(const std::vector<Row>& rows, std::size_t ce
 Estimate plain_ratio(const PairedTimes& paired) {
   const double total = std::accumulate(paired.first.begin(), paired.first.end(), 0.0);
   const double reference = std::accumulate(paired.second.begin(), paired.second.end(), 0.0);
-  return {reference > 0 ? total / reference : kNone, kNone, kNone};
+  return {reference > 0 ? total / reference : kNoNumber, kNoNumber, kNoNumber};
 }
 
 /// One solver of a store, and what its cells are called in the summary.
@@ -339,7 +339,7 @@ const std::vector<Row>* find_reference(const std::vector<Source>& sources, const
 
 void add_time_ratios(const std::vector<Row>& rows, const std::vector<Row>* reference, bool swept,
                      std::span<Cell> cells) {
-  for (Cell& cell : cells) cell.time_ratio = {kNone, kNone, kNone};
+  for (Cell& cell : cells) cell.time_ratio = {kNoNumber, kNoNumber, kNoNumber};
   if (reference == nullptr) return;
   const std::vector<PairedTimes> paired = pair_times(rows, cells.size(), *reference);
   for (std::size_t number = 0; number < cells.size(); ++number) {
@@ -364,7 +364,7 @@ std::vector<Cell> make_cells(std::size_t set, const SetSummary& summary, const S
   add_time_ratios(rows, reference, source.swept(), cells);
   for (Cell& cell : cells) {
     if (!source.swept()) cell.outcomes = outcomes_of(rows);
-    cell.median_time = source.swept() ? Estimate{cell.all_time.median, kNone, kNone} : median_time_of(cell);
+    cell.median_time = source.swept() ? Estimate{cell.all_time.median, kNoNumber, kNoNumber} : median_time_of(cell);
   }
   return cells;
 }

@@ -16,7 +16,7 @@ constexpr std::uint64_t kBootstrapSeed = 0x6c637062656e6368;
 double sum(std::span<const double> values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
 double sample_sigma(std::span<const double> values, double mean) {
-  if (values.size() < 2) return kNone;
+  if (values.size() < 2) return kNoNumber;
   double squares = 0;
   for (const double value : values) squares += (value - mean) * (value - mean);
   return std::sqrt(squares / static_cast<double>(values.size() - 1));
@@ -38,14 +38,14 @@ double resampled_median(std::span<const double> sorted, std::span<const std::uin
   const std::size_t lower_rank = (sorted.size() + 1) / 2;
   const std::size_t upper_rank = sorted.size() / 2 + 1;
   std::size_t passed = 0;
-  double lower = kNone;
+  double lower = kNoNumber;
   for (std::size_t i = 0; i < sorted.size(); ++i) {
     const bool lower_reached = passed >= lower_rank;
     passed += drawn[i];
     if (!lower_reached && passed >= lower_rank) lower = sorted[i];
     if (passed >= upper_rank) return std::midpoint(lower, sorted[i]);
   }
-  return kNone;
+  return kNoNumber;
 }
 
 }  // namespace
@@ -60,7 +60,7 @@ std::uint64_t BoundedDraw::below(std::uint64_t bound) {
 
 Interval wilson(std::int64_t successes, std::int64_t trials, double quantile) {
   if (successes < 0 || successes > trials) throw std::invalid_argument("wilson: successes must lie in 0 .. trials");
-  if (trials == 0) return {kNone, kNone};
+  if (trials == 0) return {kNoNumber, kNoNumber};
   const auto n = static_cast<double>(trials);
   const double share = static_cast<double>(successes) / n;
   const double z2_n = quantile * quantile / n;
@@ -72,7 +72,7 @@ Interval wilson(std::int64_t successes, std::int64_t trials, double quantile) {
 }
 
 double quantile(std::span<const double> sorted, double p) {
-  if (sorted.empty()) return kNone;
+  if (sorted.empty()) return kNoNumber;
   const auto n = static_cast<double>(sorted.size());
   // p n is a whole number for p = 0.99, n = 700 but may round above it.
   const double rank = std::clamp(std::ceil(p * n * (1 - 1e-12)), 1.0, n);
@@ -80,22 +80,22 @@ double quantile(std::span<const double> sorted, double p) {
 }
 
 double median(std::span<const double> sorted) {
-  if (sorted.empty()) return kNone;
+  if (sorted.empty()) return kNoNumber;
   const double lower = sorted[(sorted.size() - 1) / 2];
   const double upper = sorted[sorted.size() / 2];
   return std::midpoint(lower, upper);
 }
 
 Spread spread(std::span<const double> values) {
-  if (values.empty()) return {0, kNone, kNone, kNone, kNone};
+  if (values.empty()) return {0, kNoNumber, kNoNumber, kNoNumber, kNoNumber};
   const double mean = sum(values) / static_cast<double>(values.size());
   return {static_cast<std::int64_t>(values.size()), mean, sample_sigma(values, mean),
           *std::max_element(values.begin(), values.end()), median(sorted_copy(values))};
 }
 
 Estimate median_estimate(std::span<const double> values) {
-  if (values.empty()) return {kNone, kNone, kNone};
-  if (values.size() == 1) return {values.front(), kNone, kNone};
+  if (values.empty()) return {kNoNumber, kNoNumber, kNoNumber};
+  if (values.size() == 1) return {values.front(), kNoNumber, kNoNumber};
   const std::vector<double> sorted = sorted_copy(values);
   BoundedDraw draw(kBootstrapSeed);
   std::vector<std::uint32_t> drawn(sorted.size());
@@ -113,8 +113,8 @@ Estimate ratio_of_sums(std::span<const double> reference, std::span<const double
   if (reference.size() != solver.size()) throw std::invalid_argument("ratio_of_sums: times must come in pairs");
   const double numerator = sum(reference);
   const double denominator = sum(solver);
-  if (!(numerator > 0 && denominator > 0)) return {kNone, kNone, kNone};
-  if (solver.size() == 1) return {numerator / denominator, kNone, kNone};
+  if (!(numerator > 0 && denominator > 0)) return {kNoNumber, kNoNumber, kNoNumber};
+  if (solver.size() == 1) return {numerator / denominator, kNoNumber, kNoNumber};
   BoundedDraw draw(kBootstrapSeed);
   std::vector<double> ratios;
   ratios.reserve(kResamples);
@@ -158,7 +158,7 @@ std::vector<double> holm(std::span<const double> p_values) {
     if (!std::isnan(p_values[i])) order.push_back(i);
   }
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return p_values[a] < p_values[b]; });
-  std::vector<double> adjusted(p_values.size(), kNone);
+  std::vector<double> adjusted(p_values.size(), kNoNumber);
   double largest = 0;
   for (std::size_t rank = 0; rank < order.size(); ++rank) {
     largest = std::max(largest, static_cast<double>(order.size() - rank) * p_values[order[rank]]);
@@ -171,7 +171,7 @@ Estimate shifted_geometric_mean(std::span<const double> values, double shift) {
   std::vector<double> logarithms;
   logarithms.reserve(values.size());
   for (const double value : values) {
-    if (!(value > -shift)) return {kNone, kNone, kNone};
+    if (!(value > -shift)) return {kNoNumber, kNoNumber, kNoNumber};
     logarithms.push_back(std::log1p(value / shift));
   }
   const Spread logs = spread(logarithms);
@@ -199,7 +199,7 @@ std::vector<double> ecdf(std::span<const double> values, std::int64_t total, std
   shares.reserve(targets.size());
   for (const double target : targets) {
     const auto end = std::isnan(target) ? reached.begin() : std::upper_bound(reached.begin(), reached.end(), target);
-    shares.push_back(total > 0 ? static_cast<double>(end - reached.begin()) / static_cast<double>(total) : kNone);
+    shares.push_back(total > 0 ? static_cast<double>(end - reached.begin()) / static_cast<double>(total) : kNoNumber);
   }
   return shares;
 }

@@ -8,7 +8,7 @@
 
 namespace lcpbench {
 
-inline constexpr double kNone = std::numeric_limits<double>::quiet_NaN();  // where the data give no number
+inline constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();  // where the data give no number
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A closed range; both ends NaN where none can be given.

@@ -46,6 +46,7 @@ target_sources(lemke_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(lemke_sweep LINK lcpbench_native lcpbench_generators)
 target_sources(lemke_sweep_test PRIVATE support/allocation_counter.cpp)
 get_property(levels GLOBAL PROPERTY LCPBENCH_LEMKE_LEVELS)
+set_tests_properties(lemke contact_lemke PROPERTIES LABELS release-only)  # sanitizers see each level below
 foreach(level IN LISTS levels)
   add_test(NAME lemke_${level} COMMAND lemke_test)
   add_test(NAME contact_lemke_${level} COMMAND contact_lemke_test)

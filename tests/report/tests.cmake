@@ -1,6 +1,7 @@
 find_package(LibXml2 REQUIRED)  # an independent reader of the pages and pictures
 lcpbench_test(statistics LINK lcpbench_statistics)
 lcpbench_test(statistics_coverage LINK lcpbench_statistics)
+set_tests_properties(statistics_coverage PROPERTIES LABELS release-only)  # a simulation of what `statistics` tests
 lcpbench_test(comparison LINK lcpbench_report)
 lcpbench_test(comparison_report LINK lcpbench_report)
 lcpbench_test(compare LINK lcpbench_report)
