@@ -22,26 +22,19 @@ namespace {
 constexpr std::int64_t kPivotsPerContact = 10;
 constexpr std::int64_t kFewestPivots = 50;
 
-/// All rungs of contact_lemke in double: so many does a brief try take below that size (contacts times coordinates),
-/// one from there on. In larger islands friction_ipm takes less time than the second rung.
-constexpr std::int64_t kRungsInDouble = 5;
-constexpr Index kSeveralRungs = 400;
-
 /// Of a brief try of friction_ipm. Contacts that do not slide take one convex problem, or two.
 constexpr std::int64_t kBriefRounds = 2;
 constexpr double kBriefResidual = 1e-8;
 
 void limit_lemke(ContactLemke& lemke, const AutoTry& now, const Problem& problem, const AutoLimits& limits,
                  const Counters& done) {
-  const ContactProblem& contact = *problem.contact();
-  const std::int64_t rungs = contact.nc() * contact.ngc() < kSeveralRungs ? kRungsInDouble : 1;
   std::int64_t pivots = limits.max_pivots > 0 ? limits.pivots(done) : 0;
   if (now.brief) {
-    const std::int64_t own = kFewestPivots + kPivotsPerContact * contact.nc();
+    const std::int64_t own = kFewestPivots + kPivotsPerContact * problem.contact()->nc();
     pivots = pivots > 0 ? std::min(pivots, own) : own;
   }
   lemke.limit_pivots(pivots);
-  lemke.limit_rungs(now.brief ? rungs : 0);
+  lemke.limit_rungs(now.brief ? 1 : 0);
 }
 
 }  // namespace

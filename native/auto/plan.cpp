@@ -12,8 +12,8 @@ namespace {
 
 // Sizes of an island: contacts times coordinates. docs/reference/solvers/auto.md has the measurements.
 
-/// Below this the ladder of contact_lemke is over before another method is loaded.
-constexpr Index kTiny = 100;
+/// Below this the ladder of contact_lemke takes less time than friction_ipm.
+constexpr Index kSmall = 400;
 /// From this on friction_ipm is faster than contact_lemke where contacts do not slide.
 constexpr Index kLarge = 800;
 /// From this on psor takes less time than the rungs of contact_lemke beyond double.
@@ -68,7 +68,7 @@ AutoPlan frictional_plan(const ContactProblem& contact, const Vector& v) {
   const bool is_scene = std::holds_alternative<BlockInertia>(contact.inertia);
   if (size < kLarge && may_be_singular(contact)) {  // only contact_lemke tells what has a solution from what has none
     plan.add(kContactLemke);
-  } else if (size < (is_scene ? kTiny : kLarge)) {
+  } else if (size < (is_scene ? kSmall : kLarge)) {
     plan.add(kContactLemke);
     plan.add(kFrictionIpm);
     plan.add(kPsor);
