@@ -145,9 +145,6 @@ inline bool surely_at_most(const Bounded& a, const Bounded& b) {
 }
 inline bool surely_at_most(Quad a, Quad b) { return a <= b; }
 
-/// Whether the numbers meant may be different ones of which neither is surely the larger.
-inline bool tied(const Bounded& a, const Bounded& b) { return !surely_less(a, b) && !surely_less(b, a); }
-
 inline Bounded abs(const Bounded& x) { return x.high < 0 ? -x : x; }
 
 /// The larger of the numbers meant, which need not be known.
