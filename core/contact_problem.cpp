@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -163,6 +164,22 @@ Vector post_impact_velocity(const ContactProblem& problem, const Vector& z) {
   };
   const Vector impulse = times(problem.N, z.head(layout.nc)) + times(problem.D, z.segment(layout.nc, layout.friction));
   return problem.v + inverse_inertia(problem.inertia) * impulse;
+}
+
+Vector complete_impulses(const ContactProblem& problem, const Vector& impulses) {
+  const ContactLayout layout = contact_layout(problem);
+  Vector z = Vector::Zero(layout.size());
+  z.head(layout.lambda_offset()) = impulses;
+  const Vector velocity = post_impact_velocity(problem, z);
+  const Vector slip = visit_jacobian([&](const auto& D) { return Vector(D.transpose() * velocity); }, problem.D);
+  for (Index cone = 0; cone < layout.cones; ++cone) {
+    const auto i = static_cast<std::size_t>(layout.cone_contact[static_cast<std::size_t>(cone)]);
+    double& lambda = z(layout.lambda_offset() + cone);
+    for (Index t = layout.friction_begin[i]; t < layout.friction_begin[i + 1]; ++t) {
+      lambda = std::max(lambda, -slip(t));
+    }
+  }
+  return z;
 }
 
 }  // namespace lcpbench

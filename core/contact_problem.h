@@ -105,4 +105,8 @@ Lcp form_lcp(const ContactProblem& problem);
 /// v + G* (N f_N + D f_D) in double, for z of lcp_size(problem) entries.
 Vector post_impact_velocity(const ContactProblem& problem, const Vector& z);
 
+/// The z of impulses that came without lambda, f_N and then f_D: the least lambda that makes the friction rows feasible
+/// completes them.
+Vector complete_impulses(const ContactProblem& problem, const Vector& impulses);
+
 }  // namespace lcpbench

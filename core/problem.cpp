@@ -70,4 +70,10 @@ const Lcp& Problem::lcp() const {
 const ContactProblem* Problem::contact() const { return data_->contact ? &*data_->contact : nullptr; }
 const RigidScene* Problem::scene() const { return data_->scene ? &*data_->scene : nullptr; }
 
+Problem Problem::with_engine_impulses(Vector impulses) const {
+  Problem result = *this;
+  result.engine_impulses_ = std::make_shared<const Vector>(std::move(impulses));
+  return result;
+}
+
 }  // namespace lcpbench

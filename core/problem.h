@@ -38,9 +38,16 @@ class Problem {
   /// nullptr unless the problem came as a scene.
   const RigidScene* scene() const;
 
+  /// The same problem with the impulses that the engine of a captured step found: f_N of each contact, then f_D of each
+  /// friction direction [N s]. They are no part of the problem: a problem file and the hash do not have them.
+  Problem with_engine_impulses(Vector impulses) const;
+  /// nullptr where none are known.
+  const Vector* engine_impulses() const { return engine_impulses_.get(); }
+
  private:
   struct Data;
   std::shared_ptr<const Data> data_;
+  std::shared_ptr<const Vector> engine_impulses_;
 };
 
 }  // namespace lcpbench

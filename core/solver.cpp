@@ -93,6 +93,9 @@ std::string why_not(const Capabilities& capabilities, const Problem& problem) {
   if (capabilities.needs == Needs::kFactored && problem.contact() == nullptr) {
     return "needs the contact problem (v, N, D, mu, G), not only (q, M)";
   }
+  if (capabilities.captured_only && problem.engine_impulses() == nullptr) {
+    return "needs a captured step with the impulses of its engine";
+  }
   if (problem.size() > capabilities.max_size) {
     return "n = " + std::to_string(problem.size()) + " is over its limit of " + std::to_string(capabilities.max_size);
   }

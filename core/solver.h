@@ -91,6 +91,7 @@ struct Capabilities {
   bool frictionless_only =
       false;  ///< needs a symmetric positive semidefinite M: refuses frictional and asymmetric ones
   Index max_size = std::numeric_limits<Index>::max();  ///< largest n
+  bool captured_only = false;     ///< needs the impulses of the engine that the problem was captured from
   const char* guarantees = "";    ///< class on which an answer is guaranteed in exact arithmetic, in words
   bool warm_start = false;        ///< SolveRequest::start is used
   bool obeys_time_limit = false;  ///< returns kTimeLimit by itself

@@ -1,7 +1,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/registry.h"
+#include "adapters/define_adapter.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 #include <BulletDynamics/MLCPSolvers/btDantzigLCP.h>
@@ -19,6 +19,8 @@ struct BulletDantzigSettings {
 };
 
 constexpr Capabilities kCapabilities{.frictionless_only = true, .guarantees = "symmetric positive definite M"};
+
+class BulletDantzig;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
@@ -75,17 +77,12 @@ class BulletDantzig final : public Solver {
 }  // namespace
 
 SolverDefinition lcpbench_solver_bullet_dantzig() {
-  SolverDefinition definition{
-      .name = "bullet_dantzig",
-      .summary =
-          "Bullet's Dantzig solver (btSolveDantzigLCP, float64): principal pivoting, as its MLCP constraint solver",
-      .source = "Bullet Physics, BulletDynamics/MLCPSolvers/btDantzigLCP; after Baraff, SIGGRAPH 1994",
-      .capabilities = kCapabilities};
-#ifdef LCPBENCH_DESCRIBE_ONLY
-  return with_settings<BulletDantzigSettings>(std::move(definition));
-#else
-  return define_solver<BulletDantzig, BulletDantzigSettings>(std::move(definition));
-#endif
+  return define_adapter<BulletDantzig, BulletDantzigSettings>(
+      {.name = "bullet_dantzig",
+       .summary =
+           "Bullet's Dantzig solver (btSolveDantzigLCP, float64): principal pivoting, as its MLCP constraint solver",
+       .source = "Bullet Physics, BulletDynamics/MLCPSolvers/btDantzigLCP; after Baraff, SIGGRAPH 1994",
+       .capabilities = kCapabilities});
 }
 
 }  // namespace lcpbench

@@ -1,5 +1,5 @@
 // Bullet's btLemkeAlgorithm on the matrix: the class itself, not the btLemkeSolver wrapper around it.
-#include "core/registry.h"
+#include "adapters/define_adapter.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 #include <BulletDynamics/MLCPSolvers/btLemkeAlgorithm.h>
@@ -19,6 +19,8 @@ struct BulletLemkeSettings {
           "pivots at most; btLemkeAlgorithm's own default is 100, 1000 is that of btLemkeSolver around it");
   }
 };
+
+class BulletLemke;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
@@ -73,15 +75,11 @@ class BulletLemke final : public Solver {
 }  // namespace
 
 SolverDefinition lcpbench_solver_bullet_lemke() {
-  SolverDefinition definition{.name = "bullet_lemke",
-                              .summary = "Bullet's Lemke algorithm (btLemkeAlgorithm) on (q, M)",
-                              .source = "Bullet Physics, BulletDynamics/MLCPSolvers; after J. E. Lloyd, ICRA 2005",
-                              .capabilities = kCapabilities};
-#ifdef LCPBENCH_DESCRIBE_ONLY
-  return with_settings<BulletLemkeSettings>(std::move(definition));
-#else
-  return define_solver<BulletLemke, BulletLemkeSettings>(std::move(definition));
-#endif
+  return define_adapter<BulletLemke, BulletLemkeSettings>(
+      {.name = "bullet_lemke",
+       .summary = "Bullet's Lemke algorithm (btLemkeAlgorithm) on (q, M)",
+       .source = "Bullet Physics, BulletDynamics/MLCPSolvers; after J. E. Lloyd, ICRA 2005",
+       .capabilities = kCapabilities});
 }
 
 }  // namespace lcpbench

@@ -2,7 +2,7 @@
 //
 // By default it inverts the matrix without exchanging rows, solves a problem of twice the size that has the bounds in
 // its data, and discards every answer with an entry beyond 1e5. All of that is the library's, and measured as such.
-#include "core/registry.h"
+#include "adapters/define_adapter.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 #include <BulletDynamics/MLCPSolvers/btLemkeSolver.h>
@@ -28,6 +28,8 @@ struct BulletMlcpLemkeSettings {
     field("max_value", max_value, RealRange{.min = 0.0}, "m_maxValue: an answer with a larger entry is discarded");
   }
 };
+
+class BulletMlcpLemke;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
@@ -60,15 +62,11 @@ class BulletMlcpLemke final : public Solver {
 }  // namespace
 
 SolverDefinition lcpbench_solver_bullet_mlcp_lemke() {
-  SolverDefinition definition{.name = "bullet_mlcp_lemke",
-                              .summary = "Bullet's btLemkeSolver (float64): its Lemke algorithm as its worlds call it",
-                              .source = "Bullet Physics, BulletDynamics/MLCPSolvers; after J. E. Lloyd, ICRA 2005",
-                              .capabilities = kCapabilities};
-#ifdef LCPBENCH_DESCRIBE_ONLY
-  return with_settings<BulletMlcpLemkeSettings>(std::move(definition));
-#else
-  return define_solver<BulletMlcpLemke, BulletMlcpLemkeSettings>(std::move(definition));
-#endif
+  return define_adapter<BulletMlcpLemke, BulletMlcpLemkeSettings>(
+      {.name = "bullet_mlcp_lemke",
+       .summary = "Bullet's btLemkeSolver (float64): its Lemke algorithm as its worlds call it",
+       .source = "Bullet Physics, BulletDynamics/MLCPSolvers; after J. E. Lloyd, ICRA 2005",
+       .capabilities = kCapabilities});
 }
 
 }  // namespace lcpbench

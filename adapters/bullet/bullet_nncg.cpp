@@ -5,21 +5,18 @@
 #include <BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h>
 #endif
 
+class btNNCGConstraintSolver;
+
 namespace lcpbench {
 
 SolverDefinition lcpbench_solver_bullet_nncg() {
-  SolverDefinition definition{
-      .name = "bullet_nncg",
-      .summary =
-          "Bullet's btNNCGConstraintSolver (float64) on the rigid scene: nonsmooth nonlinear conjugate gradients",
-      .source =
-          "Bullet Physics, BulletDynamics/ConstraintSolver; Silcowitz-Hansen, Niebe, Erleben 2010, Vis. Comput. 26",
-      .capabilities = kBulletWorldCapabilities};
-#ifdef LCPBENCH_DESCRIBE_ONLY
-  return with_settings<BulletWorldSettings>(std::move(definition));
-#else
-  return define_solver<BulletWorldSolver<btNNCGConstraintSolver>, BulletWorldSettings>(std::move(definition));
-#endif
+  return define_adapter<BulletWorldSolver<btNNCGConstraintSolver>, BulletWorldSettings>(
+      {.name = "bullet_nncg",
+       .summary =
+           "Bullet's btNNCGConstraintSolver (float64) on the rigid scene: nonsmooth nonlinear conjugate gradients",
+       .source =
+           "Bullet Physics, BulletDynamics/ConstraintSolver; Silcowitz-Hansen, Niebe, Erleben 2010, Vis. Comput. 26",
+       .capabilities = kBulletWorldCapabilities});
 }
 
 }  // namespace lcpbench

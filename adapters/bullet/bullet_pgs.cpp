@@ -1,5 +1,5 @@
 // Bullet's btSolveProjectedGaussSeidel on the matrix.
-#include "core/registry.h"
+#include "adapters/define_adapter.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 #include <BulletDynamics/MLCPSolvers/btSolveProjectedGaussSeidel.h>
@@ -21,6 +21,8 @@ struct BulletPgsSettings {
           "sweeps over the unknowns; 10 is Bullet's default for a step");
   }
 };
+
+class BulletPgs;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
@@ -50,16 +52,11 @@ class BulletPgs final : public Solver {
 }  // namespace
 
 SolverDefinition lcpbench_solver_bullet_pgs() {
-  SolverDefinition definition{
-      .name = "bullet_pgs",
-      .summary = "Bullet's projected Gauss-Seidel solver (btSolveProjectedGaussSeidel, float64)",
-      .source = "Bullet Physics, BulletDynamics/MLCPSolvers; finished sweeps count as a claim, it has no failure",
-      .capabilities = kCapabilities};
-#ifdef LCPBENCH_DESCRIBE_ONLY
-  return with_settings<BulletPgsSettings>(std::move(definition));
-#else
-  return define_solver<BulletPgs, BulletPgsSettings>(std::move(definition));
-#endif
+  return define_adapter<BulletPgs, BulletPgsSettings>(
+      {.name = "bullet_pgs",
+       .summary = "Bullet's projected Gauss-Seidel solver (btSolveProjectedGaussSeidel, float64)",
+       .source = "Bullet Physics, BulletDynamics/MLCPSolvers; finished sweeps count as a claim, it has no failure",
+       .capabilities = kCapabilities});
 }
 
 }  // namespace lcpbench

@@ -2,7 +2,7 @@
 
 // Shared by the adapters of Bullet's solvers of worlds.
 
-#include "core/registry.h"
+#include "adapters/define_adapter.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 #include <memory>
@@ -30,13 +30,17 @@ struct BulletWorldSettings {
 inline constexpr Capabilities kBulletWorldCapabilities{
     .needs = Needs::kScene, .guarantees = "none; without friction, sweeps converge for 0 < sor < 2"};
 
+template <class SolverType>
+class BulletWorldSolver;
+
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
 /// A scene as rigid bodies and contact manifolds, without a world: all that btConstraintSolver::solveGroup takes.
 ///
-/// The offset b of a contact is the distance of its point, in a step of one second. Restitution, gyroscopic terms, split
-/// impulses and earlier impulses are off, so that the rows are those of the scene's LCP. Bullet limits friction along
-/// each of two directions by itself: the pyramid of 4 edges is that square turned by 45 degrees, with mu / sqrt(2).
+/// The offset b of a contact is the distance of its point, in a step of one second. Restitution, gyroscopic terms,
+/// split impulses and earlier impulses are off, so that the rows are those of the scene's LCP. Bullet limits friction
+/// along each of two directions by itself: the pyramid of 4 edges is that square turned by 45 degrees, with mu /
+/// sqrt(2).
 class BulletWorld {
  public:
   explicit BulletWorld(const RigidScene& scene);

@@ -33,12 +33,11 @@ Pose pose(const btTransform& transform) {
 class World final : public btDiscreteDynamicsWorld {
  public:
   using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
-  std::function<void()> before_solving;
+  std::function<bool()> solved_by_others;
 
  protected:
   void solveConstraints(btContactSolverInfo& info) override {
-    before_solving();
-    btDiscreteDynamicsWorld::solveConstraints(info);
+    if (!solved_by_others()) btDiscreteDynamicsWorld::solveConstraints(info);
   }
 };
 
@@ -47,7 +46,11 @@ class BulletEngine final : public Engine {
   explicit BulletEngine(const Scene& scene)
       : scene_(scene), dispatcher_(&configuration_), world_(&dispatcher_, &broadphase_, &solver_, &configuration_) {
     world_.setGravity(btVector3(0, 0, 0));  // comes with the other forces
-    world_.before_solving = [this] { look(); };
+    world_.solved_by_others = [this] {
+      look();
+      if (*loop_) move_on((*loop_)(*snapshot_));
+      return static_cast<bool>(*loop_);
+    };
     for (const Body& body : scene_.bodies) add(body);
   }
   ~BulletEngine() override {
@@ -59,13 +62,14 @@ class BulletEngine final : public Engine {
   double step_length() const override { return scene_.step; }
   std::vector<Drawn> drawn() const override { return drawn_parts(scene_); }
 
-  void step(long index, Snapshot& snapshot) override {
+  void step(long index, Snapshot& snapshot, const VelocitySolver& loop) override {
     snapshot = {};
     snapshot_ = &snapshot;
+    loop_ = &loop;
     points_.clear();
     apply_forces(index);
     world_.stepSimulation(scene_.step, 0);
-    keep_impulses();
+    if (!loop) keep_impulses();
   }
 
  private:
@@ -160,6 +164,16 @@ class BulletEngine final : public Engine {
     points_.push_back(&point);
   }
 
+  /// Bullet then moves the bodies along these velocities; its own solver would have added the forces.
+  void move_on(const Eigen::VectorXd& velocity) {
+    for (const std::unique_ptr<btRigidBody>& body : bodies_) {
+      if (body->getUserIndex2() == kWorld) continue;
+      const Eigen::Index at = 6 * body->getUserIndex2();
+      body->setLinearVelocity(vector(Eigen::Vector3d(velocity.segment<3>(at))));
+      body->setAngularVelocity(vector(Eigen::Vector3d(velocity.segment<3>(at + 3))));
+    }
+  }
+
   void keep_impulses() {
     for (std::size_t i = 0; i < points_.size(); ++i) {
       const btManifoldPoint& point = *points_[i];
@@ -191,6 +205,7 @@ class BulletEngine final : public Engine {
   int moving_ = 0;
   std::vector<btManifoldPoint*> points_;  ///< of this step's contacts
   Snapshot* snapshot_ = nullptr;
+  const VelocitySolver* loop_ = nullptr;
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -75,6 +76,10 @@ struct Drawn {
   std::vector<double> size;
 };
 
+/// A solver in the loop, in place of the engine's own: gives the velocity after the contacts, of all coordinates of the
+/// snapshot.
+using VelocitySolver = std::function<Eigen::VectorXd(Snapshot& snapshot)>;
+
 class Engine {
  public:
   virtual ~Engine() = default;
@@ -83,8 +88,9 @@ class Engine {
   virtual double step_length() const = 0;
   virtual Eigen::Vector3d gravity() const { return {0, 0, -kGravity}; }
   virtual std::vector<Drawn> drawn() const = 0;
-  /// Finds the contacts, fills the snapshot, solves and moves on by one step.
-  virtual void step(long index, Snapshot& snapshot) = 0;
+  /// Finds the contacts, fills the snapshot, solves and moves on by one step. @param loop  empty: the engine solves,
+  /// and its answer is part of the snapshot
+  virtual void step(long index, Snapshot& snapshot, const VelocitySolver& loop) = 0;
 };
 
 /// Each engine's capture.cpp defines this. @param model  a model file of the user's, or empty

@@ -7,6 +7,7 @@
 
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "adapters/worker/exit_status.h"
@@ -31,9 +32,15 @@ std::string last_line(int file) {
   return text.substr(text.rfind('\n') + 1);
 }
 
+bool runs(pid_t child) {
+  siginfo_t ended{};
+  return waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 && ended.si_pid == 0;
+}
+
 }  // namespace
 
-EngineRun run_engine(const std::string& engine, const std::vector<std::string>& arguments) {
+EngineRun run_engine(const std::string& engine, const std::vector<std::string>& arguments,
+                     const volatile std::sig_atomic_t* stop) {
   const std::filesystem::path executable = worker_directory() / ("lcpbench-capture-" + engine);
   if (access(executable.c_str(), X_OK) != 0) {
     throw InputError("engine '" + engine + "' is not available: its program " + executable.string() +
@@ -54,6 +61,9 @@ EngineRun run_engine(const std::string& engine, const std::vector<std::string>& 
   const int error = posix_spawn(&child, executable.c_str(), &actions, nullptr, pointers.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0) throw InputError("cannot start " + executable.string() + ": " + std::strerror(error));
+  constexpr useconds_t kLook = 10'000;  // microseconds
+  while (runs(child) && *stop == 0) usleep(kLook);
+  if (*stop != 0) kill(child, SIGTERM);
   const std::string ending = worker::reap(child);
   return {ending, last_line(messages.get())};
 }

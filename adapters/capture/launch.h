@@ -1,5 +1,6 @@
 #pragma once
 
+#include <csignal>
 #include <string>
 #include <vector>
 
@@ -11,8 +12,9 @@ struct EngineRun {
   std::string message;  ///< the last line that it wrote to its standard error
 };
 
-/// Runs lcpbench-capture-<engine>, which stands where the workers stand, and waits for its end. It stays in the process
-/// group of this program, so that Ctrl-C ends both. @throws InputError when the program is missing
-EngineRun run_engine(const std::string& engine, const std::vector<std::string>& arguments);
+/// Runs lcpbench-capture-<engine>, which stands where the workers stand, and waits for its end. When `stop` is raised,
+/// it ends the program. @throws InputError when the program is missing
+EngineRun run_engine(const std::string& engine, const std::vector<std::string>& arguments,
+                     const volatile std::sig_atomic_t* stop);
 
 }  // namespace lcpbench::capture

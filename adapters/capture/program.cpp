@@ -1,17 +1,22 @@
-// The program of one engine: lcpbench-capture-<engine> SCENE MODEL EVERY STEPS FILE. The command `lcpbench capture`
-// starts it and checks what it wrote.
+// The program of one engine: lcpbench-capture-<engine> SCENE MODEL EVERY STEPS FILE LOOP. The command `lcpbench
+// capture` starts it and checks what it wrote: FILE.hashes has the hash of each step's problem as it was in here.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <fstream>
 #include <map>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "adapters/capture/engine.h"
+#include "adapters/capture/problem.h"
 #include "core/error.h"
+#include "core/io/problem_io.h"
+#include "core/registry.h"
 #include "examples/capture/capture.h"
 
 namespace lcpbench::capture {
@@ -57,6 +62,34 @@ struct Arguments {
   long every = 1;
   long steps = 0;
   std::string file;
+  std::string loop;
+};
+
+/// A native solver in the loop. A step that it does not solve is the last one: `failure` says why.
+class SolverLoop {
+ public:
+  explicit SolverLoop(const std::string& spec) : name_(spec), solver_(make_solver(parse_spec(spec))) {}
+
+  Eigen::VectorXd operator()(const Snapshot& snapshot) {
+    const Problem problem = problem_of(snapshot);
+    const ContactProblem& contact = *problem.contact();
+    if (contact.nc() == 0) return contact.v;
+    solver_->load(problem);
+    solver_->solve({.time_limit_s = 60}, answer_);
+    if (answer_.claim != Claim::kSolved) {
+      failure = name_ + " did not solve it: " + to_string(answer_.claim);
+      if (!answer_.detail.empty()) failure += ", " + answer_.detail;
+      return contact.v;
+    }
+    return answer_.velocity.size() > 0 ? Vector(answer_.velocity) : post_impact_velocity(contact, answer_.z);
+  }
+
+  std::string failure;
+
+ private:
+  std::string name_;
+  std::unique_ptr<Solver> solver_;
+  Answer answer_;
 };
 
 struct Close {
@@ -123,22 +156,32 @@ int run(const Arguments& arguments) {
   std::unique_ptr<lcpbench_capture, Close> file(lcpbench_capture_open(
       arguments.file.c_str(), scene.name.c_str(), engine->name().c_str(), engine->version().c_str(), h));
   if (!file) throw InputError("cannot write '" + arguments.file + "'");
-  lcpbench_capture_loop(file.get(), "engine");
+  lcpbench_capture_loop(file.get(), arguments.loop.c_str());
   lcpbench_capture_gravity(file.get(), engine->gravity().data());
   const std::vector<Drawn> drawn = engine->drawn();
   for (std::size_t i = 0; i < drawn.size(); ++i) {
     lcpbench_capture_shape(file.get(), static_cast<int>(i), drawn[i].type.c_str(), drawn[i].size.data(),
                            static_cast<int>(drawn[i].size.size()));
   }
+  std::unique_ptr<SolverLoop> solver;
+  VelocitySolver loop;
+  if (arguments.loop != "engine") {
+    solver = std::make_unique<SolverLoop>(arguments.loop);
+    loop = [&solver](const Snapshot& found) { return (*solver)(found); };
+  }
   ContactNames names;
   Snapshot snapshot;
+  std::ofstream hashes(arguments.file + ".hashes");
   const long steps = arguments.steps > 0 ? arguments.steps : scene.steps;
   for (long step = 0; step < steps; ++step) {
-    engine->step(step, snapshot);
+    engine->step(step, snapshot, loop);
     names.name(snapshot.contacts);
-    if (step % arguments.every == 0 && !snapshot.contacts.empty()) {
+    const bool failed = solver != nullptr && !solver->failure.empty();
+    if ((failed || step % arguments.every == 0) && !snapshot.contacts.empty()) {
+      hashes << step << ' ' << problem_hash(problem_of(snapshot)) << std::endl;
       write_step(file.get(), step, static_cast<double>(step) * h, snapshot);
     }
+    if (failed) throw std::runtime_error("step " + std::to_string(step) + ": " + solver->failure);
   }
   return lcpbench_capture_close(file.release());
 }
@@ -147,12 +190,13 @@ int run(const Arguments& arguments) {
 }  // namespace lcpbench::capture
 
 int main(int argc, char** argv) {
-  if (argc != 6) {
-    std::fprintf(stderr, "usage: %s SCENE MODEL EVERY STEPS FILE\n", argv[0]);
+  if (argc != 7) {
+    std::fprintf(stderr, "usage: %s SCENE MODEL EVERY STEPS FILE LOOP\n", argv[0]);
     return 2;
   }
   try {
-    return lcpbench::capture::run({argv[1], argv[2], std::max(1L, std::atol(argv[3])), std::atol(argv[4]), argv[5]});
+    return lcpbench::capture::run(
+        {argv[1], argv[2], std::max(1L, std::atol(argv[3])), std::atol(argv[4]), argv[5], argv[6]});
   } catch (const lcpbench::InputError& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 2;

@@ -96,4 +96,15 @@ void BoxedContacts::split_friction(Vector& z) const {
   }
 }
 
+void BoxedSolver::on_solve(const SolveRequest&, Answer& answer) {
+  if (!refusal_.empty()) {
+    answer.claim = Claim::kUnsupported;
+    answer.detail = refusal_;
+  } else if (answer.z.size() == 0) {
+    answer.claim = Claim::kSolved;
+  } else {
+    solve(contacts_, answer);
+  }
+}
+
 }  // namespace lcpbench

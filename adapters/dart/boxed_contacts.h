@@ -8,6 +8,7 @@
 #include <dart/constraint/BoxedLcpSolver.hpp>
 
 #include "core/contact_problem.h"
+#include "core/solver.h"
 
 namespace lcpbench {
 
@@ -45,6 +46,20 @@ class BoxedContacts {
   Vector destroyed_upper_;
   std::vector<int> destroyed_normal_row_;
   Vector x_;
+};
+
+/// One of DART's boxed solvers.
+class BoxedSolver : public Solver {
+ protected:
+  /// Sets claim, z and detail. @pre there are contacts
+  virtual void solve(BoxedContacts& contacts, Answer& answer) = 0;
+
+  void on_load(const Problem& problem) final { refusal_ = contacts_.load(*problem.contact()); }
+  void on_solve(const SolveRequest&, Answer& answer) final;
+
+ private:
+  std::string refusal_;
+  BoxedContacts contacts_;
 };
 
 }  // namespace lcpbench

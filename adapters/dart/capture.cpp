@@ -50,7 +50,7 @@ class DartEngine final : public Engine {
   double step_length() const override { return scene_.step; }
   std::vector<Drawn> drawn() const override { return drawn_parts(scene_); }
 
-  void step(long index, Snapshot& snapshot) override {
+  void step(long index, Snapshot& snapshot, const VelocitySolver& loop) override {
     snapshot = {};
     apply_forces(index);
     look_at_bodies(snapshot);
@@ -62,6 +62,7 @@ class DartEngine final : public Engine {
       if (look_at(collision_.getContact(i), snapshot)) taken.push_back(i);
     }
     if (scene_.articulated()) look_at_limits(snapshot);
+    if (loop) return move_on(loop(snapshot));
     world_->step();
     keep_impulses(taken, snapshot);
     keep_velocities(snapshot);
@@ -271,6 +272,26 @@ class DartEngine final : public Engine {
     }
   }
 
+  /// What world_->step() does behind its solver.
+  void move_on(const Eigen::VectorXd& velocity) {
+    for (const dart::dynamics::SkeletonPtr& skeleton : skeletons_) {
+      const auto size = static_cast<Eigen::Index>(skeleton->getNumDofs());
+      if (size == 0) continue;
+      const Eigen::VectorXd part = velocity.segment(first_.at(skeleton.get()), size);
+      if (scene_.articulated()) {
+        skeleton->setVelocities(part);
+      } else {
+        auto& joint = static_cast<dart::dynamics::FreeJoint&>(*skeleton->getJoint(0));
+        joint.setLinearVelocity(part.head<3>());
+        joint.setAngularVelocity(part.tail<3>());
+      }
+      skeleton->integratePositions(scene_.step);
+      skeleton->clearInternalForces();
+      skeleton->clearExternalForces();
+      skeleton->resetCommands();
+    }
+  }
+
   /// DART's own, of contacts; it does not tell those of limits, so that scenes with joints have none.
   void keep_impulses(const std::vector<std::size_t>& taken, Snapshot& snapshot) const {
     const auto& solved = world_->getConstraintSolver()->getLastCollisionResult();
@@ -312,10 +333,7 @@ class DartEngine final : public Engine {
 }  // namespace
 
 std::unique_ptr<Engine> make_engine(const Scene& scene, const std::string& model) {
-  if (!model.empty()) {
-    throw InputError(
-        "--model: this build's DART has no reader of model files, which Debian does not package; MuJoCo has");
-  }
+  if (!model.empty()) throw InputError("--model: lcpbench reads no model files with DART, but with MuJoCo");
   if (!scene.model.empty()) throw InputError("scene '" + scene.name + "' is a model of MuJoCo's and runs there only");
   if (!scene.loops.empty()) {
     throw InputError("scene '" + scene.name + "' has a closed chain, which is captured from MuJoCo, not from DART");

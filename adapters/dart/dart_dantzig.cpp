@@ -2,7 +2,7 @@
 //
 // Its solve() is one call of dSolveLCP in DART's copy of ODE's code. Without friction it is therefore the code of
 // ode_dantzig; this adapter adds DART's friction rows, which ode_dantzig does not take.
-#include "core/registry.h"
+#include "adapters/define_adapter.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 #include <dart/constraint/DantzigBoxedLcpSolver.hpp>
@@ -25,39 +25,28 @@ struct DartDantzigSettings {
   }
 };
 
+class DartDantzig;
+
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
-class DartDantzig final : public Solver {
+class DartDantzig final : public BoxedSolver {
  public:
   explicit DartDantzig(const DartDantzigSettings& settings) : settings_(settings) {}
   const Capabilities& capabilities() const override { return kCapabilities; }
 
  protected:
-  void on_load(const Problem& problem) override { refusal_ = boxed_.load(*problem.contact()); }
-
-  void on_solve(const SolveRequest&, Answer& answer) override {
-    if (!refusal_.empty()) {
-      answer.claim = Claim::kUnsupported;
-      answer.detail = refusal_;
-      return;
-    }
-    if (answer.z.size() == 0) {
-      answer.claim = Claim::kSolved;
-      return;
-    }
-    const bool solved = boxed_.solve(solver_, settings_.early_termination, answer.z);
+  void solve(BoxedContacts& contacts, Answer& answer) override {
+    const bool solved = contacts.solve(solver_, settings_.early_termination, answer.z);
     answer.claim = solved ? Claim::kSolved : Claim::kNumericalFailure;
     if (!solved) {
       answer.detail = "solve returned false";
-    } else if (boxed_.frictional()) {
+    } else if (contacts.frictional()) {
       answer.detail = "another problem: friction limited by the normal impulses of a solve without friction";
     }
   }
 
  private:
   DartDantzigSettings settings_;
-  std::string refusal_;
-  BoxedContacts boxed_;
   dart::constraint::DantzigBoxedLcpSolver solver_;
 };
 
@@ -66,16 +55,12 @@ class DartDantzig final : public Solver {
 }  // namespace
 
 SolverDefinition lcpbench_solver_dart_dantzig() {
-  SolverDefinition definition{
-      .name = "dart_dantzig",
-      .summary = "DART's DantzigBoxedLcpSolver: the code of ode_dantzig, with DART's friction rows",
-      .source = "DART, dart/constraint/DantzigBoxedLcpSolver, which calls ODE's dSolveLCP; after Baraff, SIGGRAPH 1994",
-      .capabilities = kCapabilities};
-#ifdef LCPBENCH_DESCRIBE_ONLY
-  return with_settings<DartDantzigSettings>(std::move(definition));
-#else
-  return define_solver<DartDantzig, DartDantzigSettings>(std::move(definition));
-#endif
+  return define_adapter<DartDantzig, DartDantzigSettings>(
+      {.name = "dart_dantzig",
+       .summary = "DART's DantzigBoxedLcpSolver: the code of ode_dantzig, with DART's friction rows",
+       .source =
+           "DART, dart/constraint/DantzigBoxedLcpSolver, which calls ODE's dSolveLCP; after Baraff, SIGGRAPH 1994",
+       .capabilities = kCapabilities});
 }
 
 }  // namespace lcpbench

@@ -1,5 +1,5 @@
 // DART's Lemke method, dart::lcpsolver::Lemke, on the matrix.
-#include "core/registry.h"
+#include "adapters/define_adapter.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 #include <dart/lcpsolver/Lemke.hpp>
@@ -14,6 +14,8 @@ constexpr Capabilities kCapabilities{.guarantees = "copositive M, where no two r
 struct DartLemkeSettings {
   void visit(auto&&) {}
 };
+
+class DartLemke;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
@@ -61,15 +63,11 @@ class DartLemke final : public Solver {
 }  // namespace
 
 SolverDefinition lcpbench_solver_dart_lemke() {
-  SolverDefinition definition{.name = "dart_lemke",
-                              .summary = "DART's Lemke method (dart::lcpsolver::Lemke), one QR factorization a pivot",
-                              .source = "DART, dart/lcpsolver/Lemke.cpp",
-                              .capabilities = kCapabilities};
-#ifdef LCPBENCH_DESCRIBE_ONLY
-  return with_settings<DartLemkeSettings>(std::move(definition));
-#else
-  return define_solver<DartLemke, DartLemkeSettings>(std::move(definition));
-#endif
+  return define_adapter<DartLemke, DartLemkeSettings>(
+      {.name = "dart_lemke",
+       .summary = "DART's Lemke method (dart::lcpsolver::Lemke), one QR factorization a pivot",
+       .source = "DART, dart/lcpsolver/Lemke.cpp",
+       .capabilities = kCapabilities});
 }
 
 }  // namespace lcpbench

@@ -1,5 +1,5 @@
 // DART's PgsBoxedLcpSolver: projected Gauss-Seidel, the second solver of its constraint solver.
-#include "core/registry.h"
+#include "adapters/define_adapter.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 #include <dart/constraint/PgsBoxedLcpSolver.hpp>
@@ -33,9 +33,11 @@ struct DartPgsSettings {
   }
 };
 
+class DartPgs;
+
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
-class DartPgs final : public Solver {
+class DartPgs final : public BoxedSolver {
  public:
   explicit DartPgs(const DartPgsSettings& settings) {
     solver_.setOption({static_cast<int>(settings.max_iterations), settings.first_tolerance, settings.relative_tolerance,
@@ -44,26 +46,13 @@ class DartPgs final : public Solver {
   const Capabilities& capabilities() const override { return kCapabilities; }
 
  protected:
-  void on_load(const Problem& problem) override { refusal_ = boxed_.load(*problem.contact()); }
-
-  void on_solve(const SolveRequest&, Answer& answer) override {
-    if (!refusal_.empty()) {
-      answer.claim = Claim::kUnsupported;
-      answer.detail = refusal_;
-      return;
-    }
-    if (answer.z.size() == 0) {
-      answer.claim = Claim::kSolved;
-      return;
-    }
+  void solve(BoxedContacts& contacts, Answer& answer) override {
     constexpr bool kIgnored = false;  // the method has no early termination
-    const bool solved = boxed_.solve(solver_, kIgnored, answer.z);
+    const bool solved = contacts.solve(solver_, kIgnored, answer.z);
     answer.claim = solved ? Claim::kSolved : Claim::kIterationLimit;
   }
 
  private:
-  std::string refusal_;
-  BoxedContacts boxed_;
   dart::constraint::PgsBoxedLcpSolver solver_;
 };
 
@@ -72,15 +61,11 @@ class DartPgs final : public Solver {
 }  // namespace
 
 SolverDefinition lcpbench_solver_dart_pgs() {
-  SolverDefinition definition{.name = "dart_pgs",
-                              .summary = "DART's PgsBoxedLcpSolver: projected Gauss-Seidel, with DART's friction rows",
-                              .source = "DART, dart/constraint/PgsBoxedLcpSolver",
-                              .capabilities = kCapabilities};
-#ifdef LCPBENCH_DESCRIBE_ONLY
-  return with_settings<DartPgsSettings>(std::move(definition));
-#else
-  return define_solver<DartPgs, DartPgsSettings>(std::move(definition));
-#endif
+  return define_adapter<DartPgs, DartPgsSettings>(
+      {.name = "dart_pgs",
+       .summary = "DART's PgsBoxedLcpSolver: projected Gauss-Seidel, with DART's friction rows",
+       .source = "DART, dart/constraint/PgsBoxedLcpSolver",
+       .capabilities = kCapabilities});
 }
 
 }  // namespace lcpbench

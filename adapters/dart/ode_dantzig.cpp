@@ -1,5 +1,5 @@
 // ODE's Dantzig solver on the matrix, from the copy of it that DART has as a library: ODE itself does not export it.
-#include "core/registry.h"
+#include "adapters/define_adapter.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 #include <vector>
@@ -20,6 +20,8 @@ struct OdeDantzigSettings {
     field("diagonal", diagonal, RealRange{.min = 0}, "added to the diagonal of M before solving");
   }
 };
+
+class OdeDantzig;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
@@ -77,15 +79,11 @@ class OdeDantzig final : public Solver {
 }  // namespace
 
 SolverDefinition lcpbench_solver_ode_dantzig() {
-  SolverDefinition definition{.name = "ode_dantzig",
-                              .summary = "ODE's Dantzig solver (dSolveLCP): principal pivoting, as in dWorldStep",
-                              .source = "Open Dynamics Engine, lcp.cpp, in DART's copy; after Baraff, SIGGRAPH 1994",
-                              .capabilities = kCapabilities};
-#ifdef LCPBENCH_DESCRIBE_ONLY
-  return with_settings<OdeDantzigSettings>(std::move(definition));
-#else
-  return define_solver<OdeDantzig, OdeDantzigSettings>(std::move(definition));
-#endif
+  return define_adapter<OdeDantzig, OdeDantzigSettings>(
+      {.name = "ode_dantzig",
+       .summary = "ODE's Dantzig solver (dSolveLCP): principal pivoting, as in dWorldStep",
+       .source = "Open Dynamics Engine, lcp.cpp, in DART's copy; after Baraff, SIGGRAPH 1994",
+       .capabilities = kCapabilities});
 }
 
 }  // namespace lcpbench

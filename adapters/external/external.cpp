@@ -3,8 +3,8 @@
 #include <string>
 #include <utility>
 
+#include "adapters/define_adapter.h"
 #include "core/error.h"
-#include "core/registry.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 #include <algorithm>
@@ -20,12 +20,12 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "adapters/worker/child_processes.h"
-#include "adapters/worker/control_group.h"
 #include "adapters/external/external_json.h"
 #include "adapters/external/external_program.h"
-#include "adapters/worker/self_timed.h"
 #include "adapters/external/start_directory.h"
+#include "adapters/worker/child_processes.h"
+#include "adapters/worker/control_group.h"
+#include "adapters/worker/self_timed.h"
 #endif
 
 namespace lcpbench {
@@ -45,6 +45,8 @@ struct ExternalSettings {
           "what the program is given: (q, M); or v, N, D, mu, G; or bodies and contacts");
   }
 };
+
+class External;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
@@ -329,15 +331,11 @@ Options checked_settings(const Options& options) {
 }  // namespace
 
 SolverDefinition lcpbench_solver_external() {
-  SolverDefinition definition{.name = "external",
-                              .summary = "any program: problems on its standard input, answers on its standard output",
-                              .source = "yours; docs/reference/external.md shows how",
-                              .capabilities = kCapabilities};
-#ifdef LCPBENCH_DESCRIBE_ONLY
-  definition = with_settings<ExternalSettings>(std::move(definition));
-#else
-  definition = define_solver<External, ExternalSettings>(std::move(definition));
-#endif
+  SolverDefinition definition = define_adapter<External, ExternalSettings>(
+      {.name = "external",
+       .summary = "any program: problems on its standard input, answers on its standard output",
+       .source = "yours; docs/reference/external.md shows how",
+       .capabilities = kCapabilities});
   definition.all_settings = checked_settings<all_settings<ExternalSettings>>;
   definition.changed_settings = checked_settings<changed_settings<ExternalSettings>>;
   return definition;

@@ -1,6 +1,6 @@
 // Ipopt on the LCP as a mathematical program with complementarity constraints, the product z'w in the objective.
+#include "adapters/define_adapter.h"
 #include "adapters/ipopt/ipopt_common.h"
-#include "core/registry.h"
 
 namespace lcpbench {
 namespace {
@@ -17,6 +17,8 @@ struct IpoptMpccSettings : IpoptSettings {
           "a local minimum claims to be a solution when z'w <= this times max(1, max|q|)");
   }
 };
+
+class IpoptMpcc;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
@@ -131,15 +133,11 @@ class IpoptMpcc final : public Solver {
 }  // namespace
 
 SolverDefinition lcpbench_solver_ipopt_mpcc() {
-  SolverDefinition definition{.name = "ipopt_mpcc",
-                              .summary = "Ipopt on min z'w, w = Mz + q, z >= 0, w >= 0 (complementarity program)",
-                              .source = "Waechter, Biegler 2006; Luo, Pang, Ralph 1996 for the program",
-                              .capabilities = kCapabilities};
-#ifdef LCPBENCH_DESCRIBE_ONLY
-  return with_settings<IpoptMpccSettings>(std::move(definition));
-#else
-  return define_solver<IpoptMpcc, IpoptMpccSettings>(std::move(definition));
-#endif
+  return define_adapter<IpoptMpcc, IpoptMpccSettings>(
+      {.name = "ipopt_mpcc",
+       .summary = "Ipopt on min z'w, w = Mz + q, z >= 0, w >= 0 (complementarity program)",
+       .source = "Waechter, Biegler 2006; Luo, Pang, Ralph 1996 for the program",
+       .capabilities = kCapabilities});
 }
 
 }  // namespace lcpbench

@@ -1,6 +1,6 @@
 // Ipopt on the convex quadratic program whose optimality conditions are the symmetric LCP.
+#include "adapters/define_adapter.h"
 #include "adapters/ipopt/ipopt_common.h"
-#include "core/registry.h"
 
 namespace lcpbench {
 namespace {
@@ -8,6 +8,8 @@ namespace {
 constexpr Capabilities kCapabilities{.frictionless_only = true,
                                      .guarantees = "symmetric positive semidefinite M (a convex program)",
                                      .obeys_time_limit = true};
+
+class IpoptQp;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
@@ -99,15 +101,11 @@ class IpoptQp final : public Solver {
 }  // namespace
 
 SolverDefinition lcpbench_solver_ipopt_qp() {
-  SolverDefinition definition{.name = "ipopt_qp",
-                              .summary = "Ipopt on min 1/2 z'Mz + q'z, z >= 0 (frictionless problems)",
-                              .source = "Waechter, Biegler 2006, Math. Program. 106",
-                              .capabilities = kCapabilities};
-#ifdef LCPBENCH_DESCRIBE_ONLY
-  return with_settings<IpoptSettings>(std::move(definition));
-#else
-  return define_solver<IpoptQp, IpoptSettings>(std::move(definition));
-#endif
+  return define_adapter<IpoptQp, IpoptSettings>(
+      {.name = "ipopt_qp",
+       .summary = "Ipopt on min 1/2 z'Mz + q'z, z >= 0 (frictionless problems)",
+       .source = "Waechter, Biegler 2006, Math. Program. 106",
+       .capabilities = kCapabilities});
 }
 
 }  // namespace lcpbench

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "adapters/define_adapter.h"
 #include "adapters/ipopt/ipopt_common.h"
-#include "core/registry.h"
 #include "core/timed_solve.h"
 
 namespace lcpbench {
@@ -27,6 +27,8 @@ struct IpoptScholtesSettings : IpoptSettings {
           "solved when max|min(z, Mz + q)| <= this times max(1, max|q|)");
   }
 };
+
+class IpoptScholtes;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
@@ -171,15 +173,11 @@ class IpoptScholtes final : public Solver {
 }  // namespace
 
 SolverDefinition lcpbench_solver_ipopt_scholtes() {
-  SolverDefinition definition{.name = "ipopt_scholtes",
-                              .summary = "Ipopt on a sequence of relaxed complementarity programs, z_i w_i <= t",
-                              .source = "Scholtes 2001, SIAM J. Optim. 11; Waechter, Biegler 2006",
-                              .capabilities = kCapabilities};
-#ifdef LCPBENCH_DESCRIBE_ONLY
-  return with_settings<IpoptScholtesSettings>(std::move(definition));
-#else
-  return define_solver<IpoptScholtes, IpoptScholtesSettings>(std::move(definition));
-#endif
+  return define_adapter<IpoptScholtes, IpoptScholtesSettings>(
+      {.name = "ipopt_scholtes",
+       .summary = "Ipopt on a sequence of relaxed complementarity programs, z_i w_i <= t",
+       .source = "Scholtes 2001, SIAM J. Optim. 11; Waechter, Biegler 2006",
+       .capabilities = kCapabilities});
 }
 
 }  // namespace lcpbench

@@ -101,7 +101,10 @@ class MujocoEngine final : public Engine {
     return result;
   }
 
-  void step(long index, Snapshot& snapshot) override {
+  void step(long index, Snapshot& snapshot, const VelocitySolver& loop) override {
+    if (loop && model_->na > 0) {
+      throw InputError("the model's actuators have activations, which MuJoCo's own solver moves on: use --loop engine");
+    }
     snapshot = {};
     apply_forces(index);
     mj_forward(model_.get(), data_.get());
@@ -113,15 +116,19 @@ class MujocoEngine final : public Engine {
     }
     if (free_bodies_) {
       look_at_bodies(velocity, snapshot);
+      if (loop) return move_on(velocities_of_bodies(loop(snapshot)));
       mj_Euler(model_.get(), data_.get());
       keep_body_velocities(snapshot);
+      snapshot.has_impulses = true;
       return;
     }
     snapshot.blocks = coordinates.states(velocity);
     look_at_contacts(&coordinates, snapshot);
     look_at_limits(coordinates, snapshot);
+    if (loop) return move_on(coordinates.full(loop(snapshot), model_->nv));
     mj_Euler(model_.get(), data_.get());
     snapshot.velocity_after = coordinates.reduced(numbers(data_->qvel, model_->nv));
+    snapshot.has_impulses = true;
   }
 
  private:
@@ -206,6 +213,25 @@ class MujocoEngine final : public Engine {
     look_at_contacts(nullptr, snapshot);
   }
 
+  /// Those of MuJoCo from those of the problem: a body's angular velocity in its own axes.
+  Eigen::VectorXd velocities_of_bodies(const Eigen::VectorXd& velocity) const {
+    Eigen::VectorXd result = Eigen::VectorXd::Zero(model_->nv);
+    for (std::size_t k = 0; k < moving_.size(); ++k) {
+      const int id = ids_[moving_[k]];
+      const Eigen::Matrix3d R = Eigen::Map<const RowMatrix3>(data_->xmat + 9 * id);
+      const auto at = static_cast<Eigen::Index>(6 * k);
+      result.segment<3>(model_->body_dofadr[id]) = velocity.segment<3>(at);
+      result.segment<3>(model_->body_dofadr[id] + 3) = R.transpose() * velocity.segment<3>(at + 3);
+    }
+    return result;
+  }
+
+  void move_on(const Eigen::VectorXd& velocity) {
+    Eigen::Map<Eigen::VectorXd>(data_->qvel, model_->nv) = velocity;
+    mj_integratePos(model_.get(), data_->qpos, data_->qvel, step_length());
+    data_->time += step_length();
+  }
+
   /// In the axes that the bodies had before the step, as the problem has them.
   void keep_body_velocities(Snapshot& snapshot) {
     snapshot.velocity_after.resize(static_cast<Eigen::Index>(6 * moving_.size()));
@@ -228,6 +254,15 @@ class MujocoEngine final : public Engine {
     return Eigen::Map<const RowMatrix3>(found.frame) * (a - b);
   }
 
+  /// Says so once: a problem has one coefficient of friction for each contact.
+  void warn_of_two_frictions(const mjContact& found) {
+    if (told_ || found.dim < 3 || found.friction[0] == found.friction[1]) return;
+    told_ = true;
+    std::fprintf(stderr,
+                 "a contact has friction %g and %g along its two tangents; the problem has the first along both\n",
+                 found.friction[0], found.friction[1]);
+  }
+
   void look_at_contacts(const Coordinates* coordinates, Snapshot& snapshot) {
     for (int i = 0; i < data_->ncon; ++i) {
       const mjContact& found = data_->contact[i];
@@ -240,6 +275,7 @@ class MujocoEngine final : public Engine {
       contact.normal = vector(found.frame);
       contact.tangent = vector(found.frame + 3);
       contact.mu = found.friction[0];
+      warn_of_two_frictions(found);
       contact.edges = found.dim == 1 ? 0 : 4;
       contact.gap = found.dist;
       const Eigen::MatrixXd rows = directions(found, a, b);
@@ -260,7 +296,6 @@ class MujocoEngine final : public Engine {
       }
       snapshot.contacts.push_back(std::move(contact));
     }
-    snapshot.has_impulses = true;
   }
 
   /// Limits of joints and tendons: rows without friction.
@@ -284,6 +319,7 @@ class MujocoEngine final : public Engine {
   Model model_;
   std::unique_ptr<mjData, Free> data_;
   bool free_bodies_ = false;
+  bool told_ = false;                ///< of different frictions along two tangents
   std::vector<int> ids_;             ///< MuJoCo's, of the scene's bodies
   std::vector<std::size_t> moving_;  ///< the scene's bodies that move freely
   std::vector<int> moving_of_;       ///< of MuJoCo's bodies: their index in moving_

@@ -97,6 +97,19 @@ Eigen::VectorXd Coordinates::reduced(const Eigen::VectorXd& velocity) const {
   return Eigen::Map<const Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
 }
 
+Eigen::VectorXd Coordinates::full(const Eigen::VectorXd& y, int dofs) const {
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(dofs);
+  for (const Block& block : blocks_) {
+    const Eigen::Index size = block.Z.size() == 0 ? static_cast<Eigen::Index>(block.dofs.size()) : block.Z.cols();
+    const Eigen::VectorXd part = y.segment(block.first, size);
+    if (block.Z.size() == 0)
+      result(block.dofs) = part;
+    else
+      result(block.dofs) = block.Z * part;
+  }
+  return result;
+}
+
 Rows Coordinates::rows(const Eigen::MatrixXd& directions) const {
   std::vector<int> coordinates;
   std::vector<Eigen::VectorXd> columns;

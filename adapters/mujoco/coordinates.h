@@ -24,6 +24,8 @@ class Coordinates {
   std::vector<BlockState> states(const Eigen::VectorXd& velocity) const;
   /// y of a velocity, of all blocks.
   Eigen::VectorXd reduced(const Eigen::VectorXd& velocity) const;
+  /// The velocity of all degrees of freedom that y stands for.
+  Eigen::VectorXd full(const Eigen::VectorXd& y, int dofs) const;
   /// A contact's rows in these coordinates. @param directions  rows over the model's velocities: normal, tangents
   Rows rows(const Eigen::MatrixXd& directions) const;
 

@@ -39,13 +39,21 @@ class OdeEngine final : public Engine {
   double step_length() const override { return scene_.step; }
   std::vector<Drawn> drawn() const override { return drawn_parts(scene_); }
 
-  void step(long index, Snapshot& snapshot) override {
+  void step(long index, Snapshot& snapshot, const VelocitySolver& loop) override {
     snapshot = {};
     apply_forces(index, snapshot);
     snapshot_ = &snapshot;
     feedback_.clear();
     dSpaceCollide(space_, this,
                   [](void* engine, dGeomID a, dGeomID b) { static_cast<OdeEngine*>(engine)->near(a, b); });
+    if (loop)
+      move_on(loop(snapshot));
+    else
+      solve(snapshot);
+  }
+
+ private:
+  void solve(Snapshot& snapshot) {
     // ODE keeps pointers to the feedback, so its memory must not move any more.
     std::vector<dJointFeedback> feedback(feedback_.size());
     for (std::size_t i = 0; i < feedback.size(); ++i) dJointSetFeedback(feedback_[i], &feedback[i]);
@@ -64,7 +72,19 @@ class OdeEngine final : public Engine {
     keep_velocities(snapshot);
   }
 
- private:
+  /// Without joints and forces, a step of ODE moves the bodies along their velocities.
+  void move_on(const Eigen::VectorXd& velocity) {
+    dJointGroupEmpty(joints_);
+    for (std::size_t i = 0; i < moving_.size(); ++i) {
+      const double* v = velocity.data() + 6 * i;
+      dBodySetForce(moving_[i], 0, 0, 0);
+      dBodySetTorque(moving_[i], 0, 0, 0);
+      dBodySetLinearVel(moving_[i], v[0], v[1], v[2]);
+      dBodySetAngularVel(moving_[i], v[3], v[4], v[5]);
+    }
+    dWorldQuickStep(world_, scene_.step);
+  }
+
   /// What a geometry belongs to: the body of the scene, and its index among the moving ones.
   struct Owner {
     int body = 0;

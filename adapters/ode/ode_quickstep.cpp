@@ -2,7 +2,7 @@
 //
 // One step of length 1 s with error reduction, damping, gravity and gyroscopic terms off: force then equals impulse,
 // and the step iterates on the rows of the scene's LCP (see OdeWorld), with cfm added to their diagonal.
-#include "core/registry.h"
+#include "adapters/define_adapter.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 #include "adapters/ode/ode_world.h"
@@ -32,6 +32,8 @@ struct OdeQuickstepSettings {
           "of ODE's random numbers, which order the constraints");
   }
 };
+
+class OdeQuickstep;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
@@ -95,16 +97,11 @@ class OdeQuickstep final : public Solver, public SelfTimed {
 }  // namespace
 
 SolverDefinition lcpbench_solver_ode_quickstep() {
-  SolverDefinition definition{
-      .name = "ode_quickstep",
-      .summary = "ODE's dWorldQuickStep on the rigid scene (projected successive over-relaxation)",
-      .source = "Open Dynamics Engine; a finished step counts as a claim, it has no failure",
-      .capabilities = kCapabilities};
-#ifdef LCPBENCH_DESCRIBE_ONLY
-  return with_settings<OdeQuickstepSettings>(std::move(definition));
-#else
-  return define_solver<OdeQuickstep, OdeQuickstepSettings>(std::move(definition));
-#endif
+  return define_adapter<OdeQuickstep, OdeQuickstepSettings>(
+      {.name = "ode_quickstep",
+       .summary = "ODE's dWorldQuickStep on the rigid scene (projected successive over-relaxation)",
+       .source = "Open Dynamics Engine; a finished step counts as a claim, it has no failure",
+       .capabilities = kCapabilities});
 }
 
 }  // namespace lcpbench

@@ -2,7 +2,7 @@
 //
 // With friction it solves another problem than ours: the limits of the friction impulses are mu times the normal
 // impulses that a solve without friction gives, and stay so. Every such answer says this in its detail.
-#include "core/registry.h"
+#include "adapters/define_adapter.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 #include "adapters/ode/ode_world.h"
@@ -22,6 +22,8 @@ struct OdeStepSettings {
     field("cfm", cfm, RealRange{.min = 0.0}, "constraint force mixing: solves M + cfm I; ODE's default is 1e-10");
   }
 };
+
+class OdeStep;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
@@ -63,15 +65,11 @@ class OdeStep final : public Solver {
 }  // namespace
 
 SolverDefinition lcpbench_solver_ode_step() {
-  SolverDefinition definition{.name = "ode_step",
-                              .summary = "ODE's dWorldStep on the rigid scene (Dantzig's principal pivoting)",
-                              .source = "Open Dynamics Engine; after Baraff, SIGGRAPH 1994",
-                              .capabilities = kCapabilities};
-#ifdef LCPBENCH_DESCRIBE_ONLY
-  return with_settings<OdeStepSettings>(std::move(definition));
-#else
-  return define_solver<OdeStep, OdeStepSettings>(std::move(definition));
-#endif
+  return define_adapter<OdeStep, OdeStepSettings>(
+      {.name = "ode_step",
+       .summary = "ODE's dWorldStep on the rigid scene (Dantzig's principal pivoting)",
+       .source = "Open Dynamics Engine; after Baraff, SIGGRAPH 1994",
+       .capabilities = kCapabilities});
 }
 
 }  // namespace lcpbench

@@ -2,7 +2,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "core/registry.h"
+#include "adapters/define_adapter.h"
 
 #ifdef LCPBENCH_DESCRIBE_ONLY
 #define XXH_INLINE_ALL
@@ -36,6 +36,8 @@ struct PathSettings {
           "PATH's major_iteration_limit; 500 is PATH's default");
   }
 };
+
+class Path;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
@@ -196,16 +198,11 @@ std::string lcpbench_version_path() {
 #endif
 
 SolverDefinition lcpbench_solver_path() {
-  SolverDefinition definition{
-      .name = "path",
-      .summary = "PATH on the LCP as a mixed complementarity problem; the library is the user's own",
-      .source = "Dirkse, Ferris 1995, Optim. Methods Softw. 5; Ferris, Munson 1999, Comput. Optim. Appl. 12",
-      .capabilities = kCapabilities};
-#ifdef LCPBENCH_DESCRIBE_ONLY
-  return with_settings<PathSettings>(std::move(definition));
-#else
-  return define_solver<Path, PathSettings>(std::move(definition));
-#endif
+  return define_adapter<Path, PathSettings>(
+      {.name = "path",
+       .summary = "PATH on the LCP as a mixed complementarity problem; the library is the user's own",
+       .source = "Dirkse, Ferris 1995, Optim. Methods Softw. 5; Ferris, Munson 1999, Comput. Optim. Appl. 12",
+       .capabilities = kCapabilities});
 }
 
 }  // namespace lcpbench

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "core/registry.h"
+#include "adapters/define_adapter.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 struct NumericsMatrix;
@@ -13,6 +13,9 @@ struct SolverOptions;
 #endif
 
 namespace lcpbench {
+
+template <class Settings>
+class SiconosSolver;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
@@ -56,15 +59,11 @@ class SiconosSolver final : public Solver {
 
 #endif
 
-/// Completes a definition for either of the two programs that a file is compiled for.
+/// Completes a definition with the capabilities that stand in its settings.
 template <class Settings>
 SolverDefinition define_siconos(SolverDefinition definition) {
   definition.capabilities = Settings::capabilities;
-#ifdef LCPBENCH_DESCRIBE_ONLY
-  return with_settings<Settings>(std::move(definition));
-#else
-  return define_solver<SiconosSolver<Settings>, Settings>(std::move(definition));
-#endif
+  return define_adapter<SiconosSolver<Settings>, Settings>(std::move(definition));
 }
 
 }  // namespace lcpbench

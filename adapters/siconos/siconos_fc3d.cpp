@@ -42,6 +42,8 @@ struct SiconosFc3dSettings {
   }
 };
 
+class SiconosFc3d;
+
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
 /// What is refused is left to RoundCones.
@@ -55,6 +57,7 @@ class SiconosFc3d final : public Solver {
  protected:
   void on_load(const Problem& problem) override {
     refusal_ = cones_.load(problem, settings_.cone, RoundCones::Frictionless::kThreeRows);
+    if (refusal_.empty() && settings_.method == Fc3dMethod::kNsgs) refusal_ = why_not_nsgs();
   }
 
   void on_solve(const SolveRequest&, Answer& answer) override {
@@ -69,6 +72,18 @@ class SiconosFc3d final : public Solver {
   }
 
  private:
+  /// An assertion of Siconos ends the process at such a contact. @returns "" where there is none
+  std::string why_not_nsgs() const {
+    for (Index i = 0; i < cones_.contacts(); ++i) {
+      const Index row = cones_.normal_row(i);
+      if (cones_.W()(row, row) > 0) continue;
+      return "contact " + std::to_string(i) +
+             ": its normal impulse does not raise its normal velocity (W_NN <= 0), by which nsgs divides; "
+             "method=nsn_ac takes it";
+    }
+    return {};
+  }
+
   void run(Answer& answer) const {
     // The interface takes pointers to data that may change.
     Matrix W = cones_.W();
@@ -109,17 +124,12 @@ class SiconosFc3d final : public Solver {
 }  // namespace
 
 SolverDefinition lcpbench_solver_siconos_fc3d() {
-  SolverDefinition definition{
-      .name = "siconos_fc3d",
-      .summary = "Siconos's contact solvers (fc3d_driver), with the round friction cone if cone=true",
-      .source =
-          "Siconos, numerics/src/FrictionContact; Acary, Bremond, Huber 2018, Advanced Topics in Nonsmooth Dynamics",
-      .capabilities = kCapabilities};
-#ifdef LCPBENCH_DESCRIBE_ONLY
-  return with_settings<SiconosFc3dSettings>(std::move(definition));
-#else
-  return define_solver<SiconosFc3d, SiconosFc3dSettings>(std::move(definition));
-#endif
+  return define_adapter<SiconosFc3d, SiconosFc3dSettings>(
+      {.name = "siconos_fc3d",
+       .summary = "Siconos's contact solvers (fc3d_driver), with the round friction cone if cone=true",
+       .source =
+           "Siconos, numerics/src/FrictionContact; Acary, Bremond, Huber 2018, Advanced Topics in Nonsmooth Dynamics",
+       .capabilities = kCapabilities});
 }
 
 }  // namespace lcpbench

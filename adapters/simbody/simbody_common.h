@@ -2,7 +2,7 @@
 
 // Shared by the Simbody adapters: one of Simbody's impulse solvers on a problem, without a Simbody system.
 
-#include "core/registry.h"
+#include "adapters/define_adapter.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 #include <exception>
@@ -16,6 +16,9 @@ namespace lcpbench {
 
 inline constexpr const char* kConeHelp =
     "solve contacts with friction with the round cone, which is another problem; false: refuse them";
+
+template <class Settings>
+class SimbodySolver;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
@@ -76,15 +79,11 @@ class SimbodySolver final : public Solver {
 
 #endif
 
-/// Completes a definition for either of the two programs that a file is compiled for.
+/// Completes a definition with the capabilities that stand in its settings.
 template <class Settings>
 SolverDefinition define_simbody(SolverDefinition definition) {
   definition.capabilities = Settings::capabilities;
-#ifdef LCPBENCH_DESCRIBE_ONLY
-  return with_settings<Settings>(std::move(definition));
-#else
-  return define_solver<SimbodySolver<Settings>, Settings>(std::move(definition));
-#endif
+  return define_adapter<SimbodySolver<Settings>, Settings>(std::move(definition));
 }
 
 }  // namespace lcpbench

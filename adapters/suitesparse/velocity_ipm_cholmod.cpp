@@ -1,7 +1,8 @@
 // The native interior point in velocity space with CHOLMOD factoring its systems. One of two files that may include
-// native code (tests/core/layers.cmake): it is that method, and stands here because CHOLMOD is linked into workers only.
+// native code (tests/core/layers.cmake): it is that method, and stands here because CHOLMOD is linked into workers
+// only.
+#include "adapters/define_adapter.h"
 #include "adapters/suitesparse/cholmod_factorization.h"
-#include "core/registry.h"
 #include "native/velocity_ipm/settings.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
@@ -40,6 +41,8 @@ struct VelocityIpmCholmodSettings {
     method.visit(field);
   }
 };
+
+class VelocityIpmCholmod;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
@@ -103,15 +106,11 @@ class VelocityIpmCholmod final : public Solver {
 }  // namespace
 
 SolverDefinition lcpbench_solver_velocity_ipm_cholmod() {
-  SolverDefinition definition{.name = "velocity_ipm_cholmod",
-                              .summary = "velocity_ipm with CHOLMOD for its sparse systems",
-                              .source = "CHOLMOD: Chen, Davis, Hager, Rajamanickam 2008; the method: velocity_ipm",
-                              .capabilities = kCapabilities};
-#ifdef LCPBENCH_DESCRIBE_ONLY
-  return with_settings<VelocityIpmCholmodSettings>(std::move(definition));
-#else
-  return define_solver<VelocityIpmCholmod, VelocityIpmCholmodSettings>(std::move(definition));
-#endif
+  return define_adapter<VelocityIpmCholmod, VelocityIpmCholmodSettings>(
+      {.name = "velocity_ipm_cholmod",
+       .summary = "velocity_ipm with CHOLMOD for its sparse systems",
+       .source = "CHOLMOD: Chen, Davis, Hager, Rajamanickam 2008; the method: velocity_ipm",
+       .capabilities = kCapabilities});
 }
 
 }  // namespace lcpbench

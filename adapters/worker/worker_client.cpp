@@ -225,7 +225,7 @@ std::string why_not_opened(const std::string& known, const std::string& solver, 
 
 std::filesystem::path worker_executable(const RegisteredSolver& solver) {
   const std::string& name = solver.definition.name;
-  if (solver.native()) throw InputError("solver '" + name + "' is native: it has no worker");
+  if (solver.in_process()) throw InputError("solver '" + name + "' runs in this process: it has no worker");
   if (!solver.unavailable.empty()) throw InputError("solver '" + name + "' is not available: " + solver.unavailable);
   std::filesystem::path executable = worker_directory() / solver.worker;
   if (access(executable.c_str(), X_OK) != 0) {

@@ -151,6 +151,7 @@ void read_extras(const RecordReader& reader, const std::string& origin, SceneSte
     step.engine_impulses = engine.vector("impulses");
     check_entries(static_cast<std::size_t>(step.engine_impulses.size()), contact.nc() + cols(contact.D),
                   "engine.impulses", origin);
+    step.problem = step.problem.with_engine_impulses(step.engine_impulses);
   }
   if (engine.given("velocity")) {
     step.engine_velocity = engine.vector("velocity");
@@ -194,7 +195,13 @@ struct ScenesFile::Data {
       throw input_error(origin, stream.text().starts_with('{') ? "truncated in its first line" : "not a scenes file");
     }
     header = parse_header(stream.text(), line_of(origin, 1));
+    std::size_t blank = 0;  // lines at the end, as editors leave them
     while (stream.next(line, kNumberBytes)) {
+      if (line.size <= kNumberBytes && stream.text().find_first_not_of(" \t\r") == std::string::npos) {
+        ++blank;
+        continue;
+      }
+      if (blank > 0) throw input_error(line_of(origin, steps.size() + 2), "blank, and behind it comes another line");
       if (!line.ended && !whole(line)) {
         truncate("the line of the next step is incomplete");
         return;
@@ -269,24 +276,6 @@ std::size_t ScenesFile::index_of(std::int64_t step) const {
 
 SceneStep ScenesFile::read(std::size_t index) const {
   return parse_step(data_->line(index), line_of(data_->origin, index + 2));
-}
-
-Vector engine_answer(const SceneStep& step) {
-  if (step.engine_impulses.size() == 0) return {};
-  const ContactProblem& contact = *step.problem.contact();
-  const ContactLayout layout = contact_layout(contact);
-  Vector z = Vector::Zero(layout.size());
-  z.head(layout.lambda_offset()) = step.engine_impulses;
-  const Vector velocity = post_impact_velocity(contact, z);
-  const Vector slip = std::visit([&](const auto& D) { return Vector(D.transpose() * velocity); }, contact.D);
-  for (Index cone = 0; cone < layout.cones; ++cone) {
-    const auto i = static_cast<std::size_t>(layout.cone_contact[static_cast<std::size_t>(cone)]);
-    double& lambda = z(layout.lambda_offset() + cone);
-    for (Index t = layout.friction_begin[i]; t < layout.friction_begin[i + 1]; ++t) {
-      lambda = std::max(lambda, -slip(t));
-    }
-  }
-  return z;
 }
 
 bool is_scenes_file(std::string_view name) { return name.size() > kExtension.size() && name.ends_with(kExtension); }

@@ -39,13 +39,9 @@ struct SceneStep {
   std::vector<double> gap;                 ///< nc [m], negative: penetration
   std::vector<std::string> contact_ids;    ///< nc names that contacts keep from step to step
   std::vector<std::vector<double>> poses;  ///< per body of the pictures: position and quaternion (w, x, y, z), or empty
-  Vector engine_impulses;                  ///< the engine's own answer: f_N, then f_D
+  Vector engine_impulses;                  ///< the engine's own answer: f_N, then f_D; of `problem` too
   Vector engine_velocity;                  ///< the engine's own velocity after the impact: ngc
 };
-
-/// The problem's z of the engine's impulses: lambda, which engines do not have, is the least that makes the friction
-/// rows feasible. Empty when the step has no impulses.
-Vector engine_answer(const SceneStep& step);
 
 /// A file of captured steps (docs/reference/scenes-file.md), opened: an index of its steps, each read when asked for.
 /// Memory: the index, and one step. Thread-safe.
@@ -74,6 +70,9 @@ class ScenesFile {
   struct Data;
   std::unique_ptr<Data> data_;
 };
+
+/// The line of a step as ScenesWriter writes it, without its end.
+std::string scenes_line(const SceneStep& step);
 
 /// Writes a scenes file, compressed; what has been added survives when the program is killed.
 class ScenesWriter {

@@ -35,7 +35,9 @@ std::string header_line(const ScenesHeader& header) {
 
 std::vector<double> numbers(const Vector& vector) { return {vector.begin(), vector.end()}; }
 
-std::string step_line(const SceneStep& step) {
+}  // namespace
+
+std::string scenes_line(const SceneStep& step) {
   std::string line = "{\"step\":" + std::to_string(step.step);
   const auto add = [&](const char* field, const Json& value) {
     line += std::string(",\"") + field + "\":" + value.dump();
@@ -51,8 +53,6 @@ std::string step_line(const SceneStep& step) {
   if (!engine.is_null()) add("engine", engine);
   return line + "}";
 }
-
-}  // namespace
 
 struct ScenesWriter::Data {
   std::string name;
@@ -94,7 +94,7 @@ ScenesWriter::ScenesWriter(const std::string& file, const ScenesHeader& header, 
 
 ScenesWriter::~ScenesWriter() = default;
 
-void ScenesWriter::add(const SceneStep& step) { add_line(step_line(step)); }
+void ScenesWriter::add(const SceneStep& step) { add_line(scenes_line(step)); }
 
 void ScenesWriter::add_line(std::string_view line) {
   data_->write(line, ZSTD_e_continue);

@@ -85,6 +85,10 @@ void ContactSolvability::reserve(const ContactProblem& contact) {
   }
   if (lift_.size() < ngc) lift_.resize(ngc);
   if (lift_terms_.size() < ngc) lift_terms_.resize(ngc);
+  if (contact.has_offset() && edge_norms_.size() < static_cast<Index>(edges)) {
+    edge_norms_.resize(static_cast<Index>(edges));
+    edge_shares_.resize(static_cast<Index>(edges));
+  }
   if (coordinate_size_.size() < ngc) coordinate_size_.resize(ngc);
   const std::size_t room = (rows + 1) * (rows + edges + 1);
   if (room <= room_) return;
@@ -97,6 +101,7 @@ void ContactSolvability::load(const ContactProblem& contact) {
   reserve(contact);
   contact_ = &contact;
   X_ = reach_of(contact.inertia);
+  reaches_all_velocities_ = contact.has_offset() && X_ == nullptr;
   if (contact.has_offset()) add_coordinate(contact);
   always_solvable_ = false;
   has_range_ = false;
@@ -425,6 +430,7 @@ ContactSolvability::Finding ContactSolvability::decide(const double* v, double d
   }
   find_edges();
   if (edges_.empty()) return Finding::kSolvable;
+  if (expected == Expected::kSolvable && finds_separation()) return Finding::kSolvable;
   if (!has_friction_) return finding_of_normals(deadline_s);
   const bool cones_first = expected == Expected::kSolvable;
   // Of the cones' least value, zero to rounding is no proof: friction may be so large that normals which miss a

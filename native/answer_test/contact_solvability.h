@@ -26,7 +26,8 @@ namespace lcpbench {
 /// of full row rank reaches all: there is a solution.
 ///
 /// An offset is the speed 1 of one more coordinate, which nothing reaches, and b its row of N. X is then I where G is
-/// given, which is regular.
+/// given, which is regular. A velocity at which all edges separate is then looked for before the linear program: the
+/// contacts of a pile, with normals in single precision, nearly hold each other, and the program needs 113 bits.
 class ContactSolvability {
  public:
   enum class Finding { kSolvable, kUnsolvable, kUnknown };
@@ -104,6 +105,9 @@ class ContactSolvability {
   void note_pivot(const Program<Scalar>& program, Index row, Index column);
   template <class Scalar>
   void drop_artificial(Program<Scalar>& program);
+  bool finds_separation();
+  void project_on_edge(Index j, double beyond);
+  bool separates_all() const;
   bool lifts_all(const Program<double>& program, bool from_v);
   bool lifts_all(const Program<Quad>& program, Quad rounding) const;
   void load_basis(const Program<double>& program);
@@ -124,6 +128,7 @@ class ContactSolvability {
   ContactProblem with_offset_;    // what contact_, v_ and X_ are where there is an offset
   Vector v_with_offset_;
   Matrix X_with_offset_;
+  bool reaches_all_velocities_ = false;  // there is an offset, and G is given by its entries
   bool always_solvable_ = false;  // whatever v
   bool has_friction_ = false;
   bool of_normals_ = false;           // edges_ are normals
@@ -138,6 +143,7 @@ class ContactSolvability {
   std::vector<Index> support_;            // the normals that have part in it
   FarkasSupport farkas_support_;
   Vector lift_, lift_terms_;            // ngc: X y and a bound on its terms
+  Vector edge_norms_, edge_shares_;     // edges, with an offset: see finds_separation()
   Vector coordinate_size_;              // ngc: the largest scaled entry of X in the row
   Matrix basis_columns_, basis_terms_;  // of the last basis in double, by column, and the magnitudes they add up
   Vector basis_costs_, basis_cost_terms_;

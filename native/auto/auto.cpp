@@ -1,13 +1,12 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
-#include "native/auto/dense_methods.h"
+#include "native/auto/attempts.h"
 #include "native/auto/island_solver.h"
 #include "native/auto/islands.h"
 #include "native/auto/lcp_ladder.h"
@@ -29,15 +28,17 @@ constexpr Capabilities kCapabilities{
 /// was tested. See docs/reference/solvers/auto.md.
 ///
 /// Contacts: islands one by one, each without the contacts that cannot be pressed; without friction by `active_set`, or
-/// `velocity_ipm` where it is a large scene; with friction by `contact_lemke`. Bare LCPs: LcpLadder. Each of these
-/// climbs from double to 113 bits as far as the test of its answer, made from the data, asks for.
+/// `velocity_ipm` where it is a large scene; with friction by `contact_lemke` and `friction_ipm`, each followed by
+/// another method where it gives up (plan_for). Bare LCPs: LcpLadder. Dense methods climb from double to 113 bits as
+/// far as the test of their answer, made from the data, asks for.
 ///
 /// kSolved: every part passed; kUnsolvable: some part was proven to have no solution (`farkas` is then a proof for the
 /// whole where there is one for the part); else the claim of the first part that failed, and z = 0. `detail` says what
 /// was left out, which methods ran and the highest rung. Returns the velocity where all methods gave one.
 /// SolveRequest::start: as the methods use it, the last answer being of use to all.
 ///
-/// Nothing is allocated in solve(): what is tried where a method gives up has its memory from load().
+/// Nothing is allocated in solve() while the first method and the dense ones after it solve every island; friction_ipm
+/// and psor are loaded there where another one gave up.
 class Auto final : public Solver {
  public:
   explicit Auto(const AutoSettings& settings) : settings_(settings), lcp_(settings.max_pivots) {}
@@ -48,8 +49,7 @@ class Auto final : public Solver {
   void on_update(const Vector& v) override;
   void on_solve(const SolveRequest& request, Answer& answer) override;
 
-  static void drop_words_and_velocity(Answer& answer);
-  static std::optional<AutoMethod> method_of_whole(const ContactProblem& contact);
+  static bool is_one_island(const ContactProblem& contact);
   void load_whole(const Problem& problem);
   void load_islands(const ContactProblem& contact);
   void find_falling(const ContactProblem& contact, const std::vector<Island>& islands);
@@ -65,9 +65,10 @@ class Auto final : public Solver {
   AutoSettings settings_;
   LcpLadder lcp_;
 
-  DenseMethods dense_;
-  std::optional<AutoMethod> whole_;  // one island that is the whole problem: goes to its method, in dense_, as it is
-  ContactLayout layout_;             // of that
+  SharedMethods shared_;
+  bool is_whole_ = false;  // one island that is the whole problem: goes to its methods as it is
+  Attempts whole_{settings_, shared_};
+  ContactLayout layout_;  // of that
 
   std::unique_ptr<ProblemCutter> cutter_;
   std::vector<std::unique_ptr<IslandSolver>> islands_;  // kept for the next problem
@@ -79,32 +80,26 @@ class Auto final : public Solver {
 };
 
 void Auto::on_load(const Problem& problem) {
-  whole_.reset();
+  is_whole_ = false;
   island_count_ = 0;
   const ContactProblem* contact = problem.contact();
   if (contact == nullptr) return lcp_.load(problem);
-  whole_ = method_of_whole(*contact);
+  is_whole_ = is_one_island(*contact);
   v_ = contact->v;
-  if (whole_) return load_whole(problem);
+  if (is_whole_) return load_whole(problem);
   load_islands(*contact);
 }
 
-/// The method that takes the whole problem as it is, where it can be told at once that there is nothing to split or to
-/// strip.
-std::optional<AutoMethod> Auto::method_of_whole(const ContactProblem& contact) {
-  if (!couples_all(contact.inertia)) return std::nullopt;
-  if (!contact.frictional()) return AutoMethod::kActiveSet;
-  bool any_friction = false;
-  for (Index c = 0; c < contact.nc(); ++c) any_friction = any_friction || contact.mu(c) > 0;
-  return any_friction ? std::optional(AutoMethod::kContactLemke) : std::nullopt;
+/// Whether it can be told at once that there is nothing to split or to strip.
+bool Auto::is_one_island(const ContactProblem& contact) {
+  if (!couples_all(contact.inertia)) return false;
+  return !contact.frictional() || (contact.mu.array() > 0).any();
 }
 
 void Auto::load_whole(const Problem& problem) {
   layout_ = contact_layout(*problem.contact());
   carries_.assign(problem.contact()->edges.size(), 0);
-  dense_.solver(*whole_).load(problem);
-  const std::optional<AutoMethod> next = dense_.after(*whole_, problem);
-  if (next) dense_.reserve(*next, problem);
+  whole_.load(this->problem(), v_);
 }
 
 void Auto::load_islands(const ContactProblem& contact) {
@@ -119,14 +114,14 @@ void Auto::load_islands(const ContactProblem& contact) {
     std::sort(all.coordinates.begin(), all.coordinates.end());
     found.assign(1, std::move(all));
   }
-  cutter_ = std::make_unique<ProblemCutter>(contact);
+  cutter_ = std::make_unique<ProblemCutter>(problem());
   carries_.assign(contact.edges.size(), 0);
   u_.resize(v_.size());
   island_count_ = found.size();
   idle_ = contact.nc();
   for (const Island& part : found) idle_ -= static_cast<Index>(part.contacts.size());
   find_falling(contact, found);
-  while (islands_.size() < island_count_) islands_.push_back(std::make_unique<IslandSolver>(settings_, dense_));
+  while (islands_.size() < island_count_) islands_.push_back(std::make_unique<IslandSolver>(settings_, shared_));
   for (std::size_t k = 0; k < island_count_; ++k) island(k).load(*cutter_, std::move(found[k]), v_, carries_);
 }
 
@@ -145,10 +140,7 @@ void Auto::find_falling(const ContactProblem& contact, const std::vector<Island>
 void Auto::on_update(const Vector& v) {
   if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
   v_ = v;
-  if (whole_) {
-    if (takes(dense_.solver(*whole_), problem())) dense_.solver(*whole_).update(v);
-    return;
-  }
+  if (is_whole_) return whole_.update(v);
   for (std::size_t k = 0; k < island_count_; ++k) island(k).update(v_);
 }
 
@@ -159,7 +151,7 @@ void Auto::on_solve(const SolveRequest& request, Answer& answer) {
     answer.detail = text;
   } else if (!(request.time_limit_s > 0)) {
     answer.claim = Claim::kTimeLimit;
-  } else if (whole_) {
+  } else if (is_whole_) {
     solve_whole(request, answer);
   } else if (falling_ >= 0) {
     answer.claim = Claim::kUnsolvable;
@@ -176,19 +168,12 @@ void Auto::solve_whole(const SolveRequest& request, Answer& answer) {
   report.islands = 1;
   report.contacts = problem().contact()->nc();
   const AutoLimits limits = limits_of(request);
-  run_method(*whole_, dense_.solver(*whole_), request, limits, answer, report);
-  if (gave_up(answer.claim, settings_.max_pivots)) {
-    const std::optional<AutoMethod> next = dense_.after(*whole_, problem());
-    if (next) {
-      drop_words_and_velocity(answer);  // the limits may leave nothing for the next method
-      dense_.solve(*next, problem(), v_, nullptr, limits, answer, report);
-    }
-  }
+  whole_.solve(request, limits, answer, report);
   answer.counters = report.counters();
-  if (gave_up(answer.claim, settings_.max_pivots) && whole_rests()) {
-    drop_words_and_velocity(answer);
+  if (gave_up(answer.claim, limits, report) && whole_rests()) {
+    answer.velocity.resize(0);
     answer.claim = Claim::kSolved;
-    answer.z.setZero();
+    answer.z.setZero(problem().size());
     bound_slips(layout_, v_, answer.z);
     answer.detail = "at rest to rounding";
     return;
@@ -201,11 +186,6 @@ bool Auto::whole_rests() const {
   RestTest test(*problem().contact(), layout_, v_);
   for (Index c = 0; c < layout_.nc; ++c) test.add(c);
   return test.passes();
-}
-
-void Auto::drop_words_and_velocity(Answer& answer) {
-  answer.detail.clear();
-  answer.velocity.resize(0);
 }
 
 AutoLimits Auto::limits_of(const SolveRequest& request) const {

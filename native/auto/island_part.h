@@ -1,13 +1,11 @@
 #pragma once
 
-#include <memory>
 #include <vector>
 
 #include "core/problem.h"
 #include "core/solver.h"
-#include "native/auto/dense_methods.h"
+#include "native/auto/attempts.h"
 #include "native/auto/islands.h"
-#include "native/auto/methods.h"
 #include "native/auto/report.h"
 #include "native/auto/settings.h"
 
@@ -16,7 +14,7 @@ namespace lcpbench {
 /// Contacts with the coordinates that they move, as a problem of their own, with the method for its class and size.
 class IslandPart {
  public:
-  IslandPart(const AutoSettings& settings, DenseMethods& dense) : settings_(settings), dense_(dense) {}
+  IslandPart(const AutoSettings& settings, SharedMethods& shared) : attempts_(settings, shared) {}
 
   /// Cuts the problem out and takes the memory to solve it.
   /// @param whole, part must outlive the next load @param v velocity of the whole problem
@@ -27,7 +25,7 @@ class IslandPart {
 
   /// Whether what is put off until a solve is then done by another method than its own, which may take a hundred times
   /// as long.
-  bool has_stand_in() const { return stand_in() != method_; }
+  bool has_stand_in() const { return attempts_.has_stand_in(); }
 
   /// Another velocity of the whole problem. Does what was put off.
   void update(const Vector& v);
@@ -57,27 +55,16 @@ class IslandPart {
 
  private:
   void cut(ProblemCutter& whole, const Island& part, const Vector& v);
-  AutoMethod choose_method(bool is_scene) const;
-  AutoMethod stand_in() const;
-  void load_method();
   void place_unknowns(const ContactLayout& layout);
-  Solver& solver();
+  void take_velocity(const Vector& v);
   void write(const Vector& own, Vector& u) const;
 
-  const AutoSettings& settings_;
-  DenseMethods& dense_;
   const Island* part_ = nullptr;
   Problem problem_;
   std::vector<Index> place_;  ///< in z of the whole, of each unknown
-  AutoMethod method_ = AutoMethod::kActiveSet;
-  bool is_loaded_ = false;  ///< the method's solver holds the problem
-  bool by_dense_ = false;   ///< the last answer is from dense_
   Vector v_, u_, start_;
   Answer answer_;
-
-  std::unique_ptr<ActiveSet> active_set_;
-  std::unique_ptr<ContactLemke> contact_lemke_;
-  std::unique_ptr<Solver> velocity_ipm_, friction_ipm_;
+  Attempts attempts_;
 };
 
 }  // namespace lcpbench

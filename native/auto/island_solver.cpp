@@ -6,9 +6,9 @@
 #include <utility>
 #include <variant>
 
+#include "native/answer_test/contact_solvability.h"
 #include "native/auto/rest.h"
 #include "native/contacts/contact_impulses.h"
-#include "native/answer_test/contact_solvability.h"
 
 namespace lcpbench {
 namespace {
@@ -153,7 +153,7 @@ Claim IslandSolver::solve(const Vector* start, const AutoLimits& limits, Vector&
       claim = all_.solve(all_.has_stand_in() ? &z : nullptr, limits, report);
     }
   }
-  if (gave_up(claim, limits.max_pivots) && !is_brought_back && rests(u)) {
+  if (gave_up(claim, limits, report) && !is_brought_back && rests(u)) {
     now_ = nullptr;
     return remain_at_rest(report);
   }

@@ -17,8 +17,8 @@ namespace lcpbench {
 /// may solve: all contacts would have to be loaded as well, which costs what leaving out saves.
 class IslandSolver {
  public:
-  IslandSolver(const AutoSettings& settings, DenseMethods& dense)
-      : settings_(settings), all_(settings, dense), some_(settings, dense) {}
+  IslandSolver(const AutoSettings& settings, SharedMethods& shared)
+      : settings_(settings), all_(settings, shared), some_(settings, shared) {}
 
   /// @param whole must outlive the next load()
   /// @param v velocity of the whole problem

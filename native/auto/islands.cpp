@@ -49,19 +49,21 @@ Matrix restrict_dense(const Matrix& J, std::span<const Index> columns, std::span
   return part;
 }
 
+/// The rows keep their order.
 SparseMatrix restrict_sparse(const SparseMatrix& J, std::span<const Index> columns, Index rows,
                              const std::vector<Index>& local) {
-  std::vector<Eigen::Triplet<double>> entries;
+  SparseMatrix part(rows, static_cast<Index>(columns.size()));
+  Index entries = 0;
+  for (const Index column : columns) entries += J.col(column).nonZeros();
+  part.reserve(entries);
   for (std::size_t j = 0; j < columns.size(); ++j) {
+    part.startVec(static_cast<Index>(j));
     for (SparseMatrix::InnerIterator entry(J, columns[j]); entry; ++entry) {
       const Index row = local[static_cast<std::size_t>(entry.row())];
-      if (row >= 0 && entry.value() != 0) {
-        entries.emplace_back(static_cast<int>(row), static_cast<int>(j), entry.value());
-      }
+      if (row >= 0 && entry.value() != 0) part.insertBack(row, static_cast<Index>(j)) = entry.value();
     }
   }
-  SparseMatrix part(rows, static_cast<Index>(columns.size()));
-  part.setFromTriplets(entries.begin(), entries.end());
+  part.finalize();
   return part;
 }
 
@@ -73,9 +75,12 @@ Jacobian restrict_columns(const Jacobian& J, std::span<const Index> columns, std
   return restrict_sparse(std::get<SparseMatrix>(J), columns, static_cast<Index>(rows.size()), local);
 }
 
-ProblemCutter::ProblemCutter(const ContactProblem& whole)
-    : whole_(&whole), layout_(contact_layout(whole)), local_(static_cast<std::size_t>(whole.ngc()), -1) {
-  const auto* blocks = std::get_if<BlockInertia>(&whole.inertia);
+ProblemCutter::ProblemCutter(const Problem& whole)
+    : problem_(whole),
+      whole_(problem_.contact()),
+      layout_(contact_layout(*whole_)),
+      local_(static_cast<std::size_t>(whole_->ngc()), -1) {
+  const auto* blocks = std::get_if<BlockInertia>(&whole_->inertia);
   if (blocks == nullptr) return;
   block_begin_.push_back(0);
   block_of_.reserve(local_.size());

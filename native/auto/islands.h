@@ -5,6 +5,7 @@
 
 #include "core/contact_problem.h"
 #include "core/islands.h"
+#include "core/problem.h"
 
 namespace lcpbench {
 
@@ -12,12 +13,13 @@ namespace lcpbench {
 Jacobian restrict_columns(const Jacobian& J, std::span<const Index> columns, std::span<const Index> rows,
                           const std::vector<Index>& local);
 
-/// Cuts parts out of a problem. The problem must outlive it.
+/// Cuts parts out of a contact problem.
 class ProblemCutter {
  public:
-  explicit ProblemCutter(const ContactProblem& whole);
+  explicit ProblemCutter(const Problem& whole);
 
   const ContactProblem& whole() const { return *whole_; }
+  const Problem& problem() const { return problem_; }
   const ContactLayout& layout() const { return layout_; }
 
   /// The problem of some contacts on the coordinates of their island, v as given (ngc of the whole).
@@ -43,6 +45,7 @@ class ProblemCutter {
   std::size_t block_of(Index coordinate) const { return block_of_[static_cast<std::size_t>(coordinate)]; }
   BlockInertia cut_blocks(const BlockInertia& inertia, std::span<const Index> coordinates) const;
 
+  Problem problem_;
   const ContactProblem* whole_;
   ContactLayout layout_;
   std::vector<Index> local_;           ///< of each coordinate of the whole; -1 between calls

@@ -1,44 +1,101 @@
 #include "native/auto/methods.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string_view>
 
+#include "core/registry.h"
 #include "core/timed_solve.h"
 #include "native/active_set/active_set.h"
 #include "native/contact_lemke/contact_lemke.h"
+#include "native/friction_ipm/friction_ipm.h"
 
 namespace lcpbench {
 
+SolverDefinition lcpbench_solver_psor();
+SolverDefinition lcpbench_solver_velocity_ipm();
+
+namespace {
+
+/// Of a brief try of contact_lemke, per contact and at least: twice what most of the collected steps take.
+constexpr std::int64_t kPivotsPerContact = 10;
+constexpr std::int64_t kFewestPivots = 50;
+
+/// All rungs of contact_lemke in double: so many does a brief try take below that size (contacts times coordinates),
+/// one from there on. In larger islands friction_ipm takes less time than the second rung.
+constexpr std::int64_t kRungsInDouble = 5;
+constexpr Index kSeveralRungs = 400;
+
+/// Of a brief try of friction_ipm. Contacts that do not slide take one convex problem, or two.
+constexpr std::int64_t kBriefRounds = 2;
+constexpr double kBriefResidual = 1e-8;
+
+void limit_lemke(ContactLemke& lemke, const AutoTry& now, const Problem& problem, const AutoLimits& limits,
+                 const Counters& done) {
+  const ContactProblem& contact = *problem.contact();
+  const std::int64_t rungs = contact.nc() * contact.ngc() < kSeveralRungs ? kRungsInDouble : 1;
+  std::int64_t pivots = limits.max_pivots > 0 ? limits.pivots(done) : 0;
+  if (now.brief) {
+    const std::int64_t own = kFewestPivots + kPivotsPerContact * contact.nc();
+    pivots = pivots > 0 ? std::min(pivots, own) : own;
+  }
+  lemke.limit_pivots(pivots);
+  lemke.limit_rungs(now.brief ? rungs : 0);
+}
+
+}  // namespace
+
 double AutoLimits::time() const { return std::isinf(deadline_s) ? deadline_s : deadline_s - wall_clock_s(); }
 
-void run_method(AutoMethod method, Solver& solver, const SolveRequest& request, const AutoLimits& limits,
-                Answer& answer, AutoReport& report) {
+std::unique_ptr<Solver> make_method(AutoMethod method, const std::shared_ptr<LaterEngines>& later) {
+  switch (method) {
+    case AutoMethod::kContactLemke: return std::make_unique<ContactLemke>(ContactLemkeSettings{}, later);
+    case AutoMethod::kVelocityIpm: return lcpbench_solver_velocity_ipm().make({});
+    case AutoMethod::kFrictionIpm: return make_friction_ipm();
+    case AutoMethod::kPsor: return lcpbench_solver_psor().make({});
+    default: return std::make_unique<ActiveSet>(ActiveSetSettings{});
+  }
+}
+
+void run_try(const AutoTry& now, Solver& solver, const Problem& problem, const SolveRequest& request,
+             const AutoLimits& limits, Answer& answer, AutoReport& report) {
   const bool in_time = request.time_limit_s > 0;
   if (!in_time || limits.exhausted(report.counters())) {
     answer.claim = in_time ? Claim::kIterationLimit : Claim::kTimeLimit;
     answer.z.setZero();
+    answer.detail.clear();
+    answer.velocity.resize(0);
     return;
   }
-  const std::int64_t pivots = limits.max_pivots > 0 ? limits.pivots(report.counters()) : 0;
-  switch (method) {
+  report.count(now.method);
+  switch (now.method) {
     case AutoMethod::kActiveSet:
-      ++report.active_set;
-      static_cast<ActiveSet&>(solver).limit_iterations(pivots);
+      static_cast<ActiveSet&>(solver).limit_iterations(limits.max_pivots > 0 ? limits.pivots(report.counters()) : 0);
       break;
     case AutoMethod::kContactLemke:
-      ++report.contact_lemke;
-      static_cast<ContactLemke&>(solver).limit_pivots(pivots);
+      limit_lemke(static_cast<ContactLemke&>(solver), now, problem, limits, report.counters());
       break;
-    case AutoMethod::kVelocityIpm: ++report.velocity_ipm; break;
-    case AutoMethod::kFrictionIpm: ++report.friction_ipm; break;
+    case AutoMethod::kFrictionIpm: {
+      auto& ipm = static_cast<LimitedFrictionIpm&>(solver);
+      now.brief ? ipm.limit_rounds(kBriefRounds, kBriefResidual) : ipm.unlimit_rounds();
+      break;
+    }
+    default: break;
   }
   solver.solve(request, answer);
-  report.add(answer.counters, is_sparse(method) ? std::string_view() : std::string_view(answer.detail));
+  const bool tells_rung = is_dense(now.method) && !(now.brief && answer.claim != Claim::kSolved);
+  report.add(answer.counters, tells_rung ? std::string_view(answer.detail) : std::string_view());
 }
 
-bool gave_up(Claim claim, std::int64_t max_pivots) {
-  return claim == Claim::kNumericalFailure || claim == Claim::kUnsupported ||
-         (claim == Claim::kIterationLimit && max_pivots == 0);
+bool gave_up(Claim claim, const AutoLimits& limits, const AutoReport& report) {
+  switch (claim) {
+    case Claim::kNumericalFailure:
+    case Claim::kUnsupported: return true;
+    case Claim::kIterationLimit: return !limits.exhausted(report.counters());
+    case Claim::kTimeLimit: return limits.time() > 0;
+    default: return false;
+  }
 }
 
 }  // namespace lcpbench

@@ -1,18 +1,26 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include "core/solver.h"
 #include "native/auto/report.h"
 
 namespace lcpbench {
 
-/// What `auto` chooses among for contacts.
-enum class AutoMethod { kActiveSet, kContactLemke, kVelocityIpm, kFrictionIpm };
+struct LaterEngines;
 
-inline bool is_sparse(AutoMethod method) {
-  return method == AutoMethod::kVelocityIpm || method == AutoMethod::kFrictionIpm;
+/// Whether it has dense matrices only, for which memory can be taken before the problem is known.
+inline bool is_dense(AutoMethod method) {
+  return method == AutoMethod::kActiveSet || method == AutoMethod::kContactLemke;
 }
+
+/// One try at an island. A brief one ends early where the method does not suit: contact_lemke after its first path in
+/// double, or at a limit of pivots; friction_ipm after two convex problems.
+struct AutoTry {
+  AutoMethod method = AutoMethod::kActiveSet;
+  bool brief = false;
+};
 
 /// What is left of a solve's limits.
 struct AutoLimits {
@@ -26,18 +34,16 @@ struct AutoLimits {
   bool exhausted(const Counters& done) const { return max_pivots > 0 && pivots(done) <= 0; }
 };
 
+/// At its defaults. @param later what the rungs of contact_lemke beyond double run on
+std::unique_ptr<Solver> make_method(AutoMethod method, const std::shared_ptr<LaterEngines>& later);
+
 /// Solves what `solver`, which is of this method, has loaded, and counts it in. Where the limits leave nothing the
 /// claim says so, and z is zero. @param request with what is left of limits.time()
-void run_method(AutoMethod method, Solver& solver, const SolveRequest& request, const AutoLimits& limits,
-                Answer& answer, AutoReport& report);
+void run_try(const AutoTry& now, Solver& solver, const Problem& problem, const SolveRequest& request,
+             const AutoLimits& limits, Answer& answer, AutoReport& report);
 
 /// Whether another method may get where this one did not: it ended neither with an answer nor for a limit of the
 /// caller's.
-bool gave_up(Claim claim, std::int64_t max_pivots);
-
-/// Whether the solver takes a problem of this size; else load() is refused, and update() must not be called.
-inline bool takes(const Solver& solver, const Problem& problem) {
-  return problem.size() <= solver.capabilities().max_size;
-}
+bool gave_up(Claim claim, const AutoLimits& limits, const AutoReport& report);
 
 }  // namespace lcpbench

@@ -9,6 +9,10 @@ namespace {
 
 constexpr std::array<const char*, 4> kRungs{"double", "refined", "double-double", "quad"};
 
+/// In the order of AutoMethod.
+constexpr std::array<std::string_view, kAutoMethods> kMethods{"active_set", "contact_lemke", "velocity_ipm",
+                                                              "friction_ipm", "psor"};
+
 int rung_of(std::string_view detail) {
   if (detail.starts_with("quad")) return 3;
   if (detail.starts_with("dd")) return 2;
@@ -19,9 +23,9 @@ int rung_of(std::string_view detail) {
 class Line {
  public:
   Line& operator<<(std::string_view text) {
-    const std::size_t length = std::min(text.size(), buffer_.size() - size_);
-    std::copy_n(text.data(), length, buffer_.data() + size_);
-    size_ += length;
+    for (const char c : text) {
+      if (size_ < buffer_.size()) buffer_[size_++] = c;
+    }
     return *this;
   }
   Line& operator<<(Index number) {
@@ -57,17 +61,15 @@ void AutoReport::write_text(std::string& text) const {
     if (brought_back > 0) line << ", " << brought_back << " brought back";
   }
   const char* separator = plain ? "" : "; ";
-  const auto method = [&](const char* name, Index count) {
-    if (count == 0) return;
-    line << separator << name;
-    if (!plain) line << " " << count;
+  bool any = false;
+  for (std::size_t k = 0; k < kAutoMethods; ++k) {
+    if (runs_[k] == 0) continue;
+    line << separator << kMethods[k];
+    if (!plain) line << " " << runs_[k];
     separator = ", ";
-  };
-  method("active_set", active_set);
-  method("contact_lemke", contact_lemke);
-  method("velocity_ipm", velocity_ipm);
-  method("friction_ipm", friction_ipm);
-  if (active_set + contact_lemke + velocity_ipm + friction_ipm > 0) {
+    any = true;
+  }
+  if (any) {
     line << (plain ? ", " : "; ") << kRungs[static_cast<std::size_t>(rung_)];
   }
   text.assign(line.text());

@@ -1,11 +1,17 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <string>
 #include <string_view>
 
 #include "core/solver.h"
 
 namespace lcpbench {
+
+/// What `auto` chooses among for contacts.
+enum class AutoMethod { kActiveSet, kContactLemke, kVelocityIpm, kFrictionIpm, kPsor };
+inline constexpr std::size_t kAutoMethods = 5;
 
 /// What was done for one answer, over all islands. Its text is written without allocating where the string has room.
 class AutoReport {
@@ -15,9 +21,10 @@ class AutoReport {
   Index contacts = 0;
   Index left_out = 0;  ///< contacts that no solver saw
   Index brought_back = 0;
-  Index active_set = 0, contact_lemke = 0, velocity_ipm = 0, friction_ipm = 0;  ///< runs of each method
 
-  /// Counts an island's work and rung in.
+  /// Counts a run of a method.
+  void count(AutoMethod method) { ++runs_[static_cast<std::size_t>(method)]; }
+  /// Counts its work and rung in.
   void add(const Counters& counters, std::string_view rung);
 
   const Counters& counters() const { return counters_; }
@@ -28,6 +35,7 @@ class AutoReport {
 
  private:
   Counters counters_{.iterations = 0, .pivots = 0, .factorizations = 0};
+  std::array<Index, kAutoMethods> runs_{};
   int rung_ = 0;
 };
 

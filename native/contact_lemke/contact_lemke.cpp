@@ -6,6 +6,7 @@
 #include <limits>
 #include <span>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "core/quad.h"
@@ -92,7 +93,7 @@ bool wanted(const ContactRung& rung, const ContactLemkeSettings& settings, std::
   if (rung.arithmetic == ContactArithmetic::kQuad && !cascade && settings.precision != Precision::kQuad) return false;
   if (rung.arithmetic == ContactArithmetic::kDoubleDouble && !cascade) return false;
   if (rung.arithmetic == ContactArithmetic::kDouble && settings.precision == Precision::kQuad) return false;
-  if (rung.reinvert && cascade && ngc > kSmallKernel) return false;
+  if (rung.reinvert && cascade && ngc > kSmallKernel && (rung.classic || rung.variant == 0)) return false;
   if (rung.classic && settings.covering == ContactLemkeCovering::kNormals) return false;
   if (!rung.classic && settings.covering == ContactLemkeCovering::kClassic) return false;
   return true;
@@ -117,13 +118,19 @@ Capabilities contact_lemke_capabilities(const ContactLemkeSettings&) {
   return capabilities;
 }
 
+LaterEngines::LaterEngines(IsaLevel level)
+    : double_double{LoadedContacts(double_double_at(level))}, quad{LoadedContacts(lemke::quad::kContactEngine)} {}
+
 ContactLemke::ContactLemke(const ContactLemkeSettings& settings, IsaLevel level)
+    : ContactLemke(settings, std::make_shared<LaterEngines>(level), level) {}
+
+ContactLemke::ContactLemke(const ContactLemkeSettings& settings, std::shared_ptr<LaterEngines> later, IsaLevel level)
     : settings_(settings),
       capabilities_(contact_lemke_capabilities(settings)),
       double_(engines_at(level).in_double),
-      double_double_(double_double_at(level)),
-      quad_(lemke::quad::kContactEngine),
-      float_(engines_at(level).in_float) {}
+      later_(std::move(later)) {
+  if (in_float()) float_.emplace(engines_at(level).in_float);
+}
 
 const Capabilities& ContactLemke::capabilities() const { return capabilities_; }
 
@@ -161,15 +168,18 @@ void ContactLemke::reserve(Index ngc, Index nc) {
 
 void ContactLemke::reserve_engines(const contact_lemke::Input& input) {
   double_.reserve(input);
-  if (in_float()) float_.reserve(input);
+  if (float_) float_->reserve(input);
   reserve_later_rungs(input);
 }
 
 void ContactLemke::reserve_later_rungs(const contact_lemke::Input& input) {
   using Precision = ContactLemkePrecision;
-  if (settings_.precision != Precision::kQuad)
-    double_double_.reserve(input);  // it also tests what double is in doubt of
-  if (settings_.precision == Precision::kCascade || settings_.precision == Precision::kQuad) quad_.reserve(input);
+  const auto reserve = [&input](LaterEngines::Shared& later) {
+    later.engine.reserve(input);
+    later.holder = nullptr;
+  };
+  if (settings_.precision != Precision::kQuad) reserve(later_->double_double);  // also tests what double is in doubt of
+  if (settings_.precision == Precision::kCascade || settings_.precision == Precision::kQuad) reserve(later_->quad);
 }
 
 void ContactLemke::on_load(const Problem& problem) {
@@ -180,8 +190,10 @@ void ContactLemke::on_load(const Problem& problem) {
   if (may_be_singular_) solvability_.load(contact);
   if (may_be_singular_) given_v_ = contact.v;
   double_.load(data_.input);
-  if (in_float()) float_.load(data_.input);
-  double_double_is_loaded_ = quad_is_loaded_ = false;
+  if (float_) float_->load(data_.input);
+  for (LaterEngines::Shared* later : {&later_->double_double, &later_->quad}) {
+    if (later->holder == this) later->holder = nullptr;
+  }
   if (contact.frictional()) reserve_later_rungs(data_.input);
   best_.resize(problem.size());
   resumable_ = false;
@@ -196,31 +208,33 @@ void ContactLemke::on_update(const Vector& v) {
   data_.set_velocity(v);
   if (may_be_singular_) given_v_ = v;
   double_.set_velocity(data_.v.data());
-  if (in_float()) float_.set_velocity(data_.v.data());
-  if (double_double_is_loaded_) double_double_.set_velocity(data_.v.data());
-  if (quad_is_loaded_) quad_.set_velocity(data_.v.data());
+  if (float_) float_->set_velocity(data_.v.data());
+  for (LaterEngines::Shared* later : {&later_->double_double, &later_->quad}) {
+    if (later->holder == this) later->engine.set_velocity(data_.v.data());
+  }
 }
 
 void ContactLemke::respond(const Vector& z, Vector& velocity) {
-  LoadedContacts& engine = quad_is_loaded_ ? quad_ : double_double_is_loaded_ ? double_double_ : double_;
-  engine.respond(z.data(), velocity.data());
+  LoadedContacts* engine = &double_;
+  for (LaterEngines::Shared* later : {&later_->double_double, &later_->quad}) {
+    if (later->holder == this) engine = &later->engine;
+  }
+  engine->respond(z.data(), velocity.data());
   if (data_.units.size() > 0) velocity.array() *= data_.units.view().array();
 }
 
 LoadedContacts& ContactLemke::engine_of(ContactArithmetic arithmetic) {
-  if (arithmetic == ContactArithmetic::kDouble) return in_float() ? float_ : double_;
-  const bool quad = arithmetic == ContactArithmetic::kQuad;
-  LoadedContacts& engine = quad ? quad_ : double_double_;
-  bool& is_loaded = quad ? quad_is_loaded_ : double_double_is_loaded_;
-  if (!is_loaded) engine.load(data_.input);
-  is_loaded = true;
-  return engine;
+  if (arithmetic == ContactArithmetic::kDouble) return float_ ? *float_ : double_;
+  LaterEngines::Shared& later = arithmetic == ContactArithmetic::kQuad ? later_->quad : later_->double_double;
+  if (later.holder != this) later.engine.load(data_.input);
+  later.holder = this;
+  return later.engine;
 }
 
 double ContactLemke::roundoff_of(const LoadedContacts& engine) const {
-  if (&engine == &quad_) return kQuadUnitRoundoff;
-  if (&engine == &double_double_) return kDoubleDoubleUnitRoundoff;
-  return &engine == &float_ ? kFloatUnitRoundoff : kDoubleUnitRoundoff;
+  if (is_quad(engine)) return kQuadUnitRoundoff;
+  if (is_double_double(engine)) return kDoubleDoubleUnitRoundoff;
+  return float_ && &engine == &*float_ ? kFloatUnitRoundoff : kDoubleUnitRoundoff;
 }
 
 /// Several times what the sets of the study take at most; where the last basis is of little help, better begin anew.
@@ -228,7 +242,7 @@ double ContactLemke::roundoff_of(const LoadedContacts& engine) const {
 std::ptrdiff_t ContactLemke::pivots_of_rung(const LoadedContacts& engine, const Rules& rules) const {
   const std::ptrdiff_t rows = data_.input.nc + data_.input.ngc;
   if (rules.resume) return 2 * rows + 10;
-  const bool long_path = data_.input.ngc > kSmallKernel && (&engine == &double_double_ || &engine == &quad_);
+  const bool long_path = data_.input.ngc > kSmallKernel && (is_double_double(engine) || is_quad(engine));
   return rules.classic ? 50 * (rows + data_.friction_begin.back()) + 500 : (long_path ? 60 : 20) * rows + 100;
 }
 
@@ -246,14 +260,22 @@ void ContactLemke::on_solve(const SolveRequest& request, Answer& answer) {
     if (climb(kWarmRung, rules, progress, answer)) return report(progress, answer);
   }
   resumable_ = false;
+  std::int64_t rungs = 0;
   for (const ContactRung& rung : kRungs) {
     if (!wanted(rung, settings_, data_.input.ngc)) continue;
+    if (max_rungs_ > 0 && rungs == max_rungs_) break;
     if (rung.arithmetic != ContactArithmetic::kDouble && progress.best <= kClaimedResidual) break;
     Rules rules;
     rules.classic = rung.classic;
     rules.variant = rung.variant;
-    rules.reinvert = rung.reinvert && (!rung.classic || data_.input.ngc <= kSmallKernel);
+    if (progress.cycles > 0 && !rung.classic && rung.variant == 0) {  // in any arithmetic
+      if (rung.arithmetic == ContactArithmetic::kDouble) continue;
+      rules.variant = 1;
+    }
+    rules.reinvert = rung.reinvert && progress.cycles == 0 && data_.input.ngc <= kSmallKernel;
+    const int cycles = progress.cycles;
     if (climb(rung, rules, progress, answer)) break;
+    if (progress.cycles == cycles) ++rungs;
   }
   report(progress, answer);
 }
@@ -276,17 +298,17 @@ bool ContactLemke::climb(const ContactRung& rung, Rules rules, Progress& progres
   const bool has_velocity = returns_velocity(settings_) && engine.polish(velocity_.data(), answer.z.data());
   Residual residual = (in_float() ? double_ : engine).complete(answer.z.data());
   const bool in_doubt = residual.velocity <= kClaimedResidual && !(residual.certain <= kClaimedResidual);
-  if (in_doubt && (&engine == &double_ || &engine == &float_)) {
+  if (in_doubt && !is_double_double(engine) && !is_quad(engine)) {
     residual = engine_of(ContactArithmetic::kDoubleDouble).complete(answer.z.data());
   }
   if (may_be_singular_ && residual.certain <= kClaimedResidual && !engine.proves_solvable()) {
     if (solvability(progress, Expected::kSolvable) == Finding::kUnsolvable) return true;
     // Where it stays open, with friction, only a path in 113 bits tells a solution from what nearly is one.
     if (progress.finding == Finding::kUnknown) {
-      if (&engine != &quad_ || !solvability_.is_confirmed_by(progress.missed)) return false;
+      if (!is_quad(engine) || !solvability_.is_confirmed_by(progress.missed)) return false;
     }
   }
-  progress.is_beyond_double = &engine == &quad_ && !(residual.certain <= kClaimedResidual);
+  progress.is_beyond_double = is_quad(engine) && !(residual.certain <= kClaimedResidual);
   if (residual.certain < progress.best) {
     progress.best = residual.certain;
     progress.rung = rung.name;
@@ -318,6 +340,7 @@ Ending ContactLemke::run(LoadedContacts& engine, Rules rules, Progress& progress
   progress.pivots += outcome.pivots;
   progress.factorizations += outcome.factorizations;
   progress.ending = outcome.ending;
+  progress.cycles += outcome.cycles ? 1 : 0;
   progress.missed = outcome.missed;
   return outcome.ending;
 }

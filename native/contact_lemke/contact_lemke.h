@@ -3,13 +3,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
+#include <optional>
 
 #include "core/isa.h"
 #include "core/settings.h"
 #include "core/solver.h"
-#include "native/contacts/contact_input.h"
-#include "native/contact_lemke/engine.h"
 #include "native/answer_test/contact_solvability.h"
+#include "native/contact_lemke/engine.h"
+#include "native/contacts/contact_input.h"
 #include "native/contacts/growing_vector.h"
 
 namespace lcpbench {
@@ -86,6 +88,17 @@ class LoadedContacts {
   void* state_ = nullptr;
 };
 
+/// The engines of more than 53 bits, which few solves come to: solvers that take turns may share them.
+struct LaterEngines {
+  struct Shared {
+    LoadedContacts engine;
+    const void* holder = nullptr;  ///< the solver whose problem it holds
+  };
+
+  explicit LaterEngines(IsaLevel level = isa_level());
+  Shared double_double, quad;
+};
+
 /// Solves contact problems by Lemke's method on the factors (v, N, D, mu, G); M is never formed.
 ///
 /// Friction rows exist only where a contact presses and the kernel of the basis has at most rank(G) + 1 rows. A rung
@@ -105,6 +118,8 @@ class ContactLemke final : public Solver {
  public:
   /// @param level instruction-set level of the engine; must not exceed best_isa_level().
   explicit ContactLemke(const ContactLemkeSettings& settings, IsaLevel level = isa_level());
+  /// @param later shared with solvers that never run at the same time as this one
+  ContactLemke(const ContactLemkeSettings& settings, std::shared_ptr<LaterEngines> later, IsaLevel level = isa_level());
 
   const Capabilities& capabilities() const override;
 
@@ -114,6 +129,10 @@ class ContactLemke final : public Solver {
 
   /// ContactLemkeSettings::max_pivots from now on.
   void limit_pivots(std::int64_t max_pivots) { settings_.max_pivots = max_pivots; }
+
+  /// From now on at most so many rungs of the cascade, not counted the warm one and those whose path goes round; 0:
+  /// all.
+  void limit_rungs(std::int64_t max_rungs) { max_rungs_ = max_rungs; }
 
   /// velocity := v + G* [N D] z, for z (n) and velocity (ngc) of the loaded problem, in the highest precision that its
   /// solves came to. O(ngc^2)
@@ -125,6 +144,7 @@ class ContactLemke final : public Solver {
     double deadline_s = 0;
     double best = std::numeric_limits<double>::infinity();  ///< residual and its rounding, relative to max|q|
     contact_lemke::Ending ending = contact_lemke::Ending::kBreakdown;
+    int cycles = 0;  ///< paths that came back to one of their bases
     const char* rung = "";
     std::ptrdiff_t pivots = 0;
     std::ptrdiff_t factorizations = 0;
@@ -147,6 +167,8 @@ class ContactLemke final : public Solver {
   void reserve_later_rungs(const contact_lemke::Input& input);
   bool in_float() const { return settings_.precision == ContactLemkePrecision::kFloat; }
   LoadedContacts& engine_of(ContactArithmetic arithmetic);
+  bool is_double_double(const LoadedContacts& engine) const { return &engine == &later_->double_double.engine; }
+  bool is_quad(const LoadedContacts& engine) const { return &engine == &later_->quad.engine; }
   double roundoff_of(const LoadedContacts& engine) const;
   std::ptrdiff_t pivots_of_rung(const LoadedContacts& engine, const contact_lemke::Rules& rules) const;
   bool resumes(const SolveRequest& request) const;
@@ -156,12 +178,13 @@ class ContactLemke final : public Solver {
   void report(const Progress& progress, Answer& answer);
 
   ContactLemkeSettings settings_;
+  std::int64_t max_rungs_ = 0;
   Capabilities capabilities_;
   ContactInput data_;
   Index reserved_ngc_ = 0, reserved_nc_ = 0;  ///< up to which frictionless problems find memory
   LoadedContacts double_;                     ///< also what tests the answers of float
-  LoadedContacts double_double_, quad_, float_;
-  bool double_double_is_loaded_ = false, quad_is_loaded_ = false;
+  std::optional<LoadedContacts> float_;       ///< with precision=float
+  std::shared_ptr<LaterEngines> later_;
   ContactSolvability solvability_;
   bool may_be_singular_ = false;  ///< the inertia, or an offset may ask for too much
   GrowingVector given_v_;         ///< where that is so, the velocity in the units of the problem

@@ -64,6 +64,7 @@ struct Outcome {
   Ending ending = Ending::kBreakdown;
   std::ptrdiff_t pivots = 0;
   std::ptrdiff_t factorizations = 0;  ///< inversions of a whole kernel
+  bool cycles = false;  ///< kPivotLimit because a basis came back, which no larger limit mends
   /// At the end of a path in more bits than double that ended in kSolved: by how much its values miss a solution,
   /// their rounding included, relative to the speed of the slowest island that moves. Else zero.
   double missed = 0;

@@ -7,6 +7,7 @@
 #include "native/contact_lemke/polish.h"
 #include "native/contact_lemke/ratio_test.h"
 #include "native/contact_lemke/response.h"
+#include "native/contact_lemke/visited_bases.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
@@ -109,12 +110,15 @@ class Path {
   /// From an almost complementary basis, with last_ to enter, to the end of the path.
   Ending walk(double* z) {
     Entering& entering = last_;
+    visited_.clear();
+    is_strained_ = false;
     for (;;) {
       if (rules_.reinvert && !invert()) return Ending::kBreakdown;
       if (!compute_values()) return Ending::kBreakdown;
       const Scalar z0 = x_[artificial_] * kernel_.norm(artificial_);
       if (!(z0 > static_cast<Scalar>(rules_.tie_tolerance) * value_scale_)) return finish(z);
-      if (outcome_.pivots >= rules_.max_pivots) return Ending::kPivotLimit;
+      outcome_.cycles = comes_back(entering);
+      if (outcome_.cycles || outcome_.pivots >= rules_.max_pivots) return Ending::kPivotLimit;
       if (outcome_.pivots % 16 == 15 && expired()) return Ending::kTimeLimit;
       if (!entering.is_velocity && entering.label.is_normal() && !rules_.classic)
         activate_friction(entering.label.contact);
@@ -128,6 +132,15 @@ class Path {
       if (!exchange(entering, leaving)) return Ending::kBreakdown;
       if (last) return finish(z);
     }
+  }
+
+  /// Whether the path was here before. Not asked where rounding may have misled it, which other pivots may mend. Rounds
+  /// in which no contact begins to press are rare, and looked for late.
+  bool comes_back(const Entering& entering) {
+    const bool presses = !entering.is_velocity && entering.label.is_normal();
+    is_strained_ = is_strained_ || refines_rates_;
+    if (is_strained_ || (!presses && outcome_.pivots < VisitedBases::kMost)) return false;
+    return visited_.note(VisitedBases::fingerprint(kernel_, friction_, entering.label, entering.is_velocity));
   }
 
   // --- from the last basis: path_continuation.h ---
@@ -356,7 +369,8 @@ class Path {
   Entering last_;           ///< what enters next
   Count artificial_ = -1;   ///< column of z0
   bool has_basis_ = false;  ///< that of a solve, at basis_velocity_
-  bool resumed_ = false;    ///< z0 acts through drift_, not through a covering vector
+  VisitedBases visited_;
+  bool resumed_ = false;  ///< z0 acts through drift_, not through a covering vector
 
   Buffer<Scalar> x_, dx_, residual_, coefficients_;           ///< per column or row of the kernel
   Buffer<Scalar> u_, du_, entering_response_, column_, row_;  ///< per generalized coordinate
@@ -367,6 +381,7 @@ class Path {
   static constexpr Count kRateRefinements = 3;
   static constexpr double kSafeNoises = 100;  ///< a rate of less than so many times the measured noise is none
   bool refines_rates_ = false;
+  bool is_strained_ = false;  ///< values had to be refined on the path
   Scalar entering_norm_ = 0, rate_noise_ = 0;
   Scalar speed_scale_ = 0, value_scale_ = 0, rate_scale_ = 0;
 

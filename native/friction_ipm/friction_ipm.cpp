@@ -1,3 +1,5 @@
+#include "native/friction_ipm/friction_ipm.h"
+
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -18,7 +20,7 @@ namespace {
 struct FrictionIpmSettings {
   Algebra algebra = Algebra::kAuto;
   double tolerance = 1e-9;
-  double accept_residual = 3e-5;
+  double accept_residual = 1e-4;
   double shift = 1e-12;
   std::int64_t max_iterations = 10000;
 
@@ -109,13 +111,22 @@ ContactProblem convex_problem(const ContactProblem& contact, const ConeColumns& 
 /// kSolved: the velocity residual, recomputed from z in double, is within accept_residual and AnswerTest passes;
 /// kNumericalFailure: the rounds did not get there. `detail` has their number. Opposite friction impulses of a contact
 /// are returned as their difference.
-class FrictionIpm final : public Solver {
+class FrictionIpm final : public LimitedFrictionIpm {
  public:
   explicit FrictionIpm(const FrictionIpmSettings& settings)
-      : settings_(settings), method_({.tolerance = kConvexShare * settings.tolerance, .shift = settings.shift}) {}
+      : settings_(settings),
+        accept_residual_(settings.accept_residual),
+        method_({.tolerance = kConvexShare * settings.tolerance, .shift = settings.shift}) {}
   const Capabilities& capabilities() const override;
+  void limit_rounds(std::int64_t rounds, double accept_residual) override {
+    max_rounds_ = rounds;
+    accept_residual_ = accept_residual;
+  }
+  void unlimit_rounds() override { limit_rounds(kNoLimit, settings_.accept_residual); }
 
  private:
+  static constexpr std::int64_t kNoLimit = std::numeric_limits<std::int64_t>::max();
+
   void on_load(const Problem& problem) override;
   void on_update(const Vector& v) override;
   void on_solve(const SolveRequest& request, Answer& answer) override;
@@ -126,6 +137,8 @@ class FrictionIpm final : public Solver {
   void find_offsets(bool at_rest);
 
   FrictionIpmSettings settings_;
+  std::int64_t max_rounds_ = kNoLimit;
+  double accept_residual_ = 0;
   InteriorPoint method_;
   ContactImpulses state_;
   ConeColumns cone_;
@@ -205,11 +218,15 @@ Claim FrictionIpm::run(double deadline_s, Answer& answer, int& rounds) {
     }
     if (best <= settings_.tolerance || idle_rounds > kMostIdleRounds || !(residual < kInfinity)) break;
     if (cone_.friction.nonZeros() == 0) break;  // the next problem would be the same
+    if (rounds >= max_rounds_) {
+      claim = Claim::kIterationLimit;
+      break;
+    }
     find_offsets(false);
   }
   state_.impulse = best_impulse_;
   state_.recompute_velocity();
-  return best <= settings_.accept_residual ? Claim::kSolved : claim;
+  return best <= accept_residual_ ? Claim::kSolved : claim;
 }
 
 void FrictionIpm::report(Claim claim, int rounds, Answer& answer) {
@@ -257,6 +274,10 @@ constexpr Capabilities kCapabilities{
 const Capabilities& FrictionIpm::capabilities() const { return kCapabilities; }
 
 }  // namespace
+
+std::unique_ptr<LimitedFrictionIpm> make_friction_ipm() {
+  return std::make_unique<FrictionIpm>(FrictionIpmSettings{.accept_residual = 3e-5});
+}
 
 SolverDefinition lcpbench_solver_friction_ipm() {
   return define_solver<FrictionIpm, FrictionIpmSettings>(

@@ -5,32 +5,23 @@
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
-#include "native/answer_test/answer_test.h"
-#include "native/principal_pivoting/principal_tableau.h"
+#include "native/principal_pivoting/principal_solver.h"
 
 namespace lcpbench {
 namespace {
 
 enum class Distinguished { kLeastIndex, kMostNegative };
 
-struct PrincipalPivotingSettings {
-  std::int64_t max_pivots = 0;
+struct PrincipalPivotingSettings : PrincipalSettings {
   Distinguished distinguished = Distinguished::kMostNegative;
-  double data_error = 1e-14;
-  double accept_residual = 1e-6;
 
   void visit(auto&& field) {
-    field("max_pivots", max_pivots, IntegerRange{.min = 0}, "0 stands for max(1000, n^2), the paper's limit");
+    visit_limit(field);
     field("distinguished", distinguished,
           Choices<Distinguished>{
               {{"least_index", Distinguished::kLeastIndex}, {"most_negative", Distinguished::kMostNegative}}},
           "which negative w is made nonnegative next");
-    field("data_error", data_error, RealRange{.min = 0, .max = 1},
-          "relative error of M and q: values that errors of this size could make 0 count as 0");
-    field(
-        "accept_residual", accept_residual, RealRange{.min = 0},
-        "asked for before the test of every claim: max|min(c_i z_i, w_i)| <= this * max|q|, c_i the largest |entry| of "
-        "M's column i");
+    visit_accuracy(field);
   }
 };
 
@@ -48,24 +39,24 @@ constexpr Index kNone = -1;
 /// An unblocked raise gives u = (row r of the tableau) >= 0 with M'u <= 0 and q'u < 0 to rounding. kUnsolvable is
 /// claimed only where AnswerTest proves it, for bare LCPs exactly; else kNumericalFailure, `detail` "ray". O(n^2) per
 /// pivot. [Dantzig, Cottle 1967; Cottle, Pang, Stone 1992, section 4.3]
-class PrincipalPivoting final : public Solver {
+class PrincipalPivoting final : public PrincipalSolver {
  public:
-  explicit PrincipalPivoting(const PrincipalPivotingSettings& settings) : settings_(settings) {}
+  explicit PrincipalPivoting(const PrincipalPivotingSettings& settings)
+      : PrincipalSolver(settings, "no usable pivot: M is not positive semidefinite to working precision"),
+        distinguished_(settings.distinguished) {}
   const Capabilities& capabilities() const override;
 
  protected:
   void on_load(const Problem& problem) override;
-  void on_solve(const SolveRequest& request, Answer& answer) override;
 
  private:
-  enum class End { kNonnegative, kUnblocked, kNoPivot, kSingularBasis, kPivotLimit, kTimeLimit };
   struct Block {
     Index pair = kNone;  ///< kNone: nothing blocks
     double step = 0;     ///< of the driving variable, >= 0
   };
 
   void start();
-  End run(double deadline_s, Counters& counters);
+  End run(double deadline_s, Counters& counters) override;
   End make_nonnegative(Index r, double deadline_s, Counters& counters);
   Index next_distinguished() const;
   double value_of_w(Index i) const;
@@ -81,26 +72,19 @@ class PrincipalPivoting final : public Solver {
   bool exchange_blocking(Index k, Index r, Counters& counters);
   bool find_farkas_vector(Index r);
 
-  PrincipalPivotingSettings settings_;
-  PrincipalTableau tableau_;
-  AnswerTest test_;
+  Distinguished distinguished_;
   Vector nonbasic_;              // n: values of the nonbasic variables
   Vector basic_;                 // n: values of the basic ones
   std::vector<char> unsettled_;  // n: w_i was negative from the start on and is bounded by floor_, not by 0
   double floor_ = 0;
-  Vector bounds_;         // n: errors of the constants
   Vector column_bounds_;  // n: errors of the column last looked at
-  Vector farkas_;         // n
-  std::int64_t limit_ = 0;
 };
 
 void PrincipalPivoting::on_load(const Problem& problem) {
-  tableau_.load(make_lcp(problem));
-  test_.load(problem);
+  PrincipalSolver::on_load(problem);
   const Index n = tableau_.size();
-  for (Vector* vector : {&nonbasic_, &basic_, &bounds_, &column_bounds_, &farkas_}) vector->resize(n);
+  for (Vector* vector : {&nonbasic_, &basic_, &column_bounds_}) vector->resize(n);
   unsettled_.resize(static_cast<std::size_t>(n));
-  limit_ = settings_.max_pivots > 0 ? settings_.max_pivots : std::max<std::int64_t>(1000, n * n);
 }
 
 void PrincipalPivoting::start() {
@@ -124,7 +108,7 @@ Index PrincipalPivoting::next_distinguished() const {
   for (Index i = 0; i < tableau_.size(); ++i) {
     if (!unsettled_[static_cast<std::size_t>(i)]) continue;
     if (next < 0) next = i;
-    if (settings_.distinguished == Distinguished::kMostNegative && value_of_w(i) < value_of_w(next)) next = i;
+    if (distinguished_ == Distinguished::kMostNegative && value_of_w(i) < value_of_w(next)) next = i;
   }
   return next;
 }
@@ -134,15 +118,14 @@ Index PrincipalPivoting::next_distinguished() const {
 void PrincipalPivoting::refresh_values(Index r) {
   basic_ = tableau_.constants();
   basic_.noalias() += tableau_.matrix() * nonbasic_;
-  tableau_.constant_errors(settings_.data_error, bounds_);
+  tableau_.constant_errors(data_error_, bounds_);
   for (Index i = 0; i < tableau_.size(); ++i) {
     if (i != r && !tableau_.z_is_basic(i) && basic_(i) >= -bounds_(i)) unsettled_[static_cast<std::size_t>(i)] = false;
   }
 }
 
 bool PrincipalPivoting::rebuild(Index r, Counters& counters) {
-  ++counters.factorizations;
-  if (!tableau_.rebuild()) return false;
+  if (!rebuild_tableau(counters)) return false;
   refresh_values(r);
   return basic_.allFinite();
 }
@@ -150,7 +133,7 @@ bool PrincipalPivoting::rebuild(Index r, Counters& counters) {
 /// Leaves the errors of column k in column_bounds_. The diagonal entry of a basic z belongs to an inverse: nothing
 /// makes it 0.
 bool PrincipalPivoting::has_pivot(Index k) {
-  tableau_.column_errors(k, settings_.data_error, column_bounds_);
+  tableau_.column_errors(k, data_error_, column_bounds_);
   return tableau_.matrix()(k, k) > (tableau_.z_is_basic(k) ? 0.0 : column_bounds_(k));
 }
 
@@ -221,7 +204,7 @@ PrincipalPivoting::End PrincipalPivoting::make_nonnegative(Index r, double deadl
   while (unsettled_[static_cast<std::size_t>(r)]) {
     if (!(wall_clock_s() < deadline_s)) return End::kTimeLimit;
     if (tableau_.pivots_since_rebuild() > tableau_.size() && !rebuild(r, counters)) return End::kSingularBasis;
-    if (counters.pivots >= limit_) return End::kPivotLimit;
+    if (counters.pivots >= pivot_limit_) return End::kPivotLimit;
     const bool regular = has_pivot(r);
     vanished = vanished || vanishes(r);
     if (vanished && regular) {
@@ -275,32 +258,10 @@ bool PrincipalPivoting::find_farkas_vector(Index r) {
   farkas_(r) = 1;
   for (Index j = 0; j < n; ++j) {
     const auto column = lcp.M.col(j);
-    if (!(column.dot(farkas_) <= settings_.data_error * column.cwiseAbs().dot(farkas_))) return false;
+    if (!(column.dot(farkas_) <= data_error_ * column.cwiseAbs().dot(farkas_))) return false;
   }
   // Errors of M'u count as much as q'u would have to: the margin is the square root of the round-off.
   return lcp.q.dot(farkas_) < -0x1p-26 * lcp.q.cwiseAbs().dot(farkas_);
-}
-
-void PrincipalPivoting::on_solve(const SolveRequest& request, Answer& answer) {
-  answer.counters = {.iterations = -1, .pivots = 0, .factorizations = 0};
-  const double deadline_s = wall_clock_s() + request.time_limit_s;
-  const End end = run(deadline_s, answer.counters);
-  if (end != End::kUnblocked) tableau_.solution(answer.z);
-  switch (end) {
-    case End::kNonnegative:
-      if (tableau_.residual(answer.z) <= settings_.accept_residual * tableau_.largest_q()) {
-        answer.claim = Claim::kSolved;
-        test_.settle(answer, deadline_s);
-      } else {
-        answer.detail = "the final basis is too ill-conditioned for the accuracy asked for";
-      }
-      return;
-    case End::kUnblocked: test_.settle_ray(answer, deadline_s, &farkas_); return;
-    case End::kNoPivot: answer.detail = "no usable pivot: M is not positive semidefinite to working precision"; return;
-    case End::kSingularBasis: answer.detail = "the basis is singular to working precision"; return;
-    case End::kPivotLimit: answer.claim = Claim::kIterationLimit; return;
-    case End::kTimeLimit: answer.claim = Claim::kTimeLimit; return;
-  }
 }
 
 constexpr Capabilities kCapabilities{.guarantees = "positive semidefinite M and P-matrices, barring degenerate cycles",

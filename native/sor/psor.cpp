@@ -7,8 +7,7 @@
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
-#include "native/answer_test/answer_test.h"
-#include "native/contacts/contact_impulses.h"
+#include "native/sor/impulse_solver.h"
 
 namespace lcpbench {
 namespace {
@@ -71,21 +70,19 @@ void project_on_cross_polytope(Eigen::Ref<Vector> y, double radius) {
 /// Contact problems keep v+ = v + G* J f: O(ngc) per row, less for sparse contacts. Bare LCPs: O(n) per row.
 /// Solved is claimed only when the residual of every island, recomputed from z, is within the tolerance and AnswerTest
 /// passes.
-class Psor final : public Solver {
+class Psor final : public ImpulseSolver {
  public:
   explicit Psor(const PsorSettings& settings) : settings_(settings) {}
   const Capabilities& capabilities() const override;
 
- protected:
-  void on_load(const Problem& problem) override;
-  void on_update(const Vector& v) override;
-  void on_solve(const SolveRequest& request, Answer& answer) override;
-
  private:
+  void prepare(const Problem& problem) override;
+  void iterate(const SolveRequest& request, double deadline_s, Answer& answer) override;
+
   double largest_eigenvalue(const SignedFriction& friction) const;
 
   void set_start(const Vector* start);
-  void iterate(double deadline_s, Answer& answer);
+  void sweep_until_solved(double deadline_s, Answer& answer);
   bool settle(double deadline_s, Answer& answer);
   double sweep(bool backwards);
   double update_contact(Index contact);
@@ -93,14 +90,11 @@ class Psor final : public Solver {
   double update_friction(std::size_t index);
 
   PsorSettings settings_;
-  ContactImpulses state_;
   std::vector<double> curvature_;  // per friction: largest eigenvalue of its own block of M; 0: it moves nothing
   Vector step_;                    // the most directions that a contact has
-  AnswerTest test_;
 };
 
-void Psor::on_load(const Problem& problem) {
-  state_.load(problem);
+void Psor::prepare(const Problem&) {
   curvature_.clear();
   Index most_directions = 0;
   for (const SignedFriction& friction : state_.frictions) {
@@ -108,7 +102,6 @@ void Psor::on_load(const Problem& problem) {
     most_directions = std::max(most_directions, friction.directions);
   }
   step_.resize(most_directions);
-  test_.load(problem, AnswerTest::Bodies::kOneByOne);
 }
 
 double Psor::largest_eigenvalue(const SignedFriction& friction) const {
@@ -122,12 +115,6 @@ double Psor::largest_eigenvalue(const SignedFriction& friction) const {
   }
   if (columns.diagonal.segment(friction.first_column, friction.directions).isZero(0)) return 0;
   return Eigen::SelfAdjointEigenSolver<Matrix>(block, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
-}
-
-void Psor::on_update(const Vector& v) {
-  if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
-  state_.set_velocity(v);
-  test_.set_velocity(v);
 }
 
 void Psor::set_start(const Vector* start) {
@@ -207,7 +194,7 @@ bool Psor::settle(double deadline_s, Answer& answer) {
   return test_.settle(answer, deadline_s) || answer.claim != Claim::kNumericalFailure;
 }
 
-void Psor::iterate(double deadline_s, Answer& answer) {
+void Psor::sweep_until_solved(double deadline_s, Answer& answer) {
   double allowed = settings_.tolerance * state_.q_max;
   std::int64_t& iterations = answer.counters.iterations;
   for (iterations = 0;; ++iterations) {
@@ -231,20 +218,13 @@ void Psor::iterate(double deadline_s, Answer& answer) {
   }
 }
 
-void Psor::on_solve(const SolveRequest& request, Answer& answer) {
-  const double deadline_s = wall_clock_s() + request.time_limit_s;
-  if (state_.q_max == 0) {  // z = 0 solves it, and max|q| gives no scale to judge another answer by
-    answer.claim = Claim::kSolved;
-    answer.counters.iterations = 0;
-    test_.settle(answer, deadline_s);  // q may have underflowed
-    return;
-  }
+void Psor::iterate(const SolveRequest& request, double deadline_s, Answer& answer) {
   set_start(request.start);
-  iterate(deadline_s, answer);
+  sweep_until_solved(deadline_s, answer);
   if (answer.claim == Claim::kSolved) return;
   state_.recompute_velocity();
   state_.write_answer(answer.z);
-  if (answer.claim == Claim::kNumericalFailure) answer.detail = "the iterates grew out of the range of double";
+  if (answer.claim == Claim::kNumericalFailure) answer.detail = kGrewOutOfRange;
 }
 
 constexpr Capabilities kCapabilities{

@@ -7,8 +7,7 @@
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
-#include "native/answer_test/answer_test.h"
-#include "native/contacts/contact_impulses.h"
+#include "native/sor/impulse_solver.h"
 #include "native/sor/ode_order.h"
 
 namespace lcpbench {
@@ -60,29 +59,26 @@ struct FrictionRow {
 /// Without friction, for symmetric positive semidefinite M and 0 < w < 2 it converges to a solution when there is one
 /// [Cottle, Pang, Stone 1992, 5.2-5.3; Luo, Tseng 1991]; with friction nothing is proven. O(ngc) per row, less for
 /// sparse contacts. After the last sweep lambda is read off and the claim is that of the residual, which ODE has not.
-class QuickstepSor final : public Solver {
+class QuickstepSor final : public ImpulseSolver {
  public:
   explicit QuickstepSor(const QuickstepSorSettings& settings) : settings_(settings) {}
   const Capabilities& capabilities() const override;
 
- protected:
-  void on_load(const Problem& problem) override;
-  void on_update(const Vector& v) override;
-  void on_solve(const SolveRequest& request, Answer& answer) override;
-
  private:
+  void prepare(const Problem& problem) override;
+  void iterate(const SolveRequest& request, double deadline_s, Answer& answer) override;
+
   SparseMatrix friction_directions(Index columns_of_D);
   void add_friction_rows(const SignedFriction& friction, std::vector<Eigen::Triplet<double>>& directions);
   void order_rows(const Problem& problem);
 
-  Claim iterate(double deadline_s);
+  Claim sweep_all(double deadline_s);
   void update(Index row);
   double limit(Index row) const;
   void write_impulses();
   void settle(double deadline_s, Answer& answer);
 
   QuickstepSorSettings settings_;
-  ContactImpulses state_;
   std::vector<FrictionRow> friction_rows_;         // row nc + k
   std::vector<Index> first_row_;                   // per friction of state_: its first row, -1 without
   ContactColumns rows_;                            // of [N E]
@@ -91,12 +87,9 @@ class QuickstepSor final : public Solver {
 
   Vector x_;
   std::vector<std::vector<Index>> order_;
-
-  AnswerTest test_;
 };
 
-void QuickstepSor::on_load(const Problem& problem) {
-  state_.load(problem);
+void QuickstepSor::prepare(const Problem& problem) {
   ContactProblem rows = *problem.contact();
   const SparseMatrix directions = friction_directions(cols(rows.D));
   rows.D = std::visit([&](const auto& D) -> Jacobian { return std::decay_t<decltype(D)>(D * directions); }, rows.D);
@@ -108,7 +101,6 @@ void QuickstepSor::on_load(const Problem& problem) {
   }
   x_.resize(step_.size());
   order_rows(problem);
-  test_.load(problem, AnswerTest::Bodies::kOneByOne);
 }
 
 /// E = D times this; also fills friction_rows_ and first_row_.
@@ -169,12 +161,6 @@ void QuickstepSor::order_rows(const Problem& problem) {
   order_ = initial_order_;
 }
 
-void QuickstepSor::on_update(const Vector& v) {
-  if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
-  state_.set_velocity(v);
-  test_.set_velocity(v);
-}
-
 double QuickstepSor::limit(Index row) const {
   const FrictionRow& friction = friction_rows_[static_cast<std::size_t>(row - state_.contacts)];
   const double allowed = friction.mu * x_(friction.normal);
@@ -200,7 +186,7 @@ void QuickstepSor::update(Index row) {
 }
 
 /// @returns kIterationLimit after the last sweep, or kTimeLimit.
-Claim QuickstepSor::iterate(double deadline_s) {
+Claim QuickstepSor::sweep_all(double deadline_s) {
   OdeRandom random(static_cast<std::uint32_t>(settings_.seed));
   x_.setZero();
   state_.u = state_.u0;
@@ -251,22 +237,15 @@ void QuickstepSor::settle(double deadline_s, Answer& answer) {
   test_.settle(answer, deadline_s);
 }
 
-void QuickstepSor::on_solve(const SolveRequest& request, Answer& answer) {
-  const double deadline_s = wall_clock_s() + request.time_limit_s;
-  if (state_.q_max == 0) {  // z = 0 solves it, and max|q| gives no scale to judge another answer by
-    answer.claim = Claim::kSolved;
-    answer.counters.iterations = 0;
-    test_.settle(answer, deadline_s);  // q may have underflowed
-    return;
-  }
-  answer.claim = iterate(deadline_s);
+void QuickstepSor::iterate(const SolveRequest&, double deadline_s, Answer& answer) {
+  answer.claim = sweep_all(deadline_s);
   if (answer.claim != Claim::kTimeLimit) answer.counters.iterations = settings_.iterations;
   write_impulses();
   state_.write_answer(answer.z);
   const double residual = state_.residual();
   if (!(residual < std::numeric_limits<double>::infinity())) {
     answer.claim = Claim::kNumericalFailure;
-    answer.detail = "the iterates grew out of the range of double";
+    answer.detail = kGrewOutOfRange;
   } else if (residual <= settings_.tolerance * state_.q_max) {
     settle(deadline_s, answer);
   }

@@ -2,6 +2,7 @@
 
 #include <exception>
 
+#include "core/timed_solve.h"
 #include "study/run/one_by_one.h"
 
 namespace lcpbench {
@@ -21,23 +22,33 @@ Judge::Judge(const Problem& problem, Settler& settler) : problem_(problem), sett
   if (evaluator_.truth() == Truth::kSolvable) findings_.add(Evidence::kTheory);
 }
 
-std::size_t Judge::judge(const Answer& answer) {
-  const std::size_t number = find_or_judge(answer);
+std::size_t Judge::judge(const Answer& answer, FrictionModel model) {
+  const std::size_t number = find_or_judge(answer, model);
   const bool denies = answer.claim == Claim::kUnsolvable && !judgement(number).proof_holds;
   if (denies && !findings_.has(Evidence::kTheory)) settle();
   return number;
 }
 
-std::size_t Judge::find_or_judge(const Answer& answer) {
+Judgement Judge::judge_alone(const Answer& answer, FrictionModel model) {
+  Judgement judgement = evaluator_.judge(answer);
+  if (model == FrictionModel::kCone) {
+    const double start = thread_cpu_clock_s();
+    measure_cone(problem_, answer, judgement.errors);
+    judgement.verify_s += thread_cpu_clock_s() - start;
+  }
+  return judgement;
+}
+
+std::size_t Judge::find_or_judge(const Answer& answer, FrictionModel model) {
   for (std::size_t number = 0; number < distinct_.size(); ++number) {
     const Distinct& known = distinct_[number];
-    if (same_bits(known.z, answer.z) && same_bits(known.velocity, answer.velocity) &&
+    if (known.model == model && same_bits(known.z, answer.z) && same_bits(known.velocity, answer.velocity) &&
         same_bits(known.farkas, answer.farkas)) {
       return number;
     }
   }
-  distinct_.push_back({answer.z, answer.velocity, answer.farkas, evaluator_.judge(answer)});
-  findings_.add(distinct_.back().judgement);
+  distinct_.push_back({answer.z, answer.velocity, answer.farkas, model, judge_alone(answer, model)});
+  if (model == FrictionModel::kPyramid) findings_.add(distinct_.back().judgement);
   return distinct_.size() - 1;
 }
 

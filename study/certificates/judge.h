@@ -7,6 +7,7 @@
 
 #include "study/certify/certificate.h"
 #include "study/evaluation/evaluation.h"
+#include "study/evaluation/friction_model.h"
 
 namespace lcpbench {
 
@@ -32,8 +33,10 @@ class Judge {
  public:
   Judge(const Problem& problem, Settler& settler);
 
-  /// @returns the number of the answer among those that differ in a bit of a vector: 0 for the first, 1 for the next
-  std::size_t judge(const Answer& answer);
+  /// An answer to another model than the pyramid is measured by that model, and tells nothing of the problem.
+  /// @returns the number of the answer among those that differ in a bit of a vector, or in their model: 0 for the
+  /// first, 1 for the next
+  std::size_t judge(const Answer& answer, FrictionModel model = FrictionModel::kPyramid);
   const Judgement& judgement(std::size_t number) const { return distinct_[number].judgement; }
 
   /// All that is known of the problem by now.
@@ -44,10 +47,12 @@ class Judge {
  private:
   struct Distinct {
     Vector z, velocity, farkas;
+    FrictionModel model;
     Judgement judgement;
   };
 
-  std::size_t find_or_judge(const Answer& answer);
+  std::size_t find_or_judge(const Answer& answer, FrictionModel model);
+  Judgement judge_alone(const Answer& answer, FrictionModel model);
   void settle();
 
   const Problem& problem_;

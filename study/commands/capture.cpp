@@ -1,7 +1,10 @@
-#include <algorithm>
+#include <csignal>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -12,10 +15,13 @@
 #include "adapters/capture/launch.h"
 #include "adapters/capture/scene.h"
 #include "core/error.h"
+#include "core/io/problem_io.h"
 #include "core/io/scenes_file.h"
+#include "core/registry.h"
 #include "core/suggestion.h"
 #include "study/commands/commands.h"
 #include "study/output/terminal.h"
+#include "study/run/interrupt.h"
 
 namespace lcpbench {
 namespace {
@@ -26,6 +32,7 @@ struct CaptureArguments {
   std::string model;
   std::int64_t every = 10;
   std::int64_t steps = 0;
+  std::string loop = "engine";
   std::string out;
 };
 
@@ -47,6 +54,13 @@ void complete(CaptureArguments& arguments) {
   if (!arguments.model.empty() && !std::filesystem::is_regular_file(arguments.model)) {
     throw InputError(fmt::format("--model '{}': no such file", arguments.model));
   }
+  if (arguments.loop != "engine") {
+    const Spec spec = canonical_solver_spec(parse_spec(arguments.loop));
+    if (!find_solver(spec.name).native()) {
+      throw InputError(fmt::format("--loop '{}': expected engine, or a solver of lcpbench's own", arguments.loop));
+    }
+    arguments.loop = spec.text();
+  }
   if (arguments.engine.empty()) arguments.engine = articulated ? "mujoco" : "ode";
   if (arguments.out.empty()) arguments.out = fmt::format("{}-{}.scenes", arguments.scene, arguments.engine);
   if (!is_scenes_file(arguments.out)) {
@@ -54,20 +68,43 @@ void complete(CaptureArguments& arguments) {
   }
 }
 
-/// The uncompressed file that the engine writes, removed at the end.
-struct RawFile {
-  std::string name;
-  ~RawFile() {
+/// The files that the engine writes, removed at the end: the steps, uncompressed, and the hashes of their problems.
+struct RawFiles {
+  std::string steps;
+  std::string hashes = steps + ".hashes";
+  ~RawFiles() {
     std::error_code ignored;
-    std::filesystem::remove(name, ignored);
+    std::filesystem::remove(steps, ignored);
+    std::filesystem::remove(hashes, ignored);
   }
 };
 
-/// Reads every step, as `solve` will, and then writes the file. @returns how many steps
-std::size_t check_and_compress(const std::string& raw, const std::string& out) {
+std::map<std::int64_t, std::string> read_hashes(const std::string& file) {
+  std::map<std::int64_t, std::string> hashes;
+  std::ifstream stream(file);
+  std::int64_t step = 0;
+  for (std::string hash; stream >> step >> hash;) hashes[step] = hash;
+  return hashes;
+}
+
+/// Reads every step as `solve` will: it must be the problem that the engine's program had, bit for bit, and written
+/// again it must give the same bytes. @returns the first step of which that is not so
+std::optional<std::int64_t> first_that_differs(const ScenesFile& written,
+                                               const std::map<std::int64_t, std::string>& hashes) {
+  for (std::size_t i = 0; i < written.count(); ++i) {
+    const SceneStep step = written.read(i);
+    const auto hash = hashes.find(step.step);
+    const bool same_problem = hash != hashes.end() && hash->second == problem_hash(step.problem);
+    if (!same_problem || scenes_line(step) != written.line(i)) return step.step;
+  }
+  return std::nullopt;
+}
+
+/// Reads every step, and then writes the file. @returns how many steps
+std::size_t compress(const std::string& raw, const std::string& out) {
   const ScenesFile captured(raw);
-  if (captured.count() == 0) return 0;
   for (std::size_t i = 0; i < captured.count(); ++i) captured.read(i);
+  if (captured.count() == 0) return 0;
   ScenesWriter writer(out, captured.header());
   for (std::size_t i = 0; i < captured.count(); ++i) writer.add(captured.read(i));
   writer.close();
@@ -76,28 +113,37 @@ std::size_t check_and_compress(const std::string& raw, const std::string& out) {
 
 int run_capture(CaptureArguments arguments) {
   complete(arguments);
-  const RawFile raw{arguments.out + ".part"};
-  const capture::EngineRun run = capture::run_engine(
-      arguments.engine,
-      {arguments.scene, arguments.model, std::to_string(arguments.every), std::to_string(arguments.steps), raw.name});
+  const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
+  const RawFiles raw{arguments.out + ".part"};
+  const capture::EngineRun run = capture::run_engine(arguments.engine,
+                                                     {arguments.scene, arguments.model, std::to_string(arguments.every),
+                                                      std::to_string(arguments.steps), raw.steps, arguments.loop},
+                                                     stop);
   if (run.ending == "exited with code 2") throw InputError(run.message);
-  const bool crashed = run.ending != "exited with code 0";
+  const bool interrupted = *stop != 0;
+  const bool crashed = !interrupted && run.ending != "exited with code 0";
   if (crashed) {
     say(stderr, "lcpbench: {} {}{}\n", arguments.engine, run.ending, run.message.empty() ? "" : ": " + run.message);
-  } else if (!run.message.empty()) {
+  } else if (!interrupted && !run.message.empty()) {
     say(stderr, "lcpbench: {} said: {}\n", arguments.engine, run.message);
   }
   std::error_code absent;
-  const bool empty = std::filesystem::file_size(raw.name, absent) == 0 || absent;
-  const std::size_t steps = empty ? 0 : check_and_compress(raw.name, arguments.out);
+  const bool empty = std::filesystem::file_size(raw.steps, absent) == 0 || absent;
+  const std::size_t steps = empty ? 0 : compress(raw.steps, arguments.out);
   if (steps == 0) {
     say(stderr, "lcpbench: no step of '{}' was captured\n", arguments.scene);
+    return interrupted ? kExitInterrupted : kExitCheckFailed;
+  }
+  const ScenesFile written(arguments.out);
+  if (const auto step = first_that_differs(written, read_hashes(raw.hashes))) {
+    say(stderr, "lcpbench: {}: step {} does not replay bit for bit\n", arguments.out, *step);
     return kExitCheckFailed;
   }
-  say(stdout, "{} steps of {} by {} in {} ({} bytes)\n", steps, arguments.scene, arguments.engine, arguments.out,
-      std::filesystem::file_size(arguments.out));
-  const ScenesFile written(arguments.out);
+  if (interrupted) say(stderr, "lcpbench: interrupted; {} holds the steps until then\n", arguments.out);
+  say(stdout, "{} steps of {} by {} in {} ({} bytes); each replays bit for bit\n", steps, arguments.scene,
+      arguments.engine, arguments.out, std::filesystem::file_size(arguments.out));
   say(stdout, "one of them: lcpbench solve '{}#{}'\n", arguments.out, written.step_number(written.count() / 2));
+  if (interrupted) return kExitInterrupted;
   return crashed ? kExitCheckFailed : kExitDone;
 }
 
@@ -122,6 +168,10 @@ Action add_capture_command(CLI::App& command) {
       ->capture_default_str();
   command.add_option("--steps", arguments->steps, "steps that the engine runs (default: the scene's own)")
       ->check(CLI::Range(INT64_C(1), INT64_C(10'000'000)));
+  command
+      .add_option("--loop", arguments->loop,
+                  "whose velocities move the scene on: engine, or one of lcpbench's own solvers, as auto")
+      ->capture_default_str();
   command.add_option("--out", arguments->out, "file of captured steps (default: SCENE-ENGINE.scenes)");
   command.footer(list_of_scenes());
   return [arguments] { return run_capture(*arguments); };

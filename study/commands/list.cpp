@@ -25,7 +25,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::string origin(const RegisteredSolver& solver) {
-  return solver.native() ? solver.library : fmt::format("{} {}", solver.library, solver.version);
+  if (solver.native() || solver.version.empty()) return solver.library;
+  return fmt::format("{} {}", solver.library, solver.version);
 }
 
 Json settings_json(const std::vector<SettingInfo>& settings) {
@@ -47,7 +48,9 @@ Json solver_json(const RegisteredSolver& solver) {
   Json json = {{"name", definition.name},
                {"summary", definition.summary},
                {"source", definition.source},
-               {"origin", solver.native() ? "native" : "library"},
+               {"origin", solver.native()       ? "native"
+                          : solver.in_process() ? "captured"
+                                                : "library"},
                {"library", solver.library},
                {"version", solver.version},
                {"available", reason.empty()},
@@ -64,6 +67,7 @@ Json solver_json(const RegisteredSolver& solver) {
 std::string limits(const Capabilities& capabilities) {
   std::string text = to_string(capabilities.needs);
   if (capabilities.frictionless_only) text += ", frictionless";
+  if (capabilities.captured_only) text += ", captured steps";
   if (capabilities.max_size != Capabilities{}.max_size) text += fmt::format(", n <= {}", capabilities.max_size);
   return text;
 }

@@ -69,11 +69,15 @@ Shard parse_shard(const std::string& text) {
   return {shard.index - 1, shard.count};
 }
 
-/// All but those that have to be told something; those that cannot run here too, so that they are named as skipped.
-std::vector<PlannedSolver> every_solver() {
+/// All but those that have to be told something; those that cannot run here too, so that they are named as skipped. The
+/// engines' answers where a set has captured steps.
+std::vector<PlannedSolver> every_solver(const std::vector<std::string>& sets) {
+  const bool captured = std::any_of(sets.begin(), sets.end(), [](const std::string& set) {
+    return set.starts_with("scene/") || set.find(".scenes") != std::string::npos;
+  });
   std::vector<PlannedSolver> solvers;
   for (const RegisteredSolver& solver : registered_solvers()) {
-    if (needs_to_be_told(solver)) continue;
+    if (needs_to_be_told(solver) || (solver.definition.capabilities.captured_only && !captured)) continue;
     solvers.push_back({.spec = {solver.definition.name, {}}, .optional = true});
   }
   return solvers;
@@ -84,7 +88,7 @@ Plan base_plan(const RunArguments& arguments) {
   if (arguments.sets.empty()) return load_plan(kDefaultPlan);
   Plan plan;
   plan.name = kAdHocPlan;
-  plan.solvers = every_solver();
+  plan.solvers = every_solver(arguments.sets);
   return plan;
 }
 

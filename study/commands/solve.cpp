@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -16,12 +18,12 @@
 #include "study/commands/problem_files.h"
 #include "study/evaluation/evaluation.h"
 #include "study/output/explanation.h"
-#include "study/run/interrupt.h"
 #include "study/output/json_output.h"
-#include "study/run/open_solver.h"
-#include "study/run/study.h"
 #include "study/output/terminal.h"
 #include "study/output/text_table.h"
+#include "study/run/interrupt.h"
+#include "study/run/open_solver.h"
+#include "study/run/study.h"
 
 namespace lcpbench {
 namespace {
@@ -42,6 +44,7 @@ struct SolveArguments {
 
 struct Attempt {
   SolverRow solver;
+  FrictionModel model = FrictionModel::kPyramid;  ///< that the answer is measured by
   TimedAnswer timed;
   Judgement judgement;
   Truth truth = Truth::kUnknown;  ///< of the problem
@@ -50,8 +53,11 @@ struct Attempt {
   std::string note;  ///< why there are no errors; "" when there are
   std::string why;   ///< why the verdict is not solved; "" when it is
 
-  /// Thread CPU time: what other programs do at the moment is not the solver's.
-  double time_s() const { return timed.times.setup_cpu_s + timed.times.solve_cpu_s; }
+  /// Thread CPU time: what other programs do at the moment is not the solver's. Infinite where no time is known.
+  double time_s() const {
+    const double time = timed.times.setup_cpu_s + timed.times.solve_cpu_s;
+    return std::isnan(time) ? std::numeric_limits<double>::infinity() : time;
+  }
 };
 
 /// Which solvers run, each opened once for all files.
@@ -69,7 +75,8 @@ class Solvers {
     if (!asked_for_.empty()) return asked_for_;
     std::vector<Spec> fitting;
     for (const RegisteredSolver& solver : registered_solvers()) {
-      if (!runs_unasked(solver) || !why_not(solver.definition.capabilities, problem).empty()) continue;
+      const Capabilities& capabilities = solver.definition.capabilities;
+      if (!(runs_unasked(solver) || capabilities.captured_only) || !why_not(capabilities, problem).empty()) continue;
       fitting.push_back({solver.definition.name, {}});
     }
     return fitting;
@@ -97,8 +104,12 @@ Attempt attempt(const Problem& problem, const Spec& spec, TimedSolver& solver, J
   if (result.timed.times.setup_wall_s + result.timed.times.solve_wall_s < kShortSolveS) {
     solver.run(problem, request, result.timed);
   }
+  if (find_solver(spec.name).definition.capabilities.captured_only) {  // nobody measured the engine
+    result.timed.times.setup_cpu_s = result.timed.times.solve_cpu_s = std::numeric_limits<double>::quiet_NaN();
+  }
   const Answer& answer = result.timed.answer;
-  result.judgement = judge.judgement(judge.judge(answer));
+  result.model = friction_model(result.solver.all_settings);
+  result.judgement = judge.judgement(judge.judge(answer, result.model));
   result.note = why_without_errors(answer, problem.size());
   result.velocity = answer.velocity;
   if (result.velocity.size() == 0 && problem.contact() != nullptr && result.judgement.errors.usable) {
@@ -117,10 +128,14 @@ std::string because(const Judge& judge, const std::vector<Attempt>& attempts) {
       const auto proves = first([](const Attempt& a) { return a.judgement.proof_holds; });
       return proves != attempts.end() ? "the proof of " + proves->solver.text() + " is valid" : exact();
     }
-    case Truth::kSolvable:
+    case Truth::kSolvable: {
       if (judge.findings().has(Evidence::kTheory)) return "by theory";
       if (judge.certificate()) return exact();
-      return first([](const Attempt& a) { return a.judgement.errors.solved; })->solver.text() + " solved it";
+      const auto solves = [](const Attempt& a) {
+        return a.model == FrictionModel::kPyramid && a.judgement.errors.solved;
+      };
+      return first(solves)->solver.text() + " solved it";
+    }
   }
   return "";
 }
@@ -182,6 +197,7 @@ Json attempt_json(const Json& problem, const Attempt& attempt) {
   return {{"problem", problem},
           {"solver", attempt.solver.name},
           {"settings", attempt.solver.settings},
+          {"model", to_string(attempt.model)},
           {"claim", to_string(answer.claim)},
           {"verdict", to_string(attempt.verdict)},
           {"truth", to_string(attempt.truth)},
@@ -229,7 +245,9 @@ void print_conclusion(const std::vector<Attempt>& attempts, int width) {
       std::count_if(attempts.begin(), attempts.end(), [](const Attempt& a) { return a.verdict == Verdict::kSolved; });
   std::string text = fmt::format("solved by {} of {}", solved, counted_noun(attempts.size(), "solver"));
   const Attempt& best = attempts.front();
-  if (solved > 0) text += fmt::format("; the fastest is {}: {}", best.solver.text(), format_seconds(best.time_s()));
+  if (solved > 0 && std::isfinite(best.time_s())) {
+    text += fmt::format("; the fastest is {}: {}", best.solver.text(), format_seconds(best.time_s()));
+  }
   std::string wrong;
   for (const Attempt& each : attempts) {
     if (each.verdict == Verdict::kWrong) wrong += (wrong.empty() ? "" : ", ") + each.solver.text();
@@ -251,23 +269,33 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
   }
   const bool contact = problem.contact() != nullptr;
   using Align = TextTable::Align;
-  TextTable table({{"solver", Align::kLeft, 0, 20},
-                   {"claim", Align::kLeft, 0, 20},
-                   {"verdict", Align::kLeft},
-                   {contact ? "residual rho" : "backward error"},
-                   {contact ? "violation m/s" : "natural residual", Align::kRight, 2},
-                   {"set-up", Align::kRight, 3},
-                   {"solve"},
-                   {"verify", Align::kRight, 4},
-                   {"detail", Align::kLeft, 5, 30}});
+  const bool models = std::any_of(attempts.begin(), attempts.end(),
+                                  [](const Attempt& each) { return each.model != FrictionModel::kPyramid; });
+  std::vector<TextTable::Column> columns{{"solver", Align::kLeft, 0, 20},
+                                         {"claim", Align::kLeft, 0, 20},
+                                         {"verdict", Align::kLeft},
+                                         {contact ? "residual rho" : "backward error"},
+                                         {contact ? "violation m/s" : "natural residual", Align::kRight, 2},
+                                         {"set-up", Align::kRight, 3},
+                                         {"solve"},
+                                         {"verify", Align::kRight, 4},
+                                         {"detail", Align::kLeft, 5, 30}};
+  if (models) columns.insert(columns.begin() + 3, {"model", Align::kLeft});
+  TextTable table(columns);
   for (const Attempt& each : attempts) {
     const SolveTimes& times = each.timed.times;
     const Errors& errors = each.judgement.errors;
-    table.add_row({each.solver.text(), to_string(each.timed.answer.claim), to_string(each.verdict),
-                   format_error(contact ? errors.velocity_residual_relative : errors.backward_row_norm),
-                   format_error(contact ? errors.violation_m_per_s : errors.natural_residual),
-                   format_seconds(times.setup_cpu_s), format_seconds(times.solve_cpu_s),
-                   format_seconds(each.judgement.verify_s), detail_of(each)});
+    std::vector<std::string> row{each.solver.text(),
+                                 to_string(each.timed.answer.claim),
+                                 to_string(each.verdict),
+                                 format_error(contact ? errors.velocity_residual_relative : errors.backward_row_norm),
+                                 format_error(contact ? errors.violation_m_per_s : errors.natural_residual),
+                                 format_seconds(times.setup_cpu_s),
+                                 format_seconds(times.solve_cpu_s),
+                                 format_seconds(each.judgement.verify_s),
+                                 detail_of(each)};
+    if (models) row.insert(row.begin() + 3, to_string(each.model));
+    table.add_row(row);
   }
   say(stdout, "{}", table.text(width));
   print_reasons(attempts, width);

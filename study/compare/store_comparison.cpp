@@ -70,44 +70,29 @@ void count_pair(const Entry& a, const Entry& b, CellChange& change) {
   }
 }
 
-struct PairedTimes {
-  std::vector<double> a;
-  std::vector<double> b;
-};
-
-double ratio_of_medians(const PairedTimes& times) { return spread(times.b).median / spread(times.a).median; }
+double ratio_of_medians(const PairedTimes& times) { return spread(times.second).median / spread(times.first).median; }
 
 void compare_times(const PairedTimes& times, bool with_interval, CellChange& change) {
-  change.timed = static_cast<std::int64_t>(times.a.size());
+  change.timed = static_cast<std::int64_t>(times.first.size());
   change.median_ratio = ratio_of_medians(times);
   if (with_interval) {
-    change.time_ratio = ratio_of_sums(times.b, times.a);
+    change.time_ratio = ratio_of_sums(times.second, times.first);
     return;
   }
-  change.time_ratio = {spread(times.b).mean / spread(times.a).mean, kNoNumber, kNoNumber};
+  change.time_ratio = {spread(times.second).mean / spread(times.first).mean, kNone, kNone};
 }
 
-/// Walks two lists in order of problems and pairs those with the same data.
+/// Pairs the answers to problems with the same data.
 void compare_entries(const std::vector<Entry>& a, const std::vector<Entry>& b, bool with_interval, CellChange& change) {
   PairedTimes times;
-  std::size_t i = 0;
-  std::size_t j = 0;
-  while (i < a.size() && j < b.size()) {
-    if (a[i].problem != b[j].problem) {
-      a[i].problem < b[j].problem ? ++i : ++j;
-      continue;
-    }
-    const Entry& left = a[i++];
-    const Entry& right = b[j++];
+  for_each_pair(a, b, &Entry::problem, [&](const Entry& left, const Entry& right) {
     if (left.hash != right.hash) {
       ++change.other_data;
-      continue;
+      return;
     }
     count_pair(left, right, change);
-    if (!left.solved || !right.solved || std::isnan(left.time_s) || std::isnan(right.time_s)) continue;
-    times.a.push_back(left.time_s);
-    times.b.push_back(right.time_s);
-  }
+    if (left.solved && right.solved) times.add(left.time_s, right.time_s);
+  });
   const std::int64_t met_by_both = change.problems + change.other_data;
   change.only_in_a = std::ssize(a) - met_by_both;
   change.only_in_b = std::ssize(b) - met_by_both;

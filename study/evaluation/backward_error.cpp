@@ -5,134 +5,183 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <type_traits>
 
 namespace lcpbench {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-struct Candidate {
-  Quad ratio = 0;  ///< the least tau that sets the entry to zero
-  std::size_t index = 0;
-};
-
 using Rows = std::span<const std::size_t>;
 
-// The nonzero entries of an island's z in the order in which a growing tau sets them to zero.
-std::vector<Candidate> order_of_removal(const QuadLcp& lcp, const QuadVector& z, Rows rows) {
-  Quad impulse = 0;
-  Quad lambda = 0;
-  for (const std::size_t i : rows) {
-    Quad& largest = i < lcp.lambda_offset() ? impulse : lambda;
-    largest = std::max(largest, abs(z[i]));
-  }
-  std::vector<Candidate> order;
-  for (const std::size_t i : rows) {
-    if (z[i] != 0) order.push_back({abs(z[i]) / (i < lcp.lambda_offset() ? impulse : lambda), i});
-  }
-  std::sort(order.begin(), order.end(), [](const Candidate& a, const Candidate& b) {
-    return a.ratio < b.ratio || (a.ratio == b.ratio && a.index < b.index);
-  });
-  return order;
+// a >= b. For Bounded numbers >= 0: a falls short of b by at most kForgiven of it, so that equal numbers of which
+// only bounds are known are not told apart in vain. The result makes up for what was forgiven.
+constexpr double kForgiven = 0x1p-53;
+bool at_least(Quad a, Quad b) { return b <= a; }
+bool at_least(const Bounded& a, const Bounded& b) {
+  const double missing = (b.high - a.high) + (b.low - a.low);
+  return missing + 4 * (a.error + b.error) < kForgiven * b.high || surely_at_most(b, a);
 }
+Quad made_up(Quad error) { return error; }
+Bounded made_up(Bounded error) {
+  if (std::isfinite(error.high)) error.error += 8 * kForgiven * error.high;
+  return error;
+}
+
+// The nonzero entries of an island's z in the order in which a growing tau sets them to zero: by their ratio to the
+// largest magnitude of their kind.
+template <class Real>
+class Removal {
+ public:
+  Removal(const EvaluatedLcp<Real>& lcp, const std::vector<Real>& z, Rows rows) : lambdas_from_(lcp.lambda_offset()) {
+    for (const std::size_t i : rows) {
+      double& largest = i < lambdas_from_ ? impulse_ : lambda_;
+      largest = std::max(largest, std::abs(to_double(z[i])));
+    }
+    for (const std::size_t i : rows) {
+      const double magnitude = std::abs(to_double(z[i]));
+      if (magnitude != 0) order_.push_back({magnitude, magnitude / largest(i), i});
+    }
+    // Divisions that round differently are in the order of the exact ratios.
+    std::sort(order_.begin(), order_.end(), [this](const Entry& a, const Entry& b) {
+      if (a.rounded != b.rounded) return a.rounded < b.rounded;
+      const int sign = compare(a, b);
+      return sign < 0 || (sign == 0 && a.index < b.index);
+    });
+  }
+
+  std::size_t size() const { return order_.size(); }
+  std::size_t index(std::size_t place) const { return order_[place].index; }
+  // The least tau that sets the entry to zero.
+  Real ratio(std::size_t place) const { return Real(order_[place].magnitude) / Real(largest(order_[place].index)); }
+  // Behind the last entry of the same ratio.
+  std::size_t end_of_ratio(std::size_t place) const {
+    std::size_t end = place + 1;
+    while (end < size() && compare(order_[place], order_[end]) == 0) ++end;
+    return end;
+  }
+
+ private:
+  struct Entry {
+    double magnitude;
+    double rounded;  // ratio
+    std::size_t index;
+  };
+
+  double largest(std::size_t index) const { return index < lambdas_from_ ? impulse_ : lambda_; }
+  int compare(const Entry& a, const Entry& b) const {
+    const Quad left = Quad{a.magnitude} * largest(b.index), right = Quad{b.magnitude} * largest(a.index);
+    return left < right ? -1 : left > right ? 1 : 0;
+  }
+
+  std::size_t lambdas_from_;
+  double impulse_ = 0, lambda_ = 0;
+  std::vector<Entry> order_;
+};
 
 // z_tau of one island after the other for a growing tau, with what is needed to measure it. What is removed from one
 // island is never seen by another.
+template <class Real>
 class ThinningPoint {
  public:
-  ThinningPoint(QuadLcp& lcp, const QuadVector& z, BackwardScale scale)
-      : lcp_(lcp), scale_(scale), z_(z), u_(lcp.response(z)), w_(z.size()) {}
+  ThinningPoint(EvaluatedLcp<Real>& lcp, const std::vector<Real>& z, const std::vector<Real>& u, BackwardScale scale)
+      : lcp_(lcp), scale_(scale), z_(z), u_(u), w_(z.size()) {}
 
   void enter(Rows island) {
     island_ = island;
-    order_ = order_of_removal(lcp_, z_, island);
+    order_.emplace(lcp_, z_, island);
     indices_.clear();
-    for (const Candidate& candidate : order_) indices_.push_back(candidate.index);
+    for (std::size_t place = 0; place < order_->size(); ++place) indices_.push_back(order_->index(place));
     set_removed(0);
   }
 
-  // The least tau that leaves no negative entry.
-  Quad least_tau() const {
-    Quad tau = 0;
-    for (const Candidate& candidate : order_) {
-      if (z_[candidate.index] < 0) tau = candidate.ratio;
+  // How many entries the least tau sets to zero that leaves no negative one.
+  std::size_t least_removals() const {
+    for (std::size_t place = order_->size(); place-- > 0;) {
+      if (to_double(z_[order_->index(place)]) < 0) return order_->end_of_ratio(place);
     }
-    return tau;
+    return 0;
   }
+  // The same for the next tau at which z_tau changes; nothing when all is zero.
+  std::optional<std::size_t> next_removals() const {
+    if (removed_ == order_->size()) return std::nullopt;
+    return order_->end_of_ratio(removed_);
+  }
+  // The least tau that removes so many.
+  Real tau(std::size_t removals) const { return removals == 0 ? Real(0) : order_->ratio(removals - 1); }
 
-  void set_tau(Quad tau) {
-    std::size_t removed = removed_;
-    for (; removed < order_.size() && !(order_[removed].ratio > tau); ++removed) {
-      const std::size_t i = order_[removed].index;
+  void remove(std::size_t removals) {
+    for (std::size_t place = removed_; place < removals; ++place) {
+      const std::size_t i = order_->index(place);
       lcp_.remove(i, z_[i], u_);
       z_[i] = 0;
     }
-    set_removed(removed);
+    set_removed(removals);
   }
 
   // The entry of largest ratio among those set to zero.
   std::optional<std::size_t> last_removed() const {
     if (removed_ == 0) return std::nullopt;
-    return order_[removed_ - 1].index;
+    return order_->index(removed_ - 1);
   }
 
-  // The next tau at which z_tau changes; nothing when all is zero.
-  std::optional<Quad> next_tau() const {
-    if (removed_ == order_.size()) return std::nullopt;
-    return order_[removed_].ratio;
-  }
-
-  Quad violation(std::size_t i) const { return violation(i, lcp_.row(i, z_, u_)); }
+  Real violation(std::size_t i) const { return violation(i, lcp_.row(i, z_, u_)); }
   // The nonzero entries, smallest ratio first.
   std::span<const std::size_t> support() const { return std::span(indices_).subspan(removed_); }
 
   // eta(z_tau). Rows are measured in the order of an upper bound of their quotients until the bound settles the rest.
-  BackwardError eta() {
+  BackwardError<Real> eta() {
     struct Row {
-      Quad bound = 0;
-      Quad violation = 0;
-      std::size_t index = 0;
+      Real bound;
+      Real violation;
+      std::size_t index;
     };
     lcp_.fill_rows(island_, z_, u_, w_);
     std::vector<Row> rows;
     for (const std::size_t i : island_) {
-      const Quad violation_i = violation(i, w_[i]);
-      if (violation_i != 0) rows.push_back({quotient(violation_i, scale_bounds(i).low), violation_i, i});
+      const Real violation_i = violation(i, w_[i]);
+      if (!surely_equal(violation_i, 0)) rows.push_back({quotient(violation_i, scale_bounds(i).low), violation_i, i});
     }
     std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
-      return a.bound > b.bound || (a.bound == b.bound && a.index < b.index);
+      return leading(a.bound) > leading(b.bound) || (leading(a.bound) == leading(b.bound) && a.index < b.index);
     });
-    BackwardError eta;
+    BackwardError<Real> eta;
     for (const Row& row : rows) {
-      if (!(row.bound > eta.error)) break;
-      const Quad error = quotient(row.violation, scale(row.index));
-      if (error > eta.error) eta = {error, row.index};
+      if (at_least(eta.error, row.bound)) continue;
+      const Real scale_i = scale(row.index);
+      if (surely_equal(scale_i, 0) && !surely_less(Real(0), row.violation)) {
+        eta.open = true;
+        continue;
+      }
+      const Real error = quotient(row.violation, scale_i);
+      if (leading(error) > leading(eta.error)) eta.row = row.index;
+      eta.error = larger(eta.error, error);
     }
     return eta;
   }
 
   // Whether estimates of s_i are at hand: while few entries are left, s_i itself costs less than the estimate of M.
   bool estimated() {
-    constexpr std::size_t kFew = 64;
+    constexpr std::size_t kFew = std::is_same_v<Real, Quad> ? 64 : 16;
     if (estimate_ == nullptr && support().size() > kFew) estimate_ = lcp_.estimate();
     return estimate_ != nullptr;
   }
 
   struct Bounds {
-    Quad low = 0;
-    Quad high = kInfinity;
+    Real low = 0;
+    Real high = kInfinity;
   };
 
   // Bounds of s_i.
   Bounds scale_bounds(std::size_t i) {
-    const Quad q = abs(lcp_.q(i));
+    const Real q = abs(lcp_.q(i));
     if (!estimated()) return {q + abs(lcp_.diagonal(i)) * least_weight(i), kInfinity};
     const auto [sum, error] = estimated_scale(i);
     Bounds bounds{q, kInfinity};
     const double rounding = static_cast<double>(lcp_.size() + 8) * 0x1p-52;
     if (std::isfinite(sum) && std::isfinite(error)) {
-      bounds.low = q + std::max(Quad{0}, Quad{sum} * (1 - rounding) - error);
-      bounds.high = q + Quad{sum} * (1 + rounding) + error;
+      bounds.low = q + larger(Real(0), Real(sum) * Real(1 - rounding) - Real(error));
+      bounds.high = q + Real(sum) * Real(1 + rounding) + Real(error);
     }
     return bounds;
   }
@@ -141,23 +190,21 @@ class ThinningPoint {
   std::vector<double> estimated_violations() const {
     std::vector<double> violations = lcp_.estimate_w(z_, u_, island_);
     for (const std::size_t i : island_) {
-      violations[i] = z_[i] > 0 ? std::abs(violations[i]) : std::max(0.0, -violations[i]);
+      violations[i] = positive(i) ? std::abs(violations[i]) : std::max(0.0, -violations[i]);
     }
     return violations;
   }
 
   // s_i
-  Quad scale(std::size_t i) {
-    const Quad q = abs(lcp_.q(i));
+  Real scale(std::size_t i) {
+    const Real q = abs(lcp_.q(i));
     if (scale_ == BackwardScale::kComponentwise) return q + lcp_.abs_row_times(i, z_, support());
-    return z_norm() > 0 ? q + lcp_.abs_row_sum(i) * z_norm() : q;
+    return z_norm() > 0 ? q + lcp_.abs_row_sum(i) * Real(z_norm()) : q;
   }
 
  private:
-  Quad violation(std::size_t i, Quad w) const {
-    if (z_[i] > 0) return abs(w);
-    return w < 0 ? -w : Quad{0};
-  }
+  bool positive(std::size_t i) const { return to_double(z_[i]) > 0; }
+  Real violation(std::size_t i, const Real& w) const { return positive(i) ? abs(w) : larger(Real(0), -w); }
 
   void set_removed(std::size_t removed) {
     removed_ = removed;
@@ -165,16 +212,16 @@ class ThinningPoint {
     rounded_z_.clear();
   }
 
-  Quad z_norm() {
+  double z_norm() {
     if (!z_norm_) {
       z_norm_ = 0;
-      for (const std::size_t i : support()) *z_norm_ = std::max(*z_norm_, abs(z_[i]));
+      for (const std::size_t i : support()) *z_norm_ = std::max(*z_norm_, std::abs(to_double(z_[i])));
     }
     return *z_norm_;
   }
 
   // A lower bound of the factor of |M_ii| in s_i.
-  Quad least_weight(std::size_t i) { return scale_ == BackwardScale::kComponentwise ? z_[i] : z_norm(); }
+  Real least_weight(std::size_t i) { return scale_ == BackwardScale::kComponentwise ? z_[i] : Real(z_norm()); }
 
   struct Estimate {
     double sum = 0;
@@ -185,8 +232,7 @@ class ThinningPoint {
   Estimate estimated_scale(std::size_t i) {
     if (rounded_z_.empty()) round_z();
     if (scale_ == BackwardScale::kRowNorm) {
-      const double norm = to_double(z_norm());
-      return {estimate_->row_sums[i] * norm, 2 * estimate_->row_error[i] * error_weight_ * norm};
+      return {estimate_->row_sums[i] * z_norm(), 2 * estimate_->row_error[i] * error_weight_ * z_norm()};
     }
     double sum = 0;
     for (std::size_t e = estimate_->begin[i]; e < estimate_->begin[i + 1]; ++e) {
@@ -204,16 +250,16 @@ class ThinningPoint {
     }
   }
 
-  QuadLcp& lcp_;
+  EvaluatedLcp<Real>& lcp_;
   BackwardScale scale_;
-  QuadVector z_;
-  QuadVector u_;
-  QuadVector w_;  // of the island's rows, as eta() last found them
+  std::vector<Real> z_;
+  std::vector<Real> u_;
+  std::vector<Real> w_;  // of the island's rows, as eta() last found them
   Rows island_;
-  std::vector<Candidate> order_;
+  std::optional<Removal<Real>> order_;
   std::vector<std::size_t> indices_;  // of order_
   std::size_t removed_ = 0;
-  std::optional<Quad> z_norm_;
+  std::optional<double> z_norm_;
   const MagnitudeEstimate* estimate_ = nullptr;
   std::vector<double> rounded_z_;  // z_ in double; empty until an estimate needs it
   double error_weight_ = 0;        // sum of column_scale times the weight of the column in s_i
@@ -221,55 +267,71 @@ class ThinningPoint {
 
 // A row that alone shows the present z_tau to be no better than the best error found. Removing entries only lowers s_i,
 // so the scale that was found with it bounds all later ones.
+template <class Real>
 struct Witness {
   std::size_t row = 0;
-  Quad scale = 0;
+  Real scale = 0;
 
-  bool refutes(ThinningPoint& point, Quad best) {
-    const Quad violation = point.violation(row);
-    if (violation == 0) return false;
-    if (!(quotient(violation, scale) < best)) return true;
-    scale = std::min(scale, point.scale_bounds(row).high);
-    if (!(quotient(violation, scale) < best)) return true;
+  bool refutes(ThinningPoint<Real>& point, const Real& best) {
+    const Real violation = point.violation(row);
+    if (surely_equal(violation, 0)) return false;
+    if (at_least(quotient(violation, scale), best)) return true;
+    scale = smaller(scale, point.scale_bounds(row).high);
+    if (at_least(quotient(violation, scale), best)) return true;
     scale = point.scale(row);
-    return !(quotient(violation, scale) < best);
+    return at_least(quotient(violation, scale), best);
   }
 };
 
 // Looks for a witness among the rows whose entry stays in z the longest.
-std::optional<Witness> find_witness(ThinningPoint& point, Quad best) {
+template <class Real>
+std::optional<Witness<Real>> find_witness(ThinningPoint<Real>& point, const Real& best) {
   constexpr int kAttempts = 4;
   constexpr double kSlack = 1 - 1e-9;  // a row that only equals the best error still refutes
   const bool estimated = point.estimated();
   const std::vector<double> violations = estimated ? point.estimated_violations() : std::vector<double>{};
   const std::span<const std::size_t> support = point.support();
+  const auto enough = leading(best * Real(kSlack));
   int attempts = 0;
   for (auto i = support.rbegin(); i != support.rend() && attempts < kAttempts; ++i) {
-    if (estimated && quotient(violations[*i], point.scale_bounds(*i).low) < best * kSlack) continue;
+    if (estimated && leading(quotient(Real(violations[*i]), point.scale_bounds(*i).low)) < enough) continue;
     ++attempts;
-    Witness witness{*i, kInfinity};
+    Witness<Real> witness{*i, kInfinity};
     if (witness.refutes(point, best)) return witness;
   }
   return std::nullopt;
 }
 
+// That the errors are known well enough to go on, and that what is left open of the last one cannot matter.
+// @throws Doubt
+void demand_minimum(const BackwardError<Quad>&, Quad, bool) {}
+void demand_minimum(const BackwardError<Bounded>& best, const Bounded& error, bool open) {
+  if (std::isnan(error.high) || (open && !at_least(error, best.error))) throw Doubt();
+}
+
 // Of the island that the point has entered.
-BackwardError island_error(ThinningPoint& point) {
-  std::optional<Quad> tau = point.least_tau();
-  std::optional<Witness> witness;
-  BackwardError best{kInfinity, std::nullopt};
-  while (tau && *tau < best.error) {
-    point.set_tau(*tau);
-    if (best.error < kInfinity && !(witness && witness->refutes(point, best.error))) {
+template <class Real>
+BackwardError<Real> island_error(ThinningPoint<Real>& point) {
+  std::optional<std::size_t> removals = point.least_removals();
+  std::optional<Witness<Real>> witness;
+  BackwardError<Real> best{kInfinity, std::nullopt};
+  while (removals && !at_least(point.tau(*removals), best.error)) {
+    point.remove(*removals);
+    if (surely_less(best.error, Real(kInfinity)) && !(witness && witness->refutes(point, best.error))) {
       witness = find_witness(point, best.error);
     }
     if (!witness) {
-      const BackwardError eta = point.eta();
-      const BackwardError error = *tau > eta.error ? BackwardError{*tau, point.last_removed()} : eta;
-      if (error.error < best.error) best = error;
+      const BackwardError<Real> eta = point.eta();
+      const Real tau = point.tau(*removals);
+      const Real error = larger(eta.error, tau);
+      demand_minimum(best, error, eta.open);
+      if (leading(error) < leading(best.error))
+        best.row = leading(tau) > leading(eta.error) ? point.last_removed() : eta.row;
+      best.error = smaller(best.error, error);
     }
-    tau = point.next_tau();
+    removals = point.next_removals();
   }
+  best.error = made_up(best.error);
   return best;
 }
 
@@ -285,15 +347,23 @@ IslandRows::IslandRows(const RowIslands& islands)
   }
 }
 
-BackwardError mixed_backward_error(QuadLcp& lcp, const QuadVector& z, BackwardScale scale, const IslandRows& islands) {
-  ThinningPoint point(lcp, z, scale);
-  BackwardError worst;
+template <class Real>
+BackwardError<Real> mixed_backward_error(EvaluatedLcp<Real>& lcp, const std::vector<Real>& z,
+                                         const std::vector<Real>& u, BackwardScale scale, const IslandRows& islands) {
+  ThinningPoint<Real> point(lcp, z, u, scale);
+  BackwardError<Real> worst;
   for (std::size_t island = 0; island < islands.count(); ++island) {
     point.enter(islands.rows(island));
-    const BackwardError error = island_error(point);
-    if (error.error > worst.error) worst = error;
+    const BackwardError<Real> error = island_error(point);
+    if (leading(error.error) > leading(worst.error)) worst.row = error.row;
+    worst.error = larger(worst.error, error.error);
   }
   return worst;
 }
+
+template BackwardError<Quad> mixed_backward_error(QuadLcp&, const QuadVector&, const QuadVector&, BackwardScale,
+                                                  const IslandRows&);
+template BackwardError<Bounded> mixed_backward_error(EvaluatedLcp<Bounded>&, const BoundedVector&, const BoundedVector&,
+                                                     BackwardScale, const IslandRows&);
 
 }  // namespace lcpbench

@@ -31,9 +31,11 @@ enum class BackwardScale {
   kRowNorm,        ///< s_i = |q_i| + ||M_i||_1 ||z||_inf
 };
 
+template <class Real>
 struct BackwardError {
-  Quad error = 0;
-  std::optional<std::size_t> row;  ///< one that the error is of; none where it is zero
+  Real error = 0;
+  std::optional<std::size_t> row;  ///< one that the error is of; none where it is zero. Of a Bounded only a guess
+  bool open = false;               ///< it may be infinite: of a row of scale 0 nobody knows whether it is violated
 };
 
 /// The largest mixed backward error of an island, each measured by itself: the least over tau of max(tau, eta(z_tau)).
@@ -46,8 +48,11 @@ struct BackwardError {
 ///
 /// The minimum is exact: eta changes only where tau passes one of the ratios |z_i| / largest, and ratios are passed
 /// over only when a row proves them worse than one already measured.
-/// @param z  size() finite entries.
+/// @param z  size() finite entries, exact.
+/// @param u  lcp.response(z).
 /// @param islands  no row of one may depend on an entry of another.
-BackwardError mixed_backward_error(QuadLcp& lcp, const QuadVector& z, BackwardScale scale, const IslandRows& islands);
+template <class Real>
+BackwardError<Real> mixed_backward_error(EvaluatedLcp<Real>& lcp, const std::vector<Real>& z,
+                                         const std::vector<Real>& u, BackwardScale scale, const IslandRows& islands);
 
 }  // namespace lcpbench

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 #include <stdexcept>
+#include <type_traits>
 
 #include "core/timed_solve.h"
 #include "study/evaluation/backward_error.h"
@@ -14,44 +15,82 @@ namespace {
 
 constexpr Index kLargestBareOrderForTruth = 64;
 
-QuadVector quad(const Vector& x) { return QuadVector(x.begin(), x.end()); }
+template <class Real>
+std::vector<Real> numbers(const Vector& x) {
+  return std::vector<Real>(x.begin(), x.end());
+}
 
-Quad dot(const QuadVector& a, const QuadVector& b) {
-  Quad sum = 0;
+template <class Real>
+Real dot(const std::vector<Real>& a, const std::vector<Real>& b) {
+  Real sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
   return sum;
 }
 
-Quad max_abs(const QuadVector& x) {
-  Quad largest = 0;
-  for (const Quad value : x) largest = std::max(largest, abs(value));
+template <class Real>
+Real max_abs(const std::vector<Real>& x) {
+  Real largest = 0;
+  for (const Real& value : x) largest = larger(largest, abs(value));
   return largest;
 }
 
-QuadVector difference(QuadVector a, const QuadVector& b) {
+template <class Real>
+std::vector<Real> difference(std::vector<Real> a, const std::vector<Real>& b) {
   for (std::size_t i = 0; i < a.size(); ++i) a[i] -= b[i];
   return a;
 }
 
-QuadVector sum(QuadVector a, const QuadVector& b) {
+template <class Real>
+std::vector<Real> sum(std::vector<Real> a, const std::vector<Real>& b) {
   for (std::size_t i = 0; i < a.size(); ++i) a[i] += b[i];
   return a;
 }
 
-QuadVector magnitudes(QuadVector x) {
-  for (Quad& value : x) value = abs(value);
+template <class Real>
+std::vector<Real> magnitudes(std::vector<Real> x) {
+  for (Real& value : x) value = abs(value);
   return x;
 }
 
-bool all_finite(const QuadVector& x) {
-  return std::all_of(x.begin(), x.end(), [](Quad value) { return is_finite(value); });
+template <class Real>
+bool all_finite(const std::vector<Real>& x) {
+  return std::all_of(x.begin(), x.end(), [](const Real& value) { return is_finite(value); });
 }
 
 // max_i value_i / scale_i
-Quad largest_quotient(const QuadVector& values, const QuadVector& scales) {
-  Quad largest = 0;
-  for (std::size_t i = 0; i < values.size(); ++i) largest = std::max(largest, quotient(abs(values[i]), scales[i]));
+template <class Real>
+Real largest_quotient(const std::vector<Real>& values, const std::vector<Real>& scales) {
+  Real largest = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) largest = larger(largest, quotient(abs(values[i]), scales[i]));
   return largest;
+}
+
+// Whether x, rounded to double, is at most or below a bound. @throws Doubt
+bool at_most(Quad x, double bound) { return to_double(x) <= bound; }
+bool below(Quad x, double bound) { return to_double(x) < bound; }
+bool difference_below(Quad a, Quad b, double bound) { return to_double(a) - to_double(b) < bound; }
+
+// What rounding to double may change is in doubt as well.
+bool below(Bounded x, double bound) {
+  x.error += 0x1p-50 * (std::abs(x.high) + bound);
+  if (surely_less(x, bound)) return true;
+  if (surely_less(bound, x)) return false;
+  throw Doubt();
+}
+bool at_most(const Bounded& x, double bound) { return below(x, bound); }
+bool difference_below(const Bounded& a, const Bounded& b, double bound) {
+  Bounded x = a - b;
+  x.error += 0x1p-50 * (std::abs(a.high) + std::abs(b.high));
+  return below(x, bound);
+}
+
+// That no value can exceed `largest`, one of them, unless it is the same in all bits. @throws Doubt
+void demand_largest(const QuadVector&, Quad) {}
+void demand_largest(const BoundedVector& values, const Bounded& largest) {
+  for (const Bounded& value : values) {
+    const bool same = value.high == largest.high && value.low == largest.low;
+    if (!same && !surely_less(value, largest)) throw Doubt();
+  }
 }
 
 Truth bare_truth(const Lcp& lcp) {
@@ -66,185 +105,255 @@ Truth bare_truth(const Lcp& lcp) {
 }  // namespace
 
 // The contact side of an Evaluator: what needs v, N, D, mu and G apart.
+template <class Real>
 struct ContactEvaluation {
-  explicit ContactEvaluation(const ContactProblem& contact)
-      : problem(contact), islands(row_islands(contact)), inertia(contact.inertia) {
+  using RealVector = std::vector<Real>;
+  using RealInertia = std::conditional_t<std::is_same_v<Real, Quad>, QuadInertia, BoundedInertia>;
+
+  ContactEvaluation(const ContactProblem& contact, const IslandRows& of_rows)
+      : problem(contact), islands(of_rows), inertia(contact.inertia) {
     if (!inertia.well_defined()) return;
     lcp.emplace(contact, inertia);
     for (std::size_t island = 0; island < islands.count(); ++island) scales.push_back(island_scale(island));
   }
 
-  void measure(const QuadVector& z, const QuadVector& v_plus, const QuadVector& w, Errors& errors);
-  double velocity_mismatch(const Vector& velocity, const QuadVector& z, const QuadVector& v_plus) const;
-  double forward_velocity(const QuadVector& velocity) const;
+  void measure(const RealVector& z, const RealVector& v_plus, const RealVector& w, Errors& errors);
+  double velocity_mismatch(const Vector& velocity, const RealVector& z, const RealVector& v_plus) const;
+  double forward_velocity(const RealVector& velocity) const;
 
   const ContactProblem& problem;
-  IslandRows islands;
-  QuadInertia inertia;
-  std::optional<ContactQuadLcp> lcp;
-  QuadVector scales;  // of the islands' residuals
-  std::optional<QuadVector> v_star;
+  const IslandRows& islands;
+  RealInertia inertia;
+  std::optional<ContactLcp<Real>> lcp;
+  RealVector scales;  // of the islands' residuals
+  std::optional<RealVector> v_star;
 
  private:
-  Quad island_scale(std::size_t island) const;
-  Quad row_residual(std::size_t row, const QuadVector& z, const QuadVector& w);
-  void measure_residual(const QuadVector& z, const QuadVector& w, Errors& errors);
-  Quad work_of_offset(const QuadVector& z) const;
+  Real island_scale(std::size_t island) const;
+  Real row_residual(std::size_t row, const RealVector& z, const RealVector& w);
+  void measure_residual(const RealVector& z, const RealVector& w, Errors& errors);
+  Real work_of_offset(const RealVector& z) const;
 };
 
-Quad ContactEvaluation::island_scale(std::size_t island) const {
-  Quad largest_q = 0;
-  Quad floor = 0;
+template <class Real>
+Real ContactEvaluation<Real>::island_scale(std::size_t island) const {
+  Real largest_q = 0;
+  Real floor = 0;
   for (const std::size_t row : islands.rows(island)) {
-    largest_q = std::max(largest_q, abs(lcp->q(row)));
-    floor = std::max(floor, lcp->formation_error(row));
+    largest_q = larger(largest_q, abs(lcp->q(row)));
+    floor = larger(floor, lcp->formation_error(row));
   }
-  return std::max(largest_q, floor / kSolvedVelocityResidual);
+  return larger(largest_q, floor / Real(kSolvedVelocityResidual));
 }
 
-Quad ContactEvaluation::row_residual(std::size_t row, const QuadVector& z, const QuadVector& w) {
+template <class Real>
+Real ContactEvaluation<Real>::row_residual(std::size_t row, const RealVector& z, const RealVector& w) {
   // M_ii is needed only where its factor is not zero.
-  const auto scaled = [this](std::size_t of, Quad factor) { return factor == 0 ? factor : lcp->diagonal(of) * factor; };
-  const Quad residual = row < lcp->impulses() ? abs(std::min(scaled(row, z[row]), w[row]))
-                                              : abs(std::min(z[row], scaled(lcp->normal_of_cone(row), w[row])));
-  return is_finite(residual) ? residual : Quad{std::numeric_limits<double>::infinity()};
+  const auto scaled = [this](std::size_t of, Real factor) {
+    return surely_equal(factor, 0) ? factor : lcp->diagonal(of) * factor;
+  };
+  const Real residual = row < lcp->impulses() ? abs(smaller(scaled(row, z[row]), w[row]))
+                                              : abs(smaller(z[row], scaled(lcp->normal_of_cone(row), w[row])));
+  if (std::is_same_v<Real, Bounded> && !is_finite(residual)) throw Doubt();
+  return is_finite(residual) ? residual : Real{std::numeric_limits<double>::infinity()};
 }
 
-void ContactEvaluation::measure_residual(const QuadVector& z, const QuadVector& w, Errors& errors) {
-  Quad largest = 0;
-  Quad rho = 0;
+template <class Real>
+void ContactEvaluation<Real>::measure_residual(const RealVector& z, const RealVector& w, Errors& errors) {
+  Real largest = 0;
+  Real rho = 0;
+  std::optional<std::size_t> worst_island;
+  std::size_t worst = 0;
+  RealVector residuals(z.size());
+  RealVector relatives(islands.count());
   for (std::size_t island = 0; island < islands.count(); ++island) {
-    Quad residual = 0;
-    std::size_t worst = 0;
+    Real residual = 0;
+    std::size_t row_of_island = 0;
     for (const std::size_t row : islands.rows(island)) {
-      const Quad of_row = row_residual(row, z, w);
-      if (of_row > residual) {
-        residual = of_row;
-        worst = row;
-      }
+      residuals[row] = row_residual(row, z, w);
+      if (leading(residuals[row]) > leading(residual)) row_of_island = row;
+      residual = larger(residual, residuals[row]);
     }
-    largest = std::max(largest, residual);
-    const Quad relative = quotient(residual, scales[island]);
-    if (!(relative > rho)) continue;
-    rho = relative;
-    errors.worst = {static_cast<Index>(worst), to_double(z[worst]), to_double(w[worst]), to_double(residual),
-                    to_double(scales[island])};
+    largest = larger(largest, residual);
+    relatives[island] = quotient(residual, scales[island]);
+    if (leading(relatives[island]) > leading(rho)) {
+      worst_island = island;
+      worst = row_of_island;
+    }
+    rho = larger(rho, relatives[island]);
   }
-  errors.velocity_residual_m_per_s = to_double(largest);
-  errors.velocity_residual_relative = to_double(rho);
+  if (worst_island) {
+    demand_largest(relatives, rho);
+    RealVector of_island;
+    for (const std::size_t row : islands.rows(*worst_island)) of_island.push_back(residuals[row]);
+    demand_largest(of_island, residuals[worst]);
+    errors.worst = {static_cast<Index>(worst), settled(z[worst]), settled(w[worst]), settled(residuals[worst]),
+                    settled(scales[*worst_island])};
+  }
+  errors.velocity_residual_m_per_s = settled(largest);
+  errors.velocity_residual_relative = settled(rho);
+  errors.solved = at_most(rho, kSolvedVelocityResidual) && std::isfinite(errors.velocity_residual_m_per_s);
 }
 
 /// -b'f_N: what a solution may gain by the offset. Of a solution f_N'(N'v+ + b) = 0.
-Quad ContactEvaluation::work_of_offset(const QuadVector& z) const {
-  Quad work = 0;
-  for (Index i = 0; i < problem.b.size(); ++i) work -= problem.b(i) * z[static_cast<std::size_t>(i)];
+template <class Real>
+Real ContactEvaluation<Real>::work_of_offset(const RealVector& z) const {
+  Real work = 0;
+  for (Index i = 0; i < problem.b.size(); ++i) work -= Real(problem.b(i)) * z[static_cast<std::size_t>(i)];
   return work;
 }
 
-void ContactEvaluation::measure(const QuadVector& z, const QuadVector& v_plus, const QuadVector& w, Errors& errors) {
+template <class Real>
+void ContactEvaluation<Real>::measure(const RealVector& z, const RealVector& v_plus, const RealVector& w,
+                                      Errors& errors) {
   measure_residual(z, w, errors);
-  Quad violation = 0;
-  for (std::size_t i = 0; i < lcp->contacts(); ++i) violation = std::max(violation, -w[i]);
-  errors.violation_m_per_s = to_double(violation);
-  Quad cone_violation = 0;
-  for (std::size_t i = lcp->impulses(); i < lcp->size(); ++i) cone_violation = std::max(cone_violation, -w[i]);
-  errors.cone_violation = to_double(cone_violation);
-  const QuadVector& v = lcp->velocity_before();
-  const QuadVector momentum =
+  Real violation = 0;
+  for (std::size_t i = 0; i < lcp->contacts(); ++i) violation = larger(violation, -w[i]);
+  errors.violation_m_per_s = settled(violation);
+  Real cone_violation = 0;
+  for (std::size_t i = lcp->impulses(); i < lcp->size(); ++i) cone_violation = larger(cone_violation, -w[i]);
+  errors.cone_violation = settled(cone_violation);
+  const RealVector& v = lcp->velocity_before();
+  const RealVector momentum =
       inertia.has_inertia() ? inertia.apply(difference(v_plus, v)) : lcp->generalized_impulse(z);
-  errors.work_gain_j = to_double(dot(momentum, sum(v_plus, v)) / 2);
+  const Real gain = dot(momentum, sum(v_plus, v)) / Real(2);
+  errors.work_gain_j = settled(gain);
   errors.forward_velocity = forward_velocity(v_plus);
 
-  errors.solved =
-      errors.velocity_residual_relative <= kSolvedVelocityResidual && std::isfinite(errors.velocity_residual_m_per_s);
-  errors.criterion = errors.work_gain_j - to_double(work_of_offset(z)) < kCriterionWork &&
-                     errors.violation_m_per_s < kCriterionViolation;
+  const Real work = work_of_offset(z);
+  errors.criterion = difference_below(gain, work, kCriterionWork) && below(violation, kCriterionViolation);
 }
 
-double ContactEvaluation::velocity_mismatch(const Vector& returned, const QuadVector& z,
-                                            const QuadVector& v_plus) const {
+template <class Real>
+double ContactEvaluation<Real>::velocity_mismatch(const Vector& returned, const RealVector& z,
+                                                  const RealVector& v_plus) const {
   if (returned.size() == 0) return Errors::kNone;
   if (returned.size() != problem.ngc() || !returned.allFinite()) return std::numeric_limits<double>::infinity();
-  const QuadVector velocity = quad(returned);
-  const QuadVector& v = lcp->velocity_before();
-  const QuadVector speeds = sum(magnitudes(velocity), magnitudes(v));
-  const QuadVector impulse_scale = lcp->generalized_impulse_scale(z);
-  const QuadVector apart = difference(velocity, v_plus);
+  const RealVector velocity = numbers<Real>(returned);
+  const RealVector& v = lcp->velocity_before();
+  const RealVector speeds = sum(magnitudes(velocity), magnitudes(v));
+  const RealVector impulse_scale = lcp->generalized_impulse_scale(z);
+  const RealVector apart = difference(velocity, v_plus);
   if (!inertia.has_inertia()) {
-    return to_double(largest_quotient(apart, sum(speeds, inertia.scale(impulse_scale))));
+    return settled(largest_quotient(apart, sum(speeds, inertia.scale(impulse_scale))));
   }
-  const Quad in_range = largest_quotient(inertia.apply(apart), sum(inertia.scale(speeds), impulse_scale));
-  const Quad outside = max_abs(inertia.outside_range(difference(velocity, v)));
-  return to_double(std::max(in_range, quotient(outside, max_abs(velocity) + max_abs(v))));
+  const Real in_range = largest_quotient(inertia.apply(apart), sum(inertia.scale(speeds), impulse_scale));
+  const Real outside = max_abs(inertia.outside_range(difference(velocity, v)));
+  return settled(larger(in_range, quotient(outside, max_abs(velocity) + max_abs(v))));
 }
 
-double ContactEvaluation::forward_velocity(const QuadVector& velocity) const {
+template <class Real>
+double ContactEvaluation<Real>::forward_velocity(const RealVector& velocity) const {
   if (!v_star || !inertia.has_inertia()) return Errors::kNone;
-  const QuadVector apart = difference(velocity, *v_star);
-  const QuadVector& v = lcp->velocity_before();
-  return to_double(quotient(sqrt(dot(apart, inertia.apply(apart))), sqrt(dot(v, inertia.apply(v)))));
+  const RealVector apart = difference(velocity, *v_star);
+  const RealVector& v = lcp->velocity_before();
+  return settled(quotient(sqrt(dot(apart, inertia.apply(apart))), sqrt(dot(v, inertia.apply(v)))));
 }
 
 struct Evaluator::Data {
-  explicit Data(const Problem& the_problem) : problem(the_problem) {
+  Data(const Problem& the_problem, Precision precision) : problem(the_problem) {
     if (const ContactProblem* data = problem.contact()) {
-      contact.emplace(*data);
+      islands.emplace(row_islands(*data));
+      if (precision == Precision::kAsNeeded) first.emplace(*data, *islands);
+      if (first && !first->lcp) first.reset();
     } else if (problem.lcp().M.allFinite() && problem.lcp().q.allFinite()) {
       bare.emplace(problem.lcp());
-      blocks.emplace(row_islands(problem.lcp().M));
+      islands.emplace(row_islands(problem.lcp().M));
     }
   }
 
-  // nullptr when the data allow no evaluation.
-  QuadLcp* lcp() {
-    if (bare) return &*bare;
-    return contact && contact->lcp ? &*contact->lcp : nullptr;
+  // The contact problem in 113 bits, made when it is first needed.
+  ContactEvaluation<Quad>& in_quad() {
+    if (!quad) {
+      quad.emplace(*problem.contact(), *islands);
+      if (v_star) quad->v_star = numbers<Quad>(*v_star);
+    }
+    return *quad;
   }
 
-  const IslandRows& islands() const { return contact ? contact->islands : *blocks; }
+  // What `of` gives in Bounded arithmetic, or else in 113 bits.
+  template <class Of>
+  auto measured(const Of& of) {
+    if (first) {
+      try {
+        return of(*first);
+      } catch (const Doubt&) {
+      }
+    }
+    return of(in_quad());
+  }
 
   Problem problem;  // keeps the data alive that the others refer to
+  std::optional<IslandRows> islands;
   std::optional<BareQuadLcp> bare;
-  std::optional<IslandRows> blocks;  // of the bare LCP
-  std::optional<ContactEvaluation> contact;
+  std::optional<ContactEvaluation<Bounded>> first;
+  std::optional<ContactEvaluation<Quad>> quad;
+  std::optional<Vector> v_star;
 };
 
-Evaluator::Evaluator(const Problem& problem) : data_(std::make_unique<Data>(problem)) {}
+namespace {
+
+// False when the answer has no measures.
+template <class Real>
+bool measure_rows(EvaluatedLcp<Real>& lcp, const IslandRows& islands, const std::vector<Real>& z,
+                  const std::vector<Real>& u, const std::vector<Real>& w, BackwardError<Real>& row_norm,
+                  Errors& errors) {
+  if (!all_finite(w) || !all_finite(u)) {
+    if (std::is_same_v<Real, Bounded>) throw Doubt();
+    return false;
+  }
+  errors.min_z = z.empty() ? 0 : std::numeric_limits<double>::infinity();
+  for (const Real& value : z) errors.min_z = std::min(errors.min_z, to_double(value));
+  Real natural = 0;
+  for (std::size_t i = 0; i < z.size(); ++i) natural = larger(natural, abs(smaller(z[i], w[i])));
+  errors.natural_residual = settled(natural);
+  errors.complementarity_j = settled(dot(z, w));
+  row_norm = mixed_backward_error(lcp, z, u, BackwardScale::kRowNorm, islands);
+  errors.backward_componentwise =
+      settled(mixed_backward_error(lcp, z, u, BackwardScale::kComponentwise, islands).error);
+  errors.backward_row_norm = settled(row_norm.error);
+  return true;
+}
+
+template <class Real>
+Errors contact_errors(ContactEvaluation<Real>& contact, const Answer& answer, Errors errors) {
+  if (!contact.lcp) return errors;
+  const std::vector<Real> z = numbers<Real>(answer.z);
+  const std::vector<Real> u = contact.lcp->response(z);
+  const std::vector<Real> w = contact.lcp->all_rows(z, u);
+  BackwardError<Real> row_norm;
+  if (!measure_rows(*contact.lcp, contact.islands, z, u, w, row_norm, errors)) return errors;
+  contact.measure(z, u, w, errors);
+  errors.velocity_mismatch = contact.velocity_mismatch(answer.velocity, z, u);
+  return errors;
+}
+
+Errors bare_errors(BareQuadLcp& lcp, const IslandRows& islands, const Answer& answer, Errors errors) {
+  const QuadVector z = numbers<Quad>(answer.z);
+  const QuadVector w = lcp.response(z);
+  BackwardError<Quad> row_norm;
+  if (!measure_rows<Quad>(lcp, islands, z, w, w, row_norm, errors)) return errors;
+  errors.solved = errors.backward_row_norm <= kSolvedBackwardError;
+  if (row_norm.row) {
+    errors.worst = {.row = static_cast<Index>(*row_norm.row),
+                    .z = answer.z(static_cast<Index>(*row_norm.row)),
+                    .w = to_double(w[*row_norm.row])};
+  }
+  return errors;
+}
+
+}  // namespace
+
+Evaluator::Evaluator(const Problem& problem, Precision precision) : data_(std::make_unique<Data>(problem, precision)) {}
 Evaluator::~Evaluator() = default;
 
 Errors Evaluator::errors(const Answer& answer) {
   Errors errors;
   errors.usable = answer.z.size() == data_->problem.size() && answer.z.allFinite();
-  QuadLcp* lcp = data_->lcp();
-  if (!errors.usable || lcp == nullptr) return errors;
-
-  const QuadVector z = quad(answer.z);
-  const QuadVector u = lcp->response(z);
-  const QuadVector w = lcp->all_rows(z, u);
-  if (!all_finite(w) || !all_finite(u)) return errors;
-
-  Quad natural = 0;
-  for (std::size_t i = 0; i < z.size(); ++i) natural = std::max(natural, abs(std::min(z[i], w[i])));
-  errors.natural_residual = to_double(natural);
-  errors.complementarity_j = to_double(dot(z, w));
-  errors.min_z = z.empty() ? 0 : answer.z.minCoeff();
-  const IslandRows& islands = data_->islands();
-  const BackwardError row_norm = mixed_backward_error(*lcp, z, BackwardScale::kRowNorm, islands);
-  errors.backward_componentwise =
-      to_double(mixed_backward_error(*lcp, z, BackwardScale::kComponentwise, islands).error);
-  errors.backward_row_norm = to_double(row_norm.error);
-  if (data_->contact) {
-    data_->contact->measure(z, u, w, errors);
-    errors.velocity_mismatch = data_->contact->velocity_mismatch(answer.velocity, z, u);
-  } else {
-    errors.solved = errors.backward_row_norm <= kSolvedBackwardError;
-    if (row_norm.row) {
-      errors.worst = {.row = static_cast<Index>(*row_norm.row),
-                      .z = answer.z(static_cast<Index>(*row_norm.row)),
-                      .w = to_double(w[*row_norm.row])};
-    }
-  }
-  return errors;
+  if (!errors.usable) return errors;
+  if (data_->bare) return bare_errors(*data_->bare, *data_->islands, answer, errors);
+  if (data_->problem.contact() == nullptr) return errors;
+  return data_->measured([&](auto& contact) { return contact_errors(contact, answer, errors); });
 }
 
 Judgement Evaluator::judge(const Answer& answer) {
@@ -258,29 +367,41 @@ Judgement Evaluator::judge(const Answer& answer) {
 
 double Evaluator::forward_velocity(const Answer& answer) {
   const bool usable = answer.z.size() == data_->problem.size() && answer.z.allFinite();
-  if (!usable || !data_->contact || !data_->contact->lcp) return Errors::kNone;
-  const QuadVector v_plus = data_->contact->lcp->response(quad(answer.z));
-  return all_finite(v_plus) ? data_->contact->forward_velocity(v_plus) : Errors::kNone;
+  if (!usable || data_->problem.contact() == nullptr) return Errors::kNone;
+  return data_->measured([&]<class Real>(ContactEvaluation<Real>& contact) {
+    if (!contact.lcp) return Errors::kNone;
+    const std::vector<Real> v_plus = contact.lcp->response(numbers<Real>(answer.z));
+    if (all_finite(v_plus)) return contact.forward_velocity(v_plus);
+    if (std::is_same_v<Real, Bounded>) throw Doubt();
+    return Errors::kNone;
+  });
 }
 
 void Evaluator::set_certified_velocity(const Vector& v_star) {
-  if (!data_->contact || v_star.size() != data_->contact->problem.ngc() || !v_star.allFinite()) {
+  const ContactProblem* const problem = data_->problem.contact();
+  if (problem == nullptr || v_star.size() != problem->ngc() || !v_star.allFinite()) {
     throw std::invalid_argument("set_certified_velocity: needs a contact problem and ngc finite entries");
   }
-  data_->contact->v_star = quad(v_star);
+  data_->v_star = v_star;
+  if (data_->first) data_->first->v_star = numbers<Bounded>(v_star);
+  if (data_->quad) data_->quad->v_star = numbers<Quad>(v_star);
 }
 
 Truth Evaluator::truth() const {
-  if (!data_->contact) return bare_truth(data_->problem.lcp());
-  const ContactProblem& problem = data_->contact->problem;
-  const bool proven =
-      problem.v.allFinite() && (problem.mu.array() >= 0).all() && (problem.b.array() >= 0).all() &&
-      problem.b.allFinite() && data_->contact->inertia.proven_positive_definite();
+  if (data_->problem.contact() == nullptr) return bare_truth(data_->problem.lcp());
+  const ContactProblem& problem = *data_->problem.contact();
+  if (!problem.v.allFinite() || !(problem.mu.array() >= 0).all() || !(problem.b.array() >= 0).all() ||
+      !problem.b.allFinite()) {
+    return Truth::kUnknown;
+  }
+  const bool proven = (data_->first && data_->first->inertia.proven_positive_definite()) ||
+                      data_->in_quad().inertia.proven_positive_definite();
   return proven ? Truth::kSolvable : Truth::kUnknown;
 }
 
 bool Evaluator::check_farkas(const Vector& u) const {
-  return data_->contact ? proves_unsolvable(data_->contact->problem, u) : proves_unsolvable(data_->problem.lcp(), u);
+  const ContactProblem* const problem = data_->problem.contact();
+  return problem != nullptr ? proves_unsolvable(*problem, u) : proves_unsolvable(data_->problem.lcp(), u);
 }
 
 }  // namespace lcpbench

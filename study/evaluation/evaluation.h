@@ -30,7 +30,8 @@ struct WorstRow {
   double scale = kNone;     ///< of the row's island [m/s]; contact problems only
 };
 
-/// The error measures of one answer, all from the raw data in 113-bit arithmetic, by code that knows no solver.
+/// The error measures of one answer, all from the raw data in 113-bit arithmetic or in sums of two doubles with a bound
+/// on their rounding, by code that knows no solver.
 ///
 /// v+ = v + G* (N f_N + D f_D) is recomputed from z. w is the complement of z: N'v+ + b [m/s], D'v+ + lambda [m/s], and
 /// mu f_N less the sum of the contact's f_D [N s]. Quotients follow 0/0 = 0 and x/0 = infinity.
@@ -188,11 +189,20 @@ Verdict parse_verdict(std::string_view text);
 /// @param truth  kSolvable also when another solver's answer was found solved.
 Verdict verdict(Claim claim, const Errors& errors, Truth truth);
 
-/// Evaluates answers to one problem. Keeps the problem's data in 113-bit arithmetic; what an answer needs of M is
-/// formed when it first needs it. Contact problems never form M. One object per thread.
+/// In which arithmetic answers are evaluated.
+enum class Precision {
+  kAsNeeded,  ///< contact problems in Bounded arithmetic, and in 113 bits what its bounds leave in doubt
+  kQuad,      ///< all in 113 bits: what the other is compared with
+};
+
+/// Evaluates answers to one problem. What an answer needs of M is formed when it first needs it. Contact problems never
+/// form M. One object per thread.
+///
+/// Decisions are those of 113 bits. A measure of a contact problem whose bound is below 2^-30 of it may differ from its
+/// value in 113 bits by that much, in practice in the last digits of a double.
 class Evaluator {
  public:
-  explicit Evaluator(const Problem& problem);
+  explicit Evaluator(const Problem& problem, Precision precision = Precision::kAsNeeded);
   ~Evaluator();
 
   /// Every measure of the answer's z and of its velocity.

@@ -6,16 +6,40 @@
 #include <utility>
 
 namespace lcpbench {
+namespace {
 
-void QuadLcp::fill_rows(std::span<const std::size_t> rows, const QuadVector& z, const QuadVector& u,
-                        QuadVector& w) const {
+// The estimate of M takes a response for exact but for its rounding to double.
+void check_accuracy(const BoundedVector& response) {
+  double largest = 0, error = 0;
+  for (const Bounded& value : response) {
+    largest = std::max(largest, std::abs(value.high));
+    error = std::max(error, value.error);
+  }
+  const bool finite = std::all_of(response.begin(), response.end(), [](const Bounded& x) { return is_finite(x); });
+  if (!finite || !(error <= 0x1p-60 * largest)) throw Doubt();
+}
+void check_accuracy(const QuadVector&) {}
+
+template <class Real>
+std::vector<double> rounded(const std::vector<Real>& x) {
+  std::vector<double> doubles(x.size());
+  std::transform(x.begin(), x.end(), doubles.begin(), [](const Real& value) { return to_double(value); });
+  return doubles;
+}
+
+}  // namespace
+
+template <class Real>
+void EvaluatedLcp<Real>::fill_rows(std::span<const std::size_t> rows, const std::vector<Real>& z,
+                                   const std::vector<Real>& u, std::vector<Real>& w) const {
   for (const std::size_t i : rows) w[i] = row(i, z, u);
 }
 
-QuadVector QuadLcp::all_rows(const QuadVector& z, const QuadVector& u) const {
+template <class Real>
+std::vector<Real> EvaluatedLcp<Real>::all_rows(const std::vector<Real>& z, const std::vector<Real>& u) const {
   std::vector<std::size_t> rows(size());
   std::iota(rows.begin(), rows.end(), std::size_t{0});
-  QuadVector w(size());
+  std::vector<Real> w(size());
   fill_rows(rows, z, u, w);
   return w;
 }
@@ -28,7 +52,8 @@ void MagnitudeEstimate::end_row(double error) {
   row_error.push_back(error);
 }
 
-const MagnitudeEstimate* QuadLcp::estimate() {
+template <class Real>
+const MagnitudeEstimate* EvaluatedLcp<Real>::estimate() {
   if (!estimate_) fill(estimate_.emplace());
   return estimate_->row_sums.size() == size() ? &*estimate_ : nullptr;
 }
@@ -80,7 +105,8 @@ void BareQuadLcp::fill(MagnitudeEstimate& estimate) {
   }
 }
 
-ContactQuadLcp::ContactQuadLcp(const ContactProblem& problem, const QuadInertia& inertia)
+template <class Real>
+ContactLcp<Real>::ContactLcp(const ContactProblem& problem, const Inertia& inertia)
     : inertia_(inertia),
       v_(problem.v.begin(), problem.v.end()),
       b_(problem.b.begin(), problem.b.end()),
@@ -98,19 +124,21 @@ ContactQuadLcp::ContactQuadLcp(const ContactProblem& problem, const QuadInertia&
   abs_row_sum_.resize(impulses());
   abs_row_sum_known_.resize(impulses(), false);
   scratch_.assign(v_.size(), 0);
+  entry_.assign(impulses(), 0);
   visited_.assign(impulses(), 0);
 }
 
-void ContactQuadLcp::add_columns(const Jacobian& J) {
+template <class Real>
+void ContactLcp<Real>::add_columns(const Jacobian& J) {
   for (Index j = 0; j < cols(J); ++j) add_column(J, j);
 }
 
-void ContactQuadLcp::add_column(const Jacobian& J, Index column) {
+template <class Real>
+void ContactLcp<Real>::add_column(const Jacobian& J, Index column) {
   const auto append = [this](Index row, double value) {
     if (value == 0) return;
     rows_.push_back(static_cast<std::size_t>(row));
     values_.push_back(value);
-    doubles_.push_back(value);
   };
   if (const auto* dense = std::get_if<Matrix>(&J)) {
     for (Index i = 0; i < dense->rows(); ++i) append(i, (*dense)(i, column));
@@ -122,7 +150,8 @@ void ContactQuadLcp::add_column(const Jacobian& J, Index column) {
   begin_.push_back(rows_.size());
 }
 
-void ContactQuadLcp::list_cones(const ContactProblem& problem, const ContactLayout& layout) {
+template <class Real>
+void ContactLcp<Real>::list_cones(const ContactProblem& problem, const ContactLayout& layout) {
   const std::size_t lambda = impulses();
   lambda_of_.resize(impulses(), 0);
   friction_of_cone_.push_back(contacts_);
@@ -138,7 +167,8 @@ void ContactQuadLcp::list_cones(const ContactProblem& problem, const ContactLayo
   }
 }
 
-bool ContactQuadLcp::opposite(std::size_t i, std::size_t j) const {
+template <class Real>
+bool ContactLcp<Real>::opposite(std::size_t i, std::size_t j) const {
   const std::size_t count = begin_[i + 1] - begin_[i];
   if (begin_[j + 1] - begin_[j] != count) return false;
   for (std::size_t e = 0; e < count; ++e) {
@@ -149,7 +179,8 @@ bool ContactQuadLcp::opposite(std::size_t i, std::size_t j) const {
   return true;
 }
 
-void ContactQuadLcp::find_opposite_columns() {
+template <class Real>
+void ContactLcp<Real>::find_opposite_columns() {
   twin_.resize(impulses());
   for (std::size_t i = 0; i < impulses(); ++i) twin_[i] = i;
   for (std::size_t cone = 0; cone < normal_of_cone_.size(); ++cone) {
@@ -160,7 +191,8 @@ void ContactQuadLcp::find_opposite_columns() {
   }
 }
 
-void ContactQuadLcp::list_columns_of_rows() {
+template <class Real>
+void ContactLcp<Real>::list_columns_of_rows() {
   row_begin_.assign(v_.size() + 1, 0);
   for (const std::size_t row : rows_) ++row_begin_[row + 1];
   for (std::size_t row = 0; row < v_.size(); ++row) row_begin_[row + 1] += row_begin_[row];
@@ -171,66 +203,81 @@ void ContactQuadLcp::list_columns_of_rows() {
   }
 }
 
-Quad ContactQuadLcp::project(std::size_t i, const QuadVector& x) const {
-  Quad sum = 0;
-  for (std::size_t e = begin_[i]; e < begin_[i + 1]; ++e) sum += values_[e] * x[rows_[e]];
-  return sum;
+template <class Real>
+Real ContactLcp<Real>::project(std::size_t i, const RealVector& x) const {
+  if constexpr (std::is_same_v<Real, Bounded>) {
+    BoundedSum sum;
+    for (std::size_t e = begin_[i]; e < begin_[i + 1]; ++e) sum.add(values_[e], x[rows_[e]]);
+    return sum.value();
+  } else {
+    Real sum = 0;
+    for (std::size_t e = begin_[i]; e < begin_[i + 1]; ++e) sum += values_[e] * x[rows_[e]];
+    return sum;
+  }
 }
 
-Quad ContactQuadLcp::formation_error(std::size_t i) const {
+template <class Real>
+Real ContactLcp<Real>::formation_error(std::size_t i) const {
   if (i >= impulses()) return 0;
-  Quad magnitude = 0;
+  Real magnitude = 0;
   for (std::size_t e = begin_[i]; e < begin_[i + 1]; ++e) magnitude += abs(values_[e] * v_[rows_[e]]);
-  const std::size_t terms = begin_[i + 1] - begin_[i] + (offset(i) == 0 ? 0 : 1);
+  const std::size_t terms = begin_[i + 1] - begin_[i] + (surely_equal(offset(i), 0) ? 0 : 1);
   return static_cast<double>(terms + 1) * (0x1p-53 * (magnitude + abs(offset(i))) + 0x1p-1074);
 }
 
-QuadVector ContactQuadLcp::generalized_impulse(const QuadVector& z) const {
-  QuadVector impulse(v_.size(), 0);
+template <class Real>
+std::vector<Real> ContactLcp<Real>::generalized_impulse(const RealVector& z) const {
+  RealVector impulse(v_.size(), 0);
   for (std::size_t j = 0; j < impulses(); ++j) {
-    if (z[j] == 0) continue;
+    if (surely_equal(z[j], 0)) continue;
     for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) impulse[rows_[e]] += values_[e] * z[j];
   }
   return impulse;
 }
 
-QuadVector ContactQuadLcp::generalized_impulse_scale(const QuadVector& z) const {
-  QuadVector scale(v_.size(), 0);
+template <class Real>
+std::vector<Real> ContactLcp<Real>::generalized_impulse_scale(const RealVector& z) const {
+  RealVector scale(v_.size(), 0);
   for (std::size_t j = 0; j < impulses(); ++j) {
-    if (z[j] == 0) continue;
+    if (surely_equal(z[j], 0)) continue;
     for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) scale[rows_[e]] += abs(values_[e] * z[j]);
   }
   return scale;
 }
 
-QuadVector ContactQuadLcp::response(const QuadVector& z) {
-  QuadVector u = generalized_impulse(z);
+template <class Real>
+std::vector<Real> ContactLcp<Real>::response(const RealVector& z) {
+  RealVector u = generalized_impulse(z);
   inertia_.solve(u);
   for (std::size_t i = 0; i < u.size(); ++i) u[i] += v_[i];
   return u;
 }
 
-void ContactQuadLcp::remove(std::size_t j, Quad value, QuadVector& u) {
-  if (j >= impulses() || value == 0) return;
+template <class Real>
+void ContactLcp<Real>::remove(std::size_t j, Real value, RealVector& u) {
+  if (j >= impulses() || surely_equal(value, 0)) return;
   const Response& response = response_of(j);
-  const Quad signed_value = twin_[j] == j ? value : -value;
+  const Real signed_value = twin_[j] == j ? value : -value;
   for (std::size_t e = 0; e < response.pattern.size(); ++e) u[response.pattern[e]] -= response.values[e] * signed_value;
 }
 
-Quad ContactQuadLcp::cone_row(std::size_t cone, const QuadVector& z) const {
-  Quad slack = mu_[cone] * z[normal_of_cone_[cone]];
+template <class Real>
+Real ContactLcp<Real>::cone_row(std::size_t cone, const RealVector& z) const {
+  Real slack = mu_[cone] * z[normal_of_cone_[cone]];
   for (std::size_t t = friction_of_cone_[cone]; t < friction_of_cone_[cone + 1]; ++t) slack -= z[t];
   return slack;
 }
 
-Quad ContactQuadLcp::row(std::size_t i, const QuadVector& z, const QuadVector& u) const {
+template <class Real>
+Real ContactLcp<Real>::row(std::size_t i, const RealVector& z, const RealVector& u) const {
   if (i >= impulses()) return cone_row(i - impulses(), z);
-  const Quad velocity = project(i, u);
+  const Real velocity = project(i, u);
   return i < contacts_ ? velocity + offset(i) : velocity + z[lambda_of_[i]];
 }
 
-void ContactQuadLcp::fill_rows(std::span<const std::size_t> rows, const QuadVector& z, const QuadVector& u,
-                               QuadVector& w) const {
+template <class Real>
+void ContactLcp<Real>::fill_rows(std::span<const std::size_t> rows, const RealVector& z, const RealVector& u,
+                                 RealVector& w) const {
   for (const std::size_t i : rows) {
     if (i >= impulses()) {
       w[i] = cone_row(i - impulses(), z);
@@ -243,7 +290,8 @@ void ContactQuadLcp::fill_rows(std::span<const std::size_t> rows, const QuadVect
   }
 }
 
-const ContactQuadLcp::Response& ContactQuadLcp::response_of(std::size_t column) {
+template <class Real>
+const typename ContactLcp<Real>::Response& ContactLcp<Real>::response_of(std::size_t column) {
   Response& response = responses_[twin_[column]];
   if (response.known) return response;
   const std::size_t j = twin_[column];
@@ -255,36 +303,41 @@ const ContactQuadLcp::Response& ContactQuadLcp::response_of(std::size_t column) 
   for (const std::size_t row : response.pattern) response.values.push_back(scratch_[row]);
   response.known = true;
   gather(response);
+  check_accuracy(response.values);
   return response;
 }
 
-void ContactQuadLcp::scatter(const Response& response) {
+template <class Real>
+void ContactLcp<Real>::scatter(const Response& response) {
   for (std::size_t e = 0; e < response.pattern.size(); ++e) scratch_[response.pattern[e]] = response.values[e];
 }
 
-void ContactQuadLcp::gather(const Response& response) {
+template <class Real>
+void ContactLcp<Real>::gather(const Response& response) {
   for (const std::size_t row : response.pattern) scratch_[row] = 0;
 }
 
-Quad ContactQuadLcp::diagonal(std::size_t i) {
+template <class Real>
+Real ContactLcp<Real>::diagonal(std::size_t i) {
   if (i >= impulses()) return 0;
   const Response& response = response_of(i);
   scatter(response);
-  const Quad diagonal = project(twin_[i], scratch_);
+  const Real diagonal = project(twin_[i], scratch_);
   gather(response);
   return diagonal;
 }
 
-Quad ContactQuadLcp::abs_row_times(std::size_t i, const QuadVector& z, std::span<const std::size_t> support) {
+template <class Real>
+Real ContactLcp<Real>::abs_row_times(std::size_t i, const RealVector& z, std::span<const std::size_t> support) {
   if (i >= impulses()) {
     const std::size_t cone = i - impulses();
-    Quad sum = abs(mu_[cone] * z[normal_of_cone_[cone]]);
+    Real sum = abs(mu_[cone] * z[normal_of_cone_[cone]]);
     for (std::size_t t = friction_of_cone_[cone]; t < friction_of_cone_[cone + 1]; ++t) sum += abs(z[t]);
     return sum;
   }
   const Response& response = response_of(i);
   scatter(response);
-  Quad sum = i < contacts_ ? Quad{0} : abs(z[lambda_of_[i]]);
+  Real sum = i < contacts_ ? Real{0} : abs(z[lambda_of_[i]]);
   for (const std::size_t j : support) {
     if (j < impulses()) sum += abs(project(j, scratch_) * z[j]);
   }
@@ -292,7 +345,8 @@ Quad ContactQuadLcp::abs_row_times(std::size_t i, const QuadVector& z, std::span
   return sum;
 }
 
-Quad ContactQuadLcp::abs_row_sum(std::size_t i) {
+template <class Real>
+Real ContactLcp<Real>::abs_row_sum(std::size_t i) {
   if (i >= impulses()) {
     const std::size_t cone = i - impulses();
     return abs(mu_[cone]) + static_cast<double>(friction_of_cone_[cone + 1] - friction_of_cone_[cone]);
@@ -302,15 +356,14 @@ Quad ContactQuadLcp::abs_row_sum(std::size_t i) {
     const Response& response = response_of(row);
     scatter(response);
     ++visit_;
-    QuadVector entry(impulses(), 0);
-    Quad sum = row < contacts_ ? 0 : 1;
+    Real sum = row < contacts_ ? 0 : 1;
     for (const std::size_t r : response.pattern) {
       for (std::size_t e = row_begin_[r]; e < row_begin_[r + 1]; ++e) {
         const std::size_t j = columns_of_row_[e];
         if (visited_[j] == visit_) continue;
         visited_[j] = visit_;
-        entry[j] = twin_[j] == j ? abs(project(j, scratch_)) : entry[twin_[j]];
-        sum += entry[j];
+        entry_[j] = twin_[j] == j ? abs(project(j, scratch_)) : entry_[twin_[j]];
+        sum += entry_[j];
       }
     }
     gather(response);
@@ -320,16 +373,18 @@ Quad ContactQuadLcp::abs_row_sum(std::size_t i) {
   return abs_row_sum_[row];
 }
 
-double ContactQuadLcp::project(std::size_t i, const std::vector<double>& x) const {
+template <class Real>
+double ContactLcp<Real>::project(std::size_t i, const std::vector<double>& x) const {
   double sum = 0;
-  for (std::size_t e = begin_[i]; e < begin_[i + 1]; ++e) sum += doubles_[e] * x[rows_[e]];
+  for (std::size_t e = begin_[i]; e < begin_[i + 1]; ++e) sum += values_[e] * x[rows_[e]];
   return sum;
 }
 
-std::vector<double> ContactQuadLcp::estimate_w(const QuadVector& z, const QuadVector& u,
-                                               std::span<const std::size_t> rows) const {
-  const std::vector<double> velocity(u.begin(), u.end());
-  std::vector<double> w(size(), 0.0);
+template <class Real>
+std::vector<double> ContactLcp<Real>::estimate_w(const RealVector& z, const RealVector& u,
+                                                 std::span<const std::size_t> rows) const {
+  const std::vector<double> velocity = rounded(u);
+  std::vector<double> w(q_.size(), 0.0);
   for (const std::size_t i : rows) {
     w[i] = i >= impulses() ? to_double(cone_row(i - impulses(), z))
                            : project(i, velocity) + to_double(i < contacts_ ? offset(i) : z[lambda_of_[i]]);
@@ -337,7 +392,8 @@ std::vector<double> ContactQuadLcp::estimate_w(const QuadVector& z, const QuadVe
   return w;
 }
 
-void ContactQuadLcp::fill_impulse_row(std::size_t i, std::vector<double>& y, MagnitudeEstimate& estimate) {
+template <class Real>
+void ContactLcp<Real>::fill_impulse_row(std::size_t i, std::vector<double>& y, MagnitudeEstimate& estimate) {
   const Response& response = response_of(i);
   double largest = 0;
   for (std::size_t e = 0; e < response.pattern.size(); ++e) {
@@ -360,17 +416,19 @@ void ContactQuadLcp::fill_impulse_row(std::size_t i, std::vector<double>& y, Mag
   estimate.end_row(0x1p-53 * largest + 0x1p-1000);
 }
 
-void ContactQuadLcp::fill_cone_row(std::size_t cone, MagnitudeEstimate& estimate) const {
+template <class Real>
+void ContactLcp<Real>::fill_cone_row(std::size_t cone, MagnitudeEstimate& estimate) const {
   estimate.add(normal_of_cone_[cone], std::abs(to_double(mu_[cone])));
   for (std::size_t t = friction_of_cone_[cone]; t < friction_of_cone_[cone + 1]; ++t) estimate.add(t, 1);
   estimate.end_row(0);
 }
 
-void ContactQuadLcp::fill(MagnitudeEstimate& estimate) {
-  for (std::size_t j = 0; j < size(); ++j) {
+template <class Real>
+void ContactLcp<Real>::fill(MagnitudeEstimate& estimate) {
+  for (std::size_t j = 0; j < q_.size(); ++j) {
     double scale = 0x1p-30;
     if (j < impulses()) {
-      for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) scale += std::abs(doubles_[e]);
+      for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) scale += std::abs(values_[e]);
       scale *= static_cast<double>(begin_[j + 1] - begin_[j] + 4);
     }
     estimate.column_scale.push_back(scale);
@@ -385,5 +443,10 @@ void ContactQuadLcp::fill(MagnitudeEstimate& estimate) {
   }
   for (std::size_t cone = 0; cone < normal_of_cone_.size(); ++cone) fill_cone_row(cone, estimate);
 }
+
+template class EvaluatedLcp<Quad>;
+template class EvaluatedLcp<Bounded>;
+template class ContactLcp<Quad>;
+template class ContactLcp<Bounded>;
 
 }  // namespace lcpbench

@@ -3,9 +3,11 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "core/lcp.h"
+#include "study/evaluation/bounded_inertia.h"
 #include "study/evaluation/quad_inertia.h"
 
 namespace lcpbench {
@@ -28,44 +30,45 @@ struct MagnitudeEstimate {
   void end_row(double error);
 };
 
-/// LCP(q, M) in 113-bit arithmetic, behind an interface that never asks for the whole of M.
+/// LCP(q, M) in the arithmetic of Real, Quad or Bounded, behind an interface that never asks for the whole of M.
 ///
 /// A point z is carried with its response u = response(z), from which any row of w = M z + q follows and which is cheap
 /// to correct when an entry of z is set to zero. `support` always lists the nonzero entries of z.
-class QuadLcp {
+template <class Real>
+class EvaluatedLcp {
  public:
-  virtual ~QuadLcp() = default;
-  QuadLcp() = default;
-  QuadLcp(const QuadLcp&) = delete;
-  QuadLcp& operator=(const QuadLcp&) = delete;
+  virtual ~EvaluatedLcp() = default;
+  EvaluatedLcp() = default;
+  EvaluatedLcp(const EvaluatedLcp&) = delete;
+  EvaluatedLcp& operator=(const EvaluatedLcp&) = delete;
 
   std::size_t size() const { return q_.size(); }
-  Quad q(std::size_t i) const { return q_[i]; }
+  Real q(std::size_t i) const { return q_[i]; }
 
   /// Entries from here on are lambdas [m/s]; those before are impulses [N s]. size() where there is one kind only.
   virtual std::size_t lambda_offset() const { return size(); }
 
-  virtual QuadVector response(const QuadVector& z) = 0;
+  virtual std::vector<Real> response(const std::vector<Real>& z) = 0;
   /// Corrects u for z_j, whose value was `value`, becoming zero.
-  virtual void remove(std::size_t j, Quad value, QuadVector& u) = 0;
+  virtual void remove(std::size_t j, Real value, std::vector<Real>& u) = 0;
   /// w_i = (M z + q)_i.
-  virtual Quad row(std::size_t i, const QuadVector& z, const QuadVector& u) const = 0;
+  virtual Real row(std::size_t i, const std::vector<Real>& z, const std::vector<Real>& u) const = 0;
   /// Sets w_i for each of `rows`, ascending; a friction row's contact has all of its rows among them.
-  virtual void fill_rows(std::span<const std::size_t> rows, const QuadVector& z, const QuadVector& u,
-                         QuadVector& w) const;
+  virtual void fill_rows(std::span<const std::size_t> rows, const std::vector<Real>& z, const std::vector<Real>& u,
+                         std::vector<Real>& w) const;
   /// All of w.
-  QuadVector all_rows(const QuadVector& z, const QuadVector& u) const;
+  std::vector<Real> all_rows(const std::vector<Real>& z, const std::vector<Real>& u) const;
   /// M_ii.
-  virtual Quad diagonal(std::size_t i) = 0;
+  virtual Real diagonal(std::size_t i) = 0;
   /// sum over the support of |M_ij| |z_j|.
-  virtual Quad abs_row_times(std::size_t i, const QuadVector& z, std::span<const std::size_t> support) = 0;
+  virtual Real abs_row_times(std::size_t i, const std::vector<Real>& z, std::span<const std::size_t> support) = 0;
   /// ||M_i||_1.
-  virtual Quad abs_row_sum(std::size_t i) = 0;
+  virtual Real abs_row_sum(std::size_t i) = 0;
 
   /// Made on first use: O(nnz(M)) time and memory. nullptr when it would hold more than 2^25 entries.
   const MagnitudeEstimate* estimate();
   /// w in double, without a bound on its error: size() entries, of which those of `rows` are filled.
-  virtual std::vector<double> estimate_w(const QuadVector& z, const QuadVector& u,
+  virtual std::vector<double> estimate_w(const std::vector<Real>& z, const std::vector<Real>& u,
                                          std::span<const std::size_t> rows) const = 0;
 
  protected:
@@ -73,13 +76,15 @@ class QuadLcp {
 
   virtual void fill(MagnitudeEstimate& estimate) = 0;
 
-  QuadVector q_;
+  std::vector<Real> q_;
 
  private:
   std::optional<MagnitudeEstimate> estimate_;
 };
 
-/// The LCP of given q and M. u is w itself.
+using QuadLcp = EvaluatedLcp<Quad>;
+
+/// The LCP of given q and M, in 113 bits. u is w itself.
 class BareQuadLcp final : public QuadLcp {
  public:
   /// @param lcp  must outlive this object.
@@ -103,49 +108,55 @@ class BareQuadLcp final : public QuadLcp {
 
 /// The LCP of a contact problem. u is the velocity v + G* J f, so M is never formed: an entry M_ij = J_i' G* J_j costs
 /// one solve with G (kept per column) and one product of sparse columns. M is symmetric in the impulses, as G* is.
-class ContactQuadLcp final : public QuadLcp {
+template <class Real>
+class ContactLcp final : public EvaluatedLcp<Real> {
+  using Inertia = std::conditional_t<std::is_same_v<Real, Quad>, QuadInertia, BoundedInertia>;
+  using RealVector = std::vector<Real>;
+  using EvaluatedLcp<Real>::q_;
+  using EvaluatedLcp<Real>::kLargestEstimate;
+
  public:
   /// @param problem, inertia  must outlive this object; inertia.well_defined() must hold.
-  ContactQuadLcp(const ContactProblem& problem, const QuadInertia& inertia);
+  ContactLcp(const ContactProblem& problem, const Inertia& inertia);
 
   std::size_t lambda_offset() const override { return impulses(); }
-  QuadVector response(const QuadVector& z) override;
-  void remove(std::size_t j, Quad value, QuadVector& u) override;
-  Quad row(std::size_t i, const QuadVector& z, const QuadVector& u) const override;
-  void fill_rows(std::span<const std::size_t> rows, const QuadVector& z, const QuadVector& u,
-                 QuadVector& w) const override;
-  Quad diagonal(std::size_t i) override;
-  Quad abs_row_times(std::size_t i, const QuadVector& z, std::span<const std::size_t> support) override;
-  Quad abs_row_sum(std::size_t i) override;
-  std::vector<double> estimate_w(const QuadVector& z, const QuadVector& u,
+  RealVector response(const RealVector& z) override;
+  void remove(std::size_t j, Real value, RealVector& u) override;
+  Real row(std::size_t i, const RealVector& z, const RealVector& u) const override;
+  void fill_rows(std::span<const std::size_t> rows, const RealVector& z, const RealVector& u,
+                 RealVector& w) const override;
+  Real diagonal(std::size_t i) override;
+  Real abs_row_times(std::size_t i, const RealVector& z, std::span<const std::size_t> support) override;
+  Real abs_row_sum(std::size_t i) override;
+  std::vector<double> estimate_w(const RealVector& z, const RealVector& u,
                                  std::span<const std::size_t> rows) const override;
 
   std::size_t impulses() const { return begin_.size() - 1; }
   std::size_t contacts() const { return contacts_; }
-  const QuadVector& velocity_before() const { return v_; }
+  const RealVector& velocity_before() const { return v_; }
   /// The normal row of the contact to which cone row i belongs.
   std::size_t normal_of_cone(std::size_t i) const { return normal_of_cone_[i - impulses()]; }
 
   /// J f for the impulses f in z.
-  QuadVector generalized_impulse(const QuadVector& z) const;
+  RealVector generalized_impulse(const RealVector& z) const;
   /// |J| |f|: the scale of rounding in J f.
-  QuadVector generalized_impulse_scale(const QuadVector& z) const;
+  RealVector generalized_impulse_scale(const RealVector& z) const;
   /// J_i' x.
-  Quad project(std::size_t i, const QuadVector& x) const;
+  Real project(std::size_t i, const RealVector& x) const;
   /// What forming q_i = J_i'v + b_i in double may lose to rounding: (k + 1) 2^-53 (|J_i|'|v| + |b_i|), k the terms that
   /// are not zero in the data. 0 for cone rows, whose q_i is zero in the data.
-  Quad formation_error(std::size_t i) const;
+  Real formation_error(std::size_t i) const;
 
  private:
   /// G* J_j by its nonzero blocks.
   struct Response {
     bool known = false;
     std::vector<std::size_t> pattern;
-    QuadVector values;
+    RealVector values;
   };
 
   /// b_i of a normal row, 0 of any other.
-  Quad offset(std::size_t i) const { return i < b_.size() ? b_[i] : Quad{0}; }
+  Real offset(std::size_t i) const { return i < b_.size() ? b_[i] : Real{0}; }
   void add_columns(const Jacobian& J);
   void add_column(const Jacobian& J, Index column);
   void list_cones(const ContactProblem& problem, const ContactLayout& layout);
@@ -153,7 +164,7 @@ class ContactQuadLcp final : public QuadLcp {
   bool opposite(std::size_t i, std::size_t j) const;
   void list_columns_of_rows();
   const Response& response_of(std::size_t column);
-  Quad cone_row(std::size_t cone, const QuadVector& z) const;
+  Real cone_row(std::size_t cone, const RealVector& z) const;
   void fill(MagnitudeEstimate& estimate) override;
   void fill_impulse_row(std::size_t i, std::vector<double>& y, MagnitudeEstimate& estimate);
   void fill_cone_row(std::size_t cone, MagnitudeEstimate& estimate) const;
@@ -162,29 +173,31 @@ class ContactQuadLcp final : public QuadLcp {
   void scatter(const Response& response);
   void gather(const Response& response);
 
-  const QuadInertia& inertia_;
-  QuadVector v_;
-  QuadVector b_;  ///< of the normal rows; empty: zero
+  const Inertia& inertia_;
+  RealVector v_;
+  RealVector b_;  ///< of the normal rows; empty: zero
   std::size_t contacts_ = 0;
   std::vector<std::size_t> begin_{0};  ///< of each column of J = [N D], by columns
   std::vector<std::size_t> rows_;
-  QuadVector values_;
-  std::vector<double> doubles_;    ///< values_ as given
+  std::vector<double> values_;
   std::vector<std::size_t> twin_;  ///< the column's own index, or that of an earlier column of which it is the negative
   std::vector<std::size_t> row_begin_;  ///< the columns that meet each row of J
   std::vector<std::size_t> columns_of_row_;
 
-  QuadVector mu_;                              ///< of each cone row
+  RealVector mu_;                              ///< of each cone row
   std::vector<std::size_t> normal_of_cone_;    ///< index in z of the cone's normal impulse
   std::vector<std::size_t> friction_of_cone_;  ///< cones + 1 offsets in z of the cone's friction impulses
   std::vector<std::size_t> lambda_of_;         ///< per friction impulse: index in z of its contact's lambda
 
   std::vector<Response> responses_;
-  QuadVector abs_row_sum_;
+  RealVector abs_row_sum_;
   std::vector<bool> abs_row_sum_known_;
-  QuadVector scratch_;                  ///< ngc zeros between uses
+  RealVector scratch_;                  ///< ngc zeros between uses
+  RealVector entry_;                    ///< scratch of abs_row_sum(), per column
   std::vector<std::uint32_t> visited_;  ///< per column: the last visit's number
   std::uint32_t visit_ = 0;
 };
+
+using ContactQuadLcp = ContactLcp<Quad>;
 
 }  // namespace lcpbench

@@ -100,14 +100,14 @@ PooledMean pooled_mean(const std::vector<Spread>& parts) {
 }
 
 double PairedShares::value() const {
-  return problems() > 0 ? static_cast<double>(first_only - second_only) / static_cast<double>(problems()) : kNoNumber;
+  return problems() > 0 ? static_cast<double>(only_first - only_second) / static_cast<double>(problems()) : kNone;
 }
 
 Interval PairedShares::interval(double z) const {
   if (problems() == 0) return {kNoNumber, kNoNumber};
   const double n = static_cast<double>(problems()) + 2;
-  const double first = static_cast<double>(first_only) + 0.5;
-  const double second = static_cast<double>(second_only) + 0.5;
+  const double first = static_cast<double>(only_first) + 0.5;
+  const double second = static_cast<double>(only_second) + 0.5;
   const double centre = (first - second) / n;
   const double half = z / n * std::sqrt(first + second - (first - second) * (first - second) / n);
   return {std::max(-1.0, centre - half), std::min(1.0, centre + half)};

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "study/statistics/statistics.h"
+#include "study/statistics/pairs.h"
 
 namespace lcpbench::paper {
 
@@ -73,20 +73,12 @@ Spread pooled(const std::vector<Spread>& parts);
 /// The same with the number of problems behind it. @param parts one for each parameterisation
 PooledMean pooled_mean(const std::vector<Spread>& parts);
 
-/// Two solvers, or one on two sets with the same problems, paired by problem.
-struct PairedShares {
-  std::int64_t both = 0;
-  std::int64_t first_only = 0;
-  std::int64_t second_only = 0;
-  std::int64_t neither = 0;
-
-  std::int64_t problems() const { return both + first_only + second_only + neither; }
+/// The shares that two solvers solved of the same problems.
+struct PairedShares : PairedCounts {
   /// Share of the first less that of the second.
   double value() const;
   /// Of the difference: Wald's with half a problem added to each count (Agresti and Min 2005).
   Interval interval(double z = kZ95) const;
-  /// McNemar's exact test.
-  double p_value() const { return mcnemar_exact(first_only, second_only); }
 };
 
 }  // namespace lcpbench::paper

@@ -55,7 +55,7 @@ Comparison compare(std::string what, std::string scope, const PairedShares& pair
   Comparison comparison = compare<PairedShares>(std::move(what), std::move(scope), pairs, 0, true);
   comparison.p_value = pairs.p_value();
   comparison.detail = fmt::format("{} problems in pairs, {} only the first, {} only the second; McNemar p = {:.2g}",
-                                  pairs.problems(), pairs.first_only, pairs.second_only, pairs.p_value());
+                                  pairs.problems(), pairs.only_first, pairs.only_second, pairs.p_value());
   return comparison;
 }
 
@@ -143,8 +143,7 @@ PairedShares pair_by_trial(const Cell& first, const Cell& second) {
   for (const Outcome& outcome : first.outcomes) {
     const auto other = others.find({outcome.seed, outcome.trial});
     if (other == others.end() || !counts(outcome) || !counts(*other->second)) continue;
-    const bool also = other->second->solved;
-    ++(outcome.solved ? (also ? pairs.both : pairs.first_only) : (also ? pairs.second_only : pairs.neither));
+    pairs.add(outcome.solved, other->second->solved);
   }
   return pairs;
 }

@@ -290,6 +290,12 @@ void Canvas::marker(double x, double y, double radius, Shape shape, const char* 
                 : fmt::format("<path {} d=\"{}z\"/>\n", classes, outline(x, y, radius, shape));
 }
 
+void Canvas::bodies(const std::vector<std::string>& paths, const char* color) {
+  front_ += fmt::format("<g class=\"{}\" fill-opacity=\"0.3\" stroke=\"currentColor\">\n", color);
+  for (const std::string& path : paths) front_ += "<path d=\"" + path + "\"/>\n";
+  front_ += "</g>\n";
+}
+
 std::string Canvas::draw(const std::string& title, const std::string& alternative) const {
   const std::string width = px(width_);
   const std::string height = px(height_);

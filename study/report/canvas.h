@@ -136,6 +136,9 @@ class Canvas {
   /// A point of about 2 x `radius` pixels; a hollow one shows the ground.
   void marker(double x, double y, double radius, Shape shape, const char* color, bool hollow = false);
 
+  /// Translucent bodies with their outlines. @param paths  SVG path data, one for each body
+  void bodies(const std::vector<std::string>& paths, const char* color);
+
   /// The picture as an SVG file. @param title        its name
   /// @param alternative  the words for readers who do not see it
   std::string draw(const std::string& title, const std::string& alternative) const;

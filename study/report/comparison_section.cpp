@@ -37,7 +37,7 @@ struct Tests {
 
 Tests tests_of(const SetComparison& comparison, std::size_t solver) {
   Tests tests;
-  for (const PairedCounts& pair : comparison.pairs) {
+  for (const ComparedPair& pair : comparison.pairs) {
     if (pair.first != solver && pair.second != solver) continue;
     const std::optional<std::size_t> better = pair.better();
     ++(!better ? tests.not_told_apart : *better == solver ? tests.solves_more : tests.solves_fewer);
@@ -169,7 +169,7 @@ std::string introduction(const Summary& summary) {
 std::string set_line(const Summary& summary, const SetComparison& comparison) {
   std::string line = code(summary.sets[comparison.set].name);
   const auto told_apart = std::count_if(comparison.pairs.begin(), comparison.pairs.end(),
-                                        [](const PairedCounts& pair) { return pair.better().has_value(); });
+                                        [](const ComparedPair& pair) { return pair.better().has_value(); });
   line += fmt::format(": {} of {} told apart", told_apart, counted(std::ssize(comparison.pairs), "pair"));
   for (const VirtualBest& best : comparison.virtual_bests) {
     if (best.common_only) continue;

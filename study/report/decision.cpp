@@ -11,6 +11,7 @@
 #include "study/report/coverage.h"
 #include "study/report/figures.h"
 #include "study/report/hard.h"
+#include "study/report/scenes.h"
 #include "study/report/speed_error.h"
 #include "study/report/text.h"
 
@@ -38,11 +39,20 @@ std::vector<std::size_t> sets_where(const Summary& summary, bool (*wanted)(const
   std::vector<std::size_t> solvable;
   for (std::size_t i = 0; i < summary.sets.size(); ++i) {
     const SetSummary& set = summary.sets[i];
-    if (!set.contact || is_hard_set(set.name) || is_dialled(set.name) || !wanted(set)) continue;
+    if (!set.contact || is_hard_set(set.name) || is_dialled(set.name) || scene_kind(set) || !wanted(set)) continue;
     all.push_back(i);
     if (set.all_solvable) solvable.push_back(i);
   }
   return widely_met(summary, solvable.empty() ? all : solvable);
+}
+
+/// The sets of captured steps of a kind, those too that are not all proven solvable.
+std::vector<std::size_t> scene_sets(const Summary& summary, SceneKind kind) {
+  std::vector<std::size_t> sets;
+  for (std::size_t i = 0; i < summary.sets.size(); ++i) {
+    if (summary.sets[i].contact && scene_kind(summary.sets[i]) == kind) sets.push_back(i);
+  }
+  return widely_met(summary, sets);
 }
 
 /// ", 11 % of the planned cells" where some are missing.
@@ -53,9 +63,13 @@ std::string share_of_plan(double share) {
 std::string scope_of(const Summary& summary, const std::vector<std::size_t>& sets) {
   std::int64_t problems = 0;
   std::string names;
+  std::string last;
   for (const std::size_t set : sets) {
     problems += summary.sets[set].problems;
-    names += (names.empty() ? "" : ", ") + code(summary.sets[set].name);
+    const std::optional<SceneName> scene = scene_name(summary.sets[set].name);
+    const std::string name = scene ? scene->family : summary.sets[set].name;  // the engines of a scene in one word
+    if (name != last) names += (names.empty() ? "" : ", ") + code(name);
+    last = name;
   }
   return sets.empty() ? "" : counted(problems, "problem") + share_of_plan(plan_share(summary, sets)) + ": " + names;
 }
@@ -144,6 +158,7 @@ std::string gravest(const Candidate& candidate, const Candidate* chosen) {
     case Ground::kFalseClaims: return "";
     case Ground::kUnsolved:
     case Ground::kBehindTheBest: return unsolved_words(candidate);
+    case Ground::kOtherModel: return "solves the round cone, another problem; of that " + solved;
     case Ground::kSomeSets: return "met only some of these sets; there " + solved;
     case Ground::kRefuses: return "refused " + percent(contender.refused.value()) + "; " + solved + " of the rest";
     case Ground::kFewProblems:
@@ -210,7 +225,9 @@ void sort_contenders(std::vector<Contender>& contenders, std::optional<std::size
   });
 }
 
-Situation judge(const Summary& summary, std::string title, std::vector<std::size_t> sets) {
+}  // namespace
+
+Situation judge_situation(const Summary& summary, std::string title, std::vector<std::size_t> sets) {
   Situation situation{std::move(title), scope_of(summary, sets), std::move(sets), {}, std::nullopt, ""};
   const std::vector<Record> records = judged_records(summary, situation.sets);
   const auto reference = std::find_if(records.begin(), records.end(), [&summary](const Record& record) {
@@ -238,6 +255,8 @@ Situation judge(const Summary& summary, std::string title, std::vector<std::size
   return situation;
 }
 
+namespace {
+
 std::vector<std::size_t> ill_conditioned_sets(const Summary& summary) {
   const auto frictional =
       sets_where(summary, [](const SetSummary& set) { return set.ill_conditioned && set.frictional; });
@@ -261,17 +280,53 @@ double mean_rate(const std::vector<const Cell*>& cells) {
   return total / counted_cells;
 }
 
-/// The situation that the report's first sentence speaks of: one with a recommended solver if there is any, else one
-/// with solvers; nullptr where no solver met any.
+/// How many of decide()'s situations, the last ones, are random problems.
+constexpr std::size_t kRandomSituations = 3;
+
+/// The situation of random problems that the report's first sentence speaks of: one with a recommended solver if there
+/// is any, else one with solvers; nullptr where no solver met any.
 const Situation* most_telling(const std::vector<Situation>& situations) {
   constexpr std::size_t kPreferred[] = {1, 2, 0};
+  const Situation* const random = &situations[situations.size() - kRandomSituations];
   for (const std::size_t preferred : kPreferred) {
-    if (situations[preferred].recommended) return &situations[preferred];
+    if (random[preferred].recommended) return &random[preferred];
   }
   for (const std::size_t preferred : kPreferred) {
-    if (!situations[preferred].contenders.empty()) return &situations[preferred];
+    if (!random[preferred].contenders.empty()) return &random[preferred];
   }
   return nullptr;
+}
+
+/// "<code>auto</code>, which solved 100 % (92.3–100 %) of 46 problems in a median of 62 µs"
+std::string recommendation(const Summary& summary, const Situation& situation) {
+  const Contender& best = situation.contenders[*situation.recommended];
+  const char* alone = situation.contenders.size() == 1 ? " (the only solver here)" : "";
+  return fmt::format("{}{}, which solved {} ({}) of {} in a median of {}", code(summary.solvers[best.solver].text()),
+                     alone, percent(best.solved.value()), percent_range(best.solved.interval()),
+                     counted(best.solved.whole, "problem"), duration(best.time.value));
+}
+
+std::string in_a_sentence(std::string title) {
+  title.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(title.front())));
+  return title;
+}
+
+/// Which solver to take for captured steps; "" for a store without them.
+std::string scenes_answer(const Summary& summary, const std::vector<Situation>& situations) {
+  std::string answer;
+  for (std::size_t i = 0; i + kRandomSituations < situations.size(); ++i) {
+    const Situation& situation = situations[i];
+    if (situation.contenders.empty()) continue;
+    answer += (answer.empty() ? "For captured scenes: " : "; ") + in_a_sentence(situation.title) + ": ";
+    if (!situation.recommended) {
+      answer += "no solver is recommended";
+      continue;
+    }
+    answer += recommendation(summary, situation);
+    const Contender& best = situation.contenders[*situation.recommended];
+    if (best.false_claims.part > 0) answer += " (it " + misled_words(best) + ")";
+  }
+  return answer.empty() ? "" : answer + ".";
 }
 
 /// What a store is for that has no set to recommend a solver on.
@@ -289,14 +344,11 @@ std::string answer_without_situations(const Summary& summary) {
 }  // namespace
 
 Estimate time_ratio(const Record& a, const Record& b) {
-  std::vector<double> own;
-  std::vector<double> others;
+  PairedTimes times;
   for_each_pair(a, b, [&](const Outcome& left, const Outcome& right) {
-    if (!left.solved || !right.solved || std::isnan(left.time_s) || std::isnan(right.time_s)) return;
-    own.push_back(left.time_s);
-    others.push_back(right.time_s);
+    if (left.solved && right.solved) times.add(left.time_s, right.time_s);
   });
-  return ratio_of_sums(own, others);
+  return ratio_of_sums(times.first, times.second);
 }
 
 std::vector<Situation> decide(const Summary& summary) {
@@ -305,8 +357,15 @@ std::vector<Situation> decide(const Summary& summary) {
   const auto frictional =
       sets_where(summary, [](const SetSummary& set) { return set.frictional && !set.ill_conditioned; });
   const auto ill_conditioned = ill_conditioned_sets(summary);
-  return {judge(summary, "Frictionless", frictionless), judge(summary, "Frictional", frictional),
-          judge(summary, ill_conditioned_title(summary, ill_conditioned), ill_conditioned)};
+  std::vector<Situation> situations;
+  for (const SceneKind kind : kSceneKinds) {
+    const std::vector<std::size_t> sets = scene_sets(summary, kind);
+    if (!sets.empty()) situations.push_back(judge_situation(summary, title(kind), sets));
+  }
+  situations.push_back(judge_situation(summary, "Frictionless", frictionless));
+  situations.push_back(judge_situation(summary, "Frictional", frictional));
+  situations.push_back(judge_situation(summary, ill_conditioned_title(summary, ill_conditioned), ill_conditioned));
+  return situations;
 }
 
 std::map<std::size_t, std::size_t> recommended_by_set(const std::vector<Situation>& situations) {
@@ -369,19 +428,15 @@ std::string situation_key(std::size_t situation, std::size_t solver) {
 
 std::string one_line_answer(const Summary& summary, const std::vector<Situation>& situations) {
   if (only_special_sets(summary, situations)) return answer_without_situations(summary);
+  const std::string scenes = scenes_answer(summary, situations);
   const Situation* situation = most_telling(situations);
+  if (situation == nullptr && !scenes.empty()) return scenes;
   if (situation == nullptr) return "The store does not yet hold enough verified answers to recommend a solver.";
-  std::string title = situation->title;
-  title.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(title.front())));
-  if (!situation->recommended) {
-    return fmt::format("For {} contacts no solver is recommended: {}.", title, situation->withheld);
-  }
+  std::string answer = scenes.empty() ? "For " : scenes + " For random ";
+  answer += in_a_sentence(situation->title) + " contacts";
+  if (!situation->recommended) return answer + " no solver is recommended: " + situation->withheld + ".";
   const Contender& best = situation->contenders[*situation->recommended];
-  const char* alone = situation->contenders.size() == 1 ? " (the only solver here)" : "";
-  std::string answer = fmt::format("For {} contacts: {}{}, which solved {} ({}) of {} in a median of {}", title,
-                                   code(summary.solvers[best.solver].text()), alone, percent(best.solved.value()),
-                                   percent_range(best.solved.interval()), counted(best.solved.whole, "problem"),
-                                   duration(best.time.value));
+  answer += ": " + recommendation(summary, *situation);
   if (const std::string speed = speed_beside_reference(summary, best); !speed.empty()) {
     const auto index = static_cast<std::size_t>(situation - situations.data());
     answer += fmt::format(", <span data-speed=\"{}\">{}</span>", situation_key(index, best.solver), speed);

@@ -41,13 +41,18 @@ struct Situation {
   std::string withheld;                    ///< why none is recommended, one clause of HTML; "" where one is
 };
 
-/// Frictionless, frictional, ill-conditioned: which solver to use, and why not the others.
+/// The kinds of captured scenes (scenes.h) that the store has, then three of random problems, always: frictionless,
+/// frictional, ill-conditioned. Which solver to use, and why not the others.
 ///
 /// Recommended is the fastest by median time among the reliable solvers (reliability.h) that refused none of the
-/// problems; without such a solver none is, and `withheld` says why. A situation's sets are those whose problems are
-/// all proven solvable, where there are any: there every failure is the solver's; less those that few solvers met (less
-/// than half of the number that met the most popular one), the hard cases, and the steps along a dial of conditioning.
+/// problems; without such a solver none is, and `withheld` says why. A situation's sets are all of a kind of scenes; of
+/// random problems those whose problems are all proven solvable, where there are any: there every failure is the
+/// solver's. Left out are sets that few solvers met (less than half of the number that met the most popular one), the
+/// hard cases, and the steps along a dial of conditioning.
 std::vector<Situation> decide(const Summary& summary);
+
+/// One situation: its solvers on the sets, judged and compared.
+Situation judge_situation(const Summary& summary, std::string title, std::vector<std::size_t> sets);
 
 /// Time of `a` over time of `b` on the problems that both solved: ratio of sums; NaN where there are none.
 Estimate time_ratio(const Record& a, const Record& b);

@@ -13,6 +13,7 @@
 #include "study/report/coverage.h"
 #include "study/report/figures.h"
 #include "study/report/hard.h"
+#include "study/report/scenes.h"
 #include "study/report/solver_comparison.h"
 #include "study/report/style.h"
 #include "study/report/text.h"
@@ -129,7 +130,11 @@ std::string decision_table(const Summary& summary, const std::vector<Situation>&
   if (only_special_sets(summary, situations)) return "";
   std::string table = table_head(
       "decision", {{"Contacts"}, {"Use"}, {"Time per problem"}, {"What it gets wrong"}, {"Why not the others"}});
-  for (std::size_t i = 0; i < situations.size(); ++i) table += decision_row(summary, situations[i], i);
+  const bool scenes = std::any_of(summary.sets.begin(), summary.sets.end(),
+                                  [](const SetSummary& set) { return scene_kind(set).has_value(); });
+  for (std::size_t i = 0; i < situations.size(); ++i) {
+    if (!scenes || !situations[i].contenders.empty()) table += decision_row(summary, situations[i], i);
+  }
   return table + kTableEnd;
 }
 
@@ -149,6 +154,12 @@ std::string headline_figure(const Summary& summary, const Figures& figures) {
 std::string chosen_problems(const Summary& summary) {
   if (has_only_hard_sets(summary)) {
     return "<strong>Problems made to break solvers.</strong> The contacts of your robot need not be like any of them.";
+  }
+  const bool only_scenes = std::all_of(summary.sets.begin(), summary.sets.end(),
+                                       [](const SetSummary& set) { return scene_kind(set).has_value(); });
+  if (only_scenes && !summary.sets.empty()) {
+    return "<strong>Captured problems.</strong> These are steps of a few scenes. Your own scenes differ: "
+           "<code>lcpbench capture</code> and <code>capture.h</code> make a set of them.";
   }
   return "<strong>Random problems.</strong> Most problems here are drawn at random, dense and unrelated to each other. "
          "Contacts of your robot have structure; their failure rates will differ.";
@@ -183,15 +194,11 @@ using Json = nlohmann::ordered_json;
 double time_factor(const Cell& a, const Cell& b) {
   double own = 0;
   double others = 0;
-  auto other = b.outcomes.begin();
-  for (const Outcome& outcome : a.outcomes) {
-    while (other != b.outcomes.end() && other->problem < outcome.problem) ++other;
-    if (other == b.outcomes.end()) break;
-    if (other->problem != outcome.problem || !outcome.solved || !other->solved) continue;
-    if (std::isnan(outcome.time_s) || std::isnan(other->time_s)) continue;
-    own += outcome.time_s;
-    others += other->time_s;
-  }
+  lcpbench::for_each_pair(a.outcomes, b.outcomes, &Outcome::problem, [&](const Outcome& left, const Outcome& right) {
+    if (!left.solved || !right.solved || std::isnan(left.time_s) || std::isnan(right.time_s)) return;
+    own += left.time_s;
+    others += right.time_s;
+  });
   return own / others;
 }
 
@@ -292,7 +299,8 @@ struct Section {
   std::string (*html)(const Report&);
 };
 
-const std::vector<Section> kSections{{{{"speed-error", "Every set"}}, speed_error_section},
+const std::vector<Section> kSections{{{{"scenes", "Scenes"}}, scenes_section},
+                                     {{{"speed-error", "Every set"}}, speed_error_section},
                                      {{{"comparison", "Comparing solvers"}}, comparison_section},
                                      {{{"hard", "Hard cases"}}, hard_section},
                                      {{{"claims", "Claim against verdict"}}, claims_section},

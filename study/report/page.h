@@ -19,6 +19,7 @@ struct Figures {
   std::map<std::size_t, Figure> distribution;
   std::map<std::size_t, Figure> time_ecdf;
   std::map<std::size_t, Figure> error_ecdf;
+  std::map<std::size_t, Figure> scene;  ///< by the first set of a scene's family that has a picture
 };
 
 /// All that a report says of a store. Its parts point into its summary.
@@ -41,6 +42,7 @@ std::string figure_html(const std::map<std::size_t, Figure>& figures, std::size_
 // folded; "" where the store has nothing for it. To add a section, declare its function here, define it in a source
 // file, and add its row to kSections in page.cpp.
 
+std::string scenes_section(const Report& report);
 std::string speed_error_section(const Report& report);
 std::string comparison_section(const Report& report);
 std::string hard_section(const Report& report);

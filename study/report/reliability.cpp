@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "study/evaluation/friction_model.h"
 #include "study/report/coverage.h"
 #include "study/report/figures.h"
 #include "study/report/solver_comparison.h"
@@ -32,6 +33,7 @@ std::vector<Record> records_of(const Summary& summary, const std::vector<std::si
   for (auto& [solver, record] : by_solver) {
     Evidence& evidence = record.evidence;
     evidence.met_all_sets = sets_met[solver] == sets.size();
+    evidence.other_model = friction_model(summary.solvers[solver].all_settings) != FrictionModel::kPyramid;
     for (const auto& [set, outcome] : record.outcomes) {
       ++evidence.refused.whole;
       if (outcome->refused) {
@@ -56,7 +58,8 @@ const Record* best_of(const std::vector<Record>& records) {
   const Record* best = nullptr;
   for (const Record& record : records) {
     const Evidence& evidence = record.evidence;
-    if (!evidence.met_all_sets || !has_half_of_most(evidence) || evidence.solved.part == 0) continue;
+    if (evidence.other_model || !evidence.met_all_sets || !has_half_of_most(evidence) || evidence.solved.part == 0)
+      continue;
     if (best == nullptr || evidence.solved.interval().low > best->evidence.solved.interval().low) best = &record;
   }
   return best;
@@ -64,14 +67,11 @@ const Record* best_of(const std::vector<Record>& records) {
 
 /// Does `a` show `property` on significantly more than `b` of the problems that both took?
 bool significantly_more(const Record& a, const Record& b, bool Outcome::*property) {
-  std::int64_t only_a = 0;
-  std::int64_t only_b = 0;
+  PairedCounts counts;
   for_each_pair(a, b, [&](const Outcome& left, const Outcome& right) {
-    if (left.refused || right.refused) return;
-    if (left.*property && !(right.*property)) ++only_a;
-    if (right.*property && !(left.*property)) ++only_b;
+    if (!left.refused && !right.refused) counts.add(left.*property, right.*property);
   });
-  return only_a > only_b && sign_test(only_a, only_b) < kSignificance;
+  return counts.only_first > counts.only_second && counts.p_value() < kSignificance;
 }
 
 /// A bound of the rule: "90 %".
@@ -120,6 +120,7 @@ Reliability judge_reliability(const Evidence& evidence) {
   const bool caught = false_claims.part > 0;
   if (caught && (evidence.more_false_claims || !(false_claims.interval().high <= kFalseClaimBound)))
     return {Standing::kUnreliable, Ground::kFalseClaims};
+  if (evidence.other_model) return {Standing::kPartly, Ground::kOtherModel};
   if (!evidence.met_all_sets) return {Standing::kPartly, Ground::kSomeSets};
   if (!(evidence.refused.value() <= kRefusedBound)) return {Standing::kPartly, Ground::kRefuses};
   if (solved.whole < least_problems()) return {Standing::kTooFew, Ground::kFewProblems};
@@ -141,6 +142,7 @@ const char* to_string(Ground ground) {
     case Ground::kSmallSample: return "small_sample";
     case Ground::kShortOfPlan: return "short_of_plan";
     case Ground::kWideInterval: return "wide_interval";
+    case Ground::kOtherModel: return "other_model";
     case Ground::kSomeSets: return "some_sets";
     case Ground::kRefuses: return "refuses";
   }

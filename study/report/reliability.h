@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "study/report/summary.h"
-#include "study/statistics/statistics.h"
+#include "study/statistics/pairs.h"
 
 // Who may be called reliable: one rule for every section, table and picture.
 
@@ -49,6 +49,7 @@ struct Evidence {
   Share solved;                    ///< of the problems that it took and that are not proven unsolvable
   Share false_claims;              ///< of the problems that it took
   Share refused;                   ///< of the problems that it met
+  bool other_model = false;        ///< its friction is not the problems' pyramid
   bool met_all_sets = true;        ///< met problems of every set in question
   double plan_share = 1;           ///< of the cells planned for these sets: those that are done; 1 where nobody knows
   std::int64_t most_taken = 0;     ///< problems taken by the solver that took the most
@@ -73,6 +74,7 @@ enum class Ground {
   kSmallSample,    ///< too few: less than half as many problems as another solver
   kShortOfPlan,    ///< too few: less than kPlanShare of the plan is done
   kWideInterval,   ///< too few: the interval of its share solved contains kReliableShare
+  kOtherModel,     ///< partly: solves another friction model, and was judged by that
   kSomeSets,       ///< partly: did not meet every set
   kRefuses,        ///< partly: refused more than kRefusedBound, or all
 };
@@ -88,8 +90,7 @@ struct Reliability {
 Reliability judge_reliability(const Evidence& evidence);
 
 /// "reliable", "false_claims", "unsolved", "behind_the_best", "few_problems", "small_sample", "short_of_plan",
-/// "wide_interval",
-/// "some_sets", "refuses": the words of tables.
+/// "wide_interval", "other_model", "some_sets", "refuses": the words of tables.
 const char* to_string(Ground ground);
 
 /// What a solver did on the problems of some sets, in the order of (set, problem).
@@ -103,19 +104,15 @@ struct Record {
 
 /// Every solver that met a problem of `sets` (indices into Summary::sets) and did not refuse all of a set's, judged.
 /// The best is the solver with the surest share solved - the highest lower end - among those that took at least half as
-/// many problems as any other and met all sets. Points into the summary. O(solvers x answers).
+/// many problems as any other, met all sets, and solve the pyramid. Points into the summary. O(solvers x answers).
 std::vector<Record> judged_records(const Summary& summary, const std::vector<std::size_t>& sets);
 
 /// Calls visit(a, b) for every problem that both met.
 template <class Visit>
 void for_each_pair(const Record& a, const Record& b, Visit visit) {
   const auto key = [](const auto& outcome) { return std::pair(outcome.first, outcome.second->problem); };
-  auto other = b.outcomes.begin();
-  for (const auto& outcome : a.outcomes) {
-    while (other != b.outcomes.end() && key(*other) < key(outcome)) ++other;
-    if (other == b.outcomes.end()) return;
-    if (key(*other) == key(outcome)) visit(*outcome.second, *other->second);
-  }
+  lcpbench::for_each_pair(a.outcomes, b.outcomes, key,
+                          [&](const auto& left, const auto& right) { visit(*left.second, *right.second); });
 }
 
 /// true, false, or null where the problems are too few or the solver met a part of them.

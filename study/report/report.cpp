@@ -12,12 +12,14 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "study/evaluation/friction_model.h"
 #include "study/report/canvas.h"
 #include "study/report/decision.h"
 #include "study/report/figures.h"
 #include "study/report/hard.h"
 #include "study/report/page.h"
 #include "study/report/paper.h"
+#include "study/report/scenes.h"
 #include "study/report/solver_comparison.h"
 #include "study/report/speed_error.h"
 #include "study/report/tables.h"
@@ -53,10 +55,6 @@ Json share_json(const report::Share& share) {
           {"high", share.interval().high}};
 }
 
-Json estimate_json(const Estimate& estimate) {
-  return {{"value", estimate.value}, {"low", estimate.low}, {"high", estimate.high}};
-}
-
 /// The decision table as records, one per situation and solver.
 Json decision_json(const Summary& summary, const std::vector<report::Situation>& situations) {
   Json records = Json::array();
@@ -76,8 +74,8 @@ Json decision_json(const Summary& summary, const std::vector<report::Situation>&
                          {"refused", share_json(contender.refused)},
                          {"error_median", contender.median_error},
                          {"error_p99", contender.p99_error},
-                         {"median_time_s", estimate_json(contender.time)},
-                         {"speedup", estimate_json(contender.speedup)}});
+                         {"median_time_s", report::estimate_json(contender.time)},
+                         {"speedup", report::estimate_json(contender.speedup)}});
     }
   }
   return records;
@@ -121,6 +119,14 @@ report::Figures draw_figures(const Summary& summary, const std::vector<SetCompar
     if (auto figure = report::time_ecdf_figure(summary, comparison)) figures.time_ecdf[set] = std::move(*figure);
     if (auto figure = report::error_ecdf_figure(summary, comparison)) figures.error_ecdf[set] = std::move(*figure);
   }
+  for (const report::SceneFamily& family : report::scene_families(summary)) {
+    for (const std::size_t set : family.sets) {
+      auto figure = report::scene_picture(summary.sets[set].name);
+      if (!figure) continue;
+      figures.scene[set] = std::move(*figure);
+      break;
+    }
+  }
   return figures;
 }
 
@@ -142,6 +148,7 @@ void write_figures(const Summary& summary, const report::SpeedErrorStudy& study,
   write(figures.distribution, ".errors.svg", set_name);
   write(figures.time_ecdf, ".ecdf-time.svg", set_name);
   write(figures.error_ecdf, ".ecdf-error.svg", set_name);
+  write(figures.scene, ".scene.svg", set_name);
   const std::optional<std::size_t> headline = report::headline_set(summary);
   const auto figure = headline ? figures.speed_error.find(*headline) : figures.speed_error.end();
   if (figure != figures.speed_error.end()) {
@@ -180,7 +187,8 @@ Json results_json(const Summary& summary, const report::SpeedErrorStudy& study) 
                        {"time_ratio_high", cell.time_ratio.high},
                        {"error_median", cell.error_median},
                        {"error_p99", cell.error_p99},
-                       {"reliability", standing[&cell]}});
+                       {"reliability", standing[&cell]},
+                       {"model", to_string(friction_model(solver.all_settings))}});
   }
   return records;
 }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <set>
 
+#include "study/evaluation/friction_model.h"
+
 namespace lcpbench {
 
 namespace {
@@ -20,7 +22,9 @@ OutcomeTable outcome_table(const Summary& summary, std::size_t set) {
   OutcomeTable table;
   std::set<std::int64_t> problems;
   for (const Cell& cell : summary.cells) {
-    if (cell.set != set || !summary.solvers[cell.solver].sweep.empty() || cell.refused()) continue;
+    const SolverRow& solver = summary.solvers[cell.solver];
+    if (cell.set != set || !solver.sweep.empty() || cell.refused()) continue;
+    if (friction_model(solver.all_settings) != FrictionModel::kPyramid) continue;  // its problems are others
     table.cells.push_back(&cell);
     for (const Outcome& outcome : cell.outcomes) problems.insert(outcome.problem);
   }
@@ -38,29 +42,24 @@ OutcomeTable outcome_table(const Summary& summary, std::size_t set) {
 
 bool took(const Outcome* outcome) { return outcome != nullptr && !outcome->refused; }
 
-PairedCounts count_pair(const OutcomeTable& table, std::size_t a, std::size_t b) {
-  PairedCounts pair{.first = table.cells[a]->solver, .second = table.cells[b]->solver};
+ComparedPair count_pair(const OutcomeTable& table, std::size_t a, std::size_t b) {
+  ComparedPair pair{.first = table.cells[a]->solver, .second = table.cells[b]->solver};
   for (std::size_t row = 0; row < table.problems.size(); ++row) {
     const Outcome* first = table.columns[a][row];
     const Outcome* second = table.columns[b][row];
-    if (!took(first) || !took(second)) continue;
-    ++pair.problems;
-    if (first->solved && second->solved) ++pair.both;
-    if (first->solved && !second->solved) ++pair.only_first;
-    if (!first->solved && second->solved) ++pair.only_second;
-    if (!first->solved && !second->solved) ++pair.neither;
+    if (took(first) && took(second)) pair.solved.add(first->solved, second->solved);
   }
-  pair.p = mcnemar_exact(pair.only_first, pair.only_second);
+  pair.p = pair.solved.p_value();
   return pair;
 }
 
-std::vector<PairedCounts> count_pairs(const OutcomeTable& table) {
-  std::vector<PairedCounts> pairs;
+std::vector<ComparedPair> count_pairs(const OutcomeTable& table) {
+  std::vector<ComparedPair> pairs;
   std::vector<double> p_values;
   for (std::size_t a = 0; a < table.cells.size(); ++a) {
     for (std::size_t b = a + 1; b < table.cells.size(); ++b) {
-      const PairedCounts pair = count_pair(table, a, b);
-      if (pair.problems == 0) continue;
+      const ComparedPair pair = count_pair(table, a, b);
+      if (pair.solved.problems() == 0) continue;
       pairs.push_back(pair);
       p_values.push_back(pair.p);
     }
@@ -409,9 +408,9 @@ std::vector<VirtualBest> virtual_bests(const OutcomeTable& table, std::int64_t p
 
 }  // namespace
 
-std::optional<std::size_t> PairedCounts::better() const {
+std::optional<std::size_t> ComparedPair::better() const {
   if (!(p_holm < kSignificance)) return std::nullopt;
-  return only_first > only_second ? first : second;
+  return solved.only_first > solved.only_second ? first : second;
 }
 
 std::vector<double> Distribution::solved_within(std::span<const double> targets_s) const {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "study/report/summary.h"
-#include "study/statistics/statistics.h"
+#include "study/statistics/pairs.h"
 
 namespace lcpbench {
 
@@ -24,16 +24,12 @@ inline constexpr double kSignificance = 0.05;
 inline constexpr std::array<double, 13> kProfileFactors{1, 1.05, 1.1, 1.25, 1.5, 2, 3, 5, 10, 20, 50, 100, 1000};
 
 /// Two solvers on the problems of a set that both took. Solvers are indices into Summary::solvers here and below.
-struct PairedCounts {
+struct ComparedPair {
   std::size_t first = 0;
   std::size_t second = 0;
-  std::int64_t problems = 0;  ///< both + only_first + only_second + neither; refused ones left out
-  std::int64_t both = 0;      ///< solved by both
-  std::int64_t only_first = 0;
-  std::int64_t only_second = 0;
-  std::int64_t neither = 0;  ///< unsolvable problems among them
-  double p = 1;              ///< exact McNemar
-  double p_holm = 1;         ///< corrected over all pairs of the set
+  PairedCounts solved;  ///< refused problems are left out; unsolvable ones are among those that neither solved
+  double p = 1;         ///< exact McNemar
+  double p_holm = 1;    ///< corrected over all pairs of the set
 
   /// The solver that solves more, if the corrected test tells them apart.
   std::optional<std::size_t> better() const;
@@ -117,7 +113,7 @@ struct VirtualBest {
 /// single outcomes of them.
 struct SetComparison {
   std::size_t set = 0;
-  std::vector<PairedCounts> pairs;
+  std::vector<ComparedPair> pairs;
   std::vector<SolverTimes> times;
   std::vector<Distribution> distributions;
   std::vector<PairProfile> profiles;  ///< against the reference, then against the recommended solver

@@ -14,6 +14,7 @@
 #include "study/report/figures.h"
 #include "study/report/hard.h"
 #include "study/report/solver_comparison.h"
+#include "study/report/tables.h"
 
 namespace lcpbench::report {
 
@@ -75,10 +76,6 @@ std::optional<std::size_t> cheapest_within(const std::vector<SpeedErrorPoint>& p
 /// Did the reference solve a problem of the set that some solver solved too?
 bool has_ratios(const std::vector<const Cell*>& cells) {
   return std::any_of(cells.begin(), cells.end(), [](const Cell* cell) { return !std::isnan(cell->time_ratio.value); });
-}
-
-Json estimate_json(const Estimate& estimate) {
-  return {{"value", estimate.value}, {"low", estimate.low}, {"high", estimate.high}};
 }
 
 std::optional<Spec> spec_of(const std::string& set) {

@@ -65,6 +65,9 @@ th[aria-sort=ascending] button::after { content: " \2191"; }
 th[aria-sort=descending] button::after { content: " \2193"; }
 figure { margin: .8rem 0; }
 figure svg { display: block; width: 100%; min-width: 640px; max-width: 900px; height: auto; margin: 0 auto; }
+.gallery { display: grid; grid-template-columns: repeat(auto-fill, minmax(14rem, 1fr)); gap: .4rem .8rem; align-items: end; }
+.gallery figure { margin: 0; } .gallery figure svg { min-width: 0; max-width: 300px; margin: 0; overflow: hidden; }
+.gallery small { display: block; }
 .matrices { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 36rem), 1fr)); gap: .6rem 1.2rem; }
 .matrices > * { min-width: 0; }
 .matrices table { font-size: .84rem; }

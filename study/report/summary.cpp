@@ -9,6 +9,8 @@
 #include <unordered_set>
 #include <utility>
 
+#include "study/statistics/pairs.h"
+
 namespace lcpbench {
 
 namespace {
@@ -43,7 +45,7 @@ bool asks_for_ill_conditioning(const std::string& set) {
 std::vector<std::pair<std::int64_t, SetSummary>> read_sets(sqlite::Database& store) {
   sqlite::Statement query(store,
                           "SELECT s.id, s.name, COUNT(*), SUM(p.kind <> 'lcp'), SUM(p.nc > 0 AND p.n > p.nc), "
-                          "SUM(t.truth = 'solvable'), MIN(p.n), MAX(p.n) FROM sets s JOIN problems p ON p.set_id = "
+                          "SUM(t.truth = 'solvable'), MIN(p.n), MAX(p.n), SUM(p.kind = 'scene') FROM sets s JOIN problems p ON p.set_id = "
                           "s.id JOIN truths t ON t.problem_id = p.id GROUP BY s.id");
   std::vector<std::pair<std::int64_t, SetSummary>> sets;
   while (query.step()) {
@@ -57,6 +59,7 @@ std::vector<std::pair<std::int64_t, SetSummary>> read_sets(sqlite::Database& sto
     set.ill_conditioned = asks_for_ill_conditioning(set.name);
     set.smallest_n = query.integer(6);
     set.largest_n = query.integer(7);
+    set.rigid_bodies = query.integer(8) == set.problems;
     sets.emplace_back(query.integer(0), std::move(set));
   }
   std::sort(sets.begin(), sets.end(),
@@ -295,33 +298,21 @@ bool is_reference(const SolverRow& solver) {
   return solver.settings.empty() && solver.all_settings.find("engine=dense") != std::string::npos;
 }
 
-/// Times of a solver's cell and of the reference on the problems that both solved.
-struct PairedTimes {
-  std::vector<double> times;
-  std::vector<double> reference;
-};
-
+/// Times of a solver's cells, each paired with the reference's.
 std::vector<PairedTimes> pair_times(const std::vector<Row>& rows, std::size_t cells,
                                     const std::vector<Row>& reference) {
   std::vector<PairedTimes> paired(cells);
-  auto other = reference.begin();
-  for (const Row& row : rows) {
-    while (other != reference.end() && other->problem < row.problem) ++other;
-    if (other == reference.end()) break;
-    if (other->problem != row.problem || !solved(row) || !solved(*other)) continue;
-    if (std::isnan(row.time_s()) || std::isnan(other->time_s())) continue;
-    for (const std::uint32_t number : *row.cells) {
-      paired[number].times.push_back(row.time_s());
-      paired[number].reference.push_back(other->time_s());
-    }
-  }
+  for_each_pair(rows, reference, &Row::problem, [&](const Row& row, const Row& other) {
+    if (!solved(row) || !solved(other)) return;
+    for (const std::uint32_t number : *row.cells) paired[number].add(row.time_s(), other.time_s());
+  });
   return paired;
 }
 
 Estimate plain_ratio(const PairedTimes& paired) {
-  const double total = std::accumulate(paired.times.begin(), paired.times.end(), 0.0);
-  const double reference = std::accumulate(paired.reference.begin(), paired.reference.end(), 0.0);
-  return {reference > 0 ? total / reference : kNoNumber, kNoNumber, kNoNumber};
+  const double total = std::accumulate(paired.first.begin(), paired.first.end(), 0.0);
+  const double reference = std::accumulate(paired.second.begin(), paired.second.end(), 0.0);
+  return {reference > 0 ? total / reference : kNone, kNone, kNone};
 }
 
 /// One solver of a store, and what its cells are called in the summary.
@@ -353,8 +344,8 @@ void add_time_ratios(const std::vector<Row>& rows, const std::vector<Row>* refer
   const std::vector<PairedTimes> paired = pair_times(rows, cells.size(), *reference);
   for (std::size_t number = 0; number < cells.size(); ++number) {
     const PairedTimes& times = paired[number];
-    cells[number].paired = static_cast<std::int64_t>(times.times.size());
-    cells[number].time_ratio = swept ? plain_ratio(times) : ratio_of_sums(times.times, times.reference);
+    cells[number].paired = static_cast<std::int64_t>(times.first.size());
+    cells[number].time_ratio = swept ? plain_ratio(times) : ratio_of_sums(times.first, times.second);
   }
 }
 

@@ -1,3 +1,4 @@
+#include "study/evaluation/friction_model.h"
 #include "study/report/coverage.h"
 #include "study/report/summary.h"
 
@@ -70,6 +71,7 @@ nlohmann::ordered_json cell_json(const Summary& summary, const Cell& cell) {
   json["version"] = solver.version;
   json["isa"] = solver.isa;
   json["sweep"] = solver.sweep;
+  json["model"] = to_string(friction_model(solver.all_settings));
   json["trials"] = cell.trials;
   json["claimed"] = cell.count(Claim::kSolved);
   json["solved"] = cell.count(Verdict::kSolved);

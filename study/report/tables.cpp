@@ -59,10 +59,6 @@ std::string line_of(const Fields& fields, Pick pick) {
   return line + "\n";
 }
 
-Json estimate_json(const Estimate& estimate) {
-  return {{"value", estimate.value}, {"low", estimate.low}, {"high", estimate.high}};
-}
-
 double share_of(std::int64_t part, std::int64_t whole) {
   return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : std::numeric_limits<double>::quiet_NaN();
 }
@@ -73,15 +69,15 @@ class Records {
   explicit Records(const Summary& summary) : summary_(summary) {}
 
   void pairs(const SetComparison& comparison, Json& records) const {
-    for (const PairedCounts& pair : comparison.pairs) {
+    for (const ComparedPair& pair : comparison.pairs) {
       Json record{{"set", set(comparison)},
                   {"first", label(pair.first)},
                   {"second", label(pair.second)},
-                  {"problems", pair.problems},
-                  {"both", pair.both},
-                  {"only_first", pair.only_first},
-                  {"only_second", pair.only_second},
-                  {"neither", pair.neither},
+                  {"problems", pair.solved.problems()},
+                  {"both", pair.solved.both},
+                  {"only_first", pair.solved.only_first},
+                  {"only_second", pair.solved.only_second},
+                  {"neither", pair.solved.neither},
                   {"p", pair.p},
                   {"p_holm", pair.p_holm}};
       record["better"] = pair.better() ? Json(label(*pair.better())) : Json();
@@ -191,6 +187,10 @@ std::string sql_quoted(const std::string& text) {
 }
 
 }  // namespace
+
+Json estimate_json(const Estimate& estimate) {
+  return {{"value", estimate.value}, {"low", estimate.low}, {"high", estimate.high}};
+}
 
 std::string csv_text(std::string_view text) {
   std::string shown = printable(text);

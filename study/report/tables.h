@@ -21,6 +21,9 @@ std::string csv_text(std::string_view text);
 /// what a record lacks is empty
 std::string csv_table(const nlohmann::ordered_json& example, const nlohmann::ordered_json& records);
 
+/// An estimate as the members "value", "low" and "high".
+nlohmann::ordered_json estimate_json(const Estimate& estimate);
+
 /// The comparison tables as arrays of records, by name: "mcnemar", "solver_times", "ecdf", "profiles", "vbs", "chains".
 /// Numbers that are none are NaN, which JSON writes as null.
 nlohmann::ordered_json comparison_tables(const Summary& summary, const std::vector<SetComparison>& comparisons);

@@ -21,7 +21,7 @@ std::unique_ptr<SweptSolver> shared_sweep(const RegisteredSolver& solver, const 
 }  // namespace
 
 std::string why_unavailable(const RegisteredSolver& solver) {
-  if (!solver.unavailable.empty() || solver.native()) return solver.unavailable;
+  if (!solver.unavailable.empty() || solver.in_process()) return solver.unavailable;
   try {
     worker_executable(solver);
     return "";
@@ -40,7 +40,7 @@ bool needs_to_be_told(const RegisteredSolver& solver) {
 }
 
 bool runs_unasked(const RegisteredSolver& solver) {
-  return why_unavailable(solver).empty() && !needs_to_be_told(solver);
+  return why_unavailable(solver).empty() && !needs_to_be_told(solver) && !solver.definition.capabilities.captured_only;
 }
 
 std::unique_ptr<TimedSolver> open_solver(const Spec& spec) {
@@ -49,7 +49,7 @@ std::unique_ptr<TimedSolver> open_solver(const Spec& spec) {
     throw InputError("solver '" + spec.name + "' is not available: " + reason);
   }
   const Spec canonical = canonical_solver_spec(spec);
-  if (solver.native()) return in_process(make_solver(canonical));
+  if (solver.in_process()) return in_process(make_solver(canonical));
   return worker_solver(worker_executable(solver), canonical);
 }
 
@@ -58,7 +58,7 @@ std::unique_ptr<SweptSolver> open_swept_solver(const std::vector<Spec>& cells) {
   if (std::unique_ptr<SweptSolver> shared = shared_sweep(solver, cells)) return shared;
   std::vector<OpenCell> open;
   for (const Spec& cell : cells) open.push_back([cell] { return open_solver(cell); });
-  return one_by_one(std::move(open), solver.native() || cells.size() <= kKeptWorkers);
+  return one_by_one(std::move(open), solver.in_process() || cells.size() <= kKeptWorkers);
 }
 
 }  // namespace lcpbench

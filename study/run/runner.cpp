@@ -18,8 +18,8 @@
 #include "study/certificates/certify_store.h"
 #include "study/certificates/judge.h"
 #include "study/run/result_exchange.h"
-#include "study/store/vector_codec.h"
 #include "study/run/work_queue.h"
+#include "study/store/vector_codec.h"
 
 namespace lcpbench {
 namespace {
@@ -55,9 +55,9 @@ class RowMaker {
 
   bool solvable_by_theory() const { return judge_.findings().has(Evidence::kTheory); }
 
-  AnswerRow row(std::int64_t solver_id, const TimedAnswer& timed) {
+  AnswerRow row(std::int64_t solver_id, const TimedAnswer& timed, FrictionModel model) {
     const Answer& answer = timed.answer;
-    const std::size_t number = judge_.judge(answer);
+    const std::size_t number = judge_.judge(answer, model);
     const Judgement& judgement = judge_.judgement(number);
     if (number == kept_.size()) kept_.push_back({keep(answer.z), keep(answer.velocity), keep(answer.farkas)});
     if (!certificate_kept_ && judge_.certificate()) keep_certificate();
@@ -194,7 +194,8 @@ class Worker {
       sweeps_[solver]->run(problem, request, swept_);
       check_complete(swept_, planned);
       for (SweptAnswer& answer : swept_) {
-        answers.push_back(rows.row(ids_[solver], answer.timed));
+        const std::string& settings = planned.cells[answer.cells.front()].all_settings;
+        answers.push_back(rows.row(ids_[solver], answer.timed, friction_model(settings)));
         answers.back().cells = std::move(answer.cells);
       }
       return;
@@ -202,7 +203,7 @@ class Worker {
     request.repeat_until_s = study_.repeat_until_s;
     if (solvers_[solver] == nullptr) solvers_[solver] = planned.open();
     solvers_[solver]->run(problem, request, timed_);
-    answers.push_back(rows.row(ids_[solver], timed_));
+    answers.push_back(rows.row(ids_[solver], timed_, friction_model(planned.row.all_settings)));
   }
 
   const Study& study_;

@@ -137,9 +137,11 @@ bool is_tie_in_time(const Estimate& ratio) {
   return within_noise || (ratio.low <= 1 && ratio.high >= 1);
 }
 
-double sign_test(std::int64_t first, std::int64_t second) {
-  const std::int64_t tosses = first + second;
-  const std::int64_t fewer = std::min(first, second);
+double mcnemar_exact(std::int64_t only_first, std::int64_t only_second) {
+  if (only_first < 0 || only_second < 0) throw std::invalid_argument("mcnemar_exact: counts must not be negative");
+  // The sign test: the chance that a fair coin splits so many tosses at least this unevenly.
+  const std::int64_t tosses = only_first + only_second;
+  const std::int64_t fewer = std::min(only_first, only_second);
   // Sum of C(tosses, k) / 2^tosses for k <= fewer, each term from the one before, in logarithms against underflow.
   double log_term = -static_cast<double>(tosses) * std::log(2.0);
   double tail = 0;
@@ -148,11 +150,6 @@ double sign_test(std::int64_t first, std::int64_t second) {
     log_term += std::log(static_cast<double>(tosses - k)) - std::log(static_cast<double>(k + 1));
   }
   return std::min(1.0, 2 * tail);
-}
-
-double mcnemar_exact(std::int64_t only_first, std::int64_t only_second) {
-  if (only_first < 0 || only_second < 0) throw std::invalid_argument("mcnemar_exact: counts must not be negative");
-  return sign_test(only_first, only_second);
 }
 
 std::vector<double> holm(std::span<const double> p_values) {

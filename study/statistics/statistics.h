@@ -88,13 +88,10 @@ inline constexpr double kTieInTime = 1.05;
 /// Is a ratio of times not to be told from 1: within 5 % of it, or with an interval that contains it? False for NaN.
 bool is_tie_in_time(const Estimate& ratio);
 
-/// Two-sided exact sign test: the chance that a fair coin splits first + second tosses at least this unevenly. With the
-/// counts of problems that only one of two solvers solved it is McNemar's exact test. 1 for no tosses.
-double sign_test(std::int64_t first, std::int64_t second);
-
 /// Exact two-sided McNemar test (McNemar 1947, with the binomial instead of its normal limit): the chance of an outcome
 /// at least this lopsided among problems that exactly one of two equally good solvers solves. Concordant problems carry
-/// no evidence on the difference. Never above its level; the price is some power when few problems are discordant.
+/// no evidence on the difference. Never above its level; the price is some power when few problems are discordant. 1
+/// for no discordant problems.
 /// @throws std::invalid_argument for negative counts.
 double mcnemar_exact(std::int64_t only_first, std::int64_t only_second);
 

@@ -123,12 +123,14 @@ CREATE VIEW IF NOT EXISTS judged AS
   SELECT a.problem_id, a.solver_id, a.part, a.group_id,
          (SELECT COUNT(*) FROM cell_groups g WHERE g.group_id = a.group_id) AS cells,
          p.set_id, p.seed, p.trial, p.n, a.claim, t.truth,
-         @verdict@ AS verdict
+         @verdict@ AS verdict,
+         @model@ AS model  -- that the answer was measured by
   FROM answers a JOIN verdicts v USING (problem_id, solver_id, part)
+  LEFT JOIN parameterisations c ON c.solver_id = a.solver_id AND c.cell = a.part
   JOIN problems p ON p.id = a.problem_id JOIN truths t ON t.problem_id = a.problem_id;
 CREATE VIEW IF NOT EXISTS judged_cells AS
   SELECT j.problem_id, j.solver_id, g.cell, j.part, c.settings,
-         j.set_id, j.seed, j.trial, j.n, j.claim, j.truth, j.verdict
+         j.set_id, j.seed, j.trial, j.n, j.claim, j.truth, j.verdict, j.model
   FROM judged j JOIN cell_groups g ON g.group_id = j.group_id
   JOIN parameterisations c ON c.solver_id = j.solver_id AND c.cell = g.cell;
 )sql";
@@ -147,8 +149,12 @@ std::string metric_declarations() {
   return text + line;
 }
 
+/// friction_model() of a row c of `parameterisations`.
+constexpr std::string_view kModel =
+    "CASE WHEN instr(',' || c.all_settings || ',', ',cone=true,') > 0 THEN 'cone' ELSE 'pyramid' END";
+
 /// Whether there is this evidence about the problem of a row p of `problems`.
-const char* condition_of(Evidence evidence) {
+std::string condition_of(Evidence evidence) {
   switch (evidence) {
     case Evidence::kCertifiedUnsolvable:
       return "EXISTS (SELECT 1 FROM certificates c WHERE c.problem_id = p.id AND c.certificate = 'unsolvable')";
@@ -157,7 +163,12 @@ const char* condition_of(Evidence evidence) {
     case Evidence::kTheory: return "p.theory = 'solvable'";
     case Evidence::kCertifiedSolution:
       return "EXISTS (SELECT 1 FROM certificates c WHERE c.problem_id = p.id AND c.certificate = 'solution')";
-    case Evidence::kSolvedAnswer: return "EXISTS (SELECT 1 FROM verdicts v WHERE v.problem_id = p.id AND v.solved = 1)";
+    case Evidence::kSolvedAnswer:
+      return fmt::format(
+          "EXISTS (SELECT 1 FROM verdicts v LEFT JOIN parameterisations c ON c.solver_id = v.solver_id AND c.cell = "
+          "v.part "
+          "WHERE v.problem_id = p.id AND v.solved = 1 AND {} = 'pyramid')",
+          kModel);
   }
   return "";
 }
@@ -202,6 +213,7 @@ std::string store_schema() {
   fill_in("@metrics@", metric_declarations());
   fill_in("@truth@", truth_case());
   fill_in("@verdict@", verdict_case());
+  fill_in("@model@", std::string(kModel));
   return schema;
 }
 

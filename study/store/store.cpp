@@ -103,13 +103,17 @@ void check_same_solver(Database& database, const SolverRow& solver, const std::v
                                solver.text(), difference));
 }
 
-/// What `read` makes of the store's content; its complaints get the store's name.
+/// What `read` makes of the store's content; its complaints get the store's name. They quote the content, which in a
+/// damaged store may have any length.
 template <class Read>
 auto from_store(const Database& store, Read read) {
   try {
     return read();
   } catch (const InputError& error) {
-    throw InputError(describe(store.file(), error.what()));
+    constexpr std::size_t kShown = 200;
+    const std::string complaint = error.what();
+    throw InputError(store.file().string() + ": " + complaint.substr(0, kShown) +
+                     (complaint.size() > kShown ? "..." : ""));
   }
 }
 

@@ -51,7 +51,8 @@ const std::vector<SlowReference>& slow_references() {
                                                {"bullet_lemke", 5, frictionless},
                                                {"siconos_avi", 5, frictionless},
                                                {"siconos_lemke", 5, frictionless},
-                                               {"siconos_newton_fb", 5, frictionless}};
+                                               {"siconos_newton_fb", 5, frictionless},
+                                               {"dart_lemke", 5, frictionless}};
   return slow;
 }
 

@@ -77,9 +77,10 @@ std::vector<Problem> hostile_problems() {
   return problems;
 }
 
-/// Debian builds these libraries with their assertions, which end the process.
+/// Debian builds these libraries with their assertions, which end the process. That of Siconos on W_NN is not met.
 bool ends_itself(const std::string& solver, const Answer& answer) {
-  return (solver == "siconos_fc3d" || solver == "simbody_plus") && answer.detail.find("Assertion") != std::string::npos;
+  return (solver == "siconos_fc3d" || solver == "simbody_plus") &&
+         answer.detail.find("Assertion") != std::string::npos && answer.detail.find("MLocal[0") == std::string::npos;
 }
 
 TEST(AdapterHostileTest, EveryProblemGetsAnAnswerOrAReason) {
@@ -106,6 +107,17 @@ TEST(AdapterHostileTest, EveryProblemGetsAnAnswerOrAReason) {
       EXPECT_EQ(after.answer.claim, before.answer.claim) << name << " after " << problem.name();
     }
   }
+}
+
+TEST(AdapterHostileTest, SiconosIsNotAskedToDivideByZero) {
+  if (missing("siconos_fc3d")) GTEST_SKIP();
+  const Problem still = smooth(Vector{{1.0, 0.0}}.asDiagonal(), Vector{{-1.0, 0.5}}, "one that nothing moves");
+  TimedAnswer result;
+  open_solver(parse_spec("siconos_fc3d"))->run(still, {}, result);
+  EXPECT_EQ(result.answer.claim, Claim::kUnsupported) << result.answer.detail;
+  EXPECT_TRUE(result.answer.detail.starts_with("contact 1: its normal impulse does not raise its normal velocity"));
+  open_solver(parse_spec("siconos_fc3d{method=nsn_ac}"))->run(still, {}, result);
+  EXPECT_EQ(result.answer.claim, Claim::kSolved) << result.answer.detail;
 }
 
 }  // namespace

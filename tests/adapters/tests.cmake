@@ -79,6 +79,7 @@ foreach(method moby moby_regularized moby_fast unrevised)
 endforeach()
 
 # Engines that capture scenes.
-lcpbench_test(capture_command LINK lcpbench_io)
+lcpbench_test(capture_command LINK lcpbench_io nlohmann_json::nlohmann_json)
 target_compile_definitions(capture_command_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
 add_dependencies(capture_command_test lcpbench lcpbench_engines)
+lcpbench_test(engine_solver LINK lcpbench_study)

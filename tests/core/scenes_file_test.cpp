@@ -197,7 +197,6 @@ TEST_F(ScenesFileTest, ACutOffFileGivesItsCompleteSteps) {
 TEST_F(ScenesFileTest, ErrorsNameFileLineAndField) {
   const std::string good = plain_line(3);
   EXPECT_EQ(error_of_line(good), "no error");
-  EXPECT_EQ(error_of_line(""), "line 2: does not begin with {\"step\": NUMBER");
   EXPECT_EQ(error_of_line("[1]"), "line 2: does not begin with {\"step\": NUMBER");
   EXPECT_EQ(error_of_line(replaced(good, "3", "-3")), "line 2: does not begin with {\"step\": NUMBER");
   EXPECT_EQ(error_of_line(good + "\n" + good), "line 3: step 3 behind step 3: steps ascend");
@@ -262,16 +261,25 @@ TEST_F(ScenesFileTest, AStepIsAProblemAndAFileIsASet) {
   EXPECT_EQ(open_set("file:" + path() + "#30")->count(), 1);
 }
 
+TEST_F(ScenesFileTest, BlankLinesMayEndAFile) {
+  const std::string line = scenes_line(step_of(0));
+  for (const char* end : {"\n\n", "\n \t\r\n\n", "\n  "}) {
+    const ScenesFile file(write(kHeader + "\n" + line + end));
+    EXPECT_EQ(file.count(), 1u);
+    EXPECT_EQ(file.truncation(), "");
+    EXPECT_EQ(file.line(0), line);
+  }
+  EXPECT_EQ(error_of_line(std::string(100, ' ') + line), "line 2: does not begin with {\"step\": NUMBER");
+  EXPECT_EQ(error_of([&] { ScenesFile scenes(write(kHeader + "\n" + line + "\n\n" + line + "\n")); }),
+            path() + ": line 3: blank, and behind it comes another line");
+}
+
 TEST_F(ScenesFileTest, TheEnginesAnswerGetsItsSlip) {
-  SceneStep step = step_of(0);
-  step.engine_impulses = Vector::Zero(11);
-  const Vector z = engine_answer(step);
+  const Vector z = complete_impulses(*step_of(0).problem.contact(), Vector::Zero(11));
   // Without impulses the velocity stays v = (-1, 0.25, -0.5, 0): the first contact slips at 0.25 along its second half.
   EXPECT_EQ(z.size(), 13);
   EXPECT_EQ(z(11), 0.25);
   EXPECT_EQ(z(12), 0.05);
-  step.engine_impulses = {};
-  EXPECT_EQ(engine_answer(step).size(), 0);
 }
 
 // The collection: what is in the repository is what the program holds.

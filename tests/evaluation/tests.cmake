@@ -1,8 +1,10 @@
 lcpbench_test(quad LINK lcpbench_evaluation)
+lcpbench_test(bounded LINK lcpbench_evaluation)
 lcpbench_test(evaluation LINK lcpbench_evaluation)
 lcpbench_test(island_evaluation LINK lcpbench_evaluation)
 lcpbench_test(backward_error LINK lcpbench_evaluation)
 lcpbench_test(truth LINK lcpbench_evaluation)
+lcpbench_test(friction_model LINK lcpbench_certificates)
 lcpbench_test(verdict LINK lcpbench_study SQLite::SQLite3)
 target_compile_definitions(verdict_test PRIVATE
   LCPBENCH_VERDICTS_PAGE="${PROJECT_SOURCE_DIR}/docs/explanation/verdicts.md"

@@ -484,7 +484,7 @@ StepCounts count_pivots(const BoxStacks& shape, int steps) {
 
 TEST(AutoTest, FromTheLastAnswerARestingStepTakesLessThanHalfThePivots) {
   for (const int edges : {0, 4}) {
-    for (const int height : {1, 3, 6}) {
+    for (const int height : {1, 3, 5}) {
       const StepCounts counts = count_pivots({.stacks = 3, .height = height, .edges = edges, .fresh = 0.2}, 20);
       EXPECT_GT(counts.cold, 0);
       EXPECT_LE(2 * counts.warm, counts.cold) << edges << " edges, height " << height;
@@ -492,6 +492,24 @@ TEST(AutoTest, FromTheLastAnswerARestingStepTakesLessThanHalfThePivots) {
       const StepCounts upset = count_pivots({.stacks = 3, .height = height, .edges = edges}, 10);
       EXPECT_LE(2 * upset.warm, upset.cold) << edges << " edges, height " << height;
     }
+  }
+}
+
+// A path of contact_lemke may end in another solution, in which the stack moves.
+TEST(AutoTest, LargeIslandsThatFrictionMayHoldRest) {
+  const BoxStacks shape{.stacks = 1, .height = 10, .edges = 4, .fresh = 0.2};
+  const auto solver = auto_solver();
+  solver->load(Problem("resting", box_stacks(shape)));
+  Answer last = solve(*solver);
+  for (int step = 1; step <= 5; ++step) {
+    ContactProblem contact = *Problem("resting", box_stacks(shape)).contact();
+    contact.v = falling_velocity(shape, step);
+    solver->update(contact.v);
+    const Vector start = last.z;
+    last = solve(*solver, {.start = &start});
+    expect_verified(Problem("step", contact), last, "step " + std::to_string(step));
+    EXPECT_EQ(last.detail, "friction_ipm, double");
+    EXPECT_LE(last.velocity.lpNorm<Eigen::Infinity>(), 1e-9 * contact.v.lpNorm<Eigen::Infinity>());
   }
 }
 

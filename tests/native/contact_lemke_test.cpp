@@ -647,6 +647,30 @@ TEST(ContactLemkeTest, SolvesLargeIllConditionedProblemsInTime) {
   EXPECT_EQ(answer.detail, "dd");
 }
 
+// Contacts of a symmetric body tie: the first path goes round among twelve bases, and inverting anew changes nothing.
+TEST(ContactLemkeTest, LeavesAPathThatGoesRound) {
+  const Problem problem = open_set("scene/humanoid-lying/mujoco")->generate(1, 9);
+  const Answer answer = solve(problem);
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_TRUE(errors_of(problem, answer).solved);
+  EXPECT_EQ(answer.detail, "second path");
+  EXPECT_LT(answer.counters.pivots, 200);
+
+  ContactLemke brief{ContactLemkeSettings{}};
+  brief.limit_rungs(1);  // of paths that end
+  brief.load(problem);
+  EXPECT_EQ(solve(brief).claim, Claim::kSolved);
+}
+
+// Sums of two doubles take ten times as long as another path in double, which is enough here.
+TEST(ContactLemkeTest, TriesOtherPathsOfLargeKernelsBeforeMoreBits) {
+  const Problem problem = open_set("scene/stack/dart")->generate(1, 2);
+  const Answer answer = solve(problem);
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_TRUE(errors_of(problem, answer).solved);
+  EXPECT_EQ(answer.detail, "second path");
+}
+
 // With a bound that no rounding meets it climbs every rung that it has, and takes the best answer that still counts.
 TEST(ContactLemkeTest, ClimbsOnUntilItsBoundIsMet) {
   const Problem problem = open_set("paper/copositive/exp5-1e8")->generate(62, 5);

@@ -1,5 +1,3 @@
-#include "study/report/solver_comparison.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,6 +6,8 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "study/report/solver_comparison.h"
 
 namespace lcpbench {
 namespace {
@@ -76,12 +76,12 @@ TEST(ComparisonTest, PairsCountProblemsThatBothTook) {
   made.solver("b", "S..S.uSSr");
   const SetComparison comparison = made.compare();
   ASSERT_EQ(comparison.pairs.size(), 1U);
-  const PairedCounts& pair = comparison.pairs[0];
-  EXPECT_EQ(pair.problems, 7);
-  EXPECT_EQ(pair.both, 2);
-  EXPECT_EQ(pair.only_first, 2);
-  EXPECT_EQ(pair.only_second, 1);
-  EXPECT_EQ(pair.neither, 2);
+  const ComparedPair& pair = comparison.pairs[0];
+  EXPECT_EQ(pair.solved.problems(), 7);
+  EXPECT_EQ(pair.solved.both, 2);
+  EXPECT_EQ(pair.solved.only_first, 2);
+  EXPECT_EQ(pair.solved.only_second, 1);
+  EXPECT_EQ(pair.solved.neither, 2);
   EXPECT_DOUBLE_EQ(pair.p, mcnemar_exact(2, 1));
 }
 
@@ -89,7 +89,7 @@ TEST(ComparisonTest, RefusedProblemsAreNoPairs) {
   MadeSummary made(3);
   made.solver("a", "SrS");
   made.solver("b", "S.r");
-  EXPECT_EQ(made.compare().pairs.at(0).problems, 1);
+  EXPECT_EQ(made.compare().pairs.at(0).solved.problems(), 1);
 }
 
 /// 7 : 0 has p = 0.016, significant alone; among three pairs it is not, and the word must not be said.
@@ -103,13 +103,13 @@ TEST(ComparisonTest, WordsNeedTheCorrectedTest) {
   several.solver("a", "SSSSSSS");
   several.solver("b", ".......");
   several.solver("c", "SSSS...");
-  const std::vector<PairedCounts> pairs = several.compare().pairs;
+  const std::vector<ComparedPair> pairs = several.compare().pairs;
   ASSERT_EQ(pairs.size(), 3U);
   EXPECT_LT(pairs[0].p, 0.05);
   EXPECT_DOUBLE_EQ(pairs[0].p_holm, 3 * pairs[0].p);
   EXPECT_EQ(pairs[0].better(), std::optional<std::size_t>(0)) << "0.047 after correction";
   several.solver("d", "SSSS...");
-  const std::vector<PairedCounts> more = several.compare().pairs;
+  const std::vector<ComparedPair> more = several.compare().pairs;
   EXPECT_DOUBLE_EQ(more[0].p_holm, 6 * more[0].p);
   EXPECT_EQ(more[0].better(), std::nullopt) << "0.094 after correction";
 }

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "study/report/report.h"
 #include "study/report/decision.h"
+#include "study/report/report.h"
 #include "study/report/speed_error.h"
 #include "tests/support/program_run.h"
 #include "tests/support/synthetic_store.h"
@@ -256,6 +256,29 @@ TEST_F(EndorsementTest, WhoRefusesIsJudgedByWhatItTook) {
   EXPECT_NE(contender("takes_most").verdict.find("as reliable on what it takes, refused 5.0 %"), std::string::npos)
       << contender("takes_most").verdict;
   EXPECT_EQ(summary_.solvers[report::decide(summary_)[0].contenders[0].solver].name, "takes_all");
+}
+
+/// It solves its own problem, and fast: that recommends it for no other, and makes nobody else fall behind.
+TEST_F(EndorsementTest, ASolverOfTheRoundConeIsNotRankedAmongThoseOfThePyramid) {
+  const auto cone = made_.solver("fc3d", "cone=true");
+  const auto pyramid = made_.solver("lemke", "engine=dense");
+  for (int trial = 0; trial < 60; ++trial) {
+    const bool fails = trial % 15 == 0;
+    made_.problem(kSet, trial, {{cone, {.time_s = 1e-6}}, {pyramid, fails ? kGivesUp : MadeAnswer{}}}, 0, "");
+  }
+  write();
+  EXPECT_EQ(contender("fc3d{cone=true}").verdict, "solves the round cone, another problem; of that solved 100 %");
+  expect_not_endorsed("fc3d", "other_model", nullptr);
+  EXPECT_NE(contender("lemke{engine=dense}").reliability.ground, report::Ground::kBehindTheBest);
+  // Its answers do not show that the pyramid has a solution: lemke's failures are open, not missed.
+  for (const Cell& cell : summary_.cells) {
+    const bool is_cone = summary_.solvers[cell.solver].name == "fc3d";
+    EXPECT_EQ(cell.count(Verdict::kSolved), is_cone ? 60 : 56);
+    EXPECT_EQ(cell.count(Verdict::kOpen), is_cone ? 0 : 4);
+  }
+  const std::string results = read_file(folder_ / "out/tables/results.csv");
+  EXPECT_NE(results.find(",other_model,cone\n"), std::string::npos) << results;
+  EXPECT_NE(results.find(",pyramid\n"), std::string::npos) << results;
 }
 
 TEST_F(EndorsementTest, TheRuleStandsOnThePageAndInTheSummaryWithItsNumbers) {

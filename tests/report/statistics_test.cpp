@@ -204,13 +204,13 @@ TEST(StatisticsTest, TiesInTimeAreCloseToOneOrUnsure) {
   EXPECT_FALSE(is_tie_in_time({std::nan(""), std::nan(""), std::nan("")}));
 }
 
-TEST(StatisticsTest, SignTestCountsCoins) {
-  EXPECT_EQ(sign_test(0, 0), 1);
-  EXPECT_DOUBLE_EQ(sign_test(0, 5), 2.0 / 32);
-  EXPECT_DOUBLE_EQ(sign_test(1, 7), 2.0 * 9 / 256);
-  EXPECT_EQ(sign_test(3, 3), 1);
-  EXPECT_EQ(sign_test(7, 1), sign_test(1, 7));
-  EXPECT_LT(sign_test(0, 5000), 1e-300);
+TEST(StatisticsTest, McNemarCountsCoins) {
+  EXPECT_EQ(mcnemar_exact(0, 0), 1);
+  EXPECT_DOUBLE_EQ(mcnemar_exact(0, 5), 2.0 / 32);
+  EXPECT_DOUBLE_EQ(mcnemar_exact(1, 7), 2.0 * 9 / 256);
+  EXPECT_EQ(mcnemar_exact(3, 3), 1);
+  EXPECT_EQ(mcnemar_exact(7, 1), mcnemar_exact(1, 7));
+  EXPECT_LT(mcnemar_exact(0, 5000), 1e-300);
 }
 
 /// The two examples of Fagerland, Lydersen and Laake (BMC Medical Research Methodology 13:91, 2013), who print 0.070

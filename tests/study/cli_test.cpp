@@ -160,7 +160,7 @@ TEST_F(CommandLineTest, AMissingWorkerProgramMakesItsSolversUnavailable) {
   const ProgramRun study = run("run smoke --trials 1 --store alone.db");
   unsetenv("LCPBENCH_WORKER_DIR");
   for (const json& solver : solvers) {
-    EXPECT_EQ(solver["available"], solver["origin"] == "native") << solver["name"];
+    EXPECT_EQ(solver["available"], solver["origin"] != "library") << solver["name"];
     EXPECT_EQ(solver["reason"].get<std::string>().empty(), solver["available"].get<bool>()) << solver["name"];
   }
   EXPECT_EQ(study.exit_code, 0) << study.err;
@@ -309,6 +309,7 @@ TEST_F(CommandLineTest, SolveJson) {
     expect_fields(row, {{"problem", "o"},
                         {"solver", "s"},
                         {"settings", "s"},
+                        {"model", "s"},
                         {"claim", "s"},
                         {"verdict", "s"},
                         {"truth", "s"},

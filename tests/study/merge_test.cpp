@@ -39,14 +39,18 @@ TEST(MergeTest, DraftOfAConflictLeavesNothing) {
   for (const char* name : {"out.db", "out.db.merging", "out.db.merging-wal"}) EXPECT_FALSE(fs::exists(folder / name));
 }
 
-/// Rows of two keys that the rest of a table takes for one are no merge of equal rows.
-TEST(MergeTest, RowThatDoesNotFitIsNotLeftOutInSilence) {
+/// A store whose ids are not those of its rows would give two rows of one name.
+TEST(MergeTest, RowUnderTheIdOfAnotherIsRefusedWithItsStoreAndTable) {
   const ScratchFolder folder;
   fill(folder / "a.db");
-  fs::copy_file(folder / "a.db", folder / "b.db");
-  change_rows(folder / "b.db", "UPDATE problems SET id = id + 1");
-  EXPECT_THROW(merge_stores(folder / "out.db", {folder / "a.db", folder / "b.db"}), std::exception);
-  EXPECT_FALSE(fs::exists(folder / "out.db"));
+  for (const std::string table : {"runs", "sets", "solvers", "problems"}) {
+    fs::copy_file(folder / "a.db", folder / "b.db", fs::copy_options::overwrite_existing);
+    change_rows(folder / "b.db", "UPDATE " + table + " SET id = id - 1");
+    const std::string error = input_error([&] { merge_stores(folder / "out.db", {folder / "a.db", folder / "b.db"}); });
+    EXPECT_TRUE(error.starts_with((folder / "b.db").string() + ": the store is damaged: table " + table + ", row id="))
+        << error;
+    EXPECT_FALSE(fs::exists(folder / "out.db"));
+  }
 }
 
 TEST(MergeTest, InputThatWentAwayIsNamedAndNotMadeAnew) {

@@ -2,6 +2,7 @@
 
 #include "study/run/plan.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -9,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/registry.h"
+#include "generators/scenes/scenes.h"
 #include "study/run/study.h"
 #include "tests/support/study_support.h"
 
@@ -146,6 +148,36 @@ TEST(PlanTest, BuiltInPlansArePlansInTheFormOfAFile) {
     std::ofstream(file) << builtin_plan_text(name);
     EXPECT_EQ(plan_json(load_plan(file)), plan_json(plan));
   }
+}
+
+std::vector<std::string> scenes_of(const Study& study) {
+  std::vector<std::string> names;
+  for (const StudySet& set : study.sets) {
+    if (set.set->name().starts_with("scene/")) names.push_back(set.set->name());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+/// A scene that is added to the collection is in both plans, and in `quick` for a few steps.
+TEST(PlanTest, TheCollectedScenesAreAllInTheStudyOfScenesAndAShareInTheQuickOne) {
+  std::vector<std::string> all;
+  for (const CollectedScene& scene : collected_scenes()) all.push_back(scene.name);
+  std::sort(all.begin(), all.end());
+  const Study scenes = resolve(load_plan("scenes"));
+  EXPECT_EQ(scenes_of(scenes), all);
+  EXPECT_EQ(scenes.sets.size(), all.size());
+  for (const StudySet& set : scenes.sets) EXPECT_EQ(set.trials, set.set->count()) << set.set->name();
+
+  const Study quick = resolve(load_plan("quick"));
+  EXPECT_EQ(scenes_of(quick), all);
+  std::int64_t steps = 0;
+  for (const StudySet& set : quick.sets) {
+    if (!set.set->name().starts_with("scene/")) continue;
+    EXPECT_LE(set.trials, 5) << set.set->name();
+    steps += set.trials;
+  }
+  EXPECT_LE(steps, 250);
 }
 
 TEST(PlanTest, WhatIsNoPlanFileIsCalledWhatItIs) {

@@ -345,15 +345,15 @@ TEST(StoreTest, SweepOverAnotherGridIsRefused) {
 }
 
 /// The verdicts of format 3 knew nothing of islands, and had one for answers that pass the paper's criterion alone.
-/// Format 4 had no checksums.
+/// Format 4 had no checksums. Format 5 judged answers to the round cone by the pyramid.
 TEST(StoreTest, OlderFormatIsRefusedInOneLine) {
   const ScratchFolder folder;
   fill(folder / "s.db", Vector::Ones(2));
-  for (const int format : {1, 2, 3, 4}) {
+  for (const int format : {1, 2, 3, 4, 5}) {
     sqlite::Database(folder / "s.db", sqlite::Mode::kReadWriteCreate)
         .execute(fmt::format("PRAGMA user_version = {}", format));
     const std::string expected = fmt::format(
-        "{}: store format {}, this lcpbench reads format 5 alone: verdicts mean something else there; use "
+        "{}: store format {}, this lcpbench reads format 6 alone: verdicts mean something else there; use "
         "another store (`run --fresh` replaces it)",
         (folder / "s.db").string(), format);
     EXPECT_EQ(input_error([&] { Store::open_for_reading(folder / "s.db"); }), expected);
@@ -399,6 +399,40 @@ TEST(StoreTest, DamagedFileIsAnInputError) {
   EXPECT_NE(cause.find("damaged"), std::string::npos) << cause;
 }
 
+/// A report of such a store would look for cells that are not there.
+TEST(StoreTest, SolverWithoutItsCellsIsDamage) {
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder / "s.db";
+  for (const char* sql : {"UPDATE parameterisations SET solver_id = -1", "UPDATE parameterisations SET cell = cell + 1",
+                          "UPDATE solvers SET cells = 2", "UPDATE solvers SET cells = -1"}) {
+    std::filesystem::remove(file);
+    fill(file, Vector::Ones(2));
+    change_rows(file, sql);
+    Store store = Store::open_for_reading(file);
+    const std::string error = input_error([&] { store.check(); });
+    EXPECT_TRUE(error.starts_with(file.string() + ": the store is damaged: table solvers, row id=")) << error;
+  }
+}
+
+/// Sums over such rows would exceed 64 bits.
+TEST(StoreTest, IntegersOutOfTheirRangeAreDamage) {
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder / "s.db";
+  const std::pair<const char*, const char*> damages[] = {
+      {"problems", "n = -1"},         {"answers", "pivots = 9223372036854775807"},
+      {"answers", "iterations = -2"}, {"verdicts", "solved = 2"},
+      {"verdicts", "worst_row = -1"}, {"timings", "repeats = -1"}};
+  for (const auto& [table, change] : damages) {
+    std::filesystem::remove(file);
+    fill(file, Vector::Ones(2));
+    change_rows(file, fmt::format("UPDATE {} SET {}", table, change));
+    Store store = Store::open_for_reading(file);
+    const std::string error = input_error([&] { store.check(); });
+    EXPECT_TRUE(error.starts_with(fmt::format("{}: the store is damaged: table {}, row ", file.string(), table)))
+        << error;
+  }
+}
+
 TEST(StoreTest, WordThatIsNoClaimNamesTheStore) {
   const ScratchFolder folder;
   const std::filesystem::path file = folder / "s.db";
@@ -407,6 +441,9 @@ TEST(StoreTest, WordThatIsNoClaimNamesTheStore) {
   Store store = Store::open_for_reading(file);
   EXPECT_EQ(input_error([&] { store.for_each_answer([](const StoredAnswer&) {}); }),
             file.string() + ": unknown claim 'sure'");
+  const std::string long_word(1'000'000, 'x');
+  EXPECT_EQ(input_error([&] { stored_claim(store.database(), long_word); }),
+            file.string() + ": " + ("unknown claim '" + long_word).substr(0, 200) + "...");
 }
 
 TEST(StoreTest, NamesThatSqliteReadsOtherwiseAreFiles) {

@@ -1,0 +1,43 @@
+#include "core/registry.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr Capabilities kCapabilities{.needs = Needs::kFactored, .captured_only = true};
+
+struct EngineSettings {
+  void visit(auto&&) {}
+};
+
+/// The answer that an engine gave when the step was captured. Engines report no failure, so that it counts as claimed.
+class EngineAnswer final : public Solver {
+ public:
+  explicit EngineAnswer(const EngineSettings&) {}
+  const Capabilities& capabilities() const override { return kCapabilities; }
+
+ protected:
+  void on_load(const Problem& problem) override {
+    z_ = complete_impulses(*problem.contact(), *problem.engine_impulses());
+  }
+
+  void on_solve(const SolveRequest&, Answer& answer) override {
+    answer.z = z_;
+    answer.claim = Claim::kSolved;
+    answer.detail = "recorded; the time is not the engine's";
+  }
+
+ private:
+  Vector z_;
+};
+
+}  // namespace
+
+SolverDefinition lcpbench_solver_engine() {
+  return define_solver<EngineAnswer, EngineSettings>(
+      {.name = "engine",
+       .summary = "the engine's own answer to a captured step, as its file has it",
+       .source = "the engine that the step was captured from; the least lambda completes its impulses",
+       .capabilities = kCapabilities});
+}
+
+}  // namespace lcpbench

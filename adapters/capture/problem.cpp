@@ -1,0 +1,102 @@
+#include "adapters/capture/problem.h"
+
+#include <utility>
+#include <vector>
+
+namespace lcpbench::capture {
+namespace {
+
+/// Its halves first, as capture.h does.
+Matrix symmetric(const Matrix& matrix) { return 0.5 * matrix + 0.5 * matrix.transpose(); }
+
+RigidContact rigid_contact(const ContactState& state) {
+  RigidContact contact{.body_a = state.body_a, .body_b = state.body_b, .point = state.point, .normal = state.normal};
+  const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
+  const bool turned = contact.body_a == kWorld;  // the world stands second
+  if (turned) {
+    std::swap(contact.body_a, contact.body_b);
+    contact.normal = zero - state.normal;
+  }
+  if (state.edges != 0) {
+    contact.tangent = turned ? Eigen::Vector3d(zero - state.tangent) : state.tangent;
+    contact.mu = state.mu;
+    contact.edges = state.edges;
+  }
+  contact.b = state.offset;
+  return contact;
+}
+
+RigidScene rigid_scene(const Snapshot& snapshot) {
+  RigidScene scene;
+  for (const BodyState& body : snapshot.bodies) {
+    scene.bodies.push_back(
+        {body.mass, symmetric(body.inertia), body.position, body.linear_velocity, body.angular_velocity});
+  }
+  for (const ContactState& state : snapshot.contacts) scene.contacts.push_back(rigid_contact(state));
+  return scene;
+}
+
+/// Columns that are filled one after the other.
+class Columns {
+ public:
+  void add(const Rows& rows, const Eigen::VectorXd& values, double sign) {
+    for (std::size_t k = 0; k < rows.coordinates.size(); ++k) {
+      const double value = sign * values(static_cast<Index>(k));
+      if (value != 0) entries_.emplace_back(rows.coordinates[k], count_, value);
+    }
+    ++count_;
+  }
+  SparseMatrix matrix(Index rows) const {
+    SparseMatrix result(rows, count_);
+    result.setFromTriplets(entries_.begin(), entries_.end());
+    return result;
+  }
+
+ private:
+  std::vector<Eigen::Triplet<double>> entries_;
+  int count_ = 0;
+};
+
+ContactProblem contacts_of_blocks(const Snapshot& snapshot) {
+  ContactProblem problem;
+  BlockInertia inertia;
+  Index size = 0;
+  for (const BlockState& block : snapshot.blocks) {
+    inertia.blocks.push_back(symmetric(block.mass));
+    problem.v.conservativeResize(size + block.velocity.size());
+    problem.v.tail(block.velocity.size()) = block.velocity;
+    size += block.velocity.size();
+  }
+  problem.inertia = std::move(inertia);
+  Columns N;
+  Columns D;
+  const auto count = static_cast<Index>(snapshot.contacts.size());
+  problem.mu = Vector::Zero(count);
+  Vector b = Vector::Zero(count);
+  for (const ContactState& contact : snapshot.contacts) {
+    const auto i = static_cast<Index>(problem.edges.size());
+    const Rows& rows = *contact.rows;
+    N.add(rows, rows.normal, 1);
+    problem.edges.push_back(contact.edges);
+    b(i) = contact.offset;
+    if (contact.edges == 0) continue;
+    problem.mu(i) = contact.mu;
+    for (const double sign : {1.0, -1.0}) {
+      D.add(rows, rows.tangent, sign);
+      D.add(rows, rows.second_tangent, sign);
+    }
+  }
+  problem.N = N.matrix(size);
+  problem.D = D.matrix(size);
+  if (!b.isZero(0)) problem.b = b;
+  return problem;
+}
+
+}  // namespace
+
+Problem problem_of(const Snapshot& snapshot) {
+  if (snapshot.blocks.empty()) return {"", rigid_scene(snapshot)};
+  return {"", contacts_of_blocks(snapshot)};
+}
+
+}  // namespace lcpbench::capture

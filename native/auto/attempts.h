@@ -1,0 +1,80 @@
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "core/problem.h"
+#include "native/auto/methods.h"
+#include "native/auto/plan.h"
+#include "native/auto/settings.h"
+
+namespace lcpbench {
+
+/// One solver of each method, with the memory of the largest problem so far, most of which is never touched. For
+/// whatever the first method of an island gave up on.
+class SharedMethods {
+ public:
+  SharedMethods();
+
+  Solver& of(AutoMethod method);
+  /// Takes the memory for load() of a dense method. @pre fits_in_advance(method, problem)
+  void reserve(AutoMethod method, const Problem& problem);
+  /// What the rungs of contact_lemke beyond double run on, for all islands: they take turns.
+  const std::shared_ptr<LaterEngines>& later_engines() const { return later_; }
+
+ private:
+  std::shared_ptr<LaterEngines> later_;
+  std::array<std::unique_ptr<Solver>, kAutoMethods> solvers_;
+};
+
+/// A contact problem with its plan: tries one method after the other until one does not give up.
+///
+/// The first method is loaded by load(). Dense ones that follow are loaded in solve(), with memory that was taken
+/// before; any other that follows is loaded in the first solve() that needs it, which allocates.
+class Attempts {
+ public:
+  Attempts(const AutoSettings& settings, SharedMethods& shared) : settings_(settings), shared_(shared) {}
+
+  /// @param problem must outlive the next load @param v the velocity now
+  void load(const Problem& problem, const Vector& v);
+  /// The same, but the first method is loaded by the next update(); a solve() before that leaves it out.
+  /// @returns false where there is no other, and nothing was put off
+  bool load_when_needed(const Problem& problem, const Vector& v);
+
+  /// Whether what is put off until a solve is then done by a method that may take a hundred times as long.
+  bool has_stand_in() const { return plan_.front().method == AutoMethod::kVelocityIpm; }
+
+  /// Another velocity. Loads the first method where that was put off, or is another one now.
+  void update(const Vector& v);
+  /// The same, but what was put off stays so, and the plan too. Allocates nothing.
+  void set_velocity(const Vector& v);
+
+  /// @param request its time limit is not used: limits has it
+  void solve(const SolveRequest& request, const AutoLimits& limits, Answer& answer, AutoReport& report);
+
+  /// The velocity of an answer that came without. O(ngc^2)
+  void respond(const Answer& answer, Vector& u);
+
+ private:
+  bool is_loaded(AutoMethod method) const { return loaded_[static_cast<std::size_t>(method)]; }
+  Solver& own(AutoMethod method) { return *own_[static_cast<std::size_t>(method)]; }
+  void load_own(AutoMethod method);
+  void reserve_what_follows();
+  bool is_left_out(const AutoTry& now) const;
+  Solver& ready(AutoMethod method);
+  bool tried(const AutoTry& now, const SolveRequest& request, bool is_last, const AutoLimits& limits, Answer& answer,
+             AutoReport& report);
+
+  const AutoSettings& settings_;
+  SharedMethods& shared_;
+  const Problem* problem_ = nullptr;
+  Vector v_;
+  AutoPlan plan_;
+  std::array<std::unique_ptr<Solver>, kAutoMethods> own_;
+  std::array<bool, kAutoMethods> loaded_{};  ///< whether the own solver holds the problem
+  bool is_put_off_ = false;
+  Solver* answered_ = nullptr;  ///< what gave the last answer
+  AutoMethod answered_by_ = AutoMethod::kActiveSet;
+};
+
+}  // namespace lcpbench

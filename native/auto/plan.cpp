@@ -1,0 +1,125 @@
+#include "native/auto/plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <variant>
+
+#include "native/answer_test/contact_solvability.h"
+#include "native/contact_lemke/contact_lemke.h"
+
+namespace lcpbench {
+namespace {
+
+// Sizes of an island: contacts times coordinates. docs/reference/solvers/auto.md has the measurements.
+
+/// Below this the ladder of contact_lemke is over before another method is loaded.
+constexpr Index kTiny = 100;
+/// From this on friction_ipm is faster than contact_lemke where contacts do not slide.
+constexpr Index kLarge = 800;
+/// From this on psor takes less time than the rungs of contact_lemke beyond double.
+constexpr Index kHuge = 8000;
+
+/// ngc (ngc + nc) of a problem up to which memory is taken in advance: half a gigabyte of addresses.
+constexpr Index kMostEntries = 1'000'000;
+
+double dot_column(const Jacobian& J, Index column, const Vector& v) {
+  return std::visit([&](const auto& matrix) { return matrix.col(column).dot(v); }, J);
+}
+
+/// Whether friction may hold every contact: the fastest slip is no faster than the largest mu times the fastest
+/// approach.
+bool may_stick(const ContactProblem& contact, const Vector& v) {
+  double approach = 0;
+  double slip = 0;
+  double mu = 0;
+  Index direction = 0;
+  for (Index c = 0; c < contact.nc(); ++c) {
+    const int edges = contact.edges[static_cast<std::size_t>(c)];
+    approach = std::max(approach, -(dot_column(contact.N, c, v) + contact.offset(c)));
+    mu = std::max(mu, contact.mu(c));
+    for (Index t = 0; t < edges / 2; ++t) slip = std::max(slip, std::abs(dot_column(contact.D, direction + t, v)));
+    direction += edges;
+  }
+  return slip <= mu * approach;
+}
+
+bool may_be_singular(const ContactProblem& contact) {
+  const bool is_regular =
+      std::holds_alternative<BlockInertia>(contact.inertia) || std::holds_alternative<DenseInertia>(contact.inertia);
+  return !is_regular && ContactSolvability::is_asked(contact);
+}
+
+bool lemke_takes(const Problem& problem) { return problem.size() <= contact_lemke_capabilities({}).max_size; }
+
+AutoPlan frictionless_plan(const AutoSettings& settings, const Problem& problem, bool sparse) {
+  AutoPlan plan;
+  const bool by_interior = sparse && problem.contact()->nc() >= settings.sparse_from;
+  if (by_interior) plan.add(AutoMethod::kVelocityIpm);
+  if (!by_interior || fits_in_advance(AutoMethod::kActiveSet, problem)) plan.add(AutoMethod::kActiveSet);
+  if (fits_in_advance(AutoMethod::kContactLemke, problem)) plan.add(AutoMethod::kContactLemke);
+  return plan;
+}
+
+/// Of islands that are not too large for contact_lemke.
+AutoPlan frictional_plan(const ContactProblem& contact, const Vector& v) {
+  using enum AutoMethod;
+  AutoPlan plan;
+  const Index size = contact.nc() * contact.ngc();
+  const bool is_scene = std::holds_alternative<BlockInertia>(contact.inertia);
+  if (size < kLarge && may_be_singular(contact)) {  // only contact_lemke tells what has a solution from what has none
+    plan.add(kContactLemke);
+  } else if (size < (is_scene ? kTiny : kLarge)) {
+    plan.add(kContactLemke);
+    plan.add(kFrictionIpm);
+    plan.add(kPsor);
+  } else if (size < kLarge) {
+    plan.add(kContactLemke, true);
+    plan.add(kFrictionIpm);
+    plan.add(kContactLemke);
+    plan.add(kPsor);
+  } else {
+    const bool sticks = may_stick(contact, v);
+    if (sticks) plan.add(kFrictionIpm, true);
+    plan.add(kContactLemke, true);
+    if (is_scene || sticks) plan.add(kFrictionIpm);
+    if (size >= kHuge) plan.add(kPsor);
+    plan.add(kContactLemke);
+    if (!is_scene && !sticks) plan.add(kFrictionIpm);
+    if (size < kHuge) plan.add(kPsor);
+  }
+  return plan;
+}
+
+}  // namespace
+
+bool fits_in_advance(AutoMethod method, const Problem& problem) {
+  const ContactProblem& contact = *problem.contact();
+  if (contact.ngc() * (contact.ngc() + contact.nc()) > kMostEntries) return false;
+  return method == AutoMethod::kActiveSet || lemke_takes(problem);
+}
+
+AutoPlan plan_for(const AutoSettings& settings, const Problem& problem, const Vector& v) {
+  using enum AutoMethod;
+  const ContactProblem& contact = *problem.contact();
+  const bool sparse =
+      std::holds_alternative<BlockInertia>(contact.inertia) && std::holds_alternative<SparseMatrix>(contact.N);
+  if (!contact.frictional()) return frictionless_plan(settings, problem, sparse);
+  const bool is_large = sparse && problem.size() >= settings.sparse_friction_from;
+  if (!is_large && lemke_takes(problem)) return frictional_plan(contact, v);
+  AutoPlan plan;
+  plan.add(kFrictionIpm);
+  if (!fits_in_advance(kContactLemke, problem)) {
+    plan.add(kPsor);
+    return plan;
+  }
+  const Index size = contact.nc() * contact.ngc();
+  if (size >= kHuge) {
+    plan.add(kContactLemke, true);
+    plan.add(kPsor);
+  }
+  plan.add(kContactLemke);
+  if (size < kHuge) plan.add(kPsor);
+  return plan;
+}
+
+}  // namespace lcpbench

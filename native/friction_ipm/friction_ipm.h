@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "core/solver.h"
+
+namespace lcpbench {
+
+/// friction_ipm with limits that may change from one solve to the next.
+class LimitedFrictionIpm : public Solver {
+ public:
+  /// From now on at most so many convex problems, and solved is claimed only up to this residual (accept_residual).
+  virtual void limit_rounds(std::int64_t rounds, double accept_residual) = 0;
+  /// As the settings have it.
+  virtual void unlimit_rounds() = 0;
+};
+
+/// Claims only what is within 3e-5 of max|q|: those who ask have other methods, which come nearer.
+std::unique_ptr<LimitedFrictionIpm> make_friction_ipm();
+
+}  // namespace lcpbench

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "core/settings.h"
+#include "core/solver.h"
+#include "native/answer_test/answer_test.h"
+#include "native/principal_pivoting/principal_tableau.h"
+
+namespace lcpbench {
+
+/// The settings that all methods of principal pivots have.
+struct PrincipalSettings {
+  std::int64_t max_pivots = 0;
+  double data_error = 1e-14;
+  double accept_residual = 1e-6;
+
+  void visit_limit(auto&& field) {
+    field("max_pivots", max_pivots, IntegerRange{.min = 0}, "0 stands for max(1000, n^2), the paper's limit");
+  }
+  void visit_accuracy(auto&& field) {
+    field("data_error", data_error, RealRange{.min = 0, .max = 1},
+          "relative error of M and q: values that errors of this size could make 0 count as 0");
+    field(
+        "accept_residual", accept_residual, RealRange{.min = 0},
+        "asked for before the test of every claim: max|min(c_i z_i, w_i)| <= this * max|q|, c_i the largest |entry| of "
+        "M's column i");
+  }
+};
+
+/// A method that exchanges z_i and w_i in a tableau until no basic variable is negative.
+class PrincipalSolver : public Solver {
+ protected:
+  enum class End { kNonnegative, kUnblocked, kNoPivot, kSingularBasis, kPivotLimit, kTimeLimit };
+
+  /// @param no_pivot  static text: what the answer says at End::kNoPivot
+  PrincipalSolver(const PrincipalSettings& settings, const char* no_pivot)
+      : data_error_(settings.data_error), settings_(settings), no_pivot_(no_pivot) {}
+
+  /// Ends with kUnblocked only after it wrote farkas_. May allocate nothing.
+  virtual End run(double deadline_s, Counters& counters) = 0;
+
+  void on_load(const Problem& problem) override;
+  void on_solve(const SolveRequest& request, Answer& answer) final;
+
+  bool rebuild_tableau(Counters& counters) {
+    ++counters.factorizations;
+    return tableau_.rebuild();
+  }
+
+  const double data_error_;
+  PrincipalTableau tableau_;
+  std::int64_t pivot_limit_ = 0;
+  Vector bounds_;  // n: errors of the constants
+  Vector farkas_;  // n
+
+ private:
+  PrincipalSettings settings_;
+  const char* no_pivot_;
+  AnswerTest test_;
+};
+
+}  // namespace lcpbench

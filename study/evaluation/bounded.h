@@ -1,0 +1,233 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <exception>
+#include <limits>
+#include <vector>
+
+#include "core/quad.h"
+
+namespace lcpbench {
+
+/// Thrown where the bound of a Bounded leaves open what 113 bits would say.
+struct Doubt : std::exception {
+  const char* what() const noexcept override { return "the bound on the rounding leaves this open"; }
+};
+
+/// The sum of two doubles, about 106 bits, and a bound on its error: the arithmetic in which the evaluation looks
+/// first.
+///
+/// The number meant differs from high + low by at most 2 error. The factor makes up for the rounding of the bounds
+/// themselves, of which each operation loses a few parts in 2^53. What leaves the range of a double ends as NaN or with
+/// an infinite error, and what comes near its lower end with an error to match, so that no decision is taken on it.
+/// Operations on numbers that need no rounding add no error. Relies on arithmetic as written (no contraction).
+struct Bounded {
+  double high = 0;
+  double low = 0;
+  double error = 0;
+
+  Bounded() = default;
+  Bounded(double value) : high(value) {}  // NOLINT: doubles convert as they do to Quad
+  Bounded(double first, double second, double bound) : high(first), low(second), error(bound) {}
+
+  bool exact() const { return error == 0; }
+};
+
+namespace bounded {
+
+constexpr double kRoundoff = 0x1p-53;
+/// Products of a smaller magnitude may lose bits below the range of a double, less than kLost.
+constexpr double kSmallProduct = 0x1p-900;
+constexpr double kLost = 0x1p-1000;
+
+/// Two doubles whose sum is exactly that of `a` and `b`, or their product.
+struct Pair {
+  double high;
+  double low;
+};
+
+inline Pair exact_sum(double a, double b) {
+  const double sum = a + b;
+  const double part = sum - a;
+  return {sum, (a - (sum - part)) + (b - part)};
+}
+
+/// The leading 26 bits and the rest. [Veltkamp 1968]
+inline Pair split(double a) {
+  const double scaled = 134217729.0 * a;
+  const double leading = scaled - (scaled - a);
+  return {leading, a - leading};
+}
+
+/// [Dekker 1971] Without a fused multiply-add, which is slow where the processor is not known to have it.
+inline Pair exact_product(double a, double b) {
+  const double product = a * b;
+  const Pair x = split(a), y = split(b);
+  return {product, ((x.high * y.high - product) + x.high * y.low + x.low * y.high) + x.low * y.low};
+}
+
+inline Bounded unknown() {
+  return {std::numeric_limits<double>::quiet_NaN(), 0, std::numeric_limits<double>::infinity()};
+}
+
+/// What the rounding of a product of these leading parts may have lost at the lower end of the range.
+inline double lost(double product, double a, double b) {
+  return std::abs(product) > kSmallProduct || a == 0 || b == 0 ? 0 : kLost;
+}
+
+/// high + low, `error` covering all else.
+inline Bounded normalised(double high, double low, double error) {
+  const Pair sum = exact_sum(high, low);
+  return {sum.high, sum.low, error};
+}
+
+}  // namespace bounded
+
+using BoundedVector = std::vector<Bounded>;
+
+inline bool is_finite(const Bounded& x) {
+  return std::isfinite(x.high) && std::isfinite(x.low) && std::isfinite(x.error);
+}
+
+inline Bounded operator-(const Bounded& a) { return {-a.high, -a.low, a.error}; }
+
+inline Bounded operator+(const Bounded& a, const Bounded& b) {
+  const bounded::Pair sum = bounded::exact_sum(a.high, b.high);
+  const double lows = a.low + b.low;
+  if (lows == 0) return {sum.high, sum.low, a.error + b.error};
+  const double low = sum.low + lows;
+  return bounded::normalised(sum.high, low, a.error + b.error + bounded::kRoundoff * (std::abs(lows) + std::abs(low)));
+}
+
+inline Bounded operator-(const Bounded& a, const Bounded& b) { return a + -b; }
+
+inline Bounded operator*(const Bounded& a, const Bounded& b) {
+  if ((a.high == 0 && a.error == 0 && is_finite(b)) || (b.high == 0 && b.error == 0 && is_finite(a))) return 0.0;
+  const bounded::Pair product = bounded::exact_product(a.high, b.high);
+  double error = std::abs(a.high) * b.error + std::abs(b.high) * a.error + a.error * b.error +
+                 bounded::lost(product.high, a.high, b.high);
+  if (a.error != 0 || b.error != 0) error += bounded::kLost;
+  if (a.low == 0 && b.low == 0) return {product.high, product.low, error};
+  error += 0x1p-102 * std::abs(product.high) + bounded::kLost;
+  return bounded::normalised(product.high, product.low + (a.high * b.low + a.low * b.high), error);
+}
+
+inline Bounded& operator+=(Bounded& a, const Bounded& b) { return a = a + b; }
+inline Bounded& operator-=(Bounded& a, const Bounded& b) { return a = a - b; }
+
+inline Bounded operator/(const Bounded& a, const Bounded& b) {
+  if (!(std::abs(b.high) > 8 * b.error)) return bounded::unknown();
+  const double first = a.high / b.high;
+  const Bounded rest = Bounded(a.high, a.low, 0) - Bounded(b.high, b.low, 0) * first;
+  if (rest.high == 0 && rest.error == 0 && a.error == 0 && b.error == 0) return first;
+  const double magnitude = std::abs(first);
+  const double error = 0x1p-100 * magnitude + (rest.error + a.error + magnitude * b.error) * 2 / std::abs(b.high);
+  return bounded::normalised(first, rest.high / b.high, error + bounded::kLost);
+}
+
+/// Exactly this number, beyond doubt.
+inline bool surely_equal(const Bounded& a, double b) { return a.error == 0 && a.high == b && a.low == 0; }
+inline bool surely_equal(Quad a, double b) { return a == b; }
+
+/// a < b whatever the errors are. False for NaN.
+inline bool surely_less(const Bounded& a, const Bounded& b) {
+  if (!(a.high <= b.high)) return false;
+  const double apart = (b.high - a.high) + (b.low - a.low);
+  return apart > 4 * (a.error + b.error) && apart > 0x1p-40 * std::abs(b.low - a.low);
+}
+inline bool surely_less(Quad a, Quad b) { return a < b; }
+
+/// a <= b whatever the errors are.
+inline bool surely_at_most(const Bounded& a, const Bounded& b) {
+  return surely_less(a, b) || (a.error == 0 && b.error == 0 && a.high == b.high && a.low == b.low);
+}
+inline bool surely_at_most(Quad a, Quad b) { return a <= b; }
+
+/// Whether the numbers meant may be different ones of which neither is surely the larger.
+inline bool tied(const Bounded& a, const Bounded& b) { return !surely_less(a, b) && !surely_less(b, a); }
+
+inline Bounded abs(const Bounded& x) { return x.high < 0 ? -x : x; }
+
+/// The larger of the numbers meant, which need not be known.
+inline Bounded larger(const Bounded& a, const Bounded& b) {
+  if (surely_less(a, b)) return b;
+  if (surely_less(b, a)) return a;
+  if (std::isnan(a.high + b.high + a.error + b.error)) return bounded::unknown();
+  const bool second = a.high < b.high || (a.high == b.high && a.low < b.low);
+  const Bounded& chosen = second ? b : a;
+  return {chosen.high, chosen.low, std::max(a.error, b.error)};
+}
+inline Quad larger(Quad a, Quad b) { return a < b ? b : a; }
+
+inline Bounded smaller(const Bounded& a, const Bounded& b) { return -larger(-a, -b); }
+inline Quad smaller(Quad a, Quad b) { return b < a ? b : a; }
+
+/// For x >= 0.
+inline Bounded sqrt(const Bounded& x) {
+  if (x.high == 0 && x.error == 0) return 0.0;
+  const double root = std::sqrt(x.high);
+  if (!(x.high > 8 * x.error) || !std::isfinite(root)) return bounded::unknown();
+  const bounded::Pair square = bounded::exact_product(root, root);
+  const Bounded rest =
+      Bounded(x.high, x.low, 0) - Bounded(square.high, square.low, bounded::lost(square.high, root, root));
+  const double error = 0x1p-100 * root + (x.error + rest.error) / root;
+  return bounded::normalised(root, rest.high / (2 * root), error);
+}
+
+/// value / scale, with 0/0 = 0 and x/0 = infinity.
+inline Bounded quotient(const Bounded& value, const Bounded& scale) {
+  if (surely_equal(value, 0)) return 0.0;
+  if (surely_equal(scale, 0)) {
+    return surely_less(0.0, abs(value)) ? Bounded(std::numeric_limits<double>::infinity()) : bounded::unknown();
+  }
+  return value / scale;
+}
+
+/// sum_k a_k x_k. The roundings are all in the low parts, whose magnitudes are added up to bound them.
+class BoundedSum {
+ public:
+  explicit BoundedSum(const Bounded& start = 0.0)
+      : high_(start.high), low_(start.low), error_(start.error), lows_(std::abs(start.low)) {}
+  void add(double a, const Bounded& x) {
+    const bounded::Pair product = bounded::exact_product(a, x.high);
+    const bounded::Pair sum = bounded::exact_sum(high_, product.high);
+    const double of_low = a * x.low;
+    high_ = sum.high;
+    low_ += sum.low + (product.low + of_low);
+    lows_ += std::abs(sum.low) + std::abs(product.low) + std::abs(of_low);
+    error_ += std::abs(a) * x.error + bounded::lost(product.high, a, x.high);
+    ++terms_;
+  }
+  Bounded value() const {
+    const double inexact = lows_ == 0 && error_ == 0 ? 0 : bounded::kLost;
+    return bounded::normalised(high_, low_, error_ + bounded::kRoundoff * (terms_ + 4) * lows_ + inexact);
+  }
+
+ private:
+  double high_, low_, error_, lows_;
+  double terms_ = 0;
+};
+
+/// The relative error that a number may have which is passed on: no page and no table prints more than six digits.
+inline constexpr double kSettled = 0x1p-30;
+
+/// x as a double. @throws Doubt when the bound leaves more than kSettled of it open.
+inline double settled(const Bounded& x) {
+  const bool infinite = x.exact() && std::isinf(x.high) && x.low == 0;
+  if (!infinite && !(is_finite(x) && 2 * x.error <= kSettled * std::abs(x.high))) throw Doubt();
+  return x.high;
+}
+inline double settled(Quad x) { return to_double(x); }
+
+/// The leading part, whatever the error is.
+inline double to_double(const Bounded& x) { return x.high; }
+
+/// What numbers are put in order by before it is known whether that is their order. NaN comes last.
+inline Quad leading(Quad x) { return x; }
+inline double leading(const Bounded& x) {
+  return std::isnan(x.high) ? std::numeric_limits<double>::infinity() : x.high;
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,315 @@
+#include "study/evaluation/bounded_inertia.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "core/islands.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kUnitRoundoff = bounded::kRoundoff;
+/// The least eigenvalue of a block with diagonal entries from 1 to 4: its pivots are beyond the doubt of QuadInertia.
+constexpr double kLeastEigenvalue = 0x1p-36;
+constexpr double kLargestContraction = 0x1p-6;
+constexpr int kRefinements = 6;
+
+double max_norm(const Matrix& A) { return A.size() == 0 ? 0 : A.cwiseAbs().rowwise().sum().maxCoeff(); }
+
+/// x times a power of two.
+Bounded times_unit(const Bounded& x, double unit) {
+  if (unit == 1 || (x.high == 0 && x.error == 0)) return x;
+  return {x.high * unit, x.low * unit, x.error * unit + bounded::kLost};
+}
+
+/// The power of two that brings `diagonal` to 1 to 4 when multiplied twice.
+double unit_of(double diagonal) { return std::ldexp(1.0, -static_cast<int>(std::floor(std::ilogb(diagonal) / 2.0))); }
+
+double largest_magnitude(const std::vector<double>& x) {
+  double largest = 0;
+  for (const double value : x) largest = std::max(largest, std::abs(value));
+  return largest;
+}
+
+/// y and the residual b - G y of one block.
+struct Refinement {
+  explicit Refinement(std::size_t n) : high(n), low(n), sum(n), rest(n), lows(n), residual(n), correction(n) {}
+
+  std::vector<double> high, low;        ///< y
+  std::vector<double> sum, rest, lows;  ///< of the residual: leading and low part, and what bounds its error
+  std::vector<double> residual, correction;
+
+  void find_residual(const Matrix& G, const std::vector<Bounded>& b);
+  void subtract_column(const double* column, double y_high, double y_low);
+  bool may_have_lost_bits(const Matrix& G) const;
+  void correct();
+};
+
+// The same steps as BoundedSum's, for all rows at once.
+void Refinement::subtract_column(const double* column, double y_high, double y_low) {
+  const auto [c_high, c_low] = bounded::split(y_high);
+  const std::size_t n = sum.size();
+  double* const sums = sum.data();
+  double* const rests = rest.data();
+  double* const magnitudes = lows.data();
+  for (std::size_t i = 0; i < n; ++i) {
+    const double g = column[i];
+    const double scaled = 134217729.0 * g;
+    const double g_high = scaled - (scaled - g);
+    const double g_low = g - g_high;
+    const double product = g * y_high;
+    const double of_product = ((g_high * c_high - product) + g_high * c_low + g_low * c_high) + g_low * c_low;
+    const double before = sums[i];
+    const double total = before - product;
+    const double part = total - before;
+    const double of_sum = (before - (total - part)) + (-product - part);
+    const double of_low = g * y_low;
+    sums[i] = total;
+    rests[i] += of_sum - (of_product + of_low);
+    magnitudes[i] += std::abs(of_sum) + std::abs(of_product) + std::abs(of_low);
+  }
+}
+
+void Refinement::find_residual(const Matrix& G, const std::vector<Bounded>& b) {
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    sum[i] = b[i].high;
+    rest[i] = b[i].low;
+    lows[i] = std::abs(b[i].low);
+  }
+  for (std::size_t j = 0; j < b.size(); ++j) {
+    if (high[j] != 0) subtract_column(G.col(static_cast<Index>(j)).data(), high[j], low[j]);
+  }
+  for (std::size_t i = 0; i < b.size(); ++i) residual[i] = sum[i] + rest[i];
+}
+
+bool Refinement::may_have_lost_bits(const Matrix& G) const {
+  double smallest = 1;
+  for (const double value : high) smallest = value == 0 ? smallest : std::min(smallest, std::abs(value));
+  return !(smallest > 0x1p-400) || (G.array() != 0 && G.array().abs() < 0x1p-400).any();
+}
+
+void Refinement::correct() {
+  for (std::size_t i = 0; i < high.size(); ++i) {
+    const bounded::Pair total = bounded::exact_sum(high[i], correction[i]);
+    const bounded::Pair normal = bounded::exact_sum(total.high, low[i] + total.low);
+    high[i] = normal.high;
+    low[i] = normal.low;
+  }
+}
+
+void multiply_by(const Matrix& A, const std::vector<double>& x, std::vector<double>& y) {
+  const auto n = static_cast<Index>(x.size());
+  Eigen::Map<Vector>(y.data(), n).noalias() = A * Eigen::Map<const Vector>(x.data(), n);
+}
+
+}  // namespace
+
+BoundedInertia::BoundedInertia(const Inertia& inertia) {
+  if (const auto* dense = std::get_if<DenseInertia>(&inertia)) {
+    add_inertia(dense->G, 0);
+  } else if (const auto* bodies = std::get_if<BlockInertia>(&inertia)) {
+    std::size_t offset = 0;
+    for (const Matrix& block : bodies->blocks) {
+      add_inertia(block, offset);
+      offset += static_cast<std::size_t>(block.rows());
+      if (!well_defined_) return;
+    }
+  } else if (const auto* inverse = std::get_if<InverseInertia>(&inertia)) {
+    has_inertia_ = false;
+    std::vector<std::size_t> all(static_cast<std::size_t>(inverse->Ginv.rows()));
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    add(inverse->Ginv, std::move(all));
+  } else {
+    well_defined_ = false;
+  }
+}
+
+void BoundedInertia::add_inertia(const Matrix& G, std::size_t offset) {
+  well_defined_ = well_defined_ && G.allFinite() && (G.diagonal().array() > 0).all() && G == G.transpose();
+  if (!well_defined_) return;
+  if (G.isDiagonal(0)) {
+    for (Index i = 0; i < G.rows(); ++i) add_single(G(i, i), offset + static_cast<std::size_t>(i));
+    return;
+  }
+  const RowIslands parts = row_islands(G);
+  std::vector<std::vector<std::size_t>> members(static_cast<std::size_t>(parts.count));
+  for (std::size_t i = 0; i < parts.of_row.size(); ++i) {
+    members[static_cast<std::size_t>(parts.of_row[i])].push_back(i);
+  }
+  for (std::vector<std::size_t>& part : members) {
+    if (part.size() == 1) {
+      add_single(G(static_cast<Index>(part[0]), static_cast<Index>(part[0])), offset + part[0]);
+      continue;
+    }
+    Matrix matrix = G(part, part);
+    for (std::size_t& row : part) row += offset;
+    add(std::move(matrix), std::move(part));
+    if (!well_defined_) return;
+  }
+}
+
+void BoundedInertia::add_single(double inertia, std::size_t row) {
+  well_defined_ = well_defined_ && inertia > 0x1p-600 && inertia < 0x1p600;
+  if (row >= singles_.size()) singles_.resize(row + 1, 0);
+  singles_[row] = inertia;
+}
+
+void BoundedInertia::add(Matrix matrix, std::vector<std::size_t> coordinates) {
+  Block block;
+  block.matrix = std::move(matrix);
+  block.coordinates = std::move(coordinates);
+  block.units.assign(block.coordinates.size(), 1);
+  for (const std::size_t row : block.coordinates) {
+    if (row >= block_of_row_.size()) block_of_row_.resize(row + 1);
+    block_of_row_[row] = blocks_.size();
+    if (row >= singles_.size()) singles_.resize(row + 1, 0);
+  }
+  well_defined_ = well_defined_ && (has_inertia_ ? scale_and_prove(block) : block.matrix.allFinite());
+  blocks_.push_back(std::move(block));
+}
+
+/// Scales the block. False unless it is then proven to have no eigenvalue below kLeastEigenvalue: L L' is the matrix
+/// that is factored up to (n + 1) n roundings of 4, and half of what was subtracted exceeds that.
+bool BoundedInertia::scale_and_prove(Block& block) {
+  const Index n = block.size();
+  Matrix& G = block.matrix;
+  const Vector diagonal = G.diagonal();
+  Vector units(n);
+  for (Index i = 0; i < n; ++i) {
+    if (!(diagonal(i) > 0x1p-600 && diagonal(i) < 0x1p600)) return false;
+    units(i) = block.units[static_cast<std::size_t>(i)] = unit_of(diagonal(i));
+  }
+  Matrix work = units.asDiagonal() * G * units.asDiagonal();
+  const Vector back = units.cwiseInverse();
+  if (!(Matrix(back.asDiagonal() * work * back.asDiagonal()) == G)) return false;
+  G = work;
+  const auto order = static_cast<double>(n);
+  work.diagonal().array() -= std::max(2 * kLeastEigenvalue, 16 * order * (order + 4) * kUnitRoundoff);
+  return Eigen::LLT<Matrix>(work).info() == Eigen::Success;
+}
+
+/// Finds R and the numbers that bound what it leaves: NaN where it is no inverse.
+void BoundedInertia::invert(Block& block) {
+  const Index n = block.size();
+  block.approximate = Eigen::LLT<Matrix>(block.matrix).solve(Matrix::Identity(n, n));
+  const Matrix rest = Matrix::Identity(n, n) - block.approximate * block.matrix;
+  block.inverse_norm = max_norm(block.approximate) * (1 + 0x1p-20);
+  const double rounding =
+      (static_cast<double>(n) + 4) * kUnitRoundoff * (block.inverse_norm * max_norm(block.matrix) + 1);
+  block.contraction = (max_norm(rest) + rounding) * (1 + 0x1p-20);
+  if (!(block.contraction < kLargestContraction)) block.contraction = std::numeric_limits<double>::quiet_NaN();
+}
+
+void BoundedInertia::solve(Block& block, BoundedVector& x) {
+  const std::size_t n = block.coordinates.size();
+  BoundedVector b(n);
+  bool zero = true, finite = true;
+  double data_error = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    b[i] = times_unit(x[block.coordinates[i]], block.units[i]);
+    zero = zero && b[i].high == 0 && b[i].error == 0;
+    finite = finite && is_finite(b[i]);
+    data_error = std::max(data_error, b[i].error);
+  }
+  if (zero) return;
+  if (!finite) {
+    for (const std::size_t i : block.coordinates) x[i] = bounded::unknown();
+    return;
+  }
+  if (block.approximate.size() == 0) invert(block);
+  Refinement y(n);
+  for (std::size_t i = 0; i < n; ++i) y.residual[i] = b[i].high;
+  multiply_by(block.approximate, y.residual, y.high);
+  const auto order = static_cast<double>(n);
+  double error = std::numeric_limits<double>::infinity();
+  for (int step = 0; step < kRefinements; ++step) {
+    y.find_residual(block.matrix, b);
+    const double lows = largest_magnitude(y.lows);
+    const double residual = largest_magnitude(y.residual);
+    if (residual == 0 && lows == 0 && data_error == 0 && !y.may_have_lost_bits(block.matrix)) {
+      error = 0;
+      break;
+    }
+    multiply_by(block.approximate, y.residual, y.correction);
+    y.correct();
+    const double floor = block.inverse_norm * (2 * data_error + (order + 8) * kUnitRoundoff * lows + bounded::kLost);
+    const double of_step = floor + block.inverse_norm * 2 * (order + 4) * kUnitRoundoff * residual;
+    const double next =
+        (of_step + block.contraction / (1 - block.contraction) * (largest_magnitude(y.correction) + of_step)) *
+        (1 + 0x1p-20);
+    const bool done = !(next < error / 2) || next <= 4 * floor;
+    error = next;
+    if (done) break;
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const double rounding = error == 0 ? 0 : error + 0x1p-104 * std::abs(y.high[i]);
+    x[block.coordinates[i]] = times_unit({y.high[i], y.low[i], rounding}, block.units[i]);
+  }
+}
+
+/// The block's coordinates of y: those of x times `matrix`, in the units of the block.
+void BoundedInertia::multiply(const Block& block, const Matrix& matrix, const BoundedVector& x, BoundedVector& y) {
+  const std::size_t n = block.coordinates.size();
+  std::vector<BoundedSum> sums(n);
+  for (std::size_t j = 0; j < n; ++j) {
+    const Bounded scaled = times_unit(x[block.coordinates[j]], 1 / block.units[j]);
+    if (scaled.high == 0 && scaled.error == 0) continue;
+    const double* const column = matrix.col(static_cast<Index>(j)).data();
+    for (std::size_t i = 0; i < n; ++i) sums[i].add(column[i], scaled);
+  }
+  for (std::size_t i = 0; i < n; ++i) y[block.coordinates[i]] = times_unit(sums[i].value(), 1 / block.units[i]);
+}
+
+/// A coordinate by itself.
+void BoundedInertia::divide(std::size_t row, BoundedVector& x) const {
+  if (x[row].high != 0 || x[row].error != 0) x[row] = x[row] / Bounded(singles_[row]);
+}
+
+void BoundedInertia::solve(BoundedVector& x) const {
+  if (!has_inertia_) {
+    x = apply(x);
+    return;
+  }
+  for (std::size_t row = 0; row < singles_.size(); ++row) {
+    if (singles_[row] != 0) divide(row, x);
+  }
+  for (Block& block : blocks_) solve(block, x);
+}
+
+void BoundedInertia::solve(BoundedVector& x, std::vector<std::size_t>& pattern) const {
+  std::vector<std::size_t> touched, result;
+  for (const std::size_t row : pattern) {
+    if (singles_[row] == 0) {
+      touched.push_back(block_of_row_[row]);
+    } else {
+      divide(row, x);
+      result.push_back(row);
+    }
+  }
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  for (const std::size_t b : touched) {
+    result.insert(result.end(), blocks_[b].coordinates.begin(), blocks_[b].coordinates.end());
+    if (has_inertia_) solve(blocks_[b], x);
+  }
+  if (!has_inertia_ && !touched.empty()) x = apply(x);
+  pattern = std::move(result);
+}
+
+BoundedVector BoundedInertia::apply(const BoundedVector& x) const {
+  BoundedVector y(x.size());
+  for (std::size_t row = 0; row < singles_.size(); ++row) y[row] = x[row] * Bounded(singles_[row]);
+  for (const Block& block : blocks_) multiply(block, block.matrix, x, y);
+  return y;
+}
+
+BoundedVector BoundedInertia::scale(const BoundedVector& x) const {
+  BoundedVector y(x.size());
+  for (std::size_t row = 0; row < singles_.size(); ++row) y[row] = x[row] * Bounded(singles_[row]);
+  for (const Block& block : blocks_) multiply(block, block.matrix.cwiseAbs(), x, y);
+  return y;
+}
+
+}  // namespace lcpbench

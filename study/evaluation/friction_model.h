@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string_view>
+
+#include "study/evaluation/evaluation.h"
+
+namespace lcpbench {
+
+/// What friction the impulses of a solver obey. The problem's own is the pyramid; without friction the two are one.
+enum class FrictionModel { kPyramid, kCone };
+
+/// "pyramid", "cone".
+const char* to_string(FrictionModel model);
+
+/// The model of a solver, by every one of its settings ("key=value,key=value"): a solver that has a setting `cone`
+/// solves the round cone where it is true. The view `judged` of a store has the same rule.
+FrictionModel friction_model(std::string_view all_settings);
+
+/// Replaces the measures of an answer's errors that are about the pyramid by those of the round Coulomb cone. A contact
+/// without friction keeps its row. With friction, f_t and u_t are its friction impulse and the velocity v+ along the
+/// tangents, which are the directions 0 and edges / 4 of its regular polygon; M_tt is the larger of their diagonal
+/// entries. The two rows of a contact are
+///
+///     | min(M_nn f_N, w_N) |    and    | M_tt f_t - P(M_tt f_t - u_t) |,    [m/s]
+///
+/// P the nearest point of the disc of radius mu M_tt max(f_N, 0). Both are zero exactly where the contact pushes,
+/// separates or neither, |f_t| <= mu f_N, and f_t is opposite to a slip and then at its limit [Alart, Curnier 1991].
+/// rho and the rule of `solved` are those of the pyramid. The worst row is the contact's cone row: z is |u_t|, w is mu
+/// f_N - |f_t|. Natural residual, backward errors, complementarity and forward error do not apply. No change where the
+/// problem has no friction, or the answer is not usable. Friction directions that name no cone (edges no multiple of 4)
+/// leave the answer without a measure.
+void measure_cone(const Problem& problem, const Answer& answer, Errors& errors);
+
+}  // namespace lcpbench

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "study/report/figures.h"
+#include "study/report/summary.h"
+
+// Sets of captured steps: scene/FAMILY/ENGINE of the collection, and the user's own file:F.scenes.
+
+namespace lcpbench::report {
+
+/// What the decision table has a row for.
+enum class SceneKind {
+  kRobots,  ///< articulated: the problems are not scenes of free rigid bodies
+  kStacks,
+  kPiles,
+  kOther,
+};
+inline constexpr std::array kSceneKinds{SceneKind::kRobots, SceneKind::kStacks, SceneKind::kPiles, SceneKind::kOther};
+
+/// "A robot's step", "Stacks and walls", "Piles", "Other scenes".
+const char* title(SceneKind kind);
+
+struct SceneName {
+  std::string family;  ///< "stack"; of a file its name as a set
+  std::string engine;  ///< "ode"; "" for a file
+};
+
+/// nullopt for a set that holds no captured steps.
+std::optional<SceneName> scene_name(const std::string& set);
+
+/// nullopt for a set that holds no captured steps.
+std::optional<SceneKind> scene_kind(const SetSummary& set);
+
+/// The sets of one scene, one for each engine.
+struct SceneFamily {
+  std::string name;
+  std::vector<std::size_t> sets;  ///< indices into Summary::sets
+};
+
+/// In the order of the summary's sets.
+std::vector<SceneFamily> scene_families(const Summary& summary);
+
+/// The scene in the middle of a set's steps from the side, drawn from the shapes and poses of its file. Shapes of a
+/// type that the reference does not define are left out.
+/// @returns nullopt where the file cannot be read, or has no shapes or no poses.
+std::optional<Figure> scene_picture(const std::string& set);
+
+}  // namespace lcpbench::report

@@ -1,0 +1,130 @@
+// The arithmetic in which the evaluation looks first: its bounds hold, and what they leave open is decided in 113 bits.
+#include "study/evaluation/bounded.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "study/evaluation/bounded_inertia.h"
+#include "study/evaluation/quad_inertia.h"
+#include "tests/support/evaluation_cases.h"
+
+namespace lcpbench {
+namespace {
+
+Quad exactly(const Bounded& x) { return Quad{x.high} + x.low; }
+
+void expect_enclosed(const Bounded& x, Quad truth, Quad slack = 0) {
+  EXPECT_LE(to_double(abs(exactly(x) - truth) - slack), 2 * x.error) << x.high << " + " << x.low << " +- " << x.error;
+}
+
+TEST(BoundedTest, EncloseWhatTheOperationsMean) {
+  Draw draw(1);
+  for (int trial = 0; trial < 2000; ++trial) {
+    const double scale = std::exp2(40 * draw.uniform());
+    const Bounded a = Bounded(draw.uniform()) * 1.1 + scale * draw.uniform() * 0x1p-60;
+    const Bounded b = Bounded(draw.uniform() * scale) / 3.0 + 0x1p-70;
+    const Quad x = exactly(a), y = exactly(b);
+    // 113 bits round by less than 2^-110 of what they add up
+    const Quad slack = (abs(x) + abs(y) + abs(x * y)) * 0x1p-110;
+    const Bounded exact_a(a.high, a.low, 0), exact_b(b.high, b.low, 0);
+    expect_enclosed(exact_a + exact_b, x + y, slack);
+    expect_enclosed(exact_a * exact_b, x * y, slack);
+    if (x != 0 && y != 0) expect_enclosed(exact_a / exact_b, x / y, abs(x / y) * 0x1p-110);
+    if (x != 0) expect_enclosed(sqrt(abs(exact_a)), sqrt(abs(x)), sqrt(abs(x)) * 0x1p-110);
+    expect_enclosed((exact_a - exact_b) * exact_b - exact_a * exact_b, -y * y, 4 * slack * (1 + abs(y)));
+    BoundedSum sum(exact_a);
+    sum.add(a.high, exact_b);
+    sum.add(-b.high, exact_a);
+    expect_enclosed(sum.value(), x + a.high * y - b.high * x, 4 * slack * (1 + abs(y)));
+  }
+}
+
+TEST(BoundedTest, DecideNothingBeyondTheRangeOfADouble) {
+  const Bounded large = 0x1p1000, small = 0x1p-540;
+  EXPECT_FALSE(is_finite(large * large));
+  EXPECT_FALSE(surely_less(large, large * large));
+  EXPECT_THROW(settled(large * large), Doubt);
+  const Bounded lost = small * (small * 1.1);
+  expect_enclosed(lost, Quad{0x1p-540} * (Quad{0x1p-540} * 1.1));
+  EXPECT_THROW(settled(lost), Doubt);
+  EXPECT_FALSE(surely_less(0.0, Bounded(NAN)) || surely_less(Bounded(NAN), 0.0));
+  EXPECT_THROW(settled(larger(Bounded(NAN), 1.0)), Doubt);
+  EXPECT_EQ(settled(quotient(1.0, 0.0)), kInf);
+  EXPECT_THROW(settled(quotient(Bounded(0, 0, 1e-30), 0.0)), Doubt);
+  EXPECT_EQ(settled(quotient(0.0, 0.0)), 0);
+}
+
+TEST(BoundedTest, SolveWithTheInertiaWithinTheBound) {
+  Draw draw(2);
+  for (int trial = 0; trial < 40; ++trial) {
+    const Index n = 1 + trial % 9;
+    Matrix G = draw.matrix(n, n);
+    G = G * G.transpose() + Matrix::Identity(n, n) * std::exp2(-trial / 2.0);
+    G = Matrix(G.selfadjointView<Eigen::Lower>());
+    const Vector units = draw.vector(n).unaryExpr([](double u) { return std::exp2(std::floor(30 * u)); });
+    G = Matrix(units.asDiagonal() * G * units.asDiagonal());
+    const BoundedInertia inertia{Inertia(DenseInertia{G})};
+    ASSERT_TRUE(inertia.well_defined()) << trial;
+    const QuadInertia reference{Inertia(DenseInertia{G})};
+    const Vector b = draw.vector(n);
+    BoundedVector x(b.begin(), b.end());
+    QuadVector y(b.begin(), b.end());
+    inertia.solve(x);
+    reference.solve(y);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      expect_enclosed(x[i], y[i], abs(y[i]) * 0x1p-60);
+      EXPECT_LE(x[i].error, 1e-12 * std::abs(x[i].high) + 1e-22 / units(static_cast<Index>(i)));
+    }
+  }
+}
+
+TEST(BoundedTest, LeaveInertiaInDoubtToQuad) {
+  const auto well_defined = [](Matrix G) { return BoundedInertia(DenseInertia{std::move(G)}).well_defined(); };
+  Matrix G = Matrix::Identity(2, 2);
+  EXPECT_TRUE(well_defined(G));
+  G(0, 1) = G(1, 0) = 1 - 0x1p-50;
+  EXPECT_FALSE(well_defined(G));  // all but singular
+  G(0, 1) = G(1, 0) = 2;
+  EXPECT_FALSE(well_defined(G));  // indefinite
+  G(0, 1) = 0.5, G(1, 0) = 0.25;
+  EXPECT_FALSE(well_defined(G));
+  EXPECT_FALSE(well_defined(Matrix::Constant(1, 1, kNan)));
+  EXPECT_FALSE(BoundedInertia(FactoredInertia{Matrix::Identity(2, 2), Vector::Ones(2)}).well_defined());
+}
+
+TEST(BoundedTest, MeasuresBeyondTheRangeOfADoubleAreThoseOf113Bits) {
+  const ContactProblem light{vec({-1, 1}),    (Matrix(2, 2) << 1, 1, 0, 1).finished(),        Matrix(2, 0), {0, 0},
+                             Vector::Zero(2), DenseInertia{Matrix::Identity(2, 2) * 0x1p-590}};
+  for (const double factor : {0x1p-590, 0x1p450, 0x1p1000}) {
+    const Vector z = vec({factor, 0x1p-1060 * factor});
+    const Errors found = Evaluator(Problem("light", light)).errors(answer(z));
+    const Errors in_quad = Evaluator(Problem("light", light), Precision::kQuad).errors(answer(z));
+    for (const Metric& metric : kMetrics) {
+      const double a = found.*metric.value, b = in_quad.*metric.value;
+      EXPECT_TRUE(a == b || (std::isnan(a) && std::isnan(b)) || std::abs(a - b) <= 1e-15 * std::abs(b))
+          << metric.name << ' ' << factor << ": " << a << ", " << b;
+    }
+  }
+}
+
+// rho is 1e-4, half a unit in its last place, and 2^-124 more or less: rounded to double it is 1e-4 or the number after
+// it, which only a hundred and ten bits tell apart.
+TEST(BoundedTest, WhatTheBoundLeavesOpenIsDecidedIn113Bits) {
+  for (const double side : {-1.0, 1.0}) {
+    Matrix N = Matrix::Zero(4, 2);
+    N(0, 0) = 4;
+    N.col(1).setOnes();
+    const Vector v = vec({-1, -4e-4, -0x1p-65, -side * 0x1p-122});
+    const Problem problem(
+        "forged", ContactProblem{v, N, Matrix(4, 0), {0, 0}, Vector::Zero(2), DenseInertia{Matrix::Identity(4, 4)}});
+    const Errors found = Evaluator(problem).errors(answer(vec({0.25, 0})));
+    const Errors in_quad = Evaluator(problem, Precision::kQuad).errors(answer(vec({0.25, 0})));
+    EXPECT_EQ(in_quad.solved, side < 0);
+    EXPECT_EQ(found.solved, in_quad.solved);
+    EXPECT_EQ(found.velocity_residual_relative, in_quad.velocity_residual_relative);
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench

@@ -1,0 +1,37 @@
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "core/registry.h"
+#include "generators/sets.h"
+#include "study/evaluation/evaluation.h"
+
+namespace lcpbench {
+SolverDefinition lcpbench_solver_auto();
+
+namespace {
+
+/// Many times what the slowest step takes, and less than a method takes that does not suit it.
+constexpr double kTimeLimit = 5;
+
+// Walls, stacks, wedges, piles, card houses, robots: whatever a method gives up on, another one solves.
+TEST(AutoScenesTest, SolvesEveryCollectedStep) {
+  const auto solver = lcpbench_solver_auto().make({});
+  int steps = 0;
+  for (const std::string& name : expand_sets("scene/*")) {
+    const auto set = open_set(name);
+    for (std::int64_t trial = 0; trial < set->count().value_or(0); ++trial) {
+      const Problem problem = set->generate(1, trial);
+      Answer answer;
+      solver->load(problem);
+      solver->solve({.time_limit_s = kTimeLimit}, answer);
+      EXPECT_EQ(answer.claim, Claim::kSolved) << name << " " << trial << ": " << answer.detail;
+      EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << name << " " << trial << ": " << answer.detail;
+      ++steps;
+    }
+  }
+  EXPECT_GT(steps, 500);
+}
+
+}  // namespace
+}  // namespace lcpbench

@@ -1,0 +1,159 @@
+#include <fstream>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "core/io/scenes_file.h"
+#include "study/report/decision.h"
+#include "study/report/report.h"
+#include "study/report/scenes.h"
+#include "tests/support/synthetic_store.h"
+
+namespace lcpbench {
+namespace {
+
+std::string read_file(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+std::size_t count_of(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++count;
+  return count;
+}
+
+class ScenesReportTest : public testing::Test {
+ protected:
+  ScenesReportTest() : made_(folder_ / "s.db"), good_(made_.solver("good")), liar_(made_.solver("liar")) {}
+
+  /// @param lies  whether `liar` answers wrongly; it is fast
+  void add(const std::string& set, const std::string& kind, int steps, bool lies = true) {
+    for (int step = 0; step < steps; ++step) {
+      made_.problem(set, step, {{good_, {.time_s = 2e-3}}, {liar_, {.error = lies ? 0.5 : 1e-12, .time_s = 1e-5}}}, 20,
+                    "solvable", kind);
+    }
+  }
+
+  std::string page() {
+    write_report(made_.store(), folder_ / "out");
+    return read_file(folder_ / "out/report.html");
+  }
+
+  ScratchFolder folder_;
+  SyntheticStore made_;
+  std::int64_t good_;
+  std::int64_t liar_;
+};
+
+TEST_F(ScenesReportTest, ScenesAreTheFirstRowsAndNoRandomProblems) {
+  add("scene/stack/ode", "scene", 40);
+  add("scene/box-pile/bullet", "scene", 40);
+  add("scene/hand/dart", "contact", 40);
+  add("scene/wedge/ode", "scene", 40);
+  add("paper/copositive/exp1", "contact", 40, false);
+  const Summary summary = summarize(made_.store());
+  const auto situations = report::decide(summary);
+  std::vector<std::string> titles;
+  for (const auto& situation : situations) titles.push_back(situation.title);
+  EXPECT_EQ(titles, (std::vector<std::string>{"A robot's step", "Stacks and walls", "Piles", "Other scenes",
+                                              "Frictionless", "Frictional", "Ill-conditioned"}));
+  for (std::size_t i = 0; i < 4; ++i) {
+    ASSERT_EQ(situations[i].sets.size(), 1U);
+    ASSERT_TRUE(situations[i].recommended.has_value());
+    EXPECT_EQ(summary.solvers[situations[i].contenders[0].solver].name, "good") << titles[i];
+  }
+  EXPECT_EQ(summary.sets[situations[0].sets[0]].name, "scene/hand/dart");
+  ASSERT_EQ(situations[5].sets.size(), 1U);
+  EXPECT_EQ(summary.solvers[situations[5].contenders[0].solver].name, "liar");
+}
+
+TEST_F(ScenesReportTest, AStoreWithoutScenesHasTheRowsOfRandomProblemsAlone) {
+  add("paper/copositive/exp1", "contact", 40);
+  EXPECT_EQ(report::decide(summarize(made_.store())).size(), 3U);
+  EXPECT_EQ(page().find("id=\"scenes\""), std::string::npos);
+}
+
+/// A step that is not proven solvable, as where an offset is negative, must not push its set out of the table.
+TEST_F(ScenesReportTest, SetsThatAreNotAllProvenSolvableCount) {
+  add("scene/stack/ode", "scene", 40);
+  made_.problem("scene/stack/bullet", 0, {{good_, {}}, {liar_, {}}}, 20, "", "scene");
+  made_.problem("scene/stack/bullet", 1, {{good_, {.error = 0.5}}, {liar_, {.error = 0.5}}}, 20, "", "scene");
+  EXPECT_EQ(report::decide(summarize(made_.store()))[0].sets.size(), 2U);
+}
+
+TEST_F(ScenesReportTest, TheFirstSentenceNamesTheSolverForScenesWithSharesAndTimes) {
+  add("scene/stack/ode", "scene", 40);
+  add("scene/hand/dart", "contact", 3, false);
+  const std::string text = page();
+  EXPECT_NE(text.find("<p class=\"answer\">For captured scenes: a robot's step: no solver is recommended; stacks and "
+                      "walls: <code>good</code>, which solved 100 % (91.2–100 %) of 40 problems in a median of 2.00 "
+                      "ms.</p>"),
+            std::string::npos)
+      << text.substr(text.find("class=\"answer\""), 500);
+  EXPECT_NE(text.find("Captured problems."), std::string::npos);
+  EXPECT_EQ(text.find("no such problems in this study"), std::string::npos);
+}
+
+/// A false claim is named wherever a solver is recommended.
+TEST_F(ScenesReportTest, TheFirstSentenceNamesTheFalseClaimsOfWhatItRecommends) {
+  for (int step = 0; step < 600; ++step) {
+    made_.problem("scene/stack/ode", step, {{good_, {.error = step == 0 ? 0.5 : 1e-12}}}, 20, "solvable", "scene");
+  }
+  EXPECT_NE(page().find("in a median of 1.00 ms (it said solved and was wrong on 0.17 %).</p>"), std::string::npos);
+}
+
+TEST_F(ScenesReportTest, EveryFamilyHasItsPictureAndATableOfItsEngines) {
+  add("scene/stack/ode", "scene", 4);
+  add("scene/stack/bullet", "scene", 4);
+  add("scene/humanoid-lying/mujoco", "contact", 4, false);
+  const std::string text = page();
+  const std::string section = text.substr(text.find("<section id=\"scenes\">"), text.find("</section>"));
+  EXPECT_EQ(count_of(section, "<figcaption>"), 2U);
+  EXPECT_NE(section.find("stack, step 160 of Bullet"), std::string::npos);
+  EXPECT_NE(section.find("8 steps bullet, ode"), std::string::npos);
+  EXPECT_NE(section.find(">bullet</a></th>"), std::string::npos);
+  EXPECT_NE(section.find("0 of 4<small><span class=\"bad\">4 wrong</span>, 10.0 µs"), std::string::npos) << section;
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "out/figures/scene_stack_bullet.scene.svg"));
+}
+
+TEST(ScenePictureTest, DrawsEveryShapeOfTheReferenceAndLeavesOutOthers) {
+  const ScratchFolder folder;
+  const std::string file = (folder / "made.scenes").string();
+  ScenesHeader header{.scene = "<made>", .engine = "none", .gravity = {0, 0, -9.81}};
+  header.shapes = {
+      {-1, "plane", {0, 0, 1, 0}}, {0, "box", {0.2, 0.3, 0.1}}, {1, "sphere", {0.2}}, {2, "capsule", {0.1, 0.3}},
+      {3, "cylinder", {0.1, 0.2}}, {0, "mesh", {1, 2}},         {0, "box", {1}},      {7, "sphere", {1}}};
+  SceneStep step;
+  step.problem = Problem("made", RigidScene{.bodies = {RigidBody{}}, .contacts = {RigidContact{}}});
+  for (double x = 0; x < 4; ++x) step.poses.push_back({x, 0, 0.5, 1, 0, 0, 0});
+  {
+    ScenesWriter writer(file, header);
+    writer.add(step);
+    step.step = 1;
+    step.poses[1] = {1, 0, 0.7, 1, 0, 0, 0};
+    writer.add(step);
+    writer.close();
+  }
+  const auto picture = report::scene_picture("file:" + file);
+  ASSERT_TRUE(picture.has_value());
+  EXPECT_EQ(picture->alternative, "<made>, step 1 of none: the scene from the side.");
+  EXPECT_NE(picture->svg.find("&lt;made&gt;, step 1"), std::string::npos);
+  const std::size_t still = picture->svg.find("<g class=\"c-grey\"");
+  const std::size_t moving = picture->svg.find("<g class=\"c-plain\"");
+  ASSERT_NE(moving, std::string::npos);
+  EXPECT_EQ(count_of(picture->svg.substr(still, moving - still), "<path"), 4U);  // plane, box, capsule, cylinder
+  EXPECT_EQ(count_of(picture->svg.substr(moving, picture->svg.find("</g>", moving) - moving), "<path"), 1U);
+  EXPECT_EQ(picture->svg.find("nan"), std::string::npos);
+}
+
+TEST(ScenePictureTest, WithoutAFileOrPosesThereIsNone) {
+  EXPECT_FALSE(report::scene_picture("file:/nowhere/gone.scenes").has_value());
+  EXPECT_FALSE(report::scene_picture("scene/nobody/ode").has_value());
+  EXPECT_FALSE(report::scene_picture("paper/monotone/exp1").has_value());
+}
+
+}  // namespace
+}  // namespace lcpbench
