@@ -79,7 +79,7 @@ void compare_times(const PairedTimes& times, bool with_interval, CellChange& cha
     change.time_ratio = ratio_of_sums(times.second, times.first);
     return;
   }
-  change.time_ratio = {spread(times.second).mean / spread(times.first).mean, kNone, kNone};
+  change.time_ratio = {spread(times.second).mean / spread(times.first).mean, kNoNumber, kNoNumber};
 }
 
 /// Pairs the answers to problems with the same data.

@@ -100,7 +100,7 @@ PooledMean pooled_mean(const std::vector<Spread>& parts) {
 }
 
 double PairedShares::value() const {
-  return problems() > 0 ? static_cast<double>(only_first - only_second) / static_cast<double>(problems()) : kNone;
+  return problems() > 0 ? static_cast<double>(only_first - only_second) / static_cast<double>(problems()) : kNoNumber;
 }
 
 Interval PairedShares::interval(double z) const {

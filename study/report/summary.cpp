@@ -312,7 +312,7 @@ std::vector<PairedTimes> pair_times(const std::vector<Row>& rows, std::size_t ce
 Estimate plain_ratio(const PairedTimes& paired) {
   const double total = std::accumulate(paired.first.begin(), paired.first.end(), 0.0);
   const double reference = std::accumulate(paired.second.begin(), paired.second.end(), 0.0);
-  return {reference > 0 ? total / reference : kNone, kNone, kNone};
+  return {reference > 0 ? total / reference : kNoNumber, kNoNumber, kNoNumber};
 }
 
 /// One solver of a store, and what its cells are called in the summary.
