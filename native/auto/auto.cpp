@@ -21,8 +21,7 @@ namespace {
 constexpr Capabilities kCapabilities{
     .guarantees = "contact problems with positive definite G and mu >= 0, barring ties; frictionless ones of any rank",
     .warm_start = true,
-    .obeys_time_limit = true,
-    .allocation_free = true};
+    .obeys_time_limit = true};
 
 /// What a user should call: chooses the method by the problem, solves what belongs together, and hands out only what
 /// was tested. See docs/reference/solvers/auto.md.
@@ -37,8 +36,8 @@ constexpr Capabilities kCapabilities{
 /// was left out, which methods ran and the highest rung. Returns the velocity where all methods gave one.
 /// SolveRequest::start: as the methods use it, the last answer being of use to all.
 ///
-/// Nothing is allocated in solve() while the first method and the dense ones after it solve every island; friction_ipm
-/// and psor are loaded there where another one gave up.
+/// solve() allocates only where friction_ipm or psor has to follow a method that gave up: it is loaded then. As that may
+/// happen, `allocation_free` is not promised.
 class Auto final : public Solver {
  public:
   explicit Auto(const AutoSettings& settings) : settings_(settings), lcp_(settings.max_pivots) {}
