@@ -662,13 +662,17 @@ TEST(ContactLemkeTest, LeavesAPathThatGoesRound) {
   EXPECT_EQ(solve(brief).claim, Claim::kSolved);
 }
 
-// Sums of two doubles take ten times as long as another path in double, which is enough here.
+// Sums of two doubles take ten times as long as another path in double, which is enough here. Which steps need another
+// path depends on the vector width.
 TEST(ContactLemkeTest, TriesOtherPathsOfLargeKernelsBeforeMoreBits) {
-  const Problem problem = open_set("scene/stack/dart")->generate(1, 2);
-  const Answer answer = solve(problem);
-  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
-  EXPECT_TRUE(errors_of(problem, answer).solved);
-  EXPECT_EQ(answer.detail, "second path");
+  const auto set = open_set("scene/stack/dart");
+  for (std::int64_t trial = 0; trial < *set->count(); ++trial) {
+    const Problem problem = set->generate(1, trial);
+    const Answer answer = solve(problem);
+    ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+    EXPECT_TRUE(errors_of(problem, answer).solved);
+    EXPECT_TRUE(answer.detail.empty() || answer.detail.ends_with(" path")) << answer.detail;
+  }
 }
 
 // With a bound that no rounding meets it climbs every rung that it has, and takes the best answer that still counts.
