@@ -106,7 +106,7 @@ inline Bounded operator-(const Bounded& a, const Bounded& b) { return a + -b; }
 inline Bounded operator*(const Bounded& a, const Bounded& b) {
   if ((a.high == 0 && a.error == 0 && is_finite(b)) || (b.high == 0 && b.error == 0 && is_finite(a))) return 0.0;
   const bounded::Pair product = bounded::exact_product(a.high, b.high);
-  double error = std::abs(a.high) * b.error + std::abs(b.high) * a.error + a.error * b.error +
+  double error = std::abs(a.high) * b.error + std::abs(b.high) * a.error + 2 * (a.error * b.error) +
                  bounded::lost(product.high, a.high, b.high);
   if (a.error != 0 || b.error != 0) error += bounded::kLost;
   if (a.low == 0 && b.low == 0) return {product.high, product.low, error};
@@ -195,16 +195,18 @@ class BoundedSum {
     low_ += sum.low + (product.low + of_low);
     lows_ += std::abs(sum.low) + std::abs(product.low) + std::abs(of_low);
     error_ += std::abs(a) * x.error + bounded::lost(product.high, a, x.high);
+    inexact_ = inexact_ || x.error != 0 || x.low != 0;  // either product may have vanished
     ++terms_;
   }
   Bounded value() const {
-    const double inexact = lows_ == 0 && error_ == 0 ? 0 : bounded::kLost;
+    const double inexact = lows_ == 0 && error_ == 0 && !inexact_ ? 0 : bounded::kLost;
     return bounded::normalised(high_, low_, error_ + bounded::kRoundoff * (terms_ + 4) * lows_ + inexact);
   }
 
  private:
   double high_, low_, error_, lows_;
   double terms_ = 0;
+  bool inexact_ = false;
 };
 
 /// The relative error that a number may have which is passed on: no page and no table prints more than six digits.

@@ -27,9 +27,13 @@ Bounded times_unit(const Bounded& x, double unit) {
 /// The power of two that brings `diagonal` to 1 to 4 when multiplied twice.
 double unit_of(double diagonal) { return std::ldexp(1.0, -static_cast<int>(std::floor(std::ilogb(diagonal) / 2.0))); }
 
+/// NaN where an entry is.
 double largest_magnitude(const std::vector<double>& x) {
   double largest = 0;
-  for (const double value : x) largest = std::max(largest, std::abs(value));
+  for (const double value : x) {
+    if (std::isnan(value)) return value;
+    largest = std::max(largest, std::abs(value));
+  }
   return largest;
 }
 
@@ -184,6 +188,8 @@ bool BoundedInertia::scale_and_prove(Block& block) {
   Matrix work = units.asDiagonal() * G * units.asDiagonal();
   const Vector back = units.cwiseInverse();
   if (!(Matrix(back.asDiagonal() * work * back.asDiagonal()) == G)) return false;
+  // As of any definite block; and so no overflow makes a NaN of a pivot, which LLT takes for a positive one.
+  if (!(work.array().abs() <= 4).all()) return false;
   G = work;
   const auto order = static_cast<double>(n);
   work.diagonal().array() -= std::max(2 * kLeastEigenvalue, 16 * order * (order + 4) * kUnitRoundoff);
@@ -194,6 +200,11 @@ bool BoundedInertia::scale_and_prove(Block& block) {
 void BoundedInertia::invert(Block& block) {
   const Index n = block.size();
   block.approximate = Eigen::LLT<Matrix>(block.matrix).solve(Matrix::Identity(n, n));
+  if (!block.approximate.allFinite()) {  // maxCoeff() may pass over NaN
+    block.approximate.setZero();
+    block.contraction = block.inverse_norm = std::numeric_limits<double>::quiet_NaN();
+    return;
+  }
   const Matrix rest = Matrix::Identity(n, n) - block.approximate * block.matrix;
   block.inverse_norm = max_norm(block.approximate) * (1 + 0x1p-20);
   const double rounding =

@@ -183,7 +183,7 @@ void ContactEvaluation<Real>::measure_residual(const RealVector& z, const RealVe
     rho = larger(rho, relatives[island]);
   }
   if (worst_island) {
-    demand_largest(relatives, rho);
+    demand_largest(relatives, relatives[*worst_island]);
     RealVector of_island;
     for (const std::size_t row : islands.rows(*worst_island)) of_island.push_back(residuals[row]);
     demand_largest(of_island, residuals[worst]);
@@ -214,8 +214,12 @@ void ContactEvaluation<Real>::measure(const RealVector& z, const RealVector& v_p
   for (std::size_t i = lcp->impulses(); i < lcp->size(); ++i) cone_violation = larger(cone_violation, -w[i]);
   errors.cone_violation = settled(cone_violation);
   const RealVector& v = lcp->velocity_before();
-  const RealVector momentum =
-      inertia.has_inertia() ? inertia.apply(difference(v_plus, v)) : lcp->generalized_impulse(z);
+  // G (v+ - v) without the cancellation of v+ - v. A BoundedInertia is regular.
+  RealVector momentum = lcp->generalized_impulse(z);
+  if (std::is_same_v<Real, Quad> && inertia.has_inertia()) {
+    inertia.solve(momentum);
+    momentum = inertia.apply(momentum);
+  }
   const Real gain = dot(momentum, sum(v_plus, v)) / Real(2);
   errors.work_gain_j = settled(gain);
   errors.forward_velocity = forward_velocity(v_plus);

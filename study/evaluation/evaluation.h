@@ -198,7 +198,8 @@ enum class Precision {
 /// Evaluates answers to one problem. What an answer needs of M is formed when it first needs it. Contact problems never
 /// form M. One object per thread.
 ///
-/// Decisions are those of 113 bits. A measure of a contact problem whose bound is below 2^-30 of it may differ from its
+/// Decisions are those of exact arithmetic where the bounds decide them, and those of 113 bits elsewhere. The two can
+/// differ only where terms some 2^100 apart cancel. A measure of a contact problem whose bound is below 2^-30 of it may differ from its
 /// value in 113 bits by that much, in practice in the last digits of a double.
 class Evaluator {
  public:

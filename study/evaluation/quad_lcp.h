@@ -151,6 +151,7 @@ class ContactLcp final : public EvaluatedLcp<Real> {
   /// G* J_j by its nonzero blocks.
   struct Response {
     bool known = false;
+    bool accurate = false;  ///< enough for the estimate of M
     std::vector<std::size_t> pattern;
     RealVector values;
   };
