@@ -104,9 +104,6 @@ Attempt attempt(const Problem& problem, const Spec& spec, TimedSolver& solver, J
   if (result.timed.times.setup_wall_s + result.timed.times.solve_wall_s < kShortSolveS) {
     solver.run(problem, request, result.timed);
   }
-  if (find_solver(spec.name).definition.capabilities.captured_only) {  // nobody measured the engine
-    result.timed.times.setup_cpu_s = result.timed.times.solve_cpu_s = std::numeric_limits<double>::quiet_NaN();
-  }
   const Answer& answer = result.timed.answer;
   result.model = friction_model(result.solver.all_settings);
   result.judgement = judge.judgement(judge.judge(answer, result.model));

@@ -25,6 +25,7 @@ OutcomeTable outcome_table(const Summary& summary, std::size_t set) {
     const SolverRow& solver = summary.solvers[cell.solver];
     if (cell.set != set || !solver.sweep.empty() || cell.refused()) continue;
     if (friction_model(solver.all_settings) != FrictionModel::kPyramid) continue;  // its problems are others
+    if (std::isnan(cell.median_time.value)) continue;                              // nobody measured its times
     table.cells.push_back(&cell);
     for (const Outcome& outcome : cell.outcomes) problems.insert(outcome.problem);
   }

@@ -10,6 +10,7 @@
 
 #include "study/report/decision.h"
 #include "study/report/report.h"
+#include "study/report/solver_comparison.h"
 #include "study/report/speed_error.h"
 #include "tests/support/program_run.h"
 #include "tests/support/synthetic_store.h"
@@ -279,6 +280,27 @@ TEST_F(EndorsementTest, ASolverOfTheRoundConeIsNotRankedAmongThoseOfThePyramid) 
   const std::string results = read_file(folder_ / "out/tables/results.csv");
   EXPECT_NE(results.find(",other_model,cone\n"), std::string::npos) << results;
   EXPECT_NE(results.find(",pyramid\n"), std::string::npos) << results;
+}
+
+/// The answers of an engine come from a file: they have no time, so that they are neither the fastest nor the best.
+TEST_F(EndorsementTest, ASolverWithoutTimesIsNotRanked) {
+  const auto engine = made_.solver("engine");
+  const auto good = made_.solver("good");
+  for (int trial = 0; trial < 60; ++trial) {
+    const bool fails = trial % 15 == 0;
+    made_.problem(kSet, trial, {{engine, {.time_s = kNone}}, {good, fails ? kGivesUp : MadeAnswer{}}});
+  }
+  answers(60, 200, {{engine, {.time_s = kNone}}, {good, {}}});
+  write();
+  expect_not_endorsed("engine", "no_time", nullptr);
+  EXPECT_EQ(contender("engine").verdict, "not ranked: nobody measured its time; solved 100 %");
+  EXPECT_EQ(record("good")["reliable"], true) << "nobody without a time makes it fall behind";
+  const auto situation = report::decide(summary_)[0];
+  ASSERT_TRUE(situation.recommended.has_value());
+  EXPECT_EQ(summary_.solvers[situation.contenders[*situation.recommended].solver].name, "good");
+  const auto compared = compare_solvers(summary_);
+  ASSERT_EQ(compared.size(), 1U);
+  EXPECT_EQ(compared[0].times.size(), 1U);
 }
 
 TEST_F(EndorsementTest, TheRuleStandsOnThePageAndInTheSummaryWithItsNumbers) {
