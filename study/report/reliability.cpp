@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "study/evaluation/friction_model.h"
 #include "study/report/coverage.h"
 #include "study/report/figures.h"
 #include "study/report/solver_comparison.h"
@@ -33,7 +32,9 @@ std::vector<Record> records_of(const Summary& summary, const std::vector<std::si
   for (auto& [solver, record] : by_solver) {
     Evidence& evidence = record.evidence;
     evidence.met_all_sets = sets_met[solver] == sets.size();
-    evidence.other_model = friction_model(summary.solvers[solver].all_settings) != FrictionModel::kPyramid;
+    evidence.other_model = std::any_of(sets.begin(), sets.end(), [&](std::size_t set) {
+      return solves_other_model(summary.sets[set], summary.solvers[record.solver]);
+    });
     evidence.no_time = std::all_of(record.outcomes.begin(), record.outcomes.end(),
                                    [](const auto& entry) { return std::isnan(entry.second->time_s); });
     for (const auto& [set, outcome] : record.outcomes) {
