@@ -5,6 +5,7 @@
 #include <cmath>
 #include <ctime>
 #include <exception>
+#include <limits>
 #include <utility>
 
 namespace lcpbench {
@@ -48,6 +49,9 @@ class InProcess final : public TimedSolver {
     } catch (const std::exception& error) {
       result = TimedAnswer{};
       result.answer.detail = error.what();
+    }
+    if (solver_->capabilities().captured_only) {  // nobody measured the engine
+      result.times.setup_cpu_s = result.times.solve_cpu_s = std::numeric_limits<double>::quiet_NaN();
     }
   }
 

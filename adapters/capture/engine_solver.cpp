@@ -9,7 +9,8 @@ struct EngineSettings {
   void visit(auto&&) {}
 };
 
-/// The answer that an engine gave when the step was captured. Engines report no failure, so that it counts as claimed.
+/// The answer that an engine gave when the step was captured. An engine reports no failure, so the claim is always
+/// `solved`.
 class EngineAnswer final : public Solver {
  public:
   explicit EngineAnswer(const EngineSettings&) {}

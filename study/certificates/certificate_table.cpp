@@ -26,6 +26,11 @@ constexpr const char* kAnswerInWords =
     "(SELECT name || CASE settings WHEN '' THEN '' ELSE '{' || settings || '}' END FROM solvers "
     "WHERE id = v.solver_id)";
 
+/// Whether a row of the table of verdicts v is about the pyramid, which certificates are about.
+constexpr const char* kOfPyramid =
+    "'pyramid' = (SELECT j.model FROM judged j WHERE j.problem_id = v.problem_id AND j.solver_id = v.solver_id "
+    "AND j.part = v.part)";
+
 std::string sets_parameter(const CertifyScope& scope) { return nlohmann::json(scope.sets).dump(); }
 
 bool still_to_certify(const Statement& row, int column, const CertifyScope& scope) {
@@ -48,8 +53,9 @@ std::string insert_or_replace(const char* table, const char* columns) {
 
 std::string forward_errors_missing(const char* problem) {
   return fmt::format(
-      "EXISTS (SELECT 1 FROM verdicts v WHERE v.problem_id = {} AND v.usable = 1 AND v.forward_velocity IS NULL)",
-      problem);
+      "EXISTS (SELECT 1 FROM verdicts v WHERE v.problem_id = {} AND v.usable = 1 AND v.forward_velocity IS NULL "
+      "AND {})",
+      problem, kOfPyramid);
 }
 
 }  // namespace
@@ -115,8 +121,9 @@ std::optional<Vector> CertificateTable::unique_velocity(std::int64_t problem_id)
 
 std::vector<ForwardError> CertificateTable::answers_without_forward_error(std::int64_t problem_id) {
   Statement query(store_.database(),
-                  "SELECT solver_id, part FROM verdicts WHERE problem_id = ? AND usable = 1 "
-                  "AND forward_velocity IS NULL ORDER BY solver_id, part");
+                  fmt::format("SELECT solver_id, part FROM verdicts v WHERE problem_id = ? AND usable = 1 "
+                              "AND forward_velocity IS NULL AND {} ORDER BY solver_id, part",
+                              kOfPyramid));
   query.bind_all(problem_id);
   std::vector<ForwardError> answers;
   while (query.step())
@@ -178,7 +185,7 @@ std::vector<std::string> CertificateTable::contradictions(const CertifyScope& sc
       fmt::format(
           "SELECT s.name, p.seed, p.trial, {0} || ' has an answer that is better than the proof of unsolvability "
           "allows' FROM certificates c JOIN problems p ON p.id = c.problem_id JOIN sets s ON s.id = p.set_id "
-          "JOIN verdicts v ON v.problem_id = c.problem_id WHERE {1} AND c.certificate = 'unsolvable' "
+          "JOIN verdicts v ON v.problem_id = c.problem_id WHERE {1} AND c.certificate = 'unsolvable' AND {3} "
           "AND (v.velocity_residual_m_per_s < c.least_violation_m_per_s "
           "OR (c.least_violation_m_per_s IS NULL AND v.solved = 1)) "
           "UNION ALL SELECT s.name, p.seed, p.trial, {0} || ' has a proof of unsolvability, yet a solution is "
@@ -188,7 +195,7 @@ std::vector<std::string> CertificateTable::contradictions(const CertifyScope& sc
           "UNION ALL SELECT s.name, p.seed, p.trial, 'theory says solvable, the certificate unsolvable' "
           "FROM certificates c JOIN problems p ON p.id = c.problem_id JOIN sets s ON s.id = p.set_id "
           "WHERE {1} AND c.certificate = 'unsolvable' AND p.theory = 'solvable' LIMIT {2}",
-          kAnswerInWords, kInSets, kContradictionsShown));
+          kAnswerInWords, kInSets, kContradictionsShown, kOfPyramid));
   const std::string sets = sets_parameter(scope);
   query.bind_all(sets);
   std::vector<std::string> lines;

@@ -33,7 +33,8 @@ class Judge {
  public:
   Judge(const Problem& problem, Settler& settler);
 
-  /// An answer to another model than the pyramid is measured by that model, and tells nothing of the problem.
+  /// An answer to another model than the pyramid is measured by that model, and does not count as evidence that
+  /// the problem has a solution.
   /// @returns the number of the answer among those that differ in a bit of a vector, or in their model: 0 for the
   /// first, 1 for the next
   std::size_t judge(const Answer& answer, FrictionModel model = FrictionModel::kPyramid);

@@ -100,6 +100,13 @@ std::optional<std::int64_t> first_that_differs(const ScenesFile& written,
   return std::nullopt;
 }
 
+/// Whether the file has its first line whole, the header; without it there is no step.
+bool has_header(const std::string& raw) {
+  std::ifstream stream(raw);
+  std::string line;
+  return std::getline(stream, line) && !stream.eof();
+}
+
 /// Reads every step, and then writes the file. @returns how many steps
 std::size_t compress(const std::string& raw, const std::string& out) {
   const ScenesFile captured(raw);
@@ -127,9 +134,7 @@ int run_capture(CaptureArguments arguments) {
   } else if (!interrupted && !run.message.empty()) {
     say(stderr, "lcpbench: {} said: {}\n", arguments.engine, run.message);
   }
-  std::error_code absent;
-  const bool empty = std::filesystem::file_size(raw.steps, absent) == 0 || absent;
-  const std::size_t steps = empty ? 0 : compress(raw.steps, arguments.out);
+  const std::size_t steps = has_header(raw.steps) ? compress(raw.steps, arguments.out) : 0;
   if (steps == 0) {
     say(stderr, "lcpbench: no step of '{}' was captured\n", arguments.scene);
     return interrupted ? kExitInterrupted : kExitCheckFailed;

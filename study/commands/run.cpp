@@ -13,6 +13,7 @@
 
 #include "core/error.h"
 #include "core/registry.h"
+#include "generators/sets.h"
 #include "study/run/build_info.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
@@ -69,12 +70,18 @@ Shard parse_shard(const std::string& text) {
   return {shard.index - 1, shard.count};
 }
 
-/// All but those that have to be told something; those that cannot run here too, so that they are named as skipped. The
-/// engines' answers where a set has captured steps.
-std::vector<PlannedSolver> every_solver(const std::vector<std::string>& sets) {
-  const bool captured = std::any_of(sets.begin(), sets.end(), [](const std::string& set) {
+/// Has one of the sets that the pattern names captured steps?
+bool has_captured_steps(const std::string& pattern) {
+  const std::vector<std::string> sets = expand_sets(pattern);
+  return std::any_of(sets.begin(), sets.end(), [](const std::string& set) {
     return set.starts_with("scene/") || set.find(".scenes") != std::string::npos;
   });
+}
+
+/// Every solver that needs no setting from the user. Unavailable solvers are listed as skipped. `engine` is added if a
+/// set has captured steps.
+std::vector<PlannedSolver> every_solver(const std::vector<std::string>& sets) {
+  const bool captured = std::any_of(sets.begin(), sets.end(), has_captured_steps);
   std::vector<PlannedSolver> solvers;
   for (const RegisteredSolver& solver : registered_solvers()) {
     if (needs_to_be_told(solver) || (solver.definition.capabilities.captured_only && !captured)) continue;

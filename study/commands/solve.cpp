@@ -104,11 +104,8 @@ Attempt attempt(const Problem& problem, const Spec& spec, TimedSolver& solver, J
   if (result.timed.times.setup_wall_s + result.timed.times.solve_wall_s < kShortSolveS) {
     solver.run(problem, request, result.timed);
   }
-  if (find_solver(spec.name).definition.capabilities.captured_only) {  // nobody measured the engine
-    result.timed.times.setup_cpu_s = result.timed.times.solve_cpu_s = std::numeric_limits<double>::quiet_NaN();
-  }
   const Answer& answer = result.timed.answer;
-  result.model = friction_model(result.solver.all_settings);
+  result.model = friction_model(result.solver.all_settings, problem);
   result.judgement = judge.judgement(judge.judge(answer, result.model));
   result.note = why_without_errors(answer, problem.size());
   result.velocity = answer.velocity;
@@ -175,7 +172,7 @@ std::vector<Attempt> attempts_on(const Problem& problem, Solvers& solvers, Settl
   for (Attempt& each : attempts) {
     const Answer& answer = each.timed.answer;
     const Errors& errors = each.judgement.errors;
-    each.truth = judge.findings().truth();
+    each.truth = each.model == FrictionModel::kPyramid ? judge.findings().truth() : Truth::kUnknown;
     each.verdict = verdict(answer.claim, errors, each.truth);
     each.why = why_not_solved(problem, {answer.claim, each.verdict, errors, answer.detail, each.note, known_by});
   }

@@ -191,6 +191,11 @@ FrictionModel friction_model(std::string_view all_settings) {
   return settings.find(",cone=true,") != std::string::npos ? FrictionModel::kCone : FrictionModel::kPyramid;
 }
 
+FrictionModel friction_model(std::string_view all_settings, const Problem& problem) {
+  const ContactProblem* contact = problem.contact();
+  return contact != nullptr && contact->frictional() ? friction_model(all_settings) : FrictionModel::kPyramid;
+}
+
 void measure_cone(const Problem& problem, const Answer& answer, Errors& errors) {
   const ContactProblem* contact = problem.contact();
   if (contact == nullptr || !contact->frictional() || !errors.usable) return;

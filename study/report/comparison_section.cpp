@@ -119,8 +119,8 @@ std::string chain_words(const Summary& summary, std::size_t set, const VirtualBe
                                        "does), in the order of least mean time:",
                                        chain.steps.size(), chain.steps.size() - 1);
   return fmt::format(
-      "<p>{}</p>\n<ol>{}</ol>\n<p>Mean per problem: {} solving, and {} verifying each answer in 113-bit arithmetic ({} "
-      "timed). Its solved problems: <code>{}</code></p>\n",
+      "<p>{}</p>\n<ol>{}</ol>\n<p>Mean per problem: {} solving, and {} verifying each answer from the data, with "
+      "rounding bounded; in 113 bits where that leaves a doubt ({} timed). Its solved problems: <code>{}</code></p>\n",
       length, steps, duration(chain.mean_time_s), duration(chain.mean_verification_s), counted(chain.timed, "problem"),
       escape(chain_query(summary, set, chain)));
 }

@@ -159,6 +159,7 @@ std::string gravest(const Candidate& candidate, const Candidate* chosen) {
     case Ground::kUnsolved:
     case Ground::kBehindTheBest: return unsolved_words(candidate);
     case Ground::kOtherModel: return "solves the round cone, another problem; of that " + solved;
+    case Ground::kNoTime: return "not ranked: nobody measured its time; " + solved;
     case Ground::kSomeSets: return "met only some of these sets; there " + solved;
     case Ground::kRefuses: return "refused " + percent(contender.refused.value()) + "; " + solved + " of the rest";
     case Ground::kFewProblems:

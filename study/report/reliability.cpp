@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "study/evaluation/friction_model.h"
 #include "study/report/coverage.h"
 #include "study/report/figures.h"
 #include "study/report/solver_comparison.h"
@@ -33,7 +32,11 @@ std::vector<Record> records_of(const Summary& summary, const std::vector<std::si
   for (auto& [solver, record] : by_solver) {
     Evidence& evidence = record.evidence;
     evidence.met_all_sets = sets_met[solver] == sets.size();
-    evidence.other_model = friction_model(summary.solvers[solver].all_settings) != FrictionModel::kPyramid;
+    evidence.other_model = std::any_of(sets.begin(), sets.end(), [&](std::size_t set) {
+      return solves_other_model(summary.sets[set], summary.solvers[record.solver]);
+    });
+    evidence.no_time = std::all_of(record.outcomes.begin(), record.outcomes.end(),
+                                   [](const auto& entry) { return std::isnan(entry.second->time_s); });
     for (const auto& [set, outcome] : record.outcomes) {
       ++evidence.refused.whole;
       if (outcome->refused) {
@@ -58,8 +61,8 @@ const Record* best_of(const std::vector<Record>& records) {
   const Record* best = nullptr;
   for (const Record& record : records) {
     const Evidence& evidence = record.evidence;
-    if (evidence.other_model || !evidence.met_all_sets || !has_half_of_most(evidence) || evidence.solved.part == 0)
-      continue;
+    if (evidence.other_model || evidence.no_time || !evidence.met_all_sets) continue;
+    if (!has_half_of_most(evidence) || evidence.solved.part == 0) continue;
     if (best == nullptr || evidence.solved.interval().low > best->evidence.solved.interval().low) best = &record;
   }
   return best;
@@ -123,6 +126,7 @@ Reliability judge_reliability(const Evidence& evidence) {
   if (evidence.other_model) return {Standing::kPartly, Ground::kOtherModel};
   if (!evidence.met_all_sets) return {Standing::kPartly, Ground::kSomeSets};
   if (!(evidence.refused.value() <= kRefusedBound)) return {Standing::kPartly, Ground::kRefuses};
+  if (evidence.no_time) return {Standing::kPartly, Ground::kNoTime};
   if (solved.whole < least_problems()) return {Standing::kTooFew, Ground::kFewProblems};
   if (!(solved.interval().high >= kReliableShare)) return {Standing::kUnreliable, Ground::kUnsolved};
   if (evidence.solves_fewer) return {Standing::kUnreliable, Ground::kBehindTheBest};
@@ -143,6 +147,7 @@ const char* to_string(Ground ground) {
     case Ground::kShortOfPlan: return "short_of_plan";
     case Ground::kWideInterval: return "wide_interval";
     case Ground::kOtherModel: return "other_model";
+    case Ground::kNoTime: return "no_time";
     case Ground::kSomeSets: return "some_sets";
     case Ground::kRefuses: return "refuses";
   }

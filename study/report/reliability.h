@@ -50,6 +50,7 @@ struct Evidence {
   Share false_claims;              ///< of the problems that it took
   Share refused;                   ///< of the problems that it met
   bool other_model = false;        ///< its friction is not the problems' pyramid
+  bool no_time = false;            ///< nobody measured the time of any answer
   bool met_all_sets = true;        ///< met problems of every set in question
   double plan_share = 1;           ///< of the cells planned for these sets: those that are done; 1 where nobody knows
   std::int64_t most_taken = 0;     ///< problems taken by the solver that took the most
@@ -75,6 +76,7 @@ enum class Ground {
   kShortOfPlan,    ///< too few: less than kPlanShare of the plan is done
   kWideInterval,   ///< too few: the interval of its share solved contains kReliableShare
   kOtherModel,     ///< partly: solves another friction model, and was judged by that
+  kNoTime,         ///< partly: nobody measured its time
   kSomeSets,       ///< partly: did not meet every set
   kRefuses,        ///< partly: refused more than kRefusedBound, or all
 };
@@ -90,7 +92,7 @@ struct Reliability {
 Reliability judge_reliability(const Evidence& evidence);
 
 /// "reliable", "false_claims", "unsolved", "behind_the_best", "few_problems", "small_sample", "short_of_plan",
-/// "wide_interval", "other_model", "some_sets", "refuses": the words of tables.
+/// "wide_interval", "other_model", "no_time", "some_sets", "refuses": the words of tables.
 const char* to_string(Ground ground);
 
 /// What a solver did on the problems of some sets, in the order of (set, problem).
@@ -104,7 +106,7 @@ struct Record {
 
 /// Every solver that met a problem of `sets` (indices into Summary::sets) and did not refuse all of a set's, judged.
 /// The best is the solver with the surest share solved - the highest lower end - among those that took at least half as
-/// many problems as any other, met all sets, and solve the pyramid. Points into the summary. O(solvers x answers).
+/// many problems as any other, met all sets, solve the pyramid, and have a time. Points into the summary. O(solvers x answers).
 std::vector<Record> judged_records(const Summary& summary, const std::vector<std::size_t>& sets);
 
 /// Calls visit(a, b) for every problem that both met.

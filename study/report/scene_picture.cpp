@@ -36,7 +36,7 @@ struct Placed {
   bool moves = false;
 };
 
-/// How many measures a shape of a type that is drawn has; 0 for other types.
+/// Number of sizes of a shape type; 0 if the type is not drawn.
 std::size_t measures(const SceneShape& shape) {
   if (shape.type == "sphere") return 1;
   if (shape.type == "capsule" || shape.type == "cylinder") return 2;
@@ -96,8 +96,7 @@ std::vector<Vector2d> convex_hull(std::vector<Vector2d> points) {
   return hull;
 }
 
-/// Looks at the scene horizontally: so that the slopes are seen on which it stands, else along the direction in which
-/// it extends less.
+/// A horizontal view along the slopes' contour lines; without slopes, along the scene's shorter side.
 class SideView {
  public:
   SideView(const std::vector<Placed>& shapes, const std::vector<double>& gravity, const RigidScene* scene) {
@@ -116,7 +115,7 @@ class SideView {
     frame(shapes);
   }
 
-  /// Of what is not far larger than the rest: the ground does not count.
+  /// True if no shape is of usual size.
   bool empty() const { return !(low_.x() <= high_.x()); }
   double width() const { return kWidth; }
   double height() const { return height_; }

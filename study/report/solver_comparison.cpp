@@ -24,7 +24,8 @@ OutcomeTable outcome_table(const Summary& summary, std::size_t set) {
   for (const Cell& cell : summary.cells) {
     const SolverRow& solver = summary.solvers[cell.solver];
     if (cell.set != set || !solver.sweep.empty() || cell.refused()) continue;
-    if (friction_model(solver.all_settings) != FrictionModel::kPyramid) continue;  // its problems are others
+    if (solves_other_model(summary.sets[set], solver)) continue;  // its problems are others
+    if (std::isnan(cell.median_time.value)) continue;             // nobody measured its times
     table.cells.push_back(&cell);
     for (const Outcome& outcome : cell.outcomes) problems.insert(outcome.problem);
   }
@@ -451,6 +452,10 @@ double recorded_time_limit(const Summary& summary) {
     longest = std::fmax(longest, run.provenance.at(path).get<double>());
   }
   return longest;
+}
+
+bool solves_other_model(const SetSummary& set, const SolverRow& solver) {
+  return set.frictional && friction_model(solver.all_settings) != FrictionModel::kPyramid;
 }
 
 std::string solver_label(const Summary& summary, std::size_t solver) {

@@ -91,7 +91,7 @@ struct FallbackChain {
   std::vector<ChainStep> steps;
   std::int64_t timed = 0;          ///< problems that the two means are over: those whose times are all known
   double mean_time_s = 0;          ///< of all solvers tried, per problem
-  double mean_verification_s = 0;  ///< of all answers tried, as verified here: in 113-bit arithmetic
+  double mean_verification_s = 0;  ///< of all answers tried, as verified here
 };
 
 /// The best solver for each problem, known only afterwards: what no choice of one solver can beat.
@@ -128,6 +128,9 @@ std::vector<SetComparison> compare_solvers(const Summary& summary, const Recomme
 
 /// The longest limit on one solve that the store's runs record [s]; NaN where none does.
 double recorded_time_limit(const Summary& summary);
+
+/// Does the solver replace the pyramid of some problems of the set by another friction model?
+bool solves_other_model(const SetSummary& set, const SolverRow& solver);
 
 /// SolverRow::text(), with level and version behind it where another solver of the summary, not in a sweep, has the
 /// same.

@@ -61,6 +61,7 @@ const char* ground_words(Ground ground) {
     case Ground::kShortOfPlan: return "too few to say<small>short of the plan</small>";
     case Ground::kWideInterval: return "too few to say<small>wide interval</small>";
     case Ground::kOtherModel: return "not ranked<small>solves the round cone</small>";
+    case Ground::kNoTime: return "not ranked<small>nobody measured its time</small>";
     case Ground::kSomeSets:
     case Ground::kRefuses: return "not ranked<small>refuses some</small>";
     case Ground::kNone: break;

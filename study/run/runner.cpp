@@ -195,7 +195,7 @@ class Worker {
       check_complete(swept_, planned);
       for (SweptAnswer& answer : swept_) {
         const std::string& settings = planned.cells[answer.cells.front()].all_settings;
-        answers.push_back(rows.row(ids_[solver], answer.timed, friction_model(settings)));
+        answers.push_back(rows.row(ids_[solver], answer.timed, friction_model(settings, problem)));
         answers.back().cells = std::move(answer.cells);
       }
       return;
@@ -203,7 +203,7 @@ class Worker {
     request.repeat_until_s = study_.repeat_until_s;
     if (solvers_[solver] == nullptr) solvers_[solver] = planned.open();
     solvers_[solver]->run(problem, request, timed_);
-    answers.push_back(rows.row(ids_[solver], timed_, friction_model(planned.row.all_settings)));
+    answers.push_back(rows.row(ids_[solver], timed_, friction_model(planned.row.all_settings, problem)));
   }
 
   const Study& study_;

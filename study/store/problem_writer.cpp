@@ -1,6 +1,7 @@
 #include "study/store/problem_writer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -89,6 +90,7 @@ void ProblemWriter::add_answer(std::int64_t problem_id, std::int64_t run_id, con
   verdict_.run();
 
   const SolveTimes& times = row.times;
+  if (std::isnan(times.solve_cpu_s)) return;  // nobody measured it: no row
   timing_.run(problem_id, row.solver_id, part, run_id, times.setup_wall_s, times.setup_cpu_s, times.solve_wall_s,
               times.solve_cpu_s, times.transport_s, row.verify_s, times.repeats);
 }

@@ -122,7 +122,8 @@ CREATE VIEW IF NOT EXISTS truths AS
 CREATE VIEW IF NOT EXISTS judged AS
   SELECT a.problem_id, a.solver_id, a.part, a.group_id,
          (SELECT COUNT(*) FROM cell_groups g WHERE g.group_id = a.group_id) AS cells,
-         p.set_id, p.seed, p.trial, p.n, a.claim, t.truth,
+         p.set_id, p.seed, p.trial, p.n, a.claim,
+         @truth of the answer@ AS truth,
          @verdict@ AS verdict,
          @model@ AS model  -- that the answer was measured by
   FROM answers a JOIN verdicts v USING (problem_id, solver_id, part)
@@ -149,9 +150,15 @@ std::string metric_declarations() {
   return text + line;
 }
 
-/// friction_model() of a row c of `parameterisations`.
+/// friction_model() of a row c of `parameterisations` and a row p of `problems`.
 constexpr std::string_view kModel =
-    "CASE WHEN instr(',' || c.all_settings || ',', ',cone=true,') > 0 THEN 'cone' ELSE 'pyramid' END";
+    "CASE WHEN p.nc > 0 AND p.n > p.nc AND instr(',' || c.all_settings || ',', ',cone=true,') > 0 "
+    "THEN 'cone' ELSE 'pyramid' END";
+
+/// The truth that binds an answer: that of the problem, `t.truth`, is about the pyramid.
+std::string truth_of_answer() {
+  return fmt::format("iif({} = 'cone', '{}', t.truth)", kModel, to_string(Truth::kUnknown));
+}
 
 /// Whether there is this evidence about the problem of a row p of `problems`.
 std::string condition_of(Evidence evidence) {
@@ -195,8 +202,8 @@ std::string verdict_case() {
     const auto also = [&condition](const std::string& term) { condition += (condition.empty() ? "" : " AND ") + term; };
     if (rule.passes) also("v.solved = 1");
     if (rule.claim) also(fmt::format("a.claim = '{}'", to_string(*rule.claim)));
-    if (rule.truth) also(fmt::format("t.truth = '{}'", to_string(*rule.truth)));
-    if (rule.truth_is_not) also(fmt::format("t.truth <> '{}'", to_string(*rule.truth_is_not)));
+    if (rule.truth) also(fmt::format("{} = '{}'", truth_of_answer(), to_string(*rule.truth)));
+    if (rule.truth_is_not) also(fmt::format("{} <> '{}'", truth_of_answer(), to_string(*rule.truth_is_not)));
     text += condition.empty() ? fmt::format(" ELSE '{}' END", to_string(rule.verdict))
                               : fmt::format(" WHEN {} THEN '{}'\n             ", condition, to_string(rule.verdict));
   }
@@ -212,6 +219,7 @@ std::string store_schema() {
   };
   fill_in("@metrics@", metric_declarations());
   fill_in("@truth@", truth_case());
+  fill_in("@truth of the answer@", truth_of_answer());
   fill_in("@verdict@", verdict_case());
   fill_in("@model@", std::string(kModel));
   return schema;

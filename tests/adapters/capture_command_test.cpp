@@ -352,15 +352,23 @@ TEST_F(Capture, KeepsTheStepsOfAnEngineThatCrashes) {
   expect_step_three("crash.scenes");
 }
 
+constexpr const char* kInterrupt =
+    "& program=$!; until [ -e ready ]; do sleep 0.02; done; kill -TERM $program; wait $program";
+
 TEST_F(Capture, KeepsTheStepsUntilAnInterrupt) {
   stand_in("touch ready\nexec sleep 100");
-  EXPECT_EQ(
-      capture_stand_in("stopped.scenes", "",
-                       "& program=$!; until [ -e ready ]; do sleep 0.02; done; kill -TERM $program; wait $program"),
-      3);
+  EXPECT_EQ(capture_stand_in("stopped.scenes", "", kInterrupt), 3);
   EXPECT_NE(read_file(folder_ / "err").find("stopped.scenes holds the steps until then"), std::string::npos)
       << read_file(folder_ / "err");
   expect_step_three("stopped.scenes");
+}
+
+TEST_F(Capture, AnInterruptWithinTheHeaderLeavesNoStep) {
+  stand_in("printf '{\"format\":\"lcp' > \"$5\"\ntouch ready\nexec sleep 100");
+  EXPECT_EQ(capture_stand_in("stopped.scenes", "", kInterrupt), 3);
+  EXPECT_NE(read_file(folder_ / "err").find("no step of 'stack' was captured"), std::string::npos)
+      << read_file(folder_ / "err");
+  EXPECT_FALSE(fs::exists(folder_ / "stopped.scenes"));
 }
 
 TEST_F(Capture, TellsAStepThatDoesNotReplay) {

@@ -1,10 +1,13 @@
 // The answers of engines to captured steps, as the solver `engine`.
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "core/io/problem_io.h"
 #include "core/registry.h"
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
+#include "study/run/open_solver.h"
 
 namespace lcpbench {
 namespace {
@@ -27,6 +30,15 @@ TEST(EngineSolverTest, GivesTheImpulsesOfTheFile) {
   const Vector w = problem.lcp().M * answer.z + problem.lcp().q;
   const ContactLayout layout = contact_layout(*problem.contact());
   EXPECT_GE(w.segment(layout.nc, layout.friction).minCoeff(), -1e-12) << "lambda completes the impulses";
+}
+
+/// Nobody measured the engine: reading its answer would be faster than any solver.
+TEST(EngineSolverTest, HasNoTime) {
+  TimedAnswer timed;
+  open_solver({"engine", {}})->run(open_set("scene/stack/ode")->generate(1, 3), {}, timed);
+  EXPECT_EQ(timed.answer.claim, Claim::kSolved);
+  EXPECT_TRUE(std::isnan(timed.times.setup_cpu_s));
+  EXPECT_TRUE(std::isnan(timed.times.solve_cpu_s));
 }
 
 TEST(EngineSolverTest, RefusesWhatNoEngineAnswered) {

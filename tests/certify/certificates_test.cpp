@@ -265,6 +265,39 @@ TEST_F(CertifyStoreTest, ForwardErrorsOfStoredAnswersFollowTheCertifiedVelocity)
   EXPECT_EQ(stored.real(0), evaluator.errors(store.answer(id, solver).value()).forward_velocity);
 }
 
+/// Certificates are about the pyramid: an answer to the round cone has no forward error, and contradicts no proof.
+TEST_F(CertifyStoreTest, AnswersToTheConeAreNotComparedWithCertificates) {
+  solve_all(study_of({{kMonotone, 1}, {kFrictional, 1}}), file_);
+  change(file_, "UPDATE parameterisations SET all_settings = 'cone=true'");
+  CertifyRun run;
+  run.scope.every = 1;
+  run.open = [] {
+    return [](const Problem& problem) {
+      Certificate certificate = made(CertificateKind::kSolution, problem);
+      certificate.velocity_unique = true;
+      return certificate;
+    };
+  };
+  certify(file_, run);
+  const std::string answers =
+      "verdicts v JOIN problems p ON p.id = v.problem_id WHERE forward_velocity IS NOT NULL AND ";
+  EXPECT_EQ(count(file_, answers + "p.n > p.nc"), 0);
+  EXPECT_EQ(count(file_, answers + "p.n = p.nc"), 1) << "without friction the two models are one";
+  EXPECT_EQ(certify(file_, run).total, 0);
+
+  change(file_,
+         "DELETE FROM certificates; UPDATE verdicts SET solved = 1, velocity_residual_m_per_s = 0; "
+         "UPDATE problems SET theory = ''");
+  certify_as(CertificateKind::kUnsolvable, file_, {.every = 1});
+  change(file_, "UPDATE certificates SET least_violation_m_per_s = 1");
+  Store store = Store::open_for_writing(file_);
+  EXPECT_TRUE(CertificateTable(store).contradictions({.sets = {kFrictional}}).empty());
+  EXPECT_FALSE(CertificateTable(store).contradictions({.sets = {kMonotone}}).empty());
+  const std::string judged = "judged j JOIN problems p ON p.id = j.problem_id WHERE ";
+  EXPECT_EQ(count(file_, judged + "p.n > p.nc AND model = 'cone' AND truth = 'unknown' AND verdict = 'solved'"), 1);
+  EXPECT_EQ(count(file_, judged + "p.n = p.nc AND model = 'pyramid' AND verdict = 'wrong'"), 1);
+}
+
 TEST_F(CertifyStoreTest, AnswersThatCameLaterGetTheirForwardErrorsWithoutAnotherProof) {
   solve_all(study_of({{kMonotone, 3}}), file_);
   certify_as(CertificateKind::kSolution, file_);

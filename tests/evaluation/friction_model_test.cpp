@@ -1,6 +1,9 @@
 #include "study/evaluation/friction_model.h"
 
+#include <array>
 #include <cmath>
+#include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -75,6 +78,67 @@ TEST(FrictionModelTest, EachWayToBreakTheConeIsSeen) {
   EXPECT_FALSE(by_cone(sliding(0, 0), impulses(2 * kMass, 0, 0)).solved) << "jumps";
   EXPECT_NEAR(by_cone(sliding(0.5, 0.5), impulses(kMass, -0.5 * kMass, -0.5 * kMass)).cone_violation,
               std::sqrt(0.5) * kMass - f, 1e-14);
+}
+
+/// Bodies of kMass, each with three coordinates and a contact of its own along the third: each is an island.
+Problem polygons(int edges, const std::vector<std::array<double, 3>>& velocities) {
+  const auto count = static_cast<Index>(velocities.size());
+  Matrix N = Matrix::Zero(3 * count, count);
+  Matrix D = Matrix::Zero(3 * count, edges * count);
+  ContactProblem contact;
+  contact.v.resize(3 * count);
+  for (Index i = 0; i < count; ++i) {
+    for (Index k = 0; k < 3; ++k)
+      contact.v(3 * i + k) = velocities[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)];
+    N(3 * i + 2, i) = 1;
+    for (Index k = 0; k < edges / 2; ++k) {
+      const double angle = 2 * std::numbers::pi * static_cast<double>(k) / edges;
+      D(3 * i, edges * i + k) = std::cos(angle);
+      D(3 * i + 1, edges * i + k) = std::sin(angle);
+      D.col(edges * i + k + edges / 2) = -D.col(edges * i + k);
+    }
+  }
+  contact.N = N;
+  contact.D = D;
+  contact.edges.assign(velocities.size(), edges);
+  contact.mu = Vector::Constant(count, kMu);
+  contact.inertia = DenseInertia{kMass * Matrix::Identity(3 * count, 3 * count)};
+  return Problem("polygons", std::move(contact));
+}
+
+/// The cone is the same however many edges its polygon has.
+TEST(FrictionModelTest, TheImpulsesOfEightDirectionsAreOneFriction) {
+  const Problem problem = polygons(8, {{3, 3, -1}});
+  Answer answer;
+  answer.z = Vector::Zero(10);
+  answer.z(0) = kMass;
+  answer.z(1 + 5) = kMu * kMass;  // at 225 degrees, opposite to the slip
+  EXPECT_TRUE(by_cone(problem, answer).solved);
+  EXPECT_LT(by_cone(problem, answer).velocity_residual_m_per_s, 1e-15);
+  answer.z(1 + 5) = 0;
+  answer.z(1 + 4) = answer.z(1 + 6) = kMu * kMass / std::numbers::sqrt2;  // the same, along the tangents
+  EXPECT_LT(by_cone(problem, answer).velocity_residual_m_per_s, 1e-15);
+  answer.z(1 + 6) = 0;
+  EXPECT_FALSE(by_cone(problem, answer).solved);
+  answer.z(1 + 4) = 0;
+  answer.z(1 + 1) = kMu * kMass;  // at 45 degrees, along the slip
+  EXPECT_NEAR(by_cone(problem, answer).velocity_residual_m_per_s, 2 * kMu, 1e-14);
+}
+
+/// A fast contact does not hide a slow one that is wrong.
+TEST(FrictionModelTest, EachIslandHasItsOwnScale) {
+  const Problem problem = polygons(4, {{3e6, 4e6, -1e6}, {3, 4, -1}});
+  Answer answer;
+  answer.z = Vector::Zero(12);
+  answer.z.head(2) << 1e6 * kMass, kMass;
+  answer.z.segment(2, 8) << 0, 0, 1e6 * kMu * kMass * 0.6, 1e6 * kMu * kMass * 0.8, 0, 0, kMu * kMass * 0.6,
+      kMu * kMass * 0.8;
+  EXPECT_TRUE(by_cone(problem, answer).solved);
+  answer.z.segment(6, 4).setZero();
+  const Errors errors = by_cone(problem, answer);
+  EXPECT_FALSE(errors.solved);
+  EXPECT_NEAR(errors.velocity_residual_relative, kMu / 4, 1e-14);
+  EXPECT_EQ(errors.worst.row, 11);
 }
 
 TEST(FrictionModelTest, AnAnswerToTheConeIsJudgedByItAndTellsNothingOfThePyramid) {

@@ -229,6 +229,20 @@ TEST_F(TruncatedStoreTest, ALevelOrVersionIsNoWorkOfItsOwn) {
   EXPECT_EQ(coverage.sets[0].done, 1);
 }
 
+/// The engines' answers are asked for where a glob, too, names captured steps.
+TEST(EverySolverTest, AGlobThatNamesCapturedStepsHasTheEngine) {
+  const ScratchFolder folder;
+  const auto engines = [&](const std::string& pattern) {
+    const ProgramRun run =
+        run_program(folder / "", "run --set '" + pattern + "' --trials 1 --fresh --store s.db --jobs 1");
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    sqlite::Database store(folder / "s.db", sqlite::Mode::kReadOnly);
+    return store.integer("SELECT COUNT(*) FROM solvers WHERE name = 'engine'");
+  };
+  EXPECT_EQ(engines("*/wedge/ode"), 1);
+  EXPECT_EQ(engines("paper/monotone/exp1"), 0);
+}
+
 /// The program itself: what a budget cut off is said in the last lines of `run` and `report`, with exit code 0.
 TEST(TruncatedRunTest, NobodyCanMissItOnTheTerminal) {
   const ScratchFolder folder;

@@ -10,6 +10,7 @@
 
 #include "study/report/decision.h"
 #include "study/report/report.h"
+#include "study/report/solver_comparison.h"
 #include "study/report/speed_error.h"
 #include "tests/support/program_run.h"
 #include "tests/support/synthetic_store.h"
@@ -113,9 +114,10 @@ class EndorsementTest : public testing::Test {
     page_ = read_file(folder_ / "out/report.html");
   }
   report::Contender contender(const std::string& solver) const {
-    const std::vector<report::Situation> situations = report::decide(summary_);
-    for (const report::Contender& each : situations[0].contenders) {
-      if (summary_.solvers[each.solver].text() == solver) return each;
+    for (const report::Situation& situation : report::decide(summary_)) {
+      for (const report::Contender& each : situation.contenders) {
+        if (summary_.solvers[each.solver].text() == solver) return each;
+      }
     }
     throw std::logic_error("no contender " + solver);
   }
@@ -264,7 +266,7 @@ TEST_F(EndorsementTest, ASolverOfTheRoundConeIsNotRankedAmongThoseOfThePyramid) 
   const auto pyramid = made_.solver("lemke", "engine=dense");
   for (int trial = 0; trial < 60; ++trial) {
     const bool fails = trial % 15 == 0;
-    made_.problem(kSet, trial, {{cone, {.time_s = 1e-6}}, {pyramid, fails ? kGivesUp : MadeAnswer{}}}, 0, "");
+    made_.problem(kSet, trial, {{cone, {.time_s = 1e-6}}, {pyramid, fails ? kGivesUp : MadeAnswer{}}}, 20, "");
   }
   write();
   EXPECT_EQ(contender("fc3d{cone=true}").verdict, "solves the round cone, another problem; of that solved 100 %");
@@ -279,6 +281,37 @@ TEST_F(EndorsementTest, ASolverOfTheRoundConeIsNotRankedAmongThoseOfThePyramid) 
   const std::string results = read_file(folder_ / "out/tables/results.csv");
   EXPECT_NE(results.find(",other_model,cone\n"), std::string::npos) << results;
   EXPECT_NE(results.find(",pyramid\n"), std::string::npos) << results;
+}
+
+/// Without friction the cone and the pyramid are one.
+TEST_F(EndorsementTest, ASolverOfTheRoundConeIsRankedWhereThereIsNoFriction) {
+  const auto cone = made_.solver("fc3d", "cone=true");
+  answers(0, 40, {{cone, {.time_s = 1e-6}}, {made_.solver("slow"), {}}});
+  write();
+  EXPECT_EQ(record("fc3d")["reliable"], true);
+  EXPECT_EQ(summary_.solvers[report::decide(summary_)[0].contenders[0].solver].name, "fc3d");
+  EXPECT_EQ(compare_solvers(summary_)[0].times.size(), 2U);
+}
+
+/// The answers of an engine come from a file: they have no time, so that they are neither the fastest nor the best.
+TEST_F(EndorsementTest, ASolverWithoutTimesIsNotRanked) {
+  const auto engine = made_.solver("engine");
+  const auto good = made_.solver("good");
+  for (int trial = 0; trial < 60; ++trial) {
+    const bool fails = trial % 15 == 0;
+    made_.problem(kSet, trial, {{engine, {.time_s = kNone}}, {good, fails ? kGivesUp : MadeAnswer{}}});
+  }
+  answers(60, 200, {{engine, {.time_s = kNone}}, {good, {}}});
+  write();
+  expect_not_endorsed("engine", "no_time", nullptr);
+  EXPECT_EQ(contender("engine").verdict, "not ranked: nobody measured its time; solved 100 %");
+  EXPECT_EQ(record("good")["reliable"], true) << "nobody without a time makes it fall behind";
+  const auto situation = report::decide(summary_)[0];
+  ASSERT_TRUE(situation.recommended.has_value());
+  EXPECT_EQ(summary_.solvers[situation.contenders[*situation.recommended].solver].name, "good");
+  const auto compared = compare_solvers(summary_);
+  ASSERT_EQ(compared.size(), 1U);
+  EXPECT_EQ(compared[0].times.size(), 1U);
 }
 
 TEST_F(EndorsementTest, TheRuleStandsOnThePageAndInTheSummaryWithItsNumbers) {
