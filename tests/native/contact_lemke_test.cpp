@@ -672,6 +672,22 @@ TEST(ContactLemkeTest, SharesItsLaterEnginesWithoutATrace) {
   }
 }
 
+// From rest the path on this body cycles. The first cold path is another one, and gets through.
+TEST(ContactLemkeTest, AWarmPathThatCyclesTakesNothingFromTheColdOnes) {
+  const Problem problem = open_set("scene/humanoid-lying/mujoco")->generate(1, 1);
+  const Answer cold = solve(problem);
+  const auto solver = contact_lemke();
+  solver->load(problem);
+  solver->update(Vector::Zero(problem.contact()->ngc()));
+  const Answer at_rest = solve(*solver);
+  solver->update(problem.contact()->v);
+  const Answer answer = solve(*solver, {.start = &at_rest.z});
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_EQ(answer.detail, cold.detail);
+  EXPECT_EQ(answer.z, cold.z);
+  EXPECT_GT(answer.counters.pivots, cold.counters.pivots);  // there was a warm path
+}
+
 // --- large kernels ---
 
 // Kernels of 80 rows whose dependent rows an inverse in double, or in 113 bits without a measure of its noise, cannot
