@@ -683,29 +683,37 @@ TEST(AutoTest, EndsAtALimitBetweenTwoMethods) {
   }
 }
 
-/// Contacts that friction may hold, on an inertia that is given whole: friction_ipm is the first of many methods.
-Problem large_and_dense() {
-  ContactProblem contact = *Problem("stack", uneven_stack(20, 4, 1)).contact();
-  contact.inertia = DenseInertia{dense_inertia(contact.inertia)};
+/// A stack whose inertia couples all its coordinates: one island that is the whole problem.
+Problem large_and_dense(double ratio, double slide) {
+  ContactProblem contact = *Problem("stack", uneven_stack(12, 4, ratio)).contact();
+  Matrix G = dense_inertia(contact.inertia);
+  G.array() += 0.01;
+  contact.inertia = DenseInertia{G};
+  for (Index x = 0; x < contact.ngc(); x += 6) contact.v(x) += slide;
   return Problem("large and dense", contact);
 }
 
 // Wherever a limit ends the solve, nothing of the iterate of the method that ran then is handed out.
 TEST(AutoTest, AFailedAnswerIsZeroWhateverMethodRanLast) {
-  const Problem problem = large_and_dense();
-  int failures = 0;
-  const auto expect_zero = [&](const Answer& answer, const std::string& what) {
-    if (answer.claim == Claim::kSolved) return;
-    ++failures;
-    EXPECT_EQ(answer.z.size(), problem.size()) << what;
-    EXPECT_EQ(answer.z.lpNorm<Eigen::Infinity>(), 0) << what;
-    EXPECT_EQ(answer.velocity.size(), 0) << what;
-  };
-  expect_zero(solve(problem, {{"max_pivots", "1"}}), "one pivot");
-  for (double limit_s = 1e-6; limit_s < 0.1; limit_s *= 1.25) {
-    expect_zero(solve(problem, {}, {.time_limit_s = limit_s}), std::to_string(limit_s) + " s");
+  for (const auto& [ratio, slide] : {std::pair{1.0, 0.0}, {1.0, 5.0}, {1e8, 0.0}, {1e8, 5.0}}) {
+    const Problem problem = large_and_dense(ratio, slide);
+    int failures = 0;
+    const auto expect_zero = [&](const Answer& answer, const std::string& what) {
+      if (answer.claim == Claim::kSolved) return;
+      ++failures;
+      EXPECT_EQ(answer.z.size(), problem.size()) << what;
+      EXPECT_EQ(answer.z.lpNorm<Eigen::Infinity>(), 0) << what;
+      EXPECT_EQ(answer.velocity.size(), 0) << what;
+    };
+    const std::string shape = std::to_string(ratio) + ", " + std::to_string(slide) + ", ";
+    for (const char* pivots : {"1", "100"}) {
+      expect_zero(solve(problem, {{"max_pivots", pivots}}), shape + pivots + " pivots");
+    }
+    for (double limit_s = 1e-6; limit_s < 0.03; limit_s *= 1.25) {
+      expect_zero(solve(problem, {}, {.time_limit_s = limit_s}), shape + std::to_string(limit_s) + " s");
+    }
+    EXPECT_GT(failures, 0);
   }
-  EXPECT_GT(failures, 0);
 }
 
 TEST(AutoTest, LoadsNoMethodWhenTheLimitsAreUsedUp) {
