@@ -33,6 +33,20 @@ Matrix inverse_or_pseudo_inverse(const Matrix& G) {
   return llt.solve(Matrix::Identity(G.rows(), G.cols()));
 }
 
+/// to += G* x. The bodies' blocks are never put into one matrix, which would grow with the square of a scene.
+void add_inverse_product(const Inertia& inertia, const Vector& x, Vector& to) {
+  const auto* bodies = std::get_if<BlockInertia>(&inertia);
+  if (bodies == nullptr) {
+    to.noalias() += inverse_inertia(inertia) * x;
+    return;
+  }
+  Index at = 0;
+  for (const Matrix& block : bodies->blocks) {
+    to.segment(at, block.rows()).noalias() += inverse_or_pseudo_inverse(block) * x.segment(at, block.rows());
+    at += block.rows();
+  }
+}
+
 template <class F>
 auto visit_jacobian(F&& f, const Jacobian& J) {
   return std::visit(std::forward<F>(f), J);
@@ -163,7 +177,9 @@ Vector post_impact_velocity(const ContactProblem& problem, const Vector& z) {
     return visit_jacobian([&](const auto& m) { return Vector(m * x); }, J);
   };
   const Vector impulse = times(problem.N, z.head(layout.nc)) + times(problem.D, z.segment(layout.nc, layout.friction));
-  return problem.v + inverse_inertia(problem.inertia) * impulse;
+  Vector velocity = problem.v;
+  add_inverse_product(problem.inertia, impulse, velocity);
+  return velocity;
 }
 
 Vector complete_impulses(const ContactProblem& problem, const Vector& impulses) {

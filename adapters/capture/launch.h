@@ -12,8 +12,8 @@ struct EngineRun {
   std::string message;  ///< the last line that it wrote to its standard error
 };
 
-/// Runs lcpbench-capture-<engine>, which stands where the workers stand, and waits for its end. When `stop` is raised,
-/// it ends the program. @throws InputError when the program is missing
+/// Runs lcpbench-capture-<engine>, which is in the folder of the worker programs, and waits for its end. If `*stop` is
+/// not 0, it ends the program. @throws InputError when the program is missing
 EngineRun run_engine(const std::string& engine, const std::vector<std::string>& arguments,
                      const volatile std::sig_atomic_t* stop);
 

@@ -6,13 +6,13 @@
 namespace lcpbench::capture {
 namespace {
 
-/// Its halves first, as capture.h does.
+/// Halves each entry before adding, as capture.h does, so that the bits agree.
 Matrix symmetric(const Matrix& matrix) { return 0.5 * matrix + 0.5 * matrix.transpose(); }
 
 RigidContact rigid_contact(const ContactState& state) {
   RigidContact contact{.body_a = state.body_a, .body_b = state.body_b, .point = state.point, .normal = state.normal};
   const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
-  const bool turned = contact.body_a == kWorld;  // the world stands second
+  const bool turned = contact.body_a == kWorld;  // the world must be body_b: swap the bodies
   if (turned) {
     std::swap(contact.body_a, contact.body_b);
     contact.normal = zero - state.normal;

@@ -5,7 +5,7 @@
 
 namespace lcpbench::capture {
 
-/// The problem of a step, the same bits that its file will have: capture.h writes numbers that read back.
+/// The problem of a step. It has the same bits as the problem read from the file.
 Problem problem_of(const Snapshot& snapshot);
 
 }  // namespace lcpbench::capture

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/timed_solve.h"
 #include "native/answer_test/contact_program.h"
 #include "native/answer_test/contact_solvability.h"
 #include "native/answer_test/scaled_numbers.h"
@@ -93,7 +94,7 @@ bool ContactSolvability::lifts_all(const Program<Quad>& program, Quad rounding) 
 /// other, each a little beyond its bound. Only with an offset and G given by its entries: the impulses then reach every
 /// velocity, which ends in the speed 1 of the offset. Steps are exact where N and D of a contact are orthogonal.
 /// O(sparse entries of the edges) per sweep. [Hildreth 1957]
-bool ContactSolvability::finds_separation() {
+bool ContactSolvability::finds_separation(double deadline_s) {
   if (!reaches_all_velocities_) return false;
   const Index offset = X_->rows() - 1;
   auto lift = lift_.head(offset + 1);
@@ -117,6 +118,7 @@ bool ContactSolvability::finds_separation() {
     if (sweep % kSweepsPerTest != kSweepsPerTest - 1) continue;
     lift_terms_.head(offset + 1) = lift.cwiseAbs();
     if (separates_all()) return true;
+    if (!(wall_clock_s() < deadline_s)) return false;
   }
   return false;
 }

@@ -397,6 +397,7 @@ ContactSolvability::Sign ContactSolvability::sign_of_least(Scalar* storage, doub
 }
 
 ContactSolvability::Sign ContactSolvability::sign_in_quad(double deadline_s) {
+  if (!(wall_clock_s() < deadline_s)) return Sign::kUnknown;
   find_range();
   if (rank_ == X_->rows()) return Sign::kAlwaysPositive;
   find_unreached_velocity();
@@ -430,7 +431,7 @@ ContactSolvability::Finding ContactSolvability::decide(const double* v, double d
   }
   find_edges();
   if (edges_.empty()) return Finding::kSolvable;
-  if (expected == Expected::kSolvable && finds_separation()) return Finding::kSolvable;
+  if (expected == Expected::kSolvable && finds_separation(deadline_s)) return Finding::kSolvable;
   if (!has_friction_) return finding_of_normals(deadline_s);
   const bool cones_first = expected == Expected::kSolvable;
   // Of the cones' least value, zero to rounding is no proof: friction may be so large that normals which miss a

@@ -26,8 +26,8 @@ namespace lcpbench {
 /// of full row rank reaches all: there is a solution.
 ///
 /// An offset is the speed 1 of one more coordinate, which nothing reaches, and b its row of N. X is then I where G is
-/// given, which is regular. A velocity at which all edges separate is then looked for before the linear program: the
-/// contacts of a pile, with normals in single precision, nearly hold each other, and the program needs 113 bits.
+/// given, which is regular. A velocity at which all edges separate is then looked for before the linear program. In a
+/// pile the linear program is nearly singular and would need 113 bits; this search often decides in double.
 class ContactSolvability {
  public:
   enum class Finding { kSolvable, kUnsolvable, kUnknown };
@@ -105,7 +105,7 @@ class ContactSolvability {
   void note_pivot(const Program<Scalar>& program, Index row, Index column);
   template <class Scalar>
   void drop_artificial(Program<Scalar>& program);
-  bool finds_separation();
+  bool finds_separation(double deadline_s);
   void project_on_edge(Index j, double beyond);
   bool separates_all() const;
   bool lifts_all(const Program<double>& program, bool from_v);

@@ -1,8 +1,11 @@
 #include "native/auto/attempts.h"
 
-#include "core/timed_solve.h"
+#include <algorithm>
+#include <variant>
+
 #include "native/active_set/active_set.h"
 #include "native/contact_lemke/contact_lemke.h"
+#include "native/contacts/block_inverse.h"
 
 namespace lcpbench {
 namespace {
@@ -115,9 +118,10 @@ Solver& Attempts::ready(AutoMethod method) {
 /// @returns whether that ends the solve.
 bool Attempts::tried(const AutoTry& now, const SolveRequest& request, bool is_last, const AutoLimits& limits,
                      Answer& answer, AutoReport& report) {
+  if (ends_at_limit(limits, *problem_, answer, report)) return true;
   answered_ = &ready(now.method);
   answered_by_ = now.method;
-  const double time = limits.time();
+  const double time = std::max(limits.time(), 0.0);  // loading takes some
   run_try(now, *answered_, *problem_, {.start = request.start, .time_limit_s = is_last ? time : kShareOfTime * time},
           limits, answer, report);
   return !gave_up(answer.claim, limits, report);
@@ -130,16 +134,18 @@ void Attempts::solve(const SolveRequest& request, const AutoLimits& limits, Answ
     if (tried(next, now_request, &next + 1 == plan_.end(), limits, answer, report)) return;
     now_request.start = nullptr;  // it may have been what misled the method
   }
-  if (answer.z.size() > 0) answer.z.setZero();
 }
 
 void Attempts::respond(const Answer& answer, Vector& u) {
   if (answered_by_ == AutoMethod::kContactLemke) {
     static_cast<ContactLemke&>(*answered_).respond(answer.z, u);
   } else {
-    ContactProblem now = *problem_->contact();
-    now.v = v_;
-    u = post_impact_velocity(now, answer.z);
+    const ContactProblem& contact = *problem_->contact();
+    Vector impulse = Vector::Zero(v_.size());
+    std::visit([&](const auto& N) { impulse += N * answer.z.head(N.cols()); }, contact.N);
+    std::visit([&](const auto& D) { impulse += D * answer.z.segment(contact.nc(), D.cols()); }, contact.D);
+    u = v_;
+    BlockInverse(contact.inertia).add_product(impulse, u);
   }
 }
 

@@ -10,8 +10,8 @@
 
 namespace lcpbench {
 
-/// One solver of each method, with the memory of the largest problem so far, most of which is never touched. For
-/// whatever the first method of an island gave up on.
+/// One solver of each method, with the memory of the largest problem so far, most of which is never touched. Islands
+/// use these solvers in turn if their first method gives up.
 class SharedMethods {
  public:
   SharedMethods();
@@ -37,14 +37,15 @@ class Attempts {
 
   /// @param problem must outlive the next load @param v the velocity now
   void load(const Problem& problem, const Vector& v);
-  /// The same, but the first method is loaded by the next update(); a solve() before that leaves it out.
+  /// Does not load the sparse first method. update() loads it. A solve() before that uses the dense methods.
   /// @returns false where there is no other, and nothing was put off
   bool load_when_needed(const Problem& problem, const Vector& v);
 
-  /// Whether what is put off until a solve is then done by a method that may take a hundred times as long.
+  /// True if a solve before the next update() uses another method in place of velocity_ipm. That method may take a
+  /// hundred times as long.
   bool has_stand_in() const { return plan_.front().method == AutoMethod::kVelocityIpm; }
 
-  /// Another velocity. Loads the first method where that was put off, or is another one now.
+  /// Another velocity. Loads the first method if it was put off, or if the new velocity changes the plan.
   void update(const Vector& v);
   /// The same, but what was put off stays so, and the plan too. Allocates nothing.
   void set_velocity(const Vector& v);

@@ -28,8 +28,8 @@ constexpr Capabilities kCapabilities{
 ///
 /// Contacts: islands one by one, each without the contacts that cannot be pressed; without friction by `active_set`, or
 /// `velocity_ipm` where it is a large scene; with friction by `contact_lemke` and `friction_ipm`, each followed by
-/// another method where it gives up (plan_for). Bare LCPs: LcpLadder. Dense methods climb from double to 113 bits as
-/// far as the test of their answer, made from the data, asks for.
+/// another method where it gives up (plan_for). Bare LCPs: LcpLadder. Dense methods raise their precision from
+/// double to 113 bits until the answer passes its test.
 ///
 /// kSolved: every part passed; kUnsolvable: some part was proven to have no solution (`farkas` is then a proof for the
 /// whole where there is one for the part); else the claim of the first part that failed, and z = 0. `detail` says what
@@ -177,7 +177,11 @@ void Auto::solve_whole(const SolveRequest& request, Answer& answer) {
     answer.detail = "at rest to rounding";
     return;
   }
-  if (answer.claim == Claim::kSolved) report.write_text(answer.detail);  // else its own words say why
+  if (answer.claim == Claim::kSolved) return report.write_text(answer.detail);
+  // The words of the method say why it failed, but nothing of its last iterate is an answer.
+  answer.velocity.resize(0);
+  answer.z.resize(problem().size());
+  answer.z.setZero();
 }
 
 /// Whether z = 0 solves the whole problem, where no method does.
@@ -237,9 +241,7 @@ void Auto::bound_slips(const ContactLayout& layout, const Vector& u, Vector& z) 
     if (carries_[c] != 0) continue;
     double slip = 0;
     for (Index t = 0; t < contact.edges[c] / 2 && u.size() > 0; ++t) {  // Eigen asserts on sparse columns of no rows
-      const double speed =
-          std::visit([&](const auto& D) { return D.col(layout.friction_begin[c] + t).dot(u); }, contact.D);
-      slip = std::max(slip, std::abs(speed));
+      slip = std::max(slip, std::abs(dot_column(contact.D, layout.friction_begin[c] + t, u)));
     }
     z(layout.lambda_offset() + k) = slip;
   }

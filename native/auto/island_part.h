@@ -23,8 +23,8 @@ class IslandPart {
   /// @returns false where no dense method will do, and the work was done
   bool load_when_needed(ProblemCutter& whole, const Island& part, const Vector& v);
 
-  /// Whether what is put off until a solve is then done by another method than its own, which may take a hundred times
-  /// as long.
+  /// True if a solve before the next update() uses another method in place of velocity_ipm. That method may take a
+  /// hundred times as long.
   bool has_stand_in() const { return attempts_.has_stand_in(); }
 
   /// Another velocity of the whole problem. Does what was put off.
@@ -32,7 +32,8 @@ class IslandPart {
   /// The same, but what was put off stays so. Allocates nothing.
   void set_velocity(const Vector& v);
 
-  /// Solves it by its method, and where that gives up by those that follow. Allocates nothing.
+  /// Solves it by its method, and where that gives up by those that follow. Allocates only if a second method,
+  /// friction_ipm or psor, has to be loaded.
   /// @param start of the whole problem, or nullptr
   /// @returns the claim of answer()
   Claim solve(const Vector* start, const AutoLimits& limits, AutoReport& report);

@@ -20,10 +20,6 @@ constexpr double kApproaching = 1e-9;
 /// Leave contacts out only if they are at least 1/8 of the island: the whole island has to be cut out as well.
 constexpr std::size_t kLeastShare = 8;
 
-double dot_column(const Jacobian& J, Index column, const Vector& v) {
-  return std::visit([&](const auto& matrix) { return matrix.col(column).dot(v); }, J);
-}
-
 /// w of the contact's normal row at u.
 double normal_row(const ContactProblem& problem, Index contact, const Vector& u) {
   const double velocity = dot_column(problem.N, contact, u);

@@ -6,15 +6,16 @@
 
 namespace lcpbench {
 
-/// Solves the contacts of one island, with as few of them as will do.
+/// Solves the contacts of one island. First it leaves out contacts that separate. If the answer makes one of them
+/// approach, it solves the whole island.
 ///
-/// Where no contact approaches, none presses and nothing is solved; nor where no method finds an answer and the
-/// approach is so slow that z = 0 is one. In islands of bodies, contacts that separate faster
-/// than any other approaches are left out, with the bodies that only they touch; where the answer's velocity has some
-/// of them approaching, the island is solved with all its contacts. Either way it is an answer of the whole island,
-/// since contacts left out need no impulse when they do not approach. Where a slower method would have to bring them
-/// back, contacts at bodies that kept contacts touch are kept. Nothing is left out of islands that only a sparse method
-/// may solve: all contacts would have to be loaded as well, which costs what leaving out saves.
+/// If no contact approaches, none presses and nothing is solved. Nothing is solved either if no method finds an answer
+/// and the approach is so slow that z = 0 is one. Contacts are left out in islands of bodies only, and only if they
+/// separate faster than any other contact approaches. The bodies that only they touch are left out with them. The
+/// answer is one of the whole island, because contacts left out need no impulse if they do not approach. If a slower
+/// method would have to bring them back, contacts at bodies that kept contacts touch are kept. Nothing is left out of
+/// islands that only a sparse method may solve: all contacts would have to be loaded as well, which costs what leaving
+/// out saves.
 class IslandSolver {
  public:
   IslandSolver(const AutoSettings& settings, SharedMethods& shared)
@@ -29,7 +30,7 @@ class IslandSolver {
   void update(const Vector& v);
 
   /// Adds the island's impulses to z and its change of velocity to u, both of the whole problem. u arrives as v.
-  /// Allocates nothing.
+  /// Allocates only if a second method, friction_ipm or psor, has to be loaded.
   /// @param start of the whole problem, or nullptr
   /// @returns kSolved, or why not; answer() then says more
   Claim solve(const Vector* start, const AutoLimits& limits, Vector& z, Vector& u, AutoReport& report);

@@ -51,16 +51,19 @@ std::unique_ptr<Solver> make_method(AutoMethod method, const std::shared_ptr<Lat
   }
 }
 
+bool ends_at_limit(const AutoLimits& limits, const Problem& problem, Answer& answer, const AutoReport& report) {
+  const bool in_time = limits.time() > 0;
+  if (in_time && !limits.exhausted(report.counters())) return false;
+  answer.claim = in_time ? Claim::kIterationLimit : Claim::kTimeLimit;
+  answer.z.resize(problem.size());
+  answer.z.setZero();
+  answer.detail.clear();
+  answer.velocity.resize(0);
+  return true;
+}
+
 void run_try(const AutoTry& now, Solver& solver, const Problem& problem, const SolveRequest& request,
              const AutoLimits& limits, Answer& answer, AutoReport& report) {
-  const bool in_time = request.time_limit_s > 0;
-  if (!in_time || limits.exhausted(report.counters())) {
-    answer.claim = in_time ? Claim::kIterationLimit : Claim::kTimeLimit;
-    answer.z.setZero();
-    answer.detail.clear();
-    answer.velocity.resize(0);
-    return;
-  }
   report.count(now.method);
   switch (now.method) {
     case AutoMethod::kActiveSet:

@@ -37,8 +37,11 @@ struct AutoLimits {
 /// At its defaults. @param later what the rungs of contact_lemke beyond double run on
 std::unique_ptr<Solver> make_method(AutoMethod method, const std::shared_ptr<LaterEngines>& later);
 
-/// Solves what `solver`, which is of this method, has loaded, and counts it in. Where the limits leave nothing the
-/// claim says so, and z is zero. @param request with what is left of limits.time()
+/// Whether the limits leave nothing for another try. The claim then says so, and z is zero.
+bool ends_at_limit(const AutoLimits& limits, const Problem& problem, Answer& answer, const AutoReport& report);
+
+/// Solves what `solver`, which is of this method, has loaded, and counts it in.
+/// @param request with what is left of limits.time()
 void run_try(const AutoTry& now, Solver& solver, const Problem& problem, const SolveRequest& request,
              const AutoLimits& limits, Answer& answer, AutoReport& report);
 

@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "native/answer_test/contact_solvability.h"
+#include "native/auto/islands.h"
 #include "native/contact_lemke/contact_lemke.h"
 
 namespace lcpbench {
@@ -21,10 +22,6 @@ constexpr Index kHuge = 8000;
 
 /// ngc (ngc + nc) of a problem up to which memory is taken in advance: half a gigabyte of addresses.
 constexpr Index kMostEntries = 1'000'000;
-
-double dot_column(const Jacobian& J, Index column, const Vector& v) {
-  return std::visit([&](const auto& matrix) { return matrix.col(column).dot(v); }, J);
-}
 
 /// Whether friction may hold every contact: the fastest slip is no faster than the largest mu times the fastest
 /// approach.

@@ -226,7 +226,9 @@ void ContactLemke::respond(const Vector& z, Vector& velocity) {
 LoadedContacts& ContactLemke::engine_of(ContactArithmetic arithmetic) {
   if (arithmetic == ContactArithmetic::kDouble) return float_ ? *float_ : double_;
   LaterEngines::Shared& later = arithmetic == ContactArithmetic::kQuad ? later_->quad : later_->double_double;
-  if (later.holder != this) later.engine.load(data_.input);
+  if (later.holder == this) return later.engine;
+  later.holder = nullptr;  // load() may throw, and then the data of the last holder are gone
+  later.engine.load(data_.input);
   later.holder = this;
   return later.engine;
 }
@@ -258,6 +260,7 @@ void ContactLemke::on_solve(const SolveRequest& request, Answer& answer) {
     Rules rules;
     rules.resume = true;
     if (climb(kWarmRung, rules, progress, answer)) return report(progress, answer);
+    progress.cycles = 0;  // the first path from the start is another one
   }
   resumable_ = false;
   std::int64_t rungs = 0;

@@ -130,8 +130,7 @@ class ContactLemke final : public Solver {
   /// ContactLemkeSettings::max_pivots from now on.
   void limit_pivots(std::int64_t max_pivots) { settings_.max_pivots = max_pivots; }
 
-  /// From now on at most so many rungs of the cascade, not counted the warm one and those whose path goes round; 0:
-  /// all.
+  /// Limits the number of rungs; 0: no limit. The warm rung and rungs whose path cycles are not counted.
   void limit_rungs(std::int64_t max_rungs) { max_rungs_ = max_rungs; }
 
   /// velocity := v + G* [N D] z, for z (n) and velocity (ngc) of the loaded problem, in the highest precision that its

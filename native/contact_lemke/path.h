@@ -134,8 +134,8 @@ class Path {
     }
   }
 
-  /// Whether the path was here before. Not asked where rounding may have misled it, which other pivots may mend. Rounds
-  /// in which no contact begins to press are rare, and looked for late.
+  /// True if the path has met this basis before. Returns false if values were refined on this path, because rounding may
+  /// have caused the repetition. Before pivot 64 it looks only when a contact begins to press.
   bool comes_back(const Entering& entering) {
     const bool presses = !entering.is_velocity && entering.label.is_normal();
     is_strained_ = is_strained_ || refines_rates_;

@@ -16,7 +16,7 @@ class LimitedFrictionIpm : public Solver {
   virtual void unlimit_rounds() = 0;
 };
 
-/// Claims only what is within 3e-5 of max|q|: those who ask have other methods, which come nearer.
+/// For `auto`: claims solved only up to 3e-5, because `auto` can try a more accurate method.
 std::unique_ptr<LimitedFrictionIpm> make_friction_ipm();
 
 }  // namespace lcpbench

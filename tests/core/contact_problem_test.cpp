@@ -49,6 +49,24 @@ TEST(ContactProblemTest, PostImpactVelocityAddsTheImpulses) {
   EXPECT_EQ(post_impact_velocity(two_contacts(), z), (Vector{{2.25, -2.0}}));
 }
 
+// Sums over fewer than 128 coordinates have one order, so that not a bit differs from the product with all of G*.
+TEST(ContactProblemTest, PostImpactVelocityTakesTheBodiesOneByOne) {
+  constexpr int kBodies = 9;
+  ContactProblem problem;
+  BlockInertia inertia;
+  for (int k = 0; k < kBodies; ++k) {
+    inertia.blocks.push_back(Matrix{{2.0 + k, 0.3}, {0.3, 1.0 / (1.0 + k)}});
+  }
+  problem.inertia = inertia;
+  problem.v = Vector::LinSpaced(2 * kBodies, -1.0, 0.7);
+  problem.N = Matrix(Vector::LinSpaced(2 * kBodies, 0.1, 3.3).cwiseInverse());
+  problem.D = Matrix(2 * kBodies, 0);
+  problem.edges = {0};
+  problem.mu = Vector{{0.0}};
+  const Vector whole = problem.v + inverse_inertia(problem.inertia) * (to_dense(problem.N) * Vector{{1.7}});
+  EXPECT_EQ(post_impact_velocity(problem, Vector{{1.7}}), whole);
+}
+
 TEST(ContactProblemTest, EveryFormOfInertiaGivesTheSameInverse) {
   const Matrix G{{2.0, 0.0, 0.0}, {0.0, 4.0, 2.0}, {0.0, 2.0, 2.0}};
   const Matrix inverse{{0.5, 0.0, 0.0}, {0.0, 0.5, -0.5}, {0.0, -0.5, 1.0}};

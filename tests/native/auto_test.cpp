@@ -7,7 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "core/registry.h"
+#include "core/timed_solve.h"
 #include "generators/sets.h"
+#include "native/auto/attempts.h"
 #include "native/auto/islands.h"
 #include "study/evaluation/evaluation.h"
 #include "tests/support/allocation_counter.h"
@@ -679,6 +681,56 @@ TEST(AutoTest, EndsAtALimitBetweenTwoMethods) {
     EXPECT_TRUE(cut.detail.empty() || cut.detail == "pivot limit") << limit << " pivots: " << cut.detail;
     EXPECT_EQ(cut.velocity.size(), 0) << limit << " pivots";
   }
+}
+
+/// A stack whose inertia couples all its coordinates: one island that is the whole problem.
+Problem large_and_dense(double ratio, double slide) {
+  ContactProblem contact = *Problem("stack", uneven_stack(12, 4, ratio)).contact();
+  Matrix G = dense_inertia(contact.inertia);
+  G.array() += 0.01;
+  contact.inertia = DenseInertia{G};
+  for (Index x = 0; x < contact.ngc(); x += 6) contact.v(x) += slide;
+  return Problem("large and dense", contact);
+}
+
+// Wherever a limit ends the solve, nothing of the iterate of the method that ran then is handed out.
+TEST(AutoTest, AFailedAnswerIsZeroWhateverMethodRanLast) {
+  for (const auto& [ratio, slide] : {std::pair{1.0, 0.0}, {1.0, 5.0}, {1e8, 0.0}, {1e8, 5.0}}) {
+    const Problem problem = large_and_dense(ratio, slide);
+    int failures = 0;
+    const auto expect_zero = [&](const Answer& answer, const std::string& what) {
+      if (answer.claim == Claim::kSolved) return;
+      ++failures;
+      EXPECT_EQ(answer.z.size(), problem.size()) << what;
+      EXPECT_EQ(answer.z.lpNorm<Eigen::Infinity>(), 0) << what;
+      EXPECT_EQ(answer.velocity.size(), 0) << what;
+    };
+    const std::string shape = std::to_string(ratio) + ", " + std::to_string(slide) + ", ";
+    for (const char* pivots : {"1", "100"}) {
+      expect_zero(solve(problem, {{"max_pivots", pivots}}), shape + pivots + " pivots");
+    }
+    for (double limit_s = 1e-6; limit_s < 0.03; limit_s *= 1.25) {
+      expect_zero(solve(problem, {}, {.time_limit_s = limit_s}), shape + std::to_string(limit_s) + " s");
+    }
+    EXPECT_GT(failures, 0);
+  }
+}
+
+TEST(AutoTest, LoadsNoMethodWhenTheLimitsAreUsedUp) {
+  const Problem problem("seesaws", seesaws(17, 0));
+  const Problem small("small", box_stacks({.stacks = 1, .edges = 0}));
+  const AutoSettings settings;
+  SharedMethods shared;
+  Attempts attempts(settings, shared);
+  ASSERT_TRUE(attempts.load_when_needed(problem, problem.contact()->v));
+  Solver& stand_in = shared.of(AutoMethod::kActiveSet);
+  stand_in.load(small);
+  Answer answer;
+  AutoReport report;
+  attempts.solve({}, {.deadline_s = wall_clock_s()}, answer, report);
+  EXPECT_EQ(answer.claim, Claim::kTimeLimit);
+  EXPECT_EQ(answer.z, Vector::Zero(problem.size()));
+  EXPECT_EQ(solve(stand_in).z.size(), small.size());  // which it still holds
 }
 
 // Two velocities of 1e400 m/s, one the other way: their sum is no number in double, and no contact at rest.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -633,6 +634,58 @@ TEST(ContactLemkeTest, AllocatesNothingAtAnyPrecision) {
       EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << precision << " " << trial;
     }
   }
+}
+
+// Islands of `auto` take turns on the engines beyond double: each must find its own problem there again.
+TEST(ContactLemkeTest, SharesItsLaterEnginesWithoutATrace) {
+  for (const ContactLemkePrecision precision : {ContactLemkePrecision::kCascade, ContactLemkePrecision::kQuad}) {
+    ContactLemkeSettings settings;
+    settings.precision = precision;
+    settings.accept_residual = 0;  // climbs every rung
+    const auto later = std::make_shared<LaterEngines>();
+    const Problem problems[] = {stack(3, 4, 0.25, 0.5), open_set("paper/copositive/exp5-1e8")->generate(41, 2)};
+    ASSERT_NE(problems[0].size(), problems[1].size());
+    ContactLemke shared[] = {{settings, later}, {settings, later}};
+    ContactLemke alone[] = {ContactLemke(settings), ContactLemke(settings)};
+    for (int k = 0; k < 2; ++k) {
+      shared[k].load(problems[k]);
+      alone[k].load(problems[k]);
+    }
+    for (int step = 0; step < 6; ++step) {
+      const int k = step % 2;
+      const Vector v = moved(problems[k].contact()->v, 0.05, step);
+      if (step != 1) {  // one solve of what was loaded before the other's solve
+        shared[k].update(v);
+        alone[k].update(v);
+      }
+      const Answer answer = solve(shared[k]);
+      const Answer expected = solve(alone[k]);
+      ASSERT_EQ(answer.claim, Claim::kSolved) << step << ": " << answer.detail;
+      EXPECT_EQ(answer.detail, expected.detail) << step;
+      EXPECT_EQ(answer.z, expected.z) << step;
+      EXPECT_EQ(answer.velocity, expected.velocity) << step;
+      Vector u(v.size()), expected_u(v.size());
+      shared[k].respond(answer.z, u);
+      alone[k].respond(expected.z, expected_u);
+      EXPECT_EQ(u, expected_u) << step;
+    }
+  }
+}
+
+// From rest the path on this body cycles. The first cold path is another one, and gets through.
+TEST(ContactLemkeTest, AWarmPathThatCyclesTakesNothingFromTheColdOnes) {
+  const Problem problem = open_set("scene/humanoid-lying/mujoco")->generate(1, 1);
+  const Answer cold = solve(problem);
+  const auto solver = contact_lemke();
+  solver->load(problem);
+  solver->update(Vector::Zero(problem.contact()->ngc()));
+  const Answer at_rest = solve(*solver);
+  solver->update(problem.contact()->v);
+  const Answer answer = solve(*solver, {.start = &at_rest.z});
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_EQ(answer.detail, cold.detail);
+  EXPECT_EQ(answer.z, cold.z);
+  EXPECT_GT(answer.counters.pivots, cold.counters.pivots);  // there was a warm path
 }
 
 // --- large kernels ---

@@ -3,9 +3,11 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "core/timed_solve.h"
 #include "generators/sets.h"
 #include "native/contacts/contact_input.h"
 #include "native/contact_lemke/contact_lemke.h"
@@ -131,6 +133,38 @@ TEST(ContactSolvabilityTest, DecidesTheSameWhateverIsExpected) {
 }
 
 // The second normal asks for 1 m/s that no impulse can give; the vector that shows it is exact in doubles.
+/// Chains of coordinates, each of which is to separate from the one before by 1, with an offset that asks for it. One
+/// projection after the other brings the speeds up the chain slowly.
+ContactProblem chains(int count, int length) {
+  ContactProblem contact;
+  const Index size = Index{count} * length;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int k = 0; k < size; ++k) {
+    entries.emplace_back(k, k, 1.0);
+    if (k % length > 0) entries.emplace_back(k - 1, k, -1.0);
+  }
+  SparseMatrix N(size, size);
+  N.setFromTriplets(entries.begin(), entries.end());
+  contact.v = Vector::Zero(size);
+  contact.N = N;
+  contact.D = Matrix(size, 0);
+  contact.edges.assign(static_cast<std::size_t>(size), 0);
+  contact.mu = Vector::Zero(size);
+  contact.b = Vector::Constant(size, -1.0);
+  contact.inertia = DenseInertia{Matrix::Identity(size, size)};
+  return contact;
+}
+
+TEST(ContactSolvabilityTest, LooksForASeparationNoLongerThanTheDeadline) {
+  const ContactProblem contact = chains(100, 6);
+  EXPECT_EQ(decide(contact), Finding::kSolvable);
+  ContactSolvability solvability;
+  solvability.load(contact);
+  constexpr double kLessThanTenSweeps = 2e-5;
+  const double deadline_s = wall_clock_s() + kLessThanTenSweeps;
+  EXPECT_EQ(solvability.decide(contact.v.data(), deadline_s, Expected::kSolvable), Finding::kUnknown);
+}
+
 TEST(ContactSolvabilityTest, WritesAProofInSmallIntegers) {
   ContactProblem contact = on_one_factor(Vector{{-2, -1}});
   contact.v = Vector{{-1, 1}};

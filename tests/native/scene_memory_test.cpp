@@ -36,6 +36,8 @@ TEST(SceneMemoryTest, TenThousandFrictionalContactsTakeLessThanHalfAGigabyte) {
   solver->solve({}, answer);
   ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
   EXPECT_TRUE(Evaluator(problem).errors(answer).solved);
+  const Vector impulses = answer.z.head(contact_layout(*problem.contact()).lambda_offset());
+  EXPECT_EQ(complete_impulses(*problem.contact(), impulses).size(), problem.size());  // as the solver `engine` does
   const long kilobytes = most_memory();
   if (kilobytes < 0) GTEST_SKIP() << "no /proc/self/status";
   EXPECT_LE(kilobytes, 500'000);  // twice what it takes
