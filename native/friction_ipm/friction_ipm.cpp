@@ -276,7 +276,7 @@ const Capabilities& FrictionIpm::capabilities() const { return kCapabilities; }
 }  // namespace
 
 std::unique_ptr<LimitedFrictionIpm> make_friction_ipm() {
-  return std::make_unique<FrictionIpm>(FrictionIpmSettings{.accept_residual = 3e-5});
+  return std::make_unique<FrictionIpm>(FrictionIpmSettings{});
 }
 
 SolverDefinition lcpbench_solver_friction_ipm() {

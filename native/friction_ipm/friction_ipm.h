@@ -16,7 +16,7 @@ class LimitedFrictionIpm : public Solver {
   virtual void unlimit_rounds() = 0;
 };
 
-/// For `auto`: claims solved only up to 3e-5, because `auto` can try a more accurate method.
+/// At the defaults of friction_ipm.
 std::unique_ptr<LimitedFrictionIpm> make_friction_ipm();
 
 }  // namespace lcpbench
