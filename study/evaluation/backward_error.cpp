@@ -130,6 +130,7 @@ class ThinningPoint {
   std::span<const std::size_t> support() const { return std::span(indices_).subspan(removed_); }
 
   // eta(z_tau). Rows are measured in the order of an upper bound of their quotients until the bound settles the rest.
+  // The bound by q_i alone comes first where there is no estimate of M, as any other costs a solve with G.
   BackwardError<Real> eta() {
     struct Row {
       Real bound;
@@ -140,7 +141,8 @@ class ThinningPoint {
     std::vector<Row> rows;
     for (const std::size_t i : island_) {
       const Real violation_i = violation(i, w_[i]);
-      if (!surely_equal(violation_i, 0)) rows.push_back({quotient(violation_i, scale_bounds(i).low), violation_i, i});
+      if (surely_equal(violation_i, 0)) continue;
+      rows.push_back({quotient(violation_i, estimated() ? scale_bounds(i).low : abs(lcp_.q(i))), violation_i, i});
     }
     std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
       return leading(a.bound) > leading(b.bound) || (leading(a.bound) == leading(b.bound) && a.index < b.index);
@@ -148,6 +150,7 @@ class ThinningPoint {
     BackwardError<Real> eta;
     for (const Row& row : rows) {
       if (at_least(eta.error, row.bound)) continue;
+      if (!estimated() && at_least(eta.error, quotient(row.violation, scale_bounds(row.index).low))) continue;
       const Real scale_i = scale(row.index);
       if (surely_equal(scale_i, 0) && !surely_less(Real(0), row.violation)) {
         eta.open = true;
