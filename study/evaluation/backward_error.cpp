@@ -84,8 +84,9 @@ class Removal {
 template <class Real>
 class ThinningPoint {
  public:
-  ThinningPoint(EvaluatedLcp<Real>& lcp, const std::vector<Real>& z, const std::vector<Real>& u, BackwardScale scale)
-      : lcp_(lcp), scale_(scale), z_(z), u_(u), w_(z.size()) {}
+  ThinningPoint(EvaluatedLcp<Real>& lcp, const std::vector<Real>& z, const std::vector<Real>& u,
+                const std::vector<Real>& w, BackwardScale scale)
+      : lcp_(lcp), scale_(scale), z_(z), u_(u), w_(w) {}
 
   void enter(Rows island) {
     island_ = island;
@@ -137,7 +138,7 @@ class ThinningPoint {
       Real violation;
       std::size_t index;
     };
-    lcp_.fill_rows(island_, z_, u_, w_);
+    if (removed_ > 0) lcp_.fill_rows(island_, z_, u_, w_);
     std::vector<Row> rows;
     for (const std::size_t i : island_) {
       const Real violation_i = violation(i, w_[i]);
@@ -257,7 +258,7 @@ class ThinningPoint {
   BackwardScale scale_;
   std::vector<Real> z_;
   std::vector<Real> u_;
-  std::vector<Real> w_;  // of the island's rows, as eta() last found them
+  std::vector<Real> w_;  // of the island's rows, as given or as eta() last found them
   Rows island_;
   std::optional<Removal<Real>> order_;
   std::vector<std::size_t> indices_;  // of order_
@@ -352,8 +353,9 @@ IslandRows::IslandRows(const RowIslands& islands)
 
 template <class Real>
 BackwardError<Real> mixed_backward_error(EvaluatedLcp<Real>& lcp, const std::vector<Real>& z,
-                                         const std::vector<Real>& u, BackwardScale scale, const IslandRows& islands) {
-  ThinningPoint<Real> point(lcp, z, u, scale);
+                                         const std::vector<Real>& u, const std::vector<Real>& w, BackwardScale scale,
+                                         const IslandRows& islands) {
+  ThinningPoint<Real> point(lcp, z, u, w, scale);
   BackwardError<Real> worst;
   for (std::size_t island = 0; island < islands.count(); ++island) {
     point.enter(islands.rows(island));
@@ -364,9 +366,9 @@ BackwardError<Real> mixed_backward_error(EvaluatedLcp<Real>& lcp, const std::vec
   return worst;
 }
 
-template BackwardError<Quad> mixed_backward_error(QuadLcp&, const QuadVector&, const QuadVector&, BackwardScale,
-                                                  const IslandRows&);
+template BackwardError<Quad> mixed_backward_error(QuadLcp&, const QuadVector&, const QuadVector&, const QuadVector&,
+                                                  BackwardScale, const IslandRows&);
 template BackwardError<Bounded> mixed_backward_error(EvaluatedLcp<Bounded>&, const BoundedVector&, const BoundedVector&,
-                                                     BackwardScale, const IslandRows&);
+                                                     const BoundedVector&, BackwardScale, const IslandRows&);
 
 }  // namespace lcpbench

@@ -312,9 +312,9 @@ bool measure_rows(EvaluatedLcp<Real>& lcp, const IslandRows& islands, const std:
   for (std::size_t i = 0; i < z.size(); ++i) natural = larger(natural, abs(smaller(z[i], w[i])));
   errors.natural_residual = settled(natural);
   errors.complementarity_j = settled(dot(z, w));
-  row_norm = mixed_backward_error(lcp, z, u, BackwardScale::kRowNorm, islands);
+  row_norm = mixed_backward_error(lcp, z, u, w, BackwardScale::kRowNorm, islands);
   errors.backward_componentwise =
-      settled(mixed_backward_error(lcp, z, u, BackwardScale::kComponentwise, islands).error);
+      settled(mixed_backward_error(lcp, z, u, w, BackwardScale::kComponentwise, islands).error);
   errors.backward_row_norm = settled(row_norm.error);
   return true;
 }
