@@ -92,6 +92,7 @@ class ThinningPoint {
     island_ = island;
     order_.emplace(lcp_, z_, island);
     indices_.clear();
+    indices_.reserve(order_->size());
     for (std::size_t place = 0; place < order_->size(); ++place) indices_.push_back(order_->index(place));
     set_removed(0);
   }
@@ -140,6 +141,7 @@ class ThinningPoint {
     };
     if (removed_ > 0) lcp_.fill_rows(island_, z_, u_, w_);
     std::vector<Row> rows;
+    rows.reserve(island_.size());
     for (const std::size_t i : island_) {
       const Real violation_i = violation(i, w_[i]);
       if (surely_equal(violation_i, 0)) continue;
@@ -152,12 +154,11 @@ class ThinningPoint {
     for (const Row& row : rows) {
       if (at_least(eta.error, row.bound)) continue;
       if (!estimated() && at_least(eta.error, quotient(row.violation, scale_bounds(row.index).low))) continue;
-      const Real scale_i = scale(row.index);
-      if (surely_equal(scale_i, 0) && !surely_less(Real(0), row.violation)) {
+      const Real error = quotient(row.violation, scale(row.index));
+      if (std::isnan(to_double(error))) {
         eta.open = true;
         continue;
       }
-      const Real error = quotient(row.violation, scale_i);
       if (leading(error) > leading(eta.error)) eta.row = row.index;
       eta.error = larger(eta.error, error);
     }

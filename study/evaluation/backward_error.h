@@ -35,7 +35,7 @@ template <class Real>
 struct BackwardError {
   Real error = 0;
   std::optional<std::size_t> row;  ///< one that the error is of; none where it is zero. Of a Bounded only a guess
-  bool open = false;               ///< it may be infinite: of a row of scale 0 nobody knows whether it is violated
+  bool open = false;               ///< it may be larger: of some row nobody knows how much it is violated
 };
 
 /// The largest mixed backward error of an island, each measured by itself: the least over tau of max(tau, eta(z_tau)).

@@ -310,6 +310,7 @@ const typename ContactLcp<Real>::Response& ContactLcp<Real>::response_of(std::si
     return response;
   }
   const std::size_t j = twin_[column];
+  response.pattern.reserve(begin_[j + 1] - begin_[j]);
   for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) {
     scratch_[rows_[e]] = values_[e];
     response.pattern.push_back(rows_[e]);
