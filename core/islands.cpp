@@ -142,25 +142,18 @@ std::vector<Island> find_islands(const ContactProblem& problem) {
 }
 
 RowIslands row_islands(const ContactProblem& problem) {
-  const std::vector<Island> islands = find_islands(problem);
-  std::vector<const Island*> island_of(static_cast<std::size_t>(problem.nc()), nullptr);
-  for (const Island& island : islands) {
-    for (const Index contact : island.contacts) island_of[static_cast<std::size_t>(contact)] = &island;
-  }
+  IslandNumbers islands;
+  islands.find(problem);
   const ContactLayout layout = contact_layout(problem);
   RowIslands rows;
   rows.of_row.resize(static_cast<std::size_t>(layout.size()));
-  std::vector<Index> number(islands.size(), -1);
+  std::vector<Index> number(static_cast<std::size_t>(islands.count), -1);
   for (Index c = 0; c < problem.nc(); ++c) {
     const auto contact = static_cast<std::size_t>(c);
-    Index of_contact = rows.count;
-    if (const Island* island = island_of[contact]) {
-      Index& known = number[static_cast<std::size_t>(island - islands.data())];
-      if (known < 0) known = rows.count++;
-      of_contact = known;
-    } else {
-      ++rows.count;
-    }
+    const Index island = islands.of_contact[contact];
+    Index of_contact = island < 0 ? -1 : number[static_cast<std::size_t>(island)];
+    if (of_contact < 0) of_contact = rows.count++;
+    if (island >= 0) number[static_cast<std::size_t>(island)] = of_contact;
     const auto set = [&](Index row) { rows.of_row[static_cast<std::size_t>(row)] = of_contact; };
     set(c);
     for (Index t = layout.friction_begin[contact]; t < layout.friction_begin[contact + 1]; ++t) {

@@ -84,13 +84,15 @@ class Removal {
 template <class Real>
 class ThinningPoint {
  public:
-  ThinningPoint(EvaluatedLcp<Real>& lcp, const std::vector<Real>& z, const std::vector<Real>& u, BackwardScale scale)
-      : lcp_(lcp), scale_(scale), z_(z), u_(u), w_(z.size()) {}
+  ThinningPoint(EvaluatedLcp<Real>& lcp, const std::vector<Real>& z, const std::vector<Real>& u,
+                const std::vector<Real>& w, BackwardScale scale)
+      : lcp_(lcp), scale_(scale), z_(z), u_(u), w_(w) {}
 
   void enter(Rows island) {
     island_ = island;
     order_.emplace(lcp_, z_, island);
     indices_.clear();
+    indices_.reserve(order_->size());
     for (std::size_t place = 0; place < order_->size(); ++place) indices_.push_back(order_->index(place));
     set_removed(0);
   }
@@ -130,17 +132,20 @@ class ThinningPoint {
   std::span<const std::size_t> support() const { return std::span(indices_).subspan(removed_); }
 
   // eta(z_tau). Rows are measured in the order of an upper bound of their quotients until the bound settles the rest.
+  // The bound by q_i alone comes first where there is no estimate of M, as any other costs a solve with G.
   BackwardError<Real> eta() {
     struct Row {
       Real bound;
       Real violation;
       std::size_t index;
     };
-    lcp_.fill_rows(island_, z_, u_, w_);
+    if (removed_ > 0) lcp_.fill_rows(island_, z_, u_, w_);
     std::vector<Row> rows;
+    rows.reserve(island_.size());
     for (const std::size_t i : island_) {
       const Real violation_i = violation(i, w_[i]);
-      if (!surely_equal(violation_i, 0)) rows.push_back({quotient(violation_i, scale_bounds(i).low), violation_i, i});
+      if (surely_equal(violation_i, 0)) continue;
+      rows.push_back({quotient(violation_i, estimated() ? scale_bounds(i).low : abs(lcp_.q(i))), violation_i, i});
     }
     std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
       return leading(a.bound) > leading(b.bound) || (leading(a.bound) == leading(b.bound) && a.index < b.index);
@@ -148,12 +153,12 @@ class ThinningPoint {
     BackwardError<Real> eta;
     for (const Row& row : rows) {
       if (at_least(eta.error, row.bound)) continue;
-      const Real scale_i = scale(row.index);
-      if (surely_equal(scale_i, 0) && !surely_less(Real(0), row.violation)) {
+      if (!estimated() && at_least(eta.error, quotient(row.violation, scale_bounds(row.index).low))) continue;
+      const Real error = quotient(row.violation, scale(row.index));
+      if (std::isnan(to_double(error))) {
         eta.open = true;
         continue;
       }
-      const Real error = quotient(row.violation, scale_i);
       if (leading(error) > leading(eta.error)) eta.row = row.index;
       eta.error = larger(eta.error, error);
     }
@@ -254,7 +259,7 @@ class ThinningPoint {
   BackwardScale scale_;
   std::vector<Real> z_;
   std::vector<Real> u_;
-  std::vector<Real> w_;  // of the island's rows, as eta() last found them
+  std::vector<Real> w_;  // of the island's rows, as given or as eta() last found them
   Rows island_;
   std::optional<Removal<Real>> order_;
   std::vector<std::size_t> indices_;  // of order_
@@ -349,8 +354,9 @@ IslandRows::IslandRows(const RowIslands& islands)
 
 template <class Real>
 BackwardError<Real> mixed_backward_error(EvaluatedLcp<Real>& lcp, const std::vector<Real>& z,
-                                         const std::vector<Real>& u, BackwardScale scale, const IslandRows& islands) {
-  ThinningPoint<Real> point(lcp, z, u, scale);
+                                         const std::vector<Real>& u, const std::vector<Real>& w, BackwardScale scale,
+                                         const IslandRows& islands) {
+  ThinningPoint<Real> point(lcp, z, u, w, scale);
   BackwardError<Real> worst;
   for (std::size_t island = 0; island < islands.count(); ++island) {
     point.enter(islands.rows(island));
@@ -361,9 +367,9 @@ BackwardError<Real> mixed_backward_error(EvaluatedLcp<Real>& lcp, const std::vec
   return worst;
 }
 
-template BackwardError<Quad> mixed_backward_error(QuadLcp&, const QuadVector&, const QuadVector&, BackwardScale,
-                                                  const IslandRows&);
+template BackwardError<Quad> mixed_backward_error(QuadLcp&, const QuadVector&, const QuadVector&, const QuadVector&,
+                                                  BackwardScale, const IslandRows&);
 template BackwardError<Bounded> mixed_backward_error(EvaluatedLcp<Bounded>&, const BoundedVector&, const BoundedVector&,
-                                                     BackwardScale, const IslandRows&);
+                                                     const BoundedVector&, BackwardScale, const IslandRows&);
 
 }  // namespace lcpbench

@@ -35,7 +35,7 @@ template <class Real>
 struct BackwardError {
   Real error = 0;
   std::optional<std::size_t> row;  ///< one that the error is of; none where it is zero. Of a Bounded only a guess
-  bool open = false;               ///< it may be infinite: of a row of scale 0 nobody knows whether it is violated
+  bool open = false;               ///< it may be larger: of some row nobody knows how much it is violated
 };
 
 /// The largest mixed backward error of an island, each measured by itself: the least over tau of max(tau, eta(z_tau)).
@@ -49,10 +49,11 @@ struct BackwardError {
 /// The minimum is exact: eta changes only where tau passes one of the ratios |z_i| / largest, and ratios are passed
 /// over only when a row proves them worse than one already measured.
 /// @param z  size() finite entries, exact.
-/// @param u  lcp.response(z).
+/// @param u, w  lcp.response(z), and all_rows() of it.
 /// @param islands  no row of one may depend on an entry of another.
 template <class Real>
 BackwardError<Real> mixed_backward_error(EvaluatedLcp<Real>& lcp, const std::vector<Real>& z,
-                                         const std::vector<Real>& u, BackwardScale scale, const IslandRows& islands);
+                                         const std::vector<Real>& u, const std::vector<Real>& w, BackwardScale scale,
+                                         const IslandRows& islands);
 
 }  // namespace lcpbench

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "core/islands.h"
@@ -28,7 +29,7 @@ Bounded times_unit(const Bounded& x, double unit) {
 double unit_of(double diagonal) { return std::ldexp(1.0, -static_cast<int>(std::floor(std::ilogb(diagonal) / 2.0))); }
 
 /// NaN where an entry is.
-double largest_magnitude(const std::vector<double>& x) {
+double largest_magnitude(std::span<const double> x) {
   double largest = 0;
   for (const double value : x) {
     if (std::isnan(value)) return value;
@@ -39,11 +40,18 @@ double largest_magnitude(const std::vector<double>& x) {
 
 /// y and the residual b - G y of one block.
 struct Refinement {
-  explicit Refinement(std::size_t n) : high(n), low(n), sum(n), rest(n), lows(n), residual(n), correction(n) {}
+  explicit Refinement(std::size_t n) : memory(7 * n) {
+    std::span<double> free = memory;
+    for (std::span<double>* const part : {&high, &low, &sum, &rest, &lows, &residual, &correction}) {
+      *part = free.first(n);
+      free = free.subspan(n);
+    }
+  }
 
-  std::vector<double> high, low;        ///< y
-  std::vector<double> sum, rest, lows;  ///< of the residual: leading and low part, and what bounds its error
-  std::vector<double> residual, correction;
+  std::vector<double> memory;         ///< of all others
+  std::span<double> high, low;        ///< y
+  std::span<double> sum, rest, lows;  ///< of the residual: leading and low part, and what bounds its error
+  std::span<double> residual, correction;
 
   void find_residual(const Matrix& G, const std::vector<Bounded>& b);
   void subtract_column(const double* column, double y_high, double y_low);
@@ -103,7 +111,7 @@ void Refinement::correct() {
   }
 }
 
-void multiply_by(const Matrix& A, const std::vector<double>& x, std::vector<double>& y) {
+void multiply_by(const Matrix& A, std::span<const double> x, std::span<double> y) {
   const auto n = static_cast<Index>(x.size());
   Eigen::Map<Vector>(y.data(), n).noalias() = A * Eigen::Map<const Vector>(x.data(), n);
 }

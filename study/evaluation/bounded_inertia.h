@@ -32,8 +32,6 @@ class BoundedInertia {
   BoundedVector apply(const BoundedVector& x) const;
   /// |G| x for x >= 0; |G*| x where only that was given.
   BoundedVector scale(const BoundedVector& x) const;
-  /// Zero: G is regular, or unknown.
-  BoundedVector outside_range(const BoundedVector& x) const { return BoundedVector(x.size()); }
 
  private:
   /// Of coordinates that are scaled by powers of two, so that a block of G has diagonal entries from 1 to 4.

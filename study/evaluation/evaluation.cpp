@@ -242,8 +242,11 @@ double ContactEvaluation<Real>::velocity_mismatch(const Vector& returned, const 
     return settled(largest_quotient(apart, sum(speeds, inertia.scale(impulse_scale))));
   }
   const Real in_range = largest_quotient(inertia.apply(apart), sum(inertia.scale(speeds), impulse_scale));
-  const Real outside = max_abs(inertia.outside_range(difference(velocity, v)));
-  return settled(larger(in_range, quotient(outside, max_abs(velocity) + max_abs(v))));
+  if constexpr (std::is_same_v<Real, Quad>) {  // a BoundedInertia is regular
+    const Real outside = max_abs(inertia.outside_range(difference(velocity, v)));
+    return settled(larger(in_range, quotient(outside, max_abs(velocity) + max_abs(v))));
+  }
+  return settled(in_range);
 }
 
 template <class Real>
@@ -312,9 +315,9 @@ bool measure_rows(EvaluatedLcp<Real>& lcp, const IslandRows& islands, const std:
   for (std::size_t i = 0; i < z.size(); ++i) natural = larger(natural, abs(smaller(z[i], w[i])));
   errors.natural_residual = settled(natural);
   errors.complementarity_j = settled(dot(z, w));
-  row_norm = mixed_backward_error(lcp, z, u, BackwardScale::kRowNorm, islands);
+  row_norm = mixed_backward_error(lcp, z, u, w, BackwardScale::kRowNorm, islands);
   errors.backward_componentwise =
-      settled(mixed_backward_error(lcp, z, u, BackwardScale::kComponentwise, islands).error);
+      settled(mixed_backward_error(lcp, z, u, w, BackwardScale::kComponentwise, islands).error);
   errors.backward_row_norm = settled(row_norm.error);
   return true;
 }

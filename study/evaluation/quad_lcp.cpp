@@ -130,6 +130,11 @@ ContactLcp<Real>::ContactLcp(const ContactProblem& problem, const Inertia& inert
 
 template <class Real>
 void ContactLcp<Real>::add_columns(const Jacobian& J) {
+  const auto* const dense = std::get_if<Matrix>(&J);
+  const Index nonzeros = dense != nullptr ? (dense->array() != 0).count() : std::get<SparseMatrix>(J).nonZeros();
+  begin_.reserve(begin_.size() + static_cast<std::size_t>(cols(J)));
+  rows_.reserve(rows_.size() + static_cast<std::size_t>(nonzeros));
+  values_.reserve(values_.size() + static_cast<std::size_t>(nonzeros));
   for (Index j = 0; j < cols(J); ++j) add_column(J, j);
 }
 
@@ -219,10 +224,17 @@ Real ContactLcp<Real>::project(std::size_t i, const RealVector& x) const {
 template <class Real>
 Real ContactLcp<Real>::formation_error(std::size_t i) const {
   if (i >= impulses()) return 0;
-  Real magnitude = 0;
-  for (std::size_t e = begin_[i]; e < begin_[i + 1]; ++e) magnitude += abs(values_[e] * v_[rows_[e]]);
   const std::size_t terms = begin_[i + 1] - begin_[i] + (surely_equal(offset(i), 0) ? 0 : 1);
-  return static_cast<double>(terms + 1) * (0x1p-53 * (magnitude + abs(offset(i))) + 0x1p-1074);
+  using Number = decltype(leading(Real{}));
+  using std::abs, lcpbench::abs;
+  Number magnitude = abs(leading(offset(i)));
+  for (std::size_t e = begin_[i]; e < begin_[i + 1]; ++e) magnitude += abs(values_[e] * leading(v_[rows_[e]]));
+  const Number error = static_cast<double>(terms + 1) * (0x1p-53 * magnitude + 0x1p-1074);
+  if constexpr (std::is_same_v<Real, Bounded>) {
+    return {error, 0, 2 * static_cast<double>(terms + 4) * bounded::kRoundoff * error + bounded::kLost};
+  } else {
+    return error;
+  }
 }
 
 template <class Real>
@@ -298,12 +310,15 @@ const typename ContactLcp<Real>::Response& ContactLcp<Real>::response_of(std::si
     return response;
   }
   const std::size_t j = twin_[column];
+  response.pattern.reserve(begin_[j + 1] - begin_[j]);
   for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) {
     scratch_[rows_[e]] = values_[e];
     response.pattern.push_back(rows_[e]);
   }
   inertia_.solve(scratch_, response.pattern);
+  response.values.reserve(response.pattern.size());
   for (const std::size_t row : response.pattern) response.values.push_back(scratch_[row]);
+  response.diagonal = project(j, scratch_);
   gather(response);
   response.accurate = is_accurate(response.values);
   response.known = true;
@@ -323,12 +338,7 @@ void ContactLcp<Real>::gather(const Response& response) {
 
 template <class Real>
 Real ContactLcp<Real>::diagonal(std::size_t i) {
-  if (i >= impulses()) return 0;
-  const Response& response = response_of(i);
-  scatter(response);
-  const Real diagonal = project(twin_[i], scratch_);
-  gather(response);
-  return diagonal;
+  return i < impulses() ? response_of(i).diagonal : Real{0};
 }
 
 template <class Real>
@@ -339,9 +349,10 @@ Real ContactLcp<Real>::abs_row_times(std::size_t i, const RealVector& z, std::sp
     for (std::size_t t = friction_of_cone_[cone]; t < friction_of_cone_[cone + 1]; ++t) sum += abs(z[t]);
     return sum;
   }
+  Real sum = i < contacts_ ? Real{0} : abs(z[lambda_of_[i]]);
+  if (std::none_of(support.begin(), support.end(), [this](std::size_t j) { return j < impulses(); })) return sum;
   const Response& response = response_of(i);
   scatter(response);
-  Real sum = i < contacts_ ? Real{0} : abs(z[lambda_of_[i]]);
   for (const std::size_t j : support) {
     if (j < impulses()) sum += abs(project(j, scratch_) * z[j]);
   }

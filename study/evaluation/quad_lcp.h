@@ -144,7 +144,7 @@ class ContactLcp final : public EvaluatedLcp<Real> {
   /// J_i' x.
   Real project(std::size_t i, const RealVector& x) const;
   /// What forming q_i = J_i'v + b_i in double may lose to rounding: (k + 1) 2^-53 (|J_i|'|v| + |b_i|), k the terms that
-  /// are not zero in the data. 0 for cone rows, whose q_i is zero in the data.
+  /// are not zero in the data. 0 for cone rows, whose q_i is zero in the data. A Bounded one is formed in double.
   Real formation_error(std::size_t i) const;
 
  private:
@@ -154,6 +154,7 @@ class ContactLcp final : public EvaluatedLcp<Real> {
     bool accurate = false;  ///< enough for the estimate of M
     std::vector<std::size_t> pattern;
     RealVector values;
+    Real diagonal = 0;  ///< M_jj
   };
 
   /// b_i of a normal row, 0 of any other.
