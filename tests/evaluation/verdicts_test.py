@@ -118,10 +118,11 @@ def random_cases(draw):
 
 
 def close(found, expected):
+    """A measure is known to 2^-30 of itself."""
     expected = float(expected)
     if math.isinf(expected):
         return found is None
-    return abs(found - expected) <= 1e-13 * abs(expected) + 1e-300
+    return abs(found - expected) <= 2.0**-30 * abs(expected) + 1e-300
 
 
 def check(row, problem, z, claim):

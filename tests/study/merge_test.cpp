@@ -77,13 +77,19 @@ TEST(MergeTest, InputsAreAttachedUnderAnyNameAndNotWritten) {
   fs::current_path(before);
 }
 
-/// The table has no room for it, so that no answer is without its times.
-TEST(MergeTest, TimeThatIsNoNumberIsAnErrorOfItsWriter) {
+TEST(MergeTest, AnswerWithoutATimeStaysWithoutOne) {
   const ScratchFolder folder;
-  SyntheticStore writer(folder / "s.db");
-  const std::int64_t lemke = writer.solver("lemke");
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(writer.problem("paper/monotone/exp1", 0, {{lemke, {.time_s = kNan}}}), std::exception);
+  {
+    SyntheticStore writer(folder / "s.db");
+    const std::int64_t engine = writer.solver("engine");
+    const std::int64_t lemke = writer.solver("lemke");
+    constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+    writer.problem("paper/monotone/exp1", 0, {{engine, {.time_s = kNan}}, {lemke, {}}});
+  }
+  merge_stores(folder / "merged.db", {folder / "s.db"});
+  sqlite::Database merged(folder / "merged.db", sqlite::Mode::kReadOnly);
+  EXPECT_EQ(merged.integer("SELECT COUNT(*) FROM answers"), 2);
+  EXPECT_EQ(merged.integer("SELECT COUNT(*) FROM timings"), 1);
 }
 
 }  // namespace
