@@ -1,9 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <set>
-#include <sstream>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -12,6 +10,7 @@
 #include "study/report/canvas.h"
 #include "study/report/axes.h"
 #include "study/report/speed_error.h"
+#include "tests/support/program_run.h"
 #include "tests/support/synthetic_store.h"
 
 // What a reader of report.html meets: its size, its folds, its pictures, the choice of a reference.
@@ -20,13 +19,6 @@ namespace lcpbench {
 namespace {
 
 using report::Box;
-
-std::string read_file(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
 
 std::size_t count_of(const std::string& text, const std::string& part) {
   std::size_t count = 0;

@@ -1,5 +1,3 @@
-#include <fstream>
-#include <sstream>
 
 #include <gtest/gtest.h>
 
@@ -7,17 +5,11 @@
 #include "study/report/decision.h"
 #include "study/report/report.h"
 #include "study/report/scenes.h"
+#include "tests/support/program_run.h"
 #include "tests/support/synthetic_store.h"
 
 namespace lcpbench {
 namespace {
-
-std::string read_file(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
 
 std::size_t count_of(const std::string& text, const std::string& part) {
   std::size_t count = 0;
