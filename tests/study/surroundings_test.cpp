@@ -25,9 +25,11 @@ class SurroundingsTest : public testing::Test {
     const int status = std::system(("cd '" + (folder_ / "").string() + "' || exit 99; " + script).c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_file(folder_ / "out"), read_file(folder_ / "err")};
   }
-  /// Runs the program in the background of a shell and sends it a signal after half a second.
+  /// Runs the program in the background of a shell and sends it a signal half a second after its first line on stderr.
   ProgramRun run_and_send(const std::string& signal, const std::string& arguments) {
-    return shell("'" LCPBENCH_PROGRAM "' " + arguments + " >out 2>err & sleep 0.5; kill -" + signal + " $!; wait $!");
+    return shell("'" LCPBENCH_PROGRAM "' " + arguments +
+                 " >out 2>err & while [ ! -s err ] && kill -0 $!; do sleep 0.1; done 2>/dev/null; sleep 0.5; kill -" +
+                 signal + " $!; wait $!");
   }
   ScratchFolder folder_;
 };
