@@ -91,6 +91,7 @@ class ThinningPoint {
   void enter(Rows island) {
     island_ = island;
     order_.emplace(lcp_, z_, island);
+    response_of_ = 0;
     indices_.clear();
     indices_.reserve(order_->size());
     for (std::size_t place = 0; place < order_->size(); ++place) indices_.push_back(order_->index(place));
@@ -119,6 +120,14 @@ class ThinningPoint {
       z_[i] = 0;
     }
     set_removed(removals);
+  }
+
+  // Finds the response to z_tau anew. True when it was the corrected one, which keeps the errors of what was removed.
+  bool refresh_response() {
+    const bool corrected = response_of_ != removed_;
+    if (corrected) u_ = lcp_.response(z_);
+    response_of_ = removed_;
+    return corrected;
   }
 
   // The entry of largest ratio among those set to zero.
@@ -154,7 +163,7 @@ class ThinningPoint {
     for (const Row& row : rows) {
       if (at_least(eta.error, row.bound)) continue;
       if (!estimated() && at_least(eta.error, quotient(row.violation, scale_bounds(row.index).low))) continue;
-      const Real error = quotient(row.violation, scale(row.index));
+      const Real error = row_error(row.index, row.violation);
       if (std::isnan(to_double(error))) {
         eta.open = true;
         continue;
@@ -201,13 +210,22 @@ class ThinningPoint {
   }
 
   // s_i
-  Real scale(std::size_t i) {
-    const Real q = abs(lcp_.q(i));
-    if (scale_ == BackwardScale::kComponentwise) return q + lcp_.abs_row_times(i, z_, support());
-    return z_norm() > 0 ? q + lcp_.abs_row_sum(i) * Real(z_norm()) : q;
-  }
+  Real scale(std::size_t i) { return abs(lcp_.q(i)) + coupling(i); }
 
  private:
+  // s_i less |q_i|
+  Real coupling(std::size_t i) {
+    if (scale_ == BackwardScale::kComponentwise) return lcp_.abs_row_times(i, z_, support());
+    return z_norm() > 0 ? lcp_.abs_row_sum(i) * Real(z_norm()) : Real(0);
+  }
+
+  // Of a row that no entry of z_tau moves w_i is q_i, which is violated by all of it or not at all.
+  Real row_error(std::size_t i, const Real& violation_i) {
+    const Real moved = coupling(i);
+    if (surely_equal(moved, 0) && surely_less(lcp_.q(i), 0)) return 1;
+    return quotient(violation_i, abs(lcp_.q(i)) + moved);
+  }
+
   bool positive(std::size_t i) const { return to_double(z_[i]) > 0; }
   Real violation(std::size_t i, const Real& w) const { return positive(i) ? abs(w) : larger(Real(0), -w); }
 
@@ -264,6 +282,7 @@ class ThinningPoint {
   std::optional<Removal<Real>> order_;
   std::vector<std::size_t> indices_;  // of order_
   std::size_t removed_ = 0;
+  std::size_t response_of_ = 0;  // the removals for which u_ was found, and not corrected
   std::optional<double> z_norm_;
   const MagnitudeEstimate* estimate_ = nullptr;
   std::vector<double> rounded_z_;  // z_ in double; empty until an estimate needs it
@@ -314,6 +333,27 @@ void demand_minimum(const BackwardError<Bounded>& best, const Bounded& error, bo
   if (std::isnan(error.high) || (open && !at_least(error, best.error))) throw Doubt();
 }
 
+// Whether the error is known as well as one that is passed on.
+bool is_known(const BackwardError<Quad>&) { return true; }
+bool is_known(const BackwardError<Bounded>& eta) {
+  return !eta.open && (eta.error.exact() || 2 * eta.error.error <= kSettled * std::abs(eta.error.high));
+}
+
+// Of z_tau, from which so many entries are removed. That of zero is 1, as tau is, and a row is then violated by all of
+// q_i or not at all: no bound on the rounding is needed to see it.
+template <class Real>
+BackwardError<Real> error_at(ThinningPoint<Real>& point, std::size_t removals) {
+  if constexpr (std::is_same_v<Real, Bounded>) {
+    if (removals > 0 && !point.next_removals()) return {1.0, point.last_removed()};
+  }
+  BackwardError<Real> eta = point.eta();
+  if (!is_known(eta) && point.refresh_response()) eta = point.eta();
+  const Real tau = point.tau(removals);
+  if (leading(tau) > leading(eta.error)) eta.row = point.last_removed();
+  eta.error = larger(eta.error, tau);
+  return eta;
+}
+
 // Of the island that the point has entered.
 template <class Real>
 BackwardError<Real> island_error(ThinningPoint<Real>& point) {
@@ -326,13 +366,10 @@ BackwardError<Real> island_error(ThinningPoint<Real>& point) {
       witness = find_witness(point, best.error);
     }
     if (!witness) {
-      const BackwardError<Real> eta = point.eta();
-      const Real tau = point.tau(*removals);
-      const Real error = larger(eta.error, tau);
-      demand_minimum(best, error, eta.open);
-      if (leading(error) < leading(best.error))
-        best.row = leading(tau) > leading(eta.error) ? point.last_removed() : eta.row;
-      best.error = smaller(best.error, error);
+      const BackwardError<Real> found = error_at(point, *removals);
+      demand_minimum(best, found.error, found.open);
+      if (leading(found.error) < leading(best.error)) best.row = found.row;
+      best.error = smaller(best.error, found.error);
     }
     removals = point.next_removals();
   }

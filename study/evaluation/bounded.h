@@ -212,13 +212,17 @@ class BoundedSum {
 /// The relative error that a number may have which is passed on: no page and no table prints more than six digits.
 inline constexpr double kSettled = 0x1p-30;
 
-/// x as a double. @throws Doubt when the bound leaves more than kSettled of it open.
-inline double settled(const Bounded& x) {
+/// The absolute error that a backward error may have which is passed on: the data that it is relative to are not known
+/// better.
+inline constexpr double kSettledBackward = 0x1p-53;
+
+/// x as a double. @throws Doubt when the bound leaves more than kSettled of it open, and more than `absolute`.
+inline double settled(const Bounded& x, double absolute = 0) {
   const bool infinite = x.exact() && std::isinf(x.high) && x.low == 0;
-  if (!infinite && !(is_finite(x) && 2 * x.error <= kSettled * std::abs(x.high))) throw Doubt();
+  if (!infinite && !(is_finite(x) && 2 * x.error <= std::max(kSettled * std::abs(x.high), absolute))) throw Doubt();
   return x.high;
 }
-inline double settled(Quad x) { return to_double(x); }
+inline double settled(Quad x, double = 0) { return to_double(x); }
 
 /// The leading part, whatever the error is.
 inline double to_double(const Bounded& x) { return x.high; }

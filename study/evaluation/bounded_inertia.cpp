@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <initializer_list>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -40,22 +41,28 @@ double largest_magnitude(std::span<const double> x) {
 
 /// y and the residual b - G y of one block.
 struct Refinement {
-  explicit Refinement(std::size_t n) : memory(7 * n) {
+  /// In memory of the caller's, which only grows.
+  Refinement(std::size_t n, std::vector<double>& memory) {
+    const std::initializer_list<std::span<double>*> parts = {&b_high, &b_low, &b_error,  &high,       &low,  &sum,
+                                                             &rest,   &lows,  &residual, &correction, &bound};
+    if (memory.size() < parts.size() * n) memory.resize(parts.size() * n);
     std::span<double> free = memory;
-    for (std::span<double>* const part : {&high, &low, &sum, &rest, &lows, &residual, &correction}) {
+    for (std::span<double>* const part : parts) {
       *part = free.first(n);
       free = free.subspan(n);
     }
   }
 
-  std::vector<double> memory;         ///< of all others
+  std::span<double> b_high, b_low, b_error;
   std::span<double> high, low;        ///< y
   std::span<double> sum, rest, lows;  ///< of the residual: leading and low part, and what bounds its error
   std::span<double> residual, correction;
+  std::span<double> bound;  ///< of what the correction leaves, but for the error of the inverse
 
-  void find_residual(const Matrix& G, const std::vector<Bounded>& b);
+  void find_residual(const Matrix& G);
   void subtract_column(const double* column, double y_high, double y_low);
   bool may_have_lost_bits(const Matrix& G) const;
+  void find_correction(const Matrix& inverse);
   void correct();
 };
 
@@ -84,22 +91,40 @@ void Refinement::subtract_column(const double* column, double y_high, double y_l
   }
 }
 
-void Refinement::find_residual(const Matrix& G, const std::vector<Bounded>& b) {
-  for (std::size_t i = 0; i < b.size(); ++i) {
-    sum[i] = b[i].high;
-    rest[i] = b[i].low;
-    lows[i] = std::abs(b[i].low);
+void Refinement::find_residual(const Matrix& G) {
+  const std::size_t n = sum.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    sum[i] = b_high[i];
+    rest[i] = b_low[i];
+    lows[i] = std::abs(b_low[i]);
   }
-  for (std::size_t j = 0; j < b.size(); ++j) {
+  for (std::size_t j = 0; j < n; ++j) {
     if (high[j] != 0) subtract_column(G.col(static_cast<Index>(j)).data(), high[j], low[j]);
   }
-  for (std::size_t i = 0; i < b.size(); ++i) residual[i] = sum[i] + rest[i];
+  for (std::size_t i = 0; i < n; ++i) residual[i] = sum[i] + rest[i];
 }
 
 bool Refinement::may_have_lost_bits(const Matrix& G) const {
   double smallest = 1;
   for (const double value : high) smallest = value == 0 ? smallest : std::min(smallest, std::abs(value));
   return !(smallest > 0x1p-400) || (G.array() != 0 && G.array().abs() < 0x1p-400).any();
+}
+
+/// The correction, R times the residual, and |R| times what the residual may be off by.
+void Refinement::find_correction(const Matrix& inverse) {
+  const std::size_t n = sum.size();
+  const double order = static_cast<double>(n);
+  std::fill(correction.begin(), correction.end(), 0.0);
+  std::fill(bound.begin(), bound.end(), 0.0);
+  for (std::size_t j = 0; j < n; ++j) {
+    const double* const column = inverse.col(static_cast<Index>(j)).data();
+    const double r = residual[j];
+    const double off = 2 * b_error[j] + (order + 8) * kUnitRoundoff * (lows[j] + 2 * std::abs(r)) + bounded::kLost;
+    for (std::size_t i = 0; i < n; ++i) {
+      correction[i] += column[i] * r;
+      bound[i] += std::abs(column[i]) * off;
+    }
+  }
 }
 
 void Refinement::correct() {
@@ -210,27 +235,31 @@ void BoundedInertia::invert(Block& block) {
   block.approximate = Eigen::LLT<Matrix>(block.matrix).solve(Matrix::Identity(n, n));
   if (!block.approximate.allFinite()) {  // maxCoeff() may pass over NaN
     block.approximate.setZero();
-    block.contraction = block.inverse_norm = std::numeric_limits<double>::quiet_NaN();
+    block.contraction = std::numeric_limits<double>::quiet_NaN();
     return;
   }
   const Matrix rest = Matrix::Identity(n, n) - block.approximate * block.matrix;
-  block.inverse_norm = max_norm(block.approximate) * (1 + 0x1p-20);
-  const double rounding =
-      (static_cast<double>(n) + 4) * kUnitRoundoff * (block.inverse_norm * max_norm(block.matrix) + 1);
+  const double product_norm = max_norm(block.approximate) * max_norm(block.matrix);
+  const double rounding = (static_cast<double>(n) + 4) * kUnitRoundoff * (product_norm + 1);
   block.contraction = (max_norm(rest) + rounding) * (1 + 0x1p-20);
   if (!(block.contraction < kLargestContraction)) block.contraction = std::numeric_limits<double>::quiet_NaN();
 }
 
-void BoundedInertia::solve(Block& block, BoundedVector& x) {
+/// With E = I - R G, what a correction leaves of x - y is R r less its computed value, and E (x - y). The bound of the
+/// first is found for each coordinate: small ones beside large ones are known as well as the data allow.
+void BoundedInertia::solve(Block& block, BoundedVector& x) const {
   const std::size_t n = block.coordinates.size();
-  BoundedVector b(n);
-  bool zero = true, finite = true;
-  double data_error = 0;
+  Refinement y(n, refinement_);
+  bool zero = true, finite = true, exact = true;
   for (std::size_t i = 0; i < n; ++i) {
-    b[i] = times_unit(x[block.coordinates[i]], block.units[i]);
-    zero = zero && b[i].high == 0 && b[i].error == 0;
-    finite = finite && is_finite(b[i]);
-    data_error = std::max(data_error, b[i].error);
+    const Bounded b = times_unit(x[block.coordinates[i]], block.units[i]);
+    zero = zero && b.high == 0 && b.error == 0;
+    finite = finite && is_finite(b);
+    exact = exact && b.error == 0;
+    y.b_high[i] = y.residual[i] = b.high;
+    y.b_low[i] = b.low;
+    y.b_error[i] = b.error;
+    y.low[i] = 0;
   }
   if (zero) return;
   if (!finite) {
@@ -238,33 +267,27 @@ void BoundedInertia::solve(Block& block, BoundedVector& x) {
     return;
   }
   if (block.approximate.size() == 0) invert(block);
-  Refinement y(n);
-  for (std::size_t i = 0; i < n; ++i) y.residual[i] = b[i].high;
   multiply_by(block.approximate, y.residual, y.high);
-  const auto order = static_cast<double>(n);
-  double error = std::numeric_limits<double>::infinity();
+  double spread = std::numeric_limits<double>::infinity();
   for (int step = 0; step < kRefinements; ++step) {
-    y.find_residual(block.matrix, b);
-    const double lows = largest_magnitude(y.lows);
-    const double residual = largest_magnitude(y.residual);
-    if (residual == 0 && lows == 0 && data_error == 0 && !y.may_have_lost_bits(block.matrix)) {
-      error = 0;
-      break;
+    y.find_residual(block.matrix);
+    if (exact && largest_magnitude(y.residual) == 0 && largest_magnitude(y.lows) == 0 &&
+        !y.may_have_lost_bits(block.matrix)) {
+      for (std::size_t i = 0; i < n; ++i)
+        x[block.coordinates[i]] = times_unit({y.high[i], y.low[i], 0}, block.units[i]);
+      return;
     }
-    multiply_by(block.approximate, y.residual, y.correction);
+    y.find_correction(block.approximate);
     y.correct();
-    const double floor = block.inverse_norm * (2 * data_error + (order + 8) * kUnitRoundoff * lows + bounded::kLost);
-    const double of_step = floor + block.inverse_norm * 2 * (order + 4) * kUnitRoundoff * residual;
-    const double next =
-        (of_step + block.contraction / (1 - block.contraction) * (largest_magnitude(y.correction) + of_step)) *
-        (1 + 0x1p-20);
-    const bool done = !(next < error / 2) || next <= 4 * floor;
-    error = next;
+    const double left = largest_magnitude(y.correction) + largest_magnitude(y.bound);
+    const double next = block.contraction / (1 - block.contraction) * left;
+    const bool done = !(next < spread / 2) || next <= 4 * *std::min_element(y.bound.begin(), y.bound.end());
+    spread = next;
     if (done) break;
   }
   for (std::size_t i = 0; i < n; ++i) {
-    const double rounding = error == 0 ? 0 : error + 0x1p-104 * std::abs(y.high[i]);
-    x[block.coordinates[i]] = times_unit({y.high[i], y.low[i], rounding}, block.units[i]);
+    const double error = (y.bound[i] + spread) * (1 + 0x1p-20) + 0x1p-104 * std::abs(y.high[i]);
+    x[block.coordinates[i]] = times_unit({y.high[i], y.low[i], error}, block.units[i]);
   }
 }
 

@@ -40,8 +40,7 @@ class BoundedInertia {
     std::vector<double> units;  ///< a coordinate is its unit times the scaled one
     Matrix matrix;              ///< the scaled G; the given G*
     Matrix approximate;         ///< R; empty until it is needed
-    double contraction = 0;
-    double inverse_norm = 0;  ///< of R, in the maximum norm
+    double contraction = 0;     ///< bound of |I - R G| in the maximum norm
 
     Index size() const { return matrix.rows(); }
   };
@@ -50,13 +49,14 @@ class BoundedInertia {
   void add(Matrix matrix, std::vector<std::size_t> coordinates);
   static bool scale_and_prove(Block& block);
   static void invert(Block& block);
-  static void solve(Block& block, BoundedVector& x);
+  void solve(Block& block, BoundedVector& x) const;
   static void multiply(const Block& block, const Matrix& matrix, const BoundedVector& x, BoundedVector& y);
   void divide(std::size_t row, BoundedVector& x) const;
 
   std::vector<double> singles_;        ///< per coordinate: its inertia where it is coupled to no other, else 0
   mutable std::vector<Block> blocks_;  ///< of the others
   std::vector<std::size_t> block_of_row_;
+  mutable std::vector<double> refinement_;  ///< scratch of solve()
   bool well_defined_ = true;
   bool has_inertia_ = true;
 };

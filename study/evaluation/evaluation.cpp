@@ -84,12 +84,13 @@ bool difference_below(const Bounded& a, const Bounded& b, double bound) {
   return below(x, bound);
 }
 
-// That no value can exceed `largest`, one of them, unless it is the same in all bits. @throws Doubt
+// That no value exceeds `largest`, one of them, by more than a number may be off that is passed on. @throws Doubt
 void demand_largest(const QuadVector&, Quad) {}
 void demand_largest(const BoundedVector& values, const Bounded& largest) {
   for (const Bounded& value : values) {
+    const double excess = (value.high - largest.high) + (value.low - largest.low) + 4 * (value.error + largest.error);
     const bool same = value.high == largest.high && value.low == largest.low;
-    if (!same && !surely_less(value, largest)) throw Doubt();
+    if (!same && !(excess <= kSettled * std::abs(largest.high))) throw Doubt();
   }
 }
 
@@ -239,14 +240,14 @@ double ContactEvaluation<Real>::velocity_mismatch(const Vector& returned, const 
   const RealVector impulse_scale = lcp->generalized_impulse_scale(z);
   const RealVector apart = difference(velocity, v_plus);
   if (!inertia.has_inertia()) {
-    return settled(largest_quotient(apart, sum(speeds, inertia.scale(impulse_scale))));
+    return settled(largest_quotient(apart, sum(speeds, inertia.scale(impulse_scale))), kSettledBackward);
   }
   const Real in_range = largest_quotient(inertia.apply(apart), sum(inertia.scale(speeds), impulse_scale));
   if constexpr (std::is_same_v<Real, Quad>) {  // a BoundedInertia is regular
     const Real outside = max_abs(inertia.outside_range(difference(velocity, v)));
     return settled(larger(in_range, quotient(outside, max_abs(velocity) + max_abs(v))));
   }
-  return settled(in_range);
+  return settled(in_range, kSettledBackward);
 }
 
 template <class Real>
@@ -317,8 +318,8 @@ bool measure_rows(EvaluatedLcp<Real>& lcp, const IslandRows& islands, const std:
   errors.complementarity_j = settled(dot(z, w));
   row_norm = mixed_backward_error(lcp, z, u, w, BackwardScale::kRowNorm, islands);
   errors.backward_componentwise =
-      settled(mixed_backward_error(lcp, z, u, w, BackwardScale::kComponentwise, islands).error);
-  errors.backward_row_norm = settled(row_norm.error);
+      settled(mixed_backward_error(lcp, z, u, w, BackwardScale::kComponentwise, islands).error, kSettledBackward);
+  errors.backward_row_norm = settled(row_norm.error, kSettledBackward);
   return true;
 }
 

@@ -199,8 +199,9 @@ enum class Precision {
 /// form M. One object per thread.
 ///
 /// Decisions are those of exact arithmetic where the bounds decide them, and those of 113 bits elsewhere. The two can
-/// differ only where terms some 2^100 apart cancel. A measure of a contact problem whose bound is below 2^-30 of it may differ from its
-/// value in 113 bits by that much, in practice in the last digits of a double.
+/// differ only where terms some 2^100 apart cancel. A measure of a contact problem may differ from its value in 113
+/// bits by kSettled of it, the backward errors and the velocity mismatch also by kSettledBackward; in practice in the
+/// last digits of a double. The worst row may be any of those that are equal up to kSettled.
 class Evaluator {
  public:
   explicit Evaluator(const Problem& problem, Precision precision = Precision::kAsNeeded);

@@ -121,6 +121,41 @@ TEST(BackwardErrorTest, IsTheMinimumOverAllRatiosWhereRowsAreChosenByEstimate) {
   }
 }
 
+// By componentwise scale. The bound on the rounding is to leave nothing open.
+void expect_backward_error_without_doubt(const ContactProblem& contact, const Vector& z, Quad expected) {
+  const BoundedInertia inertia(contact.inertia);
+  ContactLcp<Bounded> lcp(contact, inertia);
+  const BoundedVector exact_z(z.begin(), z.end());
+  const BoundedVector u = lcp.response(exact_z);
+  const BoundedVector w = lcp.all_rows(exact_z, u);
+  const IslandRows islands(row_islands(contact));
+  const Bounded error = mixed_backward_error(lcp, exact_z, u, w, BackwardScale::kComponentwise, islands).error;
+  EXPECT_LE(2 * error.error, 0x1p-40 * error.high) << contact.v(0);
+  expect_close(error.high, expected, "v_0 = " + std::to_string(contact.v(0)));
+}
+
+// Row 0 is violated by 1e-25 once the impulses of 1e-1 and then of 1 are removed, which is less than what the roundings
+// of the division by 3 leave of it.
+TEST(BackwardErrorTest, WhatRemovedImpulsesLeaveBehindIsNoDoubt) {
+  Matrix N = Matrix::Zero(3, 3);
+  N(0, 0) = N(1, 1) = N(0, 2) = N(1, 2) = N(2, 2) = 1;
+  for (const double v0 : {-1e-25, -1e-33, 0.0}) {
+    const ContactProblem contact = frictionless(vec({v0, -0.3, 0.1}), N, DenseInertia{3 * Matrix::Identity(3, 3)});
+    const Vector z = vec({0.1, 1, 0});
+    const Quad expected = plain_mixed_error(form_lcp(contact), z, z.size(), BackwardScale::kComponentwise);
+    expect_backward_error_without_doubt(contact, z, expected);
+  }
+}
+
+// q_0 = -2^-104 is known to 12 %, and no impulse moves the contact: it is violated by all of q_0.
+TEST(BackwardErrorTest, ARowThatNothingMovesIsNoDoubt) {
+  Matrix N = Matrix::Ones(5, 3);
+  N.col(0) << 0.1, -0.1, 1 + 0x1p-52, -1, 0;
+  N.col(1) << 0, 0, 0, 0, 1;
+  expect_backward_error_without_doubt(
+      frictionless(vec({0.3, 0.3, 1 - 0x1p-52, 1, -0.5}), N, DenseInertia{Matrix::Identity(5, 5)}), vec({0, 1, 0}), 1);
+}
+
 TEST(QuadLcpTest, EveryWayToARowGivesTheSameRow) {
   Draw draw(13);
   const ContactProblem contact = random_frictional(draw, 5, 4, 6);

@@ -69,13 +69,40 @@ TEST(BoundedTest, SolveWithTheInertiaWithinTheBound) {
     const QuadInertia reference{Inertia(DenseInertia{G})};
     const Vector b = draw.vector(n);
     BoundedVector x(b.begin(), b.end());
+    BoundedVector of_inexact = x;
     QuadVector y(b.begin(), b.end());
+    QuadVector of_changed = y;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      of_inexact[i].error = 0x1p-40 * std::abs(x[i].high);
+      of_changed[i] *= draw.uniform() < 0 ? 1 - 0x1p-39 : 1 + 0x1p-39;
+    }
     inertia.solve(x);
+    inertia.solve(of_inexact);
     reference.solve(y);
+    reference.solve(of_changed);
     for (std::size_t i = 0; i < x.size(); ++i) {
       expect_enclosed(x[i], y[i], abs(y[i]) * 0x1p-60);
+      expect_enclosed(of_inexact[i], of_changed[i]);
       EXPECT_LE(x[i].error, 1e-12 * std::abs(x[i].high) + 1e-22 / units(static_cast<Index>(i)));
     }
+  }
+}
+
+// A body turned by a rounding: its products of inertia are 2^-53 of its moments.
+TEST(BoundedTest, SmallCoordinatesBesideLargeOnesAreAsAccurate) {
+  Matrix G = Matrix::Identity(3, 3) * 1.1;
+  G(0, 1) = G(1, 0) = 0x1.1p-53;
+  G(1, 2) = G(2, 1) = -0x1.3p-54;
+  const BoundedInertia inertia{Inertia(DenseInertia{G})};
+  const QuadInertia reference{Inertia(DenseInertia{G})};
+  const Vector b = vec({1.3, 0x1p-50, 0x1.5p-90});
+  BoundedVector x(b.begin(), b.end());
+  QuadVector y(b.begin(), b.end());
+  inertia.solve(x);
+  reference.solve(y);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    expect_enclosed(x[i], y[i], abs(y[i]) * 0x1p-60);
+    EXPECT_LE(x[i].error, 0x1p-55 * std::abs(x[i].high)) << i;
   }
 }
 
@@ -124,6 +151,32 @@ TEST(BoundedTest, WhatTheBoundLeavesOpenIsDecidedIn113Bits) {
     EXPECT_EQ(found.solved, in_quad.solved);
     EXPECT_EQ(found.velocity_residual_relative, in_quad.velocity_residual_relative);
   }
+}
+
+// The residuals differ by 2^-80, of which no digit is printed: it takes no 113 bits to name one of the two.
+TEST(BoundedTest, OfRowsThatAreEqualToThePromisedAccuracyAnyIsTheWorst) {
+  Matrix N = Matrix::Zero(4, 2);
+  N(0, 0) = N(1, 1) = N(3, 1) = 1;
+  N(2, 0) = N(2, 1) = 0x1p-70;
+  const auto worst = [&](double difference, Precision precision) {
+    const Problem problem("tie", ContactProblem{vec({-1, -1, 0, -difference}),
+                                                N,
+                                                Matrix(4, 0),
+                                                {0, 0},
+                                                Vector::Zero(2),
+                                                DenseInertia{Matrix::Identity(4, 4)}});
+    return Evaluator(problem, precision).errors(answer(vec({0, 0}))).worst.row;
+  };
+  EXPECT_EQ(worst(0x1p-80, Precision::kQuad), 1);
+  EXPECT_EQ(worst(0x1p-80, Precision::kAsNeeded), 0);
+  EXPECT_EQ(worst(0x1p-29, Precision::kAsNeeded), 1);
+}
+
+TEST(BoundedTest, ABackwardErrorIsPassedOnWithTheRoundingOfTheData) {
+  EXPECT_EQ(settled(Bounded(1e-17, 0, 0x1p-54), kSettledBackward), 1e-17);
+  EXPECT_THROW(settled(Bounded(1e-17, 0, 0x1p-54)), Doubt);
+  EXPECT_THROW(settled(Bounded(1e-17, 0, 0x1p-53), kSettledBackward), Doubt);
+  EXPECT_EQ(settled(Bounded(1, 0, 0x1p-31), kSettledBackward), 1);
 }
 
 }  // namespace
