@@ -18,11 +18,20 @@ class DisjointSets {
     while (parent(i) != i) i = parent(i) = parent(parent(i));
     return i;
   }
-  /// The lower representative stays one: the sets do not depend on the order of calls.
-  void unite(Index i, Index j) {
-    const Index a = find(i);
-    const Index b = find(j);
-    parent(std::max(a, b)) = std::min(a, b);
+  /// Whether these are in one set. False where only find() would tell.
+  bool are_one(Index first, Index number) {
+    Index same = 1;
+    while (same < number && parent(first + same) == parent(first)) ++same;
+    return same >= number;
+  }
+  /// Joins the set of i to that of a representative. The lower representative stays one: the sets do not depend on the
+  /// order of calls. @returns the representative
+  Index unite(Index representative, Index i) {
+    if (parent(i) == representative) return representative;
+    const Index other = find(i);
+    const Index lower = std::min(representative, other);
+    parent(std::max(representative, other)) = lower;
+    return lower;
   }
 
  private:
@@ -34,24 +43,23 @@ class DisjointSets {
 class Joined {
  public:
   explicit Joined(DisjointSets& sets) : sets_(sets) {}
-  void operator()(Index row) {
-    if (first_ < 0) {
-      first_ = row;
-    } else {
-      sets_.unite(first_, row);
-    }
-  }
-  Index first() const { return first_; }
+  void operator()(Index row) { representative_ = any() ? sets_.unite(representative_, row) : sets_.find(row); }
+  bool any() const { return representative_ >= 0; }
+  /// Of the set with all rows; -1 where there was none.
+  Index representative() const { return representative_; }
 
  private:
   DisjointSets& sets_;
-  Index first_ = -1;
+  Index representative_ = -1;
 };
 
+/// Stops where the columns so far have joined all rows.
 void join_columns(const Matrix& matrix, Index offset, DisjointSets& sets) {
-  for (Index j = 0; j < matrix.cols(); ++j) {
+  bool is_one = false;
+  for (Index j = 0; j < matrix.cols() && !is_one; ++j) {
     Joined joined(sets);
     for_each_nonzero(matrix, j, [&](Index row) { joined(offset + row); });
+    is_one = sets.are_one(offset, matrix.rows());
   }
 }
 
@@ -109,7 +117,7 @@ void IslandNumbers::find(const ContactProblem& problem) {
       std::visit([&](const auto& D) { for_each_nonzero(D, direction + t, joined); }, problem.D);
     }
     direction += edges;
-    of_contact[static_cast<std::size_t>(c)] = joined.first();
+    of_contact[static_cast<std::size_t>(c)] = joined.representative();
   }
 
   count = 0;

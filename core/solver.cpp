@@ -39,8 +39,10 @@ bool finite(const Dense& data) {
 }
 
 bool finite(const Jacobian& J) {
-  const auto* dense = std::get_if<Matrix>(&J);
-  return dense != nullptr ? finite(*dense) : all_finite(J);
+  if (const auto* dense = std::get_if<Matrix>(&J)) return finite(*dense);
+  const auto& sparse = std::get<SparseMatrix>(J);
+  if (!sparse.isCompressed()) return all_finite(J);
+  return finite(Eigen::Map<const Vector>(sparse.valuePtr(), sparse.nonZeros()));
 }
 
 struct InertiaIsFinite {

@@ -61,13 +61,14 @@ struct ContactSolver::State {
   Problem problem;
   const ContactProblem* contacts = nullptr;  ///< of the problem; null before load()
   ContactLayout layout;
-  BlockInverse inverse_inertia;
+  BlockInverse inverse_inertia;  ///< without blocks: not yet made
   Vector v;
 
   Answer answer;
   Vector start;  ///< impulses of the last solve
   bool has_start = false;
   Vector impulse, velocity;  ///< ngc
+  bool has_velocity = false;  ///< `velocity` is that of the answer
 
   void load(Problem next);
   void forget_answer();
@@ -82,9 +83,9 @@ void ContactSolver::State::load(Problem next) {
   problem = std::move(next);
   contacts = problem.contact();
   layout = contact_layout(*contacts);
-  inverse_inertia = BlockInverse(contacts->inertia);
-  v = velocity = contacts->v;
-  impulse.resize(v.size());
+  inverse_inertia = solver->capabilities().allocation_free ? BlockInverse(contacts->inertia) : BlockInverse();
+  v = contacts->v;
+  for (Vector* room : {&impulse, &velocity}) room->resize(v.size());
   solver->load(problem);
   start.resize(problem.size());
   has_start = false;
@@ -98,9 +99,12 @@ void ContactSolver::State::forget_answer() {
   answer.farkas.setZero();
   answer.counters = Counters{};
   answer.detail.clear();
+  has_velocity = false;
 }
 
 void ContactSolver::State::compute_velocity() {
+  if (has_velocity) return;
+  has_velocity = true;
   velocity = v;
   if (!has_answer()) return;
   if (answer.velocity.size() == v.size()) {
@@ -110,6 +114,7 @@ void ContactSolver::State::compute_velocity() {
   impulse.setZero();
   add_impulses(contacts->N, answer.z.data(), impulse);
   add_impulses(contacts->D, answer.z.data() + layout.friction_offset(), impulse);
+  if (inverse_inertia.blocks() == 0) inverse_inertia = BlockInverse(contacts->inertia);
   inverse_inertia.add_product(impulse, velocity);
 }
 
@@ -167,7 +172,6 @@ void ContactSolver::set_velocity(const Vector& v) {
   }
   if (!v.allFinite()) throw InputError("v holds NaN or infinity");
   state.v = v;
-  state.velocity = v;
   state.forget_answer();
   state.solver->update(state.v);
 }
@@ -184,11 +188,15 @@ Claim ContactSolver::solve(double time_limit_s) {
   state.has_start =
       usable && state.solver->capabilities().warm_start && z.size() == state.start.size() && z.allFinite();
   if (state.has_start) state.start = z;
-  state.compute_velocity();
+  state.has_velocity = false;
   return state.answer.claim;
 }
 
-const Vector& ContactSolver::velocity() const { return loaded().velocity; }
+const Vector& ContactSolver::velocity() const {
+  State& state = loaded();
+  state.compute_velocity();
+  return state.velocity;
+}
 
 double ContactSolver::normal_impulse(Index contact) const {
   const State& state = loaded();

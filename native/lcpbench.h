@@ -98,7 +98,8 @@ class ContactSolver {
   Claim solve(double time_limit_s = std::numeric_limits<double>::infinity());
 
   /// ngc: the velocity under the impulses found, v + G* J f; v itself unless the last claim is kSolved. From
-  /// the solver where it returns one (precision=polished), else computed here: a product with N, D and G*.
+  /// the solver where it returns one (precision=polished), else computed on the first call after a solve: a product
+  /// with N, D and G*. Where solves may allocate, the first such call after load() inverts G.
   const Vector& velocity() const;
 
   /// Impulse along the contact's normal [N s], >= 0; 0 unless the last claim is kSolved. The last iterate of a solver

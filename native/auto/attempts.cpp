@@ -34,13 +34,14 @@ void SharedMethods::reserve(AutoMethod method, const Problem& problem) {
   }
 }
 
-void Attempts::load(const Problem& problem, const Vector& v) {
+void Attempts::load(const Problem& problem, const Vector& v, bool in_turn) {
   problem_ = &problem;
   v_ = v;
   loaded_.fill(false);
   is_put_off_ = false;
   plan_ = plan_for(settings_, problem, v);
-  load_own(plan_.front().method);
+  const AutoMethod first = plan_.front().method;
+  if (!(in_turn && is_dense(first) && fits_in_advance(first, problem))) load_own(first);
   reserve_what_follows();
 }
 

@@ -29,14 +29,16 @@ class SharedMethods {
 
 /// A contact problem with its plan: tries one method after the other until one does not give up.
 ///
-/// The first method is loaded by load(). Dense ones that follow are loaded in solve(), with memory that was taken
-/// before; any other that follows is loaded in the first solve() that needs it, which allocates.
+/// The first method is loaded by load(), or in turn with other islands in solve(). Dense ones that follow are loaded in
+/// solve(), with memory that was taken before; any other that follows is loaded in the first solve() that needs it, which allocates.
 class Attempts {
  public:
   Attempts(const AutoSettings& settings, SharedMethods& shared) : settings_(settings), shared_(shared) {}
 
   /// @param problem must outlive the next load @param v the velocity now
-  void load(const Problem& problem, const Vector& v);
+  /// @param in_turn a dense first method is not loaded: until the next update() the shared one solves, which touches
+  ///     memory once for all islands, and forgets the island
+  void load(const Problem& problem, const Vector& v, bool in_turn = false);
   /// Does not load the sparse first method. update() loads it. A solve() before that uses the dense methods.
   /// @returns false where there is no other, and nothing was put off
   bool load_when_needed(const Problem& problem, const Vector& v);

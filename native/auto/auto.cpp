@@ -121,7 +121,9 @@ void Auto::load_islands(const ContactProblem& contact) {
   for (const Island& part : found) idle_ -= static_cast<Index>(part.contacts.size());
   find_falling(contact, found);
   while (islands_.size() < island_count_) islands_.push_back(std::make_unique<IslandSolver>(settings_, shared_));
-  for (std::size_t k = 0; k < island_count_; ++k) island(k).load(*cutter_, std::move(found[k]), v_, carries_);
+  for (std::size_t k = 0; k < island_count_; ++k) {
+    island(k).load(*cutter_, std::move(found[k]), v_, carries_, island_count_ > 1);
+  }
 }
 
 void Auto::find_falling(const ContactProblem& contact, const std::vector<Island>& islands) {

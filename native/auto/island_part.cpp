@@ -27,9 +27,9 @@ bool is_benign(const Inertia& inertia) {
 
 }  // namespace
 
-void IslandPart::load(ProblemCutter& whole, const Island& part, const Vector& v) {
+void IslandPart::load(ProblemCutter& whole, const Island& part, const Vector& v, bool in_turn) {
   cut(whole, part, v);
-  attempts_.load(problem_, v_);
+  attempts_.load(problem_, v_, in_turn);
 }
 
 bool IslandPart::load_when_needed(ProblemCutter& whole, const Island& part, const Vector& v) {

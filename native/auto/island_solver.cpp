@@ -20,6 +20,9 @@ constexpr double kApproaching = 1e-9;
 /// Leave contacts out only if they are at least 1/8 of the island: the whole island has to be cut out as well.
 constexpr std::size_t kLeastShare = 8;
 
+/// Coordinates of an island that is so small that loading it again takes no more time than memory of its own.
+constexpr Index kMostInTurn = 64;
+
 /// w of the contact's normal row at u.
 double normal_row(const ContactProblem& problem, Index contact, const Vector& u) {
   const double velocity = dot_column(problem.N, contact, u);
@@ -38,8 +41,10 @@ double rounding_of_row(const ContactProblem& problem, Index contact, const Vecto
 
 }  // namespace
 
-void IslandSolver::load(ProblemCutter& whole, Island island, const Vector& v, std::vector<char>& carries) {
+void IslandSolver::load(ProblemCutter& whole, Island island, const Vector& v, std::vector<char>& carries,
+                        bool is_one_of_several) {
   cutter_ = &whole;
+  takes_turns_ = is_one_of_several && static_cast<Index>(island.coordinates.size()) <= kMostInTurn;
   carries_ = &carries;
   carried_ = nullptr;
   island_ = std::move(island);
@@ -79,7 +84,7 @@ void IslandSolver::measure_approach(const Vector& v) {
 void IslandSolver::load_parts(const Vector& v) {
   is_loaded_ = true;
   now_ = &all_;
-  if (!find_what_may_press()) return all_.load(*cutter_, island_, v);
+  if (!find_what_may_press()) return all_.load(*cutter_, island_, v, takes_turns_);
   has_some_ = all_.load_when_needed(*cutter_, island_, v);
   if (!has_some_) return;
   if (all_.has_stand_in() && !keep_what_may_be_struck()) {

@@ -24,7 +24,8 @@ class IslandSolver {
   /// @param whole must outlive the next load()
   /// @param v velocity of the whole problem
   /// @param carries per contact of the whole, 0; kept at 1 for those whose lambda the answer of solve() includes
-  void load(ProblemCutter& whole, Island island, const Vector& v, std::vector<char>& carries);
+  /// @param is_one_of_several a small one then takes turns with the others, see Attempts::load
+  void load(ProblemCutter& whole, Island island, const Vector& v, std::vector<char>& carries, bool is_one_of_several);
 
   /// Another velocity. Loads something only where a contact approaches for the first time since load().
   void update(const Vector& v);
@@ -67,7 +68,8 @@ class IslandSolver {
   IslandPart all_, some_;
   IslandPart* now_ = nullptr;      ///< what is to be solved; nullptr: the island is at rest
   IslandPart* carried_ = nullptr;  ///< what carries_ is told of
-  bool is_loaded_ = false;         ///< all_, and some_ where has_some_
+  bool takes_turns_ = false;
+  bool is_loaded_ = false;  ///< all_, and some_ where has_some_
   bool has_some_ = false;
   Island kept_;  ///< of some_
 

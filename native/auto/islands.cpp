@@ -8,9 +8,13 @@
 namespace lcpbench {
 namespace {
 
-/// The rows and columns of a square matrix at `indices` - offset.
+/// The rows and columns of a square matrix at `indices` - offset. @pre ascending
 Matrix principal_part(const Matrix& matrix, std::span<const Index> indices, Index offset) {
   const Index size = static_cast<Index>(indices.size());
+  if (size > 0 && indices.back() - indices.front() == size - 1) {
+    const Index first = indices.front() - offset;
+    return matrix.block(first, first, size, size);
+  }
   Matrix part(size, size);
   for (Index j = 0; j < size; ++j) {
     for (Index i = 0; i < size; ++i) {
@@ -53,17 +57,21 @@ Matrix restrict_dense(const Matrix& J, std::span<const Index> columns, std::span
 SparseMatrix restrict_sparse(const SparseMatrix& J, std::span<const Index> columns, Index rows,
                              const std::vector<Index>& local) {
   SparseMatrix part(rows, static_cast<Index>(columns.size()));
+  Index most = 0;
+  for (const Index column : columns) most += J.col(column).nonZeros();
+  part.resizeNonZeros(most);
   Index entries = 0;
-  for (const Index column : columns) entries += J.col(column).nonZeros();
-  part.reserve(entries);
   for (std::size_t j = 0; j < columns.size(); ++j) {
-    part.startVec(static_cast<Index>(j));
     for (SparseMatrix::InnerIterator entry(J, columns[j]); entry; ++entry) {
       const Index row = local[static_cast<std::size_t>(entry.row())];
-      if (row >= 0 && entry.value() != 0) part.insertBack(row, static_cast<Index>(j)) = entry.value();
+      if (row < 0 || entry.value() == 0) continue;
+      part.innerIndexPtr()[entries] = static_cast<SparseMatrix::StorageIndex>(row);
+      part.valuePtr()[entries] = entry.value();
+      ++entries;
     }
+    part.outerIndexPtr()[j + 1] = static_cast<SparseMatrix::StorageIndex>(entries);
   }
-  part.finalize();
+  part.resizeNonZeros(entries);
   return part;
 }
 

@@ -44,6 +44,7 @@ void ContactInput::reserve(Index ngc, Index nc, Index directions) {
 
 void ContactInput::load(const ContactProblem& contact) {
   load_layout(contact);
+  find_islands(contact);
   units.resize(0);
   set_velocity(contact.v);
   load_jacobians(contact);
@@ -53,6 +54,7 @@ void ContactInput::load(const ContactProblem& contact) {
 void ContactInput::load_in_units(const ContactProblem& contact) {
   if (!mixes_units(contact.inertia)) return load(contact);
   load_layout(contact);
+  find_islands(contact);
   units.resize(contact.ngc());
   write_coordinate_units(contact.inertia, units.view());
   set_velocity(contact.v);
@@ -90,6 +92,9 @@ void ContactInput::load_layout(const ContactProblem& contact) {
   input.nc = contact.nc();
   input.friction_begin = friction_begin.data();
   input.mu = mu.data();
+}
+
+void ContactInput::find_islands(const ContactProblem& contact) {
   // With an offset, a contact that nothing moves has a w of its own: it may not be counted to the island of the others.
   if (couples_all(contact.inertia) && !input.has_offset) return;
   islands.find(contact);

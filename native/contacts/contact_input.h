@@ -40,6 +40,7 @@ struct ContactInput {
   void set_velocity(const Vector& velocity);
 
  private:
+  void find_islands(const ContactProblem& contact);
   void load_jacobians(const ContactProblem& contact);
   void load_inertia(const Inertia& inertia);
   void load_inertia_in_units(const Inertia& inertia);

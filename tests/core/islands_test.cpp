@@ -35,6 +35,31 @@ TEST(RowIslandsTest, InertiaCouplesContacts) {
   EXPECT_EQ(islands.of_row, (Labels{0, 0, 1, 0, 0, 0, 0, 0, 0}));
 }
 
+// Of the first block only all columns together join the rows, of the last one no columns do.
+TEST(IslandNumbersTest, BlocksAreJoinedByAllTheirColumns) {
+  Matrix chain = 4 * Matrix::Identity(4, 4);
+  chain.diagonal(1).setOnes();
+  chain.diagonal(-1).setOnes();
+  Matrix crossed = Matrix::Identity(3, 3);
+  crossed(0, 2) = crossed(2, 0) = 0.5;
+  ContactProblem problem;
+  problem.v = Vector::Zero(12);
+  problem.N = Matrix::Zero(12, 5);
+  for (const Index c : {0, 1, 2, 3}) std::get<Matrix>(problem.N)(Labels{3, 5, 4, 9}[static_cast<std::size_t>(c)], c) = 1;
+  problem.D = Matrix(12, 0);
+  problem.edges.assign(5, 0);
+  problem.mu = Vector::Zero(5);
+  problem.inertia = BlockInertia{{chain, crossed, Matrix::Ones(3, 3), Matrix::Identity(2, 2)}};
+  IslandNumbers numbers;
+  numbers.find(problem);
+  EXPECT_EQ(numbers.count, 4);
+  EXPECT_EQ(numbers.of_contact, (Labels{0, 1, 2, 3, -1}));
+  EXPECT_EQ(numbers.of_coordinate, (Labels{0, 0, 0, 0, 2, 1, 2, 3, 3, 3, -1, -1}));
+  std::get<Matrix>(problem.N)(6, 4) = std::get<Matrix>(problem.N)(7, 4) = 1;  // a contact between bodies joins more
+  numbers.find(problem);
+  EXPECT_EQ(numbers.of_contact, (Labels{0, 1, 2, 2, 2}));
+}
+
 TEST(RowIslandsTest, BlocksOfAMatrixAreFoundInAnyOrderOfRows) {
   Matrix M = Matrix::Identity(5, 5);
   M(4, 0) = 1;  // one triangle suffices

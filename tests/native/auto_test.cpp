@@ -563,6 +563,39 @@ TEST(AutoTest, AllocatesNothingInASolveThatNeedsNoSecondMethod) {
   }
 }
 
+int allocations_in_load(const Problem& problem) {
+  const auto solver = auto_solver();
+  return testing::count_allocations([&] { solver->load(problem); });
+}
+
+TEST(AutoTest, ALoadTakesTheMemoryOfItsMethodOnceForAllSmallIslands) {
+  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  for (const int edges : {0, 4}) {
+    const auto stacks = [edges](int count) {
+      return Problem("stacks", box_stacks({.stacks = count, .height = 2, .edges = edges}));
+    };
+    const int one = allocations_in_load(stacks(1));
+    EXPECT_LT(allocations_in_load(stacks(21)) - allocations_in_load(stacks(11)), 10 * one / 2) << edges << " edges";
+  }
+}
+
+// Small islands are solved in turn after a load, and by methods of their own after an update.
+TEST(AutoTest, SmallIslandsStartFromTheirLastAnswersAfterTheSecondUpdate) {
+  const BoxStacks shape{.stacks = 6, .height = 2, .edges = 4, .fresh = 0};
+  const auto solver = auto_solver();
+  solver->load(Problem("stacks", box_stacks(shape)));
+  Answer last = solve(*solver);
+  const std::int64_t cold = last.counters.pivots;
+  EXPECT_GT(cold, 0);
+  for (const double factor : {1.0, 1.25, 1.5}) {
+    const Vector start = last.z;
+    solver->update(factor * falling_velocity(shape, 0));
+    last = solve(*solver, {.start = &start});
+    EXPECT_EQ(last.claim, Claim::kSolved);
+    EXPECT_EQ(last.counters.pivots, factor == 1 ? cold : 0) << factor;
+  }
+}
+
 /// Of what no method but another may get through: every other cube is heavier.
 RigidScene uneven_stack(int height, int edges, double ratio) {
   RigidScene scene = box_stacks({.stacks = 1, .height = height, .edges = edges, .jitter = 1});
