@@ -23,8 +23,7 @@ const Engine& engine_at(ActiveSetPrecision precision, IsaLevel level) {
   if (precision == ActiveSetPrecision::kQuad) return active_set::portable::kQuadEngine;
   const bool single = precision == ActiveSetPrecision::kFloat;
 #if defined(__x86_64__)
-  if (level == IsaLevel::kAvx512) return single ? active_set::avx512::kFloatEngine : active_set::avx512::kDoubleEngine;
-  if (level == IsaLevel::kAvx2) return single ? active_set::avx2::kFloatEngine : active_set::avx2::kDoubleEngine;
+  if (level >= IsaLevel::kAvx2) return single ? active_set::avx2::kFloatEngine : active_set::avx2::kDoubleEngine;
 #endif
   return single ? active_set::baseline::kFloatEngine : active_set::baseline::kDoubleEngine;
 }

@@ -75,10 +75,6 @@ namespace avx2 {
 extern const Engine kFloatEngine;
 extern const Engine kDoubleEngine;
 }  // namespace avx2
-namespace avx512 {
-extern const Engine kFloatEngine;
-extern const Engine kDoubleEngine;
-}  // namespace avx512
 namespace double_double {
 extern const Engine kDoubleDoubleEngine;
 }  // namespace double_double

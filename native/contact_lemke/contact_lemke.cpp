@@ -58,8 +58,7 @@ const Engine& double_double_at([[maybe_unused]] IsaLevel level) {
 Engines engines_at(IsaLevel level) {
   if (level > best_isa_level()) throw std::invalid_argument("this processor lacks the instruction-set level asked for");
 #if defined(__x86_64__)
-  if (level == IsaLevel::kAvx512) return {lemke::avx512::kContactEngine, lemke::avx512::kFloatContactEngine};
-  if (level == IsaLevel::kAvx2) return {lemke::avx2::kContactEngine, lemke::avx2::kFloatContactEngine};
+  if (level >= IsaLevel::kAvx2) return {lemke::avx2::kContactEngine, lemke::avx2::kFloatContactEngine};
 #endif
   return {lemke::baseline::kContactEngine, lemke::baseline::kFloatContactEngine};
 }

@@ -115,10 +115,6 @@ namespace avx2 {
 extern const contact_lemke::Engine kContactEngine;
 extern const contact_lemke::Engine kFloatContactEngine;
 }  // namespace avx2
-namespace avx512 {
-extern const contact_lemke::Engine kContactEngine;
-extern const contact_lemke::Engine kFloatContactEngine;
-}  // namespace avx512
 namespace quad {
 extern const contact_lemke::Engine kContactEngine;
 }

@@ -52,23 +52,14 @@ foreach(level IN LISTS levels)
   add_test(NAME contact_lemke_${level} COMMAND contact_lemke_test)
   set_tests_properties(lemke_${level} contact_lemke_${level} PROPERTIES ENVIRONMENT "LCPBENCH_ISA=${level}"
                                                  SKIP_REGULAR_EXPRESSION "this processor has no more than")
-  if(NOT LCPBENCH_SANITIZE)  # sanitizers add symbols of their own
-    add_test(NAME lemke_symbols_${level}
-             COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DLEVEL=${level} -DOBJECT=$<TARGET_OBJECTS:lcpbench_lemke_${level}>
-                     -P ${CMAKE_CURRENT_SOURCE_DIR}/native/lemke_symbols.cmake)
-    add_test(NAME active_set_symbols_${level}
-             COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DLEVEL=${level}
-                     -DOBJECT=$<TARGET_OBJECTS:lcpbench_active_set_${level}>
-                     -P ${CMAKE_CURRENT_SOURCE_DIR}/native/lemke_symbols.cmake)
-    add_test(NAME cholesky_symbols_${level}
-             COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DLEVEL=${level}
-                     -DOBJECT=$<TARGET_OBJECTS:lcpbench_cholesky_${level}>
-                     -P ${CMAKE_CURRENT_SOURCE_DIR}/native/lemke_symbols.cmake)
-    add_test(NAME contact_lemke_symbols_${level}
-             COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DLEVEL=${level}
-                     -DOBJECT=$<TARGET_OBJECTS:lcpbench_contact_lemke_${level}>
-                     -P ${CMAKE_CURRENT_SOURCE_DIR}/native/lemke_symbols.cmake)
-  endif()
+  foreach(method lemke active_set cholesky contact_lemke)
+    if(TARGET lcpbench_${method}_${level} AND NOT LCPBENCH_SANITIZE)  # sanitizers add symbols of their own
+      add_test(NAME ${method}_symbols_${level}
+               COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DLEVEL=${level}
+                       -DOBJECT=$<TARGET_OBJECTS:lcpbench_${method}_${level}>
+                       -P ${CMAKE_CURRENT_SOURCE_DIR}/native/lemke_symbols.cmake)
+    endif()
+  endforeach()
 endforeach()
 
 # Lemke in other precisions than double.
