@@ -11,8 +11,8 @@ namespace lcpbench {
 
 /// The contacts of a problem as W r + q = u with the round cone |r_t| <= mu r_N in place of each pyramid.
 ///
-/// A contact has three rows, its normal and two tangents. The tangents are the directions 0 and edges / 4 of a pyramid
-/// whose edges are a multiple of 4. If it has more than 4, its directions must be those of a regular polygon.
+/// A contact has three rows, its normal and two tangents, which are the directions 0 and edges / 4: see
+/// why_no_round_cone().
 /// Without friction the cone is the half-line of the LCP, and the two problems are one.
 class RoundCones {
  public:
@@ -36,9 +36,6 @@ class RoundCones {
   void write(const Vector& r, Vector& z) const;
 
  private:
-  std::string add_tangents(const ContactProblem& contact, const Matrix& D, Index i,
-                           std::vector<Eigen::Triplet<double>>& entries, Index row) const;
-
   Lcp lcp_;
   ContactLayout layout_;
   Matrix W_;

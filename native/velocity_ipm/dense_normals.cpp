@@ -11,32 +11,6 @@
 namespace lcpbench {
 namespace {
 
-/// S (ngc x rank) with S S' = G*.
-Matrix inverse_root(const Inertia& inertia) {
-  const auto of_eigenvalues = [](const Matrix& A, bool inverse) {
-    const Eigen::SelfAdjointEigenSolver<Matrix> eigen(A);
-    const Vector& values = eigen.eigenvalues();
-    const double cut =
-        static_cast<double>(A.rows()) * std::numeric_limits<double>::epsilon() * values.cwiseAbs().maxCoeff();
-    Matrix S(A.rows(), 0);
-    for (Index i = 0; i < values.size(); ++i) {
-      if (!(values(i) > cut)) continue;
-      S.conservativeResize(Eigen::NoChange, S.cols() + 1);
-      S.col(S.cols() - 1) = eigen.eigenvectors().col(i) * std::sqrt(inverse ? 1 / values(i) : values(i));
-    }
-    return S;
-  };
-  if (dimension(inertia) == 0) return Matrix(0, 0);
-  if (const auto* given = std::get_if<InverseInertia>(&inertia)) return of_eigenvalues(given->Ginv, false);
-  const Matrix G = dense_inertia(inertia);
-  const auto* factors = std::get_if<FactoredInertia>(&inertia);
-  const Eigen::LLT<Matrix> llt(G);
-  if (llt.info() != Eigen::Success || (factors != nullptr && factors->X.cols() < factors->X.rows())) {
-    return of_eigenvalues(G, true);
-  }
-  return llt.matrixU().solve(Matrix::Identity(G.rows(), G.cols()));
-}
-
 class DenseNormals final : public WhitenedNormals {
  public:
   explicit DenseNormals(const ContactProblem& problem)
@@ -79,6 +53,31 @@ class DenseNormals final : public WhitenedNormals {
 };
 
 }  // namespace
+
+Matrix inverse_root(const Inertia& inertia) {
+  const auto of_eigenvalues = [](const Matrix& A, bool inverse) {
+    const Eigen::SelfAdjointEigenSolver<Matrix> eigen(A);
+    const Vector& values = eigen.eigenvalues();
+    const double cut =
+        static_cast<double>(A.rows()) * std::numeric_limits<double>::epsilon() * values.cwiseAbs().maxCoeff();
+    Matrix S(A.rows(), 0);
+    for (Index i = 0; i < values.size(); ++i) {
+      if (!(values(i) > cut)) continue;
+      S.conservativeResize(Eigen::NoChange, S.cols() + 1);
+      S.col(S.cols() - 1) = eigen.eigenvectors().col(i) * std::sqrt(inverse ? 1 / values(i) : values(i));
+    }
+    return S;
+  };
+  if (dimension(inertia) == 0) return Matrix(0, 0);
+  if (const auto* given = std::get_if<InverseInertia>(&inertia)) return of_eigenvalues(given->Ginv, false);
+  const Matrix G = dense_inertia(inertia);
+  const auto* factors = std::get_if<FactoredInertia>(&inertia);
+  const Eigen::LLT<Matrix> llt(G);
+  if (llt.info() != Eigen::Success || (factors != nullptr && factors->X.cols() < factors->X.rows())) {
+    return of_eigenvalues(G, true);
+  }
+  return llt.matrixU().solve(Matrix::Identity(G.rows(), G.cols()));
+}
 
 std::unique_ptr<WhitenedNormals> dense_whitened_normals(const ContactProblem& problem) {
   return std::make_unique<DenseNormals>(problem);

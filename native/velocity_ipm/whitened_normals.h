@@ -29,6 +29,9 @@ class WhitenedNormals {
   virtual void velocity(const Vector& v, const Vector& y, Vector& u) const = 0;
 };
 
+/// S (ngc x rank) with S S' = G*; upper triangular where G is positive definite.
+Matrix inverse_root(const Inertia& inertia);
+
 /// Dense Cholesky: O(ngc^2 (nc + ngc)) per factorization. Any inertia; of a singular one the range only.
 std::unique_ptr<WhitenedNormals> dense_whitened_normals(const ContactProblem& problem);
 

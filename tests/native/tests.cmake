@@ -32,6 +32,8 @@ lcpbench_test(friction_ipm LINK lcpbench_native lcpbench_generators lcpbench_eva
 target_sources(friction_ipm_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(scene_memory SLOW LINK lcpbench_solver_list lcpbench_evaluation lcpbench_io)
 set_property(TEST scene_memory APPEND PROPERTY LABELS release-only)  # sanitizers have memory of their own
+lcpbench_test(cone_ipm LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
+target_sources(cone_ipm_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(regularized LINK lcpbench_native lcpbench_generators)
 target_sources(regularized_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(principal_pivoting LINK lcpbench_native lcpbench_generators lcpbench_evaluation)

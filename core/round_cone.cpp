@@ -1,0 +1,76 @@
+#include "core/round_cone.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace lcpbench {
+namespace {
+
+double angle(Index direction, Index edges) {
+  return 2 * std::numbers::pi * static_cast<double>(direction) / static_cast<double>(edges);
+}
+
+/// Whether the columns are cos(2 pi k / edges) t1 + sin(2 pi k / edges) t2.
+bool is_regular_polygon(const Matrix& D) {
+  constexpr double kTolerance = 1e-6;  // as that of a scene's normals and tangents
+  const Index edges = D.cols();
+  const Vector t1 = D.col(0);
+  const Vector t2 = D.col(edges / 4);
+  const double size = std::max(t1.lpNorm<Eigen::Infinity>(), t2.lpNorm<Eigen::Infinity>());
+  for (Index k = 0; k < edges / 2; ++k) {
+    const Vector expected = std::cos(angle(k, edges)) * t1 + std::sin(angle(k, edges)) * t2;
+    if (!((D.col(k) - expected).lpNorm<Eigen::Infinity>() <= kTolerance * size)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::string why_no_round_cone(const ContactProblem& problem) {
+  Index begin = 0;
+  for (const int edges : problem.edges) {
+    if (edges % 4 != 0) return "a contact of " + std::to_string(edges) + " edges: takes multiples of 4";
+    if (edges > 4) {
+      const Matrix directions =
+          std::visit([&](const auto& D) -> Matrix { return D.middleCols(begin, edges); }, problem.D);
+      if (!is_regular_polygon(directions)) return "friction directions that are no regular polygon";
+    }
+    begin += edges;
+  }
+  return {};
+}
+
+void share_among_directions(double a, double b, Eigen::Ref<Vector> f) {
+  const Index edges = f.size();
+  f.setZero();
+  if (edges == 4) {
+    f << std::max(a, 0.0), std::max(b, 0.0), std::max(-a, 0.0), std::max(-b, 0.0);
+    return;
+  }
+  if (!std::isfinite(a) || !std::isfinite(b)) {
+    f(0) = a + b;
+    return;
+  }
+  const double step = angle(1, edges);
+  double theta = std::atan2(b, a);
+  if (theta < 0) theta += 2 * std::numbers::pi;
+  const Index k = std::min(static_cast<Index>(theta / step), edges - 1);
+  const double past = theta - angle(k, edges);
+  f(k) = std::hypot(a, b) * std::max(std::sin(step - past), 0.0) / std::sin(step);
+  f((k + 1) % edges) = std::hypot(a, b) * std::max(std::sin(past), 0.0) / std::sin(step);
+}
+
+void complete_slip_bounds(const ContactProblem& problem, const ContactLayout& layout, const Vector& u, Vector& z) {
+  for (Index cone = 0; cone < layout.cones; ++cone) {
+    const auto contact = static_cast<std::size_t>(layout.cone_contact[static_cast<std::size_t>(cone)]);
+    double bound = 0;
+    for (Index j = layout.friction_begin[contact]; j < layout.friction_begin[contact + 1]; ++j) {
+      const double slip = std::visit([&](const auto& D) { return D.col(j).dot(u); }, problem.D);
+      bound = std::max(bound, -slip);
+    }
+    z(layout.lambda_offset() + cone) = bound;
+  }
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,104 @@
+// The end of ConeIsland::solve: from impulses near a solution to one.
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/timed_solve.h"
+#include "native/cone_ipm/cone_island.h"
+
+namespace lcpbench {
+
+/// x = the projection of x_held_ - step u onto normal impulses >= 0 and the disc of radius x_0, and the weights that
+/// are the derivative by -u.
+void ConeIsland::press(double weight) {
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    const Contact& contact = contacts_[c];
+    const Index row = contact.row;
+    const double scale = contact.rows == 3 ? contact.mu : 1.0;
+    const double diagonal = contact.diagonal_normal / (scale * scale);
+    Eigen::Matrix3d& derivative = scalings_[c].weight;
+    derivative.setZero();
+    const double step = diagonal > 0 ? weight / diagonal : 0.0;
+    const double pressed = x_held_(row) - step * u_(row);
+    x_(row) = std::max(pressed, 0.0);
+    if (pressed > 0) derivative(0, 0) = step;
+    if (contact.rows == 1) continue;
+    const double step_tangent = contact.diagonal_tangent > 0 ? weight / contact.diagonal_tangent : 0.0;
+    const Eigen::Vector2d aim = x_held_.segment<2>(row + 1) - step_tangent * u_.segment<2>(row + 1);
+    const double length = aim.norm();
+    if (length <= x_(row)) {
+      x_.segment<2>(row + 1) = aim;
+      derivative(1, 1) = derivative(2, 2) = step_tangent;
+      continue;
+    }
+    const Eigen::Vector2d direction = aim / length;
+    const double share = x_(row) / length;
+    x_.segment<2>(row + 1) = x_(row) * direction;
+    derivative.block<2, 2>(1, 1) =
+        share * step_tangent * (Eigen::Matrix2d::Identity() - direction * direction.transpose());
+    if (pressed > 0) derivative.block<2, 1>(1, 0) = step * direction;
+  }
+}
+
+/// w = A'x(w) by Newton's method. @returns false where the time is up, or the numbers are.
+bool ConeIsland::settle_multipliers(double weight, const ConeLimits& limits, Counters& counters) {
+  constexpr int kSteps = 12;
+  constexpr double kConverged = 1e-13;
+  for (int step = 0; step < kSteps; ++step) {
+    take_velocity();
+    press(weight);
+    combine(x_, dw_);
+    dw_ -= w_;
+    const double off = dw_.lpNorm<Eigen::Infinity>();
+    if (off <= kConverged * w_.lpNorm<Eigen::Infinity>()) break;
+    if (!std::isfinite(off) || !(wall_clock_s() < limits.deadline_s) || !factor()) return false;
+    ++counters.factorizations;
+    lu_.solve(dw_);
+    w_ += dw_;
+  }
+  take_velocity();
+  press(weight);
+  return x_.allFinite();
+}
+
+/// From the best impulses: the method of multipliers on the conditions themselves. It needs neither an interior nor
+/// strict complementarity, and the impulses of redundant contacts stay near where they are.
+void ConeIsland::finish(const ConeLimits& limits, Counters& counters) {
+  constexpr int kRounds = 12;
+  constexpr int kFewestRounds = 3;
+  for (const double weight : {1e4, 1e6}) {
+    x_held_ = best_x_;
+    combine(x_held_, w_);
+    for (int round = 0; round < kRounds && !(best_residual_ <= limits.tolerance); ++round) {
+      if (!settle_multipliers(weight, limits, counters)) break;
+      combine(x_, w_);
+      take_velocity();
+      const double before = best_residual_;
+      keep_best();
+      x_held_ = x_;
+      if (round >= kFewestRounds && !(best_residual_ < before)) break;
+    }
+  }
+}
+
+/// Takes the impulses away of contacts that separate faster than their impulse would stop: an interior point has some
+/// of every contact's.
+void ConeIsland::drop_separating(const ConeLimits& limits) {
+  constexpr double kMostLoss = 10;
+  x_ = best_x_;
+  combine(x_, w_);
+  take_velocity();
+  for (const Contact& contact : contacts_) {
+    const double scale = contact.rows == 3 ? contact.mu : 1.0;
+    if (contact.diagonal_normal * x_(contact.row) >= scale * scale * u_(contact.row)) continue;
+    x_.segment(contact.row, contact.rows).setZero();
+  }
+  combine(x_, w_);
+  take_velocity();
+  const double residual = natural_residual();
+  if (!(residual <= kMostLoss * std::max(best_residual_, limits.tolerance))) return;
+  best_residual_ = residual;
+  best_x_ = x_;
+}
+
+}  // namespace lcpbench

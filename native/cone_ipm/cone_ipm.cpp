@@ -1,0 +1,216 @@
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/registry.h"
+#include "core/round_cone.h"
+#include "core/timed_solve.h"
+#include "native/answer_test/answer_test.h"
+#include "native/auto/islands.h"
+#include "native/cone_ipm/cone_island.h"
+
+namespace lcpbench {
+namespace {
+
+/// Of an island: its matrices are dense.
+constexpr std::size_t kMostCoordinates = 3000;
+
+struct ConeIpmSettings {
+  bool cone = false;
+  ConeIsland::Slip slip = ConeIsland::Slip::kNewton;
+  double tolerance = 1e-10;
+  double accept_residual = 1e-8;
+  std::int64_t max_iterations = 2000;
+
+  void visit(auto&& field) {
+    using Slip = ConeIsland::Slip;
+    field("cone", cone,
+          "solve contacts with friction with the round cone, which is another problem; false: refuse them");
+    field("slip", slip, Choices<Slip>{{{"newton", Slip::kNewton}, {"rounds", Slip::kRounds}, {"none", Slip::kNone}}},
+          "newton: the slip speed is an unknown of each step, and rounds follow where that fails; rounds: it is held "
+          "in one convex problem after the other; none: it is left out, which is the convex relaxation");
+    field("tolerance", tolerance, RealRange{.min = 0},
+          "stop when the residual of the cone's conditions is at most this times max|q| of the island");
+    field("accept_residual", accept_residual, RealRange{.min = 0},
+          "claim solved only when that residual, evaluated in double, is at most this times max|q| of every island");
+    field("max_iterations", max_iterations, IntegerRange{.min = 0}, "predictor-corrector steps of each island");
+  }
+};
+
+/// Solves contacts with the round Coulomb cone, island by island, by ConeIsland.
+///
+/// kSolved: the residual of the cone's conditions, recomputed from the impulses in double, is within accept_residual on
+/// every island; without friction AnswerTest has passed too. That the iteration converges is not proven with friction.
+class ConeIpm final : public Solver {
+ public:
+  explicit ConeIpm(const ConeIpmSettings& settings) : settings_(settings) {}
+  const Capabilities& capabilities() const override;
+
+ private:
+  struct Part {
+    Island island;
+    ContactProblem problem;
+    Vector v;
+    ConeIsland method;
+  };
+
+  void on_load(const Problem& problem) override;
+  void load_islands(const Problem& problem);
+  void on_update(const Vector& v) override;
+  void on_solve(const SolveRequest& request, Answer& answer) override;
+
+  Claim solve(Part& part, double deadline_s, Counters& counters);
+  void take_velocity(Part& part) const;
+  void write(Part& part, Answer& answer);
+
+  ConeIpmSettings settings_;
+  std::string refusal_;
+  ContactLayout layout_;
+  Vector v_;
+  std::vector<std::unique_ptr<Part>> parts_;
+  bool idle_contact_penetrates_ = false;  // a contact that moves nothing, of a negative offset
+  AnswerTest test_;                       // without friction
+  Vector change_;
+};
+
+void ConeIpm::on_load(const Problem& problem) {
+  const ContactProblem& contact = *problem.contact();
+  parts_.clear();
+  refusal_.clear();
+  if (contact.frictional()) refusal_ = why_no_round_cone(contact);
+  if (refusal_.empty()) load_islands(problem);
+}
+
+void ConeIpm::load_islands(const Problem& problem) {
+  const ContactProblem& contact = *problem.contact();
+  layout_ = contact_layout(contact);
+  v_ = contact.v;
+  ProblemCutter cutter(problem);
+  std::vector<char> moves(static_cast<std::size_t>(layout_.nc), 0);
+  for (Island& island : find_islands(contact)) {
+    if (const auto size = island.coordinates.size(); size > kMostCoordinates) {
+      refusal_ = "an island of " + std::to_string(size) + " coordinates: takes " + std::to_string(kMostCoordinates);
+      return;
+    }
+    auto part = std::make_unique<Part>();
+    part->problem = cutter.cut(island.contacts, island.coordinates, v_, true);
+    part->v = part->problem.v;
+    part->method.load(part->problem);
+    for (const Index i : island.contacts) moves[static_cast<std::size_t>(i)] = 1;
+    part->island = std::move(island);
+    parts_.push_back(std::move(part));
+  }
+  idle_contact_penetrates_ = false;
+  for (Index i = 0; i < layout_.nc; ++i) {
+    if (moves[static_cast<std::size_t>(i)] == 0 && contact.offset(i) < 0) idle_contact_penetrates_ = true;
+  }
+  change_.resize(contact.ngc());
+  if (!contact.frictional()) test_.load(problem, AnswerTest::Bodies::kOneByOne);
+}
+
+void ConeIpm::take_velocity(Part& part) const {
+  for (std::size_t i = 0; i < part.island.coordinates.size(); ++i) {
+    part.v(static_cast<Index>(i)) = v_(part.island.coordinates[i]);
+  }
+  part.method.set_velocity(part.problem, part.v);
+}
+
+void ConeIpm::on_update(const Vector& v) {
+  if (!refusal_.empty() || !v.allFinite()) return Solver::on_update(v);
+  v_ = v;
+  for (const auto& part : parts_) take_velocity(*part);
+  if (!problem().contact()->frictional()) test_.set_velocity(v);
+}
+
+Claim ConeIpm::solve(Part& part, double deadline_s, Counters& counters) {
+  using Stop = ConeIsland::Stop;
+  using Slip = ConeIsland::Slip;
+  const ConeLimits limits{settings_.tolerance, counters.iterations + settings_.max_iterations, deadline_s};
+  part.method.start();
+  Stop stop = part.method.solve(settings_.slip, limits, counters);
+  if (settings_.slip == Slip::kNewton && !(part.method.residual() <= settings_.accept_residual)) {
+    stop = part.method.solve(Slip::kRounds, limits, counters);
+  }
+  if (part.method.residual() <= settings_.accept_residual) return Claim::kSolved;
+  if (stop == Stop::kTimeLimit) return Claim::kTimeLimit;
+  return stop == Stop::kIterationLimit || settings_.slip == Slip::kNone ? Claim::kIterationLimit
+                                                                        : Claim::kNumericalFailure;
+}
+
+void ConeIpm::write(Part& part, Answer& answer) {
+  for (std::size_t k = 0; k < part.island.contacts.size(); ++k) {
+    const Index contact = part.island.contacts[k];
+    const Eigen::Vector3d impulse = part.method.impulse(static_cast<Index>(k));
+    answer.z(contact) = impulse(0);
+    const auto c = static_cast<std::size_t>(contact);
+    if (layout_.lambda[c] < 0) continue;
+    const Index begin = layout_.friction_begin[c];
+    share_among_directions(impulse(1), impulse(2),
+                           answer.z.segment(layout_.friction_offset() + begin, layout_.friction_begin[c + 1] - begin));
+  }
+  part.method.add_velocity_change(part.v);
+  for (std::size_t i = 0; i < part.island.coordinates.size(); ++i) {
+    answer.velocity(part.island.coordinates[i]) = part.v(static_cast<Index>(i));
+  }
+  take_velocity(part);
+}
+
+void ConeIpm::on_solve(const SolveRequest& request, Answer& answer) {
+  answer.counters = {.iterations = 0, .pivots = -1, .factorizations = 0};
+  if (!refusal_.empty()) {
+    answer.claim = Claim::kUnsupported;
+    answer.detail = refusal_;
+    return;
+  }
+  const double deadline_s = wall_clock_s() + request.time_limit_s;
+  answer.velocity = v_;
+  answer.claim = idle_contact_penetrates_ ? Claim::kNumericalFailure : Claim::kSolved;
+  double worst = 0;
+  for (const auto& part : parts_) {
+    const Claim claim = solve(*part, deadline_s, answer.counters);
+    if (claim != Claim::kSolved) answer.claim = claim;
+    worst = std::max(worst, part->method.residual());
+    write(*part, answer);
+  }
+  const bool frictional = layout_.cones > 0;
+  if (frictional) complete_slip_bounds(*problem().contact(), layout_, answer.velocity, answer.z);
+  std::array<char, 80> text{};
+  const int length = std::snprintf(text.data(), text.size(), "%sresidual %.1e",
+                                   frictional ? "another problem: the round friction cone; " : "", worst);
+  answer.detail.assign(text.data(), static_cast<std::size_t>(length));
+  if (!frictional && answer.claim == Claim::kSolved) test_.settle(answer, deadline_s);
+}
+
+constexpr Capabilities kCapabilities{
+    .needs = Needs::kFactored,
+    .frictionless_only = true,
+    .guarantees = "frictionless contact problems with a strictly feasible velocity; with friction none",
+    .obeys_time_limit = true,
+    .allocation_free = true};
+
+constexpr Capabilities with_friction() {
+  Capabilities capabilities = kCapabilities;
+  capabilities.frictionless_only = false;
+  return capabilities;
+}
+
+constexpr Capabilities kConeCapabilities = with_friction();
+
+const Capabilities& ConeIpm::capabilities() const { return settings_.cone ? kConeCapabilities : kCapabilities; }
+
+}  // namespace
+
+SolverDefinition lcpbench_solver_cone_ipm() {
+  return define_solver<ConeIpm, ConeIpmSettings>(
+      {.name = "cone_ipm",
+       .summary = "interior point in velocity space with the round friction cone, island by island, if cone=true",
+       .source =
+           "Acary, Armand, Nguyen, Shpakovych 2024, Second-order cone programming for frictional contact mechanics",
+       .capabilities = kCapabilities});
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,473 @@
+#include "native/cone_ipm/cone_island.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/timed_solve.h"
+#include "native/velocity_ipm/whitened_normals.h"
+
+namespace lcpbench {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kBoundaryFraction = 0.99;
+constexpr double kShortestStep = 1e-8;
+/// So many steps without the residual falling to a half: the iteration goes nowhere. Near a solution finish() does.
+constexpr int kMostIdleSteps = 25;
+constexpr int kMostIdleStepsNear = 6;
+constexpr double kNear = 1e-6;
+constexpr int kMostIdleRounds = 20;
+constexpr double kProgress = 0.5;
+
+/// x_0^2 - |x_t|^2.
+double determinant(const Vector3d& x) {
+  const double length = x.tail<2>().norm();
+  return (x(0) - length) * (x(0) + length);
+}
+
+Vector3d reflect(const Vector3d& x) { return {x(0), -x(1), -x(2)}; }
+
+/// The product of the cone's algebra.
+Vector3d product(const Vector3d& a, const Vector3d& b) {
+  Vector3d result;
+  result(0) = a.dot(b);
+  result.tail<2>() = a(0) * b.tail<2>() + b(0) * a.tail<2>();
+  return result;
+}
+
+/// z with product(a, z) = b.
+Vector3d divide(const Vector3d& b, const Vector3d& a) {
+  Vector3d result;
+  const double across = a.tail<2>().dot(b.tail<2>());
+  result(0) = (a(0) * b(0) - across) / determinant(a);
+  result.tail<2>() = (b.tail<2>() - result(0) * a.tail<2>()) / a(0);
+  return result;
+}
+
+/// The symmetric matrix of a scaling point of determinant 1, times x.
+Vector3d transform(const Vector3d& point, const Vector3d& x) {
+  const double across = point.tail<2>().dot(x.tail<2>());
+  Vector3d result;
+  result(0) = point(0) * x(0) + across;
+  result.tail<2>() = x.tail<2>() + (x(0) + across / (1 + point(0))) * point.tail<2>();
+  return result;
+}
+
+/// The largest length for which x + length d stays in the cone; at most 1e10.
+double length_to_boundary(const Vector3d& x, const Vector3d& d) {
+  constexpr double kFar = 1e10;
+  const double a = determinant(d);
+  const double b = x(0) * d(0) - x.tail<2>().dot(d.tail<2>());
+  const double c = std::max(determinant(x), 0.0);
+  double length = kFar;
+  const double discriminant = b * b - a * c;
+  if (discriminant >= 0) {
+    const double root = std::sqrt(discriminant);
+    // Of a t^2 + 2 b t + c = 0, without cancellation.
+    const double sum = b >= 0 ? -(b + root) : -(b - root);
+    for (const double t : {sum != 0 ? c / sum : kFar, a != 0 ? sum / a : kFar}) {
+      if (t > 0 && t < length) length = t;
+    }
+  }
+  if (d(0) < 0) length = std::min(length, -x(0) / d(0));
+  return length;
+}
+
+}  // namespace
+
+void ConeIsland::load(const ContactProblem& island) {
+  const ContactLayout layout = contact_layout(island);
+  contacts_.clear();
+  columns_.clear();
+  entries_.clear();
+  root_ = inverse_root(island.inertia);
+  for (Index i = 0; i < layout.nc; ++i) add_contact(island, layout, root_, i);
+  const Index rows = contacts_.empty() ? 0 : contacts_.back().row + contacts_.back().rows;
+  for (Vector* each : {&q_, &x_, &y_, &u_, &slip_, &dx_, &dy_, &target_, &residual_, &rows_, &best_x_, &x_held_}) {
+    each->setZero(rows);
+  }
+  w_.setZero(root_.cols());
+  dw_.setZero(root_.cols());
+  scalings_.resize(contacts_.size());
+  lu_.resize(root_.cols());
+  set_velocity(island, island.v);
+}
+
+void ConeIsland::add_contact(const ContactProblem& island, const ContactLayout& layout, const Matrix& root,
+                             Index contact) {
+  const auto column = [&](const Jacobian& J, Index j) -> Vector {
+    if (const auto* dense = std::get_if<Matrix>(&J)) return root.transpose() * dense->col(j);
+    return root.transpose() * std::get<SparseMatrix>(J).col(j);
+  };
+  const auto c = static_cast<std::size_t>(contact);
+  Contact to;
+  to.mu = layout.lambda[c] >= 0 ? island.mu(contact) : 0.0;
+  if (layout.lambda[c] >= 0) {
+    to.tangents = {layout.friction_begin[c], layout.friction_begin[c] + island.edges[c] / 4};
+  }
+  to.rows = to.mu > 0 ? 3 : 1;
+  to.row = contacts_.empty() ? 0 : contacts_.back().row + contacts_.back().rows;
+  to.first = static_cast<Index>(columns_.size());
+  Matrix A(to.rows, root.cols());
+  const Vector normal = column(island.N, contact);
+  to.diagonal_normal = normal.squaredNorm();
+  A.row(0) = normal.transpose();
+  if (to.rows == 3) {
+    A.row(0) /= to.mu;
+    A.row(1) = column(island.D, to.tangents[0]).transpose();
+    A.row(2) = column(island.D, to.tangents[1]).transpose();
+    to.diagonal_tangent = std::max(A.row(1).squaredNorm(), A.row(2).squaredNorm());
+  }
+  for (Index j = 0; j < A.cols(); ++j) {
+    if (A.col(j).isZero(0)) continue;
+    columns_.push_back(j);
+    entries_.insert(entries_.end(), A.col(j).begin(), A.col(j).end());
+    ++to.columns;
+  }
+  contacts_.push_back(to);
+}
+
+void ConeIsland::set_velocity(const ContactProblem& island, const Vector& v) {
+  const auto dot = [&](const Jacobian& J, Index j) {
+    return std::visit([&](const auto& matrix) { return matrix.col(j).dot(v); }, J);
+  };
+  q_max_ = 0;
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    const Contact& contact = contacts_[c];
+    const auto i = static_cast<Index>(c);
+    const double normal = dot(island.N, i) + island.offset(i);
+    q_(contact.row) = contact.rows == 3 ? normal / contact.mu : normal;
+    q_max_ = std::max(q_max_, std::abs(normal));
+    if (contact.tangents[0] < 0) continue;
+    const double t1 = dot(island.D, contact.tangents[0]);
+    const double t2 = dot(island.D, contact.tangents[1]);
+    q_max_ = std::max({q_max_, std::abs(t1), std::abs(t2)});
+    if (contact.rows == 3) q_.segment<2>(contact.row + 1) << t1, t2;
+  }
+}
+
+void ConeIsland::project(const Vector& w, Vector& rows) const {
+  std::size_t entry = 0;
+  for (const Contact& contact : contacts_) {
+    double* to = rows.data() + contact.row;
+    for (Index r = 0; r < contact.rows; ++r) to[r] = 0;
+    for (Index k = contact.first; k < contact.first + contact.columns; ++k) {
+      const double value = w(columns_[static_cast<std::size_t>(k)]);
+      for (Index r = 0; r < contact.rows; ++r) to[r] += entries_[entry++] * value;
+    }
+  }
+}
+
+void ConeIsland::combine(const Vector& rows, Vector& w) const {
+  w.setZero();
+  std::size_t entry = 0;
+  for (const Contact& contact : contacts_) {
+    const double* from = rows.data() + contact.row;
+    for (Index k = contact.first; k < contact.first + contact.columns; ++k) {
+      double sum = 0;
+      for (Index r = 0; r < contact.rows; ++r) sum += entries_[entry++] * from[r];
+      w(columns_[static_cast<std::size_t>(k)]) += sum;
+    }
+  }
+}
+
+void ConeIsland::take_velocity() {
+  project(w_, u_);
+  u_ += q_;
+}
+
+void ConeIsland::set_start() {
+  x_.setZero();
+  y_.setZero();
+  for (const Contact& contact : contacts_) {
+    const double scale = contact.rows == 3 ? contact.mu : 1.0;
+    const double diagonal = contact.diagonal_normal / (scale * scale) + contact.diagonal_tangent;
+    y_(contact.row) = std::max(1.0, 1 / scale) * q_max_;
+    x_(contact.row) = diagonal > 0 ? y_(contact.row) / diagonal : 1.0;
+  }
+  combine(x_, w_);
+}
+
+/// At u_ = A w_ + q_.
+double ConeIsland::natural_residual() const {
+  double worst = 0;
+  const auto take = [&](double value) { worst = value <= worst ? worst : (value > worst ? value : kInfinity); };
+  for (const Contact& contact : contacts_) {
+    const double scale = contact.rows == 3 ? contact.mu : 1.0;
+    const double impulse = x_(contact.row) / scale;
+    take(std::abs(std::min(contact.diagonal_normal * impulse, u_(contact.row) * scale)));
+    if (contact.rows == 1) continue;
+    const Eigen::Vector2d f = contact.diagonal_tangent * x_.segment<2>(contact.row + 1);
+    const Eigen::Vector2d aim = f - u_.segment<2>(contact.row + 1);
+    const double radius = contact.diagonal_tangent * x_(contact.row);
+    const double length = aim.norm();
+    take((f - (length > radius ? radius / length : 1.0) * aim).norm());
+  }
+  return worst / q_max_;
+}
+
+/// Of the convex problem with the slip held [m/s, in the units of u_]. @pre residual_ is that of its equations
+double ConeIsland::convex_residual() const {
+  double worst = residual_.lpNorm<Eigen::Infinity>();
+  for (const Contact& contact : contacts_) {
+    const double scale = contact.rows == 3 ? contact.mu : 1.0;
+    const double diagonal = contact.diagonal_normal / (scale * scale) + contact.diagonal_tangent;
+    const double product = x_.segment(contact.row, contact.rows).dot(y_.segment(contact.row, contact.rows));
+    worst = std::max(worst, std::sqrt(std::max(product, 0.0) * diagonal));
+  }
+  return worst;
+}
+
+void ConeIsland::keep_best() {
+  const double residual = natural_residual();
+  if (!(residual < best_residual_)) return;
+  best_residual_ = residual;
+  best_x_ = x_;
+}
+
+bool ConeIsland::scale(std::size_t index, Slip slip) {
+  const Contact& contact = contacts_[index];
+  Scaling& scaling = scalings_[index];
+  if (contact.rows == 1) {
+    const double x = x_(contact.row);
+    const double y = y_(contact.row);
+    scaling.size = std::sqrt(y / x);
+    scaling.lambda(0) = std::sqrt(x * y);
+    scaling.weight(0, 0) = x / y;
+    return std::isfinite(scaling.size) && scaling.size > 0;
+  }
+  const Vector3d x = x_.segment<3>(contact.row);
+  const Vector3d y = y_.segment<3>(contact.row);
+  const double root_x = std::sqrt(determinant(x));
+  const double root_y = std::sqrt(determinant(y));
+  if (!(root_x > 0) || !(root_y > 0)) return false;
+  const Vector3d unit_x = x / root_x;
+  const Vector3d unit_y = y / root_y;
+  const double gamma = std::sqrt((1 + unit_x.dot(unit_y)) / 2);
+  scaling.point = (unit_y + reflect(unit_x)) / (2 * gamma);
+  scaling.size = std::sqrt(root_y / root_x);
+  scaling.lambda = scaling.size * transform(scaling.point, x);
+  const Vector3d reflected = reflect(scaling.point);
+  scaling.weight = 2 * reflected * reflected.transpose();
+  scaling.weight(0, 0) -= 1;
+  scaling.weight(1, 1) += 1;
+  scaling.weight(2, 2) += 1;
+  scaling.weight /= scaling.size * scaling.size;
+  const double length = y.tail<2>().norm();
+  if (slip == Slip::kNewton && length > 0) {
+    const Eigen::Vector2d direction = y.tail<2>() / length;
+    scaling.weight.rightCols<2>() += scaling.weight.col(0).eval() * direction.transpose();
+  }
+  return scaling.weight.allFinite();
+}
+
+/// I + A'PA with the weights P of the contacts.
+bool ConeIsland::factor() {
+  Matrix& K = lu_.matrix();
+  K.setIdentity();
+  const double* entries = entries_.data();
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    const Contact& contact = contacts_[c];
+    const Matrix3d& weight = scalings_[c].weight;
+    const Index* columns = columns_.data() + contact.first;
+    for (Index j = 0; j < contact.columns; ++j) {
+      double* to = K.col(columns[j]).data();
+      if (contact.rows == 1) {
+        const double value = weight(0, 0) * entries[j];
+        for (Index i = 0; i < contact.columns; ++i) to[columns[i]] += entries[i] * value;
+        continue;
+      }
+      const double* e = entries + 3 * j;
+      const double a = weight(0, 0) * e[0] + weight(0, 1) * e[1] + weight(0, 2) * e[2];
+      const double b = weight(1, 0) * e[0] + weight(1, 1) * e[1] + weight(1, 2) * e[2];
+      const double d = weight(2, 0) * e[0] + weight(2, 1) * e[1] + weight(2, 2) * e[2];
+      for (Index i = 0; i < contact.columns; ++i) {
+        to[columns[i]] += entries[3 * i] * a + entries[3 * i + 1] * b + entries[3 * i + 2] * d;
+      }
+    }
+    entries += contact.rows * contact.columns;
+  }
+  return lu_.factor();
+}
+
+/// T^-1 (lambda \ (centre e - lambda o lambda - (T dx) o (T^-1 dy))), the last only if asked for.
+void ConeIsland::set_target(std::size_t index, double centre, bool correct) {
+  const Contact& contact = contacts_[index];
+  const Scaling& scaling = scalings_[index];
+  if (contact.rows == 1) {
+    const double lambda = scaling.lambda(0);
+    const double second = correct ? dx_(contact.row) * dy_(contact.row) : 0.0;
+    target_(contact.row) = (centre - lambda * lambda - second) / lambda / scaling.size;
+    return;
+  }
+  Vector3d right = -product(scaling.lambda, scaling.lambda);
+  right(0) += centre;
+  const Vector3d reflected = reflect(scaling.point);
+  if (correct) {
+    right -= product(scaling.size * transform(scaling.point, dx_.segment<3>(contact.row)),
+                     transform(reflected, dy_.segment<3>(contact.row)) / scaling.size);
+  }
+  target_.segment<3>(contact.row) = transform(reflected, divide(right, scaling.lambda)) / scaling.size;
+}
+
+/// With P = T^-2 B^-1: (I + A'PA) dw = A'(target + P r), dy = B^-1 (A dw - r), dx = target - P (A dw - r).
+void ConeIsland::find_direction(Slip slip) {
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    const Contact& contact = contacts_[c];
+    if (contact.rows == 1) {
+      rows_(contact.row) = target_(contact.row) + scalings_[c].weight(0, 0) * residual_(contact.row);
+    } else {
+      rows_.segment<3>(contact.row) =
+          target_.segment<3>(contact.row) + scalings_[c].weight * residual_.segment<3>(contact.row);
+    }
+  }
+  combine(rows_, dw_);
+  lu_.solve(dw_);
+  project(dw_, rows_);
+  rows_ -= residual_;
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    const Contact& contact = contacts_[c];
+    const Index row = contact.row;
+    if (contact.rows == 1) {
+      dy_(row) = rows_(row);
+      dx_(row) = target_(row) - scalings_[c].weight(0, 0) * rows_(row);
+      continue;
+    }
+    dx_.segment<3>(row) = target_.segment<3>(row) - scalings_[c].weight * rows_.segment<3>(row);
+    dy_.segment<3>(row) = rows_.segment<3>(row);
+    const double length = y_.segment<2>(row + 1).norm();
+    if (slip == Slip::kNewton && length > 0) {
+      dy_(row) += y_.segment<2>(row + 1).dot(rows_.segment<2>(row + 1)) / length;
+    }
+  }
+}
+
+double ConeIsland::longest_step() const {
+  double length = kInfinity;
+  for (const Contact& contact : contacts_) {
+    for (const auto& [at, step] : {std::pair<const Vector&, const Vector&>(x_, dx_), {y_, dy_}}) {
+      if (contact.rows == 3) {
+        length = std::min(length, length_to_boundary(at.segment<3>(contact.row), step.segment<3>(contact.row)));
+      } else if (step(contact.row) < 0) {
+        length = std::min(length, -at(contact.row) / step(contact.row));
+      }
+    }
+  }
+  return length;
+}
+
+double ConeIsland::gap_after(double length) const { return (x_ + length * dx_).dot(y_ + length * dy_); }
+
+void ConeIsland::find_residual(Slip slip) {
+  residual_ = y_ - u_ - slip_;
+  if (slip != Slip::kNewton) return;
+  for (const Contact& contact : contacts_) {
+    if (contact.rows == 3) residual_(contact.row) -= y_.segment<2>(contact.row + 1).norm();
+  }
+}
+
+/// The weights, and the factors of the Newton matrix.
+bool ConeIsland::factor_scaled(Slip slip) {
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    if (!scale(c, slip)) return false;
+  }
+  return factor();
+}
+
+/// Mehrotra's predictor, and then the step that it corrects.
+void ConeIsland::find_step(Slip slip) {
+  for (std::size_t c = 0; c < contacts_.size(); ++c) set_target(c, 0, false);
+  find_direction(slip);
+  const double gap = x_.dot(y_);
+  const double predicted = std::max(gap_after(std::min(1.0, longest_step())) / gap, 0.0);
+  const double centering = std::min(predicted * predicted * predicted, 1.0);
+  const double centre = centering * gap / static_cast<double>(contacts_.size());
+  for (std::size_t c = 0; c < contacts_.size(); ++c) set_target(c, centre, true);
+  find_direction(slip);
+}
+
+ConeIsland::Stop ConeIsland::iterate(Slip slip, const ConeLimits& limits, Counters& counters) {
+  double best = kInfinity;
+  int idle_steps = 0;
+  for (;; ++counters.iterations) {
+    combine(x_, w_);
+    take_velocity();
+    keep_best();
+    if (slip != Slip::kNone && best_residual_ <= limits.tolerance) return Stop::kConverged;
+    find_residual(slip);
+    const double off = std::max(residual_.lpNorm<Eigen::Infinity>() / q_max_, natural_residual());
+    if (slip != Slip::kNewton && convex_residual() <= std::max(limits.tolerance, 1e-13) * q_max_) {
+      return Stop::kConverged;
+    }
+    idle_steps = off < kProgress * best ? 0 : idle_steps + 1;
+    best = std::min(best, off);
+    if (idle_steps > (best_residual_ <= kNear ? kMostIdleStepsNear : kMostIdleSteps)) return Stop::kStalled;
+    if (counters.iterations >= limits.max_iterations) return Stop::kIterationLimit;
+    if (!(wall_clock_s() < limits.deadline_s)) return Stop::kTimeLimit;
+    if (!factor_scaled(slip)) return Stop::kBreakdown;
+    ++counters.factorizations;
+    find_step(slip);
+    if (!dx_.allFinite() || !dy_.allFinite()) return Stop::kBreakdown;
+    const double length = std::min(1.0, kBoundaryFraction * longest_step());
+    if (!(length >= kShortestStep)) return Stop::kStalled;
+    x_ += length * dx_;
+    y_ += length * dy_;
+  }
+}
+
+void ConeIsland::start() {
+  x_.setZero();
+  best_x_.setZero();
+  u_ = q_;
+  best_residual_ = q_max_ > 0 ? natural_residual() : 0;
+}
+
+ConeIsland::Stop ConeIsland::solve(Slip slip, const ConeLimits& limits, Counters& counters) {
+  if (best_residual_ <= limits.tolerance) return Stop::kConverged;
+  slip_.setZero();
+  if (slip != Slip::kRounds) {
+    set_start();
+    const Stop stop = iterate(slip, limits, counters);
+    if (slip == Slip::kNewton) {
+      if (!is_limit(stop)) finish(limits, counters);
+      drop_separating(limits);
+    } else {
+      best_x_ = x_;
+      best_residual_ = natural_residual();
+    }
+    return stop;
+  }
+  double best = kInfinity;
+  Stop stop = Stop::kStalled;
+  for (int idle_rounds = 0; idle_rounds <= kMostIdleRounds;) {
+    set_start();
+    stop = iterate(slip, limits, counters);
+    if (best_residual_ <= limits.tolerance) break;
+    if (is_limit(stop)) return stop;
+    idle_rounds = best_residual_ < kProgress * best ? 0 : idle_rounds + 1;
+    if (idle_rounds == 0) best = best_residual_;
+    for (const Contact& contact : contacts_) {
+      if (contact.rows == 3) slip_(contact.row) = u_.segment<2>(contact.row + 1).norm();
+    }
+  }
+  finish(limits, counters);
+  drop_separating(limits);
+  return stop;
+}
+
+void ConeIsland::add_velocity_change(Vector& u) {
+  combine(best_x_, w_);
+  u.noalias() += root_ * w_;
+}
+
+Vector3d ConeIsland::impulse(Index contact) const {
+  const Contact& from = contacts_[static_cast<std::size_t>(contact)];
+  if (from.rows == 1) return {best_x_(from.row), 0, 0};
+  return {best_x_(from.row) / from.mu, best_x_(from.row + 1), best_x_(from.row + 2)};
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,112 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/contact_problem.h"
+#include "core/solver.h"
+#include "native/cone_ipm/dense_lu.h"
+
+namespace lcpbench {
+
+/// When the iteration on an island ends.
+struct ConeLimits {
+  double tolerance = 0;  ///< of the residual, relative to max|q| of the island
+  std::int64_t max_iterations = 0;
+  double deadline_s = 0;  ///< on wall_clock_s()
+};
+
+/// The contacts of one island with the round friction cone, by an interior-point method in velocity space.
+///
+/// In whitened coordinates (G = I) with x_i = (mu f_N, f_t) and y_i = (u_N / mu + |u_t|, u_t) of contact i,
+///
+///     x_i and y_i in the cone |x_t| <= x_0, x_i'y_i = 0, y = A w + q + (|y_t|, 0, 0), w = A'x:
+///
+/// |u_t| in y is de Saxce's correction, without which the problem is convex and is Anitescu's relaxation. Newton's
+/// method on these equations, with Nesterov and Todd's scaling of x_i o y_i = target and Mehrotra's predictor and
+/// corrector, solves with I + A'PA for each step, P of 3 x 3 blocks. A contact without friction is one row x y =
+/// target.
+class ConeIsland {
+ public:
+  /// @param island contacts that belong together, on their own coordinates. @pre why_no_round_cone() is ""
+  void load(const ContactProblem& island);
+  void set_velocity(const ContactProblem& island, const Vector& v);
+
+  enum class Stop { kConverged, kStalled, kBreakdown, kIterationLimit, kTimeLimit };
+  static bool is_limit(Stop stop) { return stop == Stop::kIterationLimit || stop == Stop::kTimeLimit; }
+  /// How the slip in y is taken: by Newton's method, or held while the then convex problem is solved, round by round.
+  enum class Slip { kNewton, kRounds, kNone };
+
+  /// Forgets the impulses of the last solve: none are the first to be tested.
+  void start();
+  /// Each call from a start of its own; kNewton and kRounds end with finish(). The impulses of the smallest residual
+  /// since start() are kept; of kNone those of the relaxation.
+  Stop solve(Slip slip, const ConeLimits& limits, Counters& counters);
+
+  /// f_N, f_1, f_2 of a contact, the latter two along its tangents.
+  Eigen::Vector3d impulse(Index contact) const;
+  /// Largest row of the cone's conditions, relative to max|q|; 0 for q = 0.
+  double residual() const { return best_residual_; }
+  /// The change of the velocity.
+  void add_velocity_change(Vector& u);
+
+ private:
+  struct Contact {
+    Index row = 0;  ///< first of its rows, 3 with friction and 1 without
+    Index rows = 1;
+    double mu = 0;
+    std::array<Index, 2> tangents{-1, -1};  ///< columns of D
+    Index first = 0;                        ///< of its columns in columns_ and entries_
+    Index columns = 0;                      ///< how many coordinates it moves
+    double diagonal_normal = 0;             ///< M_nn
+    double diagonal_tangent = 0;            ///< the larger M_tt
+  };
+  /// Nesterov and Todd's scaling of one contact.
+  struct Scaling {
+    Eigen::Vector3d point;  ///< of unit determinant
+    double size = 1;
+    Eigen::Vector3d lambda;  ///< the scaled x and y
+    Eigen::Matrix3d weight;  ///< T^-2 B^-1
+  };
+
+  void add_contact(const ContactProblem& island, const ContactLayout& layout, const Matrix& root, Index contact);
+  void set_start();
+  void project(const Vector& w, Vector& rows) const;
+  void combine(const Vector& rows, Vector& w) const;
+  double natural_residual() const;
+  void keep_best();
+  Stop iterate(Slip slip, const ConeLimits& limits, Counters& counters);
+  bool factor();
+  bool factor_scaled(Slip slip);
+  void find_step(Slip slip);
+  void find_residual(Slip slip);
+  double convex_residual() const;
+  void take_velocity();
+  void press(double weight);
+  bool settle_multipliers(double weight, const ConeLimits& limits, Counters& counters);
+  void drop_separating(const ConeLimits& limits);
+  void finish(const ConeLimits& limits, Counters& counters);
+  bool scale(std::size_t index, Slip slip);
+  void find_direction(Slip slip);
+  void set_target(std::size_t index, double centre, bool correct);
+  double longest_step() const;
+  double gap_after(double length) const;
+
+  std::vector<Contact> contacts_;
+  std::vector<Index> columns_;   // coordinates that contacts move
+  std::vector<double> entries_;  // rows x columns of each contact, by columns
+  Matrix root_;                  // S with S S' = G*
+  Vector q_;                     // rows: J'v + b, the normal ones divided by mu
+  double q_max_ = 0;
+  Vector x_, y_, w_, u_, slip_;
+  Vector dx_, dy_, target_, residual_, rows_, dw_;
+  std::vector<Scaling> scalings_;
+  DenseLu lu_;
+  Vector x_held_;
+  Vector best_x_;
+  double best_residual_ = 0;
+};
+
+}  // namespace lcpbench

@@ -1,0 +1,186 @@
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "core/registry.h"
+#include "generators/sets.h"
+#include "study/evaluation/evaluation.h"
+#include "study/evaluation/friction_model.h"
+#include "tests/support/allocation_counter.h"
+#include "tests/support/textbook_lcps.h"
+
+namespace lcpbench {
+SolverDefinition lcpbench_solver_cone_ipm();
+
+namespace {
+
+using testing::vector_of;
+
+const Options kCone{{"cone", "true"}};
+
+Answer solve(const Problem& problem, const Options& options = kCone) {
+  const auto solver = lcpbench_solver_cone_ipm().make(options);
+  solver->load(problem);
+  Answer answer;
+  solver->solve({}, answer);
+  return answer;
+}
+
+/// rho of the round cone.
+double cone_residual(const Problem& problem, const Answer& answer) {
+  Errors errors = Evaluator(problem).errors(answer);
+  measure_cone(problem, answer, errors);
+  return errors.velocity_residual_relative;
+}
+
+/// A point of mass 2 that meets the floor z = 0; the friction directions are those of a regular polygon.
+ContactProblem point_on_floor(double mu, int edges, const Vector& v) {
+  ContactProblem contact;
+  contact.v = v;
+  contact.N = Matrix{{0.0}, {0.0}, {1.0}};
+  Matrix D = Matrix::Zero(3, edges);
+  for (int k = 0; k < edges; ++k) {
+    const double angle = 2 * std::numbers::pi * k / edges;
+    D.col(k) << std::cos(angle), std::sin(angle), 0;
+  }
+  contact.D = D;
+  contact.edges = {edges};
+  contact.mu = vector_of({mu});
+  contact.inertia = DenseInertia{2 * Matrix::Identity(3, 3)};
+  return contact;
+}
+
+// The normal impulse is 2, friction 1 against the slip (3, 4), of length 5: v+ = 0.9 (3, 4). Four edges brake the
+// faster axis alone, and give (3, 3.5).
+TEST(ConeIpmTest, APointIsBrakedAgainstItsSlipWhateverTheEdges) {
+  for (const int edges : {4, 8, 16}) {
+    const Problem problem("oblique", point_on_floor(0.5, edges, vector_of({3, 4, -1})));
+    const Answer answer = solve(problem);
+    ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+    EXPECT_LE((answer.velocity - vector_of({2.7, 3.6, 0})).lpNorm<Eigen::Infinity>(), 1e-9);
+    EXPECT_LE((post_impact_velocity(*problem.contact(), answer.z) - answer.velocity).lpNorm<Eigen::Infinity>(), 1e-14);
+    EXPECT_LE(cone_residual(problem, answer), 1e-10);
+  }
+}
+
+TEST(ConeIpmTest, FrictionWithinItsConeStopsThePoint) {
+  const Answer answer = solve(Problem("sticking", point_on_floor(6, 4, vector_of({3, 4, -1}))));
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_LE(answer.velocity.lpNorm<Eigen::Infinity>(), 1e-9);
+}
+
+// The relaxation projects (5, -1), slip and normal speed, on the cone of slope 1/2: (3.6, 1.8), a point that lifts off.
+TEST(ConeIpmTest, WithoutTheSlipItIsTheConvexRelaxationAndNotCalledSolved) {
+  const Problem problem("oblique", point_on_floor(0.5, 4, vector_of({3, 4, -1})));
+  const Answer answer = solve(problem, {{"cone", "true"}, {"slip", "none"}});
+  EXPECT_EQ(answer.claim, Claim::kIterationLimit);
+  EXPECT_LE((answer.velocity - vector_of({3.6 * 0.6, 3.6 * 0.8, 1.8})).lpNorm<Eigen::Infinity>(), 1e-8);
+}
+
+TEST(ConeIpmTest, RoundsOfConvexProblemsReachTheSameAnswer) {
+  const Problem problem("oblique", point_on_floor(0.5, 4, vector_of({3, 4, -1})));
+  const Answer answer = solve(problem, {{"cone", "true"}, {"slip", "rounds"}});
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_LE((answer.velocity - vector_of({2.7, 3.6, 0})).lpNorm<Eigen::Infinity>(), 1e-9);
+}
+
+TEST(ConeIpmTest, RefusesWhatIsNoCone) {
+  EXPECT_EQ(solve(Problem("unasked", point_on_floor(0.5, 4, vector_of({3, 4, -1}))), {}).claim, Claim::kUnsupported);
+  EXPECT_EQ(solve(Problem("hexagon", point_on_floor(0.5, 6, vector_of({3, 4, -1})))).claim, Claim::kUnsupported);
+  ContactProblem skewed = point_on_floor(0.5, 8, vector_of({3, 4, -1}));
+  std::get<Matrix>(skewed.D).col(1) *= 1.5;
+  std::get<Matrix>(skewed.D).col(5) *= 1.5;
+  const Answer answer = solve(Problem("skewed", skewed));
+  EXPECT_EQ(answer.claim, Claim::kUnsupported);
+  EXPECT_EQ(answer.detail, "friction directions that are no regular polygon");
+}
+
+TEST(ConeIpmTest, WallsThatCloseInAreNotCalledSolved) {
+  ContactProblem squeezed = point_on_floor(0.5, 4, vector_of({3, 4, -1}));
+  squeezed.N = Matrix{{0.0, 0.0}, {0.0, 0.0}, {1.0, -1.0}};
+  const Matrix D = std::get<Matrix>(squeezed.D);
+  squeezed.D = Matrix(3, 8);
+  std::get<Matrix>(squeezed.D) << D, D;
+  squeezed.edges = {4, 4};
+  squeezed.mu = vector_of({0.5, 0.5});
+  squeezed.b = vector_of({-1, -1});
+  const Answer answer = solve(Problem("squeezed", squeezed));
+  EXPECT_NE(answer.claim, Claim::kSolved);
+  EXPECT_TRUE(answer.z.allFinite());
+}
+
+TEST(ConeIpmTest, WithoutFrictionItsVelocityIsThatOfThePyramidsSolvers) {
+  const auto set = open_set("paper/monotone/exp1");
+  for (std::int64_t trial = 0; trial < 10; ++trial) {
+    const Problem problem = set->generate(7, trial);
+    const Answer answer = solve(problem, {});
+    ASSERT_EQ(answer.claim, Claim::kSolved) << trial << " " << answer.detail;
+    EXPECT_LE(Evaluator(problem).errors(answer).velocity_residual_relative, 1e-8) << trial;
+  }
+}
+
+// Wedges, on which turned pyramids cycle; tables; mass ratios; redundant contacts. What it claims the evaluation finds.
+TEST(ConeIpmTest, MeetsTheConeOnCapturedSteps) {
+  for (const char* name :
+       {"scene/wedge/ode", "scene/wedge/bullet-auto", "scene/uneven-table/ode", "scene/card-house/ode",
+        "scene/mass-ratio-1e4/ode", "scene/mass-ratio-1e6/ode", "scene/spinning-plate/bullet",
+        "scene/humanoid-lying/mujoco", "scene/slope/ode", "scene/dominoes/dart"}) {
+    const auto set = open_set(name);
+    for (std::int64_t trial = 0; trial < *set->count(); ++trial) {
+      const Problem problem = set->generate(1, trial);
+      const Answer answer = solve(problem);
+      EXPECT_EQ(answer.claim, Claim::kSolved) << name << " " << trial << ": " << answer.detail;
+      EXPECT_LE(cone_residual(problem, answer), 1.1e-8) << name << " " << trial;
+    }
+  }
+}
+
+TEST(ConeIpmTest, UpdateIsAsGoodAsLoad) {
+  const auto set = open_set("scene/uneven-table/ode");
+  const Problem problem = set->generate(1, 2);
+  const auto solver = lcpbench_solver_cone_ipm().make(kCone);
+  solver->load(set->generate(1, 2));
+  Answer answer;
+  solver->solve({}, answer);
+  const Answer first = answer;
+  solver->update(Vector::Zero(problem.contact()->ngc()));
+  solver->solve({}, answer);
+  EXPECT_EQ(answer.claim, Claim::kSolved);
+  solver->update(problem.contact()->v);
+  solver->solve({}, answer);
+  EXPECT_EQ(answer.z, first.z);
+  EXPECT_EQ(answer.velocity, first.velocity);
+}
+
+TEST(ConeIpmTest, SolvesWithoutAllocating) {
+  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  for (const char* name : {"scene/uneven-table/ode", "scene/mass-ratio-1e4/bullet", "scene/wall/ode"}) {
+    const Problem problem = open_set(name)->generate(1, 1);
+    const auto solver = lcpbench_solver_cone_ipm().make(kCone);
+    solver->load(problem);
+    Answer answer;
+    answer.reserve(problem);
+    EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << name;
+    const Vector v = 2 * problem.contact()->v;
+    EXPECT_EQ(testing::count_allocations([&] {
+                solver->update(v);
+                solver->solve({}, answer);
+              }),
+              0)
+        << name;
+  }
+}
+
+TEST(ConeIpmTest, ObeysItsLimits) {
+  const Problem problem = open_set("scene/wall/ode")->generate(1, 1);
+  EXPECT_EQ(solve(problem, {{"cone", "true"}, {"max_iterations", "2"}}).claim, Claim::kIterationLimit);
+  const auto solver = lcpbench_solver_cone_ipm().make(kCone);
+  solver->load(problem);
+  Answer answer;
+  solver->solve({.time_limit_s = 1e-9}, answer);
+  EXPECT_EQ(answer.claim, Claim::kTimeLimit);
+}
+
+}  // namespace
+}  // namespace lcpbench
