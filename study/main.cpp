@@ -28,20 +28,9 @@ namespace {
 
 using namespace lcpbench;
 
-std::string quoted(const std::string& argument) {
-  const bool plain =
-      !argument.empty() &&
-      argument.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=+.,:/@%") ==
-          std::string::npos;
-  if (plain) return argument;
-  std::string text = "'";
-  for (const char c : argument) text += c == '\'' ? "'\\''" : std::string(1, c);
-  return text + "'";
-}
-
 std::string command_line(int argc, const char* const* argv) {
   std::string text = "lcpbench";
-  for (int i = 1; i < argc; ++i) text += " " + quoted(argv[i]);
+  for (int i = 1; i < argc; ++i) text += " " + shell_word(argv[i]);
   return text;
 }
 
@@ -96,6 +85,7 @@ class CommandLine {
     add("import", "Turn files of other programs into a scenes file", add_import_command);
     add("inspect", "Say what problem files are, and what looks wrong or hard in them", add_inspect_command);
     add("solve", "Solve problem files and verify the answers", add_solve_command);
+    add("shrink", "Look for the smallest problem on which a solver still fails", add_shrink_command);
     add("certify", "Prove whether problems have a solution",
         [&](CLI::App& command) { return add_certify_command(command, typed); });
     add("run", "Run a study into a store; resumes by default",

@@ -37,6 +37,17 @@ int width_of_terminal(std::FILE* stream) {
 
 }  // namespace
 
+std::string shell_word(const std::string& word) {
+  const bool plain =
+      !word.empty() &&
+      word.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=+.,:/@%") ==
+          std::string::npos;
+  if (plain) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
+  return text + "'";
+}
+
 int terminal_width(std::FILE* stream) {
   int width = width_of_environment();
   if (width == 0) width = width_of_terminal(stream);

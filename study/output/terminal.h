@@ -19,6 +19,9 @@ void say(std::FILE* stream, fmt::format_string<Values...> format, Values&&... va
   fmt::print(stream, "{}", printable(fmt::format(format, std::forward<Values>(values)...), "\n"));
 }
 
+/// A word as a shell takes it: in single quotes where that is needed.
+std::string shell_word(const std::string& word);
+
 /// How many characters a line for people may have: what COLUMNS says, else the width of the terminal that the stream
 /// is, else 100. At least 40, so that a table keeps a shape.
 int terminal_width(std::FILE* stream = stdout);

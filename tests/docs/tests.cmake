@@ -8,6 +8,9 @@ foreach(tutorial first-study bring-your-problem bring-your-solver)
            COMMAND ${docs_test} tutorial ${PROJECT_SOURCE_DIR}/docs/tutorial/${tutorial}.md $<TARGET_FILE:lcpbench>)
 endforeach()
 
+add_test(NAME docs_report-a-failing-case
+         COMMAND ${docs_test} tutorial ${PROJECT_SOURCE_DIR}/docs/howto/report-a-failing-case.md $<TARGET_FILE:lcpbench>)
+
 # The first C++ block of the page is compiled as it stands there.
 set(page ${PROJECT_SOURCE_DIR}/docs/howto/adding-a-solver.md)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${page})

@@ -136,6 +136,8 @@ TEST_F(CommandLineTest, HelpIsCompleteAndNoError) {
       {"generate", {"SET", "--seed", "--count", "--first", "--out"}},
       {"import", {"FORMAT", "FILE", "--out", "--symmetrize"}},
       {"solve", {"FILE", "--solver", "--time-limit", "--format"}},
+      {"shrink",
+       {"FILE", "--solver", "--until", "--against", "--speed", "--out", "--time-limit", "--budget", "--format"}},
       {"certify",
        {"FILE", "--exact", "--time-limit", "--proofs", "--format", "--store", "--set", "--every", "--jobs",
         "--other-velocity"}},

@@ -26,6 +26,10 @@ foreach(name cli surroundings terminal kill)
   add_dependencies(${name}_test lcpbench lcpbench_workers)
 endforeach()
 
+lcpbench_test(shrink LINK lcpbench_shrink lcpbench_solver_list nlohmann_json::nlohmann_json)
+target_compile_definitions(shrink_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
+add_dependencies(shrink_test lcpbench lcpbench_workers)
+
 # Counts of a fixed study. Not under sanitizers: it is long there and would say the same.
 lcpbench_test(regression LINK lcpbench_study nlohmann_json::nlohmann_json)
 target_compile_definitions(regression_test PRIVATE

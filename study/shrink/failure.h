@@ -1,0 +1,82 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/spec.h"
+#include "core/timed_solve.h"
+#include "study/certificates/judge.h"
+#include "study/certify/certificate.h"
+#include "study/evaluation/evaluation.h"
+
+namespace lcpbench {
+
+/// How a solver fails on a problem.
+enum class FailureKind {
+  kWrong,    ///< its claim is false: solved and is not, or unsolvable and there is a solution
+  kMissed,   ///< the problem has a solution and it returns none; or it crashes
+  kDiffers,  ///< it solves the problem, and so does another, and the velocities differ
+};
+
+/// "wrong", "missed", "differs".
+const char* to_string(FailureKind kind);
+
+struct FailureOptions {
+  Spec solver;
+  std::optional<FailureKind> kind;     ///< none: the first that the problem shows
+  std::optional<std::string> against;  ///< the other solver of kDiffers, or "certificate"; none: the first that differs
+  double speed = 1e-3;                 ///< by which velocities must differ at least [m/s, rad/s]
+  double time_limit_s = 10;            ///< of each solve
+};
+
+/// Whether a solver fails on a problem, and on smaller ones in the same way.
+class FailureTest {
+ public:
+  /// @throws InputError for solvers that cannot run
+  explicit FailureTest(FailureOptions options);
+
+  /// Finds out how the solver fails. fails() then asks for the same kind of failure, the same claim and the same other
+  /// solver; and for a problem that is known to have a solution, where this one is. @returns false when it does not
+  /// fail
+  bool begin(const Problem& problem);
+  bool fails(const Problem& problem);
+
+  /// What happened on the last problem that begin() or fails() had, in one sentence.
+  const std::string& words() const { return words_; }
+  FailureKind kind() const { return kind_; }
+  const Spec& solver() const { return options_.solver; }
+  /// The other solver of kDiffers, or "certificate"; "" for other kinds.
+  const std::string& other() const { return other_; }
+
+ private:
+  /// An answer and what is known of it.
+  struct Seen {
+    Answer answer;
+    Errors errors;
+    FrictionModel model = FrictionModel::kPyramid;
+  };
+
+  Seen see(const Problem& problem, const Spec& spec, Judge& judge);
+  Truth truth(const Problem& problem, Judge& judge, std::string& because);
+  bool is_solvable(const Problem& problem, const Seen& seen, Judge& judge);
+  bool is_wrong(const Problem& problem, const Seen& seen, Judge& judge);
+  bool is_missed(const Problem& problem, const Seen& seen, Judge& judge);
+  bool is_different(const Problem& problem, const Seen& seen, Judge& judge, const std::string& other);
+  bool finds_other(const Problem& problem, const Seen& seen, Judge& judge);
+
+  FailureOptions options_;
+  FailureKind kind_ = FailureKind::kWrong;
+  std::string other_;
+  std::optional<Claim> claim_;                 ///< that every later answer must make
+  bool solvable_ = false;                      ///< every later problem must be known to have a solution
+  double accuracy_ = kSolvedVelocityResidual;  ///< rho that both answers of kDiffers must have
+  double seen_accuracy_ = 0;
+  std::string words_;
+  std::map<std::string, std::unique_ptr<TimedSolver>> opened_;
+  Settler settler_;
+  Certifier certifier_;
+};
+
+}  // namespace lcpbench

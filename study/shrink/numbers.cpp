@@ -1,0 +1,201 @@
+#include "study/shrink/numbers.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+namespace lcpbench {
+namespace {
+
+/// "1.25e-07" of the value without its sign.
+std::string scientific(double value) {
+  std::array<char, 32> text{};
+  const auto result =
+      std::to_chars(text.data(), text.data() + text.size(), std::abs(value), std::chars_format::scientific);
+  return {text.data(), result.ptr};
+}
+
+void add(Draft::Group& group, double& place) {
+  if (place == 0) place = 0;  // no negative zeros
+  if (place != 0) group.emplace_back(&place);
+}
+
+template <class Values>
+void add_all(Draft::Group& group, Values& values) {
+  for (Index i = 0; i < values.size(); ++i) add(group, values.data()[i]);
+}
+
+/// The upper triangle holds what the lower one does.
+template <class Square>
+void add_symmetric(Draft::Group& group, Square& matrix) {
+  for (Index column = 0; column < matrix.cols(); ++column) {
+    add(group, matrix(column, column));
+    for (Index row = column + 1; row < matrix.rows(); ++row) {
+      if (matrix(row, column) == 0) continue;
+      add(group, matrix(row, column));
+      group.back().also(&matrix(column, row), 1);
+    }
+  }
+}
+
+void add_jacobian(Draft::Group& group, Jacobian& J) {
+  if (auto* dense = std::get_if<Matrix>(&J)) return add_all(group, *dense);
+  auto& sparse = std::get<SparseMatrix>(J);
+  for (Index i = 0; i < sparse.nonZeros(); ++i) add(group, sparse.valuePtr()[i]);
+}
+
+/// The first half of each contact's directions, with their opposites.
+void add_directions(Draft::Group& group, ContactProblem& contact) {
+  const ContactLayout layout = contact_layout(contact);
+  for (std::size_t i = 0; i < contact.edges.size(); ++i) {
+    const Index half = contact.edges[i] / 2;
+    for (Index t = layout.friction_begin[i]; t < layout.friction_begin[i] + half; ++t) {
+      for (Index row = 0; row < contact.ngc(); ++row) {
+        if (auto* dense = std::get_if<Matrix>(&contact.D)) {
+          if ((*dense)(row, t) == 0) continue;
+          add(group, (*dense)(row, t));
+          group.back().also(&(*dense)(row, t + half), -1);
+        } else if (auto& sparse = std::get<SparseMatrix>(contact.D); sparse.coeff(row, t) != 0) {
+          add(group, sparse.coeffRef(row, t));
+          group.back().also(&sparse.coeffRef(row, t + half), -1);
+        }
+      }
+    }
+  }
+}
+
+void add_inertia(std::vector<Draft::Group>& groups, Inertia& inertia) {
+  Draft::Group group;
+  if (auto* dense = std::get_if<DenseInertia>(&inertia)) add_symmetric(group, dense->G);
+  if (auto* inverse = std::get_if<InverseInertia>(&inertia)) add_symmetric(group, inverse->Ginv);
+  if (auto* blocks = std::get_if<BlockInertia>(&inertia)) {
+    for (Matrix& block : blocks->blocks) add_symmetric(group, block);
+  }
+  if (auto* factored = std::get_if<FactoredInertia>(&inertia)) {
+    add_all(group, factored->X);
+    groups.emplace_back();
+    add_all(groups.back(), factored->alpha);
+  }
+  groups.push_back(std::move(group));
+}
+
+std::variant<Lcp, ContactProblem, RigidScene> data_of(const Problem& problem) {
+  if (problem.scene() != nullptr) return *problem.scene();
+  if (problem.contact() != nullptr) return *problem.contact();
+  return problem.lcp();
+}
+
+std::vector<Eigen::Vector3d> simple_directions() {
+  std::vector<Eigen::Vector3d> directions;
+  for (int axis = 0; axis < 3; ++axis) {
+    directions.push_back(Eigen::Vector3d::Unit(axis));
+    directions.push_back(Eigen::Vector3d::Zero() - Eigen::Vector3d::Unit(axis));  // no negative zeros
+  }
+  for (const auto& [a, b] : {std::pair(0.6, 0.8), std::pair(0.8, 0.6), std::pair(0.28, 0.96), std::pair(0.96, 0.28)}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const int signs : {0, 1, 2, 3}) {
+        Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+        direction(axis) = (signs & 1) != 0 ? -a : a;
+        direction((axis + 1) % 3) = (signs & 2) != 0 ? -b : b;
+        directions.push_back(direction);
+      }
+    }
+  }
+  return directions;
+}
+
+/// The nearest of the simple directions that are orthogonal to `to`; to the zero vector all are.
+Eigen::Vector3d nearest_simple(const Eigen::Vector3d& direction, const Eigen::Vector3d& to) {
+  static const std::vector<Eigen::Vector3d> kDirections = simple_directions();
+  Eigen::Vector3d nearest = direction;
+  double cosine = -2;
+  for (const Eigen::Vector3d& candidate : kDirections) {
+    if (std::abs(candidate.dot(to)) > 1e-12 || !(candidate.dot(direction) > cosine)) continue;
+    cosine = candidate.dot(direction);
+    nearest = candidate;
+  }
+  return nearest;
+}
+
+}  // namespace
+
+int digits_of(double value) {
+  if (value == 0) return 0;
+  const std::string text = scientific(value);
+  const auto digits = static_cast<int>(text.find('e'));
+  return digits > 1 ? digits - 1 : 1;  // without the point
+}
+
+double rounded(double value, int digits) {
+  std::array<char, 64> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::scientific,
+                                 std::max(digits, 1) - 1);
+  double result = value;
+  std::from_chars(text.data(), end.ptr, result);
+  return result;
+}
+
+Draft::Draft(const Problem& problem) : name_(problem.name()), data_(data_of(problem)) {
+  std::visit([this](auto& data) { collect(data); }, data_);
+}
+
+Problem Draft::problem() const {
+  return std::visit([this](const auto& data) { return Problem(name_, data); }, data_);
+}
+
+void Draft::collect(RigidScene& scene) {
+  enum Meaning { kSpin, kVelocity, kOffset, kFriction, kMass, kInertia, kPlace, kMeanings };
+  groups_.resize(kMeanings);
+  for (RigidBody& body : scene.bodies) {
+    add_all(groups_[kSpin], body.angular_velocity);
+    add_all(groups_[kVelocity], body.linear_velocity);
+    add(groups_[kMass], body.mass);
+    add_symmetric(groups_[kInertia], body.inertia);
+    add_all(groups_[kPlace], body.position);
+  }
+  for (RigidContact& contact : scene.contacts) {
+    add(groups_[kOffset], contact.b);
+    add(groups_[kFriction], contact.mu);
+    add_all(groups_[kPlace], contact.point);
+  }
+}
+
+void Draft::collect(ContactProblem& contact) {
+  groups_.resize(5);
+  add_all(groups_[0], contact.b);
+  add_all(groups_[1], contact.v);
+  add_all(groups_[2], contact.mu);
+  add_directions(groups_[3], contact);
+  add_jacobian(groups_[4], contact.N);
+  add_inertia(groups_, contact.inertia);
+}
+
+void Draft::collect(Lcp& lcp) {
+  groups_.resize(2);
+  add_all(groups_[0], lcp.q);
+  if (lcp.M == lcp.M.transpose()) {
+    add_symmetric(groups_[1], lcp.M);
+  } else {
+    add_all(groups_[1], lcp.M);
+  }
+}
+
+bool simplify_frame(RigidContact& contact) {
+  const Eigen::Vector3d normal = nearest_simple(contact.normal, Eigen::Vector3d::Zero());
+  const Eigen::Vector3d tangent = contact.edges > 0 ? nearest_simple(contact.tangent, normal) : contact.tangent;
+  if (normal == contact.normal && tangent == contact.tangent) return false;
+  contact.normal = normal;
+  contact.tangent = tangent;
+  return true;
+}
+
+bool move_to_origin(RigidScene& scene) {
+  if (scene.bodies.empty() || scene.bodies[0].position.isZero(0)) return false;
+  const Eigen::Vector3d by = scene.bodies[0].position;
+  for (RigidBody& body : scene.bodies) body.position -= by;
+  for (RigidContact& contact : scene.contacts) contact.point -= by;
+  return true;
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "core/problem.h"
+
+namespace lcpbench {
+
+/// Significant decimal digits of the shortest text that reads back to this double; 0 for zero.
+int digits_of(double value);
+
+/// The value with this many significant decimal digits, correctly rounded.
+double rounded(double value, int digits);
+
+/// A number of a problem with all places that must hold it: the two triangles of a symmetric matrix, a friction
+/// direction and its opposite.
+class Number {
+ public:
+  explicit Number(double* place) : places_{{place, 1.0}} {}
+  void also(double* place, double sign) { places_.emplace_back(place, sign); }
+  double value() const { return *places_.front().first; }
+  void set(double value) const {
+    for (const auto& [place, sign] : places_) *place = sign > 0 ? value : 0 - value;
+  }
+
+ private:
+  std::vector<std::pair<double*, double>> places_;
+};
+
+/// A copy of a problem whose numbers can be changed.
+class Draft {
+ public:
+  explicit Draft(const Problem& problem);
+  Draft(const Draft&) = delete;  // groups point into it
+  Draft& operator=(const Draft&) = delete;
+
+  /// Numbers of one meaning: masses, velocities, ... Those that are zero are left out, and so are the normals and
+  /// tangents of a scene, which are unit vectors. A group may be empty.
+  using Group = std::vector<Number>;
+  const std::vector<Group>& groups() const { return groups_; }
+
+  /// The scene; nullptr for other kinds.
+  RigidScene* scene() { return std::get_if<RigidScene>(&data_); }
+
+  Problem problem() const;
+
+ private:
+  void collect(RigidScene& scene);
+  void collect(ContactProblem& contact);
+  void collect(Lcp& lcp);
+
+  std::string name_;
+  std::variant<Lcp, ContactProblem, RigidScene> data_;
+  std::vector<Group> groups_;
+};
+
+/// Turns the normal of a contact to the nearest simple direction, an axis or a side of a right triangle with whole
+/// sides (3-4-5, 7-24-25), and its tangent to the nearest simple direction orthogonal to it.
+/// @returns whether that changes anything
+bool simplify_frame(RigidContact& contact);
+
+/// Moves the scene so that the centre of its first body is the origin. @returns whether that changes anything
+bool move_to_origin(RigidScene& scene);
+
+}  // namespace lcpbench

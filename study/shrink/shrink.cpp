@@ -1,0 +1,224 @@
+#include "study/shrink/shrink.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <unordered_set>
+#include <vector>
+
+#include "core/error.h"
+#include "core/io/problem_io.h"
+#include "core/timed_solve.h"
+#include "study/shrink/ddmin.h"
+#include "study/shrink/numbers.h"
+#include "study/shrink/pieces.h"
+
+namespace lcpbench {
+namespace {
+
+/// In turn, for numbers of up to 17.
+constexpr int kDigits[] = {1, 2, 3, 4, 6, 9, 12};
+
+class Shrinker {
+ public:
+  Shrinker(const Problem& start, const std::function<bool(const Problem&)>& fails, const ShrinkOptions& options)
+      : best_(start), fails_(fails), options_(options), end_s_(wall_clock_s() + options.budget_s) {}
+
+  Shrunk run() {
+    std::string before;
+    do {
+      before = problem_hash(best_);
+      leave_out_islands();
+      leave_out_contacts();
+      leave_out_bodies();
+      leave_out_factors();
+      leave_out_friction();
+      simplify_scene();
+      round_numbers();
+    } while (!over() && problem_hash(best_) != before);
+    return {best_, tries_, !over()};
+  }
+
+ private:
+  bool over() {
+    if (!over_) over_ = (options_.stop != nullptr && *options_.stop != 0) || wall_clock_s() > end_s_;
+    return over_;
+  }
+
+  /// Takes the candidate if it fails.
+  template <class Make>
+  bool take(Make&& make) {
+    if (over()) return false;
+    try {
+      const Problem candidate = parse_problem_json(problem_json(make()), "candidate");
+      if (!known_.insert(problem_hash(candidate)).second) return false;
+      if (options_.progress) options_.progress(best_, tries_);
+      ++tries_;
+      if (!fails_(candidate)) return false;
+      best_ = candidate;
+      return true;
+    } catch (const InputError&) {  // no problem file holds it
+      return false;
+    }
+  }
+
+  /// Finds the fewest of `units` that must stay; `part` makes the problem that keeps them.
+  template <class Part>
+  void keep_fewest(const std::vector<Index>& units, Part part) {
+    const Problem whole = best_;
+    minimal_subset(units, [&](const std::vector<Index>& kept) { return take([&] { return part(whole, kept); }); });
+  }
+  /// The same of groups of units.
+  template <class Part>
+  void keep_fewest(const std::vector<std::vector<Index>>& groups, Part part) {
+    if (groups.size() < 2) return;
+    keep_fewest(all(static_cast<Index>(groups.size())), [&](const Problem& whole, const std::vector<Index>& kept) {
+      std::vector<Index> units;
+      for (const Index group : kept) {
+        const std::vector<Index>& more = groups[static_cast<std::size_t>(group)];
+        units.insert(units.end(), more.begin(), more.end());
+      }
+      std::sort(units.begin(), units.end());
+      return part(whole, units);
+    });
+  }
+
+  void leave_out_islands() { keep_fewest(contact_islands(best_), with_contacts); }
+  void leave_out_contacts() { keep_fewest(all(contact_count(best_)), with_contacts); }
+
+  void leave_out_bodies() {
+    if (body_count(best_) == 0) return;
+    keep_fewest(coupled_bodies(best_), with_bodies);
+    keep_fewest(all(body_count(best_)), with_bodies);
+  }
+
+  void leave_out_factors() {
+    if (factor_count(best_) > 0) keep_fewest(all(factor_count(best_)), with_factors);
+  }
+
+  void leave_out_friction() {
+    keep_fewest(frictional_contacts(best_), with_friction);
+    for (std::vector<Index> many = contacts_of_many_edges(best_); !many.empty();) {
+      const std::size_t before = many.size();
+      const Index edges = problem_size(best_).friction_edges;
+      keep_fewest(many, with_fewer_edges);
+      many = contacts_of_many_edges(best_);
+      if (many.size() == before && problem_size(best_).friction_edges == edges) break;
+    }
+  }
+
+  /// Takes the draft with `change` made in it, which returns whether it changed anything.
+  template <class Change>
+  bool take_changed(Change change) {
+    Draft draft(best_);
+    return change(draft) && take([&] { return draft.problem(); });
+  }
+
+  void simplify_scene() {
+    if (best_.scene() == nullptr) return;
+    take_changed([](Draft& draft) {
+      bool changed = false;
+      for (RigidContact& contact : draft.scene()->contacts) changed = simplify_frame(contact) || changed;
+      return changed;
+    });
+    for (Index i = 0; i < contact_count(best_); ++i) {
+      take_changed([i](Draft& draft) { return simplify_frame(draft.scene()->contacts[static_cast<std::size_t>(i)]); });
+    }
+    take_changed([](Draft& draft) { return move_to_origin(*draft.scene()); });
+  }
+
+  /// @returns whether that changes anything
+  static bool round_all(const Draft::Group& group, int digits) {
+    bool changed = false;
+    for (const Number& number : group) {
+      if (digits_of(number.value()) <= digits) continue;
+      number.set(rounded(number.value(), digits));
+      changed = true;
+    }
+    return changed;
+  }
+
+  /// @returns whether that changes anything
+  static bool equalize(const Draft::Group& group, double value) {
+    bool changed = false;
+    for (const Number& number : group) {
+      changed = changed || std::abs(number.value()) != value;
+      number.set(value == 0 ? 0 : std::copysign(value, number.value()));
+    }
+    return changed;
+  }
+
+  /// All numbers in few digits; then each meaning by itself; then each number.
+  void round_numbers() {
+    for (const int digits : kDigits) {
+      const bool taken = take_changed([&](Draft& draft) {
+        bool changed = false;
+        for (const Draft::Group& group : draft.groups()) changed = round_all(group, digits) || changed;
+        return changed;
+      });
+      if (taken) break;
+    }
+    const std::size_t groups = Draft(best_).groups().size();
+    for (std::size_t g = 0; g < groups; ++g) round_group(g);
+    for (std::size_t g = 0; g < groups; ++g) round_each(g);
+  }
+
+  void round_group(std::size_t g) {
+    take_changed([g](Draft& draft) { return equalize(draft.groups()[g], 0); });
+    take_changed([g](Draft& draft) { return equalize(draft.groups()[g], 1); });
+    take_changed([g](Draft& draft) {
+      const Draft::Group& group = draft.groups()[g];
+      return !group.empty() && equalize(group, std::abs(group[0].value()));
+    });
+    for (const int digits : kDigits) {
+      if (take_changed([&](Draft& draft) { return round_all(draft.groups()[g], digits); })) break;
+    }
+  }
+
+  void round_each(std::size_t g) {
+    const Draft start(best_);
+    // A number that becomes zero is in the group no more: from the last to the first, no other changes its place.
+    for (std::size_t i = start.groups()[g].size(); i-- > 0;) {
+      const double value = start.groups()[g][i].value();
+      const auto set = [&](double to) {
+        return to != value && take_changed([&](Draft& draft) {
+                 draft.groups()[g][i].set(to);
+                 return true;
+               });
+      };
+      if (set(0) || set(std::copysign(1.0, value))) continue;
+      for (const int digits : kDigits) {
+        if (digits >= digits_of(value) || set(rounded(value, digits))) break;
+      }
+    }
+  }
+
+  Problem best_;
+  const std::function<bool(const Problem&)>& fails_;
+  const ShrinkOptions& options_;
+  double end_s_;
+  bool over_ = false;
+  std::int64_t tries_ = 0;
+  std::unordered_set<std::string> known_;  ///< hashes of what was tried
+};
+
+}  // namespace
+
+ProblemSize problem_size(const Problem& problem) {
+  ProblemSize size;
+  size.contacts = contact_count(problem);
+  size.bodies = body_count(problem);
+  if (problem.contact() != nullptr) size.friction_edges = cols(problem.contact()->D);
+  const Draft draft(problem);
+  for (const Draft::Group& group : draft.groups()) {
+    size.numbers += static_cast<Index>(group.size());
+    for (const Number& number : group) size.digits += digits_of(number.value());
+  }
+  return size;
+}
+
+Shrunk shrink(const Problem& start, const std::function<bool(const Problem&)>& fails, const ShrinkOptions& options) {
+  return Shrinker(start, fails, options).run();
+}
+
+}  // namespace lcpbench
