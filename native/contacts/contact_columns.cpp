@@ -1,6 +1,8 @@
 #include "native/contacts/contact_columns.h"
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -13,18 +15,25 @@ class Builder {
  public:
   explicit Builder(const Inertia& inertia) : inertia_(inertia), column_(Vector::Zero(inertia_.dimension())) {}
 
-  void add_columns(const Jacobian& J) {
-    for (Index j = 0; j < cols(J); ++j) {
-      if (const auto* dense = std::get_if<Matrix>(&J)) {
-        for (Index i = 0; i < dense->rows(); ++i) scatter(i, (*dense)(i, j));
-      } else {
-        for (SparseMatrix::InnerIterator entry(std::get<SparseMatrix>(J), j); entry; ++entry) {
-          scatter(entry.row(), entry.value());
-        }
-      }
-      finish_column();
-    }
+  void reserve(Index columns, std::size_t entries) {
+    result_.J.reserve(columns, entries);
+    result_.response.reserve(columns, entries);
+    diagonal_.reserve(static_cast<std::size_t>(columns));
   }
+
+  void add_column(const Jacobian& J, Index column) {
+    if (const auto* dense = std::get_if<Matrix>(&J)) {
+      for (Index i = 0; i < dense->rows(); ++i) scatter(i, (*dense)(i, column));
+    } else {
+      for (SparseMatrix::InnerIterator entry(std::get<SparseMatrix>(J), column); entry; ++entry) {
+        scatter(entry.row(), entry.value());
+      }
+    }
+    finish_column();
+  }
+
+  /// Without entries.
+  void add_empty_column() { finish_column(); }
 
   ContactColumns result() {
     result_.diagonal = Eigen::Map<const Vector>(diagonal_.data(), static_cast<Index>(diagonal_.size()));
@@ -35,26 +44,43 @@ class Builder {
   void scatter(Index row, double value) {
     if (value == 0) return;
     column_(row) += value;
-    touched_.push_back(inertia_.block_of(row));
+    const std::size_t block = inertia_.block_of(row);
+    if (touched_.empty() || touched_.back() != block) touched_.push_back(block);
   }
 
   void finish_column() {
-    std::sort(touched_.begin(), touched_.end());
-    touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
+    if (!std::is_sorted(touched_.begin(), touched_.end(), std::less_equal<>())) {
+      std::sort(touched_.begin(), touched_.end());
+      touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
+    }
     result_.J.add_column();
     result_.response.add_column();
     double diagonal = 0;
     double rounding = 0;
     for (const std::size_t block : touched_) {
       const Matrix& inverse = inertia_.inverse(block);
-      auto part = column_.segment(inertia_.offset(block), inverse.rows());
-      const Vector response = inverse * part;
+      const Index size = inverse.rows();
+      auto part = column_.segment(inertia_.offset(block), size);
+      response_.setZero(size);
+      magnitudes_.setZero(size);
+      for (Index k = 0; k < size; ++k) {
+        const double entry = part(k);
+        if (entry == 0) continue;
+        const double* const column = inverse.data() + k * size;
+        for (Index i = 0; i < size; ++i) {
+          response_(i) += column[i] * entry;
+          magnitudes_(i) += std::abs(column[i] * entry);
+        }
+      }
       result_.J.add_run(inertia_.offset(block), part);
-      result_.response.add_run(inertia_.offset(block), response);
-      diagonal += part.dot(response);
+      result_.response.add_run(inertia_.offset(block), response_);
+      double terms = 0;
+      for (Index i = 0; i < size; ++i) {
+        diagonal += part(i) * response_(i);
+        terms += std::abs(part(i)) * magnitudes_(i);
+      }
       // Each entry of J'(G*J) is a sum of rows^2 products, rounded 2 rows times at most.
-      rounding += 2 * static_cast<double>(inverse.rows()) * std::numeric_limits<double>::epsilon() *
-                  part.cwiseAbs().dot(inverse.cwiseAbs() * part.cwiseAbs());
+      rounding += 2 * static_cast<double>(size) * std::numeric_limits<double>::epsilon() * terms;
       part.setZero();
     }
     diagonal_.push_back(diagonal > rounding ? diagonal : 0.0);
@@ -63,17 +89,36 @@ class Builder {
 
   BlockInverse inertia_;
   Vector column_;  // scratch: zero between columns
+  Vector response_, magnitudes_;
   std::vector<std::size_t> touched_;
   std::vector<double> diagonal_;
   ContactColumns result_;
 };
 
+std::size_t entries(const Jacobian& J) {
+  const auto* sparse = std::get_if<SparseMatrix>(&J);
+  return static_cast<std::size_t>(sparse != nullptr ? sparse->nonZeros() : rows(J) * cols(J));
+}
+
 }  // namespace
 
-ContactColumns contact_columns(const ContactProblem& problem) {
+ContactColumns contact_columns(const ContactProblem& problem, Opposites opposites) {
+  const std::size_t friction_entries = entries(problem.D);
   Builder builder(problem.inertia);
-  builder.add_columns(problem.N);
-  builder.add_columns(problem.D);
+  builder.reserve(problem.nc() + cols(problem.D),
+                  entries(problem.N) + (opposites == Opposites::kEmpty ? friction_entries / 2 : friction_entries));
+  for (Index contact = 0; contact < problem.nc(); ++contact) builder.add_column(problem.N, contact);
+  Index column = 0;
+  for (const int edges : problem.edges) {
+    for (int t = 0; t < edges; ++t, ++column) {
+      const bool is_opposite = 2 * t >= edges;
+      if (is_opposite && opposites == Opposites::kEmpty) {
+        builder.add_empty_column();
+      } else {
+        builder.add_column(problem.D, column);
+      }
+    }
+  }
   return builder.result();
 }
 

@@ -13,7 +13,11 @@ struct ContactColumns {
   Vector diagonal;
 };
 
+enum class Opposites { kStored, kEmpty };
+
 /// For block inertia a column costs the blocks that it touches, else O(ngc^2). Memory alike.
-ContactColumns contact_columns(const ContactProblem& problem);
+/// @param opposites kEmpty: the second half of each contact's friction columns, the negatives of the first, have no
+///     entries
+ContactColumns contact_columns(const ContactProblem& problem, Opposites opposites = Opposites::kStored);
 
 }  // namespace lcpbench

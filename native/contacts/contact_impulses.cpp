@@ -45,7 +45,7 @@ void ContactImpulses::load_lcp(const Lcp& lcp) {
 void ContactImpulses::load_contacts(const ContactProblem& problem) {
   const ContactLayout layout = contact_layout(problem);
   contacts = layout.nc;
-  columns = contact_columns(problem);
+  columns = contact_columns(problem, Opposites::kEmpty);
   units.load(problem);
   mu = problem.mu;
   b_ = problem.b;

@@ -13,6 +13,12 @@ class PackedColumns {
  public:
   Index cols() const { return static_cast<Index>(begin_.size()) - 1; }
 
+  void reserve(Index columns, std::size_t entries) {
+    begin_.reserve(static_cast<std::size_t>(columns) + 1);
+    runs_.reserve(static_cast<std::size_t>(columns));
+    values_.reserve(entries);
+  }
+
   /// Appends a column without entries; add_run fills it.
   void add_column() { begin_.push_back(runs_.size()); }
 
@@ -26,14 +32,14 @@ class PackedColumns {
   /// (column)'x.
   double dot(Index column, const Vector& x) const {
     double sum = 0;
-    for_each_run(column, [&](const Run& run) { sum += entries(run).dot(x.segment(run.first_row, run.size)); });
+    for_each(column, [&](const Run& run) { sum += entries(run).dot(x.segment(run.first_row, run.size)); });
     return sum;
   }
 
   /// |column|'|x|.
   double dot_magnitudes(Index column, const Vector& x) const {
     double sum = 0;
-    for_each_run(column, [&](const Run& run) {
+    for_each(column, [&](const Run& run) {
       sum += entries(run).cwiseAbs().dot(x.segment(run.first_row, run.size).cwiseAbs());
     });
     return sum;
@@ -41,7 +47,13 @@ class PackedColumns {
 
   /// x += factor * (column).
   void add_to(Vector& x, Index column, double factor) const {
-    for_each_run(column, [&](const Run& run) { x.segment(run.first_row, run.size) += factor * entries(run); });
+    for_each(column, [&](const Run& run) { x.segment(run.first_row, run.size) += factor * entries(run); });
+  }
+
+  /// visit(first row, number of entries, entries) for each run.
+  template <class Visit>
+  void for_each_run(Index column, Visit&& visit) const {
+    for_each(column, [&](const Run& run) { visit(run.first_row, run.size, values_.data() + run.first_value); });
   }
 
  private:
@@ -54,7 +66,7 @@ class PackedColumns {
   Eigen::Map<const Vector> entries(const Run& run) const { return {values_.data() + run.first_value, run.size}; }
 
   template <class F>
-  void for_each_run(Index column, F&& f) const {
+  void for_each(Index column, F&& f) const {
     const auto c = static_cast<std::size_t>(column);
     for (std::size_t r = begin_[c]; r < begin_[c + 1]; ++r) f(runs_[r]);
   }

@@ -7,8 +7,9 @@
 
 namespace lcpbench {
 
-/// A method that changes one impulse after the other: its state, and the test of its answers.
-class ImpulseSolver : public Solver {
+/// A method that changes one impulse after the other: its state, and the test of its answers. Base is a Solver.
+template <class Base = Solver>
+class ImpulseSolver : public Base {
  protected:
   /// After state_ is loaded.
   virtual void prepare(const Problem& problem) = 0;

@@ -1,24 +1,28 @@
-#include <Eigen/Eigenvalues>
+#include "native/sor/psor.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <utility>
-#include <vector>
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
+#include "native/sor/contact_blocks.h"
 #include "native/sor/impulse_solver.h"
 
 namespace lcpbench {
 namespace {
 
 enum class Order { kForward, kSymmetric };
+enum class Acceleration { kNone, kConjugate };
 
 struct PsorSettings {
   std::int64_t max_iterations = 10000;
   double relaxation = 1.3;
   double tolerance = 1e-8;
   Order order = Order::kForward;
+  Acceleration acceleration = Acceleration::kNone;
 
   void visit(auto&& field) {
     field("max_iterations", max_iterations, IntegerRange{.min = 0}, "sweeps over all contacts (rows of a bare LCP)");
@@ -29,33 +33,69 @@ struct PsorSettings {
           "at most this times max|q| of the island");
     field("order", order, Choices<Order>{{{"forward", Order::kForward}, {"symmetric", Order::kSymmetric}}},
           "every sweep in the order given, or every second one backwards");
+    field("acceleration", acceleration,
+          Choices<Acceleration>{{{"none", Acceleration::kNone}, {"conjugate", Acceleration::kConjugate}}},
+          "between sweeps: nothing, or a step along a direction conjugate to the last ones");
   }
 };
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Euclidean projection of y onto {sum |y_i| <= radius}, radius >= 0: shrinks all |y_i| by one threshold, found by
-/// dropping entries that it brings to zero. O(size^2), of which O(size) is usual. [Michelot 1986; Duchi et al. 2008]
-void project_on_cross_polytope(Eigen::Ref<Vector> y, double radius) {
-  if (y.lpNorm<1>() <= radius) return;
-  double threshold = 0;
-  for (Index step = 0; step < y.size(); ++step) {
-    double sum = 0;
-    Index kept = 0;
-    for (const double entry : y) {
-      if (!(std::abs(entry) > threshold)) continue;
-      sum += std::abs(entry);
-      ++kept;
-    }
-    if (kept == 0) break;
-    const double next = (sum - radius) / static_cast<double>(kept);
-    if (!(next > threshold)) break;
-    threshold = next;
+/// Steps along conjugate directions between sweeps, as in the nonlinear conjugate gradient method of Fletcher and
+/// Reeves with the step of a sweep in place of the gradient. A sweep that moves more than the one before forgets the
+/// directions, its own step included.
+/// [Silcowitz, Niebe, Erleben 2010, A nonsmooth nonlinear conjugate gradient method for interactive contact force
+/// problems]
+class ConjugateSteps {
+ public:
+  /// Sizes the memory for x and u.
+  void load(Index rows, Index coordinates) {
+    x_before_.resize(rows);
+    x_direction_.resize(rows);
+    u_before_.resize(coordinates);
+    u_direction_.resize(coordinates);
   }
-  for (double& entry : y) entry = std::copysign(std::max(std::abs(entry) - threshold, 0.0), entry);
-}
+  /// Forgets all directions.
+  void restart() {
+    x_direction_.setZero();
+    u_direction_.setZero();
+    size_ = 0;
+  }
+  void before_sweep(const Vector& x, const Vector& u) {
+    x_before_ = x;
+    u_before_ = u;
+  }
+  /// @param curvature weight of each entry of x
+  void after_sweep(const Vector& curvature, Vector& x, Vector& u) {
+    const double size = (curvature.array() * (x - x_before_).array().square()).sum();
+    const bool is_first = size_ == 0;
+    const double share = size < size_ ? size / size_ : 0.0;
+    size_ = size;
+    if (share == 0 && !is_first) {
+      x_direction_.setZero();
+      u_direction_.setZero();
+      return;
+    }
+    extrapolate(share, x_before_, x_direction_, x);
+    extrapolate(share, u_before_, u_direction_, u);
+  }
 
-/// Projected successive over-relaxation, one row of M at a time, M not formed for contact problems.
+ private:
+  /// The step along the last direction, and the next direction.
+  static void extrapolate(double share, const Vector& before, Vector& direction, Vector& now) {
+    for (Index i = 0; i < now.size(); ++i) {
+      const double step = now(i) - before(i);
+      now(i) += share * direction(i);
+      direction(i) = share * direction(i) + step;
+    }
+  }
+
+  Vector x_before_, x_direction_;
+  Vector u_before_, u_direction_;
+  double size_ = 0;  // of the last sweep's step
+};
+
+/// Projected successive over-relaxation, M not formed for contact problems.
 ///
 /// Frictionless contacts and bare LCPs: z_i := max(0, z_i - relaxation * w_i / M_ii), w kept up to date; rows with
 /// M_ii <= 0 keep z_i = 0. For symmetric positive semidefinite M and 0 < relaxation < 2 the objective 1/2 z'Mz + q'z
@@ -70,51 +110,40 @@ void project_on_cross_polytope(Eigen::Ref<Vector> y, double radius) {
 /// Contact problems keep v+ = v + G* J f: O(ngc) per row, less for sparse contacts. Bare LCPs: O(n) per row.
 /// Solved is claimed only when the residual of every island, recomputed from z, is within the tolerance and AnswerTest
 /// passes.
-class Psor final : public ImpulseSolver {
+class Psor final : public ImpulseSolver<LimitedPsor> {
  public:
-  explicit Psor(const PsorSettings& settings) : settings_(settings) {}
+  explicit Psor(const PsorSettings& settings) : given_(settings), settings_(settings) {}
   const Capabilities& capabilities() const override;
+  void limit_sweeps(std::int64_t sweeps, double tolerance) override {
+    settings_.max_iterations = sweeps;
+    settings_.tolerance = tolerance;
+  }
+  void unlimit_sweeps() override { settings_ = given_; }
 
  private:
   void prepare(const Problem& problem) override;
   void iterate(const SolveRequest& request, double deadline_s, Answer& answer) override;
 
-  double largest_eigenvalue(const SignedFriction& friction) const;
-
   void set_start(const Vector* start);
   void sweep_until_solved(double deadline_s, Answer& answer);
   bool settle(double deadline_s, Answer& answer);
   double sweep(bool backwards);
-  double update_contact(Index contact);
   double update_row(Index row);
-  double update_friction(std::size_t index);
+  void recompute_velocity();
+  bool is_bare() const { return problem().contact() == nullptr; }
+  Vector& impulses() { return is_bare() ? state_.impulse : blocks_.impulses; }
+  Vector& velocity() { return is_bare() ? state_.u : blocks_.velocity; }
+  const Vector& curvature() const { return is_bare() ? state_.columns.diagonal : blocks_.curvature; }
 
+  PsorSettings given_;
   PsorSettings settings_;
-  std::vector<double> curvature_;  // per friction: largest eigenvalue of its own block of M; 0: it moves nothing
-  Vector step_;                    // the most directions that a contact has
+  ContactBlocks blocks_;  // of contact problems
+  ConjugateSteps steps_;
 };
 
-void Psor::prepare(const Problem&) {
-  curvature_.clear();
-  Index most_directions = 0;
-  for (const SignedFriction& friction : state_.frictions) {
-    curvature_.push_back(largest_eigenvalue(friction));
-    most_directions = std::max(most_directions, friction.directions);
-  }
-  step_.resize(most_directions);
-}
-
-double Psor::largest_eigenvalue(const SignedFriction& friction) const {
-  const ContactColumns& columns = state_.columns;
-  Matrix block(friction.directions, friction.directions);
-  Vector response(state_.u0.size());
-  for (Index j = 0; j < friction.directions; ++j) {
-    response.setZero();
-    columns.response.add_to(response, friction.first_column + j, 1.0);
-    for (Index i = 0; i < friction.directions; ++i) block(i, j) = columns.J.dot(friction.first_column + i, response);
-  }
-  if (columns.diagonal.segment(friction.first_column, friction.directions).isZero(0)) return 0;
-  return Eigen::SelfAdjointEigenSolver<Matrix>(block, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
+void Psor::prepare(const Problem& problem) {
+  if (!is_bare()) blocks_.load(problem.contact()->inertia, state_);
+  if (settings_.acceleration == Acceleration::kConjugate) steps_.load(impulses().size(), velocity().size());
 }
 
 void Psor::set_start(const Vector* start) {
@@ -128,7 +157,7 @@ void Psor::set_start(const Vector* start) {
       const Index first = friction.first_column;
       auto g = impulse.segment(first, friction.directions);
       g = start->segment(first, friction.directions) - start->segment(first + friction.directions, friction.directions);
-      project_on_cross_polytope(g, state_.mu(friction.contact) * impulse(friction.contact));
+      project_on_cross_polytope(g.data(), g.size(), state_.mu(friction.contact) * impulse(friction.contact));
     }
     state_.scale_impulses();
   }
@@ -150,38 +179,11 @@ double Psor::update_row(Index row) {
   return off;
 }
 
-/// @returns the largest step before relaxation, in the units of w.
-double Psor::update_friction(std::size_t index) {
-  const SignedFriction& friction = state_.frictions[index];
-  const ContactColumns& columns = state_.columns;
-  if (!(curvature_[index] > 0)) return 0;
-  auto g = state_.impulse.segment(friction.first_column, friction.directions);
-  auto step = step_.head(friction.directions);
-  const double length = settings_.relaxation / curvature_[index];
-  for (Index t = 0; t < friction.directions; ++t) {
-    step(t) = g(t) - length * columns.J.dot(friction.first_column + t, state_.u);
-  }
-  project_on_cross_polytope(step, state_.mu(friction.contact) * state_.impulse(friction.contact));
-  step -= g;
-  g += step;
-  double largest = 0;
-  for (Index t = 0; t < friction.directions; ++t) {
-    if (step(t) != 0) columns.response.add_to(state_.u, friction.first_column + t, step(t));
-    largest = max_or_infinity(largest, std::abs(step(t)) / length);
-  }
-  return largest;
-}
-
-double Psor::update_contact(Index contact) {
-  const double off = update_row(contact);
-  const Index friction = state_.friction_of[static_cast<std::size_t>(contact)];
-  return friction < 0 ? off : max_or_infinity(off, update_friction(static_cast<std::size_t>(friction)));
-}
-
 double Psor::sweep(bool backwards) {
+  if (!is_bare()) return blocks_.sweep(settings_.relaxation, backwards);
   double off = 0;
   for (Index i = 0; i < state_.contacts; ++i) {
-    off = max_or_infinity(off, update_contact(backwards ? state_.contacts - 1 - i : i));
+    off = max_or_infinity(off, update_row(backwards ? state_.contacts - 1 - i : i));
   }
   return off;
 }
@@ -196,33 +198,49 @@ bool Psor::settle(double deadline_s, Answer& answer) {
 
 void Psor::sweep_until_solved(double deadline_s, Answer& answer) {
   double allowed = settings_.tolerance * state_.q_max;
+  const bool accelerates = settings_.acceleration == Acceleration::kConjugate;
   std::int64_t& iterations = answer.counters.iterations;
+  if (!is_bare()) blocks_.take(state_);
+  if (accelerates) steps_.restart();
   for (iterations = 0;; ++iterations) {
     answer.claim = Claim::kTimeLimit;
     if (!(wall_clock_s() < deadline_s)) return;
     answer.claim = Claim::kIterationLimit;
     if (iterations >= settings_.max_iterations) return;
+    if (accelerates) steps_.before_sweep(impulses(), velocity());
     const double off = sweep(settings_.order == Order::kSymmetric && iterations % 2 == 1);
     answer.claim = Claim::kNumericalFailure;
     if (!(off < kInfinity)) return;
-    if (!(off <= allowed)) continue;
-    state_.recompute_velocity();
-    const double residual = state_.residual();
-    if (!(residual <= allowed)) continue;
-    if (settle(deadline_s, answer)) {
-      ++iterations;
-      return;
+    if (off <= allowed) {
+      recompute_velocity();
+      const double residual = state_.residual();
+      if (residual <= allowed) {
+        if (settle(deadline_s, answer)) {
+          ++iterations;
+          return;
+        }
+        answer.detail.clear();
+        allowed = residual / 2;  // a test costs more than a sweep
+      }
+      if (!is_bare()) blocks_.take(state_);
     }
-    answer.detail.clear();
-    allowed = residual / 2;  // a test costs more than a sweep
+    if (accelerates && iterations + 1 < settings_.max_iterations) {
+      steps_.after_sweep(curvature(), impulses(), velocity());
+    }
   }
+}
+
+/// Of the state, from the impulses that the sweeps have reached.
+void Psor::recompute_velocity() {
+  if (!is_bare()) blocks_.write(state_);
+  state_.recompute_velocity();
 }
 
 void Psor::iterate(const SolveRequest& request, double deadline_s, Answer& answer) {
   set_start(request.start);
   sweep_until_solved(deadline_s, answer);
   if (answer.claim == Claim::kSolved) return;
-  state_.recompute_velocity();
+  recompute_velocity();
   state_.write_answer(answer.z);
   if (answer.claim == Claim::kNumericalFailure) answer.detail = kGrewOutOfRange;
 }
@@ -237,6 +255,10 @@ constexpr Capabilities kCapabilities{
 const Capabilities& Psor::capabilities() const { return kCapabilities; }
 
 }  // namespace
+
+std::unique_ptr<LimitedPsor> make_conjugate_psor() {
+  return std::make_unique<Psor>(PsorSettings{.acceleration = Acceleration::kConjugate});
+}
 
 SolverDefinition lcpbench_solver_psor() {
   return define_solver<Psor, PsorSettings>(

@@ -59,7 +59,7 @@ struct FrictionRow {
 /// Without friction, for symmetric positive semidefinite M and 0 < w < 2 it converges to a solution when there is one
 /// [Cottle, Pang, Stone 1992, 5.2-5.3; Luo, Tseng 1991]; with friction nothing is proven. O(ngc) per row, less for
 /// sparse contacts. After the last sweep lambda is read off and the claim is that of the residual, which ODE has not.
-class QuickstepSor final : public ImpulseSolver {
+class QuickstepSor final : public ImpulseSolver<> {
  public:
   explicit QuickstepSor(const QuickstepSorSettings& settings) : settings_(settings) {}
   const Capabilities& capabilities() const override;

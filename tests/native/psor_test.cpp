@@ -241,6 +241,28 @@ TEST(PsorTest, OverRelaxationSavesSweepsAsTheoryHasIt) {
   EXPECT_LT(8 * relaxed.counters.iterations, plain.counters.iterations);  // 13 in the limit
 }
 
+// Conjugate directions need about the root of the sweeps: of the model problem, and of a stack, with friction and
+// without.
+TEST(PsorTest, ConjugateStepsSaveSweepsAndEndInTheSameVelocity) {
+  const Options conjugate{{"acceleration", "conjugate"}, {"relaxation", "1"}};
+  const Problem model("model", Lcp{testing::tridiagonal(20, 2, -1), -testing::ones(20)});
+  const Answer plain_model = solve(model, {{"relaxation", "1"}});
+  const Answer fast_model = solve(model, conjugate);
+  ASSERT_EQ(fast_model.claim, Claim::kSolved) << fast_model.detail;
+  EXPECT_LT(5 * fast_model.counters.iterations, plain_model.counters.iterations);
+  for (const int edges : {0, 4}) {
+    const ContactProblem contact = contact_problem(falling_stack(8, edges));
+    const Problem problem("stack", contact);
+    const Answer plain = solve(problem, {{"relaxation", "1"}, {"max_iterations", "100000"}});
+    const Answer fast = solve(problem, conjugate);
+    ASSERT_EQ(plain.claim, Claim::kSolved) << plain.detail;
+    ASSERT_EQ(fast.claim, Claim::kSolved) << fast.detail;
+    EXPECT_LT(3 * fast.counters.iterations, plain.counters.iterations) << edges;
+    const Vector difference = post_impact_velocity(contact, fast.z) - post_impact_velocity(contact, plain.z);
+    EXPECT_LE(difference.lpNorm<Eigen::Infinity>(), 1e-5) << edges;
+  }
+}
+
 TEST(PsorTest, SymmetricSweepsGoBackEverySecondTime) {
   // From z = 0 forwards along an upper bidiagonal M nothing is known of later rows; backwards one sweep solves it all.
   Matrix M = Matrix::Identity(6, 6);
@@ -252,11 +274,15 @@ TEST(PsorTest, SymmetricSweepsGoBackEverySecondTime) {
 
 TEST(PsorTest, FrictionAllocatesNothingEither) {
   if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
-  const auto solver = psor({{"max_iterations", "30"}});
-  solver->load(open_set("paper/copositive/exp1")->generate(911, 3));
-  Answer answer = solve(*solver);
-  const Vector start = answer.z;
-  EXPECT_EQ(testing::count_allocations([&] { solver->solve({.start = &start}, answer); }), 0);
+  for (const char* acceleration : {"none", "conjugate"}) {
+    const auto solver = psor({{"max_iterations", "30"}, {"acceleration", acceleration}});
+    for (const bool stack : {false, true}) {
+      solver->load(stack ? Problem("stack", falling_stack(8, 4)) : open_set("paper/copositive/exp1")->generate(911, 3));
+      Answer answer = solve(*solver);
+      const Vector start = answer.z;
+      EXPECT_EQ(testing::count_allocations([&] { solver->solve({.start = &start}, answer); }), 0) << acceleration;
+    }
+  }
 }
 
 }  // namespace

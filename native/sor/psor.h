@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "core/solver.h"
+
+namespace lcpbench {
+
+/// psor with limits that may change from one solve to the next.
+class LimitedPsor : public Solver {
+ public:
+  /// From now on at most so many sweeps, and solved is claimed up to this residual.
+  virtual void limit_sweeps(std::int64_t sweeps, double tolerance) = 0;
+  /// As the settings have it.
+  virtual void unlimit_sweeps() = 0;
+};
+
+/// At the defaults of psor, but with acceleration=conjugate.
+std::unique_ptr<LimitedPsor> make_conjugate_psor();
+
+}  // namespace lcpbench
