@@ -81,6 +81,8 @@ void report(const active_set::Outcome& outcome, Answer& answer) {
 
 }  // namespace
 
+const Engine& active_set_engine(IsaLevel level) { return engine_at(ActiveSetPrecision::kDouble, level); }
+
 ActiveSet::ActiveSet(const ActiveSetSettings& settings, IsaLevel level)
     : settings_(settings),
       first_(engine_at(settings.precision, level)),

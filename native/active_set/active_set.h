@@ -123,4 +123,7 @@ class ActiveSet final : public Solver {
   FarkasSupport farkas_support_;
 };
 
+/// The engine in double. @throws std::invalid_argument when this processor lacks the level
+const active_set::Engine& active_set_engine(IsaLevel level);
+
 }  // namespace lcpbench

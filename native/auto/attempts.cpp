@@ -4,6 +4,8 @@
 #include <variant>
 
 #include "native/active_set/active_set.h"
+#include "native/answer_test/answer_test.h"
+#include "native/auto/islands.h"
 #include "native/contact_lemke/contact_lemke.h"
 #include "native/contacts/block_inverse.h"
 
@@ -15,6 +17,21 @@ constexpr double kShareOfTime = 0.6;
 
 /// Whether the solver takes a problem of this size; else load() is refused, and update() must not be called.
 bool takes(const Solver& solver, const Problem& problem) { return problem.size() <= solver.capabilities().max_size; }
+
+/// Of the impulses of least energy, relative to max|q|. They are a solution to rounding, or none.
+constexpr double kLargestRestResidual = 1e-8;
+
+/// A contact slips if its lambda is more than this part of max|N'v + b|.
+constexpr double kSlipping = 1e-9;
+
+bool slips(const ContactProblem& contact, const Vector& v, const Vector& z) {
+  double scale = 0;
+  for (Index c = 0; c < contact.nc(); ++c) {
+    scale = std::max(scale, std::abs(dot_column(contact.N, c, v) + contact.offset(c)));
+  }
+  const Index impulses = contact.nc() + cols(contact.D);
+  return z.size() > impulses && z.tail(z.size() - impulses).maxCoeff() > kSlipping * scale;
+}
 
 }  // namespace
 
@@ -38,6 +55,7 @@ void Attempts::load(const Problem& problem, const Vector& v, bool in_turn) {
   problem_ = &problem;
   v_ = v;
   loaded_.fill(false);
+  has_least_energy_ = false;
   is_put_off_ = false;
   plan_ = plan_for(settings_, problem, v);
   const AutoMethod first = plan_.front().method;
@@ -49,6 +67,7 @@ bool Attempts::load_when_needed(const Problem& problem, const Vector& v) {
   problem_ = &problem;
   v_ = v;
   loaded_.fill(false);
+  has_least_energy_ = false;
   plan_ = plan_for(settings_, problem, v);
   is_put_off_ = true;
   bool can_wait = false;
@@ -85,6 +104,15 @@ void Attempts::reserve_what_follows() {
       shared_.reserve(next.method, *problem_);
     }
   }
+  if (plan_.rest == AutoPlan::Rest::kNotSought || has_least_energy_) return;
+  if (least_energy_ == nullptr) least_energy_ = std::make_unique<LeastEnergy>();
+  least_energy_->reserve(*problem_->contact());
+  if (plan_.rest == AutoPlan::Rest::kFirst) load_least_energy();
+}
+
+void Attempts::load_least_energy() {
+  least_energy_->load(*problem_->contact(), v_);
+  has_least_energy_ = true;
 }
 
 void Attempts::update(const Vector& v) {
@@ -99,6 +127,7 @@ void Attempts::update(const Vector& v) {
 
 void Attempts::set_velocity(const Vector& v) {
   v_ = v;
+  if (has_least_energy_) least_energy_->update(v_);
   for (std::size_t k = 0; k < kAutoMethods; ++k) {
     if (loaded_[k] && takes(*own_[k], *problem_)) own_[k]->update(v_);
   }
@@ -128,11 +157,44 @@ bool Attempts::tried(const AutoTry& now, const SolveRequest& request, bool is_la
   return !gave_up(answer.claim, limits, report);
 }
 
+/// Whether the impulses of least energy are an answer: they are where one has no contact that slips.
+bool Attempts::rests(const SolveRequest& request, const AutoLimits& limits, Answer& answer, AutoReport& report) {
+  if (!is_loaded(AutoMethod::kContactLemke) || !(limits.time() > 0) || limits.exhausted(report.counters()))
+    return false;
+  if (!has_least_energy_) load_least_energy();
+  Counters work{.pivots = limits.max_pivots > 0 ? limits.pivots(report.counters()) : 0};
+  const bool found = least_energy_->solve(request.start != nullptr, kShareOfTime * limits.time(), work.pivots);
+  report.add(work, "");
+  if (!found) return false;
+  auto& judge = static_cast<ContactLemke&>(own(AutoMethod::kContactLemke));
+  const contact_lemke::Residual residual = judge.complete(least_energy_->z().data());
+  if (!(residual.velocity <= kLargestRestResidual && residual.certain <= kClaimedResidual)) return false;
+  answer.clear();
+  answer.claim = Claim::kSolved;
+  answer.z = least_energy_->z().view();
+  answered_ = &judge;
+  answered_by_ = AutoMethod::kContactLemke;
+  ++report.least_energy;
+  return true;
+}
+
+/// Whether looking for rest may be worth its cost, which is a small part of what contact_lemke's pivots took.
+bool Attempts::may_have_missed_rest(const Answer& answer) const {
+  if (plan_.rest != AutoPlan::Rest::kAfter || answered_by_ != AutoMethod::kContactLemke) return false;
+  const ContactProblem& contact = *problem_->contact();
+  const std::int64_t worth = std::max(contact.ngc(), cols(contact.D) / 3);
+  return answer.claim == Claim::kSolved && answer.counters.pivots >= worth && slips(contact, v_, answer.z);
+}
+
 void Attempts::solve(const SolveRequest& request, const AutoLimits& limits, Answer& answer, AutoReport& report) {
+  if (plan_.rest == AutoPlan::Rest::kFirst && rests(request, limits, answer, report)) return;
   SolveRequest now_request = request;
   for (const AutoTry& next : plan_) {
     if (is_left_out(next)) continue;
-    if (tried(next, now_request, &next + 1 == plan_.end(), limits, answer, report)) return;
+    if (tried(next, now_request, &next + 1 == plan_.end(), limits, answer, report)) {
+      if (may_have_missed_rest(answer)) rests({}, limits, answer, report);
+      return;
+    }
     now_request.start = nullptr;  // it may have been what misled the method
   }
 }

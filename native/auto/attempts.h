@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "core/problem.h"
+#include "native/auto/least_energy.h"
 #include "native/auto/methods.h"
 #include "native/auto/plan.h"
 #include "native/auto/settings.h"
@@ -65,8 +66,11 @@ class Attempts {
   void reserve_what_follows();
   bool is_left_out(const AutoTry& now) const;
   Solver& ready(AutoMethod method);
+  bool may_have_missed_rest(const Answer& answer) const;
   bool tried(const AutoTry& now, const SolveRequest& request, bool is_last, const AutoLimits& limits, Answer& answer,
              AutoReport& report);
+  void load_least_energy();
+  bool rests(const SolveRequest& request, const AutoLimits& limits, Answer& answer, AutoReport& report);
 
   const AutoSettings& settings_;
   SharedMethods& shared_;
@@ -75,6 +79,8 @@ class Attempts {
   AutoPlan plan_;
   std::array<std::unique_ptr<Solver>, kAutoMethods> own_;
   std::array<bool, kAutoMethods> loaded_{};  ///< whether the own solver holds the problem
+  std::unique_ptr<LeastEnergy> least_energy_;
+  bool has_least_energy_ = false;  ///< it holds the problem
   bool is_put_off_ = false;
   Solver* answered_ = nullptr;  ///< what gave the last answer
   AutoMethod answered_by_ = AutoMethod::kActiveSet;

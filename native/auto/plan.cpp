@@ -20,12 +20,17 @@ constexpr Index kLarge = 800;
 /// From this on psor takes less time than the rungs of contact_lemke beyond double.
 constexpr Index kHuge = 8000;
 
+/// Slip ratio up to which friction holds most islands, and above which it holds hardly any. Contacts of a grip press
+/// more than they approach.
+constexpr double kLittleSlip = 0.5;
+constexpr double kMostSlip = 16;
+
 /// ngc (ngc + nc) of a problem up to which memory is taken in advance: half a gigabyte of addresses.
 constexpr Index kMostEntries = 1'000'000;
 
-/// Whether friction may hold every contact: the fastest slip is no faster than the largest mu times the fastest
-/// approach.
-bool may_stick(const ContactProblem& contact, const Vector& v) {
+/// The fastest slip, over the largest mu times the fastest approach: friction may hold every contact where that is at
+/// most 1.
+double slip_ratio(const ContactProblem& contact, const Vector& v) {
   double approach = 0;
   double slip = 0;
   double mu = 0;
@@ -37,7 +42,13 @@ bool may_stick(const ContactProblem& contact, const Vector& v) {
     for (Index t = 0; t < edges / 2; ++t) slip = std::max(slip, std::abs(dot_column(contact.D, direction + t, v)));
     direction += edges;
   }
-  return slip <= mu * approach;
+  return slip == 0 ? 0 : slip / (mu * approach);
+}
+
+AutoPlan::Rest seek(const ContactProblem& contact, const Vector& v) {
+  const double ratio = slip_ratio(contact, v);
+  if (ratio <= kLittleSlip) return AutoPlan::Rest::kFirst;
+  return ratio <= kMostSlip ? AutoPlan::Rest::kAfter : AutoPlan::Rest::kNotSought;
 }
 
 bool may_be_singular(const ContactProblem& contact) {
@@ -63,6 +74,8 @@ AutoPlan frictional_plan(const ContactProblem& contact, const Vector& v) {
   AutoPlan plan;
   const Index size = contact.nc() * contact.ngc();
   const bool is_scene = std::holds_alternative<BlockInertia>(contact.inertia);
+  if (size < kLarge && (is_scene || std::holds_alternative<DenseInertia>(contact.inertia)))
+    plan.rest = seek(contact, v);
   if (size < kLarge && may_be_singular(contact)) {  // only contact_lemke tells what has a solution from what has none
     plan.add(kContactLemke);
   } else if (size < (is_scene ? kSmall : kLarge)) {
@@ -75,7 +88,7 @@ AutoPlan frictional_plan(const ContactProblem& contact, const Vector& v) {
     plan.add(kContactLemke);
     plan.add(kPsor);
   } else {
-    const bool sticks = may_stick(contact, v);
+    const bool sticks = slip_ratio(contact, v) <= 1;
     if (sticks) plan.add(kFrictionIpm, true);
     plan.add(kContactLemke, true);
     if (is_scene || sticks) plan.add(kFrictionIpm);

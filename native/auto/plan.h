@@ -12,6 +12,10 @@ namespace lcpbench {
 /// The tries at an island, in their order.
 class AutoPlan {
  public:
+  /// When the impulses of least energy are tried: before all, or after an answer of contact_lemke that slips.
+  enum class Rest { kNotSought, kAfter, kFirst };
+  Rest rest = Rest::kNotSought;
+
   void add(AutoMethod method, bool brief = false) { tries_[size_++] = {.method = method, .brief = brief}; }
   const AutoTry* begin() const { return tries_.data(); }
   const AutoTry* end() const { return tries_.data() + size_; }

@@ -62,13 +62,15 @@ void AutoReport::write_text(std::string& text) const {
   }
   const char* separator = plain ? "" : "; ";
   bool any = false;
-  for (std::size_t k = 0; k < kAutoMethods; ++k) {
-    if (runs_[k] == 0) continue;
-    line << separator << kMethods[k];
-    if (!plain) line << " " << runs_[k];
+  const auto name = [&](std::string_view method, Index runs) {
+    if (runs == 0) return;
+    line << separator << method;
+    if (!plain) line << " " << runs;
     separator = ", ";
     any = true;
-  }
+  };
+  name("least_energy", least_energy);
+  for (std::size_t k = 0; k < kAutoMethods; ++k) name(kMethods[k], runs_[k]);
   if (any) {
     line << (plain ? ", " : "; ") << kRungs[static_cast<std::size_t>(rung_)];
   }

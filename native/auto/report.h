@@ -21,6 +21,7 @@ class AutoReport {
   Index contacts = 0;
   Index left_out = 0;  ///< contacts that no solver saw
   Index brought_back = 0;
+  Index least_energy = 0;  ///< islands that the impulses of least energy solve
 
   /// Counts a run of a method.
   void count(AutoMethod method) { ++runs_[static_cast<std::size_t>(method)]; }

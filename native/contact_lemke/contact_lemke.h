@@ -133,6 +133,10 @@ class ContactLemke final : public Solver {
   /// Limits the number of rungs; 0: no limit. The warm rung and rungs whose path cycles are not counted.
   void limit_rungs(std::int64_t max_rungs) { max_rungs_ = max_rungs; }
 
+  /// Sets the lambdas of z (n) to the least that its impulses allow. @returns its residual for the loaded problem at
+  /// the velocity now, in double, relative to max|q|
+  contact_lemke::Residual complete(double* z) { return double_.complete(z); }
+
   /// velocity := v + G* [N D] z, for z (n) and velocity (ngc) of the loaded problem, in the highest precision that its
   /// solves came to. O(ngc^2)
   void respond(const Vector& z, Vector& velocity);

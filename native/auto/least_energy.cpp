@@ -1,0 +1,137 @@
+#include "native/auto/least_energy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <variant>
+
+#include "core/isa.h"
+#include "core/timed_solve.h"
+#include "native/active_set/active_set.h"
+#include "native/contacts/dense_data.h"
+
+namespace lcpbench {
+namespace {
+
+using active_set::Ending;
+
+/// Of the engine's own test of the projection, relative to max|q|.
+constexpr double kLargestResidual = 1e-8;
+
+/// Changes of the active set; most take one for each coordinate.
+constexpr Index kStepsPerUnknown = 4;
+
+/// Edges of a contact's pyramid: one where it has no friction.
+Index edges_of(const ContactProblem& contact, Index c) {
+  return contact.mu(c) > 0 ? std::max(contact.edges[static_cast<std::size_t>(c)], 1) : 1;
+}
+
+Index edges_of_all(const ContactProblem& contact) {
+  Index sum = 0;
+  for (Index c = 0; c < contact.nc(); ++c) sum += edges_of(contact, c);
+  return sum;
+}
+
+}  // namespace
+
+LeastEnergy::LeastEnergy() : engine_(active_set_engine(isa_level())), state_(engine_.create()) {}
+
+LeastEnergy::~LeastEnergy() { engine_.destroy(state_); }
+
+void LeastEnergy::reserve(const ContactProblem& contact) {
+  active_set::Input input;
+  input.ngc = contact.ngc();
+  input.nc = edges_of_all(contact);
+  engine_.reserve(state_, input);
+  columns_.reserve(input.ngc * input.nc);
+  if (std::holds_alternative<BlockInertia>(contact.inertia)) inertia_.reserve(input.ngc * input.ngc);
+  if (std::holds_alternative<SparseMatrix>(contact.N)) dense_normals_.reserve(input.ngc * contact.nc());
+  if (std::holds_alternative<SparseMatrix>(contact.D)) dense_directions_.reserve(input.ngc * cols(contact.D));
+  for (GrowingVector* of_edges : {&offsets_, &multipliers_, &farkas_}) of_edges->reserve(input.nc);
+  velocity_.reserve(input.ngc);
+  z_.reserve(lcp_size(contact));
+}
+
+void LeastEnergy::load(const ContactProblem& contact, const Vector& v) {
+  contact_ = &contact;
+  has_last_ = false;
+  active_set::Input input;
+  input.ngc = contact.ngc();
+  input.nc = edges_of_all(contact);
+  columns_.resize(input.ngc * input.nc);
+  offsets_.resize(input.nc);
+  take_columns();
+  input.v = v.data();
+  input.N = columns_.data();
+  if (contact.has_offset()) input.b = offsets_.data();
+  if (const auto* dense = std::get_if<DenseInertia>(&contact.inertia)) {
+    input.matrix = dense->G.data();
+  } else {
+    copy_dense(std::get<BlockInertia>(contact.inertia), input.ngc, inertia_);
+    input.matrix = inertia_.data();
+  }
+  engine_.load(state_, input);
+  multipliers_.resize(input.nc);
+  farkas_.resize(input.nc);
+  velocity_.resize(input.ngc);
+  z_.resize(lcp_size(contact));
+}
+
+/// The edges of the pyramids N_i + mu_i d, and the offset of the contact of each.
+void LeastEnergy::take_columns() {
+  const Index ngc = contact_->ngc();
+  const Eigen::Map<const Matrix> N(dense_data(contact_->N, dense_normals_), ngc, contact_->nc());
+  const Eigen::Map<const Matrix> D(dense_data(contact_->D, dense_directions_), ngc, cols(contact_->D));
+  Eigen::Map<Matrix> columns = columns_.as_matrix(ngc, offsets_.size());
+  Index column = 0;
+  Index direction = 0;
+  for (Index c = 0; c < contact_->nc(); ++c) {
+    const double mu = contact_->mu(c);
+    for (Index t = 0; t < edges_of(*contact_, c); ++t, ++column) {
+      columns.col(column) = N.col(c);
+      if (mu > 0) columns.col(column) += mu * D.col(direction + t);
+      offsets_.view()(column) = contact_->offset(c);
+    }
+    direction += contact_->edges[static_cast<std::size_t>(c)];
+  }
+}
+
+bool LeastEnergy::solve(bool warm, double time_limit_s, std::int64_t& steps) {
+  active_set::Rules rules;
+  rules.polish = false;
+  rules.accept_residual = kLargestResidual;
+  rules.max_steps = kStepsPerUnknown * (contact_->ngc() + contact_->nc());
+  if (steps > 0) rules.max_steps = std::min(rules.max_steps, static_cast<std::ptrdiff_t>(steps));
+  rules.time_limit_s = time_limit_s;
+  rules.begin_s = std::isinf(time_limit_s) ? 0 : wall_clock_s();
+  rules.clock_s = wall_clock_s;
+  if (warm && has_last_) rules.start = multipliers_.data();
+  const active_set::Outcome outcome =
+      engine_.solve(state_, rules, multipliers_.data(), velocity_.data(), farkas_.data());
+  steps = outcome.steps;
+  has_last_ = outcome.ending == Ending::kSolved;
+  if (has_last_) take_impulses();
+  return has_last_;
+}
+
+/// f_N is the sum of the multipliers of the contact's edges, f_D mu times each, less what opposite edges have in
+/// common.
+void LeastEnergy::take_impulses() {
+  Eigen::Map<Vector> z = z_.view();
+  z.setZero();
+  Index column = 0;
+  Index direction = contact_->nc();
+  for (Index c = 0; c < contact_->nc(); ++c) {
+    const Index edges = edges_of(*contact_, c);
+    const auto multipliers = multipliers_.view().segment(column, edges);
+    z(c) = multipliers.sum();
+    for (Index t = 0; t < edges / 2; ++t) {
+      const double along = contact_->mu(c) * (multipliers(t) - multipliers(t + edges / 2));
+      z(direction + t) = std::max(along, 0.0);
+      z(direction + t + edges / 2) = std::max(-along, 0.0);
+    }
+    column += edges;
+    direction += contact_->edges[static_cast<std::size_t>(c)];
+  }
+}
+
+}  // namespace lcpbench

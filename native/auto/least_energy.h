@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/contact_problem.h"
+#include "native/active_set/active_set_engine.h"
+#include "native/contacts/growing_vector.h"
+
+namespace lcpbench {
+
+/// The impulses inside the friction pyramids that leave the least kinetic energy; with an offset b, the least sum of
+/// that energy and b'f_N.
+///
+/// That is the projection of v onto {u : (N_i + mu_i d)'u + b_i >= 0} for every contact i and direction d of its
+/// friction, in the metric of the inertia: the problem of active_set, with the edges of the pyramids for normals. A
+/// solution of the contact problem in which no contact slips is this projection, so that all such solutions have one
+/// velocity. Where the projection slips it may solve the contact problem or not. [Anitescu 2006]
+class LeastEnergy {
+ public:
+  LeastEnergy();
+  ~LeastEnergy();
+  LeastEnergy(const LeastEnergy&) = delete;
+  LeastEnergy& operator=(const LeastEnergy&) = delete;
+
+  /// Takes all memory that load() and solve() need for this problem, and touches hardly any of it.
+  void reserve(const ContactProblem& contact);
+
+  /// In double: O(ngc^3 / 6 + edges ngc^2 / 2). Allocates nothing for a problem that was reserved.
+  /// @pre the inertia is given as G @param contact must outlive the next load @param v velocity before the impact
+  void load(const ContactProblem& contact, const Vector& v);
+  void update(const Vector& v) { engine_.update(state_, v.data()); }
+
+  /// Allocates nothing. O(ngc edges) for each change of the active set
+  /// @param warm from the active set of the last solve since load(), if there is one
+  /// @param steps in: most changes of the active set, 0: no limit but its own; out: how many there were
+  /// @returns whether z() is the minimum
+  bool solve(bool warm, double time_limit_s, std::int64_t& steps);
+
+  /// The impulses, as long as z of the problem. The lambdas are zero.
+  GrowingVector& z() { return z_; }
+
+ private:
+  void take_columns();
+  void take_impulses();
+
+  const active_set::Engine& engine_;
+  void* state_;
+  const ContactProblem* contact_ = nullptr;
+  bool has_last_ = false;  ///< multipliers_ are of a solve since load()
+  GrowingVector columns_, offsets_, inertia_, dense_normals_, dense_directions_;
+  GrowingVector multipliers_, velocity_, farkas_, z_;
+};
+
+}  // namespace lcpbench

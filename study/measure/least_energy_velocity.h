@@ -1,0 +1,53 @@
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "core/problem.h"
+#include "core/registry.h"
+
+namespace lcpbench::testing {
+
+/// The fastest velocity at any contact, along its normal or its friction directions.
+inline double fastest_at_contacts(const ContactProblem& contact, const Vector& u) {
+  const Matrix N = to_dense(contact.N);
+  const Matrix D = to_dense(contact.D);
+  const double normal = N.size() > 0 ? (N.transpose() * u).lpNorm<Eigen::Infinity>() : 0;
+  return D.size() > 0 ? std::max(normal, (D.transpose() * u).lpNorm<Eigen::Infinity>()) : normal;
+}
+
+/// The velocity that the impulses inside the friction pyramids with the least kinetic energy leave, by active_set on
+/// contacts without friction whose normals are the edges of the pyramids. Where rest is a solution, it is at rest.
+/// Empty where active_set fails.
+inline Vector least_energy_velocity(const ContactProblem& contact) {
+  const Matrix N = to_dense(contact.N);
+  const Matrix D = to_dense(contact.D);
+  std::vector<Vector> edges;
+  std::vector<double> offsets;
+  Index direction = 0;
+  for (Index c = 0; c < contact.nc(); ++c) {
+    const int directions = contact.edges[static_cast<std::size_t>(c)];
+    if (directions == 0) edges.push_back(N.col(c));
+    for (int t = 0; t < directions; ++t) edges.push_back(N.col(c) + contact.mu(c) * D.col(direction + t));
+    offsets.resize(edges.size(), contact.offset(c));
+    direction += directions;
+  }
+  const auto count = static_cast<Index>(edges.size());
+  Matrix normals(contact.ngc(), count);
+  for (Index j = 0; j < count; ++j) normals.col(j) = edges[static_cast<std::size_t>(j)];
+  ContactProblem convex;
+  convex.v = contact.v;
+  convex.inertia = contact.inertia;
+  convex.N = normals;
+  convex.D = Matrix(contact.ngc(), 0);
+  convex.edges.assign(edges.size(), 0);
+  convex.mu = Vector::Zero(count);
+  if (contact.has_offset()) convex.b = Eigen::Map<const Vector>(offsets.data(), count);
+  const auto solver = make_solver(parse_spec("active_set"));
+  Answer answer;
+  solver->load(Problem("least energy", convex));
+  solver->solve({.time_limit_s = 10}, answer);
+  return answer.claim == Claim::kSolved ? Vector(answer.velocity) : Vector();
+}
+
+}  // namespace lcpbench::testing
