@@ -26,6 +26,16 @@ Solver& SharedMethods::of(AutoMethod method) {
   return *solver;
 }
 
+Solver& SharedMethods::holding(AutoMethod method, const Problem& problem, const Vector& v) {
+  Solver& solver = of(method);
+  bool& holds = holds_[static_cast<std::size_t>(method)];
+  if (holds) return solver;
+  solver.load(problem);
+  holds = true;
+  if (v != problem.contact()->v && takes(solver, problem)) solver.update(v);
+  return solver;
+}
+
 void SharedMethods::reserve(AutoMethod method, const Problem& problem) {
   if (method == AutoMethod::kActiveSet) {
     static_cast<ActiveSet&>(of(method)).reserve(problem);
@@ -106,12 +116,8 @@ void Attempts::set_velocity(const Vector& v) {
 
 /// A solver of this method that holds the problem.
 Solver& Attempts::ready(AutoMethod method) {
-  if (!is_loaded(method) && is_dense(method) && fits_in_advance(method, *problem_)) {
-    Solver& solver = shared_.of(method);
-    solver.load(*problem_);
-    if (takes(solver, *problem_)) solver.update(v_);
-    return solver;
-  }
+  const bool is_shared = !is_loaded(method) && is_dense(method) && fits_in_advance(method, *problem_);
+  if (is_shared) return shared_.holding(method, *problem_, v_);
   if (!is_loaded(method)) load_own(method);
   return own(method);
 }
@@ -129,6 +135,7 @@ bool Attempts::tried(const AutoTry& now, const SolveRequest& request, bool is_la
 }
 
 void Attempts::solve(const SolveRequest& request, const AutoLimits& limits, Answer& answer, AutoReport& report) {
+  shared_.begin_solve();
   SolveRequest now_request = request;
   for (const AutoTry& next : plan_) {
     if (is_left_out(next)) continue;

@@ -17,6 +17,10 @@ class SharedMethods {
   SharedMethods();
 
   Solver& of(AutoMethod method);
+  /// Forgets what the solvers hold: another problem is to be solved.
+  void begin_solve() { holds_.fill(false); }
+  /// The same solver, with this problem at this velocity. Loads it where that was not done since begin_solve().
+  Solver& holding(AutoMethod method, const Problem& problem, const Vector& v);
   /// Takes the memory for load() of a dense method. @pre fits_in_advance(method, problem)
   void reserve(AutoMethod method, const Problem& problem);
   /// What the rungs of contact_lemke beyond double run on, for all islands: they take turns.
@@ -25,12 +29,14 @@ class SharedMethods {
  private:
   std::shared_ptr<LaterEngines> later_;
   std::array<std::unique_ptr<Solver>, kAutoMethods> solvers_;
+  std::array<bool, kAutoMethods> holds_{};
 };
 
 /// A contact problem with its plan: tries one method after the other until one does not give up.
 ///
 /// The first method is loaded by load(), or in turn with other islands in solve(). Dense ones that follow are loaded in
-/// solve(), with memory that was taken before; any other that follows is loaded in the first solve() that needs it, which allocates.
+/// solve(), with memory that was taken before; any other that follows is loaded in the first solve() that needs it,
+/// which allocates.
 class Attempts {
  public:
   Attempts(const AutoSettings& settings, SharedMethods& shared) : settings_(settings), shared_(shared) {}
