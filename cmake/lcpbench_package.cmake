@@ -1,5 +1,5 @@
 # The native solvers as a package for simulators: one header <lcpbench/lcpbench.h>, one static library, one CMake target
-# lcpbench::native. Eigen and the standard library only. Installed by `cmake --install BUILD`.
+# lcpbench::native. Eigen and the standard library only, with its threads. Installed by `cmake --install BUILD`.
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
@@ -27,7 +27,7 @@ add_library(lcpbench::native ALIAS lcpbench_package)
 target_include_directories(lcpbench_package
   PRIVATE ${PROJECT_SOURCE_DIR}
   INTERFACE $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-target_link_libraries(lcpbench_package PUBLIC Eigen3::Eigen)
+target_link_libraries(lcpbench_package PUBLIC Eigen3::Eigen Threads::Threads)
 target_compile_features(lcpbench_package INTERFACE cxx_std_20)
 set_target_properties(lcpbench_package PROPERTIES EXPORT_NAME native OUTPUT_NAME lcpbench)
 

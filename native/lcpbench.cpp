@@ -67,7 +67,7 @@ struct ContactSolver::State {
   Answer answer;
   Vector start;  ///< impulses of the last solve
   bool has_start = false;
-  Vector impulse, velocity;  ///< ngc
+  Vector impulse, velocity;   ///< ngc
   bool has_velocity = false;  ///< `velocity` is that of the answer
 
   void load(Problem next);

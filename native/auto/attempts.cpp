@@ -43,6 +43,16 @@ Solver& SharedMethods::of(AutoMethod method) {
   return *solver;
 }
 
+Solver& SharedMethods::holding(AutoMethod method, const Problem& problem, const Vector& v) {
+  Solver& solver = of(method);
+  bool& holds = holds_[static_cast<std::size_t>(method)];
+  if (holds) return solver;
+  solver.load(problem);
+  holds = true;
+  if (v != problem.contact()->v && takes(solver, problem)) solver.update(v);
+  return solver;
+}
+
 void SharedMethods::reserve(AutoMethod method, const Problem& problem) {
   if (method == AutoMethod::kActiveSet) {
     static_cast<ActiveSet&>(of(method)).reserve(problem);
@@ -59,7 +69,8 @@ void Attempts::load(const Problem& problem, const Vector& v, bool in_turn) {
   is_put_off_ = false;
   plan_ = plan_for(settings_, problem, v);
   const AutoMethod first = plan_.front().method;
-  if (!(in_turn && is_dense(first) && fits_in_advance(first, problem))) load_own(first);
+  takes_turns_ = in_turn && is_dense(first) && fits_in_advance(first, problem);
+  if (!takes_turns_) load_own(first);
   reserve_what_follows();
 }
 
@@ -70,6 +81,7 @@ bool Attempts::load_when_needed(const Problem& problem, const Vector& v) {
   has_least_energy_ = false;
   plan_ = plan_for(settings_, problem, v);
   is_put_off_ = true;
+  takes_turns_ = false;
   bool can_wait = false;
   for (const AutoTry& next : plan_) {
     if (is_left_out(next)) continue;
@@ -105,18 +117,21 @@ void Attempts::reserve_what_follows() {
     }
   }
   if (plan_.rest == AutoPlan::Rest::kNotSought || has_least_energy_) return;
-  if (least_energy_ == nullptr) least_energy_ = std::make_unique<LeastEnergy>();
-  least_energy_->reserve(*problem_->contact());
-  if (plan_.rest == AutoPlan::Rest::kFirst) load_least_energy();
+  if (!takes_turns_ && least_energy_ == nullptr) least_energy_ = std::make_unique<LeastEnergy>();
+  least_energy().reserve(*problem_->contact());
+  if (plan_.rest == AutoPlan::Rest::kFirst && !takes_turns_) load_least_energy();
 }
 
+LeastEnergy& Attempts::least_energy() { return takes_turns_ ? shared_.least_energy() : *least_energy_; }
+
 void Attempts::load_least_energy() {
-  least_energy_->load(*problem_->contact(), v_);
-  has_least_energy_ = true;
+  least_energy().load(*problem_->contact(), v_);
+  has_least_energy_ = !takes_turns_;
 }
 
 void Attempts::update(const Vector& v) {
   is_put_off_ = false;
+  takes_turns_ = false;
   v_ = v;
   plan_ = plan_for(settings_, *problem_, v);
   set_velocity(v);
@@ -135,12 +150,8 @@ void Attempts::set_velocity(const Vector& v) {
 
 /// A solver of this method that holds the problem.
 Solver& Attempts::ready(AutoMethod method) {
-  if (!is_loaded(method) && is_dense(method) && fits_in_advance(method, *problem_)) {
-    Solver& solver = shared_.of(method);
-    solver.load(*problem_);
-    if (takes(solver, *problem_)) solver.update(v_);
-    return solver;
-  }
+  const bool is_shared = !is_loaded(method) && is_dense(method) && fits_in_advance(method, *problem_);
+  if (is_shared) return shared_.holding(method, *problem_, v_);
   if (!is_loaded(method)) load_own(method);
   return own(method);
 }
@@ -159,19 +170,19 @@ bool Attempts::tried(const AutoTry& now, const SolveRequest& request, bool is_la
 
 /// Whether the impulses of least energy are an answer: they are where one has no contact that slips.
 bool Attempts::rests(const SolveRequest& request, const AutoLimits& limits, Answer& answer, AutoReport& report) {
-  if (!is_loaded(AutoMethod::kContactLemke) || !(limits.time() > 0) || limits.exhausted(report.counters()))
-    return false;
+  if (!(takes_turns_ || is_loaded(AutoMethod::kContactLemke))) return false;
+  if (!(limits.time() > 0) || limits.exhausted(report.counters())) return false;
   if (!has_least_energy_) load_least_energy();
   Counters work{.pivots = limits.max_pivots > 0 ? limits.pivots(report.counters()) : 0};
-  const bool found = least_energy_->solve(request.start != nullptr, kShareOfTime * limits.time(), work.pivots);
+  const bool found = least_energy().solve(request.start != nullptr, kShareOfTime * limits.time(), work.pivots);
   report.add(work, "");
   if (!found) return false;
-  auto& judge = static_cast<ContactLemke&>(own(AutoMethod::kContactLemke));
-  const contact_lemke::Residual residual = judge.complete(least_energy_->z().data());
+  auto& judge = static_cast<ContactLemke&>(ready(AutoMethod::kContactLemke));
+  const contact_lemke::Residual residual = judge.complete(least_energy().z().data());
   if (!(residual.velocity <= kLargestRestResidual && residual.certain <= kClaimedResidual)) return false;
   answer.clear();
   answer.claim = Claim::kSolved;
-  answer.z = least_energy_->z().view();
+  answer.z = least_energy().z().view();
   answered_ = &judge;
   answered_by_ = AutoMethod::kContactLemke;
   ++report.least_energy;
@@ -187,6 +198,7 @@ bool Attempts::may_have_missed_rest(const Answer& answer) const {
 }
 
 void Attempts::solve(const SolveRequest& request, const AutoLimits& limits, Answer& answer, AutoReport& report) {
+  shared_.begin_solve();
   if (plan_.rest == AutoPlan::Rest::kFirst && rests(request, limits, answer, report)) return;
   SolveRequest now_request = request;
   for (const AutoTry& next : plan_) {

@@ -18,20 +18,28 @@ class SharedMethods {
   SharedMethods();
 
   Solver& of(AutoMethod method);
+  /// Forgets what the solvers hold: another problem is to be solved.
+  void begin_solve() { holds_.fill(false); }
+  /// The same solver, with this problem at this velocity. Loads it where that was not done since begin_solve().
+  Solver& holding(AutoMethod method, const Problem& problem, const Vector& v);
   /// Takes the memory for load() of a dense method. @pre fits_in_advance(method, problem)
   void reserve(AutoMethod method, const Problem& problem);
   /// What the rungs of contact_lemke beyond double run on, for all islands: they take turns.
   const std::shared_ptr<LaterEngines>& later_engines() const { return later_; }
+  LeastEnergy& least_energy() { return least_energy_; }
 
  private:
   std::shared_ptr<LaterEngines> later_;
   std::array<std::unique_ptr<Solver>, kAutoMethods> solvers_;
+  std::array<bool, kAutoMethods> holds_{};
+  LeastEnergy least_energy_;
 };
 
 /// A contact problem with its plan: tries one method after the other until one does not give up.
 ///
 /// The first method is loaded by load(), or in turn with other islands in solve(). Dense ones that follow are loaded in
-/// solve(), with memory that was taken before; any other that follows is loaded in the first solve() that needs it, which allocates.
+/// solve(), with memory that was taken before; any other that follows is loaded in the first solve() that needs it,
+/// which allocates.
 class Attempts {
  public:
   Attempts(const AutoSettings& settings, SharedMethods& shared) : settings_(settings), shared_(shared) {}
@@ -69,6 +77,7 @@ class Attempts {
   bool may_have_missed_rest(const Answer& answer) const;
   bool tried(const AutoTry& now, const SolveRequest& request, bool is_last, const AutoLimits& limits, Answer& answer,
              AutoReport& report);
+  LeastEnergy& least_energy();
   void load_least_energy();
   bool rests(const SolveRequest& request, const AutoLimits& limits, Answer& answer, AutoReport& report);
 
@@ -80,7 +89,8 @@ class Attempts {
   std::array<std::unique_ptr<Solver>, kAutoMethods> own_;
   std::array<bool, kAutoMethods> loaded_{};  ///< whether the own solver holds the problem
   std::unique_ptr<LeastEnergy> least_energy_;
-  bool has_least_energy_ = false;  ///< it holds the problem
+  bool has_least_energy_ = false;  ///< least_energy_ holds the problem
+  bool takes_turns_ = false;       ///< the shared solvers stand for the own ones
   bool is_put_off_ = false;
   Solver* answered_ = nullptr;  ///< what gave the last answer
   AutoMethod answered_by_ = AutoMethod::kActiveSet;

@@ -1,14 +1,12 @@
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <utility>
 #include <vector>
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
 #include "native/auto/attempts.h"
-#include "native/auto/island_solver.h"
-#include "native/auto/islands.h"
+#include "native/auto/lanes.h"
 #include "native/auto/lcp_ladder.h"
 #include "native/auto/methods.h"
 #include "native/auto/report.h"
@@ -36,8 +34,8 @@ constexpr Capabilities kCapabilities{
 /// was left out, which methods ran and the highest rung. Returns the velocity where all methods gave one.
 /// SolveRequest::start: as the methods use it, the last answer being of use to all.
 ///
-/// solve() allocates only where friction_ipm or psor has to follow a method that gave up: it is loaded then. As that may
-/// happen, `allocation_free` is not promised.
+/// solve() allocates only where friction_ipm or psor has to follow a method that gave up: it is loaded then; and where
+/// it makes threads. As that may happen, `allocation_free` is not promised.
 class Auto final : public Solver {
  public:
   explicit Auto(const AutoSettings& settings) : settings_(settings), lcp_(settings.max_pivots) {}
@@ -52,14 +50,12 @@ class Auto final : public Solver {
   void load_whole(const Problem& problem);
   void load_islands(const ContactProblem& contact);
   void find_falling(const ContactProblem& contact, const std::vector<Island>& islands);
-  IslandSolver& island(std::size_t k) { return *islands_[k]; }
   AutoLimits limits_of(const SolveRequest& request) const;
   void solve_whole(const SolveRequest& request, Answer& answer);
   void solve_islands(const SolveRequest& request, Answer& answer);
-  void give_up(Claim claim, const IslandSolver& island, Answer& answer);
+  void give_up(Claim claim, Answer& answer) const;
   bool whole_rests() const;
   void bound_slips(const ContactLayout& layout, const Vector& u, Vector& z) const;
-  void write_velocity(Answer& answer) const;
 
   AutoSettings settings_;
   LcpLadder lcp_;
@@ -69,18 +65,14 @@ class Auto final : public Solver {
   Attempts whole_{settings_, shared_};
   ContactLayout layout_;  // of that
 
-  std::unique_ptr<ProblemCutter> cutter_;
-  std::vector<std::unique_ptr<IslandSolver>> islands_;  // kept for the next problem
-  std::size_t island_count_ = 0;
-  Index idle_ = 0;             // contacts without any nonzero entry: in no island
-  Index falling_ = -1;         // one of them whose offset is negative: no impulse helps it
-  std::vector<char> carries_;  // per contact: its lambda is in its island's answer
-  Vector u_, v_;
+  IslandLanes islands_{settings_, shared_};
+  Index idle_ = 0;      // contacts without any nonzero entry: in no island
+  Index falling_ = -1;  // one of them whose offset is negative: no impulse helps it
+  Vector v_;
 };
 
 void Auto::on_load(const Problem& problem) {
   is_whole_ = false;
-  island_count_ = 0;
   const ContactProblem* contact = problem.contact();
   if (contact == nullptr) return lcp_.load(problem);
   is_whole_ = is_one_island(*contact);
@@ -97,7 +89,6 @@ bool Auto::is_one_island(const ContactProblem& contact) {
 
 void Auto::load_whole(const Problem& problem) {
   layout_ = contact_layout(*problem.contact());
-  carries_.assign(problem.contact()->edges.size(), 0);
   whole_.load(this->problem(), v_);
 }
 
@@ -113,17 +104,10 @@ void Auto::load_islands(const ContactProblem& contact) {
     std::sort(all.coordinates.begin(), all.coordinates.end());
     found.assign(1, std::move(all));
   }
-  cutter_ = std::make_unique<ProblemCutter>(problem());
-  carries_.assign(contact.edges.size(), 0);
-  u_.resize(v_.size());
-  island_count_ = found.size();
   idle_ = contact.nc();
   for (const Island& part : found) idle_ -= static_cast<Index>(part.contacts.size());
   find_falling(contact, found);
-  while (islands_.size() < island_count_) islands_.push_back(std::make_unique<IslandSolver>(settings_, shared_));
-  for (std::size_t k = 0; k < island_count_; ++k) {
-    island(k).load(*cutter_, std::move(found[k]), v_, carries_, island_count_ > 1);
-  }
+  islands_.load(problem(), std::move(found), v_);
 }
 
 void Auto::find_falling(const ContactProblem& contact, const std::vector<Island>& islands) {
@@ -142,7 +126,7 @@ void Auto::on_update(const Vector& v) {
   if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
   v_ = v;
   if (is_whole_) return whole_.update(v);
-  for (std::size_t k = 0; k < island_count_; ++k) island(k).update(v_);
+  islands_.update(v_);
 }
 
 void Auto::on_solve(const SolveRequest& request, Answer& answer) {
@@ -203,23 +187,20 @@ void Auto::solve_islands(const SolveRequest& request, Answer& answer) {
   const AutoLimits limits = limits_of(request);
   const Vector* start = request.start != nullptr && request.start->size() == answer.z.size() ? request.start : nullptr;
   AutoReport report;
-  report.islands = static_cast<Index>(island_count_);
+  report.islands = static_cast<Index>(islands_.count());
   report.contacts = problem().contact()->nc();
   report.left_out = idle_;
-  u_ = v_;
-  for (std::size_t k = 0; k < island_count_; ++k) {
-    const Claim claim = island(k).solve(start, limits, answer.z, u_, report);
-    answer.counters = report.counters();
-    if (claim != Claim::kSolved) return give_up(claim, island(k), answer);
-  }
+  const Claim claim = islands_.solve(v_, start, limits, answer.z, report);
   answer.counters = report.counters();
+  if (claim != Claim::kSolved) return give_up(claim, answer);
   answer.claim = Claim::kSolved;
-  bound_slips(cutter_->layout(), u_, answer.z);
-  write_velocity(answer);
+  bound_slips(islands_.layout(), islands_.velocity(), answer.z);
+  if (islands_.all_gave_velocity()) answer.velocity = islands_.velocity();
   report.write_text(answer.detail);
 }
 
-void Auto::give_up(Claim claim, const IslandSolver& island, Answer& answer) {
+void Auto::give_up(Claim claim, Answer& answer) const {
+  const IslandSolver& island = islands_.failed();
   answer.claim = claim;
   answer.z.setZero();
   std::string& text = answer.detail;
@@ -240,20 +221,13 @@ void Auto::bound_slips(const ContactLayout& layout, const Vector& u, Vector& z) 
   const ContactProblem& contact = *problem().contact();
   for (Index k = 0; k < layout.cones; ++k) {
     const auto c = static_cast<std::size_t>(layout.cone_contact[static_cast<std::size_t>(k)]);
-    if (carries_[c] != 0) continue;
+    if (!is_whole_ && islands_.carries(c)) continue;
     double slip = 0;
     for (Index t = 0; t < contact.edges[c] / 2 && u.size() > 0; ++t) {  // Eigen asserts on sparse columns of no rows
       slip = std::max(slip, std::abs(dot_column(contact.D, layout.friction_begin[c] + t, u)));
     }
     z(layout.lambda_offset() + k) = slip;
   }
-}
-
-void Auto::write_velocity(Answer& answer) const {
-  for (std::size_t k = 0; k < island_count_; ++k) {
-    if (!islands_[k]->gave_velocity()) return;
-  }
-  answer.velocity = u_;
 }
 
 }  // namespace

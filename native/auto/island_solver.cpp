@@ -20,8 +20,8 @@ constexpr double kApproaching = 1e-9;
 /// Leave contacts out only if they are at least 1/8 of the island: the whole island has to be cut out as well.
 constexpr std::size_t kLeastShare = 8;
 
-/// Coordinates of an island that is so small that loading it again takes no more time than memory of its own.
-constexpr Index kMostInTurn = 64;
+/// Coordinates of a small island.
+constexpr std::size_t kMostInTurn = 64;
 
 /// w of the contact's normal row at u.
 double normal_row(const ContactProblem& problem, Index contact, const Vector& u) {
@@ -44,7 +44,7 @@ double rounding_of_row(const ContactProblem& problem, Index contact, const Vecto
 void IslandSolver::load(ProblemCutter& whole, Island island, const Vector& v, std::vector<char>& carries,
                         bool is_one_of_several) {
   cutter_ = &whole;
-  takes_turns_ = is_one_of_several && static_cast<Index>(island.coordinates.size()) <= kMostInTurn;
+  takes_turns_ = is_one_of_several && may_take_turns(island);
   carries_ = &carries;
   carried_ = nullptr;
   island_ = std::move(island);
@@ -52,6 +52,8 @@ void IslandSolver::load(ProblemCutter& whole, Island island, const Vector& v, st
   is_loaded_ = has_some_ = false;
   update(v);
 }
+
+bool IslandSolver::may_take_turns(const Island& island) { return island.coordinates.size() <= kMostInTurn; }
 
 void IslandSolver::update(const Vector& v) {
   measure_approach(v);

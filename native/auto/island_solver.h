@@ -27,6 +27,9 @@ class IslandSolver {
   /// @param is_one_of_several a small one then takes turns with the others, see Attempts::load
   void load(ProblemCutter& whole, Island island, const Vector& v, std::vector<char>& carries, bool is_one_of_several);
 
+  /// Whether it is so small that loading it again takes no more time than memory of its own.
+  static bool may_take_turns(const Island& island);
+
   /// Another velocity. Loads something only where a contact approaches for the first time since load().
   void update(const Vector& v);
 
@@ -41,6 +44,8 @@ class IslandSolver {
   /// The last solver's answer for the contacts in contacts().
   const Answer& answer() const { return now_->answer(); }
   const std::vector<Index>& contacts() const { return now_->contacts(); }
+  /// Of the island, always.
+  const std::vector<Index>& coordinates() const { return island_.coordinates; }
   /// It gave a velocity of the solver's own, which is in u.
   bool gave_velocity() const { return now_ == nullptr || now_->gave_velocity(); }
 

@@ -51,6 +51,15 @@ void AutoReport::add(const Counters& counters, std::string_view rung) {
   rung_ = std::max(rung_, rung_of(rung));
 }
 
+void AutoReport::add(const AutoReport& further) {
+  at_rest += further.at_rest;
+  left_out += further.left_out;
+  brought_back += further.brought_back;
+  for (std::size_t k = 0; k < kAutoMethods; ++k) runs_[k] += further.runs_[k];
+  add(further.counters_, {});
+  rung_ = std::max(rung_, further.rung_);
+}
+
 void AutoReport::write_text(std::string& text) const {
   Line line;
   const bool plain = islands == 1 && left_out == 0 && brought_back == 0;

@@ -27,6 +27,8 @@ class AutoReport {
   void count(AutoMethod method) { ++runs_[static_cast<std::size_t>(method)]; }
   /// Counts its work and rung in.
   void add(const Counters& counters, std::string_view rung);
+  /// Counts in what another report counted of further islands; its `islands` and `contacts` are not used.
+  void add(const AutoReport& further);
 
   const Counters& counters() const { return counters_; }
 

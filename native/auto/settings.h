@@ -13,6 +13,7 @@ struct AutoSettings {
   std::int64_t sparse_from = 100;
   std::int64_t sparse_friction_from = 1200;
   std::int64_t max_pivots = 0;
+  std::int64_t threads = 1;
 
   void visit(auto&& field) {
     constexpr std::int64_t kMost = std::int64_t{1} << 40;
@@ -26,6 +27,8 @@ struct AutoSettings {
           "unknowns of a frictional island of bodies from which the sparse method is tried before contact_lemke");
     field("max_pivots", max_pivots, IntegerRange{.min = 0, .max = kMost},
           "limit on pivots and changes of active sets over all islands together; 0: those of the methods");
+    field("threads", threads, IntegerRange{.min = 1, .max = 256},
+          "islands solved at a time, each on a thread; the answer is the same for any number");
   }
 };
 

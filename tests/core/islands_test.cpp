@@ -45,7 +45,8 @@ TEST(IslandNumbersTest, BlocksAreJoinedByAllTheirColumns) {
   ContactProblem problem;
   problem.v = Vector::Zero(12);
   problem.N = Matrix::Zero(12, 5);
-  for (const Index c : {0, 1, 2, 3}) std::get<Matrix>(problem.N)(Labels{3, 5, 4, 9}[static_cast<std::size_t>(c)], c) = 1;
+  for (const Index c : {0, 1, 2, 3})
+    std::get<Matrix>(problem.N)(Labels{3, 5, 4, 9}[static_cast<std::size_t>(c)], c) = 1;
   problem.D = Matrix(12, 0);
   problem.edges.assign(5, 0);
   problem.mu = Vector::Zero(5);
