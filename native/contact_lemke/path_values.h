@@ -16,6 +16,8 @@ inline bool Path<Scalar>::compute_values() {
   if (missed > static_cast<Scalar>(kWorthRefining) * value_scale_ && !invert_and_recompute(missed)) return false;
   refine_until_small(missed);
   if (rules_.reinvert || !(missed > lost_residual())) return true;
+  missed = refine();
+  if (!(missed > lost_residual())) return true;
   if (!invert_and_recompute(missed)) return false;
   refine_until_small(missed);
   return true;
