@@ -35,9 +35,10 @@ struct Combination {
   Scalar* out[static_cast<std::size_t>(kSides)];
 };
 
+/// A function of its own: products of a few rows would otherwise begin with saving what tiles of all sizes need.
 template <Count kPacks, class Scalar, Count kSides>
-inline void combine_tile(const Scalar* rows, Count stride, Count count, const Combination<Scalar, kSides>& sides,
-                         Count at) {
+[[gnu::noinline]] void combine_tile(const Scalar* rows, Count stride, Count count, Combination<Scalar, kSides> sides,
+                                    Count at) {
   using P = Packed<Scalar>;
   using Sums = typename P::Pack[static_cast<std::size_t>(kSides)][static_cast<std::size_t>(kPacks)];
   Sums sums;
@@ -81,12 +82,13 @@ template <class Scalar, Count kSides>
 inline void combine(const Scalar* rows, Count stride, Count count, const Combination<Scalar, kSides>& sides,
                     Count length) {
   using P = Packed<Scalar>;
-  const Count padded = P::padded(length);
+  Count packs = P::padded(length) / P::kWidth;
   Count at = 0;
-  for (; at + kTilePacks * P::kWidth <= padded; at += kTilePacks * P::kWidth) {
+  for (; packs > kTilePacks; packs -= kTilePacks, at += kTilePacks * P::kWidth) {
     combine_tile<kTilePacks>(rows, stride, count, sides, at);
   }
-  switch ((padded - at) / P::kWidth) {
+  switch (packs) {
+    case 4: return combine_tile<4>(rows, stride, count, sides, at);
     case 3: return combine_tile<3>(rows, stride, count, sides, at);
     case 2: return combine_tile<2>(rows, stride, count, sides, at);
     case 1: return combine_tile<1>(rows, stride, count, sides, at);
@@ -121,6 +123,27 @@ inline Scalar dot(const Scalar* x, const Scalar* y, Count length) {
   typename P::Pack sum = typename P::Pack{};
   for (Count i = 0; i < length; i += P::kWidth) sum += P::load(x + i) * P::load(y + i);
   return P::sum(sum);
+}
+
+/// Of the pack that begins with entry `first`, those of `count` entries; zeros for what comes after them.
+template <class Scalar>
+inline typename Packed<Scalar>::Pack entries_of(typename Packed<Scalar>::Pack pack, Count first, Count count) {
+  using P = Packed<Scalar>;
+  if constexpr (P::kWidth == 1) {
+    return pack;
+  } else {
+    Scalar lanes[static_cast<std::size_t>(P::kWidth)];
+    for (Count lane = 0; lane < P::kWidth; ++lane) lanes[lane] = static_cast<Scalar>(lane);
+    return P::load(lanes) < static_cast<Scalar>(count - first) ? pack : typename P::Pack{};
+  }
+}
+
+/// The larger of |pack| and `largest`, lane by lane; NaN is passed over.
+template <class Scalar>
+inline typename Packed<Scalar>::Pack larger_magnitude(typename Packed<Scalar>::Pack pack,
+                                                      typename Packed<Scalar>::Pack largest) {
+  using P = Packed<Scalar>;
+  return P::max(P::max(pack, -pack), largest);
 }
 
 /// Keeps what is no number from comparing as small: a maximum that has met one stays infinite.

@@ -23,7 +23,7 @@ struct Label {
 template <class Scalar>
 class Kernel {
  public:
-  /// Takes all memory that load() needs; touches none of it.
+  /// Takes all memory; touches none of it.
   void reserve(Count ngc, Count most) {
     ngc_ = ngc;
     padded_ngc_ = P::padded(ngc);
@@ -39,27 +39,12 @@ class Kernel {
     column_label_.resize(most_);
   }
 
-  void load(Count ngc, Count most) {
-    reserve(ngc, most);
-    inverse_.fill(stride_ * stride_, Scalar(0));
-    rows_.fill(ngc_ * stride_, Scalar(0));
-    columns_.fill(most_ * padded_ngc_, Scalar(0));
-    cover_.fill(stride_, Scalar(0));
-    target_.fill(stride_, Scalar(0));
-    norm_.fill(stride_, Scalar(0));
-    entries_.fill(stride_, Scalar(0));
-  }
-
   void clear() { order_ = 0; }
   /// Order 1: the row and the column at 0 were put; their entry's inverse is given.
   void start(Scalar inverse) {
     order_ = 1;
+    P::store(inverse_.data(), typename P::Pack{});
     inverse_[0] = inverse;
-  }
-  /// Forgets what a breakdown left in the room of further rows and columns, which products pass over as times zero.
-  void wipe() {
-    inverse_.fill(stride_ * stride_, Scalar(0));
-    rows_.fill(ngc_ * stride_, Scalar(0));
   }
   bool full() const { return order_ == most_; }
   Count order() const { return order_; }
@@ -70,6 +55,7 @@ class Kernel {
   const Scalar* norms() const { return norm_.data(); }
   Scalar* column(Count j) { return columns_.data() + j * padded_ngc_; }
   Scalar cover(Count r) const { return cover_[r]; }
+  const Scalar* covers() const { return cover_.data(); }
   void set_cover(Count r, Scalar value) { cover_[r] = value; }
   Scalar target(Count r) const { return target_[r]; }
   void set_target(Count r, Scalar value) { target_[r] = value; }
@@ -96,6 +82,7 @@ class Kernel {
 
   void put_row(Count r, Label label, const Scalar* b, Scalar cover, Scalar target) {
     row_label_[r] = label;
+    if (begins_pack(r)) clear_pack(rows_.data() + r, ngc_);
     for (Count i = 0; i < ngc_; ++i) rows_[i * stride_ + r] = b[i];
     cover_[r] = cover;
     target_[r] = target;
@@ -165,6 +152,7 @@ class Kernel {
     const Scalar pivot = dot(b, c, padded_ngc_) + dot_entries(rate);
     if (!(magnitude(pivot) > 0)) return false;
     const Scalar reciprocal = Scalar(1) / pivot;
+    if (begins_pack(order_)) clear_pack(inverse_.data() + order_, order_);
     for (Count r = 0; r < order_; ++r) {
       Scalar* const h = inverse_.data() + r * stride_;
       const Scalar factor = dot_entries(h) * reciprocal;
@@ -174,6 +162,7 @@ class Kernel {
     Scalar* const h = inverse_.data() + order_ * stride_;
     for (Count j = 0; j < order_; ++j) h[j] = rate[j] * reciprocal;
     h[order_] = reciprocal;
+    for (Count j = order_ + 1; j < P::padded(order_ + 1); ++j) h[j] = 0;
     return true;
   }
   void grow() { ++order_; }
@@ -261,6 +250,13 @@ class Kernel {
 
  private:
   using P = Packed<Scalar>;
+
+  /// What lies between the last row or column and the end of its pack is multiplied by zero, and must be a number:
+  /// packs are cleared when they come into use.
+  bool begins_pack(Count k) const { return k >= order_ && k % P::kWidth == 0; }
+  void clear_pack(Scalar* first, Count count) {
+    for (Count k = 0; k < count; ++k) P::store(first + k * stride_, typename P::Pack{});
+  }
 
   Count find(const Buffer<Label>& labels, Label label) const {
     for (Count k = 0; k < order_; ++k) {

@@ -47,14 +47,11 @@ class Path {
     reserve(input);
     contacts_.load(input);
     response_.load(input);
-    kernel_.load(contacts_.ngc(), most_rows());
-    ratio_test_.load();
     fill_with_zeros(contacts_.padded_ngc(), u_, du_, entering_response_, column_, row_);
-    fill_with_zeros(kernel_.stride(), x_, dx_, residual_, coefficients_);
+    kernel_.clear();
     friction_.clear(contacts_.nc());
     has_basis_ = false;
     polish_.load(contacts_.ngc());
-    slip_.fill(2 * contacts_.most_padded_half(), Scalar(0));
   }
 
   void set_velocity(const double* v) { contacts_.set_velocity(v); }
@@ -63,7 +60,6 @@ class Path {
     rules_ = rules;
     outcome_ = {};
     outcome_.ending = rules.resume ? resume(z) : follow(z);
-    if (outcome_.ending == contact_lemke::Ending::kBreakdown) kernel_.wipe();
     has_basis_ = outcome_.ending == contact_lemke::Ending::kSolved && !rules_.classic;
     if (has_basis_) copy(basis_velocity_.data(), contacts_.velocity(), contacts_.padded_ngc());
     return outcome_;
@@ -123,8 +119,7 @@ class Path {
       if (!entering.is_velocity && entering.label.is_normal() && !rules_.classic)
         activate_friction(entering.label.contact);
       compute_rates(entering);
-      compute_candidates(entering);
-      const LeavingVariable leaving = choose_leaving();
+      const LeavingVariable leaving = choose_leaving(compute_candidates(entering));
       if (leaving.kind == Kind::kBroken) return Ending::kBreakdown;
       if (leaving.kind == Kind::kNone) return Ending::kRay;
       ++outcome_.pivots;
@@ -300,11 +295,11 @@ class Path {
   void compute_normal_velocities();
   Scalar artificial_value() const { return artificial_ >= 0 ? x_[artificial_] : Scalar(0); }
   Scalar artificial_rate() const { return artificial_ >= 0 ? dx_[artificial_] : Scalar(0); }
-  void compute_candidates(const Entering& entering);
+  Scalar compute_candidates(const Entering& entering);
   void compute_column_candidates();
   void compute_base_values(const Entering& entering);
   Scalar simplex_weight(Label label) const { return label.is_normal() ? contacts_.mu(label.contact) : Scalar(-1); }
-  void compute_contact_candidates(Count contact, Scalar z0, Scalar dz0, const Entering& entering);
+  void compute_contact_candidates(Count contact, const Entering& entering, LeastRatio<Scalar>& least);
   /// Where slip ends, lambda and the slip in the opposite direction reach zero together. As a candidate in larger units
   /// lambda leaves first, so that friction unused stays unused instead of being spent on opposite directions.
   static constexpr double kStickingFirst = 4;
@@ -312,7 +307,8 @@ class Path {
 
   /// Column of z0 where it is no basic variable and has come to its end.
   static constexpr Count kPastEnd = -2;
-  LeavingVariable choose_leaving() const;
+  Scalar least_rate() const;
+  LeavingVariable choose_leaving(Scalar theta) const;
 
   // --- exchanges: path_exchanges.h ---
 

@@ -18,8 +18,7 @@ inline auto Path<Scalar>::resume(double* z) -> Ending {
   if (turn_friction()) begin_where_friction_has_turned();
   const Entering time{false, Label{}};
   compute_rates_of_drift();
-  compute_candidates(time);
-  const LeavingVariable leaving = choose_leaving();
+  const LeavingVariable leaving = choose_leaving(compute_candidates(time));
   if (leaving.kind == Kind::kBroken) return Ending::kBreakdown;
   if (leaving.kind == Kind::kNone || leaving.column == kPastEnd) return finish(z);
   if (outcome_.pivots >= rules_.max_pivots) return Ending::kPivotLimit;

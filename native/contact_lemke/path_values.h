@@ -16,6 +16,8 @@ inline bool Path<Scalar>::compute_values() {
   if (missed > static_cast<Scalar>(kWorthRefining) * value_scale_ && !invert_and_recompute(missed)) return false;
   refine_until_small(missed);
   if (rules_.reinvert || !(missed > lost_residual())) return true;
+  missed = refine();
+  if (!(missed > lost_residual())) return true;
   if (!invert_and_recompute(missed)) return false;
   refine_until_small(missed);
   return true;
@@ -45,11 +47,15 @@ inline void Path<Scalar>::respond_to_values() {
 
 template <class Scalar>
 inline void Path<Scalar>::measure_value_scale() {
-  value_scale_ = speed_scale_;
-  for (Count j = 0; j < kernel_.order(); ++j) {
-    const Scalar value = magnitude(x_[j]) * kernel_.norm(j);
-    if (j != artificial_ && value > value_scale_) value_scale_ = value;
+  const Scalar z0 = artificial_value();
+  if (artificial_ >= 0) x_[artificial_] = 0;
+  Pack largest = P::broadcast(speed_scale_);
+  for (Count j = 0; j < kernel_.order(); j += P::kWidth) {
+    const Pack value = P::load(x_.data() + j) * P::load(kernel_.norms() + j);
+    largest = larger_magnitude<Scalar>(entries_of<Scalar>(value, j, kernel_.order()), largest);
   }
+  value_scale_ = P::max(largest);
+  if (artificial_ >= 0) x_[artificial_] = z0;
 }
 
 template <class Scalar>
@@ -65,12 +71,13 @@ template <class Scalar>
 inline Scalar Path<Scalar>::largest_residual() {
   kernel_.measure(u_.data(), residual_.data());
   const Scalar z0 = artificial_value();
-  Scalar largest = 0;
-  for (Count r = 0; r < kernel_.order(); ++r) {
-    residual_[r] += kernel_.cover(r) * z0;
-    largest = magnitude(residual_[r]) > largest ? magnitude(residual_[r]) : largest;
+  Pack largest = Pack{};
+  for (Count r = 0; r < kernel_.order(); r += P::kWidth) {
+    const Pack missed = P::load(residual_.data() + r) + P::load(kernel_.covers() + r) * z0;
+    P::store(residual_.data() + r, missed);
+    largest = larger_magnitude<Scalar>(entries_of<Scalar>(missed, r, kernel_.order()), largest);
   }
-  return largest;
+  return P::max(largest);
 }
 
 /// One step of iterative refinement from residual_. @returns the largest residual after it.
@@ -163,40 +170,48 @@ inline void Path<Scalar>::compute_normal_velocities() {
   }
 }
 
+/// Values and rates of all candidates. @returns their least ratio
 template <class Scalar>
-inline void Path<Scalar>::compute_candidates(const Entering& entering) {
+inline Scalar Path<Scalar>::compute_candidates(const Entering& entering) {
   compute_normal_velocities<2>();
-  const Scalar z0 = artificial_value();
-  const Scalar dz0 = artificial_rate();
+  compute_base_values(entering);
+  compute_column_candidates();
+  LeastRatio<Scalar> least(least_rate(), static_cast<Scalar>(rules_.tie_tolerance) * value_scale_);
   Scalar* const value = ratio_test_.values();
   Scalar* const rate = ratio_test_.rates();
   const Scalar* const allowed = ratio_test_.allowed();
   const Scalar* const cover_of_normals = covering_.of_normals();
+  const Scalar z0 = artificial_value();
+  const Scalar dz0 = artificial_rate();
   for (Count i = 0; i < contacts_.padded_nc(); i += P::kWidth) {
     const Pack cover = P::load(cover_of_normals + i);
-    P::store(value + i, P::load(value + i) + cover * z0);
-    P::store(rate + i, (P::load(rate + i) + cover * dz0) * P::load(allowed + i));
+    const Pack moved = P::load(value + i) + cover * z0;
+    const Pack falling = (P::load(rate + i) + cover * dz0) * P::load(allowed + i);
+    P::store(value + i, moved);
+    P::store(rate + i, falling);
+    least.offer(moved, falling);
   }
-  compute_column_candidates();
-  compute_base_values(entering);
-  for (Count k = 0; k < friction_.count(); ++k) compute_contact_candidates(friction_.contact(k), z0, dz0, entering);
+  const Count first = ratio_test_.first_column();
+  for (Count j = first; j < first + kernel_.order(); j += P::kWidth) least.offer(P::load(value + j), P::load(rate + j));
+  for (Count k = 0; k < friction_.count(); ++k) compute_contact_candidates(friction_.contact(k), entering, least);
+  return least.value();
 }
 
 template <class Scalar>
 inline void Path<Scalar>::compute_column_candidates() {
   const Count order = kernel_.order();
-  for (Count j = order; j < P::padded(order); ++j) x_[j] = dx_[j] = 0;
   const Scalar* const norms = kernel_.norms();
   Scalar* const values = ratio_test_.values() + ratio_test_.first_column();
   Scalar* const rates = ratio_test_.rates() + ratio_test_.first_column();
-  rate_scale_ = entering_norm_;
-  for (Count j = 0; j < P::padded(order); ++j) {
-    const Scalar value = x_[j] * norms[j];
-    const Scalar rate = dx_[j] * norms[j];
-    values[j] = value;
-    rates[j] = rate;
-    rate_scale_ = magnitude(rate) > rate_scale_ ? magnitude(rate) : rate_scale_;
+  Pack largest = P::broadcast(entering_norm_);
+  for (Count j = 0; j < order; j += P::kWidth) {
+    const Pack norm = P::load(norms + j);
+    const Pack rate = entries_of<Scalar>(P::load(dx_.data() + j) * norm, j, order);
+    P::store(values + j, entries_of<Scalar>(P::load(x_.data() + j) * norm, j, order));
+    P::store(rates + j, rate);
+    largest = larger_magnitude<Scalar>(rate, largest);
   }
+  rate_scale_ = P::max(largest);
 }
 
 /// f_t = mu f_N + cover z0 - (the contact's other friction impulses)
@@ -223,7 +238,8 @@ inline void Path<Scalar>::compute_base_values(const Entering& entering) {
 }
 
 template <class Scalar>
-inline void Path<Scalar>::compute_contact_candidates(Count contact, Scalar z0, Scalar dz0, const Entering& entering) {
+inline void Path<Scalar>::compute_contact_candidates(Count contact, const Entering& entering,
+                                                     LeastRatio<Scalar>& least) {
   const Count half = contacts_.half(contact);
   const Count width = contacts_.padded_half(contact);
   Scalar* const slip = slip_.data();
@@ -236,28 +252,45 @@ inline void Path<Scalar>::compute_contact_candidates(Count contact, Scalar z0, S
   const Count twin = base < half ? base : base - half;
   const Scalar sign = base < half ? Scalar(1) : Scalar(-1);
   const Scalar cover = covering_.of_directions(contact);
+  const Scalar z0 = artificial_value();
+  const Scalar dz0 = artificial_rate();
   // What is added to +-slip, of the first and second half alike: -d_t'u, or the cover where the base is zero.
   const Scalar shift = zero_base ? cover * z0 : -sign * slip[twin];
   const Scalar shift_rate = zero_base ? cover * dz0 : -sign * slip_rate[twin];
 
   const Count first = ratio_test_.first_slot(contact);
-  Scalar* const value = ratio_test_.values() + first;
-  Scalar* const rate = ratio_test_.rates() + first;
+  Scalar* const values = ratio_test_.values() + first;
+  Scalar* const rates = ratio_test_.rates() + first;
   const Scalar* const allowed = ratio_test_.allowed() + first;
+  LeastRatio<Scalar> own = least;  // in registers
+  const auto put = [&](Count at, Pack value, Pack rate) {
+    P::store(values + at, value);
+    P::store(rates + at, rate);
+    own.offer(value, rate);
+  };
   for (Count t = 0; t < width; t += P::kWidth) {
     const Pack s = P::load(slip + t);
     const Pack ds = P::load(slip_rate + t);
-    P::store(value + t, shift + s);
-    P::store(value + width + t, shift - s);
-    P::store(rate + t, (shift_rate + ds) * P::load(allowed + t));
-    P::store(rate + width + t, (shift_rate - ds) * P::load(allowed + width + t));
+    put(t, shift + s, (shift_rate + ds) * P::load(allowed + t));
+    put(width + t, shift - s, (shift_rate - ds) * P::load(allowed + width + t));
   }
   const Scalar preferred = static_cast<Scalar>(kStickingFirst);
-  value[2 * width] = preferred * (shift - (zero_base ? Scalar(0) : cover * z0));
-  rate[2 * width] = preferred * allowed[2 * width] * (shift_rate - (zero_base ? Scalar(0) : cover * dz0));
+  const Scalar zero_value = preferred * (shift - (zero_base ? Scalar(0) : cover * z0));
+  const Scalar zero_rate =
+      preferred * allowed[2 * width] * (shift_rate - (zero_base ? Scalar(0) : cover * dz0));
   const bool watched = friction_.support(contact) > 0 || enters_friction_of(entering, contact);
-  value[2 * width + 1] = base_value_[contact] * impulse_norm_[contact];
-  rate[2 * width + 1] = watched ? base_rate_[contact] * impulse_norm_[contact] : Scalar(0);
+  const Scalar base_value = base_value_[contact] * impulse_norm_[contact];
+  const Scalar base_rate = watched ? base_rate_[contact] * impulse_norm_[contact] : Scalar(0);
+  if constexpr (P::kWidth == 1) {
+    put(2 * width, zero_value, zero_rate);
+    put(2 * width + 1, base_value, base_rate);
+  } else {
+    Pack value = Pack{}, rate = Pack{};
+    value[0] = zero_value, value[1] = base_value;
+    rate[0] = zero_rate, rate[1] = base_rate;
+    put(2 * width, value, rate);
+  }
+  least = own;
 }
 
 template <class Scalar>
@@ -265,16 +298,18 @@ inline bool Path<Scalar>::enters_friction_of(const Entering& entering, Count con
   return !entering.is_velocity && entering.label.contact == contact && !entering.label.is_normal();
 }
 
-/// Harris's test: the least ratio with values moved up by the tie tolerance; of all that are then not above it the
-/// one with the fastest rate leaves, z0 before all.
+/// Rates of fall up to this are none.
 template <class Scalar>
-inline LeavingVariable Path<Scalar>::choose_leaving() const {
-  Scalar least_rate = static_cast<Scalar>(rules_.pivot_tolerance) * rate_scale_;
-  if (static_cast<Scalar>(kSafeNoises) * rate_noise_ > least_rate) {
-    least_rate = static_cast<Scalar>(kSafeNoises) * rate_noise_;
-  }
-  const Scalar slack = static_cast<Scalar>(rules_.tie_tolerance) * value_scale_;
-  Scalar theta = ratio_test_.least_ratio(least_rate, slack);
+inline Scalar Path<Scalar>::least_rate() const {
+  const Scalar rounding = static_cast<Scalar>(rules_.pivot_tolerance) * rate_scale_;
+  const Scalar noise = static_cast<Scalar>(kSafeNoises) * rate_noise_;
+  return noise > rounding ? noise : rounding;
+}
+
+/// Harris's test: the least ratio `theta` with values moved up by the tie tolerance; of all that are then not above it
+/// the one with the fastest rate leaves, z0 before all.
+template <class Scalar>
+inline LeavingVariable Path<Scalar>::choose_leaving(Scalar theta) const {
   if (!(theta >= 0)) return {Kind::kBroken, -1, {}};
   if (!(theta < kInfinity<Scalar>)) return {};
   theta *= static_cast<Scalar>(1 + 8 * kUnitRoundoff<Scalar>);  // the least ratio's own row is to stay among the tied
@@ -283,7 +318,7 @@ inline LeavingVariable Path<Scalar>::choose_leaving() const {
   } else if (dx_[artificial_] < 0 && x_[artificial_] <= theta * -dx_[artificial_]) {
     return {Kind::kColumn, artificial_, Label{}};
   }
-  return ratio_test_.decode(ratio_test_.fastest_of_tied(least_rate, theta));
+  return ratio_test_.decode(ratio_test_.fastest_of_tied(least_rate(), theta));
 }
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

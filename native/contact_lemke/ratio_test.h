@@ -13,6 +13,31 @@ struct LeavingVariable {
   Label label;        ///< kBase: the contact; kVelocity: whose
 };
 
+/// The least ratio of values moved up by `slack` to rates of fall above `least_rate`.
+template <class Scalar>
+class LeastRatio {
+ public:
+  using P = Packed<Scalar>;
+  using Pack = typename P::Pack;
+
+  LeastRatio(Scalar least_rate, Scalar slack)
+      : least_rate_(P::broadcast(least_rate)), slack_(P::broadcast(slack)), least_(P::broadcast(kInfinity<Scalar>)) {}
+
+  void offer(Pack value, Pack rate) {
+    const Pack fall = -rate;
+    const Pack ratio = (P::max(value, Pack{}) + slack_) / fall;
+    least_ = P::min(fall > least_rate_ ? ratio : P::broadcast(kInfinity<Scalar>), least_);
+    poison_ += Scalar(0) * fall + Scalar(0) * value;
+  }
+
+  /// Infinity where there is none, -1 where a value or rate is no number.
+  Scalar value() const { return P::sum(poison_) == 0 ? P::min(least_) : Scalar(-1); }
+
+ private:
+  Pack least_rate_, slack_, least_;
+  Pack poison_ = Pack{};
+};
+
 /// The ratio test over all basic variables: values, rates, and which of them may leave.
 ///
 /// All stand in m/s, velocities as they are, impulses times |c| |N|. Their slots: normal velocities | columns of the
@@ -24,7 +49,7 @@ class RatioTest {
   RatioTest(const Contacts<Scalar>& contacts, const Kernel<Scalar>& kernel, const FrictionState& friction)
       : contacts_(contacts), kernel_(kernel), friction_(friction) {}
 
-  /// Takes all memory; touches hardly any of it. @pre the contacts and the kernel are reserved
+  /// Takes all memory; writes only where slots begin. @pre the contacts and the kernel are reserved
   void reserve() {
     slot_at_.resize(contacts_.nc());
     first_column_ = contacts_.padded_nc();
@@ -36,8 +61,6 @@ class RatioTest {
     Buffer<Scalar>* const by_slot[] = {&value_, &rate_, &allowed_};
     for (Buffer<Scalar>* buffer : by_slot) buffer->resize(slots_);
   }
-
-  void load() { fill_with_zeros(slots_, value_, rate_, allowed_); }
 
   Scalar* values() { return value_.data(); }
   Scalar* rates() { return rate_.data(); }
@@ -72,28 +95,6 @@ class RatioTest {
       const Count first = slot_at_[friction_.contact(k)];
       visit(first, first + slots_of(friction_.contact(k)));
     }
-  }
-
-  /// The least ratio of values moved up by `slack` to rates of fall above `least_rate`. Infinity where there is none,
-  /// -1 where a value or rate is no number.
-  Scalar least_ratio(Scalar least_rate, Scalar slack) const {
-    const Pack infinity = P::broadcast(kInfinity<Scalar>);
-    const Pack zero = Pack{};
-    const Pack one = P::broadcast(Scalar(1));
-    Pack least = infinity;
-    Pack poison = zero;
-    for_each_segment([&](Count first, Count last) {
-      for (Count i = first; i < last; i += P::kWidth) {
-        const Pack fall = -P::load(rate_.data() + i);
-        const Pack value = P::load(value_.data() + i);
-        const auto candidate = fall > least_rate;
-        const Pack ratio = (P::max(value, zero) + slack) / (candidate ? fall : one);
-        least = P::min(candidate ? ratio : infinity, least);
-        poison += Scalar(0) * fall + Scalar(0) * value;
-      }
-    });
-    if (!(P::sum(poison) == 0)) return -1;
-    return lane_min(least);
   }
 
   /// Of all whose ratio is not above `theta`, the slot with the fastest rate; -1 where there is none.
@@ -164,13 +165,6 @@ class RatioTest {
     const Count at = slot_at_[label.contact];
     if (label.direction == 2 * half) return at + 2 * width;
     return label.direction < half ? at + label.direction : at + width + label.direction - half;
-  }
-
-  static Scalar lane_min(Pack pack) {
-    Scalar lanes[static_cast<std::size_t>(P::kWidth)];
-    P::store(lanes, pack);
-    for (Count i = 1; i < P::kWidth; ++i) lanes[0] = lanes[i] < lanes[0] ? lanes[i] : lanes[0];
-    return lanes[0];
   }
 
   const Contacts<Scalar>& contacts_;
