@@ -45,12 +45,6 @@ double slip_ratio(const ContactProblem& contact, const Vector& v) {
   return slip == 0 ? 0 : slip / (mu * approach);
 }
 
-AutoPlan::Rest seek(const ContactProblem& contact, const Vector& v) {
-  const double ratio = slip_ratio(contact, v);
-  if (ratio <= kLittleSlip) return AutoPlan::Rest::kFirst;
-  return ratio <= kMostSlip ? AutoPlan::Rest::kAfter : AutoPlan::Rest::kNotSought;
-}
-
 bool may_be_singular(const ContactProblem& contact) {
   const bool is_regular =
       std::holds_alternative<BlockInertia>(contact.inertia) || std::holds_alternative<DenseInertia>(contact.inertia);
@@ -74,8 +68,12 @@ AutoPlan frictional_plan(const ContactProblem& contact, const Vector& v) {
   AutoPlan plan;
   const Index size = contact.nc() * contact.ngc();
   const bool is_scene = std::holds_alternative<BlockInertia>(contact.inertia);
-  if (size < kLarge && (is_scene || std::holds_alternative<DenseInertia>(contact.inertia)))
-    plan.rest = seek(contact, v);
+  const double ratio = slip_ratio(contact, v);
+  const bool sticks = ratio <= 1;
+  const bool by_ipm = size >= kLarge && sticks;  // whose first convex problem finds it
+  if (ratio <= kMostSlip && !by_ipm && (is_scene || std::holds_alternative<DenseInertia>(contact.inertia))) {
+    plan.rest = ratio <= kLittleSlip ? AutoPlan::Rest::kFirst : AutoPlan::Rest::kAfter;
+  }
   if (size < kLarge && may_be_singular(contact)) {  // only contact_lemke tells what has a solution from what has none
     plan.add(kContactLemke);
   } else if (size < (is_scene ? kSmall : kLarge)) {
@@ -88,7 +86,6 @@ AutoPlan frictional_plan(const ContactProblem& contact, const Vector& v) {
     plan.add(kContactLemke);
     plan.add(kPsor);
   } else {
-    const bool sticks = slip_ratio(contact, v) <= 1;
     if (sticks) plan.add(kFrictionIpm, true);
     plan.add(kContactLemke, true);
     if (is_scene || sticks) plan.add(kFrictionIpm);

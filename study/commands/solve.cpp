@@ -17,6 +17,7 @@
 #include "study/commands/options.h"
 #include "study/commands/problem_files.h"
 #include "study/evaluation/evaluation.h"
+#include "study/evaluation/fastest_contact.h"
 #include "study/output/explanation.h"
 #include "study/output/json_output.h"
 #include "study/output/terminal.h"
@@ -220,6 +221,29 @@ void print_velocity(const Attempt& best, int width) {
   say(stdout, "{}", folded(fmt::format("velocity after the impact ({}):{}\n", best.solver.text(), numbers), width));
 }
 
+/// The verified answer that moves most differently from the first of them, if friction leaves more than one velocity.
+void print_spread(const Problem& problem, const std::vector<Attempt>& attempts, int width) {
+  const Attempt& first = attempts.front();
+  if (first.verdict != Verdict::kSolved || problem.contact() == nullptr) return;
+  const ContactProblem& contact = *problem.contact();
+  FastestContact worst{kMovesDifferently * fastest_contact(contact, contact.v).m_per_s, -1};
+  const Attempt* other = nullptr;
+  for (const Attempt& each : attempts) {
+    const bool comparable = each.verdict == Verdict::kSolved && each.model == first.model &&
+                            each.velocity.size() == contact.ngc() && first.velocity.size() == contact.ngc();
+    if (!comparable) continue;
+    const FastestContact difference = fastest_contact(contact, each.velocity - first.velocity);
+    if (!(difference.m_per_s > worst.m_per_s)) continue;
+    worst = difference;
+    other = &each;
+  }
+  if (other == nullptr) return;
+  say(stdout, "{}",
+      folded(fmt::format("another verified answer moves differently by {:.3g} m/s, at contact {}: {} against {}\n",
+                         worst.m_per_s, worst.contact, other->solver.text(), first.solver.text()),
+             width));
+}
+
 /// One sentence for each reason, with all solvers that it holds for.
 void print_reasons(const std::vector<Attempt>& attempts, int width) {
   std::vector<std::pair<std::string, std::string>> reasons;  // reason, solvers
@@ -297,6 +321,7 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
   say(stdout, "{}", table.text(width));
   print_reasons(attempts, width);
   print_conclusion(attempts, width);
+  print_spread(problem, attempts, width);
   print_velocity(attempts.front(), width);
   say(stdout, "\n");
 }

@@ -1,20 +1,11 @@
 #pragma once
 
-#include <algorithm>
 #include <vector>
 
 #include "core/problem.h"
 #include "core/registry.h"
 
 namespace lcpbench::testing {
-
-/// The fastest velocity at any contact, along its normal or its friction directions.
-inline double fastest_at_contacts(const ContactProblem& contact, const Vector& u) {
-  const Matrix N = to_dense(contact.N);
-  const Matrix D = to_dense(contact.D);
-  const double normal = N.size() > 0 ? (N.transpose() * u).lpNorm<Eigen::Infinity>() : 0;
-  return D.size() > 0 ? std::max(normal, (D.transpose() * u).lpNorm<Eigen::Infinity>()) : normal;
-}
 
 /// The velocity that the impulses inside the friction pyramids with the least kinetic energy leave, by active_set on
 /// contacts without friction whose normals are the edges of the pyramids. Where rest is a solution, it is at rest.

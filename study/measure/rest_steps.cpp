@@ -17,12 +17,12 @@
 #include "core/timed_solve.h"
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
+#include "study/evaluation/fastest_contact.h"
 #include "study/measure/least_energy_velocity.h"
 
 namespace lcpbench {
 namespace {
 
-using testing::fastest_at_contacts;
 using testing::least_energy_velocity;
 
 constexpr std::int64_t kTrialsOfRandom = 20;  ///< of sets that have no end
@@ -36,17 +36,17 @@ struct Candidate {
 
 void compare(const std::string& set, std::int64_t trial, const Problem& problem, std::vector<Candidate>& candidates) {
   const ContactProblem& contact = *problem.contact();
-  const double scale = fastest_at_contacts(contact, contact.v);
+  const double scale = fastest_contact(contact, contact.v).m_per_s;
   const Vector rest = least_energy_velocity(contact);
   std::printf("%s,%ld,%ld,%ld,%.3g,%.2g", set.c_str(), static_cast<long>(trial), static_cast<long>(contact.nc()),
               static_cast<long>(contact.ngc()), scale,
-              rest.size() > 0 ? fastest_at_contacts(contact, rest) / scale : kNone);
+              rest.size() > 0 ? fastest_contact(contact, rest).m_per_s / scale : kNone);
   for (Candidate& candidate : candidates) {
     candidate.solver->load(problem);
     candidate.solver->solve({.time_limit_s = 10}, candidate.answer);
     const bool solved = Evaluator(problem).errors(candidate.answer).solved;
     const Vector u = solved ? post_impact_velocity(contact, candidate.answer.z) : Vector();
-    std::printf(",%.2g,\"%s\"", solved ? fastest_at_contacts(contact, u) / scale : kNone,
+    std::printf(",%.2g,\"%s\"", solved ? fastest_contact(contact, u).m_per_s / scale : kNone,
                 candidate.answer.detail.c_str());
   }
   std::puts("");

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -184,6 +185,20 @@ TEST_P(CaptureEngine, ContactsKeepTheirNames) {
     return std::find(before.begin(), before.end(), id) != before.end();
   });
   EXPECT_GE(2 * kept, static_cast<std::ptrdiff_t>(after.size()));
+}
+
+/// Leaning cards have solutions of friction in which they slip, and one in which the house rests.
+TEST_P(CaptureEngine, ACardHouseStandsWhereASolverRests) {
+  const ScenesFile file = captured("card-house", GetParam(), "--loop auto --steps 300 --every 20");
+  ASSERT_GE(file.step_number(file.count() - 1), 280);
+  const std::vector<RigidBody> at_first = file.read(0).problem.scene()->bodies;
+  for (std::size_t i = 1; i < file.count(); ++i) {
+    const std::vector<RigidBody> bodies = file.read(i).problem.scene()->bodies;
+    ASSERT_EQ(bodies.size(), at_first.size());
+    for (std::size_t body = 0; body < bodies.size(); ++body) {
+      EXPECT_LT((bodies[body].position - at_first[body].position).norm(), 0.005) << "step " << file.step_number(i);
+    }
+  }
 }
 
 /// A body without contacts of its own falls by gravity alone: its velocity before the impacts of a step is that after

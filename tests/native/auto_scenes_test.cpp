@@ -7,6 +7,7 @@
 #include "generators/scenes/scenes.h"
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
+#include "study/evaluation/fastest_contact.h"
 #include "study/measure/least_energy_velocity.h"
 
 namespace lcpbench {
@@ -14,7 +15,6 @@ SolverDefinition lcpbench_solver_auto();
 
 namespace {
 
-using testing::fastest_at_contacts;
 using testing::least_energy_velocity;
 
 #ifdef __SANITIZE_ADDRESS__
@@ -25,10 +25,10 @@ constexpr double kTimeLimit = 5;
 #endif
 
 void expect_rest_where_it_is_a_solution(const ContactProblem& contact, const Answer& answer, const std::string& what) {
-  const double before = fastest_at_contacts(contact, contact.v);
+  const double before = fastest_contact(contact, contact.v).m_per_s;
   const Vector rest = least_energy_velocity(contact);
-  if (rest.size() == 0 || fastest_at_contacts(contact, rest) > 1e-9 * before) return;
-  const double after = fastest_at_contacts(contact, post_impact_velocity(contact, answer.z));
+  if (rest.size() == 0 || fastest_contact(contact, rest).m_per_s > 1e-9 * before) return;
+  const double after = fastest_contact(contact, post_impact_velocity(contact, answer.z)).m_per_s;
   EXPECT_LE(after, 1e-8 * before) << what << ": " << answer.detail;
 }
 

@@ -361,6 +361,17 @@ TEST_F(CommandLineTest, OneBadFileDoesNotStopTheOthers) {
   EXPECT_EQ(json::parse(output.out).size(), 1U);
 }
 
+TEST_F(CommandLineTest, SolveSaysHowDifferentlyVerifiedAnswersMove) {
+  // A pile of four cubes that may rest: contact_lemke's path ends in another solution.
+  ASSERT_EQ(run("generate scene/mass-ratio-1e6/bullet --seed 1 --first 3 --count 1 --out m").exit_code, 0);
+  const std::string differently = "another verified answer moves differently by ";
+  const std::string text = run("solve m/000003.json --solver contact_lemke --solver friction_ipm").out;
+  EXPECT_NE(text.find(differently), std::string::npos) << text;
+  const std::string alike = run("solve m/000003.json --solver auto --solver friction_ipm").out;
+  EXPECT_NE(alike.find("solved by 2 of 2 solvers"), std::string::npos) << alike;
+  EXPECT_EQ(alike.find(differently), std::string::npos) << alike;
+}
+
 TEST_F(CommandLineTest, SolveRunsAllThatFitWhenNoneIsNamed) {
   std::ofstream(folder_ / "good.json")
       << R"({"format": "lcpbench-problem", "version": 1, "name": "one", "kind": "lcp", "M": [[1, -1], [2, 1]], "q": [-1, -1]})";

@@ -1,0 +1,26 @@
+#include "study/evaluation/fastest_contact.h"
+
+#include <cmath>
+#include <variant>
+
+namespace lcpbench {
+
+FastestContact fastest_contact(const ContactProblem& problem, const Vector& u) {
+  FastestContact fastest;
+  if (problem.ngc() == 0) return fastest;  // Eigen asserts on sparse columns of no rows
+  Index contact = 0;
+  const auto look_at = [&](const Jacobian& J, Index column) {
+    const double speed = std::abs(std::visit([&](const auto& matrix) { return matrix.col(column).dot(u); }, J));
+    if (speed > fastest.m_per_s) fastest = {speed, contact};
+  };
+  Index direction = 0;
+  for (; contact < problem.nc(); ++contact) {
+    look_at(problem.N, contact);
+    const int edges = problem.edges[static_cast<std::size_t>(contact)];
+    for (int t = 0; t < edges / 2; ++t) look_at(problem.D, direction + t);
+    direction += edges;
+  }
+  return fastest;
+}
+
+}  // namespace lcpbench
