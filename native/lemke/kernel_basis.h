@@ -4,6 +4,7 @@
 
 #include "core/quad.h"
 #include "native/lemke/column_sum.h"
+#include "native/lemke/least_squares.h"
 #include "native/lemke/loaded_problem.h"
 #include "native/lemke/pack.h"
 #include "native/lemke/ratio_test.h"
@@ -18,7 +19,8 @@ struct KernelState {
   Buffer<Count> rows, columns;
   Buffer<Scalar> A;  ///< by rows, without gaps
   Buffer<Scalar> entering_column;
-  Buffer<Scalar> x, d;  ///< by slots; not kept where the next solve resolves them
+  Buffer<Scalar> x, d;     ///< by slots; not kept where the next solve resolves them
+  Buffer<Count> place_of;  ///< by the rules of 2012 only
 };
 
 /// Which basis a KernelBasis had, with the order of its rows and columns, in which it sums.
@@ -60,7 +62,7 @@ class KernelBasis {
     A_.resize(n * P::padded(n));
     if (input.refines) refined_.resize(n);
     system_.reserve(n);
-    slots_ = {column_slots_, x_.data(), d_.data(), ratio_.data(), id_.data()};
+    slots_ = {column_slots_, x_.data(), d_.data(), ratio_.data(), id_.data(), nullptr};
   }
 
   const LoadedProblem<Scalar>& problem() const { return problem_; }
@@ -68,8 +70,9 @@ class KernelBasis {
   Count slot_of(Count variable) const { return problem_.slot_of[variable]; }
 
   /// Brings the artificial variable in for w of `row`.
-  void start(Count row) {
-    while (order_ > 0) vacate_column_slot(--order_);
+  void start(Count row, bool of_2012) {
+    slots_.place_of = of_2012 ? problem_.place_of.data() : nullptr;
+    shrink(0);
     const Count n = problem_.n();
     const Scalar value = -problem_.q[row];
     for (Count i = 0; i < n; ++i) {
@@ -77,13 +80,16 @@ class KernelBasis {
       x_[slot] = problem_.q[i] + problem_.cover(i) * value;
       id_[slot] = static_cast<Scalar>(i);
       problem_.slot_of[i] = slot;
+      problem_.place_of[i] = i;
     }
+    problem_.place_of[problem_.artificial()] = row;
     stride_ = P::padded(kFirstStride < n ? kFirstStride : n);
     add_column(problem_.artificial(), value);
     add_row(row);
   }
 
-  /// d for the entering variable; with kResolve also x anew. False when the kernel is singular.
+  /// d for the entering variable; with kResolve also x anew. False when the kernel is singular; by the rules of 2012
+  /// d then solves it in the least squares.
   template <bool kResolve>
   bool solve(Count entering) {
     return solve_sides<true, kResolve>(entering);
@@ -114,6 +120,7 @@ class KernelBasis {
   /// @pre solve(entering) was called last. @param value of the entering variable, where values are not resolved
   void exchange(Count entering, Count leaving, Scalar value) {
     const Count n = problem_.n();
+    problem_.place_of[entering] = problem_.place_of[leaving];
     if (entering < n) {
       const Count row = kernel_row(entering);
       if (leaving < n) {
@@ -144,13 +151,14 @@ class KernelBasis {
     if constexpr (!kResolve) {
       copy(state.x, x_, slots_.count);
       copy(state.d, d_, slots_.count);
+      if (slots_.place_of != nullptr) copy(state.place_of, problem_.place_of, 2 * problem_.n() + 1);
     }
   }
 
   /// @pre state was saved since start(): the rows of A are at least as far apart now as they were then
   template <bool kResolve>
   void restore(const KernelState<Scalar>& state) {
-    while (order_ > state.order) vacate_column_slot(--order_);
+    shrink(state.order);
     order_ = state.order;
     copy(rows_, state.rows, order_);
     copy(entering_column_, state.entering_column, order_);
@@ -162,6 +170,7 @@ class KernelBasis {
     if constexpr (!kResolve) {
       copy(x_, state.x, slots_.count);
       copy(d_, state.d, slots_.count);
+      if (slots_.place_of != nullptr) copy(problem_.place_of, state.place_of, 2 * problem_.n() + 1);
     }
   }
 
@@ -214,7 +223,13 @@ class KernelBasis {
       extend(entering);
     } else {
       // Without new values the second right-hand side is idle; its solution must not touch x.
-      if (!system_.solve(direction, ratio_.data() + column_slots_)) return false;
+      if (!system_.solve(direction, ratio_.data() + column_slots_)) {
+        if (slots_.place_of == nullptr) return false;
+        const bool solved = LeastSquares<Scalar>::solve(
+            order_, [this](Count r, Count c) { return A_[r * stride_ + c]; },
+            [this](Count r) { return entering_column_[r]; }, direction);
+        if (!solved) return false;
+      }
       extend_direction(entering);
     }
     return true;
@@ -351,6 +366,12 @@ class KernelBasis {
     problem_.slot_of[variable] = slot;
     id_[slot] = static_cast<Scalar>(variable);
     x_[slot] = value;
+  }
+
+  /// Leaves at most `order` columns. The last pack's padding goes too: a path may have ended with NaN in it.
+  void shrink(Count order) {
+    for (Count end = P::padded(order_); end > order;) vacate_column_slot(--end);
+    order_ = order < order_ ? order : order_;
   }
 
   void vacate_column_slot(Count position) {

@@ -59,6 +59,9 @@ LemkeArithmetic arithmetic_of(const LemkeSettings& settings) {
   if (settings.precision != LemkePrecision::kDouble && settings.engine == LemkeEngine::kDense) {
     throw InputError("lemke: engine=dense has precision=double only");
   }
+  if (settings.precision != LemkePrecision::kDouble && settings.rules == LemkeRules::k2012) {
+    throw InputError("lemke: rules=2012 has precision=double only");
+  }
   if (settings.precision == LemkePrecision::kFloat) return LemkeArithmetic::kFloat;
   return settings.precision == LemkePrecision::kQuad ? LemkeArithmetic::kQuad : LemkeArithmetic::kDouble;
 }
@@ -74,6 +77,7 @@ std::unique_ptr<LemkeFinish> finish_of(LemkePrecision precision, IsaLevel level)
 bool tests_answers(const LemkeSettings& settings) {
   if (settings.test != LemkeAnswerTest::kAuto) return settings.test == LemkeAnswerTest::kResidual;
   const LemkeSettings defaults;
+  if (settings.rules == LemkeRules::k2012) return false;
   return settings.engine == LemkeEngine::kKernel && settings.pivot_tolerance == defaults.pivot_tolerance &&
          settings.zero_tolerance == defaults.zero_tolerance;
 }
@@ -92,9 +96,9 @@ std::ptrdiff_t lemke_pivot_limit(const LemkeSettings& settings, Index n) {
   return std::max<Index>(1000, n * n);
 }
 
-void report_lemke(const lemke::Outcome& outcome, Answer& answer) {
+void report_lemke(const lemke::Outcome& outcome, bool clips, Answer& answer) {
   report_ending(outcome.ending, answer);
-  if (answer.claim == Claim::kSolved && answer.z.size() > 0) clip_rounding(answer.z);
+  if (clips && answer.claim == Claim::kSolved && answer.z.size() > 0) clip_rounding(answer.z);
   answer.counters.iterations = outcome.pivots;
   answer.counters.pivots = outcome.pivots;
   answer.counters.factorizations = outcome.factorizations;
@@ -108,7 +112,7 @@ Capabilities lemke_capabilities(const LemkeSettings& settings) {
   capabilities.obeys_time_limit = true;
   // The tests of the other precisions take dense matrices of order ngc, which may be several times n.
   if (settings.precision != LemkePrecision::kDouble) capabilities.max_size = 3000;
-  capabilities.allocation_free = true;
+  capabilities.allocation_free = settings.rules == LemkeRules::kStandard;  // least squares take memory
   return capabilities;
 }
 
@@ -131,7 +135,8 @@ void Lemke::on_solve(const SolveRequest& request, Answer& answer) {
   lemke::Rules rules;
   rules.pivot_tolerance = tolerance_for(settings_.precision, settings_.pivot_tolerance);
   rules.zero_tolerance = tolerance_for(settings_.precision, settings_.zero_tolerance);
-  rules.resolve = settings_.update == LemkeUpdate::kResolve;
+  rules.of_2012 = settings_.rules == LemkeRules::k2012;
+  rules.resolve = settings_.update == LemkeUpdate::kResolve && !rules.of_2012;
   rules.max_pivots = lemke_pivot_limit(settings_, answer.z.size());
   rules.clock_s = wall_clock_s;
   rules.deadline_s = std::isinf(request.time_limit_s) ? request.time_limit_s : wall_clock_s() + request.time_limit_s;
@@ -141,7 +146,7 @@ void Lemke::on_solve(const SolveRequest& request, Answer& answer) {
     rules.context = recorded_;
   }
 
-  report_lemke(engine_.solve(rules, answer.z.data()), answer);
+  report_lemke(engine_.solve(rules, answer.z.data()), !rules.of_2012, answer);
   if (finish_ != nullptr) finish_->run(engine_, answer);
   if (test_ == nullptr) return;
   if (answer.claim == Claim::kUnsolvable) return test_->settle_ray(answer, rules.deadline_s);

@@ -18,6 +18,7 @@ enum class LemkeUpdate { kResolve, kIncremental };
 enum class LemkeCap { kPaper, kLemke, k3n };
 /// kAuto: kResidual with the kernel engine and both tolerances at their defaults, else kNone.
 enum class LemkeAnswerTest { kAuto, kNone, kResidual };
+enum class LemkeRules { kStandard, k2012 };
 enum class LemkePrecision { kFloat, kDouble, kPolished, kQuad };
 
 struct LemkeSettings {
@@ -29,6 +30,7 @@ struct LemkeSettings {
   std::int64_t max_pivots = 0;
   LemkePrecision precision = LemkePrecision::kDouble;
   LemkeAnswerTest test = LemkeAnswerTest::kAuto;
+  LemkeRules rules = LemkeRules::kStandard;
 
   void visit(auto&& field) {
     field("engine", engine, Choices<LemkeEngine>{{{"dense", LemkeEngine::kDense}, {"kernel", LemkeEngine::kKernel}}},
@@ -57,6 +59,10 @@ struct LemkeSettings {
                                     {"residual", LemkeAnswerTest::kResidual}}},
           "of an answer from the raw data before it is claimed (precision=double; the others always): none, as in "
           "LEMKE; its residual; auto: residual with engine=kernel and both tolerances at their defaults, else none");
+    field("rules", rules, Choices<LemkeRules>{{{"standard", LemkeRules::kStandard}, {"2012", LemkeRules::k2012}}},
+          "2012: those of the public code of the paper's authors (precision=double): update=incremental, the first "
+          "largest pivot leaves, least squares on a singular basis, test=auto is none, and z of the last basis is "
+          "returned however the path ends");
   }
 };
 
@@ -81,13 +87,15 @@ struct LemkePivot {
 /// nothing but for copositive-plus M). kIterationLimit, kTimeLimit; kNumericalFailure: singular or overflowing basis,
 /// an answer that does not pass, or, with test=residual, a ray without a proof. z is zero unless kSolved.
 ///
+/// With rules=2012 z is that of the last basis whatever the claim, unless a value is not finite.
+///
 /// In other precisions than double kSolved is claimed only for answers that pass a test from the raw data, and
 /// kUnsolvable never: kNumericalFailure otherwise. polished and quad return the velocity of contact problems with
 /// regular inertia.
 class Lemke final : public Solver {
  public:
   /// @param level instruction-set level of the engine; must not exceed best_isa_level().
-  /// @throws InputError for engine=dense in another precision than double
+  /// @throws InputError for engine=dense, or rules=2012, in another precision than double
   explicit Lemke(const LemkeSettings& settings, IsaLevel level = isa_level());
 
   const Capabilities& capabilities() const override { return capabilities_; }
@@ -126,6 +134,7 @@ Capabilities lemke_capabilities(const LemkeSettings& settings);
 std::ptrdiff_t lemke_pivot_limit(const LemkeSettings& settings, Index n);
 
 /// Claim, detail and counters of an engine's outcome. `answer` arrives cleared, with z as the engine left it.
-void report_lemke(const lemke::Outcome& outcome, Answer& answer);
+/// @param clips  sets entries of a claimed z to 0 that are negative by rounding
+void report_lemke(const lemke::Outcome& outcome, bool clips, Answer& answer);
 
 }  // namespace lcpbench

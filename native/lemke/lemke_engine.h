@@ -37,7 +37,8 @@ struct Input {
 struct Rules {
   double pivot_tolerance = 0;
   double zero_tolerance = 0;
-  bool resolve = true;  ///< recompute the basic values from the basis at each pivot instead of updating them
+  bool resolve = true;   ///< recompute the basic values from the basis at each pivot instead of updating them
+  bool of_2012 = false;  ///< the rules of lemke{rules=2012}; see docs/reference/solvers/lemke.md. @pre not resolve
   std::ptrdiff_t max_pivots = 0;
   double deadline_s = 0;          ///< on the clock below; infinity: none
   double (*clock_s)() = nullptr;  ///< monotonic clock, read every 16 pivots
@@ -77,6 +78,7 @@ struct Leaf {
 
 struct WalkRules {
   bool resolve = true;
+  bool of_2012 = false;  ///< as in Rules
   std::ptrdiff_t max_pivots = 0;
   double (*wall_s)() = nullptr;  ///< monotonic clock; read every 16 pivots, and where paths part and end
   double (*cpu_s)() = nullptr;   ///< of the calling thread; read where paths part and end
@@ -89,10 +91,11 @@ struct WalkRules {
 };
 
 /// One engine at one level. `create` gives an object that `destroy` ends; `load` copies all of the input and allocates
-/// for it; `solve` writes the basic entries of z (n) when the ending is kSolved, and leaves it alone otherwise.
+/// for it; `solve` writes the basic entries of z (n) when the ending is kSolved or by the rules of 2012, and leaves it
+/// alone otherwise.
 ///
 /// `walk` solves for all cells and goes each pivot that paths have in common once. Every leaf is bit for bit what
-/// `solve` gives with the tolerances of its cells; z (n) is zero unless its ending is kSolved. Returns the pivots gone.
+/// `solve` gives with the tolerances of its cells, its z (n) on zeros. Returns the pivots gone.
 /// Memory: a kernel for each point at which paths part on the way to the present one, fewer than `count`; kept for
 /// later calls. nullptr where an engine cannot.
 struct Engine {

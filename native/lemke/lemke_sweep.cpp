@@ -122,18 +122,19 @@ void LemkeSweep::load(const Problem& problem) {
 struct LemkeSweep::Collector {
   std::span<const LemkeTry> tries;
   const Vector& z;
+  bool clips;
   std::vector<LemkeLeaf>& leaves;
 };
 
 void LemkeSweep::collect(void* collector, const lemke::Leaf& leaf) {
-  const auto& [tries, z, leaves] = *static_cast<Collector*>(collector);
+  const auto& [tries, z, clips, leaves] = *static_cast<Collector*>(collector);
   LemkeLeaf& copy = leaves.emplace_back();
   for (std::ptrdiff_t i = 0; i < leaf.count; ++i) {
     copy.cells.push_back(tries[static_cast<std::size_t>(leaf.cells[i])].cell);
   }
   std::sort(copy.cells.begin(), copy.cells.end());
   copy.answer.z = z;
-  report_lemke(leaf.outcome, copy.answer);
+  report_lemke(leaf.outcome, clips, copy.answer);
   copy.wall_s = leaf.wall_s;
   copy.cpu_s = leaf.cpu_s;
 }
@@ -155,9 +156,10 @@ std::int64_t LemkeSweep::walk(std::span<const LemkeTry> tries, std::vector<Lemke
     tried_.back().time_limit_s = each.time_limit_s;
   }
   z_.resize(n_);
-  Collector collector{tries, z_, leaves};
   lemke::WalkRules rules;
-  rules.resolve = common_.update == LemkeUpdate::kResolve;
+  rules.of_2012 = common_.rules == LemkeRules::k2012;
+  rules.resolve = common_.update == LemkeUpdate::kResolve && !rules.of_2012;
+  Collector collector{tries, z_, !rules.of_2012, leaves};
   rules.max_pivots = lemke_pivot_limit(common_, n_);
   rules.wall_s = wall_clock_s;
   rules.cpu_s = thread_cpu_clock_s;

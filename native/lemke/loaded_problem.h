@@ -11,7 +11,8 @@ template <class Scalar>
 struct LoadedProblem {
   MatrixColumns<Scalar> M;
   Buffer<Scalar> q;
-  Buffer<Count> slot_of;  ///< of each of the 2 n + 1 variables; meaningful while it is basic
+  Buffer<Count> slot_of;   ///< of each of the 2 n + 1 variables; meaningful while it is basic
+  Buffer<Count> place_of;  ///< likewise in LEMKE's basis: what enters takes the place of what leaves
 
   Count n() const { return M.n(); }
   Count artificial() const { return 2 * M.n(); }
@@ -20,6 +21,7 @@ struct LoadedProblem {
     M.load(input);
     load_constants(input, q);
     slot_of.fill(2 * n() + 1, -1);
+    place_of.fill(2 * n() + 1, -1);
   }
 
   bool zero_solves(Scalar zero_tolerance) const {

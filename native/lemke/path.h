@@ -48,6 +48,12 @@ bool write_solution(const Basis& basis, double* z) {
   return true;
 }
 
+/// By the rules of 2012 z is that of the basis, however the path ended: see LemkeRules.
+template <class Basis>
+[[gnu::noinline]] void write_any_solution(const Basis& basis, Ending ending, double* z) {
+  if (ending != Ending::kSolved) write_solution(basis, z);
+}
+
 /// How a path ends on which the artificial variable has left; writes the basic entries of z.
 template <bool kResolve, class Basis>
 [[gnu::noinline]] Ending finish(Basis& basis, Outcome& outcome, double* z) {
@@ -75,16 +81,14 @@ inline bool out_of_time(const Rules& rules) {
   return rules.deadline_s < kInfinity<double> && !(rules.clock_s() < rules.deadline_s);
 }
 
-/// Lemke's path from the first exchange to its end.
+/// Lemke's path from after the first exchange to its end.
 template <bool kResolve, class Scalar, class Basis>
-Outcome follow_path(Basis& basis, const Rules& rules, double* z) {
+Outcome follow_started_path(Basis& basis, const Rules& rules, Count leaving, double* z) {
   const Count n = basis.problem().n();
   const Count artificial = basis.problem().artificial();
   const Scalar pivot_tolerance = static_cast<Scalar>(rules.pivot_tolerance);
   const Scalar zero_tolerance = static_cast<Scalar>(rules.zero_tolerance);
   Outcome outcome;
-  Count leaving = basis.problem().most_negative_row();
-  basis.start(leaving);
   while (leaving != artificial) {
     if (outcome.pivots >= rules.max_pivots) return outcome.ending = Ending::kPivotLimit, outcome;
     if (outcome.pivots % kPivotsPerClockReading == 0 && out_of_time(rules)) {
@@ -102,6 +106,16 @@ Outcome follow_path(Basis& basis, const Rules& rules, double* z) {
   }
   outcome.ending = finish<kResolve>(basis, outcome, z);
   if (rules.basic != nullptr) write_basis(basis, rules.basic);
+  return outcome;
+}
+
+/// Lemke's path from the first exchange to its end.
+template <bool kResolve, class Scalar, class Basis>
+Outcome follow_path(Basis& basis, const Rules& rules, double* z) {
+  const Count row = basis.problem().most_negative_row();
+  basis.start(row, rules.of_2012);
+  const Outcome outcome = follow_started_path<kResolve, Scalar>(basis, rules, row, z);
+  if (rules.of_2012) write_any_solution(basis, outcome.ending, z);
   return outcome;
 }
 

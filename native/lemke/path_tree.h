@@ -2,8 +2,8 @@
 
 #include <memory>
 
-#include "native/lemke/lemke_engine.h"
 #include "native/lemke/kernel_basis.h"
+#include "native/lemke/lemke_engine.h"
 #include "native/lemke/path.h"
 #include "native/lemke/tolerance_box.h"
 
@@ -50,7 +50,7 @@ class PathTree {
     if (trivial < count) {
       start_clocks();
       const Count row = basis_.problem().most_negative_row();
-      basis_.start(row);
+      basis_.start(row, rules_.of_2012);
       Path root;
       root.wall_s = rules_.idle_wall_s;
       root.cpu_s = rules_.idle_cpu_s;
@@ -211,16 +211,18 @@ class PathTree {
     stop_clocks(path);
     const Count continuing = gather(range);
     KernelState<Scalar>& state = room_.states[static_cast<std::size_t>(depth_)];
-    if (continuing > 1) basis_.template save<kResolve>(state);
+    if (continuing > (rules_.of_2012 ? 0 : 1)) basis_.template save<kResolve>(state);
     ++depth_;
     bool as_saved = true;
     while (range.first < range.last) {
       const Range same = alike(range);
       const Count chosen = decision(same.first);
+      const bool needs_basis = chosen >= 0 || rules_.of_2012;
+      if (needs_basis && !as_saved) basis_.template restore<kResolve>(state);
+      as_saved = as_saved || needs_basis;
       if (chosen < 0) {
         report(same, path, ending_of(chosen));
       } else {
-        if (!as_saved) basis_.template restore<kResolve>(state);
         as_saved = false;
         Path branch = path;
         start_clocks();
@@ -309,6 +311,7 @@ class PathTree {
     Leaf leaf{room_.cells.data() + range.first, range.last - range.first, path.outcome, path.wall_s, path.cpu_s};
     leaf.outcome.ending = ending;
     if (ending != Ending::kSolved) clear_solution();
+    if (rules_.of_2012) write_any_solution(basis_, ending, z_);
     rules_.on_leaf(rules_.context, leaf);
   }
 

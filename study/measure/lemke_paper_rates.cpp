@@ -1,9 +1,10 @@
-// The share of problems that Lemke solves over the paper's grid of 81 tolerances, by the paper's criterion, counting
-// only answers that the solver claims as solved.
+// The share of problems that Lemke solves over the paper's grid of 81 tolerances, by the paper's criterion: of the
+// answers that the solver claims as solved, and of all that it returns.
 //
-//   lemke_paper_rates SET TRIALS [SEED [SETTINGS]]      SETTINGS: engine=dense,update=incremental,...
+//   lemke_paper_rates SET TRIALS [SEED [SETTINGS [FIRST]]]      SETTINGS: engine=dense,update=incremental,...
 //
-// Prints worst, average and best cell, then the grid: a row for each pivot tolerance, a column for each zero tolerance.
+// Prints for both counts worst, average and best cell, then the grid: a row for each pivot tolerance, a column for each
+// zero tolerance.
 
 #include <algorithm>
 #include <array>
@@ -74,7 +75,7 @@ class Grid {
   std::vector<LemkeLeaf> leaves_;
 };
 
-void print(const std::vector<long>& solved, std::int64_t trials) {
+void print(const char* counted, const std::vector<long>& solved, std::int64_t trials) {
   std::vector<double> rates;
   double sum = 0;
   for (const long count : solved) {
@@ -83,21 +84,23 @@ void print(const std::vector<long>& solved, std::int64_t trials) {
   }
   const auto [worst, best] = std::minmax_element(rates.begin(), rates.end());
   const auto at = static_cast<int>(best - rates.begin());
-  std::printf("worst %.2f average %.2f best %.2f (pivot 1e%d, zero 1e%d)\n", *worst, sum / (kSteps * kSteps), *best,
-              -20 + 2 * (at / kSteps), -20 + 2 * (at % kSteps));
+  std::printf("%s: worst %.2f average %.2f best %.2f (pivot 1e%d, zero 1e%d)\n", counted, *worst,
+              sum / (kSteps * kSteps), *best, -20 + 2 * (at / kSteps), -20 + 2 * (at % kSteps));
   for (std::size_t cell = 0; cell < rates.size(); ++cell) {
     std::printf("%7.2f%s", rates[cell], (cell + 1) % kSteps == 0 ? "\n" : "");
   }
 }
 
-void measure(const std::string& name, std::int64_t trials, std::uint64_t seed, const std::string& settings) {
+void measure(const std::string& name, std::int64_t trials, std::uint64_t seed, const std::string& settings,
+             std::int64_t first) {
   const auto set = open_set(name);
   const Spec spec = parse_spec("lemke" + (settings.empty() ? std::string() : "{" + settings + "}"));
   Grid grid(parse_settings<LemkeSettings>(spec.name, spec.options));
   std::vector<long> solved(kSteps * kSteps, 0);
+  std::vector<long> passed(kSteps * kSteps, 0);
   long at_limit = 0;
   Vector last;
-  for (std::int64_t trial = 0; trial < trials; ++trial) {
+  for (std::int64_t trial = first; trial < first + trials; ++trial) {
     const Problem problem = set->generate(seed, trial);
     Evaluator evaluator(problem);
     bool last_passed = false;
@@ -105,29 +108,32 @@ void measure(const std::string& name, std::int64_t trials, std::uint64_t seed, c
     for (const LemkeLeaf& leaf : grid.solve(problem)) {
       const auto cells = static_cast<long>(leaf.cells.size());
       if (leaf.answer.claim == Claim::kIterationLimit) at_limit += cells;
-      if (leaf.answer.claim != Claim::kSolved) continue;
       if (last.size() != leaf.answer.z.size() || last != leaf.answer.z) {
         last_passed = evaluator.errors(leaf.answer).criterion;
         last = leaf.answer.z;
       }
-      for (const std::uint32_t cell : leaf.cells) solved[cell] += last_passed ? 1 : 0;
+      for (const std::uint32_t cell : leaf.cells) {
+        passed[cell] += last_passed ? 1 : 0;
+        solved[cell] += last_passed && leaf.answer.claim == Claim::kSolved ? 1 : 0;
+      }
     }
   }
-  std::printf("%s, %s, %lld trials, %ld of the runs at the limit on pivots: ", set->name().c_str(), spec.text().c_str(),
+  std::printf("%s, %s, %lld trials, %ld of the runs at the limit on pivots\n", set->name().c_str(), spec.text().c_str(),
               static_cast<long long>(trials), at_limit);
-  print(solved, trials);
+  print("claimed as solved", solved, trials);
+  print("whatever is claimed", passed, trials);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 3 || argc > 5) {
-    std::fprintf(stderr, "usage: lemke_paper_rates SET TRIALS [SEED [SETTINGS]]\n");
+  if (argc < 3 || argc > 6) {
+    std::fprintf(stderr, "usage: lemke_paper_rates SET TRIALS [SEED [SETTINGS [FIRST]]]\n");
     return 2;
   }
   try {
     measure(argv[1], std::max(1L, std::atol(argv[2])), argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 1,
-            argc > 4 ? argv[4] : "");
+            argc > 4 ? argv[4] : "", argc > 5 ? std::max(0L, std::atol(argv[5])) : 0);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 2;

@@ -201,6 +201,17 @@ TEST(LemkeSweepRulesTest, EqualPivotsWithinTheToleranceDoNotHideAMiddleChoice) {
   EXPECT_GT(expect_same_as_alone(sweep, cells, problem, isa_level()), 1U);
 }
 
+TEST(LemkeSweepRulesTest, AnswersByTheRulesOf2012AreThoseOfEachCellAlone) {
+  // Some of these paths end in numbers that are not finite. Nothing of them may reach the paths that follow.
+  const Cells cells = paper_grid({.cap = LemkeCap::kLemke, .rules = LemkeRules::k2012});
+  const auto set = open_set("paper/copositive/exp1");
+  for (const IsaLevel level : levels_of_this_machine()) {
+    LemkeSweep sweep(cells, level);
+    for (const std::int64_t trial : {1, 2, 4}) expect_same_as_alone(sweep, cells, set->generate(1, trial), level);
+  }
+  expect_same_on("paper/monotone/exp4", 40, cells);
+}
+
 TEST(LemkeSweepRulesTest, GoesCommonPivotsOnce) {
   const auto set = open_set("paper/copositive/exp1");
   const Cells cells = paper_grid({.cap = LemkeCap::k3n});

@@ -227,6 +227,43 @@ TEST_P(LemkeTest, PivotToleranceBarsSmallerPivots) {
   EXPECT_EQ(run(strict, bare(matrix_of(1, {0.11}), vector_of({-1}))).answer.claim, Claim::kSolved);
 }
 
+TEST_P(LemkeTest, RulesOf2012ReturnTheLastBasisHoweverThePathEnds) {
+  // z0 = 2 enters for row 1, then z_1 = 1 for row 2, then z_2 for z_1 itself; w_1 then raises z_2 without end.
+  const Problem ray = bare(matrix_of(2, {1, 0, 0, -1}), vector_of({-2, -1}));
+  LemkeSettings rules = settings();
+  rules.test = LemkeAnswerTest::kNone;
+  EXPECT_EQ(run(rules, ray).answer.z, Vector::Zero(2));
+  rules.rules = LemkeRules::k2012;
+  const Recorded ended = run(rules, ray);
+  EXPECT_EQ(ended.answer.claim, Claim::kUnsolvable);
+  EXPECT_EQ(ended.answer.z, vector_of({0, 1}));
+  rules.max_pivots = 1;
+  const Recorded capped = run(rules, ray);
+  EXPECT_EQ(capped.answer.claim, Claim::kIterationLimit);
+  EXPECT_EQ(capped.answer.z, vector_of({1, 0}));
+}
+
+TEST_P(LemkeTest, RulesOf2012PassSingularBasesInTheLeastSquares) {
+  const auto set = open_set("paper/copositive/exp1{nc_max=5}");
+  LemkeSettings rules = settings();
+  rules.test = LemkeAnswerTest::kNone;
+  rules.update = LemkeUpdate::kIncremental;
+  rules.cap = LemkeCap::kLemke;
+  rules.pivot_tolerance = rules.zero_tolerance = 1e-20;
+  int singular = 0, passed = 0;
+  for (std::int64_t trial = 0; trial < 12; ++trial) {
+    const Problem problem = set->generate(1, trial);
+    rules.rules = LemkeRules::kStandard;
+    if (run(rules, problem).answer.claim != Claim::kNumericalFailure) continue;
+    ++singular;
+    rules.rules = LemkeRules::k2012;
+    if (run(rules, problem).answer.claim != Claim::kNumericalFailure) ++passed;
+  }
+  if (std::get<0>(GetParam()) == LemkeEngine::kKernel) {
+    EXPECT_GT(passed, 0) << singular;
+  }
+}
+
 TEST_P(LemkeTest, ObeysItsLimits) {
   Vector q(8);
   for (Index i = 0; i < 8; ++i) q(i) = -(512.0 - std::ldexp(1.0, static_cast<int>(8 - i)));
