@@ -174,11 +174,10 @@ class ThinningPoint {
     return eta;
   }
 
-  // Whether estimates of s_i are at hand: while few entries are left, s_i itself costs less than the estimate of M.
-  bool estimated() {
-    constexpr std::size_t kFew = std::is_same_v<Real, Quad> ? 64 : 16;
-    if (estimate_ == nullptr && support().size() > kFew) estimate_ = lcp_.estimate();
-    return estimate_ != nullptr;
+  // Whether s_i is estimated: while few entries are left, s_i itself costs less.
+  bool estimated() const {
+    constexpr std::ptrdiff_t kFew = std::is_same_v<Real, Quad> ? 64 : 4;
+    return scale_ == BackwardScale::kRowNorm ? std::ssize(support()) > kFew : impulses_ > kFew;
   }
 
   struct Bounds {
@@ -189,8 +188,12 @@ class ThinningPoint {
   // Bounds of s_i.
   Bounds scale_bounds(std::size_t i) {
     const Real q = abs(lcp_.q(i));
-    if (!estimated()) return {q + abs(lcp_.diagonal(i)) * least_weight(i), kInfinity};
-    const auto [sum, error] = estimated_scale(i);
+    const MagnitudeEstimate::Row* const row = estimated() ? lcp_.estimated_row(i) : nullptr;
+    if (row == nullptr) {
+      const Real weight = least_weight(i);
+      return {surely_equal(weight, 0) ? q : q + abs(lcp_.diagonal(i)) * weight, kInfinity};
+    }
+    const auto [sum, error] = estimated_scale(*row);
     Bounds bounds{q, kInfinity};
     const double rounding = static_cast<double>(lcp_.size() + 8) * 0x1p-52;
     if (std::isfinite(sum) && std::isfinite(error)) {
@@ -231,8 +234,10 @@ class ThinningPoint {
 
   void set_removed(std::size_t removed) {
     removed_ = removed;
+    const std::span<const std::size_t> left = support();
+    impulses_ = std::count_if(left.begin(), left.end(), [this](std::size_t i) { return i < lcp_.lambda_offset(); });
     z_norm_.reset();
-    rounded_z_.clear();
+    weighed_ = false;
   }
 
   double z_norm() {
@@ -252,25 +257,27 @@ class ThinningPoint {
   };
 
   // s_i less |q_i|, but for the rounding of the sums.
-  Estimate estimated_scale(std::size_t i) {
-    if (rounded_z_.empty()) round_z();
-    if (scale_ == BackwardScale::kRowNorm) {
-      return {estimate_->row_sums[i] * z_norm(), 2 * estimate_->row_error[i] * error_weight_ * z_norm()};
-    }
+  Estimate estimated_scale(const MagnitudeEstimate::Row& row) {
+    if (!weighed_) weigh();
+    const double error = 2 * row.error * error_weight_;
+    if (scale_ == BackwardScale::kRowNorm) return {row.sum * z_norm(), error * z_norm()};
+    const MagnitudeEstimate& estimate = lcp_.estimate();
     double sum = 0;
-    for (std::size_t e = estimate_->begin[i]; e < estimate_->begin[i + 1]; ++e) {
-      sum += estimate_->entries[e] * rounded_z_[estimate_->columns[e]];
-    }
-    return {sum, 2 * estimate_->row_error[i] * error_weight_};
+    for (std::size_t e = row.begin; e < row.end; ++e) sum += estimate.entries[e] * weights_[estimate.columns[e]];
+    return {sum, error};
   }
 
-  void round_z() {
-    rounded_z_.assign(z_.size(), 0);
-    for (const std::size_t j : island_) rounded_z_[j] = to_double(z_[j]);
+  // The island's z_tau in double, summed over the columns of the same magnitudes.
+  void weigh() {
+    weights_.resize(z_.size());
+    for (const std::size_t j : island_) weights_[j] = 0;
     error_weight_ = 0;
     for (const std::size_t j : island_) {
-      error_weight_ += estimate_->column_scale[j] * (scale_ == BackwardScale::kRowNorm ? 1 : rounded_z_[j]);
+      const double z = to_double(z_[j]);
+      weights_[lcp_.representative(j)] += z;
+      error_weight_ += lcp_.estimate().column_scale[j] * (scale_ == BackwardScale::kRowNorm ? 1 : z);
     }
+    weighed_ = true;
   }
 
   EvaluatedLcp<Real>& lcp_;
@@ -282,11 +289,12 @@ class ThinningPoint {
   std::optional<Removal<Real>> order_;
   std::vector<std::size_t> indices_;  // of order_
   std::size_t removed_ = 0;
+  std::ptrdiff_t impulses_ = 0;  // that are not removed
   std::size_t response_of_ = 0;  // the removals for which u_ was found, and not corrected
   std::optional<double> z_norm_;
-  const MagnitudeEstimate* estimate_ = nullptr;
-  std::vector<double> rounded_z_;  // z_ in double; empty until an estimate needs it
-  double error_weight_ = 0;        // sum of column_scale times the weight of the column in s_i
+  bool weighed_ = false;
+  std::vector<double> weights_;  // of the island's representative columns in s_i
+  double error_weight_ = 0;      // sum of column_scale times the weight of the column in s_i
 };
 
 // A row that alone shows the present z_tau to be no better than the best error found. Removing entries only lowers s_i,

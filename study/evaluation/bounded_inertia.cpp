@@ -320,24 +320,76 @@ void BoundedInertia::solve(BoundedVector& x) const {
   for (Block& block : blocks_) solve(block, x);
 }
 
-void BoundedInertia::solve(BoundedVector& x, std::vector<std::size_t>& pattern) const {
-  std::vector<std::size_t> touched, result;
+void BoundedInertia::couple(std::vector<std::size_t>& pattern) const {
+  touched_.clear();
+  const auto is_single = [this](std::size_t row) {
+    if (singles_[row] == 0) touched_.push_back(block_of_row_[row]);
+    return singles_[row] != 0;
+  };
+  std::size_t singles = 0;
   for (const std::size_t row : pattern) {
-    if (singles_[row] == 0) {
-      touched.push_back(block_of_row_[row]);
-    } else {
-      divide(row, x);
-      result.push_back(row);
+    if (is_single(row)) pattern[singles++] = row;
+  }
+  pattern.resize(singles);
+  std::sort(touched_.begin(), touched_.end());
+  touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
+  for (const std::size_t b : touched_) {
+    pattern.insert(pattern.end(), blocks_[b].coordinates.begin(), blocks_[b].coordinates.end());
+  }
+}
+
+void BoundedInertia::solve(BoundedVector& x, std::vector<std::size_t>& pattern) const {
+  for (const std::size_t row : pattern) {
+    if (singles_[row] != 0) divide(row, x);
+  }
+  couple(pattern);
+  if (has_inertia_) {
+    for (const std::size_t b : touched_) solve(blocks_[b], x);
+  } else if (!touched_.empty()) {
+    x = apply(x);
+  }
+}
+
+double BoundedInertia::estimate(std::vector<double>& x, std::vector<std::size_t>& pattern) const {
+  double error = bounded::kLost;
+  for (const std::size_t row : pattern) {
+    if (singles_[row] == 0) continue;
+    x[row] /= singles_[row];
+    error = std::max(error, kUnitRoundoff * std::abs(x[row]));
+  }
+  couple(pattern);
+  for (const std::size_t b : touched_) error = std::max(error, estimate(blocks_[b], x));
+  return std::isfinite(error) ? error : std::numeric_limits<double>::infinity();
+}
+
+/// With y the computed R b, the error is that of y and E (I - E)^-1 R b for E = I - R G, as in solve().
+double BoundedInertia::estimate(Block& block, std::vector<double>& x) const {
+  const std::size_t n = block.coordinates.size();
+  if (has_inertia_ && block.approximate.size() == 0) invert(block);
+  const Matrix& inverse = has_inertia_ ? block.approximate : block.matrix;
+  if (refinement_.size() < 2 * n) refinement_.resize(2 * n);
+  const std::span<double> y = std::span(refinement_).first(n), magnitudes = std::span(refinement_).subspan(n, n);
+  std::fill(y.begin(), y.end(), 0.0);
+  std::fill(magnitudes.begin(), magnitudes.end(), 0.0);
+  for (std::size_t j = 0; j < n; ++j) {
+    const double b = x[block.coordinates[j]] * block.units[j];
+    if (b == 0) continue;
+    const double* const column = inverse.col(static_cast<Index>(j)).data();
+    for (std::size_t i = 0; i < n; ++i) {
+      y[i] += column[i] * b;
+      magnitudes[i] += std::abs(column[i] * b);
     }
   }
-  std::sort(touched.begin(), touched.end());
-  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
-  for (const std::size_t b : touched) {
-    result.insert(result.end(), blocks_[b].coordinates.begin(), blocks_[b].coordinates.end());
-    if (has_inertia_) solve(blocks_[b], x);
+  const double rounding = (static_cast<double>(n) + 4) * kUnitRoundoff * largest_magnitude(magnitudes) + bounded::kLost;
+  const double contraction = has_inertia_ ? block.contraction : 0;
+  const double of_scaled = rounding + contraction / (1 - contraction) * (largest_magnitude(y) + rounding);
+  double unit = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    x[block.coordinates[i]] = y[i] * block.units[i];
+    unit = std::max(unit, block.units[i]);
   }
-  if (!has_inertia_ && !touched.empty()) x = apply(x);
-  pattern = std::move(result);
+  const double error = of_scaled * unit * (1 + 0x1p-20) + bounded::kLost;
+  return std::isnan(error) ? std::numeric_limits<double>::infinity() : error;
 }
 
 BoundedVector BoundedInertia::apply(const BoundedVector& x) const {

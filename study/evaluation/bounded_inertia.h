@@ -28,6 +28,8 @@ class BoundedInertia {
   void solve(BoundedVector& x) const;
   /// x := G* x for an x with entries only in the rows of `pattern`, which becomes the rows of the result.
   void solve(BoundedVector& x, std::vector<std::size_t>& pattern) const;
+  /// The same in double. Returns a bound on the error of any entry, which may be infinite.
+  double estimate(std::vector<double>& x, std::vector<std::size_t>& pattern) const;
   /// G x.
   BoundedVector apply(const BoundedVector& x) const;
   /// |G| x for x >= 0; |G*| x where only that was given.
@@ -52,11 +54,15 @@ class BoundedInertia {
   void solve(Block& block, BoundedVector& x) const;
   static void multiply(const Block& block, const Matrix& matrix, const BoundedVector& x, BoundedVector& y);
   void divide(std::size_t row, BoundedVector& x) const;
+  double estimate(Block& block, std::vector<double>& x) const;
+  /// Replaces the rows of a pattern by those that G* couples them to, and lists their blocks in touched_.
+  void couple(std::vector<std::size_t>& pattern) const;
 
   std::vector<double> singles_;        ///< per coordinate: its inertia where it is coupled to no other, else 0
   mutable std::vector<Block> blocks_;  ///< of the others
   std::vector<std::size_t> block_of_row_;
-  mutable std::vector<double> refinement_;  ///< scratch of solve()
+  mutable std::vector<double> refinement_;    ///< scratch of solve()
+  mutable std::vector<std::size_t> touched_;  ///< by couple()
   bool well_defined_ = true;
   bool has_inertia_ = true;
 };

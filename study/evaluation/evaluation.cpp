@@ -149,6 +149,14 @@ Real ContactEvaluation<Real>::island_scale(std::size_t island) const {
 
 template <class Real>
 Real ContactEvaluation<Real>::row_residual(std::size_t row, const RealVector& z, const RealVector& w) {
+  if constexpr (std::is_same_v<Real, Bounded>) {
+    // A bound on M_ii mostly shows which of the two is smaller.
+    if (row >= lcp->impulses()) {
+      if (surely_equal(z[row], 0) && surely_less(0, w[row]) && inertia.has_inertia()) return 0;
+    } else if (surely_less(0, z[row]) && surely_less(abs(w[row]), z[row] * Real(lcp->least_diagonal(row)))) {
+      return abs(w[row]);
+    }
+  }
   // M_ii is needed only where its factor is not zero.
   const auto scaled = [this](std::size_t of, Real factor) {
     return surely_equal(factor, 0) ? factor : lcp->diagonal(of) * factor;

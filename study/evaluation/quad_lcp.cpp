@@ -8,18 +8,6 @@
 namespace lcpbench {
 namespace {
 
-// The estimate of M takes a response for exact but for its rounding to double.
-bool is_accurate(const BoundedVector& response) {
-  double largest = 0, error = 0;
-  for (const Bounded& value : response) {
-    largest = std::max(largest, std::abs(value.high));
-    error = std::max(error, value.error);
-  }
-  const bool finite = std::all_of(response.begin(), response.end(), [](const Bounded& x) { return is_finite(x); });
-  return finite && error <= 0x1p-60 * largest;
-}
-bool is_accurate(const QuadVector&) { return true; }
-
 template <class Real>
 std::vector<double> rounded(const std::vector<Real>& x) {
   std::vector<double> doubles(x.size());
@@ -44,18 +32,22 @@ std::vector<Real> EvaluatedLcp<Real>::all_rows(const std::vector<Real>& z, const
   return w;
 }
 
-void MagnitudeEstimate::end_row(double error) {
-  double sum = 0;
-  for (std::size_t e = begin.back(); e < entries.size(); ++e) sum += entries[e];
-  begin.push_back(entries.size());
-  row_sums.push_back(sum);
-  row_error.push_back(error);
-}
-
 template <class Real>
-const MagnitudeEstimate* EvaluatedLcp<Real>::estimate() {
-  if (!estimate_) fill(estimate_.emplace());
-  return estimate_->row_sums.size() == size() ? &*estimate_ : nullptr;
+const MagnitudeEstimate::Row* EvaluatedLcp<Real>::estimated_row(std::size_t i) {
+  if (estimate_.rows.empty()) {
+    estimate_.rows.resize(size());
+    estimate_.column_scale.reserve(size());
+    for (std::size_t j = 0; j < size(); ++j) estimate_.column_scale.push_back(column_scale(j));
+  }
+  const std::size_t representing = representative(i);
+  MagnitudeEstimate::Row& row = estimate_.rows[representing];
+  if (row.known) return &row;
+  if (estimate_.entries.size() > kLargestEstimate) return nullptr;
+  row.begin = estimate_.entries.size();
+  fill_row(representing, row, estimate_);
+  row.end = estimate_.entries.size();
+  row.known = true;
+  return &row;
 }
 
 BareQuadLcp::BareQuadLcp(const Lcp& lcp) : lcp_(lcp) { q_.assign(lcp.q.begin(), lcp.q.end()); }
@@ -94,15 +86,13 @@ std::vector<double> BareQuadLcp::estimate_w(const QuadVector&, const QuadVector&
   return w;
 }
 
-void BareQuadLcp::fill(MagnitudeEstimate& estimate) {
-  if (size() * size() > kLargestEstimate) return;
-  estimate.column_scale.assign(size(), 0);
-  for (std::size_t i = 0; i < size(); ++i) {
-    for (std::size_t j = 0; j < size(); ++j) {
-      if (M(i, j) != 0) estimate.add(j, std::abs(M(i, j)));
-    }
-    estimate.end_row(0);
+void BareQuadLcp::fill_row(std::size_t i, MagnitudeEstimate::Row& row, MagnitudeEstimate& estimate) {
+  for (std::size_t j = 0; j < size(); ++j) {
+    if (M(i, j) == 0) continue;
+    estimate.add(j, std::abs(M(i, j)));
+    row.sum += std::abs(M(i, j));
   }
+  row.diagonal = M(i, i);
 }
 
 template <class Real>
@@ -124,6 +114,7 @@ ContactLcp<Real>::ContactLcp(const ContactProblem& problem, const Inertia& inert
   abs_row_sum_.resize(impulses());
   abs_row_sum_known_.resize(impulses(), false);
   scratch_.assign(v_.size(), 0);
+  estimate_x_.assign(v_.size(), 0);
   entry_.assign(impulses(), 0);
   visited_.assign(impulses(), 0);
 }
@@ -187,11 +178,14 @@ bool ContactLcp<Real>::opposite(std::size_t i, std::size_t j) const {
 template <class Real>
 void ContactLcp<Real>::find_opposite_columns() {
   twin_.resize(impulses());
+  represented_.assign(impulses(), 1);
   for (std::size_t i = 0; i < impulses(); ++i) twin_[i] = i;
   for (std::size_t cone = 0; cone < normal_of_cone_.size(); ++cone) {
     const std::size_t half = (friction_of_cone_[cone + 1] - friction_of_cone_[cone]) / 2;
     for (std::size_t i = friction_of_cone_[cone] + half; i < friction_of_cone_[cone + 1]; ++i) {
-      if (opposite(i, i - half)) twin_[i] = i - half;
+      if (!opposite(i, i - half)) continue;
+      twin_[i] = i - half;
+      represented_[i - half] = 2;
     }
   }
 }
@@ -305,10 +299,7 @@ void ContactLcp<Real>::fill_rows(std::span<const std::size_t> rows, const RealVe
 template <class Real>
 const typename ContactLcp<Real>::Response& ContactLcp<Real>::response_of(std::size_t column) {
   Response& response = responses_[twin_[column]];
-  if (response.known) {
-    if (!response.accurate) throw Doubt();
-    return response;
-  }
+  if (response.known) return response;
   const std::size_t j = twin_[column];
   response.pattern.reserve(begin_[j + 1] - begin_[j]);
   for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) {
@@ -320,9 +311,7 @@ const typename ContactLcp<Real>::Response& ContactLcp<Real>::response_of(std::si
   for (const std::size_t row : response.pattern) response.values.push_back(scratch_[row]);
   response.diagonal = project(j, scratch_);
   gather(response);
-  response.accurate = is_accurate(response.values);
   response.known = true;
-  if (!response.accurate) throw Doubt();
   return response;
 }
 
@@ -408,55 +397,81 @@ std::vector<double> ContactLcp<Real>::estimate_w(const RealVector& z, const Real
 }
 
 template <class Real>
-void ContactLcp<Real>::fill_impulse_row(std::size_t i, std::vector<double>& y, MagnitudeEstimate& estimate) {
-  const Response& response = response_of(i);
-  double largest = 0;
-  for (std::size_t e = 0; e < response.pattern.size(); ++e) {
-    y[response.pattern[e]] = to_double(response.values[e]);
-    largest = std::max(largest, std::abs(y[response.pattern[e]]));
-  }
-  ++visit_;
-  for (const std::size_t r : response.pattern) {
-    for (std::size_t e = row_begin_[r]; e < row_begin_[r + 1]; ++e) {
-      const std::size_t j = columns_of_row_[e];
-      if (visited_[j] == visit_) continue;
-      visited_[j] = visit_;
-      estimate.add(j, std::abs(project(j, y)));
+double ContactLcp<Real>::estimate_response(std::size_t i) {
+  std::vector<std::size_t>& pattern = estimate_pattern_;
+  pattern.clear();
+  if constexpr (std::is_same_v<Real, Bounded>) {
+    for (std::size_t e = begin_[i]; e < begin_[i + 1]; ++e) {
+      estimate_x_[rows_[e]] = values_[e];
+      pattern.push_back(rows_[e]);
     }
+    return inertia_.estimate(estimate_x_, pattern);
+  } else {
+    const Response& response = response_of(i);
+    for (std::size_t e = 0; e < response.pattern.size(); ++e) {
+      estimate_x_[response.pattern[e]] = to_double(response.values[e]);
+      pattern.push_back(response.pattern[e]);
+    }
+    return 0;
   }
-  if (i >= contacts_) estimate.add(lambda_of_[i], 1);
-  for (const std::size_t r : response.pattern) y[r] = 0;
-  // Each term of J_j'y is off by its own rounding and that of y: (nnz + 2) 2^-53 |J_j|'|y| at most, the count of which
-  // is in the column's scale. The second summand covers what underflow may lose.
-  estimate.end_row(0x1p-53 * largest + 0x1p-1000);
 }
 
 template <class Real>
-void ContactLcp<Real>::fill_cone_row(std::size_t cone, MagnitudeEstimate& estimate) const {
-  estimate.add(normal_of_cone_[cone], std::abs(to_double(mu_[cone])));
-  for (std::size_t t = friction_of_cone_[cone]; t < friction_of_cone_[cone + 1]; ++t) estimate.add(t, 1);
-  estimate.end_row(0);
-}
-
-template <class Real>
-void ContactLcp<Real>::fill(MagnitudeEstimate& estimate) {
-  for (std::size_t j = 0; j < q_.size(); ++j) {
-    double scale = 0x1p-30;
-    if (j < impulses()) {
-      for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) scale += std::abs(values_[e]);
-      scale *= static_cast<double>(begin_[j + 1] - begin_[j] + 4);
-    }
-    estimate.column_scale.push_back(scale);
-  }
-  std::vector<double> y(v_.size(), 0);
-  for (std::size_t i = 0; i < impulses() && estimate.entries.size() <= kLargestEstimate; ++i) {
-    fill_impulse_row(i, y, estimate);
-  }
-  if (estimate.entries.size() > kLargestEstimate) {
-    estimate = MagnitudeEstimate{};
+void ContactLcp<Real>::fill_row(std::size_t i, MagnitudeEstimate::Row& row, MagnitudeEstimate& estimate) {
+  if (i >= impulses()) {
+    fill_cone_row(i - impulses(), row, estimate);
     return;
   }
-  for (std::size_t cone = 0; cone < normal_of_cone_.size(); ++cone) fill_cone_row(cone, estimate);
+  const double error = estimate_response(i);
+  double largest = 0;
+  for (const std::size_t r : estimate_pattern_) largest = std::max(largest, std::abs(estimate_x_[r]));
+  ++visit_;
+  for (const std::size_t r : estimate_pattern_) {
+    for (std::size_t e = row_begin_[r]; e < row_begin_[r + 1]; ++e) {
+      const std::size_t j = columns_of_row_[e];
+      if (twin_[j] != j || visited_[j] == visit_) continue;
+      visited_[j] = visit_;
+      const double entry = std::abs(project(j, estimate_x_));
+      estimate.add(j, entry);
+      row.sum += represented_[j] * entry;
+    }
+  }
+  row.diagonal = project(i, estimate_x_);
+  if (i >= contacts_) {
+    estimate.add(lambda_of_[i], 1);
+    row.sum += 1;
+  }
+  for (const std::size_t r : estimate_pattern_) estimate_x_[r] = 0;
+  // Each term of J_j'x is off by its own rounding and that of x: (nnz + 2) 2^-53 |J_j|'|x| at most, the count of which
+  // is in the column's scale. The last summand covers what underflow may lose.
+  row.error = 0x1p-53 * largest + error + 0x1p-1000;
+}
+
+template <class Real>
+void ContactLcp<Real>::fill_cone_row(std::size_t cone, MagnitudeEstimate::Row& row, MagnitudeEstimate& estimate) const {
+  const double mu = std::abs(to_double(mu_[cone]));
+  estimate.add(normal_of_cone_[cone], mu);
+  row.sum = mu + static_cast<double>(friction_of_cone_[cone + 1] - friction_of_cone_[cone]);
+  for (std::size_t t = friction_of_cone_[cone]; t < friction_of_cone_[cone + 1]; ++t) {
+    if (twin_[t] == t) estimate.add(t, 1);
+  }
+}
+
+template <class Real>
+double ContactLcp<Real>::column_scale(std::size_t j) const {
+  double scale = 0x1p-30;
+  if (j >= impulses()) return scale;
+  for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) scale += std::abs(values_[e]);
+  return scale * static_cast<double>(begin_[j + 1] - begin_[j] + 4);
+}
+
+template <class Real>
+double ContactLcp<Real>::least_diagonal(std::size_t i) {
+  const MagnitudeEstimate::Row* const row = this->estimated_row(i);
+  if (row == nullptr) return 0;
+  const double error = 2 * row->error * this->estimate().column_scale[twin_[i]];
+  const double least = row->diagonal * (1 - 0x1p-30) - error;
+  return std::isfinite(least) ? std::max(0.0, least) : 0;
 }
 
 template class EvaluatedLcp<Quad>;

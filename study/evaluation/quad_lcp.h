@@ -12,22 +12,25 @@
 
 namespace lcpbench {
 
-/// |M| in double, by rows, with a bound on its error. It decides which rows of M are worth measuring in 113 bits; it
-/// never enters a measure.
+/// Rows of |M| in double, made when they are first asked for, with a bound on their error. They decide which rows of M
+/// are worth measuring in the arithmetic of the measures, and never enter a measure.
 struct MagnitudeEstimate {
-  std::vector<std::size_t> begin{0};  ///< of each row's entries
+  struct Row {
+    bool known = false;
+    std::size_t begin = 0, end = 0;  ///< of its entries, in the columns that represent others
+    double sum = 0;                  ///< of all |M_ij|
+    double diagonal = 0;             ///< M_ii
+    double error = 0;                ///< | |M_ij| - entry | <= error column_scale[j]; entries left out are zero
+  };
+  std::vector<Row> rows;
   std::vector<std::size_t> columns;
   std::vector<double> entries;
-  std::vector<double> row_sums;
-  /// | |M_ij| - entry | <= row_error[i] column_scale[j]; entries left out are zero.
-  std::vector<double> row_error;
   std::vector<double> column_scale;
 
   void add(std::size_t column, double entry) {
     columns.push_back(column);
     entries.push_back(entry);
   }
-  void end_row(double error);
 };
 
 /// LCP(q, M) in the arithmetic of Real, Quad or Bounded, behind an interface that never asks for the whole of M.
@@ -65,8 +68,12 @@ class EvaluatedLcp {
   /// ||M_i||_1.
   virtual Real abs_row_sum(std::size_t i) = 0;
 
-  /// Made on first use: O(nnz(M)) time and memory. nullptr when it would hold more than 2^25 entries.
-  const MagnitudeEstimate* estimate();
+  /// The column of the same magnitudes that stands for column j in the estimate; so it does for row j.
+  virtual std::size_t representative(std::size_t j) const { return j; }
+  /// Made on first use, for row i's representative. nullptr when the estimate would hold more than about 2^25 entries.
+  const MagnitudeEstimate::Row* estimated_row(std::size_t i);
+  /// The rows that were asked for.
+  const MagnitudeEstimate& estimate() const { return estimate_; }
   /// w in double, without a bound on its error: size() entries, of which those of `rows` are filled.
   virtual std::vector<double> estimate_w(const std::vector<Real>& z, const std::vector<Real>& u,
                                          std::span<const std::size_t> rows) const = 0;
@@ -74,12 +81,14 @@ class EvaluatedLcp {
  protected:
   static constexpr std::size_t kLargestEstimate = std::size_t{1} << 25;
 
-  virtual void fill(MagnitudeEstimate& estimate) = 0;
+  virtual double column_scale(std::size_t j) const = 0;
+  /// Adds the entries of a representative row, and sets all else but where they begin and end.
+  virtual void fill_row(std::size_t i, MagnitudeEstimate::Row& row, MagnitudeEstimate& estimate) = 0;
 
   std::vector<Real> q_;
 
  private:
-  std::optional<MagnitudeEstimate> estimate_;
+  MagnitudeEstimate estimate_;
 };
 
 using QuadLcp = EvaluatedLcp<Quad>;
@@ -100,7 +109,8 @@ class BareQuadLcp final : public QuadLcp {
                                  std::span<const std::size_t> rows) const override;
 
  private:
-  void fill(MagnitudeEstimate& estimate) override;
+  double column_scale(std::size_t) const override { return 0; }
+  void fill_row(std::size_t i, MagnitudeEstimate::Row& row, MagnitudeEstimate& estimate) override;
   double M(std::size_t i, std::size_t j) const { return lcp_.M(static_cast<Index>(i), static_cast<Index>(j)); }
 
   const Lcp& lcp_;
@@ -113,7 +123,6 @@ class ContactLcp final : public EvaluatedLcp<Real> {
   using Inertia = std::conditional_t<std::is_same_v<Real, Quad>, QuadInertia, BoundedInertia>;
   using RealVector = std::vector<Real>;
   using EvaluatedLcp<Real>::q_;
-  using EvaluatedLcp<Real>::kLargestEstimate;
 
  public:
   /// @param problem, inertia  must outlive this object; inertia.well_defined() must hold.
@@ -130,6 +139,10 @@ class ContactLcp final : public EvaluatedLcp<Real> {
   Real abs_row_sum(std::size_t i) override;
   std::vector<double> estimate_w(const RealVector& z, const RealVector& u,
                                  std::span<const std::size_t> rows) const override;
+
+  std::size_t representative(std::size_t j) const override { return j < impulses() ? twin_[j] : j; }
+  /// M_ii is at least this.
+  double least_diagonal(std::size_t i);
 
   std::size_t impulses() const { return begin_.size() - 1; }
   std::size_t contacts() const { return contacts_; }
@@ -151,7 +164,6 @@ class ContactLcp final : public EvaluatedLcp<Real> {
   /// G* J_j by its nonzero blocks.
   struct Response {
     bool known = false;
-    bool accurate = false;  ///< enough for the estimate of M
     std::vector<std::size_t> pattern;
     RealVector values;
     Real diagonal = 0;  ///< M_jj
@@ -167,9 +179,11 @@ class ContactLcp final : public EvaluatedLcp<Real> {
   void list_columns_of_rows();
   const Response& response_of(std::size_t column);
   Real cone_row(std::size_t cone, const RealVector& z) const;
-  void fill(MagnitudeEstimate& estimate) override;
-  void fill_impulse_row(std::size_t i, std::vector<double>& y, MagnitudeEstimate& estimate);
-  void fill_cone_row(std::size_t cone, MagnitudeEstimate& estimate) const;
+  double column_scale(std::size_t j) const override;
+  void fill_row(std::size_t i, MagnitudeEstimate::Row& row, MagnitudeEstimate& estimate) override;
+  void fill_cone_row(std::size_t cone, MagnitudeEstimate::Row& row, MagnitudeEstimate& estimate) const;
+  /// G* J_i in estimate_x_, for the rows in estimate_pattern_. Returns a bound on the error of an entry.
+  double estimate_response(std::size_t i);
   double project(std::size_t i, const std::vector<double>& x) const;
   /// Spreads the response over scratch_; gather() makes scratch_ zero again.
   void scatter(const Response& response);
@@ -183,6 +197,7 @@ class ContactLcp final : public EvaluatedLcp<Real> {
   std::vector<std::size_t> rows_;
   std::vector<double> values_;
   std::vector<std::size_t> twin_;  ///< the column's own index, or that of an earlier column of which it is the negative
+  std::vector<double> represented_;     ///< columns of which it is the twin
   std::vector<std::size_t> row_begin_;  ///< the columns that meet each row of J
   std::vector<std::size_t> columns_of_row_;
 
@@ -194,7 +209,9 @@ class ContactLcp final : public EvaluatedLcp<Real> {
   std::vector<Response> responses_;
   RealVector abs_row_sum_;
   std::vector<bool> abs_row_sum_known_;
-  RealVector scratch_;                  ///< ngc zeros between uses
+  RealVector scratch_;              ///< ngc zeros between uses
+  std::vector<double> estimate_x_;  ///< the same, in double
+  std::vector<std::size_t> estimate_pattern_;
   RealVector entry_;                    ///< scratch of abs_row_sum(), per column
   std::vector<std::uint32_t> visited_;  ///< per column: the last visit's number
   std::uint32_t visit_ = 0;

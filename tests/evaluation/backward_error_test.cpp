@@ -171,8 +171,6 @@ TEST(QuadLcpTest, EveryWayToARowGivesTheSameRow) {
   std::vector<std::size_t> rows(lcp.size());
   std::iota(rows.begin(), rows.end(), std::size_t{0});
   const std::vector<double> estimated = lcp.estimate_w(z, u, rows);
-  const MagnitudeEstimate* estimate = lcp.estimate();
-  ASSERT_NE(estimate, nullptr);
   for (std::size_t i = 0; i < lcp.size(); ++i) {
     EXPECT_TRUE(lcp.row(i, z, u) == w[i]);
     EXPECT_LT(std::abs(to_double(w[i] - expected[i])), 1e-30);
@@ -180,12 +178,15 @@ TEST(QuadLcpTest, EveryWayToARowGivesTheSameRow) {
     EXPECT_LT(std::abs(to_double(lcp.diagonal(i) - bare.diagonal(i))), 1e-30);
     EXPECT_LT(std::abs(to_double(lcp.abs_row_sum(i) - bare.abs_row_sum(i))), 1e-28);
     Vector row = Vector::Zero(dense.size());
-    for (std::size_t e = estimate->begin[i]; e < estimate->begin[i + 1]; ++e) {
-      row(static_cast<Index>(estimate->columns[e])) = estimate->entries[e];
+    const MagnitudeEstimate::Row* estimated_row = lcp.estimated_row(i);
+    ASSERT_NE(estimated_row, nullptr);
+    for (std::size_t e = estimated_row->begin; e < estimated_row->end; ++e) {
+      row(static_cast<Index>(lcp.estimate().columns[e])) = lcp.estimate().entries[e];
     }
     for (Index j = 0; j < dense.size(); ++j) {
-      EXPECT_LE(std::abs(row(j) - std::abs(dense.M(static_cast<Index>(i), j))),
-                estimate->row_error[i] * estimate->column_scale[static_cast<std::size_t>(j)]);
+      const std::size_t column = lcp.representative(static_cast<std::size_t>(j));
+      EXPECT_LE(std::abs(row(static_cast<Index>(column)) - std::abs(dense.M(static_cast<Index>(i), j))),
+                estimated_row->error * lcp.estimate().column_scale[column]);
     }
   }
   lcp.remove(7, z[7], u);
