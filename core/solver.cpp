@@ -21,20 +21,20 @@ constexpr std::array<std::pair<Claim, const char*>, 7> kClaims{{{Claim::kSolved,
                                                                 {Claim::kCrashed, "crashed"}}};
 
 /// Eigen's allFinite() looks at one entry after the other, which for small problems takes as long as solving them. x -
-/// x has bits only where x is NaN or infinite, and these are gathered in registers.
+/// x has bits only where x is NaN or infinite, and these are gathered in registers, each entry of a group in its own.
 template <class Dense>
 bool finite(const Dense& data) {
   constexpr Index kTogether = 8;
   const double* const entries = data.data();
   const auto bits = [](double x) { return std::bit_cast<std::uint64_t>(x - x); };
-  std::uint64_t all = 0;
+  std::uint64_t some[kTogether] = {};
   Index i = 0;
   for (; i + kTogether <= data.size(); i += kTogether) {
-    std::uint64_t some = 0;
-    for (Index k = 0; k < kTogether; ++k) some |= bits(entries[i + k]);
-    all |= some;
+    for (Index k = 0; k < kTogether; ++k) some[k] |= bits(entries[i + k]);
   }
+  std::uint64_t all = 0;
   for (; i < data.size(); ++i) all |= bits(entries[i]);
+  for (const std::uint64_t part : some) all |= part;
   return all == 0;
 }
 

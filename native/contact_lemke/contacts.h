@@ -201,11 +201,18 @@ class Contacts {
 
   void transpose(Count contact, Scalar* to) {
     const Count width = padded_half(contact);
-    const double* const first = input_.D + first_direction(contact) * ngc();
-    for (Count i = 0; i < ngc(); ++i) {
-      Scalar* const row = to + i * width;
-      for (Count t = 0; t < half(contact); ++t) row[t] = static_cast<Scalar>(first[t * ngc() + i]);
-      for (Count t = half(contact); t < width; ++t) row[t] = 0;
+    const double* column = input_.D + first_direction(contact) * ngc();
+    Count t = 0;
+    for (; t + kTogether <= half(contact); t += kTogether, column += kTogether * ngc()) {
+      for (Count i = 0; i < ngc(); ++i) {
+        for (Count k = 0; k < kTogether; ++k) to[i * width + t + k] = static_cast<Scalar>(column[k * ngc() + i]);
+      }
+    }
+    for (; t < half(contact); ++t, column += ngc()) {
+      for (Count i = 0; i < ngc(); ++i) to[i * width + t] = static_cast<Scalar>(column[i]);
+    }
+    for (; t < width; ++t) {
+      for (Count i = 0; i < ngc(); ++i) to[i * width + t] = 0;
     }
     transposed_[contact] = true;
   }

@@ -276,8 +276,7 @@ inline void Path<Scalar>::compute_contact_candidates(Count contact, const Enteri
   }
   const Scalar preferred = static_cast<Scalar>(kStickingFirst);
   const Scalar zero_value = preferred * (shift - (zero_base ? Scalar(0) : cover * z0));
-  const Scalar zero_rate =
-      preferred * allowed[2 * width] * (shift_rate - (zero_base ? Scalar(0) : cover * dz0));
+  const Scalar zero_rate = preferred * allowed[2 * width] * (shift_rate - (zero_base ? Scalar(0) : cover * dz0));
   const bool watched = friction_.support(contact) > 0 || enters_friction_of(entering, contact);
   const Scalar base_value = base_value_[contact] * impulse_norm_[contact];
   const Scalar base_rate = watched ? base_rate_[contact] * impulse_norm_[contact] : Scalar(0);
