@@ -86,6 +86,7 @@ class CommandLine {
     add("inspect", "Say what problem files are, and what looks wrong or hard in them", add_inspect_command);
     add("solve", "Solve problem files and verify the answers", add_solve_command);
     add("shrink", "Look for the smallest problem on which a solver still fails", add_shrink_command);
+    add("models", "Solve problem files with models of friction from coarse to exact", add_models_command);
     add("certify", "Prove whether problems have a solution",
         [&](CLI::App& command) { return add_certify_command(command, typed); });
     add("run", "Run a study into a store; resumes by default",

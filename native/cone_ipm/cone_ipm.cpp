@@ -24,6 +24,7 @@ struct ConeIpmSettings {
   ConeIsland::Slip slip = ConeIsland::Slip::kNewton;
   double tolerance = 1e-10;
   double accept_residual = 1e-8;
+  double error = 0;
   std::int64_t max_iterations = 2000;
 
   void visit(auto&& field) {
@@ -37,6 +38,9 @@ struct ConeIpmSettings {
           "stop when the residual of the cone's conditions is at most this times max|q| of the island");
     field("accept_residual", accept_residual, RealRange{.min = 0},
           "claim solved only when that residual, evaluated in double, is at most this times max|q| of every island");
+    field("error", error, RealRange{.min = 0},
+          "[m/s] stop, and claim solved, when the residual is at most this, if that asks for less than tolerance and "
+          "accept_residual do");
     field("max_iterations", max_iterations, IntegerRange{.min = 0}, "predictor-corrector steps of each island");
   }
 };
@@ -129,13 +133,16 @@ void ConeIpm::on_update(const Vector& v) {
 Claim ConeIpm::solve(Part& part, double deadline_s, Counters& counters) {
   using Stop = ConeIsland::Stop;
   using Slip = ConeIsland::Slip;
-  const ConeLimits limits{settings_.tolerance, counters.iterations + settings_.max_iterations, deadline_s};
+  const double allowed = part.method.speed() > 0 ? settings_.error / part.method.speed() : 0.0;
+  const double accepted = std::max(settings_.accept_residual, allowed);
+  const ConeLimits limits{std::max(settings_.tolerance, allowed), counters.iterations + settings_.max_iterations,
+                          deadline_s};
   part.method.start();
   Stop stop = part.method.solve(settings_.slip, limits, counters);
-  if (settings_.slip == Slip::kNewton && !(part.method.residual() <= settings_.accept_residual)) {
+  if (settings_.slip == Slip::kNewton && !(part.method.residual() <= accepted)) {
     stop = part.method.solve(Slip::kRounds, limits, counters);
   }
-  if (part.method.residual() <= settings_.accept_residual) return Claim::kSolved;
+  if (part.method.residual() <= accepted) return Claim::kSolved;
   if (stop == Stop::kTimeLimit) return Claim::kTimeLimit;
   return stop == Stop::kIterationLimit || settings_.slip == Slip::kNone ? Claim::kIterationLimit
                                                                         : Claim::kNumericalFailure;

@@ -57,6 +57,15 @@ Vector3d transform(const Vector3d& point, const Vector3d& x) {
   return result;
 }
 
+/// The nearest point of the cone |x_t| <= x_0.
+Vector3d nearest_in_cone(const Vector3d& x) {
+  const double length = x.tail<2>().norm();
+  if (length <= x(0)) return x;
+  if (length <= -x(0)) return Vector3d::Zero();
+  const double height = (x(0) + length) / 2;
+  return {height, height * x(1) / length, height * x(2) / length};
+}
+
 /// The largest length for which x + length d stays in the cone; at most 1e10.
 double length_to_boundary(const Vector3d& x, const Vector3d& d) {
   constexpr double kFar = 1e10;
@@ -210,14 +219,19 @@ double ConeIsland::natural_residual() const {
   return worst / q_max_;
 }
 
-/// Of the convex problem with the slip held [m/s, in the units of u_]. @pre residual_ is that of its equations
+/// Of the convex problem with the slip held [m/s, in the units of u_]: of its equations, and x less the nearest point
+/// of the cone to x - y, times the diagonal. @pre residual_ is that of the equations
 double ConeIsland::convex_residual() const {
   double worst = residual_.lpNorm<Eigen::Infinity>();
   for (const Contact& contact : contacts_) {
     const double scale = contact.rows == 3 ? contact.mu : 1.0;
     const double diagonal = contact.diagonal_normal / (scale * scale) + contact.diagonal_tangent;
-    const double product = x_.segment(contact.row, contact.rows).dot(y_.segment(contact.row, contact.rows));
-    worst = std::max(worst, std::sqrt(std::max(product, 0.0) * diagonal));
+    if (contact.rows == 1) {
+      worst = std::max(worst, std::min(diagonal * x_(contact.row), y_(contact.row)));
+      continue;
+    }
+    const Vector3d x = diagonal * x_.segment<3>(contact.row);
+    worst = std::max(worst, (x - nearest_in_cone(x - y_.segment<3>(contact.row))).norm());
   }
   return worst;
 }

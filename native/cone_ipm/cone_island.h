@@ -49,6 +49,8 @@ class ConeIsland {
   Eigen::Vector3d impulse(Index contact) const;
   /// Largest row of the cone's conditions, relative to max|q|; 0 for q = 0.
   double residual() const { return best_residual_; }
+  /// max|q|: of N'v + b and of the slips along the tangents [m/s].
+  double speed() const { return q_max_; }
   /// The change of the velocity.
   void add_velocity_change(Vector& u);
 

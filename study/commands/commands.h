@@ -25,6 +25,7 @@ Action add_import_command(CLI::App& command);
 Action add_inspect_command(CLI::App& command);
 Action add_solve_command(CLI::App& command);
 Action add_shrink_command(CLI::App& command);
+Action add_models_command(CLI::App& command);
 /// @param command_line as typed: for the provenance
 Action add_run_command(CLI::App& command, const std::string& command_line);
 Action add_merge_command(CLI::App& command);

@@ -16,6 +16,7 @@
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
 #include "study/commands/problem_files.h"
+#include "study/commands/solve_models.h"
 #include "study/evaluation/evaluation.h"
 #include "study/evaluation/fastest_contact.h"
 #include "study/output/explanation.h"
@@ -39,6 +40,7 @@ struct SolveArguments {
   std::vector<std::string> files;
   std::vector<std::string> solvers;
   double time_limit_s = 10.0;
+  double max_velocity_error = 0;  ///< m/s; 0: the problem's own model of friction
   std::string format = "text";
   Extent extent;
 };
@@ -328,6 +330,14 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
 
 int solve(const SolveArguments& arguments) {
   const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
+  if (arguments.max_velocity_error > 0) {
+    return solve_by_models({.files = arguments.files,
+                            .error_m_per_s = arguments.max_velocity_error,
+                            .time_limit_s = arguments.time_limit_s,
+                            .json = arguments.format == "json",
+                            .extent = arguments.extent},
+                           stop);
+  }
   ProgressLine progress;
   Solvers solvers(arguments.solvers);
   Settler settler;
@@ -357,6 +367,12 @@ Action add_solve_command(CLI::App& command) {
   command.add_option("FILE", arguments->files, "problem files")->required();
   command.add_option("--solver", arguments->solvers, "name{key=value,...}; may be repeated (default: all that fit)")
       ->allow_extra_args(false);
+  command
+      .add_option("--max-velocity-error", arguments->max_velocity_error,
+                  "m/s: solve each island by the coarsest model of friction whose measured error against the round cone "
+                  "is at most this")
+      ->check(seconds_check(1e-12, 1e6))
+      ->excludes("--solver");
   command.add_option("--time-limit", arguments->time_limit_s, "seconds for each solve")
       ->check(seconds_check(1e-6, 1e7))
       ->capture_default_str();
@@ -364,7 +380,8 @@ Action add_solve_command(CLI::App& command) {
   add_format_option(command, arguments->format);
   command.footer(
       "claim: what the solver says. verdict: lcpbench's own check of the answer. A file that cannot be read "
-      "does not stop the others; the exit code is then 2. Ctrl-C shows the answers so far (exit code 3).");
+      "does not stop the others; the exit code is then 2. Ctrl-C shows the answers so far (exit code 3). With "
+      "--max-velocity-error an answer that misses it is exit code 1; see docs/explanation/friction-models.md.");
   return [arguments] { return solve(*arguments); };
 }
 

@@ -1,0 +1,216 @@
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "study/commands/commands.h"
+#include "study/commands/options.h"
+#include "study/commands/problem_files.h"
+#include "study/models/ladder.h"
+#include "study/models/pyramid.h"
+#include "study/output/json_output.h"
+#include "study/output/terminal.h"
+#include "study/output/text_table.h"
+#include "study/run/interrupt.h"
+
+namespace lcpbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct ModelsArguments {
+  std::vector<std::string> files;
+  double time_limit_s = 10.0;
+  double error = 1e-3;
+  std::string format = "text";
+  Extent extent;
+};
+
+/// One model on all islands.
+struct RungRow {
+  Rung rung = Rung::kNormals;
+  std::vector<RungAnswer> islands;
+  std::vector<double> differences;  ///< of each island to the cone's velocity
+};
+
+double worst(const RungRow& row, double RungAnswer::*value) {
+  double largest = 0;
+  for (const RungAnswer& island : row.islands) {
+    const double each = island.*value;
+    if (!(each <= largest)) largest = each;  // NaN stays
+    if (std::isnan(each)) break;
+  }
+  return largest;
+}
+
+double worst_difference(const RungRow& row) {
+  double largest = 0;
+  for (const double each : row.differences) {
+    if (std::isnan(each)) return each;
+    largest = std::max(largest, each);
+  }
+  return largest;
+}
+
+double total_time(const RungRow& row) {
+  double sum = 0;
+  for (const RungAnswer& island : row.islands) sum += island.time_s;
+  return sum;
+}
+
+int most_passes(const RungRow& row) {
+  int most = 0;
+  for (const RungAnswer& island : row.islands) most = std::max(most, island.passes);
+  return most;
+}
+
+/// The claim of the first island that has no answer; solved where all have.
+Claim claim_of(const RungRow& row) {
+  for (const RungAnswer& island : row.islands) {
+    if (!island.answered() || island.claim != Claim::kSolved) return island.claim;
+  }
+  return Claim::kSolved;
+}
+
+/// The error at which turning ends [m/s].
+constexpr double kFine = 1e-10;
+
+std::vector<RungRow> ladder_of(const std::vector<LadderIsland>& islands, double error,
+                               const volatile std::sig_atomic_t* stop) {
+  std::vector<RungRow> rows;
+  for (const Rung rung : kRungs) {
+    if (*stop != 0) return rows;
+    RungRow row{rung, {}, {}};
+    const double until = rung == Rung::kConeRough ? error : kFine;
+    for (const LadderIsland& island : islands) row.islands.push_back(island.ladder->climb(rung, until));
+    rows.push_back(std::move(row));
+  }
+  const std::vector<RungAnswer>& cone = rows.back().islands;
+  for (RungRow& row : rows) {
+    for (std::size_t i = 0; i < islands.size(); ++i) {
+      const bool known = row.islands[i].answered() && cone[i].answered() && cone[i].claim == Claim::kSolved;
+      row.differences.push_back(
+          known ? velocity_difference(islands[i].ladder->contacts(), row.islands[i].velocity, cone[i].velocity)
+                : RungAnswer::kNone);
+    }
+  }
+  return rows;
+}
+
+Json rung_json(const RungAnswer& answer, double difference) {
+  return {{"claim", to_string(answer.claim)},
+          {"error_m_per_s", json_number(answer.error_m_per_s)},
+          {"solver_error_m_per_s", json_number(answer.solver_error_m_per_s)},
+          {"velocity_difference_m_per_s", json_number(difference)},
+          {"time_s", json_number(answer.time_s)},
+          {"passes", answer.passes}};
+}
+
+Json ladder_json(const Json& problem, const std::vector<LadderIsland>& islands, const std::vector<RungRow>& rows) {
+  Json json{{"problem", problem}, {"islands", Json::array()}, {"rungs", Json::array()}};
+  for (const LadderIsland& island : islands) {
+    json["islands"].push_back({{"contacts", island.contacts}, {"coordinates", island.coordinates.size()}});
+  }
+  for (const RungRow& row : rows) {
+    Json rung{{"rung", to_string(row.rung)},
+              {"claim", to_string(claim_of(row))},
+              {"error_m_per_s", json_number(worst(row, &RungAnswer::error_m_per_s))},
+              {"solver_error_m_per_s", json_number(worst(row, &RungAnswer::solver_error_m_per_s))},
+              {"velocity_difference_m_per_s", json_number(worst_difference(row))},
+              {"time_s", json_number(total_time(row))},
+              {"passes", most_passes(row)},
+              {"islands", Json::array()}};
+    for (std::size_t i = 0; i < row.islands.size(); ++i) {
+      rung["islands"].push_back(rung_json(row.islands[i], row.differences[i]));
+    }
+    json["rungs"].push_back(std::move(rung));
+  }
+  return json;
+}
+
+TextTable ladder_table() {
+  using Align = TextTable::Align;
+  return TextTable({{"model", Align::kLeft},
+                    {"claim", Align::kLeft, 3},
+                    {"error m/s"},
+                    {"of it the solver's", Align::kRight, 2},
+                    {"difference m/s", Align::kRight, 1},
+                    {"time"},
+                    {"passes", Align::kRight, 4}});
+}
+
+void print_ladder(const std::vector<LadderIsland>& islands, const std::vector<RungRow>& rows, const Extent& extent) {
+  constexpr std::size_t kIslandsShown = 8;
+  TextTable table = ladder_table();
+  for (const RungRow& row : rows) {
+    table.add_row({to_string(row.rung), to_string(claim_of(row)), format_error(worst(row, &RungAnswer::error_m_per_s)),
+                   format_error(worst(row, &RungAnswer::solver_error_m_per_s)), format_error(worst_difference(row)),
+                   format_seconds(total_time(row)), std::to_string(most_passes(row))});
+  }
+  say(stdout, "{}", table.text(extent.width()));
+  const std::size_t shown = extent.all ? islands.size() : std::min(islands.size(), kIslandsShown);
+  if (islands.size() > 1) {
+    std::vector<TextTable::Column> columns{{"island", TextTable::Align::kRight}, {"contacts"}};
+    for (const RungRow& row : rows) columns.push_back({to_string(row.rung), TextTable::Align::kRight, 1});
+    TextTable each(columns);
+    for (std::size_t i = 0; i < shown; ++i) {
+      std::vector<std::string> cells{std::to_string(i), std::to_string(islands[i].contacts.size())};
+      for (const RungRow& row : rows) cells.push_back(fmt::format("{:.0e}", row.islands[i].error_m_per_s));
+      each.add_row(cells);
+    }
+    say(stdout, "error by island [m/s]:\n{}", each.text(extent.width()));
+    if (shown < islands.size()) say(stdout, "{} more islands: --long shows them\n", islands.size() - shown);
+  }
+  say(stdout, "\n");
+}
+
+int models(const ModelsArguments& arguments) {
+  const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
+  Json documents = Json::array();
+  const auto visit = [&](const Problem& problem, const std::string& file) {
+    const std::vector<LadderIsland> islands = ladder_islands(problem, file, arguments.time_limit_s);
+    const std::vector<RungRow> rows = ladder_of(islands, arguments.error, stop);
+    if (*stop != 0) return;
+    if (arguments.format == "json") {
+      documents.push_back(ladder_json(problem_summary_json(problem, file), islands, rows));
+    } else {
+      say(stdout, "{}", folded(problem_summary_text(problem, file) + "\n", arguments.extent.width()));
+      print_ladder(islands, rows, arguments.extent);
+    }
+  };
+  const bool complete = for_each_problem_file(arguments.files, stop, visit);
+  if (arguments.format == "json") print_json(documents);
+  if (*stop != 0) return kExitInterrupted;
+  return complete ? kExitDone : kExitBadInput;
+}
+
+}  // namespace
+
+Action add_models_command(CLI::App& command) {
+  const auto arguments = std::make_shared<ModelsArguments>();
+  command.add_option("FILE", arguments->files, "problem files, or captured steps")->required();
+  command.add_option("--max-velocity-error", arguments->error, "m/s that cone-rough is solved to")
+      ->check(seconds_check(1e-12, 1e6))
+      ->capture_default_str();
+  command.add_option("--time-limit", arguments->time_limit_s, "seconds for each solve of an island")
+      ->check(seconds_check(1e-6, 1e7))
+      ->capture_default_str();
+  add_wide_option(command, arguments->extent);
+  add_long_option(command, arguments->extent, "every island");
+  add_format_option(command, arguments->format);
+  command.footer(
+      "Solves each island of the contacts with models of friction from coarse to exact. error: the residual of the "
+      "round "
+      "Coulomb cone's own conditions, which needs no reference. difference: of the velocities at the contacts from "
+      "those of "
+      "the cone. See docs/explanation/friction-models.md. A file that cannot be read does not stop the others; the "
+      "exit "
+      "code is then 2.");
+  return [arguments] { return models(*arguments); };
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,198 @@
+#include "study/commands/solve_models.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/round_cone.h"
+#include "core/timed_solve.h"
+#include "study/commands/commands.h"
+#include "study/commands/problem_files.h"
+#include "study/evaluation/evaluation.h"
+#include "study/evaluation/friction_model.h"
+#include "study/models/ladder.h"
+#include "study/output/json_output.h"
+#include "study/output/text_table.h"
+
+namespace lcpbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// The answer to the whole problem, and how each island got it.
+struct Mixture {
+  std::vector<LadderIsland> islands;
+  std::vector<Climb> climbs;
+  Answer answer;
+  Errors errors;  ///< of the whole answer, by the cone
+  double verify_s = 0;
+  bool met = true;
+
+  double chosen_s() const {
+    double sum = 0;
+    for (const Climb& each : climbs) sum += each.chosen.time_s;
+    return sum;
+  }
+  double spent_s() const {
+    double sum = 0;
+    for (const Climb& each : climbs) sum += each.spent_s;
+    return sum;
+  }
+};
+
+/// The impulses of the islands in the z of the problem.
+Vector whole_impulses(const ContactProblem& contact, const Mixture& mixture) {
+  const ContactLayout layout = contact_layout(contact);
+  Vector z = Vector::Zero(layout.size());
+  for (std::size_t i = 0; i < mixture.islands.size(); ++i) {
+    const Vector& part = mixture.climbs[i].chosen.impulses;
+    const std::vector<Index>& contacts = mixture.islands[i].contacts;
+    auto at = static_cast<Index>(contacts.size());
+    for (std::size_t k = 0; k < contacts.size() && part.size() > 0; ++k) {
+      const auto c = static_cast<std::size_t>(contacts[k]);
+      z(contacts[k]) = part(static_cast<Index>(k));
+      if (layout.lambda[c] < 0) continue;
+      const Index begin = layout.friction_begin[c];
+      share_among_directions(part(at) - part(at + 2), part(at + 1) - part(at + 3),
+                             z.segment(layout.friction_offset() + begin, layout.friction_begin[c + 1] - begin));
+      at += 4;
+    }
+  }
+  complete_slip_bounds(contact, layout, post_impact_velocity(contact, z), z);
+  return z;
+}
+
+Mixture mix(const Problem& problem, const std::string& file, const ModelsRequest& request,
+            const volatile std::sig_atomic_t* stop) {
+  Mixture mixture;
+  mixture.islands = ladder_islands(problem, file, request.time_limit_s);
+  for (const LadderIsland& island : mixture.islands) {
+    if (*stop != 0) return mixture;
+    mixture.climbs.push_back(climb(*island.ladder, request.error_m_per_s, true));
+  }
+  mixture.answer.z = whole_impulses(*problem.contact(), mixture);
+  mixture.answer.velocity = post_impact_velocity(*problem.contact(), mixture.answer.z);
+  const double begin = thread_cpu_clock_s();
+  mixture.errors = Evaluator(problem).errors(mixture.answer);
+  measure_cone(problem, mixture.answer, mixture.errors);
+  mixture.verify_s = thread_cpu_clock_s() - begin;
+  // Of the whole answer as it is returned, not of the islands' alone: contacts that nothing moves count.
+  mixture.met = mixture.errors.velocity_residual_m_per_s <= request.error_m_per_s;
+  mixture.answer.claim = mixture.met ? Claim::kSolved : Claim::kNumericalFailure;
+  mixture.answer.detail = mixture.met ? "" : "the finest model does not meet the error";
+  return mixture;
+}
+
+Json climb_json(const LadderIsland& island, const Climb& climbed) {
+  const bool further = climbed.next.answered();
+  return {{"contacts", island.contacts},
+          {"rung", to_string(climbed.chosen.rung)},
+          {"met", climbed.met},
+          {"error_m_per_s", json_number(climbed.chosen.error_m_per_s)},
+          {"solver_error_m_per_s", json_number(climbed.chosen.solver_error_m_per_s)},
+          {"time_s", json_number(climbed.chosen.time_s)},
+          {"spent_s", json_number(climbed.spent_s)},
+          {"next_rung", further ? Json(to_string(climbed.next.rung)) : Json()},
+          {"next_time_s", json_number(climbed.next.time_s)},
+          {"next_change_m_per_s", json_number(climbed.change_m_per_s)}};
+}
+
+Json mixture_json(const Json& problem, const Mixture& mixture, double error_m_per_s) {
+  Json errors = Json::object();
+  for (const Metric& metric : kMetrics) errors[metric.name] = json_number(mixture.errors.*metric.value);
+  errors["worst_row"] = mixture.errors.worst.row < 0 ? Json() : Json(mixture.errors.worst.row);
+  Json islands = Json::array();
+  for (std::size_t i = 0; i < mixture.islands.size(); ++i) {
+    islands.push_back(climb_json(mixture.islands[i], mixture.climbs[i]));
+  }
+  return {{"problem", problem},
+          {"solver", "models"},
+          {"settings", fmt::format("max_velocity_error={}", error_m_per_s)},
+          {"model", "cone"},
+          {"claim", to_string(mixture.answer.claim)},
+          {"met", mixture.met},
+          {"z", json_vector(mixture.answer.z)},
+          {"velocity", json_vector(mixture.answer.velocity)},
+          {"errors", errors},
+          {"time",
+           {{"chosen_s", json_number(mixture.chosen_s())},
+            {"spent_s", json_number(mixture.spent_s())},
+            {"verify_s", json_number(mixture.verify_s)}}},
+          {"detail", mixture.answer.detail},
+          {"islands", islands}};
+}
+
+void add_rung_row(TextTable& table, Rung rung, const Mixture& mixture) {
+  std::size_t islands = 0;
+  std::size_t contacts = 0;
+  double error = 0;
+  double solver_error = 0;
+  double time_s = 0;
+  for (std::size_t i = 0; i < mixture.climbs.size(); ++i) {
+    const RungAnswer& chosen = mixture.climbs[i].chosen;
+    if (chosen.rung != rung) continue;
+    ++islands;
+    contacts += mixture.islands[i].contacts.size();
+    error = std::max(error, chosen.error_m_per_s);
+    solver_error = std::max(solver_error, chosen.solver_error_m_per_s);
+    time_s += chosen.time_s;
+  }
+  if (islands == 0) return;
+  table.add_row({to_string(rung), std::to_string(islands), std::to_string(contacts), format_error(error),
+                 format_error(solver_error), format_seconds(time_s)});
+}
+
+void print_mixture(const Mixture& mixture, double error_m_per_s, int width) {
+  TextTable table({{"model", TextTable::Align::kLeft},
+                   {"islands"},
+                   {"contacts"},
+                   {"error m/s"},
+                   {"of it the solver's", TextTable::Align::kRight, 1},
+                   {"time"}});
+  double next_s = 0;
+  double change = 0;
+  bool further = false;
+  for (const Rung rung : kClimbed) add_rung_row(table, rung, mixture);
+  for (const Climb& each : mixture.climbs) {
+    next_s += each.next.answered() ? each.next.time_s : each.chosen.time_s;
+    further = further || each.next.answered();
+    if (each.next.answered()) change = std::max(change, each.change_m_per_s);
+  }
+  if (!table.empty()) say(stdout, "{}", table.text(width));
+  std::string text = fmt::format(
+      "{} {} m/s: the residual of the cone's conditions is {} m/s; {} for the models chosen, {} "
+      "with those tried before them",
+      mixture.met ? "meets" : "misses", error_m_per_s, format_error(mixture.errors.velocity_residual_m_per_s),
+      format_seconds(mixture.chosen_s()), format_seconds(mixture.spent_s()));
+  if (further) {
+    text += fmt::format("; one model further takes {} and changes the velocities at the contacts by {} m/s at most",
+                        format_seconds(next_s), format_error(change));
+  }
+  say(stdout, "{}\n", folded(text + "\n", width));
+}
+
+}  // namespace
+
+int solve_by_models(const ModelsRequest& request, const volatile std::sig_atomic_t* stop) {
+  Json rows = Json::array();
+  bool met = true;
+  const auto visit = [&](const Problem& problem, const std::string& file) {
+    const Mixture mixture = mix(problem, file, request, stop);
+    if (*stop != 0) return;
+    met = met && mixture.met;
+    if (request.json) {
+      rows.push_back(mixture_json(problem_summary_json(problem, file), mixture, request.error_m_per_s));
+    } else {
+      say(stdout, "{}", folded(problem_summary_text(problem, file) + "\n", request.extent.width()));
+      print_mixture(mixture, request.error_m_per_s, request.extent.width());
+    }
+  };
+  const bool complete = for_each_problem_file(request.files, stop, visit);
+  if (request.json) print_json(rows);
+  if (*stop != 0) return kExitInterrupted;
+  if (!complete) return kExitBadInput;
+  return met ? kExitDone : kExitCheckFailed;
+}
+
+}  // namespace lcpbench

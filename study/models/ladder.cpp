@@ -1,0 +1,226 @@
+#include "study/models/ladder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "core/islands.h"
+#include "core/registry.h"
+#include "core/round_cone.h"
+#include "core/timed_solve.h"
+#include "study/evaluation/evaluation.h"
+#include "study/evaluation/friction_model.h"
+#include "study/models/pyramid.h"
+
+namespace lcpbench {
+namespace {
+
+/// Turning ends when a pass gains less than this factor, or after so many.
+constexpr double kLeastGain = 2;
+constexpr int kMostPasses = 8;
+/// Of the fastest approach or slip: a pressed contact that slips less rests.
+constexpr double kRests = 1e-8;
+
+constexpr double kShortSolveS = 0.01;
+constexpr double kRepeatUntilS = 2e-4;
+
+int edges_of(Rung rung) {
+  switch (rung) {
+    case Rung::kNormals: return 0;
+    case Rung::kEdges8:
+    case Rung::kEdges8Turned: return 8;
+    case Rung::kEdges16:
+    case Rung::kEdges16Turned: return 16;
+    default: return 4;
+  }
+}
+
+bool is_turned(Rung rung) {
+  return rung == Rung::kEdges4Turned || rung == Rung::kEdges8Turned || rung == Rung::kEdges16Turned;
+}
+
+/// By its own solver; the second run of a short one is the one that counts.
+TimedAnswer run(const Spec& spec, const Problem& problem, double time_limit_s) {
+  const std::unique_ptr<Solver> solver = make_solver(spec);
+  TimedAnswer timed;
+  const TimedRequest request{.time_limit_s = time_limit_s, .repeat_until_s = kRepeatUntilS};
+  timed_solve(*solver, problem, request, timed);
+  if (timed.times.setup_wall_s + timed.times.solve_wall_s < kShortSolveS) {
+    timed_solve(*solver, problem, request, timed);
+  }
+  return timed;
+}
+
+double seconds(const TimedAnswer& timed) { return timed.times.setup_cpu_s + timed.times.solve_cpu_s; }
+
+}  // namespace
+
+const char* to_string(Rung rung) {
+  switch (rung) {
+    case Rung::kNormals: return "normals";
+    case Rung::kRest: return "rest";
+    case Rung::kEdges4: return "4";
+    case Rung::kEdges4Turned: return "4-turned";
+    case Rung::kEdges8: return "8";
+    case Rung::kEdges8Turned: return "8-turned";
+    case Rung::kEdges16: return "16";
+    case Rung::kEdges16Turned: return "16-turned";
+    case Rung::kRelaxed: return "relaxed";
+    case Rung::kConeRough: return "cone-rough";
+    case Rung::kCone: return "cone";
+  }
+  return "";
+}
+
+struct Ladder::Data {
+  Problem reference;
+  double time_limit_s = 0;
+  std::unique_ptr<Evaluator> evaluator;
+
+  const ContactProblem& contacts() const { return *reference.contact(); }
+  void take(const TangentImpulses& impulses, RungAnswer& to);
+  double error_of(const Vector& z, double Errors::*measure);
+  void solve_pyramid(int edges, const std::vector<double>& angles, RungAnswer& to, TangentImpulses& impulses);
+  RungAnswer pyramid(Rung rung, double error);
+  RungAnswer by_cone(Rung rung, double error);
+};
+
+Ladder::Ladder(ContactProblem tangents, double time_limit_s) : data_(std::make_unique<Data>()) {
+  data_->reference = Problem("island", std::move(tangents));
+  data_->time_limit_s = time_limit_s;
+  data_->evaluator = std::make_unique<Evaluator>(data_->reference);
+}
+
+Ladder::~Ladder() = default;
+
+const ContactProblem& Ladder::contacts() const { return data_->contacts(); }
+
+double Ladder::Data::error_of(const Vector& z, double Errors::*measure) {
+  Answer answer;
+  answer.claim = Claim::kSolved;
+  answer.z = z;
+  Errors errors = evaluator->errors(answer);
+  measure_cone(reference, answer, errors);
+  return errors.*measure;
+}
+
+/// The answer's impulses, and its error against the cone.
+void Ladder::Data::take(const TangentImpulses& impulses, RungAnswer& to) {
+  to.impulses = pyramid_impulses(contacts(), impulses);
+  to.velocity = post_impact_velocity(contacts(), to.impulses);
+  to.error_m_per_s = error_of(to.impulses, &Errors::velocity_residual_m_per_s);
+}
+
+void Ladder::Data::solve_pyramid(int edges, const std::vector<double>& angles, RungAnswer& to,
+                                 TangentImpulses& impulses) {
+  const Problem problem("pyramid", with_pyramid(contacts(), edges, angles));
+  const TimedAnswer timed = run({"auto", {}}, problem, time_limit_s);
+  to.claim = timed.answer.claim;
+  to.time_s = (to.passes == 0 ? 0.0 : to.time_s) + seconds(timed);
+  ++to.passes;
+  if (to.claim != Claim::kSolved) return;
+  impulses = tangent_impulses(contacts(), edges, angles, timed.answer.z);
+  take(impulses, to);
+  to.solver_error_m_per_s = Evaluator(problem).errors(timed.answer).velocity_residual_m_per_s;
+}
+
+RungAnswer Ladder::Data::pyramid(Rung rung, double error) {
+  RungAnswer best;
+  best.rung = rung;
+  TangentImpulses impulses;
+  std::vector<double> angles(static_cast<std::size_t>(contacts().nc()), 0.0);
+  solve_pyramid(edges_of(rung), angles, best, impulses);
+  RungAnswer last = best;
+  while (is_turned(rung) && last.answered() && !last.meets(error) && last.passes < kMostPasses) {
+    angles = slip_angles(contacts(), impulses, last.velocity);
+    RungAnswer now;
+    now.rung = rung;
+    now.passes = last.passes;
+    now.time_s = last.time_s;
+    solve_pyramid(edges_of(rung), angles, now, impulses);
+    const bool gains = now.answered() && now.error_m_per_s * kLeastGain <= last.error_m_per_s;
+    last = now;
+    if (now.answered() && now.error_m_per_s < best.error_m_per_s) best = now;
+    best.passes = now.passes;
+    best.time_s = now.time_s;
+    if (!gains && now.passes > 2) break;
+  }
+  return best;
+}
+
+RungAnswer Ladder::Data::by_cone(Rung rung, double error) {
+  RungAnswer to;
+  to.rung = rung;
+  Spec spec{"cone_ipm", {{"cone", "true"}}};
+  const bool relaxed = rung == Rung::kRest || rung == Rung::kRelaxed;
+  if (relaxed) spec.options.emplace_back("slip", "none");
+  if (rung == Rung::kConeRough && std::isfinite(error)) spec.options.emplace_back("error", fmt::format("{}", error));
+  const TimedAnswer timed = run(spec, reference, time_limit_s);
+  to.claim = timed.answer.claim;
+  to.time_s = seconds(timed);
+  to.passes = 1;
+  if (timed.answer.z.size() == 0 || !timed.answer.z.allFinite()) return to;
+  if (to.claim != Claim::kSolved && to.claim != Claim::kIterationLimit && to.claim != Claim::kNumericalFailure) {
+    return to;
+  }
+  const std::vector<double> along(static_cast<std::size_t>(contacts().nc()), 0.0);
+  take(tangent_impulses(contacts(), 4, along, timed.answer.z), to);
+  if (!relaxed) to.solver_error_m_per_s = to.error_m_per_s;
+  if (rung == Rung::kRest && !(error_of(to.impulses, &Errors::velocity_residual_relative) <= kRests)) {
+    to.claim = Claim::kUnsolvable;
+    to.impulses.resize(0);
+    to.velocity.resize(0);
+    to.error_m_per_s = RungAnswer::kNone;
+  } else if (rung == Rung::kRelaxed && to.claim == Claim::kIterationLimit) {
+    to.claim = Claim::kSolved;
+  }
+  return to;
+}
+
+RungAnswer Ladder::climb(Rung rung, double error) {
+  switch (rung) {
+    case Rung::kRest:
+    case Rung::kRelaxed:
+    case Rung::kConeRough:
+    case Rung::kCone: return data_->by_cone(rung, error);
+    default: return data_->pyramid(rung, error);
+  }
+}
+
+std::vector<LadderIsland> ladder_islands(const Problem& problem, const std::string& file, double time_limit_s) {
+  if (problem.contact() == nullptr) throw InputError(fmt::format("{}: a bare LCP has no contacts to model", file));
+  if (const std::string why = why_no_round_cone(*problem.contact()); !why.empty()) {
+    throw InputError(fmt::format("{}: field 'D': the friction names no round cone: {}", file, why));
+  }
+  const ContactProblem tangents = with_tangents(*problem.contact());
+  std::vector<LadderIsland> islands;
+  for (Island& island : find_islands(tangents)) {
+    auto ladder = std::make_unique<Ladder>(island_problem(tangents, island), time_limit_s);
+    islands.push_back({std::move(island.contacts), std::move(island.coordinates), std::move(ladder)});
+  }
+  return islands;
+}
+
+Climb climb(Ladder& ladder, double error, bool look_further) {
+  Climb result;
+  for (const Rung rung : kClimbed) {
+    RungAnswer now = ladder.climb(rung, error);
+    result.spent_s += now.time_s;
+    result.met = now.meets(error);
+    const bool better = now.answered() && !(result.chosen.error_m_per_s <= now.error_m_per_s);
+    if (result.met || better || !result.chosen.answered()) result.chosen = std::move(now);
+    if (result.met) break;
+  }
+  // The cone solved roughly need be no finer than a model that meets the error.
+  if (!result.met || !look_further || result.chosen.rung == Rung::kCone) return result;
+  result.next = ladder.climb(Rung::kCone, error);
+  if (result.next.answered()) {
+    result.change_m_per_s = velocity_difference(ladder.contacts(), result.chosen.velocity, result.next.velocity);
+  }
+  return result;
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <array>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/problem.h"
+#include "core/solver.h"
+
+namespace lcpbench {
+
+/// The models of friction, from the coarsest on. docs/explanation/friction-models.md says when each is used.
+enum class Rung {
+  kNormals,       ///< no friction
+  kRest,          ///< the solution in which no pressed contact slips, where there is one
+  kEdges4,        ///< a pyramid of 4 edges along the tangents
+  kEdges4Turned,  ///< the same, turned into the slip, again and again
+  kEdges8,
+  kEdges8Turned,
+  kEdges16,
+  kEdges16Turned,
+  kRelaxed,    ///< the convex relaxation of the cone, in which sliding contacts lift off
+  kConeRough,  ///< the cone, solved only as far as the error that is asked for
+  kCone,       ///< the round Coulomb cone
+};
+
+inline constexpr std::array kRungs{Rung::kNormals, Rung::kRest,         Rung::kEdges4,  Rung::kEdges4Turned,
+                                   Rung::kEdges8,  Rung::kEdges8Turned, Rung::kEdges16, Rung::kEdges16Turned,
+                                   Rung::kRelaxed, Rung::kConeRough,    Rung::kCone};
+
+/// "normals", "rest", "4", "4-turned", ..., "relaxed", "cone-rough", "cone".
+const char* to_string(Rung rung);
+
+/// What one model makes of one island.
+struct RungAnswer {
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+  Rung rung = Rung::kNormals;
+  Claim claim = Claim::kNumericalFailure;
+  Vector impulses;  ///< z of the island's tangents; empty without an answer
+  Vector velocity;  ///< v+ of the island; empty without an answer
+  /// The residual of the cone's own conditions [m/s], by the evaluation: the error of model and solver together.
+  double error_m_per_s = kNone;
+  /// The residual of the model's own conditions [m/s], by the evaluation: the solver's part. Of kRest and kRelaxed none
+  /// is known: their conditions are no problem that the evaluation knows.
+  double solver_error_m_per_s = kNone;
+  double time_s = kNone;  ///< set-up and solve, thread CPU, of all passes
+  int passes = 0;         ///< problems solved one after the other
+
+  bool answered() const { return velocity.size() > 0; }
+  bool meets(double error) const { return answered() && error_m_per_s <= error; }
+};
+
+/// One island of a problem, to be solved by one model after the other.
+class Ladder {
+ public:
+  /// @param tangents contacts of 4 edges or none: see with_tangents() @param time_limit_s on each solve
+  Ladder(ContactProblem tangents, double time_limit_s);
+  ~Ladder();
+
+  const ContactProblem& contacts() const;
+
+  /// @param error [m/s] at which turning and kConeRough stop
+  RungAnswer climb(Rung rung, double error);
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+/// A problem by its islands.
+struct LadderIsland {
+  std::vector<Index> contacts;     ///< of the problem
+  std::vector<Index> coordinates;  ///< of the problem
+  std::unique_ptr<Ladder> ladder;
+};
+
+/// @throws InputError naming `file` for a bare LCP, and where the friction directions name no cone
+std::vector<LadderIsland> ladder_islands(const Problem& problem, const std::string& file, double time_limit_s);
+
+/// The rungs that `solve --max-velocity-error` climbs: those that cost less than the one above them on most captured
+/// steps.
+inline constexpr std::array kClimbed{Rung::kEdges4, Rung::kConeRough, Rung::kCone};
+
+/// An island solved as finely as asked for.
+struct Climb {
+  RungAnswer chosen;  ///< the first that meets the error, or the best
+  bool met = false;
+  double spent_s = 0;  ///< on all rungs up to it
+  RungAnswer next;     ///< by the cone; not answered where that was chosen, or it was not asked for
+  double change_m_per_s = RungAnswer::kNone;  ///< of the velocities at the contacts, the cone's against the chosen ones
+};
+
+/// @param look_further whether `next` is wanted, which costs another solve
+Climb climb(Ladder& ladder, double error, bool look_further);
+
+}  // namespace lcpbench
