@@ -314,15 +314,15 @@ void BoundedInertia::solve(Block& block, BoundedVector& x) const {
   }
 }
 
-/// The block's coordinates of y: those of x times `matrix`, in the units of the block.
-void BoundedInertia::multiply(const Block& block, const Matrix& matrix, const BoundedVector& x, BoundedVector& y) {
+/// The block's coordinates of y: those of x times G, or |G|, in the units of the block.
+void BoundedInertia::multiply(const Block& block, bool magnitudes, const BoundedVector& x, BoundedVector& y) {
   const std::size_t n = block.coordinates.size();
   std::vector<BoundedSum> sums(n);
   for (std::size_t j = 0; j < n; ++j) {
     const Bounded scaled = times_unit(x[block.coordinates[j]], 1 / block.units[j]);
     if (scaled.high == 0 && scaled.error == 0) continue;
-    const double* const column = matrix.col(static_cast<Index>(j)).data();
-    for (std::size_t i = 0; i < n; ++i) sums[i].add(column[i], scaled);
+    const double* const column = block.matrix.col(static_cast<Index>(j)).data();
+    for (std::size_t i = 0; i < n; ++i) sums[i].add(magnitudes ? std::abs(column[i]) : column[i], scaled);
   }
   for (std::size_t i = 0; i < n; ++i) y[block.coordinates[i]] = times_unit(sums[i].value(), 1 / block.units[i]);
 }
@@ -415,18 +415,17 @@ double BoundedInertia::estimate(Block& block, std::vector<double>& x) const {
   return std::isnan(error) ? std::numeric_limits<double>::infinity() : error;
 }
 
-BoundedVector BoundedInertia::apply(const BoundedVector& x) const {
+BoundedVector BoundedInertia::product(const BoundedVector& x, bool magnitudes) const {
   BoundedVector y(x.size());
-  for (std::size_t row = 0; row < singles_.size(); ++row) y[row] = x[row] * Bounded(singles_[row]);
-  for (const Block& block : blocks_) multiply(block, block.matrix, x, y);
+  for (std::size_t row = 0; row < singles_.size(); ++row) {
+    if (singles_[row] != 0) y[row] = x[row] * Bounded(singles_[row]);
+  }
+  for (const Block& block : blocks_) multiply(block, magnitudes, x, y);
   return y;
 }
 
-BoundedVector BoundedInertia::scale(const BoundedVector& x) const {
-  BoundedVector y(x.size());
-  for (std::size_t row = 0; row < singles_.size(); ++row) y[row] = x[row] * Bounded(singles_[row]);
-  for (const Block& block : blocks_) multiply(block, block.matrix.cwiseAbs(), x, y);
-  return y;
-}
+BoundedVector BoundedInertia::apply(const BoundedVector& x) const { return product(x, false); }
+
+BoundedVector BoundedInertia::scale(const BoundedVector& x) const { return product(x, true); }
 
 }  // namespace lcpbench

@@ -53,7 +53,8 @@ class BoundedInertia {
   static bool scale_and_prove(Block& block, const Matrix& G);
   static void invert(Block& block);
   void solve(Block& block, BoundedVector& x) const;
-  static void multiply(const Block& block, const Matrix& matrix, const BoundedVector& x, BoundedVector& y);
+  static void multiply(const Block& block, bool magnitudes, const BoundedVector& x, BoundedVector& y);
+  BoundedVector product(const BoundedVector& x, bool magnitudes) const;
   void divide(std::size_t row, BoundedVector& x) const;
   double estimate(Block& block, std::vector<double>& x) const;
   /// Replaces the rows of a pattern by those that G* couples them to, and lists their blocks in touched_.
