@@ -20,6 +20,15 @@ constexpr int kRefinements = 6;
 
 double max_norm(const Matrix& A) { return A.size() == 0 ? 0 : A.cwiseAbs().rowwise().sum().maxCoeff(); }
 
+bool is_symmetric(const Matrix& G) {
+  for (Index j = 0; j < G.cols(); ++j) {
+    for (Index i = 0; i < j; ++i) {
+      if (G(i, j) != G(j, i)) return false;
+    }
+  }
+  return true;
+}
+
 /// x times a power of two.
 Bounded times_unit(const Bounded& x, double unit) {
   if (unit == 1 || (x.high == 0 && x.error == 0)) return x;
@@ -145,8 +154,12 @@ void multiply_by(const Matrix& A, std::span<const double> x, std::span<double> y
 
 BoundedInertia::BoundedInertia(const Inertia& inertia) {
   if (const auto* dense = std::get_if<DenseInertia>(&inertia)) {
+    reserve(dense->G.rows());
     add_inertia(dense->G, 0);
   } else if (const auto* bodies = std::get_if<BlockInertia>(&inertia)) {
+    Index ngc = 0;
+    for (const Matrix& block : bodies->blocks) ngc += block.rows();
+    reserve(ngc);
     std::size_t offset = 0;
     for (const Matrix& block : bodies->blocks) {
       add_inertia(block, offset);
@@ -155,78 +168,88 @@ BoundedInertia::BoundedInertia(const Inertia& inertia) {
     }
   } else if (const auto* inverse = std::get_if<InverseInertia>(&inertia)) {
     has_inertia_ = false;
-    std::vector<std::size_t> all(static_cast<std::size_t>(inverse->Ginv.rows()));
-    std::iota(all.begin(), all.end(), std::size_t{0});
-    add(inverse->Ginv, std::move(all));
+    reserve(inverse->Ginv.rows());
+    Block block;
+    block.matrix = inverse->Ginv;
+    block.coordinates.resize(singles_.size());
+    std::iota(block.coordinates.begin(), block.coordinates.end(), std::size_t{0});
+    block.units.assign(singles_.size(), 1);
+    well_defined_ = block.matrix.allFinite();
+    blocks_.push_back(std::move(block));
   } else {
     well_defined_ = false;
   }
 }
 
+void BoundedInertia::reserve(Index ngc) {
+  singles_.assign(static_cast<std::size_t>(ngc), 0);
+  block_of_row_.assign(static_cast<std::size_t>(ngc), 0);
+}
+
 void BoundedInertia::add_inertia(const Matrix& G, std::size_t offset) {
-  well_defined_ = well_defined_ && G.allFinite() && (G.diagonal().array() > 0).all() && G == G.transpose();
+  well_defined_ = well_defined_ && G.allFinite() && (G.diagonal().array() > 0).all() && is_symmetric(G);
   if (!well_defined_) return;
   if (G.isDiagonal(0)) {
     for (Index i = 0; i < G.rows(); ++i) add_single(G(i, i), offset + static_cast<std::size_t>(i));
     return;
   }
-  const RowIslands parts = row_islands(G);
-  std::vector<std::vector<std::size_t>> members(static_cast<std::size_t>(parts.count));
-  for (std::size_t i = 0; i < parts.of_row.size(); ++i) {
-    members[static_cast<std::size_t>(parts.of_row[i])].push_back(i);
-  }
-  for (std::vector<std::size_t>& part : members) {
-    if (part.size() == 1) {
-      add_single(G(static_cast<Index>(part[0]), static_cast<Index>(part[0])), offset + part[0]);
+  find_row_islands(G, parts_, queue_);
+  for (Index part = 0; part < parts_.count; ++part) {
+    Block block;
+    for (std::size_t i = 0; i < parts_.of_row.size(); ++i) {
+      if (parts_.of_row[i] != part) continue;
+      if (block.coordinates.empty()) block.coordinates.reserve(parts_.of_row.size() - i);
+      block.coordinates.push_back(i);
+    }
+    if (block.coordinates.size() == 1) {
+      const auto row = static_cast<Index>(block.coordinates[0]);
+      add_single(G(row, row), offset + block.coordinates[0]);
       continue;
     }
-    Matrix matrix = G(part, part);
-    for (std::size_t& row : part) row += offset;
-    add(std::move(matrix), std::move(part));
+    well_defined_ = well_defined_ && scale_and_prove(block, G);
     if (!well_defined_) return;
+    for (std::size_t& row : block.coordinates) {
+      row += offset;
+      block_of_row_[row] = blocks_.size();
+    }
+    blocks_.push_back(std::move(block));
   }
 }
 
 void BoundedInertia::add_single(double inertia, std::size_t row) {
   well_defined_ = well_defined_ && inertia > 0x1p-600 && inertia < 0x1p600;
-  if (row >= singles_.size()) singles_.resize(row + 1, 0);
   singles_[row] = inertia;
 }
 
-void BoundedInertia::add(Matrix matrix, std::vector<std::size_t> coordinates) {
-  Block block;
-  block.matrix = std::move(matrix);
-  block.coordinates = std::move(coordinates);
-  block.units.assign(block.coordinates.size(), 1);
-  for (const std::size_t row : block.coordinates) {
-    if (row >= block_of_row_.size()) block_of_row_.resize(row + 1);
-    block_of_row_[row] = blocks_.size();
-    if (row >= singles_.size()) singles_.resize(row + 1, 0);
-  }
-  well_defined_ = well_defined_ && (has_inertia_ ? scale_and_prove(block) : block.matrix.allFinite());
-  blocks_.push_back(std::move(block));
-}
-
-/// Scales the block. False unless it is then proven to have no eigenvalue below kLeastEigenvalue: L L' is the matrix
-/// that is factored up to (n + 1) n roundings of 4, and half of what was subtracted exceeds that.
-bool BoundedInertia::scale_and_prove(Block& block) {
-  const Index n = block.size();
-  Matrix& G = block.matrix;
-  const Vector diagonal = G.diagonal();
-  Vector units(n);
+/// Scales the block's rows and columns of G. False unless it is then proven to have no eigenvalue below
+/// kLeastEigenvalue: L L' is the matrix that is factored up to (n + 1) n roundings of 4, and half of what was
+/// subtracted exceeds that.
+bool BoundedInertia::scale_and_prove(Block& block, const Matrix& G) {
+  const auto n = static_cast<Index>(block.coordinates.size());
+  const auto entry = [&](Index i, Index j) {
+    return G(static_cast<Index>(block.coordinates[static_cast<std::size_t>(i)]),
+             static_cast<Index>(block.coordinates[static_cast<std::size_t>(j)]));
+  };
+  block.units.resize(block.coordinates.size());
   for (Index i = 0; i < n; ++i) {
-    if (!(diagonal(i) > 0x1p-600 && diagonal(i) < 0x1p600)) return false;
-    units(i) = block.units[static_cast<std::size_t>(i)] = unit_of(diagonal(i));
+    if (!(entry(i, i) > 0x1p-600 && entry(i, i) < 0x1p600)) return false;
+    block.units[static_cast<std::size_t>(i)] = unit_of(entry(i, i));
   }
-  Matrix work = units.asDiagonal() * G * units.asDiagonal();
-  const Vector back = units.cwiseInverse();
-  if (!(Matrix(back.asDiagonal() * work * back.asDiagonal()) == G)) return false;
-  // As of any definite block; and so no overflow makes a NaN of a pivot, which LLT takes for a positive one.
-  if (!(work.array().abs() <= 4).all()) return false;
-  G = work;
+  block.matrix.resize(n, n);
+  for (Index j = 0; j < n; ++j) {
+    const double unit_j = block.units[static_cast<std::size_t>(j)];
+    for (Index i = 0; i < n; ++i) {
+      const double unit_i = block.units[static_cast<std::size_t>(i)];
+      const double scaled = unit_i * entry(i, j) * unit_j;
+      // As of any definite block; and so no overflow makes a NaN of a pivot, which LLT takes for a positive one.
+      if (!(std::abs(scaled) <= 4) || 1 / unit_i * scaled * (1 / unit_j) != entry(i, j)) return false;
+      block.matrix(i, j) = scaled;
+    }
+  }
   const auto order = static_cast<double>(n);
+  Matrix work = block.matrix;
   work.diagonal().array() -= std::max(2 * kLeastEigenvalue, 16 * order * (order + 4) * kUnitRoundoff);
-  return Eigen::LLT<Matrix>(work).info() == Eigen::Success;
+  return Eigen::LLT<Eigen::Ref<Matrix>>(work).info() == Eigen::Success;
 }
 
 /// Finds R and the numbers that bound what it leaves: NaN where it is no inverse.
@@ -291,15 +314,15 @@ void BoundedInertia::solve(Block& block, BoundedVector& x) const {
   }
 }
 
-/// The block's coordinates of y: those of x times `matrix`, in the units of the block.
-void BoundedInertia::multiply(const Block& block, const Matrix& matrix, const BoundedVector& x, BoundedVector& y) {
+/// The block's coordinates of y: those of x times G, or |G|, in the units of the block.
+void BoundedInertia::multiply(const Block& block, bool magnitudes, const BoundedVector& x, BoundedVector& y) {
   const std::size_t n = block.coordinates.size();
   std::vector<BoundedSum> sums(n);
   for (std::size_t j = 0; j < n; ++j) {
     const Bounded scaled = times_unit(x[block.coordinates[j]], 1 / block.units[j]);
     if (scaled.high == 0 && scaled.error == 0) continue;
-    const double* const column = matrix.col(static_cast<Index>(j)).data();
-    for (std::size_t i = 0; i < n; ++i) sums[i].add(column[i], scaled);
+    const double* const column = block.matrix.col(static_cast<Index>(j)).data();
+    for (std::size_t i = 0; i < n; ++i) sums[i].add(magnitudes ? std::abs(column[i]) : column[i], scaled);
   }
   for (std::size_t i = 0; i < n; ++i) y[block.coordinates[i]] = times_unit(sums[i].value(), 1 / block.units[i]);
 }
@@ -392,18 +415,17 @@ double BoundedInertia::estimate(Block& block, std::vector<double>& x) const {
   return std::isnan(error) ? std::numeric_limits<double>::infinity() : error;
 }
 
-BoundedVector BoundedInertia::apply(const BoundedVector& x) const {
+BoundedVector BoundedInertia::product(const BoundedVector& x, bool magnitudes) const {
   BoundedVector y(x.size());
-  for (std::size_t row = 0; row < singles_.size(); ++row) y[row] = x[row] * Bounded(singles_[row]);
-  for (const Block& block : blocks_) multiply(block, block.matrix, x, y);
+  for (std::size_t row = 0; row < singles_.size(); ++row) {
+    if (singles_[row] != 0) y[row] = x[row] * Bounded(singles_[row]);
+  }
+  for (const Block& block : blocks_) multiply(block, magnitudes, x, y);
   return y;
 }
 
-BoundedVector BoundedInertia::scale(const BoundedVector& x) const {
-  BoundedVector y(x.size());
-  for (std::size_t row = 0; row < singles_.size(); ++row) y[row] = x[row] * Bounded(singles_[row]);
-  for (const Block& block : blocks_) multiply(block, block.matrix.cwiseAbs(), x, y);
-  return y;
-}
+BoundedVector BoundedInertia::apply(const BoundedVector& x) const { return product(x, false); }
+
+BoundedVector BoundedInertia::scale(const BoundedVector& x) const { return product(x, true); }
 
 }  // namespace lcpbench

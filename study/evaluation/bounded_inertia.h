@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "core/contact_problem.h"
+#include "core/islands.h"
 #include "study/evaluation/bounded.h"
 
 namespace lcpbench {
@@ -47,12 +48,13 @@ class BoundedInertia {
     Index size() const { return matrix.rows(); }
   };
   void add_inertia(const Matrix& G, std::size_t offset);
+  void reserve(Index ngc);
   void add_single(double inertia, std::size_t row);
-  void add(Matrix matrix, std::vector<std::size_t> coordinates);
-  static bool scale_and_prove(Block& block);
+  static bool scale_and_prove(Block& block, const Matrix& G);
   static void invert(Block& block);
   void solve(Block& block, BoundedVector& x) const;
-  static void multiply(const Block& block, const Matrix& matrix, const BoundedVector& x, BoundedVector& y);
+  static void multiply(const Block& block, bool magnitudes, const BoundedVector& x, BoundedVector& y);
+  BoundedVector product(const BoundedVector& x, bool magnitudes) const;
   void divide(std::size_t row, BoundedVector& x) const;
   double estimate(Block& block, std::vector<double>& x) const;
   /// Replaces the rows of a pattern by those that G* couples them to, and lists their blocks in touched_.
@@ -61,6 +63,8 @@ class BoundedInertia {
   std::vector<double> singles_;        ///< per coordinate: its inertia where it is coupled to no other, else 0
   mutable std::vector<Block> blocks_;  ///< of the others
   std::vector<std::size_t> block_of_row_;
+  RowIslands parts_;  ///< scratch of add_inertia()
+  std::vector<Index> queue_;
   mutable std::vector<double> refinement_;    ///< scratch of solve()
   mutable std::vector<std::size_t> touched_;  ///< by couple()
   bool well_defined_ = true;

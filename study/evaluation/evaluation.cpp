@@ -115,6 +115,7 @@ struct ContactEvaluation {
       : problem(contact), islands(of_rows), inertia(contact.inertia) {
     if (!inertia.well_defined()) return;
     lcp.emplace(contact, inertia);
+    scales.reserve(islands.count());
     for (std::size_t island = 0; island < islands.count(); ++island) scales.push_back(island_scale(island));
   }
 
@@ -194,6 +195,7 @@ void ContactEvaluation<Real>::measure_residual(const RealVector& z, const RealVe
   if (worst_island) {
     demand_largest(relatives, relatives[*worst_island]);
     RealVector of_island;
+    of_island.reserve(islands.rows(*worst_island).size());
     for (const std::size_t row : islands.rows(*worst_island)) of_island.push_back(residuals[row]);
     demand_largest(of_island, residuals[worst]);
     errors.worst = {static_cast<Index>(worst), settled(z[worst]), settled(w[worst]), settled(residuals[worst]),

@@ -8,6 +8,12 @@
 namespace lcpbench {
 namespace {
 
+std::size_t count_nonzeros(const Jacobian& J) {
+  const auto* const dense = std::get_if<Matrix>(&J);
+  return static_cast<std::size_t>(dense != nullptr ? (dense->array() != 0).count()
+                                                   : std::get<SparseMatrix>(J).nonZeros());
+}
+
 template <class Real>
 std::vector<double> rounded(const std::vector<Real>& x) {
   std::vector<double> doubles(x.size());
@@ -102,8 +108,13 @@ ContactLcp<Real>::ContactLcp(const ContactProblem& problem, const Inertia& inert
       b_(problem.b.begin(), problem.b.end()),
       contacts_(static_cast<std::size_t>(problem.nc())) {
   const ContactLayout layout = contact_layout(problem);
-  add_columns(problem.N);
-  add_columns(problem.D);
+  begin_.reserve(static_cast<std::size_t>(layout.lambda_offset()) + 1);
+  const std::size_t nonzeros = count_nonzeros(problem.N) + count_nonzeros(problem.D);
+  rows_.reserve(nonzeros);
+  values_.reserve(nonzeros);
+  for (const Jacobian* const J : {&problem.N, &problem.D}) {
+    for (Index j = 0; j < cols(*J); ++j) add_column(*J, j);
+  }
   list_cones(problem, layout);
   find_opposite_columns();
   list_columns_of_rows();
@@ -117,16 +128,6 @@ ContactLcp<Real>::ContactLcp(const ContactProblem& problem, const Inertia& inert
   estimate_x_.assign(v_.size(), 0);
   entry_.assign(impulses(), 0);
   visited_.assign(impulses(), 0);
-}
-
-template <class Real>
-void ContactLcp<Real>::add_columns(const Jacobian& J) {
-  const auto* const dense = std::get_if<Matrix>(&J);
-  const Index nonzeros = dense != nullptr ? (dense->array() != 0).count() : std::get<SparseMatrix>(J).nonZeros();
-  begin_.reserve(begin_.size() + static_cast<std::size_t>(cols(J)));
-  rows_.reserve(rows_.size() + static_cast<std::size_t>(nonzeros));
-  values_.reserve(values_.size() + static_cast<std::size_t>(nonzeros));
-  for (Index j = 0; j < cols(J); ++j) add_column(J, j);
 }
 
 template <class Real>
@@ -150,6 +151,9 @@ template <class Real>
 void ContactLcp<Real>::list_cones(const ContactProblem& problem, const ContactLayout& layout) {
   const std::size_t lambda = impulses();
   lambda_of_.resize(impulses(), 0);
+  mu_.reserve(layout.cone_contact.size());
+  normal_of_cone_.reserve(layout.cone_contact.size());
+  friction_of_cone_.reserve(layout.cone_contact.size() + 1);
   friction_of_cone_.push_back(contacts_);
   for (const Index contact : layout.cone_contact) {
     const std::size_t cone = normal_of_cone_.size();

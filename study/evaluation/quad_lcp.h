@@ -171,7 +171,6 @@ class ContactLcp final : public EvaluatedLcp<Real> {
 
   /// b_i of a normal row, 0 of any other.
   Real offset(std::size_t i) const { return i < b_.size() ? b_[i] : Real{0}; }
-  void add_columns(const Jacobian& J);
   void add_column(const Jacobian& J, Index column);
   void list_cones(const ContactProblem& problem, const ContactLayout& layout);
   void find_opposite_columns();

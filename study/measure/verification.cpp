@@ -5,8 +5,8 @@
 //
 // The answers: of several solvers; and for each problem zeros, and the answer of `auto` once in double its size, and
 // with random changes of every entry by 1e-8 of it and by what brings rho or eta close to the bound of the verdict on
-// either side. Times are the least of three, thread CPU: verification is an Evaluator, its truth and the judgement of
-// auto's answer; auto its set-up and solution.
+// either side. Times are the least of nine, thread CPU, taken in three rounds of auto and of both evaluations in turn:
+// verification is an Evaluator, its truth and the judgement of auto's answer; auto its set-up and solution.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -25,7 +25,9 @@ namespace lcpbench {
 namespace {
 
 constexpr double kSolverLimit_s = 1;
+constexpr int kRounds = 3;
 constexpr int kRepeats = 3;
+constexpr double kLongSolution_s = 0.05;  ///< beyond it one round is enough
 
 struct Row {
   int problems = 0;
@@ -46,6 +48,12 @@ double median(std::vector<double> values) {
 
 double largest(const std::vector<double>& values) {
   return values.empty() ? NAN : *std::max_element(values.begin(), values.end());
+}
+
+/// What may be off by the rounding of the data, 2^-53, without a difference.
+bool is_backward(const Metric& metric) {
+  return metric.value == &Errors::backward_componentwise || metric.value == &Errors::backward_row_norm ||
+         metric.value == &Errors::velocity_mismatch;
 }
 
 double relative_difference(double a, double b) {
@@ -106,7 +114,9 @@ void compare(const Errors& found, const Errors& reference, bool contact, Row& ro
   row.rho =
       std::max(row.rho, relative_difference(verdict_measure(found, contact), verdict_measure(reference, contact)));
   for (const Metric& metric : kMetrics) {
-    row.measures = std::max(row.measures, relative_difference(found.*metric.value, reference.*metric.value));
+    const double a = found.*metric.value, b = reference.*metric.value;
+    if (is_backward(metric) && std::abs(a - b) <= 0x1p-53) continue;
+    row.measures = std::max(row.measures, relative_difference(a, b));
   }
 }
 
@@ -116,6 +126,24 @@ double verification_s(const Problem& problem, const Answer& answer, Precision pr
     evaluator.truth();
     evaluator.judge(answer);
   });
+}
+
+/// The ratios of auto's answer, whose solution has been timed once.
+void measure_times(const Problem& problem, TimedSolver& automatic, const TimedAnswer& first, Row& row) {
+  double solution_s = first.times.setup_cpu_s + first.times.solve_cpu_s;
+  double before = INFINITY, after = INFINITY;
+  for (int round = 0; round < (solution_s < kLongSolution_s ? kRounds : 1); ++round) {
+    if (round > 0) {
+      TimedAnswer again;
+      automatic.run(problem, {.time_limit_s = kSolverLimit_s, .repeat_until_s = 2e-3}, again);
+      solution_s = std::min(solution_s, again.times.setup_cpu_s + again.times.solve_cpu_s);
+    }
+    before = std::min(before, verification_s(problem, first.answer, Precision::kQuad));
+    after = std::min(after, verification_s(problem, first.answer, Precision::kAsNeeded));
+  }
+  row.before.push_back(before / solution_s);
+  row.after.push_back(after / solution_s);
+  if (problem.size() < 1000) row.longest_s = std::max(row.longest_s, after);
 }
 
 void measure_problem(const Problem& problem, const std::vector<std::unique_ptr<TimedSolver>>& solvers,
@@ -131,12 +159,7 @@ void measure_problem(const Problem& problem, const std::vector<std::unique_ptr<T
     solver->run(problem, {.time_limit_s = kSolverLimit_s, .repeat_until_s = is_auto ? 2e-3 : 0}, result);
     if (is_auto) {
       automatic = result.answer;
-      const double solution_s = result.times.setup_cpu_s + result.times.solve_cpu_s;
-      const double before = verification_s(problem, automatic, Precision::kQuad);
-      const double after = verification_s(problem, automatic, Precision::kAsNeeded);
-      row.before.push_back(before / solution_s);
-      row.after.push_back(after / solution_s);
-      if (problem.size() < 1000) row.longest_s = std::max(row.longest_s, after);
+      measure_times(problem, *solver, result, row);
     }
     compare(evaluator.errors(result.answer), in_quad.errors(result.answer), contact, row);
   }
