@@ -136,6 +136,7 @@ TEST_F(CommandLineTest, HelpIsCompleteAndNoError) {
       {"generate", {"SET", "--seed", "--count", "--first", "--out"}},
       {"import", {"FORMAT", "FILE", "--out", "--symmetrize"}},
       {"solve", {"FILE", "--solver", "--time-limit", "--format"}},
+      {"replay", {"SCENE", "--solver", "--engine-solver", "--engine", "--steps", "--out", "--fresh", "--format"}},
       {"shrink",
        {"FILE", "--solver", "--until", "--against", "--speed", "--out", "--time-limit", "--budget", "--format"}},
       {"certify",
