@@ -48,7 +48,10 @@ class BulletEngine final : public Engine {
     world_.setGravity(btVector3(0, 0, 0));  // comes with the other forces
     world_.solved_by_others = [this] {
       look();
-      if (*loop_) move_on((*loop_)(*snapshot_));
+      if (*loop_) {
+        velocity_ = (*loop_)(*snapshot_);
+        move_on(moving_velocity(velocity_, *snapshot_, scene_.step));
+      }
       return static_cast<bool>(*loop_);
     };
     for (const Body& body : scene_.bodies) add(body);
@@ -70,6 +73,7 @@ class BulletEngine final : public Engine {
     apply_forces(index);
     world_.stepSimulation(scene_.step, 0);
     if (!loop) keep_impulses();
+    if (snapshot.correction.size() > 0) move_on(velocity_);
   }
 
  private:
@@ -205,6 +209,7 @@ class BulletEngine final : public Engine {
   int moving_ = 0;
   std::vector<btManifoldPoint*> points_;  ///< of this step's contacts
   Snapshot* snapshot_ = nullptr;
+  Eigen::VectorXd velocity_;  ///< of the solver in the loop
   const VelocitySolver* loop_ = nullptr;
 };
 

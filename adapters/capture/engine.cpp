@@ -9,6 +9,11 @@
 
 namespace lcpbench::capture {
 
+Eigen::VectorXd moving_velocity(const Eigen::VectorXd& velocity, const Snapshot& snapshot, double h) {
+  if (snapshot.correction.size() == 0) return velocity;
+  return velocity + snapshot.correction / h;
+}
+
 std::string numbered(const char* word, long long number) {
   std::string result = word;
   result += std::to_string(number);

@@ -65,7 +65,9 @@ struct Snapshot {
   std::vector<BodyState> bodies;
   std::vector<BlockState> blocks;
   std::vector<ContactState> contacts;
-  std::vector<Pose> poses;         ///< of the scene's parts, for pictures
+  std::vector<Pose> poses;  ///< of the scene's parts, for pictures
+  Eigen::VectorXd
+      correction;  ///< set by a solver in the loop: positions move by it and by h velocity; empty: by h velocity
   Eigen::VectorXd velocity_after;  ///< the engine's own, of all coordinates; empty where it cannot be told
   bool has_impulses = false;
 };
@@ -98,6 +100,9 @@ class Engine {
 std::unique_ptr<Engine> make_engine(const Scene& scene, const std::string& model);
 
 // What the engines share.
+
+/// The velocity that moves the bodies to their next positions: with the correction of positions in it.
+Eigen::VectorXd moving_velocity(const Eigen::VectorXd& velocity, const Snapshot& snapshot, double h);
 
 /// A name that ends in a number.
 std::string numbered(const char* word, long long number);

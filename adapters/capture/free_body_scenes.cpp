@@ -29,10 +29,18 @@ class Scatter {
   std::uint64_t state_ = 18;
 };
 
+/// Every body that moves is one that stands.
+Scene standing(Scene scene) {
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    if (scene.bodies[i].mass > 0) scene.stands.push_back(static_cast<int>(i));
+  }
+  return scene;
+}
+
 Scene stack() {
   Scene result = scene("stack", "ten boxes on top of each other", 0.5);
   for (int i = 0; i < 10; ++i) result.bodies.push_back(solid({box(0.5, 0.5, 0.25)}, 10, {0, 0, 0.25 + 0.5 * i}));
-  return result;
+  return standing(std::move(result));
 }
 
 /// Cards are built this far apart [m]: detectors differ on edges that just touch.
@@ -58,7 +66,7 @@ Scene card_house() {
   lean(result, 0.5, 0);
   result.bodies.push_back(solid({box(1, 0.5, 0.04)}, 1, {0, 0, kStorey + 0.04}));
   lean(result, 0, kStorey + 0.08 + kSlack);
-  return result;
+  return standing(std::move(result));
 }
 
 Scene wall() {
@@ -69,7 +77,7 @@ Scene wall() {
       result.bodies.push_back(solid({box(0.5, 0.25, 0.25)}, 5, {x, 0, 0.25 + 0.5 * row}));
     }
   }
-  return result;
+  return standing(std::move(result));
 }
 
 Scene mass_ratio(std::string name, double ratio) {
@@ -78,7 +86,7 @@ Scene mass_ratio(std::string name, double ratio) {
   result.bodies.push_back(solid({box(0.25, 0.25, 0.25)}, 1, {0.6, -0.5, 0.25}));
   result.bodies.push_back(solid({box(0.25, 0.25, 0.25)}, 1, {0, 0.5, 0.25}));
   result.bodies.push_back(solid({box(1, 1, 0.5)}, ratio, {0, 0, 1}));
-  return result;
+  return standing(std::move(result));
 }
 
 Scene wedge() {
@@ -148,7 +156,7 @@ Scene uneven_table() {
   }
   result.bodies.push_back(solid(parts, 20, {0, 0, 0.112}));
   result.bodies.push_back(solid({box(0.2, 0.2, 0.2)}, 10, {0.5, 0.2, 1.42}));
-  return result;
+  return standing(std::move(result));
 }
 
 Scene gripper() {
@@ -160,6 +168,7 @@ Scene gripper() {
   for (const int side : {-1, 1}) {
     Body finger = solid({box(0.05, 0.15, 0.15)}, kFinger, {side * 0.26, 0, 0.25});
     finger.push.force = {-side * 60.0, 0, kGravity * (kFinger + kBox / 2) + 2};
+    result.grips.push_back({.held = 1, .by = static_cast<int>(result.bodies.size())});
     result.bodies.push_back(finger);
   }
   return result;
@@ -188,6 +197,7 @@ Scene slope() {
     Body body = solid({box(0.3, 0.3, 0.2)}, 5, 0.2 * up + Vector3d(0, 1.5 * (i - 1), 0));
     body.orientation = result.bodies[0].orientation;
     body.linear_velocity = 0.5 * (i - 1) * down;
+    if (i == 1) result.stands.push_back(static_cast<int>(result.bodies.size()));
     result.bodies.push_back(body);
   }
   Body tall = solid({box(0.15, 0.3, 0.4)}, 5, 0.4 * up + Vector3d(0, 3, 0));

@@ -1,5 +1,6 @@
-// The program of one engine: lcpbench-capture-<engine> SCENE MODEL EVERY STEPS FILE LOOP. The command `lcpbench
+// The program of one engine: lcpbench-capture-<engine> SCENE MODEL EVERY STEPS FILE LOOP [TRACK]. The command `lcpbench
 // capture` starts it and checks what it wrote: FILE.hashes has the hash of each step's problem as it was in here.
+// With TRACK, a file too, it is a replay, which `lcpbench replay` starts: every step is measured (see track.h).
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -14,9 +15,10 @@
 
 #include "adapters/capture/engine.h"
 #include "adapters/capture/problem.h"
+#include "adapters/capture/solver_loop.h"
+#include "adapters/capture/track.h"
 #include "core/error.h"
 #include "core/io/problem_io.h"
-#include "core/registry.h"
 #include "examples/capture/capture.h"
 
 namespace lcpbench::capture {
@@ -63,33 +65,7 @@ struct Arguments {
   long steps = 0;
   std::string file;
   std::string loop;
-};
-
-/// A native solver in the loop. A step that it does not solve is the last one: `failure` says why.
-class SolverLoop {
- public:
-  explicit SolverLoop(const std::string& spec) : name_(spec), solver_(make_solver(parse_spec(spec))) {}
-
-  Eigen::VectorXd operator()(const Snapshot& snapshot) {
-    const Problem problem = problem_of(snapshot);
-    const ContactProblem& contact = *problem.contact();
-    if (contact.nc() == 0) return contact.v;
-    solver_->load(problem);
-    solver_->solve({.time_limit_s = 60}, answer_);
-    if (answer_.claim != Claim::kSolved) {
-      failure = name_ + " did not solve it: " + to_string(answer_.claim);
-      if (!answer_.detail.empty()) failure += ", " + answer_.detail;
-      return contact.v;
-    }
-    return answer_.velocity.size() > 0 ? Vector(answer_.velocity) : post_impact_velocity(contact, answer_.z);
-  }
-
-  std::string failure;
-
- private:
-  std::string name_;
-  std::unique_ptr<Solver> solver_;
-  Answer answer_;
+  std::string track;  ///< empty: no replay
 };
 
 struct Close {
@@ -141,34 +117,48 @@ void write_step(lcpbench_capture* file, long step, double time, const Snapshot& 
   lcpbench_capture_end_step(file);
 }
 
-int run(const Arguments& arguments) {
+Scene scene_of(const Arguments& arguments) {
   Scene scene;
-  if (arguments.model.empty()) {
-    const auto found = std::find_if(scenes().begin(), scenes().end(),
-                                    [&](const Scene& candidate) { return candidate.name == arguments.scene; });
-    if (found == scenes().end()) throw InputError("unknown scene '" + arguments.scene + "'");
-    scene = *found;
-  } else {
-    scene.name = arguments.scene;
-  }
-  const std::unique_ptr<Engine> engine = make_engine(scene, arguments.model);
-  const double h = engine->step_length();
-  std::unique_ptr<lcpbench_capture, Close> file(lcpbench_capture_open(
-      arguments.file.c_str(), scene.name.c_str(), engine->name().c_str(), engine->version().c_str(), h));
+  scene.name = arguments.scene;
+  if (!arguments.model.empty()) return scene;
+  const auto found = std::find_if(scenes().begin(), scenes().end(),
+                                  [&](const Scene& candidate) { return candidate.name == arguments.scene; });
+  if (found == scenes().end()) throw InputError("unknown scene '" + arguments.scene + "'");
+  return *found;
+}
+
+using CaptureFile = std::unique_ptr<lcpbench_capture, Close>;
+
+CaptureFile open_file(const Arguments& arguments, const Engine& engine) {
+  CaptureFile file(lcpbench_capture_open(arguments.file.c_str(), arguments.scene.c_str(), engine.name().c_str(),
+                                         engine.version().c_str(), engine.step_length()));
   if (!file) throw InputError("cannot write '" + arguments.file + "'");
   lcpbench_capture_loop(file.get(), arguments.loop.c_str());
-  lcpbench_capture_gravity(file.get(), engine->gravity().data());
-  const std::vector<Drawn> drawn = engine->drawn();
+  lcpbench_capture_gravity(file.get(), engine.gravity().data());
+  const std::vector<Drawn> drawn = engine.drawn();
   for (std::size_t i = 0; i < drawn.size(); ++i) {
     lcpbench_capture_shape(file.get(), static_cast<int>(i), drawn[i].type.c_str(), drawn[i].size.data(),
                            static_cast<int>(drawn[i].size.size()));
   }
+  return file;
+}
+
+int run(const Arguments& arguments) {
+  const Scene scene = scene_of(arguments);
+  const std::unique_ptr<Engine> engine = make_engine(scene, arguments.model);
+  const double h = engine->step_length();
+  CaptureFile file = open_file(arguments, *engine);
+  const bool replay = !arguments.track.empty();
   std::unique_ptr<SolverLoop> solver;
   VelocitySolver loop;
+  Eigen::VectorXd velocity;  // of the solver in the loop
   if (arguments.loop != "engine") {
-    solver = std::make_unique<SolverLoop>(arguments.loop);
-    loop = [&solver](const Snapshot& found) { return (*solver)(found); };
+    solver =
+        std::make_unique<SolverLoop>(arguments.loop, replay ? SolverLoop::Use::kReplay : SolverLoop::Use::kSolved, h);
+    loop = [&](Snapshot& found) { return velocity = (*solver)(found); };
   }
+  std::unique_ptr<Track> track;
+  if (replay) track = std::make_unique<Track>(arguments.track, scene, h);
   ContactNames names;
   Snapshot snapshot;
   std::ofstream hashes(arguments.file + ".hashes");
@@ -176,13 +166,22 @@ int run(const Arguments& arguments) {
   for (long step = 0; step < steps; ++step) {
     engine->step(step, snapshot, loop);
     names.name(snapshot.contacts);
-    const bool failed = solver != nullptr && !solver->failure.empty();
-    if ((failed || step % arguments.every == 0) && !snapshot.contacts.empty()) {
+    std::string failure = solver != nullptr ? solver->failure() : "";
+    if (replay && failure.empty()) {
+      failure = track->add(step, snapshot, loop ? velocity : snapshot.velocity_after,
+                           solver != nullptr ? solver->claim() : "engine");
+    }
+    const bool wanted = !failure.empty() || step % arguments.every == 0 || (replay && step == steps - 1);
+    if (wanted && (replay || !snapshot.contacts.empty())) {
       hashes << step << ' ' << problem_hash(problem_of(snapshot)) << std::endl;
       write_step(file.get(), step, static_cast<double>(step) * h, snapshot);
     }
-    if (failed) throw std::runtime_error("step " + std::to_string(step) + ": " + solver->failure);
+    if (failure.empty()) continue;
+    if (!replay) throw std::runtime_error("step " + std::to_string(step) + ": " + failure);
+    track->end(failure);
+    break;
   }
+  if (track != nullptr) track->close();
   return lcpbench_capture_close(file.release());
 }
 
@@ -190,13 +189,13 @@ int run(const Arguments& arguments) {
 }  // namespace lcpbench::capture
 
 int main(int argc, char** argv) {
-  if (argc != 7) {
-    std::fprintf(stderr, "usage: %s SCENE MODEL EVERY STEPS FILE LOOP\n", argv[0]);
+  if (argc != 7 && argc != 8) {
+    std::fprintf(stderr, "usage: %s SCENE MODEL EVERY STEPS FILE LOOP [TRACK]\n", argv[0]);
     return 2;
   }
   try {
-    return lcpbench::capture::run(
-        {argv[1], argv[2], std::max(1L, std::atol(argv[3])), std::atol(argv[4]), argv[5], argv[6]});
+    return lcpbench::capture::run({argv[1], argv[2], std::max(1L, std::atol(argv[3])), std::atol(argv[4]), argv[5],
+                                   argv[6], argc == 8 ? argv[7] : ""});
   } catch (const lcpbench::InputError& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 2;

@@ -68,11 +68,19 @@ struct Loop {
   Eigen::Vector3d anchor = Eigen::Vector3d::Zero();  ///< in the world
 };
 
+/// A body that holds another one by friction.
+struct Grip {
+  int held = 0;
+  int by = 0;
+};
+
 struct Scene {
   std::string name;
   std::string summary;  ///< one line
   std::vector<Body> bodies;
   std::vector<Loop> loops;
+  std::vector<int> stands;  ///< bodies that stay where they are while contacts are solved well
+  std::vector<Grip> grips;  ///< what does not slip while contacts are solved well
   double mu = 0.5;
   double restitution = 0;
   double step = 0.005;  ///< [s]

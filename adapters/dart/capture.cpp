@@ -62,7 +62,13 @@ class DartEngine final : public Engine {
       if (look_at(collision_.getContact(i), snapshot)) taken.push_back(i);
     }
     if (scene_.articulated()) look_at_limits(snapshot);
-    if (loop) return move_on(loop(snapshot));
+    if (loop) {
+      const Eigen::VectorXd after = loop(snapshot);
+      set_velocities(moving_velocity(after, snapshot, scene_.step));
+      move_on();
+      if (snapshot.correction.size() > 0) set_velocities(after);
+      return;
+    }
     world_->step();
     keep_impulses(taken, snapshot);
     keep_velocities(snapshot);
@@ -273,7 +279,7 @@ class DartEngine final : public Engine {
   }
 
   /// What world_->step() does behind its solver.
-  void move_on(const Eigen::VectorXd& velocity) {
+  void set_velocities(const Eigen::VectorXd& velocity) {
     for (const dart::dynamics::SkeletonPtr& skeleton : skeletons_) {
       const auto size = static_cast<Eigen::Index>(skeleton->getNumDofs());
       if (size == 0) continue;
@@ -285,6 +291,12 @@ class DartEngine final : public Engine {
         joint.setLinearVelocity(part.head<3>());
         joint.setAngularVelocity(part.tail<3>());
       }
+    }
+  }
+
+  void move_on() {
+    for (const dart::dynamics::SkeletonPtr& skeleton : skeletons_) {
+      if (skeleton->getNumDofs() == 0) continue;
       skeleton->integratePositions(scene_.step);
       skeleton->clearInternalForces();
       skeleton->clearExternalForces();

@@ -116,7 +116,11 @@ class MujocoEngine final : public Engine {
     }
     if (free_bodies_) {
       look_at_bodies(velocity, snapshot);
-      if (loop) return move_on(velocities_of_bodies(loop(snapshot)));
+      if (loop) {
+        const Eigen::VectorXd after = loop(snapshot);
+        return move_on(velocities_of_bodies(after),
+                       velocities_of_bodies(moving_velocity(after, snapshot, step_length())));
+      }
       mj_Euler(model_.get(), data_.get());
       keep_body_velocities(snapshot);
       snapshot.has_impulses = true;
@@ -125,7 +129,11 @@ class MujocoEngine final : public Engine {
     snapshot.blocks = coordinates.states(velocity);
     look_at_contacts(&coordinates, snapshot);
     look_at_limits(coordinates, snapshot);
-    if (loop) return move_on(coordinates.full(loop(snapshot), model_->nv));
+    if (loop) {
+      const Eigen::VectorXd after = loop(snapshot);
+      return move_on(coordinates.full(after, model_->nv),
+                     coordinates.full(moving_velocity(after, snapshot, step_length()), model_->nv));
+    }
     mj_Euler(model_.get(), data_.get());
     snapshot.velocity_after = coordinates.reduced(numbers(data_->qvel, model_->nv));
     snapshot.has_impulses = true;
@@ -226,9 +234,9 @@ class MujocoEngine final : public Engine {
     return result;
   }
 
-  void move_on(const Eigen::VectorXd& velocity) {
+  void move_on(const Eigen::VectorXd& velocity, const Eigen::VectorXd& moving) {
     Eigen::Map<Eigen::VectorXd>(data_->qvel, model_->nv) = velocity;
-    mj_integratePos(model_.get(), data_->qpos, data_->qvel, step_length());
+    mj_integratePos(model_.get(), data_->qpos, moving.data(), step_length());
     data_->time += step_length();
   }
 

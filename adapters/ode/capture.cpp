@@ -47,7 +47,7 @@ class OdeEngine final : public Engine {
     dSpaceCollide(space_, this,
                   [](void* engine, dGeomID a, dGeomID b) { static_cast<OdeEngine*>(engine)->near(a, b); });
     if (loop)
-      move_on(loop(snapshot));
+      move_on(loop(snapshot), snapshot);
     else
       solve(snapshot);
   }
@@ -73,16 +73,23 @@ class OdeEngine final : public Engine {
   }
 
   /// Without joints and forces, a step of ODE moves the bodies along their velocities.
-  void move_on(const Eigen::VectorXd& velocity) {
+  void move_on(const Eigen::VectorXd& velocity, const Snapshot& snapshot) {
     dJointGroupEmpty(joints_);
+    for (const dBodyID body : moving_) {
+      dBodySetForce(body, 0, 0, 0);
+      dBodySetTorque(body, 0, 0, 0);
+    }
+    set_velocities(moving_velocity(velocity, snapshot, scene_.step));
+    dWorldQuickStep(world_, scene_.step);
+    if (snapshot.correction.size() > 0) set_velocities(velocity);
+  }
+
+  void set_velocities(const Eigen::VectorXd& velocity) {
     for (std::size_t i = 0; i < moving_.size(); ++i) {
       const double* v = velocity.data() + 6 * i;
-      dBodySetForce(moving_[i], 0, 0, 0);
-      dBodySetTorque(moving_[i], 0, 0, 0);
       dBodySetLinearVel(moving_[i], v[0], v[1], v[2]);
       dBodySetAngularVel(moving_[i], v[3], v[4], v[5]);
     }
-    dWorldQuickStep(world_, scene_.step);
   }
 
   /// What a geometry belongs to: the body of the scene, and its index among the moving ones.

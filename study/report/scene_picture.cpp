@@ -295,15 +295,8 @@ std::shared_ptr<const ScenesFile> open_scene(const std::string& set) {
   return nullptr;
 }
 
-std::optional<Figure> draw_scene(const ScenesFile& file) {
-  if (file.count() == 0) return std::nullopt;
-  const ScenesHeader& header = file.header();
-  const std::size_t middle = file.count() / 2;
-  const SceneStep step = file.read(middle);
-  const std::vector<Placed> shapes = placed_shapes(header, step, file.read(middle == 0 ? file.count() - 1 : 0));
-  const RigidScene* scene = step.problem.scene();
-  const SideView view(shapes, header.gravity, scene);
-  if (view.empty()) return std::nullopt;
+Figure draw_step(const ScenesHeader& header, const SceneStep& step, const std::vector<Placed>& shapes,
+                 const SideView& view) {
   Canvas canvas(view.width(), view.height());
   for (const bool moves : {false, true}) {
     std::vector<std::string> paths;
@@ -313,7 +306,7 @@ std::optional<Figure> draw_scene(const ScenesFile& file) {
     std::erase(paths, "");
     canvas.bodies(paths, moves ? kPlain : kGrey);
   }
-  if (scene != nullptr) {
+  if (const RigidScene* scene = step.problem.scene()) {
     for (const RigidContact& contact : scene->contacts) {
       const Vector2d at = view.pixel(contact.point);
       canvas.marker(at.x(), at.y(), 2, Shape::kDisc, kInk);
@@ -328,6 +321,17 @@ std::optional<Figure> draw_scene(const ScenesFile& file) {
   return figure;
 }
 
+std::optional<Figure> draw_scene(const ScenesFile& file) {
+  if (file.count() == 0) return std::nullopt;
+  const ScenesHeader& header = file.header();
+  const std::size_t middle = file.count() / 2;
+  const SceneStep step = file.read(middle);
+  const std::vector<Placed> shapes = placed_shapes(header, step, file.read(middle == 0 ? file.count() - 1 : 0));
+  const SideView view(shapes, header.gravity, step.problem.scene());
+  if (view.empty()) return std::nullopt;
+  return draw_step(header, step, shapes, view);
+}
+
 }  // namespace
 
 std::optional<Figure> scene_picture(const std::string& set) {
@@ -337,6 +341,23 @@ std::optional<Figure> scene_picture(const std::string& set) {
   } catch (const InputError&) {
     return std::nullopt;  // the user's file has changed, or is gone
   }
+}
+
+std::vector<Figure> filmstrip(const ScenesFile& file, const ScenesFile& view_of) {
+  std::vector<Figure> figures;
+  if (file.count() == 0 || view_of.count() == 0) return figures;
+  const SceneStep first = view_of.read(0);
+  const SceneStep last = view_of.read(view_of.count() - 1);
+  const SideView view(placed_shapes(view_of.header(), first, last), view_of.header().gravity, first.problem.scene());
+  if (view.empty()) return figures;
+  const SceneStep end = file.read(file.count() - 1);
+  for (std::size_t i = 0; i < file.count(); ++i) {
+    const SceneStep step = file.read(i);
+    // What moves is told by the poses: from the first step to the last, of the first step from the last.
+    const std::vector<Placed> shapes = placed_shapes(file.header(), step, i == 0 ? end : first);
+    figures.push_back(draw_step(file.header(), step, shapes, view));
+  }
+  return figures;
 }
 
 }  // namespace lcpbench::report

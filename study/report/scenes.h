@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/io/scenes_file.h"
 #include "study/report/figures.h"
 #include "study/report/summary.h"
 
@@ -49,5 +50,8 @@ std::vector<SceneFamily> scene_families(const Summary& summary);
 /// type that the reference does not define are left out.
 /// @returns nullopt where the file cannot be read, or has no shapes or no poses.
 std::optional<Figure> scene_picture(const std::string& set);
+
+/// Every step of a file from the side, all seen as the first step of `view_of` is. Empty where that cannot be drawn.
+std::vector<Figure> filmstrip(const ScenesFile& file, const ScenesFile& view_of);
 
 }  // namespace lcpbench::report

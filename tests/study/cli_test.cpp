@@ -144,6 +144,7 @@ TEST_F(CommandLineTest, HelpIsCompleteAndNoError) {
       {"import", {"FORMAT", "FILE", "--out", "--symmetrize"}},
       {"solve", {"FILE", "--solver", "--max-velocity-error", "--time-limit", "--format"}},
       {"models", {"FILE", "--max-velocity-error", "--time-limit", "--wide", "--long", "--format"}},
+      {"replay", {"SCENE", "--solver", "--engine-solver", "--engine", "--steps", "--out", "--fresh", "--format"}},
       {"shrink",
        {"FILE", "--solver", "--until", "--against", "--speed", "--out", "--time-limit", "--budget", "--format"}},
       {"certify",

@@ -30,6 +30,10 @@ lcpbench_test(shrink LINK lcpbench_shrink lcpbench_solver_list nlohmann_json::nl
 target_compile_definitions(shrink_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
 add_dependencies(shrink_test lcpbench lcpbench_workers)
 
+lcpbench_test(replay LINK lcpbench_report nlohmann_json::nlohmann_json)
+target_compile_definitions(replay_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
+add_dependencies(replay_test lcpbench lcpbench_engines)
+
 # Counts of a fixed study. Not under sanitizers: it is long there and would say the same.
 lcpbench_test(regression LINK lcpbench_study nlohmann_json::nlohmann_json)
 target_compile_definitions(regression_test PRIVATE

@@ -1,0 +1,81 @@
+#include "adapters/capture/track.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+
+namespace lcpbench::capture {
+namespace {
+
+constexpr double kTooFast = 1e3;  // m/s, rad/s: the simulation has blown up
+
+}  // namespace
+
+Track::Track(const std::string& file, const Scene& scene, double step_length)
+    : name_(file), scene_(scene), h_(step_length), file_(std::fopen(file.c_str(), "w")) {
+  if (file_ == nullptr) throw InputError("cannot write '" + file + "'");
+  std::size_t parts = 0;
+  for (const Body& body : scene.bodies) {
+    part_.push_back(parts);
+    parts += body.parts.size();
+  }
+  std::fprintf(file_.get(), "step,time_s,contacts,claim,energy_j,deepest_m,drift_m,slip_m\n");
+}
+
+const Eigen::Vector3d& Track::place(const Snapshot& snapshot, int body) const {
+  return snapshot.poses[part_[static_cast<std::size_t>(body)]].position;
+}
+
+std::string Track::add(long step, const Snapshot& snapshot, const Eigen::VectorXd& velocity, const std::string& claim) {
+  if (start_.empty()) start_ = snapshot.poses;
+  double deepest = 0;
+  for (const ContactState& contact : snapshot.contacts) deepest = std::max(deepest, -contact.gap);
+  std::fprintf(file_.get(), "%ld,%.9g,%zu,%s,%.9g,%.6g,", step, h_ * static_cast<double>(step),
+               snapshot.contacts.size(), claim.c_str(), energy(snapshot, velocity), deepest);
+  if (!scene_.stands.empty()) std::fprintf(file_.get(), "%.6g", drift(snapshot));
+  std::fprintf(file_.get(), ",");
+  if (!scene_.grips.empty()) std::fprintf(file_.get(), "%.6g", slip(snapshot));
+  std::fprintf(file_.get(), "\n");
+  return velocity.size() > 0 && !(velocity.lpNorm<Eigen::Infinity>() < kTooFast) ? "it blew up" : "";
+}
+
+void Track::close() {
+  std::fprintf(file_.get(), "end,%s\n", why_.c_str());
+  const bool failed = std::ferror(file_.get()) != 0;
+  if (std::fclose(file_.release()) != 0 || failed) throw InputError("cannot write '" + name_ + "'");
+}
+
+double Track::energy(const Snapshot& snapshot, const Eigen::VectorXd& velocity) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < snapshot.bodies.size(); ++i) {
+    const BodyState& body = snapshot.bodies[i];
+    const Eigen::Vector<double, 6> v = velocity.segment<6>(static_cast<Eigen::Index>(6 * i));
+    const double height = body.position.z() + h_ / 2 * v.z();
+    sum += body.mass * (v.head<3>().squaredNorm() / 2 + kGravity * height) +
+           v.tail<3>().dot(body.inertia * v.tail<3>()) / 2;
+  }
+  return sum;
+}
+
+double Track::drift(const Snapshot& snapshot) const {
+  double farthest = 0;
+  for (const int body : scene_.stands) {
+    const Eigen::Vector3d& start = start_[part_[static_cast<std::size_t>(body)]].position;
+    farthest = std::max(farthest, (place(snapshot, body) - start).norm());
+  }
+  return farthest;
+}
+
+double Track::slip(const Snapshot& snapshot) const {
+  double farthest = 0;
+  for (const Grip& grip : scene_.grips) {
+    const auto at_start = [&](int body) { return start_[part_[static_cast<std::size_t>(body)]].position; };
+    const Eigen::Vector3d start = at_start(grip.held) - at_start(grip.by);
+    const Eigen::Vector3d moved = place(snapshot, grip.held) - place(snapshot, grip.by) - start;
+    farthest = std::max(farthest, (moved - moved.dot(start) / start.squaredNorm() * start).norm());
+  }
+  return farthest;
+}
+
+}  // namespace lcpbench::capture

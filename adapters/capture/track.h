@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "adapters/capture/engine.h"
+
+namespace lcpbench::capture {
+
+/// Writes the measures of a replay's steps as CSV: one line a step, then "end," and why the replay ended, empty where
+/// it came to its last step. A file without that line is not complete.
+///
+/// energy_j: of all free bodies, kinetic with the velocity after the step's contacts and potential in the middle of the
+/// step, which free fall does not change. deepest_m: the largest penetration that the step found. drift_m: the largest
+/// way of a body that stands from its first place. slip_m: the largest way of a held body from where it was in the
+/// grip, at right angles to the grip's first direction. contacts, and the solver's claim.
+class Track {
+ public:
+  /// @throws InputError when the file cannot be written
+  Track(const std::string& file, const Scene& scene, double step_length);
+  /// @param velocity  after the contacts, of all bodies
+  /// @returns why the scene cannot go on; "" when it can
+  std::string add(long step, const Snapshot& snapshot, const Eigen::VectorXd& velocity, const std::string& claim);
+  void end(const std::string& why) { why_ = why; }
+  /// @throws InputError when not all of it arrived
+  void close();
+
+ private:
+  struct CloseFile {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+
+  double energy(const Snapshot& snapshot, const Eigen::VectorXd& velocity) const;
+  double drift(const Snapshot& snapshot) const;
+  double slip(const Snapshot& snapshot) const;
+  const Eigen::Vector3d& place(const Snapshot& snapshot, int body) const;
+
+  std::string name_;
+  Scene scene_;
+  double h_;
+  std::vector<std::size_t> part_;  ///< of each body the first, which has a pose
+  std::vector<Pose> start_;
+  std::string why_;
+  std::unique_ptr<std::FILE, CloseFile> file_;
+};
+
+}  // namespace lcpbench::capture

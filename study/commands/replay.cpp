@@ -1,0 +1,274 @@
+#include "study/replay/replay.h"
+
+#include <algorithm>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "adapters/capture/launch.h"
+#include "adapters/capture/scene.h"
+#include "core/error.h"
+#include "core/io/scenes_file.h"
+#include "core/registry.h"
+#include "core/suggestion.h"
+#include "study/commands/commands.h"
+#include "study/commands/options.h"
+#include "study/output/json_output.h"
+#include "study/output/terminal.h"
+#include "study/output/text_table.h"
+#include "study/replay/replay_page.h"
+#include "study/report/text.h"
+#include "study/run/interrupt.h"
+#include "study/run/open_solver.h"
+
+namespace lcpbench {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kEngine = "engine";
+constexpr std::int64_t kFrames = 6;  ///< pictures of a filmstrip: the first step, the last one, and those between
+
+struct ReplayArguments {
+  std::vector<std::string> scenes;
+  std::vector<std::string> solvers;
+  bool engine_solver = false;
+  std::string engine = "ode";
+  std::int64_t steps = 0;
+  std::string out;
+  bool fresh = false;
+  std::string format = "text";
+  std::string command_line;
+};
+
+const capture::Scene& find_scene(const std::string& name) {
+  std::vector<std::string> names;
+  for (const capture::Scene& scene : capture::scenes()) {
+    if (scene.articulated()) continue;
+    names.push_back(scene.name);
+    if (scene.name == name) return scene;
+  }
+  for (const capture::Scene& scene : capture::scenes()) {
+    if (scene.name == name) {
+      throw InputError(fmt::format("scene '{}' has joints; scenes of free bodies are replayed", name));
+    }
+  }
+  throw InputError(
+      fmt::format("unknown scene '{}'{}; `lcpbench replay --help` lists them", name, did_you_mean(name, names)));
+}
+
+/// In canonical form, each once; the engine's own solver last. @throws InputError for those that cannot run
+std::vector<std::string> solvers_of(const ReplayArguments& arguments) {
+  std::vector<std::string> solvers;
+  for (const std::string& text : arguments.solvers) {
+    const Spec spec = canonical_solver_spec(parse_spec(text));
+    const RegisteredSolver& solver = find_solver(spec.name);
+    if (solver.definition.capabilities.captured_only) {
+      throw InputError(
+          fmt::format("--solver '{}': --engine-solver steps the scene with the engine's own solver", text));
+    }
+    if (const std::string reason = why_unavailable(solver); !reason.empty()) {
+      throw InputError(fmt::format("solver '{}' is not available: {}", spec.name, reason));
+    }
+    if (std::find(solvers.begin(), solvers.end(), spec.text()) == solvers.end()) solvers.push_back(spec.text());
+  }
+  if (arguments.engine_solver) solvers.emplace_back(kEngine);
+  if (solvers.empty()) throw InputError("nothing to replay with: name a --solver, or --engine-solver");
+  return solvers;
+}
+
+/// What one replay writes.
+struct ReplayFiles {
+  std::string frames;
+  std::string track = frames + ".csv";
+};
+
+/// A name for each scene, engine, number of steps and solver: the number tells solvers apart whose names are alike as
+/// file names.
+ReplayFiles files_of(const ReplayArguments& arguments, const std::string& scene, std::int64_t steps,
+                     const std::string& solver) {
+  std::uint32_t number = 2166136261;  // FNV-1a
+  for (const char c : solver) number = (number ^ static_cast<unsigned char>(c)) * 16777619;
+  const std::string name = fmt::format("{}-{}-{}-{}-{:08x}.scenes", scene, arguments.engine, steps,
+                                       report::file_stem(solver).substr(0, 60), number);
+  return {(fs::path(arguments.out) / "steps" / name).string()};
+}
+
+/// Steps the scene on with the solver, unless an earlier run did. @returns whether it came to its end
+bool step_on(const ReplayArguments& arguments, const std::string& scene, std::int64_t steps, const std::string& solver,
+             const ReplayFiles& files, const volatile std::sig_atomic_t* stop) {
+  if (!arguments.fresh && is_complete_track(files.track)) return true;
+  std::error_code ignored;
+  fs::remove(files.track, ignored);
+  const std::int64_t every = std::max<std::int64_t>(1, steps / (kFrames - 1));
+  const capture::EngineRun run = capture::run_engine(
+      arguments.engine, {scene, "", std::to_string(every), std::to_string(steps), files.frames, solver, files.track},
+      stop);
+  fs::remove(files.frames + ".hashes", ignored);
+  if (*stop != 0) return false;
+  if (run.ending == "exited with code 2") throw InputError(run.message);
+  if (run.ending == "exited with code 0") return true;
+  say(stderr, "lcpbench: {} with {}: {} {}{}\n", scene, solver, arguments.engine, run.ending,
+      run.message.empty() ? "" : ": " + run.message);
+  return false;
+}
+
+void write_file(const fs::path& file, const std::string& text) {
+  std::ofstream stream(file, std::ios::binary | std::ios::trunc);
+  stream << text;
+  stream.close();
+  if (!stream) throw InputError(file.string() + ": cannot be written");
+}
+
+void make_folder(const ReplayArguments& arguments) {
+  std::error_code error;
+  fs::create_directories(fs::path(arguments.out) / "steps", error);
+  if (error) throw InputError(fmt::format("--out '{}': {}", arguments.out, error.message()));
+}
+
+/// Everything of one scene.
+struct Replayed {
+  ReplayedScene scene;
+  std::vector<std::unique_ptr<ScenesFile>> frames;
+};
+
+void write_results(const ReplayArguments& arguments, const std::vector<Replayed>& all) {
+  const fs::path folder = arguments.out;
+  std::vector<ReplayedScene> scenes;
+  std::vector<ReplayPictures> pictures;
+  std::string conclusions;
+  for (const Replayed& each : all) {
+    scenes.push_back(each.scene);
+    ReplayPictures& last = pictures.emplace_back(ReplayPictures{each.scene, {}});
+    for (const std::unique_ptr<ScenesFile>& file : each.frames) last.frames.push_back(file.get());
+    conclusions += "- " + conclusion(each.scene) + "\n";
+    write_file(folder / (each.scene.scene + ".csv"), replay_steps_csv(each.scene));
+  }
+  write_file(folder / "summary.csv", replay_summary_csv(scenes));
+  write_file(folder / "conclusions.md", conclusions);
+  write_file(folder / "index.html", replay_page(pictures, arguments.command_line));
+}
+
+Json scene_json(const ReplayedScene& scene) {
+  Json rows = Json::array();
+  for (const Replay& replay : scene.replays) {
+    rows.push_back({{"solver", replay.solver},
+                    {"survived", replay.survived()},
+                    {"end", replay.end},
+                    {"steps_with_contacts", replay.with_contacts()},
+                    {"claimed_solved", replay.solver == kEngine ? Json() : Json(replay.claimed())},
+                    {"drift_m", json_number(replay.largest(&ReplayStep::drift_m))},
+                    {"slip_m", json_number(replay.largest(&ReplayStep::slip_m))},
+                    {"deepest_m", json_number(replay.largest(&ReplayStep::deepest_m))},
+                    {"energy_rise_j", scene.pushed ? Json() : json_number(replay.energy_rise())}});
+  }
+  return {{"scene", scene.scene},
+          {"engine", scene.engine},
+          {"steps", scene.steps},
+          {"step_length_s", scene.step_length_s},
+          {"conclusion", conclusion(scene)},
+          {"replays", rows}};
+}
+
+/// Replays a scene with every solver. @returns whether all came to their end
+bool replay_scene(const ReplayArguments& arguments, const capture::Scene& scene,
+                  const std::vector<std::string>& solvers, const volatile std::sig_atomic_t* stop,
+                  ProgressLine& progress, std::vector<Replayed>& all) {
+  Replayed result;
+  result.scene.scene = scene.name;
+  result.scene.steps = arguments.steps > 0 ? arguments.steps : scene.steps;
+  result.scene.step_length_s = scene.step;
+  result.scene.pushed = std::any_of(scene.bodies.begin(), scene.bodies.end(),
+                                    [](const capture::Body& body) { return !body.push.force.isZero(0); });
+  bool complete = true;
+  for (const std::string& solver : solvers) {
+    if (*stop != 0) return false;
+    progress.show(fmt::format("{} with {}", scene.name, solver));
+    const ReplayFiles files = files_of(arguments, scene.name, result.scene.steps, solver);
+    if (!step_on(arguments, scene.name, result.scene.steps, solver, files, stop)) {
+      complete = false;
+      continue;
+    }
+    result.scene.replays.push_back(read_track(files.track, solver));
+    result.frames.push_back(std::make_unique<ScenesFile>(files.frames));
+    result.scene.engine = result.frames.back()->header().engine;
+  }
+  if (!result.frames.empty() && *stop == 0) all.push_back(std::move(result));
+  return complete;
+}
+
+int run_replay(const ReplayArguments& arguments) {
+  std::vector<const capture::Scene*> scenes;
+  for (const std::string& name : arguments.scenes) scenes.push_back(&find_scene(name));
+  const std::vector<std::string> solvers = solvers_of(arguments);
+  make_folder(arguments);
+  const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
+  ProgressLine progress;
+  std::vector<Replayed> all;
+  bool complete = true;
+  for (const capture::Scene* scene : scenes) {
+    complete = replay_scene(arguments, *scene, solvers, stop, progress, all) && complete;
+    if (*stop != 0) break;
+  }
+  progress.clear();
+  if (*stop != 0) {
+    say(stderr, "lcpbench: interrupted; the same command goes on where it stopped\n");
+    return kExitInterrupted;
+  }
+  write_results(arguments, all);
+  if (arguments.format == "json") {
+    Json rows = Json::array();
+    for (const Replayed& each : all) rows.push_back(scene_json(each.scene));
+    print_json(rows);
+  } else {
+    for (const Replayed& each : all) say(stdout, "{}", folded(conclusion(each.scene) + "\n", terminal_width()));
+    say(stdout, "curves and filmstrips: {}\n", (fs::path(arguments.out) / "index.html").string());
+  }
+  return complete ? kExitDone : kExitCheckFailed;
+}
+
+std::string list_of_scenes() {
+  std::string text =
+      "The scene is stepped on with each solver's answers, whatever their verdicts: the same integrator, the same "
+      "collision detection. Ctrl-C ends with exit code 3; the same command goes on. Exit code 1: an engine crashed. "
+      "See "
+      "docs/howto/replay-a-scene.md.\n\nScenes:";
+  for (const capture::Scene& scene : capture::scenes()) {
+    if (!scene.articulated()) text += fmt::format("\n  {:<20} {}", scene.name, scene.summary);
+  }
+  return text;
+}
+
+}  // namespace
+
+Action add_replay_command(CLI::App& command, const std::string& command_line) {
+  const auto arguments = std::make_shared<ReplayArguments>();
+  arguments->command_line = command_line;
+  command.add_option("SCENE", arguments->scenes, "scenes of free bodies")->required();
+  command.add_option("--solver", arguments->solvers, "name{key=value,...}; may be repeated")->allow_extra_args(false);
+  command.add_flag("--engine-solver", arguments->engine_solver, "also step on as the engine does by itself");
+  command
+      .add_option("--engine", arguments->engine,
+                  "whose collision detection and integrator: ode, bullet, mujoco or dart")
+      ->check(CLI::IsMember({"ode", "bullet", "mujoco", "dart"}))
+      ->capture_default_str();
+  command.add_option("--steps", arguments->steps, "steps of each replay (default: the scene's own)")
+      ->check(CLI::Range(INT64_C(1), INT64_C(1'000'000)));
+  command.add_option("--out", arguments->out, "folder of the page, the tables and the steps")->required();
+  command.add_flag("--fresh", arguments->fresh, "replay anew what the folder has already");
+  add_format_option(command, arguments->format);
+  command.footer(list_of_scenes());
+  return [arguments] { return run_replay(*arguments); };
+}
+
+}  // namespace lcpbench

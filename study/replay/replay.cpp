@@ -1,0 +1,239 @@
+#include "study/replay/replay.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <string_view>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr std::string_view kHeading = "step,time_s,contacts,claim,energy_j,deepest_m,drift_m,slip_m";
+constexpr std::string_view kEnd = "end,";
+constexpr std::int64_t kEvery = 10;
+/// Ways below this are called nothing: solvers do not differ by what nobody sees.
+constexpr double kUnseen = 1e-4;
+
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> cells(1);
+  for (const char c : line) {
+    if (c == ',') {
+      cells.emplace_back();
+    } else {
+      cells.back() += c;
+    }
+  }
+  return cells;
+}
+
+bool read_number(const std::string& text, double& value) {
+  value = kNone;
+  if (text.empty()) return true;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && stop == text.data() + text.size();
+}
+
+/// @returns whether the line is a step
+bool read_step(const std::string& line, ReplayStep& step) {
+  const std::vector<std::string> cells = cells_of(line);
+  if (cells.size() != 8) return false;
+  double number = 0;
+  double contacts = 0;
+  if (!read_number(cells[0], number) || !read_number(cells[2], contacts) || !(number >= 0) || !(contacts >= 0)) {
+    return false;
+  }
+  step.step = static_cast<std::int64_t>(number);
+  step.contacts = static_cast<std::int64_t>(contacts);
+  step.claim = cells[3];
+  return read_number(cells[1], step.time_s) && read_number(cells[4], step.energy_j) &&
+         read_number(cells[5], step.deepest_m) && read_number(cells[6], step.drift_m) &&
+         read_number(cells[7], step.slip_m);
+}
+
+/// Three significant digits; nothing for NaN.
+std::string cell(double value) { return std::isnan(value) ? "" : fmt::format("{:.3g}", value); }
+
+std::string quoted(const std::string& text) {
+  return text.find(',') == std::string::npos ? text : '"' + text + '"';  // specs have no quotation marks
+}
+
+struct Phrases {
+  const char* what;
+  const char* best;
+};
+
+Phrases phrases(double ReplayStep::*measure) {
+  if (measure == &ReplayStep::slip_m) return {"what is gripped slips by at most", "holds it best"};
+  if (measure == &ReplayStep::drift_m) return {"what should stand moves by at most", "keeps it best"};
+  return {"bodies sink into each other by at most", "keeps them apart best"};
+}
+
+/// "a", "a and b", "a, b and c".
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (i > 0) text += i + 1 == words.size() ? " and " : ", ";
+    text += words[i];
+  }
+  return text;
+}
+
+}  // namespace
+
+double Replay::largest(double ReplayStep::*measure) const {
+  double largest = kNone;
+  for (const ReplayStep& step : steps) {
+    if (!(step.*measure <= largest)) largest = std::isnan(step.*measure) ? largest : step.*measure;
+  }
+  return largest;
+}
+
+double Replay::energy_rise() const {
+  double rise = 0;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const ReplayStep& step : steps) {
+    lowest = std::min(lowest, step.energy_j);
+    rise = std::max(rise, step.energy_j - lowest);
+  }
+  return rise;
+}
+
+std::int64_t Replay::survived() const {
+  for (const ReplayStep& step : steps) {
+    if (step.drift_m > kLost || step.slip_m > kLost || step.deepest_m > kLost) return step.step;
+  }
+  return steps.empty() ? 0 : steps.back().step + (end.empty() ? 1 : 0);
+}
+
+std::int64_t Replay::claimed() const {
+  return std::count_if(steps.begin(), steps.end(),
+                       [](const ReplayStep& step) { return step.contacts > 0 && step.claim == "solved"; });
+}
+
+std::int64_t Replay::with_contacts() const {
+  return std::count_if(steps.begin(), steps.end(), [](const ReplayStep& step) { return step.contacts > 0; });
+}
+
+bool is_complete_track(const std::string& file) {
+  std::ifstream stream(file);
+  std::string last;
+  for (std::string line; std::getline(stream, line);) last = line;
+  return last.starts_with(kEnd);
+}
+
+Replay read_track(const std::string& file, const std::string& solver) {
+  Replay replay;
+  replay.solver = solver;
+  std::ifstream stream(file);
+  std::string line;
+  if (!std::getline(stream, line) || line != kHeading) throw InputError(file + ": line 1: is no heading of a replay");
+  for (int number = 2; std::getline(stream, line); ++number) {
+    if (line.starts_with(kEnd)) {
+      replay.end = line.substr(kEnd.size());
+      return replay;
+    }
+    if (!read_step(line, replay.steps.emplace_back())) {
+      throw InputError(fmt::format("{}: line {}: is no step of a replay", file, number));
+    }
+  }
+  throw InputError(file + ": has no end; --fresh replays it again");
+}
+
+double ReplayStep::*ReplayedScene::measure() const {
+  for (double ReplayStep::*candidate : {&ReplayStep::slip_m, &ReplayStep::drift_m}) {
+    for (const Replay& replay : replays) {
+      if (!std::isnan(replay.largest(candidate))) return candidate;
+    }
+  }
+  return &ReplayStep::deepest_m;
+}
+
+std::string length_text(double metres) {
+  if (std::isnan(metres)) return "–";
+  if (metres >= 1) return fmt::format("{:.3g} m", metres);
+  if (metres >= 0.01) return fmt::format("{:.3g} cm", 100 * metres);
+  return metres < 1e-6 ? "0 mm" : fmt::format("{:.2g} mm", 1000 * metres);
+}
+
+std::string replayed_by(const ReplayedScene& scene, const Replay& replay) {
+  return replay.solver == "engine" ? fmt::format("{}'s own solver", scene.engine) : replay.solver;
+}
+
+std::string conclusion(const ReplayedScene& scene) {
+  std::vector<const Replay*> order;
+  for (const Replay& replay : scene.replays) {
+    if (!replay.steps.empty()) order.push_back(&replay);
+  }
+  const std::string head =
+      fmt::format("{}, {} steps of {:g} s in {}: ", scene.scene, scene.steps, scene.step_length_s, scene.engine);
+  if (order.empty()) return head + "no solver gave an answer to its first step.";
+  double ReplayStep::*const measure = scene.measure();
+  std::stable_sort(order.begin(), order.end(),
+                   [measure](const Replay* a, const Replay* b) { return a->largest(measure) < b->largest(measure); });
+  std::vector<std::string> ways;
+  for (const Replay* replay : order) {
+    ways.push_back(fmt::format("{} with {}", length_text(replay->largest(measure)), replayed_by(scene, *replay)));
+  }
+  std::vector<std::string> lost;
+  for (const Replay& replay : scene.replays) {
+    if (replay.survived() >= scene.steps) continue;
+    lost.push_back(fmt::format("{} loses the scene at step {}", replayed_by(scene, replay), replay.survived()) +
+                   (replay.end.empty() ? "" : fmt::format(" ({})", replay.end)));
+  }
+  std::string text = head + fmt::format("{} {}", phrases(measure).what, joined(ways));
+  const double best = order.front()->largest(measure);
+  const double worst = order.back()->largest(measure);
+  if (!lost.empty()) {
+    text += "; " + joined(lost);
+  } else if (worst <= std::max(kUnseen, 2 * best)) {
+    text += "; the solvers make no difference that matters here";
+  } else if (best < kUnseen) {
+    text += fmt::format("; {} {}", replayed_by(scene, *order.front()), phrases(measure).best);
+  } else {
+    text += fmt::format("; {} {}, {:.2g} times better than the worst", replayed_by(scene, *order.front()),
+                        phrases(measure).best, worst / best);
+  }
+  return text + ".";
+}
+
+std::string replay_summary_csv(const std::vector<ReplayedScene>& scenes) {
+  std::string text =
+      "scene,engine,solver,steps,survived,end,steps_with_contacts,claimed_solved,drift_m,slip_m,deepest_m,"
+      "energy_rise_j\n";
+  for (const ReplayedScene& scene : scenes) {
+    for (const Replay& replay : scene.replays) {
+      const bool claims = replay.solver != "engine";
+      text +=
+          fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", quoted(scene.scene), scene.engine, quoted(replay.solver),
+                      scene.steps, replay.survived(), quoted(replay.end), replay.with_contacts(),
+                      claims ? std::to_string(replay.claimed()) : "", cell(replay.largest(&ReplayStep::drift_m)),
+                      cell(replay.largest(&ReplayStep::slip_m)), cell(replay.largest(&ReplayStep::deepest_m)),
+                      cell(scene.pushed ? kNone : replay.energy_rise()));
+    }
+  }
+  return text;
+}
+
+std::string replay_steps_csv(const ReplayedScene& scene) {
+  std::string text = fmt::format("solver,{}\n", kHeading);
+  for (const Replay& replay : scene.replays) {
+    for (const ReplayStep& step : replay.steps) {
+      if (step.step % kEvery != 0 && &step != &replay.steps.back()) continue;
+      text += fmt::format("{},{},{:.4g},{},{},{:.6g},{},{},{}\n", quoted(replay.solver), step.step, step.time_s,
+                          step.contacts, step.claim, step.energy_j, cell(step.deepest_m), cell(step.drift_m),
+                          cell(step.slip_m));
+    }
+  }
+  return text;
+}
+
+}  // namespace lcpbench

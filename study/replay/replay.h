@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace lcpbench {
+
+/// What one step of a replay measured: see adapters/capture/track.h. NaN: the scene has nothing that stands, or slips.
+struct ReplayStep {
+  std::int64_t step = 0;
+  double time_s = 0;
+  std::int64_t contacts = 0;
+  std::string claim;
+  double energy_j = 0;
+  double deepest_m = 0;
+  double drift_m = 0;
+  double slip_m = 0;
+};
+
+/// A scene stepped on with the answers of one solver.
+struct Replay {
+  std::string solver;  ///< "engine": the engine's own
+  std::vector<ReplayStep> steps;
+  std::string end;  ///< why it did not come to the last step; "" when it did
+
+  double largest(double ReplayStep::*measure) const;
+  /// The largest rise of the energy above an earlier step.
+  double energy_rise() const;
+  /// Steps until something drifted, slipped or sank by more than kLost, or the replay ended.
+  std::int64_t survived() const;
+  /// Steps with contacts that the solver claims to have solved, and all steps with contacts.
+  std::int64_t claimed() const;
+  std::int64_t with_contacts() const;
+};
+
+/// A scene in which something moved by more than this, that should not move, counts as lost [m].
+inline constexpr double kLost = 0.1;
+
+/// Whether a track file has its end; false for one that is not there.
+bool is_complete_track(const std::string& file);
+/// @throws InputError naming file and line
+Replay read_track(const std::string& file, const std::string& solver);
+
+/// All replays of one scene.
+struct ReplayedScene {
+  std::string scene;
+  std::string engine;
+  double step_length_s = 0;
+  std::int64_t steps = 0;
+  bool pushed = false;  ///< forces other than gravity do work in it, so that its energy may rise
+  std::vector<Replay> replays;
+
+  /// What the scene is judged by: slip where something is gripped, else drift where something stands, else penetration.
+  double ReplayStep::*measure() const;
+};
+
+/// What the replays show, in one sentence.
+std::string conclusion(const ReplayedScene& scene);
+
+/// One row for each scene and solver.
+std::string replay_summary_csv(const std::vector<ReplayedScene>& scenes);
+/// Every tenth step and the last one of every replay.
+std::string replay_steps_csv(const ReplayedScene& scene);
+
+/// "1.75 m", "13.9 cm", "0.25 mm".
+std::string length_text(double metres);
+/// A solver's name in a sentence: "the engine's own solver" for "engine".
+std::string replayed_by(const ReplayedScene& scene, const Replay& replay);
+
+}  // namespace lcpbench

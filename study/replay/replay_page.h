@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/io/scenes_file.h"
+#include "study/replay/replay.h"
+
+namespace lcpbench {
+
+/// A scene with the pictures of its replays: for each the file of some of its steps.
+struct ReplayPictures {
+  ReplayedScene scene;
+  std::vector<const ScenesFile*> frames;  ///< one for each replay
+};
+
+/// A page of HTML that needs nothing else: for each scene the conclusion, the measures, a filmstrip and the curves.
+std::string replay_page(const std::vector<ReplayPictures>& scenes, const std::string& command_line);
+
+}  // namespace lcpbench

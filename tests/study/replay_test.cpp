@@ -1,0 +1,189 @@
+// Scenes stepped on with the answers of solvers: what is made of the measures, and the command as users run it.
+#include "study/replay/replay.h"
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "tests/support/program_run.h"
+#include "tests/support/study_support.h"
+
+namespace lcpbench {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+Replay replay(const std::string& solver, const std::vector<double>& drifts, const std::string& end = "") {
+  Replay result{solver, {}, end};
+  for (const double drift : drifts) {
+    const auto step = static_cast<std::int64_t>(result.steps.size());
+    result.steps.push_back({step, 0.005 * static_cast<double>(step), 4, "solved", 10 - drift, 1e-5, drift, kNone});
+  }
+  return result;
+}
+
+ReplayedScene scene(std::vector<Replay> replays) { return {"tower", "ODE", 0.005, 4, false, std::move(replays)}; }
+
+TEST(Replay, MeasuresTheLargestAndTheStepsSurvived) {
+  const Replay falls = replay("falls", {0, 0.05, 0.2, 0.1});
+  EXPECT_EQ(falls.largest(&ReplayStep::drift_m), 0.2);
+  EXPECT_TRUE(std::isnan(falls.largest(&ReplayStep::slip_m)));
+  EXPECT_EQ(falls.survived(), 2);
+  EXPECT_NEAR(falls.energy_rise(), 0.1, 1e-12);
+  EXPECT_EQ(replay("stands", {0, 0, 0, 0}).survived(), 4);
+  EXPECT_EQ(replay("ends", {0, 0}, "it blew up").survived(), 1);
+  EXPECT_EQ(replay("none", {}, "no answer").survived(), 0);
+}
+
+TEST(Replay, TheConclusionIsOneSentenceWithTheNumbers) {
+  EXPECT_EQ(conclusion(scene({replay("bad", {0, 0.004, 0.006, 0.006}), replay("engine", {0, 0, 0.002, 0.002})})),
+            "tower, 4 steps of 0.005 s in ODE: what should stand moves by at most 2 mm with ODE's own solver and 6 mm "
+            "with bad; ODE's own solver keeps it best, 3 times better than the worst.");
+  EXPECT_EQ(conclusion(scene({replay("a", {0, 1e-5, 1e-5, 1e-5}), replay("b", {0, 0, 0, 0})})),
+            "tower, 4 steps of 0.005 s in ODE: what should stand moves by at most 0 mm with b and 0.01 mm with a; the "
+            "solvers make no difference that matters here.");
+  EXPECT_EQ(
+      conclusion(scene({replay("good", {0, 0, 0, 0}), replay("falls", {0, 1.5, 2, 2.5}),
+                        replay("gives up", {0, 0.02}, "gives up did not solve it")})),
+      "tower, 4 steps of 0.005 s in ODE: what should stand moves by at most 0 mm with good, 2 cm with gives up and "
+      "2.5 m with falls; falls loses the scene at step 1 and gives up loses the scene at step 1 (gives up did not "
+      "solve it).");
+  EXPECT_EQ(conclusion(scene({replay("none", {}, "no answer")})),
+            "tower, 4 steps of 0.005 s in ODE: no solver gave an answer to its first step.");
+}
+
+TEST(Replay, ReadsWhatWasWrittenAndNamesWhatIsWrong) {
+  ScratchFolder folder;
+  const std::string file = folder / "track.csv";
+  const std::string heading = "step,time_s,contacts,claim,energy_j,deepest_m,drift_m,slip_m\n";
+  const auto write = [&](const std::string& text) { std::ofstream(file) << text; };
+  write(heading + "0,0,8,solved,88.5,1e-16,0,\n1,0.005,0,none,88.5,0,0.00024,\nend,it blew up\n");
+  EXPECT_TRUE(is_complete_track(file));
+  const Replay replay = read_track(file, "auto");
+  ASSERT_EQ(replay.steps.size(), 2U);
+  EXPECT_EQ(replay.steps[1].drift_m, 0.00024);
+  EXPECT_EQ(replay.steps[1].claim, "none");
+  EXPECT_EQ(replay.end, "it blew up");
+  EXPECT_EQ(replay.with_contacts(), 1);
+  write(heading + "0,0,8,solved,88.5,1e-16,0,\n");
+  EXPECT_FALSE(is_complete_track(file));
+  EXPECT_THROW(read_track(file, "auto"), InputError);
+  write(heading + "0,0,8,solved,high,1e-16,0,\nend,\n");
+  EXPECT_THROW(read_track(file, "auto"), InputError);
+  EXPECT_FALSE(is_complete_track(folder / "nowhere.csv"));
+}
+
+class ReplayCommand : public ::testing::TestWithParam<std::string> {
+ protected:
+  static bool installed(const std::string& engine) {
+    return fs::exists(fs::path(LCPBENCH_PROGRAM).parent_path() / ("lcpbench-capture-" + engine));
+  }
+  ProgramRun run(const std::string& arguments) { return run_program(folder_ / "", arguments); }
+  std::string result(const std::string& name) { return read_file(folder_ / "made" / name); }
+
+  ScratchFolder folder_;
+};
+
+class ReplayEngine : public ReplayCommand {};
+INSTANTIATE_TEST_SUITE_P(All, ReplayEngine, ::testing::Values("ode", "bullet", "mujoco", "dart"),
+                         [](const auto& engine) { return engine.param; });
+
+// Without the projection the light boxes stay as deep in each other as the first steps press them.
+TEST_P(ReplayEngine, PositionsAreProjectedAndAGoodSolverHoldsAHeavyLoad) {
+  if (!installed(GetParam())) GTEST_SKIP();
+  const ProgramRun output = run("replay mass-ratio-1e4 --engine " + GetParam() +
+                                " --solver auto --engine-solver --steps 60 --out made --format json");
+  ASSERT_EQ(output.exit_code, 0) << output.err;
+  const json scene = json::parse(output.out)[0];
+  const json& auto_replay = scene["replays"][0];
+  EXPECT_EQ(auto_replay["solver"], "auto");
+  EXPECT_EQ(auto_replay["survived"], 60) << scene.dump();
+  EXPECT_EQ(auto_replay["claimed_solved"], auto_replay["steps_with_contacts"]);
+  EXPECT_LT(auto_replay["drift_m"].get<double>(), 0.01) << scene.dump();
+  EXPECT_EQ(scene["replays"][1]["solver"], "engine");
+  for (const fs::directory_entry& file : fs::directory_iterator(folder_ / "made" / "steps")) {
+    if (file.path().extension() != ".csv" || file.path().string().find("auto") == std::string::npos) continue;
+    const Replay replay = read_track(file.path(), "auto");
+    EXPECT_LT(replay.steps.back().deepest_m, 1.2e-4) << GetParam();
+  }
+}
+
+TEST_F(ReplayCommand, WritesPageTablesAndConclusionsAndTheSameAgain) {
+  if (!installed("ode")) GTEST_SKIP();
+  const std::string command =
+      "replay card-house gripper --solver auto --solver 'psor{max_iterations=5}' --engine-solver --steps 40 --out made";
+  const ProgramRun output = run(command);
+  ASSERT_EQ(output.exit_code, 0) << output.err;
+  EXPECT_NE(output.out.find("card-house, 40 steps of 0.005 s in ODE: what should stand moves"), std::string::npos);
+  const std::string page = result("index.html");
+  std::size_t pictures = 0;
+  for (std::size_t at = page.find("<svg"); at != std::string::npos; at = page.find("<svg", at + 1)) ++pictures;
+  EXPECT_EQ(pictures, 2U * (3 * 6 + 1));  // of each scene six steps of three replays, and the curves
+  EXPECT_EQ(page.find("nan"), std::string::npos);
+  const std::string table = result("card-house.csv");
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 1 + 3 * 5);
+  const std::string summary = result("summary.csv");
+  EXPECT_EQ(std::count(summary.begin(), summary.end(), '\n'), 1 + 2 * 3);
+  EXPECT_NE(result("conclusions.md").find("- gripper, 40 steps"), std::string::npos);
+
+  // What is there is not stepped again: without the engines' programs the same command gives the same.
+  setenv("LCPBENCH_WORKER_DIR", (folder_ / "").c_str(), 1);
+  const ProgramRun again = run(command);
+  const ProgramRun fresh_without = run(command + " --fresh");
+  unsetenv("LCPBENCH_WORKER_DIR");
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(result("index.html"), page);
+  EXPECT_EQ(fresh_without.exit_code, 2);
+  EXPECT_NE(fresh_without.err.find("engine 'ode' is not available"), std::string::npos) << fresh_without.err;
+  EXPECT_EQ(run(command + " --fresh").exit_code, 0);
+  EXPECT_EQ(result("card-house.csv"), table);
+  EXPECT_EQ(result("summary.csv"), summary);
+}
+
+TEST_F(ReplayCommand, AForeignSolverStepsInItsWorkerAndOneThatRefusesEndsTheReplay) {
+  if (!installed("ode")) GTEST_SKIP();
+  const ProgramRun output =
+      run("replay stack --solver ode_quickstep --solver active_set --steps 5 --out made --format json");
+  ASSERT_EQ(output.exit_code, 0) << output.err;
+  const json replays = json::parse(output.out)[0]["replays"];
+  EXPECT_EQ(replays[0]["survived"], 5) << replays.dump();
+  EXPECT_EQ(replays[1]["survived"], 0) << replays.dump();
+  EXPECT_NE(replays[1]["end"].get<std::string>().find("active_set did not solve it"), std::string::npos);
+}
+
+TEST_F(ReplayCommand, AnInterruptLeavesAFolderThatCanBeUsedAgain) {
+  if (!installed("ode")) GTEST_SKIP();
+  const std::string command = "replay wall --solver auto --solver 'psor{max_iterations=5}' --steps 100000 --out made";
+  EXPECT_EQ(run(command + " & sleep 2; kill -TERM $!; wait $!").exit_code, 3);
+  EXPECT_FALSE(fs::exists(folder_ / "made" / "index.html"));
+  EXPECT_EQ(run("replay stack --solver auto --steps 3 --out made").exit_code, 0);
+}
+
+TEST_F(ReplayCommand, MistakesOfUseAreOneLineEach) {
+  for (const char* arguments :
+       {"replay", "replay stack --solver auto", "replay stack --out made", "replay nosuch --solver auto --out made",
+        "replay hand --solver auto --out made", "replay stack --solver nosuch --out made",
+        "replay stack --solver engine --out made", "replay stack --solver auto --steps 0 --out made",
+        "replay stack --solver auto --engine nosuch --out made", "replay stack --solver 'auto{nosuch=1}' --out made",
+        "replay stack --solver auto --out /dev/null/out"}) {
+    const ProgramRun output = run(arguments);
+    EXPECT_EQ(output.exit_code, 2) << arguments;
+    EXPECT_EQ(output.out, "") << arguments;
+    EXPECT_EQ(output.err.rfind("lcpbench: ", 0), 0U) << arguments << ": " << output.err;
+    EXPECT_EQ(std::count(output.err.begin(), output.err.end(), '\n'), 1) << arguments << ": " << output.err;
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench
