@@ -6,12 +6,15 @@
 #include "core/registry.h"
 #include "core/timed_solve.h"
 #include "native/answer_test/answer_test.h"
+#include "native/primal_dual/cholesky.h"
+#include "native/primal_dual/rules_2012.h"
 
 namespace lcpbench {
 namespace {
 
 enum class Objective { kWork, kComplementarity };
 enum class FinalTest { kNone, kResidual };
+enum class InteriorRules { kStandard, k2012 };
 
 struct PrimalDualSettings {
   double gap_tolerance = 1e-14;
@@ -24,6 +27,7 @@ struct PrimalDualSettings {
   double accept_residual = 1e-4;
   Objective objective = Objective::kWork;
   FinalTest test = FinalTest::kResidual;
+  InteriorRules rules = InteriorRules::kStandard;
 
   void visit(auto&& field) {
     field("eps", gap_tolerance, RealRange{.min = 0}, "stop when the surrogate duality gap is at most this (absolute)");
@@ -45,6 +49,11 @@ struct PrimalDualSettings {
         "test", test, Choices<FinalTest>{{{"none", FinalTest::kNone}, {"residual", FinalTest::kResidual}}},
         "of an answer that meets accept_residual: none, as in the paper; residual: from the raw data, as all native "
         "solvers do, with z_i = 0 where c_i z_i < w_i, and where that does not pass with M z = -q solved on the rest");
+    field("rules", rules,
+          Choices<InteriorRules>{{{"standard", InteriorRules::kStandard}, {"2012", InteriorRules::k2012}}},
+          "2012: those of the public code of the paper's authors: z'(Mz + q)/2, phase I from z = 0, mu=10, alpha=0.05, "
+          "beta=0.5, an early exit, and the best z without any test; of the other settings only eps, eps_feas and "
+          "max_iterations count");
   }
 };
 
@@ -53,30 +62,6 @@ constexpr double kBoundaryFraction = 0.99;  // of the longest step that keeps th
 // A Newton step cut shorter than this was cut by rounding errors, not by the problem: the square root of the unit
 // round-off, as is usual where a decrease is told from noise.
 constexpr double kShortestStep = 0x1p-26;
-
-// Shifts tried, relative to the largest diagonal entry, when the Newton matrix is not positive definite: from its own
-// rounding error to dominating it.
-constexpr double kFirstCorrection = 1e-15;
-constexpr double kCorrectionGrowth = 100.0;
-constexpr double kLastCorrection = 1e3;
-
-/// Factors the lower triangle of A in place as L L'; false, with A spoiled, when a pivot is not positive.
-/// Column by column, so that nothing is allocated.
-bool cholesky_in_place(Matrix& A) {
-  const Index n = A.rows();
-  for (Index j = 0; j < n; ++j) {
-    A.col(j).tail(n - j).noalias() -= A.block(j, 0, n - j, j) * A.row(j).head(j).transpose();
-    const double pivot = A(j, j);
-    if (!(pivot > 0) || !std::isfinite(pivot)) return false;
-    A.col(j).tail(n - j) /= std::sqrt(pivot);
-  }
-  return true;
-}
-
-void solve_with_factor(const Matrix& L, Vector& x) {
-  L.triangularView<Eigen::Lower>().solveInPlace(x);
-  L.transpose().triangularView<Eigen::Upper>().solveInPlace(x);
-}
 
 /// A point of the method: z and the slack y = M z + q, both kept positive, and their multipliers.
 struct Point {
@@ -118,7 +103,6 @@ class PrimalDual final : public Solver {
   bool converged() const;
   bool find_direction(double t, Counters& counters);
   void form_newton_matrix();
-  bool factor_newton_matrix(Counters& counters);
   double longest_step() const;
   void step_to_trial(double s);
   bool line_search(double t);
@@ -137,6 +121,7 @@ class PrimalDual final : public Solver {
   Vector r_dual_, r_pri_;  // n: of the last point evaluated
   Vector work_;            // n
   AnswerTest test_;
+  PrimalDual2012 rules_2012_;
   Matrix newton_, factor_;
   std::vector<Index> support_;  // n
 };
@@ -150,6 +135,7 @@ bool nearly_symmetric(const Matrix& M) {
 
 void PrimalDual::on_load(const Problem& problem) {
   Lcp lcp = make_lcp(problem);
+  if (settings_.rules == InteriorRules::k2012) return rules_2012_.load(lcp);
   const Index n = lcp.size();
   resize_workspace(n);
   if (settings_.test == FinalTest::kResidual) test_.load(problem);
@@ -212,22 +198,10 @@ void PrimalDual::form_newton_matrix() {
   }
 }
 
-bool PrimalDual::factor_newton_matrix(Counters& counters) {
-  const double largest = newton_.diagonal().cwiseAbs().maxCoeff();
-  for (double correction = 0; correction <= kLastCorrection;
-       correction = correction > 0 ? correction * kCorrectionGrowth : kFirstCorrection) {
-    factor_ = newton_;
-    factor_.diagonal().array() += correction * largest;
-    ++counters.factorizations;
-    if (cholesky_in_place(factor_)) return true;
-  }
-  return false;
-}
-
 /// The Newton step on the perturbed optimality conditions, the slack and the multipliers eliminated. [BV04 (11.55)]
 bool PrimalDual::find_direction(double t, Counters& counters) {
   form_newton_matrix();
-  if (!factor_newton_matrix(counters)) return false;
+  if (!factor_with_corrections(newton_, factor_, counters)) return false;
   const auto z = point_.z.array();
   const auto y = point_.y.array();
   work_.array() = 1 / (t * y) - point_.kappa.array() - point_.kappa.array() / y * r_pri_.array();
@@ -362,6 +336,12 @@ void PrimalDual::settle(Stop stop, double deadline_s, Answer& answer) {
 void PrimalDual::on_solve(const SolveRequest& request, Answer& answer) {
   answer.counters = {.iterations = 0, .pivots = -1, .factorizations = 0};
   const double deadline_s = wall_clock_s() + request.time_limit_s;
+  if (settings_.rules == InteriorRules::k2012) {
+    const Rules2012Settings settings{.gap_tolerance = settings_.gap_tolerance,
+                                     .residual_tolerance = settings_.residual_tolerance,
+                                     .max_iterations = settings_.max_iterations};
+    return rules_2012_.solve(settings, deadline_s, answer);
+  }
   if (q_.isZero(0)) {  // z = 0 solves it, and max|q| gives no scale to judge another answer by
     answer.claim = Claim::kSolved;
     if (settings_.test == FinalTest::kResidual) test_.settle(answer, deadline_s);  // q may have been rounded to zero

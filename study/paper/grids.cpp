@@ -45,13 +45,14 @@ std::pair<std::string, std::string> solver_and_sweep(const SolverRow& solver) {
 /// @param part  a cell or one of its halves
 template <class Part>
 const Spread& spread_of(const Part& part, Quantity quantity, Measure measure) {
-  const bool criterion = measure == Measure::kCriterion;
-  switch (quantity) {
-    case Quantity::kTimeAll: return part.all_time;
-    case Quantity::kTimeSolved: return criterion ? part.criterion_time : part.solved_time;
-    case Quantity::kViolation: break;
+  if (quantity == Quantity::kTimeAll) return part.all_time;
+  const bool time = quantity == Quantity::kTimeSolved;
+  switch (measure) {
+    case Measure::kCriterion: return time ? part.criterion_time : part.criterion_violation;
+    case Measure::kCriterionAny: return time ? part.criterion_any_time : part.criterion_any_violation;
+    case Measure::kVerdict: break;
   }
-  return criterion ? part.criterion_violation : part.violation;
+  return time ? part.solved_time : part.violation;
 }
 
 double sample_sigma(const std::vector<double>& values) {
@@ -250,15 +251,26 @@ std::optional<Family> family_of(const std::string& solver) {
   return std::nullopt;
 }
 
-const char* name_of(Measure measure) { return measure == Measure::kCriterion ? "criterion" : "verdict"; }
+const char* name_of(Measure measure) {
+  switch (measure) {
+    case Measure::kCriterion: return "criterion";
+    case Measure::kCriterionAny: return "criterion_any";
+    case Measure::kVerdict: break;
+  }
+  return "verdict";
+}
 
 Proportion solved_share(const Cell& cell, Measure measure) {
-  if (measure == Measure::kCriterion) return {static_cast<double>(cell.criterion), static_cast<double>(cell.trials)};
+  const auto trials = static_cast<double>(cell.trials);
+  if (measure == Measure::kCriterion) return {static_cast<double>(cell.criterion), trials};
+  if (measure == Measure::kCriterionAny) return {static_cast<double>(cell.criterion_any), trials};
   return {static_cast<double>(cell.count(Verdict::kSolved)), static_cast<double>(cell.solvable())};
 }
 
 Proportion solved_share(const Cell::Half& half, Measure measure) {
-  if (measure == Measure::kCriterion) return {static_cast<double>(half.criterion), static_cast<double>(half.trials)};
+  const auto trials = static_cast<double>(half.trials);
+  if (measure == Measure::kCriterion) return {static_cast<double>(half.criterion), trials};
+  if (measure == Measure::kCriterionAny) return {static_cast<double>(half.criterion_any), trials};
   return {static_cast<double>(half.solved), static_cast<double>(half.trials - half.unsolvable_problems)};
 }
 

@@ -110,10 +110,10 @@ Layout spreads_layout(const Summary& summary, const std::vector<Grid>& grids, Ki
     for (const char* reading : kReadings) {
       if (!has_reading(grids, kind, contestant.label, reading)) continue;
       for (const Quantity quantity : quantities) {
-        for (const Measure measure : kMeasures) {
-          // "Best" depends on the measure also for the times of all problems: the row by verdict would differ there
-          // alone, and stands in the file of all measurements.
-          if (quantity == Quantity::kTimeAll && measure == Measure::kVerdict) continue;
+        for (const Measure measure : kCounts) {
+          // "Best" depends on the measure also for the times of all problems: the other rows would differ there alone,
+          // and stand in the file of all measurements.
+          if (quantity == Quantity::kTimeAll && measure != Measure::kCriterion) continue;
           add_row(layout, code(contestant.label), source_words(reading, quantity, measure), quantity,
                   [&](const Experiment& experiment, const Part& part) -> Entry {
                     const Grid* grid = find_grid(grids, kind, experiment, reading, contestant.label);
@@ -191,8 +191,8 @@ void add_ratio_rows(const std::vector<Grid>& grids, const RatioPair& pair, Layou
       const bool run = has_reading(grids, pair.numerator_kind, pair.numerator.label, reading) &&
                        has_reading(grids, pair.denominator_kind, pair.denominator.label, reading);
       if (!run) continue;
-      for (const Measure measure : kMeasures) {
-        if (quantity == Quantity::kTimeAll && measure == Measure::kVerdict) continue;
+      for (const Measure measure : kCounts) {
+        if (quantity == Quantity::kTimeAll && measure != Measure::kCriterion) continue;
         add_row(layout, name, source_words(reading, quantity, measure), quantity,
                 [&](const Experiment& experiment, const Part& part) {
                   return our_ratio(grids, pair, experiment, reading, quantity, measure, part);
@@ -262,7 +262,7 @@ Json measurement_records(const Summary& summary, const std::vector<Grid>& grids,
       for (const std::string& reading : readings_of(experiment)) {
         const Grid* grid = find_grid(grids, kind, experiment, reading, contestant.label);
         for (const Quantity quantity : quantities) {
-          for (const Measure measure : kMeasures) {
+          for (const Measure measure : kCounts) {
             records.push_back(
                 measurement_record(summary, table, kind, experiment, reading, contestant, grid, quantity, measure));
           }

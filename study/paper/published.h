@@ -53,6 +53,23 @@ struct PublishedRate {
 /// Tables IV.1 and IV.2, and the best rate of the experiment with raised ceilings. nullopt: not printed.
 std::optional<PublishedRate> published_rate(Kind kind, std::string_view experiment, Family family);
 
+/// Shares of problems that pass the paper's criterion, of 1: over a solver's grid of parameters.
+struct ShareRange {
+  double worst;
+  double average;
+  double best;
+};
+/// What PATH 4.7.03 did over the paper's nine tolerances, on 2,000 trials of seed 1, measured apart from any store: the
+/// library is its users' own. Frictionless experiments; redundant contacts as multiples.
+/// docs/explanation/paper-study.md says where the figures are from.
+struct PathMeasured {
+  ShareRange claimed;  ///< of answers that PATH claims as solved
+  ShareRange any;      ///< of whatever it returned
+};
+inline constexpr double kPathTrials = 2000;
+/// nullopt where it was not run.
+std::optional<PathMeasured> path_measured(Kind kind, std::string_view experiment);
+
 struct PublishedSpread {
   double mean;
   double sigma;

@@ -25,6 +25,20 @@ Entry published_entry(Kind kind, const Experiment& experiment, Family family) {
   return rate ? Entry{triple(rate->worst, rate->average, rate->best), ""} : Entry{kAbsent, ""};
 }
 
+/// What PATH was measured to do apart from the store, where its own column would be empty.
+std::optional<PathMeasured> measured_apart(Kind kind, const Experiment& experiment, const std::string& reading,
+                                           const Contestant& contestant) {
+  const bool is_absent_path = contestant.label.empty() && contestant.family == Family::kPath;
+  return is_absent_path && reading == kReadings.front() ? path_measured(kind, experiment.name) : std::nullopt;
+}
+
+Entry apart_entry(const PathMeasured& path, Measure measure, const std::string& why_not_run) {
+  const std::string detail = "measured apart, 4.7.03" + (why_not_run.empty() ? "" : "; " + why_not_run);
+  if (measure == Measure::kVerdict) return {kAbsent, detail};
+  const ShareRange& range = measure == Measure::kCriterion ? path.claimed : path.any;
+  return {triple(range.worst, range.average, range.best), detail};
+}
+
 Entry range_entry(const GridRange& range) {
   if (range.best_cell == nullptr) return {kAbsent, "no problem is known to be solvable"};
   return {triple(range.worst.value(), range.average.value(), range.best.value()),
@@ -80,7 +94,7 @@ class RatesLayout {
   void add_experiment(const Experiment& experiment) {
     bool first = true;
     for (const std::string& reading : readings_of(experiment)) {
-      std::vector<std::optional<Measure>> measures{kMeasures.begin(), kMeasures.end()};
+      std::vector<std::optional<Measure>> measures{kCounts.begin(), kCounts.end()};
       if (!was_run(experiment, reading)) measures = {std::nullopt};
       for (const std::optional<Measure> measure : measures)
         add_row(experiment, reading, measure, std::exchange(first, false));
@@ -105,7 +119,10 @@ class RatesLayout {
       }
       const Grid* grid = find_grid(grids_, kind_, experiment, reading, column.contestant.label);
       if (grid == nullptr || !measure) {
-        row.push_back(not_run(column.contestant));
+        const auto path = measured_apart(kind_, experiment, reading, column.contestant);
+        const Entry why = not_run(column.contestant);
+        const bool first = layout_.rows.empty();
+        row.push_back(path && measure ? apart_entry(*path, *measure, first ? why.text : "") : why);
       } else {
         row.push_back(grid->refused() > 0 ? refused_entry(*grid) : range_entry(range_of(*grid, *measure)));
       }
@@ -137,7 +154,7 @@ Layout grids_layout(const std::vector<Grid>& grids, Kind kind, Layout layout, En
   for (const Grid& grid : grids) {
     if (!compared_with_paper(grid, kind) || grid.refused() > 0) continue;
     const Experiment& experiment = *grid.problems.experiment;
-    for (const Measure measure : kMeasures) {
+    for (const Measure measure : kCounts) {
       std::vector<Entry> row{{std::string(experiment.title), ""},
                              {reading_words(experiment, grid.problems.redundancy()), ""},
                              {code(grid.label), ""},
@@ -212,7 +229,15 @@ Json rates_record(const Summary& summary, const std::string& table, Kind kind, c
   record["published"] = {{"worst", published ? published->worst : none},
                          {"average", published ? published->average : none},
                          {"best", published ? published->best : none}};
-  for (const Measure measure : kMeasures) {
+  const std::optional<PathMeasured> path = measured_apart(kind, experiment, reading, contestant);
+  const auto range_of_path = [none](const ShareRange* range) {
+    return Json{{"worst", range == nullptr ? none : range->worst},
+                {"average", range == nullptr ? none : range->average},
+                {"best", range == nullptr ? none : range->best}};
+  };
+  record["measured_apart"] = {{"criterion", range_of_path(path ? &path->claimed : nullptr)},
+                              {"criterion_any", range_of_path(path ? &path->any : nullptr)}};
+  for (const Measure measure : kCounts) {
     record[name_of(measure)] = range_json(summary, grid == nullptr ? GridRange{} : range_of(*grid, measure));
   }
   return record;
@@ -319,6 +344,12 @@ Table rates_table(const Summary& summary, const std::vector<Grid>& grids, Kind k
       "In Experiment 6 the paper’s Lemke is `regularized{test=tried}`, whose test of an answer is the published one; "
       "`regularized` tests the answer on the problem itself. Redundancy: `multiple`, a redundant contact is a multiple "
       "of one other; `combination`, of all independent ones (`docs/reference/generators.md`)."};
+  if (kind == Kind::kMonotone) {
+    table.notes.push_back(
+        "“Measured apart”: PATH 4.7.03 through the adapter `path`, 2,000 trials of seed 1, redundancy `multiple`; not "
+        "of this store. Whoever has the library fills the column with `lcpbench run paper` "
+        "(`docs/reference/solvers/path.md`).");
+  }
   table.query = rates_query(kind);
   table.records = Json::array();
   for (const Experiment& experiment : experiments()) {

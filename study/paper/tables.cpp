@@ -14,7 +14,7 @@ std::string counts_by_cell(const std::string& condition) {
   return "SELECT sets.name AS problem_set, solvers.name AS solver, solvers.sweep, solvers.isa, j.cell, j.settings,\n"
          "    COUNT(*) AS trials, SUM(j.claim = 'solved' AND v.criterion = 1) AS criterion,\n"
          "    SUM(j.verdict = 'solved') AS solved, SUM(j.truth = 'unsolvable') AS unsolvable,\n"
-         "    solvers.library, solvers.version\n"
+         "    solvers.library, solvers.version, SUM(v.criterion = 1) AS criterion_any\n"
          "  FROM judged_cells j JOIN verdicts v USING (problem_id, solver_id, part)\n"
          "    JOIN sets ON sets.id = j.set_id JOIN solvers ON solvers.id = j.solver_id\n"
          "  WHERE " +
@@ -56,7 +56,14 @@ Json share_json(const Proportion& share) {
           {"of", share.trials > 0 ? share.trials : Proportion{}.value()}};
 }
 
-const char* words_for(Measure measure) { return measure == Measure::kCriterion ? "paper’s criterion" : "our verdict"; }
+const char* words_for(Measure measure) {
+  switch (measure) {
+    case Measure::kCriterion: return "paper’s criterion";
+    case Measure::kCriterionAny: return "criterion, any answer";
+    case Measure::kVerdict: break;
+  }
+  return "our verdict";
+}
 
 bool compared_with_paper(const Grid& grid, Kind kind) {
   return grid.problems.kind == kind && grid.problems.other_readings().empty();
@@ -123,7 +130,10 @@ std::string rates_query(Kind kind) {
          "  MAX(1.0 * criterion / trials) AS criterion_best,\n"
          "  MIN(1.0 * solved / (trials - unsolvable)) AS verdict_worst,\n"
          "  AVG(1.0 * solved / (trials - unsolvable)) AS verdict_average,\n"
-         "  MAX(1.0 * solved / (trials - unsolvable)) AS verdict_best, library, version\n"
+         "  MAX(1.0 * solved / (trials - unsolvable)) AS verdict_best, library, version,\n"
+         "  MIN(1.0 * criterion_any / trials) AS criterion_any_worst,\n"
+         "  AVG(1.0 * criterion_any / trials) AS criterion_any_average,\n"
+         "  MAX(1.0 * criterion_any / trials) AS criterion_any_best\n"
          "FROM counts GROUP BY problem_set, solver, sweep, isa, library, version\n"
          "ORDER BY problem_set, solver, sweep, isa, library, version;";
 }
@@ -139,7 +149,7 @@ std::string measurements_query() {
          "    solvers.library, solvers.version, j.claim,\n"
          "    CASE WHEN j.claim <> 'unsupported' THEN t.setup_cpu_s + t.solve_cpu_s END AS time_s,\n"
          "    v.violation_m_per_s AS violation, j.claim = 'solved' AND v.criterion = 1 AS criterion,\n"
-         "    j.verdict = 'solved' AS solved\n"
+         "    v.criterion = 1 AS criterion_any, j.verdict = 'solved' AS solved\n"
          "  FROM judged_cells j JOIN verdicts v USING (problem_id, solver_id, part)\n"
          "    LEFT JOIN timings t USING (problem_id, solver_id, part)\n"
          "    JOIN sets ON sets.id = j.set_id JOIN solvers ON solvers.id = j.solver_id\n"
@@ -156,7 +166,12 @@ std::string measurements_query() {
          "  MAX(violation) FILTER (WHERE criterion) AS criterion_violation_max,\n"
          "  AVG(violation) FILTER (WHERE solved) AS verdict_violation_mean,\n"
          "  MAX(violation) FILTER (WHERE solved) AS verdict_violation_max,\n"
-         "  library, version\n"
+         "  library, version,\n"
+         "  COUNT(time_s) FILTER (WHERE criterion_any) AS criterion_any_count,\n"
+         "  AVG(time_s) FILTER (WHERE criterion_any) AS criterion_any_mean,\n"
+         "  MAX(time_s) FILTER (WHERE criterion_any) AS criterion_any_max,\n"
+         "  AVG(violation) FILTER (WHERE criterion_any) AS criterion_any_violation_mean,\n"
+         "  MAX(violation) FILTER (WHERE criterion_any) AS criterion_any_violation_max\n"
          "FROM rows GROUP BY problem_set, solver, sweep, isa, library, version\n"
          "HAVING SUM(claim <> 'unsupported') > 0 ORDER BY problem_set, solver, sweep, isa, library, version;";
 }

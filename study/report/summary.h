@@ -84,14 +84,16 @@ struct Cell {
   Spread all_time{};         ///< [s] of all trials but the refused ones
   Estimate median_time{};    ///< [s] of all trials but the refused ones, bootstrap 95 %
   TimeParts time_parts{};
-  std::int64_t paired = 0;         ///< problems that both this solver and the reference solved
-  Estimate time_ratio{};           ///< time / reference's time on those: ratio of sums, bootstrap 95 %
-  Spread violation{};              ///< [m/s] of the trials with verdict solved
-  Spread criterion_time{};         ///< [s] of the trials that count in `criterion`: the paper's "solved"
-  Spread criterion_violation{};    ///< [m/s] of the same
-  Spread pivots{};                 ///< of all trials whose solver counts them
-  const char* error_measure = "";  ///< "velocity_residual_relative", "backward_row_norm", "" when the set mixes kinds
-  std::int64_t error_count = 0;    ///< answers claimed solved, which the three below describe; infinity: no number
+  std::int64_t paired = 0;           ///< problems that both this solver and the reference solved
+  Estimate time_ratio{};             ///< time / reference's time on those: ratio of sums, bootstrap 95 %
+  Spread violation{};                ///< [m/s] of the trials with verdict solved
+  Spread criterion_time{};           ///< [s] of the trials that count in `criterion`: the paper's "solved"
+  Spread criterion_violation{};      ///< [m/s] of the same
+  Spread criterion_any_time{};       ///< [s] of the trials that count in `criterion_any`
+  Spread criterion_any_violation{};  ///< [m/s] of the same
+  Spread pivots{};                   ///< of all trials whose solver counts them
+  const char* error_measure = "";    ///< "velocity_residual_relative", "backward_row_norm", "" when the set mixes kinds
+  std::int64_t error_count = 0;      ///< answers claimed solved, which the three below describe; infinity: no number
   double error_median = 0;
   double error_p99 = 0;
   double error_max = 0;
@@ -105,7 +107,9 @@ struct Cell {
     std::int64_t solved = 0;
     std::int64_t unsolvable_problems = 0;
     std::int64_t criterion = 0;
+    std::int64_t criterion_any = 0;
     Spread solved_time{}, all_time{}, violation{}, criterion_time{}, criterion_violation{};  ///< as in Cell
+    Spread criterion_any_time{}, criterion_any_violation{};
     double rate() const;
     double criterion_rate() const;  ///< criterion / trials
   };

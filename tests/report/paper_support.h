@@ -12,6 +12,7 @@ namespace lcpbench {
 struct MadeCell {
   std::int64_t trials = 2000;
   std::int64_t criterion = 2000;
+  std::int64_t unclaimed = 0;  ///< pass the criterion, not claimed solved
   std::int64_t solved = 2000;  ///< verdict, all claimed
   std::int64_t unsolvable = 0;
   std::int64_t wrong = 0;  ///< claimed solved
@@ -98,13 +99,20 @@ class MadeSummary {
     count(Claim::kIterationLimit, Verdict::kOpen) =
         made.trials - made.solved - made.wrong - made.unsolvable - made.refused;
     cell.criterion = made.criterion;
+    cell.criterion_any = made.criterion + made.unclaimed;
     cell.all_time = spread_of(made.trials, made.time_s);
     cell.solved_time = spread_of(made.solved, made.time_s);
     cell.criterion_time = spread_of(made.criterion, made.time_s);
     cell.violation = spread_of(made.solved, made.violation);
     cell.criterion_violation = spread_of(made.criterion, made.violation);
+    cell.criterion_any_time = spread_of(cell.criterion_any, made.time_s);
+    cell.criterion_any_violation = spread_of(cell.criterion_any, made.violation);
     for (Cell::Half& half : cell.halves) {
-      half = {made.trials / 2, made.solved / 2, made.unsolvable / 2, made.criterion / 2, {}, {}, {}, {}, {}};
+      half = {.trials = made.trials / 2,
+              .solved = made.solved / 2,
+              .unsolvable_problems = made.unsolvable / 2,
+              .criterion = made.criterion / 2,
+              .criterion_any = cell.criterion_any / 2};
       half.all_time = spread_of(half.trials, made.time_s);
       half.solved_time = spread_of(half.solved, made.time_s);
       half.criterion_time = spread_of(half.criterion, made.time_s);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -9,11 +10,11 @@
 #include <libxml/parser.h>
 
 #include "study/paper/intervals.h"
-#include "study/paper/tables.h"
-#include "study/paper/readings.h"
 #include "study/paper/published.h"
-#include "study/report/report.h"
+#include "study/paper/readings.h"
+#include "study/paper/tables.h"
 #include "study/report/paper.h"
+#include "study/report/report.h"
 #include "tests/report/paper_support.h"
 #include "tests/support/study_support.h"
 
@@ -182,6 +183,39 @@ TEST(PaperTablesTest, WorstAverageBestStandBesideThePublishedOnes) {
   EXPECT_EQ(row["criterion"]["best_settings"], "tolerance=2");
 }
 
+TEST(PaperTablesTest, AnswersThatAreNotClaimedCountApart) {
+  MadeSummary made;
+  const MadeCell silent{.criterion = 1000, .unclaimed = 600, .solved = 1500};
+  made.grid("paper/copositive/exp1", "lemke", silent, silent, "paper{rules=2012}");
+  made.grid("paper/copositive/exp6-1e5", "regularized", silent, silent);
+  const auto grids = paper::grids(made.summary);
+  const paper::Table rates = rates_table(made.summary, grids, Kind::kCopositive);
+  const std::string label = "`lemke{rules=2012}`";
+  EXPECT_EQ(entry(rates.layouts[0], {"1", "–", "paper’s criterion"}, label), "50.00 / 50.00 / 50.00");
+  EXPECT_EQ(entry(rates.layouts[0], {"1", "–", "criterion, any answer"}, label), "80.00 / 80.00 / 80.00");
+  EXPECT_EQ(entry(rates.layouts[0], {"1", "–", "our verdict"}, label), "75.00 / 75.00 / 75.00");
+  EXPECT_DOUBLE_EQ(record(rates, "exp1", "lemke{rules=2012}", "–")["criterion_any"]["best"]["share"].get<double>(),
+                   0.8);
+  for (const paper::Table& table : {times_table(made.summary, grids, Kind::kCopositive),
+                                    violations_table(made.summary, grids, Kind::kCopositive)}) {
+    int any = 0;
+    for (const auto& row : table.layouts.back().rows) any += row[1].text.ends_with("criterion, any answer") ? 1 : 0;
+    EXPECT_GT(any, 0) << table.id;
+  }
+}
+
+TEST(PaperTablesTest, PathStandsAsMeasuredApartUntilTheStoreHasIt) {
+  MadeSummary made;
+  made.flat("paper/monotone/exp1", "lemke", 1);
+  const paper::Table apart = rates_table(made.summary, paper::grids(made.summary), Kind::kMonotone);
+  EXPECT_EQ(entry(apart.layouts[0], {"1", "–", "paper’s criterion"}, "PATH, ours"), "24.00 / 69.47 / 99.85");
+  EXPECT_EQ(entry(apart.layouts[0], {"1", "–", "criterion, any answer"}, "PATH, ours"), "99.95 / 99.95 / 99.95");
+  EXPECT_DOUBLE_EQ(record(apart, "exp1", "", "–")["measured_apart"]["criterion"]["worst"].get<double>(), 0.24);
+  made.flat("paper/monotone/exp1", "path", 0.5);
+  const paper::Table run = rates_table(made.summary, paper::grids(made.summary), Kind::kMonotone);
+  EXPECT_EQ(entry(run.layouts[0], {"1", "–", "paper’s criterion"}, "`path`"), "50.00 / 50.00 / 50.00");
+}
+
 /// Provably unsolvable problems count against the paper's rate and not against ours.
 TEST(PaperTablesTest, UnsolvableProblemsLowerTheCriterionOnly) {
   MadeSummary made;
@@ -211,7 +245,10 @@ TEST(PaperTablesTest, SolversThatDidNotRunSaySoWithTheRunsReason) {
   made.flat("paper/monotone/exp1", "lemke", 1);
   made.summary.runs.push_back({"2026-01-01", Json::parse(R"({"skipped": ["path: libpath50.so was not found"]})")});
   const paper::Table table = rates_table(made.summary, paper::grids(made.summary), Kind::kMonotone);
-  EXPECT_EQ(entry(table.layouts.front(), {"1"}, "PATH, ours"), "not run: path: libpath50.so was not found");
+  const paper::Layout& layout = table.layouts.front();
+  const auto path = std::find(layout.columns.begin(), layout.columns.end(), "PATH, ours") - layout.columns.begin();
+  EXPECT_EQ(layout.rows.front()[static_cast<std::size_t>(path)].detail,
+            "measured apart, 4.7.03; not run: path: libpath50.so was not found");
   EXPECT_EQ(record(table, "exp1", "", "–")["not_run"], "not run: path: libpath50.so was not found");
 }
 
@@ -417,6 +454,9 @@ TEST_F(PaperStoreTest, QueryOfRatesRepeatsTheTable) {
       EXPECT_NEAR(row["verdict"]["worst"]["share"].get<double>(), query.real(9), 1e-15);
       EXPECT_NEAR(row["verdict"]["average"].get<double>(), query.real(10), 1e-12);
       EXPECT_NEAR(row["verdict"]["best"]["share"].get<double>(), query.real(11), 1e-15);
+      EXPECT_NEAR(row["criterion_any"]["worst"]["share"].get<double>(), query.real(14), 1e-15);
+      EXPECT_NEAR(row["criterion_any"]["average"].get<double>(), query.real(15), 1e-12);
+      EXPECT_NEAR(row["criterion_any"]["best"]["share"].get<double>(), query.real(16), 1e-15);
     }
   }
   EXPECT_EQ(compared, 5 * 3);
@@ -444,15 +484,16 @@ TEST_F(PaperStoreTest, QueryOfMeasurementsRepeatsTheTables) {
   while (query.step()) {
     for (const Json& row : table.records) {
       if (row["set"] != std::string(query.text(0)) || row["solver"] != label_of(query.text(1), query.text(2))) continue;
-      const bool criterion = row["solved_by"] == "criterion";
+      const int measure = row["solved_by"] == "criterion" ? 0 : row["solved_by"] == "criterion_any" ? 1 : 2;
+      const int first_time = std::array{7, 20, 10}[static_cast<std::size_t>(measure)];
+      const int first_violation = std::array{14, 23, 16}[static_cast<std::size_t>(measure)];
       if (row["quantity"] == "time_of_all_s") expect(row["all"], 4, 5, 6);
-      if (row["quantity"] == "time_of_solved_s")
-        expect(row["all"], criterion ? 7 : 10, criterion ? 8 : 11, criterion ? 9 : 12);
+      if (row["quantity"] == "time_of_solved_s") expect(row["all"], first_time, first_time + 1, first_time + 2);
       if (row["quantity"] == "violation_of_solved_m_per_s")
-        expect(row["all"], criterion ? 13 : -1, criterion ? 14 : 16, criterion ? 15 : 17);
+        expect(row["all"], measure == 0 ? 13 : -1, first_violation, first_violation + 1);
     }
   }
-  EXPECT_EQ(compared, 5 * 3 * 6);
+  EXPECT_EQ(compared, 5 * 3 * 9);
 }
 
 TEST_F(PaperStoreTest, QueriesOfCellsRepeatMapsAndClaims) {
