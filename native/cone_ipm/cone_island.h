@@ -74,6 +74,7 @@ class ConeIsland {
   };
 
   void add_contact(const ContactProblem& island, const ContactLayout& layout, const Matrix& root, Index contact);
+  void keep_what_moves(Index rows);
   void set_start();
   void project(const Vector& w, Vector& rows) const;
   void combine(const Vector& rows, Vector& w) const;
@@ -99,7 +100,7 @@ class ConeIsland {
   std::vector<Contact> contacts_;
   std::vector<Index> columns_;   // coordinates that contacts move
   std::vector<double> entries_;  // rows x columns of each contact, by columns
-  Matrix root_;                  // S with S S' = G*
+  Matrix root_;                  // S with S S' = G*, or of it what contacts move
   Vector q_;                     // rows: J'v + b, the normal ones divided by mu
   double q_max_ = 0;
   Vector x_, y_, w_, u_, slip_;

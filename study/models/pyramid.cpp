@@ -41,7 +41,7 @@ Jacobian rows_of(const Jacobian& J, const std::vector<Index>& indices) {
   return SparseMatrix(select * std::get<SparseMatrix>(J));
 }
 
-/// Of an island's coordinates, which are ascending and hold each block as a whole.
+/// Of an island's coordinates, ascending. The part of a body that no contact of the island moves may be missing.
 Inertia inertia_of(const Inertia& inertia, const std::vector<Index>& coordinates) {
   if (const auto* dense = std::get_if<DenseInertia>(&inertia)) return DenseInertia{dense->G(coordinates, coordinates)};
   if (const auto* inverse = std::get_if<InverseInertia>(&inertia)) {
@@ -50,8 +50,11 @@ Inertia inertia_of(const Inertia& inertia, const std::vector<Index>& coordinates
   if (const auto* bodies = std::get_if<BlockInertia>(&inertia)) {
     BlockInertia part;
     Index begin = 0;
+    auto at = coordinates.begin();
     for (const Matrix& block : bodies->blocks) {
-      if (std::binary_search(coordinates.begin(), coordinates.end(), begin)) part.blocks.push_back(block);
+      std::vector<Index> inside;
+      for (; at != coordinates.end() && *at < begin + block.rows(); ++at) inside.push_back(*at - begin);
+      if (!inside.empty()) part.blocks.push_back(block(inside, inside));
       begin += block.rows();
     }
     return part;

@@ -227,6 +227,53 @@ TEST_F(CommandLineTest, AProgramThatDoesNotStartIsOneLine) {
   EXPECT_NE(beside.out.find("lemke"), std::string::npos) << beside.out;
 }
 
+/// A point of mass 2 that slides between two of its four edges.
+void write_oblique_point(const std::string& file) {
+  std::ofstream(file) << R"({"format": "lcpbench-problem", "version": 1, "name": "oblique", "kind": "contact",)"
+                      << R"("v": [3, 4, -1], "N": [[0], [0], [1]], "D": [[1, 0, -1, 0], [0, 1, 0, -1], [0, 0, 0, 0]],)"
+                      << R"("edges": [4], "mu": [0.5], "G": [[2, 0, 0], [0, 2, 0], [0, 0, 2]]})";
+}
+
+TEST_F(CommandLineTest, ModelsJson) {
+  write_oblique_point(folder_ / "oblique.json");
+  const json documents = run_json("models oblique.json");
+  ASSERT_EQ(documents.size(), 1U);
+  expect_fields(documents[0], {{"problem", "o"}, {"islands", "a"}, {"rungs", "a"}});
+  std::vector<std::string> names;
+  for (const json& rung : documents[0]["rungs"]) {
+    expect_fields(rung, {{"rung", "s"},
+                         {"claim", "s"},
+                         {"error_m_per_s", "n?"},
+                         {"solver_error_m_per_s", "n?"},
+                         {"velocity_difference_m_per_s", "n?"},
+                         {"time_s", "n?"},
+                         {"passes", "n"},
+                         {"islands", "a"}});
+    names.push_back(rung["rung"]);
+  }
+  const std::vector<std::string> expected{"normals", "rest",      "4",       "4-turned",   "8",   "8-turned",
+                                          "16",      "16-turned", "relaxed", "cone-rough", "cone"};
+  EXPECT_EQ(names, expected);
+  EXPECT_NEAR(documents[0]["rungs"][2]["velocity_difference_m_per_s"].get<double>(), 0.3, 1e-6);
+  EXPECT_EQ(run("models oblique.json").exit_code, 0);
+}
+
+TEST_F(CommandLineTest, SolveWithAVelocityErrorJson) {
+  write_oblique_point(folder_ / "oblique.json");
+  const json rows = run_json("solve oblique.json --max-velocity-error 1e-3");
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_EQ(rows[0]["model"], "cone");
+  EXPECT_EQ(rows[0]["claim"], "solved");
+  EXPECT_TRUE(rows[0]["met"].get<bool>());
+  EXPECT_LE(rows[0]["errors"]["velocity_residual_m_per_s"].get<double>(), 1e-3);
+  EXPECT_NEAR(rows[0]["velocity"][0].get<double>(), 2.7, 2e-3);
+  EXPECT_EQ(rows[0]["islands"][0]["rung"], "cone-rough");
+  // What no model reaches is not claimed.
+  const ProgramRun missed = run("solve oblique.json --max-velocity-error 1e-12 --time-limit 1e-6 --format json");
+  EXPECT_EQ(missed.exit_code, 1) << missed.err;
+  EXPECT_FALSE(json::parse(missed.out)[0]["met"].get<bool>());
+}
+
 TEST_F(CommandLineTest, SolversJson) {
   const json solvers = run_json("solvers");
   std::vector<std::string> names;

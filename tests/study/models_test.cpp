@@ -113,6 +113,19 @@ TEST(ModelsTest, EachIslandGetsTheModelThatItNeeds) {
   EXPECT_GT(between.spent_s, between.chosen.time_s);
 }
 
+// A ball's inertia is diagonal: an island holds the coordinates that its contacts move, and not all of a body's block.
+TEST(ModelsTest, AnIslandMayHoldAPartOfABody) {
+  ContactProblem contact = points(0.5, 4, {vector_of({3, 0, -1})});
+  contact.D = Matrix{{1.0, 0.0, -1.0, 0.0}, {0.0, 0.0, 0.0, 0.0}, {0.0, 0.0, 0.0, 0.0}};
+  const std::vector<LadderIsland> islands = ladder_islands(Problem("ball", contact), "ball", 10);
+  ASSERT_EQ(islands.size(), 1U);
+  EXPECT_EQ(islands[0].coordinates, (std::vector<Index>{0, 2}));
+  const ContactProblem& part = islands[0].ladder->contacts();
+  EXPECT_EQ(dimension(part.inertia), 2);
+  const RungAnswer answer = islands[0].ladder->climb(Rung::kEdges4, 1e-9);
+  EXPECT_LE((answer.velocity - vector_of({2.5, 0})).lpNorm<Eigen::Infinity>(), 1e-12);
+}
+
 TEST(ModelsTest, AnErrorBelowWhatAnyModelReachesIsNotCalledMet) {
   Ladder ladder = ladder_of(points(0.5, 4, {vector_of({3, 4, -1})}));
   EXPECT_FALSE(climb(ladder, 1e-30, true).met);

@@ -1,0 +1,116 @@
+// What ConeIsland makes of the contacts before it solves: whitened rows.
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "native/cone_ipm/cone_island.h"
+#include "native/velocity_ipm/whitened_normals.h"
+
+namespace lcpbench {
+namespace {
+
+/// Coordinates up to which a dense A is no loss.
+constexpr Index kSmall = 40;
+
+}  // namespace
+
+void ConeIsland::load(const ContactProblem& island) {
+  const ContactLayout layout = contact_layout(island);
+  contacts_.clear();
+  columns_.clear();
+  entries_.clear();
+  root_ = inverse_root(island.inertia);
+  for (Index i = 0; i < layout.nc; ++i) add_contact(island, layout, root_, i);
+  const Index rows = contacts_.empty() ? 0 : contacts_.back().row + contacts_.back().rows;
+  if (rows < root_.cols() && (root_.cols() <= kSmall || 2 * rows <= root_.cols())) keep_what_moves(rows);
+  for (Vector* each : {&q_, &x_, &y_, &u_, &slip_, &dx_, &dy_, &target_, &residual_, &rows_, &best_x_, &x_held_}) {
+    each->setZero(rows);
+  }
+  w_.setZero(root_.cols());
+  dw_.setZero(root_.cols());
+  scalings_.resize(contacts_.size());
+  lu_.resize(root_.cols());
+  set_velocity(island, island.v);
+}
+
+/// Coordinates that no contact moves are left out: with A' = Q R the others are Q'w, and R' stands for A.
+void ConeIsland::keep_what_moves(Index rows) {
+  Matrix A = Matrix::Zero(root_.cols(), rows);
+  std::size_t entry = 0;
+  for (const Contact& contact : contacts_) {
+    for (Index k = contact.first; k < contact.first + contact.columns; ++k) {
+      for (Index r = 0; r < contact.rows; ++r) {
+        A(columns_[static_cast<std::size_t>(k)], contact.row + r) = entries_[entry++];
+      }
+    }
+  }
+  const Eigen::HouseholderQR<Matrix> qr(A);
+  root_ = (root_ * qr.householderQ() * Matrix::Identity(A.rows(), rows)).eval();
+  const Matrix R = qr.matrixQR().topRows(rows).triangularView<Eigen::Upper>();
+  columns_.clear();
+  entries_.clear();
+  for (Contact& contact : contacts_) {
+    contact.first = static_cast<Index>(columns_.size());
+    contact.columns = contact.row + contact.rows;
+    for (Index j = 0; j < contact.columns; ++j) {
+      columns_.push_back(j);
+      for (Index r = 0; r < contact.rows; ++r) entries_.push_back(R(j, contact.row + r));
+    }
+  }
+}
+
+void ConeIsland::add_contact(const ContactProblem& island, const ContactLayout& layout, const Matrix& root,
+                             Index contact) {
+  const auto column = [&](const Jacobian& J, Index j) -> Vector {
+    if (const auto* dense = std::get_if<Matrix>(&J)) return root.transpose() * dense->col(j);
+    return root.transpose() * std::get<SparseMatrix>(J).col(j);
+  };
+  const auto c = static_cast<std::size_t>(contact);
+  Contact to;
+  to.mu = layout.lambda[c] >= 0 ? island.mu(contact) : 0.0;
+  if (layout.lambda[c] >= 0) {
+    to.tangents = {layout.friction_begin[c], layout.friction_begin[c] + island.edges[c] / 4};
+  }
+  to.rows = to.mu > 0 ? 3 : 1;
+  to.row = contacts_.empty() ? 0 : contacts_.back().row + contacts_.back().rows;
+  to.first = static_cast<Index>(columns_.size());
+  Matrix A(to.rows, root.cols());
+  const Vector normal = column(island.N, contact);
+  to.diagonal_normal = normal.squaredNorm();
+  A.row(0) = normal.transpose();
+  if (to.rows == 3) {
+    A.row(0) /= to.mu;
+    A.row(1) = column(island.D, to.tangents[0]).transpose();
+    A.row(2) = column(island.D, to.tangents[1]).transpose();
+    to.diagonal_tangent = std::max(A.row(1).squaredNorm(), A.row(2).squaredNorm());
+  }
+  for (Index j = 0; j < A.cols(); ++j) {
+    if (A.col(j).isZero(0)) continue;
+    columns_.push_back(j);
+    entries_.insert(entries_.end(), A.col(j).begin(), A.col(j).end());
+    ++to.columns;
+  }
+  contacts_.push_back(to);
+}
+
+void ConeIsland::set_velocity(const ContactProblem& island, const Vector& v) {
+  const auto dot = [&](const Jacobian& J, Index j) {
+    return std::visit([&](const auto& matrix) { return matrix.col(j).dot(v); }, J);
+  };
+  q_max_ = 0;
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    const Contact& contact = contacts_[c];
+    const auto i = static_cast<Index>(c);
+    const double normal = dot(island.N, i) + island.offset(i);
+    q_(contact.row) = contact.rows == 3 ? normal / contact.mu : normal;
+    q_max_ = std::max(q_max_, std::abs(normal));
+    if (contact.tangents[0] < 0) continue;
+    const double t1 = dot(island.D, contact.tangents[0]);
+    const double t2 = dot(island.D, contact.tangents[1]);
+    q_max_ = std::max({q_max_, std::abs(t1), std::abs(t2)});
+    if (contact.rows == 3) q_.segment<2>(contact.row + 1) << t1, t2;
+  }
+}
+
+}  // namespace lcpbench
