@@ -39,7 +39,8 @@ void Attempts::load(const Problem& problem, const Vector& v) {
   v_ = v;
   loaded_.fill(false);
   is_put_off_ = false;
-  plan_ = plan_for(settings_, problem, v);
+  sweeps_ = worthwhile_sweeps(settings_, problem);
+  plan_ = plan_for(settings_, problem, v, sweeps_);
   load_own(plan_.front().method);
   reserve_what_follows();
 }
@@ -48,7 +49,8 @@ bool Attempts::load_when_needed(const Problem& problem, const Vector& v) {
   problem_ = &problem;
   v_ = v;
   loaded_.fill(false);
-  plan_ = plan_for(settings_, problem, v);
+  sweeps_ = worthwhile_sweeps(settings_, problem);
+  plan_ = plan_for(settings_, problem, v, sweeps_);
   is_put_off_ = true;
   bool can_wait = false;
   for (const AutoTry& next : plan_) {
@@ -64,10 +66,10 @@ bool Attempts::load_when_needed(const Problem& problem, const Vector& v) {
   return can_wait;
 }
 
-/// Sparse methods that were put off. Not friction_ipm in full: contact_lemke may take a hundred times as long.
+/// Sparse methods that were put off. Not friction_ipm or psor in full: contact_lemke may take a hundred times as long.
 bool Attempts::is_left_out(const AutoTry& now) const {
   if (!is_put_off_ || is_loaded(now.method)) return false;
-  return now.method == AutoMethod::kVelocityIpm || (now.method == AutoMethod::kFrictionIpm && now.brief);
+  return now.method == AutoMethod::kVelocityIpm || (!is_dense(now.method) && now.brief);
 }
 
 void Attempts::load_own(AutoMethod method) {
@@ -89,7 +91,7 @@ void Attempts::reserve_what_follows() {
 void Attempts::update(const Vector& v) {
   is_put_off_ = false;
   v_ = v;
-  plan_ = plan_for(settings_, *problem_, v);
+  plan_ = plan_for(settings_, *problem_, v, sweeps_);
   set_velocity(v);
   const AutoMethod first = plan_.front().method;
   if (!is_loaded(first)) load_own(first);
