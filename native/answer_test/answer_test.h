@@ -31,6 +31,10 @@ class AnswerTest {
   /// The same contacts, another velocity before the impact (ngc). @pre a contact problem was loaded
   void set_velocity(const Vector& v);
 
+  /// From now on this velocity residual is allowed for bodies that are tested one by one, be it more than the verdict
+  /// allows.
+  void allow(double residual) { allowed_ = residual; }
+
   /// Where the claim is not solved, nothing. Else: entries of z below zero count as zero, and so does friction where no
   /// contact presses; lambda is the least that the friction impulses allow. If that solves the problem it is the
   /// answer. If not, z stays and the claim becomes kNumericalFailure (`detail` "residual" or "unconfirmed"), or
@@ -80,6 +84,7 @@ class AnswerTest {
   bool may_be_singular_ = false;  // the inertia of contacts, or their offset may ask for too much
   ContactSolvability solvability_;
   double residual_ = 0;  // of completed_, contacts
+  double allowed_ = 0;
   Vector velocity_;      // v, where the inertia may be singular
   Vector path_end_;      // n, where the inertia may be singular
   Vector completed_;     // n

@@ -67,7 +67,8 @@ void Attempts::load(const Problem& problem, const Vector& v, bool in_turn) {
   loaded_.fill(false);
   has_least_energy_ = false;
   is_put_off_ = false;
-  plan_ = plan_for(settings_, problem, v);
+  sweeps_ = worthwhile_sweeps(settings_, problem);
+  plan_ = plan_for(settings_, problem, v, sweeps_);
   const AutoMethod first = plan_.front().method;
   takes_turns_ = in_turn && is_dense(first) && fits_in_advance(first, problem);
   if (!takes_turns_) load_own(first);
@@ -79,7 +80,8 @@ bool Attempts::load_when_needed(const Problem& problem, const Vector& v) {
   v_ = v;
   loaded_.fill(false);
   has_least_energy_ = false;
-  plan_ = plan_for(settings_, problem, v);
+  sweeps_ = worthwhile_sweeps(settings_, problem);
+  plan_ = plan_for(settings_, problem, v, sweeps_);
   is_put_off_ = true;
   takes_turns_ = false;
   bool can_wait = false;
@@ -96,10 +98,10 @@ bool Attempts::load_when_needed(const Problem& problem, const Vector& v) {
   return can_wait;
 }
 
-/// Sparse methods that were put off. Not friction_ipm in full: contact_lemke may take a hundred times as long.
+/// Sparse methods that were put off. Not friction_ipm or psor in full: contact_lemke may take a hundred times as long.
 bool Attempts::is_left_out(const AutoTry& now) const {
   if (!is_put_off_ || is_loaded(now.method)) return false;
-  return now.method == AutoMethod::kVelocityIpm || (now.method == AutoMethod::kFrictionIpm && now.brief);
+  return now.method == AutoMethod::kVelocityIpm || (!is_dense(now.method) && now.brief);
 }
 
 void Attempts::load_own(AutoMethod method) {
@@ -133,7 +135,7 @@ void Attempts::update(const Vector& v) {
   is_put_off_ = false;
   takes_turns_ = false;
   v_ = v;
-  plan_ = plan_for(settings_, *problem_, v);
+  plan_ = plan_for(settings_, *problem_, v, sweeps_);
   set_velocity(v);
   const AutoMethod first = plan_.front().method;
   if (!is_loaded(first)) load_own(first);

@@ -54,7 +54,9 @@ class Attempts {
 
   /// True if a solve before the next update() uses another method in place of velocity_ipm. That method may take a
   /// hundred times as long.
-  bool has_stand_in() const { return plan_.front().method == AutoMethod::kVelocityIpm; }
+  bool has_stand_in() const {
+    return plan_.front().method == AutoMethod::kVelocityIpm || plan_.front().method == AutoMethod::kPsor;
+  }
 
   /// Another velocity. Loads the first method if it was put off, or if the new velocity changes the plan.
   void update(const Vector& v);
@@ -86,6 +88,7 @@ class Attempts {
   const Problem* problem_ = nullptr;
   Vector v_;
   AutoPlan plan_;
+  std::int64_t sweeps_ = 0;  ///< worthwhile_sweeps
   std::array<std::unique_ptr<Solver>, kAutoMethods> own_;
   std::array<bool, kAutoMethods> loaded_{};  ///< whether the own solver holds the problem
   std::unique_ptr<LeastEnergy> least_energy_;

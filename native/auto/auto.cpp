@@ -25,7 +25,7 @@ constexpr Capabilities kCapabilities{
 /// was tested. See docs/reference/solvers/auto.md.
 ///
 /// Contacts: islands one by one, each without the contacts that cannot be pressed; without friction by `active_set`, or
-/// `velocity_ipm` where it is a large scene; with friction by `contact_lemke` and `friction_ipm`, each followed by
+/// `psor` or `velocity_ipm` where it is a large scene; with friction by `contact_lemke` and `friction_ipm`, each followed by
 /// another method where it gives up (plan_for). Bare LCPs: LcpLadder. Dense methods raise their precision from
 /// double to 113 bits until the answer passes its test.
 ///
@@ -34,8 +34,8 @@ constexpr Capabilities kCapabilities{
 /// was left out, which methods ran and the highest rung. Returns the velocity where all methods gave one.
 /// SolveRequest::start: as the methods use it, the last answer being of use to all.
 ///
-/// solve() allocates only where friction_ipm or psor has to follow a method that gave up: it is loaded then; and where
-/// it makes threads. As that may happen, `allocation_free` is not promised.
+/// solve() allocates only where friction_ipm, velocity_ipm or psor has to follow a method that gave up: it is loaded
+/// then; and where it makes threads. As that may happen, `allocation_free` is not promised.
 class Auto final : public Solver {
  public:
   explicit Auto(const AutoSettings& settings) : settings_(settings), lcp_(settings.max_pivots) {}
@@ -178,7 +178,7 @@ bool Auto::whole_rests() const {
 }
 
 AutoLimits Auto::limits_of(const SolveRequest& request) const {
-  AutoLimits limits{.deadline_s = request.time_limit_s, .max_pivots = settings_.max_pivots};
+  AutoLimits limits{.deadline_s = request.time_limit_s, .max_pivots = settings_.max_pivots, .error = settings_.error};
   if (!std::isinf(limits.deadline_s)) limits.deadline_s += wall_clock_s();
   return limits;
 }

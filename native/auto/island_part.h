@@ -34,7 +34,7 @@ class IslandPart {
   void set_velocity(const Vector& v);
 
   /// Solves it by its method, and where that gives up by those that follow. Allocates only if a second method,
-  /// friction_ipm or psor, has to be loaded.
+  /// one that is not dense, has to be loaded.
   /// @param start of the whole problem, or nullptr
   /// @returns the claim of answer()
   Claim solve(const Vector* start, const AutoLimits& limits, AutoReport& report);

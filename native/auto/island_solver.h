@@ -34,7 +34,7 @@ class IslandSolver {
   void update(const Vector& v);
 
   /// Adds the island's impulses to z and its change of velocity to u, both of the whole problem. u arrives as v.
-  /// Allocates only if a second method, friction_ipm or psor, has to be loaded.
+  /// Allocates only if a second method, one that is not dense, has to be loaded.
   /// @param start of the whole problem, or nullptr
   /// @returns kSolved, or why not; answer() then says more
   Claim solve(const Vector* start, const AutoLimits& limits, Vector& z, Vector& u, AutoReport& report);

@@ -10,10 +10,10 @@
 #include "native/active_set/active_set.h"
 #include "native/contact_lemke/contact_lemke.h"
 #include "native/friction_ipm/friction_ipm.h"
+#include "native/sor/psor.h"
 
 namespace lcpbench {
 
-SolverDefinition lcpbench_solver_psor();
 SolverDefinition lcpbench_solver_velocity_ipm();
 
 namespace {
@@ -37,6 +37,18 @@ void limit_lemke(ContactLemke& lemke, const AutoTry& now, const Problem& problem
   lemke.limit_rungs(now.brief ? 1 : 0);
 }
 
+void limit_friction_ipm(LimitedFrictionIpm& ipm, const AutoTry& now, const AutoLimits& limits) {
+  ipm.unlimit_rounds();
+  if (now.brief) ipm.limit_rounds(kBriefRounds, kBriefResidual);
+  if (limits.error > 0) ipm.aim_at(limits.error);
+}
+
+void limit_psor(LimitedPsor& psor, const AutoTry& now, const AutoLimits& limits) {
+  psor.unlimit_sweeps();
+  if (now.brief) psor.limit_sweeps(now.sweeps, kSweptResidual);
+  if (limits.error > 0) psor.aim_at(limits.error);
+}
+
 }  // namespace
 
 double AutoLimits::time() const { return std::isinf(deadline_s) ? deadline_s : deadline_s - wall_clock_s(); }
@@ -46,7 +58,7 @@ std::unique_ptr<Solver> make_method(AutoMethod method, const std::shared_ptr<Lat
     case AutoMethod::kContactLemke: return std::make_unique<ContactLemke>(ContactLemkeSettings{}, later);
     case AutoMethod::kVelocityIpm: return lcpbench_solver_velocity_ipm().make({});
     case AutoMethod::kFrictionIpm: return make_friction_ipm();
-    case AutoMethod::kPsor: return lcpbench_solver_psor().make({});
+    case AutoMethod::kPsor: return make_conjugate_psor();
     default: return std::make_unique<ActiveSet>(ActiveSetSettings{});
   }
 }
@@ -72,11 +84,8 @@ void run_try(const AutoTry& now, Solver& solver, const Problem& problem, const S
     case AutoMethod::kContactLemke:
       limit_lemke(static_cast<ContactLemke&>(solver), now, problem, limits, report.counters());
       break;
-    case AutoMethod::kFrictionIpm: {
-      auto& ipm = static_cast<LimitedFrictionIpm&>(solver);
-      now.brief ? ipm.limit_rounds(kBriefRounds, kBriefResidual) : ipm.unlimit_rounds();
-      break;
-    }
+    case AutoMethod::kFrictionIpm: limit_friction_ipm(static_cast<LimitedFrictionIpm&>(solver), now, limits); break;
+    case AutoMethod::kPsor: limit_psor(static_cast<LimitedPsor&>(solver), now, limits); break;
     default: break;
   }
   solver.solve(request, answer);

@@ -16,16 +16,22 @@ inline bool is_dense(AutoMethod method) {
 }
 
 /// One try at an island. A brief one ends early where the method does not suit: contact_lemke after its first path in
-/// double, or at a limit of pivots; friction_ipm after two convex problems.
+/// double, or at a limit of pivots; friction_ipm after two convex problems; psor after `sweeps`.
 struct AutoTry {
   AutoMethod method = AutoMethod::kActiveSet;
   bool brief = false;
+  std::int64_t sweeps = 0;
 };
 
-/// What is left of a solve's limits.
+/// Residual that a brief psor has to reach, relative to max|q| of each island, where no error is stated: what follows
+/// it would reach 1e-9 or less.
+inline constexpr double kSweptResidual = 1e-12;
+
+/// What is left of a solve's limits, and the error that it may leave.
 struct AutoLimits {
   double deadline_s = 0;        ///< on wall_clock_s(); infinity: none
   std::int64_t max_pivots = 0;  ///< 0: none
+  double error = 0;             ///< AutoSettings
 
   /// Seconds left.
   double time() const;

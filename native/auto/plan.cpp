@@ -6,6 +6,7 @@
 
 #include "native/answer_test/contact_solvability.h"
 #include "native/auto/islands.h"
+#include "native/auto/separator.h"
 #include "native/contact_lemke/contact_lemke.h"
 
 namespace lcpbench {
@@ -24,6 +25,12 @@ constexpr Index kHuge = 8000;
 /// more than they approach.
 constexpr double kLittleSlip = 0.5;
 constexpr double kMostSlip = 16;
+/// Of s the separator's coordinates and nc contacts: s^3 / nc times this is a third of the sparse method's time in
+/// sweeps.
+constexpr double kSweepsPerCube = 0.15;
+/// A pile takes so many sweeps for each decimal digit of the error, or more.
+constexpr double kSweepsPerDigit = 8;
+constexpr double kMostSweeps = 10000;
 
 /// ngc (ngc + nc) of a problem up to which memory is taken in advance: half a gigabyte of addresses.
 constexpr Index kMostEntries = 1'000'000;
@@ -53,9 +60,21 @@ bool may_be_singular(const ContactProblem& contact) {
 
 bool lemke_takes(const Problem& problem) { return problem.size() <= contact_lemke_capabilities({}).max_size; }
 
-AutoPlan frictionless_plan(const AutoSettings& settings, const Problem& problem, bool sparse) {
+bool is_sparse(const ContactProblem& contact) {
+  return std::holds_alternative<BlockInertia>(contact.inertia) && std::holds_alternative<SparseMatrix>(contact.N);
+}
+
+/// Whether a sparse method comes first: velocity_ipm, or with friction friction_ipm.
+bool is_large_scene(const AutoSettings& settings, const Problem& problem) {
+  const ContactProblem& contact = *problem.contact();
+  if (!is_sparse(contact)) return false;
+  return contact.frictional() ? problem.size() >= settings.sparse_friction_from : contact.nc() >= settings.sparse_from;
+}
+
+AutoPlan frictionless_plan(const AutoSettings& settings, const Problem& problem, std::int64_t sweeps) {
   AutoPlan plan;
-  const bool by_interior = sparse && problem.contact()->nc() >= settings.sparse_from;
+  const bool by_interior = is_large_scene(settings, problem);
+  if (sweeps > 0) plan.add_sweeps(sweeps);
   if (by_interior) plan.add(AutoMethod::kVelocityIpm);
   if (!by_interior || fits_in_advance(AutoMethod::kActiveSet, problem)) plan.add(AutoMethod::kActiveSet);
   if (fits_in_advance(AutoMethod::kContactLemke, problem)) plan.add(AutoMethod::kContactLemke);
@@ -105,15 +124,23 @@ bool fits_in_advance(AutoMethod method, const Problem& problem) {
   return method == AutoMethod::kActiveSet || lemke_takes(problem);
 }
 
-AutoPlan plan_for(const AutoSettings& settings, const Problem& problem, const Vector& v) {
+std::int64_t worthwhile_sweeps(const AutoSettings& settings, const Problem& problem) {
+  if (!is_large_scene(settings, problem)) return 0;
+  const ContactProblem& contact = *problem.contact();
+  const double separator = separator_size(contact);
+  const double sweeps = kSweepsPerCube * separator * separator * separator / static_cast<double>(contact.nc());
+  const double error = settings.error > 0 ? settings.error : kSweptResidual;
+  if (!(sweeps >= kSweepsPerDigit * -std::log10(error))) return 0;
+  return static_cast<std::int64_t>(std::min(sweeps, kMostSweeps));
+}
+
+AutoPlan plan_for(const AutoSettings& settings, const Problem& problem, const Vector& v, std::int64_t sweeps) {
   using enum AutoMethod;
   const ContactProblem& contact = *problem.contact();
-  const bool sparse =
-      std::holds_alternative<BlockInertia>(contact.inertia) && std::holds_alternative<SparseMatrix>(contact.N);
-  if (!contact.frictional()) return frictionless_plan(settings, problem, sparse);
-  const bool is_large = sparse && problem.size() >= settings.sparse_friction_from;
-  if (!is_large && lemke_takes(problem)) return frictional_plan(contact, v);
+  if (!contact.frictional()) return frictionless_plan(settings, problem, sweeps);
+  if (!is_large_scene(settings, problem) && lemke_takes(problem)) return frictional_plan(contact, v);
   AutoPlan plan;
+  if (sweeps > 0) plan.add_sweeps(sweeps);
   plan.add(kFrictionIpm);
   if (!fits_in_advance(kContactLemke, problem)) {
     plan.add(kPsor);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "core/problem.h"
 #include "native/auto/methods.h"
@@ -17,6 +18,10 @@ class AutoPlan {
   Rest rest = Rest::kNotSought;
 
   void add(AutoMethod method, bool brief = false) { tries_[size_++] = {.method = method, .brief = brief}; }
+  /// psor, briefly.
+  void add_sweeps(std::int64_t sweeps) {
+    tries_[size_++] = {.method = AutoMethod::kPsor, .brief = true, .sweeps = sweeps};
+  }
   const AutoTry* begin() const { return tries_.data(); }
   const AutoTry* end() const { return tries_.data() + size_; }
   const AutoTry& front() const { return tries_.front(); }
@@ -26,8 +31,13 @@ class AutoPlan {
   std::size_t size_ = 0;
 };
 
-/// The rules of docs/reference/solvers/auto.md. @param v the velocity now
-AutoPlan plan_for(const AutoSettings& settings, const Problem& problem, const Vector& v);
+/// Sweeps of psor that take a third of the estimated time of the sparse method, by the size of the island's separators.
+/// 0 where they are too few, or where no sparse method comes first.
+std::int64_t worthwhile_sweeps(const AutoSettings& settings, const Problem& problem);
+
+/// The rules of docs/reference/solvers/auto.md. @param v the velocity now @param sweeps worthwhile_sweeps of the
+/// problem
+AutoPlan plan_for(const AutoSettings& settings, const Problem& problem, const Vector& v, std::int64_t sweeps);
 
 /// Whether a dense method can be loaded in a solve: it takes the problem, and memory for it can be taken in advance.
 bool fits_in_advance(AutoMethod method, const Problem& problem);

@@ -7,6 +7,7 @@
 namespace lcpbench {
 
 struct AutoSettings {
+  double error = 0;
   bool islands = true;
   bool leave_out = true;
   std::int64_t leave_out_from = 64;
@@ -17,6 +18,9 @@ struct AutoSettings {
 
   void visit(auto&& field) {
     constexpr std::int64_t kMost = std::int64_t{1} << 40;
+    field("error", error, RealRange{.min = 0, .max = 0.1},
+          "velocity residual of every island, relative to its max|q|, at which iterative methods may stop; 0: each "
+          "method's own");
     field("islands", islands, "solve parts that no inertia and no contact couple one by one");
     field("leave_out", leave_out, "leave contacts out that cannot be pressed, and test that on the answer");
     field("leave_out_from", leave_out_from, IntegerRange{.min = 1, .max = kMost},

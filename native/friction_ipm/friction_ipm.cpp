@@ -115,6 +115,7 @@ class FrictionIpm final : public LimitedFrictionIpm {
  public:
   explicit FrictionIpm(const FrictionIpmSettings& settings)
       : settings_(settings),
+        tolerance_(settings.tolerance),
         accept_residual_(settings.accept_residual),
         method_({.tolerance = kConvexShare * settings.tolerance, .shift = settings.shift}) {}
   const Capabilities& capabilities() const override;
@@ -122,7 +123,15 @@ class FrictionIpm final : public LimitedFrictionIpm {
     max_rounds_ = rounds;
     accept_residual_ = accept_residual;
   }
-  void unlimit_rounds() override { limit_rounds(kNoLimit, settings_.accept_residual); }
+  void aim_at(double residual) override {
+    tolerance_ = accept_residual_ = residual;
+    test_.allow(residual);
+  }
+  void unlimit_rounds() override {
+    limit_rounds(kNoLimit, settings_.accept_residual);
+    tolerance_ = settings_.tolerance;
+    test_.allow(0);
+  }
 
  private:
   static constexpr std::int64_t kNoLimit = std::numeric_limits<std::int64_t>::max();
@@ -138,6 +147,7 @@ class FrictionIpm final : public LimitedFrictionIpm {
 
   FrictionIpmSettings settings_;
   std::int64_t max_rounds_ = kNoLimit;
+  double tolerance_ = 0;
   double accept_residual_ = 0;
   InteriorPoint method_;
   ContactImpulses state_;
@@ -216,7 +226,7 @@ Claim FrictionIpm::run(double deadline_s, Answer& answer, int& rounds) {
       best = residual;
       best_impulse_ = state_.impulse;
     }
-    if (best <= settings_.tolerance || idle_rounds > kMostIdleRounds || !(residual < kInfinity)) break;
+    if (best <= tolerance_ || idle_rounds > kMostIdleRounds || !(residual < kInfinity)) break;
     if (cone_.friction.nonZeros() == 0) break;  // the next problem would be the same
     if (rounds >= max_rounds_) {
       claim = Claim::kIterationLimit;
@@ -275,9 +285,7 @@ const Capabilities& FrictionIpm::capabilities() const { return kCapabilities; }
 
 }  // namespace
 
-std::unique_ptr<LimitedFrictionIpm> make_friction_ipm() {
-  return std::make_unique<FrictionIpm>(FrictionIpmSettings{});
-}
+std::unique_ptr<LimitedFrictionIpm> make_friction_ipm() { return std::make_unique<FrictionIpm>(FrictionIpmSettings{}); }
 
 SolverDefinition lcpbench_solver_friction_ipm() {
   return define_solver<FrictionIpm, FrictionIpmSettings>(

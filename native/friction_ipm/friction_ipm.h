@@ -12,6 +12,8 @@ class LimitedFrictionIpm : public Solver {
  public:
   /// From now on at most so many convex problems, and solved is claimed only up to this residual (accept_residual).
   virtual void limit_rounds(std::int64_t rounds, double accept_residual) = 0;
+  /// From now on rounds end at this residual, up to which solved is claimed, be it more than the verdict allows.
+  virtual void aim_at(double residual) = 0;
   /// As the settings have it.
   virtual void unlimit_rounds() = 0;
 };

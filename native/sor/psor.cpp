@@ -118,7 +118,14 @@ class Psor final : public ImpulseSolver<LimitedPsor> {
     settings_.max_iterations = sweeps;
     settings_.tolerance = tolerance;
   }
-  void unlimit_sweeps() override { settings_ = given_; }
+  void aim_at(double residual) override {
+    settings_.tolerance = residual;
+    test_.allow(residual);
+  }
+  void unlimit_sweeps() override {
+    settings_ = given_;
+    test_.allow(0);
+  }
 
  private:
   void prepare(const Problem& problem) override;

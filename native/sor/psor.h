@@ -12,6 +12,8 @@ class LimitedPsor : public Solver {
  public:
   /// From now on at most so many sweeps, and solved is claimed up to this residual.
   virtual void limit_sweeps(std::int64_t sweeps, double tolerance) = 0;
+  /// From now on solved is claimed up to this residual, be it more than the verdict allows.
+  virtual void aim_at(double residual) = 0;
   /// As the settings have it.
   virtual void unlimit_sweeps() = 0;
 };

@@ -1,3 +1,4 @@
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -9,6 +10,8 @@
 #include "study/evaluation/evaluation.h"
 #include "study/evaluation/fastest_contact.h"
 #include "study/measure/least_energy_velocity.h"
+#include "study/measure/brick_wall.h"
+#include "study/measure/sphere_piles.h"
 
 namespace lcpbench {
 SolverDefinition lcpbench_solver_auto();
@@ -53,6 +56,48 @@ TEST(AutoScenesTest, SolvesEveryCollectedStepByRestWhereThatIsASolution) {
   for (const CollectedScene& scene : collected_scenes()) collected += open_collected(scene)->count();
   EXPECT_EQ(steps, collected);
   EXPECT_GT(steps, 0U);
+}
+
+Answer solve(const Problem& problem, const Options& options = {}) {
+  const auto solver = make_solver({.name = "auto", .options = options});
+  solver->load(problem);
+  Answer answer;
+  solver->solve({.time_limit_s = 60}, answer);
+  return answer;
+}
+
+// A pile's separators are so large that sweeps take a small share of one factorization; a wall's are not.
+TEST(AutoScenesTest, PilesAreSweptAndWallsAreFactored) {
+  for (const double mu : {0.0, 0.5}) {
+    const Problem pile("pile", testing::sphere_pile({.mu = mu}));
+    const Answer answer = solve(pile);
+    ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+    EXPECT_NE(answer.detail.find("psor"), std::string::npos) << answer.detail;
+    EXPECT_EQ(answer.detail.find("_ipm"), std::string::npos) << answer.detail;
+    EXPECT_LE(Evaluator(pile).errors(answer).velocity_residual_relative, 2e-12) << mu;
+  }
+  const Answer wall = solve(Problem("wall", testing::brick_wall(10, 10)));
+  EXPECT_EQ(wall.claim, Claim::kSolved);
+  EXPECT_EQ(wall.detail.find("psor"), std::string::npos) << wall.detail;
+}
+
+TEST(AutoScenesTest, AStatedErrorIsMetAndSavesIterations) {
+  const Problem scenes[] = {Problem("pile", testing::sphere_pile({})),
+                            Problem("pile with friction", testing::sphere_pile({.columns = 5, .mu = 0.5})),
+                            Problem("wall", testing::brick_wall(8, 8)),
+                            Problem("wall with friction", testing::frictional_brick_wall(6, 8, 0.5))};
+  for (const Problem& scene : scenes) {
+    std::int64_t most = 0;
+    for (const char* error : {"1e-9", "1e-6", "1e-4", "1e-2"}) {
+      const Answer answer = solve(scene, {{"error", error}});
+      ASSERT_EQ(answer.claim, Claim::kSolved) << scene.name() << " " << error << " " << answer.detail;
+      EXPECT_LE(Evaluator(scene).errors(answer).velocity_residual_relative, 1.01 * std::stod(error)) << scene.name();
+      if (most == 0) most = answer.counters.iterations;
+      EXPECT_LE(answer.counters.iterations, most) << scene.name();
+    }
+    if (scene.name() == "wall") continue;  // exact at any error
+    EXPECT_LT(2 * solve(scene, {{"error", "1e-2"}}).counters.iterations, most) << scene.name();
+  }
 }
 
 }  // namespace
