@@ -341,8 +341,8 @@ void demand_minimum(const BackwardError<Bounded>& best, const Bounded& error, bo
   if (std::isnan(error.high) || (open && !at_least(error, best.error))) throw Doubt();
 }
 
-// Whether the error is known as well as one that is passed on.
-bool is_known(const BackwardError<Quad>&) { return true; }
+// Whether the error is known as well as one that is passed on. None is larger than 1, but by what removals left behind.
+bool is_known(const BackwardError<Quad>& eta) { return eta.error <= 1 + 0x1p-50; }
 bool is_known(const BackwardError<Bounded>& eta) {
   return !eta.open && (eta.error.exact() || 2 * eta.error.error <= kSettled * std::abs(eta.error.high));
 }
