@@ -155,7 +155,10 @@ Lcp form_lcp(const ContactProblem& problem) {
   Lcp lcp;
   lcp.M = Matrix::Zero(layout.size(), layout.size());
   lcp.q = Vector::Zero(layout.size());
-  lcp.M.topLeftCorner(impulses, impulses) = J.transpose() * (inverse_inertia(problem.inertia) * J);
+  const Matrix response = inverse_inertia(problem.inertia) * J;
+  auto products = lcp.M.topLeftCorner(impulses, impulses);
+  products.noalias() = response.transpose() * J;  // Eigen's order for this one, not its transpose, gives M's last bits
+  products.transposeInPlace();
   lcp.q.head(impulses) = J.transpose() * problem.v;
   if (problem.has_offset()) lcp.q.head(layout.nc) += problem.b;
   for (Index c = 0; c < layout.cones; ++c) {
