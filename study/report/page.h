@@ -9,6 +9,7 @@
 #include "study/report/paper.h"
 #include "study/report/solver_comparison.h"
 #include "study/report/summary.h"
+#include "study/report/velocity_spread.h"
 
 namespace lcpbench::report {
 
@@ -28,6 +29,7 @@ struct Report {
   std::vector<Situation> situations;
   std::vector<SetComparison> comparisons;
   SpeedErrorStudy speed_error;
+  std::vector<VelocitySpread> velocity_spreads;
   Figures figures;
   PaperStudy paper;
 };

@@ -211,6 +211,7 @@ Json table_records(const Report& report, const Json& json) {
   Json tables = report::comparison_tables(report.summary, report.comparisons);
   tables.update(report::hard_tables(report.summary, report::hard_study(report.summary)));
   tables.update(json["speed_against_error"]);
+  tables["velocity_spread"] = report::velocity_spread_json(report.summary, report.velocity_spreads);
   for (const char* name : {"cells", "sweeps", "decision"}) tables[name] = json[name];
   tables["claims"] = claims_json(json["cells"]);
   tables["results"] = results_json(report.summary, report.speed_error);
@@ -227,6 +228,7 @@ void write_tables(const Report& report, const Json& json, const std::filesystem:
   one_of_everything.summary.sweeps.resize(1);
   one_of_everything.situations.resize(1);
   one_of_everything.situations[0].contenders.resize(1);
+  one_of_everything.velocity_spreads.resize(1);
   one_of_everything.comparisons = {report::example_comparison()};
   const Json examples = table_records(one_of_everything, report_json(one_of_everything));
   const Json tables = table_records(report, json);
@@ -248,6 +250,7 @@ Report make_report(Store& store) {
     return report::is_hard_set(summary.sets[comparison.set].name);
   });
   report.speed_error = report::speed_error_study(summary);
+  report.velocity_spreads = report::velocity_spreads(store, summary);
   report.figures = draw_figures(summary, report.comparisons, report.speed_error);
   report.paper = report::paper_study(summary);
   return report;

@@ -73,7 +73,26 @@ const Contender* fastest_without_fault(const Situation& situation) {
   return fastest;
 }
 
-std::string overview_row(const Summary& summary, const Family& family) {
+/// "3 of 24", below it the largest difference.
+std::string spread_cell(const Report& report, const SceneFamily& family) {
+  std::int64_t steps = 0;
+  std::int64_t different = 0;
+  double largest = 0;
+  for (const VelocitySpread& spread : report.velocity_spreads) {
+    if (std::find(family.sets.begin(), family.sets.end(), spread.set) == family.sets.end()) continue;
+    ++steps;
+    if (!spread.differs()) continue;
+    ++different;
+    largest = std::max(largest, spread.spread_m_per_s);
+  }
+  if (steps == 0) return number_cell(std::nan(""), "–");
+  return number_cell(static_cast<double>(different) / static_cast<double>(steps),
+                     fmt::format("{} of {}", different, steps),
+                     different > 0 ? fmt::format("by up to {:.2g} m/s", largest) : "");
+}
+
+std::string overview_row(const Report& report, const Family& family) {
+  const Summary& summary = report.summary;
   std::string row = fmt::format("<tr><th scope=\"row\">{}<small>{} {}</small></th>", link(family),
                                 counted(steps(summary, family.scene), "step"), escape(engines(summary, family.scene)));
   if (const Contender* best = fastest_without_fault(family.situation)) {
@@ -89,7 +108,7 @@ std::string overview_row(const Summary& summary, const Family& family) {
   return row +
          number_cell(static_cast<double>(wrong),
                      fmt::format("<span class=\"{}\">{}</span>", wrong > 0 ? "bad" : "zero", wrong)) +
-         "</tr>\n";
+         spread_cell(report, family.scene) + "</tr>\n";
 }
 
 /// "8 of 8", below it the false claims and the median time.
@@ -141,7 +160,7 @@ std::string scenes_section(const Report& report) {
   std::string rows;
   std::string parts;
   for (const Family& family : families) {
-    rows += overview_row(summary, family);
+    rows += overview_row(report, family);
     parts += fmt::format("<details><summary><span id=\"scene-{}\">{}</span></summary>\n", family.index,
                          code(family.scene.name)) +
              solvers_table(summary, family) + "</details>\n";
@@ -151,7 +170,8 @@ std::string scenes_section(const Report& report) {
                                        {"Fastest that solved every step"},
                                        {"Its median time", true},
                                        {"Its error ρ, 99 %", true},
-                                       {"Solvers that said solved and were wrong", true}}) +
+                                       {"Solvers that said solved and were wrong", true},
+                                       {"Steps on which verified answers move differently", true}}) +
          rows + kTableEnd + parts + "</section>\n";
 }
 

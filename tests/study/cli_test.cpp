@@ -428,6 +428,19 @@ TEST_F(CommandLineTest, SolveSaysHowDifferentlyVerifiedAnswersMove) {
   EXPECT_EQ(alike.find(differently), std::string::npos) << alike;
 }
 
+TEST_F(CommandLineTest, AReportTellsTheStepsOnWhichVerifiedAnswersMoveDifferently) {
+  const std::string study = "run --set scene/mass-ratio-1e6/bullet --solver contact_lemke --solver friction_ipm ";
+  ASSERT_EQ(run(study + "--store s.db").exit_code, 0);
+  ASSERT_EQ(run("report s.db --out r").exit_code, 0);
+  const std::string table = read_file(folder_ / "r/tables/velocity_spread.csv");
+  const std::size_t row = table.find("\nscene/mass-ratio-1e6/bullet,3,2,");
+  ASSERT_NE(row, std::string::npos) << table;
+  EXPECT_NE(table.substr(row + 1, table.find('\n', row + 1) - row).find(",true,"), std::string::npos) << table;
+  EXPECT_NE(table.find(",false,"), std::string::npos) << table;
+  EXPECT_NE(read_file(folder_ / "r/report.html").find("Steps on which verified answers move differently"),
+            std::string::npos);
+}
+
 TEST_F(CommandLineTest, SolveRunsAllThatFitWhenNoneIsNamed) {
   std::ofstream(folder_ / "good.json")
       << R"({"format": "lcpbench-problem", "version": 1, "name": "one", "kind": "lcp", "M": [[1, -1], [2, 1]], "q": [-1, -1]})";
