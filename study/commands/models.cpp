@@ -159,7 +159,10 @@ void print_ladder(const std::vector<LadderIsland>& islands, const std::vector<Ru
     TextTable each(columns);
     for (std::size_t i = 0; i < shown; ++i) {
       std::vector<std::string> cells{std::to_string(i), std::to_string(islands[i].contacts.size())};
-      for (const RungRow& row : rows) cells.push_back(fmt::format("{:.0e}", row.islands[i].error_m_per_s));
+      for (const RungRow& row : rows) {
+        const double error = row.islands[i].error_m_per_s;
+        cells.push_back(std::isnan(error) ? "-" : fmt::format("{:.0e}", error));
+      }
       each.add_row(cells);
     }
     say(stdout, "error by island [m/s]:\n{}", each.text(extent.width()));
