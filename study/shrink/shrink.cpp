@@ -83,7 +83,11 @@ class Shrinker {
     });
   }
 
-  void leave_out_islands() { keep_fewest(contact_islands(best_), with_contacts); }
+  /// Without the bodies of what is left out: of many islands with large inertia little is left at once.
+  static Problem with_touched(const Problem& whole, const std::vector<Index>& kept) {
+    return without_idle_bodies(with_contacts(whole, kept));
+  }
+  void leave_out_islands() { keep_fewest(contact_islands(best_), with_touched); }
   void leave_out_contacts() { keep_fewest(all(contact_count(best_)), with_contacts); }
 
   void leave_out_bodies() {
