@@ -199,6 +199,18 @@ Problem with_bodies(const Problem& problem, const std::vector<Index>& kept) {
   return renewed(problem, coordinates_of(*problem.contact(), kept));
 }
 
+Problem without_idle_bodies(const Problem& problem) {
+  if (problem.contact() == nullptr) return problem;
+  const Index per_body = problem.scene() != nullptr ? 6 : 1;
+  std::vector<Index> kept;
+  for (const Island& island : find_islands(*problem.contact())) {
+    for (const Index coordinate : island.coordinates) kept.push_back(coordinate / per_body);
+  }
+  std::sort(kept.begin(), kept.end());
+  kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+  return static_cast<Index>(kept.size()) == body_count(problem) ? problem : with_bodies(problem, kept);
+}
+
 std::vector<std::vector<Index>> coupled_bodies(const Problem& problem) {
   Groups groups(body_count(problem));
   if (problem.kind() != ProblemKind::kContact) return groups.lists();

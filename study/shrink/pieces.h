@@ -24,6 +24,9 @@ Index body_count(const Problem& problem);
 /// The others do not move any more: they become parts of the world, and a contact within the world is left out.
 Problem with_bodies(const Problem& problem, const std::vector<Index>& kept);
 
+/// Without the bodies, or coordinates, that no contact's impulse moves.
+Problem without_idle_bodies(const Problem& problem);
+
 /// Coordinates that the inertia of a contact problem couples, in ascending order of their first. Each body of a scene.
 std::vector<std::vector<Index>> coupled_bodies(const Problem& problem);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 #include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include "core/error.h"
@@ -83,8 +84,27 @@ class Shrinker {
     });
   }
 
-  void leave_out_islands() { keep_fewest(contact_islands(best_), with_contacts); }
-  void leave_out_contacts() { keep_fewest(all(contact_count(best_)), with_contacts); }
+  /// Without the bodies of what is left out: of many islands with large inertia little is left at once.
+  static Problem with_touched(const Problem& whole, const std::vector<Index>& kept) {
+    return without_idle_bodies(with_contacts(whole, kept));
+  }
+  void leave_out_islands() { keep_fewest(contact_islands(best_), with_touched); }
+  void leave_out_contacts() {
+    const Problem whole = best_;
+    keep_fewest(all(contact_count(whole)), with_contacts);
+    const Problem found = best_;
+    if (std::exchange(tried_backwards_, true) || 3 * contact_count(found) <= contact_count(whole)) return;
+    // The search ended early: it may go further from the other end.
+    best_ = whole;
+    known_.clear();
+    std::vector<Index> backwards = all(contact_count(whole));
+    std::reverse(backwards.begin(), backwards.end());
+    keep_fewest(backwards, [](const Problem& problem, std::vector<Index> kept) {
+      std::sort(kept.begin(), kept.end());
+      return with_contacts(problem, kept);
+    });
+    if (contact_count(best_) >= contact_count(found)) best_ = found;
+  }
 
   void leave_out_bodies() {
     if (body_count(best_) == 0) return;
@@ -198,6 +218,7 @@ class Shrinker {
   const ShrinkOptions& options_;
   double end_s_;
   bool over_ = false;
+  bool tried_backwards_ = false;
   std::int64_t tries_ = 0;
   std::unordered_set<std::string> known_;  ///< hashes of what was tried
 };
