@@ -25,9 +25,9 @@ constexpr Capabilities kCapabilities{
 /// was tested. See docs/reference/solvers/auto.md.
 ///
 /// Contacts: islands one by one, each without the contacts that cannot be pressed; without friction by `active_set`, or
-/// `psor` or `velocity_ipm` where it is a large scene; with friction by `contact_lemke` and `friction_ipm`, each followed by
-/// another method where it gives up (plan_for). Bare LCPs: LcpLadder. Dense methods raise their precision from
-/// double to 113 bits until the answer passes its test.
+/// `psor` or `velocity_ipm` where it is a large scene; with friction by `contact_lemke` and `friction_ipm`, or `psor`
+/// where it is a large pile; each followed by another method where it gives up (plan_for). Bare LCPs: LcpLadder. Dense
+/// methods raise their precision from double to 113 bits until the answer passes its test.
 ///
 /// kSolved: every part passed; kUnsolvable: some part was proven to have no solution (`farkas` is then a proof for the
 /// whole where there is one for the part); else the claim of the first part that failed, and z = 0. `detail` says what

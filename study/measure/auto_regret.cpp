@@ -1,28 +1,46 @@
-// Time of `auto` over that of the fastest of the methods that it chooses among, problem by problem, as CSV. Not a test;
-// docs/reference/solvers/auto.md names its command.
+// Time and residual of solvers, problem by problem, as CSV; on stderr the regret of auto{error=T} for each target T:
+// its time over that of the fastest answer whose residual is at most T. Not a test; results/regret/README.md has its
+// command.
 //
 //   auto_regret PARITY SOLVER... -- SET...   every second problem of each set, from PARITY (0 or 1) on; 2: all
+//
+// Beside the sets of `lcpbench sets`: pile:COLUMNS:LAYERS:MU, wall:ROWS:COLUMNS:MU and stack:HEIGHT, one problem each.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
+#include "study/measure/box_stacks.h"
+#include "study/measure/brick_wall.h"
+#include "study/measure/sphere_piles.h"
 
 namespace lcpbench {
 namespace {
 
 constexpr int kRounds = 7;
 constexpr double kTimeLimit = 2;
+constexpr double kTimeLimitOfScenes = 30;     ///< of the scenes that are made here
 constexpr double kEnoughPerRound = 0.02;      ///< seconds: slower solvers run once
 constexpr std::int64_t kTrialsOfRandom = 20;  ///< of sets that have no end
+
+constexpr double kLargeRegret = 3;
+
+struct Target {
+  double residual = 0;
+  std::string solver;  ///< auto{error=residual}
+  std::vector<std::pair<double, std::string>> regrets;
+  int missed = 0;  ///< problems on which another solver reached the target, and auto did not
+};
 
 struct Candidate {
   std::string name;
@@ -30,46 +48,130 @@ struct Candidate {
   Answer answer;
   double seconds = std::numeric_limits<double>::infinity();  ///< load and solve, thread CPU, least of all rounds
   double load_s = std::numeric_limits<double>::infinity();
+  double residual = std::numeric_limits<double>::infinity();  ///< of an answer claimed as solved
 };
 
-void time_once(const Problem& problem, Candidate& candidate) {
+void time_once(const Problem& problem, double limit_s, Candidate& candidate) {
   const double begin = thread_cpu_clock_s();
   candidate.solver->load(problem);
   candidate.load_s = std::min(candidate.load_s, thread_cpu_clock_s() - begin);
-  candidate.solver->solve({.time_limit_s = kTimeLimit}, candidate.answer);
+  candidate.solver->solve({.time_limit_s = limit_s}, candidate.answer);
   candidate.seconds = std::min(candidate.seconds, thread_cpu_clock_s() - begin);
 }
 
-void measure(const std::string& set, std::int64_t trial, const Problem& problem, std::vector<Candidate>& candidates) {
+/// Of one problem, on which all candidates have been run.
+void add_regret(const std::string& place, const std::vector<Candidate>& candidates, Target& target) {
+  double best = std::numeric_limits<double>::infinity();
+  double own = best;
+  std::string winner;
+  for (const Candidate& candidate : candidates) {
+    if (!(candidate.residual <= target.residual)) continue;
+    if (candidate.name == target.solver) own = candidate.seconds;
+    if (candidate.seconds >= best) continue;
+    best = candidate.seconds;
+    winner = candidate.name;
+  }
+  if (!std::isfinite(best)) return;
+  if (!std::isfinite(own)) {
+    ++target.missed;
+    std::fprintf(stderr, "%s missed %s; %s reached it\n", target.solver.c_str(), place.c_str(), winner.c_str());
+    return;
+  }
+  target.regrets.emplace_back(own / best, place + ", " + winner);
+}
+
+/// Geometric mean with its 95 % interval (normal, of the logarithms), 99 % quantile, share above kLargeRegret with its
+/// interval [Wilson 1927], and the worst problems with the fastest solver.
+void report(Target& target) {
+  auto& regrets = target.regrets;
+  if (regrets.empty()) return;
+  std::sort(regrets.begin(), regrets.end());
+  const auto count = static_cast<double>(regrets.size());
+  double sum = 0, squares = 0, large = 0;
+  for (const auto& [regret, place] : regrets) {
+    sum += std::log(regret);
+    squares += std::log(regret) * std::log(regret);
+    large += regret > kLargeRegret ? 1 : 0;
+  }
+  constexpr double kZ = 1.96;
+  const double mean = sum / count;
+  const double error = kZ * std::sqrt(std::max(squares / count - mean * mean, 0.0) / count);
+  const double share = large / count;
+  const double middle = (share + kZ * kZ / (2 * count)) / (1 + kZ * kZ / count);
+  const double half =
+      kZ / (1 + kZ * kZ / count) * std::sqrt(share * (1 - share) / count + kZ * kZ / (4 * count * count));
+  const auto at = static_cast<std::size_t>(std::ceil(0.99 * count)) - 1;
+  std::fprintf(stderr, "%s: %.0f problems, geometric mean %.3f [%.3f, %.3f], 99 %% quantile %.2f, ",
+               target.solver.c_str(), count, std::exp(mean), std::exp(mean - error), std::exp(mean + error),
+               regrets[at].first);
+  std::fprintf(stderr, "above %.0f: %.4f [%.4f, %.4f], missed %d\n", kLargeRegret, share, std::max(middle - half, 0.0),
+               middle + half, target.missed);
+  for (std::size_t k = 0; k < std::min<std::size_t>(5, regrets.size()); ++k) {
+    const auto& [regret, place] = regrets[regrets.size() - 1 - k];
+    std::fprintf(stderr, "  %.2f %s\n", regret, place.c_str());
+  }
+}
+
+void measure(const std::string& set, std::int64_t trial, const Problem& problem, double limit_s,
+             std::vector<Candidate>& candidates) {
   for (Candidate& candidate : candidates)
     candidate.seconds = candidate.load_s = std::numeric_limits<double>::infinity();
   for (int round = 0; round < kRounds; ++round) {
     for (Candidate& candidate : candidates) {
-      if (round == 0 || candidate.seconds < kEnoughPerRound) time_once(problem, candidate);
+      if (round == 0 || candidate.seconds < kEnoughPerRound) time_once(problem, limit_s, candidate);
     }
   }
   const ContactProblem* contact = problem.contact();
   const long contacts = contact == nullptr ? 0 : static_cast<long>(contact->nc());
   const long coordinates = contact == nullptr ? 0 : static_cast<long>(contact->ngc());
-  for (const Candidate& candidate : candidates) {
+  Evaluator evaluator(problem);
+  for (Candidate& candidate : candidates) {
     const std::string quoted = '"' + candidate.name + '"';
-    const bool solved = Evaluator(problem).errors(candidate.answer).solved;
-    std::printf("%s,%ld,%ld,%ld,%ld,%s,%.1f,%.1f,%s,%d,%ld,\"%s\"\n", set.c_str(), static_cast<long>(trial), contacts,
-                coordinates, static_cast<long>(problem.size()), quoted.c_str(), 1e6 * candidate.seconds,
-                1e6 * candidate.load_s, to_string(candidate.answer.claim), solved ? 1 : 0,
+    const bool has_answer = candidate.answer.claim == Claim::kSolved;
+    const Errors errors = evaluator.errors(candidate.answer);
+    candidate.residual = has_answer ? errors.velocity_residual_relative : std::numeric_limits<double>::infinity();
+    const bool solved = errors.solved;
+    std::printf("%s,%ld,%ld,%ld,%ld,%s,%.1f,%.1f,%s,%d,%.2g,%ld,\"%s\"\n", set.c_str(), static_cast<long>(trial),
+                contacts, coordinates, static_cast<long>(problem.size()), quoted.c_str(), 1e6 * candidate.seconds,
+                1e6 * candidate.load_s, to_string(candidate.answer.claim), solved ? 1 : 0, candidate.residual,
                 static_cast<long>(candidate.answer.counters.pivots), candidate.answer.detail.c_str());
   }
   std::fflush(stdout);
 }
 
-void measure_all(std::int64_t parity, std::vector<Candidate>& candidates, const std::vector<std::string>& patterns) {
-  std::puts("set,trial,contacts,coordinates,unknowns,solver,us,load_us,claim,verified,pivots,detail");
+/// The scene that a name such as pile:6:8:0.5 describes. @returns false for other names
+bool make_scene(const std::string& name, RigidScene& scene) {
+  int first = 0, second = 0;
+  double mu = 0;
+  if (std::sscanf(name.c_str(), "pile:%d:%d:%lf", &first, &second, &mu) == 3) {
+    scene = testing::sphere_pile({.columns = first, .layers = second, .mu = mu});
+  } else if (std::sscanf(name.c_str(), "wall:%d:%d:%lf", &first, &second, &mu) == 3) {
+    scene = mu > 0 ? testing::frictional_brick_wall(first, second, mu) : testing::brick_wall(first, second);
+  } else if (std::sscanf(name.c_str(), "stack:%d", &first) == 1) {
+    scene = testing::box_stacks({.stacks = 1, .height = first, .edges = 4});
+  } else {
+    return false;
+  }
+  return true;
+}
+
+void measure_all(std::int64_t parity, std::vector<Candidate>& candidates, std::vector<Target>& targets,
+                 const std::vector<std::string>& patterns) {
+  const auto measure_one = [&](const std::string& name, std::int64_t trial, const Problem& problem, double limit_s) {
+    measure(name, trial, problem, limit_s, candidates);
+    for (Target& target : targets) add_regret(name + " " + std::to_string(trial), candidates, target);
+  };
+  std::puts("set,trial,contacts,coordinates,unknowns,solver,us,load_us,claim,verified,residual,pivots,detail");
   for (const std::string& pattern : patterns) {
+    if (RigidScene scene; make_scene(pattern, scene)) {
+      measure_one(pattern, 0, Problem(pattern, std::move(scene)), kTimeLimitOfScenes);
+      continue;
+    }
     for (const std::string& name : expand_sets(pattern)) {
       const auto set = open_set(name);
       const std::int64_t count = set->count().value_or(kTrialsOfRandom);
       for (std::int64_t trial = parity == 2 ? 0 : parity; trial < count; trial += parity == 2 ? 1 : 2) {
-        measure(name, trial, set->generate(1, trial), candidates);
+        measure_one(name, trial, set->generate(1, trial), kTimeLimit);
       }
     }
   }
@@ -90,5 +192,12 @@ int main(int argc, char** argv) {
     std::fputs("usage: auto_regret 0|1|2 SOLVER... -- SET...\n", stderr);
     return 2;
   }
-  measure_all(std::atoi(argv[1]), candidates, sets);
+  std::vector<Target> targets;
+  for (const Candidate& candidate : candidates) {
+    double residual = 0;
+    if (std::sscanf(candidate.name.c_str(), "auto{error=%lf}", &residual) != 1) continue;
+    targets.push_back({.residual = residual, .solver = candidate.name, .regrets = {}});
+  }
+  measure_all(std::atoi(argv[1]), candidates, targets, sets);
+  for (Target& target : targets) report(target);
 }
