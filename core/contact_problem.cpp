@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -45,6 +46,11 @@ void add_inverse_product(const Inertia& inertia, const Vector& x, Vector& to) {
     to.segment(at, block.rows()).noalias() += inverse_or_pseudo_inverse(block) * x.segment(at, block.rows());
     at += block.rows();
   }
+}
+
+Matrix inverse_for(const Inertia& inertia, const MatrixFormation& formation) {
+  const bool plain = formation.plain_inverse && !std::holds_alternative<InverseInertia>(inertia);
+  return plain ? Matrix(dense_inertia(inertia).partialPivLu().inverse()) : inverse_inertia(inertia);
 }
 
 template <class F>
@@ -145,7 +151,7 @@ Matrix inverse_inertia(const Inertia& inertia) {
                     inertia);
 }
 
-Lcp form_lcp(const ContactProblem& problem) {
+Lcp form_lcp(const ContactProblem& problem, const MatrixFormation& formation) {
   const ContactLayout layout = contact_layout(problem);
   const Index impulses = layout.nc + layout.friction;
   Matrix J(problem.ngc(), impulses);
@@ -155,7 +161,7 @@ Lcp form_lcp(const ContactProblem& problem) {
   Lcp lcp;
   lcp.M = Matrix::Zero(layout.size(), layout.size());
   lcp.q = Vector::Zero(layout.size());
-  const Matrix response = inverse_inertia(problem.inertia) * J;
+  const Matrix response = inverse_for(problem.inertia, formation) * J;
   auto products = lcp.M.topLeftCorner(impulses, impulses);
   products.noalias() = response.transpose() * J;  // Eigen's order for this one, not its transpose, gives M's last bits
   products.transposeInPlace();
@@ -165,6 +171,7 @@ Lcp form_lcp(const ContactProblem& problem) {
     const Index contact = layout.cone_contact[static_cast<std::size_t>(c)];
     const Index lambda = layout.lambda_offset() + c;
     lcp.M(lambda, contact) = problem.mu(contact);
+    lcp.M(lambda, lambda) = formation.cone_diagonal;
     for (Index t = layout.friction_begin[static_cast<std::size_t>(contact)];
          t < layout.friction_begin[static_cast<std::size_t>(contact) + 1]; ++t) {
       lcp.M(layout.friction_offset() + t, lambda) = 1.0;

@@ -99,8 +99,16 @@ Matrix dense_inertia(const Inertia& inertia);
 /// below ngc eps smax cut, when G is given by fewer than ngc factors or Cholesky breaks down. O(ngc^3).
 Matrix inverse_inertia(const Inertia& inertia);
 
+/// How M is formed in double for the solvers that take (q, M). Answers are judged by the contact problem all the same.
+struct MatrixFormation {
+  bool plain_inverse = false;  ///< G* by elimination of the rounded G, whatever its rank
+  double cone_diagonal = 0;    ///< stands on the diagonal of the cone rows, where M has zeros
+
+  bool operator==(const MatrixFormation&) const = default;
+};
+
 /// Forms LCP(q, M) in double from G* and J. O(ngc n^2) and n^2 memory.
-Lcp form_lcp(const ContactProblem& problem);
+Lcp form_lcp(const ContactProblem& problem, const MatrixFormation& formation = {});
 
 /// v + G* (N f_N + D f_D) in double, for z of lcp_size(problem) entries.
 Vector post_impact_velocity(const ContactProblem& problem, const Vector& z);

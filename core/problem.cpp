@@ -11,6 +11,7 @@ struct Problem::Data {
   ProblemKind kind = ProblemKind::kLcp;
   std::optional<RigidScene> scene;
   std::optional<ContactProblem> contact;
+  MatrixFormation formation;
   Index size = 0;
   mutable std::once_flag formed;
   mutable std::optional<Lcp> lcp;
@@ -33,11 +34,14 @@ Problem::Problem(std::string name, Lcp lcp) {
   data_ = std::move(data);
 }
 
-Problem::Problem(std::string name, ContactProblem contact) {
+Problem::Problem(std::string name, ContactProblem contact) : Problem(std::move(name), std::move(contact), {}) {}
+
+Problem::Problem(std::string name, ContactProblem contact, const MatrixFormation& formation) {
   auto data = std::make_shared<Data>();
   data->name = std::move(name);
   data->kind = ProblemKind::kContact;
   data->size = lcp_size(contact);
+  data->formation = formation;
   data->contact = std::move(contact);
   data_ = std::move(data);
 }
@@ -62,12 +66,13 @@ Index Problem::size() const { return data_->size; }
 
 const Lcp& Problem::lcp() const {
   std::call_once(data_->formed, [this] {
-    if (!data_->lcp) data_->lcp = form_lcp(*data_->contact);
+    if (!data_->lcp) data_->lcp = form_lcp(*data_->contact, data_->formation);
   });
   return *data_->lcp;
 }
 
 const ContactProblem* Problem::contact() const { return data_->contact ? &*data_->contact : nullptr; }
+const MatrixFormation& Problem::formation() const { return data_->formation; }
 const RigidScene* Problem::scene() const { return data_->scene ? &*data_->scene : nullptr; }
 
 Problem Problem::with_engine_impulses(Vector impulses) const {

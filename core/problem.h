@@ -21,6 +21,8 @@ class Problem {
   Problem() = default;  ///< no problem: every accessor but `kind` and `name` is undefined
   Problem(std::string name, Lcp lcp);
   Problem(std::string name, ContactProblem contact);
+  /// The formation is for solvers alone: a problem file and the hash do not have it.
+  Problem(std::string name, ContactProblem contact, const MatrixFormation& formation);
   Problem(std::string name, RigidScene scene);
 
   const std::string& name() const;
@@ -34,6 +36,9 @@ class Problem {
 
   /// nullptr for a bare LCP.
   const ContactProblem* contact() const;
+
+  /// How lcp() forms M.
+  const MatrixFormation& formation() const;
 
   /// nullptr unless the problem came as a scene.
   const RigidScene* scene() const;

@@ -113,7 +113,7 @@ std::string why_not(const Capabilities& capabilities, const Problem& problem) {
 }
 
 Lcp make_lcp(const Problem& problem) {
-  return problem.contact() != nullptr ? form_lcp(*problem.contact()) : problem.lcp();
+  return problem.contact() != nullptr ? form_lcp(*problem.contact(), problem.formation()) : problem.lcp();
 }
 
 void AnswerVector::resize(Index size) {
@@ -163,7 +163,7 @@ void Solver::update(const Vector& v) {
 void Solver::on_update(const Vector& v) {
   ContactProblem contact = *problem_.contact();
   contact.v = v;
-  load(Problem(problem_.name(), std::move(contact)));
+  load(Problem(problem_.name(), std::move(contact), problem_.formation()));
 }
 
 void Solver::solve(const SolveRequest& request, Answer& answer) {

@@ -41,7 +41,9 @@ std::string problem_name(const std::string& set, std::uint64_t seed, std::int64_
 
 Problem make_problem(const PaperSet& set, const PaperReading& reading, std::uint64_t seed, std::uint64_t trial,
                      std::string name) {
-  return {std::move(name), to_contact_problem(draw_paper(set, reading, seed, trial))};
+  const MatrixFormation formation{.plain_inverse = reading.inverse == InverseReading::kPlain,
+                                  .cone_diagonal = reading.cone_diagonal};
+  return {std::move(name), to_contact_problem(draw_paper(set, reading, seed, trial)), formation};
 }
 
 Problem make_problem(const RigidSet& set, const RigidReading& reading, std::uint64_t seed, std::uint64_t trial,

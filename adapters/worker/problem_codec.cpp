@@ -222,7 +222,11 @@ void write_problem(const Problem& problem, ByteWriter& writer) {
       writer.vector(problem.lcp().q);
       writer.matrix(problem.lcp().M);
       break;
-    case ProblemKind::kContact: write_contact(*problem.contact(), writer); break;
+    case ProblemKind::kContact:
+      write_contact(*problem.contact(), writer);
+      writer.word(problem.formation().plain_inverse ? 1 : 0);
+      writer.real(problem.formation().cone_diagonal);
+      break;
     case ProblemKind::kScene: write_scene(*problem.scene(), writer); break;
   }
 }
@@ -239,7 +243,15 @@ Problem read_problem(ByteReader& reader) {
       lcp.M = reader.matrix(lcp.size(), lcp.size(), "M");
       return {std::move(name), std::move(lcp)};
     }
-    case ProblemKind::kContact: return {std::move(name), read_contact(reader)};
+    case ProblemKind::kContact: {
+      ContactProblem contact = read_contact(reader);
+      MatrixFormation formation;
+      const std::uint64_t plain_inverse = reader.word();
+      reader.require(plain_inverse <= 1, "formation: neither 0 nor 1");
+      formation.plain_inverse = plain_inverse == 1;
+      formation.cone_diagonal = reader.real();
+      return {std::move(name), std::move(contact), formation};
+    }
     case ProblemKind::kScene: return {std::move(name), read_scene(reader)};
   }
   return {};

@@ -19,7 +19,7 @@ namespace lcpbench::worker {
 
 inline constexpr std::uint64_t kMagic = 0x6c637062656e6368;
 /// Raised with every change of the messages: a worker of another build is refused, not misread.
-inline constexpr std::uint64_t kVersion = 4;
+inline constexpr std::uint64_t kVersion = 5;
 /// Descriptor of the worker's end of the socket.
 inline constexpr int kSocketFd = 3;
 /// Whether a worker's memory is limited: not under sanitizers, whose shadow is terabytes of address space.

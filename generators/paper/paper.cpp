@@ -273,6 +273,10 @@ struct PaperSettings {
                                   {"6..ngc-1", RankReading::kBelowFull},
                                   {"1..ngc", RankReading::kFromOne}}},
             "the range that the rank of the inertia is drawn from");
+      field("inverse", reading.inverse,
+            Choices<InverseReading>{{{"svd", InverseReading::kSvd}, {"plain", InverseReading::kPlain}}},
+            "how M is formed for solvers that take (q, M): by the pseudo-inverse of the inertia, or by plain elimination "
+            "as if its rank were full");
     }
     if constexpr (kFeatures.conditioned) {
       field("spectrum", reading.spectrum,
@@ -306,6 +310,9 @@ struct PaperSettings {
     field("edges", reading.edges,
           Choices<EdgeReading>{{{"shared", EdgeReading::kShared}, {"per_contact", EdgeReading::kPerContact}}},
           "one number of cone edges for all contacts, or one drawn for each");
+    field("cone_diagonal", reading.cone_diagonal, RealRange{.min = 0, .max = 1},
+          "for solvers that take (q, M): stands on the diagonal of M's cone rows, which is zero; a dial that shows how "
+          "sensitive a solver is, no reading of the paper");
   }
   void visit_inertia(auto&& field) {
     field("matrix", reading.matrix,

@@ -24,6 +24,7 @@ enum class SizeReading { kText, kSwapped };
 enum class EdgeReading { kShared, kPerContact };
 enum class RankReading { kUpToFull, kBelowFull, kFromOne };
 enum class MatrixReading { kPseudoInverse, kLiteral };
+enum class InverseReading { kSvd, kPlain };
 enum class WeightDistribution { kUniform, kOne, kWide };
 enum class VectorDistribution { kUniform, kPositive, kBell };
 
@@ -39,6 +40,8 @@ struct PaperReading {
   WeightDistribution alpha = WeightDistribution::kUniform;
   VectorDistribution x = VectorDistribution::kUniform;
   double condition = 0;  ///< of the inertia, log-linear spectrum; 0: as drawn
+  InverseReading inverse = InverseReading::kSvd;
+  double cone_diagonal = 0;
   std::int64_t ngc_max = 15;
   std::int64_t nc_max = 20;
 };

@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/solver.h"
 #include "native/contacts/contact_input.h"
 
 namespace lcpbench::lemke {
@@ -69,11 +70,11 @@ LoadedEngine::LoadedEngine(LemkeEngine engine, IsaLevel level, LemkeArithmetic a
 LoadedEngine::~LoadedEngine() { engine_.destroy(state_); }
 
 void LoadedEngine::load(const Problem& problem) {
-  if (const ContactProblem* contact = problem.contact()) {
-    load_contact(*contact);
-  } else {
-    load_matrix(problem.lcp());
-  }
+  const ContactProblem* contact = problem.contact();
+  // The factors stand for the usual matrix only.
+  if (contact != nullptr && (from_data_ || problem.formation() == MatrixFormation{})) return load_contact(*contact);
+  if (contact == nullptr) return load_matrix(problem.lcp());
+  load_matrix(make_lcp(problem));
 }
 
 void LoadedEngine::load_matrix(const Lcp& lcp) {

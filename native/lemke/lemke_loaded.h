@@ -22,7 +22,7 @@ class LoadedEngine {
   LoadedEngine(const LoadedEngine&) = delete;
   LoadedEngine& operator=(const LoadedEngine&) = delete;
 
-  /// Contact problems in factors: M is not formed here. In 113 bits all follows from the problem's data, G^-1 included.
+  /// Contact problems in factors, unless Problem::formation() asks for another matrix: M is not formed here. In 113 bits all follows from the problem's data, G^-1 included.
   void load(const Problem& problem);
 
   /// Makes room for refine() at each load().

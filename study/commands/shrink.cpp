@@ -140,7 +140,7 @@ Json size_json(const Problem& problem) {
           {"digits", size.digits}};
 }
 
-struct Outcome {
+struct ShrinkOutcome {
   Problem start;
   Shrunk shrunk;
   std::string words;  ///< what happens on the result
@@ -148,7 +148,7 @@ struct Outcome {
   Proof proof;
 };
 
-void print_outcome(const ShrinkArguments& arguments, const FailureTest& test, const Outcome& outcome) {
+void print_outcome(const ShrinkArguments& arguments, const FailureTest& test, const ShrinkOutcome& outcome) {
   const Certificate& certificate = outcome.proof.certificate;
   const std::string replay = replay_command(arguments, test);
   if (arguments.format == "json") {
@@ -194,7 +194,7 @@ int run_shrink(const ShrinkArguments& arguments) {
   const double began_s = wall_clock_s();
   const Problem problem = read_problem(arguments.file);
   FailureTest test(failure_options(arguments));
-  Outcome outcome;
+  ShrinkOutcome outcome;
   outcome.start = as_read(problem, "start");
   if (!test.begin(outcome.start)) {
     say(stderr, "lcpbench: {}: nothing to shrink{}: {}\n", arguments.file,

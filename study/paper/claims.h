@@ -67,8 +67,9 @@ void judge(Claim& claim);
 /// The claims with their comparisons, not judged yet.
 std::vector<Claim> paper_claims(const Summary& summary, const std::vector<Grid>& grids);
 
-/// Every claim of the paper, and what this project adds to them, tested on the summary's data. Grids with refusals take
-/// no part, nor do those that met less than half as many problems as the largest sweep of their set: beside it they
+/// Every claim of the paper, and what this project adds to them, tested on the summary's data. Claims are about
+/// methods: grids by the rules of 2012, which repeat them for the tables, take no part. Grids with refusals take no
+/// part either, nor do those that met less than half as many problems as the largest sweep of their set: beside it they
 /// decide nothing, and their comparisons would cost the others power.
 std::vector<Claim> test_claims(const Summary& summary, const std::vector<Grid>& grids);
 

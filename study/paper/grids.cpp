@@ -251,6 +251,12 @@ std::optional<Family> family_of(const std::string& solver) {
   return std::nullopt;
 }
 
+bool follows_rules_2012(const std::string& solver) {
+  const std::string wrapped = wrapped_solver(solver);
+  const std::string* rules = find_option(spec_or_name(wrapped.empty() ? solver : wrapped).options, "rules");
+  return rules != nullptr && *rules == "2012";
+}
+
 const char* name_of(Measure measure) {
   switch (measure) {
     case Measure::kCriterion: return "criterion";

@@ -75,6 +75,9 @@ std::optional<Family> family_of(const std::string& solver);
 /// The solver that `regularized{...}` wraps, in the form of Grid::solver; "" for a solver that wraps none.
 std::string wrapped_solver(const std::string& solver);
 
+/// Whether the solver, or the one that it wraps, follows the rules of the authors' public code (rules=2012).
+bool follows_rules_2012(const std::string& solver);
+
 /// What "solved" means in a rate.
 enum class Measure {
   kCriterion,     ///< the paper's: claimed solved, violation < 1e-3 m/s, work gain < 1e-3 J; of all trials

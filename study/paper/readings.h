@@ -38,7 +38,7 @@ enum class Agreement {
 /// "reproduced", "differs", "too few trials", "refused".
 const char* name_of(Agreement agreement);
 
-/// One published number against ours by the paper's criterion.
+/// One published number against ours by the paper's criterion: of claimed answers, with rules=2012 of any answer.
 struct Reproduction {
   const Grid* grid = nullptr;
   Family family = Family::kLemke;

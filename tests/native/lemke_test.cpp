@@ -4,6 +4,7 @@
 #include <limits>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -351,6 +352,26 @@ TEST_P(LemkeTest, ContactProblemAndItsMatrixGiveTheSameAnswer) {
     ASSERT_EQ(factors.answer.claim, Claim::kSolved) << "trial " << trial;
     EXPECT_EQ(factors.pivots, matrix.pivots) << "trial " << trial;
     EXPECT_LE(relative_residual(contact.lcp(), factors.answer.z), 1e-6) << "trial " << trial;
+  }
+}
+
+TEST_P(LemkeTest, TakesTheMatrixThatItsSetAsksFor) {
+  const std::string set = "paper/copositive/";
+  const std::pair<std::string, std::string> cases[] = {{"exp1{nc_max=6}", "exp1{cone_diagonal=0.5,nc_max=6}"},
+                                                       {"exp3{nc_max=6}", "exp3{inverse=plain,nc_max=6}"}};
+  for (const auto& [usual, other] : cases) {
+    LemkeSettings untested = settings();
+    untested.test = LemkeAnswerTest::kNone;
+    const auto usual_set = open_set(set + usual), other_set = open_set(set + other);
+    int differ = 0;
+    for (std::int64_t trial = 0; trial < 8; ++trial) {
+      const Problem problem = other_set->generate(1, trial);
+      EXPECT_EQ(problem.contact()->v, usual_set->generate(1, trial).contact()->v);
+      const Vector z = run(untested, problem).answer.z;
+      EXPECT_EQ(z, run(untested, Problem("matrix", problem.lcp())).answer.z) << other << " " << trial;
+      differ += z != run(untested, usual_set->generate(1, trial)).answer.z ? 1 : 0;
+    }
+    EXPECT_GT(differ, 0) << other;
   }
 }
 

@@ -204,6 +204,21 @@ TEST(PaperTablesTest, AnswersThatAreNotClaimedCountApart) {
   }
 }
 
+TEST(PaperTablesTest, RulesOf2012AreComparedByAnyAnswerAndTakeNoPartInClaims) {
+  MadeSummary made;
+  made.flat("paper/monotone/exp1", "lemke", 0.9, "paper{rules=2012}");
+  made.flat("paper/monotone/exp2", "lemke", 0.8, "paper{rules=2012}");
+  for (Cell& cell : made.summary.cells) cell.criterion_any = cell.trials;
+  const auto grids = paper::grids(made.summary);
+  EXPECT_TRUE(paper::follows_rules_2012(grids.front().solver));
+  EXPECT_FALSE(paper::follows_rules_2012("regularized{solver=lemke{cap=3n}}"));
+  EXPECT_TRUE(paper::follows_rules_2012("regularized{solver=lemke{rules=2012}}"));
+  for (const paper::Reproduction& row : paper::reproductions(grids)) EXPECT_EQ(row.ours, 1);
+  for (const paper::Claim& claim : paper::test_claims(made.summary, grids)) {
+    EXPECT_EQ(claim.comparisons.size(), 0U) << claim.id;
+  }
+}
+
 TEST(PaperTablesTest, PathStandsAsMeasuredApartUntilTheStoreHasIt) {
   MadeSummary made;
   made.flat("paper/monotone/exp1", "lemke", 1);
@@ -338,7 +353,7 @@ TEST(ReadingsTest, OptionsAreComparedWithTheSameSetAtItsDefaults) {
   made.flat("paper/copositive/exp2{placement=random}", "lemke", 0.5);
   const auto grids = paper::grids(made.summary);
   const auto effects = paper::reading_effects(grids);
-  ASSERT_EQ(effects.size(), 2U);  // one per measure; the copositive set has nothing to be compared with
+  ASSERT_EQ(effects.size(), 3U);  // one per count; the copositive set has nothing to be compared with
   EXPECT_NEAR(effects[0].with.average.value() - effects[0].without.average.value(), -0.2, 1e-12);
 }
 
