@@ -181,6 +181,7 @@ Claim ContactSolver::solve(double time_limit_s) {
   SolveRequest request;
   request.time_limit_s = time_limit_s;
   if (state.has_start) request.start = &state.start;
+  state.has_velocity = false;
   state.solver->solve(request, state.answer);
   const Vector& z = state.answer.z;
   const Claim claim = state.answer.claim;
@@ -188,7 +189,6 @@ Claim ContactSolver::solve(double time_limit_s) {
   state.has_start =
       usable && state.solver->capabilities().warm_start && z.size() == state.start.size() && z.allFinite();
   if (state.has_start) state.start = z;
-  state.has_velocity = false;
   return state.answer.claim;
 }
 

@@ -100,6 +100,8 @@ class ContactSolver {
   /// ngc: the velocity under the impulses found, v + G* J f; v itself unless the last claim is kSolved. From
   /// the solver where it returns one (precision=polished), else computed on the first call after a solve: a product
   /// with N, D and G*. Where solves may allocate, the first such call after load() inverts G.
+  /// What it refers to is that velocity until the next call of it after a solve. Not to be called by two threads at
+  /// once.
   const Vector& velocity() const;
 
   /// Impulse along the contact's normal [N s], >= 0; 0 unless the last claim is kSolved. The last iterate of a solver

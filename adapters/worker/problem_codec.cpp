@@ -250,6 +250,7 @@ Problem read_problem(ByteReader& reader) {
       reader.require(plain_inverse <= 1, "formation: neither 0 nor 1");
       formation.plain_inverse = plain_inverse == 1;
       formation.cone_diagonal = reader.real();
+      reader.require(formation.cone_diagonal >= 0 && formation.cone_diagonal <= 1, "formation: diagonal not in [0, 1]");
       return {std::move(name), std::move(contact), formation};
     }
     case ProblemKind::kScene: return {std::move(name), read_scene(reader)};

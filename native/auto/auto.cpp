@@ -178,7 +178,9 @@ bool Auto::whole_rests() const {
 }
 
 AutoLimits Auto::limits_of(const SolveRequest& request) const {
-  AutoLimits limits{.deadline_s = request.time_limit_s, .max_pivots = settings_.max_pivots, .error = settings_.error};
+  AutoLimits limits{.deadline_s = request.time_limit_s,
+                    .max_pivots = settings_.max_pivots,
+                    .error = settings_.error > 0 ? std::max(settings_.error, kLeastError) : 0};
   if (!std::isinf(limits.deadline_s)) limits.deadline_s += wall_clock_s();
   return limits;
 }

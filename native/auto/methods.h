@@ -27,11 +27,14 @@ struct AutoTry {
 /// it would reach 1e-9 or less.
 inline constexpr double kSweptResidual = 1e-12;
 
+/// A smaller stated error counts as this one: iterative methods in double reach it, as a rule.
+inline constexpr double kLeastError = 1e-12;
+
 /// What is left of a solve's limits, and the error that it may leave.
 struct AutoLimits {
   double deadline_s = 0;        ///< on wall_clock_s(); infinity: none
   std::int64_t max_pivots = 0;  ///< 0: none
-  double error = 0;             ///< AutoSettings
+  double error = 0;             ///< 0: none is stated
 
   /// Seconds left.
   double time() const;

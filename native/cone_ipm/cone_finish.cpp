@@ -96,7 +96,8 @@ void ConeIsland::drop_separating(const ConeLimits& limits) {
   combine(x_, w_);
   take_velocity();
   const double residual = natural_residual();
-  if (!(residual <= kMostLoss * std::max(best_residual_, limits.tolerance))) return;
+  const double most = std::min(kMostLoss * std::max(best_residual_, limits.tolerance), limits.accepted);
+  if (!(residual <= std::max(best_residual_, most))) return;
   best_residual_ = residual;
   best_x_ = x_;
 }

@@ -19,6 +19,8 @@ constexpr double kShortestStep = 1e-8;
 constexpr int kMostIdleSteps = 25;
 constexpr int kMostIdleStepsNear = 6;
 constexpr double kNear = 1e-6;
+/// Residual of the relaxation, relative to max|q|, at which it counts as solved where the iteration stalls.
+constexpr double kRelaxed = 1e-6;
 constexpr int kMostIdleRounds = 20;
 constexpr double kProgress = 0.5;
 
@@ -136,7 +138,7 @@ double ConeIsland::natural_residual() const {
   for (const Contact& contact : contacts_) {
     const double scale = contact.rows == 3 ? contact.mu : 1.0;
     const double impulse = x_(contact.row) / scale;
-    take(std::abs(std::min(contact.diagonal_normal * impulse, u_(contact.row) * scale)));
+    take(std::abs(std::min(u_(contact.row) * scale, contact.diagonal_normal * impulse)));  // NaN of the first stays
     if (contact.rows == 1) continue;
     const Eigen::Vector2d f = contact.diagonal_tangent * x_.segment<2>(contact.row + 1);
     const Eigen::Vector2d aim = f - u_.segment<2>(contact.row + 1);
@@ -365,7 +367,7 @@ void ConeIsland::start() {
   x_.setZero();
   best_x_.setZero();
   u_ = q_;
-  best_residual_ = q_max_ > 0 ? natural_residual() : 0;
+  best_residual_ = q_max_ == 0 ? 0 : natural_residual();
 }
 
 ConeIsland::Stop ConeIsland::solve(Slip slip, const ConeLimits& limits, Counters& counters) {
@@ -380,6 +382,7 @@ ConeIsland::Stop ConeIsland::solve(Slip slip, const ConeLimits& limits, Counters
     } else {
       best_x_ = x_;
       best_residual_ = natural_residual();
+      if (stop == Stop::kStalled && convex_residual() <= kRelaxed * q_max_) return Stop::kConverged;
     }
     return stop;
   }
@@ -403,13 +406,13 @@ ConeIsland::Stop ConeIsland::solve(Slip slip, const ConeLimits& limits, Counters
 
 void ConeIsland::add_velocity_change(Vector& u) {
   combine(best_x_, w_);
-  u.noalias() += root_ * w_;
+  u.noalias() += unit_ * (root_ * w_);
 }
 
 Vector3d ConeIsland::impulse(Index contact) const {
   const Contact& from = contacts_[static_cast<std::size_t>(contact)];
-  if (from.rows == 1) return {best_x_(from.row), 0, 0};
-  return {best_x_(from.row) / from.mu, best_x_(from.row + 1), best_x_(from.row + 2)};
+  if (from.rows == 1) return {unit_ * best_x_(from.row), 0, 0};
+  return unit_ * Vector3d(best_x_(from.row) / from.mu, best_x_(from.row + 1), best_x_(from.row + 2));
 }
 
 }  // namespace lcpbench

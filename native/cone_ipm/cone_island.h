@@ -14,6 +14,7 @@ namespace lcpbench {
 /// When the iteration on an island ends.
 struct ConeLimits {
   double tolerance = 0;  ///< of the residual, relative to max|q| of the island
+  double accepted = 0;   ///< residual up to which an answer is one
   std::int64_t max_iterations = 0;
   double deadline_s = 0;  ///< on wall_clock_s()
 };
@@ -50,7 +51,7 @@ class ConeIsland {
   /// Largest row of the cone's conditions, relative to max|q|; 0 for q = 0.
   double residual() const { return best_residual_; }
   /// max|q|: of N'v + b and of the slips along the tangents [m/s].
-  double speed() const { return q_max_; }
+  double speed() const { return q_max_ * unit_; }
   /// The change of the velocity.
   void add_velocity_change(Vector& u);
 
@@ -101,8 +102,9 @@ class ConeIsland {
   std::vector<Index> columns_;   // coordinates that contacts move
   std::vector<double> entries_;  // rows x columns of each contact, by columns
   Matrix root_;                  // S with S S' = G*, or of it what contacts move
+  double unit_ = 1;              // of speeds and impulses in here: a power of two, so that no square leaves the range
   Vector q_;                     // rows: J'v + b, the normal ones divided by mu
-  double q_max_ = 0;
+  double q_max_ = 0;             // in [1, 2), or 0; infinite where J'v is not finite
   Vector x_, y_, w_, u_, slip_;
   Vector dx_, dy_, target_, residual_, rows_, dw_;
   std::vector<Scaling> scalings_;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "native/cone_ipm/cone_island.h"
+#include "native/contacts/contact_impulses.h"
 #include "native/velocity_ipm/whitened_normals.h"
 
 namespace lcpbench {
@@ -98,19 +99,25 @@ void ConeIsland::set_velocity(const ContactProblem& island, const Vector& v) {
   const auto dot = [&](const Jacobian& J, Index j) {
     return std::visit([&](const auto& matrix) { return matrix.col(j).dot(v); }, J);
   };
-  q_max_ = 0;
+  double fastest = 0;
+  const auto look_at = [&](double speed) { fastest = max_or_infinity(fastest, std::abs(speed)); };
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     const Contact& contact = contacts_[c];
     const auto i = static_cast<Index>(c);
     const double normal = dot(island.N, i) + island.offset(i);
     q_(contact.row) = contact.rows == 3 ? normal / contact.mu : normal;
-    q_max_ = std::max(q_max_, std::abs(normal));
+    look_at(normal);
     if (contact.tangents[0] < 0) continue;
     const double t1 = dot(island.D, contact.tangents[0]);
     const double t2 = dot(island.D, contact.tangents[1]);
-    q_max_ = std::max({q_max_, std::abs(t1), std::abs(t2)});
+    look_at(t1);
+    look_at(t2);
     if (contact.rows == 3) q_.segment<2>(contact.row + 1) << t1, t2;
   }
+  const bool is_finite = std::isfinite(fastest);
+  unit_ = fastest > 0 && is_finite ? std::ldexp(1.0, std::ilogb(fastest)) : 1.0;
+  q_ /= unit_;
+  q_max_ = fastest / unit_;
 }
 
 }  // namespace lcpbench

@@ -238,8 +238,12 @@ double ContactBlocks::update(const Contact& block, double relaxation) {
       moves = moves || step[t] != 0;
       off = max_or_infinity(off, std::abs(step[t]) / length);
     }
-  } else {
-    std::fill(step + 1, step + rows, 0.0);
+  } else {  // friction that moves nothing needs no impulse
+    for (Index t = 1; t < rows; ++t) {
+      step[t] = -x[t];
+      x[t] = 0;
+      moves = moves || step[t] != 0;
+    }
   }
   if (!moves) return off;
 

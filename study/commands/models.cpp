@@ -10,8 +10,8 @@
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
 #include "study/commands/problem_files.h"
+#include "study/evaluation/fastest_contact.h"
 #include "study/models/ladder.h"
-#include "study/models/pyramid.h"
 #include "study/output/json_output.h"
 #include "study/output/terminal.h"
 #include "study/output/text_table.h"
@@ -39,20 +39,13 @@ struct RungRow {
 
 double worst(const RungRow& row, double RungAnswer::*value) {
   double largest = 0;
-  for (const RungAnswer& island : row.islands) {
-    const double each = island.*value;
-    if (!(each <= largest)) largest = each;  // NaN stays
-    if (std::isnan(each)) break;
-  }
+  for (const RungAnswer& island : row.islands) largest = larger_or_nan(largest, island.*value);
   return largest;
 }
 
 double worst_difference(const RungRow& row) {
   double largest = 0;
-  for (const double each : row.differences) {
-    if (std::isnan(each)) return each;
-    largest = std::max(largest, each);
-  }
+  for (const double each : row.differences) largest = larger_or_nan(largest, each);
   return largest;
 }
 
@@ -76,17 +69,17 @@ Claim claim_of(const RungRow& row) {
   return Claim::kSolved;
 }
 
-/// The error at which turning ends [m/s].
-constexpr double kFine = 1e-10;
-
 std::vector<RungRow> ladder_of(const std::vector<LadderIsland>& islands, double error,
                                const volatile std::sig_atomic_t* stop) {
   std::vector<RungRow> rows;
   for (const Rung rung : kRungs) {
     if (*stop != 0) return rows;
     RungRow row{rung, {}, {}};
-    const double until = rung == Rung::kConeRough ? error : kFine;
-    for (const LadderIsland& island : islands) row.islands.push_back(island.ladder->climb(rung, until));
+    const double until = rung == Rung::kConeRough ? error : kFinestTurn;
+    for (const LadderIsland& island : islands) {
+      if (*stop != 0) return rows;
+      row.islands.push_back(island.ladder->climb(rung, until));
+    }
     rows.push_back(std::move(row));
   }
   const std::vector<RungAnswer>& cone = rows.back().islands;
@@ -94,7 +87,7 @@ std::vector<RungRow> ladder_of(const std::vector<LadderIsland>& islands, double 
     for (std::size_t i = 0; i < islands.size(); ++i) {
       const bool known = row.islands[i].answered() && cone[i].answered() && cone[i].claim == Claim::kSolved;
       row.differences.push_back(
-          known ? velocity_difference(islands[i].ladder->contacts(), row.islands[i].velocity, cone[i].velocity)
+          known ? fastest_contact(islands[i].ladder->contacts(), row.islands[i].velocity - cone[i].velocity).m_per_s
                 : RungAnswer::kNone);
     }
   }
@@ -207,12 +200,9 @@ Action add_models_command(CLI::App& command) {
   add_format_option(command, arguments->format);
   command.footer(
       "Solves each island of the contacts with models of friction from coarse to exact. error: the residual of the "
-      "round "
-      "Coulomb cone's own conditions, which needs no reference. difference: of the velocities at the contacts from "
-      "those of "
-      "the cone. See docs/explanation/friction-models.md. A file that cannot be read does not stop the others; the "
-      "exit "
-      "code is then 2.");
+      "round Coulomb cone's own conditions, which needs no reference. difference: of the velocities at the contacts "
+      "from those of the cone. See docs/explanation/friction-models.md. A file that cannot be read does not stop the "
+      "others; the exit code is then 2.");
   return [arguments] { return models(*arguments); };
 }
 

@@ -228,7 +228,7 @@ void print_spread(const Problem& problem, const std::vector<Attempt>& attempts, 
   const Attempt& first = attempts.front();
   if (first.verdict != Verdict::kSolved || problem.contact() == nullptr) return;
   const ContactProblem& contact = *problem.contact();
-  FastestContact worst{kMovesDifferently * fastest_contact(contact, contact.v).m_per_s, -1};
+  FastestContact worst{least_difference(contact), -1};
   const Attempt* other = nullptr;
   for (const Attempt& each : attempts) {
     const bool comparable = each.verdict == Verdict::kSolved && each.model == first.model &&
@@ -368,9 +368,10 @@ Action add_solve_command(CLI::App& command) {
   command.add_option("--solver", arguments->solvers, "name{key=value,...}; may be repeated (default: all that fit)")
       ->allow_extra_args(false);
   command
-      .add_option("--max-velocity-error", arguments->max_velocity_error,
-                  "m/s: solve each island by the coarsest model of friction whose measured error against the round cone "
-                  "is at most this")
+      .add_option(
+          "--max-velocity-error", arguments->max_velocity_error,
+          "m/s: solve each island by the coarsest model of friction whose measured error against the round cone "
+          "is at most this")
       ->check(seconds_check(1e-12, 1e6))
       ->excludes("--solver");
   command.add_option("--time-limit", arguments->time_limit_s, "seconds for each solve")

@@ -63,6 +63,21 @@ Vector whole_impulses(const ContactProblem& contact, const Mixture& mixture) {
   return z;
 }
 
+/// Why the whole answer misses the error.
+std::string why_missed(const Mixture& mixture, double error_m_per_s) {
+  for (std::size_t i = 0; i < mixture.climbs.size(); ++i) {
+    const RungAnswer& chosen = mixture.climbs[i].chosen;
+    const Index first = mixture.islands[i].contacts.front();
+    if (!chosen.answered()) {
+      return fmt::format("the island of contact {} has no answer: {}", first, to_string(chosen.claim));
+    }
+    if (!mixture.climbs[i].met) {
+      return fmt::format("the finest model of the island of contact {} leaves {:.2e} m/s", first, chosen.error_m_per_s);
+    }
+  }
+  return fmt::format("a contact that nothing moves violates its conditions by more than {} m/s", error_m_per_s);
+}
+
 Mixture mix(const Problem& problem, const std::string& file, const ModelsRequest& request,
             const volatile std::sig_atomic_t* stop) {
   Mixture mixture;
@@ -80,7 +95,7 @@ Mixture mix(const Problem& problem, const std::string& file, const ModelsRequest
   // Of the whole answer as it is returned, not of the islands' alone: contacts that nothing moves count.
   mixture.met = mixture.errors.velocity_residual_m_per_s <= request.error_m_per_s;
   mixture.answer.claim = mixture.met ? Claim::kSolved : Claim::kNumericalFailure;
-  mixture.answer.detail = mixture.met ? "" : "the finest model does not meet the error";
+  if (!mixture.met) mixture.answer.detail = why_missed(mixture, request.error_m_per_s);
   return mixture;
 }
 
@@ -134,8 +149,8 @@ void add_rung_row(TextTable& table, Rung rung, const Mixture& mixture) {
     if (chosen.rung != rung) continue;
     ++islands;
     contacts += mixture.islands[i].contacts.size();
-    error = std::max(error, chosen.error_m_per_s);
-    solver_error = std::max(solver_error, chosen.solver_error_m_per_s);
+    error = larger_or_nan(error, chosen.error_m_per_s);
+    solver_error = larger_or_nan(solver_error, chosen.solver_error_m_per_s);
     time_s += chosen.time_s;
   }
   if (islands == 0) return;
@@ -165,8 +180,9 @@ void print_mixture(const Mixture& mixture, double error_m_per_s, int width) {
       "with those tried before them",
       mixture.met ? "meets" : "misses", error_m_per_s, format_error(mixture.errors.velocity_residual_m_per_s),
       format_seconds(mixture.chosen_s()), format_seconds(mixture.spent_s()));
+  if (!mixture.met) text += "; " + mixture.answer.detail;
   if (further) {
-    text += fmt::format("; one model further takes {} and changes the velocities at the contacts by {} m/s at most",
+    text += fmt::format("; the cone takes {} and changes the velocities at the contacts by {} m/s at most",
                         format_seconds(next_s), format_error(change));
   }
   say(stdout, "{}\n", folded(text + "\n", width));

@@ -1,5 +1,6 @@
 #include "study/evaluation/fastest_contact.h"
 
+#include <algorithm>
 #include <cmath>
 #include <variant>
 
@@ -11,7 +12,7 @@ FastestContact fastest_contact(const ContactProblem& problem, const Vector& u) {
   Index contact = 0;
   const auto look_at = [&](const Jacobian& J, Index column) {
     const double speed = std::abs(std::visit([&](const auto& matrix) { return matrix.col(column).dot(u); }, J));
-    if (speed > fastest.m_per_s) fastest = {speed, contact};
+    if (!(speed <= fastest.m_per_s) && !std::isnan(fastest.m_per_s)) fastest = {speed, contact};  // NaN stays
   };
   Index direction = 0;
   for (; contact < problem.nc(); ++contact) {
@@ -21,6 +22,12 @@ FastestContact fastest_contact(const ContactProblem& problem, const Vector& u) {
     direction += edges;
   }
   return fastest;
+}
+
+double least_difference(const ContactProblem& problem) {
+  double largest = fastest_contact(problem, problem.v).m_per_s;
+  for (Index c = 0; c < problem.nc(); ++c) largest = std::max(largest, std::abs(problem.offset(c)));
+  return 1e-3 * largest;
 }
 
 }  // namespace lcpbench

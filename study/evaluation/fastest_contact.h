@@ -13,8 +13,8 @@ struct FastestContact {
 /// one problem leave are equal if and only if they are equal at all contacts, where all have the same unit.
 FastestContact fastest_contact(const ContactProblem& problem, const Vector& u);
 
-/// Verified answers move differently if they do so by more than this part of the fastest contact before the impact:
-/// well above the residual that they may have.
-inline constexpr double kMovesDifferently = 1e-3;
+/// Verified answers move differently if their velocities differ at a contact by more than this [m/s]: 1e-3 of the
+/// fastest contact before the impact, or of the largest offset. That is well above the residual that they may have.
+double least_difference(const ContactProblem& problem);
 
 }  // namespace lcpbench

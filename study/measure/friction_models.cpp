@@ -2,8 +2,9 @@
 // results/models/README.md has its commands.
 //
 //   friction_models ladder SET...   every rung of every step: error, the solver's, difference from the cone, time
-//   friction_models mixture SET...  every step at 1e-3 m/s: the cheapest sufficient rung, the mixture by islands, its
-//   cost friction_models cone SET...     cone_ipm and siconos_fc3d on every step: residual of the cone, time
+//   friction_models mixture SET...  every step at 1e-3 m/s: the cheapest sufficient rung, the mixture by islands, cost
+//
+//   friction_models cone SET...     cone_ipm and siconos_fc3d on every step: residual of the cone, time
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +16,7 @@
 
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
+#include "study/evaluation/fastest_contact.h"
 #include "study/evaluation/friction_model.h"
 #include "study/models/ladder.h"
 #include "study/models/pyramid.h"
@@ -24,7 +26,6 @@ namespace lcpbench {
 namespace {
 
 constexpr double kError = 1e-3;  // m/s
-constexpr double kFine = 1e-10;
 constexpr double kTimeLimitS = 10;
 
 /// A rung on all islands of a step.
@@ -33,15 +34,13 @@ struct Row {
   std::vector<RungAnswer> islands;
 };
 
-double larger(double a, double b) { return std::isnan(a) || b <= a ? a : b; }  // NaN stays
-
 Row climb_all(const std::vector<LadderIsland>& islands, Rung rung) {
   Row row;
   for (const LadderIsland& island : islands) {
-    row.islands.push_back(island.ladder->climb(rung, rung == Rung::kConeRough ? kError : kFine));
+    row.islands.push_back(island.ladder->climb(rung, rung == Rung::kConeRough ? kError : kFinestTurn));
     const RungAnswer& answer = row.islands.back();
-    row.error = larger(row.error, answer.error_m_per_s);
-    row.solver_error = larger(row.solver_error, answer.solver_error_m_per_s);
+    row.error = larger_or_nan(row.error, answer.error_m_per_s);
+    row.solver_error = larger_or_nan(row.solver_error, answer.solver_error_m_per_s);
     row.time_s += answer.time_s;
   }
   return row;
@@ -52,7 +51,8 @@ double difference(const std::vector<LadderIsland>& islands, const Row& row, cons
   for (std::size_t i = 0; i < islands.size(); ++i) {
     if (!row.islands[i].answered() || cone.islands[i].claim != Claim::kSolved) return RungAnswer::kNone;
     largest = std::max(
-        largest, velocity_difference(islands[i].ladder->contacts(), row.islands[i].velocity, cone.islands[i].velocity));
+        largest,
+        fastest_contact(islands[i].ladder->contacts(), row.islands[i].velocity - cone.islands[i].velocity).m_per_s);
   }
   return largest;
 }
@@ -98,7 +98,7 @@ void print_mixture(const std::string& set, std::int64_t trial, const Problem& pr
     cheapest_s += cheapest;
     chosen_s += climbed.chosen.time_s;
     spent_s += climbed.spent_s;
-    error = larger(error, climbed.chosen.error_m_per_s);
+    error = larger_or_nan(error, climbed.chosen.error_m_per_s);
     met = met && climbed.met;
     const char* const name = to_string(climbed.chosen.rung);
     if (rungs.find(name) == std::string::npos) rungs += (rungs.empty() ? "" : " ") + std::string(name);
@@ -131,7 +131,7 @@ void print_cone(const std::string& set, std::int64_t trial, const Problem& probl
                 timed.times.setup_cpu_s + timed.times.solve_cpu_s);
   }
   const bool both = velocities[0].size() > 0 && velocities[1].size() > 0;
-  std::printf(",%.3g\n", both ? velocity_difference(*problem.contact(), velocities[0], velocities[1]) : NAN);
+  std::printf(",%.3g\n", both ? fastest_contact(*problem.contact(), velocities[0] - velocities[1]).m_per_s : NAN);
 }
 
 void measure(const std::string& what, const std::string& name) {

@@ -12,6 +12,7 @@
 #include "core/round_cone.h"
 #include "core/timed_solve.h"
 #include "study/evaluation/evaluation.h"
+#include "study/evaluation/fastest_contact.h"
 #include "study/evaluation/friction_model.h"
 #include "study/models/pyramid.h"
 
@@ -174,7 +175,8 @@ RungAnswer Ladder::Data::by_cone(Rung rung, double error) {
     to.impulses.resize(0);
     to.velocity.resize(0);
     to.error_m_per_s = RungAnswer::kNone;
-  } else if (rung == Rung::kRelaxed && to.claim == Claim::kIterationLimit) {
+  } else if (rung == Rung::kRelaxed &&
+             to.claim == Claim::kIterationLimit) {  // short of the cone, not of the relaxation
     to.claim = Claim::kSolved;
   }
   return to;
@@ -218,7 +220,7 @@ Climb climb(Ladder& ladder, double error, bool look_further) {
   if (!result.met || !look_further || result.chosen.rung == Rung::kCone) return result;
   result.next = ladder.climb(Rung::kCone, error);
   if (result.next.answered()) {
-    result.change_m_per_s = velocity_difference(ladder.contacts(), result.chosen.velocity, result.next.velocity);
+    result.change_m_per_s = fastest_contact(ladder.contacts(), result.chosen.velocity - result.next.velocity).m_per_s;
   }
   return result;
 }

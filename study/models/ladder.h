@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <string>
@@ -52,6 +53,12 @@ struct RungAnswer {
   bool answered() const { return velocity.size() > 0; }
   bool meets(double error) const { return answered() && error_m_per_s <= error; }
 };
+
+/// NaN, the error where there is no answer, stays.
+inline double larger_or_nan(double a, double b) { return std::isnan(a) || b <= a ? a : b; }
+
+/// The error at which turning ends, if nothing coarser is asked for [m/s].
+inline constexpr double kFinestTurn = 1e-10;
 
 /// One island of a problem, to be solved by one model after the other.
 class Ladder {

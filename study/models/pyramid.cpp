@@ -184,12 +184,4 @@ std::vector<double> slip_angles(const ContactProblem& tangents, const TangentImp
   return angles;
 }
 
-double velocity_difference(const ContactProblem& tangents, const Vector& a, const Vector& b) {
-  const Vector change = a - b;
-  double largest = 0;
-  for (Index j = 0; j < cols(tangents.N); ++j) largest = std::max(largest, std::abs(dot(tangents.N, j, change)));
-  for (Index j = 0; j < cols(tangents.D); ++j) largest = std::max(largest, std::abs(dot(tangents.D, j, change)));
-  return largest;
-}
-
 }  // namespace lcpbench

@@ -35,7 +35,4 @@ Vector pyramid_impulses(const ContactProblem& tangents, const TangentImpulses& i
 std::vector<double> slip_angles(const ContactProblem& tangents, const TangentImpulses& impulses,
                                 const Vector& velocity);
 
-/// The largest difference of two velocities at the contacts, along a normal or a tangent [m/s].
-double velocity_difference(const ContactProblem& tangents, const Vector& a, const Vector& b);
-
 }  // namespace lcpbench

@@ -81,7 +81,7 @@ std::string spread_cell(const Report& report, const SceneFamily& family) {
   for (const VelocitySpread& spread : report.velocity_spreads) {
     if (std::find(family.sets.begin(), family.sets.end(), spread.set) == family.sets.end()) continue;
     ++steps;
-    if (!spread.differs()) continue;
+    if (!spread.differs) continue;
     ++different;
     largest = std::max(largest, spread.spread_m_per_s);
   }

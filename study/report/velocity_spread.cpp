@@ -125,12 +125,11 @@ std::optional<VelocitySpread> spread_of(Store& store, const ProblemSet& steps, c
   if (range.answers() < 2) return std::nullopt;
   VelocitySpread spread{.trial = first.trial, .before_m_per_s = fastest_contact(*contact, contact->v).m_per_s};
   range.write(spread);
+  spread.differs = spread.spread_m_per_s > least_difference(*contact);
   return spread;
 }
 
 }  // namespace
-
-bool VelocitySpread::differs() const { return spread_m_per_s > kMovesDifferently * before_m_per_s; }
 
 std::vector<VelocitySpread> velocity_spreads(Store& store, const Summary& summary) {
   std::vector<VelocitySpread> spreads;
@@ -165,7 +164,7 @@ Json velocity_spread_json(const Summary& summary, const std::vector<VelocitySpre
                        {"answers", spread.answers},
                        {"before_m_per_s", spread.before_m_per_s},
                        {"spread_m_per_s", spread.spread_m_per_s},
-                       {"differs", spread.differs()},
+                       {"differs", spread.differs},
                        {"contact", spread.contact < 0 ? Json() : Json(spread.contact)},
                        {"solver", spread.solver},
                        {"other", spread.other}});

@@ -20,9 +20,7 @@ struct VelocitySpread {
   double spread_m_per_s = 0;  ///< largest difference along a normal or a direction of friction
   std::int64_t contact = -1;  ///< where that is; -1: nowhere
   std::string solver, other;  ///< whose answers differ so; "" where none do
-
-  /// By more than verified answers with one velocity may.
-  bool differs() const;
+  bool differs = false;       ///< by more than verified answers with one velocity may
 };
 
 /// Of every captured step that two verified answers solve. The step is read from its scene again: sets that cannot be

@@ -17,7 +17,7 @@ constexpr int kLargestExponent = 10;
 Problem changed(const Problem& problem, const std::function<void(ContactProblem&)>& change) {
   ContactProblem contact = *problem.contact();
   change(contact);
-  return Problem(problem.name(), std::move(contact));
+  return Problem(problem.name(), std::move(contact), problem.formation());
 }
 
 Problem changed(const Problem& problem, const std::function<void(Lcp&)>& change) {

@@ -9,8 +9,8 @@
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
 #include "study/evaluation/fastest_contact.h"
-#include "study/measure/least_energy_velocity.h"
 #include "study/measure/brick_wall.h"
+#include "study/measure/least_energy_velocity.h"
 #include "study/measure/sphere_piles.h"
 
 namespace lcpbench {
@@ -98,6 +98,14 @@ TEST(AutoScenesTest, AStatedErrorIsMetAndSavesIterations) {
     if (scene.name() == "wall") continue;  // exact at any error
     EXPECT_LT(2 * solve(scene, {{"error", "1e-2"}}).counters.iterations, most) << scene.name();
   }
+}
+
+// Below what doubles reach, a stated error takes no method out of use.
+TEST(AutoScenesTest, AnErrorThatNobodyReachesCostsNoMethod) {
+  const Problem wall("wall with friction", testing::frictional_brick_wall(6, 8, 0.5));
+  const Answer answer = solve(wall, {{"error", "1e-300"}});
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_EQ(answer.detail.substr(0, 12), solve(wall, {}).detail.substr(0, 12)) << answer.detail;
 }
 
 }  // namespace

@@ -70,6 +70,36 @@ TEST(ConeIpmTest, FrictionWithinItsConeStopsThePoint) {
   EXPECT_LE(answer.velocity.lpNorm<Eigen::Infinity>(), 1e-9);
 }
 
+// A square of such speeds is no longer a double.
+TEST(ConeIpmTest, HugeAndTinyVelocitiesAreSolvedInTheSameWay) {
+  for (const double scale : {1e-300, 1e-170, 1e160, 1e300}) {
+    const Answer answer = solve(Problem("oblique", point_on_floor(0.5, 4, scale * vector_of({3, 4, -1}))));
+    ASSERT_EQ(answer.claim, Claim::kSolved) << scale << " " << answer.detail;
+    EXPECT_LE((answer.velocity - scale * vector_of({2.7, 3.6, 0})).lpNorm<Eigen::Infinity>(), 1e-9 * scale);
+  }
+}
+
+// N'v is the difference of two infinities.
+TEST(ConeIpmTest, AnOverflowingRowIsNotCalledSolved) {
+  ContactProblem contact = point_on_floor(0.5, 4, vector_of({0, 1e308, 1e308}));
+  contact.N = Matrix{{0.0}, {10.0}, {-20.0}};
+  EXPECT_NE(solve(Problem("overflow", contact)).claim, Claim::kSolved);
+}
+
+TEST(ConeIpmTest, ALooserErrorLosesNoAnswer) {
+  for (const char* name : {"scene/wedge/ode", "scene/slope/bullet", "paper/monotone/exp1"}) {
+    const auto set = open_set(name);
+    for (std::int64_t trial = 0; trial < 6; ++trial) {
+      const Problem problem = set->generate(1, trial);
+      if (solve(problem).claim != Claim::kSolved) continue;
+      for (const char* error : {"1e-6", "1e-3", "1e-2", "0.1"}) {
+        const Answer answer = solve(problem, {{"cone", "true"}, {"error", error}});
+        EXPECT_EQ(answer.claim, Claim::kSolved) << name << " " << trial << " " << error << " " << answer.detail;
+      }
+    }
+  }
+}
+
 // The relaxation projects (5, -1), slip and normal speed, on the cone of slope 1/2: (3.6, 1.8), a point that lifts off.
 TEST(ConeIpmTest, WithoutTheSlipItIsTheConvexRelaxationAndNotCalledSolved) {
   const Problem problem("oblique", point_on_floor(0.5, 4, vector_of({3, 4, -1})));

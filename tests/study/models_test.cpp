@@ -143,6 +143,7 @@ TEST(ModelsTest, AProblemWithoutASolutionMeetsNothing) {
   squeezed.b = vector_of({-1, -1});
   Ladder ladder = ladder_of(squeezed);
   EXPECT_FALSE(climb(ladder, 1e-3, true).met);
+  EXPECT_NE(ladder.climb(Rung::kRelaxed, 1e-3).claim, Claim::kSolved);
 }
 
 TEST(ModelsTest, RefusesWhatNamesNoCone) {
