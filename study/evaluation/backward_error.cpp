@@ -22,10 +22,40 @@ bool at_least(const Bounded& a, const Bounded& b) {
   const double missing = (b.high - a.high) + (b.low - a.low);
   return missing + 4 * (a.error + b.error) < kForgiven * b.high || surely_at_most(b, a);
 }
+bool at_least(const Bounded& a, double b) {
+  const double least = a.high + (a.low - 4 * a.error);
+  return b - least < kForgiven * b || (a.exact() && a.low == 0 && b <= a.high);
+}
 Quad made_up(Quad error) { return error; }
 Bounded made_up(Bounded error) {
   if (std::isfinite(error.high)) error.error += 8 * kForgiven * error.high;
   return error;
+}
+
+// Numbers that surely are at most or at least x >= 0; 0 and infinity where little is known of it. They put rows in
+// order and pass over rows, and never enter a measure: a double does in Bounded arithmetic.
+template <class Real>
+using Limit = std::conditional_t<std::is_same_v<Real, Quad>, Quad, double>;
+Quad lower_limit(Quad x) { return x; }
+Quad upper_limit(Quad x) { return x; }
+double lower_limit(const Bounded& x) {
+  if (x.low == 0 && x.exact()) return x.high;
+  const double least = (x.high - 2 * x.error) * (1 - 0x1p-50) - bounded::kLost;
+  return least > 0 ? least : 0;
+}
+double upper_limit(const Bounded& x) {
+  if (x.low == 0 && x.exact()) return x.high;
+  const double most = (x.high + 2 * x.error) * (1 + 0x1p-50) + bounded::kLost;
+  return most >= 0 ? most : kInfinity;
+}
+
+// At least the quotient of numbers of which one is at most `value` and the other at least `scale`, but for the rounding
+// that at_least() forgives.
+Quad limit_of_quotient(Quad value, Quad scale) { return quotient(value, scale); }
+double limit_of_quotient(double value, double scale) {
+  if (value == 0) return 0;
+  const double limit = value / scale;
+  return limit > 0 ? limit + bounded::kLost : kInfinity;
 }
 
 // The nonzero entries of an island's z in the order in which a growing tau sets them to zero: by their ratio to the
@@ -143,26 +173,25 @@ class ThinningPoint {
   // eta(z_tau). Rows are measured in the order of an upper bound of their quotients until the bound settles the rest.
   // The bound by q_i alone comes first where there is no estimate of M, as any other costs a solve with G.
   BackwardError<Real> eta() {
-    struct Row {
-      Real bound;
-      Real violation;
-      std::size_t index;
-    };
     if (removed_ > 0) lcp_.fill_rows(island_, z_, u_, w_);
-    std::vector<Row> rows;
-    rows.reserve(island_.size());
+    rows_.clear();
+    rows_.reserve(island_.size());
     for (const std::size_t i : island_) {
       const Real violation_i = violation(i, w_[i]);
       if (surely_equal(violation_i, 0)) continue;
-      rows.push_back({quotient(violation_i, estimated() ? scale_bounds(i).low : abs(lcp_.q(i))), violation_i, i});
+      const Limit<Real> least_scale = estimated() ? scale_bounds(i).low : lower_limit(abs(lcp_.q(i)));
+      rows_.push_back({limit_of_quotient(upper_limit(violation_i), least_scale), violation_i, i});
     }
-    std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
-      return leading(a.bound) > leading(b.bound) || (leading(a.bound) == leading(b.bound) && a.index < b.index);
+    std::sort(rows_.begin(), rows_.end(), [](const Row& a, const Row& b) {
+      return a.limit > b.limit || (a.limit == b.limit && a.index < b.index);
     });
     BackwardError<Real> eta;
-    for (const Row& row : rows) {
-      if (at_least(eta.error, row.bound)) continue;
-      if (!estimated() && at_least(eta.error, quotient(row.violation, scale_bounds(row.index).low))) continue;
+    for (const Row& row : rows_) {
+      if (at_least(eta.error, row.limit)) continue;
+      if (!estimated() &&
+          at_least(eta.error, limit_of_quotient(upper_limit(row.violation), scale_bounds(row.index).low))) {
+        continue;
+      }
       const Real error = row_error(row.index, row.violation);
       if (std::isnan(to_double(error))) {
         eta.open = true;
@@ -181,8 +210,8 @@ class ThinningPoint {
   }
 
   struct Bounds {
-    Real low = 0;
-    Real high = kInfinity;
+    Limit<Real> low = 0;
+    Limit<Real> high = kInfinity;
   };
 
   // Bounds of s_i.
@@ -191,14 +220,16 @@ class ThinningPoint {
     const MagnitudeEstimate::Row* const row = estimated() ? lcp_.estimated_row(i) : nullptr;
     if (row == nullptr) {
       const Real weight = least_weight(i);
-      return {surely_equal(weight, 0) ? q : q + abs(lcp_.diagonal(i)) * weight, kInfinity};
+      return {lower_limit(surely_equal(weight, 0) ? q : q + abs(lcp_.diagonal(i)) * weight), kInfinity};
     }
     const auto [sum, error] = estimated_scale(*row);
-    Bounds bounds{q, kInfinity};
-    const double rounding = static_cast<double>(lcp_.size() + 8) * 0x1p-52;
+    Bounds bounds{lower_limit(q), kInfinity};
     if (std::isfinite(sum) && std::isfinite(error)) {
-      bounds.low = q + larger(Real(0), Real(sum) * Real(1 - rounding) - Real(error));
-      bounds.high = q + Real(sum) * Real(1 + rounding) + Real(error);
+      // Of the sums, and of the four operations that follow.
+      const double rounding = static_cast<double>(lcp_.size() + 8) * 0x1p-52;
+      const Limit<Real> least = sum * (1 - rounding) - error;
+      if (least > 0) bounds.low = (bounds.low + least) * (1 - 0x1p-51);
+      bounds.high = (upper_limit(q) + sum * (1 + rounding) + error) * (1 + 0x1p-51);
     }
     return bounds;
   }
@@ -280,6 +311,12 @@ class ThinningPoint {
     weighed_ = true;
   }
 
+  struct Row {
+    Limit<Real> limit;  // of its quotient
+    Real violation;
+    std::size_t index;
+  };
+
   EvaluatedLcp<Real>& lcp_;
   BackwardScale scale_;
   std::vector<Real> z_;
@@ -295,6 +332,7 @@ class ThinningPoint {
   bool weighed_ = false;
   std::vector<double> weights_;  // of the island's representative columns in s_i
   double error_weight_ = 0;      // sum of column_scale times the weight of the column in s_i
+  std::vector<Row> rows_;        // scratch of eta()
 };
 
 // A row that alone shows the present z_tau to be no better than the best error found. Removing entries only lowers s_i,
@@ -308,7 +346,7 @@ struct Witness {
     const Real violation = point.violation(row);
     if (surely_equal(violation, 0)) return false;
     if (at_least(quotient(violation, scale), best)) return true;
-    scale = smaller(scale, point.scale_bounds(row).high);
+    scale = smaller(scale, Real(point.scale_bounds(row).high));
     if (at_least(quotient(violation, scale), best)) return true;
     scale = point.scale(row);
     return at_least(quotient(violation, scale), best);
@@ -326,7 +364,9 @@ std::optional<Witness<Real>> find_witness(ThinningPoint<Real>& point, const Real
   const auto enough = leading(best * Real(kSlack));
   int attempts = 0;
   for (auto i = support.rbegin(); i != support.rend() && attempts < kAttempts; ++i) {
-    if (estimated && leading(quotient(Real(violations[*i]), point.scale_bounds(*i).low)) < enough) continue;
+    if (estimated && limit_of_quotient(Limit<Real>(violations[*i]), point.scale_bounds(*i).low) < enough) {
+      continue;
+    }
     ++attempts;
     Witness<Real> witness{*i, kInfinity};
     if (witness.refutes(point, best)) return witness;
