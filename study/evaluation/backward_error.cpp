@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <type_traits>
+#include <utility>
 
 namespace lcpbench {
 namespace {
@@ -63,7 +64,12 @@ double limit_of_quotient(double value, double scale) {
 template <class Real>
 class Removal {
  public:
-  Removal(const EvaluatedLcp<Real>& lcp, const std::vector<Real>& z, Rows rows) : lambdas_from_(lcp.lambda_offset()) {
+  explicit Removal(const EvaluatedLcp<Real>& lcp) : lambdas_from_(lcp.lambda_offset()) {}
+
+  void order(const std::vector<Real>& z, Rows rows) {
+    impulse_ = lambda_ = 0;
+    order_.clear();
+    order_.reserve(rows.size());
     for (const std::size_t i : rows) {
       double& largest = i < lambdas_from_ ? impulse_ : lambda_;
       largest = std::max(largest, std::abs(to_double(z[i])));
@@ -100,6 +106,9 @@ class Removal {
 
   double largest(std::size_t index) const { return index < lambdas_from_ ? impulse_ : lambda_; }
   int compare(const Entry& a, const Entry& b) const {
+    if (largest(a.index) == largest(b.index)) {
+      return a.magnitude < b.magnitude ? -1 : a.magnitude > b.magnitude ? 1 : 0;
+    }
     const Quad left = Quad{a.magnitude} * largest(b.index), right = Quad{b.magnitude} * largest(a.index);
     return left < right ? -1 : left > right ? 1 : 0;
   }
@@ -116,38 +125,41 @@ class ThinningPoint {
  public:
   ThinningPoint(EvaluatedLcp<Real>& lcp, const std::vector<Real>& z, const std::vector<Real>& u,
                 const std::vector<Real>& w, BackwardScale scale)
-      : lcp_(lcp), scale_(scale), z_(z), u_(u), w_(w) {}
+      : lcp_(lcp), scale_(scale), z_(&z), u_(&u), w_(&w), order_(lcp) {}
+  ThinningPoint(const ThinningPoint&) = delete;
+  ThinningPoint& operator=(const ThinningPoint&) = delete;
 
   void enter(Rows island) {
     island_ = island;
-    order_.emplace(lcp_, z_, island);
+    order_.order(*z_, island);
     response_of_ = 0;
     indices_.clear();
-    indices_.reserve(order_->size());
-    for (std::size_t place = 0; place < order_->size(); ++place) indices_.push_back(order_->index(place));
+    indices_.reserve(order_.size());
+    for (std::size_t place = 0; place < order_.size(); ++place) indices_.push_back(order_.index(place));
     set_removed(0);
   }
 
   // How many entries the least tau sets to zero that leaves no negative one.
   std::size_t least_removals() const {
-    for (std::size_t place = order_->size(); place-- > 0;) {
-      if (to_double(z_[order_->index(place)]) < 0) return order_->end_of_ratio(place);
+    for (std::size_t place = order_.size(); place-- > 0;) {
+      if (to_double((*z_)[order_.index(place)]) < 0) return order_.end_of_ratio(place);
     }
     return 0;
   }
   // The same for the next tau at which z_tau changes; nothing when all is zero.
   std::optional<std::size_t> next_removals() const {
-    if (removed_ == order_->size()) return std::nullopt;
-    return order_->end_of_ratio(removed_);
+    if (removed_ == order_.size()) return std::nullopt;
+    return order_.end_of_ratio(removed_);
   }
   // The least tau that removes so many.
-  Real tau(std::size_t removals) const { return removals == 0 ? Real(0) : order_->ratio(removals - 1); }
+  Real tau(std::size_t removals) const { return removals == 0 ? Real(0) : order_.ratio(removals - 1); }
 
   void remove(std::size_t removals) {
+    if (removals > removed_) own();
     for (std::size_t place = removed_; place < removals; ++place) {
-      const std::size_t i = order_->index(place);
-      lcp_.remove(i, z_[i], u_);
-      z_[i] = 0;
+      const std::size_t i = order_.index(place);
+      lcp_.remove(i, own_z_[i], own_u_);
+      own_z_[i] = 0;
     }
     set_removed(removals);
   }
@@ -155,7 +167,7 @@ class ThinningPoint {
   // Finds the response to z_tau anew. True when it was the corrected one, which keeps the errors of what was removed.
   bool refresh_response() {
     const bool corrected = response_of_ != removed_;
-    if (corrected) u_ = lcp_.response(z_);
+    if (corrected) own_u_ = lcp_.response(own_z_);
     response_of_ = removed_;
     return corrected;
   }
@@ -163,21 +175,21 @@ class ThinningPoint {
   // The entry of largest ratio among those set to zero.
   std::optional<std::size_t> last_removed() const {
     if (removed_ == 0) return std::nullopt;
-    return order_->index(removed_ - 1);
+    return order_.index(removed_ - 1);
   }
 
-  Real violation(std::size_t i) const { return violation(i, lcp_.row(i, z_, u_)); }
+  Real violation(std::size_t i) const { return violation(i, lcp_.row(i, *z_, *u_)); }
   // The nonzero entries, smallest ratio first.
   std::span<const std::size_t> support() const { return std::span(indices_).subspan(removed_); }
 
   // eta(z_tau). Rows are measured in the order of an upper bound of their quotients until the bound settles the rest.
   // The bound by q_i alone comes first where there is no estimate of M, as any other costs a solve with G.
   BackwardError<Real> eta() {
-    if (removed_ > 0) lcp_.fill_rows(island_, z_, u_, w_);
+    if (removed_ > 0) lcp_.fill_rows(island_, own_z_, own_u_, own_w_);
     rows_.clear();
     rows_.reserve(island_.size());
     for (const std::size_t i : island_) {
-      const Real violation_i = violation(i, w_[i]);
+      const Real violation_i = violation(i, (*w_)[i]);
       if (surely_equal(violation_i, 0)) continue;
       const Limit<Real> least_scale = estimated() ? scale_bounds(i).low : lower_limit(abs(lcp_.q(i)));
       rows_.push_back({limit_of_quotient(upper_limit(violation_i), least_scale), violation_i, i});
@@ -236,7 +248,7 @@ class ThinningPoint {
 
   // Violations of the island's rows, in double and without a bound on their error.
   std::vector<double> estimated_violations() const {
-    std::vector<double> violations = lcp_.estimate_w(z_, u_, island_);
+    std::vector<double> violations = lcp_.estimate_w(*z_, *u_, island_);
     for (const std::size_t i : island_) {
       violations[i] = positive(i) ? std::abs(violations[i]) : std::max(0.0, -violations[i]);
     }
@@ -249,7 +261,7 @@ class ThinningPoint {
  private:
   // s_i less |q_i|
   Real coupling(std::size_t i) {
-    if (scale_ == BackwardScale::kComponentwise) return lcp_.abs_row_times(i, z_, support());
+    if (scale_ == BackwardScale::kComponentwise) return lcp_.abs_row_times(i, *z_, support());
     return z_norm() > 0 ? lcp_.abs_row_sum(i) * Real(z_norm()) : Real(0);
   }
 
@@ -260,8 +272,16 @@ class ThinningPoint {
     return quotient(violation_i, abs(lcp_.q(i)) + moved);
   }
 
-  bool positive(std::size_t i) const { return to_double(z_[i]) > 0; }
+  bool positive(std::size_t i) const { return to_double((*z_)[i]) > 0; }
   Real violation(std::size_t i, const Real& w) const { return positive(i) ? abs(w) : larger(Real(0), -w); }
+
+  // Copies what was given, before the first change of it.
+  void own() {
+    if (z_ == &own_z_) return;
+    own_z_ = *std::exchange(z_, &own_z_);
+    own_u_ = *std::exchange(u_, &own_u_);
+    own_w_ = *std::exchange(w_, &own_w_);
+  }
 
   void set_removed(std::size_t removed) {
     removed_ = removed;
@@ -274,13 +294,13 @@ class ThinningPoint {
   double z_norm() {
     if (!z_norm_) {
       z_norm_ = 0;
-      for (const std::size_t i : support()) *z_norm_ = std::max(*z_norm_, std::abs(to_double(z_[i])));
+      for (const std::size_t i : support()) *z_norm_ = std::max(*z_norm_, std::abs(to_double((*z_)[i])));
     }
     return *z_norm_;
   }
 
   // A lower bound of the factor of |M_ii| in s_i.
-  Real least_weight(std::size_t i) { return scale_ == BackwardScale::kComponentwise ? z_[i] : Real(z_norm()); }
+  Real least_weight(std::size_t i) { return scale_ == BackwardScale::kComponentwise ? (*z_)[i] : Real(z_norm()); }
 
   struct Estimate {
     double sum = 0;
@@ -300,11 +320,11 @@ class ThinningPoint {
 
   // The island's z_tau in double, summed over the columns of the same magnitudes.
   void weigh() {
-    weights_.resize(z_.size());
+    weights_.resize(z_->size());
     for (const std::size_t j : island_) weights_[j] = 0;
     error_weight_ = 0;
     for (const std::size_t j : island_) {
-      const double z = to_double(z_[j]);
+      const double z = to_double((*z_)[j]);
       weights_[lcp_.representative(j)] += z;
       error_weight_ += lcp_.estimate().column_scale[j] * (scale_ == BackwardScale::kRowNorm ? 1 : z);
     }
@@ -319,11 +339,11 @@ class ThinningPoint {
 
   EvaluatedLcp<Real>& lcp_;
   BackwardScale scale_;
-  std::vector<Real> z_;
-  std::vector<Real> u_;
-  std::vector<Real> w_;  // of the island's rows, as given or as eta() last found them
+  const std::vector<Real>*z_, *u_;  // as given, or as removals left them
+  const std::vector<Real>* w_;      // of the island's rows, as given or as eta() last found them
+  std::vector<Real> own_z_, own_u_, own_w_;
   Rows island_;
-  std::optional<Removal<Real>> order_;
+  Removal<Real> order_;
   std::vector<std::size_t> indices_;  // of order_
   std::size_t removed_ = 0;
   std::ptrdiff_t impulses_ = 0;  // that are not removed
