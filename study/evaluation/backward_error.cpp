@@ -184,15 +184,18 @@ class ThinningPoint {
 
   // eta(z_tau). Rows are measured in the order of an upper bound of their quotients until the bound settles the rest.
   // The bound by q_i alone comes first where there is no estimate of M, as any other costs a solve with G.
-  BackwardError<Real> eta() {
+  // Infinity, and the row, where a row surely shows it to be larger than `best`: no such thing is sure in 113 bits.
+  BackwardError<Real> eta(const Real& best) {
+    const Limit<Real> enough = std::is_same_v<Real, Quad> ? kInfinity : upper_limit(best) * (1 + 0x1p-50);
     if (removed_ > 0) lcp_.fill_rows(island_, own_z_, own_u_, own_w_);
     rows_.clear();
     rows_.reserve(island_.size());
     for (const std::size_t i : island_) {
       const Real violation_i = violation(i, (*w_)[i]);
       if (surely_equal(violation_i, 0)) continue;
-      const Limit<Real> least_scale = estimated() ? scale_bounds(i).low : lower_limit(abs(lcp_.q(i)));
-      rows_.push_back({limit_of_quotient(upper_limit(violation_i), least_scale), violation_i, i});
+      const Bounds scale = estimated() ? scale_bounds(i) : Bounds{lower_limit(abs(lcp_.q(i))), kInfinity};
+      if (lower_limit(violation_i) > enough * scale.high) return {kInfinity, i};
+      rows_.push_back({limit_of_quotient(upper_limit(violation_i), scale.low), violation_i, i});
     }
     std::sort(rows_.begin(), rows_.end(), [](const Row& a, const Row& b) {
       return a.limit > b.limit || (a.limit == b.limit && a.index < b.index);
@@ -410,12 +413,12 @@ bool is_known(const BackwardError<Bounded>& eta) {
 // Of z_tau, from which so many entries are removed. That of zero is 1, as tau is, and a row is then violated by all of
 // q_i or not at all: no bound on the rounding is needed to see it.
 template <class Real>
-BackwardError<Real> error_at(ThinningPoint<Real>& point, std::size_t removals) {
+BackwardError<Real> error_at(ThinningPoint<Real>& point, std::size_t removals, const Real& best) {
   if constexpr (std::is_same_v<Real, Bounded>) {
     if (removals > 0 && !point.next_removals()) return {1.0, point.last_removed()};
   }
-  BackwardError<Real> eta = point.eta();
-  if (!is_known(eta) && point.refresh_response()) eta = point.eta();
+  BackwardError<Real> eta = point.eta(best);
+  if (!is_known(eta) && point.refresh_response()) eta = point.eta(best);
   const Real tau = point.tau(removals);
   if (leading(tau) > leading(eta.error)) eta.row = point.last_removed();
   eta.error = larger(eta.error, tau);
@@ -430,11 +433,14 @@ BackwardError<Real> island_error(ThinningPoint<Real>& point) {
   BackwardError<Real> best{kInfinity, std::nullopt};
   while (removals && !at_least(point.tau(*removals), best.error)) {
     point.remove(*removals);
-    if (surely_less(best.error, Real(kInfinity)) && !(witness && witness->refutes(point, best.error))) {
+    const bool improving = surely_less(best.error, Real(kInfinity));
+    if (improving && !(witness && witness->refutes(point, best.error))) {
       witness = find_witness(point, best.error);
     }
     if (!witness) {
-      const BackwardError<Real> found = error_at(point, *removals);
+      const BackwardError<Real> found = error_at(point, *removals, best.error);
+      if (improving && found.row && surely_equal(found.error, kInfinity))
+        witness = Witness<Real>{*found.row, kInfinity};
       demand_minimum(best, found.error, found.open);
       if (leading(found.error) < leading(best.error)) best.row = found.row;
       best.error = smaller(best.error, found.error);
