@@ -189,11 +189,15 @@ void ContactLcp<Real>::find_opposite_columns() {
 template <class Real>
 void ContactLcp<Real>::list_columns_of_rows() {
   row_begin_.assign(v_.size() + 1, 0);
-  for (const std::size_t row : rows_) ++row_begin_[row + 1];
+  for (std::size_t j = 0; j < impulses(); ++j) {
+    if (twin_[j] != j) continue;
+    for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) ++row_begin_[rows_[e] + 1];
+  }
   for (std::size_t row = 0; row < v_.size(); ++row) row_begin_[row + 1] += row_begin_[row];
-  columns_of_row_.resize(rows_.size());
+  columns_of_row_.resize(row_begin_.back());
   std::vector<std::size_t> next = row_begin_;
   for (std::size_t j = 0; j < impulses(); ++j) {
+    if (twin_[j] != j) continue;
     for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) columns_of_row_[next[rows_[e]]++] = j;
   }
   visited_.assign(impulses(), 0);
@@ -359,7 +363,6 @@ Real ContactLcp<Real>::abs_row_sum(std::size_t i) {
   if (abs_row_sum_.empty()) {
     abs_row_sum_.resize(impulses());
     abs_row_sum_known_.resize(impulses(), false);
-    entry_.assign(impulses(), 0);
   }
   const std::size_t row = twin_[i];
   if (!abs_row_sum_known_[row]) {
@@ -373,8 +376,8 @@ Real ContactLcp<Real>::abs_row_sum(std::size_t i) {
         const std::size_t j = columns_of_row_[e];
         if (visited_[j] == visit_) continue;
         visited_[j] = visit_;
-        entry_[j] = twin_[j] == j ? abs(project(j, scratch_)) : entry_[twin_[j]];
-        sum += entry_[j];
+        const Real entry = abs(project(j, scratch_));
+        sum += represented_[j] == 1 ? entry : entry + entry;
       }
     }
     gather(response);
@@ -438,7 +441,7 @@ void ContactLcp<Real>::fill_row(std::size_t i, MagnitudeEstimate::Row& row, Magn
   for (const std::size_t r : estimate_pattern_) {
     for (std::size_t e = row_begin_[r]; e < row_begin_[r + 1]; ++e) {
       const std::size_t j = columns_of_row_[e];
-      if (twin_[j] != j || visited_[j] == visit_) continue;
+      if (visited_[j] == visit_) continue;
       visited_[j] = visit_;
       const double entry = std::abs(project(j, estimate_x_));
       estimate.add(j, entry);
