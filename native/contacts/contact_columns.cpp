@@ -108,15 +108,19 @@ ContactColumns contact_columns(const ContactProblem& problem, Opposites opposite
   builder.reserve(problem.nc() + cols(problem.D),
                   entries(problem.N) + (opposites == Opposites::kEmpty ? friction_entries / 2 : friction_entries));
   for (Index contact = 0; contact < problem.nc(); ++contact) builder.add_column(problem.N, contact);
-  Index column = 0;
-  for (const int edges : problem.edges) {
-    for (int t = 0; t < edges; ++t, ++column) {
-      const bool is_opposite = 2 * t >= edges;
-      if (is_opposite && opposites == Opposites::kEmpty) {
-        builder.add_empty_column();
-      } else {
-        builder.add_column(problem.D, column);
-      }
+  std::vector<bool> is_empty(static_cast<std::size_t>(cols(problem.D)), false);
+  if (opposites == Opposites::kEmpty) {
+    auto column = is_empty.begin();
+    for (const int edges : problem.edges) {
+      std::fill(column + (edges + 1) / 2, column + edges, true);
+      column += edges;
+    }
+  }
+  for (Index column = 0; column < cols(problem.D); ++column) {
+    if (is_empty[static_cast<std::size_t>(column)]) {
+      builder.add_empty_column();
+    } else {
+      builder.add_column(problem.D, column);
     }
   }
   return builder.result();

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <type_traits>
+#include <utility>
 
 namespace lcpbench {
 namespace {
@@ -22,10 +23,40 @@ bool at_least(const Bounded& a, const Bounded& b) {
   const double missing = (b.high - a.high) + (b.low - a.low);
   return missing + 4 * (a.error + b.error) < kForgiven * b.high || surely_at_most(b, a);
 }
+bool at_least(const Bounded& a, double b) {
+  const double least = a.high + (a.low - 4 * a.error);
+  return b - least < kForgiven * b || (a.exact() && a.low == 0 && b <= a.high);
+}
 Quad made_up(Quad error) { return error; }
 Bounded made_up(Bounded error) {
   if (std::isfinite(error.high)) error.error += 8 * kForgiven * error.high;
   return error;
+}
+
+// Numbers that surely are at most or at least x >= 0; 0 and infinity where little is known of it. They put rows in
+// order and pass over rows, and never enter a measure: a double does in Bounded arithmetic.
+template <class Real>
+using Limit = std::conditional_t<std::is_same_v<Real, Quad>, Quad, double>;
+Quad lower_limit(Quad x) { return x; }
+Quad upper_limit(Quad x) { return x; }
+double lower_limit(const Bounded& x) {
+  if (x.low == 0 && x.exact()) return x.high;
+  const double least = (x.high - 2 * x.error) * (1 - 0x1p-50) - bounded::kLost;
+  return least > 0 ? least : 0;
+}
+double upper_limit(const Bounded& x) {
+  if (x.low == 0 && x.exact()) return x.high;
+  const double most = (x.high + 2 * x.error) * (1 + 0x1p-50) + bounded::kLost;
+  return most >= 0 ? most : kInfinity;
+}
+
+// At least the quotient of numbers of which one is at most `value` and the other at least `scale`, but for the rounding
+// that at_least() forgives.
+Quad limit_of_quotient(Quad value, Quad scale) { return quotient(value, scale); }
+double limit_of_quotient(double value, double scale) {
+  if (value == 0) return 0;
+  const double limit = value / scale;
+  return limit > 0 ? limit + bounded::kLost : kInfinity;
 }
 
 // The nonzero entries of an island's z in the order in which a growing tau sets them to zero: by their ratio to the
@@ -33,7 +64,12 @@ Bounded made_up(Bounded error) {
 template <class Real>
 class Removal {
  public:
-  Removal(const EvaluatedLcp<Real>& lcp, const std::vector<Real>& z, Rows rows) : lambdas_from_(lcp.lambda_offset()) {
+  explicit Removal(const EvaluatedLcp<Real>& lcp) : lambdas_from_(lcp.lambda_offset()) {}
+
+  void order(const std::vector<Real>& z, Rows rows) {
+    impulse_ = lambda_ = 0;
+    order_.clear();
+    order_.reserve(rows.size());
     for (const std::size_t i : rows) {
       double& largest = i < lambdas_from_ ? impulse_ : lambda_;
       largest = std::max(largest, std::abs(to_double(z[i])));
@@ -70,6 +106,9 @@ class Removal {
 
   double largest(std::size_t index) const { return index < lambdas_from_ ? impulse_ : lambda_; }
   int compare(const Entry& a, const Entry& b) const {
+    if (largest(a.index) == largest(b.index)) {
+      return a.magnitude < b.magnitude ? -1 : a.magnitude > b.magnitude ? 1 : 0;
+    }
     const Quad left = Quad{a.magnitude} * largest(b.index), right = Quad{b.magnitude} * largest(a.index);
     return left < right ? -1 : left > right ? 1 : 0;
   }
@@ -86,38 +125,41 @@ class ThinningPoint {
  public:
   ThinningPoint(EvaluatedLcp<Real>& lcp, const std::vector<Real>& z, const std::vector<Real>& u,
                 const std::vector<Real>& w, BackwardScale scale)
-      : lcp_(lcp), scale_(scale), z_(z), u_(u), w_(w) {}
+      : lcp_(lcp), scale_(scale), z_(&z), u_(&u), w_(&w), order_(lcp) {}
+  ThinningPoint(const ThinningPoint&) = delete;
+  ThinningPoint& operator=(const ThinningPoint&) = delete;
 
   void enter(Rows island) {
     island_ = island;
-    order_.emplace(lcp_, z_, island);
+    order_.order(*z_, island);
     response_of_ = 0;
     indices_.clear();
-    indices_.reserve(order_->size());
-    for (std::size_t place = 0; place < order_->size(); ++place) indices_.push_back(order_->index(place));
+    indices_.reserve(order_.size());
+    for (std::size_t place = 0; place < order_.size(); ++place) indices_.push_back(order_.index(place));
     set_removed(0);
   }
 
   // How many entries the least tau sets to zero that leaves no negative one.
   std::size_t least_removals() const {
-    for (std::size_t place = order_->size(); place-- > 0;) {
-      if (to_double(z_[order_->index(place)]) < 0) return order_->end_of_ratio(place);
+    for (std::size_t place = order_.size(); place-- > 0;) {
+      if (to_double((*z_)[order_.index(place)]) < 0) return order_.end_of_ratio(place);
     }
     return 0;
   }
   // The same for the next tau at which z_tau changes; nothing when all is zero.
   std::optional<std::size_t> next_removals() const {
-    if (removed_ == order_->size()) return std::nullopt;
-    return order_->end_of_ratio(removed_);
+    if (removed_ == order_.size()) return std::nullopt;
+    return order_.end_of_ratio(removed_);
   }
   // The least tau that removes so many.
-  Real tau(std::size_t removals) const { return removals == 0 ? Real(0) : order_->ratio(removals - 1); }
+  Real tau(std::size_t removals) const { return removals == 0 ? Real(0) : order_.ratio(removals - 1); }
 
   void remove(std::size_t removals) {
+    if (removals > removed_) own();
     for (std::size_t place = removed_; place < removals; ++place) {
-      const std::size_t i = order_->index(place);
-      lcp_.remove(i, z_[i], u_);
-      z_[i] = 0;
+      const std::size_t i = order_.index(place);
+      lcp_.remove(i, own_z_[i], own_u_);
+      own_z_[i] = 0;
     }
     set_removed(removals);
   }
@@ -125,7 +167,7 @@ class ThinningPoint {
   // Finds the response to z_tau anew. True when it was the corrected one, which keeps the errors of what was removed.
   bool refresh_response() {
     const bool corrected = response_of_ != removed_;
-    if (corrected) u_ = lcp_.response(z_);
+    if (corrected) own_u_ = lcp_.response(own_z_);
     response_of_ = removed_;
     return corrected;
   }
@@ -133,36 +175,38 @@ class ThinningPoint {
   // The entry of largest ratio among those set to zero.
   std::optional<std::size_t> last_removed() const {
     if (removed_ == 0) return std::nullopt;
-    return order_->index(removed_ - 1);
+    return order_.index(removed_ - 1);
   }
 
-  Real violation(std::size_t i) const { return violation(i, lcp_.row(i, z_, u_)); }
+  Real violation(std::size_t i) const { return violation(i, lcp_.row(i, *z_, *u_)); }
   // The nonzero entries, smallest ratio first.
   std::span<const std::size_t> support() const { return std::span(indices_).subspan(removed_); }
 
   // eta(z_tau). Rows are measured in the order of an upper bound of their quotients until the bound settles the rest.
   // The bound by q_i alone comes first where there is no estimate of M, as any other costs a solve with G.
-  BackwardError<Real> eta() {
-    struct Row {
-      Real bound;
-      Real violation;
-      std::size_t index;
-    };
-    if (removed_ > 0) lcp_.fill_rows(island_, z_, u_, w_);
-    std::vector<Row> rows;
-    rows.reserve(island_.size());
+  // Infinity, and the row, where a row surely shows it to be larger than `best`: no such thing is sure in 113 bits.
+  BackwardError<Real> eta(const Real& best) {
+    const Limit<Real> enough = std::is_same_v<Real, Quad> ? kInfinity : upper_limit(best) * (1 + 0x1p-50);
+    if (removed_ > 0) lcp_.fill_rows(island_, own_z_, own_u_, own_w_);
+    rows_.clear();
+    rows_.reserve(island_.size());
     for (const std::size_t i : island_) {
-      const Real violation_i = violation(i, w_[i]);
+      const Real violation_i = violation(i, (*w_)[i]);
       if (surely_equal(violation_i, 0)) continue;
-      rows.push_back({quotient(violation_i, estimated() ? scale_bounds(i).low : abs(lcp_.q(i))), violation_i, i});
+      const Bounds scale = estimated() ? scale_bounds(i) : Bounds{lower_limit(abs(lcp_.q(i))), kInfinity};
+      if (lower_limit(violation_i) > enough * scale.high) return {kInfinity, i};
+      rows_.push_back({limit_of_quotient(upper_limit(violation_i), scale.low), violation_i, i});
     }
-    std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
-      return leading(a.bound) > leading(b.bound) || (leading(a.bound) == leading(b.bound) && a.index < b.index);
+    std::sort(rows_.begin(), rows_.end(), [](const Row& a, const Row& b) {
+      return a.limit > b.limit || (a.limit == b.limit && a.index < b.index);
     });
     BackwardError<Real> eta;
-    for (const Row& row : rows) {
-      if (at_least(eta.error, row.bound)) continue;
-      if (!estimated() && at_least(eta.error, quotient(row.violation, scale_bounds(row.index).low))) continue;
+    for (const Row& row : rows_) {
+      if (at_least(eta.error, row.limit)) continue;
+      if (!estimated() &&
+          at_least(eta.error, limit_of_quotient(upper_limit(row.violation), scale_bounds(row.index).low))) {
+        continue;
+      }
       const Real error = row_error(row.index, row.violation);
       if (std::isnan(to_double(error))) {
         eta.open = true;
@@ -181,8 +225,8 @@ class ThinningPoint {
   }
 
   struct Bounds {
-    Real low = 0;
-    Real high = kInfinity;
+    Limit<Real> low = 0;
+    Limit<Real> high = kInfinity;
   };
 
   // Bounds of s_i.
@@ -191,21 +235,23 @@ class ThinningPoint {
     const MagnitudeEstimate::Row* const row = estimated() ? lcp_.estimated_row(i) : nullptr;
     if (row == nullptr) {
       const Real weight = least_weight(i);
-      return {surely_equal(weight, 0) ? q : q + abs(lcp_.diagonal(i)) * weight, kInfinity};
+      return {lower_limit(surely_equal(weight, 0) ? q : q + abs(lcp_.diagonal(i)) * weight), kInfinity};
     }
     const auto [sum, error] = estimated_scale(*row);
-    Bounds bounds{q, kInfinity};
-    const double rounding = static_cast<double>(lcp_.size() + 8) * 0x1p-52;
+    Bounds bounds{lower_limit(q), kInfinity};
     if (std::isfinite(sum) && std::isfinite(error)) {
-      bounds.low = q + larger(Real(0), Real(sum) * Real(1 - rounding) - Real(error));
-      bounds.high = q + Real(sum) * Real(1 + rounding) + Real(error);
+      // Of the sums, and of the four operations that follow.
+      const double rounding = static_cast<double>(lcp_.size() + 8) * 0x1p-52;
+      const Limit<Real> least = sum * (1 - rounding) - error;
+      if (least > 0) bounds.low = (bounds.low + least) * (1 - 0x1p-51);
+      bounds.high = (upper_limit(q) + sum * (1 + rounding) + error) * (1 + 0x1p-51);
     }
     return bounds;
   }
 
   // Violations of the island's rows, in double and without a bound on their error.
   std::vector<double> estimated_violations() const {
-    std::vector<double> violations = lcp_.estimate_w(z_, u_, island_);
+    std::vector<double> violations = lcp_.estimate_w(*z_, *u_, island_);
     for (const std::size_t i : island_) {
       violations[i] = positive(i) ? std::abs(violations[i]) : std::max(0.0, -violations[i]);
     }
@@ -218,7 +264,7 @@ class ThinningPoint {
  private:
   // s_i less |q_i|
   Real coupling(std::size_t i) {
-    if (scale_ == BackwardScale::kComponentwise) return lcp_.abs_row_times(i, z_, support());
+    if (scale_ == BackwardScale::kComponentwise) return lcp_.abs_row_times(i, *z_, support());
     return z_norm() > 0 ? lcp_.abs_row_sum(i) * Real(z_norm()) : Real(0);
   }
 
@@ -229,8 +275,16 @@ class ThinningPoint {
     return quotient(violation_i, abs(lcp_.q(i)) + moved);
   }
 
-  bool positive(std::size_t i) const { return to_double(z_[i]) > 0; }
+  bool positive(std::size_t i) const { return to_double((*z_)[i]) > 0; }
   Real violation(std::size_t i, const Real& w) const { return positive(i) ? abs(w) : larger(Real(0), -w); }
+
+  // Copies what was given, before the first change of it.
+  void own() {
+    if (z_ == &own_z_) return;
+    own_z_ = *std::exchange(z_, &own_z_);
+    own_u_ = *std::exchange(u_, &own_u_);
+    own_w_ = *std::exchange(w_, &own_w_);
+  }
 
   void set_removed(std::size_t removed) {
     removed_ = removed;
@@ -243,13 +297,13 @@ class ThinningPoint {
   double z_norm() {
     if (!z_norm_) {
       z_norm_ = 0;
-      for (const std::size_t i : support()) *z_norm_ = std::max(*z_norm_, std::abs(to_double(z_[i])));
+      for (const std::size_t i : support()) *z_norm_ = std::max(*z_norm_, std::abs(to_double((*z_)[i])));
     }
     return *z_norm_;
   }
 
   // A lower bound of the factor of |M_ii| in s_i.
-  Real least_weight(std::size_t i) { return scale_ == BackwardScale::kComponentwise ? z_[i] : Real(z_norm()); }
+  Real least_weight(std::size_t i) { return scale_ == BackwardScale::kComponentwise ? (*z_)[i] : Real(z_norm()); }
 
   struct Estimate {
     double sum = 0;
@@ -269,24 +323,30 @@ class ThinningPoint {
 
   // The island's z_tau in double, summed over the columns of the same magnitudes.
   void weigh() {
-    weights_.resize(z_.size());
+    weights_.resize(z_->size());
     for (const std::size_t j : island_) weights_[j] = 0;
     error_weight_ = 0;
     for (const std::size_t j : island_) {
-      const double z = to_double(z_[j]);
+      const double z = to_double((*z_)[j]);
       weights_[lcp_.representative(j)] += z;
       error_weight_ += lcp_.estimate().column_scale[j] * (scale_ == BackwardScale::kRowNorm ? 1 : z);
     }
     weighed_ = true;
   }
 
+  struct Row {
+    Limit<Real> limit;  // of its quotient
+    Real violation;
+    std::size_t index;
+  };
+
   EvaluatedLcp<Real>& lcp_;
   BackwardScale scale_;
-  std::vector<Real> z_;
-  std::vector<Real> u_;
-  std::vector<Real> w_;  // of the island's rows, as given or as eta() last found them
+  const std::vector<Real>*z_, *u_;  // as given, or as removals left them
+  const std::vector<Real>* w_;      // of the island's rows, as given or as eta() last found them
+  std::vector<Real> own_z_, own_u_, own_w_;
   Rows island_;
-  std::optional<Removal<Real>> order_;
+  Removal<Real> order_;
   std::vector<std::size_t> indices_;  // of order_
   std::size_t removed_ = 0;
   std::ptrdiff_t impulses_ = 0;  // that are not removed
@@ -295,6 +355,7 @@ class ThinningPoint {
   bool weighed_ = false;
   std::vector<double> weights_;  // of the island's representative columns in s_i
   double error_weight_ = 0;      // sum of column_scale times the weight of the column in s_i
+  std::vector<Row> rows_;        // scratch of eta()
 };
 
 // A row that alone shows the present z_tau to be no better than the best error found. Removing entries only lowers s_i,
@@ -308,7 +369,7 @@ struct Witness {
     const Real violation = point.violation(row);
     if (surely_equal(violation, 0)) return false;
     if (at_least(quotient(violation, scale), best)) return true;
-    scale = smaller(scale, point.scale_bounds(row).high);
+    scale = smaller(scale, Real(point.scale_bounds(row).high));
     if (at_least(quotient(violation, scale), best)) return true;
     scale = point.scale(row);
     return at_least(quotient(violation, scale), best);
@@ -326,7 +387,9 @@ std::optional<Witness<Real>> find_witness(ThinningPoint<Real>& point, const Real
   const auto enough = leading(best * Real(kSlack));
   int attempts = 0;
   for (auto i = support.rbegin(); i != support.rend() && attempts < kAttempts; ++i) {
-    if (estimated && leading(quotient(Real(violations[*i]), point.scale_bounds(*i).low)) < enough) continue;
+    if (estimated && limit_of_quotient(Limit<Real>(violations[*i]), point.scale_bounds(*i).low) < enough) {
+      continue;
+    }
     ++attempts;
     Witness<Real> witness{*i, kInfinity};
     if (witness.refutes(point, best)) return witness;
@@ -350,12 +413,12 @@ bool is_known(const BackwardError<Bounded>& eta) {
 // Of z_tau, from which so many entries are removed. That of zero is 1, as tau is, and a row is then violated by all of
 // q_i or not at all: no bound on the rounding is needed to see it.
 template <class Real>
-BackwardError<Real> error_at(ThinningPoint<Real>& point, std::size_t removals) {
+BackwardError<Real> error_at(ThinningPoint<Real>& point, std::size_t removals, const Real& best) {
   if constexpr (std::is_same_v<Real, Bounded>) {
     if (removals > 0 && !point.next_removals()) return {1.0, point.last_removed()};
   }
-  BackwardError<Real> eta = point.eta();
-  if (!is_known(eta) && point.refresh_response()) eta = point.eta();
+  BackwardError<Real> eta = point.eta(best);
+  if (!is_known(eta) && point.refresh_response()) eta = point.eta(best);
   const Real tau = point.tau(removals);
   if (leading(tau) > leading(eta.error)) eta.row = point.last_removed();
   eta.error = larger(eta.error, tau);
@@ -370,11 +433,14 @@ BackwardError<Real> island_error(ThinningPoint<Real>& point) {
   BackwardError<Real> best{kInfinity, std::nullopt};
   while (removals && !at_least(point.tau(*removals), best.error)) {
     point.remove(*removals);
-    if (surely_less(best.error, Real(kInfinity)) && !(witness && witness->refutes(point, best.error))) {
+    const bool improving = surely_less(best.error, Real(kInfinity));
+    if (improving && !(witness && witness->refutes(point, best.error))) {
       witness = find_witness(point, best.error);
     }
     if (!witness) {
-      const BackwardError<Real> found = error_at(point, *removals);
+      const BackwardError<Real> found = error_at(point, *removals, best.error);
+      if (improving && found.row && surely_equal(found.error, kInfinity))
+        witness = Witness<Real>{*found.row, kInfinity};
       demand_minimum(best, found.error, found.open);
       if (leading(found.error) < leading(best.error)) best.row = found.row;
       best.error = smaller(best.error, found.error);

@@ -6,7 +6,6 @@
 #include <stdexcept>
 #include <type_traits>
 
-#include "core/timed_solve.h"
 #include "study/evaluation/backward_error.h"
 #include "study/evaluation/farkas.h"
 
@@ -376,10 +375,8 @@ Errors Evaluator::errors(const Answer& answer) {
 
 Judgement Evaluator::judge(const Answer& answer) {
   Judgement judgement;
-  const double start = thread_cpu_clock_s();
   judgement.errors = errors(answer);
   judgement.proof_holds = answer.farkas.size() > 0 && check_farkas(answer.farkas);
-  judgement.verify_s = thread_cpu_clock_s() - start;
   return judgement;
 }
 

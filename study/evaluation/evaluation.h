@@ -102,7 +102,7 @@ inline constexpr std::array kMetrics{
 struct Judgement {
   Errors errors;
   bool proof_holds = false;  ///< it came with a proof that the problem has no solution, and the proof is valid
-  double verify_s = 0;       ///< thread CPU time that finding this out took
+  double verify_s = 0;       ///< thread CPU time that finding this out took; set by a Judge
 };
 
 /// What is known of a problem whoever solved it.
@@ -209,7 +209,7 @@ class Evaluator {
 
   /// Every measure of the answer's z and of its velocity.
   Errors errors(const Answer& answer);
-  /// The measures, the check of the answer's proof, and how long that took.
+  /// The measures and the check of the answer's proof. Takes no time: a clock is a tenth of what a small step costs.
   Judgement judge(const Answer& answer);
 
   /// Makes known the certified post-impact velocity v* (ngc): errors() then gives the forward errors too. It is for the

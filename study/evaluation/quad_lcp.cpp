@@ -117,17 +117,9 @@ ContactLcp<Real>::ContactLcp(const ContactProblem& problem, const Inertia& inert
   }
   list_cones(problem, layout);
   find_opposite_columns();
-  list_columns_of_rows();
 
   q_.assign(impulses() + normal_of_cone_.size(), 0);
   for (std::size_t i = 0; i < impulses(); ++i) q_[i] = project(i, v_) + offset(i);
-  responses_.resize(impulses());
-  abs_row_sum_.resize(impulses());
-  abs_row_sum_known_.resize(impulses(), false);
-  scratch_.assign(v_.size(), 0);
-  estimate_x_.assign(v_.size(), 0);
-  entry_.assign(impulses(), 0);
-  visited_.assign(impulses(), 0);
 }
 
 template <class Real>
@@ -197,13 +189,18 @@ void ContactLcp<Real>::find_opposite_columns() {
 template <class Real>
 void ContactLcp<Real>::list_columns_of_rows() {
   row_begin_.assign(v_.size() + 1, 0);
-  for (const std::size_t row : rows_) ++row_begin_[row + 1];
+  for (std::size_t j = 0; j < impulses(); ++j) {
+    if (twin_[j] != j) continue;
+    for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) ++row_begin_[rows_[e] + 1];
+  }
   for (std::size_t row = 0; row < v_.size(); ++row) row_begin_[row + 1] += row_begin_[row];
-  columns_of_row_.resize(rows_.size());
+  columns_of_row_.resize(row_begin_.back());
   std::vector<std::size_t> next = row_begin_;
   for (std::size_t j = 0; j < impulses(); ++j) {
+    if (twin_[j] != j) continue;
     for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) columns_of_row_[next[rows_[e]]++] = j;
   }
+  visited_.assign(impulses(), 0);
 }
 
 template <class Real>
@@ -302,6 +299,10 @@ void ContactLcp<Real>::fill_rows(std::span<const std::size_t> rows, const RealVe
 
 template <class Real>
 const typename ContactLcp<Real>::Response& ContactLcp<Real>::response_of(std::size_t column) {
+  if (responses_.empty()) {
+    responses_.resize(impulses());
+    scratch_.assign(v_.size(), 0);
+  }
   Response& response = responses_[twin_[column]];
   if (response.known) return response;
   const std::size_t j = twin_[column];
@@ -359,8 +360,13 @@ Real ContactLcp<Real>::abs_row_sum(std::size_t i) {
     const std::size_t cone = i - impulses();
     return abs(mu_[cone]) + static_cast<double>(friction_of_cone_[cone + 1] - friction_of_cone_[cone]);
   }
+  if (abs_row_sum_.empty()) {
+    abs_row_sum_.resize(impulses());
+    abs_row_sum_known_.resize(impulses(), false);
+  }
   const std::size_t row = twin_[i];
   if (!abs_row_sum_known_[row]) {
+    if (row_begin_.empty()) list_columns_of_rows();
     const Response& response = response_of(row);
     scatter(response);
     ++visit_;
@@ -370,8 +376,8 @@ Real ContactLcp<Real>::abs_row_sum(std::size_t i) {
         const std::size_t j = columns_of_row_[e];
         if (visited_[j] == visit_) continue;
         visited_[j] = visit_;
-        entry_[j] = twin_[j] == j ? abs(project(j, scratch_)) : entry_[twin_[j]];
-        sum += entry_[j];
+        const Real entry = abs(project(j, scratch_));
+        sum += represented_[j] == 1 ? entry : entry + entry;
       }
     }
     gather(response);
@@ -426,6 +432,8 @@ void ContactLcp<Real>::fill_row(std::size_t i, MagnitudeEstimate::Row& row, Magn
     fill_cone_row(i - impulses(), row, estimate);
     return;
   }
+  if (row_begin_.empty()) list_columns_of_rows();
+  if (estimate_x_.empty()) estimate_x_.assign(v_.size(), 0);
   const double error = estimate_response(i);
   double largest = 0;
   for (const std::size_t r : estimate_pattern_) largest = std::max(largest, std::abs(estimate_x_[r]));
@@ -433,7 +441,7 @@ void ContactLcp<Real>::fill_row(std::size_t i, MagnitudeEstimate::Row& row, Magn
   for (const std::size_t r : estimate_pattern_) {
     for (std::size_t e = row_begin_[r]; e < row_begin_[r + 1]; ++e) {
       const std::size_t j = columns_of_row_[e];
-      if (twin_[j] != j || visited_[j] == visit_) continue;
+      if (visited_[j] == visit_) continue;
       visited_[j] = visit_;
       const double entry = std::abs(project(j, estimate_x_));
       estimate.add(j, entry);

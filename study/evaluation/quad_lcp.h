@@ -197,7 +197,7 @@ class ContactLcp final : public EvaluatedLcp<Real> {
   std::vector<double> values_;
   std::vector<std::size_t> twin_;  ///< the column's own index, or that of an earlier column of which it is the negative
   std::vector<double> represented_;     ///< columns of which it is the twin
-  std::vector<std::size_t> row_begin_;  ///< the columns that meet each row of J
+  std::vector<std::size_t> row_begin_;  ///< the columns that meet each row of J but for twins, when first asked for
   std::vector<std::size_t> columns_of_row_;
 
   RealVector mu_;                              ///< of each cone row
@@ -205,13 +205,13 @@ class ContactLcp final : public EvaluatedLcp<Real> {
   std::vector<std::size_t> friction_of_cone_;  ///< cones + 1 offsets in z of the cone's friction impulses
   std::vector<std::size_t> lambda_of_;         ///< per friction impulse: index in z of its contact's lambda
 
+  // What follows is allocated when it is first needed.
   std::vector<Response> responses_;
   RealVector abs_row_sum_;
   std::vector<bool> abs_row_sum_known_;
   RealVector scratch_;              ///< ngc zeros between uses
   std::vector<double> estimate_x_;  ///< the same, in double
   std::vector<std::size_t> estimate_pattern_;
-  RealVector entry_;                    ///< scratch of abs_row_sum(), per column
   std::vector<std::uint32_t> visited_;  ///< per column: the last visit's number
   std::uint32_t visit_ = 0;
 };

@@ -6,6 +6,7 @@
 #include "core/registry.h"
 #include "core/scene.h"
 #include "generators/sets.h"
+#include "native/contacts/contact_columns.h"
 #include "study/evaluation/evaluation.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/textbook_lcps.h"
@@ -283,6 +284,16 @@ TEST(PsorTest, FrictionAllocatesNothingEither) {
       EXPECT_EQ(testing::count_allocations([&] { solver->solve({.start = &start}, answer); }), 0) << acceleration;
     }
   }
+}
+
+// quickstep_sor asks for the rows of directions of its own.
+TEST(ContactColumns, AreThoseOfDWhateverTheEdges) {
+  ContactProblem contact = contact_problem(falling_stack(3, 4));
+  const Index friction = cols(contact.D);
+  contact.D = Matrix(Matrix::Ones(contact.ngc(), friction / 2));
+  const ContactColumns columns = contact_columns(contact);
+  EXPECT_EQ(columns.J.cols(), contact.nc() + friction / 2);
+  EXPECT_EQ(columns.diagonal.size(), contact.nc() + friction / 2);
 }
 
 }  // namespace
