@@ -116,6 +116,27 @@ TEST(Shrink, FindsTheRowsOfABareLcp) {
   EXPECT_EQ(shrunk.problem.lcp().M, Matrix::Zero(2, 2));
 }
 
+// Of the numbers of M one becomes 1 on the way, and M symmetric: the numbers before it keep their places.
+TEST(Shrink, RoundsTheNumbersOfAMatrixThatBecomesSymmetric) {
+  Lcp lcp{Matrix::Zero(4, 4), Vector::Ones(4)};
+  lcp.M(0, 1) = lcp.M(1, 0) = 3.25;
+  lcp.M(1, 1) = 40.25;
+  lcp.M(0, 3) = 2.5;
+  lcp.M(3, 0) = 1;
+  bool mixed_up = false;
+  const auto fails = [&](const Problem& problem) {
+    Matrix M = problem.lcp().M;
+    if (M.rows() != 4 || M(0, 3) == 0) return false;
+    mixed_up = mixed_up || M(1, 1) == 3;  // what M(0, 1) is in one digit
+    M(0, 3) = lcp.M(0, 3);
+    return M == lcp.M;
+  };
+  const Shrunk shrunk = shrink(read_again({"rows", lcp}), fails, {});
+  EXPECT_TRUE(shrunk.complete);
+  EXPECT_EQ(shrunk.problem.lcp().M(0, 3), 1);
+  EXPECT_FALSE(mixed_up);
+}
+
 // Of seven rows the halves are the first three and the last four; from the other end the last three and the first four.
 TEST(Shrink, SearchesFromTheOtherEndWhereTheFirstSearchEndsEarly) {
   const auto fails = [](const Problem& problem) {
