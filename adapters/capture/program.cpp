@@ -181,8 +181,9 @@ int run(const Arguments& arguments) {
     track->end(failure);
     break;
   }
-  if (track != nullptr) track->close();
-  return lcpbench_capture_close(file.release());
+  const int failed = lcpbench_capture_close(file.release());
+  if (failed == 0 && track != nullptr) track->close();  // its last line says that all is there
+  return failed;
 }
 
 }  // namespace

@@ -49,8 +49,12 @@ Eigen::VectorXd SolverLoop::operator()(Snapshot& snapshot) {
   const Answer& answer = timed_.answer;
   claim_ = to_string(answer.claim);
   if (!solved) {
-    failure_ = name_ + " did not solve it: " + claim_;
-    if (!answer.detail.empty()) failure_ += ", " + answer.detail;
+    if (answer.claim == Claim::kUnsupported) {
+      failure_ = name_ + " does not take it: " + (answer.detail.empty() ? claim_ : answer.detail);
+    } else {
+      failure_ = name_ + " did not solve it: " + claim_;
+      if (!answer.detail.empty()) failure_ += ", " + answer.detail;
+    }
     return contact.v;
   }
   const bool whole = answer.velocity.size() == contact.ngc() && answer.velocity.allFinite();

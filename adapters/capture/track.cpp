@@ -41,6 +41,9 @@ std::string Track::add(long step, const Snapshot& snapshot, const Eigen::VectorX
 }
 
 void Track::close() {
+  for (char& c : why_) {
+    if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = '?';  // as in the tables made of it
+  }
   std::fprintf(file_.get(), "end,%s\n", why_.c_str());
   const bool failed = std::ferror(file_.get()) != 0;
   if (std::fclose(file_.release()) != 0 || failed) throw InputError("cannot write '" + name_ + "'");

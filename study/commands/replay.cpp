@@ -107,8 +107,8 @@ ReplayFiles files_of(const ReplayArguments& arguments, const std::string& scene,
 /// Steps the scene on with the solver, unless an earlier run did. @returns whether it came to its end
 bool step_on(const ReplayArguments& arguments, const std::string& scene, std::int64_t steps, const std::string& solver,
              const ReplayFiles& files, const volatile std::sig_atomic_t* stop) {
-  if (!arguments.fresh && is_complete_track(files.track)) return true;
   std::error_code ignored;
+  if (!arguments.fresh && is_complete_track(files.track) && fs::exists(files.frames, ignored)) return true;
   fs::remove(files.track, ignored);
   const std::int64_t every = std::max<std::int64_t>(1, steps / (kFrames - 1));
   const capture::EngineRun run = capture::run_engine(
@@ -209,7 +209,10 @@ bool replay_scene(const ReplayArguments& arguments, const capture::Scene& scene,
 
 int run_replay(const ReplayArguments& arguments) {
   std::vector<const capture::Scene*> scenes;
-  for (const std::string& name : arguments.scenes) scenes.push_back(&find_scene(name));
+  for (const std::string& name : arguments.scenes) {
+    const capture::Scene* const scene = &find_scene(name);
+    if (std::find(scenes.begin(), scenes.end(), scene) == scenes.end()) scenes.push_back(scene);
+  }
   const std::vector<std::string> solvers = solvers_of(arguments);
   make_folder(arguments);
   const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
@@ -241,8 +244,7 @@ std::string list_of_scenes() {
   std::string text =
       "The scene is stepped on with each solver's answers, whatever their verdicts: the same integrator, the same "
       "collision detection. Ctrl-C ends with exit code 3; the same command goes on. Exit code 1: an engine crashed. "
-      "See "
-      "docs/howto/replay-a-scene.md.\n\nScenes:";
+      "See docs/howto/replay-a-scene.md.\n\nScenes:";
   for (const capture::Scene& scene : capture::scenes()) {
     if (!scene.articulated()) text += fmt::format("\n  {:<20} {}", scene.name, scene.summary);
   }

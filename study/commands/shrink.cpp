@@ -1,8 +1,11 @@
 #include "study/shrink/shrink.h"
 
+#include <cerrno>
 #include <csignal>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,6 +13,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "core/error.h"
 #include "core/io/problem_checks.h"
@@ -60,6 +64,13 @@ void check_out(const std::string& out, const std::string& file) {
   if (!folder.empty() && !fs::is_directory(folder, error)) {
     throw InputError(fmt::format("--out '{}': there is no folder {}", out, folder.string()));
   }
+  if (fs::is_directory(out, error)) throw InputError(fmt::format("--out '{}': is a folder", out));
+  const std::string trial = fmt::format("{}.{}", out, getpid());
+  errno = 0;
+  if (!std::ofstream(trial)) {
+    throw InputError(fmt::format("--out '{}': cannot be written: {}", out, std::strerror(errno)));
+  }
+  fs::remove(trial, error);
 }
 
 FailureOptions failure_options(const ShrinkArguments& arguments) {
@@ -103,6 +114,7 @@ std::string replay_command(const ShrinkArguments& arguments, const FailureTest& 
   std::string command =
       fmt::format("lcpbench solve {} --solver {}", shell_word(arguments.out), shell_word(test.solver().text()));
   const bool certificate = test.other() == "certificate";
+  if (test.other().empty() && test.solver().text() != "auto") command += " --solver auto";
   if (!test.other().empty() && !certificate) command += " --solver " + shell_word(test.other());
   if (arguments.time_limit_s != kTimeLimitS) command += fmt::format(" --time-limit {:g}", arguments.time_limit_s);
   return certificate ? command + " && lcpbench certify " + shell_word(arguments.out) : command;

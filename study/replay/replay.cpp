@@ -12,6 +12,8 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "study/report/tables.h"
+#include "study/report/text.h"
 
 namespace lcpbench {
 namespace {
@@ -22,6 +24,10 @@ constexpr std::string_view kEnd = "end,";
 constexpr std::int64_t kEvery = 10;
 /// Ways below this are called nothing: solvers do not differ by what nobody sees.
 constexpr double kUnseen = 1e-4;
+/// Ways that differ by less than this share are called equally good.
+constexpr double kSame = 0.05;
+/// In the end of a replay, between the solver's name and the reason: see adapters/capture/solver_loop.cpp.
+constexpr std::string_view kRefuses = " does not take it: ";
 
 std::vector<std::string> cells_of(const std::string& line) {
   std::vector<std::string> cells(1);
@@ -62,19 +68,16 @@ bool read_step(const std::string& line, ReplayStep& step) {
 /// Three significant digits; nothing for NaN.
 std::string cell(double value) { return std::isnan(value) ? "" : fmt::format("{:.3g}", value); }
 
-std::string quoted(const std::string& text) {
-  return text.find(',') == std::string::npos ? text : '"' + text + '"';  // specs have no quotation marks
-}
-
 struct Phrases {
   const char* what;
-  const char* best;
+  const char* one_best;
+  const char* many_best;
 };
 
 Phrases phrases(double ReplayStep::*measure) {
-  if (measure == &ReplayStep::slip_m) return {"what is gripped slips by at most", "holds it best"};
-  if (measure == &ReplayStep::drift_m) return {"what should stand moves by at most", "keeps it best"};
-  return {"bodies sink into each other by at most", "keeps them apart best"};
+  if (measure == &ReplayStep::slip_m) return {"what is gripped slips by at most", "holds it best", "hold it best"};
+  if (measure == &ReplayStep::drift_m) return {"what should stand moves by at most", "keeps it best", "keep it best"};
+  return {"bodies sink into each other by at most", "keeps them apart best", "keep them apart best"};
 }
 
 /// "a", "a and b", "a, b and c".
@@ -85,6 +88,34 @@ std::string joined(const std::vector<std::string>& words) {
     text += words[i];
   }
   return text;
+}
+
+/// Which solvers are best, and by how much; `order` has the best first.
+std::string comparison(const ReplayedScene& scene, const std::vector<const Replay*>& order) {
+  double ReplayStep::*const measure = scene.measure();
+  const double best = order.front()->largest(measure);
+  const double worst = order.back()->largest(measure);
+  if (worst <= std::max(kUnseen, 2 * best)) return "the solvers make no difference that matters here";
+  std::vector<std::string> names;
+  for (const Replay* replay : order) {
+    if (replay->largest(measure) <= std::max(kUnseen, (1 + kSame) * best)) {
+      names.push_back(replayed_by(scene, *replay));
+    }
+  }
+  const Phrases words = phrases(measure);
+  const std::string text = fmt::format("{} {}", joined(names), names.size() == 1 ? words.one_best : words.many_best);
+  return best < kUnseen ? text : fmt::format("{}, {:.2g} times better than the worst", text, worst / best);
+}
+
+/// How a replay ended early.
+std::string loss(const ReplayedScene& scene, const Replay& replay) {
+  const std::string name = replayed_by(scene, replay);
+  const std::size_t refuses = replay.end.find(kRefuses);
+  if (!replay.answered() && refuses != std::string::npos) {
+    return fmt::format("{} does not take it ({})", name, replay.end.substr(refuses + kRefuses.size()));
+  }
+  return fmt::format("{} loses the scene at step {}", name, replay.survived()) +
+         (replay.end.empty() ? "" : fmt::format(" ({})", replay.end));
 }
 
 }  // namespace
@@ -122,6 +153,8 @@ std::int64_t Replay::claimed() const {
 std::int64_t Replay::with_contacts() const {
   return std::count_if(steps.begin(), steps.end(), [](const ReplayStep& step) { return step.contacts > 0; });
 }
+
+bool Replay::answered() const { return with_contacts() > 0 || (end.empty() && !steps.empty()); }
 
 bool is_complete_track(const std::string& file) {
   std::ifstream stream(file);
@@ -171,11 +204,14 @@ std::string replayed_by(const ReplayedScene& scene, const Replay& replay) {
 std::string conclusion(const ReplayedScene& scene) {
   std::vector<const Replay*> order;
   for (const Replay& replay : scene.replays) {
-    if (!replay.steps.empty()) order.push_back(&replay);
+    if (replay.answered()) order.push_back(&replay);
   }
-  const std::string head =
-      fmt::format("{}, {} steps of {:g} s in {}: ", scene.scene, scene.steps, scene.step_length_s, scene.engine);
-  if (order.empty()) return head + "no solver gave an answer to its first step.";
+  const std::string head = fmt::format("{}, {} of {:g} s in {}: ", scene.scene, report::counted(scene.steps, "step"),
+                                       scene.step_length_s, scene.engine);
+  if (order.empty()) {
+    const std::string cause = scene.replays.empty() ? "" : fmt::format(" ({})", scene.replays.front().end);
+    return fmt::format("{}no solver gave an answer to its first step with contacts{}.", head, cause);
+  }
   double ReplayStep::*const measure = scene.measure();
   std::stable_sort(order.begin(), order.end(),
                    [measure](const Replay* a, const Replay* b) { return a->largest(measure) < b->largest(measure); });
@@ -185,27 +221,19 @@ std::string conclusion(const ReplayedScene& scene) {
   }
   std::vector<std::string> lost;
   for (const Replay& replay : scene.replays) {
-    if (replay.survived() >= scene.steps) continue;
-    lost.push_back(fmt::format("{} loses the scene at step {}", replayed_by(scene, replay), replay.survived()) +
-                   (replay.end.empty() ? "" : fmt::format(" ({})", replay.end)));
+    if (replay.survived() < scene.steps) lost.push_back(loss(scene, replay));
   }
   std::string text = head + fmt::format("{} {}", phrases(measure).what, joined(ways));
-  const double best = order.front()->largest(measure);
-  const double worst = order.back()->largest(measure);
   if (!lost.empty()) {
     text += "; " + joined(lost);
-  } else if (worst <= std::max(kUnseen, 2 * best)) {
-    text += "; the solvers make no difference that matters here";
-  } else if (best < kUnseen) {
-    text += fmt::format("; {} {}", replayed_by(scene, *order.front()), phrases(measure).best);
-  } else {
-    text += fmt::format("; {} {}, {:.2g} times better than the worst", replayed_by(scene, *order.front()),
-                        phrases(measure).best, worst / best);
+  } else if (order.size() > 1) {
+    text += "; " + comparison(scene, order);
   }
   return text + ".";
 }
 
 std::string replay_summary_csv(const std::vector<ReplayedScene>& scenes) {
+  using report::csv_text;
   std::string text =
       "scene,engine,solver,steps,survived,end,steps_with_contacts,claimed_solved,drift_m,slip_m,deepest_m,"
       "energy_rise_j\n";
@@ -213,22 +241,23 @@ std::string replay_summary_csv(const std::vector<ReplayedScene>& scenes) {
     for (const Replay& replay : scene.replays) {
       const bool claims = replay.solver != "engine";
       text +=
-          fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", quoted(scene.scene), scene.engine, quoted(replay.solver),
-                      scene.steps, replay.survived(), quoted(replay.end), replay.with_contacts(),
-                      claims ? std::to_string(replay.claimed()) : "", cell(replay.largest(&ReplayStep::drift_m)),
-                      cell(replay.largest(&ReplayStep::slip_m)), cell(replay.largest(&ReplayStep::deepest_m)),
-                      cell(scene.pushed ? kNone : replay.energy_rise()));
+          fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_text(scene.scene), scene.engine,
+                      csv_text(replay.solver), scene.steps, replay.survived(), csv_text(replay.end),
+                      replay.with_contacts(), claims ? std::to_string(replay.claimed()) : "",
+                      cell(replay.largest(&ReplayStep::drift_m)), cell(replay.largest(&ReplayStep::slip_m)),
+                      cell(replay.largest(&ReplayStep::deepest_m)), cell(scene.pushed ? kNone : replay.energy_rise()));
     }
   }
   return text;
 }
 
 std::string replay_steps_csv(const ReplayedScene& scene) {
+  using report::csv_text;
   std::string text = fmt::format("solver,{}\n", kHeading);
   for (const Replay& replay : scene.replays) {
     for (const ReplayStep& step : replay.steps) {
       if (step.step % kEvery != 0 && &step != &replay.steps.back()) continue;
-      text += fmt::format("{},{},{:.4g},{},{},{:.6g},{},{},{}\n", quoted(replay.solver), step.step, step.time_s,
+      text += fmt::format("{},{},{:.4g},{},{},{:.6g},{},{},{}\n", csv_text(replay.solver), step.step, step.time_s,
                           step.contacts, step.claim, step.energy_j, cell(step.deepest_m), cell(step.drift_m),
                           cell(step.slip_m));
     }

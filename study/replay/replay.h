@@ -32,6 +32,8 @@ struct Replay {
   /// Steps with contacts that the solver claims to have solved, and all steps with contacts.
   std::int64_t claimed() const;
   std::int64_t with_contacts() const;
+  /// Whether the replay came past its first step with contacts.
+  bool answered() const;
 };
 
 /// A scene in which something moved by more than this, that should not move, counts as lost [m].

@@ -86,20 +86,29 @@ FailureTest::Seen FailureTest::see(const Problem& problem, const Spec& spec, Jud
   return seen;
 }
 
+void FailureTest::require_taken(const Spec& spec, const Seen& seen) const {
+  if (seen.answer.claim != Claim::kUnsupported) return;
+  throw InputError(fmt::format("solver '{}' does not take the problem: {}", spec.text(), seen.answer.detail));
+}
+
 /// By what the judge knows; else by the answer of `auto`; else by a certificate.
 Truth FailureTest::truth(const Problem& problem, Judge& judge, std::string& because) {
   because = judge.findings().has(Evidence::kTheory) ? "by theory" : "by exact arithmetic or a verified answer";
   if (judge.findings().truth() != Truth::kUnknown) return judge.findings().truth();
+  if (!settled_) settled_ = settle(problem, judge);
+  because = settled_->because;
+  return settled_->truth;
+}
+
+FailureTest::Settled FailureTest::settle(const Problem& problem, Judge& judge) {
   if (options_.solver.name != "auto") see(problem, {"auto", {}}, judge);
-  because = "auto solves it";
-  if (judge.findings().truth() != Truth::kUnknown) return judge.findings().truth();
-  because = "by exact arithmetic";
+  if (judge.findings().truth() != Truth::kUnknown) return {judge.findings().truth(), "auto solves it"};
   switch (certifier_.certify(problem).kind) {
-    case CertificateKind::kSolution: return Truth::kSolvable;
-    case CertificateKind::kUnsolvable: return Truth::kUnsolvable;
+    case CertificateKind::kSolution: return {Truth::kSolvable, "by exact arithmetic"};
+    case CertificateKind::kUnsolvable: return {Truth::kUnsolvable, "by exact arithmetic"};
     case CertificateKind::kOpen: break;
   }
-  return Truth::kUnknown;
+  return {};
 }
 
 bool FailureTest::is_solvable(const Problem& problem, const Seen& seen, Judge& judge) {
@@ -162,6 +171,10 @@ bool FailureTest::is_different(const Problem& problem, const Seen& seen, Judge& 
 }
 
 bool FailureTest::finds_other(const Problem& problem, const Seen& seen, Judge& judge) {
+  if (options_.against && *options_.against != kCertificate) {
+    const Spec against = parse_spec(*options_.against);
+    require_taken(against, see(problem, against, judge));
+  }
   if (!seen.errors.solved) return false;
   std::vector<std::string> others{"auto", kCertificate};
   for (const RegisteredSolver& solver : registered_solvers()) {
@@ -180,12 +193,10 @@ bool FailureTest::finds_other(const Problem& problem, const Seen& seen, Judge& j
 }
 
 bool FailureTest::begin(const Problem& problem) {
+  settled_.reset();
   Judge judge(problem, settler_);
   const Seen seen = see(problem, options_.solver, judge);
-  if (seen.answer.claim == Claim::kUnsupported) {
-    throw InputError(
-        fmt::format("solver '{}' does not take the problem: {}", options_.solver.text(), seen.answer.detail));
-  }
+  require_taken(options_.solver, seen);
   const auto asked = [&](FailureKind kind) { return options_.kind.value_or(kind) == kind; };
   const auto is = [&](FailureKind kind, bool holds) {
     if (holds) kind_ = kind;
@@ -199,11 +210,18 @@ bool FailureTest::begin(const Problem& problem) {
   if (!failed) {
     words_ = fmt::format("{} ends with {}, and the answer {}", options_.solver.text(), to_string(*claim_),
                          seen.errors.solved ? "solves the problem" : "does not solve the problem");
+    if (asked(FailureKind::kMissed) && !seen.errors.solved && seen.model == FrictionModel::kPyramid) {
+      std::string because;
+      const Truth known = truth(problem, judge, because);
+      if (known == Truth::kUnsolvable) words_ += "; it has no solution";
+      if (known == Truth::kUnknown) words_ += "; whether it has a solution is not known";
+    }
   }
   return failed;
 }
 
 bool FailureTest::fails(const Problem& problem) {
+  settled_.reset();
   Judge judge(problem, settler_);
   const Seen seen = see(problem, options_.solver, judge);
   if (!same_claim(seen.answer.claim, *claim_)) return false;

@@ -58,8 +58,16 @@ class FailureTest {
     FrictionModel model = FrictionModel::kPyramid;
   };
 
+  /// Whether a problem has a solution, and how that is known.
+  struct Settled {
+    Truth truth = Truth::kUnknown;
+    std::string because;
+  };
+
   Seen see(const Problem& problem, const Spec& spec, Judge& judge);
+  void require_taken(const Spec& spec, const Seen& seen) const;
   Truth truth(const Problem& problem, Judge& judge, std::string& because);
+  Settled settle(const Problem& problem, Judge& judge);
   bool is_solvable(const Problem& problem, const Seen& seen, Judge& judge);
   bool is_wrong(const Problem& problem, const Seen& seen, Judge& judge);
   bool is_missed(const Problem& problem, const Seen& seen, Judge& judge);
@@ -74,6 +82,7 @@ class FailureTest {
   double accuracy_ = kSolvedVelocityResidual;  ///< rho that both answers of kDiffers must have
   double seen_accuracy_ = 0;
   std::string words_;
+  std::optional<Settled> settled_;  ///< of the problem at hand, by more than what the judge knows
   std::map<std::string, std::unique_ptr<TimedSolver>> opened_;
   Settler settler_;
   Certifier certifier_;

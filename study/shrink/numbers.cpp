@@ -136,7 +136,12 @@ double rounded(double value, int digits) {
   return result;
 }
 
-Draft::Draft(const Problem& problem) : name_(problem.name()), data_(data_of(problem)) {
+bool has_symmetric_matrix(const Problem& problem) {
+  return problem.kind() == ProblemKind::kLcp && problem.lcp().M == problem.lcp().M.transpose();
+}
+
+Draft::Draft(const Problem& problem, bool symmetric)
+    : symmetric_(symmetric), name_(problem.name()), data_(data_of(problem)) {
   std::visit([this](auto& data) { collect(data); }, data_);
 }
 
@@ -174,7 +179,7 @@ void Draft::collect(ContactProblem& contact) {
 void Draft::collect(Lcp& lcp) {
   groups_.resize(2);
   add_all(groups_[0], lcp.q);
-  if (lcp.M == lcp.M.transpose()) {
+  if (symmetric_) {
     add_symmetric(groups_[1], lcp.M);
   } else {
     add_all(groups_[1], lcp.M);

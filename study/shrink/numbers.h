@@ -30,10 +30,15 @@ class Number {
   std::vector<std::pair<double*, double>> places_;
 };
 
+/// Whether the problem is a bare LCP with a symmetric M.
+bool has_symmetric_matrix(const Problem& problem);
+
 /// A copy of a problem whose numbers can be changed.
 class Draft {
  public:
-  explicit Draft(const Problem& problem);
+  explicit Draft(const Problem& problem) : Draft(problem, has_symmetric_matrix(problem)) {}
+  /// @param symmetric  the two triangles of a bare LCP's M hold the same numbers, and change together
+  Draft(const Problem& problem, bool symmetric);
   Draft(const Draft&) = delete;  // groups point into it
   Draft& operator=(const Draft&) = delete;
 
@@ -52,6 +57,7 @@ class Draft {
   void collect(ContactProblem& contact);
   void collect(Lcp& lcp);
 
+  bool symmetric_;
   std::string name_;
   std::variant<Lcp, ContactProblem, RigidScene> data_;
   std::vector<Group> groups_;

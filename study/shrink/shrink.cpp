@@ -130,7 +130,7 @@ class Shrinker {
   /// Takes the draft with `change` made in it, which returns whether it changed anything.
   template <class Change>
   bool take_changed(Change change) {
-    Draft draft(best_);
+    Draft draft(best_, symmetric_);
     return change(draft) && take([&] { return draft.problem(); });
   }
 
@@ -170,6 +170,8 @@ class Shrinker {
 
   /// All numbers in few digits; then each meaning by itself; then each number.
   void round_numbers() {
+    // Once for all of them: a number must keep its place in its group where M becomes symmetric on the way.
+    symmetric_ = has_symmetric_matrix(best_);
     for (const int digits : kDigits) {
       const bool taken = take_changed([&](Draft& draft) {
         bool changed = false;
@@ -178,7 +180,7 @@ class Shrinker {
       });
       if (taken) break;
     }
-    const std::size_t groups = Draft(best_).groups().size();
+    const std::size_t groups = Draft(best_, symmetric_).groups().size();
     for (std::size_t g = 0; g < groups; ++g) round_group(g);
     for (std::size_t g = 0; g < groups; ++g) round_each(g);
   }
@@ -196,7 +198,7 @@ class Shrinker {
   }
 
   void round_each(std::size_t g) {
-    const Draft start(best_);
+    const Draft start(best_, symmetric_);
     // A number that becomes zero is in the group no more: from the last to the first, no other changes its place.
     for (std::size_t i = start.groups()[g].size(); i-- > 0;) {
       const double value = start.groups()[g][i].value();
@@ -219,6 +221,7 @@ class Shrinker {
   double end_s_;
   bool over_ = false;
   bool tried_backwards_ = false;
+  bool symmetric_ = false;  ///< the M of best_, while its numbers are rounded
   std::int64_t tries_ = 0;
   std::unordered_set<std::string> known_;  ///< hashes of what was tried
 };

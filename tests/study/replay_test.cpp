@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -60,7 +61,34 @@ TEST(Replay, TheConclusionIsOneSentenceWithTheNumbers) {
       "2.5 m with falls; falls loses the scene at step 1 and gives up loses the scene at step 1 (gives up did not "
       "solve it).");
   EXPECT_EQ(conclusion(scene({replay("none", {}, "no answer")})),
-            "tower, 4 steps of 0.005 s in ODE: no solver gave an answer to its first step.");
+            "tower, 4 steps of 0.005 s in ODE: no solver gave an answer to its first step with contacts (no answer).");
+}
+
+TEST(Replay, TheConclusionNamesAllThatAreAsGoodAsTheBest) {
+  EXPECT_EQ(conclusion(scene({replay("a", {0, 0, 0, 0.00402}), replay("b", {0, 0, 0, 0.03}),
+                              replay("c", {0, 0, 0, 0.004}), replay("d", {0, 0, 0, 0.0043})})),
+            "tower, 4 steps of 0.005 s in ODE: what should stand moves by at most 4 mm with c, 4 mm with a, 4.3 mm "
+            "with d and 3 cm with b; c and a keep it best, 7.5 times better than the worst.");
+  EXPECT_EQ(conclusion(scene({replay("a", {0, 0, 0, 9e-5}), replay("b", {0, 0, 0, 0.03}), replay("c", {0, 0, 0, 0})})),
+            "tower, 4 steps of 0.005 s in ODE: what should stand moves by at most 0 mm with c, 0.09 mm with a and "
+            "3 cm with b; c and a keep it best.");
+  ReplayedScene one = scene({replay("alone", {0.004})});
+  one.steps = 1;
+  EXPECT_EQ(conclusion(one), "tower, 1 step of 0.005 s in ODE: what should stand moves by at most 4 mm with alone.");
+}
+
+TEST(Replay, TheConclusionTellsRefusingFromLosing) {
+  Replay falls_first = replay("picky", {0, 0}, "picky does not take it: no friction here");
+  for (ReplayStep& step : falls_first.steps) step.contacts = 0;
+  EXPECT_EQ(conclusion(scene({falls_first, replay("good", {0, 0.004, 0.004, 0.004})})),
+            "tower, 4 steps of 0.005 s in ODE: what should stand moves by at most 4 mm with good; picky does not take "
+            "it (no friction here).");
+}
+
+TEST(Replay, TablesQuoteWhatTheyMust) {
+  EXPECT_NE(replay_summary_csv({scene({replay("a{b=1,c=2}", {0}, "said \"no\",\nand left")})})
+                .find("tower,ODE,\"a{b=1,c=2}\",4,0,\"said \"\"no\"\",?and left\",1,1,"),
+            std::string::npos);
 }
 
 TEST(Replay, ReadsWhatWasWrittenAndNamesWhatIsWrong) {
@@ -146,9 +174,34 @@ TEST_F(ReplayCommand, WritesPageTablesAndConclusionsAndTheSameAgain) {
   EXPECT_EQ(result("index.html"), page);
   EXPECT_EQ(fresh_without.exit_code, 2);
   EXPECT_NE(fresh_without.err.find("engine 'ode' is not available"), std::string::npos) << fresh_without.err;
+  // What has lost its frames is stepped again.
+  for (const fs::directory_entry& file : fs::directory_iterator(folder_ / "made" / "steps")) {
+    if (file.path().extension() == ".scenes") fs::remove(file.path());
+  }
+  EXPECT_EQ(run(command).exit_code, 0);
+  EXPECT_EQ(result("index.html"), page);
   EXPECT_EQ(run(command + " --fresh").exit_code, 0);
   EXPECT_EQ(result("card-house.csv"), table);
   EXPECT_EQ(result("summary.csv"), summary);
+}
+
+TEST_F(ReplayCommand, ASceneNamedTwiceIsReplayedOnce) {
+  if (!installed("ode")) GTEST_SKIP();
+  ASSERT_EQ(run("replay stack stack --solver auto --steps 3 --out made").exit_code, 0);
+  const std::string conclusions = result("conclusions.md");
+  EXPECT_EQ(std::count(conclusions.begin(), conclusions.end(), '\n'), 1);
+}
+
+// Else the next run would take the replay for complete.
+TEST_F(ReplayCommand, ATrackWhoseFramesCannotBeWrittenHasNoEnd) {
+  const fs::path program = fs::path(LCPBENCH_PROGRAM).parent_path() / "lcpbench-capture-ode";
+  if (!installed("ode") || !fs::exists("/dev/full")) GTEST_SKIP();
+  fs::create_symlink("/dev/full", folder_ / "frames");
+  const std::string command = "cd '" + std::string(folder_ / "") + "' && '" + program.string() +
+                              "' stack '' 1 3 frames auto track.csv 2> /dev/null";
+  EXPECT_NE(std::system(command.c_str()), 0);
+  EXPECT_TRUE(fs::exists(folder_ / "track.csv"));
+  EXPECT_FALSE(is_complete_track(folder_ / "track.csv"));
 }
 
 TEST_F(ReplayCommand, AForeignSolverStepsInItsWorkerAndOneThatRefusesEndsTheReplay) {
@@ -159,7 +212,8 @@ TEST_F(ReplayCommand, AForeignSolverStepsInItsWorkerAndOneThatRefusesEndsTheRepl
   const json replays = json::parse(output.out)[0]["replays"];
   EXPECT_EQ(replays[0]["survived"], 5) << replays.dump();
   EXPECT_EQ(replays[1]["survived"], 0) << replays.dump();
-  EXPECT_NE(replays[1]["end"].get<std::string>().find("active_set did not solve it"), std::string::npos);
+  EXPECT_NE(replays[1]["end"].get<std::string>().find("active_set does not take it: "), std::string::npos);
+  EXPECT_NE(output.out.find("; active_set does not take it ("), std::string::npos) << output.out;
 }
 
 TEST_F(ReplayCommand, AnInterruptLeavesAFolderThatCanBeUsedAgain) {

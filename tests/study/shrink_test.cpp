@@ -116,6 +116,27 @@ TEST(Shrink, FindsTheRowsOfABareLcp) {
   EXPECT_EQ(shrunk.problem.lcp().M, Matrix::Zero(2, 2));
 }
 
+// Of the numbers of M one becomes 1 on the way, and M symmetric: the numbers before it keep their places.
+TEST(Shrink, RoundsTheNumbersOfAMatrixThatBecomesSymmetric) {
+  Lcp lcp{Matrix::Zero(4, 4), Vector::Ones(4)};
+  lcp.M(0, 1) = lcp.M(1, 0) = 3.25;
+  lcp.M(1, 1) = 40.25;
+  lcp.M(0, 3) = 2.5;
+  lcp.M(3, 0) = 1;
+  bool mixed_up = false;
+  const auto fails = [&](const Problem& problem) {
+    Matrix M = problem.lcp().M;
+    if (M.rows() != 4 || M(0, 3) == 0) return false;
+    mixed_up = mixed_up || M(1, 1) == 3;  // what M(0, 1) is in one digit
+    M(0, 3) = lcp.M(0, 3);
+    return M == lcp.M;
+  };
+  const Shrunk shrunk = shrink(read_again({"rows", lcp}), fails, {});
+  EXPECT_TRUE(shrunk.complete);
+  EXPECT_EQ(shrunk.problem.lcp().M(0, 3), 1);
+  EXPECT_FALSE(mixed_up);
+}
+
 // Of seven rows the halves are the first three and the last four; from the other end the last three and the first four.
 TEST(Shrink, SearchesFromTheOtherEndWhereTheFirstSearchEndsEarly) {
   const auto fails = [](const Problem& problem) {
@@ -189,6 +210,7 @@ class ShrinkCommand : public ::testing::Test {
     EXPECT_EQ(outcome["certificate"], "solution");
     const auto replay = outcome["replay"].get<std::string>();
     ASSERT_EQ(replay.rfind("lcpbench solve small.json --solver ", 0), 0U) << replay;
+    EXPECT_EQ(replay.ends_with(" --solver auto"), until != "differs" || outcome["against"] == "auto") << replay;
     const ProgramRun solved = run(replay.substr(std::string("lcpbench ").size()) + " --format json");
     ASSERT_EQ(solved.exit_code, 0) << replay << ": " << solved.err;
     const json attempts = json::parse(solved.out);
@@ -240,7 +262,15 @@ TEST_F(ShrinkCommand, WritesNothingWhereTheSolverDoesNotFail) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "small.json"));
 }
 
+TEST_F(ShrinkCommand, SaysWhetherAProblemThatIsNotSolvedHasASolution) {
+  write_problem({"none", Lcp{Matrix::Zero(2, 2), Vector::Constant(2, -1)}}, folder_ / "none.json");
+  const ProgramRun output = run("shrink none.json --solver 'psor{max_iterations=3}' --until missed --out small.json");
+  EXPECT_EQ(output.exit_code, 1);
+  EXPECT_NE(output.err.find("does not solve the problem; it has no solution\n"), std::string::npos) << output.err;
+}
+
 TEST_F(ShrinkCommand, MistakesOfUseAreOneLineEach) {
+  std::filesystem::create_directory(folder_ / "folder.json");
   for (const char* arguments :
        {"shrink", "shrink pair.json --solver lemke", "shrink pair.json --out small.json",
         "shrink nosuch.json --solver lemke --out small.json", "shrink pair.json --solver nosuch --out small.json",
@@ -251,12 +281,17 @@ TEST_F(ShrinkCommand, MistakesOfUseAreOneLineEach) {
         "shrink pair.json --solver lemke --until missed --against auto --out small.json",
         "shrink pair.json --solver lemke --against lemke --out small.json",
         "shrink pair.json --solver lemke --speed -1 --out small.json",
+        "shrink pair.json --solver lemke --until differs --against active_set --out small.json",
         "shrink pair.json --solver contact_lemke --out small.json"}) {
     const ProgramRun output = run(arguments);
     EXPECT_EQ(output.exit_code, 2) << arguments;
     EXPECT_EQ(output.out, "") << arguments;
     EXPECT_EQ(output.err.rfind("lcpbench: ", 0), 0U) << arguments << ": " << output.err;
     EXPECT_EQ(std::count(output.err.begin(), output.err.end(), '\n'), 1) << arguments << ": " << output.err;
+  }
+  for (const char* out : {"folder.json", "/proc/small.json"}) {  // before the file is read
+    const ProgramRun output = run(std::string("shrink nosuch.json --solver lemke --out ") + out);
+    EXPECT_EQ(output.err.rfind(std::string("lcpbench: --out '") + out + "': ", 0), 0U) << output.err;
   }
 }
 
