@@ -18,11 +18,11 @@
 #include "core/error.h"
 #include "core/suggestion.h"
 #include "core/utf8.h"
-#include "study/run/build_info.h"
 #include "study/commands/commands.h"
-#include "study/run/interrupt.h"
 #include "study/output/terminal.h"
 #include "study/output/text_table.h"
+#include "study/run/build_info.h"
+#include "study/run/interrupt.h"
 
 namespace {
 
@@ -77,7 +77,9 @@ class CommandLine {
     app_.name("lcpbench");
     app_.set_version_flag("--version", std::string("lcpbench ") + kBuildInfo.version);
     app_.require_subcommand(1);
-    app_.footer("Exit codes: 0 done; 1 a check failed; 2 bad usage or input; 3 interrupted, run again to resume.");
+    app_.footer(
+        "Exit codes: 0 done; 1 a check failed; 2 bad usage or input; 3 interrupted (`run` and `replay` go on if called "
+        "again).");
     add("solvers", "List every solver, also those that cannot run here", add_solvers_command);
     add("sets", "List every problem set", add_sets_command);
     add("generate", "Write problems of a set as files", add_generate_command);

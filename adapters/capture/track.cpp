@@ -37,7 +37,8 @@ std::string Track::add(long step, const Snapshot& snapshot, const Eigen::VectorX
   std::fprintf(file_.get(), ",");
   if (!scene_.grips.empty()) std::fprintf(file_.get(), "%.6g", slip(snapshot));
   std::fprintf(file_.get(), "\n");
-  return velocity.size() > 0 && !(velocity.lpNorm<Eigen::Infinity>() < kTooFast) ? "it blew up" : "";
+  return velocity.size() > 0 && !(velocity.allFinite() && velocity.lpNorm<Eigen::Infinity>() < kTooFast) ? "it blew up"
+                                                                                                         : "";
 }
 
 void Track::close() {

@@ -33,7 +33,7 @@ std::optional<PathMeasured> measured_apart(Kind kind, const Experiment& experime
 }
 
 Entry apart_entry(const PathMeasured& path, Measure measure, const std::string& why_not_run) {
-  const std::string detail = "measured apart, 4.7.03" + (why_not_run.empty() ? "" : "; " + why_not_run);
+  const std::string detail = "measured separately, 4.7.03" + (why_not_run.empty() ? "" : "; " + why_not_run);
   if (measure == Measure::kVerdict) return {kAbsent, detail};
   const ShareRange& range = measure == Measure::kCriterion ? path.claimed : path.any;
   return {triple(range.worst, range.average, range.best), detail};

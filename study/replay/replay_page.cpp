@@ -190,8 +190,9 @@ std::string replay_page(const std::vector<ReplayPictures>& scenes, const std::st
   page += "</style></head>\n<body>\n<h1>What an error in the contacts does to a scene</h1>\n";
   page += fmt::format(
       "<p>Each scene is stepped on with the answers of each solver: the same integrator, the same collision detection, "
-      "and positions that are projected out of penetration with the same solver. A scene counts as lost when something "
-      "that should not has moved by more than {}.</p>\n<p class=\"note\"><code>{}</code></p>\n<ul>\n",
+      "and positions that are projected out of penetration with the same solver. A scene counts as lost when a body "
+      "that should stand or be held moved, or a contact sank, by more than {}.</p>\n<p "
+      "class=\"note\"><code>{}</code></p>\n<ul>\n",
       length_text(kLost), report::escape(command_line));
   for (const ReplayPictures& pictures : scenes) page += "<li>" + report::escape(conclusion(pictures.scene)) + "</li>\n";
   page += "</ul>\n";

@@ -263,7 +263,7 @@ TEST(PaperTablesTest, SolversThatDidNotRunSaySoWithTheRunsReason) {
   const paper::Layout& layout = table.layouts.front();
   const auto path = std::find(layout.columns.begin(), layout.columns.end(), "PATH, ours") - layout.columns.begin();
   EXPECT_EQ(layout.rows.front()[static_cast<std::size_t>(path)].detail,
-            "measured apart, 4.7.03; not run: path: libpath50.so was not found");
+            "measured separately, 4.7.03; not run: path: libpath50.so was not found");
   EXPECT_EQ(record(table, "exp1", "", "–")["not_run"], "not run: path: libpath50.so was not found");
 }
 
