@@ -108,14 +108,17 @@ ContactColumns contact_columns(const ContactProblem& problem, Opposites opposite
   builder.reserve(problem.nc() + cols(problem.D),
                   entries(problem.N) + (opposites == Opposites::kEmpty ? friction_entries / 2 : friction_entries));
   for (Index contact = 0; contact < problem.nc(); ++contact) builder.add_column(problem.N, contact);
+  if (opposites == Opposites::kStored) {
+    for (Index column = 0; column < cols(problem.D); ++column) builder.add_column(problem.D, column);
+    return builder.result();
+  }
   Index column = 0;
   for (const int edges : problem.edges) {
     for (int t = 0; t < edges; ++t, ++column) {
-      const bool is_opposite = 2 * t >= edges;
-      if (is_opposite && opposites == Opposites::kEmpty) {
-        builder.add_empty_column();
-      } else {
+      if (2 * t < edges) {
         builder.add_column(problem.D, column);
+      } else {
+        builder.add_empty_column();
       }
     }
   }
