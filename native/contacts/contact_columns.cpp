@@ -108,19 +108,18 @@ ContactColumns contact_columns(const ContactProblem& problem, Opposites opposite
   builder.reserve(problem.nc() + cols(problem.D),
                   entries(problem.N) + (opposites == Opposites::kEmpty ? friction_entries / 2 : friction_entries));
   for (Index contact = 0; contact < problem.nc(); ++contact) builder.add_column(problem.N, contact);
-  std::vector<bool> is_empty(static_cast<std::size_t>(cols(problem.D)), false);
-  if (opposites == Opposites::kEmpty) {
-    auto column = is_empty.begin();
-    for (const int edges : problem.edges) {
-      std::fill(column + (edges + 1) / 2, column + edges, true);
-      column += edges;
-    }
+  if (opposites == Opposites::kStored) {
+    for (Index column = 0; column < cols(problem.D); ++column) builder.add_column(problem.D, column);
+    return builder.result();
   }
-  for (Index column = 0; column < cols(problem.D); ++column) {
-    if (is_empty[static_cast<std::size_t>(column)]) {
-      builder.add_empty_column();
-    } else {
-      builder.add_column(problem.D, column);
+  Index column = 0;
+  for (const int edges : problem.edges) {
+    for (int t = 0; t < edges; ++t, ++column) {
+      if (2 * t < edges) {
+        builder.add_column(problem.D, column);
+      } else {
+        builder.add_empty_column();
+      }
     }
   }
   return builder.result();

@@ -16,8 +16,8 @@ struct ContactColumns {
 enum class Opposites { kStored, kEmpty };
 
 /// For block inertia a column costs the blocks that it touches, else O(ngc^2). Memory alike.
-/// @param opposites kEmpty: the second half of each contact's friction columns, the negatives of the first, have no
-///     entries
+/// @param opposites kStored: all columns of D, which need not be those of `edges`; kEmpty: the second half of each
+///     contact's friction columns, the negatives of the first, have no entries
 ContactColumns contact_columns(const ContactProblem& problem, Opposites opposites = Opposites::kStored);
 
 }  // namespace lcpbench
