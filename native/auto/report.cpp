@@ -55,6 +55,7 @@ void AutoReport::add(const AutoReport& further) {
   at_rest += further.at_rest;
   left_out += further.left_out;
   brought_back += further.brought_back;
+  least_energy += further.least_energy;
   for (std::size_t k = 0; k < kAutoMethods; ++k) runs_[k] += further.runs_[k];
   add(further.counters_, {});
   rung_ = std::max(rung_, further.rung_);

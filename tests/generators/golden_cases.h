@@ -62,12 +62,14 @@ inline std::vector<std::string> split_choices(const std::string& range) {
   return choices;
 }
 
-/// The values of an option to try: every other choice; one larger number; half a real one, 4096 instead of 0.
+/// The values of an option to try: every other choice; one larger number; half a real one, 4096 instead of 0, or 1/2 if
+/// it is at most 1.
 inline std::vector<std::string> other_values(const SettingInfo& option) {
   if (option.type == "integer") return {std::to_string(std::stoll(option.default_value) + 3)};
   if (option.type == "real") {
     const double usual = std::stod(option.default_value);
-    return {format_real(usual != 0 ? usual / 2 : 4096)};
+    const bool is_share = option.range.ends_with(", 1]");
+    return {format_real(usual != 0 ? usual / 2 : is_share ? 0.5 : 4096)};
   }
   std::vector<std::string> values;
   for (const std::string& choice : split_choices(option.range)) {
