@@ -253,7 +253,8 @@ std::optional<Family> family_of(const std::string& solver) {
 
 bool follows_rules_2012(const std::string& solver) {
   const std::string wrapped = wrapped_solver(solver);
-  const std::string* rules = find_option(spec_or_name(wrapped.empty() ? solver : wrapped).options, "rules");
+  const Spec spec = spec_or_name(wrapped.empty() ? solver : wrapped);
+  const std::string* rules = find_option(spec.options, "rules");
   return rules != nullptr && *rules == "2012";
 }
 
