@@ -351,8 +351,7 @@ class KernelBasis {
     for (Count r = 0; r < last; ++r) A_[r * stride_ + column] = A_[r * stride_ + last];
     const Scalar value = x_[column_slots_ + last];
     if (column != last) put_column_variable(column, columns_[last], value);
-    vacate_column_slot(last);
-    order_ = last;
+    shrink(last);
     set_column_slots();
   }
 
@@ -368,7 +367,8 @@ class KernelBasis {
     x_[slot] = value;
   }
 
-  /// Leaves at most `order` columns. The last pack's padding goes too: a path may have ended with NaN in it.
+  /// Leaves at most `order` columns. Clears the padding of the last pack too: an overflow leaves NaN in it, which a
+  /// later path would find there once its basis grows again.
   void shrink(Count order) {
     for (Count end = P::padded(order_); end > order;) vacate_column_slot(--end);
     order_ = order < order_ ? order : order_;
