@@ -19,6 +19,8 @@ constexpr double kShortestStep = 1e-8;
 constexpr int kMostIdleSteps = 25;
 constexpr int kMostIdleStepsNear = 6;
 constexpr double kNear = 1e-6;
+/// Residual at which the method of multipliers is tried again on the way of the interior point.
+constexpr double kRough = 1e-2;
 /// Residual of the relaxation, relative to max|q|, at which it counts as solved where the iteration stalls.
 constexpr double kRelaxed = 1e-6;
 constexpr int kMostIdleRounds = 20;
@@ -337,11 +339,20 @@ void ConeIsland::find_step(Slip slip) {
 ConeIsland::Stop ConeIsland::iterate(Slip slip, const ConeLimits& limits, Counters& counters) {
   double best = kInfinity;
   int idle_steps = 0;
+  bool multipliers_tried = false;
   for (;; ++counters.iterations) {
     combine(x_, w_);
     take_velocity();
     keep_best();
     if (slip != Slip::kNone && best_residual_ <= limits.tolerance) return Stop::kConverged;
+    if (slip == Slip::kNewton && !multipliers_tried && best_residual_ <= kRough) {
+      multipliers_tried = true;
+      dx_ = x_;
+      if (try_multipliers(limits, counters)) return Stop::kConverged;
+      x_ = dx_;
+      combine(x_, w_);
+      take_velocity();
+    }
     find_residual(slip);
     const double off = std::max(residual_.lpNorm<Eigen::Infinity>() / q_max_, natural_residual());
     if (slip != Slip::kNewton && convex_residual() <= std::max(limits.tolerance, 1e-13) * q_max_) {
@@ -373,6 +384,10 @@ void ConeIsland::start() {
 ConeIsland::Stop ConeIsland::solve(Slip slip, const ConeLimits& limits, Counters& counters) {
   if (best_residual_ <= limits.tolerance) return Stop::kConverged;
   slip_.setZero();
+  if (slip == Slip::kNewton && try_multipliers(limits, counters)) {
+    drop_separating(limits);
+    return Stop::kConverged;
+  }
   if (slip != Slip::kRounds) {
     set_start();
     const Stop stop = iterate(slip, limits, counters);

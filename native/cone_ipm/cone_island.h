@@ -89,7 +89,8 @@ class ConeIsland {
   double convex_residual() const;
   void take_velocity();
   void press(double weight);
-  bool settle_multipliers(double weight, const ConeLimits& limits, Counters& counters);
+  bool settle_multipliers(double weight, int most_steps, const ConeLimits& limits, Counters& counters);
+  bool try_multipliers(const ConeLimits& limits, Counters& counters);
   void drop_separating(const ConeLimits& limits);
   void finish(const ConeLimits& limits, Counters& counters);
   bool scale(std::size_t index, Slip slip);
