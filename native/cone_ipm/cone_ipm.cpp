@@ -41,7 +41,8 @@ struct ConeIpmSettings {
     field("error", error, RealRange{.min = 0},
           "[m/s] stop, and claim solved, when the residual is at most this, if that asks for less than tolerance and "
           "accept_residual do");
-    field("max_iterations", max_iterations, IntegerRange{.min = 0}, "predictor-corrector steps of each island");
+    field("max_iterations", max_iterations, IntegerRange{.min = 0},
+          "Newton steps of each island, those with predictor and corrector among them");
   }
 };
 
@@ -63,6 +64,7 @@ class ConeIpm final : public Solver {
   };
 
   void on_load(const Problem& problem) override;
+  bool approaches() const;
   void load_islands(const Problem& problem);
   void on_update(const Vector& v) override;
   void on_solve(const SolveRequest& request, Answer& answer) override;
@@ -76,23 +78,39 @@ class ConeIpm final : public Solver {
   ContactLayout layout_;
   Vector v_;
   std::vector<std::unique_ptr<Part>> parts_;
+  bool islands_are_loaded_ = false;       // parts_ are there
   bool idle_contact_penetrates_ = false;  // a contact that moves nothing, of a negative offset
   AnswerTest test_;                       // without friction
-  Vector change_;
 };
 
 void ConeIpm::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   parts_.clear();
   refusal_.clear();
+  islands_are_loaded_ = false;
+  idle_contact_penetrates_ = false;
   if (contact.frictional()) refusal_ = why_no_round_cone(contact);
-  if (refusal_.empty()) load_islands(problem);
+  if (!refusal_.empty()) return;
+  layout_ = contact_layout(contact);
+  v_ = contact.v;
+  if (!contact.frictional()) test_.load(problem, AnswerTest::Bodies::kOneByOne);
+  if (approaches()) load_islands(problem);
+}
+
+/// Whether some contact does: where none does, no impulse is the answer.
+bool ConeIpm::approaches() const {
+  const ContactProblem& contact = *problem().contact();
+  const auto one_approaches = [&](const auto& N) {
+    for (Index i = 0; i < contact.nc(); ++i) {
+      if (!(N.col(i).dot(v_) + contact.offset(i) >= 0)) return true;
+    }
+    return false;
+  };
+  return std::visit(one_approaches, contact.N);
 }
 
 void ConeIpm::load_islands(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
-  layout_ = contact_layout(contact);
-  v_ = contact.v;
   ProblemCutter cutter(problem);
   std::vector<char> moves(static_cast<std::size_t>(layout_.nc), 0);
   for (Island& island : find_islands(contact)) {
@@ -108,12 +126,10 @@ void ConeIpm::load_islands(const Problem& problem) {
     part->island = std::move(island);
     parts_.push_back(std::move(part));
   }
-  idle_contact_penetrates_ = false;
   for (Index i = 0; i < layout_.nc; ++i) {
     if (moves[static_cast<std::size_t>(i)] == 0 && contact.offset(i) < 0) idle_contact_penetrates_ = true;
   }
-  change_.resize(contact.ngc());
-  if (!contact.frictional()) test_.load(problem, AnswerTest::Bodies::kOneByOne);
+  islands_are_loaded_ = true;
 }
 
 void ConeIpm::take_velocity(Part& part) const {
@@ -128,6 +144,7 @@ void ConeIpm::on_update(const Vector& v) {
   v_ = v;
   for (const auto& part : parts_) take_velocity(*part);
   if (!problem().contact()->frictional()) test_.set_velocity(v);
+  if (!islands_are_loaded_ && approaches()) load_islands(problem());
 }
 
 Claim ConeIpm::solve(Part& part, double deadline_s, Counters& counters) {
@@ -150,7 +167,7 @@ Claim ConeIpm::solve(Part& part, double deadline_s, Counters& counters) {
   if (stop == Stop::kTimeLimit) return Claim::kTimeLimit;
   // The relaxation was solved, and would be the first of many rounds.
   const bool is_relaxed = settings_.slip == Slip::kNone && stop == Stop::kConverged;
-  return stop == Stop::kIterationLimit || is_relaxed ? Claim::kIterationLimit : Claim::kNumericalFailure;
+  return counters.iterations >= limits.max_iterations || is_relaxed ? Claim::kIterationLimit : Claim::kNumericalFailure;
 }
 
 void ConeIpm::write(Part& part, Answer& answer) {

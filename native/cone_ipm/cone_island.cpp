@@ -1,6 +1,7 @@
 #include "native/cone_ipm/cone_island.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -15,10 +16,21 @@ using Eigen::Vector3d;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kBoundaryFraction = 0.99;
 constexpr double kShortestStep = 1e-8;
+constexpr double kLongestStep = 1 / kBoundaryFraction;  // what is longer is cut to 1
 /// So many steps without the residual falling to a half: the iteration goes nowhere. Near a solution finish() does.
 constexpr int kMostIdleSteps = 25;
 constexpr int kMostIdleStepsNear = 6;
+constexpr int kMostIdleStepsAccepted = 1;
 constexpr double kNear = 1e-6;
+/// The method of multipliers is tried before the interior point and on its way: its first weight, and from which
+/// residual on. Near a solution without strict complementarity the interior point takes many steps, and a large weight
+/// few.
+constexpr double kFirstWeight = 30;
+struct Try {
+  double residual;
+  double weight;
+};
+constexpr std::array<Try, 2> kTries{{{1e-3, kFirstWeight}, {1e-5, 1e4}}};
 /// Residual of the relaxation, relative to max|q|, at which it counts as solved where the iteration stalls.
 constexpr double kRelaxed = 1e-6;
 constexpr int kMostIdleRounds = 20;
@@ -67,49 +79,60 @@ Vector3d nearest_in_cone(const Vector3d& x) {
   return {height, height * x(1) / length, height * x(2) / length};
 }
 
-/// The largest length for which x + length d stays in the cone; at most 1e10.
-double length_to_boundary(const Vector3d& x, const Vector3d& d) {
-  constexpr double kFar = 1e10;
+/// Down to the largest length for which x + length d stays in the cone, if that is less.
+void shorten(const Vector3d& x, const Vector3d& d, double& length) {
   const double a = determinant(d);
   const double b = x(0) * d(0) - x.tail<2>().dot(d.tail<2>());
   const double c = std::max(determinant(x), 0.0);
-  double length = kFar;
-  const double discriminant = b * b - a * c;
-  if (discriminant >= 0) {
-    const double root = std::sqrt(discriminant);
-    // Of a t^2 + 2 b t + c = 0, without cancellation.
-    const double sum = b >= 0 ? -(b + root) : -(b - root);
-    for (const double t : {sum != 0 ? c / sum : kFar, a != 0 ? sum / a : kFar}) {
-      if (t > 0 && t < length) length = t;
-    }
-  }
   if (d(0) < 0) length = std::min(length, -x(0) / d(0));
-  return length;
+  // a t^2 + 2 b t + c is not negative in between: at its ends, and at its least value where that is there.
+  const bool falls_within = b < 0 && -b < a * length;
+  if ((a * length + 2 * b) * length + c >= 0 && !(falls_within && b * b > a * c)) return;
+  const double discriminant = b * b - a * c;
+  if (!(discriminant >= 0)) return;
+  const double root = std::sqrt(discriminant);
+  // Of a t^2 + 2 b t + c = 0, without cancellation.
+  const double sum = b >= 0 ? -(b + root) : -(b - root);
+  for (const double t : {sum != 0 ? c / sum : length, a != 0 ? sum / a : length}) {
+    if (t > 0 && t < length) length = t;
+  }
 }
 
 }  // namespace
 
 void ConeIsland::project(const Vector& w, Vector& rows) const {
-  std::size_t entry = 0;
+  const double* entries = entries_.data();
   for (const Contact& contact : contacts_) {
+    const Index* columns = columns_.data() + contact.first;
     double* to = rows.data() + contact.row;
-    for (Index r = 0; r < contact.rows; ++r) to[r] = 0;
-    for (Index k = contact.first; k < contact.first + contact.columns; ++k) {
-      const double value = w(columns_[static_cast<std::size_t>(k)]);
-      for (Index r = 0; r < contact.rows; ++r) to[r] += entries_[entry++] * value;
+    double sum[3] = {};
+    if (contact.rows == 1) {
+      for (Index k = 0; k < contact.columns; ++k) sum[0] += entries[k] * w(columns[k]);
+      to[0] = sum[0];
+      entries += contact.columns;
+      continue;
     }
+    for (Index k = 0; k < contact.columns; ++k, entries += 3) {
+      const double value = w(columns[k]);
+      for (int r = 0; r < 3; ++r) sum[r] += entries[r] * value;
+    }
+    std::copy(sum, sum + 3, to);
   }
 }
 
 void ConeIsland::combine(const Vector& rows, Vector& w) const {
   w.setZero();
-  std::size_t entry = 0;
+  const double* entries = entries_.data();
   for (const Contact& contact : contacts_) {
+    const Index* columns = columns_.data() + contact.first;
     const double* from = rows.data() + contact.row;
-    for (Index k = contact.first; k < contact.first + contact.columns; ++k) {
-      double sum = 0;
-      for (Index r = 0; r < contact.rows; ++r) sum += entries_[entry++] * from[r];
-      w(columns_[static_cast<std::size_t>(k)]) += sum;
+    if (contact.rows == 1) {
+      for (Index k = 0; k < contact.columns; ++k) w(columns[k]) += entries[k] * from[0];
+      entries += contact.columns;
+      continue;
+    }
+    for (Index k = 0; k < contact.columns; ++k, entries += 3) {
+      w(columns[k]) += entries[0] * from[0] + entries[1] * from[1] + entries[2] * from[2];
     }
   }
 }
@@ -166,11 +189,13 @@ double ConeIsland::convex_residual() const {
   return worst;
 }
 
-void ConeIsland::keep_best() {
+double ConeIsland::keep_best() {
   const double residual = natural_residual();
-  if (!(residual < best_residual_)) return;
-  best_residual_ = residual;
-  best_x_ = x_;
+  if (residual < best_residual_) {
+    best_residual_ = residual;
+    best_x_ = x_;
+  }
+  return residual;
 }
 
 bool ConeIsland::scale(std::size_t index, Slip slip) {
@@ -238,24 +263,21 @@ bool ConeIsland::factor() {
   return lu_.factor();
 }
 
-/// T^-1 (lambda \ (centre e - lambda o lambda - (T dx) o (T^-1 dy))), the last only if asked for.
-void ConeIsland::set_target(std::size_t index, double centre, bool correct) {
+/// T^-1 (lambda \ (centre e - lambda o lambda - (T dx) o (T^-1 dy))), of which the part of lambda o lambda is -x.
+void ConeIsland::set_target(std::size_t index, double centre) {
   const Contact& contact = contacts_[index];
   const Scaling& scaling = scalings_[index];
   if (contact.rows == 1) {
-    const double lambda = scaling.lambda(0);
-    const double second = correct ? dx_(contact.row) * dy_(contact.row) : 0.0;
-    target_(contact.row) = (centre - lambda * lambda - second) / lambda / scaling.size;
+    const double second = dx_(contact.row) * dy_(contact.row);
+    target_(contact.row) = (centre - second) / scaling.lambda(0) / scaling.size - x_(contact.row);
     return;
   }
-  Vector3d right = -product(scaling.lambda, scaling.lambda);
-  right(0) += centre;
   const Vector3d reflected = reflect(scaling.point);
-  if (correct) {
-    right -= product(scaling.size * transform(scaling.point, dx_.segment<3>(contact.row)),
-                     transform(reflected, dy_.segment<3>(contact.row)) / scaling.size);
-  }
-  target_.segment<3>(contact.row) = transform(reflected, divide(right, scaling.lambda)) / scaling.size;
+  Vector3d right = -product(transform(scaling.point, dx_.segment<3>(contact.row)),
+                            transform(reflected, dy_.segment<3>(contact.row)));
+  right(0) += centre;
+  target_.segment<3>(contact.row) =
+      transform(reflected, divide(right, scaling.lambda)) / scaling.size - x_.segment<3>(contact.row);
 }
 
 /// With P = T^-2 B^-1: (I + A'PA) dw = A'(target + P r), dy = B^-1 (A dw - r), dx = target - P (A dw - r).
@@ -291,11 +313,11 @@ void ConeIsland::find_direction(Slip slip) {
 }
 
 double ConeIsland::longest_step() const {
-  double length = kInfinity;
+  double length = kLongestStep;
   for (const Contact& contact : contacts_) {
     for (const auto& [at, step] : {std::pair<const Vector&, const Vector&>(x_, dx_), {y_, dy_}}) {
       if (contact.rows == 3) {
-        length = std::min(length, length_to_boundary(at.segment<3>(contact.row), step.segment<3>(contact.row)));
+        shorten(at.segment<3>(contact.row), step.segment<3>(contact.row), length);
       } else if (step(contact.row) < 0) {
         length = std::min(length, -at(contact.row) / step(contact.row));
       }
@@ -324,32 +346,50 @@ bool ConeIsland::factor_scaled(Slip slip) {
 
 /// Mehrotra's predictor, and then the step that it corrects.
 void ConeIsland::find_step(Slip slip) {
-  for (std::size_t c = 0; c < contacts_.size(); ++c) set_target(c, 0, false);
+  target_ = -x_;
   find_direction(slip);
   const double gap = x_.dot(y_);
   const double predicted = std::max(gap_after(std::min(1.0, longest_step())) / gap, 0.0);
   const double centering = std::min(predicted * predicted * predicted, 1.0);
   const double centre = centering * gap / static_cast<double>(contacts_.size());
-  for (std::size_t c = 0; c < contacts_.size(); ++c) set_target(c, centre, true);
+  for (std::size_t c = 0; c < contacts_.size(); ++c) set_target(c, centre);
   find_direction(slip);
 }
 
 ConeIsland::Stop ConeIsland::iterate(Slip slip, const ConeLimits& limits, Counters& counters) {
   double best = kInfinity;
   int idle_steps = 0;
+  std::size_t tries = 0;
   for (;; ++counters.iterations) {
     combine(x_, w_);
     take_velocity();
-    keep_best();
+    const double residual = keep_best();
     if (slip != Slip::kNone && best_residual_ <= limits.tolerance) return Stop::kConverged;
+    if (slip == Slip::kNewton && tries < kTries.size() && best_residual_ <= kTries[tries].residual) {
+      while (tries < kTries.size() && best_residual_ <= kTries[tries].residual) ++tries;
+      dx_ = x_;
+      dy_ = best_x_;
+      const double before = best_residual_;
+      if (try_multipliers(kTries[tries - 1].weight, limits, counters)) return Stop::kConverged;
+      x_ = dx_;
+      if (!(best_residual_ <= limits.accepted)) {
+        best_x_ = dy_;  // an interior point is the better start for finish()
+        best_residual_ = before;
+      }
+      combine(x_, w_);
+      take_velocity();
+    }
     find_residual(slip);
-    const double off = std::max(residual_.lpNorm<Eigen::Infinity>() / q_max_, natural_residual());
+    const double off = std::max(residual_.lpNorm<Eigen::Infinity>() / q_max_, residual);
     if (slip != Slip::kNewton && convex_residual() <= std::max(limits.tolerance, 1e-13) * q_max_) {
       return Stop::kConverged;
     }
     idle_steps = off < kProgress * best ? 0 : idle_steps + 1;
     best = std::min(best, off);
-    if (idle_steps > (best_residual_ <= kNear ? kMostIdleStepsNear : kMostIdleSteps)) return Stop::kStalled;
+    const int most_idle = best_residual_ <= limits.accepted ? kMostIdleStepsAccepted
+                          : best_residual_ <= kNear         ? kMostIdleStepsNear
+                                                            : kMostIdleSteps;
+    if (idle_steps > most_idle) return Stop::kStalled;
     if (counters.iterations >= limits.max_iterations) return Stop::kIterationLimit;
     if (!(wall_clock_s() < limits.deadline_s)) return Stop::kTimeLimit;
     if (!factor_scaled(slip)) return Stop::kBreakdown;
@@ -373,6 +413,10 @@ void ConeIsland::start() {
 ConeIsland::Stop ConeIsland::solve(Slip slip, const ConeLimits& limits, Counters& counters) {
   if (best_residual_ <= limits.tolerance) return Stop::kConverged;
   slip_.setZero();
+  if (slip == Slip::kNewton && try_multipliers(kFirstWeight, limits, counters)) {
+    drop_separating(limits);
+    return Stop::kConverged;
+  }
   if (slip != Slip::kRounds) {
     set_start();
     const Stop stop = iterate(slip, limits, counters);

@@ -80,7 +80,8 @@ class ConeIsland {
   void project(const Vector& w, Vector& rows) const;
   void combine(const Vector& rows, Vector& w) const;
   double natural_residual() const;
-  void keep_best();
+  /// @returns the residual at u_ = A w_ + q_
+  double keep_best();
   Stop iterate(Slip slip, const ConeLimits& limits, Counters& counters);
   bool factor();
   bool factor_scaled(Slip slip);
@@ -89,12 +90,13 @@ class ConeIsland {
   double convex_residual() const;
   void take_velocity();
   void press(double weight);
-  bool settle_multipliers(double weight, const ConeLimits& limits, Counters& counters);
+  bool settle_multipliers(double weight, int most_steps, const ConeLimits& limits, Counters& counters);
+  bool try_multipliers(double first_weight, const ConeLimits& limits, Counters& counters);
   void drop_separating(const ConeLimits& limits);
   void finish(const ConeLimits& limits, Counters& counters);
   bool scale(std::size_t index, Slip slip);
   void find_direction(Slip slip);
-  void set_target(std::size_t index, double centre, bool correct);
+  void set_target(std::size_t index, double centre);
   double longest_step() const;
   double gap_after(double length) const;
 
