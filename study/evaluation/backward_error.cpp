@@ -183,44 +183,53 @@ class ThinningPoint {
   std::span<const std::size_t> support() const { return std::span(indices_).subspan(removed_); }
 
   // eta(z_tau). Rows are measured in the order of an upper bound of their quotients until the bound settles the rest.
-  // The bound by q_i alone comes first where there is no estimate of M, as any other costs a solve with G.
+  // A row's first bound is by q_i alone, unless estimates of M come first: any other costs a solve with G.
   // Infinity, and the row, where a row surely shows it to be larger than `best`: no such thing is sure in 113 bits.
   BackwardError<Real> eta(const Real& best) {
     const Limit<Real> enough = std::is_same_v<Real, Quad> ? kInfinity : upper_limit(best) * (1 + 0x1p-50);
     if (removed_ > 0) lcp_.fill_rows(island_, own_z_, own_u_, own_w_);
     rows_.clear();
     rows_.reserve(island_.size());
+    const bool at_once = std::is_same_v<Real, Quad> && estimated();
     for (const std::size_t i : island_) {
       const Real violation_i = violation(i, (*w_)[i]);
       if (surely_equal(violation_i, 0)) continue;
-      const Bounds scale = estimated() ? scale_bounds(i) : Bounds{lower_limit(abs(lcp_.q(i))), kInfinity};
-      if (lower_limit(violation_i) > enough * scale.high) return {kInfinity, i};
-      rows_.push_back({limit_of_quotient(upper_limit(violation_i), scale.low), violation_i, i});
+      const Bounds scale = at_once ? scale_bounds(i) : Bounds{lower_limit(abs(lcp_.q(i))), kInfinity};
+      rows_.push_back({limit_of_quotient(upper_limit(violation_i), scale.low), violation_i, i, at_once});
     }
-    std::sort(rows_.begin(), rows_.end(), [](const Row& a, const Row& b) {
-      return a.limit > b.limit || (a.limit == b.limit && a.index < b.index);
-    });
+    const auto comes_later = [](const Row& a, const Row& b) {
+      return a.limit < b.limit || (a.limit == b.limit && a.index > b.index);
+    };
+    std::make_heap(rows_.begin(), rows_.end(), comes_later);
     BackwardError<Real> eta;
-    for (const Row& row : rows_) {
-      if (at_least(eta.error, row.limit)) continue;
-      if (!estimated() &&
-          at_least(eta.error, limit_of_quotient(upper_limit(row.violation), scale_bounds(row.index).low))) {
+    while (!rows_.empty() && !at_least(eta.error, rows_.front().limit)) {
+      std::pop_heap(rows_.begin(), rows_.end(), comes_later);
+      Row& row = rows_.back();
+      if (!row.bounded) {
+        const Bounds scale = scale_bounds(row.index);
+        if (lower_limit(row.violation) > enough * scale.high) return {kInfinity, row.index};
+        row.limit = limit_of_quotient(upper_limit(row.violation), scale.low);
+        row.bounded = true;
+        std::push_heap(rows_.begin(), rows_.end(), comes_later);
         continue;
       }
       const Real error = row_error(row.index, row.violation);
+      const std::size_t index = row.index;
+      rows_.pop_back();
       if (std::isnan(to_double(error))) {
         eta.open = true;
         continue;
       }
-      if (leading(error) > leading(eta.error)) eta.row = row.index;
+      if (leading(error) > leading(eta.error)) eta.row = index;
       eta.error = larger(eta.error, error);
     }
     return eta;
   }
 
-  // Whether s_i is estimated: while few entries are left, s_i itself costs less.
+  // Whether s_i is estimated: while few entries are left, s_i itself costs less in 113 bits.
   bool estimated() const {
-    constexpr std::ptrdiff_t kFew = std::is_same_v<Real, Quad> ? 64 : 4;
+    if (std::is_same_v<Real, Bounded>) return true;
+    constexpr std::ptrdiff_t kFew = 64;
     return scale_ == BackwardScale::kRowNorm ? std::ssize(support()) > kFew : impulses_ > kFew;
   }
 
@@ -338,6 +347,7 @@ class ThinningPoint {
     Limit<Real> limit;  // of its quotient
     Real violation;
     std::size_t index;
+    bool bounded;  // limit is by scale_bounds(), and not by q_i alone
   };
 
   EvaluatedLcp<Real>& lcp_;

@@ -187,8 +187,9 @@ class BoundedSum {
  public:
   explicit BoundedSum(const Bounded& start = 0.0)
       : high_(start.high), low_(start.low), error_(start.error), lows_(std::abs(start.low)) {}
-  void add(double a, const Bounded& x) {
-    const bounded::Pair product = bounded::exact_product(a, x.high);
+  void add(double a, const Bounded& x) { add(a, x, bounded::exact_product(a, x.high)); }
+  /// @param product  of a and x.high, exactly.
+  void add(double a, const Bounded& x, const bounded::Pair& product) {
     const bounded::Pair sum = bounded::exact_sum(high_, product.high);
     const double of_low = a * x.low;
     high_ = sum.high;
@@ -209,6 +210,11 @@ class BoundedSum {
   bool inexact_ = false;
 };
 
+/// The sum of values[e] x[rows[e]] for e < count, by BoundedSum, with fused multiply-adds where the processor has them:
+/// they give the same numbers.
+using BoundedDot = Bounded (*)(const double* values, const std::size_t* rows, std::size_t count, const Bounded* x);
+BoundedDot bounded_dot_of_level();
+
 /// The relative error that a number may have which is passed on: no page and no table prints more than six digits.
 inline constexpr double kSettled = 0x1p-30;
 
@@ -216,10 +222,15 @@ inline constexpr double kSettled = 0x1p-30;
 /// better.
 inline constexpr double kSettledBackward = 0x1p-53;
 
-/// x as a double. @throws Doubt when the bound leaves more than kSettled of it open, and more than `absolute`.
-inline double settled(const Bounded& x, double absolute = 0) {
+/// Whether the bound leaves no more than kSettled of x open, or no more than `absolute`.
+inline bool is_settled(const Bounded& x, double absolute = 0) {
   const bool infinite = x.exact() && std::isinf(x.high) && x.low == 0;
-  if (!infinite && !(is_finite(x) && 2 * x.error <= std::max(kSettled * std::abs(x.high), absolute))) throw Doubt();
+  return infinite || (is_finite(x) && 2 * x.error <= std::max(kSettled * std::abs(x.high), absolute));
+}
+
+/// x as a double. @throws Doubt unless it is settled.
+inline double settled(const Bounded& x, double absolute = 0) {
+  if (!is_settled(x, absolute)) throw Doubt();
   return x.high;
 }
 inline double settled(Quad x, double = 0) { return to_double(x); }

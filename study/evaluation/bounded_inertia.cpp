@@ -1,12 +1,12 @@
 #include "study/evaluation/bounded_inertia.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <initializer_list>
 #include <numeric>
 #include <span>
 #include <utility>
 
+#include "core/isa.h"
 #include "core/islands.h"
 
 namespace lcpbench {
@@ -15,10 +15,7 @@ namespace {
 constexpr double kUnitRoundoff = bounded::kRoundoff;
 /// The least eigenvalue of a block with diagonal entries from 1 to 4: its pivots are beyond the doubt of QuadInertia.
 constexpr double kLeastEigenvalue = 0x1p-36;
-constexpr double kLargestContraction = 0x1p-6;
 constexpr int kRefinements = 6;
-
-double max_norm(const Matrix& A) { return A.size() == 0 ? 0 : A.cwiseAbs().rowwise().sum().maxCoeff(); }
 
 bool is_symmetric(const Matrix& G) {
   for (Index j = 0; j < G.cols(); ++j) {
@@ -48,12 +45,12 @@ double largest_magnitude(std::span<const double> x) {
   return largest;
 }
 
-/// y and the residual b - G y of one block.
+/// y and the residual b - A y of one block A.
 struct Refinement {
   /// In memory of the caller's, which only grows.
   Refinement(std::size_t n, std::vector<double>& memory) {
-    const std::initializer_list<std::span<double>*> parts = {&b_high, &b_low, &b_error,  &high,       &low,  &sum,
-                                                             &rest,   &lows,  &residual, &correction, &bound};
+    const std::initializer_list<std::span<double>*> parts = {&b_high, &b_low, &b_error, &high,    &low,
+                                                             &sum,    &rest,  &lows,    &partial, &correction, &bound};
     if (memory.size() < parts.size() * n) memory.resize(parts.size() * n);
     std::span<double> free = memory;
     for (std::span<double>* const part : parts) {
@@ -63,77 +60,126 @@ struct Refinement {
   }
 
   std::span<double> b_high, b_low, b_error;
-  std::span<double> high, low;        ///< y
-  std::span<double> sum, rest, lows;  ///< of the residual: leading and low part, and what bounds its error
-  std::span<double> residual, correction;
-  std::span<double> bound;  ///< of what the correction leaves, but for the error of the inverse
+  std::span<double> high, low;                 ///< y
+  std::span<double> sum, rest, lows, partial;  ///< of the residual: leading and low part, and what bounds its error
+  std::span<double> correction;                ///< at first the residual
+  std::span<double> bound;                     ///< of the residual's error
 
-  void find_residual(const Matrix& G);
-  void subtract_column(const double* column, double y_high, double y_low);
-  bool may_have_lost_bits(const Matrix& G) const;
-  void find_correction(const Matrix& inverse);
+  void find_residual(const double* A);
+  bool is_zero() const;
+  bool may_have_lost_bits(std::span<const double> A) const;
   void correct();
 };
 
-// The same steps as BoundedSum's, for all rows at once.
-void Refinement::subtract_column(const double* column, double y_high, double y_low) {
+/// What subtract_column() reads and writes, n entries each.
+struct Column {
+  const double* entries;
+  double y_high, y_low;
+  double *sum, *rest, *lows, *partial;
+  std::size_t n;
+};
+
+/// The same steps as BoundedSum's, for all rows at once.
+void subtract_column(const Column& of) {
+  double* __restrict const sum = of.sum;
+  double* __restrict const rest = of.rest;
+  double* __restrict const lows = of.lows;
+  double* __restrict const partial = of.partial;
+  const double* __restrict const entries = of.entries;
+  const double y_high = of.y_high, y_low = of.y_low;
   const auto [c_high, c_low] = bounded::split(y_high);
-  const std::size_t n = sum.size();
-  double* const sums = sum.data();
-  double* const rests = rest.data();
-  double* const magnitudes = lows.data();
-  for (std::size_t i = 0; i < n; ++i) {
-    const double g = column[i];
+  for (std::size_t i = 0; i < of.n; ++i) {
+    const double g = entries[i];
     const double scaled = 134217729.0 * g;
     const double g_high = scaled - (scaled - g);
     const double g_low = g - g_high;
     const double product = g * y_high;
     const double of_product = ((g_high * c_high - product) + g_high * c_low + g_low * c_high) + g_low * c_low;
-    const double before = sums[i];
+    const double before = sum[i];
     const double total = before - product;
     const double part = total - before;
     const double of_sum = (before - (total - part)) + (-product - part);
     const double of_low = g * y_low;
-    sums[i] = total;
-    rests[i] += of_sum - (of_product + of_low);
-    magnitudes[i] += std::abs(of_sum) + std::abs(of_product) + std::abs(of_low);
+    const double low = rest[i] + (of_sum - (of_product + of_low));
+    sum[i] = total;
+    rest[i] = low;
+    lows[i] += std::abs(of_sum) + std::abs(of_product) + std::abs(of_low);
+    partial[i] += std::abs(low);
   }
 }
 
-void Refinement::find_residual(const Matrix& G) {
+#if defined(__x86_64__)
+/// The same numbers where the processor has a fused multiply-add: it gives what rounding leaves of a product at once.
+__attribute__((target("avx2,fma"))) void subtract_column_fused(const Column& of) {
+  double* __restrict const sum = of.sum;
+  double* __restrict const rest = of.rest;
+  double* __restrict const lows = of.lows;
+  double* __restrict const partial = of.partial;
+  const double* __restrict const entries = of.entries;
+  const double y_high = of.y_high, y_low = of.y_low;
+  for (std::size_t i = 0; i < of.n; ++i) {
+    const double g = entries[i];
+    const double product = g * y_high;
+    const double of_product = __builtin_fma(g, y_high, -product);
+    const double before = sum[i];
+    const double total = before - product;
+    const double part = total - before;
+    const double of_sum = (before - (total - part)) + (-product - part);
+    const double of_low = g * y_low;
+    const double low = rest[i] + (of_sum - (of_product + of_low));
+    sum[i] = total;
+    rest[i] = low;
+    lows[i] += std::abs(of_sum) + std::abs(of_product) + std::abs(of_low);
+    partial[i] += std::abs(low);
+  }
+}
+#endif
+
+using SubtractColumn = void (*)(const Column&);
+
+SubtractColumn subtract_column_of_level() {
+#if defined(__x86_64__)
+  if (isa_level() >= IsaLevel::kAvx2) return subtract_column_fused;
+#endif
+  return subtract_column;
+}
+
+/// The residual in double, and a bound of its error. The leading parts are added without any. The low part has lost to
+/// rounding, in units of 2^-53: its size after each addition, which `partial` sums up; one, two and three times the
+/// sizes of the numbers of which each addend is made, of_sum, of_product and of_low, which `lows` sums up; and in the
+/// end the size of the residual.
+void Refinement::find_residual(const double* A) {
   const std::size_t n = sum.size();
   for (std::size_t i = 0; i < n; ++i) {
     sum[i] = b_high[i];
     rest[i] = b_low[i];
-    lows[i] = std::abs(b_low[i]);
+    lows[i] = partial[i] = 0;
   }
+  static const SubtractColumn subtract = subtract_column_of_level();
   for (std::size_t j = 0; j < n; ++j) {
-    if (high[j] != 0) subtract_column(G.col(static_cast<Index>(j)).data(), high[j], low[j]);
-  }
-  for (std::size_t i = 0; i < n; ++i) residual[i] = sum[i] + rest[i];
-}
-
-bool Refinement::may_have_lost_bits(const Matrix& G) const {
-  double smallest = 1;
-  for (const double value : high) smallest = value == 0 ? smallest : std::min(smallest, std::abs(value));
-  return !(smallest > 0x1p-400) || (G.array() != 0 && G.array().abs() < 0x1p-400).any();
-}
-
-/// The correction, R times the residual, and |R| times what the residual may be off by.
-void Refinement::find_correction(const Matrix& inverse) {
-  const std::size_t n = sum.size();
-  const double order = static_cast<double>(n);
-  std::fill(correction.begin(), correction.end(), 0.0);
-  std::fill(bound.begin(), bound.end(), 0.0);
-  for (std::size_t j = 0; j < n; ++j) {
-    const double* const column = inverse.col(static_cast<Index>(j)).data();
-    const double r = residual[j];
-    const double off = 2 * b_error[j] + (order + 8) * kUnitRoundoff * (lows[j] + 2 * std::abs(r)) + bounded::kLost;
-    for (std::size_t i = 0; i < n; ++i) {
-      correction[i] += column[i] * r;
-      bound[i] += std::abs(column[i]) * off;
+    if (high[j] != 0) {
+      subtract({A + j * n, high[j], low[j], sum.data(), rest.data(), lows.data(), partial.data(), n});
     }
   }
+  for (std::size_t i = 0; i < n; ++i) {
+    correction[i] = sum[i] + rest[i];
+    const double rounding = kUnitRoundoff * (partial[i] + 3 * lows[i] + std::abs(correction[i]));
+    bound[i] = 2 * b_error[i] + rounding * (1 + 0x1p-20) + bounded::kLost;
+  }
+}
+
+/// Beyond doubt, if no bits were lost below the range of a double.
+bool Refinement::is_zero() const {
+  for (std::size_t i = 0; i < sum.size(); ++i) {
+    if (correction[i] != 0 || lows[i] != 0 || partial[i] != 0) return false;
+  }
+  return true;
+}
+
+bool Refinement::may_have_lost_bits(std::span<const double> A) const {
+  constexpr double kSmall = 0x1p-400;
+  const auto is_small = [](double value) { return value != 0 && !(std::abs(value) > kSmall); };
+  return std::any_of(high.begin(), high.end(), is_small) || std::any_of(A.begin(), A.end(), is_small);
 }
 
 void Refinement::correct() {
@@ -143,11 +189,6 @@ void Refinement::correct() {
     high[i] = normal.high;
     low[i] = normal.low;
   }
-}
-
-void multiply_by(const Matrix& A, std::span<const double> x, std::span<double> y) {
-  const auto n = static_cast<Index>(x.size());
-  Eigen::Map<Vector>(y.data(), n).noalias() = A * Eigen::Map<const Vector>(x.data(), n);
 }
 
 }  // namespace
@@ -167,164 +208,179 @@ BoundedInertia::BoundedInertia(const Inertia& inertia) {
       if (!well_defined_) return;
     }
   } else if (const auto* inverse = std::get_if<InverseInertia>(&inertia)) {
-    has_inertia_ = false;
-    reserve(inverse->Ginv.rows());
-    Block block;
-    block.matrix = inverse->Ginv;
-    block.coordinates.resize(singles_.size());
-    std::iota(block.coordinates.begin(), block.coordinates.end(), std::size_t{0});
-    block.units.assign(singles_.size(), 1);
-    well_defined_ = block.matrix.allFinite();
-    blocks_.push_back(std::move(block));
+    add_inverse(inverse->Ginv);
   } else {
     well_defined_ = false;
   }
 }
 
 void BoundedInertia::reserve(Index ngc) {
-  singles_.assign(static_cast<std::size_t>(ngc), 0);
-  block_of_row_.assign(static_cast<std::size_t>(ngc), 0);
+  const auto n = static_cast<std::size_t>(ngc);
+  singles_.assign(n, 0);
+  units_.assign(n, 1);
+  block_of_row_.assign(n, 0);
+}
+
+void BoundedInertia::add_inverse(const Matrix& Ginv) {
+  has_inertia_ = false;
+  well_defined_ = Ginv.allFinite();
+  reserve(Ginv.rows());
+  coordinates_.resize(singles_.size());
+  std::iota(coordinates_.begin(), coordinates_.end(), std::size_t{0});
+  entries_.assign(Ginv.data(), Ginv.data() + Ginv.size());
+  blocks_.push_back({.size = singles_.size()});
 }
 
 void BoundedInertia::add_inertia(const Matrix& G, std::size_t offset) {
-  well_defined_ = well_defined_ && G.allFinite() && (G.diagonal().array() > 0).all() && is_symmetric(G);
+  well_defined_ = well_defined_ && is_symmetric(G);
   if (!well_defined_) return;
   if (G.isDiagonal(0)) {
     for (Index i = 0; i < G.rows(); ++i) add_single(G(i, i), offset + static_cast<std::size_t>(i));
     return;
   }
   find_row_islands(G, parts_, queue_);
-  for (Index part = 0; part < parts_.count; ++part) {
-    Block block;
+  for (Index part = 0; part < parts_.count && well_defined_; ++part) {
+    const std::size_t first = coordinates_.size();
     for (std::size_t i = 0; i < parts_.of_row.size(); ++i) {
-      if (parts_.of_row[i] != part) continue;
-      if (block.coordinates.empty()) block.coordinates.reserve(parts_.of_row.size() - i);
-      block.coordinates.push_back(i);
+      if (parts_.of_row[i] == part) coordinates_.push_back(offset + i);
     }
-    if (block.coordinates.size() == 1) {
-      const auto row = static_cast<Index>(block.coordinates[0]);
-      add_single(G(row, row), offset + block.coordinates[0]);
+    if (coordinates_.size() > first + 1) {
+      well_defined_ = add_block(G, offset, first);
       continue;
     }
-    well_defined_ = well_defined_ && scale_and_prove(block, G);
-    if (!well_defined_) return;
-    for (std::size_t& row : block.coordinates) {
-      row += offset;
-      block_of_row_[row] = blocks_.size();
-    }
-    blocks_.push_back(std::move(block));
+    const std::size_t row = coordinates_.back();
+    coordinates_.pop_back();
+    add_single(G(static_cast<Index>(row - offset), static_cast<Index>(row - offset)), row);
   }
 }
 
+/// False for NaN, too.
 void BoundedInertia::add_single(double inertia, std::size_t row) {
   well_defined_ = well_defined_ && inertia > 0x1p-600 && inertia < 0x1p600;
   singles_[row] = inertia;
 }
 
-/// Scales the block's rows and columns of G. False unless it is then proven to have no eigenvalue below
-/// kLeastEigenvalue: L L' is the matrix that is factored up to (n + 1) n roundings of 4, and half of what was
-/// subtracted exceeds that.
-bool BoundedInertia::scale_and_prove(Block& block, const Matrix& G) {
-  const auto n = static_cast<Index>(block.coordinates.size());
-  const auto entry = [&](Index i, Index j) {
-    return G(static_cast<Index>(block.coordinates[static_cast<std::size_t>(i)]),
-             static_cast<Index>(block.coordinates[static_cast<std::size_t>(j)]));
-  };
-  block.units.resize(block.coordinates.size());
-  for (Index i = 0; i < n; ++i) {
-    if (!(entry(i, i) > 0x1p-600 && entry(i, i) < 0x1p600)) return false;
-    block.units[static_cast<std::size_t>(i)] = unit_of(entry(i, i));
+/// Scales the rows and columns of G that the coordinates from `first` on name, and factors the block that they are.
+/// False unless it is then proven to have no eigenvalue below kLeastEigenvalue.
+bool BoundedInertia::add_block(const Matrix& G, std::size_t offset, std::size_t first) {
+  const Block block{.first = first, .size = coordinates_.size() - first, .entries = entries_.size()};
+  const std::size_t* const rows = coordinates_.data() + first;
+  for (std::size_t i = 0; i < block.size; ++i) {
+    const auto row = static_cast<Index>(rows[i] - offset);
+    if (!(G(row, row) > 0x1p-600 && G(row, row) < 0x1p600)) return false;
+    units_[rows[i]] = unit_of(G(row, row));
+    block_of_row_[rows[i]] = blocks_.size();
   }
-  block.matrix.resize(n, n);
-  for (Index j = 0; j < n; ++j) {
-    const double unit_j = block.units[static_cast<std::size_t>(j)];
-    for (Index i = 0; i < n; ++i) {
-      const double unit_i = block.units[static_cast<std::size_t>(i)];
-      const double scaled = unit_i * entry(i, j) * unit_j;
-      // As of any definite block; and so no overflow makes a NaN of a pivot, which LLT takes for a positive one.
-      if (!(std::abs(scaled) <= 4) || 1 / unit_i * scaled * (1 / unit_j) != entry(i, j)) return false;
-      block.matrix(i, j) = scaled;
+  entries_.resize(block.entries + block.size * block.size);
+  double* const entries = entries_.data() + block.entries;
+  bool representable = true;
+  for (std::size_t j = 0; j < block.size; ++j) {
+    const double* const column_of_G = G.col(static_cast<Index>(rows[j] - offset)).data();
+    const double unit = units_[rows[j]];
+    double* const scaled = entries + j * block.size;
+    for (std::size_t i = 0; i < block.size; ++i) {
+      const double entry = column_of_G[rows[i] - offset];
+      scaled[i] = units_[rows[i]] * entry * unit;
+      // As of any definite block; and so large that no bits were lost.
+      const double magnitude = std::abs(scaled[i]);
+      representable = representable && magnitude <= 4 && (magnitude > 0x1p-400 || entry == 0);
     }
   }
-  const auto order = static_cast<double>(n);
-  Matrix work = block.matrix;
-  work.diagonal().array() -= std::max(2 * kLeastEigenvalue, 16 * order * (order + 4) * kUnitRoundoff);
-  return Eigen::LLT<Eigen::Ref<Matrix>>(work).info() == Eigen::Success;
+  blocks_.push_back(block);
+  return representable && factors_.add(std::span(entries, block.size * block.size), block.size, kLeastEigenvalue);
 }
 
-/// Finds R and the numbers that bound what it leaves: NaN where it is no inverse.
-void BoundedInertia::invert(Block& block) {
-  const Index n = block.size();
-  block.approximate = Eigen::LLT<Matrix>(block.matrix).solve(Matrix::Identity(n, n));
-  if (!block.approximate.allFinite()) {  // maxCoeff() may pass over NaN
-    block.approximate.setZero();
-    block.contraction = std::numeric_limits<double>::quiet_NaN();
-    return;
-  }
-  const Matrix rest = Matrix::Identity(n, n) - block.approximate * block.matrix;
-  const double product_norm = max_norm(block.approximate) * max_norm(block.matrix);
-  const double rounding = (static_cast<double>(n) + 4) * kUnitRoundoff * (product_norm + 1);
-  block.contraction = (max_norm(rest) + rounding) * (1 + 0x1p-20);
-  if (!(block.contraction < kLargestContraction)) block.contraction = std::numeric_limits<double>::quiet_NaN();
-}
-
-/// With E = I - R G, what a correction leaves of x - y is R r less its computed value, and E (x - y). The bound of the
-/// first is found for each coordinate: small ones beside large ones are known as well as the data allow.
-void BoundedInertia::solve(Block& block, BoundedVector& x) const {
-  const std::size_t n = block.coordinates.size();
+/// With A c = r but for f |c|_1 in each row, and the computed residual r off by at most d, the corrected y is off by at
+/// most |A^-1| (d + f |c|_1): that of d is found for each coordinate, and small ones beside large ones are known as
+/// well as the data allow.
+void BoundedInertia::solve(std::size_t b, BoundedVector& x) const {
+  const Block& block = blocks_[b];
+  const std::size_t n = block.size;
+  const std::size_t* const rows = coordinates_.data() + block.first;
   Refinement y(n, refinement_);
   bool zero = true, finite = true, exact = true;
   for (std::size_t i = 0; i < n; ++i) {
-    const Bounded b = times_unit(x[block.coordinates[i]], block.units[i]);
-    zero = zero && b.high == 0 && b.error == 0;
-    finite = finite && is_finite(b);
-    exact = exact && b.error == 0;
-    y.b_high[i] = y.residual[i] = b.high;
-    y.b_low[i] = b.low;
-    y.b_error[i] = b.error;
+    const Bounded of_row = times_unit(x[rows[i]], units_[rows[i]]);
+    zero = zero && of_row.high == 0 && of_row.error == 0;
+    finite = finite && is_finite(of_row);
+    exact = exact && of_row.error == 0;
+    y.b_high[i] = y.high[i] = of_row.high;
+    y.b_low[i] = of_row.low;
+    y.b_error[i] = of_row.error;
     y.low[i] = 0;
   }
   if (zero) return;
   if (!finite) {
-    for (const std::size_t i : block.coordinates) x[i] = bounded::unknown();
+    for (const std::size_t row : coordinates(block)) x[row] = bounded::unknown();
     return;
   }
-  if (block.approximate.size() == 0) invert(block);
-  multiply_by(block.approximate, y.residual, y.high);
-  double spread = std::numeric_limits<double>::infinity();
+  factors_.solve(b, y.high);
+  const std::span<const double> matrix(column(block, 0), n * n);
+  const std::span<const double> ones = factors_.bound_of_ones(b);
+  double size = std::numeric_limits<double>::infinity(), of_correction = size;
   for (int step = 0; step < kRefinements; ++step) {
-    y.find_residual(block.matrix);
-    if (exact && largest_magnitude(y.residual) == 0 && largest_magnitude(y.lows) == 0 &&
-        !y.may_have_lost_bits(block.matrix)) {
-      for (std::size_t i = 0; i < n; ++i)
-        x[block.coordinates[i]] = times_unit({y.high[i], y.low[i], 0}, block.units[i]);
+    y.find_residual(matrix.data());
+    if (exact && y.is_zero() && !y.may_have_lost_bits(matrix)) {
+      for (std::size_t i = 0; i < n; ++i) x[rows[i]] = times_unit({y.high[i], y.low[i], 0}, units_[rows[i]]);
       return;
     }
-    y.find_correction(block.approximate);
+    factors_.solve(b, y.correction);
     y.correct();
-    const double left = largest_magnitude(y.correction) + largest_magnitude(y.bound);
-    const double next = block.contraction / (1 - block.contraction) * left;
-    const bool done = !(next < spread / 2) || next <= 4 * *std::min_element(y.bound.begin(), y.bound.end());
-    spread = next;
+    double next = 0;
+    for (const double value : y.correction) next += std::abs(value);
+    of_correction = factors_.residual(b) * next * (1 + 0x1p-20);
+    const bool done = !(next < size / 2) || of_correction <= *std::min_element(y.bound.begin(), y.bound.end());
+    size = next;
     if (done) break;
   }
+  factors_.bound(b, y.bound);
   for (std::size_t i = 0; i < n; ++i) {
-    const double error = (y.bound[i] + spread) * (1 + 0x1p-20) + 0x1p-104 * std::abs(y.high[i]);
-    x[block.coordinates[i]] = times_unit({y.high[i], y.low[i], error}, block.units[i]);
+    const double error = (y.bound[i] + of_correction * ones[i]) * (1 + 0x1p-20) + 0x1p-104 * std::abs(y.high[i]);
+    x[rows[i]] = times_unit({y.high[i], y.low[i], error}, units_[rows[i]]);
   }
 }
 
-/// The block's coordinates of y: those of x times G, or |G|, in the units of the block.
-void BoundedInertia::multiply(const Block& block, bool magnitudes, const BoundedVector& x, BoundedVector& y) {
-  const std::size_t n = block.coordinates.size();
-  std::vector<BoundedSum> sums(n);
+/// The block's coordinates of y: those of x times G, in the units of the block.
+void BoundedInertia::multiply(const Block& block, const BoundedVector& x, BoundedVector& y) const {
+  const std::size_t n = block.size;
+  const std::size_t* const rows = coordinates_.data() + block.first;
+  sums_.assign(n, BoundedSum());
   for (std::size_t j = 0; j < n; ++j) {
-    const Bounded scaled = times_unit(x[block.coordinates[j]], 1 / block.units[j]);
+    const Bounded scaled = times_unit(x[rows[j]], 1 / units_[rows[j]]);
     if (scaled.high == 0 && scaled.error == 0) continue;
-    const double* const column = block.matrix.col(static_cast<Index>(j)).data();
-    for (std::size_t i = 0; i < n; ++i) sums[i].add(magnitudes ? std::abs(column[i]) : column[i], scaled);
+    const double* const entries = column(block, j);
+    for (std::size_t i = 0; i < n; ++i) sums_[i].add(entries[i], scaled);
   }
-  for (std::size_t i = 0; i < n; ++i) y[block.coordinates[i]] = times_unit(sums[i].value(), 1 / block.units[i]);
+  for (std::size_t i = 0; i < n; ++i) y[rows[i]] = times_unit(sums_[i].value(), 1 / units_[rows[i]]);
+}
+
+/// The same, or |G| times x, in double. The sums of k products are off by (k + 1) 2^-53 of their magnitudes, and by what
+/// the leading parts of x leave out.
+void BoundedInertia::multiply_in_double(const Block& block, bool magnitudes, const BoundedVector& x,
+                                        BoundedVector& y) const {
+  const std::size_t n = block.size;
+  const std::size_t* const rows = coordinates_.data() + block.first;
+  if (refinement_.size() < 3 * n) refinement_.resize(3 * n);
+  std::fill_n(refinement_.begin(), 3 * n, 0.0);
+  double* __restrict const sums = refinement_.data();
+  double* __restrict const sizes = sums + n;
+  double* __restrict const errors = sizes + n;
+  for (std::size_t j = 0; j < n; ++j) {
+    const Bounded scaled = times_unit(x[rows[j]], 1 / units_[rows[j]]);
+    const double left_out = std::abs(scaled.low) + 2 * scaled.error;
+    const double* const entries = column(block, j);
+    for (std::size_t i = 0; i < n; ++i) {
+      const double entry = magnitudes ? std::abs(entries[i]) : entries[i];
+      sums[i] += entry * scaled.high;
+      sizes[i] += std::abs(entry * scaled.high);
+      errors[i] += std::abs(entry) * left_out;
+    }
+  }
+  const double rounding = (static_cast<double>(n) + 2) * kUnitRoundoff;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double error = (rounding * sizes[i] + errors[i]) * (1 + 0x1p-20) + bounded::kLost;
+    y[rows[i]] = times_unit({sums[i], 0, error}, 1 / units_[rows[i]]);
+  }
 }
 
 /// A coordinate by itself.
@@ -340,7 +396,7 @@ void BoundedInertia::solve(BoundedVector& x) const {
   for (std::size_t row = 0; row < singles_.size(); ++row) {
     if (singles_[row] != 0) divide(row, x);
   }
-  for (Block& block : blocks_) solve(block, x);
+  for (std::size_t b = 0; b < blocks_.size(); ++b) solve(b, x);
 }
 
 void BoundedInertia::couple(std::vector<std::size_t>& pattern) const {
@@ -357,7 +413,8 @@ void BoundedInertia::couple(std::vector<std::size_t>& pattern) const {
   std::sort(touched_.begin(), touched_.end());
   touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
   for (const std::size_t b : touched_) {
-    pattern.insert(pattern.end(), blocks_[b].coordinates.begin(), blocks_[b].coordinates.end());
+    const std::span<const std::size_t> rows = coordinates(blocks_[b]);
+    pattern.insert(pattern.end(), rows.begin(), rows.end());
   }
 }
 
@@ -367,7 +424,7 @@ void BoundedInertia::solve(BoundedVector& x, std::vector<std::size_t>& pattern) 
   }
   couple(pattern);
   if (has_inertia_) {
-    for (const std::size_t b : touched_) solve(blocks_[b], x);
+    for (const std::size_t b : touched_) solve(b, x);
   } else if (!touched_.empty()) {
     x = apply(x);
   }
@@ -381,51 +438,74 @@ double BoundedInertia::estimate(std::vector<double>& x, std::vector<std::size_t>
     error = std::max(error, kUnitRoundoff * std::abs(x[row]));
   }
   couple(pattern);
-  for (const std::size_t b : touched_) error = std::max(error, estimate(blocks_[b], x));
+  for (const std::size_t b : touched_) error = std::max(error, estimate(b, x));
   return std::isfinite(error) ? error : std::numeric_limits<double>::infinity();
 }
 
-/// With y the computed R b, the error is that of y and E (I - E)^-1 R b for E = I - R G, as in solve().
-double BoundedInertia::estimate(Block& block, std::vector<double>& x) const {
-  const std::size_t n = block.coordinates.size();
-  if (has_inertia_ && block.approximate.size() == 0) invert(block);
-  const Matrix& inverse = has_inertia_ ? block.approximate : block.matrix;
+/// In the units of the block the error is at most |A^-1| times what the solution leaves of b; of a product with G* that
+/// of its sums.
+double BoundedInertia::estimate(std::size_t b, std::vector<double>& x) const {
+  const Block& block = blocks_[b];
+  const std::size_t n = block.size;
+  const std::size_t* const rows = coordinates_.data() + block.first;
   if (refinement_.size() < 2 * n) refinement_.resize(2 * n);
   const std::span<double> y = std::span(refinement_).first(n), magnitudes = std::span(refinement_).subspan(n, n);
-  std::fill(y.begin(), y.end(), 0.0);
-  std::fill(magnitudes.begin(), magnitudes.end(), 0.0);
-  for (std::size_t j = 0; j < n; ++j) {
-    const double b = x[block.coordinates[j]] * block.units[j];
-    if (b == 0) continue;
-    const double* const column = inverse.col(static_cast<Index>(j)).data();
+  double error = 0;
+  if (has_inertia_) {
+    for (std::size_t i = 0; i < n; ++i) y[i] = x[rows[i]] * units_[rows[i]];
+    factors_.solve(b, y);
+    double size = 0;
+    for (const double value : y) size += std::abs(value);
+    const std::span<const double> ones = factors_.bound_of_ones(b);
     for (std::size_t i = 0; i < n; ++i) {
-      y[i] += column[i] * b;
-      magnitudes[i] += std::abs(column[i] * b);
+      x[rows[i]] = y[i] * units_[rows[i]];
+      error = std::max(error, ones[i] * units_[rows[i]]);
     }
+    error *= factors_.residual(b) * size;
+  } else {
+    std::fill(y.begin(), y.end(), 0.0);
+    std::fill(magnitudes.begin(), magnitudes.end(), 0.0);
+    for (std::size_t j = 0; j < n; ++j) {
+      const double factor = x[rows[j]];
+      if (factor == 0) continue;
+      const double* const entries = column(block, j);
+      for (std::size_t i = 0; i < n; ++i) {
+        y[i] += entries[i] * factor;
+        magnitudes[i] += std::abs(entries[i] * factor);
+      }
+    }
+    for (std::size_t i = 0; i < n; ++i) x[rows[i]] = y[i];
+    error = (static_cast<double>(n) + 4) * kUnitRoundoff * largest_magnitude(magnitudes);
   }
-  const double rounding = (static_cast<double>(n) + 4) * kUnitRoundoff * largest_magnitude(magnitudes) + bounded::kLost;
-  const double contraction = has_inertia_ ? block.contraction : 0;
-  const double of_scaled = rounding + contraction / (1 - contraction) * (largest_magnitude(y) + rounding);
-  double unit = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    x[block.coordinates[i]] = y[i] * block.units[i];
-    unit = std::max(unit, block.units[i]);
-  }
-  const double error = of_scaled * unit * (1 + 0x1p-20) + bounded::kLost;
-  return std::isnan(error) ? std::numeric_limits<double>::infinity() : error;
+  error = error * (1 + 0x1p-20) + bounded::kLost;
+  return std::isnan(error) || std::isnan(largest_magnitude(y)) ? std::numeric_limits<double>::infinity() : error;
 }
 
-BoundedVector BoundedInertia::product(const BoundedVector& x, bool magnitudes) const {
+/// The coordinates that are coupled to no other.
+BoundedVector BoundedInertia::product_with_singles(const BoundedVector& x) const {
   BoundedVector y(x.size());
   for (std::size_t row = 0; row < singles_.size(); ++row) {
     if (singles_[row] != 0) y[row] = x[row] * Bounded(singles_[row]);
   }
-  for (const Block& block : blocks_) multiply(block, magnitudes, x, y);
   return y;
 }
 
-BoundedVector BoundedInertia::apply(const BoundedVector& x) const { return product(x, false); }
+BoundedVector BoundedInertia::apply(const BoundedVector& x) const {
+  BoundedVector y = product_with_singles(x);
+  for (const Block& block : blocks_) multiply(block, x, y);
+  return y;
+}
 
-BoundedVector BoundedInertia::scale(const BoundedVector& x) const { return product(x, true); }
+BoundedVector BoundedInertia::apply_in_double(const BoundedVector& x) const {
+  BoundedVector y = product_with_singles(x);
+  for (const Block& block : blocks_) multiply_in_double(block, false, x, y);
+  return y;
+}
+
+BoundedVector BoundedInertia::scale(const BoundedVector& x) const {
+  BoundedVector y = product_with_singles(x);
+  for (const Block& block : blocks_) multiply_in_double(block, true, x, y);
+  return y;
+}
 
 }  // namespace lcpbench

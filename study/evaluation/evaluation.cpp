@@ -245,18 +245,23 @@ double ContactEvaluation<Real>::velocity_mismatch(const Vector& returned, const 
   if (returned.size() != problem.ngc() || !returned.allFinite()) return std::numeric_limits<double>::infinity();
   const RealVector velocity = numbers<Real>(returned);
   const RealVector& v = lcp->velocity_before();
+  const RealVector apart = difference(velocity, v_plus);
   const RealVector speeds = sum(magnitudes(velocity), magnitudes(v));
   const RealVector impulse_scale = lcp->generalized_impulse_scale(z);
-  const RealVector apart = difference(velocity, v_plus);
   if (!inertia.has_inertia()) {
     return settled(largest_quotient(apart, sum(speeds, inertia.scale(impulse_scale))), kSettledBackward);
   }
-  const Real in_range = largest_quotient(inertia.apply(apart), sum(inertia.scale(speeds), impulse_scale));
-  if constexpr (std::is_same_v<Real, Quad>) {  // a BoundedInertia is regular
+  if constexpr (std::is_same_v<Real, Quad>) {
+    const Real in_range = largest_quotient(inertia.apply(apart), sum(inertia.scale(speeds), impulse_scale));
     const Real outside = max_abs(inertia.outside_range(difference(velocity, v)));
     return settled(larger(in_range, quotient(outside, max_abs(velocity) + max_abs(v))));
+  } else {  // a BoundedInertia is regular
+    if (std::all_of(apart.begin(), apart.end(), [](const Real& value) { return surely_equal(value, 0); })) return 0;
+    const RealVector scale = sum(inertia.scale(speeds), impulse_scale);
+    const Real in_double = largest_quotient(inertia.apply_in_double(apart), scale);
+    if (is_settled(in_double, kSettledBackward)) return to_double(in_double);
+    return settled(largest_quotient(inertia.apply(apart), scale), kSettledBackward);
   }
-  return settled(in_range, kSettledBackward);
 }
 
 template <class Real>

@@ -14,6 +14,11 @@ std::size_t count_nonzeros(const Jacobian& J) {
                                                    : std::get<SparseMatrix>(J).nonZeros());
 }
 
+bool is_same(const Bounded& a, const Bounded& b) {
+  return a.exact() && b.exact() && a.high == b.high && a.low == b.low;
+}
+bool is_same(Quad a, Quad b) { return a == b; }
+
 template <class Real>
 std::vector<double> rounded(const std::vector<Real>& x) {
   std::vector<double> doubles(x.size());
@@ -119,7 +124,7 @@ ContactLcp<Real>::ContactLcp(const ContactProblem& problem, const Inertia& inert
   find_opposite_columns();
 
   q_.assign(impulses() + normal_of_cone_.size(), 0);
-  for (std::size_t i = 0; i < impulses(); ++i) q_[i] = project(i, v_) + offset(i);
+  for (std::size_t i = 0; i < impulses(); ++i) q_[i] = twin_[i] == i ? project(i, v_) + offset(i) : -q_[twin_[i]];
 }
 
 template <class Real>
@@ -206,9 +211,8 @@ void ContactLcp<Real>::list_columns_of_rows() {
 template <class Real>
 Real ContactLcp<Real>::project(std::size_t i, const RealVector& x) const {
   if constexpr (std::is_same_v<Real, Bounded>) {
-    BoundedSum sum;
-    for (std::size_t e = begin_[i]; e < begin_[i + 1]; ++e) sum.add(values_[e], x[rows_[e]]);
-    return sum.value();
+    static const BoundedDot dot = bounded_dot_of_level();
+    return dot(values_.data() + begin_[i], rows_.data() + begin_[i], begin_[i + 1] - begin_[i], x.data());
   } else {
     Real sum = 0;
     for (std::size_t e = begin_[i]; e < begin_[i + 1]; ++e) sum += values_[e] * x[rows_[e]];
@@ -285,9 +289,13 @@ Real ContactLcp<Real>::row(std::size_t i, const RealVector& z, const RealVector&
 template <class Real>
 void ContactLcp<Real>::fill_rows(std::span<const std::size_t> rows, const RealVector& z, const RealVector& u,
                                  RealVector& w) const {
+  const bool at_q = std::equal(u.begin(), u.end(), v_.begin(),
+                               [](const Real& a, const Real& b) { return is_same(a, b); });
   for (const std::size_t i : rows) {
     if (i >= impulses()) {
       w[i] = cone_row(i - impulses(), z);
+    } else if (at_q) {
+      w[i] = q_[i];
     } else {
       w[i] = twin_[i] == i ? project(i, u) + offset(i) : -w[twin_[i]];
     }
