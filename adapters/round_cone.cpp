@@ -11,14 +11,11 @@ bool RoundCones::has_tangents(Index contact) const {
   return !layout_.lambda.empty() && layout_.lambda[static_cast<std::size_t>(contact)] >= 0;
 }
 
-std::string RoundCones::load(const Problem& problem, bool take_friction, Frictionless frictionless) {
+std::string RoundCones::load(const Problem& problem, Frictionless frictionless) {
   const ContactProblem* contact = problem.contact();
   layout_ = contact != nullptr ? contact_layout(*contact) : ContactLayout{.nc = problem.size()};
   if (contact == nullptr && problem.lcp().M != problem.lcp().M.transpose()) {
     return "needs a symmetric M, or the contacts that M came from";
-  }
-  if (frictional() && !take_friction) {
-    return "has a round friction cone, which is another problem than this pyramid: cone=true solves that one";
   }
   if (frictional()) {
     if (std::string why = why_no_round_cone(*contact); !why.empty()) return why;

@@ -19,8 +19,8 @@ class RoundCones {
   /// Rows of a contact without friction: one, or three of which two belong to nothing else, with mu = 0.
   enum class Frictionless { kOneRow, kThreeRows };
 
-  /// @param take_friction whether a pyramid may be replaced by its cone. @returns why there is no such form, or "".
-  std::string load(const Problem& problem, bool take_friction, Frictionless frictionless);
+  /// Replaces pyramids by their cones. @returns why there is no such form, or "".
+  std::string load(const Problem& problem, Frictionless frictionless);
 
   bool frictional() const { return layout_.cones > 0; }
   Index contacts() const { return layout_.nc; }

@@ -90,6 +90,15 @@ const char* to_string(Needs needs) {
   return "unknown";
 }
 
+namespace {
+
+std::string why_no_friction(const std::string& setting) {
+  if (setting.empty()) return "needs a symmetric M: frictionless contacts only";
+  return "has a round friction cone, which is another problem than this pyramid: " + setting + " solves that one";
+}
+
+}  // namespace
+
 std::string why_not(const Capabilities& capabilities, const Problem& problem) {
   if (capabilities.needs == Needs::kScene && problem.scene() == nullptr) return "needs a rigid-body scene";
   if (capabilities.needs == Needs::kFactored && problem.contact() == nullptr) {
@@ -104,7 +113,7 @@ std::string why_not(const Capabilities& capabilities, const Problem& problem) {
   if (!data_are_finite(problem)) return "the data hold NaN or infinity";
   if (capabilities.frictionless_only) {
     if (const ContactProblem* contact = problem.contact()) {
-      if (contact->frictional()) return "needs a symmetric M: frictionless contacts only";
+      if (contact->frictional()) return why_no_friction(capabilities.friction_setting);
     } else if (problem.lcp().M != problem.lcp().M.transpose()) {
       return "needs a symmetric M";
     }

@@ -90,6 +90,8 @@ struct Capabilities {
   Needs needs = Needs::kDense;
   bool frictionless_only =
       false;  ///< needs a symmetric positive semidefinite M: refuses frictional and asymmetric ones
+  /// "key=value" with which a `frictionless_only` solver takes friction too, by the round cone; "": there is none.
+  const char* friction_setting = "";
   Index max_size = std::numeric_limits<Index>::max();  ///< largest n
   bool captured_only = false;     ///< needs the impulses of the engine that the problem was captured from
   const char* guarantees = "";    ///< class on which an answer is guaranteed in exact arithmetic, in words

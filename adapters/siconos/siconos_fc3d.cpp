@@ -22,6 +22,7 @@ enum class Fc3dMethod { kNsgs, kNsnAc };
 
 constexpr Capabilities kCapabilities{
     .frictionless_only = true,
+    .friction_setting = "cone=true",
     .guarantees = "none; without friction, the method nsgs converges for symmetric positive definite M"};
 
 struct SiconosFc3dSettings {
@@ -46,17 +47,16 @@ class SiconosFc3d;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
-/// What is refused is left to RoundCones.
 constexpr Capabilities kConeCapabilities{.guarantees = kCapabilities.guarantees};
 
 class SiconosFc3d final : public Solver {
  public:
   explicit SiconosFc3d(const SiconosFc3dSettings& settings) : settings_(settings) {}
-  const Capabilities& capabilities() const override { return kConeCapabilities; }
+  const Capabilities& capabilities() const override { return settings_.cone ? kConeCapabilities : kCapabilities; }
 
  protected:
   void on_load(const Problem& problem) override {
-    refusal_ = cones_.load(problem, settings_.cone, RoundCones::Frictionless::kThreeRows);
+    refusal_ = cones_.load(problem, RoundCones::Frictionless::kThreeRows);
     if (refusal_.empty() && settings_.method == Fc3dMethod::kNsgs) refusal_ = why_not_nsgs();
   }
 

@@ -27,11 +27,13 @@ template <class Settings>
 class SimbodySolver final : public Solver {
  public:
   explicit SimbodySolver(const Settings& settings) : settings_(settings) {}
-  const Capabilities& capabilities() const override { return kConeCapabilities; }
+  const Capabilities& capabilities() const override {
+    return settings_.cone ? kConeCapabilities : Settings::capabilities;
+  }
 
  protected:
   void on_load(const Problem& problem) override {
-    refusal_ = cones_.load(problem, settings_.cone, RoundCones::Frictionless::kOneRow);
+    refusal_ = cones_.load(problem, RoundCones::Frictionless::kOneRow);
     if (!refusal_.empty()) return;
     contacts_.clear();
     for (Index i = 0; i < cones_.contacts(); ++i) {
@@ -67,7 +69,6 @@ class SimbodySolver final : public Solver {
   }
 
  private:
-  /// What is refused is left to RoundCones.
   static constexpr Capabilities kConeCapabilities{.guarantees = Settings::capabilities.guarantees};
 
   Settings settings_;

@@ -6,7 +6,9 @@ namespace {
 
 struct SimbodyPgsSettings {
   static constexpr Capabilities capabilities{
-      .frictionless_only = true, .guarantees = "converges for symmetric positive definite M; with friction none"};
+      .frictionless_only = true,
+      .friction_setting = "cone=true",
+      .guarantees = "converges for symmetric positive definite M; with friction none"};
   bool cone = false;
   double tolerance = 1e-6;
   std::int64_t max_iterations = 100;

@@ -6,6 +6,7 @@ namespace {
 
 struct SimbodyPlusSettings {
   static constexpr Capabilities capabilities{.frictionless_only = true,
+                                             .friction_setting = "cone=true",
                                              .guarantees = "none: the guesses of the active rows may not end"};
   bool cone = false;
   double tolerance = 1e-10;

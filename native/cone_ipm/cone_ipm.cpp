@@ -217,6 +217,7 @@ void ConeIpm::on_solve(const SolveRequest& request, Answer& answer) {
 constexpr Capabilities kCapabilities{
     .needs = Needs::kFactored,
     .frictionless_only = true,
+    .friction_setting = "cone=true",
     .guarantees = "frictionless contact problems with a strictly feasible velocity; with friction none",
     .obeys_time_limit = true,
     .allocation_free = true};

@@ -57,6 +57,7 @@ Json solver_json(const RegisteredSolver& solver) {
                {"reason", reason},
                {"needs", to_string(capabilities.needs)},
                {"frictionless_only", capabilities.frictionless_only},
+               {"friction_setting", capabilities.friction_setting},
                {"max_size", nullptr},
                {"guarantees", capabilities.guarantees},
                {"settings", settings_json(definition.settings())}};

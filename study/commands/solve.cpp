@@ -284,6 +284,10 @@ std::string detail_of(const Attempt& attempt) {
   return detail.empty() || attempt.note.empty() ? detail + attempt.note : detail + "; " + attempt.note;
 }
 
+constexpr const char* kTwoErrors =
+    "solver's m/s: the residual of the conditions that the solver's model of friction has. model's m/s: the residual of "
+    "the round Coulomb cone's conditions, which holds the errors of model and solver.\n";
+
 void print_attempts(const Problem& problem, const std::string& file, const std::vector<Attempt>& attempts, int width) {
   say(stdout, "{}", folded(problem_summary_text(problem, file) + "\n", width));
   if (attempts.empty()) {
@@ -294,6 +298,9 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
   using Align = TextTable::Align;
   const bool models = std::any_of(attempts.begin(), attempts.end(),
                                   [](const Attempt& each) { return each.model != FrictionModel::kPyramid; });
+  const bool cone = std::any_of(attempts.begin(), attempts.end(), [](const Attempt& each) {
+    return !std::isnan(each.judgement.errors.model_error_m_per_s);
+  });
   std::vector<TextTable::Column> columns{{"solver", Align::kLeft, 0, 20},
                                          {"claim", Align::kLeft, 0, 20},
                                          {"verdict", Align::kLeft},
@@ -303,6 +310,7 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
                                          {"solve"},
                                          {"verify", Align::kRight, 4},
                                          {"detail", Align::kLeft, 5, 30}};
+  if (cone) columns.insert(columns.begin() + 4, {{"solver's m/s"}, {"model's m/s"}});
   if (models) columns.insert(columns.begin() + 3, {"model", Align::kLeft});
   TextTable table(columns);
   for (const Attempt& each : attempts) {
@@ -317,10 +325,15 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
                                  format_seconds(times.solve_cpu_s),
                                  format_seconds(each.judgement.verify_s),
                                  detail_of(each)};
+    if (cone) {
+      row.insert(row.begin() + 4,
+                 {format_error(errors.velocity_residual_m_per_s), format_error(errors.model_error_m_per_s)});
+    }
     if (models) row.insert(row.begin() + 3, to_string(each.model));
     table.add_row(row);
   }
   say(stdout, "{}", table.text(width));
+  if (cone) say(stdout, "{}", folded(kTwoErrors, width));
   print_reasons(attempts, width);
   print_conclusion(attempts, width);
   print_spread(problem, attempts, width);

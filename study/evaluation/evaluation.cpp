@@ -6,7 +6,9 @@
 #include <stdexcept>
 #include <type_traits>
 
+#include "core/round_cone.h"
 #include "study/evaluation/backward_error.h"
+#include "study/evaluation/cone_friction.h"
 #include "study/evaluation/farkas.h"
 
 namespace lcpbench {
@@ -116,6 +118,7 @@ struct ContactEvaluation {
     lcp.emplace(contact, inertia);
     scales.reserve(islands.count());
     for (std::size_t island = 0; island < islands.count(); ++island) scales.push_back(island_scale(island));
+    if (contact.frictional() && why_no_round_cone(contact).empty()) cone.emplace(contact, *lcp);
   }
 
   void measure(const RealVector& z, const RealVector& v_plus, const RealVector& w, Errors& errors);
@@ -126,13 +129,15 @@ struct ContactEvaluation {
   const IslandRows& islands;
   RealInertia inertia;
   std::optional<ContactLcp<Real>> lcp;
-  RealVector scales;  // of the islands' residuals
+  RealVector scales;                       // of the islands' residuals
+  std::optional<ConeFriction<Real>> cone;  // where the friction names one
   std::optional<RealVector> v_star;
 
  private:
   Real island_scale(std::size_t island) const;
   Real row_residual(std::size_t row, const RealVector& z, const RealVector& w);
-  void measure_residual(const RealVector& z, const RealVector& w, Errors& errors);
+  RealVector measure_residual(const RealVector& z, const RealVector& w, Errors& errors);
+  double model_error(const RealVector& z, const RealVector& v_plus, const RealVector& residuals) const;
   Real work_of_offset(const RealVector& z) const;
 };
 
@@ -167,8 +172,9 @@ Real ContactEvaluation<Real>::row_residual(std::size_t row, const RealVector& z,
   return is_finite(residual) ? residual : Real{std::numeric_limits<double>::infinity()};
 }
 
+/// Returns the residuals of all rows.
 template <class Real>
-void ContactEvaluation<Real>::measure_residual(const RealVector& z, const RealVector& w, Errors& errors) {
+std::vector<Real> ContactEvaluation<Real>::measure_residual(const RealVector& z, const RealVector& w, Errors& errors) {
   Real largest = 0;
   Real rho = 0;
   std::optional<std::size_t> worst_island;
@@ -203,6 +209,22 @@ void ContactEvaluation<Real>::measure_residual(const RealVector& z, const RealVe
   errors.velocity_residual_m_per_s = settled(largest);
   errors.velocity_residual_relative = settled(rho);
   errors.solved = at_most(rho, kSolvedVelocityResidual) && std::isfinite(errors.velocity_residual_m_per_s);
+  return residuals;
+}
+
+/// The cone shares the normal rows with the pyramid.
+template <class Real>
+double ContactEvaluation<Real>::model_error(const RealVector& z, const RealVector& v_plus,
+                                            const RealVector& residuals) const {
+  if (!cone) return Errors::kNone;
+  Real largest = 0;
+  double scale = 0;
+  for (const Real& each : scales) scale = std::max(scale, to_double(each));
+  for (Index contact = 0; contact < problem.nc(); ++contact) {
+    largest = larger(largest, residuals[static_cast<std::size_t>(contact)]);
+    if (cone->has_friction(contact)) largest = larger(largest, cone->residual(contact, z, v_plus));
+  }
+  return settled(largest, kSettledBackward * scale);
 }
 
 /// -b'f_N: what a solution may gain by the offset. Of a solution f_N'(N'v+ + b) = 0.
@@ -216,7 +238,8 @@ Real ContactEvaluation<Real>::work_of_offset(const RealVector& z) const {
 template <class Real>
 void ContactEvaluation<Real>::measure(const RealVector& z, const RealVector& v_plus, const RealVector& w,
                                       Errors& errors) {
-  measure_residual(z, w, errors);
+  const RealVector residuals = measure_residual(z, w, errors);
+  errors.model_error_m_per_s = model_error(z, v_plus, residuals);
   Real violation = 0;
   for (std::size_t i = 0; i < lcp->contacts(); ++i) violation = larger(violation, -w[i]);
   errors.violation_m_per_s = settled(violation);

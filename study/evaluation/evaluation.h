@@ -49,6 +49,10 @@ struct Errors {
   /// the largest error of forming a q_i in double, (k_i + 1) (2^-53 (|J_i|'|v| + |b_i|) + 2^-1074) with k_i nonzero
   /// entries in J_i and b_i.
   double velocity_residual_relative = kNone;
+  /// The largest residual of the round Coulomb cone's own conditions, see measure_cone(), whatever the model that was
+  /// solved: the error of model and solver together. NaN without friction, and where the friction directions name no
+  /// cone.
+  double model_error_m_per_s = kNone;
   double natural_residual = kNone;        ///< max |min(z_i, w_i)|: mixes units; for comparison with other studies
   double backward_componentwise = kNone;  ///< eta_mix, componentwise scale, of the worst island
   double backward_row_norm = kNone;       ///< eta_mix, row-norm scale, of the worst island
@@ -86,6 +90,7 @@ struct Metric {
 inline constexpr std::array kMetrics{
     Metric{"velocity_residual_m_per_s", &Errors::velocity_residual_m_per_s},
     Metric{"velocity_residual_relative", &Errors::velocity_residual_relative},
+    Metric{"model_error_m_per_s", &Errors::model_error_m_per_s},
     Metric{"natural_residual", &Errors::natural_residual},
     Metric{"backward_componentwise", &Errors::backward_componentwise},
     Metric{"backward_row_norm", &Errors::backward_row_norm},
@@ -200,8 +205,9 @@ enum class Precision {
 ///
 /// Decisions are those of exact arithmetic where the bounds decide them, and those of 113 bits elsewhere. The two can
 /// differ only where terms some 2^100 apart cancel. A measure of a contact problem may differ from its value in 113
-/// bits by kSettled of it, the backward errors and the velocity mismatch also by kSettledBackward; in practice in the
-/// last digits of a double. The worst row may be any of those that are equal up to kSettled.
+/// bits by kSettled of it, the backward errors and the velocity mismatch also by kSettledBackward, the model's error
+/// also by kSettledBackward of the largest scale of an island; in practice in the last digits of a double. The worst
+/// row may be any of those that are equal up to kSettled.
 class Evaluator {
  public:
   explicit Evaluator(const Problem& problem, Precision precision = Precision::kAsNeeded);

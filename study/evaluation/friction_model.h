@@ -29,9 +29,9 @@ FrictionModel friction_model(std::string_view all_settings, const Problem& probl
 /// P the nearest point of the disc of radius mu M_tt max(f_N, 0). Both are zero exactly where the contact pushes,
 /// separates or neither, |f_t| <= mu f_N, and f_t is opposite to a slip and then at its limit [Alart, Curnier 1991].
 /// rho and the rule of `solved` are those of the pyramid. The worst row is the contact's cone row: z is |u_t|, w is mu
-/// f_N - |f_t|. Natural residual, backward errors, complementarity and forward error do not apply. No change where the
-/// problem has no friction, or the answer is not usable. Friction directions that name no cone (edges no multiple of 4)
-/// leave the answer without a measure.
+/// f_N - |f_t|. The model's error is the answer's own residual. Natural residual, backward errors, complementarity and
+/// forward error do not apply. No change where the problem has no friction, or the answer is not usable. Friction
+/// directions that name no cone (edges no multiple of 4) leave the answer without a measure.
 void measure_cone(const Problem& problem, const Answer& answer, Errors& errors);
 
 }  // namespace lcpbench

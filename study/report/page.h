@@ -6,6 +6,7 @@
 
 #include "study/report/decision.h"
 #include "study/report/figures.h"
+#include "study/report/model_error.h"
 #include "study/report/paper.h"
 #include "study/report/solver_comparison.h"
 #include "study/report/summary.h"
@@ -20,7 +21,8 @@ struct Figures {
   std::map<std::size_t, Figure> distribution;
   std::map<std::size_t, Figure> time_ecdf;
   std::map<std::size_t, Figure> error_ecdf;
-  std::map<std::size_t, Figure> scene;  ///< by the first set of a scene's family that has a picture
+  std::map<std::size_t, Figure> scene;        ///< by the first set of a scene's family that has a picture
+  std::map<std::size_t, Figure> model_error;  ///< 0: of all scenes
 };
 
 /// All that a report says of a store. Its parts point into its summary.
@@ -30,6 +32,7 @@ struct Report {
   std::vector<SetComparison> comparisons;
   SpeedErrorStudy speed_error;
   std::vector<VelocitySpread> velocity_spreads;
+  ModelErrors model_errors;
   Figures figures;
   PaperStudy paper;
 };

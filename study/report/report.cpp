@@ -100,8 +100,9 @@ Json claims_json(const Json& cells) {
 }
 
 report::Figures draw_figures(const Summary& summary, const std::vector<SetComparison>& comparisons,
-                             const report::SpeedErrorStudy& study) {
+                             const report::SpeedErrorStudy& study, const report::ModelErrors& model_errors) {
   report::Figures figures;
+  if (auto figure = report::model_error_figure(summary, model_errors)) figures.model_error[0] = std::move(*figure);
   for (const report::SpeedError& set : study.sets) {
     if (study.is_step(summary, set.set)) continue;
     if (auto figure = report::speed_error_figure(summary, set)) figures.speed_error[set.set] = std::move(*figure);
@@ -149,6 +150,7 @@ void write_figures(const Summary& summary, const report::SpeedErrorStudy& study,
   write(figures.time_ecdf, ".ecdf-time.svg", set_name);
   write(figures.error_ecdf, ".ecdf-error.svg", set_name);
   write(figures.scene, ".scene.svg", set_name);
+  write(figures.model_error, ".model-error.svg", [](std::size_t) { return "scenes"; });
   const std::optional<std::size_t> headline = report::headline_set(summary);
   const auto figure = headline ? figures.speed_error.find(*headline) : figures.speed_error.end();
   if (figure != figures.speed_error.end()) {
@@ -188,7 +190,9 @@ Json results_json(const Summary& summary, const report::SpeedErrorStudy& study) 
                        {"error_median", cell.error_median},
                        {"error_p99", cell.error_p99},
                        {"reliability", standing[&cell]},
-                       {"model", to_string(friction_model(solver.all_settings))}});
+                       {"model", to_string(friction_model(solver.all_settings))},
+                       {"solver_error_median_m_per_s", cell.solver_error.median},
+                       {"model_error_median_m_per_s", cell.model_error.median}});
   }
   return records;
 }
@@ -251,7 +255,8 @@ Report make_report(Store& store) {
   });
   report.speed_error = report::speed_error_study(summary);
   report.velocity_spreads = report::velocity_spreads(store, summary);
-  report.figures = draw_figures(summary, report.comparisons, report.speed_error);
+  report.model_errors = report::model_errors(summary);
+  report.figures = draw_figures(summary, report.comparisons, report.speed_error, report.model_errors);
   report.paper = report::paper_study(summary);
   return report;
 }

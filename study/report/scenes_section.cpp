@@ -147,6 +147,12 @@ std::string solvers_table(const Summary& summary, const Family& family) {
          rows + kTableEnd;
 }
 
+std::string model_error_part(const Report& report) {
+  if (report.model_errors.points.empty()) return "";
+  return "<h3 id=\"model-error\">The model’s error and the solver’s</h3>\n" +
+         model_error_words(report.summary, report.model_errors) + figure_html(report.figures.model_error, 0);
+}
+
 }  // namespace
 
 std::string scenes_section(const Report& report) {
@@ -172,7 +178,7 @@ std::string scenes_section(const Report& report) {
                                        {"Its error ρ, 99 %", true},
                                        {"Solvers that said solved and were wrong", true},
                                        {"Steps on which verified answers move differently", true}}) +
-         rows + kTableEnd + parts + "</section>\n";
+         rows + kTableEnd + model_error_part(report) + parts + "</section>\n";
 }
 
 }  // namespace lcpbench::report

@@ -387,7 +387,9 @@ std::string family_part(const Summary& summary, const SpeedErrorStudy& study, st
 }  // namespace
 
 std::string speed_error_section(const Report& report) {
-  const auto& [summary, situations, comparisons, study, spreads, figures, paper] = report;
+  const Summary& summary = report.summary;
+  const SpeedErrorStudy& study = report.speed_error;
+  const Figures& figures = report.figures;
   if (has_only_hard_sets(summary)) return "";
   std::string rows;
   std::string parts;

@@ -29,6 +29,8 @@ struct Row {
   double backward_error = 0;
   double forward_error = kNoNumber;
   double violation_m_per_s = 0;
+  double solver_error_m_per_s = 0;
+  double model_error_m_per_s = 0;
   std::int64_t pivots = -1;
   TimeParts times;
   std::string detail;
@@ -109,6 +111,8 @@ std::map<std::int64_t, std::vector<Row>> read_answers(Store& store, std::int64_t
     row.velocity_residual = errors.velocity_residual_relative;
     row.backward_error = errors.backward_row_norm;
     row.violation_m_per_s = errors.violation_m_per_s;
+    row.solver_error_m_per_s = errors.velocity_residual_m_per_s;
+    row.model_error_m_per_s = errors.model_error_m_per_s;
     if (unique_velocities.contains(row.problem)) {
       row.forward_error = errors.usable ? errors.forward_velocity : kInfinity;
     }
@@ -139,6 +143,7 @@ double error_of(const Row& row) {
 /// What the paper counts as solved.
 bool passes_criterion(const Row& row) { return claimed_solved(row) && row.criterion; }
 bool passes_unclaimed(const Row& row) { return row.criterion; }
+bool has_model_error(const Row& row) { return solved(row) && !std::isnan(row.model_error_m_per_s); }
 
 void count_answer(const Row& row, Cell& cell) {
   ++cell.trials;
@@ -243,9 +248,14 @@ void measure_answers(const std::vector<Row>& rows, std::span<Cell> cells) {
   measure(rows, cells, &Cell::criterion_any_time, &Cell::Half::criterion_any_time, where(passes_unclaimed, time));
   measure(rows, cells, &Cell::criterion_any_violation, &Cell::Half::criterion_any_violation,
           where(passes_unclaimed, violation));
-  const std::vector<Sample> pivots = distribute(
-      rows, cells.size(), [](const Row& row) { return row.pivots < 0 ? kNoNumber : static_cast<double>(row.pivots); });
-  for (std::size_t number = 0; number < cells.size(); ++number) cells[number].pivots = spread(pivots[number].all);
+  const auto measure_whole = [&](Spread Cell::*whole, auto value_of) {
+    const std::vector<Sample> samples = distribute(rows, cells.size(), value_of);
+    for (std::size_t number = 0; number < cells.size(); ++number) cells[number].*whole = spread(samples[number].all);
+  };
+  measure_whole(&Cell::solver_error, where(has_model_error, [](const Row& row) { return row.solver_error_m_per_s; }));
+  measure_whole(&Cell::model_error, where(has_model_error, [](const Row& row) { return row.model_error_m_per_s; }));
+  measure_whole(&Cell::pivots,
+                [](const Row& row) { return row.pivots < 0 ? kNoNumber : static_cast<double>(row.pivots); });
 }
 
 /// Errors of the answers claimed solved; one that is no number is infinite.
@@ -283,7 +293,9 @@ std::vector<Outcome> outcomes_of(const std::vector<Row>& rows) {
                         .refused = refused(row),
                         .time_s = refused(row) ? kNoNumber : row.time_s(),
                         .error = error_of(row),
-                        .forward_error = row.forward_error});
+                        .forward_error = row.forward_error,
+                        .solver_error_m_per_s = row.solver_error_m_per_s,
+                        .model_error_m_per_s = row.model_error_m_per_s});
   }
   return outcomes;
 }

@@ -51,6 +51,8 @@ struct Outcome {
   /// ||v+ - v*||_G / ||v||_G where the only velocity v* is certified; infinity where the answer is then no answer; NaN:
   /// not known.
   double forward_error = 0;
+  double solver_error_m_per_s = 0;  ///< the residual of the conditions that were solved; NaN without an answer
+  double model_error_m_per_s = 0;   ///< that of the round cone's; NaN where there is none
 };
 
 /// Means over all trials but the refused ones [s].
@@ -87,6 +89,8 @@ struct Cell {
   std::int64_t paired = 0;           ///< problems that both this solver and the reference solved
   Estimate time_ratio{};             ///< time / reference's time on those: ratio of sums, bootstrap 95 %
   Spread violation{};                ///< [m/s] of the trials with verdict solved
+  Spread solver_error{};             ///< [m/s] of those of them that have a model's error: the solver's own residual
+  Spread model_error{};              ///< [m/s] of the same: the residual of the round cone's conditions
   Spread criterion_time{};           ///< [s] of the trials that count in `criterion`: the paper's "solved"
   Spread criterion_violation{};      ///< [m/s] of the same
   Spread criterion_any_time{};       ///< [s] of the trials that count in `criterion_any`

@@ -55,6 +55,8 @@ void add_details(const Cell& cell, nlohmann::ordered_json& json) {
   json["time_ratio_high"] = cell.time_ratio.high;
   json["time_ratio_problems"] = cell.paired;
   json["criterion_violation"] = spread_json(cell.criterion_violation);
+  json["solver_error_m_per_s"] = spread_json(cell.solver_error);
+  json["model_error_m_per_s"] = spread_json(cell.model_error);
   json["pivots"] = spread_json(cell.pivots);
   json["claims"] = claims_json(cell);
   json["even_trials"] = half_json(cell.halves[0]);

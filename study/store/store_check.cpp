@@ -22,7 +22,7 @@ using sqlite::Statement;
 
 constexpr std::int64_t kApplicationId = 0x4c43'5042;  // "LCPB", in the header of the file
 /// Rises with what a verdict means, too: answers judged by two definitions must not meet in one store.
-constexpr std::int64_t kFormatVersion = 6;
+constexpr std::int64_t kFormatVersion = 7;
 
 std::string damage(const Database& database, const std::string& what) {
   return fmt::format("{}: the store is damaged: {}", database.file().string(), what);
@@ -226,8 +226,8 @@ void check_format(Database& database) {
   const std::int64_t version = database.integer("PRAGMA user_version");
   if (version != kFormatVersion) {
     throw InputError(
-        fmt::format("{}: store format {}, this lcpbench reads format {} alone: verdicts mean something else there; use "
-                    "another store (`run --fresh` replaces it)",
+        fmt::format("{}: store format {}, this lcpbench reads format {} alone: verdicts have other columns or mean "
+                    "something else there; use another store (`run --fresh` replaces it)",
                     database.file().string(), version, kFormatVersion));
   }
   check_schema(database);

@@ -144,10 +144,14 @@ TEST(AdapterConeTest, ClaimedAnswersSolveTheConesConditions) {
 
 TEST(AdapterConeTest, FrictionIsRefusedUnlessTheConeIsAskedFor) {
   for (const char* solver : {"siconos_fc3d", "simbody_pgs", "simbody_plus"}) {
+    // What lcpbench says before it starts a worker, and what the worker says.
+    const std::string reason =
+        "has a round friction cone, which is another problem than this pyramid: cone=true solves that one";
+    EXPECT_EQ(why_not(find_solver(solver).definition.capabilities, drop({3.0, 4.0, -3.0})), reason) << solver;
     if (missing(solver)) continue;
     const Answer answer = run(solver, drop({3.0, 4.0, -3.0}));
     EXPECT_EQ(answer.claim, Claim::kUnsupported) << solver;
-    EXPECT_NE(answer.detail.find("round friction cone"), std::string::npos) << answer.detail;
+    EXPECT_EQ(answer.detail, reason) << solver;
     EXPECT_EQ(answer.z.size(), 0) << solver;
   }
 }

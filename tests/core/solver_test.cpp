@@ -98,6 +98,14 @@ TEST(SolverTest, RefusedProblemsAreAnsweredUnsupportedWithTheReason) {
   symmetric.load(frictional_particle());
   symmetric.solve({}, answer);
   EXPECT_EQ(answer.claim, Claim::kUnsupported);
+  EXPECT_EQ(answer.detail, "needs a symmetric M: frictionless contacts only");
+
+  Echo round({.frictionless_only = true, .friction_setting = "cone=true"});
+  round.load(frictional_particle());
+  round.solve({}, answer);
+  EXPECT_EQ(answer.claim, Claim::kUnsupported);
+  EXPECT_EQ(answer.detail,
+            "has a round friction cone, which is another problem than this pyramid: cone=true solves that one");
 }
 
 // Zeros are right for bodies that separate: an answer that nobody gave would be verified.

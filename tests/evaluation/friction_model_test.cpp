@@ -154,6 +154,57 @@ TEST(FrictionModelTest, AnAnswerToTheConeIsJudgedByItAndTellsNothingOfThePyramid
   EXPECT_FALSE(judge.judgement(as_pyramid).errors.solved);
 }
 
+/// The error that every answer has against the cone, in both arithmetics of the evaluation, is the residual by which
+/// answers to the cone are judged.
+void expect_model_error(const Problem& problem, const Answer& answer, double expected) {
+  for (const Precision precision : {Precision::kAsNeeded, Precision::kQuad}) {
+    EXPECT_NEAR(Evaluator(problem, precision).errors(answer).model_error_m_per_s, expected, 1e-14);
+  }
+  const Errors cone = by_cone(problem, answer);
+  EXPECT_NEAR(cone.velocity_residual_m_per_s, expected, 1e-14);
+  EXPECT_EQ(cone.model_error_m_per_s, cone.velocity_residual_m_per_s);
+}
+
+TEST(FrictionModelTest, EveryAnswerWithFrictionHasAModelError) {
+  Answer pyramid = impulses(kMass, 0, -kMu * kMass);
+  pyramid.z(5) = 4 - kMu;
+  expect_model_error(sliding(3, 4), pyramid, std::sqrt(0.1));
+  EXPECT_EQ(Evaluator(sliding(3, 4)).errors(pyramid).velocity_residual_m_per_s, 0);
+  expect_model_error(sliding(3, 4), impulses(kMass, -kMu * kMass * 0.6, -kMu * kMass * 0.8), 0);
+  expect_model_error(sliding(0.2, 0.3), impulses(kMass, -0.2 * kMass, -0.3 * kMass), 0);  // sticks
+  expect_model_error(sliding(0, 0), impulses(kMass, 0, 0), 0);                            // has nothing to hold
+  expect_model_error(sliding(1, 0), impulses(kMass, 0, 0), kMu);
+  expect_model_error(sliding(0, 0), impulses(0, 0, 0), 1);  // approaches: the normal row is the cone's too
+  expect_model_error(sliding(3, 4), impulses(-kMass, 0, 0), 2);
+  expect_model_error(sliding(0, 0), impulses(0, 0.5 * kMass, 0), 1);
+  Answer eighth;
+  eighth.z = Vector::Zero(10);
+  eighth.z(0) = kMass;
+  eighth.z(1 + 4) = kMu * kMass;
+  // At 45 degrees to the slip of 1.5 m/s: the nearest point of the disc to (-0.5, 0) - (1, 1.5) is off by an angle.
+  const double aim = std::hypot(1.5, 1.5);
+  expect_model_error(polygons(8, {{1.5, 1.5, -1}}), eighth, std::hypot(kMu - kMu * 1.5 / aim, kMu * 1.5 / aim));
+}
+
+TEST(FrictionModelTest, WhereNoConeIsNamedNoModelErrorIs) {
+  const auto error = [](const Problem& problem) {
+    Answer answer;
+    answer.z = Vector::Zero(problem.size());
+    return Evaluator(problem).errors(answer).model_error_m_per_s;
+  };
+  EXPECT_FALSE(std::isnan(error(polygons(8, {{1, 1, -1}}))));
+  EXPECT_TRUE(std::isnan(error(polygons(6, {{1, 1, -1}})))) << "no tangents";
+  ContactProblem bent = *polygons(8, {{1, 1, -1}}).contact();
+  std::get<Matrix>(bent.D).col(1) *= 1.01;
+  std::get<Matrix>(bent.D).col(5) *= 1.01;
+  EXPECT_TRUE(std::isnan(error(Problem("bent", bent)))) << "no regular polygon";
+  ContactProblem smooth = *polygons(4, {{1, 1, -1}}).contact();
+  smooth.D = Matrix(3, 0);
+  smooth.edges = {0};
+  smooth.mu.setZero();
+  EXPECT_TRUE(std::isnan(error(Problem("smooth", smooth)))) << "no friction";
+}
+
 TEST(FrictionModelTest, TheSettingConeSaysIt) {
   EXPECT_EQ(friction_model("cone=true,method=nsgs"), FrictionModel::kCone);
   EXPECT_EQ(friction_model("method=nsgs,cone=true"), FrictionModel::kCone);

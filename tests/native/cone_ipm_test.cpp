@@ -116,7 +116,9 @@ TEST(ConeIpmTest, RoundsOfConvexProblemsReachTheSameAnswer) {
 }
 
 TEST(ConeIpmTest, RefusesWhatIsNoCone) {
-  EXPECT_EQ(solve(Problem("unasked", point_on_floor(0.5, 4, vector_of({3, 4, -1}))), {}).claim, Claim::kUnsupported);
+  const Answer unasked = solve(Problem("unasked", point_on_floor(0.5, 4, vector_of({3, 4, -1}))), {});
+  EXPECT_EQ(unasked.claim, Claim::kUnsupported);
+  EXPECT_NE(unasked.detail.find("cone=true"), std::string::npos) << unasked.detail;
   EXPECT_EQ(solve(Problem("hexagon", point_on_floor(0.5, 6, vector_of({3, 4, -1})))).claim, Claim::kUnsupported);
   ContactProblem skewed = point_on_floor(0.5, 8, vector_of({3, 4, -1}));
   std::get<Matrix>(skewed.D).col(1) *= 1.5;

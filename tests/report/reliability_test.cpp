@@ -266,7 +266,11 @@ TEST_F(EndorsementTest, ASolverOfTheRoundConeIsNotRankedAmongThoseOfThePyramid) 
   const auto pyramid = made_.solver("lemke", "engine=dense");
   for (int trial = 0; trial < 60; ++trial) {
     const bool fails = trial % 15 == 0;
-    made_.problem(kSet, trial, {{cone, {.time_s = 1e-6}}, {pyramid, fails ? kGivesUp : MadeAnswer{}}}, 20, "");
+    made_.problem(
+        kSet, trial,
+        {{cone, {.time_s = 1e-6, .solver_error_m_per_s = 3e-9, .model_error_m_per_s = 3e-9}},
+         {pyramid, fails ? kGivesUp : MadeAnswer{.solver_error_m_per_s = 2e-13, .model_error_m_per_s = 0.25}}},
+        20, "");
   }
   write();
   EXPECT_EQ(contender("fc3d{cone=true}").verdict, "solves the round cone, another problem; of that solved 100 %");
@@ -279,8 +283,8 @@ TEST_F(EndorsementTest, ASolverOfTheRoundConeIsNotRankedAmongThoseOfThePyramid) 
     EXPECT_EQ(cell.count(Verdict::kOpen), is_cone ? 0 : 4);
   }
   const std::string results = read_file(folder_ / "out/tables/results.csv");
-  EXPECT_NE(results.find(",other_model,cone\n"), std::string::npos) << results;
-  EXPECT_NE(results.find(",pyramid\n"), std::string::npos) << results;
+  EXPECT_NE(results.find(",other_model,cone,3e-09,3e-09\n"), std::string::npos) << results;
+  EXPECT_NE(results.find(",pyramid,2e-13,0.25\n"), std::string::npos) << results;
 }
 
 /// Without friction the cone and the pyramid are one.

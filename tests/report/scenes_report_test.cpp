@@ -1,8 +1,10 @@
+#include <regex>
 
 #include <gtest/gtest.h>
 
 #include "core/io/scenes_file.h"
 #include "study/report/decision.h"
+#include "study/report/model_error.h"
 #include "study/report/report.h"
 #include "study/report/scenes.h"
 #include "tests/support/program_run.h"
@@ -109,6 +111,56 @@ TEST_F(ScenesReportTest, EveryFamilyHasItsPictureAndATableOfItsEngines) {
   EXPECT_NE(section.find(">bullet</a></th>"), std::string::npos);
   EXPECT_NE(section.find("0 of 4<small><span class=\"bad\">4 wrong</span>, 10.0 µs"), std::string::npos) << section;
   EXPECT_TRUE(std::filesystem::exists(folder_ / "out/figures/scene_stack_bullet.scene.svg"));
+}
+
+/// Two bars: what is the solver's is no part of the model's error, and both are 90th percentiles of the solved steps.
+TEST_F(ScenesReportTest, TheModelsErrorAndTheSolversAreOnePicture) {
+  const auto cone = made_.solver("round", "cone=true");
+  for (int step = 0; step < 21; ++step) {
+    const double scale = step < 9 ? 1e-3 : step == 20 ? 1000 : 1;  // the 90th percentile is of the middle ones
+    const MadeAnswer pyramid{
+        .time_s = 2e-3, .solver_error_m_per_s = 3e-13 * scale, .model_error_m_per_s = 0.25 * scale};
+    const MadeAnswer round{.time_s = 4e-3, .solver_error_m_per_s = 5e-9, .model_error_m_per_s = 5e-9};
+    const MadeAnswer wrong{.error = 0.5, .solver_error_m_per_s = 7, .model_error_m_per_s = 7};
+    made_.problem("scene/stack/ode", step, {{good_, pyramid}, {cone, round}, {liar_, wrong}}, 20, "solvable", "scene");
+  }
+  made_.problem("paper/copositive/exp1", 0, {{good_, {.solver_error_m_per_s = 9, .model_error_m_per_s = 9}}}, 20);
+  const Summary summary = summarize(made_.store());
+  const report::ModelErrors errors = report::model_errors(summary);
+  EXPECT_EQ(errors.steps, 21);
+  ASSERT_EQ(errors.points.size(), 2U) << "wrong answers and random problems have no bar";
+  EXPECT_EQ(summary.solvers[errors.points[0].solver].name, "good");
+  EXPECT_EQ(errors.points[0].steps, 21);
+  EXPECT_EQ(errors.points[0].time_s, 2e-3);
+  EXPECT_EQ(errors.points[0].total_m_per_s, 0.25);
+  EXPECT_EQ(errors.points[0].solver_m_per_s, 3e-13);
+  EXPECT_EQ(errors.points[1].total_m_per_s, errors.points[1].solver_m_per_s);
+
+  const std::string words =
+      "Of the solvers of the pyramid, good has the least total error: 90 % of its steps stay within 2.5e-01 m/s, and "
+      "its own part within 3.0e-13 m/s. Of the solvers of the cone, round{cone=true} has the least total error: 90 % "
+      "of "
+      "its steps stay within 5.0e-09 m/s, and its own part within 5.0e-09 m/s.";
+  const std::string text = page();
+  EXPECT_NE(text.find(words), std::string::npos) << text.substr(text.find("id=\"model-error\""), 1200);
+  const std::string picture = read_file(folder_ / "out/figures/scenes.model-error.svg");
+  EXPECT_NE(picture.find(words), std::string::npos);
+  // Of each solver the whole bar and the shaded one, which are of one height where no part is the model's.
+  std::vector<double> tops;
+  const std::regex bar("M[0-9.]+ ([0-9.]+)h8v");
+  for (auto it = std::sregex_iterator(picture.begin(), picture.end(), bar); it != std::sregex_iterator(); ++it) {
+    tops.push_back(std::stod((*it)[1]));
+  }
+  ASSERT_EQ(tops.size(), 4U);
+  EXPECT_LT(tops[0], tops[2]);
+  EXPECT_LT(tops[2], tops[1]);
+  EXPECT_EQ(tops[2], tops[3]);
+}
+
+TEST_F(ScenesReportTest, WithoutModelErrorsThereIsNoSuchPicture) {
+  add("scene/stack/ode", "scene", 4);
+  EXPECT_EQ(page().find("id=\"model-error\""), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out/figures/scenes.model-error.svg"));
 }
 
 TEST(ScenePictureTest, DrawsEveryShapeOfTheReferenceAndLeavesOutOthers) {

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""Runs the programs of docs/howto/read-the-tables.md on a report, and compares what they print with summary.json.
+"""Runs the programs of docs/howto/read-the-tables.md on a report, and compares what they print with summary.json; and
+the columns that it counts and names with those of the tables.
 
 Usage: tables_page_test.py LCPBENCH PAGE
 """
 
+import csv
 import importlib.util
 import json
 import re
@@ -37,12 +39,31 @@ def expected_lines(report):
     return [f"{name}: {best[name][1]}, {best[name][0]:.3g} s" for name in sorted(best)]
 
 
+def columns_of(report, table):
+    with open(report / "tables" / table, newline="") as file:
+        return next(csv.reader(file))
+
+
+def check_columns(text, report):
+    """The page's table names each column of results.csv, in order; `_low` stands for the end of a name."""
+    count = len(columns_of(report, "cells.csv"))
+    assert f"`tables/cells.csv` has {count} columns" in " ".join(text.split()), f"cells.csv has {count} columns"
+    named = []
+    for row in re.findall(r"^\| (`.*?`) \|", text, re.MULTILINE):
+        for name in re.findall(r"`(\w+)`", row):
+            stem = named[-1].removesuffix("_low") if name[0] == "_" else ""
+            named.append(stem + name)
+    assert named == columns_of(report, "results.csv"), (named, columns_of(report, "results.csv"))
+
+
 def main():
     program, page = sys.argv[1:]
-    blocks = re.findall(r"```python\n(.*?)```", Path(page).read_text(), re.DOTALL)
+    text = Path(page).read_text()
+    blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
     assert len(blocks) == 2, f"{page}: {len(blocks)} programs instead of 2"
     with tempfile.TemporaryDirectory() as name:
         report = make_report(program, Path(name))
+        check_columns(text, report)
         expected = expected_lines(report)
         assert len(expected) == 2, expected
         for block in blocks:

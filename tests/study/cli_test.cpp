@@ -288,6 +288,7 @@ TEST_F(CommandLineTest, SolversJson) {
                            {"reason", "s"},
                            {"needs", "s"},
                            {"frictionless_only", "b"},
+                           {"friction_setting", "s"},
                            {"max_size", "n?"},
                            {"guarantees", "s"},
                            {"settings", "a"}});
@@ -382,6 +383,7 @@ TEST_F(CommandLineTest, SolveJson) {
                   {{"name", "s"}, {"kind", "s"}, {"n", "n"}, {"ngc", "n?"}, {"nc", "n?"}, {"edges", "a?"}});
     expect_fields(row["errors"], {{"velocity_residual_m_per_s", "n?"},
                                   {"velocity_residual_relative", "n?"},
+                                  {"model_error_m_per_s", "n?"},
                                   {"natural_residual", "n?"},
                                   {"backward_componentwise", "n?"},
                                   {"backward_row_norm", "n?"},

@@ -18,6 +18,8 @@ struct MadeAnswer {
   bool proves_unsolvable = false;
   double time_s = 1e-3;  ///< set-up takes a quarter of it
   double violation_m_per_s = 1e-10;
+  double solver_error_m_per_s = Errors::kNone;
+  double model_error_m_per_s = Errors::kNone;
   const char* detail = "";
 };
 
@@ -89,6 +91,8 @@ class SyntheticStore {
       row.errors.backward_row_norm = answer.error;
     } else {
       row.errors.velocity_residual_relative = answer.error;
+      row.errors.velocity_residual_m_per_s = answer.solver_error_m_per_s;
+      row.errors.model_error_m_per_s = answer.model_error_m_per_s;
       row.errors.violation_m_per_s = row.errors.usable ? answer.violation_m_per_s : Errors::kNone;
     }
     row.errors.solved = answer.error <= (bare ? 1e-9 : 1e-4);

@@ -1,0 +1,103 @@
+#include "study/evaluation/cone_friction.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <type_traits>
+
+namespace lcpbench {
+namespace {
+
+/// The factor that brings a vector of this length into the disc.
+Quad shrinking(Quad radius, Quad length) { return length > radius ? radius / length : Quad{1}; }
+
+/// Any factor up to one where the vector may be none: it then moves nothing that is not in doubt already.
+Bounded shrinking(const Bounded& radius, const Bounded& length) {
+  const Bounded shrink = smaller(1.0, quotient(radius, length));
+  return is_finite(shrink) ? shrink : Bounded{0.5, 0, 0.5};
+}
+
+Quad length_of(Quad a, Quad b) { return sqrt(a * a + b * b); }
+
+/// A vector that is zero but for its error has a length between zero and the sum of what its entries may be.
+Bounded length_of(const Bounded& a, const Bounded& b) {
+  const Bounded length = sqrt(a * a + b * b);
+  if (is_finite(length)) return length;
+  return {0, 0, std::abs(a.high) + std::abs(b.high) + 2 * (a.error + b.error)};
+}
+
+}  // namespace
+
+template <class Real>
+Real ConeFriction<Real>::Tangential::length() const {
+  return length_of(first, second);
+}
+
+template <class Real>
+ConeFriction<Real>::ConeFriction(const ContactProblem& problem, ContactLcp<Real>& lcp)
+    : problem_(problem), layout_(contact_layout(problem)), lcp_(lcp) {}
+
+template <class Real>
+std::size_t ConeFriction<Real>::direction(Index contact, Index k) const {
+  return static_cast<std::size_t>(layout_.friction_offset() +
+                                  layout_.friction_begin[static_cast<std::size_t>(contact)] + k);
+}
+
+template <class Real>
+bool ConeFriction<Real>::impulse_free(Index contact, const RealVector& z) const {
+  if (!surely_equal(normal(contact, z), 0)) return false;
+  for (Index k = 0; k < edges(contact); ++k) {
+    if (!surely_equal(z[direction(contact, k)], 0)) return false;
+  }
+  return true;
+}
+
+template <class Real>
+typename ConeFriction<Real>::Tangential ConeFriction<Real>::impulse_of(Index contact, const RealVector& z) const {
+  Tangential sum;
+  for (Index k = 0; k < edges(contact); ++k) {
+    const Real f = z[direction(contact, k)];
+    if (surely_equal(f, 0)) continue;
+    const Index quarters = 4 * k / edges(contact);
+    if (quarters * edges(contact) == 4 * k) {  // exact: along a tangent
+      (quarters % 2 == 0 ? sum.first : sum.second) += quarters < 2 ? f : -f;
+      continue;
+    }
+    const double angle = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(edges(contact));
+    sum.first += f * Real(std::cos(angle));
+    sum.second += f * Real(std::sin(angle));
+  }
+  return sum;
+}
+
+template <class Real>
+typename ConeFriction<Real>::Tangential ConeFriction<Real>::slip_of(Index contact, const RealVector& u) const {
+  return {lcp_.project(direction(contact, 0), u), lcp_.project(direction(contact, edges(contact) / 4), u)};
+}
+
+template <class Real>
+Real ConeFriction<Real>::residual(Index contact, const RealVector& z, const RealVector& u) const {
+  if (impulse_free(contact, z)) return 0;  // the disc is a point, and M_tt of no account
+  const Real diagonal =
+      larger(lcp_.diagonal(direction(contact, 0)), lcp_.diagonal(direction(contact, edges(contact) / 4)));
+  const Tangential f = impulse_of(contact, z);
+  const Tangential slip = slip_of(contact, u);
+  const Tangential held{diagonal * f.first, diagonal * f.second};
+  const Tangential aim{held.first - slip.first, held.second - slip.second};
+  const Real radius = Real(problem_.mu(contact)) * diagonal * larger(normal(contact, z), Real{0});
+  const Real shrink = shrinking(radius, aim.length());
+  const Real residual = Tangential{held.first - shrink * aim.first, held.second - shrink * aim.second}.length();
+  if (is_finite(residual)) return residual;
+  if constexpr (std::is_same_v<Real, Bounded>) throw Doubt();
+  return Real{std::numeric_limits<double>::infinity()};
+}
+
+template <class Real>
+Real ConeFriction<Real>::slack(Index contact, const RealVector& z) const {
+  return Real(problem_.mu(contact)) * normal(contact, z) - impulse_of(contact, z).length();
+}
+
+template class ConeFriction<Quad>;
+template class ConeFriction<Bounded>;
+
+}  // namespace lcpbench
