@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "native/answer_test/contact_solvability.h"
+#include "native/auto/held_contacts.h"
 #include "native/auto/islands.h"
 #include "native/auto/separator.h"
 #include "native/contact_lemke/contact_lemke.h"
@@ -14,6 +15,8 @@ namespace {
 
 // Sizes of an island: contacts times coordinates. docs/reference/solvers/auto.md has the measurements.
 
+/// Below this contact_lemke takes less time than to try whether the contacts of the last step hold.
+constexpr Index kHeld = 100;
 /// Below this the ladder of contact_lemke takes less time than friction_ipm.
 constexpr Index kSmall = 400;
 /// From this on friction_ipm is faster than contact_lemke where contacts do not slide.
@@ -117,6 +120,10 @@ AutoPlan frictional_plan(const ContactProblem& contact, const Vector& v) {
 }
 
 }  // namespace
+
+bool friction_may_hold(const ContactProblem& contact) {
+  return contact.frictional() && contact.nc() * contact.ngc() >= kHeld && HeldContacts::takes(contact);
+}
 
 bool fits_in_advance(AutoMethod method, const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
