@@ -33,17 +33,9 @@ void visit_column(const ContactProblem& contact, Index j, Visit&& visit) {
   for_each_entry(is_normal ? contact.N : contact.D, is_normal ? j : j - contact.nc(), visit);
 }
 
-/// What column `j` of J sees.
-template <class Scalar>
-struct Row {
-  Scalar w = 0;         ///< J_j'u
-  Scalar rounding = 0;  ///< bound on its error
-  Scalar reach = 0;     ///< at least the root of M_jj
-};
-
 template <class Scalar, class Room>
-Row<Scalar> row_of(const ContactProblem& contact, Index j, const Room& room) {
-  Row<Scalar> row;
+auto row_of(const ContactProblem& contact, Index j, const Room& room) {
+  typename Room::Row row;
   visit_column(contact, j, [&](Index i, double value) {
     const auto at = static_cast<std::size_t>(i);
     const Scalar size = static_cast<Scalar>(std::abs(value));
@@ -58,8 +50,8 @@ Row<Scalar> row_of(const ContactProblem& contact, Index j, const Room& room) {
 }
 
 /// min(M_jj z_j, w) or more, of a row with z_j >= 0.
-template <class Scalar, class Island>
-void offer(const Row<Scalar>& row, Scalar w, double z, Island& island) {
+template <class Scalar, class Row, class Island>
+void offer(const Row& row, Scalar w, double z, Island& island) {
   const Scalar pressure = row.reach * row.reach * static_cast<Scalar>(z);
   const auto off = [&](Scalar least) { return least < 0 ? -least : (least < pressure ? least : pressure); };
   raise(island.worst, off(w));
@@ -78,13 +70,14 @@ double relative(Scalar residual, Scalar scale) {
 }  // namespace
 
 template <class Scalar>
-void BodiesTest::Room<Scalar>::resize(Index ngc, Index largest_block, Index island_count) {
+void BodiesTest::Room<Scalar>::resize(Index ngc, Index largest_block, Index island_count, Index most_directions) {
   for (std::vector<Scalar>* by_coordinate : {&impulse, &terms, &u, &bound, &reach, &root}) {
     by_coordinate->resize(static_cast<std::size_t>(ngc));
   }
   factor.resize(static_cast<std::size_t>(largest_block * largest_block));
   inverse.resize(static_cast<std::size_t>(largest_block));
   islands.resize(static_cast<std::size_t>(island_count));
+  rows.resize(static_cast<std::size_t>(most_directions));
 }
 
 void BodiesTest::load(const ContactProblem& contact) {
@@ -95,9 +88,11 @@ void BodiesTest::load(const ContactProblem& contact) {
   v_ = contact.v;
   Index largest = 0;
   for (const Matrix& block : std::get<BlockInertia>(contact.inertia).blocks) largest = std::max(largest, block.rows());
-  double_.resize(contact.ngc(), largest, numbers_.count);
+  Index directions = 0;
+  for (const int edges : contact.edges) directions = std::max<Index>(directions, edges / 2);
+  double_.resize(contact.ngc(), largest, numbers_.count, directions);
   double_.roundoff = 0x1p-53;
-  quad_.resize(contact.ngc(), largest, numbers_.count);
+  quad_.resize(contact.ngc(), largest, numbers_.count, directions);
   quad_.roundoff = kQuadUnitRoundoff;
 }
 
@@ -210,13 +205,16 @@ void BodiesTest::bound_rounding(Index impulses, Room<Scalar>& room) const {
 }
 
 template <class Scalar>
-void BodiesTest::measure_friction(Index contact, Vector& z, Room<Scalar>& room) const {
+void BodiesTest::measure_friction(Index contact, Scalar reach, Vector& z, Room<Scalar>& room) const {
   const auto c = static_cast<std::size_t>(contact);
   Island<Scalar>& island = room.islands[static_cast<std::size_t>(numbers_.of_contact[c])];
   const Index first = layout_.friction_offset() + layout_.friction_begin[c];
   const Index half = (layout_.friction_begin[c + 1] - layout_.friction_begin[c]) / 2;
   Scalar largest = 0;
-  for (Index t = 0; t < half; ++t) raise(largest, magnitude(row_of<Scalar>(*contact_, first + t, room).w));
+  for (Index t = 0; t < half; ++t) {
+    room.rows[static_cast<std::size_t>(t)] = row_of<Scalar>(*contact_, first + t, room);
+    raise(largest, magnitude(room.rows[static_cast<std::size_t>(t)].w));
+  }
   double& lambda = z(layout_.lambda_offset() + layout_.lambda[c]);
   lambda = static_cast<double>(largest);
   if (!std::isfinite(lambda)) raise(island.certain, static_cast<Scalar>(kInfinity));
@@ -224,14 +222,13 @@ void BodiesTest::measure_friction(Index contact, Vector& z, Room<Scalar>& room) 
   Scalar unused = static_cast<Scalar>(contact_->mu(contact)) * static_cast<Scalar>(z(contact));
   Scalar terms = unused;
   for (Index t = 0; t < half; ++t) {
-    const Row<Scalar> row = row_of<Scalar>(*contact_, first + t, room);
+    const auto& row = room.rows[static_cast<std::size_t>(t)];
     offer(row, bound + row.w, z(first + t), island);
     offer(row, bound - row.w, z(first + half + t), island);
     const Scalar used = static_cast<Scalar>(z(first + t)) + static_cast<Scalar>(z(first + half + t));
     unused -= used;
     terms += used;
   }
-  const Scalar reach = row_of<Scalar>(*contact_, contact, room).reach;
   const Scalar rounding = terms * static_cast<Scalar>(room.roundoff * static_cast<double>(2 + 4 * half));
   const Scalar most = static_cast<Scalar>(1 + 2 * kTrusted) * reach * reach * (magnitude(unused) + rounding);
   raise(island.worst, unused > 0 && bound < most ? bound : most);
@@ -257,9 +254,9 @@ contact_lemke::Residual BodiesTest::complete(Vector& z, Room<Scalar>& room) {
       continue;
     }
     Island<Scalar>& island = room.islands[static_cast<std::size_t>(numbers_.of_contact[contact])];
-    const Row<Scalar> row = row_of<Scalar>(*contact_, c, room);
+    const auto row = row_of<Scalar>(*contact_, c, room);
     offer(row, row.w, z(c), island);
-    if (lambda >= 0) measure_friction(c, z, room);
+    if (lambda >= 0) measure_friction(c, row.reach, z, room);
     const Index half = (layout_.friction_begin[contact + 1] - layout_.friction_begin[contact]) / 2;
     for (Index t = -1; t < half; ++t) {
       const double offset = t < 0 ? contact_->offset(c) : 0.0;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 #include <variant>
 
 #include "native/contacts/contact_edges.h"
@@ -17,13 +18,13 @@ namespace {
 constexpr int kTries = 3;
 
 /// W times the inertia that a contact feels: S = A'G*A is met but for the inverse of this in each step.
-constexpr double kStiffness = 1e8;
+constexpr double kStiffness = 1e9;
 /// Of contacts with hardly any load, against that with the largest.
 constexpr double kLeastLoad = 1e-2;
 constexpr int kMostSteps = 8;
 
 /// Velocities A'u + b, relative to max|q|: at the first no further step is taken, at the second the guess may stand.
-constexpr double kHeldStill = 1e-14;
+constexpr double kHeldStill = 1e-11;
 constexpr double kLargestMiss = 1e-9;
 /// A step that does not bring them to this part of the last has met rounding.
 constexpr double kProgress = 0.5;
@@ -35,6 +36,24 @@ constexpr double kSlip = 1e-6;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Calls work(at) where at(pointer) is the vector of `size` entries there, of fixed length where that is 6: a body.
+template <class Work>
+void with_size(int size, Work&& work) {
+  using Six = Eigen::Matrix<double, 6, 1>;
+  if (size == Six::RowsAtCompileTime) {
+    work([](auto* entries) {
+      using Entries = std::conditional_t<std::is_const_v<std::remove_pointer_t<decltype(entries)>>, const Six, Six>;
+      return Eigen::Map<Entries>(entries);
+    });
+  } else {
+    work([size](auto* entries) {
+      using Entries =
+          std::conditional_t<std::is_const_v<std::remove_pointer_t<decltype(entries)>>, const Vector, Vector>;
+      return Eigen::Map<Entries>(entries, size);
+    });
+  }
+}
 
 /// The blocks of G.
 const Matrix& block_of(const ContactProblem& contact, std::size_t block) {
@@ -73,25 +92,46 @@ void HeldContacts::load(const Problem& problem, const Vector& v) {
   problem_ = &problem;
   contact_ = problem.contact();
   has_test_ = false;
+  if (!has_last_sizes() || !fill_columns()) {
+    find_graph();
+    fill_columns();
+  }
+  factor_inertia();
+  set_velocity(v);
+}
+
+/// The bodies, the columns, and if other bodies are coupled than last the order of elimination.
+void HeldContacts::find_graph() {
   bodies_.swap(last_bodies_);
-  contacts_.swap(last_contacts_);
-  parts_.swap(last_parts_);
+  coupled_.swap(last_coupled_);
   find_bodies();
   find_columns();
-  if (!is_analyzed_ || bodies_ != last_bodies_ || contacts_ != last_contacts_ || parts_ != last_parts_) analyze();
-  fill_columns();
-  factor_inertia();
+  find_coupled();
   take_room();
-  set_velocity(v);
+  if (bodies_ != last_bodies_ || coupled_ != last_coupled_) analyze();
+}
+
+/// Whether bodies and columns are as many and as long as in the last problem.
+bool HeldContacts::has_last_sizes() const {
+  if (contacts_.size() != contact_->edges.size() || body_of_.size() != at(contact_->ngc())) return false;
+  if (block_sizes_.size() != blocks_of(*contact_)) return false;
+  for (std::size_t b = 0; b < block_sizes_.size(); ++b) {
+    if (block_of(*contact_, b).rows() != block_sizes_[b]) return false;
+  }
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    if (contacts_[c].columns != 1 + directions_of(*contact_, static_cast<Index>(c))) return false;
+  }
+  return true;
 }
 
 /// Blocks next to each other that the same contacts touch become one: their columns are never apart.
 void HeldContacts::find_bodies() {
   const std::size_t blocks = blocks_of(*contact_);
   body_of_.resize(at(contact_->ngc()));
+  block_sizes_.resize(blocks);
   std::size_t coordinate = 0;
   for (std::size_t b = 0; b < blocks; ++b) {
-    const Index size = block_of(*contact_, b).rows();
+    const Index size = block_sizes_[b] = block_of(*contact_, b).rows();
     for (Index i = 0; i < size; ++i) body_of_[coordinate++] = static_cast<int>(b);
   }
   std::vector<std::uint64_t>& touched = signatures_;  // sums over contacts of a number of each
@@ -154,26 +194,30 @@ void HeldContacts::find_columns() {
 }
 
 void HeldContacts::analyze() {
-  const SparseMatrix coupled = coupled_bodies();
-  place_bodies(coupled);
-  lay_out_matrix();
-  factors_->analyze(matrix_);
-  is_analyzed_ = true;
-}
-
-/// Lower triangle of the graph of bodies.
-SparseMatrix HeldContacts::coupled_bodies() const {
   std::vector<Eigen::Triplet<double>> pairs;
   for (int b = 0; b < static_cast<int>(bodies_.size()); ++b) pairs.emplace_back(b, b, 1.0);
+  for (const auto& [a, b] : coupled_) pairs.emplace_back(b, a, 1.0);
+  const auto size = static_cast<Index>(bodies_.size());
+  SparseMatrix graph(size, size);
+  graph.setFromTriplets(pairs.begin(), pairs.end());
+  place_bodies(graph);
+  lay_out_matrix();
+  factors_->analyze(matrix_);
+}
+
+/// Pairs of bodies that a contact touches, the first before the second.
+void HeldContacts::find_coupled() {
+  coupled_.clear();
   for (const Columns& contact : contacts_) {
     for (std::size_t a = contact.parts; a < contact.end_parts; ++a) {
-      for (std::size_t b = contact.parts; b < a; ++b) pairs.emplace_back(parts_[a].body, parts_[b].body, 1.0);
+      for (std::size_t b = a + 1; b < contact.end_parts; ++b) {
+        const std::pair<int, int> pair(parts_[a].body, parts_[b].body);
+        if (coupled_.empty() || coupled_.back() != pair) coupled_.push_back(pair);
+      }
     }
   }
-  const auto size = static_cast<Index>(bodies_.size());
-  SparseMatrix coupled(size, size);
-  coupled.setFromTriplets(pairs.begin(), pairs.end());
-  return coupled;
+  std::sort(coupled_.begin(), coupled_.end());
+  coupled_.erase(std::unique(coupled_.begin(), coupled_.end()), coupled_.end());
 }
 
 void HeldContacts::place_bodies(const SparseMatrix& coupled) {
@@ -233,22 +277,26 @@ void HeldContacts::lay_out_matrix() {
   std::fill_n(matrix_.valuePtr(), rows.size(), 0.0);
 }
 
-void HeldContacts::fill_columns() {
-  entries_.assign(contacts_.empty() ? 0 : contacts_.back().entries + at(contacts_.back().rows) *
-                                                                         at(contacts_.back().columns),
-                  0.0);
+/// @returns false where a contact touches a body that it did not touch when the graph was found
+bool HeldContacts::fill_columns() {
+  const std::size_t last = contacts_.empty() ? 0 : at(contacts_.back().rows) * at(contacts_.back().columns);
+  entries_.assign(contacts_.empty() ? 0 : contacts_.back().entries + last, 0.0);
+  bool fits = true;
   Index direction = 0;
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     const Columns& contact = contacts_[c];
     visit_contact(*contact_, static_cast<Index>(c), direction, [&](int column, Index row, double entry) {
       const int body = body_of_[at(row)];
       std::size_t part = contact.parts;
-      while (parts_[part].body != body) ++part;
+      while (part < contact.end_parts && parts_[part].body != body) ++part;
+      fits = fits && part < contact.end_parts;
+      if (!fits) return;
       const Index place = column * contact.rows + parts_[part].row + (row - bodies_[at(body)].first);
       entries_[contact.entries + at(place)] = entry;
     });
     direction += contact_->edges[c];
   }
+  return fits;
 }
 
 /// Cholesky factors of each body's G, by columns, with the inverse of each diagonal entry in its place; and what a
@@ -307,6 +355,9 @@ void HeldContacts::take_room() {
   int most = 0;
   for (const Columns& contact : contacts_) most = std::max(most, contact.columns);
   scaled_.resize(at(most));
+  most = 0;
+  for (const Body& body : bodies_) most = std::max(most, body.size);
+  product_.resize(at(most));
   impulses_.resize(columns);
   misses_.resize(columns);
   held_.resize(contacts_.size());
@@ -329,12 +380,10 @@ void HeldContacts::multiply(const Columns& contact, const Vector& x, double* pro
   for (std::size_t p = contact.parts; p < contact.end_parts; ++p) {
     const auto body = at(parts_[p].body);
     const double* const part = x.data() + places_[body].first;
-    for (int t = 0; t < contact.columns; ++t) {
-      const double* const column = entries + t * contact.rows + parts_[p].row;
-      double sum = 0;
-      for (int i = 0; i < bodies_[body].size; ++i) sum += column[i] * part[i];
-      products[t] += sum;
-    }
+    with_size(bodies_[body].size, [&](auto vector) {
+      const double* const column = entries + parts_[p].row;
+      for (int t = 0; t < contact.columns; ++t) products[t] += vector(column + t * contact.rows).dot(vector(part));
+    });
   }
 }
 
@@ -344,10 +393,10 @@ void HeldContacts::add_columns(const Columns& contact, const double* factors, Ve
   for (std::size_t p = contact.parts; p < contact.end_parts; ++p) {
     const auto body = at(parts_[p].body);
     double* const part = to.data() + places_[body].first;
-    for (int t = 0; t < contact.columns; ++t) {
-      const double* const column = entries + t * contact.rows + parts_[p].row;
-      for (int i = 0; i < bodies_[body].size; ++i) part[i] += factors[t] * column[i];
-    }
+    with_size(bodies_[body].size, [&](auto vector) {
+      const double* const column = entries + parts_[p].row;
+      for (int t = 0; t < contact.columns; ++t) vector(part) += factors[t] * vector(column + t * contact.rows);
+    });
   }
 }
 
@@ -438,17 +487,20 @@ void HeldContacts::add_to_matrix(const Columns& contact, double weight) {
       const bool is_own = p == q;
       if (!is_own && places_[at(row_body)].rank < places_[at(column_body)].rank) continue;
       const int gap = is_own ? 0 : skip(column_body, row_body);
-      const int rows = bodies_[at(row_body)].size;
-      for (int j = 0; j < size; ++j) {
-        const int first = is_own ? j : 0;  // of the rows, in the body
-        double* const to = values + begin[places_[at(column_body)].first + j] + (is_own ? -j : size - j + gap);
-        for (int t = 0; t < contact.columns; ++t) {
-          const double* const column = entries + t * contact.rows;
-          const double factor = weight * column[parts_[q].row + j];
-          const double* const from = column + parts_[p].row;
-          for (int i = first; i < rows; ++i) to[i] += factor * from[i];
+      const int* const first_column = begin + places_[at(column_body)].first;
+      with_size(bodies_[at(row_body)].size, [&](auto vector) {
+        const double* const rows = entries + parts_[p].row;
+        const double* const columns = entries + parts_[q].row;
+        auto product = vector(product_.data());
+        for (int j = 0; j < size; ++j) {
+          product = weight * columns[j] * vector(rows);
+          for (int t = 1; t < contact.columns; ++t) {
+            product += weight * columns[t * contact.rows + j] * vector(rows + t * contact.rows);
+          }
+          double* const to = values + first_column[j] + (is_own ? -j : size - j + gap);
+          for (Index i = is_own ? j : 0; i < product.size(); ++i) to[i] += product(i);
         }
-      }
+      });
     }
   }
 }
@@ -487,6 +539,7 @@ void HeldContacts::respond() {
 
 /// A'u + b of what is held. @returns the largest, relative to max|q|
 double HeldContacts::miss() {
+  respond();
   double largest = 0;
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     if (held_[c] == 0) continue;
@@ -499,8 +552,9 @@ double HeldContacts::miss() {
   return largest / scale_;
 }
 
-/// f -= W (w - A'y) for (G + A W A') y = A W w, which changes u by - y.
-void HeldContacts::improve() {
+/// f -= W (w - A'y) for (G + A W A') y = A W w, which changes u by - y. @returns the largest of the new w, relative to
+/// max|q|, but for the rounding of the factors
+double HeldContacts::improve() {
   step_.setZero(v_.size());
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     if (held_[c] == 0) continue;
@@ -509,14 +563,31 @@ void HeldContacts::improve() {
     add_columns(contacts_[c], scaled_.data(), step_);
   }
   factors_->solve(step_);
+  double largest = 0;
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     if (held_[c] == 0) continue;
-    const double* const w = misses_.data() + contacts_[c].first;
+    double* const w = misses_.data() + contacts_[c].first;
     double* const f = impulses_.data() + contacts_[c].first;
     multiply(contacts_[c], step_, scaled_.data());
-    for (int t = 0; t < contacts_[c].columns; ++t) f[t] -= load_[c] * (w[t] - scaled_[at(t)]);
+    for (int t = 0; t < contacts_[c].columns; ++t) {
+      w[t] -= scaled_[at(t)];
+      f[t] -= load_[c] * w[t];
+      largest = std::max(largest, std::abs(w[t]));
+    }
   }
-  respond();
+  return largest / scale_;
+}
+
+/// Steps until nothing held moves, or rounding is met. After the first the velocity is taken from the impulses again:
+/// it was the largest, and the factors are not exact.
+void HeldContacts::approach() {
+  double now = miss();
+  for (int step = 0; step < kMostSteps && now > kHeldStill; ++step) {
+    const double before = now;
+    now = improve();
+    if (step == 0) now = miss();
+    if (!(now <= kProgress * before)) return;
+  }
 }
 
 /// Whether the impulses are in their cones and leave no contact that approaches, or is held and moves. What is outside
@@ -536,7 +607,6 @@ bool HeldContacts::is_confirmed() {
     if (!(friction <= most + none)) return false;
     for (int t = 1; t < contacts_[c].columns; ++t) f[t] *= most / friction;
   }
-  respond();
   if (!(miss() <= kLargestMiss)) return false;
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     if (held_[c] == 0 && !(normal_velocity(c) >= -kLargestMiss * scale_)) return false;
@@ -558,6 +628,7 @@ bool HeldContacts::change_guess() {
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     double* const f = impulses_.data() + contacts_[c].first;
     const bool pulls = held_[c] != 0 && f[0] < -kNoImpulse * largest;
+    // Of the velocity before the last steps, which changed it by little.
     const bool approaches = held_[c] == 0 && normal_velocity(c) < -kLargestMiss * scale_;
     if (pulls) std::fill_n(f, contacts_[c].columns, 0.0);
     if (pulls || approaches) held_[c] = approaches ? 1 : 0;
@@ -596,14 +667,7 @@ bool HeldContacts::solve(const Vector& start, double deadline_s, Answer& answer,
     weigh();
     ++work.factorizations;
     if (!factor()) return false;
-    respond();
-    double before = std::numeric_limits<double>::infinity();
-    for (int step = 0; step < kMostSteps; ++step) {
-      const double now = miss();
-      if (now <= kHeldStill || !(now <= kProgress * before)) break;
-      before = now;
-      improve();
-    }
+    approach();
     if (!is_confirmed()) {
       if (!change_guess()) return false;
       continue;

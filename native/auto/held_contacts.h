@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "core/problem.h"
@@ -50,8 +51,6 @@ class HeldContacts {
   struct Part {
     int body = 0;
     int row = 0;  ///< of its first coordinate in the contact's columns
-
-    bool operator==(const Part&) const = default;
   };
   /// A contact's columns [N_c, first half of D_c], on the coordinates of the bodies that it touches.
   struct Columns {
@@ -60,8 +59,6 @@ class HeldContacts {
     std::size_t first = 0;                 ///< of its impulses in impulses_
     int rows = 0;
     int columns = 0;
-
-    bool operator==(const Columns&) const = default;
   };
   /// Blocks of the inertia that follow each other and are touched by the same contacts.
   struct Body {
@@ -83,14 +80,16 @@ class HeldContacts {
     int skip = 0;  ///< rows of a column of the first body's that stand between its own and those of this one
   };
 
+  bool has_last_sizes() const;
+  void find_graph();
   void find_bodies();
   void find_columns();
   void analyze();
-  SparseMatrix coupled_bodies() const;
-  void place_bodies(const SparseMatrix& coupled);
+  void place_bodies(const SparseMatrix& graph);
   void lay_out_matrix();
   int skip(int body, int below) const;
-  void fill_columns();
+  void find_coupled();
+  bool fill_columns();
   void factor_inertia();
   void take_room();
   void measure_scale();
@@ -100,7 +99,8 @@ class HeldContacts {
   void add_to_matrix(const Columns& contact, double weight);
   void respond();
   double miss();
-  void improve();
+  double improve();
+  void approach();
   bool is_confirmed();
   double normal_velocity(std::size_t contact);
   bool change_guess();
@@ -117,14 +117,15 @@ class HeldContacts {
   bool has_test_ = false;  ///< test_ holds the problem
   std::unique_ptr<SparseFactorization> factors_;
 
-  // The graph, and the last one:
+  // The graph:
+  std::vector<Index> block_sizes_;
   std::vector<int> body_of_;  ///< of each coordinate
   std::vector<Body> bodies_, last_bodies_;
-  std::vector<Columns> contacts_, last_contacts_;
-  std::vector<Part> parts_, last_parts_;
+  std::vector<Columns> contacts_;
+  std::vector<Part> parts_;
+  std::vector<std::pair<int, int>> coupled_, last_coupled_;
 
-  // What follows from it alone:
-  bool is_analyzed_ = false;
+  // What follows from bodies and couplings alone:
   std::vector<Place> places_;  ///< of each body
   std::vector<Below> below_;
   SparseMatrix matrix_;  ///< lower triangle of G + A W A', in the order of elimination
@@ -137,6 +138,7 @@ class HeldContacts {
   std::vector<double> load_;      ///< by contact: the weight of its columns
   std::vector<double> impulses_, misses_;  ///< by column: f, and A'u + b
   std::vector<double> scaled_;    ///< one contact's columns
+  std::vector<double> product_;   ///< one body's coordinates
   std::vector<std::uint64_t> signatures_;  ///< by block: of the contacts that touch it
   std::vector<Index> last_touched_;        ///< by block
   bool is_definite_ = false;               ///< G
