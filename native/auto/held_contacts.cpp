@@ -24,7 +24,7 @@ constexpr double kLeastLoad = 1e-2;
 constexpr int kMostSteps = 8;
 
 /// Velocities A'u + b, relative to max|q|: at the first no further step is taken, at the second the guess may stand.
-constexpr double kHeldStill = 1e-11;
+constexpr double kHeldStill = 1e-10;
 constexpr double kLargestMiss = 1e-9;
 /// A step that does not bring them to this part of the last has met rounding.
 constexpr double kProgress = 0.5;
@@ -475,29 +475,42 @@ int HeldContacts::skip(int body, int below) const {
   return below_[k].skip;
 }
 
-void HeldContacts::add_to_matrix(const Columns& contact, double weight) {
+/// Whether they touch the same bodies.
+bool HeldContacts::are_alike(const Columns& a, const Columns& b) const {
+  const auto is_same = [](const Part& x, const Part& y) { return x.body == y.body; };
+  const auto begin = parts_.begin();
+  return std::equal(begin + static_cast<std::ptrdiff_t>(a.parts), begin + static_cast<std::ptrdiff_t>(a.end_parts),
+                    begin + static_cast<std::ptrdiff_t>(b.parts), begin + static_cast<std::ptrdiff_t>(b.end_parts),
+                    is_same);
+}
+
+/// A W A' of contacts `first` to `end` - 1, which touch the same bodies.
+void HeldContacts::add_to_matrix(std::size_t first, std::size_t end) {
   double* const values = matrix_.valuePtr();
-  const int* const begin = matrix_.outerIndexPtr();
-  const double* const entries = entries_.data() + contact.entries;
-  for (std::size_t q = contact.parts; q < contact.end_parts; ++q) {
+  const Columns& all = contacts_[first];
+  for (std::size_t q = all.parts; q < all.end_parts; ++q) {
     const int column_body = parts_[q].body;
     const int size = bodies_[at(column_body)].size;
-    for (std::size_t p = contact.parts; p < contact.end_parts; ++p) {
+    const int* const begin = matrix_.outerIndexPtr() + places_[at(column_body)].first;
+    for (std::size_t p = all.parts; p < all.end_parts; ++p) {
       const int row_body = parts_[p].body;
       const bool is_own = p == q;
       if (!is_own && places_[at(row_body)].rank < places_[at(column_body)].rank) continue;
       const int gap = is_own ? 0 : skip(column_body, row_body);
-      const int* const first_column = begin + places_[at(column_body)].first;
       with_size(bodies_[at(row_body)].size, [&](auto vector) {
-        const double* const rows = entries + parts_[p].row;
-        const double* const columns = entries + parts_[q].row;
-        auto product = vector(product_.data());
+        using Entries = decltype(vector(product_.data()));
+        constexpr bool kIsFixed = Entries::SizeAtCompileTime != Eigen::Dynamic;
+        std::conditional_t<kIsFixed, typename Entries::PlainObject, Entries> product(vector(product_.data()));
         for (int j = 0; j < size; ++j) {
-          product = weight * columns[j] * vector(rows);
-          for (int t = 1; t < contact.columns; ++t) {
-            product += weight * columns[t * contact.rows + j] * vector(rows + t * contact.rows);
+          product.setZero();
+          for (std::size_t c = first; c < end; ++c) {
+            if (held_[c] == 0) continue;
+            const double* column = entries_.data() + contacts_[c].entries;
+            for (int t = 0; t < contacts_[c].columns; ++t, column += all.rows) {
+              product += load_[c] * column[parts_[q].row + j] * vector(column + parts_[p].row);
+            }
           }
-          double* const to = values + first_column[j] + (is_own ? -j : size - j + gap);
+          double* const to = values + begin[j] + (is_own ? -j : size - j + gap);
           for (Index i = is_own ? j : 0; i < product.size(); ++i) to[i] += product(i);
         }
       });
@@ -519,8 +532,11 @@ bool HeldContacts::factor() {
       first += static_cast<int>(block.rows());
     }
   }
-  for (std::size_t c = 0; c < contacts_.size(); ++c) {
-    if (held_[c] != 0) add_to_matrix(contacts_[c], load_[c]);
+  for (std::size_t c = 0; c < contacts_.size();) {
+    const std::size_t first = c;
+    while (++c < contacts_.size() && are_alike(contacts_[first], contacts_[c])) {
+    }
+    add_to_matrix(first, c);
   }
   return factors_->factor(matrix_);
 }
@@ -590,8 +606,8 @@ void HeldContacts::approach() {
   }
 }
 
-/// Whether the impulses are in their cones and leave no contact that approaches, or is held and moves. What is outside
-/// by rounding is brought back.
+/// Whether the impulses are in their cones and leave no contact held that moves, and no other within its clearance. What
+/// is outside by rounding is brought back.
 bool HeldContacts::is_confirmed() {
   double largest = 0;
   for (const Columns& contact : contacts_) largest = std::max(largest, impulses_[contact.first]);
@@ -609,18 +625,21 @@ bool HeldContacts::is_confirmed() {
   }
   if (!(miss() <= kLargestMiss)) return false;
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
-    if (held_[c] == 0 && !(normal_velocity(c) >= -kLargestMiss * scale_)) return false;
+    if (held_[c] == 0 && !(clearance(c) >= -kLargestMiss * scale_)) return false;
   }
   return true;
 }
 
-/// w of the contact's normal row.
-double HeldContacts::normal_velocity(std::size_t contact) {
+/// The least of (N + mu d)'u + b over the contact's directions d: where it is not negative, neither is w, and the
+/// impulses that hold the others are those of least energy.
+double HeldContacts::clearance(std::size_t contact) {
   multiply(contacts_[contact], u_, scaled_.data());
-  return scaled_[0] + offset(contact);
+  double slip = 0;
+  for (int t = 1; t < contacts_[contact].columns; ++t) slip = std::max(slip, std::abs(scaled_[at(t)]));
+  return scaled_[0] + offset(contact) - contact_->mu(static_cast<Index>(contact)) * slip;
 }
 
-/// Lets go what pulls, and holds what approaches. @returns whether there was any
+/// Lets go what pulls, and holds what approaches or slips without a load. @returns whether there was any
 bool HeldContacts::change_guess() {
   double largest = 0;
   for (const Columns& contact : contacts_) largest = std::max(largest, impulses_[contact.first]);
@@ -628,8 +647,7 @@ bool HeldContacts::change_guess() {
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     double* const f = impulses_.data() + contacts_[c].first;
     const bool pulls = held_[c] != 0 && f[0] < -kNoImpulse * largest;
-    // Of the velocity before the last steps, which changed it by little.
-    const bool approaches = held_[c] == 0 && normal_velocity(c) < -kLargestMiss * scale_;
+    const bool approaches = held_[c] == 0 && clearance(c) < -kLargestMiss * scale_;
     if (pulls) std::fill_n(f, contacts_[c].columns, 0.0);
     if (pulls || approaches) held_[c] = approaches ? 1 : 0;
     changes = changes || pulls || approaches;

@@ -21,8 +21,10 @@ namespace lcpbench {
 /// contact's measured against its own load: Newton's steps on (A'G*A) f = -(A'v + b) through the Cholesky factors of
 /// G + A W A', whose weights W stand in for the inverse of the singular A'G*A. A contact that would have to pull is
 /// let go, one that approaches is held, and the guess tried again, a few times. The answer is tested as those of
-/// friction_ipm are. A solution without slip has the only velocity that one can have, and it is that of least energy:
-/// a step that can rest is brought to rest.
+/// friction_ipm are.
+///
+/// An answer is handed out only if its velocity is that of least energy: what is not held leaves the pyramids'
+/// (N + mu d)'u + b >= 0. So a step that can rest is brought to rest.
 ///
 /// Needs the inertia as blocks or as one matrix G. Keeps the order of elimination and all memory where the next problem
 /// has the same graph of bodies and contacts.
@@ -96,13 +98,14 @@ class HeldContacts {
   void take_start(const Vector& start);
   void weigh();
   bool factor();
-  void add_to_matrix(const Columns& contact, double weight);
+  bool are_alike(const Columns& a, const Columns& b) const;
+  void add_to_matrix(std::size_t first, std::size_t end);
   void respond();
   double miss();
   double improve();
   void approach();
   bool is_confirmed();
-  double normal_velocity(std::size_t contact);
+  double clearance(std::size_t contact);
   bool change_guess();
   void write(Answer& answer) const;
 
