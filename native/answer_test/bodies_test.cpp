@@ -34,18 +34,30 @@ void visit_column(const ContactProblem& contact, Index j, Visit&& visit) {
 }
 
 template <class Scalar, class Room>
-auto row_of(const ContactProblem& contact, Index j, const Room& room) {
+auto row_of(const ContactProblem& contact, const Vector& v, Index j, const Room& room) {
   typename Room::Row row;
+  const double offset = j < contact.nc() ? contact.offset(j) : 0.0;
+  Scalar q = static_cast<Scalar>(offset);
+  Scalar terms = static_cast<Scalar>(std::abs(offset));
+  double entries = offset == 0 ? 1 : 2;
   visit_column(contact, j, [&](Index i, double value) {
     const auto at = static_cast<std::size_t>(i);
     const Scalar size = static_cast<Scalar>(std::abs(value));
     row.w += static_cast<Scalar>(value) * room.u[at];
     row.rounding += size * room.bound[at];
     row.reach += size * room.reach[at];
+    const Scalar part = static_cast<Scalar>(value) * static_cast<Scalar>(v(i));
+    q += part;
+    terms += magnitude(part);
+    ++entries;
+    // Lost to underflow: no zero, but no scale either.
+    if (part == 0 && v(i) != 0) terms += static_cast<Scalar>(DBL_TRUE_MIN);
   });
-  if (j >= contact.nc() || !contact.has_offset()) return row;
-  row.w += static_cast<Scalar>(contact.b(j));
-  row.rounding += static_cast<Scalar>(4 * room.roundoff * std::abs(contact.b(j)));
+  const Scalar own = std::max(magnitude(q), static_cast<Scalar>(kFloor * entries) * terms);
+  row.scale = own == 0 ? terms : own;
+  if (offset == 0) return row;
+  row.w += static_cast<Scalar>(offset);
+  row.rounding += static_cast<Scalar>(4 * room.roundoff * std::abs(offset));
   return row;
 }
 
@@ -212,8 +224,9 @@ void BodiesTest::measure_friction(Index contact, Scalar reach, Vector& z, Room<S
   const Index half = (layout_.friction_begin[c + 1] - layout_.friction_begin[c]) / 2;
   Scalar largest = 0;
   for (Index t = 0; t < half; ++t) {
-    room.rows[static_cast<std::size_t>(t)] = row_of<Scalar>(*contact_, first + t, room);
+    room.rows[static_cast<std::size_t>(t)] = row_of<Scalar>(*contact_, v_, first + t, room);
     raise(largest, magnitude(room.rows[static_cast<std::size_t>(t)].w));
+    raise(island.scale, room.rows[static_cast<std::size_t>(t)].scale);
   }
   double& lambda = z(layout_.lambda_offset() + layout_.lambda[c]);
   lambda = static_cast<double>(largest);
@@ -254,26 +267,10 @@ contact_lemke::Residual BodiesTest::complete(Vector& z, Room<Scalar>& room) {
       continue;
     }
     Island<Scalar>& island = room.islands[static_cast<std::size_t>(numbers_.of_contact[contact])];
-    const auto row = row_of<Scalar>(*contact_, c, room);
+    const auto row = row_of<Scalar>(*contact_, v_, c, room);
+    raise(island.scale, row.scale);
     offer(row, row.w, z(c), island);
     if (lambda >= 0) measure_friction(c, row.reach, z, room);
-    const Index half = (layout_.friction_begin[contact + 1] - layout_.friction_begin[contact]) / 2;
-    for (Index t = -1; t < half; ++t) {
-      const double offset = t < 0 ? contact_->offset(c) : 0.0;
-      Scalar q = static_cast<Scalar>(offset), terms = static_cast<Scalar>(std::abs(offset));
-      double entries = offset == 0 ? 1 : 2;
-      visit_column(*contact_, t < 0 ? c : layout_.friction_offset() + layout_.friction_begin[contact] + t,
-                   [&](Index i, double value) {
-                     const Scalar part = static_cast<Scalar>(value) * static_cast<Scalar>(v_(i));
-                     q += part;
-                     terms += magnitude(part);
-                     ++entries;
-                     // Lost to underflow: no zero, but no scale either.
-                     if (part == 0 && v_(i) != 0) terms += static_cast<Scalar>(DBL_TRUE_MIN);
-                   });
-      const Scalar own = std::max(magnitude(q), static_cast<Scalar>(kFloor * entries) * terms);
-      raise(island.scale, own == 0 ? terms : own);
-    }
   }
   for (const Island<Scalar>& island : room.islands) {
     const bool is_certain = island.is_known || !island.presses;

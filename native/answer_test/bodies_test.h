@@ -41,6 +41,7 @@ class BodiesTest {
       Scalar w = 0;         ///< J_j'u
       Scalar rounding = 0;  ///< bound on its error
       Scalar reach = 0;     ///< at least the root of M_jj
+      Scalar scale = 0;     ///< of q_j: its magnitude, or more where its rounding is more
     };
 
     std::vector<Scalar> impulse, terms, u, bound, reach, root;  // per coordinate

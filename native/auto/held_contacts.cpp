@@ -109,6 +109,7 @@ void HeldContacts::find_graph() {
   find_coupled();
   take_room();
   if (bodies_ != last_bodies_ || coupled_ != last_coupled_) analyze();
+  for (Part& part : parts_) part.place = places_[at(part.body)].first;
 }
 
 /// Whether bodies and columns are as many and as long as in the last problem.
@@ -175,15 +176,18 @@ void HeldContacts::find_columns() {
       const int body = body_of_[at(row)];
       const auto is_body = [body](const Part& part) { return part.body == body; };
       const auto begin = parts_.begin() + static_cast<std::ptrdiff_t>(columns.parts);
-      if (std::none_of(begin, parts_.end(), is_body)) parts_.push_back({.body = body, .row = 0});
+      if (std::none_of(begin, parts_.end(), is_body)) parts_.push_back({.body = body});
     });
     const auto begin = parts_.begin() + static_cast<std::ptrdiff_t>(columns.parts);
     std::sort(begin, parts_.end(), [](const Part& a, const Part& b) { return a.body < b.body; });
     columns.end_parts = parts_.size();
     columns.rows = 0;
     for (std::size_t p = columns.parts; p < columns.end_parts; ++p) {
+      const Body& body = bodies_[at(parts_[p].body)];
       parts_[p].row = columns.rows;
-      columns.rows += bodies_[at(parts_[p].body)].size;
+      parts_[p].first = body.first;
+      parts_[p].size = body.size;
+      columns.rows += body.size;
     }
     columns.columns = 1 + directions_of(*contact_, c);
     contacts_.push_back(columns);
@@ -286,13 +290,12 @@ bool HeldContacts::fill_columns() {
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     const Columns& contact = contacts_[c];
     visit_contact(*contact_, static_cast<Index>(c), direction, [&](int column, Index row, double entry) {
-      const int body = body_of_[at(row)];
-      std::size_t part = contact.parts;
-      while (part < contact.end_parts && parts_[part].body != body) ++part;
-      fits = fits && part < contact.end_parts;
+      const Part* part = parts_.data() + contact.parts;
+      const Part* const end = parts_.data() + contact.end_parts;
+      while (part != end && !(row >= part->first && row < part->first + part->size)) ++part;
+      fits = fits && part != end;
       if (!fits) return;
-      const Index place = column * contact.rows + parts_[part].row + (row - bodies_[at(body)].first);
-      entries_[contact.entries + at(place)] = entry;
+      entries_[contact.entries + at(column * contact.rows + part->row + (row - part->first))] = entry;
     });
     direction += contact_->edges[c];
   }
@@ -378,9 +381,8 @@ void HeldContacts::multiply(const Columns& contact, const Vector& x, double* pro
   std::fill_n(products, contact.columns, 0.0);
   const double* const entries = entries_.data() + contact.entries;
   for (std::size_t p = contact.parts; p < contact.end_parts; ++p) {
-    const auto body = at(parts_[p].body);
-    const double* const part = x.data() + places_[body].first;
-    with_size(bodies_[body].size, [&](auto vector) {
+    const double* const part = x.data() + parts_[p].place;
+    with_size(parts_[p].size, [&](auto vector) {
       const double* const column = entries + parts_[p].row;
       for (int t = 0; t < contact.columns; ++t) products[t] += vector(column + t * contact.rows).dot(vector(part));
     });
@@ -391,9 +393,8 @@ void HeldContacts::multiply(const Columns& contact, const Vector& x, double* pro
 void HeldContacts::add_columns(const Columns& contact, const double* factors, Vector& to) const {
   const double* const entries = entries_.data() + contact.entries;
   for (std::size_t p = contact.parts; p < contact.end_parts; ++p) {
-    const auto body = at(parts_[p].body);
-    double* const part = to.data() + places_[body].first;
-    with_size(bodies_[body].size, [&](auto vector) {
+    double* const part = to.data() + parts_[p].place;
+    with_size(parts_[p].size, [&](auto vector) {
       const double* const column = entries + parts_[p].row;
       for (int t = 0; t < contact.columns; ++t) vector(part) += factors[t] * vector(column + t * contact.rows);
     });

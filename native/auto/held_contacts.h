@@ -52,7 +52,10 @@ class HeldContacts {
   /// A body that a contact touches.
   struct Part {
     int body = 0;
-    int row = 0;  ///< of its first coordinate in the contact's columns
+    int row = 0;    ///< of its first coordinate in the contact's columns
+    int first = 0;  ///< that coordinate in the problem
+    int size = 0;
+    int place = 0;  ///< that coordinate in the order of elimination
   };
   /// A contact's columns [N_c, first half of D_c], on the coordinates of the bodies that it touches.
   struct Columns {

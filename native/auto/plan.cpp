@@ -15,11 +15,10 @@ namespace {
 
 // Sizes of an island: contacts times coordinates. docs/reference/solvers/auto.md has the measurements.
 
-/// Below this contact_lemke takes less time than to try whether the contacts of the last step hold.
-constexpr Index kHeld = 100;
 /// Below this the ladder of contact_lemke takes less time than friction_ipm.
 constexpr Index kSmall = 400;
-/// From this on friction_ipm is faster than contact_lemke where contacts do not slide.
+/// From this on friction_ipm is faster than contact_lemke where contacts do not slide. Below it contact_lemke takes less
+/// time than to try whether the contacts of the last step hold.
 constexpr Index kLarge = 800;
 /// From this on psor takes less time than the rungs of contact_lemke beyond double.
 constexpr Index kHuge = 8000;
@@ -122,7 +121,7 @@ AutoPlan frictional_plan(const ContactProblem& contact, const Vector& v) {
 }  // namespace
 
 bool friction_may_hold(const ContactProblem& contact) {
-  return contact.frictional() && contact.nc() * contact.ngc() >= kHeld && HeldContacts::takes(contact);
+  return contact.frictional() && contact.nc() * contact.ngc() >= kLarge && HeldContacts::takes(contact);
 }
 
 bool fits_in_advance(AutoMethod method, const Problem& problem) {
