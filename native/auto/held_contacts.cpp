@@ -287,17 +287,42 @@ bool HeldContacts::fill_columns() {
   entries_.assign(contacts_.empty() ? 0 : contacts_.back().entries + last, 0.0);
   bool fits = true;
   Index direction = 0;
-  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+  for (std::size_t c = 0; c < contacts_.size() && fits; ++c) {
     const Columns& contact = contacts_[c];
-    visit_contact(*contact_, static_cast<Index>(c), direction, [&](int column, Index row, double entry) {
-      const Part* part = parts_.data() + contact.parts;
-      const Part* const end = parts_.data() + contact.end_parts;
-      while (part != end && !(row >= part->first && row < part->first + part->size)) ++part;
-      fits = fits && part != end;
-      if (!fits) return;
-      entries_[contact.entries + at(column * contact.rows + part->row + (row - part->first))] = entry;
-    });
+    double* column = entries_.data() + contact.entries;
+    fits = fill_column(contact_->N, static_cast<Index>(c), contact, column);
+    for (int t = 0; t + 1 < contact.columns && fits; ++t) {
+      column += contact.rows;
+      fits = fill_column(contact_->D, direction + t, contact, column);
+    }
     direction += contact_->edges[c];
+  }
+  return fits;
+}
+
+bool HeldContacts::fill_column(const Jacobian& J, Index number, const Columns& contact, double* column) const {
+  const Part* const begin = parts_.data() + contact.parts;
+  const Part* const end = parts_.data() + contact.end_parts;
+  const Part* part = begin;  // entries of a body follow each other
+  bool fits = true;
+  const auto put = [&](Index row, double entry) {
+    const auto is_in = [row](const Part* p) { return row >= p->first && row < p->first + p->size; };
+    if (part == end || !is_in(part)) part = std::find_if(begin, end, [&](const Part& p) { return is_in(&p); });
+    if (part == end) {
+      fits = false;
+    } else {
+      column[part->row + (row - part->first)] = entry;
+    }
+  };
+  const auto* sparse = std::get_if<SparseMatrix>(&J);
+  if (sparse == nullptr || !sparse->isCompressed()) {
+    for_each_entry(J, number, put);
+    return fits;
+  }
+  const int* const rows = sparse->innerIndexPtr();
+  const double* const values = sparse->valuePtr();
+  for (int e = sparse->outerIndexPtr()[number]; e < sparse->outerIndexPtr()[number + 1]; ++e) {
+    if (values[e] != 0) put(rows[e], values[e]);
   }
   return fits;
 }
@@ -360,7 +385,7 @@ void HeldContacts::take_room() {
   scaled_.resize(at(most));
   most = 0;
   for (const Body& body : bodies_) most = std::max(most, body.size);
-  product_.resize(at(most));
+  product_.resize(at(most) * at(most));
   impulses_.resize(columns);
   misses_.resize(columns);
   held_.resize(contacts_.size());
@@ -498,23 +523,24 @@ void HeldContacts::add_to_matrix(std::size_t first, std::size_t end) {
       const bool is_own = p == q;
       if (!is_own && places_[at(row_body)].rank < places_[at(column_body)].rank) continue;
       const int gap = is_own ? 0 : skip(column_body, row_body);
-      with_size(bodies_[at(row_body)].size, [&](auto vector) {
-        using Entries = decltype(vector(product_.data()));
-        constexpr bool kIsFixed = Entries::SizeAtCompileTime != Eigen::Dynamic;
-        std::conditional_t<kIsFixed, typename Entries::PlainObject, Entries> product(vector(product_.data()));
-        for (int j = 0; j < size; ++j) {
-          product.setZero();
-          for (std::size_t c = first; c < end; ++c) {
-            if (held_[c] == 0) continue;
-            const double* column = entries_.data() + contacts_[c].entries;
-            for (int t = 0; t < contacts_[c].columns; ++t, column += all.rows) {
-              product += load_[c] * column[parts_[q].row + j] * vector(column + parts_[p].row);
-            }
+      const int rows = bodies_[at(row_body)].size;
+      std::fill_n(product_.data(), at(size) * at(rows), 0.0);
+      with_size(rows, [&](auto vector) {
+        for (std::size_t c = first; c < end; ++c) {
+          if (held_[c] == 0) continue;
+          const double* column = entries_.data() + contacts_[c].entries;
+          for (int t = 0; t < contacts_[c].columns; ++t, column += all.rows) {
+            const auto from = vector(column + parts_[p].row);
+            double* to = product_.data();
+            for (int j = 0; j < size; ++j, to += rows) vector(to) += load_[c] * column[parts_[q].row + j] * from;
           }
-          double* const to = values + begin[j] + (is_own ? -j : size - j + gap);
-          for (Index i = is_own ? j : 0; i < product.size(); ++i) to[i] += product(i);
         }
       });
+      for (int j = 0; j < size; ++j) {
+        const double* const from = product_.data() + j * rows;
+        double* const to = values + begin[j] + (is_own ? -j : size - j + gap);
+        for (int i = is_own ? j : 0; i < rows; ++i) to[i] += from[i];
+      }
     }
   }
 }

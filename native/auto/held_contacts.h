@@ -95,6 +95,7 @@ class HeldContacts {
   int skip(int body, int below) const;
   void find_coupled();
   bool fill_columns();
+  bool fill_column(const Jacobian& J, Index number, const Columns& contact, double* column) const;
   void factor_inertia();
   void take_room();
   void measure_scale();
@@ -144,7 +145,7 @@ class HeldContacts {
   std::vector<double> load_;      ///< by contact: the weight of its columns
   std::vector<double> impulses_, misses_;  ///< by column: f, and A'u + b
   std::vector<double> scaled_;    ///< one contact's columns
-  std::vector<double> product_;   ///< one body's coordinates
+  std::vector<double> product_;   ///< of two bodies, a block of the matrix
   std::vector<std::uint64_t> signatures_;  ///< by block: of the contacts that touch it
   std::vector<Index> last_touched_;        ///< by block
   bool is_definite_ = false;               ///< G
