@@ -169,6 +169,12 @@ void Solver::update(const Vector& v) {
   on_update(v);
 }
 
+void Solver::update(const Problem& problem) {
+  problem_ = problem;
+  refusal_ = why_not(capabilities(), problem);
+  if (refusal_.empty()) on_change(problem);
+}
+
 void Solver::on_update(const Vector& v) {
   ContactProblem contact = *problem_.contact();
   contact.v = v;

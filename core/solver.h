@@ -107,7 +107,8 @@ struct SolveRequest {
 
 /// A solver of contact problems or LCPs. One object per thread; objects share nothing.
 ///
-/// Life: load(problem), then solve() as often as wished, update(v) between time steps with the same contacts.
+/// Life: load(problem), then solve() as often as wished; between time steps update(v) with the same contacts, or
+/// update(problem) with others.
 class Solver {
  public:
   virtual ~Solver() = default;
@@ -124,6 +125,12 @@ class Solver {
   /// @pre a contact problem is loaded. @throws std::invalid_argument otherwise, or when v has another length.
   void update(const Vector& v);
 
+  /// The contacts of the next time step, with other N, D, G or another number of them. What is loaded then is what
+  /// load(problem) would load, and a solve() is as right; it may be faster where SolveRequest::start is the last answer,
+  /// brought to these contacts by matched_start() of core/warm_start.h. The default loads the problem; solvers that can
+  /// do better override on_change.
+  void update(const Problem& problem);
+
   /// Solves what is loaded. Numerical trouble is a claim; exceptions are defects or lack of memory.
   /// `answer` is overwritten. Its memory is reused: a solver that is `allocation_free` allocates nothing when the
   /// answer was reserved for the problem, or served a problem of the same dimensions before.
@@ -134,6 +141,7 @@ class Solver {
  protected:
   virtual void on_load(const Problem& problem) = 0;
   virtual void on_update(const Vector& v);
+  virtual void on_change(const Problem& problem) { on_load(problem); }
   /// `answer` arrives cleared: claim kNumericalFailure, counters -1, `z` of the right size and zero, the rest empty.
   virtual void on_solve(const SolveRequest& request, Answer& answer) = 0;
   const Problem& problem() const { return problem_; }

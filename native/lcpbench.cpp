@@ -65,31 +65,61 @@ struct ContactSolver::State {
   Vector v;
 
   Answer answer;
+  std::vector<ContactId> ids, last_ids;  ///< of the contacts, and of those before; or none
+  ContactMatch match;
   Vector start;  ///< impulses of the last solve
+  Vector last_start;
   bool has_start = false;
   Vector impulse, velocity;   ///< ngc
   bool has_velocity = false;  ///< `velocity` is that of the answer
 
-  void load(Problem next);
+  void load(Problem next, std::span<const ContactId> next_ids, bool follows);
+  void take_start(const ContactLayout& last_layout);
   void forget_answer();
   void compute_velocity();
   bool has_answer() const { return answer.claim == Claim::kSolved && answer.z.size() == layout.size(); }
   double friction(Index contact, Index t) const;
 };
 
-void ContactSolver::State::load(Problem next) {
+/// @param follows  the contacts are those of the next step: the impulses of the last one are brought to them
+void ContactSolver::State::load(Problem next, std::span<const ContactId> next_ids, bool follows) {
+  if (!next_ids.empty() && static_cast<Index>(next_ids.size()) != next.contact()->nc()) {
+    throw InputError(std::to_string(next_ids.size()) + " ids for " + std::to_string(next.contact()->nc()) +
+                     " contacts");
+  }
   const std::string refusal = why_not(solver->capabilities(), next);
   if (!refusal.empty()) throw InputError(name + ": " + refusal);
   problem = std::move(next);
   contacts = problem.contact();
-  layout = contact_layout(*contacts);
+  const ContactLayout last_layout = std::exchange(layout, contact_layout(*contacts));
+  ids.swap(last_ids);
+  ids.assign(next_ids.begin(), next_ids.end());
   inverse_inertia = solver->capabilities().allocation_free ? BlockInverse(contacts->inertia) : BlockInverse();
   v = contacts->v;
   for (Vector* room : {&impulse, &velocity}) room->resize(v.size());
-  solver->load(problem);
-  start.resize(problem.size());
-  has_start = false;
+  if (follows) {
+    solver->update(problem);
+    take_start(last_layout);
+  } else {
+    solver->load(problem);
+    start.resize(problem.size());
+    has_start = false;
+  }
   forget_answer();
+}
+
+/// Brings `start` to the contacts of now.
+void ContactSolver::State::take_start(const ContactLayout& last_layout) {
+  if (has_start) {
+    match.find(last_ids, ids);
+    has_start = match.matched() > 0;
+  }
+  if (has_start) {
+    last_start.swap(start);
+    matched_start(last_start, last_layout, match, layout, start);
+  } else {
+    start.resize(problem.size());
+  }
 }
 
 void ContactSolver::State::forget_answer() {
@@ -150,14 +180,24 @@ ContactSolver::~ContactSolver() = default;
 ContactSolver::ContactSolver(ContactSolver&& other) noexcept = default;
 ContactSolver& ContactSolver::operator=(ContactSolver&& other) noexcept = default;
 
-void ContactSolver::load(const RigidScene& scene) {
+void ContactSolver::load(const RigidScene& scene, std::span<const ContactId> ids) {
   check_usable(scene);
-  state_->load(Problem(state_->name, scene));
+  state_->load(Problem(state_->name, scene), ids, false);
 }
 
-void ContactSolver::load(const ContactProblem& contacts) {
+void ContactSolver::load(const ContactProblem& contacts, std::span<const ContactId> ids) {
   check_usable(contacts);
-  state_->load(Problem(state_->name, contacts));
+  state_->load(Problem(state_->name, contacts), ids, false);
+}
+
+void ContactSolver::update(const RigidScene& scene, std::span<const ContactId> ids) {
+  check_usable(scene);
+  state_->load(Problem(state_->name, scene), ids, state_->contacts != nullptr);
+}
+
+void ContactSolver::update(const ContactProblem& contacts, std::span<const ContactId> ids) {
+  check_usable(contacts);
+  state_->load(Problem(state_->name, contacts), ids, state_->contacts != nullptr);
 }
 
 ContactSolver::State& ContactSolver::loaded() const {

@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "core/error.h"
 #include "core/scene.h"
 #include "core/solver.h"
+#include "core/warm_start.h"
 
 // The one header to solve contacts in a simulator: installed as <lcpbench/lcpbench.h>, with all that it includes in one
 // file; the package's target is lcpbench::native. docs/howto/embedding.md shows its use.
@@ -46,9 +48,11 @@ struct EigenLayout {
 /// offset b asks for; without it impacts are inelastic.
 ///
 ///     ContactSolver solver("auto");
-///     solver.load(scene);                    // whenever contacts or inertia change
-///     solver.set_velocity(v);                // each step
+///     solver.load(scene, ids);               // the first step
 ///     if (solver.solve() == Claim::kSolved) v = solver.velocity();
+///     solver.update(scene, ids);             // each step: the contacts of now, with the names that they keep
+///     if (solver.solve() == Claim::kSolved) v = solver.velocity();
+///     solver.set_velocity(v);                // instead, where only the velocity is new
 ///
 /// Units are SI: v in m/s and rad/s, impulses in N s. One object per thread; objects share nothing. Deterministic: the
 /// same calls give the same bits on the same instruction-set level.
@@ -68,18 +72,26 @@ class ContactSolver {
 
   /// Takes bodies and contacts; the bodies' velocities are the first v. O(bodies + contacts), allocates, and then what
   /// the solver does with the matrices once: its page tells.
+  /// @param ids a name for each contact that it will keep in update(); none: the next update() starts from nothing
   /// @throws InputError naming body or contact and field: an index out of range, a mass that is not positive, an
   ///     inertia that is not symmetric (to 1e-6 of its largest entry) and positive definite, edges other than 0 and 4,
   ///     mu < 0, mu > 0 without edges, NaN or infinity, or a problem outside what the solver takes (friction given to
-  ///     a frictionless solver, n over its limit). Directions are taken as they are: normals and tangents should be
+  ///     a frictionless solver, n over its limit), or ids in another number than contacts. Directions are taken as they are: normals and tangents should be
   ///     orthogonal unit vectors.
-  void load(const RigidScene& scene);
+  void load(const RigidScene& scene, std::span<const ContactId> ids = {});
 
   /// The same for generalized coordinates: v, N, D, mu, G, b as ContactProblem has them. Copied.
   /// @throws InputError when sizes do not fit together, edges are odd or negative, mu < 0, a number is NaN or
   ///     infinite, or the solver does not take it. That G is symmetric and positive definite and that D comes in +-
   ///     pairs is the caller's promise: testing it would cost more than a solve (`lcpbench solve` tests it).
-  void load(const ContactProblem& contacts);
+  void load(const ContactProblem& contacts, std::span<const ContactId> ids = {});
+
+  /// The bodies and contacts of the next time step: another number of contacts, other points, normals, inertia. The next
+  /// solve starts from the impulses of the last one, contact by contact as the ids match, where the solver can use them,
+  /// and from none for contacts that are new. Right or wrong, the start never changes what is claimed: it costs time or
+  /// saves it. Before load() it is load(). Costs and errors are those of load().
+  void update(const RigidScene& scene, std::span<const ContactId> ids);
+  void update(const ContactProblem& contacts, std::span<const ContactId> ids);
 
   /// Another velocity for the same contacts, offsets and inertia; what depends on these alone is kept. There is no
   /// answer until the next solve.

@@ -33,33 +33,37 @@ void visit_column(const ContactProblem& contact, Index j, Visit&& visit) {
   for_each_entry(is_normal ? contact.N : contact.D, is_normal ? j : j - contact.nc(), visit);
 }
 
-/// What column `j` of J sees.
-template <class Scalar>
-struct Row {
-  Scalar w = 0;         ///< J_j'u
-  Scalar rounding = 0;  ///< bound on its error
-  Scalar reach = 0;     ///< at least the root of M_jj
-};
-
 template <class Scalar, class Room>
-Row<Scalar> row_of(const ContactProblem& contact, Index j, const Room& room) {
-  Row<Scalar> row;
+auto row_of(const ContactProblem& contact, const Vector& v, Index j, const Room& room) {
+  typename Room::Row row;
+  const double offset = j < contact.nc() ? contact.offset(j) : 0.0;
+  Scalar q = static_cast<Scalar>(offset);
+  Scalar terms = static_cast<Scalar>(std::abs(offset));
+  double entries = offset == 0 ? 1 : 2;
   visit_column(contact, j, [&](Index i, double value) {
     const auto at = static_cast<std::size_t>(i);
     const Scalar size = static_cast<Scalar>(std::abs(value));
     row.w += static_cast<Scalar>(value) * room.u[at];
     row.rounding += size * room.bound[at];
     row.reach += size * room.reach[at];
+    const Scalar part = static_cast<Scalar>(value) * static_cast<Scalar>(v(i));
+    q += part;
+    terms += magnitude(part);
+    ++entries;
+    // Lost to underflow: no zero, but no scale either.
+    if (part == 0 && v(i) != 0) terms += static_cast<Scalar>(DBL_TRUE_MIN);
   });
-  if (j >= contact.nc() || !contact.has_offset()) return row;
-  row.w += static_cast<Scalar>(contact.b(j));
-  row.rounding += static_cast<Scalar>(4 * room.roundoff * std::abs(contact.b(j)));
+  const Scalar own = std::max(magnitude(q), static_cast<Scalar>(kFloor * entries) * terms);
+  row.scale = own == 0 ? terms : own;
+  if (offset == 0) return row;
+  row.w += static_cast<Scalar>(offset);
+  row.rounding += static_cast<Scalar>(4 * room.roundoff * std::abs(offset));
   return row;
 }
 
 /// min(M_jj z_j, w) or more, of a row with z_j >= 0.
-template <class Scalar, class Island>
-void offer(const Row<Scalar>& row, Scalar w, double z, Island& island) {
+template <class Scalar, class Row, class Island>
+void offer(const Row& row, Scalar w, double z, Island& island) {
   const Scalar pressure = row.reach * row.reach * static_cast<Scalar>(z);
   const auto off = [&](Scalar least) { return least < 0 ? -least : (least < pressure ? least : pressure); };
   raise(island.worst, off(w));
@@ -78,13 +82,14 @@ double relative(Scalar residual, Scalar scale) {
 }  // namespace
 
 template <class Scalar>
-void BodiesTest::Room<Scalar>::resize(Index ngc, Index largest_block, Index island_count) {
+void BodiesTest::Room<Scalar>::resize(Index ngc, Index largest_block, Index island_count, Index most_directions) {
   for (std::vector<Scalar>* by_coordinate : {&impulse, &terms, &u, &bound, &reach, &root}) {
     by_coordinate->resize(static_cast<std::size_t>(ngc));
   }
   factor.resize(static_cast<std::size_t>(largest_block * largest_block));
   inverse.resize(static_cast<std::size_t>(largest_block));
   islands.resize(static_cast<std::size_t>(island_count));
+  rows.resize(static_cast<std::size_t>(most_directions));
 }
 
 void BodiesTest::load(const ContactProblem& contact) {
@@ -95,9 +100,11 @@ void BodiesTest::load(const ContactProblem& contact) {
   v_ = contact.v;
   Index largest = 0;
   for (const Matrix& block : std::get<BlockInertia>(contact.inertia).blocks) largest = std::max(largest, block.rows());
-  double_.resize(contact.ngc(), largest, numbers_.count);
+  Index directions = 0;
+  for (const int edges : contact.edges) directions = std::max<Index>(directions, edges / 2);
+  double_.resize(contact.ngc(), largest, numbers_.count, directions);
   double_.roundoff = 0x1p-53;
-  quad_.resize(contact.ngc(), largest, numbers_.count);
+  quad_.resize(contact.ngc(), largest, numbers_.count, directions);
   quad_.roundoff = kQuadUnitRoundoff;
 }
 
@@ -210,13 +217,17 @@ void BodiesTest::bound_rounding(Index impulses, Room<Scalar>& room) const {
 }
 
 template <class Scalar>
-void BodiesTest::measure_friction(Index contact, Vector& z, Room<Scalar>& room) const {
+void BodiesTest::measure_friction(Index contact, Scalar reach, Vector& z, Room<Scalar>& room) const {
   const auto c = static_cast<std::size_t>(contact);
   Island<Scalar>& island = room.islands[static_cast<std::size_t>(numbers_.of_contact[c])];
   const Index first = layout_.friction_offset() + layout_.friction_begin[c];
   const Index half = (layout_.friction_begin[c + 1] - layout_.friction_begin[c]) / 2;
   Scalar largest = 0;
-  for (Index t = 0; t < half; ++t) raise(largest, magnitude(row_of<Scalar>(*contact_, first + t, room).w));
+  for (Index t = 0; t < half; ++t) {
+    room.rows[static_cast<std::size_t>(t)] = row_of<Scalar>(*contact_, v_, first + t, room);
+    raise(largest, magnitude(room.rows[static_cast<std::size_t>(t)].w));
+    raise(island.scale, room.rows[static_cast<std::size_t>(t)].scale);
+  }
   double& lambda = z(layout_.lambda_offset() + layout_.lambda[c]);
   lambda = static_cast<double>(largest);
   if (!std::isfinite(lambda)) raise(island.certain, static_cast<Scalar>(kInfinity));
@@ -224,14 +235,13 @@ void BodiesTest::measure_friction(Index contact, Vector& z, Room<Scalar>& room) 
   Scalar unused = static_cast<Scalar>(contact_->mu(contact)) * static_cast<Scalar>(z(contact));
   Scalar terms = unused;
   for (Index t = 0; t < half; ++t) {
-    const Row<Scalar> row = row_of<Scalar>(*contact_, first + t, room);
+    const auto& row = room.rows[static_cast<std::size_t>(t)];
     offer(row, bound + row.w, z(first + t), island);
     offer(row, bound - row.w, z(first + half + t), island);
     const Scalar used = static_cast<Scalar>(z(first + t)) + static_cast<Scalar>(z(first + half + t));
     unused -= used;
     terms += used;
   }
-  const Scalar reach = row_of<Scalar>(*contact_, contact, room).reach;
   const Scalar rounding = terms * static_cast<Scalar>(room.roundoff * static_cast<double>(2 + 4 * half));
   const Scalar most = static_cast<Scalar>(1 + 2 * kTrusted) * reach * reach * (magnitude(unused) + rounding);
   raise(island.worst, unused > 0 && bound < most ? bound : most);
@@ -257,26 +267,10 @@ contact_lemke::Residual BodiesTest::complete(Vector& z, Room<Scalar>& room) {
       continue;
     }
     Island<Scalar>& island = room.islands[static_cast<std::size_t>(numbers_.of_contact[contact])];
-    const Row<Scalar> row = row_of<Scalar>(*contact_, c, room);
+    const auto row = row_of<Scalar>(*contact_, v_, c, room);
+    raise(island.scale, row.scale);
     offer(row, row.w, z(c), island);
-    if (lambda >= 0) measure_friction(c, z, room);
-    const Index half = (layout_.friction_begin[contact + 1] - layout_.friction_begin[contact]) / 2;
-    for (Index t = -1; t < half; ++t) {
-      const double offset = t < 0 ? contact_->offset(c) : 0.0;
-      Scalar q = static_cast<Scalar>(offset), terms = static_cast<Scalar>(std::abs(offset));
-      double entries = offset == 0 ? 1 : 2;
-      visit_column(*contact_, t < 0 ? c : layout_.friction_offset() + layout_.friction_begin[contact] + t,
-                   [&](Index i, double value) {
-                     const Scalar part = static_cast<Scalar>(value) * static_cast<Scalar>(v_(i));
-                     q += part;
-                     terms += magnitude(part);
-                     ++entries;
-                     // Lost to underflow: no zero, but no scale either.
-                     if (part == 0 && v_(i) != 0) terms += static_cast<Scalar>(DBL_TRUE_MIN);
-                   });
-      const Scalar own = std::max(magnitude(q), static_cast<Scalar>(kFloor * entries) * terms);
-      raise(island.scale, own == 0 ? terms : own);
-    }
+    if (lambda >= 0) measure_friction(c, row.reach, z, room);
   }
   for (const Island<Scalar>& island : room.islands) {
     const bool is_certain = island.is_known || !island.presses;

@@ -36,12 +36,21 @@ class BodiesTest {
 
   template <class Scalar>
   struct Room {
+    /// What a column of J sees.
+    struct Row {
+      Scalar w = 0;         ///< J_j'u
+      Scalar rounding = 0;  ///< bound on its error
+      Scalar reach = 0;     ///< at least the root of M_jj
+      Scalar scale = 0;     ///< of q_j: its magnitude, or more where its rounding is more
+    };
+
     std::vector<Scalar> impulse, terms, u, bound, reach, root;  // per coordinate
     std::vector<Scalar> factor, inverse;                        // of the largest block
     std::vector<Island<Scalar>> islands;
+    std::vector<Row> rows;  // of the friction directions of one contact
     double roundoff = 0;
 
-    void resize(Index ngc, Index largest_block, Index island_count);
+    void resize(Index ngc, Index largest_block, Index island_count, Index most_directions);
   };
 
   template <class Scalar>
@@ -53,7 +62,7 @@ class BodiesTest {
   template <class Scalar>
   void bound_rounding(Index impulses, Room<Scalar>& room) const;
   template <class Scalar>
-  void measure_friction(Index contact, Vector& z, Room<Scalar>& room) const;
+  void measure_friction(Index contact, Scalar reach, Vector& z, Room<Scalar>& room) const;
 
   const ContactProblem* contact_ = nullptr;
   ContactLayout layout_;

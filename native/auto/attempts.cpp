@@ -61,12 +61,32 @@ void SharedMethods::reserve(AutoMethod method, const Problem& problem) {
   }
 }
 
-void Attempts::load(const Problem& problem, const Vector& v, bool in_turn) {
+void Attempts::begin(const Problem& problem, const Vector& v) {
   problem_ = &problem;
   v_ = v;
   loaded_.fill(false);
   has_least_energy_ = false;
-  is_put_off_ = false;
+  has_held_ = false;
+  friction_may_hold_ = friction_may_hold(*problem.contact());
+  is_put_off_ = waits_ = takes_turns_ = false;
+}
+
+void Attempts::load(const Problem& problem, const Vector& v, bool in_turn) {
+  begin(problem, v);
+  load_methods(in_turn);
+}
+
+void Attempts::load_to_hold(const Problem& problem, const Vector& v, bool in_turn) {
+  begin(problem, v);
+  if (!friction_may_hold_) return load_methods(in_turn);
+  waits_ = true;
+  in_turn_ = in_turn;
+}
+
+void Attempts::load_methods(bool in_turn) {
+  const Problem& problem = *problem_;
+  const Vector& v = v_;
+  waits_ = false;
   sweeps_ = worthwhile_sweeps(settings_, problem);
   plan_ = plan_for(settings_, problem, v, sweeps_);
   const AutoMethod first = plan_.front().method;
@@ -76,14 +96,10 @@ void Attempts::load(const Problem& problem, const Vector& v, bool in_turn) {
 }
 
 bool Attempts::load_when_needed(const Problem& problem, const Vector& v) {
-  problem_ = &problem;
-  v_ = v;
-  loaded_.fill(false);
-  has_least_energy_ = false;
+  begin(problem, v);
   sweeps_ = worthwhile_sweeps(settings_, problem);
   plan_ = plan_for(settings_, problem, v, sweeps_);
   is_put_off_ = true;
-  takes_turns_ = false;
   bool can_wait = false;
   for (const AutoTry& next : plan_) {
     if (is_left_out(next)) continue;
@@ -132,6 +148,7 @@ void Attempts::load_least_energy() {
 }
 
 void Attempts::update(const Vector& v) {
+  if (waits_) return set_velocity(v);
   is_put_off_ = false;
   takes_turns_ = false;
   v_ = v;
@@ -145,6 +162,7 @@ void Attempts::update(const Vector& v) {
 void Attempts::set_velocity(const Vector& v) {
   v_ = v;
   if (has_least_energy_) least_energy_->update(v_);
+  if (has_held_) held_->set_velocity(v_);
   for (std::size_t k = 0; k < kAutoMethods; ++k) {
     if (loaded_[k] && takes(*own_[k], *problem_)) own_[k]->update(v_);
   }
@@ -168,6 +186,29 @@ bool Attempts::tried(const AutoTry& now, const SolveRequest& request, bool is_la
   run_try(now, *answered_, *problem_, {.start = request.start, .time_limit_s = is_last ? time : kShareOfTime * time},
           limits, answer, report);
   return !gave_up(answer.claim, limits, report);
+}
+
+/// Whether the start makes it likely that contacts hold.
+bool Attempts::may_hold(const SolveRequest& request) const {
+  return friction_may_hold_ && request.start != nullptr &&
+         HeldContacts::held(*problem_->contact(), v_, *request.start);
+}
+
+/// Whether the contacts that pressed in the last step hold again.
+bool Attempts::holds(const SolveRequest& request, const AutoLimits& limits, Answer& answer, AutoReport& report) {
+  const double time = limits.time();
+  if (!(time > 0) || limits.exhausted(report.counters())) return false;
+  if (held_ == nullptr) held_ = std::make_unique<HeldContacts>();
+  if (!has_held_) held_->load(*problem_, v_);
+  has_held_ = true;
+  Counters work{.iterations = 0, .pivots = 0, .factorizations = 0};
+  const bool found = held_->solve(*request.start, limits.deadline_s, answer, work);
+  report.add(work, "");
+  if (!found) return false;
+  answered_ = nullptr;
+  answered_by_ = AutoMethod::kFrictionIpm;  // of which answers come with their velocity, too
+  ++report.held;
+  return true;
 }
 
 /// Whether the impulses of least energy are an answer: they are where one has no contact that slips.
@@ -201,6 +242,8 @@ bool Attempts::may_have_missed_rest(const Answer& answer) const {
 
 void Attempts::solve(const SolveRequest& request, const AutoLimits& limits, Answer& answer, AutoReport& report) {
   shared_.begin_solve();
+  if (may_hold(request) && holds(request, limits, answer, report)) return;
+  if (waits_) load_methods(in_turn_);
   if (plan_.rest == AutoPlan::Rest::kFirst && rests(request, limits, answer, report)) return;
   SolveRequest now_request = request;
   for (const AutoTry& next : plan_) {

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "core/problem.h"
+#include "native/auto/held_contacts.h"
 #include "native/auto/least_energy.h"
 #include "native/auto/methods.h"
 #include "native/auto/plan.h"
@@ -48,6 +49,9 @@ class Attempts {
   /// @param in_turn a dense first method is not loaded: until the next update() the shared one solves, which touches
   ///     memory once for all islands, and forgets the island
   void load(const Problem& problem, const Vector& v, bool in_turn = false);
+  /// The same after a step with nearly these contacts: where friction may hold them nothing is loaded before a solve()
+  /// whose guess that they hold is wrong, or that has no start to make it from.
+  void load_to_hold(const Problem& problem, const Vector& v, bool in_turn = false);
   /// Does not load the sparse first method. update() loads it. A solve() before that uses the dense methods.
   /// @returns false where there is no other, and nothing was put off
   bool load_when_needed(const Problem& problem, const Vector& v);
@@ -70,6 +74,8 @@ class Attempts {
   void respond(const Answer& answer, Vector& u);
 
  private:
+  void begin(const Problem& problem, const Vector& v);
+  void load_methods(bool in_turn);
   bool is_loaded(AutoMethod method) const { return loaded_[static_cast<std::size_t>(method)]; }
   Solver& own(AutoMethod method) { return *own_[static_cast<std::size_t>(method)]; }
   void load_own(AutoMethod method);
@@ -81,6 +87,8 @@ class Attempts {
              AutoReport& report);
   LeastEnergy& least_energy();
   void load_least_energy();
+  bool may_hold(const SolveRequest& request) const;
+  bool holds(const SolveRequest& request, const AutoLimits& limits, Answer& answer, AutoReport& report);
   bool rests(const SolveRequest& request, const AutoLimits& limits, Answer& answer, AutoReport& report);
 
   const AutoSettings& settings_;
@@ -93,6 +101,11 @@ class Attempts {
   std::array<bool, kAutoMethods> loaded_{};  ///< whether the own solver holds the problem
   std::unique_ptr<LeastEnergy> least_energy_;
   bool has_least_energy_ = false;  ///< least_energy_ holds the problem
+  std::unique_ptr<HeldContacts> held_;
+  bool has_held_ = false;          ///< held_ holds the problem
+  bool friction_may_hold_ = false; ///< see friction_may_hold()
+  bool waits_ = false;             ///< of load_to_hold(): no method is loaded, there is no plan
+  bool in_turn_ = false;           ///< of load_to_hold()
   bool takes_turns_ = false;       ///< the shared solvers stand for the own ones
   bool is_put_off_ = false;
   Solver* answered_ = nullptr;  ///< what gave the last answer

@@ -42,13 +42,15 @@ class Auto final : public Solver {
   const Capabilities& capabilities() const override { return kCapabilities; }
 
  private:
-  void on_load(const Problem& problem) override;
+  void on_load(const Problem& problem) override { load(problem, false); }
   void on_update(const Vector& v) override;
+  void on_change(const Problem& problem) override { load(problem, true); }
   void on_solve(const SolveRequest& request, Answer& answer) override;
 
   static bool is_one_island(const ContactProblem& contact);
-  void load_whole(const Problem& problem);
-  void load_islands(const ContactProblem& contact);
+  void load(const Problem& problem, bool to_hold);
+  void load_whole(const Problem& problem, bool to_hold);
+  void load_islands(const ContactProblem& contact, bool to_hold);
   void find_falling(const ContactProblem& contact, const std::vector<Island>& islands);
   AutoLimits limits_of(const SolveRequest& request) const;
   void solve_whole(const SolveRequest& request, Answer& answer);
@@ -71,14 +73,15 @@ class Auto final : public Solver {
   Vector v_;
 };
 
-void Auto::on_load(const Problem& problem) {
+/// @param to_hold the contacts are those of the next step
+void Auto::load(const Problem& problem, bool to_hold) {
   is_whole_ = false;
   const ContactProblem* contact = problem.contact();
   if (contact == nullptr) return lcp_.load(problem);
   is_whole_ = is_one_island(*contact);
   v_ = contact->v;
-  if (is_whole_) return load_whole(problem);
-  load_islands(*contact);
+  if (is_whole_) return load_whole(problem, to_hold);
+  load_islands(*contact, to_hold);
 }
 
 /// Whether it can be told at once that there is nothing to split or to strip.
@@ -87,12 +90,13 @@ bool Auto::is_one_island(const ContactProblem& contact) {
   return !contact.frictional() || (contact.mu.array() > 0).any();
 }
 
-void Auto::load_whole(const Problem& problem) {
+void Auto::load_whole(const Problem& problem, bool to_hold) {
   layout_ = contact_layout(*problem.contact());
+  if (to_hold) return whole_.load_to_hold(this->problem(), v_);
   whole_.load(this->problem(), v_);
 }
 
-void Auto::load_islands(const ContactProblem& contact) {
+void Auto::load_islands(const ContactProblem& contact, bool to_hold) {
   std::vector<Island> found = find_islands(contact);
   if (!settings_.islands && found.size() > 1) {
     Island all;
@@ -107,7 +111,7 @@ void Auto::load_islands(const ContactProblem& contact) {
   idle_ = contact.nc();
   for (const Island& part : found) idle_ -= static_cast<Index>(part.contacts.size());
   find_falling(contact, found);
-  islands_.load(problem(), std::move(found), v_);
+  islands_.load(problem(), std::move(found), v_, to_hold);
 }
 
 void Auto::find_falling(const ContactProblem& contact, const std::vector<Island>& islands) {

@@ -27,8 +27,9 @@ bool is_benign(const Inertia& inertia) {
 
 }  // namespace
 
-void IslandPart::load(ProblemCutter& whole, const Island& part, const Vector& v, bool in_turn) {
+void IslandPart::load(ProblemCutter& whole, const Island& part, const Vector& v, bool in_turn, bool to_hold) {
   cut(whole, part, v);
+  if (to_hold) return attempts_.load_to_hold(problem_, v_, in_turn);
   attempts_.load(problem_, v_, in_turn);
 }
 

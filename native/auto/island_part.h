@@ -18,8 +18,8 @@ class IslandPart {
 
   /// Cuts the problem out and takes the memory to solve it.
   /// @param whole, part must outlive the next load @param v velocity of the whole problem
-  /// @param in_turn see Attempts::load
-  void load(ProblemCutter& whole, const Island& part, const Vector& v, bool in_turn = false);
+  /// @param in_turn see Attempts::load @param to_hold see Attempts::load_to_hold
+  void load(ProblemCutter& whole, const Island& part, const Vector& v, bool in_turn = false, bool to_hold = false);
   /// The same, but the work is put off until an update(), or a solve(), which then does it by a dense method.
   /// @returns false where no dense method will do, and the work was done
   bool load_when_needed(ProblemCutter& whole, const Island& part, const Vector& v);

@@ -42,8 +42,9 @@ double rounding_of_row(const ContactProblem& problem, Index contact, const Vecto
 }  // namespace
 
 void IslandSolver::load(ProblemCutter& whole, Island island, const Vector& v, std::vector<char>& carries,
-                        bool is_one_of_several) {
+                        bool is_one_of_several, bool to_hold) {
   cutter_ = &whole;
+  to_hold_ = to_hold;
   takes_turns_ = is_one_of_several && may_take_turns(island);
   carries_ = &carries;
   carried_ = nullptr;
@@ -86,7 +87,7 @@ void IslandSolver::measure_approach(const Vector& v) {
 void IslandSolver::load_parts(const Vector& v) {
   is_loaded_ = true;
   now_ = &all_;
-  if (!find_what_may_press()) return all_.load(*cutter_, island_, v, takes_turns_);
+  if (!find_what_may_press()) return all_.load(*cutter_, island_, v, takes_turns_, to_hold_);
   has_some_ = all_.load_when_needed(*cutter_, island_, v);
   if (!has_some_) return;
   if (all_.has_stand_in() && !keep_what_may_be_struck()) {

@@ -24,8 +24,10 @@ class IslandSolver {
   /// @param whole must outlive the next load()
   /// @param v velocity of the whole problem
   /// @param carries per contact of the whole, 0; kept at 1 for those whose lambda the answer of solve() includes
+  /// @param to_hold see Attempts::load_to_hold
   /// @param is_one_of_several a small one then takes turns with the others, see Attempts::load
-  void load(ProblemCutter& whole, Island island, const Vector& v, std::vector<char>& carries, bool is_one_of_several);
+  void load(ProblemCutter& whole, Island island, const Vector& v, std::vector<char>& carries, bool is_one_of_several,
+            bool to_hold);
 
   /// Whether it is so small that loading it again takes no more time than memory of its own.
   static bool may_take_turns(const Island& island);
@@ -74,6 +76,7 @@ class IslandSolver {
   IslandPart* now_ = nullptr;      ///< what is to be solved; nullptr: the island is at rest
   IslandPart* carried_ = nullptr;  ///< what carries_ is told of
   bool takes_turns_ = false;
+  bool to_hold_ = false;
   bool is_loaded_ = false;  ///< all_, and some_ where has_some_
   bool has_some_ = false;
   Island kept_;  ///< of some_

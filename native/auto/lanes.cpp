@@ -24,7 +24,7 @@ IslandSolver& IslandLanes::Lane::island(std::size_t k, const AutoSettings& setti
   return *solvers[k];
 }
 
-void IslandLanes::load(const Problem& problem, std::vector<Island> islands, const Vector& v) {
+void IslandLanes::load(const Problem& problem, std::vector<Island> islands, const Vector& v, bool to_hold) {
   deal_out(islands);
   carries_.assign(problem.contact()->edges.size(), 0);
   islands_.assign(islands.size(), nullptr);
@@ -39,7 +39,7 @@ void IslandLanes::load(const Problem& problem, std::vector<Island> islands, cons
       const std::size_t k = lane.islands[place];
       lane_of_[k] = &lane;
       islands_[k] = &lane.island(place, settings_);
-      islands_[k]->load(*lane.cutter, std::move(islands[k]), v, carries_, islands.size() > 1);
+      islands_[k]->load(*lane.cutter, std::move(islands[k]), v, carries_, islands.size() > 1, to_hold);
     }
   };
   if (!take_turns) return run_lanes(used_, load_lane);

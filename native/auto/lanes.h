@@ -57,7 +57,8 @@ class IslandLanes {
 
   /// Objects that have served another problem are used again. Makes no threads where all islands put off their work to
   /// solve(). @param v velocity of the whole problem
-  void load(const Problem& problem, std::vector<Island> islands, const Vector& v);
+  /// @param to_hold see Attempts::load_to_hold
+  void load(const Problem& problem, std::vector<Island> islands, const Vector& v, bool to_hold);
   void update(const Vector& v);
 
   /// Solves all islands, or up to the first that is not solved, and adds their impulses to z. A limit on pivots has

@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "native/answer_test/contact_solvability.h"
+#include "native/auto/held_contacts.h"
 #include "native/auto/islands.h"
 #include "native/auto/separator.h"
 #include "native/contact_lemke/contact_lemke.h"
@@ -16,7 +17,8 @@ namespace {
 
 /// Below this the ladder of contact_lemke takes less time than friction_ipm.
 constexpr Index kSmall = 400;
-/// From this on friction_ipm is faster than contact_lemke where contacts do not slide.
+/// From this on friction_ipm is faster than contact_lemke where contacts do not slide. Below it contact_lemke takes less
+/// time than to try whether the contacts of the last step hold.
 constexpr Index kLarge = 800;
 /// From this on psor takes less time than the rungs of contact_lemke beyond double.
 constexpr Index kHuge = 8000;
@@ -117,6 +119,10 @@ AutoPlan frictional_plan(const ContactProblem& contact, const Vector& v) {
 }
 
 }  // namespace
+
+bool friction_may_hold(const ContactProblem& contact) {
+  return contact.frictional() && contact.nc() * contact.ngc() >= kLarge && HeldContacts::takes(contact);
+}
 
 bool fits_in_advance(AutoMethod method, const Problem& problem) {
   const ContactProblem& contact = *problem.contact();

@@ -56,6 +56,7 @@ void AutoReport::add(const AutoReport& further) {
   left_out += further.left_out;
   brought_back += further.brought_back;
   least_energy += further.least_energy;
+  held += further.held;
   for (std::size_t k = 0; k < kAutoMethods; ++k) runs_[k] += further.runs_[k];
   add(further.counters_, {});
   rung_ = std::max(rung_, further.rung_);
@@ -79,6 +80,7 @@ void AutoReport::write_text(std::string& text) const {
     separator = ", ";
     any = true;
   };
+  name("held_contacts", held);
   name("least_energy", least_energy);
   for (std::size_t k = 0; k < kAutoMethods; ++k) name(kMethods[k], runs_[k]);
   if (any) {

@@ -22,6 +22,7 @@ class AutoReport {
   Index left_out = 0;  ///< contacts that no solver saw
   Index brought_back = 0;
   Index least_energy = 0;  ///< islands that the impulses of least energy solve
+  Index held = 0;          ///< islands of which the contacts of the last step hold
 
   /// Counts a run of a method.
   void count(AutoMethod method) { ++runs_[static_cast<std::size_t>(method)]; }

@@ -9,6 +9,8 @@ lcpbench_test(isa LINK lcpbench_core)
 lcpbench_test(islands LINK lcpbench_core)
 lcpbench_test(utf8 LINK lcpbench_core)
 lcpbench_test(suggestion LINK lcpbench_core)
+lcpbench_test(warm_start LINK lcpbench_core)
+target_sources(warm_start_test PRIVATE support/allocation_counter.cpp)
 
 lcpbench_test(problem_errors LINK lcpbench_generators)
 lcpbench_test(problem_io LINK lcpbench_generators)

@@ -9,6 +9,8 @@ lcpbench_test(auto LINK lcpbench_solver_list lcpbench_generators lcpbench_evalua
 target_sources(auto_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(auto_threads LINK lcpbench_solver_list lcpbench_generators)
 lcpbench_test(auto_scenes LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
+lcpbench_test(warm_steps LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
+target_sources(warm_steps_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(claims LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
 target_sources(claims_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(bare_claims LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)

@@ -1,0 +1,212 @@
+// What a step costs that follows another one: cold, load and solve by an object that knows of no step before; changed,
+// update(problem) and solve from the last answer, matched by the ids of the contacts; same, update(v) and solve from the
+// last answer, for steps in which only the velocity is new. CSV, medians of thread CPU time. Not a test;
+// results/native/README.md has its command.
+//
+//   warm_steps ROUNDS stack HEIGHT STEPS SOLVER...   a stack of cubes at rest that is disturbed a little in each step
+//   warm_steps ROUNDS FILE.scenes SOLVER...          the steps of a file, which should follow each other
+//
+// wrong: steps of the second column that are not verified. held: of these, steps in which `detail` says so.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/io/scenes_file.h"
+#include "core/registry.h"
+#include "core/timed_solve.h"
+#include "core/warm_start.h"
+#include "study/evaluation/evaluation.h"
+#include "study/measure/box_stacks.h"
+
+namespace lcpbench {
+namespace {
+
+struct Step {
+  Problem problem;
+  std::vector<ContactId> ids;
+};
+
+/// Cubes that lie a little askew, each step otherwise: contacts, normals and inertia change with the velocity.
+Step tilted_stack(int height, int step) {
+  const testing::BoxStacks shape{.height = height, .fresh = 0.2};
+  RigidScene scene = testing::box_stacks(shape);
+  const Vector v = testing::falling_velocity(shape, step);
+  Step result;
+  long number = 1000L * height * step;
+  const auto shake = [&] {
+    Eigen::Vector3d shaken;
+    for (double& entry : shaken) entry = 1e-3 * testing::disturbance(++number);
+    return shaken;
+  };
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    RigidBody& body = scene.bodies[b];
+    body.linear_velocity = v.segment<3>(6 * static_cast<Index>(b));
+    body.angular_velocity = v.segment<3>(6 * static_cast<Index>(b) + 3);
+    body.position += shake();
+    const Eigen::Vector3d axis = shake();
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(axis.norm(), axis.normalized()).toRotationMatrix();
+    const Eigen::Matrix3d inertia = turn * Eigen::Vector3d(0.15, 0.17, 0.18).asDiagonal() * turn.transpose();
+    body.inertia = 0.5 * (inertia + inertia.transpose());
+  }
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
+    RigidContact& contact = scene.contacts[c];
+    contact.point += shake();
+    contact.normal = (Eigen::Vector3d::UnitZ() + shake()).normalized();
+    contact.tangent = (contact.tangent - contact.tangent.dot(contact.normal) * contact.normal).normalized();
+    result.ids.push_back(static_cast<ContactId>(c));
+  }
+  result.problem = Problem("stack", scene);
+  return result;
+}
+
+std::vector<Step> steps_of_file(const std::string& name) {
+  const ScenesFile file(name);
+  std::vector<Step> steps;
+  for (std::size_t k = 0; k < file.count(); ++k) {
+    const SceneStep step = file.read(k);
+    Step next{.problem = step.problem, .ids = {}};
+    if (step.problem.contact()->nc() == 0) continue;
+    for (const std::string& id : step.contact_ids) next.ids.push_back(contact_id(id));
+    steps.push_back(std::move(next));
+  }
+  return steps;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return std::nan("");
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double us_since(double begin) { return 1e6 * (thread_cpu_clock_s() - begin); }
+
+/// The same contacts as in the first step, with the velocity of another: nothing where it has other coordinates.
+bool is_same_size(const Step& first, const Step& other) {
+  return first.problem.contact()->ngc() == other.problem.contact()->ngc();
+}
+
+struct Measured {
+  std::vector<double> cold, match, update, solve, changed, ratio;
+  int held = 0;
+  int wrong = 0;
+  double difference = 0;  ///< largest difference of velocities between cold and changed, relative to that before
+};
+
+void measure_changed(const std::string& spec, const std::vector<Step>& steps, int rounds, Measured& measured) {
+  std::vector<std::vector<double>> cold(steps.size()), changed(steps.size());
+  for (int round = 0; round < rounds; ++round) {
+    const auto fresh = make_solver(parse_spec(spec));
+    const auto warm = make_solver(parse_spec(spec));
+    Answer cold_answer, answer;
+    ContactMatch match;
+    Vector start;
+    warm->load(steps.front().problem);
+    warm->solve({}, answer);
+    for (std::size_t k = 1; k < steps.size(); ++k) {
+      const Problem& problem = steps[k].problem;
+      double begin = thread_cpu_clock_s();
+      fresh->load(problem);
+      fresh->solve({}, cold_answer);
+      cold[k].push_back(us_since(begin));
+      begin = thread_cpu_clock_s();
+      match.find(steps[k - 1].ids, steps[k].ids);
+      matched_start(answer.z, contact_layout(*steps[k - 1].problem.contact()), match, contact_layout(*problem.contact()),
+                    start);
+      const double match_us = us_since(begin);
+      warm->update(problem);
+      const double update_us = us_since(begin) - match_us;
+      warm->solve({.start = &start}, answer);
+      const double all = us_since(begin);
+      measured.match.push_back(match_us);
+      measured.update.push_back(update_us);
+      measured.solve.push_back(all - match_us - update_us);
+      changed[k].push_back(all);
+      if (round > 0) continue;
+      if (!Evaluator(problem).errors(answer).solved) ++measured.wrong;
+      if (answer.detail.find("held_contacts") != std::string::npos) ++measured.held;
+      const ContactProblem& contact = *problem.contact();
+      if (answer.claim != Claim::kSolved || cold_answer.claim != Claim::kSolved) continue;
+      const Vector difference = post_impact_velocity(contact, answer.z) - post_impact_velocity(contact, cold_answer.z);
+      measured.difference = std::max(
+          measured.difference, difference.lpNorm<Eigen::Infinity>() / contact.v.lpNorm<Eigen::Infinity>());
+    }
+  }
+  for (std::size_t k = 1; k < steps.size(); ++k) {
+    measured.cold.push_back(median(cold[k]));
+    measured.changed.push_back(median(changed[k]));
+    measured.ratio.push_back(std::log(measured.cold.back() / measured.changed.back()));
+  }
+}
+
+/// The contacts of the first step with the velocities of all.
+double measure_same(const std::string& spec, const std::vector<Step>& steps, int rounds) {
+  std::vector<double> times;
+  for (int round = 0; round < rounds; ++round) {
+    const auto solver = make_solver(parse_spec(spec));
+    Answer answer;
+    Vector start;
+    solver->load(steps.front().problem);
+    solver->solve({}, answer);
+    for (std::size_t k = 1; k < steps.size(); ++k) {
+      if (!is_same_size(steps.front(), steps[k])) continue;
+      start = answer.z;
+      const double begin = thread_cpu_clock_s();
+      solver->update(steps[k].problem.contact()->v);
+      solver->solve({.start = &start}, answer);
+      times.push_back(us_since(begin));
+    }
+  }
+  return median(times);
+}
+
+void measure(const std::string& name, const std::vector<Step>& steps, const std::string& spec, int rounds) {
+  Measured measured;
+  measure_changed(spec, steps, rounds, measured);
+  double contacts = 0;
+  double ratio = 0;
+  for (const Step& step : steps) contacts += static_cast<double>(step.problem.contact()->nc());
+  for (const double part : measured.ratio) ratio += part;
+  const double count = static_cast<double>(measured.ratio.size());
+  std::printf("%s,\"%s\",%.0f,%ld,%zu,%d,%.1f,%.1f,%.1f,%.1f,%.1f,%.2f,%.2f,%.1f,%d,%d,%.1e\n", name.c_str(),
+              spec.c_str(), contacts / static_cast<double>(steps.size()),
+              static_cast<long>(steps.front().problem.contact()->ngc()), steps.size() - 1, rounds,
+              median(measured.cold), median(measured.match), median(measured.update), median(measured.solve),
+              median(measured.changed), median(measured.cold) / median(measured.changed), std::exp(ratio / count),
+              measure_same(spec, steps, rounds), measured.held, measured.wrong, measured.difference);
+  std::fflush(stdout);
+}
+
+}  // namespace
+}  // namespace lcpbench
+
+int main(int argc, char** argv) {
+  using namespace lcpbench;
+  const bool is_stack = argc > 2 && std::string_view(argv[2]) == "stack";
+  const int first = is_stack ? 5 : 3;
+  if (argc <= first) {
+    std::fputs("usage: warm_steps ROUNDS stack HEIGHT STEPS SOLVER... | warm_steps ROUNDS FILE.scenes SOLVER...\n",
+               stderr);
+    return 2;
+  }
+  std::vector<Step> steps;
+  if (is_stack) {
+    for (int k = 0; k <= std::max(1, std::atoi(argv[4])); ++k) steps.push_back(tilted_stack(std::atoi(argv[3]), k));
+  } else {
+    steps = steps_of_file(argv[2]);
+  }
+  if (steps.size() < 2) {
+    std::fputs("warm_steps: fewer than two steps with contacts\n", stderr);
+    return 2;
+  }
+  std::puts(
+      "scene,solver,contacts,coordinates,steps,rounds,cold_us,match_us,update_us,solve_us,changed_us,cold_over_changed,"
+      "geometric_mean,same_us,held,wrong,velocity_difference");
+  for (int k = first; k < argc; ++k) measure(is_stack ? "stack" : argv[2], steps, argv[k], std::max(1, std::atoi(argv[1])));
+}
