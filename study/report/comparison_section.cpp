@@ -192,7 +192,7 @@ std::string queries() {
 }  // namespace
 
 std::string comparison_section(const Report& report) {
-  const auto& [summary, situations, comparisons, speed_error, spreads, figures, paper] = report;
+  const auto& [summary, situations, comparisons, speed_error, spreads, regret, figures, paper] = report;
   if (comparisons.empty()) return "";
   std::string section =
       "<section id=\"comparison\"><h2>Comparing solvers</h2>\n" + introduction(summary) + queries() + "</details>\n";

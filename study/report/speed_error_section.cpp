@@ -387,7 +387,7 @@ std::string family_part(const Summary& summary, const SpeedErrorStudy& study, st
 }  // namespace
 
 std::string speed_error_section(const Report& report) {
-  const auto& [summary, situations, comparisons, study, spreads, figures, paper] = report;
+  const auto& [summary, situations, comparisons, study, spreads, regret, figures, paper] = report;
   if (has_only_hard_sets(summary)) return "";
   std::string rows;
   std::string parts;
