@@ -138,6 +138,10 @@ std::vector<Island> find_islands(const ContactProblem& problem) {
   IslandNumbers numbers;
   numbers.find(problem);
   std::vector<Island> islands(static_cast<std::size_t>(numbers.count));
+  if (numbers.count == 1) {
+    islands.front().contacts.reserve(numbers.of_contact.size());
+    islands.front().coordinates.reserve(numbers.of_coordinate.size());
+  }
   for (Index c = 0; c < problem.nc(); ++c) {
     const Index island = numbers.of_contact[static_cast<std::size_t>(c)];
     if (island >= 0) islands[static_cast<std::size_t>(island)].contacts.push_back(c);

@@ -18,7 +18,8 @@ constexpr double kShareOfTime = 0.6;
 /// Whether the solver takes a problem of this size; else load() is refused, and update() must not be called.
 bool takes(const Solver& solver, const Problem& problem) { return problem.size() <= solver.capabilities().max_size; }
 
-/// Of the impulses of least energy, relative to max|q|. They are a solution to rounding, or none.
+/// Of the impulses of least energy, relative to max|q|; less if a smaller error is stated. They are a solution to
+/// rounding, or none.
 constexpr double kLargestRestResidual = 1e-8;
 
 /// A contact slips if its lambda is more than this part of max|N'v + b|.
@@ -222,7 +223,8 @@ bool Attempts::rests(const SolveRequest& request, const AutoLimits& limits, Answ
   if (!found) return false;
   auto& judge = static_cast<ContactLemke&>(ready(AutoMethod::kContactLemke));
   const contact_lemke::Residual residual = judge.complete(least_energy().z().data());
-  if (!(residual.velocity <= kLargestRestResidual && residual.certain <= kClaimedResidual)) return false;
+  const double allowed = limits.error > 0 ? std::min(limits.error, kLargestRestResidual) : kLargestRestResidual;
+  if (!(residual.velocity <= allowed && residual.certain <= kClaimedResidual)) return false;
   answer.clear();
   answer.claim = Claim::kSolved;
   answer.z = least_energy().z().view();

@@ -55,13 +55,13 @@ void IslandPart::cut(ProblemCutter& whole, const Island& part, const Vector& v) 
   const auto cut_out = [&](bool with_friction) {
     problem_ = Problem("", whole.cut(part.contacts, part.coordinates, v, with_friction));
   };
-  const bool is_whole = by_bodies && has_friction == has_rows &&
-                        static_cast<Index>(part.contacts.size()) == given.nc() &&
+  const bool keeps_rows = has_friction || (has_rows && !by_bodies);
+  const bool is_whole = keeps_rows == has_rows && static_cast<Index>(part.contacts.size()) == given.nc() &&
                         static_cast<Index>(part.coordinates.size()) == given.ngc() && v == given.v;
   if (is_whole) {
     problem_ = whole.problem();
   } else {
-    cut_out(has_friction || (has_rows && !by_bodies));
+    cut_out(keeps_rows);
   }
   if (by_bodies && has_rows && !has_friction && !is_benign(problem_.contact()->inertia)) cut_out(true);
   place_unknowns(whole.layout());

@@ -23,6 +23,8 @@ namespace {
 /// Of a brief try of contact_lemke, per contact and at least: twice what most of the collected steps take.
 constexpr std::int64_t kPivotsPerContact = 10;
 constexpr std::int64_t kFewestPivots = 50;
+/// The second one is the same path with its kernel inverted at each pivot, or another path where kernels are large.
+constexpr std::int64_t kBriefRungs = 2;
 
 /// Of a brief try of friction_ipm. Contacts that do not slide take one convex problem, or two.
 constexpr std::int64_t kBriefRounds = 2;
@@ -36,7 +38,9 @@ void limit_lemke(ContactLemke& lemke, const AutoTry& now, const Problem& problem
     pivots = pivots > 0 ? std::min(pivots, own) : own;
   }
   lemke.limit_pivots(pivots);
-  lemke.limit_rungs(now.brief ? 1 : 0);
+  lemke.limit_rungs(now.brief ? kBriefRungs : 0);
+  const double accepted = ContactLemkeSettings{}.accept_residual;
+  lemke.accept(limits.error > 0 ? std::min(limits.error, accepted) : accepted);
 }
 
 /// The stated error, as far as AnswerTest allows it: that of contacts whose inertia is not given by blocks is that of

@@ -20,6 +20,8 @@ constexpr Index kSmall = 400;
 /// From this on friction_ipm is faster than contact_lemke where contacts do not slide. Below it contact_lemke takes less
 /// time than to try whether the contacts of the last step hold.
 constexpr Index kLarge = 800;
+/// From this on the first convex problem of friction_ipm finds the impulses of least energy faster than active sets.
+constexpr Index kRestByIpm = 5000;
 /// From this on psor takes less time than the rungs of contact_lemke beyond double.
 constexpr Index kHuge = 8000;
 
@@ -54,6 +56,16 @@ double slip_ratio(const ContactProblem& contact, const Vector& v) {
   return slip == 0 ? 0 : slip / (mu * approach);
 }
 
+/// Whether there are more normals and tangents than coordinates. Otherwise the impulses of rest are mostly the only
+/// ones, and contact_lemke comes to them.
+bool is_redundant(const ContactProblem& contact) {
+  Index rows = contact.nc();
+  for (Index c = 0; c < contact.nc(); ++c) {
+    if (contact.mu(c) > 0) rows += contact.edges[static_cast<std::size_t>(c)] > 0 ? 2 : 0;
+  }
+  return rows > contact.ngc();
+}
+
 bool may_be_singular(const ContactProblem& contact) {
   const bool is_regular =
       std::holds_alternative<BlockInertia>(contact.inertia) || std::holds_alternative<DenseInertia>(contact.inertia);
@@ -83,18 +95,23 @@ AutoPlan frictionless_plan(const AutoSettings& settings, const Problem& problem,
   return plan;
 }
 
+/// When the impulses of least energy are tried. @param slip slip_ratio
+AutoPlan::Rest rest_for(Index size, double slip) {
+  const bool may_hold = size >= kLarge && slip <= 1;
+  if (slip > kMostSlip || (may_hold && size >= kRestByIpm)) return AutoPlan::Rest::kNotSought;
+  return may_hold || slip <= kLittleSlip ? AutoPlan::Rest::kFirst : AutoPlan::Rest::kAfter;
+}
+
 /// Of islands that are not too large for contact_lemke.
-AutoPlan frictional_plan(const ContactProblem& contact, const Vector& v) {
+AutoPlan frictional_plan(const ContactProblem& contact, const Vector& v, std::int64_t sweeps) {
   using enum AutoMethod;
   AutoPlan plan;
   const Index size = contact.nc() * contact.ngc();
   const bool is_scene = std::holds_alternative<BlockInertia>(contact.inertia);
-  const double ratio = slip_ratio(contact, v);
-  const bool sticks = ratio <= 1;
-  const bool by_ipm = size >= kLarge && sticks;  // whose first convex problem finds it
-  if (ratio <= kMostSlip && !by_ipm && (is_scene || std::holds_alternative<DenseInertia>(contact.inertia))) {
-    plan.rest = ratio <= kLittleSlip ? AutoPlan::Rest::kFirst : AutoPlan::Rest::kAfter;
-  }
+  const bool seeks_rest =
+      (is_scene || std::holds_alternative<DenseInertia>(contact.inertia)) && (size >= kLarge || is_redundant(contact));
+  const double slip = seeks_rest || size >= kLarge ? slip_ratio(contact, v) : 0;
+  if (seeks_rest) plan.rest = rest_for(size, slip);
   if (size < kLarge && may_be_singular(contact)) {  // only contact_lemke tells what has a solution from what has none
     plan.add(kContactLemke);
   } else if (size < (is_scene ? kSmall : kLarge)) {
@@ -107,7 +124,9 @@ AutoPlan frictional_plan(const ContactProblem& contact, const Vector& v) {
     plan.add(kContactLemke);
     plan.add(kPsor);
   } else {
-    if (sticks) plan.add(kFrictionIpm, true);
+    const bool sticks = slip <= 1;
+    if (sticks && plan.rest == AutoPlan::Rest::kNotSought) plan.add(kFrictionIpm, true);
+    if (sweeps > 0) plan.add_sweeps(sweeps);
     plan.add(kContactLemke, true);
     if (is_scene || sticks) plan.add(kFrictionIpm);
     if (size >= kHuge) plan.add(kPsor);
@@ -131,8 +150,10 @@ bool fits_in_advance(AutoMethod method, const Problem& problem) {
 }
 
 std::int64_t worthwhile_sweeps(const AutoSettings& settings, const Problem& problem) {
-  if (!is_large_scene(settings, problem)) return 0;
   const ContactProblem& contact = *problem.contact();
+  const bool is_large =
+      contact.frictional() ? contact.nc() * contact.ngc() >= kLarge : contact.nc() >= settings.sparse_from;
+  if (!is_sparse(contact) || !is_large) return 0;
   const double separator = separator_size(contact);
   const double sweeps = kSweepsPerCube * separator * separator * separator / static_cast<double>(contact.nc());
   const double error = settings.error > 0 ? settings.error : kSweptResidual;
@@ -144,7 +165,7 @@ AutoPlan plan_for(const AutoSettings& settings, const Problem& problem, const Ve
   using enum AutoMethod;
   const ContactProblem& contact = *problem.contact();
   if (!contact.frictional()) return frictionless_plan(settings, problem, sweeps);
-  if (!is_large_scene(settings, problem) && lemke_takes(problem)) return frictional_plan(contact, v);
+  if (!is_large_scene(settings, problem) && lemke_takes(problem)) return frictional_plan(contact, v, sweeps);
   AutoPlan plan;
   if (sweeps > 0) plan.add_sweeps(sweeps);
   plan.add(kFrictionIpm);

@@ -27,12 +27,12 @@ class AutoPlan {
   const AutoTry& front() const { return tries_.front(); }
 
  private:
-  std::array<AutoTry, 6> tries_{};
+  std::array<AutoTry, 7> tries_{};
   std::size_t size_ = 0;
 };
 
 /// Sweeps of psor that take a third of the estimated time of the sparse method, by the size of the island's separators.
-/// 0 where they are too few, or where no sparse method comes first.
+/// 0 where they are too few, and for islands that are small or no bodies.
 std::int64_t worthwhile_sweeps(const AutoSettings& settings, const Problem& problem);
 
 /// The rules of docs/reference/solvers/auto.md. @param v the velocity now @param sweeps worthwhile_sweeps of the

@@ -133,6 +133,9 @@ class ContactLemke final : public Solver {
   /// Limits the number of rungs; 0: no limit. The warm rung and rungs whose path cycles are not counted.
   void limit_rungs(std::int64_t max_rungs) { max_rungs_ = max_rungs; }
 
+  /// ContactLemkeSettings::accept_residual from now on.
+  void accept(double residual) { settings_.accept_residual = residual; }
+
   /// Sets the lambdas of z (n) to the least that its impulses allow. @returns its residual for the loaded problem at
   /// the velocity now, in double, relative to max|q|
   contact_lemke::Residual complete(double* z) { return double_.complete(z); }

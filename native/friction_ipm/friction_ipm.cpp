@@ -40,9 +40,13 @@ struct FrictionIpmSettings {
 /// So many convex problems without the residual falling to a half: the fixed point is not being reached.
 constexpr int kMostIdleRounds = 60;
 constexpr double kProgress = 0.5;
-/// Of the tolerance, to which the convex problems are solved: at the tolerance itself their errors keep the rounds
-/// around it, and rounding decides when one is below.
+/// Of the tolerance, to which the convex problems are solved at last: at the tolerance itself their errors keep the
+/// rounds around it, and rounding decides when one is below.
 constexpr double kConvexShare = 0.25;
+/// To which the first convex problem is solved, and of the residual of a round, to which the next one is. The steps
+/// that follow the interior point mostly bring it to rounding from there.
+constexpr double kFirstConvex = 2.5e-5;
+constexpr double kNextConvex = 1e-2;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The columns a_id = N_i + mu_i d of every contact i and direction d, one column N_i where there is no friction, as
@@ -212,6 +216,8 @@ Claim FrictionIpm::run(double deadline_s, Answer& answer, int& rounds) {
   double best = kInfinity;
   int idle_rounds = 0;
   find_offsets(true);
+  const double least = kConvexShare * tolerance_;
+  method_.aim_at(cone_.friction.nonZeros() == 0 ? least : std::max(least, kFirstConvex));
   for (rounds = 1;; ++rounds) {
     method_.set_velocity(state_.u0, offset_);
     const Stop stop = method_.iterate(deadline_s, settings_.max_iterations, answer.counters);
@@ -232,6 +238,7 @@ Claim FrictionIpm::run(double deadline_s, Answer& answer, int& rounds) {
       claim = Claim::kIterationLimit;
       break;
     }
+    method_.aim_at(std::clamp(kNextConvex * best, least, std::max(least, kFirstConvex)));
     find_offsets(false);
   }
   state_.impulse = best_impulse_;

@@ -35,6 +35,9 @@ class InteriorPoint {
   /// With the constraints N'u + offset >= 0 (nc) instead, in the units that they are given in. @pre b is zero
   void set_velocity(const Vector& v, const Vector& offset);
 
+  /// InteriorPointSettings::tolerance from now on.
+  void aim_at(double tolerance) { settings_.tolerance = tolerance; }
+
   /// How an iteration ended: the tolerance is met; no step goes further; the Newton system could not be solved; a
   /// limit.
   enum class Stop { kConverged, kStalled, kBreakdown, kIterationLimit, kTimeLimit };

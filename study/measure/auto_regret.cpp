@@ -1,8 +1,8 @@
-// Time and residual of solvers, problem by problem, as CSV; on stderr the regret of auto{error=T} for each target T:
-// its time over that of the fastest answer whose residual is at most T. Not a test; results/regret/README.md has its
-// command.
+// Regret of auto{error=T} for each target T, problem by problem, as CSV, and its statistics on stderr: the time over
+// that of the fastest answer whose residual is at most T. Not a test; results/regret/README.md has its command.
 //
 //   auto_regret PARITY SOLVER... -- SET...   every second problem of each set, from PARITY (0 or 1) on; 2: all
+//   auto_regret all PARITY SOLVER... -- SET...   the CSV is time and residual of every solver
 //
 // Beside the sets of `lcpbench sets`: pile:COLUMNS:LAYERS:MU, wall:ROWS:COLUMNS:MU and stack:HEIGHT, one problem each.
 #include <algorithm>
@@ -27,8 +27,9 @@
 namespace lcpbench {
 namespace {
 
-constexpr int kRounds = 7;
-constexpr double kTimeLimit = 2;
+constexpr int kRounds = 3;
+constexpr int kRunsInARow = 4;  ///< in each round, so that no solver gains by what runs before it
+constexpr double kTimeLimit = 10;
 constexpr double kTimeLimitOfScenes = 30;     ///< of the scenes that are made here
 constexpr double kEnoughPerRound = 0.02;      ///< seconds: slower solvers run once
 constexpr std::int64_t kTrialsOfRandom = 20;  ///< of sets that have no end
@@ -49,6 +50,7 @@ struct Candidate {
   double seconds = std::numeric_limits<double>::infinity();  ///< load and solve, thread CPU, least of all rounds
   double load_s = std::numeric_limits<double>::infinity();
   double residual = std::numeric_limits<double>::infinity();  ///< of an answer claimed as solved
+  bool is_verified = false;
 };
 
 void time_once(const Problem& problem, double limit_s, Candidate& candidate) {
@@ -59,25 +61,38 @@ void time_once(const Problem& problem, double limit_s, Candidate& candidate) {
   candidate.seconds = std::min(candidate.seconds, thread_cpu_clock_s() - begin);
 }
 
-/// Of one problem, on which all candidates have been run.
-void add_regret(const std::string& place, const std::vector<Candidate>& candidates, Target& target) {
-  double best = std::numeric_limits<double>::infinity();
-  double own = best;
-  std::string winner;
+/// "set,trial,contacts,coordinates,unknowns"
+std::string columns_of(const std::string& set, std::int64_t trial, const Problem& problem) {
+  const ContactProblem* contact = problem.contact();
+  const Index contacts = contact == nullptr ? 0 : contact->nc();
+  const Index coordinates = contact == nullptr ? 0 : contact->ngc();
+  return set + "," + std::to_string(trial) + "," + std::to_string(contacts) + "," + std::to_string(coordinates) + "," +
+         std::to_string(problem.size());
+}
+
+/// Of one problem, on which all candidates have been run. @param columns those of the problem; "": no CSV
+void add_regret(const std::string& place, const std::string& columns, const std::vector<Candidate>& candidates,
+                Target& target) {
+  const Candidate* best = nullptr;
+  const Candidate* own = nullptr;
   for (const Candidate& candidate : candidates) {
     if (!(candidate.residual <= target.residual)) continue;
-    if (candidate.name == target.solver) own = candidate.seconds;
-    if (candidate.seconds >= best) continue;
-    best = candidate.seconds;
-    winner = candidate.name;
+    if (candidate.name == target.solver) own = &candidate;
+    if (best == nullptr || candidate.seconds < best->seconds) best = &candidate;
   }
-  if (!std::isfinite(best)) return;
-  if (!std::isfinite(own)) {
+  if (best == nullptr) return;
+  if (!columns.empty()) {
+    std::printf("%s,%g,", columns.c_str(), target.residual);
+    if (own != nullptr) std::printf("%.1f,%.2g", 1e6 * own->seconds, own->residual);
+    std::printf("%s,\"%s\",\"%s\",%.1f\n", own != nullptr ? "" : ",", own != nullptr ? own->answer.detail.c_str() : "",
+                best->name.c_str(), 1e6 * best->seconds);
+  }
+  if (own == nullptr) {
     ++target.missed;
-    std::fprintf(stderr, "%s missed %s; %s reached it\n", target.solver.c_str(), place.c_str(), winner.c_str());
+    std::fprintf(stderr, "%s missed %s; %s reached it\n", target.solver.c_str(), place.c_str(), best->name.c_str());
     return;
   }
-  target.regrets.emplace_back(own / best, place + ", " + winner);
+  target.regrets.emplace_back(own->seconds / best->seconds, place + ", " + best->name);
 }
 
 /// Geometric mean with its 95 % interval (normal, of the logarithms), 99 % quantile, share above kLargeRegret with its
@@ -112,31 +127,33 @@ void report(Target& target) {
   }
 }
 
-void measure(const std::string& set, std::int64_t trial, const Problem& problem, double limit_s,
-             std::vector<Candidate>& candidates) {
+void measure(const Problem& problem, double limit_s, std::vector<Candidate>& candidates) {
   for (Candidate& candidate : candidates)
     candidate.seconds = candidate.load_s = std::numeric_limits<double>::infinity();
   for (int round = 0; round < kRounds; ++round) {
     for (Candidate& candidate : candidates) {
-      if (round == 0 || candidate.seconds < kEnoughPerRound) time_once(problem, limit_s, candidate);
+      for (int run = 0; run < kRunsInARow; ++run) {
+        const bool is_first = round == 0 && run == 0;
+        if (is_first || candidate.seconds < kEnoughPerRound) time_once(problem, limit_s, candidate);
+      }
     }
   }
-  const ContactProblem* contact = problem.contact();
-  const long contacts = contact == nullptr ? 0 : static_cast<long>(contact->nc());
-  const long coordinates = contact == nullptr ? 0 : static_cast<long>(contact->ngc());
   Evaluator evaluator(problem);
   for (Candidate& candidate : candidates) {
-    const std::string quoted = '"' + candidate.name + '"';
-    const bool has_answer = candidate.answer.claim == Claim::kSolved;
     const Errors errors = evaluator.errors(candidate.answer);
+    const bool has_answer = candidate.answer.claim == Claim::kSolved;
+    candidate.is_verified = errors.solved;
     candidate.residual = has_answer ? errors.velocity_residual_relative : std::numeric_limits<double>::infinity();
-    const bool solved = errors.solved;
-    std::printf("%s,%ld,%ld,%ld,%ld,%s,%.1f,%.1f,%s,%d,%.2g,%ld,\"%s\"\n", set.c_str(), static_cast<long>(trial),
-                contacts, coordinates, static_cast<long>(problem.size()), quoted.c_str(), 1e6 * candidate.seconds,
-                1e6 * candidate.load_s, to_string(candidate.answer.claim), solved ? 1 : 0, candidate.residual,
-                static_cast<long>(candidate.answer.counters.pivots), candidate.answer.detail.c_str());
   }
-  std::fflush(stdout);
+}
+
+void write_all(const std::string& columns, const std::vector<Candidate>& candidates) {
+  for (const Candidate& candidate : candidates) {
+    std::printf("%s,\"%s\",%.1f,%.1f,%s,%d,%.2g,%ld,\"%s\"\n", columns.c_str(), candidate.name.c_str(),
+                1e6 * candidate.seconds, 1e6 * candidate.load_s, to_string(candidate.answer.claim),
+                candidate.is_verified ? 1 : 0, candidate.residual, static_cast<long>(candidate.answer.counters.pivots),
+                candidate.answer.detail.c_str());
+  }
 }
 
 /// The scene that a name such as pile:6:8:0.5 describes. @returns false for other names
@@ -155,13 +172,20 @@ bool make_scene(const std::string& name, RigidScene& scene) {
   return true;
 }
 
-void measure_all(std::int64_t parity, std::vector<Candidate>& candidates, std::vector<Target>& targets,
+void measure_all(std::int64_t parity, bool writes_all, std::vector<Candidate>& candidates, std::vector<Target>& targets,
                  const std::vector<std::string>& patterns) {
   const auto measure_one = [&](const std::string& name, std::int64_t trial, const Problem& problem, double limit_s) {
-    measure(name, trial, problem, limit_s, candidates);
-    for (Target& target : targets) add_regret(name + " " + std::to_string(trial), candidates, target);
+    measure(problem, limit_s, candidates);
+    const std::string columns = columns_of(name, trial, problem);
+    if (writes_all) write_all(columns, candidates);
+    for (Target& target : targets) {
+      add_regret(name + " " + std::to_string(trial), writes_all ? "" : columns, candidates, target);
+    }
+    std::fflush(stdout);
   };
-  std::puts("set,trial,contacts,coordinates,unknowns,solver,us,load_us,claim,verified,residual,pivots,detail");
+  std::printf("set,trial,contacts,coordinates,unknowns,%s\n",
+              writes_all ? "solver,us,load_us,claim,verified,residual,pivots,detail"
+                         : "target,us,residual,detail,fastest,fastest_us");
   for (const std::string& pattern : patterns) {
     if (RigidScene scene; make_scene(pattern, scene)) {
       measure_one(pattern, 0, Problem(pattern, std::move(scene)), kTimeLimitOfScenes);
@@ -183,13 +207,15 @@ void measure_all(std::int64_t parity, std::vector<Candidate>& candidates, std::v
 int main(int argc, char** argv) {
   using namespace lcpbench;
   std::vector<Candidate> candidates;
-  int next = 2;
+  const bool writes_all = argc > 1 && std::string_view(argv[1]) == "all";
+  const int first = writes_all ? 2 : 1;
+  int next = first + 1;
   for (; next < argc && std::string_view(argv[next]) != "--"; ++next) {
     candidates.push_back({.name = argv[next], .solver = make_solver(parse_spec(argv[next])), .answer = {}});
   }
   const std::vector<std::string> sets(argv + std::min(next + 1, argc), argv + argc);
   if (candidates.empty() || sets.empty()) {
-    std::fputs("usage: auto_regret 0|1|2 SOLVER... -- SET...\n", stderr);
+    std::fputs("usage: auto_regret [all] 0|1|2 SOLVER... -- SET...\n", stderr);
     return 2;
   }
   std::vector<Target> targets;
@@ -198,6 +224,6 @@ int main(int argc, char** argv) {
     if (std::sscanf(candidate.name.c_str(), "auto{error=%lf}", &residual) != 1) continue;
     targets.push_back({.residual = residual, .solver = candidate.name, .regrets = {}});
   }
-  measure_all(std::atoi(argv[1]), candidates, targets, sets);
+  measure_all(std::atoi(argv[first]), writes_all, candidates, targets, sets);
   for (Target& target : targets) report(target);
 }

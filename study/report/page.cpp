@@ -302,6 +302,7 @@ struct Section {
 const std::vector<Section> kSections{{{{"scenes", "Scenes"}}, scenes_section},
                                      {{{"speed-error", "Every set"}}, speed_error_section},
                                      {{{"comparison", "Comparing solvers"}}, comparison_section},
+                                     {{{"regret", "Regret of auto"}}, regret_section},
                                      {{{"hard", "Hard cases"}}, hard_section},
                                      {{{"claims", "Claim against verdict"}}, claims_section},
                                      {{{"paper-tables", "The paper’s tables"},

@@ -8,6 +8,7 @@
 #include "study/report/figures.h"
 #include "study/report/model_error.h"
 #include "study/report/paper.h"
+#include "study/report/regret.h"
 #include "study/report/solver_comparison.h"
 #include "study/report/summary.h"
 #include "study/report/velocity_spread.h"
@@ -33,6 +34,7 @@ struct Report {
   SpeedErrorStudy speed_error;
   std::vector<VelocitySpread> velocity_spreads;
   ModelErrors model_errors;
+  RegretStudy regret;
   Figures figures;
   PaperStudy paper;
 };
@@ -50,6 +52,7 @@ std::string figure_html(const std::map<std::size_t, Figure>& figures, std::size_
 std::string scenes_section(const Report& report);
 std::string speed_error_section(const Report& report);
 std::string comparison_section(const Report& report);
+std::string regret_section(const Report& report);
 std::string hard_section(const Report& report);
 std::string claims_section(const Report& report);
 std::string times_section(const Report& report);

@@ -19,6 +19,7 @@
 #include "study/report/hard.h"
 #include "study/report/page.h"
 #include "study/report/paper.h"
+#include "study/report/regret.h"
 #include "study/report/scenes.h"
 #include "study/report/solver_comparison.h"
 #include "study/report/speed_error.h"
@@ -47,14 +48,6 @@ void write_file(const std::filesystem::path& file, const std::string& content) {
 
 std::string json_document(const Json& json) { return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
-Json share_json(const report::Share& share) {
-  return {{"count", share.part},
-          {"of", share.whole},
-          {"share", share.value()},
-          {"low", share.interval().low},
-          {"high", share.interval().high}};
-}
-
 /// The decision table as records, one per situation and solver.
 Json decision_json(const Summary& summary, const std::vector<report::Situation>& situations) {
   Json records = Json::array();
@@ -69,9 +62,9 @@ Json decision_json(const Summary& summary, const std::vector<report::Situation>&
                          {"reliable", report::reliable_json(contender.reliability)},
                          {"reliability", report::to_string(contender.reliability.ground)},
                          {"trials", contender.trials},
-                         {"solved", share_json(contender.solved)},
-                         {"false_claims", share_json(contender.false_claims)},
-                         {"refused", share_json(contender.refused)},
+                         {"solved", report::share_json(contender.solved)},
+                         {"false_claims", report::share_json(contender.false_claims)},
+                         {"refused", report::share_json(contender.refused)},
                          {"error_median", contender.median_error},
                          {"error_p99", contender.p99_error},
                          {"median_time_s", report::estimate_json(contender.time)},
@@ -207,6 +200,7 @@ Json report_json(const Report& report) {
       {"speed_error", report::speed_error_json(report.summary, report.speed_error.sets)},
       {"cheapest", report::cheapest_json(report.summary, report.speed_error.sets)},
       {"conditioning", report::conditioning_json(report.summary, report.speed_error.families)}};
+  json["regret"] = report::regret_summary_json(report.regret);
   return json;
 }
 
@@ -216,6 +210,7 @@ Json table_records(const Report& report, const Json& json) {
   tables.update(report::hard_tables(report.summary, report::hard_study(report.summary)));
   tables.update(json["speed_against_error"]);
   tables["velocity_spread"] = report::velocity_spread_json(report.summary, report.velocity_spreads);
+  tables["regret"] = report::regret_json(report.summary, report.regret.regrets);
   for (const char* name : {"cells", "sweeps", "decision"}) tables[name] = json[name];
   tables["claims"] = claims_json(json["cells"]);
   tables["results"] = results_json(report.summary, report.speed_error);
@@ -233,6 +228,7 @@ void write_tables(const Report& report, const Json& json, const std::filesystem:
   one_of_everything.situations.resize(1);
   one_of_everything.situations[0].contenders.resize(1);
   one_of_everything.velocity_spreads.resize(1);
+  one_of_everything.regret.regrets.resize(1);
   one_of_everything.comparisons = {report::example_comparison()};
   const Json examples = table_records(one_of_everything, report_json(one_of_everything));
   const Json tables = table_records(report, json);
@@ -256,6 +252,7 @@ Report make_report(Store& store) {
   report.speed_error = report::speed_error_study(summary);
   report.velocity_spreads = report::velocity_spreads(store, summary);
   report.model_errors = report::model_errors(summary);
+  report.regret = report::regret_study(store, summary);
   report.figures = draw_figures(summary, report.comparisons, report.speed_error, report.model_errors);
   report.paper = report::paper_study(summary);
   return report;

@@ -192,6 +192,14 @@ Json estimate_json(const Estimate& estimate) {
   return {{"value", estimate.value}, {"low", estimate.low}, {"high", estimate.high}};
 }
 
+Json share_json(const Share& share) {
+  return {{"count", share.part},
+          {"of", share.whole},
+          {"share", share.value()},
+          {"low", share.interval().low},
+          {"high", share.interval().high}};
+}
+
 std::string csv_text(std::string_view text) {
   std::string shown = printable(text);
   const bool formula = !shown.empty() && std::string_view("=+-@").find(shown.front()) != std::string_view::npos;

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "study/report/reliability.h"
 #include "study/report/solver_comparison.h"
 
 namespace lcpbench::report {
@@ -23,6 +24,9 @@ std::string csv_table(const nlohmann::ordered_json& example, const nlohmann::ord
 
 /// An estimate as the members "value", "low" and "high".
 nlohmann::ordered_json estimate_json(const Estimate& estimate);
+
+/// A share as the members "count", "of", "share", and its interval "low" and "high".
+nlohmann::ordered_json share_json(const Share& share);
 
 /// The comparison tables as arrays of records, by name: "mcnemar", "solver_times", "ecdf", "profiles", "vbs", "chains".
 /// Numbers that are none are NaN, which JSON writes as null.
