@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 
-#include "native/lemke/least_squares.h"
 #include "native/lemke/loaded_problem.h"
 #include "native/lemke/pack.h"
 #include "native/lemke/packed_lu.h"
@@ -15,6 +14,8 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 template <class Scalar>
 class DenseBasis {
  public:
+  static constexpr bool kRulesOf2012 = false;
+
   void load(const Input& input) {
     problem_.load(input);
     const Count n = problem_.n();
@@ -29,7 +30,7 @@ class DenseBasis {
     }
     for (Buffer<Scalar>* slots : {&x_, &d_, &ratio_}) slots->fill(padded, 0);
     id_.fill(padded, kInfinity<Scalar>);
-    slots_ = {padded, x_.data(), d_.data(), ratio_.data(), id_.data(), nullptr};
+    slots_ = {padded, x_.data(), d_.data(), ratio_.data(), id_.data(), false};
   }
 
   const LoadedProblem<Scalar>& problem() const { return problem_; }
@@ -37,8 +38,7 @@ class DenseBasis {
   Count slot_of(Count variable) const { return problem_.slot_of[variable]; }
 
   /// Brings the artificial variable in for w of `row`.
-  void start(Count row, bool of_2012) {
-    slots_.place_of = of_2012 ? problem_.slot_of.data() : nullptr;
+  void start(Count row) {
     const Count n = problem_.n();
     B_.setIdentity();
     const Scalar value = -problem_.q[row];
@@ -46,20 +46,15 @@ class DenseBasis {
       x_[i] = problem_.q[i] + problem_.cover(i) * value;
       put(i, i);
     }
+    for (Count i = n; i < slots_.count; ++i) x_[i] = 0;  // an overflow leaves NaN there
     place(row, problem_.artificial(), value);
   }
 
-  /// d for the entering variable; with kResolve also x anew. By the rules of 2012 a singular basis is solved in the
-  /// least squares.
+  /// d for the entering variable; with kResolve also x anew.
   template <bool kResolve>
   bool solve(Count entering) {
     lu_.factor(B_);
     write_column(entering, rhs_.col(0));
-    if (slots_.place_of != nullptr && (lu_.matrixLU().diagonal().array() == 0).any()) {
-      return LeastSquares<Scalar>::solve(
-          problem_.n(), [this](Count r, Count c) { return B_(r, c); }, [this](Count r) { return rhs_(r, 0); },
-          d_.data());
-    }
     solution_.col(0).noalias() = lu_.permutationP() * rhs_.col(0);
     substitute(solution_.col(0));
     store(d_, 0);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <new>
+#include <type_traits>
 
 #include "native/lemke/pack.h"
 #include "native/lemke/path.h"
@@ -28,7 +29,10 @@ struct Interface {
       outcome.ending = Ending::kSolved;
       return outcome;
     }
-    return rules.resolve ? follow_path<true, Scalar>(basis, rules, z) : follow_path<false, Scalar>(basis, rules, z);
+    if constexpr (!std::remove_reference_t<decltype(basis)>::kRulesOf2012) {
+      if (rules.resolve) return follow_path<true, Scalar>(basis, rules, z);
+    }
+    return follow_path<false, Scalar>(basis, rules, z);
   }
 };
 

@@ -4,7 +4,6 @@
 
 #include "core/quad.h"
 #include "native/lemke/column_sum.h"
-#include "native/lemke/least_squares.h"
 #include "native/lemke/loaded_problem.h"
 #include "native/lemke/pack.h"
 #include "native/lemke/ratio_test.h"
@@ -19,8 +18,7 @@ struct KernelState {
   Buffer<Count> rows, columns;
   Buffer<Scalar> A;  ///< by rows, without gaps
   Buffer<Scalar> entering_column;
-  Buffer<Scalar> x, d;     ///< by slots; not kept where the next solve resolves them
-  Buffer<Count> place_of;  ///< by the rules of 2012 only
+  Buffer<Scalar> x, d;  ///< by slots; not kept where the next solve resolves them
 };
 
 /// Which basis a KernelBasis had, with the order of its rows and columns, in which it sums.
@@ -37,9 +35,13 @@ struct KernelMark {
 ///     x_kernel = -A^-1 q_kernel,    x_w = q_w + M_w,kernel x_kernel
 ///
 /// Slots: w of the dense rows, w of the cone rows, kernel columns, each padded. Slots of nonbasic w hold zeros.
-template <class Scalar>
+template <class Scalar_>
 class KernelBasis {
  public:
+  using Scalar = Scalar_;
+  using State = KernelState<Scalar>;
+  static constexpr bool kRulesOf2012 = false;
+
   void load(const Input& input) {
     problem_.load(input);
     const Count n = problem_.n();
@@ -62,7 +64,7 @@ class KernelBasis {
     A_.resize(n * P::padded(n));
     if (input.refines) refined_.resize(n);
     system_.reserve(n);
-    slots_ = {column_slots_, x_.data(), d_.data(), ratio_.data(), id_.data(), nullptr};
+    slots_ = {column_slots_, x_.data(), d_.data(), ratio_.data(), id_.data(), false};
   }
 
   const LoadedProblem<Scalar>& problem() const { return problem_; }
@@ -70,26 +72,23 @@ class KernelBasis {
   Count slot_of(Count variable) const { return problem_.slot_of[variable]; }
 
   /// Brings the artificial variable in for w of `row`.
-  void start(Count row, bool of_2012) {
-    slots_.place_of = of_2012 ? problem_.place_of.data() : nullptr;
+  void start(Count row) {
     shrink(0);
     const Count n = problem_.n();
     const Scalar value = -problem_.q[row];
+    for (Count i = 0; i < column_slots_; ++i) x_[i] = 0;  // an overflow leaves NaN in the padding
     for (Count i = 0; i < n; ++i) {
       const Count slot = row_slot(i);
       x_[slot] = problem_.q[i] + problem_.cover(i) * value;
       id_[slot] = static_cast<Scalar>(i);
       problem_.slot_of[i] = slot;
-      problem_.place_of[i] = i;
     }
-    problem_.place_of[problem_.artificial()] = row;
     stride_ = P::padded(kFirstStride < n ? kFirstStride : n);
     add_column(problem_.artificial(), value);
     add_row(row);
   }
 
-  /// d for the entering variable; with kResolve also x anew. False when the kernel is singular; by the rules of 2012
-  /// d then solves it in the least squares.
+  /// d for the entering variable; with kResolve also x anew. False when the kernel is singular.
   template <bool kResolve>
   bool solve(Count entering) {
     return solve_sides<true, kResolve>(entering);
@@ -120,7 +119,6 @@ class KernelBasis {
   /// @pre solve(entering) was called last. @param value of the entering variable, where values are not resolved
   void exchange(Count entering, Count leaving, Scalar value) {
     const Count n = problem_.n();
-    problem_.place_of[entering] = problem_.place_of[leaving];
     if (entering < n) {
       const Count row = kernel_row(entering);
       if (leaving < n) {
@@ -151,7 +149,6 @@ class KernelBasis {
     if constexpr (!kResolve) {
       copy(state.x, x_, slots_.count);
       copy(state.d, d_, slots_.count);
-      if (slots_.place_of != nullptr) copy(state.place_of, problem_.place_of, 2 * problem_.n() + 1);
     }
   }
 
@@ -170,7 +167,6 @@ class KernelBasis {
     if constexpr (!kResolve) {
       copy(x_, state.x, slots_.count);
       copy(d_, state.d, slots_.count);
-      if (slots_.place_of != nullptr) copy(problem_.place_of, state.place_of, 2 * problem_.n() + 1);
     }
   }
 
@@ -223,13 +219,7 @@ class KernelBasis {
       extend(entering);
     } else {
       // Without new values the second right-hand side is idle; its solution must not touch x.
-      if (!system_.solve(direction, ratio_.data() + column_slots_)) {
-        if (slots_.place_of == nullptr) return false;
-        const bool solved = LeastSquares<Scalar>::solve(
-            order_, [this](Count r, Count c) { return A_[r * stride_ + c]; },
-            [this](Count r) { return entering_column_[r]; }, direction);
-        if (!solved) return false;
-      }
+      if (!system_.solve(direction, ratio_.data() + column_slots_)) return false;
       extend_direction(entering);
     }
     return true;

@@ -2,37 +2,81 @@
 
 #include <Eigen/Core>
 #include <Eigen/QR>
+#include <vector>
 
 #include "native/lemke/pack.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
-/// The shortest of the x that minimize |A x - b|, for a square A that elimination found singular: by a complete
-/// orthogonal decomposition, whose rank is numerical. O(order^3). Takes memory, and is there in double only: the rules
-/// of 2012 are.
-template <class Scalar>
-struct LeastSquares {
-  template <class Entry, class Side>
-  static bool solve(Count, Entry, Side, Scalar*) {
-    return false;
-  }
-};
-
-template <>
-struct LeastSquares<double> {
-  /// @param A, b  A(row, column) and b(row)
-  template <class Entry, class Side>
-  static bool solve(Count order, Entry A, Side b, double* x) {
-    Eigen::MatrixXd matrix(order, order);
-    Eigen::VectorXd side(order);
-    for (Count r = 0; r < order; ++r) {
-      side(r) = b(r);
-      for (Count c = 0; c < order; ++c) matrix(r, c) = A(r, c);
+/// The shortest of the x that minimize |B x - b|, for a square B that elimination found singular. O(k^3 + n k^2), k the
+/// number of columns that are no unit columns; takes memory.
+///
+/// A unit column meets its row exactly, whatever the other entries of x are. So these minimize the rest of the rows,
+/// A y = a: y = y0 + N t, the shortest y by a complete orthogonal decomposition of A (whose rank is numerical) and its
+/// null space. Of all t the one is taken that makes y and the entries of the unit columns, c - C y, the shortest.
+class LeastSquares {
+ public:
+  /// False when an entry is not finite.
+  /// @param unit_row  unit_row(column): its row, or -1 for a column that is no unit column. No row twice
+  /// @param B, b  B(row, column) of the other columns, and b(row)
+  template <class UnitRow, class Entry, class Side>
+  static bool solve(Count order, UnitRow unit_row, Entry B, Side b, double* x) {
+    std::vector<Count> column_of_row(static_cast<std::size_t>(order), -1);
+    std::vector<Count> columns, rows, unit_rows;
+    for (Count c = 0; c < order; ++c) {
+      const Count row = unit_row(c);
+      if (row < 0) columns.push_back(c);
+      if (row >= 0) column_of_row[static_cast<std::size_t>(row)] = c;
     }
-    if (!matrix.allFinite() || !side.allFinite()) return false;
-    const Eigen::VectorXd shortest = matrix.completeOrthogonalDecomposition().solve(side);
-    for (Count c = 0; c < order; ++c) x[c] = shortest(c);
+    for (Count r = 0; r < order; ++r) (column_of_row[static_cast<std::size_t>(r)] < 0 ? rows : unit_rows).push_back(r);
+    const Matrix A = part(rows, columns, B);
+    const Matrix C = part(unit_rows, columns, B);
+    const Vector a = part(rows, b);
+    const Vector c = part(unit_rows, b);
+    if (!A.allFinite() || !C.allFinite() || !a.allFinite() || !c.allFinite()) return false;
+    const Vector y = shortest(A, a, C, c);
+    const Vector of_units = c - C * y;
+    for (std::size_t i = 0; i < columns.size(); ++i) x[columns[i]] = y(static_cast<Count>(i));
+    for (std::size_t i = 0; i < unit_rows.size(); ++i) {
+      x[column_of_row[static_cast<std::size_t>(unit_rows[i])]] = of_units(static_cast<Count>(i));
+    }
     return true;
+  }
+
+ private:
+  using Matrix = Eigen::MatrixXd;
+  using Vector = Eigen::VectorXd;
+
+  static Vector shortest(const Matrix& A, const Vector& a, const Matrix& C, const Vector& c) {
+    const Eigen::CompleteOrthogonalDecomposition<Matrix> decomposition(A);
+    Vector y = decomposition.solve(a);
+    const Count free = A.cols() - decomposition.rank();
+    if (free == 0) return y;
+    const Matrix null_space = decomposition.colsPermutation() * decomposition.matrixZ().transpose().rightCols(free);
+    Matrix lengths(free + C.rows(), free);
+    lengths << Matrix::Identity(free, free), C * null_space;
+    Vector side(free + C.rows());
+    side << Vector::Zero(free), c - C * y;
+    y += null_space * lengths.householderQr().solve(side);
+    return y;
+  }
+
+  template <class Entry>
+  static Matrix part(const std::vector<Count>& rows, const std::vector<Count>& columns, Entry B) {
+    Matrix matrix(rows.size(), columns.size());
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      for (std::size_t r = 0; r < rows.size(); ++r) {
+        matrix(static_cast<Count>(r), static_cast<Count>(c)) = B(rows[r], columns[c]);
+      }
+    }
+    return matrix;
+  }
+
+  template <class Side>
+  static Vector part(const std::vector<Count>& rows, Side b) {
+    Vector vector(rows.size());
+    for (std::size_t r = 0; r < rows.size(); ++r) vector(static_cast<Count>(r)) = b(rows[r]);
+    return vector;
   }
 };
 

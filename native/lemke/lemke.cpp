@@ -104,6 +104,10 @@ void report_lemke(const lemke::Outcome& outcome, bool clips, Answer& answer) {
   answer.counters.factorizations = outcome.factorizations;
 }
 
+LemkeEngine lemke_engine_of(const LemkeSettings& settings) {
+  return settings.rules == LemkeRules::k2012 ? LemkeEngine::kOrdered : settings.engine;
+}
+
 Capabilities lemke_capabilities(const LemkeSettings& settings) {
   Capabilities capabilities;
   capabilities.needs = Needs::kDense;
@@ -119,7 +123,7 @@ Capabilities lemke_capabilities(const LemkeSettings& settings) {
 Lemke::Lemke(const LemkeSettings& settings, IsaLevel level)
     : settings_(settings),
       capabilities_(lemke_capabilities(settings)),
-      engine_(settings.engine, level, arithmetic_of(settings)),
+      engine_(lemke_engine_of(settings), level, arithmetic_of(settings)),
       finish_(finish_of(settings.precision, level)),
       test_(test_of(settings)) {
   if (settings.precision == LemkePrecision::kPolished) engine_.expect_refinement();
@@ -135,8 +139,7 @@ void Lemke::on_solve(const SolveRequest& request, Answer& answer) {
   lemke::Rules rules;
   rules.pivot_tolerance = tolerance_for(settings_.precision, settings_.pivot_tolerance);
   rules.zero_tolerance = tolerance_for(settings_.precision, settings_.zero_tolerance);
-  rules.of_2012 = settings_.rules == LemkeRules::k2012;
-  rules.resolve = settings_.update == LemkeUpdate::kResolve && !rules.of_2012;
+  rules.resolve = settings_.update == LemkeUpdate::kResolve;
   rules.max_pivots = lemke_pivot_limit(settings_, answer.z.size());
   rules.clock_s = wall_clock_s;
   rules.deadline_s = std::isinf(request.time_limit_s) ? request.time_limit_s : wall_clock_s() + request.time_limit_s;
@@ -146,7 +149,7 @@ void Lemke::on_solve(const SolveRequest& request, Answer& answer) {
     rules.context = recorded_;
   }
 
-  report_lemke(engine_.solve(rules, answer.z.data()), !rules.of_2012, answer);
+  report_lemke(engine_.solve(rules, answer.z.data()), settings_.rules == LemkeRules::kStandard, answer);
   if (finish_ != nullptr) finish_->run(engine_, answer);
   if (test_ == nullptr) return;
   if (answer.claim == Claim::kUnsolvable) return test_->settle_ray(answer, rules.deadline_s);

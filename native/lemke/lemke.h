@@ -59,10 +59,11 @@ struct LemkeSettings {
                                     {"residual", LemkeAnswerTest::kResidual}}},
           "of an answer from the raw data before it is claimed (precision=double; the others always): none, as in "
           "LEMKE; its residual; auto: residual with engine=kernel and both tolerances at their defaults, else none");
-    field("rules", rules, Choices<LemkeRules>{{{"standard", LemkeRules::kStandard}, {"2012", LemkeRules::k2012}}},
-          "2012: those of the public code of the paper's authors (precision=double): update=incremental, the first "
-          "largest pivot leaves, least squares on a singular basis, test=auto is none, and z of the last basis is "
-          "returned however the path ends");
+    field(
+        "rules", rules, Choices<LemkeRules>{{{"standard", LemkeRules::kStandard}, {"2012", LemkeRules::k2012}}},
+        "2012: those of the public code of the paper's authors (precision=double): the whole basis in the order of its "
+        "entering columns, update=incremental, the first largest pivot leaves, least squares on a singular basis, "
+        "test=auto is none, and z of the last basis is returned however the path ends");
   }
 };
 
@@ -126,6 +127,9 @@ class Lemke final : public Solver {
   std::unique_ptr<AnswerTest> test_;     ///< none but in double
   std::vector<LemkePivot>* recorded_ = nullptr;
 };
+
+/// The engine that computes the pivots.
+LemkeEngine lemke_engine_of(const LemkeSettings& settings);
 
 /// What the solver promises with these settings.
 Capabilities lemke_capabilities(const LemkeSettings& settings);

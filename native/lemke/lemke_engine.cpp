@@ -10,18 +10,14 @@
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 namespace {
 
-/// A kernel basis with the room in which a sweep's paths part.
 template <class Scalar>
-struct HeldWithRoom {
-  KernelBasis<Scalar> basis;
-  TreeRoom<Scalar> room;
-};
+using HeldWithRoom = HeldForSweeps<KernelBasis<Scalar>>;
 
 template <class Scalar>
 Count walk(void* object, const Cell* cells, Count count, const WalkRules& rules, double* z) {
   auto& [basis, room] = *static_cast<HeldWithRoom<Scalar>*>(object);
-  if (rules.resolve) return PathTree<true, Scalar>(basis, room, cells, rules, z).walk(count);
-  return PathTree<false, Scalar>(basis, room, cells, rules, z).walk(count);
+  if (rules.resolve) return PathTree<true, KernelBasis<Scalar>>(basis, room, cells, rules, z).walk(count);
+  return PathTree<false, KernelBasis<Scalar>>(basis, room, cells, rules, z).walk(count);
 }
 
 template <class Scalar>

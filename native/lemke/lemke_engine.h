@@ -37,8 +37,7 @@ struct Input {
 struct Rules {
   double pivot_tolerance = 0;
   double zero_tolerance = 0;
-  bool resolve = true;   ///< recompute the basic values from the basis at each pivot instead of updating them
-  bool of_2012 = false;  ///< the rules of lemke{rules=2012}; see docs/reference/solvers/lemke.md. @pre not resolve
+  bool resolve = true;  ///< recompute the basic values from the basis at each pivot instead of updating them
   std::ptrdiff_t max_pivots = 0;
   double deadline_s = 0;          ///< on the clock below; infinity: none
   double (*clock_s)() = nullptr;  ///< monotonic clock, read every 16 pivots
@@ -78,7 +77,6 @@ struct Leaf {
 
 struct WalkRules {
   bool resolve = true;
-  bool of_2012 = false;  ///< as in Rules
   std::ptrdiff_t max_pivots = 0;
   double (*wall_s)() = nullptr;  ///< monotonic clock; read every 16 pivots, and where paths part and end
   double (*cpu_s)() = nullptr;   ///< of the calling thread; read where paths part and end
@@ -91,8 +89,7 @@ struct WalkRules {
 };
 
 /// One engine at one level. `create` gives an object that `destroy` ends; `load` copies all of the input and allocates
-/// for it; `solve` writes the basic entries of z (n) when the ending is kSolved or by the rules of 2012, and leaves it
-/// alone otherwise.
+/// for it; `solve` writes the basic entries of z (n) when the ending is kSolved, and leaves it alone otherwise.
 ///
 /// `walk` solves for all cells and goes each pivot that paths have in common once. Every leaf is bit for bit what
 /// `solve` gives with the tolerances of its cells, its z (n) on zeros. Returns the pivots gone.
@@ -126,6 +123,11 @@ extern const Engine kFloatKernelEngine;
 }  // namespace avx512
 namespace quad {
 extern const Engine kKernelEngine;
+}
+/// By the rules of 2012 (docs/reference/solvers/lemke.md), whatever Rules::resolve: z is written at every ending, if
+/// all values are finite.
+namespace ordered {
+extern const Engine kOrderedEngine;
 }
 
 /// 64-byte aligned memory for the engines. @throws std::bad_alloc

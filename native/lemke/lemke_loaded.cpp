@@ -50,9 +50,10 @@ const Engine& engine_at(LemkeEngine engine, IsaLevel level, LemkeArithmetic arit
   const bool dense = engine == LemkeEngine::kDense;
   if (level > best_isa_level()) throw std::invalid_argument("this processor lacks the instruction-set level asked for");
   if (arithmetic != LemkeArithmetic::kDouble) {
-    if (dense) throw std::invalid_argument("the dense engine knows double only");
+    if (engine != LemkeEngine::kKernel) throw std::invalid_argument("this engine knows double only");
     return arithmetic == LemkeArithmetic::kQuad ? quad::kKernelEngine : float_engine_at(level);
   }
+  if (engine == LemkeEngine::kOrdered) return ordered::kOrderedEngine;
 #if defined(__x86_64__)
   if (level == IsaLevel::kAvx512) return dense ? avx512::kDenseEngine : avx512::kKernelEngine;
   if (level == IsaLevel::kAvx2) return dense ? avx2::kDenseEngine : avx2::kKernelEngine;

@@ -6,7 +6,8 @@
 
 namespace lcpbench {
 
-enum class LemkeEngine { kDense, kKernel };
+/// kOrdered: that of rules=2012, which no setting names.
+enum class LemkeEngine { kDense, kKernel, kOrdered };
 /// 24, 53 or 113 bits.
 enum class LemkeArithmetic { kFloat, kDouble, kQuad };
 
@@ -15,8 +16,9 @@ namespace lemke {
 /// One of Lemke's engines, with the problem that it holds.
 class LoadedEngine {
  public:
-  /// Another arithmetic than double is that of the kernel engine; 113 bits are the same at each level.
-  /// @throws std::invalid_argument when this processor lacks the level, or for the dense engine in other arithmetic.
+  /// Another arithmetic than double is that of the kernel engine; 113 bits and the ordered engine are the same at each
+  /// level.
+  /// @throws std::invalid_argument when this processor lacks the level, or for another engine in other arithmetic.
   LoadedEngine(LemkeEngine engine, IsaLevel level, LemkeArithmetic arithmetic = LemkeArithmetic::kDouble);
   ~LoadedEngine();
   LoadedEngine(const LoadedEngine&) = delete;
@@ -33,7 +35,7 @@ class LoadedEngine {
 
   Outcome solve(const Rules& rules, double* z) { return engine_.solve(state_, rules, z); }
 
-  /// @pre engine is kKernel
+  /// @pre engine is not kDense
   std::ptrdiff_t walk(const Cell* cells, std::ptrdiff_t count, const WalkRules& rules, double* z) {
     return engine_.walk(state_, cells, count, rules, z);
   }

@@ -76,7 +76,7 @@ class SweptLemke final : public SweptSolver {
 }  // namespace
 
 LemkeSweep::LemkeSweep(std::span<const LemkeSettings> cells, IsaLevel level)
-    : common_(first_of(cells)), capabilities_(lemke_capabilities(common_)), engine_(LemkeEngine::kKernel, level) {
+    : common_(first_of(cells)), capabilities_(lemke_capabilities(common_)), engine_(lemke_engine_of(common_), level) {
   std::vector<double> pivot_tolerances, zero_tolerances;
   for (const LemkeSettings& cell : cells) {
     pivot_tolerances.push_back(cell.pivot_tolerance);
@@ -103,7 +103,7 @@ void LemkeSweep::read_idle_clocks() {
 std::optional<std::vector<LemkeSettings>> LemkeSweep::readable(std::span<const Options> cells) {
   std::vector<LemkeSettings> settings;
   for (const Options& cell : cells) settings.push_back(parse_settings<LemkeSettings>("lemke", cell));
-  if (settings.empty() || settings.front().engine != LemkeEngine::kKernel) return std::nullopt;
+  if (settings.empty() || lemke_engine_of(settings.front()) == LemkeEngine::kDense) return std::nullopt;
   if (settings.front().precision != LemkePrecision::kDouble) return std::nullopt;
   if (settings.front().test != LemkeAnswerTest::kNone) return std::nullopt;
   const Options common = others(settings.front());
@@ -157,9 +157,8 @@ std::int64_t LemkeSweep::walk(std::span<const LemkeTry> tries, std::vector<Lemke
   }
   z_.resize(n_);
   lemke::WalkRules rules;
-  rules.of_2012 = common_.rules == LemkeRules::k2012;
-  rules.resolve = common_.update == LemkeUpdate::kResolve && !rules.of_2012;
-  Collector collector{tries, z_, !rules.of_2012, leaves};
+  rules.resolve = common_.update == LemkeUpdate::kResolve;
+  Collector collector{tries, z_, common_.rules == LemkeRules::kStandard, leaves};
   rules.max_pivots = lemke_pivot_limit(common_, n_);
   rules.wall_s = wall_clock_s;
   rules.cpu_s = thread_cpu_clock_s;

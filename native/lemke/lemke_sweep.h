@@ -34,10 +34,10 @@ struct LemkeLeaf {
 /// than cells.
 class LemkeSweep {
  public:
-  /// @param cells all with engine=kernel and test=none, and alike but for the two tolerances
+  /// @param cells all with engine=kernel or rules=2012, with test=none, and alike but for the two tolerances
   LemkeSweep(std::span<const LemkeSettings> cells, IsaLevel level = isa_level());
 
-  /// Reads settings of `lemke`; nothing where they differ in more than the tolerances, the engine is not kernel, the
+  /// Reads settings of `lemke`; nothing where they differ in more than the tolerances, the engine is dense, the
   /// precision not double, or answers are tested.
   /// @throws InputError
   static std::optional<std::vector<LemkeSettings>> readable(std::span<const Options> cells);

@@ -6,13 +6,12 @@
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
-/// What both bases keep: q, the covering vector, and where each variable stands.
+/// What all bases keep: q, the covering vector, and where each variable stands.
 template <class Scalar>
 struct LoadedProblem {
   MatrixColumns<Scalar> M;
   Buffer<Scalar> q;
-  Buffer<Count> slot_of;   ///< of each of the 2 n + 1 variables; meaningful while it is basic
-  Buffer<Count> place_of;  ///< likewise in LEMKE's basis: what enters takes the place of what leaves
+  Buffer<Count> slot_of;  ///< of each of the 2 n + 1 variables; meaningful while it is basic
 
   Count n() const { return M.n(); }
   Count artificial() const { return 2 * M.n(); }
@@ -21,7 +20,6 @@ struct LoadedProblem {
     M.load(input);
     load_constants(input, q);
     slot_of.fill(2 * n() + 1, -1);
-    place_of.fill(2 * n() + 1, -1);
   }
 
   bool zero_solves(Scalar zero_tolerance) const {

@@ -113,9 +113,9 @@ Outcome follow_started_path(Basis& basis, const Rules& rules, Count leaving, dou
 template <bool kResolve, class Scalar, class Basis>
 Outcome follow_path(Basis& basis, const Rules& rules, double* z) {
   const Count row = basis.problem().most_negative_row();
-  basis.start(row, rules.of_2012);
+  basis.start(row);
   const Outcome outcome = follow_started_path<kResolve, Scalar>(basis, rules, row, z);
-  if (rules.of_2012) write_any_solution(basis, outcome.ending, z);
+  if constexpr (Basis::kRulesOf2012) write_any_solution(basis, outcome.ending, z);
   return outcome;
 }
 

@@ -10,11 +10,11 @@
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
 /// What a PathTree works in; kept between walks, so that they allocate nothing once it is large enough.
-template <class Scalar>
+template <class Basis>
 struct TreeRoom {
   Buffer<Count> cells;     ///< numbers of the cells; those whose paths are the same so far stand side by side
   Buffer<Count> decision;  ///< of each cell: the variable that leaves next, or how its path ends
-  std::unique_ptr<KernelState<Scalar>[]> states;  ///< where the present path has parted from others, outermost first
+  std::unique_ptr<typename Basis::State[]> states;  ///< where the present path has parted from others, outermost first
   Count state_count = 0;
   KernelMark mark;  ///< a basis of the present path
 
@@ -22,18 +22,25 @@ struct TreeRoom {
     cells.resize(count);
     decision.resize(count);
     if (state_count >= count) return;
-    states.reset(new KernelState<Scalar>[static_cast<std::size_t>(count)]);
+    states.reset(new typename Basis::State[static_cast<std::size_t>(count)]);
     state_count = count;
   }
+};
+
+/// A basis with the room in which a sweep's paths part.
+template <class Basis>
+struct HeldForSweeps {
+  Basis basis;
+  TreeRoom<Basis> room;
 };
 
 /// Lemke's paths for many pairs of tolerances. They enter into the test for z = 0 and into the ratio test alone, so
 /// that all pairs share one path until the ratio test tells them apart; there the basis is put by and each way is
 /// followed to its end, depth first.
-template <bool kResolve, class Scalar>
+template <bool kResolve, class Basis>
 class PathTree {
  public:
-  PathTree(KernelBasis<Scalar>& basis, TreeRoom<Scalar>& room, const Cell* cells, const WalkRules& rules, double* z)
+  PathTree(Basis& basis, TreeRoom<Basis>& room, const Cell* cells, const WalkRules& rules, double* z)
       : basis_(basis), room_(room), cells_(cells), rules_(rules), z_(z), n_(basis.problem().n()) {}
 
   /// Returns the pivots gone.
@@ -50,7 +57,7 @@ class PathTree {
     if (trivial < count) {
       start_clocks();
       const Count row = basis_.problem().most_negative_row();
-      basis_.start(row, rules_.of_2012);
+      basis_.start(row);
       Path root;
       root.wall_s = rules_.idle_wall_s;
       root.cpu_s = rules_.idle_cpu_s;
@@ -60,6 +67,8 @@ class PathTree {
   }
 
  private:
+  using Scalar = typename Basis::Scalar;
+
   /// A range of room_.cells.
   struct Range {
     Count first = 0, last = 0;
@@ -210,14 +219,14 @@ class PathTree {
   void part(Range range, Path path, Count entering) {
     stop_clocks(path);
     const Count continuing = gather(range);
-    KernelState<Scalar>& state = room_.states[static_cast<std::size_t>(depth_)];
-    if (continuing > (rules_.of_2012 ? 0 : 1)) basis_.template save<kResolve>(state);
+    typename Basis::State& state = room_.states[static_cast<std::size_t>(depth_)];
+    if (continuing > (Basis::kRulesOf2012 ? 0 : 1)) basis_.template save<kResolve>(state);
     ++depth_;
     bool as_saved = true;
     while (range.first < range.last) {
       const Range same = alike(range);
       const Count chosen = decision(same.first);
-      const bool needs_basis = chosen >= 0 || rules_.of_2012;
+      const bool needs_basis = chosen >= 0 || Basis::kRulesOf2012;
       if (needs_basis && !as_saved) basis_.template restore<kResolve>(state);
       as_saved = as_saved || needs_basis;
       if (chosen < 0) {
@@ -311,7 +320,7 @@ class PathTree {
     Leaf leaf{room_.cells.data() + range.first, range.last - range.first, path.outcome, path.wall_s, path.cpu_s};
     leaf.outcome.ending = ending;
     if (ending != Ending::kSolved) clear_solution();
-    if (rules_.of_2012) write_any_solution(basis_, ending, z_);
+    if constexpr (Basis::kRulesOf2012) write_any_solution(basis_, ending, z_);
     rules_.on_leaf(rules_.context, leaf);
   }
 
@@ -331,8 +340,8 @@ class PathTree {
     path.wall_s += wall_s > 0 ? wall_s : 0;
   }
 
-  KernelBasis<Scalar>& basis_;
-  TreeRoom<Scalar>& room_;
+  Basis& basis_;
+  TreeRoom<Basis>& room_;
   const Cell* cells_;
   const WalkRules& rules_;
   double* z_;

@@ -11,9 +11,9 @@ struct Slots {
   Count count = 0;  ///< a multiple of the pack's width
   Scalar* x = nullptr;
   Scalar* d = nullptr;
-  Scalar* ratio = nullptr;          ///< scratch
-  const Scalar* id = nullptr;       ///< variable numbers; exact in any Scalar for n < 2^22
-  const Count* place_of = nullptr;  ///< of each variable, by the rules of 2012; else nullptr
+  Scalar* ratio = nullptr;     ///< scratch
+  const Scalar* id = nullptr;  ///< variable numbers; exact in any Scalar for n < 2^22
+  bool first_largest = false;  ///< how ties are broken: the rule of 2012
 };
 
 enum class Block { kFound, kRay, kBreakdown };
@@ -35,17 +35,13 @@ struct Leaving {
   Scalar largest = 0;  ///< the largest d of the tied rows; infinity when the artificial variable leaves
 };
 
-/// By the rules of 2012: of the tied rows the one with the largest d, and of equally large ones that of the first
-/// place.
+/// By the rules of 2012: of the tied rows the one with the largest d, and of equally large ones that of the first slot.
 template <class Scalar>
 Leaving<Scalar> first_largest(const Slots<Scalar>& slots, Scalar theta) {
   Leaving<Scalar> leaving{-1, 0};
   for (Count i = 0; i < slots.count; ++i) {
     if (!(slots.ratio[i] <= theta)) continue;
-    const auto variable = static_cast<Count>(slots.id[i]);
-    const Scalar d = slots.d[i];
-    const bool earlier = d == leaving.largest && slots.place_of[variable] < slots.place_of[leaving.variable];
-    if (d > leaving.largest || earlier) leaving = {variable, d};
+    if (slots.d[i] > leaving.largest) leaving = {static_cast<Count>(slots.id[i]), slots.d[i]};
   }
   return leaving;
 }
@@ -57,7 +53,7 @@ Leaving<Scalar> leaving_of_tied(const Slots<Scalar>& slots, Scalar theta, Count 
   using P = Packed<Scalar>;
   using Pack = typename P::Pack;
   if (slots.ratio[artificial_slot] <= theta) return {artificial_id, kInfinity<Scalar>};
-  if (slots.place_of != nullptr) return first_largest(slots, theta);
+  if (slots.first_largest) return first_largest(slots, theta);
   Pack most = Pack{};
   for (Count i = 0; i < slots.count; i += P::kWidth) {
     most = P::max(P::load(slots.ratio + i) <= theta ? P::load(slots.d + i) : Pack{}, most);

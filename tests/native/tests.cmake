@@ -44,6 +44,7 @@ lcpbench_test(psor LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 target_sources(psor_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(packed_lu LINK lcpbench_native)
 target_sources(packed_lu_test PRIVATE support/allocation_counter.cpp)
+lcpbench_test(ordered_lu LINK lcpbench_native)
 
 # Once at the level in use, and once at each level; those that this processor lacks are skipped.
 lcpbench_test(lemke LINK lcpbench_native lcpbench_generators)
@@ -72,6 +73,10 @@ lcpbench_test(lemke_precision LINK lcpbench_native lcpbench_generators lcpbench_
 target_sources(lemke_precision_test PRIVATE support/allocation_counter.cpp)
 if(NOT LCPBENCH_SANITIZE)
   get_property(levels GLOBAL PROPERTY LCPBENCH_LEMKE_LEVELS)
+  add_test(NAME lemke_ordered_symbols
+           COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DLEVEL=ordered
+                   -DOBJECT=$<TARGET_OBJECTS:lcpbench_lemke_ordered_ordered>
+                   -P ${CMAKE_CURRENT_SOURCE_DIR}/native/lemke_symbols.cmake)
   foreach(level IN LISTS levels)
     add_test(NAME lemke_precision_symbols_${level}
              COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DLEVEL=${level}
