@@ -334,7 +334,8 @@ void BoundedInertia::solve(std::size_t b, BoundedVector& x) const {
   }
   factors_.bound(b, y.bound);
   for (std::size_t i = 0; i < n; ++i) {
-    const double error = (y.bound[i] + of_correction * ones[i]) * (1 + 0x1p-20) + 0x1p-104 * std::abs(y.high[i]);
+    // A Bounded may be off by twice its error; 2^-20 of it is left for the rounding of errors to come.
+    const double error = (y.bound[i] + of_correction * ones[i]) * (0.5 + 0x1p-20) + 0x1p-104 * std::abs(y.high[i]);
     x[rows[i]] = times_unit({y.high[i], y.low[i], error}, units_[rows[i]]);
   }
 }
