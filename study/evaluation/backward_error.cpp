@@ -15,21 +15,24 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Rows = std::span<const std::size_t>;
 
-// a >= b. For Bounded numbers >= 0: a falls short of b by at most kForgiven of it, so that equal numbers of which
-// only bounds are known are not told apart in vain. The result makes up for what was forgiven.
+// a >= b. For Bounded errors >= 0: a falls short of b by at most kForgiven of it, or by kForgivenError, so that equal
+// numbers of which only bounds are known are not told apart in vain. The result makes up for what was forgiven.
 constexpr double kForgiven = 0x1p-53;
+// An error without units is relative to the data, which are known to 2^-53. Of one below 2^-48 this leaves four digits.
+constexpr double kForgivenError = 0x1p-62;
+double forgiven(double b) { return std::isfinite(b) ? std::max(kForgiven * b, kForgivenError) : 0; }
 bool at_least(Quad a, Quad b) { return b <= a; }
 bool at_least(const Bounded& a, const Bounded& b) {
   const double missing = (b.high - a.high) + (b.low - a.low);
-  return missing + 4 * (a.error + b.error) < kForgiven * b.high || surely_at_most(b, a);
+  return missing + 4 * (a.error + b.error) < forgiven(b.high) || surely_at_most(b, a);
 }
 bool at_least(const Bounded& a, double b) {
   const double least = a.high + (a.low - 4 * a.error);
-  return b - least < kForgiven * b || (a.exact() && a.low == 0 && b <= a.high);
+  return b - least < forgiven(b) || (a.exact() && a.low == 0 && b <= a.high);
 }
 Quad made_up(Quad error) { return error; }
 Bounded made_up(Bounded error) {
-  if (std::isfinite(error.high)) error.error += 8 * kForgiven * error.high;
+  if (std::isfinite(error.high)) error.error += 8 * std::max(kForgiven * error.high, kForgivenError);
   return error;
 }
 
@@ -167,7 +170,7 @@ class ThinningPoint {
   // Finds the response to z_tau anew. True when it was the corrected one, which keeps the errors of what was removed.
   bool refresh_response() {
     const bool corrected = response_of_ != removed_;
-    if (corrected) own_u_ = lcp_.response(own_z_);
+    if (corrected) lcp_.respond(island_, own_z_, own_u_);
     response_of_ = removed_;
     return corrected;
   }
@@ -183,7 +186,7 @@ class ThinningPoint {
   std::span<const std::size_t> support() const { return std::span(indices_).subspan(removed_); }
 
   // eta(z_tau). Rows are measured in the order of an upper bound of their quotients until the bound settles the rest.
-  // A row's first bound is by q_i alone, unless estimates of M come first: any other costs a solve with G.
+  // A row's first bound is by least_scale(), unless estimates of M come first: any other costs a solve with G.
   // Infinity, and the row, where a row surely shows it to be larger than `best`: no such thing is sure in 113 bits.
   BackwardError<Real> eta(const Real& best) {
     const Limit<Real> enough = std::is_same_v<Real, Quad> ? kInfinity : upper_limit(best) * (1 + 0x1p-50);
@@ -194,8 +197,8 @@ class ThinningPoint {
     for (const std::size_t i : island_) {
       const Real violation_i = violation(i, (*w_)[i]);
       if (surely_equal(violation_i, 0)) continue;
-      const Bounds scale = at_once ? scale_bounds(i) : Bounds{lower_limit(abs(lcp_.q(i))), kInfinity};
-      rows_.push_back({limit_of_quotient(upper_limit(violation_i), scale.low), violation_i, i, at_once});
+      const Bounds scale = at_once ? scale_bounds(i) : Bounds{least_scale(i), kInfinity};
+      rows_.push_back({limit_of_quotient(upper_limit(violation_i), scale.low), violation_i, i, scale.high, at_once});
     }
     const auto comes_later = [](const Row& a, const Row& b) {
       return a.limit < b.limit || (a.limit == b.limit && a.index > b.index);
@@ -209,11 +212,13 @@ class ThinningPoint {
         const Bounds scale = scale_bounds(row.index);
         if (lower_limit(row.violation) > enough * scale.high) return {kInfinity, row.index};
         row.limit = limit_of_quotient(upper_limit(row.violation), scale.low);
+        row.most_scale = scale.high;
         row.bounded = true;
         std::push_heap(rows_.begin(), rows_.end(), comes_later);
         continue;
       }
-      const Real error = row_error(row.index, row.violation);
+      const std::optional<Real> small = small_error(row);
+      const Real error = small ? *small : row_error(row.index, row.violation);
       const std::size_t index = row.index;
       rows_.pop_back();
       if (std::isnan(to_double(error))) {
@@ -231,6 +236,18 @@ class ThinningPoint {
     if (std::is_same_v<Real, Bounded>) return true;
     constexpr std::ptrdiff_t kFew = 64;
     return scale_ == BackwardScale::kRowNorm ? std::ssize(support()) > kFew : impulses_ > kFew;
+  }
+
+  // A lower bound of s_i that takes no solve with G.
+  Limit<Real> least_scale(std::size_t i) {
+    const Limit<Real> q = lower_limit(abs(lcp_.q(i)));
+    if constexpr (std::is_same_v<Real, Quad>) {
+      return q;
+    } else {
+      const double moved = scale_ == BackwardScale::kComponentwise ? lcp_.plain_row_times(i, *z_)
+                                                                   : lcp_.plain_row_sum(i) * z_norm();
+      return (q + moved * (1 - 0x1p-50)) * (1 - 0x1p-50);
+    }
   }
 
   struct Bounds {
@@ -347,8 +364,19 @@ class ThinningPoint {
     Limit<Real> limit;  // of its quotient
     Real violation;
     std::size_t index;
-    bool bounded;  // limit is by scale_bounds(), and not by q_i alone
+    Limit<Real> most_scale;
+    bool bounded;  // limit is by scale_bounds(), and not by least_scale()
   };
+
+  // The row's quotient, where bounds of s_i leave no more than kForgivenError of it open.
+  static std::optional<Real> small_error(const Row& row) {
+    if constexpr (std::is_same_v<Real, Bounded>) {
+      const double least = lower_limit(row.violation) / row.most_scale;
+      const double open = row.limit - least;
+      if (open <= kForgivenError) return Bounded(least + open / 2, 0, open + 0x1p-50 * row.limit);
+    }
+    return std::nullopt;
+  }
 
   EvaluatedLcp<Real>& lcp_;
   BackwardScale scale_;

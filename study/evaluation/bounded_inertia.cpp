@@ -49,8 +49,8 @@ double largest_magnitude(std::span<const double> x) {
 struct Refinement {
   /// In memory of the caller's, which only grows.
   Refinement(std::size_t n, std::vector<double>& memory) {
-    const std::initializer_list<std::span<double>*> parts = {&b_high, &b_low, &b_error, &high,    &low,
-                                                             &sum,    &rest,  &lows,    &partial, &correction, &bound};
+    const std::initializer_list<std::span<double>*> parts = {&b_high, &b_low, &b_error,  &high,       &low,
+                                                             &sum,    &rest,  &roundings, &correction, &bound};
     if (memory.size() < parts.size() * n) memory.resize(parts.size() * n);
     std::span<double> free = memory;
     for (std::span<double>* const part : parts) {
@@ -60,10 +60,10 @@ struct Refinement {
   }
 
   std::span<double> b_high, b_low, b_error;
-  std::span<double> high, low;                 ///< y
-  std::span<double> sum, rest, lows, partial;  ///< of the residual: leading and low part, and what bounds its error
-  std::span<double> correction;                ///< at first the residual
-  std::span<double> bound;                     ///< of the residual's error
+  std::span<double> high, low;             ///< y
+  std::span<double> sum, rest, roundings;  ///< of the residual: leading and low part, and what bounds its error
+  std::span<double> correction;            ///< at first the residual
+  std::span<double> bound;                 ///< of the residual's error
 
   void find_residual(const double* A);
   bool is_zero() const;
@@ -75,7 +75,7 @@ struct Refinement {
 struct Column {
   const double* entries;
   double y_high, y_low;
-  double *sum, *rest, *lows, *partial;
+  double *sum, *rest, *roundings;
   std::size_t n;
 };
 
@@ -83,8 +83,7 @@ struct Column {
 void subtract_column(const Column& of) {
   double* __restrict const sum = of.sum;
   double* __restrict const rest = of.rest;
-  double* __restrict const lows = of.lows;
-  double* __restrict const partial = of.partial;
+  double* __restrict const roundings = of.roundings;
   const double* __restrict const entries = of.entries;
   const double y_high = of.y_high, y_low = of.y_low;
   const auto [c_high, c_low] = bounded::split(y_high);
@@ -100,11 +99,12 @@ void subtract_column(const Column& of) {
     const double part = total - before;
     const double of_sum = (before - (total - part)) + (-product - part);
     const double of_low = g * y_low;
-    const double low = rest[i] + (of_sum - (of_product + of_low));
+    const double subtracted = of_product + of_low;
+    const double added = of_sum - subtracted;
+    const double low = rest[i] + added;
     sum[i] = total;
     rest[i] = low;
-    lows[i] += std::abs(of_sum) + std::abs(of_product) + std::abs(of_low);
-    partial[i] += std::abs(low);
+    roundings[i] += (std::abs(of_low) + std::abs(subtracted)) + (std::abs(added) + std::abs(low));
   }
 }
 
@@ -113,8 +113,7 @@ void subtract_column(const Column& of) {
 __attribute__((target("avx2,fma"))) void subtract_column_fused(const Column& of) {
   double* __restrict const sum = of.sum;
   double* __restrict const rest = of.rest;
-  double* __restrict const lows = of.lows;
-  double* __restrict const partial = of.partial;
+  double* __restrict const roundings = of.roundings;
   const double* __restrict const entries = of.entries;
   const double y_high = of.y_high, y_low = of.y_low;
   for (std::size_t i = 0; i < of.n; ++i) {
@@ -126,11 +125,12 @@ __attribute__((target("avx2,fma"))) void subtract_column_fused(const Column& of)
     const double part = total - before;
     const double of_sum = (before - (total - part)) + (-product - part);
     const double of_low = g * y_low;
-    const double low = rest[i] + (of_sum - (of_product + of_low));
+    const double subtracted = of_product + of_low;
+    const double added = of_sum - subtracted;
+    const double low = rest[i] + added;
     sum[i] = total;
     rest[i] = low;
-    lows[i] += std::abs(of_sum) + std::abs(of_product) + std::abs(of_low);
-    partial[i] += std::abs(low);
+    roundings[i] += (std::abs(of_low) + std::abs(subtracted)) + (std::abs(added) + std::abs(low));
   }
 }
 #endif
@@ -144,26 +144,25 @@ SubtractColumn subtract_column_of_level() {
   return subtract_column;
 }
 
-/// The residual in double, and a bound of its error. The leading parts are added without any. The low part has lost to
-/// rounding, in units of 2^-53: its size after each addition, which `partial` sums up; one, two and three times the
-/// sizes of the numbers of which each addend is made, of_sum, of_product and of_low, which `lows` sums up; and in the
-/// end the size of the residual.
+/// The residual in double, and a bound of its error. The leading parts are added without any. Of each column four numbers
+/// are rounded, by at most 2^-53 of what they become, which `roundings` sums up: two of the low parts, their difference
+/// from that of the sum, and the sum of these. The residual itself is the last.
 void Refinement::find_residual(const double* A) {
   const std::size_t n = sum.size();
   for (std::size_t i = 0; i < n; ++i) {
     sum[i] = b_high[i];
     rest[i] = b_low[i];
-    lows[i] = partial[i] = 0;
+    roundings[i] = 0;
   }
   static const SubtractColumn subtract = subtract_column_of_level();
   for (std::size_t j = 0; j < n; ++j) {
     if (high[j] != 0) {
-      subtract({A + j * n, high[j], low[j], sum.data(), rest.data(), lows.data(), partial.data(), n});
+      subtract({A + j * n, high[j], low[j], sum.data(), rest.data(), roundings.data(), n});
     }
   }
   for (std::size_t i = 0; i < n; ++i) {
     correction[i] = sum[i] + rest[i];
-    const double rounding = kUnitRoundoff * (partial[i] + 3 * lows[i] + std::abs(correction[i]));
+    const double rounding = kUnitRoundoff * (roundings[i] + std::abs(correction[i]));
     bound[i] = 2 * b_error[i] + rounding * (1 + 0x1p-20) + bounded::kLost;
   }
 }
@@ -171,7 +170,7 @@ void Refinement::find_residual(const double* A) {
 /// Beyond doubt, if no bits were lost below the range of a double.
 bool Refinement::is_zero() const {
   for (std::size_t i = 0; i < sum.size(); ++i) {
-    if (correction[i] != 0 || lows[i] != 0 || partial[i] != 0) return false;
+    if (correction[i] != 0 || roundings[i] != 0) return false;
   }
   return true;
 }
@@ -335,7 +334,8 @@ void BoundedInertia::solve(std::size_t b, BoundedVector& x) const {
   }
   factors_.bound(b, y.bound);
   for (std::size_t i = 0; i < n; ++i) {
-    const double error = (y.bound[i] + of_correction * ones[i]) * (1 + 0x1p-20) + 0x1p-104 * std::abs(y.high[i]);
+    // A Bounded may be off by twice its error; 2^-20 of it is left for the rounding of errors to come.
+    const double error = (y.bound[i] + of_correction * ones[i]) * (0.5 + 0x1p-20) + 0x1p-104 * std::abs(y.high[i]);
     x[rows[i]] = times_unit({y.high[i], y.low[i], error}, units_[rows[i]]);
   }
 }

@@ -69,6 +69,15 @@ QuadVector BareQuadLcp::response(const QuadVector& z) {
   return w;
 }
 
+void BareQuadLcp::respond(std::span<const std::size_t> rows, const QuadVector& z, QuadVector& u) {
+  for (const std::size_t i : rows) {
+    u[i] = q_[i];
+    for (const std::size_t j : rows) {
+      if (z[j] != 0) u[i] -= M(i, j) * -z[j];
+    }
+  }
+}
+
 void BareQuadLcp::remove(std::size_t j, Quad value, QuadVector& u) {
   if (value == 0) return;
   for (std::size_t i = 0; i < size(); ++i) u[i] -= M(i, j) * value;
@@ -265,6 +274,26 @@ std::vector<Real> ContactLcp<Real>::response(const RealVector& z) {
 }
 
 template <class Real>
+void ContactLcp<Real>::respond(std::span<const std::size_t> rows, const RealVector& z, RealVector& u) {
+  scratch_.resize(v_.size(), 0);
+  std::vector<std::size_t> pattern;
+  for (const std::size_t j : rows) {
+    if (j >= impulses()) break;
+    for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) {
+      if (twin_[j] == j) pattern.push_back(rows_[e]);
+      if (!surely_equal(z[j], 0)) scratch_[rows_[e]] += values_[e] * z[j];
+    }
+  }
+  std::sort(pattern.begin(), pattern.end());
+  pattern.erase(std::unique(pattern.begin(), pattern.end()), pattern.end());
+  inertia_.solve(scratch_, pattern);
+  for (const std::size_t row : pattern) {
+    u[row] = scratch_[row] + v_[row];
+    scratch_[row] = 0;
+  }
+}
+
+template <class Real>
 void ContactLcp<Real>::remove(std::size_t j, Real value, RealVector& u) {
   if (j >= impulses() || surely_equal(value, 0)) return;
   const Response& response = response_of(j);
@@ -309,7 +338,7 @@ template <class Real>
 const typename ContactLcp<Real>::Response& ContactLcp<Real>::response_of(std::size_t column) {
   if (responses_.empty()) {
     responses_.resize(impulses());
-    scratch_.assign(v_.size(), 0);
+    scratch_.resize(v_.size(), 0);
   }
   Response& response = responses_[twin_[column]];
   if (response.known) return response;
@@ -341,6 +370,20 @@ void ContactLcp<Real>::gather(const Response& response) {
 template <class Real>
 Real ContactLcp<Real>::diagonal(std::size_t i) {
   return i < impulses() ? response_of(i).diagonal : Real{0};
+}
+
+template <class Real>
+double ContactLcp<Real>::plain_row_times(std::size_t i, const RealVector& z) const {
+  if (i < impulses()) return i < contacts_ ? 0 : to_double(z[lambda_of_[i]]);
+  const std::size_t cone = i - impulses();
+  return std::abs(to_double(mu_[cone])) * to_double(z[normal_of_cone_[cone]]);
+}
+
+template <class Real>
+double ContactLcp<Real>::plain_row_sum(std::size_t i) const {
+  if (i < impulses()) return i < contacts_ ? 0 : 1;
+  const std::size_t cone = i - impulses();
+  return std::abs(to_double(mu_[cone])) + static_cast<double>(friction_of_cone_[cone + 1] - friction_of_cone_[cone]);
 }
 
 template <class Real>

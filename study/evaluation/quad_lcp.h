@@ -52,6 +52,9 @@ class EvaluatedLcp {
   virtual std::size_t lambda_offset() const { return size(); }
 
   virtual std::vector<Real> response(const std::vector<Real>& z) = 0;
+  /// Sets what z's entries of an island determine of u to what response() makes of it.
+  /// @param rows  of the island, ascending.
+  virtual void respond(std::span<const std::size_t> rows, const std::vector<Real>& z, std::vector<Real>& u) = 0;
   /// Corrects u for z_j, whose value was `value`, becoming zero.
   virtual void remove(std::size_t j, Real value, std::vector<Real>& u) = 0;
   /// w_i = (M z + q)_i.
@@ -67,6 +70,11 @@ class EvaluatedLcp {
   virtual Real abs_row_times(std::size_t i, const std::vector<Real>& z, std::span<const std::size_t> support) = 0;
   /// ||M_i||_1.
   virtual Real abs_row_sum(std::size_t i) = 0;
+
+  /// Lower bounds of abs_row_times() and abs_row_sum(), for z >= 0, by the entries of M that are in the data; but for
+  /// few roundings to double.
+  virtual double plain_row_times(std::size_t, const std::vector<Real>&) const { return 0; }
+  virtual double plain_row_sum(std::size_t) const { return 0; }
 
   /// The column of the same magnitudes that stands for column j in the estimate; so it does for row j.
   virtual std::size_t representative(std::size_t j) const { return j; }
@@ -100,6 +108,7 @@ class BareQuadLcp final : public QuadLcp {
   explicit BareQuadLcp(const Lcp& lcp);
 
   QuadVector response(const QuadVector& z) override;
+  void respond(std::span<const std::size_t> rows, const QuadVector& z, QuadVector& u) override;
   void remove(std::size_t j, Quad value, QuadVector& u) override;
   Quad row(std::size_t i, const QuadVector& z, const QuadVector& u) const override;
   Quad diagonal(std::size_t i) override;
@@ -130,6 +139,7 @@ class ContactLcp final : public EvaluatedLcp<Real> {
 
   std::size_t lambda_offset() const override { return impulses(); }
   RealVector response(const RealVector& z) override;
+  void respond(std::span<const std::size_t> rows, const RealVector& z, RealVector& u) override;
   void remove(std::size_t j, Real value, RealVector& u) override;
   Real row(std::size_t i, const RealVector& z, const RealVector& u) const override;
   void fill_rows(std::span<const std::size_t> rows, const RealVector& z, const RealVector& u,
@@ -140,6 +150,8 @@ class ContactLcp final : public EvaluatedLcp<Real> {
   std::vector<double> estimate_w(const RealVector& z, const RealVector& u,
                                  std::span<const std::size_t> rows) const override;
 
+  double plain_row_times(std::size_t i, const RealVector& z) const override;
+  double plain_row_sum(std::size_t i) const override;
   std::size_t representative(std::size_t j) const override { return j < impulses() ? twin_[j] : j; }
   /// M_ii is at least this.
   double least_diagonal(std::size_t i);

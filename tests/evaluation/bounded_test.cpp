@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "study/evaluation/bounded_factors.h"
 #include "study/evaluation/bounded_inertia.h"
 #include "study/evaluation/quad_inertia.h"
 #include "tests/support/evaluation_cases.h"
@@ -88,6 +89,55 @@ TEST(BoundedTest, SolveWithTheInertiaWithinTheBound) {
   }
 }
 
+// A chain as a robot's inertia is one: a branch of its tree is coupled to no other. The bound is no looser than a hundred
+// roundings of 106 bits times the condition, so that the residuals of accurate answers need no 113 bits.
+TEST(BoundedTest, BoundTheErrorOfAChainTightly) {
+  Draw draw(3);
+  for (const Index n : {4, 9, 27}) {
+    Matrix L = Matrix::Identity(n, n);
+    for (Index i = 1; i < n; ++i) {
+      for (Index j = (i - 1) / 2;; j = (j - 1) / 2) {  // its ancestors
+        L(i, j) = draw.uniform() / 2;
+        if (j == 0) break;
+      }
+    }
+    const Matrix lower = L.transpose() * L;
+    const Matrix G = Matrix(lower.selfadjointView<Eigen::Lower>());
+    const BoundedInertia inertia{Inertia(DenseInertia{G})};
+    ASSERT_TRUE(inertia.well_defined()) << n;
+    const QuadInertia reference{Inertia(DenseInertia{G})};
+    const Vector b = draw.vector(n);
+    BoundedVector x(b.begin(), b.end());
+    QuadVector y(b.begin(), b.end());
+    inertia.solve(x);
+    reference.solve(y);
+    const double condition = G.norm() * G.inverse().norm();
+    double largest = 0;
+    for (const Bounded& value : x) largest = std::max(largest, std::abs(value.high));
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      expect_enclosed(x[i], y[i], abs(y[i]) * 0x1p-105);
+      EXPECT_LE(x[i].error, 100 * 0x1p-106 * condition * largest) << n << ' ' << i;
+    }
+  }
+}
+
+// The comparison matrix of the factors proves less than there is, and nothing that is not.
+TEST(BoundedTest, FactorsProveOnlyWhatIsDefinite) {
+  BoundedFactors factors;
+  const std::vector<double> indefinite{1, 1 + 0x1p-52, 1 + 0x1p-52, 1}, singular{1, 1, 1, 1};
+  const std::vector<double> near{1, 1 - 0x1p-30, 1 - 0x1p-30, 1};
+  EXPECT_FALSE(factors.add(indefinite, 2, 0x1p-60));
+  EXPECT_FALSE(factors.add(singular, 2, 0x1p-60));
+  EXPECT_FALSE(factors.add(near, 2, 0x1p-29));  // its least eigenvalue is 2^-30
+  EXPECT_EQ(factors.count(), 0U);
+  ASSERT_TRUE(factors.add(near, 2, 0x1p-32));
+  EXPECT_GE(factors.bound_of_ones(0)[0], 0x1p30);  // of each row: (1 + g) / (1 - g^2) for the coupling g
+  EXPECT_LE(factors.bound_of_ones(0)[0], 0x1.01p30);
+  std::vector<double> b{1, 0};
+  factors.bound(0, b);
+  EXPECT_GE(b[0], 0x1p29);
+}
+
 // A body turned by a rounding: its products of inertia are 2^-53 of its moments.
 TEST(BoundedTest, SmallCoordinatesBesideLargeOnesAreAsAccurate) {
   Matrix G = Matrix::Identity(3, 3) * 1.1;
@@ -132,6 +182,24 @@ TEST(BoundedTest, MeasuresBeyondTheRangeOfADoubleAreThoseOf113Bits) {
       EXPECT_TRUE(a == b || (std::isnan(a) && std::isnan(b)) || std::abs(a - b) <= 1e-15 * std::abs(b))
           << metric.name << ' ' << factor << ": " << a << ", " << b;
     }
+  }
+}
+
+// With fused multiply-adds and without the same bits.
+TEST(BoundedTest, EveryLevelOfTheProcessorGivesTheSameSums) {
+  Draw draw(4);
+  const BoundedDot dot = bounded_dot_of_level();
+  std::vector<double> a;
+  std::vector<std::size_t> rows;
+  BoundedVector x;
+  for (std::size_t k = 0; k < 30; ++k) {
+    a.push_back(draw.uniform() * std::exp2(20 * draw.uniform()));
+    rows.push_back(k);
+    x.push_back(Bounded(draw.uniform()) / 3.0);
+    BoundedSum sum;
+    for (std::size_t e = 0; e < a.size(); ++e) sum.add(a[e], x[e]);
+    const Bounded found = dot(a.data(), rows.data(), a.size(), x.data());
+    EXPECT_TRUE(found.high == sum.value().high && found.low == sum.value().low && found.error == sum.value().error);
   }
 }
 
