@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "study/replay/replay_page.h"
 #include "study/report/decision.h"
 #include "study/report/figures.h"
 #include "study/report/model_error.h"
@@ -33,6 +34,7 @@ struct Report {
   SpeedErrorStudy speed_error;
   std::vector<VelocitySpread> velocity_spreads;
   ModelErrors model_errors;
+  std::vector<ReplayPictures> replays;
   Figures figures;
   PaperStudy paper;
 };
