@@ -31,8 +31,10 @@ std::string Track::add(long step, const Snapshot& snapshot, const Eigen::VectorX
   if (start_.empty()) start_ = snapshot.poses;
   double deepest = 0;
   for (const ContactState& contact : snapshot.contacts) deepest = std::max(deepest, -contact.gap);
-  std::fprintf(file_.get(), "%ld,%.9g,%zu,%s,%.9g,%.6g,", step, h_ * static_cast<double>(step),
-               snapshot.contacts.size(), claim.c_str(), energy(snapshot, velocity), deepest);
+  std::fprintf(file_.get(), "%ld,%.9g,%zu,%s,", step, h_ * static_cast<double>(step), snapshot.contacts.size(),
+               claim.c_str());
+  if (snapshot.blocks.empty()) std::fprintf(file_.get(), "%.9g", energy(snapshot, velocity));
+  std::fprintf(file_.get(), ",%.6g,", deepest);
   if (!scene_.stands.empty()) std::fprintf(file_.get(), "%.6g", drift(snapshot));
   std::fprintf(file_.get(), ",");
   if (!scene_.grips.empty()) std::fprintf(file_.get(), "%.6g", slip(snapshot));

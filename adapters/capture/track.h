@@ -13,7 +13,7 @@ namespace lcpbench::capture {
 /// it came to its last step. A file without that line is not complete.
 ///
 /// energy_j: of all free bodies, kinetic with the velocity after the step's contacts and potential in the middle of the
-/// step, which free fall does not change. deepest_m: the largest penetration that the step found. drift_m: the largest
+/// step, which free fall does not change; empty for a scene with joints, whose motors do work. deepest_m: the largest penetration that the step found. drift_m: the largest
 /// way of a body that stands from its first place. slip_m: the largest way of a held body from where it was in the
 /// grip, at right angles to the grip's first direction. contacts, and the solver's claim.
 class Track {

@@ -25,7 +25,7 @@
 #include "study/output/json_output.h"
 #include "study/output/terminal.h"
 #include "study/output/text_table.h"
-#include "study/replay/replay_page.h"
+#include "study/replay/replay_folder.h"
 #include "study/report/text.h"
 #include "study/run/interrupt.h"
 #include "study/run/open_solver.h"
@@ -43,7 +43,7 @@ struct ReplayArguments {
   std::vector<std::string> scenes;
   std::vector<std::string> solvers;
   bool engine_solver = false;
-  std::string engine = "ode";
+  std::string engine;  ///< "": that of the scene
   std::int64_t steps = 0;
   std::string out;
   bool fresh = false;
@@ -54,17 +54,17 @@ struct ReplayArguments {
 const capture::Scene& find_scene(const std::string& name) {
   std::vector<std::string> names;
   for (const capture::Scene& scene : capture::scenes()) {
-    if (scene.articulated()) continue;
     names.push_back(scene.name);
     if (scene.name == name) return scene;
   }
-  for (const capture::Scene& scene : capture::scenes()) {
-    if (scene.name == name) {
-      throw InputError(fmt::format("scene '{}' has joints; scenes of free bodies are replayed", name));
-    }
-  }
   throw InputError(
       fmt::format("unknown scene '{}'{}; `lcpbench replay --help` lists them", name, did_you_mean(name, names)));
+}
+
+/// The one that was asked for, or the first that has what the scene needs.
+std::string engine_for(const ReplayArguments& arguments, const capture::Scene& scene) {
+  if (!arguments.engine.empty()) return arguments.engine;
+  return scene.articulated() ? "mujoco" : "ode";
 }
 
 /// In canonical form, each once; the engine's own solver last. @throws InputError for those that cannot run
@@ -95,30 +95,29 @@ struct ReplayFiles {
 
 /// A name for each scene, engine, number of steps and solver: the number tells solvers apart whose names are alike as
 /// file names.
-ReplayFiles files_of(const ReplayArguments& arguments, const std::string& scene, std::int64_t steps,
-                     const std::string& solver) {
+ReplayFiles files_of(const ReplayArguments& arguments, const std::string& engine, const std::string& scene,
+                     std::int64_t steps, const std::string& solver) {
   std::uint32_t number = 2166136261;  // FNV-1a
   for (const char c : solver) number = (number ^ static_cast<unsigned char>(c)) * 16777619;
-  const std::string name = fmt::format("{}-{}-{}-{}-{:08x}.scenes", scene, arguments.engine, steps,
-                                       report::file_stem(solver).substr(0, 60), number);
+  const std::string name =
+      fmt::format("{}-{}-{}-{}-{:08x}.scenes", scene, engine, steps, report::file_stem(solver).substr(0, 60), number);
   return {(fs::path(arguments.out) / "steps" / name).string()};
 }
 
 /// Steps the scene on with the solver, unless an earlier run did. @returns whether it came to its end
-bool step_on(const ReplayArguments& arguments, const std::string& scene, std::int64_t steps, const std::string& solver,
-             const ReplayFiles& files, const volatile std::sig_atomic_t* stop) {
+bool step_on(const ReplayArguments& arguments, const std::string& engine, const std::string& scene, std::int64_t steps,
+             const std::string& solver, const ReplayFiles& files, const volatile std::sig_atomic_t* stop) {
   std::error_code ignored;
   if (!arguments.fresh && is_complete_track(files.track) && fs::exists(files.frames, ignored)) return true;
   fs::remove(files.track, ignored);
   const std::int64_t every = std::max<std::int64_t>(1, steps / (kFrames - 1));
   const capture::EngineRun run = capture::run_engine(
-      arguments.engine, {scene, "", std::to_string(every), std::to_string(steps), files.frames, solver, files.track},
-      stop);
+      engine, {scene, "", std::to_string(every), std::to_string(steps), files.frames, solver, files.track}, stop);
   fs::remove(files.frames + ".hashes", ignored);
   if (*stop != 0) return false;
   if (run.ending == "exited with code 2") throw InputError(run.message);
   if (run.ending == "exited with code 0") return true;
-  say(stderr, "lcpbench: {} with {}: {} {}{}\n", scene, solver, arguments.engine, run.ending,
+  say(stderr, "lcpbench: {} with {}: {} {}{}\n", scene, solver, engine, run.ending,
       run.message.empty() ? "" : ": " + run.message);
   return false;
 }
@@ -136,72 +135,45 @@ void make_folder(const ReplayArguments& arguments) {
   if (error) throw InputError(fmt::format("--out '{}': {}", arguments.out, error.message()));
 }
 
-/// Everything of one scene.
-struct Replayed {
-  ReplayedScene scene;
-  std::vector<std::unique_ptr<ScenesFile>> frames;
-};
-
-void write_results(const ReplayArguments& arguments, const std::vector<Replayed>& all) {
+void write_results(const ReplayArguments& arguments, const std::vector<ReplayedFiles>& all) {
   const fs::path folder = arguments.out;
   std::vector<ReplayedScene> scenes;
-  std::vector<ReplayPictures> pictures;
   std::string conclusions;
-  for (const Replayed& each : all) {
+  for (const ReplayedFiles& each : all) {
     scenes.push_back(each.scene);
-    ReplayPictures& last = pictures.emplace_back(ReplayPictures{each.scene, {}});
-    for (const std::unique_ptr<ScenesFile>& file : each.frames) last.frames.push_back(file.get());
     conclusions += "- " + conclusion(each.scene) + "\n";
     write_file(folder / (each.scene.scene + ".csv"), replay_steps_csv(each.scene));
   }
   write_file(folder / "summary.csv", replay_summary_csv(scenes));
   write_file(folder / "conclusions.md", conclusions);
-  write_file(folder / "index.html", replay_page(pictures, arguments.command_line));
-}
-
-Json scene_json(const ReplayedScene& scene) {
-  Json rows = Json::array();
-  for (const Replay& replay : scene.replays) {
-    rows.push_back({{"solver", replay.solver},
-                    {"survived", replay.survived()},
-                    {"end", replay.end},
-                    {"steps_with_contacts", replay.with_contacts()},
-                    {"claimed_solved", replay.solver == kEngine ? Json() : Json(replay.claimed())},
-                    {"drift_m", json_number(replay.largest(&ReplayStep::drift_m))},
-                    {"slip_m", json_number(replay.largest(&ReplayStep::slip_m))},
-                    {"deepest_m", json_number(replay.largest(&ReplayStep::deepest_m))},
-                    {"energy_rise_j", scene.pushed ? Json() : json_number(replay.energy_rise())}});
-  }
-  return {{"scene", scene.scene},
-          {"engine", scene.engine},
-          {"steps", scene.steps},
-          {"step_length_s", scene.step_length_s},
-          {"conclusion", conclusion(scene)},
-          {"replays", rows}};
+  write_file(folder / "replays.json", replay_list(all));
+  write_file(folder / "index.html", replay_page(pictures_of(all), arguments.command_line));
 }
 
 /// Replays a scene with every solver. @returns whether all came to their end
 bool replay_scene(const ReplayArguments& arguments, const capture::Scene& scene,
                   const std::vector<std::string>& solvers, const volatile std::sig_atomic_t* stop,
-                  ProgressLine& progress, std::vector<Replayed>& all) {
-  Replayed result;
+                  ProgressLine& progress, std::vector<ReplayedFiles>& all) {
+  ReplayedFiles result;
   result.scene.scene = scene.name;
   result.scene.steps = arguments.steps > 0 ? arguments.steps : scene.steps;
-  result.scene.step_length_s = scene.step;
   result.scene.pushed = std::any_of(scene.bodies.begin(), scene.bodies.end(),
                                     [](const capture::Body& body) { return !body.push.force.isZero(0); });
+  const std::string engine = engine_for(arguments, scene);
   bool complete = true;
   for (const std::string& solver : solvers) {
     if (*stop != 0) return false;
     progress.show(fmt::format("{} with {}", scene.name, solver));
-    const ReplayFiles files = files_of(arguments, scene.name, result.scene.steps, solver);
-    if (!step_on(arguments, scene.name, result.scene.steps, solver, files, stop)) {
+    const ReplayFiles files = files_of(arguments, engine, scene.name, result.scene.steps, solver);
+    if (!step_on(arguments, engine, scene.name, result.scene.steps, solver, files, stop)) {
       complete = false;
       continue;
     }
     result.scene.replays.push_back(read_track(files.track, solver));
     result.frames.push_back(std::make_unique<ScenesFile>(files.frames));
+    result.names.push_back(fs::path(files.frames).filename().string());
     result.scene.engine = result.frames.back()->header().engine;
+    result.scene.step_length_s = result.frames.back()->header().step_length.value_or(scene.step);
   }
   if (!result.frames.empty() && *stop == 0) all.push_back(std::move(result));
   return complete;
@@ -217,7 +189,7 @@ int run_replay(const ReplayArguments& arguments) {
   make_folder(arguments);
   const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
   ProgressLine progress;
-  std::vector<Replayed> all;
+  std::vector<ReplayedFiles> all;
   bool complete = true;
   for (const capture::Scene* scene : scenes) {
     complete = replay_scene(arguments, *scene, solvers, stop, progress, all) && complete;
@@ -231,10 +203,10 @@ int run_replay(const ReplayArguments& arguments) {
   write_results(arguments, all);
   if (arguments.format == "json") {
     Json rows = Json::array();
-    for (const Replayed& each : all) rows.push_back(scene_json(each.scene));
+    for (const ReplayedFiles& each : all) rows.push_back(replay_json(each.scene));
     print_json(rows);
   } else {
-    for (const Replayed& each : all) say(stdout, "{}", folded(conclusion(each.scene) + "\n", terminal_width()));
+    for (const ReplayedFiles& each : all) say(stdout, "{}", folded(conclusion(each.scene) + "\n", terminal_width()));
     say(stdout, "curves and filmstrips: {}\n", (fs::path(arguments.out) / "index.html").string());
   }
   return complete ? kExitDone : kExitCheckFailed;
@@ -246,7 +218,7 @@ std::string list_of_scenes() {
       "collision detection. Ctrl-C ends with exit code 3; the same command goes on. Exit code 1: an engine crashed. "
       "See docs/howto/replay-a-scene.md.\n\nScenes:";
   for (const capture::Scene& scene : capture::scenes()) {
-    if (!scene.articulated()) text += fmt::format("\n  {:<20} {}", scene.name, scene.summary);
+    text += fmt::format("\n  {:<20} {}", scene.name, scene.summary);
   }
   return text;
 }
@@ -256,14 +228,14 @@ std::string list_of_scenes() {
 Action add_replay_command(CLI::App& command, const std::string& command_line) {
   const auto arguments = std::make_shared<ReplayArguments>();
   arguments->command_line = command_line;
-  command.add_option("SCENE", arguments->scenes, "scenes of free bodies")->required();
+  command.add_option("SCENE", arguments->scenes, "scenes, as `lcpbench capture --help` lists them")->required();
   command.add_option("--solver", arguments->solvers, "name{key=value,...}; may be repeated")->allow_extra_args(false);
   command.add_flag("--engine-solver", arguments->engine_solver, "also step on as the engine does by itself");
   command
       .add_option("--engine", arguments->engine,
-                  "whose collision detection and integrator: ode, bullet, mujoco or dart")
-      ->check(CLI::IsMember({"ode", "bullet", "mujoco", "dart"}))
-      ->capture_default_str();
+                  "whose collision detection and integrator: ode, bullet, mujoco or dart (default: ode; mujoco for "
+                  "scenes with joints, which mujoco and dart step)")
+      ->check(CLI::IsMember({"ode", "bullet", "mujoco", "dart"}));
   command.add_option("--steps", arguments->steps, "steps of each replay (default: the scene's own)")
       ->check(CLI::Range(INT64_C(1), INT64_C(1'000'000)));
   command.add_option("--out", arguments->out, "folder of the page, the tables and the steps")->required();

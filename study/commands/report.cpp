@@ -7,8 +7,8 @@
 #include "core/error.h"
 #include "study/commands/commands.h"
 #include "study/commands/stores.h"
-#include "study/report/coverage.h"
 #include "study/output/terminal.h"
+#include "study/report/coverage.h"
 
 namespace lcpbench {
 namespace {
@@ -16,12 +16,15 @@ namespace {
 struct ReportArguments {
   std::filesystem::path store;
   std::filesystem::path out = "lcpbench-report";
+  std::filesystem::path replay;
 };
 
 int run_report(const ReportArguments& arguments) {
   if (arguments.out.empty()) throw InputError("--out '': names no folder");
+  std::vector<ReplayedFiles> replays;
+  if (!arguments.replay.empty()) replays = read_replays(arguments.replay);
   Store store = open_checked(arguments.store);
-  write_report(store, arguments.out);
+  write_report(store, arguments.out, replays);
   say(stdout, "{}\n", (arguments.out / "report.html").string());
   std::fflush(stdout);
   say(stderr, "{}", report::coverage_text(coverage_of(store.database())));
@@ -35,6 +38,8 @@ Action add_report_command(CLI::App& command) {
   command.add_option("STORE", arguments->store, "store that `lcpbench run` wrote")->required();
   command.add_option("--out", arguments->out, "folder for report.html, summary.json, tables and figures")
       ->capture_default_str();
+  command.add_option("--replay", arguments->replay,
+                     "folder that `lcpbench replay` wrote: its curves and filmstrips become a section of the report");
   command.footer("Solves nothing again. The study may still be running.");
   return [arguments] { return run_report(*arguments); };
 }

@@ -129,11 +129,12 @@ double Replay::largest(double ReplayStep::*measure) const {
 }
 
 double Replay::energy_rise() const {
-  double rise = 0;
+  double rise = kNone;
   double lowest = std::numeric_limits<double>::infinity();
   for (const ReplayStep& step : steps) {
+    if (std::isnan(step.energy_j)) continue;
     lowest = std::min(lowest, step.energy_j);
-    rise = std::max(rise, step.energy_j - lowest);
+    rise = std::isnan(rise) ? 0 : std::max(rise, step.energy_j - lowest);
   }
   return rise;
 }
@@ -257,9 +258,10 @@ std::string replay_steps_csv(const ReplayedScene& scene) {
   for (const Replay& replay : scene.replays) {
     for (const ReplayStep& step : replay.steps) {
       if (step.step % kEvery != 0 && &step != &replay.steps.back()) continue;
-      text += fmt::format("{},{},{:.4g},{},{},{:.6g},{},{},{}\n", csv_text(replay.solver), step.step, step.time_s,
-                          step.contacts, step.claim, step.energy_j, cell(step.deepest_m), cell(step.drift_m),
-                          cell(step.slip_m));
+      const std::string energy = std::isnan(step.energy_j) ? "" : fmt::format("{:.6g}", step.energy_j);
+      text +=
+          fmt::format("{},{},{:.4g},{},{},{},{},{},{}\n", csv_text(replay.solver), step.step, step.time_s,
+                      step.contacts, step.claim, energy, cell(step.deepest_m), cell(step.drift_m), cell(step.slip_m));
     }
   }
   return text;

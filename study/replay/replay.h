@@ -6,7 +6,7 @@
 
 namespace lcpbench {
 
-/// What one step of a replay measured: see adapters/capture/track.h. NaN: the scene has nothing that stands, or slips.
+/// What one step of a replay measured: see adapters/capture/track.h. NaN: the scene has nothing that stands, or slips; the energy: it has joints.
 struct ReplayStep {
   std::int64_t step = 0;
   double time_s = 0;
@@ -25,7 +25,7 @@ struct Replay {
   std::string end;  ///< why it did not come to the last step; "" when it did
 
   double largest(double ReplayStep::*measure) const;
-  /// The largest rise of the energy above an earlier step.
+  /// The largest rise of the energy above an earlier step; NaN where none is known.
   double energy_rise() const;
   /// Steps until something drifted, slipped or sank by more than kLost, or the replay ended.
   std::int64_t survived() const;

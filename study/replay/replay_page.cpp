@@ -109,7 +109,9 @@ std::string curves(const ReplayedScene& scene) {
     panels.push_back({"Slip of what is gripped (all below 1 µm at the bottom)", &ReplayStep::slip_m});
   }
   panels.push_back({"Deepest penetration (all below 1 µm at the bottom)", &ReplayStep::deepest_m});
-  panels.push_back({"Energy, less that of the first step", &ReplayStep::energy_j, false});
+  const bool energies = std::any_of(scene.replays.begin(), scene.replays.end(),
+                                    [](const Replay& replay) { return !std::isnan(replay.energy_rise()); });
+  if (energies) panels.push_back({"Energy, less that of the first step", &ReplayStep::energy_j, false});
   Canvas canvas(report::kWidth);
   double y = kLegendHeight;
   double x = report::kMargin;
@@ -175,7 +177,40 @@ std::string film(const ReplayPictures& pictures) {
   return html;
 }
 
+std::string what_replays_are() {
+  return fmt::format(
+      "<p>Each scene is stepped on with the answers of each solver: the same integrator, the same collision detection, "
+      "and positions that are projected out of penetration with the same solver. A scene counts as lost when a body "
+      "that should stand or be held moved, or a contact sank, by more than {}.</p>\n",
+      length_text(kLost));
+}
+
+std::string conclusions_list(const std::vector<ReplayPictures>& scenes) {
+  std::string items;
+  for (const ReplayPictures& pictures : scenes) {
+    items += "<li>" + report::escape(conclusion(pictures.scene)) + "</li>\n";
+  }
+  return "<ul>\n" + items + "</ul>\n";
+}
+
+std::string measures_and_pictures(const ReplayPictures& pictures) {
+  return measures_table(pictures.scene) + film(pictures) + "<figure><div class=\"scroll\" tabindex=\"0\">" +
+         curves(pictures.scene) + "</div></figure>\n";
+}
+
 }  // namespace
+
+std::string replay_section(const std::vector<ReplayPictures>& scenes) {
+  if (scenes.empty()) return "";
+  std::string parts;
+  for (const ReplayPictures& pictures : scenes) {
+    parts += fmt::format("<details><summary><span id=\"replay-{0}\">{1}</span></summary>\n",
+                         report::file_stem(pictures.scene.scene), report::code(pictures.scene.scene)) +
+             measures_and_pictures(pictures) + "</details>\n";
+  }
+  return "<section id=\"replay\"><h2>Replays: what an error in the contacts does to a scene</h2>\n" +
+         what_replays_are() + conclusions_list(scenes) + parts + "</section>\n";
+}
 
 std::string replay_page(const std::vector<ReplayPictures>& scenes, const std::string& command_line) {
   std::string page =
@@ -184,24 +219,14 @@ std::string replay_page(const std::vector<ReplayPictures>& scenes, const std::st
       "<title>lcpbench replay</title>\n<style>";
   page += report::kStyle;
   page += report::kFigureStyle;
-  page +=
-      ".film { display: grid; grid-template-columns: repeat(6, minmax(0, 1fr)); gap: .3rem; max-width: 1100px; }\n"
-      ".film figure { margin: 0; } .film figure svg { min-width: 0; width: 100%; overflow: hidden; }\n";
   page += "</style></head>\n<body>\n<h1>What an error in the contacts does to a scene</h1>\n";
-  page += fmt::format(
-      "<p>Each scene is stepped on with the answers of each solver: the same integrator, the same collision detection, "
-      "and positions that are projected out of penetration with the same solver. A scene counts as lost when a body "
-      "that should stand or be held moved, or a contact sank, by more than {}.</p>\n<p "
-      "class=\"note\"><code>{}</code></p>\n<ul>\n",
-      length_text(kLost), report::escape(command_line));
-  for (const ReplayPictures& pictures : scenes) page += "<li>" + report::escape(conclusion(pictures.scene)) + "</li>\n";
-  page += "</ul>\n";
+  page += what_replays_are() + "<p class=\"note\"><code>" + report::escape(command_line) + "</code></p>\n" +
+          conclusions_list(scenes);
   for (const ReplayPictures& pictures : scenes) {
     const ReplayedScene& scene = pictures.scene;
     page += fmt::format("<h2 id=\"{0}\">{0}</h2>\n<p class=\"answer\">{1}</p>\n", report::escape(scene.scene),
                         report::escape(conclusion(scene)));
-    page += measures_table(scene) + film(pictures) + "<figure><div class=\"scroll\" tabindex=\"0\">" + curves(scene) +
-            "</div></figure>\n";
+    page += measures_and_pictures(pictures);
   }
   return page + "</body></html>\n";
 }

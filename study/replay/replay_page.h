@@ -14,6 +14,9 @@ struct ReplayPictures {
   std::vector<const ScenesFile*> frames;  ///< one for each replay
 };
 
+/// The section of the report: the sentences, and for each scene, folded, what the page has. "" without scenes.
+std::string replay_section(const std::vector<ReplayPictures>& scenes);
+
 /// A page of HTML that needs nothing else: for each scene the conclusion, the measures, a filmstrip and the curves.
 std::string replay_page(const std::vector<ReplayPictures>& scenes, const std::string& command_line);
 

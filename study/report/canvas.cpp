@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -269,18 +270,35 @@ void Canvas::line(double x0, double y0, double x1, double y1, const char* color,
 
 void Canvas::steps(const std::vector<std::pair<double, double>>& points, const Stroke& stroke) {
   std::string path;
+  std::string drawn_x;  // as far as the path goes
   std::string x;
   std::string y;
   for (const auto& [at_x, at_y] : points) {
     const std::string next_x = fmt::format("{:.1f}", at_x);
     const std::string next_y = fmt::format("{:.1f}", at_y);
-    if (path.empty()) path = "M" + next_x + " " + next_y;
-    if (!x.empty() && next_x != x) path += "H" + next_x;
-    if (!y.empty() && next_y != y) path += "V" + next_y;
+    if (path.empty()) {
+      path = "M" + next_x + " " + next_y;
+      drawn_x = next_x;
+    } else if (next_y != y) {
+      if (next_x != drawn_x) path += "H" + next_x;
+      path += "V" + next_y;
+      drawn_x = next_x;
+    }
     x = next_x;
     y = next_y;
   }
+  if (x != drawn_x) path += "H" + x;
   front_ += "<path " + stroke_attributes(stroke) + " d=\"" + path + "\"/>\n";
+}
+
+void Canvas::dots(const std::vector<std::pair<double, double>>& points, double radius, const char* color) {
+  std::set<std::string> places;
+  for (const auto& [x, y] : points) places.insert(fmt::format("M{:.1f} {:.1f}h0", x, y));
+  if (places.empty()) return;
+  std::string path;
+  for (const std::string& place : places) path += place;
+  front_ += fmt::format("<path class=\"l {}\" stroke-width=\"{}\" stroke-linecap=\"round\" d=\"{}\"/>\n", color,
+                        px(2 * radius), path);
 }
 
 void Canvas::marker(double x, double y, double radius, Shape shape, const char* color, bool hollow) {

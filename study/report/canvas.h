@@ -136,6 +136,9 @@ class Canvas {
   /// A point of about 2 x `radius` pixels; a hollow one shows the ground.
   void marker(double x, double y, double radius, Shape shape, const char* color, bool hollow = false);
 
+  /// Discs as one path; what is drawn twice at a place is drawn once.
+  void dots(const std::vector<std::pair<double, double>>& points, double radius, const char* color);
+
   /// Translucent bodies with their outlines. @param paths  SVG path data, one for each body
   void bodies(const std::vector<std::string>& paths, const char* color);
 

@@ -300,6 +300,8 @@ struct Section {
 };
 
 const std::vector<Section> kSections{{{{"scenes", "Scenes"}}, scenes_section},
+                                     {{{"replay", "Replays"}},
+                                      [](const Report& report) { return replay_section(report.replays); }},
                                      {{{"speed-error", "Every set"}}, speed_error_section},
                                      {{{"comparison", "Comparing solvers"}}, comparison_section},
                                      {{{"regret", "Regret of auto"}}, regret_section},

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "study/replay/replay_page.h"
 #include "study/report/decision.h"
 #include "study/report/figures.h"
 #include "study/report/model_error.h"
@@ -35,6 +36,7 @@ struct Report {
   std::vector<VelocitySpread> velocity_spreads;
   ModelErrors model_errors;
   RegretStudy regret;
+  std::vector<ReplayPictures> replays;
   Figures figures;
   PaperStudy paper;
 };

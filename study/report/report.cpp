@@ -201,6 +201,7 @@ Json report_json(const Report& report) {
       {"cheapest", report::cheapest_json(report.summary, report.speed_error.sets)},
       {"conditioning", report::conditioning_json(report.summary, report.speed_error.families)}};
   json["regret"] = report::regret_summary_json(report.regret);
+  for (const ReplayPictures& replay : report.replays) json["replay"].push_back(replay_json(replay.scene));
   return json;
 }
 
@@ -237,10 +238,15 @@ void write_tables(const Report& report, const Json& json, const std::filesystem:
     const Json& columns = examples[name].empty() ? records : examples[name];
     if (!columns.empty()) write_file(folder / (name + ".csv"), report::csv_table(columns.at(0), records));
   }
+  if (report.replays.empty()) return;
+  std::vector<ReplayedScene> replayed;
+  for (const ReplayPictures& replay : report.replays) replayed.push_back(replay.scene);
+  write_file(folder / "replay.csv", replay_summary_csv(replayed));
 }
 
-Report make_report(Store& store) {
+Report make_report(Store& store, const std::vector<ReplayedFiles>& replays) {
   Report report;
+  report.replays = pictures_of(replays);
   report.summary = summarize(store);
   const Summary& summary = report.summary;
   report.situations = report::decide(summary);
@@ -260,8 +266,8 @@ Report make_report(Store& store) {
 
 }  // namespace
 
-void write_report(Store& store, const std::filesystem::path& folder) {
-  Report report = make_report(store);
+void write_report(Store& store, const std::filesystem::path& folder, const std::vector<ReplayedFiles>& replays) {
+  Report report = make_report(store, replays);
   const Json json = report_json(report);
   make_folder(folder);
   write_tables(report, json, folder / "tables");

@@ -3,7 +3,9 @@
 #include <cstddef>
 #include <filesystem>
 #include <string>
+#include <vector>
 
+#include "study/replay/replay_folder.h"
 #include "study/report/summary.h"
 #include "study/store/store.h"
 
@@ -11,9 +13,9 @@ namespace lcpbench {
 
 /// Writes `report.html` (one file; links lead to the others), `summary.json`, `tables/*.csv` and `figures/*.svg` into a
 /// folder, which is made where it is missing; files of the same names are replaced, others are left alone. Nothing is
-/// solved again.
+/// solved again. Replays have a section, the table `replay.csv`, and `replay` in the summary.
 /// @throws InputError when the store cannot be read or a file cannot be written.
-void write_report(Store& store, const std::filesystem::path& folder);
+void write_report(Store& store, const std::filesystem::path& folder, const std::vector<ReplayedFiles>& replays = {});
 
 // What a store says, in text for the terminal.
 

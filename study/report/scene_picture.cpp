@@ -1,5 +1,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -217,10 +218,20 @@ class SideView {
     return closed(convex_hull(std::move(pixels)));
   }
 
+  /// In tenths of a pixel, each point relative to the one before: films have thousands of bodies.
   static std::string closed(const std::vector<Vector2d>& points) {
     std::string path;
-    for (const Vector2d& point : points)
-      path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", point.x(), point.y());
+    std::array<long, 2> before{};
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (i < 2) path += i == 0 ? "M" : "l";
+      for (std::size_t k = 0; k < 2; ++k) {
+        const long tenths = std::lround(10 * points[i](static_cast<Eigen::Index>(k)));
+        const std::string number = fmt::format("{:g}", static_cast<double>(tenths - before[k]) / 10);
+        const bool apart = number.front() == '-' || path.back() == 'M' || path.back() == 'l';
+        path += (apart ? "" : " ") + number;
+        before[k] = tenths;
+      }
+    }
     return path + "z";
   }
 
@@ -307,10 +318,12 @@ Figure draw_step(const ScenesHeader& header, const SceneStep& step, const std::v
     canvas.bodies(paths, moves ? kPlain : kGrey);
   }
   if (const RigidScene* scene = step.problem.scene()) {
+    std::vector<std::pair<double, double>> places;
     for (const RigidContact& contact : scene->contacts) {
       const Vector2d at = view.pixel(contact.point);
-      canvas.marker(at.x(), at.y(), 2, Shape::kDisc, kInk);
+      places.emplace_back(at.x(), at.y());
     }
+    canvas.dots(places, 2, kInk);
   }
   draw_scale(view, canvas);
   const std::string words =

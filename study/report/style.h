@@ -68,6 +68,8 @@ figure svg { display: block; width: 100%; min-width: 640px; max-width: 900px; he
 .gallery { display: grid; grid-template-columns: repeat(auto-fill, minmax(14rem, 1fr)); gap: .4rem .8rem; align-items: end; }
 .gallery figure { margin: 0; } .gallery figure svg { min-width: 0; max-width: 300px; margin: 0; overflow: hidden; }
 .gallery small { display: block; }
+.film { display: grid; grid-template-columns: repeat(6, minmax(0, 1fr)); gap: .3rem; max-width: 1100px; }
+.film figure { margin: 0; } .film figure svg { min-width: 0; width: 100%; overflow: hidden; }
 .matrices { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 36rem), 1fr)); gap: .6rem 1.2rem; }
 .matrices > * { min-width: 0; }
 .matrices table { font-size: .84rem; }

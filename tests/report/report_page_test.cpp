@@ -254,6 +254,19 @@ TEST(CrowdedLabelTest, OverlapsAndCrossingsAreFound) {
   EXPECT_TRUE(report::crowded_labels(points, placed).empty());
 }
 
+/// A film has thousands of bodies and dots: where nothing changes, nothing is written.
+TEST(CurveTest, FlatStretchesAndDotsAtOnePlaceAreWrittenOnce) {
+  report::Canvas canvas(10, 10);
+  canvas.steps({{0, 1}, {1, 1}, {2, 1}, {3, 5}, {4, 5}}, {});
+  canvas.steps({{0, 1}, {1, 1}}, {});
+  canvas.dots({{1, 2}, {3, 4}, {1, 2.04}}, 2, report::kInk);
+  const std::string svg = canvas.draw("a", "b");
+  EXPECT_NE(svg.find("d=\"M0.0 1.0H3.0V5.0H4.0\""), std::string::npos) << svg;
+  EXPECT_NE(svg.find("d=\"M0.0 1.0H1.0\""), std::string::npos) << svg;
+  EXPECT_NE(svg.find("stroke-width=\"4\" stroke-linecap=\"round\" d=\"M1.0 2.0h0M3.0 4.0h0\""), std::string::npos)
+      << svg;
+}
+
 TEST(CurveTest, APictureOfManyProblemsIsNoLarger) {
   report::Curve curve{"solver", 0, {}};
   constexpr int kProblems = 20000;

@@ -139,8 +139,7 @@ TEST_F(ScenesReportTest, TheModelsErrorAndTheSolversAreOnePicture) {
   const std::string words =
       "Of the solvers of the pyramid, good has the least total error: 90 % of its steps stay within 2.5e-01 m/s, and "
       "its own part within 3.0e-13 m/s. Of the solvers of the cone, round{cone=true} has the least total error: 90 % "
-      "of "
-      "its steps stay within 5.0e-09 m/s, and its own part within 5.0e-09 m/s.";
+      "of its steps stay within 5.0e-09 m/s, and its own part within 5.0e-09 m/s.";
   const std::string text = page();
   EXPECT_NE(text.find(words), std::string::npos) << text.substr(text.find("id=\"model-error\""), 1200);
   const std::string picture = read_file(folder_ / "out/figures/scenes.model-error.svg");

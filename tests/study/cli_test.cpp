@@ -258,6 +258,29 @@ TEST_F(CommandLineTest, ModelsJson) {
   EXPECT_EQ(run("models oblique.json").exit_code, 0);
 }
 
+TEST_F(CommandLineTest, SolveHasTheModelsErrorAndTheSolversInTwoColumns) {
+  write_oblique_point(folder_ / "oblique.json");
+  const json rungs = run_json("models oblique.json")[0]["rungs"];
+  const json rows = run_json("solve oblique.json --solver lemke --solver 'cone_ipm{cone=true}'");
+  ASSERT_EQ(rows.size(), 2U);
+  for (const json& row : rows) {
+    const double total = row["errors"]["model_error_m_per_s"];
+    const double solvers = row["errors"]["velocity_residual_m_per_s"];
+    EXPECT_LT(solvers, 1e-6) << row["solver"];
+    if (row["model"] == "cone") {
+      EXPECT_EQ(total, solvers);
+    } else {
+      EXPECT_NEAR(total, rungs[2]["error_m_per_s"].get<double>(), 1e-12);  // of four edges
+      EXPECT_GT(total, 0.1);
+    }
+  }
+  const std::string text = run("solve oblique.json --solver lemke --wide").out;
+  EXPECT_NE(text.find("residual rho  solver's m/s  model's m/s  violation m/s"), std::string::npos) << text;
+  EXPECT_NE(text.find("model's m/s: the residual of"), std::string::npos) << text;
+  ASSERT_EQ(run("generate paper/monotone/exp1 --seed 1 --count 1 --out m").exit_code, 0);
+  EXPECT_EQ(run("solve m/000000.json --solver lemke --wide").out.find("model's"), std::string::npos);
+}
+
 TEST_F(CommandLineTest, SolveWithAVelocityErrorJson) {
   write_oblique_point(folder_ / "oblique.json");
   const json rows = run_json("solve oblique.json --max-velocity-error 1e-3");

@@ -8,12 +8,14 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <sstream>
 #include <string>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "study/report/text.h"
 #include "tests/support/program_run.h"
 #include "tests/support/study_support.h"
 
@@ -185,6 +187,69 @@ TEST_F(ReplayCommand, WritesPageTablesAndConclusionsAndTheSameAgain) {
   EXPECT_EQ(result("summary.csv"), summary);
 }
 
+TEST_F(ReplayCommand, ItsPicturesAndSentencesBecomeASectionOfTheReport) {
+  if (!installed("ode")) GTEST_SKIP();
+  ASSERT_EQ(run("run --set paper/monotone/exp1 --trials 2 --solver lemke --store s.db").exit_code, 0);
+  const ProgramRun without = run("report s.db --replay made --out report");
+  EXPECT_EQ(without.exit_code, 2);
+  EXPECT_NE(without.err.find("made/replays.json: cannot be read; `lcpbench replay ... --out made` writes it"),
+            std::string::npos)
+      << without.err;
+
+  ASSERT_EQ(run("replay card-house gripper --solver auto --engine-solver --steps 20 --out made").exit_code, 0);
+  const ProgramRun output = run("report s.db --replay made --out report");
+  ASSERT_EQ(output.exit_code, 0) << output.err;
+  const std::string page = read_file(folder_ / "report/report.html");
+  const std::size_t begin = page.find("<section id=\"replay\">");
+  ASSERT_NE(begin, std::string::npos);
+  const std::string section = page.substr(begin, page.find("</section>", begin) - begin);
+  std::size_t pictures = 0;
+  for (std::size_t at = section.find("<svg"); at != std::string::npos; at = section.find("<svg", at + 1)) ++pictures;
+  EXPECT_EQ(pictures, 2U * (2 * 6 + 1));
+  std::istringstream sentences(result("conclusions.md"));
+  for (std::string line; std::getline(sentences, line);) {
+    EXPECT_NE(section.find("<li>" + report::escape(line.substr(2)) + "</li>"), std::string::npos) << line;
+  }
+  EXPECT_NE(page.find("<a href=\"#replay\">Replays</a>"), std::string::npos);
+  EXPECT_EQ(read_file(folder_ / "report/tables/replay.csv"), result("summary.csv"));
+  const json summary = json::parse(read_file(folder_ / "report/summary.json"));
+  EXPECT_EQ(summary["replay"][1]["scene"], "gripper");
+  EXPECT_EQ(summary["replay"][1]["replays"][0]["survived"], 20);
+
+  std::ofstream(folder_ / "made/replays.json") << "{\"format\": \"lcpbench-replays\", \"version\": 1}";
+  EXPECT_EQ(run("report s.db --replay made --out report").exit_code, 2);
+}
+
+// The engine of a scene with joints is one that has joints; energy is left to scenes without motors.
+TEST_F(ReplayCommand, ScenesWithJointsAreReplayed) {
+  for (const std::string engine : {"", "mujoco", "dart"}) {
+    if (!installed(engine.empty() ? "mujoco" : engine)) continue;
+    const ProgramRun output = run("replay hand " + (engine.empty() ? "" : "--engine " + engine) +
+                                  " --solver auto --engine-solver --steps 40 --format json --out made");
+    ASSERT_EQ(output.exit_code, 0) << output.err;
+    const json scene = json::parse(output.out)[0];
+    EXPECT_EQ(scene["engine"], engine == "dart" ? "DART" : "MuJoCo");
+    const json& replays = scene["replays"];
+    ASSERT_EQ(replays.size(), 2U);
+    EXPECT_EQ(replays[0]["survived"], 40) << scene.dump();
+    EXPECT_GT(replays[0]["steps_with_contacts"].get<int>(), 20);
+    EXPECT_EQ(replays[0]["claimed_solved"], replays[0]["steps_with_contacts"]);
+    EXPECT_TRUE(replays[0]["energy_rise_j"].is_null());
+    EXPECT_LT(replays[0]["deepest_m"].get<double>(), 0.1);
+    EXPECT_EQ(result("index.html").find("Energy, less"), std::string::npos);
+    EXPECT_EQ(result("index.html").find("nan"), std::string::npos);
+  }
+}
+
+TEST_F(ReplayCommand, AnEngineWithoutJointsSaysSo) {
+  if (!installed("ode")) GTEST_SKIP();
+  const ProgramRun output = run("replay hand --engine ode --solver auto --steps 5 --out made");
+  EXPECT_EQ(output.exit_code, 2);
+  EXPECT_NE(output.err.find("scene 'hand' has joints, which are captured from MuJoCo and DART, not from ODE"),
+            std::string::npos)
+      << output.err;
+}
+
 TEST_F(ReplayCommand, ASceneNamedTwiceIsReplayedOnce) {
   if (!installed("ode")) GTEST_SKIP();
   ASSERT_EQ(run("replay stack stack --solver auto --steps 3 --out made").exit_code, 0);
@@ -227,7 +292,7 @@ TEST_F(ReplayCommand, AnInterruptLeavesAFolderThatCanBeUsedAgain) {
 TEST_F(ReplayCommand, MistakesOfUseAreOneLineEach) {
   for (const char* arguments :
        {"replay", "replay stack --solver auto", "replay stack --out made", "replay nosuch --solver auto --out made",
-        "replay hand --solver auto --out made", "replay stack --solver nosuch --out made",
+        "replay hand --engine ode --solver auto --out made", "replay stack --solver nosuch --out made",
         "replay stack --solver engine --out made", "replay stack --solver auto --steps 0 --out made",
         "replay stack --solver auto --engine nosuch --out made", "replay stack --solver 'auto{nosuch=1}' --out made",
         "replay stack --solver auto --out /dev/null/out"}) {

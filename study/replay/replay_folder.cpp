@@ -1,0 +1,112 @@
+#include "study/replay/replay_folder.h"
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "study/output/json_output.h"
+
+namespace lcpbench {
+namespace {
+
+namespace fs = std::filesystem;
+using ReplayJson = nlohmann::ordered_json;
+
+constexpr const char* kReplaysFormat = "lcpbench-replays";
+constexpr const char* kEngineReplay = "engine";
+
+ReplayJson listed(const ReplayedFiles& files) {
+  ReplayJson replays = ReplayJson::array();
+  for (std::size_t i = 0; i < files.names.size(); ++i) {
+    replays.push_back({{"solver", files.scene.replays[i].solver}, {"file", files.names[i]}});
+  }
+  return {{"scene", files.scene.scene},   {"engine", files.scene.engine},
+          {"steps", files.scene.steps},   {"step_length_s", files.scene.step_length_s},
+          {"pushed", files.scene.pushed}, {"replays", replays}};
+}
+
+ReplayedFiles read_listed(const fs::path& folder, const ReplayJson& json) {
+  ReplayedFiles files;
+  json.at("scene").get_to(files.scene.scene);
+  json.at("engine").get_to(files.scene.engine);
+  json.at("steps").get_to(files.scene.steps);
+  json.at("step_length_s").get_to(files.scene.step_length_s);
+  json.at("pushed").get_to(files.scene.pushed);
+  for (const ReplayJson& replay : json.at("replays")) {
+    files.names.push_back(fs::path(replay.at("file").get<std::string>()).filename().string());
+    const std::string frames = (folder / "steps" / files.names.back()).string();
+    files.scene.replays.push_back(read_track(frames + ".csv", replay.at("solver").get<std::string>()));
+    files.frames.push_back(std::make_unique<ScenesFile>(frames));
+  }
+  return files;
+}
+
+}  // namespace
+
+ReplayPictures ReplayedFiles::pictures() const {
+  ReplayPictures pictures{scene, {}};
+  for (const std::unique_ptr<ScenesFile>& file : frames) pictures.frames.push_back(file.get());
+  return pictures;
+}
+
+std::vector<ReplayPictures> pictures_of(const std::vector<ReplayedFiles>& scenes) {
+  std::vector<ReplayPictures> pictures;
+  for (const ReplayedFiles& each : scenes) pictures.push_back(each.pictures());
+  return pictures;
+}
+
+ReplayJson replay_json(const ReplayedScene& scene) {
+  ReplayJson rows = ReplayJson::array();
+  for (const Replay& replay : scene.replays) {
+    rows.push_back({{"solver", replay.solver},
+                    {"survived", replay.survived()},
+                    {"end", replay.end},
+                    {"steps_with_contacts", replay.with_contacts()},
+                    {"claimed_solved", replay.solver == kEngineReplay ? ReplayJson() : ReplayJson(replay.claimed())},
+                    {"drift_m", json_number(replay.largest(&ReplayStep::drift_m))},
+                    {"slip_m", json_number(replay.largest(&ReplayStep::slip_m))},
+                    {"deepest_m", json_number(replay.largest(&ReplayStep::deepest_m))},
+                    {"energy_rise_j", scene.pushed ? ReplayJson() : json_number(replay.energy_rise())}});
+  }
+  return {{"scene", scene.scene},
+          {"engine", scene.engine},
+          {"steps", scene.steps},
+          {"step_length_s", scene.step_length_s},
+          {"conclusion", conclusion(scene)},
+          {"replays", rows}};
+}
+
+std::string replay_list(const std::vector<ReplayedFiles>& scenes) {
+  ReplayJson list = {{"format", kReplaysFormat}, {"version", 1}, {"scenes", ReplayJson::array()}};
+  for (const ReplayedFiles& each : scenes) list["scenes"].push_back(listed(each));
+  return list.dump(1) + "\n";
+}
+
+std::vector<ReplayedFiles> read_replays(const fs::path& folder) {
+  const fs::path file = folder / "replays.json";
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) {
+    throw InputError(
+        fmt::format("{}: cannot be read; `lcpbench replay ... --out {}` writes it, and steps nothing anew "
+                    "that the folder has",
+                    file.string(), folder.string()));
+  }
+  try {
+    const ReplayJson list =
+        ReplayJson::parse(std::string(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()));
+    if (list.at("format") != kReplaysFormat || list.at("version") != 1) {
+      throw InputError(fmt::format("{}: is no list of replays of version 1", file.string()));
+    }
+    std::vector<ReplayedFiles> scenes;
+    for (const ReplayJson& scene : list.at("scenes")) scenes.push_back(read_listed(folder, scene));
+    return scenes;
+  } catch (const nlohmann::json::exception& error) {
+    throw InputError(fmt::format("{}: is no list of replays: {}", file.string(), error.what()));
+  }
+}
+
+}  // namespace lcpbench
