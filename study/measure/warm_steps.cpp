@@ -1,7 +1,7 @@
 // What a step costs that follows another one: cold, load and solve by an object that knows of no step before; changed,
-// update(problem) and solve from the last answer, matched by the ids of the contacts; same, update(v) and solve from the
-// last answer, for steps in which only the velocity is new. Each of the first two gets a copy of the problem that was made
-// just before, as if an engine had written it. CSV, medians of thread CPU time. Not a test;
+// update(problem) and solve from the last answer, matched by the ids of the contacts; same, update(v) and solve from
+// the last answer, for steps in which only the velocity is new. Each of the first two gets a copy of the problem that
+// was made just before, as if an engine had written it. CSV, medians of thread CPU time. Not a test;
 // results/native/README.md has its command.
 //
 //   warm_steps ROUNDS stack HEIGHT STEPS SOLVER...   a stack of cubes at rest that is disturbed a little in each step
@@ -140,8 +140,8 @@ void measure_changed(const std::string& spec, const std::vector<Step>& steps, in
       const ContactProblem& contact = *problem.contact();
       if (answer.claim != Claim::kSolved || cold_answer.claim != Claim::kSolved) continue;
       const Vector difference = post_impact_velocity(contact, answer.z) - post_impact_velocity(contact, cold_answer.z);
-      measured.difference = std::max(
-          measured.difference, difference.lpNorm<Eigen::Infinity>() / contact.v.lpNorm<Eigen::Infinity>());
+      measured.difference =
+          std::max(measured.difference, difference.lpNorm<Eigen::Infinity>() / contact.v.lpNorm<Eigen::Infinity>());
     }
   }
   for (std::size_t k = 1; k < steps.size(); ++k) {
@@ -214,5 +214,6 @@ int main(int argc, char** argv) {
   std::puts(
       "scene,solver,contacts,coordinates,steps,rounds,cold_us,match_us,update_us,solve_us,changed_us,cold_over_changed,"
       "geometric_mean,same_us,held,wrong,velocity_difference");
-  for (int k = first; k < argc; ++k) measure(is_stack ? "stack" : argv[2], steps, argv[k], std::max(1, std::atoi(argv[1])));
+  for (int k = first; k < argc; ++k)
+    measure(is_stack ? "stack" : argv[2], steps, argv[k], std::max(1, std::atoi(argv[1])));
 }
