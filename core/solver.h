@@ -126,9 +126,9 @@ class Solver {
   void update(const Vector& v);
 
   /// The contacts of the next time step, with other N, D, G or another number of them. What is loaded then is what
-  /// load(problem) would load, and a solve() is as right; it may be faster where SolveRequest::start is the last answer,
-  /// brought to these contacts by matched_start() of core/warm_start.h. The default loads the problem; solvers that can
-  /// do better override on_change.
+  /// load(problem) would load, and a solve() is as right; it may be faster where SolveRequest::start is the last
+  /// answer, brought to these contacts by matched_start() of core/warm_start.h. The default loads the problem; solvers
+  /// that can do better override on_change.
   void update(const Problem& problem);
 
   /// Solves what is loaded. Numerical trouble is a claim; exceptions are defects or lack of memory.

@@ -32,8 +32,8 @@ Index ContactMatch::find_sorted(std::span<const ContactId> before, ContactId id)
     std::iota(sorted_.begin(), sorted_.end(), Index{0});
     std::sort(sorted_.begin(), sorted_.end(), [&](Index a, Index b) { return id_of(a) < id_of(b); });
   }
-  const auto found =
-      std::lower_bound(sorted_.begin(), sorted_.end(), id, [&](Index k, ContactId wanted) { return id_of(k) < wanted; });
+  const auto found = std::lower_bound(sorted_.begin(), sorted_.end(), id,
+                                      [&](Index k, ContactId wanted) { return id_of(k) < wanted; });
   return found != sorted_.end() && id_of(*found) == id ? *found : -1;
 }
 

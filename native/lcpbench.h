@@ -76,8 +76,8 @@ class ContactSolver {
   /// @throws InputError naming body or contact and field: an index out of range, a mass that is not positive, an
   ///     inertia that is not symmetric (to 1e-6 of its largest entry) and positive definite, edges other than 0 and 4,
   ///     mu < 0, mu > 0 without edges, NaN or infinity, or a problem outside what the solver takes (friction given to
-  ///     a frictionless solver, n over its limit), or ids in another number than contacts. Directions are taken as they are: normals and tangents should be
-  ///     orthogonal unit vectors.
+  ///     a frictionless solver, n over its limit), or ids in another number than contacts. Directions are taken as they
+  ///     are: normals and tangents should be orthogonal unit vectors.
   void load(const RigidScene& scene, std::span<const ContactId> ids = {});
 
   /// The same for generalized coordinates: v, N, D, mu, G, b as ContactProblem has them. Copied.
@@ -86,10 +86,10 @@ class ContactSolver {
   ///     pairs is the caller's promise: testing it would cost more than a solve (`lcpbench solve` tests it).
   void load(const ContactProblem& contacts, std::span<const ContactId> ids = {});
 
-  /// The bodies and contacts of the next time step: another number of contacts, other points, normals, inertia. The next
-  /// solve starts from the impulses of the last one, contact by contact as the ids match, where the solver can use them,
-  /// and from none for contacts that are new. Right or wrong, the start never changes what is claimed: it costs time or
-  /// saves it. Before load() it is load(). Costs and errors are those of load().
+  /// The bodies and contacts of the next time step: another number of contacts, other points, normals, inertia. The
+  /// next solve starts from the impulses of the last one, contact by contact as the ids match, where the solver can use
+  /// them, and from none for contacts that are new. Right or wrong, the start never changes what is claimed: it costs
+  /// time or saves it. Before load() it is load(). Costs and errors are those of load().
   void update(const RigidScene& scene, std::span<const ContactId> ids);
   void update(const ContactProblem& contacts, std::span<const ContactId> ids);
 

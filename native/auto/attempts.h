@@ -102,11 +102,11 @@ class Attempts {
   std::unique_ptr<LeastEnergy> least_energy_;
   bool has_least_energy_ = false;  ///< least_energy_ holds the problem
   std::unique_ptr<HeldContacts> held_;
-  bool has_held_ = false;          ///< held_ holds the problem
-  bool friction_may_hold_ = false; ///< see friction_may_hold()
-  bool waits_ = false;             ///< of load_to_hold(): no method is loaded, there is no plan
-  bool in_turn_ = false;           ///< of load_to_hold()
-  bool takes_turns_ = false;       ///< the shared solvers stand for the own ones
+  bool has_held_ = false;           ///< held_ holds the problem
+  bool friction_may_hold_ = false;  ///< see friction_may_hold()
+  bool waits_ = false;              ///< of load_to_hold(): no method is loaded, there is no plan
+  bool in_turn_ = false;            ///< of load_to_hold()
+  bool takes_turns_ = false;        ///< the shared solvers stand for the own ones
   bool is_put_off_ = false;
   Solver* answered_ = nullptr;  ///< what gave the last answer
   AutoMethod answered_by_ = AutoMethod::kActiveSet;

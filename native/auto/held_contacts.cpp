@@ -330,9 +330,8 @@ bool HeldContacts::fill_column(const Jacobian& J, Index number, const Columns& c
 /// Cholesky factors of each body's G, by columns, with the inverse of each diagonal entry in its place; and what a
 /// contact feels of it, as if G were diagonal.
 void HeldContacts::factor_inertia() {
-  inertia_factors_.assign(bodies_.empty() ? 0 : bodies_.back().factor + at(bodies_.back().size) *
-                                                                            at(bodies_.back().size),
-                          0.0);
+  inertia_factors_.assign(
+      bodies_.empty() ? 0 : bodies_.back().factor + at(bodies_.back().size) * at(bodies_.back().size), 0.0);
   is_definite_ = true;
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const int n = bodies_[b].size;
@@ -633,8 +632,8 @@ void HeldContacts::approach() {
   }
 }
 
-/// Whether the impulses are in their cones and leave no contact held that moves, and no other within its clearance. What
-/// is outside by rounding is brought back.
+/// Whether the impulses are in their cones and leave no contact held that moves, and no other within its clearance.
+/// What is outside by rounding is brought back.
 bool HeldContacts::is_confirmed() {
   double largest = 0;
   for (const Columns& contact : contacts_) largest = std::max(largest, impulses_[contact.first]);

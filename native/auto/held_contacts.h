@@ -76,8 +76,8 @@ class HeldContacts {
   };
   /// A body in the order of elimination.
   struct Place {
-    int first = 0;                     ///< its first coordinate
-    int rank = 0;                      ///< its number
+    int first = 0;                         ///< its first coordinate
+    int rank = 0;                          ///< its number
     std::size_t below = 0, end_below = 0;  ///< bodies coupled with it and eliminated later, in below_
   };
   struct Below {
@@ -138,14 +138,14 @@ class HeldContacts {
   SparseMatrix matrix_;  ///< lower triangle of G + A W A', in the order of elimination
 
   std::vector<double> entries_, inertia_factors_;
-  std::vector<double> strength_;  ///< by contact: what is put for 1 / (a'G*a) of its normal
-  Vector given_v_;                ///< in the order of the problem
-  Vector v_, u_, step_, impulse_; ///< in the order of elimination
-  std::vector<char> held_;        ///< by contact
-  std::vector<double> load_;      ///< by contact: the weight of its columns
+  std::vector<double> strength_;           ///< by contact: what is put for 1 / (a'G*a) of its normal
+  Vector given_v_;                         ///< in the order of the problem
+  Vector v_, u_, step_, impulse_;          ///< in the order of elimination
+  std::vector<char> held_;                 ///< by contact
+  std::vector<double> load_;               ///< by contact: the weight of its columns
   std::vector<double> impulses_, misses_;  ///< by column: f, and A'u + b
-  std::vector<double> scaled_;    ///< one contact's columns
-  std::vector<double> product_;   ///< of two bodies, a block of the matrix
+  std::vector<double> scaled_;             ///< one contact's columns
+  std::vector<double> product_;            ///< of two bodies, a block of the matrix
   std::vector<std::uint64_t> signatures_;  ///< by block: of the contacts that touch it
   std::vector<Index> last_touched_;        ///< by block
   bool is_definite_ = false;               ///< G

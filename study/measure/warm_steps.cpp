@@ -1,6 +1,7 @@
 // What a step costs that follows another one: cold, load and solve by an object that knows of no step before; changed,
-// update(problem) and solve from the last answer, matched by the ids of the contacts; same, update(v) and solve from the
-// last answer, for steps in which only the velocity is new. CSV, medians of thread CPU time. Not a test;
+// update(problem) and solve from the last answer, matched by the ids of the contacts; same, update(v) and solve from
+// the last answer, for steps in which only the velocity is new. Each of the first two gets a copy of the problem that
+// was made just before, as if an engine had written it. CSV, medians of thread CPU time. Not a test;
 // results/native/README.md has its command.
 //
 //   warm_steps ROUNDS stack HEIGHT STEPS SOLVER...   a stack of cubes at rest that is disturbed a little in each step
@@ -92,6 +93,8 @@ bool is_same_size(const Step& first, const Step& other) {
   return first.problem.contact()->ngc() == other.problem.contact()->ngc();
 }
 
+Problem copy_of(const Problem& problem) { return {problem.name(), ContactProblem(*problem.contact())}; }
+
 struct Measured {
   std::vector<double> cold, match, update, solve, changed, ratio;
   int held = 0;
@@ -107,18 +110,21 @@ void measure_changed(const std::string& spec, const std::vector<Step>& steps, in
     Answer cold_answer, answer;
     ContactMatch match;
     Vector start;
+    ContactLayout last_layout = contact_layout(*steps.front().problem.contact());
     warm->load(steps.front().problem);
     warm->solve({}, answer);
     for (std::size_t k = 1; k < steps.size(); ++k) {
-      const Problem& problem = steps[k].problem;
+      const Problem written = copy_of(steps[k].problem);
       double begin = thread_cpu_clock_s();
-      fresh->load(problem);
+      fresh->load(written);
       fresh->solve({}, cold_answer);
       cold[k].push_back(us_since(begin));
+      const Problem problem = copy_of(steps[k].problem);
       begin = thread_cpu_clock_s();
       match.find(steps[k - 1].ids, steps[k].ids);
-      matched_start(answer.z, contact_layout(*steps[k - 1].problem.contact()), match, contact_layout(*problem.contact()),
-                    start);
+      ContactLayout layout = contact_layout(*problem.contact());
+      matched_start(answer.z, last_layout, match, layout, start);
+      last_layout = std::move(layout);
       const double match_us = us_since(begin);
       warm->update(problem);
       const double update_us = us_since(begin) - match_us;
@@ -134,8 +140,8 @@ void measure_changed(const std::string& spec, const std::vector<Step>& steps, in
       const ContactProblem& contact = *problem.contact();
       if (answer.claim != Claim::kSolved || cold_answer.claim != Claim::kSolved) continue;
       const Vector difference = post_impact_velocity(contact, answer.z) - post_impact_velocity(contact, cold_answer.z);
-      measured.difference = std::max(
-          measured.difference, difference.lpNorm<Eigen::Infinity>() / contact.v.lpNorm<Eigen::Infinity>());
+      measured.difference =
+          std::max(measured.difference, difference.lpNorm<Eigen::Infinity>() / contact.v.lpNorm<Eigen::Infinity>());
     }
   }
   for (std::size_t k = 1; k < steps.size(); ++k) {
@@ -208,5 +214,6 @@ int main(int argc, char** argv) {
   std::puts(
       "scene,solver,contacts,coordinates,steps,rounds,cold_us,match_us,update_us,solve_us,changed_us,cold_over_changed,"
       "geometric_mean,same_us,held,wrong,velocity_difference");
-  for (int k = first; k < argc; ++k) measure(is_stack ? "stack" : argv[2], steps, argv[k], std::max(1, std::atoi(argv[1])));
+  for (int k = first; k < argc; ++k)
+    measure(is_stack ? "stack" : argv[2], steps, argv[k], std::max(1, std::atoi(argv[1])));
 }

@@ -63,7 +63,7 @@ TEST(ContactMatchTest, AllocatesNothingForNoMoreContactsThanBefore) {
 TEST(ContactIdTest, NamesOfOneStepDiffer) {
   EXPECT_EQ(contact_id("box-3:corner-1"), contact_id("box-3:corner-1"));
   EXPECT_NE(contact_id("box-3:corner-1"), contact_id("box-3:corner-2"));
-  EXPECT_EQ(contact_id(""), 0xcbf29ce484222325U);  // FNV's offset basis
+  EXPECT_EQ(contact_id(""), 0xcbf29ce484222325U);   // FNV's offset basis
   EXPECT_EQ(contact_id("a"), 0xaf63dc4c8601ec8cU);  // the published value of FNV-1a
 }
 

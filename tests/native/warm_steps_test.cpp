@@ -161,10 +161,14 @@ TEST(WarmStepsTest, NoStartIsTrusted) {
   const auto solver = after(problem_of(stack_in_step({.height = 6, .fresh = 0.2}, 0)), last);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double huge = std::numeric_limits<double>::max();
-  std::vector<Vector> starts{Vector::Zero(last.size()),          Vector::Ones(last.size()),
-                             Vector::Constant(last.size(), nan), Vector::Constant(last.size(), huge),
-                             Vector::Constant(last.size(), -1),  Vector::Ones(last.size() - 1),
-                             1e-300 * last,                      Vector()};
+  std::vector<Vector> starts{Vector::Zero(last.size()),
+                             Vector::Ones(last.size()),
+                             Vector::Constant(last.size(), nan),
+                             Vector::Constant(last.size(), huge),
+                             Vector::Constant(last.size(), -1),
+                             Vector::Ones(last.size() - 1),
+                             1e-300 * last,
+                             Vector()};
   Vector unpaired = last;  // no lambda, friction far outside of the pyramids
   unpaired.segment(problem.contact()->nc(), cols(problem.contact()->D)).setConstant(1e3);
   unpaired.segment(problem.contact()->nc(), 2).setZero();
