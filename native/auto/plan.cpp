@@ -103,7 +103,7 @@ AutoPlan::Rest rest_for(Index size, double slip) {
 }
 
 /// Of islands that are not too large for contact_lemke.
-AutoPlan frictional_plan(const ContactProblem& contact, const Vector& v, std::int64_t sweeps) {
+AutoPlan frictional_plan(const ContactProblem& contact, const Vector& v) {
   using enum AutoMethod;
   AutoPlan plan;
   const Index size = contact.nc() * contact.ngc();
@@ -126,7 +126,6 @@ AutoPlan frictional_plan(const ContactProblem& contact, const Vector& v, std::in
   } else {
     const bool sticks = slip <= 1;
     if (sticks && plan.rest == AutoPlan::Rest::kNotSought) plan.add(kFrictionIpm, true);
-    if (sweeps > 0) plan.add_sweeps(sweeps);
     plan.add(kContactLemke, true);
     if (is_scene || sticks) plan.add(kFrictionIpm);
     if (size >= kHuge) plan.add(kPsor);
@@ -150,10 +149,8 @@ bool fits_in_advance(AutoMethod method, const Problem& problem) {
 }
 
 std::int64_t worthwhile_sweeps(const AutoSettings& settings, const Problem& problem) {
+  if (!is_large_scene(settings, problem)) return 0;
   const ContactProblem& contact = *problem.contact();
-  const bool is_large =
-      contact.frictional() ? contact.nc() * contact.ngc() >= kLarge : contact.nc() >= settings.sparse_from;
-  if (!is_sparse(contact) || !is_large) return 0;
   const double separator = separator_size(contact);
   const double sweeps = kSweepsPerCube * separator * separator * separator / static_cast<double>(contact.nc());
   const double error = settings.error > 0 ? settings.error : kSweptResidual;
@@ -165,7 +162,7 @@ AutoPlan plan_for(const AutoSettings& settings, const Problem& problem, const Ve
   using enum AutoMethod;
   const ContactProblem& contact = *problem.contact();
   if (!contact.frictional()) return frictionless_plan(settings, problem, sweeps);
-  if (!is_large_scene(settings, problem) && lemke_takes(problem)) return frictional_plan(contact, v, sweeps);
+  if (!is_large_scene(settings, problem) && lemke_takes(problem)) return frictional_plan(contact, v);
   AutoPlan plan;
   if (sweeps > 0) plan.add_sweeps(sweeps);
   plan.add(kFrictionIpm);

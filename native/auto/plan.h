@@ -32,7 +32,7 @@ class AutoPlan {
 };
 
 /// Sweeps of psor that take a third of the estimated time of the sparse method, by the size of the island's separators.
-/// 0 where they are too few, and for islands that are small or no bodies.
+/// 0 where they are too few, or where no sparse method comes first.
 std::int64_t worthwhile_sweeps(const AutoSettings& settings, const Problem& problem);
 
 /// The rules of docs/reference/solvers/auto.md. @param v the velocity now @param sweeps worthwhile_sweeps of the
