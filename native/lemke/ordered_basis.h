@@ -19,8 +19,8 @@ struct OrderedState {
 /// OrderedLu; x by updates only. Slot i is the variable of column i.
 ///
 /// On redundant contacts rounding alone decides the paths at small tolerances, so that the rates follow from the order
-/// of elimination: this is that order, and the bits are the same on every processor. A pivot costs 2/3 n^3 at most,
-/// and far less where w are basic. Memory: n x n numbers for each of M (bare LCPs twice), L and U.
+/// of elimination: this is that order, and the bits are the same at each instruction-set level. A pivot costs 2/3 n^3
+/// at most, and far less where w are basic. Memory: n x n numbers for each of M (bare LCPs twice), L and U.
 class OrderedBasis {
  public:
   using Scalar = double;

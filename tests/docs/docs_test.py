@@ -17,6 +17,8 @@ import subprocess
 import sys
 import tempfile
 
+from paper_tables import paper_table
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 SOURCES = ("adapters", "cmake", "core", "examples", "generators", "native", "study", "tests")
 # The text of the store's tables is part of its format, comments included: it keeps the path that the page had.
@@ -172,10 +174,10 @@ def study_table(name):
 
 
 def with_tables(text, solvers, sets):
-    makers = {"settings": lambda name: settings_table(solvers[name]), "cases": lambda name: case_table(sets, name),
-              "study": study_table}
-    pattern = r"(<!-- (settings|cases|study): ([\w-]+) -->\n).*?(<!-- end -->)"
-    return re.sub(pattern, lambda match: match[1] + makers[match[2]](match[3]) + match[4], text, flags=re.S)
+    makers = {"settings": lambda name, _: settings_table(solvers[name]), "cases": lambda name, _: case_table(sets, name),
+              "study": lambda name, _: study_table(name), "paper": paper_table}
+    pattern = r"(<!-- (settings|cases|study|paper): ([\w-]+) -->\n)(.*?)(<!-- end -->)"
+    return re.sub(pattern, lambda match: match[1] + makers[match[2]](match[3], match[4]) + match[5], text, flags=re.S)
 
 
 def check_tables(lcpbench, write):
@@ -186,7 +188,7 @@ def check_tables(lcpbench, write):
     solvers = {solver["name"]: solver for solver in listed("solvers")}
     sets = listed("sets", "hard/*")
     stale, tables = [], 0
-    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]:
+    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")), ROOT / "results/paper/README.md"]:
         text = page.read_text()
         tables += text.count("<!-- end -->")
         wanted = with_tables(text, solvers, sets)
