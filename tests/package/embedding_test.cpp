@@ -4,6 +4,7 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -297,6 +298,31 @@ TEST(EmbeddingTest, NoBodiesAndNoContactsAreFine) {
   solver.set_velocity(falling(1));
   EXPECT_EQ(solver.solve(), Claim::kSolved);
   EXPECT_EQ(solver.velocity(), falling(1));
+}
+
+// The contacts come in another order, one is gone, and the box is elsewhere: ids tell which is which.
+TEST(EmbeddingTest, UpdatesFollowContactsByTheirIds) {
+  RigidScene scene = box_on_ground(0.5);
+  scene.bodies[0].linear_velocity.z() = -kGravity * kStep;
+  ContactSolver solver("auto");
+  solver.update(scene, std::vector<ContactId>{1, 2, 3, 4});  // the first one is a load
+  ASSERT_EQ(solver.solve(), Claim::kSolved);
+  std::swap(scene.contacts[0], scene.contacts[3]);
+  scene.bodies[0].position.x() += 0.01;
+  solver.update(scene, std::vector<ContactId>{4, 2, 3, 1});
+  EXPECT_EQ(solver.normal_impulse(0), 0);  // there is no answer yet
+  ASSERT_EQ(solver.solve(), Claim::kSolved);
+  EXPECT_LE(solver.velocity().lpNorm<Eigen::Infinity>(), 1e-12);
+  scene.contacts.pop_back();
+  solver.update(scene, std::vector<ContactId>{4, 2, 3});
+  ASSERT_EQ(solver.solve(), Claim::kSolved);
+  double carried = 0;
+  for (Index c = 0; c < 3; ++c) carried += solver.normal_impulse(c);
+  EXPECT_NEAR(carried, 1.2 * kGravity * kStep, 1e-12);
+
+  const auto too_few = [&] { solver.update(scene, std::vector<ContactId>{4, 2}); };
+  EXPECT_EQ(refusal(too_few), "2 ids for 3 contacts");
+  EXPECT_NEAR(solver.normal_impulse(0) + solver.normal_impulse(1) + solver.normal_impulse(2), carried, 0);
 }
 
 }  // namespace
