@@ -12,7 +12,7 @@ namespace lcpbench::report {
 
 namespace {
 
-constexpr const char* kIntroduction =
+constexpr const char* kScenesIntroduction =
     "<section id=\"scenes\"><h2>Scenes</h2>\n<p>Steps that physics engines met, captured with the engines’ own "
     "contacts. "
     "A solver is judged on these contacts, not on the engine’s own rules. Grey in the pictures: what stands still. "
@@ -171,7 +171,7 @@ std::string scenes_section(const Report& report) {
                          code(family.scene.name)) +
              solvers_table(summary, family) + "</details>\n";
   }
-  return kIntroduction + gallery(families, report.figures) +
+  return kScenesIntroduction + gallery(families, report.figures) +
          table_head("cells overview", {{"Scene"},
                                        {"Fastest that solved every step"},
                                        {"Its median time", true},
