@@ -1,5 +1,5 @@
 #!/bin/sh
-# Keeps what results/paper shows of a store.
+# Keeps what results/paper shows of a store. The provenance of a store with several runs is an array.
 #
 #   results/paper/keep.sh LCPBENCH paper.db             of the run: overwrites paper.md, provenance.json, rules.csv and tables/
 #   results/paper/keep.sh LCPBENCH rules.db ablation    of the ablation: overwrites ablation.csv and ablation.provenance.json
@@ -20,7 +20,8 @@ range() {
   echo "min(1.0 * $1 / trials) AS \"$1.worst\", avg(1.0 * $1 / trials) AS \"$1.average\", max(1.0 * $1 / trials) AS \"$1.best\""
 }
 provenance() {
-  sqlite3 "$1" 'SELECT provenance FROM runs' | sed -E -f "$here/../plain_paths.sed"
+  sqlite3 "$1" 'SELECT iif(count(*) = 1, max(provenance), json_group_array(json(provenance)))
+    FROM (SELECT provenance FROM runs ORDER BY started)' | sed -E -f "$here/../plain_paths.sed"
 }
 
 if [ "${3:-}" = ablation ]; then
