@@ -244,8 +244,15 @@ bool Attempts::may_have_missed_rest(const Answer& answer) const {
 
 void Attempts::solve(const SolveRequest& request, const AutoLimits& limits, Answer& answer, AutoReport& report) {
   shared_.begin_solve();
-  if (may_hold(request) && holds(request, limits, answer, report)) return;
+  const bool held = may_hold(request);
+  if (held && holds(request, limits, answer, report)) return;
   if (waits_) load_methods(in_turn_);
+  // An answer of active sets rests on few of the contacts that hold, and the guess goes wrong from it in each step. One of
+  // friction_ipm rests on all of them.
+  if (held && plan_.rest == AutoPlan::Rest::kFirst &&
+      tried({AutoMethod::kFrictionIpm, true}, {}, false, limits, answer, report)) {
+    return;
+  }
   if (plan_.rest == AutoPlan::Rest::kFirst && rests(request, limits, answer, report)) return;
   SolveRequest now_request = request;
   for (const AutoTry& next : plan_) {

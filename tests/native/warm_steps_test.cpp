@@ -19,6 +19,7 @@
 
 namespace lcpbench {
 SolverDefinition lcpbench_solver_auto();
+SolverDefinition lcpbench_solver_friction_ipm();
 
 namespace {
 
@@ -68,11 +69,14 @@ Answer cold(const Problem& problem) {
   return solve(*solver);
 }
 
-/// `auto` after a step with this problem.
+/// `auto` after a step with this problem, and impulses at all contacts that hold, as those of later steps are.
 std::unique_ptr<Solver> after(const Problem& problem, Vector& start) {
+  const auto first = lcpbench_solver_friction_ipm().make({});
+  first->load(problem);
+  start = solve(*first).z;
   auto solver = lcpbench_solver_auto().make({});
   solver->load(problem);
-  start = solve(*solver).z;
+  solve(*solver);
   return solver;
 }
 
