@@ -102,7 +102,8 @@ bool ConeIpm::approaches() const {
   const ContactProblem& contact = *problem().contact();
   const auto one_approaches = [&](const auto& N) {
     for (Index i = 0; i < contact.nc(); ++i) {
-      if (!(N.col(i).dot(v_) + contact.offset(i) >= 0)) return true;
+      const double normal = v_.size() > 0 ? N.col(i).dot(v_) : 0.0;
+      if (!(normal + contact.offset(i) >= 0)) return true;
     }
     return false;
   };
