@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include <Eigen/QR>
 #include <gtest/gtest.h>
 
 #include "study/evaluation/bounded_factors.h"
@@ -118,6 +119,30 @@ TEST(BoundedTest, BoundTheErrorOfAChainTightly) {
       expect_enclosed(x[i], y[i], abs(y[i]) * 0x1p-105);
       EXPECT_LE(x[i].error, 100 * 0x1p-106 * condition * largest) << n << ' ' << i;
     }
+  }
+}
+
+// The comparison matrix of its factors would leave a million times as much open.
+TEST(BoundedTest, BoundTheErrorOfADenseIllConditionedInertia) {
+  Draw draw(5);
+  const Index n = 14;
+  const Matrix orthogonal = Eigen::HouseholderQR<Matrix>(draw.matrix(n, n)).householderQ();
+  const Vector spectrum = Vector::LinSpaced(n, 0, -8).unaryExpr([](double e) { return std::pow(10, e); });
+  Matrix G = orthogonal * spectrum.asDiagonal() * orthogonal.transpose();
+  G = Matrix(G.selfadjointView<Eigen::Lower>());
+  const BoundedInertia inertia{Inertia(DenseInertia{G})};
+  ASSERT_TRUE(inertia.well_defined());
+  const QuadInertia reference{Inertia(DenseInertia{G})};
+  const Vector b = draw.vector(n);
+  BoundedVector x(b.begin(), b.end());
+  QuadVector y(b.begin(), b.end());
+  inertia.solve(x);
+  reference.solve(y);
+  double largest = 0;
+  for (const Bounded& value : x) largest = std::max(largest, std::abs(value.high));
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    expect_enclosed(x[i], y[i], abs(y[i]) * 0x1p-80);
+    EXPECT_LE(x[i].error, 100 * 0x1p-106 * 1e8 * largest) << i;
   }
 }
 
