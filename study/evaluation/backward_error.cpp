@@ -240,13 +240,10 @@ class ThinningPoint {
 
   // A lower bound of s_i that takes no solve with G.
   Limit<Real> least_scale(std::size_t i) {
-    const Limit<Real> q = lower_limit(abs(lcp_.q(i)));
     if constexpr (std::is_same_v<Real, Quad>) {
-      return q;
+      return lower_limit(abs(lcp_.q(i)));
     } else {
-      const double moved = scale_ == BackwardScale::kComponentwise ? lcp_.plain_row_times(i, *z_)
-                                                                   : lcp_.plain_row_sum(i) * z_norm();
-      return (q + moved * (1 - 0x1p-50)) * (1 - 0x1p-50);
+      return plain_bounds(i).low;
     }
   }
 
@@ -258,6 +255,11 @@ class ThinningPoint {
   // Bounds of s_i.
   Bounds scale_bounds(std::size_t i) {
     const Real q = abs(lcp_.q(i));
+    if constexpr (std::is_same_v<Real, Bounded>) {
+      if (i >= lcp_.lambda_offset() || (scale_ == BackwardScale::kComponentwise && impulses_ == 0)) {
+        return plain_bounds(i);  // the row has no other entries, or they meet zeros
+      }
+    }
     const MagnitudeEstimate::Row* const row = estimated() ? lcp_.estimated_row(i) : nullptr;
     if (row == nullptr) {
       const Real weight = least_weight(i);
@@ -273,6 +275,16 @@ class ThinningPoint {
       bounds.high = (upper_limit(q) + sum * (1 + rounding) + error) * (1 + 0x1p-51);
     }
     return bounds;
+  }
+
+  // Bounds of |q_i| and of what the entries of M that are in the data add to it.
+  Bounds plain_bounds(std::size_t i) {
+    const Real q = abs(lcp_.q(i));
+    const double moved = scale_ == BackwardScale::kComponentwise ? lcp_.plain_row_times(i, *z_)
+                                                                 : lcp_.plain_row_sum(i) * z_norm();
+    const double rounding = static_cast<double>(lcp_.size() + 8) * 0x1p-52;
+    return {(lower_limit(q) + moved * (1 - rounding)) * (1 - 0x1p-50),
+            (upper_limit(q) + moved * (1 + rounding)) * (1 + 0x1p-50) + bounded::kLost};
   }
 
   // Violations of the island's rows, in double and without a bound on their error.

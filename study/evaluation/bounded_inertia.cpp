@@ -216,6 +216,7 @@ BoundedInertia::BoundedInertia(const Inertia& inertia) {
 void BoundedInertia::reserve(Index ngc) {
   const auto n = static_cast<std::size_t>(ngc);
   singles_.assign(n, 0);
+  inverse_diagonal_.assign(n, 0);
   units_.assign(n, 1);
   block_of_row_.assign(n, 0);
 }
@@ -257,6 +258,7 @@ void BoundedInertia::add_inertia(const Matrix& G, std::size_t offset) {
 void BoundedInertia::add_single(double inertia, std::size_t row) {
   well_defined_ = well_defined_ && inertia > 0x1p-600 && inertia < 0x1p600;
   singles_[row] = inertia;
+  inverse_diagonal_[row] = 1 / inertia;
 }
 
 /// Scales the rows and columns of G that the coordinates from `first` on name, and factors the block that they are.
@@ -268,6 +270,7 @@ bool BoundedInertia::add_block(const Matrix& G, std::size_t offset, std::size_t 
     const auto row = static_cast<Index>(rows[i] - offset);
     if (!(G(row, row) > 0x1p-600 && G(row, row) < 0x1p600)) return false;
     units_[rows[i]] = unit_of(G(row, row));
+    inverse_diagonal_[rows[i]] = 1 / G(row, row);
     block_of_row_[rows[i]] = blocks_.size();
   }
   entries_.resize(block.entries + block.size * block.size);
@@ -338,6 +341,19 @@ void BoundedInertia::solve(std::size_t b, BoundedVector& x) const {
     const double error = (y.bound[i] + of_correction * ones[i]) * (0.5 + 0x1p-20) + 0x1p-104 * std::abs(y.high[i]);
     x[rows[i]] = times_unit({y.high[i], y.low[i], error}, units_[rows[i]]);
   }
+}
+
+double BoundedInertia::least_energy(std::span<const std::size_t> rows, const double* entries) const {
+  double of_singles = 0, of_a_block = 0;
+  for (std::size_t e = 0; e < rows.size(); ++e) {
+    const double energy = entries[e] * entries[e] * inverse_diagonal_[rows[e]];
+    if (singles_[rows[e]] != 0) {
+      of_singles += energy;
+    } else {
+      of_a_block = std::max(of_a_block, energy);
+    }
+  }
+  return (of_singles + of_a_block) * (1 - 0x1p-20);
 }
 
 /// The block's coordinates of y: those of x times G, in the units of the block.

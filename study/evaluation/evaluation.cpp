@@ -153,8 +153,10 @@ Real ContactEvaluation<Real>::row_residual(std::size_t row, const RealVector& z,
     // A bound on M_ii mostly shows which of the two is smaller.
     if (row >= lcp->impulses()) {
       if (surely_equal(z[row], 0) && surely_less(0, w[row]) && inertia.has_inertia()) return 0;
-    } else if (surely_less(0, z[row]) && surely_less(abs(w[row]), z[row] * Real(lcp->least_diagonal(row)))) {
-      return abs(w[row]);
+    } else if (surely_less(0, z[row])) {
+      const Real velocity = abs(w[row]);
+      if (surely_less(velocity, z[row] * Real(lcp->plain_least_diagonal(row)))) return velocity;
+      if (surely_less(velocity, z[row] * Real(lcp->least_diagonal(row)))) return velocity;
     }
   }
   // M_ii is needed only where its factor is not zero.
