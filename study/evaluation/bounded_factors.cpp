@@ -45,10 +45,10 @@ bool BoundedFactors::add(std::span<const double> A, std::size_t n, double least)
     eliminate(j, n);
     end_.push_back(rows_.size());
   }
-  // Each entry of A is a sum of at most n products and one pivot, less the rounding of as many products and differences,
-  // of the inverse pivot and of the product with it: |E| <= gamma_(n + 6) |U| D |U'|, whose entries are at most 4 and a
-  // few roundings. In solve() each of the two triangular solutions adds n roundings of an entry of |U|, and the pivots
-  // three.
+  // Each entry of A is a sum of at most n products and one pivot, less the rounding of as many products and
+  // differences, of the inverse pivot and of the product with it: |E| <= gamma_(n + 6) |U| D |U'|, whose entries are at
+  // most 4 and a few roundings. In solve() each of the two triangular solutions adds n roundings of an entry of |U|,
+  // and the pivots three.
   const double order = static_cast<double>(n);
   matrix.residual = 4.5 * (3 * order + 12) * bounded::kRoundoff;
   of_ones_.resize(end_.size());

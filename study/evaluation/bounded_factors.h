@@ -43,7 +43,7 @@ class BoundedFactors {
     std::size_t first = 0;  ///< of its columns
     std::size_t order = 0;
     double residual = 0;
-    double rounding = 0;  ///< at least any |E_ij|, divided by 1 - rounding |H 1|_1
+    double rounding = 0;                 ///< at least any |E_ij|, divided by 1 - rounding |H 1|_1
     std::optional<std::size_t> inverse;  ///< of |U^-1| in inverses_, where it replaces M(U)^-1
   };
 
@@ -62,8 +62,8 @@ class BoundedFactors {
   std::vector<double> inverse_pivots_;  ///< 1 / D, the last one of a matrix first
   std::vector<double> of_ones_;
   std::vector<double> inverses_;  ///< n x n by columns, above the diagonal
-  std::vector<double> work_;    ///< scratch of add(): what is left of A, by columns
-  std::vector<double> column_;  ///< and its column before the division by the pivot
+  std::vector<double> work_;      ///< scratch of add(): what is left of A, by columns
+  std::vector<double> column_;    ///< and its column before the division by the pivot
 };
 
 }  // namespace lcpbench

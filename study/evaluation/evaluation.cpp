@@ -141,6 +141,7 @@ Real ContactEvaluation<Real>::island_scale(std::size_t island) const {
   Real largest_q = 0;
   Real floor = 0;
   for (const std::size_t row : islands.rows(island)) {
+    if (lcp->representative(row) != row) continue;  // of the same magnitudes
     largest_q = larger(largest_q, abs(lcp->q(row)));
     floor = larger(floor, lcp->formation_error(row));
   }
@@ -232,7 +233,8 @@ void ContactEvaluation<Real>::measure(const RealVector& z, const RealVector& v_p
     inertia.solve(momentum);
     momentum = inertia.apply(momentum);
   }
-  const Real gain = dot(momentum, sum(v_plus, v)) / Real(2);
+  const bool at_rest = std::all_of(momentum.begin(), momentum.end(), [](const Real& x) { return surely_equal(x, 0); });
+  const Real gain = at_rest ? Real(0) : dot(momentum, sum(v_plus, v)) / Real(2);
   errors.work_gain_j = settled(gain);
   errors.forward_velocity = forward_velocity(v_plus);
 

@@ -322,8 +322,8 @@ Real ContactLcp<Real>::row(std::size_t i, const RealVector& z, const RealVector&
 template <class Real>
 void ContactLcp<Real>::fill_rows(std::span<const std::size_t> rows, const RealVector& z, const RealVector& u,
                                  RealVector& w) const {
-  const bool at_q = std::equal(u.begin(), u.end(), v_.begin(),
-                               [](const Real& a, const Real& b) { return is_same(a, b); });
+  const bool at_q =
+      std::equal(u.begin(), u.end(), v_.begin(), [](const Real& a, const Real& b) { return is_same(a, b); });
   for (const std::size_t i : rows) {
     if (i >= impulses()) {
       w[i] = cone_row(i - impulses(), z);

@@ -71,8 +71,8 @@ class EvaluatedLcp {
   /// ||M_i||_1.
   virtual Real abs_row_sum(std::size_t i) = 0;
 
-  /// At most abs_row_times() and abs_row_sum(), for z >= 0 and in double: by those entries of M that are in the data, all
-  /// of a cone row and a friction row's of its lambda, and by a lower bound of M_ii.
+  /// At most abs_row_times() and abs_row_sum(), for z >= 0 and in double: by those entries of M that are in the data,
+  /// all of a cone row and a friction row's of its lambda, and by a lower bound of M_ii.
   virtual double plain_row_times(std::size_t, const std::vector<Real>&) const { return 0; }
   virtual double plain_row_sum(std::size_t) const { return 0; }
 

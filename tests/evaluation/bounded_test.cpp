@@ -1,9 +1,9 @@
 // The arithmetic in which the evaluation looks first: its bounds hold, and what they leave open is decided in 113 bits.
 #include "study/evaluation/bounded.h"
 
+#include <Eigen/QR>
 #include <cmath>
 
-#include <Eigen/QR>
 #include <gtest/gtest.h>
 
 #include "study/evaluation/bounded_factors.h"
@@ -90,8 +90,8 @@ TEST(BoundedTest, SolveWithTheInertiaWithinTheBound) {
   }
 }
 
-// A chain as a robot's inertia is one: a branch of its tree is coupled to no other. The bound is no looser than a hundred
-// roundings of 106 bits times the condition, so that the residuals of accurate answers need no 113 bits.
+// A chain as a robot's inertia is one: a branch of its tree is coupled to no other. The bound is no looser than a
+// hundred roundings of 106 bits times the condition, so that the residuals of accurate answers need no 113 bits.
 TEST(BoundedTest, BoundTheErrorOfAChainTightly) {
   Draw draw(3);
   for (const Index n : {4, 9, 27}) {
