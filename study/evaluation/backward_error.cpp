@@ -132,8 +132,10 @@ class ThinningPoint {
   ThinningPoint(const ThinningPoint&) = delete;
   ThinningPoint& operator=(const ThinningPoint&) = delete;
 
-  void enter(Rows island) {
+  // Of the island's errors none matters that is at most `floor`, another island's.
+  void enter(Rows island, const Real& floor) {
     island_ = island;
+    floor_ = floor;
     order_.order(*z_, island);
     response_of_ = 0;
     indices_.clear();
@@ -141,6 +143,8 @@ class ThinningPoint {
     for (std::size_t place = 0; place < order_.size(); ++place) indices_.push_back(order_.index(place));
     set_removed(0);
   }
+
+  const Real& floor() const { return floor_; }
 
   // How many entries the least tau sets to zero that leaves no negative one.
   std::size_t least_removals() const {
@@ -185,9 +189,10 @@ class ThinningPoint {
   // The nonzero entries, smallest ratio first.
   std::span<const std::size_t> support() const { return std::span(indices_).subspan(removed_); }
 
-  // eta(z_tau). Rows are measured in the order of an upper bound of their quotients until the bound settles the rest.
-  // A row's first bound is by least_scale(), unless estimates of M come first: any other costs a solve with G.
-  // Infinity, and the row, where a row surely shows it to be larger than `best`: no such thing is sure in 113 bits.
+  // eta(z_tau), or a number that is at most floor() where eta is. Rows are measured in the order of an upper bound of
+  // their quotients until the bound settles the rest. A row's first bound is by least_scale(), unless estimates
+  // of M come first: any other costs a solve with G. Infinity, and the row, where a row surely shows it to be larger
+  // than `best`: no such thing is sure in 113 bits.
   BackwardError<Real> eta(const Real& best) {
     const Limit<Real> enough = std::is_same_v<Real, Quad> ? kInfinity : upper_limit(best) * (1 + 0x1p-50);
     if (removed_ > 0) lcp_.fill_rows(island_, own_z_, own_u_, own_w_);
@@ -205,7 +210,7 @@ class ThinningPoint {
     };
     std::make_heap(rows_.begin(), rows_.end(), comes_later);
     BackwardError<Real> eta;
-    while (!rows_.empty() && !at_least(eta.error, rows_.front().limit)) {
+    while (!rows_.empty() && !at_least(larger(floor_, eta.error), rows_.front().limit)) {
       std::pop_heap(rows_.begin(), rows_.end(), comes_later);
       Row& row = rows_.back();
       if (!row.bounded) {
@@ -240,13 +245,10 @@ class ThinningPoint {
 
   // A lower bound of s_i that takes no solve with G.
   Limit<Real> least_scale(std::size_t i) {
-    const Limit<Real> q = lower_limit(abs(lcp_.q(i)));
     if constexpr (std::is_same_v<Real, Quad>) {
-      return q;
+      return lower_limit(abs(lcp_.q(i)));
     } else {
-      const double moved = scale_ == BackwardScale::kComponentwise ? lcp_.plain_row_times(i, *z_)
-                                                                   : lcp_.plain_row_sum(i) * z_norm();
-      return (q + moved * (1 - 0x1p-50)) * (1 - 0x1p-50);
+      return plain_bounds(i).low;
     }
   }
 
@@ -258,6 +260,11 @@ class ThinningPoint {
   // Bounds of s_i.
   Bounds scale_bounds(std::size_t i) {
     const Real q = abs(lcp_.q(i));
+    if constexpr (std::is_same_v<Real, Bounded>) {
+      if (i >= lcp_.lambda_offset() || (scale_ == BackwardScale::kComponentwise && impulses_ == 0)) {
+        return plain_bounds(i);  // the row has no other entries, or they meet zeros
+      }
+    }
     const MagnitudeEstimate::Row* const row = estimated() ? lcp_.estimated_row(i) : nullptr;
     if (row == nullptr) {
       const Real weight = least_weight(i);
@@ -273,6 +280,16 @@ class ThinningPoint {
       bounds.high = (upper_limit(q) + sum * (1 + rounding) + error) * (1 + 0x1p-51);
     }
     return bounds;
+  }
+
+  // Bounds of |q_i| and of what the entries of M that are in the data add to it.
+  Bounds plain_bounds(std::size_t i) {
+    const Real q = abs(lcp_.q(i));
+    const double moved =
+        scale_ == BackwardScale::kComponentwise ? lcp_.plain_row_times(i, *z_) : lcp_.plain_row_sum(i) * z_norm();
+    const double rounding = static_cast<double>(lcp_.size() + 8) * 0x1p-52;
+    return {(lower_limit(q) + moved * (1 - rounding)) * (1 - 0x1p-50),
+            (upper_limit(q) + moved * (1 + rounding)) * (1 + 0x1p-50) + bounded::kLost};
   }
 
   // Violations of the island's rows, in double and without a bound on their error.
@@ -384,6 +401,7 @@ class ThinningPoint {
   const std::vector<Real>* w_;      // of the island's rows, as given or as eta() last found them
   std::vector<Real> own_z_, own_u_, own_w_;
   Rows island_;
+  Real floor_ = 0;
   Removal<Real> order_;
   std::vector<std::size_t> indices_;  // of order_
   std::size_t removed_ = 0;
@@ -463,7 +481,7 @@ BackwardError<Real> error_at(ThinningPoint<Real>& point, std::size_t removals, c
   return eta;
 }
 
-// Of the island that the point has entered.
+// Of the island that the point has entered; or a number that is at most its floor where the error is.
 template <class Real>
 BackwardError<Real> island_error(ThinningPoint<Real>& point) {
   std::optional<std::size_t> removals = point.least_removals();
@@ -482,6 +500,7 @@ BackwardError<Real> island_error(ThinningPoint<Real>& point) {
       demand_minimum(best, found.error, found.open);
       if (leading(found.error) < leading(best.error)) best.row = found.row;
       best.error = smaller(best.error, found.error);
+      if (!found.open && at_least(point.floor(), found.error)) break;
     }
     removals = point.next_removals();
   }
@@ -508,7 +527,7 @@ BackwardError<Real> mixed_backward_error(EvaluatedLcp<Real>& lcp, const std::vec
   ThinningPoint<Real> point(lcp, z, u, w, scale);
   BackwardError<Real> worst;
   for (std::size_t island = 0; island < islands.count(); ++island) {
-    point.enter(islands.rows(island));
+    point.enter(islands.rows(island), worst.error);
     const BackwardError<Real> error = island_error(point);
     if (leading(error.error) > leading(worst.error)) worst.row = error.row;
     worst.error = larger(worst.error, error.error);

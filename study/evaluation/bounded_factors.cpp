@@ -13,6 +13,8 @@ constexpr double kRoundedUp = 1 + 0x1p-20;
 constexpr std::size_t kLargestOrder = std::size_t{1} << 14;
 /// Of t |H 1|_1.
 constexpr double kLargestShare = 0x1p-6;
+/// An entry of H 1 that is larger is worth the inverse of U: it costs as much as the factors.
+constexpr double kLargeBound = 0x1p17;
 
 /// Added once to every sum, more than underflow may have lost in it.
 double sum_of(std::span<const double> x) {
@@ -27,7 +29,9 @@ bool BoundedFactors::add(std::span<const double> A, std::size_t n, double least)
   if (n == 0 || n > kLargestOrder) return false;
   work_.assign(A.begin(), A.end());
   column_.resize(n);
-  Factored matrix{.first = end_.size(), .order = n};
+  Factored matrix;
+  matrix.first = end_.size();
+  matrix.order = n;
   const std::size_t nonzeros = rows_.size() + n * (n - 1) / 2;
   rows_.reserve(nonzeros);
   values_.reserve(nonzeros);
@@ -41,33 +45,77 @@ bool BoundedFactors::add(std::span<const double> A, std::size_t n, double least)
     eliminate(j, n);
     end_.push_back(rows_.size());
   }
-  // Each entry of A is a sum of at most n products and one pivot, less the rounding of as many products and differences,
-  // of the inverse pivot and of the product with it: |E| <= gamma_(n + 6) |U| D |U'|, whose entries are at most 4 and a
-  // few roundings. In solve() each of the two triangular solutions adds n roundings of an entry of |U|, and the pivots
-  // three.
+  // Each entry of A is a sum of at most n products and one pivot, less the rounding of as many products and
+  // differences, of the inverse pivot and of the product with it: |E| <= gamma_(n + 6) |U| D |U'|, whose entries are at
+  // most 4 and a few roundings. In solve() each of the two triangular solutions adds n roundings of an entry of |U|,
+  // and the pivots three.
   const double order = static_cast<double>(n);
-  matrix.rounding = 4.5 * (order + 6) * bounded::kRoundoff;
   matrix.residual = 4.5 * (3 * order + 12) * bounded::kRoundoff;
   of_ones_.resize(end_.size());
-  const std::span<double> ones = std::span(of_ones_).subspan(matrix.first, n);
-  std::fill(ones.begin(), ones.end(), 1.0);
-  compare(matrix, ones);
-  const double share = matrix.rounding * sum_of(ones);
-  if (!(share < kLargestShare)) {
+  bool found = find_bound(matrix, least);
+  const auto ones = of_ones_.begin() + static_cast<std::ptrdiff_t>(matrix.first);
+  if (!found || *std::max_element(ones, of_ones_.end()) > kLargeBound) {
+    found = invert(matrix) && find_bound(matrix, least);
+  }
+  if (!found) {
     discard(matrix);
     return false;
   }
-  matrix.rounding *= kRoundedUp / (1 - share);
+  matrices_.push_back(matrix);
+  return true;
+}
+
+/// Finds the bound of |A^-1| 1. False where it does not prove A to have no eigenvalue below `least`.
+bool BoundedFactors::find_bound(Factored& matrix, double least) {
+  const std::span<double> ones = std::span(of_ones_).subspan(matrix.first, matrix.order);
+  std::fill(ones.begin(), ones.end(), 1.0);
+  compare(matrix, ones);
+  const double rounding = 4.5 * (static_cast<double>(matrix.order) + 6) * bounded::kRoundoff;
+  const double share = rounding * sum_of(ones);
+  if (!(share < kLargestShare)) return false;
+  matrix.rounding = rounding * kRoundedUp / (1 - share);
   double largest = 0;  // of |A^-1| in the maximum norm
   for (double& value : ones) {
     value *= (1 + share / (1 - share)) * kRoundedUp;
     largest = std::max(largest, value);
   }
-  if (!(largest * least < 1)) {
-    discard(matrix);
-    return false;
+  return largest * least < 1;
+}
+
+/// With Z = |U| |X| and s the largest sum of a column of g Z, each column of g Z (I - g Z)^-1 adds up to at most
+/// s / (1 - s): an entry of |U^-1| exceeds that of |X| by at most so much of the largest one in its row.
+bool BoundedFactors::invert(Factored& matrix) {
+  const std::size_t n = matrix.order;
+  matrix.inverse = inverses_.size();
+  inverses_.resize(inverses_.size() + n * n, 0.0);
+  double* const X = inverses_.data() + *matrix.inverse;
+  std::vector<double> sums(n, 1.0), largest(n, 1.0);  // of the columns of |U|; in the rows of |X|
+  double share = 0;
+  for (std::size_t j = 0; j < n; ++j) {
+    const std::size_t column = matrix.first + (n - 1 - j);
+    for (std::size_t e = begin(column); e < end_[column]; ++e) sums[j] += std::abs(values_[e]);
   }
-  matrices_.push_back(matrix);
+  for (std::size_t k = 0; k < n; ++k) {
+    double* const x = X + k * n;
+    x[k] = 1;
+    double of_column = 0;
+    for (std::size_t j = k + 1; j-- > 0;) {
+      if (x[j] == 0) continue;
+      const std::size_t column = matrix.first + (n - 1 - j);
+      for (std::size_t e = begin(column); e < end_[column]; ++e) x[rows_[e]] -= values_[e] * x[j];
+      x[j] = std::abs(x[j]);
+      of_column += sums[j] * x[j];
+      largest[j] = std::max(largest[j], x[j]);
+    }
+    share = std::max(share, of_column);
+  }
+  share *= (static_cast<double>(n) + 2) * bounded::kRoundoff * kRoundedUp;
+  if (!(share < kLargestShare)) return false;
+  for (std::size_t k = 0; k < n; ++k) {
+    for (std::size_t j = 0; j < k; ++j) {
+      X[k * n + j] = (X[k * n + j] + share / (1 - share) * largest[j]) * kRoundedUp + bounded::kLost;
+    }
+  }
   return true;
 }
 
@@ -103,6 +151,7 @@ void BoundedFactors::discard(const Factored& matrix) {
   of_ones_.resize(matrix.first);
   rows_.resize(begin(matrix.first));
   values_.resize(begin(matrix.first));
+  if (matrix.inverse) inverses_.resize(*matrix.inverse);
 }
 
 void BoundedFactors::solve(std::size_t index, std::span<double> x) const {
@@ -127,6 +176,10 @@ void BoundedFactors::solve(std::size_t index, std::span<double> x) const {
 
 /// b := H b, rounded. Sums of numbers >= 0.
 void BoundedFactors::compare(const Factored& matrix, std::span<double> b) const {
+  if (matrix.inverse) {
+    multiply_by_inverse(matrix, b);
+    return;
+  }
   const std::uint32_t* const rows = rows_.data();
   const double* const values = values_.data();
   const std::size_t n = matrix.order;
@@ -141,6 +194,21 @@ void BoundedFactors::compare(const Factored& matrix, std::span<double> b) const 
     double rest = b[j];
     for (std::size_t e = begin(column); e < end_[column]; ++e) rest += std::abs(values[e]) * b[rows[e]];
     b[j] = rest;
+  }
+}
+
+/// The same with |U^-1|.
+void BoundedFactors::multiply_by_inverse(const Factored& matrix, std::span<double> b) const {
+  const std::size_t n = matrix.order;
+  const double* const inverse = inverses_.data() + *matrix.inverse;
+  for (std::size_t j = 0; j < n; ++j) {
+    for (std::size_t i = 0; i < j; ++i) b[i] += inverse[j * n + i] * b[j];
+  }
+  for (std::size_t j = 0; j < n; ++j) b[j] *= inverse_pivots_[matrix.first + (n - 1 - j)];
+  for (std::size_t j = n; j-- > 0;) {
+    double sum = b[j];
+    for (std::size_t i = 0; i < j; ++i) sum += inverse[j * n + i] * b[i];
+    b[j] = sum;
   }
 }
 

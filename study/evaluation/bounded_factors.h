@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -42,12 +43,16 @@ class BoundedFactors {
     std::size_t first = 0;  ///< of its columns
     std::size_t order = 0;
     double residual = 0;
-    double rounding = 0;  ///< at least any |E_ij|, divided by 1 - rounding |H 1|_1
+    double rounding = 0;                 ///< at least any |E_ij|, divided by 1 - rounding |H 1|_1
+    std::optional<std::size_t> inverse;  ///< of |U^-1| in inverses_, where it replaces M(U)^-1
   };
 
   std::size_t begin(std::size_t column) const { return column == 0 ? 0 : end_[column - 1]; }
   void eliminate(std::size_t column, std::size_t n);
+  bool invert(Factored& matrix);
+  bool find_bound(Factored& matrix, double least);
   void compare(const Factored& matrix, std::span<double> b) const;
+  void multiply_by_inverse(const Factored& matrix, std::span<double> b) const;
   void discard(const Factored& matrix);
 
   std::vector<Factored> matrices_;
@@ -56,8 +61,9 @@ class BoundedFactors {
   std::vector<double> values_;
   std::vector<double> inverse_pivots_;  ///< 1 / D, the last one of a matrix first
   std::vector<double> of_ones_;
-  std::vector<double> work_;    ///< scratch of add(): what is left of A, by columns
-  std::vector<double> column_;  ///< and its column before the division by the pivot
+  std::vector<double> inverses_;  ///< n x n by columns, above the diagonal
+  std::vector<double> work_;      ///< scratch of add(): what is left of A, by columns
+  std::vector<double> column_;    ///< and its column before the division by the pivot
 };
 
 }  // namespace lcpbench

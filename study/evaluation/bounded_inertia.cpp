@@ -49,7 +49,7 @@ double largest_magnitude(std::span<const double> x) {
 struct Refinement {
   /// In memory of the caller's, which only grows.
   Refinement(std::size_t n, std::vector<double>& memory) {
-    const std::initializer_list<std::span<double>*> parts = {&b_high, &b_low, &b_error,  &high,       &low,
+    const std::initializer_list<std::span<double>*> parts = {&b_high, &b_low, &b_error,   &high,       &low,
                                                              &sum,    &rest,  &roundings, &correction, &bound};
     if (memory.size() < parts.size() * n) memory.resize(parts.size() * n);
     std::span<double> free = memory;
@@ -144,9 +144,9 @@ SubtractColumn subtract_column_of_level() {
   return subtract_column;
 }
 
-/// The residual in double, and a bound of its error. The leading parts are added without any. Of each column four numbers
-/// are rounded, by at most 2^-53 of what they become, which `roundings` sums up: two of the low parts, their difference
-/// from that of the sum, and the sum of these. The residual itself is the last.
+/// The residual in double, and a bound of its error. The leading parts are added without any. Of each column four
+/// numbers are rounded, by at most 2^-53 of what they become, which `roundings` sums up: two of the low parts, their
+/// difference from that of the sum, and the sum of these. The residual itself is the last.
 void Refinement::find_residual(const double* A) {
   const std::size_t n = sum.size();
   for (std::size_t i = 0; i < n; ++i) {
@@ -216,6 +216,7 @@ BoundedInertia::BoundedInertia(const Inertia& inertia) {
 void BoundedInertia::reserve(Index ngc) {
   const auto n = static_cast<std::size_t>(ngc);
   singles_.assign(n, 0);
+  inverse_diagonal_.assign(n, 0);
   units_.assign(n, 1);
   block_of_row_.assign(n, 0);
 }
@@ -257,6 +258,7 @@ void BoundedInertia::add_inertia(const Matrix& G, std::size_t offset) {
 void BoundedInertia::add_single(double inertia, std::size_t row) {
   well_defined_ = well_defined_ && inertia > 0x1p-600 && inertia < 0x1p600;
   singles_[row] = inertia;
+  inverse_diagonal_[row] = 1 / inertia;
 }
 
 /// Scales the rows and columns of G that the coordinates from `first` on name, and factors the block that they are.
@@ -268,6 +270,7 @@ bool BoundedInertia::add_block(const Matrix& G, std::size_t offset, std::size_t 
     const auto row = static_cast<Index>(rows[i] - offset);
     if (!(G(row, row) > 0x1p-600 && G(row, row) < 0x1p600)) return false;
     units_[rows[i]] = unit_of(G(row, row));
+    inverse_diagonal_[rows[i]] = 1 / G(row, row);
     block_of_row_[rows[i]] = blocks_.size();
   }
   entries_.resize(block.entries + block.size * block.size);
@@ -277,9 +280,9 @@ bool BoundedInertia::add_block(const Matrix& G, std::size_t offset, std::size_t 
     const double* const column_of_G = G.col(static_cast<Index>(rows[j] - offset)).data();
     const double unit = units_[rows[j]];
     double* const scaled = entries + j * block.size;
-    for (std::size_t i = 0; i < block.size; ++i) {
+    for (std::size_t i = 0; i <= j; ++i) {
       const double entry = column_of_G[rows[i] - offset];
-      scaled[i] = units_[rows[i]] * entry * unit;
+      scaled[i] = entries[i * block.size + j] = units_[rows[i]] * entry * unit;
       // As of any definite block; and so large that no bits were lost.
       const double magnitude = std::abs(scaled[i]);
       representable = representable && magnitude <= 4 && (magnitude > 0x1p-400 || entry == 0);
@@ -340,6 +343,19 @@ void BoundedInertia::solve(std::size_t b, BoundedVector& x) const {
   }
 }
 
+double BoundedInertia::least_energy(std::span<const std::size_t> rows, const double* entries) const {
+  double of_singles = 0, of_a_block = 0;
+  for (std::size_t e = 0; e < rows.size(); ++e) {
+    const double energy = entries[e] * entries[e] * inverse_diagonal_[rows[e]];
+    if (singles_[rows[e]] != 0) {
+      of_singles += energy;
+    } else {
+      of_a_block = std::max(of_a_block, energy);
+    }
+  }
+  return (of_singles + of_a_block) * (1 - 0x1p-20);
+}
+
 /// The block's coordinates of y: those of x times G, in the units of the block.
 void BoundedInertia::multiply(const Block& block, const BoundedVector& x, BoundedVector& y) const {
   const std::size_t n = block.size;
@@ -354,8 +370,8 @@ void BoundedInertia::multiply(const Block& block, const BoundedVector& x, Bounde
   for (std::size_t i = 0; i < n; ++i) y[rows[i]] = times_unit(sums_[i].value(), 1 / units_[rows[i]]);
 }
 
-/// The same, or |G| times x, in double. The sums of k products are off by (k + 1) 2^-53 of their magnitudes, and by what
-/// the leading parts of x leave out.
+/// The same, or |G| times x, in double. The sums of k products are off by (k + 1) 2^-53 of their magnitudes, and by
+/// what the leading parts of x leave out.
 void BoundedInertia::multiply_in_double(const Block& block, bool magnitudes, const BoundedVector& x,
                                         BoundedVector& y) const {
   const std::size_t n = block.size;

@@ -32,6 +32,9 @@ class BoundedInertia {
   void solve(BoundedVector& x, std::vector<std::size_t>& pattern) const;
   /// The same in double. Returns a bound on the error of any entry, which may be infinite.
   double estimate(std::vector<double>& x, std::vector<std::size_t>& pattern) const;
+  /// At most x'G* x for the x with these entries in `rows`, at their cost; 0 where only G* was given. Of a block with
+  /// the diagonal entry g of G in a row it is at least the square of x's entry over g.
+  double least_energy(std::span<const std::size_t> rows, const double* entries) const;
   /// G x.
   BoundedVector apply(const BoundedVector& x) const;
   /// The same by products in double, with the bound that they allow.
@@ -66,9 +69,10 @@ class BoundedInertia {
   /// Replaces the rows of a pattern by those that G* couples them to, and lists their blocks in touched_.
   void couple(std::vector<std::size_t>& pattern) const;
 
-  std::vector<double> singles_;  ///< per coordinate: its inertia where it is coupled to no other, else 0
-  std::vector<double> units_;    ///< per coordinate: it is its unit times the scaled one
-  std::vector<Block> blocks_;    ///< of the others
+  std::vector<double> singles_;           ///< per coordinate: its inertia where it is coupled to no other, else 0
+  std::vector<double> inverse_diagonal_;  ///< of each coordinate's entry of G, in double; 0 where only G* was given
+  std::vector<double> units_;             ///< per coordinate: it is its unit times the scaled one
+  std::vector<Block> blocks_;             ///< of the others
   std::vector<std::size_t> coordinates_;
   std::vector<double> entries_;
   BoundedFactors factors_;  ///< of each block

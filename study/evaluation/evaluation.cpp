@@ -146,6 +146,7 @@ Real ContactEvaluation<Real>::island_scale(std::size_t island) const {
   Real largest_q = 0;
   Real floor = 0;
   for (const std::size_t row : islands.rows(island)) {
+    if (lcp->representative(row) != row) continue;  // of the same magnitudes
     largest_q = larger(largest_q, abs(lcp->q(row)));
     floor = larger(floor, lcp->formation_error(row));
   }
@@ -158,8 +159,10 @@ Real ContactEvaluation<Real>::row_residual(std::size_t row, const RealVector& z,
     // A bound on M_ii mostly shows which of the two is smaller.
     if (row >= lcp->impulses()) {
       if (surely_equal(z[row], 0) && surely_less(0, w[row]) && inertia.has_inertia()) return 0;
-    } else if (surely_less(0, z[row]) && surely_less(abs(w[row]), z[row] * Real(lcp->least_diagonal(row)))) {
-      return abs(w[row]);
+    } else if (surely_less(0, z[row])) {
+      const Real velocity = abs(w[row]);
+      if (surely_less(velocity, z[row] * Real(lcp->plain_least_diagonal(row)))) return velocity;
+      if (surely_less(velocity, z[row] * Real(lcp->least_diagonal(row)))) return velocity;
     }
   }
   // M_ii is needed only where its factor is not zero.
@@ -253,7 +256,8 @@ void ContactEvaluation<Real>::measure(const RealVector& z, const RealVector& v_p
     inertia.solve(momentum);
     momentum = inertia.apply(momentum);
   }
-  const Real gain = dot(momentum, sum(v_plus, v)) / Real(2);
+  const bool at_rest = std::all_of(momentum.begin(), momentum.end(), [](const Real& x) { return surely_equal(x, 0); });
+  const Real gain = at_rest ? Real(0) : dot(momentum, sum(v_plus, v)) / Real(2);
   errors.work_gain_j = settled(gain);
   errors.forward_velocity = forward_velocity(v_plus);
 

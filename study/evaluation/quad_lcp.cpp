@@ -124,8 +124,8 @@ ContactLcp<Real>::ContactLcp(const ContactProblem& problem, const Inertia& inert
   const ContactLayout layout = contact_layout(problem);
   begin_.reserve(static_cast<std::size_t>(layout.lambda_offset()) + 1);
   const std::size_t nonzeros = count_nonzeros(problem.N) + count_nonzeros(problem.D);
-  rows_.reserve(nonzeros);
-  values_.reserve(nonzeros);
+  rows_.resize(nonzeros);
+  values_.resize(nonzeros);
   for (const Jacobian* const J : {&problem.N, &problem.D}) {
     for (Index j = 0; j < cols(*J); ++j) add_column(*J, j);
   }
@@ -138,19 +138,23 @@ ContactLcp<Real>::ContactLcp(const ContactProblem& problem, const Inertia& inert
 
 template <class Real>
 void ContactLcp<Real>::add_column(const Jacobian& J, Index column) {
-  const auto append = [this](Index row, double value) {
+  std::size_t end = begin_.back();
+  std::size_t* const rows = rows_.data();
+  double* const values = values_.data();
+  const auto append = [&](Index row, double value) {
     if (value == 0) return;
-    rows_.push_back(static_cast<std::size_t>(row));
-    values_.push_back(value);
+    rows[end] = static_cast<std::size_t>(row);
+    values[end++] = value;
   };
   if (const auto* dense = std::get_if<Matrix>(&J)) {
-    for (Index i = 0; i < dense->rows(); ++i) append(i, (*dense)(i, column));
+    const double* const entries = dense->col(column).data();
+    for (Index i = 0; i < dense->rows(); ++i) append(i, entries[i]);
   } else {
     for (SparseMatrix::InnerIterator entry(std::get<SparseMatrix>(J), column); entry; ++entry) {
       append(entry.row(), entry.value());
     }
   }
-  begin_.push_back(rows_.size());
+  begin_.push_back(end);
 }
 
 template <class Real>
@@ -318,8 +322,8 @@ Real ContactLcp<Real>::row(std::size_t i, const RealVector& z, const RealVector&
 template <class Real>
 void ContactLcp<Real>::fill_rows(std::span<const std::size_t> rows, const RealVector& z, const RealVector& u,
                                  RealVector& w) const {
-  const bool at_q = std::equal(u.begin(), u.end(), v_.begin(),
-                               [](const Real& a, const Real& b) { return is_same(a, b); });
+  const bool at_q =
+      std::equal(u.begin(), u.end(), v_.begin(), [](const Real& a, const Real& b) { return is_same(a, b); });
   for (const std::size_t i : rows) {
     if (i >= impulses()) {
       w[i] = cone_row(i - impulses(), z);
@@ -374,14 +378,19 @@ Real ContactLcp<Real>::diagonal(std::size_t i) {
 
 template <class Real>
 double ContactLcp<Real>::plain_row_times(std::size_t i, const RealVector& z) const {
-  if (i < impulses()) return i < contacts_ ? 0 : to_double(z[lambda_of_[i]]);
+  if (i < impulses()) {
+    const double of_diagonal = surely_equal(z[i], 0) ? 0 : plain_least_diagonal(i) * to_double(z[i]);
+    return i < contacts_ ? of_diagonal : to_double(z[lambda_of_[i]]) + of_diagonal;
+  }
   const std::size_t cone = i - impulses();
-  return std::abs(to_double(mu_[cone])) * to_double(z[normal_of_cone_[cone]]);
+  double sum = std::abs(to_double(mu_[cone])) * to_double(z[normal_of_cone_[cone]]);
+  for (std::size_t t = friction_of_cone_[cone]; t < friction_of_cone_[cone + 1]; ++t) sum += to_double(z[t]);
+  return sum;
 }
 
 template <class Real>
 double ContactLcp<Real>::plain_row_sum(std::size_t i) const {
-  if (i < impulses()) return i < contacts_ ? 0 : 1;
+  if (i < impulses()) return represented_[twin_[i]] * plain_least_diagonal(i) + (i < contacts_ ? 0 : 1);
   const std::size_t cone = i - impulses();
   return std::abs(to_double(mu_[cone])) + static_cast<double>(friction_of_cone_[cone + 1] - friction_of_cone_[cone]);
 }
@@ -526,6 +535,15 @@ double ContactLcp<Real>::column_scale(std::size_t j) const {
   if (j >= impulses()) return scale;
   for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) scale += std::abs(values_[e]);
   return scale * static_cast<double>(begin_[j + 1] - begin_[j] + 4);
+}
+
+template <class Real>
+double ContactLcp<Real>::plain_least_diagonal(std::size_t i) const {
+  if constexpr (std::is_same_v<Real, Bounded>) {
+    const std::size_t count = begin_[i + 1] - begin_[i];
+    return inertia_.least_energy(std::span(rows_).subspan(begin_[i], count), values_.data() + begin_[i]);
+  }
+  return 0;
 }
 
 template <class Real>

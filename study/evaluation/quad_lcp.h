@@ -71,8 +71,8 @@ class EvaluatedLcp {
   /// ||M_i||_1.
   virtual Real abs_row_sum(std::size_t i) = 0;
 
-  /// Lower bounds of abs_row_times() and abs_row_sum(), for z >= 0, by the entries of M that are in the data; but for
-  /// few roundings to double.
+  /// At most abs_row_times() and abs_row_sum(), for z >= 0 and in double: by those entries of M that are in the data,
+  /// all of a cone row and a friction row's of its lambda, and by a lower bound of M_ii.
   virtual double plain_row_times(std::size_t, const std::vector<Real>&) const { return 0; }
   virtual double plain_row_sum(std::size_t) const { return 0; }
 
@@ -153,7 +153,8 @@ class ContactLcp final : public EvaluatedLcp<Real> {
   double plain_row_times(std::size_t i, const RealVector& z) const override;
   double plain_row_sum(std::size_t i) const override;
   std::size_t representative(std::size_t j) const override { return j < impulses() ? twin_[j] : j; }
-  /// M_ii is at least this.
+  /// M_ii is at least this, found at the cost of the row's entries of J, or by an estimate of the row.
+  double plain_least_diagonal(std::size_t i) const;
   double least_diagonal(std::size_t i);
 
   std::size_t impulses() const { return begin_.size() - 1; }

@@ -1,6 +1,7 @@
 // The arithmetic in which the evaluation looks first: its bounds hold, and what they leave open is decided in 113 bits.
 #include "study/evaluation/bounded.h"
 
+#include <Eigen/QR>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -89,8 +90,8 @@ TEST(BoundedTest, SolveWithTheInertiaWithinTheBound) {
   }
 }
 
-// A chain as a robot's inertia is one: a branch of its tree is coupled to no other. The bound is no looser than a hundred
-// roundings of 106 bits times the condition, so that the residuals of accurate answers need no 113 bits.
+// A chain as a robot's inertia is one: a branch of its tree is coupled to no other. The bound is no looser than a
+// hundred roundings of 106 bits times the condition, so that the residuals of accurate answers need no 113 bits.
 TEST(BoundedTest, BoundTheErrorOfAChainTightly) {
   Draw draw(3);
   for (const Index n : {4, 9, 27}) {
@@ -118,6 +119,30 @@ TEST(BoundedTest, BoundTheErrorOfAChainTightly) {
       expect_enclosed(x[i], y[i], abs(y[i]) * 0x1p-105);
       EXPECT_LE(x[i].error, 100 * 0x1p-106 * condition * largest) << n << ' ' << i;
     }
+  }
+}
+
+// The comparison matrix of its factors would leave a million times as much open.
+TEST(BoundedTest, BoundTheErrorOfADenseIllConditionedInertia) {
+  Draw draw(5);
+  const Index n = 14;
+  const Matrix orthogonal = Eigen::HouseholderQR<Matrix>(draw.matrix(n, n)).householderQ();
+  const Vector spectrum = Vector::LinSpaced(n, 0, -8).unaryExpr([](double e) { return std::pow(10, e); });
+  Matrix G = orthogonal * spectrum.asDiagonal() * orthogonal.transpose();
+  G = Matrix(G.selfadjointView<Eigen::Lower>());
+  const BoundedInertia inertia{Inertia(DenseInertia{G})};
+  ASSERT_TRUE(inertia.well_defined());
+  const QuadInertia reference{Inertia(DenseInertia{G})};
+  const Vector b = draw.vector(n);
+  BoundedVector x(b.begin(), b.end());
+  QuadVector y(b.begin(), b.end());
+  inertia.solve(x);
+  reference.solve(y);
+  double largest = 0;
+  for (const Bounded& value : x) largest = std::max(largest, std::abs(value.high));
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    expect_enclosed(x[i], y[i], abs(y[i]) * 0x1p-80);
+    EXPECT_LE(x[i].error, 100 * 0x1p-106 * 1e8 * largest) << i;
   }
 }
 
