@@ -8,6 +8,7 @@
 #include "native/auto/islands.h"
 #include "native/contact_lemke/contact_lemke.h"
 #include "native/contacts/block_inverse.h"
+#include "native/sor/psor.h"
 
 namespace lcpbench {
 namespace {
@@ -214,7 +215,7 @@ bool Attempts::holds(const SolveRequest& request, const AutoLimits& limits, Answ
 
 /// Whether the impulses of least energy are an answer: they are where one has no contact that slips.
 bool Attempts::rests(const SolveRequest& request, const AutoLimits& limits, Answer& answer, AutoReport& report) {
-  if (!(takes_turns_ || is_loaded(AutoMethod::kContactLemke))) return false;
+  if (!(is_loaded(AutoMethod::kContactLemke) || fits_in_advance(AutoMethod::kContactLemke, *problem_))) return false;
   if (!(limits.time() > 0) || limits.exhausted(report.counters())) return false;
   if (!has_least_energy_) load_least_energy();
   Counters work{.pivots = limits.max_pivots > 0 ? limits.pivots(report.counters()) : 0};
@@ -268,6 +269,8 @@ void Attempts::solve(const SolveRequest& request, const AutoLimits& limits, Answ
 void Attempts::respond(const Answer& answer, Vector& u) {
   if (answered_by_ == AutoMethod::kContactLemke) {
     static_cast<ContactLemke&>(*answered_).respond(answer.z, u);
+  } else if (answered_by_ == AutoMethod::kPsor) {
+    static_cast<LimitedPsor&>(*answered_).respond(answer.z, u);
   } else {
     const ContactProblem& contact = *problem_->contact();
     Vector impulse = Vector::Zero(v_.size());

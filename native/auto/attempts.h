@@ -59,7 +59,7 @@ class Attempts {
   /// True if a solve before the next update() uses another method in place of velocity_ipm. That method may take a
   /// hundred times as long.
   bool has_stand_in() const {
-    return plan_.front().method == AutoMethod::kVelocityIpm || plan_.front().method == AutoMethod::kPsor;
+    return plan_.front().method == AutoMethod::kVelocityIpm || sweeps_ > 0;
   }
 
   /// Another velocity. Loads the first method if it was put off, or if the new velocity changes the plan.
@@ -70,7 +70,7 @@ class Attempts {
   /// @param request its time limit is not used: limits has it
   void solve(const SolveRequest& request, const AutoLimits& limits, Answer& answer, AutoReport& report);
 
-  /// The velocity of an answer that came without. O(ngc^2)
+  /// The velocity of an answer that came without. O(ngc^2), after psor O(nonzeros)
   void respond(const Answer& answer, Vector& u);
 
  private:
