@@ -74,15 +74,14 @@ class Removal {
     impulse_ = lambda_ = 0;
     ordered_ = false;
     order_.clear();
-    order_.reserve(rows.size());
-    for (const std::size_t i : rows) {
-      double& largest = i < lambdas_from_ ? impulse_ : lambda_;
-      largest = std::max(largest, std::abs(to_double(z[i])));
-    }
     for (const std::size_t i : rows) {
       const double magnitude = std::abs(to_double(z[i]));
-      if (magnitude != 0) order_.push_back({magnitude, magnitude / largest(i), i});
+      if (magnitude == 0) continue;
+      double& largest_of_kind = i < lambdas_from_ ? impulse_ : lambda_;
+      largest_of_kind = std::max(largest_of_kind, magnitude);
+      order_.push_back({magnitude, 0, i});
     }
+    for (Entry& entry : order_) entry.rounded = entry.magnitude / largest(entry.index);
   }
   void order() {
     if (!std::exchange(ordered_, true)) std::sort(order_.begin(), order_.end(), Earlier{*this});
@@ -219,7 +218,6 @@ class ThinningPoint {
     const Limit<Real> enough = std::is_same_v<Real, Quad> ? kInfinity : upper_limit(best) * (1 + 0x1p-50);
     if (removed_ > 0) lcp_.fill_rows(island_, own_z_, own_u_, own_w_);
     rows_.clear();
-    rows_.reserve(island_.size());
     const bool at_once = std::is_same_v<Real, Quad> && estimated();
     for (const std::size_t i : island_) {
       const Real& w_i = (*w_)[i];

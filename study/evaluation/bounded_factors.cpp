@@ -176,10 +176,15 @@ void BoundedFactors::solve(std::size_t index, std::span<double> x) const {
     x[j] = known * inverse_pivots_[column];
   }
   for (std::size_t j = 0; j < n; ++j) {
-    const std::size_t column = matrix.first + (n - 1 - j);
-    double rest = x[j];
-    for (std::size_t e = begin(column); e < end_[column]; ++e) rest -= values[e] * x[rows[e]];
-    x[j] = rest;
+    const std::size_t column = matrix.first + (n - 1 - j), end = end_[column];
+    double even = 0, odd = 0;  // two sums, which do not wait for each other
+    std::size_t e = begin(column);
+    for (; e + 1 < end; e += 2) {
+      even += values[e] * x[rows[e]];
+      odd += values[e + 1] * x[rows[e + 1]];
+    }
+    if (e < end) even += values[e] * x[rows[e]];
+    x[j] -= even + odd;
   }
 }
 

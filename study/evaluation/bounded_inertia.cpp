@@ -41,11 +41,13 @@ bool is_representable(double scaled, double entry) {
   return magnitude <= 4 && (magnitude > 0x1p-400 || entry == 0);
 }
 
-/// Multiplies each entry by its unit and by that of the column. Whether all are representable.
-bool scale_column(const double* column, const double* units, double unit, std::size_t n, double* scaled) {
-  bool representable = true;
+/// Multiplies the n entries of column j by their units and by that of the column. Whether those up to the diagonal are
+/// representable: those below are the same.
+bool scale_column(const double* column, const double* units, std::size_t j, std::size_t n, double* scaled) {
+  const double unit = units[j];
   for (std::size_t i = 0; i < n; ++i) scaled[i] = units[i] * column[i] * unit;
-  for (std::size_t i = 0; i < n && representable; ++i) representable = is_representable(scaled[i], column[i]);
+  bool representable = true;
+  for (std::size_t i = 0; i <= j && representable; ++i) representable = is_representable(scaled[i], column[i]);
   return representable;
 }
 
@@ -299,14 +301,13 @@ bool BoundedInertia::add_block(const Matrix& G, std::size_t offset, std::size_t 
   bool representable = true;
   for (std::size_t j = 0; j < block.size; ++j) {
     const double* const column_of_G = G.col(static_cast<Index>(rows[j] - offset)).data();
-    const double unit = units_[rows[j]];
     double* const scaled = entries + j * block.size;
     if (whole) {
-      representable = scale_column(column_of_G, units_.data() + offset, unit, block.size, scaled) && representable;
+      representable = scale_column(column_of_G, units_.data() + offset, j, block.size, scaled) && representable;
       continue;
     }
     for (std::size_t i = 0; i < block.size; ++i) {
-      scaled[i] = units_[rows[i]] * column_of_G[rows[i] - offset] * unit;
+      scaled[i] = units_[rows[i]] * column_of_G[rows[i] - offset] * units_[rows[j]];
       representable = representable && is_representable(scaled[i], column_of_G[rows[i] - offset]);
     }
   }

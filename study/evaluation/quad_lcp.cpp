@@ -373,7 +373,9 @@ void ContactLcp<Real>::remove(std::size_t j, Real value, RealVector& u) {
 template <class Real>
 Real ContactLcp<Real>::cone_row(std::size_t cone, const RealVector& z) const {
   Real slack = mu_[cone] * z[normal_of_cone_[cone]];
-  for (std::size_t t = friction_of_cone_[cone]; t < friction_of_cone_[cone + 1]; ++t) slack -= z[t];
+  for (std::size_t t = friction_of_cone_[cone]; t < friction_of_cone_[cone + 1]; ++t) {
+    if (!surely_equal(z[t], 0)) slack -= z[t];
+  }
   return slack;
 }
 
@@ -575,7 +577,7 @@ void ContactLcp<Real>::fill_row(std::size_t i, MagnitudeEstimate::Row& row, Magn
     estimate.add(j, entry);
     row.sum += represented_[j] * entry;
   };
-  if (4 * estimate_pattern_.size() >= v_.size()) {  // many columns have entries there
+  if (8 * estimate_pattern_.size() >= v_.size()) {  // to list the columns that have entries there costs more
     for (std::size_t j = 0; j < impulses(); ++j) add(j);
   } else {
     if (row_begin_.empty()) list_columns_of_rows();
