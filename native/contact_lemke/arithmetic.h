@@ -28,78 +28,105 @@ constexpr Count kTilePacks = 4;
 /// Of those, for all sides together, up to which two rows are taken at a time.
 constexpr Count kMostInPairs = 4;
 
-/// `kSides` combinations of the same rows.
-template <class Scalar, Count kSides>
-struct Combination {
-  const Scalar* coefficients[static_cast<std::size_t>(kSides)];
-  Scalar* out[static_cast<std::size_t>(kSides)];
-};
-
-/// A function of its own: products of a few rows would otherwise begin with saving what tiles of all sizes need.
+/// The sums of kPacks packs on kSides sides: sum over k < count of coefficients[side][k] row_k.
 template <Count kPacks, class Scalar, Count kSides>
-[[gnu::noinline]] void combine_tile(const Scalar* rows, Count stride, Count count, Combination<Scalar, kSides> sides,
-                                    Count at) {
+struct TileSums {
   using P = Packed<Scalar>;
-  using Sums = typename P::Pack[static_cast<std::size_t>(kSides)][static_cast<std::size_t>(kPacks)];
-  Sums sums;
-  for (Count s = 0; s < kSides; ++s) {
-    for (Count p = 0; p < kPacks; ++p) sums[s][p] = typename P::Pack{};
-  }
-  const Scalar* row = rows + at;
-  Count k = 0;
-  if constexpr (P::kWidth > 1 && kSides * kPacks <= kMostInPairs) {  // halves the additions that wait for one another
-    Sums others;
-    for (Count s = 0; s < kSides; ++s) {
-      for (Count p = 0; p < kPacks; ++p) others[s][p] = typename P::Pack{};
-    }
-    for (; k + 1 < count; k += 2, row += 2 * stride) {
-      for (Count p = 0; p < kPacks; ++p) {
-        const typename P::Pack first = P::load(row + p * P::kWidth);
-        const typename P::Pack second = P::load(row + stride + p * P::kWidth);
-        for (Count s = 0; s < kSides; ++s) {
-          sums[s][p] += first * sides.coefficients[s][k];
-          others[s][p] += second * sides.coefficients[s][k + 1];
+  using Pack = typename P::Pack;
+  using Sums = Pack[static_cast<std::size_t>(kSides)][static_cast<std::size_t>(kPacks)];
+
+  [[gnu::always_inline]] inline TileSums(const Scalar* row, Count stride, Count count,
+                                         const Scalar* const (&coefficients)[static_cast<std::size_t>(kSides)]) {
+    clear(of);
+    Count k = 0;
+    if constexpr (P::kWidth > 1 && kSides * kPacks <= kMostInPairs) {  // halves the additions that wait for one another
+      Sums others;
+      clear(others);
+      for (; k + 1 < count; k += 2, row += 2 * stride) {
+        for (Count p = 0; p < kPacks; ++p) {
+          const Pack first = P::load(row + p * P::kWidth);
+          const Pack second = P::load(row + stride + p * P::kWidth);
+          for (Count s = 0; s < kSides; ++s) {
+            of[s][p] += first * coefficients[s][k];
+            others[s][p] += second * coefficients[s][k + 1];
+          }
         }
       }
+      for (Count s = 0; s < kSides; ++s) {
+        for (Count p = 0; p < kPacks; ++p) of[s][p] += others[s][p];
+      }
     }
+    for (; k < count; ++k, row += stride) {
+      for (Count p = 0; p < kPacks; ++p) {
+        const Pack entries = P::load(row + p * P::kWidth);
+        for (Count s = 0; s < kSides; ++s) of[s][p] += entries * coefficients[s][k];
+      }
+    }
+  }
+
+  Sums of;
+
+ private:
+  [[gnu::always_inline]] static inline void clear(Sums& sums) {
     for (Count s = 0; s < kSides; ++s) {
-      for (Count p = 0; p < kPacks; ++p) sums[s][p] += others[s][p];
+      for (Count p = 0; p < kPacks; ++p) sums[s][p] = Pack{};
     }
   }
-  for (; k < count; ++k, row += stride) {
-    for (Count p = 0; p < kPacks; ++p) {
-      const typename P::Pack entries = P::load(row + p * P::kWidth);
-      for (Count s = 0; s < kSides; ++s) sums[s][p] += entries * sides.coefficients[s][k];
-    }
-  }
-  for (Count s = 0; s < kSides; ++s) {
-    for (Count p = 0; p < kPacks; ++p) P::store(sides.out[s] + at + p * P::kWidth, sums[s][p]);
-  }
-}
+};
 
-/// out_s[i] = sum over k < count of coefficients_s[k] rows[k * stride + i], for i < length.
-template <class Scalar, Count kSides>
-inline void combine(const Scalar* rows, Count stride, Count count, const Combination<Scalar, kSides>& sides,
-                    Count length) {
+// Functions of their own for each number of packs: products of a few rows would otherwise begin with saving what tiles
+// of all sizes need.
+
+template <Count kPacks, class Scalar>
+[[gnu::noinline]] void combine_tile(const Scalar* rows, Count stride, Count count, const Scalar* coefficients,
+                                    Scalar* out) {
   using P = Packed<Scalar>;
-  Count packs = P::padded(length) / P::kWidth;
-  Count at = 0;
-  for (; packs > kTilePacks; packs -= kTilePacks, at += kTilePacks * P::kWidth) {
-    combine_tile<kTilePacks>(rows, stride, count, sides, at);
-  }
-  switch (packs) {
-    case 4: return combine_tile<4>(rows, stride, count, sides, at);
-    case 3: return combine_tile<3>(rows, stride, count, sides, at);
-    case 2: return combine_tile<2>(rows, stride, count, sides, at);
-    case 1: return combine_tile<1>(rows, stride, count, sides, at);
-    default: return;
-  }
+  const TileSums<kPacks, Scalar, 1> sums(rows, stride, count, {coefficients});
+  for (Count p = 0; p < kPacks; ++p) P::store(out + p * P::kWidth, sums.of[0][p]);
 }
 
+template <Count kPacks, class Scalar>
+[[gnu::noinline]] void combine_tile_onto(const Scalar* rows, Count stride, Count count, const Scalar* coefficients,
+                                         const Scalar* start, Scalar* out) {
+  using P = Packed<Scalar>;
+  const TileSums<kPacks, Scalar, 1> sums(rows, stride, count, {coefficients});
+  for (Count p = 0; p < kPacks; ++p) P::store(out + p * P::kWidth, sums.of[0][p] + P::load(start + p * P::kWidth));
+}
+
+template <Count kPacks>
+struct PackCount {
+  static constexpr Count kValue = kPacks;
+};
+
+/// Calls tile(PackCount, first entry) for tiles that cover `length` entries.
+template <class Scalar, class Tile>
+[[gnu::always_inline]] inline void for_each_tile(Count length, const Tile& tile) {
+  constexpr Count kWidth = Packed<Scalar>::kWidth;
+  Count at = 0;
+  for (; length - at > kTilePacks * kWidth; at += kTilePacks * kWidth) tile(PackCount<kTilePacks>{}, at);
+  const Count left = length - at;
+  if (left > 3 * kWidth) return tile(PackCount<4>{}, at);
+  if (left > 2 * kWidth) return tile(PackCount<3>{}, at);
+  if (left > kWidth) return tile(PackCount<2>{}, at);
+  if (left > 0) tile(PackCount<1>{}, at);
+}
+
+/// out[i] = sum over k < count of coefficients[k] rows[k * stride + i], for i < length.
 template <class Scalar>
 inline void combine(const Scalar* rows, Count stride, Count count, const Scalar* coefficients, Scalar* out,
                     Count length) {
-  combine(rows, stride, count, Combination<Scalar, 1>{{coefficients}, {out}}, length);
+  for_each_tile<Scalar>(length, [&](auto packs, Count at) {
+    combine_tile<decltype(packs)::kValue>(rows + at, stride, count, coefficients, out + at);
+  });
+}
+
+/// The same, added to start[i].
+template <class Scalar>
+inline void combine_onto(const Scalar* rows, Count stride, Count count, const Scalar* coefficients, const Scalar* start,
+                         Scalar* out, Count length) {
+  for_each_tile<Scalar>(length, [&](auto packs, Count at) {
+    combine_tile_onto<decltype(packs)::kValue>(rows + at, stride, count, coefficients, start + at, out + at);
+  });
 }
 
 /// y += a x

@@ -72,8 +72,9 @@ class Kernel {
   void solve(const Scalar* r, Scalar* x) const { combine(inverse_.data(), stride_, order_, r, x, order_); }
   /// u := sum of x_j c_j
   void respond(const Scalar* x, Scalar* u) const { combine(columns_.data(), padded_ngc_, order_, x, u, padded_ngc_); }
-  void respond(const Scalar* x, const Scalar* y, Scalar* u, Scalar* v) const {
-    combine(columns_.data(), padded_ngc_, order_, Combination<Scalar, 2>{{x, y}, {u, v}}, padded_ngc_);
+  /// u := start + sum of x_j c_j
+  void respond_from(const Scalar* start, const Scalar* x, Scalar* u) const {
+    combine_onto(columns_.data(), padded_ngc_, order_, x, start, u, padded_ngc_);
   }
   /// r := b_r'u for all rows
   void measure(const Scalar* u, Scalar* r) const { combine(rows_.data(), stride_, ngc_, u, r, order_); }

@@ -176,7 +176,7 @@ class Path {
   /// z0 enters for the velocity that needs it most. False when z = 0 solves the problem.
   bool choose_first(Entering& entering) {
     x_[0] = 0;
-    compute_normal_velocities<1>();
+    compute_normal_velocities();
     Label worst;
     Scalar most = 0;
     for (Count c = 0; c < contacts_.nc(); ++c) offer(Label{c, kNormal}, ratio_test_.values()[c], most, worst);
@@ -291,15 +291,18 @@ class Path {
   void refine_large_rates(Count row);
   Scalar measure_rates(Count row);
   void refine_rates();
-  template <Count kSides>
-  void compute_normal_velocities();
   Scalar artificial_value() const { return artificial_ >= 0 ? x_[artificial_] : Scalar(0); }
   Scalar artificial_rate() const { return artificial_ >= 0 ? dx_[artificial_] : Scalar(0); }
   Scalar compute_candidates(const Entering& entering);
   void compute_column_candidates();
   void compute_base_values(const Entering& entering);
   Scalar simplex_weight(Label label) const { return label.is_normal() ? contacts_.mu(label.contact) : Scalar(-1); }
-  void compute_contact_candidates(Count contact, const Entering& entering, LeastRatio<Scalar>& least);
+  void compute_normal_velocities() {
+    const Count length = contacts_.padded_nc();
+    combine(contacts_.normals(), length, contacts_.ngc(), u_.data(), ratio_test_.values(), length);
+  }
+  void offer_normals(LeastRatio<Scalar>& least);
+  void offer_contact(Count contact, const Entering& entering, Count first, LeastRatio<Scalar>& least);
   /// Where slip ends, lambda and the slip in the opposite direction reach zero together. As a candidate in larger units
   /// lambda leaves first, so that friction unused stays unused instead of being spent on opposite directions.
   static constexpr double kStickingFirst = 4;
