@@ -25,6 +25,8 @@ void fill_with_zeros(Count size, Buffer<Scalar>& first, More&... more) {
 
 /// Packs of the output that stay in registers at a time.
 constexpr Count kTilePacks = 4;
+template <class Scalar>
+constexpr Count kTileLength = kTilePacks * Packed<Scalar>::kWidth;
 /// Of those, for all sides together, up to which two rows are taken at a time.
 constexpr Count kMostInPairs = 4;
 
@@ -42,25 +44,16 @@ struct TileSums {
     if constexpr (P::kWidth > 1 && kSides * kPacks <= kMostInPairs) {  // halves the additions that wait for one another
       Sums others;
       clear(others);
-      for (; k + 1 < count; k += 2, row += 2 * stride) {
-        for (Count p = 0; p < kPacks; ++p) {
-          const Pack first = P::load(row + p * P::kWidth);
-          const Pack second = P::load(row + stride + p * P::kWidth);
-          for (Count s = 0; s < kSides; ++s) {
-            of[s][p] += first * coefficients[s][k];
-            others[s][p] += second * coefficients[s][k + 1];
-          }
-        }
+      for (const Count pairs = count & ~Count(1); k != pairs; k += 2, row += 2 * stride) {
+        add(row, coefficients, k, of);
+        add(row + stride, coefficients, k + 1, others);
       }
       for (Count s = 0; s < kSides; ++s) {
         for (Count p = 0; p < kPacks; ++p) of[s][p] += others[s][p];
       }
-    }
-    for (; k < count; ++k, row += stride) {
-      for (Count p = 0; p < kPacks; ++p) {
-        const Pack entries = P::load(row + p * P::kWidth);
-        for (Count s = 0; s < kSides; ++s) of[s][p] += entries * coefficients[s][k];
-      }
+      if (k != count) add(row, coefficients, k, of);
+    } else {
+      for (; k != count; ++k, row += stride) add(row, coefficients, k, of);
     }
   }
 
@@ -70,6 +63,15 @@ struct TileSums {
   [[gnu::always_inline]] static inline void clear(Sums& sums) {
     for (Count s = 0; s < kSides; ++s) {
       for (Count p = 0; p < kPacks; ++p) sums[s][p] = Pack{};
+    }
+  }
+
+  [[gnu::always_inline]] static inline void add(const Scalar* row,
+                                                const Scalar* const (&coefficients)[static_cast<std::size_t>(kSides)],
+                                                Count k, Sums& sums) {
+    for (Count p = 0; p < kPacks; ++p) {
+      const Pack entries = P::load(row + p * P::kWidth);
+      for (Count s = 0; s < kSides; ++s) sums[s][p] += entries * coefficients[s][k];
     }
   }
 };
@@ -98,25 +100,47 @@ struct PackCount {
   static constexpr Count kValue = kPacks;
 };
 
+/// Calls tile(PackCount) for `length` entries. @pre they fit one tile
+template <class Scalar, class Tile>
+[[gnu::always_inline]] inline void choose_tile(Count length, const Tile& tile) {
+  constexpr Count kWidth = Packed<Scalar>::kWidth;
+  if (length > 3 * kWidth) return tile(PackCount<4>{});
+  if (length > 2 * kWidth) return tile(PackCount<3>{});
+  if (length > kWidth) return tile(PackCount<2>{});
+  if (length > 0) tile(PackCount<1>{});
+}
+
 /// Calls tile(PackCount, first entry) for tiles that cover `length` entries.
 template <class Scalar, class Tile>
 [[gnu::always_inline]] inline void for_each_tile(Count length, const Tile& tile) {
-  constexpr Count kWidth = Packed<Scalar>::kWidth;
   Count at = 0;
-  for (; length - at > kTilePacks * kWidth; at += kTilePacks * kWidth) tile(PackCount<kTilePacks>{}, at);
-  const Count left = length - at;
-  if (left > 3 * kWidth) return tile(PackCount<4>{}, at);
-  if (left > 2 * kWidth) return tile(PackCount<3>{}, at);
-  if (left > kWidth) return tile(PackCount<2>{}, at);
-  if (left > 0) tile(PackCount<1>{}, at);
+  for (; length - at > kTileLength<Scalar>; at += kTileLength<Scalar>) tile(PackCount<kTilePacks>{}, at);
+  choose_tile<Scalar>(length - at, [&](auto packs) { tile(packs, at); });
+}
+
+template <class Scalar>
+[[gnu::noinline]] void combine_long(const Scalar* rows, Count stride, Count count, const Scalar* coefficients,
+                                    Scalar* out, Count length) {
+  for_each_tile<Scalar>(length, [&](auto packs, Count at) {
+    combine_tile<packs.kValue>(rows + at, stride, count, coefficients, out + at);
+  });
 }
 
 /// out[i] = sum over k < count of coefficients[k] rows[k * stride + i], for i < length.
 template <class Scalar>
 inline void combine(const Scalar* rows, Count stride, Count count, const Scalar* coefficients, Scalar* out,
                     Count length) {
+  if (length > kTileLength<Scalar>) return combine_long(rows, stride, count, coefficients, out, length);
+  choose_tile<Scalar>(length, [&](auto packs) {
+    combine_tile<packs.kValue>(rows, stride, count, coefficients, out);
+  });
+}
+
+template <class Scalar>
+[[gnu::noinline]] void combine_long_onto(const Scalar* rows, Count stride, Count count, const Scalar* coefficients,
+                                         const Scalar* start, Scalar* out, Count length) {
   for_each_tile<Scalar>(length, [&](auto packs, Count at) {
-    combine_tile<decltype(packs)::kValue>(rows + at, stride, count, coefficients, out + at);
+    combine_tile_onto<packs.kValue>(rows + at, stride, count, coefficients, start + at, out + at);
   });
 }
 
@@ -124,8 +148,9 @@ inline void combine(const Scalar* rows, Count stride, Count count, const Scalar*
 template <class Scalar>
 inline void combine_onto(const Scalar* rows, Count stride, Count count, const Scalar* coefficients, const Scalar* start,
                          Scalar* out, Count length) {
-  for_each_tile<Scalar>(length, [&](auto packs, Count at) {
-    combine_tile_onto<decltype(packs)::kValue>(rows + at, stride, count, coefficients, start + at, out + at);
+  if (length > kTileLength<Scalar>) return combine_long_onto(rows, stride, count, coefficients, start, out, length);
+  choose_tile<Scalar>(length, [&](auto packs) {
+    combine_tile_onto<packs.kValue>(rows, stride, count, coefficients, start, out);
   });
 }
 

@@ -181,7 +181,7 @@ template <class Scalar>
   const Scalar z0 = artificial_value();
   const Scalar dz0 = artificial_rate();
   for_each_tile<Scalar>(length, [&](auto packs, Count at) {
-    const TileSums<decltype(packs)::kValue, Scalar, 2> sums(contacts_.normals() + at, length, contacts_.ngc(),
+    const TileSums<packs.kValue, Scalar, 2> sums(contacts_.normals() + at, length, contacts_.ngc(),
                                                             {u_.data(), du_.data()});
     for (Count p = 0; p < packs.kValue; ++p) {
       const Count i = at + p * P::kWidth;
@@ -242,7 +242,7 @@ template <class Scalar>
   Scalar* const slip = slip_.data();
   Scalar* const slip_rate = slip + contacts_.most_padded_half();
   for_each_tile<Scalar>(width, [&, block = contacts_.block(contact)](auto packs, Count at) {
-    const TileSums<decltype(packs)::kValue, Scalar, 2> sums(block + at, width, contacts_.ngc(),
+    const TileSums<packs.kValue, Scalar, 2> sums(block + at, width, contacts_.ngc(),
                                                             {u_.data(), du_.data()});
     for (Count p = 0; p < packs.kValue; ++p) {
       P::store(slip + at + p * P::kWidth, sums.of[0][p]);
