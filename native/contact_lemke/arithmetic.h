@@ -177,6 +177,60 @@ inline Scalar dot(const Scalar* x, const Scalar* y, Count length) {
   return P::sum(sum);
 }
 
+#if defined(__AVX2__)
+/// The four squares of a 4 x 4 matrix, each in the place of the one that it mirrors.
+inline void transpose_square(const double* from, Count stride, double* to, Count to_stride) {
+  using P = Packed<double>;
+  using Pack = P::Pack;
+  const Pack a = P::load(from), b = P::load(from + stride);
+  const Pack c = P::load(from + 2 * stride), d = P::load(from + 3 * stride);
+  const Pack ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6), ab_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+  const Pack cd_even = __builtin_shufflevector(c, d, 0, 4, 2, 6), cd_odd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+  P::store(to, __builtin_shufflevector(ab_even, cd_even, 0, 1, 4, 5));
+  P::store(to + to_stride, __builtin_shufflevector(ab_odd, cd_odd, 0, 1, 4, 5));
+  P::store(to + 2 * to_stride, __builtin_shufflevector(ab_even, cd_even, 2, 3, 6, 7));
+  P::store(to + 3 * to_stride, __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7));
+}
+#endif
+
+/// P::sum() of as many packs as a pack has lanes.
+template <class Scalar>
+inline typename Packed<Scalar>::Pack sums_of(
+    const typename Packed<Scalar>::Pack (&packs)[static_cast<std::size_t>(Packed<Scalar>::kWidth)]) {
+  using P = Packed<Scalar>;
+  using Pack = typename P::Pack;
+  if constexpr (P::kWidth == 1) {
+    return packs[0];
+  } else if constexpr (P::kWidth == 4) {  // the additions of four sums() side by side
+    const auto halves = [](Pack a, Pack b) -> Pack {
+      return __builtin_shufflevector(a, b, 0, 1, 4, 5) + __builtin_shufflevector(a, b, 2, 3, 6, 7);
+    };
+    const Pack first = halves(packs[0], packs[1]), second = halves(packs[2], packs[3]);
+    const Pack sums =
+        __builtin_shufflevector(first, second, 0, 4, 2, 6) + __builtin_shufflevector(first, second, 1, 5, 3, 7);
+    return __builtin_shufflevector(sums, sums, 0, 2, 1, 3);
+  } else {
+    Pack sums = Pack{};
+    for (Count k = 0; k < P::kWidth; ++k) sums[k] = P::sum(packs[k]);
+    return sums;
+  }
+}
+
+/// The dot products of x with kWidth vectors, each bit for bit as dot() has it.
+template <class Scalar>
+inline typename Packed<Scalar>::Pack dots(const Scalar* x,
+                                          const Scalar* const (&y)[static_cast<std::size_t>(Packed<Scalar>::kWidth)],
+                                          Count length) {
+  using P = Packed<Scalar>;
+  typename P::Pack sums[static_cast<std::size_t>(P::kWidth)];
+  for (Count k = 0; k < P::kWidth; ++k) sums[k] = typename P::Pack{};
+  for (Count i = 0; i < length; i += P::kWidth) {
+    const typename P::Pack factors = P::load(x + i);
+    for (Count k = 0; k < P::kWidth; ++k) sums[k] += factors * P::load(y[k] + i);
+  }
+  return sums_of<Scalar>(sums);
+}
+
 /// Of the pack that begins with entry `first`, those of `count` entries; zeros for what comes after them.
 template <class Scalar>
 inline typename Packed<Scalar>::Pack entries_of(typename Packed<Scalar>::Pack pack, Count first, Count count) {
