@@ -30,15 +30,15 @@ class Path {
     response_.reserve(input);
     kernel_.reserve(contacts_.ngc(), most_rows());
     polish_.reserve(contacts_.ngc());
-    friction_.reserve(contacts_.nc());
+    friction_.reserve(contacts_.nc() + 1);
     ratio_test_.reserve();
     Buffer<Scalar>* const by_coordinate[] = {&u_,    &du_, &entering_response_, &column_, &row_, &basis_velocity_,
                                              &drift_};
     for (Buffer<Scalar>* buffer : by_coordinate) buffer->resize(contacts_.padded_ngc());
     Buffer<Scalar>* const by_row[] = {&x_, &dx_, &residual_, &coefficients_};
     for (Buffer<Scalar>* buffer : by_row) buffer->resize(kernel_.stride());
-    Buffer<Scalar>* const by_contact[] = {&base_value_, &base_rate_, &impulse_norm_};
-    for (Buffer<Scalar>* buffer : by_contact) buffer->resize(contacts_.nc());
+    Buffer<Scalar>* const by_contact[] = {&base_value_, &base_rate_, &impulse_norm_, &simplex_size_};
+    for (Buffer<Scalar>* buffer : by_contact) buffer->resize(contacts_.nc() + 1);
     covering_.reserve();
     slip_.resize(2 * contacts_.most_padded_half());
   }
@@ -49,7 +49,9 @@ class Path {
     response_.load(input);
     fill_with_zeros(contacts_.padded_ngc(), u_, du_, entering_response_, column_, row_);
     kernel_.clear();
-    friction_.clear(contacts_.nc());
+    friction_.clear(contacts_.nc() + 1);
+    for (Count c = 0; c < contacts_.nc(); ++c) simplex_size_[c] = contacts_.mu(c);
+    simplex_size_[contacts_.nc()] = 0;
     has_basis_ = false;
     polish_.load(contacts_.ngc());
   }
@@ -160,7 +162,7 @@ class Path {
   void begin() {
     kernel_.clear();
     resumed_ = false;
-    friction_.clear(contacts_.nc());
+    friction_.clear(contacts_.nc() + 1);
     ratio_test_.allow_normals();
     covering_.choose(rules_.classic, rules_.variant);
     speed_scale_ = contacts_.reach() * contacts_.speed();
@@ -306,6 +308,7 @@ class Path {
   /// Where slip ends, lambda and the slip in the opposite direction reach zero together. As a candidate in larger units
   /// lambda leaves first, so that friction unused stays unused instead of being spent on opposite directions.
   static constexpr double kStickingFirst = 4;
+  static constexpr Scalar kNoneOrOne[2] = {0, 1};
   static bool enters_friction_of(const Entering& entering, Count contact);
 
   /// Column of z0 where it is no basic variable and has come to its end.
@@ -386,7 +389,9 @@ class Path {
 
   FrictionState friction_;
   CoveringVector<Scalar> covering_{contacts_, friction_};
-  Buffer<Scalar> base_value_, base_rate_, impulse_norm_, slip_;
+  Buffer<Scalar> base_value_, base_rate_, impulse_norm_;  ///< by contact, and one more place for what is of none
+  Buffer<Scalar> simplex_size_;                           ///< mu by contact, and 0
+  Buffer<Scalar> slip_;
   RatioTest<Scalar> ratio_test_{contacts_, kernel_, friction_};
 };
 

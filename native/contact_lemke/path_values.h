@@ -221,13 +221,16 @@ inline void Path<Scalar>::compute_base_values(const Entering& entering) {
     base_value_[c] = cover * artificial_value();
     base_rate_[c] = cover * artificial_rate();
   }
+  const Count none = contacts_.nc();  // for columns that belong to no such contact: no branch asks
+  base_value_[none] = base_rate_[none] = 0;
   for (Count j = 0; j < kernel_.order(); ++j) {
     const Label label = kernel_.column_label(j);
-    if (label.contact == kArtificial || !friction_.is_active(label.contact)) continue;
-    const Scalar weight = simplex_weight(label);
-    base_value_[label.contact] += weight * x_[j];
-    base_rate_[label.contact] += weight * dx_[j];
-    if (label.is_normal()) impulse_norm_[label.contact] = kernel_.norm(j);
+    const Count of = label.contact == kArtificial ? none : label.contact;
+    const Count place = friction_.is_active(of) ? of : none;
+    const Scalar weight = label.direction == kNormal ? simplex_size_[of] : Scalar(-1);
+    base_value_[place] += weight * x_[j];
+    base_rate_[place] += weight * dx_[j];
+    impulse_norm_[label.direction == kNormal ? place : none] = kernel_.norm(j);
   }
   if (!entering.is_velocity && entering.label.contact != kArtificial && friction_.is_active(entering.label.contact)) {
     base_rate_[entering.label.contact] += simplex_weight(entering.label);
@@ -250,17 +253,18 @@ template <class Scalar>
     }
   });
 
+  // Without branches, which from one contact to the next nothing could foretell.
   const Count half = contacts_.half(contact);
   const Count base = friction_.base(contact);
-  const bool zero_base = base == 2 * half;
-  const Count twin = base < half ? base : base - half;
-  const Scalar sign = base < half ? Scalar(1) : Scalar(-1);
+  const Scalar is_zero = kNoneOrOne[base == 2 * half];  // whether the base is the zero direction
+  const Count twin = (base < half ? base : base - half) & (static_cast<Count>(base == 2 * half) - 1);
+  const Scalar sign = (1 - is_zero) * (1 - 2 * kNoneOrOne[base >= half]);
   const Scalar cover = covering_.of_directions(contact);
   const Scalar z0 = artificial_value();
   const Scalar dz0 = artificial_rate();
   // What is added to +-slip, of the first and second half alike: -d_t'u, or the cover where the base is zero.
-  const Scalar shift = zero_base ? cover * z0 : -sign * slip[twin];
-  const Scalar shift_rate = zero_base ? cover * dz0 : -sign * slip_rate[twin];
+  const Scalar shift = is_zero * cover * z0 - sign * slip[twin];
+  const Scalar shift_rate = is_zero * cover * dz0 - sign * slip_rate[twin];
 
   Scalar* const values = ratio_test_.values() + first;
   Scalar* const falls = ratio_test_.falls() + first;
@@ -279,11 +283,12 @@ template <class Scalar>
     put(width + t, shifts - s, (shift_falls + ds) * P::load(allowed + width + t));
   }
   const Scalar preferred = static_cast<Scalar>(kStickingFirst);
-  const Scalar zero_value = preferred * (shift - (zero_base ? Scalar(0) : cover * z0));
-  const Scalar zero_rate = preferred * allowed[2 * width] * (shift_rate - (zero_base ? Scalar(0) : cover * dz0));
-  const bool watched = friction_.support(contact) > 0 || enters_friction_of(entering, contact);
+  const Scalar uncovered = (1 - is_zero) * cover;
+  const Scalar zero_value = preferred * (shift - uncovered * z0);
+  const Scalar zero_rate = preferred * allowed[2 * width] * (shift_rate - uncovered * dz0);
+  const bool watched = (friction_.support(contact) > 0) | enters_friction_of(entering, contact);
   const Scalar base_value = base_value_[contact] * impulse_norm_[contact];
-  const Scalar base_rate = watched ? base_rate_[contact] * impulse_norm_[contact] : Scalar(0);
+  const Scalar base_rate = base_rate_[contact] * impulse_norm_[contact] * kNoneOrOne[watched];
   if constexpr (P::kWidth == 1) {
     put(2 * width, zero_value, -zero_rate);
     put(2 * width + 1, base_value, -base_rate);
@@ -297,7 +302,7 @@ template <class Scalar>
 
 template <class Scalar>
 inline bool Path<Scalar>::enters_friction_of(const Entering& entering, Count contact) {
-  return !entering.is_velocity && entering.label.contact == contact && !entering.label.is_normal();
+  return (!entering.is_velocity) & (entering.label.contact == contact) & (entering.label.direction != kNormal);
 }
 
 /// Rates of fall up to this are none.

@@ -110,15 +110,9 @@ class RatioTest {
     Scalar places[static_cast<std::size_t>(P::kWidth)];
     P::store(falls, fastest);
     P::store(places, where);
-    Count best = -1;
-    Scalar best_fall = least_rate;
-    for (Count lane = 0; lane < P::kWidth; ++lane) {
-      if (places[lane] >= 0 && falls[lane] > best_fall) {
-        best_fall = falls[lane];
-        best = static_cast<Count>(static_cast<double>(places[lane])) + lane;
-      }
-    }
-    return best;
+    Count best = 0;  // the first lane with the fastest: those without a place have least_rate
+    for (Count lane = 1; lane < P::kWidth; ++lane) best = falls[lane] > falls[best] ? lane : best;
+    return places[best] >= 0 ? static_cast<Count>(static_cast<double>(places[best])) + best : -1;
   }
 
   /// What stands in a slot.

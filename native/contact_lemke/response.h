@@ -34,6 +34,8 @@ class Response {
     L_.resize(ngc_ * padded_);
     rows_.resize(ngc_ * padded_);
     pivots_.resize(ngc_);
+    rest_.resize(ngc_);
+    left_.resize(padded_);
     done_.resize(padded_);
   }
 
@@ -276,57 +278,67 @@ class Response {
     }
   }
 
-  /// Right-looking, on whole rows of the symmetric rest. Rows stay where they are: pivots_ tells their order.
+  /// Right-looking, on whole rows of the symmetric rest. Rows stay where they are: pivots_ tells their order, rest_ which
+  /// are not yet eliminated. left_ is the diagonal of the rest, behind all others where there is none.
   void factor(Count most) {
-    Scalar* const left = done_.data();  // 1 where the row is not yet eliminated
-    for (Count i = 0; i < padded_; ++i) left[i] = i < ngc_ ? Scalar(1) : Scalar(0);
     // What elimination leaves of an entry is compared with that entry: another coordinate may have another unit.
-    Scalar* const whole = white_.data();
-    for (Count i = 0; i < ngc_; ++i) whole[i] = diagonal_[i] = work_[i * padded_ + i];
-    for (Count i = ngc_; i < padded_; ++i) diagonal_[i] = 0;
+    for (Count i = 0; i < ngc_; ++i) {
+      left_[i] = diagonal_[i] = work_[i * padded_ + i];
+      done_[i] = 1;
+      rest_[i] = i;
+    }
+    for (Count i = ngc_; i < padded_; ++i) {
+      left_[i] = -kInfinity<Scalar>;
+      diagonal_[i] = done_[i] = 0;
+    }
     first_pivot_ = last_pivot_ = 0;
     rank_ = 0;
-    for (Count tried = 0; tried < ngc_ && rank_ < most; ++tried) {
-      const Count pivot = largest_diagonal();
-      const Scalar value = work_[pivot * padded_ + pivot];
-      if (!(value > static_cast<Scalar>(2 * kUnitRoundoff<Scalar> * static_cast<double>(ngc_)) * whole[pivot])) {
-        done_[pivot] = 0;  // depends on those before it
-        continue;
+    for (Count rest = ngc_; rest > 0 && rank_ < most; --rest) {
+      const Count pivot = largest_left();
+      const Scalar value = left_[pivot];
+      left_[pivot] = -kInfinity<Scalar>;
+      done_[pivot] = 0;
+      Count kept = 0;
+      for (Count k = 0; k < rest; ++k) {
+        rest_[kept] = rest_[k];
+        kept += rest_[k] != pivot ? 1 : 0;
+      }
+      if (!(value > static_cast<Scalar>(2 * kUnitRoundoff<Scalar> * static_cast<double>(ngc_)) * diagonal_[pivot])) {
+        continue;  // depends on those before it
       }
       if (rank_ == 0) first_pivot_ = value;
       last_pivot_ = value;
-      eliminate(pivot, value);
+      eliminate(pivot, value, kept);
       ++rank_;
     }
     rank_padded_ = P::padded(rank_);
   }
 
-  Count largest_diagonal() const {
+  /// The first of the largest. Without a branch that nothing could foretell.
+  Count largest_left() const {
+    typename P::Pack most = P::load(left_.data());
+    for (Count i = P::kWidth; i < padded_; i += P::kWidth) most = P::max(P::load(left_.data() + i), most);
+    const Scalar largest = P::max(most);
     Count pivot = 0;
-    Scalar largest = -1;
-    for (Count i = 0; i < ngc_; ++i) {
-      const Scalar value = done_[i] * work_[i * padded_ + i];
-      if (done_[i] != 0 && value > largest) {
-        largest = value;
-        pivot = i;
-      }
-    }
+    for (Count i = ngc_ - 1; i >= 0; --i) pivot = left_[i] == largest ? i : pivot;
     return pivot;
   }
 
-  void eliminate(Count pivot, Scalar value) {
+  void eliminate(Count pivot, Scalar value, Count rest) {
     const Scalar root = square_root(value);
-    const Scalar reciprocal = Scalar(1) / root;
+    const typename P::Pack reciprocal = P::broadcast(Scalar(1) / root);
     Scalar* const l = L_.data() + rank_ * padded_;
     const Scalar* const row = work_.data() + pivot * padded_;
     for (Count i = 0; i < padded_; i += P::kWidth) {
-      P::store(l + i, P::load(row + i) * P::load(done_.data() + i) * reciprocal);
+      const typename P::Pack entries = P::load(row + i) * P::load(done_.data() + i) * reciprocal;
+      P::store(l + i, entries);
+      P::store(left_.data() + i, P::load(left_.data() + i) + -entries * entries);
     }
     l[pivot] = root;
-    done_[pivot] = 0;
     pivots_[rank_] = pivot;
-    for (Count i = 0; i < ngc_; ++i) {
-      if (done_[i] != 0) add_multiple(work_.data() + i * padded_, -l[i], l, padded_);
+    for (Count k = 0; k < rest; ++k) {
+      const Count i = rest_[k];
+      add_multiple(work_.data() + i * padded_, -l[i], l, padded_);
     }
   }
 
@@ -475,11 +487,11 @@ class Response {
   contact_lemke::InertiaInput inertia_;
   Scalar first_pivot_ = 0, last_pivot_ = 0, backward_error_ = 0, trace_ = 0, inverse_trace_ = 0;
   Scalar condition_of_columns_ = 1;  ///< of rank_ < ngc_
-  Buffer<Scalar> work_, L_, done_, white_;
+  Buffer<Scalar> work_, L_, done_, left_, white_;
   Buffer<Scalar> diagonal_, reach_, root_;  ///< per coordinate
   Buffer<Scalar> columns_;                  ///< of W (of G* where it is given), padded_ apart
   Buffer<Scalar> rows_;                     ///< of W, rank_padded_ apart
-  Buffer<Count> pivots_;
+  Buffer<Count> pivots_, rest_;
 };
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL
