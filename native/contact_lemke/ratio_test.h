@@ -26,8 +26,7 @@ class LeastRatio {
   [[gnu::always_inline]] inline void offer(Pack value, Pack fall) {
     const Pack ratio = (P::max(value, Pack{}) + slack_) / fall;
     least_ = P::min(fall > least_rate_ ? ratio : P::broadcast(kInfinity<Scalar>), least_);
-    poison_ += Scalar(0) * fall;
-    poison_ += Scalar(0) * value;
+    poison_ += Scalar(0) * fall + Scalar(0) * value;
   }
 
   /// Infinity where there is none, -1 where a value or fall is no number.
@@ -60,7 +59,7 @@ class RatioTest {
     }
     allowed_.resize(allowed);
     Buffer<Scalar>* const by_slot[] = {&value_, &fall_};
-    for (Buffer<Scalar>* buffer : by_slot) buffer->resize(allowed + kernel_.stride());
+    for (Buffer<Scalar>* buffer : by_slot) buffer->resize(allowed + kernel_.stride() + P::kWidth);
   }
 
   Scalar* values() { return value_.data(); }
@@ -71,9 +70,13 @@ class RatioTest {
   const Scalar* allowed_of(Count contact) const { return allowed_.data() + allowed_at_[contact]; }
   Count first_column() const { return contacts_.padded_nc(); }
   Count slots_of(Count contact) const { return 2 * contacts_.padded_half(contact) + P::padded(2); }
-  /// One behind the last slot in use.
+  /// One behind the last slot in use. What is between that and the next pair of packs does not fall.
   Count end() const { return end_; }
-  void end_at(Count slot) { end_ = slot; }
+  void end_at(Count slot) {
+    end_ = slot;
+    P::store(fall_.data() + slot, Pack{});
+    P::store(value_.data() + slot, Pack{});
+  }
 
   /// Velocities that the kernel holds at zero may not leave.
   void allow(Label label) { allowed_[place_of(label)] = 1; }
@@ -95,17 +98,23 @@ class RatioTest {
   /// Of all whose ratio is not above `theta`, the slot with the fastest fall; -1 where there is none.
   /// @pre least_rate and theta are at least 0
   Count fastest_of_tied(Scalar least_rate, Scalar theta) const {
-    const Pack width = P::broadcast(static_cast<Scalar>(static_cast<double>(P::kWidth)));
-    Pack fastest = P::broadcast(least_rate);
-    Pack where = P::broadcast(Scalar(-1));
-    Pack at = Pack{};
-    for (Count i = 0; i < end_; i += P::kWidth) {
-      const Pack fall = P::load(fall_.data() + i);
-      const auto leads = (P::load(value_.data() + i) <= theta * fall) & (fall > fastest);
-      where = leads ? at : where;
-      fastest = leads ? fall : fastest;
-      at += width;
+    // Two races side by side, in which the first of equals wins.
+    const Pack step = P::broadcast(static_cast<Scalar>(static_cast<double>(2 * P::kWidth)));
+    Pack fastest = P::broadcast(least_rate), other_fastest = fastest;
+    Pack where = P::broadcast(Scalar(-1)), other_where = where;
+    Pack at = Pack{}, other_at = P::broadcast(static_cast<Scalar>(static_cast<double>(P::kWidth)));
+    for (Count i = 0; i < end_; i += 2 * P::kWidth) {
+      const Pack tied = tied_falls(i, theta), other_tied = tied_falls(i + P::kWidth, theta);
+      where = tied > fastest ? at : where;
+      other_where = other_tied > other_fastest ? other_at : other_where;
+      fastest = P::max(tied, fastest);
+      other_fastest = P::max(other_tied, other_fastest);
+      at += step;
+      other_at += step;
     }
+    const auto other_wins = (other_fastest > fastest) | ((other_fastest == fastest) & (other_where < where));
+    where = other_wins ? other_where : where;
+    fastest = P::max(other_fastest, fastest);
     Scalar falls[static_cast<std::size_t>(P::kWidth)];
     Scalar places[static_cast<std::size_t>(P::kWidth)];
     P::store(falls, fastest);
@@ -139,6 +148,12 @@ class RatioTest {
   using P = Packed<Scalar>;
   using Pack = typename P::Pack;
   using Kind = LeavingVariable::Kind;
+
+  /// Falls of those in a pack whose ratio is not above theta, zeros of the others.
+  Pack tied_falls(Count first, Scalar theta) const {
+    const Pack fall = P::load(fall_.data() + first);
+    return P::load(value_.data() + first) <= theta * fall ? fall : Pack{};
+  }
 
   /// In allowed_.
   Count place_of(Label label) const {
