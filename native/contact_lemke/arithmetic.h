@@ -231,6 +231,15 @@ inline typename Packed<Scalar>::Pack dots(const Scalar* x,
   return sums_of<Scalar>(sums);
 }
 
+/// 0, 1, 2, ...
+template <class Scalar>
+[[gnu::always_inline]] inline typename Packed<Scalar>::Pack lane_numbers() {
+  using P = Packed<Scalar>;
+  Scalar lanes[static_cast<std::size_t>(P::kWidth)];
+  for (Count lane = 0; lane < P::kWidth; ++lane) lanes[lane] = static_cast<Scalar>(static_cast<double>(lane));
+  return P::load(lanes);
+}
+
 /// Of the pack that begins with entry `first`, those of `count` entries; zeros for what comes after them.
 template <class Scalar>
 inline typename Packed<Scalar>::Pack entries_of(typename Packed<Scalar>::Pack pack, Count first, Count count) {
@@ -238,9 +247,19 @@ inline typename Packed<Scalar>::Pack entries_of(typename Packed<Scalar>::Pack pa
   if constexpr (P::kWidth == 1) {
     return pack;
   } else {
-    Scalar lanes[static_cast<std::size_t>(P::kWidth)];
-    for (Count lane = 0; lane < P::kWidth; ++lane) lanes[lane] = static_cast<Scalar>(lane);
-    return P::load(lanes) < static_cast<Scalar>(count - first) ? pack : typename P::Pack{};
+    return lane_numbers<Scalar>() < static_cast<Scalar>(count - first) ? pack : typename P::Pack{};
+  }
+}
+
+/// The pack that begins with entry `first`, zero in the place of `entry`. A zero stored there alone would hold up the
+/// load of the whole pack.
+template <class Scalar>
+inline typename Packed<Scalar>::Pack without_entry(typename Packed<Scalar>::Pack pack, Count first, Count entry) {
+  using P = Packed<Scalar>;
+  if constexpr (P::kWidth == 1) {
+    return first == entry ? Scalar(0) : pack;
+  } else {
+    return lane_numbers<Scalar>() == static_cast<Scalar>(entry - first) ? typename P::Pack{} : pack;
   }
 }
 

@@ -249,6 +249,7 @@ class Kernel {
 
  private:
   using P = Packed<Scalar>;
+  using Pack = typename P::Pack;
 
   /// What lies between the last row or column and the end of its pack is multiplied by zero, and must be a number:
   /// packs are cleared when they come into use.
@@ -285,9 +286,11 @@ class Kernel {
   /// The entries of a further row against all columns.
   void write_entries(const Scalar* b, Scalar cover, Count artificial) {
     for (Count j = 0; j < order_; j += P::kWidth) {
-      P::store(entries_.data() + j, entries_of<Scalar>(dots_with(b, columns_.data(), padded_ngc_, j, padded_ngc_), j, order_));
+      const Pack entries = dots_with(b, columns_.data(), padded_ngc_, j, padded_ngc_);
+      const Pack covered = P::broadcast(cover);
+      P::store(entries_.data() + j, entries_of<Scalar>(entries + (covered - without_entry<Scalar>(covered, j, artificial)),
+                                                       j, order_));
     }
-    if (artificial >= 0) entries_[artificial] += cover;
   }
   /// The dot products of x with the vectors `stride` apart from number k on; of those behind the last one, with that.
   typename P::Pack dots_with(const Scalar* x, const Scalar* vectors, Count stride, Count k, Count length) const {

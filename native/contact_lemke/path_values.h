@@ -46,15 +46,12 @@ inline void Path<Scalar>::respond_to_values() {
 
 template <class Scalar>
 inline void Path<Scalar>::measure_value_scale() {
-  const Scalar z0 = artificial_value();
-  if (artificial_ >= 0) x_[artificial_] = 0;
   Pack largest = P::broadcast(speed_scale_);
   for (Count j = 0; j < kernel_.order(); j += P::kWidth) {
-    const Pack value = P::load(x_.data() + j) * P::load(kernel_.norms() + j);
+    const Pack value = without_entry<Scalar>(P::load(x_.data() + j), j, artificial_) * P::load(kernel_.norms() + j);
     largest = larger_magnitude<Scalar>(entries_of<Scalar>(value, j, kernel_.order()), largest);
   }
   value_scale_ = P::max(largest);
-  if (artificial_ >= 0) x_[artificial_] = z0;
 }
 
 template <class Scalar>

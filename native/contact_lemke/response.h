@@ -345,14 +345,21 @@ class Response {
   /// The columns of W = L^-T are the rows of L^-1, by forward substitution.
   void invert_triangle() {
     for (Count k = 0; k < ngc_; ++k) {
-      Scalar* const column = columns_.data() + k * padded_;
       const Count pivot = pivots_[k];
-      for (Count i = 0; i < padded_; i += P::kWidth) P::store(column + i, typename P::Pack{});
-      for (Count j = 0; j < k; ++j) {
-        add_multiple(column, -L_[j * padded_ + pivot], columns_.data() + j * padded_, padded_);
-      }
-      column[pivot] += 1;
-      scale(column, Scalar(1) / L_[k * padded_ + pivot], padded_);
+      const Scalar reciprocal = Scalar(1) / L_[k * padded_ + pivot];
+      for_each_tile<Scalar>(padded_, [&](auto packs, Count at) {
+        typename P::Pack sums[static_cast<std::size_t>(packs.kValue)];
+        for (Count p = 0; p < packs.kValue; ++p) sums[p] = typename P::Pack{};
+        const Scalar* from = columns_.data() + at;
+        for (Count j = 0; j < k; ++j, from += padded_) {
+          const typename P::Pack factor = P::broadcast(-L_[j * padded_ + pivot]);
+          for (Count p = 0; p < packs.kValue; ++p) sums[p] += factor * P::load(from + p * P::kWidth);
+        }
+        for (Count p = 0; p < packs.kValue; ++p) {
+          P::store(columns_.data() + k * padded_ + at + p * P::kWidth, sums[p] * reciprocal);
+        }
+      });
+      columns_[k * padded_ + pivot] = reciprocal;  // no column before it has an entry there
     }
   }
 
@@ -469,8 +476,10 @@ class Response {
   void transpose() {
     white_.fill(padded_, Scalar(0));
     for (Count i = 0; i < ngc_; ++i) {
-      for (Count k = 0; k < rank_; ++k) rows_[i * rank_padded_ + k] = columns_[k * padded_ + i];
-      for (Count k = rank_; k < rank_padded_; ++k) rows_[i * rank_padded_ + k] = 0;
+      Scalar* const row = rows_.data() + i * rank_padded_;
+      const Scalar* entry = columns_.data() + i;
+      for (Count k = 0; k < rank_; ++k, entry += padded_) row[k] = *entry;
+      for (Count k = rank_; k < rank_padded_; ++k) row[k] = 0;
     }
   }
 
