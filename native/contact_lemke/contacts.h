@@ -88,7 +88,7 @@ class Contacts {
 
   Count edges(Count contact) const { return input_.friction_begin[contact + 1] - input_.friction_begin[contact]; }
   Count half(Count contact) const { return edges(contact) >> 1; }
-  Count padded_half(Count contact) const { return P::padded(half(contact)); }
+  Count padded_half(Count contact) const { return (half(contact) + P::kWidth - 1) & -P::kWidth; }
   Count most_padded_half() const { return most_padded_half_; }
   Count first_direction(Count contact) const { return input_.friction_begin[contact]; }
   Scalar mu(Count contact) const { return static_cast<Scalar>(input_.mu[contact]); }

@@ -55,7 +55,7 @@ struct Packed {
   static Scalar max(Pack pack) {
     return reduce(pack, [](Scalar a, Scalar b) { return a > b ? a : b; });
   }
-  static Count padded(Count size) { return (size + kWidth - 1) & -kWidth; }
+  static Count padded(Count size) { return (size + kWidth - 1) / kWidth * kWidth; }
 };
 
 /// Aligned memory that only grows; its content is undefined after resize().
