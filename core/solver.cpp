@@ -19,9 +19,9 @@ constexpr std::array<std::pair<Claim, const char*>, 7> kClaims{{{Claim::kSolved,
                                                                 {Claim::kUnsupported, "unsupported"},
                                                                 {Claim::kCrashed, "crashed"}}};
 
-/// Eigen's allFinite() looks at one entry after the other, which for small problems takes as long as solving them. A sum
-/// is finite only if all of its terms are, and where finite terms overflow, Eigen has the last word. Groups of entries
-/// have sums of their own, which do not wait for one another.
+/// Eigen's allFinite() looks at one entry after the other, which for small problems takes as long as solving them. A
+/// sum is finite only if all of its terms are; where finite terms overflow, Eigen has the last word. Eight sums do not
+/// wait for one another.
 template <class Dense>
 bool finite(const Dense& data) {
   constexpr Index kTogether = 8;

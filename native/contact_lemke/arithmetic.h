@@ -26,7 +26,7 @@ void fill_with_zeros(Count size, Buffer<Scalar>& first, More&... more) {
 /// Packs of the output that stay in registers at a time.
 constexpr Count kTilePacks = 4;
 template <class Scalar>
-constexpr Count kTileLength = kTilePacks * Packed<Scalar>::kWidth;
+constexpr Count kTileLength = kTilePacks* Packed<Scalar>::kWidth;
 /// Of those, for all sides together, up to which two rows are taken at a time.
 constexpr Count kMostInPairs = 4;
 
@@ -131,9 +131,7 @@ template <class Scalar>
 inline void combine(const Scalar* rows, Count stride, Count count, const Scalar* coefficients, Scalar* out,
                     Count length) {
   if (length > kTileLength<Scalar>) return combine_long(rows, stride, count, coefficients, out, length);
-  choose_tile<Scalar>(length, [&](auto packs) {
-    combine_tile<packs.kValue>(rows, stride, count, coefficients, out);
-  });
+  choose_tile<Scalar>(length, [&](auto packs) { combine_tile<packs.kValue>(rows, stride, count, coefficients, out); });
 }
 
 template <class Scalar>
@@ -149,9 +147,8 @@ template <class Scalar>
 inline void combine_onto(const Scalar* rows, Count stride, Count count, const Scalar* coefficients, const Scalar* start,
                          Scalar* out, Count length) {
   if (length > kTileLength<Scalar>) return combine_long_onto(rows, stride, count, coefficients, start, out, length);
-  choose_tile<Scalar>(length, [&](auto packs) {
-    combine_tile_onto<packs.kValue>(rows, stride, count, coefficients, start, out);
-  });
+  choose_tile<Scalar>(
+      length, [&](auto packs) { combine_tile_onto<packs.kValue>(rows, stride, count, coefficients, start, out); });
 }
 
 /// y += a x
@@ -178,7 +175,7 @@ inline Scalar dot(const Scalar* x, const Scalar* y, Count length) {
 }
 
 #if defined(__AVX2__)
-/// The four squares of a 4 x 4 matrix, each in the place of the one that it mirrors.
+/// to := the transpose of the 4 x 4 matrix `from`; the rows of either are their stride apart.
 inline void transpose_square(const double* from, Count stride, double* to, Count to_stride) {
   using P = Packed<double>;
   using Pack = P::Pack;

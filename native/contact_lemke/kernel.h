@@ -286,10 +286,10 @@ class Kernel {
   /// The entries of a further row against all columns.
   void write_entries(const Scalar* b, Scalar cover, Count artificial) {
     for (Count j = 0; j < order_; j += P::kWidth) {
-      const Pack entries = dots_with(b, columns_.data(), padded_ngc_, j, padded_ngc_);
       const Pack covered = P::broadcast(cover);
-      P::store(entries_.data() + j, entries_of<Scalar>(entries + (covered - without_entry<Scalar>(covered, j, artificial)),
-                                                       j, order_));
+      const Pack own = covered - without_entry<Scalar>(covered, j, artificial);
+      const Pack entries = dots_with(b, columns_.data(), padded_ngc_, j, padded_ngc_) + own;
+      P::store(entries_.data() + j, entries_of<Scalar>(entries, j, order_));
     }
   }
   /// The dot products of x with the vectors `stride` apart from number k on; of those behind the last one, with that.

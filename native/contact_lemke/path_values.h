@@ -179,7 +179,7 @@ template <class Scalar>
   const Scalar dz0 = artificial_rate();
   for_each_tile<Scalar>(length, [&](auto packs, Count at) {
     const TileSums<packs.kValue, Scalar, 2> sums(contacts_.normals() + at, length, contacts_.ngc(),
-                                                            {u_.data(), du_.data()});
+                                                 {u_.data(), du_.data()});
     for (Count p = 0; p < packs.kValue; ++p) {
       const Count i = at + p * P::kWidth;
       const Pack cover = P::load(covering_.of_normals() + i);
@@ -242,8 +242,7 @@ template <class Scalar>
   Scalar* const slip = slip_.data();
   Scalar* const slip_rate = slip + contacts_.most_padded_half();
   for_each_tile<Scalar>(width, [&, block = contacts_.block(contact)](auto packs, Count at) {
-    const TileSums<packs.kValue, Scalar, 2> sums(block + at, width, contacts_.ngc(),
-                                                            {u_.data(), du_.data()});
+    const TileSums<packs.kValue, Scalar, 2> sums(block + at, width, contacts_.ngc(), {u_.data(), du_.data()});
     for (Count p = 0; p < packs.kValue; ++p) {
       P::store(slip + at + p * P::kWidth, sums.of[0][p]);
       P::store(slip_rate + at + p * P::kWidth, sums.of[1][p]);
@@ -283,9 +282,10 @@ template <class Scalar>
   const Scalar uncovered = (1 - is_zero) * cover;
   const Scalar zero_value = preferred * (shift - uncovered * z0);
   const Scalar zero_rate = preferred * allowed[2 * width] * (shift_rate - uncovered * dz0);
-  const bool watched = (friction_.support(contact) > 0) | enters_friction_of(entering, contact);
+  const bool is_supported = friction_.support(contact) > 0;
+  const bool enters = enters_friction_of(entering, contact);
   const Scalar base_value = base_value_[contact] * impulse_norm_[contact];
-  const Scalar base_rate = base_rate_[contact] * impulse_norm_[contact] * kNoneOrOne[watched];
+  const Scalar base_rate = base_rate_[contact] * impulse_norm_[contact] * kNoneOrOne[is_supported | enters];
   if constexpr (P::kWidth == 1) {
     put(2 * width, zero_value, -zero_rate);
     put(2 * width + 1, base_value, -base_rate);

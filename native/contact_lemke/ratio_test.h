@@ -112,8 +112,10 @@ class RatioTest {
       at += step;
       other_at += step;
     }
-    const auto other_wins = (other_fastest > fastest) | ((other_fastest == fastest) & (other_where < where));
-    where = other_wins ? other_where : where;
+    const auto is_faster = other_fastest > fastest;
+    const auto is_equal = other_fastest == fastest;
+    const auto is_before = other_where < where;
+    where = is_faster | (is_equal & is_before) ? other_where : where;
     fastest = P::max(other_fastest, fastest);
     Scalar falls[static_cast<std::size_t>(P::kWidth)];
     Scalar places[static_cast<std::size_t>(P::kWidth)];

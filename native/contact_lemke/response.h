@@ -278,8 +278,8 @@ class Response {
     }
   }
 
-  /// Right-looking, on whole rows of the symmetric rest. Rows stay where they are: pivots_ tells their order, rest_ which
-  /// are not yet eliminated. left_ is the diagonal of the rest, behind all others where there is none.
+  /// Right-looking, on whole rows of the symmetric rest. Rows stay where they are: pivots_ tells their order, and rest_
+  /// which are not yet eliminated. left_ has the diagonal of the rest, and kNone where a row is eliminated.
   void factor(Count most) {
     // What elimination leaves of an entry is compared with that entry: another coordinate may have another unit.
     for (Count i = 0; i < ngc_; ++i) {
@@ -288,7 +288,7 @@ class Response {
       rest_[i] = i;
     }
     for (Count i = ngc_; i < padded_; ++i) {
-      left_[i] = -kInfinity<Scalar>;
+      left_[i] = kNone;
       diagonal_[i] = done_[i] = 0;
     }
     first_pivot_ = last_pivot_ = 0;
@@ -296,7 +296,7 @@ class Response {
     for (Count rest = ngc_; rest > 0 && rank_ < most; --rest) {
       const Count pivot = largest_left();
       const Scalar value = left_[pivot];
-      left_[pivot] = -kInfinity<Scalar>;
+      left_[pivot] = kNone;
       done_[pivot] = 0;
       Count kept = 0;
       for (Count k = 0; k < rest; ++k) {
@@ -314,10 +314,10 @@ class Response {
     rank_padded_ = P::padded(rank_);
   }
 
-  /// The first of the largest. Without a branch that nothing could foretell.
+  /// The first of the largest; NaN is passed over. Without a branch that nothing could foretell.
   Count largest_left() const {
-    typename P::Pack most = P::load(left_.data());
-    for (Count i = P::kWidth; i < padded_; i += P::kWidth) most = P::max(P::load(left_.data() + i), most);
+    typename P::Pack most = P::broadcast(kNone);
+    for (Count i = 0; i < padded_; i += P::kWidth) most = P::max(P::load(left_.data() + i), most);
     const Scalar largest = P::max(most);
     Count pivot = 0;
     for (Count i = ngc_ - 1; i >= 0; --i) pivot = left_[i] == largest ? i : pivot;
@@ -485,6 +485,8 @@ class Response {
 
   Count ngc_ = 0, rank_ = 0, rank_padded_ = 0;
   Count padded_ = 0;  ///< the coordinate of an offset included, where all is zero
+  static constexpr Scalar kNone =
+      -1;  ///< less than any pivot; no infinity, which sums of two doubles do not subtract from
   static constexpr double kCleanCut = 0x1p-52;  ///< relative to the largest entry: the cut of inverse_inertia()
   static constexpr double kSlack = 1.2;         ///< for what bounds themselves round, and for products of roundings
   bool given_ = false, by_factors_ = false;
