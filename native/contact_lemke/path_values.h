@@ -285,7 +285,8 @@ template <class Scalar>
   const bool is_supported = friction_.support(contact) > 0;
   const bool enters = enters_friction_of(entering, contact);
   const Scalar base_value = base_value_[contact] * impulse_norm_[contact];
-  const Scalar base_rate = base_rate_[contact] * impulse_norm_[contact] * kNoneOrOne[is_supported | enters];
+  const Scalar base_rates[] = {0, base_rate_[contact] * impulse_norm_[contact]};
+  const Scalar base_rate = base_rates[is_supported | enters];
   if constexpr (P::kWidth == 1) {
     put(2 * width, zero_value, -zero_rate);
     put(2 * width + 1, base_value, -base_rate);
