@@ -8,9 +8,6 @@
 namespace lcpbench {
 namespace {
 
-/// Guesses of a solve: the first, and those after contacts were let go or held.
-constexpr int kTries = 3;
-
 /// W times the inertia that a contact feels: S = A'G*A is met but for the inverse of this in each step.
 constexpr double kStiffness = 1e9;
 /// Of contacts with hardly any load, against that with the largest.
@@ -50,6 +47,7 @@ void HeldContacts::load(const Problem& problem, const Vector& v) {
 }
 
 void HeldContacts::take_room() {
+  matrix_.take_room(graph_);
   scaled_.resize(at(graph_.most_columns()));
   impulses_.resize(graph_.column_count());
   misses_.resize(graph_.column_count());
@@ -247,17 +245,17 @@ void HeldContacts::write(Answer& answer) const {
   graph_.restore(u_, answer.velocity);
 }
 
-bool HeldContacts::solve(const Vector& start, double deadline_s, Answer& answer, Counters& work) {
+bool HeldContacts::solve(const Vector& start, int tries, double deadline_s, Answer& answer, Counters& work) {
   measure_scale();
   if (!graph_.is_definite() || !(scale_ > 0 && scale_ <= std::numeric_limits<double>::max())) return false;
   take_start(start);
-  for (int guess = 0; guess < kTries; ++guess) {
+  for (int guess = 0; guess < tries; ++guess) {
     weigh();
     ++work.factorizations;
     if (!matrix_.factor(graph_, load_)) return false;
     approach();
     if (!is_confirmed()) {
-      if (!change_guess()) return false;
+      if (guess + 1 == tries || !change_guess()) return false;
       continue;
     }
     write(answer);

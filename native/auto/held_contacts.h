@@ -39,10 +39,12 @@ class HeldContacts {
   void load(const Problem& problem, const Vector& v);
   void set_velocity(const Vector& v);
 
-  /// At most kTries factorizations of the sparse G + A W A', and one test of the answer. Allocates nothing.
-  /// @param start the last answer brought to these contacts (n) @param work counts the factorizations
+  /// A factorization of the sparse G + A W A' for each guess, and one test of the answer. Allocates nothing.
+  /// @param start the last answer brought to these contacts (n)
+  /// @param tries guesses at most: the first, and those after contacts were let go or held
+  /// @param work counts the factorizations
   /// @returns whether the guess was right: answer is then kSolved, with its velocity
-  bool solve(const Vector& start, double deadline_s, Answer& answer, Counters& work);
+  bool solve(const Vector& start, int tries, double deadline_s, Answer& answer, Counters& work);
 
  private:
   void take_room();

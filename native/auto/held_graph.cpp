@@ -33,6 +33,51 @@ void visit_contact(const ContactProblem& problem, Index contact, Index direction
   }
 }
 
+/// The columns of L, G = L L', in place of those of G, with the inverse of each diagonal entry in its place; kSize 0:
+/// any size. @returns whether G is definite
+template <int kSize>
+bool factor_body(double* L, int size) {
+  const int n = kSize > 0 ? kSize : size;
+  bool is_definite = true;
+  for (int j = 0; j < n; ++j) {
+    double* const column = L + j * n;
+    int k = 0;
+    for (; k + 4 <= j; k += 4) {
+      const double* const b = L + k * n;
+      const auto before = [&](int m) { return b[m * n + j] * Eigen::Map<const Vector>(b + m * n + j, n - j); };
+      Eigen::Map<Vector>(column + j, n - j) -= before(0) + before(1) + before(2) + before(3);
+    }
+    for (; k < j; ++k) {
+      const double* const before = L + k * n;
+      for (int i = j; i < n; ++i) column[i] -= before[j] * before[i];
+    }
+    is_definite = is_definite && column[j] > 0;
+    const double inverse = 1 / std::sqrt(column[j]);
+    column[j] = inverse;
+    for (int i = j + 1; i < n; ++i) column[i] *= inverse;
+  }
+  return is_definite;
+}
+
+/// u += (L L')^-1 x for the factor of factor_body(); x is used up.
+template <int kSize>
+void add_solution(const double* L, int size, double* x, double* u) {
+  const int n = kSize > 0 ? kSize : size;
+  for (int j = 0; j < n; ++j) {
+    x[j] *= L[j * n + j];
+    for (int i = j + 1; i < n; ++i) x[i] -= L[j * n + i] * x[j];
+  }
+  for (int j = n; j-- > 0;) {
+    if constexpr (kSize > 0) {
+      for (int i = j + 1; i < n; ++i) x[j] -= L[j * n + i] * x[i];
+    } else {
+      x[j] -= Eigen::Map<const Vector>(L + j * n + j + 1, n - j - 1).dot(Eigen::Map<Vector>(x + j + 1, n - j - 1));
+    }
+    x[j] *= L[j * n + j];
+    u[j] += x[j];
+  }
+}
+
 }  // namespace
 
 const Matrix& held_block(const ContactProblem& contact, std::size_t block) {
@@ -124,6 +169,7 @@ void HeldGraph::find_bodies() {
 void HeldGraph::find_columns() {
   contacts_.clear();
   parts_.clear();
+  coordinates_.clear();
   HeldColumns columns;
   Index direction = 0;
   for (Index c = 0; c < contact_->nc(); ++c) {
@@ -137,6 +183,7 @@ void HeldGraph::find_columns() {
     const auto begin = parts_.begin() + static_cast<std::ptrdiff_t>(columns.parts);
     std::sort(begin, parts_.end(), [](const HeldPart& a, const HeldPart& b) { return a.body < b.body; });
     columns.end_parts = parts_.size();
+    columns.coordinates = coordinates_.size();
     columns.rows = 0;
     for (std::size_t p = columns.parts; p < columns.end_parts; ++p) {
       const HeldBody& body = bodies_[at(parts_[p].body)];
@@ -144,6 +191,7 @@ void HeldGraph::find_columns() {
       parts_[p].first = body.first;
       parts_[p].size = body.size;
       columns.rows += body.size;
+      for (int i = 0; i < body.size; ++i) coordinates_.push_back(body.first + i);
     }
     columns.columns = 1 + directions_of(*contact_, c);
     contacts_.push_back(columns);
@@ -206,9 +254,15 @@ bool HeldGraph::fill_column(const Jacobian& J, Index number, const HeldColumns& 
     for_each_entry(J, number, put);
     return fits;
   }
-  const int* const rows = sparse->innerIndexPtr();
-  const double* const values = sparse->valuePtr();
-  for (int e = sparse->outerIndexPtr()[number]; e < sparse->outerIndexPtr()[number + 1]; ++e) {
+  const int first = sparse->outerIndexPtr()[number];
+  const int count = sparse->outerIndexPtr()[number + 1] - first;
+  const int* const rows = sparse->innerIndexPtr() + first;
+  const double* const values = sparse->valuePtr() + first;
+  if (count == contact.rows && std::equal(rows, rows + count, coordinates_.data() + contact.coordinates)) {
+    std::copy_n(values, count, column);  // every coordinate of its bodies, as most have
+    return true;
+  }
+  for (int e = 0; e < count; ++e) {
     if (values[e] != 0) put(rows[e], values[e]);
   }
   return fits;
@@ -218,6 +272,7 @@ bool HeldGraph::fill_column(const Jacobian& J, Index number, const HeldColumns& 
 void HeldGraph::factor_inertia() {
   inertia_factors_.assign(
       bodies_.empty() ? 0 : bodies_.back().factor + at(bodies_.back().size) * at(bodies_.back().size), 0.0);
+  inverse_diagonal_.resize(at(contact_->ngc()));
   is_definite_ = true;
   for (const HeldBody& body : bodies_) {
     const int n = body.size;
@@ -225,19 +280,11 @@ void HeldGraph::factor_inertia() {
     for_each_block(body, [&](int first, const Matrix& block) {
       for (Index j = 0; j < block.cols(); ++j) {
         for (Index i = j; i < block.rows(); ++i) L[(first + j) * n + first + i] = block(i, j);
+        inverse_diagonal_[at(body.first + first + j)] = 1 / block(j, j);
       }
     });
-    for (int j = 0; j < n; ++j) {
-      double* const column = L + j * n;
-      for (int k = 0; k < j; ++k) {
-        const double* const before = L + k * n;
-        for (int i = j; i < n; ++i) column[i] -= before[j] * before[i];
-      }
-      is_definite_ = is_definite_ && column[j] > 0;
-      const double inverse = 1 / std::sqrt(column[j]);
-      column[j] = inverse;
-      for (int i = j + 1; i < n; ++i) column[i] *= inverse;
-    }
+    const bool is_definite = n == 6 ? factor_body<6>(L, n) : factor_body<0>(L, n);
+    is_definite_ = is_definite_ && is_definite;
   }
 }
 
@@ -248,9 +295,8 @@ void HeldGraph::measure_strength() {
     double response = 0;
     for (std::size_t p = contacts_[c].parts; p < contacts_[c].end_parts; ++p) {
       const double* const entries = normal + parts_[p].row;
-      for_each_block(bodies_[at(parts_[p].body)], [&](int first, const Matrix& block) {
-        for (Index i = 0; i < block.rows(); ++i) response += entries[first + i] * entries[first + i] / block(i, i);
-      });
+      const double* const inverse = inverse_diagonal_.data() + parts_[p].first;
+      for (int i = 0; i < parts_[p].size; ++i) response += entries[i] * entries[i] * inverse[i];
     }
     strength_[c] = response > 0 ? 1 / response : 0;
   }
@@ -266,12 +312,6 @@ int HeldGraph::most_columns() const {
   return most;
 }
 
-int HeldGraph::largest_body() const {
-  int largest = 0;
-  for (const HeldBody& body : bodies_) largest = std::max(largest, body.size);
-  return largest;
-}
-
 void HeldGraph::order(const Vector& x, Vector& ordered) const {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     ordered.segment(places_[b], bodies_[b].size) = x.segment(bodies_[b].first, bodies_[b].size);
@@ -284,10 +324,10 @@ void HeldGraph::restore(const Vector& ordered, Vector& x) const {
   }
 }
 
-/// products := columns' x
 void HeldGraph::multiply(const HeldColumns& contact, const Vector& x, double* products) const {
+  const double* const entries = columns(contact);
+  if (contact.columns == 3) return multiply_three(contact, x, products);
   std::fill_n(products, contact.columns, 0.0);
-  const double* const entries = entries_.data() + contact.entries;
   for (std::size_t p = contact.parts; p < contact.end_parts; ++p) {
     const double* const part = x.data() + parts_[p].place;
     with_body_size(parts_[p].size, [&](auto vector) {
@@ -297,33 +337,54 @@ void HeldGraph::multiply(const HeldColumns& contact, const Vector& x, double* pr
   }
 }
 
-/// to += columns factors
+/// Of a normal and two tangents, which most contacts have: the sums stay in registers.
+void HeldGraph::multiply_three(const HeldColumns& contact, const Vector& x, double* products) const {
+  const double* const normal = columns(contact);
+  const double* const first = normal + contact.rows;
+  const double* const second = first + contact.rows;
+  double w = 0;
+  double slip = 0;
+  double other_slip = 0;
+  for (std::size_t p = contact.parts; p < contact.end_parts; ++p) {
+    const double* const part = x.data() + parts_[p].place;
+    const int row = parts_[p].row;
+    with_body_size(parts_[p].size, [&](auto vector) {
+      w += vector(normal + row).dot(vector(part));
+      slip += vector(first + row).dot(vector(part));
+      other_slip += vector(second + row).dot(vector(part));
+    });
+  }
+  products[0] = w;
+  products[1] = slip;
+  products[2] = other_slip;
+}
+
 void HeldGraph::add_columns(const HeldColumns& contact, const double* factors, Vector& to) const {
-  const double* const entries = entries_.data() + contact.entries;
+  const double* const entries = columns(contact);
   for (std::size_t p = contact.parts; p < contact.end_parts; ++p) {
     double* const part = to.data() + parts_[p].place;
     with_body_size(parts_[p].size, [&](auto vector) {
       const double* const column = entries + parts_[p].row;
-      for (int t = 0; t < contact.columns; ++t) vector(part) += factors[t] * vector(column + t * contact.rows);
+      if (contact.columns == 3) {
+        vector(part) += factors[0] * vector(column) + factors[1] * vector(column + contact.rows) +
+                        factors[2] * vector(column + 2 * contact.rows);
+      } else {
+        for (int t = 0; t < contact.columns; ++t) vector(part) += factors[t] * vector(column + t * contact.rows);
+      }
     });
   }
 }
 
-/// to += G* impulse; impulse is used up.
 void HeldGraph::add_response(Vector& impulse, Vector& to) const {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const int n = bodies_[b].size;
     const double* const L = inertia_factors_.data() + bodies_[b].factor;
     double* const x = impulse.data() + places_[b];
-    for (int j = 0; j < n; ++j) {
-      x[j] *= L[j * n + j];
-      for (int i = j + 1; i < n; ++i) x[i] -= L[j * n + i] * x[j];
-    }
     double* const u = to.data() + places_[b];
-    for (int j = n; j-- > 0;) {
-      for (int i = j + 1; i < n; ++i) x[j] -= L[j * n + i] * x[i];
-      x[j] *= L[j * n + j];
-      u[j] += x[j];
+    if (n == 6) {
+      add_solution<6>(L, n, x, u);
+    } else {
+      add_solution<0>(L, n, x, u);
     }
   }
 }

@@ -32,6 +32,7 @@ struct HeldPart {
 struct HeldColumns {
   std::size_t parts = 0, end_parts = 0;  ///< in HeldGraph::parts()
   std::size_t entries = 0;               ///< of its columns, rows x columns
+  std::size_t coordinates = 0;           ///< of the problem, of its rows, in HeldGraph
   std::size_t first = 0;                 ///< of its impulses among those of all contacts
   int rows = 0;
   int columns = 0;
@@ -61,7 +62,6 @@ class HeldGraph {
   /// Columns of all contacts.
   std::size_t column_count() const;
   int most_columns() const;
-  int largest_body() const;
   int place(std::size_t body) const { return places_[body]; }
   /// G of a body by blocks: visit(first coordinate in the body, block).
   template <class Visit>
@@ -93,6 +93,7 @@ class HeldGraph {
   bool fill_column(const Jacobian& J, Index number, const HeldColumns& contact, double* column) const;
   void factor_inertia();
   void measure_strength();
+  void multiply_three(const HeldColumns& contact, const Vector& x, double* products) const;
 
   const ContactProblem* contact_ = nullptr;
   std::vector<Index> block_sizes_;
@@ -100,9 +101,11 @@ class HeldGraph {
   std::vector<HeldBody> bodies_, last_bodies_;
   std::vector<HeldColumns> contacts_;
   std::vector<HeldPart> parts_;
+  std::vector<int> coordinates_;  ///< of the rows of each contact's columns
   std::vector<std::pair<int, int>> coupled_, last_coupled_;
   std::vector<int> places_;  ///< of each body
   std::vector<double> entries_, inertia_factors_;
+  std::vector<double> inverse_diagonal_;   ///< of G, one by one, in the order of the problem
   std::vector<double> strength_;           ///< by contact
   std::vector<std::uint64_t> signatures_;  ///< by block: of the contacts that touch it
   std::vector<Index> last_touched_;        ///< by block

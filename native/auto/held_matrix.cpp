@@ -1,7 +1,9 @@
 #include "native/auto/held_matrix.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "core/isa.h"
 #include "native/auto/body_vectors.h"
 #include "native/velocity_ipm/multifrontal_cholesky.h"
 #include "native/velocity_ipm/nested_dissection.h"
@@ -9,7 +11,10 @@
 namespace lcpbench {
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
+/// Columns that are multiplied together.
+constexpr std::ptrdiff_t kTogether = 48;
+
+std::size_t at(std::ptrdiff_t i) { return static_cast<std::size_t>(i); }
 
 /// Whether they touch the same bodies.
 bool are_alike(const HeldGraph& graph, const HeldColumns& a, const HeldColumns& b) {
@@ -22,7 +27,7 @@ bool are_alike(const HeldGraph& graph, const HeldColumns& a, const HeldColumns& 
 
 }  // namespace
 
-HeldMatrix::HeldMatrix() : factors_(multifrontal_cholesky()) {}
+HeldMatrix::HeldMatrix() : factors_(multifrontal_cholesky()), kernels_(cholesky::engine(isa_level())) {}
 
 void HeldMatrix::analyze(const HeldGraph& graph, Index ngc) {
   std::vector<Eigen::Triplet<double>> pairs;
@@ -33,8 +38,21 @@ void HeldMatrix::analyze(const HeldGraph& graph, Index ngc) {
   coupled.setFromTriplets(pairs.begin(), pairs.end());
   place_bodies(graph, coupled);
   lay_out(graph, ngc);
-  product_.resize(at(graph.largest_body()) * at(graph.largest_body()));
   factors_->analyze(matrix_);
+}
+
+void HeldMatrix::take_room(const HeldGraph& graph) {
+  int most = 0;
+  std::size_t parts = 0;
+  for (const HeldColumns& contact : graph.contacts()) {
+    most = std::max(most, contact.rows);
+    parts = std::max(parts, contact.end_parts - contact.parts);
+  }
+  const std::size_t stride = at(most) + at(cholesky::kMargin);
+  ordered_.reserve(parts);
+  columns_.resize(stride * at(kTogether));
+  product_.resize(stride * stride);
+  work_.resize(at(cholesky::work_size(most)));
 }
 
 std::vector<int> HeldMatrix::places() const {
@@ -108,40 +126,59 @@ int HeldMatrix::skip(int body, int below) const {
   return below_[k].skip;
 }
 
-/// A W A' of contacts `first` to `end` - 1, which touch the same bodies.
+/// The parts of a contact, in the order of elimination.
+void HeldMatrix::order_parts(const HeldGraph& graph, const HeldColumns& contact) {
+  const auto begin = graph.parts().begin();
+  ordered_.assign(begin + static_cast<std::ptrdiff_t>(contact.parts),
+                  begin + static_cast<std::ptrdiff_t>(contact.end_parts));
+  std::sort(ordered_.begin(), ordered_.end(), [](const HeldPart& a, const HeldPart& b) { return a.place < b.place; });
+}
+
+/// A W A' of contacts `first` to `end` - 1, which touch the same bodies, as a dense matrix over these.
 void HeldMatrix::add_contacts(const HeldGraph& graph, const std::vector<double>& weights, std::size_t first,
                               std::size_t end) {
-  const std::vector<HeldPart>& parts = graph.parts();
-  const std::vector<HeldBody>& bodies = graph.bodies();
-  const std::vector<HeldColumns>& contacts = graph.contacts();
-  double* const values = matrix_.valuePtr();
-  const HeldColumns& all = contacts[first];
-  for (std::size_t q = all.parts; q < all.end_parts; ++q) {
-    const int column_body = parts[q].body;
-    const int size = bodies[at(column_body)].size;
-    const int* const begin = matrix_.outerIndexPtr() + places_[at(column_body)].first;
-    for (std::size_t p = all.parts; p < all.end_parts; ++p) {
-      const int row_body = parts[p].body;
-      const bool is_own = p == q;
-      if (!is_own && places_[at(row_body)].rank < places_[at(column_body)].rank) continue;
-      const int gap = is_own ? 0 : skip(column_body, row_body);
-      const int rows = bodies[at(row_body)].size;
-      std::fill_n(product_.data(), at(size) * at(rows), 0.0);
-      with_body_size(rows, [&](auto vector) {
-        for (std::size_t c = first; c < end; ++c) {
-          if (weights[c] == 0) continue;
-          const double* column = graph.columns(contacts[c]);
-          for (int t = 0; t < contacts[c].columns; ++t, column += all.rows) {
-            const auto from = vector(column + parts[p].row);
-            double* to = product_.data();
-            for (int j = 0; j < size; ++j, to += rows) vector(to) += weights[c] * column[parts[q].row + j] * from;
-          }
-        }
-      });
-      for (int j = 0; j < size; ++j) {
-        const double* const from = product_.data() + j * rows;
-        double* const to = values + begin[j] + (is_own ? -j : size - j + gap);
-        for (int i = is_own ? j : 0; i < rows; ++i) to[i] += from[i];
+  const HeldColumns& all = graph.contacts()[first];
+  if (all.rows == 0) return;
+  order_parts(graph, all);
+  const std::ptrdiff_t stride = all.rows + cholesky::kMargin;
+  std::fill_n(product_.data(), stride * stride, 0.0);
+  std::ptrdiff_t count = 0;
+  const auto add_product = [&] {
+    kernels_.add_product(product_.data(), stride, columns_.data(), stride, all.rows, count, work_.data());
+    count = 0;
+  };
+  for (std::size_t c = first; c < end; ++c) {
+    if (weights[c] == 0) continue;
+    const double root = std::sqrt(weights[c]);
+    const double* column = graph.columns(graph.contacts()[c]);
+    for (int t = 0; t < graph.contacts()[c].columns; ++t, column += all.rows) {
+      double* to = columns_.data() + count * stride;
+      for (const HeldPart& part : ordered_) {
+        with_body_size(part.size, [&](auto vector) { vector(to) = root * vector(column + part.row); });
+        to += part.size;
+      }
+      std::fill_n(to, cholesky::kMargin, 0.0);
+      if (++count == kTogether) add_product();
+    }
+  }
+  if (count > 0) add_product();
+  scatter(graph, stride);
+}
+
+/// Adds the dense matrix over ordered_.
+void HeldMatrix::scatter(const HeldGraph& graph, std::ptrdiff_t stride) {
+  const double* column = product_.data();  // from its diagonal on
+  for (std::size_t q = 0; q < ordered_.size(); ++q) {
+    const int size = ordered_[q].size;
+    for (int j = 0; j < size; ++j, column += stride + 1) {
+      double* const to = matrix_.valuePtr() + matrix_.outerIndexPtr()[ordered_[q].place + j];
+      const double* from = column;
+      for (int i = 0; i < size - j; ++i) to[i] += from[i];
+      from += size - j;
+      for (std::size_t p = q + 1; p < ordered_.size(); ++p) {
+        double* const below = to + size - j + skip(ordered_[q].body, ordered_[p].body);
+        with_body_size(ordered_[p].size, [&](auto vector) { vector(below) += vector(from); });
+        from += ordered_[p].size;
       }
     }
   }

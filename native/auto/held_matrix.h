@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "native/auto/held_graph.h"
+#include "native/velocity_ipm/cholesky_engine.h"
 #include "native/velocity_ipm/sparse_factorization.h"
 
 namespace lcpbench {
@@ -19,6 +20,9 @@ class HeldMatrix {
   void analyze(const HeldGraph& graph, Index ngc);
   /// Of each body, its first coordinate in the order of elimination.
   std::vector<int> places() const;
+
+  /// Takes the memory that factor() needs for contacts as long as these.
+  void take_room(const HeldGraph& graph);
 
   /// Allocates nothing. @param graph with the bodies and couplings of analyze() and its places
   /// @param weights by contact; of zero: the contact is left out @returns false when the factorization breaks down
@@ -41,13 +45,18 @@ class HeldMatrix {
   void place_bodies(const HeldGraph& graph, const SparseMatrix& coupled);
   void lay_out(const HeldGraph& graph, Index ngc);
   int skip(int body, int below) const;
+  void order_parts(const HeldGraph& graph, const HeldColumns& contact);
   void add_contacts(const HeldGraph& graph, const std::vector<double>& weights, std::size_t first, std::size_t end);
+  void scatter(const HeldGraph& graph, std::ptrdiff_t stride);
 
   std::unique_ptr<SparseFactorization> factors_;
   std::vector<Place> places_;  ///< of each body
   std::vector<Below> below_;
-  SparseMatrix matrix_;          ///< lower triangle, in the order of elimination
-  std::vector<double> product_;  ///< of two bodies, a block of the matrix
+  SparseMatrix matrix_;  ///< lower triangle, in the order of elimination
+  const cholesky::Engine& kernels_;
+  std::vector<HeldPart> ordered_;  ///< of one contact, in the order of elimination
+  std::vector<double> columns_;    ///< of contacts that touch the same bodies, times the roots of their weights
+  std::vector<double> product_, work_;
 };
 
 }  // namespace lcpbench
