@@ -59,7 +59,7 @@ class Attempts {
   /// True if a solve before the next update() uses another method in place of velocity_ipm. That method may take a
   /// hundred times as long.
   bool has_stand_in() const {
-    return plan_.front().method == AutoMethod::kVelocityIpm || plan_.front().method == AutoMethod::kPsor;
+    return plan_.front().method == AutoMethod::kVelocityIpm || sweeps_ > 0;
   }
 
   /// Another velocity. Loads the first method if it was put off, or if the new velocity changes the plan.
@@ -70,7 +70,7 @@ class Attempts {
   /// @param request its time limit is not used: limits has it
   void solve(const SolveRequest& request, const AutoLimits& limits, Answer& answer, AutoReport& report);
 
-  /// The velocity of an answer that came without. O(ngc^2)
+  /// The velocity of an answer that came without. O(ngc^2), after psor O(nonzeros)
   void respond(const Answer& answer, Vector& u);
 
  private:
@@ -103,7 +103,7 @@ class Attempts {
   bool has_least_energy_ = false;  ///< least_energy_ holds the problem
   std::unique_ptr<HeldContacts> held_;
   bool has_held_ = false;           ///< held_ holds the problem
-  bool friction_may_hold_ = false;  ///< see friction_may_hold()
+  bool friction_may_hold_ = false;  ///< see friction_may_hold(), of a loaded first method
   bool waits_ = false;              ///< of load_to_hold(): no method is loaded, there is no plan
   bool in_turn_ = false;            ///< of load_to_hold()
   bool takes_turns_ = false;        ///< the shared solvers stand for the own ones

@@ -3,8 +3,10 @@
 #include <utility>
 #include <vector>
 
+#include "core/islands.h"
 #include "core/registry.h"
 #include "core/timed_solve.h"
+#include "native/answer_test/contact_solvability.h"
 #include "native/auto/attempts.h"
 #include "native/auto/lanes.h"
 #include "native/auto/lcp_ladder.h"
@@ -12,6 +14,7 @@
 #include "native/auto/report.h"
 #include "native/auto/rest.h"
 #include "native/auto/settings.h"
+#include "native/contacts/contact_impulses.h"
 
 namespace lcpbench {
 namespace {
@@ -35,7 +38,8 @@ constexpr Capabilities kCapabilities{
 /// SolveRequest::start: as the methods use it, the last answer being of use to all.
 ///
 /// solve() allocates only where friction_ipm, velocity_ipm or psor has to follow a method that gave up: it is loaded
-/// then; and where it makes threads. As that may happen, `allocation_free` is not promised.
+/// then; where no method solves a problem that is one island; and where it makes threads. As that may happen,
+/// `allocation_free` is not promised.
 class Auto final : public Solver {
  public:
   explicit Auto(const AutoSettings& settings) : settings_(settings), lcp_(settings.max_pivots) {}
@@ -47,26 +51,32 @@ class Auto final : public Solver {
   void on_change(const Problem& problem) override { load(problem, true); }
   void on_solve(const SolveRequest& request, Answer& answer) override;
 
-  static bool is_one_island(const ContactProblem& contact);
+  static bool has_rows_to_strip(const ContactProblem& contact);
+  bool is_one_small_island(const ContactProblem& contact) const;
   void load(const Problem& problem, bool to_hold);
-  void load_whole(const Problem& problem, bool to_hold);
+  void load_whole(bool to_hold);
   void load_islands(const ContactProblem& contact, bool to_hold);
   void find_falling(const ContactProblem& contact, const std::vector<Island>& islands);
   AutoLimits limits_of(const SolveRequest& request) const;
   void solve_whole(const SolveRequest& request, Answer& answer);
   void solve_islands(const SolveRequest& request, Answer& answer);
   void give_up(Claim claim, Answer& answer) const;
+  bool nothing_approaches() const;
+  void remain_at_rest(AutoReport& report, Answer& answer) const;
   bool whole_rests() const;
-  void bound_slips(const ContactLayout& layout, const Vector& u, Vector& z) const;
+  void bound_slips(const Vector& u, Vector& z) const;
 
   AutoSettings settings_;
   LcpLadder lcp_;
 
   SharedMethods shared_;
-  bool is_whole_ = false;  // one island that is the whole problem: goes to its methods as it is
+  bool is_whole_ = false;     // one island that is the whole problem: goes to its methods as it is
+  bool may_remain_ = false;   // then it gets no method while nothing approaches
+  bool remains_ = false;      // so it is now
+  bool has_methods_ = false;  // whole_ is loaded
   Attempts whole_{settings_, shared_};
-  ContactLayout layout_;  // of that
 
+  IslandNumbers numbers_;  // where the inertia does not tell that there is one island
   IslandLanes islands_{settings_, shared_};
   Index idle_ = 0;      // contacts without any nonzero entry: in no island
   Index falling_ = -1;  // one of them whose offset is negative: no impulse helps it
@@ -75,25 +85,50 @@ class Auto final : public Solver {
 
 /// @param to_hold the contacts are those of the next step
 void Auto::load(const Problem& problem, bool to_hold) {
-  is_whole_ = false;
+  is_whole_ = may_remain_ = false;
   const ContactProblem* contact = problem.contact();
   if (contact == nullptr) return lcp_.load(problem);
-  is_whole_ = is_one_island(*contact);
   v_ = contact->v;
-  if (is_whole_) return load_whole(problem, to_hold);
+  is_whole_ = couples_all(contact->inertia) && !has_rows_to_strip(*contact);
+  if (is_whole_) return load_whole(to_hold);
+  numbers_.find(*contact);
+  is_whole_ = is_one_small_island(*contact);
+  may_remain_ = is_whole_ && settings_.leave_out;
+  if (is_whole_) return load_whole(to_hold);
   load_islands(*contact, to_hold);
 }
 
-/// Whether it can be told at once that there is nothing to split or to strip.
-bool Auto::is_one_island(const ContactProblem& contact) {
-  if (!couples_all(contact.inertia)) return false;
-  return !contact.frictional() || (contact.mu.array() > 0).any();
+/// Whether friction has rows, but no impulse: they may be left out.
+bool Auto::has_rows_to_strip(const ContactProblem& contact) {
+  return contact.frictional() && !(contact.mu.array() > 0).any();
 }
 
-void Auto::load_whole(const Problem& problem, bool to_hold) {
-  layout_ = contact_layout(*problem.contact());
-  if (to_hold) return whole_.load_to_hold(this->problem(), v_);
-  whole_.load(this->problem(), v_);
+/// Whether there is nothing to split, and nothing to leave out as long as anything approaches. What cutting a problem
+/// out of itself costs is a third of the time of a few contacts. @pre numbers_ are those of the problem
+bool Auto::is_one_small_island(const ContactProblem& contact) const {
+  if (numbers_.count != 1 || has_rows_to_strip(contact) || ContactSolvability::is_asked(contact)) return false;
+  if (settings_.leave_out && contact.nc() >= settings_.leave_out_from) return false;
+  const auto is_in = [](Index island) { return island == 0; };
+  return std::all_of(numbers_.of_contact.begin(), numbers_.of_contact.end(), is_in) &&
+         std::all_of(numbers_.of_coordinate.begin(), numbers_.of_coordinate.end(), is_in);
+}
+
+void Auto::load_whole(bool to_hold) {
+  remains_ = may_remain_ && nothing_approaches();
+  has_methods_ = !remains_;
+  if (remains_) return;
+  if (to_hold) return whole_.load_to_hold(problem(), v_);
+  whole_.load(problem(), v_);
+}
+
+/// Whether z = 0 solves the whole problem as it is.
+bool Auto::nothing_approaches() const {
+  const ContactProblem& contact = *problem().contact();
+  double fastest = 0;
+  for (Index c = 0; c < contact.nc(); ++c) {
+    fastest = max_or_infinity(fastest, -(dot_column(contact.N, c, v_) + contact.offset(c)));
+  }
+  return !(fastest > 0);
 }
 
 void Auto::load_islands(const ContactProblem& contact, bool to_hold) {
@@ -129,8 +164,10 @@ void Auto::find_falling(const ContactProblem& contact, const std::vector<Island>
 void Auto::on_update(const Vector& v) {
   if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
   v_ = v;
-  if (is_whole_) return whole_.update(v);
-  islands_.update(v_);
+  if (!is_whole_) return islands_.update(v_);
+  if (!has_methods_) return load_whole(false);
+  remains_ = may_remain_ && nothing_approaches();
+  if (!remains_) whole_.update(v_);
 }
 
 void Auto::on_solve(const SolveRequest& request, Answer& answer) {
@@ -156,6 +193,7 @@ void Auto::solve_whole(const SolveRequest& request, Answer& answer) {
   AutoReport report;
   report.islands = 1;
   report.contacts = problem().contact()->nc();
+  if (remains_) return remain_at_rest(report, answer);
   const AutoLimits limits = limits_of(request);
   whole_.solve(request, limits, answer, report);
   answer.counters = report.counters();
@@ -163,7 +201,7 @@ void Auto::solve_whole(const SolveRequest& request, Answer& answer) {
     answer.velocity.resize(0);
     answer.claim = Claim::kSolved;
     answer.z.setZero(problem().size());
-    bound_slips(layout_, v_, answer.z);
+    bound_slips(v_, answer.z);
     answer.detail = "at rest to rounding";
     return;
   }
@@ -174,10 +212,21 @@ void Auto::solve_whole(const SolveRequest& request, Answer& answer) {
   answer.z.setZero();
 }
 
+void Auto::remain_at_rest(AutoReport& report, Answer& answer) const {
+  report.at_rest = 1;
+  report.left_out = report.contacts;
+  answer.counters = report.counters();
+  answer.claim = Claim::kSolved;
+  bound_slips(v_, answer.z);
+  answer.velocity = v_;
+  report.write_text(answer.detail);
+}
+
 /// Whether z = 0 solves the whole problem, where no method does.
 bool Auto::whole_rests() const {
-  RestTest test(*problem().contact(), layout_, v_);
-  for (Index c = 0; c < layout_.nc; ++c) test.add(c);
+  const ContactLayout layout = contact_layout(*problem().contact());
+  RestTest test(*problem().contact(), layout, v_);
+  for (Index c = 0; c < layout.nc; ++c) test.add(c);
   return test.passes();
 }
 
@@ -200,7 +249,7 @@ void Auto::solve_islands(const SolveRequest& request, Answer& answer) {
   answer.counters = report.counters();
   if (claim != Claim::kSolved) return give_up(claim, answer);
   answer.claim = Claim::kSolved;
-  bound_slips(islands_.layout(), islands_.velocity(), answer.z);
+  bound_slips(islands_.velocity(), answer.z);
   if (islands_.all_gave_velocity()) answer.velocity = islands_.velocity();
   report.write_text(answer.detail);
 }
@@ -223,16 +272,22 @@ void Auto::give_up(Claim claim, Answer& answer) const {
 }
 
 /// lambda of the contacts that no answer includes: the slip under no friction.
-void Auto::bound_slips(const ContactLayout& layout, const Vector& u, Vector& z) const {
+void Auto::bound_slips(const Vector& u, Vector& z) const {
   const ContactProblem& contact = *problem().contact();
-  for (Index k = 0; k < layout.cones; ++k) {
-    const auto c = static_cast<std::size_t>(layout.cone_contact[static_cast<std::size_t>(k)]);
-    if (!is_whole_ && islands_.carries(c)) continue;
-    double slip = 0;
-    for (Index t = 0; t < contact.edges[c] / 2 && u.size() > 0; ++t) {  // Eigen asserts on sparse columns of no rows
-      slip = std::max(slip, std::abs(dot_column(contact.D, layout.friction_begin[c] + t, u)));
+  Index direction = 0;
+  Index lambda = contact.nc() + cols(contact.D);
+  for (std::size_t c = 0; c < contact.edges.size(); ++c) {
+    const Index edges = contact.edges[c];
+    if (edges == 0) continue;
+    if (is_whole_ || !islands_.carries(c)) {
+      double slip = 0;
+      for (Index t = 0; t < edges / 2 && u.size() > 0; ++t) {  // Eigen asserts on sparse columns of no rows
+        slip = std::max(slip, std::abs(dot_column(contact.D, direction + t, u)));
+      }
+      z(lambda) = slip;
     }
-    z(layout.lambda_offset() + k) = slip;
+    direction += edges;
+    ++lambda;
   }
 }
 

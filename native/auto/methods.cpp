@@ -43,6 +43,13 @@ void limit_lemke(ContactLemke& lemke, const AutoTry& now, const Problem& problem
   lemke.accept(limits.error > 0 ? std::min(limits.error, accepted) : accepted);
 }
 
+/// Where another method may reach the stated error, an answer that does not is none. A brief try comes before those.
+void refuse_above_error(ContactLemke& lemke, const AutoLimits& limits, Answer& answer) {
+  if (!(limits.error > 0 && answer.claim == Claim::kSolved)) return;
+  if (lemke.complete(answer.z.data()).velocity <= limits.error) return;
+  answer.claim = Claim::kNumericalFailure;
+}
+
 /// The stated error, as far as AnswerTest allows it: that of contacts whose inertia is not given by blocks is that of
 /// the verdict.
 double aim_of(const AutoLimits& limits, const Problem& problem) {
@@ -104,6 +111,9 @@ void run_try(const AutoTry& now, Solver& solver, const Problem& problem, const S
     default: break;
   }
   solver.solve(request, answer);
+  if (now.method == AutoMethod::kContactLemke && now.brief) {
+    refuse_above_error(static_cast<ContactLemke&>(solver), limits, answer);
+  }
   const bool tells_rung = is_dense(now.method) && !(now.brief && answer.claim != Claim::kSolved);
   report.add(answer.counters, tells_rung ? std::string_view(answer.detail) : std::string_view());
 }

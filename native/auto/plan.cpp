@@ -17,9 +17,11 @@ namespace {
 
 /// Below this the ladder of contact_lemke takes less time than friction_ipm.
 constexpr Index kSmall = 400;
-/// From this on friction_ipm is faster than contact_lemke where contacts do not slide. Below it contact_lemke takes less
-/// time than to try whether the contacts of the last step hold.
+/// From this on friction_ipm is faster than contact_lemke where contacts do not slide. Below it contact_lemke that is
+/// loaded takes less time than to try whether the contacts of the last step hold.
 constexpr Index kLarge = 800;
+/// Below this contact_lemke takes less time than that to be loaded, too.
+constexpr Index kHeldUnloaded = 200;
 /// From this on the first convex problem of friction_ipm finds the impulses of least energy faster than active sets.
 constexpr Index kRestByIpm = 5000;
 /// From this on psor takes less time than the rungs of contact_lemke beyond double.
@@ -35,6 +37,8 @@ constexpr double kSweepsPerCube = 0.15;
 /// A pile takes so many sweeps for each decimal digit of the error, or more.
 constexpr double kSweepsPerDigit = 8;
 constexpr double kMostSweeps = 10000;
+/// Up to this redundancy() sliding bodies are a pile rather than a stack, a wall or a box on the ground.
+constexpr double kPileRedundancy = 1.25;
 
 /// ngc (ngc + nc) of a problem up to which memory is taken in advance: half a gigabyte of addresses.
 constexpr Index kMostEntries = 1'000'000;
@@ -56,14 +60,14 @@ double slip_ratio(const ContactProblem& contact, const Vector& v) {
   return slip == 0 ? 0 : slip / (mu * approach);
 }
 
-/// Whether there are more normals and tangents than coordinates. Otherwise the impulses of rest are mostly the only
-/// ones, and contact_lemke comes to them.
-bool is_redundant(const ContactProblem& contact) {
+/// Normals and tangents over coordinates. Up to 1 the impulses of rest are mostly the only ones, and contact_lemke
+/// comes to them. Box on box has 2, a pile of spheres about 1.
+double redundancy(const ContactProblem& contact) {
   Index rows = contact.nc();
   for (Index c = 0; c < contact.nc(); ++c) {
     if (contact.mu(c) > 0) rows += contact.edges[static_cast<std::size_t>(c)] > 0 ? 2 : 0;
   }
-  return rows > contact.ngc();
+  return static_cast<double>(rows) / static_cast<double>(contact.ngc());
 }
 
 bool may_be_singular(const ContactProblem& contact) {
@@ -109,7 +113,7 @@ AutoPlan frictional_plan(const ContactProblem& contact, const Vector& v) {
   const Index size = contact.nc() * contact.ngc();
   const bool is_scene = std::holds_alternative<BlockInertia>(contact.inertia);
   const bool seeks_rest =
-      (is_scene || std::holds_alternative<DenseInertia>(contact.inertia)) && (size >= kLarge || is_redundant(contact));
+      (is_scene || std::holds_alternative<DenseInertia>(contact.inertia)) && (size >= kLarge || redundancy(contact) > 1);
   const double slip = seeks_rest || size >= kLarge ? slip_ratio(contact, v) : 0;
   if (seeks_rest) plan.rest = rest_for(size, slip);
   if (size < kLarge && may_be_singular(contact)) {  // only contact_lemke tells what has a solution from what has none
@@ -126,6 +130,7 @@ AutoPlan frictional_plan(const ContactProblem& contact, const Vector& v) {
   } else {
     const bool sticks = slip <= 1;
     if (sticks && plan.rest == AutoPlan::Rest::kNotSought) plan.add(kFrictionIpm, true);
+    if (!sticks && is_sparse(contact) && redundancy(contact) <= kPileRedundancy) plan.add_sweeps(contact.ngc());
     plan.add(kContactLemke, true);
     if (is_scene || sticks) plan.add(kFrictionIpm);
     if (size >= kHuge) plan.add(kPsor);
@@ -138,8 +143,9 @@ AutoPlan frictional_plan(const ContactProblem& contact, const Vector& v) {
 
 }  // namespace
 
-bool friction_may_hold(const ContactProblem& contact) {
-  return contact.frictional() && contact.nc() * contact.ngc() >= kLarge && HeldContacts::takes(contact);
+bool friction_may_hold(const ContactProblem& contact, bool is_loaded) {
+  const Index least = is_loaded ? kLarge : kHeldUnloaded;
+  return contact.frictional() && contact.nc() * contact.ngc() >= least && HeldContacts::takes(contact);
 }
 
 bool fits_in_advance(AutoMethod method, const Problem& problem) {

@@ -41,6 +41,10 @@ struct PsorSettings {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+/// The residual costs as much as a few sweeps. Where it was too large it is evaluated again when the rows are off by
+/// less in the same proportion, or after one part in so many of the sweeps that were made.
+constexpr std::int64_t kTestEvery = 8;
+
 /// Steps along conjugate directions between sweeps, as in the nonlinear conjugate gradient method of Fletcher and
 /// Reeves with the step of a sweep in place of the gradient. A sweep that moves more than the one before forgets the
 /// directions, its own step included.
@@ -126,6 +130,7 @@ class Psor final : public ImpulseSolver<LimitedPsor> {
     settings_ = given_;
     test_.allow(0);
   }
+  void respond(const Vector& z, Vector& u) override;
 
  private:
   void prepare(const Problem& problem) override;
@@ -174,6 +179,20 @@ void Psor::set_start(const Vector* start) {
   state_.recompute_velocity();
 }
 
+void Psor::respond(const Vector& z, Vector& u) {
+  state_.impulse.setZero();
+  state_.impulse.head(state_.contacts) = z.head(state_.contacts);
+  for (const SignedFriction& friction : state_.frictions) {
+    const Index first = friction.first_column;
+    state_.impulse.segment(first, friction.directions) =
+        z.segment(first, friction.directions) - z.segment(first + friction.directions, friction.directions);
+  }
+  state_.scale_impulses();
+  state_.recompute_velocity();
+  u = state_.u;
+  state_.units.restore(u);
+}
+
 /// @returns how much the row was off, in the units of w: |min(M_ii z_i, w_i)|.
 double Psor::update_row(Index row) {
   const double diagonal = state_.columns.diagonal(row);
@@ -205,6 +224,8 @@ bool Psor::settle(double deadline_s, Answer& answer) {
 
 void Psor::sweep_until_solved(double deadline_s, Answer& answer) {
   double allowed = settings_.tolerance * state_.q_max;
+  double promising = allowed;  // how much the rows may be off where the residual is next evaluated
+  std::int64_t next = 0;       // the sweep from which it is evaluated anyhow
   const bool accelerates = settings_.acceleration == Acceleration::kConjugate;
   std::int64_t& iterations = answer.counters.iterations;
   if (!is_bare()) blocks_.take(state_);
@@ -218,7 +239,8 @@ void Psor::sweep_until_solved(double deadline_s, Answer& answer) {
     const double off = sweep(settings_.order == Order::kSymmetric && iterations % 2 == 1);
     answer.claim = Claim::kNumericalFailure;
     if (!(off < kInfinity)) return;
-    if (off <= allowed) {
+    const bool is_last = iterations + 1 >= settings_.max_iterations;
+    if (off <= promising || (off <= allowed && (iterations >= next || is_last))) {
       recompute_velocity();
       const double residual = state_.residual();
       if (residual <= allowed) {
@@ -229,9 +251,11 @@ void Psor::sweep_until_solved(double deadline_s, Answer& answer) {
         answer.detail.clear();
         allowed = residual / 2;  // a test costs more than a sweep
       }
+      promising = std::min(off * (allowed / residual), allowed);
+      next = iterations + std::max<std::int64_t>(iterations / kTestEvery, 1);
       if (!is_bare()) blocks_.take(state_);
     }
-    if (accelerates && iterations + 1 < settings_.max_iterations) {
+    if (accelerates && !is_last) {
       steps_.after_sweep(curvature(), impulses(), velocity());
     }
   }

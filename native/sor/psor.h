@@ -16,6 +16,10 @@ class LimitedPsor : public Solver {
   virtual void aim_at(double residual) = 0;
   /// As the settings have it.
   virtual void unlimit_sweeps() = 0;
+
+  /// The velocity that these impulses give to the contacts that are loaded, O(nonzeros). Allocates nothing.
+  /// @param z n entries @param u ngc entries
+  virtual void respond(const Vector& z, Vector& u) = 0;
 };
 
 /// At the defaults of psor, but with acceleration=conjugate.

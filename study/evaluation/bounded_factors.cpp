@@ -25,6 +25,14 @@ double sum_of(std::span<const double> x) {
 
 }  // namespace
 
+void BoundedFactors::reserve(std::size_t matrices, std::size_t columns, std::size_t entries) {
+  matrices_.reserve(matrices);
+  for (auto* const by_column : {&inverse_pivots_, &of_ones_}) by_column->reserve(columns);
+  end_.reserve(columns);
+  rows_.reserve(entries);
+  values_.reserve(entries);
+}
+
 bool BoundedFactors::add(std::span<const double> A, std::size_t n, double least) {
   if (n == 0 || n > kLargestOrder) return false;
   work_.assign(A.begin(), A.end());
@@ -32,9 +40,6 @@ bool BoundedFactors::add(std::span<const double> A, std::size_t n, double least)
   Factored matrix;
   matrix.first = end_.size();
   matrix.order = n;
-  const std::size_t nonzeros = rows_.size() + n * (n - 1) / 2;
-  rows_.reserve(nonzeros);
-  values_.reserve(nonzeros);
   for (std::size_t j = n; j-- > 0;) {
     const double pivot = work_[j * n + j];
     if (!(pivot > least)) {  // the least eigenvalue is no larger than any pivot
@@ -90,6 +95,7 @@ bool BoundedFactors::invert(Factored& matrix) {
   inverses_.resize(inverses_.size() + n * n, 0.0);
   double* const X = inverses_.data() + *matrix.inverse;
   std::vector<double> sums(n, 1.0), largest(n, 1.0);  // of the columns of |U|; in the rows of |X|
+  const double rounding = (static_cast<double>(n) + 2) * bounded::kRoundoff * kRoundedUp;
   double share = 0;
   for (std::size_t j = 0; j < n; ++j) {
     const std::size_t column = matrix.first + (n - 1 - j);
@@ -107,10 +113,9 @@ bool BoundedFactors::invert(Factored& matrix) {
       of_column += sums[j] * x[j];
       largest[j] = std::max(largest[j], x[j]);
     }
-    share = std::max(share, of_column);
+    if (!(of_column * rounding < kLargestShare)) return false;  // nor is NaN
+    share = std::max(share, of_column * rounding);
   }
-  share *= (static_cast<double>(n) + 2) * bounded::kRoundoff * kRoundedUp;
-  if (!(share < kLargestShare)) return false;
   for (std::size_t k = 0; k < n; ++k) {
     for (std::size_t j = 0; j < k; ++j) {
       X[k * n + j] = (X[k * n + j] + share / (1 - share) * largest[j]) * kRoundedUp + bounded::kLost;
@@ -125,15 +130,19 @@ void BoundedFactors::eliminate(std::size_t j, std::size_t n) {
   const double inverse = inverse_pivots_.back();
   const std::size_t first = rows_.size();
   double* const column = column_.data();
+  rows_.resize(first + j);
+  values_.resize(first + j);
+  std::uint32_t* const rows = rows_.data() + first;
+  double* const values = values_.data() + first;
   std::size_t count = 0;
   for (std::size_t i = 0; i < j; ++i) {
     if (last[i] == 0) continue;
-    column[count++] = last[i];
-    rows_.push_back(static_cast<std::uint32_t>(i));
-    values_.push_back(last[i] * inverse);
+    column[count] = last[i];
+    rows[count] = static_cast<std::uint32_t>(i);
+    values[count++] = last[i] * inverse;
   }
-  const std::uint32_t* const rows = rows_.data() + first;
-  const double* const values = values_.data() + first;
+  rows_.resize(first + count);
+  values_.resize(first + count);
   for (std::size_t e = 0; e < count; ++e) {
     double* const rest = work_.data() + rows[e] * n;
     const double value = values[e];
@@ -167,10 +176,15 @@ void BoundedFactors::solve(std::size_t index, std::span<double> x) const {
     x[j] = known * inverse_pivots_[column];
   }
   for (std::size_t j = 0; j < n; ++j) {
-    const std::size_t column = matrix.first + (n - 1 - j);
-    double rest = x[j];
-    for (std::size_t e = begin(column); e < end_[column]; ++e) rest -= values[e] * x[rows[e]];
-    x[j] = rest;
+    const std::size_t column = matrix.first + (n - 1 - j), end = end_[column];
+    double even = 0, odd = 0;  // two sums, which do not wait for each other
+    std::size_t e = begin(column);
+    for (; e + 1 < end; e += 2) {
+      even += values[e] * x[rows[e]];
+      odd += values[e + 1] * x[rows[e + 1]];
+    }
+    if (e < end) even += values[e] * x[rows[e]];
+    x[j] -= even + odd;
   }
 }
 

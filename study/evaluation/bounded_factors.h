@@ -26,6 +26,9 @@ class BoundedFactors {
   /// @param A  n x n by columns; symmetric; diagonal entries from 1 to 4, no magnitude above 4.
   bool add(std::span<const double> A, std::size_t n, double least);
 
+  /// Makes room for so many columns, of so many entries above the diagonal, of so many matrices.
+  void reserve(std::size_t matrices, std::size_t columns, std::size_t entries);
+
   std::size_t count() const { return matrices_.size(); }
 
   /// x := S^-1 x, computed in double. The computed x solves A x = b but for residual(matrix) |x|_1 in each row.
