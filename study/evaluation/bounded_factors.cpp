@@ -40,6 +40,9 @@ bool BoundedFactors::add(std::span<const double> A, std::size_t n, double least)
   Factored matrix;
   matrix.first = end_.size();
   matrix.order = n;
+  std::size_t used = rows_.size();
+  rows_.resize(used + n * (n - 1) / 2);
+  values_.resize(rows_.size());
   for (std::size_t j = n; j-- > 0;) {
     const double pivot = work_[j * n + j];
     if (!(pivot > least)) {  // the least eigenvalue is no larger than any pivot
@@ -47,9 +50,11 @@ bool BoundedFactors::add(std::span<const double> A, std::size_t n, double least)
       return false;
     }
     inverse_pivots_.push_back(1 / pivot);
-    eliminate(j, n);
-    end_.push_back(rows_.size());
+    used = eliminate(j, n, used);
+    end_.push_back(used);
   }
+  rows_.resize(used);
+  values_.resize(used);
   // Each entry of A is a sum of at most n products and one pivot, less the rounding of as many products and
   // differences, of the inverse pivot and of the product with it: |E| <= gamma_(n + 6) |U| D |U'|, whose entries are at
   // most 4 and a few roundings. In solve() each of the two triangular solutions adds n roundings of an entry of |U|,
@@ -125,13 +130,11 @@ bool BoundedFactors::invert(Factored& matrix) {
 }
 
 /// Of what is left: divides a column by its pivot, and subtracts their product from the columns before it.
-void BoundedFactors::eliminate(std::size_t j, std::size_t n) {
+/// @param first  where its entries begin. @returns where they end
+std::size_t BoundedFactors::eliminate(std::size_t j, std::size_t n, std::size_t first) {
   const double* const last = work_.data() + j * n;
   const double inverse = inverse_pivots_.back();
-  const std::size_t first = rows_.size();
-  double* const column = column_.data();
-  rows_.resize(first + j);
-  values_.resize(first + j);
+  double* __restrict const column = column_.data();
   std::uint32_t* const rows = rows_.data() + first;
   double* const values = values_.data() + first;
   std::size_t count = 0;
@@ -141,10 +144,8 @@ void BoundedFactors::eliminate(std::size_t j, std::size_t n) {
     rows[count] = static_cast<std::uint32_t>(i);
     values[count++] = last[i] * inverse;
   }
-  rows_.resize(first + count);
-  values_.resize(first + count);
   for (std::size_t e = 0; e < count; ++e) {
-    double* const rest = work_.data() + rows[e] * n;
+    double* __restrict const rest = work_.data() + rows[e] * n;
     const double value = values[e];
     if (count == j) {
       for (std::size_t k = 0; k <= e; ++k) rest[k] -= value * column[k];
@@ -152,6 +153,7 @@ void BoundedFactors::eliminate(std::size_t j, std::size_t n) {
       for (std::size_t k = 0; k <= e; ++k) rest[rows[k]] -= value * column[k];
     }
   }
+  return first + count;
 }
 
 void BoundedFactors::discard(const Factored& matrix) {

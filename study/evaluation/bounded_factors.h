@@ -51,7 +51,7 @@ class BoundedFactors {
   };
 
   std::size_t begin(std::size_t column) const { return column == 0 ? 0 : end_[column - 1]; }
-  void eliminate(std::size_t column, std::size_t n);
+  std::size_t eliminate(std::size_t column, std::size_t n, std::size_t first);
   bool invert(Factored& matrix);
   bool find_bound(Factored& matrix, double least);
   void compare(const Factored& matrix, std::span<double> b) const;
