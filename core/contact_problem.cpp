@@ -88,6 +88,7 @@ ContactLayout contact_layout(const ContactProblem& problem) {
   layout.nc = problem.nc();
   layout.friction_begin.reserve(problem.edges.size() + 1);
   layout.lambda.reserve(problem.edges.size());
+  layout.cone_contact.reserve(problem.edges.size());
   layout.friction_begin.push_back(0);
   for (Index i = 0; i < layout.nc; ++i) {
     const int edges = problem.edges[static_cast<std::size_t>(i)];

@@ -34,6 +34,8 @@ class DisjointSets {
     return lower;
   }
 
+  const Index* parents() const { return parent_.data(); }
+
  private:
   Index& parent(Index i) { return parent_[static_cast<std::size_t>(i)]; }
   std::vector<Index>& parent_;
@@ -47,11 +49,31 @@ class Joined {
   bool any() const { return representative_ >= 0; }
   /// Of the set with all rows; -1 where there was none.
   Index representative() const { return representative_; }
+  /// Of each index; of those that were joined last it is the representative.
+  const Index* parents() const { return sets_.parents(); }
 
  private:
   DisjointSets& sets_;
   Index representative_ = -1;
 };
+
+/// Joins the rows of a column's nonzero entries.
+void join_column(const Jacobian& J, Index column, Joined& joined) {
+  const auto* sparse = std::get_if<SparseMatrix>(&J);
+  if (sparse == nullptr || !sparse->isCompressed()) {
+    return std::visit([&](const auto& matrix) { for_each_nonzero(matrix, column, joined); }, J);
+  }
+  const double* const values = sparse->valuePtr();
+  const int* const rows = sparse->innerIndexPtr();
+  const int end = sparse->outerIndexPtr()[column + 1];
+  const Index* const parents = joined.parents();
+  Index representative = joined.representative();
+  for (int k = sparse->outerIndexPtr()[column]; k < end; ++k) {
+    if (parents[rows[k]] == representative || values[k] == 0) continue;
+    joined(rows[k]);
+    representative = joined.representative();
+  }
+}
 
 /// Stops where the columns so far have joined all rows.
 void join_columns(const Matrix& matrix, Index offset, DisjointSets& sets) {
@@ -112,9 +134,9 @@ void IslandNumbers::find(const ContactProblem& problem) {
   for (Index c = 0; c < problem.nc(); ++c) {
     const int edges = problem.edges[static_cast<std::size_t>(c)];
     Joined joined(sets);
-    std::visit([&](const auto& N) { for_each_nonzero(N, c, joined); }, problem.N);
+    join_column(problem.N, c, joined);
     for (Index t = 0; t < edges / 2; ++t) {  // the second half of the directions are the negatives of the first
-      std::visit([&](const auto& D) { for_each_nonzero(D, direction + t, joined); }, problem.D);
+      join_column(problem.D, direction + t, joined);
     }
     direction += edges;
     of_contact[static_cast<std::size_t>(c)] = joined.representative();

@@ -6,8 +6,8 @@
 #include <limits>
 #include <variant>
 
-#include "native/contacts/contact_edges.h"
 #include "native/answer_test/scaled_numbers.h"
+#include "native/contacts/contact_edges.h"
 
 namespace lcpbench {
 namespace {
@@ -26,39 +26,153 @@ void raise(Scalar& largest, Scalar x) {
   if (!(x <= largest)) largest = x < static_cast<Scalar>(kInfinity) ? x : static_cast<Scalar>(kInfinity);
 }
 
-/// visit(row, value) for the nonzero entries of column `j` of [N D].
-template <class Visit>
-void visit_column(const ContactProblem& contact, Index j, Visit&& visit) {
+/// sum.add(row, value) for the nonzero entries of column `j` of [N D]. The sum stays in registers where it can.
+template <class Sum>
+void sum_column(const ContactProblem& contact, Index j, Sum& sum) {
   const bool is_normal = j < contact.nc();
-  for_each_entry(is_normal ? contact.N : contact.D, is_normal ? j : j - contact.nc(), visit);
+  const Jacobian& J = is_normal ? contact.N : contact.D;
+  const Index column = is_normal ? j : j - contact.nc();
+  const auto* sparse = std::get_if<SparseMatrix>(&J);
+  if (sparse == nullptr || !sparse->isCompressed()) {
+    return for_each_entry(J, column, [&](Index i, double value) { sum.add(i, value); });
+  }
+  const double* const values = sparse->valuePtr();
+  const int* const rows = sparse->innerIndexPtr();
+  const int end = sparse->outerIndexPtr()[column + 1];
+  Sum own = sum;
+  for (int k = sparse->outerIndexPtr()[column]; k < end; ++k) {
+    if (values[k] != 0) own.add(rows[k], values[k]);
+  }
+  sum = own;
 }
 
-template <class Scalar, class Room>
-auto row_of(const ContactProblem& contact, const Vector& v, Index j, const Room& room) {
-  typename Room::Row row;
-  const double offset = j < contact.nc() ? contact.offset(j) : 0.0;
-  Scalar q = static_cast<Scalar>(offset);
-  Scalar terms = static_cast<Scalar>(std::abs(offset));
-  double entries = offset == 0 ? 1 : 2;
-  visit_column(contact, j, [&](Index i, double value) {
-    const auto at = static_cast<std::size_t>(i);
+/// What a column sees of the coordinates. @param sight as of BodiesTest::Room
+template <class Scalar>
+struct SeenByColumn {
+  const Scalar* sight;
+  Scalar u = 0, v = 0, bound = 0, reach = 0;
+  Scalar terms = 0;  ///< of v
+  Index entries = 0;
+
+  void add(Index i, double value) {
+    const Scalar* const here = sight + 4 * i;
     const Scalar size = static_cast<Scalar>(std::abs(value));
-    row.w += static_cast<Scalar>(value) * room.u[at];
-    row.rounding += size * room.bound[at];
-    row.reach += size * room.reach[at];
-    const Scalar part = static_cast<Scalar>(value) * static_cast<Scalar>(v(i));
-    q += part;
+    const Scalar part = static_cast<Scalar>(value) * here[1];
+    u += static_cast<Scalar>(value) * here[0];
+    v += part;
+    bound += size * here[2];
+    reach += size * here[3];
     terms += magnitude(part);
     ++entries;
     // Lost to underflow: no zero, but no scale either.
-    if (part == 0 && v(i) != 0) terms += static_cast<Scalar>(DBL_TRUE_MIN);
-  });
+    if (part == 0 && here[1] != 0) terms += static_cast<Scalar>(DBL_TRUE_MIN);
+  }
+};
+
+/// An impulse along a column, and the magnitudes of its terms.
+template <class Scalar>
+struct AddedImpulse {
+  Scalar impulse;
+  Scalar* to;
+  Scalar* terms;
+  Index last = -1;
+
+  void add(Index i, double value) {
+    const Scalar part = impulse * static_cast<Scalar>(value);
+    to[i] += part;
+    terms[i] += magnitude(part);
+    last = i;
+  }
+};
+
+template <class Scalar, class Room>
+auto row_of(const ContactProblem& contact, Index j, const Room& room) {
+  const double offset = j < contact.nc() ? contact.offset(j) : 0.0;
+  SeenByColumn<Scalar> seen{.sight = room.sight.data()};
+  sum_column(contact, j, seen);
+  const Scalar q = static_cast<Scalar>(offset) + seen.v;
+  const Scalar terms = static_cast<Scalar>(std::abs(offset)) + seen.terms;
+  const double entries = static_cast<double>(seen.entries + (offset == 0 ? 1 : 2));
+  typename Room::Row row{.w = seen.u, .rounding = seen.bound, .reach = seen.reach};
   const Scalar own = std::max(magnitude(q), static_cast<Scalar>(kFloor * entries) * terms);
   row.scale = own == 0 ? terms : own;
   if (offset == 0) return row;
   row.w += static_cast<Scalar>(offset);
   row.rounding += static_cast<Scalar>(4 * room.roundoff * std::abs(offset));
   return row;
+}
+
+/// L of block = L L', by columns; kSize: the block's order, 0: any. @returns whether it is definite
+template <int kSize, class Scalar>
+bool factor_block(const Matrix& block, Scalar* L) {
+  const std::size_t n = kSize > 0 ? kSize : static_cast<std::size_t>(block.rows());
+  bool is_definite = true;
+  for (std::size_t j = 0; j < n; ++j) {
+    Scalar* const column = L + j * n;
+    const double* const given = block.data() + j * n;
+    for (std::size_t i = j; i < n; ++i) column[i] = static_cast<Scalar>(given[i]);
+    std::size_t k = 0;
+    for (; k + 4 <= j; k += 4) {
+      const Scalar* const b = L + k * n;
+      for (std::size_t i = j; i < n; ++i) {
+        column[i] =
+            column[i] - b[i] * b[j] - b[n + i] * b[n + j] - b[2 * n + i] * b[2 * n + j] - b[3 * n + i] * b[3 * n + j];
+      }
+    }
+    for (; k < j; ++k) {
+      const Scalar* const before = L + k * n;
+      for (std::size_t i = j; i < n; ++i) column[i] -= before[i] * before[j];
+    }
+    is_definite = is_definite && column[j] > 0;
+    const Scalar diagonal = root_of(column[j] > 0 ? column[j] : Scalar(1));
+    for (std::size_t i = j + 1; i < n; ++i) column[i] /= diagonal;
+    column[j] = diagonal;
+  }
+  return is_definite;
+}
+
+/// The lengths of the columns of L^-1, four of which are found together. @param scratch of 4 n entries
+template <int kSize, class Scalar>
+void measure_inverse(const Scalar* L, std::size_t order, Scalar* scratch, Scalar* lengths) {
+  using Four = Eigen::Array<Scalar, 4, 1>;
+  const std::size_t n = kSize > 0 ? kSize : order;
+  for (std::size_t first = 0; first < n; first += 4) {
+    std::fill(scratch + 4 * first, scratch + 4 * n, Scalar(0));
+    const std::size_t together = std::min<std::size_t>(4, n - first);
+    for (std::size_t k = 0; k < together; ++k) scratch[4 * (first + k) + k] = 1;
+    Four squares = Four::Zero();
+    for (std::size_t i = first; i < n; ++i) {
+      Eigen::Map<Four> now(scratch + 4 * i);
+      const Four x = now / L[i * n + i];
+      squares += x * x;
+      for (std::size_t l = i + 1; l < n; ++l) Eigen::Map<Four>(scratch + 4 * l) -= L[i * n + l] * x;
+    }
+    for (std::size_t k = 0; k < together; ++k) lengths[first + k] = root_of(squares(static_cast<Index>(k)));
+  }
+}
+
+/// x := (L L')^-1 x
+template <int kSize, class Scalar>
+void solve_block(const Scalar* L, std::size_t order, Scalar* x) {
+  const std::size_t n = kSize > 0 ? kSize : order;
+  for (std::size_t i = 0; i < n; ++i) {
+    x[i] /= L[i * n + i];
+    for (std::size_t k = i + 1; k < n; ++k) x[k] -= L[i * n + k] * x[i];
+  }
+  for (std::size_t i = n; i-- > 0;) {
+    for (std::size_t k = i + 1; k < n; ++k) x[i] -= L[i * n + k] * x[k];
+    x[i] /= L[i * n + i];
+  }
+}
+
+/// Factors the block, measures its inverse and solves for x. @returns whether it is definite
+template <int kSize, class Scalar>
+bool respond_block(const Matrix& block, Scalar* L, Scalar* scratch, Scalar* reach, Scalar* x) {
+  const bool is_definite = factor_block<kSize>(block, L);
+  const auto n = static_cast<std::size_t>(block.rows());
+  measure_inverse<kSize>(L, n, scratch, reach);
+  solve_block<kSize>(L, n, x);
+  return is_definite;
 }
 
 /// min(M_jj z_j, w) or more, of a row with z_j >= 0.
@@ -86,8 +200,9 @@ void BodiesTest::Room<Scalar>::resize(Index ngc, Index largest_block, Index isla
   for (std::vector<Scalar>* by_coordinate : {&impulse, &terms, &u, &bound, &reach, &root}) {
     by_coordinate->resize(static_cast<std::size_t>(ngc));
   }
+  sight.resize(static_cast<std::size_t>(4 * ngc));
   factor.resize(static_cast<std::size_t>(largest_block * largest_block));
-  inverse.resize(static_cast<std::size_t>(largest_block));
+  inverse.resize(static_cast<std::size_t>(4 * largest_block));
   islands.resize(static_cast<std::size_t>(island_count));
   rows.resize(static_cast<std::size_t>(most_directions));
 }
@@ -134,14 +249,12 @@ void BodiesTest::add_impulses(const Vector& z, Room<Scalar>& room) const {
   for (Island<Scalar>& island : room.islands) island = {0, 0, 0, 0, 0, 0, false, true};
   for (Index j = 0; j < layout_.lambda_offset(); ++j) {
     if (z(j) == 0) continue;
-    visit_column(*contact_, j, [&](Index i, double value) {
-      const auto at = static_cast<std::size_t>(i);
-      const Scalar part = static_cast<Scalar>(z(j)) * static_cast<Scalar>(value);
-      room.impulse[at] += part;
-      room.terms[at] += magnitude(part);
-      const Index island = numbers_.of_coordinate[at];
-      room.islands[static_cast<std::size_t>(island)].presses = true;
-    });
+    AddedImpulse<Scalar> added{
+        .impulse = static_cast<Scalar>(z(j)), .to = room.impulse.data(), .terms = room.terms.data()};
+    sum_column(*contact_, j, added);
+    if (added.last < 0) continue;
+    const Index island = numbers_.of_coordinate[static_cast<std::size_t>(added.last)];  // that of all its entries
+    room.islands[static_cast<std::size_t>(island)].presses = true;
   }
 }
 
@@ -150,40 +263,17 @@ template <class Scalar>
 void BodiesTest::respond(const Matrix& block, Index first, Room<Scalar>& room) const {
   const auto n = static_cast<std::size_t>(block.rows());
   const auto at = static_cast<std::size_t>(first);
-  std::vector<Scalar>& L = room.factor;
-  bool is_definite = true;
-  for (std::size_t j = 0; j < n; ++j) {
-    for (std::size_t i = j; i < n; ++i) {
-      Scalar sum = static_cast<Scalar>(block(static_cast<Index>(i), static_cast<Index>(j)));
-      for (std::size_t k = 0; k < j; ++k) sum -= L[i * n + k] * L[j * n + k];
-      if (i == j) is_definite = is_definite && sum > 0;
-      L[i * n + j] = i == j ? root_of(sum > 0 ? sum : Scalar(1)) : sum / L[j * n + j];
-    }
-    room.root[at + j] = root_of(static_cast<Scalar>(block(static_cast<Index>(j), static_cast<Index>(j))));
-    room.reach[at + j] = 0;
-  }
+  Scalar* const x = room.u.data() + at;
+  std::copy_n(room.impulse.data() + at, n, x);
+  const auto respond_sized = n == 3   ? respond_block<3, Scalar>
+                             : n == 6 ? respond_block<6, Scalar>
+                                      : respond_block<0, Scalar>;
+  const bool is_definite = respond_sized(block, room.factor.data(), room.inverse.data(), room.reach.data() + at, x);
   Scalar condition = 0;
-  for (std::size_t k = 0; k < n; ++k) {  // column k of L^-1
-    std::vector<Scalar>& x = room.inverse;
-    for (std::size_t i = k; i < n; ++i) {
-      Scalar sum = i == k ? Scalar(1) : Scalar(0);
-      for (std::size_t l = k; l < i; ++l) sum -= L[i * n + l] * x[l];
-      x[i] = sum / L[i * n + i];
-      room.reach[at + k] += x[i] * x[i];
-    }
-    room.reach[at + k] = root_of(room.reach[at + k]);
+  for (std::size_t k = 0; k < n; ++k) {
+    room.root[at + k] = root_of(static_cast<Scalar>(block(static_cast<Index>(k), static_cast<Index>(k))));
     const Scalar scaled = room.reach[at + k] * room.root[at + k];
     condition += scaled * scaled;
-  }
-  Scalar* const x = room.u.data() + at;
-  for (std::size_t i = 0; i < n; ++i) {
-    x[i] = room.impulse[at + i];
-    for (std::size_t k = 0; k < i; ++k) x[i] -= L[i * n + k] * x[k];
-    x[i] /= L[i * n + i];
-  }
-  for (std::size_t i = n; i-- > 0;) {
-    for (std::size_t k = i + 1; k < n; ++k) x[i] -= L[k * n + i] * x[k];
-    x[i] /= L[i * n + i];
   }
   const Scalar lost = static_cast<Scalar>(room.roundoff * static_cast<double>(n * (8 + 4 * n))) * condition;
   const bool is_known = is_definite && lost < static_cast<Scalar>(kTrusted);
@@ -210,9 +300,12 @@ void BodiesTest::bound_rounding(Index impulses, Room<Scalar>& room) const {
     room.bound[i] = dots * (room.bound[i] + magnitude(v));
     room.u[i] += v;
     const Index k = numbers_.of_coordinate[i];
-    if (k < 0) continue;
-    const Island<Scalar>& island = room.islands[static_cast<std::size_t>(k)];
-    room.bound[i] += room.reach[i] * (sums * island.rounded + roundoff * island.lost * island.moved);
+    if (k >= 0) {
+      const Island<Scalar>& island = room.islands[static_cast<std::size_t>(k)];
+      room.bound[i] += room.reach[i] * (sums * island.rounded + roundoff * island.lost * island.moved);
+    }
+    const Scalar sight[] = {room.u[i], v, room.bound[i], room.reach[i]};
+    std::copy_n(sight, 4, room.sight.data() + 4 * i);
   }
 }
 
@@ -224,7 +317,7 @@ void BodiesTest::measure_friction(Index contact, Scalar reach, Vector& z, Room<S
   const Index half = (layout_.friction_begin[c + 1] - layout_.friction_begin[c]) / 2;
   Scalar largest = 0;
   for (Index t = 0; t < half; ++t) {
-    room.rows[static_cast<std::size_t>(t)] = row_of<Scalar>(*contact_, v_, first + t, room);
+    room.rows[static_cast<std::size_t>(t)] = row_of<Scalar>(*contact_, first + t, room);
     raise(largest, magnitude(room.rows[static_cast<std::size_t>(t)].w));
     raise(island.scale, room.rows[static_cast<std::size_t>(t)].scale);
   }
@@ -267,7 +360,7 @@ contact_lemke::Residual BodiesTest::complete(Vector& z, Room<Scalar>& room) {
       continue;
     }
     Island<Scalar>& island = room.islands[static_cast<std::size_t>(numbers_.of_contact[contact])];
-    const auto row = row_of<Scalar>(*contact_, v_, c, room);
+    const auto row = row_of<Scalar>(*contact_, c, room);
     raise(island.scale, row.scale);
     offer(row, row.w, z(c), island);
     if (lambda >= 0) measure_friction(c, row.reach, z, room);

@@ -45,7 +45,8 @@ class BodiesTest {
     };
 
     std::vector<Scalar> impulse, terms, u, bound, reach, root;  // per coordinate
-    std::vector<Scalar> factor, inverse;                        // of the largest block
+    std::vector<Scalar> sight;            // per coordinate, what rows see of it: u, v, and the bound and reach of u
+    std::vector<Scalar> factor, inverse;  // of the largest block; four columns of its inverse
     std::vector<Island<Scalar>> islands;
     std::vector<Row> rows;  // of the friction directions of one contact
     double roundoff = 0;

@@ -19,6 +19,9 @@ constexpr double kShareOfTime = 0.6;
 /// Whether the solver takes a problem of this size; else load() is refused, and update() must not be called.
 bool takes(const Solver& solver, const Problem& problem) { return problem.size() <= solver.capabilities().max_size; }
 
+/// Guesses which contacts hold, on large islands. On small ones those after the first hardly ever find it.
+constexpr int kHeldTries = 3;
+
 /// Of the impulses of least energy, relative to max|q|; less if a smaller error is stated. They are a solution to
 /// rounding, or none.
 constexpr double kLargestRestResidual = 1e-8;
@@ -69,7 +72,7 @@ void Attempts::begin(const Problem& problem, const Vector& v) {
   loaded_.fill(false);
   has_least_energy_ = false;
   has_held_ = false;
-  friction_may_hold_ = friction_may_hold(*problem.contact());
+  friction_may_hold_ = friction_may_hold(*problem.contact(), true);
   is_put_off_ = waits_ = takes_turns_ = false;
 }
 
@@ -80,7 +83,7 @@ void Attempts::load(const Problem& problem, const Vector& v, bool in_turn) {
 
 void Attempts::load_to_hold(const Problem& problem, const Vector& v, bool in_turn) {
   begin(problem, v);
-  if (!friction_may_hold_) return load_methods(in_turn);
+  if (!friction_may_hold(*problem.contact(), false)) return load_methods(in_turn);
   waits_ = true;
   in_turn_ = in_turn;
 }
@@ -192,7 +195,7 @@ bool Attempts::tried(const AutoTry& now, const SolveRequest& request, bool is_la
 
 /// Whether the start makes it likely that contacts hold.
 bool Attempts::may_hold(const SolveRequest& request) const {
-  return friction_may_hold_ && request.start != nullptr &&
+  return (friction_may_hold_ || waits_) && request.start != nullptr &&
          HeldContacts::held(*problem_->contact(), v_, *request.start);
 }
 
@@ -204,7 +207,7 @@ bool Attempts::holds(const SolveRequest& request, const AutoLimits& limits, Answ
   if (!has_held_) held_->load(*problem_, v_);
   has_held_ = true;
   Counters work{.iterations = 0, .pivots = 0, .factorizations = 0};
-  const bool found = held_->solve(*request.start, limits.deadline_s, answer, work);
+  const bool found = held_->solve(*request.start, friction_may_hold_ ? kHeldTries : 1, limits.deadline_s, answer, work);
   report.add(work, "");
   if (!found) return false;
   answered_ = nullptr;
@@ -248,9 +251,9 @@ void Attempts::solve(const SolveRequest& request, const AutoLimits& limits, Answ
   const bool held = may_hold(request);
   if (held && holds(request, limits, answer, report)) return;
   if (waits_) load_methods(in_turn_);
-  // An answer of active sets rests on few of the contacts that hold, and the guess goes wrong from it in each step. One of
-  // friction_ipm rests on all of them.
-  if (held && plan_.rest == AutoPlan::Rest::kFirst &&
+  // An answer of active sets rests on few of the contacts that hold, and the guess goes wrong from it in each step. One
+  // of friction_ipm rests on all of them.
+  if (held && friction_may_hold_ && plan_.rest == AutoPlan::Rest::kFirst &&
       tried({AutoMethod::kFrictionIpm, true}, {}, false, limits, answer, report)) {
     return;
   }

@@ -103,7 +103,7 @@ class Attempts {
   bool has_least_energy_ = false;  ///< least_energy_ holds the problem
   std::unique_ptr<HeldContacts> held_;
   bool has_held_ = false;           ///< held_ holds the problem
-  bool friction_may_hold_ = false;  ///< see friction_may_hold()
+  bool friction_may_hold_ = false;  ///< see friction_may_hold(), of a loaded first method
   bool waits_ = false;              ///< of load_to_hold(): no method is loaded, there is no plan
   bool in_turn_ = false;            ///< of load_to_hold()
   bool takes_turns_ = false;        ///< the shared solvers stand for the own ones

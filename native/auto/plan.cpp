@@ -17,9 +17,11 @@ namespace {
 
 /// Below this the ladder of contact_lemke takes less time than friction_ipm.
 constexpr Index kSmall = 400;
-/// From this on friction_ipm is faster than contact_lemke where contacts do not slide. Below it contact_lemke takes less
-/// time than to try whether the contacts of the last step hold.
+/// From this on friction_ipm is faster than contact_lemke where contacts do not slide. Below it contact_lemke that is
+/// loaded takes less time than to try whether the contacts of the last step hold.
 constexpr Index kLarge = 800;
+/// Below this contact_lemke takes less time than that to be loaded, too.
+constexpr Index kHeldUnloaded = 200;
 /// From this on the first convex problem of friction_ipm finds the impulses of least energy faster than active sets.
 constexpr Index kRestByIpm = 5000;
 /// From this on psor takes less time than the rungs of contact_lemke beyond double.
@@ -141,8 +143,9 @@ AutoPlan frictional_plan(const ContactProblem& contact, const Vector& v) {
 
 }  // namespace
 
-bool friction_may_hold(const ContactProblem& contact) {
-  return contact.frictional() && contact.nc() * contact.ngc() >= kLarge && HeldContacts::takes(contact);
+bool friction_may_hold(const ContactProblem& contact, bool is_loaded) {
+  const Index least = is_loaded ? kLarge : kHeldUnloaded;
+  return contact.frictional() && contact.nc() * contact.ngc() >= least && HeldContacts::takes(contact);
 }
 
 bool fits_in_advance(AutoMethod method, const Problem& problem) {

@@ -41,7 +41,8 @@ AutoPlan plan_for(const AutoSettings& settings, const Problem& problem, const Ve
 
 /// Whether a solve from a start tries HeldContacts before the plan: frictional islands from a size on. Where the guess
 /// is wrong, which a slipping contact in the start tells at once, that costs a small part of what follows.
-bool friction_may_hold(const ContactProblem& contact);
+/// @param is_loaded the first method of the plan is
+bool friction_may_hold(const ContactProblem& contact, bool is_loaded);
 
 /// Whether a dense method can be loaded in a solve: it takes the problem, and memory for it can be taken in advance.
 bool fits_in_advance(AutoMethod method, const Problem& problem);

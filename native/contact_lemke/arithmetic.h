@@ -25,81 +25,130 @@ void fill_with_zeros(Count size, Buffer<Scalar>& first, More&... more) {
 
 /// Packs of the output that stay in registers at a time.
 constexpr Count kTilePacks = 4;
+template <class Scalar>
+constexpr Count kTileLength = kTilePacks* Packed<Scalar>::kWidth;
 /// Of those, for all sides together, up to which two rows are taken at a time.
 constexpr Count kMostInPairs = 4;
 
-/// `kSides` combinations of the same rows.
-template <class Scalar, Count kSides>
-struct Combination {
-  const Scalar* coefficients[static_cast<std::size_t>(kSides)];
-  Scalar* out[static_cast<std::size_t>(kSides)];
+/// The sums of kPacks packs on kSides sides: sum over k < count of coefficients[side][k] row_k.
+template <Count kPacks, class Scalar, Count kSides>
+struct TileSums {
+  using P = Packed<Scalar>;
+  using Pack = typename P::Pack;
+  using Sums = Pack[static_cast<std::size_t>(kSides)][static_cast<std::size_t>(kPacks)];
+
+  [[gnu::always_inline]] inline TileSums(const Scalar* row, Count stride, Count count,
+                                         const Scalar* const (&coefficients)[static_cast<std::size_t>(kSides)]) {
+    clear(of);
+    Count k = 0;
+    if constexpr (P::kWidth > 1 && kSides * kPacks <= kMostInPairs) {  // halves the additions that wait for one another
+      Sums others;
+      clear(others);
+      for (const Count pairs = count & ~Count(1); k != pairs; k += 2, row += 2 * stride) {
+        add(row, coefficients, k, of);
+        add(row + stride, coefficients, k + 1, others);
+      }
+      for (Count s = 0; s < kSides; ++s) {
+        for (Count p = 0; p < kPacks; ++p) of[s][p] += others[s][p];
+      }
+      if (k != count) add(row, coefficients, k, of);
+    } else {
+      for (; k != count; ++k, row += stride) add(row, coefficients, k, of);
+    }
+  }
+
+  Sums of;
+
+ private:
+  [[gnu::always_inline]] static inline void clear(Sums& sums) {
+    for (Count s = 0; s < kSides; ++s) {
+      for (Count p = 0; p < kPacks; ++p) sums[s][p] = Pack{};
+    }
+  }
+
+  [[gnu::always_inline]] static inline void add(const Scalar* row,
+                                                const Scalar* const (&coefficients)[static_cast<std::size_t>(kSides)],
+                                                Count k, Sums& sums) {
+    for (Count p = 0; p < kPacks; ++p) {
+      const Pack entries = P::load(row + p * P::kWidth);
+      for (Count s = 0; s < kSides; ++s) sums[s][p] += entries * coefficients[s][k];
+    }
+  }
 };
 
-/// A function of its own: products of a few rows would otherwise begin with saving what tiles of all sizes need.
-template <Count kPacks, class Scalar, Count kSides>
-[[gnu::noinline]] void combine_tile(const Scalar* rows, Count stride, Count count, Combination<Scalar, kSides> sides,
-                                    Count at) {
+// Functions of their own for each number of packs: products of a few rows would otherwise begin with saving what tiles
+// of all sizes need.
+
+template <Count kPacks, class Scalar>
+[[gnu::noinline]] void combine_tile(const Scalar* rows, Count stride, Count count, const Scalar* coefficients,
+                                    Scalar* out) {
   using P = Packed<Scalar>;
-  using Sums = typename P::Pack[static_cast<std::size_t>(kSides)][static_cast<std::size_t>(kPacks)];
-  Sums sums;
-  for (Count s = 0; s < kSides; ++s) {
-    for (Count p = 0; p < kPacks; ++p) sums[s][p] = typename P::Pack{};
-  }
-  const Scalar* row = rows + at;
-  Count k = 0;
-  if constexpr (P::kWidth > 1 && kSides * kPacks <= kMostInPairs) {  // halves the additions that wait for one another
-    Sums others;
-    for (Count s = 0; s < kSides; ++s) {
-      for (Count p = 0; p < kPacks; ++p) others[s][p] = typename P::Pack{};
-    }
-    for (; k + 1 < count; k += 2, row += 2 * stride) {
-      for (Count p = 0; p < kPacks; ++p) {
-        const typename P::Pack first = P::load(row + p * P::kWidth);
-        const typename P::Pack second = P::load(row + stride + p * P::kWidth);
-        for (Count s = 0; s < kSides; ++s) {
-          sums[s][p] += first * sides.coefficients[s][k];
-          others[s][p] += second * sides.coefficients[s][k + 1];
-        }
-      }
-    }
-    for (Count s = 0; s < kSides; ++s) {
-      for (Count p = 0; p < kPacks; ++p) sums[s][p] += others[s][p];
-    }
-  }
-  for (; k < count; ++k, row += stride) {
-    for (Count p = 0; p < kPacks; ++p) {
-      const typename P::Pack entries = P::load(row + p * P::kWidth);
-      for (Count s = 0; s < kSides; ++s) sums[s][p] += entries * sides.coefficients[s][k];
-    }
-  }
-  for (Count s = 0; s < kSides; ++s) {
-    for (Count p = 0; p < kPacks; ++p) P::store(sides.out[s] + at + p * P::kWidth, sums[s][p]);
-  }
+  const TileSums<kPacks, Scalar, 1> sums(rows, stride, count, {coefficients});
+  for (Count p = 0; p < kPacks; ++p) P::store(out + p * P::kWidth, sums.of[0][p]);
 }
 
-/// out_s[i] = sum over k < count of coefficients_s[k] rows[k * stride + i], for i < length.
-template <class Scalar, Count kSides>
-inline void combine(const Scalar* rows, Count stride, Count count, const Combination<Scalar, kSides>& sides,
-                    Count length) {
+template <Count kPacks, class Scalar>
+[[gnu::noinline]] void combine_tile_onto(const Scalar* rows, Count stride, Count count, const Scalar* coefficients,
+                                         const Scalar* start, Scalar* out) {
   using P = Packed<Scalar>;
-  Count packs = P::padded(length) / P::kWidth;
+  const TileSums<kPacks, Scalar, 1> sums(rows, stride, count, {coefficients});
+  for (Count p = 0; p < kPacks; ++p) P::store(out + p * P::kWidth, sums.of[0][p] + P::load(start + p * P::kWidth));
+}
+
+template <Count kPacks>
+struct PackCount {
+  static constexpr Count kValue = kPacks;
+};
+
+/// Calls tile(PackCount) for `length` entries. @pre they fit one tile
+template <class Scalar, class Tile>
+[[gnu::always_inline]] inline void choose_tile(Count length, const Tile& tile) {
+  constexpr Count kWidth = Packed<Scalar>::kWidth;
+  if (length > 3 * kWidth) return tile(PackCount<4>{});
+  if (length > 2 * kWidth) return tile(PackCount<3>{});
+  if (length > kWidth) return tile(PackCount<2>{});
+  if (length > 0) tile(PackCount<1>{});
+}
+
+/// Calls tile(PackCount, first entry) for tiles that cover `length` entries.
+template <class Scalar, class Tile>
+[[gnu::always_inline]] inline void for_each_tile(Count length, const Tile& tile) {
   Count at = 0;
-  for (; packs > kTilePacks; packs -= kTilePacks, at += kTilePacks * P::kWidth) {
-    combine_tile<kTilePacks>(rows, stride, count, sides, at);
-  }
-  switch (packs) {
-    case 4: return combine_tile<4>(rows, stride, count, sides, at);
-    case 3: return combine_tile<3>(rows, stride, count, sides, at);
-    case 2: return combine_tile<2>(rows, stride, count, sides, at);
-    case 1: return combine_tile<1>(rows, stride, count, sides, at);
-    default: return;
-  }
+  for (; length - at > kTileLength<Scalar>; at += kTileLength<Scalar>) tile(PackCount<kTilePacks>{}, at);
+  choose_tile<Scalar>(length - at, [&](auto packs) { tile(packs, at); });
 }
 
 template <class Scalar>
+[[gnu::noinline]] void combine_long(const Scalar* rows, Count stride, Count count, const Scalar* coefficients,
+                                    Scalar* out, Count length) {
+  for_each_tile<Scalar>(length, [&](auto packs, Count at) {
+    combine_tile<packs.kValue>(rows + at, stride, count, coefficients, out + at);
+  });
+}
+
+/// out[i] = sum over k < count of coefficients[k] rows[k * stride + i], for i < length.
+template <class Scalar>
 inline void combine(const Scalar* rows, Count stride, Count count, const Scalar* coefficients, Scalar* out,
                     Count length) {
-  combine(rows, stride, count, Combination<Scalar, 1>{{coefficients}, {out}}, length);
+  if (length > kTileLength<Scalar>) return combine_long(rows, stride, count, coefficients, out, length);
+  choose_tile<Scalar>(length, [&](auto packs) { combine_tile<packs.kValue>(rows, stride, count, coefficients, out); });
+}
+
+template <class Scalar>
+[[gnu::noinline]] void combine_long_onto(const Scalar* rows, Count stride, Count count, const Scalar* coefficients,
+                                         const Scalar* start, Scalar* out, Count length) {
+  for_each_tile<Scalar>(length, [&](auto packs, Count at) {
+    combine_tile_onto<packs.kValue>(rows + at, stride, count, coefficients, start + at, out + at);
+  });
+}
+
+/// The same, added to start[i].
+template <class Scalar>
+inline void combine_onto(const Scalar* rows, Count stride, Count count, const Scalar* coefficients, const Scalar* start,
+                         Scalar* out, Count length) {
+  if (length > kTileLength<Scalar>) return combine_long_onto(rows, stride, count, coefficients, start, out, length);
+  choose_tile<Scalar>(
+      length, [&](auto packs) { combine_tile_onto<packs.kValue>(rows, stride, count, coefficients, start, out); });
 }
 
 /// y += a x
@@ -125,6 +174,69 @@ inline Scalar dot(const Scalar* x, const Scalar* y, Count length) {
   return P::sum(sum);
 }
 
+#if defined(__AVX2__)
+/// to := the transpose of the 4 x 4 matrix `from`; the rows of either are their stride apart.
+inline void transpose_square(const double* from, Count stride, double* to, Count to_stride) {
+  using P = Packed<double>;
+  using Pack = P::Pack;
+  const Pack a = P::load(from), b = P::load(from + stride);
+  const Pack c = P::load(from + 2 * stride), d = P::load(from + 3 * stride);
+  const Pack ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6), ab_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+  const Pack cd_even = __builtin_shufflevector(c, d, 0, 4, 2, 6), cd_odd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+  P::store(to, __builtin_shufflevector(ab_even, cd_even, 0, 1, 4, 5));
+  P::store(to + to_stride, __builtin_shufflevector(ab_odd, cd_odd, 0, 1, 4, 5));
+  P::store(to + 2 * to_stride, __builtin_shufflevector(ab_even, cd_even, 2, 3, 6, 7));
+  P::store(to + 3 * to_stride, __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7));
+}
+#endif
+
+/// P::sum() of as many packs as a pack has lanes.
+template <class Scalar>
+inline typename Packed<Scalar>::Pack sums_of(
+    const typename Packed<Scalar>::Pack (&packs)[static_cast<std::size_t>(Packed<Scalar>::kWidth)]) {
+  using P = Packed<Scalar>;
+  using Pack = typename P::Pack;
+  if constexpr (P::kWidth == 1) {
+    return packs[0];
+  } else if constexpr (P::kWidth == 4) {  // the additions of four sums() side by side
+    const auto halves = [](Pack a, Pack b) -> Pack {
+      return __builtin_shufflevector(a, b, 0, 1, 4, 5) + __builtin_shufflevector(a, b, 2, 3, 6, 7);
+    };
+    const Pack first = halves(packs[0], packs[1]), second = halves(packs[2], packs[3]);
+    const Pack sums =
+        __builtin_shufflevector(first, second, 0, 4, 2, 6) + __builtin_shufflevector(first, second, 1, 5, 3, 7);
+    return __builtin_shufflevector(sums, sums, 0, 2, 1, 3);
+  } else {
+    Pack sums = Pack{};
+    for (Count k = 0; k < P::kWidth; ++k) sums[k] = P::sum(packs[k]);
+    return sums;
+  }
+}
+
+/// The dot products of x with kWidth vectors, each bit for bit as dot() has it.
+template <class Scalar>
+inline typename Packed<Scalar>::Pack dots(const Scalar* x,
+                                          const Scalar* const (&y)[static_cast<std::size_t>(Packed<Scalar>::kWidth)],
+                                          Count length) {
+  using P = Packed<Scalar>;
+  typename P::Pack sums[static_cast<std::size_t>(P::kWidth)];
+  for (Count k = 0; k < P::kWidth; ++k) sums[k] = typename P::Pack{};
+  for (Count i = 0; i < length; i += P::kWidth) {
+    const typename P::Pack factors = P::load(x + i);
+    for (Count k = 0; k < P::kWidth; ++k) sums[k] += factors * P::load(y[k] + i);
+  }
+  return sums_of<Scalar>(sums);
+}
+
+/// 0, 1, 2, ...
+template <class Scalar>
+[[gnu::always_inline]] inline typename Packed<Scalar>::Pack lane_numbers() {
+  using P = Packed<Scalar>;
+  Scalar lanes[static_cast<std::size_t>(P::kWidth)];
+  for (Count lane = 0; lane < P::kWidth; ++lane) lanes[lane] = static_cast<Scalar>(static_cast<double>(lane));
+  return P::load(lanes);
+}
+
 /// Of the pack that begins with entry `first`, those of `count` entries; zeros for what comes after them.
 template <class Scalar>
 inline typename Packed<Scalar>::Pack entries_of(typename Packed<Scalar>::Pack pack, Count first, Count count) {
@@ -132,9 +244,19 @@ inline typename Packed<Scalar>::Pack entries_of(typename Packed<Scalar>::Pack pa
   if constexpr (P::kWidth == 1) {
     return pack;
   } else {
-    Scalar lanes[static_cast<std::size_t>(P::kWidth)];
-    for (Count lane = 0; lane < P::kWidth; ++lane) lanes[lane] = static_cast<Scalar>(lane);
-    return P::load(lanes) < static_cast<Scalar>(count - first) ? pack : typename P::Pack{};
+    return lane_numbers<Scalar>() < static_cast<Scalar>(count - first) ? pack : typename P::Pack{};
+  }
+}
+
+/// The pack that begins with entry `first`, zero in the place of `entry`. A zero stored there alone would hold up the
+/// load of the whole pack.
+template <class Scalar>
+inline typename Packed<Scalar>::Pack without_entry(typename Packed<Scalar>::Pack pack, Count first, Count entry) {
+  using P = Packed<Scalar>;
+  if constexpr (P::kWidth == 1) {
+    return first == entry ? Scalar(0) : pack;
+  } else {
+    return lane_numbers<Scalar>() == static_cast<Scalar>(entry - first) ? typename P::Pack{} : pack;
   }
 }
 

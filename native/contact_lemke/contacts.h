@@ -87,8 +87,8 @@ class Contacts {
   }
 
   Count edges(Count contact) const { return input_.friction_begin[contact + 1] - input_.friction_begin[contact]; }
-  Count half(Count contact) const { return edges(contact) / 2; }
-  Count padded_half(Count contact) const { return P::padded(half(contact)); }
+  Count half(Count contact) const { return edges(contact) >> 1; }
+  Count padded_half(Count contact) const { return (half(contact) + P::kWidth - 1) & -P::kWidth; }
   Count most_padded_half() const { return most_padded_half_; }
   Count first_direction(Count contact) const { return input_.friction_begin[contact]; }
   Scalar mu(Count contact) const { return static_cast<Scalar>(input_.mu[contact]); }
@@ -204,7 +204,13 @@ class Contacts {
     const double* column = input_.D + first_direction(contact) * ngc();
     Count t = 0;
     for (; t + kTogether <= half(contact); t += kTogether, column += kTogether * ngc()) {
-      for (Count i = 0; i < ngc(); ++i) {
+      Count i = 0;
+      if constexpr (P::kWidth == kTogether && sizeof(Scalar) == sizeof(double)) {
+        for (; i + kTogether <= ngc(); i += kTogether) {
+          transpose_square(column + i, ngc(), to + i * width + t, width);
+        }
+      }
+      for (; i < ngc(); ++i) {
         for (Count k = 0; k < kTogether; ++k) to[i * width + t + k] = static_cast<Scalar>(column[k * ngc() + i]);
       }
     }

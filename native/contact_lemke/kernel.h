@@ -72,8 +72,9 @@ class Kernel {
   void solve(const Scalar* r, Scalar* x) const { combine(inverse_.data(), stride_, order_, r, x, order_); }
   /// u := sum of x_j c_j
   void respond(const Scalar* x, Scalar* u) const { combine(columns_.data(), padded_ngc_, order_, x, u, padded_ngc_); }
-  void respond(const Scalar* x, const Scalar* y, Scalar* u, Scalar* v) const {
-    combine(columns_.data(), padded_ngc_, order_, Combination<Scalar, 2>{{x, y}, {u, v}}, padded_ngc_);
+  /// u := start + sum of x_j c_j
+  void respond_from(const Scalar* start, const Scalar* x, Scalar* u) const {
+    combine_onto(columns_.data(), padded_ngc_, order_, x, start, u, padded_ngc_);
   }
   /// r := b_r'u for all rows
   void measure(const Scalar* u, Scalar* r) const { combine(rows_.data(), stride_, ngc_, u, r, order_); }
@@ -153,12 +154,12 @@ class Kernel {
     if (!(magnitude(pivot) > 0)) return false;
     const Scalar reciprocal = Scalar(1) / pivot;
     if (begins_pack(order_)) clear_pack(inverse_.data() + order_, order_);
-    for (Count r = 0; r < order_; ++r) {
+    for_each_entry_of_row([&](Count r, Scalar entry) {
       Scalar* const h = inverse_.data() + r * stride_;
-      const Scalar factor = dot_entries(h) * reciprocal;
+      const Scalar factor = entry * reciprocal;
       add_multiple(h, -factor, rate, order_);
       h[order_] = -factor;
-    }
+    });
     Scalar* const h = inverse_.data() + order_ * stride_;
     for (Count j = 0; j < order_; ++j) h[j] = rate[j] * reciprocal;
     h[order_] = reciprocal;
@@ -174,11 +175,9 @@ class Kernel {
     const Scalar pivot = dot_entries(place);
     if (!(magnitude(pivot) > 0)) return false;
     scale(place, Scalar(1) / pivot, order_);
-    for (Count k = 0; k < order_; ++k) {
-      if (k == r) continue;
-      Scalar* const h = inverse_.data() + k * stride_;
-      add_multiple(h, -dot_entries(h), place, order_);
-    }
+    for_each_entry_of_row([&](Count k, Scalar entry) {
+      if (k != r) add_multiple(inverse_.data() + k * stride_, -entry, place, order_);
+    });
     return true;
   }
 
@@ -250,6 +249,7 @@ class Kernel {
 
  private:
   using P = Packed<Scalar>;
+  using Pack = typename P::Pack;
 
   /// What lies between the last row or column and the end of its pack is multiplied by zero, and must be a number:
   /// packs are cleared when they come into use.
@@ -285,9 +285,29 @@ class Kernel {
 
   /// The entries of a further row against all columns.
   void write_entries(const Scalar* b, Scalar cover, Count artificial) {
-    for (Count j = 0; j < order_; ++j) entries_[j] = dot(b, columns_.data() + j * padded_ngc_, padded_ngc_);
-    if (artificial >= 0) entries_[artificial] += cover;
-    for (Count j = order_; j < P::padded(order_); ++j) entries_[j] = 0;
+    for (Count j = 0; j < order_; j += P::kWidth) {
+      const Pack covered = P::broadcast(cover);
+      const Pack own = covered - without_entry<Scalar>(covered, j, artificial);
+      const Pack entries = dots_with(b, columns_.data(), padded_ngc_, j, padded_ngc_) + own;
+      P::store(entries_.data() + j, entries_of<Scalar>(entries, j, order_));
+    }
+  }
+  /// The dot products of x with the vectors `stride` apart from number k on; of those behind the last one, with that.
+  typename P::Pack dots_with(const Scalar* x, const Scalar* vectors, Count stride, Count k, Count length) const {
+    const Scalar* of[static_cast<std::size_t>(P::kWidth)];
+    for (Count lane = 0; lane < P::kWidth; ++lane) {
+      of[lane] = vectors + (k + lane < order_ ? k + lane : order_ - 1) * stride;
+    }
+    return dots(x, of, length);
+  }
+  /// Calls visit(r, the dot product of entries_ with column r of the inverse), which may change that column.
+  template <class Visit>
+  void for_each_entry_of_row(const Visit& visit) {
+    Scalar lanes[static_cast<std::size_t>(P::kWidth)];
+    for (Count r = 0; r < order_; r += P::kWidth) {
+      P::store(lanes, dots_with(entries_.data(), inverse_.data(), stride_, r, order_));
+      for (Count lane = 0; lane < P::kWidth && r + lane < order_; ++lane) visit(r + lane, lanes[lane]);
+    }
   }
   Scalar dot_entries(const Scalar* h) const { return dot(entries_.data(), h, order_); }
 

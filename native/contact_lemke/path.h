@@ -30,15 +30,15 @@ class Path {
     response_.reserve(input);
     kernel_.reserve(contacts_.ngc(), most_rows());
     polish_.reserve(contacts_.ngc());
-    friction_.reserve(contacts_.nc());
+    friction_.reserve(contacts_.nc() + 1);
     ratio_test_.reserve();
     Buffer<Scalar>* const by_coordinate[] = {&u_,    &du_, &entering_response_, &column_, &row_, &basis_velocity_,
                                              &drift_};
     for (Buffer<Scalar>* buffer : by_coordinate) buffer->resize(contacts_.padded_ngc());
     Buffer<Scalar>* const by_row[] = {&x_, &dx_, &residual_, &coefficients_};
     for (Buffer<Scalar>* buffer : by_row) buffer->resize(kernel_.stride());
-    Buffer<Scalar>* const by_contact[] = {&base_value_, &base_rate_, &impulse_norm_};
-    for (Buffer<Scalar>* buffer : by_contact) buffer->resize(contacts_.nc());
+    Buffer<Scalar>* const by_contact[] = {&base_value_, &base_rate_, &impulse_norm_, &simplex_size_};
+    for (Buffer<Scalar>* buffer : by_contact) buffer->resize(contacts_.nc() + 1);
     covering_.reserve();
     slip_.resize(2 * contacts_.most_padded_half());
   }
@@ -49,7 +49,9 @@ class Path {
     response_.load(input);
     fill_with_zeros(contacts_.padded_ngc(), u_, du_, entering_response_, column_, row_);
     kernel_.clear();
-    friction_.clear(contacts_.nc());
+    friction_.clear(contacts_.nc() + 1);
+    for (Count c = 0; c < contacts_.nc(); ++c) simplex_size_[c] = contacts_.mu(c);
+    simplex_size_[contacts_.nc()] = 0;
     has_basis_ = false;
     polish_.load(contacts_.ngc());
   }
@@ -160,7 +162,7 @@ class Path {
   void begin() {
     kernel_.clear();
     resumed_ = false;
-    friction_.clear(contacts_.nc());
+    friction_.clear(contacts_.nc() + 1);
     ratio_test_.allow_normals();
     covering_.choose(rules_.classic, rules_.variant);
     speed_scale_ = contacts_.reach() * contacts_.speed();
@@ -176,7 +178,7 @@ class Path {
   /// z0 enters for the velocity that needs it most. False when z = 0 solves the problem.
   bool choose_first(Entering& entering) {
     x_[0] = 0;
-    compute_normal_velocities<1>();
+    compute_normal_velocities();
     Label worst;
     Scalar most = 0;
     for (Count c = 0; c < contacts_.nc(); ++c) offer(Label{c, kNormal}, ratio_test_.values()[c], most, worst);
@@ -291,18 +293,22 @@ class Path {
   void refine_large_rates(Count row);
   Scalar measure_rates(Count row);
   void refine_rates();
-  template <Count kSides>
-  void compute_normal_velocities();
   Scalar artificial_value() const { return artificial_ >= 0 ? x_[artificial_] : Scalar(0); }
   Scalar artificial_rate() const { return artificial_ >= 0 ? dx_[artificial_] : Scalar(0); }
   Scalar compute_candidates(const Entering& entering);
   void compute_column_candidates();
   void compute_base_values(const Entering& entering);
   Scalar simplex_weight(Label label) const { return label.is_normal() ? contacts_.mu(label.contact) : Scalar(-1); }
-  void compute_contact_candidates(Count contact, const Entering& entering, LeastRatio<Scalar>& least);
+  void compute_normal_velocities() {
+    const Count length = contacts_.padded_nc();
+    combine(contacts_.normals(), length, contacts_.ngc(), u_.data(), ratio_test_.values(), length);
+  }
+  void offer_normals(LeastRatio<Scalar>& least);
+  void offer_contact(Count contact, const Entering& entering, Count first, LeastRatio<Scalar>& least);
   /// Where slip ends, lambda and the slip in the opposite direction reach zero together. As a candidate in larger units
   /// lambda leaves first, so that friction unused stays unused instead of being spent on opposite directions.
   static constexpr double kStickingFirst = 4;
+  static constexpr Scalar kNoneOrOne[2] = {0, 1};
   static bool enters_friction_of(const Entering& entering, Count contact);
 
   /// Column of z0 where it is no basic variable and has come to its end.
@@ -383,7 +389,9 @@ class Path {
 
   FrictionState friction_;
   CoveringVector<Scalar> covering_{contacts_, friction_};
-  Buffer<Scalar> base_value_, base_rate_, impulse_norm_, slip_;
+  Buffer<Scalar> base_value_, base_rate_, impulse_norm_;  ///< by contact, and one more place for what is of none
+  Buffer<Scalar> simplex_size_;                           ///< mu by contact, and 0
+  Buffer<Scalar> slip_;
   RatioTest<Scalar> ratio_test_{contacts_, kernel_, friction_};
 };
 

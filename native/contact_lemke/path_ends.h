@@ -57,9 +57,9 @@ inline double Path<Scalar>::missed_at_end() {
   Scalar missed = left + largest_residual();
   compute_candidates(last_);
   const Scalar* const values = ratio_test_.values();
-  ratio_test_.for_each_segment([&](Count first, Count last) {
-    for (Count i = first; i < last; ++i) missed = values[i] >= -missed ? missed : number_or_infinity(-values[i]);
-  });
+  for (Count i = 0; i < ratio_test_.end(); ++i) {
+    missed = values[i] >= -missed ? missed : number_or_infinity(-values[i]);
+  }
   missed += static_cast<Scalar>(kRoundingsAtEnd * kUnitRoundoff<Scalar>) * value_scale_;
   const Scalar speed = contacts_.reach() * contacts_.least_speed();
   return speed > 0 ? static_cast<double>(number_or_infinity(missed / speed)) : __builtin_inf();

@@ -143,7 +143,7 @@ inline bool Path<Scalar>::bound_inverse(Doubt& doubt) {
   const Scalar roundoff = static_cast<Scalar>(kUnitRoundoff<Scalar>);
   const Scalar rows = static_cast<Scalar>(static_cast<double>(order));
   const Scalar length = static_cast<Scalar>(static_cast<double>(contacts_.ngc()));
-  Scalar* const sizes = ratio_test_.rates() + ratio_test_.first_column();  // of the rows of R
+  Scalar* const sizes = ratio_test_.falls() + ratio_test_.first_column();  // of the rows of R
   Scalar* const off = dx_.data();                                          // of the rows of I - R K
   for (Count i = 0; i < order; ++i) sizes[i] = off[i] = 0;
   Scalar slowness = 0;
@@ -196,7 +196,7 @@ inline bool Path<Scalar>::is_positive(const Doubt& doubt) {
 /// Whether no velocity outside the kernel is negative.
 template <class Scalar>
 inline bool Path<Scalar>::separates(const Doubt& doubt) {
-  compute_normal_velocities<1>();
+  compute_normal_velocities();
   for (Count c = 0; c < contacts_.nc(); ++c) {
     if (!is_clear(Label{c, kNormal}, ratio_test_.values()[c], doubt) && !depends_on_rows(c)) return false;
   }

@@ -40,22 +40,18 @@ inline void Path<Scalar>::compute_values_once() {
 
 template <class Scalar>
 inline void Path<Scalar>::respond_to_values() {
-  kernel_.respond(x_.data(), u_.data());
-  add_multiple(u_.data(), Scalar(1), contacts_.velocity(), contacts_.padded_ngc());
+  kernel_.respond_from(contacts_.velocity(), x_.data(), u_.data());
   measure_value_scale();
 }
 
 template <class Scalar>
 inline void Path<Scalar>::measure_value_scale() {
-  const Scalar z0 = artificial_value();
-  if (artificial_ >= 0) x_[artificial_] = 0;
   Pack largest = P::broadcast(speed_scale_);
   for (Count j = 0; j < kernel_.order(); j += P::kWidth) {
-    const Pack value = P::load(x_.data() + j) * P::load(kernel_.norms() + j);
+    const Pack value = without_entry<Scalar>(P::load(x_.data() + j), j, artificial_) * P::load(kernel_.norms() + j);
     largest = larger_magnitude<Scalar>(entries_of<Scalar>(value, j, kernel_.order()), largest);
   }
   value_scale_ = P::max(largest);
-  if (artificial_ >= 0) x_[artificial_] = z0;
 }
 
 template <class Scalar>
@@ -114,8 +110,7 @@ inline void Path<Scalar>::solve_for_rates() {
   kernel_.solve(residual_.data(), dx_.data());
   scale(dx_.data(), Scalar(-1), kernel_.order());
   if (refines_rates_) refine_rates();
-  kernel_.respond(dx_.data(), du_.data());
-  add_multiple(du_.data(), Scalar(1), entering_response_.data(), contacts_.padded_ngc());
+  kernel_.respond_from(entering_response_.data(), dx_.data(), du_.data());
   if (large()) refine_large_rates(-1);
 }
 
@@ -127,8 +122,8 @@ inline void Path<Scalar>::refine_large_rates(Count row) {
   for (Count k = 0; k < kRateRefinements; ++k) {
     kernel_.solve(residual_.data(), coefficients_.data());
     for (Count j = 0; j < kernel_.order(); ++j) dx_[j] -= coefficients_[j];
-    kernel_.respond(dx_.data(), du_.data());
-    if (row < 0) add_multiple(du_.data(), Scalar(1), entering_response_.data(), contacts_.padded_ngc());
+    if (row < 0) kernel_.respond_from(entering_response_.data(), dx_.data(), du_.data());
+    if (row >= 0) kernel_.respond(dx_.data(), du_.data());
     const Scalar before = rate_noise_;
     rate_noise_ = measure_rates(row);
     if (!(rate_noise_ <= before / 2)) return;
@@ -150,51 +145,51 @@ inline Scalar Path<Scalar>::measure_rates(Count row) {
 
 template <class Scalar>
 inline void Path<Scalar>::refine_rates() {
-  kernel_.respond(dx_.data(), du_.data());
-  add_multiple(du_.data(), Scalar(1), entering_response_.data(), contacts_.padded_ngc());
+  kernel_.respond_from(entering_response_.data(), dx_.data(), du_.data());
   kernel_.measure(du_.data(), residual_.data());
   for (Count r = 0; r < kernel_.order(); ++r) residual_[r] += kernel_.cover(r) * artificial_rate();
   kernel_.solve(residual_.data(), coefficients_.data());
   for (Count j = 0; j < kernel_.order(); ++j) dx_[j] -= coefficients_[j];
 }
 
+/// Values of all candidates and how fast they fall. @returns their least ratio
 template <class Scalar>
-template <Count kSides>
-inline void Path<Scalar>::compute_normal_velocities() {
-  const Count length = contacts_.padded_nc();
-  if constexpr (kSides == 1) {
-    combine(contacts_.normals(), length, contacts_.ngc(), u_.data(), ratio_test_.values(), length);
-  } else {
-    combine(contacts_.normals(), length, contacts_.ngc(),
-            Combination<Scalar, 2>{{u_.data(), du_.data()}, {ratio_test_.values(), ratio_test_.rates()}}, length);
-  }
-}
-
-/// Values and rates of all candidates. @returns their least ratio
-template <class Scalar>
-inline Scalar Path<Scalar>::compute_candidates(const Entering& entering) {
-  compute_normal_velocities<2>();
+[[gnu::noinline]] Scalar Path<Scalar>::compute_candidates(const Entering& entering) {
   compute_base_values(entering);
   compute_column_candidates();
   LeastRatio<Scalar> least(least_rate(), static_cast<Scalar>(rules_.tie_tolerance) * value_scale_);
-  Scalar* const value = ratio_test_.values();
-  Scalar* const rate = ratio_test_.rates();
-  const Scalar* const allowed = ratio_test_.allowed();
-  const Scalar* const cover_of_normals = covering_.of_normals();
+  offer_normals(least);
+  const Count end_of_columns = ratio_test_.first_column() + P::padded(kernel_.order());
+  for (Count i = ratio_test_.first_column(); i < end_of_columns; i += P::kWidth) {
+    least.offer(P::load(ratio_test_.values() + i), P::load(ratio_test_.falls() + i));
+  }
+  Count slot = end_of_columns;
+  for (Count k = 0; k < friction_.count(); ++k) {
+    offer_contact(friction_.contact(k), entering, slot, least);
+    slot += ratio_test_.slots_of(friction_.contact(k));
+  }
+  ratio_test_.end_at(slot);
+  return least.value();
+}
+
+template <class Scalar>
+[[gnu::always_inline]] inline void Path<Scalar>::offer_normals(LeastRatio<Scalar>& least) {
+  const Count length = contacts_.padded_nc();
   const Scalar z0 = artificial_value();
   const Scalar dz0 = artificial_rate();
-  for (Count i = 0; i < contacts_.padded_nc(); i += P::kWidth) {
-    const Pack cover = P::load(cover_of_normals + i);
-    const Pack moved = P::load(value + i) + cover * z0;
-    const Pack falling = (P::load(rate + i) + cover * dz0) * P::load(allowed + i);
-    P::store(value + i, moved);
-    P::store(rate + i, falling);
-    least.offer(moved, falling);
-  }
-  const Count first = ratio_test_.first_column();
-  for (Count j = first; j < first + kernel_.order(); j += P::kWidth) least.offer(P::load(value + j), P::load(rate + j));
-  for (Count k = 0; k < friction_.count(); ++k) compute_contact_candidates(friction_.contact(k), entering, least);
-  return least.value();
+  for_each_tile<Scalar>(length, [&](auto packs, Count at) {
+    const TileSums<packs.kValue, Scalar, 2> sums(contacts_.normals() + at, length, contacts_.ngc(),
+                                                 {u_.data(), du_.data()});
+    for (Count p = 0; p < packs.kValue; ++p) {
+      const Count i = at + p * P::kWidth;
+      const Pack cover = P::load(covering_.of_normals() + i);
+      const Pack value = sums.of[0][p] + cover * z0;
+      const Pack fall = (-sums.of[1][p] - cover * dz0) * P::load(ratio_test_.allowed_normals() + i);
+      P::store(ratio_test_.values() + i, value);
+      P::store(ratio_test_.falls() + i, fall);
+      least.offer(value, fall);
+    }
+  });
 }
 
 template <class Scalar>
@@ -202,13 +197,13 @@ inline void Path<Scalar>::compute_column_candidates() {
   const Count order = kernel_.order();
   const Scalar* const norms = kernel_.norms();
   Scalar* const values = ratio_test_.values() + ratio_test_.first_column();
-  Scalar* const rates = ratio_test_.rates() + ratio_test_.first_column();
+  Scalar* const falls = ratio_test_.falls() + ratio_test_.first_column();
   Pack largest = P::broadcast(entering_norm_);
   for (Count j = 0; j < order; j += P::kWidth) {
     const Pack norm = P::load(norms + j);
     const Pack rate = entries_of<Scalar>(P::load(dx_.data() + j) * norm, j, order);
     P::store(values + j, entries_of<Scalar>(P::load(x_.data() + j) * norm, j, order));
-    P::store(rates + j, rate);
+    P::store(falls + j, -rate);
     largest = larger_magnitude<Scalar>(rate, largest);
   }
   rate_scale_ = P::max(largest);
@@ -223,13 +218,16 @@ inline void Path<Scalar>::compute_base_values(const Entering& entering) {
     base_value_[c] = cover * artificial_value();
     base_rate_[c] = cover * artificial_rate();
   }
+  const Count none = contacts_.nc();  // for columns that belong to no such contact: no branch asks
+  base_value_[none] = base_rate_[none] = 0;
   for (Count j = 0; j < kernel_.order(); ++j) {
     const Label label = kernel_.column_label(j);
-    if (label.contact == kArtificial || !friction_.is_active(label.contact)) continue;
-    const Scalar weight = simplex_weight(label);
-    base_value_[label.contact] += weight * x_[j];
-    base_rate_[label.contact] += weight * dx_[j];
-    if (label.is_normal()) impulse_norm_[label.contact] = kernel_.norm(j);
+    const Count of = label.contact == kArtificial ? none : label.contact;
+    const Count place = friction_.is_active(of) ? of : none;
+    const Scalar weight = label.direction == kNormal ? simplex_size_[of] : Scalar(-1);
+    base_value_[place] += weight * x_[j];
+    base_rate_[place] += weight * dx_[j];
+    impulse_norm_[label.direction == kNormal ? place : none] = kernel_.norm(j);
   }
   if (!entering.is_velocity && entering.label.contact != kArtificial && friction_.is_active(entering.label.contact)) {
     base_rate_[entering.label.contact] += simplex_weight(entering.label);
@@ -238,63 +236,71 @@ inline void Path<Scalar>::compute_base_values(const Entering& entering) {
 }
 
 template <class Scalar>
-inline void Path<Scalar>::compute_contact_candidates(Count contact, const Entering& entering,
-                                                     LeastRatio<Scalar>& least) {
-  const Count half = contacts_.half(contact);
+[[gnu::always_inline]] inline void Path<Scalar>::offer_contact(Count contact, const Entering& entering, Count first,
+                                                               LeastRatio<Scalar>& least) {
   const Count width = contacts_.padded_half(contact);
   Scalar* const slip = slip_.data();
   Scalar* const slip_rate = slip + contacts_.most_padded_half();
-  combine(contacts_.block(contact), width, contacts_.ngc(),
-          Combination<Scalar, 2>{{u_.data(), du_.data()}, {slip, slip_rate}}, width);
+  for_each_tile<Scalar>(width, [&, block = contacts_.block(contact)](auto packs, Count at) {
+    const TileSums<packs.kValue, Scalar, 2> sums(block + at, width, contacts_.ngc(), {u_.data(), du_.data()});
+    for (Count p = 0; p < packs.kValue; ++p) {
+      P::store(slip + at + p * P::kWidth, sums.of[0][p]);
+      P::store(slip_rate + at + p * P::kWidth, sums.of[1][p]);
+    }
+  });
 
+  // Without branches, which from one contact to the next nothing could foretell.
+  const Count half = contacts_.half(contact);
   const Count base = friction_.base(contact);
-  const bool zero_base = base == 2 * half;
-  const Count twin = base < half ? base : base - half;
-  const Scalar sign = base < half ? Scalar(1) : Scalar(-1);
+  const Scalar is_zero = kNoneOrOne[base == 2 * half];  // whether the base is the zero direction
+  const Count twin = (base < half ? base : base - half) & (static_cast<Count>(base == 2 * half) - 1);
+  const Scalar sign = (1 - is_zero) * (1 - 2 * kNoneOrOne[base >= half]);
   const Scalar cover = covering_.of_directions(contact);
   const Scalar z0 = artificial_value();
   const Scalar dz0 = artificial_rate();
   // What is added to +-slip, of the first and second half alike: -d_t'u, or the cover where the base is zero.
-  const Scalar shift = zero_base ? cover * z0 : -sign * slip[twin];
-  const Scalar shift_rate = zero_base ? cover * dz0 : -sign * slip_rate[twin];
+  const Scalar shift = is_zero * cover * z0 - sign * slip[twin];
+  const Scalar shift_rate = is_zero * cover * dz0 - sign * slip_rate[twin];
 
-  const Count first = ratio_test_.first_slot(contact);
   Scalar* const values = ratio_test_.values() + first;
-  Scalar* const rates = ratio_test_.rates() + first;
-  const Scalar* const allowed = ratio_test_.allowed() + first;
-  LeastRatio<Scalar> own = least;  // in registers
-  const auto put = [&](Count at, Pack value, Pack rate) {
+  Scalar* const falls = ratio_test_.falls() + first;
+  const Scalar* const allowed = ratio_test_.allowed_of(contact);
+  const auto put = [&](Count at, Pack value, Pack fall) {
     P::store(values + at, value);
-    P::store(rates + at, rate);
-    own.offer(value, rate);
+    P::store(falls + at, fall);
+    least.offer(value, fall);
   };
+  const Pack shifts = P::broadcast(shift);
+  const Pack shift_falls = P::broadcast(-shift_rate);
   for (Count t = 0; t < width; t += P::kWidth) {
     const Pack s = P::load(slip + t);
     const Pack ds = P::load(slip_rate + t);
-    put(t, shift + s, (shift_rate + ds) * P::load(allowed + t));
-    put(width + t, shift - s, (shift_rate - ds) * P::load(allowed + width + t));
+    put(t, shifts + s, (shift_falls - ds) * P::load(allowed + t));
+    put(width + t, shifts - s, (shift_falls + ds) * P::load(allowed + width + t));
   }
   const Scalar preferred = static_cast<Scalar>(kStickingFirst);
-  const Scalar zero_value = preferred * (shift - (zero_base ? Scalar(0) : cover * z0));
-  const Scalar zero_rate = preferred * allowed[2 * width] * (shift_rate - (zero_base ? Scalar(0) : cover * dz0));
-  const bool watched = friction_.support(contact) > 0 || enters_friction_of(entering, contact);
+  const Scalar uncovered = (1 - is_zero) * cover;
+  const Scalar zero_value = preferred * (shift - uncovered * z0);
+  const Scalar zero_rate = preferred * allowed[2 * width] * (shift_rate - uncovered * dz0);
+  const bool is_supported = friction_.support(contact) > 0;
+  const bool enters = enters_friction_of(entering, contact);
   const Scalar base_value = base_value_[contact] * impulse_norm_[contact];
-  const Scalar base_rate = watched ? base_rate_[contact] * impulse_norm_[contact] : Scalar(0);
+  const Scalar base_rates[] = {0, base_rate_[contact] * impulse_norm_[contact]};
+  const Scalar base_rate = base_rates[is_supported | enters];
   if constexpr (P::kWidth == 1) {
-    put(2 * width, zero_value, zero_rate);
-    put(2 * width + 1, base_value, base_rate);
+    put(2 * width, zero_value, -zero_rate);
+    put(2 * width + 1, base_value, -base_rate);
   } else {
-    Pack value = Pack{}, rate = Pack{};
+    Pack value = Pack{}, fall = Pack{};
     value[0] = zero_value, value[1] = base_value;
-    rate[0] = zero_rate, rate[1] = base_rate;
-    put(2 * width, value, rate);
+    fall[0] = -zero_rate, fall[1] = -base_rate;
+    put(2 * width, value, fall);
   }
-  least = own;
 }
 
 template <class Scalar>
 inline bool Path<Scalar>::enters_friction_of(const Entering& entering, Count contact) {
-  return !entering.is_velocity && entering.label.contact == contact && !entering.label.is_normal();
+  return (!entering.is_velocity) & (entering.label.contact == contact) & (entering.label.direction != kNormal);
 }
 
 /// Rates of fall up to this are none.

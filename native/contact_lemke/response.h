@@ -34,6 +34,8 @@ class Response {
     L_.resize(ngc_ * padded_);
     rows_.resize(ngc_ * padded_);
     pivots_.resize(ngc_);
+    rest_.resize(ngc_);
+    left_.resize(padded_);
     done_.resize(padded_);
   }
 
@@ -276,71 +278,88 @@ class Response {
     }
   }
 
-  /// Right-looking, on whole rows of the symmetric rest. Rows stay where they are: pivots_ tells their order.
+  /// Right-looking, on whole rows of the symmetric rest. Rows stay where they are: pivots_ tells their order, and rest_
+  /// which are not yet eliminated. left_ has the diagonal of the rest, and kNone where a row is eliminated.
   void factor(Count most) {
-    Scalar* const left = done_.data();  // 1 where the row is not yet eliminated
-    for (Count i = 0; i < padded_; ++i) left[i] = i < ngc_ ? Scalar(1) : Scalar(0);
     // What elimination leaves of an entry is compared with that entry: another coordinate may have another unit.
-    Scalar* const whole = white_.data();
-    for (Count i = 0; i < ngc_; ++i) whole[i] = diagonal_[i] = work_[i * padded_ + i];
-    for (Count i = ngc_; i < padded_; ++i) diagonal_[i] = 0;
+    for (Count i = 0; i < ngc_; ++i) {
+      left_[i] = diagonal_[i] = work_[i * padded_ + i];
+      done_[i] = 1;
+      rest_[i] = i;
+    }
+    for (Count i = ngc_; i < padded_; ++i) {
+      left_[i] = kNone;
+      diagonal_[i] = done_[i] = 0;
+    }
     first_pivot_ = last_pivot_ = 0;
     rank_ = 0;
-    for (Count tried = 0; tried < ngc_ && rank_ < most; ++tried) {
-      const Count pivot = largest_diagonal();
-      const Scalar value = work_[pivot * padded_ + pivot];
-      if (!(value > static_cast<Scalar>(2 * kUnitRoundoff<Scalar> * static_cast<double>(ngc_)) * whole[pivot])) {
-        done_[pivot] = 0;  // depends on those before it
-        continue;
+    for (Count rest = ngc_; rest > 0 && rank_ < most; --rest) {
+      const Count pivot = largest_left();
+      const Scalar value = left_[pivot];
+      left_[pivot] = kNone;
+      done_[pivot] = 0;
+      Count kept = 0;
+      for (Count k = 0; k < rest; ++k) {
+        rest_[kept] = rest_[k];
+        kept += rest_[k] != pivot ? 1 : 0;
+      }
+      if (!(value > static_cast<Scalar>(2 * kUnitRoundoff<Scalar> * static_cast<double>(ngc_)) * diagonal_[pivot])) {
+        continue;  // depends on those before it
       }
       if (rank_ == 0) first_pivot_ = value;
       last_pivot_ = value;
-      eliminate(pivot, value);
+      eliminate(pivot, value, kept);
       ++rank_;
     }
     rank_padded_ = P::padded(rank_);
   }
 
-  Count largest_diagonal() const {
+  /// The first of the largest; NaN is passed over. Without a branch that nothing could foretell.
+  Count largest_left() const {
+    typename P::Pack most = P::broadcast(kNone);
+    for (Count i = 0; i < padded_; i += P::kWidth) most = P::max(P::load(left_.data() + i), most);
+    const Scalar largest = P::max(most);
     Count pivot = 0;
-    Scalar largest = -1;
-    for (Count i = 0; i < ngc_; ++i) {
-      const Scalar value = done_[i] * work_[i * padded_ + i];
-      if (done_[i] != 0 && value > largest) {
-        largest = value;
-        pivot = i;
-      }
-    }
+    for (Count i = ngc_ - 1; i >= 0; --i) pivot = left_[i] == largest ? i : pivot;
     return pivot;
   }
 
-  void eliminate(Count pivot, Scalar value) {
+  void eliminate(Count pivot, Scalar value, Count rest) {
     const Scalar root = square_root(value);
-    const Scalar reciprocal = Scalar(1) / root;
+    const typename P::Pack reciprocal = P::broadcast(Scalar(1) / root);
     Scalar* const l = L_.data() + rank_ * padded_;
     const Scalar* const row = work_.data() + pivot * padded_;
     for (Count i = 0; i < padded_; i += P::kWidth) {
-      P::store(l + i, P::load(row + i) * P::load(done_.data() + i) * reciprocal);
+      const typename P::Pack entries = P::load(row + i) * P::load(done_.data() + i) * reciprocal;
+      P::store(l + i, entries);
+      P::store(left_.data() + i, P::load(left_.data() + i) + -entries * entries);
     }
     l[pivot] = root;
-    done_[pivot] = 0;
     pivots_[rank_] = pivot;
-    for (Count i = 0; i < ngc_; ++i) {
-      if (done_[i] != 0) add_multiple(work_.data() + i * padded_, -l[i], l, padded_);
+    for (Count k = 0; k < rest; ++k) {
+      const Count i = rest_[k];
+      add_multiple(work_.data() + i * padded_, -l[i], l, padded_);
     }
   }
 
   /// The columns of W = L^-T are the rows of L^-1, by forward substitution.
   void invert_triangle() {
     for (Count k = 0; k < ngc_; ++k) {
-      Scalar* const column = columns_.data() + k * padded_;
       const Count pivot = pivots_[k];
-      for (Count i = 0; i < padded_; i += P::kWidth) P::store(column + i, typename P::Pack{});
-      for (Count j = 0; j < k; ++j) {
-        add_multiple(column, -L_[j * padded_ + pivot], columns_.data() + j * padded_, padded_);
-      }
-      column[pivot] += 1;
-      scale(column, Scalar(1) / L_[k * padded_ + pivot], padded_);
+      const Scalar reciprocal = Scalar(1) / L_[k * padded_ + pivot];
+      for_each_tile<Scalar>(padded_, [&](auto packs, Count at) {
+        typename P::Pack sums[static_cast<std::size_t>(packs.kValue)];
+        for (Count p = 0; p < packs.kValue; ++p) sums[p] = typename P::Pack{};
+        const Scalar* from = columns_.data() + at;
+        for (Count j = 0; j < k; ++j, from += padded_) {
+          const typename P::Pack factor = P::broadcast(-L_[j * padded_ + pivot]);
+          for (Count p = 0; p < packs.kValue; ++p) sums[p] += factor * P::load(from + p * P::kWidth);
+        }
+        for (Count p = 0; p < packs.kValue; ++p) {
+          P::store(columns_.data() + k * padded_ + at + p * P::kWidth, sums[p] * reciprocal);
+        }
+      });
+      columns_[k * padded_ + pivot] = reciprocal;  // no column before it has an entry there
     }
   }
 
@@ -457,13 +476,17 @@ class Response {
   void transpose() {
     white_.fill(padded_, Scalar(0));
     for (Count i = 0; i < ngc_; ++i) {
-      for (Count k = 0; k < rank_; ++k) rows_[i * rank_padded_ + k] = columns_[k * padded_ + i];
-      for (Count k = rank_; k < rank_padded_; ++k) rows_[i * rank_padded_ + k] = 0;
+      Scalar* const row = rows_.data() + i * rank_padded_;
+      const Scalar* entry = columns_.data() + i;
+      for (Count k = 0; k < rank_; ++k, entry += padded_) row[k] = *entry;
+      for (Count k = rank_; k < rank_padded_; ++k) row[k] = 0;
     }
   }
 
   Count ngc_ = 0, rank_ = 0, rank_padded_ = 0;
   Count padded_ = 0;  ///< the coordinate of an offset included, where all is zero
+  static constexpr Scalar kNone =
+      -1;  ///< less than any pivot; no infinity, which sums of two doubles do not subtract from
   static constexpr double kCleanCut = 0x1p-52;  ///< relative to the largest entry: the cut of inverse_inertia()
   static constexpr double kSlack = 1.2;         ///< for what bounds themselves round, and for products of roundings
   bool given_ = false, by_factors_ = false;
@@ -475,11 +498,11 @@ class Response {
   contact_lemke::InertiaInput inertia_;
   Scalar first_pivot_ = 0, last_pivot_ = 0, backward_error_ = 0, trace_ = 0, inverse_trace_ = 0;
   Scalar condition_of_columns_ = 1;  ///< of rank_ < ngc_
-  Buffer<Scalar> work_, L_, done_, white_;
+  Buffer<Scalar> work_, L_, done_, left_, white_;
   Buffer<Scalar> diagonal_, reach_, root_;  ///< per coordinate
   Buffer<Scalar> columns_;                  ///< of W (of G* where it is given), padded_ apart
   Buffer<Scalar> rows_;                     ///< of W, rank_padded_ apart
-  Buffer<Count> pivots_;
+  Buffer<Count> pivots_, rest_;
 };
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

@@ -69,30 +69,31 @@ class Removal {
  public:
   explicit Removal(const EvaluatedLcp<Real>& lcp) : lambdas_from_(lcp.lambda_offset()) {}
 
-  void order(const std::vector<Real>& z, Rows rows) {
+  // Finds the entries; they are put in order when it is first asked for.
+  void find(const std::vector<Real>& z, Rows rows) {
     impulse_ = lambda_ = 0;
+    ordered_ = false;
     order_.clear();
-    order_.reserve(rows.size());
-    for (const std::size_t i : rows) {
-      double& largest = i < lambdas_from_ ? impulse_ : lambda_;
-      largest = std::max(largest, std::abs(to_double(z[i])));
-    }
     for (const std::size_t i : rows) {
       const double magnitude = std::abs(to_double(z[i]));
-      if (magnitude != 0) order_.push_back({magnitude, magnitude / largest(i), i});
+      if (magnitude == 0) continue;
+      double& largest_of_kind = i < lambdas_from_ ? impulse_ : lambda_;
+      largest_of_kind = std::max(largest_of_kind, magnitude);
+      order_.push_back({magnitude, 0, i});
     }
-    // Divisions that round differently are in the order of the exact ratios.
-    std::sort(order_.begin(), order_.end(), [this](const Entry& a, const Entry& b) {
-      if (a.rounded != b.rounded) return a.rounded < b.rounded;
-      const int sign = compare(a, b);
-      return sign < 0 || (sign == 0 && a.index < b.index);
-    });
+    for (Entry& entry : order_) entry.rounded = entry.magnitude / largest(entry.index);
   }
+  void order() {
+    if (!std::exchange(ordered_, true)) std::sort(order_.begin(), order_.end(), Earlier{*this});
+  }
+  bool is_ordered() const { return ordered_; }
+  // Of all entries.
+  Real least_ratio() const { return ratio(*std::min_element(order_.begin(), order_.end(), Earlier{*this})); }
 
   std::size_t size() const { return order_.size(); }
   std::size_t index(std::size_t place) const { return order_[place].index; }
   // The least tau that sets the entry to zero.
-  Real ratio(std::size_t place) const { return Real(order_[place].magnitude) / Real(largest(order_[place].index)); }
+  Real ratio(std::size_t place) const { return ratio(order_[place]); }
   // Behind the last entry of the same ratio.
   std::size_t end_of_ratio(std::size_t place) const {
     std::size_t end = place + 1;
@@ -106,7 +107,18 @@ class Removal {
     double rounded;  // ratio
     std::size_t index;
   };
+  // Divisions that round differently are in the order of the exact ratios.
+  struct Earlier {
+    const Removal& removal;
 
+    bool operator()(const Entry& a, const Entry& b) const {
+      if (a.rounded != b.rounded) return a.rounded < b.rounded;
+      const int sign = removal.compare(a, b);
+      return sign < 0 || (sign == 0 && a.index < b.index);
+    }
+  };
+
+  Real ratio(const Entry& entry) const { return Real(entry.magnitude) / Real(largest(entry.index)); }
   double largest(std::size_t index) const { return index < lambdas_from_ ? impulse_ : lambda_; }
   int compare(const Entry& a, const Entry& b) const {
     if (largest(a.index) == largest(b.index)) {
@@ -118,6 +130,7 @@ class Removal {
 
   std::size_t lambdas_from_;
   double impulse_ = 0, lambda_ = 0;
+  bool ordered_ = false;
   std::vector<Entry> order_;
 };
 
@@ -136,7 +149,7 @@ class ThinningPoint {
   void enter(Rows island, const Real& floor) {
     island_ = island;
     floor_ = floor;
-    order_.order(*z_, island);
+    order_.find(*z_, island);
     response_of_ = 0;
     indices_.clear();
     indices_.reserve(order_.size());
@@ -147,16 +160,24 @@ class ThinningPoint {
   const Real& floor() const { return floor_; }
 
   // How many entries the least tau sets to zero that leaves no negative one.
-  std::size_t least_removals() const {
+  std::size_t least_removals() {
+    const auto negative = [this](std::size_t i) { return to_double((*z_)[i]) < 0; };
+    if (std::none_of(indices_.begin(), indices_.end(), negative)) return 0;
+    put_in_order();
     for (std::size_t place = order_.size(); place-- > 0;) {
-      if (to_double((*z_)[order_.index(place)]) < 0) return order_.end_of_ratio(place);
+      if (negative(order_.index(place))) return order_.end_of_ratio(place);
     }
     return 0;
   }
   // The same for the next tau at which z_tau changes; nothing when all is zero.
-  std::optional<std::size_t> next_removals() const {
+  std::optional<std::size_t> next_removals() {
     if (removed_ == order_.size()) return std::nullopt;
+    put_in_order();
     return order_.end_of_ratio(removed_);
+  }
+  // Whether no tau that changes z_tau is less than `error`, where this shows without the order of the entries.
+  bool none_is_below(const Real& error) const {
+    return order_.size() > 0 && !order_.is_ordered() && at_least(order_.least_ratio(), error);
   }
   // The least tau that removes so many.
   Real tau(std::size_t removals) const { return removals == 0 ? Real(0) : order_.ratio(removals - 1); }
@@ -191,16 +212,17 @@ class ThinningPoint {
 
   // eta(z_tau), or a number that is at most floor() where eta is. Rows are measured in the order of an upper bound of
   // their quotients until the bound settles the rest. A row's first bound is by least_scale(), unless estimates
-  // of M come first: any other costs a solve with G. Infinity, and the row, where a row surely shows it to be larger
-  // than `best`: no such thing is sure in 113 bits.
+  // of M come first: any other costs a solve with G. Infinity, and the row, where a row shows it to be no better than
+  // `best`: in 113 bits no such thing is looked for.
   BackwardError<Real> eta(const Real& best) {
     const Limit<Real> enough = std::is_same_v<Real, Quad> ? kInfinity : upper_limit(best) * (1 + 0x1p-50);
     if (removed_ > 0) lcp_.fill_rows(island_, own_z_, own_u_, own_w_);
     rows_.clear();
-    rows_.reserve(island_.size());
     const bool at_once = std::is_same_v<Real, Quad> && estimated();
     for (const std::size_t i : island_) {
-      const Real violation_i = violation(i, (*w_)[i]);
+      const Real& w_i = (*w_)[i];
+      if (positive(i) ? surely_equal(w_i, 0) : surely_less(0, w_i)) continue;
+      const Real violation_i = violation(i, w_i);
       if (surely_equal(violation_i, 0)) continue;
       const Bounds scale = at_once ? scale_bounds(i) : Bounds{least_scale(i), kInfinity};
       rows_.push_back({limit_of_quotient(upper_limit(violation_i), scale.low), violation_i, i, scale.high, at_once});
@@ -232,6 +254,9 @@ class ThinningPoint {
       }
       if (leading(error) > leading(eta.error)) eta.row = index;
       eta.error = larger(eta.error, error);
+      if (std::is_same_v<Real, Bounded> && std::isfinite(to_double(best)) && at_least(error, best)) {
+        return {kInfinity, index};
+      }
     }
     return eta;
   }
@@ -305,6 +330,12 @@ class ThinningPoint {
   Real scale(std::size_t i) { return abs(lcp_.q(i)) + coupling(i); }
 
  private:
+  void put_in_order() {
+    if (order_.is_ordered()) return;
+    order_.order();
+    for (std::size_t place = 0; place < order_.size(); ++place) indices_[place] = order_.index(place);
+  }
+
   // s_i less |q_i|
   Real coupling(std::size_t i) {
     if (scale_ == BackwardScale::kComponentwise) return lcp_.abs_row_times(i, *z_, support());
@@ -319,7 +350,9 @@ class ThinningPoint {
   }
 
   bool positive(std::size_t i) const { return to_double((*z_)[i]) > 0; }
-  Real violation(std::size_t i, const Real& w) const { return positive(i) ? abs(w) : larger(Real(0), -w); }
+  Real violation(std::size_t i, const Real& w) const {
+    return positive(i) ? abs(w) : larger(Real(0), -w);
+  }
 
   // Copies what was given, before the first change of it.
   void own() {
@@ -502,6 +535,7 @@ BackwardError<Real> island_error(ThinningPoint<Real>& point) {
       best.error = smaller(best.error, found.error);
       if (!found.open && at_least(point.floor(), found.error)) break;
     }
+    if (point.none_is_below(best.error)) break;
     removals = point.next_removals();
   }
   best.error = made_up(best.error);

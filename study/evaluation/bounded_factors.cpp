@@ -25,6 +25,14 @@ double sum_of(std::span<const double> x) {
 
 }  // namespace
 
+void BoundedFactors::reserve(std::size_t matrices, std::size_t columns, std::size_t entries) {
+  matrices_.reserve(matrices);
+  for (auto* const by_column : {&inverse_pivots_, &of_ones_}) by_column->reserve(columns);
+  end_.reserve(columns);
+  rows_.reserve(entries);
+  values_.reserve(entries);
+}
+
 bool BoundedFactors::add(std::span<const double> A, std::size_t n, double least) {
   if (n == 0 || n > kLargestOrder) return false;
   work_.assign(A.begin(), A.end());
@@ -32,9 +40,9 @@ bool BoundedFactors::add(std::span<const double> A, std::size_t n, double least)
   Factored matrix;
   matrix.first = end_.size();
   matrix.order = n;
-  const std::size_t nonzeros = rows_.size() + n * (n - 1) / 2;
-  rows_.reserve(nonzeros);
-  values_.reserve(nonzeros);
+  std::size_t used = rows_.size();
+  rows_.resize(used + n * (n - 1) / 2);
+  values_.resize(rows_.size());
   for (std::size_t j = n; j-- > 0;) {
     const double pivot = work_[j * n + j];
     if (!(pivot > least)) {  // the least eigenvalue is no larger than any pivot
@@ -42,9 +50,11 @@ bool BoundedFactors::add(std::span<const double> A, std::size_t n, double least)
       return false;
     }
     inverse_pivots_.push_back(1 / pivot);
-    eliminate(j, n);
-    end_.push_back(rows_.size());
+    used = eliminate(j, n, used);
+    end_.push_back(used);
   }
+  rows_.resize(used);
+  values_.resize(used);
   // Each entry of A is a sum of at most n products and one pivot, less the rounding of as many products and
   // differences, of the inverse pivot and of the product with it: |E| <= gamma_(n + 6) |U| D |U'|, whose entries are at
   // most 4 and a few roundings. In solve() each of the two triangular solutions adds n roundings of an entry of |U|,
@@ -90,6 +100,7 @@ bool BoundedFactors::invert(Factored& matrix) {
   inverses_.resize(inverses_.size() + n * n, 0.0);
   double* const X = inverses_.data() + *matrix.inverse;
   std::vector<double> sums(n, 1.0), largest(n, 1.0);  // of the columns of |U|; in the rows of |X|
+  const double rounding = (static_cast<double>(n) + 2) * bounded::kRoundoff * kRoundedUp;
   double share = 0;
   for (std::size_t j = 0; j < n; ++j) {
     const std::size_t column = matrix.first + (n - 1 - j);
@@ -107,10 +118,9 @@ bool BoundedFactors::invert(Factored& matrix) {
       of_column += sums[j] * x[j];
       largest[j] = std::max(largest[j], x[j]);
     }
-    share = std::max(share, of_column);
+    if (!(of_column * rounding < kLargestShare)) return false;  // nor is NaN
+    share = std::max(share, of_column * rounding);
   }
-  share *= (static_cast<double>(n) + 2) * bounded::kRoundoff * kRoundedUp;
-  if (!(share < kLargestShare)) return false;
   for (std::size_t k = 0; k < n; ++k) {
     for (std::size_t j = 0; j < k; ++j) {
       X[k * n + j] = (X[k * n + j] + share / (1 - share) * largest[j]) * kRoundedUp + bounded::kLost;
@@ -120,22 +130,22 @@ bool BoundedFactors::invert(Factored& matrix) {
 }
 
 /// Of what is left: divides a column by its pivot, and subtracts their product from the columns before it.
-void BoundedFactors::eliminate(std::size_t j, std::size_t n) {
+/// @param first  where its entries begin. @returns where they end
+std::size_t BoundedFactors::eliminate(std::size_t j, std::size_t n, std::size_t first) {
   const double* const last = work_.data() + j * n;
   const double inverse = inverse_pivots_.back();
-  const std::size_t first = rows_.size();
-  double* const column = column_.data();
+  double* __restrict const column = column_.data();
+  std::uint32_t* const rows = rows_.data() + first;
+  double* const values = values_.data() + first;
   std::size_t count = 0;
   for (std::size_t i = 0; i < j; ++i) {
     if (last[i] == 0) continue;
-    column[count++] = last[i];
-    rows_.push_back(static_cast<std::uint32_t>(i));
-    values_.push_back(last[i] * inverse);
+    column[count] = last[i];
+    rows[count] = static_cast<std::uint32_t>(i);
+    values[count++] = last[i] * inverse;
   }
-  const std::uint32_t* const rows = rows_.data() + first;
-  const double* const values = values_.data() + first;
   for (std::size_t e = 0; e < count; ++e) {
-    double* const rest = work_.data() + rows[e] * n;
+    double* __restrict const rest = work_.data() + rows[e] * n;
     const double value = values[e];
     if (count == j) {
       for (std::size_t k = 0; k <= e; ++k) rest[k] -= value * column[k];
@@ -143,6 +153,7 @@ void BoundedFactors::eliminate(std::size_t j, std::size_t n) {
       for (std::size_t k = 0; k <= e; ++k) rest[rows[k]] -= value * column[k];
     }
   }
+  return first + count;
 }
 
 void BoundedFactors::discard(const Factored& matrix) {
@@ -167,10 +178,15 @@ void BoundedFactors::solve(std::size_t index, std::span<double> x) const {
     x[j] = known * inverse_pivots_[column];
   }
   for (std::size_t j = 0; j < n; ++j) {
-    const std::size_t column = matrix.first + (n - 1 - j);
-    double rest = x[j];
-    for (std::size_t e = begin(column); e < end_[column]; ++e) rest -= values[e] * x[rows[e]];
-    x[j] = rest;
+    const std::size_t column = matrix.first + (n - 1 - j), end = end_[column];
+    double even = 0, odd = 0;  // two sums, which do not wait for each other
+    std::size_t e = begin(column);
+    for (; e + 1 < end; e += 2) {
+      even += values[e] * x[rows[e]];
+      odd += values[e + 1] * x[rows[e + 1]];
+    }
+    if (e < end) even += values[e] * x[rows[e]];
+    x[j] -= even + odd;
   }
 }
 

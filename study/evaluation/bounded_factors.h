@@ -26,6 +26,9 @@ class BoundedFactors {
   /// @param A  n x n by columns; symmetric; diagonal entries from 1 to 4, no magnitude above 4.
   bool add(std::span<const double> A, std::size_t n, double least);
 
+  /// Makes room for so many columns, of so many entries above the diagonal, of so many matrices.
+  void reserve(std::size_t matrices, std::size_t columns, std::size_t entries);
+
   std::size_t count() const { return matrices_.size(); }
 
   /// x := S^-1 x, computed in double. The computed x solves A x = b but for residual(matrix) |x|_1 in each row.
@@ -48,7 +51,7 @@ class BoundedFactors {
   };
 
   std::size_t begin(std::size_t column) const { return column == 0 ? 0 : end_[column - 1]; }
-  void eliminate(std::size_t column, std::size_t n);
+  std::size_t eliminate(std::size_t column, std::size_t n, std::size_t first);
   bool invert(Factored& matrix);
   bool find_bound(Factored& matrix, double least);
   void compare(const Factored& matrix, std::span<double> b) const;

@@ -35,6 +35,22 @@ Bounded times_unit(const Bounded& x, double unit) {
 /// The power of two that brings `diagonal` to 1 to 4 when multiplied twice.
 double unit_of(double diagonal) { return std::ldexp(1.0, -static_cast<int>(std::floor(std::ilogb(diagonal) / 2.0))); }
 
+/// As an entry of any definite block is; and so large that scaling `entry` lost no bits.
+bool is_representable(double scaled, double entry) {
+  const double magnitude = std::abs(scaled);
+  return magnitude <= 4 && (magnitude > 0x1p-400 || entry == 0);
+}
+
+/// Multiplies the n entries of column j by their units and by that of the column. Whether those up to the diagonal are
+/// representable: those below are the same.
+bool scale_column(const double* column, const double* units, std::size_t j, std::size_t n, double* scaled) {
+  const double unit = units[j];
+  for (std::size_t i = 0; i < n; ++i) scaled[i] = units[i] * column[i] * unit;
+  bool representable = true;
+  for (std::size_t i = 0; i <= j && representable; ++i) representable = is_representable(scaled[i], column[i]);
+  return representable;
+}
+
 /// NaN where an entry is.
 double largest_magnitude(std::span<const double> x) {
   double largest = 0;
@@ -200,6 +216,12 @@ BoundedInertia::BoundedInertia(const Inertia& inertia) {
     Index ngc = 0;
     for (const Matrix& block : bodies->blocks) ngc += block.rows();
     reserve(ngc);
+    std::size_t entries = 0;
+    for (const Matrix& block : bodies->blocks) entries += static_cast<std::size_t>(block.size());
+    entries_.reserve(entries);
+    coordinates_.reserve(singles_.size());
+    blocks_.reserve(bodies->blocks.size());
+    factors_.reserve(bodies->blocks.size(), singles_.size(), entries / 2);
     std::size_t offset = 0;
     for (const Matrix& block : bodies->blocks) {
       add_inertia(block, offset);
@@ -275,17 +297,18 @@ bool BoundedInertia::add_block(const Matrix& G, std::size_t offset, std::size_t 
   }
   entries_.resize(block.entries + block.size * block.size);
   double* const entries = entries_.data() + block.entries;
+  const bool whole = block.size == static_cast<std::size_t>(G.rows());
   bool representable = true;
   for (std::size_t j = 0; j < block.size; ++j) {
     const double* const column_of_G = G.col(static_cast<Index>(rows[j] - offset)).data();
-    const double unit = units_[rows[j]];
     double* const scaled = entries + j * block.size;
-    for (std::size_t i = 0; i <= j; ++i) {
-      const double entry = column_of_G[rows[i] - offset];
-      scaled[i] = entries[i * block.size + j] = units_[rows[i]] * entry * unit;
-      // As of any definite block; and so large that no bits were lost.
-      const double magnitude = std::abs(scaled[i]);
-      representable = representable && magnitude <= 4 && (magnitude > 0x1p-400 || entry == 0);
+    if (whole) {
+      representable = scale_column(column_of_G, units_.data() + offset, j, block.size, scaled) && representable;
+      continue;
+    }
+    for (std::size_t i = 0; i < block.size; ++i) {
+      scaled[i] = units_[rows[i]] * column_of_G[rows[i] - offset] * units_[rows[j]];
+      representable = representable && is_representable(scaled[i], column_of_G[rows[i] - offset]);
     }
   }
   blocks_.push_back(block);
@@ -418,8 +441,10 @@ void BoundedInertia::solve(BoundedVector& x) const {
 void BoundedInertia::couple(std::vector<std::size_t>& pattern) const {
   touched_.clear();
   const auto is_single = [this](std::size_t row) {
-    if (singles_[row] == 0) touched_.push_back(block_of_row_[row]);
-    return singles_[row] != 0;
+    if (singles_[row] != 0) return true;
+    const std::size_t block = block_of_row_[row];
+    if (touched_.empty() || touched_.back() != block) touched_.push_back(block);
+    return false;
   };
   std::size_t singles = 0;
   for (const std::size_t row : pattern) {
@@ -477,7 +502,7 @@ double BoundedInertia::estimate(std::size_t b, std::vector<double>& x) const {
       x[rows[i]] = y[i] * units_[rows[i]];
       error = std::max(error, ones[i] * units_[rows[i]]);
     }
-    error *= factors_.residual(b) * size;
+    error *= factors_.residual(b) * size + bounded::kLost;  // more than underflow may lose of b in the solution
   } else {
     std::fill(y.begin(), y.end(), 0.0);
     std::fill(magnitudes.begin(), magnitudes.end(), 0.0);

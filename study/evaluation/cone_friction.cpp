@@ -35,7 +35,7 @@ Real ConeFriction<Real>::Tangential::length() const {
 
 template <class Real>
 ConeFriction<Real>::ConeFriction(const ContactProblem& problem, ContactLcp<Real>& lcp)
-    : problem_(problem), layout_(contact_layout(problem)), lcp_(lcp) {}
+    : problem_(problem), layout_(lcp.layout()), lcp_(lcp) {}
 
 template <class Real>
 std::size_t ConeFriction<Real>::direction(Index contact, Index k) const {

@@ -43,7 +43,7 @@ class ConeFriction {
   Tangential slip_of(Index contact, const RealVector& u) const;
 
   const ContactProblem& problem_;
-  const ContactLayout layout_;
+  const ContactLayout& layout_;
   ContactLcp<Real>& lcp_;
 };
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <type_traits>
 
@@ -24,7 +26,9 @@ std::vector<Real> numbers(const Vector& x) {
 template <class Real>
 Real dot(const std::vector<Real>& a, const std::vector<Real>& b) {
   Real sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (!surely_equal(a[i], 0) || !is_finite(b[i])) sum += a[i] * b[i];
+  }
   return sum;
 }
 
@@ -53,9 +57,21 @@ std::vector<Real> magnitudes(std::vector<Real> x) {
   return x;
 }
 
+// Beyond doubt.
+template <class Real>
+bool is_zero(const Real& x) {
+  return surely_equal(x, 0);
+}
+
 template <class Real>
 bool all_finite(const std::vector<Real>& x) {
   return std::all_of(x.begin(), x.end(), [](const Real& value) { return is_finite(value); });
+}
+
+// Whether one is zero and the other surely above it.
+template <class Real>
+bool is_complementary(const Real& a, const Real& b) {
+  return (surely_equal(a, 0) && surely_less(0, b)) || (surely_equal(b, 0) && surely_less(0, a));
 }
 
 // max_i value_i / scale_i
@@ -85,10 +101,13 @@ bool difference_below(const Bounded& a, const Bounded& b, double bound) {
   return below(x, bound);
 }
 
-// That no value exceeds `largest`, one of them, by more than a number may be off that is passed on. @throws Doubt
-void demand_largest(const QuadVector&, Quad) {}
-void demand_largest(const BoundedVector& values, const Bounded& largest) {
-  for (const Bounded& value : values) {
+// That no value of these exceeds `largest`, one of them, by more than a number may be off that is passed on.
+// @throws Doubt
+void demand_largest(const QuadVector&, std::span<const std::size_t>, Quad) {}
+void demand_largest(const BoundedVector& values, std::span<const std::size_t> indices, const Bounded& largest) {
+  for (const std::size_t i : indices) {
+    const Bounded& value = values[i];
+    if (surely_equal(value, 0)) continue;  // none is smaller
     const double excess = (value.high - largest.high) + (value.low - largest.low) + 4 * (value.error + largest.error);
     const bool same = value.high == largest.high && value.low == largest.low;
     if (!same && !(excess <= kSettled * std::abs(largest.high))) throw Doubt();
@@ -138,6 +157,7 @@ struct ContactEvaluation {
   Real row_residual(std::size_t row, const RealVector& z, const RealVector& w);
   RealVector measure_residual(const RealVector& z, const RealVector& w, Errors& errors);
   double model_error(const RealVector& z, const RealVector& v_plus, const RealVector& residuals) const;
+  Real work_gain(const RealVector& z, const RealVector& v_plus) const;
   Real work_of_offset(const RealVector& z) const;
 };
 
@@ -146,8 +166,15 @@ Real ContactEvaluation<Real>::island_scale(std::size_t island) const {
   Real largest_q = 0;
   Real floor = 0;
   for (const std::size_t row : islands.rows(island)) {
+    if (row >= lcp->impulses()) break;                // q_i is zero
     if (lcp->representative(row) != row) continue;  // of the same magnitudes
-    largest_q = larger(largest_q, abs(lcp->q(row)));
+    const Real magnitude = abs(lcp->q(row));
+    if (!surely_less(magnitude, largest_q)) largest_q = larger(largest_q, magnitude);
+  }
+  const Real enough = largest_q * Real(kSolvedVelocityResidual);
+  for (const std::size_t row : islands.rows(island)) {
+    if (row >= lcp->impulses()) break;
+    if (lcp->representative(row) != row || surely_less(Real(lcp->formation_limit(row)), enough)) continue;
     floor = larger(floor, lcp->formation_error(row));
   }
   return larger(largest_q, floor / Real(kSolvedVelocityResidual));
@@ -157,9 +184,7 @@ template <class Real>
 Real ContactEvaluation<Real>::row_residual(std::size_t row, const RealVector& z, const RealVector& w) {
   if constexpr (std::is_same_v<Real, Bounded>) {
     // A bound on M_ii mostly shows which of the two is smaller.
-    if (row >= lcp->impulses()) {
-      if (surely_equal(z[row], 0) && surely_less(0, w[row]) && inertia.has_inertia()) return 0;
-    } else if (surely_less(0, z[row])) {
+    if (row < lcp->impulses() && surely_less(0, z[row])) {
       const Real velocity = abs(w[row]);
       if (surely_less(velocity, z[row] * Real(lcp->plain_least_diagonal(row)))) return velocity;
       if (surely_less(velocity, z[row] * Real(lcp->least_diagonal(row)))) return velocity;
@@ -182,12 +207,14 @@ std::vector<Real> ContactEvaluation<Real>::measure_residual(const RealVector& z,
   Real rho = 0;
   std::optional<std::size_t> worst_island;
   std::size_t worst = 0;
+  const bool nonnegative_diagonal = std::is_same_v<Real, Bounded> && inertia.has_inertia();
   RealVector residuals(z.size());
   RealVector relatives(islands.count());
   for (std::size_t island = 0; island < islands.count(); ++island) {
     Real residual = 0;
     std::size_t row_of_island = 0;
     for (const std::size_t row : islands.rows(island)) {
+      if (nonnegative_diagonal && is_complementary(z[row], w[row])) continue;
       residuals[row] = row_residual(row, z, w);
       if (leading(residuals[row]) > leading(residual)) row_of_island = row;
       residual = larger(residual, residuals[row]);
@@ -201,11 +228,10 @@ std::vector<Real> ContactEvaluation<Real>::measure_residual(const RealVector& z,
     rho = larger(rho, relatives[island]);
   }
   if (worst_island) {
-    demand_largest(relatives, relatives[*worst_island]);
-    RealVector of_island;
-    of_island.reserve(islands.rows(*worst_island).size());
-    for (const std::size_t row : islands.rows(*worst_island)) of_island.push_back(residuals[row]);
-    demand_largest(of_island, residuals[worst]);
+    std::vector<std::size_t> all(islands.count());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    demand_largest(relatives, all, relatives[*worst_island]);
+    demand_largest(residuals, islands.rows(*worst_island), residuals[worst]);
     errors.worst = {static_cast<Index>(worst), settled(z[worst]), settled(w[worst]), settled(residuals[worst]),
                     settled(scales[*worst_island])};
   }
@@ -230,6 +256,19 @@ double ContactEvaluation<Real>::model_error(const RealVector& z, const RealVecto
   return settled(largest, kSettledBackward * scale);
 }
 
+/// With G (v+ - v) without the cancellation of v+ - v. A BoundedInertia is regular.
+template <class Real>
+Real ContactEvaluation<Real>::work_gain(const RealVector& z, const RealVector& v_plus) const {
+  if (lcp->at_rest(z)) return 0;
+  RealVector momentum = lcp->generalized_impulse(z);
+  if (std::is_same_v<Real, Quad> && inertia.has_inertia()) {
+    inertia.solve(momentum);
+    momentum = inertia.apply(momentum);
+  }
+  if (std::all_of(momentum.begin(), momentum.end(), is_zero<Real>)) return 0;
+  return dot(momentum, sum(v_plus, lcp->velocity_before())) / Real(2);
+}
+
 /// -b'f_N: what a solution may gain by the offset. Of a solution f_N'(N'v+ + b) = 0.
 template <class Real>
 Real ContactEvaluation<Real>::work_of_offset(const RealVector& z) const {
@@ -249,15 +288,7 @@ void ContactEvaluation<Real>::measure(const RealVector& z, const RealVector& v_p
   Real cone_violation = 0;
   for (std::size_t i = lcp->impulses(); i < lcp->size(); ++i) cone_violation = larger(cone_violation, -w[i]);
   errors.cone_violation = settled(cone_violation);
-  const RealVector& v = lcp->velocity_before();
-  // G (v+ - v) without the cancellation of v+ - v. A BoundedInertia is regular.
-  RealVector momentum = lcp->generalized_impulse(z);
-  if (std::is_same_v<Real, Quad> && inertia.has_inertia()) {
-    inertia.solve(momentum);
-    momentum = inertia.apply(momentum);
-  }
-  const bool at_rest = std::all_of(momentum.begin(), momentum.end(), [](const Real& x) { return surely_equal(x, 0); });
-  const Real gain = at_rest ? Real(0) : dot(momentum, sum(v_plus, v)) / Real(2);
+  const Real gain = work_gain(z, v_plus);
   errors.work_gain_j = settled(gain);
   errors.forward_velocity = forward_velocity(v_plus);
 
@@ -273,6 +304,7 @@ double ContactEvaluation<Real>::velocity_mismatch(const Vector& returned, const 
   const RealVector velocity = numbers<Real>(returned);
   const RealVector& v = lcp->velocity_before();
   const RealVector apart = difference(velocity, v_plus);
+  if (std::is_same_v<Real, Bounded> && std::all_of(apart.begin(), apart.end(), is_zero<Real>)) return 0;
   const RealVector speeds = sum(magnitudes(velocity), magnitudes(v));
   const RealVector impulse_scale = lcp->generalized_impulse_scale(z);
   if (!inertia.has_inertia()) {
@@ -283,7 +315,6 @@ double ContactEvaluation<Real>::velocity_mismatch(const Vector& returned, const 
     const Real outside = max_abs(inertia.outside_range(difference(velocity, v)));
     return settled(larger(in_range, quotient(outside, max_abs(velocity) + max_abs(v))));
   } else {  // a BoundedInertia is regular
-    if (std::all_of(apart.begin(), apart.end(), [](const Real& value) { return surely_equal(value, 0); })) return 0;
     const RealVector scale = sum(inertia.scale(speeds), impulse_scale);
     const Real in_double = largest_quotient(inertia.apply_in_double(apart), scale);
     if (is_settled(in_double, kSettledBackward)) return to_double(in_double);
@@ -354,7 +385,9 @@ bool measure_rows(EvaluatedLcp<Real>& lcp, const IslandRows& islands, const std:
   errors.min_z = z.empty() ? 0 : std::numeric_limits<double>::infinity();
   for (const Real& value : z) errors.min_z = std::min(errors.min_z, to_double(value));
   Real natural = 0;
-  for (std::size_t i = 0; i < z.size(); ++i) natural = larger(natural, abs(smaller(z[i], w[i])));
+  for (std::size_t i = 0; i < z.size(); ++i) {
+    if (!is_complementary(z[i], w[i])) natural = larger(natural, abs(smaller(z[i], w[i])));
+  }
   errors.natural_residual = settled(natural);
   errors.complementarity_j = settled(dot(z, w));
   row_norm = mixed_backward_error(lcp, z, u, w, BackwardScale::kRowNorm, islands);

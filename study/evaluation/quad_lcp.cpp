@@ -14,6 +14,21 @@ std::size_t count_nonzeros(const Jacobian& J) {
                                                    : std::get<SparseMatrix>(J).nonZeros());
 }
 
+/// Whether column j is the negative of column i, entry by entry.
+bool are_opposite(const Jacobian& J, Index i, Index j) {
+  if (const auto* dense = std::get_if<Matrix>(&J)) {
+    const double* const a = dense->col(i).data();
+    const double* const b = dense->col(j).data();
+    return std::equal(a, a + dense->rows(), b, [](double x, double y) { return x == -y; });
+  }
+  SparseMatrix::InnerIterator a(std::get<SparseMatrix>(J), i), b(std::get<SparseMatrix>(J), j);
+  while (a && b && a.row() == b.row() && a.value() == -b.value()) {
+    ++a;
+    ++b;
+  }
+  return !a && !b;
+}
+
 bool is_same(const Bounded& a, const Bounded& b) {
   return a.exact() && b.exact() && a.high == b.high && a.low == b.low;
 }
@@ -53,10 +68,11 @@ const MagnitudeEstimate::Row* EvaluatedLcp<Real>::estimated_row(std::size_t i) {
   const std::size_t representing = representative(i);
   MagnitudeEstimate::Row& row = estimate_.rows[representing];
   if (row.known) return &row;
-  if (estimate_.entries.size() > kLargestEstimate) return nullptr;
-  row.begin = estimate_.entries.size();
+  if (estimate_.count > kLargestEstimate) return nullptr;
+  estimate_.make_room(size());
+  row.begin = estimate_.count;
   fill_row(representing, row, estimate_);
-  row.end = estimate_.entries.size();
+  row.end = estimate_.count;
   row.known = true;
   return &row;
 }
@@ -120,31 +136,58 @@ ContactLcp<Real>::ContactLcp(const ContactProblem& problem, const Inertia& inert
     : inertia_(inertia),
       v_(problem.v.begin(), problem.v.end()),
       b_(problem.b.begin(), problem.b.end()),
-      contacts_(static_cast<std::size_t>(problem.nc())) {
-  const ContactLayout layout = contact_layout(problem);
-  begin_.reserve(static_cast<std::size_t>(layout.lambda_offset()) + 1);
-  const std::size_t nonzeros = count_nonzeros(problem.N) + count_nonzeros(problem.D);
-  rows_.resize(nonzeros);
-  values_.resize(nonzeros);
-  for (const Jacobian* const J : {&problem.N, &problem.D}) {
-    for (Index j = 0; j < cols(*J); ++j) add_column(*J, j);
+      contacts_(static_cast<std::size_t>(problem.nc())),
+      layout_(contact_layout(problem)) {
+  for (const double v : problem.v) {
+    if (!(std::abs(v) <= largest_speed_)) largest_speed_ = std::isnan(v) ? INFINITY : std::abs(v);
   }
-  list_cones(problem, layout);
-  find_opposite_columns();
+  add_columns(problem);
+  list_cones(problem, layout_);
 
-  q_.assign(impulses() + normal_of_cone_.size(), 0);
-  for (std::size_t i = 0; i < impulses(); ++i) q_[i] = twin_[i] == i ? project(i, v_) + offset(i) : -q_[twin_[i]];
+  q_.reserve(impulses() + normal_of_cone_.size());
+  for (std::size_t i = 0; i < impulses(); ++i) {
+    q_.push_back(is_twin(i) ? -q_[twin_[i]] : sum_of_doubles(i, problem.v) + offset(i));
+  }
+  q_.resize(impulses() + normal_of_cone_.size(), 0);
+}
+
+/// A direction of friction is compared with the one that the problem says to be its negative.
+template <class Real>
+void ContactLcp<Real>::add_columns(const ContactProblem& problem) {
+  const auto columns = static_cast<std::size_t>(problem.nc() + cols(problem.D));
+  const std::size_t nonzeros = count_nonzeros(problem.N) + count_nonzeros(problem.D);
+  begin_.reserve(columns + 1);
+  twin_.reserve(columns);
+  sizes_.reserve(columns);
+  represented_.reserve(columns);
+  rows_ = std::make_unique_for_overwrite<std::size_t[]>(nonzeros);
+  values_ = std::make_unique_for_overwrite<double[]>(nonzeros);
+  for (Index j = 0; j < cols(problem.N); ++j) add_column(problem.N, j);
+  Index direction = 0;
+  for (const int edges : problem.edges) {
+    const Index half = edges / 2;
+    for (Index j = direction; j < direction + edges; ++j) {
+      if (j >= direction + half && are_opposite(problem.D, j - half, j)) {
+        add_twin(contacts_ + static_cast<std::size_t>(j - half));
+      } else {
+        add_column(problem.D, j);
+      }
+    }
+    direction += edges;
+  }
 }
 
 template <class Real>
 void ContactLcp<Real>::add_column(const Jacobian& J, Index column) {
   std::size_t end = begin_.back();
-  std::size_t* const rows = rows_.data();
-  double* const values = values_.data();
+  std::size_t* const rows = rows_.get();
+  double* const values = values_.get();
+  double size = 0;
   const auto append = [&](Index row, double value) {
     if (value == 0) return;
     rows[end] = static_cast<std::size_t>(row);
     values[end++] = value;
+    size += std::abs(value);
   };
   if (const auto* dense = std::get_if<Matrix>(&J)) {
     const double* const entries = dense->col(column).data();
@@ -154,7 +197,19 @@ void ContactLcp<Real>::add_column(const Jacobian& J, Index column) {
       append(entry.row(), entry.value());
     }
   }
+  twin_.push_back(begin_.size() - 1);
   begin_.push_back(end);
+  sizes_.push_back(size);
+  represented_.push_back(1);
+}
+
+template <class Real>
+void ContactLcp<Real>::add_twin(std::size_t of) {
+  twin_.push_back(of);
+  begin_.push_back(begin_.back());
+  sizes_.push_back(sizes_[of]);
+  represented_[of] = 2;
+  represented_.push_back(1);
 }
 
 template <class Real>
@@ -178,69 +233,66 @@ void ContactLcp<Real>::list_cones(const ContactProblem& problem, const ContactLa
 }
 
 template <class Real>
-bool ContactLcp<Real>::opposite(std::size_t i, std::size_t j) const {
-  const std::size_t count = begin_[i + 1] - begin_[i];
-  if (begin_[j + 1] - begin_[j] != count) return false;
-  for (std::size_t e = 0; e < count; ++e) {
-    if (rows_[begin_[i] + e] != rows_[begin_[j] + e] || !(values_[begin_[i] + e] == -values_[begin_[j] + e])) {
-      return false;
-    }
-  }
-  return true;
-}
-
-template <class Real>
-void ContactLcp<Real>::find_opposite_columns() {
-  twin_.resize(impulses());
-  represented_.assign(impulses(), 1);
-  for (std::size_t i = 0; i < impulses(); ++i) twin_[i] = i;
-  for (std::size_t cone = 0; cone < normal_of_cone_.size(); ++cone) {
-    const std::size_t half = (friction_of_cone_[cone + 1] - friction_of_cone_[cone]) / 2;
-    for (std::size_t i = friction_of_cone_[cone] + half; i < friction_of_cone_[cone + 1]; ++i) {
-      if (!opposite(i, i - half)) continue;
-      twin_[i] = i - half;
-      represented_[i - half] = 2;
-    }
-  }
-}
-
-template <class Real>
 void ContactLcp<Real>::list_columns_of_rows() {
   row_begin_.assign(v_.size() + 1, 0);
-  for (std::size_t j = 0; j < impulses(); ++j) {
-    if (twin_[j] != j) continue;
-    for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) ++row_begin_[rows_[e] + 1];
-  }
+  for (std::size_t e = 0; e < begin_.back(); ++e) ++row_begin_[rows_[e] + 1];
   for (std::size_t row = 0; row < v_.size(); ++row) row_begin_[row + 1] += row_begin_[row];
   columns_of_row_.resize(row_begin_.back());
   std::vector<std::size_t> next = row_begin_;
   for (std::size_t j = 0; j < impulses(); ++j) {
-    if (twin_[j] != j) continue;
     for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) columns_of_row_[next[rows_[e]]++] = j;
   }
   visited_.assign(impulses(), 0);
 }
 
 template <class Real>
-Real ContactLcp<Real>::project(std::size_t i, const RealVector& x) const {
+Real ContactLcp<Real>::sum_of(std::size_t i, const RealVector& x) const {
+  const Entries of = entries(i);
   if constexpr (std::is_same_v<Real, Bounded>) {
     static const BoundedDot dot = bounded_dot_of_level();
-    return dot(values_.data() + begin_[i], rows_.data() + begin_[i], begin_[i + 1] - begin_[i], x.data());
+    return dot(of.values, of.rows, of.count, x.data());
   } else {
     Real sum = 0;
-    for (std::size_t e = begin_[i]; e < begin_[i + 1]; ++e) sum += values_[e] * x[rows_[e]];
+    for (std::size_t e = 0; e < of.count; ++e) sum += of.values[e] * x[of.rows[e]];
     return sum;
   }
 }
 
 template <class Real>
+Real ContactLcp<Real>::sum_of_doubles(std::size_t i, const Vector& x) const {
+  const Entries of = entries(i);
+  if constexpr (std::is_same_v<Real, Bounded>) {
+    static const BoundedDotOfDoubles dot = bounded_dot_of_doubles_of_level();
+    return dot(of.values, of.rows, of.count, x.data());
+  } else {
+    Real sum = 0;
+    for (std::size_t e = 0; e < of.count; ++e) sum += of.values[e] * Real{x.data()[of.rows[e]]};
+    return sum;
+  }
+}
+
+template <class Real>
+Real ContactLcp<Real>::project(std::size_t i, const RealVector& x) const {
+  const Real sum = sum_of(i, x);
+  return is_twin(i) ? -sum : sum;
+}
+
+template <class Real>
+double ContactLcp<Real>::formation_limit(std::size_t i) const {
+  if (i >= impulses()) return 0;
+  const double magnitude = sizes_[i] * largest_speed_ + std::abs(to_double(offset(i)));
+  return static_cast<double>(entries(i).count + 2) * (0x1p-53 * magnitude * (1 + 0x1p-20) + bounded::kLost);
+}
+
+template <class Real>
 Real ContactLcp<Real>::formation_error(std::size_t i) const {
   if (i >= impulses()) return 0;
-  const std::size_t terms = begin_[i + 1] - begin_[i] + (surely_equal(offset(i), 0) ? 0 : 1);
+  const Entries of = entries(i);
+  const std::size_t terms = of.count + (surely_equal(offset(i), 0) ? 0 : 1);
   using Number = decltype(leading(Real{}));
   using std::abs, lcpbench::abs;
   Number magnitude = abs(leading(offset(i)));
-  for (std::size_t e = begin_[i]; e < begin_[i + 1]; ++e) magnitude += abs(values_[e] * leading(v_[rows_[e]]));
+  for (std::size_t e = 0; e < of.count; ++e) magnitude += abs(of.values[e] * leading(v_[of.rows[e]]));
   const Number error = static_cast<double>(terms + 1) * (0x1p-53 * magnitude + 0x1p-1074);
   if constexpr (std::is_same_v<Real, Bounded>) {
     return {error, 0, 2 * static_cast<double>(terms + 4) * bounded::kRoundoff * error + bounded::kLost};
@@ -250,11 +302,19 @@ Real ContactLcp<Real>::formation_error(std::size_t i) const {
 }
 
 template <class Real>
+bool ContactLcp<Real>::at_rest(const RealVector& z) const {
+  return std::all_of(z.begin(), z.begin() + static_cast<std::ptrdiff_t>(impulses()),
+                     [](const Real& impulse) { return surely_equal(impulse, 0); });
+}
+
+template <class Real>
 std::vector<Real> ContactLcp<Real>::generalized_impulse(const RealVector& z) const {
   RealVector impulse(v_.size(), 0);
   for (std::size_t j = 0; j < impulses(); ++j) {
     if (surely_equal(z[j], 0)) continue;
-    for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) impulse[rows_[e]] += values_[e] * z[j];
+    const Entries of = entries(j);
+    const Real factor = is_twin(j) ? -z[j] : z[j];
+    for (std::size_t e = 0; e < of.count; ++e) impulse[of.rows[e]] += of.values[e] * factor;
   }
   return impulse;
 }
@@ -264,13 +324,15 @@ std::vector<Real> ContactLcp<Real>::generalized_impulse_scale(const RealVector& 
   RealVector scale(v_.size(), 0);
   for (std::size_t j = 0; j < impulses(); ++j) {
     if (surely_equal(z[j], 0)) continue;
-    for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) scale[rows_[e]] += abs(values_[e] * z[j]);
+    const Entries of = entries(j);
+    for (std::size_t e = 0; e < of.count; ++e) scale[of.rows[e]] += abs(of.values[e] * z[j]);
   }
   return scale;
 }
 
 template <class Real>
 std::vector<Real> ContactLcp<Real>::response(const RealVector& z) {
+  if (at_rest(z)) return v_;
   RealVector u = generalized_impulse(z);
   inertia_.solve(u);
   for (std::size_t i = 0; i < u.size(); ++i) u[i] += v_[i];
@@ -283,9 +345,12 @@ void ContactLcp<Real>::respond(std::span<const std::size_t> rows, const RealVect
   std::vector<std::size_t> pattern;
   for (const std::size_t j : rows) {
     if (j >= impulses()) break;
-    for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) {
-      if (twin_[j] == j) pattern.push_back(rows_[e]);
-      if (!surely_equal(z[j], 0)) scratch_[rows_[e]] += values_[e] * z[j];
+    const Entries of = entries(j);
+    const bool twin = is_twin(j), zero = surely_equal(z[j], 0);
+    const Real factor = twin ? -z[j] : z[j];
+    for (std::size_t e = 0; e < of.count; ++e) {
+      if (!twin) pattern.push_back(of.rows[e]);
+      if (!zero) scratch_[of.rows[e]] += of.values[e] * factor;
     }
   }
   std::sort(pattern.begin(), pattern.end());
@@ -301,14 +366,16 @@ template <class Real>
 void ContactLcp<Real>::remove(std::size_t j, Real value, RealVector& u) {
   if (j >= impulses() || surely_equal(value, 0)) return;
   const Response& response = response_of(j);
-  const Real signed_value = twin_[j] == j ? value : -value;
+  const Real signed_value = is_twin(j) ? -value : value;
   for (std::size_t e = 0; e < response.pattern.size(); ++e) u[response.pattern[e]] -= response.values[e] * signed_value;
 }
 
 template <class Real>
 Real ContactLcp<Real>::cone_row(std::size_t cone, const RealVector& z) const {
   Real slack = mu_[cone] * z[normal_of_cone_[cone]];
-  for (std::size_t t = friction_of_cone_[cone]; t < friction_of_cone_[cone + 1]; ++t) slack -= z[t];
+  for (std::size_t t = friction_of_cone_[cone]; t < friction_of_cone_[cone + 1]; ++t) {
+    if (!surely_equal(z[t], 0)) slack -= z[t];
+  }
   return slack;
 }
 
@@ -330,7 +397,7 @@ void ContactLcp<Real>::fill_rows(std::span<const std::size_t> rows, const RealVe
     } else if (at_q) {
       w[i] = q_[i];
     } else {
-      w[i] = twin_[i] == i ? project(i, u) + offset(i) : -w[twin_[i]];
+      w[i] = is_twin(i) ? -w[twin_[i]] : sum_of(i, u) + offset(i);
     }
   }
   for (const std::size_t i : rows) {
@@ -347,15 +414,13 @@ const typename ContactLcp<Real>::Response& ContactLcp<Real>::response_of(std::si
   Response& response = responses_[twin_[column]];
   if (response.known) return response;
   const std::size_t j = twin_[column];
-  response.pattern.reserve(begin_[j + 1] - begin_[j]);
-  for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) {
-    scratch_[rows_[e]] = values_[e];
-    response.pattern.push_back(rows_[e]);
-  }
+  const Entries of = entries(j);
+  for (std::size_t e = 0; e < of.count; ++e) scratch_[of.rows[e]] = of.values[e];
+  response.pattern.assign(of.rows, of.rows + of.count);
   inertia_.solve(scratch_, response.pattern);
   response.values.reserve(response.pattern.size());
   for (const std::size_t row : response.pattern) response.values.push_back(scratch_[row]);
-  response.diagonal = project(j, scratch_);
+  response.diagonal = sum_of(j, scratch_);
   gather(response);
   response.known = true;
   return response;
@@ -408,7 +473,7 @@ Real ContactLcp<Real>::abs_row_times(std::size_t i, const RealVector& z, std::sp
   const Response& response = response_of(i);
   scatter(response);
   for (const std::size_t j : support) {
-    if (j < impulses()) sum += abs(project(j, scratch_) * z[j]);
+    if (j < impulses()) sum += abs(sum_of(j, scratch_) * z[j]);
   }
   gather(response);
   return sum;
@@ -436,7 +501,7 @@ Real ContactLcp<Real>::abs_row_sum(std::size_t i) {
         const std::size_t j = columns_of_row_[e];
         if (visited_[j] == visit_) continue;
         visited_[j] = visit_;
-        const Real entry = abs(project(j, scratch_));
+        const Real entry = abs(sum_of(j, scratch_));
         sum += represented_[j] == 1 ? entry : entry + entry;
       }
     }
@@ -447,11 +512,18 @@ Real ContactLcp<Real>::abs_row_sum(std::size_t i) {
   return abs_row_sum_[row];
 }
 
+/// In two sums, which do not wait for each other.
 template <class Real>
-double ContactLcp<Real>::project(std::size_t i, const std::vector<double>& x) const {
-  double sum = 0;
-  for (std::size_t e = begin_[i]; e < begin_[i + 1]; ++e) sum += values_[e] * x[rows_[e]];
-  return sum;
+inline double ContactLcp<Real>::sum_of_entries(std::size_t begin, std::size_t end, const double* x) const {
+  const std::size_t* const rows = rows_.get();
+  const double* const values = values_.get();
+  double even = 0, odd = 0;
+  std::size_t e = begin;
+  for (; e + 1 < end; e += 2) {
+    even += values[e] * x[rows[e]];
+    odd += values[e + 1] * x[rows[e + 1]];
+  }
+  return e < end ? even + odd + values[e] * x[rows[e]] : even + odd;
 }
 
 template <class Real>
@@ -460,8 +532,12 @@ std::vector<double> ContactLcp<Real>::estimate_w(const RealVector& z, const Real
   const std::vector<double> velocity = rounded(u);
   std::vector<double> w(q_.size(), 0.0);
   for (const std::size_t i : rows) {
-    w[i] = i >= impulses() ? to_double(cone_row(i - impulses(), z))
-                           : project(i, velocity) + to_double(i < contacts_ ? offset(i) : z[lambda_of_[i]]);
+    if (i >= impulses()) {
+      w[i] = to_double(cone_row(i - impulses(), z));
+    } else {
+      const double sum = sum_of_entries(begin_[twin_[i]], begin_[twin_[i] + 1], velocity.data());
+      w[i] = (is_twin(i) ? -sum : sum) + to_double(i < contacts_ ? offset(i) : z[lambda_of_[i]]);
+    }
   }
   return w;
 }
@@ -471,10 +547,9 @@ double ContactLcp<Real>::estimate_response(std::size_t i) {
   std::vector<std::size_t>& pattern = estimate_pattern_;
   pattern.clear();
   if constexpr (std::is_same_v<Real, Bounded>) {
-    for (std::size_t e = begin_[i]; e < begin_[i + 1]; ++e) {
-      estimate_x_[rows_[e]] = values_[e];
-      pattern.push_back(rows_[e]);
-    }
+    const Entries of = entries(i);
+    for (std::size_t e = 0; e < of.count; ++e) estimate_x_[of.rows[e]] = of.values[e];
+    pattern.assign(of.rows, of.rows + of.count);
     return inertia_.estimate(estimate_x_, pattern);
   } else {
     const Response& response = response_of(i);
@@ -492,23 +567,31 @@ void ContactLcp<Real>::fill_row(std::size_t i, MagnitudeEstimate::Row& row, Magn
     fill_cone_row(i - impulses(), row, estimate);
     return;
   }
-  if (row_begin_.empty()) list_columns_of_rows();
   if (estimate_x_.empty()) estimate_x_.assign(v_.size(), 0);
   const double error = estimate_response(i);
   double largest = 0;
   for (const std::size_t r : estimate_pattern_) largest = std::max(largest, std::abs(estimate_x_[r]));
-  ++visit_;
-  for (const std::size_t r : estimate_pattern_) {
-    for (std::size_t e = row_begin_[r]; e < row_begin_[r + 1]; ++e) {
-      const std::size_t j = columns_of_row_[e];
-      if (visited_[j] == visit_) continue;
-      visited_[j] = visit_;
-      const double entry = std::abs(project(j, estimate_x_));
-      estimate.add(j, entry);
-      row.sum += represented_[j] * entry;
+  const auto add = [&](std::size_t j) {
+    const double entry = std::abs(sum_of_entries(begin_[j], begin_[j + 1], estimate_x_.data()));
+    if (entry == 0) return;  // which may be off by the error, as any other; a twin's
+    estimate.add(j, entry);
+    row.sum += represented_[j] * entry;
+  };
+  if (8 * estimate_pattern_.size() >= v_.size()) {  // to list the columns that have entries there costs more
+    for (std::size_t j = 0; j < impulses(); ++j) add(j);
+  } else {
+    if (row_begin_.empty()) list_columns_of_rows();
+    ++visit_;
+    for (const std::size_t r : estimate_pattern_) {
+      for (std::size_t e = row_begin_[r]; e < row_begin_[r + 1]; ++e) {
+        const std::size_t j = columns_of_row_[e];
+        if (visited_[j] == visit_) continue;
+        visited_[j] = visit_;
+        add(j);
+      }
     }
   }
-  row.diagonal = project(i, estimate_x_);
+  row.diagonal = sum_of_entries(begin_[i], begin_[i + 1], estimate_x_.data());
   if (i >= contacts_) {
     estimate.add(lambda_of_[i], 1);
     row.sum += 1;
@@ -531,17 +614,18 @@ void ContactLcp<Real>::fill_cone_row(std::size_t cone, MagnitudeEstimate::Row& r
 
 template <class Real>
 double ContactLcp<Real>::column_scale(std::size_t j) const {
-  double scale = 0x1p-30;
-  if (j >= impulses()) return scale;
-  for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) scale += std::abs(values_[e]);
-  return scale * static_cast<double>(begin_[j + 1] - begin_[j] + 4);
+  if (j >= impulses()) return 0x1p-30;
+  return (0x1p-30 + sizes_[j]) * static_cast<double>(entries(j).count + 4);
 }
 
 template <class Real>
 double ContactLcp<Real>::plain_least_diagonal(std::size_t i) const {
   if constexpr (std::is_same_v<Real, Bounded>) {
-    const std::size_t count = begin_[i + 1] - begin_[i];
-    return inertia_.least_energy(std::span(rows_).subspan(begin_[i], count), values_.data() + begin_[i]);
+    constexpr double kUnknown = -1;
+    if (least_diagonals_.empty()) least_diagonals_.assign(impulses(), kUnknown);
+    double& least = least_diagonals_[twin_[i]];
+    if (least == kUnknown) least = inertia_.least_energy(rows(i), entries(i).values);
+    return least;
   }
   return 0;
 }

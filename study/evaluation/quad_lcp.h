@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <type_traits>
@@ -23,13 +24,20 @@ struct MagnitudeEstimate {
     double error = 0;                ///< | |M_ij| - entry | <= error column_scale[j]; entries left out are zero
   };
   std::vector<Row> rows;
-  std::vector<std::size_t> columns;
+  std::vector<std::size_t> columns;  ///< of the entries; there is room for more than there are
   std::vector<double> entries;
+  std::size_t count = 0;  ///< of the entries
   std::vector<double> column_scale;
 
+  void make_room(std::size_t more) {
+    if (count + more <= entries.size()) return;
+    columns.resize(2 * (count + more));
+    entries.resize(2 * (count + more));
+  }
+  /// Where there is room.
   void add(std::size_t column, double entry) {
-    columns.push_back(column);
-    entries.push_back(entry);
+    columns[count] = column;
+    entries[count++] = entry;
   }
 };
 
@@ -163,6 +171,10 @@ class ContactLcp final : public EvaluatedLcp<Real> {
   /// The normal row of the contact to which cone row i belongs.
   std::size_t normal_of_cone(std::size_t i) const { return normal_of_cone_[i - impulses()]; }
 
+  const ContactLayout& layout() const { return layout_; }
+
+  /// Whether every impulse in z is zero.
+  bool at_rest(const RealVector& z) const;
   /// J f for the impulses f in z.
   RealVector generalized_impulse(const RealVector& z) const;
   /// |J| |f|: the scale of rounding in J f.
@@ -172,6 +184,8 @@ class ContactLcp final : public EvaluatedLcp<Real> {
   /// What forming q_i = J_i'v + b_i in double may lose to rounding: (k + 1) 2^-53 (|J_i|'|v| + |b_i|), k the terms that
   /// are not zero in the data. 0 for cone rows, whose q_i is zero in the data. A Bounded one is formed in double.
   Real formation_error(std::size_t i) const;
+  /// At least that, without looking at the row's entries.
+  double formation_limit(std::size_t i) const;
 
  private:
   /// G* J_j by its nonzero blocks.
@@ -182,13 +196,29 @@ class ContactLcp final : public EvaluatedLcp<Real> {
     Real diagonal = 0;  ///< M_jj
   };
 
+  /// The nonzero entries of a column of J, but for its sign: twins share them.
+  struct Entries {
+    const std::size_t* rows;
+    const double* values;
+    std::size_t count;
+  };
+  Entries entries(std::size_t j) const {
+    const std::size_t begin = begin_[twin_[j]];
+    return {rows_.get() + begin, values_.get() + begin, begin_[twin_[j] + 1] - begin};
+  }
+  std::span<const std::size_t> rows(std::size_t j) const { return std::span(entries(j).rows, entries(j).count); }
+  bool is_twin(std::size_t j) const { return twin_[j] != j; }
+
   /// b_i of a normal row, 0 of any other.
   Real offset(std::size_t i) const { return i < b_.size() ? b_[i] : Real{0}; }
+  void add_columns(const ContactProblem& problem);
   void add_column(const Jacobian& J, Index column);
+  void add_twin(std::size_t of);
   void list_cones(const ContactProblem& problem, const ContactLayout& layout);
-  void find_opposite_columns();
-  bool opposite(std::size_t i, std::size_t j) const;
   void list_columns_of_rows();
+  /// sum of e values[e] x[rows[e]] over the entries of column i: J_i'x but for the sign of a twin.
+  Real sum_of(std::size_t i, const RealVector& x) const;
+  Real sum_of_doubles(std::size_t i, const Vector& x) const;
   const Response& response_of(std::size_t column);
   Real cone_row(std::size_t cone, const RealVector& z) const;
   double column_scale(std::size_t j) const override;
@@ -196,7 +226,7 @@ class ContactLcp final : public EvaluatedLcp<Real> {
   void fill_cone_row(std::size_t cone, MagnitudeEstimate::Row& row, MagnitudeEstimate& estimate) const;
   /// G* J_i in estimate_x_, for the rows in estimate_pattern_. Returns a bound on the error of an entry.
   double estimate_response(std::size_t i);
-  double project(std::size_t i, const std::vector<double>& x) const;
+  double sum_of_entries(std::size_t begin, std::size_t end, const double* x) const;
   /// Spreads the response over scratch_; gather() makes scratch_ zero again.
   void scatter(const Response& response);
   void gather(const Response& response);
@@ -205,10 +235,13 @@ class ContactLcp final : public EvaluatedLcp<Real> {
   RealVector v_;
   RealVector b_;  ///< of the normal rows; empty: zero
   std::size_t contacts_ = 0;
-  std::vector<std::size_t> begin_{0};  ///< of each column of J = [N D], by columns
-  std::vector<std::size_t> rows_;
-  std::vector<double> values_;
+  ContactLayout layout_;
+  std::vector<std::size_t> begin_{0};  ///< of each column of J = [N D], by columns; a twin has no entries of its own
+  std::unique_ptr<std::size_t[]> rows_;
+  std::unique_ptr<double[]> values_;
   std::vector<std::size_t> twin_;  ///< the column's own index, or that of an earlier column of which it is the negative
+  std::vector<double> sizes_;      ///< of each column the sum of its magnitudes, rounded
+  double largest_speed_ = 0;       ///< max |v_i|
   std::vector<double> represented_;     ///< columns of which it is the twin
   std::vector<std::size_t> row_begin_;  ///< the columns that meet each row of J but for twins, when first asked for
   std::vector<std::size_t> columns_of_row_;
@@ -219,6 +252,7 @@ class ContactLcp final : public EvaluatedLcp<Real> {
   std::vector<std::size_t> lambda_of_;         ///< per friction impulse: index in z of its contact's lambda
 
   // What follows is allocated when it is first needed.
+  mutable std::vector<double> least_diagonals_;  ///< plain ones, of representatives
   std::vector<Response> responses_;
   RealVector abs_row_sum_;
   std::vector<bool> abs_row_sum_known_;

@@ -76,6 +76,20 @@ const char* to_string(Rung rung) {
   return "";
 }
 
+Spec solver_of(Rung rung, double error) {
+  switch (rung) {
+    case Rung::kRest:
+    case Rung::kRelaxed: return {"cone_ipm", {{"cone", "true"}, {"slip", "none"}}};
+    case Rung::kCone: return {"cone_ipm", {{"cone", "true"}}};
+    case Rung::kConeRough: {
+      Spec spec{"cone_ipm", {{"cone", "true"}}};
+      if (std::isfinite(error)) spec.options.emplace_back("error", fmt::format("{}", error));
+      return spec;
+    }
+    default: return {"auto", {}};
+  }
+}
+
 struct Ladder::Data {
   Problem reference;
   double time_limit_s = 0;
@@ -118,7 +132,7 @@ void Ladder::Data::take(const TangentImpulses& impulses, RungAnswer& to) {
 void Ladder::Data::solve_pyramid(int edges, const std::vector<double>& angles, RungAnswer& to,
                                  TangentImpulses& impulses) {
   const Problem problem("pyramid", with_pyramid(contacts(), edges, angles));
-  const TimedAnswer timed = run({"auto", {}}, problem, time_limit_s);
+  const TimedAnswer timed = run(solver_of(to.rung, 0), problem, time_limit_s);
   to.claim = timed.answer.claim;
   to.time_s = (to.passes == 0 ? 0.0 : to.time_s) + seconds(timed);
   ++to.passes;
@@ -155,11 +169,8 @@ RungAnswer Ladder::Data::pyramid(Rung rung, double error) {
 RungAnswer Ladder::Data::by_cone(Rung rung, double error) {
   RungAnswer to;
   to.rung = rung;
-  Spec spec{"cone_ipm", {{"cone", "true"}}};
   const bool relaxed = rung == Rung::kRest || rung == Rung::kRelaxed;
-  if (relaxed) spec.options.emplace_back("slip", "none");
-  if (rung == Rung::kConeRough && std::isfinite(error)) spec.options.emplace_back("error", fmt::format("{}", error));
-  const TimedAnswer timed = run(spec, reference, time_limit_s);
+  const TimedAnswer timed = run(solver_of(rung, error), reference, time_limit_s);
   to.claim = timed.answer.claim;
   to.time_s = seconds(timed);
   to.passes = 1;

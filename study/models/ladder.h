@@ -9,6 +9,7 @@
 
 #include "core/problem.h"
 #include "core/solver.h"
+#include "core/spec.h"
 
 namespace lcpbench {
 
@@ -90,6 +91,10 @@ std::vector<LadderIsland> ladder_islands(const Problem& problem, const std::stri
 /// The rungs that `solve --max-velocity-error` climbs: those that cost less than the one above them on most captured
 /// steps.
 inline constexpr std::array kClimbed{Rung::kEdges4, Rung::kConeRough, Rung::kCone};
+
+/// The solver of a rung: `auto` on the pyramids, `cone_ipm{cone=true}` else.
+/// @param error [m/s] at which kConeRough stops
+Spec solver_of(Rung rung, double error);
 
 /// An island solved as finely as asked for.
 struct Climb {

@@ -7,6 +7,7 @@
 #include "study/replay/replay_page.h"
 #include "study/report/decision.h"
 #include "study/report/figures.h"
+#include "study/report/model_choice.h"
 #include "study/report/model_error.h"
 #include "study/report/paper.h"
 #include "study/report/regret.h"
@@ -35,6 +36,7 @@ struct Report {
   SpeedErrorStudy speed_error;
   std::vector<VelocitySpread> velocity_spreads;
   ModelErrors model_errors;
+  ModelChoices model_choices;
   RegretStudy regret;
   std::vector<ReplayPictures> replays;
   Figures figures;

@@ -200,6 +200,7 @@ Json report_json(const Report& report) {
       {"speed_error", report::speed_error_json(report.summary, report.speed_error.sets)},
       {"cheapest", report::cheapest_json(report.summary, report.speed_error.sets)},
       {"conditioning", report::conditioning_json(report.summary, report.speed_error.families)}};
+  json["models"] = report::model_choices_json(report.summary, report.model_choices);
   json["regret"] = report::regret_summary_json(report.regret);
   for (const ReplayPictures& replay : report.replays) json["replay"].push_back(replay_json(replay.scene));
   return json;
@@ -211,6 +212,7 @@ Json table_records(const Report& report, const Json& json) {
   tables.update(report::hard_tables(report.summary, report::hard_study(report.summary)));
   tables.update(json["speed_against_error"]);
   tables["velocity_spread"] = report::velocity_spread_json(report.summary, report.velocity_spreads);
+  tables["model_choice"] = report::model_choice_json(report.summary, report.model_choices.steps);
   tables["regret"] = report::regret_json(report.summary, report.regret.regrets);
   for (const char* name : {"cells", "sweeps", "decision"}) tables[name] = json[name];
   tables["claims"] = claims_json(json["cells"]);
@@ -229,6 +231,7 @@ void write_tables(const Report& report, const Json& json, const std::filesystem:
   one_of_everything.situations.resize(1);
   one_of_everything.situations[0].contenders.resize(1);
   one_of_everything.velocity_spreads.resize(1);
+  one_of_everything.model_choices.steps.resize(1);
   one_of_everything.regret.regrets.resize(1);
   one_of_everything.comparisons = {report::example_comparison()};
   const Json examples = table_records(one_of_everything, report_json(one_of_everything));
@@ -258,6 +261,7 @@ Report make_report(Store& store, const std::vector<ReplayedFiles>& replays) {
   report.speed_error = report::speed_error_study(summary);
   report.velocity_spreads = report::velocity_spreads(store, summary);
   report.model_errors = report::model_errors(summary);
+  report.model_choices = report::model_choices(summary);
   report.regret = report::regret_study(store, summary);
   report.figures = draw_figures(summary, report.comparisons, report.speed_error, report.model_errors);
   report.paper = report::paper_study(summary);

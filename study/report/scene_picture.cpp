@@ -23,10 +23,10 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kWidth = 300;
+constexpr double kPictureWidth = 300;
 constexpr double kShortest = 110;
 constexpr double kTallest = 300;
-constexpr double kMargin = 14;
+constexpr double kPictureMargin = 14;
 constexpr int kCircle = 24;  ///< corners of the ends of cylinders
 
 /// A shape where it stands.
@@ -118,12 +118,12 @@ class SideView {
 
   /// True if no shape is of usual size.
   bool empty() const { return !(low_.x() <= high_.x()); }
-  double width() const { return kWidth; }
+  double width() const { return kPictureWidth; }
   double height() const { return height_; }
   double pixels_per_metre() const { return scale_; }
   Vector2d pixel(const Vector3d& point) const {
     const Vector2d p = seen(point);
-    return {kWidth / 2 + scale_ * (p.x() - centre_.x()), height_ / 2 - scale_ * (p.y() - centre_.y())};
+    return {kPictureWidth / 2 + scale_ * (p.x() - centre_.x()), height_ / 2 - scale_ * (p.y() - centre_.y())};
   }
 
   std::string path(const Placed& placed) const {
@@ -208,8 +208,8 @@ class SideView {
     if (empty()) return;
     const Vector2d extent = (high_ - low_).cwiseMax(1e-9);
     centre_ = (low_ + high_) / 2;
-    scale_ = std::min((kWidth - 2 * kMargin) / extent.x(), (kTallest - 2 * kMargin) / extent.y());
-    height_ = std::clamp(scale_ * extent.y() + 2 * kMargin, kShortest, kTallest);
+    scale_ = std::min((kPictureWidth - 2 * kPictureMargin) / extent.x(), (kTallest - 2 * kPictureMargin) / extent.y());
+    height_ = std::clamp(scale_ * extent.y() + 2 * kPictureMargin, kShortest, kTallest);
   }
 
   std::string polygon(const std::vector<Vector3d>& points) const {
@@ -261,11 +261,12 @@ class SideView {
     const Vector2d n = facing.normalized();
     const Vector2d on = centre_ + (offset - n.dot(centre_)) * n;  // the nearest point of its edge
     const Vector2d along(-n.y(), n.x());
-    const double reach = 2 * (kWidth + kTallest) / scale_;
+    const double reach = 2 * (kPictureWidth + kTallest) / scale_;
     std::vector<Vector2d> points;
     for (const Vector2d& at : {Vector2d(on - reach * along), Vector2d(on + reach * along),
                                Vector2d(on + reach * along - reach * n), Vector2d(on - reach * along - reach * n)}) {
-      points.emplace_back(kWidth / 2 + scale_ * (at.x() - centre_.x()), height_ / 2 - scale_ * (at.y() - centre_.y()));
+      points.emplace_back(kPictureWidth / 2 + scale_ * (at.x() - centre_.x()),
+                          height_ / 2 - scale_ * (at.y() - centre_.y()));
     }
     return closed(points);
   }

@@ -178,7 +178,8 @@ std::string scenes_section(const Report& report) {
                                        {"Its error ρ, 99 %", true},
                                        {"Solvers that said solved and were wrong", true},
                                        {"Steps on which verified answers move differently", true}}) +
-         rows + kTableEnd + model_error_part(report) + parts + "</section>\n";
+         rows + kTableEnd + model_error_part(report) +
+         model_choice_part(summary, report.model_choices) + parts + "</section>\n";
 }
 
 }  // namespace lcpbench::report

@@ -163,6 +163,83 @@ TEST(BoundedTest, FactorsProveOnlyWhatIsDefinite) {
   EXPECT_GE(b[0], 0x1p29);
 }
 
+// Symmetric, nearly of rank one, with diagonal entries from 1 to 4. Multiples of 2^-48, so that sums are exact in Quad.
+Matrix nearly_singular(Draw& draw, Index n, int exponent) {
+  const Matrix factor = draw.matrix(n, 2 * n);
+  return Matrix::Ones(n, n) + std::exp2(-exponent) * factor * factor.transpose();
+}
+
+// What the bounds of BoundedInertia rest on. An accurate solution leaves less than the bound, and hardly one nothing.
+TEST(BoundedTest, FactorsLeaveNoMoreThanTheResidualThatTheyPromise) {
+  Draw draw(6);
+  for (const int exponent : {2, 14, 26}) {
+    for (const Index n : {2, 5, 13}) {
+      const Matrix A = nearly_singular(draw, n, exponent);
+      BoundedFactors factors;
+      ASSERT_TRUE(factors.add({A.data(), static_cast<std::size_t>(A.size())}, static_cast<std::size_t>(n), 0x1p-36));
+      const Vector b = draw.vector(n);
+      std::vector<double> x(b.begin(), b.end());
+      factors.solve(0, x);
+      double size = 0;
+      for (const double value : x) size += std::abs(value);
+      Quad largest = 0;
+      for (Index i = 0; i < n; ++i) {
+        Quad left = b(i);
+        for (Index j = 0; j < n; ++j) left -= Quad{A(i, j)} * x[static_cast<std::size_t>(j)];
+        largest = larger(largest, abs(left));
+      }
+      EXPECT_GT(to_double(largest), 0) << exponent << ' ' << n;
+      EXPECT_LE(to_double(largest), factors.residual(0) * size) << exponent << ' ' << n;
+    }
+  }
+}
+
+// The solution is a vector of small integers, known without any reference. After one correction an ill-conditioned
+// matrix leaves far more than the rounding of the residual.
+TEST(BoundedTest, EncloseTheSolutionOfNearlySingularInertias) {
+  Draw draw(7);
+  for (const int exponent : {2, 14, 26}) {
+    for (const Index n : {2, 5, 13}) {
+      const Matrix G = nearly_singular(draw, n, exponent);
+      const BoundedInertia inertia{Inertia(DenseInertia{G})};
+      ASSERT_TRUE(inertia.well_defined()) << exponent << ' ' << n;
+      const Vector solution = draw.vector(n).unaryExpr([](double u) { return std::floor(8 * u); });
+      for (const double error : {0.0, 0x1p-900}) {
+        BoundedVector x;
+        for (Index i = 0; i < n; ++i) {
+          Quad b = 0;
+          for (Index j = 0; j < n; ++j) b += Quad{G(i, j)} * solution(j);
+          const double high = to_double(b), low = to_double(b - high);
+          ASSERT_TRUE(b == Quad{high} + low);
+          x.push_back({high, low, error});
+        }
+        inertia.solve(x);
+        for (std::size_t i = 0; i < x.size(); ++i) {
+          expect_enclosed(x[i], solution(static_cast<Index>(i)));
+          EXPECT_LE(x[i].error, 0x1p-40) << exponent << ' ' << n;
+        }
+      }
+    }
+  }
+}
+
+// In a block of tiny and of huge inertias the solution of a tiny impulse is below the range of a double in the units of
+// the block, and within it in those of the velocity.
+TEST(BoundedTest, EstimatesCoverWhatUnderflowLoses) {
+  const double coupling = 0.3, tiny = 0x1p-598, huge = 0x1p598;
+  const Matrix G = (Matrix(2, 2) << tiny, coupling, coupling, huge).finished();
+  const BoundedInertia inertia{Inertia(DenseInertia{G})};
+  ASSERT_TRUE(inertia.well_defined());
+  for (const int exponent : {-700, -720, -730, -740}) {
+    std::vector<double> x{0, std::exp2(exponent)};
+    std::vector<std::size_t> pattern{1};
+    const double error = inertia.estimate(x, pattern);
+    const Quad determinant = Quad{tiny} * huge - Quad{coupling} * coupling;
+    const Quad truth = -Quad{coupling} * std::exp2(exponent) / determinant;
+    EXPECT_LE(to_double(abs(truth - x[0])), error) << exponent;
+  }
+}
+
 // A body turned by a rounding: its products of inertia are 2^-53 of its moments.
 TEST(BoundedTest, SmallCoordinatesBesideLargeOnesAreAsAccurate) {
   Matrix G = Matrix::Identity(3, 3) * 1.1;
@@ -226,6 +303,11 @@ TEST(BoundedTest, EveryLevelOfTheProcessorGivesTheSameSums) {
     const Bounded found = dot(a.data(), rows.data(), a.size(), x.data());
     EXPECT_TRUE(found.high == sum.value().high && found.low == sum.value().low && found.error == sum.value().error);
   }
+  const std::vector<double> doubles(a.rbegin(), a.rend());
+  BoundedSum sum;
+  for (std::size_t e = 0; e < a.size(); ++e) sum.add(a[e], doubles[e]);
+  const Bounded found = bounded_dot_of_doubles_of_level()(a.data(), rows.data(), a.size(), doubles.data());
+  EXPECT_TRUE(found.high == sum.value().high && found.low == sum.value().low && found.error == sum.value().error);
 }
 
 // rho is 1e-4, half a unit in its last place, and 2^-124 more or less: rounded to double it is 1e-4 or the number after

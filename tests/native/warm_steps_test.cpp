@@ -102,6 +102,32 @@ TEST(WarmStepsTest, ARestingStackIsHeldByOneFactorization) {
   }
 }
 
+// Below the size from which contact_lemke gives way to friction_ipm. A wrong guess is not repeated.
+TEST(WarmStepsTest, SmallIslandsAreHeldByTheFirstGuessOrNone) {
+  const BoxStacks shape{.height = 4, .fresh = 0.2};
+  Vector start;
+  const auto solver = after(problem_of(stack_in_step(shape, 0)), start);
+  for (int step = 1; step <= 5; ++step) {
+    const Problem problem = problem_of(stack_in_step(shape, step));
+    solver->update(problem);
+    const Answer answer = solve(*solver, {.start = &start});
+    expect_verified(problem, answer, "step " + std::to_string(step));
+    EXPECT_TRUE(holds(answer)) << answer.detail;
+    EXPECT_EQ(answer.counters.factorizations, 1) << step;
+    start = answer.z;
+  }
+  BoxStacks sliding = shape;
+  sliding.slide = 2;
+  const Problem problem = problem_of(stack_in_step(sliding, 6));
+  solver->update(problem);
+  const Answer answer = solve(*solver, {.start = &start});
+  const Answer expected = cold(problem);
+  EXPECT_FALSE(holds(answer)) << answer.detail;
+  EXPECT_EQ(answer.detail, expected.detail);
+  EXPECT_EQ(answer.z, expected.z);
+  EXPECT_EQ(answer.counters.factorizations, expected.counters.factorizations + 1);
+}
+
 // A cube more: its contacts have no impulse in the start, and are held because they approach.
 TEST(WarmStepsTest, NewContactsAreHeldWhenTheyApproach) {
   const BoxStacks low{.height = 7, .fresh = 0.2};

@@ -4,6 +4,7 @@
 
 #include "core/io/scenes_file.h"
 #include "study/report/decision.h"
+#include "study/report/model_choice.h"
 #include "study/report/model_error.h"
 #include "study/report/report.h"
 #include "study/report/scenes.h"
@@ -160,6 +161,56 @@ TEST_F(ScenesReportTest, WithoutModelErrorsThereIsNoSuchPicture) {
   add("scene/stack/ode", "scene", 4);
   EXPECT_EQ(page().find("id=\"model-error\""), std::string::npos);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "out/figures/scenes.model-error.svg"));
+}
+
+/// The first model whose measured error is small enough is chosen, whatever the verdict of its answer; a step that no
+/// model brings there is named.
+TEST_F(ScenesReportTest, TheModelThatAStepNeedsIsTheFirstWithinTheError) {
+  const auto pyramid = made_.solver("auto");
+  const auto cone = made_.solver("cone_ipm", "cone=true");
+  const auto step = [&](int trial, double pyramid_error, MadeAnswer round) {
+    round.time_s = 3e-3;
+    made_.problem("scene/stack/ode", trial,
+                  {{pyramid, {.time_s = 1e-3, .model_error_m_per_s = pyramid_error}}, {cone, round}}, 20, "solvable",
+                  "scene");
+  };
+  step(0, 1e-3, {.model_error_m_per_s = 1e-12});
+  step(1, 0.2, {.model_error_m_per_s = 1e-12});
+  step(2, 0.2, {.error = 0.5, .model_error_m_per_s = 9e-4});                                     // rough, and enough
+  step(3, 0.2, {.claim = Claim::kIterationLimit, .error = 0.5, .model_error_m_per_s = 0.0321});  // the better of two
+  step(4, Errors::kNone, {.error = Errors::kNone});
+  made_.problem("paper/copositive/exp1", 0, {{pyramid, {.model_error_m_per_s = 9}}}, 20);
+
+  const Summary summary = summarize(made_.store());
+  const report::ModelChoices choices = report::model_choices(summary);
+  ASSERT_EQ(choices.steps.size(), 4U) << "a step without a known error, and random problems, are no part of it";
+  EXPECT_EQ(choices.unknown, 1);
+  EXPECT_EQ(choices.met(), 3);
+  ASSERT_EQ(choices.solvers.size(), 2U);
+  EXPECT_EQ(choices.chosen(choices.solvers[0]), 1);
+  EXPECT_EQ(choices.chosen(choices.solvers[1]), 2);
+  EXPECT_EQ(choices.steps[1].spent_s, 4e-3);
+  EXPECT_EQ(choices.steps[1].time_s, 3e-3);
+  EXPECT_FALSE(choices.steps[3].met);
+  EXPECT_EQ(choices.steps[3].error_m_per_s, 0.0321);
+
+  const std::string text = page();
+  const std::string part = text.substr(text.find("id=\"model-choice\""), 2500);
+  EXPECT_NE(part.find("3 of 4 steps are within it (75.0 %; 95 % interval"), std::string::npos) << part;
+  EXPECT_NE(part.find("<code>scene/stack/ode#3</code> (3.2e-02 m/s)"), std::string::npos) << part;
+  EXPECT_EQ(part.find("No step misses it"), std::string::npos);
+  EXPECT_NE(
+      read_file(folder_ / "out/tables/model_choice.csv").find("scene/stack/ode,3,cone_ipm{cone=true},0.0321,false"),
+      std::string::npos);
+  const auto json = nlohmann::json::parse(read_file(folder_ / "out/summary.json"))["models"];
+  EXPECT_EQ(json["met"], 3);
+  EXPECT_EQ(json["missed"][0]["problem"], "scene/stack/ode#3");
+}
+
+TEST_F(ScenesReportTest, WithoutAFinerModelThereIsNoChoice) {
+  const auto pyramid = made_.solver("auto");
+  made_.problem("scene/stack/ode", 0, {{pyramid, {.model_error_m_per_s = 1e-12}}}, 20, "solvable", "scene");
+  EXPECT_EQ(page().find("id=\"model-choice\""), std::string::npos);
 }
 
 TEST(ScenePictureTest, DrawsEveryShapeOfTheReferenceAndLeavesOutOthers) {

@@ -1,0 +1,392 @@
+#include "native/auto/held_graph.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <variant>
+
+#include "native/auto/body_vectors.h"
+#include "native/contacts/contact_edges.h"
+
+namespace lcpbench {
+namespace {
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+std::size_t blocks_of(const ContactProblem& contact) {
+  const auto* blocks = std::get_if<BlockInertia>(&contact.inertia);
+  return blocks == nullptr ? 1 : blocks->blocks.size();
+}
+
+/// Directions in which friction holds the contact, each for two opposite ones.
+int directions_of(const ContactProblem& problem, Index contact) {
+  return problem.mu(contact) > 0 ? problem.edges[at(contact)] / 2 : 0;
+}
+
+/// visit(column, row, entry) for the columns N_c and the first half of D_c, numbered from 0.
+template <class Visit>
+void visit_contact(const ContactProblem& problem, Index contact, Index direction, Visit&& visit) {
+  for_each_entry(problem.N, contact, [&](Index row, double entry) { visit(0, row, entry); });
+  for (int t = 0; t < directions_of(problem, contact); ++t) {
+    for_each_entry(problem.D, direction + t, [&](Index row, double entry) { visit(1 + t, row, entry); });
+  }
+}
+
+/// The columns of L, G = L L', in place of those of G, with the inverse of each diagonal entry in its place; kSize 0:
+/// any size. @returns whether G is definite
+template <int kSize>
+bool factor_body(double* L, int size) {
+  const int n = kSize > 0 ? kSize : size;
+  bool is_definite = true;
+  for (int j = 0; j < n; ++j) {
+    double* const column = L + j * n;
+    int k = 0;
+    for (; k + 4 <= j; k += 4) {
+      const double* const b = L + k * n;
+      const auto before = [&](int m) { return b[m * n + j] * Eigen::Map<const Vector>(b + m * n + j, n - j); };
+      Eigen::Map<Vector>(column + j, n - j) -= before(0) + before(1) + before(2) + before(3);
+    }
+    for (; k < j; ++k) {
+      const double* const before = L + k * n;
+      for (int i = j; i < n; ++i) column[i] -= before[j] * before[i];
+    }
+    is_definite = is_definite && column[j] > 0;
+    const double inverse = 1 / std::sqrt(column[j]);
+    column[j] = inverse;
+    for (int i = j + 1; i < n; ++i) column[i] *= inverse;
+  }
+  return is_definite;
+}
+
+/// u += (L L')^-1 x for the factor of factor_body(); x is used up.
+template <int kSize>
+void add_solution(const double* L, int size, double* x, double* u) {
+  const int n = kSize > 0 ? kSize : size;
+  for (int j = 0; j < n; ++j) {
+    x[j] *= L[j * n + j];
+    for (int i = j + 1; i < n; ++i) x[i] -= L[j * n + i] * x[j];
+  }
+  for (int j = n; j-- > 0;) {
+    if constexpr (kSize > 0) {
+      for (int i = j + 1; i < n; ++i) x[j] -= L[j * n + i] * x[i];
+    } else {
+      x[j] -= Eigen::Map<const Vector>(L + j * n + j + 1, n - j - 1).dot(Eigen::Map<Vector>(x + j + 1, n - j - 1));
+    }
+    x[j] *= L[j * n + j];
+    u[j] += x[j];
+  }
+}
+
+}  // namespace
+
+const Matrix& held_block(const ContactProblem& contact, std::size_t block) {
+  if (const auto* dense = std::get_if<DenseInertia>(&contact.inertia)) return dense->G;
+  return std::get<BlockInertia>(contact.inertia).blocks[block];
+}
+
+bool HeldGraph::load(const ContactProblem& contact) {
+  contact_ = &contact;
+  bool is_new = false;
+  if (!has_last_sizes() || !fill_columns()) {
+    find();
+    fill_columns();
+    is_new = bodies_ != last_bodies_ || coupled_ != last_coupled_;
+    if (!is_new) set_places(std::move(places_));
+  }
+  factor_inertia();
+  measure_strength();
+  return is_new;
+}
+
+void HeldGraph::set_places(std::vector<int> places) {
+  places_ = std::move(places);
+  for (HeldPart& part : parts_) part.place = places_[at(part.body)];
+}
+
+/// The bodies and the columns.
+void HeldGraph::find() {
+  bodies_.swap(last_bodies_);
+  coupled_.swap(last_coupled_);
+  find_bodies();
+  find_columns();
+  find_coupled();
+}
+
+/// Whether bodies and columns are as many and as long as in the last problem.
+bool HeldGraph::has_last_sizes() const {
+  if (contacts_.size() != contact_->edges.size() || body_of_.size() != at(contact_->ngc())) return false;
+  if (block_sizes_.size() != blocks_of(*contact_)) return false;
+  for (std::size_t b = 0; b < block_sizes_.size(); ++b) {
+    if (held_block(*contact_, b).rows() != block_sizes_[b]) return false;
+  }
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    if (contacts_[c].columns != 1 + directions_of(*contact_, static_cast<Index>(c))) return false;
+  }
+  return true;
+}
+
+/// Blocks next to each other that the same contacts touch become one: their columns are never apart.
+void HeldGraph::find_bodies() {
+  const std::size_t blocks = blocks_of(*contact_);
+  body_of_.resize(at(contact_->ngc()));
+  block_sizes_.resize(blocks);
+  std::size_t coordinate = 0;
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const Index size = block_sizes_[b] = held_block(*contact_, b).rows();
+    for (Index i = 0; i < size; ++i) body_of_[coordinate++] = static_cast<int>(b);
+  }
+  std::vector<std::uint64_t>& touched = signatures_;  // sums over contacts of a number of each
+  touched.assign(blocks, 0);
+  last_touched_.assign(blocks, -1);
+  Index direction = 0;
+  for (Index c = 0; c < contact_->nc(); ++c) {
+    const std::uint64_t number = (static_cast<std::uint64_t>(c) + 1) * 0x9e3779b97f4a7c15U;
+    visit_contact(*contact_, c, direction, [&](int, Index row, double) {
+      const auto b = at(body_of_[at(row)]);
+      if (last_touched_[b] == c) return;
+      last_touched_[b] = c;
+      touched[b] += number ^ (number >> 29U);
+    });
+    direction += contact_->edges[at(c)];
+  }
+  bodies_.clear();
+  coordinate = 0;
+  std::size_t factor = 0;
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const auto size = static_cast<int>(held_block(*contact_, b).rows());
+    if (b > 0 && touched[b] == touched[b - 1]) {
+      bodies_.back().size += size;
+    } else {
+      if (b > 0) factor += at(bodies_.back().size) * at(bodies_.back().size);
+      bodies_.push_back({.size = size, .first = static_cast<int>(coordinate), .block = b, .factor = factor});
+    }
+    for (int i = 0; i < size; ++i) body_of_[coordinate++] = static_cast<int>(bodies_.size()) - 1;
+  }
+}
+
+/// The bodies of each contact, and where its columns will stand.
+void HeldGraph::find_columns() {
+  contacts_.clear();
+  parts_.clear();
+  coordinates_.clear();
+  HeldColumns columns;
+  Index direction = 0;
+  for (Index c = 0; c < contact_->nc(); ++c) {
+    columns.parts = parts_.size();
+    visit_contact(*contact_, c, direction, [&](int, Index row, double) {
+      const int body = body_of_[at(row)];
+      const auto is_body = [body](const HeldPart& part) { return part.body == body; };
+      const auto begin = parts_.begin() + static_cast<std::ptrdiff_t>(columns.parts);
+      if (std::none_of(begin, parts_.end(), is_body)) parts_.push_back({.body = body});
+    });
+    const auto begin = parts_.begin() + static_cast<std::ptrdiff_t>(columns.parts);
+    std::sort(begin, parts_.end(), [](const HeldPart& a, const HeldPart& b) { return a.body < b.body; });
+    columns.end_parts = parts_.size();
+    columns.coordinates = coordinates_.size();
+    columns.rows = 0;
+    for (std::size_t p = columns.parts; p < columns.end_parts; ++p) {
+      const HeldBody& body = bodies_[at(parts_[p].body)];
+      parts_[p].row = columns.rows;
+      parts_[p].first = body.first;
+      parts_[p].size = body.size;
+      columns.rows += body.size;
+      for (int i = 0; i < body.size; ++i) coordinates_.push_back(body.first + i);
+    }
+    columns.columns = 1 + directions_of(*contact_, c);
+    contacts_.push_back(columns);
+    columns.entries += at(columns.rows) * at(columns.columns);
+    columns.first += at(columns.columns);
+    direction += contact_->edges[at(c)];
+  }
+}
+
+/// Pairs of bodies that a contact touches, the first before the second.
+void HeldGraph::find_coupled() {
+  coupled_.clear();
+  for (const HeldColumns& contact : contacts_) {
+    for (std::size_t a = contact.parts; a < contact.end_parts; ++a) {
+      for (std::size_t b = a + 1; b < contact.end_parts; ++b) {
+        const std::pair<int, int> pair(parts_[a].body, parts_[b].body);
+        if (coupled_.empty() || coupled_.back() != pair) coupled_.push_back(pair);
+      }
+    }
+  }
+  std::sort(coupled_.begin(), coupled_.end());
+  coupled_.erase(std::unique(coupled_.begin(), coupled_.end()), coupled_.end());
+}
+
+/// @returns false where a contact touches a body that it did not touch when the graph was found
+bool HeldGraph::fill_columns() {
+  const std::size_t last = contacts_.empty() ? 0 : at(contacts_.back().rows) * at(contacts_.back().columns);
+  entries_.assign(contacts_.empty() ? 0 : contacts_.back().entries + last, 0.0);
+  bool fits = true;
+  Index direction = 0;
+  for (std::size_t c = 0; c < contacts_.size() && fits; ++c) {
+    const HeldColumns& contact = contacts_[c];
+    double* column = entries_.data() + contact.entries;
+    fits = fill_column(contact_->N, static_cast<Index>(c), contact, column);
+    for (int t = 0; t + 1 < contact.columns && fits; ++t) {
+      column += contact.rows;
+      fits = fill_column(contact_->D, direction + t, contact, column);
+    }
+    direction += contact_->edges[c];
+  }
+  return fits;
+}
+
+bool HeldGraph::fill_column(const Jacobian& J, Index number, const HeldColumns& contact, double* column) const {
+  const HeldPart* const begin = parts_.data() + contact.parts;
+  const HeldPart* const end = parts_.data() + contact.end_parts;
+  const HeldPart* part = begin;  // entries of a body follow each other
+  bool fits = true;
+  const auto put = [&](Index row, double entry) {
+    const auto is_in = [row](const HeldPart* p) { return row >= p->first && row < p->first + p->size; };
+    if (part == end || !is_in(part)) part = std::find_if(begin, end, [&](const HeldPart& p) { return is_in(&p); });
+    if (part == end) {
+      fits = false;
+    } else {
+      column[part->row + (row - part->first)] = entry;
+    }
+  };
+  const auto* sparse = std::get_if<SparseMatrix>(&J);
+  if (sparse == nullptr || !sparse->isCompressed()) {
+    for_each_entry(J, number, put);
+    return fits;
+  }
+  const int first = sparse->outerIndexPtr()[number];
+  const int count = sparse->outerIndexPtr()[number + 1] - first;
+  const int* const rows = sparse->innerIndexPtr() + first;
+  const double* const values = sparse->valuePtr() + first;
+  if (count == contact.rows && std::equal(rows, rows + count, coordinates_.data() + contact.coordinates)) {
+    std::copy_n(values, count, column);  // every coordinate of its bodies, as most have
+    return true;
+  }
+  for (int e = 0; e < count; ++e) {
+    if (values[e] != 0) put(rows[e], values[e]);
+  }
+  return fits;
+}
+
+/// Cholesky factors of each body's G, by columns, with the inverse of each diagonal entry in its place.
+void HeldGraph::factor_inertia() {
+  inertia_factors_.assign(
+      bodies_.empty() ? 0 : bodies_.back().factor + at(bodies_.back().size) * at(bodies_.back().size), 0.0);
+  inverse_diagonal_.resize(at(contact_->ngc()));
+  is_definite_ = true;
+  for (const HeldBody& body : bodies_) {
+    const int n = body.size;
+    double* const L = inertia_factors_.data() + body.factor;
+    for_each_block(body, [&](int first, const Matrix& block) {
+      for (Index j = 0; j < block.cols(); ++j) {
+        for (Index i = j; i < block.rows(); ++i) L[(first + j) * n + first + i] = block(i, j);
+        inverse_diagonal_[at(body.first + first + j)] = 1 / block(j, j);
+      }
+    });
+    const bool is_definite = n == 6 ? factor_body<6>(L, n) : factor_body<0>(L, n);
+    is_definite_ = is_definite_ && is_definite;
+  }
+}
+
+void HeldGraph::measure_strength() {
+  strength_.resize(contacts_.size());
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    const double* const normal = columns(contacts_[c]);
+    double response = 0;
+    for (std::size_t p = contacts_[c].parts; p < contacts_[c].end_parts; ++p) {
+      const double* const entries = normal + parts_[p].row;
+      const double* const inverse = inverse_diagonal_.data() + parts_[p].first;
+      for (int i = 0; i < parts_[p].size; ++i) response += entries[i] * entries[i] * inverse[i];
+    }
+    strength_[c] = response > 0 ? 1 / response : 0;
+  }
+}
+
+std::size_t HeldGraph::column_count() const {
+  return contacts_.empty() ? 0 : contacts_.back().first + at(contacts_.back().columns);
+}
+
+int HeldGraph::most_columns() const {
+  int most = 0;
+  for (const HeldColumns& contact : contacts_) most = std::max(most, contact.columns);
+  return most;
+}
+
+void HeldGraph::order(const Vector& x, Vector& ordered) const {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    ordered.segment(places_[b], bodies_[b].size) = x.segment(bodies_[b].first, bodies_[b].size);
+  }
+}
+
+void HeldGraph::restore(const Vector& ordered, Vector& x) const {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    x.segment(bodies_[b].first, bodies_[b].size) = ordered.segment(places_[b], bodies_[b].size);
+  }
+}
+
+void HeldGraph::multiply(const HeldColumns& contact, const Vector& x, double* products) const {
+  const double* const entries = columns(contact);
+  if (contact.columns == 3) return multiply_three(contact, x, products);
+  std::fill_n(products, contact.columns, 0.0);
+  for (std::size_t p = contact.parts; p < contact.end_parts; ++p) {
+    const double* const part = x.data() + parts_[p].place;
+    with_body_size(parts_[p].size, [&](auto vector) {
+      const double* const column = entries + parts_[p].row;
+      for (int t = 0; t < contact.columns; ++t) products[t] += vector(column + t * contact.rows).dot(vector(part));
+    });
+  }
+}
+
+/// Of a normal and two tangents, which most contacts have: the sums stay in registers.
+void HeldGraph::multiply_three(const HeldColumns& contact, const Vector& x, double* products) const {
+  const double* const normal = columns(contact);
+  const double* const first = normal + contact.rows;
+  const double* const second = first + contact.rows;
+  double w = 0;
+  double slip = 0;
+  double other_slip = 0;
+  for (std::size_t p = contact.parts; p < contact.end_parts; ++p) {
+    const double* const part = x.data() + parts_[p].place;
+    const int row = parts_[p].row;
+    with_body_size(parts_[p].size, [&](auto vector) {
+      w += vector(normal + row).dot(vector(part));
+      slip += vector(first + row).dot(vector(part));
+      other_slip += vector(second + row).dot(vector(part));
+    });
+  }
+  products[0] = w;
+  products[1] = slip;
+  products[2] = other_slip;
+}
+
+void HeldGraph::add_columns(const HeldColumns& contact, const double* factors, Vector& to) const {
+  const double* const entries = columns(contact);
+  for (std::size_t p = contact.parts; p < contact.end_parts; ++p) {
+    double* const part = to.data() + parts_[p].place;
+    with_body_size(parts_[p].size, [&](auto vector) {
+      const double* const column = entries + parts_[p].row;
+      if (contact.columns == 3) {
+        vector(part) += factors[0] * vector(column) + factors[1] * vector(column + contact.rows) +
+                        factors[2] * vector(column + 2 * contact.rows);
+      } else {
+        for (int t = 0; t < contact.columns; ++t) vector(part) += factors[t] * vector(column + t * contact.rows);
+      }
+    });
+  }
+}
+
+void HeldGraph::add_response(Vector& impulse, Vector& to) const {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const int n = bodies_[b].size;
+    const double* const L = inertia_factors_.data() + bodies_[b].factor;
+    double* const x = impulse.data() + places_[b];
+    double* const u = to.data() + places_[b];
+    if (n == 6) {
+      add_solution<6>(L, n, x, u);
+    } else {
+      add_solution<0>(L, n, x, u);
+    }
+  }
+}
+
+}  // namespace lcpbench
