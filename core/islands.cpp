@@ -6,12 +6,18 @@
 namespace lcpbench {
 namespace {
 
-/// Disjoint sets of the indices 0 to count - 1, joined one pair at a time, in memory of the caller's.
+/// Disjoint sets of the indices 0 to count - 1, joined one pair at a time, in memory of the caller's. Runs of
+/// neighbours that were seen in one set are kept: sets only grow, so that they stay in one.
 class DisjointSets {
  public:
-  DisjointSets(Index count, std::vector<Index>& memory) : parent_(memory) {
+  DisjointSets(Index count, std::vector<Index>& parents, std::vector<Index>& run_ends)
+      : parent_(parents), run_end_(run_ends) {
     parent_.resize(static_cast<std::size_t>(count));
-    for (Index i = 0; i < count; ++i) parent(i) = i;
+    run_end_.resize(static_cast<std::size_t>(count));
+    for (Index i = 0; i < count; ++i) {
+      parent(i) = i;
+      run_end_[static_cast<std::size_t>(i)] = i + 1;
+    }
   }
 
   Index find(Index i) {
@@ -35,10 +41,13 @@ class DisjointSets {
   }
 
   const Index* parents() const { return parent_.data(); }
+  /// Of each index i an end after it, so that those from i on before the end are in one set.
+  Index* run_ends() { return run_end_.data(); }
 
  private:
   Index& parent(Index i) { return parent_[static_cast<std::size_t>(i)]; }
   std::vector<Index>& parent_;
+  std::vector<Index>& run_end_;
 };
 
 /// Joins all rows that it visits.
@@ -49,15 +58,15 @@ class Joined {
   bool any() const { return representative_ >= 0; }
   /// Of the set with all rows; -1 where there was none.
   Index representative() const { return representative_; }
-  /// Of each index; of those that were joined last it is the representative.
-  const Index* parents() const { return sets_.parents(); }
+  /// All sets. Most of the rows that were joined last have the representative for a parent.
+  DisjointSets& sets() const { return sets_; }
 
  private:
   DisjointSets& sets_;
   Index representative_ = -1;
 };
 
-/// Joins the rows of a column's nonzero entries.
+/// Joins the rows of a column's nonzero entries. Of a run that is one set it looks at the first entry that joins it.
 void join_column(const Jacobian& J, Index column, Joined& joined) {
   const auto* sparse = std::get_if<SparseMatrix>(&J);
   if (sparse == nullptr || !sparse->isCompressed()) {
@@ -66,12 +75,30 @@ void join_column(const Jacobian& J, Index column, Joined& joined) {
   const double* const values = sparse->valuePtr();
   const int* const rows = sparse->innerIndexPtr();
   const int end = sparse->outerIndexPtr()[column + 1];
-  const Index* const parents = joined.parents();
+  const Index* const parents = joined.sets().parents();
+  Index* const run_ends = joined.sets().run_ends();
   Index representative = joined.representative();
-  for (int k = sparse->outerIndexPtr()[column]; k < end; ++k) {
-    if (parents[rows[k]] == representative || values[k] == 0) continue;
-    joined(rows[k]);
-    representative = joined.representative();
+  Index run = -1;      // rows from this one on before the end are joined
+  Index run_end = -1;
+  for (int k = sparse->outerIndexPtr()[column]; k < end;) {
+    const Index row = rows[k];
+    if (parents[row] != representative) {
+      if (values[k] == 0) {
+        ++k;
+        continue;
+      }
+      joined(row);
+      representative = joined.representative();
+    }
+    if (row != run_end) run = row;
+    run_end = run_ends[row];
+    run_ends[run] = run_end;
+    const Index last = k + (run_end - row) - 1;  // where the run's last row is if all its rows have entries
+    if (last < end && rows[last] == run_end - 1) {
+      k = static_cast<int>(last) + 1;
+    } else {
+      while (k < end && rows[k] < run_end) ++k;
+    }
   }
 }
 
@@ -83,6 +110,7 @@ void join_columns(const Matrix& matrix, Index offset, DisjointSets& sets) {
     for_each_nonzero(matrix, j, [&](Index row) { joined(offset + row); });
     is_one = sets.are_one(offset, matrix.rows());
   }
+  if (is_one) std::fill_n(sets.run_ends() + offset, matrix.rows(), offset + matrix.rows());
 }
 
 struct JoinByInertia {
@@ -121,13 +149,13 @@ bool couples_all(const Inertia& inertia) { return std::visit(CouplesAll{}, inert
 
 void IslandNumbers::reserve(Index ngc, Index nc) {
   of_contact.reserve(static_cast<std::size_t>(nc));
-  for (std::vector<Index>* by_coordinate : {&of_coordinate, &parent_, &number_}) {
+  for (std::vector<Index>* by_coordinate : {&of_coordinate, &parent_, &run_end_, &number_}) {
     by_coordinate->reserve(static_cast<std::size_t>(ngc));
   }
 }
 
 void IslandNumbers::find(const ContactProblem& problem) {
-  DisjointSets sets(problem.ngc(), parent_);
+  DisjointSets sets(problem.ngc(), parent_, run_end_);
   std::visit(JoinByInertia{sets}, problem.inertia);
   of_contact.resize(problem.edges.size());  // at first a coordinate that the contact moves; its island's number below
   Index direction = 0;
@@ -159,18 +187,22 @@ void IslandNumbers::find(const ContactProblem& problem) {
 std::vector<Island> find_islands(const ContactProblem& problem) {
   IslandNumbers numbers;
   numbers.find(problem);
-  std::vector<Island> islands(static_cast<std::size_t>(numbers.count));
-  if (numbers.count == 1) {
-    islands.front().contacts.reserve(numbers.of_contact.size());
-    islands.front().coordinates.reserve(numbers.of_coordinate.size());
+  return numbers.islands();
+}
+
+std::vector<Island> IslandNumbers::islands() const {
+  std::vector<Island> islands(static_cast<std::size_t>(count));
+  if (count == 1) {
+    islands.front().contacts.reserve(of_contact.size());
+    islands.front().coordinates.reserve(of_coordinate.size());
   }
-  for (Index c = 0; c < problem.nc(); ++c) {
-    const Index island = numbers.of_contact[static_cast<std::size_t>(c)];
-    if (island >= 0) islands[static_cast<std::size_t>(island)].contacts.push_back(c);
+  for (std::size_t c = 0; c < of_contact.size(); ++c) {
+    if (of_contact[c] < 0) continue;
+    islands[static_cast<std::size_t>(of_contact[c])].contacts.push_back(static_cast<Index>(c));
   }
-  for (Index i = 0; i < problem.ngc(); ++i) {
-    const Index island = numbers.of_coordinate[static_cast<std::size_t>(i)];
-    if (island >= 0) islands[static_cast<std::size_t>(island)].coordinates.push_back(i);
+  for (std::size_t i = 0; i < of_coordinate.size(); ++i) {
+    if (of_coordinate[i] < 0) continue;
+    islands[static_cast<std::size_t>(of_coordinate[i])].coordinates.push_back(static_cast<Index>(i));
   }
   return islands;
 }
