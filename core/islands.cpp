@@ -40,6 +40,14 @@ class DisjointSets {
     return lower;
   }
 
+  /// These are in one set.
+  void keep_run(Index first, Index number) { std::fill_n(run_ends() + first, number, first + number); }
+  /// Joins these, of which none was joined before.
+  void join_run(Index first, Index number) {
+    std::fill_n(parent_.data() + first, number, first);
+    keep_run(first, number);
+  }
+
   const Index* parents() const { return parent_.data(); }
   /// Of each index i an end after it, so that those from i on before the end are in one set.
   Index* run_ends() { return run_end_.data(); }
@@ -58,59 +66,94 @@ class Joined {
   bool any() const { return representative_ >= 0; }
   /// Of the set with all rows; -1 where there was none.
   Index representative() const { return representative_; }
-  /// All sets. Most of the rows that were joined last have the representative for a parent.
-  DisjointSets& sets() const { return sets_; }
+
+  /// Keeps that rows `first` to `end` - 1 are in the set, the last that it was told.
+  void keep_run(Index first, Index end) {
+    run_ = first;
+    run_end_ = end;
+  }
+  bool has_run(Index first, Index last) const { return first >= run_ && last < run_end_; }
 
  private:
   DisjointSets& sets_;
   Index representative_ = -1;
+  Index run_ = 0;
+  Index run_end_ = 0;
 };
 
-/// Joins the rows of a column's nonzero entries. Of a run that is one set it looks at the first entry that joins it.
-void join_column(const Jacobian& J, Index column, Joined& joined) {
-  const auto* sparse = std::get_if<SparseMatrix>(&J);
-  if (sparse == nullptr || !sparse->isCompressed()) {
-    return std::visit([&](const auto& matrix) { for_each_nonzero(matrix, column, joined); }, J);
+/// Joins the rows of the nonzero entries of columns of one Jacobian.
+class ColumnJoiner {
+ public:
+  ColumnJoiner(const Jacobian& J, DisjointSets& sets) : J_(J), parents_(sets.parents()), run_ends_(sets.run_ends()) {
+    const auto* sparse = std::get_if<SparseMatrix>(&J);
+    if (sparse == nullptr || !sparse->isCompressed()) return;
+    values_ = sparse->valuePtr();
+    rows_ = sparse->innerIndexPtr();
+    begins_ = sparse->outerIndexPtr();
   }
-  const double* const values = sparse->valuePtr();
-  const int* const rows = sparse->innerIndexPtr();
-  const int end = sparse->outerIndexPtr()[column + 1];
-  const Index* const parents = joined.sets().parents();
-  Index* const run_ends = joined.sets().run_ends();
-  Index representative = joined.representative();
-  Index run = -1;      // rows from this one on before the end are joined
-  Index run_end = -1;
-  for (int k = sparse->outerIndexPtr()[column]; k < end;) {
-    const Index row = rows[k];
-    if (parents[row] != representative) {
-      if (values[k] == 0) {
-        ++k;
-        continue;
+
+  void join(Index column, Joined& joined) const {
+    if (begins_ == nullptr) {
+      return std::visit([&](const auto& matrix) { for_each_nonzero(matrix, column, joined); }, J_);
+    }
+    const int begin = begins_[column];
+    const int end = begins_[column + 1];
+    if (begin < end && !joined.has_run(rows_[begin], rows_[end - 1])) join_runs(begin, end, joined);
+  }
+
+ private:
+  /// Of a run that is one set it looks at the first entry that joins it.
+  void join_runs(int begin, int end, Joined& joined) const {
+    Index representative = joined.representative();
+    Index run = -1;  // the rows from this one on before the end are in the set
+    Index run_end = -1;
+    for (int k = begin; k < end;) {
+      const Index row = rows_[k];
+      if (parents_[row] != representative) {
+        if (values_[k] == 0) {
+          ++k;
+          continue;
+        }
+        joined(row);
+        representative = joined.representative();
       }
-      joined(row);
-      representative = joined.representative();
+      if (row != run_end) run = row;
+      run_end = run_ends_[row];
+      run_ends_[run] = run_end;
+      const Index last = k + (run_end - row) - 1;  // where the run's last row is if all its rows have entries
+      if (last < end && rows_[last] == run_end - 1) {
+        k = static_cast<int>(last) + 1;
+      } else {
+        while (k < end && rows_[k] < run_end) ++k;
+      }
     }
-    if (row != run_end) run = row;
-    run_end = run_ends[row];
-    run_ends[run] = run_end;
-    const Index last = k + (run_end - row) - 1;  // where the run's last row is if all its rows have entries
-    if (last < end && rows[last] == run_end - 1) {
-      k = static_cast<int>(last) + 1;
-    } else {
-      while (k < end && rows[k] < run_end) ++k;
-    }
+    if (run >= 0) joined.keep_run(run, run_end);
   }
+
+  const Jacobian& J_;
+  const Index* parents_;  // most of the rows that were joined last have the representative for a parent
+  Index* run_ends_;
+  const double* values_ = nullptr;  // these of compressed sparse columns
+  const int* rows_ = nullptr;
+  const int* begins_ = nullptr;
+};
+
+/// A column without zeros. Of a symmetric positive definite matrix, or a factor.
+bool has_full_column(const Matrix& matrix) {
+  if (matrix.rows() == 0) return true;
+  return matrix.cols() > 0 && (matrix.col(0).array() != 0).all();
 }
 
-/// Stops where the columns so far have joined all rows.
+/// Stops where the columns so far have joined all rows. @pre none of them was joined before
 void join_columns(const Matrix& matrix, Index offset, DisjointSets& sets) {
+  if (has_full_column(matrix)) return sets.join_run(offset, matrix.rows());
   bool is_one = false;
   for (Index j = 0; j < matrix.cols() && !is_one; ++j) {
     Joined joined(sets);
     for_each_nonzero(matrix, j, [&](Index row) { joined(offset + row); });
     is_one = sets.are_one(offset, matrix.rows());
   }
-  if (is_one) std::fill_n(sets.run_ends() + offset, matrix.rows(), offset + matrix.rows());
+  if (is_one) sets.keep_run(offset, matrix.rows());
 }
 
 struct JoinByInertia {
@@ -127,12 +170,6 @@ struct JoinByInertia {
     }
   }
 };
-
-/// A column without zeros. Of a symmetric positive definite matrix, or a factor.
-bool has_full_column(const Matrix& matrix) {
-  if (matrix.rows() == 0) return true;
-  return matrix.cols() > 0 && (matrix.col(0).array() != 0).all();
-}
 
 struct CouplesAll {
   bool operator()(const DenseInertia& inertia) const { return has_full_column(inertia.G); }
@@ -158,13 +195,15 @@ void IslandNumbers::find(const ContactProblem& problem) {
   DisjointSets sets(problem.ngc(), parent_, run_end_);
   std::visit(JoinByInertia{sets}, problem.inertia);
   of_contact.resize(problem.edges.size());  // at first a coordinate that the contact moves; its island's number below
+  const ColumnJoiner normals(problem.N, sets);
+  const ColumnJoiner tangents(problem.D, sets);
   Index direction = 0;
   for (Index c = 0; c < problem.nc(); ++c) {
     const int edges = problem.edges[static_cast<std::size_t>(c)];
     Joined joined(sets);
-    join_column(problem.N, c, joined);
+    normals.join(c, joined);
     for (Index t = 0; t < edges / 2; ++t) {  // the second half of the directions are the negatives of the first
-      join_column(problem.D, direction + t, joined);
+      tangents.join(direction + t, joined);
     }
     direction += edges;
     of_contact[static_cast<std::size_t>(c)] = joined.representative();
