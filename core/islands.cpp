@@ -6,12 +6,18 @@
 namespace lcpbench {
 namespace {
 
-/// Disjoint sets of the indices 0 to count - 1, joined one pair at a time, in memory of the caller's.
+/// Disjoint sets of the indices 0 to count - 1, joined one pair at a time, in memory of the caller's. Runs of
+/// neighbours that were seen in one set are kept: sets only grow, so that they stay in one.
 class DisjointSets {
  public:
-  DisjointSets(Index count, std::vector<Index>& memory) : parent_(memory) {
+  DisjointSets(Index count, std::vector<Index>& parents, std::vector<Index>& run_ends)
+      : parent_(parents), run_end_(run_ends) {
     parent_.resize(static_cast<std::size_t>(count));
-    for (Index i = 0; i < count; ++i) parent(i) = i;
+    run_end_.resize(static_cast<std::size_t>(count));
+    for (Index i = 0; i < count; ++i) {
+      parent(i) = i;
+      run_end_[static_cast<std::size_t>(i)] = i + 1;
+    }
   }
 
   Index find(Index i) {
@@ -34,11 +40,22 @@ class DisjointSets {
     return lower;
   }
 
+  /// These are in one set.
+  void keep_run(Index first, Index number) { std::fill_n(run_ends() + first, number, first + number); }
+  /// Joins these, of which none was joined before.
+  void join_run(Index first, Index number) {
+    std::fill_n(parent_.data() + first, number, first);
+    keep_run(first, number);
+  }
+
   const Index* parents() const { return parent_.data(); }
+  /// Of each index i an end after it, so that those from i on before the end are in one set.
+  Index* run_ends() { return run_end_.data(); }
 
  private:
   Index& parent(Index i) { return parent_[static_cast<std::size_t>(i)]; }
   std::vector<Index>& parent_;
+  std::vector<Index>& run_end_;
 };
 
 /// Joins all rows that it visits.
@@ -49,40 +66,94 @@ class Joined {
   bool any() const { return representative_ >= 0; }
   /// Of the set with all rows; -1 where there was none.
   Index representative() const { return representative_; }
-  /// Of each index; of those that were joined last it is the representative.
-  const Index* parents() const { return sets_.parents(); }
+
+  /// Keeps that rows `first` to `end` - 1 are in the set, the last that it was told.
+  void keep_run(Index first, Index end) {
+    run_ = first;
+    run_end_ = end;
+  }
+  bool has_run(Index first, Index last) const { return first >= run_ && last < run_end_; }
 
  private:
   DisjointSets& sets_;
   Index representative_ = -1;
+  Index run_ = 0;
+  Index run_end_ = 0;
 };
 
-/// Joins the rows of a column's nonzero entries.
-void join_column(const Jacobian& J, Index column, Joined& joined) {
-  const auto* sparse = std::get_if<SparseMatrix>(&J);
-  if (sparse == nullptr || !sparse->isCompressed()) {
-    return std::visit([&](const auto& matrix) { for_each_nonzero(matrix, column, joined); }, J);
+/// Joins the rows of the nonzero entries of columns of one Jacobian.
+class ColumnJoiner {
+ public:
+  ColumnJoiner(const Jacobian& J, DisjointSets& sets) : J_(J), parents_(sets.parents()), run_ends_(sets.run_ends()) {
+    const auto* sparse = std::get_if<SparseMatrix>(&J);
+    if (sparse == nullptr || !sparse->isCompressed()) return;
+    values_ = sparse->valuePtr();
+    rows_ = sparse->innerIndexPtr();
+    begins_ = sparse->outerIndexPtr();
   }
-  const double* const values = sparse->valuePtr();
-  const int* const rows = sparse->innerIndexPtr();
-  const int end = sparse->outerIndexPtr()[column + 1];
-  const Index* const parents = joined.parents();
-  Index representative = joined.representative();
-  for (int k = sparse->outerIndexPtr()[column]; k < end; ++k) {
-    if (parents[rows[k]] == representative || values[k] == 0) continue;
-    joined(rows[k]);
-    representative = joined.representative();
+
+  void join(Index column, Joined& joined) const {
+    if (begins_ == nullptr) {
+      return std::visit([&](const auto& matrix) { for_each_nonzero(matrix, column, joined); }, J_);
+    }
+    const int begin = begins_[column];
+    const int end = begins_[column + 1];
+    if (begin < end && !joined.has_run(rows_[begin], rows_[end - 1])) join_runs(begin, end, joined);
   }
+
+ private:
+  /// Of a run that is one set it looks at the first entry that joins it.
+  void join_runs(int begin, int end, Joined& joined) const {
+    Index representative = joined.representative();
+    Index run = -1;  // the rows from this one on before the end are in the set
+    Index run_end = -1;
+    for (int k = begin; k < end;) {
+      const Index row = rows_[k];
+      if (parents_[row] != representative) {
+        if (values_[k] == 0) {
+          ++k;
+          continue;
+        }
+        joined(row);
+        representative = joined.representative();
+      }
+      if (row != run_end) run = row;
+      run_end = run_ends_[row];
+      run_ends_[run] = run_end;
+      const Index last = k + (run_end - row) - 1;  // where the run's last row is if all its rows have entries
+      if (last < end && rows_[last] == run_end - 1) {
+        k = static_cast<int>(last) + 1;
+      } else {
+        while (k < end && rows_[k] < run_end) ++k;
+      }
+    }
+    if (run >= 0) joined.keep_run(run, run_end);
+  }
+
+  const Jacobian& J_;
+  const Index* parents_;  // most of the rows that were joined last have the representative for a parent
+  Index* run_ends_;
+  const double* values_ = nullptr;  // these of compressed sparse columns
+  const int* rows_ = nullptr;
+  const int* begins_ = nullptr;
+};
+
+/// A column without zeros. Of a symmetric positive definite matrix, or a factor.
+bool has_full_column(const Matrix& matrix) {
+  if (matrix.rows() == 0) return true;
+  return matrix.cols() > 0 && (matrix.col(0).array() != 0).all();
 }
 
-/// Stops where the columns so far have joined all rows.
+/// Stops where the columns so far have joined all rows. @pre none of them was joined before
 void join_columns(const Matrix& matrix, Index offset, DisjointSets& sets) {
+  if (has_full_column(matrix)) return sets.join_run(offset, matrix.rows());
   bool is_one = false;
   for (Index j = 0; j < matrix.cols() && !is_one; ++j) {
     Joined joined(sets);
     for_each_nonzero(matrix, j, [&](Index row) { joined(offset + row); });
     is_one = sets.are_one(offset, matrix.rows());
   }
+  if (is_one) sets.keep_run(offset, matrix.rows());
 }
 
 struct JoinByInertia {
@@ -100,12 +171,6 @@ struct JoinByInertia {
   }
 };
 
-/// A column without zeros. Of a symmetric positive definite matrix, or a factor.
-bool has_full_column(const Matrix& matrix) {
-  if (matrix.rows() == 0) return true;
-  return matrix.cols() > 0 && (matrix.col(0).array() != 0).all();
-}
-
 struct CouplesAll {
   bool operator()(const DenseInertia& inertia) const { return has_full_column(inertia.G); }
   bool operator()(const InverseInertia& inertia) const { return has_full_column(inertia.Ginv); }
@@ -121,22 +186,24 @@ bool couples_all(const Inertia& inertia) { return std::visit(CouplesAll{}, inert
 
 void IslandNumbers::reserve(Index ngc, Index nc) {
   of_contact.reserve(static_cast<std::size_t>(nc));
-  for (std::vector<Index>* by_coordinate : {&of_coordinate, &parent_, &number_}) {
+  for (std::vector<Index>* by_coordinate : {&of_coordinate, &parent_, &run_end_, &number_}) {
     by_coordinate->reserve(static_cast<std::size_t>(ngc));
   }
 }
 
 void IslandNumbers::find(const ContactProblem& problem) {
-  DisjointSets sets(problem.ngc(), parent_);
+  DisjointSets sets(problem.ngc(), parent_, run_end_);
   std::visit(JoinByInertia{sets}, problem.inertia);
   of_contact.resize(problem.edges.size());  // at first a coordinate that the contact moves; its island's number below
+  const ColumnJoiner normals(problem.N, sets);
+  const ColumnJoiner tangents(problem.D, sets);
   Index direction = 0;
   for (Index c = 0; c < problem.nc(); ++c) {
     const int edges = problem.edges[static_cast<std::size_t>(c)];
     Joined joined(sets);
-    join_column(problem.N, c, joined);
+    normals.join(c, joined);
     for (Index t = 0; t < edges / 2; ++t) {  // the second half of the directions are the negatives of the first
-      join_column(problem.D, direction + t, joined);
+      tangents.join(direction + t, joined);
     }
     direction += edges;
     of_contact[static_cast<std::size_t>(c)] = joined.representative();
@@ -159,18 +226,22 @@ void IslandNumbers::find(const ContactProblem& problem) {
 std::vector<Island> find_islands(const ContactProblem& problem) {
   IslandNumbers numbers;
   numbers.find(problem);
-  std::vector<Island> islands(static_cast<std::size_t>(numbers.count));
-  if (numbers.count == 1) {
-    islands.front().contacts.reserve(numbers.of_contact.size());
-    islands.front().coordinates.reserve(numbers.of_coordinate.size());
+  return numbers.islands();
+}
+
+std::vector<Island> IslandNumbers::islands() const {
+  std::vector<Island> islands(static_cast<std::size_t>(count));
+  if (count == 1) {
+    islands.front().contacts.reserve(of_contact.size());
+    islands.front().coordinates.reserve(of_coordinate.size());
   }
-  for (Index c = 0; c < problem.nc(); ++c) {
-    const Index island = numbers.of_contact[static_cast<std::size_t>(c)];
-    if (island >= 0) islands[static_cast<std::size_t>(island)].contacts.push_back(c);
+  for (std::size_t c = 0; c < of_contact.size(); ++c) {
+    if (of_contact[c] < 0) continue;
+    islands[static_cast<std::size_t>(of_contact[c])].contacts.push_back(static_cast<Index>(c));
   }
-  for (Index i = 0; i < problem.ngc(); ++i) {
-    const Index island = numbers.of_coordinate[static_cast<std::size_t>(i)];
-    if (island >= 0) islands[static_cast<std::size_t>(island)].coordinates.push_back(i);
+  for (std::size_t i = 0; i < of_coordinate.size(); ++i) {
+    if (of_coordinate[i] < 0) continue;
+    islands[static_cast<std::size_t>(of_coordinate[i])].coordinates.push_back(static_cast<Index>(i));
   }
   return islands;
 }

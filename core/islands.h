@@ -27,11 +27,16 @@ struct IslandNumbers {
   Index count = 0;
 
   void reserve(Index ngc, Index nc);
+  /// O(nonzeros of the data), and less where neighbouring coordinates were found together before: most contacts are
+  /// then one entry a column. Rows of sparse columns ascend, as Eigen keeps them.
   void find(const ContactProblem& problem);
+  /// What find() found, as find_islands() returns it.
+  std::vector<Island> islands() const;
 
  private:
-  std::vector<Index> parent_;  // per coordinate
-  std::vector<Index> number_;  // per representative
+  std::vector<Index> parent_;   // per coordinate
+  std::vector<Index> run_end_;  // per coordinate: those from it on before this one are together
+  std::vector<Index> number_;   // per representative
 };
 
 /// True when the inertia alone shows in O(ngc) that there is one island, or no coordinate at all.

@@ -49,23 +49,24 @@ void sum_column(const ContactProblem& contact, Index j, Sum& sum) {
 /// What a column sees of the coordinates. @param sight as of BodiesTest::Room
 template <class Scalar>
 struct SeenByColumn {
+  using Two = Eigen::Array<Scalar, 2, 1>;
+
   const Scalar* sight;
-  Scalar u = 0, v = 0, bound = 0, reach = 0;
-  Scalar terms = 0;  ///< of v
+  Two velocities = Two::Zero();  ///< u and v
+  Two bounds = Two::Zero();      ///< of rounding, and the reach
+  Scalar terms = 0;              ///< of v
   Index entries = 0;
 
   void add(Index i, double value) {
-    const Scalar* const here = sight + 4 * i;
-    const Scalar size = static_cast<Scalar>(std::abs(value));
-    const Scalar part = static_cast<Scalar>(value) * here[1];
-    u += static_cast<Scalar>(value) * here[0];
-    v += part;
-    bound += size * here[2];
-    reach += size * here[3];
-    terms += magnitude(part);
+    const Eigen::Map<const Two> velocities_here(sight + 4 * i);
+    const Eigen::Map<const Two> bounds_here(sight + 4 * i + 2);
+    const Two parts = static_cast<Scalar>(value) * velocities_here;
+    velocities += parts;
+    bounds += static_cast<Scalar>(std::abs(value)) * bounds_here;
+    terms += magnitude(parts(1));
     ++entries;
     // Lost to underflow: no zero, but no scale either.
-    if (part == 0 && here[1] != 0) terms += static_cast<Scalar>(DBL_TRUE_MIN);
+    if (parts(1) == 0 && velocities_here(1) != 0) terms += static_cast<Scalar>(DBL_TRUE_MIN);
   }
 };
 
@@ -90,10 +91,10 @@ auto row_of(const ContactProblem& contact, Index j, const Room& room) {
   const double offset = j < contact.nc() ? contact.offset(j) : 0.0;
   SeenByColumn<Scalar> seen{.sight = room.sight.data()};
   sum_column(contact, j, seen);
-  const Scalar q = static_cast<Scalar>(offset) + seen.v;
+  const Scalar q = static_cast<Scalar>(offset) + seen.velocities(1);
   const Scalar terms = static_cast<Scalar>(std::abs(offset)) + seen.terms;
   const double entries = static_cast<double>(seen.entries + (offset == 0 ? 1 : 2));
-  typename Room::Row row{.w = seen.u, .rounding = seen.bound, .reach = seen.reach};
+  typename Room::Row row{.w = seen.velocities(0), .rounding = seen.bounds(0), .reach = seen.bounds(1)};
   const Scalar own = std::max(magnitude(q), static_cast<Scalar>(kFloor * entries) * terms);
   row.scale = own == 0 ? terms : own;
   if (offset == 0) return row;

@@ -252,8 +252,8 @@ void Attempts::solve(const SolveRequest& request, const AutoLimits& limits, Answ
   const bool held = may_hold(request);
   if (held && holds(request, limits, answer, report)) return;
   if (waits_) load_methods(in_turn_);
-  // An answer of active sets rests on few of the contacts that hold, and the guess goes wrong from it in each step. One
-  // of friction_ipm rests on all of them.
+  // An answer of active sets rests on few of the contacts that hold, and from it the guess would go wrong again. One of
+  // friction_ipm rests on all of them.
   if (held && friction_may_hold_ && plan_.rest == AutoPlan::Rest::kFirst &&
       tried({AutoMethod::kFrictionIpm, true}, {}, false, limits, answer, report)) {
     return;

@@ -132,7 +132,7 @@ bool Auto::nothing_approaches() const {
 }
 
 void Auto::load_islands(const ContactProblem& contact, bool to_hold) {
-  std::vector<Island> found = find_islands(contact);
+  std::vector<Island> found = numbers_.islands();
   if (!settings_.islands && found.size() > 1) {
     Island all;
     for (const Island& part : found) {

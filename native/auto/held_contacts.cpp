@@ -22,6 +22,8 @@ constexpr double kProgress = 0.5;
 
 /// Of the largest impulse: a contact that pulls less is open, and friction beyond its pyramid by less is on it.
 constexpr double kNoImpulse = 1e-9;
+/// One that is further out than this after the first step makes the guess a wrong one.
+constexpr double kFarOut = 1e-3;
 /// In the last answer a lambda above this part of max|v| is slip.
 constexpr double kSlip = 1e-6;
 
@@ -101,10 +103,15 @@ void HeldContacts::take_start(const Vector& start) {
   }
 }
 
-/// Loaded contacts take more of a change than those that hardly press.
-void HeldContacts::weigh() {
+double HeldContacts::largest_load() const {
   double largest = 0;
   for (const HeldColumns& contact : graph_.contacts()) largest = std::max(largest, impulses_[contact.first]);
+  return largest;
+}
+
+/// Loaded contacts take more of a change than those that hardly press.
+void HeldContacts::weigh() {
+  const double largest = largest_load();
   for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
     const double share = largest > 0 ? impulses_[graph_.contacts()[c].first] / largest : 1;
     load_[c] = held_[c] != 0 ? kStiffness * graph_.strength(c) * std::max(share, kLeastLoad) : 0;
@@ -164,13 +171,37 @@ double HeldContacts::improve() {
   return largest / scale_;
 }
 
-/// Steps until nothing held moves, or rounding is met. After the first the velocity is taken from the impulses again:
-/// it was the largest, and the factors are not exact.
-void HeldContacts::approach() {
-  double now = miss();
+/// Takes all impulses away. @pre measure_scale() was the last to fill the misses @returns what miss() would, cheaper
+double HeldContacts::let_go() {
+  std::fill(impulses_.begin(), impulses_.end(), 0.0);
+  double largest = 0;
+  for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
+    if (held_[c] == 0) continue;
+    const double* const q = misses_.data() + graph_.contacts()[c].first;
+    for (int t = 0; t < graph_.contacts()[c].columns; ++t) largest = std::max(largest, std::abs(q[t]));
+  }
+  return largest / scale_;
+}
+
+/// Whether no impulse is so far out of its cone that further steps, which are corrections, hardly bring it back.
+bool HeldContacts::may_be_confirmed() const {
+  const double far = kFarOut * largest_load();
+  for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
+    const double* const f = impulses_.data() + graph_.contacts()[c].first;
+    double friction = 0;
+    for (int t = 1; t < graph_.contacts()[c].columns; ++t) friction += std::abs(f[t]);
+    if (f[0] < -far || friction > contact_->mu(static_cast<Index>(c)) * std::max(f[0], 0.0) + far) return false;
+  }
+  return true;
+}
+
+/// Steps until nothing held moves, rounding is met, or the guess is seen to be wrong. After the first the velocity is
+/// taken from the impulses again: it was the largest, and the factors are not exact.
+void HeldContacts::approach(double now) {
   for (int step = 0; step < kMostSteps && now > kHeldStill; ++step) {
     const double before = now;
     now = improve();
+    if (step == 0 && !may_be_confirmed()) return;
     if (step == 0) now = miss();
     if (!(now <= kProgress * before)) return;
   }
@@ -179,8 +210,7 @@ void HeldContacts::approach() {
 /// Whether the impulses are in their cones and leave no contact held that moves, and no other within its clearance.
 /// What is outside by rounding is brought back.
 bool HeldContacts::is_confirmed() {
-  double largest = 0;
-  for (const HeldColumns& contact : graph_.contacts()) largest = std::max(largest, impulses_[contact.first]);
+  const double largest = largest_load();
   const double none = kNoImpulse * largest;
   for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
     double* const f = impulses_.data() + graph_.contacts()[c].first;
@@ -211,8 +241,7 @@ double HeldContacts::clearance(std::size_t contact) {
 
 /// Lets go what pulls, and holds what approaches or slips without a load. @returns whether there was any
 bool HeldContacts::change_guess() {
-  double largest = 0;
-  for (const HeldColumns& contact : graph_.contacts()) largest = std::max(largest, impulses_[contact.first]);
+  const double largest = largest_load();
   bool changes = false;
   for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
     double* const f = impulses_.data() + graph_.contacts()[c].first;
@@ -245,17 +274,36 @@ void HeldContacts::write(Answer& answer) const {
   graph_.restore(u_, answer.velocity);
 }
 
+/// The first guess, in two ways by the same factors: impulses in proportion to the loads of the last answer, and its
+/// impulses with the least change that holds. What found the last one comes first.
+bool HeldContacts::starts(const Vector& start) {
+  for (int way = 0; way < 2; ++way) {
+    if (way > 0) take_start(start);
+    if (way > 0 && from_loads_) measure_scale();  // for the misses
+    approach(from_loads_ ? let_go() : miss());
+    if (is_confirmed()) return true;
+    from_loads_ = !from_loads_;
+  }
+  return false;
+}
+
+bool HeldContacts::continues() {
+  approach(miss());
+  return is_confirmed();
+}
+
 bool HeldContacts::solve(const Vector& start, int tries, double deadline_s, Answer& answer, Counters& work) {
   measure_scale();
   if (!graph_.is_definite() || !(scale_ > 0 && scale_ <= std::numeric_limits<double>::max())) return false;
-  take_start(start);
+  take_start(start);  // the loads, for the weights
   for (int guess = 0; guess < tries; ++guess) {
     weigh();
     ++work.factorizations;
     if (!matrix_.factor(graph_, load_)) return false;
-    approach();
-    if (!is_confirmed()) {
-      if (guess + 1 == tries || !change_guess()) return false;
+    if (!(guess == 0 ? starts(start) : continues())) {
+      if (guess + 1 == tries) return false;
+      respond();
+      if (!change_guess()) return false;
       continue;
     }
     write(answer);

@@ -15,11 +15,11 @@ namespace lcpbench {
 /// that rests.
 ///
 /// With the columns a of these contacts the velocity is then the projection of v onto {u : a'u + b = 0}, in the metric
-/// of the inertia. The impulses are those of the last step and the least change of them that gives this velocity, each
-/// contact's measured against its own load: Newton's steps on (A'G*A) f = -(A'v + b) through the Cholesky factors of
-/// G + A W A', whose weights W stand in for the inverse of the singular A'G*A. A contact that would have to pull is
-/// let go, one that approaches is held, and the guess tried again, a few times. The answer is tested as those of
-/// friction_ipm are.
+/// of the inertia. The impulses are the least that give this velocity, each contact's measured against its load in the
+/// last step, or the last impulses and the least such change of them, whichever is in the friction cones: Newton's
+/// steps on (A'G*A) f = -(A'v + b) through the Cholesky factors of G + A W A', whose weights W stand in for the inverse
+/// of the singular A'G*A. A contact that would have to pull is let go, one that approaches is held, and the guess tried
+/// again, a few times. The answer is tested as those of friction_ipm are.
 ///
 /// An answer is handed out only if its velocity is that of least energy: what is not held leaves the pyramids'
 /// (N + mu d)'u + b >= 0. So a step that can rest is brought to rest.
@@ -54,7 +54,12 @@ class HeldContacts {
   void respond();
   double miss();
   double improve();
-  void approach();
+  double let_go();
+  double largest_load() const;
+  bool may_be_confirmed() const;
+  void approach(double now);
+  bool starts(const Vector& start);
+  bool continues();
   bool is_confirmed();
   double clearance(std::size_t contact);
   bool change_guess();
@@ -64,7 +69,8 @@ class HeldContacts {
   const Problem* problem_ = nullptr;
   const ContactProblem* contact_ = nullptr;
   AnswerTest test_;
-  bool has_test_ = false;  ///< test_ holds the problem
+  bool has_test_ = false;   ///< test_ holds the problem
+  bool from_loads_ = true;  ///< impulses from the last loads are tried before those from the last impulses
   HeldGraph graph_;
   HeldMatrix matrix_;
 
