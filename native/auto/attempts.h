@@ -43,7 +43,9 @@ class SharedMethods {
 /// which allocates.
 class Attempts {
  public:
-  Attempts(const AutoSettings& settings, SharedMethods& shared) : settings_(settings), shared_(shared) {}
+  /// @param one_island all problems are known to be one island with all their contacts and coordinates
+  Attempts(const AutoSettings& settings, SharedMethods& shared, bool one_island = false)
+      : settings_(settings), shared_(shared), one_island_(one_island) {}
 
   /// @param problem must outlive the next load @param v the velocity now
   /// @param in_turn a dense first method is not loaded: until the next update() the shared one solves, which touches
@@ -93,6 +95,7 @@ class Attempts {
 
   const AutoSettings& settings_;
   SharedMethods& shared_;
+  bool one_island_ = false;
   const Problem* problem_ = nullptr;
   Vector v_;
   AutoPlan plan_;

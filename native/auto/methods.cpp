@@ -10,6 +10,7 @@
 #include "core/timed_solve.h"
 #include "native/active_set/active_set.h"
 #include "native/answer_test/answer_test.h"
+#include "native/answer_test/contact_solvability.h"
 #include "native/contact_lemke/contact_lemke.h"
 #include "native/friction_ipm/friction_ipm.h"
 #include "native/sor/psor.h"
@@ -50,11 +51,13 @@ void refuse_above_error(ContactLemke& lemke, const AutoLimits& limits, Answer& a
   answer.claim = Claim::kNumericalFailure;
 }
 
-/// The stated error, as far as AnswerTest allows it: that of contacts whose inertia is not given by blocks is that of
-/// the verdict.
+/// The stated error, as far as AnswerTest allows it: that of contacts whose inertia is not given by blocks, or that need
+/// not have a solution, is that of the verdict.
 double aim_of(const AutoLimits& limits, const Problem& problem) {
-  const bool is_scene = std::holds_alternative<BlockInertia>(problem.contact()->inertia);
-  return is_scene ? limits.error : std::min(limits.error, kClaimedResidual);
+  const ContactProblem& contact = *problem.contact();
+  const bool is_judged_by_bodies =
+      std::holds_alternative<BlockInertia>(contact.inertia) && !ContactSolvability::is_asked(contact);
+  return is_judged_by_bodies ? limits.error : std::min(limits.error, kClaimedResidual);
 }
 
 void limit_friction_ipm(LimitedFrictionIpm& ipm, const AutoTry& now, const Problem& problem, const AutoLimits& limits) {

@@ -136,6 +136,10 @@ class ContactLemke final : public Solver {
   /// ContactLemkeSettings::accept_residual from now on.
   void accept(double residual) { settings_.accept_residual = residual; }
 
+  /// Whether all contacts and coordinates of the problems loaded from now on are known to be one island. They are then
+  /// not searched for islands.
+  void expect_one_island(bool is_known) { data_.is_one_island = is_known; }
+
   /// Sets the lambdas of z (n) to the least that its impulses allow. @returns its residual for the loaded problem at
   /// the velocity now, in double, relative to max|q|
   contact_lemke::Residual complete(double* z) { return double_.complete(z); }

@@ -96,7 +96,7 @@ void ContactInput::load_layout(const ContactProblem& contact) {
 
 void ContactInput::find_islands(const ContactProblem& contact) {
   // With an offset, a contact that nothing moves has a w of its own: it may not be counted to the island of the others.
-  if (couples_all(contact.inertia) && !input.has_offset) return;
+  if ((is_one_island || couples_all(contact.inertia)) && !input.has_offset) return;
   islands.find(contact);
   if (input.has_offset) islands.of_coordinate.push_back(-1);
   input.islands = islands.count;

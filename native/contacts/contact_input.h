@@ -20,6 +20,7 @@ struct ContactInput {
   std::vector<std::ptrdiff_t> friction_begin, offsets;
   std::vector<const double*> blocks;
   IslandNumbers islands;  ///< found only where the inertia does not couple all
+  bool is_one_island = false;  ///< known of the next problem: all contacts and all coordinates are in it
   double offset_speed = 0;  ///< of the coordinate that carries the offset
 
   /// The coordinates of the engines: one more than the problem's where that has an offset.

@@ -9,7 +9,8 @@
 namespace lcpbench {
 namespace {
 
-constexpr Index kBody = 6;  // coordinates of a body in space
+constexpr Index kBody = 6;   // coordinates of a body in space
+constexpr Index kPoint = 3;  // of a sphere without friction, in an island that leaves out what nothing turns
 
 }  // namespace
 
@@ -86,7 +87,6 @@ bool ContactBlocks::factor(const Inertia& inertia) {
 /// What any row of the contact touches.
 void ContactBlocks::find_runs(const ContactImpulses& state, const SignedFriction* friction, Contact& block) {
   const auto contact = static_cast<Index>(contacts_.size());
-  block.is_of_bodies = true;
   for (Index row = 0; row < block.rows; ++row) {
     state.columns.J.for_each_run(row == 0 ? contact : friction->first_column + row - 1,
                                  [&](Index first, Index size, const double*) {
@@ -94,10 +94,13 @@ void ContactBlocks::find_runs(const ContactImpulses& state, const SignedFriction
                                    const auto begin = runs_.begin() + static_cast<std::ptrdiff_t>(block.run);
                                    if (std::any_of(begin, runs_.end(), is_this)) return;
                                    runs_.push_back({first, size});
-                                   block.is_of_bodies = block.is_of_bodies && size == kBody;
                                  });
   }
   block.runs = runs_.size() - block.run;
+  const auto begin = runs_.begin() + static_cast<std::ptrdiff_t>(block.run);
+  const Index size = block.runs == 0 ? 0 : begin->size;
+  const bool is_size_of_all = std::all_of(begin, runs_.end(), [size](const Run& run) { return run.size == size; });
+  block.run_size = is_size_of_all ? size : 0;
 }
 
 void ContactBlocks::add_values(const ContactImpulses& state, const SignedFriction* friction, Contact& block) {
@@ -264,10 +267,12 @@ double ContactBlocks::sweep(double relaxation, bool backwards) {
   for (std::size_t i = 0; i < count; ++i) {
     const Contact& block = contacts_[backwards ? count - 1 - i : i];
     double own = 0;
-    if (block.is_of_bodies && block.rows == 3) {
+    if (block.run_size == kBody && block.rows == 3) {
       own = update<3, kBody>(block, relaxation);
-    } else if (block.is_of_bodies && block.rows == 1) {
+    } else if (block.run_size == kBody && block.rows == 1) {
       own = update<1, kBody>(block, relaxation);
+    } else if (block.run_size == kPoint && block.rows == 1) {
+      own = update<1, kPoint>(block, relaxation);
     } else {
       own = update<0, 0>(block, relaxation);
     }

@@ -50,7 +50,7 @@ class ContactBlocks {
     std::size_t value;  // first of its values: run by run, row by row
     Index column;       // first of its friction in ContactImpulses
     double mu;
-    bool is_of_bodies;  // all its runs have six coordinates
+    Index run_size;     // of all its runs; 0 where they differ
   };
 
   bool factor(const Inertia& inertia);

@@ -350,9 +350,7 @@ class ThinningPoint {
   }
 
   bool positive(std::size_t i) const { return to_double((*z_)[i]) > 0; }
-  Real violation(std::size_t i, const Real& w) const {
-    return positive(i) ? abs(w) : larger(Real(0), -w);
-  }
+  Real violation(std::size_t i, const Real& w) const { return positive(i) ? abs(w) : larger(Real(0), -w); }
 
   // Copies what was given, before the first change of it.
   void own() {

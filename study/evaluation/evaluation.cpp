@@ -166,7 +166,7 @@ Real ContactEvaluation<Real>::island_scale(std::size_t island) const {
   Real largest_q = 0;
   Real floor = 0;
   for (const std::size_t row : islands.rows(island)) {
-    if (row >= lcp->impulses()) break;                // q_i is zero
+    if (row >= lcp->impulses()) break;              // q_i is zero
     if (lcp->representative(row) != row) continue;  // of the same magnitudes
     const Real magnitude = abs(lcp->q(row));
     if (!surely_less(magnitude, largest_q)) largest_q = larger(largest_q, magnitude);

@@ -3,6 +3,7 @@
 //
 //   auto_regret PARITY SOLVER... -- SET...   every second problem of each set, from PARITY (0 or 1) on; 2: all
 //   auto_regret all PARITY SOLVER... -- SET...   the CSV is time and residual of every solver
+//   auto_regret write SCENE FILE   one of the scenes below as a problem file, for `lcpbench solve`
 //
 // Beside the sets of `lcpbench sets`: pile:COLUMNS:LAYERS:MU, wall:ROWS:COLUMNS:MU and stack:HEIGHT, one problem each.
 #include <algorithm>
@@ -16,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/io/problem_io.h"
 #include "core/registry.h"
 #include "core/timed_solve.h"
 #include "generators/sets.h"
@@ -207,6 +209,15 @@ void measure_all(std::int64_t parity, bool writes_all, std::vector<Candidate>& c
 int main(int argc, char** argv) {
   using namespace lcpbench;
   std::vector<Candidate> candidates;
+  if (argc == 4 && std::string_view(argv[1]) == "write") {
+    RigidScene scene;
+    if (!make_scene(argv[2], scene)) {
+      std::fprintf(stderr, "%s is none of the scenes that are made here\n", argv[2]);
+      return 2;
+    }
+    write_problem(Problem(argv[2], std::move(scene)), argv[3]);
+    return 0;
+  }
   const bool writes_all = argc > 1 && std::string_view(argv[1]) == "all";
   const int first = writes_all ? 2 : 1;
   int next = first + 1;
@@ -215,7 +226,7 @@ int main(int argc, char** argv) {
   }
   const std::vector<std::string> sets(argv + std::min(next + 1, argc), argv + argc);
   if (candidates.empty() || sets.empty()) {
-    std::fputs("usage: auto_regret [all] 0|1|2 SOLVER... -- SET...\n", stderr);
+    std::fputs("usage: auto_regret [all] 0|1|2 SOLVER... -- SET...\n       auto_regret write SCENE FILE\n", stderr);
     return 2;
   }
   std::vector<Target> targets;

@@ -5,8 +5,9 @@
 //
 // The answers: of several solvers; and for each problem zeros, and the answer of `auto` once in double its size, and
 // with random changes of every entry by 1e-8 of it and by what brings rho or eta close to the bound of the verdict on
-// either side. Times are the least of nine, thread CPU, taken in three rounds of auto and of both evaluations in turn:
-// verification is an Evaluator, its truth and the judgement of auto's answer; auto its set-up and solution.
+// either side. Times are thread CPU, the least of three rounds of auto and of both evaluations in turn, each by the
+// rule of timed_solve(): what is short is repeated for 2 ms, and the mean counts. Verification is an Evaluator, its
+// truth and the judgement of auto's answer; auto its set-up and solution.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -26,7 +27,8 @@ namespace {
 
 constexpr double kSolverLimit_s = 1;
 constexpr int kRounds = 3;
-constexpr int kRepeats = 3;
+constexpr double kBatch_s = 2e-3;
+constexpr double kMostRepeats = 1000;
 constexpr double kLongSolution_s = 0.05;  ///< beyond it one round is enough
 
 struct Row {
@@ -67,14 +69,17 @@ double verdict_measure(const Errors& errors, bool contact) {
 }
 
 template <class Work>
-double least_time(const Work& work) {
-  double least = INFINITY;
-  for (int k = 0; k < kRepeats; ++k) {
-    const double begin = thread_cpu_clock_s();
-    work();
-    least = std::min(least, thread_cpu_clock_s() - begin);
-  }
-  return least;
+double time_of(int repeats, const Work& work) {
+  const double begin = thread_cpu_clock_s();
+  for (int k = 0; k < repeats; ++k) work();
+  return (thread_cpu_clock_s() - begin) / repeats;
+}
+
+/// Of one call; the mean of a batch where that is short.
+template <class Work>
+double time_of(const Work& work) {
+  const double once = time_of(1, work);
+  return once >= kBatch_s ? once : time_of(static_cast<int>(std::min(kMostRepeats, 1 + kBatch_s / once)), work);
 }
 
 Vector changed(const Vector& z, double size, std::uint64_t key) {
@@ -121,7 +126,7 @@ void compare(const Errors& found, const Errors& reference, bool contact, Row& ro
 }
 
 double verification_s(const Problem& problem, const Answer& answer, Precision precision) {
-  return least_time([&] {
+  return time_of([&] {
     Evaluator evaluator(problem, precision);
     evaluator.truth();
     evaluator.judge(answer);
@@ -135,7 +140,7 @@ void measure_times(const Problem& problem, TimedSolver& automatic, const TimedAn
   for (int round = 0; round < (solution_s < kLongSolution_s ? kRounds : 1); ++round) {
     if (round > 0) {
       TimedAnswer again;
-      automatic.run(problem, {.time_limit_s = kSolverLimit_s, .repeat_until_s = 2e-3}, again);
+      automatic.run(problem, {.time_limit_s = kSolverLimit_s, .repeat_until_s = kBatch_s}, again);
       solution_s = std::min(solution_s, again.times.setup_cpu_s + again.times.solve_cpu_s);
     }
     before = std::min(before, verification_s(problem, first.answer, Precision::kQuad));
@@ -156,7 +161,7 @@ void measure_problem(const Problem& problem, const std::vector<std::unique_ptr<T
   for (const auto& solver : solvers) {
     TimedAnswer result;
     const bool is_auto = solver == solvers.front();
-    solver->run(problem, {.time_limit_s = kSolverLimit_s, .repeat_until_s = is_auto ? 2e-3 : 0}, result);
+    solver->run(problem, {.time_limit_s = kSolverLimit_s, .repeat_until_s = is_auto ? kBatch_s : 0}, result);
     if (is_auto) {
       automatic = result.answer;
       measure_times(problem, *solver, result, row);

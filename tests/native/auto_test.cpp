@@ -14,6 +14,7 @@
 #include "study/evaluation/evaluation.h"
 #include "study/measure/box_stacks.h"
 #include "study/measure/seesaws.h"
+#include "study/measure/sphere_piles.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/textbook_lcps.h"
 
@@ -28,6 +29,7 @@ using testing::BoxStacks;
 using testing::catapult;
 using testing::falling_velocity;
 using testing::seesaws;
+using testing::sphere_pile;
 using testing::vector_of;
 
 std::unique_ptr<Solver> auto_solver(const Options& options = {}) { return lcpbench_solver_auto().make(options); }
@@ -319,6 +321,47 @@ TEST(AutoTest, AnUpdateMakesAnythingPressAndLeavesAnythingOut) {
       // Loaded for half of them: what then flies is left out as long as it flies.
       EXPECT_EQ(contains(answer.detail, "contacts left out"), first <= half) << now.name() << ": " << answer.detail;
       EXPECT_LE(velocity_difference(now, answer, solve(now, kWhole)), 1e-12) << now.name();
+    }
+  }
+}
+
+TEST(AutoTest, AnUpdateMakesASmallIslandPressAndRest) {
+  const Problem falling("falling", box_stacks({.stacks = 1, .height = 1, .edges = 4}));
+  for (const double first : {1.0, -1.0}) {
+    const auto solver = auto_solver();
+    solver->load(moving_at(falling, first));
+    for (const double factor : {first, -1.0, -2.0, 1.0, -1.0, 0.5}) {
+      const Problem now = moving_at(falling, factor);
+      solver->update(now.contact()->v);
+      const Answer answer = solve(*solver);
+      expect_verified(now, answer, now.name());
+      EXPECT_EQ(contains(answer.detail, "1 at rest, 4 of 4 contacts left out"), factor < 0) << answer.detail;
+      if (factor > 0) continue;
+      ASSERT_EQ(answer.velocity.size(), 6);
+      EXPECT_EQ(answer.velocity, now.contact()->v);
+    }
+  }
+}
+
+/// Spheres of which all slide along the ground.
+ContactProblem sliding_pile(double offset) {
+  RigidScene scene = sphere_pile({.columns = 2, .layers = 6, .mu = 0.5});
+  for (RigidBody& body : scene.bodies) body.linear_velocity.x() += 1;
+  ContactProblem contact = contact_problem(scene);
+  if (offset != 0) contact.b.setConstant(contact.nc(), offset);
+  return contact;
+}
+
+// psor leaves what an error allows. Contacts that need not have a solution are tested as the verdict does.
+TEST(AutoTest, SweepsSmallPilesThatSlide) {
+  for (const double offset : {0.0, -0.01}) {
+    const Problem problem("pile", sliding_pile(offset));
+    for (const char* error : {"0", "1e-9", "1e-6", "1e-2"}) {
+      const Answer answer = solve(problem, {{"error", error}});
+      EXPECT_EQ(answer.claim, Claim::kSolved);
+      EXPECT_TRUE(contains(answer.detail, "psor")) << answer.detail;
+      const double allowed = offset == 0 ? std::max(std::stod(error), 1e-11) : 1e-4;
+      EXPECT_LE(Evaluator(problem).errors(answer).velocity_residual_relative, allowed) << error << ": " << offset;
     }
   }
 }
