@@ -121,7 +121,7 @@ ModelErrors model_errors(const Summary& summary) {
   for (const Cell& cell : summary.cells) {
     if (!summary.solvers[cell.solver].sweep.empty() || !scene_name(summary.sets[cell.set].name)) continue;
     for (const Outcome& outcome : cell.outcomes) {
-      if (!outcome.solved || std::isnan(outcome.model_error_m_per_s)) continue;
+      if (!outcome.solved || std::isnan(outcome.model_error_m_per_s + outcome.solver_error_m_per_s)) continue;
       steps.insert(outcome.problem);
       if (!(outcome.time_s > 0)) continue;
       ErrorSamples& of = samples[cell.solver];
