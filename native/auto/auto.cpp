@@ -271,7 +271,32 @@ void Auto::give_up(Claim claim, Answer& answer) const {
   for (Index k = 0; k < proof.size(); ++k) answer.farkas(island.contacts()[static_cast<std::size_t>(k)]) = proof(k);
 }
 
-/// lambda of the contacts that no answer includes: the slip under no friction.
+/// At least |column'v|, by what the rounding of the sum may take from it.
+struct SlipBound {
+  const Vector& v;
+  Index column;
+
+  double operator()(const Matrix& matrix) const {
+    const auto of_column = matrix.col(column);
+    return of(of_column.dot(v), of_column.cwiseAbs().dot(v.cwiseAbs()), v.size());
+  }
+  double operator()(const SparseMatrix& matrix) const {
+    double sum = 0, magnitudes = 0;
+    Index terms = 0;
+    for (SparseMatrix::InnerIterator entry(matrix, column); entry; ++entry, ++terms) {
+      const double product = entry.value() * v(entry.row());
+      sum += product;
+      magnitudes += std::abs(product);
+    }
+    return of(sum, magnitudes, terms);
+  }
+  static double of(double sum, double magnitudes, Index terms) {
+    return std::abs(sum) + static_cast<double>(terms + 3) * 0x1p-53 * magnitudes;
+  }
+};
+
+/// lambda of the contacts that no answer includes: at least the slip under no friction, so that rounding leaves no
+/// friction row below zero.
 void Auto::bound_slips(const Vector& u, Vector& z) const {
   const ContactProblem& contact = *problem().contact();
   Index direction = 0;
@@ -282,7 +307,7 @@ void Auto::bound_slips(const Vector& u, Vector& z) const {
     if (is_whole_ || !islands_.carries(c)) {
       double slip = 0;
       for (Index t = 0; t < edges / 2 && u.size() > 0; ++t) {  // Eigen asserts on sparse columns of no rows
-        slip = std::max(slip, std::abs(dot_column(contact.D, direction + t, u)));
+        slip = std::max(slip, std::visit(SlipBound{u, direction + t}, contact.D));
       }
       z(lambda) = slip;
     }
