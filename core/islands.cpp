@@ -247,7 +247,7 @@ std::vector<Island> IslandNumbers::islands() const {
 }
 
 RowIslands row_islands(const ContactProblem& problem) {
-  IslandNumbers islands;
+  thread_local IslandNumbers islands;  // for its memory
   islands.find(problem);
   const ContactLayout layout = contact_layout(problem);
   RowIslands rows;

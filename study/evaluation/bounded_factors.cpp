@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/isa.h"
 #include "study/evaluation/bounded.h"
 
 namespace lcpbench {
@@ -23,6 +24,47 @@ double sum_of(std::span<const double> x) {
   return sum * kRoundedUp;
 }
 
+/// A column to be eliminated: its entries, and those that are not zero divided by the pivot.
+struct Pivoted {
+  const double* entries;
+  const std::uint32_t* rows;
+  const double* values;
+  std::size_t count;
+};
+
+/// Subtracts values[e] times the entries from each column rows[e] of the upper triangle of A. Where a quarter of them
+/// is not zero, several at once cost no more than to pick those.
+[[gnu::always_inline]] inline void subtract_all(const Pivoted& column, double* A, std::size_t n) {
+  const double* __restrict const entries = column.entries;
+  const bool many = column.count > 0 && 4 * column.count >= column.rows[column.count - 1];
+  for (std::size_t e = 0; e < column.count; ++e) {
+    double* __restrict const rest = A + column.rows[e] * n;
+    const double value = column.values[e];
+    if (many) {
+      for (std::size_t k = 0; k <= column.rows[e]; ++k) rest[k] -= value * entries[k];
+    } else {
+      for (std::size_t k = 0; k <= e; ++k) rest[column.rows[k]] -= value * entries[column.rows[k]];
+    }
+  }
+}
+
+void subtract_products(const Pivoted& column, double* A, std::size_t n) { subtract_all(column, A, n); }
+
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) void subtract_products_avx2(const Pivoted& column, double* A, std::size_t n) {
+  subtract_all(column, A, n);
+}
+#endif
+
+using SubtractProducts = void (*)(const Pivoted&, double*, std::size_t);
+
+SubtractProducts subtract_products_of_level() {
+#if defined(__x86_64__)
+  if (isa_level() >= IsaLevel::kAvx2) return subtract_products_avx2;
+#endif
+  return subtract_products;
+}
+
 }  // namespace
 
 void BoundedFactors::reserve(std::size_t matrices, std::size_t columns, std::size_t entries) {
@@ -35,26 +77,13 @@ void BoundedFactors::reserve(std::size_t matrices, std::size_t columns, std::siz
 
 bool BoundedFactors::add(std::span<const double> A, std::size_t n, double least) {
   if (n == 0 || n > kLargestOrder) return false;
-  work_.assign(A.begin(), A.end());
-  column_.resize(n);
   Factored matrix;
   matrix.first = end_.size();
   matrix.order = n;
-  std::size_t used = rows_.size();
-  rows_.resize(used + n * (n - 1) / 2);
-  values_.resize(rows_.size());
-  for (std::size_t j = n; j-- > 0;) {
-    const double pivot = work_[j * n + j];
-    if (!(pivot > least)) {  // the least eigenvalue is no larger than any pivot
-      discard(matrix);
-      return false;
-    }
-    inverse_pivots_.push_back(1 / pivot);
-    used = eliminate(j, n, used);
-    end_.push_back(used);
+  if (!eliminate(matrix, A, least)) {
+    discard(matrix);
+    return false;
   }
-  rows_.resize(used);
-  values_.resize(used);
   // Each entry of A is a sum of at most n products and one pivot, less the rounding of as many products and
   // differences, of the inverse pivot and of the product with it: |E| <= gamma_(n + 6) |U| D |U'|, whose entries are at
   // most 4 and a few roundings. In solve() each of the two triangular solutions adds n roundings of an entry of |U|,
@@ -129,31 +158,31 @@ bool BoundedFactors::invert(Factored& matrix) {
   return true;
 }
 
-/// Of what is left: divides a column by its pivot, and subtracts their product from the columns before it.
-/// @param first  where its entries begin. @returns where they end
-std::size_t BoundedFactors::eliminate(std::size_t j, std::size_t n, std::size_t first) {
-  const double* const last = work_.data() + j * n;
-  const double inverse = inverse_pivots_.back();
-  double* __restrict const column = column_.data();
-  std::uint32_t* const rows = rows_.data() + first;
-  double* const values = values_.data() + first;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < j; ++i) {
-    if (last[i] == 0) continue;
-    column[count] = last[i];
-    rows[count] = static_cast<std::uint32_t>(i);
-    values[count++] = last[i] * inverse;
-  }
-  for (std::size_t e = 0; e < count; ++e) {
-    double* __restrict const rest = work_.data() + rows[e] * n;
-    const double value = values[e];
-    if (count == j) {
-      for (std::size_t k = 0; k <= e; ++k) rest[k] -= value * column[k];
-    } else {
-      for (std::size_t k = 0; k <= e; ++k) rest[rows[k]] -= value * column[k];
+/// Divides each column by its pivot, the last one first, and subtracts their product from the columns before it. False
+/// if a pivot is no larger than `least`: the least eigenvalue is no larger than any.
+bool BoundedFactors::eliminate(const Factored& matrix, std::span<const double> A, double least) {
+  static const SubtractProducts subtract = subtract_products_of_level();
+  const std::size_t n = matrix.order;
+  work_.assign(A.begin(), A.end());
+  std::size_t used = rows_.size();
+  rows_.resize(used + n * (n - 1) / 2);
+  values_.resize(rows_.size());
+  for (std::size_t j = n; j-- > 0; end_.push_back(used)) {
+    const double* const last = work_.data() + j * n;
+    if (!(last[j] > least)) return false;
+    const double inverse = 1 / last[j];
+    inverse_pivots_.push_back(inverse);
+    const std::size_t first = used;
+    for (std::size_t i = 0; i < j; ++i) {
+      if (last[i] == 0) continue;
+      rows_[used] = static_cast<std::uint32_t>(i);
+      values_[used++] = last[i] * inverse;
     }
+    subtract({last, rows_.data() + first, values_.data() + first, used - first}, work_.data(), n);
   }
-  return first + count;
+  rows_.resize(used);
+  values_.resize(used);
+  return true;
 }
 
 void BoundedFactors::discard(const Factored& matrix) {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory_resource>
 #include <optional>
 #include <span>
 #include <vector>
@@ -21,6 +22,17 @@ namespace lcpbench {
 /// definite as S is. [Higham 2002, "Accuracy and Stability of Numerical Algorithms", 8.3, 9.3, 14.6]
 class BoundedFactors {
  public:
+  /// @param memory  of the factors; must outlive this object.
+  explicit BoundedFactors(std::pmr::memory_resource* memory = std::pmr::get_default_resource())
+      : matrices_(memory),
+        end_(memory),
+        rows_(memory),
+        values_(memory),
+        inverse_pivots_(memory),
+        of_ones_(memory),
+        inverses_(memory),
+        work_(memory) {}
+
   /// Adds the factors of A. False, and nothing is added, unless A is proven positive definite with no eigenvalue
   /// below `least`.
   /// @param A  n x n by columns; symmetric; diagonal entries from 1 to 4, no magnitude above 4.
@@ -51,22 +63,22 @@ class BoundedFactors {
   };
 
   std::size_t begin(std::size_t column) const { return column == 0 ? 0 : end_[column - 1]; }
-  std::size_t eliminate(std::size_t column, std::size_t n, std::size_t first);
+  bool eliminate(const Factored& matrix, std::span<const double> A, double least);
   bool invert(Factored& matrix);
   bool find_bound(Factored& matrix, double least);
   void compare(const Factored& matrix, std::span<double> b) const;
   void multiply_by_inverse(const Factored& matrix, std::span<double> b) const;
   void discard(const Factored& matrix);
 
-  std::vector<Factored> matrices_;
-  std::vector<std::size_t> end_;     ///< of each column of U less the diagonal; the last column of a matrix comes first
-  std::vector<std::uint32_t> rows_;  ///< in the matrix, ascending
-  std::vector<double> values_;
-  std::vector<double> inverse_pivots_;  ///< 1 / D, the last one of a matrix first
-  std::vector<double> of_ones_;
-  std::vector<double> inverses_;  ///< n x n by columns, above the diagonal
-  std::vector<double> work_;      ///< scratch of add(): what is left of A, by columns
-  std::vector<double> column_;    ///< and its column before the division by the pivot
+  std::pmr::vector<Factored> matrices_;
+  std::pmr::vector<std::size_t>
+      end_;  ///< of each column of U less the diagonal; the last column of a matrix comes first
+  std::pmr::vector<std::uint32_t> rows_;  ///< in the matrix, ascending
+  std::pmr::vector<double> values_;
+  std::pmr::vector<double> inverse_pivots_;  ///< 1 / D, the last one of a matrix first
+  std::pmr::vector<double> of_ones_;
+  std::pmr::vector<double> inverses_;  ///< n x n by columns, above the diagonal
+  std::pmr::vector<double> work_;      ///< scratch of add(): what is left of A, by columns
 };
 
 }  // namespace lcpbench

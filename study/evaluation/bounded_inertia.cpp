@@ -1,6 +1,8 @@
 #include "study/evaluation/bounded_inertia.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <initializer_list>
 #include <numeric>
 #include <span>
@@ -17,13 +19,18 @@ constexpr double kUnitRoundoff = bounded::kRoundoff;
 constexpr double kLeastEigenvalue = 0x1p-36;
 constexpr int kRefinements = 6;
 
+/// Without a branch for each entry, which would cost more than to look at all. NaN passes: no block with it is scaled.
 bool is_symmetric(const Matrix& G) {
-  for (Index j = 0; j < G.cols(); ++j) {
+  const Index n = G.rows();
+  std::uint64_t apart = 0;
+  for (Index j = 0; j < n; ++j) {
+    const double* const column = G.data() + j * n;
+    const double* const row = G.data() + j;
     for (Index i = 0; i < j; ++i) {
-      if (G(i, j) != G(j, i)) return false;
+      apart |= std::bit_cast<std::uint64_t>(column[i]) ^ std::bit_cast<std::uint64_t>(row[i * n]);
     }
   }
-  return true;
+  return apart == 0 || G == G.transpose();  // 0 is -0
 }
 
 /// x times a power of two.
@@ -33,22 +40,61 @@ Bounded times_unit(const Bounded& x, double unit) {
 }
 
 /// The power of two that brings `diagonal` to 1 to 4 when multiplied twice.
-double unit_of(double diagonal) { return std::ldexp(1.0, -static_cast<int>(std::floor(std::ilogb(diagonal) / 2.0))); }
-
-/// As an entry of any definite block is; and so large that scaling `entry` lost no bits.
-bool is_representable(double scaled, double entry) {
-  const double magnitude = std::abs(scaled);
-  return magnitude <= 4 && (magnitude > 0x1p-400 || entry == 0);
+/// @pre a normal number
+double unit_of(double diagonal) {
+  constexpr int kBias = 1023, kFractionBits = 52;
+  const int exponent = static_cast<int>(std::bit_cast<std::uint64_t>(diagonal) >> kFractionBits) - kBias;
+  return std::bit_cast<double>(static_cast<std::uint64_t>(kBias - (exponent >> 1)) << kFractionBits);
 }
 
-/// Multiplies the n entries of column j by their units and by that of the column. Whether those up to the diagonal are
-/// representable: those below are the same.
-bool scale_column(const double* column, const double* units, std::size_t j, std::size_t n, double* scaled) {
-  const double unit = units[j];
-  for (std::size_t i = 0; i < n; ++i) scaled[i] = units[i] * column[i] * unit;
-  bool representable = true;
-  for (std::size_t i = 0; i <= j && representable; ++i) representable = is_representable(scaled[i], column[i]);
-  return representable;
+/// Without a sign: larger for a larger magnitude, and larger still for what is not finite.
+[[gnu::always_inline]] inline std::int64_t bits_of_magnitude(double x) {
+  return std::bit_cast<std::int64_t>(x) & ~(std::int64_t{1} << 63);
+}
+
+/// A number < 0 unless `scaled` is what an entry of any definite block is, at most 4, and so large that scaling `entry`
+/// lost no bits. Without a comparison, for which two doubles at a time have no instruction everywhere.
+[[gnu::always_inline]] inline std::int64_t loss(double scaled, double entry) {
+  const std::int64_t most = std::bit_cast<std::int64_t>(4.0), least = std::bit_cast<std::int64_t>(0x1p-400);
+  const std::int64_t magnitude = bits_of_magnitude(scaled);
+  const std::int64_t zero_or_negative = -bits_of_magnitude(entry);
+  return (most - magnitude) | ((magnitude - least) & zero_or_negative);
+}
+
+/// A whole matrix, n x n by columns, and the units of its coordinates.
+struct Unscaled {
+  const double* entries;
+  const double* units;
+  std::size_t n;
+};
+
+/// Multiplies each entry by the units of its row and its column. Whether those up to the diagonal lose nothing: the
+/// others are the same.
+[[gnu::always_inline]] inline bool scale_all(const Unscaled& G, double* __restrict scaled) {
+  const double* __restrict const units = G.units;
+  std::int64_t lost = 0;
+  for (std::size_t j = 0; j < G.n; ++j, scaled += G.n) {
+    const double* __restrict const column = G.entries + j * G.n;
+    const double unit = units[j];
+    for (std::size_t i = 0; i < G.n; ++i) scaled[i] = units[i] * column[i] * unit;
+    for (std::size_t i = 0; i <= j; ++i) lost |= loss(scaled[i], column[i]);
+  }
+  return lost >= 0;
+}
+
+bool scale(const Unscaled& G, double* scaled) { return scale_all(G, scaled); }
+
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) bool scale_avx2(const Unscaled& G, double* scaled) { return scale_all(G, scaled); }
+#endif
+
+using Scale = bool (*)(const Unscaled&, double*);
+
+Scale scale_of_level() {
+#if defined(__x86_64__)
+  if (isa_level() >= IsaLevel::kAvx2) return scale_avx2;
+#endif
+  return scale;
 }
 
 /// NaN where an entry is.
@@ -208,7 +254,15 @@ void Refinement::correct() {
 
 }  // namespace
 
-BoundedInertia::BoundedInertia(const Inertia& inertia) {
+BoundedInertia::BoundedInertia(const Inertia& inertia, std::pmr::memory_resource* memory)
+    : singles_(memory),
+      inverse_diagonal_(memory),
+      units_(memory),
+      blocks_(memory),
+      coordinates_(memory),
+      entries_(memory),
+      factors_(memory),
+      block_of_row_(memory) {
   if (const auto* dense = std::get_if<DenseInertia>(&inertia)) {
     reserve(dense->G.rows());
     add_inertia(dense->G, 0);
@@ -297,18 +351,18 @@ bool BoundedInertia::add_block(const Matrix& G, std::size_t offset, std::size_t 
   }
   entries_.resize(block.entries + block.size * block.size);
   double* const entries = entries_.data() + block.entries;
-  const bool whole = block.size == static_cast<std::size_t>(G.rows());
   bool representable = true;
-  for (std::size_t j = 0; j < block.size; ++j) {
-    const double* const column_of_G = G.col(static_cast<Index>(rows[j] - offset)).data();
-    double* const scaled = entries + j * block.size;
-    if (whole) {
-      representable = scale_column(column_of_G, units_.data() + offset, j, block.size, scaled) && representable;
-      continue;
-    }
-    for (std::size_t i = 0; i < block.size; ++i) {
-      scaled[i] = units_[rows[i]] * column_of_G[rows[i] - offset] * units_[rows[j]];
-      representable = representable && is_representable(scaled[i], column_of_G[rows[i] - offset]);
+  if (block.size == static_cast<std::size_t>(G.rows())) {
+    static const Scale scale_whole = scale_of_level();
+    representable = scale_whole({G.data(), units_.data() + offset, block.size}, entries);
+  } else {
+    for (std::size_t j = 0; j < block.size; ++j) {
+      const double* const column_of_G = G.col(static_cast<Index>(rows[j] - offset)).data();
+      for (std::size_t i = 0; i < block.size; ++i) {
+        double& scaled = entries[j * block.size + i];
+        scaled = units_[rows[i]] * column_of_G[rows[i] - offset] * units_[rows[j]];
+        representable = representable && loss(scaled, column_of_G[rows[i] - offset]) >= 0;
+      }
     }
   }
   blocks_.push_back(block);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -18,7 +19,8 @@ namespace lcpbench {
 /// blocks that its zeros leave. [Rump 2010, "Verification methods", Acta Numerica 19]
 class BoundedInertia {
  public:
-  explicit BoundedInertia(const Inertia& inertia);
+  /// @param memory  must outlive this object.
+  explicit BoundedInertia(const Inertia& inertia, std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
   bool well_defined() const { return well_defined_; }
   /// False when only G* was given.
@@ -69,14 +71,15 @@ class BoundedInertia {
   /// Replaces the rows of a pattern by those that G* couples them to, and lists their blocks in touched_.
   void couple(std::vector<std::size_t>& pattern) const;
 
-  std::vector<double> singles_;           ///< per coordinate: its inertia where it is coupled to no other, else 0
-  std::vector<double> inverse_diagonal_;  ///< of each coordinate's entry of G, in double; 0 where only G* was given
-  std::vector<double> units_;             ///< per coordinate: it is its unit times the scaled one
-  std::vector<Block> blocks_;             ///< of the others
-  std::vector<std::size_t> coordinates_;
-  std::vector<double> entries_;
+  std::pmr::vector<double> singles_;  ///< per coordinate: its inertia where it is coupled to no other, else 0
+  std::pmr::vector<double>
+      inverse_diagonal_;            ///< of each coordinate's entry of G, in double; 0 where only G* was given
+  std::pmr::vector<double> units_;  ///< per coordinate: it is its unit times the scaled one
+  std::pmr::vector<Block> blocks_;  ///< of the others
+  std::pmr::vector<std::size_t> coordinates_;
+  std::pmr::vector<double> entries_;
   BoundedFactors factors_;  ///< of each block
-  std::vector<std::size_t> block_of_row_;
+  std::pmr::vector<std::size_t> block_of_row_;
   RowIslands parts_;  ///< scratch of add_inertia()
   std::vector<Index> queue_;
   mutable std::vector<double> refinement_;    ///< scratch of solve()

@@ -78,12 +78,22 @@ const MagnitudeEstimate::Row* EvaluatedLcp<Real>::estimated_row(std::size_t i) {
 }
 
 template <class Real>
-ContactLcp<Real>::ContactLcp(const ContactProblem& problem, const Inertia& inertia)
+ContactLcp<Real>::ContactLcp(const ContactProblem& problem, const Inertia& inertia, std::pmr::memory_resource* memory)
     : inertia_(inertia),
       v_(problem.v.begin(), problem.v.end()),
       b_(problem.b.begin(), problem.b.end()),
       contacts_(static_cast<std::size_t>(problem.nc())),
-      layout_(contact_layout(problem)) {
+      layout_(contact_layout(problem)),
+      begin_(1, 0, memory),
+      rows_(memory),
+      values_(memory),
+      twin_(memory),
+      sizes_(memory),
+      represented_(memory),
+      mu_(memory),
+      normal_of_cone_(memory),
+      friction_of_cone_(memory),
+      lambda_of_(memory) {
   for (const double v : problem.v) {
     if (!(std::abs(v) <= largest_speed_)) largest_speed_ = std::isnan(v) ? INFINITY : std::abs(v);
   }
@@ -106,8 +116,8 @@ void ContactLcp<Real>::add_columns(const ContactProblem& problem) {
   twin_.reserve(columns);
   sizes_.reserve(columns);
   represented_.reserve(columns);
-  rows_ = std::make_unique_for_overwrite<std::size_t[]>(nonzeros);
-  values_ = std::make_unique_for_overwrite<double[]>(nonzeros);
+  rows_.resize(nonzeros);
+  values_.resize(nonzeros);
   for (Index j = 0; j < cols(problem.N); ++j) add_column(problem.N, j);
   Index direction = 0;
   for (const int edges : problem.edges) {
@@ -126,8 +136,8 @@ void ContactLcp<Real>::add_columns(const ContactProblem& problem) {
 template <class Real>
 void ContactLcp<Real>::add_column(const Jacobian& J, Index column) {
   std::size_t end = begin_.back();
-  std::size_t* const rows = rows_.get();
-  double* const values = values_.get();
+  std::size_t* const rows = rows_.data();
+  double* const values = values_.data();
   double size = 0;
   const auto append = [&](Index row, double value) {
     if (value == 0) return;
@@ -461,8 +471,8 @@ Real ContactLcp<Real>::abs_row_sum(std::size_t i) {
 /// In two sums, which do not wait for each other.
 template <class Real>
 inline double ContactLcp<Real>::sum_of_entries(std::size_t begin, std::size_t end, const double* x) const {
-  const std::size_t* const rows = rows_.get();
-  const double* const values = values_.get();
+  const std::size_t* const rows = rows_.data();
+  const double* const values = values_.data();
   double even = 0, odd = 0;
   std::size_t e = begin;
   for (; e + 1 < end; e += 2) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <memory_resource>
 #include <optional>
 #include <span>
 #include <type_traits>
@@ -142,8 +143,9 @@ class ContactLcp final : public EvaluatedLcp<Real> {
   using EvaluatedLcp<Real>::q_;
 
  public:
-  /// @param problem, inertia  must outlive this object; inertia.well_defined() must hold.
-  ContactLcp(const ContactProblem& problem, const Inertia& inertia);
+  /// @param problem, inertia, memory  must outlive this object; inertia.well_defined() must hold.
+  ContactLcp(const ContactProblem& problem, const Inertia& inertia,
+             std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
   std::size_t lambda_offset() const override { return impulses(); }
   RealVector response(const RealVector& z) override;
@@ -204,7 +206,7 @@ class ContactLcp final : public EvaluatedLcp<Real> {
   };
   Entries entries(std::size_t j) const {
     const std::size_t begin = begin_[twin_[j]];
-    return {rows_.get() + begin, values_.get() + begin, begin_[twin_[j] + 1] - begin};
+    return {rows_.data() + begin, values_.data() + begin, begin_[twin_[j] + 1] - begin};
   }
   std::span<const std::size_t> rows(std::size_t j) const { return std::span(entries(j).rows, entries(j).count); }
   bool is_twin(std::size_t j) const { return twin_[j] != j; }
@@ -236,20 +238,21 @@ class ContactLcp final : public EvaluatedLcp<Real> {
   RealVector b_;  ///< of the normal rows; empty: zero
   std::size_t contacts_ = 0;
   ContactLayout layout_;
-  std::vector<std::size_t> begin_{0};  ///< of each column of J = [N D], by columns; a twin has no entries of its own
-  std::unique_ptr<std::size_t[]> rows_;
-  std::unique_ptr<double[]> values_;
-  std::vector<std::size_t> twin_;  ///< the column's own index, or that of an earlier column of which it is the negative
-  std::vector<double> sizes_;      ///< of each column the sum of its magnitudes, rounded
-  double largest_speed_ = 0;       ///< max |v_i|
-  std::vector<double> represented_;     ///< columns of which it is the twin
-  std::vector<std::size_t> row_begin_;  ///< the columns that meet each row of J but for twins, when first asked for
+  std::pmr::vector<std::size_t> begin_;  ///< of each column of J = [N D], by columns; a twin has no entries of its own
+  std::pmr::vector<std::size_t> rows_;
+  std::pmr::vector<double> values_;
+  std::pmr::vector<std::size_t>
+      twin_;  ///< the column's own index, or that of an earlier column of which it is the negative
+  std::pmr::vector<double> sizes_;        ///< of each column the sum of its magnitudes, rounded
+  double largest_speed_ = 0;              ///< max |v_i|
+  std::pmr::vector<double> represented_;  ///< columns of which it is the twin
+  std::vector<std::size_t> row_begin_;    ///< the columns that meet each row of J but for twins, when first asked for
   std::vector<std::size_t> columns_of_row_;
 
-  RealVector mu_;                              ///< of each cone row
-  std::vector<std::size_t> normal_of_cone_;    ///< index in z of the cone's normal impulse
-  std::vector<std::size_t> friction_of_cone_;  ///< cones + 1 offsets in z of the cone's friction impulses
-  std::vector<std::size_t> lambda_of_;         ///< per friction impulse: index in z of its contact's lambda
+  std::pmr::vector<Real> mu_;                       ///< of each cone row
+  std::pmr::vector<std::size_t> normal_of_cone_;    ///< index in z of the cone's normal impulse
+  std::pmr::vector<std::size_t> friction_of_cone_;  ///< cones + 1 offsets in z of the cone's friction impulses
+  std::pmr::vector<std::size_t> lambda_of_;         ///< per friction impulse: index in z of its contact's lambda
 
   // What follows is allocated when it is first needed.
   mutable std::vector<double> least_diagonals_;  ///< plain ones, of representatives
