@@ -216,10 +216,16 @@ void BodiesTest::Room<Scalar>::resize(Index ngc, Index largest_block, Index isla
 
 BodiesTest::BodiesTest() : kernels_(cholesky::engine(isa_level())) {}
 
-void BodiesTest::load(const ContactProblem& contact) {
+void BodiesTest::load(const ContactProblem& contact, bool is_one_island) {
   contact_ = &contact;
   layout_ = contact_layout(contact);
-  numbers_.find(contact);
+  if (is_one_island && !contact.has_offset()) {  // where nothing moves a contact, its offset alone counts
+    numbers_.count = 1;
+    numbers_.of_contact.assign(contact.edges.size(), 0);
+    numbers_.of_coordinate.assign(static_cast<std::size_t>(contact.ngc()), 0);
+  } else {
+    numbers_.find(contact);
+  }
   moves_.resize(static_cast<std::size_t>(numbers_.count));
   v_ = contact.v;
   Index largest = 0;
@@ -271,10 +277,7 @@ void BodiesTest::add_impulses(const Vector& z, Room<Scalar>& room) const {
 bool BodiesTest::respond_by_kernels(const Matrix& block, double* reach, double* x, Room<double>& room) const {
   const Index n = block.rows();
   const Index stride = n + cholesky::kMargin;
-  std::fill_n(room.dense.data(), stride * stride, 0.0);
-  for (Index j = 0; j < n; ++j) {
-    std::copy_n(block.col(j).data() + j, n - j, room.dense.data() + j * (stride + 1));
-  }
+  cholesky::take_lower(block.data(), n, room.dense.data(), stride);
   if (!kernels_.factor(room.dense.data(), stride, n, n, room.work.data())) return false;
   cholesky::keep_columns(room.dense.data(), stride, n, n, room.factor.data());
   kernels_.measure_inverse(room.factor.data(), n, reach, room.work.data());

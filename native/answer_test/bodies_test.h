@@ -17,7 +17,8 @@ class BodiesTest {
   BodiesTest();
 
   /// @param contact with BlockInertia; must stay as it is until the next load
-  void load(const ContactProblem& contact);
+  /// @param is_one_island all contacts and coordinates are known to be one island
+  void load(const ContactProblem& contact, bool is_one_island);
   void set_velocity(const Vector& v) { v_ = v; }
 
   /// Impulses of islands that are at rest become zero, and so does friction where no contact presses.

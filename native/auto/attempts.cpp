@@ -204,7 +204,7 @@ bool Attempts::may_hold(const SolveRequest& request) const {
 bool Attempts::holds(const SolveRequest& request, const AutoLimits& limits, Answer& answer, AutoReport& report) {
   const double time = limits.time();
   if (!(time > 0) || limits.exhausted(report.counters())) return false;
-  if (held_ == nullptr) held_ = std::make_unique<HeldContacts>();
+  if (held_ == nullptr) held_ = std::make_unique<HeldContacts>(one_island_);
   if (!has_held_) held_->load(*problem_, v_);
   has_held_ = true;
   Counters work{.iterations = 0, .pivots = 0, .factorizations = 0};

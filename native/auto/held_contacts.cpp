@@ -326,7 +326,7 @@ bool HeldContacts::solve(const Vector& start, int tries, double deadline_s, Answ
     }
     if (!is_definite()) return false;
     write(answer);
-    if (!has_test_) test_.load(*problem_, AnswerTest::Bodies::kOneByOne);
+    if (!has_test_) test_.load(*problem_, AnswerTest::Bodies::kOneByOne, one_island_);
     if (!has_test_) test_.set_velocity(given_v_);
     has_test_ = true;
     return test_.settle(answer, deadline_s);

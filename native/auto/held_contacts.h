@@ -28,6 +28,9 @@ namespace lcpbench {
 /// has the same graph of bodies and contacts.
 class HeldContacts {
  public:
+  /// @param one_island all problems are known to be one island with all their contacts and coordinates
+  explicit HeldContacts(bool one_island) : one_island_(one_island) {}
+
   /// Whether it can be loaded: G itself is given.
   static bool takes(const ContactProblem& contact);
 
@@ -69,6 +72,7 @@ class HeldContacts {
   void write(Answer& answer) const;
   double offset(std::size_t contact) const { return contact_->offset(static_cast<Index>(contact)); }
 
+  bool one_island_ = false;
   const Problem* problem_ = nullptr;
   const ContactProblem* contact_ = nullptr;
   AnswerTest test_;

@@ -312,16 +312,21 @@ void HeldGraph::factor_inertia() {
   }
 }
 
+void HeldGraph::copy_inertia(const HeldBody& body, double* to) const {
+  const std::ptrdiff_t stride = body.size + cholesky::kMargin;
+  const bool is_one_block = held_block(*contact_, body.block).rows() == body.size;
+  if (!is_one_block) std::fill_n(to, body.size * stride, 0.0);
+  for_each_block(body, [&](int first, const Matrix& block) {
+    cholesky::take_lower(block.data(), block.rows(), to + first * (stride + 1), stride);
+  });
+}
+
 void HeldGraph::factor_any(const HeldBody& body, double* L) {
   const std::ptrdiff_t n = body.size;
   const std::ptrdiff_t stride = n + cholesky::kMargin;
-  dense_.assign(static_cast<std::size_t>(stride * stride), 0.0);
+  dense_.resize(static_cast<std::size_t>(stride * stride));
   work_.resize(static_cast<std::size_t>(cholesky::work_size(n)));
-  for_each_block(body, [&](int first, const Matrix& block) {
-    for (Index j = 0; j < block.cols(); ++j) {
-      std::copy_n(block.col(j).data() + j, block.rows() - j, dense_.data() + (first + j) * (stride + 1));
-    }
-  });
+  copy_inertia(body, dense_.data());
   if (!kernels_.factor(dense_.data(), stride, n, n, work_.data())) {
     std::fill_n(L, n * n, std::numeric_limits<double>::quiet_NaN());  // no velocity passes a test then
     return;

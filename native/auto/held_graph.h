@@ -85,6 +85,8 @@ class HeldGraph {
   void multiply(const Vector& x, double* products) const;
   /// to += A factors, of all columns
   void add_columns(const double* factors, Vector& to) const;
+  /// The lower triangle of the body's G, in columns of its size and cholesky::kMargin, as the kernels take it.
+  void copy_inertia(const HeldBody& body, double* to) const;
   /// to += G* impulse; impulse is used up. Factors G, once after each load.
   void add_response(Vector& impulse, Vector& to);
   /// from -= G x

@@ -193,12 +193,7 @@ void HeldMatrix::scatter(std::ptrdiff_t stride) {
 /// Dense: all contacts are columns of one matrix.
 bool HeldMatrix::factor_one(const HeldGraph& graph, const std::vector<double>& weights) {
   const std::ptrdiff_t stride = order_ + cholesky::kMargin;
-  std::fill_n(product_.data(), stride * stride, 0.0);
-  graph.for_each_block(graph.bodies().front(), [&](int first, const Matrix& block) {
-    for (Index j = 0; j < block.cols(); ++j) {
-      std::copy_n(block.col(j).data() + j, block.rows() - j, product_.data() + (first + j) * (stride + 1));
-    }
-  });
+  graph.copy_inertia(graph.bodies().front(), product_.data());
   std::ptrdiff_t count = 0;
   const auto add_product = [&] {
     kernels_.add_product(product_.data(), stride, columns_.data(), stride, order_, count, work_.data());

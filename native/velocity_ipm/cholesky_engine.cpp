@@ -206,15 +206,20 @@ void solve_transposed_columns(const double* l, Count rows, Count stride, double*
     const Pack rest = load(x + row);
     for (Count c = 0; c < kColumns; ++c) totals[c] += load(l + c * stride + row) * rest;
   }
-  double total[static_cast<std::size_t>(kColumns)];
-  for (Count c = 0; c < kColumns; ++c) total[c] = sum(totals[c]);
+  double total[static_cast<std::size_t>(kColumns)] = {};
   for (; row < rows; ++row) {
     for (Count c = 0; c < kColumns; ++c) total[c] += l[c * stride + row] * x[row];
   }
+  // Scaled beforehand, so that each value waits for one multiplication with the last.
   double value[static_cast<std::size_t>(kColumns)];
-  for (Count c = kColumns; c-- > 0;) {
-    for (Count p = c + 1; p < kColumns; ++p) total[c] += l[c * stride + p] * value[p];
-    value[c] = (x[c] - total[c]) * l[c * stride + c];
+  double own[static_cast<std::size_t>(kColumns)][static_cast<std::size_t>(kColumns)];
+  for (Count c = 0; c < kColumns; ++c) {
+    const double inverse = l[c * stride + c];
+    value[c] = (x[c] - total[c] - sum(totals[c])) * inverse;
+    for (Count p = c + 1; p < kColumns; ++p) own[c][p] = l[c * stride + p] * inverse;
+  }
+  for (Count p = kColumns; p-- > 1;) {
+    for (Count c = 0; c < p; ++c) value[c] -= own[c][p] * value[p];
   }
   __builtin_memcpy(x, value, sizeof(value));
 }
