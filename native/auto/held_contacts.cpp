@@ -24,6 +24,8 @@ constexpr double kProgress = 0.5;
 constexpr double kNoImpulse = 1e-9;
 /// One that is further out than this after the first step makes the guess a wrong one.
 constexpr double kFarOut = 1e-3;
+/// One in so many contacts has to be known to press.
+constexpr Index kFewest = 4;
 /// In the last answer a lambda above this part of max|v| is slip.
 constexpr double kSlip = 1e-6;
 
@@ -81,14 +83,14 @@ bool HeldContacts::held(const ContactProblem& contact, const Vector& v, const Ve
   if (start.size() != lcp_size(contact) || !start.allFinite()) return false;
   const double most = kSlip * v.lpNorm<Eigen::Infinity>();
   Index lambda = contact.nc() + cols(contact.D);
-  bool presses = false;
+  Index pressed = 0;
   for (Index c = 0; c < contact.nc(); ++c) {
-    presses = presses || start(c) > 0;
+    pressed += start(c) > 0 ? 1 : 0;
     if (contact.edges[at(c)] == 0) continue;
     if (start(c) > 0 && contact.mu(c) > 0 && !(start(lambda) <= most)) return false;
     ++lambda;
   }
-  return presses;
+  return pressed > 0 && kFewest * pressed >= contact.nc();
 }
 
 /// The impulses of the last answer, and what it held.
@@ -129,17 +131,20 @@ void HeldContacts::respond() {
   graph_.add_response(rest_, u_);
 }
 
-/// What u and the impulses leave of both equations: A'u + b of what is held, relative to max|q|, and the root of
-/// r'G*r, about, of r = A f - G (u - v), relative to that of A f. @returns the larger one
+/// What u and the impulses leave of both equations: A'u + b of what is held, and what r = A f - G (u - v) changes at the
+/// contacts, about: A'D^-1 r with the diagonal D of G. @returns the largest of both, relative to max|q|
 double HeldContacts::miss() {
   rest_.setZero();
   graph_.add_columns(impulses_.data(), rest_);
-  const double all = graph_.size_of_impulse(rest_);
   step_ = u_ - v_;
   graph_.subtract_inertia(step_, rest_);
-  const double left = graph_.size_of_impulse(rest_);
+  step_ = rest_;
+  graph_.respond_by_diagonal(step_);
+  graph_.multiply(step_, scaled_.data());
+  double largest = 0;
+  for (const double change : scaled_) largest = std::max(largest, std::abs(change));
   see(u_);
-  return std::max(largest_held_miss(), left > 0 ? left / all : 0);
+  return std::max(largest_held_miss(), largest / scale_);
 }
 
 double HeldContacts::largest_held_miss() const {
@@ -152,9 +157,9 @@ double HeldContacts::largest_held_miss() const {
   return largest / scale_;
 }
 
-/// u -= y and f -= W (w - A'y) for (G + A W A') y = A W w - r. @returns the largest of the new w, relative to max|q|,
-/// but for the rounding of the factors @pre miss() was the last to fill the misses and the rest, or let_go()
-double HeldContacts::improve() {
+/// u -= y and f -= W (w - A'y) for (G + A W A') y = A W w - r. @pre miss() or let_go() was the last to fill the misses
+/// and the rest
+void HeldContacts::improve() {
   for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
     const HeldColumns& contact = graph_.contacts()[c];
     for (std::size_t t = contact.first; t < contact.first + at(contact.columns); ++t) {
@@ -174,7 +179,6 @@ double HeldContacts::improve() {
       impulses_[t] -= load_[c] * misses_[t];
     }
   }
-  return largest_held_miss();
 }
 
 /// Takes all impulses away. @pre measure_scale() was the last to fill the misses @returns what miss() would, cheaper
@@ -197,21 +201,21 @@ bool HeldContacts::may_be_confirmed() const {
   return true;
 }
 
-/// Steps until nothing held moves, rounding is met, or the guess is seen to be wrong. What the first leaves is measured:
-/// it was the largest, and the factors are not exact.
-void HeldContacts::approach(double now) {
+/// Steps until nothing held moves, rounding is met, or the guess is seen to be wrong. @returns what is left
+double HeldContacts::approach(double now) {
   for (int step = 0; step < kMostSteps && now > kHeldStill; ++step) {
     const double before = now;
-    now = improve();
-    if (step == 0 && !may_be_confirmed()) return;
-    if (step == 0) now = miss();
-    if (!(now <= kProgress * before)) return;
+    improve();
+    if (step == 0 && !may_be_confirmed()) return now;
+    now = miss();
+    if (!(now <= kProgress * before)) break;
   }
+  return now;
 }
 
 /// Whether the impulses are in their cones and leave no contact held that moves, and no other within its clearance.
-/// What is outside by rounding is brought back.
-bool HeldContacts::is_confirmed() {
+/// What is outside by rounding is brought back. @param left what miss() returned last
+bool HeldContacts::is_confirmed(double left) {
   trimmed_ = false;
   const double largest = largest_load();
   const double none = kNoImpulse * largest;
@@ -228,7 +232,7 @@ bool HeldContacts::is_confirmed() {
     for (int t = 1; t < graph_.contacts()[c].columns; ++t) f[t] *= most / friction;
     trimmed_ = true;
   }
-  if (!(miss() <= kLargestMiss)) return false;
+  if (!((trimmed_ ? miss() : left) <= kLargestMiss)) return false;
   for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
     if (held_[c] == 0 && !(clearance(c) >= -kLargestMiss * scale_)) return false;
   }
@@ -285,14 +289,9 @@ void HeldContacts::write(Answer& answer) const {
 bool HeldContacts::starts(const Vector& start) {
   for (int way = 0; way < 2; ++way) {
     if (way > 0) take_start(start);
-    if (from_loads_) {
-      if (way > 0) measure_scale();  // for the misses
-      approach(let_go());
-    } else {
-      respond();
-      approach(miss());
-    }
-    if (is_confirmed()) return true;
+    if (way > 0 && from_loads_) measure_scale();  // for the misses
+    if (!from_loads_) respond();
+    if (is_confirmed(approach(from_loads_ ? let_go() : miss()))) return true;
     from_loads_ = !from_loads_;
   }
   return false;
@@ -306,8 +305,7 @@ bool HeldContacts::is_definite() {
 }
 
 bool HeldContacts::continues() {
-  approach(miss());
-  return is_confirmed();
+  return is_confirmed(approach(miss()));
 }
 
 bool HeldContacts::solve(const Vector& start, int tries, double deadline_s, Answer& answer, Counters& work) {

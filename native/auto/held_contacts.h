@@ -34,7 +34,8 @@ class HeldContacts {
   /// Whether it can be loaded: G itself is given.
   static bool takes(const ContactProblem& contact);
 
-  /// Whether some contact pressed in the last answer, brought to these contacts, and none slipped. O(n)
+  /// Whether a quarter of the contacts or more pressed in the last answer, brought to these contacts, and none of them
+  /// slipped. O(n)
   static bool held(const ContactProblem& contact, const Vector& v, const Vector& start);
 
   /// O(nonzeros of N and D), and of another graph than the last its order of elimination.
@@ -58,14 +59,14 @@ class HeldContacts {
   void respond();
   double miss();
   double largest_held_miss() const;
-  double improve();
+  void improve();
   double let_go();
   double largest_load() const;
   bool may_be_confirmed() const;
-  void approach(double now);
+  double approach(double now);
   bool starts(const Vector& start);
   bool continues();
-  bool is_confirmed();
+  bool is_confirmed(double left);
   bool is_definite();
   double clearance(std::size_t contact) const;
   bool change_guess();

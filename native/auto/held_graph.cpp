@@ -467,14 +467,12 @@ void HeldGraph::subtract_inertia(const Vector& x, Vector& from) const {
   }
 }
 
-double HeldGraph::size_of_impulse(const Vector& x) const {
-  double sum = 0;
+void HeldGraph::respond_by_diagonal(Vector& x) const {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const double* const part = x.data() + places_[b];
+    double* const part = x.data() + places_[b];
     const double* const inverse = inverse_diagonal_.data() + bodies_[b].first;
-    for (int i = 0; i < bodies_[b].size; ++i) sum += part[i] * part[i] * inverse[i];
+    for (int i = 0; i < bodies_[b].size; ++i) part[i] *= inverse[i];
   }
-  return std::sqrt(sum);
 }
 
 }  // namespace lcpbench

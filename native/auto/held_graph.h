@@ -91,8 +91,8 @@ class HeldGraph {
   void add_response(Vector& impulse, Vector& to);
   /// from -= G x
   void subtract_inertia(const Vector& x, Vector& from) const;
-  /// The root of sum x_i^2 / G_ii: about the root of x'G*x for an impulse x.
-  double size_of_impulse(const Vector& x) const;
+  /// x := D^-1 x, D the diagonal of G: about the velocity that an impulse x gives
+  void respond_by_diagonal(Vector& x) const;
 
  private:
   bool has_last_sizes() const;

@@ -21,7 +21,7 @@ constexpr Index kSmall = 400;
 /// loaded takes less time than to try whether the contacts of the last step hold.
 constexpr Index kLarge = 800;
 /// Below this contact_lemke takes less time than that to be loaded, too.
-constexpr Index kHeldUnloaded = 200;
+constexpr Index kHeldUnloaded = 20;
 /// From this on the first convex problem of friction_ipm finds the impulses of least energy faster than active sets.
 constexpr Index kRestByIpm = 5000;
 /// From this on psor takes less time than the rungs of contact_lemke beyond double.
