@@ -84,6 +84,10 @@ void Attempts::load(const Problem& problem, const Vector& v, bool in_turn) {
 void Attempts::load_to_hold(const Problem& problem, const Vector& v, bool in_turn) {
   begin(problem, v);
   if (!friction_may_hold(*problem.contact(), false)) return load_methods(in_turn);
+  if (one_island_ && !friction_may_hold_ && steps_without_guess_ > 0) {
+    --steps_without_guess_;
+    return load_methods(in_turn);
+  }
   waits_ = true;
   in_turn_ = in_turn;
 }
@@ -250,7 +254,12 @@ bool Attempts::may_have_missed_rest(const Answer& answer) const {
 void Attempts::solve(const SolveRequest& request, const AutoLimits& limits, Answer& answer, AutoReport& report) {
   shared_.begin_solve();
   const bool held = may_hold(request);
-  if (held && holds(request, limits, answer, report)) return;
+  const bool found = held && holds(request, limits, answer, report);
+  if (held && waits_) {
+    wrong_guesses_ = found ? 0 : wrong_guesses_ + 1;
+    steps_without_guess_ = wrong_guesses_;
+  }
+  if (found) return;
   if (waits_) load_methods(in_turn_);
   // An answer of active sets rests on few of the contacts that hold, and from it the guess would go wrong again. One of
   // friction_ipm rests on all of them.

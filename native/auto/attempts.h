@@ -52,7 +52,8 @@ class Attempts {
   ///     memory once for all islands, and forgets the island
   void load(const Problem& problem, const Vector& v, bool in_turn = false);
   /// The same after a step with nearly these contacts: where friction may hold them nothing is loaded before a solve()
-  /// whose guess that they hold is wrong, or that has no start to make it from.
+  /// whose guess that they hold is wrong, or that has no start to make it from. After guesses on a small island that
+  /// were wrong as many steps follow without one.
   void load_to_hold(const Problem& problem, const Vector& v, bool in_turn = false);
   /// Does not load the sparse first method. update() loads it. A solve() before that uses the dense methods.
   /// @returns false where there is no other, and nothing was put off
@@ -109,6 +110,8 @@ class Attempts {
   bool friction_may_hold_ = false;  ///< see friction_may_hold(), of a loaded first method
   bool waits_ = false;              ///< of load_to_hold(): no method is loaded, there is no plan
   bool in_turn_ = false;            ///< of load_to_hold()
+  int wrong_guesses_ = 0;           ///< of steps for which load_to_hold() waited, the last ones in a row
+  int steps_without_guess_ = 0;     ///< that follow them, as many as they were
   bool takes_turns_ = false;        ///< the shared solvers stand for the own ones
   bool is_put_off_ = false;
   Solver* answered_ = nullptr;  ///< what gave the last answer
