@@ -32,6 +32,12 @@ constexpr double kSlip = 1e-6;
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+/// What is no number stays the largest, as infinity.
+void raise(double& largest, double x) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  if (!(x <= largest)) largest = x < kInfinity ? x : kInfinity;
+}
+
 }  // namespace
 
 bool HeldContacts::takes(const ContactProblem& contact) {
@@ -77,7 +83,7 @@ void HeldContacts::see(const Vector& u) {
 void HeldContacts::measure_scale() {
   see(v_);
   scale_ = 0;
-  for (const double q : misses_) scale_ = std::max(scale_, std::abs(q));
+  for (const double q : misses_) raise(scale_, std::abs(q));
 }
 
 bool HeldContacts::held(const ContactProblem& contact, const Vector& v, const Vector& start) {
@@ -143,7 +149,7 @@ double HeldContacts::miss() {
   graph_.respond_by_diagonal(step_);
   graph_.multiply(step_, scaled_.data());
   double largest = 0;
-  for (const double change : scaled_) largest = std::max(largest, std::abs(change));
+  for (const double change : scaled_) raise(largest, std::abs(change));
   see(u_);
   return std::max(largest_held_miss(), largest / scale_);
 }
@@ -153,7 +159,7 @@ double HeldContacts::largest_held_miss() const {
   for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
     if (held_[c] == 0) continue;
     const double* const w = misses_.data() + graph_.contacts()[c].first;
-    for (int t = 0; t < graph_.contacts()[c].columns; ++t) largest = std::max(largest, std::abs(w[t]));
+    for (int t = 0; t < graph_.contacts()[c].columns; ++t) raise(largest, std::abs(w[t]));
   }
   return largest / scale_;
 }

@@ -107,6 +107,20 @@ void HeldGraph::find() {
   find_bodies();
   find_columns();
   find_coupled();
+  take_room();
+}
+
+/// The memory for factor_inertia().
+void HeldGraph::take_room() {
+  std::ptrdiff_t largest = 0;
+  for (const HeldBody& body : bodies_) {
+    if (body.size != kBody) largest = std::max<std::ptrdiff_t>(largest, body.size);
+  }
+  const std::ptrdiff_t stride = largest + cholesky::kMargin;
+  dense_.resize(static_cast<std::size_t>(stride * stride));
+  work_.resize(static_cast<std::size_t>(cholesky::work_size(largest)));
+  inertia_factors_.resize(
+      bodies_.empty() ? 0 : bodies_.back().factor + at(bodies_.back().size) * at(bodies_.back().size));
 }
 
 /// Whether bodies and columns are as many and as long as in the last problem.
@@ -294,8 +308,6 @@ void HeldGraph::invert_diagonal() {
 /// Cholesky factors of each body's G, by columns, with the inverse of each diagonal entry in its place.
 void HeldGraph::factor_inertia() {
   has_factors_ = true;
-  inertia_factors_.resize(
-      bodies_.empty() ? 0 : bodies_.back().factor + at(bodies_.back().size) * at(bodies_.back().size));
   for (const HeldBody& body : bodies_) {
     double* const L = inertia_factors_.data() + body.factor;
     if (body.size != kBody) {
@@ -324,8 +336,6 @@ void HeldGraph::copy_inertia(const HeldBody& body, double* to) const {
 void HeldGraph::factor_any(const HeldBody& body, double* L) {
   const std::ptrdiff_t n = body.size;
   const std::ptrdiff_t stride = n + cholesky::kMargin;
-  dense_.resize(static_cast<std::size_t>(stride * stride));
-  work_.resize(static_cast<std::size_t>(cholesky::work_size(n)));
   copy_inertia(body, dense_.data());
   if (!kernels_.factor(dense_.data(), stride, n, n, work_.data())) {
     std::fill_n(L, n * n, std::numeric_limits<double>::quiet_NaN());  // no velocity passes a test then

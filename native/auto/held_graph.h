@@ -100,6 +100,7 @@ class HeldGraph {
   void find_bodies();
   void find_columns();
   void find_coupled();
+  void take_room();
   bool fill_columns();
   bool fill_column(const Jacobian& J, Index number, const HeldColumns& contact, double* column) const;
   void invert_diagonal();
