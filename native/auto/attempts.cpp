@@ -84,7 +84,7 @@ void Attempts::load(const Problem& problem, const Vector& v, bool in_turn) {
 void Attempts::load_to_hold(const Problem& problem, const Vector& v, bool in_turn) {
   begin(problem, v);
   if (!friction_may_hold(*problem.contact(), false)) return load_methods(in_turn);
-  if (one_island_ && !friction_may_hold_ && steps_without_guess_ > 0) {
+  if (scope_ == Scope::kWhole && !friction_may_hold_ && steps_without_guess_ > 0) {
     --steps_without_guess_;
     return load_methods(in_turn);
   }
@@ -132,7 +132,7 @@ bool Attempts::is_left_out(const AutoTry& now) const {
 void Attempts::load_own(AutoMethod method) {
   const auto index = static_cast<std::size_t>(method);
   if (own_[index] == nullptr) own_[index] = make_method(method, shared_.later_engines());
-  if (method == AutoMethod::kContactLemke) static_cast<ContactLemke&>(*own_[index]).expect_one_island(one_island_);
+  if (method == AutoMethod::kContactLemke) static_cast<ContactLemke&>(*own_[index]).expect_one_island(scope_ == Scope::kWhole);
   own_[index]->load(*problem_);
   loaded_[index] = true;
   if (v_ != problem_->contact()->v && takes(*own_[index], *problem_)) own_[index]->update(v_);
@@ -208,7 +208,7 @@ bool Attempts::may_hold(const SolveRequest& request) const {
 bool Attempts::holds(const SolveRequest& request, const AutoLimits& limits, Answer& answer, AutoReport& report) {
   const double time = limits.time();
   if (!(time > 0) || limits.exhausted(report.counters())) return false;
-  if (held_ == nullptr) held_ = std::make_unique<HeldContacts>(one_island_);
+  if (held_ == nullptr) held_ = std::make_unique<HeldContacts>(scope_ != Scope::kParts, scope_ == Scope::kWhole);
   if (!has_held_) held_->load(*problem_, v_);
   has_held_ = true;
   Counters work{.iterations = 0, .pivots = 0, .factorizations = 0};

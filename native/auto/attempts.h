@@ -43,9 +43,12 @@ class SharedMethods {
 /// which allocates.
 class Attempts {
  public:
-  /// @param one_island all problems are known to be one island with all their contacts and coordinates
-  Attempts(const AutoSettings& settings, SharedMethods& shared, bool one_island = false)
-      : settings_(settings), shared_(shared), one_island_(one_island) {}
+  /// What is known of all problems: nothing; with friction they are one island with all their contacts and coordinates;
+  /// they always are, and each is the next step of the last.
+  enum class Scope { kParts, kIsland, kWhole };
+
+  Attempts(const AutoSettings& settings, SharedMethods& shared, Scope scope = Scope::kParts)
+      : settings_(settings), shared_(shared), scope_(scope) {}
 
   /// @param problem must outlive the next load @param v the velocity now
   /// @param in_turn a dense first method is not loaded: until the next update() the shared one solves, which touches
@@ -96,7 +99,7 @@ class Attempts {
 
   const AutoSettings& settings_;
   SharedMethods& shared_;
-  bool one_island_ = false;
+  Scope scope_ = Scope::kParts;
   const Problem* problem_ = nullptr;
   Vector v_;
   AutoPlan plan_;

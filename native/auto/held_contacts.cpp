@@ -48,7 +48,7 @@ void HeldContacts::load(const Problem& problem, const Vector& v) {
   problem_ = &problem;
   contact_ = problem.contact();
   has_test_ = false;
-  if (!one_island_) from_loads_ = true;  // the last problem may have been another island
+  if (!follow_) from_loads_ = true;
   if (graph_.load(*contact_)) {
     matrix_.analyze(graph_, contact_->ngc());
     graph_.set_places(matrix_.places());

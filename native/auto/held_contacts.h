@@ -29,7 +29,8 @@ namespace lcpbench {
 class HeldContacts {
  public:
   /// @param one_island all problems are known to be one island with all their contacts and coordinates
-  explicit HeldContacts(bool one_island) : one_island_(one_island) {}
+  /// @param follow each is the next step of the last
+  HeldContacts(bool one_island, bool follow) : one_island_(one_island), follow_(follow) {}
 
   /// Whether it can be loaded: G itself is given.
   static bool takes(const ContactProblem& contact);
@@ -74,6 +75,7 @@ class HeldContacts {
   double offset(std::size_t contact) const { return contact_->offset(static_cast<Index>(contact)); }
 
   bool one_island_ = false;
+  bool follow_ = false;
   const Problem* problem_ = nullptr;
   const ContactProblem* contact_ = nullptr;
   AnswerTest test_;
