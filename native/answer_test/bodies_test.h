@@ -60,14 +60,14 @@ class BodiesTest {
   };
 
   template <class Scalar>
+  bool factor_and_respond(const Matrix& block, Index first, Room<Scalar>& room) const;
+  bool respond_by_kernels(const Matrix& block, double* reach, double* x, Room<double>& room) const;
+  template <class Scalar>
   contact_lemke::Residual complete(Vector& z, Room<Scalar>& room);
   template <class Scalar>
   void add_impulses(const Vector& z, Room<Scalar>& room) const;
   template <class Scalar>
   void respond(const Matrix& block, Index first, Room<Scalar>& room) const;
-  template <class Scalar>
-  bool factor_and_respond(const Matrix& block, Index first, Room<Scalar>& room) const;
-  bool respond_by_kernels(const Matrix& block, double* reach, double* x, Room<double>& room) const;
   template <class Scalar>
   void bound_rounding(Index impulses, Room<Scalar>& room) const;
   template <class Scalar>
