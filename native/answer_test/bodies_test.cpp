@@ -257,22 +257,6 @@ void BodiesTest::release(Vector& z) {
   }
 }
 
-template <class Scalar>
-void BodiesTest::add_impulses(const Vector& z, Room<Scalar>& room) const {
-  std::fill(room.impulse.begin(), room.impulse.end(), Scalar(0));
-  std::fill(room.terms.begin(), room.terms.end(), Scalar(0));
-  for (Island<Scalar>& island : room.islands) island = {0, 0, 0, 0, 0, 0, false, true};
-  for (Index j = 0; j < layout_.lambda_offset(); ++j) {
-    if (z(j) == 0) continue;
-    AddedImpulse<Scalar> added{
-        .impulse = static_cast<Scalar>(z(j)), .to = room.impulse.data(), .terms = room.terms.data()};
-    sum_column(*contact_, j, added);
-    if (added.last < 0) continue;
-    const Index island = numbers_.of_coordinate[static_cast<std::size_t>(added.last)];  // that of all its entries
-    room.islands[static_cast<std::size_t>(island)].presses = true;
-  }
-}
-
 /// The same as respond_block(). @returns false, with nothing done, where the block is not definite
 bool BodiesTest::respond_by_kernels(const Matrix& block, double* reach, double* x, Room<double>& room) const {
   const Index n = block.rows();
@@ -299,6 +283,22 @@ bool BodiesTest::factor_and_respond(const Matrix& block, Index first, Room<Scala
                              : n == 6 ? respond_block<6, Scalar>
                                       : respond_block<0, Scalar>;
   return respond_sized(block, room.factor.data(), room.inverse.data(), reach, x);
+}
+
+template <class Scalar>
+void BodiesTest::add_impulses(const Vector& z, Room<Scalar>& room) const {
+  std::fill(room.impulse.begin(), room.impulse.end(), Scalar(0));
+  std::fill(room.terms.begin(), room.terms.end(), Scalar(0));
+  for (Island<Scalar>& island : room.islands) island = {0, 0, 0, 0, 0, 0, false, true};
+  for (Index j = 0; j < layout_.lambda_offset(); ++j) {
+    if (z(j) == 0) continue;
+    AddedImpulse<Scalar> added{
+        .impulse = static_cast<Scalar>(z(j)), .to = room.impulse.data(), .terms = room.terms.data()};
+    sum_column(*contact_, j, added);
+    if (added.last < 0) continue;
+    const Index island = numbers_.of_coordinate[static_cast<std::size_t>(added.last)];  // that of all its entries
+    room.islands[static_cast<std::size_t>(island)].presses = true;
+  }
 }
 
 /// u of one block, by Cholesky; reach, root, and the sums of bound_rounding().
