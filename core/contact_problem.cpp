@@ -86,17 +86,17 @@ bool all_finite(const Jacobian& J) {
 ContactLayout contact_layout(const ContactProblem& problem) {
   ContactLayout layout;
   layout.nc = problem.nc();
-  layout.friction_begin.reserve(problem.edges.size() + 1);
-  layout.lambda.reserve(problem.edges.size());
-  layout.cone_contact.reserve(problem.edges.size());
-  layout.friction_begin.push_back(0);
-  for (Index i = 0; i < layout.nc; ++i) {
-    const int edges = problem.edges[static_cast<std::size_t>(i)];
+  layout.friction_begin.resize(problem.edges.size() + 1);
+  layout.lambda.resize(problem.edges.size());
+  layout.cone_contact.resize(problem.edges.size());
+  for (std::size_t i = 0; i < problem.edges.size(); ++i) {
+    const int edges = problem.edges[i];
     layout.friction += edges;
-    layout.friction_begin.push_back(layout.friction);
-    layout.lambda.push_back(edges > 0 ? layout.cones++ : -1);
-    if (edges > 0) layout.cone_contact.push_back(i);
+    layout.friction_begin[i + 1] = layout.friction;
+    layout.lambda[i] = edges > 0 ? layout.cones : -1;
+    if (edges > 0) layout.cone_contact[static_cast<std::size_t>(layout.cones++)] = static_cast<Index>(i);
   }
+  layout.cone_contact.resize(static_cast<std::size_t>(layout.cones));
   return layout;
 }
 

@@ -48,7 +48,8 @@ void matched_start(const Vector& z, const ContactLayout& layout_before, const Co
     const Index to = layout_now.friction_begin[c];
     const Index edges = layout_now.friction_begin[c + 1] - to;
     if (edges == 0 || layout_before.friction_begin[was + 1] - from != edges) continue;
-    start.segment(layout_now.friction_offset() + to, edges) = z.segment(layout_before.friction_offset() + from, edges);
+    std::copy_n(z.data() + layout_before.friction_offset() + from, edges,
+                start.data() + layout_now.friction_offset() + to);
     start(layout_now.lambda_offset() + layout_now.lambda[c]) =
         z(layout_before.lambda_offset() + layout_before.lambda[was]);
   }

@@ -26,7 +26,8 @@ class AnswerTest {
   AnswerTest();
 
   /// @param problem must stay as it is until the next load. O(ngc^3), of bare LCPs O(n^2)
-  void load(const Problem& problem, Bodies bodies = Bodies::kTogether);
+  /// @param is_one_island bodies one by one: they, and all contacts, are known to be one island
+  void load(const Problem& problem, Bodies bodies = Bodies::kTogether, bool is_one_island = false);
 
   /// The same contacts, another velocity before the impact (ngc). @pre a contact problem was loaded
   void set_velocity(const Vector& v);

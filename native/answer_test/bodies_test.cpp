@@ -16,6 +16,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kTrusted = 0.1;           ///< share of a block's least eigenvalue that rounding may take
 constexpr double kFloor = 0x1p-53 / 1e-4;  ///< of the verdict: the rounding of q in double counts as solved
 constexpr double kSmallestSafe = 1e-280;   ///< sums of products above this lose nothing that counts to underflow
+constexpr Index kLargeBlock = 8;           ///< from this order on the kernels for double are faster
 
 double root_of(double x) { return std::sqrt(x); }
 Quad root_of(Quad x) { return sqrt(x); }
@@ -204,14 +205,27 @@ void BodiesTest::Room<Scalar>::resize(Index ngc, Index largest_block, Index isla
   sight.resize(static_cast<std::size_t>(4 * ngc));
   factor.resize(static_cast<std::size_t>(largest_block * largest_block));
   inverse.resize(static_cast<std::size_t>(4 * largest_block));
+  if (sizeof(Scalar) == sizeof(double) && largest_block >= kLargeBlock) {
+    const Index stride = largest_block + cholesky::kMargin;
+    dense.resize(static_cast<std::size_t>(stride * stride));
+    work.resize(static_cast<std::size_t>(cholesky::work_size(largest_block)));
+  }
   islands.resize(static_cast<std::size_t>(island_count));
   rows.resize(static_cast<std::size_t>(most_directions));
 }
 
-void BodiesTest::load(const ContactProblem& contact) {
+BodiesTest::BodiesTest() : kernels_(cholesky::engine(isa_level())) {}
+
+void BodiesTest::load(const ContactProblem& contact, bool is_one_island) {
   contact_ = &contact;
   layout_ = contact_layout(contact);
-  numbers_.find(contact);
+  if (is_one_island && !contact.has_offset()) {  // where nothing moves a contact, its offset alone counts
+    numbers_.count = 1;
+    numbers_.of_contact.assign(contact.edges.size(), 0);
+    numbers_.of_coordinate.assign(static_cast<std::size_t>(contact.ngc()), 0);
+  } else {
+    numbers_.find(contact);
+  }
   moves_.resize(static_cast<std::size_t>(numbers_.count));
   v_ = contact.v;
   Index largest = 0;
@@ -243,6 +257,34 @@ void BodiesTest::release(Vector& z) {
   }
 }
 
+/// The same as respond_block(). @returns false, with nothing done, where the block is not definite
+bool BodiesTest::respond_by_kernels(const Matrix& block, double* reach, double* x, Room<double>& room) const {
+  const Index n = block.rows();
+  const Index stride = n + cholesky::kMargin;
+  cholesky::take_lower(block.data(), n, room.dense.data(), stride);
+  if (!kernels_.factor(room.dense.data(), stride, n, n, room.work.data())) return false;
+  cholesky::keep_columns(room.dense.data(), stride, n, n, room.factor.data());
+  kernels_.measure_inverse(room.factor.data(), n, reach, room.work.data());
+  kernels_.solve_lower(room.factor.data(), n, n, x);
+  kernels_.solve_transposed(room.factor.data(), n, n, x);
+  return true;
+}
+
+/// u of one block for its impulse, and its reach. @returns whether it is definite
+template <class Scalar>
+bool BodiesTest::factor_and_respond(const Matrix& block, Index first, Room<Scalar>& room) const {
+  const Index n = block.rows();
+  Scalar* const x = room.u.data() + first;
+  Scalar* const reach = room.reach.data() + first;
+  if constexpr (sizeof(Scalar) == sizeof(double)) {
+    if (n >= kLargeBlock && respond_by_kernels(block, reach, x, room)) return true;
+  }
+  const auto respond_sized = n == 3   ? respond_block<3, Scalar>
+                             : n == 6 ? respond_block<6, Scalar>
+                                      : respond_block<0, Scalar>;
+  return respond_sized(block, room.factor.data(), room.inverse.data(), reach, x);
+}
+
 template <class Scalar>
 void BodiesTest::add_impulses(const Vector& z, Room<Scalar>& room) const {
   std::fill(room.impulse.begin(), room.impulse.end(), Scalar(0));
@@ -266,10 +308,7 @@ void BodiesTest::respond(const Matrix& block, Index first, Room<Scalar>& room) c
   const auto at = static_cast<std::size_t>(first);
   Scalar* const x = room.u.data() + at;
   std::copy_n(room.impulse.data() + at, n, x);
-  const auto respond_sized = n == 3   ? respond_block<3, Scalar>
-                             : n == 6 ? respond_block<6, Scalar>
-                                      : respond_block<0, Scalar>;
-  const bool is_definite = respond_sized(block, room.factor.data(), room.inverse.data(), room.reach.data() + at, x);
+  const bool is_definite = factor_and_respond(block, first, room);
   Scalar condition = 0;
   for (std::size_t k = 0; k < n; ++k) {
     room.root[at + k] = root_of(static_cast<Scalar>(block(static_cast<Index>(k), static_cast<Index>(k))));

@@ -6,6 +6,7 @@
 #include "core/islands.h"
 #include "core/quad.h"
 #include "native/contact_lemke/engine.h"
+#include "native/velocity_ipm/cholesky_engine.h"
 
 namespace lcpbench {
 
@@ -13,8 +14,11 @@ namespace lcpbench {
 /// matrix over all bodies. Every block of G is factored anew in each test, in the arithmetic of the test.
 class BodiesTest {
  public:
+  BodiesTest();
+
   /// @param contact with BlockInertia; must stay as it is until the next load
-  void load(const ContactProblem& contact);
+  /// @param is_one_island all contacts and coordinates are known to be one island
+  void load(const ContactProblem& contact, bool is_one_island);
   void set_velocity(const Vector& v) { v_ = v; }
 
   /// Impulses of islands that are at rest become zero, and so does friction where no contact presses.
@@ -47,6 +51,7 @@ class BodiesTest {
     std::vector<Scalar> impulse, terms, u, bound, reach, root;  // per coordinate
     std::vector<Scalar> sight;            // per coordinate, what rows see of it: u, v, and the bound and reach of u
     std::vector<Scalar> factor, inverse;  // of the largest block; four columns of its inverse
+    std::vector<double> dense, work;      // to factor a large block by the kernels for double
     std::vector<Island<Scalar>> islands;
     std::vector<Row> rows;  // of the friction directions of one contact
     double roundoff = 0;
@@ -54,6 +59,9 @@ class BodiesTest {
     void resize(Index ngc, Index largest_block, Index island_count, Index most_directions);
   };
 
+  template <class Scalar>
+  bool factor_and_respond(const Matrix& block, Index first, Room<Scalar>& room) const;
+  bool respond_by_kernels(const Matrix& block, double* reach, double* x, Room<double>& room) const;
   template <class Scalar>
   contact_lemke::Residual complete(Vector& z, Room<Scalar>& room);
   template <class Scalar>
@@ -65,6 +73,7 @@ class BodiesTest {
   template <class Scalar>
   void measure_friction(Index contact, Scalar reach, Vector& z, Room<Scalar>& room) const;
 
+  const cholesky::Engine& kernels_;
   const ContactProblem* contact_ = nullptr;
   ContactLayout layout_;
   IslandNumbers numbers_;

@@ -84,6 +84,10 @@ void Attempts::load(const Problem& problem, const Vector& v, bool in_turn) {
 void Attempts::load_to_hold(const Problem& problem, const Vector& v, bool in_turn) {
   begin(problem, v);
   if (!friction_may_hold(*problem.contact(), false)) return load_methods(in_turn);
+  if (scope_ == Scope::kWhole && !friction_may_hold_ && steps_without_guess_ > 0) {
+    --steps_without_guess_;
+    return load_methods(in_turn);
+  }
   waits_ = true;
   in_turn_ = in_turn;
 }
@@ -128,7 +132,7 @@ bool Attempts::is_left_out(const AutoTry& now) const {
 void Attempts::load_own(AutoMethod method) {
   const auto index = static_cast<std::size_t>(method);
   if (own_[index] == nullptr) own_[index] = make_method(method, shared_.later_engines());
-  if (method == AutoMethod::kContactLemke) static_cast<ContactLemke&>(*own_[index]).expect_one_island(one_island_);
+  if (method == AutoMethod::kContactLemke) static_cast<ContactLemke&>(*own_[index]).expect_one_island(scope_ == Scope::kWhole);
   own_[index]->load(*problem_);
   loaded_[index] = true;
   if (v_ != problem_->contact()->v && takes(*own_[index], *problem_)) own_[index]->update(v_);
@@ -204,7 +208,7 @@ bool Attempts::may_hold(const SolveRequest& request) const {
 bool Attempts::holds(const SolveRequest& request, const AutoLimits& limits, Answer& answer, AutoReport& report) {
   const double time = limits.time();
   if (!(time > 0) || limits.exhausted(report.counters())) return false;
-  if (held_ == nullptr) held_ = std::make_unique<HeldContacts>();
+  if (held_ == nullptr) held_ = std::make_unique<HeldContacts>(scope_ != Scope::kParts, scope_ == Scope::kWhole);
   if (!has_held_) held_->load(*problem_, v_);
   has_held_ = true;
   Counters work{.iterations = 0, .pivots = 0, .factorizations = 0};
@@ -250,7 +254,12 @@ bool Attempts::may_have_missed_rest(const Answer& answer) const {
 void Attempts::solve(const SolveRequest& request, const AutoLimits& limits, Answer& answer, AutoReport& report) {
   shared_.begin_solve();
   const bool held = may_hold(request);
-  if (held && holds(request, limits, answer, report)) return;
+  const bool found = held && holds(request, limits, answer, report);
+  if (held && waits_) {
+    wrong_guesses_ = found ? 0 : wrong_guesses_ + 1;
+    steps_without_guess_ = wrong_guesses_;
+  }
+  if (found) return;
   if (waits_) load_methods(in_turn_);
   // An answer of active sets rests on few of the contacts that hold, and from it the guess would go wrong again. One of
   // friction_ipm rests on all of them.

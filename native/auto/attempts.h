@@ -43,16 +43,20 @@ class SharedMethods {
 /// which allocates.
 class Attempts {
  public:
-  /// @param one_island all problems are known to be one island with all their contacts and coordinates
-  Attempts(const AutoSettings& settings, SharedMethods& shared, bool one_island = false)
-      : settings_(settings), shared_(shared), one_island_(one_island) {}
+  /// What is known of all problems: nothing; with friction they are one island with all their contacts and coordinates;
+  /// they always are, and each is the next step of the last.
+  enum class Scope { kParts, kIsland, kWhole };
+
+  Attempts(const AutoSettings& settings, SharedMethods& shared, Scope scope = Scope::kParts)
+      : settings_(settings), shared_(shared), scope_(scope) {}
 
   /// @param problem must outlive the next load @param v the velocity now
   /// @param in_turn a dense first method is not loaded: until the next update() the shared one solves, which touches
   ///     memory once for all islands, and forgets the island
   void load(const Problem& problem, const Vector& v, bool in_turn = false);
   /// The same after a step with nearly these contacts: where friction may hold them nothing is loaded before a solve()
-  /// whose guess that they hold is wrong, or that has no start to make it from.
+  /// whose guess that they hold is wrong, or that has no start to make it from. After guesses on a small island that
+  /// were wrong as many steps follow without one.
   void load_to_hold(const Problem& problem, const Vector& v, bool in_turn = false);
   /// Does not load the sparse first method. update() loads it. A solve() before that uses the dense methods.
   /// @returns false where there is no other, and nothing was put off
@@ -95,7 +99,7 @@ class Attempts {
 
   const AutoSettings& settings_;
   SharedMethods& shared_;
-  bool one_island_ = false;
+  Scope scope_ = Scope::kParts;
   const Problem* problem_ = nullptr;
   Vector v_;
   AutoPlan plan_;
@@ -109,6 +113,8 @@ class Attempts {
   bool friction_may_hold_ = false;  ///< see friction_may_hold(), of a loaded first method
   bool waits_ = false;              ///< of load_to_hold(): no method is loaded, there is no plan
   bool in_turn_ = false;            ///< of load_to_hold()
+  int wrong_guesses_ = 0;           ///< of steps for which load_to_hold() waited, the last ones in a row
+  int steps_without_guess_ = 0;     ///< that follow them, as many as they were
   bool takes_turns_ = false;        ///< the shared solvers stand for the own ones
   bool is_put_off_ = false;
   Solver* answered_ = nullptr;  ///< what gave the last answer

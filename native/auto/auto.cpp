@@ -74,7 +74,7 @@ class Auto final : public Solver {
   bool may_remain_ = false;   // then it gets no method while nothing approaches
   bool remains_ = false;      // so it is now
   bool has_methods_ = false;  // whole_ is loaded
-  Attempts whole_{settings_, shared_, true};
+  Attempts whole_{settings_, shared_, Attempts::Scope::kWhole};
 
   IslandNumbers numbers_;  // where the inertia does not tell that there is one island
   IslandLanes islands_{settings_, shared_};

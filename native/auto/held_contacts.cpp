@@ -24,11 +24,19 @@ constexpr double kProgress = 0.5;
 constexpr double kNoImpulse = 1e-9;
 /// One that is further out than this after the first step makes the guess a wrong one.
 constexpr double kFarOut = 1e-3;
+/// One in so many contacts has to be known to press.
+constexpr Index kFewest = 4;
 /// In the last answer a lambda above this part of max|v| is slip.
 constexpr double kSlip = 1e-6;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// What is no number stays the largest, as infinity.
+void raise(double& largest, double x) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  if (!(x <= largest)) largest = x < kInfinity ? x : kInfinity;
+}
 
 }  // namespace
 
@@ -40,6 +48,7 @@ void HeldContacts::load(const Problem& problem, const Vector& v) {
   problem_ = &problem;
   contact_ = problem.contact();
   has_test_ = false;
+  if (!follow_) from_loads_ = true;
   if (graph_.load(*contact_)) {
     matrix_.analyze(graph_, contact_->ngc());
     graph_.set_places(matrix_.places());
@@ -50,12 +59,12 @@ void HeldContacts::load(const Problem& problem, const Vector& v) {
 
 void HeldContacts::take_room() {
   matrix_.take_room(graph_);
-  scaled_.resize(at(graph_.most_columns()));
   impulses_.resize(graph_.column_count());
   misses_.resize(graph_.column_count());
+  scaled_.resize(graph_.column_count());
   held_.resize(graph_.contacts().size());
   load_.resize(graph_.contacts().size());
-  for (Vector* room : {&v_, &u_, &step_, &impulse_}) room->resize(contact_->ngc());
+  for (Vector* room : {&v_, &u_, &step_, &rest_}) room->setZero(graph_.padded_size());
 }
 
 void HeldContacts::set_velocity(const Vector& v) {
@@ -64,28 +73,31 @@ void HeldContacts::set_velocity(const Vector& v) {
   if (has_test_) test_.set_velocity(v);
 }
 
+/// A'u + b of all contacts, in misses_.
+void HeldContacts::see(const Vector& u) {
+  graph_.multiply(u, misses_.data());
+  if (!contact_->has_offset()) return;
+  for (std::size_t c = 0; c < graph_.contacts().size(); ++c) misses_[graph_.contacts()[c].first] += offset(c);
+}
+
 void HeldContacts::measure_scale() {
+  see(v_);
   scale_ = 0;
-  for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
-    double* const q = misses_.data() + graph_.contacts()[c].first;
-    graph_.multiply(graph_.contacts()[c], v_, q);
-    q[0] += offset(c);
-    for (int t = 0; t < graph_.contacts()[c].columns; ++t) scale_ = std::max(scale_, std::abs(q[t]));
-  }
+  for (const double q : misses_) raise(scale_, std::abs(q));
 }
 
 bool HeldContacts::held(const ContactProblem& contact, const Vector& v, const Vector& start) {
   if (start.size() != lcp_size(contact) || !start.allFinite()) return false;
   const double most = kSlip * v.lpNorm<Eigen::Infinity>();
   Index lambda = contact.nc() + cols(contact.D);
-  bool presses = false;
+  Index pressed = 0;
   for (Index c = 0; c < contact.nc(); ++c) {
-    presses = presses || start(c) > 0;
+    pressed += start(c) > 0 ? 1 : 0;
     if (contact.edges[at(c)] == 0) continue;
     if (start(c) > 0 && contact.mu(c) > 0 && !(start(lambda) <= most)) return false;
     ++lambda;
   }
-  return presses;
+  return pressed > 0 && kFewest * pressed >= contact.nc();
 }
 
 /// The impulses of the last answer, and what it held.
@@ -120,67 +132,68 @@ void HeldContacts::weigh() {
 
 /// u of the impulses.
 void HeldContacts::respond() {
-  impulse_.setZero(v_.size());
-  for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
-    const HeldColumns& contact = graph_.contacts()[c];
-    const double* const f = impulses_.data() + contact.first;
-    if (std::any_of(f, f + contact.columns, [](double x) { return x != 0; })) graph_.add_columns(contact, f, impulse_);
-  }
+  rest_.setZero();
+  graph_.add_columns(impulses_.data(), rest_);
   u_ = v_;
-  graph_.add_response(impulse_, u_);
+  graph_.add_response(rest_, u_);
 }
 
-/// A'u + b of what is held. @returns the largest, relative to max|q|
+/// What u and the impulses leave of both equations: A'u + b of what is held, and what r = A f - G (u - v) changes at the
+/// contacts, about: A'D^-1 r with the diagonal D of G. @returns the largest of both, relative to max|q|
 double HeldContacts::miss() {
-  respond();
+  rest_.setZero();
+  graph_.add_columns(impulses_.data(), rest_);
+  step_ = u_ - v_;
+  graph_.subtract_inertia(step_, rest_);
+  step_ = rest_;
+  graph_.respond_by_diagonal(step_);
+  graph_.multiply(step_, scaled_.data());
   double largest = 0;
-  for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
-    if (held_[c] == 0) continue;
-    const HeldColumns& contact = graph_.contacts()[c];
-    double* const w = misses_.data() + contact.first;
-    graph_.multiply(contact, u_, w);
-    w[0] += offset(c);
-    for (int t = 0; t < contact.columns; ++t) largest = std::max(largest, std::abs(w[t]));
-  }
-  return largest / scale_;
+  for (const double change : scaled_) raise(largest, std::abs(change));
+  see(u_);
+  return std::max(largest_held_miss(), largest / scale_);
 }
 
-/// f -= W (w - A'y) for (G + A W A') y = A W w, which changes u by - y. @returns the largest of the new w, relative to
-/// max|q|, but for the rounding of the factors
-double HeldContacts::improve() {
-  step_.setZero(v_.size());
+double HeldContacts::largest_held_miss() const {
+  double largest = 0;
   for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
     if (held_[c] == 0) continue;
     const double* const w = misses_.data() + graph_.contacts()[c].first;
-    for (int t = 0; t < graph_.contacts()[c].columns; ++t) scaled_[at(t)] = load_[c] * w[t];
-    graph_.add_columns(graph_.contacts()[c], scaled_.data(), step_);
-  }
-  matrix_.solve(step_);
-  double largest = 0;
-  for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
-    if (held_[c] == 0) continue;
-    double* const w = misses_.data() + graph_.contacts()[c].first;
-    double* const f = impulses_.data() + graph_.contacts()[c].first;
-    graph_.multiply(graph_.contacts()[c], step_, scaled_.data());
-    for (int t = 0; t < graph_.contacts()[c].columns; ++t) {
-      w[t] -= scaled_[at(t)];
-      f[t] -= load_[c] * w[t];
-      largest = std::max(largest, std::abs(w[t]));
-    }
+    for (int t = 0; t < graph_.contacts()[c].columns; ++t) raise(largest, std::abs(w[t]));
   }
   return largest / scale_;
+}
+
+/// u -= y and f -= W (w - A'y) for (G + A W A') y = A W w - r. @pre miss() or let_go() was the last to fill the misses
+/// and the rest
+void HeldContacts::improve() {
+  for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
+    const HeldColumns& contact = graph_.contacts()[c];
+    for (std::size_t t = contact.first; t < contact.first + at(contact.columns); ++t) {
+      scaled_[t] = held_[c] != 0 ? load_[c] * misses_[t] : 0;
+    }
+  }
+  step_ = -rest_;
+  graph_.add_columns(scaled_.data(), step_);
+  matrix_.solve(step_);
+  u_ -= step_;
+  graph_.multiply(step_, scaled_.data());
+  for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
+    if (held_[c] == 0) continue;
+    const HeldColumns& contact = graph_.contacts()[c];
+    for (std::size_t t = contact.first; t < contact.first + at(contact.columns); ++t) {
+      misses_[t] -= scaled_[t];
+      impulses_[t] -= load_[c] * misses_[t];
+    }
+  }
 }
 
 /// Takes all impulses away. @pre measure_scale() was the last to fill the misses @returns what miss() would, cheaper
 double HeldContacts::let_go() {
   std::fill(impulses_.begin(), impulses_.end(), 0.0);
-  double largest = 0;
-  for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
-    if (held_[c] == 0) continue;
-    const double* const q = misses_.data() + graph_.contacts()[c].first;
-    for (int t = 0; t < graph_.contacts()[c].columns; ++t) largest = std::max(largest, std::abs(q[t]));
-  }
-  return largest / scale_;
+  u_ = v_;
+  rest_.setZero();
+  return largest_held_miss();
 }
 
 /// Whether no impulse is so far out of its cone that further steps, which are corrections, hardly bring it back.
@@ -195,26 +208,28 @@ bool HeldContacts::may_be_confirmed() const {
   return true;
 }
 
-/// Steps until nothing held moves, rounding is met, or the guess is seen to be wrong. After the first the velocity is
-/// taken from the impulses again: it was the largest, and the factors are not exact.
-void HeldContacts::approach(double now) {
+/// Steps until nothing held moves, rounding is met, or the guess is seen to be wrong. @returns what is left
+double HeldContacts::approach(double now) {
   for (int step = 0; step < kMostSteps && now > kHeldStill; ++step) {
     const double before = now;
-    now = improve();
-    if (step == 0 && !may_be_confirmed()) return;
-    if (step == 0) now = miss();
-    if (!(now <= kProgress * before)) return;
+    improve();
+    if (step == 0 && !may_be_confirmed()) return now;
+    now = miss();
+    if (!(now <= kProgress * before)) break;
   }
+  return now;
 }
 
 /// Whether the impulses are in their cones and leave no contact held that moves, and no other within its clearance.
-/// What is outside by rounding is brought back.
-bool HeldContacts::is_confirmed() {
+/// What is outside by rounding is brought back. @param left what miss() returned last
+bool HeldContacts::is_confirmed(double left) {
+  trimmed_ = false;
   const double largest = largest_load();
   const double none = kNoImpulse * largest;
   for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
     double* const f = impulses_.data() + graph_.contacts()[c].first;
     if (f[0] < -none) return false;
+    trimmed_ = trimmed_ || f[0] < 0;
     f[0] = std::max(f[0], 0.0);
     const double most = contact_->mu(static_cast<Index>(c)) * f[0];
     double friction = 0;
@@ -222,8 +237,9 @@ bool HeldContacts::is_confirmed() {
     if (friction <= most) continue;
     if (!(friction <= most + none)) return false;
     for (int t = 1; t < graph_.contacts()[c].columns; ++t) f[t] *= most / friction;
+    trimmed_ = true;
   }
-  if (!(miss() <= kLargestMiss)) return false;
+  if (!((trimmed_ ? miss() : left) <= kLargestMiss)) return false;
   for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
     if (held_[c] == 0 && !(clearance(c) >= -kLargestMiss * scale_)) return false;
   }
@@ -231,12 +247,12 @@ bool HeldContacts::is_confirmed() {
 }
 
 /// The least of (N + mu d)'u + b over the contact's directions d: where it is not negative, neither is w, and the
-/// impulses that hold the others are those of least energy.
-double HeldContacts::clearance(std::size_t contact) {
-  graph_.multiply(graph_.contacts()[contact], u_, scaled_.data());
+/// impulses that hold the others are those of least energy. @pre miss() was the last to fill the misses
+double HeldContacts::clearance(std::size_t contact) const {
+  const double* const w = misses_.data() + graph_.contacts()[contact].first;
   double slip = 0;
-  for (int t = 1; t < graph_.contacts()[contact].columns; ++t) slip = std::max(slip, std::abs(scaled_[at(t)]));
-  return scaled_[0] + offset(contact) - contact_->mu(static_cast<Index>(contact)) * slip;
+  for (int t = 1; t < graph_.contacts()[contact].columns; ++t) slip = std::max(slip, std::abs(w[t]));
+  return w[0] - contact_->mu(static_cast<Index>(contact)) * slip;
 }
 
 /// Lets go what pulls, and holds what approaches or slips without a load. @returns whether there was any
@@ -270,6 +286,7 @@ void HeldContacts::write(Answer& answer) const {
     }
     direction += edges;
   }
+  if (trimmed_) return;  // u is not quite theirs
   answer.velocity.resize(contact_->ngc());
   graph_.restore(u_, answer.velocity);
 }
@@ -280,21 +297,27 @@ bool HeldContacts::starts(const Vector& start) {
   for (int way = 0; way < 2; ++way) {
     if (way > 0) take_start(start);
     if (way > 0 && from_loads_) measure_scale();  // for the misses
-    approach(from_loads_ ? let_go() : miss());
-    if (is_confirmed()) return true;
+    if (!from_loads_) respond();
+    if (is_confirmed(approach(from_loads_ ? let_go() : miss()))) return true;
     from_loads_ = !from_loads_;
   }
   return false;
 }
 
+/// Whether G is positive definite in double. Of separate bodies the test of the answer tells.
+bool HeldContacts::is_definite() {
+  if (std::holds_alternative<BlockInertia>(contact_->inertia)) return true;
+  std::fill(load_.begin(), load_.end(), 0.0);
+  return matrix_.factor(graph_, load_);
+}
+
 bool HeldContacts::continues() {
-  approach(miss());
-  return is_confirmed();
+  return is_confirmed(approach(miss()));
 }
 
 bool HeldContacts::solve(const Vector& start, int tries, double deadline_s, Answer& answer, Counters& work) {
   measure_scale();
-  if (!graph_.is_definite() || !(scale_ > 0 && scale_ <= std::numeric_limits<double>::max())) return false;
+  if (!(scale_ > 0 && scale_ <= std::numeric_limits<double>::max())) return false;
   take_start(start);  // the loads, for the weights
   for (int guess = 0; guess < tries; ++guess) {
     weigh();
@@ -302,12 +325,13 @@ bool HeldContacts::solve(const Vector& start, int tries, double deadline_s, Answ
     if (!matrix_.factor(graph_, load_)) return false;
     if (!(guess == 0 ? starts(start) : continues())) {
       if (guess + 1 == tries) return false;
-      respond();
+      see(u_);
       if (!change_guess()) return false;
       continue;
     }
+    if (!is_definite()) return false;
     write(answer);
-    if (!has_test_) test_.load(*problem_, AnswerTest::Bodies::kOneByOne);
+    if (!has_test_) test_.load(*problem_, AnswerTest::Bodies::kOneByOne, one_island_);
     if (!has_test_) test_.set_velocity(given_v_);
     has_test_ = true;
     return test_.settle(answer, deadline_s);

@@ -16,10 +16,10 @@ namespace lcpbench {
 ///
 /// With the columns a of these contacts the velocity is then the projection of v onto {u : a'u + b = 0}, in the metric
 /// of the inertia. The impulses are the least that give this velocity, each contact's measured against its load in the
-/// last step, or the last impulses and the least such change of them, whichever is in the friction cones: Newton's
-/// steps on (A'G*A) f = -(A'v + b) through the Cholesky factors of G + A W A', whose weights W stand in for the inverse
-/// of the singular A'G*A. A contact that would have to pull is let go, one that approaches is held, and the guess tried
-/// again, a few times. The answer is tested as those of friction_ipm are.
+/// last step, or the last impulses and the least such change of them, whichever is in the friction cones. Both are
+/// found by Newton's steps on G (u - v) = A f and A'u + b = 0 through the Cholesky factors of G + A W A', whose weights
+/// W stand in for the inverse of the singular A'G*A. A contact that would have to pull is let go, one that approaches is
+/// held, and the guess tried again, a few times. The answer is tested as those of friction_ipm are.
 ///
 /// An answer is handed out only if its velocity is that of least energy: what is not held leaves the pyramids'
 /// (N + mu d)'u + b >= 0. So a step that can rest is brought to rest.
@@ -28,10 +28,15 @@ namespace lcpbench {
 /// has the same graph of bodies and contacts.
 class HeldContacts {
  public:
+  /// @param one_island all problems are known to be one island with all their contacts and coordinates
+  /// @param follow each is the next step of the last
+  HeldContacts(bool one_island, bool follow) : one_island_(one_island), follow_(follow) {}
+
   /// Whether it can be loaded: G itself is given.
   static bool takes(const ContactProblem& contact);
 
-  /// Whether some contact pressed in the last answer, brought to these contacts, and none slipped. O(n)
+  /// Whether a quarter of the contacts or more pressed in the last answer, brought to these contacts, and none of them
+  /// slipped. O(n)
   static bool held(const ContactProblem& contact, const Vector& v, const Vector& start);
 
   /// O(nonzeros of N and D), and of another graph than the last its order of elimination.
@@ -48,24 +53,29 @@ class HeldContacts {
 
  private:
   void take_room();
+  void see(const Vector& u);
   void measure_scale();
   void take_start(const Vector& start);
   void weigh();
   void respond();
   double miss();
-  double improve();
+  double largest_held_miss() const;
+  void improve();
   double let_go();
   double largest_load() const;
   bool may_be_confirmed() const;
-  void approach(double now);
+  double approach(double now);
   bool starts(const Vector& start);
   bool continues();
-  bool is_confirmed();
-  double clearance(std::size_t contact);
+  bool is_confirmed(double left);
+  bool is_definite();
+  double clearance(std::size_t contact) const;
   bool change_guess();
   void write(Answer& answer) const;
   double offset(std::size_t contact) const { return contact_->offset(static_cast<Index>(contact)); }
 
+  bool one_island_ = false;
+  bool follow_ = false;
   const Problem* problem_ = nullptr;
   const ContactProblem* contact_ = nullptr;
   AnswerTest test_;
@@ -75,11 +85,12 @@ class HeldContacts {
   HeldMatrix matrix_;
 
   Vector given_v_;                         ///< in the order of the problem
-  Vector v_, u_, step_, impulse_;          ///< in the order of elimination
+  Vector v_, u_, step_, rest_;             ///< in the order of elimination
+  bool trimmed_ = false;                   ///< impulses were brought back into their cones
   std::vector<char> held_;                 ///< by contact
   std::vector<double> load_;               ///< by contact: the weight of its columns
   std::vector<double> impulses_, misses_;  ///< by column: f, and A'u + b
-  std::vector<double> scaled_;             ///< one contact's columns
+  std::vector<double> scaled_;             ///< by column: of the weights, and of a step
   double scale_ = 0;                       ///< max|q|
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <variant>
 
@@ -33,12 +34,11 @@ void visit_contact(const ContactProblem& problem, Index contact, Index direction
   }
 }
 
-/// The columns of L, G = L L', in place of those of G, with the inverse of each diagonal entry in its place; kSize 0:
-/// any size. @returns whether G is definite
-template <int kSize>
-bool factor_body(double* L, int size) {
-  const int n = kSize > 0 ? kSize : size;
-  bool is_definite = true;
+constexpr int kBody = 6;
+
+/// The columns of L, G = L L', in place of those of G (6 x 6), with the inverse of each diagonal entry in its place.
+void factor_body(double* L) {
+  constexpr int n = kBody;
   for (int j = 0; j < n; ++j) {
     double* const column = L + j * n;
     int k = 0;
@@ -51,28 +51,21 @@ bool factor_body(double* L, int size) {
       const double* const before = L + k * n;
       for (int i = j; i < n; ++i) column[i] -= before[j] * before[i];
     }
-    is_definite = is_definite && column[j] > 0;
     const double inverse = 1 / std::sqrt(column[j]);
     column[j] = inverse;
     for (int i = j + 1; i < n; ++i) column[i] *= inverse;
   }
-  return is_definite;
 }
 
 /// u += (L L')^-1 x for the factor of factor_body(); x is used up.
-template <int kSize>
-void add_solution(const double* L, int size, double* x, double* u) {
-  const int n = kSize > 0 ? kSize : size;
+void add_solution(const double* L, double* x, double* u) {
+  constexpr int n = kBody;
   for (int j = 0; j < n; ++j) {
     x[j] *= L[j * n + j];
     for (int i = j + 1; i < n; ++i) x[i] -= L[j * n + i] * x[j];
   }
   for (int j = n; j-- > 0;) {
-    if constexpr (kSize > 0) {
-      for (int i = j + 1; i < n; ++i) x[j] -= L[j * n + i] * x[i];
-    } else {
-      x[j] -= Eigen::Map<const Vector>(L + j * n + j + 1, n - j - 1).dot(Eigen::Map<Vector>(x + j + 1, n - j - 1));
-    }
+    for (int i = j + 1; i < n; ++i) x[j] -= L[j * n + i] * x[i];
     x[j] *= L[j * n + j];
     u[j] += x[j];
   }
@@ -85,6 +78,8 @@ const Matrix& held_block(const ContactProblem& contact, std::size_t block) {
   return std::get<BlockInertia>(contact.inertia).blocks[block];
 }
 
+HeldGraph::HeldGraph() : kernels_(cholesky::engine(isa_level())) {}
+
 bool HeldGraph::load(const ContactProblem& contact) {
   contact_ = &contact;
   bool is_new = false;
@@ -94,7 +89,8 @@ bool HeldGraph::load(const ContactProblem& contact) {
     is_new = bodies_ != last_bodies_ || coupled_ != last_coupled_;
     if (!is_new) set_places(std::move(places_));
   }
-  factor_inertia();
+  invert_diagonal();
+  has_factors_ = false;
   measure_strength();
   return is_new;
 }
@@ -111,6 +107,20 @@ void HeldGraph::find() {
   find_bodies();
   find_columns();
   find_coupled();
+  take_room();
+}
+
+/// The memory for factor_inertia().
+void HeldGraph::take_room() {
+  std::ptrdiff_t largest = 0;
+  for (const HeldBody& body : bodies_) {
+    if (body.size != kBody) largest = std::max<std::ptrdiff_t>(largest, body.size);
+  }
+  const std::ptrdiff_t stride = largest + cholesky::kMargin;
+  dense_.resize(static_cast<std::size_t>(stride * stride));
+  work_.resize(static_cast<std::size_t>(cholesky::work_size(largest)));
+  inertia_factors_.resize(
+      bodies_.empty() ? 0 : bodies_.back().factor + at(bodies_.back().size) * at(bodies_.back().size));
 }
 
 /// Whether bodies and columns are as many and as long as in the last problem.
@@ -136,6 +146,11 @@ void HeldGraph::find_bodies() {
     const Index size = block_sizes_[b] = held_block(*contact_, b).rows();
     for (Index i = 0; i < size; ++i) body_of_[coordinate++] = static_cast<int>(b);
   }
+  bodies_.clear();
+  if (blocks == 1) {
+    bodies_.push_back({.size = static_cast<int>(contact_->ngc())});
+    return;
+  }
   std::vector<std::uint64_t>& touched = signatures_;  // sums over contacts of a number of each
   touched.assign(blocks, 0);
   last_touched_.assign(blocks, -1);
@@ -150,7 +165,6 @@ void HeldGraph::find_bodies() {
     });
     direction += contact_->edges[at(c)];
   }
-  bodies_.clear();
   coordinate = 0;
   std::size_t factor = 0;
   for (std::size_t b = 0; b < blocks; ++b) {
@@ -174,12 +188,16 @@ void HeldGraph::find_columns() {
   Index direction = 0;
   for (Index c = 0; c < contact_->nc(); ++c) {
     columns.parts = parts_.size();
-    visit_contact(*contact_, c, direction, [&](int, Index row, double) {
-      const int body = body_of_[at(row)];
-      const auto is_body = [body](const HeldPart& part) { return part.body == body; };
-      const auto begin = parts_.begin() + static_cast<std::ptrdiff_t>(columns.parts);
-      if (std::none_of(begin, parts_.end(), is_body)) parts_.push_back({.body = body});
-    });
+    if (is_one()) {
+      parts_.push_back({.body = 0});
+    } else {
+      visit_contact(*contact_, c, direction, [&](int, Index row, double) {
+        const int body = body_of_[at(row)];
+        const auto is_body = [body](const HeldPart& part) { return part.body == body; };
+        const auto begin = parts_.begin() + static_cast<std::ptrdiff_t>(columns.parts);
+        if (std::none_of(begin, parts_.end(), is_body)) parts_.push_back({.body = body});
+      });
+    }
     const auto begin = parts_.begin() + static_cast<std::ptrdiff_t>(columns.parts);
     std::sort(begin, parts_.end(), [](const HeldPart& a, const HeldPart& b) { return a.body < b.body; });
     columns.end_parts = parts_.size();
@@ -193,9 +211,10 @@ void HeldGraph::find_columns() {
       columns.rows += body.size;
       for (int i = 0; i < body.size; ++i) coordinates_.push_back(body.first + i);
     }
+    columns.stride = columns.rows + (is_one() ? static_cast<int>(cholesky::kMargin) : 0);
     columns.columns = 1 + directions_of(*contact_, c);
     contacts_.push_back(columns);
-    columns.entries += at(columns.rows) * at(columns.columns);
+    columns.entries += at(columns.stride) * at(columns.columns);
     columns.first += at(columns.columns);
     direction += contact_->edges[at(c)];
   }
@@ -218,7 +237,7 @@ void HeldGraph::find_coupled() {
 
 /// @returns false where a contact touches a body that it did not touch when the graph was found
 bool HeldGraph::fill_columns() {
-  const std::size_t last = contacts_.empty() ? 0 : at(contacts_.back().rows) * at(contacts_.back().columns);
+  const std::size_t last = contacts_.empty() ? 0 : at(contacts_.back().stride) * at(contacts_.back().columns);
   entries_.assign(contacts_.empty() ? 0 : contacts_.back().entries + last, 0.0);
   bool fits = true;
   Index direction = 0;
@@ -227,7 +246,7 @@ bool HeldGraph::fill_columns() {
     double* column = entries_.data() + contact.entries;
     fits = fill_column(contact_->N, static_cast<Index>(c), contact, column);
     for (int t = 0; t + 1 < contact.columns && fits; ++t) {
-      column += contact.rows;
+      column += contact.stride;
       fits = fill_column(contact_->D, direction + t, contact, column);
     }
     direction += contact_->edges[c];
@@ -249,6 +268,11 @@ bool HeldGraph::fill_column(const Jacobian& J, Index number, const HeldColumns& 
       column[part->row + (row - part->first)] = entry;
     }
   };
+  const auto* dense = std::get_if<Matrix>(&J);
+  if (dense != nullptr && is_one()) {
+    std::copy_n(dense->col(number).data(), contact.rows, column);
+    return true;
+  }
   const auto* sparse = std::get_if<SparseMatrix>(&J);
   if (sparse == nullptr || !sparse->isCompressed()) {
     for_each_entry(J, number, put);
@@ -258,6 +282,10 @@ bool HeldGraph::fill_column(const Jacobian& J, Index number, const HeldColumns& 
   const int count = sparse->outerIndexPtr()[number + 1] - first;
   const int* const rows = sparse->innerIndexPtr() + first;
   const double* const values = sparse->valuePtr() + first;
+  if (is_one()) {
+    for (int e = 0; e < count; ++e) column[rows[e]] = values[e];
+    return true;
+  }
   if (count == contact.rows && std::equal(rows, rows + count, coordinates_.data() + contact.coordinates)) {
     std::copy_n(values, count, column);  // every coordinate of its bodies, as most have
     return true;
@@ -268,24 +296,52 @@ bool HeldGraph::fill_column(const Jacobian& J, Index number, const HeldColumns& 
   return fits;
 }
 
+void HeldGraph::invert_diagonal() {
+  inverse_diagonal_.resize(at(contact_->ngc()));
+  for (const HeldBody& body : bodies_) {
+    for_each_block(body, [&](int first, const Matrix& block) {
+      for (Index j = 0; j < block.cols(); ++j) inverse_diagonal_[at(body.first + first + j)] = 1 / block(j, j);
+    });
+  }
+}
+
 /// Cholesky factors of each body's G, by columns, with the inverse of each diagonal entry in its place.
 void HeldGraph::factor_inertia() {
-  inertia_factors_.assign(
-      bodies_.empty() ? 0 : bodies_.back().factor + at(bodies_.back().size) * at(bodies_.back().size), 0.0);
-  inverse_diagonal_.resize(at(contact_->ngc()));
-  is_definite_ = true;
+  has_factors_ = true;
   for (const HeldBody& body : bodies_) {
-    const int n = body.size;
     double* const L = inertia_factors_.data() + body.factor;
+    if (body.size != kBody) {
+      factor_any(body, L);
+      continue;
+    }
+    std::fill_n(L, kBody * kBody, 0.0);
     for_each_block(body, [&](int first, const Matrix& block) {
       for (Index j = 0; j < block.cols(); ++j) {
-        for (Index i = j; i < block.rows(); ++i) L[(first + j) * n + first + i] = block(i, j);
-        inverse_diagonal_[at(body.first + first + j)] = 1 / block(j, j);
+        for (Index i = j; i < block.rows(); ++i) L[(first + j) * kBody + first + i] = block(i, j);
       }
     });
-    const bool is_definite = n == 6 ? factor_body<6>(L, n) : factor_body<0>(L, n);
-    is_definite_ = is_definite_ && is_definite;
+    factor_body(L);
   }
+}
+
+void HeldGraph::copy_inertia(const HeldBody& body, double* to) const {
+  const std::ptrdiff_t stride = body.size + cholesky::kMargin;
+  const bool is_one_block = held_block(*contact_, body.block).rows() == body.size;
+  if (!is_one_block) std::fill_n(to, body.size * stride, 0.0);
+  for_each_block(body, [&](int first, const Matrix& block) {
+    cholesky::take_lower(block.data(), block.rows(), to + first * (stride + 1), stride);
+  });
+}
+
+void HeldGraph::factor_any(const HeldBody& body, double* L) {
+  const std::ptrdiff_t n = body.size;
+  const std::ptrdiff_t stride = n + cholesky::kMargin;
+  copy_inertia(body, dense_.data());
+  if (!kernels_.factor(dense_.data(), stride, n, n, work_.data())) {
+    std::fill_n(L, n * n, std::numeric_limits<double>::quiet_NaN());  // no velocity passes a test then
+    return;
+  }
+  cholesky::keep_columns(dense_.data(), stride, n, n, L);
 }
 
 void HeldGraph::measure_strength() {
@@ -306,12 +362,6 @@ std::size_t HeldGraph::column_count() const {
   return contacts_.empty() ? 0 : contacts_.back().first + at(contacts_.back().columns);
 }
 
-int HeldGraph::most_columns() const {
-  int most = 0;
-  for (const HeldColumns& contact : contacts_) most = std::max(most, contact.columns);
-  return most;
-}
-
 void HeldGraph::order(const Vector& x, Vector& ordered) const {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     ordered.segment(places_[b], bodies_[b].size) = x.segment(bodies_[b].first, bodies_[b].size);
@@ -324,7 +374,16 @@ void HeldGraph::restore(const Vector& ordered, Vector& x) const {
   }
 }
 
-void HeldGraph::multiply(const HeldColumns& contact, const Vector& x, double* products) const {
+void HeldGraph::multiply(const Vector& x, double* products) const {
+  if (is_one() && !contacts_.empty()) {
+    const HeldColumns& first = contacts_.front();
+    return kernels_.multiply_transposed(entries_.data(), first.stride, first.rows,
+                                        static_cast<std::ptrdiff_t>(column_count()), x.data(), products);
+  }
+  for (const HeldColumns& contact : contacts_) multiply_contact(contact, x, products + contact.first);
+}
+
+void HeldGraph::multiply_contact(const HeldColumns& contact, const Vector& x, double* products) const {
   const double* const entries = columns(contact);
   if (contact.columns == 3) return multiply_three(contact, x, products);
   std::fill_n(products, contact.columns, 0.0);
@@ -332,7 +391,7 @@ void HeldGraph::multiply(const HeldColumns& contact, const Vector& x, double* pr
     const double* const part = x.data() + parts_[p].place;
     with_body_size(parts_[p].size, [&](auto vector) {
       const double* const column = entries + parts_[p].row;
-      for (int t = 0; t < contact.columns; ++t) products[t] += vector(column + t * contact.rows).dot(vector(part));
+      for (int t = 0; t < contact.columns; ++t) products[t] += vector(column + t * contact.stride).dot(vector(part));
     });
   }
 }
@@ -340,8 +399,8 @@ void HeldGraph::multiply(const HeldColumns& contact, const Vector& x, double* pr
 /// Of a normal and two tangents, which most contacts have: the sums stay in registers.
 void HeldGraph::multiply_three(const HeldColumns& contact, const Vector& x, double* products) const {
   const double* const normal = columns(contact);
-  const double* const first = normal + contact.rows;
-  const double* const second = first + contact.rows;
+  const double* const first = normal + contact.stride;
+  const double* const second = first + contact.stride;
   double w = 0;
   double slip = 0;
   double other_slip = 0;
@@ -359,33 +418,70 @@ void HeldGraph::multiply_three(const HeldColumns& contact, const Vector& x, doub
   products[2] = other_slip;
 }
 
-void HeldGraph::add_columns(const HeldColumns& contact, const double* factors, Vector& to) const {
+void HeldGraph::add_columns(const double* factors, Vector& to) const {
+  if (is_one() && !contacts_.empty()) {
+    const HeldColumns& first = contacts_.front();
+    return kernels_.multiply(entries_.data(), first.stride, first.rows, static_cast<std::ptrdiff_t>(column_count()),
+                             factors, to.data());
+  }
+  for (const HeldColumns& contact : contacts_) {
+    const double* const own = factors + contact.first;
+    if (std::any_of(own, own + contact.columns, [](double x) { return x != 0; })) add_contact(contact, own, to);
+  }
+}
+
+void HeldGraph::add_contact(const HeldColumns& contact, const double* factors, Vector& to) const {
   const double* const entries = columns(contact);
   for (std::size_t p = contact.parts; p < contact.end_parts; ++p) {
     double* const part = to.data() + parts_[p].place;
     with_body_size(parts_[p].size, [&](auto vector) {
       const double* const column = entries + parts_[p].row;
       if (contact.columns == 3) {
-        vector(part) += factors[0] * vector(column) + factors[1] * vector(column + contact.rows) +
-                        factors[2] * vector(column + 2 * contact.rows);
+        vector(part) += factors[0] * vector(column) + factors[1] * vector(column + contact.stride) +
+                        factors[2] * vector(column + 2 * contact.stride);
       } else {
-        for (int t = 0; t < contact.columns; ++t) vector(part) += factors[t] * vector(column + t * contact.rows);
+        for (int t = 0; t < contact.columns; ++t) vector(part) += factors[t] * vector(column + t * contact.stride);
       }
     });
   }
 }
 
-void HeldGraph::add_response(Vector& impulse, Vector& to) const {
+void HeldGraph::add_response(Vector& impulse, Vector& to) {
+  if (!has_factors_) factor_inertia();
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const int n = bodies_[b].size;
     const double* const L = inertia_factors_.data() + bodies_[b].factor;
     double* const x = impulse.data() + places_[b];
     double* const u = to.data() + places_[b];
-    if (n == 6) {
-      add_solution<6>(L, n, x, u);
-    } else {
-      add_solution<0>(L, n, x, u);
+    if (n == kBody) {
+      add_solution(L, x, u);
+      continue;
     }
+    kernels_.solve_lower(L, n, n, x);
+    kernels_.solve_transposed(L, n, n, x);
+    for (int i = 0; i < n; ++i) u[i] += x[i];
+  }
+}
+
+void HeldGraph::subtract_inertia(const Vector& x, Vector& from) const {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    for_each_block(bodies_[b], [&](int first, const Matrix& block) {
+      const double* const given = x.data() + places_[b] + first;
+      double* const to = from.data() + places_[b] + first;
+      with_body_size(static_cast<int>(block.rows()), [&](auto vector) {
+        constexpr int kSize = std::remove_reference_t<decltype(vector(to))>::RowsAtCompileTime;
+        const Eigen::Map<const Eigen::Matrix<double, kSize, kSize>> G(block.data(), block.rows(), block.cols());
+        vector(to).noalias() -= G * vector(given);
+      });
+    });
+  }
+}
+
+void HeldGraph::respond_by_diagonal(Vector& x) const {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    double* const part = x.data() + places_[b];
+    const double* const inverse = inverse_diagonal_.data() + bodies_[b].first;
+    for (int i = 0; i < bodies_[b].size; ++i) part[i] *= inverse[i];
   }
 }
 

@@ -30,6 +30,11 @@ bool are_alike(const HeldGraph& graph, const HeldColumns& a, const HeldColumns& 
 HeldMatrix::HeldMatrix() : factors_(multifrontal_cholesky()), kernels_(cholesky::engine(isa_level())) {}
 
 void HeldMatrix::analyze(const HeldGraph& graph, Index ngc) {
+  order_ = graph.is_one() ? ngc : 0;
+  if (graph.is_one()) {
+    places_.assign(1, {});
+    return;
+  }
   std::vector<Eigen::Triplet<double>> pairs;
   const auto size = static_cast<Index>(graph.bodies().size());
   for (int b = 0; b < static_cast<int>(size); ++b) pairs.emplace_back(b, b, 1.0);
@@ -42,7 +47,7 @@ void HeldMatrix::analyze(const HeldGraph& graph, Index ngc) {
 }
 
 void HeldMatrix::take_room(const HeldGraph& graph) {
-  int most = 0;
+  int most = graph.is_one() ? graph.bodies().front().size : 0;
   std::size_t parts = 0;
   for (const HeldColumns& contact : graph.contacts()) {
     most = std::max(most, contact.rows);
@@ -53,6 +58,7 @@ void HeldMatrix::take_room(const HeldGraph& graph) {
   columns_.resize(stride * at(kTogether));
   product_.resize(stride * stride);
   work_.resize(at(cholesky::work_size(most)));
+  one_.resize(at(order_ * order_));
 }
 
 std::vector<int> HeldMatrix::places() const {
@@ -151,7 +157,7 @@ void HeldMatrix::add_contacts(const HeldGraph& graph, const std::vector<double>&
     if (weights[c] == 0) continue;
     const double root = std::sqrt(weights[c]);
     const double* column = graph.columns(graph.contacts()[c]);
-    for (int t = 0; t < graph.contacts()[c].columns; ++t, column += all.rows) {
+    for (int t = 0; t < graph.contacts()[c].columns; ++t, column += all.stride) {
       double* to = columns_.data() + count * stride;
       for (const HeldPart& part : ordered_) {
         with_body_size(part.size, [&](auto vector) { vector(to) = root * vector(column + part.row); });
@@ -162,11 +168,11 @@ void HeldMatrix::add_contacts(const HeldGraph& graph, const std::vector<double>&
     }
   }
   if (count > 0) add_product();
-  scatter(graph, stride);
+  scatter(stride);
 }
 
 /// Adds the dense matrix over ordered_.
-void HeldMatrix::scatter(const HeldGraph& graph, std::ptrdiff_t stride) {
+void HeldMatrix::scatter(std::ptrdiff_t stride) {
   const double* column = product_.data();  // from its diagonal on
   for (std::size_t q = 0; q < ordered_.size(); ++q) {
     const int size = ordered_[q].size;
@@ -184,7 +190,39 @@ void HeldMatrix::scatter(const HeldGraph& graph, std::ptrdiff_t stride) {
   }
 }
 
+/// Dense: all contacts are columns of one matrix.
+bool HeldMatrix::factor_one(const HeldGraph& graph, const std::vector<double>& weights) {
+  const std::ptrdiff_t stride = order_ + cholesky::kMargin;
+  graph.copy_inertia(graph.bodies().front(), product_.data());
+  std::ptrdiff_t count = 0;
+  const auto add_product = [&] {
+    kernels_.add_product(product_.data(), stride, columns_.data(), stride, order_, count, work_.data());
+    count = 0;
+  };
+  const std::vector<HeldColumns>& contacts = graph.contacts();
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    if (weights[c] == 0) continue;
+    const double root = std::sqrt(weights[c]);
+    const double* column = graph.columns(contacts[c]);
+    for (int t = 0; t < contacts[c].columns; ++t, column += stride) {
+      Eigen::Map<Vector>(columns_.data() + count * stride, stride) = root * Eigen::Map<const Vector>(column, stride);
+      if (++count == kTogether) add_product();
+    }
+  }
+  if (count > 0) add_product();
+  if (!kernels_.factor(product_.data(), stride, order_, order_, work_.data())) return false;
+  cholesky::keep_columns(product_.data(), stride, order_, order_, one_.data());
+  return true;
+}
+
+void HeldMatrix::solve(Vector& x) {
+  if (order_ == 0) return factors_->solve(x);
+  kernels_.solve_lower(one_.data(), order_, order_, x.data());
+  kernels_.solve_transposed(one_.data(), order_, order_, x.data());
+}
+
 bool HeldMatrix::factor(const HeldGraph& graph, const std::vector<double>& weights) {
+  if (graph.is_one()) return factor_one(graph, weights);
   std::fill_n(matrix_.valuePtr(), matrix_.nonZeros(), 0.0);
   for (std::size_t b = 0; b < graph.bodies().size(); ++b) {
     graph.for_each_block(graph.bodies()[b], [&](int first, const Matrix& block) {

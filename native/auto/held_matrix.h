@@ -11,7 +11,7 @@
 namespace lcpbench {
 
 /// The sparse matrix G + A W A' of a HeldGraph, A its columns and W a weight for each contact, with its Cholesky
-/// factors.
+/// factors. Where the graph is one body it is a dense one, which has no order to find.
 class HeldMatrix {
  public:
   HeldMatrix();
@@ -27,8 +27,8 @@ class HeldMatrix {
   /// Allocates nothing. @param graph with the bodies and couplings of analyze() and its places
   /// @param weights by contact; of zero: the contact is left out @returns false when the factorization breaks down
   bool factor(const HeldGraph& graph, const std::vector<double>& weights);
-  /// x := (G + A W A')^-1 x, in the order of elimination.
-  void solve(Vector& x) { factors_->solve(x); }
+  /// x := (G + A W A')^-1 x, in the order of elimination and padded.
+  void solve(Vector& x);
 
  private:
   /// A body in the order of elimination.
@@ -47,7 +47,8 @@ class HeldMatrix {
   int skip(int body, int below) const;
   void order_parts(const HeldGraph& graph, const HeldColumns& contact);
   void add_contacts(const HeldGraph& graph, const std::vector<double>& weights, std::size_t first, std::size_t end);
-  void scatter(const HeldGraph& graph, std::ptrdiff_t stride);
+  void scatter(std::ptrdiff_t stride);
+  bool factor_one(const HeldGraph& graph, const std::vector<double>& weights);
 
   std::unique_ptr<SparseFactorization> factors_;
   std::vector<Place> places_;  ///< of each body
@@ -57,6 +58,8 @@ class HeldMatrix {
   std::vector<HeldPart> ordered_;  ///< of one contact, in the order of elimination
   std::vector<double> columns_;    ///< of contacts that touch the same bodies, times the roots of their weights
   std::vector<double> product_, work_;
+  std::vector<double> one_;   ///< factors of the matrix of one body
+  std::ptrdiff_t order_ = 0;  ///< of one_; 0: there are more bodies
 };
 
 }  // namespace lcpbench

@@ -14,7 +14,8 @@ namespace lcpbench {
 /// Contacts with the coordinates that they move, as a problem of their own, with the method for its class and size.
 class IslandPart {
  public:
-  IslandPart(const AutoSettings& settings, SharedMethods& shared) : attempts_(settings, shared) {}
+  IslandPart(const AutoSettings& settings, SharedMethods& shared, Attempts::Scope scope)
+      : attempts_(settings, shared, scope) {}
 
   /// Cuts the problem out and takes the memory to solve it.
   /// @param whole, part must outlive the next load @param v velocity of the whole problem

@@ -19,7 +19,9 @@ namespace lcpbench {
 class IslandSolver {
  public:
   IslandSolver(const AutoSettings& settings, SharedMethods& shared)
-      : settings_(settings), all_(settings, shared), some_(settings, shared) {}
+      : settings_(settings),
+        all_(settings, shared, settings.islands ? Attempts::Scope::kIsland : Attempts::Scope::kParts),
+        some_(settings, shared, Attempts::Scope::kParts) {}
 
   /// @param whole must outlive the next load()
   /// @param v velocity of the whole problem

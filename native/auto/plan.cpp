@@ -20,8 +20,10 @@ constexpr Index kSmall = 400;
 /// From this on friction_ipm is faster than contact_lemke where contacts do not slide. Below it contact_lemke that is
 /// loaded takes less time than to try whether the contacts of the last step hold.
 constexpr Index kLarge = 800;
-/// Below this contact_lemke takes less time than that to be loaded, too.
-constexpr Index kHeldUnloaded = 200;
+/// Below this contact_lemke takes less time than that to be loaded, too: of separate bodies, and of one block of G, such
+/// as a robot's.
+constexpr Index kHeldUnloaded = 100;
+constexpr Index kHeldUnloadedBlock = 30;
 /// From this on the first convex problem of friction_ipm finds the impulses of least energy faster than active sets.
 constexpr Index kRestByIpm = 5000;
 /// From this on psor takes less time than the rungs of contact_lemke beyond double.
@@ -144,7 +146,9 @@ AutoPlan frictional_plan(const ContactProblem& contact, const Vector& v) {
 }  // namespace
 
 bool friction_may_hold(const ContactProblem& contact, bool is_loaded) {
-  const Index least = is_loaded ? kLarge : kHeldUnloaded;
+  const auto* bodies = std::get_if<BlockInertia>(&contact.inertia);
+  const Index unloaded = bodies == nullptr || bodies->blocks.size() == 1 ? kHeldUnloadedBlock : kHeldUnloaded;
+  const Index least = is_loaded ? kLarge : unloaded;
   return contact.frictional() && contact.nc() * contact.ngc() >= least && HeldContacts::takes(contact);
 }
 

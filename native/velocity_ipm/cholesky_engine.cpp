@@ -121,14 +121,25 @@ bool factor_columns(double* a, Count stride, Count rows) {
 /// Subtracts the part of the first kColumns columns from the columns after them, up to `columns`.
 template <Count kColumns>
 void subtract_columns(double* a, Count stride, Count rows, Count columns) {
-  for (Count c = kColumns; c < columns; ++c) {
+  const auto subtract = [&]<Count kTogether>(Count c) {
+    double factor[static_cast<std::size_t>(kTogether)][static_cast<std::size_t>(kColumns)];
+    for (Count k = 0; k < kTogether; ++k) {
+      for (Count p = 0; p < kColumns; ++p) factor[k][p] = a[p * stride + c + k];
+    }
     double* const to = a + c * stride;
     for (Count row = c; row < rows; row += kLanes) {
-      Pack x = load(to + row);
-      for (Count p = 0; p < kColumns; ++p) x -= load(a + p * stride + row) * a[p * stride + c];
-      store(to + row, x);
+      Pack x[static_cast<std::size_t>(kTogether)];
+      for (Count k = 0; k < kTogether; ++k) x[k] = load(to + k * stride + row);
+      for (Count p = 0; p < kColumns; ++p) {
+        const Pack part = load(a + p * stride + row);
+        for (Count k = 0; k < kTogether; ++k) x[k] -= part * factor[k][p];
+      }
+      for (Count k = 0; k < kTogether; ++k) store(to + k * stride + row, x[k]);
     }
-  }
+  };
+  Count c = kColumns;
+  for (; c + 2 <= columns; c += 2) subtract.template operator()<2>(c);
+  if (c < columns) subtract.template operator()<1>(c);
 }
 
 /// The first `columns` columns of L in place of those of a (rows x columns).
@@ -195,15 +206,22 @@ void solve_transposed_columns(const double* l, Count rows, Count stride, double*
     const Pack rest = load(x + row);
     for (Count c = 0; c < kColumns; ++c) totals[c] += load(l + c * stride + row) * rest;
   }
-  double total[static_cast<std::size_t>(kColumns)];
-  for (Count c = 0; c < kColumns; ++c) total[c] = sum(totals[c]);
+  double total[static_cast<std::size_t>(kColumns)] = {};
   for (; row < rows; ++row) {
     for (Count c = 0; c < kColumns; ++c) total[c] += l[c * stride + row] * x[row];
   }
-  for (Count c = kColumns; c-- > 0;) {
-    for (Count p = c + 1; p < kColumns; ++p) total[c] += l[c * stride + p] * x[p];
-    x[c] = (x[c] - total[c]) * l[c * stride + c];
+  // Scaled beforehand, so that each value waits for one multiplication with the last.
+  double value[static_cast<std::size_t>(kColumns)];
+  double own[static_cast<std::size_t>(kColumns)][static_cast<std::size_t>(kColumns)];
+  for (Count c = 0; c < kColumns; ++c) {
+    const double inverse = l[c * stride + c];
+    value[c] = (x[c] - total[c] - sum(totals[c])) * inverse;
+    for (Count p = c + 1; p < kColumns; ++p) own[c][p] = l[c * stride + p] * inverse;
   }
+  for (Count p = kColumns; p-- > 1;) {
+    for (Count c = 0; c < p; ++c) value[c] -= own[c][p] * value[p];
+  }
+  __builtin_memcpy(x, value, sizeof(value));
 }
 
 void solve_lower(const double* l, Count rows, Count columns, double* x) {
@@ -235,8 +253,92 @@ void solve_transposed(const double* l, Count rows, Count columns, double* x) {
   }
 }
 
+/// Columns `first` to `first` + kWide - 1 of L^-1, row by row from row `first` on in x; their squares are added up.
+constexpr Count kWide = 2 * kBlock;
+constexpr Count kWidePacks = kWide / kLanes;
+
+/// kRows rows of these columns, of which `before` are known; they stand in x after those.
+template <Count kRows>
+void invert_rows(const double* l, Count stride, Count before, double* x, Pack* squares) {
+  Pack rows[static_cast<std::size_t>(kRows)][static_cast<std::size_t>(kWidePacks)];
+  double* const own = x + before * kWide;
+  for (Count r = 0; r < kRows; ++r) {
+    for (Count p = 0; p < kWidePacks; ++p) rows[r][p] = load(own + r * kWide + p * kLanes);
+  }
+  for (Count j = 0; j < before; ++j) {
+    for (Count p = 0; p < kWidePacks; ++p) {
+      const Pack known = load(x + j * kWide + p * kLanes);
+      for (Count r = 0; r < kRows; ++r) rows[r][p] -= known * l[j * stride + before + r];
+    }
+  }
+  for (Count r = 0; r < kRows; ++r) {
+    const double* const column = l + (before + r) * stride + before;
+    for (Count p = 0; p < kWidePacks; ++p) {
+      rows[r][p] *= column[r];
+      squares[p] += rows[r][p] * rows[r][p];
+      store(own + r * kWide + p * kLanes, rows[r][p]);
+      for (Count other = r + 1; other < kRows; ++other) rows[other][p] -= rows[r][p] * column[other];
+    }
+  }
+}
+
+void measure_inverse(const double* l, Count rows, double* lengths, double* work) {
+  for (Count first = 0; first < rows; first += kWide) {
+    const Count order = rows - first;
+    const Count together = order < kWide ? order : kWide;
+    __builtin_memset(work, 0, static_cast<std::size_t>(order * kWide) * sizeof(double));
+    for (Count c = 0; c < together; ++c) work[c * kWide + c] = 1;
+    Pack squares[static_cast<std::size_t>(kWidePacks)] = {};
+    const double* const diagonal = l + first * (rows + 1);
+    Count row = 0;
+    for (; row + kBlock <= order; row += kBlock) invert_rows<kBlock>(diagonal, rows, row, work, squares);
+    for (; row < order; ++row) invert_rows<1>(diagonal, rows, row, work, squares);
+    for (Count c = 0; c < together; ++c) {
+      double lanes[static_cast<std::size_t>(kLanes)];
+      store(lanes, squares[c / kLanes]);
+      lengths[first + c] = __builtin_sqrt(lanes[c % kLanes]);
+    }
+  }
+}
+
+/// y += B x for kColumns columns.
+template <Count kColumns>
+void multiply_columns(const double* b, Count stride, Count rows, const double* x, double* y) {
+  for (Count row = 0; row < rows; row += kLanes) {
+    Pack total = load(y + row);
+    for (Count c = 0; c < kColumns; ++c) total += load(b + c * stride + row) * x[c];
+    store(y + row, total);
+  }
+}
+
+void multiply(const double* b, Count b_stride, Count rows, Count columns, const double* x, double* y) {
+  for (; columns >= 2 * kBlock; columns -= 2 * kBlock, b += 2 * kBlock * b_stride, x += 2 * kBlock) {
+    multiply_columns<2 * kBlock>(b, b_stride, rows, x, y);
+  }
+  for (; columns > 0; --columns, b += b_stride, ++x) multiply_columns<1>(b, b_stride, rows, x, y);
+}
+
+/// y := B'x for kColumns columns.
+template <Count kColumns>
+void multiply_rows(const double* b, Count stride, Count rows, const double* x, double* y) {
+  Pack totals[static_cast<std::size_t>(kColumns)] = {};
+  for (Count row = 0; row < rows; row += kLanes) {
+    const Pack part = load(x + row);
+    for (Count c = 0; c < kColumns; ++c) totals[c] += load(b + c * stride + row) * part;
+  }
+  for (Count c = 0; c < kColumns; ++c) y[c] = sum(totals[c]);
+}
+
+void multiply_transposed(const double* b, Count b_stride, Count rows, Count columns, const double* x, double* y) {
+  for (; columns >= kBlock; columns -= kBlock, b += kBlock * b_stride, y += kBlock) {
+    multiply_rows<kBlock>(b, b_stride, rows, x, y);
+  }
+  for (; columns > 0; --columns, b += b_stride, ++y) multiply_rows<1>(b, b_stride, rows, x, y);
+}
+
 }  // namespace
 
-const Engine kEngine{factor, add_product, solve_lower, solve_transposed};
+const Engine kEngine{factor,          add_product, solve_lower,        solve_transposed,
+                     measure_inverse, multiply,    multiply_transposed};
 
 }  // namespace lcpbench::cholesky::LCPBENCH_LEVEL

@@ -17,7 +17,8 @@ inline constexpr std::ptrdiff_t kMargin = 3;
 /// Entries of `work` for matrices of so many rows.
 constexpr std::ptrdiff_t work_size(std::ptrdiff_t rows) { return (rows + kMargin) * 64; }
 
-/// Dense kernels of Cholesky factorizations, A = L L'. None allocates.
+/// Dense kernels of Cholesky factorizations, A = L L', and of products with the columns that A is made of. None
+/// allocates.
 struct Engine {
   /// Factors the first `columns` columns of the symmetric `a` (rows x rows) and subtracts their part from the rest: L
   /// stands in them then, and the Schur complement in the rest. False when a pivot is not positive, or not finite.
@@ -30,7 +31,23 @@ struct Engine {
   void (*solve_lower)(const double* l, std::ptrdiff_t rows, std::ptrdiff_t columns, double* x);
   /// x := [L1 0; L2 I]'^-1 x.
   void (*solve_transposed)(const double* l, std::ptrdiff_t rows, std::ptrdiff_t columns, double* x);
+  /// lengths (rows) := those of the columns of L^-1, for L (rows x rows) by columns without margin, with the inverse of
+  /// each diagonal entry in its place.
+  void (*measure_inverse)(const double* l, std::ptrdiff_t rows, double* lengths, double* work);
+  /// y += B x, B as in add_product(); y has rows + kMargin entries.
+  void (*multiply)(const double* b, std::ptrdiff_t b_stride, std::ptrdiff_t rows, std::ptrdiff_t columns,
+                   const double* x, double* y);
+  /// y (columns) := B'x, B as in add_product(); x has rows + kMargin entries, finite ones.
+  void (*multiply_transposed)(const double* b, std::ptrdiff_t b_stride, std::ptrdiff_t rows, std::ptrdiff_t columns,
+                              const double* x, double* y);
 };
+
+/// The lower triangle of `given` (rows x rows) by columns, with the margin below it, for factor().
+void take_lower(const double* given, std::ptrdiff_t rows, double* a, std::ptrdiff_t stride);
+
+/// The first `columns` columns of L as factor() leaves them in `a`, by columns of `rows` entries and with the inverse of
+/// each diagonal entry in its place, as the solves take them.
+void keep_columns(const double* a, std::ptrdiff_t stride, std::ptrdiff_t rows, std::ptrdiff_t columns, double* l);
 
 /// The kernels of one level. @param level must not exceed best_isa_level()
 const Engine& engine(IsaLevel level);

@@ -149,12 +149,7 @@ void MultifrontalCholesky::add_child(const Node& child, const double* from, cons
 
 void MultifrontalCholesky::keep_columns(std::size_t node) {
   const Node& of = tree_.nodes[node];
-  const double* from = entries(node);
-  double* to = factor_.data() + fronts_[node].factor;
-  for (std::ptrdiff_t c = 0; c < of.columns; ++c, from += stride(of), to += of.rows) {
-    std::copy(from + c, from + of.rows, to + c);
-    to[c] = 1 / to[c];
-  }
+  cholesky::keep_columns(entries(node), stride(of), of.rows, of.columns, factor_.data() + fronts_[node].factor);
 }
 
 void MultifrontalCholesky::solve(Vector& x) {

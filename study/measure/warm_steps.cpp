@@ -1,7 +1,8 @@
 // What a step costs that follows another one: cold, load and solve by an object that knows of no step before; changed,
 // update(problem) and solve from the last answer, matched by the ids of the contacts; same, update(v) and solve from
 // the last answer, for steps in which only the velocity is new. Each of the first two gets a copy of the problem that
-// was made just before, as if an engine had written it. CSV, medians of thread CPU time. Not a test;
+// was made just before, as if an engine had written it. CSV, medians of thread CPU time. The parts of changed (match,
+// update, solve) are timed in rounds of their own, because reading the clock takes about 0.2 us. Not a test;
 // results/native/README.md has its command.
 //
 //   warm_steps ROUNDS stack HEIGHT STEPS SOLVER...   a stack of cubes at rest that is disturbed a little in each step
@@ -95,6 +96,33 @@ bool is_same_size(const Step& first, const Step& other) {
 
 Problem copy_of(const Problem& problem) { return {problem.name(), ContactProblem(*problem.contact())}; }
 
+/// A solver that goes from step to step, from the last answer.
+class WarmSteps {
+ public:
+  WarmSteps(const std::string& spec, const Step& first)
+      : solver_(make_solver(parse_spec(spec))), layout_(contact_layout(*first.problem.contact())) {
+    solver_->load(first.problem);
+    solver_->solve({}, answer_);
+  }
+
+  void match(const Step& before, const Step& now, const Problem& problem) {
+    match_.find(before.ids, now.ids);
+    ContactLayout layout = contact_layout(*problem.contact());
+    matched_start(answer_.z, layout_, match_, layout, start_);
+    layout_ = std::move(layout);
+  }
+  void update(const Problem& problem) { solver_->update(problem); }
+  void solve() { solver_->solve({.start = &start_}, answer_); }
+  const Answer& answer() const { return answer_; }
+
+ private:
+  std::unique_ptr<Solver> solver_;
+  ContactLayout layout_;
+  ContactMatch match_;
+  Vector start_;
+  Answer answer_;
+};
+
 struct Measured {
   std::vector<double> cold, match, update, solve, changed, ratio;
   int held = 0;
@@ -102,17 +130,33 @@ struct Measured {
   double difference = 0;  ///< largest difference of velocities between cold and changed, relative to that before
 };
 
+/// The parts of a step from the last answer, one after the other.
+void measure_parts(const std::string& spec, const std::vector<Step>& steps, int rounds, Measured& measured) {
+  for (int round = 0; round < rounds; ++round) {
+    WarmSteps warm(spec, steps.front());
+    for (std::size_t k = 1; k < steps.size(); ++k) {
+      const Problem problem = copy_of(steps[k].problem);
+      double begin = thread_cpu_clock_s();
+      const auto part = [&begin](std::vector<double>& to) {
+        to.push_back(us_since(begin));
+        begin = thread_cpu_clock_s();
+      };
+      warm.match(steps[k - 1], steps[k], problem);
+      part(measured.match);
+      warm.update(problem);
+      part(measured.update);
+      warm.solve();
+      part(measured.solve);
+    }
+  }
+}
+
 void measure_changed(const std::string& spec, const std::vector<Step>& steps, int rounds, Measured& measured) {
   std::vector<std::vector<double>> cold(steps.size()), changed(steps.size());
   for (int round = 0; round < rounds; ++round) {
     const auto fresh = make_solver(parse_spec(spec));
-    const auto warm = make_solver(parse_spec(spec));
-    Answer cold_answer, answer;
-    ContactMatch match;
-    Vector start;
-    ContactLayout last_layout = contact_layout(*steps.front().problem.contact());
-    warm->load(steps.front().problem);
-    warm->solve({}, answer);
+    Answer cold_answer;
+    WarmSteps warm(spec, steps.front());
     for (std::size_t k = 1; k < steps.size(); ++k) {
       const Problem written = copy_of(steps[k].problem);
       double begin = thread_cpu_clock_s();
@@ -121,20 +165,12 @@ void measure_changed(const std::string& spec, const std::vector<Step>& steps, in
       cold[k].push_back(us_since(begin));
       const Problem problem = copy_of(steps[k].problem);
       begin = thread_cpu_clock_s();
-      match.find(steps[k - 1].ids, steps[k].ids);
-      ContactLayout layout = contact_layout(*problem.contact());
-      matched_start(answer.z, last_layout, match, layout, start);
-      last_layout = std::move(layout);
-      const double match_us = us_since(begin);
-      warm->update(problem);
-      const double update_us = us_since(begin) - match_us;
-      warm->solve({.start = &start}, answer);
-      const double all = us_since(begin);
-      measured.match.push_back(match_us);
-      measured.update.push_back(update_us);
-      measured.solve.push_back(all - match_us - update_us);
-      changed[k].push_back(all);
+      warm.match(steps[k - 1], steps[k], problem);
+      warm.update(problem);
+      warm.solve();
+      changed[k].push_back(us_since(begin));
       if (round > 0) continue;
+      const Answer& answer = warm.answer();
       if (!Evaluator(problem).errors(answer).solved) ++measured.wrong;
       if (answer.detail.find("held_contacts") != std::string::npos) ++measured.held;
       const ContactProblem& contact = *problem.contact();
@@ -175,6 +211,7 @@ double measure_same(const std::string& spec, const std::vector<Step>& steps, int
 void measure(const std::string& name, const std::vector<Step>& steps, const std::string& spec, int rounds) {
   Measured measured;
   measure_changed(spec, steps, rounds, measured);
+  measure_parts(spec, steps, rounds, measured);
   double contacts = 0;
   double ratio = 0;
   for (const Step& step : steps) contacts += static_cast<double>(step.problem.contact()->nc());

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "native/velocity_ipm/assembly_tree.h"
+#include "native/velocity_ipm/cholesky_engine.h"
 #include "tests/support/allocation_counter.h"
 
 namespace lcpbench {
@@ -207,6 +208,57 @@ TEST(MultifrontalCholeskyTest, FactoringAndSolvingAllocateNothing) {
               }),
               0)
         << pattern.name;
+  }
+}
+
+/// x behind zeros for the margin, as the kernels take vectors.
+Vector padded(const Vector& x) {
+  Vector all = Vector::Zero(x.size() + cholesky::kMargin);
+  all.head(x.size()) = x;
+  return all;
+}
+
+Matrix random_matrix(Index rows, Index columns, std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  return Matrix::NullaryExpr(rows, columns, [&](Index, Index) { return normal(random); });
+}
+
+// On both sides of what they deal with at once, at every level that this processor has.
+TEST(CholeskyKernelsTest, InversesAndProductsAreThoseOfTheMatrices) {
+  std::mt19937 random(7);
+  for (const IsaLevel level : {IsaLevel::kBaseline, IsaLevel::kAvx2, IsaLevel::kAvx512}) {
+    if (level > best_isa_level()) continue;
+    const cholesky::Engine& kernels = cholesky::engine(level);
+    for (const Index n : {0, 1, 2, 3, 4, 5, 7, 8, 9, 12, 13, 16, 27, 31, 64, 67}) {
+      const std::string what = std::string(to_string(level)) + ", order " + std::to_string(n);
+      const Matrix root = random_matrix(n, n, random);
+      const Matrix G = root * root.transpose() + Matrix::Identity(n, n);
+      const Index stride = n + cholesky::kMargin;
+      const double nan = std::numeric_limits<double>::quiet_NaN();
+      Matrix a = Matrix::Constant(stride, stride, nan);  // what stands above the diagonal does not count
+      std::vector<double> work(static_cast<std::size_t>(cholesky::work_size(n)));
+      cholesky::take_lower(G.data(), n, a.data(), stride);
+      ASSERT_TRUE(kernels.factor(a.data(), stride, n, n, work.data())) << what;
+      Matrix l(n, n);
+      cholesky::keep_columns(a.data(), stride, n, n, l.data());
+      Vector lengths(n);
+      kernels.measure_inverse(l.data(), n, lengths.data(), work.data());
+      const Matrix inverse = Matrix(G.llt().matrixL()).inverse();
+      for (Index k = 0; k < n; ++k) EXPECT_NEAR(lengths(k), inverse.col(k).norm(), 1e-12 * lengths(k)) << what;
+
+      const Index columns = n + 3;
+      const Matrix B = random_matrix(n, columns, random);
+      Matrix stored = Matrix::Zero(stride, columns);
+      stored.topRows(n) = B;
+      const Vector x = random_matrix(columns, 1, random);
+      const Vector y = random_matrix(n, 1, random);
+      Vector sum = padded(y);
+      kernels.multiply(stored.data(), stride, n, columns, x.data(), sum.data());
+      EXPECT_LE((sum - padded(y + B * x)).norm(), 1e-13 * (1 + y.norm() + B.norm() * x.norm())) << what;
+      Vector products(columns);
+      kernels.multiply_transposed(stored.data(), stride, n, columns, padded(y).data(), products.data());
+      EXPECT_LE((products - B.transpose() * y).norm(), 1e-13 * (1 + B.norm() * y.norm())) << what;
+    }
   }
 }
 

@@ -125,6 +125,78 @@ TEST(WarmStepsTest, SmallIslandsAreHeldByTheFirstGuessOrNone) {
   EXPECT_EQ(answer.counters.factorizations, expected.counters.factorizations + 1);
 }
 
+/// The stack as a robot has it: G in one block, or whole.
+Problem in_one_block(const RigidScene& scene, bool is_dense) {
+  ContactProblem contact = *problem_of(scene).contact();
+  const Matrix G = dense_inertia(contact.inertia);
+  if (is_dense) {
+    contact.inertia = DenseInertia{G};
+  } else {
+    contact.inertia = BlockInertia{{G}};
+  }
+  return {"robot", contact};
+}
+
+TEST(WarmStepsTest, OneBlockIsHeldAsItsBodiesAre) {
+  for (const bool is_dense : {false, true}) {
+    for (const int height : {2, 4, 8}) {
+      const BoxStacks shape{.height = height, .fresh = 0.2};
+      Vector start;
+      const auto solver = after(in_one_block(stack_in_step(shape, 0), is_dense), start);
+      for (int step = 1; step <= 5; ++step) {
+        const std::string what = std::to_string(height) + " cubes, step " + std::to_string(step);
+        const Problem problem = in_one_block(stack_in_step(shape, step), is_dense);
+        solver->update(problem);
+        const Answer answer = solve(*solver, {.start = &start});
+        expect_verified(problem, answer, what);
+        EXPECT_TRUE(holds(answer)) << what << ": " << answer.detail;
+        EXPECT_EQ(answer.counters.factorizations, 1) << what;
+        EXPECT_LE(speed_difference(problem, answer, cold(problem)), 1e-8) << what;
+        const Vector u = post_impact_velocity(*problem.contact(), answer.z);
+        EXPECT_TRUE(answer.velocity.size() == 0 || (answer.velocity - u).lpNorm<Eigen::Infinity>() <= 1e-10) << what;
+        start = answer.z;
+      }
+    }
+  }
+}
+
+// After one wrong guess one step goes without, after the second in a row two.
+TEST(WarmStepsTest, WrongGuessesOnSmallIslandsPauseTheGuesses) {
+  const BoxStacks shape{.height = 3, .fresh = 0.2};
+  BoxStacks sliding = shape;
+  sliding.slide = 2;
+  Vector start;
+  const auto solver = after(in_one_block(stack_in_step(shape, 0), false), start);
+  std::vector<bool> is_guessed;
+  for (int step = 1; step <= 5; ++step) {
+    const Problem problem = in_one_block(stack_in_step(sliding, step), false);
+    solver->update(problem);
+    const Answer answer = solve(*solver, {.start = &start});
+    const Answer expected = cold(problem);
+    EXPECT_EQ(answer.z, expected.z) << step;
+    is_guessed.push_back(answer.counters.factorizations > expected.counters.factorizations);
+  }
+  EXPECT_EQ(is_guessed, (std::vector<bool>{true, false, true, false, false}));
+  const Problem problem = in_one_block(stack_in_step(shape, 6), false);
+  solver->update(problem);
+  EXPECT_TRUE(holds(solve(*solver, {.start = &start})));
+}
+
+// Where most contacts are new nothing is known of what holds.
+TEST(WarmStepsTest, FewKnownContactsAreNoGuess) {
+  const BoxStacks shape{.height = 8, .fresh = 0.2};
+  Vector start;
+  const auto solver = after(problem_of(stack_in_step(shape, 0)), start);
+  const Problem problem = problem_of(stack_in_step(shape, 1));
+  const Index nc = problem.contact()->nc();
+  start.segment(nc / 5, nc - nc / 5).setZero();
+  solver->update(problem);
+  const Answer answer = solve(*solver, {.start = &start});
+  const Answer expected = cold(problem);
+  EXPECT_EQ(answer.z, expected.z);
+  EXPECT_EQ(answer.counters.factorizations, expected.counters.factorizations);
+}
+
 // A cube more: its contacts have no impulse in the start, and are held because they approach.
 TEST(WarmStepsTest, NewContactsAreHeldWhenTheyApproach) {
   const BoxStacks low{.height = 7, .fresh = 0.2};
