@@ -241,26 +241,29 @@ class Completion {
     for (Count t = 0; t < half; ++t) {
       if (!(magnitude(slip_[t]) <= largest)) largest = number_or_infinity(magnitude(slip_[t]));
     }
-    lambda = static_cast<double>(largest);
-    if (!(lambda - lambda == 0)) note_infinite(contact);
-    const Scalar bound = static_cast<Scalar>(lambda);
     Scalar unused = contacts_.mu(contact) * static_cast<Scalar>(z[contact]);
     Scalar terms = magnitude(unused);
     for (Count t = 0; t < half; ++t) {
-      const Scalar forth = static_cast<Scalar>(z[first + t]), back = static_cast<Scalar>(z[first + half + t]);
+      const Scalar both = static_cast<Scalar>(z[first + t]) + static_cast<Scalar>(z[first + half + t]);
+      unused -= both;
+      terms += both;
+    }
+    contacts_.get_normal(contact, impulse_.data());
+    const Scalar square = response_.square(impulse_.data());
+    // Where friction is left over, the contact sticks and lambda is zero: what slips then is rounding.
+    lambda = largest < square * unused ? 0 : static_cast<double>(largest);
+    if (!(lambda - lambda == 0)) note_infinite(contact);
+    const Scalar bound = static_cast<Scalar>(lambda);
+    for (Count t = 0; t < half; ++t) {
       offer(contact, bound + slip_[t], z[first + t], rounding);
       offer(contact, bound - slip_[t], z[first + half + t], rounding);
-      unused -= forth + back;
-      terms += forth + back;
     }
-    offer_cone(contact, bound, unused,
+    offer_cone(contact, bound, square, unused,
                terms * static_cast<Scalar>(kUnitRoundoff<Scalar> * (2 + 4 * static_cast<double>(half))));
   }
 
-  /// |min(lambda, M_nn unused)|, `unused` known to within `rounding` and M_nn to within kTrusted of itself.
-  void offer_cone(Count contact, Scalar lambda, Scalar unused, Scalar rounding) {
-    contacts_.get_normal(contact, impulse_.data());
-    const Scalar square = response_.square(impulse_.data());
+  /// |min(lambda, M_nn unused)|, `unused` known to within `rounding` and M_nn = `square` to within kTrusted of itself.
+  void offer_cone(Count contact, Scalar lambda, Scalar square, Scalar unused, Scalar rounding) {
     const Scalar velocity = square * unused;
     const Scalar most =
         static_cast<Scalar>(1 + 2 * Response<Scalar>::kTrusted) * square * (magnitude(unused) + rounding);
