@@ -132,7 +132,8 @@ bool Attempts::is_left_out(const AutoTry& now) const {
 void Attempts::load_own(AutoMethod method) {
   const auto index = static_cast<std::size_t>(method);
   if (own_[index] == nullptr) own_[index] = make_method(method, shared_.later_engines());
-  if (method == AutoMethod::kContactLemke) static_cast<ContactLemke&>(*own_[index]).expect_one_island(scope_ == Scope::kWhole);
+  if (method == AutoMethod::kContactLemke)
+    static_cast<ContactLemke&>(*own_[index]).expect_one_island(scope_ == Scope::kWhole);
   own_[index]->load(*problem_);
   loaded_[index] = true;
   if (v_ != problem_->contact()->v && takes(*own_[index], *problem_)) own_[index]->update(v_);

@@ -7,8 +7,8 @@
 
 namespace lcpbench {
 
-/// Calls work(at) where at(pointer) is the vector of `size` entries there, of fixed length where that is 6 or 3: a body,
-/// or its velocities of one kind.
+/// Calls work(at) where at(pointer) is the vector of `size` entries there, of fixed length where that is 6 or 3: a
+/// body, or its velocities of one kind.
 template <class Work>
 void with_body_size(int size, Work&& work) {
   const auto with_fixed = [&work](auto fixed) {

@@ -138,8 +138,8 @@ void HeldContacts::respond() {
   graph_.add_response(rest_, u_);
 }
 
-/// What u and the impulses leave of both equations: A'u + b of what is held, and what r = A f - G (u - v) changes at the
-/// contacts, about: A'D^-1 r with the diagonal D of G. @returns the largest of both, relative to max|q|
+/// What u and the impulses leave of both equations: A'u + b of what is held, and what r = A f - G (u - v) changes at
+/// the contacts, about: A'D^-1 r with the diagonal D of G. @returns the largest of both, relative to max|q|
 double HeldContacts::miss() {
   rest_.setZero();
   graph_.add_columns(impulses_.data(), rest_);
@@ -311,9 +311,7 @@ bool HeldContacts::is_definite() {
   return matrix_.factor(graph_, load_);
 }
 
-bool HeldContacts::continues() {
-  return is_confirmed(approach(miss()));
-}
+bool HeldContacts::continues() { return is_confirmed(approach(miss())); }
 
 bool HeldContacts::solve(const Vector& start, int tries, double deadline_s, Answer& answer, Counters& work) {
   measure_scale();

@@ -18,8 +18,8 @@ namespace lcpbench {
 /// of the inertia. The impulses are the least that give this velocity, each contact's measured against its load in the
 /// last step, or the last impulses and the least such change of them, whichever is in the friction cones. Both are
 /// found by Newton's steps on G (u - v) = A f and A'u + b = 0 through the Cholesky factors of G + A W A', whose weights
-/// W stand in for the inverse of the singular A'G*A. A contact that would have to pull is let go, one that approaches is
-/// held, and the guess tried again, a few times. The answer is tested as those of friction_ipm are.
+/// W stand in for the inverse of the singular A'G*A. A contact that would have to pull is let go, one that approaches
+/// is held, and the guess tried again, a few times. The answer is tested as those of friction_ipm are.
 ///
 /// An answer is handed out only if its velocity is that of least energy: what is not held leaves the pyramids'
 /// (N + mu d)'u + b >= 0. So a step that can rest is brought to rest.
@@ -48,7 +48,8 @@ class HeldContacts {
   /// @param start the last answer brought to these contacts (n)
   /// @param tries guesses at most: the first, and those after contacts were let go or held
   /// @param work counts the factorizations
-  /// @returns whether the guess was right: answer is then kSolved, with its velocity
+  /// @returns whether the guess was right: answer is then kSolved, with its velocity unless impulses were brought back
+  ///     into their cones
   bool solve(const Vector& start, int tries, double deadline_s, Answer& answer, Counters& work);
 
  private:

@@ -119,8 +119,8 @@ void HeldGraph::take_room() {
   const std::ptrdiff_t stride = largest + cholesky::kMargin;
   dense_.resize(static_cast<std::size_t>(stride * stride));
   work_.resize(static_cast<std::size_t>(cholesky::work_size(largest)));
-  inertia_factors_.resize(
-      bodies_.empty() ? 0 : bodies_.back().factor + at(bodies_.back().size) * at(bodies_.back().size));
+  inertia_factors_.resize(bodies_.empty() ? 0
+                                          : bodies_.back().factor + at(bodies_.back().size) * at(bodies_.back().size));
 }
 
 /// Whether bodies and columns are as many and as long as in the last problem.

@@ -20,8 +20,8 @@ constexpr Index kSmall = 400;
 /// From this on friction_ipm is faster than contact_lemke where contacts do not slide. Below it contact_lemke that is
 /// loaded takes less time than to try whether the contacts of the last step hold.
 constexpr Index kLarge = 800;
-/// Below this contact_lemke takes less time than that to be loaded, too: of separate bodies, and of one block of G, such
-/// as a robot's.
+/// Below this contact_lemke takes less time than that to be loaded, too: of separate bodies, and of one block of G,
+/// such as a robot's.
 constexpr Index kHeldUnloaded = 100;
 constexpr Index kHeldUnloadedBlock = 30;
 /// From this on the first convex problem of friction_ipm finds the impulses of least energy faster than active sets.

@@ -45,8 +45,8 @@ struct Engine {
 /// The lower triangle of `given` (rows x rows) by columns, with the margin below it, for factor().
 void take_lower(const double* given, std::ptrdiff_t rows, double* a, std::ptrdiff_t stride);
 
-/// The first `columns` columns of L as factor() leaves them in `a`, by columns of `rows` entries and with the inverse of
-/// each diagonal entry in its place, as the solves take them.
+/// The first `columns` columns of L as factor() leaves them in `a`, by columns of `rows` entries and with the inverse
+/// of each diagonal entry in its place, as the solves take them.
 void keep_columns(const double* a, std::ptrdiff_t stride, std::ptrdiff_t rows, std::ptrdiff_t columns, double* l);
 
 /// The kernels of one level. @param level must not exceed best_isa_level()
