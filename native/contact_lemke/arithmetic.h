@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "native/lemke/scalars.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
@@ -248,15 +250,37 @@ inline typename Packed<Scalar>::Pack entries_of(typename Packed<Scalar>::Pack pa
   }
 }
 
-/// The pack that begins with entry `first`, zero in the place of `entry`. A zero stored there alone would hold up the
-/// load of the whole pack.
+/// The pack that begins with entry `first`, `value` in the place of `entry`. A number stored there alone would hold up
+/// the load of the whole pack.
 template <class Scalar>
-inline typename Packed<Scalar>::Pack without_entry(typename Packed<Scalar>::Pack pack, Count first, Count entry) {
+inline typename Packed<Scalar>::Pack with_entry(typename Packed<Scalar>::Pack pack, Count first, Count entry,
+                                                Scalar value) {
   using P = Packed<Scalar>;
   if constexpr (P::kWidth == 1) {
-    return first == entry ? Scalar(0) : pack;
+    return first == entry ? value : pack;
   } else {
-    return lane_numbers<Scalar>() == static_cast<Scalar>(entry - first) ? typename P::Pack{} : pack;
+    return lane_numbers<Scalar>() == static_cast<Scalar>(entry - first) ? P::broadcast(value) : pack;
+  }
+}
+template <class Scalar>
+inline typename Packed<Scalar>::Pack without_entry(typename Packed<Scalar>::Pack pack, Count first, Count entry) {
+  return with_entry<Scalar>(pack, first, entry, Scalar(0));
+}
+
+/// The lanes in which a comparison of packs holds, as bits.
+template <class Scalar, class Mask>
+[[gnu::always_inline]] inline std::uint64_t lanes_where(Mask mask) {
+  if constexpr (Packed<Scalar>::kWidth == 1) {
+    return mask ? 1 : 0;
+#if defined(__AVX2__)
+  } else if constexpr (sizeof(mask) == 32 && sizeof(Scalar) == sizeof(double)) {
+    typedef double Bits __attribute__((vector_size(32)));
+    return static_cast<std::uint64_t>(__builtin_ia32_movmskpd256(reinterpret_cast<Bits>(mask)));
+#endif
+  } else {
+    std::uint64_t lanes = 0;
+    for (Count lane = 0; lane < Packed<Scalar>::kWidth; ++lane) lanes |= (mask[lane] != 0 ? 1ULL : 0ULL) << lane;
+    return lanes;
   }
 }
 
@@ -266,6 +290,19 @@ inline typename Packed<Scalar>::Pack larger_magnitude(typename Packed<Scalar>::P
                                                       typename Packed<Scalar>::Pack largest) {
   using P = Packed<Scalar>;
   return P::max(P::max(pack, -pack), largest);
+}
+
+/// The first of x[from] to x[size - 1] that is not zero, or `size`.
+template <class Scalar>
+[[gnu::always_inline]] inline Count next_nonzero(const double* x, Count from, Count size) {
+  using D = Packed<double>;
+  if constexpr (Packed<Scalar>::kWidth > 1) {
+    while (from + D::kWidth <= size && lanes_where<double>(D::load(x + from) != typename D::Pack{}) == 0) {
+      from += D::kWidth;
+    }
+  }
+  while (from < size && x[from] == 0) ++from;
+  return from;
 }
 
 /// Keeps what is no number from comparing as small: a maximum that has met one stays infinite.

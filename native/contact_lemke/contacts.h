@@ -33,8 +33,9 @@ class Contacts {
     blocks_.resize(entries);
   }
 
+  /// @pre reserve(input)
   void load(const contact_lemke::Input& input) {
-    reserve(input);
+    input_ = input;
     load_normals();
     load_layout();
     set_velocity(input.v);
@@ -120,6 +121,13 @@ class Contacts {
     const double* column = input_.D + first_direction(contact) * ngc();
     Scalar largest = 0;
     Count t = 0;
+    if constexpr (P::kWidth == kTogether && kHasDoubles) {
+      if (ngc() >= P::kWidth) {
+        largest = largest_slip_of_groups(column, half(contact) / kTogether, u);
+        t = half(contact) & -kTogether;
+        column += t * ngc();
+      }
+    }
     for (; t + kTogether <= half(contact); t += kTogether, column += kTogether * ngc()) {
       raise_by_slips<kTogether>(column, u, largest);
     }
@@ -153,6 +161,8 @@ class Contacts {
   using P = Packed<Scalar>;
 
   static constexpr double kRoundedUp = 1 + 0x1p-30;
+  /// Whether the arrays of the problem can be loaded as packs.
+  static constexpr bool kHasDoubles = P::kWidth > 1 && sizeof(Scalar) == sizeof(double);
 
   /// Directions whose products run side by side: each alone would wait for its own last addition.
   static constexpr Count kTogether = 4;
@@ -167,6 +177,29 @@ class Contacts {
     for (Count t = 0; t < kCount; ++t) {
       if (!(magnitude(slips[t]) <= largest)) largest = number_or_infinity(magnitude(slips[t]));
     }
+  }
+
+  /// The largest |column'u| of groups of columns; infinite where one is no number. The last pack of a column begins
+  /// before its end, with entries of u that the others have had replaced by zeros. @pre ngc() >= the width of a pack
+  Scalar largest_slip_of_groups(const double* columns, Count groups, const Scalar* u) const {
+    using Pack = typename P::Pack;
+    const Count last = ngc() - P::kWidth;
+    const Count whole = ngc() & -P::kWidth;
+    const auto is_left = lane_numbers<Scalar>() >= static_cast<Scalar>(whole - last);
+    const Pack rest = is_left ? P::load(u + last) : Pack{};
+    Pack largest = Pack{}, poison = Pack{};
+    for (Count group = 0; group < groups; ++group, columns += kTogether * ngc()) {
+      Pack sums[static_cast<std::size_t>(P::kWidth)];
+      for (Count k = 0; k < P::kWidth; ++k) sums[k] = rest * P::load(columns + k * ngc() + last);
+      for (Count i = 0; i < whole; i += P::kWidth) {
+        const Pack factors = P::load(u + i);
+        for (Count k = 0; k < P::kWidth; ++k) sums[k] += factors * P::load(columns + k * ngc() + i);
+      }
+      const Pack slips = sums_of<Scalar>(sums);
+      largest = larger_magnitude<Scalar>(slips, largest);
+      poison += Scalar(0) * slips;
+    }
+    return P::sum(poison) == 0 ? P::max(largest) : kInfinity<Scalar>;
   }
 
   void widen(const double* from, Scalar* to) const {
@@ -205,7 +238,7 @@ class Contacts {
     Count t = 0;
     for (; t + kTogether <= half(contact); t += kTogether, column += kTogether * ngc()) {
       Count i = 0;
-      if constexpr (P::kWidth == kTogether && sizeof(Scalar) == sizeof(double)) {
+      if constexpr (P::kWidth == kTogether && kHasDoubles) {
         for (; i + kTogether <= ngc(); i += kTogether) {
           transpose_square(column + i, ngc(), to + i * width + t, width);
         }

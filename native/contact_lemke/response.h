@@ -294,10 +294,8 @@ class Response {
     first_pivot_ = last_pivot_ = 0;
     rank_ = 0;
     for (Count rest = ngc_; rest > 0 && rank_ < most; --rest) {
-      const Count pivot = largest_left();
-      const Scalar value = left_[pivot];
-      left_[pivot] = kNone;
-      done_[pivot] = 0;
+      const auto [pivot, value] = largest_left();
+      close(pivot);
       Count kept = 0;
       for (Count k = 0; k < rest; ++k) {
         rest_[kept] = rest_[k];
@@ -314,14 +312,29 @@ class Response {
     rank_padded_ = P::padded(rank_);
   }
 
+  struct Pivot {
+    Count row = 0;
+    Scalar value = 0;
+  };
+
   /// The first of the largest; NaN is passed over. Without a branch that nothing could foretell.
-  Count largest_left() const {
+  Pivot largest_left() const {
     typename P::Pack most = P::broadcast(kNone);
     for (Count i = 0; i < padded_; i += P::kWidth) most = P::max(P::load(left_.data() + i), most);
-    const Scalar largest = P::max(most);
-    Count pivot = 0;
-    for (Count i = ngc_ - 1; i >= 0; --i) pivot = left_[i] == largest ? i : pivot;
+    Pivot pivot;
+    pivot.value = P::max(most);
+    for (Count i = padded_ - P::kWidth; i >= 0; i -= P::kWidth) {
+      const std::uint64_t lanes = lanes_where<Scalar>(P::load(left_.data() + i) == P::broadcast(pivot.value));
+      pivot.row = lanes != 0 ? i + __builtin_ctzll(lanes) : pivot.row;
+    }
     return pivot;
+  }
+
+  /// The row is a pivot no more. By packs: a number stored alone would hold up the load of its pack.
+  void close(Count row) {
+    const Count first = row & -P::kWidth;
+    P::store(left_.data() + first, with_entry<Scalar>(P::load(left_.data() + first), first, row, kNone));
+    P::store(done_.data() + first, with_entry<Scalar>(P::load(done_.data() + first), first, row, Scalar(0)));
   }
 
   void eliminate(Count pivot, Scalar value, Count rest) {
@@ -331,10 +344,9 @@ class Response {
     const Scalar* const row = work_.data() + pivot * padded_;
     for (Count i = 0; i < padded_; i += P::kWidth) {
       const typename P::Pack entries = P::load(row + i) * P::load(done_.data() + i) * reciprocal;
-      P::store(l + i, entries);
+      P::store(l + i, with_entry<Scalar>(entries, i, pivot, root));
       P::store(left_.data() + i, P::load(left_.data() + i) + -entries * entries);
     }
-    l[pivot] = root;
     pivots_[rank_] = pivot;
     for (Count k = 0; k < rest; ++k) {
       const Count i = rest_[k];
