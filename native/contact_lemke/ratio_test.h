@@ -24,7 +24,7 @@ class LeastRatio {
       : least_rate_(P::broadcast(least_rate)), slack_(P::broadcast(slack)), least_(P::broadcast(kInfinity<Scalar>)) {}
 
   [[gnu::always_inline]] inline void offer(Pack value, Pack fall) {
-    const Pack ratio = (P::max(value, Pack{}) + slack_) / fall;
+    const Pack ratio = P::max(value + slack_, slack_) / fall;
     least_ = P::min(fall > least_rate_ ? ratio : P::broadcast(kInfinity<Scalar>), least_);
   }
   /// Of what values and falls are made: whether it is a number.
