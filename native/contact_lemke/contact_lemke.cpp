@@ -333,6 +333,7 @@ bool ContactLemke::climb(const ContactRung& rung, Rules rules, Progress& progres
     progress.best = residual.certain;
     progress.rung = rung.name;
     best_ = answer.z;
+    progress.is_best = true;
     best_velocity_ = velocity_.view();
     if (data_.units.size() > 0) best_velocity_.array() *= data_.units.view().array();
     best_has_velocity_ = has_velocity;
@@ -355,7 +356,8 @@ Ending ContactLemke::run(LoadedContacts& engine, Rules rules, Progress& progress
   rules.refinements = static_cast<std::ptrdiff_t>(settings_.max_refinements);
   rules.deadline_s = progress.deadline_s;
   rules.clock_s = wall_clock_s;
-  z.setZero();
+  if (!progress.is_fresh) z.setZero();
+  progress.is_fresh = progress.is_best = false;
   const contact_lemke::Outcome outcome = engine.solve(rules, z.data());
   progress.pivots += outcome.pivots;
   progress.factorizations += outcome.factorizations;
@@ -377,7 +379,7 @@ void ContactLemke::report(const Progress& progress, Answer& answer) {
   answer.counters.factorizations = progress.factorizations;
   if (progress.best <= kClaimedResidual) {
     answer.claim = Claim::kSolved;
-    answer.z = best_.view();
+    if (!progress.is_best) answer.z = best_.view();
     if (best_has_velocity_) answer.velocity = best_velocity_.view();
     answer.detail = progress.rung;
     return;

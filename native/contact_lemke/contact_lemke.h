@@ -162,6 +162,8 @@ class ContactLemke final : public Solver {
     bool is_singular_checked = false;
     ContactSolvability::Finding finding = ContactSolvability::Finding::kSolvable;  ///< once checked
     double missed = 0;                                                             ///< of the last path
+    bool is_fresh = true;           ///< z is zero, as the answer came
+    bool is_best = false;           ///< z is the best answer
     bool is_beyond_double = false;  ///< solved in 113 bits, but not by the doubles nearest to these impulses
 
     std::ptrdiff_t pivots_left(std::int64_t limit) const {

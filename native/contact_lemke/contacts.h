@@ -143,10 +143,13 @@ class Contacts {
     for (Count c = 0; c < nc(); ++c) {
       const double* const first = input_.D + first_direction(c) * ngc();
       const Count entries = half(c) * ngc();
-      D::Pack squares = typename D::Pack{};
+      D::Pack squares = typename D::Pack{}, others = typename D::Pack{};  // neither waits for the other
       Count k = 0;
-      for (; k + D::kWidth <= entries; k += D::kWidth) squares += D::load(first + k) * D::load(first + k);
-      double sum = D::sum(squares);
+      for (; k + 2 * D::kWidth <= entries; k += 2 * D::kWidth) {
+        squares += D::load(first + k) * D::load(first + k);
+        others += D::load(first + k + D::kWidth) * D::load(first + k + D::kWidth);
+      }
+      double sum = D::sum(squares + others);
       for (; k < entries; ++k) sum += first[k] * first[k];
       largest = sum <= largest ? largest : sum;
     }
@@ -209,10 +212,9 @@ class Contacts {
 
   void load_normals() {
     squares_.fill(padded_nc_, Scalar(0));
+    transpose_normals();
     for (Count i = 0; i < ngc(); ++i) {
-      Scalar* const row = normals_.data() + i * padded_nc_;
-      for (Count j = 0; j < nc(); ++j) row[j] = static_cast<Scalar>(input_.N[j * ngc() + i]);
-      for (Count j = nc(); j < padded_nc_; ++j) row[j] = 0;
+      const Scalar* const row = normals_.data() + i * padded_nc_;
       for (Count j = 0; j < padded_nc_; j += P::kWidth) {
         P::store(squares_.data() + j, P::load(squares_.data() + j) + P::load(row + j) * P::load(row + j));
       }
@@ -221,6 +223,28 @@ class Contacts {
     for (Count j = 0; j < nc(); ++j) largest = squares_[j] > largest ? squares_[j] : largest;
     reach_ = square_root(largest);
     direction_reach_ = static_cast<Scalar>(kRoundedUp * largest_norm_of_directions());
+  }
+
+  void transpose_normals() {
+    Scalar* const to = normals_.data();
+    Count j = 0;
+    if constexpr (P::kWidth == kTogether && kHasDoubles) {
+      for (; j + kTogether <= nc(); j += kTogether) {
+        const double* const columns = input_.N + j * ngc();
+        Count i = 0;
+        for (; i + kTogether <= ngc(); i += kTogether) {
+          transpose_square(columns + i, ngc(), to + i * padded_nc_ + j, padded_nc_);
+        }
+        for (; i < ngc(); ++i) {
+          for (Count k = 0; k < kTogether; ++k) to[i * padded_nc_ + j + k] = columns[k * ngc() + i];
+        }
+      }
+    }
+    for (; j < padded_nc_; ++j) {
+      for (Count i = 0; i < ngc(); ++i) {
+        to[i * padded_nc_ + j] = j < nc() ? static_cast<Scalar>(input_.N[j * ngc() + i]) : Scalar(0);
+      }
+    }
   }
 
   void load_layout() {
