@@ -35,6 +35,7 @@ class Response {
     rows_.resize(ngc_ * padded_);
     pivots_.resize(ngc_);
     rest_.resize(ngc_);
+    place_.resize(ngc_);
     left_.resize(padded_);
     done_.resize(padded_);
   }
@@ -279,13 +280,13 @@ class Response {
   }
 
   /// Right-looking, on whole rows of the symmetric rest. Rows stay where they are: pivots_ tells their order, and rest_
-  /// which are not yet eliminated. left_ has the diagonal of the rest, and kNone where a row is eliminated.
+  /// which are not yet eliminated, in no order. left_ has the diagonal of the rest, and kNone where a row is eliminated.
   void factor(Count most) {
     // What elimination leaves of an entry is compared with that entry: another coordinate may have another unit.
     for (Count i = 0; i < ngc_; ++i) {
       left_[i] = diagonal_[i] = work_[i * padded_ + i];
       done_[i] = 1;
-      rest_[i] = i;
+      rest_[i] = place_[i] = i;
     }
     for (Count i = ngc_; i < padded_; ++i) {
       left_[i] = kNone;
@@ -296,17 +297,15 @@ class Response {
     for (Count rest = ngc_; rest > 0 && rank_ < most; --rest) {
       const auto [pivot, value] = largest_left();
       close(pivot);
-      Count kept = 0;
-      for (Count k = 0; k < rest; ++k) {
-        rest_[kept] = rest_[k];
-        kept += rest_[k] != pivot ? 1 : 0;
-      }
+      const Count last = rest_[rest - 1];
+      rest_[place_[pivot]] = last;
+      place_[last] = place_[pivot];
       if (!(value > static_cast<Scalar>(2 * kUnitRoundoff<Scalar> * static_cast<double>(ngc_)) * diagonal_[pivot])) {
         continue;  // depends on those before it
       }
       if (rank_ == 0) first_pivot_ = value;
       last_pivot_ = value;
-      eliminate(pivot, value, kept);
+      eliminate(pivot, value, rest - 1);
       ++rank_;
     }
     rank_padded_ = P::padded(rank_);
@@ -348,10 +347,17 @@ class Response {
       P::store(left_.data() + i, P::load(left_.data() + i) + -entries * entries);
     }
     pivots_[rank_] = pivot;
-    for (Count k = 0; k < rest; ++k) {
-      const Count i = rest_[k];
-      add_multiple(work_.data() + i * padded_, -l[i], l, padded_);
-    }
+    for_each_tile<Scalar>(padded_, [&](auto packs, Count at) {
+      typename P::Pack own[static_cast<std::size_t>(packs.kValue)];
+      for (Count p = 0; p < packs.kValue; ++p) own[p] = P::load(l + at + p * P::kWidth);
+      for (Count k = 0; k < rest; ++k) {
+        Scalar* const to = work_.data() + rest_[k] * padded_ + at;
+        const typename P::Pack factor = P::broadcast(-l[rest_[k]]);
+        for (Count p = 0; p < packs.kValue; ++p) {
+          P::store(to + p * P::kWidth, P::load(to + p * P::kWidth) + factor * own[p]);
+        }
+      }
+    });
   }
 
   /// The columns of W = L^-T are the rows of L^-1, by forward substitution.
@@ -515,6 +521,7 @@ class Response {
   Buffer<Scalar> columns_;                  ///< of W (of G* where it is given), padded_ apart
   Buffer<Scalar> rows_;                     ///< of W, rank_padded_ apart
   Buffer<Count> pivots_, rest_;
+  Buffer<Count> place_;  ///< of a row in rest_
 };
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL
