@@ -9,6 +9,7 @@ using lemke::LCPBENCH_LEVEL::copy;
 using lemke::LCPBENCH_LEVEL::Count;
 using lemke::LCPBENCH_LEVEL::kInfinity;
 using lemke::LCPBENCH_LEVEL::kUnitRoundoff;
+using lemke::LCPBENCH_LEVEL::lanes_where;
 using lemke::LCPBENCH_LEVEL::magnitude;
 using lemke::LCPBENCH_LEVEL::square_root;
 #if defined(LCPBENCH_DOUBLE_DOUBLE)

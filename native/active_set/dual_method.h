@@ -140,7 +140,10 @@ class DualMethod {
     const Scalar largest = measure_merits();
     if (!(largest > violation_threshold_)) return -1;
     Count contact = 0;  // the first; without a branch that nothing could foretell
-    for (Count j = whitening_.nc() - 1; j >= 0; --j) contact = merit_[j] == largest ? j : contact;
+    for (Count j = contact_lanes() - L::kWidth; j >= 0; j -= L::kWidth) {
+      const std::uint64_t lanes = lanes_where<Scalar>(L::load(merit_.data() + j) == L::broadcast(largest));
+      contact = lanes != 0 ? j + __builtin_ctzll(lanes) : contact;
+    }
     return contact;
   }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "native/active_set/twofold_sum.h"
 #include "native/active_set/whitening.h"
 
 namespace lcpbench::active_set::LCPBENCH_LEVEL {
@@ -7,11 +8,12 @@ namespace lcpbench::active_set::LCPBENCH_LEVEL {
 /// Whether impulses solve the problem, judged by w = N'(v + G* N z) + b with a bound on what rounding does to it, each
 /// island by its own scale. Float is not bounded: the engine that tests its answers in double does that.
 ///
-/// Three bounds, each sharper and dearer than the one before, and asked for only where those before do not decide. For
-/// G = C'C - E, E within backward_error(), a change of u is off by G^-1 E times it, which no contact sees by more than
-/// |W_j| |A^-1|^(1/2) |E x|, A and E scaled to unit diagonal of G: first with the bound on |A^-1| that loading G
-/// leaves, then with the trace of the inverse. Last, in double, the residual r = N z - G x of the very change x at hand
-/// is formed in more bits: x is off by G^-1 r, of which a contact sees no more than |W_j| |r|_G*.
+/// Bounds, asked for only where those before do not decide. For G = C'C - E, E within backward_error(), a change of u is
+/// off by G^-1 E times it, which no contact sees by more than |W_j| |A^-1|^(1/2) |E x|, A and E scaled to unit diagonal
+/// of G: first with the bound on |A^-1| that loading G leaves. In double, the residual r = N z - G x of the very change
+/// x at hand is formed in more bits: x is off by G^-1 r, of which a contact sees no more than |W_j| |r|_G*. That is
+/// sharper, and one island is tested by it at once. Else |A^-1| is bounded by the trace of the inverse, and at last r
+/// is formed for each island.
 template <class Scalar>
 class VelocityTest {
   using L = Lanes<Scalar>;
@@ -72,6 +74,9 @@ class VelocityTest {
                  whitening_.rank(), contact_lanes());
     if (is_whole_ && passes_as_a_whole(answer, limit)) return true;
     if (whitening_.triangular()) whitening_.solve(change_.data());  // u - v
+    if constexpr (kHasMoreBits) {
+      if (passes_by_residual(answer, limit)) return true;
+    }
     return passes_by_islands(answer, limit);
   }
 
@@ -81,6 +86,7 @@ class VelocityTest {
   static constexpr double kRoom = 1.25;             ///< for G instead of C'C within kTrusted, and for rounding it
   static constexpr double kFloor = 0x1p-53 / 1e-4;  ///< of the verdict: the rounding of q in double counts as solved
   static constexpr double kSafeSquare = 1e-280;     ///< no terms that matter beside it have underflowed
+  static constexpr double kUnderflow = 1e-170;      ///< more than sums lose to it, over the root of any G_ii
   static constexpr bool kTestedInDouble =
       sizeof(Scalar) < sizeof(double);  ///< by the engine that knows what float rounds
   static constexpr bool kHasMoreBits = sizeof(Scalar) == sizeof(double);
@@ -132,6 +138,7 @@ class VelocityTest {
       return (2 * whitening_.noise() + sums) * square_root(moved) <= most;
     }
     if (covers_rounding(answer, most, L::max(largest), moved)) return true;
+    if (has_residual(answer)) return false;  // it is sharper, and takes less time
     whitening_.sharpen_condition();
     return covers_rounding(answer, most, L::max(largest), moved);
   }
@@ -177,6 +184,70 @@ class VelocityTest {
   }
 
   bool condition_is_trusted() const { return whitening_.lost() < static_cast<Scalar>(kTrusted); }
+
+  /// Whether passes_by_residual() can say anything.
+  bool has_residual(const Answer& answer) const {
+    return kHasMoreBits && is_whole_ && whitening_.triangular() && answer.velocity != nullptr &&
+           whitening_.ngc() >= L::kWidth && condition_is_trusted();
+  }
+
+  /// Whether one island passes by the residual of its change, formed with twice the bits of a double, and by the longest
+  /// normal for all of them.
+  [[gnu::noinline]] bool passes_by_residual(const Answer& answer, Scalar limit) {
+    if (!has_residual(answer)) return false;
+    move_contacts(answer);
+    form_residual(answer);
+    auto worst = L::broadcast(0), largest = L::broadcast(0), squares = L::broadcast(0);
+    auto speed = L::broadcast(0), terms = L::broadcast(0);
+    for (Count j = 0; j < contact_lanes(); j += L::kWidth) {
+      const auto squared = L::load(whitening_.squared_norms() + j);
+      const auto impulse = L::load(answer.impulse + j);
+      const auto given = L::load(answer.given + j);
+      const auto pressure = squared * impulse;
+      const auto least = L::min(pressure, L::load(answer.slack + j));
+      squares += pressure * impulse + (least - least);  // no number where one of these is none
+      worst = L::max(L::max(least, -least), worst);
+      largest = L::max(squared, largest);
+      speed = L::max(L::max(given, -given), speed);
+      terms = L::max(L::load(terms_.data() + j), terms);
+    }
+    auto changes = L::broadcast(0);
+    for (Count i = 0; i < lanes(); i += L::kWidth) {
+      const auto change = L::load(whitening_.root_diagonal() + i) * L::load(change_.data() + i);
+      changes += change * change;
+    }
+    const Scalar pressed = static_cast<Scalar>(static_cast<double>(pressed_));
+    const Scalar bits = (kRoundings + size() + pressed) * kUnitRoundoff<Scalar>;
+    const Scalar of_impulse = square_root(size() * pressed * L::sum(squares));  // by Cauchy and Schwarz
+    const Scalar own = bits * bits * (size() * square_root(L::sum(changes)) + of_impulse) + kUnderflow;
+    const Scalar residual = square_root(dot(residual_.data(), residual_.data(), lanes())) +
+                            square_root(whitening_.condition()) * own;
+    const Scalar rounding = kRoom * square_root(L::max(largest)) * residual +
+                            roundings(static_cast<double>(whitening_.ngc())) * L::max(terms);
+    const Scalar most = limit * L::max(speed);
+    return finite(most) && L::max(worst) + rounding <= most;
+  }
+
+  /// residual_ := C^-T r of the change x = change_, r = N z - G x. @pre ngc() is at least the width of a register
+  void form_residual(const Answer& answer) {
+    const Count ngc = whitening_.ngc();
+    set_zero(residual_.data(), lanes());
+    for (Count i = 0; i + L::kWidth <= ngc; i += L::kWidth) form_residual_from(answer, i);
+    if (ngc % L::kWidth != 0) form_residual_from(answer, ngc - L::kWidth);  // some of it for the second time
+    whitening_.solve_transposed(residual_.data());
+  }
+
+  void form_residual_from(const Answer& answer, Count i) {
+    TwofoldSum sum;
+    for (Count k = 0; k < pressed_; ++k) {
+      const Count contact = active_[k];
+      sum.add(L::load(whitening_.given_normal(contact) + i), L::broadcast(answer.impulse[contact]));
+    }
+    for (Count j = 0; j < whitening_.ngc(); ++j) {
+      sum.add(L::load(whitening_.inertia_column(j) + i), L::broadcast(-change_[j]));
+    }
+    L::store(residual_.data() + i, sum.value());
+  }
 
   [[gnu::noinline]] bool passes_by_islands(const Answer& answer, Scalar limit) {
     by_residual_ = false;

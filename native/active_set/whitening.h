@@ -129,6 +129,7 @@ class Whitening {
     if constexpr (L::kWidth > 1) {
       if (velocity_lanes_ == L::kWidth) return solve_in_registers<1>(x);
       if (velocity_lanes_ == 2 * L::kWidth) return solve_in_registers<2>(x);
+      if (velocity_lanes_ == 3 * L::kWidth) return solve_in_registers<3>(x);
     }
     for (Count i = ngc_ - 1; i >= 0; --i) {
       const Scalar value = x[i] * inverse_diagonal_[i];
@@ -143,6 +144,7 @@ class Whitening {
     if constexpr (L::kWidth > 1) {
       if (velocity_lanes_ == L::kWidth) return solve_transposed_in_registers<1>(x);
       if (velocity_lanes_ == 2 * L::kWidth) return solve_transposed_in_registers<2>(x);
+      if (velocity_lanes_ == 3 * L::kWidth) return solve_transposed_in_registers<3>(x);
     }
     for (Count i = 0; i < ngc_; ++i) {
       const Scalar value = x[i] * inverse_diagonal_[i];
@@ -187,17 +189,19 @@ class Whitening {
     copy(x, solution_.data(), velocity_lanes_);
   }
 
-  /// solve() and solve_transposed() bit for bit, where all of x is one register or two: no entry waits for the memory.
+  /// solve() and solve_transposed() bit for bit, where all of x is up to three registers: no entry waits for the memory.
   template <int kPacks>
   [[gnu::noinline]] void solve_in_registers(Scalar* x) {
-    typename L::Pack packs[2] = {L::load(x), L::load(x + (kPacks - 1) * L::kWidth)};
+    typename L::Pack packs[kPacks];
+    for (int p = 0; p < kPacks; ++p) packs[p] = L::load(x + p * L::kWidth);
     solve_up_from<kPacks* static_cast<int>(L::kWidth) - 1>(packs);
     take_solution(x);
   }
 
   template <int kPacks>
   [[gnu::noinline]] void solve_transposed_in_registers(Scalar* x) {
-    typename L::Pack packs[2] = {L::load(x), L::load(x + (kPacks - 1) * L::kWidth)};
+    typename L::Pack packs[kPacks];
+    for (int p = 0; p < kPacks; ++p) packs[p] = L::load(x + p * L::kWidth);
     solve_down_from<kPacks, 0>(packs);
     take_solution(x);
   }
@@ -210,8 +214,7 @@ class Whitening {
         const Scalar value = packs[kAt / kWidth][kAt % kWidth] * inverse_diagonal_[kAt];
         const Scalar* const column = columns_.data() + kAt * velocity_lanes_;
         const auto factor = L::broadcast(-value);
-        packs[0] = packs[0] + factor * L::load(column);
-        if constexpr (kAt >= kWidth) packs[1] = packs[1] + factor * L::load(column + kWidth);
+        for (int p = 0; p <= kAt / kWidth; ++p) packs[p] = packs[p] + factor * L::load(column + p * kWidth);
         solution_[kAt] = value;
       }
       solve_up_from<kAt - 1>(packs);
@@ -226,8 +229,7 @@ class Whitening {
       const Scalar value = packs[kAt / kWidth][kAt % kWidth] * inverse_diagonal_[kAt];
       const Scalar* const row = rows_.data() + kAt * stride_;
       const auto factor = L::broadcast(-value);
-      if constexpr (kAt < kWidth) packs[0] = packs[0] + factor * L::load(row);
-      if constexpr (kPacks > 1) packs[1] = packs[1] + factor * L::load(row + kWidth);
+      for (int p = kAt / kWidth; p < kPacks; ++p) packs[p] = packs[p] + factor * L::load(row + p * kWidth);
       solution_[kAt] = value;
       solve_down_from<kPacks, kAt + 1>(packs);
     }
@@ -236,10 +238,26 @@ class Whitening {
   Scalar* work_row(Count i) { return rows_.data() + i * stride_; }
 
   void read_normals(const Input& input) {
-    for (Count i = 0; i < ngc_; ++i) {
-      Scalar* row = normals_.data() + i * contact_lanes_;
-      for (Count j = 0; j < nc_; ++j) row[j] = static_cast<Scalar>(input.N[j * ngc_ + i]);
-      for (Count j = nc_; j < contact_lanes_; ++j) row[j] = 0;
+    Scalar* const to = normals_.data();
+    Count j = 0;
+#if defined(__AVX2__)
+    if constexpr (L::kWidth == 4) {
+      for (; j + L::kWidth <= nc_; j += L::kWidth) {
+        Count i = 0;
+        for (; i + L::kWidth <= ngc_; i += L::kWidth) {
+          lemke::LCPBENCH_LEVEL::transpose_square(input.N + j * ngc_ + i, ngc_, to + i * contact_lanes_ + j,
+                                                  contact_lanes_);
+        }
+        for (; i < ngc_; ++i) {
+          for (Count k = j; k < j + L::kWidth; ++k) to[i * contact_lanes_ + k] = input.N[k * ngc_ + i];
+        }
+      }
+    }
+#endif
+    for (; j < contact_lanes_; ++j) {
+      for (Count i = 0; i < ngc_; ++i) {
+        to[i * contact_lanes_ + j] = j < nc_ ? static_cast<Scalar>(input.N[j * ngc_ + i]) : Scalar(0);
+      }
     }
   }
 

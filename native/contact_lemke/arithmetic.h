@@ -174,22 +174,6 @@ inline Scalar dot(const Scalar* x, const Scalar* y, Count length) {
   return P::sum(sum);
 }
 
-#if defined(__AVX2__)
-/// to := the transpose of the 4 x 4 matrix `from`; the rows of either are their stride apart.
-inline void transpose_square(const double* from, Count stride, double* to, Count to_stride) {
-  using P = Packed<double>;
-  using Pack = P::Pack;
-  const Pack a = P::load(from), b = P::load(from + stride);
-  const Pack c = P::load(from + 2 * stride), d = P::load(from + 3 * stride);
-  const Pack ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6), ab_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7);
-  const Pack cd_even = __builtin_shufflevector(c, d, 0, 4, 2, 6), cd_odd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
-  P::store(to, __builtin_shufflevector(ab_even, cd_even, 0, 1, 4, 5));
-  P::store(to + to_stride, __builtin_shufflevector(ab_odd, cd_odd, 0, 1, 4, 5));
-  P::store(to + 2 * to_stride, __builtin_shufflevector(ab_even, cd_even, 2, 3, 6, 7));
-  P::store(to + 3 * to_stride, __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7));
-}
-#endif
-
 /// P::sum() of as many packs as a pack has lanes.
 template <class Scalar>
 inline typename Packed<Scalar>::Pack sums_of(
@@ -248,16 +232,21 @@ inline typename Packed<Scalar>::Pack entries_of(typename Packed<Scalar>::Pack pa
   }
 }
 
-/// The pack that begins with entry `first`, zero in the place of `entry`. A zero stored there alone would hold up the
-/// load of the whole pack.
+/// The pack that begins with entry `first`, `value` in the place of `entry`. A number stored there alone would hold up
+/// the load of the whole pack.
 template <class Scalar>
-inline typename Packed<Scalar>::Pack without_entry(typename Packed<Scalar>::Pack pack, Count first, Count entry) {
+inline typename Packed<Scalar>::Pack with_entry(typename Packed<Scalar>::Pack pack, Count first, Count entry,
+                                                Scalar value) {
   using P = Packed<Scalar>;
   if constexpr (P::kWidth == 1) {
-    return first == entry ? Scalar(0) : pack;
+    return first == entry ? value : pack;
   } else {
-    return lane_numbers<Scalar>() == static_cast<Scalar>(entry - first) ? typename P::Pack{} : pack;
+    return lane_numbers<Scalar>() == static_cast<Scalar>(entry - first) ? P::broadcast(value) : pack;
   }
+}
+template <class Scalar>
+inline typename Packed<Scalar>::Pack without_entry(typename Packed<Scalar>::Pack pack, Count first, Count entry) {
+  return with_entry<Scalar>(pack, first, entry, Scalar(0));
 }
 
 /// The larger of |pack| and `largest`, lane by lane; NaN is passed over.
@@ -266,6 +255,19 @@ inline typename Packed<Scalar>::Pack larger_magnitude(typename Packed<Scalar>::P
                                                       typename Packed<Scalar>::Pack largest) {
   using P = Packed<Scalar>;
   return P::max(P::max(pack, -pack), largest);
+}
+
+/// The first of x[from] to x[size - 1] that is not zero, or `size`.
+template <class Scalar>
+[[gnu::always_inline]] inline Count next_nonzero(const double* x, Count from, Count size) {
+  using D = Packed<double>;
+  if constexpr (Packed<Scalar>::kWidth > 1) {
+    while (from + D::kWidth <= size && lanes_where<double>(D::load(x + from) != typename D::Pack{}) == 0) {
+      from += D::kWidth;
+    }
+  }
+  while (from < size && x[from] == 0) ++from;
+  return from;
 }
 
 /// Keeps what is no number from comparing as small: a maximum that has met one stays infinite.

@@ -85,8 +85,7 @@ class Completion {
   void add_impulses(const double* z, Count columns) {
     for (Count i = 0; i < contacts_.padded_ngc(); ++i) impulse_[i] = magnitude_[i] = 0;
     terms_ = 0;
-    for (Count j = 0; j < columns; ++j) {
-      if (z[j] == 0) continue;
+    for (Count j = next_nonzero<Scalar>(z, 0, columns); j < columns; j = next_nonzero<Scalar>(z, j + 1, columns)) {
       ++terms_;
       const Scalar f = static_cast<Scalar>(z[j]);
       const double* const column = contacts_.impulse_column(j);
@@ -231,8 +230,10 @@ class Completion {
       lambda = static_cast<double>(largest);
       offer(contact, static_cast<Scalar>(lambda) - largest, 0, rounding);
       if (!(lambda - lambda == 0)) note_infinite(contact);
-      for (Count t = 0; t < 2 * half; ++t) {
-        if (z[first + t] > 0) note_infinite(contact);  // friction without a normal impulse
+      const double* const friction = z + first;
+      for (Count t = next_nonzero<Scalar>(friction, 0, 2 * half); t < 2 * half;
+           t = next_nonzero<Scalar>(friction, t + 1, 2 * half)) {
+        if (friction[t] > 0) note_infinite(contact);  // friction without a normal impulse
       }
       return;
     }

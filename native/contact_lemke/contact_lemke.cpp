@@ -173,12 +173,30 @@ void ContactLemke::reserve_engines(const contact_lemke::Input& input) {
 
 void ContactLemke::reserve_later_rungs(const contact_lemke::Input& input) {
   using Precision = ContactLemkePrecision;
+  if (has_room_in_later_rungs(input)) return;
   const auto reserve = [&input](LaterEngines::Shared& later) {
     later.engine.reserve(input);
     later.holder = nullptr;
   };
   if (settings_.precision != Precision::kQuad) reserve(later_->double_double);  // also tests what double is in doubt of
   if (settings_.precision == Precision::kCascade || settings_.precision == Precision::kQuad) reserve(later_->quad);
+}
+
+/// Whether a problem that is not smaller in any respect was the last to be reserved. If not, this one will be.
+bool ContactLemke::has_room_in_later_rungs(const contact_lemke::Input& input) {
+  std::array<std::ptrdiff_t, 7> room{input.ngc, input.nc, 0, 0, 0, 0, input.inertia.Ginv == nullptr ? 1 : 0};
+  for (std::ptrdiff_t c = 0; c < input.nc; ++c) {
+    const std::ptrdiff_t edges = input.friction_begin[c + 1] - input.friction_begin[c];
+    const bool has_friction = edges > 0 && input.mu != nullptr && input.mu[c] > 0;
+    room[2] = std::max(room[2], edges);
+    room[3] += edges;
+    room[4] += has_friction ? 1 : 0;
+    room[5] += has_friction ? edges : 0;
+  }
+  bool has_room = true;
+  for (std::size_t k = 0; k < room.size(); ++k) has_room = has_room && room[k] <= room_in_later_rungs_[k];
+  if (!has_room) room_in_later_rungs_ = room;
+  return has_room;
 }
 
 void ContactLemke::on_load(const Problem& problem) {
@@ -315,6 +333,7 @@ bool ContactLemke::climb(const ContactRung& rung, Rules rules, Progress& progres
     progress.best = residual.certain;
     progress.rung = rung.name;
     best_ = answer.z;
+    progress.is_best = true;
     best_velocity_ = velocity_.view();
     if (data_.units.size() > 0) best_velocity_.array() *= data_.units.view().array();
     best_has_velocity_ = has_velocity;
@@ -337,7 +356,8 @@ Ending ContactLemke::run(LoadedContacts& engine, Rules rules, Progress& progress
   rules.refinements = static_cast<std::ptrdiff_t>(settings_.max_refinements);
   rules.deadline_s = progress.deadline_s;
   rules.clock_s = wall_clock_s;
-  z.setZero();
+  if (!progress.is_fresh) z.setZero();
+  progress.is_fresh = progress.is_best = false;
   const contact_lemke::Outcome outcome = engine.solve(rules, z.data());
   progress.pivots += outcome.pivots;
   progress.factorizations += outcome.factorizations;
@@ -359,7 +379,7 @@ void ContactLemke::report(const Progress& progress, Answer& answer) {
   answer.counters.factorizations = progress.factorizations;
   if (progress.best <= kClaimedResidual) {
     answer.claim = Claim::kSolved;
-    answer.z = best_.view();
+    if (!progress.is_best) answer.z = best_.view();
     if (best_has_velocity_) answer.velocity = best_velocity_.view();
     answer.detail = progress.rung;
     return;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -161,6 +162,8 @@ class ContactLemke final : public Solver {
     bool is_singular_checked = false;
     ContactSolvability::Finding finding = ContactSolvability::Finding::kSolvable;  ///< once checked
     double missed = 0;                                                             ///< of the last path
+    bool is_fresh = true;           ///< z is zero, as the answer came
+    bool is_best = false;           ///< z is the best answer
     bool is_beyond_double = false;  ///< solved in 113 bits, but not by the doubles nearest to these impulses
 
     std::ptrdiff_t pivots_left(std::int64_t limit) const {
@@ -175,6 +178,7 @@ class ContactLemke final : public Solver {
   void reserve(Index ngc, Index nc);
   void reserve_engines(const contact_lemke::Input& input);
   void reserve_later_rungs(const contact_lemke::Input& input);
+  bool has_room_in_later_rungs(const contact_lemke::Input& input);
   bool in_float() const { return settings_.precision == ContactLemkePrecision::kFloat; }
   LoadedContacts& engine_of(ContactArithmetic arithmetic);
   bool is_double_double(const LoadedContacts& engine) const { return &engine == &later_->double_double.engine; }
@@ -192,6 +196,8 @@ class ContactLemke final : public Solver {
   Capabilities capabilities_;
   ContactInput data_;
   Index reserved_ngc_ = 0, reserved_nc_ = 0;  ///< up to which frictionless problems find memory
+  /// What the memory of the later rungs was last asked for: see has_room_in_later_rungs().
+  std::array<std::ptrdiff_t, 7> room_in_later_rungs_{};
   LoadedContacts double_;                     ///< also what tests the answers of float
   std::optional<LoadedContacts> float_;       ///< with precision=float
   std::shared_ptr<LaterEngines> later_;

@@ -33,8 +33,9 @@ class Contacts {
     blocks_.resize(entries);
   }
 
+  /// @pre reserve(input)
   void load(const contact_lemke::Input& input) {
-    reserve(input);
+    input_ = input;
     load_normals();
     load_layout();
     set_velocity(input.v);
@@ -120,6 +121,13 @@ class Contacts {
     const double* column = input_.D + first_direction(contact) * ngc();
     Scalar largest = 0;
     Count t = 0;
+    if constexpr (P::kWidth == kTogether && kHasDoubles) {
+      if (ngc() >= P::kWidth) {
+        largest = largest_slip_of_groups(column, half(contact) / kTogether, u);
+        t = half(contact) & -kTogether;
+        column += t * ngc();
+      }
+    }
     for (; t + kTogether <= half(contact); t += kTogether, column += kTogether * ngc()) {
       raise_by_slips<kTogether>(column, u, largest);
     }
@@ -135,10 +143,13 @@ class Contacts {
     for (Count c = 0; c < nc(); ++c) {
       const double* const first = input_.D + first_direction(c) * ngc();
       const Count entries = half(c) * ngc();
-      D::Pack squares = typename D::Pack{};
+      D::Pack squares = typename D::Pack{}, others = typename D::Pack{};  // neither waits for the other
       Count k = 0;
-      for (; k + D::kWidth <= entries; k += D::kWidth) squares += D::load(first + k) * D::load(first + k);
-      double sum = D::sum(squares);
+      for (; k + 2 * D::kWidth <= entries; k += 2 * D::kWidth) {
+        squares += D::load(first + k) * D::load(first + k);
+        others += D::load(first + k + D::kWidth) * D::load(first + k + D::kWidth);
+      }
+      double sum = D::sum(squares + others);
       for (; k < entries; ++k) sum += first[k] * first[k];
       largest = sum <= largest ? largest : sum;
     }
@@ -153,6 +164,8 @@ class Contacts {
   using P = Packed<Scalar>;
 
   static constexpr double kRoundedUp = 1 + 0x1p-30;
+  /// Whether the arrays of the problem can be loaded as packs.
+  static constexpr bool kHasDoubles = P::kWidth > 1 && sizeof(Scalar) == sizeof(double);
 
   /// Directions whose products run side by side: each alone would wait for its own last addition.
   static constexpr Count kTogether = 4;
@@ -169,6 +182,29 @@ class Contacts {
     }
   }
 
+  /// The largest |column'u| of groups of columns; infinite where one is no number. The last pack of a column begins
+  /// before its end, with entries of u that the others have had replaced by zeros. @pre ngc() >= the width of a pack
+  Scalar largest_slip_of_groups(const double* columns, Count groups, const Scalar* u) const {
+    using Pack = typename P::Pack;
+    const Count last = ngc() - P::kWidth;
+    const Count whole = ngc() & -P::kWidth;
+    const auto is_left = lane_numbers<Scalar>() >= static_cast<Scalar>(whole - last);
+    const Pack rest = is_left ? P::load(u + last) : Pack{};
+    Pack largest = Pack{}, poison = Pack{};
+    for (Count group = 0; group < groups; ++group, columns += kTogether * ngc()) {
+      Pack sums[static_cast<std::size_t>(P::kWidth)];
+      for (Count k = 0; k < P::kWidth; ++k) sums[k] = rest * P::load(columns + k * ngc() + last);
+      for (Count i = 0; i < whole; i += P::kWidth) {
+        const Pack factors = P::load(u + i);
+        for (Count k = 0; k < P::kWidth; ++k) sums[k] += factors * P::load(columns + k * ngc() + i);
+      }
+      const Pack slips = sums_of<Scalar>(sums);
+      largest = larger_magnitude<Scalar>(slips, largest);
+      poison += Scalar(0) * slips;
+    }
+    return P::sum(poison) == 0 ? P::max(largest) : kInfinity<Scalar>;
+  }
+
   void widen(const double* from, Scalar* to) const {
     for (Count i = 0; i < ngc(); ++i) to[i] = static_cast<Scalar>(from[i]);
     for (Count i = ngc(); i < padded_ngc_; ++i) to[i] = 0;
@@ -176,10 +212,9 @@ class Contacts {
 
   void load_normals() {
     squares_.fill(padded_nc_, Scalar(0));
+    transpose_normals();
     for (Count i = 0; i < ngc(); ++i) {
-      Scalar* const row = normals_.data() + i * padded_nc_;
-      for (Count j = 0; j < nc(); ++j) row[j] = static_cast<Scalar>(input_.N[j * ngc() + i]);
-      for (Count j = nc(); j < padded_nc_; ++j) row[j] = 0;
+      const Scalar* const row = normals_.data() + i * padded_nc_;
       for (Count j = 0; j < padded_nc_; j += P::kWidth) {
         P::store(squares_.data() + j, P::load(squares_.data() + j) + P::load(row + j) * P::load(row + j));
       }
@@ -188,6 +223,28 @@ class Contacts {
     for (Count j = 0; j < nc(); ++j) largest = squares_[j] > largest ? squares_[j] : largest;
     reach_ = square_root(largest);
     direction_reach_ = static_cast<Scalar>(kRoundedUp * largest_norm_of_directions());
+  }
+
+  void transpose_normals() {
+    Scalar* const to = normals_.data();
+    Count j = 0;
+    if constexpr (P::kWidth == kTogether && kHasDoubles) {
+      for (; j + kTogether <= nc(); j += kTogether) {
+        const double* const columns = input_.N + j * ngc();
+        Count i = 0;
+        for (; i + kTogether <= ngc(); i += kTogether) {
+          transpose_square(columns + i, ngc(), to + i * padded_nc_ + j, padded_nc_);
+        }
+        for (; i < ngc(); ++i) {
+          for (Count k = 0; k < kTogether; ++k) to[i * padded_nc_ + j + k] = columns[k * ngc() + i];
+        }
+      }
+    }
+    for (; j < padded_nc_; ++j) {
+      for (Count i = 0; i < ngc(); ++i) {
+        to[i * padded_nc_ + j] = j < nc() ? static_cast<Scalar>(input_.N[j * ngc() + i]) : Scalar(0);
+      }
+    }
   }
 
   void load_layout() {
@@ -205,7 +262,7 @@ class Contacts {
     Count t = 0;
     for (; t + kTogether <= half(contact); t += kTogether, column += kTogether * ngc()) {
       Count i = 0;
-      if constexpr (P::kWidth == kTogether && sizeof(Scalar) == sizeof(double)) {
+      if constexpr (P::kWidth == kTogether && kHasDoubles) {
         for (; i + kTogether <= ngc(); i += kTogether) {
           transpose_square(column + i, ngc(), to + i * width + t, width);
         }

@@ -13,7 +13,9 @@ constexpr Count kArtificial = -1;
 struct Label {
   Count contact = kArtificial;
   Count direction = kNormal;
-  bool operator==(const Label& other) const { return contact == other.contact && direction == other.direction; }
+  bool operator==(const Label& other) const {
+    return (contact == other.contact) & (direction == other.direction);  // no branch that nothing could foretell
+  }
   bool is_normal() const { return contact != kArtificial && direction == kNormal; }
 };
 
@@ -259,10 +261,9 @@ class Kernel {
   }
 
   Count find(const Buffer<Label>& labels, Label label) const {
-    for (Count k = 0; k < order_; ++k) {
-      if (labels[k] == label) return k;
-    }
-    return -1;
+    Count found = -1;  // all are looked at: where it stands nothing could foretell
+    for (Count k = 0; k < order_; ++k) found = labels[k] == label ? k : found;
+    return found;
   }
 
   static void exchange(Scalar& a, Scalar& b) {

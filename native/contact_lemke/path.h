@@ -2,6 +2,7 @@
 
 #include "native/contact_lemke/contacts.h"
 #include "native/contact_lemke/covering_vector.h"
+#include "native/contact_lemke/friction_simplex.h"
 #include "native/contact_lemke/friction_state.h"
 #include "native/contact_lemke/kernel.h"
 #include "native/contact_lemke/polish.h"
@@ -37,10 +38,9 @@ class Path {
     for (Buffer<Scalar>* buffer : by_coordinate) buffer->resize(contacts_.padded_ngc());
     Buffer<Scalar>* const by_row[] = {&x_, &dx_, &residual_, &coefficients_};
     for (Buffer<Scalar>* buffer : by_row) buffer->resize(kernel_.stride());
-    Buffer<Scalar>* const by_contact[] = {&base_value_, &base_rate_, &impulse_norm_, &simplex_size_};
-    for (Buffer<Scalar>* buffer : by_contact) buffer->resize(contacts_.nc() + 1);
+    simplex_.resize(contacts_.nc() + 1);
     covering_.reserve();
-    slip_.resize(2 * contacts_.most_padded_half());
+    slip_.resize(contacts_.most_padded_half());
   }
 
   void load(const contact_lemke::Input& input) {
@@ -50,8 +50,7 @@ class Path {
     fill_with_zeros(contacts_.padded_ngc(), u_, du_, entering_response_, column_, row_);
     kernel_.clear();
     friction_.clear(contacts_.nc() + 1);
-    for (Count c = 0; c < contacts_.nc(); ++c) simplex_size_[c] = contacts_.mu(c);
-    simplex_size_[contacts_.nc()] = 0;
+    simplex_[contacts_.nc()] = {};
     has_basis_ = false;
     polish_.load(contacts_.ngc());
   }
@@ -253,24 +252,38 @@ class Path {
     const Count half = contacts_.half(contact);
     Count base = 2 * half;
     Scalar largest = 0;
-    for (Count t = 0; t < half; ++t) {
-      if (magnitude(slip_[t]) > largest) {
-        largest = magnitude(slip_[t]);
-        base = slip_[t] < 0 ? t : t + half;
-      }
+    for (Count t = 0; t < half; ++t) {  // without branches that nothing could foretell
+      const Scalar size = magnitude(slip_[t]);
+      base = size > largest ? t : base;
+      largest = size > largest ? size : largest;
     }
+    if (base < half && !(slip_[base] < 0)) base += half;
     activate_friction(contact, base);
   }
 
   void activate_friction(Count contact, Count base) {
     friction_.activate(contact, base);
     ratio_test_.allow_friction(contact);
+    FrictionSimplex<Scalar>& simplex = simplex_[contact];
+    simplex.directions = contacts_.block(contact);
+    simplex.allowed = ratio_test_.allowed_of(contact);
+    simplex.width = contacts_.padded_half(contact);
+    simplex.cover = covering_.of_directions(contact);
+    simplex.weights[0] = -1;
+    simplex.weights[1] = contacts_.mu(contact);
+    simplex.norms[1] = 0;
+    simplex.set_base(base, contacts_.half(contact));
     if (rules_.classic) {
       contacts_.get_normal(contact, column_.data());
       response_.apply(column_.data(), row_.data());
-      impulse_norm_[contact] = norm_of(row_.data());
-      covering_.cover_cone(contact, impulse_norm_[contact]);
+      simplex.norms[1] = norm_of(row_.data());
+      covering_.cover_cone(contact, simplex.norms[1]);
     }
+  }
+
+  void set_base(Count contact, Count direction) {
+    friction_.set_base(contact, direction);
+    simplex_[contact].set_base(direction, contacts_.half(contact));
   }
 
   // --- values and rates: path_values.h ---
@@ -304,12 +317,11 @@ class Path {
     combine(contacts_.normals(), length, contacts_.ngc(), u_.data(), ratio_test_.values(), length);
   }
   void offer_normals(LeastRatio<Scalar>& least);
-  void offer_contact(Count contact, const Entering& entering, Count first, LeastRatio<Scalar>& least);
+  void compute_slips(Count slot);
+  void offer_contact(Count contact, bool enters, Count first, LeastRatio<Scalar>& least);
   /// Where slip ends, lambda and the slip in the opposite direction reach zero together. As a candidate in larger units
   /// lambda leaves first, so that friction unused stays unused instead of being spent on opposite directions.
   static constexpr double kStickingFirst = 4;
-  static constexpr Scalar kNoneOrOne[2] = {0, 1};
-  static bool enters_friction_of(const Entering& entering, Count contact);
 
   /// Column of z0 where it is no basic variable and has come to its end.
   static constexpr Count kPastEnd = -2;
@@ -389,8 +401,7 @@ class Path {
 
   FrictionState friction_;
   CoveringVector<Scalar> covering_{contacts_, friction_};
-  Buffer<Scalar> base_value_, base_rate_, impulse_norm_;  ///< by contact, and one more place for what is of none
-  Buffer<Scalar> simplex_size_;                           ///< mu by contact, and 0
+  Buffer<FrictionSimplex<Scalar>> simplex_;  ///< by contact, and one more place for what is of none
   Buffer<Scalar> slip_;
   RatioTest<Scalar> ratio_test_{contacts_, kernel_, friction_};
 };

@@ -102,7 +102,7 @@ inline bool Path<Scalar>::is_friction_of(Count contact, Count column) const {
 template <class Scalar>
 inline bool Path<Scalar>::asks_for_turning(Count contact) const {
   const Count zero = contacts_.edges(contact);
-  if (friction_.base(contact) != zero && base_rate_[contact] < 0) return true;
+  if (friction_.base(contact) != zero && simplex_[contact].rate < 0) return true;
   for (Count j = 0; j < kernel_.order(); ++j) {
     if (is_friction_of(contact, j) && kernel_.column_label(j).direction != zero && dx_[j] < 0) return true;
   }
@@ -146,8 +146,8 @@ inline void Path<Scalar>::begin_where_friction_has_turned() {
   for (Count k = 0; k < friction_.count(); ++k) {
     const Count contact = friction_.contact(k);
     const Count normal = kernel_.find_column(Label{contact, kNormal});
-    if (!(base_value_[contact] < 0) || normal < 0) continue;
-    x_[normal] += (magnitude(base_rate_[contact]) - base_value_[contact]) / contacts_.mu(contact);
+    if (!(simplex_[contact].value < 0) || normal < 0) continue;
+    x_[normal] += (magnitude(simplex_[contact].rate) - simplex_[contact].value) / contacts_.mu(contact);
   }
   kernel_.respond(x_.data(), du_.data());
   const Scalar* const velocity = contacts_.velocity();
@@ -173,7 +173,7 @@ template <class Scalar>
 inline void Path<Scalar>::enter_artificial_backwards() {
   copy(entering_response_.data(), drift_.data(), contacts_.padded_ngc());
   scale(dx_.data(), Scalar(-1), kernel_.order());
-  for (Count k = 0; k < friction_.count(); ++k) base_rate_[friction_.contact(k)] = -base_rate_[friction_.contact(k)];
+  for (Count k = 0; k < friction_.count(); ++k) simplex_[friction_.contact(k)].rate = -simplex_[friction_.contact(k)].rate;
 }
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

@@ -32,12 +32,14 @@ inline void Path<Scalar>::drop_column(const Entering& entering, Count column) {
   if (entering.is_velocity) {
     ratio_test_.allow(entering.label);
     kernel_.remove(kernel_.find_row(entering.label), column);
+    const Count last = kernel_.order();
+    artificial_ = artificial_ == column ? -1 : (artificial_ == last ? column : artificial_);
   } else {
     kernel_.replace_column(column, dx_.data());
     kernel_.put_column(column, entering.label, entering_response_.data(), entering_norm_);
     friction_.count_unknown(entering.label, 1);
+    artificial_ = artificial_ == column ? -1 : artificial_;
   }
-  artificial_ = kernel_.find_column(Label{});
 }
 
 template <class Scalar>
@@ -81,11 +83,11 @@ inline void Path<Scalar>::make_base(Count contact, Count place, const Entering& 
   const Count row = kernel_.find_row(new_base);
   move_rows(contact, row);
   move_columns(contact, place, entering);
-  friction_.set_base(contact, new_base.direction);
+  set_base(contact, new_base.direction);
   kernel_.relabel_row(row, Label{contact, old_base});
   kernel_.relabel_column(place, Label{contact, old_base});
-  x_[place] = base_value_[contact];
-  dx_[place] = base_rate_[contact];
+  x_[place] = simplex_[contact].value;
+  dx_[place] = simplex_[contact].rate;
 }
 
 template <class Scalar>
@@ -152,7 +154,7 @@ inline bool Path<Scalar>::replace_base_by_entering(Entering& entering) {
   kernel_.negate_row(row);
   const Label old_base{contact, friction_.base(contact)};
   kernel_.relabel_row(row, old_base);
-  friction_.set_base(contact, entering.label.direction);
+  set_base(contact, entering.label.direction);
   entering = {true, old_base};
   return true;
 }

@@ -109,8 +109,8 @@ inline void Path<Scalar>::solve_for_rates() {
   kernel_.measure(entering_response_.data(), residual_.data());
   kernel_.solve(residual_.data(), dx_.data());
   scale(dx_.data(), Scalar(-1), kernel_.order());
-  if (refines_rates_) refine_rates();
   kernel_.respond_from(entering_response_.data(), dx_.data(), du_.data());
+  if (refines_rates_) refine_rates();
   if (large()) refine_large_rates(-1);
 }
 
@@ -145,11 +145,11 @@ inline Scalar Path<Scalar>::measure_rates(Count row) {
 
 template <class Scalar>
 inline void Path<Scalar>::refine_rates() {
-  kernel_.respond_from(entering_response_.data(), dx_.data(), du_.data());
   kernel_.measure(du_.data(), residual_.data());
   for (Count r = 0; r < kernel_.order(); ++r) residual_[r] += kernel_.cover(r) * artificial_rate();
   kernel_.solve(residual_.data(), coefficients_.data());
   for (Count j = 0; j < kernel_.order(); ++j) dx_[j] -= coefficients_[j];
+  kernel_.respond_from(entering_response_.data(), dx_.data(), du_.data());
 }
 
 /// Values of all candidates and how fast they fall. @returns their least ratio
@@ -158,15 +158,24 @@ template <class Scalar>
   compute_base_values(entering);
   compute_column_candidates();
   LeastRatio<Scalar> least(least_rate(), static_cast<Scalar>(rules_.tie_tolerance) * value_scale_);
+  for (Count i = 0; i < contacts_.padded_ngc(); i += P::kWidth) {
+    least.check(P::load(u_.data() + i), P::load(du_.data() + i));
+  }
   offer_normals(least);
   const Count end_of_columns = ratio_test_.first_column() + P::padded(kernel_.order());
   for (Count i = ratio_test_.first_column(); i < end_of_columns; i += P::kWidth) {
-    least.offer(P::load(ratio_test_.values() + i), P::load(ratio_test_.falls() + i));
+    const Pack value = P::load(ratio_test_.values() + i), fall = P::load(ratio_test_.falls() + i);
+    least.check(value, fall);
+    least.offer(value, fall);
   }
+  const bool is_friction = !entering.is_velocity && entering.label.direction != kNormal;
+  const Count entering_contact = is_friction ? entering.label.contact : kArtificial;
+  compute_slips(end_of_columns);
   Count slot = end_of_columns;
   for (Count k = 0; k < friction_.count(); ++k) {
-    offer_contact(friction_.contact(k), entering, slot, least);
-    slot += ratio_test_.slots_of(friction_.contact(k));
+    const Count contact = friction_.contact(k);
+    offer_contact(contact, contact == entering_contact, slot, least);
+    slot += 2 * simplex_[contact].width + P::padded(2);
   }
   ratio_test_.end_at(slot);
   return least.value();
@@ -215,77 +224,94 @@ inline void Path<Scalar>::compute_base_values(const Entering& entering) {
   for (Count k = 0; k < friction_.count(); ++k) {
     const Count c = friction_.contact(k);
     const Scalar cover = covering_.of_cone(c);
-    base_value_[c] = cover * artificial_value();
-    base_rate_[c] = cover * artificial_rate();
+    simplex_[c].value = cover * artificial_value();
+    simplex_[c].rate = cover * artificial_rate();
   }
+  FrictionSimplex<Scalar>* const simplices = simplex_.data();
+  const Scalar* const x = x_.data();
+  const Scalar* const dx = dx_.data();
+  const Scalar* const norms = kernel_.norms();
   const Count none = contacts_.nc();  // for columns that belong to no such contact: no branch asks
-  base_value_[none] = base_rate_[none] = 0;
-  for (Count j = 0; j < kernel_.order(); ++j) {
+  FrictionSimplex<Scalar>& nowhere = simplices[none];
+  nowhere.value = nowhere.rate = 0;
+  const Count order = kernel_.order();
+  for (Count j = 0; j < order; ++j) {
     const Label label = kernel_.column_label(j);
     const Count of = label.contact == kArtificial ? none : label.contact;
     const Count place = friction_.is_active(of) ? of : none;
-    const Scalar weight = label.direction == kNormal ? simplex_size_[of] : Scalar(-1);
-    base_value_[place] += weight * x_[j];
-    base_rate_[place] += weight * dx_[j];
-    impulse_norm_[label.direction == kNormal ? place : none] = kernel_.norm(j);
+    const Count is_normal = label.direction == kNormal ? 1 : 0;
+    FrictionSimplex<Scalar>& own = simplices[place];
+    const Scalar weight = own.weights[is_normal];
+    own.value += weight * x[j];
+    own.rate += weight * dx[j];
+    own.norms[is_normal] = norms[j];
   }
   if (!entering.is_velocity && entering.label.contact != kArtificial && friction_.is_active(entering.label.contact)) {
-    base_rate_[entering.label.contact] += simplex_weight(entering.label);
-    if (entering.label.is_normal()) impulse_norm_[entering.label.contact] = entering_norm_;
+    simplex_[entering.label.contact].rate += simplex_weight(entering.label);
+    if (entering.label.is_normal()) simplex_[entering.label.contact].norms[1] = entering_norm_;
   }
 }
 
+/// The products of the directions of all contacts with active friction with u and its rate, where the values and falls
+/// of their first halves are to stand; the first one's slots begin at `slot`.
 template <class Scalar>
-[[gnu::always_inline]] inline void Path<Scalar>::offer_contact(Count contact, const Entering& entering, Count first,
+[[gnu::noinline]] void Path<Scalar>::compute_slips(Count slot) {
+  const Count ngc = contacts_.ngc();
+  const Count count = friction_.count();
+  const Scalar* const u = u_.data();
+  const Scalar* const du = du_.data();
+  Scalar* slips = ratio_test_.values() + slot;
+  Scalar* rates = ratio_test_.falls() + slot;
+  for (Count k = 0; k < count; ++k) {
+    const FrictionSimplex<Scalar>& simplex = simplex_[friction_.contact(k)];
+    const Count width = simplex.width;
+    for_each_tile<Scalar>(width, [&](auto packs, Count at) __attribute__((always_inline)) {
+      const TileSums<packs.kValue, Scalar, 2> sums(simplex.directions + at, width, ngc, {u, du});
+      for (Count p = 0; p < packs.kValue; ++p) {
+        P::store(slips + at + p * P::kWidth, sums.of[0][p]);
+        P::store(rates + at + p * P::kWidth, sums.of[1][p]);
+      }
+    });
+    slips += 2 * width + P::padded(2);
+    rates += 2 * width + P::padded(2);
+  }
+}
+
+/// @param enters  whether the entering variable is a friction impulse of the contact. @pre compute_slips()
+template <class Scalar>
+[[gnu::always_inline]] inline void Path<Scalar>::offer_contact(Count contact, bool enters, Count first,
                                                                LeastRatio<Scalar>& least) {
-  const Count width = contacts_.padded_half(contact);
-  Scalar* const slip = slip_.data();
-  Scalar* const slip_rate = slip + contacts_.most_padded_half();
-  for_each_tile<Scalar>(width, [&, block = contacts_.block(contact)](auto packs, Count at) {
-    const TileSums<packs.kValue, Scalar, 2> sums(block + at, width, contacts_.ngc(), {u_.data(), du_.data()});
-    for (Count p = 0; p < packs.kValue; ++p) {
-      P::store(slip + at + p * P::kWidth, sums.of[0][p]);
-      P::store(slip_rate + at + p * P::kWidth, sums.of[1][p]);
-    }
-  });
-
-  // Without branches, which from one contact to the next nothing could foretell.
-  const Count half = contacts_.half(contact);
-  const Count base = friction_.base(contact);
-  const Scalar is_zero = kNoneOrOne[base == 2 * half];  // whether the base is the zero direction
-  const Count twin = (base < half ? base : base - half) & (static_cast<Count>(base == 2 * half) - 1);
-  const Scalar sign = (1 - is_zero) * (1 - 2 * kNoneOrOne[base >= half]);
-  const Scalar cover = covering_.of_directions(contact);
-  const Scalar z0 = artificial_value();
-  const Scalar dz0 = artificial_rate();
-  // What is added to +-slip, of the first and second half alike: -d_t'u, or the cover where the base is zero.
-  const Scalar shift = is_zero * cover * z0 - sign * slip[twin];
-  const Scalar shift_rate = is_zero * cover * dz0 - sign * slip_rate[twin];
-
+  const FrictionSimplex<Scalar>& simplex = simplex_[contact];
+  const Count width = simplex.width;
   Scalar* const values = ratio_test_.values() + first;
   Scalar* const falls = ratio_test_.falls() + first;
-  const Scalar* const allowed = ratio_test_.allowed_of(contact);
-  const auto put = [&](Count at, Pack value, Pack fall) {
+  const Scalar* const allowed = simplex.allowed;
+  const auto put = [&](Count at, Pack value, Pack fall) __attribute__((always_inline)) {
     P::store(values + at, value);
     P::store(falls + at, fall);
     least.offer(value, fall);
   };
+  // Without branches, which from one contact to the next nothing could foretell.
+  const Scalar z0 = simplex.cover * artificial_value();
+  const Scalar dz0 = simplex.cover * artificial_rate();
+  // What is added to +-slip, of the first and second half alike: -d_t'u, or the cover where the base is zero.
+  const Scalar shift = simplex.is_zero * z0 - simplex.sign * values[simplex.twin];
+  const Scalar shift_rate = simplex.is_zero * dz0 - simplex.sign * falls[simplex.twin];
   const Pack shifts = P::broadcast(shift);
   const Pack shift_falls = P::broadcast(-shift_rate);
   for (Count t = 0; t < width; t += P::kWidth) {
-    const Pack s = P::load(slip + t);
-    const Pack ds = P::load(slip_rate + t);
-    put(t, shifts + s, (shift_falls - ds) * P::load(allowed + t));
-    put(width + t, shifts - s, (shift_falls + ds) * P::load(allowed + width + t));
+    const Pack slip = P::load(values + t);
+    const Pack rate = P::load(falls + t);
+    put(t, shifts + slip, (shift_falls - rate) * P::load(allowed + t));
+    put(width + t, shifts - slip, (shift_falls + rate) * P::load(allowed + width + t));
   }
   const Scalar preferred = static_cast<Scalar>(kStickingFirst);
-  const Scalar uncovered = (1 - is_zero) * cover;
+  const Scalar uncovered = 1 - simplex.is_zero;
   const Scalar zero_value = preferred * (shift - uncovered * z0);
   const Scalar zero_rate = preferred * allowed[2 * width] * (shift_rate - uncovered * dz0);
   const bool is_supported = friction_.support(contact) > 0;
-  const bool enters = enters_friction_of(entering, contact);
-  const Scalar base_value = base_value_[contact] * impulse_norm_[contact];
-  const Scalar base_rates[] = {0, base_rate_[contact] * impulse_norm_[contact]};
+  const Scalar base_value = simplex.value * simplex.norms[1];
+  const Scalar base_rates[] = {0, simplex.rate * simplex.norms[1]};
   const Scalar base_rate = base_rates[is_supported | enters];
   if constexpr (P::kWidth == 1) {
     put(2 * width, zero_value, -zero_rate);
@@ -296,11 +322,6 @@ template <class Scalar>
     fall[0] = -zero_rate, fall[1] = -base_rate;
     put(2 * width, value, fall);
   }
-}
-
-template <class Scalar>
-inline bool Path<Scalar>::enters_friction_of(const Entering& entering, Count contact) {
-  return (!entering.is_velocity) & (entering.label.contact == contact) & (entering.label.direction != kNormal);
 }
 
 /// Rates of fall up to this are none.

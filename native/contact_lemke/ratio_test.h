@@ -24,12 +24,15 @@ class LeastRatio {
       : least_rate_(P::broadcast(least_rate)), slack_(P::broadcast(slack)), least_(P::broadcast(kInfinity<Scalar>)) {}
 
   [[gnu::always_inline]] inline void offer(Pack value, Pack fall) {
-    const Pack ratio = (P::max(value, Pack{}) + slack_) / fall;
+    const Pack ratio = P::max(value + slack_, slack_) / fall;
     least_ = P::min(fall > least_rate_ ? ratio : P::broadcast(kInfinity<Scalar>), least_);
-    poison_ += Scalar(0) * fall + Scalar(0) * value;
+  }
+  /// Of what values and falls are made: whether it is a number.
+  [[gnu::always_inline]] inline void check(Pack of_values, Pack of_falls) {
+    poison_ += Scalar(0) * of_values * of_falls;
   }
 
-  /// Infinity where there is none, -1 where a value or fall is no number.
+  /// Infinity where there is none, -1 where check() has met what is no number.
   Scalar value() const { return P::sum(poison_) == 0 ? P::min(least_) : Scalar(-1); }
 
  private:
@@ -59,7 +62,7 @@ class RatioTest {
     }
     allowed_.resize(allowed);
     Buffer<Scalar>* const by_slot[] = {&value_, &fall_};
-    for (Buffer<Scalar>* buffer : by_slot) buffer->resize(allowed + kernel_.stride() + P::kWidth);
+    for (Buffer<Scalar>* buffer : by_slot) buffer->resize(allowed + kernel_.stride());
   }
 
   Scalar* values() { return value_.data(); }
@@ -70,13 +73,9 @@ class RatioTest {
   const Scalar* allowed_of(Count contact) const { return allowed_.data() + allowed_at_[contact]; }
   Count first_column() const { return contacts_.padded_nc(); }
   Count slots_of(Count contact) const { return 2 * contacts_.padded_half(contact) + P::padded(2); }
-  /// One behind the last slot in use. What is between that and the next pair of packs does not fall.
+  /// One behind the last slot in use.
   Count end() const { return end_; }
-  void end_at(Count slot) {
-    end_ = slot;
-    P::store(fall_.data() + slot, Pack{});
-    P::store(value_.data() + slot, Pack{});
-  }
+  void end_at(Count slot) { end_ = slot; }
 
   /// Velocities that the kernel holds at zero may not leave.
   void allow(Label label) { allowed_[place_of(label)] = 1; }
@@ -95,35 +94,29 @@ class RatioTest {
     forbid(Label{contact, friction_.base(contact)});
   }
 
-  /// Of all whose ratio is not above `theta`, the slot with the fastest fall; -1 where there is none.
+  /// Of all whose ratio is not above `theta`, the slot with the fastest fall; -1 where there is none. Of equal
+  /// ones the one in the first lane of a pack.
   /// @pre least_rate and theta are at least 0
   Count fastest_of_tied(Scalar least_rate, Scalar theta) const {
-    // Two races side by side, in which the first of equals wins.
-    const Pack step = P::broadcast(static_cast<Scalar>(static_cast<double>(2 * P::kWidth)));
-    Pack fastest = P::broadcast(least_rate), other_fastest = fastest;
-    Pack where = P::broadcast(Scalar(-1)), other_where = where;
-    Pack at = Pack{}, other_at = P::broadcast(static_cast<Scalar>(static_cast<double>(P::kWidth)));
-    for (Count i = 0; i < end_; i += 2 * P::kWidth) {
-      const Pack tied = tied_falls(i, theta), other_tied = tied_falls(i + P::kWidth, theta);
-      where = tied > fastest ? at : where;
-      other_where = other_tied > other_fastest ? other_at : other_where;
-      fastest = P::max(tied, fastest);
-      other_fastest = P::max(other_tied, other_fastest);
-      at += step;
-      other_at += step;
+    const Pack least = P::broadcast(least_rate);
+    Scalar fastest = least_rate;
+    Count best = -1;
+    for (Count first = 0; first < end_; first += kTogether) {
+      const Count end = end_ < first + kTogether ? end_ : first + kTogether;
+      std::uint64_t tied = 0;  // one bit for each slot: few are
+      for (Count i = first; i < end; i += P::kWidth) {
+        const Pack fall = P::load(fall_.data() + i);
+        const auto is_tied = (P::load(value_.data() + i) <= theta * fall) & (fall > least);
+        tied |= lanes_where<Scalar>(is_tied) << (i - first);
+      }
+      for (; tied != 0; tied &= tied - 1) {
+        const Count slot = first + __builtin_ctzll(tied);
+        const bool is_first = fall_[slot] == fastest && best >= 0 && slot % P::kWidth < best % P::kWidth;
+        best = fall_[slot] > fastest || is_first ? slot : best;
+        fastest = fall_[best];
+      }
     }
-    const auto is_faster = other_fastest > fastest;
-    const auto is_equal = other_fastest == fastest;
-    const auto is_before = other_where < where;
-    where = is_faster | (is_equal & is_before) ? other_where : where;
-    fastest = P::max(other_fastest, fastest);
-    Scalar falls[static_cast<std::size_t>(P::kWidth)];
-    Scalar places[static_cast<std::size_t>(P::kWidth)];
-    P::store(falls, fastest);
-    P::store(places, where);
-    Count best = 0;  // the first lane with the fastest: those without a place have least_rate
-    for (Count lane = 1; lane < P::kWidth; ++lane) best = falls[lane] > falls[best] ? lane : best;
-    return places[best] >= 0 ? static_cast<Count>(static_cast<double>(places[best])) + best : -1;
+    return best;
   }
 
   /// What stands in a slot.
@@ -150,12 +143,7 @@ class RatioTest {
   using P = Packed<Scalar>;
   using Pack = typename P::Pack;
   using Kind = LeavingVariable::Kind;
-
-  /// Falls of those in a pack whose ratio is not above theta, zeros of the others.
-  Pack tied_falls(Count first, Scalar theta) const {
-    const Pack fall = P::load(fall_.data() + first);
-    return P::load(value_.data() + first) <= theta * fall ? fall : Pack{};
-  }
+  static constexpr Count kTogether = 64;  ///< slots whose bits one word holds
 
   /// In allowed_.
   Count place_of(Label label) const {

@@ -35,6 +35,7 @@ class Response {
     rows_.resize(ngc_ * padded_);
     pivots_.resize(ngc_);
     rest_.resize(ngc_);
+    place_.resize(ngc_);
     left_.resize(padded_);
     done_.resize(padded_);
   }
@@ -279,13 +280,13 @@ class Response {
   }
 
   /// Right-looking, on whole rows of the symmetric rest. Rows stay where they are: pivots_ tells their order, and rest_
-  /// which are not yet eliminated. left_ has the diagonal of the rest, and kNone where a row is eliminated.
+  /// which are not yet eliminated, in no order. left_ has the diagonal of the rest, and kNone where a row is eliminated.
   void factor(Count most) {
     // What elimination leaves of an entry is compared with that entry: another coordinate may have another unit.
     for (Count i = 0; i < ngc_; ++i) {
       left_[i] = diagonal_[i] = work_[i * padded_ + i];
       done_[i] = 1;
-      rest_[i] = i;
+      rest_[i] = place_[i] = i;
     }
     for (Count i = ngc_; i < padded_; ++i) {
       left_[i] = kNone;
@@ -294,34 +295,45 @@ class Response {
     first_pivot_ = last_pivot_ = 0;
     rank_ = 0;
     for (Count rest = ngc_; rest > 0 && rank_ < most; --rest) {
-      const Count pivot = largest_left();
-      const Scalar value = left_[pivot];
-      left_[pivot] = kNone;
-      done_[pivot] = 0;
-      Count kept = 0;
-      for (Count k = 0; k < rest; ++k) {
-        rest_[kept] = rest_[k];
-        kept += rest_[k] != pivot ? 1 : 0;
-      }
+      const auto [pivot, value] = largest_left();
+      close(pivot);
+      const Count last = rest_[rest - 1];
+      rest_[place_[pivot]] = last;
+      place_[last] = place_[pivot];
       if (!(value > static_cast<Scalar>(2 * kUnitRoundoff<Scalar> * static_cast<double>(ngc_)) * diagonal_[pivot])) {
         continue;  // depends on those before it
       }
       if (rank_ == 0) first_pivot_ = value;
       last_pivot_ = value;
-      eliminate(pivot, value, kept);
+      eliminate(pivot, value, rest - 1);
       ++rank_;
     }
     rank_padded_ = P::padded(rank_);
   }
 
+  struct Pivot {
+    Count row = 0;
+    Scalar value = 0;
+  };
+
   /// The first of the largest; NaN is passed over. Without a branch that nothing could foretell.
-  Count largest_left() const {
+  Pivot largest_left() const {
     typename P::Pack most = P::broadcast(kNone);
     for (Count i = 0; i < padded_; i += P::kWidth) most = P::max(P::load(left_.data() + i), most);
-    const Scalar largest = P::max(most);
-    Count pivot = 0;
-    for (Count i = ngc_ - 1; i >= 0; --i) pivot = left_[i] == largest ? i : pivot;
+    Pivot pivot;
+    pivot.value = P::max(most);
+    for (Count i = padded_ - P::kWidth; i >= 0; i -= P::kWidth) {
+      const std::uint64_t lanes = lanes_where<Scalar>(P::load(left_.data() + i) == P::broadcast(pivot.value));
+      pivot.row = lanes != 0 ? i + __builtin_ctzll(lanes) : pivot.row;
+    }
     return pivot;
+  }
+
+  /// The row is a pivot no more. By packs: a number stored alone would hold up the load of its pack.
+  void close(Count row) {
+    const Count first = row & -P::kWidth;
+    P::store(left_.data() + first, with_entry<Scalar>(P::load(left_.data() + first), first, row, kNone));
+    P::store(done_.data() + first, with_entry<Scalar>(P::load(done_.data() + first), first, row, Scalar(0)));
   }
 
   void eliminate(Count pivot, Scalar value, Count rest) {
@@ -331,15 +343,21 @@ class Response {
     const Scalar* const row = work_.data() + pivot * padded_;
     for (Count i = 0; i < padded_; i += P::kWidth) {
       const typename P::Pack entries = P::load(row + i) * P::load(done_.data() + i) * reciprocal;
-      P::store(l + i, entries);
+      P::store(l + i, with_entry<Scalar>(entries, i, pivot, root));
       P::store(left_.data() + i, P::load(left_.data() + i) + -entries * entries);
     }
-    l[pivot] = root;
     pivots_[rank_] = pivot;
-    for (Count k = 0; k < rest; ++k) {
-      const Count i = rest_[k];
-      add_multiple(work_.data() + i * padded_, -l[i], l, padded_);
-    }
+    for_each_tile<Scalar>(padded_, [&](auto packs, Count at) {
+      typename P::Pack own[static_cast<std::size_t>(packs.kValue)];
+      for (Count p = 0; p < packs.kValue; ++p) own[p] = P::load(l + at + p * P::kWidth);
+      for (Count k = 0; k < rest; ++k) {
+        Scalar* const to = work_.data() + rest_[k] * padded_ + at;
+        const typename P::Pack factor = P::broadcast(-l[rest_[k]]);
+        for (Count p = 0; p < packs.kValue; ++p) {
+          P::store(to + p * P::kWidth, P::load(to + p * P::kWidth) + factor * own[p]);
+        }
+      }
+    });
   }
 
   /// The columns of W = L^-T are the rows of L^-1, by forward substitution.
@@ -503,6 +521,7 @@ class Response {
   Buffer<Scalar> columns_;                  ///< of W (of G* where it is given), padded_ apart
   Buffer<Scalar> rows_;                     ///< of W, rank_padded_ apart
   Buffer<Count> pivots_, rest_;
+  Buffer<Count> place_;  ///< of a row in rest_
 };
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

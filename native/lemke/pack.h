@@ -39,6 +39,11 @@ struct Packed {
   /// Combines the lanes pairwise, in the same order at every call.
   template <class Combine>
   static Scalar reduce(Pack pack, Combine combine) {
+    if constexpr (kWidth == 4) {  // in registers: what is stored by packs and loaded by lanes waits for the memory
+      typedef Scalar Half __attribute__((vector_size(kPackBytes / 2)));
+      const Half low = __builtin_shufflevector(pack, pack, 0, 1), high = __builtin_shufflevector(pack, pack, 2, 3);
+      return combine(combine(low[0], high[0]), combine(low[1], high[1]));
+    }
     Scalar lanes[static_cast<std::size_t>(kWidth)];
     store(lanes, pack);
     for (Count half = kWidth / 2; half > 0; half /= 2) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "native/lemke/pack.h"
 
 #if defined(LCPBENCH_QUAD)
@@ -50,5 +52,38 @@ inline void copy(Scalar* to, const Scalar* from, Count length) {
   using P = Packed<Scalar>;
   for (Count i = 0; i < length; i += P::kWidth) P::store(to + i, P::load(from + i));
 }
+
+/// The lanes in which a comparison of packs holds, as bits.
+template <class Scalar, class Mask>
+[[gnu::always_inline]] inline std::uint64_t lanes_where(Mask mask) {
+  if constexpr (Packed<Scalar>::kWidth == 1) {
+    return mask ? 1 : 0;
+#if defined(__AVX2__)
+  } else if constexpr (sizeof(mask) == 32 && sizeof(Scalar) == sizeof(double)) {
+    typedef double Bits __attribute__((vector_size(32)));
+    return static_cast<std::uint64_t>(__builtin_ia32_movmskpd256(reinterpret_cast<Bits>(mask)));
+#endif
+  } else {
+    std::uint64_t lanes = 0;
+    for (Count lane = 0; lane < Packed<Scalar>::kWidth; ++lane) lanes |= (mask[lane] != 0 ? 1ULL : 0ULL) << lane;
+    return lanes;
+  }
+}
+
+#if defined(__AVX2__) && !defined(__AVX512F__)
+/// to := the transpose of the 4 x 4 matrix `from`; the rows of either are their stride apart.
+inline void transpose_square(const double* from, Count stride, double* to, Count to_stride) {
+  using P = Packed<double>;
+  using Pack = P::Pack;
+  const Pack a = P::load(from), b = P::load(from + stride);
+  const Pack c = P::load(from + 2 * stride), d = P::load(from + 3 * stride);
+  const Pack ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6), ab_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+  const Pack cd_even = __builtin_shufflevector(c, d, 0, 4, 2, 6), cd_odd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+  P::store(to, __builtin_shufflevector(ab_even, cd_even, 0, 1, 4, 5));
+  P::store(to + to_stride, __builtin_shufflevector(ab_odd, cd_odd, 0, 1, 4, 5));
+  P::store(to + 2 * to_stride, __builtin_shufflevector(ab_even, cd_even, 2, 3, 6, 7));
+  P::store(to + 3 * to_stride, __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7));
+}
+#endif
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL
