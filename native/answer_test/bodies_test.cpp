@@ -259,9 +259,10 @@ void BodiesTest::add_impulses(const Vector& z, Room<Scalar>& room) const {
   }
 }
 
-/// u of one block, by Cholesky; reach, root, and the sums of bound_rounding().
+/// u of one block, by Cholesky; reach, root, and how far u may be off. Only what touches the block can put it off, of
+/// one island at a time. @param sums relative rounding of an impulse on a coordinate
 template <class Scalar>
-void BodiesTest::respond(const Matrix& block, Index first, Room<Scalar>& room) const {
+void BodiesTest::respond(const Matrix& block, Index first, Scalar sums, Room<Scalar>& room) const {
   const auto n = static_cast<std::size_t>(block.rows());
   const auto at = static_cast<std::size_t>(first);
   Scalar* const x = room.u.data() + at;
@@ -278,33 +279,39 @@ void BodiesTest::respond(const Matrix& block, Index first, Room<Scalar>& room) c
   }
   const Scalar lost = static_cast<Scalar>(room.roundoff * static_cast<double>(n * (8 + 4 * n))) * condition;
   const bool is_known = is_definite && lost < static_cast<Scalar>(kTrusted);
-  for (std::size_t i = 0; i < n; ++i) {
+  const auto island_of = [&](std::size_t i) {
     const Index k = numbers_.of_coordinate[at + i];
-    room.bound[at + i] = magnitude(x[i]);
-    if (k < 0) continue;
-    Island<Scalar>& island = room.islands[static_cast<std::size_t>(k)];
+    return k < 0 ? nullptr : &room.islands[static_cast<std::size_t>(k)];
+  };
+  for (std::size_t i = 0; i < n; ++i) {
+    if (Island<Scalar>* const island = island_of(i)) island->rounded = island->lost = island->moved = 0;
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    if (island_of(i) == nullptr) continue;
+    Island<Scalar>& island = *island_of(i);
     const bool is_safe = room.terms[at + i] == 0 || room.terms[at + i] > static_cast<Scalar>(kSmallestSafe);
     island.is_known = island.is_known && is_known && is_safe;
     island.rounded += room.reach[at + i] * room.terms[at + i];
     island.lost += room.reach[at + i] * room.root[at + i] * static_cast<Scalar>(static_cast<double>(8 + 4 * n));
     island.moved += room.root[at + i] * magnitude(x[i]);
   }
+  for (std::size_t i = 0; i < n; ++i) {
+    const Island<Scalar>* const island = island_of(i);
+    room.bound[at + i] = 0;
+    if (island == nullptr) continue;
+    const Scalar off = sums * island->rounded + static_cast<Scalar>(room.roundoff) * island->lost * island->moved;
+    room.bound[at + i] = room.reach[at + i] * off;
+  }
 }
 
+/// v joins u, and the rounding of rows joins its bound.
 template <class Scalar>
-void BodiesTest::bound_rounding(Index impulses, Room<Scalar>& room) const {
-  const Scalar roundoff = static_cast<Scalar>(room.roundoff);
-  const Scalar sums = roundoff * static_cast<Scalar>(static_cast<double>(64 + impulses));
-  const Scalar dots = roundoff * static_cast<Scalar>(static_cast<double>(4 + contact_->ngc()));
+void BodiesTest::show_velocity(Room<Scalar>& room) const {
+  const Scalar dots = static_cast<Scalar>(room.roundoff * static_cast<double>(4 + contact_->ngc()));
   for (std::size_t i = 0; i < room.u.size(); ++i) {
     const Scalar v = static_cast<Scalar>(v_(static_cast<Index>(i)));
-    room.bound[i] = dots * (room.bound[i] + magnitude(v));
+    room.bound[i] += dots * (magnitude(room.u[i]) + magnitude(v));
     room.u[i] += v;
-    const Index k = numbers_.of_coordinate[i];
-    if (k >= 0) {
-      const Island<Scalar>& island = room.islands[static_cast<std::size_t>(k)];
-      room.bound[i] += room.reach[i] * (sums * island.rounded + roundoff * island.lost * island.moved);
-    }
     const Scalar sight[] = {room.u[i], v, room.bound[i], room.reach[i]};
     std::copy_n(sight, 4, room.sight.data() + 4 * i);
   }
@@ -345,12 +352,13 @@ void BodiesTest::measure_friction(Index contact, Scalar reach, Vector& z, Room<S
 template <class Scalar>
 contact_lemke::Residual BodiesTest::complete(Vector& z, Room<Scalar>& room) {
   add_impulses(z, room);
+  const double most_terms = static_cast<double>(64 + (z.array() != 0).count());
   Index first = 0;
   for (const Matrix& block : std::get<BlockInertia>(contact_->inertia).blocks) {
-    respond(block, first, room);
+    respond(block, first, static_cast<Scalar>(room.roundoff * most_terms), room);
     first += block.rows();
   }
-  bound_rounding((z.array() != 0).count(), room);
+  show_velocity(room);
   contact_lemke::Residual residual;
   for (Index c = 0; c < contact_->nc(); ++c) {
     const auto contact = static_cast<std::size_t>(c);

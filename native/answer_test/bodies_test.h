@@ -21,7 +21,8 @@ class BodiesTest {
   void release(Vector& z);
 
   /// Sets the lambdas of z to the least that its impulses allow and evaluates the answer, with a bound on its rounding:
-  /// see completion.h, whose bound this is. O(nonzeros, and the cubes of the blocks' orders). Allocates nothing.
+  /// see completion.h, whose bound this is, with sums over a block in place of the island. O(nonzeros, and the cubes of
+  /// the blocks' orders). Allocates nothing.
   contact_lemke::Residual complete_in_double(Vector& z) { return complete(z, double_); }
   contact_lemke::Residual complete_in_quad(Vector& z) { return complete(z, quad_); }
 
@@ -29,7 +30,7 @@ class BodiesTest {
   template <class Scalar>
   struct Island {
     Scalar worst, certain, scale;
-    Scalar rounded, lost, moved;
+    Scalar rounded, lost, moved;  ///< within the block that responds
     bool presses;
     bool is_known;
   };
@@ -59,9 +60,9 @@ class BodiesTest {
   template <class Scalar>
   void add_impulses(const Vector& z, Room<Scalar>& room) const;
   template <class Scalar>
-  void respond(const Matrix& block, Index first, Room<Scalar>& room) const;
+  void respond(const Matrix& block, Index first, Scalar sums, Room<Scalar>& room) const;
   template <class Scalar>
-  void bound_rounding(Index impulses, Room<Scalar>& room) const;
+  void show_velocity(Room<Scalar>& room) const;
   template <class Scalar>
   void measure_friction(Index contact, Scalar reach, Vector& z, Room<Scalar>& room) const;
 
