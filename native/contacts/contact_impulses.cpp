@@ -2,16 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/solver.h"
 
 namespace lcpbench {
-
-double max_or_infinity(double worst, double value) {
-  if (value <= worst) return worst;
-  return value > worst ? value : std::numeric_limits<double>::infinity();
-}
 
 void ContactImpulses::load(const Problem& problem) {
   columns = {};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "core/problem.h"
@@ -79,6 +80,9 @@ struct ContactImpulses {
 };
 
 /// max(worst, value), infinity where value is NaN.
-double max_or_infinity(double worst, double value);
+inline double max_or_infinity(double worst, double value) {
+  if (value <= worst) return worst;
+  return value > worst ? value : std::numeric_limits<double>::infinity();
+}
 
 }  // namespace lcpbench
