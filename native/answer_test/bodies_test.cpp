@@ -197,31 +197,49 @@ double relative(Scalar residual, Scalar scale) {
 }  // namespace
 
 template <class Scalar>
-void BodiesTest::Room<Scalar>::resize(Index ngc, Index largest_block, Index island_count, Index most_directions) {
-  for (std::vector<Scalar>* by_coordinate : {&impulse, &terms, &u, &bound, &reach, &root}) {
-    by_coordinate->resize(static_cast<std::size_t>(ngc));
-  }
-  sight.resize(static_cast<std::size_t>(4 * ngc));
-  factor.resize(static_cast<std::size_t>(largest_block * largest_block));
-  inverse.resize(static_cast<std::size_t>(4 * largest_block));
-  islands.resize(static_cast<std::size_t>(island_count));
-  rows.resize(static_cast<std::size_t>(most_directions));
+void BodiesTest::Room<Scalar>::reserve(const Sizes& sizes) {
+  for_each_vector(sizes, [](auto& vector, Index size) { vector.reserve(static_cast<std::size_t>(size)); });
 }
 
-void BodiesTest::load(const ContactProblem& contact) {
+template <class Scalar>
+void BodiesTest::Room<Scalar>::resize(const Sizes& sizes) {
+  for_each_vector(sizes, [](auto& vector, Index size) { vector.resize(static_cast<std::size_t>(size)); });
+}
+
+template <class Scalar>
+template <class Visit>
+void BodiesTest::Room<Scalar>::for_each_vector(const Sizes& sizes, Visit&& visit) {
+  for (std::vector<Scalar>* by_coordinate : {&impulse, &terms, &u, &bound, &reach, &root}) {
+    visit(*by_coordinate, sizes.ngc);
+  }
+  visit(sight, 4 * sizes.ngc);
+  visit(factor, sizes.largest_block * sizes.largest_block);
+  visit(inverse, 4 * sizes.largest_block);
+  visit(islands, sizes.islands);
+  visit(rows, sizes.most_directions);
+}
+
+void BodiesTest::load(const ContactProblem& contact, const IslandNumbers* numbers) {
   contact_ = &contact;
   layout_ = contact_layout(contact);
-  numbers_.find(contact);
+  if (numbers != nullptr && !numbers->of_contact.empty()) {
+    numbers_.of_contact = numbers->of_contact;
+    numbers_.of_coordinate = numbers->of_coordinate;
+    numbers_.count = numbers->count;
+  } else {
+    numbers_.find(contact);
+  }
   moves_.resize(static_cast<std::size_t>(numbers_.count));
   v_ = contact.v;
-  Index largest = 0;
-  for (const Matrix& block : std::get<BlockInertia>(contact.inertia).blocks) largest = std::max(largest, block.rows());
-  Index directions = 0;
-  for (const int edges : contact.edges) directions = std::max<Index>(directions, edges / 2);
-  double_.resize(contact.ngc(), largest, numbers_.count, directions);
+  sizes_ = {.ngc = contact.ngc(), .islands = numbers_.count};
+  for (const Matrix& block : std::get<BlockInertia>(contact.inertia).blocks) {
+    sizes_.largest_block = std::max(sizes_.largest_block, block.rows());
+  }
+  for (const int edges : contact.edges) sizes_.most_directions = std::max<Index>(sizes_.most_directions, edges / 2);
   double_.roundoff = 0x1p-53;
-  quad_.resize(contact.ngc(), largest, numbers_.count, directions);
+  double_.reserve(sizes_);
   quad_.roundoff = kQuadUnitRoundoff;
+  quad_.reserve(sizes_);
 }
 
 void BodiesTest::release(Vector& z) {
@@ -351,6 +369,7 @@ void BodiesTest::measure_friction(Index contact, Scalar reach, Vector& z, Room<S
 
 template <class Scalar>
 contact_lemke::Residual BodiesTest::complete(Vector& z, Room<Scalar>& room) {
+  room.resize(sizes_);
   add_impulses(z, room);
   const double most_terms = static_cast<double>(64 + (z.array() != 0).count());
   Index first = 0;

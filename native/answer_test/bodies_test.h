@@ -14,7 +14,8 @@ namespace lcpbench {
 class BodiesTest {
  public:
   /// @param contact with BlockInertia; must stay as it is until the next load
-  void load(const ContactProblem& contact);
+  /// @param numbers of its islands; null or empty: they are found
+  void load(const ContactProblem& contact, const IslandNumbers* numbers);
   void set_velocity(const Vector& v) { v_ = v; }
 
   /// Impulses of islands that are at rest become zero, and so does friction where no contact presses.
@@ -35,6 +36,13 @@ class BodiesTest {
     bool is_known;
   };
 
+  struct Sizes {
+    Index ngc = 0;
+    Index islands = 0;
+    Index largest_block = 0;
+    Index most_directions = 0;
+  };
+
   template <class Scalar>
   struct Room {
     /// What a column of J sees.
@@ -52,7 +60,11 @@ class BodiesTest {
     std::vector<Row> rows;  // of the friction directions of one contact
     double roundoff = 0;
 
-    void resize(Index ngc, Index largest_block, Index island_count, Index most_directions);
+    /// Takes the memory, which is not touched before resize(): 113 bits are rarely asked for.
+    void reserve(const Sizes& sizes);
+    void resize(const Sizes& sizes);
+    template <class Visit>
+    void for_each_vector(const Sizes& sizes, Visit&& visit);
   };
 
   template <class Scalar>
@@ -71,6 +83,7 @@ class BodiesTest {
   IslandNumbers numbers_;
   Vector v_;
   std::vector<char> moves_;  // by island
+  Sizes sizes_;
   Room<double> double_;
   Room<Quad> quad_;
 };

@@ -53,8 +53,8 @@ struct ContactImpulses {
   /// z of lcp_size entries, in the units of the problem. @pre u is recomputed.
   void write_answer(Vector& z) const;
 
-  ContactColumns columns;
-  Vector mu;  ///< nc
+  ContactColumns columns;  ///< without the response where G is given by blocks: their inverses give the velocity
+  Vector mu;               ///< nc
   std::vector<SignedFriction> frictions;
   std::vector<Index> friction_of;  ///< nc: index in frictions, -1 without
   Index contacts = 0;              ///< nc; n of a bare LCP
@@ -68,6 +68,8 @@ struct ContactImpulses {
 
  private:
   Vector b_;                 // as given
+  BlockInverse inverse_;     // where columns have no response
+  Vector momentum_;          // scratch: the impulses on the coordinates
   std::vector<Index> idle_;  // contacts that nothing moves: their w is b, and no scale of the others
 
   void load_lcp(const Lcp& lcp);
@@ -76,6 +78,7 @@ struct ContactImpulses {
     return offset.size() > 0 && contact < contacts ? velocity + offset(contact) : velocity;
   }
   void scale_islands();
+  void add_impulses(const PackedColumns& of, Vector& to) const;
   double friction_residual(const SignedFriction& friction) const;
 };
 

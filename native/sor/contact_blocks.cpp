@@ -64,7 +64,9 @@ void ContactBlocks::load(const Inertia& inertia, const ContactImpulses& state) {
   responses_.clear();
   contacts_.reserve(static_cast<std::size_t>(state.contacts));
   column_.reserve(static_cast<std::size_t>(state.contacts));
-  if (!factor(inertia)) roots_.clear();
+  if (!factor(inertia)) bodies_.clear();
+  BlockInverse inverse;
+  if (bodies_.empty() && state.columns.response.cols() == 0) inverse = BlockInverse(inertia);
   Index rows = 0;
   Index most_rows = 1;
   for (Index contact = 0; contact < state.contacts; ++contact) {
@@ -84,8 +86,10 @@ void ContactBlocks::load(const Inertia& inertia, const ContactImpulses& state) {
                   .run_size = 0};
     column_.push_back(friction == nullptr ? 0 : friction->first_column);
     find_runs(state, contact, block);
-    add_values(state.columns.J, contact, block, values_);
-    if (roots_.empty()) add_values(state.columns.response, contact, block, responses_);
+    add_values(state.columns.J, contact, block, values_, [this](Index first, double* part) {
+      if (!bodies_.empty()) whiten(bodies_[body_of_[static_cast<std::size_t>(first)]], part);
+    });
+    if (bodies_.empty()) add_responses(state, inverse, contact, block);
     contacts_.push_back(block);
     rows += block.rows;
     most_rows = std::max<Index>(most_rows, block.rows);
@@ -101,19 +105,40 @@ void ContactBlocks::load(const Inertia& inertia, const ContactImpulses& state) {
   errors.setZero(contacts());
 }
 
+/// L of a block, by columns. @returns whether it is definite
+bool factor_block(const Matrix& block, double* L) {
+  const Index n = block.rows();
+  for (Index j = 0; j < n; ++j) {
+    for (Index i = j; i < n; ++i) {
+      double sum = block(i, j);
+      for (Index k = 0; k < j; ++k) sum -= L[k * n + i] * L[k * n + j];
+      L[j * n + i] = sum;
+    }
+    const double pivot = L[j * n + j];
+    if (!(pivot > 0)) return false;
+    for (Index i = j; i < n; ++i) L[j * n + i] /= std::sqrt(pivot);
+  }
+  return true;
+}
+
 /// @returns false where the columns have to be stored twice
 bool ContactBlocks::factor(const Inertia& inertia) {
+  bodies_.clear();
   roots_.clear();
-  root_of_.clear();
+  body_of_.clear();
   const auto* blocks = std::get_if<BlockInertia>(&inertia);
   if (blocks == nullptr) return false;
-  body_begin_.clear();
+  Index first = 0;
+  std::size_t values = 0;
   for (const Matrix& block : blocks->blocks) {
-    body_begin_.push_back(static_cast<Index>(root_of_.size()));
-    root_of_.insert(root_of_.end(), static_cast<std::size_t>(block.rows()), static_cast<Index>(roots_.size()));
-    const Eigen::LLT<Matrix> factors(block);
-    if (factors.info() != Eigen::Success) return false;
-    roots_.push_back(factors.matrixL());
+    body_of_.insert(body_of_.end(), static_cast<std::size_t>(block.rows()), bodies_.size());
+    bodies_.push_back({first, block.rows(), values});
+    first += block.rows();
+    values += static_cast<std::size_t>(block.size());
+  }
+  roots_.resize(values);
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (!factor_block(blocks->blocks[b], roots_.data() + bodies_[b].root)) return false;
   }
   return true;
 }
@@ -130,7 +155,7 @@ void ContactBlocks::find_runs(const ContactImpulses& state, Index contact, Conta
   const auto by_first = [](const Run& a, const Run& b) { return a.first < b.first; };
   std::sort(runs_.begin() + begin, runs_.end(), by_first);
   const auto merges = [this](Run& run, const Run& next) {
-    const bool meets = !roots_.empty() && run.first + run.size == next.first && run.size + next.size <= kBody;
+    const bool meets = !bodies_.empty() && run.first + run.size == next.first && run.size + next.size <= kBody;
     if (meets) run.size += next.size;
     return meets;
   };
@@ -145,8 +170,10 @@ void ContactBlocks::find_runs(const ContactImpulses& state, Index contact, Conta
   block.run_size = std::all_of(runs_.begin() + begin, runs_.end(), has_size) ? static_cast<int>(size) : 0;
 }
 
+/// @param finish (first row, entries) of each run of a column
+template <class Finish>
 void ContactBlocks::add_values(const PackedColumns& columns, Index contact, const Contact& block,
-                               std::vector<double>& to) const {
+                               std::vector<double>& to, const Finish& finish) const {
   const std::size_t begin = to.size();
   Index size = 0;
   for (const Run& run : runs_of(block)) size += run.size;
@@ -162,24 +189,37 @@ void ContactBlocks::add_values(const PackedColumns& columns, Index contact, cons
         part += block.rows * run.size;
       }
       std::copy_n(entries, length, part);
-      if (!roots_.empty()) whiten(static_cast<std::size_t>(root_of_[static_cast<std::size_t>(first)]), part);
+      finish(first, part);
     });
   }
 }
 
+/// @param inverse of the inertia, where the columns of the state have no response
+void ContactBlocks::add_responses(const ContactImpulses& state, const BlockInverse& inverse, Index contact,
+                                  const Contact& block) {
+  if (inverse.dimension() == 0) {
+    return add_values(state.columns.response, contact, block, responses_, [](Index, double*) {});
+  }
+  add_values(state.columns.J, contact, block, responses_, [&inverse](Index first, double* part) {
+    const Matrix& body = inverse.inverse(inverse.block_of(first));
+    Eigen::Map<Vector> entries(part, body.rows());
+    entries = body * entries;  // Eigen takes a temporary
+  });
+}
+
 /// part := L^-1 part.
-void ContactBlocks::whiten(std::size_t body, double* part) const {
-  const Matrix& L = roots_[body];
-  for (Index i = 0; i < L.rows(); ++i) {
-    for (Index k = 0; k < i; ++k) part[i] -= L(i, k) * part[k];
-    part[i] /= L(i, i);
+void ContactBlocks::whiten(const Body& body, double* part) const {
+  const double* const L = roots_.data() + body.root;
+  for (Index i = 0; i < body.size; ++i) {
+    for (Index k = 0; k < i; ++k) part[i] -= L[k * body.size + i] * part[k];
+    part[i] /= L[i * body.size + i];
   }
 }
 
 /// M_ij of two rows of the contact.
 double ContactBlocks::product(const Contact& block, Index i, Index j) const {
   const double* left = values_.data() + block.value;
-  const double* right = (roots_.empty() ? responses_.data() : values_.data()) + block.value;
+  const double* right = (bodies_.empty() ? responses_.data() : values_.data()) + block.value;
   double sum = 0;
   for (const Run& run : runs_of(block)) {
     const Index size = run.size;
@@ -221,14 +261,13 @@ void ContactBlocks::take(const ContactImpulses& state) {
   }
   offset_ = state.offset;
   velocity = state.u;
-  Index first = 0;
-  for (const Matrix& L : roots_) {
-    for (Index i = 0; i < L.rows(); ++i) {  // entry i of L'u asks for later ones only
+  for (const Body& body : bodies_) {
+    const double* L = roots_.data() + body.root;
+    for (Index i = 0; i < body.size; ++i, L += body.size) {  // entry i of L'u asks for later ones only
       double sum = 0;
-      for (Index k = i; k < L.rows(); ++k) sum += L(k, i) * velocity(first + k);
-      velocity(first + i) = sum;
+      for (Index k = i; k < body.size; ++k) sum += L[k] * velocity(body.first + k);
+      velocity(body.first + i) = sum;
     }
-    first += L.rows();
   }
 }
 
@@ -271,7 +310,7 @@ template <int kRows, int kSize>
 /// What the steps of the contact's impulses change.
 template <int kRows, int kSize>
 [[gnu::always_inline]] inline void ContactBlocks::add_steps(const Contact& block, const double* step) {
-  const double* response = (roots_.empty() ? responses_.data() : values_.data()) + block.value;
+  const double* response = (bodies_.empty() ? responses_.data() : values_.data()) + block.value;
   for (const Run& run : runs_of(block)) {
     double* const u = velocity.data() + run.first;
     if constexpr (kRows > 0 && kSize > 0) {

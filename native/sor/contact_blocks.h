@@ -45,18 +45,18 @@ class ContactBlocks {
   Index rows(Index contact) const { return of(contact).rows; }
 
   /// Whether the velocity consists of separate bodies. Only then these may be called:
-  bool has_bodies() const { return !roots_.empty(); }
-  std::size_t bodies() const { return roots_.size(); }
-  Index first_coordinate(std::size_t body) const { return body_begin_[body]; }
-  Index coordinates(std::size_t body) const { return roots_[body].rows(); }
+  bool has_bodies() const { return !bodies_.empty(); }
+  std::size_t bodies() const { return bodies_.size(); }
+  Index first_coordinate(std::size_t body) const { return bodies_[body].first; }
+  Index coordinates(std::size_t body) const { return bodies_[body].size; }
   /// visit(body) for each body that the contact touches.
   template <class Visit>
   void for_each_body(Index contact, Visit&& visit) const {
     const Contact& block = of(contact);
     for (const Run& run : runs_of(block)) {
-      std::size_t last = roots_.size();
+      std::size_t last = bodies_.size();
       for (Index i = run.first; i < run.first + run.size; ++i) {
-        const auto body = static_cast<std::size_t>(root_of_[static_cast<std::size_t>(i)]);
+        const std::size_t body = body_of_[static_cast<std::size_t>(i)];
         if (body != last) visit(body);
         last = body;
       }
@@ -68,6 +68,11 @@ class ContactBlocks {
   Vector errors;    ///< per contact: Step::off of its own in the last sweep that it was in
 
  private:
+  struct Body {
+    Index first;  // of its coordinates
+    Index size;
+    std::size_t root;  // first of its values in roots_
+  };
   struct Run {
     Index first;
     Index size;
@@ -87,8 +92,11 @@ class ContactBlocks {
 
   bool factor(const Inertia& inertia);
   void find_runs(const ContactImpulses& state, Index contact, Contact& block);
-  void add_values(const PackedColumns& columns, Index contact, const Contact& block, std::vector<double>& to) const;
-  void whiten(std::size_t body, double* part) const;
+  template <class Finish>
+  void add_values(const PackedColumns& columns, Index contact, const Contact& block, std::vector<double>& to,
+                  const Finish& finish) const;
+  void add_responses(const ContactImpulses& state, const BlockInverse& inverse, Index contact, const Contact& block);
+  void whiten(const Body& body, double* part) const;
   void find_curvature(const ContactImpulses& state, Index contact, Contact& block);
   double product(const Contact& block, Index i, Index j) const;
   std::span<const Run> runs_of(const Contact& block) const {
@@ -113,12 +121,12 @@ class ContactBlocks {
   Vector offset_;              // per contact; empty: zero
   std::vector<Run> runs_;
   std::vector<double> values_;
-  std::vector<double> responses_;  // G* J; empty where values_ serves both
-  Vector coupling_;                // per friction row: its entry of M with the normal row
-  Vector velocities_, steps_;      // scratch of one contact
-  std::vector<Matrix> roots_;      // L of each block of the inertia; none where responses_ are stored
-  std::vector<Index> root_of_;     // per coordinate: its block
-  std::vector<Index> body_begin_;  // per block: its first coordinate
+  std::vector<double> responses_;     // G* J; empty where values_ serves both
+  Vector coupling_;                   // per friction row: its entry of M with the normal row
+  Vector velocities_, steps_;         // scratch of one contact
+  std::vector<Body> bodies_;          // none where responses_ are stored
+  std::vector<double> roots_;         // L of each block of the inertia, by columns
+  std::vector<std::size_t> body_of_;  // per coordinate
 };
 
 /// Euclidean projection of y onto {sum |y_i| <= radius}, radius >= 0: shrinks all |y_i| by one threshold, found by
