@@ -25,6 +25,7 @@ void ContactImpulses::load_lcp(const Lcp& lcp) {
   contacts = lcp.size();
   columns.J.clear();
   columns.response.clear();
+  momentum_.resize(0);
   for (Index i = 0; i < contacts; ++i) {
     columns.J.add_column();
     columns.J.add_run(i, Vector::Ones(1));
@@ -115,7 +116,7 @@ void ContactImpulses::add_impulses(const PackedColumns& of, Vector& to) const {
 
 void ContactImpulses::recompute_velocity() {
   u = u0;
-  if (columns.response.cols() > 0) return add_impulses(columns.response, u);
+  if (momentum_.size() == 0) return add_impulses(columns.response, u);
   momentum_.setZero();
   add_impulses(columns.J, momentum_);
   inverse_.add_product(momentum_, u);

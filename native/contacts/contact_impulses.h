@@ -69,7 +69,7 @@ struct ContactImpulses {
  private:
   Vector b_;                 // as given
   BlockInverse inverse_;     // where columns have no response
-  Vector momentum_;          // scratch: the impulses on the coordinates
+  Vector momentum_;          // scratch: the impulses on the coordinates; empty where columns have a response
   std::vector<Index> idle_;  // contacts that nothing moves: their w is b, and no scale of the others
 
   void load_lcp(const Lcp& lcp);

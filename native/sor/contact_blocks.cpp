@@ -30,8 +30,24 @@ inline void project_on_square(double& y, double& z, double radius) {
   z = std::copysign(larger(b - threshold, 0.0), z);
 }
 
-/// 1 / value, finite; 0 for 0.
-double inverse(double value) { return value > 0 ? std::min(1 / value, std::numeric_limits<double>::max()) : 0.0; }
+/// 1 / value, 0 for 0; small enough that an over-relaxed one is finite.
+double inverse(double value) { return value > 0 ? std::min(1 / value, std::numeric_limits<double>::max() / 2) : 0.0; }
+
+/// L of a block, by columns. @returns whether it is definite
+bool factor_block(const Matrix& block, double* L) {
+  const Index n = block.rows();
+  for (Index j = 0; j < n; ++j) {
+    for (Index i = j; i < n; ++i) {
+      double sum = block(i, j);
+      for (Index k = 0; k < j; ++k) sum -= L[k * n + i] * L[k * n + j];
+      L[j * n + i] = sum;
+    }
+    const double pivot = L[j * n + j];
+    if (!(pivot > 0)) return false;
+    for (Index i = j; i < n; ++i) L[j * n + i] /= std::sqrt(pivot);
+  }
+  return true;
+}
 
 }  // namespace
 
@@ -103,22 +119,6 @@ void ContactBlocks::load(const Inertia& inertia, const ContactImpulses& state) {
   }
   velocity.resize(state.u0.size());
   errors.setZero(contacts());
-}
-
-/// L of a block, by columns. @returns whether it is definite
-bool factor_block(const Matrix& block, double* L) {
-  const Index n = block.rows();
-  for (Index j = 0; j < n; ++j) {
-    for (Index i = j; i < n; ++i) {
-      double sum = block(i, j);
-      for (Index k = 0; k < j; ++k) sum -= L[k * n + i] * L[k * n + j];
-      L[j * n + i] = sum;
-    }
-    const double pivot = L[j * n + j];
-    if (!(pivot > 0)) return false;
-    for (Index i = j; i < n; ++i) L[j * n + i] /= std::sqrt(pivot);
-  }
-  return true;
 }
 
 /// @returns false where the columns have to be stored twice
