@@ -223,6 +223,12 @@ void IslandNumbers::find(const ContactProblem& problem) {
   }
 }
 
+void IslandNumbers::take_as_one(const ContactProblem& problem) {
+  count = 1;
+  of_contact.assign(problem.edges.size(), 0);
+  of_coordinate.assign(static_cast<std::size_t>(problem.ngc()), 0);
+}
+
 std::vector<Island> find_islands(const ContactProblem& problem) {
   IslandNumbers numbers;
   numbers.find(problem);

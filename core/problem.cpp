@@ -17,6 +17,28 @@ struct Problem::Data {
   mutable std::optional<Lcp> lcp;
 };
 
+namespace {
+
+/// from = empty, of the same kind. Moving a sparse matrix copies it, swapping does not.
+void take(Jacobian& from, Jacobian& to) {
+  if (auto* sparse = std::get_if<SparseMatrix>(&from)) {
+    to.emplace<SparseMatrix>().swap(*sparse);
+  } else {
+    to = std::move(from);
+  }
+}
+
+void take(ContactProblem& from, std::optional<ContactProblem>& to) {
+  Jacobian N, D;
+  take(from.N, N);
+  take(from.D, D);
+  to = std::move(from);
+  take(N, to->N);
+  take(D, to->D);
+}
+
+}  // namespace
+
 const char* to_string(ProblemKind kind) {
   switch (kind) {
     case ProblemKind::kLcp: return "lcp";
@@ -34,7 +56,14 @@ Problem::Problem(std::string name, Lcp lcp) {
   data_ = std::move(data);
 }
 
-Problem::Problem(std::string name, ContactProblem contact) : Problem(std::move(name), std::move(contact), {}) {}
+Problem::Problem(std::string name, ContactProblem contact) {
+  auto data = std::make_shared<Data>();
+  data->name = std::move(name);
+  data->kind = ProblemKind::kContact;
+  data->size = lcp_size(contact);
+  take(contact, data->contact);
+  data_ = std::move(data);
+}
 
 Problem::Problem(std::string name, ContactProblem contact, const MatrixFormation& formation) {
   auto data = std::make_shared<Data>();
@@ -42,7 +71,7 @@ Problem::Problem(std::string name, ContactProblem contact, const MatrixFormation
   data->kind = ProblemKind::kContact;
   data->size = lcp_size(contact);
   data->formation = formation;
-  data->contact = std::move(contact);
+  take(contact, data->contact);
   data_ = std::move(data);
 }
 

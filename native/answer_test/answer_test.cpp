@@ -22,14 +22,14 @@ constexpr double kClaimedQuadResidual = 0.999e-4;
 
 AnswerTest::AnswerTest() : judge_(contact_lemke_engine(isa_level())), quad_judge_(lemke::quad::kContactEngine) {}
 
-void AnswerTest::load(const Problem& problem, Bodies bodies, bool is_one_island) {
+void AnswerTest::load(const Problem& problem, Bodies bodies, const IslandNumbers* numbers) {
   completed_.resize(problem.size());
   bare_ = problem.contact() == nullptr;
-  by_bodies_ =
-      bodies == Bodies::kOneByOne && !bare_ && std::holds_alternative<BlockInertia>(problem.contact()->inertia) &&
-      !(ContactSolvability::is_asked(*problem.contact()) && problem.contact()->ngc() <= kLargestAsked);
+  by_bodies_ = bodies == Bodies::kOneByOne && !bare_ &&
+               std::holds_alternative<BlockInertia>(problem.contact()->inertia) &&
+               !(ContactSolvability::is_asked(*problem.contact()) && problem.contact()->ngc() <= kLargestAsked);
   may_be_singular_ = false;
-  if (by_bodies_) return bodies_test_.load(*problem.contact(), is_one_island);
+  if (by_bodies_) return bodies_test_.load(*problem.contact(), numbers);
   if (bare_) return bare_test_.load(problem.lcp());
   const ContactProblem& contact = *problem.contact();
   contacts_.load_in_units(contact);

@@ -4,9 +4,9 @@
 #include "core/solver.h"
 #include "native/answer_test/bare_lcp_test.h"
 #include "native/answer_test/bodies_test.h"
-#include "native/contacts/contact_input.h"
-#include "native/contact_lemke/contact_lemke.h"
 #include "native/answer_test/contact_solvability.h"
+#include "native/contact_lemke/contact_lemke.h"
+#include "native/contacts/contact_input.h"
 
 namespace lcpbench {
 
@@ -26,8 +26,8 @@ class AnswerTest {
   AnswerTest();
 
   /// @param problem must stay as it is until the next load. O(ngc^3), of bare LCPs O(n^2)
-  /// @param is_one_island bodies one by one: they, and all contacts, are known to be one island
-  void load(const Problem& problem, Bodies bodies = Bodies::kTogether, bool is_one_island = false);
+  /// @param numbers of the problem's islands, where they are known
+  void load(const Problem& problem, Bodies bodies = Bodies::kTogether, const IslandNumbers* numbers = nullptr);
 
   /// The same contacts, another velocity before the impact (ngc). @pre a contact problem was loaded
   void set_velocity(const Vector& v);
@@ -86,9 +86,9 @@ class AnswerTest {
   ContactSolvability solvability_;
   double residual_ = 0;  // of completed_, contacts
   double allowed_ = 0;
-  Vector velocity_;      // v, where the inertia may be singular
-  Vector path_end_;      // n, where the inertia may be singular
-  Vector completed_;     // n
+  Vector velocity_;   // v, where the inertia may be singular
+  Vector path_end_;   // n, where the inertia may be singular
+  Vector completed_;  // n
 };
 
 /// Contact problems: no friction impulses where the normal one is zero. @param z of lcp_size entries

@@ -198,44 +198,56 @@ double relative(Scalar residual, Scalar scale) {
 }  // namespace
 
 template <class Scalar>
-void BodiesTest::Room<Scalar>::resize(Index ngc, Index largest_block, Index island_count, Index most_directions) {
+void BodiesTest::Room<Scalar>::reserve(const Sizes& sizes) {
+  for_each_vector(sizes, [](auto& vector, Index size) { vector.reserve(static_cast<std::size_t>(size)); });
+}
+
+template <class Scalar>
+void BodiesTest::Room<Scalar>::resize(const Sizes& sizes) {
+  for_each_vector(sizes, [](auto& vector, Index size) { vector.resize(static_cast<std::size_t>(size)); });
+}
+
+template <class Scalar>
+template <class Visit>
+void BodiesTest::Room<Scalar>::for_each_vector(const Sizes& sizes, Visit&& visit) {
   for (std::vector<Scalar>* by_coordinate : {&impulse, &terms, &u, &bound, &reach, &root}) {
-    by_coordinate->resize(static_cast<std::size_t>(ngc));
+    visit(*by_coordinate, sizes.ngc);
   }
-  sight.resize(static_cast<std::size_t>(4 * ngc));
-  factor.resize(static_cast<std::size_t>(largest_block * largest_block));
-  inverse.resize(static_cast<std::size_t>(4 * largest_block));
-  if (sizeof(Scalar) == sizeof(double) && largest_block >= kLargeBlock) {
-    const Index stride = largest_block + cholesky::kMargin;
-    dense.resize(static_cast<std::size_t>(stride * stride));
-    work.resize(static_cast<std::size_t>(cholesky::work_size(largest_block)));
+  visit(sight, 4 * sizes.ngc);
+  visit(factor, sizes.largest_block * sizes.largest_block);
+  visit(inverse, 4 * sizes.largest_block);
+  if (sizeof(Scalar) == sizeof(double) && sizes.largest_block >= kLargeBlock) {
+    const Index stride = sizes.largest_block + cholesky::kMargin;
+    visit(dense, stride * stride);
+    visit(work, cholesky::work_size(sizes.largest_block));
   }
-  islands.resize(static_cast<std::size_t>(island_count));
-  rows.resize(static_cast<std::size_t>(most_directions));
+  visit(islands, sizes.islands);
+  visit(rows, sizes.most_directions);
 }
 
 BodiesTest::BodiesTest() : kernels_(cholesky::engine(isa_level())) {}
 
-void BodiesTest::load(const ContactProblem& contact, bool is_one_island) {
+void BodiesTest::load(const ContactProblem& contact, const IslandNumbers* numbers) {
   contact_ = &contact;
   layout_ = contact_layout(contact);
-  if (is_one_island && !contact.has_offset()) {  // where nothing moves a contact, its offset alone counts
-    numbers_.count = 1;
-    numbers_.of_contact.assign(contact.edges.size(), 0);
-    numbers_.of_coordinate.assign(static_cast<std::size_t>(contact.ngc()), 0);
+  if (numbers != nullptr && !numbers->of_contact.empty()) {
+    numbers_.of_contact = numbers->of_contact;
+    numbers_.of_coordinate = numbers->of_coordinate;
+    numbers_.count = numbers->count;
   } else {
     numbers_.find(contact);
   }
   moves_.resize(static_cast<std::size_t>(numbers_.count));
   v_ = contact.v;
-  Index largest = 0;
-  for (const Matrix& block : std::get<BlockInertia>(contact.inertia).blocks) largest = std::max(largest, block.rows());
-  Index directions = 0;
-  for (const int edges : contact.edges) directions = std::max<Index>(directions, edges / 2);
-  double_.resize(contact.ngc(), largest, numbers_.count, directions);
+  sizes_ = {.ngc = contact.ngc(), .islands = numbers_.count};
+  for (const Matrix& block : std::get<BlockInertia>(contact.inertia).blocks) {
+    sizes_.largest_block = std::max(sizes_.largest_block, block.rows());
+  }
+  for (const int edges : contact.edges) sizes_.most_directions = std::max<Index>(sizes_.most_directions, edges / 2);
   double_.roundoff = 0x1p-53;
-  quad_.resize(contact.ngc(), largest, numbers_.count, directions);
+  double_.reserve(sizes_);
   quad_.roundoff = kQuadUnitRoundoff;
+  quad_.reserve(sizes_);
 }
 
 void BodiesTest::release(Vector& z) {
@@ -301,9 +313,10 @@ void BodiesTest::add_impulses(const Vector& z, Room<Scalar>& room) const {
   }
 }
 
-/// u of one block, by Cholesky; reach, root, and the sums of bound_rounding().
+/// u of one block, by Cholesky; reach, root, and how far u may be off. Only what touches the block can put it off, of
+/// one island at a time. @param sums relative rounding of an impulse on a coordinate
 template <class Scalar>
-void BodiesTest::respond(const Matrix& block, Index first, Room<Scalar>& room) const {
+void BodiesTest::respond(const Matrix& block, Index first, Scalar sums, Room<Scalar>& room) const {
   const auto n = static_cast<std::size_t>(block.rows());
   const auto at = static_cast<std::size_t>(first);
   Scalar* const x = room.u.data() + at;
@@ -317,33 +330,39 @@ void BodiesTest::respond(const Matrix& block, Index first, Room<Scalar>& room) c
   }
   const Scalar lost = static_cast<Scalar>(room.roundoff * static_cast<double>(n * (8 + 4 * n))) * condition;
   const bool is_known = is_definite && lost < static_cast<Scalar>(kTrusted);
-  for (std::size_t i = 0; i < n; ++i) {
+  const auto island_of = [&](std::size_t i) {
     const Index k = numbers_.of_coordinate[at + i];
-    room.bound[at + i] = magnitude(x[i]);
-    if (k < 0) continue;
-    Island<Scalar>& island = room.islands[static_cast<std::size_t>(k)];
+    return k < 0 ? nullptr : &room.islands[static_cast<std::size_t>(k)];
+  };
+  for (std::size_t i = 0; i < n; ++i) {
+    if (Island<Scalar>* const island = island_of(i)) island->rounded = island->lost = island->moved = 0;
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    if (island_of(i) == nullptr) continue;
+    Island<Scalar>& island = *island_of(i);
     const bool is_safe = room.terms[at + i] == 0 || room.terms[at + i] > static_cast<Scalar>(kSmallestSafe);
     island.is_known = island.is_known && is_known && is_safe;
     island.rounded += room.reach[at + i] * room.terms[at + i];
     island.lost += room.reach[at + i] * room.root[at + i] * static_cast<Scalar>(static_cast<double>(8 + 4 * n));
     island.moved += room.root[at + i] * magnitude(x[i]);
   }
+  for (std::size_t i = 0; i < n; ++i) {
+    const Island<Scalar>* const island = island_of(i);
+    room.bound[at + i] = 0;
+    if (island == nullptr) continue;
+    const Scalar off = sums * island->rounded + static_cast<Scalar>(room.roundoff) * island->lost * island->moved;
+    room.bound[at + i] = room.reach[at + i] * off;
+  }
 }
 
+/// v joins u, and the rounding of rows joins its bound.
 template <class Scalar>
-void BodiesTest::bound_rounding(Index impulses, Room<Scalar>& room) const {
-  const Scalar roundoff = static_cast<Scalar>(room.roundoff);
-  const Scalar sums = roundoff * static_cast<Scalar>(static_cast<double>(64 + impulses));
-  const Scalar dots = roundoff * static_cast<Scalar>(static_cast<double>(4 + contact_->ngc()));
+void BodiesTest::show_velocity(Room<Scalar>& room) const {
+  const Scalar dots = static_cast<Scalar>(room.roundoff * static_cast<double>(4 + contact_->ngc()));
   for (std::size_t i = 0; i < room.u.size(); ++i) {
     const Scalar v = static_cast<Scalar>(v_(static_cast<Index>(i)));
-    room.bound[i] = dots * (room.bound[i] + magnitude(v));
+    room.bound[i] += dots * (magnitude(room.u[i]) + magnitude(v));
     room.u[i] += v;
-    const Index k = numbers_.of_coordinate[i];
-    if (k >= 0) {
-      const Island<Scalar>& island = room.islands[static_cast<std::size_t>(k)];
-      room.bound[i] += room.reach[i] * (sums * island.rounded + roundoff * island.lost * island.moved);
-    }
     const Scalar sight[] = {room.u[i], v, room.bound[i], room.reach[i]};
     std::copy_n(sight, 4, room.sight.data() + 4 * i);
   }
@@ -383,13 +402,15 @@ void BodiesTest::measure_friction(Index contact, Scalar reach, Vector& z, Room<S
 
 template <class Scalar>
 contact_lemke::Residual BodiesTest::complete(Vector& z, Room<Scalar>& room) {
+  room.resize(sizes_);
   add_impulses(z, room);
+  const double most_terms = static_cast<double>(64 + (z.array() != 0).count());
   Index first = 0;
   for (const Matrix& block : std::get<BlockInertia>(contact_->inertia).blocks) {
-    respond(block, first, room);
+    respond(block, first, static_cast<Scalar>(room.roundoff * most_terms), room);
     first += block.rows();
   }
-  bound_rounding((z.array() != 0).count(), room);
+  show_velocity(room);
   contact_lemke::Residual residual;
   for (Index c = 0; c < contact_->nc(); ++c) {
     const auto contact = static_cast<std::size_t>(c);

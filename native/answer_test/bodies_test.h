@@ -17,15 +17,16 @@ class BodiesTest {
   BodiesTest();
 
   /// @param contact with BlockInertia; must stay as it is until the next load
-  /// @param is_one_island all contacts and coordinates are known to be one island
-  void load(const ContactProblem& contact, bool is_one_island);
+  /// @param numbers of its islands; null or empty: they are found
+  void load(const ContactProblem& contact, const IslandNumbers* numbers);
   void set_velocity(const Vector& v) { v_ = v; }
 
   /// Impulses of islands that are at rest become zero, and so does friction where no contact presses.
   void release(Vector& z);
 
   /// Sets the lambdas of z to the least that its impulses allow and evaluates the answer, with a bound on its rounding:
-  /// see completion.h, whose bound this is. O(nonzeros, and the cubes of the blocks' orders). Allocates nothing.
+  /// see completion.h, whose bound this is, with sums over a block in place of the island. O(nonzeros, and the cubes of
+  /// the blocks' orders). Allocates nothing.
   contact_lemke::Residual complete_in_double(Vector& z) { return complete(z, double_); }
   contact_lemke::Residual complete_in_quad(Vector& z) { return complete(z, quad_); }
 
@@ -33,9 +34,16 @@ class BodiesTest {
   template <class Scalar>
   struct Island {
     Scalar worst, certain, scale;
-    Scalar rounded, lost, moved;
+    Scalar rounded, lost, moved;  ///< within the block that responds
     bool presses;
     bool is_known;
+  };
+
+  struct Sizes {
+    Index ngc = 0;
+    Index islands = 0;
+    Index largest_block = 0;
+    Index most_directions = 0;
   };
 
   template <class Scalar>
@@ -56,7 +64,11 @@ class BodiesTest {
     std::vector<Row> rows;  // of the friction directions of one contact
     double roundoff = 0;
 
-    void resize(Index ngc, Index largest_block, Index island_count, Index most_directions);
+    /// Takes the memory, which is not touched before resize(): 113 bits are rarely asked for.
+    void reserve(const Sizes& sizes);
+    void resize(const Sizes& sizes);
+    template <class Visit>
+    void for_each_vector(const Sizes& sizes, Visit&& visit);
   };
 
   template <class Scalar>
@@ -67,9 +79,9 @@ class BodiesTest {
   template <class Scalar>
   void add_impulses(const Vector& z, Room<Scalar>& room) const;
   template <class Scalar>
-  void respond(const Matrix& block, Index first, Room<Scalar>& room) const;
+  void respond(const Matrix& block, Index first, Scalar sums, Room<Scalar>& room) const;
   template <class Scalar>
-  void bound_rounding(Index impulses, Room<Scalar>& room) const;
+  void show_velocity(Room<Scalar>& room) const;
   template <class Scalar>
   void measure_friction(Index contact, Scalar reach, Vector& z, Room<Scalar>& room) const;
 
@@ -79,6 +91,7 @@ class BodiesTest {
   IslandNumbers numbers_;
   Vector v_;
   std::vector<char> moves_;  // by island
+  Sizes sizes_;
   Room<double> double_;
   Room<Quad> quad_;
 };

@@ -313,6 +313,15 @@ bool HeldContacts::is_definite() {
 
 bool HeldContacts::continues() { return is_confirmed(approach(miss())); }
 
+void HeldContacts::load_test() {
+  // A contact that nothing moves is in no island: of it the offset alone counts.
+  const bool known = one_island_ && !contact_->has_offset();
+  if (known) islands_.take_as_one(*contact_);
+  test_.load(*problem_, AnswerTest::Bodies::kOneByOne, known ? &islands_ : nullptr);
+  test_.set_velocity(given_v_);
+  has_test_ = true;
+}
+
 bool HeldContacts::solve(const Vector& start, int tries, double deadline_s, Answer& answer, Counters& work) {
   measure_scale();
   if (!(scale_ > 0 && scale_ <= std::numeric_limits<double>::max())) return false;
@@ -329,9 +338,7 @@ bool HeldContacts::solve(const Vector& start, int tries, double deadline_s, Answ
     }
     if (!is_definite()) return false;
     write(answer);
-    if (!has_test_) test_.load(*problem_, AnswerTest::Bodies::kOneByOne, one_island_);
-    if (!has_test_) test_.set_velocity(given_v_);
-    has_test_ = true;
+    if (!has_test_) load_test();
     return test_.settle(answer, deadline_s);
   }
   return false;

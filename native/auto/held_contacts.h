@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/islands.h"
 #include "core/problem.h"
 #include "core/solver.h"
 #include "native/answer_test/answer_test.h"
@@ -73,9 +74,11 @@ class HeldContacts {
   double clearance(std::size_t contact) const;
   bool change_guess();
   void write(Answer& answer) const;
+  void load_test();
   double offset(std::size_t contact) const { return contact_->offset(static_cast<Index>(contact)); }
 
   bool one_island_ = false;
+  IslandNumbers islands_;  ///< where it is one
   bool follow_ = false;
   const Problem* problem_ = nullptr;
   const ContactProblem* contact_ = nullptr;

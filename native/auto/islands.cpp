@@ -54,9 +54,9 @@ Matrix restrict_dense(const Matrix& J, std::span<const Index> columns, std::span
 }
 
 /// The rows keep their order.
-SparseMatrix restrict_sparse(const SparseMatrix& J, std::span<const Index> columns, Index rows,
-                             const std::vector<Index>& local) {
-  SparseMatrix part(rows, static_cast<Index>(columns.size()));
+void restrict_sparse(const SparseMatrix& J, std::span<const Index> columns, Index rows, const std::vector<Index>& local,
+                     SparseMatrix& part) {
+  part.resize(rows, static_cast<Index>(columns.size()));
   Index most = 0;
   for (const Index column : columns) most += J.col(column).nonZeros();
   part.resizeNonZeros(most);
@@ -72,16 +72,21 @@ SparseMatrix restrict_sparse(const SparseMatrix& J, std::span<const Index> colum
     part.outerIndexPtr()[j + 1] = static_cast<SparseMatrix::StorageIndex>(entries);
   }
   part.resizeNonZeros(entries);
-  return part;
+}
+
+/// The columns with nonzero entries in some rows only, the rows renumbered. In place, as moving a sparse matrix copies
+/// it. @param local of each row, -1: left out
+void restrict_columns(const Jacobian& J, std::span<const Index> columns, std::span<const Index> rows,
+                      const std::vector<Index>& local, Jacobian& part) {
+  if (const auto* dense = std::get_if<Matrix>(&J)) {
+    part = restrict_dense(*dense, columns, rows);
+  } else {
+    restrict_sparse(std::get<SparseMatrix>(J), columns, static_cast<Index>(rows.size()), local,
+                    part.emplace<SparseMatrix>());
+  }
 }
 
 }  // namespace
-
-Jacobian restrict_columns(const Jacobian& J, std::span<const Index> columns, std::span<const Index> rows,
-                          const std::vector<Index>& local) {
-  if (const auto* dense = std::get_if<Matrix>(&J)) return restrict_dense(*dense, columns, rows);
-  return restrict_sparse(std::get<SparseMatrix>(J), columns, static_cast<Index>(rows.size()), local);
-}
 
 ProblemCutter::ProblemCutter(const Problem& whole)
     : problem_(whole),
@@ -119,8 +124,8 @@ ContactProblem ProblemCutter::cut(std::span<const Index> contacts, std::span<con
     part.mu(static_cast<Index>(k)) = whole_->mu(contacts[k]);
     for (Index t = layout_.friction_begin[c]; t < layout_.friction_begin[c + 1]; ++t) directions.push_back(t);
   }
-  part.N = restrict_columns(whole_->N, contacts, coordinates, local_);
-  part.D = restrict_columns(whole_->D, directions, coordinates, local_);
+  restrict_columns(whole_->N, contacts, coordinates, local_, part.N);
+  restrict_columns(whole_->D, directions, coordinates, local_, part.D);
   part.inertia = cut_inertia(coordinates);
   for (const Index coordinate : coordinates) local_[static_cast<std::size_t>(coordinate)] = -1;
   return part;

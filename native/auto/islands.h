@@ -10,10 +10,6 @@
 
 namespace lcpbench {
 
-/// The columns with nonzero entries in some rows only, the rows renumbered. @param local of each row, -1: left out
-Jacobian restrict_columns(const Jacobian& J, std::span<const Index> columns, std::span<const Index> rows,
-                          const std::vector<Index>& local);
-
 /// J's column times v. @pre J has rows
 inline double dot_column(const Jacobian& J, Index column, const Vector& v) {
   return std::visit([&](const auto& matrix) { return matrix.col(column).dot(v); }, J);

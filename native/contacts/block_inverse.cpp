@@ -1,12 +1,29 @@
 #include "native/contacts/block_inverse.h"
 
+#include <Eigen/Cholesky>
 #include <utility>
 
 namespace lcpbench {
+namespace {
+
+/// What moves or turns of a body: known to the compiler, it takes a tenth of the time.
+Matrix inverse_of_block(const Matrix& block) {
+  if (block.rows() == 3) {
+    const Eigen::LLT<Eigen::Matrix3d> factors(block);
+    Matrix inverse(3, 3);
+    for (Index k = 0; k < 3; ++k) inverse.col(k) = factors.solve(Eigen::Vector3d::Unit(k));
+    if (factors.info() == Eigen::Success) return inverse;
+  }
+  return inverse_inertia(DenseInertia{block});
+}
+
+}  // namespace
 
 BlockInverse::BlockInverse(const Inertia& inertia) {
   if (const auto* given = std::get_if<BlockInertia>(&inertia)) {
-    for (const Matrix& block : given->blocks) add(inverse_inertia(DenseInertia{block}));
+    inverses_.reserve(given->blocks.size());
+    offsets_.reserve(given->blocks.size());
+    for (const Matrix& block : given->blocks) add(inverse_of_block(block));
   } else {
     add(inverse_inertia(inertia));
   }

@@ -13,12 +13,13 @@ namespace {
 
 class Builder {
  public:
-  explicit Builder(const Inertia& inertia) : inertia_(inertia), column_(Vector::Zero(inertia_.dimension())) {}
-
-  void reserve(Index columns, std::size_t entries) {
+  Builder(const BlockInverse& inertia, Index columns, std::size_t entries, bool with_response, ContactColumns& result)
+      : inertia_(inertia), with_response_(with_response), column_(Vector::Zero(inertia_.dimension())), result_(result) {
+    result_.J.clear();
     result_.J.reserve(columns, entries);
-    result_.response.reserve(columns, entries);
-    diagonal_.reserve(static_cast<std::size_t>(columns));
+    result_.response.clear();
+    if (with_response_) result_.response.reserve(columns, entries);
+    result_.diagonal.resize(columns);
   }
 
   void add_column(const Jacobian& J, Index column) {
@@ -35,11 +36,6 @@ class Builder {
   /// Without entries.
   void add_empty_column() { finish_column(); }
 
-  ContactColumns result() {
-    result_.diagonal = Eigen::Map<const Vector>(diagonal_.data(), static_cast<Index>(diagonal_.size()));
-    return std::move(result_);
-  }
-
  private:
   void scatter(Index row, double value) {
     if (value == 0) return;
@@ -54,7 +50,7 @@ class Builder {
       touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
     }
     result_.J.add_column();
-    result_.response.add_column();
+    if (with_response_) result_.response.add_column();
     double diagonal = 0;
     double rounding = 0;
     for (const std::size_t block : touched_) {
@@ -73,7 +69,7 @@ class Builder {
         }
       }
       result_.J.add_run(inertia_.offset(block), part);
-      result_.response.add_run(inertia_.offset(block), response_);
+      if (with_response_) result_.response.add_run(inertia_.offset(block), response_);
       double terms = 0;
       for (Index i = 0; i < size; ++i) {
         diagonal += part(i) * response_(i);
@@ -83,16 +79,16 @@ class Builder {
       rounding += 2 * static_cast<double>(size) * std::numeric_limits<double>::epsilon() * terms;
       part.setZero();
     }
-    diagonal_.push_back(diagonal > rounding ? diagonal : 0.0);
+    result_.diagonal(result_.J.cols() - 1) = diagonal > rounding ? diagonal : 0.0;
     touched_.clear();
   }
 
-  BlockInverse inertia_;
+  const BlockInverse& inertia_;
+  bool with_response_;
   Vector column_;  // scratch: zero between columns
   Vector response_, magnitudes_;
   std::vector<std::size_t> touched_;
-  std::vector<double> diagonal_;
-  ContactColumns result_;
+  ContactColumns& result_;
 };
 
 std::size_t entries(const Jacobian& J) {
@@ -102,15 +98,16 @@ std::size_t entries(const Jacobian& J) {
 
 }  // namespace
 
-ContactColumns contact_columns(const ContactProblem& problem, Opposites opposites) {
+void find_contact_columns(const ContactProblem& problem, const BlockInverse& inverse, Opposites opposites,
+                          bool with_response, ContactColumns& columns) {
   const std::size_t friction_entries = entries(problem.D);
-  Builder builder(problem.inertia);
-  builder.reserve(problem.nc() + cols(problem.D),
-                  entries(problem.N) + (opposites == Opposites::kEmpty ? friction_entries / 2 : friction_entries));
+  Builder builder(inverse, problem.nc() + cols(problem.D),
+                  entries(problem.N) + (opposites == Opposites::kEmpty ? friction_entries / 2 : friction_entries),
+                  with_response, columns);
   for (Index contact = 0; contact < problem.nc(); ++contact) builder.add_column(problem.N, contact);
   if (opposites == Opposites::kStored) {
     for (Index column = 0; column < cols(problem.D); ++column) builder.add_column(problem.D, column);
-    return builder.result();
+    return;
   }
   Index column = 0;
   for (const int edges : problem.edges) {
@@ -122,7 +119,12 @@ ContactColumns contact_columns(const ContactProblem& problem, Opposites opposite
       }
     }
   }
-  return builder.result();
+}
+
+ContactColumns contact_columns(const ContactProblem& problem, Opposites opposites) {
+  ContactColumns columns;
+  find_contact_columns(problem, BlockInverse(problem.inertia), opposites, true, columns);
+  return columns;
 }
 
 }  // namespace lcpbench

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/contact_problem.h"
+#include "native/contacts/block_inverse.h"
 #include "native/contacts/packed_columns.h"
 
 namespace lcpbench {
@@ -8,7 +9,7 @@ namespace lcpbench {
 /// What methods that go through the rows of M one by one need of a contact problem: M is never formed.
 struct ContactColumns {
   PackedColumns J;         ///< the columns of [N D], ngc rows
-  PackedColumns response;  ///< the columns of G* [N D], ngc rows
+  PackedColumns response;  ///< the columns of G* [N D], ngc rows; may be left out
   /// J_i'G*J_i; exactly 0 where the impulse moves nothing to within the rounding of this product.
   Vector diagonal;
 };
@@ -19,5 +20,9 @@ enum class Opposites { kStored, kEmpty };
 /// @param opposites kStored: all columns of D, which need not be those of `edges`; kEmpty: the second half of each
 ///     contact's friction columns, the negatives of the first, have no entries
 ContactColumns contact_columns(const ContactProblem& problem, Opposites opposites = Opposites::kStored);
+/// The same, into memory that has been used before. @param inverse of the problem's inertia
+/// @param with_response false: it gets no columns
+void find_contact_columns(const ContactProblem& problem, const BlockInverse& inverse, Opposites opposites,
+                          bool with_response, ContactColumns& columns);
 
 }  // namespace lcpbench

@@ -2,19 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <variant>
 
 #include "core/solver.h"
 
 namespace lcpbench {
 
-double max_or_infinity(double worst, double value) {
-  if (value <= worst) return worst;
-  return value > worst ? value : std::numeric_limits<double>::infinity();
-}
-
 void ContactImpulses::load(const Problem& problem) {
-  columns = {};
   b_.resize(0);
   idle_.clear();
   frictions.clear();
@@ -29,6 +23,9 @@ void ContactImpulses::load(const Problem& problem) {
 
 void ContactImpulses::load_lcp(const Lcp& lcp) {
   contacts = lcp.size();
+  columns.J.clear();
+  columns.response.clear();
+  momentum_.resize(0);
   for (Index i = 0; i < contacts; ++i) {
     columns.J.add_column();
     columns.J.add_run(i, Vector::Ones(1));
@@ -45,7 +42,10 @@ void ContactImpulses::load_lcp(const Lcp& lcp) {
 void ContactImpulses::load_contacts(const ContactProblem& problem) {
   const ContactLayout layout = contact_layout(problem);
   contacts = layout.nc;
-  columns = contact_columns(problem, Opposites::kEmpty);
+  const bool by_blocks = std::holds_alternative<BlockInertia>(problem.inertia);
+  inverse_ = BlockInverse(problem.inertia);
+  find_contact_columns(problem, inverse_, Opposites::kEmpty, !by_blocks, columns);
+  momentum_.resize(by_blocks ? problem.ngc() : 0);
   units.load(problem);
   mu = problem.mu;
   b_ = problem.b;
@@ -102,16 +102,24 @@ void ContactImpulses::scale_impulses() {
   }
 }
 
-void ContactImpulses::recompute_velocity() {
-  u = u0;
+/// to += the columns times the impulses.
+void ContactImpulses::add_impulses(const PackedColumns& of, Vector& to) const {
   for (Index i = 0; i < contacts; ++i) {
-    if (impulse(i) != 0) columns.response.add_to(u, i, impulse(i));
+    if (impulse(i) != 0) of.add_to(to, i, impulse(i));
   }
   for (const SignedFriction& friction : frictions) {
     for (Index t = friction.first_column; t < friction.first_column + friction.directions; ++t) {
-      if (impulse(t) != 0) columns.response.add_to(u, t, impulse(t));
+      if (impulse(t) != 0) of.add_to(to, t, impulse(t));
     }
   }
+}
+
+void ContactImpulses::recompute_velocity() {
+  u = u0;
+  if (momentum_.size() == 0) return add_impulses(columns.response, u);
+  momentum_.setZero();
+  add_impulses(columns.J, momentum_);
+  inverse_.add_product(momentum_, u);
 }
 
 double ContactImpulses::slip_bound(const SignedFriction& friction) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "core/problem.h"
@@ -52,8 +53,8 @@ struct ContactImpulses {
   /// z of lcp_size entries, in the units of the problem. @pre u is recomputed.
   void write_answer(Vector& z) const;
 
-  ContactColumns columns;
-  Vector mu;  ///< nc
+  ContactColumns columns;  ///< without the response where G is given by blocks: their inverses give the velocity
+  Vector mu;               ///< nc
   std::vector<SignedFriction> frictions;
   std::vector<Index> friction_of;  ///< nc: index in frictions, -1 without
   Index contacts = 0;              ///< nc; n of a bare LCP
@@ -67,6 +68,8 @@ struct ContactImpulses {
 
  private:
   Vector b_;                 // as given
+  BlockInverse inverse_;     // where columns have no response
+  Vector momentum_;          // scratch: the impulses on the coordinates; empty where columns have a response
   std::vector<Index> idle_;  // contacts that nothing moves: their w is b, and no scale of the others
 
   void load_lcp(const Lcp& lcp);
@@ -75,10 +78,14 @@ struct ContactImpulses {
     return offset.size() > 0 && contact < contacts ? velocity + offset(contact) : velocity;
   }
   void scale_islands();
+  void add_impulses(const PackedColumns& of, Vector& to) const;
   double friction_residual(const SignedFriction& friction) const;
 };
 
 /// max(worst, value), infinity where value is NaN.
-double max_or_infinity(double worst, double value);
+inline double max_or_infinity(double worst, double value) {
+  if (value <= worst) return worst;
+  return value > worst ? value : std::numeric_limits<double>::infinity();
+}
 
 }  // namespace lcpbench

@@ -20,8 +20,11 @@ void raise(double& largest, double value) {
 }  // namespace
 
 void IslandUnits::load(const ContactProblem& problem) {
-  numbers_ = {};
-  if (!couples_all(problem.inertia)) numbers_.find(problem);
+  if (couples_all(problem.inertia)) {
+    numbers_ = {};
+  } else {
+    numbers_.find(problem);
+  }
   islands_.assign(static_cast<std::size_t>(numbers_.count), {});
 }
 

@@ -19,13 +19,23 @@ class PackedColumns {
     values_.reserve(entries);
   }
 
+  /// Removes all columns and keeps the memory.
+  void clear() {
+    begin_.assign(1, 0);
+    runs_.clear();
+    values_.clear();
+  }
+
   /// Appends a column without entries; add_run fills it.
   void add_column() { begin_.push_back(runs_.size()); }
 
   /// The last column's entries from `first_row` on.
   void add_run(Index first_row, const Eigen::Ref<const Vector>& entries) {
-    runs_.push_back({first_row, entries.size(), values_.size()});
-    values_.insert(values_.end(), entries.data(), entries.data() + entries.size());
+    add_run(first_row, entries.data(), entries.size());
+  }
+  void add_run(Index first_row, const double* entries, Index size) {
+    runs_.push_back({first_row, size, values_.size()});
+    values_.insert(values_.end(), entries, entries + size);
     begin_.back() = runs_.size();
   }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "core/contact_problem.h"
@@ -24,53 +25,108 @@ class ContactBlocks {
   /// Writes the impulses to the state. Its velocity stays.
   void write(ContactImpulses& state) const;
 
+  /// What a sweep changed.
+  struct Step {
+    double off = 0;   ///< the largest step before relaxation, in the units of w; of normals |min(w, M_ii f)|. Infinity
+                      ///< where it is not a number
+    double size = 0;  ///< sum of the squares of all steps, each weighted by its curvature
+  };
+
   /// One update of every contact, from the first to the last or from the last to the first.
   ///
   /// The normal impulse becomes max(0, f - relaxation w / M_ii). Then the friction impulses take a gradient step of
   /// length relaxation / (the largest eigenvalue of their own block of M) and are projected onto sum |g| <= mu f.
-  /// @returns the largest step before relaxation, in the units of w; of normals |min(w, M_ii f)|. Infinity where it is
-  ///     not a number
-  double sweep(double relaxation, bool backwards);
+  Step sweep(double relaxation, bool backwards);
+  /// The same, of these contacts in this order.
+  Step sweep(std::span<const Index> contacts, double relaxation);
+
+  Index contacts() const { return static_cast<Index>(contacts_.size()); }
+  Index first_row(Index contact) const { return of(contact).first_row; }
+  Index rows(Index contact) const { return of(contact).rows; }
+
+  /// Whether the velocity consists of separate bodies. Only then these may be called:
+  bool has_bodies() const { return !bodies_.empty(); }
+  std::size_t bodies() const { return bodies_.size(); }
+  Index first_coordinate(std::size_t body) const { return bodies_[body].first; }
+  Index coordinates(std::size_t body) const { return bodies_[body].size; }
+  /// visit(body) for each body that the contact touches.
+  template <class Visit>
+  void for_each_body(Index contact, Visit&& visit) const {
+    const Contact& block = of(contact);
+    for (const Run& run : runs_of(block)) {
+      std::size_t last = bodies_.size();
+      for (Index i = run.first; i < run.first + run.size; ++i) {
+        const std::size_t body = body_of_[static_cast<std::size_t>(i)];
+        if (body != last) visit(body);
+        last = body;
+      }
+    }
+  }
 
   Vector impulses;  ///< per row: of each contact the normal one, then one for each of its first directions
   Vector velocity;  ///< L'u, or u
-  Vector
-      curvature;  ///< per row: M_ii of normals, of friction rows the largest eigenvalue of their block; 0: no impulse
+  Vector errors;    ///< per contact: Step::off of its own in the last sweep that it was in
 
  private:
+  struct Body {
+    Index first;  // of its coordinates
+    Index size;
+    std::size_t root;  // first of its values in roots_
+  };
   struct Run {
     Index first;
     Index size;
   };
   struct Contact {
     Index first_row;    // of its impulses
-    Index rows;         // 1, or 1 + directions where friction can act
     std::size_t run;    // first of its runs
-    std::size_t runs;   // number of them
     std::size_t value;  // first of its values: run by run, row by row
-    Index column;       // first of its friction in ContactImpulses
     double mu;
-    Index run_size;     // of all its runs; 0 where they differ
+    double normal;    // M_ii; 0: no impulse
+    double friction;  // the largest eigenvalue of its friction rows' block of M; 0: no impulse
+    double normal_inverse, friction_inverse;
+    int rows;      // 1, or 1 + directions where friction can act
+    int runs;      // number of them
+    int run_size;  // of all its runs; 0 where they differ
   };
 
   bool factor(const Inertia& inertia);
-  void find_runs(const ContactImpulses& state, const SignedFriction* friction, Contact& block);
-  void add_values(const ContactImpulses& state, const SignedFriction* friction, Contact& block);
-  void whiten(const Run& run, double* part) const;
-  void find_curvature(const ContactImpulses& state, Contact& block);
+  void find_runs(const ContactImpulses& state, Index contact, Contact& block);
+  template <class Finish>
+  void add_values(const PackedColumns& columns, Index contact, const Contact& block, std::vector<double>& to,
+                  const Finish& finish) const;
+  void add_responses(const ContactImpulses& state, const BlockInverse& inverse, Index contact, const Contact& block);
+  void whiten(const Body& body, double* part) const;
+  void find_curvature(const ContactImpulses& state, Index contact, Contact& block);
   double product(const Contact& block, Index i, Index j) const;
+  std::span<const Run> runs_of(const Contact& block) const {
+    return {runs_.data() + block.run, static_cast<std::size_t>(block.runs)};
+  }
+  /// Column of the contact's row in ContactImpulses.
+  Index column_of(Index contact, Index row) const {
+    return row == 0 ? contact : column_[static_cast<std::size_t>(contact)] + row - 1;
+  }
+  const Contact& of(Index contact) const { return contacts_[static_cast<std::size_t>(contact)]; }
+  static Step checked(const Step& sum);
+  void update(Index contact, double relaxation, Step& sum);
   template <int kRows, int kSize>
-  double update(const Contact& block, double relaxation);
+  void update(const Contact& block, Index contact, double relaxation, Step& sum);
+  template <int kRows, int kSize>
+  void find_velocities(const Contact& block, double* w) const;
+  template <int kRows, int kSize>
+  void add_steps(const Contact& block, const double* step);
 
   std::vector<Contact> contacts_;
-  Vector offset_;  // per contact; empty: zero
+  std::vector<Index> column_;  // per contact: first of its friction in ContactImpulses
+  Vector offset_;              // per contact; empty: zero
   std::vector<Run> runs_;
   std::vector<double> values_;
-  std::vector<double> responses_;  // G* J; empty where values_ serves both
-  Vector coupling_;                // per friction row: its entry of M with the normal row
-  Vector velocities_, steps_;      // scratch of one contact
-  std::vector<Matrix> roots_;      // L of each block of the inertia; none where responses_ are stored
-  std::vector<Index> root_of_;     // per coordinate: its block
+  std::vector<double> responses_;     // G* J; empty where values_ serves both
+  Vector coupling_;                   // per friction row: its entry of M with the normal row
+  Vector velocities_, steps_;         // scratch of one contact
+  std::vector<Body> bodies_;          // none where responses_ are stored
+  std::vector<double> roots_;         // L of each block of the inertia, by columns
+  std::vector<std::size_t> body_of_;  // per coordinate
 };
 
 /// Euclidean projection of y onto {sum |y_i| <= radius}, radius >= 0: shrinks all |y_i| by one threshold, found by

@@ -19,7 +19,7 @@ class ImpulseSolver : public Base {
   void on_load(const Problem& problem) final {
     state_.load(problem);
     prepare(problem);
-    test_.load(problem, AnswerTest::Bodies::kOneByOne);
+    test_.load(problem, AnswerTest::Bodies::kOneByOne, &state_.units.numbers());
   }
   void on_update(const Vector& v) final {
     if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does

@@ -5,17 +5,20 @@
 #include <limits>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
+#include "native/sor/conjugate_steps.h"
 #include "native/sor/contact_blocks.h"
 #include "native/sor/impulse_solver.h"
+#include "native/sor/local_sweeps.h"
 
 namespace lcpbench {
 namespace {
 
 enum class Order { kForward, kSymmetric };
-enum class Acceleration { kNone, kConjugate };
+enum class Acceleration { kNone, kConjugate, kLocal };
 
 struct PsorSettings {
   std::int64_t max_iterations = 10000;
@@ -33,9 +36,12 @@ struct PsorSettings {
           "at most this times max|q| of the island");
     field("order", order, Choices<Order>{{{"forward", Order::kForward}, {"symmetric", Order::kSymmetric}}},
           "every sweep in the order given, or every second one backwards");
-    field("acceleration", acceleration,
-          Choices<Acceleration>{{{"none", Acceleration::kNone}, {"conjugate", Acceleration::kConjugate}}},
-          "between sweeps: nothing, or a step along a direction conjugate to the last ones");
+    field(
+        "acceleration", acceleration,
+        Choices<Acceleration>{
+            {{"none", Acceleration::kNone}, {"conjugate", Acceleration::kConjugate}, {"local", Acceleration::kLocal}}},
+        "between sweeps: nothing; a step along a direction conjugate to the last ones; or that, and sweeps over the "
+        "contacts that are far off where these are few");
   }
 };
 
@@ -44,60 +50,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// The residual costs as much as a few sweeps. Where it was too large it is evaluated again when the rows are off by
 /// less in the same proportion, or after one part in so many of the sweeps that were made.
 constexpr std::int64_t kTestEvery = 8;
-
-/// Steps along conjugate directions between sweeps, as in the nonlinear conjugate gradient method of Fletcher and
-/// Reeves with the step of a sweep in place of the gradient. A sweep that moves more than the one before forgets the
-/// directions, its own step included.
-/// [Silcowitz, Niebe, Erleben 2010, A nonsmooth nonlinear conjugate gradient method for interactive contact force
-/// problems]
-class ConjugateSteps {
- public:
-  /// Sizes the memory for x and u.
-  void load(Index rows, Index coordinates) {
-    x_before_.resize(rows);
-    x_direction_.resize(rows);
-    u_before_.resize(coordinates);
-    u_direction_.resize(coordinates);
-  }
-  /// Forgets all directions.
-  void restart() {
-    x_direction_.setZero();
-    u_direction_.setZero();
-    size_ = 0;
-  }
-  void before_sweep(const Vector& x, const Vector& u) {
-    x_before_ = x;
-    u_before_ = u;
-  }
-  /// @param curvature weight of each entry of x
-  void after_sweep(const Vector& curvature, Vector& x, Vector& u) {
-    const double size = (curvature.array() * (x - x_before_).array().square()).sum();
-    const bool is_first = size_ == 0;
-    const double share = size < size_ ? size / size_ : 0.0;
-    size_ = size;
-    if (share == 0 && !is_first) {
-      x_direction_.setZero();
-      u_direction_.setZero();
-      return;
-    }
-    extrapolate(share, x_before_, x_direction_, x);
-    extrapolate(share, u_before_, u_direction_, u);
-  }
-
- private:
-  /// The step along the last direction, and the next direction.
-  static void extrapolate(double share, const Vector& before, Vector& direction, Vector& now) {
-    for (Index i = 0; i < now.size(); ++i) {
-      const double step = now(i) - before(i);
-      now(i) += share * direction(i);
-      direction(i) = share * direction(i) + step;
-    }
-  }
-
-  Vector x_before_, x_direction_;
-  Vector u_before_, u_direction_;
-  double size_ = 0;  // of the last sweep's step
-};
 
 /// Projected successive over-relaxation, M not formed for contact problems.
 ///
@@ -139,23 +91,31 @@ class Psor final : public ImpulseSolver<LimitedPsor> {
   void set_start(const Vector* start);
   void sweep_until_solved(double deadline_s, Answer& answer);
   bool settle(double deadline_s, Answer& answer);
-  double sweep(bool backwards);
-  double update_row(Index row);
+  ContactBlocks::Step sweep(bool backwards);
+  std::int64_t sweep_locally(double allowed, double deadline_s);
+  void update_row(Index row, ContactBlocks::Step& sum);
   void recompute_velocity();
   bool is_bare() const { return problem().contact() == nullptr; }
   Vector& impulses() { return is_bare() ? state_.impulse : blocks_.impulses; }
   Vector& velocity() { return is_bare() ? state_.u : blocks_.velocity; }
-  const Vector& curvature() const { return is_bare() ? state_.columns.diagonal : blocks_.curvature; }
 
   PsorSettings given_;
   PsorSettings settings_;
   ContactBlocks blocks_;  // of contact problems
   ConjugateSteps steps_;
+  std::vector<Entries> all_impulses_, all_velocities_;  // as one range each
+  bool sweeps_locally_ = false;
+  LocalSweeps local_;
 };
 
 void Psor::prepare(const Problem& problem) {
   if (!is_bare()) blocks_.load(problem.contact()->inertia, state_);
-  if (settings_.acceleration == Acceleration::kConjugate) steps_.load(impulses().size(), velocity().size());
+  if (settings_.acceleration == Acceleration::kNone) return;
+  steps_.load(impulses().size(), velocity().size());
+  all_impulses_.assign(1, {0, impulses().size()});
+  all_velocities_.assign(1, {0, velocity().size()});
+  sweeps_locally_ = settings_.acceleration == Acceleration::kLocal && !is_bare() && blocks_.has_bodies();
+  if (sweeps_locally_) local_.load(blocks_);
 }
 
 void Psor::set_start(const Vector* start) {
@@ -193,25 +153,26 @@ void Psor::respond(const Vector& z, Vector& u) {
   state_.units.restore(u);
 }
 
-/// @returns how much the row was off, in the units of w: |min(M_ii z_i, w_i)|.
-double Psor::update_row(Index row) {
+void Psor::update_row(Index row, ContactBlocks::Step& sum) {
   const double diagonal = state_.columns.diagonal(row);
   const double w = state_.normal_velocity(row);
-  if (!(diagonal > 0)) return w >= 0 ? 0.0 : max_or_infinity(0, -w);
+  if (!(diagonal > 0)) {
+    sum.off = max_or_infinity(sum.off, w >= 0 ? 0.0 : -w);
+    return;
+  }
   const double before = state_.impulse(row);
-  const double off = std::abs(std::min(diagonal * before, w));
+  sum.off = max_or_infinity(sum.off, std::abs(std::min(diagonal * before, w)));
   state_.impulse(row) = std::max(before - settings_.relaxation * w / diagonal, 0.0);
-  state_.columns.response.add_to(state_.u, row, state_.impulse(row) - before);
-  return off;
+  const double step = state_.impulse(row) - before;
+  sum.size += diagonal * step * step;
+  state_.columns.response.add_to(state_.u, row, step);
 }
 
-double Psor::sweep(bool backwards) {
+ContactBlocks::Step Psor::sweep(bool backwards) {
   if (!is_bare()) return blocks_.sweep(settings_.relaxation, backwards);
-  double off = 0;
-  for (Index i = 0; i < state_.contacts; ++i) {
-    off = max_or_infinity(off, update_row(backwards ? state_.contacts - 1 - i : i));
-  }
-  return off;
+  ContactBlocks::Step sum;
+  for (Index i = 0; i < state_.contacts; ++i) update_row(backwards ? state_.contacts - 1 - i : i, sum);
+  return sum;
 }
 
 /// Of an answer with a small residual: claims it, where it passes the test of all native solvers.
@@ -226,21 +187,22 @@ void Psor::sweep_until_solved(double deadline_s, Answer& answer) {
   double allowed = settings_.tolerance * state_.q_max;
   double promising = allowed;  // how much the rows may be off where the residual is next evaluated
   std::int64_t next = 0;       // the sweep from which it is evaluated anyhow
-  const bool accelerates = settings_.acceleration == Acceleration::kConjugate;
+  std::int64_t updates = 0;    // of contacts in local sweeps, beyond those that make up a sweep
+  const bool accelerates = settings_.acceleration != Acceleration::kNone;
+  const ConjugateSteps::Part all{.x = all_impulses_, .u = all_velocities_};
   std::int64_t& iterations = answer.counters.iterations;
   if (!is_bare()) blocks_.take(state_);
-  if (accelerates) steps_.restart();
+  if (accelerates) steps_.begin(all, impulses(), velocity());
   for (iterations = 0;; ++iterations) {
     answer.claim = Claim::kTimeLimit;
     if (!(wall_clock_s() < deadline_s)) return;
     answer.claim = Claim::kIterationLimit;
     if (iterations >= settings_.max_iterations) return;
-    if (accelerates) steps_.before_sweep(impulses(), velocity());
-    const double off = sweep(settings_.order == Order::kSymmetric && iterations % 2 == 1);
+    const ContactBlocks::Step step = sweep(settings_.order == Order::kSymmetric && iterations % 2 == 1);
     answer.claim = Claim::kNumericalFailure;
-    if (!(off < kInfinity)) return;
+    if (!(step.off < kInfinity)) return;
     const bool is_last = iterations + 1 >= settings_.max_iterations;
-    if (off <= promising || (off <= allowed && (iterations >= next || is_last))) {
+    if (step.off <= promising || (step.off <= allowed && (iterations >= next || is_last))) {
       recompute_velocity();
       const double residual = state_.residual();
       if (residual <= allowed) {
@@ -251,14 +213,26 @@ void Psor::sweep_until_solved(double deadline_s, Answer& answer) {
         answer.detail.clear();
         allowed = residual / 2;  // a test costs more than a sweep
       }
-      promising = std::min(off * (allowed / residual), allowed);
+      promising = std::min(step.off * (allowed / residual), allowed);
       next = iterations + std::max<std::int64_t>(iterations / kTestEvery, 1);
       if (!is_bare()) blocks_.take(state_);
     }
-    if (accelerates && !is_last) {
-      steps_.after_sweep(curvature(), impulses(), velocity());
+    if (!accelerates || is_last) continue;
+    const std::int64_t made = sweeps_locally_ ? sweep_locally(promising, deadline_s) : 0;
+    if (made == 0) {
+      steps_.after_sweep(all, step.size, impulses(), velocity());
+      continue;
     }
+    steps_.begin(all, impulses(), velocity());
+    updates += made;
+    iterations += updates / state_.contacts;
+    updates %= state_.contacts;
   }
+}
+
+std::int64_t Psor::sweep_locally(double allowed, double deadline_s) {
+  return local_.run(blocks_, steps_,
+                    {.relaxation = settings_.relaxation, .allowed = allowed, .deadline_s = deadline_s});
 }
 
 /// Of the state, from the impulses that the sweeps have reached.
@@ -288,7 +262,7 @@ const Capabilities& Psor::capabilities() const { return kCapabilities; }
 }  // namespace
 
 std::unique_ptr<LimitedPsor> make_conjugate_psor() {
-  return std::make_unique<Psor>(PsorSettings{.acceleration = Acceleration::kConjugate});
+  return std::make_unique<Psor>(PsorSettings{.acceleration = Acceleration::kLocal});
 }
 
 SolverDefinition lcpbench_solver_psor() {

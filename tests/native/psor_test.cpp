@@ -8,6 +8,7 @@
 #include "generators/sets.h"
 #include "native/contacts/contact_columns.h"
 #include "study/evaluation/evaluation.h"
+#include "study/measure/sphere_piles.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/textbook_lcps.h"
 #include "tests/support/two_chains.h"
@@ -264,6 +265,41 @@ TEST(PsorTest, ConjugateStepsSaveSweepsAndEndInTheSameVelocity) {
   }
 }
 
+// A few bodies of a pile need hundreds of sweeps more than the others.
+TEST(PsorTest, LocalSweepsSaveSweepsOfWhatIsRight) {
+  const Problem pile("pile", testing::sphere_pile({.columns = 12, .layers = 14, .mu = 0.5}));
+  const Answer conjugate = solve(pile, {{"acceleration", "conjugate"}, {"tolerance", "1e-7"}});
+  const Answer local = solve(pile, {{"acceleration", "local"}, {"tolerance", "1e-7"}});
+  ASSERT_EQ(conjugate.claim, Claim::kSolved) << conjugate.detail;
+  ASSERT_EQ(local.claim, Claim::kSolved) << local.detail;
+  EXPECT_LT(3 * local.counters.iterations, 2 * conjugate.counters.iterations);
+  // Without friction the velocity is unique.
+  const Problem smooth("pile", testing::sphere_pile({}));
+  const Answer all = solve(smooth, {{"tolerance", "1e-10"}});
+  const Answer some = solve(smooth, {{"acceleration", "local"}, {"tolerance", "1e-10"}});
+  ASSERT_EQ(all.claim, Claim::kSolved) << all.detail;
+  ASSERT_EQ(some.claim, Claim::kSolved) << some.detail;
+  const Vector difference =
+      post_impact_velocity(*smooth.contact(), some.z) - post_impact_velocity(*smooth.contact(), all.z);
+  EXPECT_LE(difference.lpNorm<Eigen::Infinity>(), 1e-9);
+}
+
+// Bare LCPs have no bodies, and a factor or a full matrix couples all: the sweeps go over everything.
+TEST(PsorTest, LocalSweepsAreConjugateOnesWithoutBodies) {
+  const Options local{{"acceleration", "local"}};
+  const Options conjugate{{"acceleration", "conjugate"}};
+  const Problem problems[] = {Problem("model", Lcp{testing::tridiagonal(20, 2, -1), -testing::ones(20)}),
+                              Problem("point", point_on_floor(0.5)),
+                              open_set("paper/copositive/exp1")->generate(911, 3)};
+  for (const Problem& problem : problems) {
+    const Answer answer = solve(problem, local);
+    const Answer expected = solve(problem, conjugate);
+    EXPECT_EQ(answer.claim, expected.claim);
+    EXPECT_EQ(answer.counters.iterations, expected.counters.iterations);
+    EXPECT_EQ(answer.z, expected.z);
+  }
+}
+
 TEST(PsorTest, SymmetricSweepsGoBackEverySecondTime) {
   // From z = 0 forwards along an upper bidiagonal M nothing is known of later rows; backwards one sweep solves it all.
   Matrix M = Matrix::Identity(6, 6);
@@ -275,10 +311,12 @@ TEST(PsorTest, SymmetricSweepsGoBackEverySecondTime) {
 
 TEST(PsorTest, FrictionAllocatesNothingEither) {
   if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
-  for (const char* acceleration : {"none", "conjugate"}) {
-    const auto solver = psor({{"max_iterations", "30"}, {"acceleration", acceleration}});
-    for (const bool stack : {false, true}) {
-      solver->load(stack ? Problem("stack", falling_stack(8, 4)) : open_set("paper/copositive/exp1")->generate(911, 3));
+  const Problem problems[] = {open_set("paper/copositive/exp1")->generate(911, 3), Problem("stack", falling_stack(8, 4)),
+                              Problem("pile", testing::sphere_pile({.mu = 0.5}))};
+  for (const char* acceleration : {"none", "conjugate", "local"}) {
+    const auto solver = psor({{"max_iterations", "80"}, {"acceleration", acceleration}});
+    for (const Problem& problem : problems) {
+      solver->load(problem);
       Answer answer = solve(*solver);
       const Vector start = answer.z;
       EXPECT_EQ(testing::count_allocations([&] { solver->solve({.start = &start}, answer); }), 0) << acceleration;
