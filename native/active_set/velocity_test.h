@@ -36,6 +36,7 @@ class VelocityTest {
     const Count vectors = L::padded(ngc);
     change_.resize(vectors + 1);
     residual_.resize(vectors + 1);
+    moved_.resize(vectors + 1);
     terms_.resize(L::padded(nc) + 1);
     measures_.resize(nc + 1);  // islands have contacts: there are no more of them
   }
@@ -73,10 +74,10 @@ class VelocityTest {
     combine_rows(answer.slack, answer.given, whitening_.row(0), whitening_.row_stride(), change_.data(),
                  whitening_.rank(), contact_lanes());
     if (is_whole_ && passes_as_a_whole(answer, limit)) return true;
-    if (whitening_.triangular()) whitening_.solve(change_.data());  // u - v
     if constexpr (kHasMoreBits) {
       if (passes_by_residual(answer, limit)) return true;
     }
+    if (whitening_.triangular()) whitening_.solve(change_.data());  // u - v
     return passes_by_islands(answer, limit);
   }
 
@@ -191,11 +192,14 @@ class VelocityTest {
            whitening_.ngc() >= L::kWidth && condition_is_trusted();
   }
 
-  /// Whether one island passes by the residual of its change, formed with twice the bits of a double, and by the longest
-  /// normal for all of them.
+  /// Whether one island passes by the residual of the velocity that is returned, formed with twice the bits of a double,
+  /// and by the longest normal for all of them.
   [[gnu::noinline]] bool passes_by_residual(const Answer& answer, Scalar limit) {
     if (!has_residual(answer)) return false;
-    move_contacts(answer);
+    for (Count i = 0; i < lanes(); i += L::kWidth) {
+      L::store(moved_.data() + i, L::load(answer.velocity + i) - L::load(answer.v + i));
+    }
+    move_contacts(answer, moved_.data());
     form_residual(answer);
     auto worst = L::broadcast(0), largest = L::broadcast(0), squares = L::broadcast(0);
     auto speed = L::broadcast(0), terms = L::broadcast(0);
@@ -213,7 +217,7 @@ class VelocityTest {
     }
     auto changes = L::broadcast(0);
     for (Count i = 0; i < lanes(); i += L::kWidth) {
-      const auto change = L::load(whitening_.root_diagonal() + i) * L::load(change_.data() + i);
+      const auto change = L::load(whitening_.root_diagonal() + i) * L::load(moved_.data() + i);
       changes += change * change;
     }
     const Scalar pressed = static_cast<Scalar>(static_cast<double>(pressed_));
@@ -228,7 +232,7 @@ class VelocityTest {
     return finite(most) && L::max(worst) + rounding <= most;
   }
 
-  /// residual_ := C^-T r of the change x = change_, r = N z - G x. @pre ngc() is at least the width of a register
+  /// residual_ := C^-T r of the change x = moved_, r = N z - G x. @pre ngc() is at least the width of a register
   void form_residual(const Answer& answer) {
     const Count ngc = whitening_.ngc();
     set_zero(residual_.data(), lanes());
@@ -244,7 +248,7 @@ class VelocityTest {
       sum.add(L::load(whitening_.given_normal(contact) + i), L::broadcast(answer.impulse[contact]));
     }
     for (Count j = 0; j < whitening_.ngc(); ++j) {
-      sum.add(L::load(whitening_.inertia_column(j) + i), L::broadcast(-change_[j]));
+      sum.add(L::load(whitening_.inertia_column(j) + i), L::broadcast(-moved_[j]));
     }
     L::store(residual_.data() + i, sum.value());
   }
@@ -275,7 +279,7 @@ class VelocityTest {
     if constexpr (kHasMoreBits) {
       if (whitening_.triangular()) {
         by_residual_ = true;
-        move_contacts(answer);
+        move_contacts(answer, change_.data());
         for (int attempt = 0; attempt < 2; ++attempt) {
           is_compensated_ = attempt > 0;
           measure_residual(answer);
@@ -463,12 +467,12 @@ class VelocityTest {
     return sum + rest;
   }
 
-  /// slack = w from x = change_ as it is, terms_ = the magnitudes of what x adds to it.
-  void move_contacts(const Answer& answer) {
+  /// slack = w from x as it is, terms_ = the magnitudes of what x adds to it.
+  void move_contacts(const Answer& answer, const Scalar* x) {
     for (Count j = 0; j < contact_lanes(); j += L::kWidth) {
       auto sum = L::load(answer.given + j), terms = L::broadcast(0);
       for (Count i = 0; i < whitening_.ngc(); ++i) {
-        const auto part = L::load(whitening_.normals(i) + j) * L::broadcast(change_[i]);
+        const auto part = L::load(whitening_.normals(i) + j) * L::broadcast(x[i]);
         sum += part;
         terms += L::max(part, -part);
       }
@@ -484,6 +488,7 @@ class VelocityTest {
   bool is_compensated_ = false;  // the sums of the residual are
   Buffer<Scalar> change_;        // C^-T N z, then u - v
   Buffer<Scalar> residual_;      // of u - v
+  Buffer<Scalar> moved_;         // u - v of the velocity that is returned
   Buffer<Scalar> terms_;         // by contact
   Count islands_ = 1;
   bool is_whole_ = true;                      // one island has all contacts that may have a w

@@ -1,6 +1,5 @@
 #include "native/sor/contact_blocks.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
