@@ -91,6 +91,8 @@ class Removal {
   Real least_ratio() const { return ratio(*std::min_element(order_.begin(), order_.end(), Earlier{*this})); }
 
   std::size_t size() const { return order_.size(); }
+  // Magnitude of either kind.
+  double largest() const { return std::max(impulse_, lambda_); }
   std::size_t index(std::size_t place) const { return order_[place].index; }
   // The least tau that sets the entry to zero.
   Real ratio(std::size_t place) const { return ratio(order_[place]); }
@@ -141,7 +143,7 @@ class ThinningPoint {
  public:
   ThinningPoint(EvaluatedLcp<Real>& lcp, const std::vector<Real>& z, const std::vector<Real>& u,
                 const std::vector<Real>& w, BackwardScale scale)
-      : lcp_(lcp), scale_(scale), z_(&z), u_(&u), w_(&w), order_(lcp) {}
+      : lcp_(lcp), scale_(scale), z_(&z), u_(&u), w_(&w), order_(lcp), lambdas_from_(lcp.lambda_offset()) {}
   ThinningPoint(const ThinningPoint&) = delete;
   ThinningPoint& operator=(const ThinningPoint&) = delete;
 
@@ -153,8 +155,13 @@ class ThinningPoint {
     response_of_ = 0;
     indices_.clear();
     indices_.reserve(order_.size());
-    for (std::size_t place = 0; place < order_.size(); ++place) indices_.push_back(order_.index(place));
-    set_removed(0);
+    impulses_ = 0;
+    for (std::size_t place = 0; place < order_.size(); ++place) {
+      indices_.push_back(order_.index(place));
+      impulses_ += is_impulse(place) ? 1 : 0;
+    }
+    removed_ = 0;
+    weighed_ = false;
   }
 
   const Real& floor() const { return floor_; }
@@ -361,20 +368,15 @@ class ThinningPoint {
   }
 
   void set_removed(std::size_t removed) {
+    for (std::size_t place = removed_; place < removed; ++place) impulses_ -= is_impulse(place) ? 1 : 0;
     removed_ = removed;
-    const std::span<const std::size_t> left = support();
-    impulses_ = std::count_if(left.begin(), left.end(), [this](std::size_t i) { return i < lcp_.lambda_offset(); });
-    z_norm_.reset();
     weighed_ = false;
   }
 
-  double z_norm() {
-    if (!z_norm_) {
-      z_norm_ = 0;
-      for (const std::size_t i : support()) *z_norm_ = std::max(*z_norm_, std::abs(to_double((*z_)[i])));
-    }
-    return *z_norm_;
-  }
+  bool is_impulse(std::size_t place) const { return order_.index(place) < lambdas_from_; }
+
+  // The largest entries of both kinds are set to zero together, and last.
+  double z_norm() const { return removed_ < order_.size() ? order_.largest() : 0; }
 
   // A lower bound of the factor of |M_ii| in s_i.
   Real least_weight(std::size_t i) { return scale_ == BackwardScale::kComponentwise ? (*z_)[i] : Real(z_norm()); }
@@ -434,11 +436,11 @@ class ThinningPoint {
   Rows island_;
   Real floor_ = 0;
   Removal<Real> order_;
+  std::size_t lambdas_from_;
   std::vector<std::size_t> indices_;  // of order_
   std::size_t removed_ = 0;
   std::ptrdiff_t impulses_ = 0;  // that are not removed
   std::size_t response_of_ = 0;  // the removals for which u_ was found, and not corrected
-  std::optional<double> z_norm_;
   bool weighed_ = false;
   std::vector<double> weights_;  // of the island's representative columns in s_i
   double error_weight_ = 0;      // sum of column_scale times the weight of the column in s_i
