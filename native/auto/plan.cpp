@@ -39,8 +39,14 @@ constexpr double kSweepsPerCube = 0.15;
 /// A pile takes so many sweeps for each decimal digit of the error, or more.
 constexpr double kSweepsPerDigit = 8;
 constexpr double kMostSweeps = 10000;
+/// Of a size from kRestByIpm up to this, walls with friction take so many sweeps for each digit, and less time than
+/// friction_ipm takes beyond its first convex problems.
+constexpr Index kLargestSweptWall = 100'000;
+constexpr std::int64_t kWallSweepsPerDigit = 225;
 /// Up to this redundancy() sliding bodies are a pile rather than a stack, a wall or a box on the ground.
 constexpr double kPileRedundancy = 1.25;
+/// That of boxes on boxes, of which each rests on one; in a wall on two.
+constexpr double kStackRedundancy = 2;
 
 /// ngc (ngc + nc) of a problem up to which memory is taken in advance: half a gigabyte of addresses.
 constexpr Index kMostEntries = 1'000'000;
@@ -108,14 +114,26 @@ AutoPlan::Rest rest_for(Index size, double slip) {
   return may_hold || slip <= kLittleSlip ? AutoPlan::Rest::kFirst : AutoPlan::Rest::kAfter;
 }
 
+double digits_of(const AutoSettings& settings) {
+  return -std::log10(settings.error > 0 ? settings.error : kSweptResidual);
+}
+
+/// Sweeps for a wall with friction; 0: none.
+std::int64_t wall_sweeps(const AutoSettings& settings, const ContactProblem& contact) {
+  const Index size = contact.nc() * contact.ngc();
+  if (!is_sparse(contact) || size < kRestByIpm || size > kLargestSweptWall) return 0;
+  if (redundancy(contact) <= kStackRedundancy) return 0;
+  return kWallSweepsPerDigit * static_cast<std::int64_t>(std::ceil(digits_of(settings)));
+}
+
 /// Of islands that are not too large for contact_lemke.
-AutoPlan frictional_plan(const ContactProblem& contact, const Vector& v) {
+AutoPlan frictional_plan(const AutoSettings& settings, const ContactProblem& contact, const Vector& v) {
   using enum AutoMethod;
   AutoPlan plan;
   const Index size = contact.nc() * contact.ngc();
   const bool is_scene = std::holds_alternative<BlockInertia>(contact.inertia);
-  const bool seeks_rest =
-      (is_scene || std::holds_alternative<DenseInertia>(contact.inertia)) && (size >= kLarge || redundancy(contact) > 1);
+  const bool seeks_rest = (is_scene || std::holds_alternative<DenseInertia>(contact.inertia)) &&
+                          (size >= kLarge || redundancy(contact) > 1);
   const double slip = seeks_rest || size >= kLarge ? slip_ratio(contact, v) : 0;
   if (seeks_rest) plan.rest = rest_for(size, slip);
   if (size < kLarge && may_be_singular(contact)) {  // only contact_lemke tells what has a solution from what has none
@@ -132,7 +150,11 @@ AutoPlan frictional_plan(const ContactProblem& contact, const Vector& v) {
   } else {
     const bool sticks = slip <= 1;
     if (sticks && plan.rest == AutoPlan::Rest::kNotSought) plan.add(kFrictionIpm, true);
-    if (!sticks && is_sparse(contact) && redundancy(contact) <= kPileRedundancy) plan.add_sweeps(contact.ngc());
+    if (!sticks && is_sparse(contact) && redundancy(contact) <= kPileRedundancy) {
+      plan.add_sweeps(contact.ngc());
+    } else if (const std::int64_t sweeps = wall_sweeps(settings, contact); sweeps > 0) {
+      plan.add_sweeps(sweeps);
+    }
     plan.add(kContactLemke, true);
     if (is_scene || sticks) plan.add(kFrictionIpm);
     if (size >= kHuge) plan.add(kPsor);
@@ -163,8 +185,7 @@ std::int64_t worthwhile_sweeps(const AutoSettings& settings, const Problem& prob
   const ContactProblem& contact = *problem.contact();
   const double separator = separator_size(contact);
   const double sweeps = kSweepsPerCube * separator * separator * separator / static_cast<double>(contact.nc());
-  const double error = settings.error > 0 ? settings.error : kSweptResidual;
-  if (!(sweeps >= kSweepsPerDigit * -std::log10(error))) return 0;
+  if (!(sweeps >= kSweepsPerDigit * digits_of(settings))) return 0;
   return static_cast<std::int64_t>(std::min(sweeps, kMostSweeps));
 }
 
@@ -172,9 +193,14 @@ AutoPlan plan_for(const AutoSettings& settings, const Problem& problem, const Ve
   using enum AutoMethod;
   const ContactProblem& contact = *problem.contact();
   if (!contact.frictional()) return frictionless_plan(settings, problem, sweeps);
-  if (!is_large_scene(settings, problem) && lemke_takes(problem)) return frictional_plan(contact, v);
+  if (!is_large_scene(settings, problem) && lemke_takes(problem)) return frictional_plan(settings, contact, v);
   AutoPlan plan;
-  if (sweeps > 0) plan.add_sweeps(sweeps);
+  if (sweeps > 0) {
+    plan.add_sweeps(sweeps);
+  } else if (const std::int64_t of_wall = wall_sweeps(settings, contact); of_wall > 0) {
+    plan.add(kFrictionIpm, true);
+    plan.add_sweeps(of_wall);
+  }
   plan.add(kFrictionIpm);
   if (!fits_in_advance(kContactLemke, problem)) {
     plan.add(kPsor);
