@@ -1,0 +1,145 @@
+#include "study/evaluation/bounded_refinement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+
+#include "core/isa.h"
+#include "study/evaluation/bounded.h"
+
+namespace lcpbench {
+namespace {
+
+/// What subtract_column() reads and writes, n entries each.
+struct Column {
+  const double* entries;
+  double y_high, y_low;
+  double *sum, *rest, *roundings;
+  std::size_t n;
+};
+
+/// The same steps as BoundedSum's, for all rows at once.
+void subtract_column(const Column& of) {
+  double* __restrict const sum = of.sum;
+  double* __restrict const rest = of.rest;
+  double* __restrict const roundings = of.roundings;
+  const double* __restrict const entries = of.entries;
+  const double y_high = of.y_high, y_low = of.y_low;
+  const auto [c_high, c_low] = bounded::split(y_high);
+  for (std::size_t i = 0; i < of.n; ++i) {
+    const double g = entries[i];
+    const double scaled = 134217729.0 * g;
+    const double g_high = scaled - (scaled - g);
+    const double g_low = g - g_high;
+    const double product = g * y_high;
+    const double of_product = ((g_high * c_high - product) + g_high * c_low + g_low * c_high) + g_low * c_low;
+    const double before = sum[i];
+    const double total = before - product;
+    const double part = total - before;
+    const double of_sum = (before - (total - part)) + (-product - part);
+    const double of_low = g * y_low;
+    const double subtracted = of_product + of_low;
+    const double added = of_sum - subtracted;
+    const double low = rest[i] + added;
+    sum[i] = total;
+    rest[i] = low;
+    roundings[i] += (std::abs(of_low) + std::abs(subtracted)) + (std::abs(added) + std::abs(low));
+  }
+}
+
+#if defined(__x86_64__)
+/// The same numbers where the processor has a fused multiply-add: it gives what rounding leaves of a product at once.
+__attribute__((target("avx2,fma"))) void subtract_column_fused(const Column& of) {
+  double* __restrict const sum = of.sum;
+  double* __restrict const rest = of.rest;
+  double* __restrict const roundings = of.roundings;
+  const double* __restrict const entries = of.entries;
+  const double y_high = of.y_high, y_low = of.y_low;
+  for (std::size_t i = 0; i < of.n; ++i) {
+    const double g = entries[i];
+    const double product = g * y_high;
+    const double of_product = __builtin_fma(g, y_high, -product);
+    const double before = sum[i];
+    const double total = before - product;
+    const double part = total - before;
+    const double of_sum = (before - (total - part)) + (-product - part);
+    const double of_low = g * y_low;
+    const double subtracted = of_product + of_low;
+    const double added = of_sum - subtracted;
+    const double low = rest[i] + added;
+    sum[i] = total;
+    rest[i] = low;
+    roundings[i] += (std::abs(of_low) + std::abs(subtracted)) + (std::abs(added) + std::abs(low));
+  }
+}
+#endif
+
+using SubtractColumn = void (*)(const Column&);
+
+SubtractColumn subtract_column_of_level() {
+#if defined(__x86_64__)
+  if (isa_level() >= IsaLevel::kAvx2) return subtract_column_fused;
+#endif
+  return subtract_column;
+}
+
+}  // namespace
+
+BoundedRefinement::BoundedRefinement(std::size_t n, std::vector<double>& memory) {
+  const std::initializer_list<std::span<double>*> parts = {&b_high, &b_low, &b_error,   &high,       &low,
+                                                           &sum,    &rest,  &roundings, &correction, &bound};
+  if (memory.size() < parts.size() * n) memory.resize(parts.size() * n);
+  std::span<double> free = memory;
+  for (std::span<double>* const part : parts) {
+    *part = free.first(n);
+    free = free.subspan(n);
+  }
+}
+
+/// The residual in double, and a bound of its error. The leading parts are added without any. Of each column four
+/// numbers are rounded, by at most 2^-53 of what they become, which `roundings` sums up: two of the low parts, their
+/// difference from that of the sum, and the sum of these. The residual itself is the last.
+void BoundedRefinement::find_residual(const double* A) {
+  const std::size_t n = sum.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    sum[i] = b_high[i];
+    rest[i] = b_low[i];
+    roundings[i] = 0;
+  }
+  static const SubtractColumn subtract = subtract_column_of_level();
+  for (std::size_t j = 0; j < n; ++j) {
+    if (high[j] != 0) {
+      subtract({A + j * n, high[j], low[j], sum.data(), rest.data(), roundings.data(), n});
+    }
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    correction[i] = sum[i] + rest[i];
+    const double rounding = bounded::kRoundoff * (roundings[i] + std::abs(correction[i]));
+    bound[i] = 2 * b_error[i] + rounding * (1 + 0x1p-20) + bounded::kLost;
+  }
+}
+
+/// Beyond doubt, if no bits were lost below the range of a double.
+bool BoundedRefinement::is_zero() const {
+  for (std::size_t i = 0; i < sum.size(); ++i) {
+    if (correction[i] != 0 || roundings[i] != 0) return false;
+  }
+  return true;
+}
+
+bool BoundedRefinement::may_have_lost_bits(std::span<const double> A) const {
+  constexpr double kSmall = 0x1p-400;
+  const auto is_small = [](double value) { return value != 0 && !(std::abs(value) > kSmall); };
+  return std::any_of(high.begin(), high.end(), is_small) || std::any_of(A.begin(), A.end(), is_small);
+}
+
+void BoundedRefinement::correct() {
+  for (std::size_t i = 0; i < high.size(); ++i) {
+    const bounded::Pair total = bounded::exact_sum(high[i], correction[i]);
+    const bounded::Pair normal = bounded::exact_sum(total.high, low[i] + total.low);
+    high[i] = normal.high;
+    low[i] = normal.low;
+  }
+}
+
+}  // namespace lcpbench
