@@ -113,8 +113,15 @@ class VelocityTest {
     return static_cast<Scalar>(kRoundings + count) * static_cast<Scalar>(kUnitRoundoff<Scalar>);
   }
 
-  /// All contacts in one island, max|q| for its scale, and coarse bounds for all rounding.
-  bool passes_as_a_whole(const Answer& answer, Scalar limit) {
+  /// Of all contacts, as one island.
+  struct OfAll {
+    Scalar worst;    ///< residual of a row
+    Scalar largest;  ///< square of a normal in the metric of the inverse inertia
+    Scalar squares;  ///< of the pressures, in that metric, summed; no number where a residual is none
+    Scalar speed;    ///< max|q|
+  };
+
+  OfAll measure_all(const Answer& answer) const {
     auto worst = L::broadcast(0), largest = L::broadcast(0), squares = L::broadcast(0), speed = L::broadcast(0);
     for (Count j = 0; j < contact_lanes(); j += L::kWidth) {
       const auto squared = L::load(whitening_.squared_norms() + j);
@@ -127,21 +134,27 @@ class VelocityTest {
       largest = L::max(squared, largest);
       speed = L::max(L::max(given, -given), speed);
     }
-    const Scalar sum = L::sum(squares);
-    const Scalar most = limit * L::max(speed) - L::max(worst);
+    return {L::max(worst), L::max(largest), L::sum(squares), L::max(speed)};
+  }
+
+  /// All contacts in one island, max|q| for its scale, and coarse bounds for all rounding.
+  bool passes_as_a_whole(const Answer& answer, Scalar limit) {
+    const OfAll all = measure_all(answer);
+    const Scalar sum = all.squares;
+    const Scalar most = limit * all.speed - all.worst;
     if (!finite(sum) || !finite(most)) return false;
     if (kTestedInDouble || pressed_ == 0) return most >= 0;
     if (!(most > 0) || !(sum > static_cast<Scalar>(kSafeSquare))) return false;
     // No impulse moves the velocities by more than the root of `moved`, by Cauchy and Schwarz.
-    const Scalar moved = L::max(largest) * sum * static_cast<Scalar>(static_cast<double>(pressed_));
+    const Scalar moved = all.largest * sum * static_cast<Scalar>(static_cast<double>(pressed_));
     if (!whitening_.triangular()) {
       const Scalar sums = roundings(2 * static_cast<double>(whitening_.ngc()));
       return (2 * whitening_.noise() + sums) * square_root(moved) <= most;
     }
-    if (covers_rounding(answer, most, L::max(largest), moved)) return true;
+    if (covers_rounding(answer, most, all.largest, moved)) return true;
     if (has_residual(answer)) return false;  // it is sharper, and takes less time
     whitening_.sharpen_condition();
-    return covers_rounding(answer, most, L::max(largest), moved);
+    return covers_rounding(answer, most, all.largest, moved);
   }
 
   /// Whether `most` is at least what rounding does to w: |E x| times |A^-1|^(1/2) |W_j|, and all else in terms of the
@@ -201,20 +214,9 @@ class VelocityTest {
     }
     move_contacts(answer, moved_.data());
     form_residual(answer);
-    auto worst = L::broadcast(0), largest = L::broadcast(0), squares = L::broadcast(0);
-    auto speed = L::broadcast(0), terms = L::broadcast(0);
-    for (Count j = 0; j < contact_lanes(); j += L::kWidth) {
-      const auto squared = L::load(whitening_.squared_norms() + j);
-      const auto impulse = L::load(answer.impulse + j);
-      const auto given = L::load(answer.given + j);
-      const auto pressure = squared * impulse;
-      const auto least = L::min(pressure, L::load(answer.slack + j));
-      squares += pressure * impulse + (least - least);  // no number where one of these is none
-      worst = L::max(L::max(least, -least), worst);
-      largest = L::max(squared, largest);
-      speed = L::max(L::max(given, -given), speed);
-      terms = L::max(L::load(terms_.data() + j), terms);
-    }
+    const OfAll all = measure_all(answer);
+    auto terms = L::broadcast(0);
+    for (Count j = 0; j < contact_lanes(); j += L::kWidth) terms = L::max(L::load(terms_.data() + j), terms);
     auto changes = L::broadcast(0);
     for (Count i = 0; i < lanes(); i += L::kWidth) {
       const auto change = L::load(whitening_.root_diagonal() + i) * L::load(moved_.data() + i);
@@ -222,14 +224,14 @@ class VelocityTest {
     }
     const Scalar pressed = static_cast<Scalar>(static_cast<double>(pressed_));
     const Scalar bits = (kRoundings + size() + pressed) * kUnitRoundoff<Scalar>;
-    const Scalar of_impulse = square_root(size() * pressed * L::sum(squares));  // by Cauchy and Schwarz
+    const Scalar of_impulse = square_root(size() * pressed * all.squares);  // by Cauchy and Schwarz
     const Scalar own = bits * bits * (size() * square_root(L::sum(changes)) + of_impulse) + kUnderflow;
     const Scalar residual = square_root(dot(residual_.data(), residual_.data(), lanes())) +
                             square_root(whitening_.condition()) * own;
-    const Scalar rounding = kRoom * square_root(L::max(largest)) * residual +
+    const Scalar rounding = kRoom * square_root(all.largest) * residual +
                             roundings(static_cast<double>(whitening_.ngc())) * L::max(terms);
-    const Scalar most = limit * L::max(speed);
-    return finite(most) && L::max(worst) + rounding <= most;
+    const Scalar most = limit * all.speed;
+    return finite(most) && all.worst + rounding <= most;
   }
 
   /// residual_ := C^-T r of the change x = moved_, r = N z - G x. @pre ngc() is at least the width of a register
