@@ -86,12 +86,30 @@ inline void widen(Scalar* to, const double* from, Count size, Count padded) {
   for (Count i = size; i < padded; ++i) to[i] = 0;
 }
 
+/// to[j * to_stride + i] = from[i * stride + j] for as many rows and columns as a register has lanes.
+template <class To, class From>
+inline void transpose_block(const From* from, Count stride, To* to, Count to_stride) {
+  constexpr Count kWidth = Lanes<To>::kWidth;
+#if defined(__AVX2__)
+  if constexpr (kWidth == 4 && sizeof(To) == sizeof(double)) {
+    return lemke::LCPBENCH_LEVEL::transpose_square(from, stride, to, to_stride);
+  }
+#endif
+  for (Count i = 0; i < kWidth; ++i) {
+    for (Count j = 0; j < kWidth; ++j) to[j * to_stride + i] = static_cast<To>(from[i * stride + j]);
+  }
+}
+
 template <class Scalar>
 [[gnu::always_inline]] inline Scalar dot(const Scalar* x, const Scalar* y, Count size) {
   using L = Lanes<Scalar>;
   if (size == L::kWidth) return L::sum(L::load(x) * L::load(y));
   if (size == 2 * L::kWidth) {
     return L::sum(L::load(x) * L::load(y) + L::load(x + L::kWidth) * L::load(y + L::kWidth));
+  }
+  if (size == 3 * L::kWidth) {
+    return L::sum(L::load(x) * L::load(y) + L::load(x + L::kWidth) * L::load(y + L::kWidth) +
+                  L::load(x + 2 * L::kWidth) * L::load(y + 2 * L::kWidth));
   }
   auto sum = L::broadcast(0);
   for (Count i = 0; i < size; i += L::kWidth) sum += L::load(x + i) * L::load(y + i);

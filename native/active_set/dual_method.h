@@ -56,6 +56,12 @@ class DualMethod {
     combine_rows(given_.data(), given_.data(), whitening_.normals(0), whitening_.contact_lanes(), v_.data(), ngc,
                  whitening_.contact_lanes());
     for (Count j = 0; b_ != nullptr && j < whitening_.nc(); ++j) given_[j] += static_cast<Scalar>(b_[j]);
+    auto speed = L::broadcast(0);
+    for (Count j = 0; j < whitening_.contact_lanes(); j += L::kWidth) {
+      const auto given = L::load(given_.data() + j);
+      speed = L::max(L::max(given, -given), speed);
+    }
+    speed_ = L::max(speed);
     if (whitening_.triangular()) whitening_.whiten_velocity(v_.data(), y0_.data());
   }
 
@@ -414,6 +420,7 @@ class DualMethod {
     return test_.passes({.v = v_.data(),
                          .b = b_,
                          .given = given_.data(),
+                         .speed = speed_,
                          .impulse = impulse_.data(),
                          .slack = slack_.data(),
                          .velocity = velocity,
@@ -445,6 +452,7 @@ class DualMethod {
 
   Buffer<Scalar> v_;      // ngc
   Buffer<Scalar> given_;  // N'v + b
+  Scalar speed_ = 0;      // the largest magnitude in it
   Buffer<Scalar> y0_;     // C v
   Buffer<Scalar> slack_;
   Buffer<Scalar> merit_;
