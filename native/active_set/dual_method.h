@@ -158,6 +158,7 @@ class DualMethod {
     for (Count contact = most_violated(); contact >= 0; contact = most_violated()) {
       entering_contact_ = contact;
       entering_impulse_ = 0;
+      weight_[contact] = 0;
       for (bool added = false; !added;) {
         if (outcome.steps >= rules.max_steps) return Ending::kStepLimit;
         if (outcome.steps % kStepsPerClockReading == kStepsPerClockReading - 1 && expired(rules)) {
@@ -233,7 +234,6 @@ class DualMethod {
       // A positive definite inertia leaves nothing infeasible without an offset. If the violation is no rounding, the
       // test at the end finds it.
       if ((!whitening_.triangular() || b_ != nullptr) && proves_infeasible()) return Ending::kInfeasible;
-      weight_[entering_contact_] = 0;
       added = true;
       return Ending::kSolved;
     }
@@ -264,7 +264,6 @@ class DualMethod {
     const Count k = basis_.size();
     active_[k] = entering_contact_;
     active_impulse_[k] = entering_impulse_;
-    weight_[entering_contact_] = 0;
     basis_.append(coefficients_.data(), rest_.data(), left);
   }
 

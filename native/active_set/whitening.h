@@ -457,8 +457,15 @@ class Whitening {
 
   void gather(Count contact, Scalar* to) {
     const Scalar* const from = row(0) + contact;
-    for (Count i = 0; i < rank_; ++i) to[i] = from[i * stride_];
-    for (Count i = rank_; i < velocity_lanes_; ++i) to[i] = 0;
+    Count i = 0;
+    if constexpr (L::kWidth == 4) {  // what is stored by lanes and loaded by registers waits for the memory
+      for (; i + 3 < rank_; i += 4) {
+        const Scalar* const first = from + i * stride_;
+        L::store(to + i, typename L::Pack{first[0], first[stride_], first[2 * stride_], first[3 * stride_]});
+      }
+    }
+    for (; i < rank_; ++i) to[i] = from[i * stride_];
+    for (; i < velocity_lanes_; ++i) to[i] = 0;
     is_gathered_[contact] = true;
   }
 
