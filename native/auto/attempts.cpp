@@ -235,6 +235,7 @@ bool Attempts::rests(const SolveRequest& request, const AutoLimits& limits, Answ
   const contact_lemke::Residual residual = judge.complete(least_energy().z().data());
   const double allowed = limits.error > 0 ? std::min(limits.error, kLargestRestResidual) : kLargestRestResidual;
   if (!(residual.velocity <= allowed && residual.certain <= kClaimedResidual)) return false;
+  if (!judge.has_solution(limits.deadline_s)) return false;
   answer.clear();
   answer.claim = Claim::kSolved;
   answer.z = least_energy().z().view();

@@ -367,6 +367,10 @@ Ending ContactLemke::run(LoadedContacts& engine, Rules rules, Progress& progress
   return outcome.ending;
 }
 
+bool ContactLemke::has_solution(double deadline_s) {
+  return !may_be_singular_ || solvability_.decide(given_v_.data(), deadline_s) == Finding::kSolvable;
+}
+
 /// Whether there is a solution at all. Where the inertia is positive definite, there is.
 ContactSolvability::Finding ContactLemke::solvability(Progress& progress, ContactSolvability::Expected expected) {
   if (!may_be_singular_ || progress.is_singular_checked) return progress.finding;

@@ -145,6 +145,11 @@ class ContactLemke final : public Solver {
   /// the velocity now, in double, relative to max|q|
   contact_lemke::Residual complete(double* z) { return double_.complete(z); }
 
+  /// Whether the loaded problem is found to have a solution at the velocity now. It has one unless the inertia may be
+  /// singular or an offset is below zero: only there this takes time, that of ContactSolvability::decide.
+  /// @param deadline_s on wall_clock_s()
+  bool has_solution(double deadline_s);
+
   /// velocity := v + G* [N D] z, for z (n) and velocity (ngc) of the loaded problem, in the highest precision that its
   /// solves came to. O(ngc^2)
   void respond(const Vector& z, Vector& velocity);

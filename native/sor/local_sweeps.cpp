@@ -76,7 +76,7 @@ bool LocalSweeps::choose(const ContactBlocks& blocks) {
     blocks.for_each_body(c, [&](std::size_t body) { is_near = is_near || group_of_[body] != kNone; });
     if (is_near) unsorted_.push_back(c);
   }
-  return true;
+  return !unsorted_.empty();  // else nothing moves what is far off
 }
 
 std::size_t LocalSweeps::root_of(std::size_t body) {

@@ -432,6 +432,24 @@ TEST(ActiveSetTest, ClaimsNothingThatItsOwnTestDoesNotBear) {
   EXPECT_EQ(answer.detail, "own test failed");
 }
 
+// Squares of such velocities, and of the largest their sums, are beyond the range of double. An infinite scale let z = 0
+// pass.
+TEST(ActiveSetTest, ClaimsNothingFalseOfVelocitiesWhoseSquaresOverflow) {
+  const Matrix N{{1, 0.5}, {0, -1}};
+  const Matrix A{{0.25, 0.125}, {0.125, 0.5}};
+  for (const double speed : {1e160, 1e300, 1e308, 1.7e308}) {
+    for (const Inertia& inertia : {Inertia{InverseInertia{A}}, Inertia{DenseInertia{A}}}) {
+      const Problem problem("fast", frictionless(testing::vector_of({-speed, 0.25}), N, inertia));
+      for (const char* precision : {"float", "double", "polished", "ladder", "quad"}) {
+        const Answer answer = solve(problem, {{"precision", precision}});
+        EXPECT_NE(answer.claim, Claim::kUnsolvable) << speed << " " << precision;
+        if (answer.claim != Claim::kSolved) continue;
+        EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << speed << " " << precision;
+      }
+    }
+  }
+}
+
 TEST(ActiveSetTest, SolvingAllocatesNothing) {
   if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
   for (const char* precision : {"float", "double", "polished", "ladder"}) {

@@ -433,6 +433,26 @@ TEST(AutoTest, ClaimsOnlyWhatHoldsWhereGIsSingular) {
   EXPECT_GE(unsolvable, 5);
 }
 
+// Friction presses both ways on a contact without a normal, which asks for a speed: there is no solution, however low
+// the speed. The impulses of least energy miss it by less than rounding.
+TEST(AutoTest, ClaimsNoRestWhereAnOffsetBelowZeroHasNoSolution) {
+  for (const double offset : {-1e-6, -1e-12, -1e-16, -1e-20, -1e-300}) {
+    ContactProblem contact;
+    contact.v = vector_of({-0.75});
+    contact.N = Matrix{{0, 0.5}};
+    contact.D = Matrix{{0.5, -0.25, -0.5, 0.25, -1, 1}};
+    contact.edges = {4, 2};
+    contact.mu = vector_of({0.5, 4});
+    contact.b = vector_of({offset, 0});
+    contact.inertia = DenseInertia{Matrix{{0.3}}};
+    EXPECT_NE(solve(Problem("held both ways", contact)).claim, Claim::kSolved) << offset;
+    contact.b(0) = 0;
+    const Answer answer = solve(Problem("held both ways", contact));
+    EXPECT_EQ(answer.claim, Claim::kSolved);
+    EXPECT_EQ(answer.detail, "least_energy, double");
+  }
+}
+
 // All normal velocities are the rounding of their sums. Both methods ended in "ray, no proof".
 TEST(AutoTest, LeavesAtRestWhatApproachesByRoundingOnly) {
   ContactProblem contact;

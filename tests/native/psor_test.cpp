@@ -300,6 +300,20 @@ TEST(PsorTest, LocalSweepsAreConjugateOnesWithoutBodies) {
   }
 }
 
+// The contact that is off touches no body: the sweeps over it were divided by the number of contacts near it.
+TEST(PsorTest, LocalSweepsPassOverContactsThatNothingMoves) {
+  ContactProblem contact;
+  contact.v = testing::vector_of({500});
+  contact.N = Matrix{{0, -0.75, 0, -1.3, 0}};
+  contact.D = Matrix(1, 0);
+  contact.edges.assign(5, 0);
+  contact.mu = Vector::Zero(5);
+  contact.b = testing::vector_of({1.7, 0.3, 0, -1, -1.3});
+  contact.inertia = BlockInertia{{Matrix{{0.125}}}};
+  const Answer answer = solve(Problem("immovable", contact), {{"acceleration", "local"}});
+  EXPECT_NE(answer.claim, Claim::kSolved) << answer.detail;
+}
+
 TEST(PsorTest, SymmetricSweepsGoBackEverySecondTime) {
   // From z = 0 forwards along an upper bidiagonal M nothing is known of later rows; backwards one sweep solves it all.
   Matrix M = Matrix::Identity(6, 6);
