@@ -12,6 +12,8 @@ using lemke::LCPBENCH_LEVEL::kUnitRoundoff;
 using lemke::LCPBENCH_LEVEL::lanes_where;
 using lemke::LCPBENCH_LEVEL::magnitude;
 using lemke::LCPBENCH_LEVEL::square_root;
+using lemke::LCPBENCH_LEVEL::transpose;
+using lemke::LCPBENCH_LEVEL::transpose_block;
 #if defined(LCPBENCH_DOUBLE_DOUBLE)
 using lemke::LCPBENCH_LEVEL::DoubleDouble;
 #endif
@@ -84,20 +86,6 @@ inline void widen(Scalar* to, const double* from, Count size, Count padded) {
   }
   for (Count i = 0; i < size; ++i) to[i] = static_cast<Scalar>(from[i]);
   for (Count i = size; i < padded; ++i) to[i] = 0;
-}
-
-/// to[j * to_stride + i] = from[i * stride + j] for as many rows and columns as a register has lanes.
-template <class To, class From>
-inline void transpose_block(const From* from, Count stride, To* to, Count to_stride) {
-  constexpr Count kWidth = Lanes<To>::kWidth;
-#if defined(__AVX2__)
-  if constexpr (kWidth == 4 && sizeof(To) == sizeof(double)) {
-    return lemke::LCPBENCH_LEVEL::transpose_square(from, stride, to, to_stride);
-  }
-#endif
-  for (Count i = 0; i < kWidth; ++i) {
-    for (Count j = 0; j < kWidth; ++j) to[j * to_stride + i] = static_cast<To>(from[i * stride + j]);
-  }
 }
 
 template <class Scalar>

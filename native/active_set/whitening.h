@@ -50,7 +50,7 @@ class Whitening {
     set_dimensions(input);
     given_normals_ = input.N;
     given_inertia_ = input.matrix;
-    read_normals(input);
+    transpose(input.N, ngc_, ngc_, nc_, normals_.data());
     rank_ = 0;
     triangular_ = false;
     if (!factor_inertia(input)) return false;
@@ -241,27 +241,6 @@ class Whitening {
   }
 
   Scalar* work_row(Count i) { return rows_.data() + i * stride_; }
-
-  /// N by rows. The last block of rows or columns may overlap the one before.
-  void read_normals(const Input& input) {
-    Scalar* const to = normals_.data();
-    if (nc_ < L::kWidth || ngc_ < L::kWidth) {
-      for (Count i = 0; i < ngc_; ++i) {
-        for (Count j = 0; j < contact_lanes_; ++j) {
-          to[i * contact_lanes_ + j] = j < nc_ ? static_cast<Scalar>(input.N[j * ngc_ + i]) : Scalar(0);
-        }
-      }
-      return;
-    }
-    for (Count i = 0; i < ngc_; ++i) L::store(to + (i + 1) * contact_lanes_ - L::kWidth, L::broadcast(0));
-    for (Count block = 0; block < nc_; block += L::kWidth) {
-      const Count j = block < nc_ - L::kWidth ? block : nc_ - L::kWidth;
-      for (Count at = 0; at < ngc_; at += L::kWidth) {
-        const Count i = at < ngc_ - L::kWidth ? at : ngc_ - L::kWidth;
-        transpose_block(input.N + j * ngc_ + i, ngc_, to + i * contact_lanes_ + j, contact_lanes_);
-      }
-    }
-  }
 
   bool factor_inertia(const Input& input) {
     root_.set_rows(rows_.data(), stride_, ngc_);

@@ -107,7 +107,10 @@ class Contacts {
   /// The first half of the contact's directions by rows, padded_half() apart; the second half are their negatives.
   const Scalar* block(Count contact) {
     Scalar* const to = blocks_.data() + block_at_[contact];
-    if (!transposed_[contact]) transpose(contact, to);
+    if (!transposed_[contact]) {
+      transpose(input_.D + first_direction(contact) * ngc(), ngc(), ngc(), half(contact), to);
+      transposed_[contact] = true;
+    }
     return to;
   }
 
@@ -212,7 +215,7 @@ class Contacts {
 
   void load_normals() {
     squares_.fill(padded_nc_, Scalar(0));
-    transpose_normals();
+    transpose(input_.N, ngc(), ngc(), nc(), normals_.data());
     for (Count i = 0; i < ngc(); ++i) {
       const Scalar* const row = normals_.data() + i * padded_nc_;
       for (Count j = 0; j < padded_nc_; j += P::kWidth) {
@@ -225,28 +228,6 @@ class Contacts {
     direction_reach_ = static_cast<Scalar>(kRoundedUp * largest_norm_of_directions());
   }
 
-  void transpose_normals() {
-    Scalar* const to = normals_.data();
-    Count j = 0;
-    if constexpr (P::kWidth == kTogether && kHasDoubles) {
-      for (; j + kTogether <= nc(); j += kTogether) {
-        const double* const columns = input_.N + j * ngc();
-        Count i = 0;
-        for (; i + kTogether <= ngc(); i += kTogether) {
-          transpose_square(columns + i, ngc(), to + i * padded_nc_ + j, padded_nc_);
-        }
-        for (; i < ngc(); ++i) {
-          for (Count k = 0; k < kTogether; ++k) to[i * padded_nc_ + j + k] = columns[k * ngc() + i];
-        }
-      }
-    }
-    for (; j < padded_nc_; ++j) {
-      for (Count i = 0; i < ngc(); ++i) {
-        to[i * padded_nc_ + j] = j < nc() ? static_cast<Scalar>(input_.N[j * ngc() + i]) : Scalar(0);
-      }
-    }
-  }
-
   void load_layout() {
     transposed_.fill(nc(), false);
     Count at = 0;
@@ -254,30 +235,6 @@ class Contacts {
       block_at_[c] = at;
       at += ngc() * padded_half(c);
     }
-  }
-
-  void transpose(Count contact, Scalar* to) {
-    const Count width = padded_half(contact);
-    const double* column = input_.D + first_direction(contact) * ngc();
-    Count t = 0;
-    for (; t + kTogether <= half(contact); t += kTogether, column += kTogether * ngc()) {
-      Count i = 0;
-      if constexpr (P::kWidth == kTogether && kHasDoubles) {
-        for (; i + kTogether <= ngc(); i += kTogether) {
-          transpose_square(column + i, ngc(), to + i * width + t, width);
-        }
-      }
-      for (; i < ngc(); ++i) {
-        for (Count k = 0; k < kTogether; ++k) to[i * width + t + k] = static_cast<Scalar>(column[k * ngc() + i]);
-      }
-    }
-    for (; t < half(contact); ++t, column += ngc()) {
-      for (Count i = 0; i < ngc(); ++i) to[i * width + t] = static_cast<Scalar>(column[i]);
-    }
-    for (; t < width; ++t) {
-      for (Count i = 0; i < ngc(); ++i) to[i * width + t] = 0;
-    }
-    transposed_[contact] = true;
   }
 
   contact_lemke::Input input_;

@@ -70,9 +70,15 @@ template <class Scalar, class Mask>
   }
 }
 
+/// to := the transpose of the square matrix `from`, of the order of a pack; the rows of either are their stride apart.
+template <class To, class From>
+inline void transpose_block(const From* from, Count stride, To* to, Count to_stride) {
+  for (Count i = 0; i < Packed<To>::kWidth; ++i) {
+    for (Count j = 0; j < Packed<To>::kWidth; ++j) to[j * to_stride + i] = static_cast<To>(from[i * stride + j]);
+  }
+}
 #if defined(__AVX2__) && !defined(__AVX512F__)
-/// to := the transpose of the 4 x 4 matrix `from`; the rows of either are their stride apart.
-inline void transpose_square(const double* from, Count stride, double* to, Count to_stride) {
+inline void transpose_block(const double* from, Count stride, double* to, Count to_stride) {
   using P = Packed<double>;
   using Pack = P::Pack;
   const Pack a = P::load(from), b = P::load(from + stride);
@@ -85,5 +91,29 @@ inline void transpose_square(const double* from, Count stride, double* to, Count
   P::store(to + 3 * to_stride, __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7));
 }
 #endif
+
+/// `count` vectors of `length` entries, `stride` apart, become `length` rows, each of whole packs and filled up with
+/// zeros. The last block of rows or columns may overlap the one before.
+template <class To, class From>
+inline void transpose(const From* from, Count stride, Count length, Count count, To* to) {
+  using P = Packed<To>;
+  const Count padded = P::padded(count);
+  if (length < P::kWidth || count < P::kWidth) {
+    for (Count i = 0; i < length; ++i) {
+      for (Count k = 0; k < padded; ++k) {
+        to[i * padded + k] = k < count ? static_cast<To>(from[k * stride + i]) : static_cast<To>(0);
+      }
+    }
+    return;
+  }
+  for (Count i = 0; i < length; ++i) P::store(to + (i + 1) * padded - P::kWidth, P::broadcast(0));
+  for (Count column = 0; column < count; column += P::kWidth) {
+    const Count k = column < count - P::kWidth ? column : count - P::kWidth;
+    for (Count row = 0; row < length; row += P::kWidth) {
+      const Count i = row < length - P::kWidth ? row : length - P::kWidth;
+      transpose_block(from + k * stride + i, stride, to + i * padded + k, padded);
+    }
+  }
+}
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL
