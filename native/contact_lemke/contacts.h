@@ -31,11 +31,13 @@ class Contacts {
       if (padded_half(c) > most_padded_half_) most_padded_half_ = padded_half(c);
     }
     blocks_.resize(entries);
+    zeros_.resize(ngc());
   }
 
   /// @pre reserve(input)
   void load(const contact_lemke::Input& input) {
     input_ = input;
+    zeros_.fill(ngc(), 0);
     load_normals();
     load_layout();
     set_velocity(input.v);
@@ -96,6 +98,25 @@ class Contacts {
   bool has_friction(Count contact) const { return edges(contact) > 0 && input_.mu[contact] > 0; }
 
   void get_normal(Count contact, Scalar* to) const { widen(input_.N + contact * ngc(), to); }
+
+  /// to = a + factor * b, padded, of columns as impulse_column() and direction() give them.
+  void get_sum(const double* a, Scalar factor, const double* b, Scalar* to) const {
+    Count i = 0;
+    if constexpr (kHasDoubles) {
+      const auto factors = P::broadcast(factor);
+      for (; i + P::kWidth <= ngc(); i += P::kWidth) P::store(to + i, P::load(a + i) + factors * P::load(b + i));
+      const Count left = ngc() - i;
+      if (left == 0) return;
+      P::store(to + i, load_first<Scalar>(a + i, left) + factors * load_first<Scalar>(b + i, left));
+      return;
+    }
+    for (; i < ngc(); ++i) to[i] = static_cast<Scalar>(a[i]) + factor * static_cast<Scalar>(b[i]);
+    for (; i < padded_ngc_; ++i) to[i] = 0;
+  }
+  /// The zero direction is the one behind the last.
+  const double* direction(Count contact, Count direction) const {
+    return direction == edges(contact) ? zeros_.data() : input_.D + (first_direction(contact) + direction) * ngc();
+  }
 
   /// to += factor * direction
   void add_direction(Count contact, Count direction, Scalar factor, Scalar* to) const {
@@ -240,6 +261,7 @@ class Contacts {
   contact_lemke::Input input_;
   Count padded_ngc_ = 0, padded_nc_ = 0, most_padded_half_ = 0;
   Buffer<Scalar> velocity_, normals_, squares_, blocks_;
+  Buffer<double> zeros_;
   Buffer<Count> block_at_;
   Buffer<bool> transposed_;
   Scalar speed_ = 0, reach_ = 0, direction_reach_ = 0;

@@ -1,5 +1,9 @@
 #pragma once
 
+#if defined(__AVX2__)
+#include <immintrin.h>
+#endif
+
 #include <cstdint>
 
 #include "native/lemke/pack.h"
@@ -68,6 +72,23 @@ template <class Scalar, class Mask>
     for (Count lane = 0; lane < Packed<Scalar>::kWidth; ++lane) lanes |= (mask[lane] != 0 ? 1ULL : 0ULL) << lane;
     return lanes;
   }
+}
+
+/// The first `count` entries, at least 1, and zeros in what is left of the pack; nothing behind them is read.
+template <class Scalar>
+[[gnu::always_inline]] inline typename Packed<Scalar>::Pack load_first(const double* from, Count count) {
+  using P = Packed<Scalar>;
+#if defined(__AVX2__) && !defined(__AVX512F__)
+  if constexpr (sizeof(Scalar) == sizeof(double)) {
+    constexpr long long kMasks[] = {-1, -1, -1, -1, 0, 0, 0};
+    return _mm256_maskload_pd(from, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(kMasks + P::kWidth - count)));
+  }
+#endif
+  Scalar lanes[static_cast<std::size_t>(P::kWidth)];
+  for (Count lane = 0; lane < P::kWidth; ++lane) {
+    lanes[lane] = lane < count ? static_cast<Scalar>(from[lane]) : static_cast<Scalar>(0);
+  }
+  return P::load(lanes);
 }
 
 /// to := the transpose of the square matrix `from`, of the order of a pack; the rows of either are their stride apart.
