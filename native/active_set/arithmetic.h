@@ -14,6 +14,7 @@ using lemke::LCPBENCH_LEVEL::magnitude;
 using lemke::LCPBENCH_LEVEL::square_root;
 using lemke::LCPBENCH_LEVEL::transpose;
 using lemke::LCPBENCH_LEVEL::transpose_block;
+using lemke::LCPBENCH_LEVEL::widen;
 #if defined(LCPBENCH_DOUBLE_DOUBLE)
 using lemke::LCPBENCH_LEVEL::DoubleDouble;
 #endif
@@ -70,22 +71,6 @@ template <class Scalar>
 inline void set_zero(Scalar* x, Count size) {
   using L = Lanes<Scalar>;
   for (Count i = 0; i < size; i += L::kWidth) L::store(x + i, L::broadcast(0));
-}
-
-/// to := from, and zeros from `size` to `padded`. The last register of doubles may overlap the one before.
-template <class Scalar>
-inline void widen(Scalar* to, const double* from, Count size, Count padded) {
-  if constexpr (sizeof(Scalar) == sizeof(double)) {
-    using L = Lanes<double>;
-    if (size >= L::kWidth) {
-      L::store(to + padded - L::kWidth, L::broadcast(0));
-      for (Count i = 0; i + L::kWidth <= size; i += L::kWidth) L::store(to + i, L::load(from + i));
-      L::store(to + size - L::kWidth, L::load(from + size - L::kWidth));
-      return;
-    }
-  }
-  for (Count i = 0; i < size; ++i) to[i] = static_cast<Scalar>(from[i]);
-  for (Count i = size; i < padded; ++i) to[i] = 0;
 }
 
 template <class Scalar>

@@ -50,7 +50,7 @@ class DualMethod {
 
   void update(const double* v) {
     const Count ngc = whitening_.ngc();
-    widen(v_.data(), v, ngc, whitening_.velocity_lanes());
+    widen(v, ngc, v_.data());
     if (!usable_) return;
     set_zero(given_.data(), whitening_.contact_lanes());
     combine_rows(given_.data(), given_.data(), whitening_.normals(0), whitening_.contact_lanes(), v_.data(), ngc,

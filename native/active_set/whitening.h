@@ -271,7 +271,7 @@ class Whitening {
   bool eliminate(const double* G) {
     for (Count i = 0; i < ngc_; ++i) {
       Scalar* row = work_row(i);
-      widen(row, G + i * ngc_, ngc_, velocity_lanes_);
+      widen(G + i * ngc_, ngc_, row);
       copy(row + velocity_lanes_, normals_.data() + i * contact_lanes_, contact_lanes_);
       root_diagonal_[i] = row[i];  // G_ii, until scale_rows
     }

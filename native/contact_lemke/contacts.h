@@ -21,7 +21,6 @@ class Contacts {
     padded_nc_ = P::padded(input.nc);
     velocity_.resize(padded_ngc_);
     normals_.resize(ngc() * padded_nc_);
-    squares_.resize(padded_nc_);
     block_at_.resize(nc() + 1);
     transposed_.resize(nc());
     most_padded_half_ = 0;
@@ -45,7 +44,7 @@ class Contacts {
 
   void set_velocity(const double* v) {
     input_.v = v;
-    for (Count i = 0; i < padded_ngc_; ++i) velocity_[i] = i < ngc() ? static_cast<Scalar>(v[i]) : Scalar(0);
+    widen(v, ngc(), velocity_.data());
     speed_ = square_root(dot(velocity_.data(), velocity_.data(), padded_ngc_));
   }
 
@@ -97,7 +96,7 @@ class Contacts {
   Scalar mu(Count contact) const { return static_cast<Scalar>(input_.mu[contact]); }
   bool has_friction(Count contact) const { return edges(contact) > 0 && input_.mu[contact] > 0; }
 
-  void get_normal(Count contact, Scalar* to) const { widen(input_.N + contact * ngc(), to); }
+  void get_normal(Count contact, Scalar* to) const { widen(input_.N + contact * ngc(), ngc(), to); }
 
   /// to = a + factor * b, padded, of columns as impulse_column() and direction() give them.
   void get_sum(const double* a, Scalar factor, const double* b, Scalar* to) const {
@@ -229,23 +228,18 @@ class Contacts {
     return P::sum(poison) == 0 ? P::max(largest) : kInfinity<Scalar>;
   }
 
-  void widen(const double* from, Scalar* to) const {
-    for (Count i = 0; i < ngc(); ++i) to[i] = static_cast<Scalar>(from[i]);
-    for (Count i = ngc(); i < padded_ngc_; ++i) to[i] = 0;
-  }
-
   void load_normals() {
-    squares_.fill(padded_nc_, Scalar(0));
     transpose(input_.N, ngc(), ngc(), nc(), normals_.data());
-    for (Count i = 0; i < ngc(); ++i) {
-      const Scalar* const row = normals_.data() + i * padded_nc_;
-      for (Count j = 0; j < padded_nc_; j += P::kWidth) {
-        P::store(squares_.data() + j, P::load(squares_.data() + j) + P::load(row + j) * P::load(row + j));
+    typename P::Pack largest = typename P::Pack{};
+    for (Count j = 0; j < padded_nc_; j += P::kWidth) {
+      typename P::Pack squares = typename P::Pack{};
+      for (Count i = 0; i < ngc(); ++i) {
+        const typename P::Pack entries = P::load(normals_.data() + i * padded_nc_ + j);
+        squares += entries * entries;
       }
+      largest = P::max(squares, largest);
     }
-    Scalar largest = 0;
-    for (Count j = 0; j < nc(); ++j) largest = squares_[j] > largest ? squares_[j] : largest;
-    reach_ = square_root(largest);
+    reach_ = square_root(P::max(largest));
     direction_reach_ = static_cast<Scalar>(kRoundedUp * largest_norm_of_directions());
   }
 
@@ -260,7 +254,7 @@ class Contacts {
 
   contact_lemke::Input input_;
   Count padded_ngc_ = 0, padded_nc_ = 0, most_padded_half_ = 0;
-  Buffer<Scalar> velocity_, normals_, squares_, blocks_;
+  Buffer<Scalar> velocity_, normals_, blocks_;
   Buffer<double> zeros_;
   Buffer<Count> block_at_;
   Buffer<bool> transposed_;

@@ -258,6 +258,10 @@ class Response {
   }
 
   void form(const contact_lemke::InertiaInput& inertia) {
+    if (inertia.factors < 0 && inertia.blocks == 1 && P::padded(ngc_) == padded_) {
+      for (Count j = 0; j < ngc_; ++j) widen(inertia.G[0] + j * ngc_, ngc_, work_.data() + j * padded_);
+      return;
+    }
     for (Count i = 0; i < ngc_ * padded_; ++i) work_[i] = 0;
     if (inertia.factors >= 0) return form_factors(inertia);
     for (Count b = 0; b < inertia.blocks; ++b) {

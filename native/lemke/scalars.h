@@ -91,6 +91,23 @@ template <class Scalar>
   return P::load(lanes);
 }
 
+/// to := from, filled up with zeros to whole packs. The last pack of doubles may overlap the one before.
+template <class Scalar>
+inline void widen(const double* from, Count size, Scalar* to) {
+  using P = Packed<Scalar>;
+  Count i = 0;
+  if constexpr (sizeof(Scalar) == sizeof(double)) {
+    if (size >= P::kWidth) {
+      P::store(to + P::padded(size) - P::kWidth, P::broadcast(0));
+      for (; i + P::kWidth <= size; i += P::kWidth) P::store(to + i, P::load(from + i));
+      P::store(to + size - P::kWidth, P::load(from + size - P::kWidth));
+      return;
+    }
+  }
+  for (; i < size; ++i) to[i] = static_cast<Scalar>(from[i]);
+  for (; i < P::padded(size); ++i) to[i] = static_cast<Scalar>(0);
+}
+
 /// to := the transpose of the square matrix `from`, of the order of a pack; the rows of either are their stride apart.
 template <class To, class From>
 inline void transpose_block(const From* from, Count stride, To* to, Count to_stride) {
