@@ -201,18 +201,20 @@ AutoPlan plan_for(const AutoSettings& settings, const Problem& problem, const Ve
     plan.add(kFrictionIpm, true);
     plan.add_sweeps(of_wall);
   }
+  const bool is_pile = sweeps > 0 && redundancy(contact) < kStackRedundancy;
+  if (is_pile) plan.add(kPsor);
   plan.add(kFrictionIpm);
   if (!fits_in_advance(kContactLemke, problem)) {
-    plan.add(kPsor);
+    if (!is_pile) plan.add(kPsor);
     return plan;
   }
   const Index size = contact.nc() * contact.ngc();
   if (size >= kHuge) {
     plan.add(kContactLemke, true);
-    plan.add(kPsor);
+    if (!is_pile) plan.add(kPsor);
   }
   plan.add(kContactLemke);
-  if (size < kHuge) plan.add(kPsor);
+  if (size < kHuge && !is_pile) plan.add(kPsor);
   return plan;
 }
 
