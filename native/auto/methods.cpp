@@ -81,7 +81,7 @@ std::unique_ptr<Solver> make_method(AutoMethod method, const std::shared_ptr<Lat
     case AutoMethod::kContactLemke: return std::make_unique<ContactLemke>(ContactLemkeSettings{}, later);
     case AutoMethod::kVelocityIpm: return lcpbench_solver_velocity_ipm().make({});
     case AutoMethod::kFrictionIpm: return make_friction_ipm();
-    case AutoMethod::kPsor: return make_conjugate_psor();
+    case AutoMethod::kPsor: return make_limited_psor();
     default: return std::make_unique<ActiveSet>(ActiveSetSettings{});
   }
 }

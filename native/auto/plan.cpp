@@ -39,6 +39,9 @@ constexpr double kSweepsPerCube = 0.15;
 /// A pile takes so many sweeps for each decimal digit of the error, or more.
 constexpr double kSweepsPerDigit = 8;
 constexpr double kMostSweeps = 10000;
+/// Of ngc coordinates of a pile with friction: ngc^2 times this, if that is more than ngc, is a third of contact_lemke's
+/// time in sweeps.
+constexpr double kSweepsPerSquare = 1.0 / 32;
 /// Of a size from kRestByIpm up to this, walls with friction take so many sweeps for each digit, and less time than
 /// friction_ipm takes beyond its first convex problems.
 constexpr Index kLargestSweptWall = 100'000;
@@ -118,6 +121,14 @@ double digits_of(const AutoSettings& settings) {
   return -std::log10(settings.error > 0 ? settings.error : kSweptResidual);
 }
 
+bool is_pile(const ContactProblem& contact) { return is_sparse(contact) && redundancy(contact) <= kPileRedundancy; }
+
+/// Sweeps for a pile with friction: up to a third of the time that contact_lemke takes.
+std::int64_t pile_sweeps(const ContactProblem& contact) {
+  const auto ngc = static_cast<double>(contact.ngc());
+  return static_cast<std::int64_t>(std::min(std::max(ngc, kSweepsPerSquare * ngc * ngc), kMostSweeps));
+}
+
 /// Sweeps for a wall with friction; 0: none.
 std::int64_t wall_sweeps(const AutoSettings& settings, const ContactProblem& contact) {
   const Index size = contact.nc() * contact.ngc();
@@ -149,9 +160,12 @@ AutoPlan frictional_plan(const AutoSettings& settings, const ContactProblem& con
     plan.add(kPsor);
   } else {
     const bool sticks = slip <= 1;
-    if (sticks && plan.rest == AutoPlan::Rest::kNotSought) plan.add(kFrictionIpm, true);
-    if (!sticks && is_sparse(contact) && redundancy(contact) <= kPileRedundancy) {
-      plan.add_sweeps(contact.ngc());
+    const bool piles_up = is_pile(contact);
+    const bool has_one_rest = piles_up && redundancy(contact) <= 1;
+    if (has_one_rest) plan.rest = AutoPlan::Rest::kNotSought;
+    if (sticks && !has_one_rest && plan.rest == AutoPlan::Rest::kNotSought) plan.add(kFrictionIpm, true);
+    if (piles_up) {
+      plan.add_sweeps(pile_sweeps(contact));
     } else if (const std::int64_t sweeps = wall_sweeps(settings, contact); sweeps > 0) {
       plan.add_sweeps(sweeps);
     }
@@ -195,7 +209,11 @@ AutoPlan plan_for(const AutoSettings& settings, const Problem& problem, const Ve
   if (!contact.frictional()) return frictionless_plan(settings, problem, sweeps);
   if (!is_large_scene(settings, problem) && lemke_takes(problem)) return frictional_plan(settings, contact, v);
   AutoPlan plan;
-  if (sweeps > 0) {
+  const bool piles_up = is_pile(contact);
+  if (piles_up) {
+    plan.add_sweeps(std::max(sweeps, pile_sweeps(contact)));
+    plan.add(kPsor);
+  } else if (sweeps > 0) {
     plan.add_sweeps(sweeps);
   } else if (const std::int64_t of_wall = wall_sweeps(settings, contact); of_wall > 0) {
     plan.add(kFrictionIpm, true);
@@ -203,16 +221,16 @@ AutoPlan plan_for(const AutoSettings& settings, const Problem& problem, const Ve
   }
   plan.add(kFrictionIpm);
   if (!fits_in_advance(kContactLemke, problem)) {
-    plan.add(kPsor);
+    if (!piles_up) plan.add(kPsor);
     return plan;
   }
   const Index size = contact.nc() * contact.ngc();
   if (size >= kHuge) {
     plan.add(kContactLemke, true);
-    plan.add(kPsor);
+    if (!piles_up) plan.add(kPsor);
   }
   plan.add(kContactLemke);
-  if (size < kHuge) plan.add(kPsor);
+  if (size < kHuge && !piles_up) plan.add(kPsor);
   return plan;
 }
 
