@@ -18,9 +18,8 @@ constexpr double kUnderflow = 0x1p-600;
 constexpr double kLargestSpeed = 0x1p300;
 constexpr double kTiny = 0x1p-1000;
 
-/// Of finds_separation(): how far beyond its bound each edge is to be, of the fastest approach; and the sweeps.
+/// Of finds_separation(): how far beyond its bound each edge is to be, of the fastest approach.
 constexpr double kBeyond = 0.01;
-constexpr int kSweeps = 400;
 constexpr int kSweepsPerTest = 10;
 
 }  // namespace
@@ -94,7 +93,7 @@ bool ContactSolvability::lifts_all(const Program<Quad>& program, Quad rounding) 
 /// other, each a little beyond its bound. Only with an offset and G given by its entries: the impulses then reach every
 /// velocity, which ends in the speed 1 of the offset. Steps are exact where N and D of a contact are orthogonal.
 /// O(sparse entries of the edges) per sweep. [Hildreth 1957]
-bool ContactSolvability::finds_separation(double deadline_s) {
+bool ContactSolvability::finds_separation(double deadline_s, Index sweeps) {
   if (!reaches_all_velocities_) return false;
   const Index offset = X_->rows() - 1;
   auto lift = lift_.head(offset + 1);
@@ -113,7 +112,7 @@ bool ContactSolvability::finds_separation(double deadline_s) {
     most = std::max(most, -speed);
   }
   const double beyond = kBeyond * most;
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+  for (Index sweep = 0; sweep < sweeps; ++sweep) {
     for (std::size_t j = 0; j < edges_.size(); ++j) project_on_edge(static_cast<Index>(j), beyond);
     if (sweep % kSweepsPerTest != kSweepsPerTest - 1) continue;
     lift_terms_.head(offset + 1) = lift.cwiseAbs();

@@ -26,8 +26,9 @@ namespace lcpbench {
 /// of full row rank reaches all: there is a solution.
 ///
 /// An offset is the speed 1 of one more coordinate, which nothing reaches, and b its row of N. X is then I where G is
-/// given, which is regular. A velocity at which all edges separate is then looked for before the linear program. In a
-/// pile the linear program is nearly singular and would need 113 bits; this search often decides in double.
+/// given, which is regular. A velocity at which all edges separate is then looked for before the linear program, and for
+/// longer before 113 bits. In a pile the linear program is nearly singular, and takes seconds in 113 bits; this search
+/// often decides in double.
 class ContactSolvability {
  public:
   enum class Finding { kSolvable, kUnsolvable, kUnknown };
@@ -91,6 +92,7 @@ class ContactSolvability {
   Finding finding_of_normals(double deadline_s);
   Sign sign_of_cones(double deadline_s);
   Sign sign_in_quad(double deadline_s);
+  Sign sign_beyond_double(double deadline_s);
   Sign sign_of_normals(double deadline_s);
   void keep_basic_edges();
   template <class Scalar>
@@ -105,7 +107,7 @@ class ContactSolvability {
   void note_pivot(const Program<Scalar>& program, Index row, Index column);
   template <class Scalar>
   void drop_artificial(Program<Scalar>& program);
-  bool finds_separation(double deadline_s);
+  bool finds_separation(double deadline_s, Index sweeps);
   void project_on_edge(Index j, double beyond);
   bool separates_all() const;
   bool lifts_all(const Program<double>& program, bool from_v);

@@ -249,7 +249,7 @@ bool Attempts::rests(const SolveRequest& request, const AutoLimits& limits, Answ
 bool Attempts::may_have_missed_rest(const Answer& answer) const {
   if (plan_.rest != AutoPlan::Rest::kAfter || answered_by_ != AutoMethod::kContactLemke) return false;
   const ContactProblem& contact = *problem_->contact();
-  const std::int64_t worth = std::max(contact.ngc(), cols(contact.D) / 3);
+  const std::int64_t worth = std::max(contact.ngc(), cols(contact.D) / 4);
   return answer.claim == Claim::kSolved && answer.counters.pivots >= worth && slips(contact, v_, answer.z);
 }
 

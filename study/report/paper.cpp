@@ -18,7 +18,6 @@ namespace lcpbench::report {
 namespace {
 
 using paper::Claim;
-using paper::code;
 using paper::Comparison;
 using paper::Entry;
 using paper::Layout;
@@ -32,7 +31,7 @@ constexpr const char* kSource =
 /// A member's distinct values over all runs, in the order of their first use.
 std::string distinct_members(const Summary& summary, const char* name) {
   std::vector<std::string> values;
-  for (const std::string& value : recorded_values(summary, name)) values.push_back(code(value));
+  for (const std::string& value : recorded_values(summary, name)) values.push_back(paper::code(value));
   return fmt::format("{}", fmt::join(values, ", "));
 }
 
@@ -64,7 +63,8 @@ std::string provenance_line(const Summary& summary) {
       "{}, seeds {}. The latest, of {}, was: {}.",
       summary.runs.size(), distinct_members(summary, "lcpbench"), distinct_members(summary, "commit"),
       distinct_members(summary, "processor"), distinct_members(summary, "isa"), distinct_members(summary, "compiler"),
-      distinct_members(summary, "seed"), code(run.started), code(without_folders(recorded_value(run, "command"))));
+      distinct_members(summary, "seed"), paper::code(run.started),
+      paper::code(without_folders(recorded_value(run, "command"))));
 }
 
 // --- claims ---
@@ -162,8 +162,8 @@ void write_claims(PaperWriter& writer, const Summary& summary, const PaperStudy&
       "of like terms too narrow, which “far more” and the closed gap contain. Numbers: `tables/claims-paper.csv`.");
   for (const paper::Grid& grid : study.grids) {
     if (grid.refused() > 0) {
-      writer.paragraph("Left out of every claim, because a refusal is no failure to solve: " + code(grid.label) +
-                       " on " + code(summary.sets[grid.set].name) + ", " + grid.refusal() + ".");
+      writer.paragraph("Left out of every claim, because a refusal is no failure to solve: " + paper::code(grid.label) +
+                       " on " + paper::code(summary.sets[grid.set].name) + ", " + grid.refusal() + ".");
     }
   }
   Layout layout{"Claims", {"Claim", "Result", "Evidence"}, 1, {}};
@@ -203,8 +203,8 @@ Layout readings_layout(const Summary& summary, const PaperStudy& study) {
       3,
       {}};
   for (const paper::ReadingEffect& effect : study.readings) {
-    layout.rows.push_back({{code(summary.sets[effect.reading->set].name), ""},
-                           {code(effect.reading->label), ""},
+    layout.rows.push_back({{paper::code(summary.sets[effect.reading->set].name), ""},
+                           {paper::code(effect.reading->label), ""},
                            {name_of(effect.measure), ""},
                            effect_entry(effect.with.worst, effect.without.worst),
                            effect_entry(effect.with.average, effect.without.average),
@@ -221,9 +221,9 @@ Layout missed_layout(const Summary& summary, const PaperStudy& study) {
                 {}};
   for (const paper::Reproduction& row : study.reproductions) {
     if (row.agreement != paper::Agreement::kDiffers) continue;
-    layout.rows.push_back({{code(summary.sets[row.grid->set].name), ""},
+    layout.rows.push_back({{paper::code(summary.sets[row.grid->set].name), ""},
                            {name_of(row.family), ""},
-                           {code(row.grid->label), ""},
+                           {paper::code(row.grid->label), ""},
                            {row.statistic, ""},
                            {points(row.published), ""},
                            {points(row.ours), ""},
@@ -267,8 +267,8 @@ void write_readings(PaperWriter& writer, const Summary& summary, const PaperStud
           return row.grid == &grid && row.agreement == paper::Agreement::kRefused;
         });
     if (listed) {
-      writer.paragraph("Not compared: " + code(grid.label) + " on " + code(summary.sets[grid.set].name) + ", " +
-                       grid.refusal() + ".");
+      writer.paragraph("Not compared: " + paper::code(grid.label) + " on " + paper::code(summary.sets[grid.set].name) +
+                       ", " + grid.refusal() + ".");
     }
   }
   if (missed > 0) {
@@ -307,7 +307,7 @@ void write_maps(PaperWriter& writer, const Summary& summary, const PaperStudy& s
       "The share solved over the two tolerances of Lemke’s algorithm, a field for each of the paper’s "
       "parameterisations. Numbers with intervals: `tables/tolerance-map.csv`.");
   for (const DrawnMap& drawn : study.maps) {
-    writer.open(code(summary.sets[drawn.map.grid->set].name) + ", " + code(drawn.map.grid->label));
+    writer.open(paper::code(summary.sets[drawn.map.grid->set].name) + ", " + paper::code(drawn.map.grid->label));
     writer.figure(drawn.file, drawn.figure);
     writer.close();
   }

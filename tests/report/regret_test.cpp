@@ -135,6 +135,7 @@ TEST_F(RegretTest, TheReportHasASectionATableAndNumbersForMachines) {
   const std::string page = read_file(folder_ / "out/report.html");
   EXPECT_NE(page.find("<a href=\"#regret\">Regret of auto</a>"), std::string::npos);
   EXPECT_NE(page.find("<section id=\"regret\">"), std::string::npos);
+  EXPECT_NE(page.find("<td><code>auto</code></td>"), std::string::npos);
   const std::string table = read_file(folder_ / "out/tables/regret.csv");
   EXPECT_EQ(table.substr(0, table.find('\n')), "set,seed,trial,target,auto,methods,time_s,fastest,fastest_s,regret");
   EXPECT_NE(table.find("\npaper/monotone/exp1,1,2,0.01,auto,active_set,0.005,other,0.001,5.0\n"), std::string::npos)
