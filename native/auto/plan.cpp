@@ -28,6 +28,8 @@ constexpr Index kHeldUnloadedBlock = 30;
 constexpr Index kRestByIpm = 5000;
 /// From this on psor takes less time than the rungs of contact_lemke beyond double.
 constexpr Index kHuge = 8000;
+/// From this on friction_ipm takes less time than contact_lemke where contacts slide, too.
+constexpr Index kByIpm = 20'000;
 
 /// Slip ratio up to which friction holds most islands, and above which it holds hardly any. Contacts of a grip press
 /// more than they approach.
@@ -43,6 +45,14 @@ constexpr double kMostSweeps = 10000;
 /// friction_ipm takes beyond its first convex problems.
 constexpr Index kLargestSweptWall = 100'000;
 constexpr std::int64_t kWallSweepsPerDigit = 225;
+/// Where an error is stated, piles take at most so many sweeps for each coordinate, or contact_lemke is as fast.
+constexpr std::int64_t kSweepsPerCoordinate = 6;
+/// Up to this redundancy() they are piles where an error is stated, and below kStackRedundancy where it is at least
+/// kLooseError.
+constexpr double kLoosePileRedundancy = 1.6;
+constexpr double kLooseError = 1e-5;
+/// Where the stated error is at least this, piles of size kSmall or more take at most a sweep for each coordinate.
+constexpr double kRoughError = 1e-3;
 /// Up to this redundancy() sliding bodies are a pile rather than a stack, a wall or a box on the ground.
 constexpr double kPileRedundancy = 1.25;
 /// That of boxes on boxes, of which each rests on one; in a wall on two.
@@ -126,6 +136,19 @@ std::int64_t wall_sweeps(const AutoSettings& settings, const ContactProblem& con
   return kWallSweepsPerDigit * static_cast<std::int64_t>(std::ceil(digits_of(settings)));
 }
 
+/// Sweeps for an island of size kSmall or more; 0: none. @param slip slip_ratio
+std::int64_t sweeps_before_lemke(const AutoSettings& settings, const ContactProblem& contact, double slip) {
+  if (!is_sparse(contact)) return 0;
+  const double rows = redundancy(contact);
+  if (contact.nc() * contact.ngc() < kLarge) {
+    return settings.error >= kRoughError && rows < kStackRedundancy ? contact.ngc() : 0;
+  }
+  const bool is_pile = settings.error >= kLooseError ? rows < kStackRedundancy : rows <= kLoosePileRedundancy;
+  if (settings.error > 0 && is_pile) return kSweepsPerCoordinate * contact.ngc();
+  if (slip > 1 && rows <= kPileRedundancy) return contact.ngc();
+  return wall_sweeps(settings, contact);
+}
+
 /// Of islands that are not too large for contact_lemke.
 AutoPlan frictional_plan(const AutoSettings& settings, const ContactProblem& contact, const Vector& v) {
   using enum AutoMethod;
@@ -138,30 +161,22 @@ AutoPlan frictional_plan(const AutoSettings& settings, const ContactProblem& con
   if (seeks_rest) plan.rest = rest_for(size, slip);
   if (size < kLarge && may_be_singular(contact)) {  // only contact_lemke tells what has a solution from what has none
     plan.add(kContactLemke);
-  } else if (size < (is_scene ? kSmall : kLarge)) {
-    plan.add(kContactLemke);
-    plan.add(kFrictionIpm);
-    plan.add(kPsor);
-  } else if (size < kLarge) {
-    plan.add(kContactLemke, true);
-    plan.add(kFrictionIpm);
-    plan.add(kContactLemke);
-    plan.add(kPsor);
-  } else {
-    const bool sticks = slip <= 1;
-    if (sticks && plan.rest == AutoPlan::Rest::kNotSought) plan.add(kFrictionIpm, true);
-    if (!sticks && is_sparse(contact) && redundancy(contact) <= kPileRedundancy) {
-      plan.add_sweeps(contact.ngc());
-    } else if (const std::int64_t sweeps = wall_sweeps(settings, contact); sweeps > 0) {
-      plan.add_sweeps(sweeps);
-    }
-    plan.add(kContactLemke, true);
-    if (is_scene || sticks) plan.add(kFrictionIpm);
-    if (size >= kHuge) plan.add(kPsor);
-    plan.add(kContactLemke);
-    if (!is_scene && !sticks) plan.add(kFrictionIpm);
-    if (size < kHuge) plan.add(kPsor);
+    return plan;
   }
+  const bool sticks = slip <= 1;
+  if (size < kSmall || (!is_scene && (size < kLarge || !sticks))) {
+    plan.add(kContactLemke);
+    plan.add(kFrictionIpm);
+    plan.add(kPsor);
+    return plan;
+  }
+  if (size >= kLarge && sticks && plan.rest == AutoPlan::Rest::kNotSought) plan.add(kFrictionIpm, true);
+  if (const std::int64_t sweeps = sweeps_before_lemke(settings, contact, slip); sweeps > 0) plan.add_sweeps(sweeps);
+  if (size < kByIpm) plan.add(kContactLemke, true);
+  plan.add(kFrictionIpm);
+  if (size >= kHuge) plan.add(kPsor);
+  plan.add(kContactLemke);
+  if (size < kHuge) plan.add(kPsor);
   return plan;
 }
 
