@@ -80,12 +80,13 @@ double slip_ratio(const ContactProblem& contact, const Vector& v) {
 
 /// Normals and tangents over coordinates. Up to 1 the impulses of rest are mostly the only ones, and contact_lemke
 /// comes to them. Box on box has 2, a pile of spheres about 1.
-double redundancy(const ContactProblem& contact) {
+/// @param idle coordinates that no contact moves
+double redundancy(const ContactProblem& contact, Index idle = 0) {
   Index rows = contact.nc();
   for (Index c = 0; c < contact.nc(); ++c) {
     if (contact.mu(c) > 0) rows += contact.edges[static_cast<std::size_t>(c)] > 0 ? 2 : 0;
   }
-  return static_cast<double>(rows) / static_cast<double>(contact.ngc());
+  return static_cast<double>(rows) / static_cast<double>(contact.ngc() - idle);
 }
 
 bool may_be_singular(const ContactProblem& contact) {
@@ -137,10 +138,11 @@ std::int64_t wall_sweeps(const AutoSettings& settings, const ContactProblem& con
 }
 
 /// Sweeps for an island of size kSmall or more; 0: none. @param slip slip_ratio
-std::int64_t sweeps_before_lemke(const AutoSettings& settings, const ContactProblem& contact, double slip) {
+std::int64_t sweeps_before_lemke(const AutoSettings& settings, const ContactProblem& contact, double slip,
+                                 Index idle) {
   if (!is_sparse(contact)) return 0;
-  const double rows = redundancy(contact);
-  if (contact.nc() * contact.ngc() < kLarge) {
+  const double rows = redundancy(contact, idle);
+  if (contact.nc() * (contact.ngc() - idle) < kLarge) {
     return settings.error >= kRoughError && rows < kStackRedundancy ? contact.ngc() : 0;
   }
   const bool is_pile = settings.error >= kLooseError ? rows < kStackRedundancy : rows <= kLoosePileRedundancy;
@@ -150,13 +152,13 @@ std::int64_t sweeps_before_lemke(const AutoSettings& settings, const ContactProb
 }
 
 /// Of islands that are not too large for contact_lemke.
-AutoPlan frictional_plan(const AutoSettings& settings, const ContactProblem& contact, const Vector& v) {
+AutoPlan frictional_plan(const AutoSettings& settings, const ContactProblem& contact, const Vector& v, Index idle) {
   using enum AutoMethod;
   AutoPlan plan;
-  const Index size = contact.nc() * contact.ngc();
+  const Index size = contact.nc() * (contact.ngc() - idle);
   const bool is_scene = std::holds_alternative<BlockInertia>(contact.inertia);
   const bool seeks_rest = (is_scene || std::holds_alternative<DenseInertia>(contact.inertia)) &&
-                          (size >= kLarge || redundancy(contact) > 1);
+                          (size >= kLarge || redundancy(contact, idle) > 1);
   const double slip = seeks_rest || size >= kLarge ? slip_ratio(contact, v) : 0;
   if (seeks_rest) plan.rest = rest_for(size, slip);
   if (size < kLarge && may_be_singular(contact)) {  // only contact_lemke tells what has a solution from what has none
@@ -171,7 +173,7 @@ AutoPlan frictional_plan(const AutoSettings& settings, const ContactProblem& con
     return plan;
   }
   if (size >= kLarge && sticks && plan.rest == AutoPlan::Rest::kNotSought) plan.add(kFrictionIpm, true);
-  if (const std::int64_t sweeps = sweeps_before_lemke(settings, contact, slip); sweeps > 0) plan.add_sweeps(sweeps);
+  if (const std::int64_t sweeps = sweeps_before_lemke(settings, contact, slip, idle); sweeps > 0) plan.add_sweeps(sweeps);
   if (size < kByIpm) plan.add(kContactLemke, true);
   plan.add(kFrictionIpm);
   if (size >= kHuge) plan.add(kPsor);
@@ -204,11 +206,12 @@ std::int64_t worthwhile_sweeps(const AutoSettings& settings, const Problem& prob
   return static_cast<std::int64_t>(std::min(sweeps, kMostSweeps));
 }
 
-AutoPlan plan_for(const AutoSettings& settings, const Problem& problem, const Vector& v, std::int64_t sweeps) {
+AutoPlan plan_for(const AutoSettings& settings, const Problem& problem, const Vector& v, std::int64_t sweeps,
+                  Index idle) {
   using enum AutoMethod;
   const ContactProblem& contact = *problem.contact();
   if (!contact.frictional()) return frictionless_plan(settings, problem, sweeps);
-  if (!is_large_scene(settings, problem) && lemke_takes(problem)) return frictional_plan(settings, contact, v);
+  if (!is_large_scene(settings, problem) && lemke_takes(problem)) return frictional_plan(settings, contact, v, idle);
   AutoPlan plan;
   if (sweeps > 0) {
     plan.add_sweeps(sweeps);
