@@ -47,11 +47,13 @@ constexpr Index kLargestSweptWall = 100'000;
 constexpr std::int64_t kWallSweepsPerDigit = 225;
 /// Where an error is stated, piles take at most so many sweeps for each coordinate, or contact_lemke is as fast.
 constexpr std::int64_t kSweepsPerCoordinate = 6;
-/// Up to this redundancy() they are piles where an error is stated, and below kStackRedundancy where it is at least
-/// kLooseError.
+/// Up to this redundancy() bodies are a pile then if they slide faster than kPileSlip, or if the error is at least
+/// kLooseError; if it is, large ones are a pile below kStackRedundancy.
 constexpr double kLoosePileRedundancy = 1.6;
+constexpr double kPileSlip = 2;
 constexpr double kLooseError = 1e-5;
-/// Where the stated error is at least this, piles of size kSmall or more take at most a sweep for each coordinate.
+constexpr Index kLargePile = 3000;
+/// Where the stated error is at least this, those of size kSmall or more take a sweep for each coordinate.
 constexpr double kRoughError = 1e-3;
 /// Up to this redundancy() sliding bodies are a pile rather than a stack, a wall or a box on the ground.
 constexpr double kPileRedundancy = 1.25;
@@ -61,20 +63,28 @@ constexpr double kStackRedundancy = 2;
 /// ngc (ngc + nc) of a problem up to which memory is taken in advance: half a gigabyte of addresses.
 constexpr Index kMostEntries = 1'000'000;
 
+/// max|d'v| over the first half of the directions d of each contact, which the others oppose.
+template <class Directions>
+double fastest_slip(const ContactProblem& contact, const Directions& D, const Vector& v) {
+  double slip = 0;
+  Index direction = 0;
+  for (const int edges : contact.edges) {
+    for (Index t = 0; t < edges / 2; ++t) slip = std::max(slip, std::abs(D.col(direction + t).dot(v)));
+    direction += edges;
+  }
+  return slip;
+}
+
 /// The fastest slip, over the largest mu times the fastest approach: friction may hold every contact where that is at
 /// most 1.
 double slip_ratio(const ContactProblem& contact, const Vector& v) {
   double approach = 0;
-  double slip = 0;
   double mu = 0;
-  Index direction = 0;
   for (Index c = 0; c < contact.nc(); ++c) {
-    const int edges = contact.edges[static_cast<std::size_t>(c)];
     approach = std::max(approach, -(dot_column(contact.N, c, v) + contact.offset(c)));
     mu = std::max(mu, contact.mu(c));
-    for (Index t = 0; t < edges / 2; ++t) slip = std::max(slip, std::abs(dot_column(contact.D, direction + t, v)));
-    direction += edges;
   }
+  const double slip = std::visit([&](const auto& D) { return fastest_slip(contact, D, v); }, contact.D);
   return slip == 0 ? 0 : slip / (mu * approach);
 }
 
@@ -137,17 +147,25 @@ std::int64_t wall_sweeps(const AutoSettings& settings, const ContactProblem& con
   return kWallSweepsPerDigit * static_cast<std::int64_t>(std::ceil(digits_of(settings)));
 }
 
+/// Whether psor reaches the stated error before contact_lemke does, as a rule. @param rows redundancy @param slip
+/// slip_ratio @param size kLarge or more
+bool is_pile(const AutoSettings& settings, double rows, double slip, Index size) {
+  const bool is_loose = settings.error >= kLooseError;
+  if (rows <= kPileRedundancy) return true;
+  if (rows <= kLoosePileRedundancy) return is_loose || slip > kPileSlip;
+  return is_loose && rows < kStackRedundancy && size >= kLargePile;
+}
+
 /// Sweeps for an island of size kSmall or more; 0: none. @param slip slip_ratio
 std::int64_t sweeps_before_lemke(const AutoSettings& settings, const ContactProblem& contact, double slip,
                                  Index idle) {
   if (!is_sparse(contact)) return 0;
+  const Index coordinates = contact.ngc() - idle;
+  const Index size = contact.nc() * coordinates;
   const double rows = redundancy(contact, idle);
-  if (contact.nc() * (contact.ngc() - idle) < kLarge) {
-    return settings.error >= kRoughError && rows < kStackRedundancy ? contact.ngc() : 0;
-  }
-  const bool is_pile = settings.error >= kLooseError ? rows < kStackRedundancy : rows <= kLoosePileRedundancy;
-  if (settings.error > 0 && is_pile) return kSweepsPerCoordinate * contact.ngc();
-  if (slip > 1 && rows <= kPileRedundancy) return contact.ngc();
+  if (size < kLarge) return settings.error >= kRoughError && rows < kStackRedundancy ? coordinates : 0;
+  if (settings.error > 0 && is_pile(settings, rows, slip, size)) return kSweepsPerCoordinate * coordinates;
+  if (slip > 1 && rows <= kPileRedundancy) return coordinates;
   return wall_sweeps(settings, contact);
 }
 
