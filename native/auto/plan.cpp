@@ -157,8 +157,7 @@ bool is_pile(const AutoSettings& settings, double rows, double slip, Index size)
 }
 
 /// Sweeps for an island of size kSmall or more; 0: none. @param slip slip_ratio
-std::int64_t sweeps_before_lemke(const AutoSettings& settings, const ContactProblem& contact, double slip,
-                                 Index idle) {
+std::int64_t sweeps_before_lemke(const AutoSettings& settings, const ContactProblem& contact, double slip, Index idle) {
   if (!is_sparse(contact)) return 0;
   const Index coordinates = contact.ngc() - idle;
   const Index size = contact.nc() * coordinates;
