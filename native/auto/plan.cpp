@@ -54,7 +54,7 @@ constexpr std::int64_t kSweepsPerCoordinate = 6;
 /// kLooseError; if it is, large ones are a pile below kStackRedundancy.
 constexpr double kLoosePileRedundancy = 1.6;
 constexpr double kPileSlip = 2;
-constexpr double kLooseError = 1e-5;
+constexpr double kLooseError = 1e-7;
 constexpr Index kLargePile = 3000;
 /// Where the stated error is at least this, those of size kSmall or more take a sweep for each coordinate.
 constexpr double kRoughError = 1e-3;
@@ -169,8 +169,7 @@ bool is_loose_pile(const AutoSettings& settings, double rows, double slip, Index
 }
 
 /// Sweeps for an island of size kSmall or more; 0: none. @param slip slip_ratio
-std::int64_t sweeps_before_lemke(const AutoSettings& settings, const ContactProblem& contact, double slip,
-                                 Index idle) {
+std::int64_t sweeps_before_lemke(const AutoSettings& settings, const ContactProblem& contact, double slip, Index idle) {
   if (!is_sparse(contact)) return 0;
   const Index coordinates = contact.ngc() - idle;
   const Index size = contact.nc() * coordinates;
@@ -208,8 +207,12 @@ AutoPlan frictional_plan(const AutoSettings& settings, const ContactProblem& con
   } else if (size >= kLarge && sticks && plan.rest == AutoPlan::Rest::kNotSought) {
     plan.add(kFrictionIpm, true);
   }
-  if (const std::int64_t sweeps = sweeps_before_lemke(settings, contact, slip, idle); sweeps > 0) plan.add_sweeps(sweeps);
+  const std::int64_t sweeps = sweeps_before_lemke(settings, contact, slip, idle);
+  if (sweeps > 0) plan.add_sweeps(sweeps);
   if (size < kByIpm) plan.add(kContactLemke, true);
+  if (sweeps == 0 && settings.error > 0 && is_sparse(contact) && redundancy(contact, idle) < kStackRedundancy) {
+    plan.add_sweeps(kSweepsPerCoordinate * (contact.ngc() - idle));
+  }
   plan.add(kFrictionIpm);
   if (size >= kHuge) plan.add(kPsor);
   plan.add(kContactLemke);

@@ -1,6 +1,8 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
+#include <variant>
 
 #include <gtest/gtest.h>
 
@@ -87,6 +89,39 @@ Answer solve(const Problem& problem, const Options& options = {}) {
 }
 
 // A pile's separators are so large that sweeps take a small share of one factorization; a wall's are not.
+/// With as many coordinates again, of a body far from all others.
+Problem with_idle_body(const ContactProblem& contact) {
+  const Index idle = contact.ngc();
+  ContactProblem more = contact;
+  more.v.conservativeResize(2 * idle);
+  more.v.tail(idle).setOnes();
+  std::get<BlockInertia>(more.inertia).blocks.push_back(Matrix::Identity(idle, idle));
+  for (Jacobian* J : {&more.N, &more.D}) {
+    auto& columns = std::get<SparseMatrix>(*J);
+    columns.conservativeResize(columns.rows() + idle, columns.cols());
+  }
+  return Problem("", std::move(more));
+}
+
+// The plan does not count its coordinates, so that rest is sought as without it.
+TEST(AutoScenesTest, ABodyThatNothingTouchesDoesNotChangeThePlan) {
+  const auto solver = lcpbench_solver_auto().make({});
+  Answer alone, beside;
+  for (const char* name : {"scene/uneven-table/mujoco", "scene/mass-ratio-1e6/ode"}) {
+    const auto set = open_set(name);
+    for (std::int64_t trial = 0; trial < set->count().value_or(0); ++trial) {
+      const Problem problem = set->generate(1, trial);
+      solver->load(problem);
+      solver->solve({}, alone);
+      const Problem more = with_idle_body(*problem.contact());
+      solver->load(more);
+      solver->solve({}, beside);
+      EXPECT_EQ(beside.detail, alone.detail) << name << " " << trial;
+      EXPECT_EQ(beside.counters.pivots, alone.counters.pivots) << name << " " << trial;
+    }
+  }
+}
+
 TEST(AutoScenesTest, PilesAreSweptAndWallsAreFactored) {
   for (const double mu : {0.0, 0.5}) {
     const Problem pile("pile", testing::sphere_pile({.mu = mu}));
