@@ -12,6 +12,9 @@ using lemke::LCPBENCH_LEVEL::kUnitRoundoff;
 using lemke::LCPBENCH_LEVEL::lanes_where;
 using lemke::LCPBENCH_LEVEL::magnitude;
 using lemke::LCPBENCH_LEVEL::square_root;
+using lemke::LCPBENCH_LEVEL::transpose;
+using lemke::LCPBENCH_LEVEL::transpose_block;
+using lemke::LCPBENCH_LEVEL::widen;
 #if defined(LCPBENCH_DOUBLE_DOUBLE)
 using lemke::LCPBENCH_LEVEL::DoubleDouble;
 #endif
@@ -70,28 +73,16 @@ inline void set_zero(Scalar* x, Count size) {
   for (Count i = 0; i < size; i += L::kWidth) L::store(x + i, L::broadcast(0));
 }
 
-/// to := from, and zeros from `size` to `padded`. The last register of doubles may overlap the one before.
-template <class Scalar>
-inline void widen(Scalar* to, const double* from, Count size, Count padded) {
-  if constexpr (sizeof(Scalar) == sizeof(double)) {
-    using L = Lanes<double>;
-    if (size >= L::kWidth) {
-      L::store(to + padded - L::kWidth, L::broadcast(0));
-      for (Count i = 0; i + L::kWidth <= size; i += L::kWidth) L::store(to + i, L::load(from + i));
-      L::store(to + size - L::kWidth, L::load(from + size - L::kWidth));
-      return;
-    }
-  }
-  for (Count i = 0; i < size; ++i) to[i] = static_cast<Scalar>(from[i]);
-  for (Count i = size; i < padded; ++i) to[i] = 0;
-}
-
 template <class Scalar>
 [[gnu::always_inline]] inline Scalar dot(const Scalar* x, const Scalar* y, Count size) {
   using L = Lanes<Scalar>;
   if (size == L::kWidth) return L::sum(L::load(x) * L::load(y));
   if (size == 2 * L::kWidth) {
     return L::sum(L::load(x) * L::load(y) + L::load(x + L::kWidth) * L::load(y + L::kWidth));
+  }
+  if (size == 3 * L::kWidth) {
+    return L::sum(L::load(x) * L::load(y) + L::load(x + L::kWidth) * L::load(y + L::kWidth) +
+                  L::load(x + 2 * L::kWidth) * L::load(y + 2 * L::kWidth));
   }
   auto sum = L::broadcast(0);
   for (Count i = 0; i < size; i += L::kWidth) sum += L::load(x + i) * L::load(y + i);

@@ -50,12 +50,18 @@ class DualMethod {
 
   void update(const double* v) {
     const Count ngc = whitening_.ngc();
-    widen(v_.data(), v, ngc, whitening_.velocity_lanes());
+    widen(v, ngc, v_.data());
     if (!usable_) return;
     set_zero(given_.data(), whitening_.contact_lanes());
     combine_rows(given_.data(), given_.data(), whitening_.normals(0), whitening_.contact_lanes(), v_.data(), ngc,
                  whitening_.contact_lanes());
     for (Count j = 0; b_ != nullptr && j < whitening_.nc(); ++j) given_[j] += static_cast<Scalar>(b_[j]);
+    auto speed = L::broadcast(0);
+    for (Count j = 0; j < whitening_.contact_lanes(); j += L::kWidth) {
+      const auto given = L::load(given_.data() + j);
+      speed = L::max(L::max(given, -given), speed);
+    }
+    speed_ = L::max(speed);
     if (whitening_.triangular()) whitening_.whiten_velocity(v_.data(), y0_.data());
   }
 
@@ -152,6 +158,7 @@ class DualMethod {
     for (Count contact = most_violated(); contact >= 0; contact = most_violated()) {
       entering_contact_ = contact;
       entering_impulse_ = 0;
+      weight_[contact] = 0;
       for (bool added = false; !added;) {
         if (outcome.steps >= rules.max_steps) return Ending::kStepLimit;
         if (outcome.steps % kStepsPerClockReading == kStepsPerClockReading - 1 && expired(rules)) {
@@ -227,7 +234,6 @@ class DualMethod {
       // A positive definite inertia leaves nothing infeasible without an offset. If the violation is no rounding, the
       // test at the end finds it.
       if ((!whitening_.triangular() || b_ != nullptr) && proves_infeasible()) return Ending::kInfeasible;
-      weight_[entering_contact_] = 0;
       added = true;
       return Ending::kSolved;
     }
@@ -258,7 +264,6 @@ class DualMethod {
     const Count k = basis_.size();
     active_[k] = entering_contact_;
     active_impulse_[k] = entering_impulse_;
-    weight_[entering_contact_] = 0;
     basis_.append(coefficients_.data(), rest_.data(), left);
   }
 
@@ -414,6 +419,7 @@ class DualMethod {
     return test_.passes({.v = v_.data(),
                          .b = b_,
                          .given = given_.data(),
+                         .speed = speed_,
                          .impulse = impulse_.data(),
                          .slack = slack_.data(),
                          .velocity = velocity,
@@ -445,6 +451,7 @@ class DualMethod {
 
   Buffer<Scalar> v_;      // ngc
   Buffer<Scalar> given_;  // N'v + b
+  Scalar speed_ = 0;      // the largest magnitude in it
   Buffer<Scalar> y0_;     // C v
   Buffer<Scalar> slack_;
   Buffer<Scalar> merit_;

@@ -36,9 +36,10 @@ class OrthogonalBasis {
   Scalar split(const Scalar* x, Scalar squared_norm, Scalar* coefficients, Scalar* rest) {
     Scalar left = squared_norm;
     for (Count k = 0; k < size_; ++k) {
-      coefficients[k] = dot(q(k), x, length_);
-      minus_along_[k] = -coefficients[k];
-      left -= coefficients[k] * coefficients[k];
+      const Scalar along = dot(q(k), x, length_);
+      coefficients[k] = along;
+      minus_along_[k] = -along;
+      left -= along * along;
     }
     combine_rows(rest, x, q_.data(), length_, minus_along_.data(), size_, length_);
     if (size_ == 0 || left > kEnoughLeft * squared_norm) return left;

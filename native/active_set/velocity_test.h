@@ -24,6 +24,7 @@ class VelocityTest {
     const Scalar* v;
     const double* b;      ///< offset as given; nullptr: zero
     const Scalar* given;  ///< N'v + b
+    Scalar speed;         ///< max|given|
     const Scalar* impulse;
     Scalar* slack;
     const Scalar* velocity = nullptr;         ///< about v + G* N z
@@ -55,6 +56,10 @@ class VelocityTest {
   bool passes(const Answer& answer, const Count* active, Count pressed, Scalar limit) {
     active_ = active;
     pressed_ = pressed;
+    const bool needs_residual = has_residual(answer) && exceeds_bound(answer, limit);
+    if constexpr (kHasMoreBits) {
+      if (needs_residual && passes_by_residual(answer, limit)) return true;
+    }
     set_zero(change_.data(), lanes());
     if constexpr (kHoldsProducts) {
       add_impulses_exactly(answer);
@@ -73,9 +78,9 @@ class VelocityTest {
     }
     combine_rows(answer.slack, answer.given, whitening_.row(0), whitening_.row_stride(), change_.data(),
                  whitening_.rank(), contact_lanes());
-    if (is_whole_ && passes_as_a_whole(answer, limit)) return true;
+    if (is_whole_ && !needs_residual && passes_as_a_whole(answer, limit)) return true;
     if constexpr (kHasMoreBits) {
-      if (passes_by_residual(answer, limit)) return true;
+      if (has_residual(answer) && !needs_residual && passes_by_residual(answer, limit)) return true;
     }
     if (whitening_.triangular()) whitening_.solve(change_.data());  // u - v
     return passes_by_islands(answer, limit);
@@ -116,56 +121,51 @@ class VelocityTest {
   /// Of all contacts, as one island.
   struct OfAll {
     Scalar worst;    ///< residual of a row
-    Scalar largest;  ///< square of a normal in the metric of the inverse inertia
-    Scalar squares;  ///< of the pressures, in that metric, summed; no number where a residual is none
-    Scalar speed;    ///< max|q|
+    Scalar squares;  ///< of the pressures, in the metric of the inverse inertia, summed; no number where a residual is
+                     ///< none
   };
 
   OfAll measure_all(const Answer& answer) const {
-    auto worst = L::broadcast(0), largest = L::broadcast(0), squares = L::broadcast(0), speed = L::broadcast(0);
+    auto worst = L::broadcast(0), squares = L::broadcast(0);
     for (Count j = 0; j < contact_lanes(); j += L::kWidth) {
-      const auto squared = L::load(whitening_.squared_norms() + j);
       const auto impulse = L::load(answer.impulse + j);
-      const auto given = L::load(answer.given + j);
-      const auto pressure = squared * impulse;
+      const auto pressure = L::load(whitening_.squared_norms() + j) * impulse;
       const auto least = L::min(pressure, L::load(answer.slack + j));
       squares += pressure * impulse + (least - least);  // no number where one of these is none
       worst = L::max(L::max(least, -least), worst);
-      largest = L::max(squared, largest);
-      speed = L::max(L::max(given, -given), speed);
     }
-    return {L::max(worst), L::max(largest), L::sum(squares), L::max(speed)};
+    return {L::max(worst), L::sum(squares)};
   }
 
   /// All contacts in one island, max|q| for its scale, and coarse bounds for all rounding.
   bool passes_as_a_whole(const Answer& answer, Scalar limit) {
     const OfAll all = measure_all(answer);
     const Scalar sum = all.squares;
-    const Scalar most = limit * all.speed - all.worst;
+    const Scalar most = limit * answer.speed - all.worst;
     if (!finite(sum) || !finite(most)) return false;
     if (kTestedInDouble || pressed_ == 0) return most >= 0;
     if (!(most > 0) || !(sum > static_cast<Scalar>(kSafeSquare))) return false;
     // No impulse moves the velocities by more than the root of `moved`, by Cauchy and Schwarz.
-    const Scalar moved = all.largest * sum * static_cast<Scalar>(static_cast<double>(pressed_));
+    const Scalar moved = whitening_.largest_squared_norm() * sum * static_cast<Scalar>(static_cast<double>(pressed_));
     if (!whitening_.triangular()) {
       const Scalar sums = roundings(2 * static_cast<double>(whitening_.ngc()));
       return (2 * whitening_.noise() + sums) * square_root(moved) <= most;
     }
-    if (covers_rounding(answer, most, all.largest, moved)) return true;
+    if (covers_rounding(answer, most, moved)) return true;
     if (has_residual(answer)) return false;  // it is sharper, and takes less time
     whitening_.sharpen_condition();
-    return covers_rounding(answer, most, all.largest, moved);
+    return covers_rounding(answer, most, moved);
   }
 
   /// Whether `most` is at least what rounding does to w: |E x| times |A^-1|^(1/2) |W_j|, and all else in terms of the
   /// root of `moved`. Of squares, without roots: (a + b)^2 <= 1.1 a^2 + 11 b^2.
-  bool covers_rounding(const Answer& answer, Scalar most, Scalar largest, Scalar moved) const {
+  bool covers_rounding(const Answer& answer, Scalar most, Scalar moved) const {
     if (!condition_is_trusted()) return false;
     const Scalar of_change = answer.velocity != nullptr ? of_velocity(answer) : of_whitened_change();
     const Scalar sums = roundings(4 * static_cast<double>(whitening_.ngc()));
     const Scalar of_terms = sums * sums * size() * whitening_.condition() * moved;
     return most * most > static_cast<Scalar>(kSafeSquare) && of_change > 0 &&
-           static_cast<Scalar>(1.1) * largest * of_change + 11 * of_terms <= most * most;
+           static_cast<Scalar>(1.1) * whitening_.largest_squared_norm() * of_change + 11 * of_terms <= most * most;
   }
 
   /// The square of |E x| |A^-1|^(1/2) by the length of x in the metric of G. 0: not known.
@@ -197,9 +197,22 @@ class VelocityTest {
     return squared > static_cast<Scalar>(kSafeSquare) ? condition * error * error * squared : Scalar(0);
   }
 
+  /// Whether covers_rounding() will be false whatever w is: what it asks of the change alone is too much already.
+  bool exceeds_bound(const Answer& answer, Scalar limit) const {
+    auto changes = L::broadcast(0);
+    for (Count i = 0; i < lanes(); i += L::kWidth) {
+      const auto root = L::load(whitening_.root_diagonal() + i);
+      const auto change = root * (L::load(answer.velocity + i) - L::load(answer.v + i));
+      changes += change * change;
+    }
+    const Scalar most = limit * answer.speed;
+    const Scalar error = size() * whitening_.backward_error();
+    return whitening_.largest_squared_norm() * whitening_.condition() * error * error * L::sum(changes) > most * most;
+  }
+
   bool condition_is_trusted() const { return whitening_.lost() < static_cast<Scalar>(kTrusted); }
 
-  /// Whether passes_by_residual() can say anything.
+  /// Whether passes_by_residual() can say anything; else it may not be asked.
   bool has_residual(const Answer& answer) const {
     return kHasMoreBits && is_whole_ && whitening_.triangular() && answer.velocity != nullptr &&
            whitening_.ngc() >= L::kWidth && condition_is_trusted();
@@ -208,7 +221,6 @@ class VelocityTest {
   /// Whether one island passes by the residual of the velocity that is returned, formed with twice the bits of a double,
   /// and by the longest normal for all of them.
   [[gnu::noinline]] bool passes_by_residual(const Answer& answer, Scalar limit) {
-    if (!has_residual(answer)) return false;
     for (Count i = 0; i < lanes(); i += L::kWidth) {
       L::store(moved_.data() + i, L::load(answer.velocity + i) - L::load(answer.v + i));
     }
@@ -228,9 +240,9 @@ class VelocityTest {
     const Scalar own = bits * bits * (size() * square_root(L::sum(changes)) + of_impulse) + kUnderflow;
     const Scalar residual = square_root(dot(residual_.data(), residual_.data(), lanes())) +
                             square_root(whitening_.condition()) * own;
-    const Scalar rounding = kRoom * square_root(all.largest) * residual +
+    const Scalar rounding = kRoom * square_root(whitening_.largest_squared_norm()) * residual +
                             roundings(static_cast<double>(whitening_.ngc())) * L::max(terms);
-    const Scalar most = limit * all.speed;
+    const Scalar most = limit * answer.speed;
     return finite(most) && all.worst + rounding <= most;
   }
 

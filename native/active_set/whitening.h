@@ -29,17 +29,19 @@ class Whitening {
   void reserve(Count ngc, Count nc, Count factors) {
     const Count velocities = L::padded(ngc);
     const Count contacts = L::padded(nc);
-    rows_.resize(ngc * (velocities + contacts) + 1);
+    rows_.resize(velocities * (velocities + contacts) + 1);
     normals_.resize(ngc * contacts + 1);
     whitened_.resize(nc * velocities + 1);
     is_gathered_.resize(nc + 1);
     squared_norm_.resize(contacts + 1);
     weight_.resize(contacts + 1);
-    columns_.resize(ngc * velocities + 1);
+    columns_.resize(velocities * velocities + 1);
     Buffer<Scalar>* const by_coordinate[] = {&inverse_diagonal_, &root_diagonal_, &inverse_bound_, &pivots_,
                                              &solution_};
     for (Buffer<Scalar>* buffer : by_coordinate) buffer->resize(velocities + 1);
     inverse_trace_.reserve(ngc);
+    lanes_from_.resize(2 * L::kWidth);
+    for (Count i = 0; i < 2 * L::kWidth; ++i) lanes_from_[i] = Scalar(i < L::kWidth ? 0 : 1);
     if (factors >= 0) root_.reserve(ngc, factors);
   }
 
@@ -48,7 +50,7 @@ class Whitening {
     set_dimensions(input);
     given_normals_ = input.N;
     given_inertia_ = input.matrix;
-    read_normals(input);
+    transpose(input.N, ngc_, ngc_, nc_, normals_.data());
     rank_ = 0;
     triangular_ = false;
     if (!factor_inertia(input)) return false;
@@ -74,6 +76,7 @@ class Whitening {
   const double* given_normal(Count contact) const { return given_normals_ + contact * ngc_; }
   Scalar squared_norm(Count contact) const { return squared_norm_[contact]; }
   const Scalar* squared_norms() const { return squared_norm_.data(); }
+  Scalar largest_squared_norm() const { return largest_squared_norm_; }
   /// 1 / |W_j|^2 by contact; 0 for contacts that no impulse moves.
   const Scalar* weights() const { return weight_.data(); }
 
@@ -130,6 +133,7 @@ class Whitening {
       if (velocity_lanes_ == L::kWidth) return solve_in_registers<1>(x);
       if (velocity_lanes_ == 2 * L::kWidth) return solve_in_registers<2>(x);
       if (velocity_lanes_ == 3 * L::kWidth) return solve_in_registers<3>(x);
+      if (velocity_lanes_ == 4 * L::kWidth) return solve_in_registers<4>(x);
     }
     for (Count i = ngc_ - 1; i >= 0; --i) {
       const Scalar value = x[i] * inverse_diagonal_[i];
@@ -145,6 +149,7 @@ class Whitening {
       if (velocity_lanes_ == L::kWidth) return solve_transposed_in_registers<1>(x);
       if (velocity_lanes_ == 2 * L::kWidth) return solve_transposed_in_registers<2>(x);
       if (velocity_lanes_ == 3 * L::kWidth) return solve_transposed_in_registers<3>(x);
+      if (velocity_lanes_ == 4 * L::kWidth) return solve_transposed_in_registers<4>(x);
     }
     for (Count i = 0; i < ngc_; ++i) {
       const Scalar value = x[i] * inverse_diagonal_[i];
@@ -189,7 +194,7 @@ class Whitening {
     copy(x, solution_.data(), velocity_lanes_);
   }
 
-  /// solve() and solve_transposed() bit for bit, where all of x is up to three registers: no entry waits for the memory.
+  /// solve() and solve_transposed() bit for bit, where all of x is up to four registers: no entry waits for the memory.
   template <int kPacks>
   [[gnu::noinline]] void solve_in_registers(Scalar* x) {
     typename L::Pack packs[kPacks];
@@ -237,30 +242,6 @@ class Whitening {
 
   Scalar* work_row(Count i) { return rows_.data() + i * stride_; }
 
-  void read_normals(const Input& input) {
-    Scalar* const to = normals_.data();
-    Count j = 0;
-#if defined(__AVX2__)
-    if constexpr (L::kWidth == 4) {
-      for (; j + L::kWidth <= nc_; j += L::kWidth) {
-        Count i = 0;
-        for (; i + L::kWidth <= ngc_; i += L::kWidth) {
-          lemke::LCPBENCH_LEVEL::transpose_square(input.N + j * ngc_ + i, ngc_, to + i * contact_lanes_ + j,
-                                                  contact_lanes_);
-        }
-        for (; i < ngc_; ++i) {
-          for (Count k = j; k < j + L::kWidth; ++k) to[i * contact_lanes_ + k] = input.N[k * ngc_ + i];
-        }
-      }
-    }
-#endif
-    for (; j < contact_lanes_; ++j) {
-      for (Count i = 0; i < ngc_; ++i) {
-        to[i * contact_lanes_ + j] = j < nc_ ? static_cast<Scalar>(input.N[j * ngc_ + i]) : Scalar(0);
-      }
-    }
-  }
-
   bool factor_inertia(const Input& input) {
     root_.set_rows(rows_.data(), stride_, ngc_);
     switch (input.form) {
@@ -290,7 +271,7 @@ class Whitening {
   bool eliminate(const double* G) {
     for (Count i = 0; i < ngc_; ++i) {
       Scalar* row = work_row(i);
-      widen(row, G + i * ngc_, ngc_, velocity_lanes_);
+      widen(G + i * ngc_, ngc_, row);
       copy(row + velocity_lanes_, normals_.data() + i * contact_lanes_, contact_lanes_);
       root_diagonal_[i] = row[i];  // G_ii, until scale_rows
     }
@@ -360,19 +341,31 @@ class Whitening {
       const auto factor = L::broadcast(inverse_diagonal_[i]);
       const auto weight = L::broadcast(bound);
       for (Count j = first; j < velocity_lanes_; j += L::kWidth) {
-        const auto entries = factor * L::load(row + j);
+        auto entries = factor * L::load(row + j);
+        if (j == first) entries = is_from(i - first) ? entries : L::broadcast(0);  // elimination left something there
         L::store(row + j, entries);
         Scalar* const bounds = inverse_bound_.data() + j;
         L::store(bounds, L::load(bounds) + weight * L::max(entries, -entries));
       }
       scale(row + velocity_lanes_, inverse_diagonal_[i], contact_lanes_);
-      Scalar* column = columns_.data() + i * velocity_lanes_;
-      for (Count j = 0; j <= i; ++j) column[j] = work_row(j)[i];
-      for (Count j = i + 1; j < velocity_lanes_; ++j) column[j] = 0;
     }
     bound_condition(squared_bound);
-    for (Count i = 0; i < ngc_; ++i) {  // what elimination left below the diagonal
-      for (Count j = i / L::kWidth * L::kWidth; j < i; ++j) work_row(i)[j] = 0;
+    make_columns();
+  }
+
+  /// By lane of a register, whether it is `lane` or one after it.
+  auto is_from(Count lane) const { return L::load(lanes_from_.data() + L::kWidth - lane) > L::broadcast(0); }
+
+  /// columns_ of the rows of C, as many as fill registers: the last ones are zero.
+  void make_columns() {
+    for (Count i = ngc_; i < velocity_lanes_; ++i) set_zero(work_row(i), velocity_lanes_);
+    for (Count i = 0; i < velocity_lanes_; i += L::kWidth) {
+      Scalar* const columns = columns_.data() + i * velocity_lanes_;
+      for (Count j = 0; j <= i; j += L::kWidth) {
+        transpose_block(work_row(j) + i, stride_, columns + j, velocity_lanes_);
+      }
+      const Count behind = i + L::kWidth;
+      for (Count k = 0; k < L::kWidth; ++k) set_zero(columns + k * velocity_lanes_ + behind, velocity_lanes_ - behind);
     }
   }
 
@@ -411,28 +404,47 @@ class Whitening {
   // --- both ---
 
   void measure_normals() {
-    for (Count j = 0; j < contact_lanes_; j += L::kWidth) {
-      auto sum = L::broadcast(0);
-      for (Count i = 0; i < rank_; ++i) {
-        const auto entry = L::load(row(i) + j);
-        sum += entry * entry;
-      }
-      L::store(squared_norm_.data() + j, sum);
-    }
+    Count j = 0;
+    for (; j + 3 * L::kWidth <= contact_lanes_; j += 3 * L::kWidth) measure_packs<3>(j);
+    for (; j < contact_lanes_; j += L::kWidth) measure_packs<1>(j);
     if (!triangular_) discard_rounding();
     is_gathered_.fill(nc_, false);
     const auto one = L::broadcast(1);
     const auto zero = L::broadcast(0);
-    for (Count j = 0; j < contact_lanes_; j += L::kWidth) {
+    auto largest = zero;
+    for (j = 0; j < contact_lanes_; j += L::kWidth) {
       const auto squared = L::load(squared_norm_.data() + j);
+      largest = L::max(squared, largest);
       L::store(weight_.data() + j, squared > zero ? one / squared : zero);
     }
+    largest_squared_norm_ = L::max(largest);
+  }
+
+  /// squared_norm_ of kPacks registers of contacts from `first` on.
+  template <int kPacks>
+  void measure_packs(Count first) {
+    typename L::Pack sums[static_cast<unsigned>(kPacks)];
+    for (auto& sum : sums) sum = L::broadcast(0);
+    for (Count i = 0; i < rank_; ++i) {
+      for (int p = 0; p < kPacks; ++p) {
+        const auto entry = L::load(row(i) + first + p * L::kWidth);
+        sums[p] += entry * entry;
+      }
+    }
+    for (int p = 0; p < kPacks; ++p) L::store(squared_norm_.data() + first + p * L::kWidth, sums[p]);
   }
 
   void gather(Count contact, Scalar* to) {
     const Scalar* const from = row(0) + contact;
-    for (Count i = 0; i < rank_; ++i) to[i] = from[i * stride_];
-    for (Count i = rank_; i < velocity_lanes_; ++i) to[i] = 0;
+    Count i = 0;
+    if constexpr (L::kWidth == 4) {  // what is stored by lanes and loaded by registers waits for the memory
+      for (; i + 3 < rank_; i += 4) {
+        const Scalar* const first = from + i * stride_;
+        L::store(to + i, typename L::Pack{first[0], first[stride_], first[2 * stride_], first[3 * stride_]});
+      }
+    }
+    for (; i < rank_; ++i) to[i] = from[i * stride_];
+    for (; i < velocity_lanes_; ++i) to[i] = 0;
     is_gathered_[contact] = true;
   }
 
@@ -468,6 +480,7 @@ class Whitening {
   Buffer<Scalar> root_diagonal_;     // of G; during the elimination the diagonal itself
   Buffer<Scalar> inverse_bound_;     // what bound_condition() tells of
   Buffer<Scalar> pivots_;            // of the elimination
+  Buffer<Scalar> lanes_from_;        // a register of zeros and one of ones
   Buffer<Scalar> solution_;
   InverseTrace<Scalar> inverse_trace_;
   Buffer<Scalar> normals_;   // N by rows
@@ -476,6 +489,7 @@ class Whitening {
   const double* given_normals_ = nullptr;
   const double* given_inertia_ = nullptr;
   Buffer<Scalar> squared_norm_;  // |W_j|^2
+  Scalar largest_squared_norm_ = 0;
   Buffer<Scalar> weight_;
 
   SemidefiniteRoot<Scalar> root_;  // S

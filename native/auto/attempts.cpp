@@ -28,14 +28,18 @@ constexpr double kLargestRestResidual = 1e-8;
 
 /// A contact slips if its lambda is more than this part of max|N'v + b|.
 constexpr double kSlipping = 1e-9;
+/// Where one slips faster than that, over max|N'v + b|, rest is hardly ever a solution.
+constexpr double kFastSlip = 2;
 
-bool slips(const ContactProblem& contact, const Vector& v, const Vector& z) {
+bool slips_slowly(const ContactProblem& contact, const Vector& v, const Vector& z) {
   double scale = 0;
   for (Index c = 0; c < contact.nc(); ++c) {
     scale = std::max(scale, std::abs(dot_column(contact.N, c, v) + contact.offset(c)));
   }
   const Index impulses = contact.nc() + cols(contact.D);
-  return z.size() > impulses && z.tail(z.size() - impulses).maxCoeff() > kSlipping * scale;
+  if (z.size() == impulses) return false;
+  const double fastest = z.tail(z.size() - impulses).maxCoeff();
+  return fastest > kSlipping * scale && fastest <= kFastSlip * scale;
 }
 
 }  // namespace
@@ -97,7 +101,7 @@ void Attempts::load_methods(bool in_turn) {
   const Vector& v = v_;
   waits_ = false;
   sweeps_ = worthwhile_sweeps(settings_, problem);
-  plan_ = plan_for(settings_, problem, v, sweeps_);
+  plan_ = plan_for(settings_, problem, v, sweeps_, idle_);
   const AutoMethod first = plan_.front().method;
   takes_turns_ = in_turn && is_dense(first) && fits_in_advance(first, problem);
   if (!takes_turns_) load_own(first);
@@ -107,7 +111,7 @@ void Attempts::load_methods(bool in_turn) {
 bool Attempts::load_when_needed(const Problem& problem, const Vector& v) {
   begin(problem, v);
   sweeps_ = worthwhile_sweeps(settings_, problem);
-  plan_ = plan_for(settings_, problem, v, sweeps_);
+  plan_ = plan_for(settings_, problem, v, sweeps_, idle_);
   is_put_off_ = true;
   bool can_wait = false;
   for (const AutoTry& next : plan_) {
@@ -163,7 +167,7 @@ void Attempts::update(const Vector& v) {
   is_put_off_ = false;
   takes_turns_ = false;
   v_ = v;
-  plan_ = plan_for(settings_, *problem_, v, sweeps_);
+  plan_ = plan_for(settings_, *problem_, v, sweeps_, idle_);
   set_velocity(v);
   const AutoMethod first = plan_.front().method;
   if (!is_loaded(first)) load_own(first);
@@ -249,8 +253,8 @@ bool Attempts::rests(const SolveRequest& request, const AutoLimits& limits, Answ
 bool Attempts::may_have_missed_rest(const Answer& answer) const {
   if (plan_.rest != AutoPlan::Rest::kAfter || answered_by_ != AutoMethod::kContactLemke) return false;
   const ContactProblem& contact = *problem_->contact();
-  const std::int64_t worth = std::max(contact.ngc(), cols(contact.D) / 4);
-  return answer.claim == Claim::kSolved && answer.counters.pivots >= worth && slips(contact, v_, answer.z);
+  const std::int64_t worth = std::max(contact.ngc() - idle_, cols(contact.D) / 4);
+  return answer.claim == Claim::kSolved && answer.counters.pivots >= worth && slips_slowly(contact, v_, answer.z);
 }
 
 void Attempts::solve(const SolveRequest& request, const AutoLimits& limits, Answer& answer, AutoReport& report) {

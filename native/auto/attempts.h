@@ -50,6 +50,9 @@ class Attempts {
   Attempts(const AutoSettings& settings, SharedMethods& shared, Scope scope = Scope::kParts)
       : settings_(settings), shared_(shared), scope_(scope) {}
 
+  /// Of the problems loaded from now on: how many coordinates no contact moves. At first none.
+  void expect_idle(Index coordinates) { idle_ = coordinates; }
+
   /// @param problem must outlive the next load @param v the velocity now
   /// @param in_turn a dense first method is not loaded: until the next update() the shared one solves, which touches
   ///     memory once for all islands, and forgets the island
@@ -100,6 +103,7 @@ class Attempts {
   const AutoSettings& settings_;
   SharedMethods& shared_;
   Scope scope_ = Scope::kParts;
+  Index idle_ = 0;
   const Problem* problem_ = nullptr;
   Vector v_;
   AutoPlan plan_;

@@ -52,7 +52,7 @@ class Auto final : public Solver {
   void on_solve(const SolveRequest& request, Answer& answer) override;
 
   static bool has_rows_to_strip(const ContactProblem& contact);
-  bool is_one_small_island(const ContactProblem& contact) const;
+  bool is_one_small_island(const ContactProblem& contact, Index idle) const;
   void load(const Problem& problem, bool to_hold);
   void load_whole(bool to_hold);
   void load_islands(const ContactProblem& contact, bool to_hold);
@@ -90,9 +90,12 @@ void Auto::load(const Problem& problem, bool to_hold) {
   if (contact == nullptr) return lcp_.load(problem);
   v_ = contact->v;
   is_whole_ = couples_all(contact->inertia) && !has_rows_to_strip(*contact);
+  whole_.expect_idle(0);
   if (is_whole_) return load_whole(to_hold);
   numbers_.find(*contact);
-  is_whole_ = is_one_small_island(*contact);
+  const Index idle = std::count(numbers_.of_coordinate.begin(), numbers_.of_coordinate.end(), -1);
+  is_whole_ = is_one_small_island(*contact, idle);
+  whole_.expect_idle(idle);
   may_remain_ = is_whole_ && settings_.leave_out;
   if (is_whole_) return load_whole(to_hold);
   load_islands(*contact, to_hold);
@@ -103,14 +106,14 @@ bool Auto::has_rows_to_strip(const ContactProblem& contact) {
   return contact.frictional() && !(contact.mu.array() > 0).any();
 }
 
-/// Whether there is nothing to split, and nothing to leave out as long as anything approaches. What cutting a problem
-/// out of itself costs is a third of the time of a few contacts. @pre numbers_ are those of the problem
-bool Auto::is_one_small_island(const ContactProblem& contact) const {
+/// Whether there is nothing to split, little that no contact moves, and nothing to leave out as long as anything
+/// approaches. What cutting a problem out of itself costs is a third of the time of a few contacts.
+/// @pre numbers_ are those of the problem @param idle coordinates that no contact moves
+bool Auto::is_one_small_island(const ContactProblem& contact, Index idle) const {
   if (numbers_.count != 1 || has_rows_to_strip(contact) || ContactSolvability::is_asked(contact)) return false;
   if (settings_.leave_out && contact.nc() >= settings_.leave_out_from) return false;
   const auto is_in = [](Index island) { return island == 0; };
-  return std::all_of(numbers_.of_contact.begin(), numbers_.of_contact.end(), is_in) &&
-         std::all_of(numbers_.of_coordinate.begin(), numbers_.of_coordinate.end(), is_in);
+  return 2 * idle <= contact.ngc() && std::all_of(numbers_.of_contact.begin(), numbers_.of_contact.end(), is_in);
 }
 
 void Auto::load_whole(bool to_hold) {

@@ -21,11 +21,11 @@ SolverDefinition lcpbench_solver_velocity_ipm();
 
 namespace {
 
-/// Of a brief try of contact_lemke, per contact and at least: twice what most of the collected steps take.
-constexpr std::int64_t kPivotsPerContact = 10;
+/// Of a brief try of contact_lemke, per contact and at least: three times what most of the collected steps take.
+constexpr std::int64_t kPivotsPerContact = 15;
 constexpr std::int64_t kFewestPivots = 50;
-/// The second one is the same path with its kernel inverted at each pivot, or another path where kernels are large.
-constexpr std::int64_t kBriefRungs = 2;
+/// A second path mostly takes longer than friction_ipm, which follows.
+constexpr std::int64_t kBriefRungs = 1;
 
 /// Of a brief try of friction_ipm. Contacts that do not slide take one convex problem, or two.
 constexpr std::int64_t kBriefRounds = 2;
@@ -81,7 +81,7 @@ std::unique_ptr<Solver> make_method(AutoMethod method, const std::shared_ptr<Lat
     case AutoMethod::kContactLemke: return std::make_unique<ContactLemke>(ContactLemkeSettings{}, later);
     case AutoMethod::kVelocityIpm: return lcpbench_solver_velocity_ipm().make({});
     case AutoMethod::kFrictionIpm: return make_friction_ipm();
-    case AutoMethod::kPsor: return make_conjugate_psor();
+    case AutoMethod::kPsor: return make_limited_psor();
     default: return std::make_unique<ActiveSet>(ActiveSetSettings{});
   }
 }

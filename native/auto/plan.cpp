@@ -28,6 +28,8 @@ constexpr Index kHeldUnloadedBlock = 30;
 constexpr Index kRestByIpm = 5000;
 /// From this on psor takes less time than the rungs of contact_lemke beyond double.
 constexpr Index kHuge = 8000;
+/// From this on friction_ipm takes less time than contact_lemke where contacts slide, too.
+constexpr Index kByIpm = 20'000;
 
 /// Slip ratio up to which friction holds most islands, and above which it holds hardly any. Contacts of a grip press
 /// more than they approach.
@@ -39,10 +41,23 @@ constexpr double kSweepsPerCube = 0.15;
 /// A pile takes so many sweeps for each decimal digit of the error, or more.
 constexpr double kSweepsPerDigit = 8;
 constexpr double kMostSweeps = 10000;
+/// Of ngc coordinates of a pile with friction: ngc^2 times this, if that is more than ngc, is a third of contact_lemke's
+/// time in sweeps.
+constexpr double kSweepsPerSquare = 1.0 / 32;
 /// Of a size from kRestByIpm up to this, walls with friction take so many sweeps for each digit, and less time than
 /// friction_ipm takes beyond its first convex problems.
 constexpr Index kLargestSweptWall = 100'000;
 constexpr std::int64_t kWallSweepsPerDigit = 225;
+/// Where an error is stated, piles take at most so many sweeps for each coordinate, or contact_lemke is as fast.
+constexpr std::int64_t kSweepsPerCoordinate = 6;
+/// Up to this redundancy() bodies are a pile then if they slide faster than kPileSlip, or if the error is at least
+/// kLooseError; if it is, large ones are a pile below kStackRedundancy.
+constexpr double kLoosePileRedundancy = 1.6;
+constexpr double kPileSlip = 2;
+constexpr double kLooseError = 1e-5;
+constexpr Index kLargePile = 3000;
+/// Where the stated error is at least this, those of size kSmall or more take a sweep for each coordinate.
+constexpr double kRoughError = 1e-3;
 /// Up to this redundancy() sliding bodies are a pile rather than a stack, a wall or a box on the ground.
 constexpr double kPileRedundancy = 1.25;
 /// That of boxes on boxes, of which each rests on one; in a wall on two.
@@ -51,31 +66,40 @@ constexpr double kStackRedundancy = 2;
 /// ngc (ngc + nc) of a problem up to which memory is taken in advance: half a gigabyte of addresses.
 constexpr Index kMostEntries = 1'000'000;
 
+/// max|d'v| over the first half of the directions d of each contact, which the others oppose.
+template <class Directions>
+double fastest_slip(const ContactProblem& contact, const Directions& D, const Vector& v) {
+  double slip = 0;
+  Index direction = 0;
+  for (const int edges : contact.edges) {
+    for (Index t = 0; t < edges / 2; ++t) slip = std::max(slip, std::abs(D.col(direction + t).dot(v)));
+    direction += edges;
+  }
+  return slip;
+}
+
 /// The fastest slip, over the largest mu times the fastest approach: friction may hold every contact where that is at
 /// most 1.
 double slip_ratio(const ContactProblem& contact, const Vector& v) {
   double approach = 0;
-  double slip = 0;
   double mu = 0;
-  Index direction = 0;
   for (Index c = 0; c < contact.nc(); ++c) {
-    const int edges = contact.edges[static_cast<std::size_t>(c)];
     approach = std::max(approach, -(dot_column(contact.N, c, v) + contact.offset(c)));
     mu = std::max(mu, contact.mu(c));
-    for (Index t = 0; t < edges / 2; ++t) slip = std::max(slip, std::abs(dot_column(contact.D, direction + t, v)));
-    direction += edges;
   }
+  const double slip = std::visit([&](const auto& D) { return fastest_slip(contact, D, v); }, contact.D);
   return slip == 0 ? 0 : slip / (mu * approach);
 }
 
 /// Normals and tangents over coordinates. Up to 1 the impulses of rest are mostly the only ones, and contact_lemke
 /// comes to them. Box on box has 2, a pile of spheres about 1.
-double redundancy(const ContactProblem& contact) {
+/// @param idle coordinates that no contact moves
+double redundancy(const ContactProblem& contact, Index idle = 0) {
   Index rows = contact.nc();
   for (Index c = 0; c < contact.nc(); ++c) {
     if (contact.mu(c) > 0) rows += contact.edges[static_cast<std::size_t>(c)] > 0 ? 2 : 0;
   }
-  return static_cast<double>(rows) / static_cast<double>(contact.ngc());
+  return static_cast<double>(rows) / static_cast<double>(contact.ngc() - idle);
 }
 
 bool may_be_singular(const ContactProblem& contact) {
@@ -118,6 +142,16 @@ double digits_of(const AutoSettings& settings) {
   return -std::log10(settings.error > 0 ? settings.error : kSweptResidual);
 }
 
+bool is_pile(const ContactProblem& contact, Index idle = 0) {
+  return is_sparse(contact) && redundancy(contact, idle) <= kPileRedundancy;
+}
+
+/// Sweeps for a pile with friction: up to a third of the time that contact_lemke takes.
+std::int64_t pile_sweeps(Index coordinates) {
+  const auto ngc = static_cast<double>(coordinates);
+  return static_cast<std::int64_t>(std::min(std::max(ngc, kSweepsPerSquare * ngc * ngc), kMostSweeps));
+}
+
 /// Sweeps for a wall with friction; 0: none.
 std::int64_t wall_sweeps(const AutoSettings& settings, const ContactProblem& contact) {
   const Index size = contact.nc() * contact.ngc();
@@ -126,42 +160,60 @@ std::int64_t wall_sweeps(const AutoSettings& settings, const ContactProblem& con
   return kWallSweepsPerDigit * static_cast<std::int64_t>(std::ceil(digits_of(settings)));
 }
 
+/// Whether psor reaches the stated error before contact_lemke does, as a rule, where is_pile() is false.
+/// @param rows redundancy @param slip slip_ratio @param size kLarge or more
+bool is_loose_pile(const AutoSettings& settings, double rows, double slip, Index size) {
+  const bool is_loose = settings.error >= kLooseError;
+  if (rows <= kLoosePileRedundancy) return is_loose || (settings.error > 0 && slip > kPileSlip);
+  return is_loose && rows < kStackRedundancy && size >= kLargePile;
+}
+
+/// Sweeps for an island of size kSmall or more; 0: none. @param slip slip_ratio
+std::int64_t sweeps_before_lemke(const AutoSettings& settings, const ContactProblem& contact, double slip,
+                                 Index idle) {
+  if (!is_sparse(contact)) return 0;
+  const Index coordinates = contact.ngc() - idle;
+  const Index size = contact.nc() * coordinates;
+  const double rows = redundancy(contact, idle);
+  if (size < kLarge) return settings.error >= kRoughError && rows < kStackRedundancy ? coordinates : 0;
+  const std::int64_t by_error = settings.error > 0 ? kSweepsPerCoordinate * coordinates : 0;
+  if (is_pile(contact, idle)) return std::max(by_error, pile_sweeps(coordinates));
+  return is_loose_pile(settings, rows, slip, size) ? by_error : wall_sweeps(settings, contact);
+}
+
 /// Of islands that are not too large for contact_lemke.
-AutoPlan frictional_plan(const AutoSettings& settings, const ContactProblem& contact, const Vector& v) {
+AutoPlan frictional_plan(const AutoSettings& settings, const ContactProblem& contact, const Vector& v, Index idle) {
   using enum AutoMethod;
   AutoPlan plan;
-  const Index size = contact.nc() * contact.ngc();
+  const Index size = contact.nc() * (contact.ngc() - idle);
   const bool is_scene = std::holds_alternative<BlockInertia>(contact.inertia);
   const bool seeks_rest = (is_scene || std::holds_alternative<DenseInertia>(contact.inertia)) &&
-                          (size >= kLarge || redundancy(contact) > 1);
+                          (size >= kLarge || redundancy(contact, idle) > 1);
   const double slip = seeks_rest || size >= kLarge ? slip_ratio(contact, v) : 0;
   if (seeks_rest) plan.rest = rest_for(size, slip);
   if (size < kLarge && may_be_singular(contact)) {  // only contact_lemke tells what has a solution from what has none
     plan.add(kContactLemke);
-  } else if (size < (is_scene ? kSmall : kLarge)) {
-    plan.add(kContactLemke);
-    plan.add(kFrictionIpm);
-    plan.add(kPsor);
-  } else if (size < kLarge) {
-    plan.add(kContactLemke, true);
-    plan.add(kFrictionIpm);
-    plan.add(kContactLemke);
-    plan.add(kPsor);
-  } else {
-    const bool sticks = slip <= 1;
-    if (sticks && plan.rest == AutoPlan::Rest::kNotSought) plan.add(kFrictionIpm, true);
-    if (!sticks && is_sparse(contact) && redundancy(contact) <= kPileRedundancy) {
-      plan.add_sweeps(contact.ngc());
-    } else if (const std::int64_t sweeps = wall_sweeps(settings, contact); sweeps > 0) {
-      plan.add_sweeps(sweeps);
-    }
-    plan.add(kContactLemke, true);
-    if (is_scene || sticks) plan.add(kFrictionIpm);
-    if (size >= kHuge) plan.add(kPsor);
-    plan.add(kContactLemke);
-    if (!is_scene && !sticks) plan.add(kFrictionIpm);
-    if (size < kHuge) plan.add(kPsor);
+    return plan;
   }
+  const bool sticks = slip <= 1;
+  if (size < kSmall || (!is_scene && (size < kLarge || !sticks))) {
+    plan.add(kContactLemke);
+    plan.add(kFrictionIpm);
+    plan.add(kPsor);
+    return plan;
+  }
+  const bool has_one_rest = is_pile(contact, idle) && redundancy(contact, idle) <= 1;
+  if (size >= kLarge && has_one_rest) {
+    plan.rest = AutoPlan::Rest::kNotSought;
+  } else if (size >= kLarge && sticks && plan.rest == AutoPlan::Rest::kNotSought) {
+    plan.add(kFrictionIpm, true);
+  }
+  if (const std::int64_t sweeps = sweeps_before_lemke(settings, contact, slip, idle); sweeps > 0) plan.add_sweeps(sweeps);
+  if (size < kByIpm) plan.add(kContactLemke, true);
+  plan.add(kFrictionIpm);
+  if (size >= kHuge) plan.add(kPsor);
+  plan.add(kContactLemke);
+  if (size < kHuge) plan.add(kPsor);
   return plan;
 }
 
@@ -189,13 +241,18 @@ std::int64_t worthwhile_sweeps(const AutoSettings& settings, const Problem& prob
   return static_cast<std::int64_t>(std::min(sweeps, kMostSweeps));
 }
 
-AutoPlan plan_for(const AutoSettings& settings, const Problem& problem, const Vector& v, std::int64_t sweeps) {
+AutoPlan plan_for(const AutoSettings& settings, const Problem& problem, const Vector& v, std::int64_t sweeps,
+                  Index idle) {
   using enum AutoMethod;
   const ContactProblem& contact = *problem.contact();
   if (!contact.frictional()) return frictionless_plan(settings, problem, sweeps);
-  if (!is_large_scene(settings, problem) && lemke_takes(problem)) return frictional_plan(settings, contact, v);
+  if (!is_large_scene(settings, problem) && lemke_takes(problem)) return frictional_plan(settings, contact, v, idle);
   AutoPlan plan;
-  if (sweeps > 0) {
+  const bool piles_up = is_pile(contact);
+  if (piles_up) {
+    plan.add_sweeps(std::max(sweeps, pile_sweeps(contact.ngc())));
+    plan.add(kPsor);
+  } else if (sweeps > 0) {
     plan.add_sweeps(sweeps);
   } else if (const std::int64_t of_wall = wall_sweeps(settings, contact); of_wall > 0) {
     plan.add(kFrictionIpm, true);
@@ -203,16 +260,16 @@ AutoPlan plan_for(const AutoSettings& settings, const Problem& problem, const Ve
   }
   plan.add(kFrictionIpm);
   if (!fits_in_advance(kContactLemke, problem)) {
-    plan.add(kPsor);
+    if (!piles_up) plan.add(kPsor);
     return plan;
   }
   const Index size = contact.nc() * contact.ngc();
   if (size >= kHuge) {
     plan.add(kContactLemke, true);
-    plan.add(kPsor);
+    if (!piles_up) plan.add(kPsor);
   }
   plan.add(kContactLemke);
-  if (size < kHuge) plan.add(kPsor);
+  if (size < kHuge && !piles_up) plan.add(kPsor);
   return plan;
 }
 

@@ -36,8 +36,9 @@ class AutoPlan {
 std::int64_t worthwhile_sweeps(const AutoSettings& settings, const Problem& problem);
 
 /// The rules of docs/reference/solvers/auto.md. @param v the velocity now @param sweeps worthwhile_sweeps of the
-/// problem
-AutoPlan plan_for(const AutoSettings& settings, const Problem& problem, const Vector& v, std::int64_t sweeps);
+/// problem @param idle coordinates that no contact moves, which do not count
+AutoPlan plan_for(const AutoSettings& settings, const Problem& problem, const Vector& v, std::int64_t sweeps,
+                  Index idle);
 
 /// Whether a solve from a start tries HeldContacts before the plan: frictional islands from a size on. Where the guess
 /// is wrong, which a slipping contact in the start tells at once, that costs a small part of what follows.

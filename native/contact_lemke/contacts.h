@@ -21,7 +21,6 @@ class Contacts {
     padded_nc_ = P::padded(input.nc);
     velocity_.resize(padded_ngc_);
     normals_.resize(ngc() * padded_nc_);
-    squares_.resize(padded_nc_);
     block_at_.resize(nc() + 1);
     transposed_.resize(nc());
     most_padded_half_ = 0;
@@ -31,11 +30,13 @@ class Contacts {
       if (padded_half(c) > most_padded_half_) most_padded_half_ = padded_half(c);
     }
     blocks_.resize(entries);
+    zeros_.resize(ngc());
   }
 
   /// @pre reserve(input)
   void load(const contact_lemke::Input& input) {
     input_ = input;
+    zeros_.fill(ngc(), 0);
     load_normals();
     load_layout();
     set_velocity(input.v);
@@ -43,7 +44,7 @@ class Contacts {
 
   void set_velocity(const double* v) {
     input_.v = v;
-    for (Count i = 0; i < padded_ngc_; ++i) velocity_[i] = i < ngc() ? static_cast<Scalar>(v[i]) : Scalar(0);
+    widen(v, ngc(), velocity_.data());
     speed_ = square_root(dot(velocity_.data(), velocity_.data(), padded_ngc_));
   }
 
@@ -95,7 +96,26 @@ class Contacts {
   Scalar mu(Count contact) const { return static_cast<Scalar>(input_.mu[contact]); }
   bool has_friction(Count contact) const { return edges(contact) > 0 && input_.mu[contact] > 0; }
 
-  void get_normal(Count contact, Scalar* to) const { widen(input_.N + contact * ngc(), to); }
+  void get_normal(Count contact, Scalar* to) const { widen(input_.N + contact * ngc(), ngc(), to); }
+
+  /// to = a + factor * b, padded, of columns as impulse_column() and direction() give them.
+  void get_sum(const double* a, Scalar factor, const double* b, Scalar* to) const {
+    Count i = 0;
+    if constexpr (kHasDoubles) {
+      const auto factors = P::broadcast(factor);
+      for (; i + P::kWidth <= ngc(); i += P::kWidth) P::store(to + i, P::load(a + i) + factors * P::load(b + i));
+      const Count left = ngc() - i;
+      if (left == 0) return;
+      P::store(to + i, load_first<Scalar>(a + i, left) + factors * load_first<Scalar>(b + i, left));
+      return;
+    }
+    for (; i < ngc(); ++i) to[i] = static_cast<Scalar>(a[i]) + factor * static_cast<Scalar>(b[i]);
+    for (; i < padded_ngc_; ++i) to[i] = 0;
+  }
+  /// The zero direction is the one behind the last.
+  const double* direction(Count contact, Count direction) const {
+    return direction == edges(contact) ? zeros_.data() : input_.D + (first_direction(contact) + direction) * ngc();
+  }
 
   /// to += factor * direction
   void add_direction(Count contact, Count direction, Scalar factor, Scalar* to) const {
@@ -107,7 +127,10 @@ class Contacts {
   /// The first half of the contact's directions by rows, padded_half() apart; the second half are their negatives.
   const Scalar* block(Count contact) {
     Scalar* const to = blocks_.data() + block_at_[contact];
-    if (!transposed_[contact]) transpose(contact, to);
+    if (!transposed_[contact]) {
+      transpose(input_.D + first_direction(contact) * ngc(), ngc(), ngc(), half(contact), to);
+      transposed_[contact] = true;
+    }
     return to;
   }
 
@@ -205,46 +228,19 @@ class Contacts {
     return P::sum(poison) == 0 ? P::max(largest) : kInfinity<Scalar>;
   }
 
-  void widen(const double* from, Scalar* to) const {
-    for (Count i = 0; i < ngc(); ++i) to[i] = static_cast<Scalar>(from[i]);
-    for (Count i = ngc(); i < padded_ngc_; ++i) to[i] = 0;
-  }
-
   void load_normals() {
-    squares_.fill(padded_nc_, Scalar(0));
-    transpose_normals();
-    for (Count i = 0; i < ngc(); ++i) {
-      const Scalar* const row = normals_.data() + i * padded_nc_;
-      for (Count j = 0; j < padded_nc_; j += P::kWidth) {
-        P::store(squares_.data() + j, P::load(squares_.data() + j) + P::load(row + j) * P::load(row + j));
-      }
-    }
-    Scalar largest = 0;
-    for (Count j = 0; j < nc(); ++j) largest = squares_[j] > largest ? squares_[j] : largest;
-    reach_ = square_root(largest);
-    direction_reach_ = static_cast<Scalar>(kRoundedUp * largest_norm_of_directions());
-  }
-
-  void transpose_normals() {
-    Scalar* const to = normals_.data();
-    Count j = 0;
-    if constexpr (P::kWidth == kTogether && kHasDoubles) {
-      for (; j + kTogether <= nc(); j += kTogether) {
-        const double* const columns = input_.N + j * ngc();
-        Count i = 0;
-        for (; i + kTogether <= ngc(); i += kTogether) {
-          transpose_square(columns + i, ngc(), to + i * padded_nc_ + j, padded_nc_);
-        }
-        for (; i < ngc(); ++i) {
-          for (Count k = 0; k < kTogether; ++k) to[i * padded_nc_ + j + k] = columns[k * ngc() + i];
-        }
-      }
-    }
-    for (; j < padded_nc_; ++j) {
+    transpose(input_.N, ngc(), ngc(), nc(), normals_.data());
+    typename P::Pack largest = typename P::Pack{};
+    for (Count j = 0; j < padded_nc_; j += P::kWidth) {
+      typename P::Pack squares = typename P::Pack{};
       for (Count i = 0; i < ngc(); ++i) {
-        to[i * padded_nc_ + j] = j < nc() ? static_cast<Scalar>(input_.N[j * ngc() + i]) : Scalar(0);
+        const typename P::Pack entries = P::load(normals_.data() + i * padded_nc_ + j);
+        squares += entries * entries;
       }
+      largest = P::max(squares, largest);
     }
+    reach_ = square_root(P::max(largest));
+    direction_reach_ = static_cast<Scalar>(kRoundedUp * largest_norm_of_directions());
   }
 
   void load_layout() {
@@ -256,33 +252,10 @@ class Contacts {
     }
   }
 
-  void transpose(Count contact, Scalar* to) {
-    const Count width = padded_half(contact);
-    const double* column = input_.D + first_direction(contact) * ngc();
-    Count t = 0;
-    for (; t + kTogether <= half(contact); t += kTogether, column += kTogether * ngc()) {
-      Count i = 0;
-      if constexpr (P::kWidth == kTogether && kHasDoubles) {
-        for (; i + kTogether <= ngc(); i += kTogether) {
-          transpose_square(column + i, ngc(), to + i * width + t, width);
-        }
-      }
-      for (; i < ngc(); ++i) {
-        for (Count k = 0; k < kTogether; ++k) to[i * width + t + k] = static_cast<Scalar>(column[k * ngc() + i]);
-      }
-    }
-    for (; t < half(contact); ++t, column += ngc()) {
-      for (Count i = 0; i < ngc(); ++i) to[i * width + t] = static_cast<Scalar>(column[i]);
-    }
-    for (; t < width; ++t) {
-      for (Count i = 0; i < ngc(); ++i) to[i * width + t] = 0;
-    }
-    transposed_[contact] = true;
-  }
-
   contact_lemke::Input input_;
   Count padded_ngc_ = 0, padded_nc_ = 0, most_padded_half_ = 0;
-  Buffer<Scalar> velocity_, normals_, squares_, blocks_;
+  Buffer<Scalar> velocity_, normals_, blocks_;
+  Buffer<double> zeros_;
   Buffer<Count> block_at_;
   Buffer<bool> transposed_;
   Scalar speed_ = 0, reach_ = 0, direction_reach_ = 0;

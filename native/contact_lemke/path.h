@@ -227,17 +227,16 @@ class Path {
   }
   /// a of an impulse
   void load_column(Label label) {
+    const Count c = label.contact;
     if (!label.is_normal()) return load_difference(label, column_.data());
-    contacts_.get_normal(label.contact, column_.data());
-    if (friction_.is_active(label.contact)) {
-      contacts_.add_direction(label.contact, friction_.base(label.contact), contacts_.mu(label.contact),
-                              column_.data());
-    }
+    if (!friction_.is_active(c)) return contacts_.get_normal(c, column_.data());
+    const double* const base = contacts_.direction(c, friction_.base(c));
+    contacts_.get_sum(contacts_.impulse_column(c), contacts_.mu(c), base, column_.data());
   }
   void load_difference(Label label, Scalar* to) {
-    for (Count i = 0; i < contacts_.padded_ngc(); ++i) to[i] = 0;
-    contacts_.add_direction(label.contact, label.direction, Scalar(1), to);
-    contacts_.add_direction(label.contact, friction_.base(label.contact), Scalar(-1), to);
+    const Count c = label.contact;
+    contacts_.get_sum(contacts_.direction(c, label.direction), Scalar(-1), contacts_.direction(c, friction_.base(c)),
+                      to);
   }
   Scalar norm_of(const Scalar* response) const {
     return contacts_.reach() * square_root(dot(response, response, contacts_.padded_ngc()));

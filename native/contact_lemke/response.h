@@ -60,7 +60,8 @@ class Response {
         is_sound_ = pseudo_invert() && is_cut_cleanly();
       }
     }
-    transpose();
+    white_.fill(padded_, Scalar(0));
+    transpose(columns_.data(), padded_, ngc_, rank_, rows_.data());
     inverse_trace_ = dot(columns_.data(), columns_.data(), rank_ * padded_);
     trace_ = by_columns_ ? dot(L_.data(), L_.data(), rank_ * padded_) : sum(diagonal_.data());
   }
@@ -257,6 +258,10 @@ class Response {
   }
 
   void form(const contact_lemke::InertiaInput& inertia) {
+    if (inertia.factors < 0 && inertia.blocks == 1 && P::padded(ngc_) == padded_) {
+      for (Count j = 0; j < ngc_; ++j) widen(inertia.G[0] + j * ngc_, ngc_, work_.data() + j * padded_);
+      return;
+    }
     for (Count i = 0; i < ngc_ * padded_; ++i) work_[i] = 0;
     if (inertia.factors >= 0) return form_factors(inertia);
     for (Count b = 0; b < inertia.blocks; ++b) {
@@ -373,11 +378,12 @@ class Response {
           const typename P::Pack factor = P::broadcast(-L_[j * padded_ + pivot]);
           for (Count p = 0; p < packs.kValue; ++p) sums[p] += factor * P::load(from + p * P::kWidth);
         }
-        for (Count p = 0; p < packs.kValue; ++p) {
-          P::store(columns_.data() + k * padded_ + at + p * P::kWidth, sums[p] * reciprocal);
+        for (Count p = 0; p < packs.kValue; ++p) {  // no column before it has an entry at the pivot
+          const Count first = at + p * P::kWidth;
+          P::store(columns_.data() + k * padded_ + first,
+                   with_entry<Scalar>(sums[p] * reciprocal, first, pivot, reciprocal));
         }
       });
-      columns_[k * padded_ + pivot] = reciprocal;  // no column before it has an entry there
     }
   }
 
@@ -489,16 +495,6 @@ class Response {
 
   void subtract_column(Count to, Count from, Scalar factor) {
     add_multiple(columns_.data() + to * padded_, -factor, columns_.data() + from * padded_, padded_);
-  }
-
-  void transpose() {
-    white_.fill(padded_, Scalar(0));
-    for (Count i = 0; i < ngc_; ++i) {
-      Scalar* const row = rows_.data() + i * rank_padded_;
-      const Scalar* entry = columns_.data() + i;
-      for (Count k = 0; k < rank_; ++k, entry += padded_) row[k] = *entry;
-      for (Count k = rank_; k < rank_padded_; ++k) row[k] = 0;
-    }
   }
 
   Count ngc_ = 0, rank_ = 0, rank_padded_ = 0;

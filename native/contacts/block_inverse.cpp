@@ -6,9 +6,19 @@
 namespace lcpbench {
 namespace {
 
-/// What moves or turns of a body: known to the compiler, it takes a tenth of the time.
+bool is_positive_diagonal(const Matrix& block) {
+  for (Index j = 0; j < block.cols(); ++j) {
+    for (Index i = 0; i < block.rows(); ++i) {
+      if (i == j ? !(block(i, j) > 0) : block(i, j) != 0) return false;
+    }
+  }
+  return true;
+}
+
+/// What moves or turns of a body: known to the compiler, it takes a tenth of the time. Masses and spheres are diagonal.
 Matrix inverse_of_block(const Matrix& block) {
   if (block.rows() == 3) {
+    if (is_positive_diagonal(block)) return block.diagonal().cwiseInverse().asDiagonal();
     const Eigen::LLT<Eigen::Matrix3d> factors(block);
     Matrix inverse(3, 3);
     for (Index k = 0; k < 3; ++k) inverse.col(k) = factors.solve(Eigen::Vector3d::Unit(k));

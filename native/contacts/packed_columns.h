@@ -13,9 +13,10 @@ class PackedColumns {
  public:
   Index cols() const { return static_cast<Index>(begin_.size()) - 1; }
 
+  /// For runs of three entries: what moves or turns of a body.
   void reserve(Index columns, std::size_t entries) {
     begin_.reserve(static_cast<std::size_t>(columns) + 1);
-    runs_.reserve(static_cast<std::size_t>(columns));
+    runs_.reserve(static_cast<std::size_t>(columns) + entries / 3);
     values_.reserve(entries);
   }
 

@@ -1,5 +1,9 @@
 #pragma once
 
+#if defined(__AVX2__)
+#include <immintrin.h>
+#endif
+
 #include <cstdint>
 
 #include "native/lemke/pack.h"
@@ -70,9 +74,49 @@ template <class Scalar, class Mask>
   }
 }
 
+/// The first `count` entries, at least 1, and zeros in what is left of the pack; nothing behind them is read.
+template <class Scalar>
+[[gnu::always_inline]] inline typename Packed<Scalar>::Pack load_first(const double* from, Count count) {
+  using P = Packed<Scalar>;
 #if defined(__AVX2__) && !defined(__AVX512F__)
-/// to := the transpose of the 4 x 4 matrix `from`; the rows of either are their stride apart.
-inline void transpose_square(const double* from, Count stride, double* to, Count to_stride) {
+  if constexpr (sizeof(Scalar) == sizeof(double)) {
+    constexpr long long kMasks[] = {-1, -1, -1, -1, 0, 0, 0};
+    return _mm256_maskload_pd(from, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(kMasks + P::kWidth - count)));
+  }
+#endif
+  Scalar lanes[static_cast<std::size_t>(P::kWidth)];
+  for (Count lane = 0; lane < P::kWidth; ++lane) {
+    lanes[lane] = lane < count ? static_cast<Scalar>(from[lane]) : static_cast<Scalar>(0);
+  }
+  return P::load(lanes);
+}
+
+/// to := from, filled up with zeros to whole packs. The last pack of doubles may overlap the one before.
+template <class Scalar>
+inline void widen(const double* from, Count size, Scalar* to) {
+  using P = Packed<Scalar>;
+  Count i = 0;
+  if constexpr (sizeof(Scalar) == sizeof(double)) {
+    if (size >= P::kWidth) {
+      P::store(to + P::padded(size) - P::kWidth, P::broadcast(0));
+      for (; i + P::kWidth <= size; i += P::kWidth) P::store(to + i, P::load(from + i));
+      P::store(to + size - P::kWidth, P::load(from + size - P::kWidth));
+      return;
+    }
+  }
+  for (; i < size; ++i) to[i] = static_cast<Scalar>(from[i]);
+  for (; i < P::padded(size); ++i) to[i] = static_cast<Scalar>(0);
+}
+
+/// to := the transpose of the square matrix `from`, of the order of a pack; the rows of either are their stride apart.
+template <class To, class From>
+inline void transpose_block(const From* from, Count stride, To* to, Count to_stride) {
+  for (Count i = 0; i < Packed<To>::kWidth; ++i) {
+    for (Count j = 0; j < Packed<To>::kWidth; ++j) to[j * to_stride + i] = static_cast<To>(from[i * stride + j]);
+  }
+}
+#if defined(__AVX2__) && !defined(__AVX512F__)
+inline void transpose_block(const double* from, Count stride, double* to, Count to_stride) {
   using P = Packed<double>;
   using Pack = P::Pack;
   const Pack a = P::load(from), b = P::load(from + stride);
@@ -85,5 +129,29 @@ inline void transpose_square(const double* from, Count stride, double* to, Count
   P::store(to + 3 * to_stride, __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7));
 }
 #endif
+
+/// `count` vectors of `length` entries, `stride` apart, become `length` rows, each of whole packs and filled up with
+/// zeros. The last block of rows or columns may overlap the one before.
+template <class To, class From>
+inline void transpose(const From* from, Count stride, Count length, Count count, To* to) {
+  using P = Packed<To>;
+  const Count padded = P::padded(count);
+  if (length < P::kWidth || count < P::kWidth) {
+    for (Count i = 0; i < length; ++i) {
+      for (Count k = 0; k < padded; ++k) {
+        to[i * padded + k] = k < count ? static_cast<To>(from[k * stride + i]) : static_cast<To>(0);
+      }
+    }
+    return;
+  }
+  for (Count i = 0; i < length; ++i) P::store(to + (i + 1) * padded - P::kWidth, P::broadcast(0));
+  for (Count column = 0; column < count; column += P::kWidth) {
+    const Count k = column < count - P::kWidth ? column : count - P::kWidth;
+    for (Count row = 0; row < length; row += P::kWidth) {
+      const Count i = row < length - P::kWidth ? row : length - P::kWidth;
+      transpose_block(from + k * stride + i, stride, to + i * padded + k, padded);
+    }
+  }
+}
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

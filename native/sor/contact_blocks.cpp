@@ -324,6 +324,12 @@ template <int kRows, int kSize>
   }
 }
 
+void ContactBlocks::add(Index contact, const double* steps) {
+  const Contact& block = of(contact);
+  for (Index row = 0; row < block.rows; ++row) impulses(block.first_row + row) += steps[row];
+  add_steps<0, 0>(block, steps);
+}
+
 template <int kRows, int kSize>
 void ContactBlocks::update(const Contact& block, Index contact, double relaxation, Step& sum) {
   const Index rows = kRows > 0 ? kRows : block.rows;

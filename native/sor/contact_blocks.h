@@ -63,6 +63,27 @@ class ContactBlocks {
     }
   }
 
+  double mu(Index contact) const { return of(contact).mu; }
+  double offset(Index contact) const { return offset_.size() > 0 ? offset_(contact) : 0.0; }
+  bool has_offset() const { return offset_.size() > 0; }
+  /// The least curvature by which the contact's row is divided in an update; 0: no impulse.
+  double curvature(Index contact, Index row) const { return row == 0 ? of(contact).normal : of(contact).friction; }
+  /// Numbers that a sweep reads for all columns.
+  std::size_t entries() const { return values_.size(); }
+  /// visit(row, coordinate, entry) for the columns of the contact.
+  template <class Visit>
+  void for_each_entry(Index contact, Visit&& visit) const {
+    const Contact& block = of(contact);
+    const double* entry = values_.data() + block.value;
+    for (const Run& run : runs_of(block)) {
+      for (Index row = 0; row < block.rows; ++row) {
+        for (Index i = 0; i < run.size; ++i, ++entry) visit(row, run.first + i, *entry);
+      }
+    }
+  }
+  /// Adds these steps, one for each row, to the contact's impulses, and to the velocity what they change.
+  void add(Index contact, const double* steps);
+
   Vector impulses;  ///< per row: of each contact the normal one, then one for each of its first directions
   Vector velocity;  ///< L'u, or u
   Vector errors;    ///< per contact: Step::off of its own in the last sweep that it was in

@@ -11,6 +11,7 @@
 #include "core/timed_solve.h"
 #include "native/sor/conjugate_steps.h"
 #include "native/sor/contact_blocks.h"
+#include "native/sor/exact_parts.h"
 #include "native/sor/impulse_solver.h"
 #include "native/sor/local_sweeps.h"
 
@@ -18,7 +19,7 @@ namespace lcpbench {
 namespace {
 
 enum class Order { kForward, kSymmetric };
-enum class Acceleration { kNone, kConjugate, kLocal };
+enum class Acceleration { kNone, kConjugate, kLocal, kExact };
 
 struct PsorSettings {
   std::int64_t max_iterations = 10000;
@@ -39,9 +40,13 @@ struct PsorSettings {
     field(
         "acceleration", acceleration,
         Choices<Acceleration>{
-            {{"none", Acceleration::kNone}, {"conjugate", Acceleration::kConjugate}, {"local", Acceleration::kLocal}}},
+            {{"none", Acceleration::kNone},
+             {"conjugate", Acceleration::kConjugate},
+             {"local", Acceleration::kLocal},
+             {"exact", Acceleration::kExact}}},
         "between sweeps: nothing; a step along a direction conjugate to the last ones; or that, and sweeps over the "
-        "contacts that are far off where these are few");
+        "contacts that are far off where these are few; or those, and contacts about which the sweeps wander are "
+        "solved by contact_lemke");
   }
 };
 
@@ -50,6 +55,16 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// The residual costs as much as a few sweeps. Where it was too large it is evaluated again when the rows are off by
 /// less in the same proportion, or after one part in so many of the sweeps that were made.
 constexpr std::int64_t kTestEvery = 8;
+
+/// The sweeps wander if the rows have not halved what they are off by in so many iterations.
+constexpr std::int64_t kPatience = 200;
+/// Exact parts are extended so often before the sweeps go on without them, from where they have come to.
+constexpr int kMostExtensions = 3;
+/// From when the sweeps wander for the first time, unless the relaxation is less.
+constexpr double kWanderingRelaxation = 1;
+
+/// Without a limit, LimitedPsor takes up to so many sweeps.
+constexpr std::int64_t kPatientSweeps = 30000;
 
 /// Projected successive over-relaxation, M not formed for contact problems.
 ///
@@ -71,6 +86,7 @@ class Psor final : public ImpulseSolver<LimitedPsor> {
   explicit Psor(const PsorSettings& settings) : given_(settings), settings_(settings) {}
   const Capabilities& capabilities() const override;
   void limit_sweeps(std::int64_t sweeps, double tolerance) override {
+    settings_.relaxation = PsorSettings{}.relaxation;
     settings_.max_iterations = sweeps;
     settings_.tolerance = tolerance;
   }
@@ -93,6 +109,10 @@ class Psor final : public ImpulseSolver<LimitedPsor> {
   bool settle(double deadline_s, Answer& answer);
   ContactBlocks::Step sweep(bool backwards);
   std::int64_t sweep_locally(double allowed, double deadline_s);
+  std::int64_t limit() const { return settings_.max_iterations - static_cast<std::int64_t>(sweeps_of_parts_); }
+  void begin_watch();
+  bool wanders(double off, std::int64_t iterations);
+  void change_parts();
   void update_row(Index row, ContactBlocks::Step& sum);
   void recompute_velocity();
   bool is_bare() const { return problem().contact() == nullptr; }
@@ -106,6 +126,13 @@ class Psor final : public ImpulseSolver<LimitedPsor> {
   std::vector<Entries> all_impulses_, all_velocities_;  // as one range each
   bool sweeps_locally_ = false;
   LocalSweeps local_;
+  bool takes_parts_ = false;
+  ExactParts parts_;
+  double sweeps_of_parts_ = 0;  // that the parts of this solve are worth, beyond one for each iteration
+  int extensions_ = 0;       // of parts_ since they were none
+  double relaxation_ = 1;    // now
+  double least_off_ = 0;     // what the rows were off by at halved_at_
+  std::int64_t halved_at_ = 0;  // the iteration that last halved it
 };
 
 void Psor::prepare(const Problem& problem) {
@@ -114,8 +141,11 @@ void Psor::prepare(const Problem& problem) {
   steps_.load(impulses().size(), velocity().size());
   all_impulses_.assign(1, {0, impulses().size()});
   all_velocities_.assign(1, {0, velocity().size()});
-  sweeps_locally_ = settings_.acceleration == Acceleration::kLocal && !is_bare() && blocks_.has_bodies();
+  takes_parts_ = settings_.acceleration == Acceleration::kExact && !state_.frictions.empty() && blocks_.has_bodies();
+  sweeps_locally_ =
+      takes_parts_ || (settings_.acceleration == Acceleration::kLocal && !is_bare() && blocks_.has_bodies());
   if (sweeps_locally_) local_.load(blocks_);
+  if (takes_parts_) parts_.load(blocks_);
 }
 
 void Psor::set_start(const Vector* start) {
@@ -169,7 +199,7 @@ void Psor::update_row(Index row, ContactBlocks::Step& sum) {
 }
 
 ContactBlocks::Step Psor::sweep(bool backwards) {
-  if (!is_bare()) return blocks_.sweep(settings_.relaxation, backwards);
+  if (!is_bare()) return blocks_.sweep(relaxation_, backwards);
   ContactBlocks::Step sum;
   for (Index i = 0; i < state_.contacts; ++i) update_row(backwards ? state_.contacts - 1 - i : i, sum);
   return sum;
@@ -193,15 +223,19 @@ void Psor::sweep_until_solved(double deadline_s, Answer& answer) {
   std::int64_t& iterations = answer.counters.iterations;
   if (!is_bare()) blocks_.take(state_);
   if (accelerates) steps_.begin(all, impulses(), velocity());
+  begin_watch();
   for (iterations = 0;; ++iterations) {
     answer.claim = Claim::kTimeLimit;
     if (!(wall_clock_s() < deadline_s)) return;
     answer.claim = Claim::kIterationLimit;
-    if (iterations >= settings_.max_iterations) return;
-    const ContactBlocks::Step step = sweep(settings_.order == Order::kSymmetric && iterations % 2 == 1);
+    if (iterations >= limit()) return;
+    const bool has_parts = !parts_.empty();
+    const ContactBlocks::Step step =
+        has_parts ? parts_.sweep(blocks_, relaxation_, deadline_s)
+                  : sweep(settings_.order == Order::kSymmetric && iterations % 2 == 1);
     answer.claim = Claim::kNumericalFailure;
     if (!(step.off < kInfinity)) return;
-    const bool is_last = iterations + 1 >= settings_.max_iterations;
+    const bool is_last = iterations + 1 >= limit();
     if (step.off <= promising || (step.off <= allowed && (iterations >= next || is_last))) {
       recompute_velocity();
       const double residual = state_.residual();
@@ -218,6 +252,16 @@ void Psor::sweep_until_solved(double deadline_s, Answer& answer) {
       if (!is_bare()) blocks_.take(state_);
     }
     if (!accelerates || is_last) continue;
+    if (takes_parts_ && wanders(step.off, iterations)) {
+      change_parts();
+      steps_.begin(all, impulses(), velocity());
+    } else if (has_parts) {
+      steps_.after_sweep(all, step.size, impulses(), velocity());
+    }
+    if (has_parts) {
+      sweeps_of_parts_ += parts_.sweeps_made() - 1;
+      continue;
+    }
     const std::int64_t made = sweeps_locally_ ? sweep_locally(promising, deadline_s) : 0;
     if (made == 0) {
       steps_.after_sweep(all, step.size, impulses(), velocity());
@@ -232,7 +276,37 @@ void Psor::sweep_until_solved(double deadline_s, Answer& answer) {
 
 std::int64_t Psor::sweep_locally(double allowed, double deadline_s) {
   return local_.run(blocks_, steps_,
-                    {.relaxation = settings_.relaxation, .allowed = allowed, .deadline_s = deadline_s});
+                    {.relaxation = relaxation_, .allowed = allowed, .deadline_s = deadline_s});
+}
+
+void Psor::begin_watch() {
+  relaxation_ = settings_.relaxation;
+  if (takes_parts_) parts_.clear();
+  sweeps_of_parts_ = 0;
+  extensions_ = 0;
+  least_off_ = kInfinity;
+  halved_at_ = 0;
+}
+
+/// @param off of the last sweep
+bool Psor::wanders(double off, std::int64_t iterations) {
+  const bool halved = off < least_off_ / 2;
+  const bool waited = iterations - halved_at_ >= kPatience;
+  if (!halved && !waited) return false;
+  least_off_ = off;
+  halved_at_ = iterations;
+  return !halved;
+}
+
+void Psor::change_parts() {
+  relaxation_ = std::min(settings_.relaxation, kWanderingRelaxation);
+  if (extensions_ == kMostExtensions) {
+    parts_.clear();
+    extensions_ = 0;
+    return;
+  }
+  parts_.extend(blocks_);
+  ++extensions_;
 }
 
 /// Of the state, from the impulses that the sweeps have reached.
@@ -244,6 +318,7 @@ void Psor::recompute_velocity() {
 void Psor::iterate(const SolveRequest& request, double deadline_s, Answer& answer) {
   set_start(request.start);
   sweep_until_solved(deadline_s, answer);
+  answer.counters.iterations += static_cast<std::int64_t>(sweeps_of_parts_);
   if (answer.claim == Claim::kSolved) return;
   recompute_velocity();
   state_.write_answer(answer.z);
@@ -257,12 +332,21 @@ constexpr Capabilities kCapabilities{
     .obeys_time_limit = true,
     .allocation_free = true};
 
-const Capabilities& Psor::capabilities() const { return kCapabilities; }
+constexpr Capabilities kCapabilitiesWithParts = [] {
+  Capabilities capabilities = kCapabilities;
+  capabilities.allocation_free = false;
+  return capabilities;
+}();
+
+const Capabilities& Psor::capabilities() const {
+  return given_.acceleration == Acceleration::kExact ? kCapabilitiesWithParts : kCapabilities;
+}
 
 }  // namespace
 
-std::unique_ptr<LimitedPsor> make_conjugate_psor() {
-  return std::make_unique<Psor>(PsorSettings{.acceleration = Acceleration::kLocal});
+std::unique_ptr<LimitedPsor> make_limited_psor() {
+  return std::make_unique<Psor>(
+      PsorSettings{.max_iterations = kPatientSweeps, .relaxation = 1, .acceleration = Acceleration::kExact});
 }
 
 SolverDefinition lcpbench_solver_psor() {

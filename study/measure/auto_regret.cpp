@@ -5,7 +5,8 @@
 //   auto_regret all PARITY SOLVER... -- SET...   the CSV is time and residual of every solver
 //   auto_regret write SCENE FILE   one of the scenes below as a problem file, for `lcpbench solve`
 //
-// Beside the sets of `lcpbench sets`: pile:COLUMNS:LAYERS:MU, wall:ROWS:COLUMNS:MU and stack:HEIGHT, one problem each.
+// Beside the sets of `lcpbench sets`: pile:COLUMNS:LAYERS:MU[:SEED[:SPREAD]], wall:ROWS:COLUMNS:MU and
+// stack:HEIGHT[:MU], one problem each. After them @SEED:DECADES:SPEED varies the masses and the velocities of the bodies.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -20,6 +21,7 @@
 #include "core/io/problem_io.h"
 #include "core/registry.h"
 #include "core/timed_solve.h"
+#include "generators/random.h"
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
 #include "study/measure/box_stacks.h"
@@ -158,16 +160,41 @@ void write_all(const std::string& columns, const std::vector<Candidate>& candida
   }
 }
 
+/// Bodies of other masses, by factors up to 10^decades both ways, and of other velocities, each by up to `speed`.
+void vary(std::uint64_t seed, double decades, double speed, RigidScene& scene) {
+  DrawSequence draws({.stream = stream_id("varied scenes"), .seed = seed}, Purpose::kBodyMass);
+  const auto number = [&draws] { return static_cast<double>(draws.signed_grid()) * kGridStep; };
+  for (RigidBody& body : scene.bodies) {
+    const double factor = std::pow(10, decades * number());
+    body.mass *= factor;
+    body.inertia *= factor;
+    for (double& each : body.linear_velocity) each += speed * number();
+    for (double& each : body.angular_velocity) each += speed * number();
+  }
+}
+
 /// The scene that a name such as pile:6:8:0.5 describes. @returns false for other names
 bool make_scene(const std::string& name, RigidScene& scene) {
   int first = 0, second = 0;
   double mu = 0;
-  if (std::sscanf(name.c_str(), "pile:%d:%d:%lf", &first, &second, &mu) == 3) {
-    scene = testing::sphere_pile({.columns = first, .layers = second, .mu = mu});
+  double spread = 0, decades = 0, speed = 0;
+  long seed = 7;
+  if (const std::size_t at = name.find('@'); at != std::string::npos) {
+    if (std::sscanf(name.c_str() + at, "@%ld:%lf:%lf", &seed, &decades, &speed) != 3) return false;
+    if (!make_scene(name.substr(0, at), scene)) return false;
+    vary(static_cast<std::uint64_t>(seed), decades, speed, scene);
+    return true;
+  }
+  if (std::sscanf(name.c_str(), "pile:%d:%d:%lf:%ld:%lf", &first, &second, &mu, &seed, &spread) >= 3) {
+    scene = testing::sphere_pile({.columns = first,
+                                  .layers = second,
+                                  .mu = mu,
+                                  .seed = static_cast<std::uint64_t>(seed),
+                                  .spread = spread});
   } else if (std::sscanf(name.c_str(), "wall:%d:%d:%lf", &first, &second, &mu) == 3) {
     scene = mu > 0 ? testing::frictional_brick_wall(first, second, mu) : testing::brick_wall(first, second);
-  } else if (std::sscanf(name.c_str(), "stack:%d", &first) == 1) {
-    scene = testing::box_stacks({.stacks = 1, .height = first, .edges = 4});
+  } else if (std::sscanf(name.c_str(), "stack:%d:%lf", &first, &mu) >= 1) {
+    scene = testing::box_stacks({.stacks = 1, .height = first, .edges = 4, .mu = mu > 0 ? mu : 0.5});
   } else {
     return false;
   }
