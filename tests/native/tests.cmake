@@ -17,7 +17,9 @@ lcpbench_test(bare_claims LINK lcpbench_solver_list lcpbench_generators lcpbench
 lcpbench_test(contact_claims LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
 target_sources(contact_claims_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(contact_response LINK lcpbench_native)
-lcpbench_test(contact_solvability LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
+lcpbench_test(contact_solvability LINK lcpbench_native lcpbench_generators lcpbench_evaluation lcpbench_io)
+target_compile_definitions(contact_solvability_test PRIVATE
+  BOUNCING_BALLS="${CMAKE_CURRENT_SOURCE_DIR}/native/bouncing_balls.json")
 lcpbench_test(double_double LINK lcpbench_native)
 lcpbench_test(contact_lemke LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 target_sources(contact_lemke_test PRIVATE support/allocation_counter.cpp)
