@@ -51,8 +51,8 @@ void refuse_above_error(ContactLemke& lemke, const AutoLimits& limits, Answer& a
   answer.claim = Claim::kNumericalFailure;
 }
 
-/// The stated error, as far as AnswerTest allows it: that of contacts whose inertia is not given by blocks, or that need
-/// not have a solution, is that of the verdict.
+/// The stated error, as far as AnswerTest allows it: that of contacts whose inertia is not given by blocks, or that
+/// need not have a solution, is that of the verdict.
 double aim_of(const AutoLimits& limits, const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   const bool is_judged_by_bodies =
@@ -67,6 +67,7 @@ void limit_friction_ipm(LimitedFrictionIpm& ipm, const AutoTry& now, const Probl
 }
 
 void limit_psor(LimitedPsor& psor, const AutoTry& now, const Problem& problem, const AutoLimits& limits) {
+  psor.take_parts(now.exact);
   psor.unlimit_sweeps();
   if (now.brief) psor.limit_sweeps(now.sweeps, kSweptResidual);
   if (limits.error > 0) psor.aim_at(aim_of(limits, problem));

@@ -21,6 +21,7 @@ struct AutoTry {
   AutoMethod method = AutoMethod::kActiveSet;
   bool brief = false;
   std::int64_t sweeps = 0;
+  bool exact = false;  ///< of psor: takes exact parts
 };
 
 /// Residual that a brief psor has to reach, relative to max|q| of each island, where no error is stated: what follows

@@ -39,8 +39,8 @@ constexpr double kSweepsPerCube = 0.15;
 /// A pile takes so many sweeps for each decimal digit of the error, or more.
 constexpr double kSweepsPerDigit = 8;
 constexpr double kMostSweeps = 10000;
-/// Of ngc coordinates of a pile with friction: ngc^2 times this, if that is more than ngc, is a third of contact_lemke's
-/// time in sweeps.
+/// Of ngc coordinates of a pile with friction: ngc^2 times this, if that is more than ngc, is a third of
+/// contact_lemke's time in sweeps.
 constexpr double kSweepsPerSquare = 1.0 / 32;
 /// Of a size from kRestByIpm up to this, walls with friction take so many sweeps for each digit, and less time than
 /// friction_ipm takes beyond its first convex problems.
@@ -103,7 +103,7 @@ bool is_large_scene(const AutoSettings& settings, const Problem& problem) {
 AutoPlan frictionless_plan(const AutoSettings& settings, const Problem& problem, std::int64_t sweeps) {
   AutoPlan plan;
   const bool by_interior = is_large_scene(settings, problem);
-  if (sweeps > 0) plan.add_sweeps(sweeps);
+  if (sweeps > 0) plan.add_sweeps(sweeps, false);
   if (by_interior) plan.add(AutoMethod::kVelocityIpm);
   if (!by_interior || fits_in_advance(AutoMethod::kActiveSet, problem)) plan.add(AutoMethod::kActiveSet);
   if (fits_in_advance(AutoMethod::kContactLemke, problem)) plan.add(AutoMethod::kContactLemke);
@@ -152,29 +152,28 @@ AutoPlan frictional_plan(const AutoSettings& settings, const ContactProblem& con
   } else if (size < (is_scene ? kSmall : kLarge)) {
     plan.add(kContactLemke);
     plan.add(kFrictionIpm);
-    plan.add(kPsor);
+    plan.add_psor(false);
   } else if (size < kLarge) {
     plan.add(kContactLemke, true);
     plan.add(kFrictionIpm);
     plan.add(kContactLemke);
-    plan.add(kPsor);
+    plan.add_psor(false);
   } else {
     const bool sticks = slip <= 1;
     const bool piles_up = is_pile(contact);
     const bool has_one_rest = piles_up && redundancy(contact) <= 1;
     if (has_one_rest) plan.rest = AutoPlan::Rest::kNotSought;
-    if (sticks && !has_one_rest && plan.rest == AutoPlan::Rest::kNotSought) plan.add(kFrictionIpm, true);
-    if (piles_up) {
-      plan.add_sweeps(pile_sweeps(contact));
-    } else if (const std::int64_t sweeps = wall_sweeps(settings, contact); sweeps > 0) {
-      plan.add_sweeps(sweeps);
-    }
+    const std::int64_t sweeps = piles_up ? pile_sweeps(contact) : wall_sweeps(settings, contact);
+    const bool is_stack = is_sparse(contact) && sweeps == 0 && size >= kRestByIpm;
+    const bool holds = sticks && !has_one_rest && plan.rest == AutoPlan::Rest::kNotSought;
+    if (is_stack || holds) plan.add(kFrictionIpm, true);
+    if (sweeps > 0) plan.add_sweeps(sweeps, piles_up);
     plan.add(kContactLemke, true);
     if (is_scene || sticks) plan.add(kFrictionIpm);
-    if (size >= kHuge) plan.add(kPsor);
+    if (size >= kHuge) plan.add_psor(piles_up);
     plan.add(kContactLemke);
     if (!is_scene && !sticks) plan.add(kFrictionIpm);
-    if (size < kHuge) plan.add(kPsor);
+    if (size < kHuge) plan.add_psor(piles_up);
   }
   return plan;
 }
@@ -211,26 +210,26 @@ AutoPlan plan_for(const AutoSettings& settings, const Problem& problem, const Ve
   AutoPlan plan;
   const bool piles_up = is_pile(contact);
   if (piles_up) {
-    plan.add_sweeps(std::max(sweeps, pile_sweeps(contact)));
-    plan.add(kPsor);
+    plan.add_sweeps(std::max(sweeps, pile_sweeps(contact)), true);
+    plan.add_psor(true);
   } else if (sweeps > 0) {
-    plan.add_sweeps(sweeps);
+    plan.add_sweeps(sweeps, false);
   } else if (const std::int64_t of_wall = wall_sweeps(settings, contact); of_wall > 0) {
     plan.add(kFrictionIpm, true);
-    plan.add_sweeps(of_wall);
+    plan.add_sweeps(of_wall, false);
   }
   plan.add(kFrictionIpm);
   if (!fits_in_advance(kContactLemke, problem)) {
-    if (!piles_up) plan.add(kPsor);
+    if (!piles_up) plan.add_psor(false);
     return plan;
   }
   const Index size = contact.nc() * contact.ngc();
   if (size >= kHuge) {
     plan.add(kContactLemke, true);
-    if (!piles_up) plan.add(kPsor);
+    if (!piles_up) plan.add_psor(false);
   }
   plan.add(kContactLemke);
-  if (size < kHuge && !piles_up) plan.add(kPsor);
+  if (size < kHuge && !piles_up) plan.add_psor(false);
   return plan;
 }
 

@@ -101,6 +101,34 @@ TEST(AutoScenesTest, PilesAreSweptAndWallsAreFactored) {
   EXPECT_EQ(wall.detail.find("psor"), std::string::npos) << wall.detail;
 }
 
+// Where friction holds nearly all contacts, too: on 104 contacts contact_lemke and friction_ipm take a hundred times as
+// long.
+TEST(AutoScenesTest, PilesAreSweptWhereFrictionMayHoldThem) {
+  for (const double mu : {0.6, 1.0, 2.0}) {
+    const Problem pile("pile", testing::sphere_pile({.columns = 4, .layers = 4, .mu = mu}));
+    const Answer answer = solve(pile);
+    ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+    EXPECT_NE(answer.detail.find("psor"), std::string::npos) << answer.detail;
+    EXPECT_EQ(answer.detail.find("_ipm"), std::string::npos) << answer.detail;
+    EXPECT_LE(answer.counters.pivots, 0) << mu;
+  }
+}
+
+// With mu above 1 no setting of psor's plain sweeps settles on all of them, friction_ipm solves none, and contact_lemke
+// takes no island of this size.
+TEST(AutoScenesTest, PilesWithMuchFrictionAreSolvedAtEachError) {
+  for (const std::uint64_t seed : {1, 3}) {
+    for (const double mu : {1.2, 2.0}) {
+      const Problem pile("pile", testing::sphere_pile({.columns = 6, .mu = mu, .seed = seed}));
+      for (const char* error : {"1e-2", "1e-6", "1e-9"}) {
+        const Answer answer = solve(pile, {{"error", error}});
+        ASSERT_EQ(answer.claim, Claim::kSolved) << seed << " " << mu << " " << error << " " << answer.detail;
+        EXPECT_LE(Evaluator(pile).errors(answer).velocity_residual_relative, 1.01 * std::stod(error));
+      }
+    }
+  }
+}
+
 TEST(AutoScenesTest, AStatedErrorIsMetAndSavesIterations) {
   const Problem scenes[] = {Problem("pile", testing::sphere_pile({})),
                             Problem("pile with friction", testing::sphere_pile({.columns = 5, .mu = 0.5})),
