@@ -27,8 +27,7 @@ constexpr std::int64_t kFewestPivots = 50;
 /// The second one is the same path with its kernel inverted at each pivot, or another path where kernels are large.
 constexpr std::int64_t kBriefRungs = 2;
 
-/// Of a brief try of friction_ipm. Contacts that do not slide take one convex problem, or two.
-constexpr std::int64_t kBriefRounds = 2;
+/// Of a brief try of friction_ipm.
 constexpr double kBriefResidual = 1e-8;
 
 void limit_lemke(ContactLemke& lemke, const AutoTry& now, const Problem& problem, const AutoLimits& limits,
@@ -62,7 +61,7 @@ double aim_of(const AutoLimits& limits, const Problem& problem) {
 
 void limit_friction_ipm(LimitedFrictionIpm& ipm, const AutoTry& now, const Problem& problem, const AutoLimits& limits) {
   ipm.unlimit_rounds();
-  if (now.brief) ipm.limit_rounds(kBriefRounds, kBriefResidual);
+  if (now.brief) ipm.limit_rounds(now.rounds, kBriefResidual);
   if (limits.error > 0) ipm.aim_at(aim_of(limits, problem));
 }
 

@@ -18,6 +18,10 @@ class AutoPlan {
   Rest rest = Rest::kNotSought;
 
   void add(AutoMethod method, bool brief = false) { tries_[size_++] = {.method = method, .brief = brief}; }
+  /// friction_ipm, briefly.
+  void add_rounds(std::int64_t rounds) {
+    tries_[size_++] = {.method = AutoMethod::kFrictionIpm, .brief = true, .rounds = rounds};
+  }
   /// psor, briefly. @param exact see AutoTry
   void add_sweeps(std::int64_t sweeps, bool exact) {
     tries_[size_++] = {.method = AutoMethod::kPsor, .brief = true, .sweeps = sweeps, .exact = exact};

@@ -62,7 +62,7 @@ constexpr int kMostExtensions = 3;
 constexpr double kWanderingRelaxation = 1;
 
 /// Without a limit, LimitedPsor takes up to so many sweeps and exact parts.
-constexpr std::int64_t kPatientSweeps = 30000;
+constexpr std::int64_t kPatientSweeps = 100'000;
 
 /// Projected successive over-relaxation, M not formed for contact problems.
 ///

@@ -16,7 +16,7 @@ class LimitedPsor : public Solver {
   virtual void limit_sweeps(std::int64_t sweeps, double tolerance) = 0;
   /// From now on solved is claimed up to this residual, be it more than the verdict allows.
   virtual void aim_at(double residual) = 0;
-  /// From now on psor's defaults; with acceleration=exact 30,000 sweeps with relaxation 1, another path than that of
+  /// From now on psor's defaults; with acceleration=exact 100,000 sweeps with relaxation 1, another path than that of
   /// limited sweeps.
   virtual void unlimit_sweeps() = 0;
 
