@@ -9,6 +9,7 @@
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
 #include "study/evaluation/fastest_contact.h"
+#include "study/measure/box_stacks.h"
 #include "study/measure/brick_wall.h"
 #include "study/measure/least_energy_velocity.h"
 #include "study/measure/sphere_piles.h"
@@ -127,6 +128,15 @@ TEST(AutoScenesTest, PilesWithMuchFrictionAreSolvedAtEachError) {
       }
     }
   }
+}
+
+// Its cubes are pushed faster than friction of the first instant can hold; contact_lemke takes a hundred times as long.
+TEST(AutoScenesTest, SlidingStacksAreSolvedByConvexProblems) {
+  const Problem stack("stack", testing::box_stacks({.height = 40, .mu = 0.1}));
+  const Answer answer = solve(stack);
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_NE(answer.detail.find("friction_ipm"), std::string::npos) << answer.detail;
+  EXPECT_LE(answer.counters.pivots, 0);
 }
 
 TEST(AutoScenesTest, AStatedErrorIsMetAndSavesIterations) {
