@@ -132,6 +132,7 @@ class Psor final : public ImpulseSolver<LimitedPsor> {
   double sweeps_of_parts_ = 0;  // that the parts of this solve are worth, beyond one for each iteration
   int extensions_ = 0;          // of parts_ since they were none
   double relaxation_ = 1;       // now
+  double best_off_ = 0;         // the least that the rows were off by, to a factor of two
   double least_off_ = 0;        // what the rows were off by at halved_at_
   std::int64_t halved_at_ = 0;  // the iteration that last halved it
 };
@@ -284,7 +285,7 @@ void Psor::begin_watch() {
   if (takes_parts_) parts_.clear();
   sweeps_of_parts_ = 0;
   extensions_ = 0;
-  least_off_ = kInfinity;
+  least_off_ = best_off_ = kInfinity;
   halved_at_ = 0;
 }
 
@@ -292,6 +293,10 @@ void Psor::begin_watch() {
 bool Psor::wanders(double off, std::int64_t iterations) {
   const bool halved = off < least_off_ / 2;
   const bool waited = iterations - halved_at_ >= kPatience;
+  if (off < best_off_ / 2) {  // the parts are worth keeping
+    best_off_ = off;
+    extensions_ = 0;
+  }
   if (!halved && !waited) return false;
   least_off_ = off;
   halved_at_ = iterations;
