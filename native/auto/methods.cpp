@@ -27,8 +27,7 @@ constexpr std::int64_t kFewestPivots = 50;
 /// A second path mostly takes longer than friction_ipm, which follows.
 constexpr std::int64_t kBriefRungs = 1;
 
-/// Of a brief try of friction_ipm. Contacts that do not slide take one convex problem, or two.
-constexpr std::int64_t kBriefRounds = 2;
+/// Of a brief try of friction_ipm.
 constexpr double kBriefResidual = 1e-8;
 
 void limit_lemke(ContactLemke& lemke, const AutoTry& now, const Problem& problem, const AutoLimits& limits,
@@ -51,8 +50,8 @@ void refuse_above_error(ContactLemke& lemke, const AutoLimits& limits, Answer& a
   answer.claim = Claim::kNumericalFailure;
 }
 
-/// The stated error, as far as AnswerTest allows it: that of contacts whose inertia is not given by blocks, or that need
-/// not have a solution, is that of the verdict.
+/// The stated error, as far as AnswerTest allows it: that of contacts whose inertia is not given by blocks, or that
+/// need not have a solution, is that of the verdict.
 double aim_of(const AutoLimits& limits, const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   const bool is_judged_by_bodies =
@@ -62,11 +61,12 @@ double aim_of(const AutoLimits& limits, const Problem& problem) {
 
 void limit_friction_ipm(LimitedFrictionIpm& ipm, const AutoTry& now, const Problem& problem, const AutoLimits& limits) {
   ipm.unlimit_rounds();
-  if (now.brief) ipm.limit_rounds(kBriefRounds, kBriefResidual);
+  if (now.brief) ipm.limit_rounds(now.rounds, kBriefResidual);
   if (limits.error > 0) ipm.aim_at(aim_of(limits, problem));
 }
 
 void limit_psor(LimitedPsor& psor, const AutoTry& now, const Problem& problem, const AutoLimits& limits) {
+  psor.take_parts(now.exact);
   psor.unlimit_sweeps();
   if (now.brief) psor.limit_sweeps(now.sweeps, kSweptResidual);
   if (limits.error > 0) psor.aim_at(aim_of(limits, problem));

@@ -16,11 +16,13 @@ inline bool is_dense(AutoMethod method) {
 }
 
 /// One try at an island. A brief one ends early where the method does not suit: contact_lemke after its first path in
-/// double, or at a limit of pivots; friction_ipm after two convex problems; psor after `sweeps`.
+/// double, or at a limit of pivots; friction_ipm after `rounds` convex problems; psor after `sweeps`.
 struct AutoTry {
   AutoMethod method = AutoMethod::kActiveSet;
   bool brief = false;
   std::int64_t sweeps = 0;
+  std::int64_t rounds = 2;
+  bool exact = false;  ///< of psor: takes exact parts
 };
 
 /// Residual that a brief psor has to reach, relative to max|q| of each island, where no error is stated: what follows

@@ -26,6 +26,10 @@ constexpr Index kHeldUnloaded = 100;
 constexpr Index kHeldUnloadedBlock = 30;
 /// From this on the first convex problem of friction_ipm finds the impulses of least energy faster than active sets.
 constexpr Index kRestByIpm = 5000;
+/// Contacts that do not slide take friction_ipm one convex problem, or two. Of stacks it may take one for so much of
+/// the size, a third of the time of contact_lemke.
+constexpr Index kBriefRounds = 2;
+constexpr Index kSizePerRound = 1000;
 /// From this on psor takes less time than the rungs of contact_lemke beyond double.
 constexpr Index kHuge = 8000;
 /// From this on friction_ipm takes less time than contact_lemke where contacts slide, too.
@@ -41,8 +45,8 @@ constexpr double kSweepsPerCube = 0.15;
 /// A pile takes so many sweeps for each decimal digit of the error, or more.
 constexpr double kSweepsPerDigit = 8;
 constexpr double kMostSweeps = 10000;
-/// Of ngc coordinates of a pile with friction: ngc^2 times this, if that is more than ngc, is a third of contact_lemke's
-/// time in sweeps.
+/// Of ngc coordinates of a pile with friction: ngc^2 times this, if that is more than ngc, is a third of
+/// contact_lemke's time in sweeps.
 constexpr double kSweepsPerSquare = 1.0 / 32;
 /// Of a size from kRestByIpm up to this, walls with friction take so many sweeps for each digit, and less time than
 /// friction_ipm takes beyond its first convex problems.
@@ -124,7 +128,7 @@ bool is_large_scene(const AutoSettings& settings, const Problem& problem) {
 AutoPlan frictionless_plan(const AutoSettings& settings, const Problem& problem, std::int64_t sweeps) {
   AutoPlan plan;
   const bool by_interior = is_large_scene(settings, problem);
-  if (sweeps > 0) plan.add_sweeps(sweeps);
+  if (sweeps > 0) plan.add_sweeps(sweeps, false);
   if (by_interior) plan.add(AutoMethod::kVelocityIpm);
   if (!by_interior || fits_in_advance(AutoMethod::kActiveSet, problem)) plan.add(AutoMethod::kActiveSet);
   if (fits_in_advance(AutoMethod::kContactLemke, problem)) plan.add(AutoMethod::kContactLemke);
@@ -198,25 +202,27 @@ AutoPlan frictional_plan(const AutoSettings& settings, const ContactProblem& con
   if (size < kSmall || (!is_scene && (size < kLarge || !sticks))) {
     plan.add(kContactLemke);
     plan.add(kFrictionIpm);
-    plan.add(kPsor);
+    plan.add_psor(false);
     return plan;
   }
-  const bool has_one_rest = is_pile(contact, idle) && redundancy(contact, idle) <= 1;
-  if (size >= kLarge && has_one_rest) {
-    plan.rest = AutoPlan::Rest::kNotSought;
-  } else if (size >= kLarge && sticks && plan.rest == AutoPlan::Rest::kNotSought) {
-    plan.add(kFrictionIpm, true);
-  }
+  const bool piles_up = is_pile(contact, idle);
   const std::int64_t sweeps = sweeps_before_lemke(settings, contact, slip, idle);
-  if (sweeps > 0) plan.add_sweeps(sweeps);
+  if (size >= kLarge) {
+    const bool has_one_rest = piles_up && redundancy(contact, idle) <= 1;
+    if (has_one_rest) plan.rest = AutoPlan::Rest::kNotSought;
+    const bool is_stack = is_sparse(contact) && sweeps == 0 && size >= kRestByIpm;
+    const bool holds = sticks && !has_one_rest && plan.rest == AutoPlan::Rest::kNotSought;
+    if (is_stack || holds) plan.add_rounds(is_stack ? std::max(kBriefRounds, size / kSizePerRound) : kBriefRounds);
+  }
+  if (sweeps > 0) plan.add_sweeps(sweeps, piles_up);
   if (size < kByIpm) plan.add(kContactLemke, true);
   if (sweeps == 0 && settings.error > 0 && is_sparse(contact) && redundancy(contact, idle) < kStackRedundancy) {
-    plan.add_sweeps(kSweepsPerCoordinate * (contact.ngc() - idle));
+    plan.add_sweeps(kSweepsPerCoordinate * (contact.ngc() - idle), false);
   }
   plan.add(kFrictionIpm);
-  if (size >= kHuge) plan.add(kPsor);
+  if (size >= kHuge) plan.add_psor(piles_up);
   plan.add(kContactLemke);
-  if (size < kHuge) plan.add(kPsor);
+  if (size < kHuge) plan.add_psor(piles_up);
   return plan;
 }
 
@@ -253,26 +259,26 @@ AutoPlan plan_for(const AutoSettings& settings, const Problem& problem, const Ve
   AutoPlan plan;
   const bool piles_up = is_pile(contact);
   if (piles_up) {
-    plan.add_sweeps(std::max(sweeps, pile_sweeps(contact.ngc())));
-    plan.add(kPsor);
+    plan.add_sweeps(std::max(sweeps, pile_sweeps(contact.ngc())), true);
+    plan.add_psor(true);
   } else if (sweeps > 0) {
-    plan.add_sweeps(sweeps);
+    plan.add_sweeps(sweeps, false);
   } else if (const std::int64_t of_wall = wall_sweeps(settings, contact); of_wall > 0) {
-    plan.add(kFrictionIpm, true);
-    plan.add_sweeps(of_wall);
+    plan.add_rounds(kBriefRounds);
+    plan.add_sweeps(of_wall, false);
   }
   plan.add(kFrictionIpm);
   if (!fits_in_advance(kContactLemke, problem)) {
-    if (!piles_up) plan.add(kPsor);
+    if (!piles_up) plan.add_psor(false);
     return plan;
   }
   const Index size = contact.nc() * contact.ngc();
   if (size >= kHuge) {
     plan.add(kContactLemke, true);
-    if (!piles_up) plan.add(kPsor);
+    if (!piles_up) plan.add_psor(false);
   }
   plan.add(kContactLemke);
-  if (size < kHuge && !piles_up) plan.add(kPsor);
+  if (size < kHuge && !piles_up) plan.add_psor(false);
   return plan;
 }
 

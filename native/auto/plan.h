@@ -18,10 +18,16 @@ class AutoPlan {
   Rest rest = Rest::kNotSought;
 
   void add(AutoMethod method, bool brief = false) { tries_[size_++] = {.method = method, .brief = brief}; }
-  /// psor, briefly.
-  void add_sweeps(std::int64_t sweeps) {
-    tries_[size_++] = {.method = AutoMethod::kPsor, .brief = true, .sweeps = sweeps};
+  /// friction_ipm, briefly.
+  void add_rounds(std::int64_t rounds) {
+    tries_[size_++] = {.method = AutoMethod::kFrictionIpm, .brief = true, .rounds = rounds};
   }
+  /// psor, briefly. @param exact see AutoTry
+  void add_sweeps(std::int64_t sweeps, bool exact) {
+    tries_[size_++] = {.method = AutoMethod::kPsor, .brief = true, .sweeps = sweeps, .exact = exact};
+  }
+  /// psor in full. @param exact see AutoTry
+  void add_psor(bool exact) { tries_[size_++] = {.method = AutoMethod::kPsor, .exact = exact}; }
   const AutoTry* begin() const { return tries_.data(); }
   const AutoTry* end() const { return tries_.data() + size_; }
   const AutoTry& front() const { return tries_.front(); }

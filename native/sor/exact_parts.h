@@ -67,14 +67,14 @@ class ExactParts {
 
   std::shared_ptr<LaterEngines> later_;
   std::vector<std::unique_ptr<Part>> parts_;
-  std::vector<std::size_t> part_of_;    // per contact
-  std::vector<Index> others_;           // contacts in no part
-  std::vector<std::size_t> begin_;      // offsets into at_body_
-  std::vector<Index> at_body_;          // contacts, body by body
-  std::vector<Index> chosen_;           // contacts of a part to be
-  std::vector<char> is_chosen_;         // per contact
-  std::vector<Index> place_;            // per coordinate: in the part at hand
-  std::size_t entries_ = 0;             // ContactBlocks::entries
+  std::vector<std::size_t> part_of_;  // per contact
+  std::vector<Index> others_;         // contacts in no part
+  std::vector<std::size_t> begin_;    // offsets into at_body_
+  std::vector<Index> at_body_;        // contacts, body by body
+  std::vector<Index> chosen_;         // contacts of a part to be
+  std::vector<char> is_chosen_;       // per contact
+  std::vector<Index> place_;          // per coordinate: in the part at hand
+  std::size_t entries_ = 0;           // ContactBlocks::entries
   double multiplications_ = 0;
 };
 

@@ -37,16 +37,14 @@ struct PsorSettings {
           "at most this times max|q| of the island");
     field("order", order, Choices<Order>{{{"forward", Order::kForward}, {"symmetric", Order::kSymmetric}}},
           "every sweep in the order given, or every second one backwards");
-    field(
-        "acceleration", acceleration,
-        Choices<Acceleration>{
-            {{"none", Acceleration::kNone},
-             {"conjugate", Acceleration::kConjugate},
-             {"local", Acceleration::kLocal},
-             {"exact", Acceleration::kExact}}},
-        "between sweeps: nothing; a step along a direction conjugate to the last ones; or that, and sweeps over the "
-        "contacts that are far off where these are few; or those, and contacts about which the sweeps wander are "
-        "solved by contact_lemke");
+    field("acceleration", acceleration,
+          Choices<Acceleration>{{{"none", Acceleration::kNone},
+                                 {"conjugate", Acceleration::kConjugate},
+                                 {"local", Acceleration::kLocal},
+                                 {"exact", Acceleration::kExact}}},
+          "between sweeps: nothing; a step along a direction conjugate to the last ones; or that, and sweeps over the "
+          "contacts that are far off where these are few; or those, and contacts about which the sweeps wander are "
+          "solved by contact_lemke");
   }
 };
 
@@ -63,8 +61,8 @@ constexpr int kMostExtensions = 3;
 /// From when the sweeps wander for the first time, unless the relaxation is less.
 constexpr double kWanderingRelaxation = 1;
 
-/// Without a limit, LimitedPsor takes up to so many sweeps.
-constexpr std::int64_t kPatientSweeps = 30000;
+/// Without a limit, LimitedPsor takes up to so many sweeps and exact parts.
+constexpr std::int64_t kPatientSweeps = 100'000;
 
 /// Projected successive over-relaxation, M not formed for contact problems.
 ///
@@ -85,6 +83,7 @@ class Psor final : public ImpulseSolver<LimitedPsor> {
  public:
   explicit Psor(const PsorSettings& settings) : given_(settings), settings_(settings) {}
   const Capabilities& capabilities() const override;
+  void take_parts(bool exact) override { settings_.acceleration = exact ? Acceleration::kExact : Acceleration::kLocal; }
   void limit_sweeps(std::int64_t sweeps, double tolerance) override {
     settings_.relaxation = PsorSettings{}.relaxation;
     settings_.max_iterations = sweeps;
@@ -95,7 +94,9 @@ class Psor final : public ImpulseSolver<LimitedPsor> {
     test_.allow(residual);
   }
   void unlimit_sweeps() override {
-    settings_ = given_;
+    const Acceleration acceleration = settings_.acceleration;
+    settings_ = acceleration == Acceleration::kExact ? given_ : PsorSettings{};
+    settings_.acceleration = acceleration;
     test_.allow(0);
   }
   void respond(const Vector& z, Vector& u) override;
@@ -126,12 +127,13 @@ class Psor final : public ImpulseSolver<LimitedPsor> {
   std::vector<Entries> all_impulses_, all_velocities_;  // as one range each
   bool sweeps_locally_ = false;
   LocalSweeps local_;
-  bool takes_parts_ = false;
+  bool takes_parts_ = false;  // parts_ is loaded
   ExactParts parts_;
   double sweeps_of_parts_ = 0;  // that the parts of this solve are worth, beyond one for each iteration
-  int extensions_ = 0;       // of parts_ since they were none
-  double relaxation_ = 1;    // now
-  double least_off_ = 0;     // what the rows were off by at halved_at_
+  int extensions_ = 0;          // of parts_ since they were none
+  double relaxation_ = 1;       // now
+  double best_off_ = 0;         // the least that the rows were off by, to a factor of two
+  double least_off_ = 0;        // what the rows were off by at halved_at_
   std::int64_t halved_at_ = 0;  // the iteration that last halved it
 };
 
@@ -145,6 +147,7 @@ void Psor::prepare(const Problem& problem) {
   sweeps_locally_ =
       takes_parts_ || (settings_.acceleration == Acceleration::kLocal && !is_bare() && blocks_.has_bodies());
   if (sweeps_locally_) local_.load(blocks_);
+  parts_.clear();
   if (takes_parts_) parts_.load(blocks_);
 }
 
@@ -230,9 +233,8 @@ void Psor::sweep_until_solved(double deadline_s, Answer& answer) {
     answer.claim = Claim::kIterationLimit;
     if (iterations >= limit()) return;
     const bool has_parts = !parts_.empty();
-    const ContactBlocks::Step step =
-        has_parts ? parts_.sweep(blocks_, relaxation_, deadline_s)
-                  : sweep(settings_.order == Order::kSymmetric && iterations % 2 == 1);
+    const ContactBlocks::Step step = has_parts ? parts_.sweep(blocks_, relaxation_, deadline_s)
+                                               : sweep(settings_.order == Order::kSymmetric && iterations % 2 == 1);
     answer.claim = Claim::kNumericalFailure;
     if (!(step.off < kInfinity)) return;
     const bool is_last = iterations + 1 >= limit();
@@ -252,7 +254,7 @@ void Psor::sweep_until_solved(double deadline_s, Answer& answer) {
       if (!is_bare()) blocks_.take(state_);
     }
     if (!accelerates || is_last) continue;
-    if (takes_parts_ && wanders(step.off, iterations)) {
+    if (takes_parts_ && settings_.acceleration == Acceleration::kExact && wanders(step.off, iterations)) {
       change_parts();
       steps_.begin(all, impulses(), velocity());
     } else if (has_parts) {
@@ -275,8 +277,7 @@ void Psor::sweep_until_solved(double deadline_s, Answer& answer) {
 }
 
 std::int64_t Psor::sweep_locally(double allowed, double deadline_s) {
-  return local_.run(blocks_, steps_,
-                    {.relaxation = relaxation_, .allowed = allowed, .deadline_s = deadline_s});
+  return local_.run(blocks_, steps_, {.relaxation = relaxation_, .allowed = allowed, .deadline_s = deadline_s});
 }
 
 void Psor::begin_watch() {
@@ -284,7 +285,7 @@ void Psor::begin_watch() {
   if (takes_parts_) parts_.clear();
   sweeps_of_parts_ = 0;
   extensions_ = 0;
-  least_off_ = kInfinity;
+  least_off_ = best_off_ = kInfinity;
   halved_at_ = 0;
 }
 
@@ -292,6 +293,10 @@ void Psor::begin_watch() {
 bool Psor::wanders(double off, std::int64_t iterations) {
   const bool halved = off < least_off_ / 2;
   const bool waited = iterations - halved_at_ >= kPatience;
+  if (off < best_off_ / 2) {  // the parts are worth keeping
+    best_off_ = off;
+    extensions_ = 0;
+  }
   if (!halved && !waited) return false;
   least_off_ = off;
   halved_at_ = iterations;

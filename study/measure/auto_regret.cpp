@@ -6,7 +6,8 @@
 //   auto_regret write SCENE FILE   one of the scenes below as a problem file, for `lcpbench solve`
 //
 // Beside the sets of `lcpbench sets`: pile:COLUMNS:LAYERS:MU[:SEED[:SPREAD]], wall:ROWS:COLUMNS:MU and
-// stack:HEIGHT[:MU], one problem each. After them @SEED:DECADES:SPEED varies the masses and the velocities of the bodies.
+// stack:HEIGHT[:MU], one problem each. After them @SEED:DECADES:SPEED varies the masses and the velocities of the
+// bodies.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -186,11 +187,8 @@ bool make_scene(const std::string& name, RigidScene& scene) {
     return true;
   }
   if (std::sscanf(name.c_str(), "pile:%d:%d:%lf:%ld:%lf", &first, &second, &mu, &seed, &spread) >= 3) {
-    scene = testing::sphere_pile({.columns = first,
-                                  .layers = second,
-                                  .mu = mu,
-                                  .seed = static_cast<std::uint64_t>(seed),
-                                  .spread = spread});
+    scene = testing::sphere_pile(
+        {.columns = first, .layers = second, .mu = mu, .seed = static_cast<std::uint64_t>(seed), .spread = spread});
   } else if (std::sscanf(name.c_str(), "wall:%d:%d:%lf", &first, &second, &mu) == 3) {
     scene = mu > 0 ? testing::frictional_brick_wall(first, second, mu) : testing::brick_wall(first, second);
   } else if (std::sscanf(name.c_str(), "stack:%d:%lf", &first, &mu) >= 1) {

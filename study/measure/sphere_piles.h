@@ -17,8 +17,8 @@ struct SpherePile {
   double spread = 0;  ///< of the diameters about 1, in [0, 1)
 };
 
-/// Spheres of diameter about 1 and of equal density near the places of a body-centred lattice, with a contact where two overlap or one meets the
-/// ground. A pile as deep as it is wide has separators of the power 2/3 of its spheres.
+/// Spheres of diameter about 1 and of equal density near the places of a body-centred lattice, with a contact where two
+/// overlap or one meets the ground. A pile as deep as it is wide has separators of the power 2/3 of its spheres.
 inline RigidScene sphere_pile(const SpherePile& pile) {
   RigidScene scene;
   std::vector<double> radii;

@@ -11,6 +11,7 @@
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
 #include "study/evaluation/fastest_contact.h"
+#include "study/measure/box_stacks.h"
 #include "study/measure/brick_wall.h"
 #include "study/measure/least_energy_velocity.h"
 #include "study/measure/sphere_piles.h"
@@ -134,6 +135,43 @@ TEST(AutoScenesTest, PilesAreSweptAndWallsAreFactored) {
   const Answer wall = solve(Problem("wall", testing::brick_wall(10, 10)));
   EXPECT_EQ(wall.claim, Claim::kSolved);
   EXPECT_EQ(wall.detail.find("psor"), std::string::npos) << wall.detail;
+}
+
+// Where friction holds nearly all contacts, too: on 104 contacts contact_lemke and friction_ipm take a hundred times as
+// long.
+TEST(AutoScenesTest, PilesAreSweptWhereFrictionMayHoldThem) {
+  for (const double mu : {0.6, 1.0, 2.0}) {
+    const Problem pile("pile", testing::sphere_pile({.columns = 4, .layers = 4, .mu = mu}));
+    const Answer answer = solve(pile);
+    ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+    EXPECT_NE(answer.detail.find("psor"), std::string::npos) << answer.detail;
+    EXPECT_EQ(answer.detail.find("_ipm"), std::string::npos) << answer.detail;
+    EXPECT_LE(answer.counters.pivots, 0) << mu;
+  }
+}
+
+// With mu above 1 no setting of psor's plain sweeps settles on all of them, friction_ipm solves none, and contact_lemke
+// takes no island of this size.
+TEST(AutoScenesTest, PilesWithMuchFrictionAreSolvedAtEachError) {
+  for (const std::uint64_t seed : {1, 3}) {
+    for (const double mu : {1.2, 2.0}) {
+      const Problem pile("pile", testing::sphere_pile({.columns = 6, .mu = mu, .seed = seed}));
+      for (const char* error : {"1e-2", "1e-6", "1e-9"}) {
+        const Answer answer = solve(pile, {{"error", error}});
+        ASSERT_EQ(answer.claim, Claim::kSolved) << seed << " " << mu << " " << error << " " << answer.detail;
+        EXPECT_LE(Evaluator(pile).errors(answer).velocity_residual_relative, 1.01 * std::stod(error));
+      }
+    }
+  }
+}
+
+// Its cubes are pushed faster than friction of the first instant can hold; contact_lemke takes a hundred times as long.
+TEST(AutoScenesTest, SlidingStacksAreSolvedByConvexProblems) {
+  const Problem stack("stack", testing::box_stacks({.height = 40, .mu = 0.1}));
+  const Answer answer = solve(stack);
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_NE(answer.detail.find("friction_ipm"), std::string::npos) << answer.detail;
+  EXPECT_LE(answer.counters.pivots, 0);
 }
 
 TEST(AutoScenesTest, AStatedErrorIsMetAndSavesIterations) {
