@@ -96,9 +96,7 @@ std::string why_no_friction(const std::string& setting) {
   return "has a round friction cone, which is another problem than this pyramid: " + setting + " solves that one";
 }
 
-}  // namespace
-
-std::string why_not(const Capabilities& capabilities, const Problem& problem) {
+std::string why_not(const Capabilities& capabilities, const Problem& problem, bool is_finite) {
   if (capabilities.needs == Needs::kScene && problem.scene() == nullptr) return "needs a rigid-body scene";
   if (capabilities.needs == Needs::kFactored && problem.contact() == nullptr) {
     return "needs the contact problem (v, N, D, mu, G), not only (q, M)";
@@ -109,7 +107,7 @@ std::string why_not(const Capabilities& capabilities, const Problem& problem) {
   if (problem.size() > capabilities.max_size) {
     return "n = " + std::to_string(problem.size()) + " is over its limit of " + std::to_string(capabilities.max_size);
   }
-  if (!data_are_finite(problem)) return "the data hold NaN or infinity";
+  if (!is_finite && !data_are_finite(problem)) return "the data hold NaN or infinity";
   if (capabilities.frictionless_only) {
     if (const ContactProblem* contact = problem.contact()) {
       if (contact->frictional()) return why_no_friction(capabilities.friction_setting);
@@ -118,6 +116,12 @@ std::string why_not(const Capabilities& capabilities, const Problem& problem) {
     }
   }
   return {};
+}
+
+}  // namespace
+
+std::string why_not(const Capabilities& capabilities, const Problem& problem) {
+  return why_not(capabilities, problem, false);
 }
 
 Lcp make_lcp(const Problem& problem) {
@@ -157,6 +161,12 @@ void Answer::clear() {
 void Solver::load(const Problem& problem) {
   problem_ = problem;
   refusal_ = why_not(capabilities(), problem);
+  if (refusal_.empty()) on_load(problem);
+}
+
+void Solver::load_finite(const Problem& problem) {
+  problem_ = problem;
+  refusal_ = why_not(capabilities(), problem, true);
   if (refusal_.empty()) on_load(problem);
 }
 

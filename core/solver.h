@@ -120,6 +120,10 @@ class Solver {
   /// set-up. A problem that is refused (see why_not) is remembered: solve() then answers kUnsupported.
   void load(const Problem& problem);
 
+  /// load() of a problem that is, or is a part of, one that another solver has taken in: that its numbers are finite is
+  /// known.
+  void load_finite(const Problem& problem);
+
   /// Same contacts, offsets and inertia, another velocity v (ngc).
   /// The default reloads the whole problem; solvers that can do better override on_update.
   /// @pre a contact problem is loaded. @throws std::invalid_argument otherwise, or when v has another length.

@@ -56,7 +56,7 @@ Solver& SharedMethods::holding(AutoMethod method, const Problem& problem, const 
   Solver& solver = of(method);
   bool& holds = holds_[static_cast<std::size_t>(method)];
   if (holds) return solver;
-  solver.load(problem);
+  solver.load_finite(problem);
   holds = true;
   if (v != problem.contact()->v && takes(solver, problem)) solver.update(v);
   return solver;
@@ -138,7 +138,7 @@ void Attempts::load_own(AutoMethod method) {
   if (own_[index] == nullptr) own_[index] = make_method(method, shared_.later_engines());
   if (method == AutoMethod::kContactLemke)
     static_cast<ContactLemke&>(*own_[index]).expect_one_island(scope_ == Scope::kWhole);
-  own_[index]->load(*problem_);
+  own_[index]->load_finite(*problem_);
   loaded_[index] = true;
   if (v_ != problem_->contact()->v && takes(*own_[index], *problem_)) own_[index]->update(v_);
 }
