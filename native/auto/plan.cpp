@@ -210,7 +210,8 @@ AutoPlan frictional_plan(const AutoSettings& settings, const ContactProblem& con
   if (size >= kLarge) {
     const bool has_one_rest = piles_up && redundancy(contact, idle) <= 1;
     if (has_one_rest) plan.rest = AutoPlan::Rest::kNotSought;
-    const bool is_stack = is_sparse(contact) && sweeps == 0 && size >= kRestByIpm;
+    const bool is_stack = is_sparse(contact) && sweeps == 0 && size >= kRestByIpm &&
+                          redundancy(contact, idle) >= kStackRedundancy;
     const bool holds = sticks && !has_one_rest && plan.rest == AutoPlan::Rest::kNotSought;
     if (is_stack || holds) plan.add_rounds(is_stack ? std::max(kBriefRounds, size / kSizePerRound) : kBriefRounds);
   }
