@@ -30,6 +30,8 @@ constexpr Index kRestByIpm = 5000;
 /// the size, a third of the time of contact_lemke.
 constexpr Index kBriefRounds = 2;
 constexpr Index kSizePerRound = 1000;
+/// From this on friction_ipm takes less time than contact_lemke on stacks that slide.
+constexpr Index kSlidingStack = 2000;
 /// From this on psor takes less time than the rungs of contact_lemke beyond double.
 constexpr Index kHuge = 8000;
 /// From this on friction_ipm takes less time than contact_lemke where contacts slide, too.
@@ -210,7 +212,7 @@ AutoPlan frictional_plan(const AutoSettings& settings, const ContactProblem& con
   if (size >= kLarge) {
     const bool has_one_rest = piles_up && redundancy(contact, idle) <= 1;
     if (has_one_rest) plan.rest = AutoPlan::Rest::kNotSought;
-    const bool is_stack = is_sparse(contact) && sweeps == 0 && size >= kRestByIpm &&
+    const bool is_stack = is_sparse(contact) && sweeps == 0 && size >= (sticks ? kRestByIpm : kSlidingStack) &&
                           redundancy(contact, idle) >= kStackRedundancy;
     const bool holds = sticks && !has_one_rest && plan.rest == AutoPlan::Rest::kNotSought;
     if (is_stack || holds) plan.add_rounds(is_stack ? std::max(kBriefRounds, size / kSizePerRound) : kBriefRounds);
