@@ -127,7 +127,8 @@ class Psor final : public ImpulseSolver<LimitedPsor> {
   std::vector<Entries> all_impulses_, all_velocities_;  // as one range each
   bool sweeps_locally_ = false;
   LocalSweeps local_;
-  bool takes_parts_ = false;  // parts_ is loaded
+  bool may_take_parts_ = false;
+  bool has_loaded_parts_ = false;  // when the sweeps wander for the first time
   ExactParts parts_;
   double sweeps_of_parts_ = 0;  // that the parts of this solve are worth, beyond one for each iteration
   int extensions_ = 0;          // of parts_ since they were none
@@ -143,12 +144,14 @@ void Psor::prepare(const Problem& problem) {
   steps_.load(impulses().size(), velocity().size());
   all_impulses_.assign(1, {0, impulses().size()});
   all_velocities_.assign(1, {0, velocity().size()});
-  takes_parts_ = settings_.acceleration == Acceleration::kExact && !state_.frictions.empty() && blocks_.has_bodies();
+  // By the given setting: what take_parts() said of the last problem means nothing to this one.
+  const bool is_exact = given_.acceleration == Acceleration::kExact;
   sweeps_locally_ =
-      takes_parts_ || (settings_.acceleration == Acceleration::kLocal && !is_bare() && blocks_.has_bodies());
+      (is_exact || given_.acceleration == Acceleration::kLocal) && !is_bare() && blocks_.has_bodies();
   if (sweeps_locally_) local_.load(blocks_);
+  may_take_parts_ = is_exact && sweeps_locally_ && !state_.frictions.empty();
   parts_.clear();
-  if (takes_parts_) parts_.load(blocks_);
+  has_loaded_parts_ = false;
 }
 
 void Psor::set_start(const Vector* start) {
@@ -254,7 +257,7 @@ void Psor::sweep_until_solved(double deadline_s, Answer& answer) {
       if (!is_bare()) blocks_.take(state_);
     }
     if (!accelerates || is_last) continue;
-    if (takes_parts_ && settings_.acceleration == Acceleration::kExact && wanders(step.off, iterations)) {
+    if (may_take_parts_ && settings_.acceleration == Acceleration::kExact && wanders(step.off, iterations)) {
       change_parts();
       steps_.begin(all, impulses(), velocity());
     } else if (has_parts) {
@@ -282,7 +285,7 @@ std::int64_t Psor::sweep_locally(double allowed, double deadline_s) {
 
 void Psor::begin_watch() {
   relaxation_ = settings_.relaxation;
-  if (takes_parts_) parts_.clear();
+  parts_.clear();
   sweeps_of_parts_ = 0;
   extensions_ = 0;
   least_off_ = best_off_ = kInfinity;
@@ -310,6 +313,8 @@ void Psor::change_parts() {
     extensions_ = 0;
     return;
   }
+  if (!has_loaded_parts_) parts_.load(blocks_);
+  has_loaded_parts_ = true;
   parts_.extend(blocks_);
   ++extensions_;
 }

@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -119,6 +120,29 @@ TEST(AutoScenesTest, ABodyThatNothingTouchesDoesNotChangeThePlan) {
       solver->solve({}, beside);
       EXPECT_EQ(beside.detail, alone.detail) << name << " " << trial;
       EXPECT_EQ(beside.counters.pivots, alone.counters.pivots) << name << " " << trial;
+    }
+  }
+}
+
+// One object for all, each of them twice, in either order, and one object for each.
+TEST(AutoScenesTest, AnAnswerDoesNotDependOnTheProblemBefore) {
+  const std::vector<Problem> problems{Problem("without friction", testing::sphere_pile({.columns = 14, .layers = 17})),
+                                      Problem("much friction", testing::sphere_pile({.columns = 6, .mu = 1.2})),
+                                      Problem("stack", testing::box_stacks({.height = 40, .mu = 0.1})),
+                                      Problem("wall", testing::frictional_brick_wall(4, 6, 0.5))};
+  for (const char* error : {"0", "1e-4"}) {
+    const auto shared = lcpbench_solver_auto().make({{"error", error}});
+    for (std::size_t k = 0; k < 2 * problems.size(); ++k) {
+      const Problem& problem = problems[k < problems.size() ? k : 2 * problems.size() - 1 - k];
+      const auto fresh = lcpbench_solver_auto().make({{"error", error}});
+      Answer expected, answer;
+      fresh->load(problem);
+      fresh->solve({}, expected);
+      for (int time = 0; time < 2; ++time) {
+        shared->load(problem);
+        shared->solve({}, answer);
+        EXPECT_EQ(answer.z, expected.z) << problem.name() << " " << error << ": " << answer.detail;
+      }
     }
   }
 }
