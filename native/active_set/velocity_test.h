@@ -56,7 +56,8 @@ class VelocityTest {
   bool passes(const Answer& answer, const Count* active, Count pressed, Scalar limit) {
     active_ = active;
     pressed_ = pressed;
-    const bool needs_residual = has_residual(answer) && exceeds_bound(answer, limit);
+    const bool has_residual = this->has_residual(answer);
+    const bool needs_residual = has_residual && exceeds_bound(answer, limit);
     if constexpr (kHasMoreBits) {
       if (needs_residual && passes_by_residual(answer, limit)) return true;
     }
@@ -80,7 +81,7 @@ class VelocityTest {
                  whitening_.rank(), contact_lanes());
     if (is_whole_ && !needs_residual && passes_as_a_whole(answer, limit)) return true;
     if constexpr (kHasMoreBits) {
-      if (has_residual(answer) && !needs_residual && passes_by_residual(answer, limit)) return true;
+      if (has_residual && !needs_residual && passes_by_residual(answer, limit)) return true;
     }
     if (whitening_.triangular()) whitening_.solve(change_.data());  // u - v
     return passes_by_islands(answer, limit);
