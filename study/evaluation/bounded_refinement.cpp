@@ -18,8 +18,10 @@ struct Column {
   std::size_t n;
 };
 
-/// The same steps as BoundedSum's, for all rows at once.
-void subtract_column(const Column& of) {
+/// The same steps as BoundedSum's, for all rows at once. kFused: with fused multiply-adds, which give what rounding
+/// leaves of a product at once; the numbers are the same.
+template <bool kFused>
+[[gnu::always_inline]] inline void subtract_column_by(const Column& of) {
   double* __restrict const sum = of.sum;
   double* __restrict const rest = of.rest;
   double* __restrict const roundings = of.roundings;
@@ -28,11 +30,16 @@ void subtract_column(const Column& of) {
   const auto [c_high, c_low] = bounded::split(y_high);
   for (std::size_t i = 0; i < of.n; ++i) {
     const double g = entries[i];
-    const double scaled = 134217729.0 * g;
-    const double g_high = scaled - (scaled - g);
-    const double g_low = g - g_high;
     const double product = g * y_high;
-    const double of_product = ((g_high * c_high - product) + g_high * c_low + g_low * c_high) + g_low * c_low;
+    double of_product;
+    if constexpr (kFused) {
+      of_product = __builtin_fma(g, y_high, -product);
+    } else {
+      const double scaled = 134217729.0 * g;
+      const double g_high = scaled - (scaled - g);
+      const double g_low = g - g_high;
+      of_product = ((g_high * c_high - product) + g_high * c_low + g_low * c_high) + g_low * c_low;
+    }
     const double before = sum[i];
     const double total = before - product;
     const double part = total - before;
@@ -47,31 +54,10 @@ void subtract_column(const Column& of) {
   }
 }
 
+void subtract_column(const Column& of) { subtract_column_by<false>(of); }
+
 #if defined(__x86_64__)
-/// The same numbers where the processor has a fused multiply-add: it gives what rounding leaves of a product at once.
-__attribute__((target("avx2,fma"))) void subtract_column_fused(const Column& of) {
-  double* __restrict const sum = of.sum;
-  double* __restrict const rest = of.rest;
-  double* __restrict const roundings = of.roundings;
-  const double* __restrict const entries = of.entries;
-  const double y_high = of.y_high, y_low = of.y_low;
-  for (std::size_t i = 0; i < of.n; ++i) {
-    const double g = entries[i];
-    const double product = g * y_high;
-    const double of_product = __builtin_fma(g, y_high, -product);
-    const double before = sum[i];
-    const double total = before - product;
-    const double part = total - before;
-    const double of_sum = (before - (total - part)) + (-product - part);
-    const double of_low = g * y_low;
-    const double subtracted = of_product + of_low;
-    const double added = of_sum - subtracted;
-    const double low = rest[i] + added;
-    sum[i] = total;
-    rest[i] = low;
-    roundings[i] += (std::abs(of_low) + std::abs(subtracted)) + (std::abs(added) + std::abs(low));
-  }
-}
+__attribute__((target("avx2,fma"))) void subtract_column_fused(const Column& of) { subtract_column_by<true>(of); }
 #endif
 
 using SubtractColumn = void (*)(const Column&);
