@@ -48,7 +48,8 @@ ComparedPair count_pair(const OutcomeTable& table, std::size_t a, std::size_t b)
   for (std::size_t row = 0; row < table.problems.size(); ++row) {
     const Outcome* first = table.columns[a][row];
     const Outcome* second = table.columns[b][row];
-    if (took(first) && took(second)) pair.solved.add(first->solved, second->solved);
+    if (!took(first) || !took(second) || first->unsolvable != second->unsolvable) continue;  // both are right
+    pair.solved.add(first->solved, second->solved);
   }
   pair.p = pair.solved.p_value();
   return pair;
@@ -107,7 +108,7 @@ PairRatios pair_ratios(const OutcomeTable& table, std::size_t a, std::size_t b) 
   for (std::size_t row = 0; row < table.problems.size(); ++row) {
     const Outcome* first = table.columns[a][row];
     const Outcome* second = table.columns[b][row];
-    if (!took(first) || !took(second) || first->unsolvable) continue;
+    if (!took(first) || !took(second) || first->unsolvable || second->unsolvable) continue;
     const double time_a = first->solved ? first->time_s : kInfinity;
     const double time_b = second->solved ? second->time_s : kInfinity;
     if (std::isnan(time_a) || std::isnan(time_b)) continue;
