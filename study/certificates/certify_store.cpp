@@ -113,8 +113,9 @@ Sets open_sets(const std::vector<CertifyTask>& tasks) {
 double least_violation(const Problem& problem, const Certificate& certificate) {
   const ContactProblem* contact = problem.contact();
   if (certificate.proof != ProofKind::kFarkas || contact == nullptr) return kNone;
-  const std::vector<std::string>& u = certificate.exact_farkas.numerators;
-  return least_violation(*contact, std::span(u).first(static_cast<std::size_t>(contact->nc())));
+  const std::span<const std::string> u(certificate.exact_farkas.numerators);  // of normals, then of friction: zeros
+  const auto normals = static_cast<std::size_t>(contact->nc());
+  return u.size() < normals ? kNone : least_violation(*contact, u.first(normals));
 }
 
 CertificateRow certificate_row(const Problem& problem, const Certificate& certificate, double time_limit_s) {

@@ -19,8 +19,9 @@ class Settler {
   /// Problems with more rows, or more coordinates, are left alone.
   static constexpr Index kMostRows = 32;
   static constexpr Index kMostCoordinates = 64;
-  /// For each problem: see CertifyOptions::most_work. About 0.25 s.
-  static constexpr std::int64_t kMostWork = 200000;
+  /// For each problem: see CertifyOptions::most_work. Mostly below half a second; numbers that span hundreds of
+  /// binary orders can take seconds.
+  static constexpr std::int64_t kMostWork = 100000;
 
   /// What is proven of the problem; nullopt where that is nothing within the limits above.
   std::optional<Certificate> settle(const Problem& problem);
