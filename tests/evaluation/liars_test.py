@@ -181,7 +181,6 @@ class LiarTest(unittest.TestCase):
         lcpbench("report", self.path("m.db"), "--out", self.path("report"))
         with open(self.path("report/report.html"), encoding="utf-8") as file:
             self.assertIn("1 problem is nearly solvable: " + words, file.read())
-        self.assertIn("1 problem is nearly solvable: " + words, " ".join(lcpbench("report", self.path("m.db")).split()))
         with open(self.path("report/summary.json"), encoding="utf-8") as file:
             cells = json.load(file)["cells"]
         self.assertEqual([sum(cell[key] for cell in cells) for key in ("nearly_problems", "nearly_solved",
