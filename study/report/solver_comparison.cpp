@@ -180,8 +180,9 @@ Scope scope_of(const OutcomeTable& table, bool common_only, std::int64_t problem
   }
   for (std::size_t row = 0; row < table.problems.size(); ++row) {
     const bool usable = std::all_of(scope.columns.begin(), scope.columns.end(), [&](std::size_t column) {
-      const Outcome* outcome = table.columns[column][row];
-      return outcome != nullptr && !outcome->unsolvable;
+      return table.columns[column][row] != nullptr;
+    }) && std::none_of(table.columns.begin(), table.columns.end(), [&](const auto& column) {
+      return column[row] != nullptr && column[row]->unsolvable;
     });
     if (usable && !scope.columns.empty()) scope.rows.push_back(row);
   }

@@ -105,8 +105,9 @@ complete AS MATERIALIZED (
      AND COUNT(*) > COUNT(*) FILTER (WHERE m.claim = 'unsupported')),
 by_problem AS MATERIALIZED (
   SELECT problem_id, SUM(verdict = 'solved') AS solvers
-  FROM met JOIN complete USING (set_id, solver_id) GROUP BY problem_id
-  HAVING MAX(truth = 'unsolvable' OR verdict = 'unsolvable') = 0)
+  FROM met JOIN complete USING (set_id, solver_id)
+  WHERE problem_id NOT IN (SELECT problem_id FROM met WHERE truth = 'unsolvable' OR verdict = 'unsolvable')
+  GROUP BY problem_id)
 SELECT sets.name AS "set", met.solver, COUNT(*) AS problems, SUM(b.solvers > 0) AS virtual_best,
        SUM(met.verdict = 'solved') AS solved, SUM(met.verdict = 'solved' AND b.solvers = 1) AS alone
 FROM met JOIN complete USING (set_id, solver_id) JOIN by_problem b USING (problem_id)

@@ -1,6 +1,7 @@
 #include "study/report/text.h"
 
 #include <cmath>
+#include <map>
 
 #include <fmt/format.h>
 
@@ -116,14 +117,17 @@ std::string truth_text(const Summary& summary) {
     text = fmt::format("{} nearly solvable: {}.", counted(nearly, "problem") + (nearly == 1 ? " is" : " are"),
                        nearly_words(least > 0 ? least : kNoNumber));
   }
-  std::string denied;
+  std::map<std::string, std::int64_t> denied;
   for (const Cell& cell : summary.cells) {
-    if (cell.false_unsolvable == 0 || !summary.solvers[cell.solver].sweep.empty()) continue;
-    denied += fmt::format("{} {} on {} of {}", denied.empty() ? "" : ";", summary.solvers[cell.solver].text(),
-                          cell.false_unsolvable, summary.sets[cell.set].name);
+    const SolverRow& solver = summary.solvers[cell.solver];
+    if (cell.false_unsolvable > 0 && solver.sweep.empty()) denied[solver.text()] += cell.false_unsolvable;
   }
-  if (denied.empty()) return text;
-  return text + (text.empty() ? "" : " ") + "Said unsolvable, and there is a solution:" + denied + ".";
+  std::string names;
+  for (const auto& [solver, count] : denied) {
+    names += fmt::format("{} {} on {}", names.empty() ? "" : ";", solver, counted(count, "problem"));
+  }
+  if (names.empty()) return text;
+  return text + (text.empty() ? "" : " ") + "Said unsolvable, and there is a solution:" + names + ".";
 }
 
 std::string describe(const SetSummary& set) {

@@ -225,7 +225,7 @@ TEST_F(CertifyStoreTest, WhatAShortTimeLimitLeftOpenIsTriedAgainWithALongerOne) 
   EXPECT_EQ(certify_as(CertificateKind::kSolution, file_, {.time_limit_s = 9}).total, 0);
 }
 
-TEST_F(CertifyStoreTest, ProofOfUnsolvabilityOverridesAVerifiedAnswerAndAnOpenCertificateNothing) {
+TEST_F(CertifyStoreTest, ProofOfUnsolvabilityChangesTheTruthAndAnOpenCertificateNothing) {
   solve_all(study_of({{kMonotone, 4}}), file_);
   const std::string verdicts = "judged WHERE verdict = ";
   ASSERT_EQ(count(file_, verdicts + "'solved'"), 4);
@@ -233,7 +233,9 @@ TEST_F(CertifyStoreTest, ProofOfUnsolvabilityOverridesAVerifiedAnswerAndAnOpenCe
   EXPECT_EQ(count(file_, verdicts + "'solved'"), 4);
   change(file_, "DELETE FROM certificates");
   certify_as(CertificateKind::kUnsolvable, file_);
-  EXPECT_EQ(count(file_, verdicts + "'wrong'"), 4);  // they claim solved
+  EXPECT_EQ(count(file_, verdicts + "'solved' AND truth = 'nearly'"), 4);
+  change(file_, "UPDATE problems SET kind = 'lcp'");
+  EXPECT_EQ(count(file_, verdicts + "'wrong' AND truth = 'unsolvable'"), 4);  // they claim solved
 }
 
 TEST_F(CertifyStoreTest, CertifiedSolutionMakesAnHonestFailureAMiss) {
