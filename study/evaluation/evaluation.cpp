@@ -352,7 +352,8 @@ double ContactEvaluation<Real>::velocity_mismatch(const Vector& returned, const 
   }
 }
 
-/// What rounding may leave where exact sums cancel: |G*_i' J_j| <= sqrt(G*_ii M_jj).
+/// What rounding may leave where exact sums cancel. |u_i| <= sqrt(G*_ii) |u|_G for all u, so |G*_i' J_j| <= sqrt(G*_ii
+/// M_jj).
 template <class Real>
 double ContactEvaluation<Real>::velocity_rounding(std::size_t coordinate, double inverse, const RealVector& z) {
   if (!numbers_) numbers_.emplace().find(problem);
@@ -366,6 +367,13 @@ double ContactEvaluation<Real>::velocity_rounding(std::size_t coordinate, double
     ++impulses;
   };
   const Index island = numbers_->of_coordinate[coordinate];
+  if (inertia.has_inertia()) {
+    RealVector v = lcp->velocity_before();
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      if (numbers_->of_coordinate[i] != island) v[i] = 0;
+    }
+    sum += std::sqrt(std::max(to_double(dot(v, inertia.apply(v))), 0.0));
+  }
   for (Index contact = 0; island >= 0 && contact < layout.nc; ++contact) {
     const auto at = static_cast<std::size_t>(contact);
     if (numbers_->of_contact[at] != island) continue;

@@ -162,7 +162,10 @@ class Contact:
             if error > SOLVED_VELOCITY:
                 acting = [i for i in range(self.impulses) if z[i] != 0 and self.contact_of[i] in touched
                           and label[touched[self.contact_of[i]]] == label[a]]
-                cancels = sum(Fraction(math.sqrt(self.M[i][i])) * abs(z[i]) for i in acting)
+                moved = {label[first] for first in touched.values()}
+                alike = [b for b in range(ngc) if label[b] == label[a] or not {label[a], label[b]} & moved]
+                energy = sum((self.v[b] * self.G[b][c] * self.v[c] for b in alike for c in alike), Fraction(0))
+                cancels = Fraction(math.sqrt(energy)) + sum(Fraction(math.sqrt(self.M[i][i])) * abs(z[i]) for i in acting)
                 rounding = (len(acting) + 1) * (Fraction(2) ** -53 * Fraction(math.sqrt(inverse[a][a])) * cancels
                                                 + Fraction(2) ** -1074)
                 scale = abs(self.v[a]) + sum(abs(inverse[b][a]) * pushes[b] for b in range(ngc))

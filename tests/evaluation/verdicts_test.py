@@ -39,6 +39,10 @@ def velocity_cases(draw):
         yield apart, [2, 2, 0], [size, 0]
         yield apart, [2, 2, 0], [0, size]  # nothing pushes there
     yield contact([1, -1], identity(2), identity(2)), [0, 1], [777, 888]
+    for size in (1e-17, 1e-15, 1e-9):  # at rest beside what moves, in an island with it or not
+        yield contact([-1, 0], [[1], [0]], [[4, 1], [1, 5]]), [1], [-0.736842105263158, size - 0.0526315789473684]
+        yield contact([-1, 0, 0], [[1], [0], [0]], identity(3)), [1], [0, size, 0]
+        yield contact([0, 1, 0], [[1], [0], [0]], identity(3)), [0], [0, 1, size]
     for _ in range(40):
         G = [[draw.randint(3, 9) if i == j else 0 for j in range(3)] for i in range(3)]
         G[0][1] = G[1][0] = draw.randint(-2, 2)
