@@ -213,7 +213,8 @@ bool FailureTest::begin(const Problem& problem) {
     if (asked(FailureKind::kMissed) && !seen.errors.solved && seen.model == FrictionModel::kPyramid) {
       std::string because;
       const Truth known = truth(problem, judge, because);
-      if (known == Truth::kUnsolvable || known == Truth::kNearly) words_ += "; it has no exact solution";
+      if (known == Truth::kUnsolvable) words_ += "; it has no solution";
+      if (known == Truth::kNearly) words_ += "; it has no exact solution";
       if (known == Truth::kUnknown) words_ += "; whether it has a solution is not known";
     }
   }
