@@ -89,7 +89,8 @@ class Dictionary {
     double counted = 0;
     for (Index i = 0; i < n_; ++i) {
       if (i == r) continue;
-      if (deadline.passed(1 + static_cast<std::int64_t>((words - counted) / kWordsAStep)) || words > kMostWords) return false;
+      const auto work = 1 + static_cast<std::int64_t>((words - counted) / kWordsAStep);
+      if (deadline.passed(work) || words > kMostWords) return false;
       counted = words;
       for (Index j = 0; j < n_ + 2; ++j) {
         if (j == s) continue;

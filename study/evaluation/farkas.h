@@ -19,9 +19,9 @@ namespace lcpbench {
 /// O(nnz(N) + ngc^2) exact operations.
 bool proves_unsolvable(const ContactProblem& problem, const Vector& u);
 
-/// How far any impulses at all leave some contact violated where u proves that there is no solution: the normal velocities
-/// w after them have u'w = u'(N'v + b) < 0, so that the least of them is at most u'(N'v + b) / sum(u). Exact, then
-/// rounded down. [m/s] @pre u (nc) proves it
+/// How far any impulses at all leave some contact violated where u proves that there is no solution: the normal
+/// velocities w after them have u'w = u'(N'v + b) < 0, so that the least of them is at most u'(N'v + b) / sum(u).
+/// Exact, then rounded down. [m/s] @pre u (nc) proves it
 double least_violation(const ContactProblem& problem, const Vector& u);
 /// The same of decimal integers, which may have any positive factor in common.
 double least_violation(const ContactProblem& problem, std::span<const std::string> u);
