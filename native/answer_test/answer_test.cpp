@@ -29,6 +29,7 @@ void AnswerTest::load(const Problem& problem, Bodies bodies, const IslandNumbers
                std::holds_alternative<BlockInertia>(problem.contact()->inertia) &&
                !(ContactSolvability::is_asked(*problem.contact()) && problem.contact()->ngc() <= kLargestAsked);
   may_be_singular_ = false;
+  impulses_ = bare_ ? 0 : problem.contact()->nc() + cols(problem.contact()->D);
   if (by_bodies_) return bodies_test_.load(*problem.contact(), numbers);
   if (bare_) return bare_test_.load(problem.lcp());
   const ContactProblem& contact = *problem.contact();
@@ -55,7 +56,10 @@ bool AnswerTest::settle(Answer& answer, double deadline_s) {
   if (answer.claim != Claim::kSolved) return false;
   const Outcome outcome = solves(answer.z) ? confirm(deadline_s) : Outcome::kResidual;
   switch (outcome) {
-    case Outcome::kSolved: answer.z = completed_; return true;
+    case Outcome::kSolved:
+      if (answer.z.head(impulses_) != completed_.head(impulses_)) answer.velocity.resize(0);  // not of these impulses
+      answer.z = completed_;
+      return true;
     case Outcome::kUnsolvable: report_proof(answer); return false;
     case Outcome::kResidual: answer.detail = "residual"; break;
     case Outcome::kUnconfirmed: answer.detail = "unconfirmed"; break;

@@ -81,6 +81,7 @@ class AnswerTest {
   BodiesTest bodies_test_;
   bool by_bodies_ = false;
   bool bare_ = true;
+  Index impulses_ = 0;  // of contacts: the entries of z that move anything
   bool quad_is_loaded_ = false;
   bool may_be_singular_ = false;  // the inertia of contacts, or their offset may ask for too much
   ContactSolvability solvability_;

@@ -178,16 +178,15 @@ std::vector<CertifiedSet> CertificateTable::counts(const CertifyScope& scope) {
 }
 
 std::vector<std::string> CertificateTable::contradictions(const CertifyScope& scope) {
-  // The evaluation's residual is at least the violation of the contacts, and that is at least the certified bound. A
-  // bare LCP has no such bound: there a verified answer contradicts the proof.
+  // The evaluation's residual is at least the violation of the contacts, and that is at least the certified bound; the
+  // residual may be off by kSettled. An answer within the tolerance contradicts no proof.
   Statement query(
       store_.database(),
       fmt::format(
           "SELECT s.name, p.seed, p.trial, {0} || ' has an answer that is better than the proof of unsolvability "
           "allows' FROM certificates c JOIN problems p ON p.id = c.problem_id JOIN sets s ON s.id = p.set_id "
           "JOIN verdicts v ON v.problem_id = c.problem_id WHERE {1} AND c.certificate = 'unsolvable' AND {3} "
-          "AND (v.velocity_residual_m_per_s < c.least_violation_m_per_s "
-          "OR (c.least_violation_m_per_s IS NULL AND v.solved = 1)) "
+          "AND v.velocity_residual_m_per_s * 1.000001 < c.least_violation_m_per_s "
           "UNION ALL SELECT s.name, p.seed, p.trial, {0} || ' has a proof of unsolvability, yet a solution is "
           "certified' FROM certificates c JOIN problems p ON p.id = c.problem_id JOIN sets s ON s.id = p.set_id "
           "JOIN verdicts v ON v.problem_id = c.problem_id WHERE {1} AND c.certificate = 'solution' "

@@ -6,6 +6,8 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -15,6 +17,7 @@
 #include "core/io/problem_io.h"
 #include "generators/sets.h"
 #include "study/certificates/proof_document.h"
+#include "study/evaluation/farkas.h"
 #include "study/run/result_exchange.h"
 
 namespace lcpbench {
@@ -110,18 +113,9 @@ Sets open_sets(const std::vector<CertifyTask>& tasks) {
 double least_violation(const Problem& problem, const Certificate& certificate) {
   const ContactProblem* contact = problem.contact();
   if (certificate.proof != ProofKind::kFarkas || contact == nullptr) return kNone;
-  if (certificate.farkas.size() < contact->nc() || contact->nc() == 0) return kNone;
-  // u is the exact one rounded: what that and these sums can be off is taken away.
-  constexpr double kRounding = 1e-13;
-  const Matrix N = to_dense(contact->N);
-  const Vector u = certificate.farkas.head(contact->nc());
-  double gain = contact->v.dot(N * u);
-  double magnitude = contact->v.cwiseAbs().dot(N.cwiseAbs() * u);
-  if (contact->has_offset()) {
-    gain += contact->b.dot(u);
-    magnitude += contact->b.cwiseAbs().dot(u);
-  }
-  return std::max(0.0, (-gain - kRounding * magnitude) / u.sum());
+  const std::span<const std::string> u(certificate.exact_farkas.numerators);  // of normals, then of friction: zeros
+  const auto normals = static_cast<std::size_t>(contact->nc());
+  return u.size() < normals ? kNone : least_violation(*contact, u.first(normals));
 }
 
 CertificateRow certificate_row(const Problem& problem, const Certificate& certificate, double time_limit_s) {

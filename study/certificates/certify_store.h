@@ -27,9 +27,7 @@ struct CertifyOutcome {
   std::int64_t total = 0;  ///< problems that it had to do
 };
 
-/// How far any impulse at all leaves some contact violated, where the problem is certified to have no solution: with
-/// u >= 0 and N u in null(G) the normal velocities w after the impact have u'w = v'N u < 0, so that the worst of them
-/// is at most v'N u / sum(u). Rounded down; NaN for other certificates and bare LCPs. [m/s]
+/// least_violation() of the certificate's exact u; NaN for other certificates and bare LCPs. [m/s]
 double least_violation(const Problem& problem, const Certificate& certificate);
 
 /// The row of a certificate; an open one where no problem file can hold the problem: nobody could check the proof.

@@ -8,8 +8,9 @@
 namespace lcpbench {
 
 std::optional<Certificate> Settler::settle(const Problem& problem) {
-  if (problem.size() > kLargestOrder) return std::nullopt;
-  if (certifier_ == nullptr) certifier_ = std::make_unique<Certifier>(CertifyOptions{.time_limit_s = kTimeLimitS});
+  const ContactProblem* contact = problem.contact();
+  if (problem.size() > kMostRows || (contact != nullptr && contact->ngc() > kMostCoordinates)) return std::nullopt;
+  if (certifier_ == nullptr) certifier_ = std::make_unique<Certifier>(CertifyOptions{.most_work = kMostWork});
   try {
     Certificate certificate = certifier_->certify(problem);
     if (certificate.kind != CertificateKind::kOpen) return certificate;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <memory>
 #include <optional>
@@ -11,13 +12,16 @@
 
 namespace lcpbench {
 
-/// Settles by exact arithmetic whether a problem has a solution. One for each thread.
+/// Settles by exact arithmetic whether a problem has a solution. What it finds does not depend on the machine's speed.
+/// One for each thread.
 class Settler {
  public:
-  /// Larger problems are left alone.
-  static constexpr Index kLargestOrder = 32;
-  /// For each problem.
-  static constexpr double kTimeLimitS = 0.25;
+  /// Problems with more rows, or more coordinates, are left alone.
+  static constexpr Index kMostRows = 32;
+  static constexpr Index kMostCoordinates = 64;
+  /// For each problem: see CertifyOptions::most_work. Mostly below half a second; numbers that span hundreds of
+  /// binary orders can take seconds.
+  static constexpr std::int64_t kMostWork = 100000;
 
   /// What is proven of the problem; nullopt where that is nothing within the limits above.
   std::optional<Certificate> settle(const Problem& problem);

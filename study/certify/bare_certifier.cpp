@@ -127,6 +127,7 @@ class BareCertifier {
   // What the steps before left open: other solvers' answers, Lemke's method from other covering vectors, and longer
   // branching, in turns, until the time is up.
   bool found_with_more_time() {
+    if (deadline_.counts_work()) return false;
     GuessedCones guesses(problem_, candidates_, kMoreSolvers);
     for (Index round = 0; !deadline_.passed(); ++round) {
       const double turn_s = deadline_.left_s() / kTurns;

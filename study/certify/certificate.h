@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -92,6 +93,9 @@ struct Certificate {
 struct CertifyOptions {
   double time_limit_s = 10;          ///< wall clock; kOpen when it passes. Read between steps, each of them short
   bool seek_other_velocity = false;  ///< frictional problems: look for a second solution with another velocity
+  /// Above 0: in place of the time limit, how many short steps the search may take, so that every machine finds the
+  /// same. What would go on until the time is up is left out.
+  std::int64_t most_work = 0;
 };
 
 /// Finds the exact truth of problems: candidate bases from float solvers, then exact arithmetic on the factored data.

@@ -48,7 +48,8 @@ class Certifier::Engine {
   Certificate certify(const Problem& problem) {
     if (!finite(problem)) throw InputError(problem.name() + ": the data hold a NaN or an infinity; nothing is exact");
     [[maybe_unused]] static thread_local FlintMemory memory;
-    const exact::Deadline deadline(options_.time_limit_s);
+    const exact::Deadline deadline = options_.most_work > 0 ? exact::Deadline::after_work(options_.most_work)
+                                                            : exact::Deadline(options_.time_limit_s);
     Certificate certificate = certify_contained(problem, deadline);
     certificate.seconds = deadline.elapsed_s();
     return certificate;

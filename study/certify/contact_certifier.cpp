@@ -318,6 +318,7 @@ class ContactCertifier {
   // What the steps before left open: other solvers' answers, Lemke's method from other covering vectors, more variants
   // and longer branching, in turns, until the time is up.
   bool found_with_more_time() {
+    if (deadline_.counts_work()) return false;
     GuessedCones guesses(problem_, candidates_, truth_.frictional() ? kMoreFrictional : kMoreFrictionless);
     std::optional<ReducedSystem> eliminated;
     for (Index round = 0; !deadline_.passed(); ++round) {

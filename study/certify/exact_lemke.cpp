@@ -10,6 +10,8 @@ namespace {
 
 /// Of 64 bits, in all entries: 512 MB.
 constexpr double kMostWords = 64.0 * 1024 * 1024;
+/// See Deadline::passed().
+constexpr double kWordsAStep = 64;
 
 slong cover(Index covering, Index row) {
   if (covering == 0) return 1;
@@ -84,9 +86,12 @@ class Dictionary {
     Integer pivot;
     fmpz_set(pivot.get(), entries_(r, s));
     double words = 0;
+    double counted = 0;
     for (Index i = 0; i < n_; ++i) {
       if (i == r) continue;
-      if (deadline.passed() || words > kMostWords) return false;
+      const auto work = 1 + static_cast<std::int64_t>((words - counted) / kWordsAStep);
+      if (deadline.passed(work) || words > kMostWords) return false;
+      counted = words;
       for (Index j = 0; j < n_ + 2; ++j) {
         if (j == s) continue;
         set_difference_of_products(entries_(i, j), entries_(i, j), pivot.get(), entries_(i, s), entries_(r, j));

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "adapters/worker/worker_client.h"
+#include "study/certificates/certify_store.h"
 #include "study/certificates/judge.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
@@ -51,6 +52,7 @@ struct Attempt {
   TimedAnswer timed;
   Judgement judgement;
   Truth truth = Truth::kUnknown;  ///< of the problem
+  double least_violation_m_per_s = std::numeric_limits<double>::quiet_NaN();  ///< of any answer to the problem
   Verdict verdict = Verdict::kOpen;
   Vector velocity;
   std::string note;  ///< why there are no errors; "" when there are
@@ -124,7 +126,8 @@ std::string because(const Judge& judge, const std::vector<Attempt>& attempts) {
   const auto exact = [&] { return fmt::format("exact proof: {}", to_string(judge.certificate()->proof)); };
   switch (judge.findings().truth()) {
     case Truth::kUnknown: break;
-    case Truth::kUnsolvable: {
+    case Truth::kUnsolvable:
+    case Truth::kNearly: {
       const auto proves = first([](const Attempt& a) { return a.judgement.proof_holds; });
       return proves != attempts.end() ? "the proof of " + proves->solver.text() + " is valid" : exact();
     }
@@ -138,6 +141,14 @@ std::string because(const Judge& judge, const std::vector<Attempt>& attempts) {
     }
   }
   return "";
+}
+
+/// The largest lower bound that the proofs of unsolvability give of what every answer violates; NaN for none.
+double missing_m_per_s(const Problem& problem, const Judge& judge, const std::vector<Attempt>& attempts) {
+  double largest = judge.certificate() ? least_violation(problem, *judge.certificate())
+                                       : std::numeric_limits<double>::quiet_NaN();
+  for (const Attempt& each : attempts) largest = std::fmax(largest, each.judgement.errors.least_violation_m_per_s);
+  return largest;
 }
 
 /// Right answers first, then honest failures, then false claims, then refusals.
@@ -172,12 +183,15 @@ std::vector<Attempt> attempts_on(const Problem& problem, Solvers& solvers, Settl
   }
   progress.clear();
   const std::string known_by = because(judge, attempts);
+  const double missing = missing_m_per_s(problem, judge, attempts);
   for (Attempt& each : attempts) {
     const Answer& answer = each.timed.answer;
     const Errors& errors = each.judgement.errors;
     each.truth = each.model == FrictionModel::kPyramid ? judge.findings().truth() : Truth::kUnknown;
     each.verdict = verdict(answer.claim, errors, each.truth);
-    each.why = why_not_solved(problem, {answer.claim, each.verdict, errors, answer.detail, each.note, known_by});
+    each.least_violation_m_per_s = missing;
+    each.why =
+        why_not_solved(problem, {answer.claim, each.verdict, errors, answer.detail, each.note, known_by, each.truth});
   }
   std::stable_sort(attempts.begin(), attempts.end(), [](const Attempt& a, const Attempt& b) {
     return rank(a) != rank(b) ? rank(a) < rank(b) : a.time_s() < b.time_s();
@@ -201,6 +215,7 @@ Json attempt_json(const Json& problem, const Attempt& attempt) {
           {"claim", to_string(answer.claim)},
           {"verdict", to_string(attempt.verdict)},
           {"truth", to_string(attempt.truth)},
+          {"least_violation_m_per_s", json_number(attempt.least_violation_m_per_s)},
           {"why", attempt.why},
           {"z", json_vector(answer.z)},
           {"velocity", json_vector(attempt.velocity)},
@@ -260,6 +275,13 @@ void print_reasons(const std::vector<Attempt>& attempts, int width) {
     }
   }
   for (const auto& [why, solvers] : reasons) say(stdout, "{}", folded(solvers + " " + why + "\n", width));
+}
+
+void print_nearly(const std::vector<Attempt>& attempts, int width) {
+  const auto nearly = std::find_if(attempts.begin(), attempts.end(),
+                                   [](const Attempt& each) { return each.truth == Truth::kNearly; });
+  if (nearly == attempts.end()) return;
+  say(stdout, "{}", folded("nearly solvable: " + nearly_words(nearly->least_violation_m_per_s) + "\n", width));
 }
 
 /// Who solved it, who is the fastest of them, and who said so and is wrong.
@@ -335,6 +357,7 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
   say(stdout, "{}", table.text(width));
   if (cone) say(stdout, "{}", folded(kTwoErrors, width));
   print_reasons(attempts, width);
+  print_nearly(attempts, width);
   print_conclusion(attempts, width);
   print_spread(problem, attempts, width);
   print_velocity(attempts.front(), width);

@@ -149,6 +149,7 @@ struct ContactEvaluation {
 
   void measure(const RealVector& z, const RealVector& v_plus, const RealVector& w, Errors& errors);
   double velocity_mismatch(const Vector& velocity, const RealVector& z, const RealVector& v_plus) const;
+  void measure_returned(const Vector& velocity, const RealVector& z, const RealVector& v_plus, Errors& errors);
   double forward_velocity(const RealVector& velocity) const;
 
   const ContactProblem& problem;
@@ -173,7 +174,10 @@ struct ContactEvaluation {
   double model_error(const RealVector& z, const RealVector& v_plus, const RealVector& residuals);
   Real work_gain(const RealVector& z, const RealVector& v_plus) const;
   Real work_of_offset(const RealVector& z) const;
+  Real velocity_scale(std::size_t coordinate, const RealVector& z);
+  double velocity_rounding(std::size_t coordinate, double inverse, const RealVector& z);
 
+  std::optional<IslandNumbers> numbers_;  // made by velocity_rounding()
   RealVector scales_;  // made by scales()
 };
 
@@ -348,6 +352,76 @@ double ContactEvaluation<Real>::velocity_mismatch(const Vector& returned, const 
   }
 }
 
+/// What rounding may leave where exact sums cancel. |u_i| <= sqrt(G*_ii) |u|_G for all u, so |G*_i' J_j| <= sqrt(G*_ii
+/// M_jj).
+template <class Real>
+double ContactEvaluation<Real>::velocity_rounding(std::size_t coordinate, double inverse, const RealVector& z) {
+  if (!numbers_) numbers_.emplace().find(problem);
+  const ContactLayout& layout = lcp->layout();
+  double sum = 0;
+  double impulses = 0;
+  const auto add = [&](Index row) {
+    const auto j = static_cast<std::size_t>(row);
+    if (surely_equal(z[j], 0)) return;
+    sum += std::sqrt(std::max(to_double(lcp->diagonal(j)), 0.0)) * std::abs(to_double(z[j]));
+    ++impulses;
+  };
+  const Index island = numbers_->of_coordinate[coordinate];
+  if (inertia.has_inertia()) {
+    RealVector v = lcp->velocity_before();
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      if (numbers_->of_coordinate[i] != island) v[i] = 0;
+    }
+    sum += std::sqrt(std::max(to_double(dot(v, inertia.apply(v))), 0.0));
+  }
+  for (Index contact = 0; island >= 0 && contact < layout.nc; ++contact) {
+    const auto at = static_cast<std::size_t>(contact);
+    if (numbers_->of_contact[at] != island) continue;
+    add(contact);
+    for (Index d = layout.friction_begin[at]; d < layout.friction_begin[at + 1]; ++d) add(layout.friction_offset() + d);
+  }
+  return (impulses + 1) * (0x1p-53 * std::sqrt(std::max(inverse, 0.0)) * sum + 0x1p-1074);
+}
+
+/// (|v| + |G*| |J| |f|)_i + rounding_i / 1e-4
+template <class Real>
+Real ContactEvaluation<Real>::velocity_scale(std::size_t coordinate, const RealVector& z) {
+  const RealVector impulses = lcp->generalized_impulse_scale(z);
+  RealVector inverse(impulses.size(), 0);  // a row of G*
+  std::vector<std::size_t> pattern{coordinate};
+  inverse[coordinate] = 1;
+  inertia.solve(inverse, pattern);
+  Real scale = abs(lcp->velocity_before()[coordinate]);
+  for (const std::size_t j : pattern) scale += abs(inverse[j]) * impulses[j];
+  return scale +
+         Real(velocity_rounding(coordinate, to_double(inverse[coordinate]), z) / kSolvedReturnedVelocity);
+}
+
+template <class Real>
+void ContactEvaluation<Real>::measure_returned(const Vector& returned, const RealVector& z, const RealVector& v_plus,
+                                               Errors& errors) {
+  if (returned.size() == 0) return;
+  errors.returned_velocity_error = std::numeric_limits<double>::infinity();
+  if (returned.size() == problem.ngc() && returned.allFinite()) {
+    const RealVector& v = lcp->velocity_before();
+    Real largest = 0;
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      const double given = returned(static_cast<Index>(i));
+      const Real apart = abs(Real(given) - v_plus[i]);
+      if (surely_equal(apart, 0)) continue;
+      Real error = quotient(apart, abs(v[i]) + abs(v_plus[i] - v[i]));
+      if (!surely_at_most(error, kSolvedReturnedVelocity)) error = quotient(apart, velocity_scale(i, z));
+      if (leading(error) > leading(largest)) {
+        errors.worst_coordinate = {static_cast<Index>(i), given, to_double(v_plus[i])};
+      }
+      largest = larger(largest, error);
+    }
+    at_most(largest, kSolvedReturnedVelocity);  // @throws Doubt
+    errors.returned_velocity_error = settled(largest, kSettledBackward);
+  }
+  errors.solved = errors.solved && errors.velocity_passes();
+}
+
 template <class Real>
 double ContactEvaluation<Real>::forward_velocity(const RealVector& velocity) const {
   if (!v_star || !inertia.has_inertia()) return Errors::kNone;
@@ -440,6 +514,7 @@ Errors contact_errors(ContactEvaluation<Real>& contact, const Answer& answer, Er
   if (!measure_rows(*contact.lcp, contact.islands, z, u, w, row_norm, errors)) return errors;
   contact.measure(z, u, w, errors);
   errors.velocity_mismatch = contact.velocity_mismatch(answer.velocity, z, u);
+  contact.measure_returned(answer.velocity, z, u, errors);
   return errors;
 }
 
@@ -475,6 +550,9 @@ Judgement Evaluator::judge(const Answer& answer) {
   Judgement judgement;
   judgement.errors = errors(answer);
   judgement.proof_holds = answer.farkas.size() > 0 && check_farkas(answer.farkas);
+  if (const ContactProblem* contact = data_->problem.contact(); contact != nullptr && judgement.proof_holds) {
+    judgement.errors.least_violation_m_per_s = least_violation(*contact, answer.farkas);
+  }
   return judgement;
 }
 

@@ -13,6 +13,8 @@ namespace lcpbench {
 
 /// The verdict's bound on the relative velocity residual rho of a contact problem.
 inline constexpr double kSolvedVelocityResidual = 1e-4;
+/// The verdict's bound on the error of a velocity that an answer to a contact problem comes with.
+inline constexpr double kSolvedReturnedVelocity = 1e-4;
 /// The verdict's bound on the row-norm backward error of a bare LCP.
 inline constexpr double kSolvedBackwardError = 1e-9;
 /// The paper's criterion: bounds on the work gain [J] and on the normal violation [m/s].
@@ -28,6 +30,13 @@ struct WorstRow {
   double w = kNone;
   double residual = kNone;  ///< [m/s]; contact problems only
   double scale = kNone;     ///< of the row's island [m/s]; contact problems only
+};
+
+/// Where a returned velocity is furthest from the one that z implies.
+struct WorstCoordinate {
+  Index coordinate = -1;  ///< -1: no velocity came back, or it is of another length or not finite
+  double returned = 0;
+  double implied = 0;
 };
 
 /// The error measures of one answer, all from the raw data in 113-bit arithmetic or in sums of two doubles with a bound
@@ -63,6 +72,13 @@ struct Errors {
   /// counts too. Only G* known: |u - v - G* J f|_i relative to (|u| + |v| + |G*| |J| f)_i.
   /// NaN where no velocity came back; infinity for a velocity of another length or not finite.
   double velocity_mismatch = kNone;
+  /// The part of the verdict that a returned velocity u decides: the largest |u - v+|_i / scale_i of the coordinates.
+  /// scale_i is |v|_i + |v+ - v|_i, or where the quotient then exceeds 1e-4,
+  /// (|v| + |G*| |J| |f|)_i + rounding_i / 1e-4, with
+  /// rounding_i = (k + 1) (2^-53 sqrt(G*_ii) (sqrt(v'G v) + sum_j sqrt(M_jj) |f_j|) + 2^-1074)
+  /// over the coordinate's island, k its impulses f_j that are not zero, and without the term in v where only G* is
+  /// known. NaN where no velocity came back; infinity for a velocity of another length or not finite.
+  double returned_velocity_error = kNone;
   double violation_m_per_s = kNone;  ///< max(0, -min(N'v+ + b))
   /// 1/2 (v+ - v)'G (v+ + v), with G itself: for a singular G this is not z'q + 1/2 z'M z.
   /// Where only G* is known, G (v+ - v) is replaced by J f, which is the same unless G* is singular.
@@ -70,12 +86,20 @@ struct Errors {
   double complementarity_j = kNone;  ///< z'w
   double cone_violation = kNone;     ///< max over contacts of max(0, sum f_D - mu f_N) [N s]
   double min_z = kNone;              ///< 0 for n = 0
-  WorstRow worst;                    ///< of rho; of the row-norm backward error for bare LCPs
-  bool usable = false;               ///< z is finite and of the right length
-  bool solved = false;               ///< rho <= 1e-4 (bare LCP: backward_row_norm <= 1e-9), and r (eta) is no overflow
+  /// Of a valid proof u that came with an answer to a contact problem, -u'(N'v + b) / sum(u): no impulses violate all
+  /// contacts by less. Rounded down.
+  double least_violation_m_per_s = kNone;
+  WorstRow worst;  ///< of rho; of the row-norm backward error for bare LCPs
+  WorstCoordinate worst_coordinate;
+  bool usable = false;  ///< z is finite and of the right length
+  /// rho <= 1e-4 (bare LCP: backward_row_norm <= 1e-9), r (eta) is no overflow, and velocity_passes().
+  bool solved = false;
   /// Passes the paper's criterion: no test of sign, cone, complementarity (contact only). Of an offset the work that a
   /// solution may gain by it, -b'f_N, is allowed.
   bool criterion = false;
+
+  /// Also where no velocity came back.
+  bool velocity_passes() const { return !(returned_velocity_error > kSolvedReturnedVelocity); }
 };
 
 /// One measure of an answer.
@@ -100,6 +124,8 @@ inline constexpr std::array kMetrics{
     Metric{"complementarity_j", &Errors::complementarity_j},
     Metric{"cone_violation", &Errors::cone_violation},
     Metric{"min_z", &Errors::min_z},
+    Metric{"returned_velocity_error", &Errors::returned_velocity_error},
+    Metric{"least_violation_m_per_s", &Errors::least_violation_m_per_s},
     Metric{"velocity_mismatch", &Errors::velocity_mismatch, false},
 };
 
@@ -111,9 +137,14 @@ struct Judgement {
 };
 
 /// What is known of a problem whoever solved it.
-enum class Truth { kUnknown, kSolvable, kUnsolvable };
+enum class Truth {
+  kUnknown,
+  kSolvable,
+  kUnsolvable,
+  kNearly,  ///< contacts that are proven to have no exact solution, and to which a passing answer is known
+};
 
-/// "unknown", "solvable", "unsolvable".
+/// "unknown", "solvable", "unsolvable", "nearly".
 const char* to_string(Truth truth);
 
 /// What a problem's truth can be known by.
@@ -123,17 +154,23 @@ enum class Evidence {
   kTheory,      ///< see Evaluator::truth
   kCertifiedSolution,
   kSolvedAnswer,
+  kSolvedContacts,  ///< a solved answer to a contact problem
 };
 
 /// The rule of truth: the first line that there is evidence of decides. The view `truths` of a store is made of it.
 struct TruthRule {
   Evidence evidence;
   Truth truth;
+  std::optional<Evidence> also = std::nullopt;  ///< asked for as well
 };
 
 inline constexpr std::array kTruthRules{
-    TruthRule{Evidence::kCertifiedUnsolvable, Truth::kUnsolvable}, TruthRule{Evidence::kValidProof, Truth::kUnsolvable},
-    TruthRule{Evidence::kTheory, Truth::kSolvable}, TruthRule{Evidence::kCertifiedSolution, Truth::kSolvable},
+    TruthRule{Evidence::kCertifiedUnsolvable, Truth::kNearly, Evidence::kSolvedContacts},
+    TruthRule{Evidence::kValidProof, Truth::kNearly, Evidence::kSolvedContacts},
+    TruthRule{Evidence::kCertifiedUnsolvable, Truth::kUnsolvable},
+    TruthRule{Evidence::kValidProof, Truth::kUnsolvable},
+    TruthRule{Evidence::kTheory, Truth::kSolvable},
+    TruthRule{Evidence::kCertifiedSolution, Truth::kSolvable},
     TruthRule{Evidence::kSolvedAnswer, Truth::kSolvable}};
 
 /// The evidence about one problem.
@@ -147,14 +184,14 @@ class Findings {
   Truth truth() const;
 
  private:
-  std::bitset<kTruthRules.size()> found_;
+  std::bitset<static_cast<std::size_t>(Evidence::kSolvedContacts) + 1> found_;
 };
 
 /// What an answer is.
 enum class Verdict {
-  kSolved,      ///< passes, and no proof says that the problem has no solution
+  kSolved,      ///< passes, and the problem is not unsolvable
   kWrong,       ///< claimed solved and is not: a false claim
-  kUnsolvable,  ///< the problem is proven to have no solution
+  kUnsolvable,  ///< the problem is proven to have no solution; where it is nearly solvable, the claim says so
   kRefused,     ///< the problem is outside what the solver takes
   kMissed,      ///< no answer, and the problem is known to have a solution
   kOpen,        ///< no answer, and nobody knows whether there is one
@@ -171,11 +208,13 @@ struct VerdictRule {
 };
 
 inline constexpr std::array kVerdictRules{
+    VerdictRule{.verdict = Verdict::kUnsolvable, .claim = Claim::kUnsolvable, .truth = Truth::kNearly},
     VerdictRule{.verdict = Verdict::kSolved, .passes = true, .truth_is_not = Truth::kUnsolvable},
     VerdictRule{.verdict = Verdict::kWrong, .claim = Claim::kSolved},
     VerdictRule{.verdict = Verdict::kUnsolvable, .truth = Truth::kUnsolvable},
     VerdictRule{.verdict = Verdict::kRefused, .claim = Claim::kUnsupported},
     VerdictRule{.verdict = Verdict::kMissed, .truth = Truth::kSolvable},
+    VerdictRule{.verdict = Verdict::kMissed, .truth = Truth::kNearly},
     VerdictRule{.verdict = Verdict::kOpen}};
 
 inline constexpr std::size_t kVerdicts = 6;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <gmpxx.h>
@@ -19,6 +20,8 @@ class Dyadic {
     mantissa_ = std::ldexp(std::frexp(value, &exponent), kDoubleBits);
     exponent_ = exponent - kDoubleBits;
   }
+
+  explicit Dyadic(const std::string& integer) : mantissa_(integer) {}
 
   int sign() const { return sgn(mantissa_); }
 
@@ -40,6 +43,15 @@ class Dyadic {
     product.mantissa_ = a.mantissa_ * b.mantissa_;
     product.exponent_ = a.exponent_ + b.exponent_;
     return product;
+  }
+
+  /// a / b towards zero. @pre b is not zero
+  friend double quotient(const Dyadic& a, const Dyadic& b) {
+    mpq_class ratio(a.mantissa_, b.mantissa_);
+    ratio.canonicalize();
+    const long shift = a.exponent_ - b.exponent_;
+    if (shift >= 0) return mpq_class(ratio << static_cast<mp_bitcnt_t>(shift)).get_d();
+    return mpq_class(ratio >> static_cast<mp_bitcnt_t>(-shift)).get_d();
   }
 
  private:
@@ -94,6 +106,19 @@ DyadicVector times(const Jacobian& N, const DyadicVector& u) {
   return p;
 }
 
+// u'(N'v + b)
+Dyadic fall(const ContactProblem& problem, const DyadicVector& u) {
+  Dyadic sum = dot(problem.v, times(problem.N, u));
+  sum += dot(problem.b, u);
+  return sum;
+}
+
+double least_violation(const ContactProblem& problem, const DyadicVector& u) {
+  Dyadic total;
+  for (const Dyadic& value : u) total += value;
+  return total.sign() > 0 ? -quotient(fall(problem, u), total) : std::numeric_limits<double>::quiet_NaN();
+}
+
 bool annihilates(const Matrix& A, const DyadicVector& p, std::size_t begin) {
   return A.allFinite() && is_zero(transposed_times(A, p, begin));
 }
@@ -130,10 +155,7 @@ bool proves_unsolvable(const ContactProblem& problem, const Vector& u) {
   if (u.size() != problem.nc() || !nonnegative(u) || !all_finite(problem.N) || !problem.v.allFinite()) return false;
   if (!problem.b.allFinite()) return false;
   const DyadicVector exact_u = exact(u);
-  const DyadicVector p = times(problem.N, exact_u);
-  Dyadic falls = dot(problem.v, p);
-  falls += dot(problem.b, exact_u);
-  return falls.sign() < 0 && std::visit(NullSpaceTest{p}, problem.inertia);
+  return fall(problem, exact_u).sign() < 0 && std::visit(NullSpaceTest{times(problem.N, exact_u)}, problem.inertia);
 }
 
 bool proves_unsolvable(const Lcp& lcp, const Vector& u) {
@@ -142,6 +164,12 @@ bool proves_unsolvable(const Lcp& lcp, const Vector& u) {
   if (!(dot(lcp.q, exact_u).sign() < 0)) return false;
   const DyadicVector columns = transposed_times(lcp.M, exact_u, 0);
   return std::all_of(columns.begin(), columns.end(), [](const Dyadic& value) { return value.sign() <= 0; });
+}
+
+double least_violation(const ContactProblem& problem, const Vector& u) { return least_violation(problem, exact(u)); }
+
+double least_violation(const ContactProblem& problem, std::span<const std::string> u) {
+  return least_violation(problem, DyadicVector(u.begin(), u.end()));
 }
 
 }  // namespace lcpbench

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <span>
+#include <string>
+
 #include "core/contact_problem.h"
 #include "core/lcp.h"
 
@@ -15,6 +18,13 @@ namespace lcpbench {
 /// negative entries, and for data that are not finite.
 /// O(nnz(N) + ngc^2) exact operations.
 bool proves_unsolvable(const ContactProblem& problem, const Vector& u);
+
+/// How far any impulses at all leave some contact violated where u proves that there is no solution: the normal
+/// velocities w after them have u'w = u'(N'v + b) < 0, so that the least of them is at most u'(N'v + b) / sum(u).
+/// Exact, then rounded down. [m/s] @pre u (nc) proves it
+double least_violation(const ContactProblem& problem, const Vector& u);
+/// The same of decimal integers, which may have any positive factor in common.
+double least_violation(const ContactProblem& problem, std::span<const std::string> u);
 
 /// Bare LCP: u (n) >= 0, M'u <= 0 and q'u < 0, so that no z >= 0 has M z + q >= 0. O(n^2) exact operations.
 bool proves_unsolvable(const Lcp& lcp, const Vector& u);

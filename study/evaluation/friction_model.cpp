@@ -62,8 +62,8 @@ void measure_by_cone(const ContactProblem& problem, const QuadInertia& inertia, 
   errors.model_error_m_per_s = errors.velocity_residual_m_per_s;
   errors.velocity_residual_relative = to_double(rho);
   errors.cone_violation = to_double(excess);
-  errors.solved =
-      errors.velocity_residual_relative <= kSolvedVelocityResidual && std::isfinite(errors.velocity_residual_m_per_s);
+  errors.solved = errors.velocity_residual_relative <= kSolvedVelocityResidual &&
+                  std::isfinite(errors.velocity_residual_m_per_s) && errors.velocity_passes();
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "core/error.h"
@@ -23,6 +24,7 @@ const char* to_string(Truth truth) {
     case Truth::kUnknown: return "unknown";
     case Truth::kSolvable: return "solvable";
     case Truth::kUnsolvable: return "unsolvable";
+    case Truth::kNearly: return "nearly";
   }
   return "unknown";
 }
@@ -36,12 +38,14 @@ Verdict parse_verdict(std::string_view text) {
 
 void Findings::add(const Judgement& judgement) {
   if (judgement.proof_holds) add(Evidence::kValidProof);
-  if (judgement.errors.solved) add(Evidence::kSolvedAnswer);
+  if (!judgement.errors.solved) return;
+  add(Evidence::kSolvedAnswer);
+  if (!std::isnan(judgement.errors.velocity_residual_relative)) add(Evidence::kSolvedContacts);
 }
 
 Truth Findings::truth() const {
   for (const TruthRule& rule : kTruthRules) {
-    if (has(rule.evidence)) return rule.truth;
+    if (has(rule.evidence) && has(rule.also.value_or(rule.evidence))) return rule.truth;
   }
   return Truth::kUnknown;
 }

@@ -55,7 +55,7 @@ double largest(const std::vector<double>& values) {
 /// What may be off by the rounding of the data, 2^-53, without a difference.
 bool is_backward(const Metric& metric) {
   return metric.value == &Errors::backward_componentwise || metric.value == &Errors::backward_row_norm ||
-         metric.value == &Errors::velocity_mismatch;
+         metric.value == &Errors::velocity_mismatch || metric.value == &Errors::returned_velocity_error;
 }
 
 double relative_difference(double a, double b) {

@@ -68,6 +68,22 @@ std::string worst_row_words(const Problem& problem, const Errors& errors) {
                      errors.backward_row_norm, short_number(kSolvedBackwardError));
 }
 
+/// How far the velocity that came with the answer is from the one that its z implies.
+std::string velocity_words(const Errors& errors) {
+  const WorstCoordinate& worst = errors.worst_coordinate;
+  if (worst.coordinate < 0) return "its velocity is of another length than the problem's, or not finite";
+  return fmt::format(
+      "its velocity is not the one that its z gives: coordinate {} is {:.6g}, and z gives {:.6g}; error {:.3g} relative "
+      "to |v| + |G*||J||f|; the limit is {}",
+      worst.coordinate, worst.returned, worst.implied, errors.returned_velocity_error,
+      short_number(kSolvedReturnedVelocity));
+}
+
+/// z passes, and the velocity beside it does not.
+bool only_velocity_fails(const Errors& errors) {
+  return errors.velocity_residual_relative <= kSolvedVelocityResidual && !errors.velocity_passes();
+}
+
 std::string because(const JudgedAnswer& answer) {
   return answer.truth_because.empty() ? "" : " (" + answer.truth_because + ")";
 }
@@ -78,15 +94,27 @@ std::string missed_or_open(const Problem& problem, const JudgedAnswer& answer) {
     return known ? "said unsolvable, but the problem has a solution" + because(answer)
                  : "said unsolvable, but without a valid proof; it is not known whether there is a solution";
   }
-  std::string words = fmt::format("ended with {}; the problem {}", to_string(answer.claim),
-                                  known ? "has a solution" + because(answer) : "is not known to have a solution");
-  if (answer.unusable.empty() && answer.errors.worst.row >= 0) {
+  const char* const has_none = "is not known to have a solution";
+  const std::string has = answer.truth == Truth::kNearly ? "is nearly solvable" : "has a solution";
+  std::string words =
+      fmt::format("ended with {}; the problem {}", to_string(answer.claim), known ? has + because(answer) : has_none);
+  if (answer.unusable.empty() && only_velocity_fails(answer.errors)) {
+    words += "; " + velocity_words(answer.errors);
+  } else if (answer.unusable.empty() && answer.errors.worst.row >= 0) {
     words += "; the worst row of its z: " + worst_row_words(problem, answer.errors);
   }
   return words;
 }
 
 }  // namespace
+
+std::string nearly_words(double least_violation_m_per_s) {
+  std::string words = "proven to have no exact solution, while an answer within the tolerance is known";
+  if (!std::isnan(least_violation_m_per_s)) {
+    words += fmt::format("; every answer violates some contact by at least {:.3g} m/s", least_violation_m_per_s);
+  }
+  return words;
+}
 
 std::string why_without_errors(const Answer& answer, Index n) {
   if (answer.z.size() == 0 && n > 0) {
@@ -105,14 +133,17 @@ std::string why_not_solved(const Problem& problem, const JudgedAnswer& answer) {
       if (answer.errors.solved) {
         return "said solved, but the problem is proven to have no solution" + because(answer) + ".";
       }
+      if (answer.unusable.empty() && only_velocity_fails(answer.errors)) {
+        return "said solved, but " + velocity_words(answer.errors) + ".";
+      }
       return "said solved, but " +
              (answer.unusable.empty() ? worst_row_words(problem, answer.errors) : answer.unusable) + ".";
     case Verdict::kUnsolvable:
-      return fmt::format("{} the problem is proven to have no solution{}.",
+      return fmt::format("{} the problem is proven to have no{} solution{}.",
                          answer.claim == Claim::kUnsolvable
                              ? "said unsolvable, which is right:"
                              : fmt::format("ended with {}, and", to_string(answer.claim)),
-                         because(answer));
+                         answer.truth == Truth::kNearly ? " exact" : "", because(answer));
     case Verdict::kRefused:
       return "refused the problem" + (answer.detail.empty() ? std::string() : ": " + answer.detail) + ".";
     case Verdict::kMissed:

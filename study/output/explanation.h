@@ -11,6 +11,9 @@ namespace lcpbench {
 /// answer without z is worth a word only where the solver claims to have solved, or says nothing else.
 std::string why_without_errors(const Answer& answer, Index n);
 
+/// What Truth::kNearly says of a problem, as a clause. @param least_violation_m_per_s  NaN: not known
+std::string nearly_words(double least_violation_m_per_s);
+
 /// One answer, its verdict, and what the verdict rests on.
 struct JudgedAnswer {
   Claim claim = Claim::kNumericalFailure;
@@ -19,6 +22,7 @@ struct JudgedAnswer {
   std::string detail;         ///< the solver's own words
   std::string unusable;       ///< why its z is none; "" when there is one
   std::string truth_because;  ///< how the problem's truth is known: "proof by enumeration"; "" where it is not
+  Truth truth = Truth::kUnknown;
 };
 
 /// Why the verdict is not solved, as a sentence without its subject: "said solved, but contact 2 (row 1) still

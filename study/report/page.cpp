@@ -348,7 +348,9 @@ std::string html_page(const Report& report) {
   page += "<h1>Which solver should turn contacts into impulses, and what does it cost in speed and error?</h1>\n";
   page += coverage_html(summary.coverage);
   page += "<p class=\"answer\">" + one_line_answer(summary, report.situations) + "</p>\n";
-  page += false_claims_line(summary) + "</header>\n" + navigation + "</nav>\n<main>\n";
+  page += false_claims_line(summary);
+  if (const std::string text = truth_text(summary); !text.empty()) page += "<p>" + escape(text) + "</p>\n";
+  page += "</header>\n" + navigation + "</nav>\n<main>\n";
   const std::string table = decision_table(summary, report.situations);
   if (!table.empty()) page += reference_choice(summary);
   page += table + headline_figure(summary, report.figures);

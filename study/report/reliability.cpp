@@ -72,7 +72,8 @@ const Record* best_of(const std::vector<Record>& records) {
 bool significantly_more(const Record& a, const Record& b, bool Outcome::*property) {
   PairedCounts counts;
   for_each_pair(a, b, [&](const Outcome& left, const Outcome& right) {
-    if (!left.refused && !right.refused) counts.add(left.*property, right.*property);
+    if (left.refused || right.refused || left.unsolvable != right.unsolvable) return;
+    counts.add(left.*property, right.*property);
   });
   return counts.only_first > counts.only_second && counts.p_value() < kSignificance;
 }

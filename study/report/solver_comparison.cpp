@@ -48,7 +48,8 @@ ComparedPair count_pair(const OutcomeTable& table, std::size_t a, std::size_t b)
   for (std::size_t row = 0; row < table.problems.size(); ++row) {
     const Outcome* first = table.columns[a][row];
     const Outcome* second = table.columns[b][row];
-    if (took(first) && took(second)) pair.solved.add(first->solved, second->solved);
+    if (!took(first) || !took(second) || first->unsolvable != second->unsolvable) continue;  // both are right
+    pair.solved.add(first->solved, second->solved);
   }
   pair.p = pair.solved.p_value();
   return pair;
@@ -107,7 +108,7 @@ PairRatios pair_ratios(const OutcomeTable& table, std::size_t a, std::size_t b) 
   for (std::size_t row = 0; row < table.problems.size(); ++row) {
     const Outcome* first = table.columns[a][row];
     const Outcome* second = table.columns[b][row];
-    if (!took(first) || !took(second) || first->unsolvable) continue;
+    if (!took(first) || !took(second) || first->unsolvable || second->unsolvable) continue;
     const double time_a = first->solved ? first->time_s : kInfinity;
     const double time_b = second->solved ? second->time_s : kInfinity;
     if (std::isnan(time_a) || std::isnan(time_b)) continue;
@@ -179,8 +180,9 @@ Scope scope_of(const OutcomeTable& table, bool common_only, std::int64_t problem
   }
   for (std::size_t row = 0; row < table.problems.size(); ++row) {
     const bool usable = std::all_of(scope.columns.begin(), scope.columns.end(), [&](std::size_t column) {
-      const Outcome* outcome = table.columns[column][row];
-      return outcome != nullptr && !outcome->unsolvable;
+      return table.columns[column][row] != nullptr;
+    }) && std::none_of(table.columns.begin(), table.columns.end(), [&](const auto& column) {
+      return column[row] != nullptr && column[row]->unsolvable;
     });
     if (usable && !scope.columns.empty()) scope.rows.push_back(row);
   }

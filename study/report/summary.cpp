@@ -24,7 +24,7 @@ struct Row {
   Claim claim = Claim::kNumericalFailure;
   Verdict verdict = Verdict::kOpen;
   bool criterion = false;
-  bool unsolvable = false;  ///< the problem: proven
+  Truth truth = Truth::kUnknown;
   double velocity_residual = 0;
   double backward_error = 0;
   double forward_error = kNoNumber;
@@ -48,8 +48,11 @@ std::vector<std::pair<std::int64_t, SetSummary>> read_sets(sqlite::Database& sto
   sqlite::Statement query(
       store,
       "SELECT s.id, s.name, COUNT(*), SUM(p.kind <> 'lcp'), SUM(p.nc > 0 AND p.n > p.nc), "
-      "SUM(t.truth = 'solvable'), MIN(p.n), MAX(p.n), SUM(p.kind = 'scene') FROM sets s JOIN problems p ON p.set_id = "
-      "s.id JOIN truths t ON t.problem_id = p.id GROUP BY s.id");
+      "SUM(t.truth = 'solvable'), MIN(p.n), MAX(p.n), SUM(p.kind = 'scene'), SUM(t.truth = 'nearly'), "
+      "MIN(iif(t.truth = 'nearly', IFNULL((SELECT MAX(d) FROM (SELECT least_violation_m_per_s AS d FROM certificates c "
+      "WHERE c.problem_id = p.id UNION ALL SELECT least_violation_m_per_s FROM verdicts v WHERE v.problem_id = p.id "
+      "AND v.farkas_checked = 1)), 0), NULL)) FROM sets s JOIN problems p ON p.set_id = s.id JOIN truths t ON "
+      "t.problem_id = p.id GROUP BY s.id");
   std::vector<std::pair<std::int64_t, SetSummary>> sets;
   while (query.step()) {
     SetSummary set;
@@ -63,6 +66,8 @@ std::vector<std::pair<std::int64_t, SetSummary>> read_sets(sqlite::Database& sto
     set.smallest_n = query.integer(6);
     set.largest_n = query.integer(7);
     set.rigid_bodies = query.integer(8) == set.problems;
+    set.nearly = query.integer(9);
+    set.least_violation_m_per_s = query.real(10);
     sets.emplace_back(query.integer(0), std::move(set));
   }
   std::sort(sets.begin(), sets.end(),
@@ -107,7 +112,7 @@ std::map<std::int64_t, std::vector<Row>> read_answers(Store& store, std::int64_t
     row.claim = answer.claim;
     row.verdict = answer.verdict;
     row.criterion = errors.criterion;
-    row.unsolvable = answer.truth == Truth::kUnsolvable;
+    row.truth = answer.truth;
     row.velocity_residual = errors.velocity_residual_relative;
     row.backward_error = errors.backward_row_norm;
     row.violation_m_per_s = errors.violation_m_per_s;
@@ -128,6 +133,8 @@ std::map<std::int64_t, std::vector<Row>> read_answers(Store& store, std::int64_t
 bool claimed_solved(const Row& row) { return row.claim == Claim::kSolved; }
 bool refused(const Row& row) { return row.claim == Claim::kUnsupported; }
 bool solved(const Row& row) { return row.verdict == Verdict::kSolved; }
+
+bool unsolvable(const Row& row) { return row.truth == Truth::kUnsolvable || row.verdict == Verdict::kUnsolvable; }
 
 const char* error_measure(const SetSummary& set) {
   if (set.contact) return "velocity_residual_relative";
@@ -153,11 +160,17 @@ void count_answer(const Row& row, Cell& cell) {
   if (solved(row) && error <= 1e-9) ++cell.solved_1e9;
   if (passes_criterion(row)) ++cell.criterion;
   if (row.criterion) ++cell.criterion_any;
-  if (row.unsolvable) ++cell.unsolvable_problems;
+  if (unsolvable(row)) ++cell.unsolvable_problems;
+  if (row.claim == Claim::kUnsolvable && row.truth == Truth::kSolvable) ++cell.false_unsolvable;
+  if (row.truth == Truth::kNearly) {
+    ++cell.nearly_problems;
+    if (solved(row)) ++cell.nearly_solved;
+    if (unsolvable(row)) ++cell.nearly_unsolvable;
+  }
   Cell::Half& half = cell.halves[row.half()];
   ++half.trials;
   if (solved(row)) ++half.solved;
-  if (row.unsolvable) ++half.unsolvable_problems;
+  if (unsolvable(row)) ++half.unsolvable_problems;
   if (passes_criterion(row)) ++half.criterion;
   if (row.criterion) ++half.criterion_any;
 }
@@ -289,7 +302,7 @@ std::vector<Outcome> outcomes_of(const std::vector<Row>& rows) {
                         .claimed = claimed_solved(row),
                         .solved = solved(row),
                         .false_claim = row.verdict == Verdict::kWrong,
-                        .unsolvable = row.unsolvable,
+                        .unsolvable = unsolvable(row),
                         .refused = refused(row),
                         .time_s = refused(row) ? kNoNumber : row.time_s(),
                         .error = error_of(row),

@@ -32,6 +32,9 @@ struct SetSummary {
   bool all_solvable = false;     ///< every problem is proven solvable
   bool ill_conditioned = false;  ///< the set's name asks for an inertia condition number, or for the ceilings of 100
   std::int64_t unique_velocities = 0;  ///< problems whose only post-impact velocity is certified
+  std::int64_t nearly = 0;             ///< problems whose truth is nearly: see Truth
+  /// That every answer to any of these violates some contact by. NaN where there are none; 0 where a proof gives none.
+  double least_violation_m_per_s = kNoNumber;
   std::int64_t smallest_n = 0;         ///< order of M
   std::int64_t largest_n = 0;
 };
@@ -44,7 +47,7 @@ struct Outcome {
   bool claimed = false;  ///< said solved
   bool solved = false;   ///< the verdict
   bool false_claim = false;
-  bool unsolvable = false;  ///< proven: no solver can solve it
+  bool unsolvable = false;  ///< proven to have no solution; where it has nearly one, the solver said so
   bool refused = false;     ///< outside what the solver takes
   double time_s = 0;        ///< set-up and solve, CPU; NaN where nothing was timed or the problem was refused
   double error = 0;  ///< what the verdict was taken on: rho, or the backward error of a bare LCP; NaN without an answer
@@ -78,7 +81,13 @@ struct Cell {
   std::int64_t solved_1e9 = 0;                                        ///< verdict solved, and error <= 1e-9
   std::int64_t criterion = 0;            ///< claimed solved, and passes the paper's criterion
   std::int64_t criterion_any = 0;        ///< passes the paper's criterion, whatever was claimed
-  std::int64_t unsolvable_problems = 0;  ///< proven to have no solution, whatever the solver made of them
+  /// Left out of the rate: those proven to have no solution, whatever the solver made of them; of those that have
+  /// nearly one, those where it said unsolvable.
+  std::int64_t unsolvable_problems = 0;
+  std::int64_t nearly_problems = 0;      ///< of truth nearly
+  std::int64_t nearly_solved = 0;        ///< of these, with verdict solved
+  std::int64_t nearly_unsolvable = 0;    ///< of these, with verdict unsolvable
+  std::int64_t false_unsolvable = 0;     ///< claimed unsolvable, and the problem is solvable
   std::string refusal;                   ///< the most frequent reason among the refused problems, "" for none
 
   Interval rate_interval{};  ///< Wilson 95 %

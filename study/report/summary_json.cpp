@@ -85,7 +85,11 @@ nlohmann::ordered_json cell_json(const Summary& summary, const Cell& cell) {
     if (verdict != Verdict::kSolved) json[to_string(verdict)] = cell.count(verdict);
   }
   json["unsolvable_problems"] = cell.unsolvable_problems;
+  json["nearly_problems"] = cell.nearly_problems;
+  json["nearly_solved"] = cell.nearly_solved;
+  json["nearly_unsolvable"] = cell.nearly_unsolvable;
   json["false_claims"] = cell.false_claims();
+  json["false_unsolvable"] = cell.false_unsolvable;
   json["gave_up"] = cell.gave_up();
   for (const Claim claim : {Claim::kTimeLimit, Claim::kUnsupported, Claim::kCrashed}) {
     json[to_string(claim)] = cell.count(claim);

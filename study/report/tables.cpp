@@ -269,6 +269,7 @@ std::string chain_query(const Summary& summary, std::size_t set, const FallbackC
   return fmt::format(
       "SELECT COUNT(DISTINCT j.problem_id) FROM judged j JOIN solvers s ON s.id = j.solver_id\n"
       "JOIN sets ON sets.id = j.set_id WHERE sets.name = {} AND s.sweep = '' AND j.verdict = 'solved'\n"
+      "AND j.problem_id NOT IN (SELECT problem_id FROM judged WHERE verdict = 'unsolvable')\n"
       "AND s.name || iif(s.settings = '', '', '{{' || s.settings || '}}') IN ({});",
       sql_quoted(summary.sets[set].name), solvers);
 }

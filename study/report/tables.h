@@ -54,7 +54,7 @@ SELECT sets.name AS "set", s.name || iif(s.settings = '', '', '{' || s.settings 
        COUNT(*) FILTER (WHERE coalesce(v.velocity_residual_relative, v.backward_row_norm) <= 1e-6) AS error_1e6
 FROM judged j JOIN solvers s ON s.id = j.solver_id JOIN sets ON sets.id = j.set_id
      JOIN verdicts v USING (problem_id, solver_id, part) LEFT JOIN timings t USING (problem_id, solver_id, part)
-WHERE s.sweep = '' AND j.truth <> 'unsolvable'
+WHERE s.sweep = '' AND j.truth <> 'unsolvable' AND j.verdict <> 'unsolvable'
 GROUP BY j.set_id, j.solver_id ORDER BY 1, 2, 3;
 )sql"};
 
@@ -63,13 +63,15 @@ GROUP BY j.set_id, j.solver_id ORDER BY 1, 2, 3;
 inline constexpr CountQuery kPairCounts{"mcnemar.csv", R"sql(
 WITH met AS MATERIALIZED (
   SELECT j.set_id, j.problem_id, j.solver_id, j.verdict = 'solved' AS solved,
+         j.truth = 'unsolvable' OR j.verdict = 'unsolvable' AS unsolvable,
          s.name || iif(s.settings = '', '', '{' || s.settings || '}') AS solver
   FROM judged j JOIN solvers s ON s.id = j.solver_id
   WHERE s.sweep = '' AND j.claim <> 'unsupported')
 SELECT sets.name AS "set", a.solver AS first, b.solver AS second, COUNT(*) AS problems,
        SUM(a.solved AND b.solved) AS both, SUM(a.solved > b.solved) AS only_first,
        SUM(a.solved < b.solved) AS only_second, SUM(NOT a.solved AND NOT b.solved) AS neither
-FROM met a JOIN met b ON b.problem_id = a.problem_id AND b.solver_id <> a.solver_id JOIN sets ON sets.id = a.set_id
+FROM met a JOIN met b ON b.problem_id = a.problem_id AND b.solver_id <> a.solver_id
+     AND b.unsolvable = a.unsolvable JOIN sets ON sets.id = a.set_id
 GROUP BY a.set_id, a.solver_id, b.solver_id ORDER BY 1, 2, 3;
 )sql"};
 
@@ -81,7 +83,8 @@ WITH met AS MATERIALIZED (
          s.name || iif(s.settings = '', '', '{' || s.settings || '}') AS solver,
          iif(j.verdict = 'solved', t.setup_cpu_s + t.solve_cpu_s, 9e999) AS time_s
   FROM judged j JOIN solvers s ON s.id = j.solver_id LEFT JOIN timings t USING (problem_id, solver_id, part)
-  WHERE s.sweep = '' AND j.claim <> 'unsupported' AND j.truth <> 'unsolvable')
+  WHERE s.sweep = '' AND j.claim <> 'unsupported' AND j.truth <> 'unsolvable'
+        AND j.verdict <> 'unsolvable')
 SELECT sets.name AS "set", a.solver, b.solver AS against, COUNT(*) AS problems,
        COUNT(*) FILTER (WHERE a.time_s < 9e999 AND a.time_s / min(a.time_s, b.time_s) <= 2) AS within_2
 FROM met a JOIN met b ON b.problem_id = a.problem_id AND b.solver_id <> a.solver_id JOIN sets ON sets.id = a.set_id
@@ -102,7 +105,9 @@ complete AS MATERIALIZED (
      AND COUNT(*) > COUNT(*) FILTER (WHERE m.claim = 'unsupported')),
 by_problem AS MATERIALIZED (
   SELECT problem_id, SUM(verdict = 'solved') AS solvers
-  FROM met JOIN complete USING (set_id, solver_id) WHERE truth <> 'unsolvable' GROUP BY problem_id)
+  FROM met JOIN complete USING (set_id, solver_id)
+  WHERE problem_id NOT IN (SELECT problem_id FROM met WHERE truth = 'unsolvable' OR verdict = 'unsolvable')
+  GROUP BY problem_id)
 SELECT sets.name AS "set", met.solver, COUNT(*) AS problems, SUM(b.solvers > 0) AS virtual_best,
        SUM(met.verdict = 'solved') AS solved, SUM(met.verdict = 'solved' AND b.solvers = 1) AS alone
 FROM met JOIN complete USING (set_id, solver_id) JOIN by_problem b USING (problem_id)

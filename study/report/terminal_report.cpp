@@ -195,7 +195,9 @@ std::string hard_table(const Summary& summary, std::size_t rows, int width) {
 
 std::string caught_text(const Summary& summary, int width) {
   const auto caught = report::caught_solvers(summary);
-  if (caught.empty()) return "said solved, and was wrong: nobody\n";
+  const std::string truths = report::truth_text(summary);
+  const std::string last = truths.empty() ? "" : folded(truths + "\n", width);
+  if (caught.empty()) return "said solved, and was wrong: nobody\n" + last;
   std::string text = "said solved, and was wrong:";
   for (std::size_t i = 0; i < std::min(caught.size(), kCaughtByName); ++i) {
     const auto& [solver, share] = caught[i];
@@ -203,7 +205,7 @@ std::string caught_text(const Summary& summary, int width) {
                         format_count(share.whole));
   }
   if (caught.size() > kCaughtByName) text += fmt::format("; and {} more solvers", caught.size() - kCaughtByName);
-  return folded(text + "\n", width);
+  return folded(text + "\n", width) + last;
 }
 
 // ------------------------------------------------------------------------------------------------ all the results

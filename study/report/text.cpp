@@ -1,10 +1,12 @@
 #include "study/report/text.h"
 
 #include <cmath>
+#include <map>
 
 #include <fmt/format.h>
 
 #include "core/utf8.h"
+#include "study/output/explanation.h"
 #include "study/output/text_table.h"
 #include "study/report/speed_error.h"
 
@@ -102,6 +104,31 @@ std::string escape(std::string_view text) {
 }
 
 std::string code(std::string_view text) { return "<code>" + escape(text) + "</code>"; }
+
+std::string truth_text(const Summary& summary) {
+  std::int64_t nearly = 0;
+  double least = kInfinity;
+  for (const SetSummary& set : summary.sets) {
+    nearly += set.nearly;
+    least = std::fmin(least, set.least_violation_m_per_s);
+  }
+  std::string text;
+  if (nearly > 0) {
+    text = fmt::format("{} nearly solvable: {}.", counted(nearly, "problem") + (nearly == 1 ? " is" : " are"),
+                       nearly_words(least > 0 ? least : kNoNumber));
+  }
+  std::map<std::string, std::int64_t> denied;
+  for (const Cell& cell : summary.cells) {
+    const SolverRow& solver = summary.solvers[cell.solver];
+    if (cell.false_unsolvable > 0 && solver.sweep.empty()) denied[solver.text()] += cell.false_unsolvable;
+  }
+  std::string names;
+  for (const auto& [solver, count] : denied) {
+    names += fmt::format("{} {} on {}", names.empty() ? "" : ";", solver, counted(count, "problem"));
+  }
+  if (names.empty()) return text;
+  return text + (text.empty() ? "" : " ") + "Said unsolvable, and there is a solution:" + names + ".";
+}
 
 std::string describe(const SetSummary& set) {
   std::string words = "Complementarity problems without contact data";

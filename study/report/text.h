@@ -38,6 +38,9 @@ std::string escape(std::string_view text);
 /// <code>text</code>, escaped.
 std::string code(std::string_view text);
 
+/// How many problems are nearly solvable, and what that means; and how often a solver said unsolvable of a solvable
+/// problem. Sentences, "" where neither happened.
+std::string truth_text(const Summary& summary);
 /// What a set is, in words a roboticist uses: "Frictional contacts, inertia condition number 1e8".
 std::string describe(const SetSummary& set);
 /// A file name made from any set name: letters, digits, '.', '-', '_' only.

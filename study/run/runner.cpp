@@ -86,7 +86,7 @@ class RowMaker {
 
   void keep_certificate() {
     certificate_kept_ = true;
-    CertificateRow row = certificate_row(problem_, *judge_.certificate(), Settler::kTimeLimitS);
+    CertificateRow row = certificate_row(problem_, *judge_.certificate(), 0);
     if (row.kind != CertificateKind::kOpen) batch_.certificate = std::move(row);
   }
 

@@ -214,6 +214,7 @@ bool FailureTest::begin(const Problem& problem) {
       std::string because;
       const Truth known = truth(problem, judge, because);
       if (known == Truth::kUnsolvable) words_ += "; it has no solution";
+      if (known == Truth::kNearly) words_ += "; it has no exact solution";
       if (known == Truth::kUnknown) words_ += "; whether it has a solution is not known";
     }
   }

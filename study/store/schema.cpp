@@ -176,6 +176,7 @@ std::string condition_of(Evidence evidence) {
           "v.part "
           "WHERE v.problem_id = p.id AND v.solved = 1 AND {} = 'pyramid')",
           kModel);
+    case Evidence::kSolvedContacts: return "p.kind <> 'lcp' AND " + condition_of(Evidence::kSolvedAnswer);
   }
   return "";
 }
@@ -184,9 +185,10 @@ std::string condition_of(Evidence evidence) {
 std::string truth_case() {
   std::string text = "CASE";
   for (std::size_t i = 0; i < kTruthRules.size(); ++i) {
-    const auto& [evidence, truth] = kTruthRules[i];
+    const auto& [evidence, truth, also] = kTruthRules[i];
     const bool goes_on = i > 0 && kTruthRules[i - 1].truth == truth;
     text += fmt::format("{}{}", goes_on ? "\n                OR " : " WHEN ", condition_of(evidence));
+    if (also) text += " AND " + condition_of(*also);
     if (i + 1 == kTruthRules.size() || kTruthRules[i + 1].truth != truth) {
       text += fmt::format(" THEN '{}'\n             ", to_string(truth));
     }

@@ -29,8 +29,10 @@ using sqlite::Statement;
 std::string describe(const std::filesystem::path& file, const char* what) { return file.string() + ": " + what; }
 
 Truth parse_truth(std::string_view text) {
-  if (text == "solvable") return Truth::kSolvable;
-  return text == "unsolvable" ? Truth::kUnsolvable : Truth::kUnknown;
+  for (const Truth truth : {Truth::kSolvable, Truth::kUnsolvable, Truth::kNearly}) {
+    if (text == to_string(truth)) return truth;
+  }
+  return Truth::kUnknown;
 }
 
 constexpr const char* kSolverColumnNames = "name, settings, all_settings, library, version, isa, sweep";

@@ -225,7 +225,7 @@ TEST_F(CertifyStoreTest, WhatAShortTimeLimitLeftOpenIsTriedAgainWithALongerOne) 
   EXPECT_EQ(certify_as(CertificateKind::kSolution, file_, {.time_limit_s = 9}).total, 0);
 }
 
-TEST_F(CertifyStoreTest, ProofOfUnsolvabilityOverridesAVerifiedAnswerAndAnOpenCertificateNothing) {
+TEST_F(CertifyStoreTest, ProofOfUnsolvabilityChangesTheTruthAndAnOpenCertificateNothing) {
   solve_all(study_of({{kMonotone, 4}}), file_);
   const std::string verdicts = "judged WHERE verdict = ";
   ASSERT_EQ(count(file_, verdicts + "'solved'"), 4);
@@ -233,7 +233,9 @@ TEST_F(CertifyStoreTest, ProofOfUnsolvabilityOverridesAVerifiedAnswerAndAnOpenCe
   EXPECT_EQ(count(file_, verdicts + "'solved'"), 4);
   change(file_, "DELETE FROM certificates");
   certify_as(CertificateKind::kUnsolvable, file_);
-  EXPECT_EQ(count(file_, verdicts + "'wrong'"), 4);  // they claim solved
+  EXPECT_EQ(count(file_, verdicts + "'solved' AND truth = 'nearly'"), 4);
+  change(file_, "UPDATE problems SET kind = 'lcp'");
+  EXPECT_EQ(count(file_, verdicts + "'wrong' AND truth = 'unsolvable'"), 4);  // they claim solved
 }
 
 TEST_F(CertifyStoreTest, CertifiedSolutionMakesAnHonestFailureAMiss) {
@@ -295,7 +297,7 @@ TEST_F(CertifyStoreTest, AnswersToTheConeAreNotComparedWithCertificates) {
   EXPECT_FALSE(CertificateTable(store).contradictions({.sets = {kMonotone}}).empty());
   const std::string judged = "judged j JOIN problems p ON p.id = j.problem_id WHERE ";
   EXPECT_EQ(count(file_, judged + "p.n > p.nc AND model = 'cone' AND truth = 'unknown' AND verdict = 'solved'"), 1);
-  EXPECT_EQ(count(file_, judged + "p.n = p.nc AND model = 'pyramid' AND verdict = 'wrong'"), 1);
+  EXPECT_EQ(count(file_, judged + "p.n = p.nc AND model = 'pyramid' AND truth = 'nearly'"), 1);
 }
 
 TEST_F(CertifyStoreTest, AnswersThatCameLaterGetTheirForwardErrorsWithoutAnotherProof) {
@@ -330,6 +332,10 @@ TEST_F(CertifyStoreTest, AnswerBetterThanTheProofAllowsIsAContradiction) {
       Index worst = 0;
       approach.minCoeff(&worst);
       certificate.farkas(worst) = approach(worst) < 0 ? 1 : 0;
+      certificate.exact_farkas.denominator = "1";
+      for (const double value : certificate.farkas) {
+        certificate.exact_farkas.numerators.emplace_back(value > 0 ? "1" : "0");
+      }
       return certificate;
     };
   };

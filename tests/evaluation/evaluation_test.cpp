@@ -382,6 +382,48 @@ TEST(ReturnedVelocityTest, MustStayInTheRangeOfASingularInertia) {
   EXPECT_EQ(Evaluator(problem).errors(given).velocity_mismatch, 0.25);
 }
 
+TEST(ReturnedVelocityTest, IsPartOfTheAnswer) {
+  // v = (2, -1), v+ = (1.5, 0), |G*| |J| |f| = (0.5, 1): the limits are 1e-4 times (2.5, 2).
+  const auto judged = [](const Vector& velocity) {
+    Answer given = answer(sliding_answer());
+    given.velocity = velocity;
+    return Evaluator(sliding_particle()).errors(given);
+  };
+  for (const double part : {0.0, 0.99, -0.99, 1.01, -1.01}) {
+    for (const double other : {0.0, 1.01}) {
+      const Errors errors = judged(vec({1.5 + part * 2.5e-4, other * 2e-4}));
+      EXPECT_EQ(errors.solved, std::abs(part) < 1 && other < 1) << part << " " << other;
+      EXPECT_NEAR(errors.returned_velocity_error, 1e-4 * std::max(std::abs(part), other), 1e-12);
+    }
+  }
+  const Errors errors = judged(vec({777, 0}));
+  EXPECT_EQ(errors.worst_coordinate.coordinate, 0);
+  EXPECT_EQ(errors.worst_coordinate.returned, 777);
+  EXPECT_EQ(errors.worst_coordinate.implied, 1.5);
+  for (const Vector& none : {vec({1.5, kNan}), vec({1.5, kInf}), vec({1.5}), vec({1.5, 0, 0})}) {
+    EXPECT_EQ(judged(none).returned_velocity_error, kInf);
+    EXPECT_FALSE(judged(none).solved);
+  }
+  EXPECT_TRUE(judged(Vector()).solved);
+  EXPECT_TRUE(std::isnan(judged(Vector()).returned_velocity_error));
+}
+
+/// Two equal pushes from both sides move nothing: v and G* J f are zero, and what rounding leaves is right.
+TEST(ReturnedVelocityTest, MayRoundWhatCancels) {
+  Matrix G(3, 3);
+  G << 4, 1, -2, 1, 5, 3, -2, 3, 7;
+  Matrix N(3, 2);
+  N << 1, -1, 0.3, -0.3, 0.1, -0.1;
+  const Problem problem("pressed", frictionless(Vector::Zero(3), N, DenseInertia{G}));
+  Answer given = answer(vec({2, 2}));
+  for (const double size : {1e-17, 1e-3}) {
+    given.velocity = Vector::Constant(3, size);
+    EXPECT_EQ(Evaluator(problem).errors(given).velocity_passes(), size < 1e-10) << size;
+  }
+  given.z.setZero();
+  EXPECT_FALSE(Evaluator(problem).errors(given).velocity_passes());
+}
+
 TEST(ForwardErrorTest, IsTakenOfTheVelocityThatZImplies) {
   Matrix G = Matrix::Identity(2, 2);
   G(0, 0) = 4;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <vector>
 
@@ -9,6 +10,7 @@
 
 #include "core/scene.h"
 #include "study/certificates/judge.h"
+#include "study/certify/deadline.h"
 
 namespace lcpbench {
 namespace {
@@ -152,6 +154,38 @@ TEST(FrictionModelTest, AnAnswerToTheConeIsJudgedByItAndTellsNothingOfThePyramid
   const std::size_t as_pyramid = judge.judge(cone);
   EXPECT_NE(as_cone, as_pyramid);
   EXPECT_FALSE(judge.judgement(as_pyramid).errors.solved);
+}
+
+TEST(FrictionModelTest, TheVelocityOfAnAnswerToTheConeIsJudgedToo) {
+  Answer cone = impulses(kMass, -0.3 * kMass, -0.4 * kMass);
+  const Problem problem = sliding(3, 4);
+  Settler settler;
+  Judge judge(problem, settler);
+  cone.velocity = post_impact_velocity(*problem.contact(), cone.z);
+  EXPECT_TRUE(judge.judgement(judge.judge(cone, FrictionModel::kCone)).errors.solved);
+  cone.velocity(1) += 0.01;
+  EXPECT_FALSE(judge.judgement(judge.judge(cone, FrictionModel::kCone)).errors.solved);
+}
+
+/// The same amount of work on every machine: what it ends for is kept or left open alike, however long it takes.
+TEST(SettlerTest, EndsByWorkAndNotByTime) {
+  Lcp lcp{Matrix::Zero(16, 16), Vector::Zero(16)};
+  std::uint64_t state = 1;
+  const auto draw = [&state] {
+    state = state * 6364136223846793005U + 1442695040888963407U;
+    return std::ldexp(static_cast<double>(state >> 34) - 0x1p29, static_cast<int>(state >> 59) - 46);
+  };
+  for (double& entry : lcp.M.reshaped()) entry = draw();
+  for (double& entry : lcp.q) entry = draw() - 0.25;
+  const Problem problem("random", lcp);
+  const auto kind = [&](std::int64_t work) { return Certifier({.most_work = work}).certify(problem).kind; };
+  EXPECT_EQ(kind(10), CertificateKind::kOpen);
+  const exact::Deadline deadline = exact::Deadline::after_work(3);
+  EXPECT_FALSE(deadline.passed());
+  EXPECT_FALSE(deadline.passed());
+  EXPECT_TRUE(deadline.passed());
+  EXPECT_THROW(deadline.check(), exact::TimePassed);
+  EXPECT_TRUE(std::isinf(deadline.left_s()));
 }
 
 /// The error that every answer has against the cone, in both arithmetics of the evaluation, is the residual by which

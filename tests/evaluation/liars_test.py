@@ -90,18 +90,107 @@ class LiarTest(unittest.TestCase):
     def test_the_frictionless_answer(self):
         self.expect_wrong_everywhere("frictionless", "paper/copositive/exp1{nc_max=3}")
 
-    def answering(self, name, answer):
-        """A solver that gives this answer to the problem named x."""
+    def write(self, name, content):
         with open(self.path(name), "w", encoding="utf-8") as file:
-            json.dump({"x": answer}, file)
-        return (f"external{{command={sys.executable} {os.path.join(HERE, 'fixed_answers.py')} {self.path(name)}}}")
+            json.dump(content, file)
+
+    def answering(self, name, answer, form="lcp"):
+        """A solver that gives this answer to the problem named x."""
+        self.write(name, {"x": answer})
+        script = os.path.join(HERE, "fixed_answers.py")
+        return f"external{{command={sys.executable} {script} {self.path(name)},form={form}}}"
+
+    def test_a_wrong_velocity_beside_a_right_z(self):
+        """The verdict covers the velocity, in solve and in a store."""
+        problem = {"format": "lcpbench-problem", "version": 1, "name": "x", "kind": "contact", "v": [-1, 0, 0],
+                   "N": [[1], [0], [0]], "G": [[2, 0, 0], [0, 1, 0], [0, 0, 4]]}
+        self.write("x.json", problem)
+        given = {"right": [0, 0, 0], "wrong": [777, 888, 999], "near": [0, 0, 1e-3], "none": None}
+        expected = {"right": "solved", "wrong": "wrong", "near": "wrong", "none": "solved"}
+        solvers = []
+        for name, velocity in given.items():
+            answer = {"claim": "solved", "z": [2]} | ({"velocity": velocity} if velocity else {})
+            passes = second_judge.judge(problem, [2], velocity)["passes"]
+            self.assertEqual(second_judge.verdict("solved", passes, "solvable"), expected[name])
+            solvers += ["--solver", self.answering(name, answer, "contact")]
+        rows = json.loads(lcpbench("solve", self.path("x.json"), *solvers, "--format", "json"))
+        verdicts = {os.path.basename(row["settings"].split()[2].split(",")[0]): row for row in rows}
+        self.assertEqual({name: row["verdict"] for name, row in verdicts.items()}, expected)
+        self.assertTrue(verdicts["wrong"]["why"].startswith(
+            "said solved, but its velocity is not the one that its z gives: coordinate 2 is 999, and z gives 0; error "),
+            verdicts["wrong"]["why"])
+        self.assertIsNone(verdicts["none"]["errors"]["returned_velocity_error"])
+        lcpbench("run", "--set", "file:" + self.path("x.json"), *solvers, "--store", self.path("s.db"))
+        with sqlite3.connect(self.path("s.db")) as store:
+            found = store.execute("SELECT verdict, returned_velocity_error FROM judged JOIN verdicts USING "
+                                  "(problem_id, solver_id, part) ORDER BY 2").fetchall()
+        store.close()
+        self.assertEqual([verdict for verdict, _ in found], ["solved", "solved", "wrong", "wrong"])
+        lcpbench("report", self.path("s.db"), "--out", self.path("report"))
+        with open(self.path("report/summary.json"), encoding="utf-8") as file:
+            self.assertEqual(sum(cell["false_claims"] for cell in json.load(file)["cells"]), 2)
+
+    def test_an_answer_within_the_tolerance_contradicts_no_proof(self):
+        """Two walls leave an ulp too little room. In whatever order answer and proof arrive, both are right."""
+        problem = {"format": "lcpbench-problem", "version": 1, "name": "x", "kind": "contact", "v": [0],
+                   "N": [[1, -1]], "D": [[0, 0]], "edges": [2, 0], "mu": [0, 0], "G": [[1]],
+                   "b": [-1, 0.9999999999999998]}
+        self.write("x.json", problem)
+        passes = self.answering("passes", {"claim": "solved", "z": [1, 0, 0, 0, 0]}, "contact")
+        denies = self.answering("denies", {"claim": "unsolvable"}, "contact")
+        proves = self.answering("proves", {"claim": "unsolvable", "farkas": [1, 1]}, "contact")
+        gives_up = self.answering("lost", {"claim": "iteration_limit"}, "contact")
+        expected = {passes: "solved", denies: "unsolvable", proves: "unsolvable", gives_up: "missed", "psor": "unsolvable"}
+
+        def run(store, *solvers):
+            for solver in solvers:
+                lcpbench("run", "--set", "file:" + self.path("x.json"), "--solver", solver, "--store", self.path(store))
+
+        def judged(store):
+            with sqlite3.connect(self.path(store)) as connection:
+                rows = connection.execute("SELECT truth, verdict FROM judged ORDER BY verdict").fetchall()
+            connection.close()
+            return rows
+
+        for deniers in ([denies], [proves], [denies, proves]):
+            solvers = [passes, gives_up, *deniers]
+            found = [("nearly", verdict) for verdict in sorted(expected[solver] for solver in solvers)]
+            for order in (solvers, solvers[::-1]):
+                arguments = [argument for solver in order for argument in ("--solver", solver)]
+                rows = json.loads(lcpbench("solve", self.path("x.json"), *arguments, "--format", "json"))
+                self.assertEqual(sorted((row["truth"], row["verdict"]) for row in rows), found)
+                bound = 2.0**-53 if proves in deniers else None  # of the exact u = (1, 1), an ulp of 1 halved
+                self.assertEqual({row["least_violation_m_per_s"] for row in rows}, {bound})
+                store = f"{len(os.listdir(self.folder.name))}.db"
+                run(store, *order)
+                self.assertEqual(judged(store), found)
+                lcpbench("certify", "--store", self.path(store))  # exit code 0: no contradiction
+                self.assertEqual(judged(store), found)
+
+        run("a.db", passes, "psor")  # certified only afterwards
+        lcpbench("certify", "--store", self.path("a.db"))
+        self.assertEqual(judged("a.db"), [("nearly", "solved"), ("nearly", "unsolvable")])
+        run("b.db", gives_up)
+        lcpbench("certify", "--store", self.path("b.db"))
+        self.assertEqual(judged("b.db"), [("unsolvable", "unsolvable")])
+        lcpbench("merge", self.path("m.db"), self.path("b.db"), self.path("a.db"))
+        self.assertEqual(judged("m.db"), [("nearly", "missed"), ("nearly", "solved"), ("nearly", "unsolvable")])
+        text = " ".join(lcpbench("solve", self.path("x.json"), "--solver", passes, "--solver", proves).split())
+        words = "proven to have no exact solution, while an answer within the tolerance is known"
+        self.assertIn("nearly solvable: " + words + "; every answer violates some contact by at least 1.11e-16 m/s", text)
+        lcpbench("report", self.path("m.db"), "--out", self.path("report"))
+        with open(self.path("report/report.html"), encoding="utf-8") as file:
+            self.assertIn("1 problem is nearly solvable: " + words, file.read())
+        with open(self.path("report/summary.json"), encoding="utf-8") as file:
+            cells = json.load(file)["cells"]
+        self.assertEqual([sum(cell[key] for cell in cells) for key in ("nearly_problems", "nearly_solved",
+                                                                       "nearly_unsolvable", "false_claims")], [3, 1, 1, 0])
 
     def test_what_one_denies_rightly_is_the_truth_for_all(self):
         """No z solves it, by 1e-10, and no u proves that: M z + q >= 0 has solutions. Only enumeration sees it."""
         problem = {"format": "lcpbench-problem", "version": 1, "name": "x", "kind": "lcp",
                    "M": [[0, 3], [0, 1]], "q": [-3, -0.9999999999]}
-        with open(self.path("x.json"), "w", encoding="utf-8") as file:
-            json.dump(problem, file)
+        self.write("x.json", problem)
         near = {"claim": "solved", "z": [0, 1]}
         self.assertTrue(second_judge.judge(problem, near["z"])["passes"])
         solvers = [argument for name, answer in (("near", near), ("denies", {"claim": "unsolvable"}),

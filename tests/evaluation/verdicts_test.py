@@ -15,7 +15,7 @@ import second_judge
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 MEASURES = ("velocity_residual_relative", "velocity_residual_m_per_s", "violation_m_per_s", "work_gain_j",
-            "backward_row_norm", "backward_componentwise")
+            "backward_row_norm", "backward_componentwise", "returned_velocity_error")
 
 
 def contact(v, N, G, **friction):
@@ -28,6 +28,32 @@ def lcp(M, q):
 
 def identity(n, values=None):
     return [[(values[i] if values else 1) if i == j else 0 for j in range(n)] for i in range(n)]
+
+
+def velocity_cases(draw):
+    """Contacts with z and a velocity: near and far from the one of z, where all cancels, and in one coordinate."""
+    pressed = contact([0, 0, 0], [[1, -1], [0.3, -0.3], [0.1, -0.1]], [[4, 1, -2], [1, 5, 3], [-2, 3, 7]])
+    apart = contact([0, 0], [[1, -1, 0], [0, 0, 1]], identity(2))
+    for size in (0, 1e-17, 1e-15, 1e-14, 1e-11, 1e-6):
+        yield pressed, [2, 2], [size, 0, 0]
+        yield apart, [2, 2, 0], [size, 0]
+        yield apart, [2, 2, 0], [0, size]  # nothing pushes there
+    yield contact([1, -1], identity(2), identity(2)), [0, 1], [777, 888]
+    for size in (1e-17, 1e-15, 1e-9):  # at rest beside what moves, in an island with it or not
+        yield contact([-1, 0], [[1], [0]], [[4, 1], [1, 5]]), [1], [-0.736842105263158, size - 0.0526315789473684]
+        yield contact([-1, 0, 0], [[1], [0], [0]], identity(3)), [1], [0, size, 0]
+        yield contact([0, 1, 0], [[1], [0], [0]], identity(3)), [0], [0, 1, size]
+    for _ in range(40):
+        G = [[draw.randint(3, 9) if i == j else 0 for j in range(3)] for i in range(3)]
+        G[0][1] = G[1][0] = draw.randint(-2, 2)
+        problem = contact([draw.randint(-40, 40) / 16 for _ in range(3)],
+                          [[draw.randint(-8, 8) / 4 for _ in range(2)] for _ in range(3)], G)
+        z = [draw.randint(0, 9) / 8, draw.randint(0, 9) / 8]
+        data = second_judge.Contact(problem)
+        v_plus = [float(v + sum(r[a] * second_judge.Fraction(f) for r, f in zip(data.responses, z)))
+                  for a, v in enumerate(data.v)]
+        v_plus[draw.randint(0, 2)] += draw.uniform(-1, 1) * 10.0 ** draw.randint(-17, -2)
+        yield problem, z, v_plus
 
 
 def known_cases():
@@ -118,20 +144,25 @@ def random_cases(draw):
 
 
 def close(found, expected, tolerance, absolute):
-    expected = float(expected)
+    try:
+        expected = float(expected)
+    except OverflowError:
+        expected = math.inf
     if math.isinf(expected):
         return found is None
     return abs(found - expected) <= max(tolerance * abs(expected), absolute)
 
 
-def check(row, problem, z, claim):
-    expected = second_judge.judge(problem, z)
+def check(row, problem, z, velocity, claim):
+    expected = second_judge.judge(problem, z, velocity)
     errors, complaints = row["errors"], []
     for measure in MEASURES:
         # The work is a difference of terms up to 2^60 times as large, in sums of 106 bits.
         tolerance = 1e-12 if measure == "work_gain_j" else 1e-13
-        absolute = 2.0**-53 if measure.startswith("backward_") else 1e-300
-        if measure in expected and not close(errors[measure], expected[measure], tolerance, absolute):
+        absolute = 2.0**-53 if measure.startswith(("backward_", "returned_")) else 1e-300
+        if expected.get(measure) is None:
+            continue
+        if not close(errors[measure], expected[measure], tolerance, absolute):
             complaints.append(f"{measure} {errors[measure]}, the page says {float(expected[measure])}")
     if row["verdict"] != second_judge.verdict(claim, expected["passes"], row["truth"]):
         complaints.append(f"verdict {row['verdict']} of claim {claim}, passes: {expected['passes']}")
@@ -145,13 +176,13 @@ def check(row, problem, z, claim):
 def main():
     program = os.path.abspath(sys.argv[1])
     draw = random.Random(20)
-    cases = list(known_cases()) + list(random_cases(draw))
+    cases = [(problem, z, None) for problem, z in [*known_cases(), *random_cases(draw)]] + list(velocity_cases(draw))
     with tempfile.TemporaryDirectory() as folder:
         files, given, claims = [], {}, []
-        for number, (problem, z) in enumerate(cases):
+        for number, (problem, z, velocity) in enumerate(cases):
             name = f"case{number}"
             claims.append(("solved", "iteration_limit")[number % 5 == 4])
-            given[name] = {"claim": claims[-1], "z": z}
+            given[name] = {"claim": claims[-1], "z": z, **({"velocity": velocity} if velocity else {})}
             files.append(os.path.join(folder, name + ".json"))
             with open(files[-1], "w", encoding="utf-8") as file:
                 json.dump({"format": "lcpbench-problem", "version": 1, "name": name, **problem}, file)
@@ -166,11 +197,11 @@ def main():
     if len(rows) != len(cases):
         sys.exit(f"{len(rows)} rows for {len(cases)} cases\n{output.stderr}")
     failures, verdicts = 0, {}
-    for number, (row, (problem, z)) in enumerate(zip(rows, cases)):
+    for number, (row, (problem, z, velocity)) in enumerate(zip(rows, cases)):
         verdicts[row["verdict"]] = verdicts.get(row["verdict"], 0) + 1
-        for complaint in check(row, problem, z, claims[number]):
+        for complaint in check(row, problem, z, velocity, claims[number]):
             failures += 1
-            print(f"case {number}: {complaint}\n  {json.dumps(problem)}\n  z = {z}")
+            print(f"case {number}: {complaint}\n  {json.dumps(problem)}\n  z = {z}, {velocity}")
     print(f"{len(cases)} cases, {verdicts}, {failures} differences")
     if failures or min(verdicts.get(word, 0) for word in ("solved", "wrong")) < 10:
         sys.exit(1)

@@ -90,15 +90,45 @@ TEST(SummaryTest, OnesSolutionMakesAnothersFailureMissed) {
   EXPECT_EQ(summary.cells[1].count(Verdict::kOpen), 0);
 }
 
-/// A solver that claims to have solved what another proved unsolvable makes a false claim, small residual or not.
+/// At contacts that miss a solution by less than the tolerance who says solved and who says unsolvable are both right.
+TEST(SummaryTest, NearlySolvableContactsAreCountedApart) {
+  const ScratchFolder folder;
+  SyntheticStore made(folder / "s.db");
+  const auto honest = made.solver("a_honest");
+  const auto near = made.solver("b_near");
+  const auto lost = made.solver("c_lost");
+  const MadeAnswer denies{.claim = Claim::kUnsolvable, .error = kNone, .proves_unsolvable = true};
+  const MadeAnswer fails{.claim = Claim::kIterationLimit, .error = kNone};
+  made.problem(kSet, 0, {{honest, denies}, {near, {}}, {lost, fails}}, 10, "");
+  const MadeAnswer denies_falsely{.claim = Claim::kUnsolvable, .error = kNone};
+  made.problem(kSet, 1, {{honest, {}}, {near, denies_falsely}, {lost, fails}}, 10, "");
+  const Summary summary = summarize(made.store());
+  EXPECT_EQ(summary.sets[0].nearly, 1);
+  const auto cells = summary_json(summary)["cells"];
+  for (const auto& cell : cells) {
+    EXPECT_EQ(cell["nearly_problems"], 1);
+    EXPECT_EQ(cell["false_claims"], 0);
+    EXPECT_EQ(sum_of_verdicts(cell), 2);
+  }
+  EXPECT_EQ(cells[0]["nearly_unsolvable"], 1);
+  EXPECT_EQ(cells[0]["rate"], 1.0);  // its right denial is left out
+  EXPECT_EQ(cells[1]["nearly_solved"], 1);
+  EXPECT_EQ(cells[1]["false_unsolvable"], 1);
+  EXPECT_EQ(cells[1]["rate"], 0.5);
+  EXPECT_EQ(cells[2]["missed"], 2);
+  EXPECT_EQ(cells[2]["rate"], 0.0);
+}
+
+/// A solver that claims to have solved a bare LCP that another proved unsolvable makes a false claim, small residual or
+/// not.
 TEST(SummaryTest, ClaimOnAnUnsolvableProblemIsFalse) {
   const ScratchFolder folder;
   SyntheticStore made(folder / "s.db");
   const auto honest = made.solver("a_honest");
   const auto liar = made.solver("b_liar");
   made.problem(kSet, 0,
-               {{honest, {.claim = Claim::kUnsolvable, .error = kNone, .proves_unsolvable = true}}, {liar, {}}}, 10,
-               "");
+               {{honest, {.claim = Claim::kUnsolvable, .error = kNone, .proves_unsolvable = true}}, {liar, {}}}, 0,
+               "", "lcp");
   const Summary summary = summarize(made.store());
   EXPECT_EQ(summary.cells[0].false_claims(), 0);
   EXPECT_EQ(summary.cells[0].gave_up(), 0);

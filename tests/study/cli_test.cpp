@@ -395,6 +395,7 @@ TEST_F(CommandLineTest, SolveJson) {
                         {"claim", "s"},
                         {"verdict", "s"},
                         {"truth", "s"},
+                        {"least_violation_m_per_s", "n?"},
                         {"why", "s"},
                         {"z", "a?"},
                         {"velocity", "a?"},
@@ -416,6 +417,8 @@ TEST_F(CommandLineTest, SolveJson) {
                                   {"complementarity_j", "n?"},
                                   {"cone_violation", "n?"},
                                   {"min_z", "n?"},
+                                  {"returned_velocity_error", "n?"},
+                                  {"least_violation_m_per_s", "n?"},
                                   {"velocity_mismatch", "n?"},
                                   {"worst_row", "n?"}});
     expect_fields(row["time"], {{"setup_s", "n"}, {"solve_s", "n"}, {"verify_s", "n"}});
