@@ -72,13 +72,19 @@ std::string because(const JudgedAnswer& answer) {
   return answer.truth_because.empty() ? "" : " (" + answer.truth_because + ")";
 }
 
+/// "ended with crashed (exited with code 1 without an answer)".
+std::string ended_with(const JudgedAnswer& answer) {
+  return fmt::format("ended with {}{}", to_string(answer.claim),
+                     answer.detail.empty() ? "" : " (" + answer.detail + ")");
+}
+
 std::string missed_or_open(const Problem& problem, const JudgedAnswer& answer) {
   const bool known = answer.verdict == Verdict::kMissed;
   if (answer.claim == Claim::kUnsolvable) {
     return known ? "said unsolvable, but the problem has a solution" + because(answer)
                  : "said unsolvable, but without a valid proof; it is not known whether there is a solution";
   }
-  std::string words = fmt::format("ended with {}; the problem {}", to_string(answer.claim),
+  std::string words = fmt::format("{}; the problem {}", ended_with(answer),
                                   known ? "has a solution" + because(answer) : "is not known to have a solution");
   if (answer.unusable.empty() && answer.errors.worst.row >= 0) {
     words += "; the worst row of its z: " + worst_row_words(problem, answer.errors);
@@ -111,7 +117,7 @@ std::string why_not_solved(const Problem& problem, const JudgedAnswer& answer) {
       return fmt::format("{} the problem is proven to have no solution{}.",
                          answer.claim == Claim::kUnsolvable
                              ? "said unsolvable, which is right:"
-                             : fmt::format("ended with {}, and", to_string(answer.claim)),
+                             : ended_with(answer) + ", and",
                          because(answer));
     case Verdict::kRefused:
       return "refused the problem" + (answer.detail.empty() ? std::string() : ": " + answer.detail) + ".";
