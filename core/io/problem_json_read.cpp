@@ -204,11 +204,12 @@ void read_friction(const RecordReader& reader, ContactProblem& problem) {
   problem.D = read_jacobian(reader, "D", problem.ngc(), columns);
 }
 
-/// Where all matrices agree on their rows, a vector of another length is the mistake.
+/// Where at least `enough` matrices are given by rows and agree, a vector of another length is the mistake.
 void check_length(const RecordReader& reader, std::string_view vector, Index length,
-                  std::initializer_list<std::string_view> matrices) {
+                  std::initializer_list<std::string_view> matrices, int enough) {
   std::optional<Index> rows;
   std::string witnesses;
+  int count = 0;
   for (const std::string_view field : matrices) {
     if (!reader.given(field) || (reader.has_object(field) && field != "G_factors")) continue;
     const bool factors = field == "G_factors";
@@ -217,9 +218,10 @@ void check_length(const RecordReader& reader, std::string_view vector, Index len
     const auto own = static_cast<Index>(table.row_ends.size());
     if (rows.value_or(own) != own) return;
     rows = own;
+    ++count;
     witnesses += (witnesses.empty() ? "" : ", ") + std::string(factors ? "G_factors.X" : field);
   }
-  if (rows.value_or(length) == length) return;
+  if (count < enough || *rows == length) return;
   reader.fail(vector, ": " + count_of(length, "entry") + ", expected " + std::to_string(*rows) + ", the rows of " +
                           witnesses);
 }
@@ -230,7 +232,7 @@ ContactProblem read_contact(const Record& record, const std::string& origin) {
   check_all_or_none(reader, kFriction);
   ContactProblem problem;
   problem.v = reader.vector("v");
-  check_length(reader, "v", problem.ngc(), {"N", "D", "G", "G_blocks", "G_factors", "Ginv"});
+  check_length(reader, "v", problem.ngc(), {"N", "D", "G", "G_blocks", "G_factors", "Ginv"}, 2);
   if (reader.given("D")) {
     read_friction(reader, problem);
     problem.N = read_jacobian(reader, "N", problem.ngc(), problem.nc());
@@ -253,7 +255,7 @@ Lcp read_lcp(const Record& record, const std::string& origin) {
   Lcp lcp;
   lcp.q = reader.vector("q");
   if (reader.given("M") && reader.columns("M") == static_cast<Index>(reader.table("M").row_ends.size())) {
-    check_length(reader, "q", lcp.size(), {"M"});
+    check_length(reader, "q", lcp.size(), {"M"}, 1);  // M is square
   }
   lcp.M = reader.matrix("M", lcp.size(), lcp.size());
   check_lcp(lcp, origin);

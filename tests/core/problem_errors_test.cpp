@@ -133,6 +133,8 @@ TEST(ProblemErrorsTest, Shapes) {
       {replaced(replaced(kContact, "[1, -2]", "[1]"), R"("G": [[2, 0.5], [0.5, 1]])",
                 R"("G_factors": {"X": [[1], [2]], "alpha": [1]})"),
        "v: 1 entry, expected 2, the rows of N, D, G_factors.X"},
+      {replaced(replaced(kContact, "[1, -2]", "[1]"), R"("G": [[2, 0.5], [0.5, 1]])", R"("G_blocks": [[[2]], [[1]]])"),
+       "v: 1 entry, expected 2, the rows of N, D, G_blocks"},
       {replaced(kContact, R"( "D": [[1, 0, -1, 0], [0.25, 1, -0.25, -1]],)", R"( "D": [[1, 0, -1, 0]],)"),
        "D: 1 row, expected 2"},
       {replaced(kContact, "[0, 4]", "[0, 6]"), "D: row 0 has 4 entries, expected 6"},
