@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <initializer_list>
 #include <optional>
 #include <span>
 
@@ -203,12 +204,35 @@ void read_friction(const RecordReader& reader, ContactProblem& problem) {
   problem.D = read_jacobian(reader, "D", problem.ngc(), columns);
 }
 
+/// Where at least `enough` matrices are given by rows and agree, a vector of another length is the mistake.
+void check_length(const RecordReader& reader, std::string_view vector, Index length,
+                  std::initializer_list<std::string_view> matrices, int enough) {
+  std::optional<Index> rows;
+  std::string witnesses;
+  int count = 0;
+  for (const std::string_view field : matrices) {
+    if (!reader.given(field) || (reader.has_object(field) && field != "G_factors")) continue;
+    const bool factors = field == "G_factors";
+    if (factors && !reader.inside(field).given("X")) continue;
+    const NumberTable& table = factors ? reader.inside(field).table("X") : reader.table(field);
+    const auto own = static_cast<Index>(table.row_ends.size());
+    if (rows.value_or(own) != own) return;
+    rows = own;
+    ++count;
+    witnesses += (witnesses.empty() ? "" : ", ") + std::string(factors ? "G_factors.X" : field);
+  }
+  if (count < enough || *rows == length) return;
+  reader.fail(vector, ": " + count_of(length, "entry") + ", expected " + std::to_string(*rows) + ", the rows of " +
+                          witnesses);
+}
+
 ContactProblem read_contact(const Record& record, const std::string& origin) {
   const RecordReader reader(record, origin);
   constexpr std::array<std::string_view, 3> kFriction{"D", "edges", "mu"};
   check_all_or_none(reader, kFriction);
   ContactProblem problem;
   problem.v = reader.vector("v");
+  check_length(reader, "v", problem.ngc(), {"N", "D", "G", "G_blocks", "G_factors", "Ginv"}, 2);
   if (reader.given("D")) {
     read_friction(reader, problem);
     problem.N = read_jacobian(reader, "N", problem.ngc(), problem.nc());
@@ -230,6 +254,9 @@ Lcp read_lcp(const Record& record, const std::string& origin) {
   const RecordReader reader(record, origin);
   Lcp lcp;
   lcp.q = reader.vector("q");
+  if (reader.given("M") && reader.columns("M") == static_cast<Index>(reader.table("M").row_ends.size())) {
+    check_length(reader, "q", lcp.size(), {"M"}, 1);  // M is square
+  }
   lcp.M = reader.matrix("M", lcp.size(), lcp.size());
   check_lcp(lcp, origin);
   return lcp;

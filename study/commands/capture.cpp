@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
@@ -118,6 +119,23 @@ std::size_t compress(const std::string& raw, const std::string& out) {
   return captured.count();
 }
 
+/// Why a model of the user's may never touch anything.
+std::string why_no_contact(const std::string& model) {
+  std::ifstream stream(model);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  if (text.find("<robot") == std::string::npos) {
+    return "nothing in " + model +
+           " touched anything: does it have a ground, a body that can move, and shapes that may collide?";
+  }
+  return "nothing touched anything: " + model +
+         " is a URDF. It has no ground, and MuJoCo fixes its root link to the world. Put these two lines behind <robot "
+         "...>, with the name of the root link for BASE and the height of its origin for 0.5:\n"
+         "  <link name=\"world\"><collision><origin xyz=\"0 0 -0.5\"/><geometry><box size=\"20 20 1\"/></geometry>"
+         "</collision></link>\n"
+         "  <joint name=\"free\" type=\"floating\"><parent link=\"world\"/><child link=\"BASE\"/>"
+         "<origin xyz=\"0 0 0.5\"/></joint>";
+}
+
 int run_capture(CaptureArguments arguments) {
   complete(arguments);
   const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
@@ -136,7 +154,9 @@ int run_capture(CaptureArguments arguments) {
   }
   const std::size_t steps = has_header(raw.steps) ? compress(raw.steps, arguments.out) : 0;
   if (steps == 0) {
-    say(stderr, "lcpbench: no step of '{}' was captured\n", arguments.scene);
+    const bool untouched = !interrupted && !crashed && !arguments.model.empty();
+    say(stderr, "lcpbench: no step of '{}' was captured{}\n", arguments.scene,
+        untouched ? ": " + why_no_contact(arguments.model) : "");
     return interrupted ? kExitInterrupted : kExitCheckFailed;
   }
   const ScenesFile written(arguments.out);
@@ -167,7 +187,9 @@ Action add_capture_command(CLI::App& command) {
   command.add_option("SCENE", arguments->scene, "scene; with --model, a name for what is captured")->required();
   command.add_option("--engine", arguments->engine, "physics engine: ode, bullet, mujoco or dart")
       ->check(CLI::IsMember({"ode", "bullet", "mujoco", "dart"}));
-  command.add_option("--model", arguments->model, "model file of your own, in place of a scene: MJCF or URDF, MuJoCo");
+  command.add_option("--model", arguments->model,
+                     "model file of your own, in place of a scene, for MuJoCo: MJCF, or URDF with a ground and a "
+                     "floating joint, which are two lines (see the page below)");
   command.add_option("--every", arguments->every, "capture every so many steps")
       ->check(CLI::Range(INT64_C(1), INT64_C(1'000'000)))
       ->capture_default_str();

@@ -255,6 +255,26 @@ void print_counts(const std::vector<CertifiedSet>& sets, int width) {
   say(stdout, "{}", table.text(width));
 }
 
+/// What was decided and what was not looked at, in whole sentences.
+std::string counts_text(const std::vector<CertifiedSet>& sets, const CertifyArguments& arguments) {
+  CertifiedSet all;
+  std::int64_t left_out = 0;
+  for (const CertifiedSet& set : sets) {
+    all.solution += set.solution;
+    all.unsolvable += set.unsolvable;
+    all.open += set.open;
+    left_out += set.problems - set.certified();
+  }
+  std::string text =
+      fmt::format("Of {} problems with a certificate {} have a solution, {} have none, and {} are open.\n",
+                  format_count(all.certified()), format_count(all.solution), format_count(all.unsolvable),
+                  format_count(all.open));
+  if (left_out == 0) return text;
+  return text + fmt::format("{} problems with friction were left out, because --every {} takes only one trial in {} of "
+                            "them. --every 1 takes all; the same command goes on from here.\n",
+                            format_count(left_out), arguments.every, arguments.every);
+}
+
 /// @throws InputError when the file is no store; one that does not exist is not made.
 Store open_existing(const std::string& file) {
   print_notice(Store::open_for_reading(file));
@@ -275,7 +295,7 @@ CertifyOutcome certify_all(const CertifyArguments& arguments, Store& store, cons
   ProgressLine progress;
   progress.show("certifying problems of " + store.file().string());
   run.on_progress = [&progress](std::int64_t done, std::int64_t total) {
-    progress.show(fmt::format("{} of {} problems", format_count(done), format_count(total)));
+    progress.show(fmt::format("certifying: {} of {} problems are done", format_count(done), format_count(total)));
   };
   return certify_store(store, run);
 }
@@ -289,12 +309,14 @@ void print_findings(const CertifyArguments& arguments, const std::vector<Certifi
                 {"sets", rows},
                 {"contradictions", contradictions},
                 {"ok", contradictions.empty()}});
+    say(stderr, "{}", counts_text(sets, arguments));
     return;
   }
   const int width = arguments.extent.width();
   print_counts(sets, width);
+  say(stdout, "\n{}", folded(counts_text(sets, arguments), width));
   for (const std::string& line : contradictions) say(stdout, "{}", folded("CONTRADICTION: " + line + "\n", width));
-  if (contradictions.empty()) say(stdout, "\nno answer and no certificate contradict each other\n");
+  if (contradictions.empty()) say(stdout, "no answer and no certificate contradict each other\n");
 }
 
 int certify_stored(const CertifyArguments& arguments) {

@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <limits>
 #include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "study/output/terminal.h"
 #include "study/output/text_table.h"
+#include "study/run/study.h"
 
 namespace lcpbench {
 namespace {
@@ -36,6 +38,27 @@ void add_wide_option(CLI::App& command, Extent& extent) {
 
 void add_long_option(CLI::App& command, Extent& extent, const std::string& help) {
   command.add_flag("--long", extent.all, help);
+}
+
+std::string left_out_text(const Study& study) {
+  std::int64_t taken = 0;
+  std::int64_t all = 0;
+  std::vector<std::string> names;
+  for (const StudySet& set : study.sets) {
+    const std::int64_t count = set.set->count().value_or(set.trials);
+    if (count == set.trials) continue;
+    names.push_back(set.set->name());
+    taken += set.trials;
+    all += count;
+  }
+  if (names.empty()) return "";
+  if (names.size() == 1) {
+    return fmt::format("{}: the first {} of its {} problems are taken; --trials {} takes all\n", names.front(),
+                       format_count(taken), format_count(all), all);
+  }
+  return fmt::format("of {} sets with {} problems in all, the first ones of each are taken, {} in all; --trials takes "
+                     "more\n",
+                     names.size(), format_count(all), format_count(taken));
 }
 
 CLI::Validator seed_check() {

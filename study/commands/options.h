@@ -6,6 +6,8 @@
 
 namespace lcpbench {
 
+struct Study;
+
 /// `--format text|json`, into `format`.
 void add_format_option(CLI::App& command, std::string& format);
 
@@ -22,6 +24,9 @@ struct Extent {
 void add_wide_option(CLI::App& command, Extent& extent);
 /// `--long`, into `extent`.
 void add_long_option(CLI::App& command, Extent& extent, const std::string& help);
+
+/// Which problems of finite sets a study leaves out, for stderr; "" where none is.
+std::string left_out_text(const Study& study);
 
 /// Refuses what is no decimal integer in [0, 2^64). CLI11's own conversion turns larger ones into 2^64 - 1.
 CLI::Validator seed_check();

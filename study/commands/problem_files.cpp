@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "study/output/text_table.h"
+
 namespace lcpbench {
 
 nlohmann::ordered_json problem_summary_json(const Problem& problem, const std::string& file) {
@@ -23,8 +25,9 @@ nlohmann::ordered_json problem_summary_json(const Problem& problem, const std::s
 std::string problem_summary_text(const Problem& problem, const std::string& file) {
   std::string text = fmt::format("{}: {}, n {}", file, to_string(problem.kind()), problem.size());
   if (const ContactProblem* contact = problem.contact()) {
-    text += fmt::format(", {} coordinates, {} contacts, {} friction edges", contact->ngc(), contact->nc(),
-                        cols(contact->D));
+    text += fmt::format(", {}, {}, {}", counted_noun(static_cast<std::size_t>(contact->ngc()), "coordinate"),
+                        counted_noun(static_cast<std::size_t>(contact->nc()), "contact"),
+                        counted_noun(static_cast<std::size_t>(cols(contact->D)), "friction edge"));
   }
   return text;
 }

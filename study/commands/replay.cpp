@@ -215,8 +215,9 @@ int run_replay(const ReplayArguments& arguments) {
 std::string list_of_scenes() {
   std::string text =
       "The scene is stepped on with each solver's answers, whatever their verdicts: the same integrator, the same "
-      "collision detection. Ctrl-C ends with exit code 3; the same command goes on. Exit code 1: an engine crashed. "
-      "See docs/howto/replay-a-scene.md.\n\nScenes:";
+      "collision detection. Each solve is from a cold start, which no engine does but ODE and DART: from the impulses "
+      "of the step before, a solver of few sweeps may keep a scene that it loses here. Ctrl-C ends with exit code 3; "
+      "the same command goes on. Exit code 1: an engine crashed. See docs/howto/replay-a-scene.md.\n\nScenes:";
   for (const capture::Scene& scene : capture::scenes()) {
     text += fmt::format("\n  {:<20} {}", scene.name, scene.summary);
   }

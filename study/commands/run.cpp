@@ -115,7 +115,10 @@ Plan make_plan(const RunArguments& arguments) {
   Plan plan = base_plan(arguments);
   if (!arguments.sets.empty()) {
     plan.sets.clear();
-    for (const std::string& set : arguments.sets) plan.sets.push_back({.pattern = set});
+    for (const std::string& set : arguments.sets) {
+      plan.sets.push_back({.pattern = set});
+      if (set.starts_with("file:")) plan.sets.back().trials = kMaxTrials;
+    }
     plan.other_sets = true;
   }
   if (!arguments.solvers.empty()) {
@@ -233,6 +236,7 @@ int run(const RunArguments& arguments) {
   for (const StudySet& set : study.sets) {
     if (const std::string note = set.set->note(); !note.empty()) say(stderr, "{}\n", note);
   }
+  say(stderr, "{}", left_out_text(study));
   if (study.solvers.empty()) throw InputError("plan " + plan.name + ": none of its solvers is available");
 
   const std::filesystem::path file = arguments.store.empty() ? plan.name + ".db" : arguments.store;
@@ -278,7 +282,9 @@ Action add_run_command(CLI::App& command, const std::string& command_line) {
   command.add_option("--solver", arguments->solvers, "name{key=value,...}, instead of the plan's; may be repeated")
       ->allow_extra_args(false);
   command.add_option("--sweep", arguments->sweep, "run each solver over its grid of this name (paper)");
-  command.add_option("--trials", arguments->trials, "problems of each set")->check(CLI::Range(1, 100'000'000));
+  command
+      .add_option("--trials", arguments->trials, "problems of each set (default: the plan's; of --set file:PATH all)")
+      ->check(CLI::Range(INT64_C(1), kMaxTrials));
   command.add_option("--seed", arguments->seed, "stream of random problems")->check(seed_check());
   command.add_option("--jobs", arguments->jobs, "threads (default: one per processor)")->check(CLI::Range(1, 1024));
   command.add_option("--budget", arguments->budget_s, "seconds after which no problem is begun; 0: no limit")

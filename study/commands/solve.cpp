@@ -58,7 +58,8 @@ struct Attempt {
   std::string note;  ///< why there are no errors; "" when there are
   std::string why;   ///< why the verdict is not solved; "" when it is
 
-  /// Thread CPU time: what other programs do at the moment is not the solver's. Infinite where no time is known.
+  /// Set-up and solve, thread CPU time: what other programs do at the moment is not the solver's. Infinite where no
+  /// time is known.
   double time_s() const {
     const double time = timed.times.setup_cpu_s + timed.times.solve_cpu_s;
     return std::isnan(time) ? std::numeric_limits<double>::infinity() : time;
@@ -327,13 +328,16 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
                                          {"claim", Align::kLeft, 0, 20},
                                          {"verdict", Align::kLeft},
                                          {contact ? "residual rho" : "backward error"},
-                                         {contact ? "violation m/s" : "natural residual", Align::kRight, 2},
-                                         {"set-up", Align::kRight, 3},
-                                         {"solve"},
-                                         {"verify", Align::kRight, 4},
-                                         {"detail", Align::kLeft, 5, 30}};
-  if (cone) columns.insert(columns.begin() + 4, {{"solver's m/s"}, {"model's m/s"}});
-  if (models) columns.insert(columns.begin() + 3, {"model", Align::kLeft});
+                                         {contact ? "violation m/s" : "natural residual", Align::kRight, 4},
+                                         {"time"},
+                                         {"set-up", Align::kRight, 5},
+                                         {"solve", Align::kRight, 5},
+                                         {"verify", Align::kRight, 6},
+                                         {"detail", Align::kLeft, 7, 30}};
+  if (cone) {
+    columns.insert(columns.begin() + 4, {{"solver's m/s", Align::kRight, 3}, {"model's m/s", Align::kRight, 2}});
+  }
+  if (models) columns.insert(columns.begin() + 3, {"model", Align::kLeft, 1});
   TextTable table(columns);
   for (const Attempt& each : attempts) {
     const SolveTimes& times = each.timed.times;
@@ -343,6 +347,7 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
                                  to_string(each.verdict),
                                  format_error(contact ? errors.velocity_residual_relative : errors.backward_row_norm),
                                  format_error(contact ? errors.violation_m_per_s : errors.natural_residual),
+                                 format_seconds(each.time_s()),
                                  format_seconds(times.setup_cpu_s),
                                  format_seconds(times.solve_cpu_s),
                                  format_seconds(each.judgement.verify_s),
@@ -354,8 +359,9 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
     if (models) row.insert(row.begin() + 3, to_string(each.model));
     table.add_row(row);
   }
-  say(stdout, "{}", table.text(width));
-  if (cone) say(stdout, "{}", folded(kTwoErrors, width));
+  const std::string rows = table.text(width);
+  say(stdout, "{}", rows);
+  if (rows.find("model's m/s") != std::string::npos) say(stdout, "{}", folded(kTwoErrors, width));
   print_reasons(attempts, width);
   print_nearly(attempts, width);
   print_conclusion(attempts, width);
@@ -379,10 +385,14 @@ int solve(const SolveArguments& arguments) {
   Settler settler;
   Json rows = Json::array();
   bool all_started = true;
+  bool one_crashed = false;
   const auto visit = [&](const Problem& problem, const std::string& file) {
     bool started = true;
     const auto attempts = attempts_on(problem, solvers, settler, arguments.time_limit_s, stop, progress, started);
     all_started = all_started && started;
+    one_crashed = one_crashed || std::any_of(attempts.begin(), attempts.end(), [](const Attempt& each) {
+                    return each.timed.answer.claim == Claim::kCrashed;
+                  });
     if (arguments.format == "json") {
       const Json described_problem = problem_summary_json(problem, file);
       for (const Attempt& each : attempts) rows.push_back(attempt_json(described_problem, each));
@@ -393,7 +403,8 @@ int solve(const SolveArguments& arguments) {
   const bool all_read = for_each_problem_file(arguments.files, stop, visit);
   if (arguments.format == "json") print_json(rows);
   if (*stop != 0) return kExitInterrupted;
-  return all_started && all_read ? kExitDone : kExitBadInput;
+  if (!all_started || !all_read) return kExitBadInput;
+  return one_crashed && !arguments.solvers.empty() ? kExitCheckFailed : kExitDone;
 }
 
 }  // namespace
@@ -417,8 +428,9 @@ Action add_solve_command(CLI::App& command) {
   add_format_option(command, arguments->format);
   command.footer(
       "claim: what the solver says. verdict: lcpbench's own check of the answer. A file that cannot be read "
-      "does not stop the others; the exit code is then 2. Ctrl-C shows the answers so far (exit code 3). With "
-      "--max-velocity-error an answer that misses it is exit code 1; see docs/explanation/friction-models.md.");
+      "does not stop the others; the exit code is then 2, as it is if a solver does not start. Exit code 1: a solver "
+      "that --solver names crashed, or returned what is no answer; or an answer misses --max-velocity-error (see "
+      "docs/explanation/friction-models.md). Ctrl-C shows the answers so far (exit code 3).");
   return [arguments] { return solve(*arguments); };
 }
 

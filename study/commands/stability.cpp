@@ -64,6 +64,7 @@ Plan make_plan(const StabilityArguments& arguments) {
 int run_stability(const StabilityArguments& arguments) {
   const Json origin = provenance(arguments.command_line, utc_now());
   const Study study = resolve(make_plan(arguments));
+  say(stderr, "{}", left_out_text(study));
   StabilityOptions options;
   options.seed = arguments.seed;
   options.time_limit_s = arguments.time_limit_s;

@@ -249,6 +249,7 @@ void print_verdict(const Validation& validation) {
 int run_validation(const ValidateArguments& arguments) {
   const Plan plan = make_plan(arguments);
   const Study study = resolve(plan);
+  say(stderr, "{}", left_out_text(study));
   if (!arguments.out.empty()) check_folder(arguments.out);
   warn_without_references(study);
   Json origin = provenance(arguments.command_line, utc_now());

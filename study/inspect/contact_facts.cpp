@@ -1,6 +1,7 @@
 #include "study/inspect/contact_facts.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <tuple>
@@ -61,25 +62,39 @@ SparseMatrix to_sparse(const Jacobian& J) {
   return to_dense(J).sparseView();
 }
 
-void add_bodies(const ContactProblem& problem, ContactFacts& facts) {
-  const std::vector<BodyBlock> bodies = rigid_bodies(problem.inertia);
+std::vector<BodyBlock> bodies_of(const ContactProblem& problem, const RigidScene* scene) {
+  if (scene == nullptr) return rigid_bodies(problem.inertia);
+  std::vector<BodyBlock> bodies;
+  for (const RigidBody& body : scene->bodies) bodies.push_back({body.mass, body.inertia});
+  return bodies;
+}
+
+void add_bodies(const ContactProblem& problem, const RigidScene* scene, ContactFacts& facts) {
+  const std::vector<BodyBlock> bodies = bodies_of(problem, scene);
   facts.bodies = static_cast<Index>(bodies.size());
+  if (bodies.empty()) return;
   std::vector<double> arms(bodies.size(), 0);
-  const SparseMatrix N = to_sparse(problem.N);
-  for (Index j = 0; j < N.cols() && facts.bodies > 0; ++j) {
-    std::vector<double> squares(bodies.size(), 0);
-    for (SparseMatrix::InnerIterator entry(N, j); entry; ++entry) {
-      if (entry.row() % 6 >= 3) squares[static_cast<std::size_t>(entry.row() / 6)] += entry.value() * entry.value();
+  for (const Jacobian* jacobian : {&problem.N, &problem.D}) {
+    const SparseMatrix J = to_sparse(*jacobian);
+    for (Index j = 0; j < J.cols(); ++j) {
+      std::vector<double> squares(bodies.size(), 0);
+      for (SparseMatrix::InnerIterator entry(J, j); entry; ++entry) {
+        if (entry.row() % 6 >= 3) squares[static_cast<std::size_t>(entry.row() / 6)] += entry.value() * entry.value();
+      }
+      for (std::size_t b = 0; b < bodies.size(); ++b) arms[b] = std::max(arms[b], std::sqrt(squares[b]));
     }
-    for (std::size_t b = 0; b < bodies.size(); ++b) arms[b] = std::max(arms[b], std::sqrt(squares[b]));
   }
   const bool given_inverse = std::holds_alternative<InverseInertia>(problem.inertia);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     facts.masses.add(given_inverse ? 1 / bodies[b].mass : bodies[b].mass);
     const std::optional<bool> inverse = reads_as_inverse(bodies[b], arms[b]);
-    if (!inverse) continue;
-    ++facts.bodies_judged;
-    if (*inverse != given_inverse) ++facts.bodies_as_inverse;
+    if (inverse) ++facts.bodies_judged;
+    if (inverse && *inverse != given_inverse) {
+      ++facts.bodies_as_inverse;
+      continue;
+    }
+    const BodyBlock body = given_inverse ? BodyBlock{1 / bodies[b].mass, bodies[b].inertia.inverse()} : bodies[b];
+    if (lengths_look_too_large(body, arms[b])) ++facts.bodies_too_long;
   }
 }
 
@@ -251,11 +266,11 @@ std::vector<Index> independent_rows(const ContactProblem& problem) {
   return rows;
 }
 
-ContactFacts contact_facts(const ContactProblem& problem) {
+ContactFacts contact_facts(const ContactProblem& problem, const RigidScene* scene) {
   ContactFacts facts;
   facts.inertia = kind_of(problem.inertia);
   add_friction(problem, facts);
-  add_bodies(problem, facts);
+  add_bodies(problem, scene, facts);
   std::tie(facts.islands, facts.largest_island) = island_sizes(row_islands(problem), problem.nc());
   if (problem.ngc() <= kLargestDense && lcp_size(problem) <= kLargestDense) add_dense(problem, facts);
   return facts;

@@ -34,7 +34,7 @@ void inspect_contact(const ContactProblem& contact, const Problem& problem, Insp
   inspection.nc = contact.nc();
   inspection.edges = contact.edges;
   inspection.friction_columns = cols(contact.D);
-  inspection.contact = contact_facts(contact);
+  inspection.contact = contact_facts(contact, problem.scene());
   Matrix M;
   if (inspection.contact->inertia_rank >= 0) {
     const Lcp& lcp = problem.lcp();

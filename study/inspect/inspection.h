@@ -93,6 +93,7 @@ struct ContactFacts {
   Range masses;                         ///< of these bodies
   Index bodies_as_inverse = 0;          ///< bodies for which the inverse of what was given is likelier
   Index bodies_judged = 0;              ///< bodies with contacts that this can be said of
+  Index bodies_too_long = 0;            ///< bodies whose lengths look as if they were in smaller units than metres
   bool normals_by_rows = false;         ///< N square, its rows but not its columns are unit normals of rigid bodies
   std::vector<ContactPair> duplicates;  ///< distance 0, or of opposed ones: exactly parallel
   std::vector<ContactPair> near_duplicates;

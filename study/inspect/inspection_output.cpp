@@ -11,13 +11,15 @@
 namespace lcpbench {
 namespace {
 
+std::string counted(Index count, const char* noun) { return counted_noun(static_cast<std::size_t>(count), noun); }
+
 using Json = nlohmann::ordered_json;
 
 std::string size_text(const Inspection& inspection) {
   std::string text = fmt::format("{}, n {}", to_string(inspection.kind), inspection.n);
   if (!inspection.contact) return text;
-  return text + fmt::format(", {} coordinates, {} contacts, {} friction edges", inspection.ngc, inspection.nc,
-                            inspection.friction_columns);
+  return text + fmt::format(", {}, {}, {}", counted(inspection.ngc, "coordinate"), counted(inspection.nc, "contact"),
+                            counted(inspection.friction_columns, "friction edge"));
 }
 
 std::string spectrum_text(const Spectrum& spectrum) {
@@ -59,10 +61,10 @@ void add_contact_rows(const Inspection& inspection, TextTable& table) {
     row("condition of M", fmt::format("{:.3g} of the nonzero spectrum with unit diagonal", contact.condition));
   }
   if (contact.bodies > 0) row("masses [kg]", fmt::format("{} bodies, {}", contact.bodies, range_text(contact.masses)));
-  row("islands", fmt::format("{}, the largest of {} contacts", contact.islands, contact.largest_island));
+  row("islands", fmt::format("{}, the largest of {}", contact.islands, counted(contact.largest_island, "contact")));
   if (contact.frictional_contacts > 0) {
-    row("friction", fmt::format("{} contacts, {} with mu = 0, largest mu {:.3g}", contact.frictional_contacts,
-                                contact.zero_mu, contact.largest_mu));
+    row("friction", fmt::format("{}, {} with mu = 0, largest mu {:.3g}",
+                                counted(contact.frictional_contacts, "contact"), contact.zero_mu, contact.largest_mu));
   }
 }
 

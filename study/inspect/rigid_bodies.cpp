@@ -66,11 +66,21 @@ std::optional<bool> reads_as_inverse(const BodyBlock& body, double arm) {
   if (!(arm > 0)) return std::nullopt;
   const double gyration = std::sqrt(moments(2) / body.mass);
   const double gyration_of_inverse = std::sqrt(body.mass / moments(0));
+  const double gyration_of_inverse_moments = 1 / std::sqrt(body.mass * moments(0));  // the mass as it stands
   const double radii = arm / gyration;
-  const double radii_of_inverse = arm / gyration_of_inverse;
   const auto plausible = [](double r) { return r >= 0.3 && r <= 3; };
-  if (plausible(radii_of_inverse) && (radii < 0.05 || radii > 20)) return true;
+  const bool inverse_fits = plausible(arm / gyration_of_inverse) || plausible(arm / gyration_of_inverse_moments);
+  if (inverse_fits && (radii < 0.05 || radii > 20)) return true;
   return plausible(radii) ? std::optional<bool>(false) : std::nullopt;
+}
+
+bool lengths_look_too_large(const BodyBlock& body, double arm) {
+  constexpr double kLightest = 1e-2;  // [kg/m^3] air gives 20; kilograms and millimetres give 1e-4 for steel
+  constexpr double kLongestArm = 10;    // [m]
+  const double gyration = std::sqrt(principal_moments(body.inertia)(2) / body.mass);
+  const bool one_unit = arm == 0 || (arm > 0.1 * gyration && arm < 10 * gyration);
+  return (one_unit && body.mass < kLightest * gyration * gyration * gyration) ||
+         (arm > kLongestArm && arm > 100 * gyration);
 }
 
 bool columns_are_unit_normals(const Matrix& N) {

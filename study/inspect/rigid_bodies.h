@@ -20,10 +20,15 @@ std::vector<BodyBlock> rigid_bodies(const Inertia& inertia);
 
 /// Whether the inverse of the block is the likelier inertia: its principal moments obey the triangle inequality that
 /// every mass distribution obeys, and the block's own do not; or, where that decides nothing, contacts act on it at
-/// plausible distances (arms of 0.3 to 3 radii of gyration) only if it is read as the inverse, and at 20 times
-/// implausible ones as it stands. nullopt: neither says anything.
-/// @param arm  largest |r x n| of the body's contacts [m]; 0 without contacts
+/// plausible distances (arms of 0.3 to 3 radii of gyration) only if it, or the inertia without the mass, is read as the
+/// inverse, and at 20 times implausible ones as it stands. nullopt: neither says anything.
+/// @param arm  largest |r x d| of the body's contacts, d a normal or a friction direction [m]; 0 without contacts
 std::optional<bool> reads_as_inverse(const BodyBlock& body, double arm);
+
+/// Whether the body looks as if its lengths were in smaller units than metres: its mass is less than 1e-2 kg/m^3 of its
+/// cubed radius of gyration, a thousandth of the air in its place, and its contacts act at 0.1 to 10 of these radii; or
+/// a contact acts at more than 100 of these radii and more than 10 m.
+bool lengths_look_too_large(const BodyBlock& body, double arm);
 
 /// True when each column of N has, for every body, a linear part of length 0 or 1 (to 1e-6), and one of length 1.
 bool columns_are_unit_normals(const Matrix& N);

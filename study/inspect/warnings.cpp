@@ -17,7 +17,7 @@ constexpr double kIllConditioned = 1e8;        // half of the digits of a double
 constexpr double kWideSpread = 1e8;            // no absolute tolerance suits both ends
 constexpr double kMassRatio = 1e6;
 constexpr double kHugeFriction = 10;         // rubber on rock is below 5
-constexpr double kFastestImpact = 1e3;       // [m/s] faster than sound in air by three: rather mm/s
+constexpr double kFastestImpact = 100;       // [m/s] a fall of 500 m: rather mm/s
 constexpr double kCriterionVelocity = 1e-3;  // [m/s] the paper's tolerance
 constexpr double kSmallestSafe = 1e-290;     // products of two such numbers with moderate ones underflow
 constexpr double kLargestSafe = 1e290;
@@ -186,6 +186,12 @@ void warn_of_inertia(const ContactFacts& contact, Index ngc, Collector& warnings
       static_cast<double>(contact.bodies_as_inverse),
       fmt::format("{} of {} bodies have moments that fit the inverse of an inertia: {}", contact.bodies_as_inverse,
                   contact.bodies_judged, inverse_given ? "G was given as Ginv?" : "the inverse was given as G?"));
+  warnings.data(
+      contact.bodies > 0 && contact.bodies_too_long == contact.bodies, "length_units",
+      static_cast<double>(contact.bodies_too_long),
+      fmt::format("every body ({}) is lighter than a thousandth of the air in its place, or is touched at over 100 "
+                  "radii of gyration: are lengths in millimetres?",
+                  contact.bodies));
   if (contact.inertia_rank < 0) return;
   warnings.difficulty(contact.inertia_rank < ngc, "singular_inertia", static_cast<double>(contact.inertia_rank),
                       fmt::format("the inertia has rank {} of {}: impulses in its null space move nothing, so the "

@@ -88,6 +88,12 @@ std::string because(const JudgedAnswer& answer) {
   return answer.truth_because.empty() ? "" : " (" + answer.truth_because + ")";
 }
 
+/// "ended with crashed (exited with code 1 without an answer)".
+std::string ended_with(const JudgedAnswer& answer) {
+  return fmt::format("ended with {}{}", to_string(answer.claim),
+                     answer.detail.empty() ? "" : " (" + answer.detail + ")");
+}
+
 std::string missed_or_open(const Problem& problem, const JudgedAnswer& answer) {
   const bool known = answer.verdict == Verdict::kMissed;
   if (answer.claim == Claim::kUnsolvable) {
@@ -96,8 +102,7 @@ std::string missed_or_open(const Problem& problem, const JudgedAnswer& answer) {
   }
   const char* const has_none = "is not known to have a solution";
   const std::string has = answer.truth == Truth::kNearly ? "is nearly solvable" : "has a solution";
-  std::string words =
-      fmt::format("ended with {}; the problem {}", to_string(answer.claim), known ? has + because(answer) : has_none);
+  std::string words = fmt::format("{}; the problem {}", ended_with(answer), known ? has + because(answer) : has_none);
   if (answer.unusable.empty() && only_velocity_fails(answer.errors)) {
     words += "; " + velocity_words(answer.errors);
   } else if (answer.unusable.empty() && answer.errors.worst.row >= 0) {
@@ -142,7 +147,7 @@ std::string why_not_solved(const Problem& problem, const JudgedAnswer& answer) {
       return fmt::format("{} the problem is proven to have no{} solution{}.",
                          answer.claim == Claim::kUnsolvable
                              ? "said unsolvable, which is right:"
-                             : fmt::format("ended with {}, and", to_string(answer.claim)),
+                             : ended_with(answer) + ", and",
                          answer.truth == Truth::kNearly ? " exact" : "", because(answer));
     case Verdict::kRefused:
       return "refused the problem" + (answer.detail.empty() ? std::string() : ": " + answer.detail) + ".";

@@ -41,7 +41,7 @@ std::vector<std::string> broken(std::string_view text, std::size_t first, std::s
     const std::size_t blank = text.rfind(' ', end);
     const std::size_t joint = text.find_last_of(",{}/", end - 1);
     std::size_t length = end;
-    if (blank != std::string_view::npos && blank > 0) {
+    if (blank != std::string_view::npos && blank > text.find_first_not_of(' ')) {
       length = blank;
     } else if (joint != std::string_view::npos) {
       length = joint + 1;

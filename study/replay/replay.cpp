@@ -118,6 +118,15 @@ std::string loss(const ReplayedScene& scene, const Replay& replay) {
          (replay.end.empty() ? "" : fmt::format(" ({})", replay.end));
 }
 
+/// Where each solve starts: Bullet's and MuJoCo's own solvers start from the step before.
+std::string starts(const ReplayedScene& scene) {
+  const bool warm = scene.engine.starts_with("Bullet") || scene.engine.starts_with("MuJoCo");
+  const bool own = std::any_of(scene.replays.begin(), scene.replays.end(),
+                               [](const Replay& replay) { return replay.solver == "engine"; });
+  return fmt::format("each solver{} from a cold start, which no engine does but ODE and DART",
+                     warm && own ? " but " + scene.engine + "'s own" : "");
+}
+
 }  // namespace
 
 double Replay::largest(double ReplayStep::*measure) const {
@@ -207,8 +216,9 @@ std::string conclusion(const ReplayedScene& scene) {
   for (const Replay& replay : scene.replays) {
     if (replay.answered()) order.push_back(&replay);
   }
-  const std::string head = fmt::format("{}, {} of {:g} s in {}: ", scene.scene, report::counted(scene.steps, "step"),
-                                       scene.step_length_s, scene.engine);
+  const std::string head =
+      fmt::format("{}, {} of {:g} s in {}, {}: ", scene.scene, report::counted(scene.steps, "step"),
+                  scene.step_length_s, scene.engine, starts(scene));
   if (order.empty()) {
     const std::string cause = scene.replays.empty() ? "" : fmt::format(" ({})", scene.replays.front().end);
     return fmt::format("{}no solver gave an answer to its first step with contacts{}.", head, cause);

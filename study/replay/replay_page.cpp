@@ -179,9 +179,9 @@ std::string film(const ReplayPictures& pictures) {
 
 std::string what_replays_are() {
   return fmt::format(
-      "<p>Each scene is stepped on with the answers of each solver: the same integrator, the same collision detection, "
-      "and positions that are projected out of penetration with the same solver. A scene counts as lost when a body "
-      "that should stand or be held moved, or a contact sank, by more than {}.</p>\n",
+      "<p>Each scene is stepped on with the answers of each solver, each solve from a cold start: the same integrator, "
+      "the same collision detection, and positions that are projected out of penetration with the same solver. A scene "
+      "counts as lost when a body that should stand or be held moved, or a contact sank, by more than {}.</p>\n",
       length_text(kLost));
 }
 

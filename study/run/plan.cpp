@@ -22,7 +22,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kFormat = "lcpbench-plan";
 constexpr std::int64_t kVersion = 1;
-constexpr std::int64_t kMaxTrials = 100'000'000;
 constexpr std::size_t kMaxPlanBytes = std::size_t{1} << 20;
 constexpr std::size_t kMaxEntries = 10'000;
 constexpr std::size_t kMaxSweepCells = 10'000;

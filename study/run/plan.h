@@ -12,6 +12,9 @@
 
 namespace lcpbench {
 
+/// Largest number of trials of a set. A finite set has fewer: of one it stands for all.
+inline constexpr std::int64_t kMaxTrials = 100'000'000;
+
 struct PlannedSet {
   std::string pattern;                 ///< a set with options, a glob over sets, or file:PATH
   std::optional<std::int64_t> trials;  ///< instead of the plan's

@@ -126,6 +126,25 @@ void expect_sane(const SceneStep& step) {
 }
 
 /// A search that stops to find a library would otherwise only skip this engine's tests.
+// A URDF as it is has no ground, and its root link is fixed; with the two lines that the command prints it touches.
+TEST_F(Capture, AUrdfThatTouchesNothingIsToldTheLinesItNeeds) {
+  if (!installed("mujoco")) GTEST_SKIP();
+  const std::string link =
+      R"(<link name="base"><inertial><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0")"
+      R"( iyz="0"/></inertial><collision><geometry><box size="0.2 0.2 0.1"/></geometry></collision></link></robot>)";
+  std::ofstream(folder_ / "bare.urdf") << "<robot name=\"r\">\n" << link;
+  const ProgramRun bare = capture("r --model bare.urdf --steps 400");
+  EXPECT_EQ(bare.exit_code, 1);
+  EXPECT_NE(bare.err.find("bare.urdf is a URDF"), std::string::npos) << bare.err;
+  const std::size_t begin = bare.err.find("  <link name=\"world\">");
+  ASSERT_NE(begin, std::string::npos) << bare.err;
+  std::string lines = bare.err.substr(begin);
+  lines.replace(lines.find("BASE"), 4, "base");
+  std::ofstream(folder_ / "whole.urdf") << "<robot name=\"r\">\n" << lines << link;
+  const ProgramRun whole = capture("r --model whole.urdf --steps 400");
+  EXPECT_EQ(whole.exit_code, 0) << whole.err;
+}
+
 TEST_F(Capture, EveryEngineWhosePackageIsInstalledIsBuilt) {
   for (const char* engine : {"ode", "bullet", "mujoco", "dart"}) {
 #ifdef __SANITIZE_ADDRESS__

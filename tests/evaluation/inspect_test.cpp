@@ -234,6 +234,46 @@ TEST(InspectTest, AnInverseGivenAsTheInertiaIsNamedByItsLeverArms) {
   expect_data(of(contact(v, N, BlockInertia{{Matrix(diagonal.cwiseInverse().asDiagonal())}})), "inertia_inverted", 1);
 }
 
+/// The ball of the tutorial: 1 kg, radius 0.1 m, lengths times `unit`, its moments inverted or not.
+Problem ball(double unit, bool inverted, double mass = 1) {
+  RigidScene scene;
+  RigidBody body;
+  body.mass = mass;
+  const double moment = 0.4 * mass * 0.01 * unit * unit;
+  body.inertia = (inverted ? 1 / moment : moment) * Eigen::Matrix3d::Identity();
+  body.position = {0, 0, 0.1 * unit};
+  body.linear_velocity = {0.3 * unit, 0, -unit};
+  scene.bodies = {body};
+  RigidContact floor;
+  floor.body_a = 0;
+  floor.body_b = RigidContact::kWorld;
+  floor.normal = {0, 0, 1};
+  floor.tangent = {1, 0, 0};
+  floor.mu = 0.5;
+  floor.edges = 4;
+  scene.contacts = {floor};
+  return Problem("ball", std::move(scene));
+}
+
+TEST(InspectTest, MillimetresAndAnInvertedInertiaOfTheTutorialsBallAreNamed) {
+  for (const double mass : {0.1, 1.0, 3.0}) {
+    expect_absent(ball(1, false, mass), "length_units");
+    expect_absent(ball(1, false, mass), "inertia_inverted");
+    expect_data(ball(1000, false, mass), "length_units", 1);
+    expect_absent(ball(1000, false, mass), "inertia_inverted");
+    expect_data(ball(1, true, mass), "inertia_inverted", 1);
+  }
+  expect_absent(ball(1, true), "length_units");  // one slip, one warning
+  expect_data(ball(1000, false), "fast_impact", 1000);
+}
+
+// Positions in millimetres beside moments in kg m^2: the contacts act far outside of the body.
+TEST(InspectTest, LeverArmsInOtherUnitsThanTheInertiaAreNamed) {
+  ContactProblem problem = rod(false);
+  std::get<Matrix>(problem.N)(4, 0) = -1000;
+  expect_data(of(problem), "length_units", 1);
+}
+
 TEST(InspectTest, ASingularInertiaAndWhatItCannotMoveAreNamed) {
   const FactoredInertia flat{matrix({{1, 0}, {0, 1}, {0, 0}}), vector({2, 3})};
   const Problem problem = of(contact(vector({-1, -0.5, -0.25}), Matrix::Identity(3, 3), flat));

@@ -66,6 +66,16 @@ TEST(TextTableTest, BreaksNamesBeforeItLeavesOutColumns) {
             "engine=kernel}\n");
 }
 
+TEST(TextTableTest, BreaksNamesThatAreIndentedBehindTheIndent) {
+  TextTable table({{"name", Align::kLeft}, {"first"}});
+  table.add_row({"  contact_lemke{precision=polished}", "1"});
+  EXPECT_EQ(table.text(28),
+            "name                   first\n"
+            "---------------------  -----\n"
+            "  contact_lemke{           1\n"
+            "precision=polished}\n");
+}
+
 TEST(TextTableTest, LeavesOutTheColumnsOfTheLargestRankAndSaysSo) {
   const std::string text = sample().text(26);
   EXPECT_EQ(text.substr(0, text.find('\n')), "name                 first");

@@ -18,10 +18,11 @@ set_tests_properties(store_attack PROPERTIES LABELS slow)
 
 # These run the program itself.
 lcpbench_test(cli LINK lcpbench_study nlohmann_json::nlohmann_json)
+lcpbench_test(first_use LINK lcpbench_study)
 lcpbench_test(surroundings LINK lcpbench_study)
 lcpbench_test(terminal LINK lcpbench_report lcpbench_study)
 lcpbench_test(kill SLOW LINK lcpbench_study)
-foreach(name cli surroundings terminal kill)
+foreach(name cli first_use surroundings terminal kill)
   target_compile_definitions(${name}_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
   add_dependencies(${name}_test lcpbench lcpbench_workers)
 endforeach()
