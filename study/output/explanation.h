@@ -11,6 +11,9 @@ namespace lcpbench {
 /// answer without z is worth a word only where the solver claims to have solved, or says nothing else.
 std::string why_without_errors(const Answer& answer, Index n);
 
+/// Stands beside answers of an engine that softens contacts on purpose; "" for any other engine of a scenes file.
+std::string soft_engine_words(std::string engine);
+
 /// One answer, its verdict, and what the verdict rests on.
 struct JudgedAnswer {
   Claim claim = Claim::kNumericalFailure;

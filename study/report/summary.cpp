@@ -48,7 +48,7 @@ std::vector<std::pair<std::int64_t, SetSummary>> read_sets(sqlite::Database& sto
   sqlite::Statement query(
       store,
       "SELECT s.id, s.name, COUNT(*), SUM(p.kind <> 'lcp'), SUM(p.nc > 0 AND p.n > p.nc), "
-      "SUM(t.truth = 'solvable'), MIN(p.n), MAX(p.n), SUM(p.kind = 'scene') FROM sets s JOIN problems p ON p.set_id = "
+      "SUM(t.truth = 'solvable'), MIN(p.n), MAX(p.n), SUM(p.free_bodies) FROM sets s JOIN problems p ON p.set_id = "
       "s.id JOIN truths t ON t.problem_id = p.id GROUP BY s.id");
   std::vector<std::pair<std::int64_t, SetSummary>> sets;
   while (query.step()) {
@@ -62,7 +62,7 @@ std::vector<std::pair<std::int64_t, SetSummary>> read_sets(sqlite::Database& sto
     set.ill_conditioned = asks_for_ill_conditioning(set.name);
     set.smallest_n = query.integer(6);
     set.largest_n = query.integer(7);
-    set.rigid_bodies = query.integer(8) == set.problems;
+    set.free_bodies = query.integer(8) == set.problems;
     sets.emplace_back(query.integer(0), std::move(set));
   }
   std::sort(sets.begin(), sets.end(),
