@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -138,10 +139,13 @@ std::string situations_table(const Summary& summary, const std::vector<Compared>
   return table.text(width) + folded(words, width);
 }
 
-/// Of one set of captured steps: the setting of `capture` that gives enough of them. "" where the file is gone.
-std::string more_steps_hint(const std::string& set) {
+/// How a user gets enough problems: of random ones, or of captured steps. "" where the set has no more, or its file is
+/// gone.
+std::string more_problems_hint(const std::string& set) {
   const auto wanted = report::least_problems();
-  if (!report::scene_name(set) || !report::scene_name(set)->engine.empty()) return "";
+  const std::optional<report::SceneName> scene = report::scene_name(set);
+  if (!scene) return set.starts_with("file:") ? "" : fmt::format("; run with --trials {}", wanted);
+  if (!scene->engine.empty()) return "";
   try {
     const ScenesFile file(set.substr(set.find(':') + 1));
     const auto count = static_cast<std::int64_t>(file.count());
@@ -175,7 +179,7 @@ std::string reservations_text(const Summary& summary, const std::vector<Compared
                                 : fmt::format("{} too few to call a solver reliable, which takes {}{}",
                                               most == 1 ? "1 problem is" : fmt::format("{} problems are", most),
                                               report::least_problems(),
-                                              more_steps_hint(summary.sets[situation.sets.front()].name));
+                                              more_problems_hint(summary.sets[situation.sets.front()].name));
     text += fmt::format("{}: {}; {}\n", situation.title, report::few_problems_text(summary, situation), few);
   }
   return folded(text, width);

@@ -99,7 +99,7 @@ std::string worst_text(const Summary& summary, std::size_t rows, int width) {
   }
   std::string text = shown > 0 ? "each solver's worst problem:\n" + commands : "";
   if (shown < worst.size()) {
-    text += folded(fmt::format("solvers left out: {}; tables/results.csv of the report has them\n", worst.size() - shown),
+    text += folded(fmt::format("and {} more: see tables/results.csv of the report\n", worst.size() - shown),
                    width);
   }
   return text;
