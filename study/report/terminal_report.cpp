@@ -155,7 +155,7 @@ std::string more_problems_hint(const std::string& set) {
     std::int64_t every = spacing;
     while (every > 1 && range / every < wanted) every /= 2;
     if (range / every < wanted) return "; capture more steps";
-    return fmt::format("; capture with --every {} for {} steps", every, range / every);
+    return fmt::format("; capture --every {} gives {} steps", every, range / every);
   } catch (const InputError&) {
     return "";
   }
@@ -255,7 +255,9 @@ std::vector<std::string> result_row(const Summary& summary, const Cell& cell) {
           of_trials(cell.gave_up()),
           of_trials(cell.count(Claim::kUnsupported)),
           report::duration(cell.median_time.value),
-          is_reference ? "1" : report::over_reference(cell).text(),
+          is_reference                ? "1"
+          : summary.reference.empty() ? "-"
+                                      : report::over_reference(cell).text(),
           std::isinf(cell.error_p99) ? "none" : report::scientific(cell.error_p99)};
 }
 

@@ -104,7 +104,7 @@ TEST_F(ScreenTest, ASmallCaptureSaysWhatItShowsAndWhatToAdd) {
   EXPECT_TRUE(std::regex_search(
       out, std::regex("A robot's step: all 30 are solved by 2 of 2 solvers, the fastest of them \\w+ in a median of [^;]*; "
                       "that shows a share of at least 88.6 % \\(95 %\\); 30 problems are too few to call a solver "
-                      "reliable, which takes 35; capture with --every 5 for 60 steps\n")))
+                      "reliable, which takes 35; capture --every 5 gives 60 steps\n")))
       << out;
   EXPECT_EQ(out.find("no solver is shown"), std::string::npos);
   EXPECT_EQ(out.find("worst problem"), std::string::npos) << "nobody fails";
