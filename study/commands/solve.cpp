@@ -288,8 +288,8 @@ std::string detail_of(const Attempt& attempt) {
 
 constexpr const char* kTwoErrors =
     "solver's m/s: the residual of the conditions that the solver's model of friction has. model's m/s: the residual of "
-    "the round Coulomb cone's conditions; it estimates the model's error on one step and ranks no answers: no impulse at "
-    "all may have less.\n";
+    "the round Coulomb cone's conditions; it estimates the model's error on one step and ranks no answers: no impulse "
+    "at all may have less.\n";
 
 void print_attempts(const Problem& problem, const std::string& file, const std::vector<Attempt>& attempts, int width) {
   say(stdout, "{}", folded(problem_summary_text(problem, file) + "\n", width));

@@ -103,8 +103,8 @@ std::string soft_engine_words(std::string engine) {
   std::transform(engine.begin(), engine.end(), engine.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (!engine.starts_with("mujoco")) return "";
-  return "MuJoCo softens contacts on purpose: its own answers (engine) are judged here on a problem with hard contacts, "
-         "which it does not solve";
+  return "MuJoCo softens contacts on purpose: its own answers (engine) are judged here on a problem with hard "
+         "contacts, which it does not solve";
 }
 
 std::string why_not_solved(const Problem& problem, const JudgedAnswer& answer) {

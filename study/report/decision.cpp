@@ -165,7 +165,8 @@ std::string gravest(const Candidate& candidate, const Candidate* chosen) {
     case Ground::kOtherModel: return "solves the round cone, another problem; of that " + solved;
     case Ground::kNoTime: return "not ranked: nobody measured its time; " + solved;
     case Ground::kSomeSets: return "met only some of these sets; of what it met, " + solved;
-    case Ground::kRefuses: return fmt::format("refused {} of {}; {}", contender.refused.part, contender.refused.whole, solved);
+    case Ground::kRefuses:
+      return fmt::format("refused {} of {}; {}", contender.refused.part, contender.refused.whole, solved);
     case Ground::kFewProblems:
       return fmt::format("too few to say: solved {} of {}", contender.solved.part, contender.solved.whole);
     case Ground::kSmallSample: return "too few to say: " + solved + time;

@@ -21,8 +21,8 @@ constexpr double kModelPlotHeight = 320;
 constexpr double kModelBarWidth = 8;
 /// Below the picture, without markup.
 constexpr const char* kNoRanking =
-    " The heights rank no solvers: each is over the steps that its own solver solved, and no impulses at all may leave a "
-    "smaller residual than a right answer does.";
+    " The heights rank no solvers: each is over the steps that its own solver solved, and no impulses at all may leave "
+    "a smaller residual than a right answer does.";
 constexpr double kModelBarStep = 17;  ///< bars and their numbers stand no nearer to each other
 
 struct ErrorSamples {

@@ -59,8 +59,8 @@ std::string time_column(const Summary& summary, const Contender& best, std::size
   if (summary.solvers[best.solver].text() == summary.reference) {
     cell += "<small>it is the reference of all ratios</small>";
   } else if (const std::string speed = speed_beside_reference(summary, best); !speed.empty()) {
-    cell += fmt::format("<small data-speed=\"{}\">{}, {}–{}×, n = {}</small>", situation_key(situation, best.solver), speed,
-                        factor(best.speedup.ratio.low), factor(best.speedup.ratio.high), best.speedup.problems);
+    cell += fmt::format("<small data-speed=\"{}\">{}, {}–{}×, n = {}</small>", situation_key(situation, best.solver),
+                        speed, factor(best.speedup.ratio.low), factor(best.speedup.ratio.high), best.speedup.problems);
   }
   return cell + "</td>";
 }
@@ -267,7 +267,8 @@ std::string reference_choice(const Summary& summary) {
 }
 
 /// The factors between all pairs of solvers as JSON in a script element: summed times on the problems that both solved,
-/// to three digits, 0 where these are too few for a factor. Per set the solvers `of`, and for each the factors over the later ones.
+/// to three digits, 0 where these are too few for a factor. Per set the solvers `of`, and for each the factors over the
+/// later ones.
 /// O(sets x solvers^2 x problems)
 std::string reference_data(const Summary& summary, const std::vector<Situation>& situations) {
   Json names = Json::object();

@@ -34,7 +34,8 @@ struct SceneName {
 /// nullopt for a set that holds no captured steps.
 std::optional<SceneName> scene_name(const std::string& set);
 
-/// Who captured the steps of a set, or of "file:F.scenes#120": "mujoco", "Bullet"; "" where nobody knows, as where the set's file is gone.
+/// Who captured the steps of a set, or of "file:F.scenes#120": "mujoco", "Bullet"; "" where nobody
+/// knows, as where the set's file is gone.
 std::string engine_of(const std::string& set);
 
 /// What to say of false claims of `engine` on steps of an engine that softens contacts; "" where there are none.

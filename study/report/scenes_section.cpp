@@ -123,12 +123,14 @@ std::string solvers_table(const Summary& summary, const Family& family) {
   std::string rows;
   for (const Contender& contender : family.situation.contenders) {
     rows += "<tr><th scope=\"row\">" + code(summary.solvers[contender.solver].text()) + "</th>" +
-            result_cell(contender.solved_of_met, contender.false_claims.part, contender.time.value, contender.p99_error);
+            result_cell(contender.solved_of_met, contender.false_claims.part, contender.time.value,
+                        contender.p99_error);
     for (const std::size_t set : family.scene.sets) rows += engine_cell(summary, set, contender.solver);
     rows += "</tr>\n";
   }
   return table_head("cells", columns,
-                    "Solved, of the steps that it met and that are not proven unsolvable; a refused step is not solved. Below: those where it said "
+                    "Solved, of the steps that it met and that are not proven unsolvable; a refused step is not "
+                    "solved. Below: those where it said "
                     "solved and was wrong, the median time, and the error ρ of 99 % of its answers. An engine’s name "
                     "leads to the picture of speed against error.") +
          rows + kTableEnd;

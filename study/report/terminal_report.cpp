@@ -117,17 +117,17 @@ std::string situations_table(const Summary& summary, const std::vector<Compared>
     const report::Situation& situation = compared.situation;
     std::string title = situation.title;
     const Parts parts = parts_of(summary, situation, detail);
-    for (const auto& [part, contender] : parts) {
-      const bool first = contender == parts.front().second;
+    const auto record = [&](const auto& part) -> const report::Record& { return compared.record(*part.second); };
+    for (const auto& part : parts) {
+      const report::Contender* const contender = part.second;
       const report::Share& solved = contender->solved_of_met;
       const report::Share& refused = contender->refused;
-      table.add_row({std::exchange(title, ""), part,
+      table.add_row({std::exchange(title, ""), part.first,
                      summary.solvers[contender->solver].text() +
                          (refused.part > 0 ? fmt::format(" (refused {} of {})", refused.part, refused.whole) : ""),
                      report::percent(solved.value()), report::percent_range(solved.interval()),
                      report::percent(contender->false_claims.value()), report::duration(contender->time.value),
-                     first ? "1"
-                           : report::time_ratio(compared.record(*contender), compared.record(*parts.front().second)).text(),
+                     &part == &parts.front() ? "1" : report::time_ratio(record(part), record(parts.front())).text(),
                      report::scientific(contender->p99_error)});
     }
   }

@@ -32,8 +32,8 @@ class ReplayCommands {
  public:
   explicit ReplayCommands(const Summary& summary) : summary_(summary) {}
 
-  /// "lcpbench solve 'F.scenes#120' --solver S", or with `lcpbench generate` before it. "" where there is none: the file
-  /// is gone, or the answer is a recorded one that a generated problem does not carry.
+  /// "lcpbench solve 'F.scenes#120' --solver S", or with `lcpbench generate` before it. "" where there is none: the
+  /// file is gone, or the answer is a recorded one that a generated problem does not carry.
   std::string command(const Cell& cell, const Outcome& outcome);
 
  private:

@@ -56,7 +56,8 @@ std::int64_t add_group(Statement& stored, Statement& insert, const std::vector<s
 
 ProblemWriter::ProblemWriter(Database& database)
     : database_(database),
-      problem_(database, sqlite::insert_new("problems", "id, set_id, seed, trial, kind, n, ngc, nc, free_bodies, hash, theory")),
+      problem_(database,
+               sqlite::insert_new("problems", "id, set_id, seed, trial, kind, n, ngc, nc, free_bodies, hash, theory")),
       stored_problem_(database, "SELECT p.hash, s.name FROM problems p JOIN sets s ON s.id = p.set_id WHERE p.id = ?"),
       vector_(database, "INSERT OR IGNORE INTO vectors (id, data) VALUES (?, ?)"),
       group_(database, "INSERT OR IGNORE INTO cell_groups (group_id, cell) VALUES (?, ?)"),

@@ -273,7 +273,8 @@ TEST_F(EndorsementTest, ASolverOfTheRoundConeIsNotRankedAmongThoseOfThePyramid) 
         20, "");
   }
   write();
-  EXPECT_EQ(contender("fc3d{cone=true}").verdict, "solves the round cone, another problem; of that solved 100 % (60 of 60)");
+  EXPECT_EQ(contender("fc3d{cone=true}").verdict,
+            "solves the round cone, another problem; of that solved 100 % (60 of 60)");
   expect_not_endorsed("fc3d", "other_model", nullptr);
   EXPECT_NE(contender("lemke{engine=dense}").reliability.ground, report::Ground::kBehindTheBest);
   // Its answers do not show that the pyramid has a solution: lemke's failures are open, not missed.

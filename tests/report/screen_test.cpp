@@ -88,7 +88,8 @@ TEST_F(ScreenTest, AStepIsARobotsByItsInertiaWhoeverCapturedIt) {
     EXPECT_FALSE(has_free_bodies(made_step(inertia, 0)));
   }
   const Inertia planar = BlockInertia{{Matrix(Vector::Constant(3, 2.0).asDiagonal())}};
-  for (const Inertia& inertia : {Inertia(BlockInertia{{bodies(1), bodies(1)}}), Inertia(DenseInertia{bodies(2)}), planar}) {
+  const Inertia blocks = BlockInertia{{bodies(1), bodies(1)}};
+  for (const Inertia& inertia : {blocks, Inertia(DenseInertia{bodies(2)}), planar}) {
     EXPECT_TRUE(has_free_bodies(made_step(inertia, 0)));
   }
   write("my engine", robot(), 3);
@@ -102,7 +103,8 @@ TEST_F(ScreenTest, ASmallCaptureSaysWhatItShowsAndWhatToAdd) {
   write("my engine", robot(), 30);
   const std::string out = run("run --set file:x.scenes --solver auto --solver contact_lemke");
   EXPECT_TRUE(std::regex_search(
-      out, std::regex("A robot's step: all 30 are solved by 2 of 2 solvers, the fastest of them \\w+ in a median of [^;]*; "
+      out, std::regex("A robot's step: all 30 are solved by 2 of 2 solvers, the fastest of them \\w+ in a median of "
+                      "[^;]*; "
                       "that shows a share of at least 88.6 % \\(95 %\\); 30 problems are too few to call a solver "
                       "reliable, which takes 35; capture --every 5 gives 60 steps\n")))
       << out;
@@ -112,8 +114,8 @@ TEST_F(ScreenTest, ASmallCaptureSaysWhatItShowsAndWhatToAdd) {
 
 TEST_F(ScreenTest, RunNamesTheWorstStepsWithCommandsThatRepeatThem) {
   write("my engine", robot(), 4);
-  const std::string out = run("run --set file:x.scenes --set paper/copositive/exp1 --trials 4 --store a.db --solver auto "
-                              "--solver engine --solver " + std::string(kSwept));
+  const std::string out = run(std::string("run --set file:x.scenes --set paper/copositive/exp1 --trials 4 --store a.db ") +
+                              "--solver auto --solver engine --solver " + kSwept);
   const std::vector<std::string> commands = commands_of(out);
   ASSERT_EQ(commands.size(), 2U) << out;
   EXPECT_EQ(commands[0].rfind("lcpbench solve 'x.scenes#", 0), 0U) << "a false claim comes first: " << out;
