@@ -200,7 +200,8 @@ Action add_models_command(CLI::App& command) {
   add_format_option(command, arguments->format);
   command.footer(
       "Solves each island of the contacts with models of friction from coarse to exact. error: the residual of the "
-      "round Coulomb cone's own conditions, which needs no reference. difference: of the velocities at the contacts "
+      "round Coulomb cone's own conditions, which needs no reference; it estimates the error of the model and ranks no "
+      "answers. difference: of the velocities at the contacts "
       "from those of the cone. See docs/explanation/friction-models.md. A file that cannot be read does not stop the "
       "others; the exit code is then 2.");
   return [arguments] { return models(*arguments); };

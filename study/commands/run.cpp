@@ -26,6 +26,7 @@
 #include "study/run/runner.h"
 #include "study/output/terminal.h"
 #include "study/report/report.h"
+#include "study/report/worst.h"
 #include "study/output/text_table.h"
 
 namespace lcpbench {
@@ -196,10 +197,17 @@ std::string end_text(const RunArguments& arguments, const Summary& summary, cons
   const std::string whole = table_text(summary, width);
   const std::string report =
       folded("Every set and solver: --long. The report: lcpbench report " + file + " --out FOLDER.\n", width);
-  const std::size_t used = lines(first) + lines(report);
-  const std::string answer = answer_text(summary, width, kAnswerLines > used ? kAnswerLines - used : 0);
-  const bool fits = lines(whole) + used + lines(answer) <= kAnswerLines;
-  return (arguments.extent.all || fits ? whole : "") + first + answer + report;
+  constexpr std::size_t kWorst = 3;  // at least so many, and more in the lines that the answer leaves
+  const auto worst = [&](std::size_t free_lines) {
+    return fitting_text(summary.solvers.size(), free_lines,
+                        [&](std::size_t rows) { return report::worst_text(summary, rows, width); });
+  };
+  const std::size_t free_lines = kAnswerLines - std::min(kAnswerLines, lines(first) + lines(report));
+  const std::size_t kept = std::min(free_lines, lines(worst(kWorst + 2)));  // with the lines around them
+  const std::string answer = answer_text(summary, width, free_lines - kept);
+  const std::string failures = worst(std::max(kept, free_lines - std::min(free_lines, lines(answer))));
+  const bool fits = lines(whole) + lines(first) + lines(answer) + lines(failures) + lines(report) <= kAnswerLines;
+  return (arguments.extent.all || fits ? whole : "") + first + answer + failures + report;
 }
 
 int report_end(const RunArguments& arguments, const RunOutcome& outcome, const Plan& plan, Store& store,

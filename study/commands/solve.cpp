@@ -18,12 +18,14 @@
 #include "study/commands/options.h"
 #include "study/commands/problem_files.h"
 #include "study/commands/solve_models.h"
+#include "study/commands/solve_total.h"
 #include "study/evaluation/evaluation.h"
 #include "study/evaluation/fastest_contact.h"
 #include "study/output/explanation.h"
 #include "study/output/json_output.h"
 #include "study/output/terminal.h"
 #include "study/output/text_table.h"
+#include "study/report/scenes.h"
 #include "study/run/interrupt.h"
 #include "study/run/open_solver.h"
 #include "study/run/study.h"
@@ -309,7 +311,8 @@ std::string detail_of(const Attempt& attempt) {
 
 constexpr const char* kTwoErrors =
     "solver's m/s: the residual of the conditions that the solver's model of friction has. model's m/s: the residual of "
-    "the round Coulomb cone's conditions, which holds the errors of model and solver.\n";
+    "the round Coulomb cone's conditions; it estimates the model's error on one step and ranks no answers: no impulse "
+    "at all may have less.\n";
 
 void print_attempts(const Problem& problem, const std::string& file, const std::vector<Attempt>& attempts, int width) {
   say(stdout, "{}", folded(problem_summary_text(problem, file) + "\n", width));
@@ -386,6 +389,8 @@ int solve(const SolveArguments& arguments) {
   Json rows = Json::array();
   bool all_started = true;
   bool one_crashed = false;
+  SolveTotal total;
+  std::optional<std::string> soft_engine;
   const auto visit = [&](const Problem& problem, const std::string& file) {
     bool started = true;
     const auto attempts = attempts_on(problem, solvers, settler, arguments.time_limit_s, stop, progress, started);
@@ -393,6 +398,14 @@ int solve(const SolveArguments& arguments) {
     one_crashed = one_crashed || std::any_of(attempts.begin(), attempts.end(), [](const Attempt& each) {
                     return each.timed.answer.claim == Claim::kCrashed;
                   });
+    total.add_problem();
+    for (const Attempt& each : attempts) {
+      const Errors& errors = each.judgement.errors;
+      const double error = problem.contact() != nullptr ? errors.velocity_residual_relative : errors.backward_row_norm;
+      total.add(each.solver.text(), file, each.timed.answer.claim, each.verdict, error, each.time_s());
+      const bool recorded = each.solver.name == "engine" && each.verdict == Verdict::kWrong;
+      if (recorded && !soft_engine) soft_engine = soft_engine_words(report::engine_of("file:" + file));
+    }
     if (arguments.format == "json") {
       const Json described_problem = problem_summary_json(problem, file);
       for (const Attempt& each : attempts) rows.push_back(attempt_json(described_problem, each));
@@ -401,7 +414,13 @@ int solve(const SolveArguments& arguments) {
     }
   };
   const bool all_read = for_each_problem_file(arguments.files, stop, visit);
-  if (arguments.format == "json") print_json(rows);
+  if (arguments.format == "json") {
+    print_json(rows);
+  } else {
+    const int width = arguments.extent.width();
+    say(stdout, "{}", total.text(width));
+    if (!soft_engine.value_or("").empty()) say(stdout, "{}", folded(*soft_engine + ".\n", width));
+  }
   if (*stop != 0) return kExitInterrupted;
   if (!all_started || !all_read) return kExitBadInput;
   return one_crashed && !arguments.solvers.empty() ? kExitCheckFailed : kExitDone;

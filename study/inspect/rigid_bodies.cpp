@@ -57,6 +57,18 @@ std::vector<BodyBlock> rigid_bodies(const Inertia& inertia) {
   return {};
 }
 
+bool has_free_bodies(const Problem& problem) {
+  if (problem.scene() != nullptr) return true;
+  if (problem.contact() == nullptr) return false;
+  const Inertia& inertia = problem.contact()->inertia;
+  if (!rigid_bodies(inertia).empty()) return true;
+  if (const auto* blocks = std::get_if<BlockInertia>(&inertia)) {
+    return std::all_of(blocks->blocks.begin(), blocks->blocks.end(), [](const Matrix& G) { return G.isDiagonal(0); });
+  }
+  const auto* dense = std::get_if<DenseInertia>(&inertia);
+  return dense != nullptr && dense->G.isDiagonal(0);
+}
+
 std::optional<bool> reads_as_inverse(const BodyBlock& body, double arm) {
   const Eigen::Vector3d moments = principal_moments(body.inertia);
   if (!(moments(0) > 0)) return std::nullopt;

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/contact_problem.h"
+#include "core/problem.h"
 
 namespace lcpbench {
 
@@ -17,6 +17,9 @@ struct BodyBlock {
 /// The bodies of an inertia that is diag(m I, 3 x 3) for each body, off these blocks exactly zero. Of InverseInertia
 /// the blocks of the inverse, as they stand. Empty for any other inertia.
 std::vector<BodyBlock> rigid_bodies(const Inertia& inertia);
+
+/// Whether nothing couples coordinates as joints do: free rigid bodies, or a diagonal inertia.
+bool has_free_bodies(const Problem& problem);
 
 /// Whether the inverse of the block is the likelier inertia: its principal moments obey the triangle inequality that
 /// every mass distribution obeys, and the block's own do not; or, where that decides nothing, contacts act on it at

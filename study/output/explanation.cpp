@@ -1,6 +1,7 @@
 #include "study/output/explanation.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -129,6 +130,14 @@ std::string why_without_errors(const Answer& answer, Index n) {
     return "z has " + std::to_string(answer.z.size()) + " entries, expected " + std::to_string(n);
   }
   return answer.z.allFinite() ? "" : "z is not finite";
+}
+
+std::string soft_engine_words(std::string engine) {
+  std::transform(engine.begin(), engine.end(), engine.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (!engine.starts_with("mujoco")) return "";
+  return "MuJoCo softens contacts on purpose: its own answers (engine) are judged here on a problem with hard "
+         "contacts, which it does not solve";
 }
 
 std::string why_not_solved(const Problem& problem, const JudgedAnswer& answer) {

@@ -91,7 +91,7 @@ void measure_times(const Record* reference, const Record& record, Contender& con
     if (!std::isnan(outcome->time_s)) times.push_back(outcome->time_s);
   }
   contender.time = median_estimate(times);
-  contender.speedup = reference == nullptr ? Estimate{kNoNumber, kNoNumber, kNoNumber} : time_ratio(*reference, record);
+  if (reference != nullptr) contender.speedup = time_ratio(*reference, record);
 }
 
 /// A solver with what the table says of it.
@@ -112,6 +112,7 @@ Candidate make_candidate(const Record& record, const Record* reference) {
   contender.solver = record.solver;
   contender.trials = evidence.false_claims.whole;
   contender.solved = evidence.solved;
+  contender.solved_of_met = evidence.solved_of_met;
   contender.false_claims = evidence.false_claims;
   contender.refused = evidence.refused;
   contender.reliability = record.reliability;
@@ -131,10 +132,12 @@ const Candidate* choose(const std::vector<Candidate>& candidates) {
   return fastest;
 }
 
-std::string time_words(const Estimate& ratio) {
-  if (std::isnan(ratio.value)) return "no time to compare";
-  if (is_tie_in_time(ratio)) return "about as fast";
-  return ratio.value > 1 ? factor(ratio.value) + "× slower" : "faster in total, slower in the median";
+std::string time_words(const TimeFactor& time) {
+  if (!time.shown()) return fmt::format("no factor in time: both solved {} of {}", time.problems, time.of);
+  if (is_tie_in_time(time.ratio)) return "about as fast";
+  if (!(time.ratio.value > 1)) return "faster in total, slower in the median";
+  return fmt::format("{}× slower ({}–{}, n = {})", factor(time.ratio.value), factor(time.ratio.low),
+                     factor(time.ratio.high), time.problems);
 }
 
 std::string misled_words(const Contender& contender) {
@@ -152,7 +155,8 @@ std::string unsolved_words(const Candidate& candidate) {
 /// The gravest thing to say of a solver that is not the recommended one, its false claims aside.
 std::string gravest(const Candidate& candidate, const Candidate* chosen) {
   const Contender& contender = candidate.contender;
-  const std::string solved = "solved " + percent(contender.solved.value());
+  const Share& met = contender.solved_of_met;
+  const std::string solved = fmt::format("solved {} ({} of {})", percent(met.value()), met.part, met.whole);
   const std::string time = chosen == nullptr ? "" : ", " + time_words(time_ratio(*candidate.record, *chosen->record));
   switch (contender.reliability.ground) {
     case Ground::kFalseClaims: return "";
@@ -160,8 +164,9 @@ std::string gravest(const Candidate& candidate, const Candidate* chosen) {
     case Ground::kBehindTheBest: return unsolved_words(candidate);
     case Ground::kOtherModel: return "solves the round cone, another problem; of that " + solved;
     case Ground::kNoTime: return "not ranked: nobody measured its time; " + solved;
-    case Ground::kSomeSets: return "met only some of these sets; there " + solved;
-    case Ground::kRefuses: return "refused " + percent(contender.refused.value()) + "; " + solved + " of the rest";
+    case Ground::kSomeSets: return "met only some of these sets; of what it met, " + solved;
+    case Ground::kRefuses:
+      return fmt::format("refused {} of {}; {}", contender.refused.part, contender.refused.whole, solved);
     case Ground::kFewProblems:
       return fmt::format("too few to say: solved {} of {}", contender.solved.part, contender.solved.whole);
     case Ground::kSmallSample: return "too few to say: " + solved + time;
@@ -185,33 +190,37 @@ std::string why_not(const Candidate& candidate, const Candidate* chosen) {
   if (contender.false_claims.part > 0) {
     reason += (reason.empty() ? "" : ", ") + misled_words(contender);
   }
-  const bool counted_already = contender.reliability.ground == Ground::kFewProblems;
+  const Ground ground = contender.reliability.ground;
+  const bool counted_already = ground == Ground::kFewProblems || ground == Ground::kRefuses;
   if (contender.sampled && !counted_already) reason += " (" + counted(contender.trials, "problem") + ")";
   return reason;
 }
 
 bool is_tie(const Candidate& candidate, const Candidate& chosen) {
-  return candidate.may_be_recommended() && candidate.contender.false_claims.part == 0 &&
-         is_tie_in_time(time_ratio(*candidate.record, *chosen.record));
+  if (!candidate.may_be_recommended() || candidate.contender.false_claims.part > 0) return false;
+  const TimeFactor time = time_ratio(*candidate.record, *chosen.record);
+  return time.shown() && is_tie_in_time(time.ratio);
 }
 
 /// Why no solver of the situation is recommended.
-std::string withheld_words(const Summary& summary, const std::vector<Contender>& contenders, double plan_share) {
+std::string withheld_words(const Summary& summary, const Situation& situation) {
   const auto worth = [](const Contender& contender) {
-    const double low = contender.solved.interval().low;
+    const double low = contender.solved_of_met.interval().low;
     return std::pair(contender.reliability.standing != Standing::kPartly, std::isnan(low) ? -1.0 : low);
   };
   std::int64_t most = 0;
   const Contender* best = nullptr;
-  for (const Contender& contender : contenders) {
+  for (const Contender& contender : situation.contenders) {
     most = std::max(most, contender.solved.whole);
     if (best == nullptr || worth(contender) > worth(*best)) best = &contender;
   }
   if (best == nullptr) return "";
-  if (too_few(most, plan_share)) return too_few_text(most, plan_share);
+  const double share = plan_share(summary, situation.sets);
+  if (too_few(most, share)) return too_few_text(most, share) + "; " + escape(few_problems_text(summary, situation));
+  const Share& solved = best->solved_of_met;
   return fmt::format("no solver is shown to be reliable here; the best by share solved, {}, solved {} ({}) of {}",
-                     code(summary.solvers[best->solver].text()), percent(best->solved.value()),
-                     percent_range(best->solved.interval()), counted(best->solved.whole, "problem"));
+                     code(summary.solvers[best->solver].text()), percent(solved.value()),
+                     percent_range(solved.interval()), counted(solved.whole, "problem"));
 }
 
 void sort_contenders(std::vector<Contender>& contenders, std::optional<std::size_t> chosen_solver) {
@@ -219,7 +228,7 @@ void sort_contenders(std::vector<Contender>& contenders, std::optional<std::size
   std::sort(contenders.begin(), contenders.end(), [&](const Contender& a, const Contender& b) {
     const auto key = [&](const Contender& contender) {
       return std::tuple(contender.solver != chosen_solver, contender.reliability.ground == Ground::kSomeSets,
-                        number_or_last(-contender.solved.value()), number_or_last(contender.time.value),
+                        number_or_last(-contender.solved_of_met.value()), number_or_last(contender.time.value),
                         contender.solver);
     };
     return key(a) < key(b);
@@ -241,7 +250,7 @@ Situation judge_situation(const Summary& summary, std::string title, std::vector
   const Candidate* chosen = choose(candidates);
   for (Candidate& candidate : candidates) {
     candidate.contender.recommended_factor =
-        chosen == nullptr ? kNoNumber : time_ratio(*chosen->record, *candidate.record).value;
+        chosen == nullptr ? TimeFactor{} : time_ratio(*chosen->record, *candidate.record);
     if (&candidate == chosen) continue;
     candidate.contender.tie = chosen != nullptr && is_tie(candidate, *chosen);
     candidate.contender.verdict = why_not(candidate, chosen);
@@ -251,8 +260,7 @@ Situation judge_situation(const Summary& summary, std::string title, std::vector
   if (chosen != nullptr) chosen_solver = chosen->contender.solver;
   sort_contenders(situation.contenders, chosen_solver);
   if (chosen != nullptr) situation.recommended = 0;
-  if (chosen == nullptr)
-    situation.withheld = withheld_words(summary, situation.contenders, plan_share(summary, situation.sets));
+  if (chosen == nullptr) situation.withheld = withheld_words(summary, situation);
   return situation;
 }
 
@@ -320,7 +328,7 @@ std::string scenes_answer(const Summary& summary, const std::vector<Situation>& 
     if (situation.contenders.empty()) continue;
     answer += (answer.empty() ? "For captured scenes: " : "; ") + in_a_sentence(situation.title) + ": ";
     if (!situation.recommended) {
-      answer += "no solver is recommended";
+      answer += "no solver is recommended: " + situation.withheld;
       continue;
     }
     answer += recommendation(summary, situation);
@@ -344,12 +352,45 @@ std::string answer_without_situations(const Summary& summary) {
 
 }  // namespace
 
-Estimate time_ratio(const Record& a, const Record& b) {
+TimeFactor time_ratio(const Record& a, const Record& b) {
   PairedTimes times;
+  std::int64_t met = 0;
   for_each_pair(a, b, [&](const Outcome& left, const Outcome& right) {
+    ++met;
     if (left.solved && right.solved) times.add(left.time_s, right.time_s);
   });
-  return ratio_of_sums(times.first, times.second);
+  return {ratio_of_sums(times.first, times.second), std::ssize(times.first), met};
+}
+
+std::vector<const Contender*> without_fault(const Situation& situation) {
+  std::int64_t most = 0;
+  for (const Contender& contender : situation.contenders) most = std::max(most, contender.trials);
+  std::vector<const Contender*> faultless;
+  for (const Contender& contender : situation.contenders) {
+    if (contender.trials == most && contender.solved.part == contender.solved.whole &&
+        contender.false_claims.part == 0 && std::isfinite(contender.time.value)) {
+      faultless.push_back(&contender);
+    }
+  }
+  std::stable_sort(faultless.begin(), faultless.end(),
+                   [](const Contender* a, const Contender* b) { return a->time.value < b->time.value; });
+  return faultless;
+}
+
+std::string few_problems_text(const Summary& summary, const Situation& situation) {
+  const std::vector<const Contender*> faultless = without_fault(situation);
+  if (faultless.empty()) {
+    const Contender& most = situation.contenders.front();  // their order is by the share solved
+    const Share& solved = most.solved_of_met;
+    return fmt::format("no solver solved all of them; the most, {} of {} ({}), did {}", solved.part, solved.whole,
+                       percent_range(solved.interval()), summary.solvers[most.solver].text());
+  }
+  const Contender& fastest = *faultless.front();
+  return fmt::format(
+      "{} solved by {} of {}, the fastest of them {} in a median of {}; that shows a share of at least {} (95 %)",
+      fastest.solved.whole == 1 ? "it is" : fmt::format("all {} are", fastest.solved.whole), faultless.size(),
+      counted(std::ssize(situation.contenders), "solver"), summary.solvers[fastest.solver].text(),
+      duration(fastest.time.value), percent(fastest.solved.interval().low));
 }
 
 std::vector<Situation> decide(const Summary& summary) {
@@ -405,8 +446,8 @@ bool only_special_sets(const Summary& summary, const std::vector<Situation>& sit
 
 std::string speed_beside_reference(const Summary& summary, const Contender& best) {
   const bool is_reference = summary.solvers[best.solver].text() == summary.reference;
-  if (is_reference || !std::isfinite(best.speedup.value)) return "";
-  return speed_against(1 / best.speedup.value) + " the dense reference";
+  if (is_reference || !best.speedup.shown()) return "";
+  return speed_against(1 / best.speedup.ratio.value) + " the dense reference";
 }
 
 std::vector<std::pair<std::size_t, Share>> caught_solvers(const Summary& summary) {

@@ -17,15 +17,15 @@ struct Contender {
   std::size_t solver = 0;   ///< index into Summary::solvers
   std::int64_t trials = 0;  ///< problems it took, refused ones not counted
   Share solved;             ///< of those not proven unsolvable
+  Share solved_of_met;      ///< the same, the refused ones counted as not solved
   Share false_claims;       ///< of the trials
   Share refused;            ///< of the problems that it met
   double median_error = 0;  ///< rho of the answers said to be solved; infinity: no number; NaN: there are none
   double p99_error = 0;     ///< the same, 99th percentile
   Estimate time;            ///< median [s]
-  Estimate speedup;         ///< reference's time / this one's on the problems that both solved: ratio of sums
+  TimeFactor speedup;       ///< reference's time / this one's
   Reliability reliability;
-  /// Time of the recommended solver over this one's on the problems that both solved; NaN where there are none.
-  double recommended_factor = 0;
+  TimeFactor recommended_factor;  ///< time of the recommended solver over this one's
   bool sampled = false;  ///< took fewer problems than another solver
   bool tie = false;      ///< reliable, and its time is not to be told from the recommended one's
   std::string verdict;   ///< one clause on why not this one; "" for the recommended one
@@ -54,8 +54,15 @@ std::vector<Situation> decide(const Summary& summary);
 /// One situation: its solvers on the sets, judged and compared.
 Situation judge_situation(const Summary& summary, std::string title, std::vector<std::size_t> sets);
 
-/// Time of `a` over time of `b` on the problems that both solved: ratio of sums; NaN where there are none.
-Estimate time_ratio(const Record& a, const Record& b);
+/// Time of `a` over time of `b`.
+TimeFactor time_ratio(const Record& a, const Record& b);
+
+/// The solvers that took all problems of a situation and solved all that are not proven unsolvable, without a false
+/// claim; the fastest first. A description of these problems, no endorsement.
+std::vector<const Contender*> without_fault(const Situation& situation);
+
+/// What problems say that are too few to call a solver reliable: "all 30 problems are solved by 4 of 24 solvers, ...".
+std::string few_problems_text(const Summary& summary, const Situation& situation);
 
 /// The solver recommended for each set (index into Summary::sets) of the situations.
 std::map<std::size_t, std::size_t> recommended_by_set(const std::vector<Situation>& situations);

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "study/models/ladder.h"
+#include "study/report/reliability.h"
 #include "study/report/scenes.h"
 #include "study/report/text.h"
 #include "study/statistics/statistics.h"
@@ -111,7 +112,7 @@ double median_ratio(const ModelChoices& choices, double ModelChoice::*time) {
     if (step.met && std::isfinite(ratio)) ratios.push_back(ratio);
   }
   std::sort(ratios.begin(), ratios.end());
-  return ratios.empty() ? kNoNumber : quantile(ratios, 0.5);
+  return std::ssize(ratios) < least_problems() ? kNoNumber : quantile(ratios, 0.5);
 }
 
 Interval interval_of(const ModelChoices& choices) {

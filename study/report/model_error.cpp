@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "study/evaluation/friction_model.h"
 #include "study/report/axes.h"
 #include "study/report/scenes.h"
 #include "study/report/text.h"
@@ -20,6 +19,10 @@ namespace {
 
 constexpr double kModelPlotHeight = 320;
 constexpr double kModelBarWidth = 8;
+/// Below the picture, without markup.
+constexpr const char* kNoRanking =
+    " The heights rank no solvers: each is over the steps that its own solver solved, and no impulses at all may leave "
+    "a smaller residual than a right answer does.";
 constexpr double kModelBarStep = 17;  ///< bars and their numbers stand no nearer to each other
 
 struct ErrorSamples {
@@ -35,18 +38,6 @@ double on_axis(double error) { return std::clamp(error, kErrorFloor, kErrorCeili
 
 std::string point_name(const Summary& summary, const ModelErrors& errors, const ModelErrorPoint& point) {
   return sized_label(solver_label(summary, point.solver), point.steps, errors.steps);
-}
-
-/// Of those that solved at least nine tenths of the steps, the one with the least total error by a model.
-const ModelErrorPoint* most_accurate(const Summary& summary, const ModelErrors& errors, FrictionModel model) {
-  const ModelErrorPoint* best = nullptr;
-  for (const ModelErrorPoint& point : errors.points) {
-    if (friction_model(summary.solvers[point.solver].all_settings) != model || 10 * point.steps < 9 * errors.steps) {
-      continue;
-    }
-    if (best == nullptr || point.total_m_per_s < best->total_m_per_s) best = &point;
-  }
-  return best;
 }
 
 /// The numbers of all bars in columns. @returns the height that they took.
@@ -95,22 +86,6 @@ void draw_two_parts(Canvas& canvas, double y) {
   canvas.text(kMargin + 16, y, "the solver’s part: the residual of the conditions that it solves", {.size = 11.5});
   canvas.rectangle({kMargin + 400, y - 5, kMargin + 410, y + 5}, kFaint);
   canvas.text(kMargin + 416, y, "the rest of the total: the model’s, against the round cone", {.size = 11.5});
-}
-
-/// Without markup.
-std::string least_errors(const Summary& summary, const ModelErrors& errors) {
-  std::string text;
-  for (const FrictionModel model : {FrictionModel::kPyramid, FrictionModel::kCone}) {
-    const ModelErrorPoint* const best = most_accurate(summary, errors, model);
-    if (best == nullptr) continue;
-    text += fmt::format(
-        " Of the solvers of the {}, {} has the least total error: 90 % of its steps stay within {} m/s, and its own "
-        "part "
-        "within {} m/s.",
-        to_string(model), solver_label(summary, best->solver), scientific(best->total_m_per_s),
-        scientific(best->solver_m_per_s));
-  }
-  return text;
 }
 
 }  // namespace
@@ -169,18 +144,17 @@ std::optional<Figure> model_error_figure(const Summary& summary, const ModelErro
   const std::string words =
       "Time against the total error of every solver on captured steps with friction, the part "
       "that is the solver’s shaded." +
-      least_errors(summary, errors);
+      std::string(kNoRanking);
   return Figure{canvas.draw("Captured steps with friction: time against total error", words), words, ""};
 }
 
-std::string model_error_words(const Summary& summary, const ModelErrors& errors) {
+std::string model_error_words() {
   return "<p>Each bar is a solver. Its place is the median time. Its height is the residual of the round Coulomb "
          "cone’s "
          "conditions, which holds the errors of model and solver: the residual that 90 % of the solved steps stay "
          "within. The shaded part is the same of the conditions that the solver solves. The axis is logarithmic: what "
-         "is not shaded is the error of the "
-         "model." +
-         escape(least_errors(summary, errors)) + "</p>\n";
+         "is not shaded estimates the error of the model." +
+         std::string(kNoRanking) + "</p>\n";
 }
 
 }  // namespace lcpbench::report

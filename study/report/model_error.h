@@ -34,7 +34,7 @@ ModelErrors model_errors(const Summary& summary);
 /// numbers below. @returns nullopt where there is no point.
 std::optional<Figure> model_error_figure(const Summary& summary, const ModelErrors& errors);
 
-/// What the picture shows, in words: HTML. @pre there is a point.
-std::string model_error_words(const Summary& summary, const ModelErrors& errors);
+/// What the picture shows, in words: HTML.
+std::string model_error_words();
 
 }  // namespace lcpbench::report

@@ -59,8 +59,8 @@ std::string time_column(const Summary& summary, const Contender& best, std::size
   if (summary.solvers[best.solver].text() == summary.reference) {
     cell += "<small>it is the reference of all ratios</small>";
   } else if (const std::string speed = speed_beside_reference(summary, best); !speed.empty()) {
-    cell += fmt::format("<small data-speed=\"{}\">{}, {}–{}×</small>", situation_key(situation, best.solver), speed,
-                        factor(best.speedup.low), factor(best.speedup.high));
+    cell += fmt::format("<small data-speed=\"{}\">{}, {}–{}×, n = {}</small>", situation_key(situation, best.solver),
+                        speed, factor(best.speedup.ratio.low), factor(best.speedup.ratio.high), best.speedup.problems);
   }
   return cell + "</td>";
 }
@@ -122,7 +122,8 @@ std::string false_claims_line(const Summary& summary) {
     names += fmt::format("{}{} on {} of {}", names.empty() ? "" : "; ", code(solver_label(summary, solver)), share.part,
                          counted(share.whole, "problem"));
   }
-  return "<p class=\"caught\"><span class=\"bad\">Said solved, was wrong:</span> " + names + ".</p>\n";
+  return "<p class=\"caught\"><span class=\"bad\">Said solved, was wrong:</span> " + names + ". " +
+         soft_engine_note(summary) + "</p>\n";
 }
 
 /// "" where the store has nothing that a solver could be recommended for.
@@ -190,16 +191,18 @@ std::string three_limits(const Summary& summary, const std::vector<Situation>& s
 
 using Json = nlohmann::ordered_json;
 
-/// Time of `a` over time of `b` on the problems that both solved; NaN where there are none.
+/// Time of `a` over time of `b` on the problems that both solved; 0 where they are too few for a factor.
 double time_factor(const Cell& a, const Cell& b) {
   double own = 0;
   double others = 0;
+  std::int64_t problems = 0;
   lcpbench::for_each_pair(a.outcomes, b.outcomes, &Outcome::problem, [&](const Outcome& left, const Outcome& right) {
     if (!left.solved || !right.solved || std::isnan(left.time_s) || std::isnan(right.time_s)) return;
     own += left.time_s;
     others += right.time_s;
+    ++problems;
   });
-  return own / others;
+  return problems >= least_problems() ? own / others : 0;
 }
 
 double three_digits_or_none(double value) {
@@ -226,7 +229,8 @@ Json situation_factors(const Situation& situation) {
   Json row = Json::array();
   for (std::size_t i = 0; i < situation.contenders.size(); ++i) {
     of.push_back(situation.contenders[i].solver);
-    if (i > 0) row.push_back(three_digits_or_none(situation.contenders[i].recommended_factor));
+    const TimeFactor& factor = situation.contenders[i].recommended_factor;
+    if (i > 0) row.push_back(factor.shown() ? three_digits_or_none(factor.ratio.value) : 0);
   }
   return {{"of", std::move(of)}, {"factors", Json::array({std::move(row)})}};
 }
@@ -263,7 +267,8 @@ std::string reference_choice(const Summary& summary) {
 }
 
 /// The factors between all pairs of solvers as JSON in a script element: summed times on the problems that both solved,
-/// to three digits, 0 where there are none. Per set the solvers `of`, and for each the factors over the later ones.
+/// to three digits, 0 where these are too few for a factor. Per set the solvers `of`, and for each the factors over the
+/// later ones.
 /// O(sets x solvers^2 x problems)
 std::string reference_data(const Summary& summary, const std::vector<Situation>& situations) {
   Json names = Json::object();

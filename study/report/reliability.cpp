@@ -39,6 +39,7 @@ std::vector<Record> records_of(const Summary& summary, const std::vector<std::si
                                    [](const auto& entry) { return std::isnan(entry.second->time_s); });
     for (const auto& [set, outcome] : record.outcomes) {
       ++evidence.refused.whole;
+      if (!outcome->unsolvable) ++evidence.solved_of_met.whole;
       if (outcome->refused) {
         ++evidence.refused.part;
         continue;
@@ -47,7 +48,7 @@ std::vector<Record> records_of(const Summary& summary, const std::vector<std::si
       if (outcome->false_claim) ++evidence.false_claims.part;
       if (outcome->unsolvable) continue;
       ++evidence.solved.whole;
-      if (outcome->solved) ++evidence.solved.part;
+      if (outcome->solved) ++evidence.solved.part, ++evidence.solved_of_met.part;
     }
     records.push_back(std::move(record));
   }
@@ -88,6 +89,15 @@ double Share::value() const {
 }
 
 Interval Share::interval() const { return wilson(part, whole); }
+
+std::string TimeFactor::text() const {
+  if (!shown()) return fmt::format("- ({} of {})", problems, of);
+  return fmt::format("{}x ({}–{}) n={}", factor(ratio.value), factor(ratio.low), factor(ratio.high), problems);
+}
+
+TimeFactor over_reference(const Cell& cell) {
+  return {cell.time_ratio, cell.paired, cell.trials - cell.count(lcpbench::Claim::kUnsupported)};
+}
 
 std::int64_t least_problems() {
   static const std::int64_t least = [] {

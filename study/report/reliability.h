@@ -47,6 +47,7 @@ std::int64_t ample_problems();
 /// What the rule goes by.
 struct Evidence {
   Share solved;                    ///< of the problems that it took and that are not proven unsolvable
+  Share solved_of_met;             ///< the same, the refused ones among the whole
   Share false_claims;              ///< of the problems that it took
   Share refused;                   ///< of the problems that it met
   bool other_model = false;        ///< its friction is not the problems' pyramid
@@ -108,6 +109,21 @@ struct Record {
 /// The best is the solver with the surest share solved - the highest lower end - among those that took at least half as
 /// many problems as any other, met all sets, solve the pyramid, and have a time. Points into the summary. O(solvers x answers).
 std::vector<Record> judged_records(const Summary& summary, const std::vector<std::size_t>& sets);
+
+/// The time of one solver over that of another.
+struct TimeFactor {
+  Estimate ratio{kNoNumber, kNoNumber, kNoNumber};  ///< of the sums over `problems`
+  std::int64_t problems = 0;                        ///< that both solved, with known times
+  std::int64_t of = 0;                              ///< that both met
+
+  /// Fewer than least_problems() carry no factor.
+  bool shown() const { return problems >= least_problems(); }
+  /// "3.10x (2.70–3.50) n=240", or without enough problems "- (4 of 25)".
+  std::string text() const;
+};
+
+/// That of a cell over the reference of its set.
+TimeFactor over_reference(const Cell& cell);
 
 /// Calls visit(a, b) for every problem that both met.
 template <class Visit>

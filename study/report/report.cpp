@@ -25,6 +25,7 @@
 #include "study/report/speed_error.h"
 #include "study/report/tables.h"
 #include "study/report/text.h"
+#include "study/report/worst.h"
 
 namespace lcpbench {
 
@@ -63,12 +64,14 @@ Json decision_json(const Summary& summary, const std::vector<report::Situation>&
                          {"reliability", report::to_string(contender.reliability.ground)},
                          {"trials", contender.trials},
                          {"solved", report::share_json(contender.solved)},
+                         {"solved_of_met", report::share_json(contender.solved_of_met)},
                          {"false_claims", report::share_json(contender.false_claims)},
                          {"refused", report::share_json(contender.refused)},
                          {"error_median", contender.median_error},
                          {"error_p99", contender.p99_error},
                          {"median_time_s", report::estimate_json(contender.time)},
-                         {"speedup", report::estimate_json(contender.speedup)}});
+                         {"speedup", report::estimate_json(contender.speedup.ratio)}});
+      records.back()["speedup"]["problems"] = contender.speedup.problems;
     }
   }
   return records;
@@ -161,9 +164,11 @@ Json results_json(const Summary& summary, const report::SpeedErrorStudy& study) 
     }
   }
   Json records = Json::array();
+  report::ReplayCommands replay(summary);
   for (const Cell& cell : summary.cells) {
     const SolverRow& solver = summary.solvers[cell.solver];
     if (!solver.sweep.empty()) continue;
+    const Outcome* const worst = report::worst_outcome(cell);
     records.push_back({{"set", summary.sets[cell.set].name},
                        {"solver", solver_label(summary, cell.solver)},
                        {"library", solver.library},
@@ -180,12 +185,15 @@ Json results_json(const Summary& summary, const report::SpeedErrorStudy& study) 
                        {"time_ratio", cell.time_ratio.value},
                        {"time_ratio_low", cell.time_ratio.low},
                        {"time_ratio_high", cell.time_ratio.high},
+                       {"time_ratio_problems", cell.paired},
                        {"error_median", cell.error_median},
                        {"error_p99", cell.error_p99},
                        {"reliability", standing[&cell]},
                        {"model", to_string(friction_model(solver.all_settings))},
                        {"solver_error_median_m_per_s", cell.solver_error.median},
-                       {"model_error_median_m_per_s", cell.model_error.median}});
+                       {"model_error_median_m_per_s", cell.model_error.median},
+                       {"worst_trial", worst == nullptr ? Json() : Json(worst->trial)},
+                       {"worst_replay", worst == nullptr ? "" : replay.command(cell, *worst)}});
   }
   return records;
 }

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "core/error.h"
 #include "core/io/scenes_file.h"
+#include "study/output/explanation.h"
 
 namespace lcpbench::report {
 
@@ -25,12 +27,33 @@ std::optional<SceneName> scene_name(const std::string& set) {
   return SceneName{set.substr(kCollection.size(), slash - kCollection.size()), set.substr(slash + 1)};
 }
 
+std::string engine_of(const std::string& set) {
+  const std::string file = set.substr(set.find(':') + 1);
+  const auto step = scenes_step(file);
+  const std::optional<SceneName> name = scene_name(set);
+  if (!step && (!name || !name->engine.empty())) return name ? name->engine : "";
+  try {
+    return ScenesFile(step ? step->first : file).header().engine;
+  } catch (const InputError&) {
+    return "";
+  }
+}
+
+std::string soft_engine_note(const Summary& summary) {
+  for (const Cell& cell : summary.cells) {
+    if (summary.solvers[cell.solver].name != "engine" || cell.false_claims() == 0) continue;
+    if (const std::string words = soft_engine_words(engine_of(summary.sets[cell.set].name)); !words.empty()) {
+      return words + ".";
+    }
+  }
+  return "";
+}
+
 std::optional<SceneKind> scene_kind(const SetSummary& set) {
   constexpr std::array<std::string_view, 3> kStacked{"stack", "card-house", "wall"};
   const std::optional<SceneName> name = scene_name(set.name);
   if (!name) return std::nullopt;
-  if (name->engine.empty()) return SceneKind::kOther;
-  if (!set.rigid_bodies) return SceneKind::kRobots;
+  if (!set.free_bodies) return SceneKind::kRobots;
   if (std::find(kStacked.begin(), kStacked.end(), name->family) != kStacked.end()) return SceneKind::kStacks;
   return name->family.ends_with("-pile") ? SceneKind::kPiles : SceneKind::kOther;
 }

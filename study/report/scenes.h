@@ -16,7 +16,7 @@ namespace lcpbench::report {
 
 /// What the decision table has a row for.
 enum class SceneKind {
-  kRobots,  ///< articulated: the problems are not scenes of free rigid bodies
+  kRobots,  ///< inertias that couple joints, by whomever they were captured
   kStacks,
   kPiles,
   kOther,
@@ -33,6 +33,13 @@ struct SceneName {
 
 /// nullopt for a set that holds no captured steps.
 std::optional<SceneName> scene_name(const std::string& set);
+
+/// Who captured the steps of a set, or of "file:F.scenes#120": "mujoco", "Bullet"; "" where nobody
+/// knows, as where the set's file is gone.
+std::string engine_of(const std::string& set);
+
+/// What to say of false claims of `engine` on steps of an engine that softens contacts; "" where there are none.
+std::string soft_engine_note(const Summary& summary);
 
 /// nullopt for a set that holds no captured steps.
 std::optional<SceneKind> scene_kind(const SetSummary& set);

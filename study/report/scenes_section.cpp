@@ -59,20 +59,6 @@ std::string gallery(const std::vector<Family>& families, const Figures& figures)
   return cards.empty() ? "" : "<div class=\"gallery\">\n" + cards + "</div>\n";
 }
 
-/// The fastest of those that took all steps and solved all that are not proven unsolvable, without a false claim;
-/// nullptr where there is none. A description of these steps, no endorsement.
-const Contender* fastest_without_fault(const Situation& situation) {
-  std::int64_t most = 0;
-  for (const Contender& contender : situation.contenders) most = std::max(most, contender.trials);
-  const Contender* fastest = nullptr;
-  for (const Contender& contender : situation.contenders) {
-    const bool faultless = contender.trials == most && contender.solved.part == contender.solved.whole &&
-                           contender.false_claims.part == 0 && std::isfinite(contender.time.value);
-    if (faultless && (fastest == nullptr || contender.time.value < fastest->time.value)) fastest = &contender;
-  }
-  return fastest;
-}
-
 /// "3 of 24", below it the largest difference.
 std::string spread_cell(const Report& report, const SceneFamily& family) {
   std::int64_t steps = 0;
@@ -95,10 +81,11 @@ std::string overview_row(const Report& report, const Family& family) {
   const Summary& summary = report.summary;
   std::string row = fmt::format("<tr><th scope=\"row\">{}<small>{} {}</small></th>", link(family),
                                 counted(steps(summary, family.scene), "step"), escape(engines(summary, family.scene)));
-  if (const Contender* best = fastest_without_fault(family.situation)) {
-    row += "<td>" + code(summary.solvers[best->solver].text()) + "</td>" +
-           number_cell(best->time.value, duration(best->time.value)) +
-           number_cell(best->p99_error, scientific(best->p99_error));
+  if (const auto faultless = without_fault(family.situation); !faultless.empty()) {
+    const Contender& best = *faultless.front();
+    row += "<td>" + code(summary.solvers[best.solver].text()) + "</td>" +
+           number_cell(best.time.value, duration(best.time.value)) +
+           number_cell(best.p99_error, scientific(best.p99_error));
   } else {
     row += "<td>none</td>" + number_cell(std::nan(""), "–") + number_cell(std::nan(""), "–");
   }
@@ -136,12 +123,14 @@ std::string solvers_table(const Summary& summary, const Family& family) {
   std::string rows;
   for (const Contender& contender : family.situation.contenders) {
     rows += "<tr><th scope=\"row\">" + code(summary.solvers[contender.solver].text()) + "</th>" +
-            result_cell(contender.solved, contender.false_claims.part, contender.time.value, contender.p99_error);
+            result_cell(contender.solved_of_met, contender.false_claims.part, contender.time.value,
+                        contender.p99_error);
     for (const std::size_t set : family.scene.sets) rows += engine_cell(summary, set, contender.solver);
     rows += "</tr>\n";
   }
   return table_head("cells", columns,
-                    "Solved, of the steps that it took and that are not proven unsolvable. Below: those where it said "
+                    "Solved, of the steps that it met and that are not proven unsolvable; a refused step is not "
+                    "solved. Below: those where it said "
                     "solved and was wrong, the median time, and the error ρ of 99 % of its answers. An engine’s name "
                     "leads to the picture of speed against error.") +
          rows + kTableEnd;
@@ -150,7 +139,7 @@ std::string solvers_table(const Summary& summary, const Family& family) {
 std::string model_error_part(const Report& report) {
   if (report.model_errors.points.empty()) return "";
   return "<h3 id=\"model-error\">The model’s error and the solver’s</h3>\n" +
-         model_error_words(report.summary, report.model_errors) + figure_html(report.figures.model_error, 0);
+         model_error_words() + figure_html(report.figures.model_error, 0);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "study/report/hard.h"
 #include "study/report/solver_comparison.h"
 #include "study/report/tables.h"
+#include "study/report/text.h"
 
 namespace lcpbench::report {
 
@@ -271,6 +272,10 @@ Json cheapest_json(const Summary& summary, const std::vector<SpeedError>& sets) 
     }
   }
   return records;
+}
+
+std::string cost_text(const SpeedError& set, const SpeedErrorPoint& point) {
+  return set.relative ? over_reference(*point.cell).text() : duration(point.cost.value);
 }
 
 std::string rung_label(const Summary& summary, std::size_t solver) {

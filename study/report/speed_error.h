@@ -94,6 +94,9 @@ nlohmann::ordered_json cheapest_json(const Summary& summary, const std::vector<S
 /// What speed_error.csv and conditioning.csv say of a point.
 nlohmann::ordered_json point_json(const Summary& summary, const SpeedError& set, const SpeedErrorPoint& point);
 
+/// A point's time over the reference's, as a set whose times are relative has it, else its time.
+std::string cost_text(const SpeedError& set, const SpeedErrorPoint& point);
+
 /// A solver's name with its rung in a word: "lemke quad" for lemke{precision=quad}.
 std::string rung_label(const Summary& summary, std::size_t solver);
 

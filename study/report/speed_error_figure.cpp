@@ -293,7 +293,7 @@ std::string alternative_text(const Summary& summary, const SpeedError& speed_err
     const std::string& name = summary.solvers[point.cell->solver].text();
     if (point.frontier) {
       add(frontier, fmt::format("{}, {}, error {}", name,
-                                speed_error.relative ? factor(point.cost.value) : duration(point.cost.value),
+                                cost_text(speed_error, point),
                                 scientific(point.p99)));
     }
     if (point.placed() && point.failed()) add(failed, name);

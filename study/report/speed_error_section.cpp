@@ -33,15 +33,6 @@ constexpr const char* kIntroduction =
     "<code>tables/results.csv</code> has these rows for a spreadsheet or for pandas, <code>tables/cells.csv</code> and "
     "<code>summary.json</code> have every number.</p>\n";
 
-std::string cost_text(const SpeedError& set, const SpeedErrorPoint& point) {
-  if (!set.relative) return duration(point.cost.value);
-  return factor(point.cost.value);
-}
-
-std::string cost_range(const Estimate& ratio) {
-  const bool known = std::isfinite(ratio.low) && ratio.low < ratio.high;
-  return known ? factor(ratio.low) + "–" + factor(ratio.high) : "";
-}
 
 std::string count_cell(std::int64_t count, std::int64_t trials, bool bad, const std::string& note = {}) {
   const Share share{count, trials};
@@ -137,9 +128,16 @@ std::string refused_row(const std::string& heading, const Cell& cell) {
 
 std::string factor_cell(const Summary& summary, const Cell& cell) {
   const bool is_reference = summary.solvers[cell.solver].text() == summary.reference;
-  return number_cell(cell.time_ratio.value, is_reference ? "1" : factor(cell.time_ratio.value),
-                     is_reference ? "" : cost_range(cell.time_ratio),
-                     " data-factor=\"" + factor_key(cell.set, cell.solver) + "\"");
+  const TimeFactor ratio = over_reference(cell);
+  const std::string detail =
+      is_reference    ? ""
+      : ratio.shown() ? fmt::format("{}–{}, n = {}", factor(ratio.ratio.low), factor(ratio.ratio.high), ratio.problems)
+                      : fmt::format("{} of {}", ratio.problems, ratio.of);
+  return number_cell(ratio.shown() ? ratio.ratio.value : std::nan(""),
+                     is_reference    ? "1"
+                     : ratio.shown() ? factor(ratio.ratio.value)
+                                     : "–",
+                     detail, " data-factor=\"" + factor_key(cell.set, cell.solver) + "\"");
 }
 
 std::string solver_row(const Summary& summary, const Row& row) {
@@ -204,8 +202,7 @@ std::string chosen_cell(const Summary& summary, const SpeedError& set, std::opti
                         double SpeedErrorPoint::*error) {
   if (!place) return "<td class=\"zero\">none</td>";
   const SpeedErrorPoint& point = set.points[*place];
-  const std::string time =
-      set.relative ? factor(point.cost.value) + " of the reference’s time" : duration(point.cost.value);
+  const std::string time = cost_text(set, point) + (set.relative ? " of the reference’s time" : "");
   return "<td>" + code(summary.solvers[point.cell->solver].text()) + "<small>" + time + "; error " +
          scientific(point.*error) + "</small></td>";
 }
@@ -402,7 +399,8 @@ std::string speed_error_section(const Report& report) {
   section += "<p>" + reliability_rule_html() + "</p>\n";
   if (!summary.reference.empty()) {
     section += "<p>Reference of the times: " + code(summary.reference) +
-               ", on the problems that both solved; below 1 is faster.</p>\n";
+               ", on the n problems that both solved; below 1 is faster. Fewer than " +
+               std::to_string(least_problems()) + " carry no factor: how many of how many stands there.</p>\n";
   }
   section += "</details>\n";
   if (rows.empty()) return section + "<p>The store holds no problems.</p>\n</section>\n";

@@ -135,7 +135,7 @@ const factorOver = (place, reference) => {
 };
 const number = x => x < 1 ? String(+x.toPrecision(2)) : x < 9.995 ? x.toFixed(2) : x < 99.95 ? x.toFixed(1)
   : x < 999.5 ? x.toFixed(0) : String(+x.toPrecision(3));
-const speed = (x, name) => !x ? 'no problem solved by both it and ' + name
+const speed = (x, name) => !x ? 'no factor: too few problems solved by both it and ' + name
   : x > 1 / 1.05 && x < 1.05 ? 'in the same time as ' + name
   : (x < 1 ? number(1 / x) + '× faster than ' : number(x) + '× slower than ') + name;
 const choice = document.getElementById('reference');

@@ -48,7 +48,7 @@ std::vector<std::pair<std::int64_t, SetSummary>> read_sets(sqlite::Database& sto
   sqlite::Statement query(
       store,
       "SELECT s.id, s.name, COUNT(*), SUM(p.kind <> 'lcp'), SUM(p.nc > 0 AND p.n > p.nc), "
-      "SUM(t.truth = 'solvable'), MIN(p.n), MAX(p.n), SUM(p.kind = 'scene'), SUM(t.truth = 'nearly'), "
+      "SUM(t.truth = 'solvable'), MIN(p.n), MAX(p.n), SUM(p.free_bodies), SUM(t.truth = 'nearly'), "
       "MIN(iif(t.truth = 'nearly', IFNULL((SELECT MAX(d) FROM (SELECT least_violation_m_per_s AS d FROM certificates c "
       "WHERE c.problem_id = p.id UNION ALL SELECT least_violation_m_per_s FROM verdicts v WHERE v.problem_id = p.id "
       "AND v.farkas_checked = 1)), 0), NULL)) FROM sets s JOIN problems p ON p.set_id = s.id JOIN truths t ON "
@@ -65,7 +65,7 @@ std::vector<std::pair<std::int64_t, SetSummary>> read_sets(sqlite::Database& sto
     set.ill_conditioned = asks_for_ill_conditioning(set.name);
     set.smallest_n = query.integer(6);
     set.largest_n = query.integer(7);
-    set.rigid_bodies = query.integer(8) == set.problems;
+    set.free_bodies = query.integer(8) == set.problems;
     set.nearly = query.integer(9);
     set.least_violation_m_per_s = query.real(10);
     sets.emplace_back(query.integer(0), std::move(set));

@@ -27,7 +27,7 @@ struct SetSummary {
   std::int64_t problems = 0;
   bool contact = false;          ///< every problem is a contact problem (bare LCPs have no velocity residual)
   bool bare = false;             ///< every problem is a bare LCP
-  bool rigid_bodies = false;     ///< every problem is a scene of free rigid bodies
+  bool free_bodies = false;      ///< no inertia couples joints: every problem is one of free bodies
   bool frictional = false;       ///< some problem has friction rows
   bool all_solvable = false;     ///< every problem is proven solvable
   bool ill_conditioned = false;  ///< the set's name asks for an inertia condition number, or for the ceilings of 100

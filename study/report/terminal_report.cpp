@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -11,9 +12,13 @@
 #include "study/report/decision.h"
 #include "study/report/hard.h"
 #include "study/report/reliability.h"
+#include "core/error.h"
+#include "core/io/scenes_file.h"
 #include "study/report/report.h"
+#include "study/report/scenes.h"
 #include "study/report/solver_comparison.h"
 #include "study/report/text.h"
+#include "study/report/worst.h"
 
 namespace lcpbench {
 namespace {
@@ -39,24 +44,15 @@ struct Compared {
   }
 };
 
-/// Of a library's solvers the one that solves most; nullptr where none took these problems.
+/// Of a library's solvers the one that solves the largest share of what it met; nullptr where none took these problems.
 const report::Contender* best_of_library(const Summary& summary, const report::Situation& situation,
                                          const char* library) {
   const report::Contender* best = nullptr;
   for (const report::Contender& contender : situation.contenders) {
     if (!summary.solvers[contender.solver].name.starts_with(library)) continue;
-    if (best == nullptr || contender.solved.value() > best->solved.value()) best = &contender;
+    if (best == nullptr || contender.solved_of_met.value() > best->solved_of_met.value()) best = &contender;
   }
   return best;
-}
-
-/// "3.1x": how many times as long the library's solver takes; "-" where both solved nothing.
-std::string factor_text(const Compared& compared, const report::Contender* library,
-                        const report::Contender& contender) {
-  if (library == nullptr) return "-";
-  if (library->solver == contender.solver) return "1";
-  const Estimate ratio = report::time_ratio(compared.record(*library), compared.record(contender));
-  return std::isfinite(ratio.value) ? report::factor(ratio.value) + "x" : "-";
 }
 
 /// The reliable ones that are more accurate than every faster one, the fastest first.
@@ -115,31 +111,57 @@ std::string situations_table(const Summary& summary, const std::vector<Compared>
                    {"95 %"},
                    {"wrong", Align::kRight, 2},
                    {"time", Align::kRight, 1},
-                   {"x Bullet"},
-                   {"x ODE"},
+                   {"times as long", Align::kLeft, 0, 12},
                    {"error 99 %", Align::kRight, 3}});
   for (const Compared& compared : situations) {
     const report::Situation& situation = compared.situation;
-    const report::Contender* bullet = best_of_library(summary, situation, kBullet);
-    const report::Contender* ode = best_of_library(summary, situation, kOde);
     std::string title = situation.title;
-    for (const auto& [part, contender] : parts_of(summary, situation, detail)) {
-      table.add_row({std::exchange(title, ""), part, summary.solvers[contender->solver].text(),
-                     report::percent(contender->solved.value()), report::percent_range(contender->solved.interval()),
+    const Parts parts = parts_of(summary, situation, detail);
+    const auto record = [&](const auto& part) -> const report::Record& { return compared.record(*part.second); };
+    for (const auto& part : parts) {
+      const report::Contender* const contender = part.second;
+      const report::Share& solved = contender->solved_of_met;
+      const report::Share& refused = contender->refused;
+      table.add_row({std::exchange(title, ""), part.first,
+                     summary.solvers[contender->solver].text() +
+                         (refused.part > 0 ? fmt::format(" (refused {} of {})", refused.part, refused.whole) : ""),
+                     report::percent(solved.value()), report::percent_range(solved.interval()),
                      report::percent(contender->false_claims.value()), report::duration(contender->time.value),
-                     factor_text(compared, bullet, *contender), factor_text(compared, ode, *contender),
+                     &part == &parts.front() ? "1" : report::time_ratio(record(part), record(parts.front())).text(),
                      report::scientific(contender->p99_error)});
     }
   }
   if (table.empty()) return "";
-  return table.text(width) + folded(
-                                 "wrong: said solved, and was not. time: median per problem. x Bullet, x ODE: the "
-                                 "library's time over this one's where both solved; its solver is the one that solves "
-                                 "most.\n",
-                                 width);
+  const std::string words = fmt::format(
+      "solved: of all it met, refused ones too. wrong: said solved, and was not. time: median. times as long: as the "
+      "first solver, on the n problems that both solved (95 %); below {} a dash and how many of how many.\n",
+      report::least_problems());
+  return table.text(width) + folded(words, width);
 }
 
-/// "Frictional: no solver is shown to be reliable (too few to say: ...)." for each kind without a recommendation.
+/// How a user gets enough problems: of random ones, or of captured steps. "" where the set has no more, or its file is
+/// gone.
+std::string more_problems_hint(const std::string& set) {
+  const auto wanted = report::least_problems();
+  const std::optional<report::SceneName> scene = report::scene_name(set);
+  if (!scene) return set.starts_with("file:") ? "" : fmt::format("; run with --trials {}", wanted);
+  if (!scene->engine.empty()) return "";
+  try {
+    const ScenesFile file(set.substr(set.find(':') + 1));
+    const auto count = static_cast<std::int64_t>(file.count());
+    if (count < 2) return "";
+    const std::int64_t spacing = file.step_number(1) - file.step_number(0);
+    const std::int64_t range = file.step_number(file.count() - 1) - file.step_number(0) + spacing;
+    std::int64_t every = spacing;
+    while (every > 1 && range / every < wanted) every /= 2;
+    if (range / every < wanted) return "; capture more steps";
+    return fmt::format("; capture --every {} gives {} steps", every, range / every);
+  } catch (const InputError&) {
+    return "";
+  }
+}
+
+/// What can be said of each kind of contacts that has no recommendation, and what to add.
 std::string reservations_text(const Summary& summary, const std::vector<Compared>& situations, int width) {
   std::string text;
   for (const Compared& compared : situations) {
@@ -148,8 +170,17 @@ std::string reservations_text(const Summary& summary, const std::vector<Compared
     std::int64_t most = 0;
     for (const report::Contender& contender : situation.contenders) most = std::max(most, contender.solved.whole);
     const double share = report::plan_share(summary, situation.sets);
-    text += fmt::format("{}: no solver is shown to be reliable{}\n", situation.title,
-                        report::too_few(most, share) ? " (" + report::too_few_text(most, share) + ")" : "");
+    if (!report::too_few(most, share)) {
+      text += situation.title + ": no solver is shown to be reliable\n";
+      continue;
+    }
+    const std::string few = most >= report::least_problems()
+                                ? "whether one is reliable is " + report::too_few_text(most, share)
+                                : fmt::format("{} too few to call a solver reliable, which takes {}{}",
+                                              most == 1 ? "1 problem is" : fmt::format("{} problems are", most),
+                                              report::least_problems(),
+                                              more_problems_hint(summary.sets[situation.sets.front()].name));
+    text += fmt::format("{}: {}; {}\n", situation.title, report::few_problems_text(summary, situation), few);
   }
   return folded(text, width);
 }
@@ -205,7 +236,8 @@ std::string caught_text(const Summary& summary, int width) {
                         format_count(share.whole));
   }
   if (caught.size() > kCaughtByName) text += fmt::format("; and {} more solvers", caught.size() - kCaughtByName);
-  return folded(text + "\n", width) + last;
+  const std::string note = report::soft_engine_note(summary);
+  return folded(text + "\n" + note + (note.empty() ? "" : "\n"), width) + last;
 }
 
 // ------------------------------------------------------------------------------------------------ all the results
@@ -225,7 +257,9 @@ std::vector<std::string> result_row(const Summary& summary, const Cell& cell) {
           of_trials(cell.gave_up()),
           of_trials(cell.count(Claim::kUnsupported)),
           report::duration(cell.median_time.value),
-          is_reference ? "1" : report::factor(cell.time_ratio.value),
+          is_reference                ? "1"
+          : summary.reference.empty() ? "-"
+                                      : report::over_reference(cell).text(),
           std::isinf(cell.error_p99) ? "none" : report::scientific(cell.error_p99)};
 }
 
@@ -282,7 +316,7 @@ std::string table_text(const Summary& summary, int width) {
                    {"gave up"},
                    {"refused", Align::kRight, 4},
                    {"median"},
-                   {"ratio", Align::kRight, 2},
+                   {"ratio", Align::kLeft, 2},
                    {"err 99%", Align::kRight, 1}});
   for (std::size_t set = 0; set < summary.sets.size(); ++set) {
     if (!report::is_hard_set(summary.sets[set].name)) add_set(summary, set, table);
@@ -294,7 +328,8 @@ std::string table_text(const Summary& summary, int width) {
       "median: set-up and solve, CPU. err 99%: of the answers said to be solved; none: too many of them are not "
       "finite, or not of the right length.\n";
   if (!summary.reference.empty()) {
-    words += "ratio: time over that of " + summary.reference + ", on problems both solved.\n";
+    words += fmt::format("ratio: time over that of {}, on the n problems that both solved; a dash below {}.\n",
+                         summary.reference, report::least_problems());
   }
   return table.text(width) + hard + folded(words, width);
 }

@@ -17,6 +17,7 @@
 #include "core/io/problem_io.h"
 #include "study/certificates/certify_store.h"
 #include "study/certificates/judge.h"
+#include "study/inspect/rigid_bodies.h"
 #include "study/run/result_exchange.h"
 #include "study/run/work_queue.h"
 #include "study/store/vector_codec.h"
@@ -110,6 +111,7 @@ ProblemRow problem_row(const std::string& set_name, std::uint64_t seed, std::int
     row.ngc = contact->ngc();
     row.nc = contact->nc();
   }
+  row.free_bodies = has_free_bodies(problem);
   row.hash = problem_hash(problem);
   row.theory = solvable_by_theory ? "solvable" : "";
   return row;

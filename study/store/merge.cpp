@@ -59,7 +59,7 @@ const std::vector<Table>& tables() {
        "(SELECT name || ' ' || sweep FROM solvers WHERE id = m.solver_id) || ' cell ' || m.cell"},
       {"problems",
        {"id"},
-       {"set_id", "seed", "trial", "kind", "n", "ngc", "nc", "hash", "theory"},
+       {"set_id", "seed", "trial", "kind", "n", "ngc", "nc", "free_bodies", "hash", "theory"},
        "(SELECT name FROM sets WHERE id = m.set_id) || ' seed ' || m.seed || ' trial ' || m.trial"},
       {"vectors", {"id"}, {"data"}, "m.id"},
       {"cell_groups", {"group_id", "cell"}, {}, "''"},

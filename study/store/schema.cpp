@@ -45,6 +45,7 @@ CREATE TABLE IF NOT EXISTS problems (
   n INTEGER NOT NULL,
   ngc INTEGER NOT NULL,
   nc INTEGER NOT NULL,
+  free_bodies INTEGER NOT NULL,  -- 1: G couples no joints: that of free bodies
   hash TEXT NOT NULL,           -- of the problem's data, hexadecimal
   theory TEXT NOT NULL,         -- "solvable" when proven from the data alone, else ""
   checksum INTEGER NOT NULL,

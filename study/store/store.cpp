@@ -386,10 +386,12 @@ std::vector<std::string> Store::runs() {
 void Store::for_each_problem(const std::function<void(const ProblemRow&)>& visit) {
   Statement query(
       data_->database,
-      "SELECT id, set_id, seed, trial, kind, n, ngc, nc, hash, theory FROM problems ORDER BY set_id, seed, trial");
+      "SELECT id, set_id, seed, trial, kind, n, ngc, nc, free_bodies, hash, theory FROM problems ORDER BY set_id, "
+      "seed, trial");
   ProblemRow row;
   while (query.step()) {
-    query.read(0, row.id, row.set_id, row.seed, row.trial, row.kind, row.n, row.ngc, row.nc, row.hash, row.theory);
+    query.read(0, row.id, row.set_id, row.seed, row.trial, row.kind, row.n, row.ngc, row.nc, row.free_bodies,
+               row.hash, row.theory);
     visit(row);
   }
 }

@@ -54,6 +54,7 @@ struct ProblemRow {
   std::int64_t n = 0;
   std::int64_t ngc = 0;
   std::int64_t nc = 0;
+  bool free_bodies = false;  ///< G couples no joints: that of free bodies
   std::string hash;
   std::string theory;  ///< "solvable" or ""
 };

@@ -253,7 +253,7 @@ TEST_F(EndorsementTest, WhoRefusesIsJudgedByWhatItTook) {
   answers(95, 100, {{takes_all, {}}, {takes_half, kRefuses}, {takes_most, kRefuses}});
   write();
   expect_not_endorsed("takes_half", "refuses", nullptr);
-  EXPECT_EQ(contender("takes_half").verdict, "refused 40.0 %; solved 100 % of the rest (60 problems)");
+  EXPECT_EQ(contender("takes_half").verdict, "refused 40 of 100; solved 60.0 % (60 of 100)");
   EXPECT_EQ(record("takes_most")["reliable"], true);
   EXPECT_NE(contender("takes_most").verdict.find("as reliable on what it takes, refused 5.0 %"), std::string::npos)
       << contender("takes_most").verdict;
@@ -273,7 +273,8 @@ TEST_F(EndorsementTest, ASolverOfTheRoundConeIsNotRankedAmongThoseOfThePyramid) 
         20, "");
   }
   write();
-  EXPECT_EQ(contender("fc3d{cone=true}").verdict, "solves the round cone, another problem; of that solved 100 %");
+  EXPECT_EQ(contender("fc3d{cone=true}").verdict,
+            "solves the round cone, another problem; of that solved 100 % (60 of 60)");
   expect_not_endorsed("fc3d", "other_model", nullptr);
   EXPECT_NE(contender("lemke{engine=dense}").reliability.ground, report::Ground::kBehindTheBest);
   // Its answers do not show that the pyramid has a solution: lemke's failures are open, not missed.
@@ -283,8 +284,8 @@ TEST_F(EndorsementTest, ASolverOfTheRoundConeIsNotRankedAmongThoseOfThePyramid) 
     EXPECT_EQ(cell.count(Verdict::kOpen), is_cone ? 0 : 4);
   }
   const std::string results = read_file(folder_ / "out/tables/results.csv");
-  EXPECT_NE(results.find(",other_model,cone,3e-09,3e-09\n"), std::string::npos) << results;
-  EXPECT_NE(results.find(",pyramid,2e-13,0.25\n"), std::string::npos) << results;
+  EXPECT_NE(results.find(",other_model,cone,3e-09,3e-09,,\n"), std::string::npos) << results;
+  EXPECT_NE(results.find(",pyramid,2e-13,0.25,30,lcpbench generate "), std::string::npos) << results;
 }
 
 /// Without friction the cone and the pyramid are one.
@@ -308,7 +309,7 @@ TEST_F(EndorsementTest, ASolverWithoutTimesIsNotRanked) {
   answers(60, 200, {{engine, {.time_s = kNone}}, {good, {}}});
   write();
   expect_not_endorsed("engine", "no_time", nullptr);
-  EXPECT_EQ(contender("engine").verdict, "not ranked: nobody measured its time; solved 100 %");
+  EXPECT_EQ(contender("engine").verdict, "not ranked: nobody measured its time; solved 100 % (200 of 200)");
   EXPECT_EQ(record("good")["reliable"], true) << "nobody without a time makes it fall behind";
   const auto situation = report::decide(summary_)[0];
   ASSERT_TRUE(situation.recommended.has_value());

@@ -107,8 +107,10 @@ TEST_F(ReportPageTest, CellsStandInTheirTablesAndNotInThePage) {
   const std::string results = read_file(folder_ / "out/tables/results.csv");
   EXPECT_EQ(results.substr(0, results.find('\n')),
             "set,solver,library,problems,solved_share,solved_share_low,solved_share_high,false_claims,gave_up,refused,"
-            "median_time_s,median_time_low_s,median_time_high_s,time_ratio,time_ratio_low,time_ratio_high,error_median,"
-            "error_p99,reliability,model,solver_error_median_m_per_s,model_error_median_m_per_s");
+            "median_time_s,median_time_low_s,median_time_high_s,time_ratio,time_ratio_low,time_ratio_high,"
+            "time_ratio_problems,error_median,"
+            "error_p99,reliability,model,solver_error_median_m_per_s,model_error_median_m_per_s,"
+            "worst_trial,worst_replay");
   EXPECT_EQ(count_of(results, "\n"), 1U + 2 * 5);
   EXPECT_NE(results.find("paper/copositive/exp1{variant=0},solver_1,Library 1,40,1.0,"), std::string::npos) << results;
 }

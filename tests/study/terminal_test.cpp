@@ -125,11 +125,62 @@ TEST_F(AnswerTest, NamesTheSolverToUseTheFrontierAndTheFactorsOverTheLibraries) 
   EXPECT_NE(use.find("Frictionless"), std::string::npos) << use;
   EXPECT_NE(use.find("active_set"), std::string::npos) << use;
   EXPECT_NE(use.find("100 %"), std::string::npos) << use;
-  EXPECT_NE(use.find(" 4.0"), std::string::npos) << "over Bullet: " << use;
-  EXPECT_NE(use.find(" 10.0"), std::string::npos) << "over ODE: " << use;
   EXPECT_NE(line_with("accurate").find("contact_lemke{"), std::string::npos) << text;
   EXPECT_NE(text.find("Bullet    bullet_dantzig"), std::string::npos) << text;
+  EXPECT_NE(line_with("ODE  ").find("ode_dantzig"), std::string::npos) << text;
+  EXPECT_NE(line_with("Bullet  ").find("4.00x (4.00–4.00) n=40"), std::string::npos) << text;
+  EXPECT_NE(line_with("ODE  ").find("10.0x (10.0–10.0) n=60"), std::string::npos) << text;
   EXPECT_NE(text.find("said solved, and was wrong: bullet_dantzig on 20 of 60\n"), std::string::npos) << text;
+}
+
+/// A factor rests on problems that both solved: 34 carry none, 35 do.
+TEST(AnswerFactorTest, FewerThan35CommonProblemsCarryNoFactor) {
+  for (const int common : {34, 35}) {
+    const ScratchFolder folder;
+    SyntheticStore made(folder / "s.db");
+    const auto fast = made.solver("active_set");
+    const auto bullet = made.solver("bullet_dantzig", "", "", "Bullet");
+    const auto reference = made.solver("lemke", "engine=dense");
+    for (std::int64_t trial = 0; trial < 60; ++trial) {
+      const MadeAnswer slow{.claim = trial < common ? Claim::kSolved : Claim::kIterationLimit,
+                            .error = trial < common ? 1e-9 : 0.5,
+                            .time_s = 4e-5};
+      made.problem("paper/monotone/exp1", trial, {{fast, {.time_s = 1e-5}}, {bullet, slow}, {reference, slow}});
+    }
+    const Summary summary = summarize(made.store());
+    for (const std::string& text : {answer_text(summary, 120, kAnswerLines), table_text(summary, 120)}) {
+      EXPECT_EQ(text.find("- (34 of 60)") != std::string::npos, common == 34) << text;
+      EXPECT_EQ(text.find("n=35") != std::string::npos, common == 35) << text;
+    }
+    write_report(made.store(), folder / "out");
+    const std::string page = read_file(folder / "out/report.html");
+    EXPECT_EQ(page.find("× slower (") != std::string::npos || page.find("4.00× faster than") != std::string::npos,
+              common == 35);
+    EXPECT_EQ(page.find("<small>34 of 60</small>") != std::string::npos, common == 34);
+    EXPECT_NE(read_file(folder / "out/tables/decision.csv").find("speedup.problems"), std::string::npos);
+  }
+}
+
+/// One problem solved and 59 refused is no share of 100 %.
+TEST(AnswerRefusalTest, RefusedProblemsAreNotSolved) {
+  const ScratchFolder folder;
+  SyntheticStore made(folder / "s.db");
+  const auto fast = made.solver("active_set");
+  const auto bullet = made.solver("bullet_dantzig", "", "", "Bullet");
+  const auto other = made.solver("bullet_lemke", "", "", "Bullet");
+  for (std::int64_t trial = 0; trial < 60; ++trial) {
+    const MadeAnswer refuses{.claim = Claim::kUnsupported, .error = Errors::kNone, .criterion = false};
+    const MadeAnswer fails{.claim = Claim::kIterationLimit, .error = 0.5};
+    made.problem("paper/monotone/exp1", trial,
+                 {{fast, {.time_s = 1e-5}}, {bullet, trial == 0 ? MadeAnswer{} : refuses},
+                  {other, trial < 30 ? MadeAnswer{} : fails}});
+  }
+  const Summary summary = summarize(made.store());
+  EXPECT_NE(answer_text(summary, 120, kAnswerLines).find("Bullet  bullet_lemke"), std::string::npos)
+      << "half of 60 is more than 1 of 1";
+  write_report(made.store(), folder / "out");
+  const std::string page = read_file(folder / "out/report.html");
+  EXPECT_NE(page.find("bullet_dantzig</code>: refused 59 of 60; solved 1.7 % (1 of 60)"), std::string::npos);
 }
 
 TEST_F(AnswerTest, FitsNarrowTerminalsAndFewLines) {

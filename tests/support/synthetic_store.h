@@ -73,6 +73,7 @@ class SyntheticStore {
                       5 + friction_rows,
                       6,
                       kind == "lcp" ? 0 : 5,
+                      kind == "scene",
                       "00",
                       theory};
     for (const auto& [solver, answer] : answers) result.answers.push_back(row(solver, answer, kind == "lcp"));

@@ -1,0 +1,72 @@
+#include "study/commands/solve_total.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "study/output/terminal.h"
+#include "study/output/text_table.h"
+#include "study/statistics/statistics.h"
+
+namespace lcpbench {
+
+void SolveTotal::add(const std::string& solver, const std::string& file, Claim claim, Verdict verdict, double error,
+                     double time_s) {
+  auto row = std::find_if(rows_.begin(), rows_.end(), [&](const Row& each) { return each.solver == solver; });
+  if (row == rows_.end()) {
+    row = rows_.insert(rows_.end(), Row{});
+    row->solver = solver;
+  }
+  if (claim == Claim::kUnsupported) return;
+  ++row->taken;
+  row->times.push_back(time_s);
+  row->solved += verdict == Verdict::kSolved;
+  row->unsolvable += verdict == Verdict::kUnsolvable;
+  row->wrong += verdict == Verdict::kWrong;
+  row->missed += verdict == Verdict::kMissed || verdict == Verdict::kOpen;
+  if (verdict == Verdict::kSolved || verdict == Verdict::kUnsolvable) return;
+  const report::Failure failure{verdict == Verdict::kWrong, error};
+  if (!row->worst_file.empty() && !failure.worse_than(row->worst)) return;
+  row->worst = failure;
+  row->worst_file = file;
+}
+
+std::string SolveTotal::text(int width) const {
+  if (problems_ < 2 || rows_.empty()) return "";
+  std::vector<Row> rows = rows_;
+  for (Row& row : rows) std::sort(row.times.begin(), row.times.end());
+  const auto time = [](const Row& row) { return row.times.empty() ? kInfinity : median(row.times); };
+  std::stable_sort(rows.begin(), rows.end(), [&](const Row& a, const Row& b) {
+    return std::tuple(-a.solved, a.wrong, time(a)) < std::tuple(-b.solved, b.wrong, time(b));
+  });
+  const auto right = std::any_of(rows.begin(), rows.end(), [](const Row& row) { return row.unsolvable > 0; });
+  std::vector<TextTable::Column> columns{{counted_noun(static_cast<std::size_t>(problems_), "problem"),
+                                          TextTable::Align::kLeft, 0, 14},
+                                         {"solved"},
+                                         {"wrong"},
+                                         {"not solved"},
+                                         {"not taken"},
+                                         {"median time", TextTable::Align::kRight, 1}};
+  if (right) columns.insert(columns.begin() + 2, {"unsolvable"});
+  TextTable table(columns);
+  std::string commands;
+  for (const Row& row : rows) {
+    std::vector<std::string> cells{row.solver,
+                                   format_count(row.solved),
+                                   format_count(row.wrong),
+                                   format_count(row.missed),
+                                   format_count(problems_ - row.taken),
+                                   format_seconds(time(row))};
+    if (right) cells.insert(cells.begin() + 2, format_count(row.unsolvable));
+    table.add_row(cells);
+    if (row.worst_file.empty()) continue;
+    commands += report::command_text(
+        fmt::format("lcpbench solve {} --solver {}", shell_word(row.worst_file), shell_word(row.solver)),
+        row.worst.text(), width);
+  }
+  return table.text(width) +
+         (commands.empty() ? "" : "each solver's worst problem:\n" + commands);
+}
+
+}  // namespace lcpbench
