@@ -21,7 +21,7 @@ nlohmann::ordered_json problem_summary_json(const Problem& problem, const std::s
 }
 
 std::string problem_summary_text(const Problem& problem, const std::string& file) {
-  std::string text = fmt::format("{}: {}, n {}", file, to_string(problem.kind()), problem.size());
+  std::string text = fmt::format("{}: {}, n {}", printable(file), to_string(problem.kind()), problem.size());
   if (const ContactProblem* contact = problem.contact()) {
     text += fmt::format(", {} coordinates, {} contacts, {} friction edges", contact->ngc(), contact->nc(),
                         cols(contact->D));
