@@ -7,7 +7,14 @@
 namespace lcpbench {
 namespace {
 
-std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
+/// Braces inside each other: a solver in a solver is two of them.
+constexpr int kMostBraces = 16;
+constexpr std::size_t kMostOptions = 256;
+
+std::string in_quotes(std::string_view text) {
+  constexpr std::size_t kLongest = 200;
+  return "'" + std::string(text.substr(0, kLongest)) + (text.size() > kLongest ? "...'" : "'");
+}
 
 std::string_view trimmed(std::string_view text) {
   const auto first = text.find_first_not_of(" \t\n\r");
@@ -32,7 +39,9 @@ std::vector<std::string> split_top_level(std::string_view text) {
   std::size_t begin = 0;
   int depth = 0;
   for (std::size_t i = 0; i < text.size(); ++i) {
-    if (text[i] == '{') ++depth;
+    if (text[i] == '{' && ++depth > kMostBraces) {
+      throw InputError("more than " + std::to_string(kMostBraces) + " braces inside each other in " + in_quotes(text));
+    }
     if (text[i] == '}' && --depth < 0) throw InputError("unbalanced '}' in " + in_quotes(text));
     if (text[i] == ',' && depth == 0) {
       parts.emplace_back(trimmed(text.substr(begin, i - begin)));
@@ -69,6 +78,9 @@ Spec parse_spec(std::string_view whole) {
     const bool repeated =
         std::any_of(spec.options.begin(), spec.options.end(), [&](const auto& option) { return option.first == key; });
     if (repeated) throw InputError("key '" + key + "' given twice in " + in_quotes(whole));
+    if (spec.options.size() == kMostOptions) {
+      throw InputError("more than " + std::to_string(kMostOptions) + " options in " + in_quotes(whole));
+    }
     spec.options.emplace_back(std::move(key), std::move(value));
   }
   return spec;

@@ -1,21 +1,16 @@
 #include "adapters/capture/launch.h"
 
 #include <algorithm>
-#include <array>
-#include <cstring>
 #include <filesystem>
+#include <utility>
 
 #include <fcntl.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include "adapters/worker/exit_status.h"
+#include "adapters/worker/run_program.h"
 #include "adapters/worker/worker_channel.h"
 #include "adapters/worker/worker_client.h"
 #include "core/error.h"
-
-extern char** environ;
 
 namespace lcpbench::capture {
 namespace {
@@ -32,11 +27,6 @@ std::string last_line(int file) {
   return text.substr(text.rfind('\n') + 1);
 }
 
-bool runs(pid_t child) {
-  siginfo_t ended{};
-  return waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 && ended.si_pid == 0;
-}
-
 }  // namespace
 
 EngineRun run_engine(const std::string& engine, const std::vector<std::string>& arguments,
@@ -47,24 +37,10 @@ EngineRun run_engine(const std::string& engine, const std::vector<std::string>& 
                      " is missing; install the engine's library and build again");
   }
   const worker::UniqueFd messages = worker::sealed_memory_file("lcpbench-stderr", kMessageBytes);
+  const worker::UniqueFd nothing(open("/dev/null", O_WRONLY | O_CLOEXEC));
   std::vector<std::string> words{executable.string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
-  std::vector<char*> pointers;
-  for (std::string& word : words) pointers.push_back(word.data());
-  pointers.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, messages.get(), STDERR_FILENO);
-  pid_t child = -1;
-  const int error = posix_spawn(&child, executable.c_str(), &actions, nullptr, pointers.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) throw InputError("cannot start " + executable.string() + ": " + std::strerror(error));
-  constexpr useconds_t kLook = 10'000;  // microseconds
-  while (runs(child) && *stop == 0) usleep(kLook);
-  if (*stop != 0) kill(child, SIGTERM);
-  const std::string ending = worker::reap(child);
+  const std::string ending = worker::run_program(std::move(words), nothing.get(), messages.get(), stop);
   return {ending, last_line(messages.get())};
 }
 

@@ -1,6 +1,7 @@
-// The program of one engine: lcpbench-capture-<engine> SCENE MODEL EVERY STEPS FILE LOOP [TRACK]. The command `lcpbench
-// capture` starts it and checks what it wrote: FILE.hashes has the hash of each step's problem as it was in here.
-// With TRACK, a file too, it is a replay, which `lcpbench replay` starts: every step is measured (see track.h).
+// The program of one engine: lcpbench-capture-<engine> SCENE MODEL EVERY STEPS FILE LOOP TRACK HASHES. The command
+// `lcpbench capture` starts it and checks what it wrote: the file HASHES gets the hash of each step's problem as it was
+// in here. With TRACK, a file too, it is a replay, which `lcpbench replay` starts: every step is measured (track.h).
+// Either is empty where it is not wanted.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -66,6 +67,7 @@ struct Arguments {
   std::string file;
   std::string loop;
   std::string track;  ///< empty: no replay
+  std::string hashes;
 };
 
 struct Close {
@@ -161,7 +163,8 @@ int run(const Arguments& arguments) {
   if (replay) track = std::make_unique<Track>(arguments.track, scene, h);
   ContactNames names;
   Snapshot snapshot;
-  std::ofstream hashes(arguments.file + ".hashes");
+  std::ofstream hashes;
+  if (!arguments.hashes.empty()) hashes.open(arguments.hashes);
   const long steps = arguments.steps > 0 ? arguments.steps : scene.steps;
   for (long step = 0; step < steps; ++step) {
     engine->step(step, snapshot, loop);
@@ -173,7 +176,7 @@ int run(const Arguments& arguments) {
     }
     const bool wanted = !failure.empty() || step % arguments.every == 0 || (replay && step == steps - 1);
     if (wanted && (replay || !snapshot.contacts.empty())) {
-      hashes << step << ' ' << problem_hash(problem_of(snapshot)) << std::endl;
+      if (!replay) hashes << step << ' ' << problem_hash(problem_of(snapshot)) << std::endl;
       write_step(file.get(), step, static_cast<double>(step) * h, snapshot);
     }
     if (failure.empty()) continue;
@@ -190,13 +193,13 @@ int run(const Arguments& arguments) {
 }  // namespace lcpbench::capture
 
 int main(int argc, char** argv) {
-  if (argc != 7 && argc != 8) {
-    std::fprintf(stderr, "usage: %s SCENE MODEL EVERY STEPS FILE LOOP [TRACK]\n", argv[0]);
+  if (argc != 9) {
+    std::fprintf(stderr, "usage: %s SCENE MODEL EVERY STEPS FILE LOOP TRACK HASHES\n", argv[0]);
     return 2;
   }
   try {
     return lcpbench::capture::run({argv[1], argv[2], std::max(1L, std::atol(argv[3])), std::atol(argv[4]), argv[5],
-                                   argv[6], argc == 8 ? argv[7] : ""});
+                                   argv[6], argv[7], argv[8]});
   } catch (const lcpbench::InputError& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 2;

@@ -13,10 +13,10 @@
 #include <linux/close_range.h>
 #include <poll.h>
 #include <signal.h>
-#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "adapters/worker/child_processes.h"
 #include "adapters/worker/control_group.h"
 #include "adapters/worker/exit_status.h"
 #include "adapters/external/start_directory.h"
@@ -68,8 +68,7 @@ struct StartFailure {
 
 /// Runs in the child. Returns only on failure, with errno.
 StartStep become(std::vector<char*>& words, pid_t parent, const Pipe& input, const Pipe& output, const Pipe& messages) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(0);  // it died before the line above
+  worker::end_with_parent(parent);
   restore_signals();
   if (!worker::join_control_group()) return StartStep::kJoinGroup;
   if (!start_directory().empty() && chdir(start_directory().c_str()) != 0) return StartStep::kEnterFolder;

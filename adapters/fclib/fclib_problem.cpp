@@ -30,12 +30,14 @@ struct Stored {
 };
 
 Stored read_stored(const Hdf5File& file, const std::string& path) {
-  Stored stored{file.integer(path + "/m"),  file.integer(path + "/n"),  file.integer(path + "/nz"),
-                file.integers(path + "/p"), file.integers(path + "/i"), file.reals(path + "/x")};
+  Stored stored{
+      file.integer(path + "/m"), file.integer(path + "/n"), file.integer(path + "/nz"), {}, {}, {}};
   if (stored.rows < 0 || stored.cols < 0 || stored.kind < -2) file.fail(path, ": negative sizes");
-  if (static_cast<std::size_t>(std::max(stored.rows, stored.cols)) > kMaxNumbers) {
-    file.fail(path, ": more than " + std::to_string(kMaxNumbers) + " rows or columns");
-  }
+  // Each row and column of a problem's matrices has a number of its own in one of the vectors.
+  file.check_count(path, static_cast<std::size_t>(std::max(stored.rows, stored.cols)));
+  stored.p = file.integers(path + "/p");
+  stored.i = file.integers(path + "/i");
+  stored.x = file.reals(path + "/x");
   const std::size_t pointers = stored.kind >= 0    ? static_cast<std::size_t>(stored.kind)
                                : stored.kind == -1 ? static_cast<std::size_t>(stored.cols) + 1
                                                    : static_cast<std::size_t>(stored.rows) + 1;
@@ -120,14 +122,21 @@ SparseMatrix symmetric(const Hdf5File& file, const std::string& path, const Spar
 }
 
 /// The diagonal blocks that no entry leaves.
-BlockInertia diagonal_blocks(const SparseMatrix& M) {
+BlockInertia diagonal_blocks(const Hdf5File& file, const SparseMatrix& M) {
   BlockInertia inertia;
   Index begin = 0;
   Index last = -1;  // row of the block's entries so far
+  std::size_t numbers = 0;
   for (Index column = 0; column < M.cols(); ++column) {
     last = std::max(last, column);
     for (SparseMatrix::InnerIterator it(M, column); it; ++it) last = std::max(last, it.row());
     if (last > column) continue;
+    const auto order = static_cast<std::size_t>(column + 1 - begin);
+    numbers += order * order;
+    if (numbers > kMaxNumbers) {
+      file.fail("/fclib_global/M",
+                ": its dense diagonal blocks have more than " + std::to_string(kMaxNumbers) + " numbers");
+    }
     inertia.blocks.push_back(Matrix(M.block(begin, begin, column + 1 - begin, column + 1 - begin)));
     begin = column + 1;
   }
@@ -202,7 +211,7 @@ ContactProblem read_global(const Hdf5File& file, bool symmetrize) {
   const SparseMatrix H = read_matrix(file, group + "/H");
   if (H.rows() != M.rows()) file.fail(group + "/H", ": as many rows as M are expected");
   ContactProblem problem;
-  BlockInertia inertia = diagonal_blocks(M);
+  BlockInertia inertia = diagonal_blocks(file, M);
   problem.v = solve(file, inertia, read_vector(file, group + "/vectors/f", M.rows()));
   problem.inertia = std::move(inertia);
   set_friction(file, group, H.cols(), problem, H, dimension);

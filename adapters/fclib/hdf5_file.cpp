@@ -4,11 +4,41 @@
 #include "core/io/problem_checks.h"
 
 namespace lcpbench {
+namespace {
+
+/// An opened dataset, and how many numbers it claims; -1 for none.
+struct Dataset {
+  explicit Dataset(hid_t opened) : id(opened) {
+    const hid_t space = id < 0 ? -1 : H5Dget_space(id);
+    if (space >= 0) count = H5Sget_simple_extent_npoints(space);
+    if (space >= 0) H5Sclose(space);
+  }
+  ~Dataset() {
+    if (id >= 0) H5Dclose(id);
+  }
+  Dataset(const Dataset&) = delete;
+  Dataset& operator=(const Dataset&) = delete;
+  hid_t id;
+  hssize_t count = -1;
+};
+
+/// Whether the numbers are in files of their own, which may be any that the user can read.
+bool is_stored_elsewhere(hid_t dataset) {
+  const hid_t creation = H5Dget_create_plist(dataset);
+  const bool elsewhere = H5Pget_external_count(creation) != 0 || H5Pget_layout(creation) == H5D_VIRTUAL;
+  H5Pclose(creation);
+  return elsewhere;
+}
+
+}  // namespace
 
 Hdf5File::Hdf5File(const std::string& file) : name_(file) {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // its own messages are pages long
+  H5Lunregister(H5L_TYPE_EXTERNAL);             // from now on no link to another file is followed
   file_ = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   if (file_ < 0) throw input_error(name_, "cannot be opened as an HDF5 file");
+  hsize_t bytes = 0;
+  if (H5Fget_filesize(file_, &bytes) >= 0) bytes_ = static_cast<std::size_t>(bytes);
 }
 
 Hdf5File::~Hdf5File() { H5Fclose(file_); }
@@ -25,26 +55,27 @@ bool Hdf5File::has(const std::string& path) const {
   }
 }
 
+void Hdf5File::check_count(const std::string& path, std::size_t count) const {
+  if (count > kMaxNumbers) {
+    fail(path, ": " + std::to_string(count) + " numbers, at most " + std::to_string(kMaxNumbers) + " are read");
+  }
+  if (count > bytes_) {
+    fail(path, ": " + std::to_string(count) + " numbers in a file of " + std::to_string(bytes_) + " bytes");
+  }
+}
+
 template <class Number>
 std::vector<Number> Hdf5File::read(const std::string& path, hid_t type) const {
   if (!has(path)) fail(path, ": missing");
-  const hid_t dataset = H5Dopen2(file_, path.c_str(), H5P_DEFAULT);
-  if (dataset < 0) fail(path, ": is not a dataset");
-  const hid_t space = H5Dget_space(dataset);
-  const hssize_t size = space < 0 ? -1 : H5Sget_simple_extent_npoints(space);
-  std::vector<Number> numbers;
-  const bool too_large = size >= 0 && static_cast<std::size_t>(size) > kMaxNumbers;
-  bool complete = size >= 0 && !too_large;
-  if (complete) {
-    numbers.resize(static_cast<std::size_t>(size));
-    complete = numbers.empty() || H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers.data()) >= 0;
+  const Dataset dataset(H5Dopen2(file_, path.c_str(), H5P_DEFAULT));
+  if (dataset.id < 0) fail(path, ": is not a dataset of this file");
+  if (is_stored_elsewhere(dataset.id)) fail(path, ": its numbers are in another file, which is not read");
+  if (dataset.count < 0) fail(path, ": cannot be read");
+  check_count(path, static_cast<std::size_t>(dataset.count));
+  std::vector<Number> numbers(static_cast<std::size_t>(dataset.count));
+  if (!numbers.empty() && H5Dread(dataset.id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers.data()) < 0) {
+    fail(path, ": cannot be read");
   }
-  if (space >= 0) H5Sclose(space);
-  H5Dclose(dataset);
-  if (too_large) {
-    fail(path, ": " + std::to_string(size) + " numbers, at most " + std::to_string(kMaxNumbers) + " are read");
-  }
-  if (!complete) fail(path, ": cannot be read");
   return numbers;
 }
 

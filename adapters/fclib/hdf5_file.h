@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -7,7 +8,8 @@
 
 namespace lcpbench {
 
-/// An HDF5 file, open for reading. Errors (InputError) name the file and the dataset.
+/// An HDF5 file, open for reading. No other file is read in its name: links to other files, and datasets whose numbers
+/// are in other files, are refused. Errors (InputError) name the file and the dataset.
 class Hdf5File {
  public:
   explicit Hdf5File(const std::string& file);
@@ -16,6 +18,8 @@ class Hdf5File {
   Hdf5File& operator=(const Hdf5File&) = delete;
 
   bool has(const std::string& path) const;
+  /// @throws InputError where the file claims more numbers, or rows of a matrix, than it has bytes, or than are read
+  void check_count(const std::string& path, std::size_t count) const;
   /// All numbers of a dataset.
   std::vector<int> integers(const std::string& path) const;
   std::vector<double> reals(const std::string& path) const;
@@ -30,6 +34,7 @@ class Hdf5File {
 
   std::string name_;
   hid_t file_;
+  std::size_t bytes_ = 0;
 };
 
 }  // namespace lcpbench

@@ -15,7 +15,6 @@
 
 #include <fcntl.h>
 #include <signal.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -193,8 +192,7 @@ int run(int argc, char** argv) {
     std::fputs("This is a worker of lcpbench; lcpbench starts it.\n", stderr);
     return kExitUsage;
   }
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) return 0;  // it died before the line above
+  end_with_parent(parent);
   std::error_code none;
   g_start_directory = std::filesystem::current_path(none);
   confine(memory_bytes);

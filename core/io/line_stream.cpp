@@ -106,6 +106,10 @@ bool LineStream::fill() {
     }
     zstd_->inside = result != 0;
     total_ += output.pos;
+    if (total_ > kAnyTextBytes && (total_ - kAnyTextBytes) / kMaxExpansion > input_at_) {
+      throw input_error(origin_, "its text is more than " + std::to_string(kMaxExpansion) +
+                                     " times as long as its compressed bytes");
+    }
     if (total_ > kMaxTextBytes) {
       throw input_error(origin_, "more than " + std::to_string(kMaxTextBytes) + " bytes of text");
     }

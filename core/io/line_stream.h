@@ -16,11 +16,15 @@ struct LinePlace {
 };
 
 /// The lines of a text that is plain or compressed by zstd, told by its first bytes. Holds one piece of the text, not
-/// the whole. Errors (InputError) name the origin: lines above 256 MiB, texts above 64 GiB, damaged compression.
+/// the whole. Errors (InputError) name the origin: lines above 256 MiB, texts above 64 GiB or far longer than their
+/// compressed bytes, damaged compression.
 class LineStream {
  public:
   static constexpr std::uint64_t kMaxLineBytes = std::uint64_t{1} << 28;
   static constexpr std::uint64_t kMaxTextBytes = std::uint64_t{1} << 36;
+  /// Captured steps compress to an eighth. A text above the first number is at most so many times as long as its bytes.
+  static constexpr std::uint64_t kAnyTextBytes = std::uint64_t{1} << 28;
+  static constexpr std::uint64_t kMaxExpansion = 1024;
 
   /// @throws InputError when the file cannot be opened
   explicit LineStream(const std::string& file);

@@ -2,16 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <system_error>
 
-#include <unistd.h>
-
 #include "core/io/problem_checks.h"
 #include "core/io/scenes_file.h"
+#include "core/io/whole_file.h"
 
 namespace lcpbench {
 namespace {
@@ -86,21 +84,6 @@ Format text_format(const fs::path& file, std::string_view text) {
   throw input_error(file.string(), "neither a problem in JSON ('{' first) nor a Siconos LCP text (a number first)");
 }
 
-/// A name beside `file` that no other writer uses: process and counter are in it.
-fs::path temporary_name(const fs::path& file) {
-  static std::atomic<unsigned> counter{0};
-  fs::path name = file;
-  name += ".part-" + std::to_string(::getpid()) + "-" + std::to_string(counter++);
-  return name;
-}
-
-bool write_text(const fs::path& file, std::string_view text) {
-  std::ofstream stream(file, std::ios::binary | std::ios::trunc);
-  stream.write(text.data(), static_cast<std::streamsize>(text.size()));
-  stream.close();
-  return !stream.fail();
-}
-
 }  // namespace
 
 Problem read_problem(const std::filesystem::path& file) {
@@ -118,21 +101,7 @@ Problem read_problem(const std::filesystem::path& file) {
 }
 
 void write_problem(const Problem& problem, const std::filesystem::path& file) {
-  const std::string text = problem_json(problem);
-  const fs::path temporary = temporary_name(file);
-  std::error_code error;
-  errno = 0;
-  if (!write_text(temporary, text)) {
-    const std::string cause = errno != 0 ? std::strerror(errno) : "unknown cause";
-    fs::remove(temporary, error);
-    throw input_error(file.string(), "cannot be written: " + cause);
-  }
-  fs::rename(temporary, file, error);
-  if (error) {
-    const std::string cause = error.message();
-    fs::remove(temporary, error);
-    throw input_error(file.string(), "cannot be written: " + cause);
-  }
+  write_file(file, problem_json(problem));
 }
 
 }  // namespace lcpbench

@@ -26,7 +26,7 @@ std::string problem_json(const Problem& problem);
 /// The same object in one line without its end, for files that hold many: what is stored sparse is written sparse.
 std::string problem_json_line(const Problem& problem);
 
-/// Writes problem_json to a file, whole or not at all (temporary file, then rename). @throws InputError when it cannot.
+/// Writes problem_json to a file, whole or not at all (WholeFile). @throws InputError when it cannot.
 void write_problem(const Problem& problem, const std::filesystem::path& file);
 
 /// 128-bit hash of the problem's data (not its name), 32 hexadecimal digits: equal exactly when every number is equal

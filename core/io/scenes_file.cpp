@@ -22,6 +22,8 @@ constexpr std::string_view kExtension = ".scenes";
 /// Most steps of a file: their index takes 40 bytes each.
 constexpr std::size_t kMaxSteps = std::size_t{1} << 22;
 
+constexpr std::size_t kMaxBlankLines = 1000;
+
 /// A step's number stands among the first bytes of its line.
 constexpr std::uint64_t kNumberBytes = 64;
 
@@ -198,7 +200,9 @@ struct ScenesFile::Data {
     std::size_t blank = 0;  // lines at the end, as editors leave them
     while (stream.next(line, kNumberBytes)) {
       if (line.size <= kNumberBytes && stream.text().find_first_not_of(" \t\r") == std::string::npos) {
-        ++blank;
+        if (++blank > kMaxBlankLines) {
+          throw input_error(origin, "more than " + std::to_string(kMaxBlankLines) + " blank lines at its end");
+        }
         continue;
       }
       if (blank > 0) throw input_error(line_of(origin, steps.size() + 2), "blank, and behind it comes another line");

@@ -15,6 +15,7 @@
 #include "generators/sets.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
+#include "study/commands/problem_files.h"
 #include "study/evaluation/evaluation.h"
 #include "study/run/interrupt.h"
 #include "study/output/json_output.h"
@@ -138,7 +139,7 @@ BenchCell summarise(const std::string& set, const SolverRow& solver, std::int64_
 }
 
 std::vector<BenchCell> bench_set(const std::string& name, const BenchPlan& plan, std::vector<Contender>& contenders) {
-  const std::unique_ptr<ProblemSet> set = open_set(name);
+  const std::unique_ptr<ProblemSet> set = interruptibly([&] { return open_set(name); });
   const std::int64_t planned = std::min(plan.problems, set->count().value_or(plan.problems));
   std::vector<Pairs> pairs(contenders.size());
   std::int64_t problems = 0;

@@ -1,5 +1,8 @@
+#include <cerrno>
 #include <csignal>
 #include <cstdint>
+#include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -7,17 +10,20 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "adapters/capture/launch.h"
 #include "adapters/capture/scene.h"
+#include "adapters/worker/worker_channel.h"
 #include "core/error.h"
 #include "core/io/problem_io.h"
 #include "core/io/scenes_file.h"
+#include "core/io/whole_file.h"
 #include "core/registry.h"
 #include "core/suggestion.h"
 #include "study/commands/commands.h"
@@ -69,15 +75,21 @@ void complete(CaptureArguments& arguments) {
   }
 }
 
-/// The files that the engine writes, removed at the end: the steps, uncompressed, and the hashes of their problems.
-struct RawFiles {
-  std::string steps;
-  std::string hashes = steps + ".hashes";
-  ~RawFiles() {
-    std::error_code ignored;
-    std::filesystem::remove(steps, ignored);
-    std::filesystem::remove(hashes, ignored);
+/// A file for the engine's program to write, which has no name: it is gone when this process ends, however that ends.
+class NamelessFile {
+ public:
+  /// @param folder  on whose disk it lies. @throws InputError
+  explicit NamelessFile(const std::filesystem::path& folder) {
+    std::string name = (folder / ".lcpbench-XXXXXX").string();
+    file_ = worker::UniqueFd(mkostemp(name.data(), O_CLOEXEC));
+    if (!file_) throw InputError(fmt::format("{}: cannot be written to: {}", folder.string(), std::strerror(errno)));
+    unlink(name.c_str());
   }
+  /// Under which the engine's program finds it too.
+  std::string name() const { return fmt::format("/proc/{}/fd/{}", getpid(), file_.get()); }
+
+ private:
+  worker::UniqueFd file_;
 };
 
 std::map<std::int64_t, std::string> read_hashes(const std::string& file) {
@@ -108,10 +120,9 @@ bool has_header(const std::string& raw) {
   return std::getline(stream, line) && !stream.eof();
 }
 
-/// Reads every step, and then writes the file. @returns how many steps
+/// Reads every step, and writes the file. @returns how many steps
 std::size_t compress(const std::string& raw, const std::string& out) {
   const ScenesFile captured(raw);
-  for (std::size_t i = 0; i < captured.count(); ++i) captured.read(i);
   if (captured.count() == 0) return 0;
   ScenesWriter writer(out, captured.header());
   for (std::size_t i = 0; i < captured.count(); ++i) writer.add(captured.read(i));
@@ -136,14 +147,26 @@ std::string why_no_contact(const std::string& model) {
          "<origin xyz=\"0 0 0.5\"/></joint>";
 }
 
+/// The file's place; of a capture that did not come to its end only where no other file stands, else a name beside it.
+std::filesystem::path place_of(const WholeFile& out, bool complete) {
+  std::filesystem::path place = out.place();
+  if (!complete && out.had_content()) place.replace_extension(".incomplete.scenes");
+  return place;
+}
+
 int run_capture(CaptureArguments arguments) {
   complete(arguments);
   const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
-  const RawFiles raw{arguments.out + ".part"};
-  const capture::EngineRun run = capture::run_engine(arguments.engine,
-                                                     {arguments.scene, arguments.model, std::to_string(arguments.every),
-                                                      std::to_string(arguments.steps), raw.steps, arguments.loop},
-                                                     stop);
+  WholeFile out(arguments.out);
+  std::filesystem::path folder = out.place().parent_path();
+  if (folder.empty()) folder = ".";
+  const NamelessFile steps(folder);
+  const NamelessFile hashes(folder);
+  const capture::EngineRun run =
+      capture::run_engine(arguments.engine,
+                          {arguments.scene, arguments.model, std::to_string(arguments.every),
+                           std::to_string(arguments.steps), steps.name(), arguments.loop, "", hashes.name()},
+                          stop);
   if (run.ending == "exited with code 2") throw InputError(run.message);
   const bool interrupted = *stop != 0;
   const bool crashed = !interrupted && run.ending != "exited with code 0";
@@ -152,22 +175,27 @@ int run_capture(CaptureArguments arguments) {
   } else if (!interrupted && !run.message.empty()) {
     say(stderr, "lcpbench: {} said: {}\n", arguments.engine, run.message);
   }
-  const std::size_t steps = has_header(raw.steps) ? compress(raw.steps, arguments.out) : 0;
-  if (steps == 0) {
+  const std::size_t count = has_header(steps.name()) ? compress(steps.name(), out.draft().string()) : 0;
+  if (count == 0) {
     const bool untouched = !interrupted && !crashed && !arguments.model.empty();
     say(stderr, "lcpbench: no step of '{}' was captured{}\n", arguments.scene,
         untouched ? ": " + why_no_contact(arguments.model) : "");
     return interrupted ? kExitInterrupted : kExitCheckFailed;
   }
-  const ScenesFile written(arguments.out);
-  if (const auto step = first_that_differs(written, read_hashes(raw.hashes))) {
-    say(stderr, "lcpbench: {}: step {} does not replay bit for bit\n", arguments.out, *step);
+  const ScenesFile written(out.draft().string());
+  if (const auto step = first_that_differs(written, read_hashes(hashes.name()))) {
+    say(stderr, "lcpbench: step {} of '{}' does not replay bit for bit: nothing is written\n", *step, arguments.scene);
     return kExitCheckFailed;
   }
-  if (interrupted) say(stderr, "lcpbench: interrupted; {} holds the steps until then\n", arguments.out);
-  say(stdout, "{} steps of {} by {} in {} ({} bytes); each replays bit for bit\n", steps, arguments.scene,
-      arguments.engine, arguments.out, std::filesystem::file_size(arguments.out));
-  say(stdout, "one of them: lcpbench solve '{}#{}'\n", arguments.out, written.step_number(written.count() / 2));
+  const std::filesystem::path place = place_of(out, !interrupted && !crashed);
+  out.commit_as(place);
+  const std::string name = place == out.place() ? arguments.out : place.string();
+  if (interrupted) say(stderr, "lcpbench: interrupted; {} holds the steps until then\n", printable(name));
+  if (name != arguments.out) say(stderr, "lcpbench: {} is as it was\n", printable(arguments.out));
+  say(stdout, "{} steps of {} by {} in {} ({} bytes); each replays bit for bit\n", count, arguments.scene,
+      arguments.engine, printable(name), std::filesystem::file_size(place));
+  const std::int64_t one = written.step_number(written.count() / 2);
+  say(stdout, "one of them: lcpbench solve {}\n", shell_word(file_argument(fmt::format("{}#{}", name, one))));
   if (interrupted) return kExitInterrupted;
   return crashed ? kExitCheckFailed : kExitDone;
 }

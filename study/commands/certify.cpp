@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/io/whole_file.h"
 #include "generators/sets.h"
 #include "study/certificates/certify_store.h"
 #include "study/certificates/proof_document.h"
@@ -61,7 +62,8 @@ class ProofFile {
         throw InputError(name_ + ": is read by this command; write the proofs elsewhere");
       }
     }
-    file_.open(name_, std::ios::binary | std::ios::trunc);
+    whole_.emplace(name_);
+    file_.open(whole_->draft(), std::ios::binary | std::ios::trunc);
     check();
   }
   bool wanted() const { return !name_.empty(); }
@@ -74,8 +76,9 @@ class ProofFile {
     if (!wanted()) return;
     file_.close();
     check();
+    whole_->commit();
     say(stderr, "{} proof{} in {}; study/check_certificates.py checks them\n", format_count(count_),
-        count_ == 1 ? "" : "s", name_);
+        count_ == 1 ? "" : "s", printable(name_));
   }
 
  private:
@@ -83,6 +86,7 @@ class ProofFile {
     if (!file_) throw InputError(name_ + ": cannot be written");
   }
   std::string name_;
+  std::optional<WholeFile> whole_;
   std::ofstream file_;
   std::int64_t count_ = 0;
 };

@@ -64,7 +64,9 @@ int compare(const CompareArguments& arguments) {
     print_json(document);
   } else {
     const int width = arguments.extent.width();
-    say(stdout, "{}\n{}", folded(fmt::format("A: {}\nB: {}\n", arguments.a.string(), arguments.b.string()), width),
+    const std::string names =
+        fmt::format("A: {}\nB: {}\n", printable(arguments.a.string()), printable(arguments.b.string()));
+    say(stdout, "{}\n{}", folded(names, width),
         arguments.extent.all ? comparison_text(comparison, width) : comparison_answer(comparison, width));
   }
   const bool failed =

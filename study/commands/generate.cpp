@@ -1,3 +1,4 @@
+#include <csignal>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -12,6 +13,7 @@
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
 #include "study/output/terminal.h"
+#include "study/run/interrupt.h"
 
 namespace lcpbench {
 namespace {
@@ -30,12 +32,14 @@ int generate(const GenerateArguments& arguments) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw InputError(fmt::format("--out '{}': {}", arguments.out, error.message()));
-  for (std::int64_t trial = arguments.first; trial - arguments.first < arguments.count; ++trial) {
+  const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
+  std::int64_t count = 0;
+  for (; count < arguments.count && *stop == 0; ++count) {
+    const std::int64_t trial = arguments.first + count;
     write_problem(set->generate(arguments.seed, trial), folder / fmt::format("{:06}.json", trial));
   }
-  say(stdout, "{} problem{} of {} in {}\n", arguments.count, arguments.count == 1 ? "" : "s", set->name(),
-      arguments.out);
-  return kExitDone;
+  say(stdout, "{} problem{} of {} in {}\n", count, count == 1 ? "" : "s", set->name(), printable(arguments.out));
+  return *stop != 0 ? kExitInterrupted : kExitDone;
 }
 
 }  // namespace

@@ -1,17 +1,20 @@
-#include <cerrno>
-#include <cstring>
+#include <csignal>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <system_error>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
+#include "adapters/worker/run_program.h"
 #include "core/error.h"
 #include "core/io/scenes_file.h"
+#include "core/io/whole_file.h"
 #include "study/commands/commands.h"
+#include "study/run/interrupt.h"
 
 namespace lcpbench {
 namespace {
@@ -23,28 +26,6 @@ struct ImportArguments {
   bool symmetrize = false;
 };
 
-/// The program that stands beside this one, with these arguments; its exit code. @throws InputError when it is missing
-int run_beside(const std::string& name, std::vector<std::string> arguments, const std::string& missing) {
-  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / name;
-  if (!std::filesystem::exists(program)) throw InputError(missing);
-  arguments.insert(arguments.begin(), program.string());
-  std::vector<char*> argv;
-  for (std::string& argument : arguments) argv.push_back(argument.data());
-  argv.push_back(nullptr);
-  const pid_t child = fork();
-  if (child == 0) {
-    execv(argv.front(), argv.data());
-    _exit(127);
-  }
-  int status = 0;
-  while (child > 0 && waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  if (child < 0 || !WIFEXITED(status) || WEXITSTATUS(status) == 127) {
-    throw InputError(fmt::format("{}: ended without an answer", program.string()));
-  }
-  return WEXITSTATUS(status);
-}
-
 int import_files(const ImportArguments& arguments) {
   if (!is_scenes_file(arguments.out)) {
     throw InputError("--out '" + arguments.out + "': a scenes file's name ends in .scenes");
@@ -55,11 +36,22 @@ int import_files(const ImportArguments& arguments) {
       throw InputError(arguments.out + ": is read by this command; write elsewhere");
     }
   }
-  std::vector<std::string> words{arguments.out};
+  const std::filesystem::path program =
+      std::filesystem::read_symlink("/proc/self/exe").parent_path() / "lcpbench-import-fclib";
+  if (!std::filesystem::exists(program)) {
+    throw InputError("import fclib: not in this build: install libhdf5-dev and build again");
+  }
+  const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
+  WholeFile out(arguments.out);
+  std::vector<std::string> words{program.string(), out.draft().string(), arguments.out};
   if (arguments.symmetrize) words.emplace_back("--symmetrize");
   words.insert(words.end(), arguments.files.begin(), arguments.files.end());
-  return run_beside("lcpbench-import-fclib", std::move(words),
-                    "import fclib: not in this build: install libhdf5-dev and build again");
+  const std::string ending = worker::run_program(std::move(words), STDOUT_FILENO, STDERR_FILENO, stop);
+  if (*stop != 0) return kExitInterrupted;
+  if (ending == "exited with code 2") return kExitBadInput;
+  if (ending != "exited with code 0") throw InputError(fmt::format("{}: {}", program.string(), ending));
+  out.commit();
+  return kExitDone;
 }
 
 }  // namespace

@@ -25,12 +25,12 @@ int inspect_files(const InspectArguments& arguments) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
   const auto visit = [&](const Problem& problem, const std::string& file) {
-    const Inspection inspection = inspect(problem);
+    const Inspection inspection = interruptibly([&] { return inspect(problem); });
     if (arguments.format == "json") {
       rows.push_back(inspection_json(inspection));
       rows.back()["problem"]["file"] = file;
     } else {
-      say(stdout, "{}\n{}\n", file, inspection_text(inspection, arguments.extent.width()));
+      say(stdout, "{}\n{}\n", printable(file), inspection_text(inspection, arguments.extent.width()));
     }
   };
   const bool complete = for_each_problem_file(arguments.files, stop, visit);

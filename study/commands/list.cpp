@@ -211,7 +211,7 @@ void print_sets(const std::vector<SetInfo>& sets, int width) {
   for (const SetInfo& info : sets) table.add_row({info.name, info.size, info.summary});
   say(stdout, "{}", table.text(width));
   for (const SetInfo& info : sets) {
-    say(stdout, "{}", folded(fmt::format("\n{}\n    source: {}\n", info.name, info.source), width));
+    say(stdout, "{}", folded(fmt::format("\n{}\n    source: {}\n", printable(info.name), info.source), width));
     for (const SettingInfo& option : info.options) print_setting(option, width);
   }
 }

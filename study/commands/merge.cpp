@@ -21,7 +21,7 @@ int merge(const MergeArguments& arguments) {
   const MergeOutcome outcome = merge_stores(arguments.out, arguments.inputs, told_on_stderr());
   for (const std::string& notice : outcome.notices) say(stderr, "lcpbench: {}\n", notice);
   if (outcome.conflicts.empty()) {
-    say(stdout, "{}: {} cells\n", arguments.out.string(), format_count(outcome.cells));
+    say(stdout, "{}: {} cells\n", printable(arguments.out.string()), format_count(outcome.cells));
     return kExitDone;
   }
   for (const std::string& conflict : outcome.conflicts) say(stderr, "lcpbench: conflict: {}\n", conflict);

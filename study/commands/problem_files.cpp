@@ -23,7 +23,7 @@ nlohmann::ordered_json problem_summary_json(const Problem& problem, const std::s
 }
 
 std::string problem_summary_text(const Problem& problem, const std::string& file) {
-  std::string text = fmt::format("{}: {}, n {}", file, to_string(problem.kind()), problem.size());
+  std::string text = fmt::format("{}: {}, n {}", printable(file), to_string(problem.kind()), problem.size());
   if (const ContactProblem* contact = problem.contact()) {
     text += fmt::format(", {}, {}, {}", counted_noun(static_cast<std::size_t>(contact->ngc()), "coordinate"),
                         counted_noun(static_cast<std::size_t>(contact->nc()), "contact"),

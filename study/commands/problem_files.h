@@ -11,8 +11,16 @@
 #include "core/io/problem_io.h"
 #include "core/io/scenes_file.h"
 #include "study/output/terminal.h"
+#include "study/run/interrupt.h"
 
 namespace lcpbench {
+
+/// What `act` gives, which reads or examines a file: an interrupt ends the process, if that takes long.
+template <class Act>
+auto interruptibly(Act act) {
+  const AbandonedAfterInterrupt abandoned;
+  return act();
+}
 
 /// Reads each file and calls visit(problem, file); of a scenes file every step, as "F.scenes#120". What is wrong with
 /// one (InputError, of `visit` too) is told in a line on stderr and does not stop the others. A `stop` that is raised
@@ -28,19 +36,23 @@ bool for_each_problem_file(const std::vector<std::string>& files, const volatile
       complete = false;
       say(stderr, "lcpbench: {}\n", error.what());
     }
+    std::fflush(stdout);  // an interrupt while the next is read loses nothing
   };
   const auto visit_steps = [&](const std::string& file) {
-    const ScenesFile scenes(file);
-    if (!scenes.truncation().empty()) say(stderr, "lcpbench: {}\n", scenes.truncation());
+    const ScenesFile scenes = interruptibly([&] { return ScenesFile(file); });
+    if (!scenes.truncation().empty()) say(stderr, "lcpbench: {}\n", printable(scenes.truncation()));
     for (std::size_t i = 0; i < scenes.count() && *stop == 0; ++i) {
-      guarded([&] { visit(scenes.read(i).problem, file + "#" + std::to_string(scenes.step_number(i))); });
+      guarded([&] {
+        visit(interruptibly([&] { return scenes.read(i); }).problem,
+              file + "#" + std::to_string(scenes.step_number(i)));
+      });
     }
   };
   for (const std::string& file : files) {
     if (*stop != 0) break;
     guarded([&] {
       if (is_scenes_file(file)) return visit_steps(file);
-      visit(read_problem(file), file);
+      visit(interruptibly([&] { return read_problem(file); }), file);
     });
   }
   return complete;

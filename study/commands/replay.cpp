@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <string>
 #include <system_error>
@@ -17,6 +16,7 @@
 #include "adapters/capture/launch.h"
 #include "adapters/capture/scene.h"
 #include "core/error.h"
+#include "core/io/whole_file.h"
 #include "core/io/scenes_file.h"
 #include "core/registry.h"
 #include "core/suggestion.h"
@@ -109,24 +109,25 @@ bool step_on(const ReplayArguments& arguments, const std::string& engine, const 
              const std::string& solver, const ReplayFiles& files, const volatile std::sig_atomic_t* stop) {
   std::error_code ignored;
   if (!arguments.fresh && is_complete_track(files.track) && fs::exists(files.frames, ignored)) return true;
-  fs::remove(files.track, ignored);
+  WholeFile frames(files.frames);
+  WholeFile track(files.track);
   const std::int64_t every = std::max<std::int64_t>(1, steps / (kFrames - 1));
-  const capture::EngineRun run = capture::run_engine(
-      engine, {scene, "", std::to_string(every), std::to_string(steps), files.frames, solver, files.track}, stop);
-  fs::remove(files.frames + ".hashes", ignored);
+  const capture::EngineRun run =
+      capture::run_engine(engine,
+                          {scene, "", std::to_string(every), std::to_string(steps), frames.draft().string(), solver,
+                           track.draft().string(), ""},
+                          stop);
   if (*stop != 0) return false;
   if (run.ending == "exited with code 2") throw InputError(run.message);
-  if (run.ending == "exited with code 0") return true;
+  if (run.ending == "exited with code 0") {
+    fs::remove(files.track, ignored);  // an old one never says that new frames are complete
+    frames.commit();
+    track.commit();
+    return true;
+  }
   say(stderr, "lcpbench: {} with {}: {} {}{}\n", scene, solver, engine, run.ending,
       run.message.empty() ? "" : ": " + run.message);
   return false;
-}
-
-void write_file(const fs::path& file, const std::string& text) {
-  std::ofstream stream(file, std::ios::binary | std::ios::trunc);
-  stream << text;
-  stream.close();
-  if (!stream) throw InputError(file.string() + ": cannot be written");
 }
 
 void make_folder(const ReplayArguments& arguments) {
@@ -135,7 +136,8 @@ void make_folder(const ReplayArguments& arguments) {
   if (error) throw InputError(fmt::format("--out '{}': {}", arguments.out, error.message()));
 }
 
-void write_results(const ReplayArguments& arguments, const std::vector<ReplayedFiles>& all) {
+/// @param page  of the folder; it is written last
+void write_results(const ReplayArguments& arguments, const std::vector<ReplayedFiles>& all, WholeFile& page) {
   const fs::path folder = arguments.out;
   std::vector<ReplayedScene> scenes;
   std::string conclusions;
@@ -147,7 +149,8 @@ void write_results(const ReplayArguments& arguments, const std::vector<ReplayedF
   write_file(folder / "summary.csv", replay_summary_csv(scenes));
   write_file(folder / "conclusions.md", conclusions);
   write_file(folder / "replays.json", replay_list(all));
-  write_file(folder / "index.html", replay_page(pictures_of(all), arguments.command_line));
+  page.write(replay_page(pictures_of(all), arguments.command_line));
+  page.commit();
 }
 
 /// Replays a scene with every solver. @returns whether all came to their end
@@ -188,6 +191,7 @@ int run_replay(const ReplayArguments& arguments) {
   const std::vector<std::string> solvers = solvers_of(arguments);
   make_folder(arguments);
   const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
+  WholeFile page(fs::path(arguments.out) / "index.html");  // its lock keeps another replay out of the folder
   ProgressLine progress;
   std::vector<ReplayedFiles> all;
   bool complete = true;
@@ -200,14 +204,14 @@ int run_replay(const ReplayArguments& arguments) {
     say(stderr, "lcpbench: interrupted; the same command goes on where it stopped\n");
     return kExitInterrupted;
   }
-  write_results(arguments, all);
+  write_results(arguments, all, page);
   if (arguments.format == "json") {
     Json rows = Json::array();
     for (const ReplayedFiles& each : all) rows.push_back(replay_json(each.scene));
     print_json(rows);
   } else {
     for (const ReplayedFiles& each : all) say(stdout, "{}", folded(conclusion(each.scene) + "\n", terminal_width()));
-    say(stdout, "curves and filmstrips: {}\n", (fs::path(arguments.out) / "index.html").string());
+    say(stdout, "curves and filmstrips: {}\n", printable((fs::path(arguments.out) / "index.html").string()));
   }
   return complete ? kExitDone : kExitCheckFailed;
 }

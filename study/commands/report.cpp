@@ -25,7 +25,7 @@ int run_report(const ReportArguments& arguments) {
   if (!arguments.replay.empty()) replays = read_replays(arguments.replay);
   Store store = open_checked(arguments.store);
   write_report(store, arguments.out, replays);
-  say(stdout, "{}\n", (arguments.out / "report.html").string());
+  say(stdout, "{}\n", printable((arguments.out / "report.html").string()));
   std::fflush(stdout);
   say(stderr, "{}", report::coverage_text(coverage_of(store.database())));
   return kExitDone;

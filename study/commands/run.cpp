@@ -196,7 +196,9 @@ std::string end_text(const RunArguments& arguments, const Summary& summary, cons
   };
   const std::string whole = table_text(summary, width);
   const std::string report =
-      folded("Every set and solver: --long. The report: lcpbench report " + file + " --out FOLDER.\n", width);
+      folded("Every set and solver: --long. The report: lcpbench report " + shell_word(file_argument(file)) +
+                 " --out FOLDER.\n",
+             width);
   constexpr std::size_t kWorst = 3;  // at least so many, and more in the lines that the answer leaves
   const auto worst = [&](std::size_t free_lines) {
     return fitting_text(summary.solvers.size(), free_lines,
@@ -217,13 +219,14 @@ int report_end(const RunArguments& arguments, const RunOutcome& outcome, const P
                                        format_count(outcome.already_done + outcome.progress.done),
                                        format_count(outcome.already_done + outcome.progress.total));
   if (outcome.end == RunEnd::kStopped) {
-    say(stderr, "lcpbench: interrupted; {} are in {}: run the same command again to resume\n", done, file);
+    say(stderr, "lcpbench: interrupted; {} are in {}: run the same command again to resume\n", done,
+        printable(file));
     return kExitInterrupted;
   }
   line.show("reading the results");
   const Summary summary = summarize(store);
   line.clear();
-  std::string head = fmt::format("{} in {}, {}\n{}", done, clock_text(outcome.progress.elapsed_s), file,
+  std::string head = fmt::format("{} in {}, {}\n{}", done, clock_text(outcome.progress.elapsed_s), printable(file),
                                  report::coverage_text(summary.coverage));
   if (outcome.end == RunEnd::kOutOfBudget) {
     head += fmt::format("the plan's time budget of {:g} s is used up; run the same command again to go on\n",
@@ -242,7 +245,7 @@ int run(const RunArguments& arguments) {
   line.clear();
   for (const std::string& solver : study.skipped) say(stderr, "skipped: {}\n", solver);
   for (const StudySet& set : study.sets) {
-    if (const std::string note = set.set->note(); !note.empty()) say(stderr, "{}\n", note);
+    if (const std::string note = set.set->note(); !note.empty()) say(stderr, "{}\n", printable(note));
   }
   say(stderr, "{}", left_out_text(study));
   if (study.solvers.empty()) throw InputError("plan " + plan.name + ": none of its solvers is available");

@@ -1,11 +1,8 @@
 #include "study/shrink/shrink.h"
 
-#include <cerrno>
 #include <csignal>
 #include <cstdint>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,11 +10,11 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "core/error.h"
 #include "core/io/problem_checks.h"
 #include "core/io/problem_io.h"
+#include "core/io/whole_file.h"
 #include "core/spec.h"
 #include "core/timed_solve.h"
 #include "study/commands/commands.h"
@@ -64,13 +61,6 @@ void check_out(const std::string& out, const std::string& file) {
   if (!folder.empty() && !fs::is_directory(folder, error)) {
     throw InputError(fmt::format("--out '{}': there is no folder {}", out, folder.string()));
   }
-  if (fs::is_directory(out, error)) throw InputError(fmt::format("--out '{}': is a folder", out));
-  const std::string trial = fmt::format("{}.{}", out, getpid());
-  errno = 0;
-  if (!std::ofstream(trial)) {
-    throw InputError(fmt::format("--out '{}': cannot be written: {}", out, std::strerror(errno)));
-  }
-  fs::remove(trial, error);
 }
 
 FailureOptions failure_options(const ShrinkArguments& arguments) {
@@ -111,13 +101,14 @@ std::string name_of_result(const Problem& problem, const std::string& file, cons
 }
 
 std::string replay_command(const ShrinkArguments& arguments, const FailureTest& test) {
+  const std::string out = shell_word(file_argument(arguments.out));
   std::string command =
-      fmt::format("lcpbench solve {} --solver {}", shell_word(arguments.out), shell_word(test.solver().text()));
+      fmt::format("lcpbench solve {} --solver {}", out, shell_word(test.solver().text()));
   const bool certificate = test.other() == "certificate";
   if (test.other().empty() && test.solver().text() != "auto") command += " --solver auto";
   if (!test.other().empty() && !certificate) command += " --solver " + shell_word(test.other());
   if (arguments.time_limit_s != kTimeLimitS) command += fmt::format(" --time-limit {:g}", arguments.time_limit_s);
-  return certificate ? command + " && lcpbench certify " + shell_word(arguments.out) : command;
+  return certificate ? command + " && lcpbench certify " + out : command;
 }
 
 /// What exact arithmetic proves of the result.
@@ -203,13 +194,14 @@ void print_outcome(const ShrinkArguments& arguments, const FailureTest& test, co
 int run_shrink(const ShrinkArguments& arguments) {
   check_out(arguments.out, arguments.file);
   const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
+  WholeFile out(arguments.out);
+  const Problem problem = interruptibly([&] { return read_problem(arguments.file); });
   const double began_s = wall_clock_s();
-  const Problem problem = read_problem(arguments.file);
   FailureTest test(failure_options(arguments));
   ShrinkOutcome outcome;
   outcome.start = as_read(problem, "start");
   if (!test.begin(outcome.start)) {
-    say(stderr, "lcpbench: {}: nothing to shrink{}: {}\n", arguments.file,
+    say(stderr, "lcpbench: {}: nothing to shrink{}: {}\n", printable(arguments.file),
         arguments.until.empty() ? "" : " until " + arguments.until, test.words());
     return *stop != 0 ? kExitInterrupted : kExitCheckFailed;
   }
@@ -225,12 +217,15 @@ int run_shrink(const ShrinkArguments& arguments) {
   outcome.shrunk = shrink(
       outcome.start, [&](const Problem& candidate) { return test.fails(candidate); }, options);
   progress.clear();
-  write_problem(outcome.shrunk.problem, arguments.out);
-  if (!test.fails(read_problem(arguments.out))) {
-    say(stderr, "lcpbench: {}: {} does not fail on it again: its answers are not reproducible\n", arguments.out,
+  const std::string text = problem_json(outcome.shrunk.problem);
+  if (!test.fails(parse_problem_json(text, arguments.out))) {
+    say(stderr, "lcpbench: {} does not fail again on what it failed on: its answers are not reproducible, and nothing "
+                "is written\n",
         test.solver().text());
     return kExitCheckFailed;
   }
+  out.write(text);
+  out.commit();
   outcome.words = test.words();
   if (*stop == 0) outcome.proof = prove(outcome.shrunk.problem, test.kind());
   outcome.seconds = wall_clock_s() - began_s;

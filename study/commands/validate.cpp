@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <memory>
 #include <optional>
@@ -23,6 +22,7 @@
 
 #include "core/error.h"
 #include "core/io/problem_io.h"
+#include "core/io/whole_file.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
 #include "study/commands/stores.h"
@@ -200,8 +200,8 @@ std::string file_name_part(std::string set) {
 /// The problems of the disagreements, some of each kind, as files, with an index. @returns how many problems
 std::size_t save(const Study& study, const std::vector<Disagreement>& disagreements,
                  const std::filesystem::path& folder) {
-  std::ofstream index(folder / "disagreements.csv");
-  index << "file,set,trial,ours,reference,outcome\n";
+  WholeFile index(folder / "disagreements.csv");
+  std::string rows = "file,set,trial,ours,reference,outcome\n";
   std::map<std::tuple<std::size_t, std::string, std::string, PairOutcome>, int> seen;
   std::set<std::string> written;
   using report::csv_text;
@@ -210,11 +210,11 @@ std::size_t save(const Study& study, const std::vector<Disagreement>& disagreeme
     const ProblemSet& set = *study.sets[found.set].set;
     const std::string file = fmt::format("{}-{}.json", file_name_part(set.name()), found.trial);
     if (written.insert(file).second) write_problem(set.generate(study.seed, found.trial), folder / file);
-    index << fmt::format("{},{},{},{},{},{}\n", csv_text(file), csv_text(set.name()), found.trial,
-                         csv_text(found.native), csv_text(found.reference), to_string(found.outcome));
+    rows += fmt::format("{},{},{},{},{},{}\n", csv_text(file), csv_text(set.name()), found.trial,
+                        csv_text(found.native), csv_text(found.reference), to_string(found.outcome));
   }
-  index.close();
-  if (!index) throw InputError((folder / "disagreements.csv").string() + ": cannot be written");
+  index.write(rows);
+  index.commit();
   return written.size();
 }
 
@@ -279,7 +279,8 @@ int run_validation(const ValidateArguments& arguments) {
   if (saved && !validation.disagreements.empty()) {
     const std::filesystem::path folder = folder_of_disagreements(arguments);
     const std::size_t files = save(study, validation.disagreements, folder);
-    say(stderr, "{} problems on which two disagree are in {}; lcpbench solve replays them\n", files, folder.string());
+    say(stderr, "{} problems on which two disagree are in {}; lcpbench solve replays them\n", files,
+        printable(folder.string()));
   }
   if (!complete) return kExitInterrupted;
   return validation.ours_wrong() ? kExitCheckFailed : kExitDone;

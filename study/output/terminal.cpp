@@ -43,10 +43,25 @@ std::string shell_word(const std::string& word) {
       word.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=+.,:/@%") ==
           std::string::npos;
   if (plain) return word;
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
+  if (printable(word) == word) {
+    std::string text = "'";
+    for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
+    return text + "'";
+  }
+  std::string text = "$'";
+  for (const char c : word) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '\'' || c == '\\') text += '\\';
+    if (byte < 0x20 || byte >= 0x7f) {
+      text += fmt::format("\\{:03o}", byte);
+    } else {
+      text += c;
+    }
+  }
   return text + "'";
 }
+
+std::string file_argument(const std::string& file) { return file.starts_with('-') ? "./" + file : file; }
 
 int terminal_width(std::FILE* stream) {
   int width = width_of_environment();
@@ -64,7 +79,7 @@ void ProgressLine::show(const std::string& text) {
     fmt::print(stderr, "\r\033[K{}", first_characters(printable(text), room));
   } else {
     if (begun_ || std::chrono::steady_clock::now() < silent_until_) return;
-    say(stderr, "{}\n", text);
+    say(stderr, "{}\n", printable(text));
   }
   begun_ = true;
   std::fflush(stderr);

@@ -19,8 +19,12 @@ void say(std::FILE* stream, fmt::format_string<Values...> format, Values&&... va
   fmt::print(stream, "{}", printable(fmt::format(format, std::forward<Values>(values)...), "\n"));
 }
 
-/// A word as a shell takes it: in single quotes where that is needed.
+/// A word as a shell takes it: in single quotes where that is needed, in bash's $'...' where it holds control
+/// characters. It stands in one line and commands no terminal.
 std::string shell_word(const std::string& word);
+
+/// A file's name as a command takes it: "-o.json" would be an option, "./-o.json" is the file.
+std::string file_argument(const std::string& file);
 
 /// How many characters a line for people may have: what COLUMNS says, else the width of the terminal that the stream
 /// is, else 100. At least 40, so that a table keeps a shape.

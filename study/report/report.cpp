@@ -1,10 +1,7 @@
 #include "study/report/report.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <map>
 #include <set>
 #include <utility>
@@ -12,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/io/whole_file.h"
 #include "study/evaluation/friction_model.h"
 #include "study/report/canvas.h"
 #include "study/report/decision.h"
@@ -38,13 +36,6 @@ void make_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw InputError(folder.string() + ": cannot make the folder: " + error.message());
-}
-
-void write_file(const std::filesystem::path& file, const std::string& content) {
-  std::ofstream out(file, std::ios::binary | std::ios::trunc);
-  out << content;
-  out.close();
-  if (!out) throw InputError(file.string() + ": cannot write: " + std::strerror(errno));
 }
 
 std::string json_document(const Json& json) { return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"; }
@@ -282,13 +273,15 @@ void write_report(Store& store, const std::filesystem::path& folder, const std::
   Report report = make_report(store, replays);
   const Json json = report_json(report);
   make_folder(folder);
+  WholeFile page(folder / "report.html");  // its lock keeps another report out of the folder
   write_tables(report, json, folder / "tables");
   write_figures(report.summary, report.speed_error, report.figures, folder);
   write_file(folder / "summary.json", json_document(json));
   for (const auto& [name, content] : report::paper_files(report.summary, report.paper)) {
     write_file(folder / name, content);
   }
-  write_file(folder / "report.html", report::html_page(report));
+  page.write(report::html_page(report));
+  page.commit();
 }
 
 }  // namespace lcpbench

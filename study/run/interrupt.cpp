@@ -14,6 +14,8 @@ volatile std::sig_atomic_t exit_code_of_end = 0;
 /// Someone looks at the flag and ends the program in good order.
 volatile std::sig_atomic_t is_watched = 0;
 volatile std::sig_atomic_t is_on_terminal = 0;
+volatile std::sig_atomic_t is_abandoned = 0;  ///< the present work, where an interrupt comes
+constexpr unsigned kPatienceS = 1;
 
 /// Safe in a signal handler. What stands in the terminal's present line, a progress line, goes.
 void print(std::string_view words) {
@@ -28,11 +30,21 @@ void on_interrupt(int) {
     const int error = errno;  // of what the signal interrupts
     print("lcpbench: interrupted; what is begun is finished first (a second signal ends at once)\n");
     interrupts = 1;
+    alarm(kPatienceS);
     errno = error;
     return;
   }
   print("lcpbench: interrupted\n");
   _exit(exit_code_of_end);
+}
+
+/// Each second after an interrupt.
+void on_alarm(int) {
+  if (is_abandoned != 0) {
+    print("lcpbench: interrupted\n");
+    _exit(exit_code_of_end);
+  }
+  alarm(kPatienceS);
 }
 
 /// A handler, and not SIG_IGN, which the programs that this one starts would inherit: the write fails with EFBIG.
@@ -59,8 +71,12 @@ void announce_interrupts(int exit_code) {
 
 const volatile std::sig_atomic_t* catch_interrupts(int exit_code) {
   announce_interrupts(exit_code);
+  handle(SIGALRM, on_alarm);
   is_watched = 1;
   return &interrupts;
 }
+
+AbandonedAfterInterrupt::AbandonedAfterInterrupt() { is_abandoned = 1; }
+AbandonedAfterInterrupt::~AbandonedAfterInterrupt() { is_abandoned = 0; }
 
 }  // namespace lcpbench

@@ -15,4 +15,14 @@ void announce_interrupts(int exit_code);
 /// @returns the flag
 const volatile std::sig_atomic_t* catch_interrupts(int exit_code);
 
+/// Work on foreign input, such as the reading of a file, that looks at no flag and of which nothing is worth keeping.
+/// If it lasts longer than a second after the first signal, the process ends as above.
+class AbandonedAfterInterrupt {
+ public:
+  AbandonedAfterInterrupt();
+  ~AbandonedAfterInterrupt();
+  AbandonedAfterInterrupt(const AbandonedAfterInterrupt&) = delete;
+  AbandonedAfterInterrupt& operator=(const AbandonedAfterInterrupt&) = delete;
+};
+
 }  // namespace lcpbench

@@ -7,18 +7,6 @@
 
 namespace lcpbench {
 
-std::filesystem::path followed(const std::filesystem::path& file) {
-  constexpr int kMostLinks = 40;  // as the kernel has it: links may lead in a circle
-  std::filesystem::path target = file;
-  std::error_code error;
-  for (int links = 0; links < kMostLinks && std::filesystem::is_symlink(target, error); ++links) {
-    const std::filesystem::path next = std::filesystem::read_symlink(target, error);
-    if (error) break;
-    target = target.parent_path() / next;  // an absolute one replaces it
-  }
-  return target;
-}
-
 std::filesystem::path side_file(const std::filesystem::path& store, const char* suffix) {
   return followed(store).string() + suffix;
 }

@@ -2,13 +2,11 @@
 
 #include <filesystem>
 
+#include "core/io/whole_file.h"
+
 namespace lcpbench {
 
-/// The file that a name leads to: symbolic links are followed, also where the last one leads to no file yet. SQLite and
-/// the lock keep their own files beside that one.
-std::filesystem::path followed(const std::filesystem::path& file);
-
-/// A file beside a store: the name of the store's file with a suffix. SQLite has "-journal", "-wal" and "-shm".
+/// A file beside the one that a store's name leads to: its name with a suffix. SQLite has "-journal", "-wal", "-shm".
 std::filesystem::path side_file(const std::filesystem::path& store, const char* suffix);
 
 /// True when the file has more names than one (hard links).

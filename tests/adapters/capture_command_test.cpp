@@ -2,6 +2,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -55,7 +56,7 @@ class Capture : public ::testing::Test {
                            << R"({"step":3,"problem":)" << problem << "}\nEND\n"
                            << R"(printf '{"step":4,"prob' >> "$5")"
                            << "\n"
-                           << "echo 3 " << problem_hash(parse_problem_json(problem, "stand-in")) << " > \"$5.hashes\"\n"
+                           << "echo 3 " << problem_hash(parse_problem_json(problem, "stand-in")) << " > \"$8\"\n"
                            << commands << "\n";
     fs::permissions(program, fs::perms::owner_all);
   }
@@ -72,8 +73,17 @@ class Capture : public ::testing::Test {
     const ScenesFile file((folder_ / name).string());
     ASSERT_EQ(file.count(), 1U);
     EXPECT_EQ(file.step_number(0), 3);
-    EXPECT_FALSE(fs::exists(folder_ / (name + ".part")));
-    EXPECT_FALSE(fs::exists(folder_ / (name + ".part.hashes")));
+    expect_no_other_file(name);
+  }
+
+  /// Nothing is left in the folder but the stand-in and what it was captured into.
+  void expect_no_other_file(const std::string& name) const {
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
+      const std::string found = entry.path().filename().string();
+      const bool known = found == name || found == "out" || found == "err" || found == "ready" || found == "second" ||
+                         found == "lcpbench-capture-ode";
+      EXPECT_TRUE(known) << found;
+    }
   }
 
   fs::path folder_;
@@ -405,10 +415,77 @@ TEST_F(Capture, AnInterruptWithinTheHeaderLeavesNoStep) {
   EXPECT_FALSE(fs::exists(folder_ / "stopped.scenes"));
 }
 
+constexpr const char* kOtherHash = "echo 3 0123456789abcdef0123456789abcdef > \"$8\"";
+
 TEST_F(Capture, TellsAStepThatDoesNotReplay) {
-  stand_in("echo 3 0123456789abcdef0123456789abcdef > \"$5.hashes\"");
+  stand_in(kOtherHash);
   EXPECT_EQ(capture_stand_in("other.scenes"), 1);
-  EXPECT_NE(read_file(folder_ / "err").find("step 3 does not replay bit for bit"), std::string::npos);
+  EXPECT_NE(read_file(folder_ / "err").find("step 3 of 'stack' does not replay bit for bit: nothing is written"),
+            std::string::npos);
+  expect_no_other_file("");
+}
+
+TEST_F(Capture, ACaptureThatFailsLeavesTheOldFile) {
+  std::ofstream(folder_ / "old.scenes") << "old";
+  for (const auto& [commands, code] :
+       {std::pair{kOtherHash, 1}, std::pair{"> \"$5\"", 1}, std::pair{"echo 'bad model' >&2\nexit 2", 2}}) {
+    stand_in(commands);
+    EXPECT_EQ(capture_stand_in("old.scenes"), code);
+    EXPECT_EQ(read_file(folder_ / "old.scenes"), "old");
+    expect_no_other_file("old.scenes");
+  }
+}
+
+/// Neither the steps nor the file that stands there are lost.
+TEST_F(Capture, StepsOfACaptureThatDidNotEndAreKeptBesideAnOldFile) {
+  std::ofstream(folder_ / "old.scenes") << "old";
+  stand_in("touch ready\nexec sleep 100");
+  EXPECT_EQ(capture_stand_in("old.scenes", "", kInterrupt), 3);
+  EXPECT_EQ(read_file(folder_ / "old.scenes"), "old");
+  EXPECT_EQ(ScenesFile((folder_ / "old.incomplete.scenes").string()).step_number(0), 3);
+  EXPECT_NE(read_file(folder_ / "err").find("old.incomplete.scenes holds the steps until then\nlcpbench: old.scenes is "
+                                            "as it was\n"),
+            std::string::npos)
+      << read_file(folder_ / "err");
+  EXPECT_NE(read_file(folder_ / "out").find("lcpbench solve 'old.incomplete.scenes#3'"), std::string::npos);
+}
+
+TEST_F(Capture, AnEngineEndsWithACommandThatIsKilled) {
+  stand_in("echo $$ > ready\nexec sleep 1000");
+  capture_stand_in("killed.scenes", "", "& until [ -s ready ]; do sleep 0.02; done; kill -KILL $!");
+  EXPECT_FALSE(runs_on(folder_ / "ready"));
+  fs::remove(folder_ / "killed.scenes.part");  // empty; the next capture uses it again
+  expect_no_other_file("");
+}
+
+TEST_F(Capture, ASecondCommandWithTheSameOutputIsRefused) {
+  stand_in("touch ready\nexec sleep 100");
+  EXPECT_EQ(capture_stand_in("one.scenes", "",
+                             "& program=$!; until [ -e ready ]; do sleep 0.02; done; '" LCPBENCH_PROGRAM
+                             "' capture stack --out one.scenes 2>second; code=$?; kill -TERM $program; wait; "
+                             "exit $code"),
+            2);
+  EXPECT_EQ(read_file(folder_ / "second"),
+            "lcpbench: one.scenes: cannot be written: another process is writing it\n");
+  expect_step_three("one.scenes");
+}
+
+/// What is printed to be typed again names the same file, in one line.
+TEST_F(Capture, ThePrintedCommandNamesAnyFile) {
+  for (const std::string word : {"-o.scenes", "$'a b\\033[2J\\n.scenes'"}) {
+    stand_in("");
+    std::ofstream(folder_ / "script") << "export LCPBENCH_WORKER_DIR='" << folder_.string() << "'\n'" LCPBENCH_PROGRAM
+                                      << "' capture stack --out=" << word << " >out 2>err";
+    const std::string bash = "cd '" + folder_.string() + "' && bash script";
+    ASSERT_EQ(std::system(bash.c_str()), 0) << read_file(folder_ / "err");
+    const std::string out = read_file(folder_ / "out");
+    EXPECT_EQ(std::count(out.begin(), out.end(), '\n'), 2) << out;
+    EXPECT_EQ(out.find('\x1b'), std::string::npos);
+    const std::string printed = "lcpbench solve ";
+    std::ofstream(folder_ / "script") << "'" LCPBENCH_PROGRAM "' inspect "
+                                      << out.substr(out.find(printed) + printed.size());
+    EXPECT_EQ(std::system((bash + " 2>err >out").c_str()), 0) << out << read_file(folder_ / "err");
+  }
 }
 
 }  // namespace

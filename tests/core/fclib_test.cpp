@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <string>
 #include <vector>
@@ -18,6 +19,7 @@ extern "C" {  // the header does not say so itself
 #include "core/error.h"
 #include "core/io/problem_io.h"
 #include "core/io/scenes_file.h"
+#include "tests/support/program_run.h"
 
 namespace lcpbench {
 namespace {
@@ -218,38 +220,184 @@ TEST_F(FclibTest, WhatIsOutsideOfTheModelIsNamed) {
   EXPECT_EQ(error_of("/etc/passwd"), "cannot be opened as an HDF5 file");
 }
 
-// Pointers that go back may not lead beyond the end of x on their way.
-TEST_F(FclibTest, PointersThatDescendAreNamed) {
-  const std::string file = global(Stored(kM, kColumns), Stored(kH, kColumns), kNoW);
-  const hid_t opened = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
-  const auto replace = [&](const char* name, hid_t type, const void* numbers, hsize_t count) {
-    H5Ldelete(opened, name, H5P_DEFAULT);
+/// A file of fclib, of which parts are replaced.
+class ChangedFclibTest : public FclibTest {
+ protected:
+  ChangedFclibTest() : name_(global(Stored(kM, kColumns), Stored(kH, kColumns), kNoW)) {
+    file_ = H5Fopen(name_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  }
+
+  /// A dataset in the place of one that is there. @param creation  how it is stored
+  void replace(const char* name, hid_t type, const void* numbers, hsize_t count, hid_t creation = H5P_DEFAULT) {
+    H5Ldelete(file_, name, H5P_DEFAULT);
     const hid_t space = H5Screate_simple(1, &count, nullptr);
-    const hid_t set = H5Dcreate2(opened, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-    H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers);
+    const hid_t set = H5Dcreate2(file_, name, type, space, H5P_DEFAULT, creation, H5P_DEFAULT);
+    ASSERT_GE(set, 0);
+    if (numbers != nullptr) H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers);
     H5Dclose(set);
     H5Sclose(space);
-  };
+  }
+
+  std::string error() {
+    H5Fclose(file_);
+    return error_of(name_);
+  }
+
+  std::string name_;
+  hid_t file_ = -1;
+};
+
+// Pointers that go back may not lead beyond the end of x on their way.
+TEST_F(ChangedFclibTest, PointersThatDescendAreNamed) {
   const std::vector<int> pointers{0, 5, 2, 2};
   const std::vector<double> values{2, 0.5};
   replace("/fclib_global/M/p", H5T_NATIVE_INT, pointers.data(), pointers.size());
   replace("/fclib_global/M/x", H5T_NATIVE_DOUBLE, values.data(), values.size());
-  H5Fclose(opened);
-  EXPECT_EQ(error_of(file), "/fclib_global/M/p: entry 1 does not ascend");
+  EXPECT_EQ(error(), "/fclib_global/M/p: entry 1 does not ascend");
 }
 
-TEST_F(FclibTest, TheProgramWritesAScenesFile) {
+// A size is only a claim: the transpose of 2^26 empty columns takes seconds and gigabytes.
+TEST_F(ChangedFclibTest, MoreRowsThanTheFileHasBytesAreRefused) {
+  const int rows = 1 << 26;
+  replace("/fclib_global/M/m", H5T_NATIVE_INT, &rows, 1);
+  replace("/fclib_global/M/n", H5T_NATIVE_INT, &rows, 1);
+  H5Fflush(file_, H5F_SCOPE_GLOBAL);
+  const std::string bytes = std::to_string(fs::file_size(name_));
+  EXPECT_EQ(error(), "/fclib_global/M: 67108864 numbers in a file of " + bytes + " bytes");
+}
+
+TEST_F(ChangedFclibTest, NumbersThatNobodyWroteAreRefused) {
+  replace("/fclib_global/M/x", H5T_NATIVE_DOUBLE, nullptr, 1 << 26);
+  EXPECT_NE(error().find("/fclib_global/M/x: 67108864 numbers in a file of "), std::string::npos);
+}
+
+// One entry far from the diagonal joins all rows to one block, which is stored dense.
+TEST_F(ChangedFclibTest, ABlockTooLargeToBeStoredDenseIsRefusedBeforeItIsMade) {
+  const int rows = 40'000;
+  const auto count = static_cast<std::size_t>(rows);
+  std::vector<int> p(count + 1), i(count + 2);
+  std::vector<double> x(count + 2, 1.0), f(count, 0.0);
+  for (std::size_t k = 0; k < count; ++k) {
+    p[k] = static_cast<int>(k + (k > 0 ? 1 : 0));
+    i[k + (k > 0 ? 1 : 0)] = static_cast<int>(k);
+  }
+  p[count] = rows + 2;
+  i[1] = rows - 1;
+  x[1] = 0.25;
+  i[count] = 0;
+  i[count + 1] = rows - 1;
+  x[count] = 0.25;
+  replace("/fclib_global/M/m", H5T_NATIVE_INT, &rows, 1);
+  replace("/fclib_global/M/n", H5T_NATIVE_INT, &rows, 1);
+  replace("/fclib_global/M/p", H5T_NATIVE_INT, p.data(), p.size());
+  replace("/fclib_global/M/i", H5T_NATIVE_INT, i.data(), i.size());
+  replace("/fclib_global/M/x", H5T_NATIVE_DOUBLE, x.data(), x.size());
+  replace("/fclib_global/H/m", H5T_NATIVE_INT, &rows, 1);
+  replace("/fclib_global/vectors/f", H5T_NATIVE_DOUBLE, f.data(), f.size());
+  EXPECT_EQ(error(), "/fclib_global/M: its dense diagonal blocks have more than 67108864 numbers");
+}
+
+// Else a problem from somewhere tells its author what is in any file of the reader's.
+TEST_F(ChangedFclibTest, NoOtherFileIsRead) {
+  const std::vector<double> secret{0.5, 0.25, 0.75};
+  std::ofstream(path("secret"), std::ios::binary).write(reinterpret_cast<const char*>(secret.data()), 24);
+  const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
+  H5Pset_external(creation, path("secret").c_str(), 0, 24);
+  replace("/fclib_global/vectors/f", H5T_NATIVE_DOUBLE, nullptr, 3, creation);
+  H5Pclose(creation);
+  EXPECT_EQ(error(), "/fclib_global/vectors/f: its numbers are in another file, which is not read");
+}
+
+/// A file whose dimension is a link to another file. Made before any file is read: reading takes the links out of HDF5.
+const std::string kLinked = [] {
+  const std::string name = (fs::temp_directory_path() / ("lcpbench-link-" + std::to_string(::getpid()))).string();
+  const hid_t file = H5Fcreate(name.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  H5Gclose(H5Gcreate2(file, "/fclib_local", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+  H5Lcreate_external(name.c_str(), "/other", file, "/fclib_local/spacedim", H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t space = H5Screate(H5S_SCALAR);
+  const hid_t set = H5Dcreate2(file, "/other", H5T_NATIVE_INT, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  const int dimension = 3;
+  H5Dwrite(set, H5T_NATIVE_INT, H5S_ALL, H5S_ALL, H5P_DEFAULT, &dimension);
+  H5Dclose(set);
+  H5Sclose(space);
+  H5Fclose(file);
+  return name;
+}();
+
+TEST_F(FclibTest, NoLinkToAnotherFileIsFollowed) {
+  EXPECT_EQ(error_of(kLinked), "/fclib_local/spacedim: is not a dataset of this file");
+  fs::remove(kLinked);
+}
+
+class ImportTest : public FclibTest {
+ protected:
+  /// By the command, or by a copy of it in the folder.
+  ProgramRun import(const std::string& arguments) const { return run_program(folder_, "import fclib " + arguments); }
+
+  /// Beside a copy of the program, a stand-in for the one that reads HDF5.
+  void stand_in(const std::string& commands) const {
+    fs::copy_file(LCPBENCH_PROGRAM, folder_ / "lcpbench");
+    std::ofstream(folder_ / "lcpbench-import-fclib") << "#!/bin/sh\n" << commands << "\n";
+    fs::permissions(folder_ / "lcpbench-import-fclib", fs::perms::owner_all);
+    std::ofstream(path("out.scenes")) << "old";
+  }
+
+  /// Starts the copy in the background of a shell, and runs the shell's commands when the stand-in is ready.
+  int with_import(const std::string& then) const {
+    const std::string command = "cd '" + folder_.string() +
+                                "' && { ./lcpbench import fclib in --out out.scenes >out 2>err & "
+                                "until [ -s ready ]; do sleep 0.02; done; program=$!; " +
+                                then + "; }";
+    return WEXITSTATUS(std::system(command.c_str()));
+  }
+};
+
+constexpr const char* kForever = "echo $$ > ready\nwhile :; do echo x >> \"$1\"; sleep 0.01; done";
+
+TEST_F(ImportTest, WritesAScenesFile) {
   const std::string first = local(Stored(Matrix::Identity(3, 3), kRows));
   fs::copy(first, path("second.hdf5"));
-  const std::string out = path("out.scenes");
-  const std::string program = IMPORT_PROGRAM " " + out + " ";
-  ASSERT_EQ(std::system((program + first + " " + path("second.hdf5") + " > /dev/null").c_str()), 0);
-  const ScenesFile scenes(out);
+  const ProgramRun run = import("problem.hdf5 second.hdf5 --out out.scenes");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.out, "out.scenes#0: problem.hdf5, 1 contacts\nout.scenes#1: second.hdf5, 1 contacts\n");
+  const ScenesFile scenes(path("out.scenes"));
   ASSERT_EQ(scenes.count(), 2u);
   EXPECT_EQ(problem_hash(scenes.read(1).problem), problem_hash(read_fclib(first, false)));
   EXPECT_EQ(scenes.read(1).problem.name(), "second.hdf5");
-  EXPECT_EQ(WEXITSTATUS(std::system((program + "/etc/passwd 2> /dev/null").c_str())), 2);
-  EXPECT_FALSE(fs::exists(out));
+}
+
+TEST_F(ImportTest, AFileThatCannotBeReadLeavesTheOldOutput) {
+  local(Stored(Matrix::Identity(3, 3), kRows));
+  std::ofstream(path("out.scenes")) << "old";
+  const ProgramRun run = import("problem.hdf5 /etc/passwd --out out.scenes");
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_EQ(run.err, "lcpbench: /etc/passwd: cannot be opened as an HDF5 file\n");
+  EXPECT_EQ(read_file(path("out.scenes")), "old");
+  EXPECT_FALSE(fs::exists(path("out.scenes.part")));
+}
+
+TEST_F(ImportTest, AnInterruptEndsTheProgramThatReads) {
+  stand_in(kForever);
+  EXPECT_EQ(with_import("kill -TERM $program; wait $program"), 3);
+  EXPECT_FALSE(runs_on(folder_ / "ready"));
+  EXPECT_EQ(read_file(path("out.scenes")), "old");
+  EXPECT_FALSE(fs::exists(path("out.scenes.part")));
+}
+
+TEST_F(ImportTest, TheProgramThatReadsEndsWithTheCommand) {
+  stand_in(kForever);
+  with_import("kill -KILL $program");
+  EXPECT_FALSE(runs_on(folder_ / "ready"));
+  EXPECT_EQ(read_file(path("out.scenes")), "old");
+}
+
+TEST_F(ImportTest, ASecondCommandWithTheSameOutputIsRefused) {
+  stand_in(kForever);
+  EXPECT_EQ(with_import("./lcpbench import fclib in --out out.scenes 2>second; code=$?; kill -TERM $program; "
+                        "wait $program; exit $code"),
+            2);
+  EXPECT_EQ(read_file(folder_ / "second"),
+            "lcpbench: out.scenes: cannot be written: another process is writing it\n");
 }
 
 }  // namespace

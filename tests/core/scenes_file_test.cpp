@@ -247,6 +247,26 @@ TEST_F(ScenesFileTest, ALineThatWouldFillTheMemoryIsRefused) {
   EXPECT_EQ(error_of([&] { ScenesFile{path()}; }), path() + ": a line of more than 268435456 bytes");
 }
 
+// Compressed, such files are small: 40 million blank lines, and 20 lines of 100 MiB each.
+TEST_F(ScenesFileTest, AFileThatExpandsWithoutEndIsRefusedAtOnce) {
+  {
+    ScenesWriter writer(path(), {.scene = "bomb"}, 1);
+    writer.add_line(std::string(40'000'000, '\n'));
+    writer.close();
+  }
+  EXPECT_LT(fs::file_size(path()), 10000u);
+  EXPECT_EQ(error_of([&] { ScenesFile{path()}; }), path() + ": more than 1000 blank lines at its end");
+  {
+    ScenesWriter writer(path(), {.scene = "bomb"}, 1);
+    const std::string spaces(100U << 20, ' ');
+    for (int i = 0; i < 20; ++i) writer.add_line("{\"step\":" + std::to_string(i) + spaces);
+    writer.close();
+  }
+  EXPECT_LT(fs::file_size(path()), 300000u);
+  EXPECT_EQ(error_of([&] { ScenesFile{path()}; }),
+            path() + ": its text is more than 1024 times as long as its compressed bytes");
+}
+
 TEST_F(ScenesFileTest, AStepIsAProblemAndAFileIsASet) {
   written(4);
   EXPECT_EQ(problem_hash(read_problem(path() + "#20")), problem_hash(step_of(20).problem));

@@ -50,6 +50,28 @@ INSTANTIATE_TEST_SUITE_P(SpecTest, BadSpecTest,
                                          "lemke{=1}", "lemke{a=1,a=2}", "lemke{a={}", "lemke{a=1,}", "lem}ke",
                                          "lemke{a}=1}"));
 
+/// A plan may hold a megabyte: each level of a nested solver reads all levels below it again.
+TEST(SpecTest, NestingAndOptionsAreCountedBeforeTheyAreRead) {
+  const auto nested = [](int depth) {
+    std::string text;
+    for (int i = 0; i < depth; ++i) text += "regularized{solver=";
+    return text + "lemke" + std::string(static_cast<std::size_t>(depth), '}');
+  };
+  EXPECT_EQ(parse_spec(nested(16)).name, "regularized");
+  std::string options;
+  for (int i = 0; i < 100000; ++i) options += (i > 0 ? ",o" : "o") + std::to_string(i) + "=1";
+  for (const auto& [text, cause] : {std::pair{nested(20000), "more than 16 braces inside each other"},
+                                    std::pair{"lemke{" + options + "}", "more than 256 options"}}) {
+    try {
+      parse_spec(text);
+      FAIL() << cause;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(cause), std::string::npos) << error.what();
+      EXPECT_LT(std::string(error.what()).size(), 2000U);
+    }
+  }
+}
+
 TEST(SpecTest, SplitsAtTopLevelCommasOnly) {
   EXPECT_EQ(split_top_level("a{b,c},d"), (std::vector<std::string>{"a{b,c}", "d"}));
   EXPECT_EQ(split_top_level("a"), (std::vector<std::string>{"a"}));

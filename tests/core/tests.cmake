@@ -12,6 +12,7 @@ lcpbench_test(suggestion LINK lcpbench_core)
 lcpbench_test(warm_start LINK lcpbench_core)
 target_sources(warm_start_test PRIVATE support/allocation_counter.cpp)
 
+lcpbench_test(whole_file LINK lcpbench_io)
 lcpbench_test(problem_errors LINK lcpbench_generators)
 lcpbench_test(problem_io LINK lcpbench_generators)
 target_compile_definitions(problem_io_test PRIVATE LCPBENCH_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
@@ -50,8 +51,8 @@ target_compile_definitions(capture_test PRIVATE CAPTURE_EXAMPLES="${capture_exam
 find_library(FCLIB_LIBRARY fclib)
 if(TARGET lcpbench_fclib AND FCLIB_LIBRARY)
   lcpbench_test(fclib LINK lcpbench_fclib ${FCLIB_LIBRARY})
-  target_compile_definitions(fclib_test PRIVATE IMPORT_PROGRAM="$<TARGET_FILE:lcpbench-import-fclib>")
-  add_dependencies(fclib_test lcpbench-import-fclib)
+  target_compile_definitions(fclib_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
+  add_dependencies(fclib_test lcpbench lcpbench-import-fclib)
 endif()
 
 lcpbench_test(problem_text_formats LINK lcpbench_generators)

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <sstream>
 #include <string>
 
@@ -274,7 +275,7 @@ TEST_F(ReplayCommand, ATrackWhoseFramesCannotBeWrittenHasNoEnd) {
   if (!installed("ode") || !fs::exists("/dev/full")) GTEST_SKIP();
   fs::create_symlink("/dev/full", folder_ / "frames");
   const std::string command = "cd '" + std::string(folder_ / "") + "' && '" + program.string() +
-                              "' stack '' 1 3 frames auto track.csv 2> /dev/null";
+                              "' stack '' 1 3 frames auto track.csv '' 2> /dev/null";
   EXPECT_NE(std::system(command.c_str()), 0);
   EXPECT_TRUE(fs::exists(folder_ / "track.csv"));
   EXPECT_FALSE(is_complete_track(folder_ / "track.csv"));
@@ -298,6 +299,36 @@ TEST_F(ReplayCommand, AnInterruptLeavesAFolderThatCanBeUsedAgain) {
   EXPECT_EQ(run(command + " & sleep 2; kill -TERM $!; wait $!").exit_code, 3);
   EXPECT_FALSE(fs::exists(folder_ / "made" / "index.html"));
   EXPECT_EQ(run("replay stack --solver auto --steps 3 --out made").exit_code, 0);
+}
+
+// A replay that is interrupted, or whose command is killed, leaves what an earlier one wrote, and no program behind.
+TEST_F(ReplayCommand, AnUnfinishedReplayLeavesTheEarlierOneAndNoProgram) {
+  if (!installed("ode")) GTEST_SKIP();
+  const fs::path made = folder_ / "made";
+  ASSERT_EQ(run("replay stack --solver auto --steps 3 --out made").exit_code, 0);
+  const auto contents = [&] {
+    std::map<std::string, std::string> all;
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(made)) {
+      if (entry.is_regular_file() && entry.path().extension() != ".part") all[entry.path()] = read_file(entry.path());
+    }
+    return all;
+  };
+  const auto before = contents();
+  const fs::path workers = folder_ / "workers";
+  fs::create_directory(workers);
+  std::ofstream(workers / "lcpbench-capture-ode") << "#!/bin/sh\necho half > \"$5\"; echo half > \"$7\"\n"
+                                                  << "echo $$ > ready\nexec sleep 1000\n";
+  fs::permissions(workers / "lcpbench-capture-ode", fs::perms::owner_all);
+  for (const std::string signal : {"TERM", "KILL"}) {
+    fs::remove(folder_ / "ready");
+    const std::string script = "cd '" + std::string(folder_ / "") + "' && export LCPBENCH_WORKER_DIR=$PWD/workers; '" +
+                               LCPBENCH_PROGRAM +
+                               "' replay stack --solver auto --steps 3 --out made --fresh >out 2>err & "
+                               "until [ -s ready ]; do sleep 0.02; done; kill -" + signal + " $!; wait $!";
+    EXPECT_EQ(WEXITSTATUS(std::system(script.c_str())), signal == "TERM" ? 3 : 128 + SIGKILL);
+    EXPECT_FALSE(runs_on(folder_ / "ready")) << signal;
+    EXPECT_EQ(contents(), before) << signal;
+  }
 }
 
 TEST_F(ReplayCommand, MistakesOfUseAreOneLineEach) {

@@ -2,6 +2,8 @@
 // without a word, half-made files.
 
 #include <algorithm>
+#include <csignal>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -10,7 +12,9 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include "study/run/interrupt.h"
 #include "tests/support/program_run.h"
 #include "tests/support/study_support.h"
 
@@ -75,6 +79,54 @@ TEST_F(SurroundingsTest, NamesCommandNoTerminalAndNoSpreadsheet) {
   for (const auto& entry : std::filesystem::directory_iterator(folder_ / "report/tables")) {
     EXPECT_EQ(read_file(entry.path()).find('\x1b'), std::string::npos) << entry.path();
   }
+}
+
+/// A line end in a name is no line of the output.
+TEST_F(SurroundingsTest, ANameWithALineEndStaysInItsLine) {
+  for (const char* arguments :
+       {"generate planted/definite --seed 1 --count 1 --out 'two\nlines'",
+        "run --set planted/definite --solver lemke --trials 1 --store 'two\n.db'", "merge 'out\n.db' 'two\n.db'",
+        "report 'two\n.db' --out 'report\nlines'", "sets 'file:two\nlines'",
+        "bench --set 'file:two\nlines' --solver lemke --problems 1"}) {
+    const ProgramRun output = run(arguments);
+    ASSERT_EQ(output.exit_code, 0) << output.err;
+    const std::string printed = output.out + output.err;
+    EXPECT_EQ(printed.find("\nlines"), std::string::npos) << printed;
+    EXPECT_EQ(printed.find("\n.db"), std::string::npos) << printed;
+  }
+  EXPECT_EQ(run("inspect 'two\nlines/000000.json'").out.rfind("two?lines/000000.json\n", 0), 0U);
+}
+
+/// Reading looks at no flag: it is given a second.
+TEST_F(SurroundingsTest, AnInterruptEndsWhatLooksAtNoFlag) {
+  const auto read_for_ever = [] {
+    catch_interrupts(3);
+    const AbandonedAfterInterrupt abandoned;
+    raise(SIGTERM);
+    for (;;) usleep(100'000);
+  };
+  EXPECT_EXIT(read_for_ever(), testing::ExitedWithCode(3), "interrupted; .*\nlcpbench: interrupted\n");
+  const auto finish_first = [] {
+    const volatile std::sig_atomic_t* stop = catch_interrupts(3);
+    { const AbandonedAfterInterrupt abandoned; }
+    raise(SIGTERM);
+    for (int i = 0; i < 25; ++i) usleep(100'000);
+    std::_Exit(*stop != 0 ? 7 : 8);
+  };
+  EXPECT_EXIT(finish_first(), testing::ExitedWithCode(7), "what is begun is finished first");
+}
+
+TEST_F(SurroundingsTest, InterruptedGeneratingLeavesWholeFilesAlone) {
+  const ProgramRun output =
+      shell("'" LCPBENCH_PROGRAM "' generate planted/definite --seed 1 --count 10000000 --out made >out 2>err & "
+            "until [ -e made/000100.json ]; do sleep 0.02; done; kill -TERM $!; wait $!");
+  EXPECT_EQ(output.exit_code, 3);
+  std::int64_t files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "made")) {
+    EXPECT_EQ(entry.path().extension(), ".json");
+    ++files;
+  }
+  EXPECT_EQ(output.out.rfind(std::to_string(files) + " problems of ", 0), 0U) << output.out;
 }
 
 /// One line at once, what is done is printed, exit code 3.

@@ -35,6 +35,19 @@ void expect_fits(const std::string& text, std::size_t width, const std::string& 
     EXPECT_LE(character_count(line), width) << what << ": " << line;
 }
 
+TEST(ShellWordTest, StandsInOneLineAndIsReadBackByTheShell) {
+  for (const std::string word : {"plain-1.json", "a b", "it's", "$HOME`x`", "\x1b[2J", "two\nlines'\\", "\u009b2J",
+                                 "\u00e9t\u00e9 \x01"}) {
+    const std::string text = shell_word(word);
+    EXPECT_EQ(printable(text), text);
+    std::ofstream("shell_word.sh") << "printf %s " << text;
+    EXPECT_EQ(std::system("bash shell_word.sh > shell_word.out"), 0);
+    EXPECT_EQ(read_file("shell_word.out"), word);
+  }
+  EXPECT_EQ(file_argument("-o.json"), "./-o.json");
+  EXPECT_EQ(file_argument("o.json"), "o.json");
+}
+
 TEST(FoldedTest, BreaksAtBlanksElseBehindJointsElseAnywhere) {
   EXPECT_EQ(folded("one two three\n", 8, 2), "one two\n  three\n");
   EXPECT_EQ(folded("  abc{longer=1,other=2}", 16, 2), "  abc{longer=1,\n    other=2}");

@@ -9,6 +9,7 @@
 #include <string>
 
 #include <sys/wait.h>
+#include <unistd.h>
 
 namespace lcpbench {
 
@@ -17,6 +18,18 @@ inline std::string read_file(const std::filesystem::path& file) {
   std::ostringstream text;
   text << std::ifstream(file, std::ios::binary).rdbuf();
   return text.str();
+}
+
+/// Whether the process whose id is in the file runs on; it is given two seconds to end.
+inline bool runs_on(const std::filesystem::path& id_file) {
+  const std::string stat = "/proc/" + std::to_string(std::stoi(read_file(id_file))) + "/stat";
+  for (int i = 0; i < 100; ++i) {
+    const std::string text = read_file(stat);
+    const std::size_t name_end = text.rfind(") ");
+    if (name_end == std::string::npos || text[name_end + 2] == 'Z') return false;
+    usleep(20'000);
+  }
+  return true;
 }
 
 struct ProgramRun {

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace lcpbench {
+
+/// A file that is written whole or not at all. It is written as a draft beside its place, `FILE.part`, which takes the
+/// place when it is complete. Until then, and without that, what stood there stays as it was.
+///
+/// The draft is locked: another command with the same output is refused. The lock ends with the process, and a draft
+/// that a killed process left is used again. A symbolic link is followed. /dev/null, a pipe and whatever else is no regular
+/// file has no draft and no lock: it is written in place.
+class WholeFile {
+ public:
+  /// Makes an empty draft. Waits two seconds for another process that writes the same file. @throws InputError when
+  /// that does not end, or the file cannot be written
+  explicit WholeFile(const std::filesystem::path& file);
+  /// Deletes the draft, if it has not taken a place.
+  ~WholeFile();
+  WholeFile(const WholeFile&) = delete;
+  WholeFile& operator=(const WholeFile&) = delete;
+
+  /// Where to write.
+  const std::filesystem::path& draft() const { return draft_; }
+  /// The place: links are followed.
+  const std::filesystem::path& place() const { return place_; }
+  bool had_content() const { return had_content_; }
+
+  /// Writes the draft's whole content. @throws InputError
+  void write(std::string_view text) const;
+
+  /// Everything has been written: the draft takes the place. @throws InputError
+  void commit() { commit_as(place_); }
+  /// The draft takes another place, on the same file system.
+  void commit_as(const std::filesystem::path& place);
+
+ private:
+  [[noreturn]] void fail(const std::string& cause) const;
+  bool lock();
+
+  std::filesystem::path file_;  ///< as messages name it
+  std::filesystem::path place_;
+  std::filesystem::path draft_;
+  bool had_content_ = false;
+  int descriptor_ = -1;
+};
+
+/// Writes a WholeFile. @throws InputError when it cannot be written
+void write_file(const std::filesystem::path& file, std::string_view text);
+
+/// The file that a name leads to: symbolic links are followed, also where the last one leads to no file yet.
+std::filesystem::path followed(const std::filesystem::path& file);
+
+}  // namespace lcpbench
