@@ -101,7 +101,8 @@ struct Judge::Data {
   DyadicVector mu;        // nc
   Inverse response;       // G*
   DyadicVector diagonal;  // M_ii of the impulse rows, times the denominator of G*
-  DyadicVector floor;     // of the impulse rows: (k + 1) (2^-53 |J_i|'|v| + 2^-1074)
+  DyadicVector floor;     // of the impulse rows: (k + 1) (2^-53 (|J_i|'|v| + |b_i|) + 2^-1074)
+  DyadicVector velocity;  // ngc: before the impact
 
   explicit Data(const Problem& problem) {
     if (problem.contact() != nullptr) {
@@ -124,6 +125,8 @@ struct Judge::Data {
     const DyadicVector v = exact(contact.v);
     q = product(transposed(J), v);
     q.resize(at(layout.size()));
+    for (Index i = 0; i < contact.b.size(); ++i) q[at(i)] = q[at(i)] + Dyadic(contact.b(i));
+    velocity = v;
     const DyadicMatrix moved = product(response.numerator, J);
     for (Index i = 0; i < J.cols; ++i) {
       Dyadic square;
@@ -133,6 +136,10 @@ struct Judge::Data {
         square = square + J(k, i) * moved(k, i);
         magnitude = magnitude + abs(J(k, i) * v[at(k)]);
         if (J(k, i).sign() != 0) ++terms;
+      }
+      if (i < layout.nc && contact.offset(i) != 0) {
+        magnitude = magnitude + abs(Dyadic(contact.offset(i)));
+        ++terms;
       }
       diagonal.push_back(square);
       floor.push_back(Dyadic(terms) * (Dyadic(0x1p-53) * magnitude + Dyadic(0x1p-1074)));
@@ -172,12 +179,66 @@ struct Judge::Data {
     }
     return w;
   }
+
+  /// What velocity_holds() compares, times the denominator of G*.
+  struct Moved {
+    DyadicVector velocity;  // v(z)
+    DyadicVector bound;
+  };
+
+  Moved moved(const DyadicVector& z) const {
+    const DyadicVector f(z.begin(), z.begin() + J.cols);
+    DyadicMatrix sizes = J;
+    for (Dyadic& entry : sizes.entries) entry = abs(entry);
+    DyadicMatrix response_sizes = response.numerator;
+    for (Dyadic& entry : response_sizes.entries) entry = abs(entry);
+    DyadicVector f_sizes;
+    for (const Dyadic& entry : f) f_sizes.push_back(abs(entry));
+    Moved result{product(response.numerator, product(J, f)), product(response_sizes, product(sizes, f_sizes))};
+    const Dyadic underflow = Dyadic(static_cast<double>(4 + J.rows * J.cols)) * Dyadic(0x1p-1074);
+    for (std::size_t k = 0; k < velocity.size(); ++k) {
+      const Dyadic v = velocity[k] * response.denominator;
+      result.velocity[k] = result.velocity[k] + v;
+      result.bound[k] = Dyadic(kSolvedVelocityResidual) * (result.bound[k] + abs(v)) + underflow * response.denominator;
+    }
+    return result;
+  }
+
+  /// A vector along the two tangents of a contact, times the square of the denominator of G*.
+  struct Tangential {
+    Dyadic first;
+    Dyadic second;
+    Dyadic square() const { return first * first + second * second; }
+  };
+
+  /// Whether | M_tt f_t - P(M_tt f_t - u_t) | <= limit, P the nearest point of the disc of radius mu M_tt max(f_N, 0).
+  /// @param w  of complement(): lambda is in its friction rows @param limit  times the square of the denominator of G*
+  bool cone_holds(Index contact, const DyadicVector& z, const DyadicVector& w, const Dyadic& limit) const {
+    const Index row = layout.friction_offset() + layout.friction_begin[at(contact)];
+    const Dyadic& lambda = z[at(layout.lambda_offset() + layout.lambda[at(contact)])];
+    const Dyadic& denominator = response.denominator;
+    const auto slip = [&](Index k) { return (w[at(row + k)] - lambda * denominator) * denominator; };
+    const auto impulse = [&](Index k) { return z[at(row + k)] - z[at(row + k + 2)]; };
+    const Dyadic diagonal_tt = max(diagonal[at(row)], diagonal[at(row + 1)]) * denominator;
+    const Tangential held{diagonal_tt * impulse(0), diagonal_tt * impulse(1)};
+    const Tangential aim{held.first - slip(0), held.second - slip(1)};
+    const Dyadic radius = mu[at(contact)] * diagonal_tt * max(z[at(contact)], Dyadic());
+    const Dyadic allowed = limit * limit;
+    if (aim.square() <= radius * radius) return Tangential{slip(0), slip(1)}.square() <= allowed;
+    // |held - radius aim / |aim||^2 <= limit^2, as excess |aim| <= gain
+    const Dyadic excess = held.square() + radius * radius - allowed;
+    const Dyadic gain = Dyadic(2.0) * radius * (held.first * aim.first + held.second * aim.second);
+    const Dyadic left = excess * excess * aim.square();
+    const Dyadic right = gain * gain;
+    if (excess.sign() <= 0) return gain.sign() >= 0 || right <= left;
+    return gain.sign() >= 0 && left <= right;
+  }
 };
 
 Judge::Judge(const Problem& problem) : data_(std::make_unique<Data>(problem)) {}
 Judge::~Judge() = default;
 
-bool Judge::contacts_solved(const DyadicVector& z) const {
+bool Judge::contacts_solved(const DyadicVector& z, Friction friction) const {
   const Data& data = *data_;
   const Dyadic& denominator = data.response.denominator;
   const Dyadic square = denominator * denominator;
@@ -186,6 +247,7 @@ bool Judge::contacts_solved(const DyadicVector& z) const {
   bool solved = true;
   for (const std::vector<Index>& island : data.parts) {
     Dyadic residual;
+    std::vector<Index> cones;
     Dyadic largest_q;
     Dyadic floor;
     for (const Index i : island) {
@@ -200,10 +262,17 @@ bool Judge::contacts_solved(const DyadicVector& z) const {
         a = z[at(i)] * square;
         b = w[at(i)] * data.diagonal[at(contact)];
       }
-      residual = max(residual, abs(min(a, b)));
       largest_q = max(largest_q, abs(data.q[at(i)]));
+      if (friction == Friction::kPyramid || i < data.layout.nc) {
+        residual = max(residual, abs(min(a, b)));
+      } else if (i >= data.J.cols) {
+        cones.push_back(data.layout.cone_contact[at(i - data.layout.lambda_offset())]);
+      }
     }
-    solved = solved && residual <= max(tolerance * largest_q, floor) * square;
+    const Dyadic limit = max(tolerance * largest_q, floor) * square;
+    solved = solved && residual <= limit && std::all_of(cones.begin(), cones.end(), [&](Index contact) {
+               return data.cone_holds(contact, z, w, limit);
+             });
     const Dyadic scale = max(largest_q, floor * Dyadic(1 / kSolvedVelocityResidual));
     measure_ = std::max(measure_, quotient(residual, scale * square));
   }
@@ -254,17 +323,36 @@ bool Judge::block_solved(const DyadicVector& z, const std::vector<Index>& block)
   return solved;
 }
 
-bool Judge::solves(const Vector& z) const {
+bool Judge::solves(const Vector& z, Friction friction) const {
   measure_ = 0;
   if (z.size() != static_cast<Index>(data_->q.size()) || !z.allFinite()) {
     measure_ = std::numeric_limits<double>::infinity();
     return false;
   }
   const DyadicVector numbers = exact(z);
-  if (data_->contacts) return contacts_solved(numbers);
+  if (data_->contacts) return contacts_solved(numbers, friction);
   bool solved = true;
   for (const std::vector<Index>& block : data_->parts) solved = block_solved(numbers, block) && solved;
   return solved;
+}
+
+bool Judge::velocity_holds(const Vector& z, const Vector& u) const {
+  if (u.size() != static_cast<Index>(data_->velocity.size()) || !u.allFinite()) return false;
+  const Data::Moved moved = data_->moved(exact(z));
+  for (Index k = 0; k < u.size(); ++k) {
+    const Dyadic error = abs(Dyadic(u(k)) * data_->response.denominator - moved.velocity[at(k)]);
+    if (!(error <= moved.bound[at(k)])) return false;
+  }
+  return true;
+}
+
+Vector Judge::beyond_velocity(const Vector& z) const {
+  const Data::Moved moved = data_->moved(exact(z));
+  Vector result(static_cast<Index>(moved.bound.size()));
+  for (Index k = 0; k < result.size(); ++k) {
+    result(k) = std::max(2 * quotient(moved.bound[at(k)], data_->response.denominator), 0x1p-1060);
+  }
+  return result;
 }
 
 DyadicMatrix Judge::rows() const {
