@@ -48,8 +48,14 @@ DyadicMatrix coupling(const Inertia& inertia) {
   return exact(dense_inertia(inertia));
 }
 
-/// Coordinates, factors and contacts that nothing couples are apart: the contacts' rows, by island.
-std::vector<std::vector<Index>> islands(const ContactProblem& contact, const ContactLayout& layout) {
+/// What nothing couples to the rest.
+struct Part {
+  std::vector<Index> coordinates;  ///< contact problems only
+  std::vector<Index> rows;
+};
+
+/// Coordinates, factors and contacts that nothing couples are apart.
+std::vector<Part> islands(const ContactProblem& contact, const ContactLayout& layout) {
   const DyadicMatrix inertia = coupling(contact.inertia);
   const bool factored = std::holds_alternative<FactoredInertia>(contact.inertia);
   const Index ngc = contact.ngc();
@@ -65,15 +71,22 @@ std::vector<std::vector<Index>> islands(const ContactProblem& contact, const Con
     }
     if (layout.lambda[at(c)] >= 0) groups.join(row + c, row + layout.lambda_offset() + layout.lambda[at(c)]);
   }
-  std::vector<std::vector<Index>> result;
+  std::vector<Part> result;
   for (const std::vector<Index>& group : groups.members()) {
-    std::vector<Index> rows;
+    Part& part = result.emplace_back();
     for (const Index member : group) {
-      if (member >= row) rows.push_back(member - row);
+      if (member < ngc) part.coordinates.push_back(member);
+      if (member >= row) part.rows.push_back(member - row);
     }
-    if (!rows.empty()) result.push_back(rows);
   }
   return result;
+}
+
+/// The root of a >= 0 from above, to 2^-60 of it.
+Dyadic root(const Dyadic& a) {
+  if (a.sign() == 0) return a;
+  const long exponent = a.exponent() - 256 - (a.exponent() % 2 != 0 ? 1 : 0);
+  return {boost::multiprecision::sqrt(a.over(exponent)) + 1, exponent / 2};
 }
 
 DyadicMatrix beside(const DyadicMatrix& A, const DyadicMatrix& B) {
@@ -91,7 +104,7 @@ struct Judge::Data {
   // Bare LCP
   DyadicMatrix M;
   DyadicVector q;
-  std::vector<std::vector<Index>> parts;  // islands or blocks, as rows
+  std::vector<Part> parts;  // islands or blocks
 
   // Contact problem
   bool contacts = false;
@@ -113,7 +126,7 @@ struct Judge::Data {
     q = exact(problem.lcp().q);
     Groups groups(problem.size());
     join_columns(M, 0, 0, groups);
-    parts = groups.members();
+    for (std::vector<Index>& rows : groups.members()) parts.push_back({{}, std::move(rows)});
   }
 
   void load(const ContactProblem& contact) {
@@ -195,11 +208,22 @@ struct Judge::Data {
     DyadicVector f_sizes;
     for (const Dyadic& entry : f) f_sizes.push_back(abs(entry));
     Moved result{product(response.numerator, product(J, f)), product(response_sizes, product(sizes, f_sizes))};
-    const Dyadic underflow = Dyadic(static_cast<double>(4 + J.rows * J.cols)) * Dyadic(0x1p-1074);
-    for (std::size_t k = 0; k < velocity.size(); ++k) {
-      const Dyadic v = velocity[k] * response.denominator;
-      result.velocity[k] = result.velocity[k] + v;
-      result.bound[k] = Dyadic(kSolvedVelocityResidual) * (result.bound[k] + abs(v)) + underflow * response.denominator;
+    for (const Part& part : parts) {
+      double terms = 1;
+      Dyadic pushed;  // sum_j sqrt(M_jj) |f_j| times the root of the denominator
+      for (const Index j : part.rows) {
+        if (j >= J.cols || f[at(j)].sign() == 0) continue;
+        ++terms;
+        pushed = pushed + root(diagonal[at(j)]) * f_sizes[at(j)];
+      }
+      for (const Index i : part.coordinates) {
+        const Dyadic v = velocity[at(i)] * response.denominator;
+        const Dyadic rounding = Dyadic(0x1p-53) * root(response.numerator(i, i)) * pushed +
+                                Dyadic(0x1p-1074) * response.denominator;
+        result.velocity[at(i)] = result.velocity[at(i)] + v;
+        result.bound[at(i)] =
+            Dyadic(kSolvedVelocityResidual) * (result.bound[at(i)] + abs(v)) + Dyadic(terms) * rounding;
+      }
     }
     return result;
   }
@@ -245,7 +269,7 @@ bool Judge::contacts_solved(const DyadicVector& z, Friction friction) const {
   const DyadicVector w = data.complement(z, Dyadic(1.0));
   const Dyadic tolerance(kSolvedVelocityResidual);
   bool solved = true;
-  for (const std::vector<Index>& island : data.parts) {
+  for (const auto& [coordinates, island] : data.parts) {
     Dyadic residual;
     std::vector<Index> cones;
     Dyadic largest_q;
@@ -332,7 +356,7 @@ bool Judge::solves(const Vector& z, Friction friction) const {
   const DyadicVector numbers = exact(z);
   if (data_->contacts) return contacts_solved(numbers, friction);
   bool solved = true;
-  for (const std::vector<Index>& block : data_->parts) solved = block_solved(numbers, block) && solved;
+  for (const Part& block : data_->parts) solved = block_solved(numbers, block.rows) && solved;
   return solved;
 }
 

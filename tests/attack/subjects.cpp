@@ -206,7 +206,7 @@ class CertifySubject final : public Subject {
       if (certificate.velocity.size() > 0) rounded.velocity = certificate.velocity;
       const Outcome outcome = classify(target, rounded, Friction::kPyramid, detail);
       // An exact solution may have no neighbour in doubles that solves the problem.
-      if (contradiction(outcome) && outcome != Outcome::kFalseSolved) return outcome;
+      if (outcome == Outcome::kOtherVerdict) return outcome;
     }
     if (certificate.proof != ProofKind::kExactBasis && certificate.proof != ProofKind::kEnumeration) {
       return Outcome::kSolved;
