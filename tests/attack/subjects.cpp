@@ -49,6 +49,13 @@ void solve(Solver& solver, const Target& target, double time_limit_s, Answer& an
 
 using Friction = Judge::Friction;
 
+/// An evaluation that resolves every inertia has no such member.
+template <class Measures>
+bool is_unresolved(const Measures& errors) {
+  if constexpr (requires { errors.unresolved; }) return errors.unresolved;
+  return false;
+}
+
 /// Why the answer contradicts what is exactly true, or what it is otherwise.
 Outcome classify(Target& target, const Answer& answer, Friction friction, std::string& detail);
 
@@ -103,6 +110,10 @@ Outcome classify(Target& target, const Answer& answer, Friction friction, std::s
   if (answer.detail.find("proven") != std::string::npos && shows_vector && !witness) return Outcome::kFalseProven;
   Errors errors = target.evaluator.errors(answer);
   if (round) measure_cone(target.problem, answer, errors);
+  if (is_unresolved(errors)) {
+    target.unresolved = true;
+    return Outcome::kUnresolved;
+  }
   if (errors.solved != (solves && moves_so)) {
     detail += std::string("; the evaluation says ") + (errors.solved ? "solved" : "not solved") + ", rho " +
               number(errors.velocity_residual_relative) + ", eta " + number(errors.backward_row_norm);
