@@ -194,7 +194,7 @@ TEST(AttackTest, JudgesTheReturnedVelocity) {
 
 TEST(AttackTest, JudgesTheRoundCone) {
   const auto block = [](const std::string& v, const std::string& mu) {
-    return contact(R"("v":)" + v + R"(,"N":[[1],[0],[0]],"D":[[0,0,0,0],[1,0,-1,0],[0,1,0,-1]],"edges":[4],"mu":)" + mu +
+    return contact(R"("N":[[1],[0],[0]],"D":[[0,0,0,0],[1,0,-1,0],[0,1,0,-1]],"edges":[4],"v":)" + v + R"(,"mu":)" + mu +
                    R"(,"G":[[1,0,0],[0,1,0],[0,0,1]])");
   };
   constexpr auto kCone = Judge::Friction::kCone;

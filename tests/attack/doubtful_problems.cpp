@@ -162,8 +162,9 @@ constexpr Maker kMakers[] = {light_direction,      nearly_dependent,     deficie
 
 /// Any of the others, or of the kinds of contact problems, in units of up to 2^+-140.
 ContactProblem extreme_units(Draw& draw) {
-  ContactProblem contact = draw.chance(2, 3) ? kMakers[draw.integer(0, 5)](draw)
-                                             : make_contact_of_kind(static_cast<std::size_t>(draw.integer(0, 12)), draw);
+  ContactProblem contact = draw.chance(2, 3)
+                               ? kMakers[draw.integer(0, 5)](draw)
+                               : make_contact_of_kind(static_cast<std::size_t>(draw.integer(0, 12)), draw);
   change_units(contact, 140, draw);
   return contact;
 }

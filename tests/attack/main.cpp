@@ -42,8 +42,8 @@ unsigned long long printable(std::uint64_t value) { return static_cast<unsigned 
 
 void print_table(const Tally& tally, const CampaignOptions& options) {
   std::printf(
-      "%s: %llu problems, seed %llu: %llu solvable, %llu unsolvable (%llu shown by doubles, %llu nearly solvable), %llu "
-      "unknown, %llu unresolved\n",
+      "%s: %llu problems, seed %llu: %llu solvable, %llu unsolvable (%llu shown by doubles, %llu nearly solvable), "
+      "%llu unknown, %llu unresolved\n",
       to_string(options.family), printable(options.problems), printable(options.seed), printable(tally.truth(0)),
       printable(tally.truth(1)), printable(tally.truth(2)), printable(tally.truth(4)), printable(tally.truth(3)),
       printable(tally.truth(5)));
@@ -155,7 +155,8 @@ int main(int argc, char** argv) {
   app.add_option("--first", options.first, "index of the first problem");
   app.add_option("--seed", options.seed, "seed");
   app.add_option("--jobs", options.jobs, "processes")->check(CLI::Range(1, 256));
-  app.add_option("--solvers", arguments.solvers, "only these, separated by commas; certify, reader and embedded:solver are among them");
+  app.add_option("--solvers", arguments.solvers,
+                 "only these, separated by commas; certify, reader and embedded:solver are among them");
   app.add_option("--time-limit", options.time_limit_s, "seconds that each solver is given");
   app.add_option("--out", options.out, "folder for counts.csv, truths.csv, provenance.json and problems/");
   app.add_option("--replay", arguments.replay, "one problem file instead of generated problems")

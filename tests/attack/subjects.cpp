@@ -94,7 +94,8 @@ Outcome classify(Target& target, const Answer& answer, Friction friction, std::s
   const bool round = friction == Friction::kCone;
   const bool solves = target.judge.solves(answer.z, friction);
   detail += round ? ", by the cone's measure" : ", measure " + number(target.judge.measure());
-  const bool moves_so = answer.velocity.size() == 0 || !solves || target.judge.velocity_holds(answer.z, answer.velocity);
+  const bool moves_so =
+      answer.velocity.size() == 0 || !solves || target.judge.velocity_holds(answer.z, answer.velocity);
   // The truth is that of the pyramid.
   const bool solvable = !round && target.truth.truth == Truth::kSolvable;
   const bool unsolvable = !round && target.truth.truth == Truth::kUnsolvable;
@@ -274,9 +275,11 @@ std::string with_settings(const SolverDefinition& solver, bool loose) {
   Spec spec{solver.name, {}};
   bool any = false;
   for (const SettingInfo& setting : solver.settings()) {
+    const bool tolerance =
+        setting.name == "accept_residual" || setting.name == "tolerance" || setting.name == "error";
     if (setting.name == "cone") spec.options.emplace_back("cone", "true");
     any = any || (!loose && setting.name == "cone");
-    if (!loose || (setting.name != "accept_residual" && setting.name != "tolerance" && setting.name != "error")) continue;
+    if (!loose || !tolerance) continue;
     const std::string end = setting.range.substr(setting.range.find(", ") + 2);
     spec.options.emplace_back(setting.name, end.starts_with("inf") ? "1e300" : end.substr(0, end.size() - 1));
     any = true;
@@ -311,7 +314,9 @@ std::vector<std::string> sampled_subject_names() {
 std::unique_ptr<Subject> make_subject(const std::string& name) {
   if (name == kCertify) return std::make_unique<CertifySubject>();
   if (name == kReader) return std::make_unique<ReaderSubject>();
-  if (name.starts_with(kEmbedded)) return std::make_unique<EmbeddedSubject>(std::string_view(name).substr(kEmbedded.size()));
+  if (name.starts_with(kEmbedded)) {
+    return std::make_unique<EmbeddedSubject>(std::string_view(name).substr(kEmbedded.size()));
+  }
   return std::make_unique<SolverSubject>(name);
 }
 

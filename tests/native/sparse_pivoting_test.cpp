@@ -31,7 +31,10 @@ Vector planted(const Matrix& M, std::uint64_t seed) {
   DrawSequence draws(TrialKey{stream_id("tests/sparse_pivoting"), seed, 0}, Purpose::kPlantedValues, 0);
   Vector z = Vector::Zero(M.rows());
   Vector w = Vector::Zero(M.rows());
-  for (Index i = 0; i < M.rows(); ++i) (draws.integer(0, 1) == 0 ? z : w)(i) = static_cast<double>(draws.integer(1, 99));
+  for (Index i = 0; i < M.rows(); ++i) {
+    Vector& positive = draws.integer(0, 1) == 0 ? z : w;
+    positive(i) = static_cast<double>(draws.integer(1, 99));
+  }
   return w - M * z;
 }
 
