@@ -71,9 +71,11 @@ std::vector<Part> islands(const ContactProblem& contact, const ContactLayout& la
     }
     if (layout.lambda[at(c)] >= 0) groups.join(row + c, row + layout.lambda_offset() + layout.lambda[at(c)]);
   }
-  std::vector<Part> result;
+  std::vector<Part> result(1);  // the first: what no contact moves
   for (const std::vector<Index>& group : groups.members()) {
-    Part& part = result.emplace_back();
+    const bool moved = group.back() >= row;
+    if (moved) result.emplace_back();
+    Part& part = moved ? result.back() : result.front();
     for (const Index member : group) {
       if (member < ngc) part.coordinates.push_back(member);
       if (member >= row) part.rows.push_back(member - row);
@@ -116,6 +118,7 @@ struct Judge::Data {
   DyadicVector diagonal;  // M_ii of the impulse rows, times the denominator of G*
   DyadicVector floor;     // of the impulse rows: (k + 1) (2^-53 (|J_i|'|v| + |b_i|) + 2^-1074)
   DyadicVector velocity;  // ngc: before the impact
+  DyadicMatrix G;         // none if only G* is given
 
   explicit Data(const Problem& problem) {
     if (problem.contact() != nullptr) {
@@ -135,6 +138,7 @@ struct Judge::Data {
     J = beside(exact(to_dense(contact.N)), exact(to_dense(contact.D)));
     mu = exact(contact.mu);
     response = exact_response(contact.inertia);
+    if (!std::holds_alternative<InverseInertia>(contact.inertia)) G = exact_inertia(contact.inertia);
     const DyadicVector v = exact(contact.v);
     q = product(transposed(J), v);
     q.resize(at(layout.size()));
@@ -210,7 +214,13 @@ struct Judge::Data {
     Moved result{product(response.numerator, product(J, f)), product(response_sizes, product(sizes, f_sizes))};
     for (const Part& part : parts) {
       double terms = 1;
-      Dyadic pushed;  // sum_j sqrt(M_jj) |f_j| times the root of the denominator
+      Dyadic energy;
+      for (const Index i : part.coordinates) {
+        for (const Index j : part.coordinates) {
+          if (G.rows > 0) energy = energy + velocity[at(i)] * G(i, j) * velocity[at(j)];
+        }
+      }
+      Dyadic pushed = root(energy * response.denominator);  // sqrt(v'G v) + ..., times the denominator's root
       for (const Index j : part.rows) {
         if (j >= J.cols || f[at(j)].sign() == 0) continue;
         ++terms;

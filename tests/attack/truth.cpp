@@ -116,18 +116,6 @@ DyadicMatrix range_basis(const Inertia& inertia) {
   return exact(dense_inertia(inertia));
 }
 
-DyadicMatrix definite_part(const Inertia& inertia) {
-  if (const auto* given = std::get_if<InverseInertia>(&inertia)) return exact(given->Ginv);
-  if (const auto* factors = std::get_if<FactoredInertia>(&inertia)) {
-    DyadicMatrix weighted = exact(factors->X);
-    for (Index i = 0; i < weighted.rows; ++i) {
-      for (Index k = 0; k < weighted.cols; ++k) weighted(i, k) = weighted(i, k) * Dyadic(factors->alpha(k));
-    }
-    return product(weighted, transposed(exact(factors->X)));
-  }
-  return exact(dense_inertia(inertia));
-}
-
 /// Whether some c >= 0 has P'C c = 0 and q'c = -1.
 bool moves_nothing_and_falls(const DyadicMatrix& P, const DyadicMatrix& C, const DyadicVector& q) {
   const DyadicMatrix null_rows = product(transposed(P), C);
@@ -163,7 +151,7 @@ DyadicMatrix cone_edges(const ContactProblem& contact) {
 ExactTruth contact_truth(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   const bool nothing_asked = std::all_of(contact.b.begin(), contact.b.end(), [](double b) { return b >= 0; });
-  if (nothing_asked && positive_definite(definite_part(contact.inertia))) return {Truth::kSolvable, false};
+  if (nothing_asked && positive_definite(exact_inertia(contact.inertia))) return {Truth::kSolvable, false};
   const DyadicMatrix P = range_basis(contact.inertia);
   const DyadicMatrix edges = cone_edges(contact);
   DyadicVector q = product(transposed(edges), exact(contact.v));
@@ -173,7 +161,7 @@ ExactTruth contact_truth(const Problem& problem) {
     for (int t = 0; t < contact.edges[at(c)]; ++t, ++column) q[at(column)] = q[at(column)] + offset_of(contact, c);
   }
   if (moves_nothing_and_falls(P, exact(to_dense(contact.N)), q)) return {Truth::kUnsolvable, false};
-  const bool copositive = positive_semidefinite(definite_part(contact.inertia));
+  const bool copositive = positive_semidefinite(exact_inertia(contact.inertia));
   if (copositive && !moves_nothing_and_falls(P, edges, q)) return {Truth::kSolvable, false};
   if (problem.size() > kLargestSearched) return {};
   Inequalities inequalities(Judge(problem).rows());
@@ -211,9 +199,21 @@ bool disproves(const Problem& problem, const DyadicVector& u) {
 
 bool disproves(const Problem& problem, const Vector& u) { return u.allFinite() && disproves(problem, exact(u)); }
 
+DyadicMatrix exact_inertia(const Inertia& inertia) {
+  if (const auto* given = std::get_if<InverseInertia>(&inertia)) return exact(given->Ginv);
+  if (const auto* factors = std::get_if<FactoredInertia>(&inertia)) {
+    DyadicMatrix weighted = exact(factors->X);
+    for (Index i = 0; i < weighted.rows; ++i) {
+      for (Index k = 0; k < weighted.cols; ++k) weighted(i, k) = weighted(i, k) * Dyadic(factors->alpha(k));
+    }
+    return product(weighted, transposed(exact(factors->X)));
+  }
+  return exact(dense_inertia(inertia));
+}
+
 Inverse exact_response(const Inertia& inertia) {
   if (const auto* given = std::get_if<InverseInertia>(&inertia)) return {exact(given->Ginv), Dyadic(1.0)};
-  const DyadicMatrix G = definite_part(inertia);
+  const DyadicMatrix G = exact_inertia(inertia);
   if (const std::optional<Inverse> regular = inverse(G)) return *regular;
   const DyadicMatrix X = range_basis(inertia);
   const std::vector<Index> chosen = independent_columns(X);
