@@ -28,7 +28,8 @@ constexpr std::int64_t kMostSystems = 20000;
 /// Entries of tableaus that a rung in 113 bits changes: about a second.
 constexpr std::int64_t kMostQuadWork = 10'000'000;
 
-constexpr std::array<const char*, 7> kNames{"lemke",
+constexpr std::array<const char*, 8> kNames{"sparse principal pivoting",
+                                            "lemke",
                                             "covering lemke",
                                             "lemke, tight tolerances",
                                             "covering lemke, quad",
@@ -50,6 +51,7 @@ void LcpLadder::load(const Problem& problem) {
   problem_ = problem;
   lemke_.load(problem_);
   if (!takes()) return;
+  is_sparse_ = sparse_.load(problem_.lcp());
   covering_.load(problem_.lcp());
   attempt_.reserve(problem_);
   if (has(Rung::kExact)) exact_.reserve(problem_.size());
@@ -57,6 +59,7 @@ void LcpLadder::load(const Problem& problem) {
 
 bool LcpLadder::has(Rung rung) const {
   switch (rung) {
+    case Rung::kSparse: return is_sparse_;
     case Rung::kCoveringQuad:
       if (problem_.size() <= kLargestThorough) return true;
       return is_inaccurate_ && problem_.size() <= CoveringLemke::kLargestQuad && covering_pivots_ <= quad_pivots();
@@ -87,7 +90,7 @@ void LcpLadder::solve(const SolveRequest& request, Answer& answer, const char*& 
   if (!takes()) return;
   pivots_ = 0;
   ended_by_share_ = ended_in_ray_ = is_inaccurate_ = false;
-  for (const Rung rung : {Rung::kLemke, Rung::kCovering, Rung::kLemkeTight, Rung::kCoveringQuad,
+  for (const Rung rung : {Rung::kSparse, Rung::kLemke, Rung::kCovering, Rung::kLemkeTight, Rung::kCoveringQuad,
                           Rung::kCoveringQuadNegative, Rung::kLemkeLong, Rung::kExact}) {
     if (!has(rung)) continue;
     if (!(wall_clock_s() < deadline_s_)) {
@@ -106,6 +109,7 @@ void LcpLadder::solve(const SolveRequest& request, Answer& answer, const char*& 
 
 void LcpLadder::attempt(Rung rung) {
   switch (rung) {
+    case Rung::kSparse: return run_sparse();
     case Rung::kLemke:
     case Rung::kLemkeTight:
     case Rung::kLemkeLong: return run_lemke(rung);
@@ -114,6 +118,18 @@ void LcpLadder::attempt(Rung rung) {
     case Rung::kCoveringQuadNegative: return run_covering(rung);
     case Rung::kExact: return run_exact();
   }
+}
+
+void LcpLadder::run_sparse() {
+  attempt_.clear();
+  attempt_.z.resize(problem_.size());
+  const SparsePivoting::End end = sparse_.run(deadline_s_, max_pivots_, attempt_.z);
+  const SparsePivoting::Counts& counts = sparse_.counts();
+  attempt_.counters = {.iterations = counts.steps, .pivots = counts.exchanges, .factorizations = counts.steps};
+  if (end == SparsePivoting::End::kTimeLimit) attempt_.claim = Claim::kTimeLimit;
+  if (end != SparsePivoting::End::kSolved) return;
+  attempt_.claim = Claim::kSolved;
+  lemke_.answer_test().settle(attempt_, deadline_s_);
 }
 
 void LcpLadder::run_lemke(Rung rung) {

@@ -3,6 +3,7 @@
 #include "core/problem.h"
 #include "core/solver.h"
 #include "native/auto/covering_lemke.h"
+#include "native/auto/sparse_pivoting.h"
 #include "native/enumeration/exact_search.h"
 #include "native/lemke/lemke.h"
 
@@ -11,14 +12,15 @@ namespace lcpbench {
 /// Solves a bare LCP by one method after the other until an answer passes AnswerTest, or the problem is proven to have
 /// no solution.
 ///
-/// First `lemke` as it is by itself; CoveringLemke in double; up to 40 rows `lemke` with tolerances near rounding;
+/// First SparsePivoting, where M has few nonzeros. Then `lemke` as it is by itself; CoveringLemke in double; up to 40 rows `lemke` with tolerances near rounding;
 /// CoveringLemke in 113 bits, up to 40 rows with the other covering vector too; `lemke` again, longer, where only its
 /// share of pivots ended it; and up to kLargestExact rows every support in exact arithmetic. Above 40 rows it ends
 /// after two where the first ends in a ray, and goes to 113 bits, up to CoveringLemke::kLargestQuad rows, only where a
 /// path in double ended in an answer that is not accurate enough and the share allows the pivots that the second rung
 /// took: a path in 113 bits takes some hundred times as long as one in double, and hardly ever finds an answer where
 /// all those in double end without one. The methods have a share of pivots in proportion to n, which a path that does
-/// not go round seldom needs. All memory is taken by load(); nothing allocates in solve().
+/// not go round seldom needs. All memory is taken by load(), and nothing allocates in solve(), unless SparsePivoting
+/// takes the problem.
 class LcpLadder {
  public:
   explicit LcpLadder(std::int64_t max_pivots);
@@ -33,6 +35,7 @@ class LcpLadder {
   static constexpr Index kLargestExact = enumeration::ExactSearch::kMaxSize;
 
   enum class Rung {
+    kSparse,
     kLemke,
     kCovering,
     kLemkeTight,
@@ -45,6 +48,7 @@ class LcpLadder {
   bool takes() const { return problem_.size() <= lemke_.capabilities().max_size; }
   bool has(Rung rung) const;
   void attempt(Rung rung);
+  void run_sparse();
   void run_lemke(Rung rung);
   void run_covering(Rung rung);
   void run_exact();
@@ -54,6 +58,8 @@ class LcpLadder {
 
   Problem problem_;
   std::int64_t max_pivots_;
+  SparsePivoting sparse_;
+  bool is_sparse_ = false;
   Lemke lemke_;
   CoveringLemke covering_;
   enumeration::ExactSearch exact_;

@@ -143,6 +143,76 @@ TEST(AttackTest, JudgesFrictionAsWritten) {
   EXPECT_FALSE(Judge(slides).is_exact_solution({2, 0, 1, 2}, 2));
 }
 
+TEST(AttackTest, KnowsTheTruthOfContactsWithOffsets) {
+  const auto walls = [](const std::string& b) {
+    return contact(R"("v":[0],"N":[[1,-1]],"D":[[0,0]],"edges":[2,0],"mu":[0,0],"G":[[1]],"b":)" + b);
+  };
+  const Problem closing = walls("[-1,0.9999999999999998]");
+  EXPECT_EQ(exact_truth(closing).truth, Truth::kUnsolvable);
+  EXPECT_EQ(exact_truth(walls("[-1,1]")).truth, Truth::kSolvable);
+  EXPECT_EQ(exact_truth(walls("[-1,1.0000000000000002]")).truth, Truth::kSolvable);
+  EXPECT_TRUE(disproves(closing, vector({1, 1})));
+  EXPECT_FALSE(disproves(walls("[-1,1]"), vector({1, 1})));
+  EXPECT_TRUE(Judge(closing).solves(vector({1, 0, 0, 0, 0})));  // nearly
+  EXPECT_FALSE(Judge(closing).solves(vector({0, 0, 0, 0, 0})));
+  EXPECT_FALSE(Judge(walls("[-1,0.999]")).solves(vector({1, 0, 0, 0, 0})));
+}
+
+TEST(AttackTest, KnowsTheExactRankOfFactors) {
+  const Problem light = contact(R"("v":[-1,-1],"N":[[1],[1]],"G_factors":{"X":[[1,1],[0,1e-14]],"alpha":[1,1]})");
+  EXPECT_TRUE(Judge(light).solves(vector({1e-28})));
+  EXPECT_FALSE(Judge(light).solves(vector({4})));
+  const Problem nearly =
+      contact(R"("v":[-1,1],"N":[[1],[-1]],"G_factors":{"X":[[1,1],[1,1.0000000000000002]],"alpha":[1,1]})");
+  EXPECT_EQ(exact_truth(nearly).truth, Truth::kSolvable);
+  EXPECT_FALSE(Judge(nearly).solves(vector({3.2e32})));
+  const Problem equal = contact(R"("v":[-1,1],"N":[[1],[-1]],"G_factors":{"X":[[1,1],[1,1]],"alpha":[1,1]})");
+  EXPECT_EQ(exact_truth(equal).truth, Truth::kUnsolvable);
+  const Problem singular = contact(R"("v":[-1,0,0],"N":[[1],[-1],[0]],"Ginv":[[1,0,0],[0,0,0],[0,0,4]])");
+  EXPECT_EQ(exact_truth(singular).truth, Truth::kSolvable);
+  EXPECT_TRUE(Judge(singular).solves(vector({1})));
+}
+
+TEST(AttackTest, JudgesTheReturnedVelocity) {
+  const Problem deficient = contact(
+      R"("v":[-1,0,0],"N":[[1],[0],[0]],"G_factors":{"X":[[-1,1,0],[2,-1,1],[1,0,1]],"alpha":[1,1,1]})");
+  const Judge judge(deficient);
+  const Vector z = vector({27.0 / 14});
+  ASSERT_TRUE(judge.solves(z));
+  const Vector u = vector({0, -1.0 / 14, 13.0 / 14});
+  EXPECT_TRUE(judge.velocity_holds(z, u));
+  EXPECT_TRUE(judge.velocity_holds(z, (1 + 1e-5) * u));
+  EXPECT_FALSE(judge.velocity_holds(z, vector({777, 888, 999})));
+  EXPECT_FALSE(judge.velocity_holds(z, vector({0, 4.34e15, 0})));
+  EXPECT_FALSE(judge.velocity_holds(z, vector({0})));
+  for (Index k = 0; k < 3; ++k) {
+    Vector off = u;
+    off(k) += judge.beyond_velocity(z)(k);
+    EXPECT_FALSE(judge.velocity_holds(z, off)) << k;
+  }
+}
+
+TEST(AttackTest, JudgesTheRoundCone) {
+  const auto block = [](const std::string& v, const std::string& mu) {
+    return contact(R"("N":[[1],[0],[0]],"D":[[0,0,0,0],[1,0,-1,0],[0,1,0,-1]],"edges":[4],"v":)" + v + R"(,"mu":)" + mu +
+                   R"(,"G":[[1,0,0],[0,1,0],[0,0,1]])");
+  };
+  constexpr auto kCone = Judge::Friction::kCone;
+  const Problem slides = block("[-1,3,4]", "[0.5]");
+  EXPECT_TRUE(Judge(slides).solves(vector({1, 0, 0, 0.3, 0.4, 0}), kCone));
+  EXPECT_FALSE(Judge(slides).solves(vector({1, 0, 0, 0.31, 0.39, 0}), kCone));    // not opposite
+  EXPECT_FALSE(Judge(slides).solves(vector({1, 0, 0, 0.303, 0.404, 0}), kCone));  // outside
+  EXPECT_FALSE(Judge(slides).solves(vector({1, 0, 0, 0.27, 0.36, 0}), kCone));    // inside, and slipping
+  EXPECT_FALSE(Judge(slides).solves(vector({1, 0.3, 0.4, 0, 0, 0}), kCone));      // pushes on
+  EXPECT_FALSE(Judge(slides).solves(vector({0.9, 0, 0, 0.3, 0.4, 0}), kCone));
+  const Problem sticks = block("[-1,0.3,0.4]", "[0.75]");
+  EXPECT_TRUE(Judge(sticks).solves(vector({1, 0, 0, 0.3, 0.4, 0}), kCone));
+  EXPECT_FALSE(Judge(sticks).solves(vector({1, 0, 0, 0.3, 0.39, 0}), kCone));
+  // 2^-12 is not within 1e-4 of max|q| = 1, 2^-14 is.
+  EXPECT_FALSE(Judge(sticks).solves(vector({1, 0, 0, 0.3, 0.4 + 0x1p-12, 0}), kCone));
+  EXPECT_TRUE(Judge(sticks).solves(vector({1, 0, 0, 0.3, 0.4 + 0x1p-14, 0}), kCone));
+}
+
 std::string hash_of_first(Family family, std::uint64_t count) {
   std::string all;
   for (std::uint64_t index = 0; index < count; ++index) all += problem_hash(generate(family, 15, index));
@@ -152,6 +222,7 @@ std::string hash_of_first(Family family, std::uint64_t count) {
 TEST(AttackTest, ProblemsAreTheSameOnEveryMachine) {
   EXPECT_EQ(hash_of_first(Family::kLcp, 510), "7529421033780266178");
   EXPECT_EQ(hash_of_first(Family::kContact, 450), "7306394478572106017");
+  EXPECT_EQ(hash_of_first(Family::kDoubtful, 400), "16329457992780977348");
 }
 
 class Faulty final : public Subject {

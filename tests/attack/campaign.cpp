@@ -77,7 +77,10 @@ class Campaign {
 
  private:
   void work(std::size_t job, const Chunk& chunk);
-  void meet(std::size_t job, Target& target, std::uint64_t index, Subject& subject, std::uint64_t number);
+  Outcome meet(std::size_t job, Target& target, std::uint64_t index, Subject& subject, std::uint64_t number);
+  bool takes_part(std::uint64_t subject, std::uint64_t index) const;
+  void count_findings(std::uint64_t index, const Target& target, const std::vector<Outcome>& outcomes);
+  std::atomic<std::uint64_t>& cell(std::uint64_t index, std::uint64_t subject, Outcome outcome);
   void count(std::uint64_t index, std::uint64_t subject, Outcome outcome, const std::string& detail);
   void keep(std::uint64_t index, std::uint64_t subject, Outcome outcome, const std::string& detail);
   void count_truth(std::size_t kind, const ExactTruth& truth);
@@ -127,12 +130,35 @@ void Campaign::keep(std::uint64_t index, std::uint64_t subject, Outcome outcome,
   std::ofstream(options_.out / (name + ".txt")) << detail << "\n";
 }
 
+std::atomic<std::uint64_t>& Campaign::cell(std::uint64_t index, std::uint64_t subject, Outcome outcome) {
+  const std::size_t row = kind_of(index) * options_.subjects.size() + subject;
+  return counts_[row * kOutcomes + static_cast<std::size_t>(outcome)];
+}
+
 void Campaign::count(std::uint64_t index, std::uint64_t subject, Outcome outcome, const std::string& detail) {
-  ++counts_[(kind_of(index) * options_.subjects.size() + subject) * kOutcomes + static_cast<std::size_t>(outcome)];
+  ++cell(index, subject, outcome);
   if (contradiction(outcome)) keep(index, subject, outcome, detail);
 }
 
-void Campaign::meet(std::size_t job, Target& target, std::uint64_t index, Subject& subject, std::uint64_t number) {
+bool Campaign::takes_part(std::uint64_t subject, std::uint64_t index) const {
+  return subject < options_.sampled_from || (index / kinds_.size() + subject) % kSampled == 0;
+}
+
+/// What is known only when every subject has met the problem.
+void Campaign::count_findings(std::uint64_t index, const Target& target, const std::vector<Outcome>& outcomes) {
+  std::atomic<std::uint64_t>* of_kind = truths_ + kind_of(index) * kTruths;
+  if (target.unresolved) ++of_kind[5];
+  const bool contacts = target.problem.contact() != nullptr;
+  if (!contacts || !target.passes || target.truth.truth != Truth::kUnsolvable) return;
+  ++of_kind[4];
+  for (std::size_t s = 0; s < outcomes.size(); ++s) {
+    if (outcomes[s] != Outcome::kUnsolvable && outcomes[s] != Outcome::kUnsolvableNoProof) continue;
+    --cell(index, s, outcomes[s]);
+    ++cell(index, s, Outcome::kNearlyUnsolvable);
+  }
+}
+
+Outcome Campaign::meet(std::size_t job, Target& target, std::uint64_t index, Subject& subject, std::uint64_t number) {
   jobs_[job].since_s = now_s();
   jobs_[job].subject = number;
   std::string detail;
@@ -149,6 +175,7 @@ void Campaign::meet(std::size_t job, Target& target, std::uint64_t index, Subjec
     slowest_[number].index = index;
   }
   count(index, number, outcome, detail);
+  return outcome;
 }
 
 void Campaign::work(std::size_t job, const Chunk& chunk) {
@@ -161,7 +188,11 @@ void Campaign::work(std::size_t job, const Chunk& chunk) {
     Target target(generate(options_.family, options_.seed, index), approach_of(index));
     const std::uint64_t first = index == chunk.begin ? chunk.first_subject : 0;
     if (first == 0) count_truth(kind_of(index), target.truth);
-    for (std::uint64_t s = first; s < subjects.size(); ++s) meet(job, target, index, *subjects[s], s);
+    std::vector<Outcome> outcomes(subjects.size(), Outcome::kRefused);
+    for (std::uint64_t s = first; s < subjects.size(); ++s) {
+      if (takes_part(s, index)) outcomes[s] = meet(job, target, index, *subjects[s], s);
+    }
+    count_findings(index, target, outcomes);
   }
 }
 
@@ -277,6 +308,12 @@ std::uint64_t Tally::contradictions() const {
       if (contradiction(outcome)) sum += count(s, outcome);
     }
   }
+  return sum;
+}
+
+std::uint64_t Tally::truth(std::size_t truth) const {
+  std::uint64_t sum = 0;
+  for (std::size_t i = truth; i < truths.size(); i += kTruths) sum += truths[i];
   return sum;
 }
 

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct CampaignOptions {
   std::uint64_t first = 0;  ///< index of the first problem
   int jobs = 1;
   std::vector<std::string> subjects;
+  std::size_t sampled_from = std::numeric_limits<std::size_t>::max();  ///< these subjects meet one problem in kSampled
   double time_limit_s = 1;    ///< asked of the solvers
   double hard_limit_s = 20;   ///< after which a subject counts as hung and its process is ended
   std::filesystem::path out;  ///< where problems of contradictions are written; "": nowhere
@@ -29,17 +31,22 @@ struct Tally {
   std::vector<std::string> kinds;
   std::vector<std::string> subjects;
   std::vector<std::uint64_t> counts;      ///< (kind, subject, outcome)
-  std::vector<std::uint64_t> truths;      ///< (kind, truth): solvable, unsolvable, of these shown by doubles, unknown
+  std::vector<std::uint64_t> truths;      ///< (kind, truth), see kTruthNames
   std::vector<double> slowest_s;          ///< by subject
   std::vector<std::uint64_t> slowest_at;  ///< by subject: the problem's index
 
   std::uint64_t count(std::size_t kind, std::size_t subject, Outcome outcome) const;
   std::uint64_t count(std::size_t subject, Outcome outcome) const;
   std::uint64_t contradictions() const;
+  /// Problems by truth, over all kinds.
+  std::uint64_t truth(std::size_t truth) const;
 };
 
-inline constexpr std::size_t kTruths = 4;
-inline constexpr const char* kTruthNames[kTruths] = {"solvable", "unsolvable", "shown_by_doubles", "unknown"};
+/// Of the unsolvable ones: shown by doubles (bare LCPs), and nearly solvable (contacts), where some answer passes.
+/// Unresolved: the evaluation could not resolve the inertia.
+inline constexpr std::size_t kTruths = 6;
+inline constexpr const char* kTruthNames[kTruths] = {"solvable", "unsolvable", "shown_by_doubles",
+                                                     "unknown",  "nearly",     "unresolved"};
 
 /// Runs every subject on every problem. Each job is a process of its own: one that dies or hangs is counted, its
 /// problem kept, and the run goes on behind it.

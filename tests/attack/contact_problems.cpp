@@ -221,21 +221,6 @@ struct Kind {
   Maker make;
 };
 
-/// Scales time, mass and length by powers of two: the answer's digits do not change.
-void change_units(ContactProblem& contact, int bits, Draw& draw) {
-  contact.v *= draw.power_of_two(-bits, bits);
-  const double length = draw.power_of_two(-bits, bits);
-  std::visit([&](auto& J) { J *= length; }, contact.N);
-  std::visit([&](auto& J) { J *= length; }, contact.D);
-  const double mass = draw.power_of_two(-bits, bits);
-  if (auto* given = std::get_if<DenseInertia>(&contact.inertia)) given->G *= mass;
-  if (auto* given = std::get_if<InverseInertia>(&contact.inertia)) given->Ginv *= mass;
-  if (auto* given = std::get_if<FactoredInertia>(&contact.inertia)) given->alpha *= mass;
-  if (auto* given = std::get_if<BlockInertia>(&contact.inertia)) {
-    for (Matrix& block : given->blocks) block *= mass;
-  }
-}
-
 Matrix stacked(const Matrix& A, const Matrix& B) {
   Matrix all = Matrix::Zero(A.rows() + B.rows(), A.cols() + B.cols());
   all.topLeftCorner(A.rows(), A.cols()) = A;
@@ -318,6 +303,23 @@ ContactProblem other_units(Draw& draw) {
 }
 
 }  // namespace
+
+void change_units(ContactProblem& contact, int bits, Draw& draw) {
+  const double speed = draw.power_of_two(-bits, bits);
+  contact.v *= speed;
+  const double length = draw.power_of_two(-bits, bits);
+  contact.b *= speed;
+  contact.b *= length;
+  std::visit([&](auto& J) { J *= length; }, contact.N);
+  std::visit([&](auto& J) { J *= length; }, contact.D);
+  const double mass = draw.power_of_two(-bits, bits);
+  if (auto* given = std::get_if<DenseInertia>(&contact.inertia)) given->G *= mass;
+  if (auto* given = std::get_if<InverseInertia>(&contact.inertia)) given->Ginv *= mass;
+  if (auto* given = std::get_if<FactoredInertia>(&contact.inertia)) given->alpha *= mass;
+  if (auto* given = std::get_if<BlockInertia>(&contact.inertia)) {
+    for (Matrix& block : given->blocks) block *= mass;
+  }
+}
 
 const std::vector<std::string>& contact_kinds() {
   static const std::vector<std::string> names = [] {

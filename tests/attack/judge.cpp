@@ -48,8 +48,14 @@ DyadicMatrix coupling(const Inertia& inertia) {
   return exact(dense_inertia(inertia));
 }
 
-/// Coordinates, factors and contacts that nothing couples are apart: the contacts' rows, by island.
-std::vector<std::vector<Index>> islands(const ContactProblem& contact, const ContactLayout& layout) {
+/// What nothing couples to the rest.
+struct Part {
+  std::vector<Index> coordinates;  ///< contact problems only
+  std::vector<Index> rows;
+};
+
+/// Coordinates, factors and contacts that nothing couples are apart.
+std::vector<Part> islands(const ContactProblem& contact, const ContactLayout& layout) {
   const DyadicMatrix inertia = coupling(contact.inertia);
   const bool factored = std::holds_alternative<FactoredInertia>(contact.inertia);
   const Index ngc = contact.ngc();
@@ -65,15 +71,24 @@ std::vector<std::vector<Index>> islands(const ContactProblem& contact, const Con
     }
     if (layout.lambda[at(c)] >= 0) groups.join(row + c, row + layout.lambda_offset() + layout.lambda[at(c)]);
   }
-  std::vector<std::vector<Index>> result;
+  std::vector<Part> result(1);  // the first: what no contact moves
   for (const std::vector<Index>& group : groups.members()) {
-    std::vector<Index> rows;
+    const bool moved = group.back() >= row;
+    if (moved) result.emplace_back();
+    Part& part = moved ? result.back() : result.front();
     for (const Index member : group) {
-      if (member >= row) rows.push_back(member - row);
+      if (member < ngc) part.coordinates.push_back(member);
+      if (member >= row) part.rows.push_back(member - row);
     }
-    if (!rows.empty()) result.push_back(rows);
   }
   return result;
+}
+
+/// The root of a >= 0 from above, to 2^-60 of it.
+Dyadic root(const Dyadic& a) {
+  if (a.sign() == 0) return a;
+  const long exponent = a.exponent() - 256 - (a.exponent() % 2 != 0 ? 1 : 0);
+  return {boost::multiprecision::sqrt(a.over(exponent)) + 1, exponent / 2};
 }
 
 DyadicMatrix beside(const DyadicMatrix& A, const DyadicMatrix& B) {
@@ -91,7 +106,7 @@ struct Judge::Data {
   // Bare LCP
   DyadicMatrix M;
   DyadicVector q;
-  std::vector<std::vector<Index>> parts;  // islands or blocks, as rows
+  std::vector<Part> parts;  // islands or blocks
 
   // Contact problem
   bool contacts = false;
@@ -101,7 +116,9 @@ struct Judge::Data {
   DyadicVector mu;        // nc
   Inverse response;       // G*
   DyadicVector diagonal;  // M_ii of the impulse rows, times the denominator of G*
-  DyadicVector floor;     // of the impulse rows: (k + 1) (2^-53 |J_i|'|v| + 2^-1074)
+  DyadicVector floor;     // of the impulse rows: (k + 1) (2^-53 (|J_i|'|v| + |b_i|) + 2^-1074)
+  DyadicVector velocity;  // ngc: before the impact
+  DyadicMatrix G;         // none if only G* is given
 
   explicit Data(const Problem& problem) {
     if (problem.contact() != nullptr) {
@@ -112,7 +129,7 @@ struct Judge::Data {
     q = exact(problem.lcp().q);
     Groups groups(problem.size());
     join_columns(M, 0, 0, groups);
-    parts = groups.members();
+    for (std::vector<Index>& rows : groups.members()) parts.push_back({{}, std::move(rows)});
   }
 
   void load(const ContactProblem& contact) {
@@ -121,9 +138,12 @@ struct Judge::Data {
     J = beside(exact(to_dense(contact.N)), exact(to_dense(contact.D)));
     mu = exact(contact.mu);
     response = exact_response(contact.inertia);
+    if (!std::holds_alternative<InverseInertia>(contact.inertia)) G = exact_inertia(contact.inertia);
     const DyadicVector v = exact(contact.v);
     q = product(transposed(J), v);
     q.resize(at(layout.size()));
+    for (Index i = 0; i < contact.b.size(); ++i) q[at(i)] = q[at(i)] + Dyadic(contact.b(i));
+    velocity = v;
     const DyadicMatrix moved = product(response.numerator, J);
     for (Index i = 0; i < J.cols; ++i) {
       Dyadic square;
@@ -133,6 +153,10 @@ struct Judge::Data {
         square = square + J(k, i) * moved(k, i);
         magnitude = magnitude + abs(J(k, i) * v[at(k)]);
         if (J(k, i).sign() != 0) ++terms;
+      }
+      if (i < layout.nc && contact.offset(i) != 0) {
+        magnitude = magnitude + abs(Dyadic(contact.offset(i)));
+        ++terms;
       }
       diagonal.push_back(square);
       floor.push_back(Dyadic(terms) * (Dyadic(0x1p-53) * magnitude + Dyadic(0x1p-1074)));
@@ -172,20 +196,92 @@ struct Judge::Data {
     }
     return w;
   }
+
+  /// What velocity_holds() compares, times the denominator of G*.
+  struct Moved {
+    DyadicVector velocity;  // v(z)
+    DyadicVector bound;
+  };
+
+  Moved moved(const DyadicVector& z) const {
+    const DyadicVector f(z.begin(), z.begin() + J.cols);
+    DyadicMatrix sizes = J;
+    for (Dyadic& entry : sizes.entries) entry = abs(entry);
+    DyadicMatrix response_sizes = response.numerator;
+    for (Dyadic& entry : response_sizes.entries) entry = abs(entry);
+    DyadicVector f_sizes;
+    for (const Dyadic& entry : f) f_sizes.push_back(abs(entry));
+    Moved result{product(response.numerator, product(J, f)), product(response_sizes, product(sizes, f_sizes))};
+    for (const Part& part : parts) {
+      double terms = 1;
+      Dyadic energy;
+      for (const Index i : part.coordinates) {
+        for (const Index j : part.coordinates) {
+          if (G.rows > 0) energy = energy + velocity[at(i)] * G(i, j) * velocity[at(j)];
+        }
+      }
+      Dyadic pushed = root(energy * response.denominator);  // sqrt(v'G v) + ..., times the denominator's root
+      for (const Index j : part.rows) {
+        if (j >= J.cols || f[at(j)].sign() == 0) continue;
+        ++terms;
+        pushed = pushed + root(diagonal[at(j)]) * f_sizes[at(j)];
+      }
+      for (const Index i : part.coordinates) {
+        const Dyadic v = velocity[at(i)] * response.denominator;
+        const Dyadic rounding = Dyadic(0x1p-53) * root(response.numerator(i, i)) * pushed +
+                                Dyadic(0x1p-1074) * response.denominator;
+        result.velocity[at(i)] = result.velocity[at(i)] + v;
+        result.bound[at(i)] =
+            Dyadic(kSolvedVelocityResidual) * (result.bound[at(i)] + abs(v)) + Dyadic(terms) * rounding;
+      }
+    }
+    return result;
+  }
+
+  /// A vector along the two tangents of a contact, times the square of the denominator of G*.
+  struct Tangential {
+    Dyadic first;
+    Dyadic second;
+    Dyadic square() const { return first * first + second * second; }
+  };
+
+  /// Whether | M_tt f_t - P(M_tt f_t - u_t) | <= limit, P the nearest point of the disc of radius mu M_tt max(f_N, 0).
+  /// @param w  of complement(): lambda is in its friction rows @param limit  times the square of the denominator of G*
+  bool cone_holds(Index contact, const DyadicVector& z, const DyadicVector& w, const Dyadic& limit) const {
+    const Index row = layout.friction_offset() + layout.friction_begin[at(contact)];
+    const Dyadic& lambda = z[at(layout.lambda_offset() + layout.lambda[at(contact)])];
+    const Dyadic& denominator = response.denominator;
+    const auto slip = [&](Index k) { return (w[at(row + k)] - lambda * denominator) * denominator; };
+    const auto impulse = [&](Index k) { return z[at(row + k)] - z[at(row + k + 2)]; };
+    const Dyadic diagonal_tt = max(diagonal[at(row)], diagonal[at(row + 1)]) * denominator;
+    const Tangential held{diagonal_tt * impulse(0), diagonal_tt * impulse(1)};
+    const Tangential aim{held.first - slip(0), held.second - slip(1)};
+    const Dyadic radius = mu[at(contact)] * diagonal_tt * max(z[at(contact)], Dyadic());
+    const Dyadic allowed = limit * limit;
+    if (aim.square() <= radius * radius) return Tangential{slip(0), slip(1)}.square() <= allowed;
+    // |held - radius aim / |aim||^2 <= limit^2, as excess |aim| <= gain
+    const Dyadic excess = held.square() + radius * radius - allowed;
+    const Dyadic gain = Dyadic(2.0) * radius * (held.first * aim.first + held.second * aim.second);
+    const Dyadic left = excess * excess * aim.square();
+    const Dyadic right = gain * gain;
+    if (excess.sign() <= 0) return gain.sign() >= 0 || right <= left;
+    return gain.sign() >= 0 && left <= right;
+  }
 };
 
 Judge::Judge(const Problem& problem) : data_(std::make_unique<Data>(problem)) {}
 Judge::~Judge() = default;
 
-bool Judge::contacts_solved(const DyadicVector& z) const {
+bool Judge::contacts_solved(const DyadicVector& z, Friction friction) const {
   const Data& data = *data_;
   const Dyadic& denominator = data.response.denominator;
   const Dyadic square = denominator * denominator;
   const DyadicVector w = data.complement(z, Dyadic(1.0));
   const Dyadic tolerance(kSolvedVelocityResidual);
   bool solved = true;
-  for (const std::vector<Index>& island : data.parts) {
+  for (const auto& [coordinates, island] : data.parts) {
     Dyadic residual;
+    std::vector<Index> cones;
     Dyadic largest_q;
     Dyadic floor;
     for (const Index i : island) {
@@ -200,10 +296,17 @@ bool Judge::contacts_solved(const DyadicVector& z) const {
         a = z[at(i)] * square;
         b = w[at(i)] * data.diagonal[at(contact)];
       }
-      residual = max(residual, abs(min(a, b)));
       largest_q = max(largest_q, abs(data.q[at(i)]));
+      if (friction == Friction::kPyramid || i < data.layout.nc) {
+        residual = max(residual, abs(min(a, b)));
+      } else if (i >= data.J.cols) {
+        cones.push_back(data.layout.cone_contact[at(i - data.layout.lambda_offset())]);
+      }
     }
-    solved = solved && residual <= max(tolerance * largest_q, floor) * square;
+    const Dyadic limit = max(tolerance * largest_q, floor) * square;
+    solved = solved && residual <= limit && std::all_of(cones.begin(), cones.end(), [&](Index contact) {
+               return data.cone_holds(contact, z, w, limit);
+             });
     const Dyadic scale = max(largest_q, floor * Dyadic(1 / kSolvedVelocityResidual));
     measure_ = std::max(measure_, quotient(residual, scale * square));
   }
@@ -254,17 +357,36 @@ bool Judge::block_solved(const DyadicVector& z, const std::vector<Index>& block)
   return solved;
 }
 
-bool Judge::solves(const Vector& z) const {
+bool Judge::solves(const Vector& z, Friction friction) const {
   measure_ = 0;
   if (z.size() != static_cast<Index>(data_->q.size()) || !z.allFinite()) {
     measure_ = std::numeric_limits<double>::infinity();
     return false;
   }
   const DyadicVector numbers = exact(z);
-  if (data_->contacts) return contacts_solved(numbers);
+  if (data_->contacts) return contacts_solved(numbers, friction);
   bool solved = true;
-  for (const std::vector<Index>& block : data_->parts) solved = block_solved(numbers, block) && solved;
+  for (const Part& block : data_->parts) solved = block_solved(numbers, block.rows) && solved;
   return solved;
+}
+
+bool Judge::velocity_holds(const Vector& z, const Vector& u) const {
+  if (u.size() != static_cast<Index>(data_->velocity.size()) || !u.allFinite()) return false;
+  const Data::Moved moved = data_->moved(exact(z));
+  for (Index k = 0; k < u.size(); ++k) {
+    const Dyadic error = abs(Dyadic(u(k)) * data_->response.denominator - moved.velocity[at(k)]);
+    if (!(error <= moved.bound[at(k)])) return false;
+  }
+  return true;
+}
+
+Vector Judge::beyond_velocity(const Vector& z) const {
+  const Data::Moved moved = data_->moved(exact(z));
+  Vector result(static_cast<Index>(moved.bound.size()));
+  for (Index k = 0; k < result.size(); ++k) {
+    result(k) = std::max(2 * quotient(moved.bound[at(k)], data_->response.denominator), 0x1p-1060);
+  }
+  return result;
 }
 
 DyadicMatrix Judge::rows() const {

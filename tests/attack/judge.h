@@ -11,11 +11,24 @@ namespace lcpbench::attack {
 /// island for contact problems, eta by block for bare LCPs.
 class Judge {
  public:
+  /// By which friction an answer to contacts is measured. The round cone needs contacts of 4 edges, or of none.
+  enum class Friction { kPyramid, kCone };
+
   explicit Judge(const Problem& problem);
   ~Judge();
 
   /// Whether z solves the problem by the definition of the verdict: rho <= 1e-4, or eta <= 1e-9.
-  bool solves(const Vector& z) const;
+  bool solves(const Vector& z, Friction friction = Friction::kPyramid) const;
+
+  /// Whether a returned velocity u is that of z, v(z) = v + G* J f: in every coordinate
+  /// |u - v(z)|_i <= 1e-4 (|v| + |G*| |J| |f|)_i
+  ///                 + (k + 1) (2^-53 sqrt(G*_ii) (sqrt(v'G v) + sum_j sqrt(M_jj) |f_j|) + 2^-1074)
+  /// over the coordinate's island, k its impulses f_j that are not zero; without v'G v if only G* is given. Contact
+  /// problems only.
+  bool velocity_holds(const Vector& z, const Vector& u) const;
+
+  /// More than the bound of velocity_holds, by coordinate. @pre z has n finite entries
+  Vector beyond_velocity(const Vector& z) const;
 
   /// Whether numerators / denominator is a solution without any tolerance. @pre denominator > 0
   bool is_exact_solution(const Integers& numerators, const Integer& denominator) const;
@@ -28,7 +41,7 @@ class Judge {
 
  private:
   struct Data;
-  bool contacts_solved(const DyadicVector& z) const;
+  bool contacts_solved(const DyadicVector& z, Friction friction) const;
   bool block_solved(const DyadicVector& z, const std::vector<Index>& block) const;
 
   std::unique_ptr<Data> data_;

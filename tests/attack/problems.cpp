@@ -8,9 +8,13 @@
 
 namespace lcpbench::attack {
 
-const char* to_string(Family family) { return family == Family::kLcp ? "lcp" : "contact"; }
+const char* to_string(Family family) {
+  return family == Family::kLcp ? "lcp" : family == Family::kContact ? "contact" : "doubtful";
+}
 
-const std::vector<std::string>& kinds(Family family) { return family == Family::kLcp ? lcp_kinds() : contact_kinds(); }
+const std::vector<std::string>& kinds(Family family) {
+  return family == Family::kLcp ? lcp_kinds() : family == Family::kContact ? contact_kinds() : doubtful_kinds();
+}
 
 double Draw::power_of_two(int low, int high) { return std::ldexp(1.0, static_cast<int>(integer(low, high))); }
 
@@ -58,8 +62,9 @@ bool cholesky_succeeds(Matrix G) {
   return true;
 }
 
-/// G has to be positive definite without rounding too; G* may be semidefinite, or so but for rounding.
-bool admissible(const Inertia& inertia) {
+/// G has to be positive definite, or in doubtful problems semidefinite, without rounding too; G* may be semidefinite,
+/// or so but for rounding.
+bool admissible(const Inertia& inertia, Family family) {
   if (std::holds_alternative<FactoredInertia>(inertia)) return true;
   if (const auto* given = std::get_if<InverseInertia>(&inertia)) {
     if (!given->Ginv.allFinite()) return false;
@@ -70,12 +75,14 @@ bool admissible(const Inertia& inertia) {
     return positive_semidefinite(exact(shifted));
   }
   const Matrix G = dense_inertia(inertia);
-  return G.allFinite() && cholesky_succeeds(G) && positive_definite(exact(G));
+  const bool semidefinite = family == Family::kDoubtful;
+  return G.allFinite() && cholesky_succeeds(G) &&
+         (semidefinite ? positive_semidefinite(exact(G)) : positive_definite(exact(G)));
 }
 
-bool admissible(const ContactProblem& contact) {
-  return contact.v.allFinite() && contact.mu.allFinite() && all_finite(contact.N) && all_finite(contact.D) &&
-         admissible(contact.inertia);
+bool admissible(const ContactProblem& contact, Family family) {
+  return contact.v.allFinite() && contact.b.allFinite() && contact.mu.allFinite() && all_finite(contact.N) &&
+         all_finite(contact.D) && admissible(contact.inertia, family);
 }
 
 bool admissible(const Lcp& lcp) { return lcp.M.allFinite() && lcp.q.allFinite(); }
@@ -84,7 +91,7 @@ bool admissible(const Lcp& lcp) { return lcp.M.allFinite() && lcp.q.allFinite();
 
 Problem generate(Family family, std::uint64_t seed, std::uint64_t index) {
   const bool bare = family == Family::kLcp;
-  const TrialKey key{stream_id(bare ? "attack/lcp" : "attack/contact"), seed, index};
+  const TrialKey key{stream_id(std::string("attack/") + to_string(family)), seed, index};
   const std::size_t kind = index % kinds(family).size();
   const std::string name = "attack-" + kinds(family)[kind] + "-" + std::to_string(seed) + "-" + std::to_string(index);
   for (std::uint64_t attempt = 0;; ++attempt) {
@@ -93,8 +100,9 @@ Problem generate(Family family, std::uint64_t seed, std::uint64_t index) {
       Lcp lcp = make_lcp_of_kind(kind, draw);
       if (admissible(lcp)) return Problem(name, std::move(lcp));
     } else {
-      ContactProblem contact = make_contact_of_kind(kind, draw);
-      if (admissible(contact)) return Problem(name, std::move(contact));
+      ContactProblem contact =
+          family == Family::kContact ? make_contact_of_kind(kind, draw) : make_doubtful_of_kind(kind, draw);
+      if (admissible(contact, family)) return Problem(name, std::move(contact));
     }
   }
 }

@@ -11,9 +11,15 @@
 /// taken in a fixed order by scalar code, and of the mathematical functions only sqrt, ldexp and nextafter are used.
 namespace lcpbench::attack {
 
-enum class Family { kLcp, kContact };
+enum class Family {
+  kLcp,
+  kContact,
+  kDoubtful,  ///< contact problems whose rank, scale or solvability is in doubt when it is computed in double
+};
 
-/// "lcp", "contact".
+inline constexpr Family kFamilies[] = {Family::kLcp, Family::kContact, Family::kDoubtful};
+
+/// "lcp", "contact", "doubtful".
 const char* to_string(Family family);
 
 /// The names of the kinds of a family, in the order in which they take turns: problem i is of kind i mod their number.
@@ -53,10 +59,15 @@ Matrix product(const Matrix& A, const Matrix& B);
 /// Of each kind of a family, by number. What a maker returns may be refused, and is then drawn again.
 Lcp make_lcp_of_kind(std::size_t kind, Draw& draw);
 ContactProblem make_contact_of_kind(std::size_t kind, Draw& draw);
+ContactProblem make_doubtful_of_kind(std::size_t kind, Draw& draw);
 const std::vector<std::string>& lcp_kinds();
 const std::vector<std::string>& contact_kinds();
+const std::vector<std::string>& doubtful_kinds();
 
 /// The Jacobian and velocity of contacts for a given number of coordinates; the inertia is left for the caller.
 ContactProblem make_contacts(Index ngc, Index nc, int largest_edges, Draw& draw);
+
+/// Scales time, mass and length by powers of two up to 2^bits: the answer's digits do not change.
+void change_units(ContactProblem& contact, int bits, Draw& draw);
 
 }  // namespace lcpbench::attack

@@ -3,12 +3,18 @@
 #include <cstdio>
 #include <exception>
 
+#include "core/error.h"
+#include "core/io/problem_io.h"
 #include "core/registry.h"
+#include "native/lcpbench.h"
+#include "study/evaluation/friction_model.h"
 
 namespace lcpbench::attack {
 namespace {
 
 constexpr const char* kCertify = "certify";
+constexpr const char* kReader = "reader";
+constexpr std::string_view kEmbedded = "embedded:";
 
 std::string number(double value) {
   char text[32];
@@ -41,13 +47,29 @@ void solve(Solver& solver, const Target& target, double time_limit_s, Answer& an
   solver.solve(request, answer);
 }
 
+using Friction = Judge::Friction;
+
+/// An evaluation that resolves every inertia has no such member.
+template <class Measures>
+bool is_unresolved(const Measures& errors) {
+  if constexpr (requires { errors.unresolved; }) return errors.unresolved;
+  return false;
+}
+
+/// Why the answer contradicts what is exactly true, or what it is otherwise.
+Outcome classify(Target& target, const Answer& answer, Friction friction, std::string& detail);
+
 class SolverSubject final : public Subject {
  public:
-  explicit SolverSubject(std::string name) : name_(std::move(name)), solver_(make_solver(parse_spec(name_))) {}
+  explicit SolverSubject(std::string name) : name_(std::move(name)), solver_(make_solver(parse_spec(name_))) {
+    for (const auto& [key, value] : parse_spec(name_).options) cone_ = cone_ || (key == "cone" && value == "true");
+  }
 
   Outcome meet(Target& target, double time_limit_s, std::string& detail) override {
     solve(*solver_, target, time_limit_s, answer_);
-    const Outcome outcome = classify(target, answer_, detail);
+    const ContactProblem* contact = target.problem.contact();
+    const bool round = cone_ && contact != nullptr && contact->frictional();
+    const Outcome outcome = classify(target, answer_, round ? Friction::kCone : Friction::kPyramid, detail);
     if (outcome != Outcome::kBeyondDoubles && !contradiction(outcome)) return outcome;
     const auto fresh = make_solver(parse_spec(name_));
     Answer again;
@@ -58,32 +80,42 @@ class SolverSubject final : public Subject {
   }
 
  private:
-  static Outcome classify(Target& target, const Answer& answer, std::string& detail);
-
   std::string name_;
+  bool cone_ = false;
   std::unique_ptr<Solver> solver_;
   Answer answer_;
 };
 
-Outcome SolverSubject::classify(Target& target, const Answer& answer, std::string& detail) {
+Outcome classify(Target& target, const Answer& answer, Friction friction, std::string& detail) {
   detail = std::string(to_string(target.approach)) + ": " + lcpbench::to_string(answer.claim) +
            (answer.detail.empty() ? "" : " (" + answer.detail + ")");
   if (answer.claim == Claim::kUnsupported) return Outcome::kRefused;
-  const bool solves = target.judge.solves(answer.z);
-  detail += ", measure " + number(target.judge.measure());
-  const bool solvable = target.truth.truth == Truth::kSolvable;
-  const bool unsolvable = target.truth.truth == Truth::kUnsolvable;
+  const bool bare = target.problem.contact() == nullptr;
+  const bool round = friction == Friction::kCone;
+  const bool solves = target.judge.solves(answer.z, friction);
+  detail += round ? ", by the cone's measure" : ", measure " + number(target.judge.measure());
+  const bool moves_so =
+      answer.velocity.size() == 0 || !solves || target.judge.velocity_holds(answer.z, answer.velocity);
+  // The truth is that of the pyramid.
+  const bool solvable = !round && target.truth.truth == Truth::kSolvable;
+  const bool unsolvable = !round && target.truth.truth == Truth::kUnsolvable;
   const bool witness = answer.farkas.size() > 0 && disproves(target.problem, answer.farkas);
+  target.passes = target.passes || (!round && solves);
   if (answer.claim == Claim::kSolved && !solves) return Outcome::kFalseSolved;
-  if (answer.claim == Claim::kSolved && unsolvable) {
-    const bool excused = target.problem.contact() == nullptr && !target.truth.shown_by_doubles;
-    return excused ? Outcome::kBeyondDoubles : Outcome::kDisproved;
+  if (answer.claim == Claim::kSolved && !moves_so) return Outcome::kFalseVelocity;
+  if (answer.claim == Claim::kSolved && unsolvable && bare) {
+    return target.truth.shown_by_doubles ? Outcome::kDisproved : Outcome::kBeyondDoubles;
   }
   if (answer.claim == Claim::kUnsolvable && solvable) return Outcome::kFalseUnsolvable;
   const bool shows_vector = answer.claim != Claim::kUnsolvable || answer.farkas.size() > 0;
   if (answer.detail.find("proven") != std::string::npos && shows_vector && !witness) return Outcome::kFalseProven;
-  const Errors errors = target.evaluator.errors(answer);
-  if (errors.solved != solves) {
+  Errors errors = target.evaluator.errors(answer);
+  if (round) measure_cone(target.problem, answer, errors);
+  if (is_unresolved(errors)) {
+    target.unresolved = true;
+    return Outcome::kUnresolved;
+  }
+  if (errors.solved != (solves && moves_so)) {
     detail += std::string("; the evaluation says ") + (errors.solved ? "solved" : "not solved") + ", rho " +
               number(errors.velocity_residual_relative) + ", eta " + number(errors.backward_row_norm);
     return Outcome::kOtherVerdict;
@@ -97,10 +129,67 @@ Outcome SolverSubject::classify(Target& target, const Answer& answer, std::strin
     detail += "; the evaluation judges the proof otherwise";
     return Outcome::kOtherVerdict;
   }
-  if (answer.claim == Claim::kSolved) return Outcome::kSolved;
+  if (answer.claim == Claim::kSolved) return unsolvable ? Outcome::kNearlySolved : Outcome::kSolved;
   if (answer.claim == Claim::kUnsolvable) return witness ? Outcome::kUnsolvable : Outcome::kUnsolvableNoProof;
   return solvable ? Outcome::kMissed : Outcome::kOpen;
 }
+
+/// The solver as a simulator embeds it. Its velocity belongs to the answer.
+class EmbeddedSubject final : public Subject {
+ public:
+  explicit EmbeddedSubject(std::string_view spec) : solver_(spec) {}
+
+  Outcome meet(Target& target, double time_limit_s, std::string& detail) override {
+    const ContactProblem* contact = target.problem.contact();
+    if (contact == nullptr) return Outcome::kRefused;
+    try {
+      const bool updates = target.approach == Approach::kUpdate;
+      solver_.load(updates ? *at_another_velocity(*contact).contact() : *contact);
+      solver_.solve(time_limit_s);
+      if (updates) {
+        solver_.set_velocity(contact->v);
+        solver_.solve(time_limit_s);
+      }
+    } catch (const InputError&) {
+      return Outcome::kRefused;
+    }
+    Answer answer = solver_.answer();
+    if (answer.claim == Claim::kSolved) answer.velocity = solver_.velocity();
+    const Outcome outcome = classify(target, answer, Friction::kPyramid, detail);
+    const bool passed = outcome == Outcome::kSolved || outcome == Outcome::kNearlySolved;
+    if (!passed || contact->ngc() == 0) return outcome;
+    const Index k = contact->nc() % contact->ngc();
+    answer.velocity(k) += target.judge.beyond_velocity(answer.z)(k);
+    if (!target.evaluator.errors(answer).solved) return outcome;
+    detail += "; the evaluation lets a wrong velocity pass, " + number(answer.velocity(k)) + " in coordinate " +
+              std::to_string(k);
+    return Outcome::kOtherVerdict;
+  }
+
+ private:
+  ContactSolver solver_;
+};
+
+/// A problem that is valid without rounding has to be read from its own file.
+class ReaderSubject final : public Subject {
+ public:
+  Outcome meet(Target& target, double, std::string& detail) override {
+    try {
+      const Problem read = parse_problem_json(problem_json(target.problem), "the file");
+      if (problem_hash(read) == problem_hash(target.problem)) return Outcome::kSolved;
+      detail = "another problem is read";
+    } catch (const InputError& error) {
+      detail = error.what();
+      const ContactProblem* contact = target.problem.contact();
+      // That G is definite is decided in double there.
+      if (contact != nullptr && !std::holds_alternative<FactoredInertia>(contact->inertia)) {
+        const auto* given = std::get_if<InverseInertia>(&contact->inertia);
+        if (given == nullptr || !positive_semidefinite(exact(given->Ginv))) return Outcome::kRefused;
+      }
+    }
+    return Outcome::kFalseRefusal;
+  }
+};
 
 Integers integers(const ExactVector& vector) {
   Integers result;
@@ -122,6 +211,15 @@ class CertifySubject final : public Subject {
       case CertificateKind::kSolution: break;
     }
     if (unsolvable) return Outcome::kFalseCertificate;
+    if (certificate.z.size() > 0) {
+      Answer rounded;
+      rounded.claim = Claim::kSolved;
+      rounded.z = certificate.z;
+      if (certificate.velocity.size() > 0) rounded.velocity = certificate.velocity;
+      const Outcome outcome = classify(target, rounded, Friction::kPyramid, detail);
+      // An exact solution may have no neighbour in doubles that solves the problem.
+      if (outcome == Outcome::kOtherVerdict) return outcome;
+    }
     if (certificate.proof != ProofKind::kExactBasis && certificate.proof != ProofKind::kEnumeration) {
       return Outcome::kSolved;
     }
@@ -136,17 +234,22 @@ class CertifySubject final : public Subject {
 const char* to_string(Outcome outcome) {
   switch (outcome) {
     case Outcome::kSolved: return "solved";
+    case Outcome::kNearlySolved: return "nearly_solved";
     case Outcome::kUnsolvable: return "unsolvable";
+    case Outcome::kNearlyUnsolvable: return "nearly_unsolvable";
     case Outcome::kUnsolvableNoProof: return "unsolvable_no_proof";
     case Outcome::kMissed: return "missed";
     case Outcome::kOpen: return "open";
     case Outcome::kRefused: return "refused";
+    case Outcome::kUnresolved: return "unresolved";
     case Outcome::kBeyondDoubles: return "beyond_doubles";
     case Outcome::kFalseSolved: return "false_solved";
+    case Outcome::kFalseVelocity: return "false_velocity";
     case Outcome::kDisproved: return "disproved";
     case Outcome::kFalseUnsolvable: return "false_unsolvable";
     case Outcome::kFalseProven: return "false_proven";
     case Outcome::kFalseCertificate: return "false_certificate";
+    case Outcome::kFalseRefusal: return "false_refusal";
     case Outcome::kOtherVerdict: return "other_verdict";
     case Outcome::kDiffersAgain: return "differs_again";
     case Outcome::kCrashed: return "crashed";
@@ -164,17 +267,56 @@ const char* to_string(Approach approach) {
   return "";
 }
 
+namespace {
+
+/// The name of a native solver with cone=true if it has that setting, and its tolerances, if asked for, at their
+/// largest values. "": it has none of these settings.
+std::string with_settings(const SolverDefinition& solver, bool loose) {
+  Spec spec{solver.name, {}};
+  bool any = false;
+  for (const SettingInfo& setting : solver.settings()) {
+    const bool tolerance =
+        setting.name == "accept_residual" || setting.name == "tolerance" || setting.name == "error";
+    if (setting.name == "cone") spec.options.emplace_back("cone", "true");
+    any = any || (!loose && setting.name == "cone");
+    if (!loose || !tolerance) continue;
+    const std::string end = setting.range.substr(setting.range.find(", ") + 2);
+    spec.options.emplace_back(setting.name, end.starts_with("inf") ? "1e300" : end.substr(0, end.size() - 1));
+    any = true;
+  }
+  return any ? spec.text() : "";
+}
+
+}  // namespace
+
 std::vector<std::string> subject_names() {
   std::vector<std::string> names;
   for (const RegisteredSolver& solver : registered_solvers()) {
-    if (solver.native()) names.push_back(solver.definition.name);
+    if (!solver.native()) continue;
+    names.push_back(solver.definition.name);
+    if (std::string round = with_settings(solver.definition, false); !round.empty()) names.push_back(round);
   }
   names.emplace_back(kCertify);
+  names.emplace_back(kReader);
+  return names;
+}
+
+std::vector<std::string> sampled_subject_names() {
+  std::vector<std::string> names;
+  for (const NativeSolver& solver : native_solvers()) names.push_back(std::string(kEmbedded) + solver.name);
+  for (const RegisteredSolver& solver : registered_solvers()) {
+    if (!solver.native()) continue;
+    if (std::string loose = with_settings(solver.definition, true); !loose.empty()) names.push_back(loose);
+  }
   return names;
 }
 
 std::unique_ptr<Subject> make_subject(const std::string& name) {
   if (name == kCertify) return std::make_unique<CertifySubject>();
+  if (name == kReader) return std::make_unique<ReaderSubject>();
+  if (name.starts_with(kEmbedded)) {
+    return std::make_unique<EmbeddedSubject>(std::string_view(name).substr(kEmbedded.size()));
+  }
   return std::make_unique<SolverSubject>(name);
 }
 

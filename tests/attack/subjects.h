@@ -16,24 +16,29 @@ namespace lcpbench::attack {
 /// What became of one answer. The first ones are right or honest; from kFalseSolved on they are contradictions.
 enum class Outcome {
   kSolved,             ///< claimed solved, and the exact measure agrees
+  kNearlySolved,       ///< contacts, as kSolved, and no solution exists without a tolerance
   kUnsolvable,         ///< claimed unsolvable, truly, with a vector that proves it exactly (certify: with any proof)
+  kNearlyUnsolvable,   ///< contacts, claimed unsolvable, truly, and some subject's answer passes
   kUnsolvableNoProof,  ///< claimed unsolvable, truly or for all we know, without a vector that proves it exactly
   kMissed,             ///< no claim, although there is a solution
   kOpen,               ///< no claim, and there is no solution, or none that is known
   kRefused,            ///< the solver does not take such problems
+  kUnresolved,         ///< contacts, and the evaluation says that it cannot resolve the inertia
   kBeyondDoubles,      ///< bare LCP, claimed solved within the measure; no solution exists, which no doubles show
   kFalseSolved,        ///< claimed solved, and rho > 1e-4 or eta > 1e-9, or z is no answer
-  kDisproved,          ///< claimed solved within the measure; no solution exists: contacts, or doubles show it
+  kFalseVelocity,      ///< claimed solved, and the returned velocity is not that of the impulses
+  kDisproved,          ///< bare LCP, claimed solved within the measure; no solution exists, as doubles show
   kFalseUnsolvable,    ///< claimed unsolvable, and there is a solution
   kFalseProven,        ///< the answer says "proven", and its vector proves nothing exactly
   kFalseCertificate,   ///< certify: the proof is wrong, or contradicts the truth
+  kFalseRefusal,       ///< the reader of problem files refuses a valid problem, or reads another one
   kOtherVerdict,       ///< study/evaluation judges the same answer otherwise, or knows another truth
   kDiffersAgain,       ///< a fresh solver, to which this is the first problem, claims something else
   kCrashed,            ///< died, or threw
   kHung,               ///< did not come back within the hard limit
 };
 
-inline constexpr std::size_t kOutcomes = 16;
+inline constexpr std::size_t kOutcomes = 21;
 const char* to_string(Outcome outcome);
 constexpr bool contradiction(Outcome outcome) { return outcome >= Outcome::kFalseSolved; }
 
@@ -61,10 +66,18 @@ struct Target {
   ExactTruth truth;
   Judge judge;
   Evaluator evaluator;
+  bool passes = false;      ///< some answer so far has rho <= 1e-4
+  bool unresolved = false;  ///< the evaluation could not judge some answer so far
 };
 
-/// The names under test: every native solver that is registered, then "certify".
+/// What is under test at every problem: every native solver that is registered, with cone=true too where it has that
+/// setting, "certify" and "reader", which writes the problem as a file and reads it.
 std::vector<std::string> subject_names();
+
+/// What meets one problem in kSampled only: "embedded:<solver>", ContactSolver with its velocity(), and every native
+/// solver with its tolerances (accept_residual, tolerance, error) at their largest values.
+std::vector<std::string> sampled_subject_names();
+inline constexpr std::uint64_t kSampled = 7;
 
 /// What is under test. It lives through many problems, as a program that embeds it would let it.
 class Subject {

@@ -2,8 +2,8 @@ find_package(Boost REQUIRED)  # headers only: integers of GMP
 
 # Seeded nasty problems, their exact truth found independently, and everything that claims to know it under test.
 add_library(lcpbench_attack STATIC
-  attack/campaign.cpp attack/contact_problems.cpp attack/contacts.cpp attack/exact.cpp attack/judge.cpp
-  attack/lcp_problems.cpp attack/problems.cpp attack/subjects.cpp attack/truth.cpp)
+  attack/campaign.cpp attack/contact_problems.cpp attack/contacts.cpp attack/doubtful_problems.cpp
+  attack/exact.cpp attack/judge.cpp attack/lcp_problems.cpp attack/problems.cpp attack/subjects.cpp attack/truth.cpp)
 target_link_libraries(lcpbench_attack
   PUBLIC lcpbench_certify lcpbench_evaluation lcpbench_generators lcpbench_solver_list Boost::headers lcpbench_gmp)
 
@@ -15,3 +15,4 @@ target_link_libraries(attack PRIVATE lcpbench_attack lcpbench_study CLI11::CLI11
 # The fast share. The long run is described in results/attack/README.md.
 add_test(NAME attack_lcp COMMAND attack --kind lcp --problems 1700 --seed 15)
 add_test(NAME attack_contact COMMAND attack --kind contact --problems 900 --seed 15)
+add_test(NAME attack_doubtful COMMAND attack --kind doubtful --problems 800 --seed 15)

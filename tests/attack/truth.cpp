@@ -104,6 +104,11 @@ ExactTruth lcp_truth(const Problem& problem) {
   return {find_complementary_point(inequalities, nodes), false};
 }
 
+/// b of a contact.
+Dyadic offset_of(const ContactProblem& contact, Index i) {
+  return i < contact.b.size() ? Dyadic(contact.b(i)) : Dyadic();
+}
+
 /// P with P'f = 0 exactly where f lies in the null space of the inertia.
 DyadicMatrix range_basis(const Inertia& inertia) {
   if (const auto* factors = std::get_if<FactoredInertia>(&inertia)) return exact(factors->X);
@@ -111,28 +116,14 @@ DyadicMatrix range_basis(const Inertia& inertia) {
   return exact(dense_inertia(inertia));
 }
 
-DyadicMatrix definite_part(const Inertia& inertia) {
-  if (const auto* given = std::get_if<InverseInertia>(&inertia)) return exact(given->Ginv);
-  if (const auto* factors = std::get_if<FactoredInertia>(&inertia)) {
-    DyadicMatrix weighted = exact(factors->X);
-    for (Index i = 0; i < weighted.rows; ++i) {
-      for (Index k = 0; k < weighted.cols; ++k) weighted(i, k) = weighted(i, k) * Dyadic(factors->alpha(k));
-    }
-    return product(weighted, transposed(exact(factors->X)));
-  }
-  return exact(dense_inertia(inertia));
-}
-
-/// Whether some c >= 0 has P'C c = 0 and v'C c = -1.
-bool moves_nothing_and_falls(const DyadicMatrix& P, const DyadicMatrix& C, const DyadicVector& v) {
+/// Whether some c >= 0 has P'C c = 0 and q'c = -1.
+bool moves_nothing_and_falls(const DyadicMatrix& P, const DyadicMatrix& C, const DyadicVector& q) {
   const DyadicMatrix null_rows = product(transposed(P), C);
   DyadicMatrix rows(null_rows.rows + 1, C.cols + 1);
   rows(null_rows.rows, 0) = Dyadic(1.0);
   for (Index j = 0; j < C.cols; ++j) {
     for (Index i = 0; i < null_rows.rows; ++i) rows(i, j + 1) = null_rows(i, j);
-    for (Index k = 0; k < C.rows; ++k) {
-      rows(null_rows.rows, j + 1) = rows(null_rows.rows, j + 1) + v[at(k)] * C(k, j);
-    }
+    rows(null_rows.rows, j + 1) = q[at(j)];
   }
   Inequalities inequalities(rows);
   for (Index i = 0; i < rows.rows; ++i) {
@@ -159,12 +150,19 @@ DyadicMatrix cone_edges(const ContactProblem& contact) {
 
 ExactTruth contact_truth(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
-  if (positive_definite(definite_part(contact.inertia))) return {Truth::kSolvable, false};
+  const bool nothing_asked = std::all_of(contact.b.begin(), contact.b.end(), [](double b) { return b >= 0; });
+  if (nothing_asked && positive_definite(exact_inertia(contact.inertia))) return {Truth::kSolvable, false};
   const DyadicMatrix P = range_basis(contact.inertia);
-  const DyadicVector v = exact(contact.v);
-  if (moves_nothing_and_falls(P, exact(to_dense(contact.N)), v)) return {Truth::kUnsolvable, false};
-  const bool copositive = positive_semidefinite(definite_part(contact.inertia));
-  if (copositive && !moves_nothing_and_falls(P, cone_edges(contact), v)) return {Truth::kSolvable, false};
+  const DyadicMatrix edges = cone_edges(contact);
+  DyadicVector q = product(transposed(edges), exact(contact.v));
+  Index column = contact.nc();
+  for (Index c = 0; c < contact.nc(); ++c) {
+    q[at(c)] = q[at(c)] + offset_of(contact, c);
+    for (int t = 0; t < contact.edges[at(c)]; ++t, ++column) q[at(column)] = q[at(column)] + offset_of(contact, c);
+  }
+  if (moves_nothing_and_falls(P, exact(to_dense(contact.N)), q)) return {Truth::kUnsolvable, false};
+  const bool copositive = positive_semidefinite(exact_inertia(contact.inertia));
+  if (copositive && !moves_nothing_and_falls(P, edges, q)) return {Truth::kSolvable, false};
   if (problem.size() > kLargestSearched) return {};
   Inequalities inequalities(Judge(problem).rows());
   int nodes = kNodes;
@@ -188,7 +186,9 @@ bool disproves(const Problem& problem, const DyadicVector& u) {
     const DyadicVector f = product(exact(to_dense(contact->N)), u);
     const DyadicVector moved = product(transposed(range_basis(contact->inertia)), f);
     const bool still = std::all_of(moved.begin(), moved.end(), [](const Dyadic& x) { return x.sign() == 0; });
-    return still && dot(exact(contact->v), f).sign() < 0;
+    Dyadic falls = dot(exact(contact->v), f);
+    for (Index i = 0; i < contact->nc(); ++i) falls = falls + offset_of(*contact, i) * u[at(i)];
+    return still && falls.sign() < 0;
   }
   const Lcp& lcp = problem.lcp();
   if (static_cast<Index>(u.size()) != lcp.size()) return false;
@@ -199,10 +199,22 @@ bool disproves(const Problem& problem, const DyadicVector& u) {
 
 bool disproves(const Problem& problem, const Vector& u) { return u.allFinite() && disproves(problem, exact(u)); }
 
+DyadicMatrix exact_inertia(const Inertia& inertia) {
+  if (const auto* given = std::get_if<InverseInertia>(&inertia)) return exact(given->Ginv);
+  if (const auto* factors = std::get_if<FactoredInertia>(&inertia)) {
+    DyadicMatrix weighted = exact(factors->X);
+    for (Index i = 0; i < weighted.rows; ++i) {
+      for (Index k = 0; k < weighted.cols; ++k) weighted(i, k) = weighted(i, k) * Dyadic(factors->alpha(k));
+    }
+    return product(weighted, transposed(exact(factors->X)));
+  }
+  return exact(dense_inertia(inertia));
+}
+
 Inverse exact_response(const Inertia& inertia) {
   if (const auto* given = std::get_if<InverseInertia>(&inertia)) return {exact(given->Ginv), Dyadic(1.0)};
-  const DyadicMatrix G = definite_part(inertia);
-  if (!std::holds_alternative<FactoredInertia>(inertia)) return inverse(G).value();
+  const DyadicMatrix G = exact_inertia(inertia);
+  if (const std::optional<Inverse> regular = inverse(G)) return *regular;
   const DyadicMatrix X = range_basis(inertia);
   const std::vector<Index> chosen = independent_columns(X);
   DyadicMatrix basis(X.rows, static_cast<Index>(chosen.size()));

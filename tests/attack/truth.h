@@ -28,6 +28,9 @@ ExactTruth exact_truth(const Problem& problem);
 bool disproves(const Problem& problem, const DyadicVector& u);
 bool disproves(const Problem& problem, const Vector& u);
 
+/// G, or G* if only that is given.
+DyadicMatrix exact_inertia(const Inertia& inertia);
+
 /// The inverse, or pseudo-inverse, of the inertia.
 Inverse exact_response(const Inertia& inertia);
 
