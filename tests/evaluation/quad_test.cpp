@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "study/evaluation/quad_inertia.h"
-#include "study/evaluation/quad_matrix.h"
+#include "core/quad_matrix.h"
 
 namespace lcpbench {
 namespace {

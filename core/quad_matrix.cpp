@@ -1,4 +1,4 @@
-#include "study/evaluation/quad_matrix.h"
+#include "core/quad_matrix.h"
 
 #include <limits>
 
