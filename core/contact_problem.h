@@ -106,6 +106,10 @@ Matrix inverse_inertia(const Inertia& inertia);
 /// trace of the inverse of G scaled to unit diagonal is no less than the inverse of its least eigenvalue.
 bool is_far_from_singular(const Matrix& G, const Matrix& inverse);
 
+/// Whether the rank of X diag(alpha) X' is proven in double, with room: its columns, or where there are more than rows
+/// its rows, are far from dependent. O(rows cols min(rows, cols)). @param work  scratch
+bool is_far_from_dependent(const FactoredInertia& inertia, std::vector<double>& work);
+
 /// How M is formed in double for the solvers that take (q, M). Answers are judged by the contact problem all the same.
 struct MatrixFormation {
   bool plain_inverse = false;  ///< G* by elimination of the rounded G, whatever its rank

@@ -54,15 +54,6 @@ std::vector<Dyadic> ExactContacts::respond(std::vector<Dyadic> x) const {
   return y;
 }
 
-void ExactContacts::respond(std::vector<Quad>& x) const {
-  std::vector<Dyadic> exact;
-  for (const Quad value : x) exact.emplace_back(value);
-  exact = respond(std::move(exact));
-  for (Index i = 0; i < static_cast<Index>(x.size()); ++i) {
-    x[place(i)] = quotient(exact[place(i)], response_.block_of(i).denominator);
-  }
-}
-
 /// The column's product with G* x, given by its numerators.
 ExactContacts::Fraction ExactContacts::project(const Column& column, const std::vector<Dyadic>& numerators) const {
   Fraction sum;

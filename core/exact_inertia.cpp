@@ -251,11 +251,9 @@ std::optional<Block> pseudo_inverse_block(const ExactMatrix& G, const ExactMatri
   return block;
 }
 
-std::optional<Block> block_of_inertia(const Matrix& doubles) {
-  if (doubles.rows() > kMostExactCoordinates || !doubles.allFinite() || doubles != doubles.transpose()) {
-    return std::nullopt;
-  }
-  const ExactMatrix G(doubles);
+std::optional<Block> block_of_inertia(const Matrix& doubles, bool& indefinite) {
+  if (doubles.rows() > kMostExactCoordinates || !doubles.allFinite()) return std::nullopt;
+  const ExactMatrix G(Matrix(doubles.selfadjointView<Eigen::Lower>()));
   const auto independent = independent_columns(G);
   if (!independent) return std::nullopt;
   // Of a symmetric matrix the rows of independent columns are independent, too: what is left of it depends on this part.
@@ -264,7 +262,9 @@ std::optional<Block> block_of_inertia(const Matrix& doubles) {
   for (Index i = 0; i < rank; ++i) {
     for (Index j = 0; j < rank; ++j) part(i, j) = G((*independent)[at(i)], (*independent)[at(j)]);
   }
-  if (!is_positive_definite(part).value_or(false)) return std::nullopt;
+  const std::optional<bool> definite = is_positive_definite(part);
+  indefinite = indefinite || !definite.value_or(true);
+  if (!definite.value_or(false)) return std::nullopt;
   return rank == G.rows ? inverse_block(G) : pseudo_inverse_block(G, columns_of(G, *independent));
 }
 
@@ -291,7 +291,7 @@ std::optional<Block> block_of_factors(const FactoredInertia& inertia) {
 }
 
 std::optional<Block> block_of_inverse(const Matrix& Ginv) {
-  if (!Ginv.allFinite()) return std::nullopt;
+  if (Ginv.rows() > kMostExactCoordinates || !Ginv.allFinite()) return std::nullopt;
   return Block{.numerator = ExactMatrix(Ginv)};
 }
 
@@ -342,6 +342,16 @@ std::optional<bool> is_positive_definite(const ExactMatrix& A) {
                      [&](const auto& values) { return residues.integer(values).sign() > 0; });
 }
 
+void ExactResponse::Block::multiply(Quad* x) const {
+  std::vector<Dyadic> exact;
+  for (Index i = 0; i < size(); ++i) exact.emplace_back(x[i]);
+  for (Index i = 0; i < size(); ++i) {
+    Dyadic sum;
+    for (Index j = 0; j < size(); ++j) sum += numerator(i, j) * exact[at(j)];
+    x[i] = quotient(sum, denominator);
+  }
+}
+
 bool ExactResponse::add(std::optional<Block> block) {
   if (!block) return false;
   block->first = static_cast<Index>(block_of_.size());
@@ -350,18 +360,20 @@ bool ExactResponse::add(std::optional<Block> block) {
   return true;
 }
 
-std::optional<ExactResponse> ExactResponse::of(const Inertia& inertia) {
+std::optional<ExactResponse> ExactResponse::of(const Inertia& inertia, bool* indefinite) {
   ExactResponse response;
   bool known = true;
+  bool is_indefinite = false;
   if (const auto* dense = std::get_if<DenseInertia>(&inertia)) {
-    known = response.add(block_of_inertia(dense->G));
+    known = response.add(block_of_inertia(dense->G, is_indefinite));
   } else if (const auto* bodies = std::get_if<BlockInertia>(&inertia)) {
-    for (const Matrix& block : bodies->blocks) known = known && response.add(block_of_inertia(block));
+    for (const Matrix& block : bodies->blocks) known = known && response.add(block_of_inertia(block, is_indefinite));
   } else if (const auto* factors = std::get_if<FactoredInertia>(&inertia)) {
     known = response.add(block_of_factors(*factors));
   } else {
     known = response.add(block_of_inverse(std::get<InverseInertia>(inertia).Ginv));
   }
+  if (indefinite != nullptr) *indefinite = is_indefinite;
   if (!known) return std::nullopt;
   return response;
 }

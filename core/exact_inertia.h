@@ -46,13 +46,16 @@ class ExactResponse {
   struct Block {
     Index first = 0;  ///< of its coordinates
     Index size() const { return numerator.rows; }
+    /// x := G* x, for size() entries, each rounded once.
+    void multiply(Quad* x) const;
     ExactMatrix numerator{0, 0};
     Dyadic denominator{1.0};  ///< positive
     std::optional<Matrix> range;  ///< basis of the range of G, in doubles; none where G is regular or unknown
   };
 
   /// nullopt where a block is not finite, larger than the exact decision takes, or indefinite, be it by rounding only.
-  static std::optional<ExactResponse> of(const Inertia& inertia);
+  /// @param indefinite  set where that is the reason
+  static std::optional<ExactResponse> of(const Inertia& inertia, bool* indefinite = nullptr);
 
   const std::vector<Block>& blocks() const { return blocks_; }
   const Block& block_of(Index coordinate) const {
@@ -76,8 +79,6 @@ class ExactContacts {
   std::vector<Quad> complement(const Vector& z) const;
   /// M_ii of a normal or friction row.
   Quad diagonal(Index row) const;
-  /// x := G* x.
-  void respond(std::vector<Quad>& x) const;
   /// rho, the verdict's measure.
   double velocity_residual(const Vector& z) const;
 

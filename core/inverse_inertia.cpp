@@ -1,8 +1,10 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
+#include <vector>
 
 #include "core/contact_problem.h"
 #include "core/exact_inertia.h"
@@ -108,6 +110,13 @@ Matrix inverse_of_block(const Matrix& G) {
   return precise_inverse(DenseInertia{G}, inverse_in_quad(QuadMatrix(G)));
 }
 
+/// Whether all coordinates are coupled, and none is so light that the eigenvectors of G lose it.
+bool is_of_one_scale(const Matrix& X, const Matrix& G) {
+  constexpr double kApart = 0x1p16;
+  const Vector sizes = X.rowwise().norm();
+  return sizes.maxCoeff() <= kApart * sizes.minCoeff() && G.cwiseAbs().minCoeff() > 0;
+}
+
 Matrix inverse_of_factors(const FactoredInertia& inertia) {
   const Matrix G = dense_inertia(inertia);
   if (G.rows() == 0) return G;
@@ -115,9 +124,11 @@ Matrix inverse_of_factors(const FactoredInertia& inertia) {
     if (auto inverse = inverse_in_double(G)) return *std::move(inverse);
     return precise_inverse(inertia, inverse_in_quad(weighted_gram(QuadMatrix(inertia.X), weights(inertia.alpha))));
   }
-  Index independent = 0;
-  Matrix inverse = pseudo_inverse_by_eigenvalues(G, independent);
-  if (independent == inertia.X.cols()) return inverse;
+  if (is_of_one_scale(inertia.X, G)) {
+    Index independent = 0;
+    Matrix inverse = pseudo_inverse_by_eigenvalues(G, independent);
+    if (independent == inertia.X.cols()) return inverse;
+  }
   return precise_inverse(inertia, pseudo_inverse_in_quad(inertia));
 }
 
@@ -125,6 +136,49 @@ Matrix inverse_of_factors(const FactoredInertia& inertia) {
 
 bool is_far_from_singular(const Matrix& G, const Matrix& inverse) {
   return inverse.diagonal().cwiseProduct(G.diagonal()).sum() <= kFarInDouble;
+}
+
+/// A Gram matrix less a part of its diagonal that is far above all rounding has a Cholesky factorization.
+bool is_far_from_dependent(const FactoredInertia& inertia, std::vector<double>& work) {
+  constexpr double kFar = 0x1p-36;  // n^2 2^-50 is more than the rounding
+  constexpr double kApart = 0x1p40;  // of squared lengths
+  const Matrix& X = inertia.X;
+  const bool by_columns = X.cols() <= X.rows();
+  const Index n = std::min(X.rows(), X.cols());
+  const double part = std::max(kFar, static_cast<double>(n * n) * 0x1p-50);
+  work.resize(static_cast<std::size_t>(n * n));
+  Eigen::Map<Matrix> gram(work.data(), n, n);
+  double largest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  double heaviest = 0;
+  double lightest = std::numeric_limits<double>::infinity();
+  for (Index i = 0; i < X.rows(); ++i) {
+    const double squared = X.row(i).squaredNorm();
+    heaviest = std::max(heaviest, squared);
+    if (squared > 0) lightest = std::min(lightest, squared);
+  }
+  if (!(heaviest <= kApart * lightest)) return false;
+  for (Index j = 0; j < n; ++j) {
+    for (Index i = 0; i <= j; ++i) {
+      gram(i, j) = by_columns ? X.col(i).dot(X.col(j)) : (X.row(i).array() * X.row(j).array()).matrix().dot(inertia.alpha);
+    }
+    const double weight = by_columns ? gram(j, j) * inertia.alpha(j) : gram(j, j);
+    largest = std::max(largest, weight);
+    least = std::min(least, weight);
+  }
+  if (!(largest <= kApart * least) || !(least > 0)) return false;
+  for (Index j = 0; j < n; ++j) {
+    double pivot = gram(j, j) - part * (by_columns ? gram(j, j) : largest);
+    for (Index i = 0; i < j; ++i) {
+      double& entry = gram(i, j);
+      for (Index k = 0; k < i; ++k) entry -= gram(k, i) * gram(k, j);
+      entry /= gram(i, i);
+      pivot -= entry * entry;
+    }
+    if (!(pivot > 0)) return false;
+    gram(j, j) = std::sqrt(pivot);
+  }
+  return true;
 }
 
 Matrix inverse_inertia(const Inertia& inertia) {

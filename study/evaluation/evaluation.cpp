@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <type_traits>
 
+#include "core/exact_inertia.h"
 #include "core/round_cone.h"
 #include "study/evaluation/backward_error.h"
 #include "study/evaluation/cone_friction.h"
@@ -144,10 +145,17 @@ struct ContactEvaluation {
       : problem(contact), islands(of_rows), inertia(inertia_in(memory, contact.inertia)) {
     if (!inertia.well_defined()) return;
     lcp.emplace(contact, inertia, memory);
+    if constexpr (std::is_same_v<Real, Quad>) {
+      if (inertia.needs_exact()) resolve();
+    }
     if (contact.frictional() && why_no_round_cone(contact).empty()) cone.emplace(contact, *lcp);
   }
 
   void measure(const RealVector& z, const RealVector& v_plus, const RealVector& w, Errors& errors);
+  /// Whether the rounding of G* in 113 bits may be a part of the residuals that counts.
+  bool is_in_doubt(const RealVector& z, const RealVector& v_plus, const RealVector& w);
+  /// From now on residuals are those of exact arithmetic, where there is G* in it.
+  bool resolve();
   double velocity_mismatch(const Vector& velocity, const RealVector& z, const RealVector& v_plus) const;
   double forward_velocity(const RealVector& velocity) const;
 
@@ -157,6 +165,7 @@ struct ContactEvaluation {
   std::optional<ContactLcp<Real>> lcp;
   std::optional<ConeFriction<Real>> cone;  // where the friction names one
   std::optional<RealVector> v_star;
+  std::optional<ExactContacts> exact;
 
  private:
   static RealInertia inertia_in(std::pmr::memory_resource* memory, const Inertia& inertia) {
@@ -174,7 +183,10 @@ struct ContactEvaluation {
   Real work_gain(const RealVector& z, const RealVector& v_plus) const;
   Real work_of_offset(const RealVector& z) const;
 
-  RealVector scales_;  // made by scales()
+  Real diagonal(std::size_t row);
+
+  RealVector scales_;     // made by scales()
+  RealVector diagonals_;  // of exact; -1 where not yet made
 };
 
 template <class Real>
@@ -196,6 +208,46 @@ Real ContactEvaluation<Real>::island_scale(std::size_t island) const {
   return larger(largest_q, floor / Real(kSolvedVelocityResidual));
 }
 
+template <class Real>
+Real ContactEvaluation<Real>::diagonal(std::size_t row) {
+  if constexpr (std::is_same_v<Real, Quad>) {
+    if (exact) {
+      if (diagonals_.empty()) diagonals_.assign(lcp->impulses(), -1);
+      if (diagonals_[row] < 0) diagonals_[row] = exact->diagonal(static_cast<Index>(row));
+      return diagonals_[row];
+    }
+  }
+  return lcp->diagonal(row);
+}
+
+template <class Real>
+bool ContactEvaluation<Real>::resolve() {
+  std::optional<ExactResponse> response = ExactResponse::of(problem.inertia);
+  if (!response) return false;
+  exact.emplace(problem, *std::move(response));
+  return true;
+}
+
+/// A part of 2^-30, as for Bounded measures, of each row's residual or of what its island allows.
+template <class Real>
+bool ContactEvaluation<Real>::is_in_doubt(const RealVector& z, const RealVector& v_plus, const RealVector& w) {
+  if constexpr (std::is_same_v<Real, Quad>) {
+    if (lcp->at_rest(z)) return false;
+    const QuadVector impulse = lcp->generalized_impulse(z);
+    const QuadVector change = difference(v_plus, lcp->velocity_before());
+    const std::vector<double> bounds = inertia.rounding(impulse, lcp->generalized_impulse_scale(z), change);
+    for (std::size_t island = 0; island < islands.count(); ++island) {
+      for (const std::size_t row : islands.rows(island)) {
+        if (row >= lcp->impulses()) break;
+        const double counts = to_double(larger(scales()[island] * Quad{kSolvedVelocityResidual},
+                                               abs(smaller(z[row] > 0 ? diagonal(row) * z[row] : Quad{0}, w[row]))));
+        if (!(lcp->rounding(row, bounds, v_plus) <= kSettled * counts)) return true;
+      }
+    }
+  }
+  return false;
+}
+
 /// Of the islands' residuals. An answer that leaves none needs no scale.
 template <class Real>
 const std::vector<Real>& ContactEvaluation<Real>::scales() {
@@ -215,7 +267,7 @@ Real ContactEvaluation<Real>::row_residual(std::size_t row, const RealVector& z,
   }
   // M_ii is needed only where its factor is not zero.
   const auto scaled = [this](std::size_t of, Real factor) {
-    return surely_equal(factor, 0) ? factor : lcp->diagonal(of) * factor;
+    return surely_equal(factor, 0) ? factor : diagonal(of) * factor;
   };
   const Real residual = row < lcp->impulses() ? abs(smaller(scaled(row, z[row]), w[row]))
                                               : abs(smaller(z[row], scaled(lcp->normal_of_cone(row), w[row])));
@@ -432,10 +484,19 @@ bool measure_rows(EvaluatedLcp<Real>& lcp, const IslandRows& islands, const std:
 
 template <class Real>
 Errors contact_errors(ContactEvaluation<Real>& contact, const Answer& answer, Errors errors) {
+  if constexpr (std::is_same_v<Real, Quad>) errors.unresolved = contact.inertia.unresolved();
   if (!contact.lcp) return errors;
   const std::vector<Real> z = numbers<Real>(answer.z);
   const std::vector<Real> u = contact.lcp->response(z);
-  const std::vector<Real> w = contact.lcp->all_rows(z, u);
+  std::vector<Real> w = contact.lcp->all_rows(z, u);
+  if constexpr (std::is_same_v<Real, Quad>) {
+    const bool finite = all_finite(w) && all_finite(u);
+    if (finite && !contact.exact && !contact.inertia.is_cut() && contact.is_in_doubt(z, u, w) && !contact.resolve()) {
+      errors.unresolved = true;
+      return errors;
+    }
+    if (contact.exact) w = contact.exact->complement(answer.z);
+  }
   BackwardError<Real> row_norm;
   if (!measure_rows(*contact.lcp, contact.islands, z, u, w, row_norm, errors)) return errors;
   contact.measure(z, u, w, errors);

@@ -4,50 +4,10 @@
 #include <cmath>
 #include <vector>
 
-#include <gmpxx.h>
+#include "core/dyadic.h"
 
 namespace lcpbench {
 namespace {
-
-// mantissa * 2^exponent, exactly.
-class Dyadic {
- public:
-  Dyadic() = default;
-  explicit Dyadic(double value) {
-    if (value == 0) return;
-    int exponent = 0;
-    mantissa_ = std::ldexp(std::frexp(value, &exponent), kDoubleBits);
-    exponent_ = exponent - kDoubleBits;
-  }
-
-  int sign() const { return sgn(mantissa_); }
-
-  Dyadic& operator+=(const Dyadic& other) {
-    if (other.sign() == 0) return *this;
-    if (sign() == 0) return *this = other;
-    if (exponent_ > other.exponent_) {
-      mantissa_ <<= static_cast<mp_bitcnt_t>(exponent_ - other.exponent_);
-      exponent_ = other.exponent_;
-      mantissa_ += other.mantissa_;
-    } else {
-      mantissa_ += other.mantissa_ << static_cast<mp_bitcnt_t>(other.exponent_ - exponent_);
-    }
-    return *this;
-  }
-
-  friend Dyadic operator*(const Dyadic& a, const Dyadic& b) {
-    Dyadic product;
-    product.mantissa_ = a.mantissa_ * b.mantissa_;
-    product.exponent_ = a.exponent_ + b.exponent_;
-    return product;
-  }
-
- private:
-  static constexpr int kDoubleBits = 53;
-
-  mpz_class mantissa_;
-  long exponent_ = 0;
-};
 
 using DyadicVector = std::vector<Dyadic>;
 
