@@ -39,6 +39,8 @@ void AnswerTest::load(const Problem& problem, Bodies bodies, const IslandNumbers
   may_be_singular_ = ContactSolvability::is_asked(contact);
   if (!may_be_singular_) return;
   solvability_.load(contact);
+  doubtful_.load(contact);
+  contact_ = &contact;
   velocity_ = contact.v;
   path_end_.resize(problem.size());
 }
@@ -55,7 +57,12 @@ bool AnswerTest::settle(Answer& answer, double deadline_s) {
   if (answer.claim != Claim::kSolved) return false;
   const Outcome outcome = solves(answer.z) ? confirm(deadline_s) : Outcome::kResidual;
   switch (outcome) {
-    case Outcome::kSolved: answer.z = completed_; return true;
+    case Outcome::kSolved:
+      completed_.swap(answer.z);
+      if (bare_ || !may_be_singular_ || doubtful_.confirms(*contact_, velocity_, answer)) return true;
+      completed_.swap(answer.z);
+      answer.detail = "residual";
+      break;
     case Outcome::kUnsolvable: report_proof(answer); return false;
     case Outcome::kResidual: answer.detail = "residual"; break;
     case Outcome::kUnconfirmed: answer.detail = "unconfirmed"; break;
