@@ -83,8 +83,8 @@ std::vector<Quad> ExactContacts::complement(const Vector& z) const {
     sum += Fraction{q_[j]};
     const auto friction = static_cast<Index>(j) - layout_.nc;
     if (friction >= 0) {
-      const auto contact = std::upper_bound(layout_.friction_begin.begin(), layout_.friction_begin.end(), friction) - 1 -
-                           layout_.friction_begin.begin();
+      const auto begin = layout_.friction_begin.begin();
+      const auto contact = std::upper_bound(begin, layout_.friction_begin.end(), friction) - 1 - begin;
       sum += Fraction{Dyadic(z(layout_.lambda_offset() + layout_.lambda[place(contact)]))};
     }
     w.push_back(sum.value());

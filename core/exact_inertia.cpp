@@ -16,7 +16,8 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 /// The magnitude is below 2^bits.
 std::int64_t bits(const Dyadic& x) {
-  return x.is_zero() ? 0 : Dyadic::kLimbBits * (x.high() - 1) + static_cast<std::int64_t>(std::bit_width(x.limbs().back()));
+  if (x.is_zero()) return 0;
+  return Dyadic::kLimbBits * (x.high() - 1) + static_cast<std::int64_t>(std::bit_width(x.limbs().back()));
 }
 
 ExactMatrix transposed(const ExactMatrix& A) {
@@ -256,7 +257,7 @@ std::optional<Block> block_of_inertia(const Matrix& doubles, bool& indefinite) {
   const ExactMatrix G(Matrix(doubles.selfadjointView<Eigen::Lower>()));
   const auto independent = independent_columns(G);
   if (!independent) return std::nullopt;
-  // Of a symmetric matrix the rows of independent columns are independent, too: what is left of it depends on this part.
+  // Of a symmetric matrix the rows of independent columns are independent, too: the rest depends on this part.
   const auto rank = static_cast<Index>(independent->size());
   ExactMatrix part(rank, rank);
   for (Index i = 0; i < rank; ++i) {

@@ -160,7 +160,7 @@ bool is_far_from_dependent(const FactoredInertia& inertia, std::vector<double>& 
   if (!(heaviest <= kApart * lightest)) return false;
   for (Index j = 0; j < n; ++j) {
     for (Index i = 0; i <= j; ++i) {
-      gram(i, j) = by_columns ? X.col(i).dot(X.col(j)) : (X.row(i).array() * X.row(j).array()).matrix().dot(inertia.alpha);
+      gram(i, j) = by_columns ? X.col(i).dot(X.col(j)) : X.row(i).cwiseProduct(X.row(j)).dot(inertia.alpha);
     }
     const double weight = by_columns ? gram(j, j) * inertia.alpha(j) : gram(j, j);
     largest = std::max(largest, weight);

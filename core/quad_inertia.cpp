@@ -69,8 +69,8 @@ bool all_within(const QuadMatrix& A, Quad bound) {
   return std::all_of(A.entries.begin(), A.entries.end(), [bound](Quad entry) { return abs(entry) <= bound; });
 }
 
-/// The columns of G = L D L' up to what lies below n 2^-52 max G_ii, by diagonal pivoting. None where what is left out is
-/// no rounding.
+/// The columns of G = L D L' up to what lies below n 2^-52 max G_ii, by diagonal pivoting. None where what is left out
+/// is no rounding.
 std::optional<QuadMatrix> pivoted_columns(QuadMatrix G) {
   const std::size_t n = G.rows;
   Quad largest = 0;
@@ -251,8 +251,8 @@ void QuadInertia::Block::solve(Quad* x) const {
   }
 }
 
-/// With A the matrix that was factored, scaled to unit diagonal, |A^-1| <= 1 / least, and an entry of it or of its factors
-/// rounded n + formation_terms times: a regular block loses |j'G^-1 E y| <= |L^-1 j| |E| |A^-1| |L'y|, with
+/// With A the matrix that was factored, scaled to unit diagonal, |A^-1| <= 1 / least, and an entry of it or of its
+/// factors rounded n + formation_terms times: a regular block loses |j'G^-1 E y| <= |L^-1 j| |E| |A^-1| |L'y|, with
 /// |L^-1 j|^2 <= sum of j_i^2 / (least G_ii) and |L'y|^2 = x'y.
 void QuadInertia::Block::bound(const Quad* x, const Quad* terms, const Quad* y, double* bounds) const {
   const std::size_t n = size();

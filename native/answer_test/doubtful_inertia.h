@@ -8,8 +8,9 @@
 
 namespace lcpbench {
 
-/// The test of answers to contacts on inertia that double does not prove to be what the solvers and their tests factored:
-/// factors that may be dependent, a given G* of coordinates far apart in scale. It shares no factorization with them.
+/// The test of answers to contacts on inertia that double does not prove to be what the solvers and their tests
+/// factored: factors that may be dependent, a given G* of coordinates far apart in scale. It shares no factorization
+/// with them.
 class DoubtfulInertia {
  public:
   /// load() then allocates nothing for this problem.

@@ -211,10 +211,10 @@ enum class Precision {
 /// form M. One object per thread.
 ///
 /// Decisions are those of exact arithmetic where the bounds decide them, and those of 113 bits elsewhere. Where the
-/// rounding of G* in 113 bits may matter, velocities and residuals are those of exact arithmetic, too. A measure of a contact problem may differ from its value in 113
-/// bits by kSettled of it, the backward errors and the velocity mismatch also by kSettledBackward, the model's error
-/// also by kSettledBackward of the largest scale of an island; in practice in the last digits of a double. The worst
-/// row may be any of those that are equal up to kSettled.
+/// rounding of G* in 113 bits may matter, velocities and residuals are those of exact arithmetic, too. A measure of a
+/// contact problem may differ from its value in 113 bits by kSettled of it, the backward errors and the velocity
+/// mismatch also by kSettledBackward, the model's error also by kSettledBackward of the largest scale of an island; in
+/// practice in the last digits of a double. The worst row may be any of those that are equal up to kSettled.
 class Evaluator {
  public:
   explicit Evaluator(const Problem& problem, Precision precision = Precision::kAsNeeded);
