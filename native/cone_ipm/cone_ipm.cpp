@@ -38,8 +38,8 @@ struct ConeIpmSettings {
     field("tolerance", tolerance, RealRange{.min = 0},
           "stop when the residual of the cone's conditions is at most this times max|q| of the island");
     field("accept_residual", accept_residual, RealRange{.min = 0},
-          "claim solved only when that residual, evaluated in double, is at most this times max|q| of every island, and "
-          "the answer passes the test of the verdict's measure");
+          "claim solved only when that residual, evaluated in double, is at most this times max|q| of every island, "
+          "and the answer passes the test of the verdict's measure");
     field("error", error, RealRange{.min = 0},
           "[m/s] stop, and claim solved, when the residual is at most this, if that asks for less than tolerance and "
           "accept_residual do");
