@@ -1,11 +1,8 @@
 #include "core/contact_problem.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace lcpbench {
 namespace {
@@ -17,23 +14,6 @@ struct Overloaded : Ts... {
 template <class... Ts>
 Overloaded(Ts...) -> Overloaded<Ts...>;
 
-Matrix symmetric_pseudo_inverse(const Matrix& G) {
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(G);
-  const Vector& values = eigen.eigenvalues();
-  const double cut =
-      static_cast<double>(G.rows()) * std::numeric_limits<double>::epsilon() * values.cwiseAbs().maxCoeff();
-  Vector inverse(values.size());
-  for (Index i = 0; i < values.size(); ++i) inverse(i) = values(i) > cut ? 1.0 / values(i) : 0.0;
-  return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
-}
-
-Matrix inverse_or_pseudo_inverse(const Matrix& G) {
-  if (G.rows() == 0) return G;
-  const Eigen::LLT<Matrix> llt(G);
-  if (llt.info() != Eigen::Success) return symmetric_pseudo_inverse(G);
-  return llt.solve(Matrix::Identity(G.rows(), G.cols()));
-}
-
 /// to += G* x. The bodies' blocks are never put into one matrix, which would grow with the square of a scene.
 void add_inverse_product(const Inertia& inertia, const Vector& x, Vector& to) {
   const auto* bodies = std::get_if<BlockInertia>(&inertia);
@@ -43,7 +23,7 @@ void add_inverse_product(const Inertia& inertia, const Vector& x, Vector& to) {
   }
   Index at = 0;
   for (const Matrix& block : bodies->blocks) {
-    to.segment(at, block.rows()).noalias() += inverse_or_pseudo_inverse(block) * x.segment(at, block.rows());
+    to.segment(at, block.rows()).noalias() += inverse_inertia(DenseInertia{block}) * x.segment(at, block.rows());
     at += block.rows();
   }
 }
@@ -133,23 +113,6 @@ Matrix dense_inertia(const Inertia& inertia) {
                  [](const FactoredInertia& i) { return Matrix(i.X * i.alpha.asDiagonal() * i.X.transpose()); },
                  [](const InverseInertia&) { return Matrix(); }},
       inertia);
-}
-
-Matrix inverse_inertia(const Inertia& inertia) {
-  return std::visit(Overloaded{[](const DenseInertia& i) { return inverse_or_pseudo_inverse(i.G); },
-                               [&](const BlockInertia& i) {
-                                 BlockInertia inverse;
-                                 for (const Matrix& block : i.blocks)
-                                   inverse.blocks.push_back(inverse_or_pseudo_inverse(block));
-                                 return dense_inertia(inverse);
-                               },
-                               [&](const FactoredInertia& i) {
-                                 const Matrix G = dense_inertia(inertia);
-                                 return i.X.cols() < i.X.rows() ? symmetric_pseudo_inverse(G)
-                                                                : inverse_or_pseudo_inverse(G);
-                               },
-                               [](const InverseInertia& i) { return i.Ginv; }},
-                    inertia);
 }
 
 Lcp form_lcp(const ContactProblem& problem, const MatrixFormation& formation) {

@@ -95,9 +95,20 @@ Index dimension(const Inertia& inertia);
 /// G as a dense matrix; empty for InverseInertia.
 Matrix dense_inertia(const Inertia& inertia);
 
-/// G*, dense, in double: inverse by Cholesky; pseudo-inverse by the symmetric eigendecomposition with singular values
-/// below ngc eps smax cut, when G is given by fewer than ngc factors or Cholesky breaks down. O(ngc^3).
+/// G*, dense, in double: the inverse of a regular G, the pseudo-inverse of a singular one.
+///
+/// Factors in double where they prove that G is regular and far from singular, or that its factors are independent;
+/// else factors in 113 bits that prove it, else exact integers (ExactResponse), in each case rounded. Where none of
+/// these decides, eigenvalues below ngc eps of the largest count as zero. O(ngc^3).
 Matrix inverse_inertia(const Inertia& inertia);
+
+/// Whether G is proven regular by the inverse of its factors in double, and the inverse to be right to 2^-20 or so: the
+/// trace of the inverse of G scaled to unit diagonal is no less than the inverse of its least eigenvalue.
+bool is_far_from_singular(const Matrix& G, const Matrix& inverse);
+
+/// Whether the rank of X diag(alpha) X' is proven in double, with room: its columns, or where there are more than rows
+/// its rows, are far from dependent. O(rows cols min(rows, cols)). @param work  scratch
+bool is_far_from_dependent(const FactoredInertia& inertia, std::vector<double>& work);
 
 /// How M is formed in double for the solvers that take (q, M). Answers are judged by the contact problem all the same.
 struct MatrixFormation {

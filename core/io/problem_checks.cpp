@@ -83,14 +83,24 @@ void check_positive_definite(const Matrix& matrix, std::string_view field, const
   throw input_error(origin, std::string(field) + ": not positive definite (Cholesky factorization fails)");
 }
 
-/// Pivots of a semidefinite matrix may come out negative by the rounding of n operations on its largest entry.
-void check_positive_semidefinite(const Matrix& matrix, std::string_view field, const std::string& origin) {
-  if (matrix.rows() == 0) return;
+/// Elimination with the largest diagonal entry next. What is left of a semidefinite matrix where no entry is positive may
+/// be other than zero by the rounding of n operations on its largest entry.
+void check_positive_semidefinite(Matrix matrix, std::string_view field, const std::string& origin) {
+  const Index n = matrix.rows();
+  if (n == 0) return;
   const double largest = matrix.diagonal().cwiseAbs().maxCoeff();
-  const Eigen::LDLT<Matrix> factors(matrix);
-  const double smallest_pivot = factors.vectorD().minCoeff();
-  const double rounding = 8.0 * static_cast<double>(matrix.rows()) * std::numeric_limits<double>::epsilon() * largest;
-  if (factors.info() == Eigen::Success && matrix.diagonal().minCoeff() >= 0 && smallest_pivot >= -rounding) return;
+  const double rounding = 8.0 * static_cast<double>(n) * std::numeric_limits<double>::epsilon() * largest;
+  bool passes = matrix.diagonal().minCoeff() >= 0;
+  for (Index step = 0; step < n && passes; ++step) {
+    Index pivot = 0;
+    if (!(matrix.diagonal().maxCoeff(&pivot) > rounding)) break;
+    const Vector column = matrix.col(pivot);
+    matrix.noalias() -= column * (column / column(pivot)).transpose();
+    matrix.col(pivot).setZero();
+    matrix.row(pivot).setZero();
+    passes = matrix.diagonal().minCoeff() >= -rounding;
+  }
+  if (passes && matrix.cwiseAbs().maxCoeff() <= rounding) return;
   throw input_error(origin, std::string(field) + ": not positive semidefinite");
 }
 

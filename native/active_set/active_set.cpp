@@ -9,6 +9,7 @@
 #include "core/registry.h"
 #include "core/timed_solve.h"
 #include "native/contacts/dense_data.h"
+#include "native/answer_test/answer_test.h"
 #include "native/answer_test/exact_sum.h"
 
 namespace lcpbench {
@@ -98,6 +99,7 @@ void ActiveSet::reserve(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   reserve_later_rungs(contact);
   if (ContactSolvability::is_asked(contact)) solvability_.reserve(contact);
+  doubtful_.reserve(contact);
   first_.reserve(reserved_);
   v_.reserve(reserved_.ngc);
   dense_normals_.reserve(reserved_.ngc * reserved_.nc);
@@ -111,6 +113,7 @@ void ActiveSet::on_load(const Problem& problem) {
   describe(contact);
   may_be_singular_ = ContactSolvability::is_asked(contact);
   if (may_be_singular_) solvability_.load(contact);
+  doubtful_.load(contact);
   first_.load(input_);
   if (settings_.precision == ActiveSetPrecision::kLadder) reserve_later_rungs(contact);
   if (settings_.precision == ActiveSetPrecision::kQuad) reserve_proof(contact.ngc(), contact.nc());
@@ -178,7 +181,7 @@ active_set::Rules ActiveSet::rules(const SolveRequest& request) const {
   active_set::Rules rules;
   rules.polish =
       settings_.precision == ActiveSetPrecision::kPolished || settings_.precision == ActiveSetPrecision::kQuad;
-  rules.accept_residual = settings_.accept_residual;
+  rules.accept_residual = accepted();
   rules.max_steps = settings_.max_iterations > 0 ? static_cast<std::ptrdiff_t>(settings_.max_iterations)
                                                  : 20 * (input_.nc + input_.ngc) + 100;
   rules.clock_s = wall_clock_s;
@@ -203,13 +206,16 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
     outcome = first_.solve(rules, answer, farkas_);
   }
   if (settings_.precision == ActiveSetPrecision::kFloat && outcome.ending == Ending::kSolved &&
-      !second_.accepts(answer.z, settings_.accept_residual)) {
+      !second_.accepts(answer.z, accepted())) {
     outcome.ending = Ending::kRejected;
   }
   if (settings_.precision == ActiveSetPrecision::kLadder) {
     if (outcome.ending != Ending::kSolved && !stopped(outcome) && !underflows(input_)) {
       solve_in_more_bits(rules, outcome, answer);
     }
+  }
+  if (outcome.ending == Ending::kSolved && !doubtful_.confirms(*problem().contact(), v_.view(), answer)) {
+    outcome.ending = Ending::kRejected;
   }
   const bool has_answer = outcome.ending == Ending::kSolved || outcome.ending == Ending::kRejected;
   if (may_be_singular_) {
@@ -221,6 +227,8 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
   if (outcome.ending == Ending::kInfeasible && round_to_proof(farkas_.view())) answer.farkas = farkas_.view();
   report(outcome, answer);
 }
+
+double ActiveSet::accepted() const { return std::min(settings_.accept_residual, kClaimedResidual); }
 
 /// With singular inertia, whether there is a solution is decided apart: an answer may nearly be one where there is
 /// none, and dependent contacts nearly a proof that there is none.
@@ -243,7 +251,7 @@ void ActiveSet::check_solvability(const SolveRequest& request, const active_set:
 void ActiveSet::solve_in_more_bits(active_set::Rules& rules, active_set::Outcome& outcome, Answer& answer) {
   if (outcome.ending != Ending::kInfeasible) {
     second_.load(input_);
-    if (outcome.ending == Ending::kRejected && second_.accepts(answer.z, settings_.accept_residual)) {
+    if (outcome.ending == Ending::kRejected && second_.accepts(answer.z, accepted())) {
       outcome.ending = Ending::kSolved;
       return;
     }
@@ -251,7 +259,7 @@ void ActiveSet::solve_in_more_bits(active_set::Rules& rules, active_set::Outcome
     if (outcome.ending == Ending::kSolved || stopped(outcome)) return;
   }
   third_.load(input_);
-  if (outcome.ending == Ending::kRejected && third_.accepts(answer.z, settings_.accept_residual)) {
+  if (outcome.ending == Ending::kRejected && third_.accepts(answer.z, accepted())) {
     outcome.ending = Ending::kSolved;
     return;
   }

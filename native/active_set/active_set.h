@@ -8,6 +8,7 @@
 #include "core/solver.h"
 #include "native/active_set/active_set_engine.h"
 #include "native/answer_test/contact_solvability.h"
+#include "native/answer_test/doubtful_inertia.h"
 #include "native/answer_test/farkas_support.h"
 #include "native/contacts/growing_vector.h"
 
@@ -31,7 +32,8 @@ struct ActiveSetSettings {
           "of two "
           "doubles, then quad");
     field("accept_residual", accept_residual, RealRange{.min = 0},
-          "claim solved only when the velocity residual, in double or better, is at most this times max|q|");
+          "claim solved only when the velocity residual, in double or better, is at most this times max|q|, and at most "
+          "5e-5 times that whatever is set here");
     field("max_iterations", max_iterations, IntegerRange{.min = 0, .max = std::int64_t{1} << 40},
           "contacts added to or dropped from the active set; 0: 20 (contacts + coordinates) + 100");
   }
@@ -104,6 +106,7 @@ class ActiveSet final : public Solver {
   bool round_to_proof(Eigen::Ref<Vector> u);
   bool is_proof(const Eigen::Ref<const Vector>& u) const;
   bool is_proven_singular();
+  double accepted() const;
 
   ActiveSetSettings settings_;
   Rung first_;
@@ -114,6 +117,7 @@ class ActiveSet final : public Solver {
   active_set::Input reserved_{.ngc = -1, .form = active_set::InertiaForm::kFactors};  // the largest dimensions so far
   ContactSolvability solvability_;
   bool may_be_singular_ = false;
+  DoubtfulInertia doubtful_;
   IslandNumbers islands_;  // found only where the inertia does not couple all
   GrowingVector v_;
   GrowingVector dense_normals_;  // of a sparse N

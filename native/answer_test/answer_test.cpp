@@ -40,6 +40,8 @@ void AnswerTest::load(const Problem& problem, Bodies bodies, const IslandNumbers
   may_be_singular_ = ContactSolvability::is_asked(contact);
   if (!may_be_singular_) return;
   solvability_.load(contact);
+  doubtful_.load(contact);
+  contact_ = &contact;
   velocity_ = contact.v;
   path_end_.resize(problem.size());
 }
@@ -57,9 +59,12 @@ bool AnswerTest::settle(Answer& answer, double deadline_s) {
   const Outcome outcome = solves(answer.z) ? confirm(deadline_s) : Outcome::kResidual;
   switch (outcome) {
     case Outcome::kSolved:
+      completed_.swap(answer.z);
       if (answer.z.head(impulses_) != completed_.head(impulses_)) answer.velocity.resize(0);  // not of these impulses
-      answer.z = completed_;
-      return true;
+      if (bare_ || !may_be_singular_ || doubtful_.confirms(*contact_, velocity_, answer)) return true;
+      completed_.swap(answer.z);
+      answer.detail = "residual";
+      break;
     case Outcome::kUnsolvable: report_proof(answer); return false;
     case Outcome::kResidual: answer.detail = "residual"; break;
     case Outcome::kUnconfirmed: answer.detail = "unconfirmed"; break;

@@ -5,6 +5,7 @@
 #include "native/answer_test/bare_lcp_test.h"
 #include "native/answer_test/bodies_test.h"
 #include "native/answer_test/contact_solvability.h"
+#include "native/answer_test/doubtful_inertia.h"
 #include "native/contact_lemke/contact_lemke.h"
 #include "native/contacts/contact_input.h"
 
@@ -79,6 +80,8 @@ class AnswerTest {
   ContactInput contacts_;
   BareLcpTest bare_test_;
   BodiesTest bodies_test_;
+  DoubtfulInertia doubtful_;
+  const ContactProblem* contact_ = nullptr;  // where the inertia may be singular
   bool by_bodies_ = false;
   bool bare_ = true;
   Index impulses_ = 0;  // of contacts: the entries of z that move anything

@@ -12,6 +12,7 @@
 #include "native/answer_test/answer_test.h"
 #include "native/auto/islands.h"
 #include "native/cone_ipm/cone_island.h"
+#include "native/cone_ipm/cone_test.h"
 
 namespace lcpbench {
 namespace {
@@ -37,7 +38,8 @@ struct ConeIpmSettings {
     field("tolerance", tolerance, RealRange{.min = 0},
           "stop when the residual of the cone's conditions is at most this times max|q| of the island");
     field("accept_residual", accept_residual, RealRange{.min = 0},
-          "claim solved only when that residual, evaluated in double, is at most this times max|q| of every island");
+          "claim solved only when that residual, evaluated in double, is at most this times max|q| of every island, "
+          "and the answer passes the test of the verdict's measure");
     field("error", error, RealRange{.min = 0},
           "[m/s] stop, and claim solved, when the residual is at most this, if that asks for less than tolerance and "
           "accept_residual do");
@@ -49,7 +51,8 @@ struct ConeIpmSettings {
 /// Solves contacts with the round Coulomb cone, island by island, by ConeIsland.
 ///
 /// kSolved: the residual of the cone's conditions, recomputed from the impulses in double, is within accept_residual on
-/// every island; without friction AnswerTest has passed too. That the iteration converges is not proven with friction.
+/// every island, and AnswerTest has passed too, or with friction ConeTest. That the iteration converges is not proven
+/// with friction.
 class ConeIpm final : public Solver {
  public:
   explicit ConeIpm(const ConeIpmSettings& settings) : settings_(settings) {}
@@ -81,6 +84,7 @@ class ConeIpm final : public Solver {
   bool islands_are_loaded_ = false;       // parts_ are there
   bool idle_contact_penetrates_ = false;  // a contact that moves nothing, of a negative offset
   AnswerTest test_;                       // without friction
+  ConeTest cone_test_;                    // with it
 };
 
 void ConeIpm::on_load(const Problem& problem) {
@@ -112,6 +116,7 @@ bool ConeIpm::approaches() const {
 
 void ConeIpm::load_islands(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
+  if (contact.frictional()) cone_test_.load(contact);
   ProblemCutter cutter(problem);
   std::vector<char> moves(static_cast<std::size_t>(layout_.nc), 0);
   for (Island& island : find_islands(contact)) {
@@ -212,7 +217,19 @@ void ConeIpm::on_solve(const SolveRequest& request, Answer& answer) {
   const int length = std::snprintf(text.data(), text.size(), "%sresidual %.1e",
                                    frictional ? "another problem: the round friction cone; " : "", worst);
   answer.detail.assign(text.data(), static_cast<std::size_t>(length));
-  if (!frictional && answer.claim == Claim::kSolved) test_.settle(answer, deadline_s);
+  if (answer.claim != Claim::kSolved) return;
+  if (!frictional) {
+    test_.settle(answer, deadline_s);
+  } else if (islands_are_loaded_) {
+    double allowed = kClaimedResidual;
+    for (const auto& part : parts_) {
+      if (part->method.speed() > 0) allowed = std::max(allowed, settings_.error / part->method.speed());
+    }
+    if (!(cone_test_.residual(v_, answer.z) <= allowed)) answer.claim = Claim::kNumericalFailure;
+    const bool is_regular = std::holds_alternative<DenseInertia>(problem().contact()->inertia) ||
+                            std::holds_alternative<BlockInertia>(problem().contact()->inertia);
+    if (!is_regular) cone_test_.take_velocity(answer.velocity);
+  }
 }
 
 constexpr Capabilities kCapabilities{

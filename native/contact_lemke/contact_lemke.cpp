@@ -136,6 +136,7 @@ const Capabilities& ContactLemke::capabilities() const { return capabilities_; }
 void ContactLemke::reserve(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   if (ContactSolvability::is_asked(contact)) solvability_.reserve(contact);
+  doubtful_.reserve(contact);
   const Index ngc = ContactInput::coordinates(contact);
   if (!contact.frictional()) return reserve(ngc, contact.nc());
   data_.reserve(ngc, contact.nc(), cols(contact.D));
@@ -206,6 +207,7 @@ void ContactLemke::on_load(const Problem& problem) {
   may_be_singular_ = ContactSolvability::is_asked(contact);
   if (may_be_singular_) solvability_.load(contact);
   if (may_be_singular_) given_v_ = contact.v;
+  doubtful_.load(contact);
   double_.load(data_.input);
   if (float_) float_->load(data_.input);
   for (LaterEngines::Shared* later : {&later_->double_double, &later_->quad}) {
@@ -386,6 +388,11 @@ void ContactLemke::report(const Progress& progress, Answer& answer) {
     if (!progress.is_best) answer.z = best_.view();
     if (best_has_velocity_) answer.velocity = best_velocity_.view();
     answer.detail = progress.rung;
+    if (doubtful_.confirms(*problem().contact(), given_v_.view(), answer)) return;
+    answer.claim = Claim::kNumericalFailure;
+    answer.detail = "residual";
+    answer.velocity.resize(0);
+    answer.z.setZero();
     return;
   }
   answer.z.setZero();

@@ -11,6 +11,7 @@
 #include "core/settings.h"
 #include "core/solver.h"
 #include "native/answer_test/contact_solvability.h"
+#include "native/answer_test/doubtful_inertia.h"
 #include "native/contact_lemke/engine.h"
 #include "native/contacts/contact_input.h"
 #include "native/contacts/growing_vector.h"
@@ -207,6 +208,7 @@ class ContactLemke final : public Solver {
   std::optional<LoadedContacts> float_;       ///< with precision=float
   std::shared_ptr<LaterEngines> later_;
   ContactSolvability solvability_;
+  DoubtfulInertia doubtful_;
   bool may_be_singular_ = false;  ///< the inertia, or an offset may ask for too much
   GrowingVector given_v_;         ///< where that is so, the velocity in the units of the problem
   GrowingVector velocity_;        ///< of the last rung

@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <type_traits>
 
+#include "core/exact_inertia.h"
 #include "core/round_cone.h"
 #include "study/evaluation/backward_error.h"
 #include "study/evaluation/cone_friction.h"
@@ -144,10 +145,17 @@ struct ContactEvaluation {
       : problem(contact), islands(of_rows), inertia(inertia_in(memory, contact.inertia)) {
     if (!inertia.well_defined()) return;
     lcp.emplace(contact, inertia, memory);
+    if constexpr (std::is_same_v<Real, Quad>) {
+      if (inertia.needs_exact()) resolve();
+    }
     if (contact.frictional() && why_no_round_cone(contact).empty()) cone.emplace(contact, *lcp);
   }
 
   void measure(const RealVector& z, const RealVector& v_plus, const RealVector& w, Errors& errors);
+  /// Whether the rounding of G* in 113 bits may be a part of the residuals that counts.
+  bool is_in_doubt(const RealVector& z, const RealVector& v_plus, const RealVector& w);
+  /// From now on residuals are those of exact arithmetic, where there is G* in it.
+  bool resolve();
   double velocity_mismatch(const Vector& velocity, const RealVector& z, const RealVector& v_plus) const;
   void measure_returned(const Vector& velocity, const RealVector& z, const RealVector& v_plus, Errors& errors);
   double forward_velocity(const RealVector& velocity) const;
@@ -158,6 +166,7 @@ struct ContactEvaluation {
   std::optional<ContactLcp<Real>> lcp;
   std::optional<ConeFriction<Real>> cone;  // where the friction names one
   std::optional<RealVector> v_star;
+  std::optional<ExactContacts> exact;
 
  private:
   static RealInertia inertia_in(std::pmr::memory_resource* memory, const Inertia& inertia) {
@@ -175,10 +184,14 @@ struct ContactEvaluation {
   Real work_gain(const RealVector& z, const RealVector& v_plus) const;
   Real work_of_offset(const RealVector& z) const;
   Real velocity_scale(std::size_t coordinate, const RealVector& z);
-  double velocity_rounding(std::size_t coordinate, double inverse, const RealVector& z);
+  Real velocity_rounding(std::size_t coordinate, const Real& inverse, const RealVector& z);
+  RealVector inverse_row(std::size_t coordinate, std::vector<std::size_t>& pattern) const;
+
+  Real diagonal(std::size_t row);
 
   std::optional<IslandNumbers> numbers_;  // made by velocity_rounding()
-  RealVector scales_;  // made by scales()
+  RealVector scales_;                     // made by scales()
+  RealVector diagonals_;                  // of exact; -1 where not yet made
 };
 
 template <class Real>
@@ -200,6 +213,46 @@ Real ContactEvaluation<Real>::island_scale(std::size_t island) const {
   return larger(largest_q, floor / Real(kSolvedVelocityResidual));
 }
 
+template <class Real>
+Real ContactEvaluation<Real>::diagonal(std::size_t row) {
+  if constexpr (std::is_same_v<Real, Quad>) {
+    if (exact) {
+      if (diagonals_.empty()) diagonals_.assign(lcp->impulses(), -1);
+      if (diagonals_[row] < 0) diagonals_[row] = exact->diagonal(static_cast<Index>(row));
+      return diagonals_[row];
+    }
+  }
+  return lcp->diagonal(row);
+}
+
+template <class Real>
+bool ContactEvaluation<Real>::resolve() {
+  std::optional<ExactResponse> response = ExactResponse::of(problem.inertia);
+  if (!response) return false;
+  exact.emplace(problem, *std::move(response));
+  return true;
+}
+
+/// A part of 2^-30, as for Bounded measures, of each row's residual or of what its island allows.
+template <class Real>
+bool ContactEvaluation<Real>::is_in_doubt(const RealVector& z, const RealVector& v_plus, const RealVector& w) {
+  if constexpr (std::is_same_v<Real, Quad>) {
+    if (lcp->at_rest(z)) return false;
+    const QuadVector impulse = lcp->generalized_impulse(z);
+    const QuadVector change = difference(v_plus, lcp->velocity_before());
+    const std::vector<double> bounds = inertia.rounding(impulse, lcp->generalized_impulse_scale(z), change);
+    for (std::size_t island = 0; island < islands.count(); ++island) {
+      for (const std::size_t row : islands.rows(island)) {
+        if (row >= lcp->impulses()) break;
+        const double counts = to_double(larger(scales()[island] * Quad{kSolvedVelocityResidual},
+                                               abs(smaller(z[row] > 0 ? diagonal(row) * z[row] : Quad{0}, w[row]))));
+        if (!(lcp->rounding(row, bounds, v_plus) <= kSettled * counts)) return true;
+      }
+    }
+  }
+  return false;
+}
+
 /// Of the islands' residuals. An answer that leaves none needs no scale.
 template <class Real>
 const std::vector<Real>& ContactEvaluation<Real>::scales() {
@@ -219,7 +272,7 @@ Real ContactEvaluation<Real>::row_residual(std::size_t row, const RealVector& z,
   }
   // M_ii is needed only where its factor is not zero.
   const auto scaled = [this](std::size_t of, Real factor) {
-    return surely_equal(factor, 0) ? factor : lcp->diagonal(of) * factor;
+    return surely_equal(factor, 0) ? factor : diagonal(of) * factor;
   };
   const Real residual = row < lcp->impulses() ? abs(smaller(scaled(row, z[row]), w[row]))
                                               : abs(smaller(z[row], scaled(lcp->normal_of_cone(row), w[row])));
@@ -355,15 +408,16 @@ double ContactEvaluation<Real>::velocity_mismatch(const Vector& returned, const 
 /// What rounding may leave where exact sums cancel. |u_i| <= sqrt(G*_ii) |u|_G for all u, so |G*_i' J_j| <= sqrt(G*_ii
 /// M_jj).
 template <class Real>
-double ContactEvaluation<Real>::velocity_rounding(std::size_t coordinate, double inverse, const RealVector& z) {
+Real ContactEvaluation<Real>::velocity_rounding(std::size_t coordinate, const Real& inverse, const RealVector& z) {
   if (!numbers_) numbers_.emplace().find(problem);
   const ContactLayout& layout = lcp->layout();
-  double sum = 0;
+  const auto root = [](const Real& square) { return leading(square) > 0 ? sqrt(square) : Real(0); };
+  Real sum = 0;
   double impulses = 0;
   const auto add = [&](Index row) {
     const auto j = static_cast<std::size_t>(row);
     if (surely_equal(z[j], 0)) return;
-    sum += std::sqrt(std::max(to_double(lcp->diagonal(j)), 0.0)) * std::abs(to_double(z[j]));
+    sum += root(diagonal(j)) * abs(z[j]);
     ++impulses;
   };
   const Index island = numbers_->of_coordinate[coordinate];
@@ -372,7 +426,7 @@ double ContactEvaluation<Real>::velocity_rounding(std::size_t coordinate, double
     for (std::size_t i = 0; i < v.size(); ++i) {
       if (numbers_->of_coordinate[i] != island) v[i] = 0;
     }
-    sum += std::sqrt(std::max(to_double(dot(v, inertia.apply(v))), 0.0));
+    sum += root(dot(v, inertia.apply(v)));
   }
   for (Index contact = 0; island >= 0 && contact < layout.nc; ++contact) {
     const auto at = static_cast<std::size_t>(contact);
@@ -380,21 +434,41 @@ double ContactEvaluation<Real>::velocity_rounding(std::size_t coordinate, double
     add(contact);
     for (Index d = layout.friction_begin[at]; d < layout.friction_begin[at + 1]; ++d) add(layout.friction_offset() + d);
   }
-  return (impulses + 1) * (0x1p-53 * std::sqrt(std::max(inverse, 0.0)) * sum + 0x1p-1074);
+  const Real rounding = Real(impulses + 1) * (Real(0x1p-53) * root(inverse) * sum + Real(0x1p-1074));
+  if (std::is_same_v<Real, Bounded> && !is_finite(rounding)) throw Doubt();
+  return rounding;
+}
+
+/// G*_i', and where it is not zero.
+template <class Real>
+std::vector<Real> ContactEvaluation<Real>::inverse_row(std::size_t coordinate,
+                                                       std::vector<std::size_t>& pattern) const {
+  RealVector row(static_cast<std::size_t>(problem.ngc()), 0);
+  if constexpr (std::is_same_v<Real, Quad>) {
+    if (exact) {
+      pattern.resize(row.size());
+      std::iota(pattern.begin(), pattern.end(), std::size_t{0});
+      for (const std::size_t j : pattern) {
+        row[j] = exact->inverse(static_cast<Index>(coordinate), static_cast<Index>(j));
+      }
+      return row;
+    }
+  }
+  pattern.assign(1, coordinate);
+  row[coordinate] = 1;
+  inertia.solve(row, pattern);
+  return row;
 }
 
 /// (|v| + |G*| |J| |f|)_i + rounding_i / 1e-4
 template <class Real>
 Real ContactEvaluation<Real>::velocity_scale(std::size_t coordinate, const RealVector& z) {
   const RealVector impulses = lcp->generalized_impulse_scale(z);
-  RealVector inverse(impulses.size(), 0);  // a row of G*
-  std::vector<std::size_t> pattern{coordinate};
-  inverse[coordinate] = 1;
-  inertia.solve(inverse, pattern);
+  std::vector<std::size_t> pattern;
+  const RealVector inverse = inverse_row(coordinate, pattern);
   Real scale = abs(lcp->velocity_before()[coordinate]);
   for (const std::size_t j : pattern) scale += abs(inverse[j]) * impulses[j];
-  return scale +
-         Real(velocity_rounding(coordinate, to_double(inverse[coordinate]), z) / kSolvedReturnedVelocity);
+  return scale + velocity_rounding(coordinate, inverse[coordinate], z) / Real(kSolvedReturnedVelocity);
 }
 
 template <class Real>
@@ -506,10 +580,22 @@ bool measure_rows(EvaluatedLcp<Real>& lcp, const IslandRows& islands, const std:
 
 template <class Real>
 Errors contact_errors(ContactEvaluation<Real>& contact, const Answer& answer, Errors errors) {
+  if constexpr (std::is_same_v<Real, Quad>) errors.unresolved = contact.inertia.unresolved();
   if (!contact.lcp) return errors;
   const std::vector<Real> z = numbers<Real>(answer.z);
-  const std::vector<Real> u = contact.lcp->response(z);
-  const std::vector<Real> w = contact.lcp->all_rows(z, u);
+  std::vector<Real> u = contact.lcp->response(z);
+  std::vector<Real> w = contact.lcp->all_rows(z, u);
+  if constexpr (std::is_same_v<Real, Quad>) {
+    const bool finite = all_finite(w) && all_finite(u);
+    if (finite && !contact.exact && !contact.inertia.is_cut() && contact.is_in_doubt(z, u, w) && !contact.resolve()) {
+      errors.unresolved = true;
+      return errors;
+    }
+    if (contact.exact) {
+      u = contact.exact->velocity(answer.z);
+      w = contact.exact->complement(answer.z);
+    }
+  }
   BackwardError<Real> row_norm;
   if (!measure_rows(*contact.lcp, contact.islands, z, u, w, row_norm, errors)) return errors;
   contact.measure(z, u, w, errors);

@@ -92,6 +92,8 @@ struct Errors {
   WorstRow worst;  ///< of rho; of the row-norm backward error for bare LCPs
   WorstCoordinate worst_coordinate;
   bool usable = false;  ///< z is finite and of the right length
+  /// What G* is, or what it gives, is beyond the arithmetic of the measures: none of them is known. See ExactResponse.
+  bool unresolved = false;
   /// rho <= 1e-4 (bare LCP: backward_row_norm <= 1e-9), r (eta) is no overflow, and velocity_passes().
   bool solved = false;
   /// Passes the paper's criterion: no test of sign, cone, complementarity (contact only). Of an offset the work that a
@@ -205,11 +207,16 @@ struct VerdictRule {
   std::optional<Claim> claim = std::nullopt;
   std::optional<Truth> truth = std::nullopt;
   std::optional<Truth> truth_is_not = std::nullopt;
+  bool unresolved = false;  ///< asks for Errors::unresolved
 };
 
 inline constexpr std::array kVerdictRules{
     VerdictRule{.verdict = Verdict::kUnsolvable, .claim = Claim::kUnsolvable, .truth = Truth::kNearly},
     VerdictRule{.verdict = Verdict::kSolved, .passes = true, .truth_is_not = Truth::kUnsolvable},
+    VerdictRule{.verdict = Verdict::kOpen,
+                .claim = Claim::kSolved,
+                .truth_is_not = Truth::kUnsolvable,
+                .unresolved = true},
     VerdictRule{.verdict = Verdict::kWrong, .claim = Claim::kSolved},
     VerdictRule{.verdict = Verdict::kUnsolvable, .truth = Truth::kUnsolvable},
     VerdictRule{.verdict = Verdict::kRefused, .claim = Claim::kUnsupported},
@@ -242,11 +249,11 @@ enum class Precision {
 /// Evaluates answers to one problem. What an answer needs of M is formed when it first needs it. Contact problems never
 /// form M. One object per thread.
 ///
-/// Decisions are those of exact arithmetic where the bounds decide them, and those of 113 bits elsewhere. The two can
-/// differ only where terms some 2^100 apart cancel. A measure of a contact problem may differ from its value in 113
-/// bits by kSettled of it, the backward errors and the velocity mismatch also by kSettledBackward, the model's error
-/// also by kSettledBackward of the largest scale of an island; in practice in the last digits of a double. The worst
-/// row may be any of those that are equal up to kSettled.
+/// Decisions are those of exact arithmetic where the bounds decide them, and those of 113 bits elsewhere. Where the
+/// rounding of G* in 113 bits may matter, velocities and residuals are those of exact arithmetic, too. A measure of a
+/// contact problem may differ from its value in 113 bits by kSettled of it, the backward errors and the velocity
+/// mismatch also by kSettledBackward, the model's error also by kSettledBackward of the largest scale of an island; in
+/// practice in the last digits of a double. The worst row may be any of those that are equal up to kSettled.
 class Evaluator {
  public:
   explicit Evaluator(const Problem& problem, Precision precision = Precision::kAsNeeded);

@@ -5,61 +5,10 @@
 #include <limits>
 #include <vector>
 
-#include <gmpxx.h>
+#include "core/dyadic.h"
 
 namespace lcpbench {
 namespace {
-
-// mantissa * 2^exponent, exactly.
-class Dyadic {
- public:
-  Dyadic() = default;
-  explicit Dyadic(double value) {
-    if (value == 0) return;
-    int exponent = 0;
-    mantissa_ = std::ldexp(std::frexp(value, &exponent), kDoubleBits);
-    exponent_ = exponent - kDoubleBits;
-  }
-
-  explicit Dyadic(const std::string& integer) : mantissa_(integer) {}
-
-  int sign() const { return sgn(mantissa_); }
-
-  Dyadic& operator+=(const Dyadic& other) {
-    if (other.sign() == 0) return *this;
-    if (sign() == 0) return *this = other;
-    if (exponent_ > other.exponent_) {
-      mantissa_ <<= static_cast<mp_bitcnt_t>(exponent_ - other.exponent_);
-      exponent_ = other.exponent_;
-      mantissa_ += other.mantissa_;
-    } else {
-      mantissa_ += other.mantissa_ << static_cast<mp_bitcnt_t>(other.exponent_ - exponent_);
-    }
-    return *this;
-  }
-
-  friend Dyadic operator*(const Dyadic& a, const Dyadic& b) {
-    Dyadic product;
-    product.mantissa_ = a.mantissa_ * b.mantissa_;
-    product.exponent_ = a.exponent_ + b.exponent_;
-    return product;
-  }
-
-  /// a / b towards zero. @pre b is not zero
-  friend double quotient(const Dyadic& a, const Dyadic& b) {
-    mpq_class ratio(a.mantissa_, b.mantissa_);
-    ratio.canonicalize();
-    const long shift = a.exponent_ - b.exponent_;
-    if (shift >= 0) return mpq_class(ratio << static_cast<mp_bitcnt_t>(shift)).get_d();
-    return mpq_class(ratio >> static_cast<mp_bitcnt_t>(-shift)).get_d();
-  }
-
- private:
-  static constexpr int kDoubleBits = 53;
-
-  mpz_class mantissa_;
-  long exponent_ = 0;
-};
 
 using DyadicVector = std::vector<Dyadic>;
 
@@ -116,7 +65,18 @@ Dyadic fall(const ContactProblem& problem, const DyadicVector& u) {
 double least_violation(const ContactProblem& problem, const DyadicVector& u) {
   Dyadic total;
   for (const Dyadic& value : u) total += value;
-  return total.sign() > 0 ? -quotient(fall(problem, u), total) : std::numeric_limits<double>::quiet_NaN();
+  if (total.sign() <= 0) return std::numeric_limits<double>::quiet_NaN();
+  const Dyadic missing = -fall(problem, u);
+  const double nearest = to_double(quotient(missing, total));
+  if (!std::isfinite(nearest)) return std::numeric_limits<double>::max();
+  return missing < Dyadic(nearest) * total ? std::nextafter(nearest, 0) : nearest;
+}
+
+// A decimal integer >= 0.
+Dyadic integer(const std::string& digits) {
+  Dyadic value;
+  for (const char digit : digits) value = value * Dyadic(10.0) + Dyadic(static_cast<double>(digit - '0'));
+  return value;
 }
 
 bool annihilates(const Matrix& A, const DyadicVector& p, std::size_t begin) {
@@ -169,7 +129,9 @@ bool proves_unsolvable(const Lcp& lcp, const Vector& u) {
 double least_violation(const ContactProblem& problem, const Vector& u) { return least_violation(problem, exact(u)); }
 
 double least_violation(const ContactProblem& problem, std::span<const std::string> u) {
-  return least_violation(problem, DyadicVector(u.begin(), u.end()));
+  DyadicVector exact_u;
+  for (const std::string& digits : u) exact_u.push_back(integer(digits));
+  return least_violation(problem, exact_u);
 }
 
 }  // namespace lcpbench

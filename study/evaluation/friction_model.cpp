@@ -94,6 +94,7 @@ void measure_cone(const Problem& problem, const Answer& answer, Errors& errors) 
   const bool round =
       std::all_of(contact->edges.begin(), contact->edges.end(), [](int edges) { return edges % 4 == 0; });
   const QuadInertia inertia(contact->inertia);
+  errors.unresolved = inertia.unresolved();
   if (!round || !inertia.well_defined() || !contact->v.allFinite() || !all_finite(contact->N) ||
       !all_finite(contact->D)) {
     return;

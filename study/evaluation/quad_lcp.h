@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <memory_resource>
@@ -10,7 +11,7 @@
 
 #include "core/lcp.h"
 #include "study/evaluation/bounded_inertia.h"
-#include "study/evaluation/quad_inertia.h"
+#include "core/quad_inertia.h"
 
 namespace lcpbench {
 
@@ -181,6 +182,16 @@ class ContactLcp final : public EvaluatedLcp<Real> {
   RealVector generalized_impulse(const RealVector& z) const;
   /// |J| |f|: the scale of rounding in J f.
   RealVector generalized_impulse_scale(const RealVector& z) const;
+  /// A bound on what w_i may be off by through G*. @param bounds  QuadInertia::rounding() @param u  the velocity
+  double rounding(std::size_t i, const std::vector<double>& bounds, const RealVector& u) const {
+    double sum = 0;
+    const Entries of = entries(i);
+    const double own = static_cast<double>(of.count + 2) * 0x1p-110;
+    for (std::size_t e = 0; e < of.count; ++e) {
+      sum += std::abs(of.values[e]) * (bounds[of.rows[e]] + own * std::abs(to_double(u[of.rows[e]])));
+    }
+    return sum;
+  }
   /// J_i' x.
   Real project(std::size_t i, const RealVector& x) const;
   /// What forming q_i = J_i'v + b_i in double may lose to rounding: (k + 1) 2^-53 (|J_i|'|v| + |b_i|), k the terms that

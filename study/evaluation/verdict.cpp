@@ -52,8 +52,8 @@ Truth Findings::truth() const {
 
 Verdict verdict(Claim claim, const Errors& errors, Truth truth) {
   const auto fits = [&](const VerdictRule& rule) {
-    return (errors.solved || !rule.passes) && claim == rule.claim.value_or(claim) &&
-           truth == rule.truth.value_or(truth) && truth != rule.truth_is_not;
+    return (errors.solved || !rule.passes) && (errors.unresolved || !rule.unresolved) &&
+           claim == rule.claim.value_or(claim) && truth == rule.truth.value_or(truth) && truth != rule.truth_is_not;
   };
   return std::find_if(kVerdictRules.begin(), kVerdictRules.end(), fits)->verdict;  // the last line fits all
 }

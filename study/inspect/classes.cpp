@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "study/evaluation/quad_matrix.h"
+#include "core/quad_matrix.h"
 
 namespace lcpbench {
 namespace {

@@ -7,7 +7,7 @@
 #include <tuple>
 #include <utility>
 
-#include "study/evaluation/quad_inertia.h"
+#include "core/quad_inertia.h"
 #include "study/inspect/matrix_facts.h"
 #include "study/inspect/rigid_bodies.h"
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/types.h"
-#include "study/evaluation/quad_matrix.h"
+#include "core/quad_matrix.h"
 
 namespace lcpbench {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/contact_problem.h"
-#include "study/evaluation/quad_inertia.h"
+#include "core/quad_inertia.h"
 
 namespace lcpbench::testing {
 

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "core/solver.h"
-#include "study/evaluation/quad_inertia.h"
+#include "core/quad_inertia.h"
 #include "study/evaluation/quad_lcp.h"
 #include "study/stability/transformations.h"
 

@@ -81,7 +81,8 @@ void ProblemWriter::add_answer(std::int64_t problem_id, std::int64_t run_id, con
               row.velocity, row.farkas, counters.iterations, counters.pivots, counters.factorizations, row.detail);
 
   const Errors& errors = row.errors;
-  const auto worst_row = errors.worst.row < 0 ? std::nullopt : std::optional(errors.worst.row);
+  const auto worst_row =
+      errors.worst.row < 0 && !errors.unresolved ? std::nullopt : std::optional(errors.worst.row);
   verdict_.bind_all(problem_id, row.solver_id, part, errors.usable, errors.solved, errors.criterion, row.farkas_checked,
                     worst_row);
   int parameter = 9;

@@ -79,7 +79,8 @@ CREATE TABLE IF NOT EXISTS verdicts (
   solved INTEGER NOT NULL,
   criterion INTEGER NOT NULL,
   farkas_checked INTEGER NOT NULL,  -- 1 when the answer's proof of unsolvability was checked and holds
-  worst_row INTEGER,                -- of the LCP: where rho (bare LCP: the backward error) is taken; NULL where it is 0
+  worst_row INTEGER,                -- of the LCP: where rho (bare LCP: the backward error) is taken; NULL where it is 0;
+                                    -- -1: the inertia is unresolved, and nothing is measured
 @metrics@
   checksum INTEGER NOT NULL,
   PRIMARY KEY (problem_id, solver_id, part)) WITHOUT ROWID, STRICT;
@@ -204,6 +205,7 @@ std::string verdict_case() {
     std::string condition;
     const auto also = [&condition](const std::string& term) { condition += (condition.empty() ? "" : " AND ") + term; };
     if (rule.passes) also("v.solved = 1");
+    if (rule.unresolved) also("v.worst_row = -1");
     if (rule.claim) also(fmt::format("a.claim = '{}'", to_string(*rule.claim)));
     if (rule.truth) also(fmt::format("{} = '{}'", truth_of_answer(), to_string(*rule.truth)));
     if (rule.truth_is_not) also(fmt::format("{} <> '{}'", truth_of_answer(), to_string(*rule.truth_is_not)));

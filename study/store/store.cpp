@@ -425,6 +425,7 @@ void Store::for_each_answer(const std::function<void(const StoredAnswer&)>& visi
     row.truth = parse_truth(query.text(10));
     row.verdict = stored_verdict(database, query.text(11));
     errors.worst = {.row = query.is_null(12) ? -1 : query.integer(12)};
+    errors.unresolved = !query.is_null(12) && errors.worst.row < 0;
     int column = query.read(13, counters.iterations, counters.pivots, counters.factorizations, row.detail,
                             errors.usable, errors.solved, errors.criterion, times.setup_wall_s, times.setup_cpu_s,
                             times.solve_wall_s, times.solve_cpu_s, times.transport_s, row.verify_s, times.repeats);

@@ -94,7 +94,7 @@ std::string range_of(const std::string& table) {
   if (table == "problems") add(0, kLargest, {"trial", "n", "ngc", "nc"});
   if (table == "answers") add(-1, kLargest, {"iterations", "pivots", "factorizations"});
   if (table == "verdicts") add(0, 1, {"usable", "solved", "criterion", "farkas_checked"});
-  if (table == "verdicts") add(0, kLargest, {"IFNULL(worst_row, 0)"});
+  if (table == "verdicts") add(-1, kLargest, {"IFNULL(worst_row, 0)"});
   if (table == "timings") add(0, kLargest, {"repeats"});
   return ranges.empty() ? "1" : ranges;
 }

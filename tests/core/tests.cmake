@@ -4,6 +4,7 @@ add_test(NAME one_definition
 lcpbench_test(spec LINK lcpbench_core)
 lcpbench_test(settings LINK lcpbench_core)
 lcpbench_test(contact_problem LINK lcpbench_core)
+lcpbench_test(exact_inertia LINK lcpbench_core)
 lcpbench_test(solver LINK lcpbench_core)
 lcpbench_test(isa LINK lcpbench_core)
 lcpbench_test(islands LINK lcpbench_core)

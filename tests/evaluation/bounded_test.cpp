@@ -8,7 +8,7 @@
 
 #include "study/evaluation/bounded_factors.h"
 #include "study/evaluation/bounded_inertia.h"
-#include "study/evaluation/quad_inertia.h"
+#include "core/quad_inertia.h"
 #include "tests/support/evaluation_cases.h"
 
 namespace lcpbench {

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "study/evaluation/quad_inertia.h"
-#include "study/evaluation/quad_matrix.h"
+#include "core/quad_inertia.h"
+#include "core/quad_matrix.h"
 
 namespace lcpbench {
 namespace {
@@ -161,15 +161,26 @@ TEST(QuadInertiaTest, NearlyDependentFactorsStayIndependent) {
   EXPECT_LT(std::abs(to_double(x[1] * 0x1p-61 - 1)), 1e-14);
 }
 
-TEST(QuadInertiaTest, FactorsCloserThanTheStatedBoundAreOne) {
+TEST(QuadInertiaTest, FactorsCloserThanRoundingAreTwo) {
   Matrix X(3, 2);
   X << 1, 1, 0, 0x1p-60, 0, 0;
   const QuadInertia inertia{FactoredInertia{X, Vector::Ones(2)}};
   ASSERT_TRUE(inertia.well_defined());
-  EXPECT_NEAR(to_double(inertia.outside_range({0, 1, 0})[1]), 1, 1e-15);
+  EXPECT_TRUE(inertia.needs_exact());
+  EXPECT_EQ(to_double(inertia.outside_range({0, 1, 0})[1]), 0);
   QuadVector x{1, 0, 0};
-  inertia.solve(x);
-  EXPECT_NEAR(to_double(x[0]), 0.5, 1e-15);  // G = 2 along x
+  inertia.solve(x);  // G = [2 e; e e^2] in the first two coordinates
+  EXPECT_EQ(to_double(x[0]), 1);
+  EXPECT_EQ(to_double(x[1]), -0x1p60);
+}
+
+TEST(QuadInertiaTest, WhatNeitherArithmeticDecidesIsUnresolved) {
+  Matrix X = Matrix::Identity(65, 65);
+  X(1, 0) = 1;
+  X(1, 1) = 0x1p-60;
+  EXPECT_TRUE(QuadInertia(FactoredInertia{X, Vector::Ones(65)}).unresolved());
+  X(1, 1) = 0x1p-10;
+  EXPECT_TRUE(QuadInertia(FactoredInertia{X, Vector::Ones(65)}).well_defined());
 }
 
 TEST(QuadInertiaTest, SingularDenseInertiaIsPseudoInverted) {

@@ -79,6 +79,39 @@ def solve_exactly(G, right):
     return [[rows[i][n + c] for i in range(n)] for c in range(len(right))]
 
 
+def product(A, B):
+    return [[dot(row, column) for column in zip(*B)] for row in A]
+
+
+def independent(columns):
+    """Those that no combination of the columns before them is."""
+    kept, reduced = [], []
+    for column in columns:
+        rest = list(column)
+        for pivot, other in reduced:
+            factor = rest[pivot] / other[pivot]
+            rest = [a - factor * b for a, b in zip(rest, other)]
+        pivot = next((i for i, entry in enumerate(rest) if entry != 0), None)
+        if pivot is not None:
+            kept.append(column)
+            reduced.append((pivot, rest))
+    return kept
+
+
+def factored(problem):
+    """G = X diag(alpha) X', and a basis of its range."""
+    X, alpha = [exact(row) for row in problem["G_factors"]["X"]], exact(problem["G_factors"]["alpha"])
+    weighted = [[entry * weight for entry, weight in zip(row, alpha)] for row in X]
+    return product(weighted, list(zip(*X))), independent(list(zip(*X)))
+
+
+def respond(G, basis, J):
+    """G* J, column by column: B (B'G B)^-1 B' with the basis B."""
+    inner = product(product(basis, G), list(zip(*basis)))
+    right = [[dot(b, column) for b in basis] for column in J]
+    return [[dot(row, c) for row in zip(*basis)] for c in solve_exactly(inner, right)]
+
+
 def dot(a, b):
     return sum((x * y for x, y in zip(a, b)), Fraction(0))
 
@@ -88,11 +121,15 @@ def columns_of(matrix):
 
 
 class Contact:
-    """LCP(q, M) of a contact problem with dense G, its rows by contact, and its islands."""
+    """LCP(q, M) of a contact problem with dense G or with factors, its rows by contact, and its islands."""
 
     def __init__(self, problem):
         self.v = exact(problem["v"])
-        self.G = [exact(row) for row in problem["G"]]
+        self.factors = [exact(column) for column in zip(*problem["G_factors"]["X"])] if "G_factors" in problem else None
+        if self.factors is None:
+            self.G = [exact(row) for row in problem["G"]]
+        else:
+            self.G, basis = factored(problem)
         self.J = columns_of(problem["N"])
         self.nc = len(self.J)
         edges = problem.get("edges") or [0] * self.nc
@@ -101,7 +138,7 @@ class Contact:
         if sum(edges):
             self.J += columns_of(problem["D"])
         self.cones = [c for c in range(self.nc) if edges[c] > 0]
-        self.responses = solve_exactly(self.G, self.J)
+        self.responses = solve_exactly(self.G, self.J) if self.factors is None else respond(self.G, basis, self.J)
         impulses = len(self.J)
         n = impulses + len(self.cones)
         self.impulses = impulses
@@ -122,7 +159,9 @@ class Contact:
     def coordinate_islands(self):
         """The island of each coordinate, and of each contact the first coordinate that it touches."""
         ngc = len(self.v)
-        pairs = [(a, b) for a in range(ngc) for b in range(ngc) if self.G[a][b] != 0]
+        columns = list(zip(*self.G)) if self.factors is None else self.factors
+        pairs = [(a, b) for column in columns for a in range(ngc) for b in range(ngc)
+                 if column[a] != 0 and column[b] != 0]
         touched = {}
         for i in range(self.impulses):
             for a in range(ngc):

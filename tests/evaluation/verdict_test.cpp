@@ -18,7 +18,7 @@ namespace {
 constexpr std::array kClaims{Claim::kSolved,           Claim::kUnsolvable,  Claim::kIterationLimit, Claim::kTimeLimit,
                              Claim::kNumericalFailure, Claim::kUnsupported, Claim::kCrashed};
 constexpr std::array kTruths{"unknown", "solvable", "unsolvable", "nearly"};
-constexpr std::array kAnswers{"unusable", "neither", "criterion", "solved"};
+constexpr std::array kAnswers{"unusable", "unresolved", "neither", "criterion", "solved"};
 constexpr std::size_t kCombinations = kClaims.size() * kTruths.size() * kAnswers.size();
 
 struct Row {
@@ -66,6 +66,7 @@ Truth truth_of(const std::string& word) {
 Errors errors_of(const std::string& answer) {
   Errors errors;
   errors.usable = answer != "unusable";
+  errors.unresolved = answer == "unresolved";
   errors.solved = answer == "solved";
   errors.criterion = answer == "criterion";
   return errors;
@@ -184,10 +185,12 @@ void insert_answer(Database& store, std::size_t problem, int solver, const std::
   const std::string key = std::to_string(problem) + "," + std::to_string(solver) + ",0";
   store.run("INSERT INTO answers VALUES (" + key + ",1,'" + claim + "',NULL,NULL,NULL,-1,-1,-1,'',0)");
   store.run(
-      "INSERT INTO verdicts (problem_id, solver_id, part, usable, solved, criterion, farkas_checked, checksum) VALUES "
+      "INSERT INTO verdicts (problem_id, solver_id, part, usable, solved, criterion, farkas_checked, worst_row, "
+      "checksum) VALUES "
       "(" +
       key + "," + std::to_string(errors.usable) + "," + std::to_string(errors.solved) + "," +
-      std::to_string(errors.criterion) + "," + std::to_string(farkas) + ",0)");
+      std::to_string(errors.criterion) + "," + std::to_string(farkas) + "," + (errors.unresolved ? "-1" : "NULL") +
+      ",0)");
 }
 
 std::string stored_verdict(Database& store, std::size_t problem, const Row& row, const StoredCase& stored) {

@@ -22,6 +22,10 @@ def contact(v, N, G, **friction):
     return {"kind": "contact", "v": v, "N": N, "G": G, **friction}
 
 
+def factored(v, N, X):
+    return {"kind": "contact", "v": v, "N": N, "G_factors": {"X": X, "alpha": [1] * len(X[0])}}
+
+
 def lcp(M, q):
     return {"kind": "lcp", "M": M, "q": q}
 
@@ -83,6 +87,15 @@ def known_cases():
     cancelled = contact([0.1, 0.3], [[-3], [1]], identity(2), b=[5e-17])
     for impulse in (0, 1e-18, 1e-13):
         yield cancelled, [impulse]
+    nearly_dependent = factored([-1, 1], [[1], [-1]], [[1, 1], [1, 1 + 2.0**-52]])
+    for impulse in (0, 2.0**-105, 3.2e32):
+        yield nearly_dependent, [impulse]
+    light = factored([-1, -1], [[1], [1]], [[1, 1], [0, 1e-14]])
+    for impulse in (0, 1e-28, 0.5):
+        yield light, [impulse]
+    dependent = factored([-1, 0, 0], [[1], [0], [0]], [[-1, 1, 0], [2, -1, 1], [1, 0, 1]])
+    for impulse in (0, 1, 9):
+        yield dependent, [impulse]
     yield contact([0, 0], identity(2), identity(2)), [0, 0]
     yield contact([0, 0], identity(2), identity(2)), [0, 1e-20]
     yield lcp(identity(2), [1, 1]), [0, 1e-300]

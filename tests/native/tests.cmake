@@ -17,6 +17,7 @@ target_sources(claims_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(bare_claims LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
 lcpbench_test(contact_claims LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
 target_sources(contact_claims_test PRIVATE support/allocation_counter.cpp)
+lcpbench_test(inertia_claims LINK lcpbench_attack)
 lcpbench_test(contact_response LINK lcpbench_native)
 lcpbench_test(contact_solvability LINK lcpbench_native lcpbench_generators lcpbench_evaluation lcpbench_io)
 target_compile_definitions(contact_solvability_test PRIVATE

@@ -1,4 +1,4 @@
-#include "study/evaluation/quad_matrix.h"
+#include "core/quad_matrix.h"
 
 #include <limits>
 
@@ -75,14 +75,15 @@ void QuadCholesky::solve(Quad* x) const {
   }
 }
 
-bool proven_positive_definite(const QuadMatrix& A, std::size_t formation_terms) {
+bool proven_positive_definite(const QuadMatrix& A, std::size_t formation_terms, double least) {
   const std::size_t n = A.rows;
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       if (!(A(i, j) == A(j, i))) return false;
     }
   }
-  const Quad shift = 2.0 * static_cast<double>(n) * static_cast<double>(n + formation_terms + 4) * kQuadUnitRoundoff;
+  const Quad rounding = 2.0 * static_cast<double>(n) * static_cast<double>(n + formation_terms + 4) * kQuadUnitRoundoff;
+  const Quad shift = rounding + Quad{least};
   QuadMatrix shifted = A;
   for (std::size_t i = 0; i < n; ++i) shifted(i, i) -= shift * A(i, i);
   return QuadCholesky().factor(shifted, 0);

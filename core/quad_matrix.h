@@ -58,6 +58,7 @@ class QuadCholesky {
 /// its own diagonal, larger than all rounding of the factorization and of `formation_terms` roundings per entry of A,
 /// factors with positive pivots. Scaling-invariant; refuses matrices within about n^2 2^-112 of singular (scaled to
 /// unit diagonal). O(n^3 / 3). [Rump 2006, "Verification of positive definiteness", BIT 46]
-bool proven_positive_definite(const QuadMatrix& A, std::size_t formation_terms);
+/// @param least  and that scaled to unit diagonal it has no eigenvalue below this
+bool proven_positive_definite(const QuadMatrix& A, std::size_t formation_terms, double least = 0);
 
 }  // namespace lcpbench

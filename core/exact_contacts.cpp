@@ -1,0 +1,165 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/exact_inertia.h"
+#include "core/islands.h"
+
+namespace lcpbench {
+namespace {
+
+std::size_t place(Index i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+ExactContacts::Fraction& ExactContacts::Fraction::operator+=(const Fraction& x) {
+  if (compare_magnitudes(denominator, x.denominator) == 0) {  // both are positive
+    numerator += x.numerator;
+  } else {
+    numerator = numerator * x.denominator + x.numerator * denominator;
+    denominator = denominator * x.denominator;
+  }
+  return *this;
+}
+
+ExactContacts::ExactContacts(const ContactProblem& problem, ExactResponse response)
+    : problem_(problem), layout_(contact_layout(problem)), response_(std::move(response)) {
+  const auto add_columns = [this](const auto& J) {
+    for (Index j = 0; j < J.cols(); ++j) {
+      Column& column = columns_.emplace_back();
+      for_each_nonzero(J, j, [&](Index row) { column.push_back({row, Dyadic(J.coeff(row, j))}); });
+    }
+  };
+  std::visit(add_columns, problem.N);
+  std::visit(add_columns, problem.D);
+  for (std::size_t j = 0; j < columns_.size(); ++j) {
+    Dyadic sum;
+    for (const Entry& entry : columns_[j]) sum += entry.value * Dyadic(problem.v(entry.row));
+    if (j < place(layout_.nc)) sum += Dyadic(problem.offset(static_cast<Index>(j)));
+    q_.push_back(std::move(sum));
+  }
+}
+
+/// The numerators of G* x.
+std::vector<Dyadic> ExactContacts::respond(std::vector<Dyadic> x) const {
+  std::vector<Dyadic> y(x.size());
+  for (const ExactResponse::Block& block : response_.blocks()) {
+    for (Index i = 0; i < block.size(); ++i) {
+      for (Index j = 0; j < block.size(); ++j) {
+        y[place(block.first + i)] += block.numerator(i, j) * x[place(block.first + j)];
+      }
+    }
+  }
+  return y;
+}
+
+/// The column's product with G* x, given by its numerators.
+ExactContacts::Fraction ExactContacts::project(const Column& column, const std::vector<Dyadic>& numerators) const {
+  Fraction sum;
+  for (const Entry& entry : column) {
+    sum += Fraction{entry.value * numerators[place(entry.row)], response_.block_of(entry.row).denominator};
+  }
+  return sum;
+}
+
+Quad ExactContacts::diagonal(Index row) const {
+  std::vector<Dyadic> x(place(problem_.ngc()));
+  for (const Entry& entry : columns_[place(row)]) x[place(entry.row)] = entry.value;
+  return project(columns_[place(row)], respond(std::move(x))).value();
+}
+
+/// The numerators of G* J f.
+std::vector<Dyadic> ExactContacts::change(const Vector& z) const {
+  std::vector<Dyadic> impulse(place(problem_.ngc()));
+  for (std::size_t j = 0; j < columns_.size(); ++j) {
+    if (z(static_cast<Index>(j)) == 0) continue;
+    const Dyadic factor(z(static_cast<Index>(j)));
+    for (const Entry& entry : columns_[j]) impulse[place(entry.row)] += entry.value * factor;
+  }
+  return respond(std::move(impulse));
+}
+
+std::vector<Quad> ExactContacts::velocity(const Vector& z) const {
+  const std::vector<Dyadic> numerators = change(z);
+  std::vector<Quad> velocity;
+  for (Index i = 0; i < problem_.ngc(); ++i) {
+    Fraction sum{numerators[place(i)], response_.block_of(i).denominator};
+    sum += Fraction{Dyadic(problem_.v(i))};
+    velocity.push_back(sum.value());
+  }
+  return velocity;
+}
+
+Quad ExactContacts::inverse(Index i, Index j) const {
+  const ExactResponse::Block& block = response_.block_of(i);
+  if (j < block.first || j >= block.first + block.size()) return 0;
+  return quotient(block.numerator(i - block.first, j - block.first), block.denominator);
+}
+
+std::vector<Quad> ExactContacts::complement(const Vector& z) const {
+  const std::vector<Dyadic> numerators = change(z);
+  std::vector<Quad> w;
+  for (std::size_t j = 0; j < columns_.size(); ++j) {
+    Fraction sum = project(columns_[j], numerators);
+    sum += Fraction{q_[j]};
+    const auto friction = static_cast<Index>(j) - layout_.nc;
+    if (friction >= 0) {
+      const auto begin = layout_.friction_begin.begin();
+      const auto contact = std::upper_bound(begin, layout_.friction_begin.end(), friction) - 1 - begin;
+      sum += Fraction{Dyadic(z(layout_.lambda_offset() + layout_.lambda[place(contact)]))};
+    }
+    w.push_back(sum.value());
+  }
+  for (Index cone = 0; cone < layout_.cones; ++cone) {
+    const Index contact = layout_.cone_contact[place(cone)];
+    Dyadic slack = Dyadic(problem_.mu(contact)) * Dyadic(z(contact));
+    for (Index t = layout_.friction_begin[place(contact)]; t < layout_.friction_begin[place(contact) + 1]; ++t) {
+      slack -= Dyadic(z(layout_.friction_offset() + t));
+    }
+    w.push_back(quotient(slack, Dyadic(1.0)));
+  }
+  return w;
+}
+
+/// Of q in the row, or more where the rounding of q in double is more: what the verdict's residuals are relative to.
+Quad ExactContacts::scale(Index row) const {
+  constexpr double kTolerance = 1e-4;
+  if (row >= layout_.lambda_offset()) return 0;
+  const double b = row < layout_.nc ? problem_.offset(row) : 0;
+  Quad magnitude = std::abs(b);
+  for (const Entry& entry : columns_[place(row)]) {
+    magnitude += quotient(abs(entry.value * Dyadic(problem_.v(entry.row))), Dyadic(1.0));
+  }
+  const double terms = static_cast<double>(columns_[place(row)].size()) + (b != 0 ? 1 : 0);
+  const Quad floor = (terms + 1) * (Quad{0x1p-53} * magnitude + Quad{0x1p-1074});
+  return std::max(quotient(abs(q_[place(row)]), Dyadic(1.0)), floor / Quad{kTolerance});
+}
+
+double ExactContacts::velocity_residual(const Vector& z) const {
+  const std::vector<Quad> w = complement(z);
+  const RowIslands islands = row_islands(problem_);
+  std::vector<Quad> residuals(place(islands.count), 0);
+  std::vector<Quad> scales(place(islands.count), 0);
+  for (Index row = 0; row < layout_.size(); ++row) {
+    Quad impulse = z(row);
+    Quad velocity = w[place(row)];
+    if (row >= layout_.lambda_offset()) {
+      if (velocity != 0) velocity *= diagonal(layout_.cone_contact[place(row - layout_.lambda_offset())]);
+    } else if (impulse != 0) {
+      impulse *= diagonal(row);
+    }
+    Quad& residual = residuals[place(islands.of_row[place(row)])];
+    residual = std::max(residual, abs(std::min(impulse, velocity)));
+    Quad& largest = scales[place(islands.of_row[place(row)])];
+    largest = std::max(largest, scale(row));
+  }
+  double rho = 0;
+  for (std::size_t k = 0; k < residuals.size(); ++k) {
+    if (residuals[k] == 0) continue;
+    rho = std::max(rho, scales[k] == 0 ? std::numeric_limits<double>::infinity() : to_double(residuals[k] / scales[k]));
+  }
+  return rho;
+}
+
+}  // namespace lcpbench

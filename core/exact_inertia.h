@@ -1,0 +1,114 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/contact_problem.h"
+#include "core/dyadic.h"
+
+namespace lcpbench {
+
+/// A matrix without any rounding, stored by rows.
+struct ExactMatrix {
+  Index rows = 0;
+  Index cols = 0;
+  std::vector<Dyadic> entries;
+
+  ExactMatrix(Index row_count, Index column_count)
+      : rows(row_count), cols(column_count), entries(static_cast<std::size_t>(row_count * column_count)) {}
+  explicit ExactMatrix(const Matrix& doubles);
+
+  Dyadic& operator()(Index i, Index j) { return entries[static_cast<std::size_t>(i * cols + j)]; }
+  const Dyadic& operator()(Index i, Index j) const { return entries[static_cast<std::size_t>(i * cols + j)]; }
+};
+
+/// The most coordinates of a block of G, and the most digits of its determinant, that are decided exactly. Both depend
+/// on the data alone. The largest block takes seconds, one of twelve coordinates less than a millisecond.
+inline constexpr Index kMostExactCoordinates = 64;
+inline constexpr std::int64_t kMostExactBits = std::int64_t{1} << 15;
+
+/// Columns of A that are independent and span its range. Their number is the rank of A.
+///
+/// By elimination modulo primes: what is independent modulo one of them is independent, and what depends modulo primes
+/// whose product exceeds every minor depends. nullopt beyond kMostExactBits.
+std::optional<std::vector<Index>> independent_columns(const ExactMatrix& A);
+
+/// Whether the symmetric A is positive definite: all its leading minors are positive. nullopt beyond kMostExactBits.
+std::optional<bool> is_positive_definite(const ExactMatrix& A);
+
+/// G* of an inertia without any rounding: the definition that solvers, evaluation and certificates share.
+///
+/// The numbers of the problem are the truth. G* is the inverse of a positive definite G. Of a singular G it is the
+/// pseudo-inverse, B (B'G B)^-1 B' with any basis B of the range of G; G = X diag(alpha) X' has the range of X.
+/// See docs/explanation/verdicts.md, "Singular inertia".
+class ExactResponse {
+ public:
+  struct Block {
+    Index first = 0;  ///< of its coordinates
+    Index size() const { return numerator.rows; }
+    /// x := G* x, for size() entries, each rounded once.
+    void multiply(Quad* x) const;
+    ExactMatrix numerator{0, 0};
+    Dyadic denominator{1.0};  ///< positive
+    std::optional<Matrix> range;  ///< basis of the range of G, in doubles; none where G is regular or unknown
+  };
+
+  /// nullopt where a block is not finite, larger than the exact decision takes, or indefinite, be it by rounding only.
+  /// @param indefinite  set where that is the reason
+  static std::optional<ExactResponse> of(const Inertia& inertia, bool* indefinite = nullptr);
+
+  const std::vector<Block>& blocks() const { return blocks_; }
+  const Block& block_of(Index coordinate) const {
+    return blocks_[block_of_[static_cast<std::size_t>(coordinate)]];
+  }
+
+ private:
+  bool add(std::optional<Block> block);
+
+  std::vector<Block> blocks_;
+  std::vector<std::size_t> block_of_;
+};
+
+/// Rows of the LCP of a contact problem without any rounding but that of the results, each once to Quad.
+class ExactContacts {
+ public:
+  /// @param problem  must outlive this object. @pre its data are finite
+  ExactContacts(const ContactProblem& problem, ExactResponse response);
+
+  /// w = M z + q for an LCP of z.size() rows. @pre z is finite
+  std::vector<Quad> complement(const Vector& z) const;
+  /// v + G* J f.
+  std::vector<Quad> velocity(const Vector& z) const;
+  /// G*_ij.
+  Quad inverse(Index i, Index j) const;
+  /// M_ii of a normal or friction row.
+  Quad diagonal(Index row) const;
+  /// rho, the verdict's measure.
+  double velocity_residual(const Vector& z) const;
+
+ private:
+  struct Entry {
+    Index row;
+    Dyadic value;
+  };
+  using Column = std::vector<Entry>;
+  struct Fraction {
+    Dyadic numerator;
+    Dyadic denominator{1.0};
+    Fraction& operator+=(const Fraction& x);
+    Quad value() const { return quotient(numerator, denominator); }
+  };
+
+  std::vector<Dyadic> respond(std::vector<Dyadic> x) const;
+  std::vector<Dyadic> change(const Vector& z) const;
+  Fraction project(const Column& column, const std::vector<Dyadic>& numerators) const;
+  Quad scale(Index row) const;
+
+  const ContactProblem& problem_;
+  ContactLayout layout_;
+  ExactResponse response_;
+  std::vector<Column> columns_;
+  std::vector<Dyadic> q_;
+};
+
+}  // namespace lcpbench

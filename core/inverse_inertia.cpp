@@ -1,0 +1,193 @@
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "core/contact_problem.h"
+#include "core/exact_inertia.h"
+#include "core/quad_matrix.h"
+
+namespace lcpbench {
+namespace {
+
+/// Of the trace of the inverse of a matrix scaled to unit diagonal: what its factors in double, and in 113 bits, leave
+/// beyond doubt. Their rounding changes eigenvalues by less than n^2 2^-53, and n^2 2^-113.
+constexpr double kFarInDouble = 0x1p30;
+constexpr double kFarInQuad = 0x1p70;
+
+/// G*, given by its eigenvectors. `independent`: eigenvalues that are far above those that count as zero.
+Matrix pseudo_inverse_by_eigenvalues(const Matrix& G, Index& independent) {
+  constexpr double kFar = 0x1p20;
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(G);
+  const Vector& values = eigen.eigenvalues();
+  const double cut =
+      static_cast<double>(G.rows()) * std::numeric_limits<double>::epsilon() * values.cwiseAbs().maxCoeff();
+  Vector inverse(values.size());
+  for (Index i = 0; i < values.size(); ++i) inverse(i) = values(i) > cut ? 1.0 / values(i) : 0.0;
+  independent = (values.array() > kFar * cut).count();
+  return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+/// A^-1 where factors in 113 bits prove A regular.
+std::optional<QuadMatrix> inverse_in_quad(const QuadMatrix& A) {
+  QuadCholesky factors;
+  if (!factors.factor(A, 0)) return std::nullopt;
+  QuadMatrix inverse(A.rows, A.rows);
+  QuadVector column(A.rows);
+  Quad trace = 0;
+  for (std::size_t j = 0; j < A.rows; ++j) {
+    std::fill(column.begin(), column.end(), 0);
+    column[j] = 1;
+    factors.solve(column.data());
+    for (std::size_t i = 0; i < A.rows; ++i) inverse(i, j) = column[i];
+    trace += A(j, j) * column[j];
+  }
+  if (!(trace <= kFarInQuad)) return std::nullopt;
+  return inverse;
+}
+
+Matrix rounded(const QuadMatrix& A) {
+  Matrix doubles(static_cast<Index>(A.rows), static_cast<Index>(A.cols));
+  for (Index i = 0; i < doubles.rows(); ++i) {
+    for (Index j = 0; j < doubles.cols(); ++j) {
+      doubles(i, j) = to_double(A(static_cast<std::size_t>(i), static_cast<std::size_t>(j)));
+    }
+  }
+  return doubles;
+}
+
+QuadVector weights(const Vector& alpha) { return QuadVector(alpha.begin(), alpha.end()); }
+
+/// G* = X K^-1 diag(alpha)^-1 K^-1 X' with K = X'X, for factors that are independent beyond doubt.
+std::optional<QuadMatrix> pseudo_inverse_in_quad(const FactoredInertia& inertia) {
+  const QuadMatrix X(Matrix(inertia.X.transpose()));
+  const std::optional<QuadMatrix> inverse = inverse_in_quad(weighted_gram(X, QuadVector(X.cols, 1)));
+  if (!inverse || !(inertia.alpha.array() > 0).all()) return std::nullopt;
+  QuadMatrix W(X.cols, X.rows);  // X K^-1
+  for (std::size_t i = 0; i < W.rows; ++i) {
+    for (std::size_t k = 0; k < W.cols; ++k) {
+      for (std::size_t j = 0; j < W.cols; ++j) W(i, k) += X(j, i) * (*inverse)(j, k);
+    }
+  }
+  QuadVector reciprocals = weights(inertia.alpha);
+  for (Quad& weight : reciprocals) weight = 1 / weight;
+  return weighted_gram(W, reciprocals);
+}
+
+Matrix rounded(const ExactResponse::Block& block) {
+  Matrix inverse(block.size(), block.size());
+  for (Index i = 0; i < block.size(); ++i) {
+    for (Index j = 0; j < block.size(); ++j) {
+      inverse(i, j) = to_double(quotient(block.numerator(i, j), block.denominator));
+    }
+  }
+  return inverse;
+}
+
+/// What factors in double leave in doubt. @param of_quad  made in 113 bits, where that leaves no doubt
+Matrix precise_inverse(const Inertia& inertia, const std::optional<QuadMatrix>& of_quad) {
+  if (of_quad) return rounded(*of_quad);
+  if (const auto exact = ExactResponse::of(inertia)) return rounded(exact->blocks().front());
+  Index independent = 0;
+  return pseudo_inverse_by_eigenvalues(dense_inertia(inertia), independent);
+}
+
+/// By factors in double, where they leave no doubt.
+std::optional<Matrix> inverse_in_double(const Matrix& G) {
+  const Eigen::LLT<Matrix> llt(G);
+  if (llt.info() != Eigen::Success) return std::nullopt;
+  Matrix inverse = llt.solve(Matrix::Identity(G.rows(), G.cols()));
+  if (!is_far_from_singular(G, inverse)) return std::nullopt;
+  return inverse;
+}
+
+Matrix inverse_of_block(const Matrix& G) {
+  if (G.rows() == 0) return G;
+  if (auto inverse = inverse_in_double(G)) return *std::move(inverse);
+  return precise_inverse(DenseInertia{G}, inverse_in_quad(QuadMatrix(G)));
+}
+
+/// Whether all coordinates are coupled, and none is so light that the eigenvectors of G lose it.
+bool is_of_one_scale(const Matrix& X, const Matrix& G) {
+  constexpr double kApart = 0x1p16;
+  const Vector sizes = X.rowwise().norm();
+  return sizes.maxCoeff() <= kApart * sizes.minCoeff() && G.cwiseAbs().minCoeff() > 0;
+}
+
+Matrix inverse_of_factors(const FactoredInertia& inertia) {
+  const Matrix G = dense_inertia(inertia);
+  if (G.rows() == 0) return G;
+  if (inertia.X.cols() >= G.rows()) {
+    if (auto inverse = inverse_in_double(G)) return *std::move(inverse);
+    return precise_inverse(inertia, inverse_in_quad(weighted_gram(QuadMatrix(inertia.X), weights(inertia.alpha))));
+  }
+  if (is_of_one_scale(inertia.X, G)) {
+    Index independent = 0;
+    Matrix inverse = pseudo_inverse_by_eigenvalues(G, independent);
+    if (independent == inertia.X.cols()) return inverse;
+  }
+  return precise_inverse(inertia, pseudo_inverse_in_quad(inertia));
+}
+
+}  // namespace
+
+bool is_far_from_singular(const Matrix& G, const Matrix& inverse) {
+  return inverse.diagonal().cwiseProduct(G.diagonal()).sum() <= kFarInDouble;
+}
+
+/// A Gram matrix less a part of its diagonal that is far above all rounding has a Cholesky factorization.
+bool is_far_from_dependent(const FactoredInertia& inertia, std::vector<double>& work) {
+  constexpr double kFar = 0x1p-36;  // n^2 2^-50 is more than the rounding
+  constexpr double kApart = 0x1p40;  // of squared lengths
+  const Matrix& X = inertia.X;
+  const bool by_columns = X.cols() <= X.rows();
+  const Index n = std::min(X.rows(), X.cols());
+  const double part = std::max(kFar, static_cast<double>(n * n) * 0x1p-50);
+  work.resize(static_cast<std::size_t>(n * n));
+  Eigen::Map<Matrix> gram(work.data(), n, n);
+  double largest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  double heaviest = 0;
+  double lightest = std::numeric_limits<double>::infinity();
+  for (Index i = 0; i < X.rows(); ++i) {
+    const double squared = X.row(i).squaredNorm();
+    heaviest = std::max(heaviest, squared);
+    if (squared > 0) lightest = std::min(lightest, squared);
+  }
+  if (!(heaviest <= kApart * lightest)) return false;
+  for (Index j = 0; j < n; ++j) {
+    for (Index i = 0; i <= j; ++i) {
+      gram(i, j) = by_columns ? X.col(i).dot(X.col(j)) : X.row(i).cwiseProduct(X.row(j)).dot(inertia.alpha);
+    }
+    const double weight = by_columns ? gram(j, j) * inertia.alpha(j) : gram(j, j);
+    largest = std::max(largest, weight);
+    least = std::min(least, weight);
+  }
+  if (!(largest <= kApart * least) || !(least > 0)) return false;
+  for (Index j = 0; j < n; ++j) {
+    double pivot = gram(j, j) - part * (by_columns ? gram(j, j) : largest);
+    for (Index i = 0; i < j; ++i) {
+      double& entry = gram(i, j);
+      for (Index k = 0; k < i; ++k) entry -= gram(k, i) * gram(k, j);
+      entry /= gram(i, i);
+      pivot -= entry * entry;
+    }
+    if (!(pivot > 0)) return false;
+    gram(j, j) = std::sqrt(pivot);
+  }
+  return true;
+}
+
+Matrix inverse_inertia(const Inertia& inertia) {
+  if (const auto* dense = std::get_if<DenseInertia>(&inertia)) return inverse_of_block(dense->G);
+  if (const auto* factors = std::get_if<FactoredInertia>(&inertia)) return inverse_of_factors(*factors);
+  if (const auto* given = std::get_if<InverseInertia>(&inertia)) return given->Ginv;
+  BlockInertia inverse;
+  for (const Matrix& block : std::get<BlockInertia>(inertia).blocks) inverse.blocks.push_back(inverse_of_block(block));
+  return dense_inertia(inverse);
+}
+
+}  // namespace lcpbench

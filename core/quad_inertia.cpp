@@ -1,0 +1,344 @@
+#include "core/quad_inertia.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace lcpbench {
+namespace {
+
+/// Proven of a matrix scaled to unit diagonal, the first that can be: what 113 bits lose grows with the inverse.
+constexpr std::array kLeastEigenvalues{0x1p-10, 0x1p-20, 0x1p-40, 0x1p-64};
+
+Quad dot(const QuadMatrix& A, std::size_t column, const QuadMatrix& B, std::size_t other) {
+  Quad sum = 0;
+  for (std::size_t i = 0; i < A.rows; ++i) sum += A(i, column) * B(i, other);
+  return sum;
+}
+
+void remove_component(const QuadMatrix& basis, std::size_t b, QuadMatrix& X, std::size_t column) {
+  const Quad along = dot(basis, b, X, column);
+  for (std::size_t i = 0; i < X.rows; ++i) X(i, column) -= along * basis(i, b);
+}
+
+void scale_to_unit_length(QuadMatrix& X) {
+  for (std::size_t j = 0; j < X.cols; ++j) {
+    const Quad length = sqrt(dot(X, j, X, j));
+    for (std::size_t i = 0; i < X.rows; ++i) X(i, j) = length > 0 ? X(i, j) / length : 0;
+  }
+}
+
+QuadMatrix leading_columns(const QuadMatrix& A, std::size_t count) {
+  QuadMatrix leading(A.rows, count);
+  for (std::size_t i = 0; i < A.rows; ++i) {
+    for (std::size_t j = 0; j < count; ++j) leading(i, j) = A(i, j);
+  }
+  return leading;
+}
+
+// Orthonormal basis of the span of X's columns, which are independent. The column chosen is orthogonalized once more:
+// what the rounding of the earlier steps left along the basis would otherwise grow with the cancellation. [Giraud,
+// Langou, Rozloznik 2005]
+QuadMatrix orthonormal_range(QuadMatrix X) {
+  scale_to_unit_length(X);
+  QuadMatrix basis(X.rows, std::min(X.rows, X.cols));
+  std::vector<bool> used(X.cols, false);
+  for (std::size_t rank = 0; rank < basis.cols; ++rank) {
+    std::size_t longest = 0;
+    Quad square = 0;
+    for (std::size_t j = 0; j < X.cols; ++j) {
+      const Quad candidate = used[j] ? 0 : dot(X, j, X, j);
+      if (!(candidate > square)) continue;
+      square = candidate;
+      longest = j;
+    }
+    if (!(square > 0)) return leading_columns(basis, rank);
+    for (std::size_t b = 0; b < rank; ++b) remove_component(basis, b, X, longest);
+    const Quad length = sqrt(dot(X, longest, X, longest));
+    for (std::size_t i = 0; i < X.rows; ++i) basis(i, rank) = X(i, longest) / length;
+    used[longest] = true;
+    for (std::size_t j = 0; j < X.cols; ++j) {
+      if (!used[j]) remove_component(basis, rank, X, j);
+    }
+  }
+  return basis;
+}
+
+bool all_within(const QuadMatrix& A, Quad bound) {
+  return std::all_of(A.entries.begin(), A.entries.end(), [bound](Quad entry) { return abs(entry) <= bound; });
+}
+
+/// The columns of G = L D L' up to what lies below n 2^-52 max G_ii, by diagonal pivoting. None where what is left out
+/// is no rounding.
+std::optional<QuadMatrix> pivoted_columns(QuadMatrix G) {
+  const std::size_t n = G.rows;
+  Quad largest = 0;
+  for (std::size_t i = 0; i < n; ++i) largest = std::max(largest, G(i, i));
+  const Quad cut = static_cast<double>(n) * 0x1p-52 * largest;
+  std::vector<QuadVector> columns;
+  for (std::size_t rank = 0; rank < n; ++rank) {
+    std::size_t p = 0;
+    for (std::size_t i = 1; i < n; ++i) {
+      if (G(i, i) > G(p, p)) p = i;
+    }
+    const Quad pivot = G(p, p);
+    if (!(pivot > cut)) break;
+    QuadVector column(n);
+    for (std::size_t i = 0; i < n; ++i) column[i] = G(i, p) / pivot;
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t j = 0; j < n; ++j) G(i, j) -= pivot * column[i] * column[j];
+    }
+    columns.push_back(std::move(column));
+  }
+  if (!all_within(G, static_cast<double>(n) * cut)) return std::nullopt;
+  QuadMatrix X(n, columns.size());
+  for (std::size_t j = 0; j < columns.size(); ++j) {
+    for (std::size_t i = 0; i < n; ++i) X(i, j) = columns[j][i];
+  }
+  return X;
+}
+
+/// The first of kLeastEigenvalues that is proven of A; 0 where none is.
+double proven_least(const QuadMatrix& A, std::size_t formation_terms) {
+  const auto proven =
+      std::find_if(kLeastEigenvalues.begin(), kLeastEigenvalues.end(),
+                   [&](double least) { return lcpbench::proven_positive_definite(A, formation_terms, least); });
+  return proven == kLeastEigenvalues.end() ? 0 : *proven;
+}
+
+QuadMatrix transposed(const QuadMatrix& A) {
+  QuadMatrix T(A.cols, A.rows);
+  for (std::size_t i = 0; i < A.rows; ++i) {
+    for (std::size_t j = 0; j < A.cols; ++j) T(j, i) = A(i, j);
+  }
+  return T;
+}
+
+double length(const Quad* x, std::size_t n) {
+  Quad square = 0;
+  for (std::size_t i = 0; i < n; ++i) square += x[i] * x[i];
+  return to_double(sqrt(square));
+}
+
+}  // namespace
+
+QuadInertia::QuadInertia(const Inertia& inertia) {
+  if (const auto* dense = std::get_if<DenseInertia>(&inertia)) {
+    add_inertia(dense->G);
+  } else if (const auto* bodies = std::get_if<BlockInertia>(&inertia)) {
+    for (const Matrix& block : bodies->blocks) add_inertia(block);
+  } else if (const auto* factors = std::get_if<FactoredInertia>(&inertia)) {
+    add_factors(*factors);
+  } else {
+    add_inverse(std::get<InverseInertia>(inertia).Ginv);
+  }
+}
+
+void QuadInertia::add(Block block) {
+  const QuadVector& entries = block.matrix.entries;
+  const bool finite = std::all_of(entries.begin(), entries.end(), [](Quad entry) { return is_finite(entry); });
+  well_defined_ = well_defined_ && finite;
+  block.offset = dimension_;
+  dimension_ += block.size();
+  block_of_row_.resize(dimension_, blocks_.size());
+  blocks_.push_back(std::move(block));
+}
+
+void QuadInertia::add_inertia(const Matrix& G) {
+  Block block;
+  block.matrix = QuadMatrix(Matrix(G.selfadjointView<Eigen::Lower>()));
+  if (!factor_regular(block)) resolve(DenseInertia{G}, block);
+  add(std::move(block));
+}
+
+void QuadInertia::add_factors(const FactoredInertia& factors) {
+  const QuadMatrix X(factors.X);
+  const QuadVector alpha(factors.alpha.begin(), factors.alpha.end());
+  Block block;
+  block.matrix = weighted_gram(X, alpha);
+  block.formation_terms = X.cols + 2;
+  well_defined_ = well_defined_ && (factors.alpha.array() >= 0).all();
+  const bool known = X.cols < X.rows ? factor_independent(block, X, alpha) : factor_regular(block);
+  if (!known && well_defined_) resolve(factors, block);
+  add(std::move(block));
+}
+
+/// What 113 bits left in doubt: in exact integers.
+void QuadInertia::resolve(const Inertia& inertia, Block& block) {
+  bool indefinite = false;
+  block.exact = ExactResponse::of(inertia, &indefinite);
+  if (block.exact) {
+    needs_exact_ = true;
+    const std::optional<Matrix>& range = block.exact->blocks().front().range;
+    if (range) block.range = orthonormal_range(QuadMatrix(*range));
+  } else if (indefinite) {
+    cut(block);
+  } else {
+    unresolved_ = true;
+  }
+}
+
+/// G* of a block that is indefinite in exact arithmetic: with the range of the columns that stand out of its rounding.
+void QuadInertia::cut(Block& block) {
+  const std::optional<QuadMatrix> columns = pivoted_columns(block.matrix);
+  is_cut_ = true;
+  well_defined_ = well_defined_ && columns;
+  if (!well_defined_) return;
+  block.range = orthonormal_range(*columns);
+  const QuadMatrix& range = *block.range;
+  QuadMatrix projected(range.cols, range.cols);
+  for (std::size_t j = 0; j < range.cols; ++j) {
+    QuadVector column(range.rows);
+    for (std::size_t i = 0; i < range.rows; ++i) column[i] = range(i, j);
+    const QuadVector moved = multiply_transposed(range, multiply(block.matrix, column.data()).data());
+    for (std::size_t i = 0; i < range.cols; ++i) projected(i, j) = moved[i];
+  }
+  well_defined_ = block.factor.factor(projected, 0);
+}
+
+void QuadInertia::add_inverse(const Matrix& Ginv) {
+  Block block;
+  block.matrix = QuadMatrix(Ginv);
+  block.is_inverse = true;
+  has_inertia_ = false;
+  add(std::move(block));
+}
+
+/// Factors a block that is regular beyond doubt.
+bool QuadInertia::factor_regular(Block& block) {
+  block.least = proven_least(block.matrix, block.formation_terms);
+  return block.least > 0 && block.factor.factor(block.matrix, 0);
+}
+
+/// Keeps factors that are independent beyond doubt.
+bool QuadInertia::factor_independent(Block& block, const QuadMatrix& X, const QuadVector& alpha) {
+  QuadMatrix columns = X;
+  scale_to_unit_length(columns);
+  const QuadMatrix gram = weighted_gram(transposed(columns), QuadVector(X.rows, 1));
+  const double least = proven_least(gram, X.rows + 6);
+  if (least == 0 || !block.factor.factor(gram, 0)) return false;
+  for (std::size_t k = 0; k < X.cols; ++k) {
+    if (!(alpha[k] > 0)) return false;
+    block.weights.push_back(alpha[k] * dot(X, k, X, k));
+  }
+  block.least = least;
+  block.range = orthonormal_range(columns);
+  block.columns = std::move(columns);
+  return true;
+}
+
+void QuadInertia::Block::solve(Quad* x) const {
+  if (exact) {
+    exact->blocks().front().multiply(x);
+  } else if (is_inverse) {
+    const QuadVector y = multiply(matrix, x);
+    std::copy(y.begin(), y.end(), x);
+  } else if (columns) {
+    QuadVector c = multiply_transposed(*columns, x);
+    factor.solve(c.data());
+    for (std::size_t k = 0; k < c.size(); ++k) c[k] /= weights[k];
+    factor.solve(c.data());
+    const QuadVector y = multiply(*columns, c.data());
+    std::copy(y.begin(), y.end(), x);
+  } else if (range) {
+    QuadVector coordinates = multiply_transposed(*range, x);
+    factor.solve(coordinates.data());
+    const QuadVector y = multiply(*range, coordinates.data());
+    std::copy(y.begin(), y.end(), x);
+  } else {
+    factor.solve(x);
+  }
+}
+
+/// With A the matrix that was factored, scaled to unit diagonal, |A^-1| <= 1 / least, and an entry of it or of its
+/// factors rounded n + formation_terms times: a regular block loses |j'G^-1 E y| <= |L^-1 j| |E| |A^-1| |L'y|, with
+/// |L^-1 j|^2 <= sum of j_i^2 / (least G_ii) and |L'y|^2 = x'y.
+void QuadInertia::Block::bound(const Quad* x, const Quad* terms, const Quad* y, double* bounds) const {
+  const std::size_t n = size();
+  const double unit = 0x1p-108 * static_cast<double>((n + 1) * (n + formation_terms + 10));
+  if (is_inverse) {
+    for (std::size_t i = 0; i < n; ++i) {
+      Quad sum = 0;
+      for (std::size_t j = 0; j < n; ++j) sum += abs(matrix(i, j)) * terms[j];
+      bounds[i] = unit * to_double(sum);
+    }
+  } else if (columns) {
+    const double lightest = to_double(*std::min_element(weights.begin(), weights.end()));
+    std::fill(bounds, bounds + n, unit * length(terms, n) / (least * std::sqrt(least) * lightest));
+  } else if (least > 0) {
+    Quad energy = 0, of_terms = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      energy += x[i] * y[i];
+      of_terms += terms[i] * terms[i] / matrix(i, i);
+    }
+    const double size = unit / least * (to_double(sqrt(abs(energy))) + to_double(sqrt(of_terms)));
+    for (std::size_t i = 0; i < n; ++i) bounds[i] = size / std::sqrt(least * to_double(matrix(i, i)));
+  }  // others are exact, or cut by definition
+}
+
+std::vector<double> QuadInertia::rounding(const QuadVector& x, const QuadVector& terms, const QuadVector& y) const {
+  std::vector<double> bounds(dimension_, 0);
+  for (const Block& block : blocks_) {
+    const std::size_t at = block.offset;
+    block.bound(x.data() + at, terms.data() + at, y.data() + at, bounds.data() + at);
+  }
+  return bounds;
+}
+
+bool QuadInertia::proven_positive_definite() const {
+  return std::all_of(blocks_.begin(), blocks_.end(), [](const Block& block) {
+    if (block.is_inverse) return lcpbench::proven_positive_definite(block.matrix, 0);
+    return !block.range && (block.exact || block.least > 0);
+  });
+}
+
+void QuadInertia::solve(QuadVector& x) const {
+  for (const Block& block : blocks_) block.solve(x.data() + block.offset);
+}
+
+void QuadInertia::solve(QuadVector& x, std::vector<std::size_t>& pattern) const {
+  std::vector<std::size_t> touched;
+  for (const std::size_t row : pattern) touched.push_back(block_of_row_[row]);
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  pattern.clear();
+  for (const std::size_t b : touched) {
+    blocks_[b].solve(x.data() + blocks_[b].offset);
+    for (std::size_t i = 0; i < blocks_[b].size(); ++i) pattern.push_back(blocks_[b].offset + i);
+  }
+}
+
+QuadVector QuadInertia::apply(const QuadVector& x) const {
+  QuadVector y;
+  for (const Block& block : blocks_) {
+    const QuadVector part = multiply(block.matrix, x.data() + block.offset);
+    y.insert(y.end(), part.begin(), part.end());
+  }
+  return y;
+}
+
+QuadVector QuadInertia::scale(const QuadVector& x) const {
+  QuadVector y(dimension_, 0);
+  for (const Block& block : blocks_) {
+    for (std::size_t i = 0; i < block.size(); ++i) {
+      for (std::size_t j = 0; j < block.size(); ++j) {
+        y[block.offset + i] += abs(block.matrix(i, j)) * x[block.offset + j];
+      }
+    }
+  }
+  return y;
+}
+
+QuadVector QuadInertia::outside_range(const QuadVector& x) const {
+  QuadVector rest(dimension_, 0);
+  for (const Block& block : blocks_) {
+    if (!block.range) continue;
+    const QuadVector coordinates = multiply_transposed(*block.range, x.data() + block.offset);
+    const QuadVector inside = multiply(*block.range, coordinates.data());
+    for (std::size_t i = 0; i < block.size(); ++i) rest[block.offset + i] = x[block.offset + i] - inside[i];
+  }
+  return rest;
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/exact_inertia.h"
+#include "core/solver.h"
+
+namespace lcpbench {
+
+/// The test of answers to contacts on inertia that double does not prove to be what the solvers and their tests
+/// factored: factors that may be dependent, a given G* of coordinates far apart in scale. It shares no factorization
+/// with them.
+class DoubtfulInertia {
+ public:
+  /// load() then allocates nothing for this problem.
+  void reserve(const ContactProblem& contact);
+  void load(const ContactProblem& contact);
+
+  /// Whether the answer's residual in exact arithmetic is within what solvers claim; its velocity, where it has one, is
+  /// then that of its impulses. Beyond the limits of exact arithmetic false. No doubt: true, at no cost.
+  /// @param contact  as loaded @param v  before the impact
+  bool confirms(const ContactProblem& contact, const Eigen::Ref<const Vector>& v, Answer& answer);
+
+ private:
+  bool is_doubtful_ = false;
+  std::vector<double> work_;
+  std::optional<ExactResponse> exact_;  // made by the first confirms()
+};
+
+}  // namespace lcpbench

@@ -1,0 +1,124 @@
+#include "native/cone_ipm/cone_test.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace lcpbench {
+namespace {
+
+std::size_t place(Index i) { return static_cast<std::size_t>(i); }
+
+/// Calls f(row, entry) for each entry of a column of [N D].
+template <class F>
+void for_each_entry(const ContactProblem& problem, Index column, F&& f) {
+  const bool is_normal = column < problem.nc();
+  const Index j = is_normal ? column : column - problem.nc();
+  const auto visit = [&](const auto& J) { for_each_nonzero(J, j, [&](Index row) { f(place(row), J.coeff(row, j)); }); };
+  std::visit(visit, is_normal ? problem.N : problem.D);
+}
+
+Quad length(Quad a, Quad b) { return sqrt(a * a + b * b); }
+
+}  // namespace
+
+void ConeTest::load(const ContactProblem& problem) {
+  problem_ = &problem;
+  layout_ = contact_layout(problem);
+  islands_ = row_islands(problem);
+  u_.assign(place(problem.ngc()), 0);
+  residuals_.resize(place(islands_.count));
+  scales_.resize(place(islands_.count));
+  normal_.assign(place(layout_.nc), 0);
+  tangent_.assign(place(layout_.nc), 0);
+  inertia_.emplace(problem.inertia);
+  for (Index contact = 0; contact < layout_.nc && inertia_->well_defined(); ++contact) {
+    normal_[place(contact)] = diagonal(contact);
+    if (layout_.lambda[place(contact)] < 0) continue;
+    const Index first = layout_.friction_offset() + layout_.friction_begin[place(contact)];
+    tangent_[place(contact)] =
+        std::max(diagonal(first), diagonal(first + problem.edges[place(contact)] / 4));
+  }
+}
+
+Quad ConeTest::project(Index column, const QuadVector& x) const {
+  Quad sum = 0;
+  for_each_entry(*problem_, column, [&](std::size_t row, double entry) { sum += entry * x[row]; });
+  return sum;
+}
+
+Quad ConeTest::diagonal(Index column) {
+  std::vector<std::size_t> pattern;
+  for_each_entry(*problem_, column, [&](std::size_t row, double entry) {
+    u_[row] = entry;
+    pattern.push_back(row);
+  });
+  inertia_->solve(u_, pattern);
+  const Quad sum = project(column, u_);
+  for (const std::size_t row : pattern) u_[row] = 0;
+  return sum;
+}
+
+/// |M_tt f_t - P(M_tt f_t - u_t)|, P onto the disc of radius mu M_tt max(f_N, 0).
+Quad ConeTest::friction_residual(Index contact, const Vector& z) const {
+  const Index first = layout_.friction_offset() + layout_.friction_begin[place(contact)];
+  const Index edges = problem_->edges[place(contact)];
+  Quad f1 = 0, f2 = 0;
+  for (Index k = 0; k < edges; ++k) {
+    const double f = z(first + k);
+    const double angle = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(edges);
+    f1 += f * (4 * k % edges == 0 ? std::round(std::cos(angle)) : std::cos(angle));
+    f2 += f * (4 * k % edges == 0 ? std::round(std::sin(angle)) : std::sin(angle));
+  }
+  if (f1 == 0 && f2 == 0 && !(z(contact) > 0)) return 0;
+  const Quad weight = tangent_[place(contact)];
+  const Quad aim1 = weight * f1 - project(first, u_), aim2 = weight * f2 - project(first + edges / 4, u_);
+  const Quad radius = problem_->mu(contact) * weight * std::max(z(contact), 0.0);
+  const Quad reach = length(aim1, aim2);
+  const Quad share = reach > radius ? radius / reach : 1;
+  return length(weight * f1 - share * aim1, weight * f2 - share * aim2);
+}
+
+double ConeTest::residual(const Vector& v, const Vector& z) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  constexpr double kTolerance = 1e-4;  // of the verdict
+  if (!inertia_->well_defined()) return kInfinity;
+  std::fill(u_.begin(), u_.end(), 0);
+  for (Index j = 0; j < layout_.lambda_offset(); ++j) {
+    if (z(j) == 0) continue;
+    for_each_entry(*problem_, j, [&](std::size_t row, double entry) { u_[row] += Quad{entry} * z(j); });
+  }
+  inertia_->solve(u_);
+  for (Index i = 0; i < v.size(); ++i) u_[place(i)] += v(i);
+  std::fill(residuals_.begin(), residuals_.end(), 0);
+  std::fill(scales_.begin(), scales_.end(), 0);
+  for (Index row = 0; row < layout_.lambda_offset(); ++row) {
+    const double b = row < layout_.nc ? problem_->offset(row) : 0;
+    Quad magnitude = std::abs(b), q = b;
+    double terms = b != 0 ? 2 : 1;
+    for_each_entry(*problem_, row, [&](std::size_t i, double entry) {
+      const Quad term = Quad{entry} * v(static_cast<Index>(i));
+      magnitude += abs(term);
+      q += term;
+      ++terms;
+    });
+    const std::size_t island = place(islands_.of_row[place(row)]);
+    const Quad floor = terms * (0x1p-53 * magnitude + 0x1p-1074) / kTolerance;
+    scales_[island] = std::max({scales_[island], abs(q), floor});
+    if (row >= layout_.nc) continue;
+    const Quad w = project(row, u_) + b;
+    Quad& residual = residuals_[island];
+    residual = std::max(residual, abs(z(row) == 0 ? std::min(w, Quad{0}) : std::min(normal_[place(row)] * z(row), w)));
+    if (layout_.lambda[place(row)] >= 0) residual = std::max(residual, friction_residual(row, z));
+  }
+  double worst = 0;
+  for (std::size_t k = 0; k < residuals_.size(); ++k) {
+    if (residuals_[k] == 0) continue;
+    const double relative = scales_[k] == 0 ? kInfinity : to_double(residuals_[k] / scales_[k]);
+    if (!(relative <= worst)) worst = relative;
+  }
+  return worst;
+}
+
+}  // namespace lcpbench

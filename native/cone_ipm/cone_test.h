@@ -1,0 +1,43 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/contact_problem.h"
+#include "core/islands.h"
+#include "core/quad_inertia.h"
+
+namespace lcpbench {
+
+/// Whether impulses solve contacts with the round Coulomb cone, by the measure of the verdict, from the data alone: the
+/// solver's own residual uses the root of the inertia that made the answer.
+class ConeTest {
+ public:
+  /// Factors the inertia and finds M_ii. @param problem  must stay as it is until the next load.
+  /// @pre why_no_round_cone() is empty
+  void load(const ContactProblem& problem);
+
+  /// The largest residual relative to its island's scale, in 113 bits; infinity where the inertia is not resolved.
+  /// Allocates nothing for inertia that 113 bits prove positive definite.
+  /// @param v  before the impact @param z  of the LCP, finite
+  double residual(const Vector& v, const Vector& z);
+
+  /// v+ of the last residual().
+  void take_velocity(Vector& velocity) const {
+    for (Index i = 0; i < velocity.size(); ++i) velocity(i) = to_double(u_[static_cast<std::size_t>(i)]);
+  }
+
+ private:
+  Quad project(Index column, const QuadVector& x) const;
+  Quad diagonal(Index column);
+  Quad friction_residual(Index contact, const Vector& z) const;
+
+  const ContactProblem* problem_ = nullptr;
+  ContactLayout layout_;
+  RowIslands islands_;
+  std::optional<QuadInertia> inertia_;
+  QuadVector normal_, tangent_;  ///< M_nn and M_tt, by contact
+  QuadVector u_, residuals_, scales_;
+};
+
+}  // namespace lcpbench

@@ -1,0 +1,260 @@
+// Inertia whose rank rounding could mistake: what solvers claim, what velocities they return, and what the evaluation
+// says, against exact arithmetic.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/exact_inertia.h"
+#include "core/registry.h"
+#include "core/spec.h"
+#include "study/certify/certificate.h"
+#include "study/evaluation/evaluation.h"
+#include "study/evaluation/friction_model.h"
+#include "tests/attack/judge.h"
+
+namespace lcpbench {
+namespace {
+
+Matrix matrix(std::initializer_list<std::initializer_list<double>> rows) {
+  Matrix A(static_cast<Index>(rows.size()), static_cast<Index>(rows.begin()->size()));
+  Index i = 0;
+  for (const auto& row : rows) std::copy(row.begin(), row.end(), A.row(i++).begin());
+  return A;
+}
+
+Problem frictionless(const Vector& v, const Matrix& N, const Inertia& inertia) {
+  return Problem("x", ContactProblem{.v = v,
+                                     .N = N,
+                                     .D = Matrix(N.rows(), 0),
+                                     .edges = std::vector<int>(static_cast<std::size_t>(N.cols()), 0),
+                                     .mu = Vector::Zero(N.cols()),
+                                     .inertia = inertia});
+}
+
+Problem light_direction() {
+  return frictionless(Vector::Constant(2, -1), matrix({{1}, {1}}),
+                      FactoredInertia{matrix({{1, 1}, {0, 1e-14}}), Vector::Ones(2)});
+}
+
+Problem nearly_deficient() {
+  return frictionless(Eigen::Vector2d(-1, 1), matrix({{1}, {-1}}),
+                      FactoredInertia{matrix({{1, 1}, {1, 1 + 0x1p-52}}), Vector::Ones(2)});
+}
+
+Problem dependent_integers() {
+  return Problem("x", ContactProblem{
+                          .v = Eigen::Vector3d(-1, 0, 0),
+                          .N = matrix({{1}, {0}, {0}}),
+                          .D = Matrix(Matrix::Zero(3, 4)),
+                          .edges = {4},
+                          .mu = Vector::Zero(1),
+                          .inertia = FactoredInertia{matrix({{-1, 1, 0}, {2, -1, 1}, {1, 0, 1}}), Vector::Ones(3)}});
+}
+
+Answer solve(const std::string& solver, const Problem& problem) {
+  const auto made = make_solver(parse_spec(solver));
+  Answer answer;
+  made->load(problem);
+  made->solve({.time_limit_s = 5}, answer);
+  return answer;
+}
+
+std::vector<std::string> native_solvers() {
+  std::vector<std::string> names{"cone_ipm{cone=true}", "velocity_ipm{finish=false}"};
+  for (const RegisteredSolver& solver : registered_solvers()) {
+    if (solver.library == "native") names.push_back(solver.definition.name);
+  }
+  return names;
+}
+
+bool takes(const std::string& solver, const Problem& problem) {
+  const auto made = make_solver(parse_spec(solver));
+  return why_not(made->capabilities(), problem).empty();
+}
+
+/// In each coordinate, relative to |v| + |G*| |J| |f|, v + G* J f without rounding.
+double velocity_error(const ContactProblem& contact, const Vector& z, const Vector& returned) {
+  const auto response = ExactResponse::of(contact.inertia);
+  const ContactLayout layout = contact_layout(contact);
+  Matrix J(contact.ngc(), layout.lambda_offset());
+  J << to_dense(contact.N), to_dense(contact.D);
+  const Vector f = z.head(layout.lambda_offset());
+  std::vector<Quad> impulse(static_cast<std::size_t>(contact.ngc()), 0);
+  for (Index j = 0; j < J.cols(); ++j) {
+    for (Index i = 0; i < J.rows(); ++i) impulse[static_cast<std::size_t>(i)] += Quad{J(i, j)} * f(j);
+  }
+  for (const auto& block : response->blocks()) block.multiply(impulse.data() + block.first);
+  const Matrix Gstar = inverse_inertia(contact.inertia).cwiseAbs();
+  const Vector scale = contact.v.cwiseAbs() + Gstar * (J.cwiseAbs() * f.cwiseAbs());
+  double worst = 0;
+  for (Index i = 0; i < contact.ngc(); ++i) {
+    const double error = std::abs(to_double(returned(i) - contact.v(i) - impulse[static_cast<std::size_t>(i)]));
+    if (error > 0) worst = std::max(worst, error / scale(i));
+  }
+  return worst;
+}
+
+void expect_truth(const std::string& solver, const Problem& problem, const attack::Judge& judge, Evaluator& evaluator) {
+  if (!takes(solver, problem)) return;
+  const Answer answer = solve(solver, problem);
+  if (answer.z.size() != problem.size() || !answer.z.allFinite()) return;
+  SCOPED_TRACE(solver);
+  Errors errors = evaluator.errors(answer);
+  EXPECT_FALSE(errors.unresolved);
+  const bool solves = judge.solves(answer.z);
+  EXPECT_EQ(errors.solved, solves) << errors.velocity_residual_relative << " " << judge.measure();
+  if (answer.claim != Claim::kSolved) return;
+  if (solver.find("cone=true") != std::string::npos) {
+    measure_cone(problem, answer, errors);
+    EXPECT_TRUE(errors.solved || !errors.usable) << errors.velocity_residual_relative;
+  } else {
+    EXPECT_TRUE(solves) << judge.measure();
+  }
+  if (answer.velocity.size() > 0) EXPECT_LE(velocity_error(*problem.contact(), answer.z, answer.velocity), 1e-4);
+  EXPECT_LE(velocity_error(*problem.contact(), answer.z, post_impact_velocity(*problem.contact(), answer.z)), 1e-4);
+}
+
+void expect_truth_of_all(const Problem& problem) {
+  const attack::Judge judge(problem);
+  Evaluator evaluator(problem);
+  for (const std::string& solver : native_solvers()) expect_truth(solver, problem, judge, evaluator);
+}
+
+TEST(InertiaClaimsTest, AnswersToInertiaThatRoundingMistakes) {
+  for (const Problem& problem : {light_direction(), nearly_deficient(), dependent_integers()}) {
+    expect_truth_of_all(problem);
+  }
+}
+
+TEST(InertiaClaimsTest, DependentIntegersAreSolvedWithTheirVelocity) {
+  const Answer answer = solve("contact_lemke", dependent_integers());
+  EXPECT_EQ(answer.claim, Claim::kSolved);
+  EXPECT_LE(post_impact_velocity(*dependent_integers().contact(), answer.z).cwiseAbs().maxCoeff(), 1);
+}
+
+TEST(InertiaClaimsTest, TheJudgeAgreesWithTheCertificate) {
+  const Problem problem = nearly_deficient();
+  const Certificate certificate = Certifier({}).certify(problem);
+  ASSERT_EQ(certificate.kind, CertificateKind::kSolution);
+  Evaluator evaluator(problem);
+  Answer answer;
+  answer.z = certificate.z;
+  EXPECT_TRUE(evaluator.errors(answer).solved);
+  answer.z = Vector::Constant(1, 3.2e32);
+  EXPECT_EQ(evaluator.errors(answer).solved, attack::Judge(problem).solves(answer.z));
+}
+
+TEST(InertiaClaimsTest, AcceptSettingsDoNotReplaceTheTest) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> entry(-1, 1);
+  const auto draw = [&](Index rows, Index cols) {
+    return Matrix(Matrix::NullaryExpr(rows, cols, [&] { return entry(random); }));
+  };
+  for (int trial = 0; trial < 20; ++trial) {
+    const Matrix X = draw(6, 8);
+    const Problem problem = frictionless(draw(6, 1).col(0), draw(6, 5), DenseInertia{Matrix(X * X.transpose())});
+    Evaluator evaluator(problem);
+    for (const char* solver :
+         {"active_set{accept_residual=1e9}", "active_set{accept_residual=1e9,precision=float}",
+          "velocity_ipm{accept_residual=1e9,finish=false,tolerance=1e9}", "cone_ipm{accept_residual=1e9,tolerance=1e9}",
+          "friction_ipm{accept_residual=1e9,tolerance=1e9}", "primal_dual{accept_residual=1e9}"}) {
+      const Answer answer = solve(solver, problem);
+      if (answer.claim != Claim::kSolved) continue;
+      EXPECT_TRUE(evaluator.errors(answer).solved)
+          << solver << " " << evaluator.errors(answer).velocity_residual_relative << " z " << answer.z.transpose();
+    }
+  }
+}
+
+/// Contacts on inertia of every kind that was mistaken.
+class DoubtfulProblems {
+ public:
+  explicit DoubtfulProblems(std::uint64_t seed) : random_(seed) {}
+
+  Problem next() {
+    const Index ngc = integer(1, 5);
+    const Index nc = integer(1, 4);
+    const int edges = chance(2) ? 0 : 4;
+    ContactProblem contact;
+    contact.v = numbers(ngc, 1);
+    contact.N = numbers(ngc, nc);
+    contact.edges.assign(static_cast<std::size_t>(nc), edges);
+    contact.mu = edges == 0 ? Vector(Vector::Zero(nc)) : Vector(numbers(nc, 1).cwiseAbs());
+    Matrix D(ngc, nc * edges);
+    for (Index c = 0; c < nc && edges > 0; ++c) {
+      D.middleCols(edges * c, 2) = numbers(ngc, 2);
+      D.middleCols(edges * c + 2, 2) = -D.middleCols(edges * c, 2);
+    }
+    contact.D = D;
+    contact.inertia = inertia(ngc);
+    return Problem("x", std::move(contact));
+  }
+  std::int64_t kind() const { return kind_; }
+
+ private:
+  std::int64_t integer(std::int64_t low, std::int64_t high) {
+    return std::uniform_int_distribution<std::int64_t>(low, high)(random_);
+  }
+  bool chance(int of) { return integer(1, of) == 1; }
+  Matrix numbers(Index rows, Index cols) {
+    const bool integers = chance(3);
+    return Matrix::NullaryExpr(rows, cols, [&] {
+      return integers ? static_cast<double>(integer(-2, 2)) : std::uniform_real_distribution<double>(-1, 1)(random_);
+    });
+  }
+
+  Inertia inertia(Index ngc) {
+    FactoredInertia factors{numbers(ngc, integer(1, ngc + 2)), {}};
+    const Index count = factors.X.cols();
+    factors.alpha = Vector::NullaryExpr(count, [&] { return std::ldexp(1.0, static_cast<int>(integer(-3, 3))); });
+    const auto row = [&] { return factors.X.row(integer(0, ngc - 1)); };
+    switch (kind_ = integer(0, 6)) {
+      case 0: row() *= std::pow(10.0, static_cast<double>(-integer(10, 20))); break;
+      case 1:
+        factors.X.col(count - 1) = factors.X.col(0) * (1 + static_cast<double>(integer(-3, 3)) * 0x1p-52);
+        if (chance(2)) factors.X(integer(0, ngc - 1), 0) *= 1 + 0x1p-52;
+        break;
+      case 2: row() = row().eval(); break;
+      case 3: row() *= std::ldexp(1.0, chance(2) ? 140 : -140); break;
+      case 4: factors.alpha(0) *= std::ldexp(1.0, chance(2) ? 140 : -140); break;
+      case 5: {
+        Matrix Ginv = factors.X * factors.X.transpose();
+        const Index i = integer(0, ngc - 1);
+        const double unit = std::ldexp(1.0, chance(2) ? 140 : chance(2) ? -140 : 0);
+        Ginv.row(i) *= unit;
+        Ginv.col(i) *= unit;
+        return InverseInertia{Matrix(Ginv.selfadjointView<Eigen::Lower>())};
+      }
+      default: {
+        const Matrix G = factors.X * factors.X.transpose();
+        return DenseInertia{Matrix(G.selfadjointView<Eigen::Lower>()) +
+                            std::pow(10.0, static_cast<double>(-integer(8, 15))) * Matrix::Identity(ngc, ngc)};
+      }
+    }
+    return factors;
+  }
+
+  std::mt19937_64 random_;
+  std::int64_t kind_ = 0;
+};
+
+TEST(InertiaClaimsTest, RandomInertiaOfDoubtfulRank) {
+  const char* const count = std::getenv("LCPBENCH_INERTIA_PROBLEMS");
+  const char* const seed = std::getenv("LCPBENCH_INERTIA_SEED");
+  DoubtfulProblems problems(seed != nullptr ? std::strtoull(seed, nullptr, 10) : 1);
+  const int most = count != nullptr ? std::atoi(count) : 60;
+  for (int trial = 0; trial < most; ++trial) {
+    const Problem problem = problems.next();
+    SCOPED_TRACE(testing::Message() << "problem " << trial << " of kind " << problems.kind());
+    if (!ExactResponse::of(problem.contact()->inertia)) continue;  // indefinite by rounding
+    expect_truth_of_all(problem);
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench
