@@ -200,6 +200,7 @@ def slurm(folder):
         "SchedulerParameters=batch_sched_delay=0,sched_interval=2",
         f"NodeName={host} NodeAddr=127.0.0.1 CPUs={min(2, os.cpu_count())} RealMemory=8000 State=UNKNOWN",
         f"PartitionName=all Nodes={host} Default=YES State=UP", "")))
+    (state / "cgroup.conf").write_text("CgroupPlugin=cgroup/v1\n")  # the only one that starts where none are mounted
     folder.environment["SLURM_CONF"] = str(state / "slurm.conf")
 
     def answer(command):
