@@ -17,6 +17,7 @@
 #include "study/run/build_info.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
+#include "study/commands/shard_list.h"
 #include "study/commands/stores.h"
 #include "study/report/coverage.h"
 #include "study/run/interrupt.h"
@@ -24,6 +25,7 @@
 #include "study/run/plan.h"
 #include "study/run/provenance.h"
 #include "study/run/runner.h"
+#include "study/run/usage.h"
 #include "study/output/terminal.h"
 #include "study/report/report.h"
 #include "study/report/worst.h"
@@ -46,6 +48,9 @@ struct RunArguments {
   std::optional<double> budget_s;
   std::string store;
   std::string shard;
+  std::optional<std::int64_t> list_shards;
+  std::string costs;
+  std::string format = "text";
   bool fresh = false;
   Extent extent;
   std::string command_line;
@@ -186,6 +191,18 @@ void add_run(Store& store, const RunArguments& arguments, const Plan& plan, cons
   store.commit();
 }
 
+/// What the run cost, for `--costs`.
+void add_end(Store& store, const RunOptions& options, double processor_s, double bytes) {
+  store.begin();
+  store.add_run("", nlohmann::ordered_json{{"ended", utc_now()},
+                                           {"shard", fmt::format("{}/{}", options.shard + 1, options.shards)},
+                                           {"jobs", options.jobs},
+                                           {"processor_s", processor_s},
+                                           {"memory_bytes", bytes}}
+                        .dump());
+  store.commit();
+}
+
 /// What is there, what it says, and where to go on: kAnswerLines at most, and all tables before it where asked for.
 std::string end_text(const RunArguments& arguments, const Summary& summary, const std::string& head,
                      const std::string& file) {
@@ -241,7 +258,8 @@ int run(const RunArguments& arguments) {
   const Shard shard = parse_shard(arguments.shard);
   ProgressLine line;
   line.show("opening the sets and solvers of the plan " + plan.name);
-  const Study study = resolve(plan);
+  Study study = resolve(plan);
+  if (!arguments.costs.empty()) study.costs = measured_costs(open_checked(arguments.costs).database());
   line.clear();
   for (const std::string& solver : study.skipped) say(stderr, "skipped: {}\n", solver);
   for (const StudySet& set : study.sets) {
@@ -250,18 +268,31 @@ int run(const RunArguments& arguments) {
   say(stderr, "{}", left_out_text(study));
   if (study.solvers.empty()) throw InputError("plan " + plan.name + ": none of its solvers is available");
 
+  RunOptions options;
+  options.jobs = plan.jobs.value_or(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+  if (arguments.list_shards) {
+    return list_shards(study, {.shards = *arguments.list_shards,
+                               .stores = arguments.store,
+                               .jobs = options.jobs,
+                               .json = arguments.format == "json",
+                               .every = arguments.extent.all});
+  }
   const std::filesystem::path file = arguments.store.empty() ? plan.name + ".db" : arguments.store;
   if (arguments.fresh) Store::remove(file);
   Store store = Store::open_for_writing(file, told_on_stderr());
   print_notice(store);
   warn_of_other_build(store);
 
-  RunOptions options;
-  options.jobs = plan.jobs.value_or(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
   options.shard = shard.index;
   options.shards = shard.count;
   options.stop = catch_interrupts(kExitInterrupted);
+  double bytes = 0;
+  double next_look_s = 0;
   options.on_progress = [&](const Progress& progress) {
+    if (progress.elapsed_s >= next_look_s) {
+      bytes = std::max(bytes, memory_bytes());
+      next_look_s = progress.elapsed_s + 1;
+    }
     if (progress.total > 0) line.show(progress_text(progress, plan.budget_s));
   };
   if (isatty(STDOUT_FILENO) == 1) {  // a file or a program that reads this wants the end, and it once
@@ -277,6 +308,7 @@ int run(const RunArguments& arguments) {
   add_run(store, arguments, plan, study, options);
   const RunOutcome outcome = run_study(study, store, options);
   line.clear();
+  if (outcome.progress.done > 0) add_end(store, options, processor_seconds(), std::max(bytes, memory_bytes()));
   return report_end(arguments, outcome, plan, store, line);
 }
 
@@ -302,6 +334,14 @@ Action add_run_command(CLI::App& command, const std::string& command_line) {
       ->check(seconds_check(0, 1e7));
   command.add_option("--store", arguments->store, "file of the results (default: PLAN.db)");
   command.add_option("--shard", arguments->shard, "I/N: only the I-th of N parts, for lcpbench merge");
+  command
+      .add_option("--list-shards", arguments->list_shards,
+                  "run nothing: print what each of N shards will cost, and which are not finished "
+                  "(--store 'shard-{}.db')")
+      ->check(CLI::Range(1, 1'000'000));
+  command.add_option("--costs", arguments->costs,
+                     "store of a small run of the plan: shards cost alike by its times; the same for all shards");
+  add_format_option(command, arguments->format);
   command.add_flag("--fresh", arguments->fresh, "throw the store away first");
   add_long_option(command, arguments->extent, "show the results of every set and solver before the answer");
   add_wide_option(command, arguments->extent);

@@ -82,14 +82,25 @@ void add_plan(const Json& plan, Planned& planned) {
   }
 }
 
+/// Adds the solvers that a run left out, "name: reason".
+void add_left_out(const Json& skipped, std::map<std::string, Coverage::LeftOut>& left_out) {
+  if (!skipped.is_array()) return;
+  for (const Json& entry : skipped) {
+    const std::string text = entry.is_string() ? entry.get<std::string>() : "";
+    const std::size_t colon = text.find(": ");
+    if (colon != std::string::npos) left_out[text.substr(0, colon)].reason = text.substr(colon + 2);
+  }
+}
+
 /// nullopt where there is no run, or one that recorded no plan.
-std::optional<Planned> read_plans(sqlite::Database& store) {
-  sqlite::Statement query(store, "SELECT provenance FROM runs");
+std::optional<Planned> read_plans(sqlite::Database& store, std::map<std::string, Coverage::LeftOut>& left_out) {
+  sqlite::Statement query(store, "SELECT provenance FROM runs WHERE started <> ''");
   Planned planned;
   bool any = false;
   while (query.step()) {
     const Json provenance = Json::parse(query.text(0), nullptr, false);
     if (!provenance.is_object() || !provenance.contains("planned")) return std::nullopt;
+    add_left_out(provenance.value("skipped", Json()), left_out);
     try {
       add_plan(provenance["planned"], planned);
     } catch (const Json::exception&) {
@@ -168,8 +179,8 @@ Json planned_cells(const Study& study) {
 }
 
 Coverage coverage_of(sqlite::Database& store) {
-  const std::optional<Planned> planned = read_plans(store);
   Coverage coverage;
+  const std::optional<Planned> planned = read_plans(store, coverage.left_out);
   if (!planned) return coverage;
   coverage.known = true;
   const std::map<Work, std::int64_t> done = read_done(store);
@@ -177,10 +188,16 @@ Coverage coverage_of(sqlite::Database& store) {
   for (const auto& [work, plan] : *planned) {
     Coverage::Set& set = sets[work.set];
     set.name = work.set;
-    for (const auto& [seed, rules] : plan.trials) set.planned += plan.cells * count(rules);
+    std::int64_t cells = 0;
+    for (const auto& [seed, rules] : plan.trials) cells += plan.cells * count(rules);
     const auto answered = done.find(work);
-    if (answered != done.end()) set.done += plan.cells * answered->second;
+    const std::int64_t answers = answered == done.end() ? 0 : plan.cells * answered->second;
+    set.planned += cells;
+    set.done += answers;
+    const auto left_out = coverage.left_out.find(work.solver.substr(0, work.solver.find('{')));
+    if (left_out != coverage.left_out.end()) left_out->second.missing += cells - answers;
   }
+  std::erase_if(coverage.left_out, [](const auto& solver) { return solver.second.missing == 0; });
   for (auto& [name, set] : sets) {
     coverage.planned += set.planned;
     coverage.done += set.done;
@@ -208,6 +225,15 @@ std::string thin_words(std::size_t thin, std::size_t sets) {
   return thin == sets && sets > 1 ? fmt::format("all {} sets are thin", sets)
          : thin == 1              ? "this set is thin"
                                   : fmt::format("these {} sets are thin", thin);
+}
+
+std::string left_out_text(const Coverage& coverage) {
+  std::string text;
+  for (const auto& [solver, each] : coverage.left_out) {
+    text += fmt::format("{} planned cells of {} are missing, and not failures: a run left it out ({})\n",
+                        format_count(each.missing), solver, each.reason);
+  }
+  return text;
 }
 
 }  // namespace
@@ -238,6 +264,7 @@ std::string coverage_html(const Coverage& coverage) {
     box += thin.size() <= kSetsInTheBox ? "<p>" + words + ": " + names + ".</p>\n"
                                         : "<details><summary>" + words + "</summary><p>" + names + "</p></details>\n";
   }
+  if (!coverage.left_out.empty()) box += "<p>" + escape(left_out_text(coverage)) + "</p>\n";
   return box + "</div>\n";
 }
 
@@ -246,7 +273,8 @@ std::string coverage_text(const Coverage& coverage) {
   if (!coverage.incomplete()) return "";
   std::string text =
       fmt::format("INCOMPLETE: {} of the plan ({})", plan_share_text(coverage.share()), cells_text(coverage));
-  const char* const remedy = "To complete it, run the same command again; merge the stores of all shards.\n";
+  const std::string remedy =
+      left_out_text(coverage) + "To complete it, run the same command again; merge the stores of all shards.\n";
   const std::vector<Coverage::Set> thin = coverage.thin_sets();
   if (thin.empty()) return text + "\n" + remedy;
   text += fmt::format("; {}:\n", thin_words(thin.size(), coverage.sets.size()));
@@ -275,10 +303,15 @@ nlohmann::ordered_json coverage_json(const Coverage& coverage) {
                     {"share", set.share()},
                     {"thin", set.thin()}});
   }
+  Json left_out = Json::array();
+  for (const auto& [solver, each] : coverage.left_out) {
+    left_out.push_back({{"solver", solver}, {"missing", each.missing}, {"reason", each.reason}});
+  }
   const auto known = [&coverage](std::int64_t count) { return coverage.known ? Json(count) : Json(); };
   return {{"planned", known(coverage.planned)},
           {"done", known(coverage.done)},
           {"share", coverage.known ? Json(coverage.share()) : Json()},
+          {"left_out", std::move(left_out)},
           {"thin_below", kThinBelow},
           {"sets", std::move(sets)}};
 }

@@ -76,7 +76,7 @@ std::vector<std::pair<std::int64_t, SetSummary>> read_sets(sqlite::Database& sto
 }
 
 std::vector<RunSummary> read_runs(sqlite::Database& store) {
-  sqlite::Statement query(store, "SELECT started, provenance FROM runs ORDER BY started, id");
+  sqlite::Statement query(store, "SELECT started, provenance FROM runs WHERE started <> '' ORDER BY started, id");
   std::vector<RunSummary> runs;
   while (query.step()) {
     auto provenance = nlohmann::ordered_json::parse(query.text(1), nullptr, false);

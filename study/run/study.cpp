@@ -151,6 +151,7 @@ Study resolve(const Plan& plan) {
   study.budget_s = plan.budget_s;
   study.sets = open_sets(plan);
   SolverList solvers(plan, study.sets);
+  SolverList left_out(plan, study.sets);
   for (const PlannedSolver& planned : plan.solvers) {
     const std::string reason = why_unavailable(find_solver(planned.spec.name));
     if (reason.empty()) {
@@ -162,8 +163,10 @@ Study resolve(const Plan& plan) {
     if (std::find(study.skipped.begin(), study.skipped.end(), line) == study.skipped.end()) {
       study.skipped.push_back(line);
     }
+    left_out.add(planned);
   }
   study.solvers = solvers.take();
+  study.left_out = left_out.take();
   return study;
 }
 

@@ -11,6 +11,7 @@
 #include "core/timed_solve.h"
 #include "generators/sets.h"
 #include "study/run/plan.h"
+#include "study/run/shards.h"
 #include "study/store/store.h"
 
 namespace lcpbench {
@@ -42,7 +43,9 @@ struct Study {
   std::optional<double> budget_s;
   std::vector<StudySet> sets;
   std::vector<StudySolver> solvers;
-  std::vector<std::string> skipped;  ///< optional solvers left out, "name: reason"
+  std::vector<StudySolver> left_out;  ///< optional solvers that are not available: not to be opened
+  std::vector<std::string> skipped;   ///< the same, "name: reason"
+  MeasuredCosts costs;                ///< that problems are dealt to shards by; none: all alike
 };
 
 /// The row of a solver as this process would run it.

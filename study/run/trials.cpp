@@ -3,24 +3,11 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <set>
 #include <utility>
 
 namespace lcpbench {
 namespace {
-
-/// x with a x = 1 modulo m, by the extended Euclidean algorithm. @pre a and m have no common divisor
-std::int64_t inverse(std::int64_t a, std::int64_t m) {
-  std::int64_t remainder = m;
-  std::int64_t next_remainder = a % m;
-  std::int64_t x = 0;
-  std::int64_t next_x = 1;
-  while (next_remainder != 0) {
-    const std::int64_t quotient = remainder / next_remainder;
-    x = std::exchange(next_x, x - quotient * next_x);
-    remainder = std::exchange(next_remainder, remainder - quotient * next_remainder);
-  }
-  return (x % m + m) % m;
-}
 
 /// The steps without those that another one divides: they add no trial.
 void keep_primitive(std::vector<std::int64_t>& steps) {
@@ -36,24 +23,7 @@ void keep_primitive(std::vector<std::int64_t>& steps) {
 
 }  // namespace
 
-std::int64_t Progression::next(std::int64_t from) const {
-  const std::int64_t past = from % period;
-  return from - past + (past <= first ? first : first + period);
-}
-
-std::int64_t Progression::count(std::int64_t end) const { return first < end ? (end - 1 - first) / period + 1 : 0; }
-
-std::optional<Progression> multiples_in_shard(std::int64_t step, std::int64_t shard, std::int64_t shards) {
-  // step k = shard (mod shards) is solvable when their greatest common divisor divides `shard`.
-  const std::int64_t divisor = std::gcd(step, shards);
-  if (shard % divisor != 0) return std::nullopt;
-  const std::int64_t modulus = shards / divisor;
-  const std::int64_t k = shard / divisor % modulus * inverse(step / divisor, modulus) % modulus;
-  return Progression{step * k, step * modulus};
-}
-
-std::int64_t count_trials(std::int64_t trials, std::vector<std::int64_t> steps, std::int64_t shard,
-                          std::int64_t shards) {
+std::int64_t count_trials(std::int64_t trials, std::vector<std::int64_t> steps) {
   if (trials <= 0 || steps.empty()) return 0;
   keep_primitive(steps);
   std::map<std::int64_t, std::int64_t> signs;  // of each common multiple: how often its multiples are counted
@@ -69,12 +39,42 @@ std::int64_t count_trials(std::int64_t trials, std::vector<std::int64_t> steps, 
     }
   }
   // Every step divides trial 0. It is counted apart, so that multiples beyond the trials need not be kept.
-  std::int64_t count = shard == 0 ? 1 : 0;
-  for (const auto& [multiple, sign] : signs) {
-    const std::optional<Progression> members = multiples_in_shard(multiple, shard, shards);
-    if (members) count += sign * (members->count(trials) - (members->first == 0 ? 1 : 0));
-  }
+  std::int64_t count = 1;
+  for (const auto& [multiple, sign] : signs) count += sign * ((trials - 1) / multiple);
   return count;
+}
+
+std::int64_t common_multiple(std::int64_t trial, const std::vector<std::int64_t>& steps) {
+  if (trial == 0) return steps.empty() ? -1 : 0;
+  std::int64_t multiple = -1;
+  for (const std::int64_t step : steps) {
+    if (trial % step == 0) multiple = multiple < 0 ? step : std::lcm(multiple, step);
+  }
+  return multiple;
+}
+
+std::vector<TrialClass> trial_classes(std::int64_t trials, const std::vector<std::int64_t>& steps) {
+  if (trials <= 0 || steps.empty()) return {};
+  std::set<std::int64_t> multiples;
+  for (const std::int64_t step : steps) {
+    std::set<std::int64_t> added;
+    if (step < trials) added.insert(step);
+    for (const std::int64_t multiple : multiples) {
+      const std::int64_t factor = multiple / std::gcd(multiple, step);
+      if (factor <= (trials - 1) / step) added.insert(factor * step);
+    }
+    multiples.merge(added);
+  }
+  std::vector<TrialClass> classes{{0, 1}};
+  for (const std::int64_t multiple : multiples) classes.push_back({multiple, (trials - 1) / multiple});
+  // The largest have no multiples among them; each of the others gives up what those above it have.
+  for (auto lower = classes.rbegin(); lower + 1 != classes.rend(); ++lower) {
+    for (auto upper = classes.rbegin(); upper != lower; ++upper) {
+      if (upper->multiple % lower->multiple == 0) lower->count -= upper->count;
+    }
+  }
+  std::erase_if(classes, [](const TrialClass& each) { return each.count == 0; });
+  return classes;
 }
 
 }  // namespace lcpbench

@@ -1,33 +1,28 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 namespace lcpbench {
 
-// The trials of a set that a study runs are those that at least one of some steps divides. A shard runs those among
-// them that leave its number as remainder. Nothing here takes time or memory that grows with the number of trials.
+// The trials of a set that a study runs are those that at least one of some steps divides. Nothing here takes time or
+// memory that grows with the number of trials.
 
-/// The numbers first, first + period, first + 2 period, ...
-struct Progression {
-  std::int64_t first = 0;  ///< in [0, period)
-  std::int64_t period = 1;
+/// How many of the trials in [0, trials) at least one of the steps divides. By inclusion and exclusion over the least
+/// common multiples of the steps. @pre every step >= 1
+std::int64_t count_trials(std::int64_t trials, std::vector<std::int64_t> steps);
 
-  /// The smallest of them that is at least `from`. @pre from >= 0
-  std::int64_t next(std::int64_t from) const;
-  /// How many of them lie in [0, end).
-  std::int64_t count(std::int64_t end) const;
+/// The least common multiple of the steps that divide a trial; 0 for trial 0, which all divide; -1 where none
+/// does. A step divides the trial if and only if it divides this number.
+std::int64_t common_multiple(std::int64_t trial, const std::vector<std::int64_t>& steps);
+
+/// Trials that the same steps divide.
+struct TrialClass {
+  std::int64_t multiple = 0;  ///< common_multiple() of each of them
+  std::int64_t count = 0;
 };
 
-/// The multiples of `step` that leave the remainder `shard` modulo `shards`; nullopt where there are none.
-/// @pre step >= 1, 0 <= shard < shards, and step shards < 2^63.
-std::optional<Progression> multiples_in_shard(std::int64_t step, std::int64_t shard, std::int64_t shards);
-
-/// How many of the trials in [0, trials) at least one of the steps divides and belong to the shard. By inclusion and
-/// exclusion over the least common multiples of the steps.
-/// @pre as above for every step, and for `trials` in place of `step`.
-std::int64_t count_trials(std::int64_t trials, std::vector<std::int64_t> steps, std::int64_t shard = 0,
-                          std::int64_t shards = 1);
+/// The trials in [0, trials) that at least one step divides, by common multiple, ascending: first trial 0 alone.
+std::vector<TrialClass> trial_classes(std::int64_t trials, const std::vector<std::int64_t>& steps);
 
 }  // namespace lcpbench

@@ -3,48 +3,50 @@
 #include <algorithm>
 #include <utility>
 
+#include "study/run/trials.h"
+
 namespace lcpbench {
 namespace {
-
-/// The steps of all solvers on a set, each once.
-std::vector<std::int64_t> steps_on(const Study& study, std::size_t set) {
-  std::vector<std::int64_t> steps;
-  for (const StudySolver& solver : study.solvers) {
-    if (set < solver.every.size()) steps.insert(steps.end(), solver.every[set].begin(), solver.every[set].end());
-  }
-  std::sort(steps.begin(), steps.end());
-  steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
-  return steps;
-}
 
 bool has_answers(Store& store) { return store.database().integer("SELECT EXISTS (SELECT 1 FROM answers)") != 0; }
 
 }  // namespace
 
 PlanWalk::PlanWalk(const Study& study, Store& store, std::int64_t shard, std::int64_t shards)
-    : study_(study), store_(store), resuming_(has_answers(store)), is_done_(study.solvers.size()) {
+    : study_(study),
+      store_(store),
+      deal_(study, shards),
+      shard_(shard),
+      shards_(shards),
+      resuming_(has_answers(store)),
+      is_done_(study.solvers.size()) {
   for (std::size_t i = 0; i < study.solvers.size(); ++i) {
-    const StudySolver& solver = study.solvers[i];
-    solver_of_.emplace(solver.row.id(), static_cast<std::uint32_t>(i));
-    for (std::size_t set = 0; set < std::min(study.sets.size(), solver.every.size()); ++set) {
-      planned_ += solver.cell_count() * count_trials(study.sets[set].trials, solver.every[set], shard, shards);
+    solver_of_.emplace(study.solvers[i].row.id(), static_cast<std::uint32_t>(i));
+  }
+  for (const StudySet& set : study.sets) sets_.push_back({set.set->name(), 0, {}});
+  for (const Deal::Class& each : deal_.classes()) {
+    sets_[each.set].turn_of[each.multiple] = each.first;
+    for (const StudySolver& solver : study.solvers) {
+      if (solver.takes(each.set, each.multiple)) planned_ += solver.cell_count() * deal_.problems(each, shard);
     }
   }
-  for (std::size_t set = 0; set < study.sets.size(); ++set) {
-    sets_.push_back({study.sets[set].set->name(), {}});
-    for (const std::int64_t step : steps_on(study, set)) {
-      if (const auto trials = multiples_in_shard(step, shard, shards)) sets_.back().trials.push_back(*trials);
-    }
-    push_next(set, 0);
-  }
+  for (std::size_t set = 0; set < sets_.size(); ++set) push_next(set);
 }
 
-void PlanWalk::push_next(std::size_t set, std::int64_t from) {
+void PlanWalk::push_next(std::size_t set) {
   const std::int64_t trials = study_.sets[set].trials;
-  std::int64_t next = trials;
-  for (const Progression& members : sets_[set].trials) next = std::min(next, members.next(from));
-  if (next == trials) return;
-  heads_.push({(static_cast<double>(next) + 0.5) / static_cast<double>(trials), set, next});
+  Set& walked = sets_[set];
+  while (walked.next < trials) {
+    const std::int64_t trial = walked.next++;
+    const std::int64_t multiple = common_multiple(trial, deal_.steps(set));
+    if (multiple < 0) continue;
+    std::int64_t& turn = walked.turn_of[multiple];
+    const bool mine = turn == shard_;
+    if (++turn == shards_) turn = 0;
+    if (!mine) continue;
+    heads_.push({(static_cast<double>(trial) + 0.5) / static_cast<double>(trials), set, trial});
+    return;
+  }
 }
 
 std::int64_t PlanWalk::look_up(std::size_t set, std::int64_t trial) {
@@ -63,7 +65,7 @@ std::int64_t PlanWalk::look_up(std::size_t set, std::int64_t trial) {
 std::optional<Task> PlanWalk::step() {
   const Head head = heads_.top();
   heads_.pop();
-  push_next(head.set, head.trial + 1);
+  push_next(head.set);
   const std::int64_t done = look_up(head.set, head.trial);
   already_done_ += done;
   Task task{head.set, head.trial, {}};

@@ -13,7 +13,6 @@
 
 #include "study/store/store.h"
 #include "study/run/study.h"
-#include "study/run/trials.h"
 
 // The work of a run, found as it goes: neither its memory nor the time to the first problem grow with the number of
 // trials.
@@ -30,7 +29,7 @@ struct Task {
 /// Walks through the problems of a study, or of one shard of it, and asks the store of each what is done.
 ///
 /// The problems come by their share of their set's trials, (trial + 1/2) / trials, and at equal shares in the order of
-/// the sets: all sets advance together. Memory: O(sets x steps of their solvers). Uses the store in step() alone.
+/// the sets: all sets advance together. Memory: O(sets x classes of their trials). Uses the store in step() alone.
 class PlanWalk {
  public:
   PlanWalk(const Study& study, Store& store, std::int64_t shard, std::int64_t shards);
@@ -50,7 +49,8 @@ class PlanWalk {
  private:
   struct Set {
     std::string name;
-    std::vector<Progression> trials;  ///< those that some solver runs on, in any of these
+    std::int64_t next = 0;                                   ///< the first trial that was not looked at
+    std::unordered_map<std::int64_t, std::int64_t> turn_of;  ///< by class: the shard that its next problem is dealt to
   };
   /// The next problem of a set.
   struct Head {
@@ -61,12 +61,16 @@ class PlanWalk {
     bool operator<(const Head& other) const { return share > other.share || (share == other.share && set > other.set); }
   };
 
-  void push_next(std::size_t set, std::int64_t from);
+  /// Looks for the next problem of a set that this shard is dealt.
+  void push_next(std::size_t set);
   /// Marks what the store has of a problem in is_done_. @returns its cells
   std::int64_t look_up(std::size_t set, std::int64_t trial);
 
   const Study& study_;
   Store& store_;
+  Deal deal_;
+  std::int64_t shard_;
+  std::int64_t shards_;
   bool resuming_;
   std::unordered_map<std::int64_t, std::uint32_t> solver_of_;
   std::vector<Set> sets_;

@@ -1,9 +1,14 @@
 #include "study/store/merge.h"
 
+#include <cerrno>
+#include <optional>
 #include <system_error>
 #include <utility>
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include "core/error.h"
 #include "study/store/file_lock.h"
@@ -16,6 +21,9 @@ namespace {
 using sqlite::Statement;
 
 constexpr std::size_t kConflictsShown = 20;
+
+constexpr const char* kProblems = "problems";
+constexpr const char* kVerdicts = "verdicts";
 
 struct Table {
   const char* name;
@@ -57,7 +65,7 @@ const std::vector<Table>& tables() {
        {"solver_id", "cell"},
        {"settings", "all_settings"},
        "(SELECT name || ' ' || sweep FROM solvers WHERE id = m.solver_id) || ' cell ' || m.cell"},
-      {"problems",
+      {kProblems,
        {"id"},
        {"set_id", "seed", "trial", "kind", "n", "ngc", "nc", "free_bodies", "hash", "theory"},
        "(SELECT name FROM sets WHERE id = m.set_id) || ' seed ' || m.seed || ' trial ' || m.trial"},
@@ -67,7 +75,7 @@ const std::vector<Table>& tables() {
        {"problem_id", "solver_id", "part"},
        {"group_id", "claim", "z", "velocity", "farkas", "iterations", "pivots", "factorizations"},
        kCellInWords},
-      {"verdicts",
+      {kVerdicts,
        {"problem_id", "solver_id", "part"},
        verdict_content(),
        kCellInWords,
@@ -98,18 +106,68 @@ std::vector<std::string> find_conflicts(Store& store, const std::filesystem::pat
     differ += (differ.empty() ? "" : " OR ") + std::string(table.conflict);
     Statement query(
         store.database(),
-        fmt::format("SELECT {} FROM main.{} m JOIN input.{} i USING ({}) WHERE {} LIMIT {}", table.conflict_names,
-                    table.name, table.name, joined(table.key, "{}", ", "), differ, kConflictsShown));
+        fmt::format("SELECT {} FROM input.{} i CROSS JOIN main.{} m USING ({}) WHERE {} LIMIT {}",
+                    table.conflict_names, table.name, table.name, joined(table.key, "{}", ", "), differ,
+                    kConflictsShown));
     while (query.step()) {
       conflicts.push_back(fmt::format("{}: {}: {}", input.string(), table.name, query.text(0)));
     }
+    if (table.name != kProblems || conflicts.empty()) continue;
+    // Answers to other data differ, too.
+    conflicts = {conflicts.front() + " and maybe others: has other data than in the stores before it"};
+    break;
   }
   return conflicts;
 }
 
+/// What the runs of all parts of one study have in common.
+class CommonOrigin {
+ public:
+  /// @throws InputError when a run of the store has another version or another plan than those before.
+  void take(Store& store) {
+    for (const std::string& run : store.runs()) {
+      const auto provenance = nlohmann::json::parse(run, nullptr, false);
+      if (!provenance.is_object()) continue;
+      const std::string file = store.file().string();
+      if (provenance.contains("commit")) {
+        agree(version_, {file, provenance.value("lcpbench", "") + " (commit " + provenance.value("commit", "") + ")"},
+              [](const std::string& version) { return "was made by version " + version; });
+      }
+      if (!provenance.contains("plan") || !provenance["plan"].is_object()) continue;
+      nlohmann::json plan = provenance["plan"];
+      for (const char* free : {"jobs", "budget_s", "description"}) plan.erase(free);
+      agree(plan_, {file, plan.dump()}, [](const std::string& text) {
+        const auto stated = nlohmann::json::parse(text);
+        return fmt::format("has the plan {} with {} trials, seed {}", stated.value("name", ""),
+                           stated.value("trials", std::int64_t{0}), stated.value("seed", std::uint64_t{0}));
+      });
+    }
+  }
+
+ private:
+  struct Said {
+    std::string file;
+    std::string value;
+  };
+
+  template <class Words>
+  static void agree(std::optional<Said>& before, const Said& now, Words words) {
+    if (!before) before = now;
+    if (before->value == now.value) return;
+    const std::string a = words(now.value);
+    const std::string b = words(before->value);
+    throw InputError(fmt::format("{} {}, but {} {}: not parts of one study, nothing was merged; --mixed joins them",
+                                 now.file, a == b ? "has another plan of the same name" : a, before->file, b));
+  }
+
+  std::optional<Said> version_;
+  std::optional<Said> plan_;
+};
+
 /// Reads the whole input once, so that damage is reported under its name. @returns its notice. @throws InputError
-std::string check_input(const std::filesystem::path& input, const Waiting& waiting) {
+std::string check_input(const std::filesystem::path& input, const Waiting& waiting, CommonOrigin* origin) {
   Store store = Store::open_for_reading(input);
+  if (origin != nullptr) origin->take(store);
   store.check(waiting);
   Statement claims(store.database(), "SELECT DISTINCT claim FROM answers");
   while (claims.step()) stored_claim(store.database(), claims.text(0));
@@ -120,8 +178,8 @@ std::string check_input(const std::filesystem::path& input, const Waiting& waiti
 void make_way_for_proofs(Store& store) {
   for (const char* table : {"certificate_timings", "certificates"}) {
     store.database().execute(
-        fmt::format("DELETE FROM main.{} WHERE problem_id IN (SELECT problem_id FROM main.certificates m "
-                    "JOIN input.certificates i USING (problem_id) "
+        fmt::format("DELETE FROM main.{} WHERE problem_id IN (SELECT problem_id FROM input.certificates i "
+                    "CROSS JOIN main.certificates m USING (problem_id) "
                     "WHERE m.certificate = 'open' AND i.certificate <> 'open')",
                     table));
   }
@@ -129,14 +187,11 @@ void make_way_for_proofs(Store& store) {
 
 /// Forward errors of answers that both have, where only the input's problem was certified. All else in the two rows is
 /// equal, so that the checksum of the input's row is that of both.
-void take_forward_errors(Store& store) {
-  store.database().execute(
-      "UPDATE main.verdicts AS m SET forward_velocity = i.forward_velocity, checksum = i.checksum "
-      "FROM input.verdicts AS i "
-      "WHERE i.problem_id = m.problem_id AND i.solver_id = m.solver_id AND i.part = m.part "
-      "AND m.forward_velocity IS NULL AND i.forward_velocity IS NOT NULL");
-}
+constexpr const char* kTakeForwardErrors =
+    "UPDATE SET forward_velocity = excluded.forward_velocity, checksum = excluded.checksum "
+    "WHERE verdicts.forward_velocity IS NULL AND excluded.forward_velocity IS NOT NULL";
 
+/// Time: O(rows of the input x log(rows of the store)): every query goes through the input and looks up the store.
 /// Adds the input's rows; or returns its conflicts and adds none. One transaction: what is compared is what is added,
 /// also when another process writes the input.
 std::vector<std::string> join(Store& store, const std::filesystem::path& input) {
@@ -148,10 +203,9 @@ std::vector<std::string> join(Store& store, const std::filesystem::path& input) 
     for (const Table& table : tables()) {
       // Rows of a key that is there agree, or may differ. Whatever else keeps a row out is an error.
       store.database().execute(
-          fmt::format("INSERT INTO main.{0} SELECT * FROM input.{0} WHERE true ON CONFLICT ({1}) DO NOTHING",
-                      table.name, joined(table.key, "{}", ", ")));
+          fmt::format("INSERT INTO main.{0} SELECT * FROM input.{0} WHERE true ON CONFLICT ({1}) DO {2}", table.name,
+                      joined(table.key, "{}", ", "), table.name == kVerdicts ? kTakeForwardErrors : "NOTHING"));
     }
-    take_forward_errors(store);
   }
   store.commit();
   store.database().execute("DETACH DATABASE input");
@@ -173,8 +227,12 @@ class Draft {
   const std::filesystem::path& file() const { return file_; }
   void move_to(const std::filesystem::path& target) {
     if (has_log(file_)) throw InputError(file_.string() + ": another process reads it");
-    std::error_code error;
-    std::filesystem::rename(file_, target, error);
+    // What was written without waiting for the disk must be there before the name says so.
+    const int descriptor = open(file_.c_str(), O_RDONLY | O_CLOEXEC);
+    const bool is_on_disk = descriptor >= 0 && fsync(descriptor) == 0;
+    std::error_code error(is_on_disk ? 0 : errno, std::generic_category());
+    if (descriptor >= 0) close(descriptor);
+    if (!error) std::filesystem::rename(file_, target, error);
     if (error) throw InputError(fmt::format("{}: {}", target.string(), error.message()));
   }
 
@@ -185,7 +243,7 @@ class Draft {
 }  // namespace
 
 MergeOutcome merge_stores(const std::filesystem::path& out, const std::vector<std::filesystem::path>& inputs,
-                          const Waiting& waiting) {
+                          const Waiting& waiting, bool mixed) {
   std::vector<std::filesystem::path> sources = inputs;
   MergeOutcome outcome;
   const auto take_notice = [&outcome](std::string notice) {
@@ -193,12 +251,18 @@ MergeOutcome merge_stores(const std::filesystem::path& out, const std::vector<st
   };
   std::error_code ignored;
   const bool exists = std::filesystem::exists(out, ignored);
+  CommonOrigin origin;
+  CommonOrigin* const compared = mixed ? nullptr : &origin;
   if (exists) {
-    take_notice(Store::open_for_reading(out).notice());
+    Store store = Store::open_for_reading(out);
+    if (compared != nullptr) compared->take(store);
+    take_notice(store.notice());
+  }
+  if (exists) {
     Store::open_for_writing(
         out, waiting);  // its end folds what a killed run left in the write-ahead log into the file itself
   }
-  for (const std::filesystem::path& source : inputs) take_notice(check_input(source, waiting));
+  for (const std::filesystem::path& source : inputs) take_notice(check_input(source, waiting, compared));
   if (exists) sources.insert(sources.begin(), out);
   const FileLock lock(out);
   if (!exists && std::filesystem::exists(out, ignored)) {
@@ -209,6 +273,11 @@ MergeOutcome merge_stores(const std::filesystem::path& out, const std::vector<st
   Draft draft(side_file(out, ".merging"));
   {
     Store store = Store::open_for_writing(draft.file());
+    // Keys are hashes: rows go everywhere in the file. A log would write each page twice and wait for the disk; a draft
+    // needs none.
+    store.database().execute(
+        "PRAGMA journal_mode = DELETE; PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF; "
+        "PRAGMA cache_size = -200000");  // kibibytes
     for (const std::filesystem::path& source : sources) {
       for (std::string& conflict : join(store, source)) outcome.conflicts.push_back(std::move(conflict));
     }

@@ -20,8 +20,10 @@ struct MergeOutcome {
 /// left open what another proved. So does the `detail` of an answer: it is a text for people, and may depend on the
 /// clock. All or nothing: when two stores disagree on a row, `out` stays as it was and the conflicts are returned. A
 /// symbolic link is followed. What a killed call left is thrown away.
-/// @throws InputError when a file is no store, or `out` is in use or cannot be written.
+/// @param mixed  joins also stores that runs of different versions or plans filled
+/// @throws InputError when a file is no store, or one of another version or plan, or `out` is in use or cannot be
+/// written.
 MergeOutcome merge_stores(const std::filesystem::path& out, const std::vector<std::filesystem::path>& inputs,
-                          const Waiting& waiting = {});
+                          const Waiting& waiting = {}, bool mixed = false);
 
 }  // namespace lcpbench

@@ -377,7 +377,7 @@ std::vector<StoredSolver> Store::solvers() {
 }
 
 std::vector<std::string> Store::runs() {
-  Statement query(data_->database, "SELECT provenance FROM runs ORDER BY started, id");
+  Statement query(data_->database, "SELECT provenance FROM runs WHERE started <> '' ORDER BY started, id");
   std::vector<std::string> rows;
   while (query.step()) rows.emplace_back(query.text(0));
   return rows;

@@ -154,7 +154,8 @@ class Store {
   void begin();
   void commit();
 
-  /// Adds a run (its provenance, JSON) and makes it the one that later timings belong to.
+  /// Adds a run (its provenance, JSON) and makes it the one that later timings belong to. One without a start is the
+  /// record of what a run cost, see study/run/shards.h.
   void add_run(const std::string& started, const std::string& provenance);
   std::int64_t add_set(const std::string& name);
   /// @param cells  the parameterisations of a sweep; none: the solver by itself, which has the one cell 0.

@@ -121,6 +121,38 @@ TEST(CoverageTest, AShardIsPartOfThePlanAndAllOfThemAreTheWhole) {
   EXPECT_FALSE(coverage(folder / "both.db").incomplete());
 }
 
+/// One machine of two lacks the library of a solver: its cells are missing, and said to be.
+TEST(CoverageTest, ASolverThatOneRunLeftOutIsNamedWithItsMissingCells) {
+  const ScratchFolder folder;
+  Study lacking = small_study();
+  lacking.left_out = {lacking.solvers[1]};
+  lacking.solvers.erase(lacking.solvers.begin() + 1);
+  lacking.skipped = {"enumeration: its library was not found"};
+  run(small_study(), folder / "1.db", {.shard = 0, .shards = 2});
+  {
+    Store store = Store::open_for_writing(folder / "2.db");
+    store.begin();
+    store.add_run("2", nlohmann::ordered_json{{"planned", planned_cells(lacking)}, {"skipped", lacking.skipped}}.dump());
+    store.commit();
+    run_study(lacking, store, {.shard = 1, .shards = 2});
+  }
+  merge_stores(folder / "both.db", {folder / "1.db", folder / "2.db"});
+  const Coverage both = coverage(folder / "both.db");
+  EXPECT_EQ(both.planned, kSmallCells);
+  ASSERT_EQ(both.left_out.size(), 1U);
+  const std::int64_t missing = both.left_out.at("enumeration").missing;
+  EXPECT_EQ(both.planned - both.done, missing);
+  EXPECT_GT(missing, 0);
+  const std::string line = std::to_string(missing) +
+                           " planned cells of enumeration are missing, and not failures: a run left it out (its "
+                           "library was not found)\n";
+  EXPECT_NE(report::coverage_text(both).find(line), std::string::npos) << report::coverage_text(both);
+  run(small_study(), folder / "2.db", {.shard = 1, .shards = 2}, "3");
+  merge_stores(folder / "both.db", {folder / "2.db"});
+  EXPECT_FALSE(coverage(folder / "both.db").incomplete());
+  EXPECT_TRUE(coverage(folder / "both.db").left_out.empty());
+}
+
 /// What `planned_cells` records: one solver on every problem of two sets, 200 and 100.
 constexpr const char* kPlan =
     R"({"cells": 300, "seed": 1, "sets": [{"set": "paper/monotone/exp1", "trials": 200},)"

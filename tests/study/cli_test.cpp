@@ -55,6 +55,8 @@ TEST_F(CommandLineTest, MistakesOfUseExitWith2AndOneLine) {
                                 "run --shard 0/3",
                                 "run --shard 4/3",
                                 "run --shard 1/3x",
+                                "run --list-shards 0",
+                                "run --list-shards 2 --costs nosuch.db",
                                 "run --trials 0",
                                 "run --seed -4",
                                 "run --seed 18446744073709551616",
@@ -151,8 +153,9 @@ TEST_F(CommandLineTest, HelpIsCompleteAndNoError) {
        {"FILE", "--exact", "--time-limit", "--proofs", "--format", "--store", "--set", "--every", "--jobs",
         "--other-velocity"}},
       {"run",
-       {"PLAN", "--set", "--solver", "--sweep", "--trials", "--seed", "--jobs", "--store", "--shard", "--fresh"}},
-      {"merge", {"OUT", "IN"}},
+       {"PLAN", "--set", "--solver", "--sweep", "--trials", "--seed", "--jobs", "--store", "--shard", "--fresh",
+        "--list-shards", "--costs"}},
+      {"merge", {"OUT", "IN", "--mixed"}},
       {"report", {"STORE", "--out"}},
       {"bench", {"--set", "--solver", "--problems", "--seed", "--format"}}};
   const ProgramRun overview = run("--help");
@@ -502,6 +505,34 @@ TEST_F(CommandLineTest, ShardsMergeToTheUnshardedRun) {
   }
   EXPECT_EQ(run("merge out.db 1.db 2.db").exit_code, 0);
   EXPECT_EQ(dump(folder_ / "out.db"), dump(folder_ / "whole.db"));
+}
+
+TEST_F(CommandLineTest, ShardsAreListedWithTheirCostAndWhetherTheyAreDone) {
+  const std::string study(kStudy);
+  EXPECT_NE(run(study + "--list-shards 3").out.find("their cost is not known"), std::string::npos);
+  ASSERT_EQ(run("run --set paper/monotone/exp1 --set paper/monotone/exp2 --solver lemke --solver primal_dual "
+                "--trials 3 --seed 3 --jobs 1 --store pilot.db")
+                .exit_code,
+            0);
+  EXPECT_EQ(Store::open_for_reading(folder_ / "pilot.db").runs().size(), 1U) << "the record of its cost is no run";
+  const std::string list = study + "--jobs 1 --list-shards 3 --costs pilot.db --store 's{}.db' --format json";
+  const json before = json::parse(run(list).out);
+  EXPECT_EQ(before["array"], "1-3");
+  EXPECT_GE(before["overhead"].get<double>(), 1);
+  EXPECT_GT(before["megabytes"].get<int>(), 1);
+  EXPECT_GE(before["minutes"].get<int>(), 1);
+  std::int64_t cells = 0;
+  for (const json& shard : before["shards"]) {
+    cells += shard["cells"].get<std::int64_t>();
+    EXPECT_EQ(shard["cells_not_measured"], 0);
+    EXPECT_GT(shard["processor_s"].get<double>(), 0);
+    EXPECT_GT(shard["error_s"].get<double>(), 0);
+  }
+  EXPECT_EQ(cells, 48);
+  ASSERT_EQ(run(study + "--costs pilot.db --shard 2/3 --store s2.db").exit_code, 0);
+  const json after = json::parse(run(list).out);
+  EXPECT_EQ(after["array"], "1,3");
+  EXPECT_EQ(after["shards"][1]["done"], after["shards"][1]["cells"]);
 }
 
 TEST_F(CommandLineTest, MergeOfContradictionsExitsWith1) {

@@ -77,6 +77,53 @@ TEST(MergeTest, InputsAreAttachedUnderAnyNameAndNotWritten) {
   fs::current_path(before);
 }
 
+void fill_with_run(const fs::path& file, const std::string& commit, int trials, int jobs, std::int64_t first_trial) {
+  fill(file, first_trial);
+  Store store = Store::open_for_writing(file);
+  store.begin();
+  store.add_run("2026-02-01T12:00:00Z", R"({"lcpbench": "0.1.0", "commit": ")" + commit +
+                                            R"(", "plan": {"name": "p", "seed": 1, "trials": )" +
+                                            std::to_string(trials) + R"(, "jobs": )" + std::to_string(jobs) + "}}");
+  store.commit();
+}
+
+/// Shards that other versions made, or of another plan, look like parts of one study: their problems are disjoint.
+TEST(MergeTest, StoresOfOtherVersionsOrPlansAreRefusedWithOneLine) {
+  const ScratchFolder folder;
+  fill_with_run(folder / "a.db", "abc", 30, 1, 0);
+  fill_with_run(folder / "jobs.db", "abc", 30, 4, 15);
+  fill_with_run(folder / "commit.db", "def", 30, 1, 15);
+  fill_with_run(folder / "plan.db", "abc", 40, 1, 15);
+  const auto error_with = [&](const char* other) {
+    return input_error([&] { merge_stores(folder / "out.db", {folder / "a.db", folder / other}); });
+  };
+  const std::string a = (folder / "a.db").string();
+  const std::string end = ": not parts of one study, nothing was merged; --mixed joins them";
+  EXPECT_EQ(error_with("commit.db"), (folder / "commit.db").string() +
+                                         " was made by version 0.1.0 (commit def), but " + a +
+                                         " was made by version 0.1.0 (commit abc)" + end);
+  EXPECT_EQ(error_with("plan.db"), (folder / "plan.db").string() + " has the plan p with 40 trials, seed 1, but " + a +
+                                       " has the plan p with 30 trials, seed 1" + end);
+  EXPECT_FALSE(fs::exists(folder / "out.db"));
+  EXPECT_EQ(error_with("jobs.db"), "no InputError");
+  EXPECT_EQ(input_error([&] { merge_stores(folder / "out.db", {folder / "plan.db"}); }).find((folder / "plan.db").string()), 0U)
+      << "a store that is there counts as the first";
+  EXPECT_TRUE(merge_stores(folder / "mixed.db", {folder / "a.db", folder / "plan.db"}, {}, true).conflicts.empty());
+}
+
+TEST(MergeTest, ProblemsWithOtherDataAreOneLine) {
+  const ScratchFolder folder;
+  fill(folder / "a.db");
+  fs::copy_file(folder / "a.db", folder / "b.db");
+  change_rows(folder / "b.db", "UPDATE problems SET hash = '11'");
+  const std::vector<std::string> conflicts =
+      merge_stores(folder / "out.db", {folder / "a.db", folder / "b.db"}).conflicts;
+  ASSERT_EQ(conflicts.size(), 1U);
+  EXPECT_TRUE(conflicts[0].starts_with((folder / "b.db").string() + ": problems: paper/monotone/exp")) << conflicts[0];
+  EXPECT_TRUE(conflicts[0].ends_with("has other data than in the stores before it")) << conflicts[0];
+  EXPECT_FALSE(fs::exists(folder / "out.db"));
+}
+
 TEST(MergeTest, AnswerWithoutATimeStaysWithoutOne) {
   const ScratchFolder folder;
   {

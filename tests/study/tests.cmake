@@ -16,6 +16,14 @@ add_test(NAME store_attack
                  --kills 16 --flips 51)
 set_tests_properties(store_attack PROPERTIES LABELS slow)
 
+# The commands of docs/howto/cluster.md, by GNU parallel and by a Slurm of the test's own.
+foreach(driver parallel slurm)
+  add_test(NAME cluster_${driver}
+           COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/study/cluster_test.py ${driver} $<TARGET_FILE:lcpbench>)
+  set_tests_properties(cluster_${driver} PROPERTIES SKIP_RETURN_CODE 77)
+endforeach()
+set_tests_properties(cluster_slurm PROPERTIES LABELS "slow;release-only" RUN_SERIAL TRUE)
+
 # These run the program itself.
 lcpbench_test(cli LINK lcpbench_study nlohmann_json::nlohmann_json)
 lcpbench_test(first_use LINK lcpbench_study)

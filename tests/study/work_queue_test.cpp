@@ -3,13 +3,19 @@
 #include "study/run/work_queue.h"
 
 #include <algorithm>
+#include <iterator>
+#include <map>
 #include <random>
+#include <set>
+#include <string>
 #include <thread>
 #include <tuple>
 
 #include <gtest/gtest.h>
 
 #include "study/run/runner.h"
+#include "study/run/shards.h"
+#include "study/run/trials.h"
 #include "tests/support/study_support.h"
 
 namespace lcpbench {
@@ -24,26 +30,24 @@ TEST(TrialsTest, CountsAsCountingDoes) {
   const auto below = [&random](std::int64_t bound) { return static_cast<std::int64_t>(random()) % bound; };
   for (int round = 0; round < 3000; ++round) {
     const std::int64_t trials = below(200);
-    const std::int64_t shards = 1 + below(round % 2 == 0 ? 1 : 12);
-    const std::int64_t shard = below(shards);
     std::vector<std::int64_t> steps(static_cast<std::size_t>(below(5)));
     for (std::int64_t& step : steps) step = 1 + below(round % 3 == 0 ? 300 : 20);
+    std::map<std::int64_t, std::int64_t> classes;
     std::int64_t counted = 0;
-    for (std::int64_t trial = shard; trial < trials; trial += shards) counted += any_divides(steps, trial) ? 1 : 0;
-    EXPECT_EQ(count_trials(trials, steps, shard, shards), counted) << "round " << round;
-    for (const std::int64_t step : steps) {
-      const auto members = multiples_in_shard(step, shard, shards);
-      const std::int64_t from = below(200);
-      std::int64_t next = from;
-      while (next < from + step * shards && !(next % step == 0 && next % shards == shard)) ++next;
-      EXPECT_EQ(members.has_value(), next < from + step * shards) << "round " << round;
-      if (members) {
-        EXPECT_EQ(members->next(from), next) << "round " << round;
-      }
+    for (std::int64_t trial = 0; trial < trials; ++trial) {
+      if (!any_divides(steps, trial)) continue;
+      ++counted;
+      const std::int64_t multiple = common_multiple(trial, steps);
+      ++classes[multiple];
+      for (const std::int64_t step : steps) EXPECT_EQ(multiple % step == 0, trial % step == 0) << "round " << round;
     }
+    EXPECT_EQ(count_trials(trials, steps), counted) << "round " << round;
+    std::map<std::int64_t, std::int64_t> found;
+    for (const TrialClass& each : trial_classes(trials, steps)) found[each.multiple] = each.count;
+    EXPECT_EQ(found, classes) << "round " << round;
   }
   EXPECT_EQ(count_trials(100'000'000, {1}), 100'000'000);
-  EXPECT_EQ(count_trials(100'000'000, {2, 3}, 0, 1), 66'666'667);
+  EXPECT_EQ(count_trials(100'000'000, {2, 3}), 66'666'667);
   constexpr std::int64_t kHuge = std::int64_t{1} << 62;  // what a damaged store may hold; no common multiple fits
   EXPECT_EQ(count_trials(kHuge, {kHuge / 2 + 3, 3}), (kHuge - 1) / 3 + 2);
 }
@@ -64,11 +68,11 @@ Study uneven_study(std::int64_t trials = 30) {
 
 using Place = std::pair<std::size_t, std::int64_t>;  // set and trial
 
-/// All problems of a shard in the order of a stable sort by share.
-std::vector<Place> listed(const Study& study, std::int64_t shard, std::int64_t shards) {
+/// All problems in the order of a stable sort by share.
+std::vector<Place> listed(const Study& study) {
   std::vector<Place> places;
   for (std::size_t set = 0; set < study.sets.size(); ++set) {
-    for (std::int64_t trial = shard; trial < study.sets[set].trials; trial += shards) {
+    for (std::int64_t trial = 0; trial < study.sets[set].trials; ++trial) {
       const auto takes = [&](const StudySolver& solver) { return solver.takes(set, trial); };
       if (std::any_of(study.solvers.begin(), study.solvers.end(), takes)) places.emplace_back(set, trial);
     }
@@ -80,26 +84,105 @@ std::vector<Place> listed(const Study& study, std::int64_t shard, std::int64_t s
   return places;
 }
 
-TEST(PlanWalkTest, PassesTheProblemsInTheOrderOfTheirShare) {
+/// The problems of a shard, as a run passes them.
+std::vector<Place> passed(const Study& study, std::int64_t shard, std::int64_t shards, std::int64_t* cells = nullptr) {
   const ScratchFolder folder;
   Store store = Store::open_for_writing(folder / "s.db");
-  const Study study = uneven_study();
-  std::int64_t cells = 0;
-  for (const auto& [shard, shards] :
-       std::vector<std::pair<int, int>>{{0, 1}, {0, 4}, {1, 4}, {2, 4}, {3, 4}, {29, 50}}) {
-    PlanWalk walk(study, store, shard, shards);
-    std::vector<Place> passed;
-    while (!walk.ended()) {
-      const std::optional<Task> task = walk.step();
-      ASSERT_TRUE(task.has_value());
-      EXPECT_TRUE(task->solvers.empty());
-      passed.emplace_back(task->set, task->trial);
-    }
-    EXPECT_EQ(passed, listed(study, shard, shards)) << shard << " of " << shards;
-    if (shards == 4) cells += walk.planned();
-    if (shards == 1) cells -= walk.planned();
+  PlanWalk walk(study, store, shard, shards);
+  std::vector<Place> places;
+  while (!walk.ended()) {
+    const std::optional<Task> task = walk.step();
+    if (!task) continue;  // none of its solvers is available
+    EXPECT_TRUE(task->solvers.empty());
+    places.emplace_back(task->set, task->trial);
   }
-  EXPECT_EQ(cells, 0) << "the shards together plan what the whole does";
+  if (cells != nullptr) *cells += walk.planned();
+  return places;
+}
+
+/// Names the solvers that run on a problem.
+std::string takers(const Study& study, const Place& place) {
+  std::string names = std::to_string(place.first);
+  for (const StudySolver& solver : study.solvers) names += solver.takes(place.first, place.second) ? '1' : '0';
+  return names;
+}
+
+/// A run of any number of shards does each problem once, in the order of shares; each shard gets as many problems of
+/// each class, and in all, as any other, but for one.
+TEST(PlanWalkTest, ShardsAreDisjointCompleteAndBalanced) {
+  const Study study = uneven_study();
+  const std::vector<Place> all = listed(study);
+  std::int64_t cells_of_all = 0;
+  EXPECT_EQ(passed(study, 0, 1, &cells_of_all), all);
+  for (const std::int64_t shards : {2, 4, 5, 6, 30, 50, 200}) {
+    std::vector<Place> together;
+    std::int64_t cells = 0;
+    std::map<std::string, std::set<std::int64_t>> counts;  // by class: the numbers that shards got
+    const std::vector<ShardEstimate> estimates = estimate_shards(study, shards);
+    for (std::int64_t shard = 0; shard < shards; ++shard) {
+      std::int64_t cells_of_shard = 0;
+      const std::vector<Place> part = passed(study, shard, shards, &cells_of_shard);
+      std::vector<Place> in_order;
+      std::copy_if(all.begin(), all.end(), std::back_inserter(in_order),
+                   [&](const Place& place) { return std::count(part.begin(), part.end(), place) > 0; });
+      EXPECT_EQ(part, in_order) << shard << " of " << shards;
+      std::map<std::string, std::int64_t> mine;
+      for (const Place& place : all) mine[takers(study, place)] += 0;
+      for (const Place& place : part) ++mine[takers(study, place)];
+      for (const auto& [name, count] : mine) counts[name].insert(count);
+      counts["all"].insert(std::ssize(part));
+      together.insert(together.end(), part.begin(), part.end());
+      cells += cells_of_shard;
+      const ShardEstimate& estimate = estimates[static_cast<std::size_t>(shard)];
+      EXPECT_EQ(estimate.problems, std::ssize(part));
+      EXPECT_EQ(estimate.cells, cells_of_shard);
+    }
+    EXPECT_EQ(cells, cells_of_all);
+    std::vector<Place> sorted = all;
+    std::sort(sorted.begin(), sorted.end());
+    std::sort(together.begin(), together.end());
+    EXPECT_EQ(together, sorted) << shards << " shards";
+    for (const auto& [name, numbers] : counts) {
+      EXPECT_LE(*numbers.rbegin() - *numbers.begin(), 1) << name << " of " << shards;
+    }
+  }
+}
+
+/// A machine without a library leaves the problems of the others where they are.
+TEST(PlanWalkTest, AMachineWithoutASolverDealsAlike) {
+  const Study whole = uneven_study();
+  Study lacking = uneven_study();
+  lacking.left_out = {lacking.solvers[2]};
+  lacking.solvers.pop_back();
+  for (std::int64_t shard = 0; shard < 4; ++shard) {
+    std::vector<Place> expected;
+    for (const Place& place : passed(whole, shard, 4)) {
+      const auto takes = [&](const StudySolver& solver) { return solver.takes(place.first, place.second); };
+      if (std::any_of(lacking.solvers.begin(), lacking.solvers.end(), takes)) expected.push_back(place);
+    }
+    EXPECT_EQ(passed(lacking, shard, 4), expected);
+  }
+}
+
+/// By measured times, no two shards differ by more than the dearest problem; without them, they can.
+TEST(PlanWalkTest, MeasuredCostsBalanceWhatCountsCannot) {
+  Study study = uneven_study(5);
+  for (StudySet& set : study.sets) set.trials = 5;
+  double dearest = 0;
+  for (std::size_t set = 0; set < study.sets.size(); ++set) {
+    const double cost = set == 2 ? 1000 : 1;
+    for (const StudySolver& solver : study.solvers) {
+      study.costs.cells[{study.sets[set].set->name(), solver.row.text(), solver.row.sweep}] = {cost, 0, 3};
+    }
+    dearest = std::max(dearest, 3 * cost);
+  }
+  const std::vector<ShardEstimate> estimates = estimate_shards(study, 4);
+  const auto [least, most] = std::minmax_element(
+      estimates.begin(), estimates.end(), [](const auto& a, const auto& b) { return a.processor_s < b.processor_s; });
+  EXPECT_LE(most->processor_s - least->processor_s, dearest);
+  std::size_t problems = 0;
+  for (std::int64_t shard = 0; shard < 4; ++shard) problems += passed(study, shard, 4).size();
+  EXPECT_EQ(problems, listed(study).size());
 }
 
 TEST(PlanWalkTest, LeavesOutWhatTheStoreHas) {
