@@ -23,6 +23,7 @@ struct Table {
   std::vector<const char*> content;  ///< what must agree where keys do; empty for what may differ
   const char* conflict_names;        ///< a query on m (merged) and i (input) that says in words which row it is
   const char* conflict = "0";        ///< what else two rows of one key cannot both say
+  const char* join = "NOTHING";      ///< what is done with the row that is there
 };
 
 constexpr const char* kProblemInWords =
@@ -71,7 +72,10 @@ const std::vector<Table>& tables() {
        {"problem_id", "solver_id", "part"},
        verdict_content(),
        kCellInWords,
-       "m.forward_velocity <> i.forward_velocity"},  // NULL where the problem was not certified
+       "m.forward_velocity <> i.forward_velocity",  // NULL where the problem was not certified
+       // All else in the two rows is equal, so that the checksum of the input's row is that of both.
+       "UPDATE SET forward_velocity = excluded.forward_velocity, checksum = excluded.checksum "
+       "WHERE verdicts.forward_velocity IS NULL AND excluded.forward_velocity IS NOT NULL"},
       {"timings", {"problem_id", "solver_id", "part"}, {}, "''"},
       // Two proofs of one fact may differ, and what one time limit left open another may settle.
       {"certificates",
@@ -91,6 +95,8 @@ std::string joined(const std::vector<const char*>& columns, const char* form, co
   return text;
 }
 
+/// CROSS JOIN keeps the order of the tables: each row of the input is looked up among the merged ones. The other order
+/// would read all merged rows for each input.
 std::vector<std::string> find_conflicts(Store& store, const std::filesystem::path& input) {
   std::vector<std::string> conflicts;
   for (const Table& table : tables()) {
@@ -98,8 +104,8 @@ std::vector<std::string> find_conflicts(Store& store, const std::filesystem::pat
     differ += (differ.empty() ? "" : " OR ") + std::string(table.conflict);
     Statement query(
         store.database(),
-        fmt::format("SELECT {} FROM main.{} m JOIN input.{} i USING ({}) WHERE {} LIMIT {}", table.conflict_names,
-                    table.name, table.name, joined(table.key, "{}", ", "), differ, kConflictsShown));
+        fmt::format("SELECT {0} FROM input.{1} i CROSS JOIN main.{1} m USING ({2}) WHERE {3} LIMIT {4}",
+                    table.conflict_names, table.name, joined(table.key, "{}", ", "), differ, kConflictsShown));
     while (query.step()) {
       conflicts.push_back(fmt::format("{}: {}: {}", input.string(), table.name, query.text(0)));
     }
@@ -120,21 +126,11 @@ std::string check_input(const std::filesystem::path& input, const Waiting& waiti
 void make_way_for_proofs(Store& store) {
   for (const char* table : {"certificate_timings", "certificates"}) {
     store.database().execute(
-        fmt::format("DELETE FROM main.{} WHERE problem_id IN (SELECT problem_id FROM main.certificates m "
-                    "JOIN input.certificates i USING (problem_id) "
+        fmt::format("DELETE FROM main.{} WHERE problem_id IN (SELECT problem_id FROM input.certificates i "
+                    "CROSS JOIN main.certificates m USING (problem_id) "
                     "WHERE m.certificate = 'open' AND i.certificate <> 'open')",
                     table));
   }
-}
-
-/// Forward errors of answers that both have, where only the input's problem was certified. All else in the two rows is
-/// equal, so that the checksum of the input's row is that of both.
-void take_forward_errors(Store& store) {
-  store.database().execute(
-      "UPDATE main.verdicts AS m SET forward_velocity = i.forward_velocity, checksum = i.checksum "
-      "FROM input.verdicts AS i "
-      "WHERE i.problem_id = m.problem_id AND i.solver_id = m.solver_id AND i.part = m.part "
-      "AND m.forward_velocity IS NULL AND i.forward_velocity IS NOT NULL");
 }
 
 /// Adds the input's rows; or returns its conflicts and adds none. One transaction: what is compared is what is added,
@@ -148,10 +144,9 @@ std::vector<std::string> join(Store& store, const std::filesystem::path& input) 
     for (const Table& table : tables()) {
       // Rows of a key that is there agree, or may differ. Whatever else keeps a row out is an error.
       store.database().execute(
-          fmt::format("INSERT INTO main.{0} SELECT * FROM input.{0} WHERE true ON CONFLICT ({1}) DO NOTHING",
-                      table.name, joined(table.key, "{}", ", ")));
+          fmt::format("INSERT INTO main.{0} SELECT * FROM input.{0} WHERE true ON CONFLICT ({1}) DO {2}",
+                      table.name, joined(table.key, "{}", ", "), table.join));
     }
-    take_forward_errors(store);
   }
   store.commit();
   store.database().execute("DETACH DATABASE input");

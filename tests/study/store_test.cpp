@@ -349,11 +349,11 @@ TEST(StoreTest, SweepOverAnotherGridIsRefused) {
 TEST(StoreTest, OlderFormatIsRefusedInOneLine) {
   const ScratchFolder folder;
   fill(folder / "s.db", Vector::Ones(2));
-  for (const int format : {1, 2, 3, 4, 5, 6}) {
+  for (const int format : {1, 2, 3, 4, 5, 6, 7}) {
     sqlite::Database(folder / "s.db", sqlite::Mode::kReadWriteCreate)
         .execute(fmt::format("PRAGMA user_version = {}", format));
     const std::string expected = fmt::format(
-        "{}: store format {}, this lcpbench reads format 7 alone: verdicts have other columns or mean something else "
+        "{}: store format {}, this lcpbench reads format 8 alone: verdicts have other columns or mean something else "
         "there; use another store (`run --fresh` replaces it)",
         (folder / "s.db").string(), format);
     EXPECT_EQ(input_error([&] { Store::open_for_reading(folder / "s.db"); }), expected);

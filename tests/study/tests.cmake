@@ -16,6 +16,10 @@ add_test(NAME store_attack
                  --kills 16 --flips 51)
 set_tests_properties(store_attack PROPERTIES LABELS slow)
 
+# A tool for measurements, built on demand: results/store/README.md has its commands.
+add_executable(large_store EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/study/large_store.cpp)
+target_link_libraries(large_store PRIVATE lcpbench_study)
+
 # These run the program itself.
 lcpbench_test(cli LINK lcpbench_study nlohmann_json::nlohmann_json)
 lcpbench_test(surroundings LINK lcpbench_study)
