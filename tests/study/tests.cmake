@@ -13,7 +13,7 @@ find_package(Python3 REQUIRED COMPONENTS Interpreter)
 # The short share. The long form is one command: tests/study/store_attack.py PROGRAM.
 add_test(NAME store_attack
          COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/study/store_attack.py $<TARGET_FILE:lcpbench>
-                 --kills 16 --flips 51)
+                 --kills 16 --flips 51 --faults 51)
 set_tests_properties(store_attack PROPERTIES LABELS slow)
 
 # A tool for measurements, built on demand: results/store/README.md has its commands.
