@@ -73,7 +73,8 @@ void write_shard(const std::filesystem::path& file, const Sets& sets, std::int64
   for (const auto& set : sets) store.add_set(set->name());
   std::vector<std::int64_t> ids;
   for (int i = 0; i < solvers; ++i) {
-    ids.push_back(store.add_solver({"lemke", "cap=" + std::to_string(i + 3) + "n", "all", "native", "1", "baseline", ""}));
+    const std::string cap = "cap=" + std::to_string(i + 3) + "n";
+    ids.push_back(store.add_solver({"lemke", cap, "all", "native", "1", "baseline", ""}));
   }
   const auto count = static_cast<std::int64_t>(sets.size());
   int uncommitted = 0;
