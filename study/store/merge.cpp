@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <sqlite3.h>
 #include <unistd.h>
 
 #include "core/error.h"
@@ -23,7 +24,6 @@ using sqlite::Statement;
 constexpr std::size_t kConflictsShown = 20;
 
 constexpr const char* kProblems = "problems";
-constexpr const char* kVerdicts = "verdicts";
 
 struct Table {
   const char* name;
@@ -31,6 +31,7 @@ struct Table {
   std::vector<const char*> content;  ///< what must agree where keys do; empty for what may differ
   const char* conflict_names;        ///< a query on m (merged) and i (input) that says in words which row it is
   const char* conflict = "0";        ///< what else two rows of one key cannot both say
+  const char* join = "NOTHING";      ///< what is done with the row that is there
 };
 
 constexpr const char* kProblemInWords =
@@ -75,11 +76,14 @@ const std::vector<Table>& tables() {
        {"problem_id", "solver_id", "part"},
        {"group_id", "claim", "z", "velocity", "farkas", "iterations", "pivots", "factorizations"},
        kCellInWords},
-      {kVerdicts,
+      {"verdicts",
        {"problem_id", "solver_id", "part"},
        verdict_content(),
        kCellInWords,
-       "m.forward_velocity <> i.forward_velocity"},  // NULL where the problem was not certified
+       "m.forward_velocity <> i.forward_velocity",  // NULL where the problem was not certified
+       // All else in the two rows is equal, so that the checksum of the input's row is that of both.
+       "UPDATE SET forward_velocity = excluded.forward_velocity, checksum = excluded.checksum "
+       "WHERE verdicts.forward_velocity IS NULL AND excluded.forward_velocity IS NOT NULL"},
       {"timings", {"problem_id", "solver_id", "part"}, {}, "''"},
       // Two proofs of one fact may differ, and what one time limit left open another may settle.
       {"certificates",
@@ -99,6 +103,8 @@ std::string joined(const std::vector<const char*>& columns, const char* form, co
   return text;
 }
 
+/// CROSS JOIN keeps the order of the tables: each row of the input is looked up among the merged ones. The other order
+/// would read all merged rows for each input.
 std::vector<std::string> find_conflicts(Store& store, const std::filesystem::path& input) {
   std::vector<std::string> conflicts;
   for (const Table& table : tables()) {
@@ -106,9 +112,8 @@ std::vector<std::string> find_conflicts(Store& store, const std::filesystem::pat
     differ += (differ.empty() ? "" : " OR ") + std::string(table.conflict);
     Statement query(
         store.database(),
-        fmt::format("SELECT {} FROM input.{} i CROSS JOIN main.{} m USING ({}) WHERE {} LIMIT {}",
-                    table.conflict_names, table.name, table.name, joined(table.key, "{}", ", "), differ,
-                    kConflictsShown));
+        fmt::format("SELECT {0} FROM input.{1} i CROSS JOIN main.{1} m USING ({2}) WHERE {3} LIMIT {4}",
+                    table.conflict_names, table.name, joined(table.key, "{}", ", "), differ, kConflictsShown));
     while (query.step()) {
       conflicts.push_back(fmt::format("{}: {}: {}", input.string(), table.name, query.text(0)));
     }
@@ -185,12 +190,6 @@ void make_way_for_proofs(Store& store) {
   }
 }
 
-/// Forward errors of answers that both have, where only the input's problem was certified. All else in the two rows is
-/// equal, so that the checksum of the input's row is that of both.
-constexpr const char* kTakeForwardErrors =
-    "UPDATE SET forward_velocity = excluded.forward_velocity, checksum = excluded.checksum "
-    "WHERE verdicts.forward_velocity IS NULL AND excluded.forward_velocity IS NOT NULL";
-
 /// Time: O(rows of the input x log(rows of the store)): every query goes through the input and looks up the store.
 /// Adds the input's rows; or returns its conflicts and adds none. One transaction: what is compared is what is added,
 /// also when another process writes the input.
@@ -203,13 +202,20 @@ std::vector<std::string> join(Store& store, const std::filesystem::path& input) 
     for (const Table& table : tables()) {
       // Rows of a key that is there agree, or may differ. Whatever else keeps a row out is an error.
       store.database().execute(
-          fmt::format("INSERT INTO main.{0} SELECT * FROM input.{0} WHERE true ON CONFLICT ({1}) DO {2}", table.name,
-                      joined(table.key, "{}", ", "), table.name == kVerdicts ? kTakeForwardErrors : "NOTHING"));
+          fmt::format("INSERT INTO main.{0} SELECT * FROM input.{0} WHERE true ON CONFLICT ({1}) DO {2}",
+                      table.name, joined(table.key, "{}", ", "), table.join));
     }
   }
   store.commit();
   store.database().execute("DETACH DATABASE input");
   return conflicts;
+}
+
+/// A draft whose writer dies is thrown away: it needs no journal, and reaches the disk once, at its end. Rows come in the
+/// order of hashed ids and fall on pages everywhere, so that a cache of 256 MiB spares most writes.
+void write_as_draft(sqlite::Database& draft) {
+  sqlite3_db_config(draft.handle(), SQLITE_DBCONFIG_DEFENSIVE, 0, nullptr);  // which forbids to have no journal
+  draft.execute("PRAGMA synchronous = OFF; PRAGMA cache_size = -262144; PRAGMA journal_mode = OFF");
 }
 
 /// A file that is deleted again unless it was moved away.
@@ -273,11 +279,7 @@ MergeOutcome merge_stores(const std::filesystem::path& out, const std::vector<st
   Draft draft(side_file(out, ".merging"));
   {
     Store store = Store::open_for_writing(draft.file());
-    // Keys are hashes: rows go everywhere in the file. A log would write each page twice and wait for the disk; a draft
-    // needs none.
-    store.database().execute(
-        "PRAGMA journal_mode = DELETE; PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF; "
-        "PRAGMA cache_size = -200000");  // kibibytes
+    write_as_draft(store.database());
     for (const std::filesystem::path& source : sources) {
       for (std::string& conflict : join(store, source)) outcome.conflicts.push_back(std::move(conflict));
     }

@@ -70,7 +70,8 @@ CREATE TABLE IF NOT EXISTS answers (
   factorizations INTEGER NOT NULL,
   detail TEXT NOT NULL,
   checksum INTEGER NOT NULL,
-  PRIMARY KEY (problem_id, solver_id, part)) WITHOUT ROWID, STRICT;
+  PRIMARY KEY (problem_id, solver_id, part),
+  FOREIGN KEY (group_id, part) REFERENCES cell_groups) WITHOUT ROWID, STRICT;
 CREATE TABLE IF NOT EXISTS verdicts (
   problem_id INTEGER NOT NULL,
   solver_id INTEGER NOT NULL,
@@ -83,21 +84,23 @@ CREATE TABLE IF NOT EXISTS verdicts (
                                     -- -1: the inertia is unresolved, and nothing is measured
 @metrics@
   checksum INTEGER NOT NULL,
-  PRIMARY KEY (problem_id, solver_id, part)) WITHOUT ROWID, STRICT;
+  PRIMARY KEY (problem_id, solver_id, part),
+  FOREIGN KEY (problem_id, solver_id, part) REFERENCES answers) WITHOUT ROWID, STRICT;
 CREATE INDEX IF NOT EXISTS checked_proofs ON verdicts(problem_id) WHERE farkas_checked = 1;
 CREATE TABLE IF NOT EXISTS timings (
   problem_id INTEGER NOT NULL,
   solver_id INTEGER NOT NULL,
   part INTEGER NOT NULL,
-  run_id INTEGER NOT NULL,
+  run_id INTEGER NOT NULL REFERENCES runs(id),
   setup_wall_s REAL NOT NULL, setup_cpu_s REAL NOT NULL,
   solve_wall_s REAL NOT NULL, solve_cpu_s REAL NOT NULL,
   transport_s REAL NOT NULL, verify_s REAL NOT NULL,
   repeats INTEGER NOT NULL,
   checksum INTEGER NOT NULL,
-  PRIMARY KEY (problem_id, solver_id, part)) WITHOUT ROWID, STRICT;
+  PRIMARY KEY (problem_id, solver_id, part),
+  FOREIGN KEY (problem_id, solver_id, part) REFERENCES answers) WITHOUT ROWID, STRICT;
 CREATE TABLE IF NOT EXISTS certificates (
-  problem_id INTEGER PRIMARY KEY,
+  problem_id INTEGER PRIMARY KEY REFERENCES problems(id),
   certificate TEXT NOT NULL,    -- "solution", "unsolvable", "open": see docs/certificates.md
   proof TEXT NOT NULL,          -- "exact_basis", "farkas", "lp", "branching", "enumeration"; "none" where open
   velocity INTEGER REFERENCES vectors(id),  -- v+ of the certified solution, each entry correctly rounded
@@ -106,14 +109,16 @@ CREATE TABLE IF NOT EXISTS certificates (
   detail TEXT NOT NULL,
   checksum INTEGER NOT NULL) STRICT;
 CREATE TABLE IF NOT EXISTS proofs (
-  problem_id INTEGER PRIMARY KEY,
+  problem_id INTEGER PRIMARY KEY REFERENCES certificates(problem_id),
   document BLOB NOT NULL,       -- problem and exact proof, what study/check_certificates.py reads: JSON, deflated
   checksum INTEGER NOT NULL) STRICT;
 CREATE TABLE IF NOT EXISTS certificate_timings (
-  problem_id INTEGER PRIMARY KEY,
+  problem_id INTEGER PRIMARY KEY REFERENCES certificates(problem_id),
   seconds REAL NOT NULL,        -- wall clock
   time_limit_s REAL NOT NULL,
   checksum INTEGER NOT NULL) STRICT;
+CREATE TABLE IF NOT EXISTS totals (   -- one row for each table above, see study/store/totals.h
+  name TEXT PRIMARY KEY, row_count INTEGER NOT NULL, digest INTEGER NOT NULL) WITHOUT ROWID, STRICT;
 CREATE TABLE IF NOT EXISTS writing (  -- one row while a writer has the store open
   id INTEGER PRIMARY KEY CHECK (id = 1), since TEXT NOT NULL) STRICT;
 

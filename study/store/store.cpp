@@ -17,6 +17,7 @@
 #include "study/store/schema.h"
 #include "study/store/store_check.h"
 #include "study/store/store_files.h"
+#include "study/store/totals.h"
 #include "study/store/vector_codec.h"
 
 namespace lcpbench {
@@ -260,6 +261,7 @@ Store Store::open_for_writing(const std::filesystem::path& file, const Waiting& 
   begin_log(database, waiting);
   mark_as_being_written(database);
   database.execute("PRAGMA wal_checkpoint(PASSIVE)");  // a mark in the file itself: there is a log, and it is not empty
+  keep_totals(database);
   data->writer = std::make_unique<ProblemWriter>(database);
   return Store(std::move(data));
 }

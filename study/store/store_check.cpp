@@ -12,6 +12,7 @@
 #include "study/store/row_checksum.h"
 #include "study/store/schema.h"
 #include "study/store/store.h"
+#include "study/store/totals.h"
 #include "study/store/vector_codec.h"
 
 namespace lcpbench {
@@ -180,6 +181,26 @@ void check_table(const Database& database, const std::string& table, Find find) 
   }
 }
 
+/// Rows that belong together: no row refers to one that is not there, and each has what it needs. For what stands in
+/// two tables one to one, no dangling row and equal numbers suffice.
+void check_relations(Database& database) {
+  Statement dangling(database, "PRAGMA foreign_key_check");
+  if (dangling.step()) {
+    throw InputError(damage(database, fmt::format("table {}: a row belongs to no row of table {}", dangling.text(0),
+                                                  dangling.text(2))));
+  }
+  Statement incomplete(database,
+                       "SELECT 'answers', 'verdicts' WHERE (SELECT COUNT(*) FROM answers) <> "
+                       "(SELECT COUNT(*) FROM verdicts) "
+                       "UNION ALL SELECT 'certificates', 'certificate_timings' WHERE (SELECT COUNT(*) FROM certificates) "
+                       "<> (SELECT COUNT(*) FROM certificate_timings) "
+                       "UNION ALL SELECT 'certificates', 'proofs' FROM certificates c LEFT JOIN proofs p "
+                       "USING (problem_id) WHERE (c.certificate <> 'open') <> (p.problem_id IS NOT NULL) LIMIT 1");
+  if (!incomplete.step()) return;
+  throw InputError(damage(database, fmt::format("table {}: a row is not matched by table {}", incomplete.text(0),
+                                                incomplete.text(1))));
+}
+
 /// The structure of the file: pages, order of keys, types, indices.
 void check_structure(Database& database) {
   Statement query(database, "PRAGMA integrity_check(1)");
@@ -211,6 +232,7 @@ bool is_blank(Database& database) { return database.integer("SELECT COUNT(*) FRO
 void initialise(Database& database) {
   database.execute("BEGIN IMMEDIATE");
   database.execute(store_schema());
+  count_totals(database);
   database.execute(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}", kApplicationId, kFormatVersion));
   database.execute("COMMIT");
 }
@@ -249,6 +271,8 @@ void check_content(Database& database) {
   check_table(database, "solvers", [&] { return solver_without_cells(database); });
   check_table(database, "vectors", [&] { return changed_vector(database); });
   check_table(database, "cell_groups", [&] { return changed_group(database); });
+  check_totals(database);
+  check_relations(database);
   check_structure(database);
 }
 

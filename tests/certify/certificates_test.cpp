@@ -49,6 +49,7 @@ Study study_of(const std::vector<std::pair<std::string, std::int64_t>>& sets,
 
 void solve_all(const Study& study, const std::filesystem::path& file, const RunOptions& options = {}) {
   Store store = Store::open_for_writing(file);
+  store.add_run("2026-01-01T00:00:00Z", "{}");
   run_study(study, store, options);
 }
 
@@ -231,7 +232,7 @@ TEST_F(CertifyStoreTest, ProofOfUnsolvabilityChangesTheTruthAndAnOpenCertificate
   ASSERT_EQ(count(file_, verdicts + "'solved'"), 4);
   certify_as(CertificateKind::kOpen, file_);
   EXPECT_EQ(count(file_, verdicts + "'solved'"), 4);
-  change(file_, "DELETE FROM certificates");
+  change(file_, "DELETE FROM certificates; DELETE FROM certificate_timings; DELETE FROM proofs");
   certify_as(CertificateKind::kUnsolvable, file_);
   EXPECT_EQ(count(file_, verdicts + "'solved' AND truth = 'nearly'"), 4);
   change(file_, "UPDATE problems SET kind = 'lcp'");
@@ -288,8 +289,8 @@ TEST_F(CertifyStoreTest, AnswersToTheConeAreNotComparedWithCertificates) {
   EXPECT_EQ(certify(file_, run).total, 0);
 
   change(file_,
-         "DELETE FROM certificates; UPDATE verdicts SET solved = 1, velocity_residual_m_per_s = 0; "
-         "UPDATE problems SET theory = ''");
+         "DELETE FROM certificates; DELETE FROM certificate_timings; DELETE FROM proofs; "
+         "UPDATE verdicts SET solved = 1, velocity_residual_m_per_s = 0; UPDATE problems SET theory = ''");
   certify_as(CertificateKind::kUnsolvable, file_, {.every = 1});
   change(file_, "UPDATE certificates SET least_violation_m_per_s = 1");
   Store store = Store::open_for_writing(file_);

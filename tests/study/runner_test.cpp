@@ -43,6 +43,7 @@ Study small_study() {
 
 RunOutcome run(const Study& study, const std::filesystem::path& file, const RunOptions& options = {}) {
   Store store = Store::open_for_writing(file);
+  store.add_run("2026-01-01T00:00:00Z", "{}");
   return run_study(study, store, options);
 }
 

@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""Kills commands that write stores at random moments, and flips random bits of stores.
+"""Kills commands that write stores at random moments, and damages stores: bits, pages and rows.
 
-    store_attack.py PROGRAM [--kills 1000] [--flips 1000] [--seed 1]
+    store_attack.py PROGRAM [--kills 1000] [--flips 1000] [--faults 1000] [--seed 1]
 
 A kill holds when the same command, called again, is done with the rows of an unbroken one, and when a reader is served
-in between. A flip holds when the command ends with exit code 2 and one line that names the store, or with exactly what
-it says of the sound store. Prints one line for each failure and the counts; exit code 1 for any failure.
+in between. A flip of one bit holds when the command ends with exit code 2 and one line that names the store, or with
+exactly what it says of the sound store. The same holds for faults that leave each row as it was: a page copied over
+another, filled with zeros, exchanged with another, or as it was before the last command; a file cut between pages; rows
+deleted or added with a right checksum; changed totals. Prints one line for each failure and the counts; exit code 1 for any failure.
 """
 
 import argparse
@@ -28,7 +30,12 @@ PLAN = {"format": "lcpbench-plan", "version": 1, "name": "attacked", "trials": 4
 TABLES = ("sets", "solvers", "parameterisations", "problems", "vectors", "cell_groups", "answers", "verdicts",
           "certificates", "proofs")  # not those that hold times
 NOTHING_KEPT = ("no such store", "is empty")
+PAGE = 4096
 TAKES_LONG = "reading and checking every row of"  # a busy machine may take its second for that
+
+
+def split_into_pages(content):
+    return [content[at:at + PAGE] for at in range(0, len(content), PAGE)]
 
 
 class Attack:
@@ -87,6 +94,7 @@ class Attack:
             self.done(*self.run_command(name), *arguments)
         self.copy("whole.db", "certified.db")
         self.done(*self.certify_command("certified.db"))
+        self.older = split_into_pages(self.path("whole.db").read_bytes())
         self.whole, self.certified = self.rows("whole.db"), self.rows("certified.db")
 
     @staticmethod
@@ -209,7 +217,57 @@ class Attack:
         bit = self.random.randrange(8 * len(bytes_))
         bytes_[bit // 8] ^= 1 << bit % 8
         self.path(store).write_bytes(bytes_)
-        return bit
+        return f"bit {bit}"
+
+    def page_fault(self, pages):
+        """What became of the pages, in words."""
+        page, other = self.random.randrange(len(pages)), self.random.randrange(len(pages))
+        older = [page for page in range(min(len(pages), len(self.older))) if self.older[page] != pages[page]]
+        kind = self.random.choice(("copy", "zero", "swap", "cut", "lost write", "lost write"))
+        if kind == "copy":
+            pages[page] = pages[other]
+        elif kind == "zero":
+            pages[page] = bytes(PAGE)
+        elif kind == "swap":
+            pages[page], pages[other] = pages[other], pages[page]
+        elif kind == "cut":
+            del pages[page:]
+        else:
+            page = self.random.choice(older)
+            pages[page] = self.older[page]
+        return f"{kind} of page {page + 1}"
+
+    def row_fault(self, store):
+        """What was changed by SQL."""
+        database = sqlite3.connect(self.path(store))
+        filled = [table for table in (*TABLES, "runs", "timings", "certificate_timings", "totals")
+                  if database.execute(f"SELECT 1 FROM {table} LIMIT 1").fetchone()]
+        table = self.random.choice(filled)
+        columns = [(name, key) for _, name, _, _, _, key in database.execute(f"PRAGMA table_info({table})")]
+        keys = ", ".join(name for name, key in columns if key)
+        count = self.random.choice((1, 1, 2, 10, 100))
+        some = f"({keys}) IN (SELECT {keys} FROM {table} ORDER BY random() LIMIT {count})"
+        others = ", ".join("1 - 2 * (random() & 1) + " + name if name == self.random.choice(keys.split(", ")) else name
+                           for name, _ in columns)
+        sql = self.random.choice((f"DELETE FROM {table} WHERE {some}", f"DELETE FROM {table} WHERE {some}",
+                                  f"INSERT OR IGNORE INTO {table} SELECT {others} FROM {table} WHERE {some}",
+                                  f"DELETE FROM {table}"))
+        if table == "totals":
+            sql = self.random.choice((f"DELETE FROM totals WHERE {some}", "UPDATE totals SET digest = digest + 1",
+                                      f"UPDATE totals SET row_count = row_count + 1 WHERE {some}"))
+        database.execute(sql)
+        database.commit()
+        database.close()
+        return sql
+
+    def fault(self, store):
+        self.copy("certified.db", store)
+        if self.random.random() < 0.3:
+            return self.row_fault(store)
+        pages = split_into_pages(self.path(store).read_bytes())
+        what = self.page_fault(pages)
+        self.path(store).write_bytes(b"".join(pages))
+        return what
 
     def compared(self):
         return self.call("compare", "flipped.db", "certified.db", "--format", "json")
@@ -232,7 +290,7 @@ class Attack:
         code, _, err = self.call("report", "flipped.db", "--out", "report")
         return code, self.path("report/summary.json").read_text() if code == 0 else "", err
 
-    def flips(self, count):
+    def damages(self, name, count, damage):
         kinds = [self.compared, self.merged, self.certified_again, self.run_again] * 4 + [self.reported]
         expected = {}
         for kind in kinds[-5:]:
@@ -243,14 +301,14 @@ class Attack:
         refused = 0
         for number in range(count):
             kind = kinds[number % len(kinds)]
-            bit = self.flip("flipped.db")
+            what = damage("flipped.db")
             code, out, err = kind()
             lines = [line for line in err.strip().splitlines() if TAKES_LONG not in line]
             if code == 2 and len(lines) == 1 and "flipped.db: " in lines[0] and "internal error" not in lines[0]:
                 refused += 1
             elif (code, out) != expected[kind][:2]:
-                self.fail(f"{kind.__name__}, bit {bit}: exit code {code}: {err.strip() or 'another result'}")
-        print(f"{count} flips: {refused} refused, the others without effect")
+                self.fail(f"{kind.__name__}, {what}: exit code {code}: {err.strip() or 'another result'}")
+        print(f"{count} {name}: {refused} refused, the others without effect")
 
 
 def main():
@@ -258,6 +316,7 @@ def main():
     parser.add_argument("program")
     parser.add_argument("--kills", type=int, default=1000)
     parser.add_argument("--flips", type=int, default=1000)
+    parser.add_argument("--faults", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="lcpbench-attack-") as folder:
@@ -265,7 +324,8 @@ def main():
         attack.prepare()
         if attack.failures == 0:
             attack.kills(options.kills)
-            attack.flips(options.flips)
+            attack.damages("flips", options.flips, attack.flip)
+            attack.damages("faults of pages and rows", options.faults, attack.fault)
     print(f"{attack.failures} failures")
     return 1 if attack.failures else 0
 

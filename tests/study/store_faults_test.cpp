@@ -199,9 +199,24 @@ std::string read_bytes(const fs::path& file) {
   return text.str();
 }
 
+/// Writes `bytes` as a store, and expects that it is refused with one line, or read as it was written.
+/// @returns whether it was refused
+bool refused_or_unchanged(const fs::path& file, const std::string& bytes, const std::string& before) {
+  for (const char* suffix : {"-wal", "-shm", "-journal"}) fs::remove(file.string() + suffix);
+  std::ofstream(file, std::ios::binary) << bytes;
+  std::string after;
+  const std::string cause = input_error([&] { after = checked_rows(file); });
+  if (cause == "no InputError") {
+    EXPECT_EQ(after, before);
+    return false;
+  }
+  EXPECT_TRUE(cause.starts_with(file.string() + ": ")) << cause;
+  EXPECT_EQ(cause.find('\n'), std::string::npos) << cause;
+  return true;
+}
+
 TEST_F(StoreFaultsTest, OneFlippedBitIsRefusedOrChangesNothing) {
   const std::string bytes = read_bytes(file_);
-  const fs::path flipped = folder_ / "flipped.db";
   std::mt19937_64 random(20261121);
   int refused = 0;
   constexpr int kFlips = 700;
@@ -210,17 +225,8 @@ TEST_F(StoreFaultsTest, OneFlippedBitIsRefusedOrChangesNothing) {
     const std::uint64_t bit = random() % (8 * (i % 2 == 0 ? bytes.size() : bytes.size() / 3));
     std::string damaged = bytes;
     damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << (bit % 8)));
-    std::ofstream(flipped, std::ios::binary) << damaged;
-    std::string after;
-    const std::string cause = input_error([&] { after = checked_rows(flipped); });
-    if (cause == "no InputError") {
-      ASSERT_EQ(after, before_) << "bit " << bit;
-    } else {
-      ++refused;
-      EXPECT_EQ(cause.rfind(flipped.string() + ": ", 0), 0U) << cause;
-      EXPECT_EQ(cause.find('\n'), std::string::npos) << cause;
-    }
-    for (const char* suffix : {"-wal", "-shm", "-journal"}) fs::remove(flipped.string() + suffix);
+    SCOPED_TRACE("bit " + std::to_string(bit));
+    refused += static_cast<int>(refused_or_unchanged(folder_ / "flipped.db", damaged, before_));
   }
   EXPECT_GT(refused, kFlips / 10);
 }
@@ -248,6 +254,121 @@ TEST_F(StoreFaultsTest, ChangedRowIsNamedWithItsTable) {
       EXPECT_TRUE(contains(refusal, "not what was written")) << refusal;
     }
   }
+}
+
+/// Writes that went astray, never arrived, or were cut: pages of the store itself, so that each row fits its checksum.
+TEST_F(StoreFaultsTest, PagesInWrongPlacesAreRefusedOrChangeNothing) {
+  constexpr std::size_t kPage = 4096;
+  const std::string older = read_bytes(file_);
+  fill(file_, 15);
+  before_ = rows(file_);
+  const std::string bytes = read_bytes(file_);
+  std::mt19937_64 random(20261123);
+  const auto some_page = [&](const std::string& from) { return kPage * (random() % (from.size() / kPage)); };
+  constexpr int kFaults = 400;
+  int refused = 0;
+  for (int i = 0; i < kFaults; ++i) {
+    SCOPED_TRACE("fault " + std::to_string(i));
+    std::string damaged = bytes;
+    const std::size_t page = some_page(bytes);
+    const std::size_t other = some_page(bytes);
+    switch (i % 5) {
+      case 0: damaged.replace(page, kPage, bytes, other, kPage); break;
+      case 1: damaged.replace(page, kPage, kPage, '\0'); break;
+      case 2: damaged.replace(page, kPage, bytes, other, kPage).replace(other, kPage, bytes, page, kPage); break;
+      case 3: damaged.resize(page); break;
+      default: {
+        const std::size_t lost = some_page(older);
+        damaged.replace(lost, kPage, older, lost, kPage);
+      }
+    }
+    refused += static_cast<int>(refused_or_unchanged(folder_ / "damaged.db", damaged, before_));
+  }
+  EXPECT_GT(refused, kFaults / 2);
+}
+
+/// What each command that opens the store says of it.
+void expect_refusals(const fs::path& file, const fs::path& merged, const std::string& cause) {
+  for (const std::string& refusal :
+       {input_error([&] { Store::open_for_reading(file).check(); }), input_error([&] { Store::open_for_writing(file); }),
+        input_error([&] { merge_stores(merged, {file}); })}) {
+    EXPECT_TRUE(contains(refusal, file.string() + ": the store is damaged: table ")) << refusal;
+    EXPECT_TRUE(contains(refusal, cause)) << refusal;
+  }
+}
+
+TEST_F(StoreFaultsTest, MissingAndAddedRowsAreRefusedWithTheirTable) {
+  const std::pair<const char*, const char*> changes[] = {
+      {"DELETE FROM verdicts WHERE solver_id = (SELECT MIN(id) FROM solvers)", "verdicts: its 30 rows are not the 60 that"},
+      {"DELETE FROM answers; DELETE FROM verdicts; DELETE FROM timings", "answers: its 0 rows are not the 60 that"},
+      {"DELETE FROM timings WHERE part = 0", "timings: its 0 rows"},
+      {"DELETE FROM problems WHERE trial = 3", "problems: its 28 rows are not the 30"},
+      {"DELETE FROM cell_groups", "cell_groups: its 0 rows"},
+      {"DELETE FROM runs", "runs: its 0 rows"},
+      {"DELETE FROM sets", "problems, row id="},  // their ids follow from the names of their sets
+      {"INSERT INTO runs SELECT 7, started, provenance, row_checksum(7, started, provenance) FROM runs", "runs, row id=7"},
+      {"INSERT INTO timings SELECT problem_id, solver_id, 1, run_id, 0, 0, 0, 0, 0, 0, 1, "
+       "row_checksum(problem_id, solver_id, 1, run_id, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1) FROM timings LIMIT 1",
+       "timings: its 61 rows are not the 60"},
+      {"DELETE FROM totals WHERE name = 'proofs'", "proofs: its 0 rows are not the rows that were written"},
+      {"DELETE FROM totals", "rows are not the rows that were written"},
+      {"UPDATE totals SET row_count = 61 WHERE name = 'verdicts'", "verdicts: its 60 rows are not the 61 that"},
+      {"UPDATE totals SET digest = digest + 1 WHERE name = 'answers'", "answers: its 60 rows are not the 60 that"}};
+  const std::string bytes = read_bytes(file_);
+  for (const auto& [sql, cause] : changes) {
+    SCOPED_TRACE(sql);
+    std::ofstream(file_, std::ios::binary) << bytes;
+    execute(sql);
+    expect_refusals(file_, folder_ / "out.db", cause);
+  }
+}
+
+/// These rows fit their checksums and their totals: no program wrote them one by one.
+TEST_F(StoreFaultsTest, RowsThatDoNotBelongTogetherAreRefused) {
+  const std::pair<const char*, const char*> changes[] = {
+      {"DELETE FROM verdicts WHERE problem_id = (SELECT MIN(problem_id) FROM verdicts)",
+       "table answers: a row is not matched by table verdicts"},
+      {"DELETE FROM answers WHERE problem_id = (SELECT MIN(problem_id) FROM answers)",
+       ": a row belongs to no row of table answers"},
+      {"UPDATE timings SET part = 1", "table timings: a row belongs to no row of table answers"},
+      {"DELETE FROM runs", "table timings: a row belongs to no row of table runs"},
+      {"DELETE FROM cell_groups", "table answers: a row belongs to no row of table cell_groups"},
+      {"UPDATE answers SET z = 5", "table answers: a row belongs to no row of table vectors"},
+      {"DELETE FROM problems WHERE trial = 3", "table answers: a row belongs to no row of table problems"},
+      {"INSERT INTO certificates SELECT MIN(id), 'solution', 'lp', NULL, NULL, NULL, '', 0 FROM problems; "
+       "INSERT INTO certificate_timings SELECT MIN(id), 1, 1, 0 FROM problems",
+       "table certificates: a row is not matched by table proofs"},
+      {"INSERT INTO certificates SELECT MIN(id), 'open', 'none', NULL, NULL, NULL, '', 0 FROM problems",
+       "table certificates: a row is not matched by table certificate_timings"},
+      {"INSERT INTO proofs SELECT MIN(id), x'00', 0 FROM problems",
+       "table proofs: a row belongs to no row of table certificates"}};
+  const std::string bytes = read_bytes(file_);
+  for (const auto& [sql, cause] : changes) {
+    SCOPED_TRACE(sql);
+    std::ofstream(file_, std::ios::binary) << bytes;
+    change_rows(file_, sql);
+    expect_refusals(file_, folder_ / "out.db", cause);
+  }
+}
+
+/// Rows that go by the store's own means are counted, in the transaction that they go with.
+TEST_F(StoreFaultsTest, TotalsFollowReplacedDeletedAndRolledBackRows) {
+  {
+    Store store = Store::open_for_writing(file_);
+    sqlite::Database& database = store.database();
+    for (const char* end : {"COMMIT", "ROLLBACK"}) {
+      for (const char* claim : {"crashed", "killed"}) {
+        database.execute("BEGIN");
+        sqlite::Statement replace(database, sqlite::insert_row("INSERT OR REPLACE", "sets", "id, name"));
+        replace.run(set_id("paper/monotone/exp9"), std::string_view("paper/monotone/exp9"));
+        database.execute(std::string("UPDATE answers SET claim = '") + claim + "'");
+        database.execute("UPDATE answers SET checksum = " + sqlite::row_checksum_of(database, "answers"));
+        database.execute("DELETE FROM timings WHERE solver_id = (SELECT MIN(id) FROM solvers)");
+        database.execute(end);
+      }
+    }
+  }
+  EXPECT_NO_THROW(Store::open_for_reading(file_).check());
 }
 
 TEST_F(StoreFaultsTest, ValuesOfAnotherTypeAreRefusedByTheTables) {

@@ -13,7 +13,7 @@ find_package(Python3 REQUIRED COMPONENTS Interpreter)
 # The short share. The long form is one command: tests/study/store_attack.py PROGRAM.
 add_test(NAME store_attack
          COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/study/store_attack.py $<TARGET_FILE:lcpbench>
-                 --kills 16 --flips 51)
+                 --kills 16 --flips 51 --faults 51)
 set_tests_properties(store_attack PROPERTIES LABELS slow)
 
 # The commands of docs/howto/cluster.md, by GNU parallel and by a Slurm of the test's own.
@@ -23,6 +23,10 @@ foreach(driver parallel slurm)
   set_tests_properties(cluster_${driver} PROPERTIES SKIP_RETURN_CODE 77)
 endforeach()
 set_tests_properties(cluster_slurm PROPERTIES LABELS "slow;release-only" RUN_SERIAL TRUE)
+
+# A tool for measurements, built on demand: results/store/README.md has its commands.
+add_executable(large_store EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/study/large_store.cpp)
+target_link_libraries(large_store PRIVATE lcpbench_study)
 
 # These run the program itself.
 lcpbench_test(cli LINK lcpbench_study nlohmann_json::nlohmann_json)

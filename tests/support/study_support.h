@@ -14,6 +14,7 @@
 #include "generators/sets.h"
 #include "study/store/row_checksum.h"
 #include "study/store/store.h"
+#include "study/store/totals.h"
 #include "study/run/study.h"
 
 namespace lcpbench {
@@ -60,7 +61,7 @@ inline std::string dump(const std::filesystem::path& file) {
   return text;
 }
 
-/// Changes the rows of a store as no command would, and gives them checksums that fit.
+/// Changes the rows of a store as no command would, and gives them checksums and totals that fit.
 inline void change_rows(const std::filesystem::path& file, const std::string& sql) {
   sqlite::Database database(file, sqlite::Mode::kReadWrite);
   database.execute(sql);
@@ -74,6 +75,7 @@ inline void change_rows(const std::filesystem::path& file, const std::string& sq
   for (const std::string& table : tables) {
     database.execute("UPDATE " + table + " SET checksum = " + sqlite::row_checksum_of(database, table));
   }
+  count_totals(database);
 }
 
 /// A set of given problems.
