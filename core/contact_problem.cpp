@@ -18,12 +18,13 @@ Overloaded(Ts...) -> Overloaded<Ts...>;
 void add_inverse_product(const Inertia& inertia, const Vector& x, Vector& to) {
   const auto* bodies = std::get_if<BlockInertia>(&inertia);
   if (bodies == nullptr) {
-    to.noalias() += inverse_inertia(inertia) * x;
+    to.noalias() += inverse_inertia(inertia, InverseProof::kDigits) * x;
     return;
   }
   Index at = 0;
   for (const Matrix& block : bodies->blocks) {
-    to.segment(at, block.rows()).noalias() += inverse_inertia(DenseInertia{block}) * x.segment(at, block.rows());
+    const Matrix inverse = inverse_inertia(DenseInertia{block}, InverseProof::kDigits);
+    to.segment(at, block.rows()).noalias() += inverse * x.segment(at, block.rows());
     at += block.rows();
   }
 }

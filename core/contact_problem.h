@@ -95,16 +95,22 @@ Index dimension(const Inertia& inertia);
 /// G as a dense matrix; empty for InverseInertia.
 Matrix dense_inertia(const Inertia& inertia);
 
+/// What the inverse that factors in double give must prove before it is used.
+enum class InverseProof {
+  kRegular,  ///< that G is regular: its digits are those of an elimination in double
+  kDigits,   ///< that the inverse is right to 2^-20 or so, too
+};
+
 /// G*, dense, in double: the inverse of a regular G, the pseudo-inverse of a singular one.
 ///
-/// Factors in double where they prove that G is regular and far from singular, or that its factors are independent;
-/// else factors in 113 bits that prove it, else exact integers (ExactResponse), in each case rounded. Where none of
-/// these decides, eigenvalues below ngc eps of the largest count as zero. O(ngc^3).
-Matrix inverse_inertia(const Inertia& inertia);
+/// Factors in double where they give the proof, or prove that the factors of G are independent; else factors in 113 bits
+/// that prove it, else exact integers (ExactResponse), in each case rounded. Where none of these decides, eigenvalues
+/// below ngc eps of the largest count as zero. O(ngc^3).
+Matrix inverse_inertia(const Inertia& inertia, InverseProof proof = InverseProof::kRegular);
 
-/// Whether G is proven regular by the inverse of its factors in double, and the inverse to be right to 2^-20 or so: the
-/// trace of the inverse of G scaled to unit diagonal is no less than the inverse of its least eigenvalue.
-bool is_far_from_singular(const Matrix& G, const Matrix& inverse);
+/// Whether G is so far from singular that the inverse of its factors in double proves it: the trace of the inverse of G
+/// scaled to unit diagonal is no less than the inverse of its least eigenvalue.
+bool is_far_from_singular(const Matrix& G, const Matrix& inverse, InverseProof proof);
 
 /// Whether the rank of X diag(alpha) X' is proven in double, with room: its columns, or where there are more than rows
 /// its rows, are far from dependent. O(rows cols min(rows, cols)). @param work  scratch

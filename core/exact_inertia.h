@@ -81,6 +81,8 @@ class ExactContacts {
   std::vector<Quad> velocity(const Vector& z) const;
   /// G*_ij.
   Quad inverse(Index i, Index j) const;
+  /// Whether the block of G that the coordinate is in is not singular.
+  bool is_regular(Index coordinate) const { return !response_.block_of(coordinate).range; }
   /// M_ii of a normal or friction row.
   Quad diagonal(Index row) const;
   /// rho, the verdict's measure.

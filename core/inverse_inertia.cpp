@@ -15,7 +15,8 @@ namespace {
 
 /// Of the trace of the inverse of a matrix scaled to unit diagonal: what its factors in double, and in 113 bits, leave
 /// beyond doubt. Their rounding changes eigenvalues by less than n^2 2^-53, and n^2 2^-113.
-constexpr double kFarInDouble = 0x1p30;
+constexpr double kFarFromRounding = 0x1p49;  // over n^2
+constexpr double kFarForDigits = 0x1p30;
 constexpr double kFarInQuad = 0x1p70;
 
 /// G*, given by its eigenvectors. `independent`: eigenvalues that are far above those that count as zero.
@@ -96,17 +97,17 @@ Matrix precise_inverse(const Inertia& inertia, const std::optional<QuadMatrix>& 
 }
 
 /// By factors in double, where they leave no doubt.
-std::optional<Matrix> inverse_in_double(const Matrix& G) {
+std::optional<Matrix> inverse_in_double(const Matrix& G, InverseProof proof) {
   const Eigen::LLT<Matrix> llt(G);
   if (llt.info() != Eigen::Success) return std::nullopt;
   Matrix inverse = llt.solve(Matrix::Identity(G.rows(), G.cols()));
-  if (!is_far_from_singular(G, inverse)) return std::nullopt;
+  if (!is_far_from_singular(G, inverse, proof)) return std::nullopt;
   return inverse;
 }
 
-Matrix inverse_of_block(const Matrix& G) {
+Matrix inverse_of_block(const Matrix& G, InverseProof proof) {
   if (G.rows() == 0) return G;
-  if (auto inverse = inverse_in_double(G)) return *std::move(inverse);
+  if (auto inverse = inverse_in_double(G, proof)) return *std::move(inverse);
   return precise_inverse(DenseInertia{G}, inverse_in_quad(QuadMatrix(G)));
 }
 
@@ -117,11 +118,11 @@ bool is_of_one_scale(const Matrix& X, const Matrix& G) {
   return sizes.maxCoeff() <= kApart * sizes.minCoeff() && G.cwiseAbs().minCoeff() > 0;
 }
 
-Matrix inverse_of_factors(const FactoredInertia& inertia) {
+Matrix inverse_of_factors(const FactoredInertia& inertia, InverseProof proof) {
   const Matrix G = dense_inertia(inertia);
   if (G.rows() == 0) return G;
   if (inertia.X.cols() >= G.rows()) {
-    if (auto inverse = inverse_in_double(G)) return *std::move(inverse);
+    if (auto inverse = inverse_in_double(G, proof)) return *std::move(inverse);
     return precise_inverse(inertia, inverse_in_quad(weighted_gram(QuadMatrix(inertia.X), weights(inertia.alpha))));
   }
   if (is_of_one_scale(inertia.X, G)) {
@@ -134,8 +135,10 @@ Matrix inverse_of_factors(const FactoredInertia& inertia) {
 
 }  // namespace
 
-bool is_far_from_singular(const Matrix& G, const Matrix& inverse) {
-  return inverse.diagonal().cwiseProduct(G.diagonal()).sum() <= kFarInDouble;
+bool is_far_from_singular(const Matrix& G, const Matrix& inverse, InverseProof proof) {
+  const auto n = static_cast<double>(G.rows());
+  const double far = proof == InverseProof::kDigits ? kFarForDigits : kFarFromRounding / (n * n);
+  return inverse.diagonal().cwiseProduct(G.diagonal()).sum() <= far;
 }
 
 /// A Gram matrix less a part of its diagonal that is far above all rounding has a Cholesky factorization.
@@ -181,12 +184,14 @@ bool is_far_from_dependent(const FactoredInertia& inertia, std::vector<double>& 
   return true;
 }
 
-Matrix inverse_inertia(const Inertia& inertia) {
-  if (const auto* dense = std::get_if<DenseInertia>(&inertia)) return inverse_of_block(dense->G);
-  if (const auto* factors = std::get_if<FactoredInertia>(&inertia)) return inverse_of_factors(*factors);
+Matrix inverse_inertia(const Inertia& inertia, InverseProof proof) {
+  if (const auto* dense = std::get_if<DenseInertia>(&inertia)) return inverse_of_block(dense->G, proof);
+  if (const auto* factors = std::get_if<FactoredInertia>(&inertia)) return inverse_of_factors(*factors, proof);
   if (const auto* given = std::get_if<InverseInertia>(&inertia)) return given->Ginv;
   BlockInertia inverse;
-  for (const Matrix& block : std::get<BlockInertia>(inertia).blocks) inverse.blocks.push_back(inverse_of_block(block));
+  for (const Matrix& block : std::get<BlockInertia>(inertia).blocks) {
+    inverse.blocks.push_back(inverse_of_block(block, proof));
+  }
   return dense_inertia(inverse);
 }
 

@@ -22,7 +22,7 @@ Matrix inverse_of_block(const Matrix& block) {
     const Eigen::LLT<Eigen::Matrix3d> factors(block);
     Matrix inverse(3, 3);
     for (Index k = 0; k < 3; ++k) inverse.col(k) = factors.solve(Eigen::Vector3d::Unit(k));
-    if (factors.info() == Eigen::Success && is_far_from_singular(block, inverse)) return inverse;
+    if (factors.info() == Eigen::Success && is_far_from_singular(block, inverse, InverseProof::kRegular)) return inverse;
   }
   return inverse_inertia(DenseInertia{block});
 }

@@ -344,8 +344,12 @@ Real ContactEvaluation<Real>::work_gain(const RealVector& z, const RealVector& v
   if (lcp->at_rest(z)) return 0;
   RealVector momentum = lcp->generalized_impulse(z);
   if (std::is_same_v<Real, Quad> && inertia.has_inertia()) {
+    const RealVector impulse = momentum;
     inertia.solve(momentum);
     momentum = inertia.apply(momentum);
+    for (std::size_t i = 0; exact && i < impulse.size(); ++i) {
+      if (exact->is_regular(static_cast<Index>(i))) momentum[i] = impulse[i];
+    }
   }
   if (std::all_of(momentum.begin(), momentum.end(), is_zero<Real>)) return 0;
   return dot(momentum, sum(v_plus, lcp->velocity_before())) / Real(2);

@@ -173,7 +173,7 @@ class LiarTest(unittest.TestCase):
         run("b.db", gives_up)
         lcpbench("certify", "--store", self.path("b.db"))
         self.assertEqual(judged("b.db"), [("unsolvable", "unsolvable")])
-        lcpbench("merge", self.path("m.db"), self.path("b.db"), self.path("a.db"))
+        lcpbench("merge", "--mixed", self.path("m.db"), self.path("b.db"), self.path("a.db"))
         self.assertEqual(judged("m.db"), [("nearly", "missed"), ("nearly", "solved"), ("nearly", "unsolvable")])
         text = " ".join(lcpbench("solve", self.path("x.json"), "--solver", passes, "--solver", proves).split())
         words = "proven to have no exact solution, while an answer within the tolerance is known"

@@ -422,7 +422,7 @@ TEST(StoreTest, IntegersOutOfTheirRangeAreDamage) {
   const std::pair<const char*, const char*> damages[] = {
       {"problems", "n = -1"},         {"answers", "pivots = 9223372036854775807"},
       {"answers", "iterations = -2"}, {"verdicts", "solved = 2"},
-      {"verdicts", "worst_row = -1"}, {"timings", "repeats = -1"}};
+      {"verdicts", "worst_row = -2"}, {"timings", "repeats = -1"}};
   for (const auto& [table, change] : damages) {
     std::filesystem::remove(file);
     fill(file, Vector::Ones(2));
