@@ -49,13 +49,6 @@ void solve(Solver& solver, const Target& target, double time_limit_s, Answer& an
 
 using Friction = Judge::Friction;
 
-/// An evaluation that resolves every inertia has no such member.
-template <class Measures>
-bool is_unresolved(const Measures& errors) {
-  if constexpr (requires { errors.unresolved; }) return errors.unresolved;
-  return false;
-}
-
 /// Why the answer contradicts what is exactly true, or what it is otherwise.
 Outcome classify(Target& target, const Answer& answer, Friction friction, std::string& detail);
 
@@ -111,7 +104,7 @@ Outcome classify(Target& target, const Answer& answer, Friction friction, std::s
   if (answer.detail.find("proven") != std::string::npos && shows_vector && !witness) return Outcome::kFalseProven;
   Errors errors = target.evaluator.errors(answer);
   if (round) measure_cone(target.problem, answer, errors);
-  if (is_unresolved(errors)) {
+  if (errors.unresolved) {
     target.unresolved = true;
     return Outcome::kUnresolved;
   }
