@@ -263,13 +263,12 @@ const char* to_string(Approach approach) {
 namespace {
 
 /// The name of a native solver with cone=true if it has that setting, and its tolerances, if asked for, at their
-/// largest values. "": it has none of these settings.
+/// largest values. "": it has none of these settings. `error` is no tolerance: it asks for a claim by another limit.
 std::string with_settings(const SolverDefinition& solver, bool loose) {
   Spec spec{solver.name, {}};
   bool any = false;
   for (const SettingInfo& setting : solver.settings()) {
-    const bool tolerance =
-        setting.name == "accept_residual" || setting.name == "tolerance" || setting.name == "error";
+    const bool tolerance = setting.name == "accept_residual" || setting.name == "tolerance";
     if (setting.name == "cone") spec.options.emplace_back("cone", "true");
     any = any || (!loose && setting.name == "cone");
     if (!loose || !tolerance) continue;
