@@ -50,6 +50,7 @@ struct Outcome {
   Ending ending = Ending::kBreakdown;
   std::ptrdiff_t steps = 0;           ///< contacts added to or dropped from the active set, warm start included
   std::ptrdiff_t factorizations = 0;  ///< of a whole active set
+  double lost = 0;  ///< of a velocity that is written: about the share of its change that rounding may take
 };
 
 /// One engine. `create` gives an object that `destroy` ends. `reserve` allocates all that `load` needs for a problem of

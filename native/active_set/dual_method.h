@@ -84,6 +84,7 @@ class DualMethod {
     } else if (!passes(basis_.size(), rules.accept_residual, velocity_.data(), change_.data())) {
       outcome.ending = Ending::kRejected;
     }
+    outcome.lost = static_cast<double>(whitening_.triangular() ? whitening_.lost() : whitening_.noise());
     return outcome;
   }
 

@@ -60,7 +60,7 @@ bool AnswerTest::settle(Answer& answer, double deadline_s) {
   switch (outcome) {
     case Outcome::kSolved:
       completed_.swap(answer.z);
-      if (answer.z.head(impulses_) != completed_.head(impulses_)) answer.velocity.resize(0);  // not of these impulses
+      if (answer.velocity.size() > 0 && !has_certain_velocity(answer)) answer.velocity.resize(0);
       if (bare_ || !may_be_singular_ || doubtful_.confirms(*contact_, velocity_, answer)) return true;
       completed_.swap(answer.z);
       answer.detail = "residual";
@@ -75,6 +75,13 @@ bool AnswerTest::settle(Answer& answer, double deadline_s) {
   }
   answer.claim = Claim::kNumericalFailure;
   return false;
+}
+
+/// Whether the velocity that came with completed_ is that of the impulses in the answer.
+bool AnswerTest::has_certain_velocity(const Answer& answer) {
+  if (bare_ || !answer.velocity.allFinite()) return false;
+  if (answer.z.head(impulses_) != completed_.head(impulses_)) return false;
+  return (by_bodies_ ? bodies_test_.lost() : judge_.lost()) <= kMostLostToVelocity;
 }
 
 void AnswerTest::settle_ray(Answer& answer, double deadline_s, const Vector* u) {

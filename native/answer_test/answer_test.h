@@ -66,6 +66,7 @@ class AnswerTest {
   enum class Outcome { kSolved, kUnsolvable, kResidual, kUnconfirmed, kOutOfTime };
 
   bool solves(const Vector& z);
+  bool has_certain_velocity(const Answer& answer);
   bool solves_bare();
   bool solves_contacts();
   bool solves_bodies();

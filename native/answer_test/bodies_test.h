@@ -30,6 +30,9 @@ class BodiesTest {
   contact_lemke::Residual complete_in_double(Vector& z) { return complete(z, double_); }
   contact_lemke::Residual complete_in_quad(Vector& z) { return complete(z, quad_); }
 
+  /// Of the last complete_in_double(): LoadedContacts::lost() of the block where that is the most.
+  double lost() const { return double_.lost; }
+
  private:
   template <class Scalar>
   struct Island {
@@ -63,6 +66,7 @@ class BodiesTest {
     std::vector<Island<Scalar>> islands;
     std::vector<Row> rows;  // of the friction directions of one contact
     double roundoff = 0;
+    double lost = 0;  // of the blocks that responded
 
     /// Takes the memory, which is not touched before resize(): 113 bits are rarely asked for.
     void reserve(const Sizes& sizes);

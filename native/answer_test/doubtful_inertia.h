@@ -8,6 +8,10 @@
 
 namespace lcpbench {
 
+/// A velocity that a solver returns is part of its answer. It is left out where rounding may take more than this share
+/// of the least eigenvalue of the inertia, scaled to unit diagonal: it may then differ from the one that z gives.
+inline constexpr double kMostLostToVelocity = 1e-5;
+
 /// The test of answers to contacts on inertia that double does not prove to be what the solvers and their tests
 /// factored: factors that may be dependent, a given G* of coordinates far apart in scale. It shares no factorization
 /// with them.

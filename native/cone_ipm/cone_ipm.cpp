@@ -226,9 +226,7 @@ void ConeIpm::on_solve(const SolveRequest& request, Answer& answer) {
       if (part->method.speed() > 0) allowed = std::max(allowed, settings_.error / part->method.speed());
     }
     if (!(cone_test_.residual(v_, answer.z) <= allowed)) answer.claim = Claim::kNumericalFailure;
-    const bool is_regular = std::holds_alternative<DenseInertia>(problem().contact()->inertia) ||
-                            std::holds_alternative<BlockInertia>(problem().contact()->inertia);
-    if (!is_regular) cone_test_.take_velocity(answer.velocity);
+    cone_test_.take_velocity(answer.velocity);
   }
 }
 

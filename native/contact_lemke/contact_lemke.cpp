@@ -141,7 +141,7 @@ void ContactLemke::reserve(const Problem& problem) {
   if (!contact.frictional()) return reserve(ngc, contact.nc());
   data_.reserve(ngc, contact.nc(), cols(contact.D));
   best_.reserve(problem.size());
-  for (GrowingVector* of_coordinates : {&velocity_, &best_velocity_, &resumable_v_, &given_v_}) {
+  for (GrowingVector* of_coordinates : {&velocity_, &best_velocity_, &implied_velocity_, &resumable_v_, &given_v_}) {
     of_coordinates->reserve(ngc);
   }
   data_.load_layout(contact);
@@ -155,7 +155,7 @@ void ContactLemke::reserve(Index ngc, Index nc) {
   reserved_nc_ = std::max(nc, reserved_nc_);
   data_.reserve(reserved_ngc_, reserved_nc_, 0);
   best_.reserve(reserved_nc_);
-  for (GrowingVector* of_coordinates : {&velocity_, &best_velocity_, &resumable_v_, &given_v_}) {
+  for (GrowingVector* of_coordinates : {&velocity_, &best_velocity_, &implied_velocity_, &resumable_v_, &given_v_}) {
     of_coordinates->reserve(reserved_ngc_);
   }
   const std::vector<std::ptrdiff_t> no_friction(static_cast<std::size_t>(reserved_nc_) + 1, 0);
@@ -220,6 +220,7 @@ void ContactLemke::on_load(const Problem& problem) {
   velocity_.resize(contact.ngc());
   velocity_.view().setZero();
   best_velocity_.resize(contact.ngc());
+  implied_velocity_.resize(contact.ngc());
 }
 
 void ContactLemke::on_update(const Vector& v) {
@@ -317,7 +318,8 @@ bool ContactLemke::climb(const ContactRung& rung, Rules rules, Progress& progres
   if (ending == Ending::kPivotLimit) return progress.pivots_left(settings_.max_pivots) <= 0;
   if (ending == Ending::kRay) return solvability(progress, Expected::kUnsolvable) == Finding::kUnsolvable;
   if (ending != Ending::kSolved) return false;
-  const bool has_velocity = returns_velocity(settings_) && engine.polish(velocity_.data(), answer.z.data());
+  bool has_velocity = returns_velocity(settings_) && engine.polish(velocity_.data(), answer.z.data());
+  if (has_velocity && !(engine.lost() <= kMostLostToVelocity)) has_velocity = is_velocity_of(answer.z);
   Residual residual = (in_float() ? double_ : engine).complete(answer.z.data());
   const bool in_doubt = residual.velocity <= kClaimedResidual && !(residual.certain <= kClaimedResidual);
   if (in_doubt && !is_double_double(engine) && !is_quad(engine)) {
@@ -347,6 +349,15 @@ bool ContactLemke::climb(const ContactRung& rung, Rules rules, Progress& progres
     resumable_residual_ = progress.best;
   }
   return accepted;
+}
+
+/// Whether velocity_ is that of the impulses, by 113 bits.
+bool ContactLemke::is_velocity_of(const Vector& z) {
+  constexpr double kMost = 0.5e-4;  // of the verdict's 1e-4
+  engine_of(ContactArithmetic::kQuad).respond(z.data(), implied_velocity_.data());
+  const auto v = data_.v.view().head(velocity_.view().size()).array();
+  const auto implied = implied_velocity_.view().array();
+  return ((velocity_.view().array() - implied).abs() <= kMost * (v.abs() + (implied - v).abs())).all();
 }
 
 Ending ContactLemke::run(LoadedContacts& engine, Rules rules, Progress& progress, Vector& z) {

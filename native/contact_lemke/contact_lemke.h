@@ -84,6 +84,7 @@ class LoadedContacts {
     return engine_.polish_answer(state_, basic, velocity, z);
   }
   bool proves_solvable() { return engine_.proves_solvable(state_); }
+  double lost() { return engine_.lost(state_); }
 
  private:
   const contact_lemke::Engine& engine_;
@@ -187,6 +188,7 @@ class ContactLemke final : public Solver {
   bool has_room_in_later_rungs(const contact_lemke::Input& input);
   bool in_float() const { return settings_.precision == ContactLemkePrecision::kFloat; }
   LoadedContacts& engine_of(ContactArithmetic arithmetic);
+  bool is_velocity_of(const Vector& z);
   bool is_double_double(const LoadedContacts& engine) const { return &engine == &later_->double_double.engine; }
   bool is_quad(const LoadedContacts& engine) const { return &engine == &later_->quad.engine; }
   double roundoff_of(const LoadedContacts& engine) const;
@@ -213,6 +215,7 @@ class ContactLemke final : public Solver {
   GrowingVector given_v_;         ///< where that is so, the velocity in the units of the problem
   GrowingVector velocity_;        ///< of the last rung
   GrowingVector best_, best_velocity_;
+  GrowingVector implied_velocity_;  ///< of the impulses, where velocity_ is in doubt
   bool best_has_velocity_ = false;
   bool resumable_ = false;     ///< the engine in double (or float) still holds the basis of best_
   GrowingVector resumable_v_;  ///< the velocity that best_ solves, and its residual

@@ -50,13 +50,14 @@ struct ContactInterface {
     return object(memory).basis_polish.run(basic, velocity, z);
   }
   static bool proves_solvable(void* memory) { return object(memory).path.proves_solvable(); }
+  static double lost(void* memory) { return object(memory).completion.lost(); }
 };
 
 template <class Scalar>
 constexpr contact_lemke::Engine contact_engine() {
   using I = ContactInterface<Scalar>;
-  return {I::create,   I::destroy, I::reserve, I::load,          I::set_velocity,   I::solve,
-          I::complete, I::respond, I::polish,  I::polish_answer, I::proves_solvable};
+  return {I::create,   I::destroy, I::reserve, I::load,          I::set_velocity,    I::solve,
+          I::complete, I::respond, I::polish,  I::polish_answer, I::proves_solvable, I::lost};
 }
 
 }  // namespace

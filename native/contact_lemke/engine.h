@@ -101,6 +101,9 @@ struct Engine {
   /// After a solve that ended in kSolved: whether the data prove that the problem has a solution. Either G is regular
   /// within its rounding, or the exact problem has a solution with the basis of the path's end. False: not known.
   bool (*proves_solvable)(void* engine);
+  /// At most the share of the least eigenvalue of G, scaled to unit diagonal, that rounding takes; infinite where the
+  /// factors are not those of G.
+  double (*lost)(void* engine);
 };
 
 }  // namespace lcpbench::contact_lemke

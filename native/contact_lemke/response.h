@@ -99,6 +99,12 @@ class Response {
     return backward_error_;
   }
 
+  /// At most the share of the least eigenvalue of G, scaled to unit diagonal, that rounding takes.
+  Scalar lost() {
+    measure();
+    return is_sound_ ? lost_ : kInfinity<Scalar>;
+  }
+
   /// Whether G, given by factors, is positive definite beyond the rounding of all that was done with it.
   bool is_regular() {
     if (!by_factors_ || rank_ < ngc_ || inertia_.factors > 2 * ngc_ || !(backward_error() < kInfinity<Scalar>)) {
@@ -429,7 +435,7 @@ class Response {
     if (is_measured_) return;
     is_measured_ = true;
     for (Count i = 0; i < padded_; ++i) reach_[i] = root_[i] = 0;
-    backward_error_ = 0;
+    backward_error_ = lost_ = 0;
     if (given_) {
       for (Count i = 0; i < ngc_; ++i) reach_[i] = square_root(columns_[i * padded_ + i]);
       return;
@@ -443,6 +449,7 @@ class Response {
     for (Count i = 0; i < padded_; ++i) reach_[i] = square_root(reach_[i]);
     for (Count i = 0; i < padded_; ++i) root_[i] = square_root(root_[i]);
     const Scalar condition = rank_ == ngc_ ? condition_of_whole() : condition_of_columns_;
+    lost_ = lost(condition);
     backward_error_ = rank_ == ngc_ ? roundings() : roundings() * condition;
     if (!is_trusted(condition)) backward_error_ = kInfinity<Scalar>;
   }
@@ -450,9 +457,9 @@ class Response {
   Scalar roundings() const { return static_cast<Scalar>((8 + 4 * static_cast<double>(ngc_)) * kUnitRoundoff<Scalar>); }
   /// The factors are those of a neighbour of G: they bound G* only where no neighbour is singular.
   bool is_trusted(Scalar condition) const { return is_sound_ && is_small(condition); }
-  bool is_small(Scalar condition) const {
-    const Scalar lost = roundings() * static_cast<Scalar>(static_cast<double>(ngc_)) * condition;
-    return lost < static_cast<Scalar>(kTrusted);
+  bool is_small(Scalar condition) const { return lost(condition) < static_cast<Scalar>(kTrusted); }
+  Scalar lost(Scalar condition) const {
+    return roundings() * static_cast<Scalar>(static_cast<double>(ngc_)) * condition;
   }
 
   /// Of padded_ entries.
@@ -510,7 +517,7 @@ class Response {
   bool is_certified_ = false;  ///< and so is certainty_
   Certainty certainty_;
   contact_lemke::InertiaInput inertia_;
-  Scalar first_pivot_ = 0, last_pivot_ = 0, backward_error_ = 0, trace_ = 0, inverse_trace_ = 0;
+  Scalar first_pivot_ = 0, last_pivot_ = 0, backward_error_ = 0, lost_ = 0, trace_ = 0, inverse_trace_ = 0;
   Scalar condition_of_columns_ = 1;  ///< of rank_ < ngc_
   Buffer<Scalar> work_, L_, done_, left_, white_;
   Buffer<Scalar> diagonal_, reach_, root_;  ///< per coordinate

@@ -66,7 +66,10 @@ double LemkeFinish::finish_contacts(Answer& answer) {
     plain_ = answer.z;
     if (polish_contacts(answer)) {
       const double residual = judge_.complete(answer.z.data()).certain;
-      if (residual <= kClaimedResidual) return residual;
+      if (residual <= kClaimedResidual) {
+        if (!(judge_.lost() <= kMostLostToVelocity)) answer.velocity.resize(0);
+        return residual;
+      }
     }
     answer.z = plain_;
     answer.velocity.resize(0);

@@ -49,13 +49,6 @@ void solve(Solver& solver, const Target& target, double time_limit_s, Answer& an
 
 using Friction = Judge::Friction;
 
-/// An evaluation that resolves every inertia has no such member.
-template <class Measures>
-bool is_unresolved(const Measures& errors) {
-  if constexpr (requires { errors.unresolved; }) return errors.unresolved;
-  return false;
-}
-
 /// Why the answer contradicts what is exactly true, or what it is otherwise.
 Outcome classify(Target& target, const Answer& answer, Friction friction, std::string& detail);
 
@@ -111,7 +104,7 @@ Outcome classify(Target& target, const Answer& answer, Friction friction, std::s
   if (answer.detail.find("proven") != std::string::npos && shows_vector && !witness) return Outcome::kFalseProven;
   Errors errors = target.evaluator.errors(answer);
   if (round) measure_cone(target.problem, answer, errors);
-  if (is_unresolved(errors)) {
+  if (errors.unresolved) {
     target.unresolved = true;
     return Outcome::kUnresolved;
   }
@@ -270,13 +263,12 @@ const char* to_string(Approach approach) {
 namespace {
 
 /// The name of a native solver with cone=true if it has that setting, and its tolerances, if asked for, at their
-/// largest values. "": it has none of these settings.
+/// largest values. "": it has none of these settings. `error` is no tolerance: it asks for a claim by another limit.
 std::string with_settings(const SolverDefinition& solver, bool loose) {
   Spec spec{solver.name, {}};
   bool any = false;
   for (const SettingInfo& setting : solver.settings()) {
-    const bool tolerance =
-        setting.name == "accept_residual" || setting.name == "tolerance" || setting.name == "error";
+    const bool tolerance = setting.name == "accept_residual" || setting.name == "tolerance";
     if (setting.name == "cone") spec.options.emplace_back("cone", "true");
     any = any || (!loose && setting.name == "cone");
     if (!loose || !tolerance) continue;

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -12,10 +13,12 @@
 #include "core/exact_inertia.h"
 #include "core/registry.h"
 #include "core/spec.h"
+#include "native/lcpbench.h"
 #include "study/certify/certificate.h"
 #include "study/evaluation/evaluation.h"
 #include "study/evaluation/friction_model.h"
 #include "tests/attack/judge.h"
+#include "tests/attack/problems.h"
 
 namespace lcpbench {
 namespace {
@@ -65,7 +68,9 @@ Answer solve(const std::string& solver, const Problem& problem) {
 }
 
 std::vector<std::string> native_solvers() {
-  std::vector<std::string> names{"cone_ipm{cone=true}", "velocity_ipm{finish=false}"};
+  std::vector<std::string> names{"cone_ipm{cone=true}", "velocity_ipm{finish=false}",
+                                 "contact_lemke{precision=polished}", "active_set{precision=polished}",
+                                 "lemke{precision=polished}"};
   for (const RegisteredSolver& solver : registered_solvers()) {
     if (solver.library == "native") names.push_back(solver.definition.name);
   }
@@ -135,6 +140,37 @@ TEST(InertiaClaimsTest, DependentIntegersAreSolvedWithTheirVelocity) {
   const Answer answer = solve("contact_lemke", dependent_integers());
   EXPECT_EQ(answer.claim, Claim::kSolved);
   EXPECT_LE(post_impact_velocity(*dependent_integers().contact(), answer.z).cwiseAbs().maxCoeff(), 1);
+}
+
+/// Of the attack's contacts: the condition of G, scaled to unit diagonal, is 1e11 and more; the last has a given G* of
+/// 1e276.
+constexpr std::pair<std::uint64_t, std::uint64_t> kDoubtfulVelocities[] = {
+    {1, 152}, {1, 377}, {1, 497}, {1, 917}, {1, 948}, {1, 1232}, {1, 1784}, {1, 2987}, {15, 332}, {15, 392}, {1, 418}};
+
+TEST(InertiaClaimsTest, ReturnedVelocitiesAreThoseOfTheImpulses) {
+  for (const auto& [seed, index] : kDoubtfulVelocities) {
+    SCOPED_TRACE(index);
+    const Problem problem = attack::generate(attack::Family::kContact, seed, index);
+    expect_truth_of_all(problem);
+    const attack::Judge judge(problem);
+    for (const char* name : {"active_set", "auto", "contact_lemke", "cone_ipm", "friction_ipm", "velocity_ipm"}) {
+      if (!takes(name, problem)) continue;
+      ContactSolver solver(name);
+      solver.load(*problem.contact());
+      if (solver.solve(5) != Claim::kSolved) continue;
+      EXPECT_TRUE(judge.velocity_holds(solver.answer().z, solver.velocity())) << name;
+    }
+  }
+}
+
+TEST(InertiaClaimsTest, WellConditionedInertiaGetsItsVelocity) {
+  const Matrix G = matrix({{2, 1, 0}, {1, 3, 1}, {0, 1, 4}});
+  const Problem problem = frictionless(Vector::Constant(3, -1), matrix({{1, 0}, {0, 1}, {1, 1}}), DenseInertia{G});
+  for (const char* name : {"active_set", "auto", "cone_ipm", "friction_ipm", "velocity_ipm",
+                           "velocity_ipm{finish=false}", "contact_lemke{precision=polished}",
+                           "lemke{precision=polished}"}) {
+    EXPECT_EQ(solve(name, problem).velocity.size(), 3) << name;
+  }
 }
 
 TEST(InertiaClaimsTest, TheJudgeAgreesWithTheCertificate) {
