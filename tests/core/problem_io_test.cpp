@@ -193,6 +193,17 @@ TEST_F(ProblemIoTest, InertiaKeepsItsForm) {
   }
 }
 
+/// Each is L L' of a matrix of integers with dependent rows, where Cholesky factors with pivoting break down or do not.
+TEST_F(ProblemIoTest, AnInverseThatIsExactlySemidefiniteIsRead) {
+  for (const char* inverse : {"[[2, 0, 0], [0, 3, -3], [0, -3, 3]]", "[[1, 3, 7], [3, 9, 21], [7, 21, 49]]",
+                              "[[5, 1, 4], [1, 2, -1], [4, -1, 5]]", "[[0, 0, 0], [0, 0, 0], [0, 0, 0]]"}) {
+    const std::string text = R"({"format": "lcpbench-problem", "version": 1, "name": "x", "kind": "contact",)"
+                             R"( "v": [-1, 0, 0], "N": [[1], [0], [0]], "Ginv": )" +
+                             std::string(inverse) + "}";
+    EXPECT_EQ(parse_problem_json(text, "x.json").contact()->ngc(), 3) << inverse;
+  }
+}
+
 TEST_F(ProblemIoTest, EveryBitPatternSurvives) {
   std::mt19937_64 random(20240607);
   for (int trial = 0; trial < 20; ++trial) {
