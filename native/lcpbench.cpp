@@ -146,6 +146,10 @@ void ContactSolver::State::compute_velocity() {
   add_impulses(contacts->D, answer.z.data() + layout.friction_offset(), impulse);
   if (inverse_inertia.blocks() == 0) inverse_inertia = BlockInverse(contacts->inertia);
   inverse_inertia.add_product(impulse, velocity);
+  if (velocity.allFinite()) return;
+  ContactProblem moving = *contacts;
+  moving.v = v;
+  velocity = post_impact_velocity(moving, answer.z);
 }
 
 double ContactSolver::State::friction(Index contact, Index t) const {

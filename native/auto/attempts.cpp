@@ -1,13 +1,11 @@
 #include "native/auto/attempts.h"
 
 #include <algorithm>
-#include <variant>
 
 #include "native/active_set/active_set.h"
 #include "native/answer_test/answer_test.h"
 #include "native/auto/islands.h"
 #include "native/contact_lemke/contact_lemke.h"
-#include "native/contacts/block_inverse.h"
 #include "native/sor/psor.h"
 
 namespace lcpbench {
@@ -291,12 +289,9 @@ void Attempts::respond(const Answer& answer, Vector& u) {
   } else if (answered_by_ == AutoMethod::kPsor) {
     static_cast<LimitedPsor&>(*answered_).respond(answer.z, u);
   } else {
-    const ContactProblem& contact = *problem_->contact();
-    Vector impulse = Vector::Zero(v_.size());
-    std::visit([&](const auto& N) { impulse += N * answer.z.head(N.cols()); }, contact.N);
-    std::visit([&](const auto& D) { impulse += D * answer.z.segment(contact.nc(), D.cols()); }, contact.D);
-    u = v_;
-    BlockInverse(contact.inertia).add_product(impulse, u);
+    ContactProblem moving = *problem_->contact();
+    moving.v = v_;
+    u = post_impact_velocity(moving, answer.z);
   }
 }
 

@@ -66,6 +66,9 @@ Matrix inverse_root(const Inertia& inertia) {
       S.conservativeResize(Eigen::NoChange, S.cols() + 1);
       S.col(S.cols() - 1) = eigen.eigenvectors().col(i) * std::sqrt(inverse ? 1 / values(i) : values(i));
     }
+    for (Index i = 0; i < A.rows(); ++i) {
+      if (A(i, i) == 0) S.row(i).setZero();  // nothing moves it, not even rounding
+    }
     return S;
   };
   if (dimension(inertia) == 0) return Matrix(0, 0);
