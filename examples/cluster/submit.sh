@@ -5,34 +5,31 @@
 # limit and memory come from it. OPTION... are options of `lcpbench run`. The same command again runs what is missing.
 # THREADS is the number of threads of a shard (1).
 set -euo pipefail
-here=$(dirname "$(realpath "$0")")
 shards=$1 folder=$(realpath -m "$2") pilot=$(realpath "$3")
 shift 3
 lcpbench=$(command -v lcpbench)
-threads=${THREADS:-1}
 mkdir -p "$folder"
+run=("$lcpbench" run "$@" --jobs "${THREADS:-1}" --costs "$pilot")
 
-list=$("$lcpbench" run "$@" --jobs "$threads" --list-shards "$shards" --costs "$pilot" \
-         --store "$folder/shard-{}.db" --format json)
-array=$(sed -n 's/^  "array": "\(.*\)",$/\1/p' <<< "$list")
-minutes=$(sed -n 's/^  "minutes": \([0-9]*\),$/\1/p' <<< "$list")
-megabytes=$(sed -n 's/^  "megabytes": \([0-9]*\),$/\1/p' <<< "$list")
+list=$("${run[@]}" --list-shards "$shards" --store "$folder/shard-{}.db" --format json)
+of_list() { sed -n "s/^  \"$1\": \"\{0,1\}\([^\"]*\)\"\{0,1\},$/\1/p" <<< "$list"; }
+array=$(of_list array)
 
-submit() {  # TASK OPTION... -- ARGUMENT...: prints the number of the job
-  local task=$1 options=()
-  shift
-  while [ "$1" != -- ]; do options+=("$1"); shift; done
-  shift
-  sbatch --parsable --job-name="lcpbench-$task" --open-mode=append --kill-on-invalid-dep=yes "${options[@]}" \
-    "$here/job.sh" "$task" "$lcpbench" "$folder" "$@"
+# submit TASK COMMAND OPTION...: prints the job's number. `exec`: Slurm's SIGTERM reaches lcpbench, which saves and ends.
+submit() {
+  sbatch --parsable --job-name="lcpbench-$1" --open-mode=append --kill-on-invalid-dep=yes --wrap "exec $2" "${@:3}"
 }
 
 after=()
 if [ -n "$array" ]; then
-  job=$(submit shard --array="$array" --cpus-per-task="$threads" --time="$minutes" ${megabytes:+--mem="${megabytes}M"} \
-          --output="$folder/shard-%a.log" -- "$shards" "$@" --jobs "$threads" --costs "$pilot")
+  task='"$SLURM_ARRAY_TASK_ID"'
+  job=$(submit shard "${run[*]@Q} --shard $task/$shards --store ${folder@Q}/shard-$task.db" --array="$array" \
+          --cpus-per-task="${THREADS:-1}" --time="$(of_list minutes)" --mem="$(of_list megabytes)M" \
+          --output="$folder/shard-%a.log")
   after=(--dependency="afterok:$job")
 fi
-merge=$(submit merge "${after[@]}" --mem=1G --output="$folder/merge.log" --)
-report=$(submit report --dependency="afterok:$merge" --mem=4G --output="$folder/report.log" --)
+merge=$(submit merge "${lcpbench@Q} merge ${folder@Q}/merged.db ${folder@Q}/shard-*.db" "${after[@]}" --mem=1G \
+          --output="$folder/merge.log")
+report=$(submit report "${lcpbench@Q} report ${folder@Q}/merged.db --out ${folder@Q}/report" \
+           --dependency="afterok:$merge" --mem=4G --output="$folder/report.log")
 echo "shards: ${array:-none}, job ${job:-none}; merge: job $merge; report: job $report"

@@ -25,7 +25,6 @@
 #include "study/run/plan.h"
 #include "study/run/provenance.h"
 #include "study/run/runner.h"
-#include "study/run/usage.h"
 #include "study/output/terminal.h"
 #include "study/report/report.h"
 #include "study/report/worst.h"
@@ -192,14 +191,13 @@ void add_run(Store& store, const RunArguments& arguments, const Plan& plan, cons
 }
 
 /// What the run cost, for `--costs`.
-void add_end(Store& store, const RunOptions& options, double processor_s, double bytes) {
+void add_end(Store& store, const RunOptions& options, double bytes) {
+  const nlohmann::ordered_json end = {{"ended", utc_now()},
+                                      {"jobs", options.jobs},
+                                      {"processor_s", processor_seconds()},
+                                      {"memory_bytes", std::max(bytes, memory_bytes())}};
   store.begin();
-  store.add_run("", nlohmann::ordered_json{{"ended", utc_now()},
-                                           {"shard", fmt::format("{}/{}", options.shard + 1, options.shards)},
-                                           {"jobs", options.jobs},
-                                           {"processor_s", processor_s},
-                                           {"memory_bytes", bytes}}
-                        .dump());
+  store.add_run("", end.dump());
   store.commit();
 }
 
@@ -271,11 +269,9 @@ int run(const RunArguments& arguments) {
   RunOptions options;
   options.jobs = plan.jobs.value_or(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
   if (arguments.list_shards) {
-    return list_shards(study, {.shards = *arguments.list_shards,
-                               .stores = arguments.store,
-                               .jobs = options.jobs,
-                               .json = arguments.format == "json",
-                               .every = arguments.extent.all});
+    list_shards(study, *arguments.list_shards, arguments.store, options.jobs, arguments.format == "json",
+                arguments.extent.all);
+    return kExitDone;
   }
   const std::filesystem::path file = arguments.store.empty() ? plan.name + ".db" : arguments.store;
   if (arguments.fresh) Store::remove(file);
@@ -308,7 +304,7 @@ int run(const RunArguments& arguments) {
   add_run(store, arguments, plan, study, options);
   const RunOutcome outcome = run_study(study, store, options);
   line.clear();
-  if (outcome.progress.done > 0) add_end(store, options, processor_seconds(), std::max(bytes, memory_bytes()));
+  if (outcome.progress.done > 0) add_end(store, options, bytes);
   return report_end(arguments, outcome, plan, store, line);
 }
 
@@ -334,13 +330,15 @@ Action add_run_command(CLI::App& command, const std::string& command_line) {
       ->check(seconds_check(0, 1e7));
   command.add_option("--store", arguments->store, "file of the results (default: PLAN.db)");
   command.add_option("--shard", arguments->shard, "I/N: only the I-th of N parts, for lcpbench merge");
+  CLI::Option* const costs =
+      command.add_option("--costs", arguments->costs,
+                         "store of a small run of the plan: shards cost alike by its times; the same for all shards");
   command
       .add_option("--list-shards", arguments->list_shards,
                   "run nothing: print what each of N shards will cost, and which are not finished "
                   "(--store 'shard-{}.db')")
-      ->check(CLI::Range(1, 1'000'000));
-  command.add_option("--costs", arguments->costs,
-                     "store of a small run of the plan: shards cost alike by its times; the same for all shards");
+      ->check(CLI::Range(1, 1'000'000))
+      ->needs(costs);
   add_format_option(command, arguments->format);
   command.add_flag("--fresh", arguments->fresh, "throw the store away first");
   add_long_option(command, arguments->extent, "show the results of every set and solver before the answer");

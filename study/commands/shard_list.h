@@ -7,15 +7,10 @@
 
 namespace lcpbench {
 
-struct ShardListOptions {
-  std::int64_t shards = 1;
-  std::string stores;  ///< where {} stands for the shard's number; "": none is looked at
-  int jobs = 1;        ///< threads of a shard
-  bool json = false;
-  bool every = false;  ///< in text: a line for each shard
-};
-
-/// `run --list-shards N`: prints what the shards will cost, and which of them are not finished. @returns the exit code
-int list_shards(const Study& study, const ShardListOptions& options);
+/// `run --list-shards N`: prints what the shards will cost, and which of them are not finished.
+/// @param stores  where {} stands for the shard's number; "": none is looked at
+/// @param jobs    threads of a shard
+/// @param every   in text: a line for each shard
+void list_shards(const Study& study, std::int64_t shards, const std::string& stores, int jobs, bool json, bool every);
 
 }  // namespace lcpbench

@@ -82,26 +82,16 @@ void add_plan(const Json& plan, Planned& planned) {
   }
 }
 
-/// Adds the solvers that a run left out, "name: reason".
-void add_left_out(const Json& skipped, std::map<std::string, Coverage::LeftOut>& left_out) {
-  if (!skipped.is_array()) return;
-  for (const Json& entry : skipped) {
-    const std::string text = entry.is_string() ? entry.get<std::string>() : "";
-    const std::size_t colon = text.find(": ");
-    if (colon != std::string::npos) left_out[text.substr(0, colon)].reason = text.substr(colon + 2);
-  }
-}
-
 /// nullopt where there is no run, or one that recorded no plan.
-std::optional<Planned> read_plans(sqlite::Database& store, std::map<std::string, Coverage::LeftOut>& left_out) {
+std::optional<Planned> read_plans(sqlite::Database& store, std::map<std::string, std::int64_t>& left_out) {
   sqlite::Statement query(store, "SELECT provenance FROM runs WHERE started <> ''");
   Planned planned;
   bool any = false;
   while (query.step()) {
     const Json provenance = Json::parse(query.text(0), nullptr, false);
     if (!provenance.is_object() || !provenance.contains("planned")) return std::nullopt;
-    add_left_out(provenance.value("skipped", Json()), left_out);
     try {
+      for (const Json& solver : provenance.value("skipped", Json())) left_out[solver.get<std::string>()] = 0;
       add_plan(provenance["planned"], planned);
     } catch (const Json::exception&) {
       return std::nullopt;
@@ -194,10 +184,11 @@ Coverage coverage_of(sqlite::Database& store) {
     const std::int64_t answers = answered == done.end() ? 0 : plan.cells * answered->second;
     set.planned += cells;
     set.done += answers;
-    const auto left_out = coverage.left_out.find(work.solver.substr(0, work.solver.find('{')));
-    if (left_out != coverage.left_out.end()) left_out->second.missing += cells - answers;
+    for (auto& [line, missing] : coverage.left_out) {
+      if (line.starts_with(work.solver.substr(0, work.solver.find('{')) + ": ")) missing += cells - answers;
+    }
   }
-  std::erase_if(coverage.left_out, [](const auto& solver) { return solver.second.missing == 0; });
+  std::erase_if(coverage.left_out, [](const auto& solver) { return solver.second == 0; });
   for (auto& [name, set] : sets) {
     coverage.planned += set.planned;
     coverage.done += set.done;
@@ -229,9 +220,9 @@ std::string thin_words(std::size_t thin, std::size_t sets) {
 
 std::string left_out_text(const Coverage& coverage) {
   std::string text;
-  for (const auto& [solver, each] : coverage.left_out) {
-    text += fmt::format("{} planned cells of {} are missing, and not failures: a run left it out ({})\n",
-                        format_count(each.missing), solver, each.reason);
+  for (const auto& [line, missing] : coverage.left_out) {
+    text += fmt::format("{} planned cells are missing, and not failures, since a run left out {}\n",
+                        format_count(missing), line);
   }
   return text;
 }
@@ -303,15 +294,11 @@ nlohmann::ordered_json coverage_json(const Coverage& coverage) {
                     {"share", set.share()},
                     {"thin", set.thin()}});
   }
-  Json left_out = Json::array();
-  for (const auto& [solver, each] : coverage.left_out) {
-    left_out.push_back({{"solver", solver}, {"missing", each.missing}, {"reason", each.reason}});
-  }
   const auto known = [&coverage](std::int64_t count) { return coverage.known ? Json(count) : Json(); };
   return {{"planned", known(coverage.planned)},
           {"done", known(coverage.done)},
           {"share", coverage.known ? Json(coverage.share()) : Json()},
-          {"left_out", std::move(left_out)},
+          {"left_out", coverage.left_out},
           {"thin_below", kThinBelow},
           {"sets", std::move(sets)}};
 }

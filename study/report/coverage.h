@@ -30,17 +30,12 @@ struct Coverage {
     bool thin() const;
   };
 
-  /// A solver that a run left out, where its library was missing, and that others ran.
-  struct LeftOut {
-    std::int64_t missing = 0;  ///< planned cells that the store lacks
-    std::string reason;
-  };
-
   bool known = false;  ///< false: some run recorded no plan, and the numbers below are zero
   std::int64_t planned = 0;
   std::int64_t done = 0;
   std::vector<Set> sets;  ///< in natural order of names
-  std::map<std::string, LeftOut> left_out;
+  /// Planned cells that the store lacks, by what a run said of a solver that it left out, "name: reason".
+  std::map<std::string, std::int64_t> left_out;
 
   /// done / planned; NaN where it is not known, or nothing was planned.
   double share() const;

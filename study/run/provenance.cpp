@@ -2,14 +2,18 @@
 
 #include <cstdint>
 #include <ctime>
+#include <filesystem>
 #include <fstream>
 #include <string>
+#include <system_error>
 #include <thread>
+#include <vector>
 
 #include <flint/flint.h>
 #include <fmt/chrono.h>
 #include <gmp.h>
 #include <sqlite3.h>
+#include <sys/resource.h>
 #include <sys/utsname.h>
 
 #include "adapters/worker/control_group.h"
@@ -85,5 +89,35 @@ nlohmann::ordered_json provenance(const std::string& command_line, const std::st
 }
 
 std::string utc_now() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
+
+double processor_seconds() {
+  double seconds = 0;
+  for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    rusage usage{};
+    getrusage(who, &usage);
+    for (const timeval& time : {usage.ru_utime, usage.ru_stime}) {
+      seconds += static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+    }
+  }
+  return seconds;
+}
+
+double memory_bytes() {
+  std::vector<std::string> processes{"self"};
+  std::error_code ignored;
+  for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task", ignored)) {
+    std::ifstream children(thread.path() / "children");
+    for (std::string child; children >> child;) processes.push_back(child);
+  }
+  double bytes = 0;
+  for (const std::string& process : processes) {
+    std::ifstream status("/proc/" + process + "/status");
+    double kibibytes = 0;
+    for (std::string word; status >> word;) {
+      if (word == "VmHWM:" && status >> kibibytes) bytes += 1024 * kibibytes;
+    }
+  }
+  return bytes;
+}
 
 }  // namespace lcpbench

@@ -14,4 +14,10 @@ nlohmann::ordered_json provenance(const std::string& command_line, const std::st
 /// Now, UTC, "2026-01-31T12:00:00Z".
 std::string utc_now();
 
+/// Processor time of this process and of the programs that it started and that have ended [s].
+double processor_seconds();
+
+/// The most memory that this process and those of its programs that live had, each at its time, added up [bytes].
+double memory_bytes();
+
 }  // namespace lcpbench

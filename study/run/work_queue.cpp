@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "study/run/trials.h"
-
 namespace lcpbench {
 namespace {
 
@@ -15,7 +13,7 @@ bool has_answers(Store& store) { return store.database().integer("SELECT EXISTS 
 PlanWalk::PlanWalk(const Study& study, Store& store, std::int64_t shard, std::int64_t shards)
     : study_(study),
       store_(store),
-      deal_(study, shards),
+      deal_(deal_problems(study, shards)),
       shard_(shard),
       shards_(shards),
       resuming_(has_answers(store)),
@@ -23,26 +21,26 @@ PlanWalk::PlanWalk(const Study& study, Store& store, std::int64_t shard, std::in
   for (std::size_t i = 0; i < study.solvers.size(); ++i) {
     solver_of_.emplace(study.solvers[i].row.id(), static_cast<std::uint32_t>(i));
   }
-  for (const StudySet& set : study.sets) sets_.push_back({set.set->name(), 0, {}});
-  for (const Deal::Class& each : deal_.classes()) {
-    sets_[each.set].turn_of[each.multiple] = each.first;
-    for (const StudySolver& solver : study.solvers) {
-      if (solver.takes(each.set, each.multiple)) planned_ += solver.cell_count() * deal_.problems(each, shard);
+  for (std::size_t set = 0; set < study.sets.size(); ++set) {
+    sets_.push_back({study.sets[set].set->name(), 0});
+    for (const DealtClass& each : deal_[set]) {
+      for (const StudySolver& solver : study.solvers) {
+        if (solver.takes(set, each.trial)) planned_ += solver.cell_count() * each.dealt_to(shard, shards);
+      }
     }
+    push_next(set);
   }
-  for (std::size_t set = 0; set < sets_.size(); ++set) push_next(set);
 }
 
 void PlanWalk::push_next(std::size_t set) {
   const std::int64_t trials = study_.sets[set].trials;
-  Set& walked = sets_[set];
-  while (walked.next < trials) {
-    const std::int64_t trial = walked.next++;
-    const std::int64_t multiple = common_multiple(trial, deal_.steps(set));
-    if (multiple < 0) continue;
-    std::int64_t& turn = walked.turn_of[multiple];
-    const bool mine = turn == shard_;
-    if (++turn == shards_) turn = 0;
+  while (sets_[set].next < trials) {
+    const std::int64_t trial = sets_[set].next++;
+    const auto of_trial = std::find_if(deal_[set].begin(), deal_[set].end(),
+                                       [trial](const DealtClass& each) { return trial % each.multiple == 0; });
+    if (of_trial == deal_[set].end()) continue;
+    const bool mine = of_trial->first == shard_;
+    of_trial->first = (of_trial->first + 1) % shards_;
     if (!mine) continue;
     heads_.push({(static_cast<double>(trial) + 0.5) / static_cast<double>(trials), set, trial});
     return;

@@ -49,8 +49,7 @@ class PlanWalk {
  private:
   struct Set {
     std::string name;
-    std::int64_t next = 0;                                   ///< the first trial that was not looked at
-    std::unordered_map<std::int64_t, std::int64_t> turn_of;  ///< by class: the shard that its next problem is dealt to
+    std::int64_t next = 0;  ///< the first trial that was not looked at
   };
   /// The next problem of a set.
   struct Head {
@@ -68,7 +67,7 @@ class PlanWalk {
 
   const Study& study_;
   Store& store_;
-  Deal deal_;
+  std::vector<std::vector<DealtClass>> deal_;  ///< of the trials that were not looked at
   std::int64_t shard_;
   std::int64_t shards_;
   bool resuming_;

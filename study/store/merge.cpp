@@ -1,7 +1,7 @@
 #include "study/store/merge.h"
 
 #include <cerrno>
-#include <optional>
+#include <map>
 #include <system_error>
 #include <utility>
 
@@ -125,58 +125,36 @@ std::vector<std::string> find_conflicts(Store& store, const std::filesystem::pat
   return conflicts;
 }
 
-/// What the runs of all parts of one study have in common.
-class CommonOrigin {
- public:
-  /// @throws InputError when a run of the store has another version or another plan than those before.
-  void take(Store& store) {
-    for (const std::string& run : store.runs()) {
-      const auto provenance = nlohmann::json::parse(run, nullptr, false);
-      if (!provenance.is_object()) continue;
-      const std::string file = store.file().string();
-      if (provenance.contains("commit")) {
-        agree(version_, {file, provenance.value("lcpbench", "") + " (commit " + provenance.value("commit", "") + ")"},
-              [](const std::string& version) { return "was made by version " + version; });
+/// What the runs of all parts of one study have in common: by field of their provenance, its value and the store
+/// that has it first.
+using CommonOrigin = std::map<std::string, std::pair<nlohmann::json, std::string>>;
+
+/// @throws InputError when a run of the store has another version or another plan than those before.
+void compare_origin(Store& store, CommonOrigin& common) {
+  for (const std::string& run : store.runs()) {
+    const auto provenance = nlohmann::json::parse(run, nullptr, false);
+    for (const char* field : {"lcpbench", "commit", "plan"}) {
+      if (!provenance.is_object() || !provenance.contains(field)) continue;
+      nlohmann::json value = provenance[field];
+      if (value.is_object()) {
+        for (const char* free : {"jobs", "budget_s", "description"}) value.erase(free);
       }
-      if (!provenance.contains("plan") || !provenance["plan"].is_object()) continue;
-      nlohmann::json plan = provenance["plan"];
-      for (const char* free : {"jobs", "budget_s", "description"}) plan.erase(free);
-      agree(plan_, {file, plan.dump()}, [](const std::string& text) {
-        const auto stated = nlohmann::json::parse(text);
-        return fmt::format("has the plan {} with {} trials, seed {}", stated.value("name", ""),
-                           stated.value("trials", std::int64_t{0}), stated.value("seed", std::uint64_t{0}));
-      });
+      const auto& [expected, file] = common.try_emplace(field, value, store.file().string()).first->second;
+      if (value == expected) continue;
+      throw InputError(fmt::format("{} and {} are not parts of one study, their runs differ in {}{}: "
+                                   "nothing was merged; --mixed joins them",
+                                   store.file().string(), file, field,
+                                   nlohmann::json::diff(expected, value)[0]["path"].get<std::string>()));
     }
   }
+}
 
- private:
-  struct Said {
-    std::string file;
-    std::string value;
-  };
-
-  template <class Words>
-  static void agree(std::optional<Said>& before, const Said& now, Words words) {
-    if (!before) before = now;
-    if (before->value == now.value) return;
-    const std::string a = words(now.value);
-    const std::string b = words(before->value);
-    throw InputError(fmt::format("{} {}, but {} {}: not parts of one study, nothing was merged; --mixed joins them",
-                                 now.file, a == b ? "has another plan of the same name" : a, before->file, b));
-  }
-
-  std::optional<Said> version_;
-  std::optional<Said> plan_;
-};
-
-/// Reads the whole input once, so that damage is reported under its name. @returns its notice. @throws InputError
-std::string check_input(const std::filesystem::path& input, const Waiting& waiting, CommonOrigin* origin) {
+/// Reads the whole input once, so that damage is reported under its name. @throws InputError
+void check_input(const std::filesystem::path& input, const Waiting& waiting) {
   Store store = Store::open_for_reading(input);
-  if (origin != nullptr) origin->take(store);
   store.check(waiting);
   Statement claims(store.database(), "SELECT DISTINCT claim FROM answers");
   while (claims.step()) stored_claim(store.database(), claims.text(0));
-  return store.notice();
 }
 
 /// What the input has certified and the store left open goes, so that the input's proof takes its place.
@@ -190,9 +168,9 @@ void make_way_for_proofs(Store& store) {
   }
 }
 
-/// Time: O(rows of the input x log(rows of the store)): every query goes through the input and looks up the store.
 /// Adds the input's rows; or returns its conflicts and adds none. One transaction: what is compared is what is added,
-/// also when another process writes the input.
+/// also when another process writes the input. O(rows of the input x log(rows of the store)): every query goes through
+/// the input and looks up the store.
 std::vector<std::string> join(Store& store, const std::filesystem::path& input) {
   store.database().attach(input, "input");
   store.begin();
@@ -257,19 +235,18 @@ MergeOutcome merge_stores(const std::filesystem::path& out, const std::vector<st
   };
   std::error_code ignored;
   const bool exists = std::filesystem::exists(out, ignored);
-  CommonOrigin origin;
-  CommonOrigin* const compared = mixed ? nullptr : &origin;
-  if (exists) {
-    Store store = Store::open_for_reading(out);
-    if (compared != nullptr) compared->take(store);
+  if (exists) sources.insert(sources.begin(), out);
+  CommonOrigin common;
+  for (const std::filesystem::path& source : sources) {
+    Store store = Store::open_for_reading(source);
+    if (!mixed) compare_origin(store, common);
     take_notice(store.notice());
   }
   if (exists) {
     Store::open_for_writing(
         out, waiting);  // its end folds what a killed run left in the write-ahead log into the file itself
   }
-  for (const std::filesystem::path& source : inputs) take_notice(check_input(source, waiting, compared));
-  if (exists) sources.insert(sources.begin(), out);
+  for (const std::filesystem::path& source : inputs) check_input(source, waiting);
   const FileLock lock(out);
   if (!exists && std::filesystem::exists(out, ignored)) {
     throw InputError(out.string() + ": another process made this store in the meantime; merge again");

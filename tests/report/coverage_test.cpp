@@ -140,12 +140,12 @@ TEST(CoverageTest, ASolverThatOneRunLeftOutIsNamedWithItsMissingCells) {
   const Coverage both = coverage(folder / "both.db");
   EXPECT_EQ(both.planned, kSmallCells);
   ASSERT_EQ(both.left_out.size(), 1U);
-  const std::int64_t missing = both.left_out.at("enumeration").missing;
+  const std::int64_t missing = both.left_out.at("enumeration: its library was not found");
   EXPECT_EQ(both.planned - both.done, missing);
   EXPECT_GT(missing, 0);
   const std::string line = std::to_string(missing) +
-                           " planned cells of enumeration are missing, and not failures: a run left it out (its "
-                           "library was not found)\n";
+                           " planned cells are missing, and not failures, since a run left out enumeration: its "
+                           "library was not found\n";
   EXPECT_NE(report::coverage_text(both).find(line), std::string::npos) << report::coverage_text(both);
   run(small_study(), folder / "2.db", {.shard = 1, .shards = 2}, "3");
   merge_stores(folder / "both.db", {folder / "2.db"});

@@ -122,7 +122,8 @@ def test_parallel(folder):
         folder.run("lcpbench run plan.json --shard 2/8 --costs pilot.db --jobs 1 --store shard-2.db; "
                    "lcpbench merge part.db shard-1.db shard-2.db; lcpbench report part.db --out part")
         left_out = json.loads((folder.path / "part/summary.json").read_text())["coverage"]["left_out"]
-        check([each["solver"] for each in left_out] == ["bullet_dantzig"] and left_out[0]["missing"] > 0,
+        check(len(left_out) == 1 and all(line.startswith("bullet_dantzig: ") and missing > 0
+                                         for line, missing in left_out.items()),
               "the report names the missing cells of the solver that a machine does not have")
     folder.page("parallel")
     folder.compare("merged.db", "report")
