@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Runs a plan as a Slurm array, then merges the shards' stores, then writes the report:
 #   submit.sh SHARDS FOLDER PILOT PLAN [OPTION...]
-# FOLDER is for the stores, on a file system that all nodes see. PILOT is the store of a small run of the same plan; time
+# FOLDER is for the stores, on a file system that all nodes see. PILOT is the store of a small run of the plan; time
 # limit and memory come from it. OPTION... are options of `lcpbench run`. The same command again runs what is missing.
 # THREADS is the number of threads of a shard (1).
 set -euo pipefail
@@ -15,7 +15,7 @@ list=$("${run[@]}" --list-shards "$shards" --store "$folder/shard-{}.db" --forma
 of_list() { sed -n "s/^  \"$1\": \"\{0,1\}\([^\"]*\)\"\{0,1\},$/\1/p" <<< "$list"; }
 array=$(of_list array)
 
-# submit TASK COMMAND OPTION...: prints the job's number. `exec`: Slurm's SIGTERM reaches lcpbench, which saves and ends.
+# submit TASK COMMAND OPTION...: prints the job's number. `exec`: Slurm's SIGTERM reaches lcpbench, which saves.
 submit() {
   sbatch --parsable --job-name="lcpbench-$1" --open-mode=append --kill-on-invalid-dep=yes --wrap "exec $2" "${@:3}"
 }
