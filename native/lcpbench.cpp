@@ -94,7 +94,8 @@ void ContactSolver::State::load(Problem next, std::span<const ContactId> next_id
   const ContactLayout last_layout = std::exchange(layout, contact_layout(*contacts));
   ids.swap(last_ids);
   ids.assign(next_ids.begin(), next_ids.end());
-  inverse_inertia = solver->capabilities().allocation_free ? BlockInverse(contacts->inertia) : BlockInverse();
+  const bool is_needed = solver->capabilities().allocation_free;
+  inverse_inertia = is_needed ? BlockInverse(contacts->inertia, InverseProof::kDigits) : BlockInverse();
   v = contacts->v;
   for (Vector* room : {&impulse, &velocity}) room->resize(v.size());
   if (follows) {
@@ -144,7 +145,7 @@ void ContactSolver::State::compute_velocity() {
   impulse.setZero();
   add_impulses(contacts->N, answer.z.data(), impulse);
   add_impulses(contacts->D, answer.z.data() + layout.friction_offset(), impulse);
-  if (inverse_inertia.blocks() == 0) inverse_inertia = BlockInverse(contacts->inertia);
+  if (inverse_inertia.blocks() == 0) inverse_inertia = BlockInverse(contacts->inertia, InverseProof::kDigits);
   inverse_inertia.add_product(impulse, velocity);
   if (velocity.allFinite()) return;
   ContactProblem moving = *contacts;

@@ -16,26 +16,26 @@ bool is_positive_diagonal(const Matrix& block) {
 }
 
 /// What moves or turns of a body: known to the compiler, it takes a tenth of the time. Masses and spheres are diagonal.
-Matrix inverse_of_block(const Matrix& block) {
+Matrix inverse_of_block(const Matrix& block, InverseProof proof) {
   if (block.rows() == 3) {
     if (is_positive_diagonal(block)) return block.diagonal().cwiseInverse().asDiagonal();
     const Eigen::LLT<Eigen::Matrix3d> factors(block);
     Matrix inverse(3, 3);
     for (Index k = 0; k < 3; ++k) inverse.col(k) = factors.solve(Eigen::Vector3d::Unit(k));
-    if (factors.info() == Eigen::Success && is_far_from_singular(block, inverse, InverseProof::kRegular)) return inverse;
+    if (factors.info() == Eigen::Success && is_far_from_singular(block, inverse, proof)) return inverse;
   }
-  return inverse_inertia(DenseInertia{block});
+  return inverse_inertia(DenseInertia{block}, proof);
 }
 
 }  // namespace
 
-BlockInverse::BlockInverse(const Inertia& inertia) {
+BlockInverse::BlockInverse(const Inertia& inertia, InverseProof proof) {
   if (const auto* given = std::get_if<BlockInertia>(&inertia)) {
     inverses_.reserve(given->blocks.size());
     offsets_.reserve(given->blocks.size());
-    for (const Matrix& block : given->blocks) add(inverse_of_block(block));
+    for (const Matrix& block : given->blocks) add(inverse_of_block(block, proof));
   } else {
-    add(inverse_inertia(inertia));
+    add(inverse_inertia(inertia, proof));
   }
 }
 

@@ -12,7 +12,7 @@ namespace lcpbench {
 class BlockInverse {
  public:
   BlockInverse() = default;
-  explicit BlockInverse(const Inertia& inertia);
+  explicit BlockInverse(const Inertia& inertia, InverseProof proof = InverseProof::kRegular);
 
   Index dimension() const { return static_cast<Index>(block_of_row_.size()); }
   std::size_t blocks() const { return inverses_.size(); }
