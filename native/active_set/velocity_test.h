@@ -109,7 +109,7 @@ class VelocityTest {
   }
 
  private:
-  static constexpr double kMostLost = 1e-5;  ///< of a velocity that is returned without more tests
+  static constexpr double kMostLost = 1e-3;  ///< of a velocity that is returned without more tests
   static constexpr double kRoundings = 8;           ///< of a sum of products, beside one for each of them
   static constexpr double kTrusted = 0.1;           ///< share of G's least eigenvalue that rounding may take
   static constexpr double kRoom = 1.25;             ///< for G instead of C'C within kTrusted, and for rounding it
