@@ -223,7 +223,7 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
   } else if (outcome.ending == Ending::kInfeasible && !is_proven_singular()) {
     outcome.ending = Ending::kBreakdown;
   }
-  if (!has_answer || outcome.ending == Ending::kInfeasible || !(outcome.lost <= kMostLostToVelocity)) {
+  if (!has_answer || outcome.ending == Ending::kInfeasible || !outcome.has_velocity) {
     answer.velocity.resize(0);
   }
   if (outcome.ending == Ending::kInfeasible && round_to_proof(farkas_.view())) answer.farkas = farkas_.view();
@@ -281,7 +281,7 @@ void ActiveSet::climb(Rung& rung, const char* name, active_set::Rules& rules, ac
   rules.start = nullptr;  // it may have been what misled the first rung
   const active_set::Outcome next = rung.solve(rules, answer, farkas_);
   outcome.ending = next.ending;
-  outcome.lost = next.lost;
+  outcome.has_velocity = next.has_velocity;
   outcome.steps += next.steps;
   outcome.factorizations += next.factorizations;
   answer.detail = name;

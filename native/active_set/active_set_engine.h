@@ -50,7 +50,7 @@ struct Outcome {
   Ending ending = Ending::kBreakdown;
   std::ptrdiff_t steps = 0;           ///< contacts added to or dropped from the active set, warm start included
   std::ptrdiff_t factorizations = 0;  ///< of a whole active set
-  double lost = 0;  ///< of a velocity that is written: about the share of its change that rounding may take
+  bool has_velocity = false;  ///< the velocity that is written is that of the impulses: see VelocityTest
 };
 
 /// One engine. `create` gives an object that `destroy` ends. `reserve` allocates all that `load` needs for a problem of

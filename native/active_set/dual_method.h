@@ -84,7 +84,7 @@ class DualMethod {
     } else if (!passes(basis_.size(), rules.accept_residual, velocity_.data(), change_.data())) {
       outcome.ending = Ending::kRejected;
     }
-    outcome.lost = static_cast<double>(whitening_.triangular() ? whitening_.lost() : whitening_.noise());
+    outcome.has_velocity = test_.holds_velocity(answer(velocity_.data(), change_.data()), active_.data(), basis_.size());
     return outcome;
   }
 
@@ -417,15 +417,18 @@ class DualMethod {
 
   /// Of impulse_, not zero for the first `pressed` contacts of active_ at most.
   bool passes(Count pressed, double limit, const Scalar* velocity, const Scalar* whitened_change) {
-    return test_.passes({.v = v_.data(),
-                         .b = b_,
-                         .given = given_.data(),
-                         .speed = speed_,
-                         .impulse = impulse_.data(),
-                         .slack = slack_.data(),
-                         .velocity = velocity,
-                         .whitened_change = whitened_change},
-                        active_.data(), pressed, static_cast<Scalar>(limit));
+    return test_.passes(answer(velocity, whitened_change), active_.data(), pressed, static_cast<Scalar>(limit));
+  }
+
+  typename VelocityTest<Scalar>::Answer answer(const Scalar* velocity, const Scalar* whitened_change) {
+    return {.v = v_.data(),
+            .b = b_,
+            .given = given_.data(),
+            .speed = speed_,
+            .impulse = impulse_.data(),
+            .slack = slack_.data(),
+            .velocity = velocity,
+            .whitened_change = whitened_change};
   }
 
   void write_farkas(double* u) {

@@ -351,10 +351,10 @@ bool ContactLemke::climb(const ContactRung& rung, Rules rules, Progress& progres
   return accepted;
 }
 
-/// Whether velocity_ is that of the impulses, by 113 bits.
+/// Whether velocity_ is that of the impulses, in sums of two doubles.
 bool ContactLemke::is_velocity_of(const Vector& z) {
   constexpr double kMost = 0.5e-4;  // of the verdict's 1e-4
-  engine_of(ContactArithmetic::kQuad).respond(z.data(), implied_velocity_.data());
+  engine_of(ContactArithmetic::kDoubleDouble).respond(z.data(), implied_velocity_.data());
   const auto v = data_.v.view().head(velocity_.view().size()).array();
   const auto implied = implied_velocity_.view().array();
   return ((velocity_.view().array() - implied).abs() <= kMost * (v.abs() + (implied - v).abs())).all();
