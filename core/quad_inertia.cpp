@@ -264,6 +264,7 @@ void QuadInertia::Block::bound(const Quad* x, const Quad* terms, const Quad* y, 
       bounds[i] = unit * to_double(sum);
     }
   } else if (columns) {
+    if (weights.empty()) return;  // G* is zero
     const double lightest = to_double(*std::min_element(weights.begin(), weights.end()));
     std::fill(bounds, bounds + n, unit * length(terms, n) / (least * std::sqrt(least) * lightest));
   } else if (least > 0) {

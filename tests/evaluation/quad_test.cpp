@@ -225,5 +225,16 @@ TEST(QuadInertiaTest, WhatIsNoInertiaIsRefused) {
   EXPECT_FALSE(QuadInertia(FactoredInertia{Matrix::Identity(2, 2), Vector::Constant(2, -1)}).well_defined());
 }
 
+/// G = 0 with no factor at all: nothing moves, and nothing is rounded.
+TEST(QuadInertiaTest, NoFactorsLoseNothing) {
+  const QuadInertia inertia(FactoredInertia{Matrix(3, 0), Vector(0)});
+  ASSERT_TRUE(inertia.well_defined());
+  const QuadVector x{1, 2, 3};
+  QuadVector y = x;
+  inertia.solve(y);
+  for (const Quad& value : y) EXPECT_TRUE(value == 0);
+  for (const double bound : inertia.rounding(x, x, y)) EXPECT_EQ(bound, 0);
+}
+
 }  // namespace
 }  // namespace lcpbench

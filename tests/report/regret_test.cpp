@@ -96,8 +96,9 @@ TEST_F(RegretTest, ConesSweepsAndUnsolvableProblemsTakeNoPart) {
   made_.problem("scene/stack/ode", 0, {{own, {.time_s = 1e-3}}, {cone, {.time_s = 1e-6}}, {swept, {.time_s = 1e-6}}},
                 20, "solvable", "scene");
   made_.problem("scene/stack/ode", 1,
-                {{own, {.time_s = 1e-3}}, {cone, {.claim = Claim::kUnsolvable, .proves_unsolvable = true}}}, 20, "",
-                "scene");
+                {{own, {.claim = Claim::kUnsolvable, .error = 1, .time_s = 1e-3}},
+                 {cone, {.claim = Claim::kUnsolvable, .proves_unsolvable = true}}},
+                20, "", "scene");
   const RegretStudy regret = study();
   ASSERT_EQ(regret.regrets.size(), 4U);
   for (const auto& each : regret.regrets) EXPECT_DOUBLE_EQ(each.value(), 1);
