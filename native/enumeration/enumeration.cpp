@@ -47,11 +47,15 @@ class Enumeration final : public Solver {
 
   ExactSearch search_;
   AnswerTest test_;
+  bool overflows_ = false;  // M of finite contacts, in double
   double deadline_s_ = 0;
 };
 
 void Enumeration::on_load(const Problem& problem) {
-  search_.load(make_lcp(problem));
+  const Lcp lcp = make_lcp(problem);
+  overflows_ = !lcp.M.allFinite() || !lcp.q.allFinite();
+  if (overflows_) return;
+  search_.load(lcp);
   test_.load(problem);
 }
 
@@ -86,6 +90,10 @@ void Enumeration::report_none(Answer& answer) const {
 }
 
 void Enumeration::on_solve(const SolveRequest& request, Answer& answer) {
+  if (overflows_) {
+    answer.detail = "M overflows double";
+    return;
+  }
   deadline_s_ = wall_clock_s() + request.time_limit_s;
   const ExactSearch::End end = search_.run(deadline_s_, std::numeric_limits<std::int64_t>::max());
   switch (end) {
