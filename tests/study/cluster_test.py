@@ -23,7 +23,7 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 PLAN = {
-    "format": "lcpbench-plan", "version": 1, "name": "example", "repeat_until_s": 0,
+    "format": "lcpbench-plan", "version": 1, "name": "example", "repeat_until_s": 0, "time_limit_s": 300,
     "sets": ["paper/monotone/exp1", "paper/copositive/exp1", {"set": "planted/definite", "trials": 5}],
     "solvers": [{"solver": "lemke", "sweep": "paper"}, {"solver": "contact_lemke", "every": 2, "sets": ["paper/*"]},
                 {"solver": "bullet_dantzig", "every": 4, "optional": True}]}
