@@ -22,7 +22,6 @@ foreach(driver parallel slurm)
            COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/study/cluster_test.py ${driver} $<TARGET_FILE:lcpbench>)
   set_tests_properties(cluster_${driver} PROPERTIES SKIP_RETURN_CODE 77)
 endforeach()
-set_tests_properties(cluster_parallel PROPERTIES LABELS release-only)
 set_tests_properties(cluster_slurm PROPERTIES LABELS "slow;release-only" RUN_SERIAL TRUE)
 
 # A tool for measurements, built on demand: results/store/README.md has its commands.
