@@ -194,10 +194,10 @@ class Attack:
         for suffix in ("", "-wal", "-journal"):
             if self.path(source + suffix).exists():
                 shutil.copy(self.path(source + suffix), self.path("reported.db" + suffix))
-        command = ("report", "reported.db", "--out", "report")
-        self.kill("report", *command)
-        answers = self.is_served("report", "reported.db")
-        if answers > 0:
+        if self.is_served("report", "reported.db") > 0:  # a store without an answer has no report
+            command = ("report", "reported.db", "--out", "report")
+            self.kill("report", *command)
+            self.is_served("report", "reported.db")
             self.done(*command)
         self.remove("reported.db")
 
