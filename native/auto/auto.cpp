@@ -1,5 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -7,8 +10,8 @@
 #include "core/registry.h"
 #include "core/timed_solve.h"
 #include "native/answer_test/contact_solvability.h"
-#include "native/auto/attempts.h"
-#include "native/auto/lanes.h"
+#include "native/auto/island.h"
+#include "native/auto/island_race.h"
 #include "native/auto/lcp_ladder.h"
 #include "native/auto/methods.h"
 #include "native/auto/report.h"
@@ -24,25 +27,30 @@ constexpr Capabilities kCapabilities{
     .warm_start = true,
     .obeys_time_limit = true};
 
-/// What a user should call: chooses the method by the problem, solves what belongs together, and hands out only what
-/// was tested. See docs/reference/solvers/auto.md.
+/// Coordinates of a small island. Of several such, loading again takes no more time than memory of its own for each.
+constexpr std::size_t kMostInTurn = 64;
+
+/// A smaller stated error counts as this one: iterative methods in double reach it, as a rule.
+constexpr double kLeastError = 1e-12;
+
+double error_of(const AutoSettings& settings) {
+  return settings.error > 0 ? std::max(settings.error, kLeastError) : 0;
+}
+
+/// What a user should call: splits the problem into islands, lets methods race for each, and hands out the best answer
+/// that was tested. See docs/reference/solvers/auto.md.
 ///
-/// Contacts: islands one by one, each without the contacts that cannot be pressed; without friction by `active_set`, or
-/// `psor` or `velocity_ipm` where it is a large scene; with friction by `contact_lemke` and `friction_ipm`, or `psor`
-/// where it is a large pile; each followed by another method where it gives up (plan_for). Bare LCPs: LcpLadder. Dense
-/// methods raise their precision from double to 113 bits until the answer passes its test.
+/// Contacts: IslandRace for each island. Bare LCPs: LcpLadder.
 ///
 /// kSolved: every part passed; kUnsolvable: some part was proven to have no solution (`farkas` is then a proof for the
-/// whole where there is one for the part); else the claim of the first part that failed, and z = 0. `detail` says what
-/// was left out, which methods ran and the highest rung. Returns the velocity where all methods gave one.
-/// SolveRequest::start: as the methods use it, the last answer being of use to all.
+/// whole where there is one for the part); else the claim of the first part that failed, and z has the best impulses
+/// that were found for each. `detail` says which methods ran and the highest rung. Returns the velocity where all
+/// methods gave one. SolveRequest::start: as the methods use it, the last answer being of use to all.
 ///
-/// solve() allocates only where friction_ipm, velocity_ipm or psor has to follow a method that gave up: it is loaded
-/// then; where no method solves a problem that is one island; and where it makes threads. As that may happen,
-/// `allocation_free` is not promised.
+/// solve() allocates where a method is loaded that load() has not loaded: `allocation_free` is not promised.
 class Auto final : public Solver {
  public:
-  explicit Auto(const AutoSettings& settings) : settings_(settings), lcp_(settings.max_pivots) {}
+  explicit Auto(const AutoSettings& settings) : settings_(settings), later_(std::make_shared<LaterEngines>()) {}
   const Capabilities& capabilities() const override { return kCapabilities; }
 
  private:
@@ -60,7 +68,7 @@ class Auto final : public Solver {
   AutoLimits limits_of(const SolveRequest& request) const;
   void solve_whole(const SolveRequest& request, Answer& answer);
   void solve_islands(const SolveRequest& request, Answer& answer);
-  void give_up(Claim claim, Answer& answer) const;
+  void give_up(const IslandOfProblem& island, Answer& answer) const;
   bool nothing_approaches() const;
   void remain_at_rest(AutoReport& report, Answer& answer) const;
   bool whole_rests() const;
@@ -69,18 +77,21 @@ class Auto final : public Solver {
   AutoSettings settings_;
   LcpLadder lcp_;
 
-  SharedMethods shared_;
-  bool is_whole_ = false;     // one island that is the whole problem: goes to its methods as it is
-  bool may_remain_ = false;   // then it gets no method while nothing approaches
+  std::shared_ptr<LaterEngines> later_;
+  Methods shared_{later_};
+  bool is_whole_ = false;     // one island that is the whole problem: goes to its race as it is
+  bool may_remain_ = false;   // then it is not solved while nothing approaches
   bool remains_ = false;      // so it is now
   bool has_methods_ = false;  // whole_ is loaded
-  Attempts whole_{settings_, shared_, Attempts::Scope::kWhole};
+  IslandRace whole_{shared_, later_, error_of(settings_), IslandRace::Scope::kWhole};
 
   IslandNumbers numbers_;  // where the inertia does not tell that there is one island
-  IslandLanes islands_{settings_, shared_};
-  Index idle_ = 0;      // contacts without any nonzero entry: in no island
-  Index falling_ = -1;  // one of them whose offset is negative: no impulse helps it
-  Vector v_;
+  std::unique_ptr<ProblemCutter> cutter_;
+  std::vector<std::unique_ptr<IslandOfProblem>> islands_;  // kept for the next problem
+  std::size_t count_ = 0;                                  // of islands_ in use
+  std::vector<char> carries_;                              // per contact: its lambda is in its island's answer
+  Index falling_ = -1;  // a contact without any nonzero entry whose offset is negative: no impulse helps it
+  Vector v_, u_;
 };
 
 /// @param to_hold the contacts are those of the next step
@@ -96,7 +107,7 @@ void Auto::load(const Problem& problem, bool to_hold) {
   const Index idle = std::count(numbers_.of_coordinate.begin(), numbers_.of_coordinate.end(), -1);
   is_whole_ = is_one_small_island(*contact, idle);
   whole_.expect_idle(idle);
-  may_remain_ = is_whole_ && settings_.leave_out;
+  may_remain_ = is_whole_;
   if (is_whole_) return load_whole(to_hold);
   load_islands(*contact, to_hold);
 }
@@ -106,12 +117,10 @@ bool Auto::has_rows_to_strip(const ContactProblem& contact) {
   return contact.frictional() && !(contact.mu.array() > 0).any();
 }
 
-/// Whether there is nothing to split, little that no contact moves, and nothing to leave out as long as anything
-/// approaches. What cutting a problem out of itself costs is a third of the time of a few contacts.
+/// Whether there is nothing to split, and little that no contact moves. What cutting a problem out of itself costs is a third of the time of a few contacts.
 /// @pre numbers_ are those of the problem @param idle coordinates that no contact moves
 bool Auto::is_one_small_island(const ContactProblem& contact, Index idle) const {
   if (numbers_.count != 1 || has_rows_to_strip(contact) || ContactSolvability::is_asked(contact)) return false;
-  if (settings_.leave_out && contact.nc() >= settings_.leave_out_from) return false;
   const auto is_in = [](Index island) { return island == 0; };
   return 2 * idle <= contact.ngc() && std::all_of(numbers_.of_contact.begin(), numbers_.of_contact.end(), is_in);
 }
@@ -120,8 +129,7 @@ void Auto::load_whole(bool to_hold) {
   remains_ = may_remain_ && nothing_approaches();
   has_methods_ = !remains_;
   if (remains_) return;
-  if (to_hold) return whole_.load_to_hold(problem(), v_);
-  whole_.load(problem(), v_);
+  whole_.load(problem(), v_, to_hold ? IslandRace::Load::kAfterGuess : IslandRace::Load::kAtOnce);
 }
 
 /// Whether z = 0 solves the whole problem as it is.
@@ -146,15 +154,26 @@ void Auto::load_islands(const ContactProblem& contact, bool to_hold) {
     std::sort(all.coordinates.begin(), all.coordinates.end());
     found.assign(1, std::move(all));
   }
-  idle_ = contact.nc();
-  for (const Island& part : found) idle_ -= static_cast<Index>(part.contacts.size());
   find_falling(contact, found);
-  islands_.load(problem(), std::move(found), v_, to_hold);
+  cutter_ = std::make_unique<ProblemCutter>(problem());
+  carries_.assign(contact.edges.size(), 0);
+  u_.resize(v_.size());
+  count_ = found.size();
+  while (islands_.size() < count_) {
+    islands_.push_back(
+        std::make_unique<IslandOfProblem>(shared_, later_, error_of(settings_), settings_.islands));
+  }
+  for (std::size_t k = 0; k < count_; ++k) {
+    using Load = IslandRace::Load;
+    const bool is_small = count_ > 1 && found[k].coordinates.size() <= kMostInTurn;
+    const Load how = to_hold ? Load::kAfterGuess : is_small ? Load::kInTurn : Load::kAtOnce;
+    islands_[k]->load(*cutter_, std::move(found[k]), v_, carries_, how);
+  }
 }
 
 void Auto::find_falling(const ContactProblem& contact, const std::vector<Island>& islands) {
   falling_ = -1;
-  if (!contact.has_offset() || idle_ == 0) return;
+  if (!contact.has_offset()) return;
   std::vector<char> is_idle(contact.edges.size(), 1);
   for (const Island& part : islands) {
     for (const Index c : part.contacts) is_idle[static_cast<std::size_t>(c)] = 0;
@@ -167,7 +186,8 @@ void Auto::find_falling(const ContactProblem& contact, const std::vector<Island>
 void Auto::on_update(const Vector& v) {
   if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
   v_ = v;
-  if (!is_whole_) return islands_.update(v_);
+  for (std::size_t k = 0; !is_whole_ && k < count_; ++k) islands_[k]->update(v_);
+  if (!is_whole_) return;
   if (!has_methods_) return load_whole(false);
   remains_ = may_remain_ && nothing_approaches();
   if (!remains_) whole_.update(v_);
@@ -195,29 +215,20 @@ void Auto::on_solve(const SolveRequest& request, Answer& answer) {
 void Auto::solve_whole(const SolveRequest& request, Answer& answer) {
   AutoReport report;
   report.islands = 1;
-  report.contacts = problem().contact()->nc();
   if (remains_) return remain_at_rest(report, answer);
-  const AutoLimits limits = limits_of(request);
-  whole_.solve(request, limits, answer, report);
+  whole_.solve(request.start, limits_of(request), answer, report);
   answer.counters = report.counters();
-  if (gave_up(answer.claim, limits, report) && whole_rests()) {
-    answer.velocity.resize(0);
-    answer.claim = Claim::kSolved;
-    answer.z.setZero(problem().size());
-    bound_slips(v_, answer.z);
-    answer.detail = "at rest to rounding";
-    return;
-  }
   if (answer.claim == Claim::kSolved) return report.write_text(answer.detail);
-  // The words of the method say why it failed, but nothing of its last iterate is an answer.
+  if (answer.claim == Claim::kUnsolvable || !whole_rests()) return;
   answer.velocity.resize(0);
-  answer.z.resize(problem().size());
-  answer.z.setZero();
+  answer.claim = Claim::kSolved;
+  answer.z.setZero(problem().size());
+  bound_slips(v_, answer.z);
+  answer.detail = "at rest to rounding";
 }
 
 void Auto::remain_at_rest(AutoReport& report, Answer& answer) const {
   report.at_rest = 1;
-  report.left_out = report.contacts;
   answer.counters = report.counters();
   answer.claim = Claim::kSolved;
   bound_slips(v_, answer.z);
@@ -234,41 +245,57 @@ bool Auto::whole_rests() const {
 }
 
 AutoLimits Auto::limits_of(const SolveRequest& request) const {
-  AutoLimits limits{.deadline_s = request.time_limit_s,
-                    .max_pivots = settings_.max_pivots,
-                    .error = settings_.error > 0 ? std::max(settings_.error, kLeastError) : 0};
+  AutoLimits limits{.deadline_s = request.time_limit_s, .error = error_of(settings_)};
   if (!std::isinf(limits.deadline_s)) limits.deadline_s += wall_clock_s();
   return limits;
 }
 
+/// Each island may take a share of the time that is left, in proportion to what it and those after it are predicted to
+/// take.
 void Auto::solve_islands(const SolveRequest& request, Answer& answer) {
   const AutoLimits limits = limits_of(request);
   const Vector* start = request.start != nullptr && request.start->size() == answer.z.size() ? request.start : nullptr;
   AutoReport report;
-  report.islands = static_cast<Index>(islands_.count());
-  report.contacts = problem().contact()->nc();
-  report.left_out = idle_;
-  const Claim claim = islands_.solve(v_, start, limits, answer.z, report);
+  report.islands = static_cast<Index>(count_);
+  u_ = v_;
+  double remaining = 0;
+  for (std::size_t k = 0; k < count_; ++k) remaining += islands_[k]->predicted();
+  const IslandOfProblem* failed = nullptr;
+  for (std::size_t k = 0; k < count_; ++k) {
+    IslandOfProblem& island = *islands_[k];
+    AutoLimits own = limits;
+    const double predicted = island.predicted();
+    if (!std::isinf(limits.deadline_s) && predicted < remaining) {
+      const double now_s = wall_clock_s();
+      own.deadline_s = now_s + (limits.deadline_s - now_s) * predicted / remaining;
+    }
+    remaining -= predicted;
+    const Claim claim = island.solve(start, own, answer.z, u_, report);
+    if (claim == Claim::kSolved) continue;
+    if (failed == nullptr || claim == Claim::kUnsolvable) failed = &island;
+    if (claim == Claim::kUnsolvable) break;
+  }
   answer.counters = report.counters();
-  if (claim != Claim::kSolved) return give_up(claim, answer);
+  if (failed != nullptr) return give_up(*failed, answer);
   answer.claim = Claim::kSolved;
-  bound_slips(islands_.velocity(), answer.z);
-  if (islands_.all_gave_velocity()) answer.velocity = islands_.velocity();
+  bound_slips(u_, answer.z);
+  const auto gave_velocity = [](const auto& island) { return island->gave_velocity(); };
+  if (std::all_of(islands_.begin(), islands_.begin() + static_cast<std::ptrdiff_t>(count_), gave_velocity)) {
+    answer.velocity = u_;
+  }
   report.write_text(answer.detail);
 }
 
-void Auto::give_up(Claim claim, Answer& answer) const {
-  const IslandSolver& island = islands_.failed();
-  answer.claim = claim;
-  answer.z.setZero();
+void Auto::give_up(const IslandOfProblem& island, Answer& answer) const {
+  answer.claim = island.answer().claim;
+  if (answer.claim == Claim::kUnsolvable) answer.z.setZero();
   std::string& text = answer.detail;
   text = "island of ";
   text += std::to_string(island.contacts().size());
   text += " contacts: ";
-  text += claim == Claim::kTimeLimit || claim == Claim::kIterationLimit ? to_string(claim) : island.answer().detail;
-  if (island.answer().claim == Claim::kUnsupported) answer.z.resize(0);
+  text += island.answer().detail.empty() ? to_string(answer.claim) : island.answer().detail;
   const Vector& proof = island.answer().farkas;
-  if (claim != Claim::kUnsolvable || proof.size() == 0) return;
+  if (answer.claim != Claim::kUnsolvable || proof.size() == 0) return;
   answer.farkas.resize(problem().contact()->nc());
   answer.farkas.setZero();
   for (Index k = 0; k < proof.size(); ++k) answer.farkas(island.contacts()[static_cast<std::size_t>(k)]) = proof(k);
@@ -307,7 +334,7 @@ void Auto::bound_slips(const Vector& u, Vector& z) const {
   for (std::size_t c = 0; c < contact.edges.size(); ++c) {
     const Index edges = contact.edges[c];
     if (edges == 0) continue;
-    if (is_whole_ || !islands_.carries(c)) {
+    if (is_whole_ || carries_[c] == 0) {
       double slip = 0;
       for (Index t = 0; t < edges / 2 && u.size() > 0; ++t) {  // Eigen asserts on sparse columns of no rows
         slip = std::max(slip, std::visit(SlipBound{u, direction + t}, contact.D));
@@ -325,7 +352,7 @@ SolverDefinition lcpbench_solver_auto() {
   return define_solver<Auto, AutoSettings>(
       {.name = "auto",
        .summary =
-           "what to call: islands one by one, only what presses, the method by class and size, every answer tested",
+           "what to call: islands one by one, a race of methods for each, every answer tested",
        .source = "this project; its methods name theirs",
        .capabilities = kCapabilities});
 }

@@ -8,6 +8,14 @@
 namespace lcpbench {
 namespace {
 
+// Sizes of an island, contacts times coordinates, from which a guess takes less time than contact_lemke.
+
+/// contact_lemke that is loaded.
+constexpr Index kLeastLoaded = 800;
+/// contact_lemke that has to be loaded: of separate bodies, and of one block of G, such as a robot's.
+constexpr Index kLeastUnloaded = 100;
+constexpr Index kLeastUnloadedBlock = 30;
+
 /// W times the inertia that a contact feels: S = A'G*A is met but for the inverse of this in each step.
 constexpr double kStiffness = 1e9;
 /// Of contacts with hardly any load, against that with the largest.
@@ -39,6 +47,13 @@ void raise(double& largest, double x) {
 }
 
 }  // namespace
+
+bool HeldContacts::is_worth_a_guess(const ContactProblem& contact, bool is_loaded) {
+  const auto* bodies = std::get_if<BlockInertia>(&contact.inertia);
+  const Index unloaded = bodies == nullptr || bodies->blocks.size() == 1 ? kLeastUnloadedBlock : kLeastUnloaded;
+  const Index least = is_loaded ? kLeastLoaded : unloaded;
+  return contact.frictional() && contact.nc() * contact.ngc() >= least && takes(contact);
+}
 
 bool HeldContacts::takes(const ContactProblem& contact) {
   return std::holds_alternative<BlockInertia>(contact.inertia) || std::holds_alternative<DenseInertia>(contact.inertia);

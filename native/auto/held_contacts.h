@@ -36,6 +36,10 @@ class HeldContacts {
   /// Whether it can be loaded: G itself is given.
   static bool takes(const ContactProblem& contact);
 
+  /// Whether a guess costs little of what a method takes, and is right often enough: frictional problems from a size
+  /// on. @param is_loaded the first method is
+  static bool is_worth_a_guess(const ContactProblem& contact, bool is_loaded);
+
   /// Whether a quarter of the contacts or more pressed in the last answer, brought to these contacts, and none of them
   /// slipped. O(n)
   static bool held(const ContactProblem& contact, const Vector& v, const Vector& start);

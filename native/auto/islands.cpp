@@ -1,7 +1,6 @@
 #include "native/auto/islands.h"
 
 #include <algorithm>
-#include <iterator>
 #include <utility>
 #include <variant>
 
@@ -129,38 +128,6 @@ ContactProblem ProblemCutter::cut(std::span<const Index> contacts, std::span<con
   part.inertia = cut_inertia(coordinates);
   for (const Index coordinate : coordinates) local_[static_cast<std::size_t>(coordinate)] = -1;
   return part;
-}
-
-std::vector<Index> ProblemCutter::moved(std::span<const Index> contacts, std::span<const Index> coordinates) const {
-  const std::vector<char> is_moved = bodies_of(contacts);
-  std::vector<Index> moved;
-  std::copy_if(coordinates.begin(), coordinates.end(), std::back_inserter(moved),
-               [&](Index coordinate) { return is_moved[block_of(coordinate)] != 0; });
-  return moved;
-}
-
-std::vector<char> ProblemCutter::bodies_of(std::span<const Index> contacts) const {
-  std::vector<char> bodies(block_begin_.size() - 1, 0);
-  for (const Index contact : contacts) {
-    for_each_row(contact, [&](Index row) { bodies[block_of(row)] = 1; });
-  }
-  return bodies;
-}
-
-bool ProblemCutter::touches(Index contact, const std::vector<char>& bodies) const {
-  bool found = false;
-  for_each_row(contact, [&](Index row) { found = found || bodies[block_of(row)] != 0; });
-  return found;
-}
-
-/// The coordinates that the contact's impulses act on, some of them more than once.
-template <class Visit>
-void ProblemCutter::for_each_row(Index contact, Visit&& visit) const {
-  std::visit([&](const auto& N) { for_each_nonzero(N, contact, visit); }, whole_->N);
-  const auto c = static_cast<std::size_t>(contact);
-  for (Index t = layout_.friction_begin[c]; t < layout_.friction_begin[c + 1]; ++t) {
-    std::visit([&](const auto& D) { for_each_nonzero(D, t, visit); }, whole_->D);
-  }
 }
 
 Inertia ProblemCutter::cut_inertia(std::span<const Index> coordinates) const {

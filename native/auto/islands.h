@@ -29,20 +29,7 @@ class ProblemCutter {
   ContactProblem cut(std::span<const Index> contacts, std::span<const Index> coordinates, const Vector& v,
                      bool with_friction);
 
-  /// Those of an island's coordinates that belong to bodies (blocks of the inertia) which the contacts touch,
-  /// ascending.
-  /// @pre block inertia @param coordinates of the island, ascending
-  std::vector<Index> moved(std::span<const Index> contacts, std::span<const Index> coordinates) const;
-
-  /// Per body (block of the inertia), 1 for those that one of the contacts touches. @pre block inertia
-  std::vector<char> bodies_of(std::span<const Index> contacts) const;
-
-  /// Whether the contact touches one of them. @param bodies as of bodies_of()
-  bool touches(Index contact, const std::vector<char>& bodies) const;
-
  private:
-  template <class Visit>
-  void for_each_row(Index contact, Visit&& visit) const;
   Inertia cut_inertia(std::span<const Index> coordinates) const;
   std::size_t block_of(Index coordinate) const { return block_of_[static_cast<std::size_t>(coordinate)]; }
   BlockInertia cut_blocks(const BlockInertia& inertia, std::span<const Index> coordinates) const;

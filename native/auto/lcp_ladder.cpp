@@ -45,7 +45,7 @@ LemkeSettings tested() {
 
 }  // namespace
 
-LcpLadder::LcpLadder(std::int64_t max_pivots) : max_pivots_(max_pivots), lemke_(tested()) {}
+LcpLadder::LcpLadder() : lemke_(tested()) {}
 
 void LcpLadder::load(const Problem& problem) {
   problem_ = problem;
@@ -79,8 +79,7 @@ std::int64_t LcpLadder::quad_pivots() const {
 
 /// Of lemke, where other rungs follow.
 std::int64_t LcpLadder::share_of_pivots() const {
-  const std::int64_t share = 50 + 4 * problem_.size();
-  return max_pivots_ > 0 ? std::min(share, max_pivots_ - pivots_) : share;
+  return 50 + 4 * problem_.size();
 }
 
 void LcpLadder::solve(const SolveRequest& request, Answer& answer, const char*& text) {
@@ -123,7 +122,7 @@ void LcpLadder::attempt(Rung rung) {
 void LcpLadder::run_sparse() {
   attempt_.clear();
   attempt_.z.resize(problem_.size());
-  const SparsePivoting::End end = sparse_.run(deadline_s_, max_pivots_, attempt_.z);
+  const SparsePivoting::End end = sparse_.run(deadline_s_, attempt_.z);
   const SparsePivoting::Counts& counts = sparse_.counts();
   attempt_.counters = {.iterations = counts.steps, .pivots = counts.exchanges, .factorizations = counts.steps};
   if (end == SparsePivoting::End::kTimeLimit) attempt_.claim = Claim::kTimeLimit;
@@ -139,7 +138,6 @@ void LcpLadder::run_lemke(Rung rung) {
   std::int64_t limit = share_of_pivots();
   if (rung == Rung::kLemkeLong) {
     limit = std::min<std::int64_t>(1000 + 20 * problem_.size(), lemke_pivot_limit(defaults, problem_.size()));
-    if (max_pivots_ > 0) limit = std::min(limit, max_pivots_ - pivots_);
   }
   lemke_.limit_pivots(limit);
   const bool unlimited = std::isinf(deadline_s_);
@@ -155,7 +153,6 @@ void LcpLadder::run_covering(Rung rung) {
   const Index n = problem_.size();
   CoveringLemke::Limits limits{.deadline_s = deadline_s_, .pivots = 500 + 10 * n};
   if (ended_in_ray_ && n > kLargestThorough) limits.pivots = std::min(limits.pivots, 50 + kPivotsAfterRay * pivots_);
-  if (max_pivots_ > 0) limits.pivots = std::min(limits.pivots, max_pivots_ - pivots_);
   if (rung != Rung::kCovering) limits.pivots = std::min(limits.pivots, quad_pivots());
   const Cover cover = rung == Rung::kCoveringQuadNegative ? Cover::kNegative : Cover::kAll;
   attempt_.clear();
@@ -216,12 +213,6 @@ bool LcpLadder::is_final(Rung rung, Answer& answer, const char*& text) {
       text = "ray, and no answer with another covering vector";
       return true;
     }
-  }
-  // All methods share the limit: what one has used up, the next would exceed.
-  if (max_pivots_ > 0 && pivots_ >= max_pivots_) {
-    answer.claim = Claim::kIterationLimit;
-    text = "pivot limit";
-    return true;
   }
   return false;
 }

@@ -23,7 +23,7 @@ namespace lcpbench {
 /// takes the problem.
 class LcpLadder {
  public:
-  explicit LcpLadder(std::int64_t max_pivots);
+  LcpLadder();
 
   /// @param problem a bare LCP
   void load(const Problem& problem);
@@ -57,7 +57,6 @@ class LcpLadder {
   std::int64_t quad_pivots() const;
 
   Problem problem_;
-  std::int64_t max_pivots_;
   SparsePivoting sparse_;
   bool is_sparse_ = false;
   Lemke lemke_;

@@ -33,6 +33,12 @@ Index edges_of_all(const ContactProblem& contact) {
 
 }  // namespace
 
+double LeastEnergy::work(const ContactProblem& contact) {
+  const auto ngc = static_cast<double>(contact.ngc());
+  const auto edges = static_cast<double>(edges_of_all(contact));
+  return ngc * ngc * (ngc / 6 + edges / 2 + edges + ngc);
+}
+
 LeastEnergy::LeastEnergy() : engine_(active_set_engine(isa_level())), state_(engine_.create()) {}
 
 LeastEnergy::~LeastEnergy() { engine_.destroy(state_); }

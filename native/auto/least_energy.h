@@ -25,6 +25,9 @@ class LeastEnergy {
   /// Takes all memory that load() and solve() need for this problem, and touches hardly any of it.
   void reserve(const ContactProblem& contact);
 
+  /// Multiplications that load() and solve() take, about, with one change of the active set for each coordinate.
+  static double work(const ContactProblem& contact);
+
   /// In double: O(ngc^3 / 6 + edges ngc^2 / 2). Allocates nothing for a problem that was reserved.
   /// @pre the inertia is given as G @param contact must outlive the next load @param v velocity before the impact
   void load(const ContactProblem& contact, const Vector& v);

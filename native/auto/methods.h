@@ -1,63 +1,46 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 
-#include "core/solver.h"
+#include "native/auto/least_energy.h"
 #include "native/auto/report.h"
+#include "native/contact_lemke/contact_lemke.h"
+#include "native/contacts/resumable_solver.h"
 
 namespace lcpbench {
 
-struct LaterEngines;
+/// One solver of each method, made when it is first needed, and the problem that they hold.
+class Methods {
+ public:
+  /// @param later what the rungs of contact_lemke beyond double run on
+  explicit Methods(std::shared_ptr<LaterEngines> later) : later_(std::move(later)) {}
 
-/// Whether it has dense matrices only, for which memory can be taken before the problem is known.
-inline bool is_dense(AutoMethod method) {
-  return method == AutoMethod::kActiveSet || method == AutoMethod::kContactLemke;
-}
+  /// Whether the method takes the problem, and the memory for it: dense ones need about ngc (ngc + nc) numbers.
+  static bool takes(AutoMethod method, const Problem& problem);
 
-/// One try at an island. A brief one ends early where the method does not suit: contact_lemke after its first path in
-/// double, or at a limit of pivots; friction_ipm after `rounds` convex problems; psor after `sweeps`.
-struct AutoTry {
-  AutoMethod method = AutoMethod::kActiveSet;
-  bool brief = false;
-  std::int64_t sweeps = 0;
-  std::int64_t rounds = 2;
-  bool exact = false;  ///< of psor: takes exact parts
+  /// Another problem: what the solvers hold is old. @param problem must outlive the next call
+  void begin(const Problem& problem, const Vector& v, bool is_one_island);
+  void set_velocity(const Vector& v);
+
+  bool holds(AutoMethod method) const { return is_loaded_[static_cast<std::size_t>(method)]; }
+  /// The solver with the problem loaded. Allocates what it needs.
+  ResumableSolver& loaded(AutoMethod method);
+  LeastEnergy& loaded_least_energy();
+
+  /// The velocity that goes with impulses for which a method gave none. O(ngc^2), after psor O(nonzeros)
+  void respond(AutoMethod method, const Vector& z, Vector& u);
+
+ private:
+  std::shared_ptr<LaterEngines> later_;
+  const Problem* problem_ = nullptr;
+  Vector v_;
+  bool is_one_island_ = false;
+  std::array<std::unique_ptr<ResumableSolver>, kAutoMethods> solvers_;
+  std::array<bool, kAutoMethods> is_loaded_{};
+  std::unique_ptr<LeastEnergy> least_energy_;
+  bool has_least_energy_ = false;  ///< it holds the problem
 };
-
-/// Residual that a brief psor has to reach, relative to max|q| of each island, where no error is stated: what follows
-/// it would reach 1e-9 or less.
-inline constexpr double kSweptResidual = 1e-12;
-
-/// A smaller stated error counts as this one: iterative methods in double reach it, as a rule.
-inline constexpr double kLeastError = 1e-12;
-
-/// What is left of a solve's limits, and the error that it may leave.
-struct AutoLimits {
-  double deadline_s = 0;        ///< on wall_clock_s(); infinity: none
-  std::int64_t max_pivots = 0;  ///< 0: none
-  double error = 0;             ///< 0: none is stated
-
-  /// Seconds left.
-  double time() const;
-  /// Pivots left when so many are done; meaningless without a limit.
-  std::int64_t pivots(const Counters& done) const { return max_pivots - done.pivots; }
-  bool exhausted(const Counters& done) const { return max_pivots > 0 && pivots(done) <= 0; }
-};
-
-/// At its defaults. @param later what the rungs of contact_lemke beyond double run on
-std::unique_ptr<Solver> make_method(AutoMethod method, const std::shared_ptr<LaterEngines>& later);
-
-/// Whether the limits leave nothing for another try. The claim then says so, and z is zero.
-bool ends_at_limit(const AutoLimits& limits, const Problem& problem, Answer& answer, const AutoReport& report);
-
-/// Solves what `solver`, which is of this method, has loaded, and counts it in.
-/// @param request with what is left of limits.time()
-void run_try(const AutoTry& now, Solver& solver, const Problem& problem, const SolveRequest& request,
-             const AutoLimits& limits, Answer& answer, AutoReport& report);
-
-/// Whether another method may get where this one did not: it ended neither with an answer nor for a limit of the
-/// caller's.
-bool gave_up(Claim claim, const AutoLimits& limits, const AutoReport& report);
 
 }  // namespace lcpbench

@@ -51,25 +51,12 @@ void AutoReport::add(const Counters& counters, std::string_view rung) {
   rung_ = std::max(rung_, rung_of(rung));
 }
 
-void AutoReport::add(const AutoReport& further) {
-  at_rest += further.at_rest;
-  left_out += further.left_out;
-  brought_back += further.brought_back;
-  least_energy += further.least_energy;
-  held += further.held;
-  for (std::size_t k = 0; k < kAutoMethods; ++k) runs_[k] += further.runs_[k];
-  add(further.counters_, {});
-  rung_ = std::max(rung_, further.rung_);
-}
-
 void AutoReport::write_text(std::string& text) const {
   Line line;
-  const bool plain = islands == 1 && left_out == 0 && brought_back == 0;
+  const bool plain = islands == 1;
   if (!plain) {
     line << islands << (islands == 1 ? " island" : " islands");
     if (at_rest > 0) line << ", " << at_rest << " at rest";
-    if (left_out > 0) line << ", " << left_out << " of " << contacts << " contacts left out";
-    if (brought_back > 0) line << ", " << brought_back << " brought back";
   }
   const char* separator = plain ? "" : "; ";
   bool any = false;

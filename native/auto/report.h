@@ -18,9 +18,6 @@ class AutoReport {
  public:
   Index islands = 0;
   Index at_rest = 0;  ///< islands of which no contact approaches: not solved
-  Index contacts = 0;
-  Index left_out = 0;  ///< contacts that no solver saw
-  Index brought_back = 0;
   Index least_energy = 0;  ///< islands that the impulses of least energy solve
   Index held = 0;          ///< islands of which the contacts of the last step hold
 
@@ -28,13 +25,10 @@ class AutoReport {
   void count(AutoMethod method) { ++runs_[static_cast<std::size_t>(method)]; }
   /// Counts its work and rung in.
   void add(const Counters& counters, std::string_view rung);
-  /// Counts in what another report counted of further islands; its `islands` and `contacts` are not used.
-  void add(const AutoReport& further);
 
   const Counters& counters() const { return counters_; }
 
-  /// "contact_lemke, double"; where there are more islands or contacts were left out
-  /// "7 islands, 3 at rest, 12 of 40 contacts left out, 1 brought back; active_set 3, contact_lemke 1; double".
+  /// "contact_lemke, double"; where there are more islands "7 islands, 3 at rest; active_set 3, contact_lemke 1; double".
   void write_text(std::string& text) const;
 
  private:

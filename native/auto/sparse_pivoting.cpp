@@ -111,7 +111,7 @@ void SparsePivoting::find_negative() {
   }
 }
 
-SparsePivoting::End SparsePivoting::run(double deadline_s, std::int64_t most_exchanges, Vector& z) {
+SparsePivoting::End SparsePivoting::run(double deadline_s, Vector& z) {
   const Index n = q_.size();
   basic_.assign(static_cast<std::size_t>(n), 0);
   counts_ = {};
@@ -135,7 +135,6 @@ SparsePivoting::End SparsePivoting::run(double deadline_s, std::int64_t most_exc
       ++counts_.single;
     }
     counts_.exchanges += static_cast<std::int64_t>(negative_.size());
-    if (most_exchanges > 0 && counts_.exchanges > most_exchanges) return End::kWorkLimit;
     for (const Index i : negative_) basic_[static_cast<std::size_t>(i)] ^= 1;
   }
   for (Index i = 0; i < n; ++i) z(row_[static_cast<std::size_t>(i)]) = z_(i);

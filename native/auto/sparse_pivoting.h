@@ -28,8 +28,8 @@ class SparsePivoting {
   bool load(const Lcp& lcp);
 
   /// Allocates. @param z n entries, the basic solution where it ends with kSolved
-  /// @param deadline_s on wall_clock_s() @param most_exchanges 0: no limit
-  End run(double deadline_s, std::int64_t most_exchanges, Vector& z);
+  /// @param deadline_s on wall_clock_s()
+  End run(double deadline_s, Vector& z);
 
   const Counts& counts() const { return counts_; }
 

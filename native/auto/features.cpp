@@ -1,0 +1,98 @@
+#include "native/auto/features.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <variant>
+
+#include "native/auto/islands.h"
+#include "native/auto/separator.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kLargestSlip = 1024;
+constexpr double kLargestMu = 2;
+constexpr double kLargestRatio = 0x1p30;
+
+/// Linear between powers of two, so that no library decides its last bit. @pre x > 0 and finite
+double log2_of(double x) {
+  int exponent = 0;
+  const double mantissa = std::frexp(x, &exponent);  // in [1/2, 1)
+  return exponent - 2 + 2 * mantissa;
+}
+
+/// max|d'v| over the first half of the directions d of each contact, which the others oppose.
+template <class Directions>
+double fastest_slip(const ContactProblem& contact, const Directions& D, const Vector& v) {
+  double slip = 0;
+  Index direction = 0;
+  for (const int edges : contact.edges) {
+    for (Index t = 0; t < edges / 2; ++t) slip = std::max(slip, std::abs(D.col(direction + t).dot(v)));
+    direction += edges;
+  }
+  return slip;
+}
+
+struct Range {
+  double least = std::numeric_limits<double>::infinity(), largest = 0;
+  void add(double entry) {
+    if (!(entry > 0)) return;
+    least = std::min(least, entry);
+    largest = std::max(largest, entry);
+  }
+  double ratio() const { return largest > 0 ? std::min(largest / least, kLargestRatio) : 1; }
+};
+
+Range diagonal_of(const Inertia& inertia) {
+  Range range;
+  const auto add = [&range](const Matrix& matrix) {
+    for (Index i = 0; i < matrix.rows(); ++i) range.add(matrix(i, i));
+  };
+  if (const auto* bodies = std::get_if<BlockInertia>(&inertia)) {
+    for (const Matrix& block : bodies->blocks) add(block);
+  } else if (const auto* dense = std::get_if<DenseInertia>(&inertia)) {
+    add(dense->G);
+  }
+  return range;
+}
+
+}  // namespace
+
+void Features::measure(const ContactProblem& contact, const Vector& v, Index idle) {
+  const auto contacts = static_cast<double>(std::max<Index>(contact.nc(), 1));
+  const auto coordinates = static_cast<double>(std::max<Index>(contact.ngc() - idle, 1));
+  Index rows = contact.nc();
+  double mu = 0;
+  for (Index c = 0; c < contact.nc(); ++c) {
+    mu = std::max(mu, contact.mu(c));
+    if (contact.mu(c) > 0 && contact.edges[static_cast<std::size_t>(c)] > 0) rows += 2;
+  }
+  redundancy_ = static_cast<double>(rows) / coordinates;
+  const auto* bodies = std::get_if<BlockInertia>(&contact.inertia);
+  const double separator = bodies != nullptr && bodies->blocks.size() > 2 ? separator_size(contact) : coordinates;
+  of(Feature::kOne) = 1;
+  of(Feature::kContacts) = log2_of(contacts);
+  of(Feature::kCoordinates) = log2_of(coordinates);
+  of(Feature::kRedundancy) = log2_of(std::max(redundancy_, 0x1p-30));
+  of(Feature::kEdges) = log2_of(std::max(static_cast<double>(lcp_size(contact)) / contacts, 1.0));
+  of(Feature::kSeparator) = log2_of(std::max(separator, 1.0));
+  of(Feature::kFriction) = std::min(mu, kLargestMu);
+  of(Feature::kMasses) = log2_of(diagonal_of(contact.inertia).ratio());
+  set_velocity(contact, v);
+}
+
+void Features::set_velocity(const ContactProblem& contact, const Vector& v) {
+  double approach = 0;
+  double mu = 0;
+  for (Index c = 0; c < contact.nc(); ++c) {
+    approach = std::max(approach, -(dot_column(contact.N, c, v) + contact.offset(c)));
+    mu = std::max(mu, contact.mu(c));
+  }
+  const double slip = std::visit([&](const auto& D) { return fastest_slip(contact, D, v); }, contact.D);
+  slip_ratio_ = slip == 0 ? 0 : slip / (mu * approach);
+  of(Feature::kSlip) = log2_of(1 + (slip_ratio_ < kLargestSlip ? slip_ratio_ : kLargestSlip));
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,180 @@
+#include "native/auto/island.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <variant>
+
+#include "native/answer_test/contact_solvability.h"
+#include "native/auto/rest.h"
+#include "native/contacts/contact_impulses.h"
+
+namespace lcpbench {
+namespace {
+
+/// Of a body's inertia scaled to unit diagonal: its least eigenvalue is no less than a third of that.
+constexpr double kLeastDeterminant = 0x1p-20;
+
+/// Whether double knows the response of every body to any impulse well. @pre BlockInertia
+bool is_benign(const Inertia& inertia) {
+  const auto& blocks = std::get<BlockInertia>(inertia).blocks;
+  return std::all_of(blocks.begin(), blocks.end(), [](const Matrix& block) {
+    const Eigen::LLT<Matrix> factors(block);
+    if (factors.info() != Eigen::Success) return false;
+    double determinant = 1;
+    for (Index i = 0; i < block.rows(); ++i) {
+      const double pivot = factors.matrixLLT()(i, i);
+      determinant *= pivot * pivot / block(i, i);
+    }
+    return determinant >= kLeastDeterminant;
+  });
+}
+
+/// w of the contact's normal row at u.
+double normal_row(const ContactProblem& problem, Index contact, const Vector& u) {
+  const double velocity = dot_column(problem.N, contact, u);
+  return problem.has_offset() ? velocity + problem.b(contact) : velocity;
+}
+
+/// More than normal_row() rounds; 0 only where there is nothing to round.
+double rounding_of_row(const ContactProblem& problem, Index contact, const Vector& v) {
+  constexpr double kTwoRoundings = 0x1p-52;
+  const double terms =
+      std::abs(problem.offset(contact)) +
+      std::visit([&](const auto& N) { return N.col(contact).cwiseAbs().dot(v.cwiseAbs()); }, problem.N);
+  if (terms == 0) return 0;
+  return kTwoRoundings * static_cast<double>(v.size() + 1) * terms + std::numeric_limits<double>::denorm_min();
+}
+
+}  // namespace
+
+void IslandOfProblem::load(ProblemCutter& whole, Island island, const Vector& v, std::vector<char>& carries,
+                           IslandRace::Load how) {
+  cutter_ = &whole;
+  how_ = how;
+  carries_ = &carries;
+  island_ = std::move(island);
+  is_loaded_ = false;
+  update(v);
+}
+
+void IslandOfProblem::update(const Vector& v) {
+  measure_approach(v);
+  is_at_rest_ = !(fastest_ > 0);
+  if (is_at_rest_) return;
+  if (is_loaded_) {
+    for (Index i = 0; i < v_.size(); ++i) v_(i) = v(island_.coordinates[static_cast<std::size_t>(i)]);
+    return race_.update(v_);
+  }
+  cut(v);
+  race_.load(problem_, v_, how_);
+  is_loaded_ = true;
+}
+
+void IslandOfProblem::measure_approach(const Vector& v) {
+  const ContactProblem& whole = cutter_->whole();
+  const bool may_be_singular = ContactSolvability::is_asked(whole);
+  fastest_ = 0;
+  for (const Index contact : island_.contacts) {
+    const double velocity = normal_row(whole, contact, v);
+    // What no impulse moves has no solution where it approaches, be it by less than the rounding of its velocity.
+    fastest_ = max_or_infinity(fastest_, -velocity);
+    if (may_be_singular) fastest_ = max_or_infinity(fastest_, rounding_of_row(whole, contact, v) - velocity);
+  }
+}
+
+void IslandOfProblem::cut(const Vector& v) {
+  ProblemCutter& whole = *cutter_;
+  const Island& part = island_;
+  const ContactProblem& given = whole.whole();
+  // Where mu = 0 the slip gives lambda, which body by body is as certain as the velocity. In an inertia that couples
+  // more, or in bodies near singular, the directions of friction may be the ones that double knows nothing of: then
+  // their rows are solved and tested too.
+  const bool by_bodies = std::holds_alternative<BlockInertia>(given.inertia);
+  bool has_friction = false;
+  bool has_rows = false;
+  for (const Index contact : part.contacts) {
+    const bool rows = given.edges[static_cast<std::size_t>(contact)] > 0;
+    has_rows = has_rows || rows;
+    has_friction = has_friction || (rows && given.mu(contact) > 0);
+  }
+  const auto cut_out = [&](bool with_friction) {
+    problem_ = Problem("", whole.cut(part.contacts, part.coordinates, v, with_friction));
+  };
+  const bool keeps_rows = has_friction || (has_rows && !by_bodies);
+  const bool is_whole = keeps_rows == has_rows && static_cast<Index>(part.contacts.size()) == given.nc() &&
+                        static_cast<Index>(part.coordinates.size()) == given.ngc() && v == given.v;
+  if (is_whole) {
+    problem_ = whole.problem();
+  } else {
+    cut_out(keeps_rows);
+  }
+  if (by_bodies && has_rows && !has_friction && !is_benign(problem_.contact()->inertia)) cut_out(true);
+  place_unknowns(whole.layout());
+  v_ = problem_.contact()->v;
+  u_.resize(v_.size());
+  start_.resize(problem_.size());
+  answer_.reserve(problem_);
+}
+
+void IslandOfProblem::place_unknowns(const ContactLayout& layout) {
+  const std::vector<Index>& contacts = island_.contacts;
+  place_.assign(contacts.begin(), contacts.end());
+  if (!problem_.contact()->frictional()) return;
+  for (const Index contact : contacts) {
+    const auto c = static_cast<std::size_t>(contact);
+    for (Index t = layout.friction_begin[c]; t < layout.friction_begin[c + 1]; ++t) {
+      place_.push_back(layout.friction_offset() + t);
+    }
+  }
+  for (const Index contact : contacts) {
+    const Index lambda = layout.lambda[static_cast<std::size_t>(contact)];
+    if (lambda >= 0) place_.push_back(layout.lambda_offset() + lambda);
+  }
+}
+
+Claim IslandOfProblem::solve(const Vector* start, const AutoLimits& limits, Vector& z, Vector& u, AutoReport& report) {
+  if (is_at_rest_) return remain_at_rest(report);
+  if (start != nullptr) {
+    for (Index i = 0; i < start_.size(); ++i) start_(i) = (*start)(place_[static_cast<std::size_t>(i)]);
+  }
+  race_.solve(start != nullptr ? &start_ : nullptr, limits, answer_, report);
+  if (answer_.claim != Claim::kSolved && answer_.claim != Claim::kUnsolvable && rests(u)) {
+    is_at_rest_ = true;
+    return remain_at_rest(report);
+  }
+  for (Index i = 0; i < answer_.z.size(); ++i) z(place_[static_cast<std::size_t>(i)]) = answer_.z(i);
+  tell_what_is_carried();
+  // Of contacts that have friction rows and a lambda, but not in the answer, the slip is asked for.
+  if (answer_.claim == Claim::kSolved && (gave_velocity() || !problem_.contact()->frictional())) write_velocity(u);
+  return answer_.claim;
+}
+
+void IslandOfProblem::write_velocity(Vector& u) {
+  if (answer_.velocity.size() == 0) race_.respond(answer_, u_);
+  const Vector& own = answer_.velocity.size() > 0 ? static_cast<const Vector&>(answer_.velocity) : u_;
+  for (Index i = 0; i < own.size(); ++i) u(island_.coordinates[static_cast<std::size_t>(i)]) = own(i);
+}
+
+/// Whether z = 0 solves the island, where no method does.
+bool IslandOfProblem::rests(const Vector& u) const {
+  if (!has_own_scale_) return false;
+  RestTest test(cutter_->whole(), cutter_->layout(), u);
+  for (const Index contact : island_.contacts) test.add(contact);
+  return test.passes();
+}
+
+Claim IslandOfProblem::remain_at_rest(AutoReport& report) {
+  ++report.at_rest;
+  tell_what_is_carried();
+  return Claim::kSolved;
+}
+
+void IslandOfProblem::tell_what_is_carried() {
+  const bool carries = !is_at_rest_ && problem_.contact()->frictional();
+  for (const Index contact : island_.contacts) (*carries_)[static_cast<std::size_t>(contact)] = carries ? 1 : 0;
+}
+
+}  // namespace lcpbench

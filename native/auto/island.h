@@ -1,0 +1,70 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/islands.h"
+#include "core/problem.h"
+#include "core/solver.h"
+#include "native/auto/island_race.h"
+#include "native/auto/islands.h"
+#include "native/auto/report.h"
+
+namespace lcpbench {
+
+/// One island of a problem as a problem of its own, without the friction rows that cannot press. If no contact
+/// approaches, none presses and nothing is solved. Nothing is solved either if no method finds an answer and the
+/// approach is so slow that z = 0 is one.
+class IslandOfProblem {
+ public:
+  /// @param has_own_scale false: several islands in one, of which each would have a scale of its own
+  IslandOfProblem(Methods& shared, const std::shared_ptr<LaterEngines>& later, double error, bool has_own_scale)
+      : has_own_scale_(has_own_scale),
+        race_(shared, later, error, has_own_scale ? IslandRace::Scope::kIsland : IslandRace::Scope::kParts) {}
+
+  /// Cuts the problem out. @param whole must outlive the next load @param v velocity of the whole problem
+  /// @param carries per contact of the whole; 1 for those whose lambda the answer of solve() includes
+  void load(ProblemCutter& whole, Island island, const Vector& v, std::vector<char>& carries, IslandRace::Load how);
+  /// Another velocity. Loads the methods if a contact approaches for the first time since load().
+  void update(const Vector& v);
+
+  /// Adds the island's impulses to z and its change of velocity to u, both of the whole problem. u arrives as v.
+  /// @param start of the whole problem, or nullptr
+  /// @returns kSolved, or why not; answer() then says more, and z has the best impulses that were found
+  Claim solve(const Vector* start, const AutoLimits& limits, Vector& z, Vector& u, AutoReport& report);
+
+  /// Of the last solve, unless the island was at rest.
+  const Answer& answer() const { return answer_; }
+  const std::vector<Index>& contacts() const { return island_.contacts; }
+  /// The last solve gave a velocity of the solver's own, which is in u.
+  bool gave_velocity() const { return is_at_rest_ || answer_.velocity.size() > 0; }
+  /// Work that the island is predicted to take; 0 at rest.
+  double predicted() const { return is_at_rest_ ? 0 : race_.predicted(); }
+
+ private:
+  void measure_approach(const Vector& v);
+  void load_race();
+  void cut(const Vector& v);
+  void place_unknowns(const ContactLayout& layout);
+  bool rests(const Vector& u) const;
+  Claim remain_at_rest(AutoReport& report);
+  void tell_what_is_carried();
+  void write_velocity(Vector& u);
+
+  const bool has_own_scale_;
+  ProblemCutter* cutter_ = nullptr;
+  std::vector<char>* carries_ = nullptr;
+  Island island_;
+  double fastest_ = 0;  ///< the largest of -(N'v + b); infinity for what overflows to NaN
+  bool is_at_rest_ = false;
+  bool is_loaded_ = false;  ///< the race
+  IslandRace::Load how_ = IslandRace::Load::kAtOnce;
+
+  Problem problem_;
+  std::vector<Index> place_;  ///< in z of the whole, of each unknown
+  Vector v_, u_, start_;
+  Answer answer_;
+  IslandRace race_;
+};
+
+}  // namespace lcpbench

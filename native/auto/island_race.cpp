@@ -1,0 +1,259 @@
+#include "native/auto/island_race.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <variant>
+
+#include "native/answer_test/contact_solvability.h"
+#include "native/auto/islands.h"
+#include "native/auto/prediction.h"
+
+namespace lcpbench {
+namespace {
+
+/// Digits that iterative methods take where no error is stated.
+constexpr double kDefaultDigits = 9;
+
+/// A load() knows no time limit: what is predicted to take more work, about 50 ms, is left to solve().
+constexpr double kLoadAtOnce = 2.5e8;
+
+/// Guesses which contacts hold, on islands whose first method is loaded. On others those after the first hardly ever
+/// find it.
+constexpr int kHeldTries = 3;
+
+/// Of the impulses of least energy, relative to max|q|; less if a smaller error is stated. They are a solution to
+/// rounding, or none.
+constexpr double kLargestRestResidual = 1e-8;
+
+/// Up to this slip ratio friction may hold every contact.
+constexpr double kHeldByFriction = 1;
+/// Above this one hardly any: contacts of a grip press more than they approach.
+constexpr double kMostSlip = 16;
+/// A contact slips if its lambda is more than this part of max|N'v + b|.
+constexpr double kSlipping = 1e-9;
+/// Where one slips faster than that, over max|N'v + b|, rest is hardly ever a solution.
+constexpr double kFastSlip = 2;
+
+bool slips_slowly(const ContactProblem& contact, const Vector& v, const Vector& z) {
+  double scale = 0;
+  for (Index c = 0; c < contact.nc(); ++c) {
+    scale = std::max(scale, std::abs(dot_column(contact.N, c, v) + contact.offset(c)));
+  }
+  const Index impulses = contact.nc() + cols(contact.D);
+  if (z.size() == impulses) return false;
+  const double fastest = z.tail(z.size() - impulses).maxCoeff();
+  return fastest > kSlipping * scale && fastest <= kFastSlip * scale;
+}
+
+bool gives_inertia(const ContactProblem& contact) {
+  return std::holds_alternative<BlockInertia>(contact.inertia) || std::holds_alternative<DenseInertia>(contact.inertia);
+}
+
+constexpr std::array kFrictional{AutoMethod::kContactLemke, AutoMethod::kFrictionIpm, AutoMethod::kPsor};
+constexpr std::array kFrictionless{AutoMethod::kActiveSet, AutoMethod::kVelocityIpm, AutoMethod::kPsor,
+                                   AutoMethod::kContactLemke};
+static_assert(kFrictionless.size() <= Race::kMostEntrants);
+
+}  // namespace
+
+IslandRace::IslandRace(Methods& shared, const std::shared_ptr<LaterEngines>& later, double error, Scope scope)
+    : error_(error), scope_(scope), own_(later), shared_(shared), methods_(&own_) {}
+
+void IslandRace::load(const Problem& problem, const Vector& v, Load how) {
+  problem_ = &problem;
+  v_ = v;
+  methods_ = how == Load::kInTurn ? &shared_ : &own_;
+  count_ = 0;
+  has_held_ = waits_ = false;
+  own_.begin(problem, v, scope_ == Scope::kWhole);
+  if (how == Load::kAfterGuess && HeldContacts::is_worth_a_guess(*problem.contact(), false)) {
+    const bool is_small = !HeldContacts::is_worth_a_guess(*problem.contact(), true);
+    if (scope_ == Scope::kWhole && is_small && steps_without_guess_ > 0) {
+      --steps_without_guess_;
+    } else {
+      waits_ = true;
+      return;
+    }
+  }
+  enter();
+  if (how != Load::kInTurn) load_first();
+}
+
+/// The methods that take the problem, with what they are predicted to cost.
+void IslandRace::enter() {
+  const ContactProblem& contact = *problem_->contact();
+  features_.measure(contact, v_, idle_);
+  features_.set_digits(error_ > 0 ? -std::log10(error_) : kDefaultDigits);
+  count_ = 0;
+  double least = std::numeric_limits<double>::infinity();
+  const auto add = [&](AutoMethod method) {
+    if (!Methods::takes(method, *problem_)) return;
+    order_[count_] = method;
+    entrants_[count_] = predict(method, contact.frictional(), features_);
+    least = std::min(least, entrants_[count_++].cost);
+  };
+  if (contact.frictional()) {
+    for (const AutoMethod method : kFrictional) add(method);
+  } else {
+    for (const AutoMethod method : kFrictionless) add(method);
+  }
+  // Only contact_lemke tells what has a solution from what has none.
+  if (contact.frictional() && may_be_singular() && order_[0] == AutoMethod::kContactLemke) entrants_[0].cost = least;
+}
+
+bool IslandRace::may_be_singular() const {
+  return !gives_inertia(*problem_->contact()) && ContactSolvability::is_asked(*problem_->contact());
+}
+
+double IslandRace::predicted() const {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < count_; ++k) least = std::min(least, entrants_[k].cost);
+  return count_ > 0 ? least : 0;
+}
+
+void IslandRace::load_first() {
+  if (may_rest_first() || count_ == 0) return;
+  const auto first = std::min_element(entrants_.begin(), entrants_.begin() + static_cast<std::ptrdiff_t>(count_),
+                                      [](const Entrant& a, const Entrant& b) { return a.cost < b.cost; });
+  if (first->load_cost <= kLoadAtOnce) loaded(static_cast<std::size_t>(first - entrants_.begin()));
+}
+
+void IslandRace::update(const Vector& v) {
+  v_ = v;
+  if (has_held_) held_->set_velocity(v_);
+  own_.set_velocity(v_);
+  if (waits_) return;
+  methods_ = &own_;
+  enter();
+  load_first();
+}
+
+bool IslandRace::guesses(const Vector* start) const {
+  if (start == nullptr) return false;
+  return (waits_ || HeldContacts::is_worth_a_guess(*problem_->contact(), true)) &&
+         HeldContacts::held(*problem_->contact(), v_, *start);
+}
+
+/// Whether the contacts that pressed in the last step hold again.
+bool IslandRace::holds(const Vector& start, const AutoLimits& limits, Answer& answer, AutoReport& report) {
+  if (held_ == nullptr) held_ = std::make_unique<HeldContacts>(scope_ != Scope::kParts, scope_ == Scope::kWhole);
+  if (!has_held_) held_->load(*problem_, v_);
+  has_held_ = true;
+  Counters work{.iterations = 0, .pivots = 0, .factorizations = 0};
+  const int tries = HeldContacts::is_worth_a_guess(*problem_->contact(), true) ? kHeldTries : 1;
+  const bool found = held_->solve(start, tries, limits.deadline_s, answer, work);
+  report.add(work, "");
+  if (!found) return false;
+  answered_by_ = AutoMethod::kFrictionIpm;  // of which answers come with their velocity, too
+  ++report.held;
+  return true;
+}
+
+/// Whether the impulses of least energy are sought before all: contacts that friction may hold, with more ways to press
+/// than to move. On others the methods come to rest by themselves, if it is a solution.
+bool IslandRace::may_rest_first() const {
+  const ContactProblem& contact = *problem_->contact();
+  return contact.frictional() && gives_inertia(contact) && features_.redundancy() > 1 &&
+         features_.slip_ratio() <= kHeldByFriction;
+}
+
+/// Whether the impulses of least energy are an answer: they are where one has no contact that slips.
+bool IslandRace::rests(bool is_warm, const AutoLimits& limits, Answer& answer, AutoReport& report) {
+  if (!Methods::takes(AutoMethod::kContactLemke, *problem_)) return false;
+  const double left_s = std::isinf(limits.deadline_s) ? limits.deadline_s : limits.deadline_s - wall_clock_s();
+  if (!(left_s > 0)) return false;
+  LeastEnergy& least_energy = methods_->loaded_least_energy();
+  Counters work{.iterations = 0, .pivots = 0, .factorizations = 0};
+  const bool found = least_energy.solve(is_warm, left_s, work.pivots);
+  report.add(work, "");
+  if (!found) return false;
+  auto& judge = static_cast<ContactLemke&>(methods_->loaded(AutoMethod::kContactLemke));
+  const contact_lemke::Residual residual = judge.complete(least_energy.z().data());
+  const double allowed = limits.error > 0 ? std::min(limits.error, kLargestRestResidual) : kLargestRestResidual;
+  if (!(residual.velocity <= allowed && residual.certain <= kClaimedResidual)) return false;
+  if (!judge.has_solution(limits.deadline_s)) return false;
+  answer.clear();
+  answer.claim = Claim::kSolved;
+  answer.z = least_energy.z().view();
+  answered_by_ = AutoMethod::kContactLemke;
+  ++report.least_energy;
+  return true;
+}
+
+/// Whether looking for rest may be worth its cost, which is a small part of what contact_lemke's pivots took.
+bool IslandRace::may_have_missed_rest(const Answer& answer) const {
+  const ContactProblem& contact = *problem_->contact();
+  if (answered_by_ != AutoMethod::kContactLemke || answer.claim != Claim::kSolved || !gives_inertia(contact)) return false;
+  if (!(features_.redundancy() > 1 && features_.slip_ratio() <= kMostSlip)) return false;
+  const std::int64_t worth = std::max(contact.ngc() - idle_, cols(contact.D) / 4);
+  return answer.counters.pivots >= worth && slips_slowly(contact, v_, answer.z);
+}
+
+void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& answer, AutoReport& report) {
+  const bool guesses_now = guesses(start);
+  const bool found = guesses_now && holds(*start, limits, answer, report);
+  if (guesses_now && waits_) {
+    wrong_guesses_ = found ? 0 : wrong_guesses_ + 1;
+    steps_without_guess_ = wrong_guesses_;
+  }
+  if (found) return;
+  if (methods_ == &shared_) shared_.begin(*problem_, v_, scope_ == Scope::kWhole);
+  if (waits_) enter();
+  waits_ = false;
+  const bool rests_first = may_rest_first();
+  // An answer of active sets rests on few of the contacts that hold, and from it the next guess would go wrong again.
+  // The first convex problem of friction_ipm rests on all of them.
+  const std::size_t ipm = std::find(order_.begin(), order_.begin() + count_, AutoMethod::kFrictionIpm) - order_.begin();
+  const bool by_active_set = rests_first && !guesses_now && (ipm == count_ || LeastEnergy::work(*problem_->contact()) <= entrants_[ipm].cost);
+  if (by_active_set && rests(start != nullptr, limits, answer, report)) return;
+  const double given = ipm < count_ ? entrants_[ipm].cost : 0;
+  if (rests_first && !by_active_set && ipm < count_) entrants_[ipm].cost = std::min(given, predicted());
+  const Race::End end = race_.run({entrants_.data(), count_}, *this,
+                                  {.start = start,
+                                   .error = limits.error,
+                                   .accepted = limits.error > 0 ? limits.error : kClaimedResidual,
+                                   .ends_early = limits.error == 0,
+                                   .deadline_s = limits.deadline_s},
+                                  answer);
+  if (ipm < count_) entrants_[ipm].cost = given;
+  for (std::size_t k = 0; k < count_; ++k) {
+    if (race_.has_run(k)) report.count(order_[k]);
+  }
+  answered_by_ = order_[race_.winner()];
+  if (end != Race::End::kClaimed) return take_best(end, limits, answer);
+  report.add(answer.counters, answered_by_ == AutoMethod::kContactLemke || answered_by_ == AutoMethod::kActiveSet
+                                  ? std::string_view(answer.detail)
+                                  : std::string_view());
+  if (!by_active_set && may_have_missed_rest(answer)) rests(false, limits, answer, report);
+}
+
+/// Hands out the best iterate: as the answer, if it passes the test of one.
+void IslandRace::take_best(Race::End end, const AutoLimits& limits, Answer& answer) {
+  const Claim claim = end == Race::End::kTimeLimit    ? Claim::kTimeLimit
+                      : answer.claim == Claim::kSolved ? Claim::kNumericalFailure
+                                                       : answer.claim;
+  const double residual = race_.best_residual();
+  answer.velocity.resize(0);
+  answer.farkas.resize(0);
+  answer.z.resize(problem_->size());
+  answer.z.setZero();
+  answer.claim = claim;
+  if (!(residual < std::numeric_limits<double>::infinity())) return;
+  answer.z = race_.best();
+  if (residual <= (limits.error > 0 ? limits.error : kClaimedResidual)) {
+    test_.load(*problem_, AnswerTest::Bodies::kOneByOne);
+    test_.set_velocity(v_);
+    test_.allow(limits.error);
+    answer.claim = Claim::kSolved;
+    if (test_.settle(answer, limits.deadline_s) || answer.claim == Claim::kUnsolvable) return;
+    answer.claim = claim;
+  }
+  std::array<char, 64> text{};
+  const int length = std::snprintf(text.data(), text.size(), "best residual %.2g", residual);
+  answer.detail.assign(text.data(), static_cast<std::size_t>(length));
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+
+#include "native/answer_test/answer_test.h"
+#include "native/auto/features.h"
+#include "native/auto/held_contacts.h"
+#include "native/auto/methods.h"
+#include "native/auto/race.h"
+#include "native/auto/report.h"
+
+namespace lcpbench {
+
+/// Of one solve.
+struct AutoLimits {
+  double deadline_s = 0;  ///< on wall_clock_s(); infinity: none
+  double error = 0;       ///< that the answer may leave; 0: none is stated
+};
+
+/// Solves one contact problem: first by the guess that what held in the last step holds again, then by rest where
+/// friction may hold everything, else by a race of methods.
+///
+/// load() loads the method that is predicted to be the fastest, unless that takes long; all others are loaded when
+/// their turn comes, which allocates.
+class IslandRace final : private Stable {
+ public:
+  /// What is known of all problems: nothing; with friction they are one island with all their contacts and coordinates;
+  /// they always are, and each is the next step of the last.
+  enum class Scope { kParts, kIsland, kWhole };
+
+  /// @param shared methods that other islands use as well
+  IslandRace(Methods& shared, const std::shared_ptr<LaterEngines>& later, double error, Scope scope = Scope::kParts);
+
+  /// Of the problems loaded from now on: how many coordinates no contact moves. At first none.
+  void expect_idle(Index coordinates) { idle_ = coordinates; }
+
+  /// How the methods are loaded: the first one at once; when solve() needs them, into the shared ones, so that many
+  /// small islands touch memory once; or only if solve() finds that the contacts of the last step do not hold.
+  enum class Load { kAtOnce, kInTurn, kAfterGuess };
+  /// @param problem must outlive the next load @param v the velocity now
+  void load(const Problem& problem, const Vector& v, Load how);
+  /// Another velocity.
+  void update(const Vector& v);
+
+  /// `answer` as of Solver::solve(). Where the claim is neither solved nor unsolvable z is the best iterate.
+  void solve(const Vector* start, const AutoLimits& limits, Answer& answer, AutoReport& report);
+
+  /// Work that the fastest method is predicted to take.
+  double predicted() const;
+  /// The velocity of an answer that came without.
+  void respond(const Answer& answer, Vector& u) { methods_->respond(answered_by_, answer.z, u); }
+
+ private:
+  ResumableSolver& loaded(std::size_t entrant) override { return methods_->loaded(order_[entrant]); }
+  void enter();
+  void load_first();
+  bool may_be_singular() const;
+  bool may_rest_first() const;
+  bool guesses(const Vector* start) const;
+  bool holds(const Vector& start, const AutoLimits& limits, Answer& answer, AutoReport& report);
+  bool rests(bool is_warm, const AutoLimits& limits, double work, Answer& answer, AutoReport& report);
+  bool may_have_missed_rest(const Answer& answer) const;
+  void take_best(Race::End end, const AutoLimits& limits, Answer& answer);
+
+  const double error_;
+  const Scope scope_;
+  Methods own_;
+  Methods& shared_;
+  Methods* methods_;
+  Index idle_ = 0;
+  const Problem* problem_ = nullptr;
+  Vector v_;
+  Features features_;
+  std::array<AutoMethod, Race::kMostEntrants> order_{};
+  std::array<Entrant, Race::kMostEntrants> entrants_{};
+  std::size_t count_ = 0;  ///< of entrants
+  Race race_;
+  AnswerTest test_;  ///< of iterates
+  std::unique_ptr<HeldContacts> held_;
+  bool has_held_ = false;          ///< held_ holds the problem
+  bool waits_ = false;             ///< for the guess: no method is loaded
+  int wrong_guesses_ = 0;          ///< of steps that waited, the last ones in a row
+  int steps_without_guess_ = 0;    ///< that follow them, as many as they were
+  AutoMethod answered_by_ = AutoMethod::kFrictionIpm;
+};
+
+}  // namespace lcpbench
