@@ -1,0 +1,148 @@
+// What each method of `auto` takes for each problem to each residual, as a table, and the rows of
+// native/auto/prediction_rows.inc fitted to such a table. Not a test; results/auto/README.md has its commands.
+//
+//   auto_table measure SET...   the second half of the trials is left out: every second one, from 0 on
+//   auto_table fit TABLE        the rows
+//   auto_table check TABLE      leaves one set after the other out of the fit: the error of the predictions on it
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/io/problem_io.h"
+#include "core/timed_solve.h"
+#include "generators/sets.h"
+#include "native/auto/methods.h"
+#include "native/auto/prediction.h"
+#include "study/measure/auto_table.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kTimeLimit = 5;
+constexpr std::int64_t kTrials = 20;  ///< of sets that have no end
+constexpr double kWorkPerSecond = 5e9;  ///< in which loads are counted
+
+/// kDefaultDigits of native/auto/island_race.cpp stands for no stated error.
+constexpr std::array<double, 4> kDigits{2, 4, 6, 9};
+constexpr double kNoErrorDigits = 9;
+
+void measure(const std::string& set, std::int64_t trial, const Problem& problem) {
+  const ContactProblem* contact = problem.contact();
+  if (contact == nullptr || contact->nc() == 0) return;
+  Features features;
+  features.measure(*contact, contact->v, 0);
+  Methods methods(std::make_shared<LaterEngines>());
+  for (std::size_t k = 0; k < kAutoMethods; ++k) {
+    const auto method = static_cast<AutoMethod>(k);
+    if (!Methods::takes(method, problem) || (method == AutoMethod::kFrictionIpm && !contact->frictional())) continue;
+    double load_s = kTimeLimit;
+    for (int run = 0; run < (load_s < 0.01 ? 5 : 2); ++run) {
+      methods.begin(problem, contact->v, false);
+      const double begin = thread_cpu_clock_s();
+      methods.loaded(method);
+      load_s = std::min(load_s, thread_cpu_clock_s() - begin);
+    }
+    ResumableSolver& solver = methods.loaded(method);
+    Answer answer;
+    for (const double digits : kDigits) {
+      features.set_digits(digits);
+      answer.reserve(problem);
+      solver.begin(nullptr, digits == kNoErrorDigits ? 0 : std::pow(10, -digits));
+      const double begin = thread_cpu_clock_s();
+      solver.go_on(1e300, wall_clock_s() + kTimeLimit, answer);
+      const double seconds = thread_cpu_clock_s() - begin;
+      std::printf("%s,%ld,%zu,%d,%.4g,%.6g,%d", set.c_str(), static_cast<long>(trial), k, contact->frictional() ? 1 : 0,
+                  kWorkPerSecond * load_s, solver.work(), answer.claim == Claim::kSolved ? 1 : 0);
+      for (const double feature : features.values()) std::printf(",%.4g", feature);
+      std::printf(",%.3g,%s\n", seconds, to_string(answer.claim));
+    }
+  }
+  std::fflush(stdout);
+}
+
+void measure_all(const std::vector<std::string>& patterns) {
+  std::puts("set,trial,method,frictional,load,solve,reached,one,contacts,coordinates,edges,separator,redundancy,slip,"
+            "friction,masses,digits,seconds,claim");
+  for (const std::string& pattern : patterns) {
+    if (pattern.ends_with(".json")) {
+      measure(pattern, 0, read_problem(pattern));
+      continue;
+    }
+    for (const std::string& name : expand_sets(pattern)) {
+      const auto set = open_set(name);
+      const std::int64_t count = set->count().value_or(kTrials);
+      for (std::int64_t trial = 0; trial < count; trial += 2) {
+        measure(name.substr(0, name.find('{')), trial, set->generate(1, trial));
+      }
+    }
+  }
+}
+
+/// log2 of the geometric mean and the spread of measured over predicted work.
+struct Spread {
+  double sum = 0, squares = 0;
+  int count = 0;
+  void add(double log) {
+    sum += log;
+    squares += log * log;
+    ++count;
+  }
+};
+
+template <std::size_t kCount>
+double sum_of(const std::array<double, kCount>& row, const std::array<double, kFeatures>& features) {
+  double sum = 0;
+  for (std::size_t k = 0; k < kCount; ++k) sum += row[k] * features[k];
+  return sum;
+}
+
+void check(const std::vector<testing::MeasuredCost>& costs) {
+  std::set<std::string> sets;
+  for (const auto& cost : costs) sets.insert(cost.set);
+  for (const std::string& left_out : sets) {
+    std::vector<testing::MeasuredCost> others;
+    std::copy_if(costs.begin(), costs.end(), std::back_inserter(others),
+                 [&](const auto& cost) { return cost.set != left_out; });
+    std::map<std::pair<AutoMethod, bool>, Spread> spreads;
+    for (const auto& cost : costs) {
+      if (cost.set != left_out || !cost.reached) continue;
+      spreads[{cost.method, cost.frictional}].add(0);
+    }
+    for (auto& [key, spread] : spreads) {
+      const prediction::Row row = testing::fit_row(others, key.first, key.second);
+      spread = {};
+      for (const auto& cost : costs) {
+        if (cost.set != left_out || !cost.reached || cost.method != key.first || cost.frictional != key.second) continue;
+        spread.add(std::log2(std::max(cost.solve, 1.0)) - sum_of(row.solve, cost.features));
+      }
+      const double mean = spread.sum / spread.count;
+      std::printf("%s,%zu,%d,%d,%.2f,%.2f\n", left_out.c_str(), static_cast<std::size_t>(key.first), key.second ? 1 : 0,
+                  spread.count, std::exp2(mean), std::exp2(std::sqrt(std::max(spread.squares / spread.count - mean * mean, 0.0))));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench
+
+int main(int argc, char** argv) {
+  using namespace lcpbench;
+  const std::string_view command = argc > 2 ? argv[1] : "";
+  if (command == "measure") {
+    measure_all({argv + 2, argv + argc});
+  } else if (command == "fit" && argc == 3) {
+    std::fputs(testing::rows_text(testing::read_costs(argv[2])).c_str(), stdout);
+  } else if (command == "check" && argc == 3) {
+    std::puts("set left out,method,frictional,problems,measured over predicted,spread");
+    check(testing::read_costs(argv[2]));
+  } else {
+    std::fputs("usage: auto_table measure SET...\n       auto_table fit|check TABLE\n", stderr);
+    return 2;
+  }
+}

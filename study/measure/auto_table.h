@@ -1,0 +1,31 @@
+#pragma once
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "native/auto/prediction_table.h"
+
+namespace lcpbench::testing {
+
+/// What one method took for one problem to one residual. Units of work of ResumableSolver.
+struct MeasuredCost {
+  std::string set;  ///< without its options
+  AutoMethod method{};
+  bool frictional = false;
+  std::array<double, kFeatures> features{};
+  double load = 0, solve = 0;
+  bool reached = false;  ///< false: `solve` is what it had done when it gave up or was stopped
+};
+
+/// The rows of a file that `auto_table measure` wrote. @throws InputError naming the line
+std::vector<MeasuredCost> read_costs(const std::string& path);
+
+/// The table's row for a method: linear least squares on the logarithms, with a small ridge. A method that did not
+/// reach the residual counts as if it had taken four times what it did.
+prediction::Row fit_row(const std::vector<MeasuredCost>& costs, AutoMethod method, bool frictional);
+
+/// The six rows as C++, the text of native/auto/prediction_rows.inc.
+std::string rows_text(const std::vector<MeasuredCost>& costs);
+
+}  // namespace lcpbench::testing
