@@ -129,7 +129,7 @@ void Auto::load_whole(bool to_hold) {
   remains_ = may_remain_ && nothing_approaches();
   has_methods_ = !remains_;
   if (remains_) return;
-  whole_.load(problem(), v_, to_hold ? IslandRace::Load::kAfterGuess : IslandRace::Load::kAtOnce);
+  whole_.load(problem(), v_, {.after_guess = to_hold});
 }
 
 /// Whether z = 0 solves the whole problem as it is.
@@ -164,10 +164,8 @@ void Auto::load_islands(const ContactProblem& contact, bool to_hold) {
         std::make_unique<IslandOfProblem>(shared_, later_, error_of(settings_), settings_.islands));
   }
   for (std::size_t k = 0; k < count_; ++k) {
-    using Load = IslandRace::Load;
     const bool is_small = count_ > 1 && found[k].coordinates.size() <= kMostInTurn;
-    const Load how = to_hold ? Load::kAfterGuess : is_small ? Load::kInTurn : Load::kAtOnce;
-    islands_[k]->load(*cutter_, std::move(found[k]), v_, carries_, how);
+    islands_[k]->load(*cutter_, std::move(found[k]), v_, carries_, {.in_turn = is_small, .after_guess = to_hold});
   }
 }
 

@@ -51,7 +51,7 @@ double rounding_of_row(const ContactProblem& problem, Index contact, const Vecto
 }  // namespace
 
 void IslandOfProblem::load(ProblemCutter& whole, Island island, const Vector& v, std::vector<char>& carries,
-                           IslandRace::Load how) {
+                           const IslandRace::Load& how) {
   cutter_ = &whole;
   how_ = how;
   carries_ = &carries;

@@ -24,7 +24,8 @@ class IslandOfProblem {
 
   /// Cuts the problem out. @param whole must outlive the next load @param v velocity of the whole problem
   /// @param carries per contact of the whole; 1 for those whose lambda the answer of solve() includes
-  void load(ProblemCutter& whole, Island island, const Vector& v, std::vector<char>& carries, IslandRace::Load how);
+  void load(ProblemCutter& whole, Island island, const Vector& v, std::vector<char>& carries,
+            const IslandRace::Load& how);
   /// Another velocity. Loads the methods if a contact approaches for the first time since load().
   void update(const Vector& v);
 
@@ -58,7 +59,7 @@ class IslandOfProblem {
   double fastest_ = 0;  ///< the largest of -(N'v + b); infinity for what overflows to NaN
   bool is_at_rest_ = false;
   bool is_loaded_ = false;  ///< the race
-  IslandRace::Load how_ = IslandRace::Load::kAtOnce;
+  IslandRace::Load how_;
 
   Problem problem_;
   std::vector<Index> place_;  ///< in z of the whole, of each unknown

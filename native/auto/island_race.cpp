@@ -62,14 +62,14 @@ static_assert(kFrictionless.size() <= Race::kMostEntrants);
 IslandRace::IslandRace(Methods& shared, const std::shared_ptr<LaterEngines>& later, double error, Scope scope)
     : error_(error), scope_(scope), own_(later), shared_(shared), methods_(&own_) {}
 
-void IslandRace::load(const Problem& problem, const Vector& v, Load how) {
+void IslandRace::load(const Problem& problem, const Vector& v, const Load& how) {
   problem_ = &problem;
   v_ = v;
-  methods_ = how == Load::kInTurn ? &shared_ : &own_;
+  methods_ = how.in_turn ? &shared_ : &own_;
   count_ = 0;
   has_held_ = waits_ = false;
   own_.begin(problem, v, scope_ == Scope::kWhole);
-  if (how == Load::kAfterGuess && HeldContacts::is_worth_a_guess(*problem.contact(), false)) {
+  if (how.after_guess && HeldContacts::is_worth_a_guess(*problem.contact(), false)) {
     const bool is_small = !HeldContacts::is_worth_a_guess(*problem.contact(), true);
     if (scope_ == Scope::kWhole && is_small && steps_without_guess_ > 0) {
       --steps_without_guess_;
@@ -79,7 +79,7 @@ void IslandRace::load(const Problem& problem, const Vector& v, Load how) {
     }
   }
   enter();
-  if (how != Load::kInTurn) load_first();
+  load_first();
 }
 
 /// The methods that take the problem, with what they are predicted to cost.
@@ -114,11 +114,31 @@ double IslandRace::predicted() const {
   return count_ > 0 ? least : 0;
 }
 
+/// Of those that solve() needs first; into shared ones only the memory is taken.
 void IslandRace::load_first() {
-  if (may_rest_first() || count_ == 0) return;
+  if (count_ == 0) return;
+  const bool rests = rests_by_active_set();
   const auto first = std::min_element(entrants_.begin(), entrants_.begin() + static_cast<std::ptrdiff_t>(count_),
                                       [](const Entrant& a, const Entrant& b) { return a.cost < b.cost; });
-  if (first->load_cost <= kLoadAtOnce) loaded(static_cast<std::size_t>(first - entrants_.begin()));
+  if (first->load_cost > kLoadAtOnce) return;
+  const AutoMethod method = order_[static_cast<std::size_t>(first - entrants_.begin())];
+  if (methods_ == &shared_) return shared_.reserve(method, *problem_, rests);
+  methods_->loaded(method);
+  if (rests) methods_->loaded_least_energy();
+}
+
+/// count_ where it has not entered.
+std::size_t IslandRace::entrant_of(AutoMethod method) const {
+  const auto end = order_.begin() + static_cast<std::ptrdiff_t>(count_);
+  return static_cast<std::size_t>(std::find(order_.begin(), end, method) - order_.begin());
+}
+
+/// Whether rest is sought by active sets: where that takes less than friction_ipm, whose first convex problem has the
+/// same solution.
+bool IslandRace::rests_by_active_set() const {
+  if (!may_rest_first() || !Methods::takes(AutoMethod::kContactLemke, *problem_)) return false;
+  const std::size_t ipm = entrant_of(AutoMethod::kFrictionIpm);
+  return ipm == count_ || LeastEnergy::work(*problem_->contact()) <= entrants_[ipm].cost;
 }
 
 void IslandRace::update(const Vector& v) {
@@ -162,7 +182,6 @@ bool IslandRace::may_rest_first() const {
 
 /// Whether the impulses of least energy are an answer: they are where one has no contact that slips.
 bool IslandRace::rests(bool is_warm, const AutoLimits& limits, Answer& answer, AutoReport& report) {
-  if (!Methods::takes(AutoMethod::kContactLemke, *problem_)) return false;
   const double left_s = std::isinf(limits.deadline_s) ? limits.deadline_s : limits.deadline_s - wall_clock_s();
   if (!(left_s > 0)) return false;
   LeastEnergy& least_energy = methods_->loaded_least_energy();
@@ -203,18 +222,18 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
   if (methods_ == &shared_) shared_.begin(*problem_, v_, scope_ == Scope::kWhole);
   if (waits_) enter();
   waits_ = false;
-  const bool rests_first = may_rest_first();
   // An answer of active sets rests on few of the contacts that hold, and from it the next guess would go wrong again.
   // The first convex problem of friction_ipm rests on all of them.
-  const std::size_t ipm = std::find(order_.begin(), order_.begin() + count_, AutoMethod::kFrictionIpm) - order_.begin();
-  const bool by_active_set = rests_first && !guesses_now && (ipm == count_ || LeastEnergy::work(*problem_->contact()) <= entrants_[ipm].cost);
+  const bool by_active_set = !guesses_now && rests_by_active_set();
   if (by_active_set && rests(start != nullptr, limits, answer, report)) return;
+  const std::size_t ipm = entrant_of(AutoMethod::kFrictionIpm);
   const double given = ipm < count_ ? entrants_[ipm].cost : 0;
-  if (rests_first && !by_active_set && ipm < count_) entrants_[ipm].cost = std::min(given, predicted());
+  if (may_rest_first() && !by_active_set && ipm < count_) entrants_[ipm].cost = std::min(given, predicted());
+  const double error = aim_of(limits.error);
   const Race::End end = race_.run({entrants_.data(), count_}, *this,
                                   {.start = start,
-                                   .error = limits.error,
-                                   .accepted = limits.error > 0 ? limits.error : kClaimedResidual,
+                                   .error = error,
+                                   .accepted = error > 0 ? error : kClaimedResidual,
                                    .ends_early = limits.error == 0,
                                    .deadline_s = limits.deadline_s},
                                   answer);
@@ -230,6 +249,15 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
   if (!by_active_set && may_have_missed_rest(answer)) rests(false, limits, answer, report);
 }
 
+/// The stated error, as far as AnswerTest allows it: that of contacts whose inertia is not given by blocks, or that
+/// need not have a solution, is that of the verdict.
+double IslandRace::aim_of(double error) const {
+  const ContactProblem& contact = *problem_->contact();
+  const bool is_judged_by_bodies =
+      std::holds_alternative<BlockInertia>(contact.inertia) && !ContactSolvability::is_asked(contact);
+  return is_judged_by_bodies ? error : std::min(error, kClaimedResidual);
+}
+
 /// Hands out the best iterate: as the answer, if it passes the test of one.
 void IslandRace::take_best(Race::End end, const AutoLimits& limits, Answer& answer) {
   const Claim claim = end == Race::End::kTimeLimit    ? Claim::kTimeLimit
@@ -243,10 +271,11 @@ void IslandRace::take_best(Race::End end, const AutoLimits& limits, Answer& answ
   answer.claim = claim;
   if (!(residual < std::numeric_limits<double>::infinity())) return;
   answer.z = race_.best();
-  if (residual <= (limits.error > 0 ? limits.error : kClaimedResidual)) {
+  const double error = aim_of(limits.error);
+  if (residual <= (error > 0 ? error : kClaimedResidual)) {
     test_.load(*problem_, AnswerTest::Bodies::kOneByOne);
     test_.set_velocity(v_);
-    test_.allow(limits.error);
+    test_.allow(error);
     answer.claim = Claim::kSolved;
     if (test_.settle(answer, limits.deadline_s) || answer.claim == Claim::kUnsolvable) return;
     answer.claim = claim;

@@ -36,11 +36,13 @@ class IslandRace final : private Stable {
   /// Of the problems loaded from now on: how many coordinates no contact moves. At first none.
   void expect_idle(Index coordinates) { idle_ = coordinates; }
 
-  /// How the methods are loaded: the first one at once; when solve() needs them, into the shared ones, so that many
-  /// small islands touch memory once; or only if solve() finds that the contacts of the last step do not hold.
-  enum class Load { kAtOnce, kInTurn, kAfterGuess };
+  /// How the methods are loaded. At first: the fastest one at once.
+  struct Load {
+    bool in_turn = false;      ///< when solve() needs them, into the shared ones: small islands touch memory once
+    bool after_guess = false;  ///< only if solve() finds that the contacts of the last step do not hold
+  };
   /// @param problem must outlive the next load @param v the velocity now
-  void load(const Problem& problem, const Vector& v, Load how);
+  void load(const Problem& problem, const Vector& v, const Load& how);
   /// Another velocity.
   void update(const Vector& v);
 
@@ -56,7 +58,10 @@ class IslandRace final : private Stable {
   ResumableSolver& loaded(std::size_t entrant) override { return methods_->loaded(order_[entrant]); }
   void enter();
   void load_first();
+  std::size_t entrant_of(AutoMethod method) const;
+  bool rests_by_active_set() const;
   bool may_be_singular() const;
+  double aim_of(double error) const;
   bool may_rest_first() const;
   bool guesses(const Vector* start) const;
   bool holds(const Vector& start, const AutoLimits& limits, Answer& answer, AutoReport& report);

@@ -51,16 +51,31 @@ void Methods::set_velocity(const Vector& v) {
   }
 }
 
-ResumableSolver& Methods::loaded(AutoMethod method) {
-  const auto index = static_cast<std::size_t>(method);
-  std::unique_ptr<ResumableSolver>& solver = solvers_[index];
-  if (is_loaded_[index]) return *solver;
+ResumableSolver& Methods::made(AutoMethod method) {
+  std::unique_ptr<ResumableSolver>& solver = solvers_[static_cast<std::size_t>(method)];
   if (solver == nullptr) solver = make_method(method, later_);
-  if (method == AutoMethod::kContactLemke) static_cast<ContactLemke&>(*solver).expect_one_island(is_one_island_);
-  solver->load_finite(*problem_);
-  is_loaded_[index] = true;
-  if (v_ != problem_->contact()->v) solver->update(v_);
   return *solver;
+}
+
+void Methods::reserve(AutoMethod method, const Problem& problem, bool with_least_energy) {
+  if (method == AutoMethod::kActiveSet) static_cast<ActiveSet&>(made(method)).reserve(problem);
+  if (method == AutoMethod::kContactLemke || with_least_energy) {
+    static_cast<ContactLemke&>(made(AutoMethod::kContactLemke)).reserve(problem);
+  }
+  if (!with_least_energy) return;
+  if (least_energy_ == nullptr) least_energy_ = std::make_unique<LeastEnergy>();
+  least_energy_->reserve(*problem.contact());
+}
+
+ResumableSolver& Methods::loaded(AutoMethod method) {
+  ResumableSolver& solver = made(method);
+  bool& is_loaded = is_loaded_[static_cast<std::size_t>(method)];
+  if (is_loaded) return solver;
+  if (method == AutoMethod::kContactLemke) static_cast<ContactLemke&>(solver).expect_one_island(is_one_island_);
+  solver.load_finite(*problem_);
+  is_loaded = true;
+  if (v_ != problem_->contact()->v) solver.update(v_);
+  return solver;
 }
 
 LeastEnergy& Methods::loaded_least_energy() {

@@ -20,6 +20,9 @@ class Methods {
   /// Whether the method takes the problem, and the memory for it: dense ones need about ngc (ngc + nc) numbers.
   static bool takes(AutoMethod method, const Problem& problem);
 
+  /// Takes the memory of a dense method, and of the impulses of least energy, which a later load then finds.
+  void reserve(AutoMethod method, const Problem& problem, bool with_least_energy);
+
   /// Another problem: what the solvers hold is old. @param problem must outlive the next call
   void begin(const Problem& problem, const Vector& v, bool is_one_island);
   void set_velocity(const Vector& v);
@@ -33,6 +36,8 @@ class Methods {
   void respond(AutoMethod method, const Vector& z, Vector& u);
 
  private:
+  ResumableSolver& made(AutoMethod method);
+
   std::shared_ptr<LaterEngines> later_;
   const Problem* problem_ = nullptr;
   Vector v_;

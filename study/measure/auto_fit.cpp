@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/input_error.h"
+#include "core/error.h"
 #include "study/measure/auto_table.h"
 
 namespace lcpbench::testing {
