@@ -110,13 +110,12 @@ TEST(SparsePivotingTest, ExchangesOnePairAtATimeWhereBlocksGoRound) {
   SparsePivoting method;
   ASSERT_TRUE(method.load(lcp));
   Vector z(300);
-  ASSERT_EQ(method.run(kForever, 0, z), SparsePivoting::End::kSolved);
+  ASSERT_EQ(method.run(kForever, z), SparsePivoting::End::kSolved);
   EXPECT_GT(method.counts().single, 0);
   Answer answer;
   answer.z = z;
   EXPECT_TRUE(Evaluator(Problem("x", lcp)).errors(answer).solved);
-  EXPECT_EQ(method.run(kForever, 5, z), SparsePivoting::End::kWorkLimit);
-  EXPECT_EQ(method.run(-kForever, 0, z), SparsePivoting::End::kTimeLimit);
+  EXPECT_EQ(method.run(-kForever, z), SparsePivoting::End::kTimeLimit);
 }
 
 TEST(SparsePivotingTest, OtherMethodsFollowWhereItGivesUp) {
@@ -130,7 +129,7 @@ TEST(SparsePivotingTest, OtherMethodsFollowWhereItGivesUp) {
   SparsePivoting method;
   ASSERT_TRUE(method.load(cycles));
   Vector z(300);
-  EXPECT_EQ(method.run(kForever, 0, z), SparsePivoting::End::kWorkLimit);
+  EXPECT_EQ(method.run(kForever, z), SparsePivoting::End::kWorkLimit);
   // All z basic: singular.
   Lcp singular{Matrix::Zero(300, 300), Vector(300)};
   for (Index i = 0; i < 300; i += 2) {
@@ -138,7 +137,7 @@ TEST(SparsePivotingTest, OtherMethodsFollowWhereItGivesUp) {
     singular.q.segment(i, 2) << -1, -2;
   }
   ASSERT_TRUE(method.load(singular));
-  EXPECT_EQ(method.run(kForever, 0, z), SparsePivoting::End::kSingular);
+  EXPECT_EQ(method.run(kForever, z), SparsePivoting::End::kSingular);
   for (const Lcp& lcp : {cycles, singular}) {
     const Problem problem("x", lcp);
     const Answer answer = solve_by_auto(problem);
