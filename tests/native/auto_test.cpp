@@ -13,7 +13,6 @@
 #include "native/auto/islands.h"
 #include "study/evaluation/evaluation.h"
 #include "study/measure/box_stacks.h"
-#include "study/measure/seesaws.h"
 #include "study/measure/sphere_piles.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/textbook_lcps.h"
@@ -26,9 +25,7 @@ namespace {
 
 using testing::box_stacks;
 using testing::BoxStacks;
-using testing::catapult;
 using testing::falling_velocity;
-using testing::seesaws;
 using testing::sphere_pile;
 using testing::vector_of;
 
@@ -193,18 +190,6 @@ TEST_P(AutoOnStacks, FindsAVerifiedVelocityWithFriction) {
 }
 
 // --- what is left out ---
-
-/// The second contact separates at 2.5 while the first approaches at 1, and approaches once the first is stopped.
-Problem deceptive() {
-  ContactProblem contact;
-  contact.v = vector_of({-1, -0.5});
-  contact.N = Matrix{{1.0, -3.0}, {0.0, 1.0}};
-  contact.D = Matrix(2, 0);
-  contact.edges.assign(2, 0);
-  contact.mu = Vector::Zero(2);
-  contact.inertia = BlockInertia{{Matrix{{2.0, 0.0}, {0.0, 1.0}}}};
-  return Problem("deceptive", contact);
-}
 
 /// A stack of cubes, of which all from `first` on fly up, each faster than the one below it. None: first = height.
 ContactProblem flying_from(int first, int height, int edges) {
