@@ -1,0 +1,33 @@
+#pragma once
+
+#include "core/solver.h"
+
+namespace lcpbench {
+
+/// A solver of contact problems whose solve() can be done in parts, so that several can take turns at one problem.
+///
+/// Work is counted in multiplications of doubles, or what takes as long; it depends on the data alone, never on a
+/// clock, so that whoever shares work out gets the same answers on every machine and under every load.
+class ResumableSolver : public Solver {
+ public:
+  /// Begins a solve of what is loaded. Does next to no work; allocates nothing.
+  /// @param start n, a guess at z, or nullptr; must stay valid until the solve has ended
+  /// @param error velocity residual, relative to max|q| of each island, that an answer may leave; 0: the method's own
+  virtual void begin(const Vector* start, double error) = 0;
+
+  /// Goes on until it has done about `work` more, or is done. The end does not depend on the parts: the same answer bit
+  /// for bit as in one part. Allocates nothing where solve() allocates nothing.
+  /// @param deadline_s on wall_clock_s(); it ends the solve with kTimeLimit
+  /// @returns whether the solve has ended; only then `answer` is written, as by solve()
+  virtual bool go_on(double work, double deadline_s, Answer& answer) = 0;
+
+  /// Since begin(), in all.
+  virtual double work() const = 0;
+
+  /// The best impulses so far, with the least lambdas that they allow. May cost a few products with the data.
+  /// @param z n entries @returns their velocity residual in double, relative to max|q| of each island, of the worst
+  /// island; infinity where there are none, and then z is not written
+  virtual double best(Vector& z) = 0;
+};
+
+}  // namespace lcpbench
