@@ -69,6 +69,7 @@ class CholmodCholesky final : public SparseFactorization {
     cholmod_sparse view = view_of(lower);
     factor_ = cholmod_analyze(&view, &common_);
     check(factor_ != nullptr);
+    cost_ = {.factor = common_.fl / 2, .solve = 2 * common_.lnz};
   }
 
   bool factor(const SparseMatrix& lower) override {
@@ -88,6 +89,8 @@ class CholmodCholesky final : public SparseFactorization {
       x += correction_;
     }
   }
+
+  Cost cost() const override { return cost_; }
 
  private:
   /// Errors (status below 0) are thrown: memory, or more entries than 32-bit indices count. Warnings are breakdowns.
@@ -110,6 +113,7 @@ class CholmodCholesky final : public SparseFactorization {
   CholmodOptions options_;
   cholmod_common common_{};
   cholmod_factor* factor_ = nullptr;
+  Cost cost_;
   const SparseMatrix* matrix_ = nullptr;
   cholmod_dense* solution_ = nullptr;  // these three are kept by CHOLMOD from one solution to the next
   cholmod_dense* scratch_y_ = nullptr;

@@ -95,6 +95,18 @@ void ContactImpulses::scale_islands() {
   for (Index i = 0; i < offset.size(); ++i) offset(i) *= units.of_contact(i);
 }
 
+void ContactImpulses::set_impulses(const Vector& z) {
+  impulse.setZero();
+  impulse.head(contacts) = z.head(contacts);
+  for (const SignedFriction& friction : frictions) {
+    const Index first = friction.first_column;
+    impulse.segment(first, friction.directions) =
+        z.segment(first, friction.directions) - z.segment(first + friction.directions, friction.directions);
+  }
+  scale_impulses();
+  recompute_velocity();
+}
+
 void ContactImpulses::scale_impulses() {
   for (Index i = 0; i < contacts; ++i) impulse(i) *= units.of_contact(i);
   for (const SignedFriction& friction : frictions) {

@@ -48,6 +48,8 @@ struct ContactImpulses {
   /// Largest |d_t'u|: the slip that lambda has to bound.
   double slip_bound(const SignedFriction& friction) const;
 
+  /// The impulses of z (lcp_size entries, in the units of the problem), and the velocity that they give.
+  void set_impulses(const Vector& z);
   /// Impulses in the units of the problem become those kept here.
   void scale_impulses();
   /// z of lcp_size entries, in the units of the problem. @pre u is recomputed.

@@ -12,6 +12,7 @@ namespace lcpbench {
 class PackedColumns {
  public:
   Index cols() const { return static_cast<Index>(begin_.size()) - 1; }
+  std::size_t nonzeros() const { return values_.size(); }
 
   /// For runs of three entries: what moves or turns of a body.
   void reserve(Index columns, std::size_t entries) {

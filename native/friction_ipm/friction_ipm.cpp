@@ -131,6 +131,10 @@ class FrictionIpm final : public LimitedFrictionIpm {
     tolerance_ = accept_residual_ = residual;
     test_.allow(residual);
   }
+  void begin(const Vector* start, double error) override;
+  bool go_on(double work, double deadline_s, Answer& answer) override;
+  double work() const override { return method_.work() - now_.work_before + now_.work; }
+  double best(Vector& z) override;
   void unlimit_rounds() override {
     limit_rounds(kNoLimit, settings_.accept_residual);
     tolerance_ = settings_.tolerance;
@@ -140,14 +144,30 @@ class FrictionIpm final : public LimitedFrictionIpm {
  private:
   static constexpr std::int64_t kNoLimit = std::numeric_limits<std::int64_t>::max();
 
+  /// Of one solve, between its parts.
+  struct Progress {
+    int rounds = 1;  ///< with the one that runs
+    double best = kInfinity;
+    int idle_rounds = 0;            ///< since the residual last fell to a half
+    double least_seen = kInfinity;  ///< of the impulses that best() was asked for
+    double work = 0;                ///< without that of the interior point
+    double work_before = 0;         ///< of the interior point
+  };
+
   void on_load(const Problem& problem) override;
   void on_update(const Vector& v) override;
   void on_solve(const SolveRequest& request, Answer& answer) override;
 
-  Claim run(double deadline_s, Answer& answer, int& rounds);
-  void take_impulses();
-  void report(Claim claim, int rounds, Answer& answer);
+  void start_over(const Vector* start);
+  bool take_start(const Vector* start);
+  void begin_round(double residual);
+  bool end_round();
+  bool run(double work, double deadline_s);
+  void end(Claim claim, double deadline_s);
+  double take_impulses();
+  void report(Claim claim);
   void find_offsets(bool at_rest);
+  bool has_friction() const { return cone_.friction.nonZeros() > 0; }
 
   FrictionIpmSettings settings_;
   std::int64_t max_rounds_ = kNoLimit;
@@ -161,10 +181,15 @@ class FrictionIpm final : public LimitedFrictionIpm {
   Vector slip_bounds_;        // nc, mu lambda + b
   Vector offset_;             // per cone column
   Vector best_impulse_;
+  Vector seen_impulse_;  // of Progress::least_seen
+  Progress now_;
+  double work_of_round_ = 0;  // beside the interior point
+  Answer result_;
 };
 
 void FrictionIpm::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
+  result_.reserve(problem);
   cone_ = cone_columns(contact);
   const ContactProblem convex = convex_problem(contact, cone_);
   const bool sparse = wants_sparse(settings_.algebra, convex);
@@ -177,6 +202,8 @@ void FrictionIpm::on_load(const Problem& problem) {
   slip_bounds_.resize(state_.contacts);
   offset_.resize(cone_.size());
   best_impulse_.resize(state_.impulse.size());
+  seen_impulse_.resize(state_.impulse.size());
+  work_of_round_ = 4 * static_cast<double>(state_.columns.J.nonzeros());
 }
 
 void FrictionIpm::on_update(const Vector& v) {
@@ -186,7 +213,8 @@ void FrictionIpm::on_update(const Vector& v) {
 }
 
 /// The multipliers of the cone columns as normal and signed friction impulses, and the velocity that they give.
-void FrictionIpm::take_impulses() {
+/// @returns the residual, relative to max|q|
+double FrictionIpm::take_impulses() {
   friction_impulses_.noalias() = cone_.friction * method_.impulses();
   state_.impulse.head(state_.contacts).noalias() = cone_.normal * method_.impulses();
   for (const SignedFriction& friction : state_.frictions) {
@@ -196,6 +224,8 @@ void FrictionIpm::take_impulses() {
         friction_impulses_.segment(first + friction.directions, friction.directions);
   }
   state_.recompute_velocity();
+  now_.work += work_of_round_;
+  return state_.residual() / state_.q_max;
 }
 
 /// b + mu lambda of each cone column into offset_, at the velocity reached; `at_rest`: with lambda = 0.
@@ -208,78 +238,146 @@ void FrictionIpm::find_offsets(bool at_rest) {
   offset_.noalias() = cone_.normal.transpose() * slip_bounds_;
 }
 
-/// Leaves the impulses of the smallest residual in state_.
-Claim FrictionIpm::run(double deadline_s, Answer& answer, int& rounds) {
-  using Stop = InteriorPoint::Stop;
-  Claim claim = Claim::kNumericalFailure;
-  best_impulse_ = state_.impulse;
-  double best = kInfinity;
-  int idle_rounds = 0;
-  find_offsets(true);
-  const double least = kConvexShare * tolerance_;
-  method_.aim_at(cone_.friction.nonZeros() == 0 ? least : std::max(least, kFirstConvex));
-  for (rounds = 1;; ++rounds) {
-    method_.set_velocity(state_.u0, offset_);
-    const Stop stop = method_.iterate(deadline_s, settings_.max_iterations, answer.counters);
-    if (stop == Stop::kTimeLimit) claim = Claim::kTimeLimit;
-    if (stop == Stop::kIterationLimit) claim = Claim::kIterationLimit;
-    if (claim != Claim::kNumericalFailure) break;
-    method_.finish(answer.counters);
-    take_impulses();
-    const double residual = state_.residual() / state_.q_max;
-    idle_rounds = residual < kProgress * best ? 0 : idle_rounds + 1;
-    if (residual < best) {
-      best = residual;
-      best_impulse_ = state_.impulse;
-    }
-    if (best <= tolerance_ || idle_rounds > kMostIdleRounds || !(residual < kInfinity)) break;
-    if (cone_.friction.nonZeros() == 0) break;  // the next problem would be the same
-    if (rounds >= max_rounds_) {
-      claim = Claim::kIterationLimit;
-      break;
-    }
-    method_.aim_at(std::clamp(kNextConvex * best, least, std::max(least, kFirstConvex)));
-    find_offsets(false);
-  }
-  state_.impulse = best_impulse_;
-  state_.recompute_velocity();
-  return best <= accept_residual_ ? Claim::kSolved : claim;
+/// The state of the start. @returns whether there is one
+bool FrictionIpm::take_start(const Vector* start) {
+  if (start == nullptr || start->size() != problem().size() || !start->allFinite()) return false;
+  state_.set_impulses(*start);
+  now_.work += work_of_round_;
+  return state_.u.allFinite();
 }
 
-void FrictionIpm::report(Claim claim, int rounds, Answer& answer) {
-  answer.claim = claim;
-  state_.write_answer(answer.z);
-  answer.velocity = state_.u;
-  state_.units.restore(answer.velocity);
+void FrictionIpm::start_over(const Vector* start) {
+  result_.clear();
+  result_.z.resize(problem().size());
+  result_.z.setZero();
+  result_.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
+  if (!method_.loaded()) return;
+  now_ = {};
+  now_.work_before = method_.work();
+  best_impulse_.setZero();
+  const bool has_start = has_friction() && take_start(start);
+  find_offsets(!has_start);
+  begin_round(has_start ? state_.residual() / state_.q_max : kInfinity);
+}
+
+/// The next convex problem, with the bounds in offset_. @param residual of what they come from
+void FrictionIpm::begin_round(double residual) {
+  const double least = kConvexShare * tolerance_;
+  method_.aim_at(has_friction() ? std::clamp(kNextConvex * residual, least, std::max(least, kFirstConvex)) : least);
+  method_.set_velocity(state_.u0, offset_);
+  method_.begin();
+}
+
+/// @returns whether it was the last one
+bool FrictionIpm::end_round() {
+  method_.finish(result_.counters);
+  const double residual = take_impulses();
+  now_.idle_rounds = residual < kProgress * now_.best ? 0 : now_.idle_rounds + 1;
+  if (residual < now_.best) {
+    now_.best = residual;
+    best_impulse_ = state_.impulse;
+  }
+  if (now_.best <= tolerance_ || now_.idle_rounds > kMostIdleRounds || !(residual < kInfinity)) return true;
+  return !has_friction();  // the next problem would be the same
+}
+
+/// Goes on until so much work is done. @returns whether the solve has ended, with what result_ says
+bool FrictionIpm::run(double work, double deadline_s) {
+  using Stop = InteriorPoint::Stop;
+  const double until = this->work() + work;
+  for (;;) {
+    const double left = until - this->work();
+    const Stop stop = method_.go_on(left, deadline_s, settings_.max_iterations, result_.counters);
+    if (stop == Stop::kUnfinished) return false;
+    Claim claim = Claim::kNumericalFailure;
+    if (stop == Stop::kTimeLimit) claim = Claim::kTimeLimit;
+    if (stop == Stop::kIterationLimit) claim = Claim::kIterationLimit;
+    bool is_end = claim != Claim::kNumericalFailure || end_round();
+    if (!is_end && now_.rounds >= max_rounds_) {
+      claim = Claim::kIterationLimit;
+      is_end = true;
+    }
+    if (is_end) {
+      end(claim, deadline_s);
+      return true;
+    }
+    ++now_.rounds;
+    find_offsets(false);
+    begin_round(now_.best);
+    if (this->work() >= until) return false;
+  }
+}
+
+/// With the impulses of the smallest residual. @param claim where that is too large
+void FrictionIpm::end(Claim claim, double deadline_s) {
+  state_.impulse = best_impulse_;
+  state_.recompute_velocity();
+  if (now_.best <= accept_residual_) claim = Claim::kSolved;
+  report(claim);
+  if (claim != Claim::kSolved || test_.settle(result_, deadline_s)) return;
+  if (result_.claim != Claim::kNumericalFailure) return;
+  state_.drop_what_counts_as_zero();
+  report(claim);
+  test_.settle(result_, deadline_s);
+}
+
+void FrictionIpm::report(Claim claim) {
+  result_.claim = claim;
+  state_.write_answer(result_.z);
+  result_.velocity = state_.u;
+  state_.units.restore(result_.velocity);
   std::array<char, 40> text{};
-  const int length = std::snprintf(text.data(), text.size(), "%d convex problem%s", rounds, rounds == 1 ? "" : "s");
-  answer.detail.assign(text.data(), static_cast<std::size_t>(length));
+  const char* const plural = now_.rounds == 1 ? "" : "s";
+  const int length = std::snprintf(text.data(), text.size(), "%d convex problem%s", now_.rounds, plural);
+  result_.detail.assign(text.data(), static_cast<std::size_t>(length));
+}
+
+void FrictionIpm::begin(const Vector* start, double error) {
+  tolerance_ = error > 0 ? error : settings_.tolerance;
+  accept_residual_ = error > 0 ? error : settings_.accept_residual;
+  test_.allow(error);
+  start_over(start);
+}
+
+bool FrictionIpm::go_on(double work, double deadline_s, Answer& answer) {
+  if (!method_.loaded()) {
+    result_.claim = Claim::kUnsupported;
+    result_.detail = "algebra=sparse needs an inertia of positive definite blocks";
+  } else if (state_.q_max == 0) {  // z = 0 solves it, and max|q| gives no scale to judge another answer by
+    result_.claim = Claim::kSolved;
+    result_.velocity = state_.u0;
+    test_.settle(result_, deadline_s);  // q may have been rounded to zero
+  } else if (!run(work, deadline_s)) {
+    return false;
+  }
+  answer.reserve(problem());
+  answer = result_;
+  return true;
+}
+
+double FrictionIpm::best(Vector& z) {
+  if (!method_.loaded()) return kInfinity;
+  if (state_.q_max == 0) {
+    z.setZero();
+    return 0;
+  }
+  const double residual = take_impulses();  // the state serves no more until the round ends
+  if (residual < now_.least_seen) {
+    now_.least_seen = residual;
+    seen_impulse_ = state_.impulse;
+  }
+  const double least = std::min(now_.best, now_.least_seen);
+  if (!(least < kInfinity)) return kInfinity;
+  state_.impulse = now_.best < now_.least_seen ? best_impulse_ : seen_impulse_;
+  state_.recompute_velocity();
+  state_.write_answer(z);
+  return least;
 }
 
 void FrictionIpm::on_solve(const SolveRequest& request, Answer& answer) {
-  answer.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
-  if (!method_.loaded()) {
-    answer.claim = Claim::kUnsupported;
-    answer.detail = "algebra=sparse needs an inertia of positive definite blocks";
-    return;
-  }
-  if (state_.q_max == 0) {  // z = 0 solves it, and max|q| gives no scale to judge another answer by
-    answer.claim = Claim::kSolved;
-    answer.velocity = state_.u0;
-    test_.settle(answer, wall_clock_s() + request.time_limit_s);  // q may have been rounded to zero
-    return;
-  }
-  int rounds = 0;
-  state_.impulse.setZero();
-  state_.u = state_.u0;
   const double deadline_s = wall_clock_s() + request.time_limit_s;
-  const Claim claim = run(deadline_s, answer, rounds);
-  report(claim, rounds, answer);
-  if (claim != Claim::kSolved || test_.settle(answer, deadline_s)) return;
-  if (answer.claim != Claim::kNumericalFailure) return;
-  state_.drop_what_counts_as_zero();
-  report(claim, rounds, answer);
-  test_.settle(answer, deadline_s);
+  start_over(nullptr);
+  go_on(kInfinity, deadline_s, answer);
 }
 
 constexpr Capabilities kCapabilities{

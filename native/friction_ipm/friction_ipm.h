@@ -3,12 +3,13 @@
 #include <cstdint>
 #include <memory>
 
-#include "core/solver.h"
+#include "native/contacts/resumable_solver.h"
 
 namespace lcpbench {
 
-/// friction_ipm with limits that may change from one solve to the next.
-class LimitedFrictionIpm : public Solver {
+/// friction_ipm with limits that may change from one solve to the next. A solve in parts begins with the settings
+/// given. If it has a start, the first slip bounds are those of the velocity that the start gives.
+class LimitedFrictionIpm : public ResumableSolver {
  public:
   /// From now on at most so many convex problems, and solved is claimed only up to this residual (accept_residual).
   virtual void limit_rounds(std::int64_t rounds, double accept_residual) = 0;

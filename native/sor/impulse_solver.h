@@ -29,7 +29,11 @@ class ImpulseSolver : public Base {
   void on_solve(const SolveRequest& request, Answer& answer) final {
     const double deadline_s = wall_clock_s() + request.time_limit_s;
     if (state_.q_max > 0) return iterate(request, deadline_s, answer);
-    // z = 0 solves it, and max|q| gives no scale to judge another answer by.
+    claim_rest(deadline_s, answer);
+  }
+
+  /// Where q is 0: z = 0 solves it, and max|q| gives no scale to judge another answer by.
+  void claim_rest(double deadline_s, Answer& answer) {
     answer.claim = Claim::kSolved;
     answer.counters.iterations = 0;
     test_.settle(answer, deadline_s);  // q may have underflowed

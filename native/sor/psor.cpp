@@ -18,35 +18,7 @@
 namespace lcpbench {
 namespace {
 
-enum class Order { kForward, kSymmetric };
-enum class Acceleration { kNone, kConjugate, kLocal, kExact };
-
-struct PsorSettings {
-  std::int64_t max_iterations = 10000;
-  double relaxation = 1.3;
-  double tolerance = 1e-8;
-  Order order = Order::kForward;
-  Acceleration acceleration = Acceleration::kNone;
-
-  void visit(auto&& field) {
-    field("max_iterations", max_iterations, IntegerRange{.min = 0}, "sweeps over all contacts (rows of a bare LCP)");
-    field("relaxation", relaxation, RealRange{.min = 0x1p-10, .max = 2 - 0x1p-10},
-          "factor on each step: 1 is Gauss-Seidel, more is over-relaxation");
-    field("tolerance", tolerance, RealRange{.min = 0},
-          "an answer is tested, and then claimed, when the velocity residual of every island, evaluated in double, is "
-          "at most this times max|q| of the island");
-    field("order", order, Choices<Order>{{{"forward", Order::kForward}, {"symmetric", Order::kSymmetric}}},
-          "every sweep in the order given, or every second one backwards");
-    field("acceleration", acceleration,
-          Choices<Acceleration>{{{"none", Acceleration::kNone},
-                                 {"conjugate", Acceleration::kConjugate},
-                                 {"local", Acceleration::kLocal},
-                                 {"exact", Acceleration::kExact}}},
-          "between sweeps: nothing; a step along a direction conjugate to the last ones; or that, and sweeps over the "
-          "contacts that are far off where these are few; or those, and contacts about which the sweeps wander are "
-          "solved by contact_lemke");
-  }
-};
+using Acceleration = PsorSettings::Acceleration;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -101,18 +73,45 @@ class Psor final : public ImpulseSolver<LimitedPsor> {
   }
   void respond(const Vector& z, Vector& u) override;
 
+  void begin(const Vector* start, double error) override;
+  bool go_on(double work, double deadline_s, Answer& answer) override;
+  double work() const override { return now_.work; }
+  double best(Vector& z) override;
+
  private:
+  /// Of one solve, between its parts.
+  struct Progress {
+    double allowed = 0;                ///< residual from which on an answer is tested
+    double promising = 0;              ///< how much the rows may be off where the residual is next evaluated
+    std::int64_t next = 0;             ///< the sweep from which it is evaluated anyhow
+    std::int64_t updates = 0;          ///< of contacts in local sweeps, beyond those that make up a sweep
+    std::int64_t iterations = 0;
+    ContactBlocks::Step step;          ///< of the last sweep
+    bool has_swept = false;            ///< accelerate() comes next
+    bool had_parts = false;            ///< the last sweep
+    double least_residual = kInfinity; ///< of best_
+    double work = 0;
+  };
+
   void prepare(const Problem& problem) override;
   void iterate(const SolveRequest& request, double deadline_s, Answer& answer) override;
 
+  void count_work();
   void set_start(const Vector* start);
-  void sweep_until_solved(double deadline_s, Answer& answer);
-  bool settle(double deadline_s, Answer& answer);
+  void start_over(const Vector* start);
+  bool ends(double work, double deadline_s);
+  bool sweep_and_test(double deadline_s);
+  void accelerate(double deadline_s);
+  bool settle(double deadline_s);
+  bool is_last() const { return now_.iterations + 1 >= limit(); }
+  bool accelerates() const { return settings_.acceleration != Acceleration::kNone; }
+  ConjugateSteps::Part all() const { return {.x = all_impulses_, .u = all_velocities_}; }
+  double measure();
   ContactBlocks::Step sweep(bool backwards);
-  std::int64_t sweep_locally(double allowed, double deadline_s);
+  std::int64_t sweep_locally(double deadline_s);
   std::int64_t limit() const { return settings_.max_iterations - static_cast<std::int64_t>(sweeps_of_parts_); }
   void begin_watch();
-  bool wanders(double off, std::int64_t iterations);
+  bool wanders();
   void change_parts();
   void update_row(Index row, ContactBlocks::Step& sum);
   void recompute_velocity();
@@ -122,6 +121,11 @@ class Psor final : public ImpulseSolver<LimitedPsor> {
 
   PsorSettings given_;
   PsorSettings settings_;
+  Progress now_;
+  Answer result_;
+  double work_of_sweep_ = 0, work_of_test_ = 0;
+  Vector best_;                           // impulses of the state
+  Vector kept_impulses_, kept_velocity_;  // of bare LCPs, while the state measures others
   ContactBlocks blocks_;  // of contact problems
   ConjugateSteps steps_;
   std::vector<Entries> all_impulses_, all_velocities_;  // as one range each
@@ -140,6 +144,13 @@ class Psor final : public ImpulseSolver<LimitedPsor> {
 
 void Psor::prepare(const Problem& problem) {
   if (!is_bare()) blocks_.load(problem.contact()->inertia, state_);
+  result_.reserve(problem);
+  best_.resize(state_.impulse.size());
+  count_work();
+  if (is_bare()) {
+    kept_impulses_.resize(state_.impulse.size());
+    kept_velocity_.resize(state_.u.size());
+  }
   if (settings_.acceleration == Acceleration::kNone) return;
   steps_.load(impulses().size(), velocity().size());
   all_impulses_.assign(1, {0, impulses().size()});
@@ -152,6 +163,12 @@ void Psor::prepare(const Problem& problem) {
   may_take_parts_ = is_exact && sweeps_locally_ && !state_.frictions.empty();
   parts_.clear();
   has_loaded_parts_ = false;
+}
+
+void Psor::count_work() {
+  const auto n = static_cast<double>(state_.contacts);
+  work_of_sweep_ = is_bare() ? n * n : 2 * static_cast<double>(blocks_.entries());
+  work_of_test_ = 4 * work_of_sweep_;
 }
 
 void Psor::set_start(const Vector* start) {
@@ -176,15 +193,7 @@ void Psor::set_start(const Vector* start) {
 }
 
 void Psor::respond(const Vector& z, Vector& u) {
-  state_.impulse.setZero();
-  state_.impulse.head(state_.contacts) = z.head(state_.contacts);
-  for (const SignedFriction& friction : state_.frictions) {
-    const Index first = friction.first_column;
-    state_.impulse.segment(first, friction.directions) =
-        z.segment(first, friction.directions) - z.segment(first + friction.directions, friction.directions);
-  }
-  state_.scale_impulses();
-  state_.recompute_velocity();
+  state_.set_impulses(z);
   u = state_.u;
   state_.units.restore(u);
 }
@@ -211,76 +220,158 @@ ContactBlocks::Step Psor::sweep(bool backwards) {
   return sum;
 }
 
+/// Of the impulses that the sweeps have reached, in the state: the velocity and the residual.
+double Psor::measure() {
+  recompute_velocity();
+  const double residual = state_.residual();
+  now_.work += work_of_test_;
+  if (residual < now_.least_residual) {
+    now_.least_residual = residual;
+    best_ = state_.impulse;
+  }
+  return residual;
+}
+
 /// Of an answer with a small residual: claims it, where it passes the test of all native solvers.
 /// @returns whether that is the end
-bool Psor::settle(double deadline_s, Answer& answer) {
-  state_.write_answer(answer.z);
-  answer.claim = Claim::kSolved;
-  return test_.settle(answer, deadline_s) || answer.claim != Claim::kNumericalFailure;
+bool Psor::settle(double deadline_s) {
+  state_.write_answer(result_.z);
+  result_.claim = Claim::kSolved;
+  return test_.settle(result_, deadline_s) || result_.claim != Claim::kNumericalFailure;
 }
 
-void Psor::sweep_until_solved(double deadline_s, Answer& answer) {
-  double allowed = settings_.tolerance * state_.q_max;
-  double promising = allowed;  // how much the rows may be off where the residual is next evaluated
-  std::int64_t next = 0;       // the sweep from which it is evaluated anyhow
-  std::int64_t updates = 0;    // of contacts in local sweeps, beyond those that make up a sweep
-  const bool accelerates = settings_.acceleration != Acceleration::kNone;
-  const ConjugateSteps::Part all{.x = all_impulses_, .u = all_velocities_};
-  std::int64_t& iterations = answer.counters.iterations;
+void Psor::start_over(const Vector* start) {
+  result_.clear();
+  result_.z.resize(problem().size());
+  result_.z.setZero();
+  now_ = {};
+  now_.allowed = now_.promising = settings_.tolerance * state_.q_max;
+  set_start(start);
   if (!is_bare()) blocks_.take(state_);
-  if (accelerates) steps_.begin(all, impulses(), velocity());
+  if (accelerates()) steps_.begin(all(), impulses(), velocity());
   begin_watch();
-  for (iterations = 0;; ++iterations) {
-    answer.claim = Claim::kTimeLimit;
-    if (!(wall_clock_s() < deadline_s)) return;
-    answer.claim = Claim::kIterationLimit;
-    if (iterations >= limit()) return;
-    const bool has_parts = !parts_.empty();
-    const ContactBlocks::Step step = has_parts ? parts_.sweep(blocks_, relaxation_, deadline_s)
-                                               : sweep(settings_.order == Order::kSymmetric && iterations % 2 == 1);
-    answer.claim = Claim::kNumericalFailure;
-    if (!(step.off < kInfinity)) return;
-    const bool is_last = iterations + 1 >= limit();
-    if (step.off <= promising || (step.off <= allowed && (iterations >= next || is_last))) {
-      recompute_velocity();
-      const double residual = state_.residual();
-      if (residual <= allowed) {
-        if (settle(deadline_s, answer)) {
-          ++iterations;
-          return;
-        }
-        answer.detail.clear();
-        allowed = residual / 2;  // a test costs more than a sweep
-      }
-      promising = std::min(step.off * (allowed / residual), allowed);
-      next = iterations + std::max<std::int64_t>(iterations / kTestEvery, 1);
-      if (!is_bare()) blocks_.take(state_);
-    }
-    if (!accelerates || is_last) continue;
-    if (may_take_parts_ && settings_.acceleration == Acceleration::kExact && wanders(step.off, iterations)) {
-      change_parts();
-      steps_.begin(all, impulses(), velocity());
-    } else if (has_parts) {
-      steps_.after_sweep(all, step.size, impulses(), velocity());
-    }
-    if (has_parts) {
-      sweeps_of_parts_ += parts_.sweeps_made() - 1;
-      continue;
-    }
-    const std::int64_t made = sweeps_locally_ ? sweep_locally(promising, deadline_s) : 0;
-    if (made == 0) {
-      steps_.after_sweep(all, step.size, impulses(), velocity());
-      continue;
-    }
-    steps_.begin(all, impulses(), velocity());
-    updates += made;
-    iterations += updates / state_.contacts;
-    updates %= state_.contacts;
-  }
 }
 
-std::int64_t Psor::sweep_locally(double allowed, double deadline_s) {
-  return local_.run(blocks_, steps_, {.relaxation = relaxation_, .allowed = allowed, .deadline_s = deadline_s});
+/// One sweep, and the test of what it reached where that is promising.
+/// @returns whether that is the end; the claim says which
+bool Psor::sweep_and_test(double deadline_s) {
+  result_.claim = Claim::kIterationLimit;
+  if (now_.iterations >= limit()) return true;
+  now_.had_parts = !parts_.empty();
+  now_.has_swept = true;
+  now_.step = now_.had_parts
+                  ? parts_.sweep(blocks_, relaxation_, deadline_s)
+                  : sweep(settings_.order == PsorSettings::Order::kSymmetric && now_.iterations % 2 == 1);
+  now_.work += (now_.had_parts ? parts_.sweeps_made() : 1.0) * work_of_sweep_;
+  result_.claim = Claim::kNumericalFailure;
+  const double off = now_.step.off;
+  if (!(off < kInfinity)) return true;
+  const bool is_due = now_.iterations >= now_.next || is_last();
+  if (!(off <= now_.promising || (off <= now_.allowed && is_due))) return false;
+  const double residual = measure();
+  if (residual <= now_.allowed) {
+    if (settle(deadline_s)) {
+      ++now_.iterations;
+      return true;
+    }
+    result_.detail.clear();
+    now_.allowed = residual / 2;  // a test costs more than a sweep
+  }
+  now_.promising = std::min(off * (now_.allowed / residual), now_.allowed);
+  now_.next = now_.iterations + std::max<std::int64_t>(now_.iterations / kTestEvery, 1);
+  if (!is_bare()) blocks_.take(state_);
+  return false;
+}
+
+/// What comes between two sweeps.
+void Psor::accelerate(double deadline_s) {
+  const bool is_end = is_last();
+  ++now_.iterations;
+  if (!accelerates() || is_end) return;
+  if (may_take_parts_ && settings_.acceleration == Acceleration::kExact && wanders()) {
+    change_parts();
+    steps_.begin(all(), impulses(), velocity());
+  } else if (now_.had_parts) {
+    steps_.after_sweep(all(), now_.step.size, impulses(), velocity());
+  }
+  if (now_.had_parts) {
+    sweeps_of_parts_ += parts_.sweeps_made() - 1;
+    return;
+  }
+  const std::int64_t made = sweeps_locally_ ? sweep_locally(deadline_s) : 0;
+  if (made == 0) {
+    steps_.after_sweep(all(), now_.step.size, impulses(), velocity());
+    return;
+  }
+  steps_.begin(all(), impulses(), velocity());
+  now_.updates += made;
+  now_.iterations += now_.updates / state_.contacts;
+  now_.updates %= state_.contacts;
+}
+
+/// Goes on until so much work is done since the beginning. Stops after a sweep, where the impulses are admissible.
+/// @returns whether the solve has ended, with what result_ says
+bool Psor::ends(double work, double deadline_s) {
+  do {
+    if (!(wall_clock_s() < deadline_s)) {
+      result_.claim = Claim::kTimeLimit;
+      break;
+    }
+    if (now_.work >= work) return false;
+    if (now_.has_swept) accelerate(deadline_s);
+  } while (!sweep_and_test(deadline_s));
+  result_.counters.iterations = now_.iterations + static_cast<std::int64_t>(sweeps_of_parts_);
+  if (result_.claim == Claim::kSolved) return true;
+  measure();
+  state_.write_answer(result_.z);
+  if (result_.claim == Claim::kNumericalFailure) result_.detail = kGrewOutOfRange;
+  return true;
+}
+
+void Psor::begin(const Vector* start, double error) {
+  settings_.tolerance = error > 0 ? error : given_.tolerance;
+  test_.allow(error);
+  start_over(start);
+}
+
+bool Psor::go_on(double work, double deadline_s, Answer& answer) {
+  if (!(state_.q_max > 0)) {
+    claim_rest(deadline_s, result_);
+  } else if (!ends(now_.work + work, deadline_s)) {
+    return false;
+  }
+  answer.reserve(problem());
+  answer = result_;
+  return true;
+}
+
+double Psor::best(Vector& z) {
+  if (!(state_.q_max > 0)) {
+    z.setZero();
+    return 0;
+  }
+  if (is_bare()) {
+    kept_impulses_ = state_.impulse;
+    kept_velocity_ = state_.u;
+  }
+  measure();
+  if (now_.least_residual < kInfinity) {
+    state_.impulse = best_;
+    state_.recompute_velocity();
+    state_.write_answer(z);
+  }
+  if (is_bare()) {
+    state_.impulse = kept_impulses_;
+    state_.u = kept_velocity_;
+  }
+  return now_.least_residual < kInfinity ? now_.least_residual / state_.q_max : kInfinity;
+}
+
+std::int64_t Psor::sweep_locally(double deadline_s) {
+  const LocalSweeps::Limits limits{.relaxation = relaxation_, .allowed = now_.promising, .deadline_s = deadline_s};
+  const std::int64_t made = local_.run(blocks_, steps_, limits);
+  now_.work += static_cast<double>(made) / static_cast<double>(state_.contacts) * work_of_sweep_;
+  return made;
 }
 
 void Psor::begin_watch() {
@@ -292,8 +383,9 @@ void Psor::begin_watch() {
   halved_at_ = 0;
 }
 
-/// @param off of the last sweep
-bool Psor::wanders(double off, std::int64_t iterations) {
+bool Psor::wanders() {
+  const double off = now_.step.off;
+  const std::int64_t iterations = now_.iterations - 1;  // before the last sweep
   const bool halved = off < least_off_ / 2;
   const bool waited = iterations - halved_at_ >= kPatience;
   if (off < best_off_ / 2) {  // the parts are worth keeping
@@ -326,13 +418,8 @@ void Psor::recompute_velocity() {
 }
 
 void Psor::iterate(const SolveRequest& request, double deadline_s, Answer& answer) {
-  set_start(request.start);
-  sweep_until_solved(deadline_s, answer);
-  answer.counters.iterations += static_cast<std::int64_t>(sweeps_of_parts_);
-  if (answer.claim == Claim::kSolved) return;
-  recompute_velocity();
-  state_.write_answer(answer.z);
-  if (answer.claim == Claim::kNumericalFailure) answer.detail = kGrewOutOfRange;
+  start_over(request.start);
+  go_on(kInfinity, deadline_s, answer);
 }
 
 constexpr Capabilities kCapabilities{
@@ -354,8 +441,10 @@ const Capabilities& Psor::capabilities() const {
 
 }  // namespace
 
+std::unique_ptr<LimitedPsor> make_psor(const PsorSettings& settings) { return std::make_unique<Psor>(settings); }
+
 std::unique_ptr<LimitedPsor> make_limited_psor() {
-  return std::make_unique<Psor>(
+  return make_psor(
       PsorSettings{.max_iterations = kPatientSweeps, .relaxation = 1, .acceleration = Acceleration::kExact});
 }
 

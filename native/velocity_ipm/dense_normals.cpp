@@ -38,6 +38,11 @@ class DenseNormals final : public WhitenedNormals {
     L.triangularView<Eigen::Lower>().solveInPlace(y);
     L.triangularView<Eigen::Lower>().transpose().solveInPlace(y);
   }
+  Cost cost() const override {
+    const auto n = static_cast<double>(coordinates());
+    const auto columns = static_cast<double>(W_.cols());
+    return {.product = n * columns, .factor = n * n * (columns / 2 + n / 6), .solve = n * n};
+  }
   void velocity(const Vector& v, const Vector& y, Vector& u) const override {
     u = v;
     u.noalias() += S_ * y;

@@ -17,6 +17,7 @@ constexpr double kShortestStep = 0x1p-26;    // shorter ones were cut by roundin
 // So many steps without the residual falling to a half: no solution (the impulses grow without bound), or rounding.
 constexpr int kMostIdleSteps = 25;
 constexpr double kProgress = 0.5;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
@@ -25,11 +26,14 @@ void InteriorPoint::load(std::unique_ptr<WhitenedNormals> normals, const Contact
   if (!loaded()) return;
   N_ = contact.N;
   b_ = contact.b;
+  cost_ = normals_->cost();
   units_.load(contact);
   diagonal_ = normals_->squared_norms();
   shift_ = contact.nc() > 0 ? settings_.shift * diagonal_.maxCoeff() : 0;
   for (Point* point : {&point_, &step_}) point->resize(contact.nc(), normals_->coordinates());
-  for (Vector* vector : {&primal_residual_, &target_, &contacts_, &q_}) vector->resize(contact.nc());
+  for (Vector* vector : {&primal_residual_, &target_, &contacts_, &q_, &best_impulses_}) {
+    vector->resize(contact.nc());
+  }
   for (Vector* vector : {&dual_residual_, &coordinates_}) vector->resize(normals_->coordinates());
   velocity_.resize(contact.ngc());
   set_velocity(contact.v);
@@ -67,10 +71,11 @@ void InteriorPoint::scale_islands() {
   for (Index j = 0; j < q_.size(); ++j) q_(j) *= units_.of_contact(j);
 }
 
-void InteriorPoint::write_impulses(Answer& answer) const {
-  answer.z = point_.f;
+/// @param f in the units of the islands
+void InteriorPoint::write_impulses(const Vector& f, Vector& z) const {
+  z = f;
   if (!units_.several()) return;
-  for (Index j = 0; j < q_.size(); ++j) answer.z(j) /= units_.of_contact(j);
+  for (Index j = 0; j < q_.size(); ++j) z(j) /= units_.of_contact(j);
 }
 
 /// max|q|; infinity also for NaN, which must not pass for zero. The offset of a contact that nothing moves is no scale
@@ -81,7 +86,7 @@ void InteriorPoint::measure_q() {
   for (Index i = 0; i < q_.size(); ++i) {
     const double q = q_(i);
     if (is_idle(i)) continue;
-    if (!(std::abs(q) <= q_max_)) q_max_ = std::isnan(q) ? std::numeric_limits<double>::infinity() : std::abs(q);
+    if (!(std::abs(q) <= q_max_)) q_max_ = std::isnan(q) ? kInfinity : std::abs(q);
   }
   for (Index i = 0; i < q_.size(); ++i) {
     if (is_idle(i)) q_(i) = std::min(q_(i), q_max_);
@@ -105,11 +110,13 @@ void InteriorPoint::set_start() {
 void InteriorPoint::evaluate_residuals() {
   dual_residual_ = point_.y - coordinates_;
   normals_->project(point_.y, primal_residual_);
+  work_ += cost_.product;
   primal_residual_ += q_ - point_.s;
 }
 
 bool InteriorPoint::factor(Counters& counters) {
   ++counters.factorizations;
+  work_ += cost_.factor;
   contacts_.array() = point_.f.array() / (point_.s.array() + shift_ * point_.f.array());
   return contacts_.allFinite() && normals_->factor(contacts_);
 }
@@ -123,6 +130,7 @@ void InteriorPoint::find_direction() {
   step_.y -= dual_residual_;
   normals_->solve(step_.y);
   normals_->project(step_.y, step_.s);
+  work_ += 2 * cost_.product + cost_.solve;
   step_.f.array() = (target_.array() - f * (step_.s + primal_residual_).array()) / denominator;
   step_.s += primal_residual_ + shift_ * step_.f;
 }
@@ -146,27 +154,32 @@ double InteriorPoint::gap_after(double step) const {
 double InteriorPoint::relative_residual(const Vector& f) {
   normals_->combine(f, coordinates_);
   normals_->project(coordinates_, contacts_);
+  work_ += 2 * cost_.product;
   double worst = 0;
   for (Index i = 0; i < q_.size(); ++i) {
     const double off = std::abs(std::min(contacts_(i) + q_(i), diagonal_(i) * f(i)));
-    if (!std::isfinite(off)) return std::numeric_limits<double>::infinity();
+    if (!std::isfinite(off)) return kInfinity;
     worst = std::max(worst, off);
   }
   return worst / q_max_;
 }
 
-InteriorPoint::Stop InteriorPoint::iterate(double deadline_s, std::int64_t max_iterations, Counters& counters) {
+void InteriorPoint::begin() {
   set_start();
+  best_ = least_residual_ = kInfinity;
+  idle_steps_ = 0;
+}
+
+InteriorPoint::Stop InteriorPoint::go_on(double work, double deadline_s, std::int64_t max_iterations,
+                                         Counters& counters) {
   if (q_max_ == 0) return Stop::kConverged;  // and max|q| gives no scale to judge an answer by
   const double contacts = static_cast<double>(q_.size());
-  double best = std::numeric_limits<double>::infinity();
-  int idle_steps = 0;
-  for (;; ++counters.iterations) {
+  for (const double end = work_ + work;;) {
     const double residual = relative_residual(point_.f);
     if (residual <= settings_.tolerance) return Stop::kConverged;
-    idle_steps = residual < kProgress * best ? 0 : idle_steps + 1;
-    best = std::min(best, residual);
-    if (idle_steps > kMostIdleSteps) return Stop::kStalled;
+    idle_steps_ = residual < kProgress * best_ ? 0 : idle_steps_ + 1;
+    best_ = std::min(best_, residual);
+    if (idle_steps_ > kMostIdleSteps) return Stop::kStalled;
     if (counters.iterations >= max_iterations) return Stop::kIterationLimit;
     if (!(wall_clock_s() < deadline_s)) return Stop::kTimeLimit;
     evaluate_residuals();
@@ -184,6 +197,8 @@ InteriorPoint::Stop InteriorPoint::iterate(double deadline_s, std::int64_t max_i
     point_.f += length * step_.f;
     point_.s += length * step_.s;
     point_.y += length * step_.y;
+    ++counters.iterations;
+    if (work_ >= end) return Stop::kUnfinished;
   }
 }
 
@@ -205,6 +220,7 @@ void InteriorPoint::finish(Counters& counters) {
   const double largest = diagonal_.maxCoeff();
   for (Index i = 0; i < f.size(); ++i) weights(i) = f(i) > 0 ? kWeight / largest : 0;
   ++counters.factorizations;
+  work_ += cost_.factor;
   if (!normals_->factor(weights)) return;
   for (int round = 0; round < kRounds; ++round) {
     target_ = f.cwiseMax(0.0);
@@ -221,6 +237,7 @@ void InteriorPoint::finish(Counters& counters) {
     normals_->combine(contacts_, step_.y);
     normals_->solve(step_.y);
     normals_->project(step_.y, contacts_);
+    work_ += 2 * cost_.product + cost_.solve;
     f += weights.cwiseProduct(contacts_);
   }
 }
@@ -232,20 +249,42 @@ void InteriorPoint::drop_parting() {
 
 bool InteriorPoint::iterate(const SolveRequest& request, Answer& answer) {
   answer.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
+  const double deadline_s = wall_clock_s() + request.time_limit_s;
+  begin();
+  return iterated(go_on(kInfinity, deadline_s, settings_.max_iterations, answer.counters), answer);
+}
+
+bool InteriorPoint::iterated(Stop stop, Answer& answer) {
+  stop_ = stop;
   if (q_max_ == 0) {  // z = 0 solves it
     answer.claim = Claim::kSolved;
     answer.velocity = v_;
     return false;
   }
-  stop_ = iterate(wall_clock_s() + request.time_limit_s, settings_.max_iterations, answer.counters);
-  write_impulses(answer);
+  write_impulses(point_.f, answer.z);
   if (stop_ != Stop::kIterationLimit && stop_ != Stop::kTimeLimit) return true;
   answer.claim = stop_ == Stop::kTimeLimit ? Claim::kTimeLimit : Claim::kIterationLimit;
   return false;
 }
 
+double InteriorPoint::best(Vector& z) {
+  if (q_max_ == 0) {
+    z.setZero();
+    return 0;
+  }
+  pressed_contacts(step_.f);
+  for (const Vector* impulses : {&point_.f, &step_.f}) {
+    const double residual = relative_residual(*impulses);
+    if (!(residual < least_residual_)) continue;
+    least_residual_ = residual;
+    best_impulses_ = *impulses;
+  }
+  if (least_residual_ < kInfinity) write_impulses(best_impulses_, z);
+  return least_residual_;
+}
+
 void InteriorPoint::conclude(Answer& answer) {
-  write_impulses(answer);
+  write_impulses(point_.f, answer.z);
   const double residual = relative_residual(point_.f);
   answer.claim = residual <= settings_.accept_residual ? Claim::kSolved : Claim::kNumericalFailure;
   normals_->velocity(v_, coordinates_, velocity_);

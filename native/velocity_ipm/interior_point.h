@@ -37,18 +37,27 @@ class InteriorPoint {
 
   /// InteriorPointSettings::tolerance from now on.
   void aim_at(double tolerance) { settings_.tolerance = tolerance; }
+  /// InteriorPointSettings::accept_residual from now on.
+  void accept(double residual) { settings_.accept_residual = residual; }
 
   /// How an iteration ended: the tolerance is met; no step goes further; the Newton system could not be solved; a
-  /// limit.
-  enum class Stop { kConverged, kStalled, kBreakdown, kIterationLimit, kTimeLimit };
+  /// limit; or it has not.
+  enum class Stop { kConverged, kStalled, kBreakdown, kIterationLimit, kTimeLimit, kUnfinished };
 
-  /// Iterates from the standard start until counters.iterations is max_iterations or the wall clock is at deadline_s.
-  /// Adds to the counters.
-  Stop iterate(double deadline_s, std::int64_t max_iterations, Counters& counters);
+  /// To the standard start.
+  void begin();
+  /// Iterates until counters.iterations is max_iterations, the wall clock is at deadline_s, or work() has grown by
+  /// `work` and one step at least is done: kUnfinished, called again it goes on. Adds to the counters.
+  Stop go_on(double work, double deadline_s, std::int64_t max_iterations, Counters& counters);
+  /// Since load(), in all: see ResumableSolver.
+  double work() const { return work_; }
 
-  /// The same within the limits of request and settings. False when that ended the solve: `answer` says how (a limit;
-  /// or q = 0, whose solution is z = 0). True: the point reached awaits finish() and conclude().
+  /// begin() and go_on() to the end, within the limits of request and settings. False when that ended the solve:
+  /// `answer` says how (a limit; or q = 0, whose solution is z = 0). True: the point reached awaits finish() and
+  /// conclude().
   bool iterate(const SolveRequest& request, Answer& answer);
+  /// The same for the part of a solve that a go_on() ended with `stop`.
+  bool iterated(Stop stop, Answer& answer);
 
   /// Brings the velocities of the pressed contacts to zero by regularised Newton steps with one more factorization; of
   /// the points on the way the best one is kept.
@@ -65,6 +74,8 @@ class InteriorPoint {
   const Vector& impulses() const { return point_.f; }
   /// f of the contacts that are pressed rather than parting, in the same units; 0 for the others.
   void pressed_contacts(Vector& f) const;
+  /// ResumableSolver::best(), among the points at which it was called since begin(). @param z nc entries
+  double best(Vector& z);
 
  private:
   /// A point: f > 0, s > 0 and y, with residuals y - W f and W'y + q - s.
@@ -83,7 +94,7 @@ class InteriorPoint {
   void project_velocity(const Vector& v);
   void scale_islands();
   void measure_q();
-  void write_impulses(Answer& answer) const;
+  void write_impulses(const Vector& f, Vector& z) const;
   void set_start();
   void evaluate_residuals();
   bool factor(Counters& counters);
@@ -104,6 +115,12 @@ class InteriorPoint {
   double shift_ = 0;
 
   Stop stop_ = Stop::kConverged;
+  double best_ = 0;     // residual of this iteration
+  int idle_steps_ = 0;  // since it last fell to a half
+  WhitenedNormals::Cost cost_;
+  double work_ = 0;
+  double least_residual_ = 0;  // of best_impulses_
+  Vector best_impulses_;
   Point point_, step_;
   Vector dual_residual_;    // y - W f
   Vector primal_residual_;  // W'y + q - s

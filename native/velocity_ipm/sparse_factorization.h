@@ -17,6 +17,13 @@ class SparseFactorization {
   virtual bool factor(const SparseMatrix& lower) = 0;
   /// x := A^-1 x, of the last matrix factored.
   virtual void solve(Vector& x) = 0;
+
+  /// Multiplications, of matrices with the pattern analyzed.
+  struct Cost {
+    double factor = 0;
+    double solve = 0;
+  };
+  virtual Cost cost() const = 0;
 };
 
 }  // namespace lcpbench

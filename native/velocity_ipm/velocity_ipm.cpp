@@ -1,7 +1,10 @@
+#include "native/velocity_ipm/velocity_ipm.h"
+
 #include <limits>
 #include <memory>
 
 #include "core/registry.h"
+#include "core/timed_solve.h"
 #include "native/active_set/active_set.h"
 #include "native/answer_test/answer_test.h"
 #include "native/velocity_ipm/interior_point.h"
@@ -9,6 +12,8 @@
 
 namespace lcpbench {
 namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct VelocityIpmSettings {
   Algebra algebra = Algebra::kAuto;
@@ -28,11 +33,15 @@ struct VelocityIpmSettings {
 /// kSolved: the velocity residual, computed from z alone, is within accept_residual, and the answer passes AnswerTest
 /// or the test of the active set; kUnsolvable: shown by the finish; kNumericalFailure: it is not, with what ended the
 /// iteration.
-class VelocityIpm final : public Solver {
+class VelocityIpm final : public ResumableSolver {
  public:
   explicit VelocityIpm(const VelocityIpmSettings& settings)
       : settings_(settings), method_(settings.method), active_set_({}) {}
   const Capabilities& capabilities() const override;
+  void begin(const Vector* start, double error) override;
+  bool go_on(double work, double deadline_s, Answer& answer) override;
+  double work() const override { return method_.work() - work_before_ + work_of_active_set_; }
+  double best(Vector& z) override;
 
  private:
   void on_load(const Problem& problem) override;
@@ -40,8 +49,10 @@ class VelocityIpm final : public Solver {
   void on_solve(const SolveRequest& request, Answer& answer) override;
 
   bool ends_with_active_set() const { return settings_.method.finish && !is_sparse_; }
-  bool finish_dense(const SolveRequest& request, Answer& answer);
-  void confirm_rest(const SolveRequest& request, Answer& answer);
+  void end(InteriorPoint::Stop stop, double deadline_s);
+  bool finish_dense(double deadline_s);
+  void confirm_rest(double deadline_s);
+  void run_active_set(double deadline_s);
 
   VelocityIpmSettings settings_;
   InteriorPoint method_;
@@ -49,10 +60,14 @@ class VelocityIpm final : public Solver {
   AnswerTest test_;  // of what the active set does not test
   bool is_sparse_ = false;
   Vector pressed_;  // nc
+  Answer result_;
+  double work_before_ = 0;  // of method_, at begin()
+  double work_of_active_set_ = 0;
 };
 
 void VelocityIpm::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
+  result_.reserve(problem);
   is_sparse_ = wants_sparse(settings_.algebra, contact);
   method_.load(is_sparse_ ? sparse_whitened_normals(contact, multifrontal_cholesky()) : dense_whitened_normals(contact),
                contact);
@@ -74,54 +89,93 @@ void VelocityIpm::on_update(const Vector& v) {
   method_.set_velocity(v);
 }
 
+/// From the contacts in pressed_.
+void VelocityIpm::run_active_set(double deadline_s) {
+  active_set_.solve({.start = &pressed_, .time_limit_s = deadline_s - wall_clock_s()}, result_);
+  const ContactProblem& contact = *problem().contact();
+  const auto rows = static_cast<double>(contact.nc() + contact.ngc());
+  work_of_active_set_ += static_cast<double>(result_.counters.pivots) * static_cast<double>(contact.ngc()) * rows;
+}
+
 /// False when the active set has no answer either; conclude() then writes all of the answer.
-bool VelocityIpm::finish_dense(const SolveRequest& request, Answer& answer) {
+bool VelocityIpm::finish_dense(double deadline_s) {
   method_.pressed_contacts(pressed_);
-  const Counters counters = answer.counters;
-  active_set_.solve({.start = &pressed_, .time_limit_s = request.time_limit_s}, answer);
-  const std::int64_t steps = answer.counters.pivots;
-  const std::int64_t factorizations = answer.counters.factorizations;
-  answer.counters = counters;
-  answer.counters.pivots = steps;
-  answer.counters.factorizations += factorizations;
-  if (answer.claim == Claim::kSolved || answer.claim == Claim::kUnsolvable) return true;
-  answer.velocity.resize(0);
+  const Counters counters = result_.counters;
+  run_active_set(deadline_s);
+  const std::int64_t steps = result_.counters.pivots;
+  const std::int64_t factorizations = result_.counters.factorizations;
+  result_.counters = counters;
+  result_.counters.pivots = steps;
+  result_.counters.factorizations += factorizations;
+  if (result_.claim == Claim::kSolved || result_.claim == Claim::kUnsolvable) return true;
+  result_.velocity.resize(0);
   return false;
 }
 
 /// No q is other than zero, but q may have been rounded to that.
-void VelocityIpm::confirm_rest(const SolveRequest& request, Answer& answer) {
+void VelocityIpm::confirm_rest(double deadline_s) {
   if (!ends_with_active_set()) {
-    test_.settle(answer, wall_clock_s() + request.time_limit_s);
+    test_.settle(result_, deadline_s);
     return;
   }
   pressed_.setZero();
-  active_set_.solve({.start = &pressed_, .time_limit_s = request.time_limit_s}, answer);
+  run_active_set(deadline_s);
 }
 
-void VelocityIpm::on_solve(const SolveRequest& request, Answer& answer) {
-  if (!method_.loaded()) {
-    answer.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
-    answer.claim = Claim::kUnsupported;
-    answer.detail = "algebra=sparse needs an inertia of positive definite blocks";
+void VelocityIpm::begin(const Vector* /*start*/, double error) {
+  result_.clear();
+  result_.z.resize(problem().size());
+  result_.z.setZero();
+  result_.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
+  if (!method_.loaded()) return;
+  method_.aim_at(error > 0 ? error : settings_.method.tolerance);
+  method_.accept(error > 0 ? error : settings_.method.accept_residual);
+  test_.allow(error);
+  method_.begin();
+  work_before_ = method_.work();
+  work_of_active_set_ = 0;
+}
+
+bool VelocityIpm::go_on(double work, double deadline_s, Answer& answer) {
+  using Stop = InteriorPoint::Stop;
+  if (method_.loaded()) {
+    const Stop stop = method_.go_on(work, deadline_s, settings_.method.max_iterations, result_.counters);
+    if (stop == Stop::kUnfinished) return false;
+    end(stop, deadline_s);
+  } else {
+    result_.claim = Claim::kUnsupported;
+    result_.detail = "algebra=sparse needs an inertia of positive definite blocks";
+  }
+  answer.reserve(problem());
+  answer = result_;
+  return true;
+}
+
+void VelocityIpm::end(InteriorPoint::Stop stop, double deadline_s) {
+  if (!method_.iterated(stop, result_)) {
+    if (result_.claim == Claim::kSolved) confirm_rest(deadline_s);
     return;
   }
-  if (!method_.iterate(request, answer)) {
-    if (answer.claim == Claim::kSolved) confirm_rest(request, answer);
-    return;
-  }
-  if (ends_with_active_set() && finish_dense(request, answer)) return;
+  if (ends_with_active_set() && finish_dense(deadline_s)) return;
   if (!settings_.method.finish) {
     method_.drop_parting();
   } else if (is_sparse_) {
-    method_.finish(answer.counters);
+    method_.finish(result_.counters);
   }
-  method_.conclude(answer);
+  method_.conclude(result_);
   if (!ends_with_active_set()) {
-    test_.settle(answer, std::numeric_limits<double>::infinity());
-  } else if (answer.claim == Claim::kSolved) {  // refused by the test of the active set, in up to 113 bits
-    answer.claim = Claim::kNumericalFailure;
+    test_.settle(result_, deadline_s);
+  } else if (result_.claim == Claim::kSolved) {  // refused by the test of the active set, in up to 113 bits
+    result_.claim = Claim::kNumericalFailure;
   }
+}
+
+double VelocityIpm::best(Vector& z) { return method_.loaded() ? method_.best(z) : kInfinity; }
+
+void VelocityIpm::on_solve(const SolveRequest& request, Answer& answer) {
+  const double deadline_s = wall_clock_s() + request.time_limit_s;
+  begin(nullptr, 0);
+  go_on(kInfinity, deadline_s, answer);
 }
 
 constexpr Capabilities kCapabilities{
@@ -134,6 +188,8 @@ constexpr Capabilities kCapabilities{
 const Capabilities& VelocityIpm::capabilities() const { return kCapabilities; }
 
 }  // namespace
+
+std::unique_ptr<ResumableSolver> make_velocity_ipm() { return std::make_unique<VelocityIpm>(VelocityIpmSettings{}); }
 
 SolverDefinition lcpbench_solver_velocity_ipm() {
   return define_solver<VelocityIpm, VelocityIpmSettings>(

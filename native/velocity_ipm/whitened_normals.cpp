@@ -206,6 +206,7 @@ class SparseNormals final : public WhitenedNormals {
   void project(const Vector& y, Vector& s) const override;
   bool factor(const Vector& weights) override;
   void solve(Vector& y) const override { factorization_->solve(y); }
+  Cost cost() const override;
   void velocity(const Vector& v, const Vector& y, Vector& u) const override {
     u.setZero(v.size());
     for (std::size_t k = 0; k < rows_.size(); ++k) u(rows_[k]) = y(static_cast<Index>(k));
@@ -316,6 +317,16 @@ void SparseNormals::project(const Vector& y, Vector& s) const {
       }
     });
   }
+}
+
+SparseNormals::Cost SparseNormals::cost() const {
+  const SparseFactorization::Cost of = factorization_->cost();
+  Cost cost{.product = static_cast<double>(W_.values.size()), .factor = of.factor, .solve = of.solve};
+  for (const ColumnGroup& group : W_.groups) {
+    const auto size = static_cast<double>(group.size);
+    cost.factor += group.columns * size * size / 2;
+  }
+  return cost;
 }
 
 bool SparseNormals::factor(const Vector& weights) {

@@ -25,6 +25,13 @@ class WhitenedNormals {
   virtual bool factor(const Vector& weights) = 0;
   /// y := (I + W diag(weights) W')^-1 y, of the last factorization.
   virtual void solve(Vector& y) const = 0;
+  /// Multiplications, see ResumableSolver::work().
+  struct Cost {
+    double product = 0;  ///< combine() or project(), with the vector operations that go with it
+    double factor = 0;
+    double solve = 0;
+  };
+  virtual Cost cost() const = 0;
   /// u = v + the change y.
   virtual void velocity(const Vector& v, const Vector& y, Vector& u) const = 0;
 };

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <memory>
+
+#include "native/contacts/resumable_solver.h"
+
+namespace lcpbench {
+
+/// At the defaults of velocity_ipm. A start is ignored.
+std::unique_ptr<ResumableSolver> make_velocity_ipm();
+
+}  // namespace lcpbench

@@ -1,0 +1,231 @@
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/scene.h"
+#include "generators/sets.h"
+#include "native/contacts/resumable_solver.h"
+#include "native/friction_ipm/friction_ipm.h"
+#include "native/sor/psor.h"
+#include "native/velocity_ipm/velocity_ipm.h"
+#include "study/evaluation/evaluation.h"
+#include "study/measure/brick_wall.h"
+#include "study/measure/sphere_piles.h"
+#include "tests/support/allocation_counter.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+struct Method {
+  std::string name;
+  std::unique_ptr<ResumableSolver> solver;
+};
+
+std::vector<Method> methods() {
+  using Acceleration = PsorSettings::Acceleration;
+  std::vector<Method> all;
+  all.push_back({"psor", make_psor({.max_iterations = 500})});
+  all.push_back({"psor local", make_psor({.max_iterations = 2000, .acceleration = Acceleration::kLocal})});
+  all.push_back({"psor exact", make_psor({.max_iterations = 2000, .acceleration = Acceleration::kExact})});
+  all.push_back({"friction_ipm", make_friction_ipm()});
+  all.push_back({"velocity_ipm", make_velocity_ipm()});
+  return all;
+}
+
+/// The problem with offsets of the size of one step's gravity, some of them below zero.
+Problem with_offsets(const Problem& problem) {
+  ContactProblem contact = *problem.contact();
+  contact.b.resize(contact.nc());
+  for (Index i = 0; i < contact.nc(); ++i) contact.b(i) = 1e-3 * static_cast<double>(i * 7 % 5 - 1);
+  return Problem(problem.name() + " with offsets", std::move(contact));
+}
+
+std::vector<Problem> problems() {
+  std::vector<Problem> all;
+  for (const char* name : {"paper/monotone/exp1", "paper/copositive/exp1", "paper/copositive/exp3"}) {
+    for (std::int64_t trial = 0; trial < 3; ++trial) all.push_back(open_set(name)->generate(912, trial));
+  }
+  all.emplace_back("wall", testing::brick_wall(5, 6));
+  all.emplace_back("frictional wall", testing::frictional_brick_wall(4, 5, 0.5));
+  all.push_back(with_offsets(all.back()));
+  all.emplace_back("smooth pile", testing::sphere_pile({.columns = 5, .layers = 6}));
+  all.emplace_back("rough pile", testing::sphere_pile({.columns = 6, .mu = 1.5, .seed = 3}));  // in exact parts
+  all.push_back(with_offsets(Problem("pile", testing::sphere_pile({.columns = 4, .layers = 5, .mu = 0.5}))));
+  all.emplace_back("at rest", [] {
+    ContactProblem contact = *open_set("paper/copositive/exp1")->generate(912, 1).contact();
+    contact.v.setZero();
+    return contact;
+  }());
+  return all;
+}
+
+struct Outcome {
+  Answer answer;
+  double work = 0;
+};
+
+/// Begins where an earlier solve may have left it, at another velocity and with other parts.
+Outcome in_one_part(ResumableSolver& solver, const Vector* start, double error) {
+  Outcome outcome;
+  solver.begin(start, error);
+  EXPECT_TRUE(solver.go_on(kInfinity, kInfinity, outcome.answer));
+  outcome.work = solver.work();
+  return outcome;
+}
+
+/// Asks for the best impulses after some of the parts, and compares their residual with what the evaluation finds.
+Outcome in_parts(ResumableSolver& solver, const Vector* start, double error, double most, const Problem& problem,
+                 std::mt19937& random, int& parts) {
+  Outcome outcome;
+  std::uniform_real_distribution<double> share(0.05, 1);
+  Vector z = Vector::Constant(problem.size(), -1);
+  solver.begin(start, error);
+  for (parts = 1; !solver.go_on(most * share(random), kInfinity, outcome.answer); ++parts) {
+    EXPECT_EQ(outcome.answer.z.size(), 0);  // written at the end alone
+    if (parts % 3 != 1) continue;
+    const double residual = solver.best(z);
+    if (parts != 1 && parts % 12 != 1) continue;
+    Answer best;
+    best.z = z;
+    const double found = Evaluator(problem).errors(best).velocity_residual_relative;
+    EXPECT_NEAR(found, residual, 1e-9 + 1e-6 * residual);
+    EXPECT_GE(z.minCoeff(), -1e-12 * z.lpNorm<Eigen::Infinity>());
+  }
+  outcome.work = solver.work();
+  return outcome;
+}
+
+void expect_same(const Answer& answer, const Answer& expected, const std::string& what) {
+  EXPECT_EQ(answer.claim, expected.claim) << what;
+  EXPECT_EQ(answer.detail, expected.detail) << what;
+  EXPECT_EQ(static_cast<const Vector&>(answer.z), expected.z) << what;
+  EXPECT_EQ(static_cast<const Vector&>(answer.velocity), expected.velocity) << what;
+  EXPECT_EQ(answer.counters.iterations, expected.counters.iterations) << what;
+  EXPECT_EQ(answer.counters.pivots, expected.counters.pivots) << what;
+  EXPECT_EQ(answer.counters.factorizations, expected.counters.factorizations) << what;
+}
+
+TEST(ResumableTest, PartsOfAnySizeEndInTheSameBits) {
+  std::mt19937 random(5);
+  int most_parts = 0;
+  for (const Problem& problem : problems()) {
+    for (const Method& method : methods()) {
+      if (!why_not(method.solver->capabilities(), problem).empty()) continue;
+      const std::string what = problem.name() + ", " + method.name;
+      method.solver->load(problem);
+      const Outcome expected = in_one_part(*method.solver, nullptr, 0);
+      const Vector start = 0.9 * expected.answer.z;
+      for (const double error : {0.0, 1e-3}) {
+        for (const Vector* from : {static_cast<const Vector*>(nullptr), &start}) {
+          const Outcome whole = in_one_part(*method.solver, from, error);
+          for (const double pieces : {1.5, 40.0}) {
+            int parts = 0;
+            const double most = std::max(whole.work, 1.0) / pieces;
+            const Outcome pieced = in_parts(*method.solver, from, error, most, problem, random, parts);
+            expect_same(pieced.answer, whole.answer, what + " in " + std::to_string(parts) + " parts");
+            most_parts = std::max(most_parts, parts);
+          }
+        }
+      }
+      Answer solved;
+      method.solver->begin(nullptr, 0);  // and leave it
+      method.solver->solve({}, solved);
+      expect_same(solved, expected.answer, what + " by solve()");
+    }
+  }
+  EXPECT_GE(most_parts, 30);
+}
+
+TEST(ResumableTest, BestIsThereFromTheBeginningAndNeverGetsWorse) {
+  for (const Problem& problem : problems()) {
+    for (const Method& method : methods()) {
+      if (!why_not(method.solver->capabilities(), problem).empty()) continue;
+      const std::string what = problem.name() + ", " + method.name;
+      method.solver->load(problem);
+      method.solver->begin(nullptr, 0);
+      Vector z(problem.size());
+      double residual = method.solver->best(z);
+      EXPECT_LT(residual, kInfinity) << what;
+      Answer answer;
+      bool has_ended = false;
+      for (int part = 0; part < 200 && !has_ended; ++part) {
+        has_ended = method.solver->go_on(1, kInfinity, answer);
+        const double next = method.solver->best(z);
+        EXPECT_LE(next, residual) << what;
+        residual = next;
+      }
+      // What a time limit leaves is in hand.
+      if (!has_ended) EXPECT_TRUE(method.solver->go_on(kInfinity, 0, answer)) << what;
+      if (!has_ended) EXPECT_EQ(answer.claim, Claim::kTimeLimit) << what;
+      EXPECT_LE(method.solver->best(z), residual) << what;
+      Answer best;
+      best.z = z;
+      EXPECT_NEAR(Evaluator(problem).errors(best).velocity_residual_relative, residual, 1e-9 + 1e-6 * residual) << what;
+    }
+  }
+}
+
+TEST(ResumableTest, TheStatedErrorIsClaimedAndNoMore) {
+  const Problem wall("wall", testing::frictional_brick_wall(6, 8, 0.5));
+  for (const Method& method : methods()) {
+    if (!why_not(method.solver->capabilities(), wall).empty()) continue;
+    method.solver->load(wall);
+    const Outcome rough = in_one_part(*method.solver, nullptr, 1e-2);
+    const Outcome full = in_one_part(*method.solver, nullptr, 0);
+    ASSERT_EQ(rough.answer.claim, Claim::kSolved) << method.name;
+    EXPECT_LE(Evaluator(wall).errors(rough.answer).velocity_residual_relative, 1.01e-2) << method.name;
+    EXPECT_LT(rough.work, full.work) << method.name;
+    Answer solved;  // the error of the last begin() is not that of a solve
+    in_one_part(*method.solver, nullptr, 1e-2);
+    method.solver->solve({}, solved);
+    expect_same(solved, full.answer, method.name);
+  }
+}
+
+// The slip bounds of the answer are those of the fixed point: one convex problem ends there.
+TEST(ResumableTest, AGoodStartSavesConvexProblems) {
+  const Problem wall("wall", testing::frictional_brick_wall(6, 8, 0.5));
+  const auto ipm = make_friction_ipm();
+  ipm->load(wall);
+  const Outcome cold = in_one_part(*ipm, nullptr, 0);
+  ASSERT_EQ(cold.answer.claim, Claim::kSolved);
+  const Vector answer = cold.answer.z;
+  const Outcome warm = in_one_part(*ipm, &answer, 0);
+  ASSERT_EQ(warm.answer.claim, Claim::kSolved);
+  EXPECT_LT(3 * warm.work, cold.work);
+  Answer solved;
+  ipm->solve({.start = &answer}, solved);  // solve() has no warm start
+  expect_same(solved, cold.answer, "solve() with a start");
+}
+
+TEST(ResumableTest, PartsAllocateNothing) {
+  for (const Problem& problem : problems()) {
+    for (const Method& method : methods()) {
+      if (!method.solver->capabilities().allocation_free) continue;
+      if (!why_not(method.solver->capabilities(), problem).empty()) continue;
+      method.solver->load(problem);
+      Answer answer;
+      answer.reserve(problem);
+      Vector z(problem.size());
+      const Vector start = Vector::Ones(problem.size());
+      EXPECT_EQ(testing::count_allocations([&] {
+                  method.solver->begin(&start, 1e-6);
+                  for (int part = 0; part < 50 && !method.solver->go_on(1, kInfinity, answer); ++part) {
+                    method.solver->best(z);
+                  }
+                }),
+                0)
+          << problem.name() << ", " << method.name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench
