@@ -13,12 +13,16 @@ namespace {
 /// ngc (ngc + nc) up to which a dense method is loaded: half a gigabyte.
 constexpr Index kMostEntries = 1'000'000;
 
+/// Contacts about which the sweeps wander are solved in parts. So many sweeps are more than a race ever waits for.
+constexpr PsorSettings kSweeps{
+    .max_iterations = 1'000'000, .tolerance = 1e-9, .acceleration = PsorSettings::Acceleration::kExact};
+
 std::unique_ptr<ResumableSolver> make_method(AutoMethod method, const std::shared_ptr<LaterEngines>& later) {
   switch (method) {
     case AutoMethod::kContactLemke: return std::make_unique<ContactLemke>(ContactLemkeSettings{}, later);
     case AutoMethod::kVelocityIpm: return make_velocity_ipm();
     case AutoMethod::kFrictionIpm: return make_friction_ipm();
-    case AutoMethod::kPsor: return make_psor();
+    case AutoMethod::kPsor: return make_psor(kSweeps);
     default: return std::make_unique<ActiveSet>(ActiveSetSettings{});
   }
 }
@@ -90,7 +94,7 @@ LeastEnergy& Methods::loaded_least_energy() {
 
 void Methods::respond(AutoMethod method, const Vector& z, Vector& u) {
   if (method == AutoMethod::kContactLemke) return static_cast<ContactLemke&>(loaded(method)).respond(z, u);
-  if (method == AutoMethod::kPsor) return respond_of_psor(loaded(method), z, u);
+  if (method == AutoMethod::kPsor) return static_cast<LimitedPsor&>(loaded(method)).respond(z, u);
   ContactProblem moving = *problem_->contact();
   moving.v = v_;
   u = post_impact_velocity(moving, z);
