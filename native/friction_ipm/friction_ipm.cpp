@@ -119,33 +119,36 @@ class FrictionIpm final : public LimitedFrictionIpm {
  public:
   explicit FrictionIpm(const FrictionIpmSettings& settings)
       : settings_(settings),
-        tolerance_(settings.tolerance),
-        accept_residual_(settings.accept_residual),
+        limits_({.tolerance = settings.tolerance, .accept_residual = settings.accept_residual}),
         method_({.tolerance = kConvexShare * settings.tolerance, .shift = settings.shift}) {}
   const Capabilities& capabilities() const override;
   void limit_rounds(std::int64_t rounds, double accept_residual) override {
-    max_rounds_ = rounds;
-    accept_residual_ = accept_residual;
+    limits_.rounds = rounds;
+    limits_.accept_residual = accept_residual;
   }
   void aim_at(double residual) override {
-    tolerance_ = accept_residual_ = residual;
-    test_.allow(residual);
+    limits_.tolerance = limits_.accept_residual = limits_.allowed = residual;
   }
   void begin(const Vector* start, double error) override;
   bool go_on(double work, double deadline_s, Answer& answer) override;
   double work() const override { return method_.work() - now_.work_before + now_.work; }
   double best(Vector& z) override;
   void unlimit_rounds() override {
-    limit_rounds(kNoLimit, settings_.accept_residual);
-    tolerance_ = settings_.tolerance;
-    test_.allow(0);
+    limits_ = {.tolerance = settings_.tolerance, .accept_residual = settings_.accept_residual};
   }
 
  private:
-  static constexpr std::int64_t kNoLimit = std::numeric_limits<std::int64_t>::max();
+  /// Of one solve.
+  struct Limits {
+    double tolerance = 0;
+    double accept_residual = 0;
+    double allowed = 0;  ///< by the test, where it is more than the verdict allows
+    std::int64_t rounds = std::numeric_limits<std::int64_t>::max();
+  };
 
   /// Of one solve, between its parts.
   struct Progress {
+    Limits limits;
     int rounds = 1;  ///< with the one that runs
     double best = kInfinity;
     int idle_rounds = 0;            ///< since the residual last fell to a half
@@ -158,7 +161,7 @@ class FrictionIpm final : public LimitedFrictionIpm {
   void on_update(const Vector& v) override;
   void on_solve(const SolveRequest& request, Answer& answer) override;
 
-  void start_over(const Vector* start);
+  void start_over(const Vector* start, const Limits& limits);
   bool take_start(const Vector* start);
   void begin_round(double residual);
   bool end_round();
@@ -170,9 +173,7 @@ class FrictionIpm final : public LimitedFrictionIpm {
   bool has_friction() const { return cone_.friction.nonZeros() > 0; }
 
   FrictionIpmSettings settings_;
-  std::int64_t max_rounds_ = kNoLimit;
-  double tolerance_ = 0;
-  double accept_residual_ = 0;
+  Limits limits_;  // of a solve()
   InteriorPoint method_;
   ContactImpulses state_;
   ConeColumns cone_;
@@ -246,13 +247,15 @@ bool FrictionIpm::take_start(const Vector* start) {
   return state_.u.allFinite();
 }
 
-void FrictionIpm::start_over(const Vector* start) {
+void FrictionIpm::start_over(const Vector* start, const Limits& limits) {
   result_.clear();
   result_.z.resize(problem().size());
   result_.z.setZero();
   result_.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
   if (!method_.loaded()) return;
+  test_.allow(limits.allowed);
   now_ = {};
+  now_.limits = limits;
   now_.work_before = method_.work();
   best_impulse_.setZero();
   const bool has_start = has_friction() && take_start(start);
@@ -262,7 +265,7 @@ void FrictionIpm::start_over(const Vector* start) {
 
 /// The next convex problem, with the bounds in offset_. @param residual of what they come from
 void FrictionIpm::begin_round(double residual) {
-  const double least = kConvexShare * tolerance_;
+  const double least = kConvexShare * now_.limits.tolerance;
   method_.aim_at(has_friction() ? std::clamp(kNextConvex * residual, least, std::max(least, kFirstConvex)) : least);
   method_.set_velocity(state_.u0, offset_);
   method_.begin();
@@ -277,7 +280,7 @@ bool FrictionIpm::end_round() {
     now_.best = residual;
     best_impulse_ = state_.impulse;
   }
-  if (now_.best <= tolerance_ || now_.idle_rounds > kMostIdleRounds || !(residual < kInfinity)) return true;
+  if (now_.best <= now_.limits.tolerance || now_.idle_rounds > kMostIdleRounds || !(residual < kInfinity)) return true;
   return !has_friction();  // the next problem would be the same
 }
 
@@ -293,7 +296,7 @@ bool FrictionIpm::run(double work, double deadline_s) {
     if (stop == Stop::kTimeLimit) claim = Claim::kTimeLimit;
     if (stop == Stop::kIterationLimit) claim = Claim::kIterationLimit;
     bool is_end = claim != Claim::kNumericalFailure || end_round();
-    if (!is_end && now_.rounds >= max_rounds_) {
+    if (!is_end && now_.rounds >= now_.limits.rounds) {
       claim = Claim::kIterationLimit;
       is_end = true;
     }
@@ -312,7 +315,7 @@ bool FrictionIpm::run(double work, double deadline_s) {
 void FrictionIpm::end(Claim claim, double deadline_s) {
   state_.impulse = best_impulse_;
   state_.recompute_velocity();
-  if (now_.best <= accept_residual_) claim = Claim::kSolved;
+  if (now_.best <= now_.limits.accept_residual) claim = Claim::kSolved;
   report(claim);
   if (claim != Claim::kSolved || test_.settle(result_, deadline_s)) return;
   if (result_.claim != Claim::kNumericalFailure) return;
@@ -333,10 +336,9 @@ void FrictionIpm::report(Claim claim) {
 }
 
 void FrictionIpm::begin(const Vector* start, double error) {
-  tolerance_ = error > 0 ? error : settings_.tolerance;
-  accept_residual_ = error > 0 ? error : settings_.accept_residual;
-  test_.allow(error);
-  start_over(start);
+  start_over(start, {.tolerance = error > 0 ? error : settings_.tolerance,
+                     .accept_residual = error > 0 ? error : settings_.accept_residual,
+                     .allowed = error});
 }
 
 bool FrictionIpm::go_on(double work, double deadline_s, Answer& answer) {
@@ -376,7 +378,7 @@ double FrictionIpm::best(Vector& z) {
 
 void FrictionIpm::on_solve(const SolveRequest& request, Answer& answer) {
   const double deadline_s = wall_clock_s() + request.time_limit_s;
-  start_over(nullptr);
+  start_over(nullptr, limits_);
   go_on(kInfinity, deadline_s, answer);
 }
 

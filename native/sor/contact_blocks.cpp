@@ -116,6 +116,7 @@ void ContactBlocks::load(const Inertia& inertia, const ContactImpulses& state) {
   for (Index contact = 0; contact < contacts(); ++contact) {
     find_curvature(state, contact, contacts_[static_cast<std::size_t>(contact)]);
   }
+  offset_.resize(state.offset.size());
   velocity.resize(state.u0.size());
   errors.setZero(contacts());
 }

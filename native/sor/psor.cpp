@@ -61,15 +61,12 @@ class Psor final : public ImpulseSolver<LimitedPsor> {
     settings_.max_iterations = sweeps;
     settings_.tolerance = tolerance;
   }
-  void aim_at(double residual) override {
-    settings_.tolerance = residual;
-    test_.allow(residual);
-  }
+  void aim_at(double residual) override { settings_.tolerance = allowed_ = residual; }
   void unlimit_sweeps() override {
     const Acceleration acceleration = settings_.acceleration;
     settings_ = acceleration == Acceleration::kExact ? given_ : PsorSettings{};
     settings_.acceleration = acceleration;
-    test_.allow(0);
+    allowed_ = 0;
   }
   void respond(const Vector& z, Vector& u) override;
 
@@ -98,7 +95,7 @@ class Psor final : public ImpulseSolver<LimitedPsor> {
 
   void count_work();
   void set_start(const Vector* start);
-  void start_over(const Vector* start);
+  void start_over(const Vector* start, double tolerance, double allowed);
   bool ends(double work, double deadline_s);
   bool sweep_and_test(double deadline_s);
   void accelerate(double deadline_s);
@@ -121,6 +118,7 @@ class Psor final : public ImpulseSolver<LimitedPsor> {
 
   PsorSettings given_;
   PsorSettings settings_;
+  double allowed_ = 0;  // by the test, in a solve()
   Progress now_;
   Answer result_;
   double work_of_sweep_ = 0, work_of_test_ = 0;
@@ -240,12 +238,15 @@ bool Psor::settle(double deadline_s) {
   return test_.settle(result_, deadline_s) || result_.claim != Claim::kNumericalFailure;
 }
 
-void Psor::start_over(const Vector* start) {
+/// @param tolerance residual up to which solved is claimed @param allowed by the test, where it is more than the
+///     verdict allows
+void Psor::start_over(const Vector* start, double tolerance, double allowed) {
+  test_.allow(allowed);
   result_.clear();
   result_.z.resize(problem().size());
   result_.z.setZero();
   now_ = {};
-  now_.allowed = now_.promising = settings_.tolerance * state_.q_max;
+  now_.allowed = now_.promising = tolerance * state_.q_max;
   set_start(start);
   if (!is_bare()) blocks_.take(state_);
   if (accelerates()) steps_.begin(all(), impulses(), velocity());
@@ -329,9 +330,7 @@ bool Psor::ends(double work, double deadline_s) {
 }
 
 void Psor::begin(const Vector* start, double error) {
-  settings_.tolerance = error > 0 ? error : given_.tolerance;
-  test_.allow(error);
-  start_over(start);
+  start_over(start, error > 0 ? error : given_.tolerance, error);
 }
 
 bool Psor::go_on(double work, double deadline_s, Answer& answer) {
@@ -418,7 +417,7 @@ void Psor::recompute_velocity() {
 }
 
 void Psor::iterate(const SolveRequest& request, double deadline_s, Answer& answer) {
-  start_over(request.start);
+  start_over(request.start, settings_.tolerance, allowed_);
   go_on(kInfinity, deadline_s, answer);
 }
 

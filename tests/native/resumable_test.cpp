@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/islands.h"
 #include "core/scene.h"
 #include "generators/sets.h"
 #include "native/contacts/resumable_solver.h"
@@ -80,6 +81,16 @@ Outcome in_one_part(ResumableSolver& solver, const Vector* start, double error) 
   return outcome;
 }
 
+/// The units of several islands are powers of two.
+void expect_residual(const Problem& problem, const Vector& z, double residual) {
+  Answer answer;
+  answer.z = z;
+  const double found = Evaluator(problem).errors(answer).velocity_residual_relative;
+  const bool is_one_island = find_islands(*problem.contact()).size() == 1;
+  EXPECT_LE(found, residual * (1 + 1e-6) + 1e-9) << problem.name();
+  EXPECT_GE(found, residual * (is_one_island ? 1 : 0.5) * (1 - 1e-6) - 1e-9) << problem.name();
+}
+
 /// Asks for the best impulses after some of the parts, and compares their residual with what the evaluation finds.
 Outcome in_parts(ResumableSolver& solver, const Vector* start, double error, double most, const Problem& problem,
                  std::mt19937& random, int& parts) {
@@ -92,10 +103,7 @@ Outcome in_parts(ResumableSolver& solver, const Vector* start, double error, dou
     if (parts % 3 != 1) continue;
     const double residual = solver.best(z);
     if (parts != 1 && parts % 12 != 1) continue;
-    Answer best;
-    best.z = z;
-    const double found = Evaluator(problem).errors(best).velocity_residual_relative;
-    EXPECT_NEAR(found, residual, 1e-9 + 1e-6 * residual);
+    expect_residual(problem, z, residual);
     EXPECT_GE(z.minCoeff(), -1e-12 * z.lpNorm<Eigen::Infinity>());
   }
   outcome.work = solver.work();
@@ -162,12 +170,12 @@ TEST(ResumableTest, BestIsThereFromTheBeginningAndNeverGetsWorse) {
         residual = next;
       }
       // What a time limit leaves is in hand.
-      if (!has_ended) EXPECT_TRUE(method.solver->go_on(kInfinity, 0, answer)) << what;
-      if (!has_ended) EXPECT_EQ(answer.claim, Claim::kTimeLimit) << what;
+      if (!has_ended) {
+        EXPECT_TRUE(method.solver->go_on(kInfinity, 0, answer)) << what;
+        EXPECT_EQ(answer.claim, Claim::kTimeLimit) << what;
+      }
       EXPECT_LE(method.solver->best(z), residual) << what;
-      Answer best;
-      best.z = z;
-      EXPECT_NEAR(Evaluator(problem).errors(best).velocity_residual_relative, residual, 1e-9 + 1e-6 * residual) << what;
+      expect_residual(problem, z, method.solver->best(z));
     }
   }
 }
