@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <fstream>
 #include <map>
+#include <set>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -103,6 +104,18 @@ TEST(MadeTest, OptionsHold) {
       EXPECT_FALSE(rough.contact()->has_offset());
       EXPECT_FALSE(generate(set, "nc_max=60,edges=0", trial).contact()->frictional());
     }
+  }
+}
+
+TEST(MadeTest, NegativeOffsetsStandOnlyWhereNoImpulsesCancel) {
+  const std::set<std::string> open{"made/bridge", "made/cradle", "made/patch", "made/tower"};
+  for (const MadeSet& set : made_sets()) {
+    double least = 0;
+    for (std::int64_t trial = 0; trial < 40; ++trial) {
+      const Problem problem = generate(set, "nc_max=60,edges=0", trial);
+      if (problem.contact()->has_offset()) least = std::min(least, problem.contact()->b.minCoeff());
+    }
+    EXPECT_EQ(least < 0, open.contains(set.name)) << set.name;
   }
 }
 
