@@ -7,6 +7,7 @@
 #include <limits>
 #include <variant>
 
+#include "core/timed_solve.h"
 #include "native/answer_test/contact_solvability.h"
 #include "native/auto/islands.h"
 #include "native/auto/prediction.h"

@@ -65,7 +65,7 @@ class IslandRace final : private Stable {
   bool may_rest_first() const;
   bool guesses(const Vector* start) const;
   bool holds(const Vector& start, const AutoLimits& limits, Answer& answer, AutoReport& report);
-  bool rests(bool is_warm, const AutoLimits& limits, double work, Answer& answer, AutoReport& report);
+  bool rests(bool is_warm, const AutoLimits& limits, Answer& answer, AutoReport& report);
   bool may_have_missed_rest(const Answer& answer) const;
   void take_best(Race::End end, const AutoLimits& limits, Answer& answer);
 
