@@ -51,6 +51,22 @@ constexpr std::ptrdiff_t kSmallSystem = 1024;
 /// Diagonal entries of G below this have reciprocals that doubles, and sums of two, do not hold with all their bits.
 constexpr double kLeastInertia = 0x1p-900;
 
+/// Multiplications of sums of two doubles and in 113 bits, in those of doubles in vectors.
+constexpr double kDoubleDoublePrice = 50;
+constexpr double kQuadPrice = 420;
+
+/// More multiplications than any limit on work asks for.
+constexpr double kMostWork = 0x1p60;
+
+/// Seconds for a unit of work on any processor, to tell what a time limit rules out.
+constexpr double kLeastTime = 3e-11;
+
+/// Of an engine's load.
+double work_of_load(std::ptrdiff_t ngc, std::ptrdiff_t nc) {
+  const double order = static_cast<double>(ngc);
+  return order * order * (order / 2 + static_cast<double>(nc)) + 10000;
+}
+
 /// Whether a diagonal entry of G, where that is given, is below kLeastInertia.
 bool underflows(const active_set::Input& input) {
   if (input.form != InertiaForm::kDense) return false;
@@ -72,7 +88,8 @@ void report(const active_set::Outcome& outcome, Answer& answer) {
       answer.detail = "own test failed";
       return;
     case Ending::kStepLimit: answer.claim = Claim::kIterationLimit; return;
-    case Ending::kTimeLimit: answer.claim = Claim::kTimeLimit; return;
+    case Ending::kTimeLimit:
+    case Ending::kWorkLimit: answer.claim = Claim::kTimeLimit; return;
     case Ending::kBreakdown:
       answer.claim = Claim::kNumericalFailure;
       answer.detail = "inertia";
@@ -95,6 +112,10 @@ ActiveSet::~ActiveSet() = default;
 
 const Capabilities& ActiveSet::capabilities() const { return kCapabilities; }
 
+double ActiveSet::load_work(const Problem& problem) {
+  return work_of_load(problem.contact()->ngc(), problem.contact()->nc());
+}
+
 void ActiveSet::reserve(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   reserve_later_rungs(contact);
@@ -105,6 +126,8 @@ void ActiveSet::reserve(const Problem& problem) {
   dense_normals_.reserve(reserved_.ngc * reserved_.nc);
   dense_inertia_.reserve(reserved_.ngc * reserved_.ngc);
   farkas_.reserve(reserved_.nc);
+  z_.reserve(reserved_.nc);
+  velocity_.reserve(reserved_.ngc);
   islands_.reserve(reserved_.ngc, reserved_.nc);
 }
 
@@ -119,6 +142,9 @@ void ActiveSet::on_load(const Problem& problem) {
   if (settings_.precision == ActiveSetPrecision::kQuad) reserve_proof(contact.ngc(), contact.nc());
   if (settings_.precision == ActiveSetPrecision::kFloat) second_.load(input_);
   farkas_.resize(input_.nc);
+  z_.resize(input_.nc);
+  velocity_.resize(input_.ngc);
+  progress_ = {};
 }
 
 /// For any problem up to the largest dimensions so far: the same sizes again and again ask for nothing.
@@ -177,7 +203,7 @@ void ActiveSet::on_update(const Vector& v) {
   if (settings_.precision == ActiveSetPrecision::kFloat) second_.update(v_.data());
 }
 
-active_set::Rules ActiveSet::rules(const SolveRequest& request) const {
+active_set::Rules ActiveSet::rules(const Vector* start) const {
   active_set::Rules rules;
   rules.polish =
       settings_.precision == ActiveSetPrecision::kPolished || settings_.precision == ActiveSetPrecision::kQuad;
@@ -185,12 +211,32 @@ active_set::Rules ActiveSet::rules(const SolveRequest& request) const {
   rules.max_steps = settings_.max_iterations > 0 ? static_cast<std::ptrdiff_t>(settings_.max_iterations)
                                                  : 20 * (input_.nc + input_.ngc) + 100;
   rules.clock_s = wall_clock_s;
-  rules.time_limit_s = request.time_limit_s;
-  // Reading the clock takes as long as several steps of a small problem.
-  const bool reads_clock = !std::isinf(request.time_limit_s) && input_.ngc * input_.nc > kSmallSystem;
-  rules.begin_s = reads_clock ? wall_clock_s() : std::numeric_limits<double>::quiet_NaN();
-  if (request.start != nullptr && request.start->size() == input_.nc) rules.start = request.start->data();
+  rules.time_limit_s = std::numeric_limits<double>::infinity();
+  if (start != nullptr && start->size() == input_.nc) rules.start = start->data();
   return rules;
+}
+
+void ActiveSet::begin(const Vector* start, double /*error*/) {
+  progress_ = {};
+  progress_.is_in_parts = true;
+  progress_.rules = rules(start);
+  z_.view().setZero();
+}
+
+bool ActiveSet::go_on(double work, double deadline_s, Answer& answer) {
+  active_set::Rules& rules = progress_.rules;
+  rules.begin_s = 0;
+  rules.time_limit_s = deadline_s;
+  if (is_too_late_for(0)) {
+    progress_.outcome.ending = Ending::kTimeLimit;
+  } else if (!proceed(work, z_.data(), velocity_.data())) {
+    return false;
+  }
+  answer.reserve(problem());
+  answer.z = z_.view();
+  answer.velocity = velocity_.view();
+  finish(answer);
+  return true;
 }
 
 void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
@@ -198,28 +244,64 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
     answer.claim = Claim::kTimeLimit;
     return;
   }
-  active_set::Rules rules = this->rules(request);
+  progress_ = {};
+  active_set::Rules& rules = progress_.rules;
+  rules = this->rules(request.start);
+  rules.time_limit_s = request.time_limit_s;
+  // Reading the clock takes as long as several steps of a small problem.
+  const bool reads_clock = !std::isinf(request.time_limit_s) && input_.ngc * input_.nc > kSmallSystem;
+  rules.begin_s = reads_clock ? wall_clock_s() : std::numeric_limits<double>::quiet_NaN();
   answer.velocity.resize(input_.ngc);
-  active_set::Outcome outcome;
-  // Other precisions break down there by themselves.
-  if (settings_.precision != ActiveSetPrecision::kQuad || !underflows(input_)) {
-    outcome = first_.solve(rules, answer, farkas_);
-  }
-  if (settings_.precision == ActiveSetPrecision::kFloat && outcome.ending == Ending::kSolved &&
-      !second_.accepts(answer.z, accepted())) {
-    outcome.ending = Ending::kRejected;
-  }
-  if (settings_.precision == ActiveSetPrecision::kLadder) {
-    if (outcome.ending != Ending::kSolved && !stopped(outcome) && !underflows(input_)) {
-      solve_in_more_bits(rules, outcome, answer);
+  proceed(std::numeric_limits<double>::infinity(), answer.z.data(), answer.velocity.data());
+  finish(answer);
+}
+
+double ActiveSet::best(Vector& z) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  const Ending ending = progress_.outcome.ending;
+  const bool has_answer = ending == Ending::kSolved || ending == Ending::kRejected;
+  if (!progress_.is_in_parts || !has_answer) return kNone;
+  const double residual = (settings_.precision == ActiveSetPrecision::kFloat ? second_ : first_).residual(z_.data());
+  if (!(residual < 1)) return kNone;
+  z = z_.view();
+  return residual;
+}
+
+/// Does so much more work. @returns whether it has ended
+bool ActiveSet::proceed(double work, double* z, double* velocity) {
+  progress_.most_work = progress_.work + work;
+  active_set::Outcome& outcome = progress_.outcome;
+  if (progress_.rung == 0) {
+    // Other precisions break down there by themselves.
+    if (settings_.precision != ActiveSetPrecision::kQuad || !underflows(input_)) {
+      const double price = settings_.precision == ActiveSetPrecision::kQuad ? kQuadPrice : 1;
+      if (!run(first_, price, z, velocity)) return false;
     }
+    if (settings_.precision == ActiveSetPrecision::kFloat && outcome.ending == Ending::kSolved &&
+        !second_.accepts(z, accepted())) {
+      outcome.ending = Ending::kRejected;
+    }
+    if (settings_.precision != ActiveSetPrecision::kLadder || outcome.ending == Ending::kSolved || stopped() ||
+        underflows(input_)) {
+      return true;
+    }
+    progress_.rung = outcome.ending == Ending::kInfeasible ? 2 : 1;
+    progress_.rules.polish = true;
+    progress_.rules.start = nullptr;  // it may have been what misled the first rung
   }
+  return solve_in_more_bits(z, velocity);
+}
+
+/// What the solve has come to.
+void ActiveSet::finish(Answer& answer) {
+  active_set::Outcome& outcome = progress_.outcome;
+  answer.detail = progress_.detail;
   if (outcome.ending == Ending::kSolved && !doubtful_.confirms(*problem().contact(), v_.view(), answer)) {
     outcome.ending = Ending::kRejected;
   }
   const bool has_answer = outcome.ending == Ending::kSolved || outcome.ending == Ending::kRejected;
   if (may_be_singular_) {
-    check_solvability(request, rules, outcome);
+    check_solvability();
   } else if (outcome.ending == Ending::kInfeasible && !is_proven_singular()) {
     outcome.ending = Ending::kBreakdown;
   }
@@ -232,14 +314,19 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
 
 double ActiveSet::accepted() const { return std::min(settings_.accept_residual, kClaimedResidual); }
 
+/// On wall_clock_s(), in a solve that has read it or has no limit.
+double ActiveSet::deadline_s() const {
+  const double begin_s = std::isnan(progress_.rules.begin_s) ? wall_clock_s() : progress_.rules.begin_s;
+  return begin_s + progress_.rules.time_limit_s;
+}
+
 /// With singular inertia, whether there is a solution is decided apart: an answer may nearly be one where there is
 /// none, and dependent contacts nearly a proof that there is none.
-void ActiveSet::check_solvability(const SolveRequest& request, const active_set::Rules& rules,
-                                  active_set::Outcome& outcome) {
+void ActiveSet::check_solvability() {
   using Finding = ContactSolvability::Finding;
+  active_set::Outcome& outcome = progress_.outcome;
   if (outcome.ending != Ending::kSolved && outcome.ending != Ending::kInfeasible) return;
-  const double begin_s = std::isnan(rules.begin_s) ? wall_clock_s() : rules.begin_s;
-  const Finding finding = solvability_.decide(v_.data(), begin_s + request.time_limit_s);
+  const Finding finding = solvability_.decide(v_.data(), deadline_s());
   if (finding == Finding::kUnsolvable) {
     if (outcome.ending == Ending::kSolved) solvability_.write_proof(farkas_.view());
     outcome.ending = Ending::kInfeasible;
@@ -249,42 +336,69 @@ void ActiveSet::check_solvability(const SolveRequest& request, const active_set:
 }
 
 /// What an engine refuses may be right: the next one tests it before it solves anew. What has no solution, only the
-/// last rung may say.
-void ActiveSet::solve_in_more_bits(active_set::Rules& rules, active_set::Outcome& outcome, Answer& answer) {
-  if (outcome.ending != Ending::kInfeasible) {
-    second_.load(input_);
-    if (outcome.ending == Ending::kRejected && second_.accepts(answer.z, accepted())) {
-      outcome.ending = Ending::kSolved;
-      return;
-    }
-    climb(second_, "dd rung", rules, outcome, answer);
-    if (outcome.ending == Ending::kSolved || stopped(outcome)) return;
+/// last rung may say. @returns whether it has ended
+bool ActiveSet::solve_in_more_bits(double* z, double* velocity) {
+  if (progress_.rung == 1) {
+    if (!climb(second_, kDoubleDoublePrice, "dd rung", z, velocity)) return false;
+    if (progress_.outcome.ending == Ending::kSolved || stopped()) return true;
+    progress_.rung = 2;
   }
-  third_.load(input_);
-  if (outcome.ending == Ending::kRejected && third_.accepts(answer.z, accepted())) {
-    outcome.ending = Ending::kSolved;
-    return;
-  }
-  climb(third_, "quad rung", rules, outcome, answer);
+  return climb(third_, kQuadPrice, "quad rung", z, velocity);
 }
 
 /// Whether a limit of the caller's ended it.
-bool ActiveSet::stopped(const active_set::Outcome& outcome) const {
-  return outcome.ending == Ending::kTimeLimit || (outcome.ending == Ending::kStepLimit && settings_.max_iterations > 0);
+bool ActiveSet::stopped() const {
+  const Ending ending = progress_.outcome.ending;
+  return ending == Ending::kTimeLimit || (ending == Ending::kStepLimit && settings_.max_iterations > 0);
 }
 
-/// One rung up, whose problem is loaded: `outcome` counts the steps of all.
-void ActiveSet::climb(Rung& rung, const char* name, active_set::Rules& rules, active_set::Outcome& outcome,
-                      Answer& answer) {
-  if (std::isnan(rules.begin_s)) rules.begin_s = wall_clock_s();
-  rules.polish = true;
-  rules.start = nullptr;  // it may have been what misled the first rung
-  const active_set::Outcome next = rung.solve(rules, answer, farkas_);
+bool ActiveSet::is_too_late_for(double work) const {
+  return std::isfinite(progress_.rules.time_limit_s) && !(wall_clock_s() + kLeastTime * work < deadline_s());
+}
+
+/// One rung up. What loading its engine will take is counted before it is done: where that is more than what is left of
+/// the part, in the next one. @returns whether it has ended
+bool ActiveSet::climb(Rung& rung, double price, const char* name, double* z, double* velocity) {
+  if (!progress_.is_in_engine) {
+    const double work = price * work_of_load(input_.ngc, input_.nc);
+    if (is_too_late_for(work)) {
+      progress_.outcome.ending = Ending::kTimeLimit;
+      return true;
+    }
+    if (!progress_.is_load_counted) {
+      progress_.work += work;
+      progress_.is_load_counted = true;
+      if (progress_.work > progress_.most_work) return false;
+    }
+    progress_.is_load_counted = false;
+    rung.load(input_);
+    if (progress_.outcome.ending == Ending::kRejected && rung.accepts(z, accepted())) {
+      progress_.outcome.ending = Ending::kSolved;
+      return true;
+    }
+    if (std::isnan(progress_.rules.begin_s)) progress_.rules.begin_s = wall_clock_s();
+    progress_.detail = name;
+  }
+  return run(rung, price, z, velocity);
+}
+
+/// The solve of a rung, or more of it: the outcome counts the steps of all. @returns whether it has ended
+bool ActiveSet::run(Rung& rung, double price, double* z, double* velocity) {
+  active_set::Rules& rules = progress_.rules;
+  rules.goes_on = progress_.is_in_engine;
+  if (!rules.goes_on) progress_.work_before_engine = progress_.work;
+  const double left = std::ceil((progress_.most_work - progress_.work_before_engine) / price);
+  rules.max_work = left < kMostWork ? static_cast<std::ptrdiff_t>(left) : active_set::Rules{}.max_work;
+  const active_set::Outcome next = rung.solve(rules, z, velocity, farkas_.data());
+  progress_.work = progress_.work_before_engine + price * static_cast<double>(next.work);
+  progress_.is_in_engine = next.ending == Ending::kWorkLimit;
+  if (progress_.is_in_engine) return false;
+  active_set::Outcome& outcome = progress_.outcome;
   outcome.ending = next.ending;
   outcome.has_velocity = next.has_velocity;
   outcome.steps += next.steps;
   outcome.factorizations += next.factorizations;
-  answer.detail = name;
+  return true;
 }
 
 /// Whether contacts on a given G, which the last precision takes for singular, have no solution with the normals of

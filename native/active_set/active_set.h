@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "core/isa.h"
@@ -11,6 +12,7 @@
 #include "native/answer_test/doubtful_inertia.h"
 #include "native/answer_test/farkas_support.h"
 #include "native/contacts/growing_vector.h"
+#include "native/contacts/resumable_solver.h"
 
 namespace lcpbench {
 
@@ -55,13 +57,24 @@ struct ActiveSetSettings {
 /// null(G) approach whatever the impulses (`farkas` is set when u could be rounded to small integers that prove it);
 /// kIterationLimit, kTimeLimit; kNumericalFailure: the test failed, or the inertia is not semidefinite or too close to
 /// singular for the precision. SolveRequest::start: its positive entries are the first active set.
-class ActiveSet final : public Solver {
+class ActiveSet final : public ResumableSolver {
  public:
   /// @param level instruction-set level of the engines; must not exceed best_isa_level().
   explicit ActiveSet(const ActiveSetSettings& settings, IsaLevel level = isa_level());
   ~ActiveSet() override;
 
   const Capabilities& capabilities() const override;
+
+  /// @param error without effect: the method ends in an answer to rounding or in none
+  void begin(const Vector* start, double error) override;
+  bool go_on(double work, double deadline_s, Answer& answer) override;
+  double work() const override { return progress_.work; }
+  /// There is one once the iteration in one precision has ended, and only in a solve in parts. None where the residual is
+  /// 1 or more: no impulses leave less.
+  double best(Vector& z) override;
+
+  /// What load() takes, in the units of work().
+  static double load_work(const Problem& problem);
 
   /// Takes all memory that load() and solve() need for this problem, and touches hardly any of it: load() then
   /// allocates nothing for this and any other that was reserved. What was loaded must be loaded again.
@@ -82,14 +95,29 @@ class ActiveSet final : public Solver {
     void reserve(const active_set::Input& input) { engine_.reserve(state_, input); }
     void load(const active_set::Input& input) { engine_.load(state_, input); }
     void update(const double* v) { engine_.update(state_, v); }
-    active_set::Outcome solve(const active_set::Rules& rules, Answer& answer, GrowingVector& u) {
-      return engine_.solve(state_, rules, answer.z.data(), answer.velocity.data(), u.data());
+    active_set::Outcome solve(const active_set::Rules& rules, double* z, double* velocity, double* u) {
+      return engine_.solve(state_, rules, z, velocity, u);
     }
-    bool accepts(const Vector& z, double residual) { return engine_.accepts(state_, z.data(), residual); }
+    bool accepts(const double* z, double limit) { return engine_.accepts(state_, z, limit); }
+    double residual(const double* z) { return engine_.residual(state_, z); }
 
    private:
     const active_set::Engine& engine_;
     void* state_;
+  };
+
+  /// Of one solve, over all its rungs.
+  struct Progress {
+    double work = 0;
+    double most_work = std::numeric_limits<double>::infinity();  ///< of the part
+    bool is_in_parts = false;
+    int rung = 0;                   ///< 0: the first; 1: sums of two doubles; 2: 113 bits
+    bool is_in_engine = false;      ///< that is to go on, from:
+    double work_before_engine = 0;
+    bool is_load_counted = false;   ///< of that rung's engine
+    active_set::Rules rules;        ///< of that rung
+    active_set::Outcome outcome;    ///< of the last rung that ended; steps and factorizations of all
+    const char* detail = "";
   };
 
   void on_load(const Problem& problem) override;
@@ -98,11 +126,16 @@ class ActiveSet final : public Solver {
   void describe(const ContactProblem& contact);
   void reserve_later_rungs(const ContactProblem& contact);
   void reserve_proof(Index ngc, Index nc);
-  active_set::Rules rules(const SolveRequest& request) const;
-  void check_solvability(const SolveRequest& request, const active_set::Rules& rules, active_set::Outcome& outcome);
-  bool stopped(const active_set::Outcome& outcome) const;
-  void solve_in_more_bits(active_set::Rules& rules, active_set::Outcome& outcome, Answer& answer);
-  void climb(Rung& rung, const char* name, active_set::Rules& rules, active_set::Outcome& outcome, Answer& answer);
+  active_set::Rules rules(const Vector* start) const;
+  bool proceed(double work, double* z, double* velocity);
+  bool solve_in_more_bits(double* z, double* velocity);
+  bool climb(Rung& rung, double price, const char* name, double* z, double* velocity);
+  bool run(Rung& rung, double price, double* z, double* velocity);
+  bool is_too_late_for(double work) const;
+  bool stopped() const;
+  double deadline_s() const;
+  void check_solvability();
+  void finish(Answer& answer);
   bool round_to_proof(Eigen::Ref<Vector> u);
   bool is_proof(const Eigen::Ref<const Vector>& u) const;
   bool is_proven_singular();
@@ -113,7 +146,9 @@ class ActiveSet final : public Solver {
   Rung second_;  // the ladder's double-double rung; of float the double one, which knows what float rounds, and tests
   Rung third_;   // the ladder's quad rung
 
-  active_set::Input input_;  // points into the problem, or into what follows
+  Progress progress_;
+  GrowingVector z_, velocity_;  // of the last rung, where the solve is done in parts
+  active_set::Input input_;     // points into the problem, or into what follows
   active_set::Input reserved_{.ngc = -1, .form = active_set::InertiaForm::kFactors};  // the largest dimensions so far
   ContactSolvability solvability_;
   bool may_be_singular_ = false;

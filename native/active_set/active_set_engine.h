@@ -31,6 +31,8 @@ struct Rules {
   bool polish = true;             ///< factor the final active set afresh
   double accept_residual = 0;     ///< of the engine's own test, its rounding included; relative to each island's scale
   std::ptrdiff_t max_steps = 0;   ///< changes of the active set
+  std::ptrdiff_t max_work = __PTRDIFF_MAX__;  ///< Outcome::work at which it stops before its next step
+  bool goes_on = false;           ///< from where the last solve stopped at a limit, on the same problem
   double time_limit_s = 0;        ///< infinity: none
   double begin_s = 0;             ///< from when the limit counts, on the clock below; NaN: from its first reading
   double (*clock_s)() = nullptr;  ///< monotonic clock, read every 16 steps where there is a limit
@@ -43,13 +45,17 @@ enum class Ending {
   kRejected,    ///< an optimal active set was found, but its answer does not pass the engine's own test
   kStepLimit,
   kTimeLimit,
+  kWorkLimit,
   kBreakdown  ///< inertia indefinite, or singular to the precision of the engine; overflow
 };
 
+/// Of a solve and of those that it goes on from.
 struct Outcome {
   Ending ending = Ending::kBreakdown;
   std::ptrdiff_t steps = 0;           ///< contacts added to or dropped from the active set, warm start included
   std::ptrdiff_t factorizations = 0;  ///< of a whole active set
+  /// Multiplications of the engine's numbers in vectors, and what takes as long; the whole test of the answer aside.
+  std::ptrdiff_t work = 0;
   bool has_velocity = false;  ///< the velocity that is written is that of the impulses: see VelocityTest
 };
 
@@ -57,7 +63,8 @@ struct Outcome {
 /// these dimensions, `load` allocates what was not reserved; `update` and `solve` allocate nothing.
 /// `solve` writes z (nc) and velocity (ngc) when the ending is kSolved or kRejected, u (nc) when it is kInfeasible:
 /// u >= 0 with N u in null(G) and (N'v + b)'u < 0, to the precision of the engine.
-/// `accepts` is the test that `solve` makes of its own answer, for any z (nc).
+/// `accepts` is the test that `solve` makes of its own answer, for any z (nc). `residual` is what it leaves, of the worst
+/// island relative to its scale, without a bound on its rounding.
 struct Engine {
   void* (*create)();
   void (*destroy)(void* engine);
@@ -66,6 +73,7 @@ struct Engine {
   void (*update)(void* engine, const double* v);
   Outcome (*solve)(void* engine, const Rules& rules, double* z, double* velocity, double* u);
   bool (*accepts)(void* engine, const double* z, double accept_residual);
+  double (*residual)(void* engine, const double* z);
 };
 
 namespace baseline {

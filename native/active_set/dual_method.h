@@ -66,11 +66,14 @@ class DualMethod {
   }
 
   Outcome solve(const Rules& rules, double* z, double* velocity, double* u) {
-    Outcome outcome;
-    if (!usable_) return outcome;
+    if (!usable_) return {};
     begin_s_ = rules.begin_s;
-    start();
-    if (rules.start != nullptr) warm_start(rules, outcome);
+    Outcome& outcome = outcome_;
+    if (!rules.goes_on) {
+      outcome = {};
+      start();
+      if (rules.start != nullptr) warm_start(rules, outcome);
+    }
     outcome.ending = iterate(rules, outcome);
     if (outcome.ending == Ending::kInfeasible) write_farkas(u);
     if (outcome.ending != Ending::kSolved) return outcome;
@@ -89,14 +92,14 @@ class DualMethod {
   }
 
   bool accepts(const double* z, double accept_residual) {
-    if (!usable_) return false;
-    Count pressed = 0;
-    for (Count j = 0; j < whitening_.nc(); ++j) {
-      impulse_[j] = static_cast<Scalar>(z[j]);
-      if (z[j] != 0) active_[pressed++] = j;
-    }
-    for (Count j = whitening_.nc(); j < contact_lanes(); ++j) impulse_[j] = 0;
-    return passes(pressed, accept_residual, nullptr, nullptr);
+    return usable_ && passes(take_impulses(z), accept_residual, nullptr, nullptr);
+  }
+
+  /// @pre no solve is to go on
+  double residual(const double* z) {
+    if (!usable_) return __builtin_inf();
+    const Count pressed = take_impulses(z);
+    return test_.residual(answer(nullptr, nullptr), active_.data(), pressed);
   }
 
  private:
@@ -155,22 +158,33 @@ class DualMethod {
   }
 
   Ending iterate(const Rules& rules, Outcome& outcome) {
-    if (immovable_contact_is_violated()) return Ending::kInfeasible;
-    for (Count contact = most_violated(); contact >= 0; contact = most_violated()) {
-      entering_contact_ = contact;
-      entering_impulse_ = 0;
-      weight_[contact] = 0;
-      for (bool added = false; !added;) {
-        if (outcome.steps >= rules.max_steps) return Ending::kStepLimit;
-        if (outcome.steps % kStepsPerClockReading == kStepsPerClockReading - 1 && expired(rules)) {
-          return Ending::kTimeLimit;
-        }
-        ++outcome.steps;
-        const Ending ending = step(added);
-        if (ending != Ending::kSolved) return ending;
+    if (!rules.goes_on && immovable_contact_is_violated()) return Ending::kInfeasible;
+    for (bool added = !rules.goes_on;;) {  // the last contact that enters
+      if (added) {
+        const Count contact = most_violated();
+        if (contact < 0) return Ending::kSolved;
+        entering_contact_ = contact;
+        entering_impulse_ = 0;
+        weight_[contact] = 0;
       }
+      added = false;  // also where a limit ends this
+      if (outcome.steps >= rules.max_steps) return Ending::kStepLimit;
+      if (outcome.work >= rules.max_work) return Ending::kWorkLimit;
+      if (outcome.steps % kStepsPerClockReading == kStepsPerClockReading - 1 && expired(rules)) {
+        return Ending::kTimeLimit;
+      }
+      ++outcome.steps;
+      count_step(outcome);
+      const Ending ending = step(added);
+      if (ending != Ending::kSolved) return ending;
     }
-    return Ending::kSolved;
+  }
+
+  /// With the time that no product takes.
+  void count_step(Outcome& outcome) const {
+    constexpr Count kOfStep = 1000;
+    const Count active = basis_.size();
+    outcome.work += active * (4 * lanes() + active) + (whitening_.rank() + 4) * contact_lanes() + kOfStep;
   }
 
   bool expired(const Rules& rules) {
@@ -415,6 +429,17 @@ class DualMethod {
     }
   }
 
+  /// impulse_ := z. @returns how many contacts have one, the first of active_
+  Count take_impulses(const double* z) {
+    Count pressed = 0;
+    for (Count j = 0; j < whitening_.nc(); ++j) {
+      impulse_[j] = static_cast<Scalar>(z[j]);
+      if (z[j] != 0) active_[pressed++] = j;
+    }
+    for (Count j = whitening_.nc(); j < contact_lanes(); ++j) impulse_[j] = 0;
+    return pressed;
+  }
+
   /// Of impulse_, not zero for the first `pressed` contacts of active_ at most.
   bool passes(Count pressed, double limit, const Scalar* velocity, const Scalar* whitened_change) {
     return test_.passes(answer(velocity, whitened_change), active_.data(), pressed, static_cast<Scalar>(limit));
@@ -446,6 +471,7 @@ class DualMethod {
   };
 
   Dimensions reserved_;
+  Outcome outcome_;
   Whitening<Scalar> whitening_;
   OrthogonalBasis<Scalar> basis_;  // of the active normals
   bool usable_ = false;

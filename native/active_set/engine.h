@@ -24,12 +24,13 @@ struct Interface {
   static bool accepts(void* engine, const double* z, double accept_residual) {
     return static_cast<Method*>(engine)->accepts(z, accept_residual);
   }
+  static double residual(void* engine, const double* z) { return static_cast<Method*>(engine)->residual(z); }
 };
 
 template <class Scalar>
 constexpr Engine engine_over() {
   using I = Interface<Scalar>;
-  return {I::create, I::destroy, I::reserve, I::load, I::update, I::solve, I::accepts};
+  return {I::create, I::destroy, I::reserve, I::load, I::update, I::solve, I::accepts, I::residual};
 }
 
 }  // namespace lcpbench::active_set::LCPBENCH_LEVEL

@@ -61,30 +61,38 @@ class VelocityTest {
     if constexpr (kHasMoreBits) {
       if (needs_residual && passes_by_residual(answer, limit)) return true;
     }
-    set_zero(change_.data(), lanes());
-    if constexpr (kHoldsProducts) {
-      add_impulses_exactly(answer);
-    } else {
-      for (Count k = 0; k < pressed; ++k) {
-        add_unpadded_multiple(change_.data(), answer.impulse[active[k]], whitening_.given_normal(active[k]),
-                              whitening_.ngc());
-      }
-    }
-    if (whitening_.triangular()) {
-      whitening_.solve_transposed(change_.data());
-      if constexpr (kHoldsProducts) measure_whitened_change();
-    } else {
-      whitening_.project(change_.data(), residual_.data());
-      copy(change_.data(), residual_.data(), lanes());
-    }
-    combine_rows(answer.slack, answer.given, whitening_.row(0), whitening_.row_stride(), change_.data(),
-                 whitening_.rank(), contact_lanes());
+    respond(answer);
     if (is_whole_ && !needs_residual && passes_as_a_whole(answer, limit)) return true;
     if constexpr (kHasMoreBits) {
       if (has_residual && !needs_residual && passes_by_residual(answer, limit)) return true;
     }
     if (whitening_.triangular()) whitening_.solve(change_.data());  // u - v
     return passes_by_islands(answer, limit);
+  }
+
+  /// The largest residual of an island relative to its scale, without its rounding. Infinite where it is no number.
+  double residual(const Answer& answer, const Count* active, Count pressed) {
+    active_ = active;
+    pressed_ = pressed;
+    by_residual_ = false;
+    respond(answer);
+    for (Count k = 0; k < islands_; ++k) measures_[k] = {};
+    for (Count j = 0; j < whitening_.nc(); ++j) {
+      const Count k = island_of_contact(j);
+      if (k >= 0 && !(add_given(answer, j, measures_[k]) && add_worst(answer, j, measures_[k]))) {
+        return kInfinity<double>;
+      }
+    }
+    raise_scales(answer);
+    double largest = 0;
+    for (Count k = 0; k < islands_; ++k) {
+      const Scalar worst = measures_[k].worst;
+      const Scalar scale = measures_[k].scale;
+      if (!(worst > 0)) continue;
+      const double relative = scale > 0 ? static_cast<double>(worst / scale) : kInfinity<double>;
+      largest = relative > largest ? relative : largest;
+    }
+    return largest;
   }
 
   /// Whether the velocity is that of the impulses to half of what the verdict allows each coordinate. Where rounding
@@ -327,6 +335,12 @@ class VelocityTest {
       }
     }
     if (!measured) return false;
+    raise_scales(answer);
+    return islands_pass(limit);
+  }
+
+  /// To the floors that the rounding of q sets.
+  void raise_scales(const Answer& answer) {
     for (Count j = 0; j < whitening_.nc(); ++j) {
       const Count k = island_of_contact(j);
       if (k < 0) continue;
@@ -334,7 +348,28 @@ class VelocityTest {
       // A sum beyond the range of the type tells nothing: with an infinite scale any answer would pass.
       if (finite(floor) && floor > measures_[k].scale) measures_[k].scale = floor;
     }
-    return islands_pass(limit);
+  }
+
+  /// answer.slack := w of the impulses, change_ := what they change, whitened.
+  void respond(const Answer& answer) {
+    set_zero(change_.data(), lanes());
+    if constexpr (kHoldsProducts) {
+      add_impulses_exactly(answer);
+    } else {
+      for (Count k = 0; k < pressed_; ++k) {
+        add_unpadded_multiple(change_.data(), answer.impulse[active_[k]], whitening_.given_normal(active_[k]),
+                              whitening_.ngc());
+      }
+    }
+    if (whitening_.triangular()) {
+      whitening_.solve_transposed(change_.data());
+      if constexpr (kHoldsProducts) measure_whitened_change();
+    } else {
+      whitening_.project(change_.data(), residual_.data());
+      copy(change_.data(), residual_.data(), lanes());
+    }
+    combine_rows(answer.slack, answer.given, whitening_.row(0), whitening_.row_stride(), change_.data(),
+                 whitening_.rank(), contact_lanes());
   }
 
   bool measure_worst(const Answer& answer) {

@@ -28,6 +28,7 @@ namespace {
 
 using contact_lemke::Ending;
 using contact_lemke::Engine;
+using contact_lemke::Outcome;
 using contact_lemke::Residual;
 using contact_lemke::Rules;
 using Expected = ContactSolvability::Expected;
@@ -82,6 +83,48 @@ constexpr std::array kRungs{
 /// leaves inversion to the path's own judgement.
 constexpr std::ptrdiff_t kSmallKernel = 32;
 
+/// More multiplications than any limit on work asks for.
+constexpr double kMostWork = 0x1p60;
+
+/// Seconds for a unit of work on any processor, to tell what a time limit rules out.
+constexpr double kLeastTime = 3e-11;
+
+/// A multiplication of an engine's numbers, in multiplications of doubles. Measured as the time of paths over their
+/// count of multiplications, from 9 to 216 coordinates: 0.065 ns in double (AVX2), 3.3 to 4.4 in sums of two doubles, 25
+/// to 40 in 113 bits.
+double price_of(ContactArithmetic arithmetic) {
+  switch (arithmetic) {
+    case ContactArithmetic::kDoubleDouble: return 50;
+    case ContactArithmetic::kQuad: return 420;
+    default: return 1;
+  }
+}
+
+/// Impulses, each with an opposite one counted once.
+double rows_of(const contact_lemke::Input& input) {
+  return static_cast<double>(input.nc) + static_cast<double>(input.friction_begin[input.nc]) / 2;
+}
+
+// Fitted, as those of pivots are, to what the engine in double takes, in multiples of 0.065 ns.
+
+/// Of an engine's load.
+double work_of_load(std::ptrdiff_t ngc, double rows) {
+  const double order = static_cast<double>(ngc);
+  return 1.7 * order * order * order + 3.4 * order * rows + 20000;
+}
+
+/// Of completing and testing an answer.
+double work_of_test(std::ptrdiff_t ngc, double rows) {
+  const double order = static_cast<double>(ngc);
+  return 12 * order * (order + rows) + 8000;
+}
+
+/// Of deciding whether there is a solution, as a rule.
+double work_of_proof(std::ptrdiff_t ngc, double rows) {
+  const double order = static_cast<double>(ngc);
+  return order * order * (order + rows);
+}
+
 bool returns_velocity(const ContactLemkeSettings& settings) {
   return settings.precision == ContactLemkePrecision::kPolished || settings.precision == ContactLemkePrecision::kQuad;
 }
@@ -133,6 +176,11 @@ ContactLemke::ContactLemke(const ContactLemkeSettings& settings, std::shared_ptr
 
 const Capabilities& ContactLemke::capabilities() const { return capabilities_; }
 
+double ContactLemke::load_work(const Problem& problem) {
+  const ContactProblem& contact = *problem.contact();
+  return work_of_load(contact.ngc(), static_cast<double>(contact.nc()) + static_cast<double>(cols(contact.D)) / 2);
+}
+
 void ContactLemke::reserve(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   if (ContactSolvability::is_asked(contact)) solvability_.reserve(contact);
@@ -141,6 +189,7 @@ void ContactLemke::reserve(const Problem& problem) {
   if (!contact.frictional()) return reserve(ngc, contact.nc());
   data_.reserve(ngc, contact.nc(), cols(contact.D));
   best_.reserve(problem.size());
+  z_.reserve(problem.size());
   for (GrowingVector* of_coordinates : {&velocity_, &best_velocity_, &implied_velocity_, &resumable_v_, &given_v_}) {
     of_coordinates->reserve(ngc);
   }
@@ -155,6 +204,7 @@ void ContactLemke::reserve(Index ngc, Index nc) {
   reserved_nc_ = std::max(nc, reserved_nc_);
   data_.reserve(reserved_ngc_, reserved_nc_, 0);
   best_.reserve(reserved_nc_);
+  z_.reserve(reserved_nc_);
   for (GrowingVector* of_coordinates : {&velocity_, &best_velocity_, &implied_velocity_, &resumable_v_, &given_v_}) {
     of_coordinates->reserve(reserved_ngc_);
   }
@@ -215,6 +265,8 @@ void ContactLemke::on_load(const Problem& problem) {
   }
   if (contact.frictional()) reserve_later_rungs(data_.input);
   best_.resize(problem.size());
+  z_.resize(problem.size());
+  progress_ = {};
   resumable_ = false;
   resumable_v_.resize(data_.input.ngc);
   velocity_.resize(contact.ngc());
@@ -243,6 +295,16 @@ void ContactLemke::respond(const Vector& z, Vector& velocity) {
   if (data_.units.size() > 0) velocity.array() *= data_.units.view().array();
 }
 
+bool ContactLemke::holds(ContactArithmetic arithmetic) const {
+  if (arithmetic == ContactArithmetic::kDouble) return true;
+  return (arithmetic == ContactArithmetic::kQuad ? later_->quad : later_->double_double).holder == this;
+}
+
+/// Of making the engine hold this problem.
+double ContactLemke::work_until_loaded(ContactArithmetic arithmetic) const {
+  return holds(arithmetic) ? 0 : price_of(arithmetic) * work_of_load(data_.input.ngc, rows_of(data_.input));
+}
+
 LoadedContacts& ContactLemke::engine_of(ContactArithmetic arithmetic) {
   if (arithmetic == ContactArithmetic::kDouble) return float_ ? *float_ : double_;
   LaterEngines::Shared& later = arithmetic == ContactArithmetic::kQuad ? later_->quad : later_->double_double;
@@ -268,116 +330,204 @@ std::ptrdiff_t ContactLemke::pivots_of_rung(const LoadedContacts& engine, const 
   return rules.classic ? 50 * (rows + data_.friction_begin.back()) + 500 : (long_path ? 60 : 20) * rows + 100;
 }
 
+void ContactLemke::begin(const Vector* start, double error) {
+  progress_ = {};
+  const double most = ContactLemkeSettings{}.accept_residual;
+  progress_.accepted = error > 0 ? std::min(error, most) : settings_.accept_residual;
+  progress_.is_warm = resumes(start);
+}
+
+/// Whether to go on from the last solve: its basis is at hand, and the start is its answer.
+bool ContactLemke::resumes(const Vector* start) const {
+  return resumable_ && start != nullptr && start->size() == best_.size() && *start == best_.view();
+}
+
+bool ContactLemke::go_on(double work, double deadline_s, Answer& answer) {
+  if (!proceed(work, deadline_s, z_.data())) return false;
+  progress_.is_best = false;
+  answer.reserve(problem());
+  answer.z.resize(best_.size());
+  report(answer);
+  return true;
+}
+
 void ContactLemke::on_solve(const SolveRequest& request, Answer& answer) {
-  Progress progress;
-  progress.deadline_s = std::isinf(request.time_limit_s) ? kInfinity : wall_clock_s() + request.time_limit_s;
-  if (resumes(request)) {
-    if (data_.v.view() == resumable_v_.view()) {  // the problem that was just solved
-      progress.best = resumable_residual_;
-      progress.rung = kWarmRung.name;
-      return report(progress, answer);
+  begin(request.start, 0);
+  progress_.is_fresh = true;
+  const double deadline_s = std::isinf(request.time_limit_s) ? kInfinity : wall_clock_s() + request.time_limit_s;
+  proceed(kInfinity, deadline_s, answer.z.data());
+  report(answer);
+}
+
+double ContactLemke::best(Vector& z) {
+  if (!(progress_.best < kInfinity)) return kInfinity;
+  z_ = best_.view();
+  const double residual = double_.complete(z_.data()).velocity;
+  if (!(residual < 1)) return kInfinity;
+  z = z_.view();
+  return residual;
+}
+
+/// Does so much more work. @param z n entries for the impulses of rungs @returns whether nothing remains to be tried
+bool ContactLemke::proceed(double work, double deadline_s, double* z) {
+  progress_.deadline_s = deadline_s;
+  progress_.most_work = progress_.work + work;
+  if (progress_.is_warm) {
+    if (!progress_.is_in_rung) {
+      if (data_.v.view() == resumable_v_.view()) {  // the problem that was just solved
+        progress_.best = resumable_residual_;
+        progress_.rung = kWarmRung.name;
+        return true;
+      }
+      progress_.rules = {};
+      progress_.rules.resume = true;
+      progress_.is_in_rung = true;
+      resumable_ = false;
     }
-    Rules rules;
-    rules.resume = true;
-    if (climb(kWarmRung, rules, progress, answer)) return report(progress, answer);
-    progress.cycles = 0;  // the first path from the start is another one
+    const Climbed climbed = climb(kWarmRung, z);
+    if (climbed != Climbed::kFailed) return climbed == Climbed::kLast;
+    progress_.is_warm = progress_.is_in_rung = false;
+    progress_.cycles = 0;  // the first path from the start is another one
   }
   resumable_ = false;
-  std::int64_t rungs = 0;
-  for (const ContactRung& rung : kRungs) {
-    if (!wanted(rung, settings_, data_.input.ngc)) continue;
-    if (max_rungs_ > 0 && rungs == max_rungs_) break;
-    if (rung.arithmetic != ContactArithmetic::kDouble && progress.best <= kClaimedResidual) break;
-    Rules rules;
-    rules.classic = rung.classic;
-    rules.variant = rung.variant;
-    if (progress.cycles > 0 && !rung.classic && rung.variant == 0) {  // in any arithmetic
-      if (rung.arithmetic == ContactArithmetic::kDouble) continue;
-      rules.variant = 1;
+  for (; progress_.next_rung < kRungs.size(); ++progress_.next_rung) {
+    const ContactRung& rung = kRungs[progress_.next_rung];
+    if (!progress_.is_in_rung) {
+      if (!wanted(rung, settings_, data_.input.ngc)) continue;
+      if (max_rungs_ > 0 && progress_.counted_rungs == max_rungs_) return true;
+      if (rung.arithmetic != ContactArithmetic::kDouble && progress_.best <= kClaimedResidual) return true;
+      if (!begins(rung)) continue;
     }
-    rules.reinvert = rung.reinvert && progress.cycles == 0 && data_.input.ngc <= kSmallKernel;
-    const int cycles = progress.cycles;
-    if (climb(rung, rules, progress, answer)) break;
-    if (progress.cycles == cycles) ++rungs;
+    const Climbed climbed = climb(rung, z);
+    if (climbed != Climbed::kFailed) return climbed == Climbed::kLast;
+    progress_.is_in_rung = false;
+    if (progress_.cycles == progress_.cycles_before_rung) ++progress_.counted_rungs;
   }
-  report(progress, answer);
+  return true;
 }
 
-/// Whether to go on from the last solve: its basis is at hand, and the request is to start from its answer.
-bool ContactLemke::resumes(const SolveRequest& request) const {
-  return resumable_ && request.start != nullptr && request.start->size() == best_.size() &&
-         *request.start == best_.view();
+/// Sets the rules of the rung's path. False where a path would be that of an earlier rung.
+bool ContactLemke::begins(const ContactRung& rung) {
+  Rules& rules = progress_.rules;
+  rules = {};
+  rules.classic = rung.classic;
+  rules.variant = rung.variant;
+  if (progress_.cycles > 0 && !rung.classic && rung.variant == 0) {  // in any arithmetic
+    if (rung.arithmetic == ContactArithmetic::kDouble) return false;
+    rules.variant = 1;
+  }
+  rules.reinvert = rung.reinvert && progress_.cycles == 0 && data_.input.ngc <= kSmallKernel;
+  progress_.cycles_before_rung = progress_.cycles;
+  return progress_.is_in_rung = true;
 }
 
-/// @returns whether nothing remains to be tried.
-bool ContactLemke::climb(const ContactRung& rung, Rules rules, Progress& progress, Answer& answer) {
+ContactLemke::Climbed ContactLemke::climb(const ContactRung& rung, double* z) {
+  if (!holds(rung.arithmetic)) {
+    progress_.is_in_path = false;  // another solver has taken the engine meanwhile
+    if (!prepares(rung.arithmetic)) return progress_.ending == Ending::kTimeLimit ? Climbed::kLast : Climbed::kPart;
+  }
   LoadedContacts& engine = engine_of(rung.arithmetic);
-  const Ending ending = run(engine, rules, progress, answer.z);
-  if (ending == Ending::kTimeLimit) return true;
-  if (rules.resume && ending != Ending::kSolved) return progress.pivots_left(settings_.max_pivots) <= 0;
-  if (ending == Ending::kPivotLimit) return progress.pivots_left(settings_.max_pivots) <= 0;
-  if (ending == Ending::kRay) return solvability(progress, Expected::kUnsolvable) == Finding::kUnsolvable;
-  if (ending != Ending::kSolved) return false;
-  bool has_velocity = returns_velocity(settings_) && engine.polish(velocity_.data(), answer.z.data());
-  if (has_velocity && !(engine.lost() <= kMostLostToVelocity)) has_velocity = is_velocity_of(answer.z);
-  Residual residual = (in_float() ? double_ : engine).complete(answer.z.data());
+  const Outcome outcome = run(engine, price_of(rung.arithmetic), z);
+  if (outcome.can_go_on) return Climbed::kPart;
+  return judge(rung, engine, outcome.ending, z);
+}
+
+/// Counts what loading an engine will take, before it is done: where that is more than what is left of the part, in the
+/// next one. @returns whether to load it now; if not, because the part ends or the time is too short for it
+bool ContactLemke::prepares(ContactArithmetic arithmetic) {
+  const double work = work_until_loaded(arithmetic);
+  if (std::isfinite(progress_.deadline_s) && wall_clock_s() + kLeastTime * work > progress_.deadline_s) {
+    progress_.ending = Ending::kTimeLimit;
+    return false;
+  }
+  if (!progress_.is_load_counted) progress_.work += work;
+  const bool is_now = progress_.is_load_counted || progress_.work <= progress_.most_work;
+  progress_.is_load_counted = !is_now;
+  return is_now;
+}
+
+/// What the end of a path is worth.
+ContactLemke::Climbed ContactLemke::judge(const ContactRung& rung, LoadedContacts& engine, Ending ending, double* z) {
+  const auto last_if = [](bool is_last) { return is_last ? Climbed::kLast : Climbed::kFailed; };
+  if (ending == Ending::kTimeLimit) return Climbed::kLast;
+  if (ending == Ending::kPivotLimit || (progress_.rules.resume && ending != Ending::kSolved)) {
+    return last_if(progress_.pivots_left(settings_.max_pivots) <= 0);
+  }
+  if (ending == Ending::kRay) return last_if(solvability(Expected::kUnsolvable) == Finding::kUnsolvable);
+  if (ending != Ending::kSolved) return Climbed::kFailed;
+  bool has_velocity = returns_velocity(settings_) && engine.polish(velocity_.data(), z);
+  if (has_velocity && !(engine.lost() <= kMostLostToVelocity)) has_velocity = is_velocity_of(z);
+  Residual residual = (in_float() ? double_ : engine).complete(z);
+  progress_.work += price_of(rung.arithmetic) * work_of_test(data_.input.ngc, rows_of(data_.input));
   const bool in_doubt = residual.velocity <= kClaimedResidual && !(residual.certain <= kClaimedResidual);
   if (in_doubt && !is_double_double(engine) && !is_quad(engine)) {
-    residual = engine_of(ContactArithmetic::kDoubleDouble).complete(answer.z.data());
+    progress_.work += work_until_loaded(ContactArithmetic::kDoubleDouble);
+    residual = engine_of(ContactArithmetic::kDoubleDouble).complete(z);
   }
   if (may_be_singular_ && residual.certain <= kClaimedResidual && !engine.proves_solvable()) {
-    if (solvability(progress, Expected::kSolvable) == Finding::kUnsolvable) return true;
+    if (solvability(Expected::kSolvable) == Finding::kUnsolvable) return Climbed::kLast;
     // Where it stays open, with friction, only a path in 113 bits tells a solution from what nearly is one.
-    if (progress.finding == Finding::kUnknown) {
-      if (!is_quad(engine) || !solvability_.is_confirmed_by(progress.missed)) return false;
+    if (progress_.finding == Finding::kUnknown) {
+      if (!is_quad(engine) || !solvability_.is_confirmed_by(progress_.missed)) return Climbed::kFailed;
     }
   }
-  progress.is_beyond_double = is_quad(engine) && !(residual.certain <= kClaimedResidual);
-  if (residual.certain < progress.best) {
-    progress.best = residual.certain;
-    progress.rung = rung.name;
-    best_ = answer.z;
-    progress.is_best = true;
+  progress_.is_beyond_double = is_quad(engine) && !(residual.certain <= kClaimedResidual);
+  if (residual.certain < progress_.best) {
+    progress_.best = residual.certain;
+    progress_.rung = rung.name;
+    best_.view() = Eigen::Map<const Vector>(z, best_.size());
+    progress_.is_best = true;
     best_velocity_ = velocity_.view();
     if (data_.units.size() > 0) best_velocity_.array() *= data_.units.view().array();
     best_has_velocity_ = has_velocity;
   }
-  const bool accepted = residual.velocity <= settings_.accept_residual && residual.certain <= kClaimedResidual;
-  resumable_ = accepted && rung.arithmetic == ContactArithmetic::kDouble && !rung.classic;
+  const bool is_accepted = residual.velocity <= progress_.accepted && residual.certain <= kClaimedResidual;
+  resumable_ = is_accepted && rung.arithmetic == ContactArithmetic::kDouble && !rung.classic;
   if (resumable_) {
     resumable_v_ = data_.v.view();
-    resumable_residual_ = progress.best;
+    resumable_residual_ = progress_.best;
   }
-  return accepted;
+  return last_if(is_accepted);
 }
 
 /// Whether velocity_ is that of the impulses, in sums of two doubles.
-bool ContactLemke::is_velocity_of(const Vector& z) {
+bool ContactLemke::is_velocity_of(const double* z) {
   constexpr double kMost = 0.5e-4;  // of the verdict's 1e-4
-  engine_of(ContactArithmetic::kDoubleDouble).respond(z.data(), implied_velocity_.data());
+  engine_of(ContactArithmetic::kDoubleDouble).respond(z, implied_velocity_.data());
   const auto v = data_.v.view().head(velocity_.view().size()).array();
   const auto implied = implied_velocity_.view().array();
   return ((velocity_.view().array() - implied).abs() <= kMost * (v.abs() + (implied - v).abs())).all();
 }
 
-Ending ContactLemke::run(LoadedContacts& engine, Rules rules, Progress& progress, Vector& z) {
-  const double roundoff = roundoff_of(engine);
-  rules.pivot_tolerance = roundoff * settings_.pivot_tolerance;
-  rules.tie_tolerance = roundoff * settings_.tie_tolerance;
-  rules.residual_tolerance = roundoff * settings_.refine_tolerance;
-  rules.max_pivots = std::min(pivots_of_rung(engine, rules), progress.pivots_left(settings_.max_pivots));
-  rules.refinements = static_cast<std::ptrdiff_t>(settings_.max_refinements);
-  rules.deadline_s = progress.deadline_s;
-  rules.clock_s = wall_clock_s;
-  if (!progress.is_fresh) z.setZero();
-  progress.is_fresh = progress.is_best = false;
-  const contact_lemke::Outcome outcome = engine.solve(rules, z.data());
-  progress.pivots += outcome.pivots;
-  progress.factorizations += outcome.factorizations;
-  progress.ending = outcome.ending;
-  progress.cycles += outcome.cycles ? 1 : 0;
-  progress.missed = outcome.missed;
-  return outcome.ending;
+/// The path of a rung, or more of it.
+contact_lemke::Outcome ContactLemke::run(LoadedContacts& engine, double price, double* z) {
+  Rules& rules = progress_.rules;
+  rules.goes_on = progress_.is_in_path;
+  if (!rules.goes_on) {
+    const double roundoff = roundoff_of(engine);
+    rules.pivot_tolerance = roundoff * settings_.pivot_tolerance;
+    rules.tie_tolerance = roundoff * settings_.tie_tolerance;
+    rules.residual_tolerance = roundoff * settings_.refine_tolerance;
+    rules.max_pivots = std::min(pivots_of_rung(engine, rules), progress_.pivots_left(settings_.max_pivots));
+    rules.refinements = static_cast<std::ptrdiff_t>(settings_.max_refinements);
+    rules.clock_s = wall_clock_s;
+    progress_.work_before_path = progress_.work;
+  }
+  rules.deadline_s = progress_.deadline_s;
+  const double left = std::ceil((progress_.most_work - progress_.work_before_path) / price);
+  rules.max_work = left < kMostWork ? static_cast<std::ptrdiff_t>(left) : Rules{}.max_work;
+  if (!progress_.is_fresh) Eigen::Map<Vector>(z, best_.size()).setZero();
+  progress_.is_fresh = progress_.is_best = false;
+  const Outcome outcome = engine.solve(rules, z);
+  progress_.work = progress_.work_before_path + price * static_cast<double>(outcome.work);
+  progress_.is_in_path = outcome.can_go_on;
+  if (outcome.can_go_on) return outcome;
+  progress_.pivots += outcome.pivots;
+  progress_.factorizations += outcome.factorizations;
+  progress_.ending = outcome.ending;
+  progress_.cycles += outcome.cycles ? 1 : 0;
+  progress_.missed = outcome.missed;
+  return outcome;
 }
 
 bool ContactLemke::has_solution(double deadline_s) {
@@ -385,20 +535,21 @@ bool ContactLemke::has_solution(double deadline_s) {
 }
 
 /// Whether there is a solution at all. Where the inertia is positive definite, there is.
-ContactSolvability::Finding ContactLemke::solvability(Progress& progress, ContactSolvability::Expected expected) {
-  if (!may_be_singular_ || progress.is_singular_checked) return progress.finding;
-  progress.is_singular_checked = true;
-  return progress.finding = solvability_.decide(given_v_.data(), progress.deadline_s, expected);
+ContactSolvability::Finding ContactLemke::solvability(ContactSolvability::Expected expected) {
+  if (!may_be_singular_ || progress_.is_singular_checked) return progress_.finding;
+  progress_.is_singular_checked = true;
+  progress_.work += work_of_proof(data_.input.ngc, rows_of(data_.input));
+  return progress_.finding = solvability_.decide(given_v_.data(), progress_.deadline_s, expected);
 }
 
-void ContactLemke::report(const Progress& progress, Answer& answer) {
-  answer.counters.iterations = answer.counters.pivots = progress.pivots;
-  answer.counters.factorizations = progress.factorizations;
-  if (progress.best <= kClaimedResidual) {
+void ContactLemke::report(Answer& answer) {
+  answer.counters.iterations = answer.counters.pivots = progress_.pivots;
+  answer.counters.factorizations = progress_.factorizations;
+  if (progress_.best <= kClaimedResidual) {
     answer.claim = Claim::kSolved;
-    if (!progress.is_best) answer.z = best_.view();
+    if (!progress_.is_best) answer.z = best_.view();
     if (best_has_velocity_) answer.velocity = best_velocity_.view();
-    answer.detail = progress.rung;
+    answer.detail = progress_.rung;
     if (doubtful_.confirms(*problem().contact(), given_v_.view(), answer)) return;
     answer.claim = Claim::kNumericalFailure;
     answer.detail = "residual";
@@ -407,20 +558,20 @@ void ContactLemke::report(const Progress& progress, Answer& answer) {
     return;
   }
   answer.z.setZero();
-  if (progress.finding == Finding::kUnsolvable) {
+  if (progress_.finding == Finding::kUnsolvable) {
     answer.claim = Claim::kUnsolvable;
     answer.farkas.resize(data_.input.nc);
     solvability_.write_proof(answer.farkas);
     answer.detail = "ray to rounding";
-  } else if (progress.ending == Ending::kTimeLimit) {
+  } else if (progress_.ending == Ending::kTimeLimit) {
     answer.claim = Claim::kTimeLimit;
-  } else if (progress.ending == Ending::kPivotLimit) {
+  } else if (progress_.ending == Ending::kPivotLimit) {
     answer.claim = Claim::kIterationLimit;
     answer.detail = "pivot limit";
   } else {
     answer.claim = Claim::kNumericalFailure;
-    answer.detail = progress.ending == Ending::kRay ? "ray, no proof" : "residual";
-    if (progress.is_beyond_double) answer.detail = "z beyond double";
+    answer.detail = progress_.ending == Ending::kRay ? "ray, no proof" : "residual";
+    if (progress_.is_beyond_double) answer.detail = "z beyond double";
   }
 }
 

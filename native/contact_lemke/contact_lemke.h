@@ -15,6 +15,7 @@
 #include "native/contact_lemke/engine.h"
 #include "native/contacts/contact_input.h"
 #include "native/contacts/growing_vector.h"
+#include "native/contacts/resumable_solver.h"
 
 namespace lcpbench {
 
@@ -117,7 +118,7 @@ struct LaterEngines {
 /// SolveRequest::start: where it is the answer of this object's last solve, the path goes on from its basis, pivot by
 /// pivot as contacts change between the two velocities (`detail` is then "warm"). Any other start is ignored: a basis
 /// cannot be told from z where impulses are zero.
-class ContactLemke final : public Solver {
+class ContactLemke final : public ResumableSolver {
  public:
   /// @param level instruction-set level of the engine; must not exceed best_isa_level().
   explicit ContactLemke(const ContactLemkeSettings& settings, IsaLevel level = isa_level());
@@ -125,6 +126,16 @@ class ContactLemke final : public Solver {
   ContactLemke(const ContactLemkeSettings& settings, std::shared_ptr<LaterEngines> later, IsaLevel level = isa_level());
 
   const Capabilities& capabilities() const override;
+
+  /// @param error as accept_residual, where that is not less
+  void begin(const Vector* start, double error) override;
+  bool go_on(double work, double deadline_s, Answer& answer) override;
+  double work() const override { return progress_.work; }
+  /// None where the residual is 1 or more: no impulses leave less.
+  double best(Vector& z) override;
+
+  /// What load() takes, in the units of work().
+  static double load_work(const Problem& problem);
 
   /// Takes all memory that load() and solve() need for this problem, and touches hardly any of it: load() then
   /// allocates nothing for this and any other that was reserved. What was loaded must be loaded again.
@@ -160,16 +171,30 @@ class ContactLemke final : public Solver {
   /// Of one solve, over all its rungs.
   struct Progress {
     double deadline_s = 0;
+    double accepted = 0;  ///< residual that is
+    double work = 0;
+    double most_work = std::numeric_limits<double>::infinity();  ///< of the part
+    // Where it is:
+    bool is_warm = false;       ///< before the rungs
+    std::size_t next_rung = 0;
+    bool is_in_rung = false;
+    bool is_in_path = false;    ///< of that rung, from:
+    double work_before_path = 0;
+    bool is_load_counted = false;  ///< of that rung's engine
+    contact_lemke::Rules rules;    ///< of that rung
+    std::int64_t counted_rungs = 0;
+    int cycles_before_rung = 0;
+    // What it found:
     double best = std::numeric_limits<double>::infinity();  ///< residual and its rounding, relative to max|q|
     contact_lemke::Ending ending = contact_lemke::Ending::kBreakdown;
     int cycles = 0;  ///< paths that came back to one of their bases
-    const char* rung = "";
+    const char* rung = "";  ///< of the best answer
     std::ptrdiff_t pivots = 0;
     std::ptrdiff_t factorizations = 0;
     bool is_singular_checked = false;
     ContactSolvability::Finding finding = ContactSolvability::Finding::kSolvable;  ///< once checked
     double missed = 0;                                                             ///< of the last path
-    bool is_fresh = true;           ///< z is zero, as the answer came
+    bool is_fresh = false;          ///< z is zero
     bool is_best = false;           ///< z is the best answer
     bool is_beyond_double = false;  ///< solved in 113 bits, but not by the doubles nearest to these impulses
 
@@ -182,22 +207,34 @@ class ContactLemke final : public Solver {
   void on_update(const Vector& v) override;
   void on_solve(const SolveRequest& request, Answer& answer) override;
 
+  enum class Climbed {
+    kPart,    ///< the part of the solve ends
+    kFailed,  ///< other rungs may do better
+    kLast     ///< nothing remains to be tried
+  };
+
   void reserve(Index ngc, Index nc);
   void reserve_engines(const contact_lemke::Input& input);
   void reserve_later_rungs(const contact_lemke::Input& input);
   bool has_room_in_later_rungs(const contact_lemke::Input& input);
   bool in_float() const { return settings_.precision == ContactLemkePrecision::kFloat; }
   LoadedContacts& engine_of(ContactArithmetic arithmetic);
-  bool is_velocity_of(const Vector& z);
+  bool holds(ContactArithmetic arithmetic) const;
+  double work_until_loaded(ContactArithmetic arithmetic) const;
+  bool is_velocity_of(const double* z);
   bool is_double_double(const LoadedContacts& engine) const { return &engine == &later_->double_double.engine; }
   bool is_quad(const LoadedContacts& engine) const { return &engine == &later_->quad.engine; }
   double roundoff_of(const LoadedContacts& engine) const;
   std::ptrdiff_t pivots_of_rung(const LoadedContacts& engine, const contact_lemke::Rules& rules) const;
-  bool resumes(const SolveRequest& request) const;
-  bool climb(const ContactRung& rung, contact_lemke::Rules rules, Progress& progress, Answer& answer);
-  contact_lemke::Ending run(LoadedContacts& engine, contact_lemke::Rules rules, Progress& progress, Vector& z);
-  ContactSolvability::Finding solvability(Progress& progress, ContactSolvability::Expected expected);
-  void report(const Progress& progress, Answer& answer);
+  bool resumes(const Vector* start) const;
+  bool proceed(double work, double deadline_s, double* z);
+  bool begins(const ContactRung& rung);
+  Climbed climb(const ContactRung& rung, double* z);
+  bool prepares(ContactArithmetic arithmetic);
+  Climbed judge(const ContactRung& rung, LoadedContacts& engine, contact_lemke::Ending ending, double* z);
+  contact_lemke::Outcome run(LoadedContacts& engine, double price, double* z);
+  ContactSolvability::Finding solvability(ContactSolvability::Expected expected);
+  void report(Answer& answer);
 
   ContactLemkeSettings settings_;
   std::int64_t max_rungs_ = 0;
@@ -213,6 +250,8 @@ class ContactLemke final : public Solver {
   DoubtfulInertia doubtful_;
   bool may_be_singular_ = false;  ///< the inertia, or an offset may ask for too much
   GrowingVector given_v_;         ///< where that is so, the velocity in the units of the problem
+  Progress progress_;
+  GrowingVector z_;               ///< of the last rung, where the solve is done in parts
   GrowingVector velocity_;        ///< of the last rung
   GrowingVector best_, best_velocity_;
   GrowingVector implied_velocity_;  ///< of the impulses, where velocity_ is in doubt

@@ -54,6 +54,10 @@ struct Rules {
   double residual_tolerance = 0;   ///< refined are basic variables that leave more than this, relative to the same
   double tie_tolerance = 0;        ///< relative to the rounding scale of the values
   std::ptrdiff_t max_pivots = 0;
+  /// Outcome::work at which the path stops before its next pivot, to go on from there or not.
+  std::ptrdiff_t max_work = __PTRDIFF_MAX__;
+  /// From where the last path stopped at its max_work, by the same rules. Nothing else may have been solved meanwhile.
+  bool goes_on = false;
   double deadline_s = 0;          ///< on the clock below; infinity: none
   double (*clock_s)() = nullptr;  ///< monotonic; read every 16 pivots
 };
@@ -64,7 +68,10 @@ struct Outcome {
   Ending ending = Ending::kBreakdown;
   std::ptrdiff_t pivots = 0;
   std::ptrdiff_t factorizations = 0;  ///< inversions of a whole kernel
-  bool cycles = false;  ///< kPivotLimit because a basis came back, which no larger limit mends
+  /// Multiplications of the engine's numbers in vectors, and what takes as long. Like `pivots` over all parts of a path.
+  std::ptrdiff_t work = 0;
+  bool can_go_on = false;  ///< kPivotLimit because of Rules::max_work
+  bool cycles = false;     ///< kPivotLimit because a basis came back, which no larger limit mends
   /// At the end of a path in more bits than double that ended in kSolved: by how much its values miss a solution,
   /// their rounding included, relative to the speed of the slowest island that moves. Else zero.
   double missed = 0;

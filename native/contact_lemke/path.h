@@ -59,8 +59,14 @@ class Path {
 
   contact_lemke::Outcome solve(const contact_lemke::Rules& rules, double* z) {
     rules_ = rules;
-    outcome_ = {};
-    outcome_.ending = rules.resume ? resume(z) : follow(z);
+    if (rules.goes_on) {
+      outcome_.can_go_on = false;
+      outcome_.ending = walk(z);
+    } else {
+      outcome_ = {};
+      outcome_.work = kWorkOfShortestPath;
+      outcome_.ending = rules.resume ? resume(z) : follow(z);
+    }
     has_basis_ = outcome_.ending == contact_lemke::Ending::kSolved && !rules_.classic;
     if (has_basis_) copy(basis_velocity_.data(), contacts_.velocity(), contacts_.padded_ngc());
     return outcome_;
@@ -107,9 +113,11 @@ class Path {
   /// From an almost complementary basis, with last_ to enter, to the end of the path.
   Ending walk(double* z) {
     Entering& entering = last_;
-    visited_.clear();
-    is_strained_ = false;
     for (;;) {
+      if (outcome_.work >= rules_.max_work) {
+        outcome_.can_go_on = true;
+        return Ending::kPivotLimit;
+      }
       if (rules_.reinvert && !invert()) return Ending::kBreakdown;
       if (!compute_values()) return Ending::kBreakdown;
       const Scalar z0 = x_[artificial_] * kernel_.norm(artificial_);
@@ -124,11 +132,24 @@ class Path {
       if (leaving.kind == Kind::kBroken) return Ending::kBreakdown;
       if (leaving.kind == Kind::kNone) return Ending::kRay;
       ++outcome_.pivots;
+      count_pivot(entering);
       const bool last = leaving.kind == Kind::kColumn && leaving.column == artificial_;
       if (!exchange(entering, leaving)) return Ending::kBreakdown;
       if (last) return finish(z);
     }
   }
+
+  /// The work of a pivot that was as easy as most: values, rates and candidates, and the exchange. With the time that no
+  /// product takes: of a pivot, and of each candidate.
+  void count_pivot(const Entering& entering) {
+    constexpr Count kOfPivot = 2000, kOfCandidate = 4;
+    const Count order = kernel_.order();
+    const Count ngc = contacts_.ngc();
+    outcome_.work += order * (4 * order + 5 * ngc) + (entering.is_velocity ? 0 : 2 * ngc * ngc) +
+                     ngc * (contacts_.nc() + ratio_test_.end()) + kOfCandidate * ratio_test_.end() + kOfPivot;
+  }
+  static constexpr Count kWorkOfShortestPath = 8000;
+  void count_refinement() { outcome_.work += kernel_.order() * (kernel_.order() + 2 * contacts_.ngc()); }
 
   /// True if the path has met this basis before. Returns false if values were refined on this path, because rounding may
   /// have caused the repetition. Before pivot 64 it looks only when a contact begins to press.
@@ -159,6 +180,7 @@ class Path {
   bool expired() const { return rules_.clock_s != nullptr && !(rules_.clock_s() < rules_.deadline_s); }
 
   void begin() {
+    begin_walk();
     kernel_.clear();
     resumed_ = false;
     friction_.clear(contacts_.nc() + 1);
@@ -172,6 +194,11 @@ class Path {
         if (contacts_.has_friction(c)) activate_friction(c, contacts_.edges(c));
       }
     }
+  }
+
+  void begin_walk() {
+    visited_.clear();
+    is_strained_ = false;
   }
 
   /// z0 enters for the velocity that needs it most. False when z = 0 solves the problem.

@@ -12,6 +12,7 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 template <class Scalar>
 inline auto Path<Scalar>::resume(double* z) -> Ending {
   if (expired()) return Ending::kTimeLimit;
+  begin_walk();
   if (!has_basis_ || !release_artificial()) return Ending::kBreakdown;
   turn_to_drift();
   compute_values_before_drift();

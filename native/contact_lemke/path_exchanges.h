@@ -196,6 +196,7 @@ inline bool Path<Scalar>::open_sticking(Entering& entering, Count contact) {
 template <class Scalar>
 inline bool Path<Scalar>::rebuild() {
   artificial_ = kernel_.find_column(Label{});
+  outcome_.work += 2 * kernel_.order() * contacts_.ngc() * contacts_.ngc();
   for (Count r = 0; r < kernel_.order(); ++r) {
     const Label label = kernel_.row_label(r);
     load_row(label);
@@ -230,6 +231,7 @@ inline void Path<Scalar>::load_any_column(Label label) {
 template <class Scalar>
 inline bool Path<Scalar>::invert() {
   ++outcome_.factorizations;
+  outcome_.work += kernel_.order() * kernel_.order() * (kernel_.order() + contacts_.ngc());
   return kernel_.invert(artificial_);
 }
 

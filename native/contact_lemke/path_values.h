@@ -79,6 +79,7 @@ inline Scalar Path<Scalar>::largest_residual() {
 /// One step of iterative refinement from residual_. @returns the largest residual after it.
 template <class Scalar>
 inline Scalar Path<Scalar>::refine() {
+  count_refinement();
   kernel_.solve(residual_.data(), coefficients_.data());
   for (Count j = 0; j < kernel_.order(); ++j) x_[j] -= coefficients_[j];
   respond_to_values();
@@ -120,6 +121,7 @@ template <class Scalar>
 inline void Path<Scalar>::refine_large_rates(Count row) {
   rate_noise_ = measure_rates(row);
   for (Count k = 0; k < kRateRefinements; ++k) {
+    count_refinement();
     kernel_.solve(residual_.data(), coefficients_.data());
     for (Count j = 0; j < kernel_.order(); ++j) dx_[j] -= coefficients_[j];
     if (row < 0) kernel_.respond_from(entering_response_.data(), dx_.data(), du_.data());
@@ -145,6 +147,7 @@ inline Scalar Path<Scalar>::measure_rates(Count row) {
 
 template <class Scalar>
 inline void Path<Scalar>::refine_rates() {
+  count_refinement();
   kernel_.measure(du_.data(), residual_.data());
   for (Count r = 0; r < kernel_.order(); ++r) residual_[r] += kernel_.cover(r) * artificial_rate();
   kernel_.solve(residual_.data(), coefficients_.data());
