@@ -113,11 +113,15 @@ int Scene::add_free_body(double mass, const ColumnMajor<double>& inertia, const 
   for (std::size_t k = 0; k < 3; ++k) masses(k, k) = mass;
   sample_.blocks.push_back(masses);
   sample_.blocks.push_back(inertia);
+  add_free_velocity(radius);
+  return static_cast<int>(parts_.size()) - 1;
+}
+
+void Scene::add_free_velocity(double radius) {
   const Triple linear = draw_triple(velocities_, speed_) + drift_ - kGravityStep * kZ;
   const Triple angular = draw_triple(velocities_, speed_ / radius);
   sample_.v.insert(sample_.v.end(), linear.begin(), linear.end());
   sample_.v.insert(sample_.v.end(), angular.begin(), angular.end());
-  return static_cast<int>(parts_.size()) - 1;
 }
 
 int Scene::box(double mass, const Triple& edges, const Triple& centre, const Axes& axes) {
@@ -182,12 +186,7 @@ int Scene::robot(double mass, const Triple& centre, bool base_is_free, const std
     for (std::size_t j = 0; j < i; ++j) G(j, i) = G(i, j);
   }
   sample_.blocks.push_back(G);
-  const Triple linear = draw_triple(velocities_, speed_) + drift_ - kGravityStep * kZ;
-  const Triple angular = draw_triple(velocities_, speed_);
-  if (base_is_free) {
-    sample_.v.insert(sample_.v.end(), linear.begin(), linear.end());
-    sample_.v.insert(sample_.v.end(), angular.begin(), angular.end());
-  }
+  if (base_is_free) add_free_velocity(1);
   for (std::size_t k = 0; k < links.size(); ++k) sample_.v.push_back(draw(velocities_, -2 * speed_, 2 * speed_));
   return base;
 }

@@ -70,14 +70,14 @@ class Scene {
   double graded_mass(double usual, double share) const;
 
   // ---- bodies ----
-  /// A box with these edges, or an ellipsoid's bounding box: the inertia is that of the box.
+  /// A box with these edges along the axes.
   int box(double mass, const Triple& edges, const Triple& centre, const Axes& axes = kWorldAxes);
   int sphere(double mass, double radius, const Triple& centre);
   /// A tree of links on a base that is free or stands still: one block of the inertia. Each coordinate has so much
   /// inertia of its own (a rotor's) that the condition number is at most 1 + condition.
   /// @returns the base; link k is base + 1 + k
   int robot(double mass, const Triple& centre, bool base_is_free, const std::vector<Link>& links, double condition);
-  /// Where all the coordinates of a free body are before the impact.
+  /// Sets the velocity of a free body before the impact.
   void move(int body, const Triple& linear, const Triple& angular);
   const Triple& centre(int body) const { return parts_[static_cast<std::size_t>(body)].centre; }
 
@@ -105,6 +105,8 @@ class Scene {
 
   double draw(DrawSequence& draws, double low, double high);
   Triple draw_triple(DrawSequence& draws, double largest);
+  /// Gravity's step, the drift, and speeds of a body of this radius.
+  void add_free_velocity(double radius);
   int add_free_body(double mass, const ColumnMajor<double>& inertia, const Triple& centre, double radius);
   /// Appends what a push along `direction` at `point` does to the part's coordinates.
   static void push(const Part& part, const Triple& point, const Triple& direction, MadeSample::Column& column);
