@@ -68,13 +68,16 @@ class DualMethod {
   Outcome solve(const Rules& rules, double* z, double* velocity, double* u) {
     if (!usable_) return {};
     begin_s_ = rules.begin_s;
-    Outcome& outcome = outcome_;
-    if (!rules.goes_on) {
-      outcome = {};
+    Outcome outcome;
+    if (rules.goes_on) {
+      outcome = stopped_;
+    } else {
+      outcome.work = kWorkOfShortestSolve;
       start();
       if (rules.start != nullptr) warm_start(rules, outcome);
     }
     outcome.ending = iterate(rules, outcome);
+    if (outcome.ending == Ending::kWorkLimit) stopped_ = outcome;
     if (outcome.ending == Ending::kInfeasible) write_farkas(u);
     if (outcome.ending != Ending::kSolved) return outcome;
     if (rules.polish) {
@@ -104,6 +107,7 @@ class DualMethod {
 
  private:
   static constexpr Count kStepsPerClockReading = 16;
+  static constexpr Count kWorkOfShortestSolve = 9000;
   static constexpr bool kLastPrecision = sizeof(Scalar) > sizeof(double);
 
   Count lanes() const { return whitening_.velocity_lanes(); }
@@ -471,7 +475,7 @@ class DualMethod {
   };
 
   Dimensions reserved_;
-  Outcome outcome_;
+  Outcome stopped_;  ///< at a limit on work
   Whitening<Scalar> whitening_;
   OrthogonalBasis<Scalar> basis_;  // of the active normals
   bool usable_ = false;

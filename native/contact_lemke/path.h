@@ -59,14 +59,12 @@ class Path {
 
   contact_lemke::Outcome solve(const contact_lemke::Rules& rules, double* z) {
     rules_ = rules;
-    if (rules.goes_on) {
-      outcome_.can_go_on = false;
-      outcome_.ending = walk(z);
-    } else {
+    if (!rules.goes_on) {
       outcome_ = {};
       outcome_.work = kWorkOfShortestPath;
-      outcome_.ending = rules.resume ? resume(z) : follow(z);
     }
+    outcome_.can_go_on = false;
+    outcome_.ending = rules.resume && !rules.goes_on ? resume(z) : follow(z);
     has_basis_ = outcome_.ending == contact_lemke::Ending::kSolved && !rules_.classic;
     if (has_basis_) copy(basis_velocity_.data(), contacts_.velocity(), contacts_.padded_ngc());
     return outcome_;
@@ -105,8 +103,10 @@ class Path {
 
   Ending follow(double* z) {
     if (expired()) return Ending::kTimeLimit;
-    begin();
-    if (!choose_first(last_)) return Ending::kSolved;
+    if (!rules_.goes_on) {
+      begin();
+      if (!choose_first(last_)) return Ending::kSolved;
+    }
     return walk(z);
   }
 
@@ -145,8 +145,8 @@ class Path {
     constexpr Count kOfPivot = 2000, kOfCandidate = 4;
     const Count order = kernel_.order();
     const Count ngc = contacts_.ngc();
-    outcome_.work += order * (4 * order + 5 * ngc) + (entering.is_velocity ? 0 : 2 * ngc * ngc) +
-                     ngc * (contacts_.nc() + ratio_test_.end()) + kOfCandidate * ratio_test_.end() + kOfPivot;
+    const Count products = contacts_.nc() + ratio_test_.end() + 5 * order + (entering.is_velocity ? 0 : 2 * ngc);
+    outcome_.work += ngc * products + 4 * order * order + kOfCandidate * ratio_test_.end() + kOfPivot;
   }
   static constexpr Count kWorkOfShortestPath = 8000;
   void count_refinement() { outcome_.work += kernel_.order() * (kernel_.order() + 2 * contacts_.ngc()); }
