@@ -379,8 +379,8 @@ bool ContactLemke::proceed(double work, double deadline_s, double* z) {
         progress_.rung = kWarmRung.name;
         return true;
       }
-      progress_.rules = {};
-      progress_.rules.resume = true;
+      rules_ = {};
+      rules_.resume = true;
       progress_.is_in_rung = true;
       resumable_ = false;
     }
@@ -408,7 +408,7 @@ bool ContactLemke::proceed(double work, double deadline_s, double* z) {
 
 /// Sets the rules of the rung's path. False where a path would be that of an earlier rung.
 bool ContactLemke::begins(const ContactRung& rung) {
-  Rules& rules = progress_.rules;
+  Rules& rules = rules_;
   rules = {};
   rules.classic = rung.classic;
   rules.variant = rung.variant;
@@ -450,7 +450,7 @@ bool ContactLemke::prepares(ContactArithmetic arithmetic) {
 ContactLemke::Climbed ContactLemke::judge(const ContactRung& rung, LoadedContacts& engine, Ending ending, double* z) {
   const auto last_if = [](bool is_last) { return is_last ? Climbed::kLast : Climbed::kFailed; };
   if (ending == Ending::kTimeLimit) return Climbed::kLast;
-  if (ending == Ending::kPivotLimit || (progress_.rules.resume && ending != Ending::kSolved)) {
+  if (ending == Ending::kPivotLimit || (rules_.resume && ending != Ending::kSolved)) {
     return last_if(progress_.pivots_left(settings_.max_pivots) <= 0);
   }
   if (ending == Ending::kRay) return last_if(solvability(Expected::kUnsolvable) == Finding::kUnsolvable);
@@ -501,7 +501,7 @@ bool ContactLemke::is_velocity_of(const double* z) {
 
 /// The path of a rung, or more of it.
 contact_lemke::Outcome ContactLemke::run(LoadedContacts& engine, double price, double* z) {
-  Rules& rules = progress_.rules;
+  Rules& rules = rules_;
   rules.goes_on = progress_.is_in_path;
   if (!rules.goes_on) {
     const double roundoff = roundoff_of(engine);
@@ -514,8 +514,11 @@ contact_lemke::Outcome ContactLemke::run(LoadedContacts& engine, double price, d
     progress_.work_before_path = progress_.work;
   }
   rules.deadline_s = progress_.deadline_s;
-  const double left = std::ceil((progress_.most_work - progress_.work_before_path) / price);
-  rules.max_work = left < kMostWork ? static_cast<std::ptrdiff_t>(left) : Rules{}.max_work;
+  if (progress_.most_work < kMostWork) {
+    rules.max_work = static_cast<std::ptrdiff_t>((progress_.most_work - progress_.work_before_path) / price) + 1;
+  } else {
+    rules.max_work = Rules{}.max_work;
+  }
   if (!progress_.is_fresh) Eigen::Map<Vector>(z, best_.size()).setZero();
   progress_.is_fresh = progress_.is_best = false;
   const Outcome outcome = engine.solve(rules, z);

@@ -181,7 +181,6 @@ class ContactLemke final : public ResumableSolver {
     bool is_in_path = false;    ///< of that rung, from:
     double work_before_path = 0;
     bool is_load_counted = false;  ///< of that rung's engine
-    contact_lemke::Rules rules;    ///< of that rung
     std::int64_t counted_rungs = 0;
     int cycles_before_rung = 0;
     // What it found:
@@ -251,6 +250,7 @@ class ContactLemke final : public ResumableSolver {
   bool may_be_singular_ = false;  ///< the inertia, or an offset may ask for too much
   GrowingVector given_v_;         ///< where that is so, the velocity in the units of the problem
   Progress progress_;
+  contact_lemke::Rules rules_;    ///< of the rung that progress_ is in
   GrowingVector z_;               ///< of the last rung, where the solve is done in parts
   GrowingVector velocity_;        ///< of the last rung
   GrowingVector best_, best_velocity_;
