@@ -12,6 +12,8 @@ struct ContactColumns {
   PackedColumns response;  ///< the columns of G* [N D], ngc rows; may be left out
   /// J_i'G*J_i; exactly 0 where the impulse moves nothing to within the rounding of this product.
   Vector diagonal;
+
+  std::size_t nonzeros() const { return J.nonzeros() + response.nonzeros(); }
 };
 
 enum class Opposites { kStored, kEmpty };

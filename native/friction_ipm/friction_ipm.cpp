@@ -184,7 +184,6 @@ class FrictionIpm final : public LimitedFrictionIpm {
   Vector best_impulse_;
   Vector seen_impulse_;  // of Progress::least_seen
   Progress now_;
-  double work_of_round_ = 0;  // beside the interior point
   Answer result_;
 };
 
@@ -204,7 +203,6 @@ void FrictionIpm::on_load(const Problem& problem) {
   offset_.resize(cone_.size());
   best_impulse_.resize(state_.impulse.size());
   seen_impulse_.resize(state_.impulse.size());
-  work_of_round_ = 4 * static_cast<double>(state_.columns.J.nonzeros());
 }
 
 void FrictionIpm::on_update(const Vector& v) {
@@ -225,7 +223,7 @@ double FrictionIpm::take_impulses() {
         friction_impulses_.segment(first + friction.directions, friction.directions);
   }
   state_.recompute_velocity();
-  now_.work += work_of_round_;
+  now_.work += state_.work_of_residual();
   return state_.residual() / state_.q_max;
 }
 
@@ -243,7 +241,7 @@ void FrictionIpm::find_offsets(bool at_rest) {
 bool FrictionIpm::take_start(const Vector* start) {
   if (start == nullptr || start->size() != problem().size() || !start->allFinite()) return false;
   state_.set_impulses(*start);
-  now_.work += work_of_round_;
+  now_.work += state_.work_of_residual();
   return state_.u.allFinite();
 }
 
@@ -317,6 +315,7 @@ void FrictionIpm::end(Claim claim, double deadline_s) {
   state_.recompute_velocity();
   if (now_.best <= now_.limits.accept_residual) claim = Claim::kSolved;
   report(claim);
+  if (claim == Claim::kSolved) now_.work += state_.work_of_test();
   if (claim != Claim::kSolved || test_.settle(result_, deadline_s)) return;
   if (result_.claim != Claim::kNumericalFailure) return;
   state_.drop_what_counts_as_zero();

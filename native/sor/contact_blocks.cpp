@@ -13,6 +13,10 @@ namespace {
 constexpr Index kBody = 6;   // coordinates of a body in space
 constexpr Index kPoint = 3;  // of a body that nothing turns
 
+// Work of an update, fitted to times of sweeps over 18 to 20,842 contacts, in units of 0.2 ns.
+constexpr double kWorkOfContact = 36;
+constexpr double kWorkOfGeneralEntry = 2;  // of rows that the compiler does not know the size of; else 1
+
 template <int kSize>
 using Values = Eigen::Map<const Eigen::Array<double, kSize, 1>>;
 
@@ -77,6 +81,7 @@ void ContactBlocks::load(const Inertia& inertia, const ContactImpulses& state) {
   runs_.clear();
   values_.clear();
   responses_.clear();
+  work_ = 0;
   contacts_.reserve(static_cast<std::size_t>(state.contacts));
   column_.reserve(static_cast<std::size_t>(state.contacts));
   if (!factor(inertia)) bodies_.clear();
@@ -105,6 +110,9 @@ void ContactBlocks::load(const Inertia& inertia, const ContactImpulses& state) {
       if (!bodies_.empty()) whiten(bodies_[body_of_[static_cast<std::size_t>(first)]], part);
     });
     if (bodies_.empty()) add_responses(state, inverse, contact, block);
+    const bool is_general = block.run_size != kBody && block.run_size != kPoint;
+    const auto entries = static_cast<double>(values_.size() - block.value);
+    work_ += kWorkOfContact + 2 * entries * (is_general ? kWorkOfGeneralEntry : 1);
     contacts_.push_back(block);
     rows += block.rows;
     most_rows = std::max<Index>(most_rows, block.rows);

@@ -68,6 +68,8 @@ class ContactBlocks {
   bool has_offset() const { return offset_.size() > 0; }
   /// The least curvature by which the contact's row is divided in an update; 0: no impulse.
   double curvature(Index contact, Index row) const { return row == 0 ? of(contact).normal : of(contact).friction; }
+  /// Of a sweep over all contacts, see ResumableSolver::work().
+  double work() const { return work_; }
   /// Numbers that a sweep reads for all columns.
   std::size_t entries() const { return values_.size(); }
   /// visit(row, coordinate, entry) for the columns of the contact.
@@ -148,6 +150,7 @@ class ContactBlocks {
   std::vector<Body> bodies_;          // none where responses_ are stored
   std::vector<double> roots_;         // L of each block of the inertia, by columns
   std::vector<std::size_t> body_of_;  // per coordinate
+  double work_ = 0;
 };
 
 /// Euclidean projection of y onto {sum |y_i| <= radius}, radius >= 0: shrinks all |y_i| by one threshold, found by

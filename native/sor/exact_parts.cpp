@@ -21,6 +21,8 @@ constexpr std::size_t kMostContacts = 300;
 constexpr double kShareOfStep = 0.5;
 /// Over the other contacts, for each solution of the parts.
 constexpr int kSweepsOfOthers = 5;
+/// Of a multiplication that contact_lemke is taken to need: what a pivot on a small part does beside them.
+constexpr double kWorkOfPart = 4;
 
 }  // namespace
 
@@ -228,6 +230,11 @@ void ExactParts::take_answer(ContactBlocks& blocks, Part& part) {
     blocks.add(c, steps.data());
     column += 2 * own;
   }
+}
+
+double ExactParts::work(const ContactBlocks& blocks) const {
+  const double others = kSweepsOfOthers * 2 * static_cast<double>(entries_);
+  return kWorkOfPart * (multiplications_ - others) + kSweepsOfOthers * blocks.work();
 }
 
 ContactBlocks::Step ExactParts::sweep(ContactBlocks& blocks, double relaxation, double deadline_s) {

@@ -35,6 +35,8 @@ class ExactParts {
 
   /// How many sweeps over all contacts have as many multiplications as the last call of sweep().
   double sweeps_made() const { return multiplications_ / (2 * static_cast<double>(entries_)); }
+  /// Of the last call of sweep(), see ResumableSolver::work().
+  double work(const ContactBlocks& blocks) const;
 
  private:
   struct Part {

@@ -33,6 +33,9 @@ constexpr int kMostExtensions = 3;
 /// From when the sweeps wander for the first time, unless the relaxation is less.
 constexpr double kWanderingRelaxation = 1;
 
+/// Of a conjugate step, for each impulse and each velocity, see ResumableSolver::work(). Measured.
+constexpr double kWorkOfDirection = 6;
+
 /// Without a limit, LimitedPsor takes up to so many sweeps and exact parts.
 constexpr std::int64_t kPatientSweeps = 100'000;
 
@@ -93,7 +96,6 @@ class Psor final : public ImpulseSolver<LimitedPsor> {
   void prepare(const Problem& problem) override;
   void iterate(const SolveRequest& request, double deadline_s, Answer& answer) override;
 
-  void count_work();
   void set_start(const Vector* start);
   void start_over(const Vector* start, double tolerance, double allowed);
   bool ends(double work, double deadline_s);
@@ -121,7 +123,7 @@ class Psor final : public ImpulseSolver<LimitedPsor> {
   double allowed_ = 0;  // by the test, in a solve()
   Progress now_;
   Answer result_;
-  double work_of_sweep_ = 0, work_of_test_ = 0;
+  double work_of_sweep_ = 0;
   Vector best_;                           // impulses of the state
   Vector kept_impulses_, kept_velocity_;  // of bare LCPs, while the state measures others
   ContactBlocks blocks_;  // of contact problems
@@ -144,7 +146,7 @@ void Psor::prepare(const Problem& problem) {
   if (!is_bare()) blocks_.load(problem.contact()->inertia, state_);
   result_.reserve(problem);
   best_.resize(state_.impulse.size());
-  count_work();
+  work_of_sweep_ = is_bare() ? static_cast<double>(problem.size() * problem.size()) : blocks_.work();
   if (is_bare()) {
     kept_impulses_.resize(state_.impulse.size());
     kept_velocity_.resize(state_.u.size());
@@ -161,12 +163,6 @@ void Psor::prepare(const Problem& problem) {
   may_take_parts_ = is_exact && sweeps_locally_ && !state_.frictions.empty();
   parts_.clear();
   has_loaded_parts_ = false;
-}
-
-void Psor::count_work() {
-  const auto n = static_cast<double>(state_.contacts);
-  work_of_sweep_ = is_bare() ? n * n : 2 * static_cast<double>(blocks_.entries());
-  work_of_test_ = 4 * work_of_sweep_;
 }
 
 void Psor::set_start(const Vector* start) {
@@ -222,7 +218,7 @@ ContactBlocks::Step Psor::sweep(bool backwards) {
 double Psor::measure() {
   recompute_velocity();
   const double residual = state_.residual();
-  now_.work += work_of_test_;
+  now_.work += state_.work_of_residual();
   if (residual < now_.least_residual) {
     now_.least_residual = residual;
     best_ = state_.impulse;
@@ -234,6 +230,7 @@ double Psor::measure() {
 /// @returns whether that is the end
 bool Psor::settle(double deadline_s) {
   state_.write_answer(result_.z);
+  now_.work += state_.work_of_test();
   result_.claim = Claim::kSolved;
   return test_.settle(result_, deadline_s) || result_.claim != Claim::kNumericalFailure;
 }
@@ -263,7 +260,7 @@ bool Psor::sweep_and_test(double deadline_s) {
   now_.step = now_.had_parts
                   ? parts_.sweep(blocks_, relaxation_, deadline_s)
                   : sweep(settings_.order == PsorSettings::Order::kSymmetric && now_.iterations % 2 == 1);
-  now_.work += (now_.had_parts ? parts_.sweeps_made() : 1.0) * work_of_sweep_;
+  now_.work += now_.had_parts ? parts_.work(blocks_) : work_of_sweep_;
   result_.claim = Claim::kNumericalFailure;
   const double off = now_.step.off;
   if (!(off < kInfinity)) return true;
@@ -289,6 +286,7 @@ void Psor::accelerate(double deadline_s) {
   const bool is_end = is_last();
   ++now_.iterations;
   if (!accelerates() || is_end) return;
+  now_.work += kWorkOfDirection * static_cast<double>(impulses().size() + velocity().size());
   if (may_take_parts_ && settings_.acceleration == Acceleration::kExact && wanders()) {
     change_parts();
     steps_.begin(all(), impulses(), velocity());

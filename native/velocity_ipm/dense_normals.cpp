@@ -41,7 +41,9 @@ class DenseNormals final : public WhitenedNormals {
   Cost cost() const override {
     const auto n = static_cast<double>(coordinates());
     const auto columns = static_cast<double>(W_.cols());
-    return {.product = n * columns, .factor = n * n * (columns / 2 + n / 6), .solve = n * n};
+    return {.product = 100 + (n + 5) * columns,
+            .factor = 500 + n * n * (columns / 8 + n / 24 + 2) + 4 * n * columns,
+            .solve = 100 + 2 * n * n + 40 * n};
   }
   void velocity(const Vector& v, const Vector& y, Vector& u) const override {
     u = v;

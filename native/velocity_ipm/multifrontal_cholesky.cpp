@@ -179,13 +179,17 @@ void MultifrontalCholesky::solve(Vector& x) {
   for (std::size_t i = 0; i < x_.size(); ++i) x(static_cast<Index>(i)) = x_[index(tree_.position[i])];
 }
 
+/// The factors are fitted to times of walls and piles of 14 to 18,804 contacts, in units of 0.2 ns: four
+/// multiplications of the dense kernels, what the assembly of a front does for each of its entries, and what a front
+/// takes whatever its size.
 SparseFactorization::Cost MultifrontalCholesky::cost() const {
   Cost cost;
   for (const Node& node : tree_.nodes) {
     const auto all = static_cast<double>(node.rows);
     const auto below = static_cast<double>(node.rows_below());
-    cost.factor += (all * all * all - below * below * below) / 6;  // sum of the squares of rows, halved
-    cost.solve += all * all - below * below;
+    const double multiplications = (all * all * all - below * below * below) / 6;
+    cost.factor += multiplications / 4 + 1.75 * all * all + 500;
+    cost.solve += 1.25 * (all * all - below * below) + 350;
   }
   return cost;
 }

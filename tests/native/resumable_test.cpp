@@ -51,12 +51,12 @@ Problem with_offsets(const Problem& problem) {
 std::vector<Problem> problems() {
   std::vector<Problem> all;
   for (const char* name : {"paper/monotone/exp1", "paper/copositive/exp1", "paper/copositive/exp3"}) {
-    for (std::int64_t trial = 0; trial < 3; ++trial) all.push_back(open_set(name)->generate(912, trial));
+    for (std::int64_t trial = 0; trial < 2; ++trial) all.push_back(open_set(name)->generate(912, trial));
   }
   all.emplace_back("wall", testing::brick_wall(5, 6));
   all.emplace_back("frictional wall", testing::frictional_brick_wall(4, 5, 0.5));
   all.push_back(with_offsets(all.back()));
-  all.emplace_back("smooth pile", testing::sphere_pile({.columns = 5, .layers = 6}));
+  all.emplace_back("smooth pile", testing::sphere_pile({.columns = 4, .layers = 4}));
   all.emplace_back("rough pile", testing::sphere_pile({.columns = 6, .mu = 1.5, .seed = 3}));  // in exact parts
   all.push_back(with_offsets(Problem("pile", testing::sphere_pile({.columns = 4, .layers = 5, .mu = 0.5}))));
   all.emplace_back("at rest", [] {
@@ -102,7 +102,8 @@ Outcome in_parts(ResumableSolver& solver, const Vector* start, double error, dou
     EXPECT_EQ(outcome.answer.z.size(), 0);  // written at the end alone
     if (parts % 3 != 1) continue;
     const double residual = solver.best(z);
-    if (parts != 1 && parts % 12 != 1) continue;
+    if (parts % 12 != 1) continue;
+    SCOPED_TRACE("part " + std::to_string(parts));
     expect_residual(problem, z, residual);
     EXPECT_GE(z.minCoeff(), -1e-12 * z.lpNorm<Eigen::Infinity>());
   }
@@ -130,25 +131,23 @@ TEST(ResumableTest, PartsOfAnySizeEndInTheSameBits) {
       method.solver->load(problem);
       const Outcome expected = in_one_part(*method.solver, nullptr, 0);
       const Vector start = 0.9 * expected.answer.z;
-      for (const double error : {0.0, 1e-3}) {
-        for (const Vector* from : {static_cast<const Vector*>(nullptr), &start}) {
-          const Outcome whole = in_one_part(*method.solver, from, error);
-          for (const double pieces : {1.5, 40.0}) {
-            int parts = 0;
-            const double most = std::max(whole.work, 1.0) / pieces;
-            const Outcome pieced = in_parts(*method.solver, from, error, most, problem, random, parts);
-            expect_same(pieced.answer, whole.answer, what + " in " + std::to_string(parts) + " parts");
-            most_parts = std::max(most_parts, parts);
-          }
-        }
-      }
+      const auto expect_same_in_parts = [&](const Vector* from, double error, double pieces) {
+        const Outcome whole = in_one_part(*method.solver, from, error);
+        const double most = std::max(whole.work, 1.0) / pieces;
+        int parts = 0;
+        const Outcome pieced = in_parts(*method.solver, from, error, most, problem, random, parts);
+        expect_same(pieced.answer, whole.answer, what + " in " + std::to_string(parts) + " parts");
+        most_parts = std::max(most_parts, parts);
+      };
+      expect_same_in_parts(nullptr, 0, 30);
+      expect_same_in_parts(&start, 1e-3, 5);
       Answer solved;
       method.solver->begin(nullptr, 0);  // and leave it
       method.solver->solve({}, solved);
       expect_same(solved, expected.answer, what + " by solve()");
     }
   }
-  EXPECT_GE(most_parts, 30);
+  EXPECT_GE(most_parts, 20);
 }
 
 TEST(ResumableTest, BestIsThereFromTheBeginningAndNeverGetsWorse) {
