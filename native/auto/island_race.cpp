@@ -18,8 +18,11 @@ namespace {
 /// Digits that iterative methods take where no error is stated.
 constexpr double kDefaultDigits = 9;
 
-/// A load() knows no time limit: what is predicted to take more work, about 50 ms, is left to solve().
-constexpr double kLoadAtOnce = 2.5e8;
+/// A load() knows no time limit: what is predicted to take longer, in ns, is left to solve().
+constexpr double kLoadAtOnce = 5e7;
+
+/// Of LeastEnergy::work(), whose multiplications are those of dense vectors.
+constexpr double kNsPerMultiplication = 0.1;
 
 /// Guesses which contacts hold, on islands whose first method is loaded. On others those after the first hardly ever
 /// find it.
@@ -139,7 +142,7 @@ std::size_t IslandRace::entrant_of(AutoMethod method) const {
 bool IslandRace::rests_by_active_set() const {
   if (!may_rest_first() || !Methods::takes(AutoMethod::kContactLemke, *problem_)) return false;
   const std::size_t ipm = entrant_of(AutoMethod::kFrictionIpm);
-  return ipm == count_ || LeastEnergy::work(*problem_->contact()) <= entrants_[ipm].cost;
+  return ipm == count_ || kNsPerMultiplication * LeastEnergy::work(*problem_->contact()) <= entrants_[ipm].cost;
 }
 
 void IslandRace::update(const Vector& v) {
@@ -232,7 +235,8 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
   if (may_rest_first() && !by_active_set && ipm < count_) entrants_[ipm].cost = std::min(given, predicted());
   const double error = aim_of(limits.error);
   const Race::End end = race_.run({entrants_.data(), count_}, *this,
-                                  {.start = start,
+                                  {.size = problem_->size(),
+                                   .start = start,
                                    .error = error,
                                    .accepted = error > 0 ? error : kClaimedResidual,
                                    .ends_early = limits.error == 0,

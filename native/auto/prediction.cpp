@@ -25,7 +25,7 @@ double power_of_sum(const std::array<double, kCount>& row, const Features& featu
 Entrant predict(AutoMethod method, bool frictional, const Features& features) {
   const prediction::Row& row = prediction::row_of(method, frictional);
   const double load = power_of_sum(row.load, features);
-  return {.cost = load + power_of_sum(row.solve, features), .load_cost = load};
+  return {.cost = load + power_of_sum(row.solve, features), .load_cost = load, .weight = row.weight};
 }
 
 }  // namespace lcpbench

@@ -7,8 +7,7 @@
 
 namespace lcpbench {
 
-/// What a method is predicted to take for a problem with these features, by the table of prediction_table.h. In units of
-/// work of ResumableSolver. O(kFeatures)
+/// What a method is predicted to take for a problem with these features, by the table of prediction_table.h. O(kFeatures)
 /// @param frictional whether friction can act at some contact
 Entrant predict(AutoMethod method, bool frictional, const Features& features);
 

@@ -8,8 +8,9 @@
 namespace lcpbench::prediction {
 
 struct Row {
-  std::array<double, kSizes> load;      ///< of log2(work of load())
-  std::array<double, kFeatures> solve;  ///< of log2(work of a solve)
+  double weight;                        ///< nanoseconds for a unit of work
+  std::array<double, kSizes> load;      ///< of log2(nanoseconds of load())
+  std::array<double, kFeatures> solve;  ///< of log2(weighted work of a solve)
 };
 
 // Fitted by `auto_table fit`, see results/auto/README.md.

@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Of work, about. It decides only that a load is not begun which would outlast the deadline.
-constexpr double kSecondsPerWork = 2e-10;
+/// Of weighted work, about. It decides only that a load is not begun which would outlast the deadline.
+constexpr double kSecondsPerWork = 1e-9;
 
 }  // namespace
 
@@ -22,7 +22,8 @@ double Race::work() const {
 }
 
 /// The entrant's best iterate, if it is better than those of the others.
-void Race::note_best(std::size_t entrant) {
+void Race::note_best(std::size_t entrant, Index size) {
+  iterate_.resize(size);
   const double residual = runs_[entrant].solver->best(iterate_);
   if (!(residual < best_residual_)) return;
   best_residual_ = residual;
@@ -43,13 +44,13 @@ bool Race::turn(std::size_t entrant, Stable& stable, const Entrant& now, double 
     }
     run.solver->begin(start, terms.error);
   }
-  run.has_ended = run.solver->go_on(budget - run.work, terms.deadline_s, answer);
-  run.work = now.load_cost + run.solver->work();
+  run.has_ended = run.solver->go_on((budget - run.work) / now.weight, terms.deadline_s, answer);
+  run.work = now.load_cost + now.weight * run.solver->work();
   if (run.has_ended && (answer.claim == Claim::kSolved || answer.claim == Claim::kUnsolvable)) {
     winner_ = entrant;
     return true;
   }
-  note_best(entrant);
+  note_best(entrant, terms.size);
   return false;
 }
 

@@ -9,10 +9,11 @@
 
 namespace lcpbench {
 
-/// A method in a race, and the work that it is predicted to take (see ResumableSolver).
+/// A method in a race, and what it is predicted to take, in work that is weighted alike for all: about nanoseconds.
 struct Entrant {
   double cost = 0;       ///< to its end, load included
   double load_cost = 0;  ///< of its load, which cannot be stopped
+  double weight = 1;     ///< of a unit of ResumableSolver::work()
 };
 
 /// The methods of a race: solvers that hold the problem.
@@ -49,6 +50,7 @@ class Race {
   static constexpr double kPatience = 32;
 
   struct Terms {
+    Index size = 0;                 ///< entries of z
     const Vector* start = nullptr;  ///< a guess at z
     double error = 0;               ///< see ResumableSolver::begin
     double accepted = 0;            ///< residual of an iterate that is an answer, if nothing better is found
@@ -68,7 +70,7 @@ class Race {
   /// The iterate of the least residual, if no answer is claimed, and that residual; infinity: there is none.
   const Vector& best() const { return best_; }
   double best_residual() const { return best_residual_; }
-  /// Of all entrants.
+  /// Of all entrants, weighted.
   double work() const;
   /// Whether the entrant was given a turn.
   bool has_run(std::size_t entrant) const { return runs_[entrant].solver != nullptr; }
@@ -76,11 +78,11 @@ class Race {
  private:
   struct Run {
     ResumableSolver* solver = nullptr;
-    double work = 0;
+    double work = 0;  ///< weighted
     bool has_ended = false;
   };
 
-  void note_best(std::size_t entrant);
+  void note_best(std::size_t entrant, Index size);
   bool turn(std::size_t entrant, Stable& stable, const Entrant& now, double budget, const Terms& terms, Answer& answer);
 
   std::array<Run, kMostEntrants> runs_;

@@ -31,9 +31,23 @@ std::array<double, kCount> least_squares(const Matrix& rows, const Vector& value
   return row;
 }
 
+/// The median of nanoseconds over work, of solves whose time the clock knows.
+double weight_of(const std::vector<const MeasuredCost*>& costs) {
+  constexpr double kLeastNs = 1e4;
+  std::vector<double> weights;
+  for (const MeasuredCost* cost : costs) {
+    if (cost->solve_ns >= kLeastNs && cost->work > 0) weights.push_back(cost->solve_ns / cost->work);
+  }
+  if (weights.empty()) return 1;
+  std::sort(weights.begin(), weights.end());
+  return std::round(1000 * weights[weights.size() / 2]) / 1000;
+}
+
 std::string text_of(const char* name, const prediction::Row& row) {
   std::string text = std::string("inline constexpr Row ") + name + "{{";
   std::array<char, 32> number{};
+  std::snprintf(number.data(), number.size(), "%.3f, {", row.weight);
+  text += number.data();
   const auto add = [&](const auto& values) {
     for (std::size_t k = 0; k < values.size(); ++k) {
       std::snprintf(number.data(), number.size(), "%s%.3f", k == 0 ? "" : ", ", values[k]);
@@ -60,8 +74,10 @@ std::vector<MeasuredCost> read_costs(const std::string& path) {
     MeasuredCost cost;
     long trial = 0;
     int method = 0;
-    words >> cost.set >> trial >> method >> cost.frictional >> cost.load >> cost.solve >> cost.reached;
+    words >> cost.set >> trial >> method >> cost.frictional >> cost.load_ns >> cost.work >> cost.reached;
     for (double& feature : cost.features) words >> feature;
+    words >> cost.solve_ns;
+    cost.solve_ns *= 1e9;
     if (!words || method < 0 || method >= static_cast<int>(kAutoMethods)) {
       throw InputError(path + ": line " + std::to_string(number) + " is no row of measured costs");
     }
@@ -76,16 +92,17 @@ prediction::Row fit_row(const std::vector<MeasuredCost>& costs, AutoMethod metho
   for (const MeasuredCost& cost : costs) {
     if (cost.method == method && cost.frictional == frictional) own.push_back(&cost);
   }
+  const double weight = weight_of(own);
   const Index count = static_cast<Index>(own.size());
   Matrix rows(count, static_cast<Index>(kFeatures));
   Vector load(count), solve(count);
   for (Index i = 0; i < count; ++i) {
     const MeasuredCost& cost = *own[static_cast<std::size_t>(i)];
     for (std::size_t k = 0; k < kFeatures; ++k) rows(i, static_cast<Index>(k)) = cost.features[k];
-    load(i) = std::log2(std::max(cost.load, 1.0));
-    solve(i) = std::log2(std::max(cost.reached ? cost.solve : kPenalty * cost.solve, 1.0));
+    load(i) = std::log2(std::max(cost.load_ns, 1.0));
+    solve(i) = std::log2(std::max(weight * (cost.reached ? cost.work : kPenalty * cost.work), 1.0));
   }
-  return {least_squares<kSizes>(rows, load), least_squares<kFeatures>(rows, solve)};
+  return {weight, least_squares<kSizes>(rows, load), least_squares<kFeatures>(rows, solve)};
 }
 
 std::string rows_text(const std::vector<MeasuredCost>& costs) {

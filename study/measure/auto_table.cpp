@@ -15,8 +15,10 @@
 #include <vector>
 
 #include "core/io/problem_io.h"
+#include "core/islands.h"
 #include "core/timed_solve.h"
 #include "generators/sets.h"
+#include "native/auto/islands.h"
 #include "native/auto/methods.h"
 #include "native/auto/prediction.h"
 #include "study/measure/auto_table.h"
@@ -24,17 +26,37 @@
 namespace lcpbench {
 namespace {
 
-constexpr double kTimeLimit = 5;
-constexpr std::int64_t kTrials = 20;  ///< of sets that have no end
-constexpr double kWorkPerSecond = 5e9;  ///< in which loads are counted
+constexpr double kTimeLimit = 1;
+constexpr std::int64_t kTrials = 40;  ///< of sets that have no end
 
 /// kDefaultDigits of native/auto/island_race.cpp stands for no stated error.
 constexpr std::array<double, 4> kDigits{2, 4, 6, 9};
 constexpr double kNoErrorDigits = 9;
 
-void measure(const std::string& set, std::int64_t trial, const Problem& problem) {
+double largest_approach(const ContactProblem& contact) {
+  double largest = 0;
+  for (Index c = 0; c < contact.nc(); ++c) {
+    largest = std::max(largest, -(dot_column(contact.N, c, contact.v) + contact.offset(c)));
+  }
+  return largest;
+}
+
+/// The island of the most contacts, as a problem.
+Problem largest_island(const Problem& problem) {
+  const std::vector<Island> islands = find_islands(*problem.contact());
+  const auto largest = std::max_element(islands.begin(), islands.end(), [](const Island& a, const Island& b) {
+    return a.contacts.size() < b.contacts.size();
+  });
+  if (largest == islands.end()) return problem;
+  ProblemCutter cutter(problem);
+  return Problem("", cutter.cut(largest->contacts, largest->coordinates, problem.contact()->v, true));
+}
+
+void measure(const std::string& set, std::int64_t trial, const Problem& whole) {
+  if (whole.contact() == nullptr || whole.contact()->nc() == 0) return;
+  const Problem problem = largest_island(whole);
   const ContactProblem* contact = problem.contact();
-  if (contact == nullptr || contact->nc() == 0) return;
+  if (!(largest_approach(*contact) > 0)) return;  // at rest
   Features features;
   features.measure(*contact, contact->v, 0);
   Methods methods(std::make_shared<LaterEngines>());
@@ -58,7 +80,7 @@ void measure(const std::string& set, std::int64_t trial, const Problem& problem)
       solver.go_on(1e300, wall_clock_s() + kTimeLimit, answer);
       const double seconds = thread_cpu_clock_s() - begin;
       std::printf("%s,%ld,%zu,%d,%.4g,%.6g,%d", set.c_str(), static_cast<long>(trial), k, contact->frictional() ? 1 : 0,
-                  kWorkPerSecond * load_s, solver.work(), answer.claim == Claim::kSolved ? 1 : 0);
+                  1e9 * load_s, solver.work(), answer.claim == Claim::kSolved ? 1 : 0);
       for (const double feature : features.values()) std::printf(",%.4g", feature);
       std::printf(",%.3g,%s\n", seconds, to_string(answer.claim));
     }
@@ -119,7 +141,7 @@ void check(const std::vector<testing::MeasuredCost>& costs) {
       spread = {};
       for (const auto& cost : costs) {
         if (cost.set != left_out || !cost.reached || cost.method != key.first || cost.frictional != key.second) continue;
-        spread.add(std::log2(std::max(cost.solve, 1.0)) - sum_of(row.solve, cost.features));
+        spread.add(std::log2(std::max(row.weight * cost.work, 1.0)) - sum_of(row.solve, cost.features));
       }
       const double mean = spread.sum / spread.count;
       std::printf("%s,%zu,%d,%d,%.2f,%.2f\n", left_out.c_str(), static_cast<std::size_t>(key.first), key.second ? 1 : 0,

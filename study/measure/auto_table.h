@@ -8,14 +8,14 @@
 
 namespace lcpbench::testing {
 
-/// What one method took for one problem to one residual. Units of work of ResumableSolver.
+/// What one method took for one problem to one residual.
 struct MeasuredCost {
   std::string set;  ///< without its options
   AutoMethod method{};
   bool frictional = false;
   std::array<double, kFeatures> features{};
-  double load = 0, solve = 0;
-  bool reached = false;  ///< false: `solve` is what it had done when it gave up or was stopped
+  double load_ns = 0, work = 0, solve_ns = 0;
+  bool reached = false;  ///< false: `work` is what it had done when it gave up or was stopped
 };
 
 /// The rows of a file that `auto_table measure` wrote. @throws InputError naming the line
