@@ -248,8 +248,8 @@ AutoLimits Auto::limits_of(const SolveRequest& request) const {
   return limits;
 }
 
-/// Each island may take a share of the time that is left, in proportion to what it and those after it are predicted to
-/// take.
+/// Each island may take a share of the time that is left: half of that is dealt out alike to it and those after it, half
+/// in proportion to what they are predicted to take.
 void Auto::solve_islands(const SolveRequest& request, Answer& answer) {
   const AutoLimits limits = limits_of(request);
   const Vector* start = request.start != nullptr && request.start->size() == answer.z.size() ? request.start : nullptr;
@@ -265,7 +265,8 @@ void Auto::solve_islands(const SolveRequest& request, Answer& answer) {
     const double predicted = island.predicted();
     if (!std::isinf(limits.deadline_s) && predicted < remaining) {
       const double now_s = wall_clock_s();
-      own.deadline_s = now_s + (limits.deadline_s - now_s) * predicted / remaining;
+      const double alike = 1 / static_cast<double>(count_ - k);
+      own.deadline_s = now_s + (limits.deadline_s - now_s) * (alike + predicted / remaining) / 2;
     }
     remaining -= predicted;
     const Claim claim = island.solve(start, own, answer.z, u_, report);

@@ -6,7 +6,6 @@
 #include <utility>
 #include <variant>
 
-#include "native/auto/islands.h"
 #include "native/auto/separator.h"
 
 namespace lcpbench {
@@ -33,6 +32,14 @@ double fastest_slip(const ContactProblem& contact, const Directions& D, const Ve
     direction += edges;
   }
   return slip;
+}
+
+/// Offsets count.
+template <class Normals>
+double fastest_approach(const ContactProblem& contact, const Normals& N, const Vector& v) {
+  double approach = 0;
+  for (Index c = 0; c < contact.nc(); ++c) approach = std::max(approach, -(N.col(c).dot(v) + contact.offset(c)));
+  return approach;
 }
 
 struct Range {
@@ -78,20 +85,19 @@ void Features::measure(const ContactProblem& contact, const Vector& v, Index idl
   of(Feature::kRedundancy) = log2_of(std::max(redundancy_, 0x1p-30));
   of(Feature::kEdges) = log2_of(std::max(static_cast<double>(lcp_size(contact)) / contacts, 1.0));
   of(Feature::kSeparator) = log2_of(std::max(separator, 1.0));
+  largest_mu_ = mu;
   of(Feature::kFriction) = std::min(mu, kLargestMu);
   of(Feature::kMasses) = log2_of(diagonal_of(contact.inertia).ratio());
   set_velocity(contact, v);
 }
 
 void Features::set_velocity(const ContactProblem& contact, const Vector& v) {
-  double approach = 0;
-  double mu = 0;
-  for (Index c = 0; c < contact.nc(); ++c) {
-    approach = std::max(approach, -(dot_column(contact.N, c, v) + contact.offset(c)));
-    mu = std::max(mu, contact.mu(c));
+  slip_ratio_ = 0;
+  if (contact.frictional()) {
+    const double approach = std::visit([&](const auto& N) { return fastest_approach(contact, N, v); }, contact.N);
+    const double slip = std::visit([&](const auto& D) { return fastest_slip(contact, D, v); }, contact.D);
+    if (slip > 0) slip_ratio_ = slip / (largest_mu_ * approach);
   }
-  const double slip = std::visit([&](const auto& D) { return fastest_slip(contact, D, v); }, contact.D);
-  slip_ratio_ = slip == 0 ? 0 : slip / (mu * approach);
   of(Feature::kSlip) = log2_of(1 + (slip_ratio_ < kLargestSlip ? slip_ratio_ : kLargestSlip));
 }
 

@@ -45,6 +45,7 @@ class Features {
   double& of(Feature feature) { return values_[static_cast<std::size_t>(feature)]; }
 
   std::array<double, kFeatures> values_{};
+  double largest_mu_ = 0;
   double slip_ratio_ = 0;
   double redundancy_ = 0;
 };

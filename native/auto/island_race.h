@@ -55,14 +55,16 @@ class IslandRace final : private Stable {
   void respond(const Answer& answer, Vector& u) { methods_->respond(answered_by_, answer.z, u); }
 
  private:
+  /// How rest is sought before the race: not at all, or by what takes less work.
+  enum class Rest { kNotFirst, kByActiveSets, kByInteriorPoint };
+
   ResumableSolver& loaded(std::size_t entrant) override { return methods_->loaded(order_[entrant]); }
   void enter();
   void load_first();
   std::size_t entrant_of(AutoMethod method) const;
-  bool rests_by_active_set() const;
   bool may_be_singular() const;
   double aim_of(double error) const;
-  bool may_rest_first() const;
+  Rest rest_first() const;
   bool guesses(const Vector* start) const;
   bool holds(const Vector& start, const AutoLimits& limits, Answer& answer, AutoReport& report);
   bool rests(bool is_warm, const AutoLimits& limits, Answer& answer, AutoReport& report);
@@ -81,6 +83,7 @@ class IslandRace final : private Stable {
   std::array<AutoMethod, Race::kMostEntrants> order_{};
   std::array<Entrant, Race::kMostEntrants> entrants_{};
   std::size_t count_ = 0;  ///< of entrants
+  Rest rest_ = Rest::kNotFirst;
   Race race_;
   AnswerTest test_;  ///< of iterates
   std::unique_ptr<HeldContacts> held_;

@@ -25,7 +25,10 @@ double power_of_sum(const std::array<double, kCount>& row, const Features& featu
 Entrant predict(AutoMethod method, bool frictional, const Features& features) {
   const prediction::Row& row = prediction::row_of(method, frictional);
   const double load = power_of_sum(row.load, features);
-  return {.cost = load + power_of_sum(row.solve, features), .load_cost = load, .weight = row.weight};
+  return {.cost = load + power_of_sum(row.solve, features),
+          .load_cost = load,
+          .weight = row.weight,
+          .learns = method == AutoMethod::kPsor};
 }
 
 }  // namespace lcpbench

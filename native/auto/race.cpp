@@ -38,7 +38,7 @@ bool Race::turn(std::size_t entrant, Stable& stable, const Entrant& now, double 
   if (run.solver == nullptr) {
     run.solver = &stable.loaded(entrant);
     const Vector* start = terms.start;
-    if (start == nullptr && best_residual_ < 1) {  // less than that of z = 0
+    if (start == nullptr && now.learns && best_residual_ < 1) {  // less than that of z = 0
       start_ = best_;
       start = &start_;
     }
@@ -72,7 +72,7 @@ Race::End Race::run(std::span<const Entrant> entrants, Stable& stable, const Ter
       const std::size_t k = order[place];
       if (runs_[k].has_ended) continue;
       has_runner = true;
-      const double budget = share * std::min(entrants[k].cost, kLargestBudget * least);
+      const double budget = std::max(share * std::min(entrants[k].cost, kLargestBudget * least), kLeastTurn);
       if (!(runs_[k].work < budget)) continue;
       const double left_s = terms.deadline_s == kInfinity ? kInfinity : terms.deadline_s - wall_clock_s();
       if (!(left_s > 0)) return End::kTimeLimit;

@@ -14,6 +14,7 @@ struct Entrant {
   double cost = 0;       ///< to its end, load included
   double load_cost = 0;  ///< of its load, which cannot be stopped
   double weight = 1;     ///< of a unit of ResumableSolver::work()
+  bool learns = false;   ///< it starts from the best iterate of the others
 };
 
 /// The methods of a race: solvers that hold the problem.
@@ -33,18 +34,21 @@ class Stable {
 ///
 /// The entrants run in the order of their predicted cost. In round r = 0, 1, 2, ... an entrant goes on until it has
 /// done kFirstShare 2^r times its budget, which is its predicted cost, but at most kLargestBudget times the least of
-/// all. An entrant whose load alone would take more waits for a later round.
+/// all, and no turn is shorter than kLeastTurn. An entrant whose load alone would take more waits for a later round.
 ///
 /// Bound. Let B_k be the budgets of M entrants, and let entrant b need the work w, load included. It ends in the first
 /// round with kFirstShare 2^r B_b >= w. No entrant has done more than kFirstShare 2^r B_k then, and if r > 0,
 /// kFirstShare 2^r B_b < 2 w. So all together have done at most 2 w (B_1 + ... + B_M) / B_b, where no budget is more
 /// than kLargestBudget times another: at most 2 (1 + kLargestBudget (M - 1)) w, whatever was predicted. If r = 0, b
-/// needed less than predicted, and w is to be read as kFirstShare B_b.
+/// needed less than predicted, and w is to be read as kFirstShare B_b. A budget of less than kLeastTurn counts as
+/// that much, which adds at most M kLeastTurn.
 class Race {
  public:
   static constexpr std::size_t kMostEntrants = 4;
-  static constexpr double kFirstShare = 1.5;
-  static constexpr double kLargestBudget = 4;
+  static constexpr double kFirstShare = 2;
+  static constexpr double kLargestBudget = 2;
+  /// A shorter turn costs more to end than to go on: the next method would have to be loaded.
+  static constexpr double kLeastTurn = 10'000;
   /// Once an iterate passes what the verdict allows, the race for a better one may take so many times the work that was
   /// done until then.
   static constexpr double kPatience = 32;

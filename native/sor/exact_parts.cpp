@@ -21,8 +21,11 @@ constexpr std::size_t kMostContacts = 300;
 constexpr double kShareOfStep = 0.5;
 /// Over the other contacts, for each solution of the parts.
 constexpr int kSweepsOfOthers = 5;
-/// Of a multiplication that contact_lemke is taken to need: what a pivot on a small part does beside them.
-constexpr double kWorkOfPart = 4;
+/// Units of psor's work in one of contact_lemke's.
+constexpr double kWorkOfPart = 0.4;
+/// Of contact_lemke in one sweep of a part: more than most take, and a small part of what all its paths might.
+constexpr std::int64_t kFewestPivots = 50;
+constexpr std::int64_t kPivotsPerContact = 4;
 
 }  // namespace
 
@@ -186,6 +189,7 @@ void ExactParts::load(const ContactBlocks& blocks, Part& part) {
   contact.D = std::move(D);
   part.problem = Problem("part", std::move(contact));
   part.solver.load(part.problem);
+  part.solver.limit_pivots(kFewestPivots + kPivotsPerContact * nc);
   part.is_loaded = true;
 }
 
@@ -204,6 +208,7 @@ bool ExactParts::solve(ContactBlocks& blocks, double deadline_s, Part& part) {
   const double pivots = static_cast<double>(std::max<std::int64_t>(part.answer.counters.pivots, 0)) +
                         (is_first ? static_cast<double>(part.contacts.size()) : 1.0);
   multiplications_ += 2 * pivots * size * size;
+  work_of_parts_ += kWorkOfPart * part.solver.work();
   if (part.answer.claim != Claim::kSolved) return false;
   part.start = part.answer.z;
   take_answer(blocks, part);
@@ -233,12 +238,12 @@ void ExactParts::take_answer(ContactBlocks& blocks, Part& part) {
 }
 
 double ExactParts::work(const ContactBlocks& blocks) const {
-  const double others = kSweepsOfOthers * 2 * static_cast<double>(entries_);
-  return kWorkOfPart * (multiplications_ - others) + kSweepsOfOthers * blocks.work();
+  return work_of_parts_ + kSweepsOfOthers * blocks.work();
 }
 
 ContactBlocks::Step ExactParts::sweep(ContactBlocks& blocks, double relaxation, double deadline_s) {
   multiplications_ = kSweepsOfOthers * 2 * static_cast<double>(entries_);
+  work_of_parts_ = 0;
   double off = 0;
   bool has_failed = false;
   for (std::size_t k = 0; k < parts_.size();) {

@@ -29,7 +29,7 @@ class ExactParts {
 
   /// Solves each part for the velocity that the others leave it, goes half of the way to its answer, and sweeps the
   /// other contacts a few times. From the second time on contact_lemke goes on from its last answer. Parts that it does
-  /// not solve in two paths in double are given back to the sweeps. @returns what the last of the sweeps changed, with
+  /// not solve in two paths in double, or in some pivots for each contact, are given back to the sweeps. @returns what the last of the sweeps changed, with
   /// the steps of the parts
   ContactBlocks::Step sweep(ContactBlocks& blocks, double relaxation, double deadline_s);
 
@@ -78,6 +78,7 @@ class ExactParts {
   std::vector<Index> place_;          // per coordinate: in the part at hand
   std::size_t entries_ = 0;           // ContactBlocks::entries
   double multiplications_ = 0;
+  double work_of_parts_ = 0;          // see work()
 };
 
 }  // namespace lcpbench

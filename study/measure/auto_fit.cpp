@@ -44,7 +44,7 @@ double weight_of(const std::vector<const MeasuredCost*>& costs) {
 }
 
 std::string text_of(const char* name, const prediction::Row& row) {
-  std::string text = std::string("inline constexpr Row ") + name + "{{";
+  std::string text = std::string("inline constexpr Row ") + name + "{";
   std::array<char, 32> number{};
   std::snprintf(number.data(), number.size(), "%.3f, {", row.weight);
   text += number.data();
@@ -100,7 +100,7 @@ prediction::Row fit_row(const std::vector<MeasuredCost>& costs, AutoMethod metho
     const MeasuredCost& cost = *own[static_cast<std::size_t>(i)];
     for (std::size_t k = 0; k < kFeatures; ++k) rows(i, static_cast<Index>(k)) = cost.features[k];
     load(i) = std::log2(std::max(cost.load_ns, 1.0));
-    solve(i) = std::log2(std::max(weight * (cost.reached ? cost.work : kPenalty * cost.work), 1.0));
+    solve(i) = std::log2(std::max(cost.reached ? cost.solve_ns : kPenalty * cost.solve_ns, 1.0));
   }
   return {weight, least_squares<kSizes>(rows, load), least_squares<kFeatures>(rows, solve)};
 }

@@ -141,7 +141,7 @@ void check(const std::vector<testing::MeasuredCost>& costs) {
       spread = {};
       for (const auto& cost : costs) {
         if (cost.set != left_out || !cost.reached || cost.method != key.first || cost.frictional != key.second) continue;
-        spread.add(std::log2(std::max(row.weight * cost.work, 1.0)) - sum_of(row.solve, cost.features));
+        spread.add(std::log2(std::max(cost.solve_ns, 1.0)) - sum_of(row.solve, cost.features));
       }
       const double mean = spread.sum / spread.count;
       std::printf("%s,%zu,%d,%d,%.2f,%.2f\n", left_out.c_str(), static_cast<std::size_t>(key.first), key.second ? 1 : 0,
