@@ -211,8 +211,8 @@ std::string end_text(const RunArguments& arguments, const Summary& summary, cons
   };
   const std::string whole = table_text(summary, width);
   const std::string report =
-      folded("Every set and solver: --long. The report: lcpbench report " + shell_word(file_argument(file)) +
-                 " --out FOLDER.\n",
+      folded("Every set and solver: --long\nThe report: lcpbench report " + shell_word(file_argument(file)) +
+                 " --out FOLDER\n",
              width);
   constexpr std::size_t kWorst = 3;  // at least so many, and more in the lines that the answer leaves
   const auto worst = [&](std::size_t free_lines) {

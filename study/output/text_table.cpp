@@ -33,13 +33,27 @@ std::size_t room_behind(int width, std::size_t indent) {
   return limit > indent + kLeast ? limit - indent : kLeast;
 }
 
+bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
+
+/// The last place in the first `end` bytes behind which a word may be broken: punctuation of names, or the hyphen of two
+/// letters (not a number's sign).
+std::size_t last_joint(std::string_view text, std::size_t end) {
+  const std::string_view start = text.substr(0, end);
+  for (std::size_t at = start.size(); at-- > 0;) {
+    const bool hyphen = start[at] == '-' && at > 0 && is_letter(start[at - 1]) && at + 1 < text.size() &&
+                        is_letter(text[at + 1]);
+    if (hyphen || std::string_view(",{}/=").find(start[at]) != std::string_view::npos) return at;
+  }
+  return std::string_view::npos;
+}
+
 /// The text in pieces of at most `first` characters, then of at most `rest`. @pre both are positive
 std::vector<std::string> broken(std::string_view text, std::size_t first, std::size_t rest) {
   std::vector<std::string> pieces;
   for (std::size_t room = first; character_count(text) > room; room = rest) {
     const std::size_t end = bytes_of(text, room);
     const std::size_t blank = text.rfind(' ', end);
-    const std::size_t joint = text.find_last_of(",{}/", end - 1);
+    const std::size_t joint = last_joint(text, end);
     std::size_t length = end;
     if (blank != std::string_view::npos && blank > text.find_first_not_of(' ')) {
       length = blank;
