@@ -59,8 +59,8 @@ void flush_output() {
 
 std::string first_line(std::string text) { return text.substr(0, text.find('\n')); }
 
-/// What an option does begins in a column of its own, on the option's line or, behind a long one, on the next; a paragraph
-/// begins at the left.
+/// What an option does begins in a column of its own, behind a long option on the next line; a paragraph begins at the
+/// left.
 std::string folded_help(const std::string& help) {
   constexpr std::size_t kColumn = 30;
   std::string text;

@@ -165,6 +165,7 @@ TEST_F(CommandLineTest, HelpIsCompleteAndNoError) {
     const ProgramRun help = run(command + " --help");
     EXPECT_EQ(help.exit_code, 0);
     for (const char* name : names) EXPECT_NE(help.out.find(name), std::string::npos) << command << " " << name;
+    EXPECT_EQ(help.out.find(std::string(31, ' ')), std::string::npos) << "what an option does has one left edge";
   }
 }
 
