@@ -455,6 +455,7 @@ TEST_F(CommandLineTest, SolveSaysHowDifferentlyVerifiedAnswersMove) {
   const std::string differently = "another verified answer moves differently by ";
   const std::string text = run("solve m/000003.json --solver contact_lemke --solver friction_ipm").out;
   EXPECT_NE(text.find(differently), std::string::npos) << text;
+  EXPECT_NE(text.find("both pass the check"), std::string::npos) << text;
   const std::string alike = run("solve m/000003.json --solver auto --solver friction_ipm").out;
   EXPECT_NE(alike.find("solved by 2 of 2 solvers"), std::string::npos) << alike;
   EXPECT_EQ(alike.find(differently), std::string::npos) << alike;
