@@ -202,7 +202,7 @@ class Draft {
   explicit Draft(std::filesystem::path file) : file_(std::move(file)) { Store::remove(file_); }
   ~Draft() {
     std::error_code ignored;
-    for (const char* suffix : {"", "-wal", "-shm", "-journal"}) {
+    for (const char* suffix : {"-wal", "-shm", "-journal", ""}) {  // a log without its file would block the next merge
       std::filesystem::remove(file_.string() + suffix, ignored);
     }
   }
