@@ -1,5 +1,6 @@
 #include "study/store/merge.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <deque>
@@ -29,7 +30,7 @@ namespace {
 using sqlite::Statement;
 
 constexpr std::size_t kConflictsShown = 20;
-constexpr std::size_t kInputsAtOnce = 250;  // each takes up to three of the 1024 files that a process may open
+constexpr std::ptrdiff_t kInputsAtOnce = 250;  // each takes up to three of the 1024 files that a process may open
 
 constexpr const char* kProblems = "problems";
 constexpr const char* kCertificates = "certificates";
@@ -150,6 +151,7 @@ void compare_origin(Store& store, CommonOrigin& common) {
 
 /// Reads the whole input once, so that damage is reported under its name. @throws InputError
 void check_input(const std::filesystem::path& input, const Waiting& waiting) {
+  read_ahead(input);
   Store store = Store::open_for_reading(input);
   store.check(waiting);
   Statement claims(store.database(), "SELECT DISTINCT claim FROM answers");
@@ -294,8 +296,10 @@ std::vector<std::string> join(sqlite::Database& store, const std::vector<std::fi
   std::vector<std::string> conflicts;
   store.execute("BEGIN");
   for (auto source = sources.begin(); source != sources.end();) {
+    const auto end = source + std::min<std::ptrdiff_t>(kInputsAtOnce, sources.end() - source);
+    std::for_each(source, end, read_ahead);
     Inputs inputs;
-    while (source != sources.end() && inputs.size() < kInputsAtOnce) inputs.emplace_back(*source++);
+    while (source != end) inputs.emplace_back(*source++);
     for (const Table& table : tables()) join_table(store, inputs, table, conflicts);
   }
   store.execute("COMMIT");
