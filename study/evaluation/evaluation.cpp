@@ -10,6 +10,7 @@
 #include <span>
 #include <stdexcept>
 #include <type_traits>
+#include <utility>
 
 #include "core/exact_inertia.h"
 #include "core/round_cone.h"
@@ -185,13 +186,28 @@ struct ContactEvaluation {
   Real work_of_offset(const RealVector& z) const;
   Real velocity_scale(std::size_t coordinate, const RealVector& z);
   Real velocity_rounding(std::size_t coordinate, const Real& inverse, const RealVector& z);
-  RealVector inverse_row(std::size_t coordinate, std::vector<std::size_t>& pattern) const;
+  /// What the impulses of an island add up to.
+  struct IslandImpulses {
+    Real size = 0;     ///< sqrt(v'G v) + sum_j sqrt(M_jj) |f_j|
+    double count = 0;  ///< of the f_j that are not zero
+  };
+  /// What the scales of the velocity's coordinates have in common.
+  struct ImpulseScale {
+    RealVector generalized;  ///< |J| |f|
+    IslandNumbers numbers;
+    std::vector<IslandImpulses> islands;  ///< the first of what no contact moves
+  };
+  static Real root(const Real& square);
+  const ImpulseScale& impulse_scale_of(const RealVector& z);
+  std::pair<Real, Real> moved_by(std::size_t coordinate, const RealVector& x);
 
   Real diagonal(std::size_t row);
 
-  std::optional<IslandNumbers> numbers_;  // made by velocity_rounding()
-  RealVector scales_;                     // made by scales()
-  RealVector diagonals_;                  // of exact; -1 where not yet made
+  std::optional<ImpulseScale> impulse_scale_;  // of the answer that is measured
+  RealVector inverse_row_;                     // zeros between uses
+  std::vector<std::size_t> pattern_;
+  RealVector scales_;     // made by scales()
+  RealVector diagonals_;  // of exact; -1 where not yet made
 };
 
 template <class Real>
@@ -413,66 +429,82 @@ double ContactEvaluation<Real>::velocity_mismatch(const Vector& returned, const 
 /// M_jj).
 template <class Real>
 Real ContactEvaluation<Real>::velocity_rounding(std::size_t coordinate, const Real& inverse, const RealVector& z) {
-  if (!numbers_) numbers_.emplace().find(problem);
-  const ContactLayout& layout = lcp->layout();
-  const auto root = [](const Real& square) { return leading(square) > 0 ? sqrt(square) : Real(0); };
-  Real sum = 0;
-  double impulses = 0;
-  const auto add = [&](Index row) {
-    const auto j = static_cast<std::size_t>(row);
-    if (surely_equal(z[j], 0)) return;
-    sum += root(diagonal(j)) * abs(z[j]);
-    ++impulses;
-  };
-  const Index island = numbers_->of_coordinate[coordinate];
-  if (inertia.has_inertia()) {
-    RealVector v = lcp->velocity_before();
-    for (std::size_t i = 0; i < v.size(); ++i) {
-      if (numbers_->of_coordinate[i] != island) v[i] = 0;
-    }
-    sum += root(dot(v, inertia.apply(v)));
-  }
-  for (Index contact = 0; island >= 0 && contact < layout.nc; ++contact) {
-    const auto at = static_cast<std::size_t>(contact);
-    if (numbers_->of_contact[at] != island) continue;
-    add(contact);
-    for (Index d = layout.friction_begin[at]; d < layout.friction_begin[at + 1]; ++d) add(layout.friction_offset() + d);
-  }
-  const Real rounding = Real(impulses + 1) * (Real(0x1p-53) * root(inverse) * sum + Real(0x1p-1074));
+  const ImpulseScale& of = impulse_scale_of(z);
+  const IslandImpulses& island = of.islands[static_cast<std::size_t>(of.numbers.of_coordinate[coordinate] + 1)];
+  const Real rounding = Real(island.count + 1) * (Real(0x1p-53) * root(inverse) * island.size + Real(0x1p-1074));
   if (std::is_same_v<Real, Bounded> && !is_finite(rounding)) throw Doubt();
   return rounding;
 }
 
-/// G*_i', and where it is not zero.
 template <class Real>
-std::vector<Real> ContactEvaluation<Real>::inverse_row(std::size_t coordinate,
-                                                       std::vector<std::size_t>& pattern) const {
-  RealVector row(static_cast<std::size_t>(problem.ngc()), 0);
+Real ContactEvaluation<Real>::root(const Real& square) {
+  return leading(square) > 0 ? sqrt(square) : Real(0);
+}
+
+/// All islands in one pass over the scene, however many coordinates ask.
+template <class Real>
+const typename ContactEvaluation<Real>::ImpulseScale& ContactEvaluation<Real>::impulse_scale_of(const RealVector& z) {
+  if (impulse_scale_) return *impulse_scale_;
+  ImpulseScale& scale = impulse_scale_.emplace();
+  scale.generalized = lcp->generalized_impulse_scale(z);
+  scale.numbers.find(problem);
+  scale.islands.resize(static_cast<std::size_t>(scale.numbers.count) + 1);
+  if (inertia.has_inertia()) {
+    const RealVector& v = lcp->velocity_before();
+    const RealVector momentum = inertia.apply(v);
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      if (surely_equal(v[i], 0) && is_finite(momentum[i])) continue;
+      scale.islands[static_cast<std::size_t>(scale.numbers.of_coordinate[i] + 1)].size += v[i] * momentum[i];
+    }
+    for (IslandImpulses& island : scale.islands) island.size = root(island.size);
+  }
+  const ContactLayout& layout = lcp->layout();
+  for (Index contact = 0; contact < layout.nc; ++contact) {
+    const auto at = static_cast<std::size_t>(contact);
+    if (scale.numbers.of_contact[at] < 0) continue;
+    IslandImpulses& island = scale.islands[static_cast<std::size_t>(scale.numbers.of_contact[at] + 1)];
+    const auto add = [&](Index row) {
+      const auto j = static_cast<std::size_t>(row);
+      if (surely_equal(z[j], 0)) return;
+      island.size += root(diagonal(j)) * abs(z[j]);
+      ++island.count;
+    };
+    add(contact);
+    for (Index d = layout.friction_begin[at]; d < layout.friction_begin[at + 1]; ++d) add(layout.friction_offset() + d);
+  }
+  return scale;
+}
+
+/// (|v| + |G*| x)_i for x >= 0, and G*_ii.
+template <class Real>
+std::pair<Real, Real> ContactEvaluation<Real>::moved_by(std::size_t coordinate, const RealVector& x) {
+  Real sum = abs(lcp->velocity_before()[coordinate]);
   if constexpr (std::is_same_v<Real, Quad>) {
     if (exact) {
-      pattern.resize(row.size());
-      std::iota(pattern.begin(), pattern.end(), std::size_t{0});
-      for (const std::size_t j : pattern) {
-        row[j] = exact->inverse(static_cast<Index>(coordinate), static_cast<Index>(j));
+      const auto i = static_cast<Index>(coordinate);
+      for (std::size_t j = 0; j < x.size(); ++j) {
+        if (x[j] != 0) sum += abs(exact->inverse(i, static_cast<Index>(j))) * x[j];
       }
-      return row;
+      return {sum, exact->inverse(i, i)};
     }
   }
-  pattern.assign(1, coordinate);
-  row[coordinate] = 1;
-  inertia.solve(row, pattern);
-  return row;
+  inverse_row_.resize(x.size(), 0);
+  inverse_row_[coordinate] = 1;
+  pattern_.assign(1, coordinate);
+  inertia.solve(inverse_row_, pattern_);
+  const Real own = inverse_row_[coordinate];
+  for (const std::size_t j : pattern_) {
+    sum += abs(inverse_row_[j]) * x[j];
+    inverse_row_[j] = 0;
+  }
+  return {sum, own};
 }
 
 /// (|v| + |G*| |J| |f|)_i + rounding_i / 1e-4
 template <class Real>
 Real ContactEvaluation<Real>::velocity_scale(std::size_t coordinate, const RealVector& z) {
-  const RealVector impulses = lcp->generalized_impulse_scale(z);
-  std::vector<std::size_t> pattern;
-  const RealVector inverse = inverse_row(coordinate, pattern);
-  Real scale = abs(lcp->velocity_before()[coordinate]);
-  for (const std::size_t j : pattern) scale += abs(inverse[j]) * impulses[j];
-  return scale + velocity_rounding(coordinate, inverse[coordinate], z) / Real(kSolvedReturnedVelocity);
+  const auto [moved, inverse] = moved_by(coordinate, impulse_scale_of(z).generalized);
+  return moved + velocity_rounding(coordinate, inverse, z) / Real(kSolvedReturnedVelocity);
 }
 
 template <class Real>
@@ -482,6 +514,7 @@ void ContactEvaluation<Real>::measure_returned(const Vector& returned, const Rea
   errors.returned_velocity_error = std::numeric_limits<double>::infinity();
   if (returned.size() == problem.ngc() && returned.allFinite()) {
     const RealVector& v = lcp->velocity_before();
+    impulse_scale_.reset();
     Real largest = 0;
     for (std::size_t i = 0; i < v.size(); ++i) {
       const double given = returned(static_cast<Index>(i));
