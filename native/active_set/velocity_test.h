@@ -87,12 +87,17 @@ class VelocityTest {
     return passes_by_islands(answer, limit);
   }
 
+  /// Whether rounding in the factors of the inertia takes at most kMostLost of a velocity.
+  bool trusts_factors() const {
+    return (whitening_.triangular() ? whitening_.lost() : whitening_.noise()) <= static_cast<Scalar>(kMostLost);
+  }
+
   /// Whether the velocity is that of the impulses to half of what the verdict allows each coordinate. Where rounding
   /// may take more than kMostLost, the residual has to show it. Float: not known, and true.
   bool holds_velocity(const Answer& answer, const Count* active, Count pressed) {
     if (kTestedInDouble || pressed == 0) return true;
-    if (!whitening_.triangular()) return whitening_.noise() <= static_cast<Scalar>(kMostLost);
-    if (whitening_.lost() <= static_cast<Scalar>(kMostLost)) return true;
+    if (trusts_factors()) return true;
+    if (!whitening_.triangular()) return false;
     if constexpr (kHasMoreBits) {
       if (!has_residual(answer)) return false;
       active_ = active;

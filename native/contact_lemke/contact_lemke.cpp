@@ -42,6 +42,12 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// side whatever this test itself rounds.
 constexpr double kClaimedResidual = 5e-5;
 
+/// Whether no entry is so small that it has lost digits to underflow.
+bool keeps_digits(const Eigen::Ref<const Vector>& velocity) {
+  constexpr double kLeast = 1e-290;
+  return (velocity.array() == 0 || velocity.array().abs() >= kLeast).all();
+}
+
 struct Engines {
   const Engine& in_double;
   const Engine& in_float;
@@ -319,6 +325,7 @@ bool ContactLemke::climb(const ContactRung& rung, Rules rules, Progress& progres
   if (ending == Ending::kRay) return solvability(progress, Expected::kUnsolvable) == Finding::kUnsolvable;
   if (ending != Ending::kSolved) return false;
   bool has_velocity = returns_velocity(settings_) && engine.polish(velocity_.data(), answer.z.data());
+  has_velocity = has_velocity && keeps_digits(data_.v.view()) && keeps_digits(velocity_.view());
   if (has_velocity && !(engine.lost() <= kMostLostToVelocity)) has_velocity = is_velocity_of(answer.z);
   Residual residual = (in_float() ? double_ : engine).complete(answer.z.data());
   const bool in_doubt = residual.velocity <= kClaimedResidual && !(residual.certain <= kClaimedResidual);
