@@ -36,6 +36,7 @@ class DualMethod {
     Buffer<Scalar>* const by_active_contact[] = {&active_impulse_, &share_, &coefficients_, &remaining_};
     for (Buffer<Scalar>* buffer : by_active_contact) buffer->resize(most + 2);
     active_.resize(reserved_.nc + 1);
+    is_moved_.resize(reserved_.nc + 1);  // islands have contacts: there are no more of them
     basis_.reserve(vectors, most);
     test_.reserve(reserved_.ngc, reserved_.nc);
   }
@@ -45,6 +46,8 @@ class DualMethod {
     b_ = input.b;
     usable_ = whitening_.load(input);
     if (usable_) test_.load(input);
+    island_of_contact_ = input.island_of_contact;
+    island_of_coordinate_ = input.island_of_coordinate;
     update(input.v);
   }
 
@@ -84,9 +87,8 @@ class DualMethod {
     } else if (!passes(basis_.size(), rules.accept_residual, velocity_.data(), change_.data())) {
       outcome.ending = Ending::kRejected;
     }
-    outcome.has_velocity =
-        keeps_digits() &&
-        test_.holds_velocity(answer(velocity_.data(), change_.data()), active_.data(), basis_.size());
+    outcome.has_velocity = outcome.ending != Ending::kBreakdown && keeps_digits() &&
+                           test_.holds_velocity(answer(velocity_.data(), change_.data()));
     return outcome;
   }
 
@@ -421,6 +423,7 @@ class DualMethod {
       impulse_[active_[k]] = active_impulse_[k] > 0 ? active_impulse_[k] : Scalar(0);
     }
     compute_velocity();
+    if (basis_.size() > 0) keep_unmoved_velocity();
     for (Count j = 0; j < whitening_.nc(); ++j) z[j] = static_cast<double>(impulse_[j]);
     for (Count i = 0; i < whitening_.ngc(); ++i) {
       velocity[i] = static_cast<double>(velocity_[i]);
@@ -439,6 +442,23 @@ class DualMethod {
       whitening_.solve(velocity_.data());
     } else {
       whitening_.add_response(v_.data(), change_.data(), velocity_.data());
+    }
+  }
+
+  /// What no impulse moves has the velocity that was given, without any rounding.
+  void keep_unmoved_velocity() {
+    const bool is_one = island_of_coordinate_ == nullptr;
+    for (Count k = 0; k < whitening_.nc() && !is_one; ++k) is_moved_[k] = false;
+    bool moves = false;
+    for (Count k = 0; k < basis_.size() && !(is_one && moves); ++k) {
+      const Count contact = active_[k];
+      if (static_cast<double>(impulse_[contact]) == 0) continue;
+      moves = true;
+      if (!is_one && island_of_contact_[contact] >= 0) is_moved_[island_of_contact_[contact]] = true;
+    }
+    for (Count i = 0; i < whitening_.ngc() && !(is_one && moves); ++i) {
+      const Count island = is_one ? -1 : island_of_coordinate_[i];
+      if (island < 0 || !is_moved_[island]) velocity_[i] = v_[i];
     }
   }
 
@@ -493,6 +513,8 @@ class DualMethod {
   };
 
   Dimensions reserved_;
+  const Count* island_of_contact_ = nullptr;  // nullptr: all are in one
+  const Count* island_of_coordinate_ = nullptr;
   Whitening<Scalar> whitening_;
   OrthogonalBasis<Scalar> basis_;  // of the active normals
   bool usable_ = false;
@@ -508,6 +530,7 @@ class DualMethod {
   Buffer<Scalar> merit_;
   Buffer<Scalar> weight_;  // 1 / |W_j|^2, 0 for active contacts
 
+  Buffer<bool> is_moved_;  // by island
   Buffer<Count> active_;
   Buffer<Scalar> active_impulse_;  // impulses of the active contacts
   Buffer<Scalar> remaining_;

@@ -56,6 +56,7 @@ class VelocityTest {
   bool passes(const Answer& answer, const Count* active, Count pressed, Scalar limit) {
     active_ = active;
     pressed_ = pressed;
+    is_off_known_ = false;
     const bool has_residual = this->has_residual(answer);
     const bool needs_residual = has_residual && exceeds_bound(answer, limit);
     if constexpr (kHasMoreBits) {
@@ -94,15 +95,14 @@ class VelocityTest {
 
   /// Whether the velocity is that of the impulses to half of what the verdict allows each coordinate. Where rounding
   /// may take more than kMostLost, the residual has to show it. Float: not known, and true.
-  bool holds_velocity(const Answer& answer, const Count* active, Count pressed) {
-    if (kTestedInDouble || pressed == 0) return true;
+  /// @pre passes() of the same answer
+  bool holds_velocity(const Answer& answer) {
+    if (kTestedInDouble || pressed_ == 0) return true;
     if (trusts_factors()) return true;
     if (!whitening_.triangular()) return false;
     if constexpr (kHasMoreBits) {
       if (!has_residual(answer)) return false;
-      active_ = active;
-      pressed_ = pressed;
-      passes_by_residual(answer, 0);
+      if (!is_off_known_) passes_by_residual(answer, 0);
       const Scalar off = off_ * square_root(whitening_.condition());
       for (Count i = 0; i < whitening_.ngc(); ++i) {
         const Scalar size = magnitude(answer.v[i]) + magnitude(answer.velocity[i] - answer.v[i]);
@@ -269,6 +269,7 @@ class VelocityTest {
     const Scalar residual = square_root(dot(residual_.data(), residual_.data(), lanes())) +
                             square_root(whitening_.condition()) * own;
     off_ = kRoom * residual;
+    is_off_known_ = true;
     const Scalar rounding = square_root(whitening_.largest_squared_norm()) * off_ +
                             roundings(static_cast<double>(whitening_.ngc())) * L::max(terms);
     const Scalar most = limit * answer.speed;
@@ -539,6 +540,7 @@ class VelocityTest {
   const Count* island_of_contact_ = nullptr;  // nullptr: all are in one
   const Count* island_of_coordinate_ = nullptr;
   Buffer<Measure> measures_;  // by island
+  bool is_off_known_ = false;
   Scalar off_ = 0;  // of passes_by_residual(): how far the velocity may be off, in the metric of G
 };
 

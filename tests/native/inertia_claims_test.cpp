@@ -143,10 +143,10 @@ TEST(InertiaClaimsTest, DependentIntegersAreSolvedWithTheirVelocity) {
 }
 
 /// Of the attack's contacts: most have a G whose condition, scaled to unit diagonal, is 1e11 and more; others a
-/// coordinate that nothing moves, or a G* near or beyond the range of double.
+/// coordinate that nothing moves, or a G* near or beyond the range of double, or impulses that polishing clips.
 constexpr std::pair<std::uint64_t, std::uint64_t> kDoubtfulVelocities[] = {
     {1, 152}, {1, 377}, {1, 497}, {1, 917}, {1, 948}, {1, 1232}, {1, 1784}, {1, 2987}, {15, 332}, {15, 392}, {1, 418},
-    {77, 908}, {77, 1638}, {77, 1796}, {77, 1863}};
+    {77, 908}, {77, 1638}, {77, 1796}, {77, 1863}, {77001, 3854}, {31, 395}, {31, 1087}, {31, 1621}, {31, 11967}};
 
 TEST(InertiaClaimsTest, ReturnedVelocitiesAreThoseOfTheImpulses) {
   for (const auto& [seed, index] : kDoubtfulVelocities) {
