@@ -87,7 +87,8 @@ class DualMethod {
     } else if (!passes(basis_.size(), rules.accept_residual, velocity_.data(), change_.data())) {
       outcome.ending = Ending::kRejected;
     }
-    outcome.has_velocity = outcome.ending != Ending::kBreakdown && keeps_digits() &&
+    outcome.has_velocity = outcome.ending != Ending::kBreakdown &&
+                           (test_.is_far_from_underflow() || keeps_digits()) &&
                            test_.holds_velocity(answer(velocity_.data(), change_.data()));
     return outcome;
   }
@@ -448,6 +449,7 @@ class DualMethod {
   /// What no impulse moves has the velocity that was given, without any rounding.
   void keep_unmoved_velocity() {
     const bool is_one = island_of_coordinate_ == nullptr;
+    if (is_one && static_cast<double>(impulse_[active_[0]]) != 0) return;
     for (Count k = 0; k < whitening_.nc() && !is_one; ++k) is_moved_[k] = false;
     bool moves = false;
     for (Count k = 0; k < basis_.size() && !(is_one && moves); ++k) {
@@ -464,7 +466,7 @@ class DualMethod {
 
   /// Whether no velocity, in the metric of the inertia, is so small that underflow takes digits that count: a body of
   /// 1e-55 kg at 1e-320 m/s would stand still, though no impulse stops it. @pre find_active_impulses()
-  bool keeps_digits() const {
+  [[gnu::noinline]] bool keeps_digits() const {
     if (sizeof(Scalar) < sizeof(double)) return true;  // not known
     // What underflows beside it, 2^-1074, is no more than the rounding that the verdict allows, 2^-53 of it.
     constexpr Scalar kLeast = static_cast<Scalar>(1e-140);
