@@ -205,9 +205,9 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
   if (settings_.precision != ActiveSetPrecision::kQuad || !underflows(input_)) {
     outcome = first_.solve(rules, answer, farkas_);
   }
-  if (settings_.precision == ActiveSetPrecision::kFloat && outcome.ending == Ending::kSolved &&
-      !second_.accepts(answer.z, accepted())) {
-    outcome.ending = Ending::kRejected;
+  if (settings_.precision == ActiveSetPrecision::kFloat && outcome.ending == Ending::kSolved) {
+    if (!second_.accepts(answer.z, accepted())) outcome.ending = Ending::kRejected;
+    outcome.has_velocity = second_.holds_velocity(answer);
   }
   if (settings_.precision == ActiveSetPrecision::kLadder) {
     if (outcome.ending != Ending::kSolved && !stopped(outcome) && !underflows(input_)) {

@@ -86,6 +86,9 @@ class ActiveSet final : public Solver {
       return engine_.solve(state_, rules, answer.z.data(), answer.velocity.data(), u.data());
     }
     bool accepts(const Vector& z, double residual) { return engine_.accepts(state_, z.data(), residual); }
+    bool holds_velocity(const Answer& answer) {
+      return engine_.holds_velocity(state_, answer.z.data(), answer.velocity.data());
+    }
 
    private:
     const active_set::Engine& engine_;

@@ -57,7 +57,8 @@ struct Outcome {
 /// these dimensions, `load` allocates what was not reserved; `update` and `solve` allocate nothing.
 /// `solve` writes z (nc) and velocity (ngc) when the ending is kSolved or kRejected, u (nc) when it is kInfeasible:
 /// u >= 0 with N u in null(G) and (N'v + b)'u < 0, to the precision of the engine.
-/// `accepts` is the test that `solve` makes of its own answer, for any z (nc).
+/// `accepts` is the test that `solve` makes of its own answer, for any z (nc). `holds_velocity`: whether `velocity`
+/// (ngc) is that of z, to half of what the verdict allows each coordinate.
 struct Engine {
   void* (*create)();
   void (*destroy)(void* engine);
@@ -66,6 +67,7 @@ struct Engine {
   void (*update)(void* engine, const double* v);
   Outcome (*solve)(void* engine, const Rules& rules, double* z, double* velocity, double* u);
   bool (*accepts)(void* engine, const double* z, double accept_residual);
+  bool (*holds_velocity)(void* engine, const double* z, const double* velocity);
 };
 
 namespace baseline {

@@ -24,12 +24,15 @@ struct Interface {
   static bool accepts(void* engine, const double* z, double accept_residual) {
     return static_cast<Method*>(engine)->accepts(z, accept_residual);
   }
+  static bool holds_velocity(void* engine, const double* z, const double* velocity) {
+    return static_cast<Method*>(engine)->holds_velocity(z, velocity);
+  }
 };
 
 template <class Scalar>
 constexpr Engine engine_over() {
   using I = Interface<Scalar>;
-  return {I::create, I::destroy, I::reserve, I::load, I::update, I::solve, I::accepts};
+  return {I::create, I::destroy, I::reserve, I::load, I::update, I::solve, I::accepts, I::holds_velocity};
 }
 
 }  // namespace lcpbench::active_set::LCPBENCH_LEVEL

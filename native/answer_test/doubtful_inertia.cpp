@@ -35,8 +35,8 @@ void DoubtfulInertia::load(const ContactProblem& contact) {
   }
 }
 
-bool DoubtfulInertia::confirms(const ContactProblem& contact, const Eigen::Ref<const Vector>& v, Answer& answer) {
-  if (!is_doubtful_) return true;
+bool DoubtfulInertia::confirms_exactly(const ContactProblem& contact, const Eigen::Ref<const Vector>& v,
+                                       Answer& answer) {
   ContactProblem moving = contact;
   moving.v = v;
   if (!exact_) exact_ = ExactResponse::of(contact.inertia);

@@ -24,9 +24,13 @@ class DoubtfulInertia {
   /// Whether the answer's residual in exact arithmetic is within what solvers claim; its velocity, where it has one, is
   /// then that of its impulses. Beyond the limits of exact arithmetic false. No doubt: true, at no cost.
   /// @param contact  as loaded @param v  before the impact
-  bool confirms(const ContactProblem& contact, const Eigen::Ref<const Vector>& v, Answer& answer);
+  bool confirms(const ContactProblem& contact, const Eigen::Ref<const Vector>& v, Answer& answer) {
+    return !is_doubtful_ || confirms_exactly(contact, v, answer);
+  }
 
  private:
+  bool confirms_exactly(const ContactProblem& contact, const Eigen::Ref<const Vector>& v, Answer& answer);
+
   bool is_doubtful_ = false;
   std::vector<double> work_;
   std::optional<ExactResponse> exact_;  // made by the first confirms()

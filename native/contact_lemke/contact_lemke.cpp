@@ -42,6 +42,12 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// side whatever this test itself rounds.
 constexpr double kClaimedResidual = 5e-5;
 
+/// Whether no entry is so small that it has lost digits to underflow.
+bool keeps_digits(const Eigen::Ref<const Vector>& velocity) {
+  constexpr double kLeast = 1e-290;
+  return (velocity.array() == 0 || velocity.array().abs() >= kLeast).all();
+}
+
 struct Engines {
   const Engine& in_double;
   const Engine& in_float;
@@ -319,7 +325,8 @@ bool ContactLemke::climb(const ContactRung& rung, Rules rules, Progress& progres
   if (ending == Ending::kRay) return solvability(progress, Expected::kUnsolvable) == Finding::kUnsolvable;
   if (ending != Ending::kSolved) return false;
   bool has_velocity = returns_velocity(settings_) && engine.polish(velocity_.data(), answer.z.data());
-  if (has_velocity && !(engine.lost() <= kMostLostToVelocity)) has_velocity = is_velocity_of(answer.z);
+  has_velocity = has_velocity && keeps_digits(data_.v.view()) && keeps_digits(velocity_.view());
+  if (has_velocity) has_velocity = test_velocity(answer.z, engine);
   Residual residual = (in_float() ? double_ : engine).complete(answer.z.data());
   const bool in_doubt = residual.velocity <= kClaimedResidual && !(residual.certain <= kClaimedResidual);
   if (in_doubt && !is_double_double(engine) && !is_quad(engine)) {
@@ -351,13 +358,20 @@ bool ContactLemke::climb(const ContactRung& rung, Rules rules, Progress& progres
   return accepted;
 }
 
-/// Whether velocity_ is that of the impulses, in sums of two doubles.
-bool ContactLemke::is_velocity_of(const Vector& z) {
+/// Whether velocity_ is that of the impulses, in sums of two doubles where the engine's factors do not tell. What they
+/// do not move keeps the velocity that was given, without any rounding.
+bool ContactLemke::test_velocity(const Vector& z, LoadedContacts& engine) {
   constexpr double kMost = 0.5e-4;  // of the verdict's 1e-4
-  engine_of(ContactArithmetic::kDoubleDouble).respond(z.data(), implied_velocity_.data());
+  const bool tells = engine.lost() <= kMostLostToVelocity;
+  (tells ? engine : engine_of(ContactArithmetic::kDoubleDouble)).respond(z.data(), implied_velocity_.data());
   const auto v = data_.v.view().head(velocity_.view().size()).array();
   const auto implied = implied_velocity_.view().array();
-  return ((velocity_.view().array() - implied).abs() <= kMost * (v.abs() + (implied - v).abs())).all();
+  // In coordinates at rest both are rounding.
+  const double speed = std::max(v.matrix().lpNorm<Eigen::Infinity>(), implied.matrix().lpNorm<Eigen::Infinity>());
+  const double rounding = tells ? 2 * kDoubleUnitRoundoff * speed : 0;
+  const auto most = kMost * (v.abs() + (implied - v).abs()) + rounding;
+  velocity_.view().array() = (implied == v).select(v, velocity_.view().array());
+  return ((velocity_.view().array() - implied).abs() <= most).all();
 }
 
 Ending ContactLemke::run(LoadedContacts& engine, Rules rules, Progress& progress, Vector& z) {

@@ -188,7 +188,7 @@ class ContactLemke final : public Solver {
   bool has_room_in_later_rungs(const contact_lemke::Input& input);
   bool in_float() const { return settings_.precision == ContactLemkePrecision::kFloat; }
   LoadedContacts& engine_of(ContactArithmetic arithmetic);
-  bool is_velocity_of(const Vector& z);
+  bool test_velocity(const Vector& z, LoadedContacts& engine);
   bool is_double_double(const LoadedContacts& engine) const { return &engine == &later_->double_double.engine; }
   bool is_quad(const LoadedContacts& engine) const { return &engine == &later_->quad.engine; }
   double roundoff_of(const LoadedContacts& engine) const;

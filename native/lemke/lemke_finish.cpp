@@ -67,7 +67,11 @@ double LemkeFinish::finish_contacts(Answer& answer) {
     if (polish_contacts(answer)) {
       const double residual = judge_.complete(answer.z.data()).certain;
       if (residual <= kClaimedResidual) {
-        if (!(judge_.lost() <= kMostLostToVelocity)) answer.velocity.resize(0);
+        if (judge_.lost() <= kMostLostToVelocity) {
+          judge_.respond(answer.z.data(), answer.velocity.data());  // what was clipped has no part in it
+        } else {
+          answer.velocity.resize(0);
+        }
         return residual;
       }
     }

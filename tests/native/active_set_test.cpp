@@ -207,7 +207,7 @@ TEST(ActiveSetTest, ErrorsFallFromRungToRung) {
   for (const char* precision : {"float", "double", "polished", "quad"}) {
     const auto solver = active_set({{"precision", precision}});
     std::vector<double> errors;
-    for (int trial = 0; trial < 60; ++trial) {
+    for (int trial = 0; trial < 100; ++trial) {
       const Problem problem = set->generate(3, trial);
       solver->load(problem);
       const Answer answer = solve(*solver);
@@ -215,7 +215,7 @@ TEST(ActiveSetTest, ErrorsFallFromRungToRung) {
       Evaluator evaluator(problem);
       EXPECT_TRUE(evaluator.errors(answer).solved) << precision << ", trial " << trial;
       QuadVector exact;
-      if (!exact_velocity(*problem.contact(), answer.z, exact)) continue;
+      if (answer.velocity.size() == 0 || !exact_velocity(*problem.contact(), answer.z, exact)) continue;
       errors.push_back(velocity_error(*problem.contact(), answer.velocity, exact));
     }
     ASSERT_GE(errors.size(), 30U) << precision;
