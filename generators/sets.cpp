@@ -10,6 +10,7 @@
 #include "core/suggestion.h"
 #include "generators/glob.h"
 #include "generators/hard/hard.h"
+#include "generators/made/made.h"
 #include "generators/paper/paper.h"
 #include "generators/planted.h"
 #include "generators/rigid/rigid.h"
@@ -51,6 +52,11 @@ Problem make_problem(const RigidSet& set, const RigidReading& reading, std::uint
   const RigidSample sample = draw_rigid(set, reading, seed, trial);
   if (sample.edges > 4) return {std::move(name), to_contact_problem(sample)};  // a scene has no such pyramid
   return {std::move(name), to_scene(sample)};
+}
+
+Problem make_problem(const MadeSet& set, const MadeReading& reading, std::uint64_t seed, std::uint64_t trial,
+                     std::string name) {
+  return {std::move(name), to_contact_problem(draw_made(set, reading, seed, trial))};
 }
 
 Problem make_problem(const PlantedSet& set, const PlantedReading& reading, std::uint64_t seed, std::uint64_t trial,
@@ -200,6 +206,11 @@ SetInfo describe(const RigidSet& set) {
           (frictional ? "frictional: " : "frictionless: ") + set.summary, set.options()};
 }
 
+SetInfo describe(const MadeSet& set) {
+  return {set.name, "nc about 10.." + std::to_string(set.features.nc_max), "this project's",
+          (set.features.held_out ? "held out of fits: " : "for fits: ") + set.summary, set.options()};
+}
+
 SetInfo describe(const PlantedSet& set) {
   return {set.name, "n 1..20, condition at most 1e4",
           "this project's; planting after Cottle, Pang and Stone 1992, The linear complementarity problem",
@@ -232,6 +243,7 @@ const std::vector<SetInfo>& all_sets() {
     std::vector<SetInfo> described;
     for (const PaperSet& set : paper_sets()) described.push_back(describe(set));
     for (const RigidSet& set : rigid_sets()) described.push_back(describe(set));
+    for (const MadeSet& set : made_sets()) described.push_back(describe(set));
     for (const PlantedSet& set : planted_sets()) described.push_back(describe(set));
     for (const HardSet& set : hard_sets()) described.push_back(describe(set));
     for (const CollectedScene& scene : collected_scenes()) described.push_back(describe(scene));
@@ -265,6 +277,9 @@ std::unique_ptr<ProblemSet> open_set(const std::string& text) {
   }
   if (const RigidSet* set = find_set(rigid_sets(), spec.name)) {
     return std::make_unique<RandomSet<RigidSet, RigidReading>>(*set, spec.options);
+  }
+  if (const MadeSet* set = find_set(made_sets(), spec.name)) {
+    return std::make_unique<RandomSet<MadeSet, MadeReading>>(*set, spec.options);
   }
   if (const PlantedSet* set = find_set(planted_sets(), spec.name)) {
     return std::make_unique<RandomSet<PlantedSet, PlantedReading>>(*set, spec.options);

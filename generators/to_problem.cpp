@@ -89,6 +89,25 @@ ContactProblem to_contact_problem(const RigidSample& sample) {
   return problem;
 }
 
+ContactProblem to_contact_problem(const MadeSample& sample) {
+  const auto jacobian = [&sample](const std::vector<MadeSample::Column>& columns) {
+    std::vector<Eigen::Triplet<double>> triplets;
+    for (std::size_t j = 0; j < columns.size(); ++j) {
+      for (const auto& [row, entry] : columns[j]) {
+        triplets.emplace_back(static_cast<Index>(row), static_cast<Index>(j), entry);
+      }
+    }
+    SparseMatrix J(static_cast<Index>(sample.v.size()), static_cast<Index>(columns.size()));
+    J.setFromTriplets(triplets.begin(), triplets.end());
+    return J;
+  };
+  BlockInertia inertia;
+  for (const ColumnMajor<double>& block : sample.blocks) inertia.blocks.push_back(to_matrix(block));
+  const Vector b = to_vector(sample.b);
+  return {to_vector(sample.v),  jacobian(sample.N), jacobian(sample.D),      sample.edges,
+          to_vector(sample.mu), std::move(inertia), b.isZero(0) ? Vector{} : b};
+}
+
 ContactProblem to_contact_problem(const PlantedSample& sample) {
   const std::size_t n = sample.q.size();
   const auto order = static_cast<Index>(n);

@@ -3,6 +3,7 @@
 #include "core/contact_problem.h"
 #include "core/scene.h"
 #include "generators/hard/hard.h"
+#include "generators/made/made.h"
 #include "generators/paper/paper.h"
 #include "generators/planted.h"
 #include "generators/rigid/rigid.h"
@@ -19,6 +20,9 @@ RigidScene to_scene(const RigidSample& sample);
 /// The sample as a contact problem with the pyramid of sample.edges edges, sparse N and D. Up to 4 edges it is that of
 /// the scene.
 ContactProblem to_contact_problem(const RigidSample& sample);
+
+/// The sample's numbers, unchanged, as a contact problem with blocks of inertia, sparse N and D.
+ContactProblem to_contact_problem(const MadeSample& sample);
 
 /// The sample's numbers, unchanged, as a contact problem whose LCP they are: v = q, N = I, G* = M.
 ContactProblem to_contact_problem(const PlantedSample& sample);

@@ -9,6 +9,7 @@
 
 #include "core/spec.h"
 #include "generators/hard/hard.h"
+#include "generators/made/made.h"
 #include "generators/paper/paper.h"
 #include "generators/planted.h"
 #include "generators/rigid/rigid.h"
@@ -100,6 +101,15 @@ std::vector<Case<Set>> cases(const std::vector<Set>& sets) {
       for (const std::string& value : other_values(option)) all.push_back({&set, {{option.name, value}}});
     }
   }
+  return all;
+}
+
+/// Made sets have few and small trials here, for they have up to 20,000 contacts by default.
+constexpr std::uint64_t kMadeTrials = 5;
+
+inline std::vector<Case<MadeSet>> made_cases() {
+  std::vector<Case<MadeSet>> all;
+  for (const MadeSet& set : made_sets()) all.push_back({&set, {{"nc_max", "150"}}});
   return all;
 }
 

@@ -150,6 +150,36 @@ RigidSample draw(const RigidSet& set, const RigidReading& reading, std::uint64_t
   return draw_rigid(set, reading, kSeed, trial);
 }
 
+void add(const std::vector<MadeSample::Column>& columns, Hash& hash) {
+  hash.add_size(columns.size());
+  for (const MadeSample::Column& column : columns) {
+    hash.add_size(column.size());
+    for (const auto& [row, entry] : column) {
+      hash.add_size(row);
+      hash.add(entry);
+    }
+  }
+}
+
+std::string made_lines() {
+  std::string text;
+  for (const Case<MadeSet>& one : made_cases()) {
+    Hash hash;
+    for (std::uint64_t trial = 0; trial < kMadeTrials; ++trial) {
+      const MadeSample sample = draw_made(*one.set, one.set->parse(one.set->name, one.options), kSeed, trial);
+      add(sample.v, hash);
+      for (const ColumnMajor<double>& block : sample.blocks) add(block, hash);
+      add(sample.N, hash);
+      add(sample.D, hash);
+      for (const int edges : sample.edges) hash.add_size(static_cast<std::size_t>(edges));
+      add(sample.mu, hash);
+      add(sample.b, hash);
+    }
+    text += hash.text() + " " + one.name() + "\n";
+  }
+  return text;
+}
+
 struct PlantedDraw {
   PlantedSample sample;
   PlantedForm form = PlantedForm::kContact;
@@ -196,7 +226,7 @@ int compare(const std::string& actual, const std::string& expected) {
 }
 
 int run(int argc, char** argv) {
-  const std::string actual = lines(paper_sets()) + lines(rigid_sets()) + lines(planted_sets()) + hard_lines();
+  const std::string actual = lines(paper_sets()) + lines(rigid_sets()) + lines(planted_sets()) + hard_lines() + made_lines();
   if (argc < 2) return std::fputs(actual.c_str(), stdout) < 0 ? 1 : 0;
   std::ifstream file(argv[1]);
   if (!file) {

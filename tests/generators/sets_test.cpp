@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "core/io/problem_io.h"
 #include "generators/hard/hard.h"
+#include "generators/made/made.h"
 #include "generators/scenes/scenes.h"
 
 namespace lcpbench {
@@ -50,6 +51,7 @@ TEST(ListSetsTest, NamesEveryExperimentOnce) {
       expected.push_back(kind + name);
     }
   }
+  for (const MadeSet& set : made_sets()) expected.push_back(set.name);
   expected.push_back("planted/definite");
   for (const HardSet& set : hard_sets()) expected.push_back(set.name);
   for (const CollectedScene& scene : collected_scenes()) expected.push_back(scene.name);

@@ -1,0 +1,163 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "generators/made/made.h"
+#include "generators/random.h"
+
+// What the classes are built of: bodies, robots and touching points. Lengths are in m, masses in kg, times in s.
+
+namespace lcpbench::made {
+
+using Triple = std::array<double, 3>;
+
+inline Triple operator+(const Triple& a, const Triple& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+inline Triple operator-(const Triple& a, const Triple& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+inline Triple operator*(double factor, const Triple& a) { return {factor * a[0], factor * a[1], factor * a[2]}; }
+inline Triple operator-(const Triple& a) { return -1.0 * a; }
+inline double dot(const Triple& a, const Triple& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+inline Triple cross(const Triple& a, const Triple& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+double length(const Triple& a);
+Triple unit(const Triple& a);
+/// base^exponent, the same bits everywhere. @pre base > 0
+double power(double base, double exponent);
+
+constexpr Triple kX{1, 0, 0};
+constexpr Triple kY{0, 1, 0};
+constexpr Triple kZ{0, 0, 1};
+
+/// (cos, sin) of an angle in turns, by a fixed series: the same bits everywhere.
+std::array<double, 2> cos_sin(double turns);
+
+/// Three orthonormal axes.
+using Axes = std::array<Triple, 3>;
+constexpr Axes kWorldAxes{kX, kY, kZ};
+/// The world's axes turned about z, or about y: the first axis is (cos, sin, 0), or (cos, 0, sin).
+Axes turned_about_z(double turns);
+Axes turned_about_y(double turns);
+
+/// A link that turns about an axis through a point of its parent.
+struct Link {
+  int parent = -1;  ///< index of an earlier link; -1: the base
+  Triple joint{};
+  Triple axis{};
+  Triple centre{};
+  double mass = 1;
+};
+
+constexpr int kWorld = -1;
+
+/// A problem in the making, with the random numbers of its trial.
+class Scene {
+ public:
+  Scene(const MadeReading& reading, const TrialKey& key);
+
+  // ---- draws ----
+  /// The number of contacts that the class should aim at.
+  double goal() const { return goal_; }
+  /// At least `least`: value rounded down.
+  static int count(double value, int least) { return value < least ? least : static_cast<int>(value); }
+  double uniform(double low, double high);
+  int integer(int low, int high) { return static_cast<int>(shape_.integer(low, high)); }
+  bool chance(double probability) { return uniform(0, 1) < probability; }
+  double log_uniform(double low, double high);
+  /// `usual` times a factor from 1 to the mass ratio of the trial, logarithmically uniform.
+  double mass(double usual) { return graded_mass(usual, uniform(0, 1)); }
+  /// `usual` times that power of the mass ratio.
+  double graded_mass(double usual, double share) const;
+
+  // ---- bodies ----
+  /// A box with these edges along the axes.
+  int box(double mass, const Triple& edges, const Triple& centre, const Axes& axes = kWorldAxes);
+  int sphere(double mass, double radius, const Triple& centre);
+  /// A tree of links on a base that is free or stands still: one block of the inertia. Each coordinate has so much
+  /// inertia of its own (a rotor's) that the condition number is at most 1 + condition.
+  /// @returns the base; link k is base + 1 + k
+  int robot(double mass, const Triple& centre, bool base_is_free, const std::vector<Link>& links, double condition);
+  /// Sets the velocity of a free body before the impact.
+  void move(int body, const Triple& linear, const Triple& angular);
+  const Triple& centre(int body) const { return parts_[static_cast<std::size_t>(body)].centre; }
+
+  // ---- contacts ----
+  /// Pushes a along the normal and b, which is not of the same robot, or the world, against it.
+  /// @param is_open  no impulses of such contacts can cancel each other, so offsets of both signs have a solution
+  void touch(int a, int b, const Triple& point, const Triple& normal, bool is_open = false);
+  /// Four contacts at the corners centre +- along +- across.
+  void touch_face(int a, int b, const Triple& centre, const Triple& normal, const Triple& along, const Triple& across,
+                  bool is_open = false);
+  /// Each contact draws a mu of its own, whatever the trial says.
+  void roughen() { mu_is_shared_ = false; }
+
+  MadeSample finish() { return std::move(sample_); }
+
+ private:
+  /// A body or a link: which coordinates move its points.
+  struct Part {
+    std::size_t base_row = 0;
+    bool base_is_free = true;
+    Triple base_centre{};
+    Triple centre{};
+    std::vector<std::pair<std::size_t, Link>> joints;  ///< (row, joint) from the part to the base
+  };
+
+  double draw(DrawSequence& draws, double low, double high);
+  Triple draw_triple(DrawSequence& draws, double largest);
+  /// Gravity's step, the drift, and speeds of a body of this radius.
+  void add_free_velocity(double radius);
+  int add_free_body(double mass, const ColumnMajor<double>& inertia, const Triple& centre, double radius);
+  /// Appends what a push along `direction` at `point` does to the part's coordinates.
+  static void push(const Part& part, const Triple& point, const Triple& direction, MadeSample::Column& column);
+  MadeSample::Column column(int a, int b, const Triple& point, const Triple& direction) const;
+  double draw_mu();
+  double draw_offset(double approach, bool is_open);
+
+  DrawSequence shape_, velocities_, frictions_, offset_draws_;
+  double goal_ = 0;
+  int edges_ = 0;
+  bool mu_is_shared_ = true;
+  double mu_ = 0, mu_min_ = 0, mu_max_ = 0;
+  double mass_ratio_ = 1;
+  double speed_ = 0;
+  Triple drift_{};
+  enum class Offsets { kNone, kGaps, kBounces } offsets_ = Offsets::kNone;
+  double offset_share_ = 0, bounce_ = 0;
+  std::vector<Part> parts_;
+  MadeSample sample_;
+};
+
+/// Links of random directions, most of them level, each on the one before or on an earlier one, from `root` on.
+/// @param branches  of the tree: at most so many. @param lightest  mass of the outermost links over that of the first
+std::vector<Link> random_tree(Scene& scene, const Triple& root, int count, double link_length, int branches,
+                              double lightest);
+
+// ---- the classes, in four files ----
+
+void build_arch(Scene& scene);
+void build_bridge(Scene& scene);
+void build_cards(Scene& scene);
+void build_dome(Scene& scene);
+void build_drystone(Scene& scene);
+void build_tower(Scene& scene);
+
+void build_cradle(Scene& scene);
+void build_islands(Scene& scene);
+void build_net(Scene& scene);
+void build_patch(Scene& scene);
+void build_pipe(Scene& scene);
+void build_sticks(Scene& scene);
+
+void build_packing(Scene& scene);
+void build_robot_pile(Scene& scene);
+
+void build_gears(Scene& scene);
+void build_hand(Scene& scene);
+void build_ragdolls(Scene& scene);
+void build_robot(Scene& scene);
+void build_tracks(Scene& scene);
+
+}  // namespace lcpbench::made
