@@ -22,7 +22,7 @@ void DoubtfulInertia::reserve(const ContactProblem& contact) {
   const auto* factors = std::get_if<FactoredInertia>(&contact.inertia);
   if (factors == nullptr) return;
   const Index order = std::min(factors->X.rows(), factors->X.cols());
-  work_.reserve(static_cast<std::size_t>(order * order));
+  work_.reserve(static_cast<std::size_t>(order * order + factors->X.rows()));
 }
 
 void DoubtfulInertia::load(const ContactProblem& contact) {
