@@ -338,6 +338,7 @@ TEST(ActiveSetTest, EveryInstructionSetLevelFindsTheSameContacts) {
       if (level > best_isa_level()) GTEST_SKIP() << "this processor has no " << to_string(level);
       ActiveSet baseline({.precision = precision}, IsaLevel::kBaseline);
       ActiveSet vectorised({.precision = precision}, level);
+      int compared = 0;
       for (int trial = 0; trial < 40; ++trial) {
         const Problem problem = set->generate(6, trial);
         baseline.load(problem);
@@ -347,10 +348,14 @@ TEST(ActiveSetTest, EveryInstructionSetLevelFindsTheSameContacts) {
         if (precision == ActiveSetPrecision::kFloat && answer.claim != expected.claim) continue;
         ASSERT_EQ(answer.claim, expected.claim);
         const double tolerance = precision == ActiveSetPrecision::kFloat ? 1e-2 : 1e-9;
-        if (answer.claim == Claim::kSolved) {
-          ASSERT_LE((answer.velocity - expected.velocity).norm(), tolerance * problem.contact()->v.norm());
-        }
+        if (answer.claim != Claim::kSolved) continue;
+        // Float leaves out a velocity that its impulses do not have.
+        const bool has_both = answer.velocity.size() > 0 && expected.velocity.size() > 0;
+        if (precision == ActiveSetPrecision::kFloat && !has_both) continue;
+        ASSERT_LE((answer.velocity - expected.velocity).norm(), tolerance * problem.contact()->v.norm());
+        ++compared;
       }
+      EXPECT_GE(compared, 10);
     }
   }
 }
