@@ -358,20 +358,12 @@ bool ContactLemke::climb(const ContactRung& rung, Rules rules, Progress& progres
   return accepted;
 }
 
-/// Whether velocity_ is that of the impulses, in sums of two doubles where the engine's factors do not tell. What they
-/// do not move keeps the velocity that was given, without any rounding.
+/// Whether velocity_ is that of the impulses, in sums of two doubles where the engine's factors do not tell.
 bool ContactLemke::test_velocity(const Vector& z, LoadedContacts& engine) {
-  constexpr double kMost = 0.5e-4;  // of the verdict's 1e-4
   const bool tells = engine.lost() <= kMostLostToVelocity;
   (tells ? engine : engine_of(ContactArithmetic::kDoubleDouble)).respond(z.data(), implied_velocity_.data());
-  const auto v = data_.v.view().head(velocity_.view().size()).array();
-  const auto implied = implied_velocity_.view().array();
-  // In coordinates at rest both are rounding.
-  const double speed = std::max(v.matrix().lpNorm<Eigen::Infinity>(), implied.matrix().lpNorm<Eigen::Infinity>());
-  const double rounding = tells ? 2 * kDoubleUnitRoundoff * speed : 0;
-  const auto most = kMost * (v.abs() + (implied - v).abs()) + rounding;
-  velocity_.view().array() = (implied == v).select(v, velocity_.view().array());
-  return ((velocity_.view().array() - implied).abs() <= most).all();
+  return is_velocity_of_impulses(data_.v.view().head(velocity_.view().size()), implied_velocity_.view(),
+                                 tells ? 2 * kDoubleUnitRoundoff : 0, velocity_.view());
 }
 
 Ending ContactLemke::run(LoadedContacts& engine, Rules rules, Progress& progress, Vector& z) {
